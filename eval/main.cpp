@@ -1,0 +1,2 @@
+int g();
+int main() { return g(); }

@@ -1,0 +1,47 @@
+#pragma once
+
+// Pose errors between an estimate and the truth, as the BOP toolkit defines them (Hodan et al.
+// 2018, 2020). Poses in the camera frame; metres, pixels, radians.
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "scenes/camera.h"
+#include "scenes/object_model.h"
+
+namespace pickbed {
+
+// What a metric needs of a part, made once: vertices and expanded symmetries.
+struct MetricModel {
+  std::vector<Eigen::Vector3d> vertices_O;
+  std::vector<Pose> symmetries_O;  // identity first
+  double diameter_m = 0;
+};
+MetricModel MakeMetricModel(const ObjectModel& model, int max_vertices = 2000);
+
+double Mssd(const MetricModel& model, const Pose& X_est, const Pose& X_true);
+double Mspd(const MetricModel& model, const CameraIntrinsics& camera, const Pose& X_est,
+            const Pose& X_true);
+double Add(const MetricModel& model, const Pose& X_est, const Pose& X_true);
+double Adi(const MetricModel& model, const Pose& X_est, const Pose& X_true);
+// Least over the symmetries.
+double RotationError(const MetricModel& model, const Pose& X_est, const Pose& X_true);
+double TranslationError(const MetricModel& model, const Pose& X_est, const Pose& X_true);
+
+struct MetricInput {
+  const MetricModel& model;
+  const CameraIntrinsics& camera;
+  const Pose& X_est;
+  const Pose& X_true;
+};
+struct MetricRow {
+  const char* name;
+  const char* unit;
+  const char* help;
+  double (*compute)(const MetricInput& input);
+};
+// Adding a metric is one file in metrics/ and one row in metrics.cpp.
+std::span<const MetricRow> MetricTable();
+
+}  // namespace pickbed

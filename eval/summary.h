@@ -1,0 +1,42 @@
+#pragma once
+
+// What one reads off a run. Made from stored trials alone, so that it is the same for any number of
+// workers.
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "eval/statistics.h"
+#include "eval/trial.h"
+
+namespace pickbed {
+
+struct RecallBand {
+  double visible_min = 0, visible_max = 1;
+  int instances = 0, recalled = 0;
+};
+
+struct RunSummary {
+  int trials = 0, attempts = 0, successes = 0;
+  double success_rate = 0;
+  Interval success_ci95;
+  int parts_dropped = 0, parts_cleared = 0;
+  double cleared_rate = 0;
+  int frames = 0, top1_correct = 0;
+  double top1_precision = 0;
+  std::vector<RecallBand> recall_by_visibility;  // 10-30, 30-50, 50-70, 70-90, 90-100 %
+  std::map<std::string, int> losses;             // reason -> attempts or ends charged to it
+  StageSeconds seconds;                          // stage -> mean a trial
+};
+
+RunSummary Summarize(const std::vector<TrialResult>& trials);
+
+// summary.json; the seconds stand in one object "seconds" so that they can be left out.
+std::string SummaryJson(const RunSummary& summary);
+std::string SummaryTable(const RunSummary& summary);  // for people
+std::string TrialsCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);
+std::string TimingsCsv(const std::vector<TrialResult>& trials);
+
+}  // namespace pickbed

@@ -1,0 +1,75 @@
+#pragma once
+
+// One trial: drop, then look, estimate, refine, pick, score, again and again until the bin is
+// empty, no grasp is found, or too many picks in a row fail.
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "grasp/execute.h"
+#include "grasp/plan.h"
+#include "perception/pose_estimator.h"
+#include "scenes/scenario_spec.h"
+#include "scenes/scene.h"
+#include "sim/drop.h"
+#include "sim/renderer.h"
+#include "sim/sensor_noise.h"
+
+namespace pickbed {
+
+// One hypothesis against the truth; errors in metres, pixels and radians.
+struct HypothesisScore {
+  int object = 0;
+  int instance = -1;  // true instance it was matched to, -1 = none
+  double score = 0;
+  double mssd_m = 0, mspd_px = 0, add_m = 0, adi_m = 0, rotation_rad = 0, translation_m = 0;
+  double mssd_diameters = 0;
+  bool correct = false;  // MSSD < 0.1 diameter
+};
+
+struct InstanceRecord {
+  int instance = 0;
+  int object = 0;
+  double visible_fraction = 0;
+  bool recalled = false;  // some hypothesis is correct for it
+};
+
+struct PickRecord {
+  int pick = 0;
+  std::vector<InstanceRecord> instances;
+  std::vector<HypothesisScore> hypotheses;
+  int chosen = -1;  // hypothesis of the executed grasp
+  std::optional<Grasp> grasp;
+  GraspOutcome outcome;
+  Loss loss = Loss::kNone;
+  std::map<std::string, int> grasps_rejected;
+};
+
+struct TrialResult {
+  int trial = 0;
+  DropReport drop;
+  int parts_dropped = 0;
+  int parts_cleared = 0;
+  std::vector<PickRecord> picks;
+  Loss ended_by = Loss::kNone;  // kNone = bin empty or pick limit
+  StageSeconds seconds;         // never part of a results file
+};
+
+// What a worker holds for all its trials: meshes on the renderer, network, grasp candidates.
+class TrialRunner {
+ public:
+  TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects);
+  ~TrialRunner();
+  // Overlays go to `picture_folder` when it is not empty.
+  TrialResult Run(int trial, const std::filesystem::path& picture_folder = {});
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pickbed

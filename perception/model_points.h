@@ -1,0 +1,28 @@
+#pragma once
+
+// A part as points with normals, and which of them face the camera from each of many directions, so
+// that scoring and bulk ICP need no renderer.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "scenes/object_model.h"
+#include "scenes/random.h"
+
+namespace pickbed {
+
+struct ModelPoints {
+  std::vector<Eigen::Vector3f> points_O;
+  std::vector<Eigen::Vector3f> normals_O;
+  std::vector<Eigen::Vector3f> directions_O;   // unit, from the part to the camera
+  std::vector<std::vector<uint16_t>> visible;  // by direction: indices not self-occluded
+  float diameter_m = 0;
+
+  // The subset for a camera at the origin of C that sees the part at X_CO.
+  const std::vector<uint16_t>& VisibleFrom(const Pose& X_CO) const;
+};
+
+ModelPoints MakeModelPoints(const ObjectModel& model, int points = 1500, int directions = 200);
+
+}  // namespace pickbed

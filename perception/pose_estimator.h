@@ -1,0 +1,61 @@
+#pragma once
+
+// The plug-in boundary of perception: an RGB-D frame in, ranked pose hypotheses out. An estimator
+// never sees the truth. Adding one is one file in estimators/ and one row in pose_estimator.cpp.
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "perception/pose_hypothesis.h"
+#include "scenes/bin.h"
+#include "scenes/labelled_view.h"
+#include "scenes/random.h"
+#include "scenes/rgbd_frame.h"
+#include "scenes/scenario_spec.h"
+#include "scenes/stage_seconds.h"
+
+namespace pickbed {
+
+struct EstimatorInput {
+  const RgbdFrame& frame;
+  std::optional<KnownBackground> background;  // none: a dominant plane is fitted and removed
+};
+
+struct EstimateResult {
+  std::vector<PoseHypothesis> hypotheses;  // highest score first
+  StageSeconds seconds;
+};
+
+class PoseEstimator {
+ public:
+  virtual ~PoseEstimator() = default;
+  virtual EstimateResult Estimate(const EstimatorInput& input, Rng& rng) = 0;
+};
+
+// What an estimator is made from.
+struct EstimatorSetup {
+  ObjectSet objects;  // those that may be in the bin
+  EstimatorSpec spec;
+  std::string refiner = "pcl_icp";  // what polishes the reported poses: pcl_icp | none
+  CameraIntrinsics intrinsics;
+  double working_distance_m = 0.85;     // camera to parts, for code books
+  LabelledViewSource* views = nullptr;  // over the same objects; may be null when no view is needed
+  std::filesystem::path cache_dir;
+  std::function<void(std::string_view what, double share)> on_progress;  // may be empty
+};
+
+struct EstimatorRow {
+  const char* name;
+  const char* help;
+  std::unique_ptr<PoseEstimator> (*make)(const EstimatorSetup& setup);
+};
+
+std::span<const EstimatorRow> EstimatorTable();
+
+}  // namespace pickbed

@@ -1,0 +1,32 @@
+#pragma once
+
+// Point-to-plane ICP by projection, for hundreds of hypotheses a frame: each visible model point
+// is paired with the pixel that it falls on, if that lies within a SMALL gate (a wide one slides
+// into clutter) and the normals agree. Chen and Medioni 1991; Rusinkiewicz and Levoy 2001.
+
+#include "perception/depth_to_cloud.h"
+#include "perception/model_points.h"
+#include "perception/pose_hypothesis.h"
+
+namespace pickbed {
+
+struct ProjectiveIcpOptions {
+  double gate_m = 0.008;      // at the start
+  double gate_end_m = 0.003;  // reached linearly
+  int coarse_iterations = 12;
+  int fine_iterations = 4;  // at gate_end_m
+  double min_normal_cos = 0.5;
+  int max_points = 150;  // of the visible subset, evenly strided
+};
+
+struct IcpReport {
+  Pose X_CO = Pose::Identity();
+  double overlap = 0;       // share of the used points that found a partner at the end
+  double residual_m = 0;    // rms point-to-plane at the end
+  double conditioning = 0;  // smallest over largest eigenvalue of the normal equations; 0 = slides
+};
+
+IcpReport ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
+                        const ProjectiveIcpOptions& options = {});
+
+}  // namespace pickbed

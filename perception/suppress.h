@@ -1,0 +1,24 @@
+#pragma once
+
+// Keeps a consistent set: no two hypotheses claim the same pixels, the better one wins.
+
+#include <vector>
+
+#include "perception/depth_to_cloud.h"
+#include "perception/model_points.h"
+#include "perception/pose_hypothesis.h"
+
+namespace pickbed {
+
+struct SuppressOptions {
+  double claim_m = 0.004;         // a pixel this near to the model's surface is claimed by it
+  double max_shared_share = 0.4;  // of the weaker one's claimed pixels
+};
+
+// `hypotheses` in any order; the result is sorted by falling score. `models` by object index.
+std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
+                                               const std::vector<ModelPoints>& models,
+                                               std::vector<PoseHypothesis> hypotheses,
+                                               const SuppressOptions& options = {});
+
+}  // namespace pickbed

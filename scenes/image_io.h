@@ -1,0 +1,20 @@
+#pragma once
+
+// PNG in and out: 8-bit colour and 16-bit depth.
+
+#include <filesystem>
+
+#include "scenes/image.h"
+
+namespace pickbed {
+
+// All throw InputError with the path and reason.
+void WritePng(const std::filesystem::path& path, const Image<Rgb8>& image);
+void WritePng16(const std::filesystem::path& path, const Image<uint16_t>& image);
+// depth_m * 1e3 / scale_mm, rounded; BOP's depth_scale.
+void WriteDepthPng(const std::filesystem::path& path, const Image<float>& depth_m,
+                   double scale_mm = 0.1);
+Image<Rgb8> ReadPng(const std::filesystem::path& path);
+Image<uint16_t> ReadPng16(const std::filesystem::path& path);
+
+}  // namespace pickbed

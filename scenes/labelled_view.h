@@ -1,0 +1,45 @@
+#pragma once
+
+// Views with labels for training, code books and templates. perception asks for them through this
+// interface; sim renders them; eval joins the two.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "scenes/bin.h"
+#include "scenes/object_model.h"
+#include "scenes/rgbd_frame.h"
+
+namespace pickbed {
+
+struct LabelledInstance {
+  int object = 0;  // index into the source's ObjectSet
+  Pose X_CO = Pose::Identity();
+  double visible_fraction = 1;
+};
+
+struct LabelledView {
+  RgbdFrame frame;      // with the sensor's noise
+  Image<uint16_t> ids;  // 0 = background, k + 1 = instances[k]
+  std::vector<LabelledInstance> instances;
+  std::optional<KnownBackground> background;  // set for piles
+};
+
+class LabelledViewSource {
+ public:
+  virtual ~LabelledViewSource() = default;
+
+  virtual const ObjectSet& objects() const = 0;
+
+  // One object alone before an empty background at each of X_CO, seen by `camera`, with sensor
+  // noise drawn from `seed` (view i uses stream i, so the result does not depend on batching).
+  virtual std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
+                                             const CameraIntrinsics& camera, uint64_t seed) = 0;
+
+  // A random settled pile of these objects in a bin, seen from `views` random viewpoints. The same
+  // seed gives the same pile. Piles of one kind and mixed ones both occur.
+  virtual std::vector<LabelledView> Pile(uint64_t seed, int views) = 0;
+};
+
+}  // namespace pickbed

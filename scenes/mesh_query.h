@@ -1,0 +1,39 @@
+#pragma once
+
+// Closest point and ray queries on a mesh, by a tree of bounding boxes.
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "scenes/triangle_mesh.h"
+
+namespace pickbed {
+
+struct SurfaceHit {
+  Eigen::Vector3d point;
+  Eigen::Vector3d normal;  // of the triangle, unit
+  int triangle = -1;
+  double distance = 0;  // m
+};
+
+class MeshQuery {
+ public:
+  explicit MeshQuery(const TriangleMesh& mesh);  // copies what it needs
+  ~MeshQuery();
+  MeshQuery(MeshQuery&&) noexcept;
+
+  SurfaceHit ClosestPoint(const Eigen::Vector3d& p) const;
+  // First hit along origin + t * direction (unit), min_t < t < max_t.
+  std::optional<SurfaceHit> Raycast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                                    double min_t, double max_t) const;
+  // Every hit on the line, by rising t (t may be negative).
+  std::vector<SurfaceHit> AllHits(const Eigen::Vector3d& origin,
+                                  const Eigen::Vector3d& direction) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pickbed

@@ -1,0 +1,52 @@
+#pragma once
+
+// Finds parts by name in folders NAME/{mesh, object.yaml}, or makes one from a mesh file.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scenes/object_model.h"
+
+namespace pickbed {
+
+// How to make a part from a mesh that is in no catalog.
+struct MeshPartSpec {
+  std::filesystem::path mesh;
+  std::string unit = "m";  // m, cm, mm, in
+  double mass_kg = 0;      // > 0
+  double friction = 0.5;
+  SymmetrySet symmetries_O;
+};
+
+// Throws InputError when the mesh is missing, has NaN, no faces, no volume, or mass is not
+// positive.
+std::shared_ptr<const ObjectModel> LoadMeshPart(const std::string& name, const MeshPartSpec& spec);
+
+class ObjectCatalog {
+ public:
+  // Earlier roots win. The shipped catalog is AssetsDir() / "objects".
+  explicit ObjectCatalog(std::vector<std::filesystem::path> roots);
+
+  std::vector<std::string> Names() const;  // sorted
+
+  // Throws InputError for an unknown name, with the nearest known one.
+  std::shared_ptr<const ObjectModel> Load(const std::string& name) const;
+
+ private:
+  std::vector<std::filesystem::path> roots_;
+};
+
+// assets/ of the source tree or of the installed program, found relative to the executable;
+// the environment variable PICKBED_ASSETS overrides it. Throws InputError when there is none.
+std::filesystem::path AssetsDir();
+
+// XDG_CACHE_HOME/pickbed (or ~/.cache/pickbed), created on demand.
+std::filesystem::path CacheDir();
+
+// Writes bytes to `path` through a temporary file and an atomic rename. Throws InputError with the
+// path and the system's reason (no space left, no permission) and leaves the old file whole.
+void WriteFileAtomically(const std::filesystem::path& path, const std::string& bytes);
+
+}  // namespace pickbed

@@ -1,0 +1,40 @@
+#pragma once
+
+// Seeded random numbers, the same on every machine and standard library.
+//
+// Every stage of every trial has a stream of its own, derived from (scenario seed, trial number,
+// stage name), so that a trial gives the same bytes whatever the number of workers and their order.
+// Generator: xoshiro256** by Blackman and Vigna (2018), seeded through SplitMix64.
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace pickbed {
+
+class Rng {
+ public:
+  explicit Rng(uint64_t seed);
+
+  // The stream of one stage of one trial.
+  static Rng Derive(uint64_t seed, uint64_t trial, std::string_view stage);
+
+  uint64_t Next();
+  double Uniform();                         // [0, 1)
+  double Uniform(double low, double high);  // [low, high)
+  int Index(int count);                     // 0 .. count-1, unbiased; count >= 1
+  double Normal();                          // zero mean, unit variance
+  Eigen::Vector3d UnitVector();             // uniform on the sphere
+  Eigen::Quaterniond Rotation();            // uniform on SO(3) (Shoemake 1992)
+
+ private:
+  std::array<uint64_t, 4> state_;
+  bool has_spare_ = false;
+  double spare_ = 0;
+};
+
+// 64-bit FNV-1a, used for cache keys and stage streams.
+uint64_t HashBytes(const void* data, size_t size, uint64_t seed = 14695981039346656037ull);
+
+}  // namespace pickbed

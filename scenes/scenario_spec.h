@@ -1,0 +1,92 @@
+#pragma once
+
+// What to build and run: the text file that a user writes. See scenes/presets for examples.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scenes/bin.h"
+#include "scenes/camera.h"
+#include "scenes/object_catalog.h"
+#include "scenes/settings.h"
+
+namespace pickbed {
+
+// One kind of part and how many of it. Either a name of the catalog, or a name of your own and
+// `mesh`, `unit` and `mass_kg`.
+struct PartSpec {
+  std::string name;
+  int count = 1;
+  std::string mesh;  // path, relative to the scenario file; empty = from the catalog
+  std::string unit = "m";
+  double mass_kg = 0;
+  double friction = 0.5;
+  void Visit(SettingsVisitor& v);
+};
+
+struct CameraSpec {
+  int width = 640;
+  int height = 480;
+  double focal_px = 680;
+  Eigen::Vector3d eye_m{0, -0.12, 0.85};  // in W
+  Eigen::Vector3d target_m{0, 0, 0.03};   // in W
+  void Visit(SettingsVisitor& v);
+};
+
+struct EstimatorSpec {
+  std::string name = "descriptor";
+  std::string model;          // name under assets/models or a path; empty = the shipped one
+  std::string mode = "fast";  // fast | hard
+  double min_score = 0.5;     // hypotheses below are not reported
+  double noise_mm = 0;        // oracle only: sigma of each axis of the position
+  double noise_deg = 0;       // oracle only: sigma of the rotation angle
+  void Visit(SettingsVisitor& v);
+};
+
+struct PolicySpec {
+  std::string stop = "until_empty";  // until_empty | one_pick
+  int max_failures_in_row = 2;
+  int max_picks = 0;  // 0 = no limit
+  void Visit(SettingsVisitor& v);
+};
+
+struct BinSpec {
+  Eigen::Vector3d inner_size_m{0.40, 0.30, 0.15};
+  double wall_m = 0.006;
+  double friction = 0.5;
+  void Visit(SettingsVisitor& v);
+};
+
+struct ScenarioSpec {
+  uint64_t seed = 0;
+  int trials = 1;
+  BinSpec bin;
+  std::vector<PartSpec> objects;
+  CameraSpec camera;
+  std::string sensor = "structured_light";  // assets/sensors/NAME.yaml or a path
+  EstimatorSpec estimator;
+  std::string refiner = "pcl_icp";  // pcl_icp | none
+  std::string gripper = "jaw_8cm";  // assets/grippers/NAME.yaml or a path
+  PolicySpec policy;
+  std::filesystem::path folder;  // of the scenario file, for relative paths; not a setting
+
+  void Visit(SettingsVisitor& v);
+
+  // Cross-field checks that need no mesh: at least one object, positive counts, camera outside the
+  // bin's walls and looking at its floor. Throws InputError.
+  void Validate() const;
+};
+
+// Reads, applies the "key=value" overrides in order, validates. Throws InputError.
+ScenarioSpec LoadScenario(const std::filesystem::path& file,
+                          const std::vector<std::string>& overrides = {});
+
+// Loads each part; throws InputError when one is unknown, broken, or larger than the bin.
+ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog);
+
+Bin BinOf(const ScenarioSpec& spec);
+Camera CameraOf(const ScenarioSpec& spec);
+
+}  // namespace pickbed

@@ -1,0 +1,29 @@
+#pragma once
+
+// Symmetries of an object as BOP's models_info states them: discrete transforms and continuous
+// axes. A symmetry S maps the object onto itself: X_WO and X_WO * S look the same.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "scenes/pose.h"
+
+namespace pickbed {
+
+struct ContinuousSymmetry {
+  Eigen::Vector3d axis_O = Eigen::Vector3d::UnitZ();   // unit
+  Eigen::Vector3d offset_O = Eigen::Vector3d::Zero();  // a point on the axis, m
+};
+
+struct SymmetrySet {
+  std::vector<Pose> discrete_O;  // without the identity
+  std::vector<ContinuousSymmetry> continuous_O;
+  bool trivial() const { return discrete_O.empty() && continuous_O.empty(); }
+};
+
+// All symmetry transforms, identity first, continuous axes in `steps` equal turns (the BOP toolkit
+// chooses the step so that the surface moves at most 1 % of the diameter: pi / 0.01 steps).
+// Discrete ones are composed with the continuous ones.
+std::vector<Pose> SymmetryTransforms(const SymmetrySet& symmetries, int steps = 314);
+
+}  // namespace pickbed

@@ -1,0 +1,46 @@
+#pragma once
+
+// The joints that grippers are made of: a palm driven along a path, and two fingers on sliders with
+// a force limit, coupled left to right. A kinematic palm, fingers on 6-dof constraints with a
+// force-limited motor and one coupling row hold to 5 % of the analytic limit 2*mu*F = m*(g+a).
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "scenes/bin.h"
+#include "scenes/pose.h"
+
+namespace pickbed {
+
+// Frame G: z approach, x closing, origin midway between the finger tips' pads, at the tips' ends
+// (so that the tips reach to z = 0 of G and the palm stands at negative z).
+struct HandSpec {
+  Eigen::Vector3d finger_size_m{0.010, 0.020, 0.050};  // x thickness, y width, z length
+  Eigen::Vector3d palm_size_m{0.10, 0.04, 0.03};       // box behind the fingers
+  double stroke_m = 0.08;                              // largest opening between the pads
+  double finger_mass_kg = 0.2;
+  double force_n = 40;           // of each finger on the part
+  double close_speed_mps = 0.1;  // of each finger
+  double pad_friction = 1.0;     // own value of the pair rule of scenes/friction.h
+};
+
+class Hand {
+ public:
+  virtual ~Hand() = default;
+  // Pose that the palm is to reach in the next step; call before every Step().
+  virtual void MoveTo(const Pose& X_WG) = 0;
+  // Fingers are held at this opening (position servo, full force).
+  virtual void HoldOpening(double opening_m) = 0;
+  // Fingers close with their speed and force limit until told otherwise.
+  virtual void Close() = 0;
+  virtual double opening_m() const = 0;
+  virtual Pose X_WG() const = 0;
+  // Normal contact force on each finger from parts, in the last step, N.
+  virtual std::array<double, 2> ContactForces_n() const = 0;
+};
+
+// The hand's boxes (left finger, right finger, palm) in G at an opening, for collision checks.
+std::vector<AxisAlignedBox> HandBoxes(const HandSpec& spec, double opening_m);
+
+}  // namespace pickbed

@@ -1,0 +1,88 @@
+#pragma once
+
+// A live Bullet world, local to one function: built from plain data, stepped, read, thrown away.
+// Never restored in place, since only a rebuilt world repeats bit by bit.
+//
+// Inside, lengths are decimetres (see sim/physics_world.cpp for why); everything here is SI and in
+// frame W. Settings are measured ones: 240 Hz, 20 iterations, two friction directions, friction
+// anchors, hull margin 0.5 mm (less for small parts).
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "scenes/bin.h"
+#include "scenes/object_model.h"
+#include "scenes/pose.h"
+
+namespace pickbed {
+
+struct PhysicsOptions {
+  double rate_hz = 240;
+  int solver_iterations = 20;
+  Eigen::Vector3d gravity_W{0, 0, -9.81};  // m/s^2
+  double hull_margin_m = 0.0005;           // grows hulls outward; shrunk for parts under 4 cm
+  double sleep_linear_mps = 0.01;
+  double sleep_angular_radps = 0.1;
+  double sleep_after_s = 0.5;
+};
+
+enum class BodyMode { kDynamic, kAsleep, kStatic };
+
+struct Twist {
+  Eigen::Vector3d linear_W = Eigen::Vector3d::Zero();   // m/s, of the centre of mass
+  Eigen::Vector3d angular_W = Eigen::Vector3d::Zero();  // rad/s
+};
+
+struct HandSpec;  // sim/hand_joints.h
+class Hand;
+
+class PhysicsWorld {
+ public:
+  explicit PhysicsWorld(const PhysicsOptions& options = {});
+  ~PhysicsWorld();
+  PhysicsWorld(const PhysicsWorld&) = delete;
+  PhysicsWorld& operator=(const PhysicsWorld&) = delete;
+
+  // Static boxes of the bin at the world's origin.
+  void AddBin(const Bin& bin);
+
+  // A static box, for inclines and tables. Returns nothing: it cannot be moved or read.
+  void AddStaticBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m, double friction);
+
+  // Returns the body's index: 0, 1, 2, ... in the order of adding. The model's convex_parts_O must
+  // not be empty (std::logic_error). Add order is part of the state.
+  int AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode mode = BodyMode::kDynamic,
+              const Twist& V_WO = {});
+
+  // Static walls that keep falling parts above the bin's opening, `height_m` above the rim.
+  void AddFunnel(const Bin& bin, double height_m);
+  void RemoveFunnel();
+
+  // Palm and two fingers, see sim/hand_joints.h. One hand a world; owned by the world.
+  Hand& AddHand(const HandSpec& spec, const Pose& X_WG);
+
+  void Step();
+  double time_s() const;
+  double step_s() const;
+  int part_count() const;
+  Pose X_WO(int part) const;
+  Twist V_WO(int part) const;
+  bool AllAsleep() const;
+  void WakeAll();
+  void ForbidSleep();
+
+  // True when any body's state is not finite or faster than 50 m/s.
+  bool BlewUp() const;
+
+  // Parts that touch the fingers (force above 0.01 N in the last step), by index, ascending.
+  std::vector<int> PartsTouchingHand() const;
+
+  struct Impl;
+  Impl& impl() { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pickbed

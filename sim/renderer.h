@@ -1,0 +1,82 @@
+#pragma once
+
+// Draws colour, depth and instance ids of any pinhole camera in one pass, without display.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "scenes/camera.h"
+#include "scenes/image.h"
+#include "scenes/scene.h"
+#include "scenes/triangle_mesh.h"
+#include "sim/gl_context.h"
+
+namespace pickbed {
+
+struct Light {
+  Eigen::Vector3d position_W{0.3, -0.4, 1.5};  // m, a point light
+  double ambient = 0.35;                       // 0..1
+  double diffuse = 0.65;                       // 0..1
+};
+
+struct RenderInstance {
+  int mesh = 0;  // from AddMesh
+  Pose X_WO = Pose::Identity();
+  uint16_t id = 0;  // 0 = background
+};
+
+struct RenderedImage {
+  Image<Rgb8> color;
+  Image<float> depth_m;  // along camera z, 0 = nothing
+  Image<uint16_t> ids;
+};
+
+class Renderer {
+ public:
+  explicit Renderer(const GlContextOptions& options = {});
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  // Uploads the mesh (with coarser levels of detail) and returns its handle.
+  int AddMesh(const TriangleMesh& mesh);
+
+  RenderedImage Render(const Camera& camera, std::span<const RenderInstance> instances,
+                       const Light& light = {});
+  // Depth and ids only: cheaper, for views that need no colour.
+  RenderedImage RenderDepth(const Camera& camera, std::span<const RenderInstance> instances);
+
+  // Many small views of single instances in few draw and read-back calls: view i is instances[i]
+  // alone as cameras[i] sees it. All cameras have the same image size.
+  std::vector<RenderedImage> RenderEach(std::span<const Camera> cameras,
+                                        std::span<const RenderInstance> instances,
+                                        const Light& light = {});
+
+  std::string ContextName() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// A scene with its meshes uploaded once: the bin's and each object's.
+class SceneRenderer {
+ public:
+  SceneRenderer(const ObjectSet& objects, const Bin& bin, const GlContextOptions& options = {});
+  RenderedImage Render(const Scene& scene, const Camera& camera, const Light& light = {});
+
+  // Of each scene.objects[i]: its pixels in `ids` over its pixels alone on a canvas large enough to
+  // hold all of it, so pixels outside the image count as hidden (BOP's visib_fract).
+  std::vector<double> VisibleFractions(const Scene& scene, const Camera& camera,
+                                       const Image<uint16_t>& ids);
+  Renderer& renderer() { return renderer_; }
+
+ private:
+  Renderer renderer_;
+  int bin_mesh_ = 0;
+  std::vector<int> object_meshes_;
+};
+
+}  // namespace pickbed

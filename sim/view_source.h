@@ -1,0 +1,31 @@
+#pragma once
+
+// The simulator as a source of labelled views, for training and code books.
+
+#include <memory>
+
+#include "scenes/labelled_view.h"
+#include "sim/drop.h"
+#include "sim/renderer.h"
+#include "sim/sensor_noise.h"
+
+namespace pickbed {
+
+struct ViewSourceOptions {
+  SensorProfile sensor;
+  CameraIntrinsics camera;       // of piles
+  double distance_min_m = 0.75;  // camera to bin centre
+  double distance_max_m = 1.00;
+  double tilt_max_rad = 0.35;  // of the optical axis from the vertical
+  Bin bin;
+  int parts_min = 10;  // of a pile
+  int parts_max = 25;
+  double fill_max = 0.6;     // share of the bin's height that the parts' volume may reach
+  double mixed_share = 0.5;  // of piles that mix kinds
+};
+
+// `objects` must have convex pieces.
+std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
+                                                      const ViewSourceOptions& options);
+
+}  // namespace pickbed
