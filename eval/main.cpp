@@ -1,2 +1,1 @@
-int g();
-int main() { return g(); }
+int main() { return 0; }

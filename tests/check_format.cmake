@@ -1,0 +1,9 @@
+# Fails when a source file is not as clang-format would write it.
+file(GLOB_RECURSE files ${ROOT}/scenes/*.h ${ROOT}/scenes/*.cpp ${ROOT}/sim/*.h ${ROOT}/sim/*.cpp
+  ${ROOT}/perception/*.h ${ROOT}/perception/*.cpp ${ROOT}/grasp/*.h ${ROOT}/grasp/*.cpp
+  ${ROOT}/eval/*.h ${ROOT}/eval/*.cpp ${ROOT}/tests/*.h ${ROOT}/tests/*.cpp)
+execute_process(COMMAND ${CLANG_FORMAT} --dry-run --Werror ${files}
+  RESULT_VARIABLE status ERROR_VARIABLE messages WORKING_DIRECTORY ${ROOT})
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "run: make format\n${messages}")
+endif()
