@@ -1,0 +1,189 @@
+#include "scenes/scenario_spec.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+// A point in the walls' slab: beside the inner box, inside the outer one, and not above the rim.
+bool InsideWall(const BinSpec& bin, const Eigen::Vector3d& p_W) {
+  const Eigen::Vector2d inner = 0.5 * bin.inner_size_m.head<2>();
+  const Eigen::Vector2d outer = inner.array() + bin.wall_m;
+  const Eigen::Vector2d p = p_W.head<2>().cwiseAbs();
+  const bool in_outer = (p.array() <= outer.array()).all();
+  const bool in_inner = (p.array() < inner.array()).all();
+  const double z = p_W.z();
+  const bool beside = in_outer && !in_inner && z >= -bin.wall_m && z <= bin.inner_size_m.z();
+  const bool below = in_outer && z >= -bin.wall_m && z <= 0;
+  return beside || below;
+}
+
+void ValidateCamera(const CameraSpec& camera, const BinSpec& bin) {
+  if (InsideWall(bin, camera.eye_m)) {
+    throw InputError(fmt::format(
+        "camera.eye_m = [{}, {}, {}]: the camera stands inside the bin's wall or floor; raise it",
+        camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
+  }
+  const Eigen::Vector3d sight = camera.target_m - camera.eye_m;
+  const double length = sight.norm();
+  if (length < 1e-3) {
+    throw InputError("camera.target_m: equals camera.eye_m; aim the camera at the bin's floor");
+  }
+  // The bin's middle must be seen: in front of the camera and inside the image.
+  const Eigen::Vector3d middle(0, 0, 0.5 * bin.inner_size_m.z());
+  const double along = (middle - camera.eye_m).dot(sight / length);
+  const double aside = ((middle - camera.eye_m) - along * sight / length).norm();
+  const double half_view = 0.5 * std::hypot(camera.width, camera.height) / camera.focal_px;
+  if (along <= 0 || aside > along * half_view) {
+    throw InputError(fmt::format(
+        "camera.target_m = [{}, {}, {}]: the camera looks away from the bin; aim it at [0, 0, 0]",
+        camera.target_m.x(), camera.target_m.y(), camera.target_m.z()));
+  }
+}
+
+}  // namespace
+
+void PartSpec::Visit(SettingsVisitor& v) {
+  v.Text("name", name, {}, "a part of the catalog, or a name of your own with mesh and mass_kg");
+  v.Integer("count", count, {1, 1000}, "how many are dropped");
+  v.Text("mesh", mesh, {}, "mesh file, relative to this file; empty = from the catalog");
+  v.Text("unit", unit, {"m", "cm", "mm", "in"}, "of the mesh's coordinates");
+  v.Real("mass_kg", mass_kg, {0, 100}, "mass of the part, kg; only with mesh");
+  v.Real("friction", friction, {0.01, 2}, "against a gripper pad; only with mesh");
+}
+
+void CameraSpec::Visit(SettingsVisitor& v) {
+  v.Integer("width", width, {32, 4096}, "image width, px");
+  v.Integer("height", height, {32, 4096}, "image height, px");
+  v.Real("focal_px", focal_px, {20, 20000}, "focal length, px");
+  v.Vector3("eye_m", eye_m, {-10, 10}, "where the camera stands, world, m");
+  v.Vector3("target_m", target_m, {-10, 10}, "what it looks at, world, m");
+}
+
+void EstimatorSpec::Visit(SettingsVisitor& v) {
+  v.Text("name", name, {}, "a row of `pickbed list estimators`");
+  v.Text("model", model, {}, "trained model: a file, or a name in assets/models; empty = shipped");
+  v.Text("mode", mode, {"fast", "hard"}, "fast or thorough search");
+  v.Real("min_score", min_score, {0, 1}, "poses less sure than this are not reported");
+  v.Real("noise_mm", noise_mm, {0, 1000}, "oracle only: sigma of the position, each axis, mm");
+  v.Real("noise_deg", noise_deg, {0, 180}, "oracle only: sigma of the rotation, degrees");
+}
+
+void PolicySpec::Visit(SettingsVisitor& v) {
+  v.Text("stop", stop, {"until_empty", "one_pick"}, "when a trial ends");
+  v.Integer("max_failures_in_row", max_failures_in_row, {1, 1000}, "failed picks in a row");
+  v.Integer("max_picks", max_picks, {0, 100000}, "picks a trial, 0 = no limit");
+}
+
+void BinSpec::Visit(SettingsVisitor& v) {
+  v.Vector3("inner_size_m", inner_size_m, {0.02, 5}, "inner length x, width y, height z, m");
+  v.Real("wall_m", wall_m, {0.001, 0.1}, "thickness of walls and floor, m");
+  v.Real("friction", friction, {0, 2}, "own value of the pair rule");
+}
+
+void ScenarioSpec::Visit(SettingsVisitor& v) {
+  v.Seed("seed", seed, "same seed, same results");
+  v.Integer("trials", trials, {1, 1000000}, "bins to fill");
+  v.Group(
+      "bin", [this](SettingsVisitor& g) { bin.Visit(g); }, "the bin");
+  v.List(
+      "objects", objects.size(), [this](size_t n) { objects.assign(n, PartSpec{}); },
+      [this](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what is dropped");
+  v.Group(
+      "camera", [this](SettingsVisitor& g) { camera.Visit(g); }, "the depth camera");
+  v.Text("sensor", sensor, {}, "a row of `pickbed list sensors`, or a file");
+  v.Group(
+      "estimator", [this](SettingsVisitor& g) { estimator.Visit(g); }, "who guesses poses");
+  v.Text("refiner", refiner, {"pcl_icp", "none"}, "what polishes reported poses");
+  v.Text("gripper", gripper, {}, "a row of `pickbed list grippers`, or a file");
+  v.Group(
+      "policy", [this](SettingsVisitor& g) { policy.Visit(g); }, "how picking goes on");
+}
+
+void ScenarioSpec::Validate() const {
+  CheckInput(!objects.empty(),
+             "objects: the scenario drops nothing; add '- {name: rod, count: 5}'");
+  std::set<std::string> names;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const PartSpec& part = objects[i];
+    CheckInput(!part.name.empty(), fmt::format("objects.{}.name: is missing; name the part", i));
+    CheckInput(names.insert(part.name).second,
+               fmt::format("objects.{}.name = {}: is listed twice; raise its count instead", i,
+                           part.name));
+    CheckInput(part.mesh.empty() || part.mass_kg > 0,
+               fmt::format("objects.{}.mass_kg = {}: must be over 0 for a part given by mesh", i,
+                           part.mass_kg));
+    CheckInput(!part.mesh.empty() || part.mass_kg == 0,
+               fmt::format("objects.{}.mass_kg = {}: '{}' comes from the catalog, which has its "
+                           "mass; remove it or give a mesh",
+                           i, part.mass_kg, part.name));
+  }
+  ValidateCamera(camera, bin);
+}
+
+ScenarioSpec LoadScenario(const std::filesystem::path& file,
+                          const std::vector<std::string>& overrides) {
+  ScenarioSpec spec;
+  const VisitFunction visit = [&spec](SettingsVisitor& v) { spec.Visit(v); };
+  ReadSettingsFile(file, visit);
+  for (const std::string& assignment : overrides) ApplySetting(assignment, visit);
+  spec.folder = std::filesystem::absolute(file).parent_path();
+  try {
+    spec.Validate();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file.string(), error.what()));
+  }
+  return spec;
+}
+
+ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
+  ObjectSet objects;
+  for (const PartSpec& part : spec.objects) {
+    if (part.mesh.empty()) {
+      objects.push_back(catalog.Load(part.name));
+    } else {
+      MeshPartSpec mesh_part;
+      mesh_part.mesh = spec.folder / part.mesh;
+      mesh_part.unit = part.unit;
+      mesh_part.mass_kg = part.mass_kg;
+      mesh_part.friction = part.friction;
+      objects.push_back(LoadMeshPart(part.name, mesh_part));
+    }
+    // Its two smallest sides must pass between the walls, its largest must fit on the diagonal.
+    Eigen::Vector3d size = MeshBounds(objects.back()->mesh_O).size();
+    std::sort(size.data(), size.data() + 3);
+    Eigen::Vector2d inner = spec.bin.inner_size_m.head<2>();
+    if (size[1] > inner.minCoeff() || size[2] > inner.norm()) {
+      throw InputError(fmt::format(
+          "part '{}' of {:.0f} x {:.0f} x {:.0f} mm is larger than the bin of {:.0f} x {:.0f} mm; "
+          "check its unit or choose a larger bin.inner_size_m",
+          part.name, 1e3 * size[0], 1e3 * size[1], 1e3 * size[2], 1e3 * inner[0], 1e3 * inner[1]));
+    }
+  }
+  return objects;
+}
+
+Bin BinOf(const ScenarioSpec& spec) {
+  return {spec.bin.inner_size_m, spec.bin.wall_m, spec.bin.friction};
+}
+
+Camera CameraOf(const ScenarioSpec& spec) {
+  const CameraSpec& c = spec.camera;
+  Camera camera;
+  camera.intrinsics = {
+      c.width, c.height, c.focal_px, c.focal_px, 0.5 * (c.width - 1), 0.5 * (c.height - 1)};
+  const Eigen::Vector3d sight = (c.target_m - c.eye_m).normalized();
+  // Straight down there is no "up" along z: let the image's top be the bin's +y.
+  const bool vertical = std::abs(sight.z()) > 0.999;
+  camera.X_WC =
+      LookAt(c.eye_m, c.target_m, vertical ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ());
+  return camera;
+}
+
+}  // namespace pickbed
