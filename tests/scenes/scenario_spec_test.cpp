@@ -1,0 +1,113 @@
+#include "scenes/scenario_spec.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ScenarioFile : public ::testing::Test {
+ protected:
+  std::string ErrorOf(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
+    const std::filesystem::path file =
+        std::filesystem::path(::testing::TempDir()) / "pickbed_scenario_test.yaml";
+    std::ofstream(file) << yaml;
+    try {
+      LoadScenario(file, overrides);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+TEST_F(ScenarioFile, PresetsLoadAndTheirWrittenFormReadsBack) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(PICKBED_SOURCE_DIR) + "/scenes/presets")) {
+    ScenarioSpec spec = LoadScenario(entry.path());
+    const std::string text = WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); });
+    ScenarioSpec copy;
+    ReadSettingsText(text, "copy", [&](SettingsVisitor& v) { copy.Visit(v); });
+    EXPECT_EQ(WriteSettings([&](SettingsVisitor& v) { copy.Visit(v); }), text) << entry.path();
+  }
+}
+
+TEST_F(ScenarioFile, BadScenariosAreRefusedInOneLine) {
+  const std::string rods = "objects: [{name: rod, count: 2}]\n";
+  const struct {
+    std::string yaml;
+    const char* part;
+  } cases[] = {
+      {"", "drops nothing"},
+      {"objects: []\n", "drops nothing"},
+      {"objects: [{name: rod, count: 0}]\n", "objects.0.count = 0"},
+      {"objects: [{name: rod, count: -3}]\n", "objects.0.count = -3"},
+      {"objects: [{count: 3}]\n", "objects.0.name"},
+      {"objects: [{name: rod}, {name: rod}]\n", "twice"},
+      {"objects: [{name: x, mesh: a.obj}]\n", "mass_kg"},
+      {rods + "camera: {eye_m: [0.202, 0, 0.05]}\n", "inside the bin's wall"},
+      {rods + "camera: {eye_m: [0, 0, 0.8], target_m: [0, 0, 2]}\n", "looks away"},
+      {rods + "camera: {eye_m: [0, 0, 0.8], target_m: [3, 0, 0.8]}\n", "looks away"},
+      {rods + "camera: {eye_m: [0, 0, 0.8], target_m: [0, 0, 0.8]}\n", "equals camera.eye_m"},
+      {rods + "trials: 0\n", "trials = 0"},
+  };
+  for (const auto& c : cases) {
+    const std::string error = ErrorOf(c.yaml);
+    EXPECT_THAT(error, HasSubstr(c.part)) << c.yaml;
+    EXPECT_THAT(error, HasSubstr("pickbed_scenario_test.yaml"));
+    EXPECT_EQ(error.find('\n'), std::string::npos);
+  }
+  EXPECT_EQ(ErrorOf(rods), "no error");
+}
+
+TEST_F(ScenarioFile, OverridesComeAfterTheFile) {
+  EXPECT_THAT(ErrorOf("objects: [{name: rod}]\n", {"objects.0.count=0"}),
+              HasSubstr("--set objects.0.count=0"));
+}
+
+TEST(CameraOf, LooksAtItsTargetWithTheImageUpright) {
+  ScenarioSpec spec;
+  for (const Eigen::Vector3d eye : {Eigen::Vector3d(0, -0.12, 0.85), Eigen::Vector3d(0, 0, 0.9)}) {
+    spec.camera.eye_m = eye;
+    spec.camera.target_m = {0, 0, 0};
+    const Camera camera = CameraOf(spec);
+    const Eigen::Vector3d target_C = camera.X_WC.inverse() * spec.camera.target_m;
+    EXPECT_NEAR(target_C.head<2>().norm(), 0, 1e-12);
+    EXPECT_GT(target_C.z(), 0);
+    // The bin's far side (+y) is in the upper half of the image.
+    const Eigen::Vector2d far_px =
+        Project(camera.intrinsics, camera.X_WC.inverse() * Eigen::Vector3d(0, 0.1, 0));
+    EXPECT_LT(far_px.y(), camera.intrinsics.cy);
+    EXPECT_NEAR(far_px.x(), camera.intrinsics.cx, 1e-9);
+  }
+}
+
+TEST(LoadObjects, RefusesAPartLargerThanTheBin) {
+  ScenarioSpec spec;
+  const auto file = std::filesystem::path(::testing::TempDir()) / "pickbed_huge.obj";
+  std::ofstream(file) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                         "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  PartSpec part;
+  part.name = "huge";
+  part.mesh = file.string();
+  part.mass_kg = 1;
+  spec.objects = {part};
+  const ObjectCatalog catalog({});
+  try {
+    LoadObjects(spec, catalog);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'huge' of 1000 x 1000 x 1000 mm is larger than the bin"));
+  }
+  spec.objects[0].unit = "mm";
+  EXPECT_EQ(LoadObjects(spec, catalog).size(), 1u);
+}
+
+}  // namespace
+}  // namespace pickbed
