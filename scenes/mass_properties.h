@@ -16,7 +16,14 @@ struct MassProperties {
   Eigen::Matrix3d inertia_com_O = Eigen::Matrix3d::Zero();  // kg m^2, about com, axes of O
 };
 
-// Throws InputError when the enclosed volume is not positive.
+// A mesh whose volume is below this share of its bounding box's diagonal cubed is flat: what is
+// left is rounding noise (a foil of 0.1 micrometre over 100 mm still passes).
+inline constexpr double kFlatVolumeRatio = 1e-9;
+
+// Throws InputError when the enclosed volume or the mass is not positive.
 MassProperties UniformMassProperties(const TriangleMesh& closed_mesh, double mass_kg);
+
+// The same from a density. Throws InputError when the enclosed volume or density is not positive.
+MassProperties UniformDensityProperties(const TriangleMesh& closed_mesh, double density_kgpm3);
 
 }  // namespace pickbed

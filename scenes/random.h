@@ -4,10 +4,12 @@
 //
 // Every stage of every trial has a stream of its own, derived from (scenario seed, trial number,
 // stage name), so that a trial gives the same bytes whatever the number of workers and their order.
-// Generator: xoshiro256** by Blackman and Vigna (2018), seeded through SplitMix64.
+// Generator: xoshiro256** by Blackman and Vigna (2018), seeded through SplitMix64. Directions and
+// rotations use square roots only (Marsaglia 1972), so that no libm can change them.
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -26,7 +28,7 @@ class Rng {
   int Index(int count);                     // 0 .. count-1, unbiased; count >= 1
   double Normal();                          // zero mean, unit variance
   Eigen::Vector3d UnitVector();             // uniform on the sphere
-  Eigen::Quaterniond Rotation();            // uniform on SO(3) (Shoemake 1992)
+  Eigen::Quaterniond Rotation();            // uniform on SO(3), unit quaternion
 
  private:
   std::array<uint64_t, 4> state_;

@@ -23,7 +23,9 @@ struct SymmetrySet {
 
 // All symmetry transforms, identity first, continuous axes in `steps` equal turns (the BOP toolkit
 // chooses the step so that the surface moves at most 1 % of the diameter: pi / 0.01 steps).
-// Discrete ones are composed with the continuous ones.
+// Discrete ones are composed with the continuous ones. Two axes that cross make a ball: all
+// rotations about the crossing, on a grid of about 32 * steps. Throws InputError for two axes that
+// don't meet.
 std::vector<Pose> SymmetryTransforms(const SymmetrySet& symmetries, int steps = 314);
 
 }  // namespace pickbed

@@ -39,13 +39,17 @@ double SurfaceArea(const TriangleMesh& mesh);
 // Unit normal of each triangle (zero for a degenerate one).
 std::vector<Eigen::Vector3d> FaceNormals(const TriangleMesh& mesh);
 
-TriangleMesh Transformed(const TriangleMesh& mesh, const Pose& X_AB);
-TriangleMesh Scaled(const TriangleMesh& mesh, double factor);
+// The mesh, given in frame B, in frame A.
+TriangleMesh Transformed(const TriangleMesh& mesh_B, const Pose& X_AB);
+TriangleMesh Scaled(const TriangleMesh& mesh, double factor);  // factor > 0
 
-// Appends `other` (vertices, triangles, attributes that both have).
+// Appends `other`, which is another mesh: vertices, triangles, normals when both have them, uvs
+// when both have the same texture, and colours (base colours become vertex colours where they
+// differ).
 void Append(const TriangleMesh& other, TriangleMesh& mesh);
 
-// Uniform samples of the surface with their face normals, in the mesh's frame.
+// Uniform samples of the surface with their face normals, in the mesh's frame. Throws InputError
+// when the mesh has no area.
 struct SurfaceSamples {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector3d> normals;

@@ -1,0 +1,90 @@
+#include "scenes/symmetry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+Pose Turn(const Eigen::Vector3d& axis_O, const Eigen::Vector3d& offset_O, double angle_rad) {
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(angle_rad, axis_O).toRotationMatrix();
+  return MakePose(R, offset_O - R * offset_O);
+}
+
+// Whether the second axis is the same line as the first.
+bool SameLine(const ContinuousSymmetry& a, const ContinuousSymmetry& b, double tolerance_m) {
+  constexpr double kParallel = 1e-6;
+  return a.axis_O.cross(b.axis_O).norm() < kParallel &&
+         (b.offset_O - a.offset_O).cross(a.axis_O).norm() <= tolerance_m;
+}
+
+// Where two axes that are not parallel meet.
+Eigen::Vector3d MeetingPoint(const ContinuousSymmetry& a, const ContinuousSymmetry& b,
+                             double tolerance_m) {
+  const Eigen::Vector3d normal = a.axis_O.cross(b.axis_O);
+  const Eigen::Vector3d between = b.offset_O - a.offset_O;
+  const double squared = normal.squaredNorm();
+  CheckInput(squared > 1e-12 && std::abs(between.dot(normal)) <= tolerance_m * std::sqrt(squared),
+             "two continuous symmetry axes do not meet in a point; no part can have both");
+  return a.offset_O + between.cross(b.axis_O).dot(normal) / squared * a.axis_O;
+}
+
+std::vector<Pose> TurnsAboutAxis(const ContinuousSymmetry& symmetry, int steps) {
+  std::vector<Pose> turns;
+  turns.reserve(steps);
+  for (int i = 0; i < steps; ++i) {
+    turns.push_back(Turn(symmetry.axis_O, symmetry.offset_O, 2 * std::numbers::pi * i / steps));
+  }
+  return turns;
+}
+
+// Two axes through a point generate every rotation about it: a grid of Euler angles about axis,
+// a perpendicular and the axis again. The grid of a sphere has about 32 * steps elements; as many
+// as `steps` cubed would be of no use to anybody.
+std::vector<Pose> AllRotations(const Eigen::Vector3d& axis_O, const Eigen::Vector3d& center_O,
+                               int steps) {
+  const int turns = std::max(4, 2 * static_cast<int>(std::lround(std::cbrt(8.0 * steps))));
+  const double step_rad = 2 * std::numbers::pi / turns;
+  const Eigen::Vector3d across_O = axis_O.unitOrthogonal();
+  std::vector<Pose> rotations;
+  for (int tilt = 0; tilt <= turns / 2; ++tilt) {
+    const bool pole = tilt == 0 || tilt == turns / 2;  // there both outer turns do the same
+    const Pose X_tilt = Turn(across_O, center_O, tilt * step_rad);
+    for (int i = 0; i < turns; ++i) {
+      const Pose X_first = Turn(axis_O, center_O, i * step_rad) * X_tilt;
+      for (int j = 0; j < (pole ? 1 : turns); ++j) {
+        rotations.push_back(X_first * Turn(axis_O, center_O, j * step_rad));
+      }
+    }
+  }
+  return rotations;
+}
+
+std::vector<Pose> ContinuousTransforms(const std::vector<ContinuousSymmetry>& axes, int steps) {
+  constexpr double kSameLine_m = 1e-5;  // a tenth of what any part here is known to
+  if (axes.empty()) return {Pose::Identity()};
+  for (const ContinuousSymmetry& other : axes) {
+    if (SameLine(axes.front(), other, kSameLine_m)) continue;
+    return AllRotations(axes.front().axis_O, MeetingPoint(axes.front(), other, kSameLine_m), steps);
+  }
+  return TurnsAboutAxis(axes.front(), steps);
+}
+
+}  // namespace
+
+std::vector<Pose> SymmetryTransforms(const SymmetrySet& symmetries, int steps) {
+  if (steps < 1) throw std::invalid_argument("SymmetryTransforms needs at least one step");
+  std::vector<Pose> transforms = ContinuousTransforms(symmetries.continuous_O, steps);
+  const size_t turns = transforms.size();
+  transforms.reserve(turns * (1 + symmetries.discrete_O.size()));
+  for (const Pose& discrete : symmetries.discrete_O) {
+    for (size_t i = 0; i < turns; ++i) transforms.push_back(discrete * transforms[i]);
+  }
+  return transforms;
+}
+
+}  // namespace pickbed
