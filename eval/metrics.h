@@ -18,12 +18,19 @@ struct MetricModel {
   std::vector<Pose> symmetries_O;  // identity first
   double diameter_m = 0;
 };
+
+// At most `max_vertices` of the mesh (0 = all): those farthest out in many directions first, since
+// a maximum over the surface is reached on the convex hull, then an even stride over the rest.
 MetricModel MakeMetricModel(const ObjectModel& model, int max_vertices = 2000);
 
+// Maximum symmetry-aware surface distance, m.
 double Mssd(const MetricModel& model, const Pose& X_est, const Pose& X_true);
+// Maximum symmetry-aware projection distance, px.
 double Mspd(const MetricModel& model, const CameraIntrinsics& camera, const Pose& X_est,
             const Pose& X_true);
+// Mean distance of equal model points, without symmetries, m (Hinterstoisser et al. 2012).
 double Add(const MetricModel& model, const Pose& X_est, const Pose& X_true);
+// Mean distance to the closest model point, m.
 double Adi(const MetricModel& model, const Pose& X_est, const Pose& X_true);
 // Least over the symmetries.
 double RotationError(const MetricModel& model, const Pose& X_est, const Pose& X_true);

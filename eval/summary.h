@@ -35,8 +35,9 @@ RunSummary Summarize(const std::vector<TrialResult>& trials);
 
 // summary.json; the seconds stand in one object "seconds" so that they can be left out.
 std::string SummaryJson(const RunSummary& summary);
-std::string SummaryTable(const RunSummary& summary);  // for people
-std::string TrialsCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);
+std::string SummaryTable(const RunSummary& summary);            // for people
+std::string TrialsCsv(const std::vector<TrialResult>& trials);  // a line a trial
+std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);  // a pick
 std::string TimingsCsv(const std::vector<TrialResult>& trials);
 
 }  // namespace pickbed

@@ -1,0 +1,178 @@
+#include "eval/summary.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+namespace pickbed {
+namespace {
+
+constexpr std::array<std::array<double, 2>, 5> kBands{
+    {{0.1, 0.3}, {0.3, 0.5}, {0.5, 0.7}, {0.7, 0.9}, {0.9, 1.0}}};
+
+double Ratio(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
+
+void CountRecall(const PickRecord& pick, std::vector<RecallBand>& bands) {
+  for (const InstanceRecord& instance : pick.instances) {
+    for (RecallBand& band : bands) {
+      const double v = instance.visible_fraction;
+      const bool last = band.visible_max >= 1;
+      if (v < band.visible_min || (!last && v >= band.visible_max)) continue;
+      ++band.instances;
+      band.recalled += instance.recalled;
+      break;
+    }
+  }
+}
+
+void CountPick(const PickRecord& pick, RunSummary& summary) {
+  CountRecall(pick, summary.recall_by_visibility);
+  if (!pick.hypotheses.empty()) {
+    ++summary.frames;
+    summary.top1_correct += pick.hypotheses.front().correct;
+  }
+  if (!pick.grasp) return;
+  ++summary.attempts;
+  summary.successes += pick.loss == Loss::kNone;
+  if (pick.loss != Loss::kNone) ++summary.losses[std::string(LossName(pick.loss))];
+}
+
+std::string BandName(const RecallBand& band) {
+  return fmt::format("{:.0f}-{:.0f}", 100 * band.visible_min, 100 * band.visible_max);
+}
+
+std::string Percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
+
+}  // namespace
+
+RunSummary Summarize(const std::vector<TrialResult>& trials) {
+  RunSummary summary;
+  for (const auto& band : kBands) {
+    summary.recall_by_visibility.push_back({band[0], band[1], 0, 0});
+  }
+  for (const TrialResult& trial : trials) {
+    ++summary.trials;
+    summary.parts_dropped += trial.parts_dropped;
+    summary.parts_cleared += trial.parts_cleared;
+    for (const PickRecord& pick : trial.picks) CountPick(pick, summary);
+    // A trial that ended without an attempt lost its next pick to that reason.
+    if (trial.ended_by != Loss::kNone) ++summary.losses[std::string(LossName(trial.ended_by))];
+    for (const auto& [stage, seconds] : trial.seconds) summary.seconds[stage] += seconds;
+  }
+  for (auto& [stage, seconds] : summary.seconds) seconds /= summary.trials;
+  summary.success_rate = Ratio(summary.successes, summary.attempts);
+  summary.success_ci95 = WilsonInterval(summary.successes, summary.attempts);
+  summary.cleared_rate = Ratio(summary.parts_cleared, summary.parts_dropped);
+  summary.top1_precision = Ratio(summary.top1_correct, summary.frames);
+  return summary;
+}
+
+std::string SummaryJson(const RunSummary& s) {
+  nlohmann::ordered_json json;
+  json["trials"] = s.trials;
+  json["attempts"] = s.attempts;
+  json["successes"] = s.successes;
+  json["success_rate"] = s.success_rate;
+  json["success_ci95"] = {s.success_ci95.low, s.success_ci95.high};
+  json["parts_dropped"] = s.parts_dropped;
+  json["parts_cleared"] = s.parts_cleared;
+  json["cleared_rate"] = s.cleared_rate;
+  json["frames"] = s.frames;
+  json["top1_precision"] = s.top1_precision;
+  auto& recall = json["recall_by_visibility"] = nlohmann::ordered_json::object();
+  for (const RecallBand& band : s.recall_by_visibility) {
+    recall[BandName(band)] = {{"instances", band.instances},
+                              {"recalled", band.recalled},
+                              {"recall", Ratio(band.recalled, band.instances)}};
+  }
+  json["losses"] = nlohmann::ordered_json::object();
+  for (const auto& [reason, count] : s.losses) json["losses"][reason] = count;
+  json["seconds"] = nlohmann::ordered_json::object();
+  for (const auto& [stage, seconds] : s.seconds) json["seconds"][stage] = seconds;
+  return json.dump(2) + "\n";
+}
+
+std::string SummaryTable(const RunSummary& s) {
+  std::string text;
+  const auto line = [&text](const std::string& name, const std::string& value) {
+    text += fmt::format("  {:<26}{}\n", name, value);
+  };
+  text += "Picks\n";
+  line("success rate", fmt::format("{}  [{}, {}]  {} of {} attempts", Percent(s.success_rate),
+                                   Percent(s.success_ci95.low), Percent(s.success_ci95.high),
+                                   s.successes, s.attempts));
+  line("parts cleared", fmt::format("{}  {} of {} in {} bins", Percent(s.cleared_rate),
+                                    s.parts_cleared, s.parts_dropped, s.trials));
+  line("top-ranked pose right",
+       fmt::format("{}  {} of {} images", Percent(s.top1_precision), s.top1_correct, s.frames));
+  text += "Recall by visible fraction (MSSD < 0.1 diameter)\n";
+  for (const RecallBand& band : s.recall_by_visibility) {
+    if (band.instances == 0) continue;
+    line(BandName(band) + " %",
+         fmt::format("{}  {} of {}", Percent(Ratio(band.recalled, band.instances)), band.recalled,
+                     band.instances));
+  }
+  text += "Why picks were lost\n";
+  if (s.losses.empty()) line("none", "0");
+  for (const auto& [reason, count] : s.losses) {
+    line(reason, fmt::format("{:<6}{}", count, StageName(StageOf(*LossFromName(reason)))));
+  }
+  text += "Seconds a bin\n";
+  for (const auto& [stage, seconds] : s.seconds) line(stage, fmt::format("{:.2f}", seconds));
+  return text;
+}
+
+std::string TrialsCsv(const std::vector<TrialResult>& trials) {
+  std::string csv =
+      "trial,parts_dropped,parts_cleared,attempts,successes,ended_by,at_rest,settled_s,left_bin,"
+      "penetration_mm\n";
+  for (const TrialResult& t : trials) {
+    int attempts = 0, successes = 0;
+    for (const PickRecord& pick : t.picks) {
+      attempts += pick.grasp.has_value();
+      successes += pick.grasp && pick.loss == Loss::kNone;
+    }
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", t.trial, t.parts_dropped, t.parts_cleared,
+                       attempts, successes, LossName(t.ended_by), t.drop.at_rest ? 1 : 0,
+                       t.drop.simulated_s, t.drop.left_bin, 1e3 * t.drop.deepest_penetration_m);
+  }
+  return csv;
+}
+
+std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects) {
+  std::string csv =
+      "trial,pick,parts_in_view,hypotheses,object,instance,confidence,mssd_diameters,mssd_mm,"
+      "mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,success,loss,slip_mm,turn_deg,disturbed\n";
+  constexpr double kDegrees = 180 / 3.14159265358979323846;
+  for (const TrialResult& trial : trials) {
+    for (const PickRecord& pick : trial.picks) {
+      csv += fmt::format("{},{},{},{},", trial.trial, pick.pick, pick.instances.size(),
+                         pick.hypotheses.size());
+      if (pick.chosen >= 0) {
+        const HypothesisScore& h = pick.hypotheses.at(pick.chosen);
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},", objects.at(h.object)->name, h.instance,
+                           h.score, h.mssd_diameters, 1e3 * h.mssd_m, h.mspd_px, 1e3 * h.add_m,
+                           1e3 * h.adi_m, kDegrees * h.rotation_rad, 1e3 * h.translation_m);
+      } else {
+        csv += ",,,,,,,,,,";
+      }
+      csv += fmt::format("{},{},{},{},{}\n", pick.loss == Loss::kNone ? 1 : 0, LossName(pick.loss),
+                         1e3 * pick.outcome.slip_m, kDegrees * pick.outcome.turn_rad,
+                         pick.outcome.disturbed);
+    }
+  }
+  return csv;
+}
+
+std::string TimingsCsv(const std::vector<TrialResult>& trials) {
+  std::string csv = "trial,stage,seconds\n";
+  for (const TrialResult& trial : trials) {
+    for (const auto& [stage, seconds] : trial.seconds) {
+      csv += fmt::format("{},{},{:.6f}\n", trial.trial, stage, seconds);
+    }
+  }
+  return csv;
+}
+
+}  // namespace pickbed
