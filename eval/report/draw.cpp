@@ -1,0 +1,214 @@
+#include "eval/report/draw.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <opencv2/imgproc.hpp>
+
+#include "scenes/triangle_mesh.h"
+#include "sim/hand_joints.h"
+
+namespace pickbed {
+namespace {
+
+constexpr double kCreaseCos = 0.8;  // edges of flatter folds are not drawn
+constexpr double kNearPlane_m = 0.02;
+
+// The pixels of an Image<Rgb8> as an OpenCV matrix (channels r, g, b), not copied.
+cv::Mat View(Image<Rgb8>& image) {
+  return cv::Mat(image.height(), image.width(), CV_8UC3, image.data());
+}
+
+Image<Rgb8> FromBgr(const cv::Mat& bgr) {
+  Image<Rgb8> image(bgr.cols, bgr.rows);
+  cv::Mat out = View(image);
+  cv::cvtColor(bgr, out, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+cv::Scalar ScoreColor(double score) {
+  // Red for doubtful, yellow, green for sure.
+  const double s = std::clamp(score, 0.0, 1.0);
+  return {255 * std::min(1.0, 2 - 2 * s), 255 * std::min(1.0, 2 * s), 40};
+}
+
+// An edge of a mesh with the normals of the faces on its two sides.
+struct CreaseEdge {
+  Eigen::Vector3d a_O, b_O;
+  Eigen::Vector3d normal_1_O = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_2_O = Eigen::Vector3d::Zero();
+};
+
+using PlaceKey = std::array<int64_t, 3>;
+
+PlaceKey KeyOf(const Eigen::Vector3d& p) {
+  constexpr double kGrid_m = 1e-6;  // vertices at one place are split where normals differ
+  return {std::llround(p.x() / kGrid_m), std::llround(p.y() / kGrid_m),
+          std::llround(p.z() / kGrid_m)};
+}
+
+std::vector<CreaseEdge> MeshEdges(const TriangleMesh& mesh) {
+  const std::vector<Eigen::Vector3d> normals = FaceNormals(mesh);
+  std::map<std::pair<PlaceKey, PlaceKey>, CreaseEdge> edges;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d& a = mesh.vertices[mesh.triangles[t][k]];
+      const Eigen::Vector3d& b = mesh.vertices[mesh.triangles[t][(k + 1) % 3]];
+      const PlaceKey ka = KeyOf(a), kb = KeyOf(b);
+      auto [it, is_new] = edges.try_emplace(std::minmax(ka, kb));
+      if (is_new)
+        it->second = {a, b, normals[t], -normals[t]};
+      else
+        it->second.normal_2_O = normals[t];
+    }
+  }
+  std::vector<CreaseEdge> list;
+  list.reserve(edges.size());
+  for (auto& [key, edge] : edges) list.push_back(edge);
+  return list;
+}
+
+void DrawSegment(cv::Mat& canvas, const CameraIntrinsics& k, const Eigen::Vector3d& a_C,
+                 const Eigen::Vector3d& b_C, const cv::Scalar& color, int width_px) {
+  if (a_C.z() < kNearPlane_m || b_C.z() < kNearPlane_m) return;
+  constexpr int kShift = 4;  // sub-pixel bits of cv::line
+  const Eigen::Vector2d a = Project(k, a_C) * (1 << kShift), b = Project(k, b_C) * (1 << kShift);
+  cv::line(canvas, cv::Point(std::lround(a.x()), std::lround(a.y())),
+           cv::Point(std::lround(b.x()), std::lround(b.y())), color, width_px, cv::LINE_AA, kShift);
+}
+
+// Silhouette and creases that face the camera.
+void DrawEdges(cv::Mat& canvas, const CameraIntrinsics& k, const std::vector<CreaseEdge>& edges,
+               const Pose& X_CO, const cv::Scalar& color) {
+  const Eigen::Vector3d camera_O = X_CO.inverse().translation();
+  for (const CreaseEdge& edge : edges) {
+    const Eigen::Vector3d to_camera = camera_O - edge.a_O;
+    const bool faces_1 = edge.normal_1_O.dot(to_camera) > 0;
+    const bool faces_2 = edge.normal_2_O.dot(to_camera) > 0;
+    const bool silhouette = faces_1 != faces_2;
+    const bool crease = faces_1 && faces_2 && edge.normal_1_O.dot(edge.normal_2_O) < kCreaseCos;
+    if (silhouette || crease) {
+      DrawSegment(canvas, k, X_CO * edge.a_O, X_CO * edge.b_O, color, 1);
+    }
+  }
+}
+
+void DrawInstanceOutlines(cv::Mat& canvas, const Image<uint16_t>& ids) {
+  for (int y = 0; y + 1 < ids.height(); ++y) {
+    for (int x = 0; x + 1 < ids.width(); ++x) {
+      const uint16_t id = ids(x, y);
+      if (id != ids(x + 1, y) || id != ids(x, y + 1)) {
+        canvas.at<cv::Vec3b>(y, x) = {255, 255, 255};
+      }
+    }
+  }
+}
+
+void DrawGrasp(cv::Mat& canvas, const CameraIntrinsics& k, const Pose& X_CG,
+               const GripperSpec& gripper, double width_m) {
+  const cv::Scalar color(70, 160, 255);
+  for (const AxisAlignedBox& box : HandBoxes(gripper.hand, width_m)) {
+    const auto corner = [&](int i) {
+      const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+      return X_CG * Eigen::Vector3d(box.center + sign.cwiseProduct(box.half_size));
+    };
+    for (int i = 0; i < 8; ++i) {
+      for (const int bit : {1, 2, 4}) {
+        if (!(i & bit)) DrawSegment(canvas, k, corner(i), corner(i | bit), color, 2);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Image<Rgb8> ColorizeDepth(const Image<float>& depth_m) {
+  std::vector<float> known;
+  for (const float z : depth_m.pixels()) {
+    if (z > 0) known.push_back(z);
+  }
+  cv::Mat grey(depth_m.height(), depth_m.width(), CV_8UC1, cv::Scalar(0));
+  float near = 0, far = 1;
+  if (!known.empty()) {
+    // The middle 98 % get the colours, so that a few far pixels don't flatten the rest.
+    const auto at = [&known](double share) {
+      const auto nth = known.begin() + static_cast<long>(share * (known.size() - 1));
+      std::nth_element(known.begin(), nth, known.end());
+      return *nth;
+    };
+    near = at(0.01);
+    far = std::max(at(0.99), near + 1e-4f);
+  }
+  for (int y = 0; y < depth_m.height(); ++y) {
+    for (int x = 0; x < depth_m.width(); ++x) {
+      const float t = (depth_m(x, y) - near) / (far - near);
+      grey.at<uint8_t>(y, x) = static_cast<uint8_t>(255 * (1 - std::clamp(t, 0.f, 1.f)));
+    }
+  }
+  cv::Mat bgr;
+  cv::applyColorMap(grey, bgr, cv::COLORMAP_TURBO);
+  for (int y = 0; y < depth_m.height(); ++y) {
+    for (int x = 0; x < depth_m.width(); ++x) {
+      if (depth_m(x, y) <= 0) bgr.at<cv::Vec3b>(y, x) = {0, 0, 0};
+    }
+  }
+  return FromBgr(bgr);
+}
+
+Image<Rgb8> ColorizeIds(const Image<uint16_t>& ids) {
+  Image<Rgb8> image(ids.width(), ids.height());
+  for (size_t i = 0; i < ids.size(); ++i) {
+    const uint32_t id = ids.data()[i];
+    if (id == 0) continue;
+    // Multiplying by odd constants spreads neighbouring ids over the colour cube.
+    image.data()[i] = {static_cast<uint8_t>(64 + id * 97 % 192),
+                       static_cast<uint8_t>(64 + id * 57 % 192),
+                       static_cast<uint8_t>(64 + id * 151 % 192)};
+  }
+  return image;
+}
+
+Image<Rgb8> DrawOverlay(const OverlayInput& input) {
+  Image<Rgb8> image =
+      input.frame.color.empty() ? ColorizeDepth(input.frame.depth_m) : input.frame.color;
+  cv::Mat canvas = View(image);
+  const CameraIntrinsics& k = input.camera.intrinsics;
+  if (input.ids) DrawInstanceOutlines(canvas, *input.ids);
+  std::map<int, std::vector<CreaseEdge>> edges;  // by object, made once
+  for (auto h = input.hypotheses.rbegin(); h != input.hypotheses.rend(); ++h) {
+    auto [it, is_new] = edges.try_emplace(h->object);
+    if (is_new) it->second = MeshEdges(input.objects.at(h->object)->mesh_O);
+    DrawEdges(canvas, k, it->second, h->X_CO, ScoreColor(h->score));
+  }
+  if (input.grasp && input.gripper) {
+    const Pose X_CG = input.camera.X_WC.inverse() * input.grasp->X_WG;
+    DrawGrasp(canvas, k, X_CG, *input.gripper, input.grasp->width_m);
+  }
+  return image;
+}
+
+Image<Rgb8> ContactSheet(const std::vector<Image<Rgb8>>& tiles,
+                         const std::vector<std::string>& captions, int columns) {
+  if (tiles.empty() || columns < 1) return {};
+  constexpr int kCaption_px = 22, kGap_px = 6;
+  const int width = tiles.front().width(), height = tiles.front().height();
+  const int rows = (static_cast<int>(tiles.size()) + columns - 1) / columns;
+  Image<Rgb8> sheet(columns * (width + kGap_px) + kGap_px,
+                    rows * (height + kCaption_px + kGap_px) + kGap_px, Rgb8{250, 250, 250});
+  cv::Mat canvas = View(sheet);
+  for (size_t i = 0; i < tiles.size(); ++i) {
+    const int x = kGap_px + static_cast<int>(i) % columns * (width + kGap_px);
+    const int y = kGap_px + static_cast<int>(i) / columns * (height + kCaption_px + kGap_px);
+    Image<Rgb8> tile = tiles[i];
+    const int w = std::min(width, tile.width()), h = std::min(height, tile.height());
+    View(tile)(cv::Rect(0, 0, w, h)).copyTo(canvas(cv::Rect(x, y + kCaption_px, w, h)));
+    if (i < captions.size()) {
+      cv::putText(canvas, captions[i], {x + 2, y + 16}, cv::FONT_HERSHEY_SIMPLEX, 0.48,
+                  cv::Scalar(20, 20, 20), 1, cv::LINE_AA);
+    }
+  }
+  return sheet;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,112 @@
+#include "eval/summary.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace pickbed {
+namespace {
+
+PickRecord Pick(Loss loss, bool top_correct) {
+  PickRecord pick;
+  pick.instances = {{0, 0, 0.95, true}, {1, 0, 0.4, false}, {2, 0, 0.05, false}};
+  HypothesisScore top;
+  top.correct = top_correct;
+  pick.hypotheses = {top};
+  pick.chosen = 0;
+  pick.grasp = Grasp{};
+  pick.loss = loss;
+  return pick;
+}
+
+// Two bins: three attempts of which one fails, then one bin that ends without a proposal.
+std::vector<TrialResult> TwoTrials() {
+  TrialResult a;
+  a.trial = 0;
+  a.parts_dropped = 5;
+  a.parts_cleared = 2;
+  a.picks = {Pick(Loss::kNone, true), Pick(Loss::kSlipped, true), Pick(Loss::kNone, false)};
+  a.seconds = {{"drop", 2.0}, {"icp", 1.0}};
+  TrialResult b;
+  b.trial = 1;
+  b.parts_dropped = 5;
+  b.ended_by = Loss::kNoProposal;
+  PickRecord empty;
+  empty.instances = {{3, 0, 1.0, false}};
+  empty.loss = Loss::kNoProposal;
+  b.picks = {empty};
+  b.seconds = {{"drop", 4.0}};
+  return {a, b};
+}
+
+TEST(Summarize, CountsWhatAHandCounts) {
+  const RunSummary s = Summarize(TwoTrials());
+  EXPECT_EQ(s.trials, 2);
+  EXPECT_EQ(s.attempts, 3);
+  EXPECT_EQ(s.successes, 2);
+  EXPECT_DOUBLE_EQ(s.success_rate, 2.0 / 3);
+  EXPECT_DOUBLE_EQ(s.cleared_rate, 0.2);
+  EXPECT_EQ(s.frames, 3);
+  EXPECT_DOUBLE_EQ(s.top1_precision, 2.0 / 3);
+  EXPECT_EQ(s.losses, (std::map<std::string, int>{{"slipped", 1}, {"no_proposal", 1}}));
+  EXPECT_DOUBLE_EQ(s.seconds.at("drop"), 3.0);
+  EXPECT_DOUBLE_EQ(s.seconds.at("icp"), 0.5);
+}
+
+TEST(Summarize, InstancesUnderTenPercentVisibleCountInNoBand) {
+  const RunSummary s = Summarize(TwoTrials());
+  int instances = 0;
+  for (const RecallBand& band : s.recall_by_visibility) instances += band.instances;
+  EXPECT_EQ(instances, 7);
+  EXPECT_EQ(s.recall_by_visibility[1].instances, 3);
+  EXPECT_EQ(s.recall_by_visibility[1].recalled, 0);
+  EXPECT_EQ(s.recall_by_visibility[4].instances, 4);  // 100 % visible belongs to the last band
+  EXPECT_EQ(s.recall_by_visibility[4].recalled, 3);
+}
+
+TEST(Summarize, NothingRunGivesNoNumberThatIsNotOne) {
+  const auto json = nlohmann::json::parse(SummaryJson(Summarize({})));
+  EXPECT_EQ(json["attempts"], 0);
+  EXPECT_EQ(json["success_rate"], 0.0);
+  EXPECT_EQ(json["success_ci95"], (std::vector<double>{0, 1}));
+}
+
+TEST(SummaryJson, HasTheKeysThatScriptsRead) {
+  const auto json = nlohmann::json::parse(SummaryJson(Summarize(TwoTrials())));
+  for (const char* key :
+       {"trials", "attempts", "successes", "success_rate", "success_ci95", "cleared_rate",
+        "top1_precision", "recall_by_visibility", "losses", "seconds"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_EQ(json["losses"]["slipped"], 1);
+}
+
+TEST(Csv, HasALineATrialAndALineAPick) {
+  const auto model = std::make_shared<ObjectModel>();
+  const auto count = [](const std::string& text) {
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  EXPECT_EQ(count(TrialsCsv(TwoTrials())), 1 + 2);
+  const std::string picks = PicksCsv(TwoTrials(), {model});
+  EXPECT_EQ(count(picks), 1 + 4);
+  // Every line has as many cells as the header.
+  std::istringstream lines(picks);
+  std::string header, line;
+  std::getline(lines, header);
+  while (std::getline(lines, line)) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','),
+              std::count(header.begin(), header.end(), ','));
+  }
+}
+
+TEST(TrialsCsv, HoldsNoTimes) {
+  auto trials = TwoTrials();
+  const std::string before =
+      TrialsCsv(trials) + PicksCsv(trials, {std::make_shared<ObjectModel>()});
+  for (auto& trial : trials) trial.seconds["drop"] = 99;
+  EXPECT_EQ(TrialsCsv(trials) + PicksCsv(trials, {std::make_shared<ObjectModel>()}), before);
+}
+
+}  // namespace
+}  // namespace pickbed
