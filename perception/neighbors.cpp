@@ -1,0 +1,93 @@
+#include "perception/neighbors.h"
+
+#include <algorithm>
+#include <flann/flann.hpp>
+#include <numeric>
+#include <optional>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+
+void NeighborOptions::Visit(SettingsVisitor& v) {
+  v.Integer("trees", trees, {1, 32}, "randomised kd-trees of the index");
+  v.Integer("checks", checks, {1, 100000}, "leaves looked at for one query");
+  v.Integer("linear_below", linear_below, {0, 1000000}, "smaller sets are searched exactly");
+}
+
+struct NeighborIndex::Impl {
+  std::vector<float> rows;
+  int dimensions = 0;
+  int count = 0;
+  NeighborOptions options;
+  std::optional<flann::KDTreeIndex<flann::L2<float>>> trees;
+};
+
+NeighborIndex::NeighborIndex(std::vector<float> rows, int dimensions,
+                             const NeighborOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  CheckInput(dimensions > 0 && rows.size() % dimensions == 0,
+             "a neighbour index needs whole rows of descriptors");
+  impl_->rows = std::move(rows);
+  impl_->dimensions = dimensions;
+  impl_->count = static_cast<int>(impl_->rows.size() / dimensions);
+  impl_->options = options;
+  if (impl_->count < std::max(options.linear_below, 2)) return;
+  // FLANN draws its split dimensions from the C library's generator.
+  flann::seed_random(1);
+  impl_->trees.emplace(flann::Matrix<float>(impl_->rows.data(), impl_->count, dimensions),
+                       flann::KDTreeIndexParams(options.trees));
+  impl_->trees->buildIndex();
+}
+
+NeighborIndex::~NeighborIndex() = default;
+NeighborIndex::NeighborIndex(NeighborIndex&&) noexcept = default;
+NeighborIndex& NeighborIndex::operator=(NeighborIndex&&) noexcept = default;
+
+int NeighborIndex::size() const { return impl_->count; }
+
+Neighbors NeighborIndex::Search(std::span<const float> queries, int k) const {
+  if (!impl_->trees) return SearchExactly(impl_->rows, queries, impl_->dimensions, k);
+  const size_t count = queries.size() / impl_->dimensions;
+  Neighbors found{k, std::vector<int>(count * k, -1), std::vector<float>(count * k, 0)};
+  if (count == 0) return found;
+  const int reachable = std::min(k, impl_->count);
+  flann::SearchParams params(impl_->options.checks);
+  params.cores = 1;
+  // FLANN's matrices are not const-correct; it only reads the queries.
+  const flann::Matrix<float> query(const_cast<float*>(queries.data()), count, impl_->dimensions);
+  flann::Matrix<int> rows(found.rows.data(), count, k);
+  flann::Matrix<float> squared(found.squared.data(), count, k);
+  impl_->trees->knnSearch(query, rows, squared, reachable, params);
+  return found;
+}
+
+Neighbors SearchExactly(std::span<const float> rows, std::span<const float> queries, int dimensions,
+                        int k) {
+  const size_t count = queries.size() / dimensions;
+  const size_t row_count = rows.size() / dimensions;
+  const size_t reachable = std::min<size_t>(k, row_count);
+  Neighbors found{k, std::vector<int>(count * k, -1), std::vector<float>(count * k, 0)};
+  std::vector<float> squared(row_count);
+  std::vector<int> order(row_count);
+  for (size_t q = 0; q < count; ++q) {
+    const float* query = queries.data() + q * dimensions;
+    for (size_t r = 0; r < row_count; ++r) {
+      const float* row = rows.data() + r * dimensions;
+      float sum = 0;
+      for (int d = 0; d < dimensions; ++d) sum += (query[d] - row[d]) * (query[d] - row[d]);
+      squared[r] = sum;
+    }
+    std::iota(order.begin(), order.end(), 0);
+    std::partial_sort(order.begin(), order.begin() + reachable, order.end(), [&](int a, int b) {
+      return squared[a] != squared[b] ? squared[a] < squared[b] : a < b;
+    });
+    for (size_t i = 0; i < reachable; ++i) {
+      found.rows[q * k + i] = order[i];
+      found.squared[q * k + i] = squared[order[i]];
+    }
+  }
+  return found;
+}
+
+}  // namespace pickbed

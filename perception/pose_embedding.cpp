@@ -1,0 +1,67 @@
+#include "perception/pose_embedding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pickbed {
+namespace {
+
+Eigen::Matrix<double, 3, 8> BoxCorners(const Bounds& bounds) {
+  Eigen::Matrix<double, 3, 8> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.col(i) = Eigen::Vector3d(i & 1 ? bounds.max.x() : bounds.min.x(),
+                                     i & 2 ? bounds.max.y() : bounds.min.y(),
+                                     i & 4 ? bounds.max.z() : bounds.min.z());
+  }
+  return corners;
+}
+
+// Both ends of the part along the axis, four times each.
+Eigen::Matrix<double, 3, 8> AxisEnds(const TriangleMesh& mesh, const ContinuousSymmetry& axis) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
+    const double t = (vertex - axis.offset_O).dot(axis.axis_O);
+    low = std::min(low, t);
+    high = std::max(high, t);
+  }
+  Eigen::Matrix<double, 3, 8> ends;
+  for (int i = 0; i < 8; ++i) ends.col(i) = axis.offset_O + (i & 1 ? high : low) * axis.axis_O;
+  return ends;
+}
+
+}  // namespace
+
+PoseEmbedding::PoseEmbedding(const ObjectModel& model)
+    : scale_(1.0 / (std::sqrt(8.0) * model.diameter_m)) {
+  const SymmetrySet& symmetries = model.symmetries_O;
+  if (symmetries.continuous_O.size() >= 2) {
+    // Turning about two axes is turning about their common point.
+    keypoints_O_ = model.mass.com_O.replicate<1, 8>();
+  } else if (symmetries.continuous_O.size() == 1) {
+    keypoints_O_ = AxisEnds(model.mesh_O, symmetries.continuous_O.front());
+  } else {
+    keypoints_O_ = BoxCorners(MeshBounds(model.mesh_O));
+  }
+  symmetries_O_ = {Pose::Identity()};
+  symmetries_O_.insert(symmetries_O_.end(), symmetries.discrete_O.begin(),
+                       symmetries.discrete_O.end());
+}
+
+PoseEmbedding::Point PoseEmbedding::Embed(const Pose& X_AO) const {
+  const Eigen::Matrix<float, 3, 8> moved = (scale_ * (X_AO * keypoints_O_)).cast<float>();
+  return Eigen::Map<const Point>(moved.data());
+}
+
+Eigen::Matrix<float, 24, Eigen::Dynamic> PoseEmbedding::EmbedTwins(const Pose& X_AO) const {
+  Eigen::Matrix<float, 24, Eigen::Dynamic> points(24, twins());
+  for (int i = 0; i < twins(); ++i) points.col(i) = Embed(X_AO * symmetries_O_[i]);
+  return points;
+}
+
+float PoseEmbedding::Distance(const Pose& X_AO, const Pose& X_AO_other) const {
+  const Point other = Embed(X_AO_other);
+  return std::sqrt((EmbedTwins(X_AO).colwise() - other).colwise().squaredNorm().minCoeff());
+}
+
+}  // namespace pickbed

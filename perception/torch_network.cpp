@@ -1,0 +1,145 @@
+#include "perception/torch_network.h"
+
+#include <torch/torch.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "perception/networks/patch_network.h"
+#include "perception/patch.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+// Patches described in one call; more does not fit the caches.
+constexpr int64_t kChunk = 256;
+
+std::unique_ptr<PatchNetwork> MakeNetwork(const NetworkOptions& options, uint64_t seed) {
+  std::vector<std::string> known;
+  for (const PatchNetworkRow& row : PatchNetworkTable()) {
+    known.push_back(row.name);
+    if (options.kind != row.name) continue;
+    at::set_num_threads(1);
+    torch::manual_seed(seed);
+    return row.make(options.descriptor);
+  }
+  throw InputError(UnknownNameMessage("network", options.kind, known));
+}
+
+at::Tensor ToTensor(std::span<const int8_t> patches) {
+  const int64_t count = static_cast<int64_t>(patches.size()) / kPatchValues;
+  // from_blob takes no const pointer; the values are copied by the conversion.
+  const at::Tensor bytes =
+      torch::from_blob(const_cast<int8_t*>(patches.data()),
+                       {count, kPatchChannels, kPatchPixels, kPatchPixels}, torch::kChar);
+  return bytes.to(torch::kFloat).mul_(1.0 / 127.0);
+}
+
+}  // namespace
+
+void NetworkOptions::Visit(SettingsVisitor& v) {
+  std::vector<std::string> kinds;
+  for (const PatchNetworkRow& row : PatchNetworkTable()) kinds.push_back(row.name);
+  v.Text("kind", kind, kinds, "the network that describes a patch");
+  v.Integer("descriptor", descriptor, {2, 1024}, "length of the descriptor");
+}
+
+struct DescriptorNetwork::Impl {
+  Impl(const NetworkOptions& options, uint64_t seed)
+      : options(options),
+        network(MakeNetwork(options, seed)),
+        adam(network->module().parameters(), torch::optim::AdamOptions()) {}
+  NetworkOptions options;
+  std::unique_ptr<PatchNetwork> network;
+  torch::optim::Adam adam;
+};
+
+DescriptorNetwork::DescriptorNetwork(const NetworkOptions& options, uint64_t seed)
+    : impl_(std::make_unique<Impl>(options, seed)) {}
+DescriptorNetwork::~DescriptorNetwork() = default;
+DescriptorNetwork::DescriptorNetwork(DescriptorNetwork&&) noexcept = default;
+DescriptorNetwork& DescriptorNetwork::operator=(DescriptorNetwork&&) noexcept = default;
+
+const NetworkOptions& DescriptorNetwork::options() const { return impl_->options; }
+
+std::vector<float> DescriptorNetwork::Describe(std::span<const int8_t> patches) const {
+  const torch::InferenceMode no_gradients;
+  const int64_t count = static_cast<int64_t>(patches.size()) / kPatchValues;
+  std::vector<float> descriptors(count * length());
+  for (int64_t first = 0; first < count; first += kChunk) {
+    const int64_t size = std::min(kChunk, count - first);
+    const at::Tensor rows =
+        impl_->network
+            ->Forward(ToTensor(patches.subspan(first * kPatchValues, size * kPatchValues)))
+            .contiguous();
+    std::copy_n(rows.data_ptr<float>(), rows.numel(), descriptors.begin() + first * length());
+  }
+  return descriptors;
+}
+
+double DescriptorNetwork::TrainStep(const TrainingBatch& batch, const LossOptions& loss,
+                                    double learning_rate) {
+  for (torch::optim::OptimizerParamGroup& group : impl_->adam.param_groups()) {
+    static_cast<torch::optim::AdamOptions&>(group.options()).lr(learning_rate);
+  }
+  const at::Tensor both = torch::cat({ToTensor(batch.anchors), ToTensor(batch.codes)});
+  const at::Tensor distance = torch::from_blob(const_cast<float*>(batch.pose_distance.data()),
+                                               {batch.count, batch.count}, torch::kFloat);
+  impl_->adam.zero_grad();
+  const at::Tensor rows = impl_->network->Forward(both);
+  const at::Tensor value =
+      DescriptorLoss(rows.slice(0, 0, batch.count), rows.slice(0, batch.count), distance, loss);
+  value.backward();
+  impl_->adam.step();
+  return value.item<double>();
+}
+
+std::vector<float> DescriptorNetwork::Weights() const {
+  std::vector<float> weights;
+  for (const at::Tensor& parameter : impl_->network->module().parameters()) {
+    const at::Tensor values = parameter.detach().contiguous();
+    weights.insert(weights.end(), values.data_ptr<float>(),
+                   values.data_ptr<float>() + values.numel());
+  }
+  return weights;
+}
+
+void DescriptorNetwork::SetWeights(std::span<const float> weights) {
+  const torch::NoGradGuard no_gradients;
+  const std::vector<at::Tensor> parameters = impl_->network->module().parameters();
+  int64_t needed = 0;
+  for (const at::Tensor& parameter : parameters) needed += parameter.numel();
+  CheckInput(needed == static_cast<int64_t>(weights.size()),
+             "the network has " + std::to_string(needed) + " weights, the file holds " +
+                 std::to_string(weights.size()));
+  const float* next = weights.data();
+  for (at::Tensor parameter : parameters) {
+    parameter.copy_(torch::from_blob(const_cast<float*>(next), parameter.sizes(), torch::kFloat));
+    next += parameter.numel();
+  }
+}
+
+std::string DescriptorNetwork::TrainingState() const {
+  torch::serialize::OutputArchive archive, weights, adam;
+  impl_->network->module().save(weights);
+  impl_->adam.save(adam);
+  archive.write("weights", weights);
+  archive.write("adam", adam);
+  std::ostringstream stream;
+  archive.save_to(stream);
+  return stream.str();
+}
+
+void DescriptorNetwork::RestoreTrainingState(const std::string& bytes) try {
+  torch::serialize::InputArchive archive, weights, adam;
+  archive.load_from(bytes.data(), bytes.size());
+  archive.read("weights", weights);
+  archive.read("adam", adam);
+  impl_->network->module().load(weights);
+  impl_->adam.load(adam);
+} catch (const c10::Error&) {
+  throw InputError("the training state is damaged or of another network");
+}
+
+}  // namespace pickbed

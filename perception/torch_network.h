@@ -1,0 +1,62 @@
+#pragma once
+
+// The descriptor network behind a header that is free of libtorch: describes patches, learns from
+// batches, and gives its state as bytes. Everything runs on one thread, so that results repeat.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "perception/torch_losses.h"
+#include "scenes/settings.h"
+
+namespace pickbed {
+
+struct NetworkOptions {
+  std::string kind = "convolutional";  // a row of PatchNetworkTable()
+  int descriptor = 32;                 // length of the descriptor
+  void Visit(SettingsVisitor& v);
+};
+
+// Row i of anchors and codes shows nearly the same pose of the same part.
+struct TrainingBatch {
+  int count = 0;
+  std::vector<int8_t> anchors;       // count patches from piles, see patch.h
+  std::vector<int8_t> codes;         // count patches from isolated views
+  std::vector<float> pose_distance;  // count x count, anchor i to code j, diameters
+};
+
+class DescriptorNetwork {
+ public:
+  // Fresh weights drawn from `seed`. Throws InputError for an unknown kind.
+  DescriptorNetwork(const NetworkOptions& options, uint64_t seed);
+  ~DescriptorNetwork();
+  DescriptorNetwork(DescriptorNetwork&&) noexcept;
+  DescriptorNetwork& operator=(DescriptorNetwork&&) noexcept;
+
+  const NetworkOptions& options() const;
+  int length() const { return options().descriptor; }
+
+  // count x length values, rows of unit length, of count patches of patch.h.
+  std::vector<float> Describe(std::span<const int8_t> patches) const;
+
+  // One step of Adam; returns the loss before it.
+  double TrainStep(const TrainingBatch& batch, const LossOptions& loss, double learning_rate);
+
+  // The weights one after the other.
+  std::vector<float> Weights() const;
+  // Throws InputError when the number does not fit this network.
+  void SetWeights(std::span<const float> weights);
+
+  // Weights and the state of Adam, for a checkpoint. Restore throws InputError for foreign bytes.
+  std::string TrainingState() const;
+  void RestoreTrainingState(const std::string& bytes);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pickbed

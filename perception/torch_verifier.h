@@ -1,0 +1,40 @@
+#pragma once
+
+// Trains the verifier of verify.h: which features belong to a right pose.
+
+#include <cstdint>
+#include <vector>
+
+#include "perception/verify.h"
+#include "scenes/settings.h"
+
+namespace pickbed {
+
+struct VerifierOptions {
+  int hidden = 24;
+  int iterations = 800;  // full-batch steps
+  double learning_rate = 0.02;
+  double weight_decay = 1e-4;
+  double held_out = 0.2;  // last share of the examples, for the figure
+  void Visit(SettingsVisitor& v);
+};
+
+struct VerifierExamples {
+  std::vector<VerifyFeatures> features;
+  std::vector<uint8_t> right;  // 1 = the pose is right
+};
+
+struct TrainedVerifier {
+  Verifier verifier;
+  double auc = 0;  // area under the ROC curve on the held-out examples; 0.5 = useless
+};
+
+// Cross-entropy, unweighted, so that the output is an estimate of P(right). Throws InputError when
+// the examples are all right or all wrong.
+TrainedVerifier TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
+                              uint64_t seed);
+
+// Probability that a right example scores above a wrong one (ties count half).
+double AreaUnderRoc(const std::vector<double>& scores, const std::vector<uint8_t>& right);
+
+}  // namespace pickbed
