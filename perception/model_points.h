@@ -7,22 +7,29 @@
 #include <cstdint>
 #include <vector>
 
+#include "perception/distance_field.h"
 #include "scenes/object_model.h"
 #include "scenes/random.h"
 
 namespace pickbed {
 
 struct ModelPoints {
-  std::vector<Eigen::Vector3f> points_O;
+  std::vector<Eigen::Vector3f> points_O;  // uniform by area
   std::vector<Eigen::Vector3f> normals_O;
   std::vector<Eigen::Vector3f> directions_O;   // unit, from the part to the camera
-  std::vector<std::vector<uint16_t>> visible;  // by direction: indices not self-occluded
+  std::vector<std::vector<uint16_t>> visible;  // by direction: ascending indices, not self-occluded
   float diameter_m = 0;
+  Eigen::Vector3f center_O = Eigen::Vector3f::Zero();  // of the bounding box
+  float radius_m = 0;                                  // about center_O
+  float area_per_point_m2 = 0;
+  DistanceField distance;  // to the surface, up to 15 mm away from it
 
   // The subset for a camera at the origin of C that sees the part at X_CO.
   const std::vector<uint16_t>& VisibleFrom(const Pose& X_CO) const;
 };
 
+// Deterministic: the samples' seed is the mesh's hash. Throws InputError when the mesh has no
+// area, or for more than 65,535 points.
 ModelPoints MakeModelPoints(const ObjectModel& model, int points = 1500, int directions = 200);
 
 }  // namespace pickbed

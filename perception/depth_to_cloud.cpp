@@ -1,0 +1,217 @@
+#include "perception/depth_to_cloud.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "perception/normals.h"
+#include "scenes/check.h"
+#include "scenes/random.h"
+
+namespace pickbed {
+namespace {
+
+// Unit normal towards the camera; points with normal . p - offset < 0 are behind the plane.
+struct Plane {
+  Eigen::Vector3f normal_C = Eigen::Vector3f::Zero();
+  float offset_m = 0;
+  float SignedDistance(const Eigen::Vector3f& p_C) const { return normal_C.dot(p_C) - offset_m; }
+};
+
+Plane TowardsCamera(const Eigen::Vector3f& normal_C, const Eigen::Vector3f& point_C) {
+  const float sign = normal_C.dot(point_C) > 0 ? -1.0f : 1.0f;  // the camera is at the origin
+  return {sign * normal_C, sign * normal_C.dot(point_C)};
+}
+
+void CheckOptions(const RgbdFrame& frame, const CloudOptions& o) {
+  const CameraIntrinsics& k = frame.intrinsics;
+  CheckInput(frame.depth_m.width() == k.width && frame.depth_m.height() == k.height &&
+                 k.width > 0 && k.height > 0,
+             fmt::format("depth image is {}x{} but the intrinsics say {}x{}: give the frame the "
+                         "intrinsics of its depth image",
+                         frame.depth_m.width(), frame.depth_m.height(), k.width, k.height));
+  CheckInput(o.normal_window_px % 2 == 1 && o.normal_window_px >= 3 && o.normal_window_px <= 15,
+             fmt::format("normal_window_px is {}: use an odd number in 3..15", o.normal_window_px));
+}
+
+// Largest plane among the points by RANSAC, refined by least squares over its inliers. A fixed
+// seed: the same frame gives the same plane.
+struct DominantPlane {
+  Plane plane;
+  double share = 0;
+};
+
+int CountInliers(const std::vector<Eigen::Vector3f>& points, const Plane& plane, float margin_m) {
+  int count = 0;
+  for (const Eigen::Vector3f& p : points) {
+    count += std::abs(plane.SignedDistance(p)) < margin_m * p.z() * p.z();
+  }
+  return count;
+}
+
+Plane LeastSquaresPlane(const std::vector<Eigen::Vector3f>& points, const Plane& start,
+                        float margin_m) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+  int n = 0;
+  for (const Eigen::Vector3f& p : points) {
+    if (std::abs(start.SignedDistance(p)) >= margin_m * p.z() * p.z()) continue;
+    const Eigen::Vector3d d = p.cast<double>();
+    sum += d;
+    moment += d * d.transpose();
+    ++n;
+  }
+  if (n < 3) return start;
+  const Eigen::Vector3d mean = sum / n;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moment / n - mean * mean.transpose());
+  return TowardsCamera(solver.eigenvectors().col(0).cast<float>(), mean.cast<float>());
+}
+
+DominantPlane FitDominantPlane(const std::vector<Eigen::Vector3f>& points, float margin_m) {
+  // 200 draws find a plane of a quarter of the points with probability 1 - (1 - 1/64)^200 = 0.96.
+  constexpr int kDraws = 200;
+  constexpr float kMinSine = 1e-3f;  // of a triangle that spans a plane
+  DominantPlane best;
+  if (points.size() < 3) return best;
+  Rng rng = Rng::Derive(0, 0, "perception/dominant_plane");
+  int best_count = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const int n = static_cast<int>(points.size());
+    const Eigen::Vector3f& a = points[rng.Index(n)];
+    const Eigen::Vector3f ab = points[rng.Index(n)] - a;
+    const Eigen::Vector3f ac = points[rng.Index(n)] - a;
+    const Eigen::Vector3f normal = ab.cross(ac);
+    if (normal.norm() <= kMinSine * ab.norm() * ac.norm()) continue;
+    const Plane plane = TowardsCamera(normal.normalized(), a);
+    const int count = CountInliers(points, plane, margin_m);
+    if (count > best_count) {
+      best_count = count;
+      best.plane = plane;
+    }
+  }
+  best.plane = LeastSquaresPlane(points, best.plane, margin_m);
+  best.share = static_cast<double>(CountInliers(points, best.plane, margin_m)) /
+               static_cast<double>(points.size());
+  return best;
+}
+
+std::vector<Eigen::Vector3f> SparsePoints(const CameraIntrinsics& k, const Image<float>& depth_m) {
+  constexpr int kStride = 8;  // some thousands of points, enough for one plane
+  std::vector<Eigen::Vector3f> points;
+  for (int y = kStride / 2; y < k.height; y += kStride) {
+    for (int x = kStride / 2; x < k.width; x += kStride) {
+      if (depth_m(x, y) > 0) {
+        points.push_back(BackProject(k, x, y, depth_m(x, y)).cast<float>());
+      }
+    }
+  }
+  return points;
+}
+
+// Inside the inner walls and above the floor; above the rim parts may lean over the walls' tops.
+bool InsideBin(const Bin& bin, const Eigen::Vector3f& p_B, float margin_m) {
+  const Eigen::Vector3f size = bin.inner_size_m.cast<float>();
+  const bool above_rim = p_B.z() > size.z() + margin_m;
+  const float inset = above_rim ? -static_cast<float>(bin.wall_m) : margin_m;
+  return p_B.z() > margin_m && std::abs(p_B.x()) < 0.5f * size.x() - inset &&
+         std::abs(p_B.y()) < 0.5f * size.y() - inset;
+}
+
+// Calls keep(p, margin) for each pixel with depth, p in the frame of X_AC.
+template <typename Keep>
+Image<uint8_t> MarkForeground(const CameraIntrinsics& k, const Image<float>& depth_m,
+                              const Eigen::Isometry3f& X_AC, double margin_at_1m, Keep keep) {
+  Image<uint8_t> mask(k.width, k.height);
+  const Eigen::Matrix3f R = X_AC.linear();
+  const Eigen::Vector3f t = X_AC.translation();
+  const float margin = static_cast<float>(margin_at_1m);
+  for (int y = 0; y < k.height; ++y) {
+    const Eigen::Vector3f row = R.col(1) * static_cast<float>((y - k.cy) / k.fy) + R.col(2);
+    for (int x = 0; x < k.width; ++x) {
+      const float z = depth_m(x, y);
+      if (!(z > 0)) continue;
+      const Eigen::Vector3f p = z * (R.col(0) * static_cast<float>((x - k.cx) / k.fx) + row) + t;
+      mask(x, y) = keep(p, margin * z * z);
+    }
+  }
+  return mask;
+}
+
+Image<uint8_t> Foreground(const CameraIntrinsics& k, const Image<float>& depth_m,
+                          const std::optional<KnownBackground>& background,
+                          const CloudOptions& options) {
+  const double margin = options.background_margin_m;
+  if (background) {
+    const Bin& bin = background->bin;
+    return MarkForeground(
+        k, depth_m, background->X_CB.inverse().cast<float>(), margin,
+        [&](const Eigen::Vector3f& p_B, float m) { return InsideBin(bin, p_B, m); });
+  }
+  DominantPlane found;
+  if (options.min_plane_share < 1) {
+    found = FitDominantPlane(SparsePoints(k, depth_m), static_cast<float>(margin));
+  }
+  const bool remove = found.share >= options.min_plane_share && found.share > 0;
+  return MarkForeground(k, depth_m, Eigen::Isometry3f::Identity(), margin,
+                        [&](const Eigen::Vector3f& p_C, float m) {
+                          return !remove || found.plane.SignedDistance(p_C) > m;
+                        });
+}
+
+void FillPoints(OrganizedCloud& cloud) {
+  const CameraIntrinsics& k = cloud.intrinsics;
+  cloud.points_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
+  for (int y = 0; y < k.height; ++y) {
+    const float ray_y = static_cast<float>((y - k.cy) / k.fy);
+    for (int x = 0; x < k.width; ++x) {
+      const float z = cloud.depth_m(x, y);
+      const int pixel = y * k.width + x;
+      if (z > 0) cloud.points_C[pixel] = {z * static_cast<float>((x - k.cx) / k.fx), z * ray_y, z};
+      if (cloud.foreground(x, y)) cloud.foreground_pixels.push_back(pixel);
+    }
+  }
+}
+
+}  // namespace
+
+Image<float> FillSinglePixelHoles(const Image<float>& depth_m) {
+  constexpr int kMinNeighbors = 6;  // fewer: an edge or a larger hole
+  Image<float> filled = depth_m;
+  for (int y = 0; y < depth_m.height(); ++y) {
+    for (int x = 0; x < depth_m.width(); ++x) {
+      if (depth_m(x, y) > 0) continue;
+      filled(x, y) = 0;  // NaN and negative values become holes, too
+      std::array<float, 8> values{};
+      int n = 0;
+      for (int v = std::max(0, y - 1); v <= std::min(depth_m.height() - 1, y + 1); ++v) {
+        for (int u = std::max(0, x - 1); u <= std::min(depth_m.width() - 1, x + 1); ++u) {
+          if (depth_m(u, v) > 0) values[n++] = depth_m(u, v);
+        }
+      }
+      if (n < kMinNeighbors) continue;
+      // The lower median: a value that occurs, never the middle of a step.
+      std::nth_element(values.begin(), values.begin() + (n - 1) / 2, values.begin() + n);
+      filled(x, y) = values[(n - 1) / 2];
+    }
+  }
+  return filled;
+}
+
+OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
+                          const CloudOptions& options) {
+  CheckOptions(frame, options);
+  OrganizedCloud cloud;
+  cloud.intrinsics = frame.intrinsics;
+  cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
+  cloud.foreground = Foreground(cloud.intrinsics, cloud.depth_m, background, options);
+  cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
+  const PlaneFitOptions fit{.window_px = options.normal_window_px, .band_m = options.fit_band_m};
+  FitPlanes(cloud.intrinsics, cloud.foreground, fit, cloud.depth_m, cloud.normals_C);
+  FillPoints(cloud);
+  return cloud;
+}
+
+}  // namespace pickbed

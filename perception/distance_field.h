@@ -1,0 +1,48 @@
+#pragma once
+
+// Unsigned distance to a surface on a regular grid, for millions of look-ups a second. Built from
+// dense surface samples by a vector distance transform (Danielsson 1980), so it is too long by at
+// most about the samples' spacing at the surface and by much less away from it.
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+namespace pickbed {
+
+struct DistanceField {
+  static constexpr float kOutside_m = 1.0f;  // returned for points outside the grid
+
+  Eigen::Vector3f origin_O = Eigen::Vector3f::Zero();  // position of node (0,0,0)
+  float cell_m = 0;
+  Eigen::Vector3i size = Eigen::Vector3i::Zero();  // nodes by axis
+  std::vector<float> distance_m;                   // x fastest
+
+  // Trilinear.
+  float At(const Eigen::Vector3f& p_O) const {
+    const Eigen::Vector3f g = (p_O - origin_O) / cell_m;
+    // Written so that NaN is outside, too.
+    if (!(g.x() >= 0 && g.y() >= 0 && g.z() >= 0 && g.x() < size.x() - 1 && g.y() < size.y() - 1 &&
+          g.z() < size.z() - 1)) {
+      return kOutside_m;
+    }
+    const Eigen::Vector3i i = g.cast<int>();
+    const Eigen::Vector3f w = g - i.cast<float>();
+    const int dy = size.x(), dz = size.x() * size.y();
+    const float* d = distance_m.data() + i.x() + i.y() * dy + i.z() * dz;
+    const float d00 = d[0] + w.x() * (d[1] - d[0]);
+    const float d10 = d[dy] + w.x() * (d[dy + 1] - d[dy]);
+    const float d01 = d[dz] + w.x() * (d[dz + 1] - d[dz]);
+    const float d11 = d[dz + dy] + w.x() * (d[dz + dy + 1] - d[dz + dy]);
+    const float d0 = d00 + w.y() * (d10 - d00);
+    const float d1 = d01 + w.y() * (d11 - d01);
+    return d0 + w.z() * (d1 - d0);
+  }
+};
+
+// `samples_O` lie on the surface (at least one); the grid has at most `nodes` along its longest
+// axis and reaches `padding_m` beyond them.
+DistanceField MakeDistanceField(std::span<const Eigen::Vector3f> samples_O, double padding_m,
+                                int nodes);
+
+}  // namespace pickbed

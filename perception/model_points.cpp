@@ -1,0 +1,181 @@
+#include "perception/model_points.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+constexpr int kRasterSize = 128;        // pixels across the part in the visibility test
+constexpr float kMinFacingCos = 0.15f;  // steeper points give no usable depth in any camera
+constexpr int kFieldSamples = 20000;    // about 1 mm apart on a part of 10 cm
+constexpr int kFieldNodes = 48;
+constexpr double kFieldPadding_m = 0.015;  // the farthest band that verification asks for
+
+// Evenly spread directions (Fibonacci lattice on the sphere).
+std::vector<Eigen::Vector3f> SphereDirections(int count) {
+  const double golden_angle = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  std::vector<Eigen::Vector3f> directions;
+  directions.reserve(count);
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / count;
+    const double r = std::sqrt(1.0 - z * z), a = golden_angle * i;
+    directions.push_back(Eigen::Vector3d(r * std::cos(a), r * std::sin(a), z).cast<float>());
+  }
+  return directions;
+}
+
+// Heights of the part's surface towards one direction: an orthographic z-buffer.
+class HeightRaster {
+ public:
+  HeightRaster(const Eigen::Vector3f& direction, const Eigen::Vector3f& center, float radius)
+      : center_(center), pixel_m_(2.02f * radius / kRasterSize) {
+    axes_.row(2) = direction;
+    axes_.row(0) = direction.unitOrthogonal();
+    axes_.row(1) = direction.cross(axes_.row(0).transpose());
+    height_.assign(kRasterSize * kRasterSize, -std::numeric_limits<float>::max());
+  }
+
+  // Pixel coordinates (pixel centres at whole numbers) and height in metres.
+  Eigen::Vector3f ToRaster(const Eigen::Vector3f& p_O) const {
+    Eigen::Vector3f r = axes_ * (p_O - center_);
+    r.head<2>() = (r.head<2>() / pixel_m_).array() + 0.5f * (kRasterSize - 1);
+    return r;
+  }
+
+  void Draw(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
+    const Eigen::Vector3f ab = b - a, ac = c - a;
+    const float area = ab.x() * ac.y() - ab.y() * ac.x();
+    if (std::abs(area) < 1e-9f) return;  // edge on
+    // Height as a linear function of the pixel.
+    const float hx = (ab.z() * ac.y() - ac.z() * ab.y()) / area;
+    const float hy = (ac.z() * ab.x() - ab.z() * ac.x()) / area;
+    const int y0 = std::max(0, Ceil(std::min({a.y(), b.y(), c.y()})));
+    const int y1 = std::min(kRasterSize - 1, Floor(std::max({a.y(), b.y(), c.y()})));
+    for (int y = y0; y <= y1; ++y) {
+      float left = std::numeric_limits<float>::max(), right = -left;
+      Clip(a, b, static_cast<float>(y), left, right);
+      Clip(b, c, static_cast<float>(y), left, right);
+      Clip(c, a, static_cast<float>(y), left, right);
+      const int x0 = std::max(0, Ceil(left)), x1 = std::min(kRasterSize - 1, Floor(right));
+      float* row = height_.data() + y * kRasterSize;
+      for (int x = x0; x <= x1; ++x) {
+        row[x] = std::max(row[x], a.z() + hx * (static_cast<float>(x) - a.x()) +
+                                      hy * (static_cast<float>(y) - a.y()));
+      }
+    }
+  }
+
+  // Whether nothing stands above a surface point whose normal makes this cosine with the direction.
+  bool Sees(const Eigen::Vector3f& p_O, float facing_cos) const {
+    const Eigen::Vector3f r = ToRaster(p_O);
+    const int x = std::clamp(static_cast<int>(std::lround(r.x())), 0, kRasterSize - 1);
+    const int y = std::clamp(static_cast<int>(std::lround(r.y())), 0, kRasterSize - 1);
+    // The nearest pixel centre is up to half a diagonal away, where the point's own surface can be
+    // higher by its slope; a tenth of a pixel for rounding.
+    const float slope = std::sqrt(1 - facing_cos * facing_cos) / facing_cos;
+    return height_[y * kRasterSize + x] <= r.z() + pixel_m_ * (0.71f * slope + 0.1f);
+  }
+
+ private:
+  static int Ceil(float v) { return static_cast<int>(std::ceil(v)); }
+  static int Floor(float v) { return static_cast<int>(std::floor(v)); }
+
+  // Widens [left, right] by where the edge crosses the scan line y.
+  static void Clip(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float y, float& left,
+                   float& right) {
+    if ((a.y() > y && b.y() > y) || (a.y() < y && b.y() < y) || a.y() == b.y()) return;
+    const float x = a.x() + (b.x() - a.x()) * (y - a.y()) / (b.y() - a.y());
+    left = std::min(left, x);
+    right = std::max(right, x);
+  }
+
+  Eigen::Matrix3f axes_;
+  Eigen::Vector3f center_;
+  float pixel_m_;
+  std::vector<float> height_;
+};
+
+std::vector<uint16_t> VisiblePoints(const ModelPoints& points, const TriangleMesh& mesh,
+                                    const std::vector<Eigen::Vector3f>& vertices,
+                                    const Eigen::Vector3f& direction) {
+  HeightRaster raster(direction, points.center_O, points.radius_m);
+  std::vector<Eigen::Vector3f> projected(vertices.size());
+  for (size_t i = 0; i < vertices.size(); ++i) projected[i] = raster.ToRaster(vertices[i]);
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    raster.Draw(projected[t.x()], projected[t.y()], projected[t.z()]);
+  }
+  std::vector<uint16_t> visible;
+  for (size_t i = 0; i < points.points_O.size(); ++i) {
+    const float facing = points.normals_O[i].dot(direction);
+    if (facing > kMinFacingCos && raster.Sees(points.points_O[i], facing)) {
+      visible.push_back(static_cast<uint16_t>(i));
+    }
+  }
+  return visible;
+}
+
+DistanceField SurfaceDistance(const TriangleMesh& mesh, Rng& rng) {
+  const SurfaceSamples dense = SampleSurface(mesh, kFieldSamples, rng);
+  std::vector<Eigen::Vector3f> samples;
+  samples.reserve(dense.points.size());
+  for (const Eigen::Vector3d& p : dense.points) samples.push_back(p.cast<float>());
+  return MakeDistanceField(samples, kFieldPadding_m, kFieldNodes);
+}
+
+}  // namespace
+
+const std::vector<uint16_t>& ModelPoints::VisibleFrom(const Pose& X_CO) const {
+  const Eigen::Vector3d center_C = X_CO * center_O.cast<double>();
+  const Eigen::Vector3f to_camera_O = (X_CO.linear().transpose() * -center_C).cast<float>();
+  size_t best = 0;
+  float best_dot = -std::numeric_limits<float>::max();
+  for (size_t i = 0; i < directions_O.size(); ++i) {
+    const float dot = directions_O[i].dot(to_camera_O);
+    if (dot > best_dot) {
+      best_dot = dot;
+      best = i;
+    }
+  }
+  return visible[best];
+}
+
+ModelPoints MakeModelPoints(const ObjectModel& model, int points, int directions) {
+  CheckInput(points >= 1 && points <= std::numeric_limits<uint16_t>::max() && directions >= 1,
+             fmt::format("{} model points seen from {} directions: use 1..65535 points and at "
+                         "least one direction",
+                         points, directions));
+  const double area = SurfaceArea(model.mesh_O);
+  CheckInput(area > 0, fmt::format("the mesh of '{}' has no area: give a mesh with proper faces",
+                                   model.name));
+  ModelPoints result;
+  Rng rng = Rng::Derive(model.mesh_hash, 0, "perception/model_points");
+  const SurfaceSamples samples = SampleSurface(model.mesh_O, points, rng);
+  for (size_t i = 0; i < samples.points.size(); ++i) {
+    result.points_O.push_back(samples.points[i].cast<float>());
+    result.normals_O.push_back(samples.normals[i].cast<float>());
+  }
+  result.diameter_m =
+      static_cast<float>(model.diameter_m > 0 ? model.diameter_m : Diameter(model.mesh_O));
+  result.area_per_point_m2 = static_cast<float>(area / points);
+  result.center_O = MeshBounds(model.mesh_O).center().cast<float>();
+  std::vector<Eigen::Vector3f> vertices;
+  for (const Eigen::Vector3d& v : model.mesh_O.vertices) {
+    vertices.push_back(v.cast<float>());
+    result.radius_m = std::max(result.radius_m, (vertices.back() - result.center_O).norm());
+  }
+  result.distance = SurfaceDistance(model.mesh_O, rng);
+  result.directions_O = SphereDirections(directions);
+  for (const Eigen::Vector3f& d : result.directions_O) {
+    result.visible.push_back(VisiblePoints(result, model.mesh_O, vertices, d));
+  }
+  return result;
+}
+
+}  // namespace pickbed

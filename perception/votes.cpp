@@ -1,0 +1,182 @@
+#include "perception/votes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <unordered_map>
+
+namespace pickbed {
+namespace {
+
+std::vector<Eigen::Vector3d> BoxCorners(const Bounds& box) {
+  std::vector<Eigen::Vector3d> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.emplace_back(i & 1 ? box.max.x() : box.min.x(), i & 2 ? box.max.y() : box.min.y(),
+                         i & 4 ? box.max.z() : box.min.z());
+  }
+  return corners;
+}
+
+// Two points on the axis, as far from the part's middle as its farthest corner: they move under a
+// tilt as the rim does, and not under a turn about the axis. Two different axes leave the centre.
+std::vector<Eigen::Vector3d> AxisKeypoints(const std::vector<ContinuousSymmetry>& symmetries,
+                                           const std::vector<Eigen::Vector3d>& corners) {
+  constexpr double kParallel = 1e-6;
+  const Eigen::Vector3d a = symmetries.front().axis_O;
+  const Eigen::Vector3d o = symmetries.front().offset_O;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& c : corners) mean += c / static_cast<double>(corners.size());
+  const Eigen::Vector3d middle = o + a * a.dot(mean - o);
+  for (const ContinuousSymmetry& s : symmetries) {
+    if (a.cross(s.axis_O).norm() > kParallel) return {s.offset_O};
+  }
+  double reach = 0;
+  for (const Eigen::Vector3d& c : corners) reach = std::max(reach, (c - middle).norm());
+  return {middle - reach * a, middle + reach * a};
+}
+
+// Kept hypotheses by the place of their key points' mean. Poses within `reach` differ by no more in
+// that mean, so eight cells of twice that size hold all that can be near.
+class KeptGrid {
+ public:
+  explicit KeptGrid(double reach_m) : cell_m_(2 * reach_m) {}
+
+  void Add(const Eigen::Vector3f* keypoints_C, int count, int kept) {
+    const int begin = static_cast<int>(points_.size());
+    points_.insert(points_.end(), keypoints_C, keypoints_C + count);
+    const Eigen::Array3i cell = (Mean(keypoints_C, count) / cell_m_).array().floor().cast<int>();
+    const auto [head, added] = heads_.try_emplace(Key(cell), static_cast<int>(entries_.size()));
+    entries_.push_back({kept, begin, added ? -1 : head->second});
+    head->second = static_cast<int>(entries_.size()) - 1;
+  }
+
+  // The best kept one with no key point farther than `reach_m`; -1 = none.
+  int Find(const Eigen::Vector3f* keypoints_C, int count, float reach_m) const {
+    int best = -1;
+    const Eigen::Array3i low =
+        (Mean(keypoints_C, count).array() / cell_m_ - 0.5).floor().cast<int>();
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto head =
+          heads_.find(Key(low + Eigen::Array3i(corner & 1, corner >> 1 & 1, corner >> 2)));
+      if (head == heads_.end()) continue;
+      for (int e = head->second; e >= 0; e = entries_[e].next) {
+        const Entry& entry = entries_[e];
+        if ((best < 0 || entry.kept < best) &&
+            AllWithin(keypoints_C, points_.data() + entry.begin, count, reach_m)) {
+          best = entry.kept;
+        }
+      }
+    }
+    return best;
+  }
+
+ private:
+  struct Entry {
+    int kept;   // rank among the kept
+    int begin;  // of its key points
+    int next;   // in the same cell; -1 = last
+  };
+
+  static Eigen::Vector3d Mean(const Eigen::Vector3f* p, int count) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int i = 0; i < count; ++i) sum += p[i].cast<double>();
+    return sum / count;
+  }
+
+  static bool AllWithin(const Eigen::Vector3f* a, const Eigen::Vector3f* b, int count,
+                        float reach_m) {
+    for (int i = 0; i < count; ++i) {
+      if ((a[i] - b[i]).squaredNorm() > reach_m * reach_m) return false;
+    }
+    return true;
+  }
+
+  // 20 bits a coordinate: 10,000 cells of 1 cm are 100 m.
+  static uint64_t Key(const Eigen::Array3i& cell) {
+    uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      key = key << 20 | (static_cast<uint64_t>(cell[axis]) & 0xfffff);
+    }
+    return key;
+  }
+
+  double cell_m_;
+  std::unordered_map<uint64_t, int> heads_;
+  std::vector<Entry> entries_;
+  std::vector<Eigen::Vector3f> points_;
+};
+
+std::vector<int> BestFirst(const std::vector<RawHypothesis>& raw) {
+  std::vector<int> order(raw.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return raw[a].quick_score > raw[b].quick_score; });
+  return order;
+}
+
+void Transform(const Pose& X_CO, std::span<const Eigen::Vector3d> points_O,
+               std::vector<Eigen::Vector3f>& points_C) {
+  points_C.clear();
+  for (const Eigen::Vector3d& p : points_O) points_C.push_back((X_CO * p).cast<float>());
+}
+
+}  // namespace
+
+PoseDistance::PoseDistance(const ObjectModel& model) {
+  keypoints_O_ = BoxCorners(MeshBounds(model.mesh_O));
+  if (!model.symmetries_O.continuous_O.empty()) {
+    keypoints_O_ = AxisKeypoints(model.symmetries_O.continuous_O, keypoints_O_);
+  }
+  variants_O_ = keypoints_O_;
+  for (const Pose& S : model.symmetries_O.discrete_O) {
+    for (const Eigen::Vector3d& p : keypoints_O_) variants_O_.push_back(S * p);
+  }
+  diameter_m_ = model.diameter_m > 0 ? model.diameter_m : Diameter(model.mesh_O);
+}
+
+double PoseDistance::operator()(const Pose& X_CA, const Pose& X_CB) const {
+  const Pose X_AB = X_CA.inverse(Eigen::Isometry) * X_CB;
+  const size_t n = keypoints_O_.size();
+  double least = std::numeric_limits<double>::max();
+  for (size_t begin = 0; begin < variants_O_.size(); begin += n) {
+    double largest = 0;
+    for (size_t i = 0; i < n && largest < least; ++i) {
+      largest = std::max(largest, (X_AB * variants_O_[begin + i] - keypoints_O_[i]).squaredNorm());
+    }
+    least = std::min(least, largest);
+  }
+  return std::sqrt(least) / diameter_m_;
+}
+
+std::vector<RawHypothesis> ClusterVotes(std::vector<RawHypothesis> raw,
+                                        const std::vector<PoseDistance>& distances, double radius,
+                                        int max_kept) {
+  std::vector<RawHypothesis> kept;
+  std::vector<KeptGrid> grids;  // by object, since the radius follows the diameter
+  for (const PoseDistance& d : distances) grids.emplace_back(radius * d.diameter_m());
+  std::vector<Eigen::Vector3f> points_C;
+  for (const int i : BestFirst(raw)) {
+    const RawHypothesis& h = raw[i];
+    const PoseDistance& distance = distances.at(h.object);
+    KeptGrid& grid = grids[h.object];
+    const std::vector<Eigen::Vector3d>& variants_O = distance.symmetric_keypoints_O();
+    const int n = distance.keypoints();
+    Transform(h.X_CO, {variants_O.data(), static_cast<size_t>(n)}, points_C);
+    const float reach_m = static_cast<float>(radius * distance.diameter_m());
+    const int found = grid.Find(points_C.data(), n, reach_m);
+    if (found >= 0) {
+      kept[found].votes += h.votes;
+    } else if (static_cast<int>(kept.size()) < max_kept) {
+      Transform(h.X_CO, variants_O, points_C);
+      for (size_t begin = 0; begin < variants_O.size(); begin += n) {
+        grid.Add(points_C.data() + begin, n, static_cast<int>(kept.size()));
+      }
+      kept.push_back(h);
+    }
+  }
+  return kept;
+}
+
+}  // namespace pickbed
