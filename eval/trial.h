@@ -38,6 +38,8 @@ struct InstanceRecord {
   bool recalled = false;  // some hypothesis is correct for it
 };
 
+// One look, and the pick that followed from it. A look without an executed grasp is no attempt: its
+// `grasp` is empty and `loss` says why none was made (kNone when none was wanted).
 struct PickRecord {
   int pick = 0;
   std::vector<InstanceRecord> instances;
@@ -52,20 +54,42 @@ struct PickRecord {
 struct TrialResult {
   int trial = 0;
   DropReport drop;
-  int parts_dropped = 0;
-  int parts_cleared = 0;
+  int parts_dropped = 0;  // that came to lie in the bin
+  int parts_cleared = 0;  // gone from the bin at the end
   std::vector<PickRecord> picks;
-  Loss ended_by = Loss::kNone;  // kNone = bin empty or pick limit
+  Loss ended_by = Loss::kNone;  // kNone = bin empty or pick limit, else what stopped the trial
   StageSeconds seconds;         // never part of a results file
+};
+
+// How the runner chooses among planned grasps.
+struct TrialOptions {
+  // After a failed pick a grasp on the same part is not tried again when the believed position is
+  // within `retry_radius_m` of the failed one and the approach within `retry_angle_rad`: an
+  // unchanged bin would give the same failure.
+  double retry_radius_m = 0.02;
+  double retry_angle_rad = 0.35;
+  int retry_grasps = 50;             // planned after a failure, to choose from
+  int cloud_stride_px = 2;           // of the observed points that the planner keeps clear of
+  double stands_on_diameters = 0.5;  // MSSD within which a hypothesis stands on an instance
 };
 
 // What a worker holds for all its trials: meshes on the renderer, network, grasp candidates.
 class TrialRunner {
  public:
-  TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects);
+  // Called while code books are made: what, and the share that is done.
+  using Progress = std::function<void(std::string_view what, double share)>;
+
+  // Makes the estimator and grasp candidates, from caches where they hold them. Throws InputError
+  // for an unknown estimator, gripper or sensor and for a broken model file.
+  TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects, const Progress& on_progress = {},
+              const TrialOptions& options = {});
   ~TrialRunner();
+
   // Overlays go to `picture_folder` when it is not empty.
   TrialResult Run(int trial, const std::filesystem::path& picture_folder = {});
+
+  // One look without picking: drop, render, estimate, score.
+  TrialResult Look(int trial, const std::filesystem::path& picture_folder = {});
 
  private:
   struct Impl;

@@ -1,0 +1,28 @@
+#pragma once
+
+// Hypotheses of one look against the truth.
+
+#include <vector>
+
+#include "eval/metrics.h"
+#include "eval/trial.h"
+
+namespace pickbed {
+
+struct LookScore {
+  std::vector<HypothesisScore> hypotheses;  // in the order given
+  std::vector<InstanceRecord> instances;    // in the order of the scene
+};
+
+// Each hypothesis is compared with the nearest instance (MSSD) of its own object; its `instance` is
+// -1 and its errors are infinite when the scene holds none. An instance is recalled when a
+// hypothesis is correct for it: hypotheses take instances in order of score, each the nearest that
+// is still free, so that no hypothesis counts twice.
+LookScore ScoreLook(const Scene& truth, const std::vector<double>& visible_fractions,
+                    const std::vector<MetricModel>& models, const Camera& camera,
+                    const std::vector<PoseHypothesis>& hypotheses);
+
+// MSSD below this share of the diameter is a correct pose (Drost et al. 2017, BOP).
+inline constexpr double kCorrectDiameters = 0.1;
+
+}  // namespace pickbed

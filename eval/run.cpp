@@ -1,0 +1,142 @@
+#include "eval/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "eval/oracle.h"
+#include "eval/results_store.h"
+#include "grasp/gripper.h"
+#include "scenes/check.h"
+#include "sim/sensor_noise.h"
+
+namespace pickbed {
+namespace {
+
+std::string SettingsText(ScenarioSpec spec) {
+  return WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); });
+}
+
+// Paths of meshes made relative to the results folder, so that its scenario.yaml can be run again.
+std::string ScenarioText(ScenarioSpec spec, const std::filesystem::path& out) {
+  for (PartSpec& part : spec.objects) {
+    if (!part.mesh.empty()) {
+      part.mesh = std::filesystem::relative(spec.folder / part.mesh, out).string();
+    }
+  }
+  return SettingsText(spec);
+}
+
+// The names that only eval can check, before anything costly starts.
+void RequireKnownNames(const ScenarioSpec& spec) {
+  RequireEstimator(spec.estimator.name);
+  LoadGripper(spec.gripper);
+  LoadSensorProfile(spec.sensor);
+}
+
+// Opens the store, and closes it again before workers are forked.
+std::vector<int> FinishedTrials(const RunOptions& options, const std::string& identity) {
+  const std::vector<int> finished = ResultsStore(options.out, identity).FinishedTrials();
+  CheckInput(finished.empty() || options.resume,
+             fmt::format("{} already holds {} finished trials of this scenario; pass --resume to "
+                         "go on with it, or choose another folder with --out",
+                         options.out.string(), finished.size()));
+  return finished;
+}
+
+// What a worker tells of a finished trial: "attempts successes".
+std::string ReplyOf(const TrialResult& result) {
+  const auto attempts =
+      std::count_if(result.picks.begin(), result.picks.end(),
+                    [](const PickRecord& pick) { return pick.grasp.has_value(); });
+  const auto successes = std::count_if(
+      result.picks.begin(), result.picks.end(),
+      [](const PickRecord& pick) { return pick.grasp.has_value() && pick.loss == Loss::kNone; });
+  return fmt::format("{} {}", attempts, successes);
+}
+
+WorkerPlan::DoItem StartWorker(const ScenarioSpec& spec, const ObjectSet& objects,
+                               const RunOptions& options, const std::string& identity,
+                               const WorkerPlan::Say& say) {
+  int last_percent = -1;
+  const auto on_progress = [&](std::string_view what, double share) {
+    const int percent = static_cast<int>(100 * share);
+    if (percent == last_percent) return;
+    last_percent = percent;
+    say(fmt::format("{}: {} %", what, percent));
+  };
+  auto runner = std::make_shared<TrialRunner>(spec, objects, on_progress);
+  auto store = std::make_shared<ResultsStore>(options.out, identity);
+  return [runner, store, options](int trial) {
+    std::filesystem::path pictures;
+    if (trial < options.picture_trials) {
+      pictures = options.out / "pictures" / fmt::format("trial_{:04}", trial);
+    }
+    const TrialResult result = runner->Run(trial, pictures);
+    store->Write(result);
+    return ReplyOf(result);
+  };
+}
+
+void WriteReports(const std::vector<TrialResult>& trials, const ObjectSet& objects,
+                  const RunSummary& summary, const std::filesystem::path& out) {
+  WriteFileAtomically(out / "summary.json", SummaryJson(summary));
+  WriteFileAtomically(out / "trials.csv", TrialsCsv(trials));
+  WriteFileAtomically(out / "picks.csv", PicksCsv(trials, objects));
+  WriteFileAtomically(out / "timings.csv", TimingsCsv(trials));
+}
+
+}  // namespace
+
+std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
+  ScenarioSpec same_for_all = spec;
+  same_for_all.trials = 1;
+  std::string text = SettingsText(same_for_all);
+  for (const auto& object : objects) {
+    text += fmt::format("# {} has mesh {:016x}\n", object->name, object->mesh_hash);
+  }
+  return text;
+}
+
+RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
+                      const RunListener& listener) {
+  RequireKnownNames(spec);
+  const std::string identity = RunIdentity(spec, objects);
+  const std::vector<int> finished = FinishedTrials(options, identity);
+  WriteFileAtomically(options.out / "scenario.yaml", ScenarioText(spec, options.out));
+
+  WorkerPlan plan;
+  for (int trial = 0; trial < spec.trials; ++trial) {
+    if (!std::binary_search(finished.begin(), finished.end(), trial)) plan.items.push_back(trial);
+  }
+  RunState state;
+  state.done = state.done_before = static_cast<int>(finished.size());
+  state.total = state.done + static_cast<int>(plan.items.size());
+  plan.jobs = options.jobs;
+  plan.start = [&](const WorkerPlan::Say& say) {
+    return StartWorker(spec, objects, options, identity, say);
+  };
+  plan.on_done = [&](int, const std::string& reply) {
+    int attempts = 0, successes = 0;
+    std::sscanf(reply.c_str(), "%d %d", &attempts, &successes);
+    ++state.done;
+    state.attempts += attempts;
+    state.successes += successes;
+    if (listener.on_trial) listener.on_trial(state);
+  };
+  plan.on_message = listener.on_message;
+  plan.stop = listener.stop;
+  WorkReport work = RunInWorkers(plan);
+
+  const std::vector<TrialResult> trials = ResultsStore(options.out, identity).ReadAll();
+  RunReport report;
+  report.summary = Summarize(trials);
+  report.interrupted = work.stopped;
+  report.lost = std::move(work.lost);
+  WriteReports(trials, objects, report.summary, options.out);
+  return report;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,57 @@
+#pragma once
+
+// A whole run: trials over worker processes into a results folder.
+//
+//   OUT/results.sqlite   everything, see eval/results_store.h
+//   OUT/scenario.yaml    the effective settings
+//   OUT/summary.json     OUT/trials.csv, OUT/picks.csv: the same bytes for any number of workers
+//   OUT/timings.csv      seconds by trial and stage
+//   OUT/pictures/trial_0000/pick_00_{color,depth,overlay,after}.png
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "eval/summary.h"
+#include "eval/workers.h"
+#include "scenes/scenario_spec.h"
+
+namespace pickbed {
+
+struct RunOptions {
+  std::filesystem::path out;
+  int jobs = 1;
+  bool resume = false;     // go on in a folder that holds finished trials
+  int picture_trials = 4;  // trials 0 .. picture_trials - 1 get pictures
+};
+
+// How far a run is.
+struct RunState {
+  int done = 0, total = 0;          // trials, with those of an earlier run
+  int done_before = 0;              // of an earlier run
+  int attempts = 0, successes = 0;  // of this run
+};
+
+struct RunListener {
+  std::function<void(const RunState& state)> on_trial;
+  std::function<void(const std::string& line)> on_message;
+  std::function<bool()> stop;
+};
+
+struct RunReport {
+  RunSummary summary;
+  bool interrupted = false;
+  std::vector<LostItem> lost;  // trials that threw or crashed
+};
+
+// Throws InputError for unknown names, a broken model, and a folder that cannot be written, holds
+// other results, or holds finished trials when `resume` is not set. Forks, see eval/workers.h.
+RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
+                      const RunListener& listener);
+
+// What must be equal for two runs to be one: the settings but the number of trials, and the parts'
+// meshes.
+std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects);
+
+}  // namespace pickbed

@@ -1,0 +1,277 @@
+#include "eval/trial.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "eval/matching.h"
+#include "eval/oracle.h"
+#include "eval/pictures.h"
+#include "eval/virtual_cell.h"
+#include "grasp/antipodal.h"
+#include "sim/view_source.h"
+
+namespace pickbed {
+namespace {
+
+// A grasp that failed, in the world.
+struct FailedGrasp {
+  int object = 0;
+  Eigen::Vector3d position_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d approach_W = Eigen::Vector3d::UnitZ();
+};
+
+bool IsRetry(const Grasp& grasp, const BelievedPose& pose, const std::vector<FailedGrasp>& failed,
+             const TrialOptions& options) {
+  return std::any_of(failed.begin(), failed.end(), [&](const FailedGrasp& old) {
+    const double cosine = old.approach_W.dot(grasp.X_WG.linear().col(2));
+    return old.object == pose.object &&
+           (old.position_W - pose.X_WO.translation()).norm() < options.retry_radius_m &&
+           std::acos(std::clamp(cosine, -1.0, 1.0)) < options.retry_angle_rad;
+  });
+}
+
+std::vector<Eigen::Vector3d> ObservedPoints(const RgbdFrame& frame, const Pose& X_WC, int stride) {
+  std::vector<Eigen::Vector3d> points_W;
+  for (int v = 0; v < frame.depth_m.height(); v += stride) {
+    for (int u = 0; u < frame.depth_m.width(); u += stride) {
+      const float depth_m = frame.depth_m(u, v);
+      if (depth_m <= 0) continue;
+      points_W.push_back(X_WC * BackProject(frame.intrinsics, u, v, depth_m));
+    }
+  }
+  return points_W;
+}
+
+// Why a look gave no hypothesis at all.
+Loss WhyNothing(const std::vector<InstanceRecord>& instances) {
+  const bool any_visible =
+      std::any_of(instances.begin(), instances.end(), [](const InstanceRecord& instance) {
+        return instance.visible_fraction >= kCountedVisibility;
+      });
+  return any_visible ? Loss::kNoProposal : Loss::kNotVisible;
+}
+
+// A wrong belief is to blame before physics is: what the hand did at a wrong pose says nothing.
+Loss WhyFailed(const GraspOutcome& outcome, const HypothesisScore& chosen, const BelievedPose& pose,
+               const Scene& truth) {
+  if (outcome.success) return Loss::kNone;
+  if (chosen.correct) return outcome.loss;
+  const auto nearest = std::min_element(
+      truth.objects.begin(), truth.objects.end(), [&](const PosedObject& a, const PosedObject& b) {
+        return (a.X_WO.translation() - pose.X_WO.translation()).norm() <
+               (b.X_WO.translation() - pose.X_WO.translation()).norm();
+      });
+  return nearest->object == chosen.object ? Loss::kPoseWrong : Loss::kWrongPart;
+}
+
+double WorkingDistance(const Camera& camera, const Bin& bin) {
+  const Eigen::Vector3d middle_W(0, 0, bin.inner_size_m.z() / 4);
+  return (camera.X_WC.inverse() * middle_W).z();
+}
+
+}  // namespace
+
+struct TrialRunner::Impl {
+  // A trial under way.
+  struct Live {
+    std::filesystem::path picture_folder;  // empty = none
+    TrialResult result;
+    Scene scene;
+    std::vector<FailedGrasp> failed;  // since the last success
+  };
+
+  Impl(const ScenarioSpec& spec, const ObjectSet& objects, const Progress& on_progress,
+       const TrialOptions& options);
+  void MakeEstimator(const Progress& on_progress);
+
+  Live Drop(int trial, const std::filesystem::path& picture_folder);
+  View See(Live& live, int look);
+  // One look: fills the record's instances and hypotheses.
+  std::vector<PoseHypothesis> Estimate(const View& view, Live& live, PickRecord& record);
+  std::optional<Grasp> Plan(const View& view, const std::vector<BelievedPose>& poses, Live& live,
+                            PickRecord& record);
+  void Execute(const BelievedPose& pose, Live& live, PickRecord& record);
+  void PickOnce(Live& live);
+
+  ScenarioSpec spec;
+  TrialOptions options;
+  VirtualCell cell;
+  GripperSpec gripper;
+  std::vector<MetricModel> metric_models;
+  std::vector<std::vector<GraspCandidate>> candidates;
+  std::unique_ptr<LabelledViewSource> views;
+  std::unique_ptr<PoseEstimator> estimator;  // null: the oracle
+};
+
+TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
+                        const Progress& on_progress, const TrialOptions& trial_options)
+    : spec(scenario),
+      options(trial_options),
+      cell(scenario, objects),
+      gripper(LoadGripper(scenario.gripper)) {
+  RequireEstimator(spec.estimator.name);
+  for (const auto& model : cell.objects()) {
+    metric_models.push_back(MakeMetricModel(*model));
+    candidates.push_back(CachedAntipodalGrasps(*model, gripper));
+  }
+  if (spec.estimator.name != kOracleName) MakeEstimator(on_progress);
+}
+
+void TrialRunner::Impl::MakeEstimator(const Progress& on_progress) {
+  ViewSourceOptions view_options;
+  view_options.sensor = cell.sensor();
+  view_options.camera = cell.camera().intrinsics;
+  view_options.bin = cell.bin();
+  views = MakeSimViewSource(cell.objects(), view_options);
+
+  EstimatorSetup setup;
+  setup.objects = cell.objects();
+  setup.spec = spec.estimator;
+  setup.refiner = spec.refiner;
+  setup.intrinsics = cell.camera().intrinsics;
+  setup.working_distance_m = WorkingDistance(cell.camera(), cell.bin());
+  setup.views = views.get();
+  setup.cache_dir = CacheDir();
+  setup.on_progress = on_progress;
+  for (const EstimatorRow& row : EstimatorTable()) {
+    if (spec.estimator.name == row.name) estimator = row.make(setup);
+  }
+}
+
+TrialRunner::Impl::Live TrialRunner::Impl::Drop(int trial,
+                                                const std::filesystem::path& picture_folder) {
+  Live live;
+  live.picture_folder = picture_folder;
+  live.result.trial = trial;
+  StageTimer timer(live.result.seconds, "drop");
+  DropResult drop = cell.Drop(trial);
+  live.result.drop = drop.report;
+  live.result.parts_dropped = static_cast<int>(drop.scene.objects.size());
+  // A pile that blew up is no pile to pick from.
+  if (drop.report.blew_up) live.result.ended_by = Loss::kPhysicsFailed;
+  live.scene = std::move(drop.scene);
+  return live;
+}
+
+View TrialRunner::Impl::See(Live& live, int look) {
+  StageTimer timer(live.result.seconds, "see");
+  return cell.See(live.scene, live.result.trial, look);
+}
+
+std::vector<PoseHypothesis> TrialRunner::Impl::Estimate(const View& view, Live& live,
+                                                        PickRecord& record) {
+  StageSeconds& seconds = live.result.seconds;
+  std::vector<PoseHypothesis> hypotheses;
+  {
+    StageTimer timer(seconds, "estimate");
+    Rng rng = Rng::Derive(spec.seed, live.result.trial, fmt::format("estimate/{}", record.pick));
+    if (estimator) {
+      const KnownBackground background{cell.bin(), cell.camera().X_WC.inverse()};
+      EstimateResult result = estimator->Estimate({view.frame, background}, rng);
+      for (const auto& [stage, value] : result.seconds) seconds["estimate/" + stage] += value;
+      hypotheses = std::move(result.hypotheses);
+    } else {
+      hypotheses = OracleEstimate(live.scene, view, cell.camera(), spec.estimator, rng);
+    }
+  }
+  StageTimer timer(seconds, "score");
+  LookScore score =
+      ScoreLook(live.scene, view.visible_fractions, metric_models, cell.camera(), hypotheses);
+  record.instances = std::move(score.instances);
+  record.hypotheses = std::move(score.hypotheses);
+  return hypotheses;
+}
+
+std::optional<Grasp> TrialRunner::Impl::Plan(const View& view,
+                                             const std::vector<BelievedPose>& poses, Live& live,
+                                             PickRecord& record) {
+  StageTimer timer(live.result.seconds, "plan");
+  const auto cloud_W = ObservedPoints(view.frame, cell.camera().X_WC, options.cloud_stride_px);
+  PlanOptions plan_options;
+  if (!live.failed.empty()) plan_options.max_grasps = options.retry_grasps;
+  PlanResult plan =
+      PlanGrasps({cell.bin(), poses, candidates, cloud_W, cell.objects(), gripper}, plan_options);
+  record.grasps_rejected = std::move(plan.rejected);
+  for (const Grasp& grasp : plan.grasps) {
+    if (!IsRetry(grasp, poses[grasp.hypothesis], live.failed, options)) return grasp;
+  }
+  return std::nullopt;
+}
+
+void TrialRunner::Impl::Execute(const BelievedPose& pose, Live& live, PickRecord& record) {
+  StageTimer timer(live.result.seconds, "execute");
+  const HypothesisScore& chosen = record.hypotheses[record.chosen];
+  const bool stands_on_one = chosen.mssd_diameters < options.stands_on_diameters;
+  ExecuteResult executed = ExecuteGrasp(live.scene, cell.objects(), *record.grasp, gripper,
+                                        stands_on_one ? chosen.instance : -1);
+  record.outcome = executed.outcome;
+  record.loss = WhyFailed(record.outcome, chosen, pose, live.scene);
+  live.scene = std::move(executed.after);
+  if (record.outcome.success) {
+    live.failed.clear();
+  } else {
+    live.failed.push_back(
+        {pose.object, pose.X_WO.translation(), record.grasp->X_WG.linear().col(2)});
+  }
+}
+
+void TrialRunner::Impl::PickOnce(Live& live) {
+  PickRecord& record = live.result.picks.emplace_back();
+  record.pick = static_cast<int>(live.result.picks.size()) - 1;
+  const PickPictures pictures(live.picture_folder, record.pick);
+
+  const View view = See(live, record.pick);
+  const auto hypotheses = Estimate(view, live, record);
+  std::vector<BelievedPose> poses;
+  for (const PoseHypothesis& hypothesis : hypotheses) {
+    poses.push_back({hypothesis.object, cell.camera().X_WC * hypothesis.X_CO, hypothesis.score});
+  }
+  if (!poses.empty()) record.grasp = Plan(view, poses, live, record);
+  pictures.Write({view.frame, cell.camera(), cell.objects(), live.scene, hypotheses,
+                  record.grasp ? &*record.grasp : nullptr, &gripper, &view.ids});
+  if (record.grasp) {
+    record.chosen = record.grasp->hypothesis;
+    Execute(poses[record.chosen], live, record);
+  } else {
+    record.loss = poses.empty() ? WhyNothing(record.instances) : Loss::kNoGrasp;
+  }
+  if (pictures.wanted()) pictures.WriteAfter(cell.ColorPicture(live.scene));
+}
+
+TrialRunner::TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects,
+                         const Progress& on_progress, const TrialOptions& options)
+    : impl_(std::make_unique<Impl>(spec, objects, on_progress, options)) {}
+
+TrialRunner::~TrialRunner() = default;
+
+TrialResult TrialRunner::Run(int trial, const std::filesystem::path& picture_folder) {
+  const PolicySpec& policy = impl_->spec.policy;
+  const size_t max_picks = policy.stop == "one_pick" ? 1 : policy.max_picks;
+  Impl::Live live = impl_->Drop(trial, picture_folder);
+  TrialResult& result = live.result;
+  int failures_in_row = 0;
+  while (result.ended_by == Loss::kNone && !live.scene.objects.empty()) {
+    if (max_picks > 0 && result.picks.size() == max_picks) break;
+    impl_->PickOnce(live);
+    const PickRecord& pick = result.picks.back();
+    failures_in_row = pick.loss == Loss::kNone ? 0 : failures_in_row + 1;
+    if (!pick.grasp || failures_in_row >= policy.max_failures_in_row) result.ended_by = pick.loss;
+  }
+  result.parts_cleared = result.parts_dropped - static_cast<int>(live.scene.objects.size());
+  return std::move(result);
+}
+
+TrialResult TrialRunner::Look(int trial, const std::filesystem::path& picture_folder) {
+  Impl::Live live = impl_->Drop(trial, picture_folder);
+  if (live.scene.objects.empty()) return std::move(live.result);
+  PickRecord& record = live.result.picks.emplace_back();
+  const View view = impl_->See(live, record.pick);
+  const auto hypotheses = impl_->Estimate(view, live, record);
+  PickPictures(picture_folder, record.pick)
+      .Write({view.frame, impl_->cell.camera(), impl_->cell.objects(), live.scene, hypotheses,
+              nullptr, nullptr, &view.ids});
+  return std::move(live.result);
+}
+
+}  // namespace pickbed

@@ -1,0 +1,45 @@
+#include "eval/virtual_cell.h"
+
+#include <fmt/format.h>
+
+#include "sim/convex_pieces.h"
+
+namespace pickbed {
+
+VirtualCell::VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects)
+    : seed_(spec.seed),
+      camera_(CameraOf(spec)),
+      bin_(BinOf(spec)),
+      sensor_(LoadSensorProfile(spec.sensor)),
+      objects_(WithConvexPieces(objects)) {
+  for (const PartSpec& part : spec.objects) counts_.push_back(part.count);
+}
+
+SceneRenderer& VirtualCell::renderer() {
+  if (!renderer_) renderer_ = std::make_unique<SceneRenderer>(objects_, bin_);
+  return *renderer_;
+}
+
+DropResult VirtualCell::Drop(int trial) const {
+  Rng rng = Rng::Derive(seed_, trial, "drop");
+  return DropParts(bin_, objects_, counts_, rng);
+}
+
+View VirtualCell::See(const Scene& scene, int trial, int look) {
+  RenderedImage image = renderer().Render(scene, camera_);
+  View view;
+  view.visible_fractions = renderer().VisibleFractions(scene, camera_, image.ids);
+  // A stream of its own for every look, so that a second look at an unchanged bin is a new sample.
+  Rng rng = Rng::Derive(seed_, trial, fmt::format("sensor/{}", look));
+  view.frame.intrinsics = camera_.intrinsics;
+  view.frame.depth_m = ApplySensorNoise(image.depth_m, sensor_, rng);
+  view.frame.color = std::move(image.color);
+  view.ids = std::move(image.ids);
+  return view;
+}
+
+Image<Rgb8> VirtualCell::ColorPicture(const Scene& scene) {
+  return renderer().Render(scene, camera_).color;
+}
+
+}  // namespace pickbed

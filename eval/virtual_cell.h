@@ -1,0 +1,56 @@
+#pragma once
+
+// The robot cell of a scenario as far as it is simulated: a bin that is filled and a camera that
+// looks into it. What the camera sees, with the truth beside it.
+
+#include <memory>
+#include <vector>
+
+#include "scenes/rgbd_frame.h"
+#include "scenes/scenario_spec.h"
+#include "scenes/scene.h"
+#include "sim/drop.h"
+#include "sim/renderer.h"
+#include "sim/sensor_noise.h"
+
+namespace pickbed {
+
+// The share of an instance that must be in view for it to count, as in BOP (Hodan et al. 2018).
+inline constexpr double kCountedVisibility = 0.1;
+
+struct View {
+  RgbdFrame frame;                        // what the sensor delivers
+  Image<uint16_t> ids;                    // truth: instance + 1, 0 = background
+  std::vector<double> visible_fractions;  // truth: of each scene.objects[i]
+};
+
+class VirtualCell {
+ public:
+  // Loads the sensor and cuts the parts into convex pieces. The renderer is made on first use.
+  // Throws InputError for an unknown sensor.
+  VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects);
+
+  // Both are functions of their arguments and the scenario's seed alone.
+  DropResult Drop(int trial) const;
+  View See(const Scene& scene, int trial, int look);
+
+  Image<Rgb8> ColorPicture(const Scene& scene);
+
+  const ObjectSet& objects() const { return objects_; }  // with convex pieces
+  const Camera& camera() const { return camera_; }
+  const Bin& bin() const { return bin_; }
+  const SensorProfile& sensor() const { return sensor_; }
+
+ private:
+  SceneRenderer& renderer();
+
+  uint64_t seed_;
+  std::vector<int> counts_;
+  Camera camera_;
+  Bin bin_;
+  SensorProfile sensor_;
+  ObjectSet objects_;
+  std::unique_ptr<SceneRenderer> renderer_;
+};
+
+}  // namespace pickbed
