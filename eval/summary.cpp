@@ -32,9 +32,9 @@ void CountPick(const PickRecord& pick, RunSummary& summary) {
     ++summary.frames;
     summary.top1_correct += pick.hypotheses.front().correct;
   }
-  if (!pick.grasp) return;
-  ++summary.attempts;
-  summary.successes += pick.loss == Loss::kNone;
+  summary.attempts += pick.grasp.has_value();
+  summary.successes += pick.grasp && pick.loss == Loss::kNone;
+  // A look that led to no attempt is a lost pick too, and ends its trial.
   if (pick.loss != Loss::kNone) ++summary.losses[std::string(LossName(pick.loss))];
 }
 
@@ -56,8 +56,10 @@ RunSummary Summarize(const std::vector<TrialResult>& trials) {
     summary.parts_dropped += trial.parts_dropped;
     summary.parts_cleared += trial.parts_cleared;
     for (const PickRecord& pick : trial.picks) CountPick(pick, summary);
-    // A trial that ended without an attempt lost its next pick to that reason.
-    if (trial.ended_by != Loss::kNone) ++summary.losses[std::string(LossName(trial.ended_by))];
+    // A pile that never came to be looked at.
+    if (trial.picks.empty() && trial.ended_by != Loss::kNone) {
+      ++summary.losses[std::string(LossName(trial.ended_by))];
+    }
     for (const auto& [stage, seconds] : trial.seconds) summary.seconds[stage] += seconds;
   }
   for (auto& [stage, seconds] : summary.seconds) seconds /= summary.trials;

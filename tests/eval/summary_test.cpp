@@ -20,7 +20,8 @@ PickRecord Pick(Loss loss, bool top_correct) {
   return pick;
 }
 
-// Two bins: three attempts of which one fails, then one bin that ends without a proposal.
+// Two bins: three attempts of which one fails, then one bin that ends without a proposal. (A trial
+// that ends by a failed attempt carries its loss twice, as ended_by too: it counts once.)
 std::vector<TrialResult> TwoTrials() {
   TrialResult a;
   a.trial = 0;
@@ -52,6 +53,13 @@ TEST(Summarize, CountsWhatAHandCounts) {
   EXPECT_EQ(s.losses, (std::map<std::string, int>{{"slipped", 1}, {"no_proposal", 1}}));
   EXPECT_DOUBLE_EQ(s.seconds.at("drop"), 3.0);
   EXPECT_DOUBLE_EQ(s.seconds.at("icp"), 0.5);
+}
+
+TEST(Summarize, APileThatBlewUpIsLostToPhysics) {
+  TrialResult trial;
+  trial.parts_dropped = 5;
+  trial.ended_by = Loss::kPhysicsFailed;
+  EXPECT_EQ(Summarize({trial}).losses, (std::map<std::string, int>{{"physics_failed", 1}}));
 }
 
 TEST(Summarize, InstancesUnderTenPercentVisibleCountInNoBand) {
