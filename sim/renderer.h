@@ -1,10 +1,20 @@
 #pragma once
 
 // Draws colour, depth and instance ids of any pinhole camera in one pass, without display.
+//
+// Depth is metric along the camera's z axis. A mesh is drawn by the coarsest of its levels of
+// detail that deviates from the original by less than 0.1 mm or a quarter of a pixel. Closed meshes
+// show their front faces, open ones both sides. Near and far planes follow from what is in view;
+// nothing nearer than 5 mm is drawn.
+//
+// All calls throw InputError for an image without pixels or larger than 16384, std::out_of_range
+// for an unknown mesh handle, std::runtime_error when OpenGL fails. A renderer has an OpenGL
+// context of its own and may be used by one thread at a time.
 
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "scenes/camera.h"
@@ -28,7 +38,7 @@ struct RenderInstance {
 };
 
 struct RenderedImage {
-  Image<Rgb8> color;
+  Image<Rgb8> color;     // empty from the calls that draw depth alone
   Image<float> depth_m;  // along camera z, 0 = nothing
   Image<uint16_t> ids;
 };
@@ -49,10 +59,20 @@ class Renderer {
   RenderedImage RenderDepth(const Camera& camera, std::span<const RenderInstance> instances);
 
   // Many small views of single instances in few draw and read-back calls: view i is instances[i]
-  // alone as cameras[i] sees it. All cameras have the same image size.
+  // alone as cameras[i] sees it. Throws InputError when the two differ in number.
   std::vector<RenderedImage> RenderEach(std::span<const Camera> cameras,
                                         std::span<const RenderInstance> instances,
                                         const Light& light = {});
+  std::vector<RenderedImage> RenderEachDepth(std::span<const Camera> cameras,
+                                             std::span<const RenderInstance> instances);
+
+  // As RenderEach, but only the number of pixels that each instance covers in its view (whatever
+  // its id). `result[i]` belongs to cameras[i].
+  std::vector<int> CountEach(std::span<const Camera> cameras,
+                             std::span<const RenderInstance> instances);
+
+  // Bounding box of an added mesh in its own frame.
+  const Bounds& MeshBoundsOf(int mesh) const;
 
   std::string ContextName() const;
 
@@ -61,19 +81,23 @@ class Renderer {
   std::unique_ptr<Impl> impl_;
 };
 
-// A scene with its meshes uploaded once: the bin's and each object's.
+// A scene with its meshes uploaded once: the bin's and each object's. The id of scene.objects[i] in
+// the pictures is its `instance` + 1; the bin's is 0.
 class SceneRenderer {
  public:
   SceneRenderer(const ObjectSet& objects, const Bin& bin, const GlContextOptions& options = {});
   RenderedImage Render(const Scene& scene, const Camera& camera, const Light& light = {});
 
   // Of each scene.objects[i]: its pixels in `ids` over its pixels alone on a canvas large enough to
-  // hold all of it, so pixels outside the image count as hidden (BOP's visib_fract).
+  // hold all of it, so pixels outside the image count as hidden (BOP's visib_fract). 0 where it
+  // covers no pixel at all.
   std::vector<double> VisibleFractions(const Scene& scene, const Camera& camera,
                                        const Image<uint16_t>& ids);
   Renderer& renderer() { return renderer_; }
 
  private:
+  std::vector<RenderInstance> InstancesOf(const Scene& scene) const;
+
   Renderer renderer_;
   int bin_mesh_ = 0;
   std::vector<int> object_meshes_;

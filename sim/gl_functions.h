@@ -1,0 +1,74 @@
+#pragma once
+
+// The OpenGL 3.3 entry points that sim/renderer.cpp uses, taken from a context. Private to sim's
+// .cpp files: it pulls in GL's types, so no public header may include it.
+
+#include <GL/glcorearb.h>
+
+#include "sim/gl_context.h"
+
+namespace pickbed {
+
+struct GlFunctions {
+  PFNGLACTIVETEXTUREPROC ActiveTexture;
+  PFNGLATTACHSHADERPROC AttachShader;
+  PFNGLBINDBUFFERPROC BindBuffer;
+  PFNGLBINDFRAMEBUFFERPROC BindFramebuffer;
+  PFNGLBINDRENDERBUFFERPROC BindRenderbuffer;
+  PFNGLBINDTEXTUREPROC BindTexture;
+  PFNGLBINDVERTEXARRAYPROC BindVertexArray;
+  PFNGLBUFFERDATAPROC BufferData;
+  PFNGLCHECKFRAMEBUFFERSTATUSPROC CheckFramebufferStatus;
+  PFNGLCLEARBUFFERFVPROC ClearBufferfv;
+  PFNGLCLEARBUFFERUIVPROC ClearBufferuiv;
+  PFNGLCOMPILESHADERPROC CompileShader;
+  PFNGLCREATEPROGRAMPROC CreateProgram;
+  PFNGLCREATESHADERPROC CreateShader;
+  PFNGLDELETEBUFFERSPROC DeleteBuffers;
+  PFNGLDELETEFRAMEBUFFERSPROC DeleteFramebuffers;
+  PFNGLDELETEPROGRAMPROC DeleteProgram;
+  PFNGLDELETERENDERBUFFERSPROC DeleteRenderbuffers;
+  PFNGLDELETESHADERPROC DeleteShader;
+  PFNGLDELETETEXTURESPROC DeleteTextures;
+  PFNGLDELETEVERTEXARRAYSPROC DeleteVertexArrays;
+  PFNGLDEPTHFUNCPROC DepthFunc;
+  PFNGLDISABLEPROC Disable;
+  PFNGLDRAWBUFFERSPROC DrawBuffers;
+  PFNGLDRAWELEMENTSINSTANCEDPROC DrawElementsInstanced;
+  PFNGLENABLEPROC Enable;
+  PFNGLENABLEVERTEXATTRIBARRAYPROC EnableVertexAttribArray;
+  PFNGLFRAMEBUFFERRENDERBUFFERPROC FramebufferRenderbuffer;
+  PFNGLFRONTFACEPROC FrontFace;
+  PFNGLGENBUFFERSPROC GenBuffers;
+  PFNGLGENERATEMIPMAPPROC GenerateMipmap;
+  PFNGLGENFRAMEBUFFERSPROC GenFramebuffers;
+  PFNGLGENRENDERBUFFERSPROC GenRenderbuffers;
+  PFNGLGENTEXTURESPROC GenTextures;
+  PFNGLGENVERTEXARRAYSPROC GenVertexArrays;
+  PFNGLGETERRORPROC GetError;
+  PFNGLGETPROGRAMINFOLOGPROC GetProgramInfoLog;
+  PFNGLGETPROGRAMIVPROC GetProgramiv;
+  PFNGLGETSHADERINFOLOGPROC GetShaderInfoLog;
+  PFNGLGETSHADERIVPROC GetShaderiv;
+  PFNGLGETUNIFORMLOCATIONPROC GetUniformLocation;
+  PFNGLLINKPROGRAMPROC LinkProgram;
+  PFNGLPIXELSTOREIPROC PixelStorei;
+  PFNGLREADBUFFERPROC ReadBuffer;
+  PFNGLREADPIXELSPROC ReadPixels;
+  PFNGLRENDERBUFFERSTORAGEPROC RenderbufferStorage;
+  PFNGLSCISSORPROC Scissor;
+  PFNGLSHADERSOURCEPROC ShaderSource;
+  PFNGLTEXIMAGE2DPROC TexImage2D;
+  PFNGLTEXPARAMETERIPROC TexParameteri;
+  PFNGLUNIFORM2FPROC Uniform2f;
+  PFNGLUSEPROGRAMPROC UseProgram;
+  PFNGLVERTEXATTRIBDIVISORPROC VertexAttribDivisor;
+  PFNGLVERTEXATTRIBIPOINTERPROC VertexAttribIPointer;
+  PFNGLVERTEXATTRIBPOINTERPROC VertexAttribPointer;
+  PFNGLVIEWPORTPROC Viewport;
+};
+
+// `context` must be current. Throws std::runtime_error naming a function that it lacks.
+GlFunctions LoadGlFunctions(GlContext& context);
+
+}  // namespace pickbed

@@ -1,0 +1,223 @@
+#include "sim/gl_objects.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+#include "scenes/mesh_checks.h"
+#include "sim/mesh_levels.h"
+#include "sim/shaders.h"
+
+namespace pickbed {
+namespace {
+
+struct Vertex {
+  std::array<float, 3> position;
+  std::array<float, 3> normal;
+  std::array<float, 2> uv;
+  std::array<uint8_t, 4> color;
+};
+
+std::vector<Vertex> PackVertices(const TriangleMesh& mesh) {
+  std::vector<Vertex> vertices(mesh.vertices.size());
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    Vertex& v = vertices[i];
+    const Eigen::Vector3f p = mesh.vertices[i].cast<float>();
+    v.position = {p.x(), p.y(), p.z()};
+    if (!mesh.normals.empty()) {
+      const Eigen::Vector3f n = mesh.normals[i].cast<float>();
+      v.normal = {n.x(), n.y(), n.z()};
+    }
+    if (!mesh.uvs.empty()) {
+      const Eigen::Vector2f uv = mesh.uvs[i].cast<float>();
+      v.uv = {uv.x(), uv.y()};
+    }
+    const Rgb8 c = mesh.colors.empty() ? mesh.base_color : mesh.colors[i];
+    v.color = {c.r, c.g, c.b, 255};
+  }
+  return vertices;
+}
+
+void VertexAttribute(const GlFunctions& gl, GLuint location, int size, GLenum type, bool normalized,
+                     size_t offset) {
+  gl.EnableVertexAttribArray(location);
+  gl.VertexAttribPointer(location, size, type, normalized, sizeof(Vertex),
+                         reinterpret_cast<const void*>(offset));
+}
+
+GlMeshLevel UploadLevel(const GlFunctions& gl, const MeshLevel& level, GLuint instances) {
+  const TriangleMesh& mesh = level.mesh;
+  GlMeshLevel out;
+  out.deviation_m = level.deviation_m;
+  out.index_count = static_cast<GLsizei>(3 * mesh.triangles.size());
+  gl.GenVertexArrays(1, &out.vertex_array);
+  gl.BindVertexArray(out.vertex_array);
+
+  const std::vector<Vertex> vertices = PackVertices(mesh);
+  gl.GenBuffers(1, &out.vertices);
+  gl.BindBuffer(GL_ARRAY_BUFFER, out.vertices);
+  gl.BufferData(GL_ARRAY_BUFFER, vertices.size() * sizeof(Vertex), vertices.data(), GL_STATIC_DRAW);
+  VertexAttribute(gl, kPositionAttribute, 3, GL_FLOAT, false, offsetof(Vertex, position));
+  VertexAttribute(gl, kNormalAttribute, 3, GL_FLOAT, false, offsetof(Vertex, normal));
+  VertexAttribute(gl, kUvAttribute, 2, GL_FLOAT, false, offsetof(Vertex, uv));
+  VertexAttribute(gl, kColorAttribute, 4, GL_UNSIGNED_BYTE, true, offsetof(Vertex, color));
+
+  gl.GenBuffers(1, &out.indices);
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, out.indices);
+  static_assert(sizeof(Eigen::Vector3i) == 3 * sizeof(GLuint));
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, mesh.triangles.size() * sizeof(Eigen::Vector3i),
+                mesh.triangles.data(), GL_STATIC_DRAW);
+  BindInstances(gl, instances, 0);
+  for (GLuint i = 0; i < kInstanceAttributeCount; ++i) {
+    gl.EnableVertexAttribArray(kFirstInstanceAttribute + i);
+    gl.VertexAttribDivisor(kFirstInstanceAttribute + i, 1);
+  }
+  gl.BindVertexArray(0);
+  return out;
+}
+
+// The first row of the image is the first row of the texture, as uvs with v = 0 at the top want.
+GLuint UploadTexture(const GlFunctions& gl, const Image<Rgb8>& image) {
+  GLuint texture = 0;
+  gl.GenTextures(1, &texture);
+  gl.BindTexture(GL_TEXTURE_2D, texture);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, image.width(), image.height(), 0, GL_RGB,
+                GL_UNSIGNED_BYTE, image.data());
+  gl.GenerateMipmap(GL_TEXTURE_2D);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  return texture;
+}
+
+GLuint CompileShader(const GlFunctions& gl, GLenum type, const std::string& source) {
+  const GLuint shader = gl.CreateShader(type);
+  const char* text = source.c_str();
+  gl.ShaderSource(shader, 1, &text, nullptr);
+  gl.CompileShader(shader);
+  GLint ok = 0;
+  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+  if (!ok) {
+    std::string log(4096, '\0');
+    GLsizei length = 0;
+    gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
+    throw std::logic_error("shader does not compile: " + log.substr(0, length));
+  }
+  return shader;
+}
+
+}  // namespace
+
+GlMesh UploadMesh(const GlFunctions& gl, const TriangleMesh& mesh, GLuint instances) {
+  GlMesh out;
+  out.bounds_O = MeshBounds(mesh);
+  const MeshReport report = InspectMesh(mesh);
+  out.cull_back = report.watertight() && report.volume_m3 > 0;
+  out.flat = mesh.normals.empty();
+  for (const MeshLevel& level : MakeMeshLevels(mesh)) {
+    out.levels.push_back(UploadLevel(gl, level, instances));
+  }
+  if (!mesh.texture.empty() && !mesh.uvs.empty()) out.texture = UploadTexture(gl, mesh.texture);
+  return out;
+}
+
+void DeleteMesh(const GlFunctions& gl, GlMesh& mesh) {
+  for (GlMeshLevel& level : mesh.levels) {
+    gl.DeleteVertexArrays(1, &level.vertex_array);
+    gl.DeleteBuffers(1, &level.vertices);
+    gl.DeleteBuffers(1, &level.indices);
+  }
+  if (mesh.texture) gl.DeleteTextures(1, &mesh.texture);
+}
+
+void BindInstances(const GlFunctions& gl, GLuint instances, size_t first) {
+  gl.BindBuffer(GL_ARRAY_BUFFER, instances);
+  const size_t base = first * sizeof(InstanceAttributes);
+  const auto attribute = [&](GLuint index, int size, size_t offset) {
+    gl.VertexAttribPointer(kFirstInstanceAttribute + index, size, GL_FLOAT, false,
+                           sizeof(InstanceAttributes),
+                           reinterpret_cast<const void*>(base + offset));
+  };
+  for (GLuint row = 0; row < 3; ++row) {
+    attribute(row, 4, offsetof(InstanceAttributes, X_CO_rows) + 4 * sizeof(float) * row);
+  }
+  attribute(3, 4, offsetof(InstanceAttributes, xy_projection));
+  attribute(4, 2, offsetof(InstanceAttributes, z_projection));
+  attribute(5, 3, offsetof(InstanceAttributes, light_C));
+  gl.VertexAttribIPointer(kFirstInstanceAttribute + 6, 1, GL_UNSIGNED_INT,
+                          sizeof(InstanceAttributes),
+                          reinterpret_cast<const void*>(base + offsetof(InstanceAttributes, id)));
+}
+
+GlTarget MakeTarget(const GlFunctions& gl, int width, int height) {
+  GlTarget target;
+  target.width = width;
+  target.height = height;
+  gl.GenFramebuffers(1, &target.framebuffer);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  gl.GenRenderbuffers(4, target.renderbuffers.data());
+  constexpr GLenum kFormats[] = {GL_R32F, GL_R16UI, GL_RGBA8, GL_DEPTH_COMPONENT32F};
+  constexpr GLenum kAttachments[] = {kDepthAttachment, kIdAttachment, kColorAttachment,
+                                     GL_DEPTH_ATTACHMENT};
+  for (int i = 0; i < 4; ++i) {
+    gl.BindRenderbuffer(GL_RENDERBUFFER, target.renderbuffers[i]);
+    gl.RenderbufferStorage(GL_RENDERBUFFER, kFormats[i], width, height);
+    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, kAttachments[i], GL_RENDERBUFFER,
+                               target.renderbuffers[i]);
+  }
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    DeleteTarget(gl, target);
+    throw std::runtime_error(fmt::format("no framebuffer of {} x {} pixels", width, height));
+  }
+  return target;
+}
+
+void DeleteTarget(const GlFunctions& gl, GlTarget& target) {
+  gl.DeleteFramebuffers(1, &target.framebuffer);
+  gl.DeleteRenderbuffers(4, target.renderbuffers.data());
+}
+
+void BeginTarget(const GlFunctions& gl, const GlTarget& target, bool with_color) {
+  constexpr GLenum kDrawn[] = {kDepthAttachment, kIdAttachment, kColorAttachment};
+  constexpr float kZero[4] = {0, 0, 0, 0};
+  constexpr GLuint kZeroId[4] = {0, 0, 0, 0};
+  constexpr float kFar = 1;
+  gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  gl.Viewport(0, 0, target.width, target.height);
+  gl.Disable(GL_SCISSOR_TEST);
+  gl.DrawBuffers(with_color ? 3 : 2, kDrawn);
+  gl.ClearBufferfv(GL_COLOR, 0, kZero);
+  gl.ClearBufferuiv(GL_COLOR, 1, kZeroId);
+  if (with_color) gl.ClearBufferfv(GL_COLOR, 2, kZero);
+  gl.ClearBufferfv(GL_DEPTH, 0, &kFar);
+}
+
+GlProgram MakeProgram(const GlFunctions& gl, bool color, bool texture, bool flat) {
+  std::string head = "#version 330 core\n";
+  if (color) head += "#define COLOR\n";
+  if (texture) head += "#define TEXTURE\n";
+  if (flat) head += "#define FLAT\n";
+  const GLuint vertex = CompileShader(gl, GL_VERTEX_SHADER, head + kVertexShader);
+  const GLuint fragment = CompileShader(gl, GL_FRAGMENT_SHADER, head + kFragmentShader);
+  GlProgram out;
+  out.program = gl.CreateProgram();
+  gl.AttachShader(out.program, vertex);
+  gl.AttachShader(out.program, fragment);
+  gl.LinkProgram(out.program);
+  gl.DeleteShader(vertex);
+  gl.DeleteShader(fragment);
+  GLint ok = 0;
+  gl.GetProgramiv(out.program, GL_LINK_STATUS, &ok);
+  if (!ok) {
+    std::string log(4096, '\0');
+    GLsizei length = 0;
+    gl.GetProgramInfoLog(out.program, static_cast<GLsizei>(log.size()), &length, log.data());
+    throw std::logic_error("shaders do not link: " + log.substr(0, length));
+  }
+  out.ambient_diffuse = gl.GetUniformLocation(out.program, "ambient_diffuse");
+  return out;
+}
+
+}  // namespace pickbed
