@@ -16,16 +16,20 @@ struct ProjectiveIcpOptions {
   int coarse_iterations = 12;
   int fine_iterations = 4;  // at gate_end_m
   double min_normal_cos = 0.5;
-  int max_points = 150;  // of the visible subset, evenly strided
+  int max_points = 150;   // of the visible subset, evenly strided; at most 512
+  double damping = 1e-3;  // share of the mean of the normal equations' diagonal, against sliding
 };
 
 struct IcpReport {
   Pose X_CO = Pose::Identity();
   double overlap = 0;       // share of the used points that found a partner at the end
   double residual_m = 0;    // rms point-to-plane at the end
-  double conditioning = 0;  // smallest over largest eigenvalue of the normal equations; 0 = slides
+  double conditioning = 0;  // smallest over largest eigenvalue of the normal equations, turns
+                            // counted as motion at the part's radius; 0 = slides
 };
 
+// Stops where fewer than six points find a partner or a step leaves the gate; the report then tells
+// of the last good pose. No allocation.
 IcpReport ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                         const ProjectiveIcpOptions& options = {});
 

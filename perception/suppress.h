@@ -13,9 +13,11 @@ namespace pickbed {
 struct SuppressOptions {
   double claim_m = 0.004;         // a pixel this near to the model's surface is claimed by it
   double max_shared_share = 0.4;  // of the weaker one's claimed pixels
+  int pixel_stride = 2;           // only every so many pixels of a row and rows are looked at
 };
 
-// `hypotheses` in any order; the result is sorted by falling score. `models` by object index.
+// `hypotheses` in any order; the result is sorted by falling score (of equals the earlier first).
+// One that claims no pixel at all is dropped. `models` by object index.
 std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
                                                const std::vector<ModelPoints>& models,
                                                std::vector<PoseHypothesis> hypotheses,

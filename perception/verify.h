@@ -14,6 +14,18 @@
 
 namespace pickbed {
 
+// Bands for distances at up to 1 m; they grow with z^2 beyond, as the sensor's noise does.
+struct VerifyBands {
+  double inlier_m = 0.003;      // point-to-plane; about three sigma of the noise at 1 m
+  double tight_m = 0.0015;      // of a tight inlier
+  double explained_m = 0.0035;  // a scene point this near to the model is explained by it
+  double near_m = 0.008;        // up to here it is near but unexplained ...
+  double far_m = 0.014;         // ... and up to here farther; beyond it is another matter
+  double min_normal_cos = 0.7;
+  int max_points = 600;        // visible model points, evenly strided
+  int max_scene_pixels = 800;  // of the box around the part, evenly strided
+};
+
 // (inliers - violations) / points over at most `max_points` visible points, band tau_m. No
 // allocation.
 double QuickScore(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
@@ -22,14 +34,22 @@ double QuickScore(const OrganizedCloud& cloud, const ModelPoints& model, const P
 inline constexpr int kVerifyFeatures = 10;
 using VerifyFeatures = std::array<float, kVerifyFeatures>;
 
+// Shares of the visible model points. An inlier lies on the surface seen; where the pixel has a
+// normal it agrees. Holes count in none of the shares; points outside the image are hidden. Where
+// the camera sees the background at the model's depth the point counts in none, either: a part's
+// lowest few millimetres are cut off with the floor. No allocation.
+FitReport MeasureFit(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
+                     const VerifyBands& bands = {});
+
 // In order: inlier, hidden, violated, wrong-normal and tight-inlier shares; near and farther
-// unexplained scene points; log visible points; log agreeing raw votes; explained share.
+// unexplained scene points; log visible points; log agreeing raw votes; explained share. The counts
+// of scene points are over the pixels that the part would cover were it not hidden. No allocation.
 VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoints& model,
                                      const Pose& X_CO, double agreeing_votes, FitReport& fit);
 
 // A 10-24-1 perceptron with tanh, inputs standardised; output P(pose right).
 struct Verifier {
-  Eigen::VectorXf mean, scale;  // 10
+  Eigen::VectorXf mean, scale;  // 10; input i is (feature - mean) / scale
   Eigen::MatrixXf w1;           // 24 x 10
   Eigen::VectorXf b1, w2;       // 24
   float b2 = 0;

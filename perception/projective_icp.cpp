@@ -1,0 +1,148 @@
+#include "perception/projective_icp.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "perception/projector.h"
+
+namespace pickbed {
+namespace {
+
+constexpr int kMaxPoints = 512;
+constexpr int kMinPartners = 6;  // as many as unknowns
+
+using Matrix6f = Eigen::Matrix<float, 6, 6>;
+using Vector6f = Eigen::Matrix<float, 6, 1>;
+
+// The visible points that take part, about the part's centre.
+struct Subset {
+  int count = 0;
+  std::array<Eigen::Vector3f, kMaxPoints> points, normals;
+};
+
+void Select(const ModelPoints& model, const Pose& X_CO, int max_points, Subset& subset) {
+  const std::vector<uint16_t>& visible = model.VisibleFrom(X_CO);
+  const int available = static_cast<int>(visible.size());
+  subset.count = std::min({available, max_points, kMaxPoints});
+  for (int i = 0; i < subset.count; ++i) {
+    const int index = visible[static_cast<int64_t>(i) * available / subset.count];
+    subset.points[i] = model.points_O[index] - model.center_O;
+    subset.normals[i] = model.normals_O[index];
+  }
+}
+
+// Pose by rotation and the place of the part's centre: turns about the centre keep the normal
+// equations well scaled.
+struct CenteredPose {
+  Eigen::Matrix3d R_CO;
+  Eigen::Vector3d center_C;
+};
+
+// Normal equations of sum (n . (q - p))^2 over the paired points.
+struct Equations {
+  Matrix6f hessian = Matrix6f::Zero();
+  Vector6f gradient = Vector6f::Zero();
+  int partners = 0;
+  float sum_squared_m2 = 0;
+};
+
+class Problem {
+ public:
+  Problem(const OrganizedCloud& cloud, const ModelPoints& model, double min_normal_cos)
+      : cloud_(cloud),
+        project_(cloud.intrinsics),
+        radius_m_(model.radius_m),
+        min_normal_cos_(static_cast<float>(min_normal_cos)) {}
+
+  Equations Linearize(const Subset& subset, const CenteredPose& pose, double gate_m) const {
+    const Eigen::Matrix3f R = pose.R_CO.cast<float>();
+    const Eigen::Vector3f center = pose.center_C.cast<float>();
+    const float gate2 = static_cast<float>(gate_m * gate_m);
+    Equations e;
+    for (int i = 0; i < subset.count; ++i) {
+      const Eigen::Vector3f arm = R * subset.points[i];
+      const Eigen::Vector3f p = arm + center;
+      const int pixel = project_(p);
+      if (pixel < 0) continue;
+      const Eigen::Vector3f& n = cloud_.normals_C[pixel];
+      if (!(n.dot(R * subset.normals[i]) > min_normal_cos_)) continue;  // also where n is zero
+      const Eigen::Vector3f d = cloud_.points_C[pixel] - p;
+      if (d.squaredNorm() > gate2) continue;
+      const float residual = n.dot(d);
+      Vector6f J;
+      J << arm.cross(n) / radius_m_, n;
+      e.hessian.selfadjointView<Eigen::Lower>().rankUpdate(J);
+      e.gradient += J * residual;
+      e.sum_squared_m2 += residual * residual;
+      ++e.partners;
+    }
+    return e;
+  }
+
+  // One damped Gauss-Newton step. False: too few partners, or a step beyond the gate, after which
+  // the pairs mean nothing.
+  bool Step(const Subset& subset, double gate_m, double damping, CenteredPose& pose) const {
+    Equations e = Linearize(subset, pose, gate_m);
+    if (e.partners < kMinPartners) return false;
+    e.hessian.diagonal().array() += static_cast<float>(damping) * e.hessian.trace() / 6;
+    const Vector6f x = e.hessian.selfadjointView<Eigen::Lower>().ldlt().solve(e.gradient);
+    const Eigen::Vector3d turn = x.head<3>().cast<double>() / radius_m_;
+    const Eigen::Vector3d move = x.tail<3>().cast<double>();
+    if (!(move.norm() + turn.norm() * radius_m_ < 2 * gate_m)) return false;
+    const double angle = turn.norm();
+    if (angle > 0) pose.R_CO = Eigen::AngleAxisd(angle, turn / angle) * pose.R_CO;
+    pose.center_C += move;
+    return true;
+  }
+
+ private:
+  const OrganizedCloud& cloud_;
+  Projector project_;
+  float radius_m_;
+  float min_normal_cos_;
+};
+
+Pose ToPose(const CenteredPose& c, const ModelPoints& model) {
+  Pose X_CO = Pose::Identity();
+  X_CO.linear() = Eigen::Quaterniond(c.R_CO).normalized().toRotationMatrix();
+  X_CO.translation() = c.center_C - X_CO.linear() * model.center_O.cast<double>();
+  return X_CO;
+}
+
+double Conditioning(const Matrix6f& hessian) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6f> solver(hessian, Eigen::EigenvaluesOnly);
+  const float largest = solver.eigenvalues()[5];
+  return largest > 0 ? std::max(0.0f, solver.eigenvalues()[0]) / largest : 0.0;
+}
+
+}  // namespace
+
+IcpReport ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
+                        const ProjectiveIcpOptions& options) {
+  const Problem problem(cloud, model, options.min_normal_cos);
+  CenteredPose pose{X_CO.linear(), X_CO * model.center_O.cast<double>()};
+  Subset subset;
+  Select(model, X_CO, options.max_points, subset);
+  bool ok = true;
+  for (int i = 0; ok && i < options.coarse_iterations; ++i) {
+    const double share = static_cast<double>(i) / options.coarse_iterations;
+    const double gate = options.gate_m + share * (options.gate_end_m - options.gate_m);
+    ok = problem.Step(subset, gate, options.damping, pose);
+  }
+  Select(model, ToPose(pose, model), options.max_points, subset);
+  for (int i = 0; ok && i < options.fine_iterations; ++i) {
+    ok = problem.Step(subset, options.gate_end_m, options.damping, pose);
+  }
+  const Equations end = problem.Linearize(subset, pose, options.gate_end_m);
+  IcpReport report;
+  report.X_CO = ToPose(pose, model);
+  if (subset.count > 0) report.overlap = static_cast<double>(end.partners) / subset.count;
+  if (end.partners > 0) report.residual_m = std::sqrt(end.sum_squared_m2 / end.partners);
+  if (end.partners >= kMinPartners) report.conditioning = Conditioning(end.hessian);
+  return report;
+}
+
+}  // namespace pickbed
