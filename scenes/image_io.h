@@ -3,6 +3,8 @@
 // PNG in and out: 8-bit colour and 16-bit depth.
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "scenes/image.h"
 
@@ -11,10 +13,14 @@ namespace pickbed {
 // All throw InputError with the path and reason.
 void WritePng(const std::filesystem::path& path, const Image<Rgb8>& image);
 void WritePng16(const std::filesystem::path& path, const Image<uint16_t>& image);
-// depth_m * 1e3 / scale_mm, rounded; BOP's depth_scale.
+// depth_m * 1e3 / scale_mm, rounded; BOP's depth_scale. What 16 bits cannot hold (6.5 m at 0.1 mm)
+// and what is no number becomes 0 = no reading.
 void WriteDepthPng(const std::filesystem::path& path, const Image<float>& depth_m,
                    double scale_mm = 0.1);
 Image<Rgb8> ReadPng(const std::filesystem::path& path);
 Image<uint16_t> ReadPng16(const std::filesystem::path& path);
+
+// Any image format from memory (PNG, JPEG...); nothing when the bytes are none of them.
+std::optional<Image<Rgb8>> DecodeImage(const std::string& bytes);
 
 }  // namespace pickbed

@@ -11,14 +11,16 @@ namespace pickbed {
 struct MeshReport {
   bool finite = true;
   int triangles = 0;
-  int open_edges = 0;    // edges with one face; vertices at equal places count as one
-  double volume_m3 = 0;  // signed
+  int open_edges = 0;     // edges with one face; vertices at equal places count as one
+  int flipped_edges = 0;  // edges whose two faces disagree about which side is outside
+  double volume_m3 = 0;   // signed
   bool watertight() const { return open_edges == 0; }
 };
 
 MeshReport InspectMesh(const TriangleMesh& mesh);
 
-// Throws InputError naming `source` for NaN, no faces, zero volume.
+// Throws InputError naming `source` for NaN or infinite vertices, no faces, zero volume (flat
+// relative to its bounds). Open and inside-out meshes pass.
 void RequireUsableMesh(const TriangleMesh& mesh, const std::string& source);
 
 }  // namespace pickbed

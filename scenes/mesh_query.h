@@ -19,7 +19,8 @@ struct SurfaceHit {
 
 class MeshQuery {
  public:
-  explicit MeshQuery(const TriangleMesh& mesh);  // copies what it needs
+  // Copies what it needs; faces without area are left out. Throws InputError when none is left.
+  explicit MeshQuery(const TriangleMesh& mesh);
   ~MeshQuery();
   MeshQuery(MeshQuery&&) noexcept;
 
@@ -27,7 +28,8 @@ class MeshQuery {
   // First hit along origin + t * direction (unit), min_t < t < max_t.
   std::optional<SurfaceHit> Raycast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                     double min_t, double max_t) const;
-  // Every hit on the line, by rising t (t may be negative).
+  // Every crossing of the line and the surface, by rising t = distance (may be negative). A line
+  // through the side that two faces share gives one hit.
   std::vector<SurfaceHit> AllHits(const Eigen::Vector3d& origin,
                                   const Eigen::Vector3d& direction) const;
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/files.h"
 #include "scenes/object_model.h"
 
 namespace pickbed {
@@ -37,16 +38,5 @@ class ObjectCatalog {
  private:
   std::vector<std::filesystem::path> roots_;
 };
-
-// assets/ of the source tree or of the installed program, found relative to the executable;
-// the environment variable PICKBED_ASSETS overrides it. Throws InputError when there is none.
-std::filesystem::path AssetsDir();
-
-// XDG_CACHE_HOME/pickbed (or ~/.cache/pickbed), created on demand.
-std::filesystem::path CacheDir();
-
-// Writes bytes to `path` through a temporary file and an atomic rename. Throws InputError with the
-// path and the system's reason (no space left, no permission) and leaves the old file whole.
-void WriteFileAtomically(const std::filesystem::path& path, const std::string& bytes);
 
 }  // namespace pickbed

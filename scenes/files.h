@@ -1,0 +1,25 @@
+#pragma once
+
+// Where the program's own data and caches live, and whole files in and out.
+
+#include <filesystem>
+#include <string>
+
+namespace pickbed {
+
+// assets/ of the source tree or of the installed program, found relative to the executable;
+// the environment variable PICKBED_ASSETS overrides it. Throws InputError when there is none.
+std::filesystem::path AssetsDir();
+
+// XDG_CACHE_HOME/pickbed (or ~/.cache/pickbed), created on demand. Throws InputError when it
+// cannot be made.
+std::filesystem::path CacheDir();
+
+// All bytes of a file. Throws InputError with the path and the system's reason.
+std::string ReadFileBytes(const std::filesystem::path& path);
+
+// Writes bytes to `path` through a temporary file and an atomic rename. Throws InputError with the
+// path and the system's reason (no space left, no permission) and leaves the old file whole.
+void WriteFileAtomically(const std::filesystem::path& path, const std::string& bytes);
+
+}  // namespace pickbed

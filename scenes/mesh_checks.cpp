@@ -1,0 +1,99 @@
+#include "scenes/mesh_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <vector>
+
+#include "scenes/check.h"
+#include "scenes/mass_properties.h"
+
+namespace pickbed {
+namespace {
+
+// For each vertex the first one at the same place.
+std::vector<int> WeldByPosition(const std::vector<Eigen::Vector3d>& vertices) {
+  std::vector<int> order(vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    const Eigen::Vector3d& p = vertices[a];
+    const Eigen::Vector3d& q = vertices[b];
+    return std::tie(p.x(), p.y(), p.z(), a) < std::tie(q.x(), q.y(), q.z(), b);
+  });
+  std::vector<int> welded(vertices.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    const bool same = i > 0 && vertices[order[i]] == vertices[order[i - 1]];
+    welded[order[i]] = same ? welded[order[i - 1]] : order[i];
+  }
+  return welded;
+}
+
+void CountEdges(const TriangleMesh& mesh, MeshReport& report) {
+  const std::vector<int> welded = WeldByPosition(mesh.vertices);
+  // (low end, high end, runs from low to high) of each side of each face.
+  std::vector<std::tuple<int, int, bool>> sides;
+  sides.reserve(3 * mesh.triangles.size());
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = welded[t[k]];
+      const int b = welded[t[(k + 1) % 3]];
+      if (a != b) sides.emplace_back(std::min(a, b), std::max(a, b), a < b);
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  for (size_t begin = 0; begin < sides.size();) {
+    const auto [low, high, unused] = sides[begin];
+    size_t end = begin;
+    int forward = 0;
+    for (; end < sides.size() && std::get<0>(sides[end]) == low && std::get<1>(sides[end]) == high;
+         ++end) {
+      forward += std::get<2>(sides[end]);
+    }
+    const int faces = static_cast<int>(end - begin);
+    report.open_edges += faces == 1;
+    report.flipped_edges += faces == 2 && forward != 1;
+    begin = end;
+  }
+}
+
+double SignedVolume(const TriangleMesh& mesh) {
+  const Eigen::Vector3d middle = MeshBounds(mesh).center();
+  double six_volumes = 0;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Eigen::Vector3d a = mesh.vertices[t[0]] - middle;
+    const Eigen::Vector3d b = mesh.vertices[t[1]] - middle;
+    const Eigen::Vector3d c = mesh.vertices[t[2]] - middle;
+    six_volumes += a.dot(b.cross(c));
+  }
+  return six_volumes / 6;
+}
+
+}  // namespace
+
+MeshReport InspectMesh(const TriangleMesh& mesh) {
+  MeshReport report;
+  report.triangles = static_cast<int>(mesh.triangles.size());
+  report.finite = std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                              [](const Eigen::Vector3d& v) { return v.allFinite(); });
+  if (!report.finite) return report;  // NaN has no order and no volume
+  CountEdges(mesh, report);
+  report.volume_m3 = SignedVolume(mesh);
+  return report;
+}
+
+void RequireUsableMesh(const TriangleMesh& mesh, const std::string& source) {
+  CheckInput(!mesh.triangles.empty(),
+             "mesh '" + source + "' has no faces; export it as triangles, not as points or lines");
+  const bool finite = std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                                  [](const Eigen::Vector3d& v) { return v.allFinite(); });
+  CheckInput(finite, "mesh '" + source +
+                         "' has vertices that are not numbers (NaN or infinite); export it again");
+  const double scale_m3 = std::pow(MeshBounds(mesh).size().norm(), 3);
+  CheckInput(std::abs(SignedVolume(mesh)) > kFlatVolumeRatio * scale_m3,
+             "mesh '" + source +
+                 "' encloses no volume: it is flat or its faces are turned at random; give it a "
+                 "thickness and let all faces look outwards");
+}
+
+}  // namespace pickbed

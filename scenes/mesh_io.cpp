@@ -1,0 +1,218 @@
+#include "scenes/mesh_io.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "scenes/check.h"
+#include "scenes/files.h"
+#include "scenes/image_io.h"
+#include "scenes/mesh_join.h"
+
+namespace pickbed {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kNoTexture = -1;
+
+Eigen::Vector3d ToEigen(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+Eigen::Affine3d ToEigen(const aiMatrix4x4& m) {
+  Eigen::Affine3d T;
+  T.matrix() << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, 0, 0, 0, 1;
+  return T;
+}
+
+uint8_t ToByte(float channel) {
+  return static_cast<uint8_t>(std::lround(255 * std::clamp(channel, 0.f, 1.f)));
+}
+
+Rgb8 ToRgb(const aiColor4D& c) { return {ToByte(c.r), ToByte(c.g), ToByte(c.b)}; }
+
+// ---- Materials ----
+
+// Finds the colour textures of a file once each, by name.
+class TextureShelf {
+ public:
+  TextureShelf(const aiScene& scene, const fs::path& folder) : scene_(scene), folder_(folder) {}
+
+  // Index of the material's texture, kNoTexture when it has none or it cannot be read.
+  int IndexOf(const aiMaterial& material) {
+    aiString name;
+    if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &name) != aiReturn_SUCCESS &&
+        material.GetTexture(aiTextureType_DIFFUSE, 0, &name) != aiReturn_SUCCESS) {
+      return kNoTexture;
+    }
+    const auto [known, is_new] = index_by_name_.try_emplace(name.C_Str(), kNoTexture);
+    if (!is_new) return known->second;
+    std::optional<Image<Rgb8>> image = Read(name.C_Str());
+    if (!image) return kNoTexture;
+    images_.push_back(*std::move(image));
+    return known->second = static_cast<int>(images_.size()) - 1;
+  }
+
+  const Image<Rgb8>& image(int index) const { return images_[index]; }
+
+ private:
+  std::optional<Image<Rgb8>> Read(const std::string& name) const {
+    if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str())) {
+      if (embedded->mHeight != 0) return FromTexels(*embedded);
+      return DecodeImage(
+          std::string(reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth));
+    }
+    // Exporters write paths of their own machine; the image then often lies beside the mesh.
+    std::string portable = name;
+    std::replace(portable.begin(), portable.end(), '\\', '/');
+    for (const fs::path& path : {folder_ / portable, folder_ / fs::path(portable).filename()}) {
+      std::error_code error;
+      if (fs::is_regular_file(path, error)) return DecodeImage(ReadFileBytes(path));
+    }
+    return std::nullopt;
+  }
+
+  static Image<Rgb8> FromTexels(const aiTexture& texture) {
+    Image<Rgb8> image(static_cast<int>(texture.mWidth), static_cast<int>(texture.mHeight));
+    for (size_t i = 0; i < image.size(); ++i) {
+      image.data()[i] = {texture.pcData[i].r, texture.pcData[i].g, texture.pcData[i].b};
+    }
+    return image;
+  }
+
+  const aiScene& scene_;
+  fs::path folder_;
+  std::map<std::string, int> index_by_name_;
+  std::vector<Image<Rgb8>> images_;
+};
+
+// The material's own colour; the mesh's default where the file states none, which assimp gives as
+// a grey of 0.6 (a missing .mtl too).
+Rgb8 BaseColor(const aiMaterial& material) {
+  const aiColor4D unstated(0.6f, 0.6f, 0.6f, 1.f);
+  aiColor4D color = unstated;
+  if (material.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS) {
+    material.Get(AI_MATKEY_COLOR_DIFFUSE, color);
+  }
+  return color == unstated ? TriangleMesh().base_color : ToRgb(color);
+}
+
+// ---- Parts: one assimp mesh at one node ----
+
+// Corners of its triangles, three after another, not yet joined.
+struct Part {
+  TriangleMesh mesh;
+  int texture = kNoTexture;
+};
+
+Part MakePart(const aiMesh& source, const Eigen::Affine3d& T, const aiMaterial& material,
+              TextureShelf& shelf) {
+  Part part;
+  TriangleMesh& mesh = part.mesh;
+  mesh.base_color = BaseColor(material);
+  if (source.HasTextureCoords(0)) part.texture = shelf.IndexOf(material);
+  const Eigen::Matrix3d linear = T.linear();
+  const bool mirrored = linear.determinant() < 0;
+  const bool has_normals = source.HasNormals() && linear.determinant() != 0;
+  const Eigen::Matrix3d for_normals = has_normals ? Eigen::Matrix3d(linear.inverse().transpose())
+                                                  : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  for (unsigned f = 0; f < source.mNumFaces; ++f) {
+    const aiFace& face = source.mFaces[f];
+    if (face.mNumIndices != 3) continue;  // points and lines
+    const int first = static_cast<int>(mesh.vertices.size());
+    mesh.triangles.emplace_back(first, first + (mirrored ? 2 : 1), first + (mirrored ? 1 : 2));
+    for (int k = 0; k < 3; ++k) {
+      const unsigned i = face.mIndices[k];
+      mesh.vertices.push_back(T * ToEigen(source.mVertices[i]));
+      if (has_normals) {
+        mesh.normals.push_back((for_normals * ToEigen(source.mNormals[i])).normalized());
+      }
+      if (part.texture != kNoTexture) {
+        const aiVector3D& uv = source.mTextureCoords[0][i];
+        mesh.uvs.emplace_back(uv.x, 1.0 - uv.y);  // assimp counts v from the bottom row
+      }
+      if (source.HasVertexColors(0)) mesh.colors.push_back(ToRgb(source.mColors[0][i]));
+    }
+  }
+  return part;
+}
+
+void CollectParts(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& parent,
+                  TextureShelf& shelf, std::vector<Part>& parts) {
+  const Eigen::Affine3d T = parent * ToEigen(node.mTransformation);
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
+    parts.push_back(MakePart(mesh, T, *scene.mMaterials[mesh.mMaterialIndex], shelf));
+  }
+  for (unsigned i = 0; i < node.mNumChildren; ++i) {
+    CollectParts(scene, *node.mChildren[i], T, shelf, parts);
+  }
+}
+
+// Colours of the vertices in place of a texture, for files with several.
+void BakeTexture(const Image<Rgb8>& texture, TriangleMesh& mesh) {
+  mesh.colors.clear();
+  for (const Eigen::Vector2d& uv : mesh.uvs) {
+    const Eigen::Vector2d wrapped = uv - uv.array().floor().matrix();
+    const int x = std::min(static_cast<int>(wrapped.x() * texture.width()), texture.width() - 1);
+    const int y = std::min(static_cast<int>(wrapped.y() * texture.height()), texture.height() - 1);
+    mesh.colors.push_back(texture(x, y));
+  }
+  mesh.uvs.clear();
+}
+
+// A mesh has one texture: when its parts have several, they become vertex colours.
+TriangleMesh Joined(std::vector<Part> parts, const TextureShelf& shelf) {
+  const bool one_texture = std::all_of(parts.begin(), parts.end(), [&](const Part& part) {
+    return part.texture == parts.front().texture;
+  });
+  TriangleMesh mesh;
+  for (Part& part : parts) {
+    if (!one_texture && part.texture != kNoTexture)
+      BakeTexture(shelf.image(part.texture), part.mesh);
+    Append(part.mesh, mesh);
+  }
+  if (!mesh.uvs.empty()) mesh.texture = shelf.image(parts.front().texture);
+  return mesh;
+}
+
+}  // namespace
+
+double UnitInMeters(const std::string& unit) {
+  static const std::map<std::string, double> kUnits = {
+      {"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}};
+  const auto known = kUnits.find(unit);
+  CheckInput(known != kUnits.end(), "unknown unit '" + unit + "'; known: m, cm, mm, in");
+  return known->second;
+}
+
+TriangleMesh LoadMesh(const fs::path& path, const std::string& unit) {
+  const double scale = UnitInMeters(unit);
+  const std::string name = path.string();
+  std::error_code error;
+  CheckInput(fs::is_regular_file(path, error),
+             "mesh '" + name + "' does not exist; check the path");
+  Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
+  CheckInput(scene != nullptr && scene->mRootNode != nullptr,
+             "cannot read mesh '" + name + "': " + importer.GetErrorString());
+  TextureShelf shelf(*scene, path.parent_path());
+  std::vector<Part> parts;
+  CollectParts(*scene, *scene->mRootNode, Eigen::Affine3d(Eigen::Scaling(scale)), shelf, parts);
+  std::erase_if(parts, [](const Part& part) { return part.mesh.triangles.empty(); });
+  CheckInput(!parts.empty(), "mesh '" + name + "' has no faces; export it as triangles");
+  TriangleMesh mesh = Joined(std::move(parts), shelf);
+  DropDegenerate(mesh);
+  CheckInput(SurfaceArea(mesh) != 0, "mesh '" + name + "' has only faces without area");
+  DropFlatNormals(mesh);
+  return WithEqualVerticesJoined(mesh);
+}
+
+}  // namespace pickbed
