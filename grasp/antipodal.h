@@ -2,7 +2,13 @@
 
 // Antipodal grasp candidates on a part's mesh: pairs of surface points whose connecting line lies
 // in both friction cones (Nguyen 1988), with approach directions around the closing axis.
+//
+// A pair alone says little about two flat pads, so each candidate is judged by what the pads would
+// touch (grasp/pad_contact.h). Its quality, 0..1, is a product of: angle of the contacts inside the
+// friction cone, share of the pad in contact, depth of the contact behind the tips, and torque of
+// the part's weight about the closing line against the pads' torsional friction.
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "grasp/grasp.h"
@@ -13,10 +19,23 @@
 namespace pickbed {
 
 struct AntipodalOptions {
-  int candidates = 400;     // wanted
-  int max_samples = 20000;  // surface points tried at most
-  int approaches = 12;      // around the closing axis
-  double cone_share = 0.8;  // of the friction cone's half angle that is used
+  int candidates = 400;         // wanted
+  int max_samples = 20000;      // surface points tried at most
+  int max_pairs = 400;          // antipodal pairs that are looked at
+  int approaches = 12;          // around the closing axis
+  double cone_share = 0.8;      // of the friction cone's half angle that is used
+  double straight_share = 0.5;  // of the rays go along the normal, the others fill the cone
+  // How far the tips stand beyond the contact, m; shallow ones serve parts that lie on the floor.
+  Eigen::Vector3d tips_beyond_m{0.014, 0.009, 0.004};
+  double point_spacing_m = 0.002;  // of the surface points that pads and hand are tested on
+  double min_width_m = 0.002;      // thinner walls are left alone
+  double touch_band_m = 0.0005;    // surface this near to the first touch is in contact
+  double full_pad_share = 0.15;    // of a pad in contact that is as good as all of it
+  double good_depth_m = 0.008;     // of the contact's middle behind the tips, and more
+  double own_margin_m = 0.001;     // between the open hand and the part itself
+  double spacing_m = 0.004;        // candidates nearer than both spacings count as one
+  double spacing_rad = 0.25;
+  void Visit(SettingsVisitor& v);
 };
 
 // Empty when the part has no antipodal pair that fits the stroke: a result, not an error.

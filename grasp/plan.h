@@ -2,6 +2,9 @@
 
 // Chooses a grasp: candidates of every believed pose, moved into the world, checked against the bin
 // and the observed cloud (never against the truth), ranked.
+//
+// Other believed poses stand in for what the camera cannot see of the target's neighbours: their
+// surfaces are obstacles like observed points.
 
 #include <map>
 #include <span>
@@ -35,13 +38,34 @@ struct PlanOptions {
   int max_grasps = 5;           // reported
   double max_tilt_rad = 1.05;   // of the approach from straight down
   double own_points_m = 0.006;  // cloud points this near to the target's own surface are its own
+
+  double voxel_m = 0.003;             // the cloud is thinned to
+  double bin_band_m = 0.004;          // points this near to floor and walls are the bin's
+  double neighbor_confidence = 0.5;   // believed poses from here on are obstacles
+  double neighbor_spacing_m = 0.004;  // of the points on them
+  double same_share = 0.25;  // poses nearer than this share of the diameter are rivals for one part
+
+  // Each lowers the score by up to its share: lowest part of all, approach at max_tilt_rad, nothing
+  // but `clearance_m` of room, floor plan wholly covered by others, others between the fingers.
+  double height_share = 0.4;
+  double tilt_share = 0.4;
+  double room_share = 0.4;
+  double cover_share = 0.8;
+  double between_share = 0.5;
+  double good_room_m = 0.010;    // distance from others from which there is no loss
+  int many_between = 20;         // points of others between the fingers at which the loss is full
+  double cover_above_m = 0.004;  // points this much higher lie on the target
+  void Visit(SettingsVisitor& v);
 };
 
 struct PlanResult {
-  std::vector<Grasp> grasps;            // best first
-  std::map<std::string, int> rejected;  // cause -> count
+  std::vector<Grasp> grasps;  // best first
+  // Cause -> count. Causes: tilt, opening, bin floor, bin wall, fingers meet a part, palm meets a
+  // part.
+  std::map<std::string, int> rejected;
 };
 
+// Throws std::logic_error when a pose names an object outside `candidates` or `objects`.
 PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options = {});
 
 }  // namespace pickbed

@@ -1,0 +1,226 @@
+#include "grasp/antipodal.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "grasp/pad_contact.h"
+#include "scenes/friction.h"
+#include "scenes/mesh_query.h"
+
+namespace pickbed {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kGravity_mps2 = 9.81;
+// Bounds of the cloud that pads are tested on: enough for a bolt, cheap for a drill.
+constexpr int kMinSurfacePoints = 2000;
+constexpr int kMaxSurfacePoints = 8000;
+
+// Two surface points that face away from each other along `axis_O` (unit, first to second).
+struct ContactPair {
+  Vector3d center_O;
+  Vector3d axis_O;
+};
+
+Vector3d DirectionInCone(const Vector3d& axis, double half_angle_rad, Rng& rng) {
+  const double cosine = rng.Uniform(std::cos(half_angle_rad), 1.0);
+  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+  const double turn = rng.Uniform(0, 2 * std::numbers::pi);
+  const Vector3d u = axis.unitOrthogonal();
+  return cosine * axis + sine * (std::cos(turn) * u + std::sin(turn) * axis.cross(u));
+}
+
+// Rays from the surface into the part; every way out within the stroke and the cone is a pair, also
+// behind a bore. Whether the fingers get there is for HandClearsPart to say.
+std::vector<ContactPair> FindPairs(const ObjectModel& model, double cone_rad, double max_width_m,
+                                   const AntipodalOptions& options, Rng& rng) {
+  std::vector<ContactPair> pairs;
+  const MeshQuery query(model.mesh_O);
+  const SurfaceSamples samples = SampleSurface(model.mesh_O, options.max_samples, rng);
+  for (size_t i = 0; i < samples.points.size(); ++i) {
+    if (static_cast<int>(pairs.size()) >= options.max_pairs) break;
+    const Vector3d inward = -samples.normals[i];
+    const bool straight = rng.Uniform() < options.straight_share;
+    const Vector3d axis = straight ? inward : DirectionInCone(inward, cone_rad, rng);
+    for (const SurfaceHit& hit : query.AllHits(samples.points[i], axis)) {
+      const double width = (hit.point - samples.points[i]).dot(axis);
+      if (width < options.min_width_m || width > max_width_m) continue;
+      if (hit.normal.dot(axis) < std::cos(cone_rad)) continue;
+      pairs.push_back({0.5 * (hit.point + samples.points[i]), axis});
+    }
+  }
+  return pairs;
+}
+
+// Frame G with closing axis x, turned about it, its tips `tips_beyond_m` past the pair's middle.
+Pose GraspFrame(const ContactPair& pair, double turn_rad, double tips_beyond_m) {
+  const Vector3d u = pair.axis_O.unitOrthogonal();
+  const Vector3d v = pair.axis_O.cross(u);
+  Eigen::Matrix3d R_OG;
+  R_OG.col(0) = pair.axis_O;
+  R_OG.col(2) = std::cos(turn_rad) * u + std::sin(turn_rad) * v;
+  R_OG.col(1) = R_OG.col(2).cross(R_OG.col(0));
+  return MakePose(R_OG, pair.center_O + tips_beyond_m * R_OG.col(2));
+}
+
+// What does not change from candidate to candidate of one part and gripper.
+struct Judge {
+  const ObjectModel& model;
+  const GripperSpec& gripper;
+  const AntipodalOptions& options;
+  const SurfacePoints& surface;
+  double friction;
+  double cone_rad;
+
+  PadContact Close(const Pose& X_OG) const {
+    return ClosePads(surface, X_OG, gripper.hand, options.touch_band_m);
+  }
+
+  // Share of the pads' torsional friction that is left when the weight hangs off the closing line.
+  double TorqueFactor(const Pose& X_OG, const PadContact& contact) const {
+    const Eigen::Vector2d shared = contact.shared_center();
+    const Vector3d com_G = X_OG.inverse() * model.mass.com_O;
+    const double lever = (com_G.tail<2>() - shared).norm();
+    // A uniformly pressed disc resists mu * N * 2/3 of its radius, on each of two pads.
+    const double arm = 2.0 / 3.0 * std::sqrt(contact.area_m2 / std::numbers::pi);
+    const double ratio = model.mass.mass_kg * kGravity_mps2 * lever /
+                         (2 * friction * gripper.hand.force_n * std::max(arm, 1e-6));
+    const double off_center = std::min(1.0, 2 * lever / model.diameter_m);
+    return (1 - 0.5 * off_center) / (1 + ratio * ratio);
+  }
+
+  double Quality(const Pose& X_OG, const PadContact& contact) const {
+    const Vector3d size = gripper.hand.finger_size_m;
+    const double cone_factor = 1 - contact.max_angle_rad / std::atan(friction);
+    const double share = contact.area_m2 / (size.y() * size.z());
+    const double pad_factor = 0.3 + 0.7 * std::min(1.0, share / options.full_pad_share);
+    const double depth = -contact.shared_center().y();
+    const double depth_factor = std::min(1.0, depth / options.good_depth_m);
+    return cone_factor * pad_factor * depth_factor * TorqueFactor(X_OG, contact);
+  }
+
+  // The candidate at this pose, its origin moved to the middle of the contact; quality 0 if none.
+  GraspCandidate Evaluate(Pose X_OG) const {
+    GraspCandidate candidate;
+    PadContact contact = Close(X_OG);
+    if (!contact.touches || !contact.shared()) return candidate;
+    X_OG.translate(
+        Vector3d(0.5 * (contact.low_x_m + contact.high_x_m), contact.shared_center().x(), 0));
+    contact = Close(X_OG);
+    if (!contact.touches || !contact.shared() || contact.max_angle_rad > cone_rad) return candidate;
+    const auto opening = MechanismOf(gripper).approach_opening_m(gripper, contact.width_m());
+    if (!opening || !HandClearsPart(surface, X_OG, gripper.hand, *opening, options.own_margin_m)) {
+      return candidate;
+    }
+    candidate.X_OG = X_OG;
+    candidate.width_m = contact.width_m();
+    candidate.quality = Quality(X_OG, contact);
+    return candidate;
+  }
+};
+
+// Approach directions sorted into 3 x 3 cells on each face of a cube.
+constexpr int kDirectionCells = 54;
+int DirectionCell(const Vector3d& direction) {
+  int axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  const double scale = 1 / std::abs(direction[axis]);
+  const auto third = [](double value) { return std::clamp(int((value + 1) * 1.5), 0, 2); };
+  const int cell =
+      3 * third(direction[(axis + 1) % 3] * scale) + third(direction[(axis + 2) % 3] * scale);
+  return 9 * (2 * axis + (direction[axis] > 0 ? 1 : 0)) + cell;
+}
+
+bool SameGrasp(const GraspCandidate& a, const GraspCandidate& b, const AntipodalOptions& options) {
+  if ((a.X_OG.translation() - b.X_OG.translation()).norm() > options.spacing_m) return false;
+  // Turned half around its approach a two-finger hand is the same hand.
+  const Eigen::Matrix3d flipped =
+      b.X_OG.linear() * Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix();
+  const double angle = std::min(RotationAngleRad(a.X_OG.linear(), b.X_OG.linear()),
+                                RotationAngleRad(a.X_OG.linear(), flipped));
+  return angle < options.spacing_rad;
+}
+
+// The best of each approach direction in turn, so that some candidate comes from above however the
+// part lies.
+std::vector<GraspCandidate> Spread(std::vector<GraspCandidate> all,
+                                   const AntipodalOptions& options) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.quality > b.quality; });
+  std::array<std::vector<const GraspCandidate*>, kDirectionCells> cells;
+  for (const GraspCandidate& candidate : all) {
+    cells[DirectionCell(candidate.X_OG.linear().col(2))].push_back(&candidate);
+  }
+  std::array<size_t, kDirectionCells> next{};
+  std::vector<GraspCandidate> chosen;
+  const auto take_one = [&](int cell) {
+    while (next[cell] < cells[cell].size()) {
+      const GraspCandidate& candidate = *cells[cell][next[cell]++];
+      const bool known = std::any_of(chosen.begin(), chosen.end(), [&](const auto& other) {
+        return SameGrasp(candidate, other, options);
+      });
+      if (known) continue;
+      chosen.push_back(candidate);
+      return true;
+    }
+    return false;
+  };
+  for (bool progress = true; progress;) {
+    progress = false;
+    for (int cell = 0; cell < kDirectionCells; ++cell) {
+      if (static_cast<int>(chosen.size()) >= options.candidates) return chosen;
+      progress |= take_one(cell);
+    }
+  }
+  return chosen;
+}
+
+}  // namespace
+
+void AntipodalOptions::Visit(SettingsVisitor& v) {
+  v.Integer("candidates", candidates, {1, 100000}, "grasps wanted of each part");
+  v.Integer("max_samples", max_samples, {1, 1e7}, "surface points tried at most");
+  v.Integer("max_pairs", max_pairs, {1, 1e6}, "antipodal pairs looked at");
+  v.Integer("approaches", approaches, {1, 360}, "approach directions around the closing axis");
+  v.Real("cone_share", cone_share, {0.01, 1}, "of the friction cone's half angle that is used");
+  v.Real("straight_share", straight_share, {0, 1}, "of the rays along the normal");
+  v.Vector3("tips_beyond_m", tips_beyond_m, {0, 0.05}, "tips past the contact, m");
+  v.Real("point_spacing_m", point_spacing_m, {1e-4, 0.02}, "of the tested surface points, m");
+  v.Real("min_width_m", min_width_m, {1e-4, 0.1}, "thinner walls are left alone, m");
+  v.Real("touch_band_m", touch_band_m, {1e-5, 0.01}, "depth that counts as contact, m");
+  v.Real("full_pad_share", full_pad_share, {0.01, 1}, "of a pad that is as good as all of it");
+  v.Real("good_depth_m", good_depth_m, {1e-4, 0.1}, "contact behind the tips, m");
+  v.Real("own_margin_m", own_margin_m, {0, 0.02}, "between open hand and part, m");
+  v.Real("spacing_m", spacing_m, {0, 0.1}, "nearer candidates count as one, m");
+  v.Real("spacing_rad", spacing_rad, {0, 3.2}, "nearer candidates count as one, rad");
+}
+
+std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const GripperSpec& gripper,
+                                            Rng& rng, const AntipodalOptions& options) {
+  const double friction = PairFriction(model.friction, gripper.hand.pad_friction);
+  const double cone_rad = options.cone_share * std::atan(friction);
+  const double max_width = gripper.hand.stroke_m - 2 * gripper.clearance_m;
+  const auto pairs = FindPairs(model, cone_rad, max_width, options, rng);
+  if (pairs.empty()) return {};
+  const SurfacePoints surface = SpreadPoints(model.mesh_O, options.point_spacing_m,
+                                             kMinSurfacePoints, kMaxSurfacePoints, rng);
+  const Judge judge{model, gripper, options, surface, friction, cone_rad};
+
+  std::vector<GraspCandidate> all;
+  for (const ContactPair& pair : pairs) {
+    const double first_turn = rng.Uniform(0, 2 * std::numbers::pi);
+    for (int k = 0; k < options.approaches; ++k) {
+      const double turn = first_turn + 2 * std::numbers::pi * k / options.approaches;
+      for (const double tips_beyond : options.tips_beyond_m) {
+        const GraspCandidate candidate = judge.Evaluate(GraspFrame(pair, turn, tips_beyond));
+        if (candidate.quality > 0) all.push_back(candidate);
+      }
+    }
+  }
+  return Spread(std::move(all), options);
+}
+
+}  // namespace pickbed

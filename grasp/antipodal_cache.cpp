@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+
+#include "grasp/antipodal.h"
+#include "scenes/object_catalog.h"
+#include "scenes/settings.h"
+
+namespace pickbed {
+namespace {
+
+// Raised whenever the candidates of the same inputs would come out differently.
+constexpr const char* kVersion = "pickbed grasps 1\n";
+constexpr size_t kNumbersEach = 14;  // rows of [R|p], width, quality
+using PoseRows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+
+uint64_t Key(const ObjectModel& model, GripperSpec gripper, AntipodalOptions options) {
+  std::string text = kVersion;
+  text +=
+      fmt::format("{:016x} {} {} {} {} {}\n", model.mesh_hash, model.friction, model.mass.mass_kg,
+                  model.mass.com_O.x(), model.mass.com_O.y(), model.mass.com_O.z());
+  text += WriteSettings([&](SettingsVisitor& v) { gripper.Visit(v); });
+  text += WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+  return HashBytes(text.data(), text.size());
+}
+
+std::string ToBytes(const std::vector<GraspCandidate>& candidates) {
+  std::string bytes = kVersion;
+  for (const GraspCandidate& candidate : candidates) {
+    double numbers[kNumbersEach];
+    Eigen::Map<PoseRows> rows(numbers);
+    rows = candidate.X_OG.matrix().topRows<3>();
+    numbers[12] = candidate.width_m;
+    numbers[13] = candidate.quality;
+    bytes.append(reinterpret_cast<const char*>(numbers), sizeof(numbers));
+  }
+  return bytes;
+}
+
+std::optional<std::vector<GraspCandidate>> FromBytes(const std::string& bytes) {
+  const std::string version = kVersion;
+  const size_t each = kNumbersEach * sizeof(double);
+  if (!bytes.starts_with(version) || (bytes.size() - version.size()) % each != 0) return {};
+  std::vector<GraspCandidate> candidates((bytes.size() - version.size()) / each);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    double numbers[kNumbersEach];
+    std::memcpy(numbers, bytes.data() + version.size() + i * each, each);
+    candidates[i].X_OG.matrix().topRows<3>() = Eigen::Map<const PoseRows>(numbers);
+    candidates[i].width_m = numbers[12];
+    candidates[i].quality = numbers[13];
+  }
+  return candidates;
+}
+
+}  // namespace
+
+std::vector<GraspCandidate> CachedAntipodalGrasps(const ObjectModel& model,
+                                                  const GripperSpec& gripper,
+                                                  const AntipodalOptions& options) {
+  const uint64_t key = Key(model, gripper, options);
+  const std::filesystem::path file = CacheDir() / "grasps" / fmt::format("{:016x}", key);
+  if (std::ifstream in(file, std::ios::binary); in) {
+    const std::string bytes(std::istreambuf_iterator<char>(in), {});
+    if (auto candidates = FromBytes(bytes)) return *std::move(candidates);
+  }
+  // Seeded by the key, so that a lost cache comes back the same.
+  Rng rng(key);
+  auto candidates = AntipodalGrasps(model, gripper, rng, options);
+  std::filesystem::create_directories(file.parent_path());
+  WriteFileAtomically(file, ToBytes(candidates));
+  return candidates;
+}
+
+}  // namespace pickbed

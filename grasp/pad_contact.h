@@ -1,0 +1,50 @@
+#pragma once
+
+// What the pads of a parallel hand would touch on a part alone, without physics: how wide they
+// stop, on how much surface, and whether the rest of the hand is clear of the part.
+
+#include <Eigen/Core>
+
+#include "grasp/gripper.h"
+#include "scenes/object_model.h"
+#include "scenes/random.h"
+
+namespace pickbed {
+
+// The surface of a part as points spread evenly by area.
+struct SurfacePoints {
+  Eigen::Matrix3Xd points_O;
+  Eigen::Matrix3Xd normals_O;
+  double area_m2 = 0;  // that one point stands for
+};
+
+// About one point every `spacing_m` squared, within the limits given.
+SurfacePoints SpreadPoints(const TriangleMesh& mesh, double spacing_m, int min_count, int max_count,
+                           Rng& rng);
+
+struct PadContact {
+  bool touches = false;      // both pads meet surface that faces them
+  double low_x_m = 0;        // where the pads stop, along x of G
+  double high_x_m = 0;       //
+  double area_m2 = 0;        // of the smaller of the two contacts
+  double max_angle_rad = 0;  // of a contact's mean normal to the closing axis, the larger
+  // Rectangle on the pads in (y, z) of G that both contacts share; empty when min > max.
+  Eigen::Vector2d shared_min = Eigen::Vector2d::Zero();
+  Eigen::Vector2d shared_max = Eigen::Vector2d::Zero();
+
+  double width_m() const { return high_x_m - low_x_m; }
+  bool shared() const { return (shared_max.array() >= shared_min.array()).all(); }
+  Eigen::Vector2d shared_center() const { return 0.5 * (shared_min + shared_max); }
+};
+
+// Closes the pads of `hand` at X_OG on the part. Surface within `band_m` of the first touch counts
+// as contact.
+PadContact ClosePads(const SurfacePoints& surface, const Pose& X_OG, const HandSpec& hand,
+                     double band_m);
+
+// True when no surface point is within `margin_m` of the hand's boxes, or of where they pass on the
+// straight approach along z of G.
+bool HandClearsPart(const SurfacePoints& surface, const Pose& X_OG, const HandSpec& hand,
+                    double opening_m, double margin_m);
+
+}  // namespace pickbed

@@ -1,0 +1,219 @@
+#include "grasp/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "grasp/clearance.h"
+#include "grasp/pad_contact.h"
+
+namespace pickbed {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kColumn_m = 0.010;  // of the floor plan that sorts obstacle points
+constexpr int kMinPartPoints = 200;  // on a believed pose
+constexpr int kMaxPartPoints = 2000;
+
+enum Cause { kTilt, kOpening, kBinFloor, kBinWall, kFingers, kPalm, kCauses, kFree = kCauses };
+constexpr const char* kCauseNames[kCauses] = {
+    "tilt", "opening", "bin floor", "bin wall", "fingers meet a part", "palm meets a part"};
+
+// What is the same for every pose of one object.
+struct PartShape {
+  Eigen::Matrix3Xd points_O;
+  SurfaceBand band;
+  std::vector<std::optional<double>> openings_m;  // by candidate; nullopt = beyond the stroke
+};
+
+PartShape MakeShape(const PlanInput& input, int object, const PlanOptions& options) {
+  const ObjectModel& model = *input.objects[object];
+  Rng rng(model.mesh_hash);
+  SurfacePoints surface =
+      SpreadPoints(model.mesh_O, options.neighbor_spacing_m, kMinPartPoints, kMaxPartPoints, rng);
+  PartShape shape{surface.points_O, SurfaceBand(surface.points_O, options.own_points_m), {}};
+  const MechanismRow& mechanism = MechanismOf(input.gripper);
+  for (const GraspCandidate& candidate : input.candidates[object]) {
+    shape.openings_m.push_back(mechanism.approach_opening_m(input.gripper, candidate.width_m));
+  }
+  return shape;
+}
+
+Vector3d CenterOf(const PlanInput& input, const BelievedPose& pose) {
+  return pose.X_WO * input.objects[pose.object]->mass.com_O;
+}
+
+class Planner {
+ public:
+  Planner(const PlanInput& input, const PlanOptions& options)
+      : input_(input),
+        options_(options),
+        bin_boxes_(BinBoxes(input.bin)),
+        shapes_(MakeShapes()),
+        field_(MakeField()) {
+    for (const BelievedPose& pose : input.poses) {
+      lowest_ = std::min(lowest_, CenterOf(input, pose).z());
+      highest_ = std::max(highest_, CenterOf(input, pose).z());
+    }
+  }
+
+  PlanResult Run() {
+    for (size_t i = 0; i < input_.poses.size(); ++i) PlanPose(static_cast<int>(i));
+    PlanResult result;
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
+    if (static_cast<int>(found_.size()) > options_.max_grasps) found_.resize(options_.max_grasps);
+    result.grasps = std::move(found_);
+    for (int cause = 0; cause < kCauses; ++cause) {
+      if (rejected_[cause] > 0) result.rejected[kCauseNames[cause]] = rejected_[cause];
+    }
+    return result;
+  }
+
+ private:
+  std::vector<std::optional<PartShape>> MakeShapes() const {
+    std::vector<std::optional<PartShape>> shapes(input_.objects.size());
+    for (const BelievedPose& pose : input_.poses) {
+      const size_t object = static_cast<size_t>(pose.object);
+      if (object >= shapes.size() || object >= input_.candidates.size()) {
+        throw std::logic_error("a believed pose names an object that has no grasp candidates");
+      }
+      if (!shapes[object]) shapes[object] = MakeShape(input_, pose.object, options_);
+    }
+    return shapes;
+  }
+
+  ObstacleField MakeField() const {
+    const double height = input_.gripper.approach_m + input_.gripper.hand.finger_size_m.z();
+    std::vector<Vector3d> points =
+        ThinnedCloud(input_.cloud_W, input_.bin, options_.voxel_m, options_.bin_band_m, height);
+    std::vector<int> sources(points.size(), -1);
+    for (size_t i = 0; i < input_.poses.size(); ++i) {
+      const BelievedPose& pose = input_.poses[i];
+      if (pose.confidence < options_.neighbor_confidence) continue;
+      const Eigen::Matrix3Xd& points_O = shapes_[pose.object]->points_O;
+      for (int k = 0; k < points_O.cols(); ++k) points.push_back(pose.X_WO * points_O.col(k));
+      sources.resize(points.size(), static_cast<int>(i));
+    }
+    return ObstacleField(std::move(points), std::move(sources), kColumn_m);
+  }
+
+  // Poses that claim the same part as pose `target`, itself included.
+  std::vector<bool> Rivals(int target) const {
+    const BelievedPose& pose = input_.poses[target];
+    std::vector<bool> rivals(input_.poses.size());
+    for (size_t i = 0; i < rivals.size(); ++i) {
+      const BelievedPose& other = input_.poses[i];
+      const double size = std::min(input_.objects[pose.object]->diameter_m,
+                                   input_.objects[other.object]->diameter_m);
+      rivals[i] =
+          (CenterOf(input_, pose) - CenterOf(input_, other)).norm() < options_.same_share * size;
+    }
+    rivals[target] = true;
+    return rivals;
+  }
+
+  std::vector<uint8_t> IgnoredPoints(int target) const {
+    const BelievedPose& pose = input_.poses[target];
+    const PartShape& shape = *shapes_[pose.object];
+    const std::vector<bool> rivals = Rivals(target);
+    const Pose X_OW = pose.X_WO.inverse();
+    std::vector<uint8_t> ignored(field_.points_W().size());
+    for (size_t i = 0; i < ignored.size(); ++i) {
+      const int source = field_.sources()[i];
+      ignored[i] = source >= 0 ? rivals[source] : shape.band.Contains(X_OW * field_.points_W()[i]);
+    }
+    return ignored;
+  }
+
+  void PlanPose(int target) {
+    const BelievedPose& pose = input_.poses[target];
+    const PartShape& shape = *shapes_[pose.object];
+    const std::vector<uint8_t> ignored = IgnoredPoints(target);
+    const double covered =
+        field_.CoveredShare(pose.X_WO * shape.points_O, ignored, options_.cover_above_m);
+    const double range = highest_ - lowest_;
+    const double depth = range > 0 ? (highest_ - CenterOf(input_, pose).z()) / range : 0;
+    const double pose_score = pose.confidence * (1 - options_.cover_share * covered) *
+                              (1 - options_.height_share * depth);
+    const std::vector<GraspCandidate>& candidates = input_.candidates[pose.object];
+    for (size_t k = 0; k < candidates.size(); ++k) {
+      Grasp grasp;
+      grasp.X_WG = pose.X_WO * candidates[k].X_OG;
+      grasp.width_m = candidates[k].width_m;
+      grasp.hypothesis = target;
+      grasp.score = pose_score * candidates[k].quality;
+      const Cause cause = Check(shape.openings_m[k], ignored, grasp);
+      if (cause == kFree) {
+        found_.push_back(grasp);
+      } else {
+        ++rejected_[cause];
+      }
+    }
+  }
+
+  // Scales the score of a free grasp by tilt and room.
+  Cause Check(const std::optional<double>& opening_m, const std::vector<uint8_t>& ignored,
+              Grasp& grasp) const {
+    const double tilt = std::acos(std::clamp(-grasp.X_WG.linear()(2, 2), -1.0, 1.0));
+    if (tilt > options_.max_tilt_rad) return kTilt;
+    if (!opening_m) return kOpening;
+    const GripperSpec& gripper = input_.gripper;
+    const auto sweep = HandSweep(gripper.hand, *opening_m, gripper.approach_m);
+    const auto bin_contact = FindBinContact(sweep, grasp.X_WG, bin_boxes_, gripper.clearance_m);
+    if (bin_contact) return bin_contact->bin_box == 0 ? kBinFloor : kBinWall;
+    const Vector3d half_pad = 0.5 * gripper.hand.finger_size_m;
+    const AxisAlignedBox between{{0, 0, -half_pad.z()},
+                                 {0.5 * *opening_m, half_pad.y(), half_pad.z()}};
+    const auto seen = field_.Look(grasp.X_WG, sweep, between, ignored, options_.good_room_m);
+    const double fingers = std::min(seen.distance_m[0], seen.distance_m[1]);
+    if (fingers < gripper.clearance_m) return kFingers;
+    if (seen.distance_m[2] < gripper.clearance_m) return kPalm;
+    const double room = std::min(1.0, std::min(fingers, seen.distance_m[2]) / options_.good_room_m);
+    const double crowd = std::min(1.0, double(seen.between) / options_.many_between);
+    grasp.score *= (1 - options_.tilt_share * tilt / options_.max_tilt_rad) *
+                   (1 - options_.room_share * (1 - room)) * (1 - options_.between_share * crowd);
+    return kFree;
+  }
+
+  const PlanInput& input_;
+  const PlanOptions& options_;
+  std::vector<AxisAlignedBox> bin_boxes_;
+  std::vector<std::optional<PartShape>> shapes_;  // by object, where some pose names it
+  ObstacleField field_;
+  double lowest_ = std::numeric_limits<double>::infinity();
+  double highest_ = -std::numeric_limits<double>::infinity();
+  std::vector<Grasp> found_;
+  std::array<int, kCauses> rejected_{};
+};
+
+}  // namespace
+
+void PlanOptions::Visit(SettingsVisitor& v) {
+  const Range share{0, 1};
+  const Range length{0, 0.1};
+  v.Integer("max_grasps", max_grasps, {1, 1000}, "reported");
+  v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.6}, "of the approach from straight down, rad");
+  v.Real("own_points_m", own_points_m, {0.001, 0.1}, "points this near are the target's own, m");
+  v.Real("voxel_m", voxel_m, {0.0005, 0.1}, "the cloud is thinned to, m");
+  v.Real("bin_band_m", bin_band_m, length, "points this near to floor and walls are the bin's, m");
+  v.Real("neighbor_confidence", neighbor_confidence, {0, 1e9}, "poses from here on are obstacles");
+  v.Real("neighbor_spacing_m", neighbor_spacing_m, {0.001, 0.1}, "of the points on them, m");
+  v.Real("same_share", same_share, share, "of the diameter; nearer poses are rivals");
+  v.Real("height_share", height_share, share, "lost by the lowest part");
+  v.Real("tilt_share", tilt_share, share, "lost at max_tilt_rad");
+  v.Real("room_share", room_share, share, "lost when others touch the hand");
+  v.Real("cover_share", cover_share, share, "lost when others lie all over the target");
+  v.Real("between_share", between_share, share, "lost when others are between the fingers");
+  v.Real("good_room_m", good_room_m, {0.001, 0.1}, "distance from others without loss, m");
+  v.Integer("many_between", many_between, {1, 100000}, "points between fingers at full loss");
+  v.Real("cover_above_m", cover_above_m, length, "points this much higher lie on the target, m");
+}
+
+PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
+  return Planner(input, options).Run();
+}
+
+}  // namespace pickbed
