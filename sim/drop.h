@@ -13,14 +13,19 @@ namespace pickbed {
 
 struct DropOptions {
   double layer_interval_s = 0.15;
-  double max_s = 8;  // simulated; the loop is bounded by it
+  double max_s = 8;                // simulated, after the last layer; the loop is bounded by it
+  double clearance_m = 0.003;      // between parts of a layer, to the walls and to the pile below
+  double funnel_m = 10;            // height of the walls above the bin while it is filled
+  double check_interval_s = 0.05;  // between two looks whether all are at rest
+  double fallen_m = 0.2;           // parts further below the floor are taken out
+  int turn_attempts = 20;          // random orientations tried until a part fits between the walls
   PhysicsOptions physics;
 };
 
 struct DropReport {
   bool at_rest = false;  // else timed out
   double simulated_s = 0;
-  int left_bin = 0;          // parts that ended outside the bin: counted, and not in the scene
+  int left_bin = 0;  // parts whose centre of mass ended outside the bin: they are not in the scene
   double max_speed_mps = 0;  // at the end
   bool blew_up = false;
   double deepest_penetration_m = 0;  // hull against hull, margins not counted
@@ -31,8 +36,10 @@ struct DropResult {
   DropReport report;
 };
 
-// `counts[i]` parts of objects[i], in a random order. Throws InputError when a part is larger than
-// the bin, or std::logic_error when a part has no convex pieces.
+// `counts[i]` parts of objects[i], in a random order and orientation, the same for the same state
+// of `rng`. Each layer is packed into rows of non-overlapping cells above the pile, between walls
+// that keep everything over the bin until the pile rests. Throws InputError when a part cannot lie
+// on the bin's floor, std::logic_error when a part has no convex pieces.
 DropResult DropParts(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
                      Rng& rng, const DropOptions& options = {});
 

@@ -3,12 +3,11 @@
 // A live Bullet world, local to one function: built from plain data, stepped, read, thrown away.
 // Never restored in place, since only a rebuilt world repeats bit by bit.
 //
-// Inside, lengths are decimetres (see sim/physics_world.cpp for why); everything here is SI and in
+// Inside, lengths are decimetres (see sim/bullet_bridge.h for why); everything here is SI and in
 // frame W. Settings are measured ones: 240 Hz, 20 iterations, two friction directions, friction
 // anchors, hull margin 0.5 mm (less for small parts).
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "scenes/bin.h"
@@ -24,7 +23,7 @@ struct PhysicsOptions {
   double hull_margin_m = 0.0005;           // grows hulls outward; shrunk for parts under 4 cm
   double sleep_linear_mps = 0.01;
   double sleep_angular_radps = 0.1;
-  double sleep_after_s = 0.5;
+  double sleep_after_s = 0.5;  // below both speeds for this long; at most 2 s
 };
 
 enum class BodyMode { kDynamic, kAsleep, kStatic };
@@ -55,6 +54,9 @@ class PhysicsWorld {
   int AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode mode = BodyMode::kDynamic,
               const Twist& V_WO = {});
 
+  // Takes a part out: it keeps its index, last pose and velocity, and counts as asleep.
+  void RemovePart(int part);
+
   // Static walls that keep falling parts above the bin's opening, `height_m` above the rim.
   void AddFunnel(const Bin& bin, double height_m);
   void RemoveFunnel();
@@ -78,10 +80,8 @@ class PhysicsWorld {
   // Parts that touch the fingers (force above 0.01 N in the last step), by index, ascending.
   std::vector<int> PartsTouchingHand() const;
 
-  struct Impl;
-  Impl& impl() { return *impl_; }
-
  private:
+  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,0 +1,247 @@
+#include "sim/hand_joints.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+
+#include "sim/bullet_bridge.h"
+
+namespace pickbed {
+namespace {
+
+constexpr double kTouch_n = 0.01;  // a part touches the hand from this force on
+
+btVector3 Column(const btRigidBody& body, int axis) {
+  return body.getWorldTransform().getBasis().getColumn(axis);
+}
+
+// One row that keeps the fingers' displacements along the palm's x opposite: x_left + x_right = 0,
+// as a rack and pinion does. The palm is kinematic, so its motion stands on the right-hand side.
+class FingerCoupling : public btTypedConstraint {
+ public:
+  FingerCoupling(btRigidBody& left, btRigidBody& right, const btRigidBody& palm)
+      : btTypedConstraint(MAX_CONSTRAINT_TYPE, left, right), palm_(palm) {}
+
+  void getInfo1(btConstraintInfo1* info) override {
+    info->m_numConstraintRows = 1;
+    info->nub = 1;
+  }
+
+  void getInfo2(btConstraintInfo2* info) override {
+    const btVector3 axis = Column(palm_, 0);
+    const btVector3 arms = m_rbA.getCenterOfMassPosition() + m_rbB.getCenterOfMassPosition() -
+                           2 * palm_.getCenterOfMassPosition();
+    for (int i = 0; i < 3; ++i) {
+      info->m_J1linearAxis[i] = axis[i];
+      info->m_J2linearAxis[i] = axis[i];
+      info->m_J1angularAxis[i] = 0;
+      info->m_J2angularAxis[i] = 0;
+    }
+    const double error = arms.dot(axis);
+    const double palm_rate =
+        2 * palm_.getLinearVelocity().dot(axis) - arms.dot(palm_.getAngularVelocity().cross(axis));
+    info->m_constraintError[0] = palm_rate - info->fps * info->erp * error;
+    info->m_lowerLimit[0] = -SIMD_INFINITY;
+    info->m_upperLimit[0] = SIMD_INFINITY;
+  }
+
+  void setParam(int, btScalar, int) override {}
+  btScalar getParam(int, int) const override { return 0; }
+
+ private:
+  const btRigidBody& palm_;
+};
+
+class JawHand : public BulletHand {
+ public:
+  JawHand(btDiscreteDynamicsWorld& world, const HandSpec& spec, const Pose& X_WG, double step_s);
+  ~JawHand() override;
+
+  void MoveTo(const Pose& X_WG) override { target_WG_ = X_WG; }
+  void HoldOpening(double opening_m) override;
+  void Close() override;
+  double opening_m() const override;
+  Pose X_WG() const override { return X_WG_; }
+  std::array<double, 2> ContactForces_n() const override { return forces_n_; }
+
+  void AfterStep() override;
+  std::vector<int> TouchedParts() const override { return touched_; }
+
+ private:
+  std::unique_ptr<btRigidBody> MakeBody(const btCollisionShape& shape, double mass_kg,
+                                        const Pose& X_WB) const;
+  void AddSlider(int finger);
+  void DrivePalm();
+  void ReadContacts();
+
+  btDiscreteDynamicsWorld& world_;
+  const HandSpec spec_;
+  const double step_s_;
+  Pose X_GP_;  // P: centre of the palm's box
+  Pose X_WG_;
+  Pose target_WG_;
+  std::unique_ptr<btBoxShape> palm_shape_;
+  std::unique_ptr<btBoxShape> finger_shape_;
+  std::unique_ptr<btRigidBody> palm_;
+  std::array<std::unique_ptr<btRigidBody>, 2> fingers_;  // left (-x), right (+x)
+  std::array<std::unique_ptr<btGeneric6DofSpring2Constraint>, 2> sliders_;
+  std::unique_ptr<FingerCoupling> coupling_;
+  std::array<double, 2> forces_n_{0, 0};
+  std::vector<int> touched_;
+};
+
+JawHand::JawHand(btDiscreteDynamicsWorld& world, const HandSpec& spec, const Pose& X_WG,
+                 double step_s)
+    : world_(world), spec_(spec), step_s_(step_s), X_WG_(X_WG), target_WG_(X_WG) {
+  const std::vector<AxisAlignedBox> boxes = HandBoxes(spec, spec.stroke_m);
+  X_GP_ = Translation(boxes[2].center);
+  palm_shape_ = std::make_unique<btBoxShape>(ToBullet(boxes[2].half_size));
+  finger_shape_ = std::make_unique<btBoxShape>(ToBullet(boxes[0].half_size));
+  palm_ = MakeBody(*palm_shape_, 0, X_WG * X_GP_);
+  palm_->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  world_.addRigidBody(palm_.get(), kPalmGroup, kPartGroup);
+  for (int i = 0; i < 2; ++i) {
+    fingers_[i] =
+        MakeBody(*finger_shape_, spec.finger_mass_kg, X_WG * Translation(boxes[i].center));
+    fingers_[i]->setFriction(spec.pad_friction);
+    fingers_[i]->setCollisionFlags(btCollisionObject::CF_HAS_FRICTION_ANCHOR);
+    // Fingers do not sag: a real drive's friction carries them.
+    fingers_[i]->setFlags(fingers_[i]->getFlags() | BT_DISABLE_WORLD_GRAVITY);
+    world_.addRigidBody(fingers_[i].get(), kFingerGroup, kStaticGroup | kPartGroup);
+    AddSlider(i);
+  }
+  coupling_ = std::make_unique<FingerCoupling>(*fingers_[0], *fingers_[1], *palm_);
+  world_.addConstraint(coupling_.get(), true);
+  HoldOpening(spec.stroke_m);
+  world_.setInternalTickCallback(
+      [](btDynamicsWorld* w, btScalar) {
+        static_cast<JawHand*>(w->getWorldUserInfo())->DrivePalm();
+      },
+      this, true);
+}
+
+JawHand::~JawHand() {
+  world_.setInternalTickCallback(nullptr, nullptr, true);
+  world_.removeConstraint(coupling_.get());
+  for (int i = 0; i < 2; ++i) {
+    world_.removeConstraint(sliders_[i].get());
+    world_.removeRigidBody(fingers_[i].get());
+  }
+  world_.removeRigidBody(palm_.get());
+}
+
+std::unique_ptr<btRigidBody> JawHand::MakeBody(const btCollisionShape& shape, double mass_kg,
+                                               const Pose& X_WB) const {
+  btVector3 inertia(0, 0, 0);
+  if (mass_kg > 0) shape.calculateLocalInertia(mass_kg, inertia);
+  btRigidBody::btRigidBodyConstructionInfo info(mass_kg, nullptr,
+                                                const_cast<btCollisionShape*>(&shape), inertia);
+  info.m_startWorldTransform = ToBullet(X_WB);
+  auto body = std::make_unique<btRigidBody>(info);
+  body->setActivationState(DISABLE_DEACTIVATION);
+  return body;
+}
+
+// Slider coordinate: the finger's displacement along x from where the pads meet.
+void JawHand::AddSlider(int finger) {
+  const double side = finger == 0 ? -1 : 1;
+  const AxisAlignedBox closed = HandBoxes(spec_, 0)[finger];
+  const Pose X_PS = X_GP_.inverse() * Translation(closed.center);
+  sliders_[finger] = std::make_unique<btGeneric6DofSpring2Constraint>(
+      *palm_, *fingers_[finger], ToBullet(X_PS), btTransform::getIdentity());
+  btGeneric6DofSpring2Constraint& slider = *sliders_[finger];
+  const double open = side * 0.5 * spec_.stroke_m * kUnitsPerMeter;
+  slider.setLinearLowerLimit({std::min(0.0, open), 0, 0});
+  slider.setLinearUpperLimit({std::max(0.0, open), 0, 0});
+  slider.setAngularLowerLimit({0, 0, 0});
+  slider.setAngularUpperLimit({0, 0, 0});
+  slider.enableMotor(0, true);
+  slider.setMaxMotorForce(0, spec_.force_n * kUnitsPerMeter);
+  world_.addConstraint(&slider, true);
+}
+
+void JawHand::HoldOpening(double opening_m) {
+  const double target = 0.5 * std::clamp(opening_m, 0.0, spec_.stroke_m) * kUnitsPerMeter;
+  for (int i = 0; i < 2; ++i) {
+    sliders_[i]->setServo(0, true);
+    sliders_[i]->setServoTarget(0, i == 0 ? -target : target);
+    sliders_[i]->setTargetVelocity(0, spec_.close_speed_mps * kUnitsPerMeter);
+  }
+}
+
+void JawHand::Close() {
+  for (int i = 0; i < 2; ++i) {
+    sliders_[i]->setServo(0, false);
+    // Bullet counts a linear motor's velocity from finger to palm: positive moves towards -x.
+    const double toward_minus_x = i == 0 ? -1 : 1;
+    sliders_[i]->setTargetVelocity(0, toward_minus_x * spec_.close_speed_mps * kUnitsPerMeter);
+  }
+}
+
+double JawHand::opening_m() const {
+  const btVector3 apart =
+      fingers_[1]->getCenterOfMassPosition() - fingers_[0]->getCenterOfMassPosition();
+  return apart.dot(Column(*palm_, 0)) / kUnitsPerMeter - spec_.finger_size_m.x();
+}
+
+// The palm stands where it was while the solver runs and moves with exactly the velocity that takes
+// it to its target, like the fingers, instead of jumping ahead of them by a step as Bullet's
+// kinematic bodies do. Called after Bullet has set that velocity itself.
+void JawHand::DrivePalm() {
+  btVector3 linear, angular;
+  btTransformUtil::calculateVelocity(palm_->getWorldTransform(), ToBullet(Pose(target_WG_ * X_GP_)),
+                                     step_s_, linear, angular);
+  palm_->setLinearVelocity(linear);
+  palm_->setAngularVelocity(angular);
+}
+
+void JawHand::AfterStep() {
+  X_WG_ = target_WG_;
+  const btTransform X_WP = ToBullet(Pose(X_WG_ * X_GP_));
+  palm_->setWorldTransform(X_WP);
+  palm_->setInterpolationWorldTransform(X_WP);
+  ReadContacts();
+}
+
+void JawHand::ReadContacts() {
+  forces_n_ = {0, 0};
+  touched_.clear();
+  btDispatcher& dispatcher = *world_.getDispatcher();
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    for (int i = 0; i < 2; ++i) {
+      const btCollisionObject* finger = fingers_[i].get();
+      if (manifold.getBody0() != finger && manifold.getBody1() != finger) continue;
+      const btCollisionObject* other =
+          manifold.getBody0() == finger ? manifold.getBody1() : manifold.getBody0();
+      if (other->getUserIndex() < 0) continue;
+      double impulse = 0;
+      for (int k = 0; k < manifold.getNumContacts(); ++k) {
+        impulse += manifold.getContactPoint(k).getAppliedImpulse();
+      }
+      const double force_n = impulse / (step_s_ * kUnitsPerMeter);
+      forces_n_[i] += force_n;
+      if (force_n > kTouch_n) touched_.push_back(other->getUserIndex());
+    }
+  }
+  std::sort(touched_.begin(), touched_.end());
+  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+}
+
+}  // namespace
+
+std::unique_ptr<BulletHand> MakeBulletHand(btDiscreteDynamicsWorld& world, const HandSpec& spec,
+                                           const Pose& X_WG, double step_s) {
+  return std::make_unique<JawHand>(world, spec, X_WG, step_s);
+}
+
+std::vector<AxisAlignedBox> HandBoxes(const HandSpec& spec, double opening_m) {
+  const Eigen::Vector3d half_finger = 0.5 * spec.finger_size_m;
+  const double x = 0.5 * opening_m + half_finger.x();
+  const double palm_z = -spec.finger_size_m.z() - 0.5 * spec.palm_size_m.z();
+  return {{{-x, 0, -half_finger.z()}, half_finger},
+          {{x, 0, -half_finger.z()}, half_finger},
+          {{0, 0, palm_z}, 0.5 * spec.palm_size_m}};
+}
+
+}  // namespace pickbed

@@ -1,0 +1,320 @@
+#include "sim/physics_world.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "sim/bullet_bridge.h"
+
+namespace pickbed {
+
+btVector3 ToBullet(const Eigen::Vector3d& metric) {
+  return {metric.x() * kUnitsPerMeter, metric.y() * kUnitsPerMeter, metric.z() * kUnitsPerMeter};
+}
+
+btTransform ToBullet(const Pose& X_AB) {
+  const Eigen::Matrix3d& R = X_AB.linear();
+  const btMatrix3x3 basis(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1),
+                          R(2, 2));
+  return btTransform(basis, ToBullet(Eigen::Vector3d(X_AB.translation())));
+}
+
+Eigen::Vector3d FromBullet(const btVector3& scaled) {
+  return Eigen::Vector3d(scaled.x(), scaled.y(), scaled.z()) / kUnitsPerMeter;
+}
+
+Pose FromBullet(const btTransform& X_AB) {
+  Pose pose = Pose::Identity();
+  for (int row = 0; row < 3; ++row) {
+    for (int col = 0; col < 3; ++col) pose.linear()(row, col) = X_AB.getBasis()[row][col];
+  }
+  pose.translation() = FromBullet(X_AB.getOrigin());
+  return pose;
+}
+
+namespace {
+
+// A thinner floor is grown downward to this: a part may fall 8 mm in a step, more than a
+// sheet-metal floor is thick, and would come out at the other side.
+constexpr double kSolidFloor_m = 0.05;
+// The funnel stands this much inside the bin's walls, so that nothing catches on the seam.
+constexpr double kFunnelInset_m = 0.0005;
+constexpr double kFunnelWall_m = 0.05;
+// Below this diameter the hull margin shrinks with the part.
+constexpr double kFullMarginDiameter_m = 0.04;
+constexpr double kTooFast_mps = 50;
+
+// Bodies are built in frame B: origin at the centre of mass, axes along the principal ones.
+struct PartFrame {
+  Pose X_OB = Pose::Identity();
+  Eigen::Vector3d principal_inertia;  // kg m^2
+};
+
+PartFrame PrincipalFrame(const MassProperties& mass) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(mass.inertia_com_O);
+  Eigen::Matrix3d R_OB = solver.eigenvectors();
+  if (R_OB.determinant() < 0) R_OB.col(2) *= -1;
+  return {MakePose(R_OB, mass.com_O), solver.eigenvalues()};
+}
+
+struct PartShape {
+  btCollisionShape* shape = nullptr;
+  PartFrame frame;
+};
+
+struct Part {
+  std::unique_ptr<btRigidBody> body;
+  Pose X_BO;
+};
+
+}  // namespace
+
+struct PhysicsWorld::Impl {
+  explicit Impl(const PhysicsOptions& physics_options);
+  ~Impl();
+
+  btRigidBody* AddStatic(const Pose& X_WB, const Eigen::Vector3d& half_size_m, double friction,
+                         int group);
+  const PartShape& ShapeOf(const ObjectModel& model);
+  void LetTheStillFallAsleep();
+
+  const PhysicsOptions options;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+  std::vector<std::unique_ptr<btCollisionShape>> shapes;
+  std::map<const ObjectModel*, PartShape> part_shapes;
+  std::vector<std::unique_ptr<btRigidBody>> statics;
+  std::vector<btRigidBody*> funnel;  // in `statics` too, so that they live as long
+  std::vector<Part> parts;
+  std::unique_ptr<BulletHand> hand;
+  long steps = 0;
+  bool may_sleep = true;
+};
+
+PhysicsWorld::Impl::Impl(const PhysicsOptions& physics_options) : options(physics_options) {
+  world.setGravity(ToBullet(options.gravity_W));
+  btContactSolverInfo& info = world.getSolverInfo();
+  info.m_numIterations = options.solver_iterations;
+  // With one direction a gripped box slides out at eight times the force it needs.
+  info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+}
+
+PhysicsWorld::Impl::~Impl() {
+  hand.reset();
+  for (int i = world.getNumCollisionObjects() - 1; i >= 0; --i) {
+    world.removeCollisionObject(world.getCollisionObjectArray()[i]);
+  }
+}
+
+btRigidBody* PhysicsWorld::Impl::AddStatic(const Pose& X_WB, const Eigen::Vector3d& half_size_m,
+                                           double friction, int group) {
+  shapes.push_back(std::make_unique<btBoxShape>(ToBullet(half_size_m)));
+  btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, shapes.back().get());
+  info.m_startWorldTransform = ToBullet(X_WB);
+  info.m_friction = friction;
+  statics.push_back(std::make_unique<btRigidBody>(info));
+  world.addRigidBody(statics.back().get(), group, kPartGroup | kFingerGroup);
+  return statics.back().get();
+}
+
+const PartShape& PhysicsWorld::Impl::ShapeOf(const ObjectModel& model) {
+  const auto [entry, is_new] = part_shapes.try_emplace(&model);
+  if (!is_new) return entry->second;
+  PartShape& made = entry->second;
+  made.frame = PrincipalFrame(model.mass);
+  const Pose X_BO = made.frame.X_OB.inverse();
+  const double margin = kUnitsPerMeter * options.hull_margin_m *
+                        std::min(1.0, model.diameter_m / kFullMarginDiameter_m);
+  const bool single = model.convex_parts_O.size() == 1;
+  auto compound =
+      std::make_unique<btCompoundShape>(true, static_cast<int>(model.convex_parts_O.size()));
+  compound->setMargin(margin);
+  for (const ConvexPiece& piece : model.convex_parts_O) {
+    auto hull = std::make_unique<btConvexHullShape>();
+    for (const Eigen::Vector3d& p_O : piece.vertices_O) {
+      hull->addPoint(ToBullet(Eigen::Vector3d(X_BO * p_O)), false);
+    }
+    hull->setMargin(margin);
+    hull->recalcLocalAabb();
+    if (!single) compound->addChildShape(btTransform::getIdentity(), hull.get());
+    made.shape = hull.get();
+    shapes.push_back(std::move(hull));
+  }
+  if (!single) {
+    made.shape = compound.get();
+    shapes.push_back(std::move(compound));
+  }
+  return made;
+}
+
+// Bullet's own waiting time is a process-wide variable of 2 s. It is left alone, so that worlds
+// cannot disturb each other; a body that has been slow for our time is told it has been for longer.
+void PhysicsWorld::Impl::LetTheStillFallAsleep() {
+  constexpr double kLongerThanBulletWaits_s = 1e3;
+  for (const Part& part : parts) {
+    if (part.body->isActive() && part.body->getDeactivationTime() >= options.sleep_after_s) {
+      part.body->setDeactivationTime(kLongerThanBulletWaits_s);
+    }
+  }
+}
+
+PhysicsWorld::PhysicsWorld(const PhysicsOptions& options)
+    : impl_(std::make_unique<Impl>(options)) {}
+PhysicsWorld::~PhysicsWorld() = default;
+
+void PhysicsWorld::AddBin(const Bin& bin) {
+  const double grow_m = std::max(0.0, kSolidFloor_m - bin.wall_m);
+  bool is_floor = true;
+  for (AxisAlignedBox box : BinBoxes(bin)) {
+    if (is_floor) {
+      box.center.z() -= 0.5 * grow_m;
+      box.half_size.z() += 0.5 * grow_m;
+    }
+    is_floor = false;
+    AddStaticBox(Translation(box.center), box.half_size, bin.friction);
+  }
+}
+
+void PhysicsWorld::AddStaticBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m,
+                                double friction) {
+  impl_->AddStatic(X_WB, half_size_m, friction, kStaticGroup);
+}
+
+int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode mode,
+                          const Twist& V_WO) {
+  if (model.convex_parts_O.empty()) {
+    throw std::logic_error("part '" + model.name + "' has no convex pieces");
+  }
+  const PartShape& shape = impl_->ShapeOf(model);
+  const bool is_static = mode == BodyMode::kStatic;
+  btRigidBody::btRigidBodyConstructionInfo info(is_static ? 0 : model.mass.mass_kg, nullptr,
+                                                shape.shape);
+  if (!is_static) {
+    info.m_localInertia = kUnitsPerMeter * ToBullet(shape.frame.principal_inertia);
+  }
+  info.m_startWorldTransform = ToBullet(Pose(X_WO * shape.frame.X_OB));
+  info.m_friction = model.friction;
+  info.m_linearSleepingThreshold = impl_->options.sleep_linear_mps * kUnitsPerMeter;
+  info.m_angularSleepingThreshold = impl_->options.sleep_angular_radps;
+  auto body = std::make_unique<btRigidBody>(info);
+  body->setUserIndex(part_count());
+  body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR);
+  body->setLinearVelocity(ToBullet(V_WO.linear_W));
+  body->setAngularVelocity(btVector3(V_WO.angular_W.x(), V_WO.angular_W.y(), V_WO.angular_W.z()));
+  if (is_static) {
+    impl_->world.addRigidBody(body.get(), kStaticGroup, kPartGroup | kFingerGroup);
+  } else {
+    impl_->world.addRigidBody(body.get(), kPartGroup,
+                              kStaticGroup | kFunnelGroup | kPartGroup | kFingerGroup | kPalmGroup);
+    if (!impl_->may_sleep) body->setActivationState(DISABLE_DEACTIVATION);
+  }
+  if (mode == BodyMode::kAsleep) body->forceActivationState(ISLAND_SLEEPING);
+  impl_->parts.push_back({std::move(body), shape.frame.X_OB.inverse()});
+  return part_count() - 1;
+}
+
+void PhysicsWorld::RemovePart(int part) {
+  Part& entry = impl_->parts.at(part);
+  if (!entry.body->isInWorld()) return;
+  impl_->world.removeRigidBody(entry.body.get());
+  entry.body->forceActivationState(ISLAND_SLEEPING);
+}
+
+void PhysicsWorld::AddFunnel(const Bin& bin, double height_m) {
+  const Eigen::Vector2d inner =
+      0.5 * bin.inner_size_m.head<2>() - Eigen::Vector2d::Constant(kFunnelInset_m);
+  const double half_wall = 0.5 * kFunnelWall_m;
+  const double z = bin.inner_size_m.z() + 0.5 * height_m;
+  for (const double side : {-1.0, 1.0}) {
+    impl_->funnel.push_back(impl_->AddStatic(Translation({side * (inner.x() + half_wall), 0, z}),
+                                             {half_wall, inner.y() + kFunnelWall_m, 0.5 * height_m},
+                                             bin.friction, kFunnelGroup));
+    impl_->funnel.push_back(impl_->AddStatic(Translation({0, side * (inner.y() + half_wall), z}),
+                                             {inner.x() + kFunnelWall_m, half_wall, 0.5 * height_m},
+                                             bin.friction, kFunnelGroup));
+  }
+}
+
+void PhysicsWorld::RemoveFunnel() {
+  btDispatcher& dispatcher = impl_->dispatcher;
+  for (btRigidBody* wall : impl_->funnel) {
+    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {  // wake what leans on it
+      const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
+      if (manifold->getNumContacts() == 0) continue;
+      if (manifold->getBody0() == wall) manifold->getBody1()->activate(true);
+      if (manifold->getBody1() == wall) manifold->getBody0()->activate(true);
+    }
+    impl_->world.removeRigidBody(wall);
+  }
+  impl_->funnel.clear();
+}
+
+Hand& PhysicsWorld::AddHand(const HandSpec& spec, const Pose& X_WG) {
+  if (impl_->hand != nullptr) throw std::logic_error("the world has a hand already");
+  impl_->hand = MakeBulletHand(impl_->world, spec, X_WG, step_s());
+  return *impl_->hand;
+}
+
+void PhysicsWorld::Step() {
+  if (impl_->may_sleep) impl_->LetTheStillFallAsleep();
+  impl_->world.stepSimulation(step_s(), 0);
+  if (impl_->hand != nullptr) impl_->hand->AfterStep();
+  ++impl_->steps;
+}
+
+double PhysicsWorld::time_s() const { return static_cast<double>(impl_->steps) * step_s(); }
+double PhysicsWorld::step_s() const { return 1.0 / impl_->options.rate_hz; }
+int PhysicsWorld::part_count() const { return static_cast<int>(impl_->parts.size()); }
+
+Pose PhysicsWorld::X_WO(int part) const {
+  const Part& entry = impl_->parts.at(part);
+  return FromBullet(entry.body->getWorldTransform()) * entry.X_BO;
+}
+
+Twist PhysicsWorld::V_WO(int part) const {
+  const btRigidBody& body = *impl_->parts.at(part).body;
+  const btVector3& w = body.getAngularVelocity();
+  return {FromBullet(body.getLinearVelocity()), {w.x(), w.y(), w.z()}};
+}
+
+bool PhysicsWorld::AllAsleep() const {
+  return std::none_of(impl_->parts.begin(), impl_->parts.end(), [](const Part& part) {
+    return !part.body->isStaticObject() && part.body->isActive();
+  });
+}
+
+void PhysicsWorld::WakeAll() {
+  for (const Part& part : impl_->parts) {
+    if (!part.body->isStaticObject() && part.body->isInWorld()) part.body->activate(true);
+  }
+}
+
+void PhysicsWorld::ForbidSleep() {
+  impl_->may_sleep = false;
+  for (const Part& part : impl_->parts) {
+    if (part.body->isStaticObject() || !part.body->isInWorld()) continue;
+    part.body->forceActivationState(DISABLE_DEACTIVATION);
+  }
+}
+
+bool PhysicsWorld::BlewUp() const {
+  for (int i = 0; i < part_count(); ++i) {
+    if (!impl_->parts[i].body->isInWorld()) continue;
+    const double speed = V_WO(i).linear_W.norm();
+    if (!X_WO(i).matrix().allFinite() || !(speed < kTooFast_mps)) return true;
+  }
+  return false;
+}
+
+std::vector<int> PhysicsWorld::PartsTouchingHand() const {
+  return impl_->hand == nullptr ? std::vector<int>{} : impl_->hand->TouchedParts();
+}
+
+}  // namespace pickbed
