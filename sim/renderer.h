@@ -94,6 +94,7 @@ class SceneRenderer {
   std::vector<double> VisibleFractions(const Scene& scene, const Camera& camera,
                                        const Image<uint16_t>& ids);
   Renderer& renderer() { return renderer_; }
+  int ObjectMesh(int object) const { return object_meshes_.at(object); }  // handle in renderer()
 
  private:
   std::vector<RenderInstance> InstancesOf(const Scene& scene) const;

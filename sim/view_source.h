@@ -16,15 +16,21 @@ struct ViewSourceOptions {
   CameraIntrinsics camera;       // of piles
   double distance_min_m = 0.75;  // camera to bin centre
   double distance_max_m = 1.00;
-  double tilt_max_rad = 0.35;  // of the optical axis from the vertical
+  double tilt_max_rad = 0.35;     // of the optical axis from the vertical
+  double target_jitter_m = 0.03;  // of the point on the bin's floor that is looked at, x and y
   Bin bin;
   int parts_min = 10;  // of a pile
   int parts_max = 25;
-  double fill_max = 0.6;     // share of the bin's height that the parts' volume may reach
-  double mixed_share = 0.5;  // of piles that mix kinds
+  double fill_max = 0.6;     // share of the bin's volume that the parts' bounding boxes may reach
+  double mixed_share = 0.5;  // of piles that mix kinds, where there are several
+  int mixed_kinds_max = 6;   // in one pile
+  bool color = true;         // views carry colour; isolated ones are cheaper without
+  DropOptions drop;
+  GlContextOptions gl;
 };
 
-// `objects` must have convex pieces.
+// `objects` must have convex pieces. Throws InputError for no objects or options that leave nothing
+// to choose from. Pile() throws std::runtime_error when physics fails three times for a seed.
 std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
                                                       const ViewSourceOptions& options);
 

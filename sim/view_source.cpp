@@ -1,0 +1,182 @@
+#include "sim/view_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+constexpr int kIsolatedBatch = 1024;  // views rendered at once, to bound memory
+constexpr int kPileAttempts = 3;      // before a seed whose physics fails is given up
+
+// A lamp beside the camera, for isolated views, whose world is the camera's frame.
+const Light kLampByCamera{{0.25, -0.30, -0.10}, 0.35, 0.65};
+
+double BoundingVolume_m3(const ObjectModel& object) {
+  return MeshBounds(object.mesh_O).size().prod();
+}
+
+// Looks at a point near the middle of the bin from above, turned about its own axis at random.
+Pose RandomCamera(const ViewSourceOptions& options, Rng& rng) {
+  const double jitter = options.target_jitter_m;
+  const Eigen::Vector3d target_W(rng.Uniform(-jitter, jitter), rng.Uniform(-jitter, jitter), 0);
+  const double distance_m = rng.Uniform(options.distance_min_m, options.distance_max_m);
+  const double tilt = rng.Uniform(0, options.tilt_max_rad);
+  const double azimuth = rng.Uniform(-std::numbers::pi, std::numbers::pi);
+  const double roll = rng.Uniform(-std::numbers::pi, std::numbers::pi);
+  using Eigen::AngleAxisd;
+  const Eigen::Matrix3d R_WC =
+      (AngleAxisd(azimuth, Eigen::Vector3d::UnitZ()) * AngleAxisd(tilt, Eigen::Vector3d::UnitY()) *
+       AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
+       AngleAxisd(roll, Eigen::Vector3d::UnitZ()))
+          .toRotationMatrix();
+  return MakePose(R_WC, target_W - distance_m * R_WC.col(2));
+}
+
+Light RandomLamp(Rng& rng) {
+  Light light;
+  light.position_W = {rng.Uniform(-0.8, 0.8), rng.Uniform(-0.8, 0.8), rng.Uniform(0.8, 1.8)};
+  light.ambient = rng.Uniform(0.25, 0.45);
+  light.diffuse = 1 - light.ambient;
+  return light;
+}
+
+class SimViewSource : public LabelledViewSource {
+ public:
+  SimViewSource(const ObjectSet& objects, const ViewSourceOptions& options)
+      : objects_(objects), options_(options), scene_renderer_(objects, options.bin, options.gl) {}
+
+  const ObjectSet& objects() const override { return objects_; }
+
+  std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
+                                     const CameraIntrinsics& camera, uint64_t seed) override;
+  std::vector<LabelledView> Pile(uint64_t seed, int views) override;
+
+ private:
+  std::vector<int> RandomCounts(Rng& rng) const;
+  Scene DropPile(uint64_t seed) const;
+  LabelledView PileView(const Scene& scene, uint64_t seed, int view);
+
+  ObjectSet objects_;
+  ViewSourceOptions options_;
+  SceneRenderer scene_renderer_;
+};
+
+std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<Pose>& X_CO,
+                                                  const CameraIntrinsics& camera, uint64_t seed) {
+  CheckInput(object >= 0 && object < static_cast<int>(objects_.size()),
+             fmt::format("object {} of {}: no such part", object, objects_.size()));
+  Renderer& renderer = scene_renderer_.renderer();
+  std::vector<LabelledView> views(X_CO.size());
+  for (size_t begin = 0; begin < X_CO.size(); begin += kIsolatedBatch) {
+    const size_t end = std::min(X_CO.size(), begin + kIsolatedBatch);
+    const std::vector<Camera> cameras(end - begin, Camera{camera, Pose::Identity()});
+    std::vector<RenderInstance> instances;
+    for (size_t i = begin; i < end; ++i) {
+      instances.push_back({scene_renderer_.ObjectMesh(object), X_CO[i], 1});
+    }
+    std::vector<RenderedImage> images = options_.color
+                                            ? renderer.RenderEach(cameras, instances, kLampByCamera)
+                                            : renderer.RenderEachDepth(cameras, instances);
+    for (size_t i = begin; i < end; ++i) {
+      RenderedImage& image = images[i - begin];
+      Rng rng = Rng::Derive(seed, i, "isolated view noise");
+      views[i].frame = {camera, std::move(image.color),
+                        ApplySensorNoise(image.depth_m, options_.sensor, rng)};
+      views[i].ids = std::move(image.ids);
+      views[i].instances = {{object, X_CO[i], 1.0}};
+    }
+  }
+  return views;
+}
+
+// How many of each kind: one kind, or a mix.
+std::vector<int> SimViewSource::RandomCounts(Rng& rng) const {
+  const int kinds = static_cast<int>(objects_.size());
+  std::vector<int> order(kinds);
+  std::iota(order.begin(), order.end(), 0);
+  for (int i = kinds - 1; i > 0; --i) std::swap(order[i], order[rng.Index(i + 1)]);
+  const int mixed_max = std::min(kinds, options_.mixed_kinds_max);
+  const bool mixed = rng.Uniform() < options_.mixed_share && mixed_max > 1;
+  order.resize(mixed ? 2 + rng.Index(mixed_max - 1) : 1);
+
+  const int wanted = options_.parts_min + rng.Index(options_.parts_max - options_.parts_min + 1);
+  double room_m3 = options_.fill_max * options_.bin.inner_size_m.prod();
+  std::vector<int> counts(kinds, 0);
+  for (int i = 0; i < wanted; ++i) {
+    const int kind = order[rng.Index(static_cast<int>(order.size()))];
+    room_m3 -= BoundingVolume_m3(*objects_[kind]);
+    if (i > 0 && room_m3 < 0) break;
+    ++counts[kind];
+  }
+  return counts;
+}
+
+Scene SimViewSource::DropPile(uint64_t seed) const {
+  for (int attempt = 0; attempt < kPileAttempts; ++attempt) {
+    Rng rng = Rng::Derive(seed, attempt, "pile");
+    const std::vector<int> counts = RandomCounts(rng);
+    DropResult result = DropParts(options_.bin, objects_, counts, rng, options_.drop);
+    if (!result.report.blew_up && !result.scene.objects.empty()) return std::move(result.scene);
+  }
+  throw std::runtime_error(
+      fmt::format("no settled pile for seed {} in {} attempts", seed, kPileAttempts));
+}
+
+LabelledView SimViewSource::PileView(const Scene& scene, uint64_t seed, int view) {
+  Rng rng = Rng::Derive(seed, view, "pile camera");
+  const Camera camera{options_.camera, RandomCamera(options_, rng)};
+  RenderedImage image = scene_renderer_.Render(scene, camera, RandomLamp(rng));
+  const std::vector<double> fractions = scene_renderer_.VisibleFractions(scene, camera, image.ids);
+
+  LabelledView out;
+  const Pose X_CW = camera.X_WC.inverse();
+  int largest = 0;
+  for (const PosedObject& object : scene.objects) largest = std::max(largest, object.instance);
+  std::vector<uint16_t> new_id(largest + 2, 0);
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    if (fractions[i] == 0) continue;
+    const PosedObject& object = scene.objects[i];
+    out.instances.push_back({object.object, X_CW * object.X_WO, fractions[i]});
+    new_id[object.instance + 1] = static_cast<uint16_t>(out.instances.size());
+  }
+  for (uint16_t& id : image.ids.pixels()) id = new_id[id];
+  Rng noise = Rng::Derive(seed, view, "pile view noise");
+  out.frame = {camera.intrinsics, options_.color ? std::move(image.color) : Image<Rgb8>(),
+               ApplySensorNoise(image.depth_m, options_.sensor, noise)};
+  out.ids = std::move(image.ids);
+  out.background = KnownBackground{scene.bin, X_CW};  // the bin stands at the world's origin
+  return out;
+}
+
+std::vector<LabelledView> SimViewSource::Pile(uint64_t seed, int views) {
+  const Scene scene = DropPile(seed);
+  std::vector<LabelledView> out;
+  out.reserve(views);
+  for (int view = 0; view < views; ++view) out.push_back(PileView(scene, seed, view));
+  return out;
+}
+
+}  // namespace
+
+std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
+                                                      const ViewSourceOptions& options) {
+  CheckInput(!objects.empty(), "no objects to make views of: name at least one");
+  CheckInput(options.parts_min >= 1 && options.parts_max >= options.parts_min,
+             fmt::format("parts of a pile {} to {}: need 1 <= parts_min <= parts_max",
+                         options.parts_min, options.parts_max));
+  CheckInput(options.distance_min_m > 0 && options.distance_max_m >= options.distance_min_m,
+             fmt::format("camera distance {} to {} m: need 0 < distance_min_m <= distance_max_m",
+                         options.distance_min_m, options.distance_max_m));
+  return std::make_unique<SimViewSource>(objects, options);
+}
+
+}  // namespace pickbed
