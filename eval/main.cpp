@@ -1,1 +1,7 @@
-int main() { return 0; }
+#include "eval/commands.h"
+#include "eval/threads.h"
+
+int main(int argc, char** argv) {
+  pickbed::UseOneThread();
+  return pickbed::Dispatch(argc, argv);
+}

@@ -60,8 +60,7 @@ std::string ReplyOf(const TrialResult& result) {
 WorkerPlan::DoItem StartWorker(const ScenarioSpec& spec, const ObjectSet& objects,
                                const RunOptions& options, const std::string& identity,
                                const WorkerPlan::Say& say) {
-  int last_percent = -1;
-  const auto on_progress = [&](std::string_view what, double share) {
+  const auto on_progress = [say, last_percent = -1](std::string_view what, double share) mutable {
     const int percent = static_cast<int>(100 * share);
     if (percent == last_percent) return;
     last_percent = percent;

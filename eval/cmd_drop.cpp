@@ -1,0 +1,37 @@
+#include <fmt/format.h>
+
+#include "eval/command_line.h"
+#include "eval/commands.h"
+#include "eval/scene_text.h"
+#include "eval/virtual_cell.h"
+#include "scenes/image_io.h"
+
+namespace pickbed {
+
+int DropCommand(int argc, char** argv) {
+  CLI::App app("Fills one bin and writes how it came to rest: scene.json and color.png.",
+               "pickbed drop");
+  ScenarioArguments arguments;
+  std::string out;
+  int trial = 0;
+  AddScenarioArguments(app, arguments);
+  AddOutArgument(app, out, "-drop");
+  app.add_option("--trial", trial, "which of the scenario's trials, from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.footer("Example: pickbed drop demo --set objects.0.count=30 --trial 2");
+  if (!ParseArguments(app, argc, argv)) return 0;
+
+  const LoadedScenario scenario = LoadScenarioArguments(arguments);
+  const std::filesystem::path folder = OutFolder(out, scenario.name, "-drop");
+  MakeFolder(folder);
+  VirtualCell cell(scenario.spec, scenario.objects);
+  const DropResult drop = cell.Drop(trial);
+  WriteFileAtomically(folder / "scene.json", SceneJson(drop.scene, cell.objects()));
+  WritePng(folder / "color.png", cell.ColorPicture(drop.scene));
+  fmt::print("{}wrote {} and color.png\n", DropReportText(drop.report, drop.scene.objects.size()),
+             (folder / "scene.json").string());
+  return 0;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,127 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "eval/command_line.h"
+#include "eval/commands.h"
+#include "eval/metrics.h"
+#include "eval/oracle.h"
+#include "grasp/gripper.h"
+#include "scenes/check.h"
+#include "scenes/loss.h"
+#include "scenes/scenario_spec.h"
+
+namespace pickbed {
+namespace {
+
+void Row(const std::string& name, const std::string& help) {
+  fmt::print("  {:<20} {}\n", name, help);
+}
+
+void ListObjects(const std::string& catalog_folder) {
+  const ObjectCatalog catalog = OpenCatalog(catalog_folder);
+  for (const std::string& name : catalog.Names()) {
+    const auto model = catalog.Load(name);
+    const Eigen::Vector3d size_mm = 1e3 * MeshBounds(model->mesh_O).size();
+    Row(name, fmt::format("{:.0f} x {:.0f} x {:.0f} mm, {:.0f} g, {} triangles{}", size_mm.x(),
+                          size_mm.y(), size_mm.z(), 1e3 * model->mass.mass_kg,
+                          model->mesh_O.triangles.size(),
+                          model->symmetries_O.trivial() ? "" : ", symmetric"));
+  }
+}
+
+void ListEstimators(const std::string&) {
+  for (const EstimatorName& row : EstimatorNames()) Row(row.name, row.help);
+}
+
+void ListGrippers(const std::string&) {
+  for (const std::string& name : GripperNames()) {
+    const GripperSpec spec = LoadGripper(name);
+    Row(name, fmt::format("{}, opens {:.0f} mm, {:.0f} N", spec.mechanism, 1e3 * spec.hand.stroke_m,
+                          spec.hand.force_n));
+  }
+}
+
+void ListYamlFiles(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  for (const std::string& name : names) Row(name, "");
+}
+
+void ListSensors(const std::string&) { ListYamlFiles(AssetsDir() / "sensors"); }
+
+void ListMetrics(const std::string&) {
+  for (const MetricRow& row : MetricTable())
+    Row(row.name, fmt::format("{} ({})", row.help, row.unit));
+}
+
+void ListLosses(const std::string&) {
+  for (const LossRow& row : LossTable()) {
+    Row(std::string(row.name), fmt::format("{:<9} {}", StageName(row.stage), row.help));
+  }
+}
+
+void ListPresets(const std::string&) {
+  for (const std::string& name : PresetNames()) {
+    const ScenarioSpec spec = LoadScenario(PresetsDir() / (name + ".yaml"));
+    std::string parts;
+    for (const PartSpec& part : spec.objects) {
+      parts += fmt::format("{}{} x {}", parts.empty() ? "" : ", ", part.count, part.name);
+    }
+    Row(name, fmt::format("{}; {} trials", parts, spec.trials));
+  }
+}
+
+void ListSettings(const std::string&) {
+  ScenarioSpec spec;
+  spec.objects.resize(1);
+  fmt::print("{}", WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); }, true));
+}
+
+struct Topic {
+  const char* name;
+  const char* title;
+  void (*print)(const std::string& catalog_folder);
+};
+constexpr std::array<Topic, 8> kTopics{{
+    {"presets", "Scenarios that come with the program", ListPresets},
+    {"objects", "Parts", ListObjects},
+    {"estimators", "Pose estimators", ListEstimators},
+    {"grippers", "Grippers", ListGrippers},
+    {"sensors", "Depth sensors", ListSensors},
+    {"metrics", "Pose errors", ListMetrics},
+    {"losses", "What becomes of a pick: reason, stage", ListLosses},
+    {"settings", "Keys of a scenario file with their defaults", ListSettings},
+}};
+
+}  // namespace
+
+int ListCommand(int argc, char** argv) {
+  CLI::App app("Shows what there is to choose from.", "pickbed list");
+  std::string wanted;
+  std::string catalog = "objects";
+  std::vector<std::string> names;
+  for (const Topic& topic : kTopics) names.push_back(topic.name);
+  app.add_option("TOPIC,topic", wanted, "one of them; without it all but settings");
+  app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
+  app.footer(fmt::format("Topics: {}\nExample: pickbed list grippers", fmt::join(names, ", ")));
+  if (!ParseArguments(app, argc, argv)) return 0;
+
+  CheckInput(wanted.empty() || std::find(names.begin(), names.end(), wanted) != names.end(),
+             UnknownNameMessage("topic", wanted, names));
+  for (const Topic& topic : kTopics) {
+    const bool by_default = topic.print != ListSettings;
+    if (wanted.empty() ? !by_default : wanted != topic.name) continue;
+    fmt::print("{}\n", topic.title);
+    topic.print(catalog);
+    if (wanted.empty()) fmt::print("\n");
+  }
+  return 0;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include <thread>
+
+#include "eval/command_line.h"
+#include "eval/commands.h"
+#include "eval/interrupt.h"
+#include "eval/progress.h"
+#include "eval/run.h"
+
+namespace pickbed {
+namespace {
+
+std::string StateText(const RunState& state, double elapsed_s) {
+  const int done_now = state.done - state.done_before;
+  const double rate = done_now / std::max(elapsed_s, 1e-9);
+  const Interval interval = WilsonInterval(state.successes, state.attempts);
+  const double success = state.attempts ? 100.0 * state.successes / state.attempts : 0;
+  return fmt::format(
+      "trial {}/{}  {:.2f} trials/s  left {}  picked {}/{} = {:.1f} % [{:.1f}, {:.1f}]", state.done,
+      state.total, rate, FormatDuration((state.total - state.done) / rate), state.successes,
+      state.attempts, success, 100 * interval.low, 100 * interval.high);
+}
+
+RunReport RunWithProgress(const LoadedScenario& scenario, const RunOptions& options) {
+  ProgressLine progress;
+  RunListener listener;
+  listener.on_trial = [&](const RunState& state) {
+    progress.Show(StateText(state, progress.elapsed_s()), state.done == state.total);
+  };
+  listener.on_message = [&](const std::string& line) { progress.Show(line); };
+  listener.stop = Interrupted;
+  return RunScenario(scenario.spec, scenario.objects, options, listener);
+}
+
+}  // namespace
+
+int RunCommand(int argc, char** argv) {
+  CLI::App app("Drops parts into a bin, looks, estimates poses and picks, trial after trial.",
+               "pickbed run");
+  ScenarioArguments arguments;
+  RunOptions options;
+  options.jobs = std::max(1u, std::thread::hardware_concurrency());
+  std::string out;
+  bool json = false;
+  AddScenarioArguments(app, arguments);
+  AddTrialsArgument(app, arguments);
+  AddOutArgument(app, out);
+  app.add_option("--jobs", options.jobs, "worker processes; results do not depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_flag("--resume", options.resume, "go on with a run that was stopped");
+  app.add_option("--pictures", options.picture_trials, "trials that get pictures, 0 = none")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  app.add_flag("--json", json, "print the summary as JSON on stdout, and nothing else");
+  app.footer("Example: pickbed run demo --trials 10 --set estimator.name=oracle --jobs 2");
+  if (!ParseArguments(app, argc, argv)) return 0;
+
+  const LoadedScenario scenario = LoadScenarioArguments(arguments);
+  options.out = OutFolder(out, scenario.name);
+  CatchInterrupts();
+  const RunReport report = RunWithProgress(scenario, options);
+
+  if (json) {
+    fmt::print("{}", SummaryJson(report.summary));
+  } else {
+    fmt::print("{}\nresults in {}\n", SummaryTable(report.summary), options.out.string());
+  }
+  if (report.interrupted) {
+    fmt::print(stderr, "pickbed: stopped after {} trials; the same command with --resume goes on\n",
+               report.summary.trials);
+    return kExitInterrupted;
+  }
+  if (!report.lost.empty()) {
+    const LostItem& first = report.lost.front();
+    throw std::runtime_error(
+        fmt::format("{} trials were lost, the first is trial {}: {}; --resume tries them again",
+                    report.lost.size(), first.item, first.why));
+  }
+  return 0;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,134 @@
+#include <fmt/format.h>
+
+#include "eval/command_line.h"
+#include "eval/commands.h"
+#include "eval/interrupt.h"
+#include "eval/progress.h"
+#include "perception/training.h"
+#include "scenes/check.h"
+#include "sim/convex_pieces.h"
+#include "sim/view_source.h"
+
+namespace pickbed {
+namespace {
+
+struct TrainArguments {
+  std::vector<std::string> objects;
+  ScenarioArguments scenario;  // optional: camera, bin, sensor and parts
+  std::string model_file;
+  bool resume = false;
+  TrainingOptions training;
+};
+
+// What is learned, and the cell that it is learned for.
+struct Lesson {
+  std::string name;
+  ScenarioSpec spec;
+  ObjectSet objects;
+};
+
+Lesson PlanLesson(const TrainArguments& arguments) {
+  Lesson lesson;
+  if (!arguments.scenario.scenario.empty()) {
+    LoadedScenario loaded = LoadScenarioArguments(arguments.scenario);
+    lesson = {loaded.name, std::move(loaded.spec), std::move(loaded.objects)};
+  }
+  if (!arguments.objects.empty()) {
+    const ObjectCatalog catalog = OpenCatalog(arguments.scenario.catalog);
+    lesson.objects.clear();
+    lesson.name.clear();
+    for (const std::string& name : arguments.objects) {
+      lesson.objects.push_back(catalog.Load(name));
+      lesson.name += lesson.name.empty() ? name : "-" + name;
+    }
+  }
+  CheckInput(!lesson.objects.empty(),
+             "nothing to learn: name objects of the catalog or pass --scenario FILE");
+  return lesson;
+}
+
+std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
+  ViewSourceOptions options;
+  options.sensor = LoadSensorProfile(lesson.spec.sensor);
+  options.camera = CameraOf(lesson.spec).intrinsics;
+  options.bin = BinOf(lesson.spec);
+  return MakeSimViewSource(WithConvexPieces(lesson.objects), options);
+}
+
+// "key=value" of --set, and the options that have a name of their own.
+void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
+                       std::vector<std::string>& training_settings) {
+  app.add_option("OBJECT,objects", arguments.objects,
+                 "parts of the catalog (pickbed list objects)");
+  app.add_option("--scenario", arguments.scenario.scenario,
+                 "learn the parts of this scenario, for its camera, bin and sensor");
+  app.add_option("--catalog", arguments.scenario.catalog, "folder of your own objects")
+      ->capture_default_str();
+  app.add_option("--out", arguments.model_file, "model file [models/<objects>.pt]");
+  app.add_flag("--resume", arguments.resume, "go on from the checkpoint of a stopped training");
+  app.add_option("--minutes", arguments.training.max_minutes, "time limit in minutes, 0 = none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--seed", arguments.training.seed, "same seed, same model")->capture_default_str();
+  app.add_option("--set", training_settings, "change a setting of training, key=value")
+      ->allow_extra_args(false);
+  TrainingOptions defaults;
+  app.footer("Settings of training and their defaults:\n" +
+             WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true) +
+             "\nExample: pickbed train rod elbow --minutes 5 --set descriptor=64");
+}
+
+}  // namespace
+
+int TrainCommand(int argc, char** argv) {
+  CLI::App app("Learns parts from views that are rendered on the fly; Ctrl-C keeps a checkpoint.",
+               "pickbed train");
+  TrainArguments arguments;
+  std::vector<std::string> settings;
+  AddTrainArguments(app, arguments, settings);
+  if (!ParseArguments(app, argc, argv)) return 0;
+  for (const std::string& assignment : settings) {
+    ApplySetting(assignment, [&](SettingsVisitor& v) { arguments.training.Visit(v); });
+  }
+
+  const Lesson lesson = PlanLesson(arguments);
+  std::filesystem::path model_file = arguments.model_file;
+  if (model_file.empty()) model_file = std::filesystem::path("models") / (lesson.name + ".pt");
+  if (model_file.has_parent_path()) MakeFolder(model_file.parent_path());
+  const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
+  CheckInput(!arguments.resume || std::filesystem::exists(checkpoint),
+             fmt::format("no checkpoint {} to resume from; leave out --resume to start anew",
+                         checkpoint.string()));
+  const auto views = MakeViews(lesson);
+
+  CatchInterrupts();
+  TrainingReport report;
+  {
+    ProgressLine progress;
+    const TrainingJob job{
+        *views,
+        model_file,
+        checkpoint,
+        arguments.resume,
+        lesson.spec.sensor,
+        [&](const TrainingProgress& state) {
+          progress.Show(fmt::format("{} {}/{}  loss {:.4f}  left {}", state.phase, state.done,
+                                    state.total, state.loss, FormatDuration(state.seconds_left)));
+          return !Interrupted();
+        }};
+    report = TrainDescriptor(job, arguments.training);
+  }
+  if (!report.finished) {
+    fmt::print(stderr, "pickbed: stopped; {} is written, the same command with --resume goes on\n",
+               checkpoint.string());
+    return kExitInterrupted;
+  }
+  fmt::print(
+      "wrote {} after {}; verifier's area under the curve {:.3f}\n"
+      "use it with --set estimator.model={}\n",
+      model_file.string(), FormatDuration(report.seconds), report.verifier_auc,
+      model_file.string());
+  return 0;
+}
+
+}  // namespace pickbed

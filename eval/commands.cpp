@@ -1,0 +1,79 @@
+#include "eval/commands.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kBadInput = 1;
+constexpr int kOurFault = 2;
+
+constexpr std::array<CommandRow, 7> kCommands{{
+    {"run", "drop, look, estimate and pick, trial after trial; measure how often it works",
+     RunCommand},
+    {"drop", "fill one bin and show how it came to rest", DropCommand},
+    {"render", "fill one bin and write what the camera sees", RenderCommand},
+    {"estimate", "guess poses in filled bins and score them against the truth, without picking",
+     EstimateCommand},
+    {"train", "learn parts from views rendered on the fly", TrainCommand},
+    {"list", "what there is to choose from: objects, estimators, grippers, sensors, ...",
+     ListCommand},
+    {"doctor", "check that this machine can do all that a run needs", DoctorCommand},
+}};
+
+std::string Usage() {
+  std::string text =
+      "pickbed: drops parts into a bin, looks at them with a depth camera, guesses their poses,\n"
+      "picks them in physics, and says how often that works.\n\n"
+      "Usage: pickbed COMMAND [OPTIONS]\n\nCommands:\n";
+  for (const CommandRow& row : kCommands) text += fmt::format("  {:<10} {}\n", row.name, row.help);
+  text +=
+      "\n`pickbed COMMAND --help` shows a command's options with an example.\n"
+      "A first run: pickbed run demo\n";
+  return text;
+}
+
+const CommandRow& FindCommand(const std::string& name) {
+  std::vector<std::string> names;
+  for (const CommandRow& row : kCommands) {
+    if (row.name == name) return row;
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("command", name, names));
+}
+
+}  // namespace
+
+std::span<const CommandRow> CommandTable() { return kCommands; }
+
+int Dispatch(int argc, char** argv) {
+  try {
+    const std::string name = argc > 1 ? argv[1] : "";
+    if (name == "--help" || name == "-h" || name == "help") {
+      fmt::print("{}", Usage());
+      return kDone;
+    }
+    if (name == "--version") {
+      fmt::print("pickbed {}\n", PICKBED_VERSION);
+      return kDone;
+    }
+    CheckInput(!name.empty(), "which command? see pickbed --help");
+    return FindCommand(name).run(argc - 1, argv + 1);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "pickbed: {}\n", error.what());
+    return kBadInput;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "pickbed: internal error: {}\n", error.what());
+    return kOurFault;
+  }
+}
+
+}  // namespace pickbed
