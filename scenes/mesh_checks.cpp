@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "scenes/check.h"
@@ -94,6 +95,21 @@ void RequireUsableMesh(const TriangleMesh& mesh, const std::string& source) {
              "mesh '" + source +
                  "' encloses no volume: it is flat or its faces are turned at random; give it a "
                  "thickness and let all faces look outwards");
+}
+
+TriangleMesh TurnedOutwards(TriangleMesh mesh) {
+  if (SignedVolume(mesh) >= 0) return mesh;
+  for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
+  if (mesh.normals.empty()) return mesh;
+  const std::vector<Eigen::Vector3d> faces = FaceNormals(mesh);
+  double agreement = 0;
+  for (size_t i = 0; i < faces.size(); ++i) {
+    for (const int corner : mesh.triangles[i]) agreement += faces[i].dot(mesh.normals[corner]);
+  }
+  if (agreement < 0) {
+    for (Eigen::Vector3d& n : mesh.normals) n = -n;
+  }
+  return mesh;
 }
 
 }  // namespace pickbed

@@ -23,4 +23,8 @@ MeshReport InspectMesh(const TriangleMesh& mesh);
 // relative to its bounds). Open and inside-out meshes pass.
 void RequireUsableMesh(const TriangleMesh& mesh, const std::string& source);
 
+// The mesh with its faces turned outwards when its signed volume is negative (then also normals
+// that look inwards).
+TriangleMesh TurnedOutwards(TriangleMesh mesh);
+
 }  // namespace pickbed

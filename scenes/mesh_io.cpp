@@ -93,9 +93,12 @@ class TextureShelf {
 };
 
 // The material's own colour; the mesh's default where the file states none, which assimp gives as
-// a grey of 0.6 (a missing .mtl too).
+// a material with a name of its own or (a missing .mtl too) as a grey of 0.6.
 Rgb8 BaseColor(const aiMaterial& material) {
   const aiColor4D unstated(0.6f, 0.6f, 0.6f, 1.f);
+  aiString name;
+  material.Get(AI_MATKEY_NAME, name);
+  if (name == aiString(AI_DEFAULT_MATERIAL_NAME)) return TriangleMesh().base_color;
   aiColor4D color = unstated;
   if (material.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS) {
     material.Get(AI_MATKEY_COLOR_DIFFUSE, color);

@@ -1,6 +1,21 @@
 #pragma once
 
 // Finds parts by name in folders NAME/{mesh, object.yaml}, or makes one from a mesh file.
+//
+// object.yaml (the mesh's own frame is O; its vertices are never moved):
+//   mesh: mesh.obj           # beside it, any format of mesh_io.h
+//   unit: m                  # of the mesh and convex files: m, cm, mm, in
+//   mass_kg: 0.12            # or density_kgpm3: 2700
+//   friction: 0.5            # against a gripper pad, see friction.h
+//   convex: convex.obj       # optional convex pieces, one "o" group each
+//   symmetries:
+//     discrete:              # every one but the identity, as a turn
+//       - {axis: [0, 0, 1], angle_deg: 180, offset_m: [0, 0, 0]}
+//     continuous:
+//       - {axis: [0, 0, 1], offset_m: [0, 0, 0]}
+//
+// Inside-out meshes are turned outwards. An open mesh (a scan with a hole) gets the mass properties
+// of what it nearly encloses, or of its bounding box where that makes no sense.
 
 #include <filesystem>
 #include <memory>

@@ -10,11 +10,6 @@
 namespace pickbed {
 namespace {
 
-Pose Turn(const Eigen::Vector3d& axis_O, const Eigen::Vector3d& offset_O, double angle_rad) {
-  const Eigen::Matrix3d R = Eigen::AngleAxisd(angle_rad, axis_O).toRotationMatrix();
-  return MakePose(R, offset_O - R * offset_O);
-}
-
 // Whether the second axis is the same line as the first.
 bool SameLine(const ContinuousSymmetry& a, const ContinuousSymmetry& b, double tolerance_m) {
   constexpr double kParallel = 1e-6;
@@ -33,11 +28,11 @@ Eigen::Vector3d MeetingPoint(const ContinuousSymmetry& a, const ContinuousSymmet
   return a.offset_O + between.cross(b.axis_O).dot(normal) / squared * a.axis_O;
 }
 
-std::vector<Pose> TurnsAboutAxis(const ContinuousSymmetry& symmetry, int steps) {
+std::vector<Pose> TurnsAboutAxis(const ContinuousSymmetry& axis, int steps) {
   std::vector<Pose> turns;
   turns.reserve(steps);
   for (int i = 0; i < steps; ++i) {
-    turns.push_back(Turn(symmetry.axis_O, symmetry.offset_O, 2 * std::numbers::pi * i / steps));
+    turns.push_back(TurnAbout(axis, 2 * std::numbers::pi * i / steps));
   }
   return turns;
 }
@@ -49,15 +44,15 @@ std::vector<Pose> AllRotations(const Eigen::Vector3d& axis_O, const Eigen::Vecto
                                int steps) {
   const int turns = std::max(4, 2 * static_cast<int>(std::lround(std::cbrt(8.0 * steps))));
   const double step_rad = 2 * std::numbers::pi / turns;
-  const Eigen::Vector3d across_O = axis_O.unitOrthogonal();
+  const ContinuousSymmetry along{axis_O, center_O}, across{axis_O.unitOrthogonal(), center_O};
   std::vector<Pose> rotations;
   for (int tilt = 0; tilt <= turns / 2; ++tilt) {
     const bool pole = tilt == 0 || tilt == turns / 2;  // there both outer turns do the same
-    const Pose X_tilt = Turn(across_O, center_O, tilt * step_rad);
+    const Pose X_tilt = TurnAbout(across, tilt * step_rad);
     for (int i = 0; i < turns; ++i) {
-      const Pose X_first = Turn(axis_O, center_O, i * step_rad) * X_tilt;
+      const Pose X_first = TurnAbout(along, i * step_rad) * X_tilt;
       for (int j = 0; j < (pole ? 1 : turns); ++j) {
-        rotations.push_back(X_first * Turn(axis_O, center_O, j * step_rad));
+        rotations.push_back(X_first * TurnAbout(along, j * step_rad));
       }
     }
   }
@@ -75,6 +70,11 @@ std::vector<Pose> ContinuousTransforms(const std::vector<ContinuousSymmetry>& ax
 }
 
 }  // namespace
+
+Pose TurnAbout(const ContinuousSymmetry& axis, double angle_rad) {
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(angle_rad, axis.axis_O).toRotationMatrix();
+  return MakePose(R, axis.offset_O - R * axis.offset_O);
+}
 
 std::vector<Pose> SymmetryTransforms(const SymmetrySet& symmetries, int steps) {
   if (steps < 1) throw std::invalid_argument("SymmetryTransforms needs at least one step");

@@ -15,6 +15,9 @@ struct ContinuousSymmetry {
   Eigen::Vector3d offset_O = Eigen::Vector3d::Zero();  // a point on the axis, m
 };
 
+// The turn about the axis by an angle; axis_O must be unit.
+Pose TurnAbout(const ContinuousSymmetry& axis, double angle_rad);
+
 struct SymmetrySet {
   std::vector<Pose> discrete_O;  // without the identity
   std::vector<ContinuousSymmetry> continuous_O;
