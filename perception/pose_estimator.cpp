@@ -1,7 +1,16 @@
 #include "perception/pose_estimator.h"
 
-namespace pickbed {
+#include "perception/estimators/ppf.h"
 
-std::span<const EstimatorRow> EstimatorTable() { return {}; }
+namespace pickbed {
+namespace {
+
+constexpr EstimatorRow kRows[] = {
+    {"ppf", "point pair features with ICP, OpenCV's surface matching", &MakePpfEstimator},
+};
+
+}  // namespace
+
+std::span<const EstimatorRow> EstimatorTable() { return kRows; }
 
 }  // namespace pickbed
