@@ -1,5 +1,6 @@
 #include "scenes/object_catalog.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
