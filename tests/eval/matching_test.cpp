@@ -1,0 +1,164 @@
+#include "eval/matching.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scenes/random.h"
+
+namespace pickbed {
+namespace {
+
+// A box of 2 x 3 x 5 cm that a half turn about z maps onto itself.
+MetricModel Box(bool symmetric) {
+  MetricModel model;
+  for (int corner = 0; corner < 8; ++corner) {
+    model.vertices_O.emplace_back(corner & 1 ? 0.01 : -0.01, corner & 2 ? 0.015 : -0.015,
+                                  corner & 4 ? 0.025 : -0.025);
+  }
+  model.symmetries_O = {Pose::Identity()};
+  if (symmetric) {
+    Pose half_turn = Pose::Identity();
+    half_turn.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    model.symmetries_O.push_back(half_turn);
+  }
+  model.diameter_m = 2 * Eigen::Vector3d(0.01, 0.015, 0.025).norm();
+  return model;
+}
+
+struct Look {
+  Scene scene;
+  Camera camera;
+  std::vector<double> visible;
+  std::vector<PoseHypothesis> hypotheses;
+
+  void AddInstance(int instance, int object, const Pose& X_WO) {
+    scene.objects.push_back({instance, object, X_WO});
+    visible.push_back(0.5);
+  }
+  void Believe(int object, const Pose& X_WO, double score) {
+    hypotheses.push_back({object, camera.X_WC.inverse() * X_WO, score, {}});
+  }
+  LookScore Score(const std::vector<MetricModel>& models) const {
+    return ScoreLook(scene, visible, models, camera, hypotheses);
+  }
+};
+
+Look EmptyLook() {
+  Look look;
+  look.camera.X_WC = LookAt({0.1, -0.2, 0.8}, {0, 0, 0}, Eigen::Vector3d::UnitZ());
+  return look;
+}
+
+Pose At(double x, double y = 0, double z = 0) { return Translation({x, y, z}); }
+
+TEST(Matching, TruePosesAreCorrectWithZeroError) {
+  Look look = EmptyLook();
+  look.AddInstance(7, 0, At(0.1));
+  look.AddInstance(3, 0, At(-0.1));
+  look.Believe(0, At(-0.1), 0.4);
+  look.Believe(0, At(0.1), 0.9);
+  const LookScore score = look.Score({Box(false)});
+  ASSERT_EQ(score.hypotheses.size(), 2u);
+  EXPECT_EQ(score.hypotheses[0].instance, 3);
+  EXPECT_EQ(score.hypotheses[1].instance, 7);
+  for (const HypothesisScore& h : score.hypotheses) {
+    EXPECT_TRUE(h.correct);
+    EXPECT_NEAR(h.mssd_m, 0, 1e-12);
+    EXPECT_NEAR(h.translation_m, 0, 1e-12);
+  }
+  for (const InstanceRecord& instance : score.instances) EXPECT_TRUE(instance.recalled);
+}
+
+TEST(Matching, TwoHypothesesOnOnePartRecallOnePart) {
+  Look look = EmptyLook();
+  look.AddInstance(0, 0, At(0));
+  look.AddInstance(1, 0, At(0.2));
+  look.Believe(0, At(0.0005), 0.9);
+  look.Believe(0, At(0), 0.8);
+  const LookScore score = look.Score({Box(false)});
+  EXPECT_TRUE(score.hypotheses[0].correct);
+  EXPECT_TRUE(score.hypotheses[1].correct);
+  EXPECT_TRUE(score.instances[0].recalled);
+  EXPECT_FALSE(score.instances[1].recalled);
+}
+
+TEST(Matching, AHypothesisWhoseNearestIsTakenRecallsTheNextWithinReach) {
+  // Two parts closer together than a tenth of the diameter; both hypotheses lie nearest to part 0.
+  const MetricModel box = Box(false);
+  const double reach_m = kCorrectDiameters * box.diameter_m;
+  Look look = EmptyLook();
+  look.AddInstance(0, 0, At(0));
+  look.AddInstance(1, 0, At(0.6 * reach_m));
+  look.Believe(0, At(0.1 * reach_m), 0.9);
+  look.Believe(0, At(-0.1 * reach_m), 0.8);
+  const LookScore score = look.Score({box});
+  EXPECT_EQ(score.hypotheses[1].instance, 0);
+  EXPECT_TRUE(score.instances[0].recalled);
+  EXPECT_TRUE(score.instances[1].recalled);
+}
+
+TEST(Matching, CorrectEndsAtATenthOfTheDiameter) {
+  const MetricModel box = Box(false);
+  for (const auto& [share, correct] : {std::pair{0.099, true}, std::pair{0.101, false}}) {
+    Look look = EmptyLook();
+    look.AddInstance(0, 0, At(0));
+    look.Believe(0, At(share * box.diameter_m), 1);
+    const LookScore score = look.Score({box});
+    EXPECT_EQ(score.hypotheses[0].correct, correct) << share;
+    EXPECT_EQ(score.instances[0].recalled, correct) << share;
+    EXPECT_NEAR(score.hypotheses[0].mssd_diameters, share, 1e-9);
+  }
+}
+
+TEST(Matching, AnotherObjectAtTheSamePlaceIsNoMatch) {
+  Look look = EmptyLook();
+  look.AddInstance(0, 1, At(0));
+  look.Believe(0, At(0), 0.9);
+  const LookScore score = look.Score({Box(false), Box(false)});
+  EXPECT_EQ(score.hypotheses[0].instance, -1);
+  EXPECT_FALSE(score.hypotheses[0].correct);
+  EXPECT_TRUE(std::isinf(score.hypotheses[0].mssd_m));
+  EXPECT_FALSE(score.instances[0].recalled);
+}
+
+TEST(Matching, ASymmetricTurnIsNoError) {
+  Pose turned = At(0.05);
+  turned.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  for (bool symmetric : {false, true}) {
+    Look look = EmptyLook();
+    look.AddInstance(0, 0, At(0.05));
+    look.Believe(0, turned, 1);
+    EXPECT_EQ(look.Score({Box(symmetric)}).hypotheses[0].correct, symmetric);
+  }
+}
+
+TEST(Matching, NearestIsTheSameAsBySearchingAll) {
+  Rng rng(3);
+  MetricModel model = Box(true);
+  for (Eigen::Vector3d& vertex : model.vertices_O) vertex += Eigen::Vector3d(0.02, 0.01, 0);
+  for (int round = 0; round < 50; ++round) {
+    Look look = EmptyLook();
+    const auto random_pose = [&] {
+      return MakePose(rng.Rotation().toRotationMatrix(), 0.05 * rng.UnitVector());
+    };
+    for (int i = 0; i < 12; ++i) look.AddInstance(i, 0, random_pose());
+    const Pose believed = random_pose();
+    look.Believe(0, believed, 1);
+    int nearest = -1;
+    double least_m = 1e9;
+    for (const PosedObject& posed : look.scene.objects) {
+      const double mssd_m = Mssd(model, believed, posed.X_WO);
+      if (mssd_m < least_m) {
+        least_m = mssd_m;
+        nearest = posed.instance;
+      }
+    }
+    const HypothesisScore score = look.Score({model}).hypotheses[0];
+    EXPECT_EQ(score.instance, nearest);
+    EXPECT_NEAR(score.mssd_m, least_m, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace pickbed

@@ -1,0 +1,220 @@
+#include "eval/results_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <limits>
+
+#include "scenes/check.h"
+#include "scenes/random.h"
+
+namespace pickbed {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class ResultsStoreTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    char pattern[] = "/tmp/pickbed_store_XXXXXX";
+    folder_ = mkdtemp(pattern);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path folder_;
+};
+
+std::string ErrorOf(const std::function<void()>& function) {
+  try {
+    function();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no InputError";
+}
+
+// A trial in which no field has its default.
+TrialResult FullTrial(int trial) {
+  Rng rng(trial + 1);
+  TrialResult result;
+  result.trial = trial;
+  result.drop = {true, rng.Uniform(), 2, rng.Uniform(), true, rng.Uniform()};
+  result.parts_dropped = 7;
+  result.parts_cleared = 3;
+  result.ended_by = Loss::kSlipped;
+  for (int p = 0; p < 3; ++p) {
+    PickRecord& pick = result.picks.emplace_back();
+    pick.pick = p;
+    for (int i = 0; i < 4; ++i) pick.instances.push_back({i, i % 2, rng.Uniform(), i % 2 == 0});
+    HypothesisScore score;
+    score.object = 1;
+    score.instance = 3;
+    score.score = rng.Uniform();
+    score.mssd_m = rng.Uniform();
+    score.mspd_px = rng.Uniform();
+    score.add_m = rng.Uniform();
+    score.adi_m = rng.Uniform();
+    score.rotation_rad = rng.Uniform();
+    score.translation_m = rng.Uniform();
+    score.mssd_diameters = kInfinity;
+    score.correct = true;
+    pick.hypotheses = {score, HypothesisScore()};
+    pick.loss = Loss::kNoGrasp;
+    pick.grasps_rejected = {{"collision", 12}, {"tilt's", 3}};
+    if (p == 2) continue;  // a look without a grasp
+    pick.chosen = 1;
+    Grasp grasp;
+    grasp.X_WG = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
+    grasp.width_m = rng.Uniform();
+    grasp.score = rng.Uniform();
+    grasp.hypothesis = 1;
+    pick.grasp = grasp;
+    pick.outcome = {true, Loss::kDropped, 5, 2, rng.Uniform(), rng.Uniform(), rng.Uniform(), 4};
+  }
+  result.seconds = {{"drop", rng.Uniform()}, {"see", rng.Uniform()}};
+  return result;
+}
+
+void ExpectSamePick(const PickRecord& a, const PickRecord& b) {
+  EXPECT_EQ(a.pick, b.pick);
+  EXPECT_EQ(a.chosen, b.chosen);
+  EXPECT_EQ(a.loss, b.loss);
+  EXPECT_EQ(a.grasps_rejected, b.grasps_rejected);
+  ASSERT_EQ(a.grasp.has_value(), b.grasp.has_value());
+  if (a.grasp) {
+    EXPECT_EQ(a.grasp->X_WG.matrix(), b.grasp->X_WG.matrix());
+    EXPECT_EQ(a.grasp->width_m, b.grasp->width_m);
+    EXPECT_EQ(a.grasp->score, b.grasp->score);
+    EXPECT_EQ(a.grasp->hypothesis, b.grasp->hypothesis);
+  }
+  EXPECT_EQ(a.outcome.success, b.outcome.success);
+  EXPECT_EQ(a.outcome.loss, b.outcome.loss);
+  EXPECT_EQ(a.outcome.picked_instance, b.outcome.picked_instance);
+  EXPECT_EQ(a.outcome.parts_lifted, b.outcome.parts_lifted);
+  EXPECT_EQ(a.outcome.final_opening_m, b.outcome.final_opening_m);
+  EXPECT_EQ(a.outcome.slip_m, b.outcome.slip_m);
+  EXPECT_EQ(a.outcome.turn_rad, b.outcome.turn_rad);
+  EXPECT_EQ(a.outcome.disturbed, b.outcome.disturbed);
+  ASSERT_EQ(a.instances.size(), b.instances.size());
+  for (size_t i = 0; i < a.instances.size(); ++i) {
+    EXPECT_EQ(a.instances[i].instance, b.instances[i].instance);
+    EXPECT_EQ(a.instances[i].object, b.instances[i].object);
+    EXPECT_EQ(a.instances[i].visible_fraction, b.instances[i].visible_fraction);
+    EXPECT_EQ(a.instances[i].recalled, b.instances[i].recalled);
+  }
+  ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
+  for (size_t i = 0; i < a.hypotheses.size(); ++i) {
+    const HypothesisScore &x = a.hypotheses[i], &y = b.hypotheses[i];
+    EXPECT_EQ(std::tie(x.object, x.instance, x.score, x.mssd_m, x.mspd_px, x.add_m, x.adi_m),
+              std::tie(y.object, y.instance, y.score, y.mssd_m, y.mspd_px, y.add_m, y.adi_m));
+    EXPECT_EQ(std::tie(x.rotation_rad, x.translation_m, x.mssd_diameters, x.correct),
+              std::tie(y.rotation_rad, y.translation_m, y.mssd_diameters, y.correct));
+  }
+}
+
+void ExpectSameTrial(const TrialResult& a, const TrialResult& b) {
+  EXPECT_EQ(a.trial, b.trial);
+  EXPECT_EQ(a.parts_dropped, b.parts_dropped);
+  EXPECT_EQ(a.parts_cleared, b.parts_cleared);
+  EXPECT_EQ(a.ended_by, b.ended_by);
+  EXPECT_EQ(a.drop.at_rest, b.drop.at_rest);
+  EXPECT_EQ(a.drop.simulated_s, b.drop.simulated_s);
+  EXPECT_EQ(a.drop.left_bin, b.drop.left_bin);
+  EXPECT_EQ(a.drop.max_speed_mps, b.drop.max_speed_mps);
+  EXPECT_EQ(a.drop.blew_up, b.drop.blew_up);
+  EXPECT_EQ(a.drop.deepest_penetration_m, b.drop.deepest_penetration_m);
+  EXPECT_EQ(a.seconds, b.seconds);
+  ASSERT_EQ(a.picks.size(), b.picks.size());
+  for (size_t i = 0; i < a.picks.size(); ++i) ExpectSamePick(a.picks[i], b.picks[i]);
+}
+
+TEST_F(ResultsStoreTest, ReadsBackEveryBitOfATrial) {
+  ResultsStore(folder_, "seed: 1").Write(FullTrial(4));
+  const auto read = ResultsStore(folder_, "seed: 1").ReadAll();
+  ASSERT_EQ(read.size(), 1u);
+  ExpectSameTrial(read[0], FullTrial(4));
+}
+
+TEST_F(ResultsStoreTest, OrderOfWritingDoesNotMatter) {
+  ResultsStore store(folder_, "s");
+  for (int trial : {5, 0, 3}) store.Write(FullTrial(trial));
+  EXPECT_THAT(store.FinishedTrials(), ElementsAre(0, 3, 5));
+  const auto read = store.ReadAll();
+  ASSERT_EQ(read.size(), 3u);
+  const int expected[] = {0, 3, 5};
+  for (int i = 0; i < 3; ++i) ExpectSameTrial(read[i], FullTrial(expected[i]));
+}
+
+TEST_F(ResultsStoreTest, RefusesResultsOfOtherSettings) {
+  ResultsStore(folder_, "seed: 1").Write(FullTrial(0));
+  const std::string error = ErrorOf([&] { ResultsStore(folder_, "seed: 2"); });
+  EXPECT_THAT(error, HasSubstr(folder_.string()));
+  EXPECT_THAT(error, HasSubstr("--out"));
+}
+
+TEST_F(ResultsStoreTest, SecondWriteOfATrialFailsAndKeepsTheFirst) {
+  ResultsStore store(folder_, "s");
+  store.Write(FullTrial(0));
+  TrialResult other = FullTrial(0);
+  other.parts_dropped = 99;
+  EXPECT_THROW(store.Write(other), std::runtime_error);
+  const auto read = store.ReadAll();
+  ASSERT_EQ(read.size(), 1u);
+  ExpectSameTrial(read[0], FullTrial(0));
+}
+
+TEST_F(ResultsStoreTest, TellsWhenTheFolderCannotBeMadeOrTheFileIsForeign) {
+  const auto file = folder_ / "file";
+  std::ofstream(file) << "no folder";
+  EXPECT_THAT(ErrorOf([&] { ResultsStore(file, "s"); }), HasSubstr("--out"));
+  std::ofstream(folder_ / "results.sqlite") << std::string(4096, 'x');
+  EXPECT_THAT(ErrorOf([&] { ResultsStore(folder_, "s"); }), HasSubstr("results.sqlite"));
+}
+
+TEST_F(ResultsStoreTest, SeveralProcessesWriteToOneFile) {
+  constexpr int kProcesses = 4, kTrialsEach = 10;
+  std::vector<pid_t> children;
+  for (int process = 0; process < kProcesses; ++process) {
+    const pid_t child = fork();
+    if (child == 0) {
+      int status = 0;
+      try {
+        ResultsStore store(folder_, "s");
+        for (int i = 0; i < kTrialsEach; ++i) store.Write(FullTrial(process + i * kProcesses));
+      } catch (const std::exception&) {
+        status = 1;
+      }
+      _exit(status);
+    }
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_EQ(status, 0);
+  }
+  const auto read = ResultsStore(folder_, "s").ReadAll();
+  ASSERT_EQ(read.size(), static_cast<size_t>(kProcesses * kTrialsEach));
+  for (size_t i = 0; i < read.size(); ++i) ExpectSameTrial(read[i], FullTrial(i));
+}
+
+TEST_F(ResultsStoreTest, AKilledWriterLosesOnlyWhatWasInFlight) {
+  const pid_t child = fork();
+  if (child == 0) {
+    ResultsStore store(folder_, "s");
+    store.Write(FullTrial(0));
+    store.Write(FullTrial(1));
+    kill(getpid(), SIGKILL);
+  }
+  waitpid(child, nullptr, 0);
+  EXPECT_THAT(ResultsStore(folder_, "s").FinishedTrials(), ElementsAre(0, 1));
+}
+
+}  // namespace
+}  // namespace pickbed

@@ -1,0 +1,155 @@
+#include "eval/workers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <map>
+#include <set>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+using testing::HasSubstr;
+
+// A plan whose items answer with their square; `trouble` runs before each.
+WorkerPlan Squares(int items, int jobs, const std::function<void(int)>& trouble,
+                   std::map<int, std::string>& replies) {
+  WorkerPlan plan;
+  for (int i = 0; i < items; ++i) plan.items.push_back(i);
+  plan.jobs = jobs;
+  plan.start = [trouble](const WorkerPlan::Say&) {
+    return [trouble](int item) {
+      trouble(item);
+      return std::to_string(item * item);
+    };
+  };
+  plan.on_done = [&replies](int item, const std::string& reply) {
+    EXPECT_TRUE(replies.emplace(item, reply).second) << "item " << item << " done twice";
+  };
+  return plan;
+}
+
+void NoTrouble(int) {}
+
+TEST(Workers, EveryItemIsDoneOnceForAnyNumberOfJobs) {
+  for (int jobs : {1, 2, 5, 40}) {
+    std::map<int, std::string> replies;
+    const WorkReport report = RunInWorkers(Squares(23, jobs, NoTrouble, replies));
+    EXPECT_TRUE(report.lost.empty());
+    EXPECT_FALSE(report.stopped);
+    ASSERT_EQ(replies.size(), 23u) << jobs << " jobs";
+    for (const auto& [item, reply] : replies) EXPECT_EQ(reply, std::to_string(item * item));
+  }
+}
+
+TEST(Workers, NothingToDoStartsNothing) {
+  WorkerPlan plan;
+  plan.start = [](const WorkerPlan::Say&) -> WorkerPlan::DoItem {
+    throw std::runtime_error("was started");
+  };
+  EXPECT_TRUE(RunInWorkers(plan).lost.empty());
+}
+
+TEST(Workers, ACrashLosesOneItem) {
+  for (int jobs : {1, 3}) {
+    std::map<int, std::string> replies;
+    const auto crash = [](int item) {
+      if (item == 4) raise(SIGKILL);
+    };
+    const WorkReport report = RunInWorkers(Squares(10, jobs, crash, replies));
+    ASSERT_EQ(report.lost.size(), 1u);
+    EXPECT_EQ(report.lost[0].item, 4);
+    EXPECT_THAT(report.lost[0].why, HasSubstr("signal 9"));
+    EXPECT_EQ(replies.size(), 9u);
+    EXPECT_FALSE(replies.contains(4));
+  }
+}
+
+TEST(Workers, AnExceptionLosesOneItemAndItsTextIsKept) {
+  std::map<int, std::string> replies;
+  const auto fail = [](int item) {
+    if (item % 4 == 1) throw std::logic_error("odd thing " + std::to_string(item));
+  };
+  const WorkReport report = RunInWorkers(Squares(10, 2, fail, replies));
+  std::set<std::string> reasons;
+  for (const LostItem& lost : report.lost) reasons.insert(lost.why);
+  EXPECT_EQ(reasons, (std::set<std::string>{"odd thing 1", "odd thing 5", "odd thing 9"}));
+  EXPECT_EQ(replies.size(), 7u);
+}
+
+TEST(Workers, BadInputInAWorkerIsThrownHere) {
+  std::map<int, std::string> replies;
+  const auto refuse = [](int item) {
+    if (item == 2) throw InputError("disk is full");
+  };
+  try {
+    RunInWorkers(Squares(5, 2, refuse, replies));
+    FAIL() << "nothing was thrown";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "disk is full");
+  }
+}
+
+TEST(Workers, AFailureToStartIsThrownWithItsKind) {
+  WorkerPlan plan;
+  plan.items = {0, 1};
+  plan.jobs = 2;
+  plan.start = [](const WorkerPlan::Say&) -> WorkerPlan::DoItem {
+    throw InputError("model is broken");
+  };
+  EXPECT_THROW(RunInWorkers(plan), InputError);
+  plan.start = [](const WorkerPlan::Say&) -> WorkerPlan::DoItem {
+    throw std::logic_error("no pieces");
+  };
+  EXPECT_THROW(RunInWorkers(plan), std::runtime_error);
+  plan.start = [](const WorkerPlan::Say&) -> WorkerPlan::DoItem {
+    raise(SIGKILL);
+    return nullptr;
+  };
+  EXPECT_THROW(RunInWorkers(plan), std::runtime_error);
+}
+
+TEST(Workers, StopEndsWorkersAtOnce) {
+  std::map<int, std::string> replies;
+  WorkerPlan plan = Squares(
+      100, 2,
+      [](int item) {
+        if (item >= 4) sleep(1000);
+      },
+      replies);
+  plan.stop = [&] { return replies.size() == 4; };
+  const WorkReport report = RunInWorkers(plan);
+  EXPECT_TRUE(report.stopped);
+  EXPECT_EQ(replies.size(), 4u);
+}
+
+TEST(Workers, TheFirstStartsAlone) {
+  // Each start says how many others have finished starting before it began.
+  char pattern[] = "/tmp/pickbed_workers_XXXXXX";
+  const std::string folder = mkdtemp(pattern);
+  std::map<int, std::string> replies;
+  WorkerPlan plan = Squares(
+      8, 3, [](int) { usleep(50000); }, replies);
+  std::vector<std::string> said;
+  plan.on_message = [&said](const std::string& line) { said.push_back(line); };
+  plan.start = [&, inner = plan.start](const WorkerPlan::Say& say) {
+    const std::string marker = folder + "/started";
+    say(access(marker.c_str(), F_OK) == 0 ? "later" : "first");
+    usleep(100000);
+    close(creat(marker.c_str(), 0600));
+    return inner(say);
+  };
+  RunInWorkers(plan);
+  ASSERT_EQ(said.size(), 3u);
+  EXPECT_EQ(said[0], "first");
+  EXPECT_EQ(std::count(said.begin(), said.end(), "first"), 1);
+  unlink((folder + "/started").c_str());
+  rmdir(folder.c_str());
+}
+
+}  // namespace
+}  // namespace pickbed
