@@ -238,7 +238,7 @@ MadePart MakeGear() {
 }
 
 MadePart MakeRing() {
-  const double inner = 22, outer = 30, height = 14, bevel = 1;
+  const double inner = 22, outer = 30, height = 14, bevel = 0.6;
   const Outline profile = {{inner, -height / 2},        {outer - bevel, -height / 2},
                            {outer, bevel - height / 2}, {outer, 0},
                            {outer, height / 2 - bevel}, {outer - bevel, height / 2},

@@ -6,7 +6,7 @@
 
 namespace pickbed {
 
-// part_families_flat.cpp: plates, prisms and turned parts of metal
+// part_families_flat.cpp: plates, prisms and turned parts
 MadePart MakeBracket();
 MadePart MakeUClip();
 MadePart MakeHexBolt();
@@ -14,14 +14,16 @@ MadePart MakeFlange();
 MadePart MakeGear();
 MadePart MakeRing();
 
-// part_families_pipe.cpp: rods and pipes
+// part_families_joined.cpp: shapes that meet other shapes
 MadePart MakeRod();
 MadePart MakePipeTee();
-MadePart MakeElbow();
 
-// part_families_household.cpp
+// part_families_bent.cpp: tubes along curves
+MadePart MakeElbow();
+MadePart MakeMug();
+
+// part_families_packed.cpp: goods
 MadePart MakeCarton();
 MadePart MakeBottle();
-MadePart MakeMug();
 
 }  // namespace pickbed

@@ -66,24 +66,18 @@ ConvexPiece LoftPiece(const Loop& lower, const Loop& upper) {
   return piece;
 }
 
-namespace {
-
-// Radius of the corners of a polygon whose corners and sides miss a circle by equally much.
-double BalancedRadius(double radius, double half_angle_rad) {
-  return 2 * radius / (1 + std::cos(half_angle_rad));
+double BalancedRadius(double radius, int corners) {
+  return 2 * radius / (1 + std::cos(M_PI / corners));
 }
 
-}  // namespace
-
 ConvexPiece DiscPiece(double lower_radius, double upper_radius, double z0, double z1, int count) {
-  const double half = M_PI / count;
-  return LoftPiece(Circle(BalancedRadius(lower_radius, half), count, z0),
-                   Circle(BalancedRadius(upper_radius, half), count, z1));
+  return LoftPiece(Circle(BalancedRadius(lower_radius, count), count, z0),
+                   Circle(BalancedRadius(upper_radius, count), count, z1));
 }
 
 std::vector<ConvexPiece> RingPieces(const RingSpec& spec) {
   const double step = spec.sweep_rad / spec.sectors;
-  const double inner = BalancedRadius(spec.inner_radius, step / 2);
+  const double inner = 2 * spec.inner_radius / (1 + std::cos(step / 2));
   std::vector<ConvexPiece> pieces;
   for (int i = 0; i < spec.sectors; ++i) {
     const double begin = spec.begin_rad + i * step;

@@ -66,8 +66,10 @@ ConvexPiece BoxPiece(const Eigen::Vector3d& min, const Eigen::Vector3d& max);
 ConvexPiece PrismPiece(const Outline& convex, double z0, double z1);
 // Hull of two loops, e.g. a frustum.
 ConvexPiece LoftPiece(const Loop& lower, const Loop& upper);
-// Hull of circles about z. Corners stand outside of the circle by as much as the sides cut inside,
-// so that the error of `count` corners is halved.
+// Radius of the corners of a regular polygon whose corners stand as far outside of a circle as its
+// sides cut inside.
+double BalancedRadius(double radius, int corners);
+// Hull of circles about z. See BalancedRadius.
 ConvexPiece DiscPiece(double lower_radius, double upper_radius, double z0, double z1, int count);
 
 // A wall between two radii cut into sectors. The inner side of each is a chord that is as far

@@ -231,6 +231,4 @@ MadePart MakePipeTee() {
   return FinishPart(shell.Build(kCrease_deg), pieces, {CyclicZ(2), {}}, {1400, 0.5, {196, 92, 60}});
 }
 
-MadePart MakeElbow() { return {}; }
-
 }  // namespace pickbed
