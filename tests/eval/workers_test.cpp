@@ -5,6 +5,8 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <fstream>
 #include <map>
 #include <set>
 
@@ -140,7 +142,7 @@ TEST(Workers, TheFirstStartsAlone) {
     const std::string marker = folder + "/started";
     say(access(marker.c_str(), F_OK) == 0 ? "later" : "first");
     usleep(100000);
-    close(creat(marker.c_str(), 0600));
+    std::ofstream(marker).put(1);
     return inner(say);
   };
   RunInWorkers(plan);

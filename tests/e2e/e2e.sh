@@ -1,0 +1,156 @@
+#!/bin/bash
+# End-to-end checks of the program as a user runs it.
+#   e2e.sh PICKBED CASE
+# CASE is the name of a function below; each works in a folder of its own and fails loudly.
+set -u
+pickbed=$1
+name=$2
+work=$(mktemp -d "${TMPDIR:-/tmp}/pickbed_e2e_XXXXXX")
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+
+fail() {
+  echo "FAIL ($name): $*" >&2
+  for log in "$work"/*.err; do [ -f "$log" ] && sed "s|^|  $(basename "$log"): |" "$log" >&2; done
+  exit 1
+}
+
+# expect STATUS COMMAND... : runs it with stdout in last.out and stderr in last.err.
+expect() {
+  local wanted=$1
+  shift
+  "$@" >last.out 2>last.err
+  local status=$?
+  [ "$status" = "$wanted" ] || fail "exit $status, expected $wanted, of: $*"
+}
+same() { cmp -s "$1" "$2" || fail "$1 and $2 differ"; }
+# The summary without its last object, which holds seconds.
+without_seconds() { sed '/"seconds"/,$d' "$1"; }
+
+# A small bin of convex parts with true poses, quick and without a network.
+small=(--set estimator.name=oracle --set estimator.noise_mm=1)
+cat >small.yaml <<'YAML'
+seed: 7
+trials: 4
+objects:
+  - {name: rod, count: 3}
+  - {name: flange, count: 2}
+YAML
+echo "objects: [{name: rod, count: 3}]" >rods.yaml
+
+jobs_do_not_matter() {
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 1 --out one --pictures 0
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 2 --out two --pictures 1
+  same one/trials.csv two/trials.csv
+  same one/picks.csv two/picks.csv
+  without_seconds one/summary.json >one.json
+  without_seconds two/summary.json >two.json
+  same one.json two.json
+  [ -s one.json ] || fail "summary.json is empty"
+  [ "$(wc -l <one/trials.csv)" = 5 ] || fail "trials.csv has not one line a trial"
+  [ ! -e one/pictures ] || fail "pictures were not wanted"
+  for picture in color depth overlay after; do
+    [ -s "two/pictures/trial_0000/pick_00_$picture.png" ] || fail "no picture $picture"
+  done
+}
+
+another_seed_gives_other_results() {
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out one
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out two --set seed=8
+  cmp -s one/picks.csv two/picks.csv && fail "seeds 7 and 8 gave the same picks"
+  return 0
+}
+
+json_alone_on_stdout() {
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --json --out json
+  same last.out json/summary.json
+}
+
+interrupt_and_resume() {
+  "$pickbed" run small.yaml "${small[@]}" --trials 200 --jobs 2 --out long 2>stopped.err >/dev/null &
+  local pid=$!
+  for _ in $(seq 600); do
+    grep -q "^trial [2-9]" stopped.err && break
+    sleep 0.2
+  done
+  kill -INT $pid
+  wait $pid
+  [ $? = 130 ] || fail "exit was not 130"
+  grep -q -- "--resume" stopped.err || fail "--resume was not offered"
+  local kept=$(($(wc -l <long/trials.csv) - 1))
+  [ "$kept" -ge 1 ] && [ "$kept" -lt 200 ] || fail "$kept trials were kept"
+  expect 1 "$pickbed" run small.yaml "${small[@]}" --trials 200 --out long
+  grep -q -- "--resume" last.err || fail "a folder with results was not explained"
+
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials $((kept + 2)) --out long --resume
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials $((kept + 2)) --out whole
+  same long/trials.csv whole/trials.csv
+  same long/picks.csv whole/picks.csv
+}
+
+other_settings_are_refused() {
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out here
+  expect 1 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out here --resume --set seed=9
+  grep -q "other settings" last.err || fail "not explained"
+  [ "$(wc -l <last.err)" = 1 ] || fail "more than one line"
+}
+
+written_scenario_runs_again() {
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out first
+  expect 0 "$pickbed" run first/scenario.yaml --out second
+  same first/picks.csv second/picks.csv
+}
+
+drop_and_render_write_their_files() {
+  expect 0 "$pickbed" drop small.yaml --out drop
+  [ "$(grep -c '"instance"' drop/scene.json)" = 5 ] || fail "scene.json does not hold 5 parts"
+  [ -s drop/color.png ] || fail "no picture"
+  expect 0 "$pickbed" render small.yaml --out render
+  for file in color.png depth.png depth_color.png ids.png ids_color.png visible.csv; do
+    [ -s "render/$file" ] || fail "no $file"
+  done
+  [ "$(wc -l <render/visible.csv)" = 6 ] || fail "visible.csv does not hold 5 parts"
+}
+
+estimate_scores_the_oracle_as_perfect() {
+  expect 0 "$pickbed" estimate small.yaml --set estimator.name=oracle --trials 2 --out look
+  local wrong=$(tail -n +2 look/hypotheses.csv | grep -vc ',1$')
+  [ "$wrong" = 0 ] || fail "$wrong true poses were called wrong"
+  [ "$(wc -l <look/hypotheses.csv)" -gt 5 ] || fail "too few hypotheses"
+  [ -s look/pictures/trial_0001/pick_00_overlay.png ] || fail "no overlay"
+}
+
+broken_model_is_refused() {
+  head -c 1000 /dev/urandom >broken.pt
+  expect 1 "$pickbed" run small.yaml --set estimator.name=descriptor \
+    --set "estimator.model=$work/broken.pt" --out broken
+  grep -q "broken.pt" last.err || fail "the file is not named"
+  expect 1 "$pickbed" run small.yaml --set estimator.name=descriptor \
+    --set "estimator.model=$work/missing.pt" --out missing
+  grep -q "missing.pt" last.err || fail "the file is not named"
+}
+
+train_stops_and_resumes() {
+  local short=(--set piles=2 --set code_views=60 --set iterations=40 --set checkpoint_every=5)
+  "$pickbed" train rod "${short[@]}" --set iterations=100000 --out rod.pt 2>stopped.err &
+  local pid=$!
+  for _ in $(seq 600); do
+    grep -q "^network" stopped.err && break
+    sleep 0.2
+  done
+  kill -INT $pid
+  wait $pid
+  [ $? = 130 ] || fail "exit was not 130"
+  [ -s rod.pt.checkpoint ] || fail "no checkpoint"
+  [ ! -e rod.pt ] || fail "an unfinished model was written"
+  expect 0 "$pickbed" train rod "${short[@]}" --out rod.pt
+  [ -s rod.pt ] || fail "no model"
+  expect 0 "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.pt"
+}
+
+doctor_finds_nothing() {
+  expect 0 "$pickbed" doctor
+  [ "$(grep -c '^ok' last.out)" = 5 ] || fail "not all are ok"
+}
+
+"$name"
