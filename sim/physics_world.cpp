@@ -69,7 +69,24 @@ struct PartShape {
 struct Part {
   std::unique_ptr<btRigidBody> body;
   Pose X_BO;
+  double radius = 0;       // of the part about its centre, Bullet units
+  btTransform still_pose;  // where it was when it last moved noticeably
+  double still_s = 0;      // how long ago that was
+
+  void Wake() {
+    body->activate(true);
+    still_s = 0;
+  }
 };
+
+// Bound on how far any point within `radius` of the origin moves from one pose to the other.
+double Movement(const btTransform& from, const btTransform& to, double radius) {
+  double squared_turn = 0;  // Frobenius norm of the rotations' difference
+  for (int row = 0; row < 3; ++row) {
+    squared_turn += (from.getBasis()[row] - to.getBasis()[row]).length2();
+  }
+  return from.getOrigin().distance(to.getOrigin()) + radius * std::sqrt(squared_turn);
+}
 
 }  // namespace
 
@@ -155,11 +172,28 @@ const PartShape& PhysicsWorld::Impl::ShapeOf(const ObjectModel& model) {
 }
 
 // Bullet's own waiting time is a process-wide variable of 2 s. It is left alone, so that worlds
-// cannot disturb each other; a body that has been slow for our time is told it has been for longer.
+// cannot disturb each other; a body that has been slow or still for our time is told that it has
+// been slow for longer than that.
 void PhysicsWorld::Impl::LetTheStillFallAsleep() {
   constexpr double kLongerThanBulletWaits_s = 1e3;
-  for (const Part& part : parts) {
-    if (part.body->isActive() && part.body->getDeactivationTime() >= options.sleep_after_s) {
+  // Trembling may be this much faster than the speeds: less than one step of free fall, so that
+  // a part that loses its support is still seen to move.
+  constexpr double kTremble = 4;
+  for (Part& part : parts) {
+    if (part.body->isStaticObject()) continue;
+    const btTransform& pose = part.body->getWorldTransform();
+    part.still_s += 1 / options.rate_hz;
+    if (!part.body->isActive() ||
+        Movement(part.still_pose, pose, part.radius) > options.still_m * kUnitsPerMeter) {
+      part.still_pose = pose;
+      part.still_s = 0;
+    }
+    if (!part.body->isActive()) continue;
+    const bool still = part.still_s >= options.sleep_after_s;
+    const double factor = still ? kTremble : 1;
+    part.body->setSleepingThresholds(factor * options.sleep_linear_mps * kUnitsPerMeter,
+                                     factor * options.sleep_angular_radps);
+    if (still || part.body->getDeactivationTime() >= options.sleep_after_s) {
       part.body->setDeactivationTime(kLongerThanBulletWaits_s);
     }
   }
@@ -201,8 +235,6 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
   }
   info.m_startWorldTransform = ToBullet(Pose(X_WO * shape.frame.X_OB));
   info.m_friction = model.friction;
-  info.m_linearSleepingThreshold = impl_->options.sleep_linear_mps * kUnitsPerMeter;
-  info.m_angularSleepingThreshold = impl_->options.sleep_angular_radps;
   auto body = std::make_unique<btRigidBody>(info);
   body->setUserIndex(part_count());
   body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR);
@@ -216,7 +248,9 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
     if (!impl_->may_sleep) body->setActivationState(DISABLE_DEACTIVATION);
   }
   if (mode == BodyMode::kAsleep) body->forceActivationState(ISLAND_SLEEPING);
-  impl_->parts.push_back({std::move(body), shape.frame.X_OB.inverse()});
+  const btTransform X_WB = body->getWorldTransform();
+  impl_->parts.push_back({std::move(body), shape.frame.X_OB.inverse(),
+                          0.5 * model.diameter_m * kUnitsPerMeter, X_WB, 0});
   return part_count() - 1;
 }
 
@@ -247,9 +281,12 @@ void PhysicsWorld::RemoveFunnel() {
   for (btRigidBody* wall : impl_->funnel) {
     for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {  // wake what leans on it
       const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
-      if (manifold->getNumContacts() == 0) continue;
-      if (manifold->getBody0() == wall) manifold->getBody1()->activate(true);
-      if (manifold->getBody1() == wall) manifold->getBody0()->activate(true);
+      const bool wall_first = manifold->getBody0() == wall;
+      if (manifold->getNumContacts() == 0 || !(wall_first || manifold->getBody1() == wall)) {
+        continue;
+      }
+      const btCollisionObject* leaning = wall_first ? manifold->getBody1() : manifold->getBody0();
+      impl_->parts[leaning->getUserIndex()].Wake();
     }
     impl_->world.removeRigidBody(wall);
   }
@@ -291,8 +328,8 @@ bool PhysicsWorld::AllAsleep() const {
 }
 
 void PhysicsWorld::WakeAll() {
-  for (const Part& part : impl_->parts) {
-    if (!part.body->isStaticObject() && part.body->isInWorld()) part.body->activate(true);
+  for (Part& part : impl_->parts) {
+    if (!part.body->isStaticObject() && part.body->isInWorld()) part.Wake();
   }
 }
 

@@ -24,6 +24,9 @@ struct PhysicsOptions {
   double sleep_linear_mps = 0.01;
   double sleep_angular_radps = 0.1;
   double sleep_after_s = 0.5;  // below both speeds for this long; at most 2 s
+  // A body whose surface stayed within this for sleep_after_s may sleep too, however it trembles:
+  // flat faces can tremble for ever by microns at more than the speeds above.
+  double still_m = 0.0002;
 };
 
 enum class BodyMode { kDynamic, kAsleep, kStatic };
