@@ -1,11 +1,14 @@
 #include "perception/pose_estimator.h"
 
+#include "perception/estimators/descriptor.h"
 #include "perception/estimators/ppf.h"
 
 namespace pickbed {
 namespace {
 
 constexpr EstimatorRow kRows[] = {
+    {"descriptor", "learned patch descriptors that vote through a code book, ICP and verifier",
+     &MakeDescriptorEstimator},
     {"ppf", "point pair features with ICP, OpenCV's surface matching", &MakePpfEstimator},
 };
 

@@ -1,0 +1,234 @@
+#include "perception/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "perception/pose_embedding.h"
+#include "perception/votes.h"
+
+namespace pickbed {
+namespace {
+
+// Parts of equal patch side share the patches of a query and one index.
+struct SideGroup {
+  struct Entry {
+    int part = 0;
+    int code = 0;
+  };
+  double side_m = 0;
+  std::vector<Entry> entries;  // by row of the index
+  std::unique_ptr<NeighborIndex> index;
+};
+
+// One random pixel of each of `count` equal stretches of the foreground: random, and spread evenly.
+std::vector<int> SpreadPixels(const std::vector<int>& foreground, int count, Rng& rng) {
+  const size_t total = foreground.size();
+  const size_t wanted = std::min<size_t>(total, count);
+  std::vector<int> pixels(wanted);
+  for (size_t i = 0; i < wanted; ++i) {
+    const size_t first = i * total / wanted, last = (i + 1) * total / wanted;
+    pixels[i] = foreground[first + rng.Index(static_cast<int>(last - first))];
+  }
+  return pixels;
+}
+
+// Raw poses of one part, for counting those that agree with a refined pose.
+struct RawPoses {
+  std::vector<Eigen::Vector3f> centers;  // centre of mass in C, which no symmetry moves
+  std::vector<PoseEmbedding::Point> points;
+};
+
+}  // namespace
+
+void CandidateOptions::Visit(SettingsVisitor& v) {
+  v.Integer("points", points, {1, 100000}, "patches cut from a frame");
+  v.Integer("neighbors", neighbors, {1, 1000}, "votes of a patch");
+  v.Integer("candidates", candidates, {1, 100000}, "poses refined, all parts together");
+  v.Integer("min_candidates", min_candidates, {1, 100000}, "poses refined for each part at least");
+  v.Real("quick_tau_m", quick_tau_m, {1e-4, 0.1}, "band of the quick score, m");
+  v.Real("cluster_diameters", cluster_diameters, {0, 1}, "raw poses within it are one");
+  v.Real("gate_diameters", gate_diameters, {1e-3, 1}, "first gate of ICP, diameters");
+  v.Real("gate_min_m", gate_min_m, {1e-4, 1}, "least gate, m");
+  v.Real("gate_max_m", gate_max_m, {1e-4, 1}, "largest gate, m");
+  v.Bool("two_gates", two_gates, "also try half the gate and keep the better");
+  v.Real("merge_diameters", merge_diameters, {0, 1}, "refined poses within it are one");
+  v.Real("agree_diameters", agree_diameters, {0, 1}, "raw poses within it support a refined one");
+  v.Group(
+      "index", [&](SettingsVisitor& g) { index.Visit(g); }, "neighbour index");
+}
+
+struct CandidateFinder::Impl {
+  std::vector<CandidatePart> parts;
+  DescribePatches describe;
+  CandidateOptions options;
+  std::vector<ModelPoints> models;
+  std::vector<PoseDistance> distances;
+  std::vector<PoseEmbedding> embeddings;
+  std::vector<SideGroup> groups;
+
+  void BuildGroups();
+  void Vote(const SideGroup& group, const OrganizedCloud& cloud, const std::vector<int>& pixels,
+            Rng& rng, StageSeconds& seconds, std::vector<std::vector<RawHypothesis>>& raw) const;
+  RawHypothesis Refined(const OrganizedCloud& cloud, const RawHypothesis& start) const;
+  RawPoses Spread(int part, const std::vector<RawHypothesis>& raw) const;
+  double Agreeing(int part, const RawPoses& raw, const Pose& X_CO) const;
+};
+
+void CandidateFinder::Impl::BuildGroups() {
+  std::map<long, std::vector<int>> by_side;  // micrometres
+  for (size_t p = 0; p < parts.size(); ++p) {
+    by_side[std::lround(parts[p].side_m * 1e6)].push_back(static_cast<int>(p));
+  }
+  for (const auto& [side_um, members] : by_side) {
+    SideGroup group;
+    group.side_m = parts[members.front()].side_m;
+    std::vector<float> rows;
+    for (const int p : members) {
+      const ObjectCodes& codes = parts[p].codes;
+      rows.insert(rows.end(), codes.descriptors.begin(), codes.descriptors.end());
+      for (size_t i = 0; i < codes.size(); ++i) group.entries.push_back({p, static_cast<int>(i)});
+    }
+    group.index = std::make_unique<NeighborIndex>(
+        std::move(rows), parts[members.front()].codes.length, options.index);
+    groups.push_back(std::move(group));
+  }
+}
+
+void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& cloud,
+                                 const std::vector<int>& pixels, Rng& rng, StageSeconds& seconds,
+                                 std::vector<std::vector<RawHypothesis>>& raw) const {
+  PatchSet patches;
+  {
+    const StageTimer timer(seconds, "patches");
+    std::vector<double> angles(pixels.size());
+    for (double& angle : angles) angle = rng.Uniform(0, 2 * std::numbers::pi);
+    patches = CutPatches(cloud, pixels, angles, group.side_m);
+  }
+  std::vector<float> descriptors;
+  {
+    const StageTimer timer(seconds, "network");
+    descriptors = describe(patches.values);
+  }
+  Neighbors found;
+  {
+    const StageTimer timer(seconds, "neighbors");
+    found = group.index->Search(descriptors, options.neighbors);
+  }
+  const StageTimer timer(seconds, "quick");
+  for (size_t i = 0; i < found.rows.size(); ++i) {
+    if (found.rows[i] < 0) continue;
+    const SideGroup::Entry& entry = group.entries[found.rows[i]];
+    RawHypothesis vote;
+    vote.object = entry.part;
+    vote.X_CO = patches.X_CP[i / options.neighbors] * CodePose(parts[entry.part].codes, entry.code);
+    vote.distance = std::sqrt(found.squared[i]);
+    vote.quick_score =
+        static_cast<float>(QuickScore(cloud, models[entry.part], vote.X_CO, options.quick_tau_m));
+    raw[entry.part].push_back(vote);
+  }
+}
+
+// Quick score becomes the score of the refined pose in the fine gate.
+RawHypothesis CandidateFinder::Impl::Refined(const OrganizedCloud& cloud,
+                                             const RawHypothesis& start) const {
+  const ModelPoints& model = models[start.object];
+  ProjectiveIcpOptions icp = options.icp;
+  const double gate =
+      std::clamp(options.gate_diameters * model.diameter_m, options.gate_min_m, options.gate_max_m);
+  RawHypothesis best = start;
+  for (int run = 0; run < (options.two_gates ? 2 : 1); ++run) {
+    icp.gate_m = std::max(run == 0 ? gate : 0.5 * gate, icp.gate_end_m);
+    const Pose X_CO = ProjectiveIcp(cloud, model, start.X_CO, icp).X_CO;
+    const float score = static_cast<float>(QuickScore(cloud, model, X_CO, icp.gate_end_m));
+    if (run > 0 && score <= best.quick_score) continue;
+    best.X_CO = X_CO;
+    best.quick_score = score;
+  }
+  return best;
+}
+
+RawPoses CandidateFinder::Impl::Spread(int part, const std::vector<RawHypothesis>& raw) const {
+  RawPoses poses;
+  for (const RawHypothesis& vote : raw) {
+    poses.centers.push_back((vote.X_CO * parts[part].model->mass.com_O).cast<float>());
+    poses.points.push_back(embeddings[part].Embed(vote.X_CO));
+  }
+  return poses;
+}
+
+double CandidateFinder::Impl::Agreeing(int part, const RawPoses& raw, const Pose& X_CO) const {
+  const Eigen::Vector3f center = (X_CO * parts[part].model->mass.com_O).cast<float>();
+  const auto twins = embeddings[part].EmbedTwins(X_CO);
+  const float radius = static_cast<float>(options.agree_diameters);
+  // No point of the part moves less than the centre of mass can be told apart by: poses whose
+  // centres differ by more than the key points may are skipped unseen.
+  const float reach = 2.0f * radius * models[part].diameter_m;
+  int count = 0;
+  for (size_t i = 0; i < raw.centers.size(); ++i) {
+    if ((raw.centers[i] - center).squaredNorm() > reach * reach) continue;
+    const float squared = (twins.colwise() - raw.points[i]).colwise().squaredNorm().minCoeff();
+    count += squared < radius * radius;
+  }
+  return count;
+}
+
+CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, DescribePatches describe,
+                                 const CandidateOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->parts = std::move(parts);
+  impl_->describe = std::move(describe);
+  impl_->options = options;
+  for (const CandidatePart& part : impl_->parts) {
+    impl_->models.push_back(MakeModelPoints(*part.model));
+    impl_->distances.emplace_back(*part.model);
+    impl_->embeddings.emplace_back(*part.model);
+  }
+  impl_->BuildGroups();
+}
+
+CandidateFinder::~CandidateFinder() = default;
+
+const std::vector<ModelPoints>& CandidateFinder::model_points() const { return impl_->models; }
+
+std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& rng,
+                                             StageSeconds& seconds) const {
+  const CandidateOptions& options = impl_->options;
+  const std::vector<int> pixels = SpreadPixels(cloud.foreground_pixels, options.points, rng);
+  const size_t part_count = impl_->parts.size();
+  std::vector<std::vector<RawHypothesis>> raw(part_count);
+  if (pixels.empty()) return {};
+  for (const SideGroup& group : impl_->groups) {
+    impl_->Vote(group, cloud, pixels, rng, seconds, raw);
+  }
+  const int kept = std::max(options.min_candidates,
+                            options.candidates / static_cast<int>(std::max<size_t>(1, part_count)));
+  std::vector<Candidate> candidates;
+  for (size_t p = 0; p < part_count; ++p) {
+    const int part = static_cast<int>(p);
+    std::vector<RawHypothesis> refined;
+    {
+      const StageTimer timer(seconds, "quick");
+      refined = ClusterVotes(raw[p], impl_->distances, options.cluster_diameters, kept);
+    }
+    {
+      const StageTimer timer(seconds, "icp");
+      for (RawHypothesis& candidate : refined) candidate = impl_->Refined(cloud, candidate);
+      refined = ClusterVotes(std::move(refined), impl_->distances, options.merge_diameters, kept);
+    }
+    const StageTimer timer(seconds, "verify");
+    const RawPoses poses = impl_->Spread(part, raw[p]);
+    for (const RawHypothesis& pose : refined) {
+      Candidate candidate;
+      candidate.hypothesis = {part, pose.X_CO, pose.quick_score, {}};
+      candidate.features =
+          ComputeVerifyFeatures(cloud, impl_->models[p], pose.X_CO,
+                                impl_->Agreeing(part, poses, pose.X_CO), candidate.hypothesis.fit);
+      candidates.push_back(candidate);
+    }
+  }
+  return candidates;
+}
+
+}  // namespace pickbed

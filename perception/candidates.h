@@ -1,0 +1,66 @@
+#pragma once
+
+// From a cloud to refined pose candidates: points -> patches -> descriptors -> neighbours in the
+// code book -> votes -> quick score -> clusters -> ICP -> features for the verifier. The learned
+// estimator and the training of its verifier share it, so that the verifier learns on exactly what
+// it will judge.
+
+#include <memory>
+#include <vector>
+
+#include "perception/codebook.h"
+#include "perception/neighbors.h"
+#include "perception/projective_icp.h"
+#include "perception/verify.h"
+#include "scenes/stage_seconds.h"
+
+namespace pickbed {
+
+struct CandidateOptions {
+  int points = 600;                // patches of a frame
+  int neighbors = 8;               // votes of a patch
+  int candidates = 600;            // refined by ICP, of all parts together
+  int min_candidates = 150;        // for each part at least
+  double quick_tau_m = 0.008;      // band of the quick score
+  double cluster_diameters = 0.1;  // raw poses within it are one candidate
+  double gate_diameters = 0.08;    // first gate of ICP
+  double gate_min_m = 0.004;       // bounds of that gate: wide ones slide into clutter
+  double gate_max_m = 0.010;       //
+  bool two_gates = false;          // also try half the gate and keep the better
+  double merge_diameters = 0.03;   // refined poses within it are one
+  double agree_diameters = 0.15;   // raw poses within it support a refined one
+  ProjectiveIcpOptions icp;        // its gates are set from the above
+  NeighborOptions index;
+  void Visit(SettingsVisitor& v);
+};
+
+struct Candidate {
+  PoseHypothesis hypothesis;  // score = ICP's overlap; fit is filled
+  VerifyFeatures features;
+};
+
+// What a part brings with it.
+struct CandidatePart {
+  std::shared_ptr<const ObjectModel> model;
+  double side_m = 0;  // of its patches
+  ObjectCodes codes;
+};
+
+class CandidateFinder {
+ public:
+  CandidateFinder(std::vector<CandidatePart> parts, DescribePatches describe,
+                  const CandidateOptions& options);
+  ~CandidateFinder();
+
+  // Candidates of all parts; hypothesis.object is the index into `parts`. Seconds are added under
+  // "patches", "network", "neighbors", "quick", "icp" and "verify".
+  std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds) const;
+
+  const std::vector<ModelPoints>& model_points() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pickbed

@@ -1,0 +1,23 @@
+#pragma once
+
+// What an interrupted training goes on from.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pickbed {
+
+struct Checkpoint {
+  std::string key;  // settings and parts; another key cannot go on from it
+  int iteration = 0;
+  std::vector<double> loss_history;
+  std::string training_state;  // DescriptorNetwork::TrainingState()
+};
+
+void WriteCheckpoint(const std::filesystem::path& file, const Checkpoint& checkpoint);
+
+// Throws InputError naming the file when it is missing, damaged or has another key.
+Checkpoint ReadCheckpoint(const std::filesystem::path& file, const std::string& key);
+
+}  // namespace pickbed

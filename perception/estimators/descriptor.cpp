@@ -1,0 +1,186 @@
+#include "perception/estimators/descriptor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "perception/torch_model_file.h"
+#include "perception/votes.h"
+#include "scenes/check.h"
+#include "scenes/files.h"
+
+namespace pickbed {
+namespace {
+
+constexpr const char* kShippedModel = "shipped";
+
+// A name under assets/models or a path.
+std::filesystem::path ModelPath(const std::string& model) {
+  const std::string name = model.empty() ? kShippedModel : model;
+  const std::filesystem::path path = name;
+  if (path.has_parent_path() || path.extension() == ".pt") {
+    if (std::filesystem::exists(path)) return path;
+  }
+  return AssetsDir() / "models" / (path.extension() == ".pt" ? name : name + ".pt");
+}
+
+IsolatedOptions CodeViews(const EstimatorSetup& setup, const DescriptorOptions& options) {
+  IsolatedOptions isolated;
+  isolated.patches_per_view = options.code_patches_per_view;
+  isolated.views = std::max(1, options.code_entries / options.code_patches_per_view);
+  isolated.distance_m = setup.working_distance_m;
+  isolated.distance_spread = options.code_distance_spread;
+  isolated.focal_px = setup.intrinsics.fx;
+  return isolated;
+}
+
+// All that the entries of a part depend on.
+uint64_t CodesKey(const DescriptorModel& model, const ObjectModel& object, double side_m,
+                  IsolatedOptions isolated, uint64_t seed) {
+  std::string text = WriteSettings([&](SettingsVisitor& v) { isolated.Visit(v); });
+  text += fmt::format("{:016x} {:016x} {} {} {}", model.hash, object.mesh_hash, side_m, seed,
+                      model.info.sensor);
+  return HashBytes(text.data(), text.size());
+}
+
+class DescriptorEstimator : public PoseEstimator {
+ public:
+  DescriptorEstimator(const EstimatorSetup& setup, const DescriptorOptions& options)
+      : options_(options),
+        min_score_(setup.spec.min_score),
+        refine_(setup.refiner == "pcl_icp"),
+        model_(LoadModel(ModelPath(setup.spec.model))) {
+    finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(), options.candidates);
+    for (const auto& object : setup.objects) distances_.emplace_back(*object);
+  }
+
+  EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override;
+
+ private:
+  DescribePatches Describe() const {
+    return [this](std::span<const int8_t> patches) { return model_.network.Describe(patches); };
+  }
+  std::vector<CandidatePart> Parts(const EstimatorSetup& setup) const;
+  ObjectCodes Codes(const EstimatorSetup& setup, int object, double side_m) const;
+  std::vector<PoseHypothesis> Verified(std::vector<Candidate> candidates) const;
+
+  DescriptorOptions options_;
+  double min_score_;
+  bool refine_;
+  DescriptorModel model_;
+  std::unique_ptr<CandidateFinder> finder_;
+  std::vector<PoseDistance> distances_;
+};
+
+std::vector<CandidatePart> DescriptorEstimator::Parts(const EstimatorSetup& setup) const {
+  const std::vector<double> sides =
+      PatchSidesOf(model_.info, setup.objects, ModelPath(setup.spec.model));
+  std::vector<CandidatePart> parts;
+  for (size_t i = 0; i < setup.objects.size(); ++i) {
+    parts.push_back({setup.objects[i], sides[i], Codes(setup, static_cast<int>(i), sides[i])});
+  }
+  return parts;
+}
+
+ObjectCodes DescriptorEstimator::Codes(const EstimatorSetup& setup, int object,
+                                       double side_m) const {
+  const ObjectModel& part = *setup.objects[object];
+  const IsolatedOptions isolated = CodeViews(setup, options_);
+  const uint64_t key = CodesKey(model_, part, side_m, isolated, options_.code_seed);
+  const std::filesystem::path file = CodesFile(setup.cache_dir, part, key);
+  if (!setup.cache_dir.empty()) {
+    if (std::optional<ObjectCodes> cached = ReadCodes(file, key)) return *std::move(cached);
+  }
+  CheckInput(setup.views, fmt::format("the code book of part '{}' is not in {} and there is no "
+                                      "renderer to make it",
+                                      part.name, setup.cache_dir.string()));
+  const auto on_share = [&](double share) {
+    if (setup.on_progress) setup.on_progress("code book of " + part.name, share);
+  };
+  const ObjectCodes codes = MakeObjectCodes(*setup.views, object, side_m, model_.network.length(),
+                                            Describe(), isolated, options_.code_seed, on_share);
+  if (!setup.cache_dir.empty()) WriteCodes(file, codes, key);
+  return codes;
+}
+
+// Best score first, one of each group of nearly equal poses, those below the threshold left out.
+std::vector<PoseHypothesis> DescriptorEstimator::Verified(std::vector<Candidate> candidates) const {
+  std::vector<PoseHypothesis> verified;
+  for (const Candidate& candidate : candidates) {
+    PoseHypothesis hypothesis = candidate.hypothesis;
+    hypothesis.score = model_.verifier.Score(candidate.features);
+    if (hypothesis.score >= min_score_) verified.push_back(hypothesis);
+  }
+  std::stable_sort(
+      verified.begin(), verified.end(),
+      [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.score > b.score; });
+  std::vector<PoseHypothesis> kept;
+  for (const PoseHypothesis& hypothesis : verified) {
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const PoseHypothesis& better) {
+      return better.object == hypothesis.object &&
+             distances_[hypothesis.object](better.X_CO, hypothesis.X_CO) < options_.final_diameters;
+    });
+    if (!known) kept.push_back(hypothesis);
+  }
+  return kept;
+}
+
+EstimateResult DescriptorEstimator::Estimate(const EstimatorInput& input, Rng& rng) {
+  EstimateResult result;
+  OrganizedCloud cloud;
+  {
+    const StageTimer timer(result.seconds, "cloud");
+    cloud = BuildCloud(input.frame, input.background);
+  }
+  std::vector<Candidate> candidates = finder_->Find(cloud, rng, result.seconds);
+  {
+    const StageTimer timer(result.seconds, "verify");
+    result.hypotheses = Verified(std::move(candidates));
+  }
+  {
+    const StageTimer timer(result.seconds, "suppress");
+    result.hypotheses = SuppressDuplicates(cloud, finder_->model_points(),
+                                           std::move(result.hypotheses), options_.suppress);
+  }
+  if (refine_ && !result.hypotheses.empty()) {
+    const StageTimer timer(result.seconds, "refine");
+    const PclRefiner refiner(cloud, options_.refiner);
+    for (PoseHypothesis& hypothesis : result.hypotheses) {
+      refiner.Refine(finder_->model_points()[hypothesis.object], hypothesis);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+void DescriptorOptions::Visit(SettingsVisitor& v) {
+  v.Integer("code_entries", code_entries, {1, 10000000}, "code book entries of each part");
+  v.Integer("code_patches_per_view", code_patches_per_view, {1, 1000}, "of an isolated view");
+  v.Real("code_distance_spread", code_distance_spread, {0, 0.9}, "about the working distance");
+  v.Seed("code_seed", code_seed, "of the code book's views");
+  v.Real("final_diameters", final_diameters, {0, 1}, "verified poses within it are one");
+  v.Group(
+      "candidates", [&](SettingsVisitor& g) { candidates.Visit(g); }, "how poses are found");
+}
+
+DescriptorOptions OptionsForMode(const std::string& mode) {
+  DescriptorOptions options;
+  if (mode == "fast") return options;
+  CheckInput(mode == "hard", UnknownNameMessage("estimator mode", mode, {"fast", "hard"}));
+  options.candidates.points = 1200;
+  options.candidates.candidates = 1000;
+  options.candidates.two_gates = true;
+  return options;
+}
+
+std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup,
+                                                       const DescriptorOptions& options) {
+  return std::make_unique<DescriptorEstimator>(setup, options);
+}
+
+std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup) {
+  return MakeDescriptorEstimator(setup, OptionsForMode(setup.spec.mode));
+}
+
+}  // namespace pickbed

@@ -1,0 +1,40 @@
+#pragma once
+
+// The learned estimator: patches described by a network vote through a code book, ICP refines the
+// votes and a learned verifier ranks them. After Wohlhart and Lepetit 2015 and Kehl et al. 2016.
+
+#include <memory>
+#include <string>
+
+#include "perception/candidates.h"
+#include "perception/icp.h"
+#include "perception/pose_estimator.h"
+#include "perception/suppress.h"
+
+namespace pickbed {
+
+struct DescriptorOptions {
+  int code_entries = 40000;           // of each part
+  int code_patches_per_view = 10;     // of an isolated view
+  double code_distance_spread = 0.1;  // relative, about the working distance
+  uint64_t code_seed = 0;
+  double final_diameters = 0.1;  // verified poses within it are one
+  CandidateOptions candidates;
+  SuppressOptions suppress;
+  PclIcpOptions refiner;
+  void Visit(SettingsVisitor& v);
+};
+
+// fast: 600 points, one ICP gate. hard: 1,200 points, 1,000 candidates, two gates.
+// Throws InputError for another mode.
+DescriptorOptions OptionsForMode(const std::string& mode);
+
+// Loads the model and makes or reads the code books. Throws InputError as LoadModel and
+// PatchSidesOf do, and when a code book must be made but setup.views is null.
+std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup,
+                                                       const DescriptorOptions& options);
+
+// Row of the table: options by setup.spec.mode.
+std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup);
+
+}  // namespace pickbed

@@ -1,0 +1,122 @@
+#include "perception/labelled_patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace pickbed {
+namespace {
+
+// Views rendered in one call.
+constexpr int kBlock = 256;
+
+std::vector<double> RandomAngles(size_t count, Rng& rng) {
+  std::vector<double> angles(count);
+  for (double& angle : angles) angle = rng.Uniform(0, 2 * std::numbers::pi);
+  return angles;
+}
+
+// `count` draws with replacement.
+std::vector<int> Draw(const std::vector<int>& from, int count, Rng& rng) {
+  std::vector<int> drawn(count);
+  for (int& pixel : drawn) pixel = from[rng.Index(static_cast<int>(from.size()))];
+  return drawn;
+}
+
+void AppendPatches(const OrganizedCloud& cloud, const std::vector<int>& pixels, double side_m,
+                   const Pose& X_CO, Rng& rng, LabelledPatches& patches) {
+  const PatchSet cut = CutPatches(cloud, pixels, RandomAngles(pixels.size(), rng), side_m);
+  patches.values.insert(patches.values.end(), cut.values.begin(), cut.values.end());
+  for (const Pose& X_CP : cut.X_CP) patches.X_PO.push_back(X_CP.inverse() * X_CO);
+}
+
+// Foreground pixels of each instance.
+std::vector<std::vector<int>> PixelsByInstance(const LabelledView& view,
+                                               const OrganizedCloud& cloud) {
+  std::vector<std::vector<int>> pixels(view.instances.size());
+  for (const int pixel : cloud.foreground_pixels) {
+    const uint16_t id = view.ids.pixels()[pixel];
+    if (id > 0 && id <= pixels.size()) pixels[id - 1].push_back(pixel);
+  }
+  return pixels;
+}
+
+std::vector<Pose> RandomPoses(const ObjectModel& model, const IsolatedOptions& options, int count,
+                              Rng& rng) {
+  const Pose X_OM = Translation(MeshBounds(model.mesh_O).center());
+  std::vector<Pose> poses(count);
+  for (Pose& X_CO : poses) {
+    const double z =
+        options.distance_m * rng.Uniform(1 - options.distance_spread, 1 + options.distance_spread);
+    const Pose X_CM = MakePose(rng.Rotation().toRotationMatrix(), {0, 0, z});
+    X_CO = X_CM * X_OM.inverse();
+  }
+  return poses;
+}
+
+}  // namespace
+
+void IsolatedOptions::Visit(SettingsVisitor& v) {
+  v.Integer("views", views, {1, 1000000}, "isolated views of a part");
+  v.Integer("patches_per_view", patches_per_view, {1, 1000}, "patches cut from each");
+  v.Real("distance_m", distance_m, {0.01, 100}, "camera to part, m");
+  v.Real("distance_spread", distance_spread, {0, 0.9}, "relative spread of that distance");
+  v.Real("focal_px", focal_px, {1, 1e6}, "focal length, px");
+}
+
+CameraIntrinsics CropCamera(double diameter_m, const IsolatedOptions& options) {
+  constexpr int kBorder = 3;  // px for the sensor's lateral jitter
+  const double nearest = options.distance_m * (1 - options.distance_spread) - 0.5 * diameter_m;
+  const double radius_px = options.focal_px * 0.5 * diameter_m / std::max(nearest, 1e-3);
+  const int size = 2 * (static_cast<int>(std::ceil(radius_px)) + kBorder);
+  CameraIntrinsics k;
+  k.width = k.height = size;
+  k.fx = k.fy = options.focal_px;
+  k.cx = k.cy = 0.5 * (size - 1);
+  return k;
+}
+
+void ForEachIsolatedBlock(LabelledViewSource& views, int object, double side_m,
+                          const IsolatedOptions& options, uint64_t seed,
+                          const std::function<bool(LabelledPatches, double)>& take) {
+  const ObjectModel& model = *views.objects()[object];
+  // The part turns about the centre of its bounding box.
+  const CameraIntrinsics camera = CropCamera(MeshBounds(model.mesh_O).size().norm(), options);
+  const CloudOptions keep_planes{.min_plane_share = 1};
+  for (int first = 0; first < options.views; first += kBlock) {
+    const int count = std::min(kBlock, options.views - first);
+    Rng rng = Rng::Derive(seed, first, "isolated/" + model.name);
+    const std::vector<Pose> poses = RandomPoses(model, options, count, rng);
+    LabelledPatches patches;
+    for (const LabelledView& view : views.Isolated(object, poses, camera, rng.Next())) {
+      const OrganizedCloud cloud = BuildCloud(view.frame, std::nullopt, keep_planes);
+      const std::vector<int> pixels = PixelsByInstance(view, cloud).at(0);
+      if (pixels.empty()) continue;
+      AppendPatches(cloud, Draw(pixels, options.patches_per_view, rng), side_m,
+                    view.instances.at(0).X_CO, rng, patches);
+    }
+    if (!take(std::move(patches), static_cast<double>(first + count) / options.views)) return;
+  }
+}
+
+void AppendPilePatches(const LabelledView& view, const std::vector<double>& sides_m,
+                       double min_visible, int count, Rng& rng,
+                       std::vector<LabelledPatches>& by_object) {
+  const OrganizedCloud cloud = BuildCloud(view.frame, view.background);
+  const std::vector<std::vector<int>> pixels = PixelsByInstance(view, cloud);
+  std::vector<size_t> usable;
+  for (size_t i = 0; i < view.instances.size(); ++i) {
+    if (view.instances[i].visible_fraction >= min_visible && !pixels[i].empty()) {
+      usable.push_back(i);
+    }
+  }
+  for (const size_t i : usable) {
+    const LabelledInstance& instance = view.instances[i];
+    const int share =
+        (count + static_cast<int>(usable.size()) - 1) / static_cast<int>(usable.size());
+    AppendPatches(cloud, Draw(pixels[i], share, rng), sides_m[instance.object], instance.X_CO, rng,
+                  by_object[instance.object]);
+  }
+}
+
+}  // namespace pickbed

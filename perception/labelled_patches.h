@@ -1,0 +1,50 @@
+#pragma once
+
+// Patches whose pose is known: from piles (what a query looks like) and from isolated views (what
+// the code book is made of).
+
+#include <functional>
+#include <vector>
+
+#include "perception/patch.h"
+#include "scenes/labelled_view.h"
+#include "scenes/random.h"
+#include "scenes/settings.h"
+
+namespace pickbed {
+
+struct LabelledPatches {
+  std::vector<int8_t> values;  // count x 4 x 32 x 32, see patch.h
+  std::vector<Pose> X_PO;      // the part in the frame of each patch
+  size_t size() const { return X_PO.size(); }
+  std::span<const int8_t> patch(size_t i) const {
+    return {values.data() + i * kPatchValues, static_cast<size_t>(kPatchValues)};
+  }
+};
+
+struct IsolatedOptions {
+  int views = 3000;
+  int patches_per_view = 8;
+  double distance_m = 0.85;      // camera to part
+  double distance_spread = 0.1;  // views lie within distance_m * (1 -+ spread)
+  double focal_px = 680;
+  void Visit(SettingsVisitor& v);
+};
+
+// A camera of the given focal length whose image just holds a sphere of this diameter.
+CameraIntrinsics CropCamera(double diameter_m, const IsolatedOptions& options);
+
+// Calls take(patches of a block of views) until all views are done: uniform rotations, uniform
+// in-plane angles, uniform pixels of the part. share = done so far, 0..1; take returns false to
+// stop.
+void ForEachIsolatedBlock(LabelledViewSource& views, int object, double side_m,
+                          const IsolatedOptions& options, uint64_t seed,
+                          const std::function<bool(LabelledPatches patches, double share)>& take);
+
+// About `count` patches of a pile view, in equal parts from every instance of which at least
+// `min_visible` is seen, appended to by_object[its object]. sides_m: patch side by object.
+void AppendPilePatches(const LabelledView& view, const std::vector<double>& sides_m,
+                       double min_visible, int count, Rng& rng,
+                       std::vector<LabelledPatches>& by_object);
+
+}  // namespace pickbed

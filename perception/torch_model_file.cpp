@@ -1,0 +1,178 @@
+#include "perception/torch_model_file.h"
+
+#include <fmt/format.h>
+#include <torch/torch.h>
+
+#include <sstream>
+
+#include "perception/patch.h"
+#include "scenes/check.h"
+#include "scenes/files.h"
+#include "scenes/random.h"
+
+namespace pickbed {
+namespace {
+
+// Raise when the meaning of the file changes; older readers then say so.
+constexpr int64_t kModelVersion = 1;
+constexpr const char* kMagic = "pickbed descriptor model";
+
+std::vector<float> VerifierValues(const Verifier& verifier) {
+  std::vector<float> values;
+  const auto append = [&](const auto& matrix) {
+    values.insert(values.end(), matrix.data(), matrix.data() + matrix.size());
+  };
+  append(verifier.mean);
+  append(verifier.scale);
+  append(verifier.w1);
+  append(verifier.b1);
+  append(verifier.w2);
+  values.push_back(verifier.b2);
+  return values;
+}
+
+Verifier VerifierFrom(const std::vector<float>& values) {
+  // 2 * inputs, then hidden * (inputs + 2), then 1.
+  const auto rest = static_cast<int64_t>(values.size()) - 2 * kVerifyFeatures - 1;
+  CheckInput(rest > 0 && rest % (kVerifyFeatures + 2) == 0, "its verifier has another shape");
+  const Eigen::Index hidden = rest / (kVerifyFeatures + 2);
+  const float* next = values.data();
+  const auto vector = [&](Eigen::Index size) {
+    const Eigen::VectorXf result = Eigen::Map<const Eigen::VectorXf>(next, size);
+    next += size;
+    return result;
+  };
+  Verifier verifier;
+  verifier.mean = vector(kVerifyFeatures);
+  verifier.scale = vector(kVerifyFeatures);
+  verifier.w1 = vector(hidden * kVerifyFeatures).reshaped(hidden, kVerifyFeatures);
+  verifier.b1 = vector(hidden);
+  verifier.w2 = vector(hidden);
+  verifier.b2 = *next;
+  return verifier;
+}
+
+at::Tensor ToTensor(const std::vector<float>& values) {
+  return torch::tensor(at::ArrayRef<float>(values), torch::kFloat);
+}
+
+std::vector<float> ToValues(const at::Tensor& tensor) {
+  const at::Tensor values = tensor.to(torch::kFloat).contiguous();
+  return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
+}
+
+uint64_t HashValues(const std::vector<float>& weights, const std::vector<float>& verifier) {
+  const uint64_t hash = HashBytes(weights.data(), weights.size() * sizeof(float));
+  return HashBytes(verifier.data(), verifier.size() * sizeof(float), hash);
+}
+
+// By value: Visit() reads and writes alike.
+std::string InfoText(ModelInfo info) {
+  return WriteSettings([&](SettingsVisitor& v) { info.Visit(v); });
+}
+
+DescriptorModel ReadArchive(const std::string& bytes, const std::string& name) {
+  torch::serialize::InputArchive archive;
+  archive.load_from(bytes.data(), bytes.size());
+  c10::IValue value;
+  archive.read("magic", value);
+  CheckInput(value.isString() && value.toStringRef() == kMagic, "it is no descriptor model");
+  archive.read("version", value);
+  CheckInput(
+      value.toInt() <= kModelVersion,
+      fmt::format("it has version {}, this program reads up to {}", value.toInt(), kModelVersion));
+  archive.read("info", value);
+  const std::string info_text = value.toStringRef();
+  at::Tensor weights, verifier;
+  archive.read("weights", weights);
+  archive.read("verifier", verifier);
+  archive.read("hash", value);
+  const std::vector<float> weight_values = ToValues(weights), verifier_values = ToValues(verifier);
+  const uint64_t hash = HashValues(weight_values, verifier_values);
+  CheckInput(
+      static_cast<uint64_t>(value.toInt()) == HashBytes(info_text.data(), info_text.size(), hash),
+      "its check sum is wrong");
+  ModelInfo info;
+  ReadSettingsText(info_text, name, [&](SettingsVisitor& v) { info.Visit(v); });
+  DescriptorNetwork network(info.training.network, 0);
+  network.SetWeights(weight_values);
+  return {info, std::move(network), VerifierFrom(verifier_values), hash};
+}
+
+}  // namespace
+
+void ModelObject::Visit(SettingsVisitor& v) {
+  v.Text("name", name, {}, "the part");
+  v.Seed("mesh_hash", mesh_hash, "hash of its mesh");
+  v.Real("diameter_m", diameter_m, {0, 100}, "its diameter, m");
+  v.Real("side_m", side_m, {0, 100}, "side of its patches, m");
+}
+
+void ModelInfo::Visit(SettingsVisitor& v) {
+  v.List(
+      "objects", objects.size(), [&](size_t size) { objects.resize(size); },
+      [&](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what it is trained for");
+  v.Text("sensor", sensor, {}, "sensor profile of the training views");
+  v.Group(
+      "training", [&](SettingsVisitor& g) { training.Visit(g); }, "how it was trained");
+  v.Integer("iterations", iterations, {0, 1e9}, "steps done");
+  v.Real("loss", loss, {-1e9, 1e9}, "mean of the last hundred steps");
+  v.Real("verifier_auc", verifier_auc, {0, 1}, "area under ROC on held-out poses");
+}
+
+void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
+               const DescriptorNetwork& network, const Verifier& verifier_to_save) {
+  const std::vector<float> weights = network.Weights();
+  const std::vector<float> verifier = VerifierValues(verifier_to_save);
+  const std::string text = InfoText(info);
+  const uint64_t hash = HashBytes(text.data(), text.size(), HashValues(weights, verifier));
+  torch::serialize::OutputArchive archive;
+  archive.write("magic", c10::IValue(std::string(kMagic)));
+  archive.write("version", c10::IValue(kModelVersion));
+  archive.write("info", c10::IValue(text));
+  archive.write("weights", ToTensor(weights));
+  archive.write("verifier", ToTensor(verifier));
+  archive.write("hash", c10::IValue(static_cast<int64_t>(hash)));
+  std::ostringstream stream;
+  archive.save_to(stream);
+  WriteFileAtomically(file, stream.str());
+}
+
+DescriptorModel LoadModel(const std::filesystem::path& file) {
+  const std::string bytes = ReadFileBytes(file);
+  const auto fail = [&](const std::string& reason) {
+    return InputError(
+        fmt::format("{}: {}; train it again with `pickbed train`", file.string(), reason));
+  };
+  try {
+    return ReadArchive(bytes, file.string());
+  } catch (const InputError& error) {
+    throw fail(error.what());
+  } catch (const c10::Error&) {
+    throw fail("the file is damaged or no model");
+  }
+}
+
+std::vector<double> PatchSidesOf(const ModelInfo& info, const ObjectSet& objects,
+                                 const std::filesystem::path& file) {
+  std::vector<double> sides;
+  for (const auto& object : objects) {
+    const ModelObject* found = nullptr;
+    std::string known;
+    for (const ModelObject& trained : info.objects) {
+      known += (known.empty() ? "" : ", ") + trained.name;
+      if (trained.name == object->name) found = &trained;
+    }
+    CheckInput(found, fmt::format("{}: not trained for part '{}' (knows {}); train a model with "
+                                  "`pickbed train`",
+                                  file.string(), object->name, known));
+    CheckInput(found->mesh_hash == object->mesh_hash,
+               fmt::format("{}: the mesh of part '{}' has changed since training; train again with "
+                           "`pickbed train`",
+                           file.string(), object->name));
+    sides.push_back(found->side_m);
+  }
+  return sides;
+}
+
+}  // namespace pickbed

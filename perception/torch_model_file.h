@@ -1,0 +1,51 @@
+#pragma once
+
+// The trained model as one file: weights, verifier, and all that it was trained with and for.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "perception/torch_network.h"
+#include "perception/training.h"
+#include "perception/verify.h"
+#include "scenes/object_model.h"
+
+namespace pickbed {
+
+struct ModelObject {
+  std::string name;
+  uint64_t mesh_hash = 0;
+  double diameter_m = 0;
+  double side_m = 0;  // of its patches
+  void Visit(SettingsVisitor& v);
+};
+
+struct ModelInfo {
+  std::vector<ModelObject> objects;  // what it was trained for
+  std::string sensor;                // profile of the training views
+  TrainingOptions training;
+  int iterations = 0;       // done
+  double loss = 0;          // mean of the last hundred
+  double verifier_auc = 0;  // on held-out poses
+  void Visit(SettingsVisitor& v);
+};
+
+struct DescriptorModel {
+  ModelInfo info;
+  DescriptorNetwork network;
+  Verifier verifier;
+  uint64_t hash = 0;  // of weights and verifier: the key of what is made with them
+};
+
+// Both throw InputError naming the file: not readable, damaged, not a model, of a newer version.
+void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
+               const DescriptorNetwork& network, const Verifier& verifier);
+DescriptorModel LoadModel(const std::filesystem::path& file);
+
+// Patch side of each part. Throws InputError naming file and part for one that the model was not
+// trained for or whose mesh has changed since.
+std::vector<double> PatchSidesOf(const ModelInfo& info, const ObjectSet& objects,
+                                 const std::filesystem::path& file);
+
+}  // namespace pickbed

@@ -1,0 +1,275 @@
+#include "perception/training.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "perception/candidates.h"
+#include "perception/checkpoint.h"
+#include "perception/torch_model_file.h"
+#include "perception/training_data.h"
+#include "perception/votes.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Settings and parts, without what may change between two sessions of one training.
+std::string CheckpointKey(const ObjectSet& objects, TrainingOptions options,
+                          const std::string& sensor) {
+  options.max_minutes = 0;
+  options.checkpoint_every = TrainingOptions{}.checkpoint_every;
+  std::string key = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+  key += "sensor " + sensor;
+  for (const auto& object : objects) {
+    key += fmt::format("\n{} {:016x}", object->name, object->mesh_hash);
+  }
+  return key;
+}
+
+bool IsRight(const Candidate& candidate, const LabelledView& view,
+             const std::vector<PoseDistance>& distances) {
+  constexpr double kRight = 0.1;  // diameters; the field's usual threshold
+  for (const LabelledInstance& instance : view.instances) {
+    if (instance.object == candidate.hypothesis.object &&
+        distances[instance.object](candidate.hypothesis.X_CO, instance.X_CO) < kRight) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// One training from views to model file.
+class Trainer {
+ public:
+  Trainer(const TrainingJob& job, const TrainingOptions& options)
+      : job_(job),
+        options_(options),
+        objects_(job.views.objects()),
+        key_(CheckpointKey(objects_, options, job.sensor_profile)),
+        network_(options.network, options.seed),
+        sides_(Sides(objects_, options)),
+        data_(objects_, sides_, options) {}
+
+  TrainingReport Run();
+
+ private:
+  static std::vector<double> Sides(const ObjectSet& objects, const TrainingOptions& options) {
+    std::vector<double> sides;
+    for (const auto& object : objects) {
+      sides.push_back(PatchSide(object->diameter_m, options.patch_diameters));
+    }
+    return sides;
+  }
+  int Iterations() const { return options_.iterations * static_cast<int>(objects_.size()); }
+  bool Report(const char* phase, double share, int total, Clock::time_point phase_start);
+  bool CollectViews();
+  bool TrainNetwork();
+  double ScheduleShare(int iteration) const;
+  void SaveCheckpoint(int iteration) const;
+  std::vector<CandidatePart> CodeParts() const;
+  VerifierExamples CollectExamples(bool& go_on);
+  double RecentLoss() const;
+  void Save(const TrainedVerifier& trained) const;
+
+  const TrainingJob& job_;
+  const TrainingOptions& options_;
+  const ObjectSet& objects_;
+  std::string key_;
+  DescriptorNetwork network_;
+  std::vector<double> sides_;
+  TrainingData data_;
+  TrainingReport report_;
+  Clock::time_point start_ = Clock::now();
+};
+
+bool Trainer::Report(const char* phase, double share, int total, Clock::time_point phase_start) {
+  if (!job_.on_progress) return true;
+  TrainingProgress progress;
+  progress.phase = phase;
+  progress.done = static_cast<int>(std::lround(share * total));
+  progress.total = total;
+  progress.loss = RecentLoss();
+  progress.seconds_left = share > 0 ? SecondsSince(phase_start) * (1 - share) / share : 0;
+  return job_.on_progress(progress);
+}
+
+double Trainer::RecentLoss() const {
+  const std::vector<double>& losses = report_.loss_history;
+  const size_t count = std::min<size_t>(100, losses.size());
+  return count == 0 ? 0 : std::accumulate(losses.end() - count, losses.end(), 0.0) / count;
+}
+
+bool Trainer::CollectViews() {
+  const Clock::time_point phase = Clock::now();
+  const int piles = options_.piles * static_cast<int>(objects_.size());
+  const int isolated = options_.code_views * static_cast<int>(objects_.size());
+  // A pile takes about as long as a hundred isolated views.
+  constexpr double kPileCost = 100;
+  const double pile_share = piles * kPileCost / (piles * kPileCost + isolated);
+  const int total = piles + isolated;
+  const bool go_on = data_.CollectPiles(job_.views, [&](double share) {
+    return Report("views", share * pile_share, total, phase);
+  }) && data_.CollectIsolated(job_.views, [&](double share) {
+    return Report("views", pile_share + share * (1 - pile_share), total, phase);
+  });
+  if (go_on) data_.FindPositives();
+  return go_on;
+}
+
+double Trainer::ScheduleShare(int iteration) const {
+  const double by_count = static_cast<double>(iteration) / Iterations();
+  const double limit_s = 60 * options_.max_minutes;
+  return limit_s > 0 ? std::max(by_count, SecondsSince(start_) / limit_s) : by_count;
+}
+
+void Trainer::SaveCheckpoint(int iteration) const {
+  if (job_.checkpoint.empty()) return;
+  WriteCheckpoint(job_.checkpoint,
+                  {key_, iteration, report_.loss_history, network_.TrainingState()});
+}
+
+bool Trainer::TrainNetwork() {
+  int iteration = 0;
+  if (job_.resume) {
+    const Checkpoint checkpoint = ReadCheckpoint(job_.checkpoint, key_);
+    iteration = checkpoint.iteration;
+    report_.loss_history = checkpoint.loss_history;
+    network_.RestoreTrainingState(checkpoint.training_state);
+  }
+  const Clock::time_point phase = Clock::now();
+  const double first_share = ScheduleShare(iteration);
+  for (double share = first_share; share < 1; share = ScheduleShare(iteration)) {
+    const double rate = 0.5 * options_.learning_rate * (1 + std::cos(std::numbers::pi * share));
+    const double loss = network_.TrainStep(data_.Batch(iteration), options_.loss, rate);
+    CheckInput(std::isfinite(loss), fmt::format("training diverged at step {}; lower "
+                                                "learning_rate ({})",
+                                                iteration, options_.learning_rate));
+    report_.loss_history.push_back(loss);
+    ++iteration;
+    if (iteration % options_.checkpoint_every == 0) SaveCheckpoint(iteration);
+    const double done = (ScheduleShare(iteration) - first_share) / (1 - first_share);
+    if (!Report("network", done, Iterations(), phase)) {
+      SaveCheckpoint(iteration);
+      return false;
+    }
+  }
+  SaveCheckpoint(iteration);
+  return true;
+}
+
+std::vector<CandidatePart> Trainer::CodeParts() const {
+  std::vector<CandidatePart> parts;
+  const DescribePatches describe = [&](std::span<const int8_t> p) { return network_.Describe(p); };
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    CandidatePart part{objects_[i], sides_[i], {}};
+    part.codes.length = network_.length();
+    AppendCodes(data_.codes(static_cast<int>(i)), describe, part.codes);
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+VerifierExamples Trainer::CollectExamples(bool& go_on) {
+  const Clock::time_point phase = Clock::now();
+  const CandidateFinder finder(
+      CodeParts(), [&](std::span<const int8_t> p) { return network_.Describe(p); },
+      options_.candidates);
+  std::vector<PoseDistance> distances;
+  for (const auto& object : objects_) distances.emplace_back(*object);
+  VerifierExamples examples;
+  StageSeconds seconds;
+  const int piles = options_.verifier_piles * static_cast<int>(objects_.size());
+  for (int i = 0; i < piles; ++i) {
+    Rng rng = Rng::Derive(options_.seed, i, "training/verifier_pile");
+    for (const LabelledView& view : job_.views.Pile(rng.Next(), options_.views_per_pile)) {
+      const OrganizedCloud cloud = BuildCloud(view.frame, view.background);
+      for (const Candidate& candidate : finder.Find(cloud, rng, seconds)) {
+        examples.features.push_back(candidate.features);
+        examples.right.push_back(IsRight(candidate, view, distances));
+      }
+    }
+    go_on = Report("verifier", static_cast<double>(i + 1) / piles, piles, phase);
+    if (!go_on) break;
+  }
+  return examples;
+}
+
+void Trainer::Save(const TrainedVerifier& trained) const {
+  ModelInfo info;
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    info.objects.push_back(
+        {objects_[i]->name, objects_[i]->mesh_hash, objects_[i]->diameter_m, sides_[i]});
+  }
+  info.sensor = job_.sensor_profile;
+  info.training = options_;
+  info.iterations = static_cast<int>(report_.loss_history.size());
+  info.loss = RecentLoss();
+  info.verifier_auc = trained.auc;
+  SaveModel(job_.model_file, info, network_, trained.verifier);
+}
+
+TrainingReport Trainer::Run() {
+  // A checkpoint that cannot be used is told before minutes are spent on views.
+  if (job_.resume) ReadCheckpoint(job_.checkpoint, key_);
+  bool go_on = CollectViews() && TrainNetwork();
+  if (go_on) {
+    const VerifierExamples examples = CollectExamples(go_on);
+    if (go_on) {
+      const TrainedVerifier trained = TrainVerifier(examples, options_.verifier, options_.seed);
+      report_.verifier_auc = trained.auc;
+      Save(trained);
+    }
+  }
+  report_.finished = go_on;
+  report_.seconds = SecondsSince(start_);
+  return report_;
+}
+
+}  // namespace
+
+void TrainingOptions::Visit(SettingsVisitor& v) {
+  v.Seed("seed", seed, "of weights, views and batches");
+  v.Integer("piles", piles, {1, 100000}, "training piles per part");
+  v.Integer("views_per_pile", views_per_pile, {1, 100}, "views of each");
+  v.Integer("patches_per_view", patches_per_view, {1, 100000}, "patches cut from each");
+  v.Real("min_visible", min_visible, {0, 1}, "visible fraction of an instance to learn from");
+  v.Integer("code_views", code_views, {1, 1000000}, "isolated views per part");
+  v.Integer("code_patches", code_patches, {1, 1000}, "patches of an isolated view");
+  v.Integer("iterations", iterations, {1, 10000000}, "steps per part");
+  v.Integer("batch", batch, {2, 100000}, "pairs of patches in a step");
+  v.Integer("positives", positives, {1, 100}, "pose-nearest code patches to draw a partner from");
+  v.Real("main_share", main_share, {0, 1}, "share of a batch that is of one part");
+  v.Real("patch_diameters", patch_diameters, {0.05, 4}, "side of a patch over the diameter");
+  v.Real("learning_rate", learning_rate, {1e-7, 1}, "of Adam, at the start of the cosine");
+  v.Integer("verifier_piles", verifier_piles, {1, 100000}, "piles per part for the verifier");
+  v.Integer("checkpoint_every", checkpoint_every, {1, 1000000}, "steps");
+  v.Real("max_minutes", max_minutes, {0, 1e6}, "of views and network; 0 = no limit");
+  v.Group(
+      "network", [&](SettingsVisitor& g) { network.Visit(g); }, "the network");
+  v.Group(
+      "loss", [&](SettingsVisitor& g) { loss.Visit(g); }, "what it is taught");
+  v.Group(
+      "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "the verifier's training");
+  v.Group(
+      "candidates", [&](SettingsVisitor& g) { candidates.Visit(g); },
+      "how the candidates are found that the verifier learns on");
+}
+
+TrainingReport TrainDescriptor(const TrainingJob& job, const TrainingOptions& options) {
+  CheckInput(!job.views.objects().empty(), "training needs at least one part");
+  CheckInput(!job.resume || !job.checkpoint.empty(), "resuming needs a checkpoint file");
+  return Trainer(job, options).Run();
+}
+
+}  // namespace pickbed
