@@ -35,7 +35,10 @@ class Attempt {
     const auto opening = MechanismOf(gripper).approach_opening_m(gripper, grasp.width_m);
     opening_m_ = opening.value_or(gripper.hand.stroke_m);
     AddParts();
-    hand_ = &world_.AddHand(gripper.hand, X_WG_ * Translation({0, 0, -gripper.approach_m}));
+    // A hand starts as open as its stroke lets it: its sliders' end stop is where it shall start.
+    HandSpec hand = gripper.hand;
+    hand.stroke_m = opening_m_;
+    hand_ = &world_.AddHand(hand, X_WG_ * Translation({0, 0, -gripper.approach_m}));
     hand_->HoldOpening(opening_m_);
   }
 

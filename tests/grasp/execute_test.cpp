@@ -1,0 +1,149 @@
+#include "grasp/execute.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "tests/grasp/grasp_scenes.h"
+
+namespace pickbed {
+namespace {
+
+using Eigen::Vector3d;
+
+// A box of 40 x 50 x 50 mm; with the pads closing along x.
+constexpr double kWidth_m = 0.040;
+constexpr double kHeight_m = 0.050;
+
+class Execute : public testing::Test {
+ protected:
+  static ObjectSet Boxes(double mass_kg, double friction = 0.5) {
+    return {BoxPart({kWidth_m, 0.050, kHeight_m}, mass_kg, friction)};
+  }
+
+  static Grasp GraspAt(double x_m, double y_m, double width_m = kWidth_m) {
+    Grasp grasp;
+    grasp.X_WG = FromAbove({x_m, y_m, 0.015});
+    grasp.width_m = width_m;
+    return grasp;
+  }
+
+  ExecuteResult Run(const Scene& scene, const Grasp& grasp, int target = 10) const {
+    return ExecuteGrasp(scene, objects_, grasp, gripper_, target);
+  }
+
+  GripperSpec gripper_ = SmallJaw();
+  ObjectSet objects_ = Boxes(0.2);
+};
+
+TEST_F(Execute, GoodGraspOfALoneBoxSucceeds) {
+  const ExecuteResult result = Run(BoxesOnFloor({{0, 0}}, kHeight_m), GraspAt(0, 0));
+  const GraspOutcome& outcome = result.outcome;
+  EXPECT_EQ(LossName(outcome.loss), LossName(Loss::kNone));
+  EXPECT_TRUE(outcome.success);
+  EXPECT_EQ(outcome.picked_instance, 10);
+  EXPECT_EQ(outcome.parts_lifted, 1);
+  EXPECT_NEAR(outcome.final_opening_m, kWidth_m, 0.002);
+  EXPECT_LT(outcome.slip_m, 0.002);
+  EXPECT_LT(outcome.turn_rad, 0.02);
+  EXPECT_TRUE(result.after.objects.empty());
+}
+
+TEST_F(Execute, BesideTheBoxItClosesOnNothing) {
+  const Scene scene = BoxesOnFloor({{0, 0}}, kHeight_m);
+  const ExecuteResult result = Run(scene, GraspAt(0.10, 0));
+  EXPECT_EQ(LossName(result.outcome.loss), LossName(Loss::kClosedOnNothing));
+  EXPECT_FALSE(result.outcome.success);
+  ASSERT_EQ(result.after.objects.size(), 1u);
+  EXPECT_EQ(result.after.objects[0].instance, 10);
+  const Vector3d moved =
+      result.after.objects[0].X_WO.translation() - scene.objects[0].X_WO.translation();
+  EXPECT_LT(moved.norm(), 0.001);
+}
+
+TEST_F(Execute, FingerOnTheBoxIsACollision) {
+  const ExecuteResult result = Run(BoxesOnFloor({{0, 0}}, kHeight_m), GraspAt(0.5 * kWidth_m, 0));
+  EXPECT_EQ(LossName(result.outcome.loss), LossName(Loss::kCollision));
+  EXPECT_EQ(result.after.objects.size(), 1u);
+}
+
+// 2 * mu * F = 2 * 0.1 * 40 N holds 0.8 kg at rest.
+TEST_F(Execute, WeightTwiceTheFrictionLimitIsLost) {
+  objects_ = Boxes(1.6, 0.1);
+  const ExecuteResult result = Run(BoxesOnFloor({{0, 0}}, kHeight_m), GraspAt(0, 0));
+  EXPECT_TRUE(result.outcome.loss == Loss::kSlipped || result.outcome.loss == Loss::kDropped)
+      << LossName(result.outcome.loss);
+  ASSERT_EQ(result.after.objects.size(), 1u);
+  EXPECT_NEAR(result.after.objects[0].X_WO.translation().z(), 0.5 * kHeight_m, 0.002);
+}
+
+TEST_F(Execute, WeightHalfTheFrictionLimitIsHeld) {
+  objects_ = Boxes(0.4, 0.1);
+  EXPECT_TRUE(Run(BoxesOnFloor({{0, 0}}, kHeight_m), GraspAt(0, 0)).outcome.success);
+}
+
+TEST_F(Execute, TwoBoxesBetweenTheFingersAreTwo) {
+  objects_ = {BoxPart({0.030, 0.050, kHeight_m}, 0.1)};
+  const Scene scene = BoxesOnFloor({{-0.0153, 0}, {0.0153, 0}}, kHeight_m);
+  const ExecuteResult result = Run(scene, GraspAt(0, 0, 0.0612));
+  EXPECT_EQ(LossName(result.outcome.loss), LossName(Loss::kTookTwo));
+  EXPECT_EQ(result.outcome.parts_lifted, 2);
+  EXPECT_TRUE(result.after.objects.empty());
+}
+
+TEST_F(Execute, OtherPartThanMeantIsTheWrongPart) {
+  const Scene scene = BoxesOnFloor({{-0.1, 0}, {0.1, 0}}, kHeight_m);
+  const ExecuteResult result = Run(scene, GraspAt(0.1, 0), 10);
+  EXPECT_EQ(LossName(result.outcome.loss), LossName(Loss::kWrongPart));
+  EXPECT_EQ(result.outcome.picked_instance, 11);
+  ASSERT_EQ(result.after.objects.size(), 1u);
+  EXPECT_EQ(result.after.objects[0].instance, 10);
+}
+
+TEST_F(Execute, WithoutATargetAnySinglePartWillDo) {
+  const Scene scene = BoxesOnFloor({{-0.1, 0}, {0.1, 0}}, kHeight_m);
+  const ExecuteResult result = Run(scene, GraspAt(0.1, 0), -1);
+  EXPECT_TRUE(result.outcome.success);
+  EXPECT_EQ(result.outcome.picked_instance, 11);
+}
+
+TEST_F(Execute, PartOnTopIsThrownDownAndCounted) {
+  Scene scene = BoxesOnFloor({{0, 0}, {0.0, 0}}, kHeight_m);
+  // Rests on the target beside the palm's way, balanced on its edge side.
+  objects_.push_back(BoxPart({0.010, 0.040, 0.010}, 0.02));
+  scene.objects[1].object = 1;
+  scene.objects[1].X_WO = Translation({0, 0.035, kHeight_m + 0.0012 + 0.005});
+  scene.objects[1].X_WO.translation().y() = 0.027;
+  gripper_.hand.finger_size_m.z() = 0.08;
+  const ExecuteResult result = Run(scene, GraspAt(0, 0));
+  EXPECT_EQ(result.outcome.picked_instance, 10);
+  EXPECT_EQ(result.outcome.disturbed + result.outcome.parts_lifted, 2);
+}
+
+TEST_F(Execute, EmptyBinIsClosedOnNothing) {
+  const ExecuteResult result = Run(Scene{}, GraspAt(0, 0), -1);
+  EXPECT_EQ(LossName(result.outcome.loss), LossName(Loss::kClosedOnNothing));
+}
+
+TEST_F(Execute, PartWithoutConvexPiecesIsACallersFault) {
+  auto bare = std::make_shared<ObjectModel>(*objects_[0]);
+  bare->convex_parts_O.clear();
+  objects_ = {bare};
+  EXPECT_THROW(Run(BoxesOnFloor({{0, 0}}, kHeight_m), GraspAt(0, 0)), std::logic_error);
+}
+
+TEST_F(Execute, SameInputsSameBytes) {
+  const Scene scene = BoxesOnFloor({{0, 0}, {0.045, 0.01}, {0.0, 0.06}}, kHeight_m);
+  const ExecuteResult a = Run(scene, GraspAt(0.001, 0.002));
+  const ExecuteResult b = Run(scene, GraspAt(0.001, 0.002));
+  EXPECT_EQ(a.outcome.loss, b.outcome.loss);
+  EXPECT_EQ(a.outcome.slip_m, b.outcome.slip_m);
+  EXPECT_EQ(a.outcome.final_opening_m, b.outcome.final_opening_m);
+  ASSERT_EQ(a.after.objects.size(), b.after.objects.size());
+  for (size_t i = 0; i < a.after.objects.size(); ++i) {
+    EXPECT_EQ(a.after.objects[i].X_WO.matrix(), b.after.objects[i].X_WO.matrix());
+  }
+}
+
+}  // namespace
+}  // namespace pickbed

@@ -1,0 +1,190 @@
+#include "grasp/plan.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <stdexcept>
+
+#include "grasp/clearance.h"
+#include "tests/grasp/grasp_scenes.h"
+
+namespace pickbed {
+namespace {
+
+using Eigen::Vector3d;
+
+class Plan : public testing::Test {
+ protected:
+  Plan() {
+    Rng rng(1);
+    candidates_.push_back(AntipodalGrasps(*objects_[0], gripper_, rng));
+  }
+
+  void Place(const Vector3d& p_W, double confidence = 1) {
+    poses_.push_back({0, Translation(p_W), confidence});
+  }
+
+  PlanResult Run(const PlanOptions& options = {}) const {
+    return PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, gripper_}, options);
+  }
+
+  int Rejected(const PlanResult& result) const {
+    return std::accumulate(result.rejected.begin(), result.rejected.end(), 0,
+                           [](int sum, const auto& entry) { return sum + entry.second; });
+  }
+
+  // Points of an upright wall around the origin.
+  void AddRing(double radius_m, double height_m) {
+    for (int turn = 0; turn < 180; ++turn) {
+      const double angle = turn * std::numbers::pi / 90;
+      for (double z = 0.01; z < height_m; z += 0.002) {
+        cloud_.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle), z);
+      }
+    }
+  }
+
+  Bin bin_;
+  GripperSpec gripper_ = SmallJaw();
+  ObjectSet objects_{BoxPart({0.05, 0.05, 0.05}, 0.2)};
+  std::vector<std::vector<GraspCandidate>> candidates_;
+  std::vector<BelievedPose> poses_;
+  std::vector<Vector3d> cloud_;
+};
+
+TEST_F(Plan, LoneBoxOnTheFloorHasGraspsBestFirst) {
+  Place({0, 0, 0.025});
+  PlanOptions options;
+  options.max_grasps = 1000;
+  const PlanResult result = Run(options);
+  ASSERT_GT(result.grasps.size(), 20u);
+  EXPECT_EQ(result.grasps.size() + Rejected(result), candidates_[0].size());
+  const auto floor = BinBoxes(bin_);
+  for (size_t i = 0; i < result.grasps.size(); ++i) {
+    const Grasp& grasp = result.grasps[i];
+    EXPECT_EQ(grasp.hypothesis, 0);
+    if (i > 0) {
+      EXPECT_LE(grasp.score, result.grasps[i - 1].score);
+    }
+    const auto sweep = HandSweep(gripper_.hand, grasp.width_m + 0.006, gripper_.approach_m);
+    EXPECT_FALSE(FindBinContact(sweep, grasp.X_WG, floor, gripper_.clearance_m));
+    EXPECT_LE(std::acos(-grasp.X_WG.linear()(2, 2)), PlanOptions{}.max_tilt_rad);
+  }
+}
+
+TEST_F(Plan, ReportsNoMoreThanAskedFor) {
+  Place({0, 0, 0.025});
+  EXPECT_EQ(Run().grasps.size(), 5u);
+}
+
+TEST_F(Plan, OwnPointsAreNoObstacle) {
+  Place({0, 0, 0.025});
+  const size_t without = Run({.max_grasps = 1000}).grasps.size();
+  Rng rng(1);
+  for (const Vector3d& p : SampleSurface(objects_[0]->mesh_O, 5000, rng).points) {
+    cloud_.push_back(poses_[0].X_WO * p);
+  }
+  EXPECT_EQ(Run({.max_grasps = 1000}).grasps.size(), without);
+}
+
+TEST_F(Plan, EnclosingPointsRejectEverything) {
+  Place({0, 0, 0.025});
+  AddRing(0.045, 0.12);
+  const PlanResult result = Run();
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_GT(result.rejected.at("fingers meet a part"), 0);
+}
+
+TEST_F(Plan, NarrowWallsRejectEverything) {
+  Place({0, 0, 0.025});
+  bin_.inner_size_m = {0.06, 0.06, 0.15};
+  const PlanResult result = Run();
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_GT(result.rejected.at("bin wall"), 0);
+}
+
+TEST_F(Plan, SunkenPoseIsRejectedByTheFloor) {
+  Place({0, 0, -0.05});
+  const PlanResult result = Run();
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_GT(result.rejected.at("bin floor"), 0);
+}
+
+TEST_F(Plan, SmallerStrokeRejectsByOpening) {
+  Place({0, 0, 0.025});
+  gripper_.hand.stroke_m = 0.05;
+  const PlanResult result = Run();
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_GT(result.rejected.at("opening"), 0);
+}
+
+TEST_F(Plan, PointsOverThePartStopThePalm) {
+  Place({0, 0, 0.025});
+  for (double x = -0.01; x <= 0.01; x += 0.002) {
+    for (double y = -0.01; y <= 0.01; y += 0.002) cloud_.emplace_back(x, y, 0.080);
+  }
+  EXPECT_GT(Run().rejected.at("palm meets a part"), 0);
+}
+
+TEST_F(Plan, BelievedNeighbourIsAnObstacleWithoutBeingSeen) {
+  Place({0, 0, 0.025});
+  const size_t alone = Run({.max_grasps = 1000}).grasps.size();
+  Place({0.053, 0, 0.025});
+  int of_first = 0;
+  for (const Grasp& grasp : Run({.max_grasps = 10000}).grasps) of_first += grasp.hypothesis == 0;
+  EXPECT_LT(of_first, 0.8 * alone);
+  EXPECT_GT(of_first, 0);
+}
+
+TEST_F(Plan, DoubtfulNeighbourIsNot) {
+  Place({0, 0, 0.025});
+  const size_t alone = Run({.max_grasps = 1000}).grasps.size();
+  Place({0.053, 0, 0.025}, 0.1);
+  size_t of_first = 0;
+  for (const Grasp& grasp : Run({.max_grasps = 10000}).grasps) of_first += grasp.hypothesis == 0;
+  EXPECT_EQ(of_first, alone);
+}
+
+TEST_F(Plan, RivalPoseForTheSamePartIsNot) {
+  Place({0, 0, 0.025});
+  Place({0.004, 0, 0.025});
+  EXPECT_FALSE(Run().grasps.empty());
+}
+
+TEST_F(Plan, HigherAndSurerPartsComeFirst) {
+  Place({-0.1, 0, 0.025});
+  Place({0.1, 0, 0.075});
+  EXPECT_EQ(Run().grasps.at(0).hypothesis, 1);
+  poses_[1].confidence = 0.2;
+  EXPECT_EQ(Run().grasps.at(0).hypothesis, 0);
+}
+
+TEST_F(Plan, CoveredPartComesLast) {
+  Place({-0.1, 0, 0.025});
+  Place({0.1, 0, 0.025});
+  for (double x = 0.08; x <= 0.09; x += 0.002) {
+    for (double y = -0.02; y <= 0.02; y += 0.002) cloud_.emplace_back(x, y, 0.06);
+  }
+  EXPECT_EQ(Run().grasps.at(0).hypothesis, 0);
+}
+
+TEST_F(Plan, NoPosesNoGrasps) { EXPECT_TRUE(Run().grasps.empty()); }
+
+TEST_F(Plan, PoseOfAnObjectWithoutCandidatesIsACallersFault) {
+  poses_.push_back({1, Pose::Identity(), 1});
+  EXPECT_THROW(Run(), std::logic_error);
+}
+
+TEST_F(Plan, SameInputsSameBytes) {
+  Place({0, 0, 0.025});
+  Place({0.1, 0.05, 0.025});
+  AddRing(0.07, 0.04);
+  const PlanResult a = Run(), b = Run();
+  ASSERT_EQ(a.grasps.size(), b.grasps.size());
+  for (size_t i = 0; i < a.grasps.size(); ++i) {
+    EXPECT_EQ(a.grasps[i].X_WG.matrix(), b.grasps[i].X_WG.matrix());
+    EXPECT_EQ(a.grasps[i].score, b.grasps[i].score);
+  }
+}
+
+}  // namespace
+}  // namespace pickbed
