@@ -1,7 +1,147 @@
 #include "sim/mesh_levels.h"
 
-namespace pickbed {
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
 
-std::vector<MeshLevel> MakeMeshLevels(const TriangleMesh& mesh) { return {{mesh, 0.0}}; }
+#include "scenes/mesh_query.h"
+#include "sim/edge_collapse.h"
+
+namespace pickbed {
+namespace {
+
+constexpr size_t kMinTriangles = 64;  // below, a draw call costs more than its triangles
+constexpr double kFirstTolerance_m = 1e-4;
+constexpr double kMaxToleranceShare = 0.02;  // of the bounding box's diagonal
+constexpr double kMinSaving = 0.25;          // of the triangles, for a level to be kept
+constexpr int kDeviationSamples = 2000;      // of each surface
+const double kCreaseCosine = std::cos(40 * std::numbers::pi / 180);
+
+// Vertices joined by place, and by uv where there is a texture, whose seams stay locked.
+struct Joined {
+  std::vector<int> original;  // index of one original vertex each
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+  std::vector<bool> locked;
+};
+
+Joined Join(const TriangleMesh& mesh) {
+  const bool textured = !mesh.texture.empty() && !mesh.uvs.empty();
+  Joined out;
+  std::map<std::array<double, 5>, int> known;
+  std::map<std::array<double, 3>, std::pair<int, int>> places;  // first joined vertex, how many
+  std::vector<int> joined_of(mesh.vertices.size());
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Eigen::Vector3d& p = mesh.vertices[i];
+    const Eigen::Vector2d uv = textured ? mesh.uvs[i] : Eigen::Vector2d::Zero().eval();
+    const auto [it, added] =
+        known.try_emplace({p.x(), p.y(), p.z(), uv.x(), uv.y()}, static_cast<int>(known.size()));
+    joined_of[i] = it->second;
+    if (!added) continue;
+    out.original.push_back(static_cast<int>(i));
+    out.vertices.push_back(p);
+    const auto [place, first] = places.try_emplace({p.x(), p.y(), p.z()}, it->second, 0);
+    out.locked.push_back(!first);
+    if (!first) out.locked[place->second.first] = true;
+  }
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Eigen::Vector3i j(joined_of[t[0]], joined_of[t[1]], joined_of[t[2]]);
+    if (j[0] != j[1] && j[1] != j[2] && j[2] != j[0]) out.triangles.push_back(j);
+  }
+  return out;
+}
+
+// The mean normal of the faces around a vertex that meet this face without a crease, by area.
+Eigen::Vector3d CornerNormal(const std::vector<Eigen::Vector3d>& area_vectors,
+                             const std::vector<int>& around, int face) {
+  const Eigen::Vector3d own = area_vectors[face].normalized();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const int other : around) {
+    if (own.dot(area_vectors[other].normalized()) >= kCreaseCosine) sum += area_vectors[other];
+  }
+  return sum.norm() > 0 ? Eigen::Vector3d(sum.normalized()) : own;
+}
+
+// The triangles that are left as a mesh of their own, with the attributes of `original`.
+TriangleMesh Rebuild(const TriangleMesh& original, const Joined& joined,
+                     const std::vector<Eigen::Vector3i>& triangles) {
+  std::vector<Eigen::Vector3d> area_vectors;
+  std::vector<std::vector<int>> around(joined.vertices.size());
+  for (const Eigen::Vector3i& t : triangles) {
+    const Eigen::Vector3d& a = joined.vertices[t[0]];
+    for (int k = 0; k < 3; ++k) around[t[k]].push_back(static_cast<int>(area_vectors.size()));
+    area_vectors.push_back((joined.vertices[t[1]] - a).cross(joined.vertices[t[2]] - a));
+  }
+  TriangleMesh out;
+  out.base_color = original.base_color;
+  std::vector<std::vector<int>> copies(joined.vertices.size());  // with different normals
+  for (size_t f = 0; f < triangles.size(); ++f) {
+    Eigen::Vector3i corners;
+    for (int k = 0; k < 3; ++k) {
+      const int v = triangles[f][k];
+      const Eigen::Vector3d normal = CornerNormal(area_vectors, around[v], static_cast<int>(f));
+      int found = -1;
+      for (const int copy : copies[v]) {
+        if (original.normals.empty() || out.normals[copy].isApprox(normal, 1e-6)) found = copy;
+      }
+      if (found < 0) {
+        found = static_cast<int>(out.vertices.size());
+        copies[v].push_back(found);
+        const int source = joined.original[v];
+        out.vertices.push_back(joined.vertices[v]);
+        if (!original.normals.empty()) out.normals.push_back(normal);
+        if (!original.uvs.empty()) out.uvs.push_back(original.uvs[source]);
+        if (!original.colors.empty()) out.colors.push_back(original.colors[source]);
+      }
+      corners[k] = found;
+    }
+    out.triangles.push_back(corners);
+  }
+  return out;
+}
+
+double Farthest(const MeshQuery& surface, const std::vector<Eigen::Vector3d>& points) {
+  double farthest_m = 0;
+  for (const Eigen::Vector3d& p : points) {
+    farthest_m = std::max(farthest_m, surface.ClosestPoint(p).distance);
+  }
+  return farthest_m;
+}
+
+// The largest distance between two surfaces, both ways, at their vertices and samples.
+double MeasureDeviation_m(const TriangleMesh& a, const MeshQuery& query_a, const TriangleMesh& b) {
+  Rng rng(0);
+  const MeshQuery query_b(b);
+  return std::max({Farthest(query_b, a.vertices), Farthest(query_a, b.vertices),
+                   Farthest(query_b, SampleSurface(a, kDeviationSamples, rng).points),
+                   Farthest(query_a, SampleSurface(b, kDeviationSamples, rng).points)});
+}
+
+}  // namespace
+
+std::vector<MeshLevel> MakeMeshLevels(const TriangleMesh& mesh) {
+  std::vector<MeshLevel> levels{{mesh, 0.0}};
+  if (mesh.triangles.size() < kMinTriangles) return levels;
+  const double max_tolerance_m = kMaxToleranceShare * MeshBounds(mesh).size().norm();
+  const MeshQuery original(mesh);
+  const Joined joined = Join(mesh);
+  EdgeCollapse collapse(joined.vertices, joined.triangles, joined.locked);
+  size_t last_count = mesh.triangles.size();
+  for (double tolerance_m = kFirstTolerance_m; tolerance_m <= max_tolerance_m; tolerance_m *= 2) {
+    collapse.ReduceTo(tolerance_m);
+    const std::vector<Eigen::Vector3i> triangles = collapse.Triangles();
+    if (triangles.size() > (1 - kMinSaving) * last_count) continue;
+    MeshLevel level{Rebuild(mesh, joined, triangles), 0.0};
+    level.deviation_m =
+        std::max(levels.back().deviation_m, MeasureDeviation_m(mesh, original, level.mesh));
+    levels.push_back(std::move(level));
+    last_count = triangles.size();
+    if (last_count < kMinTriangles) break;
+  }
+  return levels;
+}
 
 }  // namespace pickbed

@@ -19,12 +19,10 @@
 namespace pickbed {
 namespace {
 
-constexpr int kMaxImageSide = 16384;       // OpenGL's limit in Mesa
-constexpr int kAtlasSide = 1024;           // px; larger pages fall out of the cache
-constexpr size_t kMaxTargets = 6;          // framebuffers that are kept, of different sizes
-constexpr double kMinNear_m = 0.005;       // nothing nearer is drawn
-constexpr double kMinDeviation_m = 1e-4;   // a level of detail may always deviate by this,
-constexpr double kMaxDeviation_px = 0.25;  // or by this much where that is more
+constexpr int kMaxImageSide = 16384;  // OpenGL's limit in Mesa
+constexpr int kAtlasSide = 1024;      // px; larger pages fall out of the cache
+constexpr size_t kMaxTargets = 6;     // framebuffers that are kept, of different sizes
+constexpr double kMinNear_m = 0.005;  // nothing nearer is drawn
 
 // Where a box lands in an image.
 struct Footprint {
@@ -118,8 +116,8 @@ struct Renderer::Impl {
   };
   enum class Parts { kDepthAndIds, kAll };
 
-  explicit Impl(const GlContextOptions& options)
-      : context(MakeGlContext(options)), gl(LoadGlFunctions(*context)) {
+  Impl(const GlContextOptions& options, const DetailOptions& detail_options)
+      : detail(detail_options), context(MakeGlContext(options)), gl(LoadGlFunctions(*context)) {
     gl.GenBuffers(1, &instance_buffer);
     gl.Enable(GL_DEPTH_TEST);
     gl.FrontFace(GL_CW);  // we draw upside down, see sim/shaders.h
@@ -139,7 +137,7 @@ struct Renderer::Impl {
   // Level of detail for a mesh whose nearest point is at `near_m`.
   int LevelOf(const GlMesh& mesh, double near_m, const CameraIntrinsics& k) const {
     const double pixel_m = std::max(near_m, kMinNear_m) / std::max(k.fx, k.fy);
-    const double allowed_m = std::max(kMinDeviation_m, kMaxDeviation_px * pixel_m);
+    const double allowed_m = std::max(detail.deviation_m, detail.deviation_px * pixel_m);
     int level = 0;
     while (level + 1 < static_cast<int>(mesh.levels.size()) &&
            mesh.levels[level + 1].deviation_m <= allowed_m) {
@@ -400,6 +398,7 @@ struct Renderer::Impl {
     return counts;
   }
 
+  DetailOptions detail;
   std::unique_ptr<GlContext> context;
   GlFunctions gl;
   GLuint instance_buffer = 0;
@@ -409,7 +408,8 @@ struct Renderer::Impl {
   std::vector<std::array<uint8_t, 4>> rgba;  // read-back buffer
 };
 
-Renderer::Renderer(const GlContextOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Renderer::Renderer(const GlContextOptions& options, const DetailOptions& detail)
+    : impl_(std::make_unique<Impl>(options, detail)) {}
 Renderer::~Renderer() = default;
 
 int Renderer::AddMesh(const TriangleMesh& mesh) {

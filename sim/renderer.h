@@ -2,10 +2,8 @@
 
 // Draws colour, depth and instance ids of any pinhole camera in one pass, without display.
 //
-// Depth is metric along the camera's z axis. A mesh is drawn by the coarsest of its levels of
-// detail that deviates from the original by less than 0.1 mm or a quarter of a pixel. Closed meshes
-// show their front faces, open ones both sides. Near and far planes follow from what is in view;
-// nothing nearer than 5 mm is drawn.
+// Depth is metric along the camera's z axis. Closed meshes show their front faces, open ones both
+// sides. Near and far planes follow from what is in view; nothing nearer than 5 mm is drawn.
 //
 // All calls throw InputError for an image without pixels or larger than 16384, std::out_of_range
 // for an unknown mesh handle, std::runtime_error when OpenGL fails. A renderer has an OpenGL
@@ -31,6 +29,13 @@ struct Light {
   double diffuse = 0.65;                       // 0..1
 };
 
+// A mesh is drawn by the coarsest of its levels of detail (sim/mesh_levels.h) that deviates from
+// the original by no more than the larger of the two; zeros draw the original always.
+struct DetailOptions {
+  double deviation_m = 1e-4;
+  double deviation_px = 0.25;  // at the instance's nearest point
+};
+
 struct RenderInstance {
   int mesh = 0;  // from AddMesh
   Pose X_WO = Pose::Identity();
@@ -45,7 +50,7 @@ struct RenderedImage {
 
 class Renderer {
  public:
-  explicit Renderer(const GlContextOptions& options = {});
+  explicit Renderer(const GlContextOptions& options = {}, const DetailOptions& detail = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -85,7 +90,8 @@ class Renderer {
 // the pictures is its `instance` + 1; the bin's is 0.
 class SceneRenderer {
  public:
-  SceneRenderer(const ObjectSet& objects, const Bin& bin, const GlContextOptions& options = {});
+  SceneRenderer(const ObjectSet& objects, const Bin& bin, const GlContextOptions& options = {},
+                const DetailOptions& detail = {});
   RenderedImage Render(const Scene& scene, const Camera& camera, const Light& light = {});
 
   // Of each scene.objects[i]: its pixels in `ids` over its pixels alone on a canvas large enough to

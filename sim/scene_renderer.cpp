@@ -4,8 +4,8 @@
 namespace pickbed {
 
 SceneRenderer::SceneRenderer(const ObjectSet& objects, const Bin& bin,
-                             const GlContextOptions& options)
-    : renderer_(options), bin_mesh_(renderer_.AddMesh(BinMesh(bin))) {
+                             const GlContextOptions& options, const DetailOptions& detail)
+    : renderer_(options, detail), bin_mesh_(renderer_.AddMesh(BinMesh(bin))) {
   for (const auto& object : objects) object_meshes_.push_back(renderer_.AddMesh(object->mesh_O));
 }
 
