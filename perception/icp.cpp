@@ -43,10 +43,9 @@ Cloud::Ptr SourceCloud(const ModelPoints& model, const Pose& X_CO, int max_point
   const Cloud::Ptr source(new Cloud);
   const Eigen::Isometry3f X = X_CO.cast<float>();
   const std::vector<uint16_t>& visible = model.VisibleFrom(X_CO);
-  const int available = static_cast<int>(visible.size());
-  const int count = std::min(available, max_points);
+  const int count = std::min(static_cast<int>(visible.size()), max_points);
   for (int i = 0; i < count; ++i) {
-    const int index = visible[static_cast<int64_t>(i) * available / count];
+    const int index = visible[i];
     source->push_back(ToPcl(X * model.points_O[index], X.linear() * model.normals_O[index]));
   }
   return source;

@@ -14,7 +14,7 @@ namespace pickbed {
 struct PclIcpOptions {
   double max_correspondence_m = 0.005;
   int iterations = 15;
-  int max_points = 400;       // of the visible model points
+  int max_points = 400;       // the first of the visible model points
   int target_stride = 2;      // every so many foreground pixels of a row and rows are searched
   double epsilon_m2 = 1e-10;  // stops when a step's squared shift is less
 };
@@ -26,9 +26,10 @@ class PclRefiner {
   ~PclRefiner();
   PclRefiner(PclRefiner&&) noexcept;
 
-  // Point-to-plane ICP of the visible model points against the frame. The new X_CO is kept when
-  // MeasureFit says that it is no worse: inliers less what they miss by, minus violations.
-  // hypothesis.fit then describes the pose that stands; fit.refinement_kept says which one.
+  // Point-to-plane ICP the first of the visible model points against the frame. The new X_CO is
+  // kept when MeasureFit says that it is no worse: inliers less what they miss by, minus
+  // violations. hypothesis.fit then describes the pose that stands; fit.refinement_kept says which
+  // one.
   void Refine(const ModelPoints& model, PoseHypothesis& hypothesis) const;
 
  private:

@@ -12,6 +12,7 @@
 namespace pickbed {
 namespace {
 
+constexpr int kCandidates = 4;          // random samples that each point is chosen from
 constexpr int kRasterSize = 128;        // pixels across the part in the visibility test
 constexpr float kMinFacingCos = 0.15f;  // steeper points give no usable depth in any camera
 constexpr int kFieldSamples = 20000;    // about 1 mm apart on a part of 10 cm
@@ -121,6 +122,36 @@ std::vector<uint16_t> VisiblePoints(const ModelPoints& points, const TriangleMes
   return visible;
 }
 
+// Progressive Poisson-disk sampling (McCool and Fiume 1992): candidates that keep a distance from
+// all taken ones are taken, then the distance shrinks, until `count` are. Any first part of the
+// result covers the surface evenly. Normals count as a twentieth of the diameter, which keeps the
+// two sides of a thin wall apart.
+std::vector<int> EvenOrder(const SurfaceSamples& candidates, int count, double diameter_m) {
+  constexpr double kShrink = 0.85;
+  const auto n = static_cast<int>(candidates.points.size());
+  const float normal_m = static_cast<float>(0.05 * diameter_m);
+  std::vector<Eigen::Matrix<float, 6, 1>> places(n);
+  for (int i = 0; i < n; ++i) {
+    places[i] << candidates.points[i].cast<float>(), normal_m * candidates.normals[i].cast<float>();
+  }
+  std::vector<float> squared_gap(n, std::numeric_limits<float>::max());
+  std::vector<int> taken;
+  const auto take = [&](int index) {
+    taken.push_back(index);
+    for (int i = 0; i < n; ++i) {
+      squared_gap[i] = std::min(squared_gap[i], (places[i] - places[index]).squaredNorm());
+    }
+    squared_gap[index] = -1;
+  };
+  for (double gap = 0.5 * diameter_m; static_cast<int>(taken.size()) < count; gap *= kShrink) {
+    const auto squared = static_cast<float>(gap * gap);  // reaches 0, so that all are taken
+    for (int i = 0; i < n && static_cast<int>(taken.size()) < count; ++i) {
+      if (squared_gap[i] >= squared) take(i);
+    }
+  }
+  return taken;
+}
+
 DistanceField SurfaceDistance(const TriangleMesh& mesh, Rng& rng) {
   const SurfaceSamples dense = SampleSurface(mesh, kFieldSamples, rng);
   std::vector<Eigen::Vector3f> samples;
@@ -156,13 +187,13 @@ ModelPoints MakeModelPoints(const ObjectModel& model, int points, int directions
                                    model.name));
   ModelPoints result;
   Rng rng = Rng::Derive(model.mesh_hash, 0, "perception/model_points");
-  const SurfaceSamples samples = SampleSurface(model.mesh_O, points, rng);
-  for (size_t i = 0; i < samples.points.size(); ++i) {
+  const double diameter_m = model.diameter_m > 0 ? model.diameter_m : Diameter(model.mesh_O);
+  result.diameter_m = static_cast<float>(diameter_m);
+  const SurfaceSamples samples = SampleSurface(model.mesh_O, kCandidates * points, rng);
+  for (const int i : EvenOrder(samples, points, diameter_m)) {
     result.points_O.push_back(samples.points[i].cast<float>());
     result.normals_O.push_back(samples.normals[i].cast<float>());
   }
-  result.diameter_m =
-      static_cast<float>(model.diameter_m > 0 ? model.diameter_m : Diameter(model.mesh_O));
   result.area_per_point_m2 = static_cast<float>(area / points);
   result.center_O = MeshBounds(model.mesh_O).center().cast<float>();
   std::vector<Eigen::Vector3f> vertices;

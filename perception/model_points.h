@@ -14,10 +14,12 @@
 namespace pickbed {
 
 struct ModelPoints {
-  std::vector<Eigen::Vector3f> points_O;  // uniform by area
+  // Even over the surface, and so is every first part of them: use the first n where fewer do.
+  std::vector<Eigen::Vector3f> points_O;
   std::vector<Eigen::Vector3f> normals_O;
   std::vector<Eigen::Vector3f> directions_O;   // unit, from the part to the camera
-  std::vector<std::vector<uint16_t>> visible;  // by direction: ascending indices, not self-occluded
+  std::vector<std::vector<uint16_t>> visible;  // by direction: ascending indices, those
+                                               // not self-occluded
   float diameter_m = 0;
   Eigen::Vector3f center_O = Eigen::Vector3f::Zero();  // of the bounding box
   float radius_m = 0;                                  // about center_O

@@ -25,12 +25,10 @@ struct Subset {
 
 void Select(const ModelPoints& model, const Pose& X_CO, int max_points, Subset& subset) {
   const std::vector<uint16_t>& visible = model.VisibleFrom(X_CO);
-  const int available = static_cast<int>(visible.size());
-  subset.count = std::min({available, max_points, kMaxPoints});
+  subset.count = std::min({static_cast<int>(visible.size()), max_points, kMaxPoints});
   for (int i = 0; i < subset.count; ++i) {
-    const int index = visible[static_cast<int64_t>(i) * available / subset.count];
-    subset.points[i] = model.points_O[index] - model.center_O;
-    subset.normals[i] = model.normals_O[index];
+    subset.points[i] = model.points_O[visible[i]] - model.center_O;
+    subset.normals[i] = model.normals_O[visible[i]];
   }
 }
 

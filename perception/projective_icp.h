@@ -16,7 +16,7 @@ struct ProjectiveIcpOptions {
   int coarse_iterations = 12;
   int fine_iterations = 4;  // at gate_end_m
   double min_normal_cos = 0.5;
-  int max_points = 150;   // of the visible subset, evenly strided; at most 512
+  int max_points = 150;   // the first of the visible subset; at most 512
   double damping = 1e-3;  // share of the mean of the normal equations' diagonal, against sliding
 };
 

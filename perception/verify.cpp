@@ -20,10 +20,6 @@ struct FitCounts {
 // Noise grows with z^2; below 1 m the bands stay, since calibration does not improve.
 float BandScale(double z_m) { return static_cast<float>(std::max(1.0, z_m * z_m)); }
 
-int StridedIndex(const std::vector<uint16_t>& visible, int i, int count) {
-  return visible[static_cast<int64_t>(i) * static_cast<int64_t>(visible.size()) / count];
-}
-
 FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                    const VerifyBands& bands) {
   // A ray that grazes a surface meets it far off in depth though near to its plane; beyond this
@@ -41,7 +37,7 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
   FitCounts c;
   c.points = std::min(static_cast<int>(visible.size()), bands.max_points);
   for (int i = 0; i < c.points; ++i) {
-    const int index = StridedIndex(visible, i, c.points);
+    const int index = visible[i];
     const Eigen::Vector3f p = X * model.points_O[index];
     const Eigen::Vector3f n = X.linear() * model.normals_O[index];
     c.cos_sum += std::max(0.0f, n.dot(to_camera));
@@ -135,7 +131,7 @@ double QuickScore(const OrganizedCloud& cloud, const ModelPoints& model, const P
   const int count = std::min(static_cast<int>(visible.size()), max_points);
   int balance = 0;
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3f p = X * model.points_O[StridedIndex(visible, i, count)];
+    const Eigen::Vector3f p = X * model.points_O[visible[i]];
     const int pixel = project(p);
     if (pixel < 0) continue;
     const float seen_m = cloud.depth_m.data()[pixel];

@@ -22,7 +22,7 @@ struct VerifyBands {
   double near_m = 0.008;        // up to here it is near but unexplained ...
   double far_m = 0.014;         // ... and up to here farther; beyond it is another matter
   double min_normal_cos = 0.7;
-  int max_points = 600;        // visible model points, evenly strided
+  int max_points = 600;        // the first of the visible model points
   int max_scene_pixels = 800;  // of the box around the part, evenly strided
 };
 

@@ -1,0 +1,66 @@
+#include "perception/suppress.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed {
+namespace {
+
+constexpr CloudOptions kKeepAll{.min_plane_share = 1};
+
+// Two brackets side by side, 10 mm apart.
+class TwoBrackets : public ::testing::Test {
+ protected:
+  TwoBrackets() : object_(ObjectOf(BracketMesh())), models_{MakeModelPoints(*object_)} {
+    SyntheticDepth scene(SmallCamera());
+    for (const Pose& X : {Left(), Right()}) scene.AddMesh(object_->mesh_O, X);
+    cloud_ = BuildCloud(scene.frame(), std::nullopt, kKeepAll);
+  }
+  static Pose Left() { return Translation({-0.035, 0, 0.4}); }
+  static Pose Right() { return Translation({0.035, 0, 0.4}); }
+
+  static PoseHypothesis At(const Pose& X_CO, double score) {
+    PoseHypothesis h;
+    h.X_CO = X_CO;
+    h.score = score;
+    return h;
+  }
+
+  std::shared_ptr<const ObjectModel> object_;
+  std::vector<ModelPoints> models_;
+  OrganizedCloud cloud_;
+};
+
+TEST_F(TwoBrackets, NeighboursStayADuplicateGoes) {
+  const Pose near_left = Perturbed(Left(), {0, 0, 1}, 4, {0.002, 0, 0});
+  const auto kept =
+      SuppressDuplicates(cloud_, models_, {At(near_left, 0.6), At(Right(), 0.7), At(Left(), 0.9)});
+  ASSERT_EQ(kept.size(), 2u);
+  EXPECT_EQ(kept[0].score, 0.9);
+  EXPECT_EQ(kept[1].score, 0.7);
+}
+
+TEST_F(TwoBrackets, TheBetterOneWinsWhateverTheOrder) {
+  const Pose turned = Perturbed(Left(), {0, 0, 1}, 180, Eigen::Vector3d::Zero());
+  const auto kept = SuppressDuplicates(cloud_, models_, {At(Left(), 0.5), At(turned, 0.8)});
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_EQ(kept[0].score, 0.8);
+}
+
+TEST_F(TwoBrackets, EqualScoresKeepTheirOrder) {
+  PoseHypothesis first = At(Left(), 0.5), second = first;
+  second.fit.hidden_share = 1;
+  const auto kept = SuppressDuplicates(cloud_, models_, {first, second});
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_EQ(kept[0].fit.hidden_share, 0);
+}
+
+TEST_F(TwoBrackets, OneThatClaimsNothingGoes) {
+  EXPECT_TRUE(SuppressDuplicates(cloud_, models_, {At(Translation({0, 0.1, 0.4}), 0.9)}).empty());
+  EXPECT_TRUE(SuppressDuplicates(cloud_, models_, {At(Translation({0, 0, -0.4}), 0.9)}).empty());
+  EXPECT_TRUE(SuppressDuplicates(cloud_, models_, {}).empty());
+}
+
+}  // namespace
+}  // namespace pickbed

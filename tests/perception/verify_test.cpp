@@ -1,0 +1,204 @@
+#include "perception/verify.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scenes/random.h"
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed {
+namespace {
+
+constexpr CloudOptions kKeepAll{.min_plane_share = 1};
+
+// A slab of 80 x 80 x 20 mm that faces the camera at 0.4 m, nothing behind it.
+class SlabView : public ::testing::Test {
+ protected:
+  SlabView()
+      : object_(ObjectOf(BoxMesh({0.08, 0.08, 0.02}, Eigen::Vector3d::Zero()))),
+        model_(MakeModelPoints(*object_)),
+        X_CO_(Translation({0, 0, 0.4})) {}
+
+  RgbdFrame Render() const {
+    SyntheticDepth scene(SmallCamera());
+    scene.AddMesh(object_->mesh_O, X_CO_);
+    return scene.frame();
+  }
+
+  FitReport FitOf(const RgbdFrame& frame) const {
+    return MeasureFit(BuildCloud(frame, std::nullopt, kKeepAll), model_, X_CO_);
+  }
+
+  VerifyFeatures FeaturesOf(const RgbdFrame& frame, const Pose& X_CO, double votes = 0) const {
+    FitReport fit;
+    return ComputeVerifyFeatures(BuildCloud(frame, std::nullopt, kKeepAll), model_, X_CO, votes,
+                                 fit);
+  }
+
+  // Sets depth where the camera sees the slab's left half.
+  static void PaintLeftHalf(RgbdFrame& frame, float depth_m) {
+    for (int y = 0; y < frame.depth_m.height(); ++y) {
+      for (int x = 0; x < frame.depth_m.width() / 2; ++x) frame.depth_m(x, y) = depth_m;
+    }
+  }
+
+  std::shared_ptr<const ObjectModel> object_;
+  ModelPoints model_;
+  Pose X_CO_;
+};
+
+TEST_F(SlabView, TruePoseIsAllInliers) {
+  const FitReport fit = FitOf(Render());
+  EXPECT_GT(fit.inlier_share, 0.95);
+  EXPECT_LT(fit.hidden_share + fit.violated_share, 0.02);
+  EXPECT_LT(fit.residual_m, 1e-4);
+}
+
+// Planted cases: half of the slab behind something, looked through, or unknown.
+TEST_F(SlabView, AnOccluderHides) {
+  RgbdFrame frame = Render();
+  PaintLeftHalf(frame, 0.3f);
+  const FitReport fit = FitOf(frame);
+  EXPECT_NEAR(fit.hidden_share, 0.5, 0.06);
+  EXPECT_NEAR(fit.inlier_share, 0.5, 0.06);
+  EXPECT_LT(fit.violated_share, 0.01);
+}
+
+TEST_F(SlabView, SeeingThroughViolates) {
+  RgbdFrame frame = Render();
+  PaintLeftHalf(frame, 0.6f);
+  const FitReport fit = FitOf(frame);
+  EXPECT_NEAR(fit.violated_share, 0.5, 0.06);
+  EXPECT_NEAR(fit.inlier_share, 0.5, 0.06);
+  EXPECT_LT(fit.hidden_share, 0.01);
+}
+
+TEST_F(SlabView, AHoleIsUnknown) {
+  RgbdFrame frame = Render();
+  PaintLeftHalf(frame, 0);
+  const FitReport fit = FitOf(frame);
+  EXPECT_NEAR(fit.inlier_share, 0.5, 0.06);
+  EXPECT_EQ(fit.violated_share, 0);
+  EXPECT_EQ(fit.hidden_share, 0);
+}
+
+TEST_F(SlabView, OutsideTheImageIsHidden) {
+  X_CO_.translation().x() = 0.4 * 160 / 340;  // its middle on the image's right edge
+  const FitReport fit = FitOf(Render());
+  EXPECT_NEAR(fit.hidden_share, 0.5, 0.06);
+  EXPECT_EQ(fit.violated_share, 0);
+}
+
+TEST_F(SlabView, AnotherSlantIsAWrongNormal) {
+  // A plane through the slab's face, tilted by 60 degrees: near it along one line only.
+  SyntheticDepth tilted(SmallCamera());
+  const double a = std::numbers::pi / 3;
+  tilted.AddPlane({std::sin(a), 0, -std::cos(a)}, {0, 0, 0.39});
+  const VerifyFeatures f = FeaturesOf(tilted.frame(), X_CO_);
+  EXPECT_LT(f[0], 0.01);
+  EXPECT_GT(f[3], 0.02);
+  EXPECT_GT(f[1], 0.3);
+  EXPECT_GT(f[2], 0.3);
+}
+
+TEST_F(SlabView, QuickScoreCountsInliersLessViolations) {
+  RgbdFrame frame = Render();
+  const auto score = [&] {
+    return QuickScore(BuildCloud(frame, std::nullopt, kKeepAll), model_, X_CO_);
+  };
+  EXPECT_GT(score(), 0.95);
+  PaintLeftHalf(frame, 0.3f);
+  EXPECT_NEAR(score(), 0.5, 0.1);
+  PaintLeftHalf(frame, 0.6f);
+  EXPECT_NEAR(score(), 0.0, 0.15);
+  PaintLeftHalf(frame, 0);
+  EXPECT_NEAR(score(), 0.5, 0.1);
+}
+
+TEST_F(SlabView, SceneIsExplainedAtTheTruthAndNotBesideIt) {
+  const RgbdFrame frame = Render();
+  const VerifyFeatures right = FeaturesOf(frame, X_CO_);
+  EXPECT_NEAR(right[9], 1.0, 0.12);  // covers what it should cover
+  EXPECT_LT(right[5], 0.02);
+  EXPECT_LT(right[6], 0.02);
+  // Pushed back by 6 and 11 mm the face is near but unexplained.
+  const VerifyFeatures near = FeaturesOf(frame, Translation({0, 0, 0.006}) * X_CO_);
+  EXPECT_GT(near[5], 0.8);
+  EXPECT_LT(near[9], 0.1);
+  const VerifyFeatures far = FeaturesOf(frame, Translation({0, 0, 0.011}) * X_CO_);
+  EXPECT_GT(far[6], 0.8);
+}
+
+TEST_F(SlabView, TightInliersAreFewerAtTwoMillimetres) {
+  const RgbdFrame frame = Render();
+  const VerifyFeatures f = FeaturesOf(frame, Translation({0, 0, 0.002}) * X_CO_);
+  EXPECT_GT(f[0], 0.9);
+  EXPECT_LT(f[4], 0.05);
+  EXPECT_GT(FeaturesOf(frame, X_CO_)[4], 0.85);
+}
+
+TEST_F(SlabView, FeaturesAreFiniteEverywhere) {
+  const RgbdFrame frame = Render();
+  Rng rng(4);
+  for (int i = 0; i < 200; ++i) {
+    Pose X(rng.Rotation());
+    X.translation() = Eigen::Vector3d(rng.Uniform(-1, 1), rng.Uniform(-1, 1), rng.Uniform(-1, 1));
+    for (const float f : FeaturesOf(frame, X, rng.Uniform(0, 50))) EXPECT_TRUE(std::isfinite(f));
+  }
+  EXPECT_FLOAT_EQ(FeaturesOf(frame, X_CO_, 7)[8], std::log(8.0f));
+}
+
+// Far from the camera noise is larger, and so are the bands.
+TEST(MeasureFit, BandsGrowWithDistance) {
+  const auto object = ObjectOf(BoxMesh({0.3, 0.3, 0.05}, Eigen::Vector3d::Zero()));
+  const ModelPoints model = MakeModelPoints(*object);
+  const Pose X_CO = Translation({0, 0, 1.5});
+  SyntheticDepth scene(SmallCamera());
+  scene.AddMesh(object->mesh_O, Translation({0, 0, 0.005}) * X_CO);
+  const OrganizedCloud cloud = BuildCloud(scene.frame(), std::nullopt, kKeepAll);
+  EXPECT_GT(MeasureFit(cloud, model, X_CO).inlier_share, 0.9);  // 5 mm off, band 6.75 mm
+}
+
+// A known floor at the model's depth is no evidence; seen below the model it is one against it.
+TEST(MeasureFit, FloorIsNoEvidenceForAPartOnIt) {
+  const auto object = ObjectOf(BoxMesh({0.06, 0.06, 0.002}, Eigen::Vector3d::Zero()));
+  const ModelPoints model = MakeModelPoints(*object);
+  KnownBackground background;
+  background.X_CB = Translation({0, 0, 0.6}) *
+                    Pose(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
+  SyntheticDepth scene(SmallCamera());
+  scene.AddMesh(BinMesh(background.bin), background.X_CB);
+  const OrganizedCloud cloud = BuildCloud(scene.frame(), background);
+  const FitReport flat = MeasureFit(cloud, model, background.X_CB);
+  EXPECT_EQ(flat.inlier_share, 0);
+  EXPECT_LT(flat.violated_share, 0.05);
+  const FitReport above = MeasureFit(cloud, model, background.X_CB * Translation({0, 0, 0.03}));
+  EXPECT_GT(above.violated_share, 0.95);
+}
+
+TEST(Verifier, ScoreIsTheFormula) {
+  Rng rng(9);
+  Verifier v;
+  const auto random = [&](int rows, int cols) {
+    Eigen::MatrixXf m(rows, cols);
+    for (float& x : m.reshaped()) x = static_cast<float>(rng.Normal());
+    return m;
+  };
+  v.mean = random(10, 1);
+  v.scale = random(10, 1).cwiseAbs().array() + 0.5f;
+  v.w1 = random(24, 10);
+  v.b1 = random(24, 1);
+  v.w2 = random(24, 1);
+  v.b2 = 0.3f;
+  VerifyFeatures f;
+  for (float& x : f) x = static_cast<float>(rng.Normal());
+  const Eigen::Map<const Eigen::VectorXf> x(f.data(), f.size());
+  const Eigen::VectorXf hidden =
+      (v.w1 * ((x - v.mean).cwiseQuotient(v.scale)) + v.b1).array().tanh();
+  const double logit = hidden.dot(v.w2) + v.b2;
+  EXPECT_NEAR(v.Score(f), 1 / (1 + std::exp(-logit)), 1e-5);
+}
+
+}  // namespace
+}  // namespace pickbed
