@@ -12,10 +12,12 @@ namespace pickbed {
 
 struct DecompositionOptions {
   int max_pieces = 16;
-  int max_vertices = 32;             // a hull, by support directions
-  double target_volume_gain = 0.02;  // stop when the best cut saves less than this share of volume
+  int max_vertices = 32;        // of a hull
+  double max_air_share = 0.02;  // a hull that holds more of the part's volume as air is cut further
 };
 
+// Hulls of the mesh clipped to boxes, thinned to `max_vertices` by taking, one by one, the vertex
+// that stands out furthest from the hull of those taken before.
 std::vector<ConvexPiece> DecomposeConvex(const TriangleMesh& mesh,
                                          const DecompositionOptions& options = {});
 
