@@ -75,10 +75,6 @@ struct Judge {
   double friction;
   double cone_rad;
 
-  PadContact Close(const Pose& X_OG) const {
-    return ClosePads(surface, X_OG, gripper.hand, options.touch_band_m);
-  }
-
   // Share of the pads' torsional friction that is left when the weight hangs off the closing line.
   double TorqueFactor(const Pose& X_OG, const PadContact& contact) const {
     const Eigen::Vector2d shared = contact.shared_center();
@@ -105,14 +101,18 @@ struct Judge {
   // The candidate at this pose, its origin moved to the middle of the contact; quality 0 if none.
   GraspCandidate Evaluate(Pose X_OG) const {
     GraspCandidate candidate;
-    PadContact contact = Close(X_OG);
-    if (!contact.touches || !contact.shared()) return candidate;
-    X_OG.translate(
-        Vector3d(0.5 * (contact.low_x_m + contact.high_x_m), contact.shared_center().x(), 0));
-    contact = Close(X_OG);
+    const HandSpec& hand = gripper.hand;
+    PointColumns points_G = PointsInHand(surface.points_O, X_OG);
+    PadContact contact = ClosePads(surface, points_G, X_OG.linear(), hand, options.touch_band_m);
+    if (!contact.touches || !contact.shared() || contact.max_angle_rad > cone_rad) return candidate;
+    const Vector3d shift(0.5 * (contact.low_x_m + contact.high_x_m), contact.shared_center().x(),
+                         0);
+    X_OG.translate(shift);
+    points_G.rowwise() -= shift.transpose().cast<float>().array();
+    contact = ClosePads(surface, points_G, X_OG.linear(), hand, options.touch_band_m);
     if (!contact.touches || !contact.shared() || contact.max_angle_rad > cone_rad) return candidate;
     const auto opening = MechanismOf(gripper).approach_opening_m(gripper, contact.width_m());
-    if (!opening || !HandClearsPart(surface, X_OG, gripper.hand, *opening, options.own_margin_m)) {
+    if (!opening || !HandClearsPart(points_G, hand, *opening, options.own_margin_m)) {
       return candidate;
     }
     candidate.X_OG = X_OG;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace pickbed {
 namespace {
@@ -38,49 +39,63 @@ SurfacePoints SpreadPoints(const TriangleMesh& mesh, double spacing_m, int min_c
   const int count = static_cast<int>(std::clamp(wanted, double(min_count), double(max_count)));
   const SurfaceSamples samples = SampleSurface(mesh, count, rng);
   SurfacePoints surface;
-  surface.points_O.resize(3, count);
-  surface.normals_O.resize(3, count);
+  surface.points_O.resize(count, 3);
+  surface.normals_O.resize(count, 3);
   for (int i = 0; i < count; ++i) {
-    surface.points_O.col(i) = samples.points[i];
-    surface.normals_O.col(i) = samples.normals[i];
+    surface.points_O.row(i) = samples.points[i].transpose().cast<float>();
+    surface.normals_O.row(i) = samples.normals[i].transpose().cast<float>();
   }
   surface.area_m2 = area / count;
   return surface;
 }
 
-PadContact ClosePads(const SurfacePoints& surface, const Pose& X_OG, const HandSpec& hand,
-                     double band_m) {
-  const Eigen::Matrix3d R_GO = X_OG.linear().transpose();
-  const Eigen::Matrix3Xd points_G = R_GO * (surface.points_O.colwise() - X_OG.translation());
-  const Eigen::Vector3d size = hand.finger_size_m;
-  const auto between_pads = [&](const auto& p) {
-    return std::abs(p.y()) <= 0.5 * size.y() && p.z() <= 0 && p.z() >= -size.z() &&
-           std::abs(p.x()) <= 0.5 * hand.stroke_m;
-  };
+PointColumns PointsInHand(const PointColumns& points_O, const Pose& X_OG) {
+  const Eigen::Matrix3f R = X_OG.linear().cast<float>();
+  const Eigen::Vector3f t_G = (X_OG.linear().transpose() * X_OG.translation()).cast<float>();
+  PointColumns points_G(points_O.rows(), 3);
+  for (int axis = 0; axis < 3; ++axis) {
+    points_G.col(axis) = points_O.col(0) * R(0, axis) + points_O.col(1) * R(1, axis) +
+                         points_O.col(2) * R(2, axis) - t_G[axis];
+  }
+  return points_G;
+}
 
+PadContact ClosePads(const SurfacePoints& surface, const PointColumns& points_G,
+                     const Eigen::Matrix3d& R_OG, const HandSpec& hand, double band_m) {
+  const float half_width = 0.5 * hand.finger_size_m.y();
+  const float length = hand.finger_size_m.z();
+  const float half_stroke = 0.5 * hand.stroke_m;
   PadContact contact;
-  contact.low_x_m = std::numeric_limits<double>::infinity();
-  contact.high_x_m = -contact.low_x_m;
-  std::vector<int> inside;
-  for (int i = 0; i < points_G.cols(); ++i) {
-    if (!between_pads(points_G.col(i))) continue;
-    inside.push_back(i);
-    contact.low_x_m = std::min(contact.low_x_m, points_G(0, i));
-    contact.high_x_m = std::max(contact.high_x_m, points_G(0, i));
+  float low_x = half_stroke, high_x = -half_stroke;
+  std::vector<int> inside(points_G.rows());
+  int count = 0;
+  for (int i = 0; i < points_G.rows(); ++i) {
+    inside[count] = i;
+    count += (std::abs(points_G(i, 1)) <= half_width) & (points_G(i, 2) <= 0) &
+             (points_G(i, 2) >= -length) & (std::abs(points_G(i, 0)) <= half_stroke);
+  }
+  for (int k = 0; k < count; ++k) {
+    low_x = std::min(low_x, points_G(inside[k], 0));
+    high_x = std::max(high_x, points_G(inside[k], 0));
   }
 
   Patch low, high;
-  for (const int i : inside) {
-    const Eigen::Vector3d p = points_G.col(i);
-    const bool near_low = p.x() < contact.low_x_m + band_m;
-    const bool near_high = p.x() > contact.high_x_m - band_m;
+  const float band = band_m;
+  for (int k = 0; k < count; ++k) {
+    const int i = inside[k];
+    const bool near_low = points_G(i, 0) < low_x + band;
+    const bool near_high = points_G(i, 0) > high_x - band;
     if (!near_low && !near_high) continue;
-    const Eigen::Vector3d normal = R_GO * surface.normals_O.col(i);
+    const Eigen::Vector3d p = points_G.row(i).matrix().transpose().cast<double>();
+    const Eigen::Vector3d normal =
+        R_OG.transpose() * surface.normals_O.row(i).matrix().transpose().cast<double>();
     if (near_low && normal.x() < -kFacingCosine) low.Add(p, normal);
     if (near_high && normal.x() > kFacingCosine) high.Add(p, normal);
   }
   if (low.count == 0 || high.count == 0) return contact;
   contact.touches = true;
+  contact.low_x_m = low_x;
+  contact.high_x_m = high_x;
   contact.area_m2 = std::min(low.count, high.count) * surface.area_m2;
   contact.max_angle_rad =
       std::max(low.AngleTo(-Eigen::Vector3d::UnitX()), high.AngleTo(Eigen::Vector3d::UnitX()));
@@ -89,19 +104,22 @@ PadContact ClosePads(const SurfacePoints& surface, const Pose& X_OG, const HandS
   return contact;
 }
 
-bool HandClearsPart(const SurfacePoints& surface, const Pose& X_OG, const HandSpec& hand,
-                    double opening_m, double margin_m) {
-  const Eigen::Matrix3d R_GO = X_OG.linear().transpose();
-  const Eigen::Matrix3Xd points_G = R_GO * (surface.points_O.colwise() - X_OG.translation());
+bool HandClearsPart(const PointColumns& points_G, const HandSpec& hand, double opening_m,
+                    double margin_m) {
+  const float* x = points_G.col(0).data();
+  const float* y = points_G.col(1).data();
+  const float* z = points_G.col(2).data();
   for (const AxisAlignedBox& box : HandBoxes(hand, opening_m)) {
-    const Eigen::Vector3d reach = box.half_size.array() + margin_m;
-    const double front_z = box.center.z() + reach.z();
-    for (int i = 0; i < points_G.cols(); ++i) {
-      if (points_G(2, i) < front_z && std::abs(points_G(0, i) - box.center.x()) < reach.x() &&
-          std::abs(points_G(1, i) - box.center.y()) < reach.y()) {
-        return false;
-      }
+    const Eigen::Vector3f center = box.center.cast<float>();
+    const Eigen::Vector3f reach = (box.half_size.array() + margin_m).cast<float>();
+    const float front_z = center.z() + reach.z();
+    // Counted, not left early: without branches the compiler tests four points at once.
+    int met = 0;
+    for (int i = 0; i < points_G.rows(); ++i) {
+      met += (z[i] < front_z) & (std::abs(x[i] - center.x()) < reach.x()) &
+             (std::abs(y[i] - center.y()) < reach.y());
     }
+    if (met > 0) return false;
   }
   return true;
 }

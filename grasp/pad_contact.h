@@ -11,16 +11,22 @@
 
 namespace pickbed {
 
+// Points by row; single precision in columns, since candidates by the ten thousand are tested.
+using PointColumns = Eigen::Array<float, Eigen::Dynamic, 3>;
+
 // The surface of a part as points spread evenly by area.
 struct SurfacePoints {
-  Eigen::Matrix3Xd points_O;
-  Eigen::Matrix3Xd normals_O;
+  PointColumns points_O;
+  PointColumns normals_O;
   double area_m2 = 0;  // that one point stands for
 };
 
 // About one point every `spacing_m` squared, within the limits given.
 SurfacePoints SpreadPoints(const TriangleMesh& mesh, double spacing_m, int min_count, int max_count,
                            Rng& rng);
+
+// The same points seen from the hand.
+PointColumns PointsInHand(const PointColumns& points_O, const Pose& X_OG);
 
 struct PadContact {
   bool touches = false;      // both pads meet surface that faces them
@@ -37,14 +43,14 @@ struct PadContact {
   Eigen::Vector2d shared_center() const { return 0.5 * (shared_min + shared_max); }
 };
 
-// Closes the pads of `hand` at X_OG on the part. Surface within `band_m` of the first touch counts
-// as contact.
-PadContact ClosePads(const SurfacePoints& surface, const Pose& X_OG, const HandSpec& hand,
-                     double band_m);
+// Closes the pads of `hand` on the part; `points_G` are its surface points in the hand, R_OG turns
+// their normals. Surface within `band_m` of the first touch counts as contact.
+PadContact ClosePads(const SurfacePoints& surface, const PointColumns& points_G,
+                     const Eigen::Matrix3d& R_OG, const HandSpec& hand, double band_m);
 
-// True when no surface point is within `margin_m` of the hand's boxes, or of where they pass on the
+// True when no point is within `margin_m` of the hand's boxes, or of where they pass on the
 // straight approach along z of G.
-bool HandClearsPart(const SurfacePoints& surface, const Pose& X_OG, const HandSpec& hand,
-                    double opening_m, double margin_m);
+bool HandClearsPart(const PointColumns& points_G, const HandSpec& hand, double opening_m,
+                    double margin_m);
 
 }  // namespace pickbed

@@ -33,7 +33,8 @@ PartShape MakeShape(const PlanInput& input, int object, const PlanOptions& optio
   Rng rng(model.mesh_hash);
   SurfacePoints surface =
       SpreadPoints(model.mesh_O, options.neighbor_spacing_m, kMinPartPoints, kMaxPartPoints, rng);
-  PartShape shape{surface.points_O, SurfaceBand(surface.points_O, options.own_points_m), {}};
+  const Eigen::Matrix3Xd points_O = surface.points_O.matrix().transpose().cast<double>();
+  PartShape shape{points_O, SurfaceBand(points_O, options.own_points_m), {}};
   const MechanismRow& mechanism = MechanismOf(input.gripper);
   for (const GraspCandidate& candidate : input.candidates[object]) {
     shape.openings_m.push_back(mechanism.approach_opening_m(input.gripper, candidate.width_m));
@@ -162,8 +163,13 @@ class Planner {
     if (!opening_m) return kOpening;
     const GripperSpec& gripper = input_.gripper;
     const auto sweep = HandSweep(gripper.hand, *opening_m, gripper.approach_m);
-    const auto bin_contact = FindBinContact(sweep, grasp.X_WG, bin_boxes_, gripper.clearance_m);
-    if (bin_contact) return bin_contact->bin_box == 0 ? kBinFloor : kBinWall;
+    const std::span<const AxisAlignedBox> bin_boxes(bin_boxes_);
+    if (FindBinContact(sweep, grasp.X_WG, bin_boxes.first(1), options_.floor_clearance_m)) {
+      return kBinFloor;
+    }
+    if (FindBinContact(sweep, grasp.X_WG, bin_boxes.subspan(1), gripper.clearance_m)) {
+      return kBinWall;
+    }
     const Vector3d half_pad = 0.5 * gripper.hand.finger_size_m;
     const AxisAlignedBox between{{0, 0, -half_pad.z()},
                                  {0.5 * *opening_m, half_pad.y(), half_pad.z()}};
@@ -197,6 +203,7 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.Integer("max_grasps", max_grasps, {1, 1000}, "reported");
   v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.6}, "of the approach from straight down, rad");
   v.Real("own_points_m", own_points_m, {0.001, 0.1}, "points this near are the target's own, m");
+  v.Real("floor_clearance_m", floor_clearance_m, length, "kept between hand and floor, m");
   v.Real("voxel_m", voxel_m, {0.0005, 0.1}, "the cloud is thinned to, m");
   v.Real("bin_band_m", bin_band_m, length, "points this near to floor and walls are the bin's, m");
   v.Real("neighbor_confidence", neighbor_confidence, {0, 1e9}, "poses from here on are obstacles");

@@ -39,9 +39,11 @@ struct PlanOptions {
   double max_tilt_rad = 1.05;   // of the approach from straight down
   double own_points_m = 0.006;  // cloud points this near to the target's own surface are its own
 
-  double voxel_m = 0.003;             // the cloud is thinned to
-  double bin_band_m = 0.004;          // points this near to floor and walls are the bin's
-  double neighbor_confidence = 0.5;   // believed poses from here on are obstacles
+  double floor_clearance_m =
+      0.0015;                        // of the hand; the floor's place is known better than a part's
+  double voxel_m = 0.003;            // the cloud is thinned to
+  double bin_band_m = 0.004;         // points this near to floor and walls are the bin's
+  double neighbor_confidence = 0.5;  // believed poses from here on are obstacles
   double neighbor_spacing_m = 0.004;  // of the points on them
   double same_share = 0.25;  // poses nearer than this share of the diameter are rivals for one part
 

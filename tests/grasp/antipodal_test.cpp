@@ -95,7 +95,7 @@ TEST(Antipodal, HandNeverCutsThePart) {
   const auto grasps = Grasps(*part, gripper);
   ASSERT_GT(grasps.size(), 50u);
   for (const auto& grasp : grasps) {
-    EXPECT_TRUE(HandClearsPart(surface, grasp.X_OG, gripper.hand,
+    EXPECT_TRUE(HandClearsPart(PointsInHand(surface.points_O, grasp.X_OG), gripper.hand,
                                grasp.width_m + 2 * gripper.clearance_m, 0));
   }
 }
