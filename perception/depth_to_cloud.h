@@ -23,7 +23,7 @@ struct CloudOptions {
 
   // Only neighbours whose depth is this near to the pixel's take part in its plane fit, at 1 m
   // (scaled by z, as pixels are). Smaller loses steep faces, larger rounds off steps.
-  double fit_band_m = 0.012;
+  double fit_band_m = 0.010;
 
   // Used when no background is known: a plane that holds at least this share of all pixels with
   // depth is taken for the table and removed with all behind it; 1 or more removes nothing (views

@@ -1,38 +1,106 @@
 #include "perception/normals.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 namespace pickbed {
 namespace {
 
-// Moments of the neighbours that take part, one entry per pixel of a row; offsets (du, dv) and
-// inverse depth q are relative to the pixel in the middle.
-struct Moments {
-  explicit Moments(size_t width)
-      : n(width),
-        u(width),
-        v(width),
-        uu(width),
-        uv(width),
-        vv(width),
-        q(width),
-        uq(width),
-        vq(width) {}
-  std::vector<float> n, u, v, uu, uv, vv, q, uq, vq;
+// Eight pixels are worked on at a time, in vectors that the compiler splits where the processor has
+// narrower ones.
+constexpr int kLanes = 8;
+using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+using Bits = int32_t __attribute__((vector_size(kLanes * sizeof(float))));
+
+// Moments of the neighbours that take part; offsets (du, dv) and inverse depth q are relative to
+// the pixel in the middle.
+enum Moment { kN, kU, kV, kUU, kUV, kVV, kQ, kUQ, kVQ, kQQ, kMoments };
+using MomentBlock = std::array<std::array<float, kLanes>, kMoments>;
+
+// `center` points to the inverse depth of eight pixels in rows of `pitch` floats; the window's
+// border must be readable.
+__attribute__((target_clones("avx2", "default"))) void SumWindow(const float* center, int pitch,
+                                                                 int radius, float band,
+                                                                 MomentBlock& out) {
+  Lanes c, total[kMoments] = {};
+  std::memcpy(&c, center, sizeof(c));
+  const Lanes limit = c * band;
+  for (int dv = -radius; dv <= radius; ++dv) {
+    Lanes n = {}, u = {}, uu = {}, q = {}, uq = {}, qq = {};
+    for (int du = -radius; du <= radius; ++du) {
+      Lanes d;
+      std::memcpy(&d, center + dv * pitch + du, sizeof(d));
+      d -= c;
+      const Bits inside = (d < limit) & (-d < limit);
+      d = reinterpret_cast<Lanes>(reinterpret_cast<Bits>(d) & inside);
+      const Lanes one = Lanes{} + 1.0f;
+      const Lanes w = reinterpret_cast<Lanes>(reinterpret_cast<Bits>(one) & inside);
+      const float f = static_cast<float>(du);
+      n += w;
+      u += f * w;
+      uu += f * f * w;
+      q += d;
+      uq += f * d;
+      qq += d * d;
+    }
+    const float f = static_cast<float>(dv);
+    total[kN] += n;
+    total[kU] += u;
+    total[kV] += f * n;
+    total[kUU] += uu;
+    total[kUV] += f * u;
+    total[kVV] += f * f * n;
+    total[kQ] += q;
+    total[kUQ] += uq;
+    total[kVQ] += f * q;
+    total[kQQ] += qq;
+  }
+  std::memcpy(&out, total, sizeof(out));
+}
+
+// Plane about one pixel: inverse depth there, its slopes, and the variance of the residuals.
+struct Fit {
+  float q = 0, du = 0, dv = 0;
+  float variance = -1;  // < 0: no fit
 };
+
+Fit SolveRegression(const MomentBlock& m, int lane, float q0, int window, double min_support) {
+  const auto get = [&](Moment moment) { return m[moment][lane]; };
+  const float n = get(kN);
+  if (n < min_support * window * window) return {};
+  const float mu = get(kU) / n, mv = get(kV) / n, mq = get(kQ) / n;
+  const float cuu = get(kUU) / n - mu * mu, cvv = get(kVV) / n - mv * mv;
+  const float cuv = get(kUV) / n - mu * mv;
+  const float cuq = get(kUQ) / n - mu * mq, cvq = get(kVQ) / n - mv * mq;
+  const float det = cuu * cvv - cuv * cuv;
+  // A full window has variance (w^2 - 1) / 12 in each direction; a strip along an edge, that says
+  // nothing about the slope across, has a small part of its determinant.
+  constexpr float kMinSpread = 0.1f;
+  const float full = static_cast<float>(window * window - 1) / 12.0f;
+  if (det < kMinSpread * full * full) return {};
+  Fit fit;
+  fit.du = (cuq * cvv - cvq * cuv) / det;
+  fit.dv = (cvq * cuu - cuq * cuv) / det;
+  fit.q = q0 + mq - fit.du * mu - fit.dv * mv;
+  // Three of the n degrees of freedom went into the plane.
+  const float squared = get(kQQ) / n - mq * mq - fit.du * cuq - fit.dv * cvq;
+  fit.variance = std::max(0.0f, squared) * n / (n - 3);
+  return fit;
+}
 
 struct Run {
   int begin, end;
 };
 
-// Stretches of a row to be worked on; short gaps are bridged, since vector loops want length.
+// Stretches of a row to be worked on; gaps shorter than a block cost less than a new one.
 std::vector<Run> MaskedRuns(const uint8_t* mask, int width) {
-  constexpr int kBridge = 16;
   std::vector<Run> runs;
   for (int x = 0; x < width; ++x) {
     if (!mask[x]) continue;
-    if (!runs.empty() && x - runs.back().end < kBridge) {
+    if (!runs.empty() && x - runs.back().end < kLanes) {
       runs.back().end = x + 1;
     } else {
       runs.push_back({x, x + 1});
@@ -41,70 +109,11 @@ std::vector<Run> MaskedRuns(const uint8_t* mask, int width) {
   return runs;
 }
 
-// Sums over the window's row at `dv` for `count` pixels. `center` points to the pixels' inverse
-// depth, `row` to that of the row dv below them. Plain loops: the compiler makes vectors of them.
-__attribute__((target_clones("avx2", "default"))) void AddWindowRow(
-    const float* __restrict center, const float* __restrict row, int count, int radius, float dv,
-    float band, float* __restrict n, float* __restrict u, float* __restrict v, float* __restrict uu,
-    float* __restrict uv, float* __restrict vv, float* __restrict q, float* __restrict uq,
-    float* __restrict vq) {
-  for (int du = -radius; du <= radius; ++du) {
-    const float* __restrict neighbor = row + du;
-    const float fu = static_cast<float>(du);
-    for (int i = 0; i < count; ++i) {
-      const float dq = neighbor[i] - center[i];
-      const float w = std::abs(dq) < band * center[i] ? 1.0f : 0.0f;
-      const float wu = w * fu, wv = w * dv, wq = w * dq;
-      n[i] += w;
-      u[i] += wu;
-      v[i] += wv;
-      uu[i] += wu * fu;
-      uv[i] += wu * dv;
-      vv[i] += wv * dv;
-      q[i] += wq;
-      uq[i] += wq * fu;
-      vq[i] += wq * dv;
-    }
-  }
-}
-
-void ClearMoments(Moments& m, const Run& run) {
-  for (std::vector<float>* a : {&m.n, &m.u, &m.v, &m.uu, &m.uv, &m.vv, &m.q, &m.uq, &m.vq}) {
-    std::fill(a->begin() + run.begin, a->begin() + run.end, 0.0f);
-  }
-}
-
-// Regression of q on (u, v): slopes and the fitted value relative to the middle pixel's.
-struct Slopes {
-  bool ok = false;
-  float du = 0, dv = 0, offset = 0;
-};
-
-Slopes SolveRegression(const Moments& m, int i, int window, double min_support) {
-  const float n = m.n[i];
-  if (n < min_support * window * window) return {};
-  const float mu = m.u[i] / n, mv = m.v[i] / n, mq = m.q[i] / n;
-  const float cuu = m.uu[i] / n - mu * mu, cvv = m.vv[i] / n - mv * mv;
-  const float cuv = m.uv[i] / n - mu * mv;
-  const float cuq = m.uq[i] / n - mu * mq, cvq = m.vq[i] / n - mv * mq;
-  const float det = cuu * cvv - cuv * cuv;
-  // A full window has variance (w^2 - 1) / 12 in each direction; a strip along an edge, that says
-  // nothing about the slope across, has a small part of its determinant.
-  constexpr float kMinSpread = 0.1f;
-  const float full = static_cast<float>(window * window - 1) / 12.0f;
-  if (det < kMinSpread * full * full) return {};
-  Slopes s;
-  s.ok = true;
-  s.du = (cuq * cvv - cvq * cuv) / det;
-  s.dv = (cvq * cuu - cuq * cuv) / det;
-  s.offset = mq - s.du * mu - s.dv * mv;
-  return s;
-}
-
-// Inverse depth with a border of zeros, which are in nobody's band.
+// Inverse depth with a border of zeros, which are in nobody's band; to the right also for the rest
+// of a block.
 Image<float> PaddedInverseDepth(const Image<float>& depth_m, const Image<uint8_t>& mask,
                                 int border) {
-  Image<float> q(depth_m.width() + 2 * border, depth_m.height() + 2 * border);
+  Image<float> q(depth_m.width() + 2 * border + kLanes, depth_m.height() + 2 * border);
   for (int y = 0; y < depth_m.height(); ++y) {
     const float* z = depth_m.row(y);
     const uint8_t* m = mask.row(y);
@@ -114,42 +123,89 @@ Image<float> PaddedInverseDepth(const Image<float>& depth_m, const Image<uint8_t
   return q;
 }
 
+class PlaneFits {
+ public:
+  PlaneFits(const Image<float>& depth_m, const Image<uint8_t>& mask, const PlaneFitOptions& options)
+      : options_(options),
+        radius_(options.window_px / 2),
+        q_(PaddedInverseDepth(depth_m, mask, radius_)),
+        fits_(mask.width(), mask.height()) {
+    for (int y = 0; y < mask.height(); ++y) {
+      for (const Run& run : MaskedRuns(mask.row(y), mask.width())) FitRun(y, run);
+    }
+  }
+
+  // The plane that the pixel takes, moved to the pixel.
+  Fit Choose(int x, int y) const {
+    const Fit& middle = fits_(x, y);
+    Fit best = middle;
+    const float q0 = InverseDepth(x, y);
+    // A pixel whose own window says nothing (a corner) takes any plane that it lies on.
+    float limit = middle.variance < 0
+                      ? std::numeric_limits<float>::max()
+                      : static_cast<float>(options_.side_variance) * middle.variance;
+    for (int dy = -radius_; dy <= radius_; dy += radius_) {
+      for (int dx = -radius_; dx <= radius_; dx += radius_) {
+        if ((dx == 0 && dy == 0) || !fits_.Contains(x + dx, y + dy)) continue;
+        const Fit& side = fits_(x + dx, y + dy);
+        if (side.variance < 0 || side.variance >= limit) continue;
+        const float q =
+            side.q - side.du * static_cast<float>(dx) - side.dv * static_cast<float>(dy);
+        const auto sigmas = static_cast<float>(options_.side_sigmas);
+        if ((q - q0) * (q - q0) > sigmas * sigmas * side.variance) continue;
+        limit = side.variance;
+        best = {q, side.du, side.dv, side.variance};
+      }
+    }
+    return best;
+  }
+
+  float InverseDepth(int x, int y) const { return q_(x + radius_, y + radius_); }
+
+ private:
+  void FitRun(int y, const Run& run) {
+    MomentBlock moments;
+    for (int x = run.begin; x < run.end; x += kLanes) {
+      const float* center = q_.row(y + radius_) + radius_ + x;
+      SumWindow(center, q_.width(), radius_, static_cast<float>(options_.band_m), moments);
+      for (int lane = 0; lane < kLanes && x + lane < run.end; ++lane) {
+        if (!(center[lane] > 0)) continue;
+        fits_(x + lane, y) =
+            SolveRegression(moments, lane, center[lane], options_.window_px, options_.min_support);
+      }
+    }
+  }
+
+  PlaneFitOptions options_;
+  int radius_;
+  Image<float> q_;
+  Image<Fit> fits_;
+};
+
 }  // namespace
 
 void FitPlanes(const CameraIntrinsics& k, const Image<uint8_t>& mask,
                const PlaneFitOptions& options, Image<float>& depth_m,
                std::vector<Eigen::Vector3f>& normals_C) {
-  const int radius = options.window_px / 2;
   const float band = static_cast<float>(options.band_m);
-  const float fx = static_cast<float>(k.fx), fy = static_cast<float>(k.fy);
-  const Image<float> q = PaddedInverseDepth(depth_m, mask, radius);
-  Moments m(depth_m.width());
-  for (int y = 0; y < depth_m.height(); ++y) {
-    const float dv_cy = static_cast<float>(y - k.cy);
-    for (const Run& run : MaskedRuns(mask.row(y), depth_m.width())) {
-      ClearMoments(m, run);
-      const int b = run.begin;
-      const float* center = q.row(y + radius) + radius + b;
-      for (int dv = -radius; dv <= radius; ++dv) {
-        AddWindowRow(center, q.row(y + radius + dv) + radius + b, run.end - b, radius,
-                     static_cast<float>(dv), band, &m.n[b], &m.u[b], &m.v[b], &m.uu[b], &m.uv[b],
-                     &m.vv[b], &m.q[b], &m.uq[b], &m.vq[b]);
-      }
-      for (int x = b; x < run.end; ++x) {
-        const float q0 = center[x - b];
-        if (q0 <= 0) continue;
-        const Slopes s = SolveRegression(m, x, options.window_px, options.min_support);
-        if (!s.ok || std::abs(s.offset) > band * q0) continue;
-        // A plane g . p = 1 has 1/z = g . ray, ray = ((u - cx) / fx, (v - cy) / fy, 1).
-        const float du_cx = static_cast<float>(x - k.cx);
-        const float fitted = q0 + s.offset;
-        const Eigen::Vector3f g(s.du * fx, s.dv * fy, fitted - s.du * du_cx - s.dv * dv_cy);
-        const float ray_norm = Eigen::Vector3f(du_cx / fx, dv_cy / fy, 1.0f).norm();
-        const float g_norm = g.norm();
-        if (fitted < options.min_incidence_cos * g_norm * ray_norm) continue;
-        depth_m(x, y) = 1.0f / fitted;
-        normals_C[static_cast<size_t>(y) * depth_m.width() + x] = -g / g_norm;
-      }
+  const float min_cos = static_cast<float>(options.min_incidence_cos);
+  const PlaneFits fits(depth_m, mask, options);
+  for (int y = 0; y < mask.height(); ++y) {
+    const float ray_y = static_cast<float>((y - k.cy) / k.fy);
+    for (int x = 0; x < mask.width(); ++x) {
+      const float q0 = fits.InverseDepth(x, y);
+      if (!(q0 > 0)) continue;
+      const Fit fit = fits.Choose(x, y);
+      if (fit.variance < 0 || std::abs(fit.q - q0) > band * q0) continue;
+      // A plane g . p = 1 has 1/z = g . ray, ray = ((u - cx) / fx, (v - cy) / fy, 1).
+      const float ray_x = static_cast<float>((x - k.cx) / k.fx);
+      const float gx = fit.du * static_cast<float>(k.fx), gy = fit.dv * static_cast<float>(k.fy);
+      const Eigen::Vector3f g(gx, gy, fit.q - gx * ray_x - gy * ray_y);
+      const float g_norm = g.norm();
+      const float ray_norm = std::sqrt(ray_x * ray_x + ray_y * ray_y + 1);
+      if (fit.q < min_cos * g_norm * ray_norm) continue;
+      depth_m(x, y) = 1.0f / fit.q;
+      normals_C[static_cast<size_t>(y) * mask.width() + x] = -g / g_norm;
     }
   }
 }

@@ -3,8 +3,10 @@
 // Normals and smoothed depth by a plane fit around each pixel.
 //
 // In a pinhole image the inverse depth of a plane is linear in the pixel, so the fit is a linear
-// regression of 1/z on (u, v) and is exact for planes at any slant. Only neighbours in a band of
-// depth around the pixel take part, so that a fit does not reach across a step.
+// regression of 1/z on (u, v) and is exact for planes at any slant. Two things keep edges sharp:
+// only neighbours in a band of depth around the pixel take part, and where a window beside the
+// pixel fits much better than the one around it, which lies across a crease, the pixel takes that
+// one's plane (the idea of Kuwahara et al. 1976).
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -16,9 +18,14 @@
 namespace pickbed {
 
 struct PlaneFitOptions {
-  int window_px = 7;               // odd, 3..15
-  double band_m = 0.012;           // at 1 m, scaled by z
-  double min_support = 0.3;        // share of the window that must take part
+  int window_px = 7;         // odd, 3..15
+  double band_m = 0.010;     // at 1 m, scaled by z
+  double min_support = 0.3;  // share of the window that must take part
+  // A window beside the pixel must have less than this share of the residual variance of the one
+  // around it; near 1 noise chooses, 0 never leaves the middle.
+  double side_variance = 0.5;
+  // ... and its plane must pass the pixel within so many of its own standard deviations.
+  double side_sigmas = 3;
   double min_incidence_cos = 0.1;  // a normal more oblique to the ray than this is not believed
 };
 

@@ -44,7 +44,7 @@ TEST_F(BracketIcp, RecoversFiveDegreesAndThreeMillimetres) {
     const PoseGap gap = GapBetween(report.X_CO, truth_);
     EXPECT_LT(gap.angle_deg, 0.7) << i;
     EXPECT_LT(gap.shift_m, 0.0006) << i;
-    EXPECT_GT(report.overlap, 0.75) << i;
+    EXPECT_GT(report.overlap, 0.6) << i;
     EXPECT_LT(report.residual_m, 0.0004) << i;
   }
 }
