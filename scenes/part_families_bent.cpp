@@ -66,13 +66,13 @@ std::vector<ConvexPiece> ElbowPieces(const ElbowSize& s) {
   constexpr int kBendPieces = 3, kCorners = 10;
   const double step = M_PI / 2 / kBendPieces;
   for (int i = 0; i < kBendPieces; ++i) {
-    ConvexPiece piece;
+    Loop points;
     for (double at : {i + 0.0, i + 0.5, i + 1.0}) {
       const Loop ring = Circle(BalancedRadius(s.radius, kCorners), kCorners);
       const Loop moved = Moved(ring, BendStation(s, at * step));
-      piece.vertices_O.insert(piece.vertices_O.end(), moved.begin(), moved.end());
+      points.insert(points.end(), moved.begin(), moved.end());
     }
-    pieces.push_back(piece);
+    pieces.push_back(HullPiece(points));
   }
   return pieces;
 }
@@ -100,7 +100,7 @@ MadePart MakeElbow() {
 namespace {
 
 struct MugSize {
-  double radius = 36, inner_radius = 32, height = 90, floor = 5;
+  double radius = 34, inner_radius = 30, height = 90, floor = 5;
   double handle_reach = 26, handle_radius = 5.3;
   double handle_low = 20, handle_high = 68;  // z of the handle's feet
   double foot_half_height = 5.4;
@@ -188,17 +188,20 @@ std::vector<ConvexPiece> MugPieces(const MugSize& s, const std::vector<Loop>& ha
                                                 .sectors = 14,
                                                 .outer_segments = 4});
   pieces.push_back(DiscPiece(s.inner_radius, s.inner_radius, 0, s.floor, 16));
-  constexpr int kCorners = 10, kStepsAPiece = 2;  // 3 rings of 10 corners, or 2 and a foot
+  // The feet change from square to round within one step; further on a piece spans two.
+  constexpr int kCorners = 10;
   const Loop circle = Circle(BalancedRadius(s.handle_radius, kCorners), kCorners);
-  for (int first = 0; first < kHandleSteps; first += kStepsAPiece) {
-    ConvexPiece piece;
-    for (int step = first; step <= first + kStepsAPiece; ++step) {
+  for (int first = 0; first < kHandleSteps;) {
+    const int last = first == 0 ? 1 : std::min(first + 2, kHandleSteps);
+    Loop points;
+    for (int step = first; step <= last; ++step) {
       const bool foot = step == 0 || step == kHandleSteps;
       const double angle = M_PI * (static_cast<double>(step) / kHandleSteps - 0.5);
       const Loop ring = foot ? handle[step] : Moved(circle, HandleStation(s, angle));
-      piece.vertices_O.insert(piece.vertices_O.end(), ring.begin(), ring.end());
+      points.insert(points.end(), ring.begin(), ring.end());
     }
-    pieces.push_back(piece);
+    pieces.push_back(HullPiece(points));
+    first = last;
   }
   return pieces;
 }

@@ -92,6 +92,7 @@ namespace {
 struct TeeSize {
   double run_radius = 14, run_bore = 10, half_length = 40;
   double branch_radius = 12, branch_bore = 8, branch_top = 36;  // height above the run's axis
+  double saddle_half_rad = M_PI / 3;  // pieces of the run within this of the branch are cut by it
 };
 
 // The wall of a tube along x with a port where a tube along +z of `port_radius` meets it.
@@ -160,8 +161,12 @@ Loop AddPortedTube(const PortedTube& tube, ShellBuilder& shell) {
   return top;
 }
 
-// The branch's wall: sectors about z that stand on the run's bore.
+// The branch's wall: sectors about z that stand on the run's bore. Their straight feet would cut
+// into the bore, so they stop short of it by half of that. Lower down the run's own pieces pass.
 std::vector<ConvexPiece> BranchPieces(const TeeSize& s, int sectors) {
+  constexpr double kShort = 0.5;  // mm
+  const double foot = s.run_bore + kShort;
+  const double lowest = s.run_bore * std::cos(s.saddle_half_rad);
   const double step = 2 * M_PI / sectors;
   std::vector<ConvexPiece> pieces = RingPieces({.inner_radius = s.branch_bore,
                                                 .outer_radius = s.branch_radius,
@@ -172,7 +177,7 @@ std::vector<ConvexPiece> BranchPieces(const TeeSize& s, int sectors) {
   for (ConvexPiece& piece : pieces) {
     for (Vector3d& p : piece.vertices_O) {
       if (p.z() > 0) continue;
-      p.z() = std::sqrt(std::max(0.0, s.run_bore * s.run_bore - p.y() * p.y()));
+      p.z() = std::max(lowest, std::sqrt(std::max(0.0, foot * foot - p.y() * p.y())));
     }
   }
   return pieces;
@@ -180,14 +185,14 @@ std::vector<ConvexPiece> BranchPieces(const TeeSize& s, int sectors) {
 
 // The run's wall under the branch, on one side of it, about z = the run's axis: sectors that reach
 // to the middle of the branch's wall.
-std::vector<ConvexPiece> SaddlePieces(const TeeSize& s, double half_rad, double side) {
+std::vector<ConvexPiece> SaddlePieces(const TeeSize& s, double side) {
   std::vector<ConvexPiece> pieces = RingPieces({.inner_radius = s.run_bore,
                                                 .outer_radius = s.run_radius,
                                                 .z0 = 0,
                                                 .z1 = s.half_length,
                                                 .sectors = 3,
-                                                .begin_rad = -half_rad,
-                                                .sweep_rad = 2 * half_rad});
+                                                .begin_rad = -s.saddle_half_rad,
+                                                .sweep_rad = 2 * s.saddle_half_rad});
   const double reach = 0.5 * (s.branch_radius + s.branch_bore);
   for (ConvexPiece& piece : pieces) {
     for (Vector3d& p : piece.vertices_O) {
@@ -217,15 +222,14 @@ MadePart MakePipeTee() {
   }
 
   // Sectors away from the branch run through, those under it stop at its bore on both sides.
-  const double cut_rad = M_PI / 3;
   std::vector<ConvexPiece> pieces = RingPieces({.inner_radius = s.run_bore,
                                                 .outer_radius = s.run_radius,
                                                 .z0 = -s.half_length,
                                                 .z1 = s.half_length,
                                                 .sectors = 6,
-                                                .begin_rad = cut_rad,
-                                                .sweep_rad = 2 * (M_PI - cut_rad)});
-  for (double side : {-1.0, 1.0}) AppendPieces(SaddlePieces(s, cut_rad, side), pieces);
+                                                .begin_rad = s.saddle_half_rad,
+                                                .sweep_rad = 2 * (M_PI - s.saddle_half_rad)});
+  for (double side : {-1.0, 1.0}) AppendPieces(SaddlePieces(s, side), pieces);
   MovePieces(along_x, pieces);
   AppendPieces(BranchPieces(s, 8), pieces);
   return FinishPart(shell.Build(kCrease_deg), pieces, {CyclicZ(2), {}}, {1400, 0.5, {196, 92, 60}});

@@ -1,5 +1,6 @@
 #include "scenes/part_shapes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -54,6 +55,33 @@ ConvexPiece BoxPiece(const Vector3d& min, const Vector3d& max) {
   const Outline base = {
       {min.x(), min.y()}, {max.x(), min.y()}, {max.x(), max.y()}, {min.x(), max.y()}};
   return PrismPiece(base, min.z(), max.z());
+}
+
+ConvexPiece HullPiece(const Loop& points) {
+  constexpr double kFlat = 1e-6, kSliver = 1e-4;  // mm, mm2
+  const size_t n = points.size();
+  std::vector<bool> corner(n, false);
+  // A triple spans a face when no point lies on both sides of it. Pieces have few points.
+  for (size_t a = 0; a < n; ++a) {
+    for (size_t b = a + 1; b < n; ++b) {
+      for (size_t c = b + 1; c < n; ++c) {
+        const Vector3d normal = (points[b] - points[a]).cross(points[c] - points[a]);
+        if (normal.norm() < kSliver) continue;
+        double low = 0, high = 0;
+        for (const Vector3d& p : points) {
+          const double height = normal.dot(p - points[a]) / normal.norm();
+          low = std::min(low, height);
+          high = std::max(high, height);
+        }
+        if (low > -kFlat || high < kFlat) corner[a] = corner[b] = corner[c] = true;
+      }
+    }
+  }
+  ConvexPiece piece;
+  for (size_t i = 0; i < n; ++i) {
+    if (corner[i]) piece.vertices_O.push_back(points[i]);
+  }
+  return piece;
 }
 
 ConvexPiece PrismPiece(const Outline& convex, double z0, double z1) {

@@ -64,6 +64,8 @@ class ShellBuilder {
 // Convex pieces, in millimetres.
 ConvexPiece BoxPiece(const Eigen::Vector3d& min, const Eigen::Vector3d& max);
 ConvexPiece PrismPiece(const Outline& convex, double z0, double z1);
+// Those of `points` that are corners of their convex hull.
+ConvexPiece HullPiece(const Loop& points);
 // Hull of two loops, e.g. a frustum.
 ConvexPiece LoftPiece(const Loop& lower, const Loop& upper);
 // Radius of the corners of a regular polygon whose corners stand as far outside of a circle as its

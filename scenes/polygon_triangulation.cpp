@@ -32,6 +32,50 @@ Ring Wound(int first, const Outline& outline, bool counter_clockwise) {
   return ring;
 }
 
+bool SegmentsCross(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
+  return Turn(a, b, c) * Turn(a, b, d) < 0 && Turn(c, d, a) * Turn(c, d, b) < 0;
+}
+
+bool RingsCross(const Ring& first, const Ring& second, const Outline& points) {
+  for (size_t i = 0; i < first.size(); ++i) {
+    const Vector2d& a = points[first[i]];
+    const Vector2d& b = points[first[(i + 1) % first.size()]];
+    for (size_t k = 0; k < second.size(); ++k) {
+      const Vector2d& c = points[second[k]];
+      if (SegmentsCross(a, b, c, points[second[(k + 1) % second.size()]])) return true;
+    }
+  }
+  return false;
+}
+
+// By the parity of crossings of a ray along +x.
+bool Holds(const Ring& ring, const Vector2d& p, const Outline& points) {
+  bool inside = false;
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const Vector2d& a = points[ring[i]];
+    const Vector2d& b = points[ring[(i + 1) % ring.size()]];
+    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+    const double x = a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+    if (x > p.x()) inside = !inside;
+  }
+  return inside;
+}
+
+void RequireSimple(const Ring& outer, const std::vector<Ring>& holes, const Outline& points) {
+  std::vector<Ring> rings = holes;
+  rings.push_back(outer);
+  for (size_t i = 0; i < rings.size(); ++i) {
+    for (size_t k = i; k < rings.size(); ++k) {
+      if (RingsCross(rings[i], rings[k], points)) throw std::logic_error("polygon: outlines cross");
+    }
+  }
+  for (const Ring& hole : holes) {
+    if (!Holds(outer, points[hole[0]], points)) {
+      throw std::logic_error("polygon: a hole lies outside of its outline");
+    }
+  }
+}
+
 bool BridgeIsFree(const Vector2d& a, const Vector2d& b, const std::vector<Ring>& rings,
                   const Outline& points) {
   for (const Ring& ring : rings) {
@@ -62,7 +106,7 @@ Ring Bridged(const Ring& ring, const Ring& hole, const std::vector<Ring>& obstac
       }
     }
   }
-  if (!std::isfinite(best)) throw std::logic_error("polygon: a hole lies outside its outline");
+  if (!std::isfinite(best)) throw std::logic_error("polygon: a hole cannot be reached");
   Ring out(ring.begin(), ring.begin() + best_ring + 1);
   for (size_t k = 0; k <= hole.size(); ++k) out.push_back(hole[(best_hole + k) % hole.size()]);
   out.insert(out.end(), ring.begin() + best_ring, ring.end());
@@ -107,7 +151,7 @@ std::vector<Vector3i> ClipEars(Ring ring, const Outline& points) {
         ear = i;
       }
     }
-    if (best < 0) throw std::logic_error("polygon: an outline crosses itself");
+    if (best < 0) throw std::logic_error("polygon: no ear left to clip");
     triangles.emplace_back(ring[(ear + n - 1) % n], ring[ear], ring[(ear + 1) % n]);
     ring.erase(ring.begin() + ear);
   }
@@ -173,6 +217,7 @@ std::vector<Vector3i> TriangulatePolygon(const Outline& outer, const std::vector
     hole_rings.push_back(Wound(static_cast<int>(points.size()), hole, false));
     points.insert(points.end(), hole.begin(), hole.end());
   }
+  RequireSimple(ring, hole_rings, points);
   for (size_t h = 0; h < hole_rings.size(); ++h) {
     std::vector<Ring> obstacles(hole_rings.begin() + h, hole_rings.end());
     obstacles.push_back(ring);
