@@ -12,7 +12,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kCrease_deg = 35;  // between the facets of a circle and the edges of a prism
-constexpr double kDegree = M_PI / 180;
 
 // A pipe that comes along +x, turns up about the point (0, 0, bend_radius) and leaves along +z.
 struct ElbowSize {
