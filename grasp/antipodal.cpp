@@ -99,20 +99,22 @@ struct Judge {
   }
 
   // The candidate at this pose, its origin moved to the middle of the contact; quality 0 if none.
-  GraspCandidate Evaluate(Pose X_OG) const {
+  // `turned` are the surface's points in the axes of G.
+  GraspCandidate Evaluate(Pose X_OG, const PointColumns& turned) const {
     GraspCandidate candidate;
     const HandSpec& hand = gripper.hand;
-    PointColumns points_G = PointsInHand(surface.points_O, X_OG);
-    PadContact contact = ClosePads(surface, points_G, X_OG.linear(), hand, options.touch_band_m);
-    if (!contact.touches || !contact.shared() || contact.max_angle_rad > cone_rad) return candidate;
-    const Vector3d shift(0.5 * (contact.low_x_m + contact.high_x_m), contact.shared_center().x(),
-                         0);
-    X_OG.translate(shift);
-    points_G.rowwise() -= shift.transpose().cast<float>().array();
-    contact = ClosePads(surface, points_G, X_OG.linear(), hand, options.touch_band_m);
-    if (!contact.touches || !contact.shared() || contact.max_angle_rad > cone_rad) return candidate;
+    const auto close = [&] { return ClosePads(surface, turned, X_OG, hand, options.touch_band_m); };
+    const auto good = [&](const PadContact& contact) {
+      return contact.touches && contact.shared() && contact.max_angle_rad <= cone_rad;
+    };
+    PadContact contact = close();
+    if (!good(contact)) return candidate;
+    X_OG.translate(
+        Vector3d(0.5 * (contact.low_x_m + contact.high_x_m), contact.shared_center().x(), 0));
+    contact = close();
+    if (!good(contact)) return candidate;
     const auto opening = MechanismOf(gripper).approach_opening_m(gripper, contact.width_m());
-    if (!opening || !HandClearsPart(points_G, hand, *opening, options.own_margin_m)) {
+    if (!opening || !HandClearsPart(turned, X_OG, hand, *opening, options.own_margin_m)) {
       return candidate;
     }
     candidate.X_OG = X_OG;
@@ -214,8 +216,10 @@ std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const Grip
     const double first_turn = rng.Uniform(0, 2 * std::numbers::pi);
     for (int k = 0; k < options.approaches; ++k) {
       const double turn = first_turn + 2 * std::numbers::pi * k / options.approaches;
+      const PointColumns turned = Turned(surface.points_O, GraspFrame(pair, turn, 0).linear());
       for (const double tips_beyond : options.tips_beyond_m) {
-        const GraspCandidate candidate = judge.Evaluate(GraspFrame(pair, turn, tips_beyond));
+        const GraspCandidate candidate =
+            judge.Evaluate(GraspFrame(pair, turn, tips_beyond), turned);
         if (candidate.quality > 0) all.push_back(candidate);
       }
     }

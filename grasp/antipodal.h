@@ -19,9 +19,9 @@
 namespace pickbed {
 
 struct AntipodalOptions {
-  int candidates = 400;         // wanted
+  int candidates = 2000;        // wanted
   int max_samples = 20000;      // surface points tried at most
-  int max_pairs = 400;          // antipodal pairs that are looked at
+  int max_pairs = 1000;         // antipodal pairs that are looked at
   int approaches = 12;          // around the closing axis
   double cone_share = 0.8;      // of the friction cone's half angle that is used
   double straight_share = 0.5;  // of the rays go along the normal, the others fill the cone

@@ -49,53 +49,55 @@ SurfacePoints SpreadPoints(const TriangleMesh& mesh, double spacing_m, int min_c
   return surface;
 }
 
-PointColumns PointsInHand(const PointColumns& points_O, const Pose& X_OG) {
-  const Eigen::Matrix3f R = X_OG.linear().cast<float>();
-  const Eigen::Vector3f t_G = (X_OG.linear().transpose() * X_OG.translation()).cast<float>();
-  PointColumns points_G(points_O.rows(), 3);
+PointColumns Turned(const PointColumns& points_O, const Eigen::Matrix3d& R_OG) {
+  const Eigen::Matrix3f R = R_OG.cast<float>();
+  PointColumns turned(points_O.rows(), 3);
   for (int axis = 0; axis < 3; ++axis) {
-    points_G.col(axis) = points_O.col(0) * R(0, axis) + points_O.col(1) * R(1, axis) +
-                         points_O.col(2) * R(2, axis) - t_G[axis];
+    turned.col(axis) =
+        points_O.col(0) * R(0, axis) + points_O.col(1) * R(1, axis) + points_O.col(2) * R(2, axis);
   }
-  return points_G;
+  return turned;
 }
 
-PadContact ClosePads(const SurfacePoints& surface, const PointColumns& points_G,
-                     const Eigen::Matrix3d& R_OG, const HandSpec& hand, double band_m) {
+PadContact ClosePads(const SurfacePoints& surface, const PointColumns& turned, const Pose& X_OG,
+                     const HandSpec& hand, double band_m) {
+  const Eigen::Matrix3d R_GO = X_OG.linear().transpose();
+  const Eigen::Vector3f origin = (R_GO * X_OG.translation()).cast<float>();
   const float half_width = 0.5 * hand.finger_size_m.y();
-  const float length = hand.finger_size_m.z();
+  const float low_z = origin.z() - hand.finger_size_m.z();
   const float half_stroke = 0.5 * hand.stroke_m;
   PadContact contact;
-  float low_x = half_stroke, high_x = -half_stroke;
-  std::vector<int> inside(points_G.rows());
+  std::vector<int> inside(turned.rows());
   int count = 0;
-  for (int i = 0; i < points_G.rows(); ++i) {
+  for (int i = 0; i < turned.rows(); ++i) {
     inside[count] = i;
-    count += (std::abs(points_G(i, 1)) <= half_width) & (points_G(i, 2) <= 0) &
-             (points_G(i, 2) >= -length) & (std::abs(points_G(i, 0)) <= half_stroke);
+    count += (std::abs(turned(i, 1) - origin.y()) <= half_width) & (turned(i, 2) <= origin.z()) &
+             (turned(i, 2) >= low_z) & (std::abs(turned(i, 0) - origin.x()) <= half_stroke);
   }
+  float low_x = origin.x() + half_stroke, high_x = origin.x() - half_stroke;
   for (int k = 0; k < count; ++k) {
-    low_x = std::min(low_x, points_G(inside[k], 0));
-    high_x = std::max(high_x, points_G(inside[k], 0));
+    low_x = std::min(low_x, turned(inside[k], 0));
+    high_x = std::max(high_x, turned(inside[k], 0));
   }
 
   Patch low, high;
   const float band = band_m;
   for (int k = 0; k < count; ++k) {
     const int i = inside[k];
-    const bool near_low = points_G(i, 0) < low_x + band;
-    const bool near_high = points_G(i, 0) > high_x - band;
+    const bool near_low = turned(i, 0) < low_x + band;
+    const bool near_high = turned(i, 0) > high_x - band;
     if (!near_low && !near_high) continue;
-    const Eigen::Vector3d p = points_G.row(i).matrix().transpose().cast<double>();
+    const Eigen::Vector3f p_G = turned.row(i).matrix().transpose() - origin;
+    const Eigen::Vector3d p = p_G.cast<double>();
     const Eigen::Vector3d normal =
-        R_OG.transpose() * surface.normals_O.row(i).matrix().transpose().cast<double>();
+        R_GO * surface.normals_O.row(i).matrix().transpose().cast<double>();
     if (near_low && normal.x() < -kFacingCosine) low.Add(p, normal);
     if (near_high && normal.x() > kFacingCosine) high.Add(p, normal);
   }
   if (low.count == 0 || high.count == 0) return contact;
   contact.touches = true;
-  contact.low_x_m = low_x;
-  contact.high_x_m = high_x;
+  contact.low_x_m = low_x - origin.x();
+  contact.high_x_m = high_x - origin.x();
   contact.area_m2 = std::min(low.count, high.count) * surface.area_m2;
   contact.max_angle_rad =
       std::max(low.AngleTo(-Eigen::Vector3d::UnitX()), high.AngleTo(Eigen::Vector3d::UnitX()));
@@ -104,18 +106,19 @@ PadContact ClosePads(const SurfacePoints& surface, const PointColumns& points_G,
   return contact;
 }
 
-bool HandClearsPart(const PointColumns& points_G, const HandSpec& hand, double opening_m,
-                    double margin_m) {
-  const float* x = points_G.col(0).data();
-  const float* y = points_G.col(1).data();
-  const float* z = points_G.col(2).data();
+bool HandClearsPart(const PointColumns& turned, const Pose& X_OG, const HandSpec& hand,
+                    double opening_m, double margin_m) {
+  const Eigen::Vector3d origin = X_OG.linear().transpose() * X_OG.translation();
+  const float* x = turned.col(0).data();
+  const float* y = turned.col(1).data();
+  const float* z = turned.col(2).data();
   for (const AxisAlignedBox& box : HandBoxes(hand, opening_m)) {
-    const Eigen::Vector3f center = box.center.cast<float>();
+    const Eigen::Vector3f center = (origin + box.center).cast<float>();
     const Eigen::Vector3f reach = (box.half_size.array() + margin_m).cast<float>();
     const float front_z = center.z() + reach.z();
     // Counted, not left early: without branches the compiler tests four points at once.
     int met = 0;
-    for (int i = 0; i < points_G.rows(); ++i) {
+    for (int i = 0; i < turned.rows(); ++i) {
       met += (z[i] < front_z) & (std::abs(x[i] - center.x()) < reach.x()) &
              (std::abs(y[i] - center.y()) < reach.y());
     }

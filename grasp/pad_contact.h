@@ -25,8 +25,8 @@ struct SurfacePoints {
 SurfacePoints SpreadPoints(const TriangleMesh& mesh, double spacing_m, int min_count, int max_count,
                            Rng& rng);
 
-// The same points seen from the hand.
-PointColumns PointsInHand(const PointColumns& points_O, const Pose& X_OG);
+// The points in the axes of G, origin still that of O: shared by all hands of one orientation.
+PointColumns Turned(const PointColumns& points_O, const Eigen::Matrix3d& R_OG);
 
 struct PadContact {
   bool touches = false;      // both pads meet surface that faces them
@@ -43,14 +43,14 @@ struct PadContact {
   Eigen::Vector2d shared_center() const { return 0.5 * (shared_min + shared_max); }
 };
 
-// Closes the pads of `hand` on the part; `points_G` are its surface points in the hand, R_OG turns
-// their normals. Surface within `band_m` of the first touch counts as contact.
-PadContact ClosePads(const SurfacePoints& surface, const PointColumns& points_G,
-                     const Eigen::Matrix3d& R_OG, const HandSpec& hand, double band_m);
+// Closes the pads of `hand` at X_OG on the part; `turned` are its points turned by R_OG. Surface
+// within `band_m` of the first touch counts as contact. Places are in G.
+PadContact ClosePads(const SurfacePoints& surface, const PointColumns& turned, const Pose& X_OG,
+                     const HandSpec& hand, double band_m);
 
 // True when no point is within `margin_m` of the hand's boxes, or of where they pass on the
 // straight approach along z of G.
-bool HandClearsPart(const PointColumns& points_G, const HandSpec& hand, double opening_m,
-                    double margin_m);
+bool HandClearsPart(const PointColumns& turned, const Pose& X_OG, const HandSpec& hand,
+                    double opening_m, double margin_m);
 
 }  // namespace pickbed

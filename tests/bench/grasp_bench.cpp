@@ -1,0 +1,82 @@
+// Candidates of a part, a plan over a bin of believed poses, and one executed grasp.
+
+#include <benchmark/benchmark.h>
+
+#include "grasp/execute.h"
+#include "grasp/plan.h"
+#include "scenes/object_catalog.h"
+#include "sim/convex_pieces.h"
+#include "sim/drop.h"
+
+namespace pickbed {
+namespace {
+
+// A settled bin of brackets with everything that a pick needs; the cloud is what its parts show to
+// the sky, one point a 2 mm column.
+struct GraspBench {
+  ObjectSet objects;
+  GripperSpec gripper = LoadGripper("jaw_8cm");
+  std::vector<std::vector<GraspCandidate>> candidates;
+  Scene scene;
+  std::vector<BelievedPose> poses;
+  std::vector<Eigen::Vector3d> cloud_W;
+
+  GraspBench(int parts, int candidates_each) {
+    objects = WithConvexPieces({ObjectCatalog({AssetsDir() / "objects"}).Load("bracket")});
+    Rng rng(1);
+    AntipodalOptions options;
+    options.candidates = candidates_each;
+    candidates.push_back(AntipodalGrasps(*objects[0], gripper, rng, options));
+    scene = DropParts(Bin{}, objects, {parts}, rng).scene;
+    const SurfaceSamples samples = SampleSurface(objects[0]->mesh_O, 5000, rng);
+    for (const PosedObject& part : scene.objects) {
+      poses.push_back({part.object, part.X_WO, 1});
+      for (size_t i = 0; i < samples.points.size(); ++i) {
+        const Eigen::Vector3d normal_W = part.X_WO.linear() * samples.normals[i];
+        if (normal_W.z() > 0) cloud_W.push_back(part.X_WO * samples.points[i]);
+      }
+    }
+  }
+
+  PlanResult Plan() const {
+    return PlanGrasps({scene.bin, poses, candidates, cloud_W, objects, gripper});
+  }
+};
+
+void PlanBin(benchmark::State& state) {
+  const GraspBench bench(20, 200);
+  for (auto _ : state) benchmark::DoNotOptimize(bench.Plan());
+  state.SetItemsProcessed(state.iterations() * bench.poses.size() * bench.candidates[0].size());
+}
+BENCHMARK(PlanBin)->Name("grasp/plan/20x200")->Unit(benchmark::kMillisecond);
+
+void Execute(benchmark::State& state) {
+  const GraspBench bench(20, 2000);
+  const PlanResult plan = bench.Plan();
+  if (plan.grasps.empty()) {
+    state.SkipWithError("no grasp in the bin");
+    return;
+  }
+  const Grasp& grasp = plan.grasps.front();
+  const int target = bench.scene.objects[grasp.hypothesis].instance;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        ExecuteGrasp(bench.scene, bench.objects, grasp, bench.gripper, target));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(Execute)->Name("grasp/execute/20parts")->Unit(benchmark::kMillisecond);
+
+void Antipodal(benchmark::State& state) {
+  const auto bracket = ObjectCatalog({AssetsDir() / "objects"}).Load("bracket");
+  const GripperSpec gripper = LoadGripper("jaw_8cm");
+  for (auto _ : state) {
+    Rng rng(1);
+    benchmark::DoNotOptimize(AntipodalGrasps(*bracket, gripper, rng));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(Antipodal)->Name("grasp/antipodal/bracket")->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace pickbed
