@@ -107,7 +107,7 @@ int ListCommand(int argc, char** argv) {
   std::string catalog = "objects";
   std::vector<std::string> names;
   for (const Topic& topic : kTopics) names.push_back(topic.name);
-  app.add_option("TOPIC,topic", wanted, "one of them; without it all but settings");
+  app.add_option("TOPIC", wanted, "one of them; without it all but settings");
   app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
   app.footer(fmt::format("Topics: {}\nExample: pickbed list grippers", fmt::join(names, ", ")));
   if (!ParseArguments(app, argc, argv)) return 0;

@@ -41,7 +41,7 @@ bool ParseArguments(CLI::App& app, int argc, char** argv) {
 }
 
 void AddScenarioArguments(CLI::App& app, ScenarioArguments& arguments, bool required) {
-  auto* scenario = app.add_option(required ? "SCENARIO,scenario" : "--scenario", arguments.scenario,
+  auto* scenario = app.add_option(required ? "SCENARIO" : "--scenario", arguments.scenario,
                                   "scenario file, or the name of a preset (pickbed list presets)");
   if (required) scenario->required();
   app.add_option("--set", arguments.settings,
