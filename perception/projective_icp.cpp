@@ -12,10 +12,7 @@ namespace pickbed {
 namespace {
 
 constexpr int kMaxPoints = 512;
-constexpr int kMinPartners = 6;  // as many as unknowns
-
-using Matrix6f = Eigen::Matrix<float, 6, 6>;
-using Vector6f = Eigen::Matrix<float, 6, 1>;
+constexpr int kMinPairs = 6;  // as many as unknowns
 
 // The visible points that take part, about the part's centre.
 struct Subset {
@@ -39,12 +36,25 @@ struct CenteredPose {
   Eigen::Vector3d center_C;
 };
 
-// Normal equations of sum (n . (q - p))^2 over the paired points.
+using Matrix6f = Eigen::Matrix<float, 6, 6>;
+using Vector6f = Eigen::Matrix<float, 6, 1>;
+using Vector8f = Eigen::Matrix<float, 8, 1>;
+
+// Normal equations of sum (n . (q - p))^2 over the pairs: the moments of rows (J, residual), in
+// columns of eight for the sake of vector instructions.
 struct Equations {
-  Matrix6f hessian = Matrix6f::Zero();
-  Vector6f gradient = Vector6f::Zero();
-  int partners = 0;
-  float sum_squared_m2 = 0;
+  Eigen::Matrix<float, 8, 7> moments = Eigen::Matrix<float, 8, 7>::Zero();
+  int pairs = 0;
+
+  void Add(const Eigen::Vector3f& turn, const Eigen::Vector3f& normal, float residual) {
+    Vector8f row;
+    row << turn, normal, residual, 0;
+    for (int i = 0; i < 7; ++i) moments.col(i) += row[i] * row;
+    ++pairs;
+  }
+  Matrix6f hessian() const { return moments.topLeftCorner<6, 6>(); }
+  Vector6f gradient() const { return moments.col(6).head<6>(); }
+  float sum_squared_m2() const { return moments(6, 6); }
 };
 
 class Problem {
@@ -58,35 +68,38 @@ class Problem {
   Equations Linearize(const Subset& subset, const CenteredPose& pose, double gate_m) const {
     const Eigen::Matrix3f R = pose.R_CO.cast<float>();
     const Eigen::Vector3f center = pose.center_C.cast<float>();
+    const std::array<int, 5> offsets = Offsets(gate_m, pose.center_C.z());
+    const auto pixels = static_cast<int>(cloud_.normals_C.size());
     const float gate2 = static_cast<float>(gate_m * gate_m);
-    Equations e;
+    Equations equations;
     for (int i = 0; i < subset.count; ++i) {
       const Eigen::Vector3f arm = R * subset.points[i];
+      const Eigen::Vector3f model_normal = R * subset.normals[i];
       const Eigen::Vector3f p = arm + center;
-      const int pixel = project_(p);
-      if (pixel < 0) continue;
-      const Eigen::Vector3f& n = cloud_.normals_C[pixel];
-      if (!(n.dot(R * subset.normals[i]) > min_normal_cos_)) continue;  // also where n is zero
-      const Eigen::Vector3f d = cloud_.points_C[pixel] - p;
-      if (d.squaredNorm() > gate2) continue;
-      const float residual = n.dot(d);
-      Vector6f J;
-      J << arm.cross(n) / radius_m_, n;
-      e.hessian.selfadjointView<Eigen::Lower>().rankUpdate(J);
-      e.gradient += J * residual;
-      e.sum_squared_m2 += residual * residual;
-      ++e.partners;
+      const int middle = project_(p);
+      if (middle < 0) continue;
+      for (const int offset : offsets) {
+        const int pixel = middle + offset;
+        if (pixel < 0 || pixel >= pixels) continue;
+        const Eigen::Vector3f& n = cloud_.normals_C[pixel];
+        if (!(n.dot(model_normal) > min_normal_cos_)) continue;  // also where n is zero
+        const Eigen::Vector3f d = cloud_.points_C[pixel] - p;
+        if (d.squaredNorm() > gate2) continue;
+        equations.Add(arm.cross(n) / radius_m_, n, n.dot(d));
+        break;
+      }
     }
-    return e;
+    return equations;
   }
 
-  // One damped Gauss-Newton step. False: too few partners, or a step beyond the gate, after which
+  // One damped Gauss-Newton step. False: too few pairs, or a step beyond the gate, after which
   // the pairs mean nothing.
   bool Step(const Subset& subset, double gate_m, double damping, CenteredPose& pose) const {
-    Equations e = Linearize(subset, pose, gate_m);
-    if (e.partners < kMinPartners) return false;
-    e.hessian.diagonal().array() += static_cast<float>(damping) * e.hessian.trace() / 6;
-    const Vector6f x = e.hessian.selfadjointView<Eigen::Lower>().ldlt().solve(e.gradient);
+    const Equations equations = Linearize(subset, pose, gate_m);
+    if (equations.pairs < kMinPairs) return false;
+    Matrix6f hessian = equations.hessian();
+    hessian.diagonal().array() += static_cast<float>(damping) * hessian.trace() / 6;
+    const Vector6f x = hessian.ldlt().solve(equations.gradient());
     const Eigen::Vector3d turn = x.head<3>().cast<double>() / radius_m_;
     const Eigen::Vector3d move = x.tail<3>().cast<double>();
     if (!(move.norm() + turn.norm() * radius_m_ < 2 * gate_m)) return false;
@@ -97,6 +110,15 @@ class Problem {
   }
 
  private:
+  // The pixel itself and, where that is no partner, those half a gate beside it. (At the image's
+  // border some of them are in the next row; the gate sees to that.)
+  std::array<int, 5> Offsets(double gate_m, double z_m) const {
+    const CameraIntrinsics& k = cloud_.intrinsics;
+    const double reach_px = 0.5 * gate_m * k.fx / z_m;
+    const int reach = std::clamp(static_cast<int>(reach_px), 1, k.width);
+    return {0, -reach, reach, -reach * k.width, reach * k.width};
+  }
+
   const OrganizedCloud& cloud_;
   Projector project_;
   float radius_m_;
@@ -137,9 +159,9 @@ IcpReport ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, c
   const Equations end = problem.Linearize(subset, pose, options.gate_end_m);
   IcpReport report;
   report.X_CO = ToPose(pose, model);
-  if (subset.count > 0) report.overlap = static_cast<double>(end.partners) / subset.count;
-  if (end.partners > 0) report.residual_m = std::sqrt(end.sum_squared_m2 / end.partners);
-  if (end.partners >= kMinPartners) report.conditioning = Conditioning(end.hessian);
+  if (subset.count > 0) report.overlap = static_cast<double>(end.pairs) / subset.count;
+  if (end.pairs > 0) report.residual_m = std::sqrt(end.sum_squared_m2() / end.pairs);
+  if (end.pairs >= kMinPairs) report.conditioning = Conditioning(end.hessian());
   return report;
 }
 

@@ -1,8 +1,9 @@
 #pragma once
 
 // Point-to-plane ICP by projection, for hundreds of hypotheses a frame: each visible model point
-// is paired with the pixel that it falls on, if that lies within a SMALL gate (a wide one slides
-// into clutter) and the normals agree. Chen and Medioni 1991; Rusinkiewicz and Levoy 2001.
+// is paired with the pixel that it falls on, or else with one half a gate beside it, if that lies
+// within a SMALL gate (a wide one slides into clutter) and the normals agree. Chen and Medioni
+// 1991; Rusinkiewicz and Levoy 2001.
 
 #include "perception/depth_to_cloud.h"
 #include "perception/model_points.h"
