@@ -1,0 +1,78 @@
+#include "perception/pose_embedding.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "scenes/random.h"
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed {
+namespace {
+
+Pose RandomPose(Rng& rng) {
+  return MakePose(rng.Rotation().toRotationMatrix(), 0.1 * rng.UnitVector());
+}
+
+Pose HalfTurn(const Eigen::Vector3d& axis) {
+  return MakePose(Eigen::AngleAxisd(std::numbers::pi, axis).toRotationMatrix(),
+                  Eigen::Vector3d::Zero());
+}
+
+TEST(PoseEmbedding, ShiftIsItsLengthOverTheDiameter) {
+  const auto part = ObjectOf(BoxMesh({0.06, 0.04, 0.02}, Eigen::Vector3d::Zero()));
+  const PoseEmbedding embedding(*part);
+  Rng rng(1);
+  const Pose X = RandomPose(rng);
+  EXPECT_NEAR(embedding.Distance(X, Translation({0.003, 0, 0.004}) * X), 0.005 / part->diameter_m,
+              1e-5);
+}
+
+TEST(PoseEmbedding, TurnMovesTheCornersByTheirRadius) {
+  // Corners of a cube of side a lie a / sqrt(2) off the z axis and move by 2 r sin(angle / 2).
+  const auto part = ObjectOf(BoxMesh({0.04, 0.04, 0.04}, Eigen::Vector3d::Zero()));
+  const PoseEmbedding embedding(*part);
+  const Pose turn = MakePose(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+                             Eigen::Vector3d::Zero());
+  EXPECT_NEAR(embedding.Distance(Pose::Identity(), turn),
+              2 * 0.04 / std::sqrt(2.0) * std::sin(0.15) / part->diameter_m, 1e-5);
+}
+
+TEST(PoseEmbedding, IsSymmetricInItsArgumentsAndMovesWithTheFrame) {
+  const auto part = ObjectOf(BracketMesh(), {.discrete_O = {HalfTurn(Eigen::Vector3d::UnitX())}});
+  const PoseEmbedding embedding(*part);
+  Rng rng(2);
+  for (int i = 0; i < 20; ++i) {
+    const Pose a = RandomPose(rng), b = RandomPose(rng), move = RandomPose(rng);
+    EXPECT_NEAR(embedding.Distance(a, b), embedding.Distance(b, a), 1e-5);
+    EXPECT_NEAR(embedding.Distance(a, b), embedding.Distance(move * a, move * b), 1e-5);
+  }
+}
+
+TEST(PoseEmbedding, SymmetricTwinsAreOnePose) {
+  const Pose half_turn = HalfTurn(Eigen::Vector3d::UnitY());
+  const auto part =
+      ObjectOf(BoxMesh({0.06, 0.04, 0.02}, Eigen::Vector3d::Zero()), {.discrete_O = {half_turn}});
+  const PoseEmbedding embedding(*part);
+  Rng rng(3);
+  const Pose X = RandomPose(rng);
+  EXPECT_EQ(embedding.twins(), 2);
+  EXPECT_NEAR(embedding.Distance(X, X * half_turn), 0, 1e-5);
+  EXPECT_GT(embedding.Distance(X, X * HalfTurn(Eigen::Vector3d::UnitX())), 0.3);
+}
+
+TEST(PoseEmbedding, TurnsAboutAContinuousAxisCountNothing) {
+  const auto part = ObjectOf(BoxMesh({0.02, 0.02, 0.08}, Eigen::Vector3d::Zero()),
+                             {.continuous_O = {ContinuousSymmetry{}}});
+  const PoseEmbedding embedding(*part);
+  Rng rng(4);
+  const Pose X = RandomPose(rng);
+  const Pose turn = MakePose(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+                             Eigen::Vector3d::Zero());
+  EXPECT_NEAR(embedding.Distance(X, X * turn), 0, 1e-5);
+  EXPECT_GT(embedding.Distance(X, X * HalfTurn(Eigen::Vector3d::UnitX())), 0.5);
+}
+
+}  // namespace
+}  // namespace pickbed

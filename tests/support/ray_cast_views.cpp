@@ -1,0 +1,54 @@
+#include "tests/support/ray_cast_views.h"
+
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed {
+
+LabelledView RayCastViews::View(const CameraIntrinsics& camera,
+                                std::vector<LabelledInstance> instances, Rng& rng) const {
+  LabelledView view;
+  view.ids = Image<uint16_t>(camera.width, camera.height);
+  SyntheticDepth all(camera);
+  for (size_t i = 0; i < instances.size(); ++i) {
+    // What the part changes belongs to it.
+    const Image<float> before = all.frame().depth_m;
+    all.AddMesh(objects_[instances[i].object]->mesh_O, instances[i].X_CO);
+    for (size_t p = 0; p < before.size(); ++p) {
+      if (all.frame().depth_m.pixels()[p] != before.pixels()[p]) {
+        view.ids.pixels()[p] = static_cast<uint16_t>(i + 1);
+      }
+    }
+  }
+  view.instances = std::move(instances);
+  view.frame = WithNoise(all.frame(), noise_sigma_m_, rng);
+  return view;
+}
+
+std::vector<LabelledView> RayCastViews::Isolated(int object, const std::vector<Pose>& X_CO,
+                                                 const CameraIntrinsics& camera, uint64_t seed) {
+  ++isolated_calls_;
+  std::vector<LabelledView> views;
+  for (size_t i = 0; i < X_CO.size(); ++i) {
+    Rng rng = Rng::Derive(seed, i, "isolated");
+    views.push_back(View(camera, {{object, X_CO[i], 1.0}}, rng));
+  }
+  return views;
+}
+
+std::vector<LabelledView> RayCastViews::Pile(uint64_t seed, int views) {
+  Rng rng(seed);
+  std::vector<LabelledView> result;
+  for (int i = 0; i < views; ++i) {
+    std::vector<LabelledInstance> instances;
+    for (int k = 0; k < 3; ++k) {
+      // Side by side, so that no part is hidden by another.
+      const Eigen::Vector3d place(0.08 * (k - 1), rng.Uniform(-0.03, 0.03), kDistanceM);
+      const Pose X_CO = MakePose(rng.Rotation().toRotationMatrix(), place);
+      instances.push_back({rng.Index(static_cast<int>(objects_.size())), X_CO, 1.0});
+    }
+    result.push_back(View(SmallCamera(), std::move(instances), rng));
+  }
+  return result;
+}
+
+}  // namespace pickbed

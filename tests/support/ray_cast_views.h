@@ -1,0 +1,34 @@
+#pragma once
+
+// A view source for tests of learning: ray-cast views of parts, without renderer and physics. A
+// "pile" is three parts side by side over an empty background.
+
+#include "scenes/labelled_view.h"
+#include "scenes/random.h"
+
+namespace pickbed {
+
+class RayCastViews : public LabelledViewSource {
+ public:
+  static constexpr double kDistanceM = 0.5;  // camera to the parts of a pile
+
+  explicit RayCastViews(ObjectSet objects, double noise_sigma_m = 0.0005)
+      : objects_(std::move(objects)), noise_sigma_m_(noise_sigma_m) {}
+
+  const ObjectSet& objects() const override { return objects_; }
+  std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
+                                     const CameraIntrinsics& camera, uint64_t seed) override;
+  std::vector<LabelledView> Pile(uint64_t seed, int views) override;
+
+  int isolated_calls() const { return isolated_calls_; }
+
+ private:
+  LabelledView View(const CameraIntrinsics& camera, std::vector<LabelledInstance> instances,
+                    Rng& rng) const;
+
+  ObjectSet objects_;
+  double noise_sigma_m_;
+  int isolated_calls_ = 0;
+};
+
+}  // namespace pickbed
