@@ -98,6 +98,7 @@ struct PhysicsWorld::Impl {
                          int group);
   const PartShape& ShapeOf(const ObjectModel& model);
   void LetTheStillFallAsleep();
+  void WakeTouching(const btCollisionObject* body);
 
   const PhysicsOptions options;
   btDefaultCollisionConfiguration configuration;
@@ -199,6 +200,17 @@ void PhysicsWorld::Impl::LetTheStillFallAsleep() {
   }
 }
 
+// Before a body goes: what leans on it must notice.
+void PhysicsWorld::Impl::WakeTouching(const btCollisionObject* body) {
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
+    const bool is_first = manifold->getBody0() == body;
+    if (manifold->getNumContacts() == 0 || !(is_first || manifold->getBody1() == body)) continue;
+    const int other = (is_first ? manifold->getBody1() : manifold->getBody0())->getUserIndex();
+    if (other >= 0 && !parts[other].body->isStaticObject()) parts[other].Wake();
+  }
+}
+
 PhysicsWorld::PhysicsWorld(const PhysicsOptions& options)
     : impl_(std::make_unique<Impl>(options)) {}
 PhysicsWorld::~PhysicsWorld() = default;
@@ -257,6 +269,7 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
 void PhysicsWorld::RemovePart(int part) {
   Part& entry = impl_->parts.at(part);
   if (!entry.body->isInWorld()) return;
+  impl_->WakeTouching(entry.body.get());
   impl_->world.removeRigidBody(entry.body.get());
   entry.body->forceActivationState(ISLAND_SLEEPING);
 }
@@ -277,17 +290,8 @@ void PhysicsWorld::AddFunnel(const Bin& bin, double height_m) {
 }
 
 void PhysicsWorld::RemoveFunnel() {
-  btDispatcher& dispatcher = impl_->dispatcher;
   for (btRigidBody* wall : impl_->funnel) {
-    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {  // wake what leans on it
-      const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
-      const bool wall_first = manifold->getBody0() == wall;
-      if (manifold->getNumContacts() == 0 || !(wall_first || manifold->getBody1() == wall)) {
-        continue;
-      }
-      const btCollisionObject* leaning = wall_first ? manifold->getBody1() : manifold->getBody0();
-      impl_->parts[leaning->getUserIndex()].Wake();
-    }
+    impl_->WakeTouching(wall);
     impl_->world.removeRigidBody(wall);
   }
   impl_->funnel.clear();

@@ -57,7 +57,8 @@ class PhysicsWorld {
   int AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode mode = BodyMode::kDynamic,
               const Twist& V_WO = {});
 
-  // Takes a part out: it keeps its index, last pose and velocity, and counts as asleep.
+  // Takes a part out: it keeps its index, last pose and velocity, and counts as asleep. What
+  // touched it wakes.
   void RemovePart(int part);
 
   // Static walls that keep falling parts above the bin's opening, `height_m` above the rim.
