@@ -30,8 +30,7 @@ struct TileSize {
   int height = 0;
 };
 
-// Pages are as small as the tiles allow and at most `side` on a side, or one tile where that is
-// larger.
+// Pages are as small as their tiles allow, and at most `side` on a side where no tile is larger.
 AtlasLayout LayOutAtlas(std::span<const TileSize> sizes, int side);
 
 }  // namespace pickbed

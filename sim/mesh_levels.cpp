@@ -103,7 +103,20 @@ TriangleMesh Rebuild(const TriangleMesh& original, const Joined& joined,
   return out;
 }
 
-double Farthest(const MeshQuery& surface, const std::vector<Eigen::Vector3d>& points) {
+// Vertices, edge middles, face centres and random points of a surface.
+std::vector<Eigen::Vector3d> Probes(const TriangleMesh& mesh) {
+  Rng rng(0);
+  std::vector<Eigen::Vector3d> probes = SampleSurface(mesh, kDeviationSamples, rng).points;
+  probes.insert(probes.end(), mesh.vertices.begin(), mesh.vertices.end());
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Eigen::Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
+                          &c = mesh.vertices[t[2]];
+    probes.insert(probes.end(), {(a + b) / 2, (b + c) / 2, (c + a) / 2, (a + b + c) / 3});
+  }
+  return probes;
+}
+
+double Farthest_m(const MeshQuery& surface, const std::vector<Eigen::Vector3d>& points) {
   double farthest_m = 0;
   for (const Eigen::Vector3d& p : points) {
     farthest_m = std::max(farthest_m, surface.ClosestPoint(p).distance);
@@ -111,13 +124,15 @@ double Farthest(const MeshQuery& surface, const std::vector<Eigen::Vector3d>& po
   return farthest_m;
 }
 
-// The largest distance between two surfaces, both ways, at their vertices and samples.
-double MeasureDeviation_m(const TriangleMesh& a, const MeshQuery& query_a, const TriangleMesh& b) {
-  Rng rng(0);
-  const MeshQuery query_b(b);
-  return std::max({Farthest(query_b, a.vertices), Farthest(query_a, b.vertices),
-                   Farthest(query_b, SampleSurface(a, kDeviationSamples, rng).points),
-                   Farthest(query_a, SampleSurface(b, kDeviationSamples, rng).points)});
+// A surface with what it takes to measure another one's distance from it, both ways.
+struct Surface {
+  explicit Surface(const TriangleMesh& mesh) : query(mesh), probes(Probes(mesh)) {}
+  MeshQuery query;
+  std::vector<Eigen::Vector3d> probes;
+};
+
+double Deviation_m(const Surface& a, const Surface& b) {
+  return std::max(Farthest_m(a.query, b.probes), Farthest_m(b.query, a.probes));
 }
 
 }  // namespace
@@ -126,7 +141,7 @@ std::vector<MeshLevel> MakeMeshLevels(const TriangleMesh& mesh) {
   std::vector<MeshLevel> levels{{mesh, 0.0}};
   if (mesh.triangles.size() < kMinTriangles) return levels;
   const double max_tolerance_m = kMaxToleranceShare * MeshBounds(mesh).size().norm();
-  const MeshQuery original(mesh);
+  const Surface original(mesh);
   const Joined joined = Join(mesh);
   EdgeCollapse collapse(joined.vertices, joined.triangles, joined.locked);
   size_t last_count = mesh.triangles.size();
@@ -136,7 +151,7 @@ std::vector<MeshLevel> MakeMeshLevels(const TriangleMesh& mesh) {
     if (triangles.size() > (1 - kMinSaving) * last_count) continue;
     MeshLevel level{Rebuild(mesh, joined, triangles), 0.0};
     level.deviation_m =
-        std::max(levels.back().deviation_m, MeasureDeviation_m(mesh, original, level.mesh));
+        std::max(levels.back().deviation_m, Deviation_m(original, Surface(level.mesh)));
     levels.push_back(std::move(level));
     last_count = triangles.size();
     if (last_count < kMinTriangles) break;

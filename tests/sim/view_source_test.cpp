@@ -1,0 +1,229 @@
+#include "sim/view_source.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "scenes/check.h"
+#include "scenes/mesh_query.h"
+#include "scenes/part_families.h"
+#include "tests/sim/render_support.h"
+
+namespace pickbed {
+namespace {
+
+ObjectSet SomeParts(int count) {
+  ObjectSet objects;
+  for (const PartRow& row : PartTable().first(count)) {
+    const MadePart part = row.make();
+    auto model = std::make_shared<ObjectModel>();
+    model->name = row.name;
+    model->mesh_O = part.mesh_O;
+    model->convex_parts_O = part.convex_parts_O;
+    model->friction = part.friction;
+    model->mass = UniformMassProperties(part.mesh_O, 0.05);
+    model->diameter_m = Diameter(part.mesh_O);
+    objects.push_back(model);
+  }
+  return objects;
+}
+
+ViewSourceOptions SmallOptions() {
+  ViewSourceOptions options;
+  options.camera = {320, 240, 340, 340, 159.5, 119.5};
+  options.parts_min = 4;
+  options.parts_max = 8;
+  options.sensor.random_dropout = 0.004;
+  options.sensor.axial_sigma_m = 0.001;
+  return options;
+}
+
+std::vector<Pose> SomePoses(int count) {
+  Rng rng(1);
+  std::vector<Pose> poses;
+  for (int i = 0; i < count; ++i) {
+    poses.push_back(MakePose(rng.Rotation().toRotationMatrix(),
+                             {rng.Uniform(-0.01, 0.01), rng.Uniform(-0.01, 0.01), 0.8}));
+  }
+  return poses;
+}
+
+TEST(ViewSource, IsolatedViewsShowTheObjectAtItsPoses) {
+  const ObjectSet objects = SomeParts(2);
+  ViewSourceOptions options = SmallOptions();
+  options.sensor = SensorProfile();
+  const auto source = MakeSimViewSource(objects, options);
+  // A crop of a larger camera: its principal point is off the middle.
+  const CameraIntrinsics crop{96, 80, 680, 690, 45.0, 41.0};
+  const std::vector<Pose> X_CO = SomePoses(20);
+  const std::vector<LabelledView> views = source->Isolated(1, X_CO, crop, 7);
+  ASSERT_EQ(views.size(), X_CO.size());
+  const MeshQuery query(objects[1]->mesh_O);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const LabelledView& view = views[i];
+    EXPECT_EQ(view.frame.intrinsics, crop);
+    EXPECT_EQ(view.frame.color.size(), view.frame.depth_m.size());
+    EXPECT_FALSE(view.background.has_value());
+    ASSERT_EQ(view.instances.size(), 1u);
+    EXPECT_EQ(view.instances[0].object, 1);
+    EXPECT_TRUE(view.instances[0].X_CO.isApprox(X_CO[i]));
+    EXPECT_EQ(view.instances[0].visible_fraction, 1.0);
+    int covered = 0;
+    for (int v = 0; v < crop.height; ++v) {
+      for (int u = 0; u < crop.width; ++u) {
+        const double z = view.frame.depth_m(u, v);
+        ASSERT_EQ(view.ids(u, v), z > 0 ? 1 : 0);
+        if (z == 0) continue;
+        ++covered;
+        const Eigen::Vector3d p_O = X_CO[i].inverse() * BackProject(crop, u, v, z);
+        EXPECT_LT(query.ClosestPoint(p_O).distance, 4e-4);  // a quarter of a pixel of detail
+      }
+    }
+    EXPECT_GT(covered, 200);
+  }
+}
+
+TEST(ViewSource, IsolatedNoiseBelongsToTheViewAndSeed) {
+  const auto source = MakeSimViewSource(SomeParts(1), SmallOptions());
+  const CameraIntrinsics camera{64, 64, 500, 500, 31.5, 31.5};
+  const std::vector<Pose> pose = SomePoses(1), poses(3, pose[0]);
+  const auto a = source->Isolated(0, poses, camera, 1);
+  const auto b = source->Isolated(0, poses, camera, 1);
+  const auto c = source->Isolated(0, poses, camera, 2);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(a[i].frame.depth_m, b[i].frame.depth_m);
+    EXPECT_NE(a[i].frame.depth_m, c[i].frame.depth_m);
+  }
+  EXPECT_NE(a[0].frame.depth_m, a[1].frame.depth_m);
+  const auto alone = source->Isolated(0, pose, camera, 1);
+  for (size_t p = 0; p < alone[0].frame.depth_m.size(); ++p) {
+    EXPECT_NEAR(alone[0].frame.depth_m.data()[p], a[0].frame.depth_m.data()[p], 1e-5);
+  }
+}
+
+TEST(ViewSource, ColourCanBeLeftOut) {
+  ViewSourceOptions options = SmallOptions();
+  options.color = false;
+  const auto source = MakeSimViewSource(SomeParts(1), options);
+  const auto views = source->Isolated(0, SomePoses(2), {64, 64, 500, 500, 31.5, 31.5}, 1);
+  EXPECT_TRUE(views[0].frame.color.empty());
+  EXPECT_FALSE(views[0].frame.depth_m.empty());
+  EXPECT_TRUE(source->Pile(1, 1)[0].frame.color.empty());
+}
+
+// Every reading of an instance must lie on its mesh at its pose, and every reading of the
+// background on the bin that is named: that ties ids, poses, depth and camera together.
+TEST(ViewSource, PileLabelsAgreeWithDepth) {
+  const ObjectSet objects = SomeParts(3);
+  ViewSourceOptions options = SmallOptions();
+  options.sensor = SensorProfile();
+  const auto source = MakeSimViewSource(objects, options);
+  std::vector<MeshQuery> queries;
+  for (const auto& object : objects) queries.emplace_back(object->mesh_O);
+  const MeshQuery bin(BinMesh(options.bin));
+  for (const LabelledView& view : source->Pile(3, 2)) {
+    EXPECT_EQ(view.frame.intrinsics, options.camera);
+    ASSERT_TRUE(view.background.has_value());
+    ASSERT_FALSE(view.instances.empty());
+    std::vector<int> pixels(view.instances.size(), 0);
+    for (int v = 0; v < view.ids.height(); ++v) {
+      for (int u = 0; u < view.ids.width(); ++u) {
+        const int id = view.ids(u, v);
+        const double z = view.frame.depth_m(u, v);
+        if (z == 0) {
+          EXPECT_EQ(id, 0);
+          continue;
+        }
+        const Eigen::Vector3d p_C = BackProject(view.frame.intrinsics, u, v, z);
+        if (id == 0) {
+          ASSERT_LT(bin.ClosestPoint(view.background->X_CB.inverse() * p_C).distance, 1e-4);
+          continue;
+        }
+        ASSERT_LE(id, static_cast<int>(view.instances.size()));
+        const LabelledInstance& instance = view.instances[id - 1];
+        ASSERT_LT(queries[instance.object].ClosestPoint(instance.X_CO.inverse() * p_C).distance,
+                  1e-3);
+        ++pixels[id - 1];
+      }
+    }
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      EXPECT_GT(pixels[i], 0);
+      EXPECT_GT(view.instances[i].visible_fraction, 0);
+      EXPECT_LE(view.instances[i].visible_fraction, 1);
+    }
+  }
+}
+
+TEST(ViewSource, SameSeedSamePileAndAnotherSeedAnother) {
+  const ObjectSet objects = SomeParts(3);
+  const auto source = MakeSimViewSource(objects, SmallOptions());
+  const auto other_source = MakeSimViewSource(objects, SmallOptions());
+  const auto a = source->Pile(5, 1);
+  source->Pile(6, 1);
+  for (const auto& b : {source->Pile(5, 1), other_source->Pile(5, 1)}) {
+    EXPECT_EQ(a[0].frame.depth_m, b[0].frame.depth_m);
+    EXPECT_EQ(a[0].frame.color, b[0].frame.color);
+    EXPECT_EQ(a[0].ids, b[0].ids);
+  }
+  EXPECT_NE(a[0].ids, source->Pile(6, 1)[0].ids);
+}
+
+TEST(ViewSource, PilesOfOneKindAndMixedOnesBothOccur) {
+  const auto source = MakeSimViewSource(SomeParts(4), SmallOptions());
+  std::map<int, int> by_kinds;
+  for (uint64_t seed = 0; seed < 16; ++seed) {
+    std::set<int> kinds;
+    const auto views = source->Pile(seed, 1);
+    for (const LabelledInstance& instance : views[0].instances) kinds.insert(instance.object);
+    ++by_kinds[std::min<int>(2, static_cast<int>(kinds.size()))];
+  }
+  EXPECT_GT(by_kinds[1], 2);
+  EXPECT_GT(by_kinds[2], 2);
+}
+
+TEST(ViewSource, CamerasLookIntoTheBinFromAboveWithinTheirLimits) {
+  const ViewSourceOptions options = SmallOptions();
+  const auto source = MakeSimViewSource(SomeParts(1), options);
+  double least_m = 10, most_m = 0;
+  for (const LabelledView& view : source->Pile(1, 40)) {
+    const Pose X_BC = view.background->X_CB.inverse();
+    const Eigen::Vector3d axis_B = X_BC.linear().col(2);
+    EXPECT_GE(-axis_B.z(), std::cos(options.tilt_max_rad) - 1e-9);
+    // Where the optical axis meets the floor.
+    const double distance_m = X_BC.translation().z() / -axis_B.z();
+    const Eigen::Vector3d target_B = X_BC.translation() + distance_m * axis_B;
+    EXPECT_LE(target_B.head<2>().cwiseAbs().maxCoeff(), options.target_jitter_m + 1e-9);
+    least_m = std::min(least_m, distance_m);
+    most_m = std::max(most_m, distance_m);
+  }
+  EXPECT_GE(least_m, options.distance_min_m - 1e-9);
+  EXPECT_LE(most_m, options.distance_max_m + 1e-9);
+  EXPECT_GT(most_m - least_m, 0.5 * (options.distance_max_m - options.distance_min_m));
+}
+
+TEST(ViewSource, FillLimitsThePile) {
+  ViewSourceOptions options = SmallOptions();
+  options.parts_min = options.parts_max = 30;
+  const ObjectSet objects = SomeParts(1);
+  const double part_m3 = MeshBounds(objects[0]->mesh_O).size().prod();
+  options.fill_max = 5.5 * part_m3 / options.bin.inner_size_m.prod();
+  EXPECT_LE(MakeSimViewSource(objects, options)->Pile(1, 1)[0].instances.size(), 5u);
+}
+
+TEST(ViewSource, BadInputIsNamed) {
+  EXPECT_THROW(MakeSimViewSource({}, SmallOptions()), InputError);
+  ViewSourceOptions options = SmallOptions();
+  options.parts_max = 2;
+  EXPECT_THROW(MakeSimViewSource(SomeParts(1), options), InputError);
+  options = SmallOptions();
+  options.distance_min_m = 2;
+  EXPECT_THROW(MakeSimViewSource(SomeParts(1), options), InputError);
+  const auto source = MakeSimViewSource(SomeParts(1), SmallOptions());
+  EXPECT_THROW(source->Isolated(1, SomePoses(1), {}, 0), InputError);
+}
+
+}  // namespace
+}  // namespace pickbed
