@@ -52,7 +52,7 @@ void CountEdges(const TriangleMesh& mesh, MeshReport& report) {
       forward += std::get<2>(sides[end]);
     }
     const int faces = static_cast<int>(end - begin);
-    report.open_edges += faces == 1;
+    report.open_edges += faces % 2;
     report.flipped_edges += faces == 2 && forward != 1;
     begin = end;
   }

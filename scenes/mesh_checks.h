@@ -11,7 +11,7 @@ namespace pickbed {
 struct MeshReport {
   bool finite = true;
   int triangles = 0;
-  int open_edges = 0;     // edges with one face; vertices at equal places count as one
+  int open_edges = 0;     // edges with one (or three...) faces; vertices at equal places are one
   int flipped_edges = 0;  // edges whose two faces disagree about which side is outside
   double volume_m3 = 0;   // signed
   bool watertight() const { return open_edges == 0; }

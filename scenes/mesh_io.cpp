@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -185,6 +186,15 @@ TriangleMesh Joined(std::vector<Part> parts, const TextureShelf& shelf) {
   return mesh;
 }
 
+// assimp 5.2 never returns from a PLY whose header has no end, such as a file cut short.
+void CheckPlyHeader(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension != ".ply") return;
+  CheckInput(ReadFileBytes(path).find("end_header") != std::string::npos,
+             "cannot read mesh '" + path.string() + "': its PLY header has no end");
+}
+
 }  // namespace
 
 double UnitInMeters(const std::string& unit) {
@@ -201,6 +211,7 @@ TriangleMesh LoadMesh(const fs::path& path, const std::string& unit) {
   std::error_code error;
   CheckInput(fs::is_regular_file(path, error),
              "mesh '" + name + "' does not exist; check the path");
+  CheckPlyHeader(path);
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);

@@ -110,22 +110,22 @@ TriangleMesh BoxMesh(const Bounds& bounds) {
   return box;
 }
 
-// Whether a solid within the bounds can have these: holes may have made them impossible.
+// Whether a solid within the bounds can have these: holes and faces given twice can make them
+// impossible. (A box fills its bounds, so leave room for rounding.)
 bool Plausible(const MassProperties& mass, const Bounds& bounds) {
   const Eigen::Vector3d beyond = (bounds.min - mass.com_O).cwiseMax(mass.com_O - bounds.max);
   const Eigen::Matrix3d second = 0.5 * mass.inertia_com_O.trace() * Eigen::Matrix3d::Identity() -
                                  mass.inertia_com_O;  // integral of x x^T: positive definite
-  return beyond.maxCoeff() <= 0 && mass.volume_m3 <= bounds.size().prod() &&
+  return beyond.maxCoeff() <= 0 && mass.volume_m3 <= (1 + 1e-6) * bounds.size().prod() &&
          second.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff() > 0;
 }
 
-// A closed mesh encloses what it encloses. For an open one the tetrahedra still come near as long
-// as the holes are small; where they do not, the part weighs as its bounding box.
+// The tetrahedra come near the truth for an open mesh too, as long as its holes are small; where
+// they do not, the part weighs as its bounding box.
 MassProperties SolidProperties(const TriangleMesh& mesh, double density_kgpm3) {
-  MassProperties mass = UniformDensityProperties(mesh, density_kgpm3);
+  const MassProperties mass = UniformDensityProperties(mesh, density_kgpm3);
   const Bounds bounds = MeshBounds(mesh);
-  if (InspectMesh(mesh).watertight() || Plausible(mass, bounds)) return mass;
-  return UniformDensityProperties(BoxMesh(bounds), density_kgpm3);
+  return Plausible(mass, bounds) ? mass : UniformDensityProperties(BoxMesh(bounds), density_kgpm3);
 }
 
 struct Weight {

@@ -73,7 +73,7 @@ TEST_F(ScenarioFile, OverridesComeAfterTheFile) {
 
 TEST(CameraOf, LooksAtItsTargetWithTheImageUpright) {
   ScenarioSpec spec;
-  for (const Eigen::Vector3d eye : {Eigen::Vector3d(0, -0.12, 0.85), Eigen::Vector3d(0, 0, 0.9)}) {
+  for (const Eigen::Vector3d& eye : {Eigen::Vector3d(0, -0.12, 0.85), Eigen::Vector3d(0, 0, 0.9)}) {
     spec.camera.eye_m = eye;
     spec.camera.target_m = {0, 0, 0};
     const Camera camera = CameraOf(spec);

@@ -1,0 +1,52 @@
+#include "scenes/check.h"
+
+#include <gmock/gmock.h>
+
+namespace pickbed {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(CheckInput, ThrowsTheMessageOnlyWhenFalse) {
+  EXPECT_NO_THROW(CheckInput(true, "never"));
+  try {
+    CheckInput(false, "bin.yaml:3: wall_m = -1: must be positive");
+    FAIL() << "threw nothing";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "bin.yaml:3: wall_m = -1: must be positive");
+  }
+}
+
+TEST(NearestName, FindsTheLikelySlip) {
+  const std::vector<std::string> known = {"bracket", "pipe_tee", "rod", "hex_bolt"};
+  struct {
+    const char* typed;
+    const char* nearest;
+  } cases[] = {
+      {"bracket", "bracket"},
+      {"brcket", "bracket"},
+      {"brakcet", "bracket"},
+      {"pipe-tee", "pipe_tee"},
+      {"hexbolt", "hex_bolt"},
+      {"rd", "rod"},
+      {"spoon", ""},
+      {"", ""},
+      {"xyz", ""},
+  };
+  for (const auto& c : cases) EXPECT_EQ(NearestName(c.typed, known), c.nearest) << c.typed;
+}
+
+TEST(NearestName, PrefersTheNearerAndThenTheEarlier) {
+  EXPECT_EQ(NearestName("gearx", {"gear_big", "gears", "gear"}), "gears");
+  EXPECT_EQ(NearestName("gear", {}), "");
+}
+
+TEST(UnknownNameMessage, NamesWordGuessAndAllKnownInOneLine) {
+  const std::string message = UnknownNameMessage("gripper", "jwa", {"jaw", "cup"});
+  EXPECT_EQ(message, "unknown gripper 'jwa'; did you mean 'jaw'? known: jaw, cup");
+  EXPECT_EQ(UnknownNameMessage("part", "spoon", {"rod"}), "unknown part 'spoon'; known: rod");
+  EXPECT_THAT(UnknownNameMessage("part", "spoon", {}), HasSubstr("none is known"));
+}
+
+}  // namespace
+}  // namespace pickbed

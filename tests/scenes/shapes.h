@@ -1,0 +1,98 @@
+#pragma once
+
+// Small meshes with closed-form answers, and a folder that cleans up after itself.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "scenes/check.h"
+#include "scenes/files.h"
+#include "scenes/triangle_mesh.h"
+
+namespace pickbed {
+
+// Closed box, 8 vertices, 12 triangles, faces outwards.
+inline TriangleMesh BoxShape(const Eigen::Vector3d& size,
+                             const Eigen::Vector3d& center = Eigen::Vector3d::Zero()) {
+  TriangleMesh mesh;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d side(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5,
+                               corner & 4 ? 0.5 : -0.5);
+    mesh.vertices.push_back(center + side.cwiseProduct(size));
+  }
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return mesh;
+}
+
+// Octahedron whose faces are split `levels` times, vertices on the sphere, smooth normals.
+inline TriangleMesh BallShape(double radius, int levels) {
+  TriangleMesh mesh;
+  mesh.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (int level = 0; level < levels; ++level) {
+    std::map<std::pair<int, int>, int> middle_of;
+    const auto middle = [&](int a, int b) {
+      const auto [place, is_new] =
+          middle_of.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices.size()));
+      if (is_new) mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]).normalized());
+      return place->second;
+    };
+    std::vector<Eigen::Vector3i> finer;
+    for (const Eigen::Vector3i& t : mesh.triangles) {
+      const int ab = middle(t[0], t[1]), bc = middle(t[1], t[2]), ca = middle(t[2], t[0]);
+      finer.insert(finer.end(), {{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}});
+    }
+    mesh.triangles = finer;
+  }
+  mesh.normals = mesh.vertices;
+  for (Eigen::Vector3d& v : mesh.vertices) v *= radius;
+  return mesh;
+}
+
+inline void TurnInsideOut(TriangleMesh& mesh) {
+  for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
+}
+
+// A folder of this test's own under the system's temporary folder.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "pickbed_test_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp");
+    path_ = name;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path Write(const std::string& name, const std::string& bytes) const {
+    std::filesystem::create_directories((path_ / name).parent_path());
+    WriteFileAtomically(path_ / name, bytes);
+    return path_ / name;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// The message of the InputError that `call` throws; fails the test when it throws none.
+template <typename Call>
+std::string InputErrorOf(const Call& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "threw no InputError";
+  return "";
+}
+
+}  // namespace pickbed
