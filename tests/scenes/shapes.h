@@ -56,6 +56,16 @@ inline TriangleMesh BallShape(double radius, int levels) {
   return mesh;
 }
 
+// A 2 x 2 image with a colour of its own in each quarter.
+inline Image<Rgb8> FourColours() {
+  Image<Rgb8> image(2, 2);
+  image(0, 0) = {250, 0, 0};
+  image(1, 0) = {0, 250, 0};
+  image(0, 1) = {0, 0, 250};
+  image(1, 1) = {250, 250, 0};
+  return image;
+}
+
 inline void TurnInsideOut(TriangleMesh& mesh) {
   for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
 }
