@@ -1,15 +1,15 @@
 #include "sim/drop.h"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
 
 #include "scenes/check.h"
-#include "sim/scene_certificate.h"
 #include "tests/sim/physics_parts.h"
 
 namespace pickbed {
 namespace {
-
-using ::testing::HasSubstr;
 
 DropResult DropMixed(uint64_t seed, int each) {
   Rng rng(seed);
@@ -35,6 +35,103 @@ TEST(DropParts, TwentyMixedPartsComeToRestInsideWithoutOverlap) {
     EXPECT_LT(drop.report.deepest_penetration_m, 0.0005) << "seed " << seed;
     EXPECT_LT(drop.report.max_speed_mps, 0.01) << "seed " << seed;
   }
+}
+
+TEST(DropParts, SettledSceneStaysWhenAllAreWoken) {
+  const ObjectSet parts = MixedParts();
+  for (const uint64_t seed : {0, 1, 2}) {
+    const DropResult drop = DropMixed(seed, 5);
+    PhysicsWorld world;
+    world.AddBin(drop.scene.bin);
+    for (const PosedObject& object : drop.scene.objects) {
+      world.AddPart(*parts[object.object], object.X_WO);
+    }
+    world.ForbidSleep();
+    while (world.time_s() < 1) world.Step();
+    for (size_t i = 0; i < drop.scene.objects.size(); ++i) {
+      const Eigen::Vector3d before = drop.scene.objects[i].X_WO.translation();
+      EXPECT_LT((world.X_WO(static_cast<int>(i)).translation() - before).norm(), 0.001)
+          << "seed " << seed << " part " << i;
+    }
+  }
+}
+
+TEST(DropParts, SameSeedSameBytesAlsoWithAnotherWorldAlive) {
+  const DropResult first = DropMixed(7, 4);
+  EXPECT_TRUE(SameBits(first.scene, DropMixed(7, 4).scene));
+
+  PhysicsWorld other;
+  const auto cube = BoxPart({0.04, 0.04, 0.04}, 0.1);
+  other.AddBin(Bin{});
+  other.AddPart(*cube, Translation({0, 0, 0.5}));
+  other.Step();
+  EXPECT_TRUE(SameBits(first.scene, DropMixed(7, 4).scene));
+
+  EXPECT_FALSE(SameBits(first.scene, DropMixed(8, 4).scene));
+}
+
+TEST(DropParts, InstancesCountUpAndKindsKeepTheirNumbers) {
+  Rng rng(3);
+  const DropResult drop = DropParts(Bin{}, MixedParts(), {3, 0, 2, 4}, rng);
+  std::vector<int> of_kind(4, 0);
+  for (size_t i = 0; i < drop.scene.objects.size(); ++i) {
+    EXPECT_EQ(drop.scene.objects[i].instance, static_cast<int>(i));
+    ++of_kind[drop.scene.objects[i].object];
+  }
+  EXPECT_EQ(of_kind, (std::vector<int>{3, 0, 2, 4}));
+}
+
+TEST(DropParts, WhatDoesNotFitIsCountedAndNotInTheScene) {
+  Bin tray;
+  tray.inner_size_m = {0.16, 0.12, 0.03};
+  Rng rng(1);
+  const DropResult drop = DropParts(tray, {BoxPart({0.05, 0.05, 0.05}, 0.1)}, {30}, rng);
+  EXPECT_GT(drop.report.left_bin, 0);
+  EXPECT_EQ(drop.report.left_bin + static_cast<int>(drop.scene.objects.size()), 30);
+  EXPECT_FALSE(drop.report.blew_up);
+  for (const PosedObject& object : drop.scene.objects) {
+    EXPECT_LT(std::abs(object.X_WO.translation().x()), 0.08);
+    EXPECT_LT(std::abs(object.X_WO.translation().y()), 0.06);
+    EXPECT_GT(object.X_WO.translation().z(), 0);
+  }
+}
+
+TEST(DropParts, ARodAsLongAsTheBinLies) {
+  for (const uint64_t seed : {0, 1, 2}) {
+    Rng rng(seed);
+    const DropResult drop = DropParts(Bin{}, {BoxPart({0.02, 0.39, 0.02}, 0.3)}, {4}, rng);
+    EXPECT_EQ(drop.report.left_bin, 0);
+    EXPECT_TRUE(drop.report.at_rest);
+  }
+}
+
+TEST(DropParts, EmptyBinStaysEmpty) {
+  Rng rng(0);
+  const DropResult drop = DropParts(Bin{}, MixedParts(), {0, 0, 0, 0}, rng);
+  EXPECT_TRUE(drop.report.at_rest);
+  EXPECT_TRUE(drop.scene.objects.empty());
+}
+
+TEST(DropParts, NamesThePartThatIsLargerThanTheBin) {
+  Rng rng(0);
+  const ObjectSet objects{BoxPart({0.1, 0.1, 0.1}, 1),
+                          PartOfBoxes("girder", {{{0, 0, 0}, {0.02, 0.25, 0.01}}}, 1)};
+  EXPECT_NO_THROW(DropParts(Bin{}, objects, {1, 0}, rng));
+  try {
+    DropParts(Bin{}, objects, {1, 1}, rng);
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "part 'girder' is 0.500 x 0.040 x 0.020 m and does not fit into the bin's 0.400 x "
+                 "0.300 m floor: take a larger bin or check the mesh's unit");
+  }
+}
+
+TEST(DropParts, PartWithoutPiecesIsOurMistake) {
+  Rng rng(0);
+  auto bare = std::make_shared<ObjectModel>(*BracketPart());
+  bare->convex_parts_O.clear();
+  EXPECT_THROW(DropParts(Bin{}, {bare}, {1}, rng), std::logic_error);
 }
 
 }  // namespace

@@ -1,0 +1,56 @@
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "scenes/object_catalog.h"
+#include "sim/convex_pieces.h"
+#include "sim/drop.h"
+
+namespace pickbed {
+namespace {
+
+ObjectSet ShippedParts() {
+  const ObjectCatalog catalog({AssetsDir() / "objects"});
+  ObjectSet objects;
+  for (const std::string& name : catalog.Names()) objects.push_back(catalog.Load(name));
+  return WithConvexPieces(objects);
+}
+
+// As many parts as the range says, spread evenly over all shipped kinds; another seed each time.
+void DropMixedParts(benchmark::State& state) {
+  const ObjectSet objects = ShippedParts();
+  std::vector<int> counts(objects.size(), 0);
+  for (int i = 0; i < state.range(0); ++i) ++counts[i % counts.size()];
+  uint64_t seed = 0;
+  double simulated_s = 0, worst_mm = 0;
+  int at_rest = 0;
+  for (auto _ : state) {
+    Rng rng(seed++);
+    const DropResult drop = DropParts(Bin{}, objects, counts, rng);
+    simulated_s += drop.report.simulated_s;
+    at_rest += drop.report.at_rest;
+    worst_mm = std::max(worst_mm, 1e3 * drop.report.deepest_penetration_m);
+  }
+  const auto mean = benchmark::Counter::kAvgIterations;
+  state.counters["simulated_s"] = benchmark::Counter(simulated_s, mean);
+  state.counters["at_rest"] = benchmark::Counter(at_rest, mean);
+  state.counters["deepest_mm"] = worst_mm;
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(DropMixedParts)->Name("drop/mixed20/1core")->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK(DropMixedParts)->Name("drop/mixed50/1core")->Arg(50)->Unit(benchmark::kMillisecond);
+
+void DecomposeShippedParts(benchmark::State& state) {
+  const ObjectSet objects = ShippedParts();
+  for (auto _ : state) {
+    for (const auto& object : objects) {
+      benchmark::DoNotOptimize(DecomposeConvex(object->mesh_O));
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<int>(objects.size()));
+}
+BENCHMARK(DecomposeShippedParts)->Name("decompose/shipped/1core")->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace pickbed
