@@ -39,6 +39,17 @@ TEST(Diameter, EqualsBruteForce) {
   EXPECT_NEAR(Diameter(BoxShape({1, 2, 2})), 3, 1e-12);
 }
 
+// Many small clouds, in some of which hopping from farthest to farthest stops short of the best
+// pair.
+TEST(Diameter, IsNotMerelyALocalMaximum) {
+  Rng rng(7);
+  for (int trial = 0; trial < 500; ++trial) {
+    TriangleMesh cloud;
+    for (int i = 0; i < 60; ++i) cloud.vertices.push_back(rng.UnitVector());
+    ASSERT_EQ(Diameter(cloud), BruteForceDiameter(cloud.vertices)) << trial;
+  }
+}
+
 TEST(MeshBounds, AreTightAndZeroForNothing) {
   const Bounds bounds = MeshBounds(BoxShape({1, 2, 3}, {10, 20, 30}));
   EXPECT_TRUE(bounds.size().isApprox(Vector3d(1, 2, 3)));
