@@ -1,0 +1,158 @@
+// Perception without networks, on one simulated pile: what a frame costs, and what a hypothesis
+// costs at each stage.
+
+#include <benchmark/benchmark.h>
+
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "perception/depth_to_cloud.h"
+#include "perception/icp.h"
+#include "perception/model_points.h"
+#include "perception/projective_icp.h"
+#include "perception/suppress.h"
+#include "perception/verify.h"
+#include "perception/votes.h"
+#include "scenes/object_catalog.h"
+#include "sim/view_source.h"
+
+namespace pickbed {
+namespace {
+
+// A pile of brackets with rough poses about the true ones, made once.
+struct Pile {
+  ObjectSet objects;
+  LabelledView view;
+  std::vector<ModelPoints> models;
+  OrganizedCloud cloud;
+  std::vector<Pose> rough;
+};
+
+std::vector<Pose> RoughPoses(const LabelledView& view, int count) {
+  Rng rng(2);
+  std::vector<Pose> poses;
+  for (int i = 0; i < count; ++i) {
+    Pose X_CO = view.instances[i % view.instances.size()].X_CO;
+    const double angle = rng.Uniform(0, 10) * std::numbers::pi / 180;
+    X_CO.linear() = Eigen::AngleAxisd(angle, rng.UnitVector()) * X_CO.linear();
+    X_CO.translation() += rng.Uniform(0, 0.006) * rng.UnitVector();
+    poses.push_back(X_CO);
+  }
+  return poses;
+}
+
+const Pile& BracketPile() {
+  static const Pile pile = [] {
+    Pile p;
+    p.objects = {ObjectCatalog({AssetsDir() / "objects"}).Load("bracket")};
+    p.view = MakeSimViewSource(p.objects, {})->Pile(1, 1).front();
+    p.models.push_back(MakeModelPoints(*p.objects.front()));
+    p.cloud = BuildCloud(p.view.frame, p.view.background);
+    p.rough = RoughPoses(p.view, 1000);
+    return p;
+  }();
+  return pile;
+}
+
+void Cloud(benchmark::State& state) {
+  const Pile& pile = BracketPile();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(BuildCloud(pile.view.frame, pile.view.background));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(Cloud)->Name("cloud/known_bin/640x480")->Unit(benchmark::kMillisecond);
+
+void ModelOfBracket(benchmark::State& state) {
+  const ObjectModel& object = *BracketPile().objects.front();
+  for (auto _ : state) benchmark::DoNotOptimize(MakeModelPoints(object));
+}
+BENCHMARK(ModelOfBracket)->Name("model_points/bracket/200")->Unit(benchmark::kMillisecond);
+
+// One hypothesis an iteration.
+template <typename Work>
+void ForEachPose(benchmark::State& state, Work work) {
+  const Pile& pile = BracketPile();
+  size_t i = 0;
+  for (auto _ : state) {
+    work(pile, pile.rough[i]);
+    i = (i + 1) % pile.rough.size();
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
+void Quick(benchmark::State& state) {
+  ForEachPose(state, [](const Pile& pile, const Pose& X_CO) {
+    benchmark::DoNotOptimize(QuickScore(pile.cloud, pile.models[0], X_CO));
+  });
+}
+BENCHMARK(Quick)->Name("quick_score/bracket/120")->Unit(benchmark::kMicrosecond);
+
+void BulkIcp(benchmark::State& state) {
+  ForEachPose(state, [](const Pile& pile, const Pose& X_CO) {
+    benchmark::DoNotOptimize(ProjectiveIcp(pile.cloud, pile.models[0], X_CO));
+  });
+}
+BENCHMARK(BulkIcp)->Name("projective_icp/bracket/150")->Unit(benchmark::kMicrosecond);
+
+void Verify(benchmark::State& state) {
+  ForEachPose(state, [](const Pile& pile, const Pose& X_CO) {
+    FitReport fit;
+    benchmark::DoNotOptimize(ComputeVerifyFeatures(pile.cloud, pile.models[0], X_CO, 3, fit));
+  });
+}
+BENCHMARK(Verify)->Name("verify/bracket/600")->Unit(benchmark::kMicrosecond);
+
+void FinalIcp(benchmark::State& state) {
+  const PclRefiner refiner(BracketPile().cloud);
+  ForEachPose(state, [&](const Pile& pile, const Pose& X_CO) {
+    PoseHypothesis h;
+    h.X_CO = X_CO;
+    refiner.Refine(pile.models[0], h);
+    benchmark::DoNotOptimize(h);
+  });
+}
+BENCHMARK(FinalIcp)->Name("pcl_icp/bracket/400")->Unit(benchmark::kMicrosecond);
+
+void SearchTree(benchmark::State& state) {
+  const OrganizedCloud& cloud = BracketPile().cloud;
+  for (auto _ : state) benchmark::DoNotOptimize(PclRefiner(cloud));
+}
+BENCHMARK(SearchTree)->Name("pcl_tree/pile/640x480")->Unit(benchmark::kMillisecond);
+
+void Cluster(benchmark::State& state) {
+  const Pile& pile = BracketPile();
+  const std::vector<PoseDistance> distances{PoseDistance(*pile.objects.front())};
+  std::vector<RawHypothesis> raw(state.range(0));
+  Rng rng(5);
+  for (size_t i = 0; i < raw.size(); ++i) {
+    raw[i].X_CO = pile.rough[i % pile.rough.size()];
+    if (rng.Uniform() < 0.5) raw[i].X_CO.linear() = rng.Rotation().toRotationMatrix();
+    raw[i].quick_score = static_cast<float>(rng.Uniform());
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(ClusterVotes(raw, distances, 0.1, 1000));
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(Cluster)->Name("cluster/votes")->Arg(1200)->Arg(9600)->Unit(benchmark::kMillisecond);
+
+void Suppress(benchmark::State& state) {
+  const Pile& pile = BracketPile();
+  std::vector<PoseHypothesis> hypotheses(state.range(0));
+  for (size_t i = 0; i < hypotheses.size(); ++i) {
+    hypotheses[i].X_CO = pile.rough[i];
+    hypotheses[i].score = 1.0 / static_cast<double>(i + 1);
+  }
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(SuppressDuplicates(pile.cloud, pile.models, hypotheses));
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(Suppress)
+    ->Name("suppress/hypotheses")
+    ->Arg(100)
+    ->Arg(1000)
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace pickbed
