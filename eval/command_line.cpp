@@ -23,6 +23,13 @@ std::filesystem::path FindScenario(const std::string& scenario) {
   throw InputError(message + " (or the path of a file: there is none of that name)");
 }
 
+// A file that lies beside the scenario and not in the current folder.
+void FindBeside(const std::filesystem::path& folder, std::string& name_or_path) {
+  const std::filesystem::path path(name_or_path);
+  if (path.empty() || std::filesystem::exists(path)) return;
+  if (std::filesystem::is_regular_file(folder / path)) name_or_path = (folder / path).string();
+}
+
 }  // namespace
 
 bool ParseArguments(CLI::App& app, int argc, char** argv) {
@@ -67,6 +74,10 @@ LoadedScenario LoadScenarioArguments(const ScenarioArguments& arguments) {
   LoadedScenario loaded;
   loaded.name = file.stem().string();
   loaded.spec = LoadScenario(file, settings);
+  for (std::string* named :
+       {&loaded.spec.sensor, &loaded.spec.gripper, &loaded.spec.estimator.model}) {
+    FindBeside(loaded.spec.folder, *named);
+  }
   loaded.objects = LoadObjects(loaded.spec, OpenCatalog(arguments.catalog));
   return loaded;
 }

@@ -20,7 +20,7 @@ constexpr double kCubeSide_m = 0.04;
 constexpr double kCubeMass_kg = 0.1;
 constexpr double kCameraHeight_m = 0.6;
 constexpr double kDepthTolerance_m = 0.0005;
-constexpr double kPixelTolerance = 0.02;  // share of the cube's expected pixels
+constexpr double kSideTolerance_px = 1;  // a pixel belongs to the cube when its centre does
 
 // A part that needs no file: its picture and its resting height are known in closed form.
 std::shared_ptr<const ObjectModel> Cube() {
@@ -61,7 +61,7 @@ std::string Render() {
   const std::string found = fmt::format("{}; cube at {:.4f} m over {} pixels",
                                         renderer.renderer().ContextName(), depth_m, pixels);
   if (std::abs(depth_m - expected_m) > kDepthTolerance_m ||
-      std::abs(pixels - side_px * side_px) > kPixelTolerance * side_px * side_px) {
+      std::abs(std::sqrt(pixels) - side_px) > kSideTolerance_px) {
     throw std::runtime_error(fmt::format("{}, but {:.4f} m over {:.0f} pixels was expected", found,
                                          expected_m, side_px * side_px));
   }

@@ -29,13 +29,6 @@ std::string ScenarioText(ScenarioSpec spec, const std::filesystem::path& out) {
   return SettingsText(spec);
 }
 
-// The names that only eval can check, before anything costly starts.
-void RequireKnownNames(const ScenarioSpec& spec) {
-  RequireEstimator(spec.estimator.name);
-  LoadGripper(spec.gripper);
-  LoadSensorProfile(spec.sensor);
-}
-
 // Opens the store, and closes it again before workers are forked.
 std::vector<int> FinishedTrials(const RunOptions& options, const std::string& identity) {
   const std::vector<int> finished = ResultsStore(options.out, identity).FinishedTrials();
@@ -93,6 +86,11 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
   ScenarioSpec same_for_all = spec;
   same_for_all.trials = 1;
   std::string text = SettingsText(same_for_all);
+  // Files that the settings only name.
+  GripperSpec gripper = LoadGripper(spec.gripper);
+  SensorProfile sensor = LoadSensorProfile(spec.sensor);
+  text += WriteSettings([&](SettingsVisitor& v) { gripper.Visit(v); });
+  text += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
   for (const auto& object : objects) {
     text += fmt::format("# {} has mesh {:016x}\n", object->name, object->mesh_hash);
   }
@@ -101,7 +99,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
 
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener) {
-  RequireKnownNames(spec);
+  RequireEstimator(spec.estimator.name);
   const std::string identity = RunIdentity(spec, objects);
   const std::vector<int> finished = FinishedTrials(options, identity);
   WriteFileAtomically(options.out / "scenario.yaml", ScenarioText(spec, options.out));

@@ -50,8 +50,8 @@ struct RunReport {
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener);
 
-// What must be equal for two runs to be one: the settings but the number of trials, and the parts'
-// meshes.
+// What must be equal for two runs to be one: the settings but the number of trials, the gripper,
+// the sensor and the parts' meshes.
 std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects);
 
 }  // namespace pickbed

@@ -1,0 +1,198 @@
+#include "eval/trial.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "eval/summary.h"
+#include "eval/virtual_cell.h"
+#include "scenes/check.h"
+#include "scenes/mass_properties.h"
+
+namespace pickbed {
+namespace {
+
+std::shared_ptr<const ObjectModel> Cube(double side_m, double mass_kg, double friction) {
+  auto model = std::make_shared<ObjectModel>();
+  model->name = "cube";
+  for (int corner = 0; corner < 8; ++corner) {
+    model->mesh_O.vertices.push_back(side_m * Eigen::Vector3d(corner & 1 ? 0.5 : -0.5,
+                                                              corner & 2 ? 0.5 : -0.5,
+                                                              corner & 4 ? 0.5 : -0.5));
+  }
+  model->mesh_O.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                             {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  model->mass = UniformMassProperties(model->mesh_O, mass_kg);
+  model->friction = friction;
+  model->convex_parts_O = {{model->mesh_O.vertices}};
+  model->diameter_m = Diameter(model->mesh_O);
+  model->mesh_hash = static_cast<uint64_t>(1e6 * side_m);
+  return model;
+}
+
+// Cubes and an oracle: no file of the catalog, no network.
+ScenarioSpec CubeScenario(int count) {
+  ScenarioSpec spec;
+  spec.seed = 11;
+  PartSpec part;
+  part.name = "cube";
+  part.count = count;
+  spec.objects = {part};
+  spec.estimator.name = "oracle";
+  return spec;
+}
+
+ObjectSet EasyCube() { return {Cube(0.03, 0.05, 0.6)}; }
+
+TrialResult RunOne(const ScenarioSpec& spec, const ObjectSet& objects, int trial = 0) {
+  return TrialRunner(spec, objects).Run(trial);
+}
+
+// All that is measured, as text.
+std::string Record(const TrialResult& result, const ObjectSet& objects) {
+  return TrialsCsv({result}) + PicksCsv({result}, objects);
+}
+
+TEST(Trial, TruePosesOfEasyPartsEmptyTheBin) {
+  const TrialResult result = RunOne(CubeScenario(4), EasyCube());
+  EXPECT_EQ(result.parts_dropped, 4);
+  EXPECT_EQ(result.parts_cleared, 4);
+  EXPECT_EQ(result.ended_by, Loss::kNone);
+  ASSERT_EQ(result.picks.size(), 4u);
+  std::set<int> picked;
+  for (const PickRecord& pick : result.picks) {
+    EXPECT_EQ(pick.loss, Loss::kNone);
+    ASSERT_TRUE(pick.grasp.has_value());
+    EXPECT_EQ(pick.outcome.picked_instance, pick.hypotheses.at(pick.chosen).instance);
+    EXPECT_EQ(pick.instances.size(), 4u - pick.pick) << "one part less in every look";
+    picked.insert(pick.outcome.picked_instance);
+  }
+  EXPECT_EQ(picked.size(), 4u) << "each part once";
+}
+
+TEST(Trial, IsAFunctionOfSeedAndNumber) {
+  ScenarioSpec spec = CubeScenario(3);
+  spec.estimator.noise_mm = 2;
+  spec.estimator.noise_deg = 3;
+  const ObjectSet objects = EasyCube();
+  TrialRunner runner(spec, objects);
+  const std::string zero = Record(runner.Run(0), objects);
+  const std::string one = Record(runner.Run(1), objects);
+  EXPECT_NE(zero, one);
+  EXPECT_EQ(Record(runner.Run(0), objects), zero) << "what came before does not matter";
+  EXPECT_EQ(Record(RunOne(spec, objects, 1), objects), one) << "nor does the runner";
+  spec.seed = 12;
+  EXPECT_NE(Record(RunOne(spec, objects), objects), zero);
+}
+
+TEST(Trial, PolicyLimitsThePicks) {
+  ScenarioSpec spec = CubeScenario(3);
+  spec.policy.stop = "one_pick";
+  EXPECT_EQ(RunOne(spec, EasyCube()).picks.size(), 1u);
+  spec.policy.stop = "until_empty";
+  spec.policy.max_picks = 2;
+  const TrialResult result = RunOne(spec, EasyCube());
+  EXPECT_EQ(result.picks.size(), 2u);
+  EXPECT_EQ(result.ended_by, Loss::kNone);
+  EXPECT_EQ(result.parts_cleared, 2);
+}
+
+TEST(Trial, APartWiderThanTheHandEndsWithoutAttempt) {
+  const TrialResult result = RunOne(CubeScenario(1), {Cube(0.09, 0.2, 0.6)});
+  EXPECT_EQ(result.ended_by, Loss::kNoGrasp);
+  ASSERT_EQ(result.picks.size(), 1u);
+  EXPECT_FALSE(result.picks[0].grasp.has_value());
+  EXPECT_EQ(result.picks[0].loss, Loss::kNoGrasp);
+  EXPECT_EQ(result.parts_cleared, 0);
+}
+
+TEST(Trial, PartsThatNoPixelShowsAreNotVisible) {
+  // From low outside, a wall hides all that lies on the floor.
+  ScenarioSpec spec = CubeScenario(2);
+  spec.bin.inner_size_m = {0.3, 0.3, 0.25};
+  spec.camera.eye_m = {0, -0.8, 0.15};
+  spec.camera.target_m = {0, 0, 0.1};
+  const TrialResult result = RunOne(spec, EasyCube());
+  EXPECT_EQ(result.ended_by, Loss::kNotVisible);
+  ASSERT_EQ(result.picks.size(), 1u);
+  for (const InstanceRecord& instance : result.picks[0].instances) {
+    EXPECT_EQ(instance.visible_fraction, 0);
+  }
+}
+
+TEST(Trial, AWrongPoseIsBlamedAndNotPhysics) {
+  ScenarioSpec spec = CubeScenario(2);
+  spec.estimator.noise_mm = 60;
+  int wrong = 0;
+  const ObjectSet objects = EasyCube();
+  TrialRunner runner(spec, objects);
+  for (int trial = 0; trial < 4; ++trial) {
+    for (const PickRecord& pick : runner.Run(trial).picks) {
+      if (!pick.grasp || pick.outcome.success) continue;
+      if (pick.hypotheses.at(pick.chosen).correct) continue;
+      EXPECT_EQ(pick.loss, Loss::kPoseWrong);
+      ++wrong;
+    }
+  }
+  EXPECT_GE(wrong, 2) << "the case did not occur";
+}
+
+TEST(Trial, ATooHeavyPartIsLostToPhysicsAndTheSameGraspIsNotRepeated) {
+  // 2 * 0.2 * 40 N hold 16 N; the cube weighs 49 N.
+  ScenarioSpec spec = CubeScenario(1);
+  spec.policy.max_failures_in_row = 4;
+  const TrialOptions options;
+  const TrialResult result = RunOne(spec, {Cube(0.05, 5, 0.2)});
+  EXPECT_EQ(result.parts_cleared, 0);
+  ASSERT_GE(result.picks.size(), 2u);
+  EXPECT_EQ(result.ended_by, result.picks.back().loss);
+  EXPECT_EQ(result.picks[0].loss, Loss::kSlipped);
+  for (size_t a = 0; a < result.picks.size(); ++a) {
+    for (size_t b = a + 1; b < result.picks.size(); ++b) {
+      if (!result.picks[b].grasp) continue;
+      const Pose& first = result.picks[a].grasp->X_WG;
+      const Pose& later = result.picks[b].grasp->X_WG;
+      const double angle = std::acos(first.linear().col(2).dot(later.linear().col(2)));
+      const double moved_m = (first.translation() - later.translation()).norm();
+      EXPECT_TRUE(angle > options.retry_angle_rad || moved_m > options.retry_radius_m / 2);
+    }
+  }
+}
+
+TEST(Trial, ALookScoresWithoutPicking) {
+  const TrialResult look = TrialRunner(CubeScenario(3), EasyCube()).Look(0);
+  ASSERT_EQ(look.picks.size(), 1u);
+  EXPECT_EQ(look.picks[0].hypotheses.size(), 3u);
+  EXPECT_FALSE(look.picks[0].grasp.has_value());
+  EXPECT_EQ(look.picks[0].loss, Loss::kNone);
+  EXPECT_EQ(look.parts_cleared, 0);
+}
+
+TEST(Trial, UnknownNamesAreBadInput) {
+  for (const auto& spoil : std::vector<std::function<void(ScenarioSpec&)>>{
+           [](ScenarioSpec& s) { s.estimator.name = "orcale"; },
+           [](ScenarioSpec& s) { s.gripper = "jaw_9cm"; },
+           [](ScenarioSpec& s) { s.sensor = "eye"; }}) {
+    ScenarioSpec spec = CubeScenario(1);
+    spoil(spec);
+    EXPECT_THROW(TrialRunner(spec, EasyCube()), InputError);
+  }
+}
+
+TEST(VirtualCell, EveryLookIsANewSampleOfTheSameTruth) {
+  VirtualCell cell(CubeScenario(3), EasyCube());
+  const Scene scene = cell.Drop(0).scene;
+  const View first = cell.See(scene, 0, 0), again = cell.See(scene, 0, 0);
+  const View second = cell.See(scene, 0, 1);
+  EXPECT_EQ(first.frame.depth_m, again.frame.depth_m);
+  EXPECT_NE(first.frame.depth_m, second.frame.depth_m);
+  EXPECT_EQ(first.ids, second.ids);
+  EXPECT_EQ(first.visible_fractions, second.visible_fractions);
+  const std::set<uint16_t> ids(first.ids.pixels().begin(), first.ids.pixels().end());
+  EXPECT_EQ(ids, (std::set<uint16_t>{0, 1, 2, 3}));
+}
+
+}  // namespace
+}  // namespace pickbed
