@@ -15,7 +15,7 @@ set(folders scenes sim perception grasp eval)
 # are allowed for Eigen alone; a private header of a room is named here.
 set(rooms
   "btBullet|BulletCollision|BulletDynamics|LinearMath=>^sim/[a-z_]+(\\.cpp|_impl\\.h)$"
-  "GL/|EGL/|KHR/|dlfcn=>^sim/(gl_[a-z_]+\\.(cpp|h)|renderer[a-z_]*\\.cpp|visibility\\.cpp)$"
+  "GL/|EGL/|KHR/=>^sim/(gl_[a-z_]+\\.(cpp|h)|renderer[a-z_]*\\.cpp|visibility\\.cpp)$"
   "torch/|ATen/|c10/=>^perception/(torch_[a-z_]+\\.(cpp|h)|networks/[a-z_]+\\.(cpp|h))$"
   "pcl/=>^perception/(icp|normals)\\.cpp$"
   "flann/=>^perception/neighbors\\.cpp$"
