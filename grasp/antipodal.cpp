@@ -119,6 +119,7 @@ struct Judge {
     }
     candidate.X_OG = X_OG;
     candidate.width_m = contact.width_m();
+    candidate.depth_m = -contact.shared_center().y();
     candidate.quality = Quality(X_OG, contact);
     return candidate;
   }

@@ -15,8 +15,8 @@ namespace pickbed {
 namespace {
 
 // Raised whenever the candidates of the same inputs would come out differently.
-constexpr const char* kVersion = "pickbed grasps 1\n";
-constexpr size_t kNumbersEach = 14;  // rows of [R|p], width, quality
+constexpr const char* kVersion = "pickbed grasps 2\n";
+constexpr size_t kNumbersEach = 15;  // rows of [R|p], width, depth, quality
 using PoseRows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
 uint64_t Key(const ObjectModel& model, GripperSpec gripper, AntipodalOptions options) {
@@ -36,7 +36,8 @@ std::string ToBytes(const std::vector<GraspCandidate>& candidates) {
     Eigen::Map<PoseRows> rows(numbers);
     rows = candidate.X_OG.matrix().topRows<3>();
     numbers[12] = candidate.width_m;
-    numbers[13] = candidate.quality;
+    numbers[13] = candidate.depth_m;
+    numbers[14] = candidate.quality;
     bytes.append(reinterpret_cast<const char*>(numbers), sizeof(numbers));
   }
   return bytes;
@@ -52,7 +53,8 @@ std::optional<std::vector<GraspCandidate>> FromBytes(const std::string& bytes) {
     std::memcpy(numbers, bytes.data() + version.size() + i * each, each);
     candidates[i].X_OG.matrix().topRows<3>() = Eigen::Map<const PoseRows>(numbers);
     candidates[i].width_m = numbers[12];
-    candidates[i].quality = numbers[13];
+    candidates[i].depth_m = numbers[13];
+    candidates[i].quality = numbers[14];
   }
   return candidates;
 }

@@ -14,6 +14,7 @@ namespace pickbed {
 struct GraspCandidate {
   Pose X_OG = Pose::Identity();
   double width_m = 0;  // distance of the two contacts
+  double depth_m = 0;  // of the contact's middle behind the finger tips
   double quality = 0;  // 0..1
 };
 

@@ -13,13 +13,29 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kColumn_m = 0.010;  // of the floor plan that sorts obstacle points
-constexpr int kMinPartPoints = 200;  // on a believed pose
+constexpr double kColumn_m = 0.010;   // of the floor plan that sorts obstacle points
+constexpr double kTouching_m = 1e-6;  // so that rounding does not turn touching into overlap
+constexpr int kMinPartPoints = 200;   // on a believed pose
 constexpr int kMaxPartPoints = 2000;
 
-enum Cause { kTilt, kOpening, kBinFloor, kBinWall, kFingers, kPalm, kCauses, kFree = kCauses };
-constexpr const char* kCauseNames[kCauses] = {
-    "tilt", "opening", "bin floor", "bin wall", "fingers meet a part", "palm meets a part"};
+enum Cause {
+  kTilt,
+  kQuality,
+  kOpening,
+  kBinFloor,
+  kBinWall,
+  kFingers,
+  kPalm,
+  kCauses,
+  kFree = kCauses
+};
+constexpr const char* kCauseNames[kCauses] = {"tilt",
+                                              "quality",
+                                              "opening",
+                                              "bin floor",
+                                              "bin wall",
+                                              "fingers meet a part",
+                                              "palm meets a part"};
 
 // What is the same for every pose of one object.
 struct PartShape {
@@ -146,7 +162,7 @@ class Planner {
       grasp.width_m = candidates[k].width_m;
       grasp.hypothesis = target;
       grasp.score = pose_score * candidates[k].quality;
-      const Cause cause = Check(shape.openings_m[k], ignored, grasp);
+      const Cause cause = Check(candidates[k], shape.openings_m[k], ignored, grasp);
       if (cause == kFree) {
         found_.push_back(grasp);
       } else {
@@ -155,21 +171,39 @@ class Planner {
     }
   }
 
+  // Draws a hand that would meet the floor back along its approach, and its score with it; false
+  // when too little of the contact would be left.
+  bool KeepOffFloor(const std::array<AxisAlignedBox, 3>& sweep, double depth_m,
+                    Grasp& grasp) const {
+    const Eigen::RowVector3d up = grasp.X_WG.linear().row(2);
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const AxisAlignedBox& box : sweep) {
+      // Grown as FindBinContact grows it.
+      const Vector3d reach = box.half_size.array() + options_.bin_clearance_m;
+      lowest = std::min(
+          lowest, grasp.X_WG.translation().z() + up.dot(box.center) - up.cwiseAbs().dot(reach));
+    }
+    const double missing = kTouching_m - lowest;
+    if (missing <= 0) return true;
+    const double back = missing / -up.z();
+    if (!(up.z() < 0) || back > depth_m - options_.min_depth_m) return false;
+    grasp.X_WG.translate(Vector3d(0, 0, -back));
+    grasp.score *= std::min(1.0, (depth_m - back) / options_.good_depth_m) /
+                   std::min(1.0, depth_m / options_.good_depth_m);
+    return true;
+  }
+
   // Scales the score of a free grasp by tilt and room.
-  Cause Check(const std::optional<double>& opening_m, const std::vector<uint8_t>& ignored,
-              Grasp& grasp) const {
+  Cause Check(const GraspCandidate& candidate, const std::optional<double>& opening_m,
+              const std::vector<uint8_t>& ignored, Grasp& grasp) const {
     const double tilt = std::acos(std::clamp(-grasp.X_WG.linear()(2, 2), -1.0, 1.0));
     if (tilt > options_.max_tilt_rad) return kTilt;
+    if (candidate.quality < options_.min_quality) return kQuality;
     if (!opening_m) return kOpening;
     const GripperSpec& gripper = input_.gripper;
     const auto sweep = HandSweep(gripper.hand, *opening_m, gripper.approach_m);
-    const std::span<const AxisAlignedBox> bin_boxes(bin_boxes_);
-    if (FindBinContact(sweep, grasp.X_WG, bin_boxes.first(1), options_.floor_clearance_m)) {
-      return kBinFloor;
-    }
-    if (FindBinContact(sweep, grasp.X_WG, bin_boxes.subspan(1), gripper.clearance_m)) {
-      return kBinWall;
-    }
+    if (!KeepOffFloor(sweep, candidate.depth_m, grasp)) return kBinFloor;
+    if (FindBinContact(sweep, grasp.X_WG, bin_boxes_, options_.bin_clearance_m)) return kBinWall;
     const Vector3d half_pad = 0.5 * gripper.hand.finger_size_m;
     const AxisAlignedBox between{{0, 0, -half_pad.z()},
                                  {0.5 * *opening_m, half_pad.y(), half_pad.z()}};
@@ -203,7 +237,10 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.Integer("max_grasps", max_grasps, {1, 1000}, "reported");
   v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.6}, "of the approach from straight down, rad");
   v.Real("own_points_m", own_points_m, {0.001, 0.1}, "points this near are the target's own, m");
-  v.Real("floor_clearance_m", floor_clearance_m, length, "kept between hand and floor, m");
+  v.Real("bin_clearance_m", bin_clearance_m, length, "kept between hand and bin, m");
+  v.Real("min_depth_m", min_depth_m, length, "contact behind the tips, at least, m");
+  v.Real("good_depth_m", good_depth_m, {0.001, 0.1}, "contact behind the tips without loss, m");
+  v.Real("min_quality", min_quality, share, "worse candidates are left alone");
   v.Real("voxel_m", voxel_m, {0.0005, 0.1}, "the cloud is thinned to, m");
   v.Real("bin_band_m", bin_band_m, length, "points this near to floor and walls are the bin's, m");
   v.Real("neighbor_confidence", neighbor_confidence, {0, 1e9}, "poses from here on are obstacles");

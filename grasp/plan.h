@@ -39,11 +39,15 @@ struct PlanOptions {
   double max_tilt_rad = 1.05;   // of the approach from straight down
   double own_points_m = 0.006;  // cloud points this near to the target's own surface are its own
 
-  double floor_clearance_m =
-      0.0015;                        // of the hand; the floor's place is known better than a part's
-  double voxel_m = 0.003;            // the cloud is thinned to
-  double bin_band_m = 0.004;         // points this near to floor and walls are the bin's
-  double neighbor_confidence = 0.5;  // believed poses from here on are obstacles
+  // Kept between hand and bin, whose place is known better than a part's.
+  double bin_clearance_m = 0.002;
+  // A hand that would meet the floor draws back until its contact is this near to the tips.
+  double min_depth_m = 0.002;
+  double good_depth_m = 0.008;        // contact this far behind the tips has no loss
+  double min_quality = 0.02;          // worse candidates are left alone
+  double voxel_m = 0.003;             // the cloud is thinned to
+  double bin_band_m = 0.004;          // points this near to floor and walls are the bin's
+  double neighbor_confidence = 0.5;   // believed poses from here on are obstacles
   double neighbor_spacing_m = 0.004;  // of the points on them
   double same_share = 0.25;  // poses nearer than this share of the diameter are rivals for one part
 
@@ -62,8 +66,8 @@ struct PlanOptions {
 
 struct PlanResult {
   std::vector<Grasp> grasps;  // best first
-  // Cause -> count. Causes: tilt, opening, bin floor, bin wall, fingers meet a part, palm meets a
-  // part.
+  // Cause -> count. Causes: tilt, quality, opening, bin floor, bin wall, fingers meet a part, palm
+  // meets a part.
   std::map<std::string, int> rejected;
 };
 

@@ -22,7 +22,7 @@ struct GraspBench {
   std::vector<Eigen::Vector3d> cloud_W;
 
   GraspBench(int parts, int candidates_each) {
-    objects = WithConvexPieces({ObjectCatalog({AssetsDir() / "objects"}).Load("bracket")});
+    objects = WithConvexPieces(ObjectSet{ObjectCatalog({AssetsDir() / "objects"}).Load("bracket")});
     Rng rng(1);
     AntipodalOptions options;
     options.candidates = candidates_each;

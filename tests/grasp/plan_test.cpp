@@ -73,7 +73,7 @@ TEST_F(Plan, LoneBoxOnTheFloorHasGraspsBestFirst) {
       EXPECT_LE(grasp.score, result.grasps[i - 1].score);
     }
     const auto sweep = HandSweep(gripper_.hand, grasp.width_m + 0.006, gripper_.approach_m);
-    EXPECT_FALSE(FindBinContact(sweep, grasp.X_WG, floor, options.floor_clearance_m));
+    EXPECT_FALSE(FindBinContact(sweep, grasp.X_WG, floor, options.bin_clearance_m));
     EXPECT_LE(std::acos(-grasp.X_WG.linear()(2, 2)), PlanOptions{}.max_tilt_rad);
   }
 }
