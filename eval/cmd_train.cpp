@@ -58,8 +58,7 @@ std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
 // "key=value" of --set, and the options that have a name of their own.
 void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
                        std::vector<std::string>& training_settings) {
-  app.add_option("OBJECT", arguments.objects,
-                 "parts of the catalog (pickbed list objects)");
+  app.add_option("OBJECT", arguments.objects, "parts of the catalog (pickbed list objects)");
   app.add_option("--scenario", arguments.scenario.scenario,
                  "learn the parts of this scenario, for its camera, bin and sensor");
   app.add_option("--catalog", arguments.scenario.catalog, "folder of your own objects")

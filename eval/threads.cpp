@@ -1,22 +1,26 @@
 #include "eval/threads.h"
 
-#include <dlfcn.h>
 #include <stdlib.h>
 
 #include <initializer_list>
 
+// Weak: there when the process has OpenBLAS or OpenMP, null when another BLAS is installed.
+extern "C" {
+void openblas_set_num_threads(int threads) __attribute__((weak));
+void omp_set_num_threads(int threads) __attribute__((weak));
+}
+
 namespace pickbed {
 
 void UseOneThread() {
-  for (const char* name : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS",
-                           "OPENCV_FOR_THREADS_NUM", "LP_NUM_THREADS"}) {
-    // llvmpipe draws fastest without raster threads when every worker has its own context.
-    const bool is_llvmpipe = name[0] == 'L';
-    setenv(name, is_llvmpipe ? "0" : "1", 1);
+  for (const char* name :
+       {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"}) {
+    setenv(name, "1", 1);
   }
-  for (const char* name : {"openblas_set_num_threads", "omp_set_num_threads"}) {
-    if (void* entry = dlsym(RTLD_DEFAULT, name)) reinterpret_cast<void (*)(int)>(entry)(1);
-  }
+  // llvmpipe draws fastest without raster threads when every worker has its own context.
+  setenv("LP_NUM_THREADS", "0", 1);
+  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
+  if (omp_set_num_threads != nullptr) omp_set_num_threads(1);
 }
 
 }  // namespace pickbed

@@ -136,7 +136,8 @@ TEST_F(CommandsTest, FoldersThatCannotBeMadeAreRefused) {
   const std::string under_a_file = File("file", "no folder") + "/out";
   for (const char* command : {"run", "drop", "render", "estimate"}) {
     std::vector<std::string> words{command, Scenario(), "--out", under_a_file};
-    if (command == std::string("run")) words.insert(words.end(), {"--set", "estimator.name=oracle"});
+    if (command == std::string("run"))
+      words.insert(words.end(), {"--set", "estimator.name=oracle"});
     ExpectRefused(words, "--out");
   }
 }
