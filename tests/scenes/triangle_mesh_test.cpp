@@ -21,7 +21,7 @@ double BruteForceDiameter(const std::vector<Vector3d>& points) {
 
 TEST(Diameter, EqualsBruteForce) {
   Rng rng(1);
-  for (const int count : {1, 2, 3, 17, 33, 500}) {
+  for (const int count : {1, 2, 3, 17, 33, 500, 3000}) {
     for (const Vector3d& stretch : {Vector3d(1, 1, 1), Vector3d(10, 1, 0), Vector3d(0, 0, 3)}) {
       TriangleMesh ball, sphere, equal;
       for (int i = 0; i < count; ++i) {
