@@ -255,10 +255,11 @@ TrialResult TrialRunner::Run(int trial, const std::filesystem::path& picture_fol
     if (max_picks > 0 && result.picks.size() == max_picks) break;
     impl_->PickOnce(live);
     const PickRecord& pick = result.picks.back();
-    failures_in_row = pick.loss == Loss::kNone ? 0 : failures_in_row + 1;
+    const bool picked = pick.loss == Loss::kNone;
+    result.parts_cleared += picked;
+    failures_in_row = picked ? 0 : failures_in_row + 1;
     if (!pick.grasp || failures_in_row >= policy.max_failures_in_row) result.ended_by = pick.loss;
   }
-  result.parts_cleared = result.parts_dropped - static_cast<int>(live.scene.objects.size());
   return std::move(result);
 }
 

@@ -55,7 +55,7 @@ struct TrialResult {
   int trial = 0;
   DropReport drop;
   int parts_dropped = 0;  // that came to lie in the bin
-  int parts_cleared = 0;  // gone from the bin at the end
+  int parts_cleared = 0;  // by picks that succeeded; a part knocked out of the bin is not one
   std::vector<PickRecord> picks;
   Loss ended_by = Loss::kNone;  // kNone = bin empty or pick limit, else what stopped the trial
   StageSeconds seconds;         // never part of a results file
