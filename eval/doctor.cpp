@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "eval/oracle.h"
+#include "eval/command_line.h"
 #include "eval/results_store.h"
 #include "eval/virtual_cell.h"
 #include "scenes/mass_properties.h"
@@ -82,17 +82,14 @@ std::string Settle() {
 
 // A whole look with the estimator and the model that ship with the program.
 std::string Network() {
-  ScenarioSpec spec;
-  PartSpec part;
-  part.name = ObjectCatalog({AssetsDir() / "objects"}).Names().at(0);
-  part.count = 3;
-  spec.objects = {part};
-  const ObjectSet objects = LoadObjects(spec, ObjectCatalog({AssetsDir() / "objects"}));
-  TrialRunner runner(spec, objects);
+  ScenarioSpec spec = LoadScenario(PresetsDir() / "demo.yaml");
+  spec.objects.resize(1);
+  const PartSpec& part = spec.objects[0];
+  TrialRunner runner(spec, LoadObjects(spec, ObjectCatalog({AssetsDir() / "objects"})));
   const TrialResult look = runner.Look(0);
   const size_t hypotheses = look.picks.empty() ? 0 : look.picks[0].hypotheses.size();
-  return fmt::format("estimator {} gave {} poses of 3 x {} in {:.2f} s", spec.estimator.name,
-                     hypotheses, part.name, look.seconds.at("estimate"));
+  return fmt::format("estimator {} gave {} poses of {} x {} in {:.2f} s", spec.estimator.name,
+                     hypotheses, part.count, part.name, look.seconds.at("estimate"));
 }
 
 std::string Store() {

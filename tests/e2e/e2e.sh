@@ -3,6 +3,7 @@
 #   e2e.sh PICKBED CASE
 # CASE is the name of a function below; each works in a folder of its own and fails loudly.
 set -u
+here=$(cd "$(dirname "$0")" && pwd)
 pickbed=$1
 name=$2
 work=$(mktemp -d "${TMPDIR:-/tmp}/pickbed_e2e_XXXXXX")
@@ -86,6 +87,42 @@ interrupt_and_resume() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials $((kept + 2)) --out whole
   same long/trials.csv whole/trials.csv
   same long/picks.csv whole/picks.csv
+}
+
+a_killed_worker_loses_only_its_trial() {
+  "$pickbed" run small.yaml "${small[@]}" --trials 12 --jobs 2 --out killed 2>killed.err >/dev/null &
+  local pid=$!
+  for _ in $(seq 600); do
+    grep -q "^trial [2-9]" killed.err && break
+    sleep 0.2
+  done
+  kill -KILL "$(ps -o pid= --ppid $pid | tail -1)"
+  wait $pid
+  [ $? = 2 ] || fail "exit was not 2"
+  grep -q "signal 9" killed.err || fail "the crash is not named"
+  [ "$(wc -l <killed/trials.csv)" = 12 ] || fail "not exactly one trial was lost"
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 12 --out killed --resume
+  [ "$(wc -l <killed/trials.csv)" = 13 ] || fail "the lost trial was not made up for"
+}
+
+truncated_model_is_refused() {
+  local model=$here/../../assets/models/shipped.pt
+  head -c 5000 "$model" >cut.pt
+  expect 1 "$pickbed" estimate small.yaml --set "estimator.model=$work/cut.pt" --out cut
+  grep -q "cut.pt" last.err || fail "the file is not named"
+  [ "$(wc -l <last.err)" = 1 ] || fail "more than one line"
+}
+
+a_full_disk_keeps_finished_trials() {
+  (
+    trap '' XFSZ # a write beyond the limit then fails instead of killing
+    ulimit -f 120
+    "$pickbed" run small.yaml "${small[@]}" --trials 100 --out full --pictures 0 2>full.err
+  )
+  [ $? = 1 ] || fail "exit was not 1"
+  grep -q "results.sqlite" full.err || fail "the file is not named"
+  expect 1 "$pickbed" run small.yaml "${small[@]}" --trials 100 --out full
+  grep -q "finished trials" last.err || fail "no trial was kept"
 }
 
 other_settings_are_refused() {
