@@ -12,6 +12,10 @@
 namespace pickbed {
 namespace {
 
+// Camera distances to learn from, over that of the scenario.
+constexpr double kNearest = 0.88;
+constexpr double kFarthest = 1.15;
+
 struct TrainArguments {
   std::vector<std::string> objects;
   ScenarioArguments scenario;  // optional: camera, bin, sensor and parts
@@ -52,6 +56,11 @@ std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
   options.sensor = LoadSensorProfile(lesson.spec.sensor);
   options.camera = CameraOf(lesson.spec).intrinsics;
   options.bin = BinOf(lesson.spec);
+  // A cell's camera stands still, but parts lie higher or lower and cells are built to a hand's
+  // width.
+  const double distance_m = lesson.spec.camera.eye_m.norm();
+  options.distance_min_m = kNearest * distance_m;
+  options.distance_max_m = kFarthest * distance_m;
   return MakeSimViewSource(WithConvexPieces(lesson.objects), options);
 }
 
