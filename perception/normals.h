@@ -18,12 +18,12 @@
 namespace pickbed {
 
 struct PlaneFitOptions {
-  int window_px = 7;         // odd, 3..15
+  int window_px = 5;         // odd, 3..15
   double band_m = 0.010;     // at 1 m, scaled by z
   double min_support = 0.3;  // share of the window that must take part
   // A window beside the pixel must have less than this share of the residual variance of the one
   // around it; near 1 noise chooses, 0 never leaves the middle.
-  double side_variance = 0.5;
+  double side_variance = 0.25;
   // ... and its plane must pass the pixel within so many of its own standard deviations.
   double side_sigmas = 3;
   double min_incidence_cos = 0.1;  // a normal more oblique to the ray than this is not believed

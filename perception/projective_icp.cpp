@@ -40,21 +40,26 @@ using Matrix6f = Eigen::Matrix<float, 6, 6>;
 using Vector6f = Eigen::Matrix<float, 6, 1>;
 using Vector8f = Eigen::Matrix<float, 8, 1>;
 
-// Normal equations of sum (n . (q - p))^2 over the pairs: the moments of rows (J, residual), in
-// columns of eight for the sake of vector instructions.
+// Normal equations of the weighted sum of (n . (q - p))^2 over the pairs: the moments of rows
+// (J, residual), in columns of eight for the sake of vector instructions.
 struct Equations {
   Eigen::Matrix<float, 8, 7> moments = Eigen::Matrix<float, 8, 7>::Zero();
+  float sum_squared_m2 = 0;  // not weighted
   int pairs = 0;
 
-  void Add(const Eigen::Vector3f& turn, const Eigen::Vector3f& normal, float residual) {
+  // Weight (1 - r^2 / gate^2)^2, Tukey's biweight: what is about to leave the gate pulls no more.
+  void Add(const Eigen::Vector3f& turn, const Eigen::Vector3f& normal, float residual,
+           float gate2) {
+    const float root = 1 - residual * residual / gate2;
     Vector8f row;
     row << turn, normal, residual, 0;
+    row *= root;
     for (int i = 0; i < 7; ++i) moments.col(i) += row[i] * row;
+    sum_squared_m2 += residual * residual;
     ++pairs;
   }
   Matrix6f hessian() const { return moments.topLeftCorner<6, 6>(); }
   Vector6f gradient() const { return moments.col(6).head<6>(); }
-  float sum_squared_m2() const { return moments(6, 6); }
 };
 
 class Problem {
@@ -85,7 +90,7 @@ class Problem {
         if (!(n.dot(model_normal) > min_normal_cos_)) continue;  // also where n is zero
         const Eigen::Vector3f d = cloud_.points_C[pixel] - p;
         if (d.squaredNorm() > gate2) continue;
-        equations.Add(arm.cross(n) / radius_m_, n, n.dot(d));
+        equations.Add(arm.cross(n) / radius_m_, n, n.dot(d), gate2);
         break;
       }
     }
@@ -160,7 +165,7 @@ IcpReport ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, c
   IcpReport report;
   report.X_CO = ToPose(pose, model);
   if (subset.count > 0) report.overlap = static_cast<double>(end.pairs) / subset.count;
-  if (end.pairs > 0) report.residual_m = std::sqrt(end.sum_squared_m2() / end.pairs);
+  if (end.pairs > 0) report.residual_m = std::sqrt(end.sum_squared_m2 / end.pairs);
   if (end.pairs >= kMinPairs) report.conditioning = Conditioning(end.hessian());
   return report;
 }

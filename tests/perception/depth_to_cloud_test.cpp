@@ -69,9 +69,10 @@ TEST(BuildCloud, SmoothingLowersNoise) {
     before += std::pow(noisy.depth_m(x, y) - scene.frame().depth_m(x, y), 2);
     after += std::pow(cloud.depth_m(x, y) - scene.frame().depth_m(x, y), 2);
   });
-  // A mean of 49 readings would lower it seven times; a plane fitted to them the same at the
-  // middle.
-  EXPECT_NEAR(std::sqrt(before / after), 7.0, 0.7);
+  // A plane fitted to 25 readings lowers it five times at the middle; where noise alone makes a
+  // window beside the pixel the better one it is less.
+  EXPECT_GT(std::sqrt(before / after), 4.3);
+  EXPECT_LT(std::sqrt(before / after), 5.2);
 }
 
 TEST(BuildCloud, StepStaysSharp) {
