@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <optional>
@@ -14,58 +13,23 @@
 
 #include "scenes/check.h"
 #include "sim/atlas.h"
+#include "sim/footprint.h"
 #include "sim/gl_objects.h"
+#include "sim/gl_readback.h"
 
 namespace pickbed {
 namespace {
 
 constexpr int kMaxImageSide = 16384;  // OpenGL's limit in Mesa
-constexpr int kAtlasSide = 1024;      // px; larger pages fall out of the cache
+constexpr int kAtlasSide = 512;       // px; larger pages fall out of the cache
 constexpr size_t kMaxTargets = 6;     // framebuffers that are kept, of different sizes
-constexpr double kMinNear_m = 0.005;  // nothing nearer is drawn
-
-// Where a box lands in an image.
-struct Footprint {
-  double near_m = std::numeric_limits<double>::infinity();
-  double far_m = -std::numeric_limits<double>::infinity();
-  Eigen::Vector2d min_px = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector2d max_px = -min_px;
-  bool in_front = false;  // all of it is before the camera, so that min and max are known
-
-  bool Overlaps(const CameraIntrinsics& k) const {
-    return far_m > kMinNear_m &&
-           (!in_front || (max_px.x() > -0.5 && max_px.y() > -0.5 && min_px.x() < k.width - 0.5 &&
-                          min_px.y() < k.height - 0.5));
-  }
-  bool IsInside(const CameraIntrinsics& k) const {
-    return in_front && min_px.x() > -0.5 && min_px.y() > -0.5 && max_px.x() < k.width - 0.5 &&
-           max_px.y() < k.height - 0.5;
-  }
-};
-
-Footprint FootprintOf(const Bounds& bounds_O, const Pose& X_CO, const CameraIntrinsics& k) {
-  Footprint out;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d p_O((corner & 1 ? bounds_O.max : bounds_O.min).x(),
-                              (corner & 2 ? bounds_O.max : bounds_O.min).y(),
-                              (corner & 4 ? bounds_O.max : bounds_O.min).z());
-    const Eigen::Vector3d p_C = X_CO * p_O;
-    out.near_m = std::min(out.near_m, p_C.z());
-    out.far_m = std::max(out.far_m, p_C.z());
-    const Eigen::Vector2d pixel = Project(k, p_C);
-    out.min_px = out.min_px.cwiseMin(pixel);
-    out.max_px = out.max_px.cwiseMax(pixel);
-  }
-  out.in_front = out.near_m > kMinNear_m;
-  return out;
-}
 
 struct DepthRange {
   double near_m = std::numeric_limits<double>::infinity();
   double far_m = 0;
 
   void Include(const Footprint& footprint) {
-    near_m = std::min(near_m, std::max(kMinNear_m, 0.999 * footprint.near_m));
+    near_m = std::min(near_m, std::max(kNearestDrawn_m, 0.999 * footprint.near_m));
     far_m = std::max(far_m, 1.001 * footprint.far_m);
   }
 };
@@ -91,15 +55,6 @@ InstanceAttributes AttributesOf(const Pose& X_CO, uint32_t id, const CameraIntri
   out.light_C = {static_cast<float>(light_C.x()), static_cast<float>(light_C.y()),
                  static_cast<float>(light_C.z())};
   out.id = id;
-  return out;
-}
-
-template <typename T>
-Image<T> CropOf(const Image<T>& page, const AtlasTile& tile, int width, int height) {
-  Image<T> out(width, height);
-  for (int y = 0; y < height; ++y) {
-    std::memcpy(out.row(y), page.row(tile.y + y) + tile.x, sizeof(T) * width);
-  }
   return out;
 }
 
@@ -136,7 +91,7 @@ struct Renderer::Impl {
 
   // Level of detail for a mesh whose nearest point is at `near_m`.
   int LevelOf(const GlMesh& mesh, double near_m, const CameraIntrinsics& k) const {
-    const double pixel_m = std::max(near_m, kMinNear_m) / std::max(k.fx, k.fy);
+    const double pixel_m = std::max(near_m, kNearestDrawn_m) / std::max(k.fx, k.fy);
     const double allowed_m = std::max(detail.deviation_m, detail.deviation_px * pixel_m);
     int level = 0;
     while (level + 1 < static_cast<int>(mesh.levels.size()) &&
@@ -247,31 +202,6 @@ struct Renderer::Impl {
     });
   }
 
-  RenderedImage ReadBack(const GlTarget& target, Parts parts) {
-    RenderedImage out;
-    const int width = target.width, height = target.height;
-    out.depth_m = ReadDepth(target);
-    out.ids = Image<uint16_t>(width, height);
-    gl.ReadBuffer(kIdAttachment);
-    gl.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_SHORT, out.ids.data());
-    if (parts == Parts::kAll) {
-      rgba.resize(out.depth_m.size());
-      gl.ReadBuffer(kColorAttachment);
-      gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
-      out.color = Image<Rgb8>(width, height);
-      Rgb8* to = out.color.data();
-      for (size_t i = 0; i < rgba.size(); ++i) to[i] = {rgba[i][0], rgba[i][1], rgba[i][2]};
-    }
-    return out;
-  }
-
-  Image<float> ReadDepth(const GlTarget& target) {
-    Image<float> depth_m(target.width, target.height);
-    gl.ReadBuffer(kDepthAttachment);
-    gl.ReadPixels(0, 0, target.width, target.height, GL_RED, GL_FLOAT, depth_m.data());
-    return depth_m;
-  }
-
   void CheckErrors() {
     if (const GLenum error = gl.GetError(); error != GL_NO_ERROR) {
       throw std::runtime_error(fmt::format("OpenGL error 0x{:04x} while drawing", error));
@@ -304,9 +234,9 @@ struct Renderer::Impl {
     SortForDrawing(draws);
     BeginTarget(gl, target, parts == Parts::kAll);
     DrawAll(draws, parts, light);
-    RenderedImage out = ReadBack(target, parts);
+    readback.ReadAll(gl, target, parts == Parts::kAll);
     CheckErrors();
-    return out;
+    return readback.Crop({}, k.width, k.height);
   }
 
   // Draws the views of a page and leaves the page's target bound.
@@ -361,16 +291,11 @@ struct Renderer::Impl {
     const AtlasLayout layout = LayOut(cameras, instances);
     std::vector<RenderedImage> out(cameras.size());
     for (const AtlasPage& page : layout.pages) {
-      const RenderedImage all =
-          ReadBack(DrawPage(layout, page, cameras, instances, light, parts), parts);
+      const GlTarget& target = DrawPage(layout, page, cameras, instances, light, parts);
+      readback.ReadAll(gl, target, parts == Parts::kAll);
       for (int i = page.first_tile; i < page.first_tile + page.tile_count; ++i) {
-        const auto& [width, height] =
-            std::pair(cameras[i].intrinsics.width, cameras[i].intrinsics.height);
-        out[i].depth_m = CropOf(all.depth_m, layout.tiles[i], width, height);
-        out[i].ids = CropOf(all.ids, layout.tiles[i], width, height);
-        if (parts == Parts::kAll) {
-          out[i].color = CropOf(all.color, layout.tiles[i], width, height);
-        }
+        const CameraIntrinsics& k = cameras[i].intrinsics;
+        out[i] = readback.Crop(layout.tiles[i], k.width, k.height);
       }
     }
     CheckErrors();
@@ -384,14 +309,10 @@ struct Renderer::Impl {
     const AtlasLayout layout = LayOut(cameras, instances);
     std::vector<int> counts(cameras.size(), 0);
     for (const AtlasPage& page : layout.pages) {
-      const GlTarget& target = DrawPage(layout, page, cameras, instances, {}, Parts::kDepthAndIds);
-      const Image<float> depth_m = ReadDepth(target);
+      readback.ReadDepth(gl, DrawPage(layout, page, cameras, instances, {}, Parts::kDepthAndIds));
       for (int i = page.first_tile; i < page.first_tile + page.tile_count; ++i) {
-        const AtlasTile& tile = layout.tiles[i];
-        for (int y = 0; y < cameras[i].intrinsics.height; ++y) {
-          const float* row = depth_m.row(tile.y + y) + tile.x;
-          for (int x = 0; x < cameras[i].intrinsics.width; ++x) counts[i] += row[x] > 0;
-        }
+        const CameraIntrinsics& k = cameras[i].intrinsics;
+        counts[i] = readback.CountCovered(layout.tiles[i], k.width, k.height);
       }
     }
     CheckErrors();
@@ -404,8 +325,8 @@ struct Renderer::Impl {
   GLuint instance_buffer = 0;
   std::vector<GlMesh> meshes;
   std::vector<GlTarget> targets;
-  std::map<int, GlProgram> programs;         // by switches of sim/shaders.h
-  std::vector<std::array<uint8_t, 4>> rgba;  // read-back buffer
+  std::map<int, GlProgram> programs;  // by switches of sim/shaders.h
+  Readback readback;
 };
 
 Renderer::Renderer(const GlContextOptions& options, const DetailOptions& detail)

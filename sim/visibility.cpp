@@ -4,35 +4,26 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/footprint.h"
+
 namespace pickbed {
 namespace {
 
-// A camera at the same place whose image holds all of the instance. It is shifted by whole pixels,
-// so that the instance covers the same ones. Only what reaches behind the camera is cut, at
-// `kMaxCanvas_px` around the image's middle.
 constexpr int kMaxCanvas_px = 4096;
 
+// A camera at the same place whose image holds all of the instance, shifted by whole pixels so that
+// the same ones are covered. An instance that reaches behind the camera has no end: it is cut at
+// kMaxCanvas_px around the image's middle.
 Camera CanvasFor(const Camera& camera, const Bounds& bounds_O, const Pose& X_CO) {
   const CameraIntrinsics& k = camera.intrinsics;
-  Eigen::Vector2d min_px = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector2d max_px = -min_px;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d p_O((corner & 1 ? bounds_O.max : bounds_O.min).x(),
-                              (corner & 2 ? bounds_O.max : bounds_O.min).y(),
-                              (corner & 4 ? bounds_O.max : bounds_O.min).z());
-    const Eigen::Vector3d p_C = X_CO * p_O;
-    if (p_C.z() <= 0) {
-      min_px.setConstant(-kMaxCanvas_px);
-      max_px.setConstant(kMaxCanvas_px);
-      break;
-    }
-    min_px = min_px.cwiseMin(Project(k, p_C));
-    max_px = max_px.cwiseMax(Project(k, p_C));
-  }
+  const Footprint footprint = FootprintOf(bounds_O, X_CO, k);
   const Eigen::Vector2d middle(0.5 * k.width, 0.5 * k.height);
   const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * kMaxCanvas_px);
-  min_px = min_px.cwiseMax(middle - half);
-  max_px = max_px.cwiseMin(middle + half);
+  Eigen::Vector2d min_px = middle - half, max_px = middle + half;
+  if (footprint.in_front) {
+    min_px = footprint.min_px.cwiseMax(min_px).cwiseMin(max_px);
+    max_px = footprint.max_px.cwiseMin(max_px).cwiseMax(min_px);
+  }
   Camera canvas = camera;
   const int left = static_cast<int>(std::floor(min_px.x()));
   const int top = static_cast<int>(std::floor(min_px.y()));

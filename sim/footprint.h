@@ -1,0 +1,26 @@
+#pragma once
+
+// Where a box lands in an image.
+
+#include "scenes/camera.h"
+#include "scenes/triangle_mesh.h"
+
+namespace pickbed {
+
+inline constexpr double kNearestDrawn_m = 0.005;  // nothing nearer to the camera is drawn
+
+struct Footprint {
+  double near_m = 0;  // depth of the box's nearest and farthest corner, may be negative
+  double far_m = 0;
+  Eigen::Vector2d min_px = Eigen::Vector2d::Zero();  // only meaningful when in_front
+  Eigen::Vector2d max_px = Eigen::Vector2d::Zero();
+  bool in_front = false;  // all of the box is farther than kNearestDrawn_m
+
+  // May something of the box be drawn in such an image? Is all of it inside?
+  bool Overlaps(const CameraIntrinsics& k) const;
+  bool IsInside(const CameraIntrinsics& k) const;
+};
+
+Footprint FootprintOf(const Bounds& bounds_O, const Pose& X_CO, const CameraIntrinsics& k);
+
+}  // namespace pickbed
