@@ -2,7 +2,6 @@
 
 #include "eval/command_line.h"
 #include "eval/commands.h"
-#include "eval/interrupt.h"
 #include "eval/progress.h"
 #include "eval/summary.h"
 
@@ -16,7 +15,7 @@ std::vector<TrialResult> LookAtBins(const LoadedScenario& scenario,
     progress.Show(fmt::format("{}: {:.0f} %", what, 100 * share));
   });
   std::vector<TrialResult> looks;
-  for (int trial = 0; trial < scenario.spec.trials && !Interrupted(); ++trial) {
+  for (int trial = 0; trial < scenario.spec.trials; ++trial) {
     looks.push_back(runner.Look(trial, folder / "pictures" / fmt::format("trial_{:04}", trial)));
     progress.Show(fmt::format("bin {}/{}", trial + 1, scenario.spec.trials));
   }
@@ -83,12 +82,11 @@ int EstimateCommand(int argc, char** argv) {
   const LoadedScenario scenario = LoadScenarioArguments(arguments);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");
   MakeFolder(folder);
-  CatchInterrupts();
   const std::vector<TrialResult> looks = LookAtBins(scenario, folder);
   WriteFileAtomically(folder / "hypotheses.csv", HypothesesCsv(looks, scenario.objects));
   fmt::print("{}hypotheses.csv and overlays in {}\n", EstimateTable(Summarize(looks), looks),
              folder.string());
-  return Interrupted() ? kExitInterrupted : 0;
+  return 0;
 }
 
 }  // namespace pickbed

@@ -89,6 +89,19 @@ interrupt_and_resume() {
   same long/picks.csv whole/picks.csv
 }
 
+other_commands_stop_at_once() {
+  "$pickbed" estimate small.yaml "${small[@]}" --trials 500 --out look 2>stopped.err >/dev/null &
+  local pid=$!
+  for _ in $(seq 600); do
+    grep -q "^bin" stopped.err && break
+    sleep 0.2
+  done
+  kill -INT $pid
+  wait $pid
+  [ $? = 130 ] || fail "exit was not 130"
+  grep -q "interrupted" stopped.err || fail "nothing was said"
+}
+
 a_killed_worker_loses_only_its_trial() {
   "$pickbed" run small.yaml "${small[@]}" --trials 12 --jobs 2 --out killed 2>killed.err >/dev/null &
   local pid=$!
