@@ -78,11 +78,27 @@ class Planner {
 
   PlanResult Run() {
     for (size_t i = 0; i < input_.poses.size(); ++i) PlanPose(static_cast<int>(i));
+    // Looking at the points costs most and only lowers a score: the best go first, until no other
+    // can come among the reported.
+    std::stable_sort(pending_.begin(), pending_.end(), [](const Pending& a, const Pending& b) {
+      return a.grasp.score > b.grasp.score;
+    });
     PlanResult result;
-    std::stable_sort(found_.begin(), found_.end(),
-                     [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
-    if (static_cast<int>(found_.size()) > options_.max_grasps) found_.resize(options_.max_grasps);
-    result.grasps = std::move(found_);
+    std::vector<Grasp>& best = result.grasps;
+    const size_t wanted = options_.max_grasps;
+    for (Pending& pending : pending_) {
+      if (best.size() == wanted && best.back().score >= pending.grasp.score) break;
+      const Cause cause = CheckPoints(pending);
+      if (cause != kFree) {
+        ++rejected_[cause];
+        continue;
+      }
+      const auto place =
+          std::upper_bound(best.begin(), best.end(), pending.grasp,
+                           [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
+      best.insert(place, pending.grasp);
+      if (best.size() > wanted) best.pop_back();
+    }
     for (int cause = 0; cause < kCauses; ++cause) {
       if (rejected_[cause] > 0) result.rejected[kCauseNames[cause]] = rejected_[cause];
     }
@@ -90,6 +106,12 @@ class Planner {
   }
 
  private:
+  // Free of the bin, not yet held against the points.
+  struct Pending {
+    Grasp grasp;
+    double opening_m;
+  };
+
   std::vector<std::optional<PartShape>> MakeShapes() const {
     std::vector<std::optional<PartShape>> shapes(input_.objects.size());
     for (const BelievedPose& pose : input_.poses) {
@@ -148,9 +170,9 @@ class Planner {
   void PlanPose(int target) {
     const BelievedPose& pose = input_.poses[target];
     const PartShape& shape = *shapes_[pose.object];
-    const std::vector<uint8_t> ignored = IgnoredPoints(target);
+    ignored_.push_back(IgnoredPoints(target));
     const double covered =
-        field_.CoveredShare(pose.X_WO * shape.points_O, ignored, options_.cover_above_m);
+        field_.CoveredShare(pose.X_WO * shape.points_O, ignored_.back(), options_.cover_above_m);
     const double range = highest_ - lowest_;
     const double depth = range > 0 ? (highest_ - CenterOf(input_, pose).z()) / range : 0;
     const double pose_score = pose.confidence * (1 - options_.cover_share * covered) *
@@ -162,9 +184,10 @@ class Planner {
       grasp.width_m = candidates[k].width_m;
       grasp.hypothesis = target;
       grasp.score = pose_score * candidates[k].quality;
-      const Cause cause = Check(candidates[k], shape.openings_m[k], ignored, grasp);
+      const std::optional<double>& opening_m = shape.openings_m[k];
+      const Cause cause = CheckBin(candidates[k], opening_m, grasp);
       if (cause == kFree) {
-        found_.push_back(grasp);
+        pending_.push_back({grasp, *opening_m});
       } else {
         ++rejected_[cause];
       }
@@ -193,28 +216,36 @@ class Planner {
     return true;
   }
 
-  // Scales the score of a free grasp by tilt and room.
-  Cause Check(const GraspCandidate& candidate, const std::optional<double>& opening_m,
-              const std::vector<uint8_t>& ignored, Grasp& grasp) const {
+  // Scales the score of a free grasp by its tilt.
+  Cause CheckBin(const GraspCandidate& candidate, const std::optional<double>& opening_m,
+                 Grasp& grasp) const {
     const double tilt = std::acos(std::clamp(-grasp.X_WG.linear()(2, 2), -1.0, 1.0));
     if (tilt > options_.max_tilt_rad) return kTilt;
     if (candidate.quality < options_.min_quality) return kQuality;
     if (!opening_m) return kOpening;
-    const GripperSpec& gripper = input_.gripper;
-    const auto sweep = HandSweep(gripper.hand, *opening_m, gripper.approach_m);
+    const auto sweep = HandSweep(input_.gripper.hand, *opening_m, input_.gripper.approach_m);
     if (!KeepOffFloor(sweep, candidate.depth_m, grasp)) return kBinFloor;
     if (FindBinContact(sweep, grasp.X_WG, bin_boxes_, options_.bin_clearance_m)) return kBinWall;
+    grasp.score *= 1 - options_.tilt_share * tilt / options_.max_tilt_rad;
+    return kFree;
+  }
+
+  // Scales the score of a free grasp by the room around it.
+  Cause CheckPoints(Pending& pending) const {
+    const GripperSpec& gripper = input_.gripper;
+    Grasp& grasp = pending.grasp;
+    const auto sweep = HandSweep(gripper.hand, pending.opening_m, gripper.approach_m);
     const Vector3d half_pad = 0.5 * gripper.hand.finger_size_m;
     const AxisAlignedBox between{{0, 0, -half_pad.z()},
-                                 {0.5 * *opening_m, half_pad.y(), half_pad.z()}};
-    const auto seen = field_.Look(grasp.X_WG, sweep, between, ignored, options_.good_room_m);
+                                 {0.5 * pending.opening_m, half_pad.y(), half_pad.z()}};
+    const auto seen =
+        field_.Look(grasp.X_WG, sweep, between, ignored_[grasp.hypothesis], options_.good_room_m);
     const double fingers = std::min(seen.distance_m[0], seen.distance_m[1]);
     if (fingers < gripper.clearance_m) return kFingers;
     if (seen.distance_m[2] < gripper.clearance_m) return kPalm;
     const double room = std::min(1.0, std::min(fingers, seen.distance_m[2]) / options_.good_room_m);
     const double crowd = std::min(1.0, double(seen.between) / options_.many_between);
-    grasp.score *= (1 - options_.tilt_share * tilt / options_.max_tilt_rad) *
-                   (1 - options_.room_share * (1 - room)) * (1 - options_.between_share * crowd);
+    grasp.score *= (1 - options_.room_share * (1 - room)) * (1 - options_.between_share * crowd);
     return kFree;
   }
 
@@ -225,7 +256,8 @@ class Planner {
   ObstacleField field_;
   double lowest_ = std::numeric_limits<double>::infinity();
   double highest_ = -std::numeric_limits<double>::infinity();
-  std::vector<Grasp> found_;
+  std::vector<std::vector<uint8_t>> ignored_;  // by pose, a flag for each point of the field
+  std::vector<Pending> pending_;
   std::array<int, kCauses> rejected_{};
 };
 

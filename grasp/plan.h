@@ -67,7 +67,7 @@ struct PlanOptions {
 struct PlanResult {
   std::vector<Grasp> grasps;  // best first
   // Cause -> count. Causes: tilt, quality, opening, bin floor, bin wall, fingers meet a part, palm
-  // meets a part.
+  // meets a part. The last two are looked for from the best candidate on, until enough are free.
   std::map<std::string, int> rejected;
 };
 

@@ -43,12 +43,13 @@ struct GraspBench {
   }
 };
 
-void PlanBin(benchmark::State& state) {
-  const GraspBench bench(20, 200);
+void PlanBin(benchmark::State& state, int candidates_each) {
+  const GraspBench bench(20, candidates_each);
   for (auto _ : state) benchmark::DoNotOptimize(bench.Plan());
   state.SetItemsProcessed(state.iterations() * bench.poses.size() * bench.candidates[0].size());
 }
-BENCHMARK(PlanBin)->Name("grasp/plan/20x200")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(PlanBin, few, 200)->Name("grasp/plan/20x200")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(PlanBin, many, 2000)->Name("grasp/plan/20x2000")->Unit(benchmark::kMillisecond);
 
 void Execute(benchmark::State& state) {
   const GraspBench bench(20, 2000);

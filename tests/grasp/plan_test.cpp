@@ -83,6 +83,38 @@ TEST_F(Plan, ReportsNoMoreThanAskedFor) {
   EXPECT_EQ(Run().grasps.size(), 5u);
 }
 
+TEST_F(Plan, FewAreTheFirstOfMany) {
+  Place({0, 0, 0.025});
+  Place({0.07, 0.01, 0.025}, 0.9);
+  Place({-0.06, 0.05, 0.060}, 0.7);
+  AddRing(0.13, 0.04);
+  const auto few = Run().grasps, many = Run({.max_grasps = 100000}).grasps;
+  ASSERT_EQ(few.size(), 5u);
+  ASSERT_GT(many.size(), 50u);
+  for (size_t i = 0; i < few.size(); ++i) {
+    EXPECT_EQ(few[i].X_WG.matrix(), many[i].X_WG.matrix());
+    EXPECT_EQ(few[i].score, many[i].score);
+  }
+}
+
+// Tips 14 mm past a contact that is 6 mm over the floor would stand below it.
+TEST_F(Plan, HandDrawsBackFromTheFloor) {
+  Place({0, 0, 0.006});
+  GraspCandidate deep;
+  deep.X_OG = FromAbove({0, 0, -0.014});
+  deep.width_m = 0.05;
+  deep.depth_m = 0.014;
+  deep.quality = 1;
+  candidates_ = {{deep}};
+  const PlanResult result = Run();
+  ASSERT_EQ(result.grasps.size(), 1u);
+  const double tips = result.grasps[0].X_WG.translation().z();
+  EXPECT_NEAR(tips, PlanOptions{}.bin_clearance_m, 1e-5);
+  PlanOptions keep_depth;
+  keep_depth.min_depth_m = 0.006;
+  EXPECT_TRUE(Run(keep_depth).grasps.empty());
+}
+
 TEST_F(Plan, OwnPointsAreNoObstacle) {
   Place({0, 0, 0.025});
   const size_t without = Run({.max_grasps = 1000}).grasps.size();
