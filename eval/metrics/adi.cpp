@@ -1,5 +1,5 @@
 // Average Distance to the closest model point (Hinterstoisser et al. 2012): for each vertex at the
-// estimate, the nearest vertex at the truth, as the BOP toolkit computes it.
+// truth, the nearest vertex at the estimate, as the BOP toolkit computes it.
 
 #include <algorithm>
 #include <cmath>
@@ -32,13 +32,13 @@ double NearestDistance(const std::vector<Eigen::Vector3d>& sorted, const Eigen::
 }  // namespace
 
 double Adi(const MetricModel& model, const Pose& X_est, const Pose& X_true) {
-  std::vector<Eigen::Vector3d> truth;
-  truth.reserve(model.vertices_O.size());
-  for (const Eigen::Vector3d& v : model.vertices_O) truth.push_back(X_true * v);
-  std::sort(truth.begin(), truth.end(),
+  std::vector<Eigen::Vector3d> estimate;
+  estimate.reserve(model.vertices_O.size());
+  for (const Eigen::Vector3d& v : model.vertices_O) estimate.push_back(X_est * v);
+  std::sort(estimate.begin(), estimate.end(),
             [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.x() < b.x(); });
   double sum = 0;
-  for (const Eigen::Vector3d& v : model.vertices_O) sum += NearestDistance(truth, X_est * v);
+  for (const Eigen::Vector3d& v : model.vertices_O) sum += NearestDistance(estimate, X_true * v);
   return sum / static_cast<double>(model.vertices_O.size());
 }
 

@@ -10,12 +10,12 @@
 namespace pickbed {
 
 double Mssd(const MetricModel& model, const Pose& X_est, const Pose& X_true) {
-  const Pose X_true_est = X_true.inverse(Eigen::Affine) * X_est;
   double best = std::numeric_limits<double>::infinity();
   for (const Pose& symmetry : model.symmetries_O) {
-    // |X_est v - X_true S v| = |X_true^-1 X_est v - S v|, one matrix a vertex.
-    const Eigen::Matrix3d M = X_true_est.linear() - symmetry.linear();
-    const Eigen::Vector3d t = X_true_est.translation() - symmetry.translation();
+    // One matrix a vertex. (No inverse: published truth is not always orthonormal to all digits.)
+    const Pose X_sym = X_true * symmetry;
+    const Eigen::Matrix3d M = X_est.linear() - X_sym.linear();
+    const Eigen::Vector3d t = X_est.translation() - X_sym.translation();
     double worst = 0;
     for (const Eigen::Vector3d& v : model.vertices_O) {
       worst = std::max(worst, (M * v + t).squaredNorm());

@@ -98,7 +98,7 @@ TEST(Metrics, AdiEqualsBruteForce) {
     for (const auto& v : model.vertices_O) {
       double nearest = 1e9;
       for (const auto& w : model.vertices_O) {
-        nearest = std::min(nearest, (X_est * v - X_true * w).norm());
+        nearest = std::min(nearest, (X_true * v - X_est * w).norm());
       }
       sum += nearest;
     }

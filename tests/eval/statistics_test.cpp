@@ -31,8 +31,8 @@ TEST(WilsonInterval, MirrorsWhenSuccessAndFailureSwap) {
   for (int k = 0; k <= 12; ++k) {
     const Interval a = WilsonInterval(k, 12), b = WilsonInterval(12 - k, 12);
     EXPECT_NEAR(a.low, 1 - b.high, 1e-12);
-    EXPECT_LE(a.low, k / 12.0);
-    EXPECT_GE(a.high, k / 12.0);
+    EXPECT_LE(a.low, k / 12.0 + 1e-12);
+    EXPECT_GE(a.high, k / 12.0 - 1e-12);
   }
 }
 

@@ -40,7 +40,7 @@ TEST(PoseEmbedding, TurnMovesTheCornersByTheirRadius) {
 }
 
 TEST(PoseEmbedding, IsSymmetricInItsArgumentsAndMovesWithTheFrame) {
-  const auto part = ObjectOf(BracketMesh(), {.discrete_O = {HalfTurn(Eigen::Vector3d::UnitX())}});
+  const auto part = ObjectOf(BracketMesh(), {{HalfTurn(Eigen::Vector3d::UnitX())}, {}});
   const PoseEmbedding embedding(*part);
   Rng rng(2);
   for (int i = 0; i < 20; ++i) {
@@ -53,7 +53,7 @@ TEST(PoseEmbedding, IsSymmetricInItsArgumentsAndMovesWithTheFrame) {
 TEST(PoseEmbedding, SymmetricTwinsAreOnePose) {
   const Pose half_turn = HalfTurn(Eigen::Vector3d::UnitY());
   const auto part =
-      ObjectOf(BoxMesh({0.06, 0.04, 0.02}, Eigen::Vector3d::Zero()), {.discrete_O = {half_turn}});
+      ObjectOf(BoxMesh({0.06, 0.04, 0.02}, Eigen::Vector3d::Zero()), {{half_turn}, {}});
   const PoseEmbedding embedding(*part);
   Rng rng(3);
   const Pose X = RandomPose(rng);
@@ -63,8 +63,8 @@ TEST(PoseEmbedding, SymmetricTwinsAreOnePose) {
 }
 
 TEST(PoseEmbedding, TurnsAboutAContinuousAxisCountNothing) {
-  const auto part = ObjectOf(BoxMesh({0.02, 0.02, 0.08}, Eigen::Vector3d::Zero()),
-                             {.continuous_O = {ContinuousSymmetry{}}});
+  const auto part =
+      ObjectOf(BoxMesh({0.02, 0.02, 0.08}, Eigen::Vector3d::Zero()), {{}, {ContinuousSymmetry{}}});
   const PoseEmbedding embedding(*part);
   Rng rng(4);
   const Pose X = RandomPose(rng);
