@@ -4,8 +4,10 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include "perception/pose_embedding.h"
+#include "perception/vote_density.h"
 #include "perception/votes.h"
 
 namespace pickbed {
@@ -34,10 +36,10 @@ std::vector<int> SpreadPixels(const std::vector<int>& foreground, int count, Rng
   return pixels;
 }
 
-// Raw poses of one part, for counting those that agree with a refined pose.
-struct RawPoses {
-  std::vector<Eigen::Vector3f> centers;  // centre of mass in C, which no symmetry moves
-  std::vector<PoseEmbedding::Point> points;
+// A vote with the patch that cast it, so that a patch does not agree with itself.
+struct CastVote {
+  RawHypothesis hypothesis;
+  int patch = 0;
 };
 
 }  // namespace
@@ -48,13 +50,14 @@ void CandidateOptions::Visit(SettingsVisitor& v) {
   v.Integer("candidates", candidates, {1, 100000}, "poses refined, all parts together");
   v.Integer("min_candidates", min_candidates, {1, 100000}, "poses refined for each part at least");
   v.Real("quick_tau_m", quick_tau_m, {1e-4, 0.1}, "band of the quick score, m");
+  v.Real("density_weight", density_weight, {0, 10}, "of the votes' density in their rank");
+  v.Real("density_diameters", density_diameters, {1e-3, 1}, "votes within it count");
   v.Real("cluster_diameters", cluster_diameters, {0, 1}, "raw poses within it are one");
   v.Real("gate_diameters", gate_diameters, {1e-3, 1}, "first gate of ICP, diameters");
   v.Real("gate_min_m", gate_min_m, {1e-4, 1}, "least gate, m");
   v.Real("gate_max_m", gate_max_m, {1e-4, 1}, "largest gate, m");
   v.Bool("two_gates", two_gates, "also try half the gate and keep the better");
   v.Real("merge_diameters", merge_diameters, {0, 1}, "refined poses within it are one");
-  v.Real("agree_diameters", agree_diameters, {0, 1}, "raw poses within it support a refined one");
   v.Group(
       "index", [&](SettingsVisitor& g) { index.Visit(g); }, "neighbour index");
 }
@@ -70,10 +73,12 @@ struct CandidateFinder::Impl {
 
   void BuildGroups();
   void Vote(const SideGroup& group, const OrganizedCloud& cloud, const std::vector<int>& pixels,
-            Rng& rng, StageSeconds& seconds, std::vector<std::vector<RawHypothesis>>& raw) const;
+            Rng& rng, StageSeconds& seconds, std::vector<std::vector<CastVote>>& votes) const;
   RawHypothesis Refined(const OrganizedCloud& cloud, const RawHypothesis& start) const;
-  RawPoses Spread(int part, const std::vector<RawHypothesis>& raw) const;
-  double Agreeing(int part, const RawPoses& raw, const Pose& X_CO) const;
+  VoteDensity Density(int part, const std::vector<CastVote>& votes) const;
+  std::vector<RawHypothesis> Selected(const VoteDensity& density,
+                                      const std::vector<CastVote>& votes) const;
+  int Kept() const;
 };
 
 void CandidateFinder::Impl::BuildGroups() {
@@ -98,7 +103,7 @@ void CandidateFinder::Impl::BuildGroups() {
 
 void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& cloud,
                                  const std::vector<int>& pixels, Rng& rng, StageSeconds& seconds,
-                                 std::vector<std::vector<RawHypothesis>>& raw) const {
+                                 std::vector<std::vector<CastVote>>& votes) const {
   PatchSet patches;
   {
     const StageTimer timer(seconds, "patches");
@@ -126,7 +131,7 @@ void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& c
     vote.distance = std::sqrt(found.squared[i]);
     vote.quick_score =
         static_cast<float>(QuickScore(cloud, models[entry.part], vote.X_CO, options.quick_tau_m));
-    raw[entry.part].push_back(vote);
+    votes[entry.part].push_back({vote, static_cast<int>(i) / options.neighbors});
   }
 }
 
@@ -149,29 +154,27 @@ RawHypothesis CandidateFinder::Impl::Refined(const OrganizedCloud& cloud,
   return best;
 }
 
-RawPoses CandidateFinder::Impl::Spread(int part, const std::vector<RawHypothesis>& raw) const {
-  RawPoses poses;
-  for (const RawHypothesis& vote : raw) {
-    poses.centers.push_back((vote.X_CO * parts[part].model->mass.com_O).cast<float>());
-    poses.points.push_back(embeddings[part].Embed(vote.X_CO));
-  }
-  return poses;
+VoteDensity CandidateFinder::Impl::Density(int part, const std::vector<CastVote>& votes) const {
+  std::vector<PoseVote> poses;
+  for (const CastVote& vote : votes) poses.push_back({vote.hypothesis.X_CO, vote.patch});
+  const ObjectModel& model = *parts[part].model;
+  return VoteDensity(embeddings[part], model.mass.com_O, model.diameter_m,
+                     options.density_diameters, poses);
 }
 
-double CandidateFinder::Impl::Agreeing(int part, const RawPoses& raw, const Pose& X_CO) const {
-  const Eigen::Vector3f center = (X_CO * parts[part].model->mass.com_O).cast<float>();
-  const auto twins = embeddings[part].EmbedTwins(X_CO);
-  const float radius = static_cast<float>(options.agree_diameters);
-  // No point of the part moves less than the centre of mass can be told apart by: poses whose
-  // centres differ by more than the key points may are skipped unseen.
-  const float reach = 2.0f * radius * models[part].diameter_m;
-  int count = 0;
-  for (size_t i = 0; i < raw.centers.size(); ++i) {
-    if ((raw.centers[i] - center).squaredNorm() > reach * reach) continue;
-    const float squared = (twins.colwise() - raw.points[i]).colwise().squaredNorm().minCoeff();
-    count += squared < radius * radius;
+int CandidateFinder::Impl::Kept() const {
+  return std::max(options.min_candidates, options.candidates / static_cast<int>(parts.size()));
+}
+
+std::vector<RawHypothesis> CandidateFinder::Impl::Selected(
+    const VoteDensity& density, const std::vector<CastVote>& votes) const {
+  std::vector<RawHypothesis> ranked;
+  for (const CastVote& vote : votes) {
+    ranked.push_back(vote.hypothesis);
+    const double agreeing = density.Around(vote.hypothesis.X_CO, vote.patch);
+    ranked.back().quick_score += static_cast<float>(options.density_weight * std::log1p(agreeing));
   }
-  return count;
+  return ClusterVotes(std::move(ranked), distances, options.cluster_diameters, Kept());
 }
 
 CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, DescribePatches describe,
@@ -196,35 +199,33 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
                                              StageSeconds& seconds) const {
   const CandidateOptions& options = impl_->options;
   const std::vector<int> pixels = SpreadPixels(cloud.foreground_pixels, options.points, rng);
-  const size_t part_count = impl_->parts.size();
-  std::vector<std::vector<RawHypothesis>> raw(part_count);
   if (pixels.empty()) return {};
+  std::vector<std::vector<CastVote>> votes(impl_->parts.size());
   for (const SideGroup& group : impl_->groups) {
-    impl_->Vote(group, cloud, pixels, rng, seconds, raw);
+    impl_->Vote(group, cloud, pixels, rng, seconds, votes);
   }
-  const int kept = std::max(options.min_candidates,
-                            options.candidates / static_cast<int>(std::max<size_t>(1, part_count)));
   std::vector<Candidate> candidates;
-  for (size_t p = 0; p < part_count; ++p) {
+  for (size_t p = 0; p < votes.size(); ++p) {
     const int part = static_cast<int>(p);
-    std::vector<RawHypothesis> refined;
+    std::vector<RawHypothesis> poses;
+    std::optional<VoteDensity> density;
     {
-      const StageTimer timer(seconds, "quick");
-      refined = ClusterVotes(raw[p], impl_->distances, options.cluster_diameters, kept);
+      const StageTimer timer(seconds, "select");
+      density.emplace(impl_->Density(part, votes[p]));
+      poses = impl_->Selected(*density, votes[p]);
     }
     {
       const StageTimer timer(seconds, "icp");
-      for (RawHypothesis& candidate : refined) candidate = impl_->Refined(cloud, candidate);
-      refined = ClusterVotes(std::move(refined), impl_->distances, options.merge_diameters, kept);
+      for (RawHypothesis& pose : poses) pose = impl_->Refined(cloud, pose);
+      poses =
+          ClusterVotes(std::move(poses), impl_->distances, options.merge_diameters, impl_->Kept());
     }
     const StageTimer timer(seconds, "verify");
-    const RawPoses poses = impl_->Spread(part, raw[p]);
-    for (const RawHypothesis& pose : refined) {
+    for (const RawHypothesis& pose : poses) {
       Candidate candidate;
       candidate.hypothesis = {part, pose.X_CO, pose.quick_score, {}};
-      candidate.features =
-          ComputeVerifyFeatures(cloud, impl_->models[p], pose.X_CO,
-                                impl_->Agreeing(part, poses, pose.X_CO), candidate.hypothesis.fit);
+      candidate.features = ComputeVerifyFeatures(
+          cloud, impl_->models[p], pose.X_CO, density->Around(pose.X_CO), candidate.hypothesis.fit);
       candidates.push_back(candidate);
     }
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/random.h"
+
 namespace pickbed {
 namespace {
 
@@ -21,24 +23,6 @@ std::vector<int> Draw(const std::vector<int>& from, int count, Rng& rng) {
   std::vector<int> drawn(count);
   for (int& pixel : drawn) pixel = from[rng.Index(static_cast<int>(from.size()))];
   return drawn;
-}
-
-void AppendPatches(const OrganizedCloud& cloud, const std::vector<int>& pixels, double side_m,
-                   const Pose& X_CO, Rng& rng, LabelledPatches& patches) {
-  const PatchSet cut = CutPatches(cloud, pixels, RandomAngles(pixels.size(), rng), side_m);
-  patches.values.insert(patches.values.end(), cut.values.begin(), cut.values.end());
-  for (const Pose& X_CP : cut.X_CP) patches.X_PO.push_back(X_CP.inverse() * X_CO);
-}
-
-// Foreground pixels of each instance.
-std::vector<std::vector<int>> PixelsByInstance(const LabelledView& view,
-                                               const OrganizedCloud& cloud) {
-  std::vector<std::vector<int>> pixels(view.instances.size());
-  for (const int pixel : cloud.foreground_pixels) {
-    const uint16_t id = view.ids.pixels()[pixel];
-    if (id > 0 && id <= pixels.size()) pixels[id - 1].push_back(pixel);
-  }
-  return pixels;
 }
 
 std::vector<Pose> RandomPoses(const ObjectModel& model, const IsolatedOptions& options, int count,
@@ -82,41 +66,43 @@ void ForEachIsolatedBlock(LabelledViewSource& views, int object, double side_m,
   const ObjectModel& model = *views.objects()[object];
   // The part turns about the centre of its bounding box.
   const CameraIntrinsics camera = CropCamera(MeshBounds(model.mesh_O).size().norm(), options);
-  const CloudOptions keep_planes{.min_plane_share = 1};
   for (int first = 0; first < options.views; first += kBlock) {
     const int count = std::min(kBlock, options.views - first);
     Rng rng = Rng::Derive(seed, first, "isolated/" + model.name);
     const std::vector<Pose> poses = RandomPoses(model, options, count, rng);
     LabelledPatches patches;
     for (const LabelledView& view : views.Isolated(object, poses, camera, rng.Next())) {
-      const OrganizedCloud cloud = BuildCloud(view.frame, std::nullopt, keep_planes);
+      const OrganizedCloud cloud = IsolatedCloud(view);
       const std::vector<int> pixels = PixelsByInstance(view, cloud).at(0);
       if (pixels.empty()) continue;
-      AppendPatches(cloud, Draw(pixels, options.patches_per_view, rng), side_m,
-                    view.instances.at(0).X_CO, rng, patches);
+      const std::vector<int> drawn = Draw(pixels, options.patches_per_view, rng);
+      AppendPatches(cloud, drawn, RandomAngles(drawn.size(), rng), side_m,
+                    view.instances.at(0).X_CO, patches);
     }
     if (!take(std::move(patches), static_cast<double>(first + count) / options.views)) return;
   }
 }
 
-void AppendPilePatches(const LabelledView& view, const std::vector<double>& sides_m,
-                       double min_visible, int count, Rng& rng,
-                       std::vector<LabelledPatches>& by_object) {
-  const OrganizedCloud cloud = BuildCloud(view.frame, view.background);
-  const std::vector<std::vector<int>> pixels = PixelsByInstance(view, cloud);
-  std::vector<size_t> usable;
-  for (size_t i = 0; i < view.instances.size(); ++i) {
-    if (view.instances[i].visible_fraction >= min_visible && !pixels[i].empty()) {
-      usable.push_back(i);
-    }
+void AppendPatches(const OrganizedCloud& cloud, std::span<const int> pixels,
+                   std::span<const double> angles_rad, double side_m, const Pose& X_CO,
+                   LabelledPatches& patches) {
+  const PatchSet cut = CutPatches(cloud, pixels, angles_rad, side_m);
+  patches.values.insert(patches.values.end(), cut.values.begin(), cut.values.end());
+  for (const Pose& X_CP : cut.X_CP) patches.X_PO.push_back(X_CP.inverse() * X_CO);
+}
+
+OrganizedCloud IsolatedCloud(const LabelledView& view) {
+  return BuildCloud(view.frame, std::nullopt, {.min_plane_share = 1});
+}
+
+std::vector<std::vector<int>> PixelsByInstance(const LabelledView& view,
+                                               const OrganizedCloud& cloud) {
+  std::vector<std::vector<int>> pixels(view.instances.size());
+  for (const int pixel : cloud.foreground_pixels) {
+    const uint16_t id = view.ids.pixels()[pixel];
+    if (id > 0 && id <= pixels.size()) pixels[id - 1].push_back(pixel);
   }
-  for (const size_t i : usable) {
-    const LabelledInstance& instance = view.instances[i];
-    const int share =
-        (count + static_cast<int>(usable.size()) - 1) / static_cast<int>(usable.size());
-    AppendPatches(cloud, Draw(pixels[i], share, rng), sides_m[instance.object], instance.X_CO, rng,
-                  by_object[instance.object]);
-  }
+  return pixels;
 }
 
 }  // namespace pickbed

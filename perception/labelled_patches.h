@@ -1,14 +1,13 @@
 #pragma once
 
-// Patches whose pose is known: from piles (what a query looks like) and from isolated views (what
-// the code book is made of).
+// Patches whose pose is known, and those of isolated views, of which code books are made.
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "perception/patch.h"
 #include "scenes/labelled_view.h"
-#include "scenes/random.h"
 #include "scenes/settings.h"
 
 namespace pickbed {
@@ -41,10 +40,16 @@ void ForEachIsolatedBlock(LabelledViewSource& views, int object, double side_m,
                           const IsolatedOptions& options, uint64_t seed,
                           const std::function<bool(LabelledPatches patches, double share)>& take);
 
-// About `count` patches of a pile view, in equal parts from every instance of which at least
-// `min_visible` is seen, appended to by_object[its object]. sides_m: patch side by object.
-void AppendPilePatches(const LabelledView& view, const std::vector<double>& sides_m,
-                       double min_visible, int count, Rng& rng,
-                       std::vector<LabelledPatches>& by_object);
+// Cuts the patches and labels them with the part's pose.
+void AppendPatches(const OrganizedCloud& cloud, std::span<const int> pixels,
+                   std::span<const double> angles_rad, double side_m, const Pose& X_CO,
+                   LabelledPatches& patches);
+
+// The cloud of a view without background: no plane is taken for a table.
+OrganizedCloud IsolatedCloud(const LabelledView& view);
+
+// Foreground pixels by instance of the view.
+std::vector<std::vector<int>> PixelsByInstance(const LabelledView& view,
+                                               const OrganizedCloud& cloud);
 
 }  // namespace pickbed

@@ -4,8 +4,43 @@
 #include <flann/flann.hpp>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "scenes/check.h"
+#include "scenes/random.h"
+
+namespace pickbed {
+namespace {
+
+// A type of our own, so that the one step of FLANN's tree building that takes its order from
+// std::random_device can be replaced for it below.
+struct RepeatableL2 : flann::L2<float> {};
+
+}  // namespace
+}  // namespace pickbed
+
+namespace flann {
+
+template <>
+void KDTreeIndex<pickbed::RepeatableL2>::buildIndexImpl() {
+  seed_random(1);  // FLANN draws its split dimensions from the C library's generator
+  pickbed::Rng rng(1);
+  std::vector<int> order(size_);
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<DistanceType> mean(veclen_), variance(veclen_);
+  mean_ = mean.data();
+  var_ = variance.data();
+  tree_roots_.resize(trees_);
+  for (auto& root : tree_roots_) {
+    for (int i = static_cast<int>(size_) - 1; i > 0; --i)
+      std::swap(order[i], order[rng.Index(i + 1)]);
+    root = divideTree(order.data(), static_cast<int>(size_));
+  }
+  mean_ = nullptr;
+  var_ = nullptr;
+}
+
+}  // namespace flann
 
 namespace pickbed {
 
@@ -20,7 +55,7 @@ struct NeighborIndex::Impl {
   int dimensions = 0;
   int count = 0;
   NeighborOptions options;
-  std::optional<flann::KDTreeIndex<flann::L2<float>>> trees;
+  std::optional<flann::KDTreeIndex<RepeatableL2>> trees;
 };
 
 NeighborIndex::NeighborIndex(std::vector<float> rows, int dimensions,
@@ -33,8 +68,6 @@ NeighborIndex::NeighborIndex(std::vector<float> rows, int dimensions,
   impl_->count = static_cast<int>(impl_->rows.size() / dimensions);
   impl_->options = options;
   if (impl_->count < std::max(options.linear_below, 2)) return;
-  // FLANN draws its split dimensions from the C library's generator.
-  flann::seed_random(1);
   impl_->trees.emplace(flann::Matrix<float>(impl_->rows.data(), impl_->count, dimensions),
                        flann::KDTreeIndexParams(options.trees));
   impl_->trees->buildIndex();

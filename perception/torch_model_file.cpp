@@ -86,6 +86,8 @@ DescriptorModel ReadArchive(const std::string& bytes, const std::string& name) {
   at::Tensor weights, verifier;
   archive.read("weights", weights);
   archive.read("verifier", verifier);
+  archive.read("training", value);
+  const std::string training_text = value.toStringRef();
   archive.read("hash", value);
   const std::vector<float> weight_values = ToValues(weights), verifier_values = ToValues(verifier);
   const uint64_t hash = HashValues(weight_values, verifier_values);
@@ -93,8 +95,9 @@ DescriptorModel ReadArchive(const std::string& bytes, const std::string& name) {
       static_cast<uint64_t>(value.toInt()) == HashBytes(info_text.data(), info_text.size(), hash),
       "its check sum is wrong");
   ModelInfo info;
+  info.training = training_text;
   ReadSettingsText(info_text, name, [&](SettingsVisitor& v) { info.Visit(v); });
-  DescriptorNetwork network(info.training.network, 0);
+  DescriptorNetwork network(info.network, 0);
   network.SetWeights(weight_values);
   return {info, std::move(network), VerifierFrom(verifier_values), hash};
 }
@@ -114,7 +117,7 @@ void ModelInfo::Visit(SettingsVisitor& v) {
       [&](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what it is trained for");
   v.Text("sensor", sensor, {}, "sensor profile of the training views");
   v.Group(
-      "training", [&](SettingsVisitor& g) { training.Visit(g); }, "how it was trained");
+      "network", [&](SettingsVisitor& g) { network.Visit(g); }, "the network");
   v.Integer("iterations", iterations, {0, 1e9}, "steps done");
   v.Real("loss", loss, {-1e9, 1e9}, "mean of the last hundred steps");
   v.Real("verifier_auc", verifier_auc, {0, 1}, "area under ROC on held-out poses");
@@ -130,6 +133,7 @@ void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
   archive.write("magic", c10::IValue(std::string(kMagic)));
   archive.write("version", c10::IValue(kModelVersion));
   archive.write("info", c10::IValue(text));
+  archive.write("training", c10::IValue(info.training));
   archive.write("weights", ToTensor(weights));
   archive.write("verifier", ToTensor(verifier));
   archive.write("hash", c10::IValue(static_cast<int64_t>(hash)));

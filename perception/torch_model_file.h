@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "perception/torch_network.h"
-#include "perception/training.h"
 #include "perception/verify.h"
 #include "scenes/object_model.h"
 
@@ -24,11 +23,15 @@ struct ModelObject {
 struct ModelInfo {
   std::vector<ModelObject> objects;  // what it was trained for
   std::string sensor;                // profile of the training views
-  TrainingOptions training;
+  NetworkOptions network;
   int iterations = 0;       // done
   double loss = 0;          // mean of the last hundred
   double verifier_auc = 0;  // on held-out poses
   void Visit(SettingsVisitor& v);
+
+  // Effective settings of the training, for people; kept apart, so that a renamed setting makes no
+  // model unreadable.
+  std::string training;
 };
 
 struct DescriptorModel {

@@ -49,8 +49,12 @@ void Fit(Perceptron& net, const at::Tensor& x, const at::Tensor& y,
       static_cast<torch::optim::AdamOptions&>(group.options())
           .lr(options.learning_rate * std::min(1.0, 2.0 * (1.0 - share)));
     }
+    const at::Tensor rows =
+        torch::randint(x.size(0), {std::min<int64_t>(options.batch, x.size(0))}, torch::kLong);
     adam.zero_grad();
-    torch::binary_cross_entropy_with_logits(net.forward(x), y).backward();
+    torch::binary_cross_entropy_with_logits(net.forward(x.index_select(0, rows)),
+                                            y.index_select(0, rows))
+        .backward();
     adam.step();
   }
 }
@@ -59,7 +63,8 @@ void Fit(Perceptron& net, const at::Tensor& x, const at::Tensor& y,
 
 void VerifierOptions::Visit(SettingsVisitor& v) {
   v.Integer("hidden", hidden, {1, 1024}, "hidden units");
-  v.Integer("iterations", iterations, {1, 1000000}, "full-batch steps");
+  v.Integer("iterations", iterations, {1, 1000000}, "steps");
+  v.Integer("batch", batch, {1, 1000000}, "examples in a step");
   v.Real("learning_rate", learning_rate, {1e-6, 1}, "of Adam");
   v.Real("weight_decay", weight_decay, {0, 1}, "of Adam");
   v.Real("held_out", held_out, {0, 0.9}, "share of the examples kept for the figure");

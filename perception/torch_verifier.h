@@ -12,8 +12,9 @@ namespace pickbed {
 
 struct VerifierOptions {
   int hidden = 24;
-  int iterations = 800;  // full-batch steps
-  double learning_rate = 0.02;
+  int iterations = 2500;  // steps of Adam
+  int batch = 1024;       // examples in a step, drawn with replacement
+  double learning_rate = 0.01;
   double weight_decay = 1e-4;
   double held_out = 0.2;  // last share of the examples, for the figure
   void Visit(SettingsVisitor& v);

@@ -113,18 +113,8 @@ double Trainer::RecentLoss() const {
 bool Trainer::CollectViews() {
   const Clock::time_point phase = Clock::now();
   const int piles = options_.piles * static_cast<int>(objects_.size());
-  const int isolated = options_.code_views * static_cast<int>(objects_.size());
-  // A pile takes about as long as a hundred isolated views.
-  constexpr double kPileCost = 100;
-  const double pile_share = piles * kPileCost / (piles * kPileCost + isolated);
-  const int total = piles + isolated;
-  const bool go_on = data_.CollectPiles(job_.views, [&](double share) {
-    return Report("views", share * pile_share, total, phase);
-  }) && data_.CollectIsolated(job_.views, [&](double share) {
-    return Report("views", pile_share + share * (1 - pile_share), total, phase);
-  });
-  if (go_on) data_.FindPositives();
-  return go_on;
+  return data_.Collect(job_.views,
+                       [&](double share) { return Report("views", share, piles, phase); });
 }
 
 double Trainer::ScheduleShare(int iteration) const {
@@ -169,13 +159,19 @@ bool Trainer::TrainNetwork() {
 }
 
 std::vector<CandidatePart> Trainer::CodeParts() const {
+  IsolatedOptions isolated;
+  isolated.views = std::max(1, options_.verifier_entries / isolated.patches_per_view);
+  isolated.focal_px = data_.camera().focal_px;
+  isolated.distance_m = data_.camera().distance_m;
+  isolated.distance_spread = data_.camera().distance_spread;
   std::vector<CandidatePart> parts;
-  const DescribePatches describe = [&](std::span<const int8_t> p) { return network_.Describe(p); };
   for (size_t i = 0; i < objects_.size(); ++i) {
-    CandidatePart part{objects_[i], sides_[i], {}};
-    part.codes.length = network_.length();
-    AppendCodes(data_.codes(static_cast<int>(i)), describe, part.codes);
-    parts.push_back(std::move(part));
+    parts.push_back({objects_[i], sides_[i],
+                     MakeObjectCodes(job_.views, static_cast<int>(i), sides_[i], network_.length(),
+                                     [&](std::span<const int8_t> patches) {
+                                       return network_.Describe(patches);
+                                     },
+                                     isolated, options_.seed, {})});
   }
   return parts;
 }
@@ -212,7 +208,9 @@ void Trainer::Save(const TrainedVerifier& trained) const {
         {objects_[i]->name, objects_[i]->mesh_hash, objects_[i]->diameter_m, sides_[i]});
   }
   info.sensor = job_.sensor_profile;
-  info.training = options_;
+  info.network = options_.network;
+  TrainingOptions options = options_;
+  info.training = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
   info.iterations = static_cast<int>(report_.loss_history.size());
   info.loss = RecentLoss();
   info.verifier_auc = trained.auc;
@@ -242,17 +240,16 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
   v.Seed("seed", seed, "of weights, views and batches");
   v.Integer("piles", piles, {1, 100000}, "training piles per part");
   v.Integer("views_per_pile", views_per_pile, {1, 100}, "views of each");
-  v.Integer("patches_per_view", patches_per_view, {1, 100000}, "patches cut from each");
-  v.Real("min_visible", min_visible, {0, 1}, "visible fraction of an instance to learn from");
-  v.Integer("code_views", code_views, {1, 1000000}, "isolated views per part");
-  v.Integer("code_patches", code_patches, {1, 1000}, "patches of an isolated view");
+  v.Group(
+      "twins", [&](SettingsVisitor& g) { twins.Visit(g); }, "the pairs to learn from");
   v.Integer("iterations", iterations, {1, 10000000}, "steps per part");
   v.Integer("batch", batch, {2, 100000}, "pairs of patches in a step");
-  v.Integer("positives", positives, {1, 100}, "pose-nearest code patches to draw a partner from");
   v.Real("main_share", main_share, {0, 1}, "share of a batch that is of one part");
   v.Real("patch_diameters", patch_diameters, {0.05, 4}, "side of a patch over the diameter");
   v.Real("learning_rate", learning_rate, {1e-7, 1}, "of Adam, at the start of the cosine");
   v.Integer("verifier_piles", verifier_piles, {1, 100000}, "piles per part for the verifier");
+  v.Integer("verifier_entries", verifier_entries, {1, 10000000},
+            "code book entries per part while the verifier learns");
   v.Integer("checkpoint_every", checkpoint_every, {1, 1000000}, "steps");
   v.Real("max_minutes", max_minutes, {0, 1e6}, "of views and network; 0 = no limit");
   v.Group(

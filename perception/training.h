@@ -1,9 +1,9 @@
 #pragma once
 
 // Trains the descriptor network and its verifier on views rendered on the fly: piles give the
-// patches that a query will show, isolated views those that the code book will hold; patches of
-// nearly equal pose are pulled together. Then the estimator's own front part runs on further piles
-// and the verifier learns which of its candidates are right.
+// patches that a query will show, isolated views their twins as the code book will hold them; twins
+// are pulled together and patches of other poses apart. Then the estimator's own front part runs on
+// further piles and the verifier learns which of its candidates are right.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,6 +15,7 @@
 #include "perception/torch_losses.h"
 #include "perception/torch_network.h"
 #include "perception/torch_verifier.h"
+#include "perception/twin_patches.h"
 #include "scenes/labelled_view.h"
 #include "scenes/settings.h"
 
@@ -22,19 +23,16 @@ namespace pickbed {
 
 struct TrainingOptions {
   uint64_t seed = 0;
-  int piles = 60;                 // per object
-  int views_per_pile = 2;         //
-  int patches_per_view = 300;     // of a pile
-  double min_visible = 0.1;       // visible fraction of an instance to learn from
-  int code_views = 3000;          // isolated views per object
-  int code_patches = 8;           // per isolated view
+  int piles = 100;                // per object
+  int views_per_pile = 3;         //
+  TwinOptions twins;              // the pairs of patches to learn from
   int iterations = 1500;          // per object
   int batch = 160;                // pairs of patches
-  int positives = 4;              // an anchor's partner is one of so many pose-nearest code patches
   double main_share = 0.5;        // share of a batch that is of one part, the parts taking turns
   double patch_diameters = 0.8;   // side of a patch over the part's diameter
   double learning_rate = 1.5e-3;  // of Adam, falls to zero along a cosine
   int verifier_piles = 20;        // per object
+  int verifier_entries = 24000;   // code book entries per object while it learns
   int checkpoint_every = 200;     // iterations
   double max_minutes = 0;         // of views and network; 0 = no limit. The schedule follows it
   NetworkOptions network;

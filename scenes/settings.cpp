@@ -1,6 +1,7 @@
 #include "scenes/settings.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
@@ -20,11 +21,7 @@ std::string RangeText(Range range) { return fmt::format("from {} to {}", range.m
 class Reader : public SettingsVisitor {
  public:
   Reader(YAML::Node map, std::string source, std::string prefix)
-      : map_(std::move(map)), source_(std::move(source)), prefix_(std::move(prefix)) {
-    if (map_.IsDefined() && !map_.IsNull() && !map_.IsMap()) {
-      Fail(map_, prefix_, "expected 'key: value' lines");
-    }
-  }
+      : map_(std::move(map)), source_(std::move(source)), prefix_(std::move(prefix)) {}
 
   void Real(const char* key, double& value, Range range, const char* help) override {
     if (auto node = Find(key)) value = Number(*node, Path(key), range, help);
@@ -106,8 +103,13 @@ class Reader : public SettingsVisitor {
     }
   }
 
+  // Of all that were visited.
   void RejectUnknownKeys() const {
-    if (!map_.IsDefined() || !map_.IsMap()) return;
+    if (!map_.IsDefined() || map_.IsNull()) return;
+    if (!map_.IsMap()) {
+      Fail(map_, prefix_,
+           fmt::format("expected 'key: value' lines, with keys {}", fmt::join(known_, ", ")));
+    }
     std::set<std::string> seen;
     for (const auto& entry : map_) {
       const std::string key = entry.first.as<std::string>("?");

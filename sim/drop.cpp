@@ -120,6 +120,7 @@ class Pouring {
   void StepFor(double duration_s);  // and takes out what fell beside the bin
   double Top_m() const;             // of the highest part
   bool InBin(int part) const;
+  bool HaveStoodStill();
   DropResult Result() const;
 
   const Bin& bin_;
@@ -128,6 +129,8 @@ class Pouring {
   Rng& rng_;
   PhysicsWorld world_;
   std::vector<int> object_of_part_;
+  std::vector<Pose> still_X_WO_;  // where all were when one last moved noticeably
+  double still_since_s_ = 0;
   bool at_rest_ = false;
 };
 
@@ -181,20 +184,38 @@ void Pouring::AddLayer(const std::vector<Cell>& cells) {
   }
 }
 
-// Until all sleep, but no longer than `max_s`. The funnel goes when the pile has come to rest, or
-// half way; parts that leaned on it wake and settle again or fall out.
+// Until all are at rest, but no longer than `max_s`. The funnel goes when they are for the first
+// time, or half way; parts that leaned on it wake and settle again or fall out.
 void Pouring::Settle() {
   const double end_s = world_.time_s() + options_.max_s;
   bool funnel_stands = true;
   while (!world_.BlewUp()) {
-    if (funnel_stands && (world_.AllAsleep() || world_.time_s() > end_s - 0.5 * options_.max_s)) {
-      world_.RemoveFunnel();
+    if (funnel_stands && (HaveStoodStill() || world_.time_s() > end_s - 0.5 * options_.max_s)) {
+      if (world_.RemoveFunnel() > 0) still_X_WO_.clear();
       funnel_stands = false;
     }
-    at_rest_ = world_.AllAsleep();
+    at_rest_ = HaveStoodStill();
     if (at_rest_ || world_.time_s() >= end_s) return;
     StepFor(options_.check_interval_s);
   }
+}
+
+bool Pouring::HaveStoodStill() {
+  if (world_.AllAsleep()) return true;
+  bool moved = still_X_WO_.size() != object_of_part_.size();
+  for (size_t i = 0; i < still_X_WO_.size() && !moved; ++i) {
+    const Pose X_WO = world_.X_WO(static_cast<int>(i));
+    const double radius_m = 0.5 * objects_[object_of_part_[i]]->diameter_m;
+    moved = (X_WO.translation() - still_X_WO_[i].translation()).norm() +
+                radius_m * RotationAngleRad(X_WO.linear(), still_X_WO_[i].linear()) >
+            options_.rest_m;
+  }
+  if (moved) {
+    still_since_s_ = world_.time_s();
+    still_X_WO_.clear();
+    for (int i = 0; i < world_.part_count(); ++i) still_X_WO_.push_back(world_.X_WO(i));
+  }
+  return world_.time_s() >= still_since_s_ + options_.rest_s;
 }
 
 void Pouring::StepFor(double duration_s) {

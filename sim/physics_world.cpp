@@ -98,7 +98,7 @@ struct PhysicsWorld::Impl {
                          int group);
   const PartShape& ShapeOf(const ObjectModel& model);
   void LetTheStillFallAsleep();
-  void WakeTouching(const btCollisionObject* body);
+  int WakeTouching(const btCollisionObject* body);  // how many
 
   const PhysicsOptions options;
   btDefaultCollisionConfiguration configuration;
@@ -177,9 +177,10 @@ const PartShape& PhysicsWorld::Impl::ShapeOf(const ObjectModel& model) {
 // been slow for longer than that.
 void PhysicsWorld::Impl::LetTheStillFallAsleep() {
   constexpr double kLongerThanBulletWaits_s = 1e3;
-  // Trembling may be this much faster than the speeds: less than one step of free fall, so that
-  // a part that loses its support is still seen to move.
-  constexpr double kTremble = 4;
+  // Trembling may be this much faster than the speeds. The linear factor stays below one step of
+  // free fall, so that a part that loses its support is still seen to move.
+  constexpr double kLinearTremble = 4;
+  constexpr double kAngularTremble = 20;
   for (Part& part : parts) {
     if (part.body->isStaticObject()) continue;
     const btTransform& pose = part.body->getWorldTransform();
@@ -191,9 +192,9 @@ void PhysicsWorld::Impl::LetTheStillFallAsleep() {
     }
     if (!part.body->isActive()) continue;
     const bool still = part.still_s >= options.sleep_after_s;
-    const double factor = still ? kTremble : 1;
-    part.body->setSleepingThresholds(factor * options.sleep_linear_mps * kUnitsPerMeter,
-                                     factor * options.sleep_angular_radps);
+    part.body->setSleepingThresholds(
+        (still ? kLinearTremble : 1) * options.sleep_linear_mps * kUnitsPerMeter,
+        (still ? kAngularTremble : 1) * options.sleep_angular_radps);
     if (still || part.body->getDeactivationTime() >= options.sleep_after_s) {
       part.body->setDeactivationTime(kLongerThanBulletWaits_s);
     }
@@ -201,14 +202,18 @@ void PhysicsWorld::Impl::LetTheStillFallAsleep() {
 }
 
 // Before a body goes: what leans on it must notice.
-void PhysicsWorld::Impl::WakeTouching(const btCollisionObject* body) {
+int PhysicsWorld::Impl::WakeTouching(const btCollisionObject* body) {
+  int woken = 0;
   for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
     const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
     const bool is_first = manifold->getBody0() == body;
     if (manifold->getNumContacts() == 0 || !(is_first || manifold->getBody1() == body)) continue;
     const int other = (is_first ? manifold->getBody1() : manifold->getBody0())->getUserIndex();
-    if (other >= 0 && !parts[other].body->isStaticObject()) parts[other].Wake();
+    if (other < 0 || parts[other].body->isStaticObject()) continue;
+    parts[other].Wake();
+    ++woken;
   }
+  return woken;
 }
 
 PhysicsWorld::PhysicsWorld(const PhysicsOptions& options)
@@ -247,6 +252,7 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
   }
   info.m_startWorldTransform = ToBullet(Pose(X_WO * shape.frame.X_OB));
   info.m_friction = model.friction;
+  info.m_angularDamping = impl_->options.angular_damping;
   auto body = std::make_unique<btRigidBody>(info);
   body->setUserIndex(part_count());
   body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR);
@@ -289,12 +295,14 @@ void PhysicsWorld::AddFunnel(const Bin& bin, double height_m) {
   }
 }
 
-void PhysicsWorld::RemoveFunnel() {
+int PhysicsWorld::RemoveFunnel() {
+  int woken = 0;
   for (btRigidBody* wall : impl_->funnel) {
-    impl_->WakeTouching(wall);
+    woken += impl_->WakeTouching(wall);
     impl_->world.removeRigidBody(wall);
   }
   impl_->funnel.clear();
+  return woken;
 }
 
 Hand& PhysicsWorld::AddHand(const HandSpec& spec, const Pose& X_WG) {

@@ -21,6 +21,7 @@ struct PhysicsOptions {
   int solver_iterations = 20;
   Eigen::Vector3d gravity_W{0, 0, -9.81};  // m/s^2
   double hull_margin_m = 0.0005;           // grows hulls outward; shrunk for parts under 4 cm
+  double angular_damping = 0;              // share of the angular velocity lost in a second, 0..1
   double sleep_linear_mps = 0.01;
   double sleep_angular_radps = 0.1;
   double sleep_after_s = 0.5;  // below both speeds for this long; at most 2 s
@@ -63,7 +64,7 @@ class PhysicsWorld {
 
   // Static walls that keep falling parts above the bin's opening, `height_m` above the rim.
   void AddFunnel(const Bin& bin, double height_m);
-  void RemoveFunnel();
+  int RemoveFunnel();  // returns how many parts leaned on it: they wake
 
   // Palm and two fingers, see sim/hand_joints.h. One hand a world; owned by the world.
   Hand& AddHand(const HandSpec& spec, const Pose& X_WG);

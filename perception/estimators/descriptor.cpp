@@ -169,7 +169,7 @@ DescriptorOptions OptionsForMode(const std::string& mode) {
   if (mode == "fast") return options;
   CheckInput(mode == "hard", UnknownNameMessage("estimator mode", mode, {"fast", "hard"}));
   options.candidates.points = 1200;
-  options.candidates.candidates = 1000;
+  options.candidates.candidates = 600;
   options.candidates.two_gates = true;
   return options;
 }

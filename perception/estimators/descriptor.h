@@ -25,7 +25,7 @@ struct DescriptorOptions {
   void Visit(SettingsVisitor& v);
 };
 
-// fast: 600 points, one ICP gate. hard: 1,200 points, 1,000 candidates, two gates.
+// fast: 600 points, 300 candidates, one ICP gate. hard: 1,200 points, 600 candidates, two gates.
 // Throws InputError for another mode.
 DescriptorOptions OptionsForMode(const std::string& mode);
 

@@ -60,7 +60,9 @@ TEST(NeighborIndex, DistancesAreThoseOfTheRowsAndAscend) {
       squared += step * step;
     }
     EXPECT_NEAR(found.squared[i], squared, 1e-5f);
-    if (i % 5) EXPECT_LE(found.squared[i - 1], found.squared[i]);
+    if (i % 5 > 0) {
+      EXPECT_LE(found.squared[i - 1], found.squared[i]);
+    }
   }
 }
 

@@ -144,7 +144,12 @@ TEST(CutPatches, PixelsOutsideTheImageAndBackgroundAreFar) {
   const int corner = 5 * cloud.intrinsics.width + 5;
   const PatchSet cut = CutPatches(cloud, std::vector{corner}, std::vector{0.0}, 0.08);
   EXPECT_EQ(Value(cut, 0, 0, 0, 0), 1.0);
-  EXPECT_NEAR(Value(cut, 0, 0, 31, 31), 0.0, 0.25);
+  // The other corner sees the plane, which is slanted against the ray to the image's corner.
+  const double half_m = 0.04;
+  const Pose X_CP = cut.X_CP[0];
+  const Eigen::Vector3d grid_C = X_CP * Eigen::Vector3d(half_m, half_m, 0);
+  const Eigen::Vector3d hit_C = grid_C * (0.8 / grid_C.z());
+  EXPECT_NEAR(Value(cut, 0, 0, 31, 31), (X_CP.inverse() * hit_C).z() / half_m, 0.05);
   cloud.foreground = Image<uint8_t>(cloud.intrinsics.width, cloud.intrinsics.height, 0);
   const PatchSet none = CutPatches(cloud, std::vector{corner}, std::vector{0.0}, 0.08);
   EXPECT_EQ(Value(none, 0, 0, 31, 31), 1.0);

@@ -1,0 +1,194 @@
+#include "perception/estimators/descriptor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "perception/training.h"
+#include "perception/votes.h"
+#include "scenes/check.h"
+#include "tests/support/ray_cast_views.h"
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed {
+namespace {
+
+using testing::HasSubstr;
+
+// One small model for all tests: parts side by side, some seconds of training.
+class Descriptor : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::filesystem::path(testing::TempDir()) / "descriptor_test";
+    std::filesystem::create_directories(folder_ / "cache");
+    views_ = new RayCastViews({ObjectOf(BracketMesh())});
+    TrainingOptions options;
+    options.piles = 24;
+    options.views_per_pile = 1;
+    options.twins.patches_per_view = 120;
+    options.verifier_entries = 4000;
+    options.iterations = 220;
+    options.batch = 64;
+    options.verifier_piles = 6;
+    options.network.descriptor = 16;
+    options.loss.kind = "infonce";
+    options.candidates.points = 150;
+    options.candidates.candidates = 120;
+    TrainDescriptor({*views_, folder_ / "model.pt", {}, false, "test", {}}, options);
+  }
+  static void TearDownTestSuite() {
+    delete views_;
+    std::filesystem::remove_all(folder_);
+  }
+
+  static EstimatorSetup MakeSetup() {
+    EstimatorSetup setup;
+    setup.objects = views_->objects();
+    setup.spec.model = folder_ / "model.pt";
+    setup.intrinsics = SmallCamera();
+    setup.working_distance_m = RayCastViews::kDistanceM;
+    setup.views = views_;
+    setup.cache_dir = folder_ / "cache";
+    return setup;
+  }
+  static DescriptorOptions Options() {
+    DescriptorOptions options = OptionsForMode("fast");
+    options.code_entries = 6000;
+    options.candidates.points = 200;
+    options.candidates.candidates = 150;
+    return options;
+  }
+  static std::string ErrorOf(const std::function<void()>& run) {
+    try {
+      run();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  // As a cell without a known bin; the parts hang before nothing, which is no plane.
+  static EstimateResult Run(PoseEstimator& estimator, const LabelledView& view, uint64_t seed = 1) {
+    Rng rng(seed);
+    return estimator.Estimate({view.frame, OutOfSightBin()}, rng);
+  }
+  // A bin far around the parts removes no pixel of theirs.
+  static KnownBackground OutOfSightBin() {
+    KnownBackground background;
+    background.bin.inner_size_m = {5, 5, 5};
+    background.X_CB = Translation({0, 0, -1});
+    return background;
+  }
+
+  static std::filesystem::path folder_;
+  static RayCastViews* views_;
+};
+std::filesystem::path Descriptor::folder_;
+RayCastViews* Descriptor::views_ = nullptr;
+
+TEST_F(Descriptor, FindsPartsThatLieFree) {
+  const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
+  const PoseDistance distance(*views_->objects()[0]);
+  int found = 0, parts = 0, top_right = 0;
+  for (uint64_t seed = 5000; seed < 5006; ++seed) {
+    const LabelledView view = views_->Pile(seed, 1).front();
+    const EstimateResult result = Run(*estimator, view);
+    for (const LabelledInstance& instance : view.instances) {
+      ++parts;
+      for (const PoseHypothesis& hypothesis : result.hypotheses) {
+        if (distance(hypothesis.X_CO, instance.X_CO) > 0.1) continue;
+        ++found;
+        top_right += &hypothesis == &result.hypotheses.front();
+        break;
+      }
+    }
+  }
+  EXPECT_GE(found, 0.6 * parts);
+  EXPECT_GE(top_right, 5);
+}
+
+TEST_F(Descriptor, HypothesesAreRankedScoredAndTimed) {
+  const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
+  const EstimateResult result = Run(*estimator, views_->Pile(7, 1).front());
+  ASSERT_FALSE(result.hypotheses.empty());
+  for (size_t i = 0; i < result.hypotheses.size(); ++i) {
+    EXPECT_GE(result.hypotheses[i].score, MakeSetup().spec.min_score);
+    EXPECT_LE(result.hypotheses[i].score, 1);
+    if (i > 0) {
+      EXPECT_LE(result.hypotheses[i].score, result.hypotheses[i - 1].score);
+    }
+  }
+  for (const char* stage : {"cloud", "patches", "network", "neighbors", "quick", "icp", "verify",
+                            "suppress", "refine"}) {
+    EXPECT_TRUE(result.seconds.contains(stage)) << stage;
+  }
+}
+
+TEST_F(Descriptor, SameSeedSameAnswerAlsoFromAnotherEstimator) {
+  const LabelledView view = views_->Pile(8, 1).front();
+  const EstimateResult first = Run(*MakeDescriptorEstimator(MakeSetup(), Options()), view);
+  const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
+  Run(*estimator, views_->Pile(9, 1).front());
+  const EstimateResult second = Run(*estimator, view);
+  ASSERT_EQ(first.hypotheses.size(), second.hypotheses.size());
+  for (size_t i = 0; i < first.hypotheses.size(); ++i) {
+    EXPECT_EQ(first.hypotheses[i].score, second.hypotheses[i].score);
+    EXPECT_EQ(first.hypotheses[i].X_CO.matrix(), second.hypotheses[i].X_CO.matrix());
+  }
+}
+
+TEST_F(Descriptor, CodeBookIsMadeOnceAndThenRead) {
+  EstimatorSetup setup = MakeSetup();
+  setup.cache_dir = folder_ / "other cache";
+  std::filesystem::create_directories(setup.cache_dir);
+  double share = 0;
+  setup.on_progress = [&](std::string_view what, double done) {
+    EXPECT_THAT(std::string(what), HasSubstr("test part"));
+    share = done;
+  };
+  const int before = views_->isolated_calls();
+  MakeDescriptorEstimator(setup, Options());
+  EXPECT_GT(views_->isolated_calls(), before);
+  EXPECT_EQ(share, 1.0);
+
+  const int made = views_->isolated_calls();
+  setup.views = nullptr;
+  MakeDescriptorEstimator(setup, Options());
+  EXPECT_EQ(views_->isolated_calls(), made);
+
+  DescriptorOptions larger = Options();
+  larger.code_entries += 100;
+  EXPECT_THAT(ErrorOf([&] { MakeDescriptorEstimator(setup, larger); }), HasSubstr("code book"));
+}
+
+TEST_F(Descriptor, NothingInSightGivesNothing) {
+  const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
+  LabelledView empty;
+  empty.frame.intrinsics = SmallCamera();
+  empty.frame.depth_m = Image<float>(SmallCamera().width, SmallCamera().height);
+  EXPECT_TRUE(Run(*estimator, empty).hypotheses.empty());
+}
+
+TEST_F(Descriptor, BadSetupsAreRefused) {
+  EstimatorSetup setup = MakeSetup();
+  setup.spec.mode = "fsat";
+  EXPECT_THAT(ErrorOf([&] { MakeDescriptorEstimator(setup); }), HasSubstr("did you mean 'fast'"));
+  setup = MakeSetup();
+  setup.spec.model = "no_such_model";
+  EXPECT_THAT(ErrorOf([&] { MakeDescriptorEstimator(setup); }), HasSubstr("no_such_model"));
+  setup = MakeSetup();
+  auto stranger = std::make_shared<ObjectModel>(*setup.objects[0]);
+  stranger->name = "stranger";
+  setup.objects = {stranger};
+  EXPECT_THAT(ErrorOf([&] { MakeDescriptorEstimator(setup); }), HasSubstr("part 'stranger'"));
+}
+
+TEST(OptionsForMode, HardWorksMoreThanFast) {
+  const DescriptorOptions fast = OptionsForMode("fast"), hard = OptionsForMode("hard");
+  EXPECT_GT(hard.candidates.points, fast.candidates.points);
+  EXPECT_GT(hard.candidates.candidates, fast.candidates.candidates);
+  EXPECT_TRUE(hard.candidates.two_gates);
+}
+
+}  // namespace
+}  // namespace pickbed
