@@ -181,20 +181,20 @@ broken_model_is_refused() {
 }
 
 train_stops_and_resumes() {
-  local short=(--set piles=2 --set code_views=60 --set iterations=40 --set checkpoint_every=5)
-  "$pickbed" train rod "${short[@]}" --set iterations=100000 --out rod.pt 2>stopped.err &
+  local short=(rod --set piles=2 --set iterations=80 --set checkpoint_every=5
+    --set verifier_piles=2 --set verifier_entries=2000 --set verifier.iterations=100)
+  "$pickbed" train "${short[@]}" --out rod.pt 2>stopped.err &
   local pid=$!
-  for _ in $(seq 600); do
-    grep -q "^network" stopped.err && break
-    sleep 0.2
-  done
-  kill -INT $pid
+  while kill -0 $pid 2>/dev/null && ! grep -q "^network" stopped.err; do sleep 0.1; done
+  kill -INT $pid 2>/dev/null
   wait $pid
-  [ $? = 130 ] || fail "exit was not 130"
+  local rc=$?
+  [ $rc = 130 ] || fail "exit was $rc and not 130"
   [ -s rod.pt.checkpoint ] || fail "no checkpoint"
   [ ! -e rod.pt ] || fail "an unfinished model was written"
-  expect 0 "$pickbed" train rod "${short[@]}" --out rod.pt
-  [ -s rod.pt ] || fail "no model"
+  expect 0 "$pickbed" train "${short[@]}" --out rod.pt --resume
+  expect 0 "$pickbed" train "${short[@]}" --out unstopped.pt
+  cmp rod.pt unstopped.pt || fail "a stopped and resumed training gives other weights"
   expect 0 "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.pt"
 }
 
