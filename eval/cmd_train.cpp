@@ -53,7 +53,8 @@ Lesson PlanLesson(const TrainArguments& arguments) {
 
 std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
   ViewSourceOptions options;
-  options.sensor = LoadSensorProfile(lesson.spec.sensor);
+  options.sensor =
+      BlameKey(lesson.spec, "sensor", [&] { return LoadSensorProfile(lesson.spec.sensor); });
   options.camera = CameraOf(lesson.spec).intrinsics;
   options.bin = BinOf(lesson.spec);
   // A cell's camera stands still, but parts lie higher or lower and cells are built to a hand's
@@ -120,8 +121,9 @@ int TrainCommand(int argc, char** argv) {
         arguments.resume,
         lesson.spec.sensor,
         [&](const TrainingProgress& state) {
-          progress.Show(fmt::format("{} {}/{}  loss {:.4f}  left {}", state.phase, state.done,
-                                    state.total, state.loss, FormatDuration(state.seconds_left)));
+          const std::string loss = state.loss > 0 ? fmt::format("  loss {:.4f}", state.loss) : "";
+          progress.Show(fmt::format("{} {}/{}{}  left {}", state.phase, state.done, state.total,
+                                    loss, FormatDuration(state.seconds_left)));
           return !Interrupted();
         }};
     report = TrainDescriptor(job, arguments.training);

@@ -257,6 +257,12 @@ struct ResultsStore::Impl {
     insert.Bind(1, std::string("scenario"));
     insert.Bind(2, settings);
     insert.Step();
+    // A run that failed before its first trial ended leaves nothing to be kept apart from.
+    Statement update(db,
+                     "UPDATE settings SET value = ? WHERE key = 'scenario' "
+                     "AND NOT EXISTS (SELECT 1 FROM trials)");
+    update.Bind(1, settings);
+    update.Step();
   }
 
   sqlite3* db = nullptr;

@@ -15,7 +15,7 @@ namespace pickbed {
 class ResultsStore {
  public:
   // Opens or creates FOLDER/results.sqlite. Throws InputError when the folder is not writable or
-  // holds results of other settings (`settings` is the effective scenario text).
+  // holds trials of other settings (`settings` is the effective scenario text).
   ResultsStore(const std::filesystem::path& folder, const std::string& settings);
   ~ResultsStore();
 

@@ -9,7 +9,10 @@
 #include "eval/oracle.h"
 #include "eval/results_store.h"
 #include "grasp/gripper.h"
+#include "perception/pose_estimator.h"
 #include "scenes/check.h"
+#include "scenes/files.h"
+#include "scenes/random.h"
 #include "sim/sensor_noise.h"
 
 namespace pickbed {
@@ -86,20 +89,27 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
   ScenarioSpec same_for_all = spec;
   same_for_all.trials = 1;
   std::string text = SettingsText(same_for_all);
+  BlameKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
   // Files that the settings only name.
-  GripperSpec gripper = LoadGripper(spec.gripper);
-  SensorProfile sensor = LoadSensorProfile(spec.sensor);
+  GripperSpec gripper = BlameKey(spec, "gripper", [&] { return LoadGripper(spec.gripper); });
+  SensorProfile sensor = BlameKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); });
   text += WriteSettings([&](SettingsVisitor& v) { gripper.Visit(v); });
   text += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
   for (const auto& object : objects) {
     text += fmt::format("# {} has mesh {:016x}\n", object->name, object->mesh_hash);
+  }
+  for (const EstimatorRow& row : EstimatorTable()) {
+    if (spec.estimator.name != row.name || row.model_file == nullptr) continue;
+    const std::filesystem::path file = row.model_file(spec.estimator);
+    if (!std::filesystem::exists(file)) continue;  // the estimator says best what to do
+    const std::string bytes = ReadFileBytes(file);
+    text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
   return text;
 }
 
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener) {
-  RequireEstimator(spec.estimator.name);
   const std::string identity = RunIdentity(spec, objects);
   const std::vector<int> finished = FinishedTrials(options, identity);
   WriteFileAtomically(options.out / "scenario.yaml", ScenarioText(spec, options.out));

@@ -51,7 +51,7 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
                       const RunListener& listener);
 
 // What must be equal for two runs to be one: the settings but the number of trials, the gripper,
-// the sensor and the parts' meshes.
+// the sensor, the parts' meshes and the trained model.
 std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects);
 
 }  // namespace pickbed

@@ -1,6 +1,5 @@
 #include "eval/statistics.h"
 
-#include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
@@ -13,7 +12,8 @@ Interval WilsonInterval(int successes, int attempts, double confidence) {
   const double p = successes / n;
   const double center = (p + z * z / (2 * n)) / (1 + z * z / n);
   const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
-  return {std::max(0.0, center - half), std::min(1.0, center + half)};
+  // The ends are exact at the extremes, where rounding would leave 0.9999999999999999.
+  return {successes == 0 ? 0.0 : center - half, successes == attempts ? 1.0 : center + half};
 }
 
 }  // namespace pickbed

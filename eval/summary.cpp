@@ -84,9 +84,9 @@ std::string SummaryJson(const RunSummary& s) {
   json["top1_precision"] = s.top1_precision;
   auto& recall = json["recall_by_visibility"] = nlohmann::ordered_json::object();
   for (const RecallBand& band : s.recall_by_visibility) {
-    recall[BandName(band)] = {{"instances", band.instances},
-                              {"recalled", band.recalled},
-                              {"recall", Ratio(band.recalled, band.instances)}};
+    recall[BandName(band)] = {{"instances", band.instances}, {"recalled", band.recalled}};
+    auto& rate = recall[BandName(band)]["recall"];  // null where there was none to recall
+    if (band.instances > 0) rate = Ratio(band.recalled, band.instances);
   }
   json["losses"] = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : s.losses) json["losses"][reason] = count;

@@ -109,8 +109,8 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
     : spec(scenario),
       options(trial_options),
       cell(scenario, objects),
-      gripper(LoadGripper(scenario.gripper)) {
-  RequireEstimator(spec.estimator.name);
+      gripper(BlameKey(scenario, "gripper", [&] { return LoadGripper(scenario.gripper); })) {
+  BlameKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
   for (const auto& model : cell.objects()) {
     metric_models.push_back(MakeMetricModel(*model));
     candidates.push_back(CachedAntipodalGrasps(*model, gripper));
@@ -135,7 +135,8 @@ void TrialRunner::Impl::MakeEstimator(const Progress& on_progress) {
   setup.cache_dir = CacheDir();
   setup.on_progress = on_progress;
   for (const EstimatorRow& row : EstimatorTable()) {
-    if (spec.estimator.name == row.name) estimator = row.make(setup);
+    if (spec.estimator.name != row.name) continue;
+    estimator = BlameKey(spec, "estimator", [&] { return row.make(setup); });
   }
 }
 

@@ -10,7 +10,7 @@ VirtualCell::VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects)
     : seed_(spec.seed),
       camera_(CameraOf(spec)),
       bin_(BinOf(spec)),
-      sensor_(LoadSensorProfile(spec.sensor)),
+      sensor_(BlameKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); })),
       objects_(WithConvexPieces(objects)) {
   for (const PartSpec& part : spec.objects) counts_.push_back(part.count);
 }

@@ -8,8 +8,8 @@ namespace {
 
 constexpr EstimatorRow kRows[] = {
     {"descriptor", "learned patch descriptors that vote through a code book, ICP and verifier",
-     &MakeDescriptorEstimator},
-    {"ppf", "point pair features with ICP, OpenCV's surface matching", &MakePpfEstimator},
+     &MakeDescriptorEstimator, &DescriptorModelFile},
+    {"ppf", "point pair features with ICP, OpenCV's surface matching", &MakePpfEstimator, nullptr},
 };
 
 }  // namespace

@@ -54,6 +54,8 @@ struct EstimatorRow {
   const char* name;
   const char* help;
   std::unique_ptr<PoseEstimator> (*make)(const EstimatorSetup& setup);
+  // The trained model that it will read, which need not exist; null: it reads none.
+  std::filesystem::path (*model_file)(const EstimatorSpec& spec) = nullptr;
 };
 
 std::span<const EstimatorRow> EstimatorTable();

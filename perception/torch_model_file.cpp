@@ -143,6 +143,9 @@ void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
 }
 
 DescriptorModel LoadModel(const std::filesystem::path& file) {
+  CheckInput(std::filesystem::exists(file),
+             fmt::format("{}: there is no such trained model; make it with `pickbed train`",
+                         file.string()));
   const std::string bytes = ReadFileBytes(file);
   const auto fail = [&](const std::string& reason) {
     return InputError(

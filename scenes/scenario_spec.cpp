@@ -24,26 +24,28 @@ bool InsideWall(const BinSpec& bin, const Eigen::Vector3d& p_W) {
   return beside || below;
 }
 
-void ValidateCamera(const CameraSpec& camera, const BinSpec& bin) {
-  if (InsideWall(bin, camera.eye_m)) {
-    throw InputError(fmt::format(
-        "camera.eye_m = [{}, {}, {}]: the camera stands inside the bin's wall or floor; raise it",
-        camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
+void ValidateCamera(const ScenarioSpec& spec) {
+  const CameraSpec& camera = spec.camera;
+  if (InsideWall(spec.bin, camera.eye_m)) {
+    throw InputError(
+        fmt::format("{} = [{}, {}, {}]: the camera stands inside the bin's wall or floor; raise it",
+                    spec.At("camera.eye_m"), camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
   }
   const Eigen::Vector3d sight = camera.target_m - camera.eye_m;
   const double length = sight.norm();
   if (length < 1e-3) {
-    throw InputError("camera.target_m: equals camera.eye_m; aim the camera at the bin's floor");
+    throw InputError(fmt::format("{}: equals camera.eye_m; aim the camera at the bin's floor",
+                                 spec.At("camera.target_m")));
   }
   // The bin's middle must be seen: in front of the camera and inside the image.
-  const Eigen::Vector3d middle(0, 0, 0.5 * bin.inner_size_m.z());
+  const Eigen::Vector3d middle(0, 0, 0.5 * spec.bin.inner_size_m.z());
   const double along = (middle - camera.eye_m).dot(sight / length);
   const double aside = ((middle - camera.eye_m) - along * sight / length).norm();
   const double half_view = 0.5 * std::hypot(camera.width, camera.height) / camera.focal_px;
   if (along <= 0 || aside > along * half_view) {
     throw InputError(fmt::format(
-        "camera.target_m = [{}, {}, {}]: the camera looks away from the bin; aim it at [0, 0, 0]",
-        camera.target_m.x(), camera.target_m.y(), camera.target_m.z()));
+        "{} = [{}, {}, {}]: the camera looks away from the bin; aim it at [0, 0, 0]",
+        spec.At("camera.target_m"), camera.target_m.x(), camera.target_m.y(), camera.target_m.z()));
   }
 }
 
@@ -106,65 +108,89 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
       "policy", [this](SettingsVisitor& g) { policy.Visit(g); }, "how picking goes on");
 }
 
+std::string ScenarioSpec::At(const std::string& key) const {
+  const auto place = places.find(key);
+  return place == places.end() ? key : place->second + ": " + key;
+}
+
 void ScenarioSpec::Validate() const {
   CheckInput(!objects.empty(),
-             "objects: the scenario drops nothing; add '- {name: rod, count: 5}'");
+             At("objects") + ": the scenario drops nothing; add '- {name: rod, count: 5}'");
   std::set<std::string> names;
   for (size_t i = 0; i < objects.size(); ++i) {
     const PartSpec& part = objects[i];
-    CheckInput(!part.name.empty(), fmt::format("objects.{}.name: is missing; name the part", i));
+    const std::string key = fmt::format("objects.{}.", i);
+    CheckInput(!part.name.empty(), fmt::format("{}name: is missing; name the part", key));
     CheckInput(names.insert(part.name).second,
-               fmt::format("objects.{}.name = {}: is listed twice; raise its count instead", i,
+               fmt::format("{} = {}: is listed twice; raise its count instead", At(key + "name"),
                            part.name));
+    const std::string mass = fmt::format("{} = {}", At(key + "mass_kg"), part.mass_kg);
     CheckInput(part.mesh.empty() || part.mass_kg > 0,
-               fmt::format("objects.{}.mass_kg = {}: must be over 0 for a part given by mesh", i,
-                           part.mass_kg));
+               mass + ": must be over 0 for a part given by mesh");
     CheckInput(!part.mesh.empty() || part.mass_kg == 0,
-               fmt::format("objects.{}.mass_kg = {}: '{}' comes from the catalog, which has its "
-                           "mass; remove it or give a mesh",
-                           i, part.mass_kg, part.name));
+               fmt::format("{}: '{}' comes from the catalog, which has its mass; remove it or give "
+                           "a mesh",
+                           mass, part.name));
   }
-  ValidateCamera(camera, bin);
+  ValidateCamera(*this);
 }
 
 ScenarioSpec LoadScenario(const std::filesystem::path& file,
                           const std::vector<std::string>& overrides) {
   ScenarioSpec spec;
   const VisitFunction visit = [&spec](SettingsVisitor& v) { spec.Visit(v); };
-  ReadSettingsFile(file, visit);
-  for (const std::string& assignment : overrides) ApplySetting(assignment, visit);
+  spec.places = ReadSettingsFile(file, visit);
+  for (const std::string& assignment : overrides) {
+    for (const auto& [key, place] : ApplySetting(assignment, visit)) spec.places[key] = place;
+  }
   spec.folder = std::filesystem::absolute(file).parent_path();
   try {
     spec.Validate();
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", file.string(), error.what()));
+    // A key that was not given has no place of its own.
+    const std::string message = error.what();
+    const bool has_place = message.starts_with(file.string()) || message.starts_with("--set ");
+    throw InputError(has_place ? message : fmt::format("{}: {}", file.string(), message));
   }
   return spec;
 }
 
+namespace {
+
+std::shared_ptr<const ObjectModel> LoadPart(const ScenarioSpec& spec, const PartSpec& part,
+                                            const ObjectCatalog& catalog) {
+  if (part.mesh.empty()) return catalog.Load(part.name);
+  MeshPartSpec mesh_part;
+  mesh_part.mesh = spec.folder / part.mesh;
+  mesh_part.unit = part.unit;
+  mesh_part.mass_kg = part.mass_kg;
+  mesh_part.friction = part.friction;
+  return LoadMeshPart(part.name, mesh_part);
+}
+
+// Its two smallest sides must pass between the walls, its largest must fit on the diagonal.
+void RequireFits(const ObjectModel& model, const BinSpec& bin) {
+  Eigen::Vector3d size = MeshBounds(model.mesh_O).size();
+  std::sort(size.data(), size.data() + 3);
+  const Eigen::Vector2d inner = bin.inner_size_m.head<2>();
+  if (size[1] <= inner.minCoeff() && size[2] <= inner.norm()) return;
+  throw InputError(fmt::format(
+      "part '{}' of {:.0f} x {:.0f} x {:.0f} mm is larger than the bin of {:.0f} x {:.0f} mm; "
+      "check its unit or choose a larger bin.inner_size_m",
+      model.name, 1e3 * size[0], 1e3 * size[1], 1e3 * size[2], 1e3 * inner[0], 1e3 * inner[1]));
+}
+
+}  // namespace
+
 ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
   ObjectSet objects;
-  for (const PartSpec& part : spec.objects) {
-    if (part.mesh.empty()) {
-      objects.push_back(catalog.Load(part.name));
-    } else {
-      MeshPartSpec mesh_part;
-      mesh_part.mesh = spec.folder / part.mesh;
-      mesh_part.unit = part.unit;
-      mesh_part.mass_kg = part.mass_kg;
-      mesh_part.friction = part.friction;
-      objects.push_back(LoadMeshPart(part.name, mesh_part));
-    }
-    // Its two smallest sides must pass between the walls, its largest must fit on the diagonal.
-    Eigen::Vector3d size = MeshBounds(objects.back()->mesh_O).size();
-    std::sort(size.data(), size.data() + 3);
-    Eigen::Vector2d inner = spec.bin.inner_size_m.head<2>();
-    if (size[1] > inner.minCoeff() || size[2] > inner.norm()) {
-      throw InputError(fmt::format(
-          "part '{}' of {:.0f} x {:.0f} x {:.0f} mm is larger than the bin of {:.0f} x {:.0f} mm; "
-          "check its unit or choose a larger bin.inner_size_m",
-          part.name, 1e3 * size[0], 1e3 * size[1], 1e3 * size[2], 1e3 * inner[0], 1e3 * inner[1]));
-    }
+  for (size_t i = 0; i < spec.objects.size(); ++i) {
+    const PartSpec& part = spec.objects[i];
+    const char* key = part.mesh.empty() ? "name" : "mesh";
+    BlameKey(spec, fmt::format("objects.{}.{}", i, key), [&] {
+      objects.push_back(LoadPart(spec, part, catalog));
+      RequireFits(*objects.back(), spec.bin);
+    });
   }
   return objects;
 }

@@ -9,6 +9,7 @@
 
 #include "scenes/bin.h"
 #include "scenes/camera.h"
+#include "scenes/check.h"
 #include "scenes/object_catalog.h"
 #include "scenes/settings.h"
 
@@ -71,13 +72,28 @@ struct ScenarioSpec {
   std::string gripper = "jaw_8cm";  // assets/grippers/NAME.yaml or a path
   PolicySpec policy;
   std::filesystem::path folder;  // of the scenario file, for relative paths; not a setting
+  KeyPlaces places;              // of the keys that were given; not a setting
 
   void Visit(SettingsVisitor& v);
+
+  // "demo.yaml:12: gripper": how errors about a key begin; the key alone where it was not given.
+  std::string At(const std::string& key) const;
 
   // Cross-field checks that need no mesh: at least one object, positive counts, camera outside the
   // bin's walls and looking at its floor. Throws InputError.
   void Validate() const;
 };
+
+// What `work` returns; an InputError of it, a name that is unknown for instance, begins with where
+// the key was given.
+template <typename Work>
+auto BlameKey(const ScenarioSpec& spec, const std::string& key, Work work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    throw InputError(spec.At(key) + ": " + error.what());
+  }
+}
 
 // Reads, applies the "key=value" overrides in order, validates. Throws InputError.
 ScenarioSpec LoadScenario(const std::filesystem::path& file,

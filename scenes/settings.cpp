@@ -20,8 +20,11 @@ std::string RangeText(Range range) { return fmt::format("from {} to {}", range.m
 // Reads one YAML map into the fields that are visited, then complains of keys that none asked for.
 class Reader : public SettingsVisitor {
  public:
-  Reader(YAML::Node map, std::string source, std::string prefix)
-      : map_(std::move(map)), source_(std::move(source)), prefix_(std::move(prefix)) {}
+  // `has_lines`: the source is a file, whose lines are worth naming.
+  Reader(YAML::Node map, std::string source, bool has_lines)
+      : map_(std::move(map)), source_(std::move(source)), has_lines_(has_lines) {}
+
+  const KeyPlaces& places() const { return places_; }
 
   void Real(const char* key, double& value, Range range, const char* help) override {
     if (auto node = Find(key)) value = Number(*node, Path(key), range, help);
@@ -84,9 +87,7 @@ class Reader : public SettingsVisitor {
   void Group(const char* key, const VisitFunction& visit, const char*) override {
     const auto node = Find(key);
     if (!node) return;
-    Reader child(*node, source_, Path(key));
-    visit(child);
-    child.RejectUnknownKeys();
+    ReadChild(*node, Path(key), visit);
   }
 
   void List(const char* key, size_t size, const std::function<void(size_t)>& resize,
@@ -97,9 +98,8 @@ class Reader : public SettingsVisitor {
     if (!node->IsSequence()) Fail(*node, Path(key), fmt::format("must be a list ({})", help));
     resize(node->size());
     for (size_t i = 0; i < node->size(); ++i) {
-      Reader child((*node)[i], source_, fmt::format("{}.{}", Path(key), i));
-      visit(i, child);
-      child.RejectUnknownKeys();
+      ReadChild((*node)[i], fmt::format("{}.{}", Path(key), i),
+                [&](SettingsVisitor& item) { visit(i, item); });
     }
   }
 
@@ -129,7 +129,16 @@ class Reader : public SettingsVisitor {
     if (!map_.IsDefined() || !map_.IsMap()) return std::nullopt;
     const YAML::Node node = static_cast<const YAML::Node&>(map_)[key];
     if (!node.IsDefined()) return std::nullopt;
+    places_[Path(key)] = Where(node);
     return node;
+  }
+
+  void ReadChild(const YAML::Node& node, const std::string& path, const VisitFunction& visit) {
+    Reader child(node, source_, has_lines_);
+    child.prefix_ = path;
+    visit(child);
+    child.RejectUnknownKeys();
+    places_.merge(child.places_);
   }
 
   std::string Path(const std::string& key) const {
@@ -138,7 +147,7 @@ class Reader : public SettingsVisitor {
 
   std::string Where(const YAML::Node& node) const {
     const YAML::Mark mark = node.Mark();
-    if (mark.is_null()) return source_;
+    if (mark.is_null() || !has_lines_) return source_;
     return fmt::format("{}:{}", source_, mark.line + 1);
   }
 
@@ -176,7 +185,7 @@ class Reader : public SettingsVisitor {
 
   // "objects.0.count=3" of a --set arrives as a map from index to fields.
   void ReadListItems(const YAML::Node& node, const std::string& key, size_t size,
-                     const std::function<void(size_t, SettingsVisitor&)>& visit) const {
+                     const std::function<void(size_t, SettingsVisitor&)>& visit) {
     for (const auto& entry : node) {
       size_t index = size;
       try {
@@ -187,15 +196,16 @@ class Reader : public SettingsVisitor {
         Fail(entry.first, key,
              fmt::format("must be the index of an item, 0 to {}", static_cast<long>(size) - 1));
       }
-      Reader child(entry.second, source_, fmt::format("{}.{}", key, index));
-      visit(index, child);
-      child.RejectUnknownKeys();
+      ReadChild(entry.second, fmt::format("{}.{}", key, index),
+                [&](SettingsVisitor& item) { visit(index, item); });
     }
   }
 
   YAML::Node map_;
   std::string source_;
-  std::string prefix_;
+  bool has_lines_;
+  std::string prefix_;  // of the keys of this map
+  KeyPlaces places_;
   std::vector<std::string> known_;
 };
 
@@ -282,24 +292,25 @@ YAML::Node Parse(const std::string& yaml, const std::string& source) {
 
 }  // namespace
 
-void ReadSettingsText(const std::string& yaml, const std::string& name_for_errors,
-                      const VisitFunction& visit) {
-  Reader reader(Parse(yaml, name_for_errors), name_for_errors, "");
+KeyPlaces ReadSettingsText(const std::string& yaml, const std::string& name_for_errors,
+                           const VisitFunction& visit) {
+  Reader reader(Parse(yaml, name_for_errors), name_for_errors, true);
   visit(reader);
   reader.RejectUnknownKeys();
+  return reader.places();
 }
 
-void ReadSettingsFile(const std::filesystem::path& file, const VisitFunction& visit) {
+KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunction& visit) {
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file)) {
     throw InputError(fmt::format("{}: cannot be read; check the path", file.string()));
   }
   std::ostringstream text;
   text << in.rdbuf();
-  ReadSettingsText(text.str(), file.string(), visit);
+  return ReadSettingsText(text.str(), file.string(), visit);
 }
 
-void ApplySetting(const std::string& assignment, const VisitFunction& visit) {
+KeyPlaces ApplySetting(const std::string& assignment, const VisitFunction& visit) {
   const std::string source = fmt::format("--set {}", assignment);
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
@@ -314,9 +325,10 @@ void ApplySetting(const std::string& assignment, const VisitFunction& visit) {
     parent[*key] = value;
     value = parent;
   }
-  Reader reader(value, source, "");
+  Reader reader(value, source, false);
   visit(reader);
   reader.RejectUnknownKeys();
+  return reader.places();
 }
 
 std::string WriteSettings(const VisitFunction& visit, bool with_help) {

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -50,13 +51,16 @@ class SettingsVisitor {
 
 using VisitFunction = std::function<void(SettingsVisitor&)>;
 
+// Where each key was given: "objects.0.name" -> "demo.yaml:7". For errors that show only later.
+using KeyPlaces = std::map<std::string, std::string>;
+
 // Reads a YAML file into what `visit` names; keys that the file leaves out keep their values.
-void ReadSettingsFile(const std::filesystem::path& file, const VisitFunction& visit);
-void ReadSettingsText(const std::string& yaml, const std::string& name_for_errors,
-                      const VisitFunction& visit);
+KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunction& visit);
+KeyPlaces ReadSettingsText(const std::string& yaml, const std::string& name_for_errors,
+                           const VisitFunction& visit);
 
 // Applies one "a.b.c=value" (value in YAML; list items by index: "objects.0.count=3").
-void ApplySetting(const std::string& assignment, const VisitFunction& visit);
+KeyPlaces ApplySetting(const std::string& assignment, const VisitFunction& visit);
 
 // The effective settings as YAML, every key, help as comments when asked.
 std::string WriteSettings(const VisitFunction& visit, bool with_help = false);

@@ -14,16 +14,6 @@ namespace {
 
 constexpr const char* kShippedModel = "shipped";
 
-// A name under assets/models or a path.
-std::filesystem::path ModelPath(const std::string& model) {
-  const std::string name = model.empty() ? kShippedModel : model;
-  const std::filesystem::path path = name;
-  if (path.has_parent_path() || path.extension() == ".pt") {
-    if (std::filesystem::exists(path)) return path;
-  }
-  return AssetsDir() / "models" / (path.extension() == ".pt" ? name : name + ".pt");
-}
-
 IsolatedOptions CodeViews(const EstimatorSetup& setup, const DescriptorOptions& options) {
   IsolatedOptions isolated;
   isolated.patches_per_view = options.code_patches_per_view;
@@ -49,7 +39,7 @@ class DescriptorEstimator : public PoseEstimator {
       : options_(options),
         min_score_(setup.spec.min_score),
         refine_(setup.refiner == "pcl_icp"),
-        model_(LoadModel(ModelPath(setup.spec.model))) {
+        model_(LoadModel(DescriptorModelFile(setup.spec))) {
     finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(), options.candidates);
     for (const auto& object : setup.objects) distances_.emplace_back(*object);
   }
@@ -74,7 +64,7 @@ class DescriptorEstimator : public PoseEstimator {
 
 std::vector<CandidatePart> DescriptorEstimator::Parts(const EstimatorSetup& setup) const {
   const std::vector<double> sides =
-      PatchSidesOf(model_.info, setup.objects, ModelPath(setup.spec.model));
+      PatchSidesOf(model_.info, setup.objects, DescriptorModelFile(setup.spec));
   std::vector<CandidatePart> parts;
   for (size_t i = 0; i < setup.objects.size(); ++i) {
     parts.push_back({setup.objects[i], sides[i], Codes(setup, static_cast<int>(i), sides[i])});
@@ -162,6 +152,15 @@ void DescriptorOptions::Visit(SettingsVisitor& v) {
   v.Real("final_diameters", final_diameters, {0, 1}, "verified poses within it are one");
   v.Group(
       "candidates", [&](SettingsVisitor& g) { candidates.Visit(g); }, "how poses are found");
+}
+
+std::filesystem::path DescriptorModelFile(const EstimatorSpec& spec) {
+  const std::string name = spec.model.empty() ? kShippedModel : spec.model;
+  const std::filesystem::path path = name;
+  if (path.has_parent_path() || path.extension() == ".pt") {
+    if (std::filesystem::exists(path)) return path;
+  }
+  return AssetsDir() / "models" / (path.extension() == ".pt" ? name : name + ".pt");
 }
 
 DescriptorOptions OptionsForMode(const std::string& mode) {

@@ -3,6 +3,7 @@
 // The learned estimator: patches described by a network vote through a code book, ICP refines the
 // votes and a learned verifier ranks them. After Wohlhart and Lepetit 2015 and Kehl et al. 2016.
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -28,6 +29,9 @@ struct DescriptorOptions {
 // fast: 600 points, 300 candidates, one ICP gate. hard: 1,200 points, 600 candidates, two gates.
 // Throws InputError for another mode.
 DescriptorOptions OptionsForMode(const std::string& mode);
+
+// spec.model as a file, or as a name under assets/models; empty = the shipped one.
+std::filesystem::path DescriptorModelFile(const EstimatorSpec& spec);
 
 // Loads the model and makes or reads the code books. Throws InputError as LoadModel and
 // PatchSidesOf do, and when a code book must be made but setup.views is null.

@@ -158,6 +158,13 @@ TEST_F(ResultsStoreTest, RefusesResultsOfOtherSettings) {
   EXPECT_THAT(error, HasSubstr("--out"));
 }
 
+TEST_F(ResultsStoreTest, WithoutATrialItTakesNewSettings) {
+  ResultsStore(folder_, "seed: 1");
+  ResultsStore(folder_, "seed: 2").Write(FullTrial(0));
+  EXPECT_EQ(ResultsStore(folder_, "seed: 2").ReadAll().size(), 1u);
+  EXPECT_NE(ErrorOf([&] { ResultsStore(folder_, "seed: 1"); }), "");
+}
+
 TEST_F(ResultsStoreTest, SecondWriteOfATrialFailsAndKeepsTheFirst) {
   ResultsStore store(folder_, "s");
   store.Write(FullTrial(0));

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "scenes/check.h"
+#include "scenes/files.h"
 
 namespace pickbed {
 namespace {
@@ -64,6 +65,22 @@ TEST_F(ScenarioFile, BadScenariosAreRefusedInOneLine) {
     EXPECT_EQ(error.find('\n'), std::string::npos);
   }
   EXPECT_EQ(ErrorOf(rods), "no error");
+}
+
+TEST_F(ScenarioFile, LaterErrorsNameTheLineOfTheKey) {
+  const std::filesystem::path file =
+      std::filesystem::path(::testing::TempDir()) / "pickbed_places_test.yaml";
+  std::ofstream(file) << "seed: 1\nobjects:\n  - name: rod\n  - name: spoon\n";
+  const ScenarioSpec spec = LoadScenario(file, {"gripper=tongs"});
+  EXPECT_EQ(spec.At("objects.1.name"), file.string() + ":4: objects.1.name");
+  EXPECT_EQ(spec.At("gripper"), "--set gripper=tongs: gripper");
+  EXPECT_EQ(spec.At("sensor"), "sensor");
+  try {
+    LoadObjects(spec, ObjectCatalog({AssetsDir() / "objects"}));
+    ADD_FAILURE() << "a part of no catalog was loaded";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(file.string() + ":4: objects.1.name: unknown part"));
+  }
 }
 
 TEST_F(ScenarioFile, OverridesComeAfterTheFile) {
