@@ -11,6 +11,7 @@
 #include "scenes/check.h"
 #include "scenes/loss.h"
 #include "scenes/scenario_spec.h"
+#include "sim/sensor_noise.h"
 
 namespace pickbed {
 namespace {
@@ -43,17 +44,15 @@ void ListGrippers(const std::string&) {
   }
 }
 
-void ListYamlFiles(const std::filesystem::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+void ListSensors(const std::string&) {
+  for (const std::string& name : SensorProfileNames()) {
+    const SensorProfile s = LoadSensorProfile(name);
+    Row(name, fmt::format("noise {:.1f} mm at 1 m, steps of {:.1f} mm, holes {:.1f} % and {:.0f} % "
+                          "at edges, from {:g} to {:g} m",
+                          1e3 * s.axial_sigma_m, 1e3 * s.quantization_m, 100 * s.random_dropout,
+                          100 * s.edge_dropout, s.min_range_m, s.max_range_m));
   }
-  std::sort(names.begin(), names.end());
-  for (const std::string& name : names) Row(name, "");
 }
-
-void ListSensors(const std::string&) { ListYamlFiles(AssetsDir() / "sensors"); }
 
 void ListMetrics(const std::string&) {
   for (const MetricRow& row : MetricTable())

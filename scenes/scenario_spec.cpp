@@ -31,18 +31,16 @@ void ValidateCamera(const ScenarioSpec& spec) {
         fmt::format("{} = [{}, {}, {}]: the camera stands inside the bin's wall or floor; raise it",
                     spec.At("camera.eye_m"), camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
   }
-  const Eigen::Vector3d sight = camera.target_m - camera.eye_m;
-  const double length = sight.norm();
-  if (length < 1e-3) {
+  if ((camera.target_m - camera.eye_m).norm() < 1e-3) {
     throw InputError(fmt::format("{}: equals camera.eye_m; aim the camera at the bin's floor",
                                  spec.At("camera.target_m")));
   }
-  // The bin's middle must be seen: in front of the camera and inside the image.
-  const Eigen::Vector3d middle(0, 0, 0.5 * spec.bin.inner_size_m.z());
-  const double along = (middle - camera.eye_m).dot(sight / length);
-  const double aside = ((middle - camera.eye_m) - along * sight / length).norm();
-  const double half_view = 0.5 * std::hypot(camera.width, camera.height) / camera.focal_px;
-  if (along <= 0 || aside > along * half_view) {
+  const Camera view = CameraOf(spec);
+  const Eigen::Vector3d middle_W(0, 0, 0.5 * spec.bin.inner_size_m.z());
+  const Eigen::Vector3d middle_C = view.X_WC.inverse() * middle_W;
+  const Eigen::Array2d middle_px = Project(view.intrinsics, middle_C).array();
+  const Eigen::Array2d last_px(camera.width - 1, camera.height - 1);
+  if (middle_C.z() <= 0 || (middle_px < 0).any() || (middle_px > last_px).any()) {
     throw InputError(fmt::format(
         "{} = [{}, {}, {}]: the camera looks away from the bin; aim it at [0, 0, 0]",
         spec.At("camera.target_m"), camera.target_m.x(), camera.target_m.y(), camera.target_m.z()));
@@ -64,6 +62,8 @@ void CameraSpec::Visit(SettingsVisitor& v) {
   v.Integer("width", width, {32, 4096}, "image width, px");
   v.Integer("height", height, {32, 4096}, "image height, px");
   v.Real("focal_px", focal_px, {20, 20000}, "focal length, px");
+  v.Real("focal_y_px", focal_y_px, {0, 20000}, "vertical focal length, px; 0 = as focal_px");
+  v.Vector2("principal_px", principal_px, {-1, 4096}, "principal point, px; -1 = the middle");
   v.Vector3("eye_m", eye_m, {-10, 10}, "where the camera stands, world, m");
   v.Vector3("target_m", target_m, {-10, 10}, "what it looks at, world, m");
 }
@@ -202,8 +202,12 @@ Bin BinOf(const ScenarioSpec& spec) {
 Camera CameraOf(const ScenarioSpec& spec) {
   const CameraSpec& c = spec.camera;
   Camera camera;
-  camera.intrinsics = {
-      c.width, c.height, c.focal_px, c.focal_px, 0.5 * (c.width - 1), 0.5 * (c.height - 1)};
+  camera.intrinsics = {c.width,
+                       c.height,
+                       c.focal_px,
+                       c.focal_y_px > 0 ? c.focal_y_px : c.focal_px,
+                       c.principal_px.x() < 0 ? 0.5 * (c.width - 1) : c.principal_px.x(),
+                       c.principal_px.y() < 0 ? 0.5 * (c.height - 1) : c.principal_px.y()};
   const Eigen::Vector3d sight = (c.target_m - c.eye_m).normalized();
   // Straight down there is no "up" along z: let the image's top be the bin's +y.
   const bool vertical = std::abs(sight.z()) > 0.999;

@@ -31,6 +31,8 @@ struct CameraSpec {
   int width = 640;
   int height = 480;
   double focal_px = 680;
+  double focal_y_px = 0;                  // 0 = as focal_px
+  Eigen::Vector2d principal_px{-1, -1};   // pixel centres are whole numbers; negative = the middle
   Eigen::Vector3d eye_m{0, -0.12, 0.85};  // in W
   Eigen::Vector3d target_m{0, 0, 0.03};   // in W
   void Visit(SettingsVisitor& v);

@@ -105,6 +105,22 @@ TEST(CameraOf, LooksAtItsTargetWithTheImageUpright) {
   }
 }
 
+TEST(CameraOf, IntrinsicsAreTheGivenOnesOrTheUsualOnes) {
+  ScenarioSpec spec;
+  const CameraIntrinsics usual = CameraOf(spec).intrinsics;
+  EXPECT_EQ(usual.fy, usual.fx);
+  EXPECT_EQ(usual.cx, 319.5);
+  EXPECT_EQ(usual.cy, 239.5);
+  spec.camera.focal_px = 570;
+  spec.camera.focal_y_px = 571;
+  spec.camera.principal_px = {0, 242};
+  const CameraIntrinsics given = CameraOf(spec).intrinsics;
+  EXPECT_EQ(given.fx, 570);
+  EXPECT_EQ(given.fy, 571);
+  EXPECT_EQ(given.cx, 0);
+  EXPECT_EQ(given.cy, 242);
+}
+
 TEST(LoadObjects, RefusesAPartLargerThanTheBin) {
   ScenarioSpec spec;
   const auto file = std::filesystem::path(::testing::TempDir()) / "pickbed_huge.obj";
