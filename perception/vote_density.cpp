@@ -51,7 +51,11 @@ double VoteDensity::Around(const Pose& X_CO, int except_patch) const {
       if (vote.patch == except_patch || (vote.com_C - com_C).squaredNorm() > reach2) continue;
       float nearest2 = radius2;
       for (Eigen::Index t = 0; t < twins.cols(); ++t) {
-        nearest2 = std::min(nearest2, (twins.col(t) - vote.point).squaredNorm());
+        // Most are turned otherwise, which the first key points tell.
+        float squared = (twins.col(t).head<8>() - vote.point.head<8>()).squaredNorm();
+        if (squared >= nearest2) continue;
+        squared += (twins.col(t).tail<16>() - vote.point.tail<16>()).squaredNorm();
+        nearest2 = std::min(nearest2, squared);
       }
       sum += 1 - nearest2 / radius2;
     }
