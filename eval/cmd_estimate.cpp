@@ -15,9 +15,13 @@ std::vector<TrialResult> LookAtBins(const LoadedScenario& scenario,
     progress.Show(fmt::format("{}: {:.0f} %", what, 100 * share));
   });
   std::vector<TrialResult> looks;
-  for (int trial = 0; trial < scenario.spec.trials; ++trial) {
+  const double start_s = progress.elapsed_s();  // code books are made by now
+  const int trials = scenario.spec.trials;
+  for (int trial = 0; trial < trials; ++trial) {
     looks.push_back(runner.Look(trial, folder / "pictures" / fmt::format("trial_{:04}", trial)));
-    progress.Show(fmt::format("bin {}/{}", trial + 1, scenario.spec.trials));
+    const double a_bin_s = (progress.elapsed_s() - start_s) / (trial + 1);
+    progress.Show(fmt::format("bin {}/{}  left {}", trial + 1, trials,
+                              FormatDuration(a_bin_s * (trials - trial - 1))));
   }
   return looks;
 }

@@ -24,11 +24,15 @@ std::string StateText(const RunState& state, double elapsed_s) {
 
 RunReport RunWithProgress(const LoadedScenario& scenario, const RunOptions& options) {
   ProgressLine progress;
+  std::string state_text;
   RunListener listener;
   listener.on_trial = [&](const RunState& state) {
-    progress.Show(StateText(state, progress.elapsed_s()), state.done == state.total);
+    state_text = StateText(state, progress.elapsed_s());
+    progress.Show(state_text, state.done == state.total);
   };
-  listener.on_message = [&](const std::string& line) { progress.Show(line); };
+  listener.on_message = [&](const std::string& line) {
+    progress.Show(state_text.empty() ? line : fmt::format("{}  ({})", state_text, line));
+  };
   listener.stop = Interrupted;
   return RunScenario(scenario.spec, scenario.objects, options, listener);
 }

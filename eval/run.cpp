@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 
@@ -17,6 +18,8 @@
 
 namespace pickbed {
 namespace {
+
+constexpr std::chrono::seconds kSayEvery{2};
 
 std::string SettingsText(ScenarioSpec spec) {
   return WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); });
@@ -56,11 +59,12 @@ std::string ReplyOf(const TrialResult& result) {
 WorkerPlan::DoItem StartWorker(const ScenarioSpec& spec, const ObjectSet& objects,
                                const RunOptions& options, const std::string& identity,
                                const WorkerPlan::Say& say) {
-  const auto on_progress = [say, last_percent = -1](std::string_view what, double share) mutable {
-    const int percent = static_cast<int>(100 * share);
-    if (percent == last_percent) return;
-    last_percent = percent;
-    say(fmt::format("{}: {} %", what, percent));
+  using Clock = std::chrono::steady_clock;
+  const auto on_progress = [say, said = Clock::time_point()](std::string_view what,
+                                                             double share) mutable {
+    if (Clock::now() - said < kSayEvery) return;
+    said = Clock::now();
+    say(fmt::format("{}: {:.0f} %", what, 100 * share));
   };
   auto runner = std::make_shared<TrialRunner>(spec, objects, on_progress);
   auto store = std::make_shared<ResultsStore>(options.out, identity);

@@ -83,7 +83,7 @@ struct TrialRunner::Impl {
 
   Impl(const ScenarioSpec& spec, const ObjectSet& objects, const Progress& on_progress,
        const TrialOptions& options);
-  void MakeEstimator(const Progress& on_progress);
+  void MakeEstimator();
 
   Live Drop(int trial, const std::filesystem::path& picture_folder);
   View See(Live& live, int look);
@@ -95,6 +95,7 @@ struct TrialRunner::Impl {
   void PickOnce(Live& live);
 
   ScenarioSpec spec;
+  Progress on_progress;
   TrialOptions options;
   VirtualCell cell;
   GripperSpec gripper;
@@ -105,8 +106,9 @@ struct TrialRunner::Impl {
 };
 
 TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
-                        const Progress& on_progress, const TrialOptions& trial_options)
+                        const Progress& progress, const TrialOptions& trial_options)
     : spec(scenario),
+      on_progress(progress),
       options(trial_options),
       cell(scenario, objects),
       gripper(BlameKey(scenario, "gripper", [&] { return LoadGripper(scenario.gripper); })) {
@@ -115,10 +117,10 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
     metric_models.push_back(MakeMetricModel(*model));
     candidates.push_back(CachedAntipodalGrasps(*model, gripper));
   }
-  if (spec.estimator.name != kOracleName) MakeEstimator(on_progress);
+  if (spec.estimator.name != kOracleName) MakeEstimator();
 }
 
-void TrialRunner::Impl::MakeEstimator(const Progress& on_progress) {
+void TrialRunner::Impl::MakeEstimator() {
   ViewSourceOptions view_options;
   view_options.sensor = cell.sensor();
   view_options.camera = cell.camera().intrinsics;
@@ -258,6 +260,10 @@ TrialResult TrialRunner::Run(int trial, const std::filesystem::path& picture_fol
     const PickRecord& pick = result.picks.back();
     const bool picked = pick.loss == Loss::kNone;
     result.parts_cleared += picked;
+    if (impl_->on_progress) {
+      const double cleared = static_cast<double>(result.parts_cleared) / result.parts_dropped;
+      impl_->on_progress(fmt::format("trial {}", trial), cleared);
+    }
     failures_in_row = picked ? 0 : failures_in_row + 1;
     if (!pick.grasp || failures_in_row >= policy.max_failures_in_row) result.ended_by = pick.loss;
   }

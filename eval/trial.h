@@ -76,7 +76,7 @@ struct TrialOptions {
 // What a worker holds for all its trials: meshes on the renderer, network, grasp candidates.
 class TrialRunner {
  public:
-  // Called while code books are made: what, and the share that is done.
+  // Called while code books are made and after each pick: what, and the share that is done.
   using Progress = std::function<void(std::string_view what, double share)>;
 
   // Makes the estimator and grasp candidates, from caches where they hold them. Throws InputError
