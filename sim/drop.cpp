@@ -185,17 +185,24 @@ void Pouring::AddLayer(const std::vector<Cell>& cells) {
 }
 
 // Until all are at rest, but no longer than `max_s`. The funnel goes when they are for the first
-// time, or half way; parts that leaned on it wake and settle again or fall out.
+// time, or half way; parts that leaned on it wake and settle again or fall out. Then contact reuse
+// ends, at the latest after three quarters, and the pile has to come to rest again without it.
 void Pouring::Settle() {
-  const double end_s = world_.time_s() + options_.max_s;
-  bool funnel_stands = true;
+  const double start_s = world_.time_s();
+  bool funnel_stands = true, reuses_contacts = true;
   while (!world_.BlewUp()) {
-    if (funnel_stands && (HaveStoodStill() || world_.time_s() > end_s - 0.5 * options_.max_s)) {
+    const double share = (world_.time_s() - start_s) / options_.max_s;
+    if (funnel_stands && (HaveStoodStill() || share > 0.5)) {
       if (world_.RemoveFunnel() > 0) still_X_WO_.clear();
       funnel_stands = false;
     }
-    at_rest_ = HaveStoodStill();
-    if (at_rest_ || world_.time_s() >= end_s) return;
+    if (!funnel_stands && reuses_contacts && (HaveStoodStill() || share > 0.75)) {
+      world_.StopContactReuse();
+      still_X_WO_.clear();
+      reuses_contacts = false;
+    }
+    at_rest_ = !reuses_contacts && HaveStoodStill();
+    if (at_rest_ || share >= 1) return;
     StepFor(options_.check_interval_s);
   }
 }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "sim/bullet_bridge.h"
+#include "sim/contact_reuse_impl.h"
 
 namespace pickbed {
 
@@ -69,9 +70,10 @@ struct PartShape {
 struct Part {
   std::unique_ptr<btRigidBody> body;
   Pose X_BO;
-  double radius = 0;       // of the part about its centre, Bullet units
-  btTransform still_pose;  // where it was when it last moved noticeably
-  double still_s = 0;      // how long ago that was
+  double radius = 0;        // of the part about its centre, Bullet units
+  btTransform still_pose;   // where it was when it last moved noticeably
+  double still_s = 0;       // how long ago that was
+  btTransform looked_pose;  // where it was when its contacts were last looked for in full
 
   void Wake() {
     body->activate(true);
@@ -98,11 +100,12 @@ struct PhysicsWorld::Impl {
                          int group);
   const PartShape& ShapeOf(const ObjectModel& model);
   void LetTheStillFallAsleep();
+  void TellWhichMoved();
   int WakeTouching(const btCollisionObject* body);  // how many
 
   const PhysicsOptions options;
   btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
+  ReusingDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
@@ -114,6 +117,7 @@ struct PhysicsWorld::Impl {
   std::unique_ptr<BulletHand> hand;
   long steps = 0;
   bool may_sleep = true;
+  bool reuses_contacts = false;
 };
 
 PhysicsWorld::Impl::Impl(const PhysicsOptions& physics_options) : options(physics_options) {
@@ -122,6 +126,8 @@ PhysicsWorld::Impl::Impl(const PhysicsOptions& physics_options) : options(physic
   info.m_numIterations = options.solver_iterations;
   // With one direction a gripped box slides out at eight times the force it needs.
   info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+  reuses_contacts = options.contact_reuse_m > 0;
+  if (reuses_contacts) dispatcher.StartReuse();
 }
 
 PhysicsWorld::Impl::~Impl() {
@@ -201,6 +207,17 @@ void PhysicsWorld::Impl::LetTheStillFallAsleep() {
   }
 }
 
+void PhysicsWorld::Impl::TellWhichMoved() {
+  dispatcher.moved.assign(parts.size(), false);
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const btTransform& pose = parts[i].body->getWorldTransform();
+    const double moved = Movement(parts[i].looked_pose, pose, parts[i].radius);
+    if (moved <= options.contact_reuse_m * kUnitsPerMeter) continue;
+    parts[i].looked_pose = pose;
+    dispatcher.moved[i] = true;
+  }
+}
+
 // Before a body goes: what leans on it must notice.
 int PhysicsWorld::Impl::WakeTouching(const btCollisionObject* body) {
   int woken = 0;
@@ -268,7 +285,7 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
   if (mode == BodyMode::kAsleep) body->forceActivationState(ISLAND_SLEEPING);
   const btTransform X_WB = body->getWorldTransform();
   impl_->parts.push_back({std::move(body), shape.frame.X_OB.inverse(),
-                          0.5 * model.diameter_m * kUnitsPerMeter, X_WB, 0});
+                          0.5 * model.diameter_m * kUnitsPerMeter, X_WB, 0, X_WB});
   return part_count() - 1;
 }
 
@@ -313,6 +330,7 @@ Hand& PhysicsWorld::AddHand(const HandSpec& spec, const Pose& X_WG) {
 
 void PhysicsWorld::Step() {
   if (impl_->may_sleep) impl_->LetTheStillFallAsleep();
+  if (impl_->reuses_contacts) impl_->TellWhichMoved();
   impl_->world.stepSimulation(step_s(), 0);
   if (impl_->hand != nullptr) impl_->hand->AfterStep();
   ++impl_->steps;
@@ -343,6 +361,12 @@ void PhysicsWorld::WakeAll() {
   for (Part& part : impl_->parts) {
     if (!part.body->isStaticObject() && part.body->isInWorld()) part.Wake();
   }
+}
+
+void PhysicsWorld::StopContactReuse() {
+  impl_->dispatcher.StopReuse();
+  impl_->reuses_contacts = false;
+  WakeAll();
 }
 
 void PhysicsWorld::ForbidSleep() {

@@ -212,6 +212,56 @@ TEST(PhysicsWorld, SleepersFallWhenTheirSupportGoes) {
   EXPECT_NEAR(world.X_WO(1).translation().z(), 0.0255, 2e-4);
 }
 
+PhysicsOptions ReusingContacts() {
+  PhysicsOptions options;
+  options.contact_reuse_m = 0.0001;
+  return options;
+}
+
+TEST(PhysicsWorld, ReusedContactsCarryAndLetGo) {
+  PhysicsWorld world(ReusingContacts());
+  AddTable(world);
+  const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
+  world.AddPart(*cube, Translation({0, 0, 0.03}));
+  world.AddPart(*cube, Translation({0, 0, 0.09}));
+  world.ForbidSleep();
+  StepFor(world, 2);
+  EXPECT_NEAR(world.X_WO(0).translation().z(), 0.0255, 2e-4);
+  EXPECT_NEAR(world.X_WO(1).translation().z(), 0.0765, 4e-4);
+  world.RemovePart(0);
+  StepFor(world, 1);
+  EXPECT_NEAR(world.X_WO(1).translation().z(), 0.0255, 2e-4);
+}
+
+// A part that is pushed along reaches the next one, however slowly it goes.
+TEST(PhysicsWorld, ReusedContactsDoNotMissASlowNeighbour) {
+  PhysicsOptions options = ReusingContacts();
+  options.gravity_W.setZero();
+  PhysicsWorld world(options);
+  const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
+  world.AddPart(*cube, Pose::Identity());
+  world.AddPart(*cube, Translation({0.056, 0, 0}), BodyMode::kDynamic,
+                {{-0.01, 0, 0}, Vector3d::Zero()});
+  world.ForbidSleep();
+  StepFor(world, 2);
+  EXPECT_LT(world.X_WO(0).translation().x(), -0.001);
+  EXPECT_GT((world.X_WO(1).translation() - world.X_WO(0).translation()).norm(), 0.05);
+}
+
+TEST(PhysicsWorld, EndOfContactReuseWakesAllAndLeavesThemStanding) {
+  PhysicsWorld world(ReusingContacts());
+  AddTable(world);
+  const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
+  world.AddPart(*cube, Translation({0, 0, 0.0255}));
+  world.AddPart(*cube, Translation({0, 0, 0.0765}));
+  StepFor(world, 2);
+  ASSERT_TRUE(world.AllAsleep());
+  world.StopContactReuse();
+  EXPECT_FALSE(world.AllAsleep());
+  StepFor(world, 1);
+  EXPECT_NEAR(world.X_WO(1).translation().z(), 0.0765, 4e-4);
+}
+
 TEST(PhysicsWorld, PartOnTheFunnelsWallFallsWhenItGoes) {
   PhysicsWorld world;
   Bin bin;
