@@ -6,6 +6,7 @@
 #include "eval/progress.h"
 #include "perception/training.h"
 #include "scenes/check.h"
+#include "scenes/files.h"
 #include "sim/convex_pieces.h"
 #include "sim/view_source.h"
 
@@ -104,6 +105,7 @@ int TrainCommand(int argc, char** argv) {
   std::filesystem::path model_file = arguments.model_file;
   if (model_file.empty()) model_file = std::filesystem::path("models") / (lesson.name + ".pt");
   if (model_file.has_parent_path()) MakeFolder(model_file.parent_path());
+  RequireWritable(model_file);
   const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
   CheckInput(!arguments.resume || std::filesystem::exists(checkpoint),
              fmt::format("no checkpoint {} to resume from; leave out --resume to start anew",

@@ -120,6 +120,11 @@ std::string ReadFileBytes(const fs::path& path) {
   return std::move(bytes).str();
 }
 
+void RequireWritable(const fs::path& path) {
+  CheckInput(!fs::is_directory(path), "cannot write '" + path.string() + "': it is a folder");
+  const TemporaryFile probe(path);
+}
+
 void WriteFileAtomically(const fs::path& path, const std::string& bytes) {
   TemporaryFile file(path);
   file.Write(bytes);

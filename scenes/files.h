@@ -22,4 +22,7 @@ std::string ReadFileBytes(const std::filesystem::path& path);
 // path and the system's reason (no space left, no permission) and leaves the old file whole.
 void WriteFileAtomically(const std::filesystem::path& path, const std::string& bytes);
 
+// Before long work whose result goes to `path`: throws InputError when no file can be made there.
+void RequireWritable(const std::filesystem::path& path);
+
 }  // namespace pickbed

@@ -25,8 +25,11 @@ struct DropOptions {
   double rest_m = 0.0005;
   // Twice the world's iterations: what the solver leaves over keeps piles trembling, and a pile of
   // 48 parts of all kinds takes half as long to fall asleep. Damping stops parts that spin on a
-  // point or swing between two, where Bullet has no friction: at 0.5 a bracket was seen to swing
-  // for 6 s. Contacts are reused until all are at rest for the first time without the funnel.
+  // point or swing between two, where Bullet has no friction: at 20 iterations one pile of 50 in
+  // twelve still swung after 8 s with a loss of 0.5 a second, none with 0.9. Contacts are reused
+  // until all are at rest for the first time without the funnel: over 20 piles of 50 that takes 0.7
+  // of the time, and parts move less when the scene is rebuilt and woken (median 1.8 mm in a
+  // second for the worst part of a pile, 3.9 mm without).
   PhysicsOptions physics{
       .solver_iterations = 40, .angular_damping = 0.9, .contact_reuse_m = 0.0001};
 };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eval/progress.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -38,12 +39,6 @@ Outcome Pickbed(std::vector<std::string> words) {
 // A folder with a scenario of one part in it, gone with the test.
 class CommandsTest : public testing::Test {
  protected:
-  void SetUp() override {
-    char pattern[] = "/tmp/pickbed_commands_XXXXXX";
-    folder_ = mkdtemp(pattern);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::string File(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
     return (folder_ / name).string();
@@ -53,7 +48,8 @@ class CommandsTest : public testing::Test {
   }
   std::string Out() const { return (folder_ / "out").string(); }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 // Exit 1, nothing on stdout, and one line that names what was wrong.

@@ -10,6 +10,7 @@
 
 #include "scenes/check.h"
 #include "scenes/random.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -21,13 +22,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class ResultsStoreTest : public testing::Test {
  protected:
-  void SetUp() override {
-    char pattern[] = "/tmp/pickbed_store_XXXXXX";
-    folder_ = mkdtemp(pattern);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 std::string ErrorOf(const std::function<void()>& function) {

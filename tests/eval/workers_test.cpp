@@ -11,6 +11,7 @@
 #include <set>
 
 #include "scenes/check.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -131,8 +132,8 @@ TEST(Workers, StopEndsWorkersAtOnce) {
 
 TEST(Workers, TheFirstStartsAlone) {
   // Each start says how many others have finished starting before it began.
-  char pattern[] = "/tmp/pickbed_workers_XXXXXX";
-  const std::string folder = mkdtemp(pattern);
+  const TemporaryFolder temporary;
+  const std::string folder = temporary.path().string();
   std::map<int, std::string> replies;
   WorkerPlan plan = Squares(
       8, 3, [](int) { usleep(50000); }, replies);
@@ -149,8 +150,6 @@ TEST(Workers, TheFirstStartsAlone) {
   ASSERT_EQ(said.size(), 3u);
   EXPECT_EQ(said[0], "first");
   EXPECT_EQ(std::count(said.begin(), said.end(), "first"), 1);
-  unlink((folder + "/started").c_str());
-  rmdir(folder.c_str());
 }
 
 }  // namespace

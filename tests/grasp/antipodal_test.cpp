@@ -7,6 +7,7 @@
 
 #include "grasp/pad_contact.h"
 #include "tests/grasp/grasp_scenes.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -151,10 +152,7 @@ TEST(Antipodal, SameSeedSameBytes) {
 
 class CachedAntipodal : public testing::Test {
  protected:
-  CachedAntipodal() {
-    std::filesystem::remove_all(folder_);
-    setenv("XDG_CACHE_HOME", folder_.c_str(), 1);
-  }
+  CachedAntipodal() { setenv("XDG_CACHE_HOME", folder_.c_str(), 1); }
   ~CachedAntipodal() override { unsetenv("XDG_CACHE_HOME"); }
 
   std::vector<std::filesystem::path> Files() const {
@@ -165,7 +163,8 @@ class CachedAntipodal : public testing::Test {
     return files;
   }
 
-  const std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "grasp_cache";
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 TEST_F(CachedAntipodal, ComesBackTheSameFromDiskAndAfterDamage) {

@@ -4,20 +4,21 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
+#include <memory>
 
 #include "scenes/check.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
 
 using testing::HasSubstr;
 
+// The file is there until the next call.
 std::filesystem::path YamlWith(const std::string& text) {
-  const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-  const auto path = std::filesystem::path(testing::TempDir()) / (name + ".yaml");
-  std::ofstream(path) << text;
-  return path;
+  static std::unique_ptr<TemporaryFolder> folder;
+  folder = std::make_unique<TemporaryFolder>();
+  return folder->Write("gripper.yaml", text);
 }
 
 std::string ErrorOf(const std::string& name_or_path) {
@@ -40,7 +41,7 @@ TEST(Gripper, EveryShippedOneLoadsAndTakesAPart) {
 
 TEST(Gripper, FileOverridesDefaultsAndKeepsTheRest) {
   const GripperSpec gripper = LoadGripper(YamlWith("stroke_m: 0.06\nforce_n: 12.5\n").string());
-  EXPECT_EQ(gripper.name, "FileOverridesDefaultsAndKeepsTheRest");
+  EXPECT_EQ(gripper.name, "gripper");
   EXPECT_EQ(gripper.hand.stroke_m, 0.06);
   EXPECT_EQ(gripper.hand.force_n, 12.5);
   EXPECT_EQ(gripper.hand.finger_mass_kg, HandSpec{}.finger_mass_kg);

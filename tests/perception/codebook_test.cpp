@@ -10,6 +10,7 @@
 #include "scenes/files.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -46,13 +47,8 @@ ObjectCodes SmallBook(RayCastViews& views, int count) {
 
 class CodebookFile : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 TEST(Codebook, QueryOfAnEntrysOwnViewVotesForTheTruth) {

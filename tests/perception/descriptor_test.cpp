@@ -10,6 +10,7 @@
 #include "scenes/check.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -20,7 +21,8 @@ using testing::HasSubstr;
 class Descriptor : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = std::filesystem::path(testing::TempDir()) / "descriptor_test";
+    temporary_ = new TemporaryFolder;
+    folder_ = temporary_->path();
     std::filesystem::create_directories(folder_ / "cache");
     views_ = new RayCastViews({ObjectOf(BracketMesh())});
     TrainingOptions options;
@@ -39,7 +41,7 @@ class Descriptor : public testing::Test {
   }
   static void TearDownTestSuite() {
     delete views_;
-    std::filesystem::remove_all(folder_);
+    delete temporary_;
   }
 
   static EstimatorSetup MakeSetup() {
@@ -80,9 +82,11 @@ class Descriptor : public testing::Test {
     return background;
   }
 
+  static TemporaryFolder* temporary_;
   static std::filesystem::path folder_;
   static RayCastViews* views_;
 };
+TemporaryFolder* Descriptor::temporary_ = nullptr;
 std::filesystem::path Descriptor::folder_;
 RayCastViews* Descriptor::views_ = nullptr;
 

@@ -12,6 +12,7 @@
 #include "scenes/files.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -39,13 +40,6 @@ TrainingOptions TinyOptions() {
 
 class Training : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   TrainingJob Job(const std::string& name) {
     return {views_, folder_ / (name + ".pt"), folder_ / (name + ".ckpt"), false, "test sensor", {}};
   }
@@ -59,7 +53,8 @@ class Training : public testing::Test {
   }
 
   RayCastViews views_{{ObjectOf(BracketMesh())}};
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 double Mean(const std::vector<double>& values, size_t first, size_t count) {

@@ -53,6 +53,15 @@ TEST(WriteFileAtomically, WritesReplacesAndLeavesNothingElse) {
   EXPECT_EQ(FilesIn(folder.path()), 1);
 }
 
+TEST(RequireWritable, SaysNoBeforeTheWorkAndLeavesNothing) {
+  const TemporaryFolder folder;
+  RequireWritable(folder.path() / "model.pt");
+  EXPECT_EQ(FilesIn(folder.path()), 0);
+  EXPECT_THAT(InputErrorOf([&] { RequireWritable(folder.path()); }), HasSubstr("it is a folder"));
+  EXPECT_THAT(InputErrorOf([&] { RequireWritable(folder.path() / "none" / "model.pt"); }),
+              HasSubstr("No such file"));
+}
+
 TEST(WriteFileAtomically, FailsWithPathAndReasonAndNoRemains) {
   const TemporaryFolder folder;
   const fs::path no_folder = folder.path() / "none" / "a.txt";

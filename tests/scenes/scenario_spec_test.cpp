@@ -3,10 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "scenes/check.h"
 #include "scenes/files.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -16,9 +15,7 @@ using ::testing::HasSubstr;
 class ScenarioFile : public ::testing::Test {
  protected:
   std::string ErrorOf(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
-    const std::filesystem::path file =
-        std::filesystem::path(::testing::TempDir()) / "pickbed_scenario_test.yaml";
-    std::ofstream(file) << yaml;
+    const std::filesystem::path file = folder_.Write("scenario.yaml", yaml);
     try {
       LoadScenario(file, overrides);
     } catch (const InputError& error) {
@@ -26,6 +23,8 @@ class ScenarioFile : public ::testing::Test {
     }
     return "no error";
   }
+
+  const TemporaryFolder folder_;
 };
 
 TEST_F(ScenarioFile, PresetsLoadAndTheirWrittenFormReadsBack) {
@@ -61,7 +60,7 @@ TEST_F(ScenarioFile, BadScenariosAreRefusedInOneLine) {
   for (const auto& c : cases) {
     const std::string error = ErrorOf(c.yaml);
     EXPECT_THAT(error, HasSubstr(c.part)) << c.yaml;
-    EXPECT_THAT(error, HasSubstr("pickbed_scenario_test.yaml"));
+    EXPECT_THAT(error, HasSubstr("/scenario.yaml:"));
     EXPECT_EQ(error.find('\n'), std::string::npos);
   }
   EXPECT_EQ(ErrorOf(rods), "no error");
@@ -69,8 +68,7 @@ TEST_F(ScenarioFile, BadScenariosAreRefusedInOneLine) {
 
 TEST_F(ScenarioFile, LaterErrorsNameTheLineOfTheKey) {
   const std::filesystem::path file =
-      std::filesystem::path(::testing::TempDir()) / "pickbed_places_test.yaml";
-  std::ofstream(file) << "seed: 1\nobjects:\n  - name: rod\n  - name: spoon\n";
+      folder_.Write("places.yaml", "seed: 1\nobjects:\n  - name: rod\n  - name: spoon\n");
   const ScenarioSpec spec = LoadScenario(file, {"gripper=tongs"});
   EXPECT_EQ(spec.At("objects.1.name"), file.string() + ":4: objects.1.name");
   EXPECT_EQ(spec.At("gripper"), "--set gripper=tongs: gripper");
@@ -123,9 +121,10 @@ TEST(CameraOf, IntrinsicsAreTheGivenOnesOrTheUsualOnes) {
 
 TEST(LoadObjects, RefusesAPartLargerThanTheBin) {
   ScenarioSpec spec;
-  const auto file = std::filesystem::path(::testing::TempDir()) / "pickbed_huge.obj";
-  std::ofstream(file) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
-                         "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const TemporaryFolder folder;
+  const auto file = folder.Write("huge.obj",
+                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                 "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   PartSpec part;
   part.name = "huge";
   part.mesh = file.string();

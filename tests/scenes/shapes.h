@@ -1,6 +1,6 @@
 #pragma once
 
-// Small meshes with closed-form answers, and a folder that cleans up after itself.
+// Small meshes with closed-form answers.
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "scenes/check.h"
-#include "scenes/files.h"
 #include "scenes/triangle_mesh.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 
@@ -69,29 +69,6 @@ inline Image<Rgb8> FourColours() {
 inline void TurnInsideOut(TriangleMesh& mesh) {
   for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
 }
-
-// A folder of this test's own under the system's temporary folder.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "pickbed_test_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp");
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path Write(const std::string& name, const std::string& bytes) const {
-    std::filesystem::create_directories((path_ / name).parent_path());
-    WriteFileAtomically(path_ / name, bytes);
-    return path_ / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 // The message of the InputError that `call` throws; fails the test when it throws none.
 template <typename Call>

@@ -11,6 +11,7 @@
 #include "scenes/part_families.h"
 #include "sim/convex_hull.h"
 #include "tests/sim/physics_parts.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -125,15 +126,11 @@ TEST(WithConvexPieces, LeavesPiecesThatAPartHas) {
 class CachedPieces : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              ("pieces_cache_" + std::to_string(::getpid()));
-    std::filesystem::remove_all(folder_);
     setenv("XDG_CACHE_HOME", folder_.c_str(), 1);
     auto bare = std::make_shared<ObjectModel>(*BracketPart());
     bare->convex_parts_O.clear();
     bare_ = bare;
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
   std::vector<std::filesystem::path> Files() const {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_)) {
@@ -142,7 +139,8 @@ class CachedPieces : public ::testing::Test {
     return files;
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
   std::shared_ptr<const ObjectModel> bare_;
 };
 

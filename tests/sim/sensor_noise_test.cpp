@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "scenes/check.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -215,7 +216,8 @@ TEST(SensorProfile, BadInputIsNamed) {
   };
   EXPECT_THAT(message_of("structured_ligth"),
               testing::HasSubstr("did you mean 'structured_light'"));
-  const std::string path = testing::TempDir() + "bad_sensor.yaml";
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "bad_sensor.yaml").string();
   std::ofstream(path) << "axial_sigma_m: -1\n";
   EXPECT_THAT(message_of(path), testing::AllOf(testing::HasSubstr("bad_sensor.yaml"),
                                                testing::HasSubstr("axial_sigma_m")));
