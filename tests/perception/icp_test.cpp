@@ -18,14 +18,6 @@ namespace {
 
 constexpr CloudOptions kKeepAll{.min_plane_share = 1};
 
-Pose BracketPose() {
-  Pose X = Translation({0.01, -0.01, 0.40});
-  X.linear() = (Eigen::AngleAxisd(2.4, Eigen::Vector3d::UnitX()) *
-                Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY()))
-                   .toRotationMatrix();
-  return X;
-}
-
 class BracketRefiner : public ::testing::Test {
  protected:
   BracketRefiner() : object_(ObjectOf(BracketMesh())), model_(MakeModelPoints(*object_)) {

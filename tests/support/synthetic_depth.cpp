@@ -114,6 +114,14 @@ TriangleMesh BracketMesh() {
   return mesh;
 }
 
+Pose BracketPose() {
+  Pose X = Translation({0.01, -0.01, 0.40});
+  X.linear() = (Eigen::AngleAxisd(2.4, Eigen::Vector3d::UnitX()) *
+                Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY()))
+                   .toRotationMatrix();
+  return X;
+}
+
 std::shared_ptr<const ObjectModel> ObjectOf(const TriangleMesh& mesh,
                                             const SymmetrySet& symmetries) {
   auto object = std::make_shared<ObjectModel>();

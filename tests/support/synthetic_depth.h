@@ -39,6 +39,8 @@ TriangleMesh BoxMesh(const Eigen::Vector3d& size_m, const Eigen::Vector3d& cente
 // An L with a boss off its middle, 60 x 24 x 40 mm: no symmetry, and every pose is held by its
 // faces.
 TriangleMesh BracketMesh();
+// In C, with three of its sides in sight.
+Pose BracketPose();
 
 std::shared_ptr<const ObjectModel> ObjectOf(const TriangleMesh& mesh,
                                             const SymmetrySet& symmetries = {});
