@@ -10,6 +10,7 @@
 
 #include "sim/bullet_bridge.h"
 #include "sim/contact_reuse_impl.h"
+#include "sim/warm_contact_impl.h"
 
 namespace pickbed {
 
@@ -104,7 +105,7 @@ struct PhysicsWorld::Impl {
   int WakeTouching(const btCollisionObject* body);  // how many
 
   const PhysicsOptions options;
-  btDefaultCollisionConfiguration configuration;
+  WarmContactConfiguration configuration;
   ReusingDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
