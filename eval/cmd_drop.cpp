@@ -9,8 +9,10 @@
 namespace pickbed {
 
 int DropCommand(int argc, char** argv) {
-  CLI::App app("Fills one bin and writes how it came to rest: scene.json and color.png.",
-               "pickbed drop");
+  CLI::App app(
+      "Fills one bin and writes how it came to rest: scene.json, certificate.json, "
+      "color.png.",
+      "pickbed drop");
   ScenarioArguments arguments;
   std::string out;
   int trial = 0;
@@ -26,10 +28,11 @@ int DropCommand(int argc, char** argv) {
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-drop");
   MakeFolder(folder);
   VirtualCell cell(scenario.spec, scenario.objects);
-  const DropResult drop = cell.Drop(trial);
-  WriteFileAtomically(folder / "scene.json", SceneJson(drop.scene, cell.objects()));
-  WritePng(folder / "color.png", cell.ColorPicture(drop.scene));
-  fmt::print("{}wrote {} and color.png\n", DropReportText(drop.report, drop.scene.objects.size()),
+  const CertifiedScene made = cell.MakeScene(trial);
+  WriteFileAtomically(folder / "scene.json", SceneJson(made.scene, cell.objects()));
+  WritePng(folder / "color.png", cell.ColorPicture(made.scene));
+  WriteFileAtomically(folder / "certificate.json", CertificateJson(made));
+  fmt::print("{}wrote {}, certificate.json and color.png\n", CertificateText(made),
              (folder / "scene.json").string());
   return 0;
 }

@@ -42,7 +42,7 @@ int RenderCommand(int argc, char** argv) {
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-render");
   MakeFolder(folder);
   VirtualCell cell(scenario.spec, scenario.objects);
-  const Scene scene = cell.Drop(trial).scene;
+  const Scene scene = cell.MakeScene(trial).scene;
   const View view = cell.See(scene, trial, 0);
   WritePng(folder / "color.png", view.frame.color);
   WriteDepthPng(folder / "depth.png", view.frame.depth_m);

@@ -61,9 +61,9 @@ int RunCommand(int argc, char** argv) {
   app.footer("Example: pickbed run demo --trials 10 --set estimator.name=oracle --jobs 2");
   if (!ParseArguments(app, argc, argv)) return 0;
 
+  CatchInterrupts();
   const LoadedScenario scenario = LoadScenarioArguments(arguments);
   options.out = OutFolder(out, scenario.name);
-  CatchInterrupts();
   const RunReport report = RunWithProgress(scenario, options);
 
   if (json) {

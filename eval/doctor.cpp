@@ -72,9 +72,9 @@ std::string Settle() {
   Rng rng(0);
   const DropResult drop = DropParts(Bin(), {Cube()}, {3}, rng);
   const std::string found =
-      fmt::format("3 cubes at rest after {:.1f} s, overlap {:.2f} mm", drop.report.simulated_s,
-                  1e3 * drop.report.deepest_penetration_m);
-  if (!drop.report.at_rest || drop.report.blew_up || drop.scene.objects.empty()) {
+      fmt::format("3 cubes at rest after {:.1f} s, overlap {:.2f} mm", drop.certificate.simulated_s,
+                  1e3 * drop.certificate.deepest_penetration_m);
+  if (!drop.certificate.at_rest || drop.certificate.blew_up || drop.scene.objects.empty()) {
     throw std::runtime_error("the cubes did not come to rest");
   }
   return found;

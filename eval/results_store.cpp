@@ -5,121 +5,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "eval/results_rows.h"
 #include "scenes/check.h"
 
 namespace pickbed {
 namespace {
 
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;
 constexpr int kBusyTimeoutMs = 60000;  // several workers write to one file
-
-// Rows of the tables. One Visit() each names the columns for CREATE, INSERT and SELECT alike.
-struct TrialRow {
-  int trial = 0;
-  TrialResult result;
-  template <typename V>
-  void Visit(V&& v) {
-    v("trial", trial);
-    v("parts_dropped", result.parts_dropped);
-    v("parts_cleared", result.parts_cleared);
-    v("ended_by", result.ended_by);
-    v("drop_at_rest", result.drop.at_rest);
-    v("drop_simulated_s", result.drop.simulated_s);
-    v("drop_left_bin", result.drop.left_bin);
-    v("drop_max_speed_mps", result.drop.max_speed_mps);
-    v("drop_blew_up", result.drop.blew_up);
-    v("drop_deepest_penetration_m", result.drop.deepest_penetration_m);
-  }
-};
-
-struct PickRow {
-  int trial = 0;
-  PickRecord record;
-  bool executed = false;
-  Grasp grasp;
-  template <typename V>
-  void Visit(V&& v) {
-    GraspOutcome& outcome = record.outcome;
-    v("trial", trial);
-    v("pick", record.pick);
-    v("loss", record.loss);
-    v("executed", executed);
-    v("chosen_hypothesis", record.chosen);
-    v("grasp_hypothesis", grasp.hypothesis);
-    v("grasp_x_wg", grasp.X_WG);
-    v("grasp_width_m", grasp.width_m);
-    v("grasp_score", grasp.score);
-    v("success", outcome.success);
-    v("physical_loss", outcome.loss);
-    v("picked_instance", outcome.picked_instance);
-    v("parts_lifted", outcome.parts_lifted);
-    v("final_opening_m", outcome.final_opening_m);
-    v("slip_m", outcome.slip_m);
-    v("turn_rad", outcome.turn_rad);
-    v("disturbed", outcome.disturbed);
-  }
-};
-
-struct HypothesisRow {
-  int trial = 0, pick = 0, hypothesis = 0;
-  HypothesisScore score;
-  template <typename V>
-  void Visit(V&& v) {
-    v("trial", trial);
-    v("pick", pick);
-    v("hypothesis", hypothesis);
-    v("object", score.object);
-    v("instance", score.instance);
-    v("score", score.score);
-    v("mssd_m", score.mssd_m);
-    v("mspd_px", score.mspd_px);
-    v("add_m", score.add_m);
-    v("adi_m", score.adi_m);
-    v("rotation_rad", score.rotation_rad);
-    v("translation_m", score.translation_m);
-    v("mssd_diameters", score.mssd_diameters);
-    v("correct", score.correct);
-  }
-};
-
-struct InstanceRow {
-  int trial = 0, pick = 0;
-  InstanceRecord record;
-  template <typename V>
-  void Visit(V&& v) {
-    v("trial", trial);
-    v("pick", pick);
-    v("instance", record.instance);
-    v("object", record.object);
-    v("visible_fraction", record.visible_fraction);
-    v("recalled", record.recalled);
-  }
-};
-
-struct RejectionRow {
-  int trial = 0, pick = 0;
-  std::string cause;
-  int grasps = 0;
-  template <typename V>
-  void Visit(V&& v) {
-    v("trial", trial);
-    v("pick", pick);
-    v("cause", cause);
-    v("grasps", grasps);
-  }
-};
-
-struct TimingRow {
-  int trial = 0;
-  std::string stage;
-  double seconds = 0;
-  template <typename V>
-  void Visit(V&& v) {
-    v("trial", trial);
-    v("stage", stage);
-    v("seconds", seconds);
-  }
-};
 
 // One prepared statement.
 class Statement {
@@ -176,8 +69,11 @@ class Statement {
     if (code == SQLITE_OK) return;
     const std::string reason = sqlite3_errmsg(db_);
     const bool users = code == SQLITE_FULL || code == SQLITE_READONLY || code == SQLITE_IOERR ||
-                       code == SQLITE_CANTOPEN || code == SQLITE_NOTADB || code == SQLITE_CORRUPT;
+                       code == SQLITE_CANTOPEN;
     const std::string message = fmt::format("{}: {}", sqlite3_db_filename(db_, "main"), reason);
+    if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT) {
+      throw InputError(message + "; remove the folder, or choose another with --out");
+    }
     if (users) throw InputError(message + "; finished trials are kept, see --resume");
     throw std::runtime_error(message);
   }
@@ -249,6 +145,7 @@ struct ResultsStore::Impl {
     Execute(CreateTable<HypothesisRow>("hypotheses"));
     Execute(CreateTable<InstanceRow>("instances"));
     Execute(CreateTable<RejectionRow>("rejections"));
+    Execute(CreateTable<RefusalRow>("refusals"));
     Execute(CreateTable<TimingRow>("timings"));
     Statement insert(db, "INSERT OR IGNORE INTO settings VALUES (?, ?)");
     insert.Bind(1, std::string("schema_version"));
@@ -304,6 +201,7 @@ void ResultsStore::Write(const TrialResult& result) {
   std::vector<HypothesisRow> hypotheses;
   std::vector<InstanceRow> instances;
   std::vector<RejectionRow> rejections;
+  std::vector<RefusalRow> refusals;
   std::vector<TimingRow> timings;
   const int trial = result.trial;
   for (const PickRecord& record : result.picks) {
@@ -318,6 +216,11 @@ void ResultsStore::Write(const TrialResult& result) {
       rejections.push_back({trial, record.pick, cause, grasps});
     }
   }
+  for (const RefusedScene& refused : result.refused) {
+    for (const std::string& fault : refused.faults) {
+      refusals.push_back({trial, refused.attempt, fault});
+    }
+  }
   for (const auto& [stage, seconds] : result.seconds) timings.push_back({trial, stage, seconds});
 
   sqlite3* db = impl_->db;
@@ -328,6 +231,7 @@ void ResultsStore::Write(const TrialResult& result) {
     Insert(db, "hypotheses", std::move(hypotheses));
     Insert(db, "instances", std::move(instances));
     Insert(db, "rejections", std::move(rejections));
+    Insert(db, "refusals", std::move(refusals));
     Insert(db, "timings", std::move(timings));
     impl_->Execute("COMMIT");
   } catch (...) {
@@ -365,6 +269,13 @@ std::vector<TrialResult> ResultsStore::ReadAll() const {
   }
   for (const RejectionRow& row : Select<RejectionRow>(db, "rejections")) {
     of(row.trial).picks[row.pick].grasps_rejected[row.cause] = row.grasps;
+  }
+  for (const RefusalRow& row : Select<RefusalRow>(db, "refusals")) {
+    std::vector<RefusedScene>& refused = of(row.trial).refused;
+    if (refused.empty() || refused.back().attempt != row.attempt) {
+      refused.push_back({row.attempt, {}});
+    }
+    refused.back().faults.push_back(row.fault);
   }
   for (const TimingRow& row : Select<TimingRow>(db, "timings")) {
     of(row.trial).seconds[row.stage] = row.seconds;

@@ -87,6 +87,25 @@ void WriteReports(const std::vector<TrialResult>& trials, const ObjectSet& objec
   WriteFileAtomically(out / "timings.csv", TimingsCsv(trials));
 }
 
+// All of a part that a trial depends on.
+uint64_t PartHash(const ObjectModel& part) {
+  std::vector<double> numbers{part.mass.mass_kg, part.friction};
+  const auto add = [&](const auto& values) {
+    numbers.insert(numbers.end(), values.data(), values.data() + values.size());
+  };
+  add(part.mass.com_O);
+  add(part.mass.inertia_com_O);
+  for (const Pose& X_OO : part.symmetries_O.discrete_O) add(X_OO.matrix());
+  for (const ContinuousSymmetry& axis : part.symmetries_O.continuous_O) {
+    add(axis.axis_O);
+    add(axis.offset_O);
+  }
+  for (const ConvexPiece& piece : part.convex_parts_O) {
+    for (const Eigen::Vector3d& p_O : piece.vertices_O) add(p_O);
+  }
+  return HashBytes(numbers.data(), numbers.size() * sizeof(double), part.mesh_hash);
+}
+
 }  // namespace
 
 std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
@@ -100,7 +119,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
   text += WriteSettings([&](SettingsVisitor& v) { gripper.Visit(v); });
   text += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
   for (const auto& object : objects) {
-    text += fmt::format("# {} has mesh {:016x}\n", object->name, object->mesh_hash);
+    text += fmt::format("# part {} is {:016x}\n", object->name, PartHash(*object));
   }
   for (const EstimatorRow& row : EstimatorTable()) {
     if (spec.estimator.name != row.name || row.model_file == nullptr) continue;
@@ -116,7 +135,9 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
                       const RunListener& listener) {
   const std::string identity = RunIdentity(spec, objects);
   const std::vector<int> finished = FinishedTrials(options, identity);
-  WriteFileAtomically(options.out / "scenario.yaml", ScenarioText(spec, options.out));
+  ScenarioSpec all_trials = spec;  // fewer may be asked for now than were run before
+  if (!finished.empty()) all_trials.trials = std::max(spec.trials, finished.back() + 1);
+  WriteFileAtomically(options.out / "scenario.yaml", ScenarioText(all_trials, options.out));
 
   WorkerPlan plan;
   for (int trial = 0; trial < spec.trials; ++trial) {

@@ -1,6 +1,7 @@
 #include "eval/scene_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 
@@ -29,18 +30,49 @@ std::string SceneJson(const Scene& scene, const ObjectSet& objects) {
   return json.dump(2) + "\n";
 }
 
-std::string DropReportText(const DropReport& report, size_t parts) {
+std::string CertificateJson(const CertifiedScene& made) {
+  const SceneCertificate& c = made.certificate;
+  nlohmann::ordered_json json;
+  json["at_rest"] = c.at_rest;
+  json["simulated_s"] = c.simulated_s;
+  json["parts"] = made.scene.objects.size();
+  json["parts_outside"] = c.parts_outside;
+  json["max_speed_mps"] = c.max_speed_mps;
+  json["max_spin_radps"] = c.max_spin_radps;
+  json["deepest_penetration_m"] = c.deepest_penetration_m;
+  json["wake_movement_m"] = c.wake_movement_m;
+  json["wake_movement_diameters"] = c.wake_movement_diameters;
+  json["refused"] = nlohmann::ordered_json::array();
+  for (const RefusedScene& refused : made.refused) {
+    json["refused"].push_back({{"attempt", refused.attempt}, {"faults", refused.faults}});
+  }
+  json["energy"] = nlohmann::ordered_json::array();
+  for (const EnergySample& sample : c.energy) {
+    json["energy"].push_back({{"time_s", sample.time_s},
+                              {"kinetic_j", sample.kinetic_j},
+                              {"potential_j", sample.potential_j}});
+  }
+  return json.dump(1) + "\n";
+}
+
+std::string CertificateText(const CertifiedScene& made) {
+  const SceneCertificate& c = made.certificate;
   std::string text;
   const auto line = [&text](const char* name, const std::string& value) {
-    text += fmt::format("  {:<24}{}\n", name, value);
+    text += fmt::format("  {:<26}{}\n", name, value);
   };
-  line("parts in the bin", std::to_string(parts));
-  line("fell outside", std::to_string(report.left_bin));
-  line("at rest", report.at_rest ? "yes" : "no: the time limit came first");
-  line("simulated", fmt::format("{:.2f} s", report.simulated_s));
-  line("fastest part", fmt::format("{:.1f} mm/s", 1e3 * report.max_speed_mps));
-  line("deepest overlap", fmt::format("{:.2f} mm", 1e3 * report.deepest_penetration_m));
-  if (report.blew_up) line("physics", "FAILED: a body's state is not finite or too fast");
+  for (const RefusedScene& refused : made.refused) {
+    line(fmt::format("refused attempt {}", refused.attempt).c_str(),
+         fmt::format("{}", fmt::join(refused.faults, ", ")));
+  }
+  line("parts in the bin", std::to_string(made.scene.objects.size()));
+  line("simulated", fmt::format("{:.2f} s", c.simulated_s));
+  line("moved in an awake second",
+       fmt::format("{:.2f} mm, {:.2f} % of that part's diameter", 1e3 * c.wake_movement_m,
+                   100 * c.wake_movement_diameters));
+  line("fastest part",
+       fmt::format("{:.2f} mm/s, {:.3f} rad/s", 1e3 * c.max_speed_mps, c.max_spin_radps));
+  line("deepest overlap", fmt::format("{:.2f} mm", 1e3 * c.deepest_penetration_m));
   return text;
 }
 

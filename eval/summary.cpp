@@ -1,6 +1,7 @@
 #include "eval/summary.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <nlohmann/json.hpp>
@@ -44,6 +45,17 @@ std::string BandName(const RecallBand& band) {
 
 std::string Percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
+std::string RefusedText(const RunSummary& summary) {
+  std::string text =
+      fmt::format("Scenes refused and built anew: {} of {}\n", summary.refused.size(),
+                  summary.trials + static_cast<int>(summary.refused.size()));
+  for (const auto& [trial, refused] : summary.refused) {
+    text += fmt::format("  trial {}, attempt {}: {}\n", trial, refused.attempt,
+                        fmt::join(refused.faults, ", "));
+  }
+  return text;
+}
+
 }  // namespace
 
 RunSummary Summarize(const std::vector<TrialResult>& trials) {
@@ -56,9 +68,8 @@ RunSummary Summarize(const std::vector<TrialResult>& trials) {
     summary.parts_dropped += trial.parts_dropped;
     summary.parts_cleared += trial.parts_cleared;
     for (const PickRecord& pick : trial.picks) CountPick(pick, summary);
-    // A pile that never came to be looked at.
-    if (trial.picks.empty() && trial.ended_by != Loss::kNone) {
-      ++summary.losses[std::string(LossName(trial.ended_by))];
+    for (const RefusedScene& refused : trial.refused) {
+      summary.refused.push_back({trial.trial, refused});
     }
     for (const auto& [stage, seconds] : trial.seconds) summary.seconds[stage] += seconds;
   }
@@ -88,6 +99,11 @@ std::string SummaryJson(const RunSummary& s) {
     auto& rate = recall[BandName(band)]["recall"];  // null where there was none to recall
     if (band.instances > 0) rate = Ratio(band.recalled, band.instances);
   }
+  json["scenes_refused"] = nlohmann::ordered_json::array();
+  for (const auto& [trial, refused] : s.refused) {
+    json["scenes_refused"].push_back(
+        {{"trial", trial}, {"attempt", refused.attempt}, {"faults", refused.faults}});
+  }
   json["losses"] = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : s.losses) json["losses"][reason] = count;
   json["seconds"] = nlohmann::ordered_json::object();
@@ -108,6 +124,7 @@ std::string SummaryTable(const RunSummary& s) {
                                     s.parts_cleared, s.parts_dropped, s.trials));
   line("top-ranked pose right",
        fmt::format("{}  {} of {} images", Percent(s.top1_precision), s.top1_correct, s.frames));
+  if (!s.refused.empty()) text += RefusedText(s);
   text += "Recall by visible fraction (MSSD < 0.1 diameter)\n";
   for (const RecallBand& band : s.recall_by_visibility) {
     if (band.instances == 0) continue;
@@ -127,8 +144,8 @@ std::string SummaryTable(const RunSummary& s) {
 
 std::string TrialsCsv(const std::vector<TrialResult>& trials) {
   std::string csv =
-      "trial,parts_dropped,parts_cleared,attempts,successes,ended_by,at_rest,settled_s,left_bin,"
-      "penetration_mm\n";
+      "trial,parts_dropped,parts_cleared,attempts,successes,ended_by,settled_s,wake_movement_mm,"
+      "penetration_mm,scenes_refused\n";
   for (const TrialResult& t : trials) {
     int attempts = 0, successes = 0;
     for (const PickRecord& pick : t.picks) {
@@ -136,8 +153,9 @@ std::string TrialsCsv(const std::vector<TrialResult>& trials) {
       successes += pick.grasp && pick.loss == Loss::kNone;
     }
     csv += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", t.trial, t.parts_dropped, t.parts_cleared,
-                       attempts, successes, LossName(t.ended_by), t.drop.at_rest ? 1 : 0,
-                       t.drop.simulated_s, t.drop.left_bin, 1e3 * t.drop.deepest_penetration_m);
+                       attempts, successes, LossName(t.ended_by), t.certificate.simulated_s,
+                       1e3 * t.certificate.wake_movement_m,
+                       1e3 * t.certificate.deepest_penetration_m, t.refused.size());
   }
   return csv;
 }

@@ -18,6 +18,11 @@ struct RecallBand {
   int instances = 0, recalled = 0;
 };
 
+struct TrialRefusal {
+  int trial = 0;
+  RefusedScene scene;
+};
+
 struct RunSummary {
   int trials = 0, attempts = 0, successes = 0;
   double success_rate = 0;
@@ -27,6 +32,7 @@ struct RunSummary {
   int frames = 0, top1_correct = 0;
   double top1_precision = 0;
   std::vector<RecallBand> recall_by_visibility;  // 10-30, 30-50, 50-70, 70-90, 90-100 %
+  std::vector<TrialRefusal> refused;             // scenes that failed their certificate
   std::map<std::string, int> losses;             // reason -> attempts or ends charged to it
   StageSeconds seconds;                          // stage -> mean a trial
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "eval/blame.h"
 #include "eval/matching.h"
 #include "eval/oracle.h"
 #include "eval/pictures.h"
@@ -52,19 +53,6 @@ Loss WhyNothing(const std::vector<InstanceRecord>& instances) {
   return any_visible ? Loss::kNoProposal : Loss::kNotVisible;
 }
 
-// A wrong belief is to blame before physics is: what the hand did at a wrong pose says nothing.
-Loss WhyFailed(const GraspOutcome& outcome, const HypothesisScore& chosen, const BelievedPose& pose,
-               const Scene& truth) {
-  if (outcome.success) return Loss::kNone;
-  if (chosen.correct) return outcome.loss;
-  const auto nearest = std::min_element(
-      truth.objects.begin(), truth.objects.end(), [&](const PosedObject& a, const PosedObject& b) {
-        return (a.X_WO.translation() - pose.X_WO.translation()).norm() <
-               (b.X_WO.translation() - pose.X_WO.translation()).norm();
-      });
-  return nearest->object == chosen.object ? Loss::kPoseWrong : Loss::kWrongPart;
-}
-
 double WorkingDistance(const Camera& camera, const Bin& bin) {
   const Eigen::Vector3d middle_W(0, 0, bin.inner_size_m.z() / 4);
   return (camera.X_WC.inverse() * middle_W).z();
@@ -91,7 +79,8 @@ struct TrialRunner::Impl {
   std::vector<PoseHypothesis> Estimate(const View& view, Live& live, PickRecord& record);
   std::optional<Grasp> Plan(const View& view, const std::vector<BelievedPose>& poses, Live& live,
                             PickRecord& record);
-  void Execute(const BelievedPose& pose, Live& live, PickRecord& record);
+  void Execute(const PoseHypothesis& hypothesis, const BelievedPose& pose, Live& live,
+               PickRecord& record);
   void PickOnce(Live& live);
 
   ScenarioSpec spec;
@@ -148,12 +137,11 @@ TrialRunner::Impl::Live TrialRunner::Impl::Drop(int trial,
   live.picture_folder = picture_folder;
   live.result.trial = trial;
   StageTimer timer(live.result.seconds, "drop");
-  DropResult drop = cell.Drop(trial);
-  live.result.drop = drop.report;
-  live.result.parts_dropped = static_cast<int>(drop.scene.objects.size());
-  // A pile that blew up is no pile to pick from.
-  if (drop.report.blew_up) live.result.ended_by = Loss::kPhysicsFailed;
-  live.scene = std::move(drop.scene);
+  CertifiedScene made = cell.MakeScene(trial);
+  live.result.certificate = std::move(made.certificate);
+  live.result.refused = std::move(made.refused);
+  live.result.parts_dropped = static_cast<int>(made.scene.objects.size());
+  live.scene = std::move(made.scene);
   return live;
 }
 
@@ -202,14 +190,15 @@ std::optional<Grasp> TrialRunner::Impl::Plan(const View& view,
   return std::nullopt;
 }
 
-void TrialRunner::Impl::Execute(const BelievedPose& pose, Live& live, PickRecord& record) {
+void TrialRunner::Impl::Execute(const PoseHypothesis& hypothesis, const BelievedPose& pose,
+                                Live& live, PickRecord& record) {
   StageTimer timer(live.result.seconds, "execute");
   const HypothesisScore& chosen = record.hypotheses[record.chosen];
   const bool stands_on_one = chosen.mssd_diameters < options.stands_on_diameters;
   ExecuteResult executed = ExecuteGrasp(live.scene, cell.objects(), *record.grasp, gripper,
                                         stands_on_one ? chosen.instance : -1);
   record.outcome = executed.outcome;
-  record.loss = WhyFailed(record.outcome, chosen, pose, live.scene);
+  record.loss = LossOf(record, hypothesis, {live.scene, metric_models, cell.camera()});
   live.scene = std::move(executed.after);
   if (record.outcome.success) {
     live.failed.clear();
@@ -235,7 +224,7 @@ void TrialRunner::Impl::PickOnce(Live& live) {
                   record.grasp ? &*record.grasp : nullptr, &gripper, &view.ids});
   if (record.grasp) {
     record.chosen = record.grasp->hypothesis;
-    Execute(poses[record.chosen], live, record);
+    Execute(hypotheses[record.chosen], poses[record.chosen], live, record);
   } else {
     record.loss = poses.empty() ? WhyNothing(record.instances) : Loss::kNoGrasp;
   }

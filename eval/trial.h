@@ -15,8 +15,8 @@
 #include "perception/pose_estimator.h"
 #include "scenes/scenario_spec.h"
 #include "scenes/scene.h"
-#include "sim/drop.h"
 #include "sim/renderer.h"
+#include "sim/scene_maker.h"
 #include "sim/sensor_noise.h"
 
 namespace pickbed {
@@ -53,8 +53,9 @@ struct PickRecord {
 
 struct TrialResult {
   int trial = 0;
-  DropReport drop;
-  int parts_dropped = 0;  // that came to lie in the bin
+  SceneCertificate certificate;
+  std::vector<RefusedScene> refused;  // before the certified one
+  int parts_dropped = 0;
   int parts_cleared = 0;  // by picks that succeeded; a part knocked out of the bin is not one
   std::vector<PickRecord> picks;
   Loss ended_by = Loss::kNone;  // kNone = bin empty or pick limit, else what stopped the trial

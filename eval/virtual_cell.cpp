@@ -20,9 +20,8 @@ SceneRenderer& VirtualCell::renderer() {
   return *renderer_;
 }
 
-DropResult VirtualCell::Drop(int trial) const {
-  Rng rng = Rng::Derive(seed_, trial, "drop");
-  return DropParts(bin_, objects_, counts_, rng);
+CertifiedScene VirtualCell::MakeScene(int trial) const {
+  return pickbed::MakeScene({bin_, objects_, counts_, seed_, static_cast<uint64_t>(trial)});
 }
 
 View VirtualCell::See(const Scene& scene, int trial, int look) {

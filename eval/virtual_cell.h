@@ -9,8 +9,8 @@
 #include "scenes/rgbd_frame.h"
 #include "scenes/scenario_spec.h"
 #include "scenes/scene.h"
-#include "sim/drop.h"
 #include "sim/renderer.h"
+#include "sim/scene_maker.h"
 #include "sim/sensor_noise.h"
 
 namespace pickbed {
@@ -31,7 +31,7 @@ class VirtualCell {
   VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects);
 
   // Both are functions of their arguments and the scenario's seed alone.
-  DropResult Drop(int trial) const;
+  CertifiedScene MakeScene(int trial) const;  // throws InputError, see sim/scene_maker.h
   View See(const Scene& scene, int trial, int look);
 
   Image<Rgb8> ColorPicture(const Scene& scene);

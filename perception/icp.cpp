@@ -105,6 +105,7 @@ void PclRefiner::Refine(const ModelPoints& model, PoseHypothesis& hypothesis) co
   const Pose X_CO = X_step * hypothesis.X_CO;
   const FitReport after = MeasureFit(impl_->cloud, model, X_CO);
   if (Quality(after) < Quality(before)) return;
+  hypothesis.unrefined_X_CO = hypothesis.X_CO;
   hypothesis.X_CO = X_CO;
   hypothesis.fit = after;
   hypothesis.fit.refinement_kept = true;

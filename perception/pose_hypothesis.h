@@ -2,6 +2,7 @@
 
 // What an estimator says: this part stands there, with this much confidence.
 
+#include <optional>
 #include <vector>
 
 #include "scenes/object_model.h"
@@ -23,6 +24,9 @@ struct PoseHypothesis {
   Pose X_CO = Pose::Identity();
   double score = 0;  // estimate of P(pose right), 0..1; hypotheses are ranked by it
   FitReport fit;
+  // Where it comes from, so that a lost pick can be charged to the stage that lost it.
+  std::optional<Pose> unrefined_X_CO = {};  // before the final refiner changed it
+  std::vector<Pose> suppressed_X_CO = {};   // of weaker ones of the same object that gave way
 };
 
 }  // namespace pickbed

@@ -39,19 +39,25 @@ std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
   std::stable_sort(
       hypotheses.begin(), hypotheses.end(),
       [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.score > b.score; });
-  Image<uint8_t> claimed(cloud.intrinsics.width, cloud.intrinsics.height);
+  Image<uint16_t> claimed_by(cloud.intrinsics.width, cloud.intrinsics.height);  // kept index + 1
   std::vector<PoseHypothesis> kept;
   std::vector<int> pixels;
-  for (const PoseHypothesis& h : hypotheses) {
+  for (PoseHypothesis& h : hypotheses) {
     FindClaims(cloud, models.at(h.object), h.X_CO, options, pixels);
-    const auto shared = std::count_if(pixels.begin(), pixels.end(),
-                                      [&](int pixel) { return claimed.data()[pixel] != 0; });
-    if (pixels.empty() || static_cast<double>(shared) >
-                              options.max_shared_share * static_cast<double>(pixels.size())) {
+    if (pixels.empty()) continue;
+    std::vector<int> shared_with(kept.size() + 1, 0);  // [0]: nobody
+    for (const int pixel : pixels) ++shared_with[claimed_by.data()[pixel]];
+    const double shared = static_cast<double>(pixels.size()) - shared_with[0];
+    if (shared > options.max_shared_share * static_cast<double>(pixels.size())) {
+      const auto most = std::max_element(shared_with.begin() + 1, shared_with.end());
+      PoseHypothesis& winner = kept[most - shared_with.begin() - 1];
+      if (winner.object == h.object) winner.suppressed_X_CO.push_back(h.X_CO);
       continue;
     }
-    for (const int pixel : pixels) claimed.data()[pixel] = 1;
-    kept.push_back(h);
+    for (const int pixel : pixels) {
+      if (claimed_by.data()[pixel] == 0) claimed_by.data()[pixel] = kept.size() + 1;
+    }
+    kept.push_back(std::move(h));
   }
   return kept;
 }

@@ -17,7 +17,8 @@ struct SuppressOptions {
 };
 
 // `hypotheses` in any order; the result is sorted by falling score (of equals the earlier first).
-// One that claims no pixel at all is dropped. `models` by object index.
+// One that claims no pixel at all is dropped; one that gives way is noted in suppressed_X_CO of the
+// one that claims most of its pixels, where that is of the same object. `models` by object index.
 std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
                                                const std::vector<ModelPoints>& models,
                                                std::vector<PoseHypothesis> hypotheses,

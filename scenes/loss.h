@@ -16,7 +16,7 @@ enum class Loss {
   kNotVisible,       // the camera saw too little of any part
   kNoProposal,       // parts in view, no hypothesis reported
   kWrongPart,        // hypothesis names another part, or another part came along
-  kPoseWrong,        // pose wrong before refinement
+  kPoseWrong,        // wrong, and no stage had a right one in its place
   kRefinementWorse,  // refinement made a right pose wrong
   kSuppressed,       // a right pose was suppressed
   kNoGrasp,          // no collision-free grasp for any hypothesis

@@ -1,5 +1,7 @@
 #include "scenes/object_catalog.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -128,6 +130,9 @@ MassProperties SolidProperties(const TriangleMesh& mesh, double density_kgpm3) {
   return Plausible(mass, bounds) ? mass : UniformDensityProperties(BoxMesh(bounds), density_kgpm3);
 }
 
+// Contacts are a few tenths of a millimetre thick.
+constexpr double kSmallestDiameter_m = 0.003;
+
 struct Weight {
   double mass_kg = 0;        // > 0, or else
   double density_kgpm3 = 0;  // > 0
@@ -146,6 +151,11 @@ std::shared_ptr<ObjectModel> MakeModel(const std::string& name, const fs::path& 
     model->mass.mass_kg = weight.mass_kg;
   }
   model->diameter_m = Diameter(model->mesh_O);
+  CheckInput(
+      model->diameter_m >= kSmallestDiameter_m,
+      fmt::format("{}: is {:.3g} mm large when read in '{}'; parts under {:g} mm are beyond "
+                  "the physics here; check its unit",
+                  mesh_file.string(), 1e3 * model->diameter_m, unit, 1e3 * kSmallestDiameter_m));
   model->mesh_hash = MeshHash(model->mesh_O);
   return model;
 }

@@ -36,8 +36,8 @@ struct MeshPartSpec {
   SymmetrySet symmetries_O;
 };
 
-// Throws InputError when the mesh is missing, has NaN, no faces, no volume, or mass is not
-// positive.
+// Throws InputError when the mesh is missing, has NaN, no faces, no volume, is under 3 mm large, or
+// mass is not positive.
 std::shared_ptr<const ObjectModel> LoadMeshPart(const std::string& name, const MeshPartSpec& spec);
 
 class ObjectCatalog {

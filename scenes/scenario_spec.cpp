@@ -11,24 +11,18 @@
 namespace pickbed {
 namespace {
 
-// A point in the walls' slab: beside the inner box, inside the outer one, and not above the rim.
-bool InsideWall(const BinSpec& bin, const Eigen::Vector3d& p_W) {
-  const Eigen::Vector2d inner = 0.5 * bin.inner_size_m.head<2>();
-  const Eigen::Vector2d outer = inner.array() + bin.wall_m;
-  const Eigen::Vector2d p = p_W.head<2>().cwiseAbs();
-  const bool in_outer = (p.array() <= outer.array()).all();
-  const bool in_inner = (p.array() < inner.array()).all();
-  const double z = p_W.z();
-  const bool beside = in_outer && !in_inner && z >= -bin.wall_m && z <= bin.inner_size_m.z();
-  const bool below = in_outer && z >= -bin.wall_m && z <= 0;
-  return beside || below;
+// In the walls, the floor or the room for parts between them.
+bool InsideBin(const BinSpec& bin, const Eigen::Vector3d& p_W) {
+  const Eigen::Vector2d outer = 0.5 * bin.inner_size_m.head<2>().array() + bin.wall_m;
+  return (p_W.head<2>().cwiseAbs().array() <= outer.array()).all() && p_W.z() >= -bin.wall_m &&
+         p_W.z() <= bin.inner_size_m.z();
 }
 
 void ValidateCamera(const ScenarioSpec& spec) {
   const CameraSpec& camera = spec.camera;
-  if (InsideWall(spec.bin, camera.eye_m)) {
+  if (InsideBin(spec.bin, camera.eye_m)) {
     throw InputError(
-        fmt::format("{} = [{}, {}, {}]: the camera stands inside the bin's wall or floor; raise it",
+        fmt::format("{} = [{}, {}, {}]: the camera stands inside the bin or its wall; raise it",
                     spec.At("camera.eye_m"), camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
   }
   if ((camera.target_m - camera.eye_m).norm() < 1e-3) {

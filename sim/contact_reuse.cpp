@@ -2,8 +2,7 @@
 
 namespace pickbed {
 
-void ReusingDispatcher::StopReuse() {
-  setNearCallback(defaultNearCallback);
+void ReusingDispatcher::ForgetContacts() {
   for (int i = 0; i < getNumManifolds(); ++i) getManifoldByIndexInternal(i)->clearManifold();
 }
 

@@ -2,9 +2,11 @@
 
 // Private to sim's physics: a Bullet dispatcher that need not look for contacts in every step.
 //
-// Most of a pile's time went into finding the contacts of parts that had hardly moved. A
-// pair of bodies of which neither has moved since its last full look keeps its contact points; only
-// their depths are brought up to date, as Bullet does itself before it looks for new ones.
+// A pair of bodies of which neither has moved since its last full look keeps its contact points;
+// only their depths are brought up to date, as Bullet does itself before it looks for new ones.
+// That saves most of a pile's time, and it holds the pile: a full look often finds another closest
+// point on the same two faces and puts it in the place of an old one, whose friction is then
+// forgotten, so that parts at rest creep by millimetres a second.
 
 #include <btBulletDynamicsCommon.h>
 
@@ -20,9 +22,8 @@ class ReusingDispatcher : public btCollisionDispatcher {
   // From the next step on; without it, every pair is looked at in full.
   void StartReuse() { setNearCallback(LookIfMoved); }
 
-  // Back to a full look in every step. Also forgets all contacts found so far, and with them
-  // friction's anchors and the solver's first guess.
-  void StopReuse();
+  // Also friction's anchors and the solver's first guess. Say of all bodies that they moved.
+  void ForgetContacts();
 
   // By body user index, set before each step: whether that body has moved since the last step in
   // which this was said of it. Moving bodies without an index are always looked at in full.

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "scenes/check.h"
-#include "sim/scene_certificate.h"
+#include "sim/penetration.h"
 
 namespace pickbed {
 namespace {
@@ -120,7 +120,12 @@ class Pouring {
   void StepFor(double duration_s);  // and takes out what fell beside the bin
   double Top_m() const;             // of the highest part
   bool InBin(int part) const;
-  bool HaveStoodStill();
+  bool StepUntilStill(double window_s, double limit_diameters, double deadline_s);
+  struct Movement {
+    double m = 0, diameters = 0;
+  };
+  Movement LargestMovement(const std::vector<Pose>& since_X_WO) const;
+  EnergySample Energy() const;
   DropResult Result() const;
 
   const Bin& bin_;
@@ -129,8 +134,8 @@ class Pouring {
   Rng& rng_;
   PhysicsWorld world_;
   std::vector<int> object_of_part_;
-  std::vector<Pose> still_X_WO_;  // where all were when one last moved noticeably
-  double still_since_s_ = 0;
+  std::vector<EnergySample> energy_;
+  Movement movement_;  // since the last restlessness
   bool at_rest_ = false;
 };
 
@@ -184,45 +189,54 @@ void Pouring::AddLayer(const std::vector<Cell>& cells) {
   }
 }
 
-// Until all are at rest, but no longer than `max_s`. The funnel goes when they are for the first
-// time, or half way; parts that leaned on it wake and settle again or fall out. Then contact reuse
-// ends, at the latest after three quarters, and the pile has to come to rest again without it.
+// The funnel goes when all are calm for the first time; parts that leaned on it wake and settle
+// again or fall out. Then contacts are forgotten and the pile, kept awake, has to come to rest
+// anew, as it would in a world rebuilt from its poses. Each stage has its share of the time.
 void Pouring::Settle() {
   const double start_s = world_.time_s();
-  bool funnel_stands = true, reuses_contacts = true;
-  while (!world_.BlewUp()) {
-    const double share = (world_.time_s() - start_s) / options_.max_s;
-    if (funnel_stands && (HaveStoodStill() || share > 0.5)) {
-      if (world_.RemoveFunnel() > 0) still_X_WO_.clear();
-      funnel_stands = false;
-    }
-    if (!funnel_stands && reuses_contacts && (HaveStoodStill() || share > 0.75)) {
-      world_.StopContactReuse();
-      still_X_WO_.clear();
-      reuses_contacts = false;
-    }
-    at_rest_ = !reuses_contacts && HaveStoodStill();
-    if (at_rest_ || share >= 1) return;
-    StepFor(options_.check_interval_s);
+  const auto deadline_s = [&](double share) { return start_s + share * options_.max_s; };
+  at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s(0.5));
+  if (world_.RemoveFunnel() > 0) {
+    at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s(0.75));
   }
+  if (options_.wake_s == 0) return;
+  world_.ForgetContacts();
+  world_.ForbidSleep();
+  at_rest_ = StepUntilStill(options_.wake_s, options_.wake_diameters, deadline_s(1));
 }
 
-bool Pouring::HaveStoodStill() {
-  if (world_.AllAsleep()) return true;
-  bool moved = still_X_WO_.size() != object_of_part_.size();
-  for (size_t i = 0; i < still_X_WO_.size() && !moved; ++i) {
+// Until all sleep, or until for `window_s` no part has moved by more than `limit_diameters`.
+// Returns whether that came before the deadline.
+bool Pouring::StepUntilStill(double window_s, double limit_diameters, double deadline_s) {
+  std::vector<Pose> since_X_WO;
+  double since_s = 0;
+  while (!world_.BlewUp()) {
+    movement_ = LargestMovement(since_X_WO);
+    if (since_X_WO.empty() || movement_.diameters > limit_diameters) {
+      since_s = world_.time_s();
+      since_X_WO.clear();
+      for (int i = 0; i < world_.part_count(); ++i) since_X_WO.push_back(world_.X_WO(i));
+    }
+    if (world_.AllAsleep() || world_.time_s() >= since_s + window_s) return true;
+    if (world_.time_s() >= deadline_s) return false;
+    StepFor(options_.check_interval_s);
+  }
+  return false;
+}
+
+// By a bound for any point of a part, its diameter around its origin.
+Pouring::Movement Pouring::LargestMovement(const std::vector<Pose>& since_X_WO) const {
+  Movement largest;
+  for (size_t i = 0; i < since_X_WO.size(); ++i) {
     const Pose X_WO = world_.X_WO(static_cast<int>(i));
-    const double radius_m = 0.5 * objects_[object_of_part_[i]]->diameter_m;
-    moved = (X_WO.translation() - still_X_WO_[i].translation()).norm() +
-                radius_m * RotationAngleRad(X_WO.linear(), still_X_WO_[i].linear()) >
-            options_.rest_m;
+    const double diameter_m = objects_[object_of_part_[i]]->diameter_m;
+    const double moved_m =
+        (X_WO.translation() - since_X_WO[i].translation()).norm() +
+        0.5 * diameter_m * RotationAngleRad(X_WO.linear(), since_X_WO[i].linear());
+    largest.m = std::max(largest.m, moved_m);
+    largest.diameters = std::max(largest.diameters, moved_m / diameter_m);
   }
-  if (moved) {
-    still_since_s_ = world_.time_s();
-    still_X_WO_.clear();
-    for (int i = 0; i < world_.part_count(); ++i) still_X_WO_.push_back(world_.X_WO(i));
-  }
-  return world_.time_s() >= still_since_s_ + options_.rest_s;
+  return largest;
 }
 
 void Pouring::StepFor(double duration_s) {
@@ -231,6 +245,22 @@ void Pouring::StepFor(double duration_s) {
   for (int i = 0; i < world_.part_count(); ++i) {
     if (world_.X_WO(i).translation().z() < -options_.fallen_m) world_.RemovePart(i);
   }
+  energy_.push_back(Energy());
+}
+
+EnergySample Pouring::Energy() const {
+  EnergySample sample{world_.time_s(), 0, 0};
+  for (int i = 0; i < world_.part_count(); ++i) {
+    const MassProperties& mass = objects_[object_of_part_[i]]->mass;
+    const Pose X_WO = world_.X_WO(i);
+    const Twist V_WO = world_.V_WO(i);
+    const Vector3d spin_O = X_WO.linear().transpose() * V_WO.angular_W;
+    sample.kinetic_j += 0.5 * mass.mass_kg * V_WO.linear_W.squaredNorm() +
+                        0.5 * spin_O.dot(mass.inertia_com_O * spin_O);
+    sample.potential_j -=
+        mass.mass_kg * options_.physics.gravity_W.dot(Vector3d(X_WO * mass.com_O));
+  }
+  return sample;
 }
 
 double Pouring::Top_m() const {
@@ -253,20 +283,25 @@ bool Pouring::InBin(int part) const {
 DropResult Pouring::Result() const {
   DropResult result;
   result.scene.bin = bin_;
-  DropReport& report = result.report;
-  report.at_rest = at_rest_;
-  report.simulated_s = world_.time_s();
-  report.blew_up = world_.BlewUp();
+  SceneCertificate& certificate = result.certificate;
+  certificate.at_rest = at_rest_;
+  certificate.simulated_s = world_.time_s();
+  certificate.blew_up = world_.BlewUp();
+  certificate.wake_movement_m = movement_.m;
+  certificate.wake_movement_diameters = movement_.diameters;
+  certificate.energy = energy_;
   for (int i = 0; i < world_.part_count(); ++i) {
     if (!InBin(i)) {
-      ++report.left_bin;
+      ++certificate.parts_outside;
       continue;
     }
-    report.max_speed_mps = std::max(report.max_speed_mps, world_.V_WO(i).linear_W.norm());
+    const Twist V_WO = world_.V_WO(i);
+    certificate.max_speed_mps = std::max(certificate.max_speed_mps, V_WO.linear_W.norm());
+    certificate.max_spin_radps = std::max(certificate.max_spin_radps, V_WO.angular_W.norm());
     const int instance = static_cast<int>(result.scene.objects.size());
     result.scene.objects.push_back({instance, object_of_part_[i], world_.X_WO(i)});
   }
-  report.deepest_penetration_m = DeepestPenetration(result.scene, objects_);
+  certificate.deepest_penetration_m = DeepestPenetration(result.scene, objects_);
   return result;
 }
 

@@ -2,12 +2,12 @@
 
 // Pours parts into a bin in layers and lets them come to rest.
 
-#include <string>
 #include <vector>
 
 #include "scenes/random.h"
 #include "scenes/scene.h"
 #include "sim/physics_world.h"
+#include "sim/scene_certificate.h"
 
 namespace pickbed {
 
@@ -19,33 +19,24 @@ struct DropOptions {
   double check_interval_s = 0.05;  // between two looks whether all are at rest
   double fallen_m = 0.2;           // parts further below the floor are taken out
   int turn_attempts = 20;          // random orientations tried until a part fits between the walls
-  // A pile is at rest when all parts sleep, or when for this long no part's surface has moved by
-  // more than this. (An unstable pose leaves it much faster: a 5 cm part tips over in 0.3 s.)
-  double rest_s = 0.6;
-  double rest_m = 0.0005;
-  // Twice the world's iterations: what the solver leaves over keeps piles trembling, and a pile of
-  // 48 parts of all kinds takes half as long to fall asleep. Damping stops parts that spin on a
-  // point or swing between two, where Bullet has no friction: at 20 iterations one pile of 50 in
-  // twelve still swung after 8 s with a loss of 0.5 a second, none with 0.9. Contacts are reused
-  // until all are at rest for the first time without the funnel: over 20 piles of 50 that takes 0.7
-  // of the time, and parts move less when the scene is rebuilt and woken (median 1.8 mm in a
-  // second for the worst part of a pile, 3.9 mm without).
-  PhysicsOptions physics{
-      .solver_iterations = 40, .angular_damping = 0.9, .contact_reuse_m = 0.0001};
-};
-
-struct DropReport {
-  bool at_rest = false;  // see DropOptions::rest_s; else timed out
-  double simulated_s = 0;
-  int left_bin = 0;  // parts whose centre of mass ended outside the bin: they are not in the scene
-  double max_speed_mps = 0;  // at the end
-  bool blew_up = false;
-  double deepest_penetration_m = 0;  // hull against hull, margins not counted
+  // A pile is calm when all parts sleep, or when for this long no part's surface has moved by more
+  // than this share of its diameter. (An unstable pose leaves it much faster: a 5 cm part tips over
+  // in 0.3 s.)
+  double calm_s = 0.4;
+  double calm_diameters = 0.01;
+  // A calm pile is woken and stays awake until for this long no part has moved by more than this
+  // share of its diameter: that is the certificate's rest. 0 s = a calm pile will do.
+  double wake_s = 1.0;
+  double wake_diameters = 0.02;
+  // Damping stops parts that spin on a point or swing between two, where Bullet has no friction:
+  // one pile of 50 in twelve still swung after 8 s with a loss of 0.5 a second, none with 0.9.
+  // Without contact reuse 50 mixed parts take three times as long and creep for seconds.
+  PhysicsOptions physics{.angular_damping = 0.9, .contact_reuse_m = 0.0001};
 };
 
 struct DropResult {
   Scene scene;
-  DropReport report;
+  SceneCertificate certificate;
 };
 
 // `counts[i]` parts of objects[i], in a random order and orientation, the same for the same state

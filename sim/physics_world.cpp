@@ -118,7 +118,7 @@ struct PhysicsWorld::Impl {
   std::unique_ptr<BulletHand> hand;
   long steps = 0;
   bool may_sleep = true;
-  bool reuses_contacts = false;
+  bool contacts_forgotten = false;
 };
 
 PhysicsWorld::Impl::Impl(const PhysicsOptions& physics_options) : options(physics_options) {
@@ -127,8 +127,7 @@ PhysicsWorld::Impl::Impl(const PhysicsOptions& physics_options) : options(physic
   info.m_numIterations = options.solver_iterations;
   // With one direction a gripped box slides out at eight times the force it needs.
   info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-  reuses_contacts = options.contact_reuse_m > 0;
-  if (reuses_contacts) dispatcher.StartReuse();
+  if (options.contact_reuse_m > 0) dispatcher.StartReuse();
 }
 
 PhysicsWorld::Impl::~Impl() {
@@ -213,10 +212,11 @@ void PhysicsWorld::Impl::TellWhichMoved() {
   for (size_t i = 0; i < parts.size(); ++i) {
     const btTransform& pose = parts[i].body->getWorldTransform();
     const double moved = Movement(parts[i].looked_pose, pose, parts[i].radius);
-    if (moved <= options.contact_reuse_m * kUnitsPerMeter) continue;
+    if (!contacts_forgotten && moved <= options.contact_reuse_m * kUnitsPerMeter) continue;
     parts[i].looked_pose = pose;
     dispatcher.moved[i] = true;
   }
+  contacts_forgotten = false;
 }
 
 // Before a body goes: what leans on it must notice.
@@ -331,7 +331,7 @@ Hand& PhysicsWorld::AddHand(const HandSpec& spec, const Pose& X_WG) {
 
 void PhysicsWorld::Step() {
   if (impl_->may_sleep) impl_->LetTheStillFallAsleep();
-  if (impl_->reuses_contacts) impl_->TellWhichMoved();
+  if (impl_->options.contact_reuse_m > 0) impl_->TellWhichMoved();
   impl_->world.stepSimulation(step_s(), 0);
   if (impl_->hand != nullptr) impl_->hand->AfterStep();
   ++impl_->steps;
@@ -364,9 +364,9 @@ void PhysicsWorld::WakeAll() {
   }
 }
 
-void PhysicsWorld::StopContactReuse() {
-  impl_->dispatcher.StopReuse();
-  impl_->reuses_contacts = false;
+void PhysicsWorld::ForgetContacts() {
+  impl_->dispatcher.ForgetContacts();
+  impl_->contacts_forgotten = true;
   WakeAll();
 }
 

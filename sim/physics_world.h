@@ -29,9 +29,8 @@ struct PhysicsOptions {
   // flat faces can tremble for ever by microns at more than the speeds above.
   double still_m = 0.0002;
   // Above 0: two bodies that have both stayed within this since their contacts were last looked for
-  // in full keep those contacts, see sim/contact_reuse_impl.h. With 0.1 mm, pouring 50 mixed parts
-  // took two fifths of the time, but then a pile at rest may still creep when contacts are looked
-  // for in full. Off for grasping, whose figures were measured without.
+  // in full keep those contacts, see sim/contact_reuse_impl.h. Off for grasping, whose figures were
+  // measured without.
   double contact_reuse_m = 0;
 };
 
@@ -83,9 +82,9 @@ class PhysicsWorld {
   bool AllAsleep() const;
   void WakeAll();
 
-  // Ends contact_reuse_m, forgets all contacts, as in a world built anew from the poses, and wakes
-  // all: what only stood by friction's memory slips now.
-  void StopContactReuse();
+  // Forgets all contacts, as in a world built anew from the poses, and wakes all: what only stood
+  // by friction's memory slips now.
+  void ForgetContacts();
   void ForbidSleep();
 
   // True when any body's state is not finite or faster than 50 m/s.

@@ -1,17 +1,39 @@
 #pragma once
 
-// Whether a scene is physically possible, judged without the physics engine: an own exact
-// separating-axis test of convex pieces, so that a wrong contact list cannot hide an overlap.
+// What is known of how a scene came to rest, and whether it may be used.
 
-#include "scenes/scene.h"
+#include <string>
+#include <vector>
 
 namespace pickbed {
 
-// Deepest overlap, m, of any two parts' convex pieces, or of a piece with the bin's floor or walls:
-// the shortest translation that would part the two (0 = nothing overlaps). Collision margins are
-// not counted. Candidate axes are face normals and cross products of edges, which is complete for
-// polyhedra (Gottschalk 1996); edge pairs are pruned by their arcs on the Gauss map (Gregorius
-// 2013).
-double DeepestPenetration(const Scene& scene, const ObjectSet& objects);
+struct EnergySample {
+  double time_s = 0;
+  double kinetic_j = 0;
+  double potential_j = 0;  // 0 with all centres of mass on the bin's floor
+};
+
+struct SceneCertificate {
+  bool at_rest = false;      // else timed out
+  double simulated_s = 0;    // pouring included
+  bool blew_up = false;      // a body's state was not finite or faster than 50 m/s
+  int parts_outside = 0;     // centre of mass outside the bin at the end: they are not in the scene
+  double max_speed_mps = 0;  // at the end, of the centres of mass
+  double max_spin_radps = 0;  // at the end
+  // At the end, hull against hull by an exact separating-axis test, margins not counted.
+  double deepest_penetration_m = 0;
+  // Largest movement of any part's surface in the last second, in which all parts were awake and
+  // began without remembered contacts: a bound, also as a share of that part's diameter.
+  double wake_movement_m = 0;
+  double wake_movement_diameters = 0;
+  std::vector<EnergySample> energy;  // about every 0.05 s
+};
+
+// One line for each reason to refuse the scene; empty = certified.
+struct CertificateLimits {
+  double penetration_m = 0.0005;
+};
+std::vector<std::string> Faults(const SceneCertificate& certificate,
+                                const CertificateLimits& limits = {});
 
 }  // namespace pickbed

@@ -125,7 +125,8 @@ Scene SimViewSource::DropPile(uint64_t seed) const {
     Rng rng = Rng::Derive(seed, attempt, "pile");
     const std::vector<int> counts = RandomCounts(rng);
     DropResult result = DropParts(options_.bin, objects_, counts, rng, options_.drop);
-    if (!result.report.blew_up && !result.scene.objects.empty()) return std::move(result.scene);
+    if (!result.certificate.blew_up && !result.scene.objects.empty())
+      return std::move(result.scene);
   }
   throw std::runtime_error(
       fmt::format("no settled pile for seed {} in {} attempts", seed, kPileAttempts));

@@ -31,9 +31,9 @@ void DropMixedParts(benchmark::State& state) {
   for (auto _ : state) {
     Rng rng(seed++);
     const DropResult drop = DropParts(Bin{}, objects, counts, rng);
-    simulated_s += drop.report.simulated_s;
-    at_rest += drop.report.at_rest;
-    worst_mm = std::max(worst_mm, 1e3 * drop.report.deepest_penetration_m);
+    simulated_s += drop.certificate.simulated_s;
+    at_rest += drop.certificate.at_rest;
+    worst_mm = std::max(worst_mm, 1e3 * drop.certificate.deepest_penetration_m);
   }
   const auto mean = benchmark::Counter::kAvgIterations;
   state.counters["simulated_s"] = benchmark::Counter(simulated_s, mean);

@@ -40,7 +40,14 @@ TrialResult FullTrial(int trial) {
   Rng rng(trial + 1);
   TrialResult result;
   result.trial = trial;
-  result.drop = {true, rng.Uniform(), 2, rng.Uniform(), true, rng.Uniform()};
+  result.certificate.at_rest = true;
+  result.certificate.simulated_s = rng.Uniform();
+  result.certificate.max_speed_mps = rng.Uniform();
+  result.certificate.max_spin_radps = rng.Uniform();
+  result.certificate.deepest_penetration_m = rng.Uniform();
+  result.certificate.wake_movement_m = rng.Uniform();
+  result.certificate.wake_movement_diameters = rng.Uniform();
+  result.refused = {{0, {"not at rest", "overlap"}}, {1, {"fell outside"}}};
   result.parts_dropped = 7;
   result.parts_cleared = 3;
   result.ended_by = Loss::kSlipped;
@@ -119,12 +126,18 @@ void ExpectSameTrial(const TrialResult& a, const TrialResult& b) {
   EXPECT_EQ(a.parts_dropped, b.parts_dropped);
   EXPECT_EQ(a.parts_cleared, b.parts_cleared);
   EXPECT_EQ(a.ended_by, b.ended_by);
-  EXPECT_EQ(a.drop.at_rest, b.drop.at_rest);
-  EXPECT_EQ(a.drop.simulated_s, b.drop.simulated_s);
-  EXPECT_EQ(a.drop.left_bin, b.drop.left_bin);
-  EXPECT_EQ(a.drop.max_speed_mps, b.drop.max_speed_mps);
-  EXPECT_EQ(a.drop.blew_up, b.drop.blew_up);
-  EXPECT_EQ(a.drop.deepest_penetration_m, b.drop.deepest_penetration_m);
+  EXPECT_EQ(a.certificate.at_rest, b.certificate.at_rest);
+  EXPECT_EQ(a.certificate.simulated_s, b.certificate.simulated_s);
+  EXPECT_EQ(a.certificate.max_speed_mps, b.certificate.max_speed_mps);
+  EXPECT_EQ(a.certificate.max_spin_radps, b.certificate.max_spin_radps);
+  EXPECT_EQ(a.certificate.deepest_penetration_m, b.certificate.deepest_penetration_m);
+  EXPECT_EQ(a.certificate.wake_movement_m, b.certificate.wake_movement_m);
+  EXPECT_EQ(a.certificate.wake_movement_diameters, b.certificate.wake_movement_diameters);
+  ASSERT_EQ(a.refused.size(), b.refused.size());
+  for (size_t i = 0; i < a.refused.size(); ++i) {
+    EXPECT_EQ(a.refused[i].attempt, b.refused[i].attempt);
+    EXPECT_EQ(a.refused[i].faults, b.refused[i].faults);
+  }
   EXPECT_EQ(a.seconds, b.seconds);
   ASSERT_EQ(a.picks.size(), b.picks.size());
   for (size_t i = 0; i < a.picks.size(); ++i) ExpectSamePick(a.picks[i], b.picks[i]);

@@ -55,11 +55,17 @@ TEST(Summarize, CountsWhatAHandCounts) {
   EXPECT_DOUBLE_EQ(s.seconds.at("icp"), 0.5);
 }
 
-TEST(Summarize, APileThatBlewUpIsLostToPhysics) {
+TEST(Summarize, RefusedScenesAreListedWithTheirReasons) {
   TrialResult trial;
-  trial.parts_dropped = 5;
-  trial.ended_by = Loss::kPhysicsFailed;
-  EXPECT_EQ(Summarize({trial}).losses, (std::map<std::string, int>{{"physics_failed", 1}}));
+  trial.trial = 7;
+  trial.refused = {{0, {"not at rest"}}, {1, {"overlap", "2 parts fell outside the bin"}}};
+  const RunSummary summary = Summarize({trial, TrialResult()});
+  ASSERT_EQ(summary.refused.size(), 2u);
+  EXPECT_EQ(summary.refused[1].trial, 7);
+  const std::string table = SummaryTable(summary);
+  EXPECT_NE(table.find("Scenes refused and built anew: 2 of 4"), std::string::npos);
+  EXPECT_NE(table.find("trial 7, attempt 1: overlap, 2 parts fell outside"), std::string::npos);
+  EXPECT_EQ(SummaryTable(Summarize({TrialResult()})).find("refused"), std::string::npos);
 }
 
 TEST(Summarize, InstancesUnderTenPercentVisibleCountInNoBand) {

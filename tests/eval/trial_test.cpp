@@ -183,7 +183,7 @@ TEST(Trial, UnknownNamesAreBadInput) {
 
 TEST(VirtualCell, EveryLookIsANewSampleOfTheSameTruth) {
   VirtualCell cell(CubeScenario(3), EasyCube());
-  const Scene scene = cell.Drop(0).scene;
+  const Scene scene = cell.MakeScene(0).scene;
   const View first = cell.See(scene, 0, 0), again = cell.See(scene, 0, 0);
   const View second = cell.See(scene, 0, 1);
   EXPECT_EQ(first.frame.depth_m, again.frame.depth_m);

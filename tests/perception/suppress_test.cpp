@@ -48,6 +48,16 @@ TEST_F(TwoBrackets, TheBetterOneWinsWhateverTheOrder) {
   EXPECT_EQ(kept[0].score, 0.8);
 }
 
+TEST_F(TwoBrackets, WhatGaveWayIsNotedWhereItStood) {
+  const Pose near_left = Perturbed(Left(), {0, 0, 1}, 4, {0.002, 0, 0});
+  const auto kept =
+      SuppressDuplicates(cloud_, models_, {At(near_left, 0.6), At(Right(), 0.9), At(Left(), 0.7)});
+  ASSERT_EQ(kept.size(), 2u);
+  EXPECT_TRUE(kept[0].suppressed_X_CO.empty());
+  ASSERT_EQ(kept[1].suppressed_X_CO.size(), 1u);
+  EXPECT_EQ(kept[1].suppressed_X_CO[0].matrix(), near_left.matrix());
+}
+
 TEST_F(TwoBrackets, EqualScoresKeepTheirOrder) {
   PoseHypothesis first = At(Left(), 0.5), second = first;
   second.fit.hidden_share = 1;

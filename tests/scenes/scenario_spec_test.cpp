@@ -51,7 +51,8 @@ TEST_F(ScenarioFile, BadScenariosAreRefusedInOneLine) {
       {"objects: [{count: 3}]\n", "objects.0.name"},
       {"objects: [{name: rod}, {name: rod}]\n", "twice"},
       {"objects: [{name: x, mesh: a.obj}]\n", "mass_kg"},
-      {rods + "camera: {eye_m: [0.202, 0, 0.05]}\n", "inside the bin's wall"},
+      {rods + "camera: {eye_m: [0.202, 0, 0.05]}\n", "inside the bin"},
+      {rods + "camera: {eye_m: [0.1, 0, 0.1]}\n", "inside the bin"},
       {rods + "camera: {eye_m: [0, 0, 0.8], target_m: [0, 0, 2]}\n", "looks away"},
       {rods + "camera: {eye_m: [0, 0, 0.8], target_m: [3, 0, 0.8]}\n", "looks away"},
       {rods + "camera: {eye_m: [0, 0, 0.8], target_m: [0, 0, 0.8]}\n", "equals camera.eye_m"},
@@ -137,7 +138,7 @@ TEST(LoadObjects, RefusesAPartLargerThanTheBin) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("'huge' of 1000 x 1000 x 1000 mm is larger than the bin"));
   }
-  spec.objects[0].unit = "mm";
+  spec.objects[0].unit = "cm";
   EXPECT_EQ(LoadObjects(spec, catalog).size(), 1u);
 }
 

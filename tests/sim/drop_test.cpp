@@ -28,12 +28,12 @@ bool SameBits(const Scene& a, const Scene& b) {
 TEST(DropParts, TwentyMixedPartsComeToRestInsideWithoutOverlap) {
   for (const uint64_t seed : {0, 1, 2}) {
     const DropResult drop = DropMixed(seed, 5);
-    EXPECT_TRUE(drop.report.at_rest) << "seed " << seed;
-    EXPECT_FALSE(drop.report.blew_up) << "seed " << seed;
-    EXPECT_EQ(drop.report.left_bin, 0) << "seed " << seed;
+    EXPECT_TRUE(drop.certificate.at_rest) << "seed " << seed;
+    EXPECT_FALSE(drop.certificate.blew_up) << "seed " << seed;
+    EXPECT_EQ(drop.certificate.parts_outside, 0) << "seed " << seed;
     EXPECT_EQ(drop.scene.objects.size(), 20u) << "seed " << seed;
-    EXPECT_LT(drop.report.deepest_penetration_m, 0.0005) << "seed " << seed;
-    EXPECT_LT(drop.report.max_speed_mps, 0.01) << "seed " << seed;
+    EXPECT_LT(drop.certificate.deepest_penetration_m, 0.0005) << "seed " << seed;
+    EXPECT_LT(drop.certificate.max_speed_mps, 0.01) << "seed " << seed;
   }
 }
 
@@ -86,9 +86,9 @@ TEST(DropParts, WhatDoesNotFitIsCountedAndNotInTheScene) {
   tray.inner_size_m = {0.16, 0.12, 0.03};
   Rng rng(1);
   const DropResult drop = DropParts(tray, {BoxPart({0.05, 0.05, 0.05}, 0.1)}, {30}, rng);
-  EXPECT_GT(drop.report.left_bin, 0);
-  EXPECT_EQ(drop.report.left_bin + static_cast<int>(drop.scene.objects.size()), 30);
-  EXPECT_FALSE(drop.report.blew_up);
+  EXPECT_GT(drop.certificate.parts_outside, 0);
+  EXPECT_EQ(drop.certificate.parts_outside + static_cast<int>(drop.scene.objects.size()), 30);
+  EXPECT_FALSE(drop.certificate.blew_up);
   for (const PosedObject& object : drop.scene.objects) {
     EXPECT_LT(std::abs(object.X_WO.translation().x()), 0.08);
     EXPECT_LT(std::abs(object.X_WO.translation().y()), 0.06);
@@ -100,15 +100,15 @@ TEST(DropParts, ARodAsLongAsTheBinLies) {
   for (const uint64_t seed : {0, 1, 2}) {
     Rng rng(seed);
     const DropResult drop = DropParts(Bin{}, {BoxPart({0.02, 0.39, 0.02}, 0.3)}, {4}, rng);
-    EXPECT_EQ(drop.report.left_bin, 0);
-    EXPECT_TRUE(drop.report.at_rest);
+    EXPECT_EQ(drop.certificate.parts_outside, 0);
+    EXPECT_TRUE(drop.certificate.at_rest);
   }
 }
 
 TEST(DropParts, EmptyBinStaysEmpty) {
   Rng rng(0);
   const DropResult drop = DropParts(Bin{}, MixedParts(), {0, 0, 0, 0}, rng);
-  EXPECT_TRUE(drop.report.at_rest);
+  EXPECT_TRUE(drop.certificate.at_rest);
   EXPECT_TRUE(drop.scene.objects.empty());
 }
 

@@ -248,7 +248,7 @@ TEST(PhysicsWorld, ReusedContactsDoNotMissASlowNeighbour) {
   EXPECT_GT((world.X_WO(1).translation() - world.X_WO(0).translation()).norm(), 0.05);
 }
 
-TEST(PhysicsWorld, EndOfContactReuseWakesAllAndLeavesThemStanding) {
+TEST(PhysicsWorld, ForgettingContactsWakesAllAndLeavesThemStanding) {
   PhysicsWorld world(ReusingContacts());
   AddTable(world);
   const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
@@ -256,7 +256,7 @@ TEST(PhysicsWorld, EndOfContactReuseWakesAllAndLeavesThemStanding) {
   world.AddPart(*cube, Translation({0, 0, 0.0765}));
   StepFor(world, 2);
   ASSERT_TRUE(world.AllAsleep());
-  world.StopContactReuse();
+  world.ForgetContacts();
   EXPECT_FALSE(world.AllAsleep());
   StepFor(world, 1);
   EXPECT_NEAR(world.X_WO(1).translation().z(), 0.0765, 4e-4);

@@ -1,4 +1,4 @@
-#include "sim/scene_certificate.h"
+#include "sim/penetration.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,133 @@
+#pragma once
+
+// Rows of the results store's tables. One Visit() each names the columns for CREATE, INSERT and
+// SELECT alike.
+
+#include <string>
+
+#include "eval/trial.h"
+
+namespace pickbed {
+
+struct TrialRow {
+  int trial = 0;
+  TrialResult result;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("parts_dropped", result.parts_dropped);
+    v("parts_cleared", result.parts_cleared);
+    v("ended_by", result.ended_by);
+    SceneCertificate& certificate = result.certificate;
+    v("at_rest", certificate.at_rest);
+    v("simulated_s", certificate.simulated_s);
+    v("max_speed_mps", certificate.max_speed_mps);
+    v("max_spin_radps", certificate.max_spin_radps);
+    v("deepest_penetration_m", certificate.deepest_penetration_m);
+    v("wake_movement_m", certificate.wake_movement_m);
+    v("wake_movement_diameters", certificate.wake_movement_diameters);
+  }
+};
+
+struct PickRow {
+  int trial = 0;
+  PickRecord record;
+  bool executed = false;
+  Grasp grasp;
+  template <typename V>
+  void Visit(V&& v) {
+    GraspOutcome& outcome = record.outcome;
+    v("trial", trial);
+    v("pick", record.pick);
+    v("loss", record.loss);
+    v("executed", executed);
+    v("chosen_hypothesis", record.chosen);
+    v("grasp_hypothesis", grasp.hypothesis);
+    v("grasp_x_wg", grasp.X_WG);
+    v("grasp_width_m", grasp.width_m);
+    v("grasp_score", grasp.score);
+    v("success", outcome.success);
+    v("physical_loss", outcome.loss);
+    v("picked_instance", outcome.picked_instance);
+    v("parts_lifted", outcome.parts_lifted);
+    v("final_opening_m", outcome.final_opening_m);
+    v("slip_m", outcome.slip_m);
+    v("turn_rad", outcome.turn_rad);
+    v("disturbed", outcome.disturbed);
+  }
+};
+
+struct HypothesisRow {
+  int trial = 0, pick = 0, hypothesis = 0;
+  HypothesisScore score;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("pick", pick);
+    v("hypothesis", hypothesis);
+    v("object", score.object);
+    v("instance", score.instance);
+    v("score", score.score);
+    v("mssd_m", score.mssd_m);
+    v("mspd_px", score.mspd_px);
+    v("add_m", score.add_m);
+    v("adi_m", score.adi_m);
+    v("rotation_rad", score.rotation_rad);
+    v("translation_m", score.translation_m);
+    v("mssd_diameters", score.mssd_diameters);
+    v("correct", score.correct);
+  }
+};
+
+struct InstanceRow {
+  int trial = 0, pick = 0;
+  InstanceRecord record;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("pick", pick);
+    v("instance", record.instance);
+    v("object", record.object);
+    v("visible_fraction", record.visible_fraction);
+    v("recalled", record.recalled);
+  }
+};
+
+struct RejectionRow {
+  int trial = 0, pick = 0;
+  std::string cause;
+  int grasps = 0;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("pick", pick);
+    v("cause", cause);
+    v("grasps", grasps);
+  }
+};
+
+// One fault of a scene that was refused.
+struct RefusalRow {
+  int trial = 0, attempt = 0;
+  std::string fault;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("attempt", attempt);
+    v("fault", fault);
+  }
+};
+
+struct TimingRow {
+  int trial = 0;
+  std::string stage;
+  double seconds = 0;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("stage", stage);
+    v("seconds", seconds);
+  }
+};
+
+}  // namespace pickbed

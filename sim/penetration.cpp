@@ -1,0 +1,143 @@
+#include "sim/penetration.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "sim/convex_hull.h"
+
+namespace pickbed {
+namespace {
+
+// The floor counts as a slab of this thickness, so that a part deep in it is not taken to be below.
+constexpr double kFloorSlab_m = 1.0;
+// Edges whose directions differ by a smaller sine give no axis of their own.
+constexpr double kParallelSine = 1e-9;
+
+struct PlacedHull {
+  ConvexHull hull;  // in W
+  // Of each edge: normal of its right face x normal of its left one, along the edge.
+  std::vector<Eigen::Vector3d> arcs;
+  int owner = 0;  // scene object, kBinOwner = bin
+  Eigen::AlignedBox3d box;
+};
+constexpr int kBinOwner = -1;
+
+PlacedHull Place(const ConvexHull& hull_O, const Pose& X_WO, int owner) {
+  PlacedHull placed{hull_O, {}, owner, {}};
+  for (Eigen::Vector3d& p : placed.hull.vertices) {
+    p = X_WO * p;
+    placed.box.extend(p);
+  }
+  for (Eigen::Vector3d& n : placed.hull.normals) n = X_WO.linear() * n;
+  for (const ConvexHull::Edge& edge : placed.hull.edges) {
+    placed.arcs.push_back(placed.hull.normals[edge.right].cross(placed.hull.normals[edge.left]));
+  }
+  return placed;
+}
+
+ConvexHull BoxHull(const AxisAlignedBox& box) {
+  std::vector<Eigen::Vector3d> corners;
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    corners.push_back(box.center + sign.cwiseProduct(box.half_size));
+  }
+  return MakeConvexHull(corners);
+}
+
+double Support(const ConvexHull& hull, const Eigen::Vector3d& direction) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& p : hull.vertices) most = std::max(most, p.dot(direction));
+  return most;
+}
+
+// Gap along a unit direction that points from a to b; negative = overlap.
+double Gap(const ConvexHull& a, const ConvexHull& b, const Eigen::Vector3d& direction) {
+  return -Support(b, -direction) - Support(a, direction);
+}
+
+// Whether edge i of a and edge k of b span a face of the Minkowski difference: the arcs between
+// their faces' normals (those of b negated) cross on the unit sphere.
+bool ArcsCross(const PlacedHull& a, int i, const PlacedHull& b, int k) {
+  const ConvexHull::Edge& edge_a = a.hull.edges[i];
+  const ConvexHull::Edge& edge_b = b.hull.edges[k];
+  const double b_left = b.hull.normals[edge_b.left].dot(a.arcs[i]);
+  const double b_right = b.hull.normals[edge_b.right].dot(a.arcs[i]);
+  if (b_left * b_right >= 0) return false;
+  const double a_left = a.hull.normals[edge_a.left].dot(b.arcs[k]);
+  const double a_right = a.hull.normals[edge_a.right].dot(b.arcs[k]);
+  return a_left * a_right < 0 && b_left * a_right < 0;  // the latter: same hemisphere
+}
+
+// Depth of the overlap of two hulls when it is more than `known_m`, else any value up to that: an
+// axis that shows less overlap than is known settles the pair.
+double Depth(const PlacedHull& a, const PlacedHull& b, double known_m) {
+  double gap = -std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& normal : a.hull.normals) {
+    gap = std::max(gap, Gap(a.hull, b.hull, normal));
+    if (gap >= -known_m) return known_m;
+  }
+  for (const Eigen::Vector3d& normal : b.hull.normals) {
+    gap = std::max(gap, Gap(a.hull, b.hull, -normal));
+    if (gap >= -known_m) return known_m;
+  }
+  for (size_t i = 0; i < a.hull.edges.size(); ++i) {
+    const ConvexHull::Edge& edge_a = a.hull.edges[i];
+    const Eigen::Vector3d along_a = a.hull.vertices[edge_a.to] - a.hull.vertices[edge_a.from];
+    const Eigen::Vector3d outward = a.hull.normals[edge_a.left] + a.hull.normals[edge_a.right];
+    for (size_t k = 0; k < b.hull.edges.size(); ++k) {
+      if (!ArcsCross(a, static_cast<int>(i), b, static_cast<int>(k))) continue;
+      const ConvexHull::Edge& edge_b = b.hull.edges[k];
+      const Eigen::Vector3d along_b = b.hull.vertices[edge_b.to] - b.hull.vertices[edge_b.from];
+      Eigen::Vector3d axis = along_a.cross(along_b);
+      if (axis.norm() < kParallelSine * along_a.norm() * along_b.norm()) continue;
+      axis.normalize();
+      if (axis.dot(outward) < 0) axis = -axis;
+      gap = std::max(gap, Gap(a.hull, b.hull, axis));
+      if (gap >= -known_m) return known_m;
+    }
+  }
+  return -gap;
+}
+
+std::vector<PlacedHull> PlaceAll(const Scene& scene, const ObjectSet& objects) {
+  std::vector<std::vector<ConvexHull>> hulls_O(objects.size());
+  for (size_t i = 0; i < objects.size(); ++i) {
+    for (const ConvexPiece& piece : objects[i]->convex_parts_O) {
+      hulls_O[i].push_back(MakeConvexHull(piece.vertices_O));
+    }
+  }
+  std::vector<PlacedHull> placed;
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    const PosedObject& object = scene.objects[i];
+    for (const ConvexHull& hull : hulls_O[object.object]) {
+      placed.push_back(Place(hull, object.X_WO, static_cast<int>(i)));
+    }
+  }
+  std::vector<AxisAlignedBox> bin = BinBoxes(scene.bin);
+  bin[0].center.z() -= 0.5 * (kFloorSlab_m - scene.bin.wall_m);
+  bin[0].half_size.z() = 0.5 * kFloorSlab_m;
+  for (const AxisAlignedBox& box : bin) {
+    placed.push_back(Place(BoxHull(box), Pose::Identity(), kBinOwner));
+  }
+  return placed;
+}
+
+}  // namespace
+
+double DeepestPenetration(const Scene& scene, const ObjectSet& objects) {
+  std::vector<PlacedHull> hulls = PlaceAll(scene, objects);
+  std::sort(hulls.begin(), hulls.end(), [](const PlacedHull& a, const PlacedHull& b) {
+    return a.box.min().x() < b.box.min().x();
+  });
+  double deepest_m = 0;
+  for (size_t i = 0; i < hulls.size(); ++i) {  // sweep along x
+    for (size_t k = i + 1; k < hulls.size(); ++k) {
+      if (hulls[k].box.min().x() > hulls[i].box.max().x()) break;
+      if (hulls[i].owner == hulls[k].owner || !hulls[i].box.intersects(hulls[k].box)) continue;
+      deepest_m = Depth(hulls[i], hulls[k], deepest_m);
+    }
+  }
+  return deepest_m;
+}
+
+}  // namespace pickbed
