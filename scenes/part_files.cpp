@@ -32,12 +32,6 @@ std::string ConvexObj(const std::vector<ConvexPiece>& pieces) {
   return text;
 }
 
-// The point of a rotation's axis that is nearest to the origin.
-Vector3d PointOnAxis(const Pose& X) {
-  const Eigen::Matrix3d moved = Eigen::Matrix3d::Identity() - X.linear();
-  return moved.completeOrthogonalDecomposition().solve(X.translation());
-}
-
 std::string ObjectYaml(const MadePart& part, const std::string& help) {
   std::string text = fmt::format("# {}\nmesh: mesh.obj\nunit: m\n", help);
   text += fmt::format("density_kgpm3: {}\nfriction: {}\nconvex: convex.obj\n",

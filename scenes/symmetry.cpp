@@ -76,6 +76,11 @@ Pose TurnAbout(const ContinuousSymmetry& axis, double angle_rad) {
   return MakePose(R, axis.offset_O - R * axis.offset_O);
 }
 
+Eigen::Vector3d PointOnAxis(const Pose& X) {
+  const Eigen::Matrix3d moved = Eigen::Matrix3d::Identity() - X.linear();
+  return moved.completeOrthogonalDecomposition().solve(X.translation());
+}
+
 std::vector<Pose> SymmetryTransforms(const SymmetrySet& symmetries, int steps) {
   if (steps < 1) throw std::invalid_argument("SymmetryTransforms needs at least one step");
   std::vector<Pose> transforms = ContinuousTransforms(symmetries.continuous_O, steps);

@@ -18,6 +18,9 @@ struct ContinuousSymmetry {
 // The turn about the axis by an angle; axis_O must be unit.
 Pose TurnAbout(const ContinuousSymmetry& axis, double angle_rad);
 
+// The point of a rotation's axis that is nearest to the origin.
+Eigen::Vector3d PointOnAxis(const Pose& X);
+
 struct SymmetrySet {
   std::vector<Pose> discrete_O;  // without the identity
   std::vector<ContinuousSymmetry> continuous_O;
