@@ -205,7 +205,7 @@ double UnitInMeters(const std::string& unit) {
   return known->second;
 }
 
-TriangleMesh LoadMesh(const fs::path& path, const std::string& unit) {
+TriangleMesh LoadMesh(const fs::path& path, const std::string& unit, MeshLoadReport* report) {
   const double scale = UnitInMeters(unit);
   const std::string name = path.string();
   std::error_code error;
@@ -223,7 +223,12 @@ TriangleMesh LoadMesh(const fs::path& path, const std::string& unit) {
   std::erase_if(parts, [](const Part& part) { return part.mesh.triangles.empty(); });
   CheckInput(!parts.empty(), "mesh '" + name + "' has no faces; export it as triangles");
   TriangleMesh mesh = Joined(std::move(parts), shelf);
+  const size_t faces = mesh.triangles.size();
   DropDegenerate(mesh);
+  if (report != nullptr) {
+    report->degenerate_faces = static_cast<int>(faces - mesh.triangles.size());
+    report->bad_normals = !NormalsAreUnit(mesh);
+  }
   CheckInput(SurfaceArea(mesh) != 0, "mesh '" + name + "' has only faces without area");
   DropFlatNormals(mesh);
   return WithEqualVerticesJoined(mesh);

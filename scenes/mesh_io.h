@@ -20,7 +20,13 @@ double UnitInMeters(const std::string& unit);
 // Collada's up_axis nor glTF's y-up turns the part. glTF is in metres and Collada's <unit> is
 // applied, so that both want unit "m".
 // Throws InputError: unknown unit, missing, unreadable, no faces.
-TriangleMesh LoadMesh(const std::filesystem::path& path, const std::string& unit = "m");
+// `report`, when given, says what was dropped on the way.
+struct MeshLoadReport {
+  int degenerate_faces = 0;
+  bool bad_normals = false;  // one at least was zero, not a number or not of unit length
+};
+TriangleMesh LoadMesh(const std::filesystem::path& path, const std::string& unit = "m",
+                      MeshLoadReport* report = nullptr);
 
 // OBJ with normals, uvs and vertex colours as far as the mesh has them, 10 decimals, the same bytes
 // for the same mesh; beside it NAME.mtl for a texture or base colour and NAME.png for a texture.

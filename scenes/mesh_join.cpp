@@ -55,12 +55,15 @@ void DropDegenerate(TriangleMesh& mesh) {
   });
 }
 
+bool NormalsAreUnit(const TriangleMesh& mesh) {
+  return std::all_of(mesh.normals.begin(), mesh.normals.end(),
+                     [](const Eigen::Vector3d& n) { return std::abs(n.squaredNorm() - 1) < 1e-6; });
+}
+
 void DropFlatNormals(TriangleMesh& mesh) {
   constexpr double kSameDirection = 1 - 1e-6;  // cosine; 0.08 degrees
   if (mesh.normals.empty()) return;
-  const bool all_unit =
-      std::all_of(mesh.normals.begin(), mesh.normals.end(),
-                  [](const Eigen::Vector3d& n) { return std::abs(n.squaredNorm() - 1) < 1e-6; });
+  const bool all_unit = NormalsAreUnit(mesh);
   const std::vector<Eigen::Vector3d> faces = FaceNormals(mesh);
   for (size_t i = 0; i < faces.size() && all_unit; ++i) {
     for (const int corner : mesh.triangles[i]) {

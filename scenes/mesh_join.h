@@ -14,6 +14,9 @@ void DropDegenerate(TriangleMesh& mesh);
 // the corners of neighbouring faces apart. Also when one is not unit, as some exporters write.
 void DropFlatNormals(TriangleMesh& mesh);
 
+// Whether all normals are of unit length; true for none.
+bool NormalsAreUnit(const TriangleMesh& mesh);
+
 // Joins vertices that agree exactly in place, normal, uv and colour, in the order in which the
 // triangles name them; drops those that none names. (Importers that join by nearness pull fine
 // detail together: assimp does so below 10 micrometres.)

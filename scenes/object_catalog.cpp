@@ -36,26 +36,47 @@ struct AxisSettings {
   }
 };
 
+struct RestingSettings {
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  double probability = 0;
+
+  void Visit(SettingsVisitor& v) {
+    v.Vector3("up", up, {-1, 1}, "the world's up in O");
+    v.Real("probability", probability, {0, 1}, "share of drops that end so");
+  }
+};
+
 struct ObjectSettings {
   std::string mesh = "mesh.obj";
   std::string unit = "m";
   double mass_kg = 0;
   double density_kgpm3 = 0;
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d inertia_diagonal_kgm2 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d inertia_products_kgm2 = Eigen::Vector3d::Zero();
   double friction = 0.5;
   std::string convex;
   std::vector<AxisSettings> discrete;
   std::vector<AxisSettings> continuous;
+  std::vector<RestingSettings> resting;
 
   void Visit(SettingsVisitor& v) {
     v.Text("mesh", mesh, {}, "mesh file beside object.yaml");
     v.Text("unit", unit, {"m", "cm", "mm", "in"}, "unit of the mesh and convex files");
     v.Real("mass_kg", mass_kg, {0, 100}, "mass, kg; or else density_kgpm3");
     v.Real("density_kgpm3", density_kgpm3, {0, 25000}, "density, kg/m3; or else mass_kg");
+    v.Vector3("com_m", com_m, {-10, 10}, "centre of mass in O, m; with inertia_diagonal_kgm2");
+    v.Vector3("inertia_diagonal_kgm2", inertia_diagonal_kgm2, {0, 1e3}, "xx, yy, zz about it");
+    v.Vector3("inertia_products_kgm2", inertia_products_kgm2, {-1e3, 1e3}, "xy, xz, yz about it");
     v.Real("friction", friction, {0.01, 2}, "against a gripper pad");
     v.Text("convex", convex, {}, "OBJ file with one 'o' group for each convex piece");
     v.Group(
         "symmetries", [this](SettingsVisitor& group) { VisitSymmetries(group); },
         "turns that map the part onto itself");
+    v.List(
+        "resting_poses", resting.size(), [this](size_t n) { resting.resize(n); },
+        [this](size_t i, SettingsVisitor& item) { resting[i].Visit(item); },
+        "ways to lie on a plane");
   }
 
  private:
@@ -83,12 +104,29 @@ SymmetrySet ToSymmetrySet(const ObjectSettings& settings) {
   return symmetries;
 }
 
+void ApplyInertia(const ObjectSettings& settings, MassProperties& mass) {
+  mass.com_O = settings.com_m;
+  mass.inertia_com_O = settings.inertia_diagonal_kgm2.asDiagonal();
+  const Eigen::Vector3d& products = settings.inertia_products_kgm2;
+  mass.inertia_com_O(0, 1) = mass.inertia_com_O(1, 0) = products.x();
+  mass.inertia_com_O(0, 2) = mass.inertia_com_O(2, 0) = products.y();
+  mass.inertia_com_O(1, 2) = mass.inertia_com_O(2, 1) = products.z();
+}
+
 ObjectSettings ReadObjectFile(const fs::path& file) {
   ObjectSettings settings;
   ReadSettingsFile(file, [&](SettingsVisitor& v) { settings.Visit(v); });
   const std::string name = file.string();
   CheckInput((settings.mass_kg > 0) != (settings.density_kgpm3 > 0),
              name + ": give exactly one of mass_kg and density_kgpm3, above 0");
+  CheckInput(settings.inertia_diagonal_kgm2.norm() == 0 || settings.mass_kg > 0,
+             name + ": inertia_diagonal_kgm2 goes with mass_kg, not with density_kgpm3");
+  CheckInput(
+      settings.inertia_diagonal_kgm2.norm() == 0 || settings.inertia_diagonal_kgm2.minCoeff() > 0,
+      name + ": inertia_diagonal_kgm2 must be positive");
+  for (const RestingSettings& resting : settings.resting) {
+    CheckInput(resting.up.norm() > 0, name + ": resting_poses: up must not be [0, 0, 0]");
+  }
   for (const AxisSettings& a : settings.discrete) {
     CheckInput(a.axis.norm() > 0, name + ": symmetries.discrete: axis must not be [0, 0, 0]");
     CheckInput(a.angle_deg != 0, name + ": symmetries.discrete: angle_deg must not be 0");
@@ -201,8 +239,12 @@ std::shared_ptr<const ObjectModel> ObjectCatalog::Load(const std::string& name) 
   const ObjectSettings settings = ReadObjectFile(folder / kObjectFile);
   std::shared_ptr<ObjectModel> model = MakeModel(name, folder / settings.mesh, settings.unit,
                                                  {settings.mass_kg, settings.density_kgpm3});
+  if (settings.inertia_diagonal_kgm2.norm() > 0) ApplyInertia(settings, model->mass);
   model->friction = settings.friction;
   model->symmetries_O = ToSymmetrySet(settings);
+  for (const RestingSettings& resting : settings.resting) {
+    model->resting_O.push_back({resting.up.normalized(), resting.probability});
+  }
   if (!settings.convex.empty()) {
     model->convex_parts_O = LoadConvexPieces(folder / settings.convex, settings.unit);
   }

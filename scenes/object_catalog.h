@@ -6,6 +6,9 @@
 //   mesh: mesh.obj           # beside it, any format of mesh_io.h
 //   unit: m                  # of the mesh and convex files: m, cm, mm, in
 //   mass_kg: 0.12            # or density_kgpm3: 2700
+//   com_m: [0, 0, 0]                          # centre of mass and inertia about it, where the mesh
+//   inertia_diagonal_kgm2: [1e-4, 1e-4, 1e-4] # cannot say: xx yy zz
+//   inertia_products_kgm2: [0, 0, 0]          # xy xz yz (with the tensor's own signs)
 //   friction: 0.5            # against a gripper pad, see friction.h
 //   convex: convex.obj       # optional convex pieces, one "o" group each
 //   symmetries:
@@ -13,6 +16,8 @@
 //       - {axis: [0, 0, 1], angle_deg: 180, offset_m: [0, 0, 0]}
 //     continuous:
 //       - {axis: [0, 0, 1], offset_m: [0, 0, 0]}
+//   resting_poses:           # most frequent first: the world's up in O, share of drops
+//     - {up: [0, 0, 1], probability: 0.8}
 //
 // Inside-out meshes are turned outwards. An open mesh (a scan with a hole) gets the mass properties
 // of what it nearly encloses, or of its bounding box where that makes no sense.

@@ -19,10 +19,12 @@ using std::numbers::pi;
 constexpr double kAlike = 0.15;       // moments that differ by a smaller share may be equal
 constexpr double kLoose = 5;          // tolerance of a first look, in tolerances
 constexpr int kFirstLookStride = 25;  // of samples
+constexpr int kRoughStride = 15, kFineStride = 3;  // of samples that polish a turn
 constexpr double kGridStep_rad = 5 * pi / 180;
 constexpr double kSameAxis_rad = 5 * pi / 180;
-constexpr double kOutlierShare = 0.01;
+constexpr double kOutlierShare = 0.003;
 constexpr size_t kLargestGroup = 120;
+constexpr std::array kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59};
 // Turns that no discrete symmetry of a lower order than 100 holds, rad.
 constexpr std::array kOddTurns{0.37, 0.91, 1.43, 1.97, 2.39, 2.83};
 
@@ -44,11 +46,12 @@ class Finder {
  private:
   std::vector<Vector3d> CandidateDirections() const;
   bool Maps(const Pose& S, double tolerance_m, int stride) const;
-  Pose Polished(Pose S) const;
+  Pose Polished(Pose S, int stride) const;
   std::optional<Axis> Accept(const Vector3d& direction, double angle_rad) const;
+  bool HasOrder(const Axis& axis, int order) const;
   bool TurnsFreely(const Axis& axis) const;
   std::optional<Axis> Continuous(const Vector3d& direction) const;
-  std::optional<Axis> Discrete(const Vector3d& direction) const;
+  std::optional<Axis> Discrete(const Vector3d& direction, int highest_prime) const;
   std::vector<Pose> Group(const std::vector<Axis>& axes) const;
   SymmetrySet OfRevolution(const Axis& axis) const;
 
@@ -124,12 +127,12 @@ bool Finder::Maps(const Pose& S, double tolerance_m, int stride) const {
 }
 
 // Point-to-plane ICP of the turned surface onto the surface, started near the answer.
-Pose Finder::Polished(Pose S) const {
-  constexpr int kRounds = 6;
+Pose Finder::Polished(Pose S, int stride) const {
+  constexpr int kRounds = 5;
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix<double, 6, 6> A = 1e-9 * Eigen::Matrix<double, 6, 6>::Identity();
     Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
-    for (size_t i = 0; i < points_.size(); i += 3) {
+    for (size_t i = 0; i < points_.size(); i += stride) {
       const Vector3d p = S * points_[i];
       const SurfaceHit hit = query_.ClosestPoint(p);
       if (hit.distance > 2 * kLoose * tolerance_m_) continue;
@@ -152,7 +155,10 @@ Pose Finder::Polished(Pose S) const {
 std::optional<Axis> Finder::Accept(const Vector3d& direction, double angle_rad) const {
   const Pose first = TurnAbout({direction, centroid_}, angle_rad);
   if (!Maps(first, kLoose * tolerance_m_, kFirstLookStride)) return std::nullopt;
-  const Pose polished = Polished(first);
+  // Most that pass the first look fail after a cheap polish.
+  const Pose rough = Polished(first, kRoughStride);
+  if (!Maps(rough, 2 * tolerance_m_, kRoughStride)) return std::nullopt;
+  const Pose polished = Polished(rough, kFineStride);
   const Eigen::AngleAxisd turn(polished.linear());
   if (std::abs(turn.angle() - angle_rad) > 0.1) return std::nullopt;
   Vector3d axis = turn.axis();
@@ -180,12 +186,27 @@ std::optional<Axis> Finder::Continuous(const Vector3d& direction) const {
   return axis;
 }
 
-// Of the highest order that holds.
-std::optional<Axis> Finder::Discrete(const Vector3d& direction) const {
-  for (int order = max_order_; order >= 2; --order) {
-    std::optional<Axis> axis = Accept(direction, 2 * pi / order);
-    if (!axis) continue;
-    axis->order = order;
+// All turns, since a small one may pass for its smallness.
+bool Finder::HasOrder(const Axis& axis, int order) const {
+  for (int i = 1; i <= order / 2; ++i) {
+    if (!Maps(TurnAbout({axis.direction, axis.point}, 2 * pi * i / order), tolerance_m_, 1)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Of the highest order that holds. An axis of any order has one of a prime order, and once that is
+// polished the others need no search.
+std::optional<Axis> Finder::Discrete(const Vector3d& direction, int highest_prime) const {
+  for (const int prime : kPrimes) {
+    if (prime > std::min(highest_prime, max_order_)) break;
+    std::optional<Axis> axis = Accept(direction, 2 * pi / prime);
+    if (!axis || !HasOrder(*axis, prime)) continue;
+    axis->order = prime;
+    for (int order = 2 * prime; order <= max_order_; order += prime) {
+      if (HasOrder(*axis, order)) axis->order = order;
+    }
     return axis;
   }
   return std::nullopt;
@@ -246,7 +267,13 @@ SymmetrySet Finder::Find() {
       return SameDirection(axis.direction, direction);
     });
     if (known) continue;
-    const std::optional<Axis> axis = Discrete(direction);
+    // Off the principal axes: two-fold across an axis of a higher order, or those of the cube and
+    // the icosahedron.
+    const bool is_principal = &direction - directions.data() < 3;
+    const bool all_alike = moments_[2] - moments_[0] < kAlike * moments_[2];
+    const std::optional<Axis> axis = Discrete(direction, is_principal ? kPrimes.back()
+                                                         : all_alike  ? 5
+                                                                      : 2);
     if (axis && std::none_of(axes.begin(), axes.end(), [&](const Axis& other) {
           return SameDirection(other.direction, axis->direction);
         })) {

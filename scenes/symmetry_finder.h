@@ -13,10 +13,10 @@
 namespace pickbed {
 
 struct SymmetryOptions {
-  // 99 of 100 surface points come to lie within this share of the diameter of the surface.
+  // 997 of 1000 surface points come to lie within this share of the diameter of the surface.
   double tolerance_diameters = 0.01;
   int samples = 1500;  // surface points
-  int max_order = 36;  // of a discrete axis; gears with more teeth look continuous or stay unfound
+  int max_order = 60;  // of a discrete axis; gears with more teeth look continuous or stay unfound
 };
 
 // In the mesh's frame O: discrete_O holds the whole group without the identity and without what

@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Changes whenever the same mesh and options would give other pieces.
-constexpr int kCacheVersion = 1;
+constexpr int kCacheVersion = 2;
 // Vertices that stand out less, as a share of the hull's size, add nothing.
 constexpr double kNegligible = 1e-5;
 

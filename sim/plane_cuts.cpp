@@ -21,6 +21,7 @@ constexpr double kSnap = 1e-7;              // of the size: points this near to 
 constexpr double kThinnest = 0.02;          // of a piece's extent: no candidate nearer to its ends
 constexpr double kFlat = 0.9995;            // cosine of a face that counts as across an axis
 constexpr double kMiddlePreference = 1e-3;  // share of the hull by which a cut at an end is worse
+constexpr double kLittleGain = 0.1;         // of a piece's air: a cut that saves less looks ahead
 constexpr int kSpreadDirections = 40;       // on a Fibonacci sphere, besides the 26 of a cube
 
 // Directions for support points: the 26 of a cube's faces, edges and corners, so that boxes come
@@ -119,6 +120,7 @@ struct Piece {
   std::vector<Polygon> polygons;
   double air_m3 = 0;
   Cut best;
+  double hull_m3 = 0, halves_m3 = 0;  // of the whole and of both sides of the best cut
 };
 
 class Cutter {
@@ -132,6 +134,7 @@ class Cutter {
  private:
   Piece Whole() const;
   void Judge(Piece& piece) const;
+  void LookAhead(Piece& piece) const;
   std::pair<Piece, Piece> Apply(const Piece& piece) const;
   std::vector<double> Candidates(const Piece& piece, int axis) const;
   std::vector<Extremes> Slabs(const Piece& piece, int axis,
@@ -250,9 +253,31 @@ void Cutter::Judge(Piece& piece) const {
       if (sum >= least) continue;
       least = sum;
       piece.best = {axis, offsets[k]};
+      piece.halves_m3 = below.HullVolume() + above_m3[k + 1];
     }
   }
+  piece.hull_m3 = hull_m3;
   piece.air_m3 = hull_m3 - columns_.VolumeIn(piece.box);
+}
+
+// One cut of a tube gains nothing whichever way it goes, since both halves' hulls still span the
+// bore: only the next cut across it does. Takes the middle cut whose halves' own cuts leave least.
+void Cutter::LookAhead(Piece& piece) const {
+  const Eigen::AlignedBox3d extent = BoxOf(piece.polygons);
+  double least = std::numeric_limits<double>::infinity();
+  Cut best = piece.best;
+  for (int axis = 0; axis < 3; ++axis) {
+    piece.best = {axis, extent.center()[axis]};
+    auto [low, high] = Apply(piece);
+    if (low.polygons.empty() || high.polygons.empty()) continue;
+    Judge(low);
+    Judge(high);
+    const double quarters_m3 = low.halves_m3 + high.halves_m3;
+    if (quarters_m3 >= least) continue;
+    least = quarters_m3;
+    best = {axis, extent.center()[axis]};
+  }
+  piece.best = best;
 }
 
 std::pair<Piece, Piece> Cutter::Apply(const Piece& piece) const {
@@ -300,6 +325,7 @@ std::vector<std::vector<Vector3d>> Cutter::Run() {
         std::max_element(pieces.begin(), pieces.end(),
                          [](const Piece& a, const Piece& b) { return a.air_m3 < b.air_m3; });
     if (worst->air_m3 <= enough_m3 || worst->best.axis < 0) break;
+    if (worst->hull_m3 - worst->halves_m3 < kLittleGain * worst->air_m3) LookAhead(*worst);
     auto [low, high] = Apply(*worst);
     if (low.polygons.empty() || high.polygons.empty()) break;
     Judge(low);

@@ -198,6 +198,37 @@ train_stops_and_resumes() {
   expect 0 "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.pt"
 }
 
+an_added_object_is_dropped() {
+  cat >brick.obj <<'OBJ'
+v -30 -20 -10
+v 30 -20 -10
+v -30 20 -10
+v 30 20 -10
+v -30 -20 10
+v 30 -20 10
+v -30 20 10
+v 30 20 10
+f 1 3 4 2
+f 5 6 8 7
+f 1 2 6 5
+f 3 7 8 4
+f 1 5 7 3
+f 2 4 8 6
+OBJ
+  expect 0 "$pickbed" object add brick.obj --name brick --mass 0.05
+  grep -q "unit guessed: mm" last.out || fail "the unit was not guessed"
+  for file in mesh.obj convex.obj object.yaml made.json sheet.png; do
+    [ -s "objects/brick/$file" ] || fail "no $file"
+  done
+  expect 0 "$pickbed" object add brick.obj --name brick --mass 0.05
+  grep -q "nothing to do" last.out || fail "it was made twice"
+  expect 1 "$pickbed" object add brick.obj --name brick --mass 0.06
+  grep -q -- "--replace" last.err || fail "an existing part was not explained"
+  echo "objects: [{name: brick, count: 4}]" >bricks.yaml
+  expect 0 "$pickbed" run bricks.yaml "${small[@]}" --trials 1 --out bricks
+  grep -q '"parts_cleared": 4' bricks/summary.json || fail "the bricks were not picked"
+}
+
 doctor_finds_nothing() {
   expect 0 "$pickbed" doctor
   [ "$(grep -c '^ok' last.out)" = 5 ] || fail "not all are ok"

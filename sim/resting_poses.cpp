@@ -1,0 +1,92 @@
+#include "sim/resting_poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/physics_world.h"
+
+namespace pickbed {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kSpacing = 2.5;    // of the grid, in diameters: rolling parts do not meet
+constexpr double kDrop = 0.1;       // gap below the lowest point at the start, in diameters
+constexpr double kMax_s = 8;        // of simulated time
+constexpr double kSame_rad = 0.14;  // between the up directions of one resting pose
+constexpr double kStillMoving_radps = 0.5;
+constexpr int kSymmetrySteps = 72;  // of a continuous axis
+
+double LowestPoint(const ObjectModel& model, const Pose& X_WO) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const ConvexPiece& piece : model.convex_parts_O) {
+    for (const Vector3d& p : piece.vertices_O) lowest = std::min(lowest, (X_WO * p).z());
+  }
+  return lowest;
+}
+
+// The up direction nearest to `reference` among those that the symmetries make one with it.
+double AngleBetween(const Vector3d& up_O, const Vector3d& reference,
+                    const std::vector<Pose>& symmetries) {
+  double most = -1;
+  for (const Pose& S : symmetries) {
+    most = std::max(most, reference.dot(S.linear().transpose() * up_O));
+  }
+  return std::acos(std::clamp(most, -1.0, 1.0));
+}
+
+Pose StandingOnPlane(const ObjectModel& model, const Vector3d& up_O) {
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(up_O, Vector3d::UnitZ());
+  Pose X_WO = MakePose(turn.toRotationMatrix(), Vector3d::Zero());
+  X_WO.translation().z() = -LowestPoint(model, X_WO);
+  return X_WO;
+}
+
+std::vector<Vector3d> SettledUps(const ObjectModel& model, int drops, uint64_t seed) {
+  PhysicsOptions options;
+  options.angular_damping = 0.5;
+  PhysicsWorld world(options);
+  const double pitch_m = kSpacing * model.diameter_m;
+  const int side = static_cast<int>(std::ceil(std::sqrt(drops)));
+  const double half_m = (side + 4) * pitch_m;
+  world.AddStaticBox(Translation({0, 0, -0.5}), {half_m, half_m, 0.5}, model.friction);
+  Rng rng = Rng::Derive(seed, 0, "resting poses");
+  for (int i = 0; i < drops; ++i) {
+    Pose X_WO = MakePose(rng.Rotation().toRotationMatrix(), Vector3d::Zero());
+    X_WO.translation() =
+        Vector3d((i % side - 0.5 * side) * pitch_m, (i / side - 0.5 * side) * pitch_m,
+                 kDrop * model.diameter_m - LowestPoint(model, X_WO));
+    world.AddPart(model, X_WO);
+  }
+  while (world.time_s() < kMax_s && !world.AllAsleep() && !world.BlewUp()) world.Step();
+  std::vector<Vector3d> ups;
+  for (int i = 0; i < drops; ++i) {
+    if (world.V_WO(i).angular_W.norm() > kStillMoving_radps) continue;
+    ups.push_back(world.X_WO(i).linear().row(2).transpose());
+  }
+  return ups;
+}
+
+}  // namespace
+
+std::vector<RestingPose> FindRestingPoses(const ObjectModel& model, int drops, uint64_t seed) {
+  const std::vector<Pose> symmetries = SymmetryTransforms(model.symmetries_O, kSymmetrySteps);
+  std::vector<RestingPose> poses;
+  for (const Vector3d& up_O : SettledUps(model, drops, seed)) {
+    const auto same = std::find_if(poses.begin(), poses.end(), [&](const RestingPose& pose) {
+      return AngleBetween(up_O, pose.up_O, symmetries) < kSame_rad;
+    });
+    if (same != poses.end()) {
+      same->probability += 1.0 / drops;
+    } else {
+      poses.push_back({up_O, StandingOnPlane(model, up_O), 1.0 / drops});
+    }
+  }
+  std::stable_sort(poses.begin(), poses.end(), [](const RestingPose& a, const RestingPose& b) {
+    return a.probability > b.probability;
+  });
+  return poses;
+}
+
+}  // namespace pickbed
