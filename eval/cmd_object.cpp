@@ -4,8 +4,8 @@
 
 #include "eval/command_line.h"
 #include "eval/commands.h"
-#include "eval/object_sheet.h"
 #include "eval/progress.h"
+#include "eval/report/draw_object.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 #include "scenes/image_io.h"

@@ -21,8 +21,8 @@ TEST(RestingPoses, ABoxLiesOnItsFacesMostlyOnTheLargest) {
     sum += pose.probability;
   }
   EXPECT_NEAR(sum, 1, 0.03);
-  // Both large faces, as no symmetry is declared. They hold 4 atan(ab / (d sqrt(a^2 + b^2 + d^2))) of
-  // the sphere around the centre each, 0.744 of it together; tumbling only adds to that.
+  // Both large faces, as no symmetry is declared. They hold 4 atan(ab / (d sqrt(a^2 + b^2 + d^2)))
+  // of the sphere around the centre each, 0.744 of it together; tumbling only adds to that.
   EXPECT_GT(std::abs(poses[0].up_O.z()), 0.99);
   EXPECT_GT(std::abs(poses[1].up_O.z()), 0.99);
   EXPECT_GT(poses[0].probability + poses[1].probability, 0.744 - 0.06);

@@ -1,4 +1,4 @@
-#include "eval/object_sheet.h"
+#include "eval/report/draw_object.h"
 
 #include <fmt/format.h>
 
