@@ -8,6 +8,9 @@ namespace pickbed {
 
 Loss LossOf(const PickRecord& record, const PoseHypothesis& chosen, const LookTruth& truth) {
   if (record.outcome.success) return Loss::kNone;
+  // Neither is a matter of belief: physics broke, or the hand held a part of another kind.
+  const Loss physical = record.outcome.loss;
+  if (physical == Loss::kPhysicsFailed || physical == Loss::kWrongPart) return physical;
   if (record.hypotheses[record.chosen].correct) return record.outcome.loss;
   const Pose X_CW = truth.camera.X_WC.inverse();
   const auto& posed = truth.scene.objects;

@@ -54,6 +54,16 @@ void ListSensors(const std::string&) {
   }
 }
 
+void ListBins(const std::string&) {
+  for (const std::string& name : BinNames()) {
+    const BinSpec bin = LoadBin(name);
+    const Eigen::Vector3d mm = 1e3 * bin.inner_size_m;
+    Row(name, bin.inner_size_m.z() > 0
+                  ? fmt::format("{:.0f} x {:.0f} mm, walls {:.0f} mm high", mm.x(), mm.y(), mm.z())
+                  : fmt::format("table of {:.0f} x {:.0f} mm", mm.x(), mm.y()));
+  }
+}
+
 void ListMetrics(const std::string&) {
   for (const MetricRow& row : MetricTable())
     Row(row.name, fmt::format("{} ({})", row.help, row.unit));
@@ -87,10 +97,11 @@ struct Topic {
   const char* title;
   void (*print)(const std::string& catalog_folder);
 };
-constexpr std::array<Topic, 8> kTopics{{
+constexpr std::array<Topic, 9> kTopics{{
     {"presets", "Scenarios that come with the program", ListPresets},
     {"objects", "Parts", ListObjects},
     {"estimators", "Pose estimators", ListEstimators},
+    {"bins", "Bins", ListBins},
     {"grippers", "Grippers", ListGrippers},
     {"sensors", "Depth sensors", ListSensors},
     {"metrics", "Pose errors", ListMetrics},

@@ -53,6 +53,16 @@ Loss WhyNothing(const std::vector<InstanceRecord>& instances) {
   return any_visible ? Loss::kNoProposal : Loss::kNotVisible;
 }
 
+// A pose that stands on no part may still bring one up; of another kind it is not the one wanted.
+void RefuseOtherKinds(const Scene& before, int object, GraspOutcome& outcome) {
+  if (!outcome.success) return;
+  for (const PosedObject& posed : before.objects) {
+    if (posed.instance != outcome.picked_instance || posed.object == object) continue;
+    outcome.success = false;
+    outcome.loss = Loss::kWrongPart;
+  }
+}
+
 double WorkingDistance(const Camera& camera, const Bin& bin) {
   const Eigen::Vector3d middle_W(0, 0, bin.inner_size_m.z() / 4);
   return (camera.X_WC.inverse() * middle_W).z();
@@ -198,6 +208,7 @@ void TrialRunner::Impl::Execute(const PoseHypothesis& hypothesis, const Believed
   ExecuteResult executed = ExecuteGrasp(live.scene, cell.objects(), *record.grasp, gripper,
                                         stands_on_one ? chosen.instance : -1);
   record.outcome = executed.outcome;
+  RefuseOtherKinds(live.scene, pose.object, record.outcome);
   record.loss = LossOf(record, hypothesis, {live.scene, metric_models, cell.camera()});
   live.scene = std::move(executed.after);
   if (record.outcome.success) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "sim/convex_pieces.h"
+#include "sim/resting_poses.h"
 
 namespace pickbed {
 
@@ -12,6 +13,8 @@ VirtualCell::VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects)
       bin_(BinOf(spec)),
       sensor_(BlameKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); })),
       objects_(WithConvexPieces(objects)) {
+  drop_.arrangement = ArrangementFromName(spec.arrangement);
+  if (drop_.arrangement == Arrangement::kPacked) objects_ = WithRestingDirections(objects_);
   for (const PartSpec& part : spec.objects) counts_.push_back(part.count);
 }
 
@@ -21,7 +24,7 @@ SceneRenderer& VirtualCell::renderer() {
 }
 
 CertifiedScene VirtualCell::MakeScene(int trial) const {
-  return pickbed::MakeScene({bin_, objects_, counts_, seed_, static_cast<uint64_t>(trial)});
+  return pickbed::MakeScene({bin_, objects_, counts_, seed_, static_cast<uint64_t>(trial)}, drop_);
 }
 
 View VirtualCell::See(const Scene& scene, int trial, int look) {

@@ -48,6 +48,7 @@ class VirtualCell {
   std::vector<int> counts_;
   Camera camera_;
   Bin bin_;
+  DropOptions drop_;
   SensorProfile sensor_;
   ObjectSet objects_;
   std::unique_ptr<SceneRenderer> renderer_;

@@ -71,15 +71,6 @@ GripperSpec LoadGripper(const std::string& name_or_path) {
   return spec;
 }
 
-std::vector<std::string> GripperNames() {
-  std::vector<std::string> names;
-  const std::filesystem::path folder = AssetsDir() / "grippers";
-  if (!std::filesystem::is_directory(folder)) return names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
+std::vector<std::string> GripperNames() { return StemsIn(AssetsDir() / "grippers", ".yaml"); }
 
 }  // namespace pickbed

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
@@ -109,6 +110,17 @@ fs::path CacheDir() {
   fs::create_directories(folder, error);
   CheckInput(!error, "cannot make the cache folder '" + folder.string() + "': " + error.message());
   return folder;
+}
+
+std::vector<std::string> StemsIn(const std::filesystem::path& folder,
+                                 const std::string& extension) {
+  std::vector<std::string> stems;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().extension() == extension) stems.push_back(entry.path().stem().string());
+  }
+  std::sort(stems.begin(), stems.end());
+  return stems;
 }
 
 std::string ReadFileBytes(const fs::path& path) {

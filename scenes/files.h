@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace pickbed {
 
@@ -14,6 +15,10 @@ std::filesystem::path AssetsDir();
 // XDG_CACHE_HOME/pickbed (or ~/.cache/pickbed), created on demand. Throws InputError when it
 // cannot be made.
 std::filesystem::path CacheDir();
+
+// Stems of the files with this extension (".yaml") in a folder, sorted; none where there is no
+// folder.
+std::vector<std::string> StemsIn(const std::filesystem::path& folder, const std::string& extension);
 
 // All bytes of a file. Throws InputError with the path and the system's reason.
 std::string ReadFileBytes(const std::filesystem::path& path);

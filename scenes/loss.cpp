@@ -22,7 +22,6 @@ constexpr std::array kLosses{
     LossRow{Loss::kSlipped, Stage::kGrasp, "slipped", "the part left the fingers while lifting"},
     LossRow{Loss::kDropped, Stage::kGrasp, "dropped", "the part was lost while holding or shaking"},
     LossRow{Loss::kTookTwo, Stage::kGrasp, "took_two", "another part came too"},
-    LossRow{Loss::kDisturbed, Stage::kGrasp, "disturbed", "neighbours were thrown about"},
     LossRow{Loss::kPhysicsFailed, Stage::kSimulate, "physics_failed",
             "bodies exploded or the solver gave NaN"},
 };

@@ -25,7 +25,6 @@ enum class Loss {
   kSlipped,          // part left the fingers while lifting
   kDropped,          // part lost while holding or shaking
   kTookTwo,          // another part came too
-  kDisturbed,        // picked, but neighbours were thrown about
   kPhysicsFailed,    // bodies exploded or the solver gave NaN
 };
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "scenes/check.h"
+#include "scenes/files.h"
 
 namespace pickbed {
 namespace {
@@ -39,6 +40,19 @@ void ValidateCamera(const ScenarioSpec& spec) {
         "{} = [{}, {}, {}]: the camera looks away from the bin; aim it at [0, 0, 0]",
         spec.At("camera.target_m"), camera.target_m.x(), camera.target_m.y(), camera.target_m.z()));
   }
+}
+
+constexpr double kSmallestFloor_m = 0.02;
+
+// What the scenario does not say of its bin, the bin's file does.
+void FillInBin(ScenarioSpec& spec) {
+  if (spec.bin.name.empty()) return;
+  BinSpec bin = BlameKey(spec, "bin.name", [&] { return LoadBin(spec.bin.name); });
+  bin.name = spec.bin.name;
+  if (spec.places.contains("bin.inner_size_m")) bin.inner_size_m = spec.bin.inner_size_m;
+  if (spec.places.contains("bin.wall_m")) bin.wall_m = spec.bin.wall_m;
+  if (spec.places.contains("bin.friction")) bin.friction = spec.bin.friction;
+  spec.bin = bin;
 }
 
 }  // namespace
@@ -78,7 +92,9 @@ void PolicySpec::Visit(SettingsVisitor& v) {
 }
 
 void BinSpec::Visit(SettingsVisitor& v) {
-  v.Vector3("inner_size_m", inner_size_m, {0.02, 5}, "inner length x, width y, height z, m");
+  v.Text("name", name, {}, "a row of `pickbed list bins`, or a file; its own keys may be left out");
+  v.Vector3("inner_size_m", inner_size_m, {0, 5},
+            "inner length x, width y, height z, m; 0 = table");
   v.Real("wall_m", wall_m, {0.001, 0.1}, "thickness of walls and floor, m");
   v.Real("friction", friction, {0, 2}, "own value of the pair rule");
 }
@@ -91,6 +107,8 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
   v.List(
       "objects", objects.size(), [this](size_t n) { objects.assign(n, PartSpec{}); },
       [this](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what is dropped");
+  v.Text("arrangement", arrangement, {"pile", "packed", "heap"},
+         "poured in, stood apart and upright, or heaped in the middle");
   v.Group(
       "camera", [this](SettingsVisitor& g) { camera.Visit(g); }, "the depth camera");
   v.Text("sensor", sensor, {}, "a row of `pickbed list sensors`, or a file");
@@ -102,12 +120,32 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
       "policy", [this](SettingsVisitor& g) { policy.Visit(g); }, "how picking goes on");
 }
 
+std::vector<std::string> BinNames() { return StemsIn(AssetsDir() / "bins", ".yaml"); }
+
+BinSpec LoadBin(const std::string& name_or_path) {
+  const std::filesystem::path path = name_or_path;
+  const bool is_file = path.extension() == ".yaml";
+  if (!is_file) {
+    const std::vector<std::string> names = BinNames();
+    CheckInput(std::find(names.begin(), names.end(), name_or_path) != names.end(),
+               UnknownNameMessage("bin", name_or_path, names));
+  }
+  BinSpec bin;
+  ReadSettingsFile(is_file ? path : AssetsDir() / "bins" / (name_or_path + ".yaml"),
+                   [&bin](SettingsVisitor& v) { bin.Visit(v); });
+  return bin;
+}
+
 std::string ScenarioSpec::At(const std::string& key) const {
   const auto place = places.find(key);
   return place == places.end() ? key : place->second + ": " + key;
 }
 
 void ScenarioSpec::Validate() const {
+  CheckInput(bin.inner_size_m.head<2>().minCoeff() >= kSmallestFloor_m,
+             fmt::format("{} = [{}, {}, {}]: length and width must be {} m at least",
+                         At("bin.inner_size_m"), bin.inner_size_m.x(), bin.inner_size_m.y(),
+                         bin.inner_size_m.z(), kSmallestFloor_m));
   CheckInput(!objects.empty(),
              At("objects") + ": the scenario drops nothing; add '- {name: rod, count: 5}'");
   std::set<std::string> names;
@@ -138,6 +176,7 @@ ScenarioSpec LoadScenario(const std::filesystem::path& file,
     for (const auto& [key, place] : ApplySetting(assignment, visit)) spec.places[key] = place;
   }
   spec.folder = std::filesystem::absolute(file).parent_path();
+  FillInBin(spec);
   try {
     spec.Validate();
   } catch (const InputError& error) {

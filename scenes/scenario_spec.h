@@ -56,6 +56,8 @@ struct PolicySpec {
 };
 
 struct BinSpec {
+  std::string
+      name;  // assets/bins/NAME.yaml or a path; keys that are given here go before the file's
   Eigen::Vector3d inner_size_m{0.40, 0.30, 0.15};
   double wall_m = 0.006;
   double friction = 0.5;
@@ -67,6 +69,7 @@ struct ScenarioSpec {
   int trials = 1;
   BinSpec bin;
   std::vector<PartSpec> objects;
+  std::string arrangement = "pile";  // pile | packed | heap, see sim/drop.h
   CameraSpec camera;
   std::string sensor = "structured_light";  // assets/sensors/NAME.yaml or a path
   EstimatorSpec estimator;
@@ -103,6 +106,12 @@ ScenarioSpec LoadScenario(const std::filesystem::path& file,
 
 // Loads each part; throws InputError when one is unknown, broken, or larger than the bin.
 ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog);
+
+std::vector<std::string> BinNames();  // of assets/bins, sorted
+
+// NAME of assets/bins, or a path ending in .yaml. Throws InputError for an unknown name or bad
+// value.
+BinSpec LoadBin(const std::string& name_or_path);
 
 Bin BinOf(const ScenarioSpec& spec);
 Camera CameraOf(const ScenarioSpec& spec);

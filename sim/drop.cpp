@@ -1,12 +1,10 @@
 #include "sim/drop.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 
 #include "scenes/check.h"
+#include "sim/layout.h"
 #include "sim/penetration.h"
 
 namespace pickbed {
@@ -15,105 +13,14 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Of a part about its origin in some orientation.
-Eigen::AlignedBox3d TurnedBox(const ObjectModel& model, const Eigen::Matrix3d& R_WO) {
-  Eigen::AlignedBox3d box;
-  for (const ConvexPiece& piece : model.convex_parts_O) {
-    for (const Vector3d& p_O : piece.vertices_O) box.extend(Vector3d(R_WO * p_O));
-  }
-  return box;
-}
-
-// Axes of O ordered by the part's extent along them: 0 is the longest.
-std::array<int, 3> AxesByExtent(const Vector3d& size) {
-  std::array<int, 3> axes{0, 1, 2};
-  std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return size[a] > size[b]; });
-  return axes;
-}
-
-void RequireFits(const ObjectModel& model, const Bin& bin) {
-  const Vector3d size = TurnedBox(model, Eigen::Matrix3d::Identity()).sizes();
-  const auto [longest, middle, shortest] = AxesByExtent(size);
-  const Vector2d inner = bin.inner_size_m.head<2>();
-  if (size[longest] <= inner.maxCoeff() && size[middle] <= inner.minCoeff()) return;
-  throw InputError(fmt::format(
-      "part '{}' is {:.3f} x {:.3f} x {:.3f} m and does not fit into the bin's {:.3f} x {:.3f} m "
-      "floor: take a larger bin or check the mesh's unit",
-      model.name, size[longest], size[middle], size[shortest], inner.x(), inner.y()));
-}
-
-// Longest axis of the part along the bin's longer side, middle one along its shorter side.
-Eigen::Matrix3d LyingFlat(const ObjectModel& model, const Bin& bin) {
-  const Vector3d size = TurnedBox(model, Eigen::Matrix3d::Identity()).sizes();
-  const auto [longest, middle, shortest] = AxesByExtent(size);
-  const bool x_is_longer = bin.inner_size_m.x() >= bin.inner_size_m.y();
-  const Vector3d along = x_is_longer ? Vector3d::UnitX() : Vector3d::UnitY();
-  const Vector3d across = x_is_longer ? Vector3d::UnitY() : Vector3d::UnitX();
-  Eigen::Matrix3d R_WO;
-  R_WO.col(longest) = along;
-  R_WO.col(middle) = across;
-  R_WO.col(shortest) = Vector3d::Zero();
-  R_WO.col(shortest) = R_WO.col((shortest + 1) % 3).cross(R_WO.col((shortest + 2) % 3));
-  return R_WO;
-}
-
-struct TurnedPart {
-  int object = 0;
-  Eigen::Matrix3d R_WO;
-  Eigen::AlignedBox3d box;  // about the origin of O
-};
-
-// A random orientation in which the part fits between the walls.
-TurnedPart TurnAtRandom(const ObjectSet& objects, int object, const Bin& bin,
-                        const DropOptions& options, Rng& rng) {
-  const ObjectModel& model = *objects[object];
-  const Vector2d room = bin.inner_size_m.head<2>() - Vector2d::Constant(2 * options.clearance_m);
-  for (int attempt = 0; attempt < options.turn_attempts; ++attempt) {
-    const Eigen::Matrix3d R_WO = rng.Rotation().toRotationMatrix();
-    const Eigen::AlignedBox3d box = TurnedBox(model, R_WO);
-    if ((box.sizes().head<2>().array() <= room.array()).all()) return {object, R_WO, box};
-  }
-  const Eigen::Matrix3d R_WO = LyingFlat(model, bin);
-  return {object, R_WO, TurnedBox(model, R_WO)};
-}
-
-struct Cell {
-  const TurnedPart* part;
-  Vector2d low;  // corner with smallest x and y
-};
-
-// Fills one layer with the parts from `first` on, row by row. Returns the cells; the first part
-// always gets one, so that pouring comes to an end.
-std::vector<Cell> PackLayer(const std::vector<TurnedPart>& parts, size_t first, const Bin& bin,
-                            double clearance_m) {
-  const Vector2d inner = bin.inner_size_m.head<2>();
-  std::vector<Cell> cells;
-  double x = clearance_m, y = clearance_m, row_depth = 0;
-  for (size_t i = first; i < parts.size(); ++i) {
-    const Vector2d size = parts[i].box.sizes().head<2>() + Vector2d::Constant(clearance_m);
-    if (x + size.x() > inner.x()) {
-      x = clearance_m;
-      y += row_depth;
-      row_depth = 0;
-    }
-    if (!cells.empty() && y + size.y() > inner.y()) break;
-    cells.push_back({&parts[i], {x, y}});
-    x += size.x();
-    row_depth = std::max(row_depth, size.y());
-  }
-  return cells;
-}
-
 class Pouring {
  public:
-  Pouring(const Bin& bin, const ObjectSet& objects, const DropOptions& options, Rng& rng)
-      : bin_(bin), objects_(objects), options_(options), rng_(rng), world_(options.physics) {
-    world_.AddBin(bin);
-    world_.AddFunnel(bin, options.funnel_m);
-  }
+  Pouring(const Bin& bin, const ObjectSet& objects, const DropOptions& options, Rng& rng);
   DropResult Run(const std::vector<int>& counts);
 
  private:
+  void Pour(const std::vector<int>& kinds);
+  void PlaceApart(const std::vector<int>& kinds);
   void PourLayers(const std::vector<TurnedPart>& parts);
   void AddLayer(const std::vector<Cell>& cells);
   void Settle();
@@ -129,15 +36,45 @@ class Pouring {
   DropResult Result() const;
 
   const Bin& bin_;
+  Bin shaft_;  // what is poured into: the bin, or a shaft over its middle
   const ObjectSet& objects_;
   const DropOptions& options_;
   Rng& rng_;
   PhysicsWorld world_;
+  std::vector<Eigen::AlignedBox3d> boxes_O_;  // by object
   std::vector<int> object_of_part_;
   std::vector<EnergySample> energy_;
   Movement movement_;  // since the last restlessness
   bool at_rest_ = false;
+  int without_place_ = 0;  // packed parts for which there was no room
 };
+
+// Wide enough for each part to lie in, whichever way it is turned about the vertical.
+Bin ShaftOver(const Bin& bin, const ObjectSet& objects, const DropOptions& options) {
+  Bin shaft = bin;
+  if (options.arrangement != Arrangement::kHeap) return shaft;
+  double widest_m = 0;
+  for (const auto& object : objects) widest_m = std::max(widest_m, object->diameter_m);
+  const double least_m = widest_m + 2 * options.clearance_m;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double size_m = bin.inner_size_m[axis];
+    shaft.inner_size_m[axis] = std::min(size_m, std::max(options.shaft_share * size_m, least_m));
+  }
+  return shaft;
+}
+
+Pouring::Pouring(const Bin& bin, const ObjectSet& objects, const DropOptions& options, Rng& rng)
+    : bin_(bin),
+      shaft_(ShaftOver(bin, objects, options)),
+      objects_(objects),
+      options_(options),
+      rng_(rng),
+      world_(options.physics) {
+  world_.AddBin(bin);
+  for (const auto& object : objects) {
+    boxes_O_.push_back(TurnedBox(*object, Eigen::Matrix3d::Identity()));
+  }
+}
 
 DropResult Pouring::Run(const std::vector<int>& counts) {
   std::vector<int> kinds;
@@ -147,18 +84,38 @@ DropResult Pouring::Run(const std::vector<int>& counts) {
   for (size_t i = kinds.size(); i > 1; --i) {  // Fisher and Yates
     std::swap(kinds[i - 1], kinds[rng_.Index(static_cast<int>(i))]);
   }
-  std::vector<TurnedPart> parts;
-  for (const int kind : kinds) {
-    parts.push_back(TurnAtRandom(objects_, kind, bin_, options_, rng_));
+  if (options_.arrangement == Arrangement::kPacked) {
+    PlaceApart(kinds);
+  } else {
+    Pour(kinds);
   }
-  PourLayers(parts);
   Settle();
   return Result();
 }
 
+void Pouring::Pour(const std::vector<int>& kinds) {
+  world_.AddFunnel(shaft_, options_.funnel_m);
+  std::vector<TurnedPart> parts;
+  for (const int kind : kinds) {
+    parts.push_back(
+        TurnAtRandom(objects_, kind, shaft_, options_.clearance_m, options_.turn_attempts, rng_));
+  }
+  PourLayers(parts);
+}
+
+void Pouring::PlaceApart(const std::vector<int>& kinds) {
+  const std::vector<PlacedPart> placed =
+      PlaceUpright(objects_, kinds, bin_, options_.clearance_m, options_.place_attempts, rng_);
+  for (const PlacedPart& part : placed) {
+    world_.AddPart(*objects_[part.object], part.X_WO);
+    object_of_part_.push_back(part.object);
+  }
+  without_place_ = static_cast<int>(kinds.size() - placed.size());
+}
+
 void Pouring::PourLayers(const std::vector<TurnedPart>& parts) {
   for (size_t poured = 0; poured < parts.size();) {
-    const std::vector<Cell> cells = PackLayer(parts, poured, bin_, options_.clearance_m);
+    const std::vector<Cell> cells = PackLayer(parts, poured, shaft_, options_.clearance_m);
     AddLayer(cells);
     poured += cells.size();
     StepFor(options_.layer_interval_s);
@@ -167,7 +124,7 @@ void Pouring::PourLayers(const std::vector<TurnedPart>& parts) {
 
 // The layer as a whole is mirrored and shifted at random, so that no corner is favoured.
 void Pouring::AddLayer(const std::vector<Cell>& cells) {
-  const Vector2d inner = bin_.inner_size_m.head<2>();
+  const Vector2d inner = shaft_.inner_size_m.head<2>();
   Vector2d used = Vector2d::Zero();
   for (const Cell& cell : cells) {
     used = used.cwiseMax(cell.low + cell.part->box.sizes().head<2>());
@@ -224,15 +181,16 @@ bool Pouring::StepUntilStill(double window_s, double limit_diameters, double dea
   return false;
 }
 
-// By a bound for any point of a part, its diameter around its origin.
+// By a bound for any point of a part's bounding box, whose middle may be far from the origin.
 Pouring::Movement Pouring::LargestMovement(const std::vector<Pose>& since_X_WO) const {
   Movement largest;
   for (size_t i = 0; i < since_X_WO.size(); ++i) {
     const Pose X_WO = world_.X_WO(static_cast<int>(i));
-    const double diameter_m = objects_[object_of_part_[i]]->diameter_m;
+    const Eigen::AlignedBox3d& box_O = boxes_O_[object_of_part_[i]];
     const double moved_m =
-        (X_WO.translation() - since_X_WO[i].translation()).norm() +
-        0.5 * diameter_m * RotationAngleRad(X_WO.linear(), since_X_WO[i].linear());
+        (X_WO * box_O.center() - since_X_WO[i] * box_O.center()).norm() +
+        0.5 * box_O.diagonal().norm() * RotationAngleRad(X_WO.linear(), since_X_WO[i].linear());
+    const double diameter_m = objects_[object_of_part_[i]]->diameter_m;
     largest.m = std::max(largest.m, moved_m);
     largest.diameters = std::max(largest.diameters, moved_m / diameter_m);
   }
@@ -243,7 +201,8 @@ void Pouring::StepFor(double duration_s) {
   const double end_s = world_.time_s() + duration_s;
   while (world_.time_s() < end_s) world_.Step();
   for (int i = 0; i < world_.part_count(); ++i) {
-    if (world_.X_WO(i).translation().z() < -options_.fallen_m) world_.RemovePart(i);
+    const ObjectModel& model = *objects_[object_of_part_[i]];
+    if ((world_.X_WO(i) * model.mass.com_O).z() < -options_.fallen_m) world_.RemovePart(i);
   }
   energy_.push_back(Energy());
 }
@@ -290,6 +249,7 @@ DropResult Pouring::Result() const {
   certificate.wake_movement_m = movement_.m;
   certificate.wake_movement_diameters = movement_.diameters;
   certificate.energy = energy_;
+  certificate.parts_outside = without_place_;
   for (int i = 0; i < world_.part_count(); ++i) {
     if (!InBin(i)) {
       ++certificate.parts_outside;
@@ -306,6 +266,13 @@ DropResult Pouring::Result() const {
 }
 
 }  // namespace
+
+Arrangement ArrangementFromName(const std::string& name) {
+  if (name == "pile") return Arrangement::kPile;
+  if (name == "packed") return Arrangement::kPacked;
+  if (name == "heap") return Arrangement::kHeap;
+  throw InputError(UnknownNameMessage("arrangement", name, {"pile", "packed", "heap"}));
+}
 
 DropResult DropParts(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
                      Rng& rng, const DropOptions& options) {

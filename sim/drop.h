@@ -2,6 +2,7 @@
 
 // Pours parts into a bin in layers and lets them come to rest.
 
+#include <string>
 #include <vector>
 
 #include "scenes/random.h"
@@ -11,7 +12,17 @@
 
 namespace pickbed {
 
+enum class Arrangement {
+  kPile,    // poured in layers between walls that stand until all is calm
+  kPacked,  // stood on the floor one by one, upright and apart
+  kHeap,    // poured into a shaft over the middle that is then taken away
+};
+
 struct DropOptions {
+  Arrangement arrangement = Arrangement::kPile;
+  double shaft_share = 0.5;  // kHeap: of the floor's length and width, or more for long parts
+  int place_attempts = 200;  // kPacked: places tried for a part before it counts as outside
+
   double layer_interval_s = 0.15;
   double max_s = 8;                // simulated, after the last layer; the loop is bounded by it
   double clearance_m = 0.003;      // between parts of a layer, to the walls and to the pile below
@@ -39,10 +50,16 @@ struct DropResult {
   SceneCertificate certificate;
 };
 
+// "pile", "packed" or "heap", else InputError.
+Arrangement ArrangementFromName(const std::string& name);
+
 // `counts[i]` parts of objects[i], in a random order and orientation, the same for the same state
 // of `rng`. Each layer is packed into rows of non-overlapping cells above the pile, between walls
-// that keep everything over the bin until the pile rests. Throws InputError when a part cannot lie
-// on the bin's floor, std::logic_error when a part has no convex pieces.
+// that keep everything over the bin until the pile rests. Packed parts stand with that of their
+// resting directions (ObjectModel::resting_O) up that is nearest to O's z, or with z itself where
+// none is known, turned about the vertical at random; those that find no free place count as
+// outside. Throws InputError when a part cannot lie on the bin's floor, std::logic_error when a
+// part has no convex pieces.
 DropResult DropParts(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
                      Rng& rng, const DropOptions& options = {});
 

@@ -89,4 +89,20 @@ std::vector<RestingPose> FindRestingPoses(const ObjectModel& model, int drops, u
   return poses;
 }
 
+ObjectSet WithRestingDirections(const ObjectSet& objects) {
+  ObjectSet known;
+  for (const auto& object : objects) {
+    if (!object->resting_O.empty()) {
+      known.push_back(object);
+      continue;
+    }
+    auto copy = std::make_shared<ObjectModel>(*object);
+    for (const RestingPose& pose : FindRestingPoses(*object)) {
+      copy->resting_O.push_back({pose.up_O, pose.probability});
+    }
+    known.push_back(std::move(copy));
+  }
+  return known;
+}
+
 }  // namespace pickbed

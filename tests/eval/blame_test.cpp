@@ -37,6 +37,13 @@ TEST_F(Blame, NobodyWhenItSucceeded) {
   EXPECT_EQ(At(Wrong()), Loss::kNone);
 }
 
+TEST_F(Blame, BrokenPhysicsAndPartsOfAnotherKindWhateverThePose) {
+  for (const Loss loss : {Loss::kPhysicsFailed, Loss::kWrongPart}) {
+    record_.outcome.loss = loss;
+    EXPECT_EQ(At(Wrong()), loss);
+  }
+}
+
 TEST_F(Blame, PhysicsAtARightPose) {
   record_.hypotheses[0].correct = true;
   EXPECT_EQ(At(Pose::Identity()), Loss::kSlipped);

@@ -120,6 +120,25 @@ TEST(CameraOf, IntrinsicsAreTheGivenOnesOrTheUsualOnes) {
   EXPECT_EQ(given.cy, 242);
 }
 
+TEST(LoadScenario, TakesABinByNameAndGivenKeysGoBeforeIt) {
+  const TemporaryFolder folder;
+  const auto file = folder.Write("crate.yaml",
+                                 "bin: {name: crate_600x400, wall_m: 0.02}\n"
+                                 "objects: [{name: rod, count: 2}]\n");
+  const ScenarioSpec spec = LoadScenario(file);
+  EXPECT_EQ(spec.bin.inner_size_m, Eigen::Vector3d(0.6, 0.4, 0.2));
+  EXPECT_EQ(spec.bin.wall_m, 0.02);
+  const ScenarioSpec other = LoadScenario(file, {"bin.name=box_300x220", "bin.friction=0.1"});
+  EXPECT_EQ(other.bin.inner_size_m.x(), 0.3);
+  EXPECT_EQ(other.bin.friction, 0.1);
+  try {
+    LoadScenario(file, {"bin.name=crate"});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("bin.name: unknown bin 'crate'"));
+  }
+}
+
 TEST(LoadObjects, RefusesAPartLargerThanTheBin) {
   ScenarioSpec spec;
   const TemporaryFolder folder;

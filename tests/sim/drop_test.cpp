@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "scenes/check.h"
+#include "sim/penetration.h"
 #include "tests/sim/physics_parts.h"
 
 namespace pickbed {
@@ -132,6 +133,70 @@ TEST(DropParts, PartWithoutPiecesIsOurMistake) {
   auto bare = std::make_shared<ObjectModel>(*BracketPart());
   bare->convex_parts_O.clear();
   EXPECT_THROW(DropParts(Bin{}, {bare}, {1}, rng), std::logic_error);
+}
+
+TEST(Arrangements, PackedPartsStandUprightAndApart) {
+  ObjectSet parts = MixedParts();
+  for (auto& part : parts) {
+    auto copy = std::make_shared<ObjectModel>(*part);
+    copy->resting_O = {{Eigen::Vector3d::UnitX(), 0.7}, {Eigen::Vector3d::UnitZ(), 0.3}};
+    part = copy;
+  }
+  DropOptions options;
+  options.arrangement = Arrangement::kPacked;
+  Rng rng(1);
+  const DropResult drop = DropParts(Bin{}, parts, {2, 2, 2, 2}, rng, options);
+  EXPECT_TRUE(Faults(drop.certificate).empty());
+  ASSERT_EQ(drop.scene.objects.size(), 8u);
+  for (const PosedObject& a : drop.scene.objects) {
+    EXPECT_GT(a.X_WO.linear()(2, 2), 0.99) << "not upright";
+    for (const PosedObject& b : drop.scene.objects) {
+      if (a.instance >= b.instance) continue;
+      Scene grown;  // moved towards each other by less than the clearance they still do not touch
+      const Eigen::Vector3d towards = b.X_WO.translation() - a.X_WO.translation();
+      const Pose nearer = Translation(0.002 * towards.normalized()) * a.X_WO;
+      grown.bin.inner_size_m = {2, 2, 0};
+      grown.objects = {{0, a.object, Translation({0, 0, 0.01}) * nearer},
+                       {1, b.object, Translation({0, 0, 0.01}) * b.X_WO}};
+      EXPECT_EQ(DeepestPenetration(grown, parts), 0);
+    }
+  }
+}
+
+TEST(Arrangements, PackedPartsWithoutRoomAreCounted) {
+  DropOptions options;
+  options.arrangement = Arrangement::kPacked;
+  Bin tray;
+  tray.inner_size_m = {0.12, 0.12, 0.1};
+  Rng rng(1);
+  const DropResult drop = DropParts(tray, {BoxPart({0.05, 0.05, 0.05}, 0.1)}, {9}, rng, options);
+  EXPECT_GE(drop.certificate.parts_outside, 5);
+  EXPECT_EQ(drop.certificate.parts_outside + drop.scene.objects.size(), 9u);
+}
+
+// Without walls the same parts lie in the middle, and higher than the thickest of them.
+TEST(Arrangements, AHeapOnATableStaysTogether) {
+  DropOptions options;
+  options.arrangement = Arrangement::kHeap;
+  Bin table;
+  table.inner_size_m = {0.6, 0.6, 0};
+  const ObjectSet cubes{BoxPart({0.04, 0.04, 0.04}, 0.1)};
+  Rng rng(2);
+  const DropResult drop = DropParts(table, cubes, {40}, rng, options);
+  EXPECT_TRUE(Faults(drop.certificate).empty());
+  double highest_m = 0;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const PosedObject& object : drop.scene.objects) {
+    highest_m = std::max(highest_m, object.X_WO.translation().z());
+    middle += object.X_WO.translation() / 40;
+  }
+  EXPECT_GT(highest_m, 0.05);
+  EXPECT_LT(middle.head<2>().norm(), 0.05);
+}
+
+TEST(Arrangements, AreKnownByName) {
+  EXPECT_EQ(ArrangementFromName("heap"), Arrangement::kHeap);
+  EXPECT_THROW(ArrangementFromName("tower"), InputError);
 }
 
 }  // namespace
