@@ -44,14 +44,22 @@ void ValidateCamera(const ScenarioSpec& spec) {
 
 constexpr double kSmallestFloor_m = 0.02;
 
-// What the scenario does not say of its bin, the bin's file does.
+// What the scenario does not say of its bin, the bin's file does. A name that --set gives replaces
+// what the scenario file says of it.
 void FillInBin(ScenarioSpec& spec) {
   if (spec.bin.name.empty()) return;
   BinSpec bin = BlameKey(spec, "bin.name", [&] { return LoadBin(spec.bin.name); });
+  const auto is_set = [&](const std::string& key) {
+    const auto place = spec.places.find(key);
+    return place != spec.places.end() && place->second.starts_with("--set");
+  };
+  const auto is_given = [&](const std::string& key) {
+    return is_set("bin.name") ? is_set(key) : spec.places.contains(key);
+  };
   bin.name = spec.bin.name;
-  if (spec.places.contains("bin.inner_size_m")) bin.inner_size_m = spec.bin.inner_size_m;
-  if (spec.places.contains("bin.wall_m")) bin.wall_m = spec.bin.wall_m;
-  if (spec.places.contains("bin.friction")) bin.friction = spec.bin.friction;
+  if (is_given("bin.inner_size_m")) bin.inner_size_m = spec.bin.inner_size_m;
+  if (is_given("bin.wall_m")) bin.wall_m = spec.bin.wall_m;
+  if (is_given("bin.friction")) bin.friction = spec.bin.friction;
   spec.bin = bin;
 }
 

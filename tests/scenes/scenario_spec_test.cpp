@@ -130,6 +130,7 @@ TEST(LoadScenario, TakesABinByNameAndGivenKeysGoBeforeIt) {
   EXPECT_EQ(spec.bin.wall_m, 0.02);
   const ScenarioSpec other = LoadScenario(file, {"bin.name=box_300x220", "bin.friction=0.1"});
   EXPECT_EQ(other.bin.inner_size_m.x(), 0.3);
+  EXPECT_EQ(other.bin.wall_m, 0.004) << "the file's wall is that of the file's bin";
   EXPECT_EQ(other.bin.friction, 0.1);
   try {
     LoadScenario(file, {"bin.name=crate"});
