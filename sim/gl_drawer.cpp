@@ -37,13 +37,18 @@ void GlDrawer::UploadInstances(const std::vector<Draw>& draws) {
 void GlDrawer::UseProgramFor(const GlMesh& mesh, const Draw& first, const DrawSetup& setup) {
   const bool color = setup.switches & kColorSwitch;
   unsigned switches = setup.switches;
-  if (color && mesh.texture) switches |= kTextureSwitch;
+  if (color && mesh.texture) {
+    switches |= kTextureSwitch;
+  } else if (color && mesh.colored_vertices) {
+    switches |= kVertexColorSwitch;
+  }
   if (mesh.flat && switches & (kColorSwitch | kNormalsSwitch)) switches |= kFlatSwitch;
   const GlProgram& program = programs_.Of(gl_, switches);
   gl_.UseProgram(program.program);
   if (!color) return;
   gl_.ActiveTexture(GL_TEXTURE0);
   if (mesh.texture) gl_.BindTexture(GL_TEXTURE_2D, mesh.texture);
+  gl_.Uniform3f(program.color, mesh.base_color[0], mesh.base_color[1], mesh.base_color[2]);
   gl_.Uniform2f(program.ambient_diffuse, setup.ambient, setup.diffuse);
   gl_.Uniform3f(program.light_C, first.light_C[0], first.light_C[1], first.light_C[2]);
   if (!(switches & kShadowSwitch)) return;

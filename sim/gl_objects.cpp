@@ -112,6 +112,9 @@ GlMesh UploadMesh(const GlFunctions& gl, const TriangleMesh& mesh, GLuint instan
   const MeshReport report = InspectMesh(mesh);
   out.cull_back = report.watertight() && report.volume_m3 > 0;
   out.flat = mesh.normals.empty();
+  out.colored_vertices = !mesh.colors.empty();
+  const Rgb8 c = mesh.base_color;
+  out.base_color = {c.r / 255.0f, c.g / 255.0f, c.b / 255.0f};
   for (const MeshLevel& level : MakeMeshLevels(mesh)) {
     out.levels.push_back(UploadLevel(gl, level, instances));
   }

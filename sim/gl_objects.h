@@ -33,10 +33,12 @@ struct GlMeshLevel {
 
 struct GlMesh {
   Bounds bounds_O;
-  bool cull_back = false;           // closed and facing outward: back faces are never seen
-  bool flat = false;                // no vertex normals
-  GLuint texture = 0;               // 0 = colours of the vertices
-  std::vector<GlMeshLevel> levels;  // by rising deviation, the original first
+  bool cull_back = false;  // closed and facing outward: back faces are never seen
+  bool flat = false;       // no vertex normals
+  GLuint texture = 0;      // 0 = none
+  bool colored_vertices = false;
+  std::array<float, 3> base_color{};  // of a mesh with neither
+  std::vector<GlMeshLevel> levels;    // by rising deviation, the original first
 };
 
 // `instances` is the buffer that instance attributes come from.

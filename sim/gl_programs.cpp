@@ -10,11 +10,17 @@ namespace pickbed {
 namespace {
 
 constexpr std::pair<unsigned, const char*> kSwitchNames[] = {
-    {kColorSwitch, "COLOR"},       {kIdsSwitch, "IDS"},
-    {kNormalsSwitch, "NORMALS"},   {kCoordinatesSwitch, "COORDINATES"},
-    {kCoverageSwitch, "COVERAGE"}, {kTextureSwitch, "TEXTURE"},
-    {kFlatSwitch, "FLAT"},         {kMaterialSwitch, "MATERIAL"},
-    {kShadowSwitch, "SHADOW"},     {kShadowMapSwitch, "SHADOW_MAP"},
+    {kColorSwitch, "COLOR"},
+    {kIdsSwitch, "IDS"},
+    {kNormalsSwitch, "NORMALS"},
+    {kCoordinatesSwitch, "COORDINATES"},
+    {kCoverageSwitch, "COVERAGE"},
+    {kTextureSwitch, "TEXTURE"},
+    {kFlatSwitch, "FLAT"},
+    {kMaterialSwitch, "MATERIAL"},
+    {kShadowSwitch, "SHADOW"},
+    {kShadowMapSwitch, "SHADOW_MAP"},
+    {kVertexColorSwitch, "VERTEX_COLOR"},
 };
 
 GLuint CompileShader(const GlFunctions& gl, GLenum type, const std::string& source) {
@@ -57,6 +63,7 @@ GlProgram MakeProgram(const GlFunctions& gl, unsigned switches) {
   }
   out.light_C = gl.GetUniformLocation(out.program, "light_C");
   out.ambient_diffuse = gl.GetUniformLocation(out.program, "ambient_diffuse");
+  out.color = gl.GetUniformLocation(out.program, "color");
   out.shadow_from_C = gl.GetUniformLocation(out.program, "shadow_from_C");
   out.shadow_blur = gl.GetUniformLocation(out.program, "shadow_blur");
   // Texture unit 0 holds the surface, unit 1 the shadow map.

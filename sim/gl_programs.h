@@ -20,12 +20,14 @@ enum ShaderSwitch : unsigned {
   kMaterialSwitch = 128,
   kShadowSwitch = 256,
   kShadowMapSwitch = 512,
+  kVertexColorSwitch = 1024,
 };
 
 struct GlProgram {
   GLuint program = 0;
   GLint light_C = -1;
   GLint ambient_diffuse = -1;
+  GLint color = -1;
   GLint shadow_from_C = -1;
   GLint shadow_blur = -1;
 };

@@ -6,18 +6,20 @@
 namespace pickbed {
 namespace {
 
-// Rows of three bytes from rows of four, three words from four at a time. (The driver's own
+// Rows of three bytes from rows of four, four pixels at a time in whole words. (The driver's own
 // conversion is far slower than copying four.)
 void PackRgb(const std::array<uint8_t, 4>* from, Rgb8* to, int count) {
   static_assert(sizeof(Rgb8) == 3);
   int i = 0;
   for (; i + 4 <= count; i += 4) {
-    uint32_t in[4], out[3];  // little-endian: red is the lowest byte
-    std::memcpy(in, from + i, sizeof(in));
-    out[0] = (in[0] & 0xffffff) | in[1] << 24;
-    out[1] = (in[1] >> 8 & 0xffff) | in[2] << 16;
-    out[2] = (in[2] >> 16 & 0xff) | in[3] << 8;
-    std::memcpy(static_cast<void*>(to + i), out, sizeof(out));
+    uint64_t low, high;  // little-endian: red is the lowest byte
+    std::memcpy(&low, from + i, sizeof(low));
+    std::memcpy(&high, from + i + 2, sizeof(high));
+    const uint64_t first = (low & 0xffffff) | (low >> 8 & 0xffffff000000) | high << 48;
+    const auto second = static_cast<uint32_t>((high >> 16 & 0xff) | (high >> 24 & 0xffffff00));
+    char* out = reinterpret_cast<char*>(to + i);
+    std::memcpy(out, &first, sizeof(first));
+    std::memcpy(out + sizeof(first), &second, sizeof(second));
   }
   for (; i < count; ++i) to[i] = {from[i][0], from[i][1], from[i][2]};
 }
@@ -81,6 +83,15 @@ RenderedImage Readback::ReadImage(const GlFunctions& gl, GlOutputs outputs, int 
   read_vectors(kNormalOutput, out.normals_C);
   read_vectors(kCoordinateOutput, out.coordinates_O);
   return out;
+}
+
+void Readback::FillIds(RenderedImage& image, const PixelBox& box, uint16_t id) {
+  image.ids = Image<uint16_t>(image.depth_m.width(), image.depth_m.height());
+  for (int y = box.y; y < box.y + box.height; ++y) {
+    const float* depth_m = image.depth_m.row(y);
+    uint16_t* ids = image.ids.row(y);
+    for (int x = box.x; x < box.x + box.width; ++x) ids[x] = depth_m[x] > 0 ? id : 0;
+  }
 }
 
 void Readback::ReadPage(const GlFunctions& gl, const GlTarget& target, GlOutputs outputs) {

@@ -30,6 +30,9 @@ class Readback {
   RenderedImage ReadImage(const GlFunctions& gl, GlOutputs outputs, int width, int height,
                           const PixelBox& box);
 
+  // Makes the id image of a picture of one instance: `id` wherever there is a depth in the box.
+  static void FillIds(RenderedImage& image, const PixelBox& box, uint16_t id);
+
   // For targets that hold many small pictures: all of depth, and colour.
   void ReadPage(const GlFunctions& gl, const GlTarget& target, GlOutputs outputs);
   // A picture of the page that was read last; `id` stands wherever there is a depth.

@@ -147,7 +147,7 @@ struct Renderer::Impl {
   }
 
   RenderedImage DrawImage(const Camera& camera, std::span<const RenderInstance> instances,
-                          const Light& light, GlOutputs outputs, const DrawSetup& setup) {
+                          const Light& light, GlOutputs outputs, const DrawSetup& image_setup) {
     const CameraIntrinsics& k = camera.intrinsics;
     CheckImageSize(k.width, k.height);
     const Pose X_CW = camera.X_WC.inverse();
@@ -175,6 +175,13 @@ struct Renderer::Impl {
                        light_C});
     }
     SortNearFirst(draws);
+    // With one instance in view its id stands wherever there is a depth, and need not be drawn.
+    const bool one_id = outputs & OutputBit(kIdOutput) && draws.size() == 1;
+    DrawSetup setup = image_setup;
+    if (one_id) {
+      outputs &= ~OutputBit(kIdOutput);
+      setup.switches &= ~kIdsSwitch;
+    }
     const PixelBox box = drawn.box();
     const bool extras = outputs & (OutputBit(kNormalOutput) | OutputBit(kCoordinateOutput));
     BeginTarget(
@@ -186,7 +193,9 @@ struct Renderer::Impl {
     // box.
     gl.Viewport(-box.x, -box.y, k.width, k.height);
     drawer.DrawAll(draws, setup);
-    return readback.ReadImage(gl, outputs, k.width, k.height, box);
+    RenderedImage image = readback.ReadImage(gl, outputs, k.width, k.height, box);
+    if (one_id) Readback::FillIds(image, box, visible[0].first->id);
+    return image;
   }
 
   // Draws the views of a page of this kind and leaves the page's target bound.

@@ -6,7 +6,8 @@
 //   NORMALS      write normals, in the camera's frame, towards the camera
 //   COORDINATES  write the point of the object's own frame that is seen
 //   COVERAGE     write a one wherever anything is, and nothing else
-//   TEXTURE      colour from a texture instead of the vertices
+//   TEXTURE      colour from a texture instead of one for the whole mesh
+//   VERTEX_COLOR colour from the vertices
 //   FLAT         no vertex normals: take the face's from screen derivatives
 //   MATERIAL     tint, gloss and grain of each instance
 //   SHADOW       look up a shadow map
@@ -61,7 +62,7 @@ flat out vec2 grain;
 #ifdef TEXTURE
 layout(location = 3) in vec2 vertex_uv;
 out vec2 uv;
-#else
+#elif defined(VERTEX_COLOR)
 layout(location = 2) in vec3 vertex_color;
 out vec3 color;
 #endif
@@ -93,7 +94,7 @@ void main() {
 #endif
 #ifdef TEXTURE
   uv = vertex_uv;
-#else
+#elif defined(VERTEX_COLOR)
   color = vertex_color;
 #endif
 #endif
@@ -135,8 +136,10 @@ uniform vec2 ambient_diffuse;
 #ifdef TEXTURE
 uniform sampler2D surface;
 in vec2 uv;
-#else
+#elif defined(VERTEX_COLOR)
 in vec3 color;
+#else
+uniform vec3 color;
 #endif
 #ifdef MATERIAL
 flat in vec4 tint;
@@ -195,11 +198,14 @@ void main() {
 #endif
 #if defined(COLOR) || defined(NORMALS)
 #ifdef FLAT
-  vec3 normal = normalize(cross(dFdx(position_C), dFdy(position_C)));
+  vec3 normal = cross(dFdx(position_C), dFdy(position_C));
 #else
-  vec3 normal = normalize(normal_C);
+  vec3 normal = normal_C;
 #endif
   if (dot(normal, position_C) > 0.0) normal = -normal;
+#if defined(NORMALS) || defined(MATERIAL) || defined(SHADOW)
+  normal = normalize(normal);
+#endif
 #endif
 #ifdef NORMALS
   out_normal_C = vec4(normal, 1.0);
@@ -208,8 +214,9 @@ void main() {
   out_coordinates_O = vec4(coordinates_O, 1.0);
 #endif
 #ifdef COLOR
-  vec3 to_light = normalize(light_C - position_C);
-  float cosine = max(dot(normal, to_light), 0.0);
+  vec3 to_light = light_C - position_C;
+  float cosine = max(dot(normal, to_light), 0.0) *
+                 inversesqrt(dot(normal, normal) * dot(to_light, to_light));
 #ifdef TEXTURE
   vec3 albedo = texture(surface, uv).rgb;
 #else
@@ -225,7 +232,7 @@ void main() {
 #endif
   vec3 shade = albedo * (ambient_diffuse.x + direct * cosine);
 #ifdef MATERIAL
-  float halfway = max(dot(normal, normalize(to_light - normalize(position_C))), 0.0);
+  float halfway = max(dot(normal, normalize(normalize(to_light) - normalize(position_C))), 0.0);
   shade += direct * tint.a * pow(halfway, 40.0);
 #endif
   out_color = vec4(shade, 1.0);

@@ -77,8 +77,8 @@ bool ShadowMap::Draw(const GlFunctions& gl, GlDrawer& drawer,
   for (const RenderInstance& instance : instances) {
     pickbed::Draw draw;
     draw.mesh = instance.mesh;
-    draw.attributes =
-        AttributesOf(X_LW * instance.X_WO, instance, k, {near_m_, far_m_}, {}, kSide_px, kSide_px);
+    draw.attributes = AttributesOf(X_LW * instance.X_WO, instance, k, {near_m_, far_m_},
+                                   Eigen::Vector2i::Zero(), kSide_px, kSide_px);
     draws.push_back(draw);
   }
   SortNearFirst(draws);

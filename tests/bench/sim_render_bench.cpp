@@ -103,7 +103,7 @@ void RenderOne(benchmark::State& state, DetailOptions detail) {
     auto renderer = std::make_shared<Renderer>(GlContextOptions{}, detail);
     const int mesh = renderer->AddMesh(Ring(0.06, 0.06, 48, 24));
     Rng rng(2);
-    const Pose X_CO = MakePose(rng.Rotation().toRotationMatrix(), {0.02, -0.01, 0.38});
+    const Pose X_CO = MakePose(rng.Rotation().toRotationMatrix(), {0.02, -0.01, 0.42});
     return [=] {
       benchmark::DoNotOptimize(
           renderer->Render(Camera(), std::vector{RenderInstance{mesh, X_CO, 1}}));
