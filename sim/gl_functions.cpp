@@ -43,6 +43,7 @@ GlFunctions LoadGlFunctions(GlContext& context) {
   Load(context, "glEnable", gl.Enable);
   Load(context, "glEnableVertexAttribArray", gl.EnableVertexAttribArray);
   Load(context, "glFramebufferRenderbuffer", gl.FramebufferRenderbuffer);
+  Load(context, "glFramebufferTexture2D", gl.FramebufferTexture2D);
   Load(context, "glFrontFace", gl.FrontFace);
   Load(context, "glGenBuffers", gl.GenBuffers);
   Load(context, "glGenerateMipmap", gl.GenerateMipmap);
@@ -65,7 +66,10 @@ GlFunctions LoadGlFunctions(GlContext& context) {
   Load(context, "glShaderSource", gl.ShaderSource);
   Load(context, "glTexImage2D", gl.TexImage2D);
   Load(context, "glTexParameteri", gl.TexParameteri);
+  Load(context, "glUniform1i", gl.Uniform1i);
   Load(context, "glUniform2f", gl.Uniform2f);
+  Load(context, "glUniform3f", gl.Uniform3f);
+  Load(context, "glUniformMatrix4fv", gl.UniformMatrix4fv);
   Load(context, "glUseProgram", gl.UseProgram);
   Load(context, "glVertexAttribDivisor", gl.VertexAttribDivisor);
   Load(context, "glVertexAttribIPointer", gl.VertexAttribIPointer);

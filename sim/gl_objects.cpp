@@ -1,10 +1,8 @@
 #include "sim/gl_objects.h"
 
-#include <fmt/format.h>
-
 #include <cstddef>
-#include <stdexcept>
-#include <string>
+#include <cstdint>
+#include <limits>
 
 #include "scenes/mesh_checks.h"
 #include "sim/mesh_levels.h"
@@ -47,6 +45,17 @@ void VertexAttribute(const GlFunctions& gl, GLuint location, int size, GLenum ty
                          reinterpret_cast<const void*>(offset));
 }
 
+template <typename Index>
+void UploadIndices(const GlFunctions& gl, const TriangleMesh& mesh) {
+  std::vector<Index> indices;
+  indices.reserve(3 * mesh.triangles.size());
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) indices.push_back(static_cast<Index>(t[k]));
+  }
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, indices.size() * sizeof(Index), indices.data(),
+                GL_STATIC_DRAW);
+}
+
 GlMeshLevel UploadLevel(const GlFunctions& gl, const MeshLevel& level, GLuint instances) {
   const TriangleMesh& mesh = level.mesh;
   GlMeshLevel out;
@@ -66,9 +75,12 @@ GlMeshLevel UploadLevel(const GlFunctions& gl, const MeshLevel& level, GLuint in
 
   gl.GenBuffers(1, &out.indices);
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, out.indices);
-  static_assert(sizeof(Eigen::Vector3i) == 3 * sizeof(GLuint));
-  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, mesh.triangles.size() * sizeof(Eigen::Vector3i),
-                mesh.triangles.data(), GL_STATIC_DRAW);
+  if (mesh.vertices.size() <= std::numeric_limits<uint16_t>::max()) {
+    UploadIndices<uint16_t>(gl, mesh);
+  } else {
+    out.index_type = GL_UNSIGNED_INT;
+    UploadIndices<uint32_t>(gl, mesh);
+  }
   BindInstances(gl, instances, 0);
   for (GLuint i = 0; i < kInstanceAttributeCount; ++i) {
     gl.EnableVertexAttribArray(kFirstInstanceAttribute + i);
@@ -92,22 +104,6 @@ GLuint UploadTexture(const GlFunctions& gl, const Image<Rgb8>& image) {
   return texture;
 }
 
-GLuint CompileShader(const GlFunctions& gl, GLenum type, const std::string& source) {
-  const GLuint shader = gl.CreateShader(type);
-  const char* text = source.c_str();
-  gl.ShaderSource(shader, 1, &text, nullptr);
-  gl.CompileShader(shader);
-  GLint ok = 0;
-  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
-  if (!ok) {
-    std::string log(4096, '\0');
-    GLsizei length = 0;
-    gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
-    throw std::logic_error("shader does not compile: " + log.substr(0, length));
-  }
-  return shader;
-}
-
 }  // namespace
 
 GlMesh UploadMesh(const GlFunctions& gl, const TriangleMesh& mesh, GLuint instances) {
@@ -116,6 +112,9 @@ GlMesh UploadMesh(const GlFunctions& gl, const TriangleMesh& mesh, GLuint instan
   const MeshReport report = InspectMesh(mesh);
   out.cull_back = report.watertight() && report.volume_m3 > 0;
   out.flat = mesh.normals.empty();
+  out.colored_vertices = !mesh.colors.empty();
+  const Rgb8 c = mesh.base_color;
+  out.base_color = {c.r / 255.0f, c.g / 255.0f, c.b / 255.0f};
   for (const MeshLevel& level : MakeMeshLevels(mesh)) {
     out.levels.push_back(UploadLevel(gl, level, instances));
   }
@@ -145,79 +144,11 @@ void BindInstances(const GlFunctions& gl, GLuint instances, size_t first) {
   }
   attribute(3, 4, offsetof(InstanceAttributes, xy_projection));
   attribute(4, 2, offsetof(InstanceAttributes, z_projection));
-  attribute(5, 3, offsetof(InstanceAttributes, light_C));
-  gl.VertexAttribIPointer(kFirstInstanceAttribute + 6, 1, GL_UNSIGNED_INT,
+  attribute(5, 4, offsetof(InstanceAttributes, tint_gloss));
+  attribute(6, 2, offsetof(InstanceAttributes, grain));
+  gl.VertexAttribIPointer(kFirstInstanceAttribute + 7, 1, GL_UNSIGNED_INT,
                           sizeof(InstanceAttributes),
                           reinterpret_cast<const void*>(base + offsetof(InstanceAttributes, id)));
-}
-
-GlTarget MakeTarget(const GlFunctions& gl, int width, int height) {
-  GlTarget target;
-  target.width = width;
-  target.height = height;
-  gl.GenFramebuffers(1, &target.framebuffer);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
-  gl.GenRenderbuffers(4, target.renderbuffers.data());
-  constexpr GLenum kFormats[] = {GL_R32F, GL_R16UI, GL_RGBA8, GL_DEPTH_COMPONENT32F};
-  constexpr GLenum kAttachments[] = {kDepthAttachment, kIdAttachment, kColorAttachment,
-                                     GL_DEPTH_ATTACHMENT};
-  for (int i = 0; i < 4; ++i) {
-    gl.BindRenderbuffer(GL_RENDERBUFFER, target.renderbuffers[i]);
-    gl.RenderbufferStorage(GL_RENDERBUFFER, kFormats[i], width, height);
-    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, kAttachments[i], GL_RENDERBUFFER,
-                               target.renderbuffers[i]);
-  }
-  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    DeleteTarget(gl, target);
-    throw std::runtime_error(fmt::format("no framebuffer of {} x {} pixels", width, height));
-  }
-  return target;
-}
-
-void DeleteTarget(const GlFunctions& gl, GlTarget& target) {
-  gl.DeleteFramebuffers(1, &target.framebuffer);
-  gl.DeleteRenderbuffers(4, target.renderbuffers.data());
-}
-
-void BeginTarget(const GlFunctions& gl, const GlTarget& target, bool with_color) {
-  constexpr GLenum kDrawn[] = {kDepthAttachment, kIdAttachment, kColorAttachment};
-  constexpr float kZero[4] = {0, 0, 0, 0};
-  constexpr GLuint kZeroId[4] = {0, 0, 0, 0};
-  constexpr float kFar = 1;
-  gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
-  gl.Viewport(0, 0, target.width, target.height);
-  gl.Disable(GL_SCISSOR_TEST);
-  gl.DrawBuffers(with_color ? 3 : 2, kDrawn);
-  gl.ClearBufferfv(GL_COLOR, 0, kZero);
-  gl.ClearBufferuiv(GL_COLOR, 1, kZeroId);
-  if (with_color) gl.ClearBufferfv(GL_COLOR, 2, kZero);
-  gl.ClearBufferfv(GL_DEPTH, 0, &kFar);
-}
-
-GlProgram MakeProgram(const GlFunctions& gl, bool color, bool texture, bool flat) {
-  std::string head = "#version 330 core\n";
-  if (color) head += "#define COLOR\n";
-  if (texture) head += "#define TEXTURE\n";
-  if (flat) head += "#define FLAT\n";
-  const GLuint vertex = CompileShader(gl, GL_VERTEX_SHADER, head + kVertexShader);
-  const GLuint fragment = CompileShader(gl, GL_FRAGMENT_SHADER, head + kFragmentShader);
-  GlProgram out;
-  out.program = gl.CreateProgram();
-  gl.AttachShader(out.program, vertex);
-  gl.AttachShader(out.program, fragment);
-  gl.LinkProgram(out.program);
-  gl.DeleteShader(vertex);
-  gl.DeleteShader(fragment);
-  GLint ok = 0;
-  gl.GetProgramiv(out.program, GL_LINK_STATUS, &ok);
-  if (!ok) {
-    std::string log(4096, '\0');
-    GLsizei length = 0;
-    gl.GetProgramInfoLog(out.program, static_cast<GLsizei>(log.size()), &length, log.data());
-    throw std::logic_error("shaders do not link: " + log.substr(0, length));
-  }
-  out.ambient_diffuse = gl.GetUniformLocation(out.program, "ambient_diffuse");
-  return out;
 }
 
 }  // namespace pickbed

@@ -145,7 +145,8 @@ std::vector<MeshLevel> MakeMeshLevels(const TriangleMesh& mesh) {
   const Joined joined = Join(mesh);
   EdgeCollapse collapse(joined.vertices, joined.triangles, joined.locked);
   size_t last_count = mesh.triangles.size();
-  for (double tolerance_m = kFirstTolerance_m; tolerance_m <= max_tolerance_m; tolerance_m *= 2) {
+  for (double tolerance_m = kFirstTolerance_m; tolerance_m <= max_tolerance_m;
+       tolerance_m *= std::numbers::sqrt2) {
     collapse.ReduceTo(tolerance_m);
     const std::vector<Eigen::Vector3i> triangles = collapse.Triangles();
     if (triangles.size() > (1 - kMinSaving) * last_count) continue;

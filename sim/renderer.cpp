@@ -1,12 +1,10 @@
 #include "sim/renderer.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <algorithm>
-#include <array>
-#include <limits>
-#include <map>
-#include <optional>
+#include <cmath>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -14,80 +12,98 @@
 #include "scenes/check.h"
 #include "sim/atlas.h"
 #include "sim/footprint.h"
-#include "sim/gl_objects.h"
+#include "sim/gl_attributes.h"
+#include "sim/gl_drawer.h"
 #include "sim/gl_readback.h"
+#include "sim/gl_targets.h"
+#include "sim/shadow_map.h"
 
 namespace pickbed {
 namespace {
 
 constexpr int kMaxImageSide = 16384;  // OpenGL's limit in Mesa
 constexpr int kAtlasSide = 512;       // px; larger pages fall out of the cache
-constexpr size_t kMaxTargets = 6;     // framebuffers that are kept, of different sizes
+constexpr int kTargetStep = 64;  // px; sides of framebuffers are multiples, so that few are made
 
-struct DepthRange {
-  double near_m = std::numeric_limits<double>::infinity();
-  double far_m = 0;
+// Images come and go by the megabyte. glibc gives such memory back to the system at once, and
+// fetching fresh pages costs more than drawing; so let it keep them.
+void KeepFreedPages() {
+  mallopt(M_MMAP_THRESHOLD, 64 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+}
+
+void CheckImageSize(int width, int height) {
+  CheckInput(width > 0 && height > 0 && width <= kMaxImageSide && height <= kMaxImageSide,
+             fmt::format("image size {} x {}: width and height must be 1 to {}", width, height,
+                         kMaxImageSide));
+}
+
+int RoundUp(int side) { return (side + kTargetStep - 1) / kTargetStep * kTargetStep; }
+
+// The part of the image that footprints may touch, grown by a pixel for rounding.
+class DrawnBox {
+ public:
+  explicit DrawnBox(const CameraIntrinsics& k) : k_(k), min_(k.width, k.height), max_(-1, -1) {}
 
   void Include(const Footprint& footprint) {
-    near_m = std::min(near_m, std::max(kNearestDrawn_m, 0.999 * footprint.near_m));
-    far_m = std::max(far_m, 1.001 * footprint.far_m);
+    const Eigen::Vector2d last(k_.width - 1, k_.height - 1);
+    Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = last;
+    if (footprint.in_front) {
+      low = (footprint.min_px.array() - 1).max(0.0).min(last.array()).floor();
+      high = (footprint.max_px.array() + 1).max(0.0).min(last.array()).ceil();
+    }
+    min_ = min_.cwiseMin(low.cast<int>());
+    max_ = max_.cwiseMax(high.cast<int>());
   }
+  PixelBox box() const {
+    return {min_.x(), min_.y(), max_.x() - min_.x() + 1, max_.y() - min_.y() + 1};
+  }
+
+ private:
+  CameraIntrinsics k_;
+  Eigen::Vector2i min_, max_;
 };
 
-// Clip coordinates of OpenGL for a view at a tile of a page. Pixel centres are whole numbers
-// here and halves in OpenGL: u + 0.5 = (clip x / clip w + 1) / 2 * width.
-InstanceAttributes AttributesOf(const Pose& X_CO, uint32_t id, const CameraIntrinsics& k,
-                                const DepthRange& range, const Eigen::Vector3d& light_C,
-                                const AtlasTile& tile, const AtlasPage& page) {
-  InstanceAttributes out;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      out.X_CO_rows[4 * row + column] = static_cast<float>(X_CO(row, column));
-    }
+std::array<float, 3> ToFloats(const Eigen::Vector3d& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+DrawSetup SetupFor(GlOutputs outputs, std::span<const RenderInstance> instances,
+                   const Light& light) {
+  DrawSetup setup;
+  if (outputs & OutputBit(kIdOutput)) setup.switches |= kIdsSwitch;
+  if (outputs & OutputBit(kNormalOutput)) setup.switches |= kNormalsSwitch;
+  if (outputs & OutputBit(kCoordinateOutput)) setup.switches |= kCoordinatesSwitch;
+  if (outputs & OutputBit(kColorOutput)) {
+    setup.switches |= kColorSwitch;
+    const bool plain = std::all_of(instances.begin(), instances.end(), [](const auto& instance) {
+      return instance.material == Material();
+    });
+    if (!plain) setup.switches |= kMaterialSwitch;
   }
-  out.xy_projection = {static_cast<float>(2 * k.fx / page.width),
-                       static_cast<float>(2 * (k.cx + tile.x + 0.5) / page.width - 1),
-                       static_cast<float>(2 * k.fy / page.height),
-                       static_cast<float>(2 * (k.cy + tile.y + 0.5) / page.height - 1)};
-  const double depth = range.far_m - range.near_m;
-  out.z_projection = {static_cast<float>((range.far_m + range.near_m) / depth),
-                      static_cast<float>(-2 * range.far_m * range.near_m / depth)};
-  out.light_C = {static_cast<float>(light_C.x()), static_cast<float>(light_C.y()),
-                 static_cast<float>(light_C.z())};
-  out.id = id;
-  return out;
+  setup.ambient = static_cast<float>(light.ambient);
+  setup.diffuse = static_cast<float>(light.diffuse);
+  return setup;
 }
 
 }  // namespace
 
 struct Renderer::Impl {
-  // One instance to draw.
-  struct Draw {
-    int mesh = 0;
-    int level = 0;
-    double near_m = 0;
-    InstanceAttributes attributes;
-    std::optional<std::array<int, 4>> scissor = std::nullopt;  // x, y, width, height in px
-  };
-  enum class Parts { kDepthAndIds, kAll };
-
   Impl(const GlContextOptions& options, const DetailOptions& detail_options)
-      : detail(detail_options), context(MakeGlContext(options)), gl(LoadGlFunctions(*context)) {
-    gl.GenBuffers(1, &instance_buffer);
-    gl.Enable(GL_DEPTH_TEST);
-    gl.FrontFace(GL_CW);  // we draw upside down, see sim/shaders.h
+      : detail(detail_options),
+        context(MakeGlContext(options)),
+        gl(LoadGlFunctions(*context)),
+        drawer(gl) {
+    KeepFreedPages();
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   }
 
   ~Impl() {
     context->MakeCurrent();
-    for (GlMesh& mesh : meshes) DeleteMesh(gl, mesh);
-    for (GlTarget& target : targets) DeleteTarget(gl, target);
-    for (auto& [key, program] : programs) gl.DeleteProgram(program.program);
-    gl.DeleteBuffers(1, &instance_buffer);
+    drawer.DeleteAll();
+    targets.DeleteAll(gl);
+    shadow_map.Delete(gl);
   }
-
-  const GlMesh& MeshOf(const RenderInstance& instance) const { return meshes.at(instance.mesh); }
 
   // Level of detail for a mesh whose nearest point is at `near_m`.
   int LevelOf(const GlMesh& mesh, double near_m, const CameraIntrinsics& k) const {
@@ -101,155 +117,98 @@ struct Renderer::Impl {
     return level;
   }
 
-  // Kept by size, the least recently used one goes.
-  const GlTarget& TargetOf(int width, int height) {
-    CheckInput(width > 0 && height > 0 && width <= kMaxImageSide && height <= kMaxImageSide,
-               fmt::format("image size {} x {}: width and height must be 1 to {}", width, height,
-                           kMaxImageSide));
-    const auto found = std::find_if(targets.begin(), targets.end(), [&](const GlTarget& t) {
-      return t.width == width && t.height == height;
-    });
-    if (found != targets.end()) {
-      std::rotate(found, found + 1, targets.end());
-    } else {
-      if (targets.size() == kMaxTargets) {
-        DeleteTarget(gl, targets.front());
-        targets.erase(targets.begin());
-      }
-      targets.push_back(MakeTarget(gl, width, height));
-    }
-    return targets.back();
-  }
-
-  void UseProgramFor(const GlMesh& mesh, Parts parts, const Light& light) {
-    const bool color = parts == Parts::kAll;
-    const bool texture = color && mesh.texture != 0;
-    const bool flat = color && mesh.flat;
-    const int key = color | texture << 1 | flat << 2;
-    auto found = programs.find(key);
-    if (found == programs.end()) {
-      found = programs.emplace(key, MakeProgram(gl, color, texture, flat)).first;
-    }
-    gl.UseProgram(found->second.program);
-    if (texture) gl.BindTexture(GL_TEXTURE_2D, mesh.texture);
-    if (color) {
-      gl.Uniform2f(found->second.ambient_diffuse, static_cast<float>(light.ambient),
-                   static_cast<float>(light.diffuse));
-    }
-  }
-
-  void UploadInstances(const std::vector<Draw>& draws) {
-    std::vector<InstanceAttributes> attributes(draws.size());
-    for (size_t i = 0; i < draws.size(); ++i) attributes[i] = draws[i].attributes;
-    gl.BindBuffer(GL_ARRAY_BUFFER, instance_buffer);
-    gl.BufferData(GL_ARRAY_BUFFER, attributes.size() * sizeof(InstanceAttributes),
-                  attributes.data(), GL_STREAM_DRAW);
-  }
-
-  // draws[begin, end) share mesh and level.
-  void DrawInstances(const std::vector<Draw>& draws, size_t begin, size_t end) {
-    const GlMesh& mesh = meshes[draws[begin].mesh];
-    const GlMeshLevel& level = mesh.levels[draws[begin].level];
-    if (mesh.cull_back) {
-      gl.Enable(GL_CULL_FACE);
-    } else {
-      gl.Disable(GL_CULL_FACE);
-    }
-    gl.BindVertexArray(level.vertex_array);
-    BindInstances(gl, instance_buffer, begin);
-    gl.DrawElementsInstanced(GL_TRIANGLES, level.index_count, GL_UNSIGNED_INT, nullptr,
-                             static_cast<GLsizei>(end - begin));
-  }
-
-  // Each run of one mesh and level by one call; a draw with a scissor box is a run of its own.
-  void DrawAll(const std::vector<Draw>& draws, Parts parts, const Light& light) {
-    UploadInstances(draws);
-    for (size_t begin = 0, end = 0; begin < draws.size(); begin = end) {
-      const Draw& first = draws[begin];
-      end = begin + 1;
-      while (!first.scissor && end < draws.size() && !draws[end].scissor &&
-             draws[end].mesh == first.mesh && draws[end].level == first.level) {
-        ++end;
-      }
-      if (first.scissor) {
-        gl.Enable(GL_SCISSOR_TEST);
-        const auto& [x, y, width, height] = *first.scissor;
-        gl.Scissor(x, y, width, height);
-      } else {
-        gl.Disable(GL_SCISSOR_TEST);
-      }
-      UseProgramFor(meshes[first.mesh], parts, light);
-      DrawInstances(draws, begin, end);
-    }
-  }
-
-  // Groups of one mesh and level, the nearer groups first so that the bin hides nothing's work.
-  static void SortForDrawing(std::vector<Draw>& draws) {
-    std::map<std::pair<int, int>, std::pair<double, int>> sums;
-    for (const Draw& draw : draws) {
-      auto& [sum, count] = sums[{draw.mesh, draw.level}];
-      sum += draw.near_m;
-      ++count;
-    }
-    const auto mean = [&](const Draw& draw) {
-      const auto& [sum, count] = sums.at({draw.mesh, draw.level});
-      return sum / count;
-    };
-    std::stable_sort(draws.begin(), draws.end(), [&](const Draw& a, const Draw& b) {
-      const double mean_a = mean(a), mean_b = mean(b);
-      if (mean_a != mean_b) return mean_a < mean_b;
-      return std::tie(a.mesh, a.level, a.near_m) < std::tie(b.mesh, b.level, b.near_m);
-    });
-  }
-
   void CheckErrors() {
     if (const GLenum error = gl.GetError(); error != GL_NO_ERROR) {
       throw std::runtime_error(fmt::format("OpenGL error 0x{:04x} while drawing", error));
     }
   }
 
-  RenderedImage DrawImage(const Camera& camera, std::span<const RenderInstance> instances,
-                          const Light& light, Parts parts) {
+  std::vector<RenderedImage> DrawImages(std::span<const Camera> cameras,
+                                        std::span<const RenderInstance> instances,
+                                        const Light& light, const RenderOutputs& outputs) {
     context->MakeCurrent();
+    GlOutputs wanted = OutputBit(kDepthOutput);
+    if (outputs.color) wanted |= OutputBit(kColorOutput);
+    if (outputs.ids) wanted |= OutputBit(kIdOutput);
+    if (outputs.normals) wanted |= OutputBit(kNormalOutput);
+    if (outputs.coordinates) wanted |= OutputBit(kCoordinateOutput);
+    const DrawSetup setup = SetupFor(wanted, instances, light);
+    const bool shadow =
+        outputs.color && light.shadow && shadow_map.Draw(gl, drawer, instances, light);
+    std::vector<RenderedImage> out;
+    out.reserve(cameras.size());
+    for (const Camera& camera : cameras) {
+      DrawSetup setup_here = setup;
+      if (shadow) shadow_map.AddTo(setup_here, camera.X_WC.inverse());
+      out.push_back(DrawImage(camera, instances, light, wanted, setup_here));
+    }
+    CheckErrors();
+    return out;
+  }
+
+  RenderedImage DrawImage(const Camera& camera, std::span<const RenderInstance> instances,
+                          const Light& light, GlOutputs outputs, const DrawSetup& image_setup) {
     const CameraIntrinsics& k = camera.intrinsics;
-    const GlTarget& target = TargetOf(k.width, k.height);
+    CheckImageSize(k.width, k.height);
     const Pose X_CW = camera.X_WC.inverse();
-    const Eigen::Vector3d light_C = X_CW * light.position_W;
+    const std::array<float, 3> light_C = ToFloats(X_CW * light.position_W);
     DepthRange range;
+    DrawnBox drawn(k);
     std::vector<std::pair<const RenderInstance*, Footprint>> visible;
+    visible.reserve(instances.size());
     for (const RenderInstance& instance : instances) {
-      const Footprint footprint = FootprintOf(MeshOf(instance).bounds_O, X_CW * instance.X_WO, k);
+      const Footprint footprint =
+          FootprintOf(drawer.Mesh(instance.mesh).bounds_O, X_CW * instance.X_WO, k);
       if (!footprint.Overlaps(k)) continue;
       range.Include(footprint);
+      drawn.Include(footprint);
       visible.emplace_back(&instance, footprint);
     }
+    if (visible.empty()) return Readback::EmptyImage(outputs, k.width, k.height);
     std::vector<Draw> draws;
     draws.reserve(visible.size());
     for (const auto& [instance, footprint] : visible) {
-      draws.push_back({instance->mesh, LevelOf(MeshOf(*instance), footprint.near_m, k),
+      draws.push_back({instance->mesh, LevelOf(drawer.Mesh(instance->mesh), footprint.near_m, k),
                        footprint.near_m,
-                       AttributesOf(X_CW * instance->X_WO, instance->id, k, range, light_C, {},
-                                    {target.width, target.height})});
+                       AttributesOf(X_CW * instance->X_WO, *instance, k, range,
+                                    Eigen::Vector2i::Zero(), k.width, k.height),
+                       light_C});
     }
-    SortForDrawing(draws);
-    BeginTarget(gl, target, parts == Parts::kAll);
-    DrawAll(draws, parts, light);
-    readback.ReadAll(gl, target, parts == Parts::kAll);
-    CheckErrors();
-    return readback.Crop({}, k.width, k.height);
+    SortNearFirst(draws);
+    // With one instance in view its id stands wherever there is a depth, and need not be drawn.
+    const bool one_id = outputs & OutputBit(kIdOutput) && draws.size() == 1;
+    DrawSetup setup = image_setup;
+    if (one_id) {
+      outputs &= ~OutputBit(kIdOutput);
+      setup.switches &= ~kIdsSwitch;
+    }
+    const PixelBox box = drawn.box();
+    const bool extras = outputs & (OutputBit(kNormalOutput) | OutputBit(kCoordinateOutput));
+    BeginTarget(
+        gl,
+        targets.Of(gl, extras ? GlTargetKind::kImageAndExtras : GlTargetKind::kImage,
+                   std::min(k.width, RoundUp(box.width)), std::min(k.height, RoundUp(box.height))),
+        outputs);
+    // The whole image's viewport, shifted by whole pixels: what is drawn does not depend on the
+    // box.
+    gl.Viewport(-box.x, -box.y, k.width, k.height);
+    drawer.DrawAll(draws, setup);
+    RenderedImage image = readback.ReadImage(gl, outputs, k.width, k.height, box);
+    if (one_id) Readback::FillIds(image, box, visible[0].first->id);
+    return image;
   }
 
-  // Draws the views of a page and leaves the page's target bound.
+  // Draws the views of a page of this kind and leaves the page's target bound.
   const GlTarget& DrawPage(const AtlasLayout& layout, const AtlasPage& page,
                            std::span<const Camera> cameras,
                            std::span<const RenderInstance> instances, const Light& light,
-                           Parts parts) {
-    const GlTarget& target = TargetOf(page.width, page.height);
+                           GlTargetKind kind, GlOutputs outputs, const DrawSetup& setup) {
+    const GlTarget& target = targets.Of(gl, kind, RoundUp(page.width), RoundUp(page.height));
     std::vector<Draw> draws;
     draws.reserve(page.tile_count);
     for (int i = page.first_tile; i < page.first_tile + page.tile_count; ++i) {
       const CameraIntrinsics& k = cameras[i].intrinsics;
-      const GlMesh& mesh = MeshOf(instances[i]);
+      const GlMesh& mesh = drawer.Mesh(instances[i].mesh);
       const Pose X_CW = cameras[i].X_WC.inverse();
       const Pose X_CO = X_CW * instances[i].X_WO;
       const Footprint footprint = FootprintOf(mesh.bounds_O, X_CO, k);
@@ -257,8 +216,10 @@ struct Renderer::Impl {
       DepthRange range;
       range.Include(footprint);
       const AtlasTile& tile = layout.tiles[i];
-      Draw draw{instances[i].mesh, LevelOf(mesh, footprint.near_m, k), footprint.near_m,
-                AttributesOf(X_CO, instances[i].id, k, range, X_CW * light.position_W, tile, page)};
+      Draw draw{
+          instances[i].mesh, LevelOf(mesh, footprint.near_m, k), footprint.near_m,
+          AttributesOf(X_CO, instances[i], k, range, {tile.x, tile.y}, target.width, target.height),
+          ToFloats(X_CW * light.position_W)};
       if (!footprint.IsInside(k)) draw.scissor = {tile.x, tile.y, k.width, k.height};
       draws.push_back(draw);
     }
@@ -266,8 +227,9 @@ struct Renderer::Impl {
       return std::tuple(a.scissor.has_value(), a.mesh, a.level) <
              std::tuple(b.scissor.has_value(), b.mesh, b.level);
     });
-    BeginTarget(gl, target, parts == Parts::kAll);
-    DrawAll(draws, parts, light);
+    BeginTarget(gl, target, outputs);
+    gl.Viewport(0, 0, target.width, target.height);
+    drawer.DrawAll(draws, setup);
     return target;
   }
 
@@ -279,40 +241,51 @@ struct Renderer::Impl {
     std::vector<TileSize> sizes;
     sizes.reserve(cameras.size());
     for (const Camera& camera : cameras) {
-      sizes.push_back({camera.intrinsics.width, camera.intrinsics.height});
+      const CameraIntrinsics& k = camera.intrinsics;
+      CheckImageSize(k.width, k.height);
+      sizes.push_back({k.width, k.height});
     }
     return LayOutAtlas(sizes, kAtlasSide);
   }
 
+  static PixelBox BoxOf(const AtlasTile& tile, const CameraIntrinsics& k) {
+    return {tile.x, tile.y, k.width, k.height};
+  }
+
+  // Ids are not drawn: wherever there is a depth, it is the view's only instance.
   std::vector<RenderedImage> DrawEach(std::span<const Camera> cameras,
                                       std::span<const RenderInstance> instances, const Light& light,
-                                      Parts parts) {
+                                      bool color) {
     context->MakeCurrent();
     const AtlasLayout layout = LayOut(cameras, instances);
+    const GlOutputs outputs = OutputBit(kDepthOutput) | (color ? OutputBit(kColorOutput) : 0u);
+    const DrawSetup setup = SetupFor(outputs, instances, light);
     std::vector<RenderedImage> out(cameras.size());
     for (const AtlasPage& page : layout.pages) {
-      const GlTarget& target = DrawPage(layout, page, cameras, instances, light, parts);
-      readback.ReadAll(gl, target, parts == Parts::kAll);
+      const GlTarget& target =
+          DrawPage(layout, page, cameras, instances, light, GlTargetKind::kImage, outputs, setup);
+      readback.ReadPage(gl, target, outputs);
       for (int i = page.first_tile; i < page.first_tile + page.tile_count; ++i) {
-        const CameraIntrinsics& k = cameras[i].intrinsics;
-        out[i] = readback.Crop(layout.tiles[i], k.width, k.height);
+        out[i] = readback.CropPage(BoxOf(layout.tiles[i], cameras[i].intrinsics), instances[i].id);
       }
     }
     CheckErrors();
     return out;
   }
 
-  // Depth tells what is covered, since an id may be 0.
+  // Neither depth nor order matters to what is covered.
   std::vector<int> CountEach(std::span<const Camera> cameras,
                              std::span<const RenderInstance> instances) {
     context->MakeCurrent();
     const AtlasLayout layout = LayOut(cameras, instances);
+    DrawSetup setup;
+    setup.switches = kCoverageSwitch;
     std::vector<int> counts(cameras.size(), 0);
     for (const AtlasPage& page : layout.pages) {
-      readback.ReadDepth(gl, DrawPage(layout, page, cameras, instances, {}, Parts::kDepthAndIds));
+      readback.ReadCoverage(gl, DrawPage(layout, page, cameras, instances, {},
+                                         GlTargetKind::kCoverage, OutputBit(kDepthOutput), setup));
       for (int i = page.first_tile; i < page.first_tile + page.tile_count; ++i) {
-        const CameraIntrinsics& k = cameras[i].intrinsics;
-        counts[i] = readback.CountCovered(layout.tiles[i], k.width, k.height);
+        counts[i] = readback.CountCovered(BoxOf(layout.tiles[i], cameras[i].intrinsics));
       }
     }
     CheckErrors();
@@ -322,10 +295,9 @@ struct Renderer::Impl {
   DetailOptions detail;
   std::unique_ptr<GlContext> context;
   GlFunctions gl;
-  GLuint instance_buffer = 0;
-  std::vector<GlMesh> meshes;
-  std::vector<GlTarget> targets;
-  std::map<int, GlProgram> programs;  // by switches of sim/shaders.h
+  GlDrawer drawer;
+  GlTargets targets;
+  ShadowMap shadow_map;
   Readback readback;
 };
 
@@ -335,29 +307,37 @@ Renderer::~Renderer() = default;
 
 int Renderer::AddMesh(const TriangleMesh& mesh) {
   impl_->context->MakeCurrent();
-  impl_->meshes.push_back(UploadMesh(impl_->gl, mesh, impl_->instance_buffer));
-  return static_cast<int>(impl_->meshes.size()) - 1;
+  return impl_->drawer.AddMesh(mesh);
 }
 
 RenderedImage Renderer::Render(const Camera& camera, std::span<const RenderInstance> instances,
-                               const Light& light) {
-  return impl_->DrawImage(camera, instances, light, Impl::Parts::kAll);
+                               const Light& light, const RenderOutputs& outputs) {
+  return std::move(impl_->DrawImages({&camera, 1}, instances, light, outputs)[0]);
+}
+
+std::vector<RenderedImage> Renderer::RenderCameras(std::span<const Camera> cameras,
+                                                   std::span<const RenderInstance> instances,
+                                                   const Light& light,
+                                                   const RenderOutputs& outputs) {
+  return impl_->DrawImages(cameras, instances, light, outputs);
 }
 
 RenderedImage Renderer::RenderDepth(const Camera& camera,
                                     std::span<const RenderInstance> instances) {
-  return impl_->DrawImage(camera, instances, {}, Impl::Parts::kDepthAndIds);
+  RenderOutputs outputs;
+  outputs.color = false;
+  return Render(camera, instances, {}, outputs);
 }
 
 std::vector<RenderedImage> Renderer::RenderEach(std::span<const Camera> cameras,
                                                 std::span<const RenderInstance> instances,
                                                 const Light& light) {
-  return impl_->DrawEach(cameras, instances, light, Impl::Parts::kAll);
+  return impl_->DrawEach(cameras, instances, light, true);
 }
 
 std::vector<RenderedImage> Renderer::RenderEachDepth(std::span<const Camera> cameras,
                                                      std::span<const RenderInstance> instances) {
-  return impl_->DrawEach(cameras, instances, {}, Impl::Parts::kDepthAndIds);
+  return impl_->DrawEach(cameras, instances, {}, false);
 }
 
 std::vector<int> Renderer::CountEach(std::span<const Camera> cameras,
@@ -365,7 +345,7 @@ std::vector<int> Renderer::CountEach(std::span<const Camera> cameras,
   return impl_->CountEach(cameras, instances);
 }
 
-const Bounds& Renderer::MeshBoundsOf(int mesh) const { return impl_->meshes.at(mesh).bounds_O; }
+const Bounds& Renderer::MeshBoundsOf(int mesh) const { return impl_->drawer.Mesh(mesh).bounds_O; }
 
 std::string Renderer::ContextName() const { return impl_->context->Name(); }
 

@@ -16,18 +16,27 @@ std::vector<RenderInstance> SceneRenderer::InstancesOf(const Scene& scene) const
     instances.push_back({object_meshes_.at(object.object), object.X_WO,
                          static_cast<uint16_t>(object.instance + 1)});
   }
+  instances.push_back({bin_mesh_, Pose::Identity(), 0});
   return instances;
 }
 
-RenderedImage SceneRenderer::Render(const Scene& scene, const Camera& camera, const Light& light) {
-  std::vector<RenderInstance> instances = InstancesOf(scene);
-  instances.push_back({bin_mesh_, Pose::Identity(), 0});
-  return renderer_.Render(camera, instances, light);
+RenderedImage SceneRenderer::Render(const Scene& scene, const Camera& camera, const Light& light,
+                                    const RenderOutputs& outputs) {
+  return renderer_.Render(camera, InstancesOf(scene), light, outputs);
+}
+
+std::vector<RenderedImage> SceneRenderer::RenderCameras(const Scene& scene,
+                                                        std::span<const Camera> cameras,
+                                                        const Light& light,
+                                                        const RenderOutputs& outputs) {
+  return renderer_.RenderCameras(cameras, InstancesOf(scene), light, outputs);
 }
 
 std::vector<double> SceneRenderer::VisibleFractions(const Scene& scene, const Camera& camera,
                                                     const Image<uint16_t>& ids) {
-  return pickbed::VisibleFractions(renderer_, camera, InstancesOf(scene), ids);
+  std::vector<RenderInstance> instances = InstancesOf(scene);
+  instances.pop_back();
+  return pickbed::VisibleFractions(renderer_, camera, instances, ids);
 }
 
 }  // namespace pickbed

@@ -41,14 +41,6 @@ Pose RandomCamera(const ViewSourceOptions& options, Rng& rng) {
   return MakePose(R_WC, target_W - distance_m * R_WC.col(2));
 }
 
-Light RandomLamp(Rng& rng) {
-  Light light;
-  light.position_W = {rng.Uniform(-0.8, 0.8), rng.Uniform(-0.8, 0.8), rng.Uniform(0.8, 1.8)};
-  light.ambient = rng.Uniform(0.25, 0.45);
-  light.diffuse = 1 - light.ambient;
-  return light;
-}
-
 class SimViewSource : public LabelledViewSource {
  public:
   SimViewSource(const ObjectSet& objects, const ViewSourceOptions& options)
@@ -82,12 +74,16 @@ std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<
     std::vector<RenderInstance> instances;
     for (size_t i = begin; i < end; ++i) {
       instances.push_back({scene_renderer_.ObjectMesh(object), X_CO[i], 1});
+      Rng looks = Rng::Derive(seed, i, "isolated view looks");
+      instances.back().material = RandomMaterial(options_.looks, looks);
     }
     std::vector<RenderedImage> images = options_.color
                                             ? renderer.RenderEach(cameras, instances, kLampByCamera)
                                             : renderer.RenderEachDepth(cameras, instances);
     for (size_t i = begin; i < end; ++i) {
       RenderedImage& image = images[i - begin];
+      Rng background = Rng::Derive(seed, i, "isolated view background");
+      PaintBackground(options_.looks, background, image);
       Rng rng = Rng::Derive(seed, i, "isolated view noise");
       views[i].frame = {camera, std::move(image.color),
                         ApplySensorNoise(image.depth_m, options_.sensor, rng)};
@@ -135,7 +131,18 @@ Scene SimViewSource::DropPile(uint64_t seed) const {
 LabelledView SimViewSource::PileView(const Scene& scene, uint64_t seed, int view) {
   Rng rng = Rng::Derive(seed, view, "pile camera");
   const Camera camera{options_.camera, RandomCamera(options_, rng)};
-  RenderedImage image = scene_renderer_.Render(scene, camera, RandomLamp(rng));
+  const Light light = RandomLight(options_.looks, rng);
+  std::vector<RenderInstance> instances = scene_renderer_.InstancesOf(scene);
+  // A part looks the same in every view of a pile.
+  for (size_t i = 0; i < instances.size(); ++i) {
+    Rng looks = Rng::Derive(seed, i, "pile looks");
+    instances[i].material = RandomMaterial(options_.looks, looks);
+  }
+  RenderOutputs outputs;
+  outputs.color = options_.color;
+  RenderedImage image = scene_renderer_.renderer().Render(camera, instances, light, outputs);
+  Rng background = Rng::Derive(seed, view, "pile background");
+  PaintBackground(options_.looks, background, image);
   const std::vector<double> fractions = scene_renderer_.VisibleFractions(scene, camera, image.ids);
 
   LabelledView out;
@@ -151,7 +158,7 @@ LabelledView SimViewSource::PileView(const Scene& scene, uint64_t seed, int view
   }
   for (uint16_t& id : image.ids.pixels()) id = new_id[id];
   Rng noise = Rng::Derive(seed, view, "pile view noise");
-  out.frame = {camera.intrinsics, options_.color ? std::move(image.color) : Image<Rgb8>(),
+  out.frame = {camera.intrinsics, std::move(image.color),
                ApplySensorNoise(image.depth_m, options_.sensor, noise)};
   out.ids = std::move(image.ids);
   out.background = KnownBackground{scene.bin, X_CW};  // the bin stands at the world's origin
@@ -177,6 +184,7 @@ std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
   CheckInput(options.distance_min_m > 0 && options.distance_max_m >= options.distance_min_m,
              fmt::format("camera distance {} to {} m: need 0 < distance_min_m <= distance_max_m",
                          options.distance_min_m, options.distance_max_m));
+  options.looks.Validate();
   return std::make_unique<SimViewSource>(objects, options);
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "scenes/labelled_view.h"
+#include "sim/appearance.h"
 #include "sim/drop.h"
 #include "sim/renderer.h"
 #include "sim/sensor_noise.h"
@@ -25,6 +26,7 @@ struct ViewSourceOptions {
   double mixed_share = 0.5;  // of piles that mix kinds, where there are several
   int mixed_kinds_max = 6;   // in one pile
   bool color = true;         // views carry colour; isolated ones are cheaper without
+  AppearanceRanges looks;    // of lamps, materials and background, where there is colour
   DropOptions drop;
   GlContextOptions gl;
 };

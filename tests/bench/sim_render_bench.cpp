@@ -1,15 +1,19 @@
-// Pictures and sensor noise, on one core: workers are processes with a context each. (Two contexts
-// in one process would share the driver's lock.)
+// Pictures and sensor noise. Names that end in /cores:N are measured on N processes with a context
+// each, as the program's workers are. (Two contexts in one process would share the driver's lock.)
 
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "scenes/part_families.h"
 #include "sim/renderer.h"
 #include "sim/sensor_noise.h"
+#include "tests/bench/processes.h"
 
 namespace pickbed {
 namespace {
@@ -65,6 +69,125 @@ void VisibleFractionsOfBin30(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(VisibleFractionsOfBin30)->Name("render/visible_fractions/bin30");
+
+// A smooth closed ring of 2 x around x across triangles that is curved everywhere, so that levels
+// of detail gain no more from it than they must.
+TriangleMesh Ring(double radius_m, double thickness_m, int around, int across) {
+  TriangleMesh mesh;
+  const auto index = [&](int i, int j) { return (i % around) * across + j % across; };
+  for (int i = 0; i < around; ++i) {
+    const double a = 2 * std::numbers::pi * i / around;
+    for (int j = 0; j < across; ++j) {
+      const double b = 2 * std::numbers::pi * j / across;
+      const Eigen::Vector3d normal(std::cos(b) * std::cos(a), std::cos(b) * std::sin(a),
+                                   std::sin(b));
+      mesh.vertices.push_back(radius_m * Eigen::Vector3d(std::cos(a), std::sin(a), 0) +
+                              0.5 * thickness_m * normal);
+      mesh.normals.push_back(normal);
+      mesh.triangles.push_back({index(i, j), index(i + 1, j), index(i + 1, j + 1)});
+      mesh.triangles.push_back({index(i, j), index(i + 1, j + 1), index(i, j + 1)});
+    }
+  }
+  return mesh;
+}
+
+ObjectSet RingOf2304() {
+  auto model = std::make_shared<ObjectModel>();
+  model->mesh_O = Ring(0.03, 0.024, 48, 24);
+  return {model};
+}
+
+// Frames a second of one 2,304-triangle object over a seventh of the image, in steps of 100.
+void RenderOne(benchmark::State& state, DetailOptions detail) {
+  MeasureInProcesses(state, 100, [detail] {
+    auto renderer = std::make_shared<Renderer>(GlContextOptions{}, detail);
+    const int mesh = renderer->AddMesh(Ring(0.06, 0.06, 48, 24));
+    Rng rng(2);
+    const Pose X_CO = MakePose(rng.Rotation().toRotationMatrix(), {0.02, -0.01, 0.42});
+    return [=] {
+      benchmark::DoNotOptimize(
+          renderer->Render(Camera(), std::vector{RenderInstance{mesh, X_CO, 1}}));
+    };
+  });
+}
+BENCHMARK_CAPTURE(RenderOne, levels, DetailOptions{})
+    ->Name("render/one2304/640x480")
+    ->ArgName("cores")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseManualTime();
+BENCHMARK_CAPTURE(RenderOne, original, DetailOptions{0, 0})
+    ->Name("render/one2304_original/640x480")
+    ->ArgName("cores")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseManualTime();
+
+// 30 parts of 2,304 triangles in a bin: colour, depth and ids, and every visible fraction too.
+void RenderBin30Of2304(benchmark::State& state, bool fractions) {
+  MeasureInProcesses(state, 20, [fractions] {
+    const Scene scene = Bin30(1);
+    auto renderer = std::make_shared<SceneRenderer>(RingOf2304(), scene.bin);
+    return [=] {
+      const RenderedImage image = renderer->Render(scene, CellCamera());
+      if (fractions) {
+        benchmark::DoNotOptimize(renderer->VisibleFractions(scene, CellCamera(), image.ids));
+      }
+      benchmark::DoNotOptimize(image);
+    };
+  });
+}
+BENCHMARK_CAPTURE(RenderBin30Of2304, image, false)
+    ->Name("render/bin30x2304/640x480")
+    ->ArgName("cores")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseManualTime();
+BENCHMARK_CAPTURE(RenderBin30Of2304, fractions, true)
+    ->Name("render/bin30x2304_with_fractions/640x480")
+    ->ArgName("cores")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseManualTime();
+
+// 64x64 views of a 256-triangle mesh, 1024 in a call.
+void RenderTrainingViews(benchmark::State& state, bool color) {
+  constexpr int kViews = 1024;
+  MeasureInProcesses(
+      state, 2,
+      [color] {
+        auto renderer = std::make_shared<Renderer>(GlContextOptions{}, DetailOptions{0, 0});
+        const int mesh = renderer->AddMesh(Ring(0.03, 0.024, 16, 8));
+        Camera camera;
+        camera.intrinsics = {64, 64, 500, 500, 31.5, 31.5};
+        const std::vector<Camera> cameras(kViews, camera);
+        std::vector<RenderInstance> instances;
+        Rng rng(1);
+        for (int i = 0; i < kViews; ++i) {
+          instances.push_back({mesh, MakePose(rng.Rotation().toRotationMatrix(), {0, 0, 0.9}), 1});
+        }
+        return [=] {
+          if (color) {
+            benchmark::DoNotOptimize(renderer->RenderEach(cameras, instances));
+          } else {
+            benchmark::DoNotOptimize(renderer->RenderEachDepth(cameras, instances));
+          }
+        };
+      },
+      kViews);
+}
+BENCHMARK_CAPTURE(RenderTrainingViews, color, true)
+    ->Name("render/training_views256/64x64")
+    ->ArgName("cores")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseManualTime();
+BENCHMARK_CAPTURE(RenderTrainingViews, depth, false)
+    ->Name("render/training_views256_depth/64x64")
+    ->ArgName("cores")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseManualTime();
 
 // The number of views at once, of a smooth part of 1,152 triangles or fewer by level of detail.
 void RenderViews(benchmark::State& state) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <iostream>
 #include <stdexcept>
 #include <thread>
 
@@ -42,6 +43,23 @@ INSTANTIATE_TEST_SUITE_P(Both, GlContextOf, testing::Values(GlBackend::kOsMesa, 
                          [](const auto& info) {
                            return info.param == GlBackend::kEgl ? "Egl" : "OsMesa";
                          });
+
+// In a process of its own whose EGL finds no driver.
+TEST(GlContextDeathTest, WithoutADriverThePackagesAreNamed) {
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  const auto make_without_driver = [] {
+    setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/nowhere.json", 1);
+    try {
+      MakeGlContext({GlBackend::kEgl, 0});
+      std::cerr << "made one";
+    } catch (const std::runtime_error& error) {
+      std::cerr << error.what();
+    }
+    std::exit(0);
+  };
+  EXPECT_EXIT(make_without_driver(), testing::ExitedWithCode(0),
+              "install the packages: libegl1 libegl-mesa0 libgl1-mesa-dri");
+}
 
 TEST(GlContext, AutoTakesWhatIsThere) {
   const auto context = MakeGlContext();

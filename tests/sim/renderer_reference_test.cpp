@@ -165,7 +165,9 @@ TEST(RendererReference, OsMesaAndEglAgree) {
     }
     Camera camera = TestCamera(320, 240, 340);
     camera.X_WC = LookAt({0, -0.12, 0.85}, {0, 0, 0.03}, {0, 0, 1});
-    return renderer.Render(camera, instances);
+    Light light;
+    light.shadow = true;
+    return renderer.Render(camera, instances, light, {true, true, true, true});
   };
   RenderedImage a, b;
   try {
@@ -175,13 +177,16 @@ TEST(RendererReference, OsMesaAndEglAgree) {
     GTEST_SKIP() << "only one kind of context can be made here: " << error.what();
   }
   const auto close = [](uint8_t x, uint8_t y) { return std::abs(x - y) <= 1; };
-  size_t color = 0, depth = 0, ids = 0;
+  size_t color = 0, depth = 0, ids = 0, extras = 0;
   for (size_t i = 0; i < a.ids.size(); ++i) {
     const Rgb8 p = a.color.data()[i], q = b.color.data()[i];
     color += close(p.r, q.r) && close(p.g, q.g) && close(p.b, q.b);
     depth += std::abs(a.depth_m.data()[i] - b.depth_m.data()[i]) <= 1e-5;
     ids += a.ids.data()[i] == b.ids.data()[i];
+    extras += (a.normals_C.data()[i] - b.normals_C.data()[i]).norm() < 1e-3 &&
+              (a.coordinates_O.data()[i] - b.coordinates_O.data()[i]).norm() < 1e-5;
   }
+  EXPECT_GE(extras, 0.999 * a.ids.size());
   EXPECT_GE(color, 0.999 * a.ids.size());
   EXPECT_GE(depth, 0.999 * a.ids.size());
   EXPECT_GE(ids, 0.999 * a.ids.size());

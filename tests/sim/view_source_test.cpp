@@ -213,6 +213,33 @@ TEST(ViewSource, FillLimitsThePile) {
   EXPECT_LE(MakeSimViewSource(objects, options)->Pile(1, 1)[0].instances.size(), 5u);
 }
 
+TEST(ViewSource, LooksVaryByTheirRangesAndLeaveDepthAlone) {
+  const ObjectSet objects = SomeParts(2);
+  ViewSourceOptions options = SmallOptions();
+  const auto plain = MakeSimViewSource(objects, options)->Pile(5, 2);
+  options.looks = WideAppearance();
+  const auto wide = MakeSimViewSource(objects, options);
+  const auto a = wide->Pile(5, 2), b = wide->Pile(5, 2);
+  for (int view = 0; view < 2; ++view) {
+    EXPECT_EQ(a[view].frame.color, b[view].frame.color);
+    EXPECT_NE(a[view].frame.color, plain[view].frame.color);
+    EXPECT_EQ(a[view].frame.depth_m, plain[view].frame.depth_m);
+    EXPECT_EQ(a[view].ids, plain[view].ids);
+  }
+  const CameraIntrinsics crop{64, 64, 500, 500, 31.5, 31.5};
+  const auto one = wide->Isolated(0, SomePoses(2), crop, 1);
+  const auto other = wide->Isolated(0, SomePoses(2), crop, 2);
+  EXPECT_EQ(one[0].frame.color, wide->Isolated(0, SomePoses(2), crop, 1)[0].frame.color);
+  EXPECT_NE(one[0].frame.color, other[0].frame.color);
+  options.looks.tint = {0.9, 0.2};
+  try {
+    MakeSimViewSource(objects, options);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("tint from 0.9 to 0.2"), std::string::npos);
+  }
+}
+
 TEST(ViewSource, BadInputIsNamed) {
   EXPECT_THROW(MakeSimViewSource({}, SmallOptions()), InputError);
   ViewSourceOptions options = SmallOptions();
