@@ -19,30 +19,63 @@ cv::Mat Decode(const std::string& bytes, int flags) {
   return cv::imdecode(encoded, flags);
 }
 
-void Encode(const std::filesystem::path& path, const cv::Mat& image) {
-  CheckInput(!image.empty(), "cannot write '" + path.string() + "': the image has no pixels");
+// A fixed level, so that the same image gives the same bytes; 3 is twice as fast as zlib's 6.
+constexpr int kLevel = 3;
+
+std::string Encode(const cv::Mat& image, int level) {
   std::vector<unsigned char> bytes;
-  // A fixed level, so that the same image gives the same bytes; 3 is twice as fast as zlib's 6.
-  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 3});
-  WriteFileAtomically(path, std::string(bytes.begin(), bytes.end()));
+  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, level});
+  return std::string(bytes.begin(), bytes.end());
+}
+
+template <typename Pixel>
+void Write(const std::filesystem::path& path, const Image<Pixel>& image) {
+  CheckInput(!image.empty(), "cannot write '" + path.string() + "': the image has no pixels");
+  WriteFileAtomically(path, EncodePng(image, kLevel));
+}
+
+// A view of the image's own pixels.
+template <typename Pixel>
+cv::Mat MatOf(const Image<Pixel>& image, int type) {
+  return cv::Mat(image.height(), image.width(), type, const_cast<Pixel*>(image.data()));
+}
+
+// An image of one channel, as its file has it. `what` says what it should be.
+template <typename Pixel>
+Image<Pixel> ReadChannel(const std::filesystem::path& path, int type, const char* what) {
+  const cv::Mat pixels = Decode(ReadFileBytes(path), cv::IMREAD_UNCHANGED);
+  CheckInput(!pixels.empty(), "cannot read '" + path.string() + "': it is no image");
+  CheckInput(pixels.type() == type, "cannot read '" + path.string() + "' as " + what);
+  Image<Pixel> image(pixels.cols, pixels.rows);
+  for (int y = 0; y < pixels.rows; ++y) {
+    std::memcpy(image.row(y), pixels.ptr(y), sizeof(Pixel) * pixels.cols);
+  }
+  return image;
 }
 
 }  // namespace
 
-void WritePng(const std::filesystem::path& path, const Image<Rgb8>& image) {
-  const cv::Mat rgb(image.height(), image.width(), CV_8UC3, const_cast<Rgb8*>(image.data()));
+std::string EncodePng(const Image<Rgb8>& image, int level) {
   cv::Mat bgr;
-  if (!image.empty()) cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  Encode(path, bgr);
+  cv::cvtColor(MatOf(image, CV_8UC3), bgr, cv::COLOR_RGB2BGR);
+  return Encode(bgr, level);
 }
+
+std::string EncodePng(const Image<uint16_t>& image, int level) {
+  return Encode(MatOf(image, CV_16UC1), level);
+}
+
+std::string EncodePng(const Image<uint8_t>& image, int level) {
+  return Encode(MatOf(image, CV_8UC1), level);
+}
+
+void WritePng(const std::filesystem::path& path, const Image<Rgb8>& image) { Write(path, image); }
 
 void WritePng16(const std::filesystem::path& path, const Image<uint16_t>& image) {
-  Encode(path,
-         cv::Mat(image.height(), image.width(), CV_16UC1, const_cast<uint16_t*>(image.data())));
+  Write(path, image);
 }
 
-void WriteDepthPng(const std::filesystem::path& path, const Image<float>& depth_m,
-                   double scale_mm) {
+Image<uint16_t> DepthUnits(const Image<float>& depth_m, double scale_mm) {
   constexpr double kMostUnits = 65535;
   Image<uint16_t> units(depth_m.width(), depth_m.height());
   for (size_t i = 0; i < depth_m.size(); ++i) {
@@ -50,7 +83,12 @@ void WriteDepthPng(const std::filesystem::path& path, const Image<float>& depth_
     const bool reading = value > 0 && value <= kMostUnits;  // false for NaN
     units.data()[i] = reading ? static_cast<uint16_t>(value) : 0;
   }
-  WritePng16(path, units);
+  return units;
+}
+
+void WriteDepthPng(const std::filesystem::path& path, const Image<float>& depth_m,
+                   double scale_mm) {
+  WritePng16(path, DepthUnits(depth_m, scale_mm));
 }
 
 std::optional<Image<Rgb8>> DecodeImage(const std::string& bytes) {
@@ -69,15 +107,11 @@ Image<Rgb8> ReadPng(const std::filesystem::path& path) {
 }
 
 Image<uint16_t> ReadPng16(const std::filesystem::path& path) {
-  const cv::Mat units = Decode(ReadFileBytes(path), cv::IMREAD_UNCHANGED);
-  CheckInput(!units.empty(), "cannot read '" + path.string() + "': it is no image");
-  CheckInput(units.type() == CV_16UC1,
-             "cannot read '" + path.string() + "' as depth: it is not 16 bits with one channel");
-  Image<uint16_t> image(units.cols, units.rows);
-  for (int y = 0; y < units.rows; ++y) {
-    std::memcpy(image.row(y), units.ptr(y), sizeof(uint16_t) * units.cols);
-  }
-  return image;
+  return ReadChannel<uint16_t>(path, CV_16UC1, "depth: it is not 16 bits with one channel");
+}
+
+Image<uint8_t> ReadPng8(const std::filesystem::path& path) {
+  return ReadChannel<uint8_t>(path, CV_8UC1, "a mask: it is not 8 bits with one channel");
 }
 
 }  // namespace pickbed

@@ -1,6 +1,6 @@
 #pragma once
 
-// PNG in and out: 8-bit colour and 16-bit depth.
+// PNG in and out: 8-bit colour, 8-bit masks and 16-bit depth.
 
 #include <filesystem>
 #include <optional>
@@ -19,6 +19,15 @@ void WriteDepthPng(const std::filesystem::path& path, const Image<float>& depth_
                    double scale_mm = 0.1);
 Image<Rgb8> ReadPng(const std::filesystem::path& path);
 Image<uint16_t> ReadPng16(const std::filesystem::path& path);
+Image<uint8_t> ReadPng8(const std::filesystem::path& path);  // one channel
+
+// The bytes of a PNG; `level` is zlib's, 0 (fastest) to 9 (smallest).
+std::string EncodePng(const Image<Rgb8>& image, int level);
+std::string EncodePng(const Image<uint16_t>& image, int level);
+std::string EncodePng(const Image<uint8_t>& image, int level);
+
+// As WriteDepthPng rounds.
+Image<uint16_t> DepthUnits(const Image<float>& depth_m, double scale_mm);
 
 // Any image format from memory (PNG, JPEG...); nothing when the bytes are none of them.
 std::optional<Image<Rgb8>> DecodeImage(const std::string& bytes);

@@ -24,7 +24,7 @@ set(rooms
   "yaml-cpp/=>^scenes/settings\\.cpp$"
   "sqlite3=>^eval/results_store\\.cpp$"
   "boost/=>^eval/statistics\\.cpp$"
-  "nlohmann/=>^(scenes/bop_io|eval/.+)\\.cpp$"
+  "nlohmann/=>^eval/.+(\\.cpp|_impl\\.h)$"
   "CLI/|spdlog/=>^eval/.+\\.(cpp|h)$"
 )
 
