@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "scenes/check.h"
+#include "sim/sensor_noise.h"
 
 namespace pickbed {
 namespace {
@@ -89,8 +90,9 @@ std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<
     for (size_t i = begin; i < end; ++i) {
       RenderedImage& image = images[i - begin];
       Rng rng = Rng::Derive(seed, i, "isolated view noise");
-      views[i].frame = {camera, std::move(image.color),
-                        ApplySensorNoise(image.depth_m, options_.sensor, rng)};
+      Image<float> depth_m =
+          ApplySensorNoise({image.depth_m, camera, &image.color}, options_.sensor, rng);
+      views[i].frame = {camera, std::move(image.color), std::move(depth_m)};
       views[i].ids = std::move(image.ids);
       views[i].instances = {{object, X_CO[i], 1.0}};
     }
@@ -151,8 +153,10 @@ LabelledView SimViewSource::PileView(const Scene& scene, uint64_t seed, int view
   }
   for (uint16_t& id : image.ids.pixels()) id = new_id[id];
   Rng noise = Rng::Derive(seed, view, "pile view noise");
+  Image<float> depth_m =
+      ApplySensorNoise({image.depth_m, camera.intrinsics, &image.color}, options_.sensor, noise);
   out.frame = {camera.intrinsics, options_.color ? std::move(image.color) : Image<Rgb8>(),
-               ApplySensorNoise(image.depth_m, options_.sensor, noise)};
+               std::move(depth_m)};
   out.ids = std::move(image.ids);
   out.background = KnownBackground{scene.bin, X_CW};  // the bin stands at the world's origin
   return out;

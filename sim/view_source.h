@@ -7,7 +7,7 @@
 #include "scenes/labelled_view.h"
 #include "sim/drop.h"
 #include "sim/renderer.h"
-#include "sim/sensor_noise.h"
+#include "sim/sensor_profile.h"
 
 namespace pickbed {
 
