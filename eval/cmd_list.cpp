@@ -8,10 +8,11 @@
 #include "eval/metrics.h"
 #include "eval/oracle.h"
 #include "grasp/gripper.h"
+#include "scenes/camera.h"
 #include "scenes/check.h"
 #include "scenes/loss.h"
 #include "scenes/scenario_spec.h"
-#include "sim/sensor_noise.h"
+#include "sim/sensor_profile.h"
 
 namespace pickbed {
 namespace {
@@ -45,12 +46,14 @@ void ListGrippers(const std::string&) {
 }
 
 void ListSensors(const std::string&) {
+  const double focal_px = CameraIntrinsics().fx;  // for profiles without one of their own
   for (const std::string& name : SensorProfileNames()) {
     const SensorProfile s = LoadSensorProfile(name);
-    Row(name, fmt::format("noise {:.1f} mm at 1 m, steps of {:.1f} mm, holes {:.1f} % and {:.0f} % "
-                          "at edges, from {:g} to {:g} m",
-                          1e3 * s.axial_sigma_m, 1e3 * s.quantization_m, 100 * s.random_dropout,
-                          100 * s.edge_dropout, s.min_range_m, s.max_range_m));
+    Row(name,
+        fmt::format("noise {:.1f} mm and steps of {:.1f} mm at 1 m, holes {:.1f} % and "
+                    "{:.0f} % at edges, from {:g} to {:g} m",
+                    1e3 * AxialSigma_m(s, 1, 0), 1e3 * ReadingStep_m(s, 1, focal_px),
+                    100 * s.random_dropout, 100 * s.edge_dropout, s.min_range_m, s.max_range_m));
   }
 }
 

@@ -14,7 +14,7 @@
 #include "scenes/check.h"
 #include "scenes/files.h"
 #include "scenes/random.h"
-#include "sim/sensor_noise.h"
+#include "sim/sensor_profile.h"
 
 namespace pickbed {
 namespace {

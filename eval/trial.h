@@ -17,7 +17,7 @@
 #include "scenes/scene.h"
 #include "sim/renderer.h"
 #include "sim/scene_maker.h"
-#include "sim/sensor_noise.h"
+#include "sim/sensor_profile.h"
 
 namespace pickbed {
 

@@ -4,6 +4,7 @@
 
 #include "sim/convex_pieces.h"
 #include "sim/resting_poses.h"
+#include "sim/sensor_noise.h"
 
 namespace pickbed {
 
@@ -34,7 +35,8 @@ View VirtualCell::See(const Scene& scene, int trial, int look) {
   // A stream of its own for every look, so that a second look at an unchanged bin is a new sample.
   Rng rng = Rng::Derive(seed_, trial, fmt::format("sensor/{}", look));
   view.frame.intrinsics = camera_.intrinsics;
-  view.frame.depth_m = ApplySensorNoise(image.depth_m, sensor_, rng);
+  view.frame.depth_m =
+      ApplySensorNoise({image.depth_m, camera_.intrinsics, &image.color}, sensor_, rng);
   view.frame.color = std::move(image.color);
   view.ids = std::move(image.ids);
   return view;

@@ -1,44 +1,30 @@
 #pragma once
 
-// What a real depth sensor does to ideal depth. Profiles are data: assets/sensors/NAME.yaml.
-//
-// Axial noise that grows with z^2, lateral jitter and holes at depth edges are the three effects
-// that Nguyen, Izadi and Lovell measured on a structured-light camera ("Modeling Kinect Sensor
-// Noise for Improved 3D Reconstruction and Tracking", 3DIMPVT 2012).
+// Ideal depth as a real sensor would read it, by a SensorProfile.
 
-#include <string>
-#include <vector>
-
+#include "scenes/camera.h"
 #include "scenes/image.h"
 #include "scenes/random.h"
-#include "scenes/settings.h"
+#include "sim/sensor_profile.h"
 
 namespace pickbed {
 
-struct SensorProfile {
-  std::string name = "ideal";
-  double min_range_m = 0;
-  double max_range_m = 100;
-  double axial_sigma_m = 0;     // at 1 m; grows with z^2
-  double lateral_sigma_px = 0;  // jitter of where a pixel looks, of each axis
-  double edge_step_m = 0.012;   // a step of more than this to one of 4 neighbours is an edge
-  double edge_dropout = 0;      // probability of no reading at an edge
-  double random_dropout = 0;    // probability of no reading anywhere
-  double quantization_m = 0;    // step of the reading; 0 = none
-  void Visit(SettingsVisitor& v);
+// What there is to be seen. Slants follow from the depth image and the intrinsics.
+struct IdealView {
+  const Image<float>& depth_m;
+  const CameraIntrinsics& intrinsics;
+  const Image<Rgb8>* color = nullptr;  // null or empty: no surface counts as dark or shiny
 };
 
-std::vector<std::string> SensorProfileNames();  // of assets/sensors, sorted
-
-// NAME of assets/sensors, or a path ending in .yaml. Throws InputError for an unknown name, a bad
-// value, or a range that is empty.
-SensorProfile LoadSensorProfile(const std::string& name_or_path);
-
-// Deterministic by the state of `rng`, of which each pixel takes one number. A pixel without ideal
-// depth stays without reading; the edge of such a hole is an edge. A pixel that looks past an edge
-// reads what is there, so that outlines are ragged; elsewhere it reads between pixels. With a
-// profile that changes nothing, the image itself.
-Image<float> ApplySensorNoise(const Image<float>& ideal_depth_m, const SensorProfile& profile,
-                              Rng& rng);
+// Deterministic by the state of `rng`, of which it takes one number: what a pixel gets depends on
+// that number and the pixel's place alone. With a profile that changes nothing, the image itself.
+//
+// A pixel without ideal depth stays without reading; the edge of such a hole is an edge. A pixel
+// that looks past an edge reads what is there, so that outlines are ragged; elsewhere it reads
+// between pixels. Chances of having no reading multiply. A reading is lost first, then displaced
+// (or flying), then noisy, then quantised, then cut by the range.
+//
+// Throws InputError when the sizes of depth, intrinsics and colour differ.
+Image<float> ApplySensorNoise(const IdealView& view, const SensorProfile& profile, Rng& rng);
 
 }  // namespace pickbed

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "scenes/check.h"
+#include "sim/sensor_noise.h"
 
 namespace pickbed {
 namespace {
@@ -85,8 +86,9 @@ std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<
       Rng background = Rng::Derive(seed, i, "isolated view background");
       PaintBackground(options_.looks, background, image);
       Rng rng = Rng::Derive(seed, i, "isolated view noise");
-      views[i].frame = {camera, std::move(image.color),
-                        ApplySensorNoise(image.depth_m, options_.sensor, rng)};
+      Image<float> depth_m =
+          ApplySensorNoise({image.depth_m, camera, &image.color}, options_.sensor, rng);
+      views[i].frame = {camera, std::move(image.color), std::move(depth_m)};
       views[i].ids = std::move(image.ids);
       views[i].instances = {{object, X_CO[i], 1.0}};
     }
@@ -158,8 +160,9 @@ LabelledView SimViewSource::PileView(const Scene& scene, uint64_t seed, int view
   }
   for (uint16_t& id : image.ids.pixels()) id = new_id[id];
   Rng noise = Rng::Derive(seed, view, "pile view noise");
-  out.frame = {camera.intrinsics, std::move(image.color),
-               ApplySensorNoise(image.depth_m, options_.sensor, noise)};
+  Image<float> depth_m =
+      ApplySensorNoise({image.depth_m, camera.intrinsics, &image.color}, options_.sensor, noise);
+  out.frame = {camera.intrinsics, std::move(image.color), std::move(depth_m)};
   out.ids = std::move(image.ids);
   out.background = KnownBackground{scene.bin, X_CW};  // the bin stands at the world's origin
   return out;

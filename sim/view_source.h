@@ -8,7 +8,7 @@
 #include "sim/appearance.h"
 #include "sim/drop.h"
 #include "sim/renderer.h"
-#include "sim/sensor_noise.h"
+#include "sim/sensor_profile.h"
 
 namespace pickbed {
 

@@ -207,17 +207,24 @@ void RenderViews(benchmark::State& state) {
 }
 BENCHMARK(RenderViews)->Name("render/views/64x64")->Arg(64)->Arg(1024);
 
-void StructuredLight(benchmark::State& state) {
-  const SensorProfile profile = LoadSensorProfile("structured_light");
+// Every effect of the profile on a full bin in colour.
+void SeeBin30(benchmark::State& state, const char* sensor) {
+  const SensorProfile profile = LoadSensorProfile(sensor);
   const ObjectSet objects = AllParts();
   const Scene scene = Bin30(static_cast<int>(objects.size()));
   SceneRenderer renderer(objects, scene.bin);
-  const Image<float> depth_m = renderer.Render(scene, CellCamera()).depth_m;
+  const Camera camera = CellCamera();
+  const RenderedImage image = renderer.Render(scene, camera);
+  const IdealView view{image.depth_m, camera.intrinsics, &image.color};
   Rng rng(1);
-  for (auto _ : state) benchmark::DoNotOptimize(ApplySensorNoise(depth_m, profile, rng));
+  for (auto _ : state) benchmark::DoNotOptimize(ApplySensorNoise(view, profile, rng));
   state.SetItemsProcessed(state.iterations());
 }
-BENCHMARK(StructuredLight)->Name("sensor/structured_light/640x480");
+BENCHMARK_CAPTURE(SeeBin30, structured_light, "structured_light")
+    ->Name("sensor/structured_light/640x480");
+BENCHMARK_CAPTURE(SeeBin30, active_stereo, "active_stereo")->Name("sensor/active_stereo/640x480");
+BENCHMARK_CAPTURE(SeeBin30, time_of_flight, "time_of_flight")
+    ->Name("sensor/time_of_flight/640x480");
 
 }  // namespace
 }  // namespace pickbed
