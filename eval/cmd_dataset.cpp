@@ -28,7 +28,7 @@ int CheckPath(const std::string& path) {
 }  // namespace
 
 int DatasetCommand(int argc, char** argv) {
-  CLI::App app("Makes or checks data sets in BOP's layout.", "pickbed dataset");
+  CLI::App app("Checks data sets in BOP's layout.", "pickbed dataset");
   app.require_subcommand(1);
   app.footer("Example: pickbed dataset check bop/ycbv");
   CLI::App* check = app.add_subcommand("check", "lists what is wrong with any BOP data set");

@@ -25,7 +25,7 @@ constexpr std::array<CommandRow, 9> kCommands{{
      EstimateCommand},
     {"train", "learn parts from views rendered on the fly", TrainCommand},
     {"object", "make a part of the catalog from a mesh", ObjectCommand},
-    {"dataset", "make a data set in BOP's layout, or check one", DatasetCommand},
+    {"dataset", "check a data set in BOP's layout", DatasetCommand},
     {"list", "what there is to choose from: objects, estimators, grippers, sensors, ...",
      ListCommand},
     {"doctor", "check that this machine can do all that a run needs", DoctorCommand},
