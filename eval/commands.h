@@ -14,6 +14,7 @@ int DropCommand(int argc, char** argv);
 int RenderCommand(int argc, char** argv);
 int EstimateCommand(int argc, char** argv);
 int TrainCommand(int argc, char** argv);
+int SensorCommand(int argc, char** argv);
 int ListCommand(int argc, char** argv);
 int DoctorCommand(int argc, char** argv);
 
