@@ -15,6 +15,7 @@ int RenderCommand(int argc, char** argv);
 int EstimateCommand(int argc, char** argv);
 int TrainCommand(int argc, char** argv);
 int ObjectCommand(int argc, char** argv);
+int SensorCommand(int argc, char** argv);
 int ListCommand(int argc, char** argv);
 int DatasetCommand(int argc, char** argv);
 int DoctorCommand(int argc, char** argv);

@@ -180,11 +180,13 @@ PICKBED_TWO_WIDTHS void FillSlant(RowConstants c, const float* slant_rad, const 
     ratio[x] = steep / (kRightAngle - steep);
     sigma_m[x] = c.slant_m * ratio[x] * ratio[x];
   }
-  for (int k = 0; k < c.slant_half_power; ++k) {
-    for (int x = 0; x < n; ++x) sigma_m[x] *= std::sqrt(depth_m[x]);
-  }
-  for (int k = 0; k > c.slant_half_power; --k) {
-    for (int x = 0; x < n; ++x) sigma_m[x] /= std::sqrt(std::max(depth_m[x], 1e-6f));
+  const int whole = std::abs(c.slant_half_power) / 2, half = std::abs(c.slant_half_power) % 2;
+  for (int x = 0; x < n; ++x) {
+    const float z = std::max(depth_m[x], 1e-6f);
+    const float base = c.slant_half_power < 0 ? 1.0f / z : z;
+    const float root = half ? std::sqrt(base) : 1.0f;
+    const float square = whole > 1 ? base * base : 1.0f;
+    sigma_m[x] *= root * (whole % 2 ? base * square : square);
   }
 }
 

@@ -68,15 +68,30 @@ PICKBED_TWO_WIDTHS void Columns(const float* depth_m, int width, float focal_tim
   }
 }
 
+// 1 where the gap between pixels x and x + 1 parts two surfaces: its depth step is an edge, and the
+// disparity does not go on at half the rate or more, with the same sign, on either side of it, as
+// it does on a steep surface. Both are read from x - 1 to x + 2.
+PICKBED_TWO_WIDTHS void Gaps(const float* depth_m, const float* disparity, int n, float step_m,
+                             float* is_gap) {
+  for (int x = 0; x < n; ++x) {
+    const float before = disparity[x] - disparity[x - 1];
+    const float across = disparity[x + 1] - disparity[x];
+    const float after = disparity[x + 2] - disparity[x + 1];
+    const float like = std::max(before * across, after * across);
+    const float step = std::abs(depth_m[x + 1] - depth_m[x]);
+    is_gap[x] = step > step_m ? (2 * like < across * across ? 1.0f : 0.0f) : 0.0f;
+  }
+}
+
 // Each column belongs to the half-open stretch that it lies in, so that those that touch share
-// none. `depth_m` and `column` are read one to either side.
-PICKBED_TWO_WIDTHS void Stretches(const float* depth_m, const float* column, int n, float step_m,
-                                  int* first, int* last) {
+// none. `column` is read one to either side, `is_gap` one to the left.
+PICKBED_TWO_WIDTHS void Stretches(const float* depth_m, const float* column, const float* is_gap,
+                                  int n, int* first, int* last) {
   for (int x = 0; x < n; ++x) {
     const float z = depth_m[x], c = column[x];
     const float middle_left = 0.5f * (column[x - 1] + c), middle_right = 0.5f * (c + column[x + 1]);
-    const float left = std::abs(depth_m[x - 1] - z) > step_m ? c - 0.5f : middle_left;
-    const float right = std::abs(depth_m[x + 1] - z) > step_m ? c + 0.5f : middle_right;
+    const float left = is_gap[x - 1] > 0 ? c - 0.5f : middle_left;
+    const float right = is_gap[x] > 0 ? c + 0.5f : middle_right;
     const int a = static_cast<int>(std::max(std::min(left, right), 0.0f));
     const int b = static_cast<int>(std::max(left, right));
     first[x] = a + 1;
@@ -147,17 +162,22 @@ ShadowRows::ShadowRows(int width, double fx, double baseline_m, float edge_step_
       nearest_(3 * static_cast<size_t>(width) + 2),
       disparity_(width),
       column_(width),
+      is_gap_(width, 1.0f),
       first_(width),
       last_(width) {}
 
 void ShadowRows::Row(const float* depth_m, uint8_t* is_shadow) {
   std::fill(nearest_.begin(), nearest_.end(), 0.0f);
   Columns(depth_m, width_, focal_times_baseline_, disparity_.data(), column_.data());
-  if (width_ > 2) {
-    Stretches(depth_m + 1, column_.data() + 1, width_ - 2, edge_step_m_, first_.data() + 1,
+  if (width_ > 3) {
+    for (const int x : {0, width_ - 2}) {
+      is_gap_[x] = std::abs(depth_m[x + 1] - depth_m[x]) > edge_step_m_ ? 1.0f : 0.0f;
+    }
+    Gaps(depth_m + 1, disparity_.data() + 1, width_ - 3, edge_step_m_, is_gap_.data() + 1);
+    Stretches(depth_m + 1, column_.data() + 1, is_gap_.data() + 1, width_ - 2, first_.data() + 1,
               last_.data() + 1);
   }
-  for (const int x : {0, width_ - 1}) {
+  for (int x = 0; x<width_; x += width_> 3 ? width_ - 1 : 1) {
     first_[x] = static_cast<int>(std::max(column_[x] - 0.5f, 0.0f)) + 1;
     last_[x] = depth_m[x] > 0 ? static_cast<int>(column_[x] + 0.5f) : 0;
   }

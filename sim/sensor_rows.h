@@ -56,6 +56,7 @@ class ShadowRows {
   float edge_step_m_;
   std::vector<float> nearest_;  // largest disparity on each of the projector's columns
   std::vector<float> disparity_, column_;
+  std::vector<float> is_gap_;      // between a pixel and the next
   std::vector<int> first_, last_;  // columns that a pixel is drawn on
 };
 

@@ -138,6 +138,19 @@ TEST_F(CommandsTest, FoldersThatCannotBeMadeAreRefused) {
   }
 }
 
+TEST_F(CommandsTest, SensorShowDrawsAProfileAndRefusesABadOne) {
+  const std::string picture = (folder_ / "new" / "tof.png").string();
+  const Outcome outcome = Pickbed({"sensor", "show", "time_of_flight", "--out", picture});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr(picture));
+  EXPECT_GT(std::filesystem::file_size(picture), 20000u);
+  ExpectRefused({"sensor"}, "ACTION");
+  ExpectRefused({"sensor", "show"}, "SENSOR");
+  ExpectRefused({"sensor", "draw", "ideal"}, "draw");
+  ExpectRefused({"sensor", "show", "time_of_fligth"}, "did you mean 'time_of_flight'");
+  ExpectRefused({"sensor", "show", File("bad.yaml", "edge_dropout: 2\n")}, "edge_dropout");
+}
+
 TEST_F(CommandsTest, ListNamesWhatThereIs) {
   const Outcome all = Pickbed({"list"});
   EXPECT_EQ(all.status, 0);

@@ -203,6 +203,22 @@ TEST(SensorEffects, AThinPostShadesNoMoreThanItsWidth) {
   EXPECT_NEAR(lost.back(), 147, 1);
 }
 
+// A board so steep that its pixels are edges to each other shades without gaps all the same.
+TEST(SensorEffects, ASteepBoardShadesWithoutGaps) {
+  SensorProfile p;
+  p.baseline_m = 0.075;
+  Image<float> ideal = Plane(1.0, 0);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 200; x < 216; ++x) ideal(x, y) = 0.6f + 0.02f * static_cast<float>(x - 200);
+  }
+  const Image<float> sensed = Sensed(ideal, p);
+  const double width_px = 0.075 * kCamera.fx * (1 / 0.6 - 1);
+  int lost = 0;
+  for (int x = 0; x < 200; ++x) lost += sensed(x, 9) == 0;
+  EXPECT_NEAR(lost, width_px, 1);
+  for (int x = 199; x > 200 - width_px + 1; --x) EXPECT_EQ(sensed(x, 9), 0) << x;
+}
+
 TEST(SensorEffects, PlanesThatTheProjectorSeesCastNoShadow) {
   SensorProfile p;
   p.baseline_m = 0.075;
