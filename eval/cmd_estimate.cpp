@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include "eval/bop/estimate.h"
 #include "eval/command_line.h"
 #include "eval/commands.h"
 #include "eval/progress.h"
 #include "eval/summary.h"
+#include "scenes/check.h"
 
 namespace pickbed {
 namespace {
@@ -70,18 +72,58 @@ std::string EstimateTable(const RunSummary& summary, const std::vector<TrialResu
   return text;
 }
 
+// Settings of a scenario that mean something on images that exist: estimator, refiner and seed.
+int EstimateBop(const std::string& path, const std::string& split,
+                const ScenarioArguments& arguments, const std::string& out) {
+  CheckInput(arguments.scenario.empty() && !arguments.trials,
+             "--bop takes the place of SCENARIO and --trials; name one or the other");
+  ScenarioSpec spec;
+  for (const std::string& setting : arguments.settings) {
+    ApplySetting(setting, [&](SettingsVisitor& v) { spec.Visit(v); });
+  }
+  const std::string data_set =
+      (std::filesystem::absolute(path) / ".").lexically_normal().parent_path().filename().string();
+  const std::filesystem::path folder = OutFolder(out, data_set, "-estimate");
+  MakeFolder(folder);
+  std::vector<bop::Estimate> estimates;
+  {
+    ProgressLine progress;
+    estimates = bop::EstimateDataset(
+        path, split, {spec.estimator, spec.refiner, spec.seed},
+        [&](const bop::EstimateProgress& state) {
+          progress.Show(fmt::format("{}: {:.0f} %", state.what, 100 * state.share));
+        });
+  }
+  const std::filesystem::path csv =
+      folder / fmt::format("{}_{}-{}.csv", spec.estimator.name, data_set, split);
+  WriteFileAtomically(csv, bop::WriteResults(estimates));
+  fmt::print("{} estimates in {}\nscore them with pickbed score --bop {} --split {} {}\n",
+             estimates.size(), csv.string(), path, split, csv.string());
+  return 0;
+}
+
 }  // namespace
 
 int EstimateCommand(int argc, char** argv) {
-  CLI::App app("Fills bins, guesses poses and scores them against the truth, without picking.",
-               "pickbed estimate");
+  CLI::App app(
+      "Fills bins, guesses poses and scores them against the truth, without picking. With --bop, "
+      "guesses poses in the images of a BOP data set and writes them as BOP's results CSV.",
+      "pickbed estimate");
   ScenarioArguments arguments;
-  std::string out;
+  std::string out, bop_path, split = "test";
   AddScenarioArguments(app, arguments);
+  app.get_option("SCENARIO")->required(false);
+  auto* bop_option = app.add_option("--bop", bop_path, "a BOP data set, instead of SCENARIO");
+  app.add_option("--split", split, "of the BOP data set")->capture_default_str()->needs(bop_option);
   AddTrialsArgument(app, arguments);
   AddOutArgument(app, out, "-estimate");
-  app.footer("Example: pickbed estimate demo --trials 5 --set estimator.mode=hard");
+  app.footer(
+      "Example: pickbed estimate demo --trials 5 --set estimator.mode=hard\n"
+      "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf");
   if (!ParseArguments(app, argc, argv)) return 0;
+  if (!bop_path.empty()) return EstimateBop(bop_path, split, arguments, out);
+  CheckInput(!arguments.scenario.empty(),
+             "SCENARIO is required (or --bop PATH); see pickbed estimate --help");
 
   const LoadedScenario scenario = LoadScenarioArguments(arguments);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");

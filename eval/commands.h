@@ -18,6 +18,7 @@ int ObjectCommand(int argc, char** argv);
 int SensorCommand(int argc, char** argv);
 int ListCommand(int argc, char** argv);
 int DatasetCommand(int argc, char** argv);
+int ScoreCommand(int argc, char** argv);
 int DoctorCommand(int argc, char** argv);
 
 struct CommandRow {

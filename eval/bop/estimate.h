@@ -1,0 +1,34 @@
+#pragma once
+
+// Runs an estimator on a BOP data set, real or simulated.
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "eval/bop/results_csv.h"
+#include "scenes/scenario_spec.h"
+
+namespace pickbed::bop {
+
+struct EstimateOptions {
+  EstimatorSpec estimator;
+  std::string refiner = "pcl_icp";
+  uint64_t seed = 0;
+};
+
+struct EstimateProgress {
+  std::string what;  // scene and image, or the code book that is made
+  double share = 0;
+};
+
+// Of every target image, all poses of the objects that are its targets (BOP19) or of any object of
+// the data set (where only BOP24 names it). The estimator gets images, cameras and meshes, no truth
+// and no background, since BOP knows no bin. Throws InputError for an unknown estimator, the oracle
+// (it would need the truth) and a broken data set.
+std::vector<Estimate> EstimateDataset(
+    const std::filesystem::path& root, const std::string& split, const EstimateOptions& options,
+    const std::function<void(const EstimateProgress&)>& on_progress = {});
+
+}  // namespace pickbed::bop

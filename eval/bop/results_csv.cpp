@@ -1,0 +1,134 @@
+#include "eval/bop/results_csv.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "eval/bop/dataset.h"
+#include "scenes/check.h"
+#include "scenes/files.h"
+
+namespace pickbed::bop {
+namespace {
+
+constexpr const char* kHeader = "scene_id,im_id,obj_id,score,R,t,time";
+constexpr double kSameTime_s = 1e-3;  // of the lines of an image
+
+std::vector<std::string> Split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::stringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) {
+    if (separator != ' ' || !part.empty()) parts.push_back(part);
+  }
+  return parts;
+}
+
+std::string Trimmed(const std::string& text) {
+  const size_t begin = text.find_first_not_of(" \t\r");
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+}
+
+// A line of the file, for messages.
+struct Line {
+  std::string place;  // results.csv:3
+  [[noreturn]] void Refuse(const std::string& what) const { throw InputError(place + ": " + what); }
+
+  double Number(const std::string& field, const char* column) const {
+    const std::string text = Trimmed(field);
+    const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+    double value = 0;
+    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+      Refuse(fmt::format("{} '{}' is no finite number", column, text));
+    }
+    return value;
+  }
+  int Id(const std::string& field, const char* column) const {
+    const double value = Number(field, column);
+    if (value < 0 || value > 1e9 || value != std::floor(value)) {
+      Refuse(fmt::format("{} '{}' is no number of a {}", column, Trimmed(field), column));
+    }
+    return static_cast<int>(value);
+  }
+  std::vector<double> Numbers(const std::string& field, size_t count, const char* column) const {
+    const std::vector<std::string> parts = Split(Trimmed(field), ' ');
+    if (parts.size() != count) {
+      Refuse(fmt::format("{} has {} numbers separated by spaces, not {}", column, parts.size(),
+                         count));
+    }
+    std::vector<double> numbers;
+    for (const std::string& part : parts) numbers.push_back(Number(part, column));
+    return numbers;
+  }
+};
+
+Estimate ParseLine(const std::string& text, const Line& line) {
+  const std::vector<std::string> fields = Split(text, ',');
+  if (fields.size() != 7) {
+    line.Refuse(fmt::format("has {} columns, not the 7 of {}", fields.size(), kHeader));
+  }
+  Estimate estimate;
+  estimate.scene_id = line.Id(fields[0], "scene_id");
+  estimate.image_id = line.Id(fields[1], "im_id");
+  estimate.object_id = line.Id(fields[2], "obj_id");
+  estimate.score = line.Number(fields[3], "score");
+  const std::vector<double> R = line.Numbers(fields[4], 9, "R");
+  const std::vector<double> t_mm = line.Numbers(fields[5], 3, "t");
+  estimate.time_s = line.Number(fields[6], "time");
+  Eigen::Matrix3d R_CO;
+  for (int i = 0; i < 9; ++i) R_CO(i / 3, i % 3) = R[i];
+  if (const std::string wrong = RotationFault(R_CO); !wrong.empty()) line.Refuse("R " + wrong);
+  estimate.X_CO = MakePose(R_CO, 1e-3 * Eigen::Vector3d::Map(t_mm.data()));
+  return estimate;
+}
+
+}  // namespace
+
+std::string WriteResults(const std::vector<Estimate>& estimates) {
+  std::string csv = fmt::format("{}\n", kHeader);
+  for (const Estimate& estimate : estimates) {
+    std::string R;
+    for (int i = 0; i < 9; ++i) {
+      R += fmt::format("{}{}", i ? " " : "", estimate.X_CO.linear()(i / 3, i % 3));
+    }
+    const Eigen::Vector3d t_mm = 1e3 * estimate.X_CO.translation();
+    csv += fmt::format("{},{},{},{},{},{} {} {},{}\n", estimate.scene_id, estimate.image_id,
+                       estimate.object_id, estimate.score, R, t_mm.x(), t_mm.y(), t_mm.z(),
+                       estimate.time_s);
+  }
+  return csv;
+}
+
+std::vector<Estimate> ReadResults(const std::filesystem::path& file) {
+  std::stringstream stream(ReadFileBytes(file));
+  std::vector<Estimate> estimates;
+  std::map<std::pair<int, int>, double> times_s;
+  int number = 0;
+  for (std::string text; std::getline(stream, text);) {
+    const Line line{fmt::format("{}:{}", file.string(), ++number)};
+    if (number == 1) {
+      if (Trimmed(text) != kHeader) {
+        line.Refuse(fmt::format("begins with '{}', not with {}", Trimmed(text), kHeader));
+      }
+      continue;
+    }
+    if (Trimmed(text).empty()) continue;
+    estimates.push_back(ParseLine(text, line));
+    const Estimate& e = estimates.back();
+    const auto [known, is_new] = times_s.try_emplace({e.scene_id, e.image_id}, e.time_s);
+    if (std::abs(known->second - e.time_s) > kSameTime_s) {
+      line.Refuse(
+          fmt::format("time is {} s, an earlier line of scene {} image {} says {}; it is "
+                      "that of the whole image",
+                      e.time_s, e.scene_id, e.image_id, known->second));
+    }
+  }
+  CheckInput(number > 0, fmt::format("{}: is empty; it begins with {}", file.string(), kHeader));
+  return estimates;
+}
+
+}  // namespace pickbed::bop

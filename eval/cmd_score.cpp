@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include "eval/bop/evaluate.h"
+#include "eval/command_line.h"
+#include "eval/commands.h"
+#include "eval/progress.h"
+
+namespace pickbed {
+namespace {
+
+std::string ScoreTable(const bop::Scores& scores) {
+  std::string text = fmt::format(
+      "BOP19, 6D localisation: {} instances to be found in {} images\n"
+      "  AR         {:.3f}\n  AR VSD     {:.3f}\n  AR MSSD    {:.3f}\n  AR MSPD    {:.3f}\n"
+      "BOP24, 6D detection\n"
+      "  AP         {:.3f}\n  AP MSSD    {:.3f}\n  AP MSPD    {:.3f}\n",
+      scores.wanted, scores.images, scores.ar(), scores.ar_vsd, scores.ar_mssd, scores.ar_mspd,
+      scores.ap(), scores.ap_mssd, scores.ap_mspd);
+  text += "object  targets  AR VSD  AR MSSD  AR MSPD  AP MSSD  AP MSPD\n";
+  for (const auto& [id, object] : scores.objects) {
+    text += fmt::format("{:>6}  {:>7}  {:>6.3f}  {:>7.3f}  {:>7.3f}", id, object.wanted,
+                        object.ar_vsd, object.ar_mssd, object.ar_mspd);
+    text += object.detectable
+                ? fmt::format("  {:>7.3f}  {:>7.3f}\n", object.ap_mssd, object.ap_mspd)
+                : "        -        -\n";
+  }
+  if (scores.seconds_an_image >= 0) {
+    text += fmt::format("seconds an image  {:.2f}\n", scores.seconds_an_image);
+  }
+  if (scores.estimates_elsewhere > 0) {
+    text += fmt::format("{} estimates are of images that are no target and do not count\n",
+                        scores.estimates_elsewhere);
+  }
+  for (const std::string& note : scores.notes) text += note + "\n";
+  return text;
+}
+
+}  // namespace
+
+int ScoreCommand(int argc, char** argv) {
+  CLI::App app(
+      "Scores pose estimates on a BOP data set: VSD, MSSD, MSPD and AR by the rules of BOP19, AP "
+      "by those of BOP24.",
+      "pickbed score");
+  std::string path, csv, split = "test";
+  bop::VsdOptions vsd;
+  double delta_mm = 1e3 * vsd.delta_m;
+  app.add_option("--bop", path, "the data set's folder")->required();
+  app.add_option("RESULTS", csv, "CSV of estimates: scene_id,im_id,obj_id,score,R,t,time")
+      ->required();
+  app.add_option("--split", split, "its folder of scenes")->capture_default_str();
+  app.add_option("--vsd-delta", delta_mm,
+                 "mm behind the measured depth that VSD takes as visible; "
+                 "BOP has 5 for itodd")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.footer("Example: pickbed score --bop bop/ycbv results/ppf_ycbv-test.csv");
+  if (!ParseArguments(app, argc, argv)) return 0;
+  vsd.delta_m = 1e-3 * delta_mm;
+  const std::vector<bop::Estimate> estimates = bop::ReadResults(csv);
+  bop::Scores scores;
+  {
+    ProgressLine progress;
+    scores = bop::Evaluate(path, split, estimates, vsd,
+                           [&](const std::string& scene) { progress.Show("scoring " + scene); });
+  }
+  fmt::print("{}", ScoreTable(scores));
+  return 0;
+}
+
+}  // namespace pickbed
