@@ -83,9 +83,6 @@ std::array<float, 256> LumaTable(const SensorProfile& p) {
   return survival;
 }
 
-// Rec. 601 in 8 bits.
-int Luma(const Rgb8& c) { return (77 * c.r + 150 * c.g + 29 * c.b + 128) >> 8; }
-
 // The constants of the loops over a row, as floats.
 struct RowConstants {
   explicit RowConstants(const SensorProfile& p, double image_focal_px);
@@ -142,9 +139,9 @@ struct RowState {
   std::vector<float> seen_m;               // depth of what the pixel sees, 0 = nothing
 };
 
-// As in sensor_rows.cpp: two versions of the same arithmetic. What is written is marked as apart
+// As in sensor_rows.cpp: versions of the same arithmetic. What is written is marked as apart
 // from what is read, without which the compiler would not work on several pixels at once.
-#define PICKBED_TWO_WIDTHS __attribute__((target_clones("avx2", "default")))
+#define PICKBED_TWO_WIDTHS __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
 
 PICKBED_TWO_WIDTHS void DrawNumbers(uint64_t place, int n, const float* gauss, RowState& row) {
   constexpr uint64_t kGaussMask = kGaussCount - 1, kMask = (1 << kDecisionBits) - 1;
@@ -167,6 +164,15 @@ PICKBED_TWO_WIDTHS void DrawNumbers(uint64_t place, int n, const float* gauss, R
 PICKBED_TWO_WIDTHS void FillSurvival(RowConstants c, const uint8_t* is_edge, int n,
                                      float* survival) {
   for (int x = 0; x < n; ++x) survival[x] = c.kept * (is_edge[x] ? c.kept_at_edge : 1.0f);
+}
+
+// Luma by Rec. 601 in 8 bits.
+PICKBED_TWO_WIDTHS void ThinByLuma(const Rgb8* color, const float* luma_survival, int n,
+                                   float* __restrict survival) {
+  for (int x = 0; x < n; ++x) {
+    const int luma = (77 * color[x].r + 150 * color[x].g + 29 * color[x].b + 128) >> 8;
+    survival[x] *= luma_survival[luma];
+  }
 }
 
 PICKBED_TWO_WIDTHS void FillSlant(RowConstants c, const float* slant_rad, const float* depth_m,
@@ -294,8 +300,7 @@ void NoiseMaker::FindChances(int y) {
     for (int x = 0; x < width; ++x) row_.survival[x] *= row_.is_shadow[x] ? 0.0f : 1.0f;
   }
   if (needs_luma_) {
-    const Rgb8* color = color_->row(y);
-    for (int x = 0; x < width; ++x) row_.survival[x] *= luma_survival_[Luma(color[x])];
+    ThinByLuma(color_->row(y), luma_survival_.data(), width, row_.survival.data());
   }
 }
 

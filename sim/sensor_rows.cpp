@@ -6,10 +6,10 @@
 namespace pickbed {
 namespace {
 
-// The loops over a row stand in functions of their own so that the compiler makes two versions of
-// them, of which the wider runs where the processor has it. AVX2 alone brings no fused
-// multiply-add, so both give the same bytes.
-#define PICKBED_TWO_WIDTHS __attribute__((target_clones("avx2", "default")))
+// The loops over a row stand in functions of their own so that the compiler makes versions of them,
+// of which the widest runs that the processor has. All give the same bytes, since this file is
+// compiled without fused multiply-add.
+#define PICKBED_TWO_WIDTHS __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
 
 PICKBED_TWO_WIDTHS void Invert(const float* depth_m, int n, float* inverse) {
   for (int x = 0; x < n; ++x) {
@@ -99,6 +99,19 @@ PICKBED_TWO_WIDTHS void Stretches(const float* depth_m, const float* column, con
   }
 }
 
+// `nearest` has an element for each whole column up to 3 * width.
+PICKBED_TWO_WIDTHS void Shadows(const float* depth_m, const float* disparity, const float* column,
+                                const float* nearest, int width, uint8_t* __restrict is_shadow) {
+  const auto end = static_cast<float>(3 * width);
+  for (int x = 0; x < width; ++x) {
+    const float c = column[x];
+    const float before = nearest[static_cast<int>(c + 0.5f)] - disparity[x];
+    const float inside = c > 0.0f ? (c < end ? before : 0.0f) : 0.0f;
+    const float seen = depth_m[x] > 0.0f ? inside : 0.0f;
+    is_shadow[x] = seen > 1.0f ? 1 : 0;
+  }
+}
+
 }  // namespace
 
 SlantRows::SlantRows(const Image<float>& depth_m, const CameraIntrinsics& intrinsics)
@@ -184,12 +197,7 @@ void ShadowRows::Row(const float* depth_m, uint8_t* is_shadow) {
   for (int x = 0; x < width_; ++x) {
     for (int k = first_[x]; k <= last_[x]; ++k) nearest_[k] = std::max(nearest_[k], disparity_[x]);
   }
-  const auto end = static_cast<float>(3 * width_);
-  for (int x = 0; x < width_; ++x) {
-    const float c = column_[x];
-    const bool in_front = nearest_[static_cast<int>(c + 0.5f)] > disparity_[x] + 1;
-    is_shadow[x] = in_front && depth_m[x] > 0 && c > 0 && c < end;
-  }
+  Shadows(depth_m, disparity_.data(), column_.data(), nearest_.data(), width_, is_shadow);
 }
 
 }  // namespace pickbed

@@ -72,16 +72,17 @@ std::vector<double> Vsd(const Silhouette& estimated, const Silhouette& truth,
     const double off_diameters = std::abs(true_m - estimated_m) / diameter_m;
     for (size_t i = 0; i < taus.size(); ++i) apart[i] += off_diameters >= taus[i];
   };
-  for (const Silhouette* silhouette : {&truth, &estimated}) {
-    for (int y = 0; y < silhouette->distances_m.height(); ++y) {
-      for (int x = 0; x < silhouette->distances_m.width(); ++x) {
-        const int u = x + silhouette->x, v = y + silhouette->y;
-        if (silhouette->distances_m(x, y) <= 0) continue;
-        if (silhouette == &estimated && DistanceAt(truth, u, v) > 0) continue;  // compared already
-        compare(u, v);
+  const auto compare_all = [&](const Silhouette& silhouette, const auto& is_wanted) {
+    for (int y = 0; y < silhouette.distances_m.height(); ++y) {
+      for (int x = 0; x < silhouette.distances_m.width(); ++x) {
+        if (silhouette.distances_m(x, y) <= 0) continue;
+        const int u = x + silhouette.x, v = y + silhouette.y;
+        if (is_wanted(u, v)) compare(u, v);
       }
     }
-  }
+  };
+  compare_all(truth, [](int, int) { return true; });
+  compare_all(estimated, [&](int u, int v) { return DistanceAt(truth, u, v) <= 0; });
   const double all = seen_in_one + seen_in_both;
   std::vector<double> errors(taus.size(), 1.0);
   for (size_t i = 0; i < taus.size() && all > 0; ++i) errors[i] = (apart[i] + seen_in_one) / all;
