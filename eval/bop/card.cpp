@@ -7,6 +7,7 @@
 #include "eval/bop/json_impl.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/writing.h"
+#include "scenes/check.h"
 #include "scenes/files.h"
 #include "sim/sensor_noise.h"
 
@@ -16,12 +17,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kIdentityFile = "dataset_settings.yaml";
+constexpr const char* kCardFile = "dataset_card.json";
 
 uint64_t HashText(const std::string& text, uint64_t seed) {
   return HashBytes(text.data(), text.size(), seed);
 }
 
-uint64_t HashFolder(const fs::path& folder) {
+std::string HashOfFolder(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file()) files.push_back(entry.path());
@@ -32,7 +34,7 @@ uint64_t HashFolder(const fs::path& folder) {
     hash = HashText(file.lexically_relative(folder).string(), hash);
     hash = HashText(ReadFileBytes(file), hash);
   }
-  return hash;
+  return fmt::format("{:016x}", hash);
 }
 
 std::string CardText(const Json& card) {
@@ -99,14 +101,35 @@ void WriteCards(const ScenarioSpec& spec, const ObjectSet& objects, const MakeOp
   std::string all;
   for (const int id : scenes) {
     const std::string name = SceneFolderName(id);
-    const std::string hash = fmt::format("{:016x}", HashFolder(options.out / options.split / name));
+    const std::string hash = HashOfFolder(options.out / options.split / name);
     card["scene_hashes"][name] = hash;
     all += hash;
   }
-  card["models"] = fmt::format("{:016x}", HashFolder(options.out / "models"));
+  card["models"] = HashOfFolder(options.out / "models");
   card["hash"] = fmt::format("{:016x}", HashBytes(all.data(), all.size()));
-  WriteFileAtomically(options.out / "dataset_card.json", card.dump(2) + "\n");
+  WriteFileAtomically(options.out / kCardFile, card.dump(2) + "\n");
   WriteFileAtomically(options.out / "dataset_card.md", CardText(card));
+}
+
+std::map<int, CardPart> PartsOfCard(const fs::path& root) {
+  const fs::path file = root / kCardFile;
+  std::map<int, CardPart> parts;
+  if (!fs::exists(file)) return parts;
+  const std::optional<Json> card = ReadJson(file, ThrowFault);
+  try {
+    if (card->at("models").get<std::string>() != HashOfFolder(root / "models")) return parts;
+    for (const Json& object : card->at("objects")) {
+      parts[object.at("obj_id").get<int>()] = {
+          object.at("name").get<std::string>(),
+          std::stoull(object.at("mesh").get<std::string>(), nullptr, 16)};
+    }
+  } catch (const std::exception& error) {
+    throw InputError(
+        fmt::format("{}: is no card of pickbed's ({}); `pickbed dataset make` with "
+                    "--resume writes it anew",
+                    file.string(), error.what()));
+  }
+  return parts;
 }
 
 }  // namespace pickbed::bop

@@ -86,7 +86,7 @@ std::vector<Target> ReadTargets(const std::filesystem::path& file, const OnFault
 // The part of an id with its mesh of `folder`; mass and friction are those of a light plastic,
 // which BOP does not know. Throws InputError.
 std::shared_ptr<const ObjectModel> LoadModel(const std::filesystem::path& folder, int object_id,
-                                             const ModelInfo& info);
+                                             const ModelInfo& info, const std::string& name);
 
 // Colour and depth of an image; intrinsics with the size of its depth. Throws InputError when a
 // file is missing, depth is not 16 bits, or their sizes differ.

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "eval/bop/card.h"
 #include "eval/bop/dataset.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/targets.h"
@@ -63,13 +64,19 @@ class Runner {
          const std::map<int, ModelInfo>& models, const RgbdFrame& first,
          const std::function<void(const EstimateProgress&)>& on_progress) {
     const EstimatorRow& row = RowOf(options.estimator.name);
+    const std::map<int, CardPart> known_parts = PartsOfCard(root);
     EstimatorSetup setup;
     for (const int id : wanted) {
       const auto info = models.find(id);
       CheckInput(info != models.end(),
                  fmt::format("{}: has no object {}, which is a target",
                              (root / "models" / "models_info.json").string(), id));
-      setup.objects.push_back(LoadModel(root / "models", id, info->second));
+      const auto known = known_parts.find(id);
+      const std::string name = known != known_parts.end() ? known->second.name : ModelName(id);
+      auto model =
+          std::make_shared<ObjectModel>(*LoadModel(root / "models", id, info->second, name));
+      if (known != known_parts.end()) model->mesh_hash = known->second.mesh_hash;
+      setup.objects.push_back(std::move(model));
       object_ids_.push_back(id);
     }
     setup.spec = options.estimator;

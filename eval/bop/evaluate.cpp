@@ -69,7 +69,7 @@ class Parts {
     CheckInput(info != infos_.end(),
                fmt::format("{}: has no object {}, which is estimated or true",
                            (folder_ / "models_info.json").string(), object_id));
-    const auto model = LoadModel(folder_, object_id, info->second);
+    const auto model = LoadModel(folder_, object_id, info->second, ModelName(object_id));
     Part part{MakeMetricModel(*model, 0), renderer_.AddMesh(model->mesh_O)};
     return parts_.emplace(object_id, std::move(part)).first->second;
   }

@@ -30,7 +30,8 @@ std::string ImageFileName(int image_id) { return fmt::format("{:06}.png", image_
 std::string MaskFileName(int image_id, int instance) {
   return fmt::format("{:06}_{:06}.png", image_id, instance);
 }
-std::string ModelFileName(int object_id) { return fmt::format("obj_{:06}.ply", object_id); }
+std::string ModelName(int object_id) { return fmt::format("obj_{:06}", object_id); }
+std::string ModelFileName(int object_id) { return ModelName(object_id) + ".ply"; }
 std::string TargetsFileName(const std::string& split, int year) {
   return fmt::format("{}_targets_bop{}.json", split, year);
 }

@@ -13,15 +13,14 @@ namespace pickbed::bop {
 namespace fs = std::filesystem;
 
 std::shared_ptr<const ObjectModel> LoadModel(const fs::path& folder, int object_id,
-                                             const ModelInfo& info) {
+                                             const ModelInfo& info, const std::string& name) {
   constexpr double kAnyMass_kg = 0.1;  // no pose depends on it
   MeshPartSpec spec;
   spec.mesh = folder / ModelFileName(object_id);
   spec.unit = "mm";
   spec.mass_kg = kAnyMass_kg;
   spec.symmetries_O = info.symmetries_O;
-  auto model =
-      std::make_shared<ObjectModel>(*LoadMeshPart(fmt::format("obj_{:06}", object_id), spec));
+  auto model = std::make_shared<ObjectModel>(*LoadMeshPart(name, spec));
   model->diameter_m = info.diameter_m;  // the published one is what thresholds refer to
   return model;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -139,10 +140,12 @@ MakeReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
                        const std::function<bool()>& stop) {
   const std::string identity = IdentityOf(spec, objects, options);
   const std::vector<int> before = ScenesBefore(options, identity);
-  MakeFolders(options.out / "models");
+  const std::array<fs::path, 2> models{options.out / "models", options.out / "models_eval"};
+  for (const fs::path& folder : models) MakeFolders(folder);
   MakeFolders(options.out / options.split);
   WriteIdentity(options.out, identity);
-  WriteModels(options.out / "models", objects);
+  // The BOP toolkit wants meshes to draw and meshes to score with; ours are small enough for both.
+  for (const fs::path& folder : models) WriteModels(folder, objects);
   WriteDatasetCamera(options.out / "camera.json", CameraOf(spec).intrinsics);
 
   MakeReport report;
