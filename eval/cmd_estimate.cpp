@@ -1,75 +1,77 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "eval/bop/estimate.h"
 #include "eval/command_line.h"
 #include "eval/commands.h"
+#include "eval/comparison_report.h"
+#include "eval/interrupt.h"
 #include "eval/progress.h"
-#include "eval/summary.h"
 #include "scenes/check.h"
 
 namespace pickbed {
 namespace {
 
-std::vector<TrialResult> LookAtBins(const LoadedScenario& scenario,
-                                    const std::filesystem::path& folder) {
+constexpr int kPicturedBins = 5;
+
+std::vector<ComparedRow> LookAtBins(const ComparisonJob& job) {
   ProgressLine progress;
-  TrialRunner runner(scenario.spec, scenario.objects, [&](std::string_view what, double share) {
-    progress.Show(fmt::format("{}: {:.0f} %", what, 100 * share));
-  });
-  std::vector<TrialResult> looks;
-  const double start_s = progress.elapsed_s();  // code books are made by now
-  const int trials = scenario.spec.trials;
-  for (int trial = 0; trial < trials; ++trial) {
-    looks.push_back(runner.Look(trial, folder / "pictures" / fmt::format("trial_{:04}", trial)));
-    const double a_bin_s = (progress.elapsed_s() - start_s) / (trial + 1);
-    progress.Show(fmt::format("bin {}/{}  left {}", trial + 1, trials,
-                              FormatDuration(a_bin_s * (trials - trial - 1))));
-  }
-  return looks;
+  double start_s = 0;
+  ComparisonJob shown = job;
+  shown.stop = Interrupted;
+  shown.on_progress = [&](std::string_view what, int done, int total) {
+    if (what != "bin") {
+      progress.Show(fmt::format("{}: {} %", what, done));
+      start_s = progress.elapsed_s();
+      return;
+    }
+    const double a_bin_s = (progress.elapsed_s() - start_s) / done;
+    progress.Show(
+        fmt::format("bin {}/{}  left {}", done, total, FormatDuration(a_bin_s * (total - done))));
+  };
+  return CompareEstimators(shown);
 }
 
-std::string HypothesesCsv(const std::vector<TrialResult>& looks, const ObjectSet& objects) {
-  std::string csv =
-      "trial,hypothesis,object,instance,score,mssd_m,mssd_diameters,mspd_px,add_m,adi_m,"
-      "rotation_rad,translation_m,correct\n";
-  for (const TrialResult& look : looks) {
-    for (const PickRecord& record : look.picks) {
-      for (size_t i = 0; i < record.hypotheses.size(); ++i) {
-        const HypothesisScore& h = record.hypotheses[i];
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", look.trial, i,
-                           objects[h.object]->name, h.instance, h.score, h.mssd_m, h.mssd_diameters,
-                           h.mspd_px, h.add_m, h.adi_m, h.rotation_rad, h.translation_m,
-                           h.correct ? 1 : 0);
-      }
-    }
+// Overlays of the first bins, as seen from the page.
+std::vector<std::string> Overlays(const std::filesystem::path& folder) {
+  std::vector<std::string> found;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::filesystem::path& path = entry.path();
+    if (path.filename() != "pick_00_overlay.png") continue;
+    found.push_back(path.lexically_relative(folder).string());
   }
-  return csv;
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
-std::string EstimateTable(const RunSummary& summary, const std::vector<TrialResult>& looks) {
-  int hypotheses = 0, correct = 0;
-  for (const TrialResult& look : looks) {
-    for (const PickRecord& record : look.picks) {
-      for (const HypothesisScore& score : record.hypotheses) {
-        ++hypotheses;
-        correct += score.correct;
-      }
-    }
-  }
-  std::string text = "Recall by visible fraction (MSSD < 0.1 diameter)\n";
-  for (const RecallBand& band : summary.recall_by_visibility) {
-    if (band.instances == 0) continue;
-    text += fmt::format("  {:>3.0f} - {:>3.0f} %   {:>5.1f} %   {} of {}\n", 100 * band.visible_min,
-                        100 * band.visible_max, 100.0 * band.recalled / band.instances,
-                        band.recalled, band.instances);
-  }
-  text += fmt::format("hypotheses right     {} of {}\n", correct, hypotheses);
-  text += fmt::format("top-ranked right     {} of {} bins\n", summary.top1_correct, summary.frames);
-  const auto seconds = summary.seconds.find("estimate");
-  if (seconds != summary.seconds.end()) {
-    text += fmt::format("seconds a bin        {:.2f}\n", seconds->second);
-  }
-  return text;
+int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
+                     const std::string& out) {
+  const LoadedScenario scenario = LoadScenarioArguments(arguments);
+  const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");
+  MakeFolder(folder / "pictures");
+  const std::vector<std::string> labels =
+      estimators.empty() ? std::vector{scenario.spec.estimator.name} : estimators;
+  CatchInterrupts();
+  const ComparisonJob job{scenario.spec,
+                          scenario.objects,
+                          ParseEstimators(labels, scenario.spec.estimator),
+                          folder / "pictures",
+                          kPicturedBins,
+                          {},
+                          {}};
+  const std::vector<ComparedRow> rows = LookAtBins(job);
+  WriteFileAtomically(folder / "hypotheses.csv", HypothesesCsv(rows, scenario.objects));
+  WriteFileAtomically(folder / "comparison.csv", ComparisonCsv(rows, scenario.objects));
+  WriteFileAtomically(
+      folder / "comparison.html",
+      ComparisonPage("Poses in bins: " + scenario.name, rows, scenario.objects, Overlays(folder)));
+  fmt::print("{}comparison.html, comparison.csv, hypotheses.csv and overlays in {}\n",
+             ComparisonTable(rows), folder.string());
+  if (!Interrupted()) return 0;
+  fmt::print(stderr, "pickbed: interrupted after {} of {} bins\n", rows.front().looks.size(),
+             scenario.spec.trials);
+  return kExitInterrupted;
 }
 
 // Settings of a scenario that mean something on images that exist: estimator, refiner and seed.
@@ -106,33 +108,30 @@ int EstimateBop(const std::string& path, const std::string& split,
 
 int EstimateCommand(int argc, char** argv) {
   CLI::App app(
-      "Fills bins, guesses poses and scores them against the truth, without picking. With --bop, "
+      "Fills bins, guesses poses and scores them against the truth, without picking; compares "
+      "several estimators on the same bins. With --bop, "
       "guesses poses in the images of a BOP data set and writes them as BOP's results CSV.",
       "pickbed estimate");
   ScenarioArguments arguments;
+  std::vector<std::string> estimators;
   std::string out, bop_path, split = "test";
   AddScenarioArguments(app, arguments);
   app.get_option("SCENARIO")->required(false);
   auto* bop_option = app.add_option("--bop", bop_path, "a BOP data set, instead of SCENARIO");
   app.add_option("--split", split, "of the BOP data set")->capture_default_str()->needs(bop_option);
+  app.add_option("--estimator", estimators,
+                 "one or several, each NAME or NAME:MODE, to compare on the same bins")
+      ->delimiter(',');
   AddTrialsArgument(app, arguments);
   AddOutArgument(app, out, "-estimate");
   app.footer(
-      "Example: pickbed estimate demo --trials 5 --set estimator.mode=hard\n"
+      "Example: pickbed estimate bin_rod --trials 20 --estimator descriptor:hard,ppf\n"
       "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf");
   if (!ParseArguments(app, argc, argv)) return 0;
   if (!bop_path.empty()) return EstimateBop(bop_path, split, arguments, out);
   CheckInput(!arguments.scenario.empty(),
              "SCENARIO is required (or --bop PATH); see pickbed estimate --help");
-
-  const LoadedScenario scenario = LoadScenarioArguments(arguments);
-  const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");
-  MakeFolder(folder);
-  const std::vector<TrialResult> looks = LookAtBins(scenario, folder);
-  WriteFileAtomically(folder / "hypotheses.csv", HypothesesCsv(looks, scenario.objects));
-  fmt::print("{}hypotheses.csv and overlays in {}\n", EstimateTable(Summarize(looks), looks),
-             folder.string());
-  return 0;
+  return EstimateScenario(arguments, estimators, out);
 }
 
 }  // namespace pickbed

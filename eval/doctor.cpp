@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "eval/command_line.h"
+#include "eval/estimator_runner.h"
 #include "eval/results_store.h"
 #include "eval/virtual_cell.h"
 #include "scenes/mass_properties.h"
@@ -85,11 +86,13 @@ std::string Network() {
   ScenarioSpec spec = LoadScenario(PresetsDir() / "demo.yaml");
   spec.objects.resize(1);
   const PartSpec& part = spec.objects[0];
-  TrialRunner runner(spec, LoadObjects(spec, ObjectCatalog({AssetsDir() / "objects"})));
-  const TrialResult look = runner.Look(0);
-  const size_t hypotheses = look.picks.empty() ? 0 : look.picks[0].hypotheses.size();
+  VirtualCell cell(spec, LoadObjects(spec, ObjectCatalog({AssetsDir() / "objects"})));
+  EstimatorRunner runner(cell, spec, {});
+  const Scene scene = cell.MakeScene(0).scene;
+  Rng rng(0);
+  const EstimateResult found = runner.Estimate(scene, cell.See(scene, 0, 0), rng);
   return fmt::format("estimator {} gave {} poses of {} x {} in {:.2f} s", spec.estimator.name,
-                     hypotheses, part.count, part.name, look.seconds.at("estimate"));
+                     found.hypotheses.size(), part.count, part.name, found.seconds.at("estimate"));
 }
 
 std::string Store() {

@@ -86,6 +86,21 @@ HypothesisScore Compare(const Scene& truth, const std::vector<Pose>& X_CO_true,
   return score;
 }
 
+int NearestObject(const Scene& truth, const std::vector<Pose>& X_CO_true,
+                  const std::vector<MetricModel>& models, const PoseHypothesis& hypothesis) {
+  const Eigen::Vector3d believed = hypothesis.X_CO * MeanVertex(models[hypothesis.object]);
+  int nearest = -1;
+  double least_m = kInfinity;
+  for (size_t i = 0; i < truth.objects.size(); ++i) {
+    const int object = truth.objects[i].object;
+    const double distance_m = (X_CO_true[i] * MeanVertex(models[object]) - believed).norm();
+    if (distance_m >= least_m) continue;
+    least_m = distance_m;
+    nearest = object;
+  }
+  return nearest;
+}
+
 }  // namespace
 
 LookScore ScoreLook(const Scene& truth, const std::vector<double>& visible_fractions,
@@ -105,6 +120,7 @@ LookScore ScoreLook(const Scene& truth, const std::vector<double>& visible_fract
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return hypotheses[a].score > hypotheses[b].score; });
   look.hypotheses.resize(hypotheses.size());
+  look.taken.resize(hypotheses.size(), -1);
   for (int index : order) {
     const PoseHypothesis& hypothesis = hypotheses[index];
     const MetricModel& model = models[hypothesis.object];
@@ -116,8 +132,12 @@ LookScore ScoreLook(const Scene& truth, const std::vector<double>& visible_fract
       InstanceRecord& record = look.instances[candidate.index];
       if (record.recalled) continue;
       record.recalled = true;
+      look.taken[index] = candidate.index;
       break;
     }
+  }
+  for (const PoseHypothesis& hypothesis : hypotheses) {
+    look.nearest_object.push_back(NearestObject(truth, X_CO_true, models, hypothesis));
   }
   return look;
 }

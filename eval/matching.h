@@ -12,6 +12,10 @@ namespace pickbed {
 struct LookScore {
   std::vector<HypothesisScore> hypotheses;  // in the order given
   std::vector<InstanceRecord> instances;    // in the order of the scene
+  std::vector<int> taken;                   // by hypothesis: index of the instance that it recalls,
+                                            // -1 = none
+  std::vector<int> nearest_object;          // by hypothesis: kind of the part whose mean vertex
+                                            // is nearest, of whatever kind
 };
 
 // Each hypothesis is compared with the nearest instance (MSSD) of its own object; its `instance` is

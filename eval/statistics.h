@@ -2,6 +2,9 @@
 
 // Numbers with intervals. The numerics are Boost.Math's.
 
+#include <cstdint>
+#include <span>
+
 namespace pickbed {
 
 struct Interval {
@@ -11,5 +14,17 @@ struct Interval {
 
 // Wilson score interval (Wilson 1927) of successes / attempts; [0, 1] for no attempts.
 Interval WilsonInterval(int successes, int attempts, double confidence = 0.95);
+
+// What one independent unit (a scene) adds to a rate: `hits` of `tries`.
+struct Cluster {
+  int hits = 0;
+  int tries = 0;
+};
+
+// Interval of sum(hits) / sum(tries) when tries of one cluster are not independent: percentiles of
+// the rate over `resamples` draws of as many clusters with replacement (Davison and Hinkley 1997,
+// sec. 3.8). [0, 1] when nothing was tried. The same seed gives the same interval.
+Interval ClusterBootstrap(std::span<const Cluster> clusters, double confidence = 0.95,
+                          int resamples = 2000, uint64_t seed = 0);
 
 }  // namespace pickbed

@@ -14,21 +14,10 @@ constexpr std::array<std::array<double, 2>, 5> kBands{
 
 double Ratio(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
 
-void CountRecall(const PickRecord& pick, std::vector<RecallBand>& bands) {
-  for (const InstanceRecord& instance : pick.instances) {
-    for (RecallBand& band : bands) {
-      const double v = instance.visible_fraction;
-      const bool last = band.visible_max >= 1;
-      if (v < band.visible_min || (!last && v >= band.visible_max)) continue;
-      ++band.instances;
-      band.recalled += instance.recalled;
-      break;
-    }
-  }
-}
-
 void CountPick(const PickRecord& pick, RunSummary& summary) {
-  CountRecall(pick, summary.recall_by_visibility);
+  for (const InstanceRecord& instance : pick.instances) {
+    CountRecall(instance, summary.recall_by_visibility);
+  }
   if (!pick.hypotheses.empty()) {
     ++summary.frames;
     summary.top1_correct += pick.hypotheses.front().correct;
@@ -58,11 +47,26 @@ std::string RefusedText(const RunSummary& summary) {
 
 }  // namespace
 
+std::vector<RecallBand> EmptyRecallBands() {
+  std::vector<RecallBand> bands;
+  for (const auto& band : kBands) bands.push_back({band[0], band[1], 0, 0});
+  return bands;
+}
+
+void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands) {
+  const double v = instance.visible_fraction;
+  for (RecallBand& band : bands) {
+    const bool last = band.visible_max >= 1;
+    if (v < band.visible_min || (!last && v >= band.visible_max)) continue;
+    ++band.instances;
+    band.recalled += instance.recalled;
+    return;
+  }
+}
+
 RunSummary Summarize(const std::vector<TrialResult>& trials) {
   RunSummary summary;
-  for (const auto& band : kBands) {
-    summary.recall_by_visibility.push_back({band[0], band[1], 0, 0});
-  }
+  summary.recall_by_visibility = EmptyRecallBands();
   for (const TrialResult& trial : trials) {
     ++summary.trials;
     summary.parts_dropped += trial.parts_dropped;

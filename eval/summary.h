@@ -18,6 +18,11 @@ struct RecallBand {
   int instances = 0, recalled = 0;
 };
 
+// 10-30, 30-50, 50-70, 70-90, 90-100 %, nothing counted yet.
+std::vector<RecallBand> EmptyRecallBands();
+// Counts an instance in its band; one that is less visible than all of them in none.
+void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands);
+
 struct TrialRefusal {
   int trial = 0;
   RefusedScene scene;

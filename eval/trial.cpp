@@ -5,12 +5,11 @@
 #include <algorithm>
 
 #include "eval/blame.h"
+#include "eval/estimator_runner.h"
 #include "eval/matching.h"
-#include "eval/oracle.h"
 #include "eval/pictures.h"
 #include "eval/virtual_cell.h"
 #include "grasp/antipodal.h"
-#include "sim/view_source.h"
 
 namespace pickbed {
 namespace {
@@ -63,11 +62,6 @@ void RefuseOtherKinds(const Scene& before, int object, GraspOutcome& outcome) {
   }
 }
 
-double WorkingDistance(const Camera& camera, const Bin& bin) {
-  const Eigen::Vector3d middle_W(0, 0, bin.inner_size_m.z() / 4);
-  return (camera.X_WC.inverse() * middle_W).z();
-}
-
 }  // namespace
 
 struct TrialRunner::Impl {
@@ -81,7 +75,6 @@ struct TrialRunner::Impl {
 
   Impl(const ScenarioSpec& spec, const ObjectSet& objects, const Progress& on_progress,
        const TrialOptions& options);
-  void MakeEstimator();
 
   Live Drop(int trial, const std::filesystem::path& picture_folder);
   View See(Live& live, int look);
@@ -100,8 +93,7 @@ struct TrialRunner::Impl {
   GripperSpec gripper;
   std::vector<MetricModel> metric_models;
   std::vector<std::vector<GraspCandidate>> candidates;
-  std::unique_ptr<LabelledViewSource> views;
-  std::unique_ptr<PoseEstimator> estimator;  // null: the oracle
+  EstimatorRunner estimator;
 };
 
 TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
@@ -110,34 +102,11 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
       on_progress(progress),
       options(trial_options),
       cell(scenario, objects),
-      gripper(BlameKey(scenario, "gripper", [&] { return LoadGripper(scenario.gripper); })) {
-  BlameKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
+      gripper(BlameKey(scenario, "gripper", [&] { return LoadGripper(scenario.gripper); })),
+      estimator(cell, scenario, progress) {
   for (const auto& model : cell.objects()) {
     metric_models.push_back(MakeMetricModel(*model));
     candidates.push_back(CachedAntipodalGrasps(*model, gripper));
-  }
-  if (spec.estimator.name != kOracleName) MakeEstimator();
-}
-
-void TrialRunner::Impl::MakeEstimator() {
-  ViewSourceOptions view_options;
-  view_options.sensor = cell.sensor();
-  view_options.camera = cell.camera().intrinsics;
-  view_options.bin = cell.bin();
-  views = MakeSimViewSource(cell.objects(), view_options);
-
-  EstimatorSetup setup;
-  setup.objects = cell.objects();
-  setup.spec = spec.estimator;
-  setup.refiner = spec.refiner;
-  setup.intrinsics = cell.camera().intrinsics;
-  setup.working_distance_m = WorkingDistance(cell.camera(), cell.bin());
-  setup.views = views.get();
-  setup.cache_dir = CacheDir();
-  setup.on_progress = on_progress;
-  for (const EstimatorRow& row : EstimatorTable()) {
-    if (spec.estimator.name != row.name) continue;
-    estimator = BlameKey(spec, "estimator", [&] { return row.make(setup); });
   }
 }
 
@@ -163,25 +132,15 @@ View TrialRunner::Impl::See(Live& live, int look) {
 std::vector<PoseHypothesis> TrialRunner::Impl::Estimate(const View& view, Live& live,
                                                         PickRecord& record) {
   StageSeconds& seconds = live.result.seconds;
-  std::vector<PoseHypothesis> hypotheses;
-  {
-    StageTimer timer(seconds, "estimate");
-    Rng rng = Rng::Derive(spec.seed, live.result.trial, fmt::format("estimate/{}", record.pick));
-    if (estimator) {
-      const KnownBackground background{cell.bin(), cell.camera().X_WC.inverse()};
-      EstimateResult result = estimator->Estimate({view.frame, background}, rng);
-      for (const auto& [stage, value] : result.seconds) seconds["estimate/" + stage] += value;
-      hypotheses = std::move(result.hypotheses);
-    } else {
-      hypotheses = OracleEstimate(live.scene, view, cell.camera(), spec.estimator, rng);
-    }
-  }
+  Rng rng = Rng::Derive(spec.seed, live.result.trial, fmt::format("estimate/{}", record.pick));
+  EstimateResult result = estimator.Estimate(live.scene, view, rng);
+  for (const auto& [stage, value] : result.seconds) seconds[stage] += value;
   StageTimer timer(seconds, "score");
-  LookScore score =
-      ScoreLook(live.scene, view.visible_fractions, metric_models, cell.camera(), hypotheses);
+  LookScore score = ScoreLook(live.scene, view.visible_fractions, metric_models, cell.camera(),
+                              result.hypotheses);
   record.instances = std::move(score.instances);
   record.hypotheses = std::move(score.hypotheses);
-  return hypotheses;
+  return std::move(result.hypotheses);
 }
 
 std::optional<Grasp> TrialRunner::Impl::Plan(const View& view,
@@ -268,18 +227,6 @@ TrialResult TrialRunner::Run(int trial, const std::filesystem::path& picture_fol
     if (!pick.grasp || failures_in_row >= policy.max_failures_in_row) result.ended_by = pick.loss;
   }
   return std::move(result);
-}
-
-TrialResult TrialRunner::Look(int trial, const std::filesystem::path& picture_folder) {
-  Impl::Live live = impl_->Drop(trial, picture_folder);
-  if (live.scene.objects.empty()) return std::move(live.result);
-  PickRecord& record = live.result.picks.emplace_back();
-  const View view = impl_->See(live, record.pick);
-  const auto hypotheses = impl_->Estimate(view, live, record);
-  PickPictures(picture_folder, record.pick)
-      .Write({view.frame, impl_->cell.camera(), impl_->cell.objects(), live.scene, hypotheses,
-              nullptr, nullptr, &view.ids});
-  return std::move(live.result);
 }
 
 }  // namespace pickbed

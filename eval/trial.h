@@ -89,9 +89,6 @@ class TrialRunner {
   // Overlays go to `picture_folder` when it is not empty.
   TrialResult Run(int trial, const std::filesystem::path& picture_folder = {});
 
-  // One look without picking: drop, render, estimate, score.
-  TrialResult Look(int trial, const std::filesystem::path& picture_folder = {});
-
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

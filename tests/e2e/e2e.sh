@@ -167,7 +167,7 @@ estimate_scores_the_oracle_as_perfect() {
   local wrong=$(tail -n +2 look/hypotheses.csv | grep -vc ',1$')
   [ "$wrong" = 0 ] || fail "$wrong true poses were called wrong"
   [ "$(wc -l <look/hypotheses.csv)" -gt 5 ] || fail "too few hypotheses"
-  [ -s look/pictures/trial_0001/pick_00_overlay.png ] || fail "no overlay"
+  [ -s look/pictures/trial_0001/oracle/pick_00_overlay.png ] || fail "no overlay"
 }
 
 broken_model_is_refused() {

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "scenes/random.h"
+
 namespace pickbed {
 namespace {
 
@@ -34,6 +38,40 @@ TEST(WilsonInterval, MirrorsWhenSuccessAndFailureSwap) {
     EXPECT_LE(a.low, k / 12.0 + 1e-12);
     EXPECT_GE(a.high, k / 12.0 - 1e-12);
   }
+}
+
+// Units that agree within themselves: the interval must be as wide as that of so many single tries.
+TEST(ClusterBootstrap, TriesOfOneUnitAreNotIndependent) {
+  std::vector<Cluster> clusters;
+  for (int i = 0; i < 40; ++i) clusters.push_back({i % 2 ? 25 : 0, 25});
+  const Interval clustered = ClusterBootstrap(clusters);
+  const Interval single = WilsonInterval(20, 40), many = WilsonInterval(500, 1000);
+  EXPECT_NEAR(clustered.high - clustered.low, single.high - single.low, 0.03);
+  EXPECT_GT(clustered.high - clustered.low, 3 * (many.high - many.low));
+}
+
+// 95 % intervals hold the truth in about 95 % of experiments, here with rates that differ by unit.
+TEST(ClusterBootstrap, CoversTheTruth) {
+  constexpr int kExperiments = 400;
+  Rng rng(5);
+  int covered = 0;
+  for (int experiment = 0; experiment < kExperiments; ++experiment) {
+    std::vector<Cluster> clusters(60);
+    for (Cluster& cluster : clusters) {
+      const double rate = rng.Uniform(0.5, 0.9);
+      cluster.tries = 10;
+      for (int i = 0; i < cluster.tries; ++i) cluster.hits += rng.Uniform(0, 1) < rate;
+    }
+    const Interval interval = ClusterBootstrap(clusters, 0.95, 400, experiment);
+    covered += interval.low <= 0.7 && 0.7 <= interval.high;
+  }
+  EXPECT_NEAR(covered / static_cast<double>(kExperiments), 0.94, 0.035);
+}
+
+TEST(ClusterBootstrap, KnowsNothingWithoutTries) {
+  const std::vector<Cluster> empty{{0, 0}, {0, 0}};
+  EXPECT_EQ(ClusterBootstrap(empty).low, 0);
+  EXPECT_EQ(ClusterBootstrap(empty).high, 1);
 }
 
 }  // namespace

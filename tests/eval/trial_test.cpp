@@ -9,42 +9,10 @@
 #include "eval/summary.h"
 #include "eval/virtual_cell.h"
 #include "scenes/check.h"
-#include "scenes/mass_properties.h"
+#include "tests/eval/cube_scenario.h"
 
 namespace pickbed {
 namespace {
-
-std::shared_ptr<const ObjectModel> Cube(double side_m, double mass_kg, double friction) {
-  auto model = std::make_shared<ObjectModel>();
-  model->name = "cube";
-  for (int corner = 0; corner < 8; ++corner) {
-    model->mesh_O.vertices.push_back(side_m * Eigen::Vector3d(corner & 1 ? 0.5 : -0.5,
-                                                              corner & 2 ? 0.5 : -0.5,
-                                                              corner & 4 ? 0.5 : -0.5));
-  }
-  model->mesh_O.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                             {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  model->mass = UniformMassProperties(model->mesh_O, mass_kg);
-  model->friction = friction;
-  model->convex_parts_O = {{model->mesh_O.vertices}};
-  model->diameter_m = Diameter(model->mesh_O);
-  model->mesh_hash = static_cast<uint64_t>(1e6 * side_m);
-  return model;
-}
-
-// Cubes and an oracle: no file of the catalog, no network.
-ScenarioSpec CubeScenario(int count) {
-  ScenarioSpec spec;
-  spec.seed = 11;
-  PartSpec part;
-  part.name = "cube";
-  part.count = count;
-  spec.objects = {part};
-  spec.estimator.name = "oracle";
-  return spec;
-}
-
-ObjectSet EasyCube() { return {Cube(0.03, 0.05, 0.6)}; }
 
 TrialResult RunOne(const ScenarioSpec& spec, const ObjectSet& objects, int trial = 0) {
   return TrialRunner(spec, objects).Run(trial);
@@ -159,15 +127,6 @@ TEST(Trial, ATooHeavyPartIsLostToPhysicsAndTheSameGraspIsNotRepeated) {
       EXPECT_TRUE(angle > options.retry_angle_rad || moved_m > options.retry_radius_m / 2);
     }
   }
-}
-
-TEST(Trial, ALookScoresWithoutPicking) {
-  const TrialResult look = TrialRunner(CubeScenario(3), EasyCube()).Look(0);
-  ASSERT_EQ(look.picks.size(), 1u);
-  EXPECT_EQ(look.picks[0].hypotheses.size(), 3u);
-  EXPECT_FALSE(look.picks[0].grasp.has_value());
-  EXPECT_EQ(look.picks[0].loss, Loss::kNone);
-  EXPECT_EQ(look.parts_cleared, 0);
 }
 
 TEST(Trial, UnknownNamesAreBadInput) {

@@ -1,0 +1,178 @@
+#include "eval/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <set>
+
+#include "eval/estimator_runner.h"
+#include "eval/memory.h"
+#include "eval/oracle.h"
+#include "eval/pictures.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+constexpr double kMebibyte = 1024.0 * 1024.0;
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// A row under way.
+struct LiveRow {
+  std::unique_ptr<EstimatorRunner> runner;
+  std::unique_ptr<bop::Evaluator> evaluator;
+  double held_mib = 0;  // since it was loaded
+  ComparedRow result;
+};
+
+// What BOP's scores need to know of a bin.
+struct TrueBin {
+  bop::TrueImage image;
+  bop::ImageTargets targets;
+};
+
+TrueBin TruthFor(const Scene& scene, const View& view, const Camera& camera) {
+  TrueBin truth{{view.frame.intrinsics, view.frame.depth_m, {}}, {true, true, {}}};
+  const Pose X_CW = camera.X_WC.inverse();
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    const PosedObject& posed = scene.objects[i];
+    const double visible = view.visible_fractions[i];
+    truth.image.instances.push_back({posed.object + 1, X_CW * posed.X_WO, visible});
+    if (visible >= kCountedVisibility) ++truth.targets.counts[posed.object + 1];
+  }
+  return truth;
+}
+
+void AddToScores(const TrueBin& truth, const std::vector<PoseHypothesis>& hypotheses,
+                 bop::Evaluator& evaluator) {
+  std::vector<bop::Estimate> estimates;
+  for (const PoseHypothesis& hypothesis : hypotheses) {
+    bop::Estimate& estimate = estimates.emplace_back();
+    estimate.object_id = hypothesis.object + 1;
+    estimate.score = hypothesis.score;
+    estimate.X_CO = hypothesis.X_CO;
+  }
+  std::vector<const bop::Estimate*> pointers;
+  for (const bop::Estimate& estimate : estimates) pointers.push_back(&estimate);
+  evaluator.AddImage(truth.image, truth.targets, pointers);
+}
+
+std::string FolderName(std::string label) {
+  std::replace(label.begin(), label.end(), ':', '_');
+  return label;
+}
+
+class Comparison {
+ public:
+  explicit Comparison(const ComparisonJob& job) : job_(job), cell_(job.spec, job.objects) {
+    for (const auto& model : cell_.objects()) metrics_.push_back(MakeMetricModel(*model));
+    for (const ComparedEstimator& estimator : job.estimators) rows_.push_back(Load(estimator));
+  }
+
+  void LookAt(int trial) {
+    const Scene scene = cell_.MakeScene(trial).scene;
+    if (scene.objects.empty()) return;
+    const View view = cell_.See(scene, trial, 0);
+    const TrueBin truth = TruthFor(scene, view, cell_.camera());
+    for (LiveRow& row : rows_) {
+      const size_t before = ResetPeakMemory();
+      Rng rng = Rng::Derive(job_.spec.seed, trial, "estimate/0");
+      EstimateResult found = row.runner->Estimate(scene, view, rng);
+      Grow(row, before);
+      AddToScores(truth, found.hypotheses, *row.evaluator);
+      row.result.looks.push_back(
+          {trial,
+           ScoreLook(scene, view.visible_fractions, metrics_, cell_.camera(), found.hypotheses),
+           std::move(found.seconds)});
+      Draw(row, trial, scene, view, found.hypotheses);
+    }
+  }
+
+  std::vector<ComparedRow> Finish() {
+    std::vector<ComparedRow> done;
+    for (LiveRow& row : rows_) {
+      row.evaluator->Finish(row.result.bop);
+      done.push_back(std::move(row.result));
+    }
+    return done;
+  }
+
+ private:
+  LiveRow Load(const ComparedEstimator& estimator) {
+    LiveRow row;
+    row.result.label = estimator.label;
+    ScenarioSpec spec = job_.spec;
+    spec.estimator = estimator.spec;
+    const size_t before = ResetPeakMemory();
+    const auto start = Clock::now();
+    row.runner =
+        std::make_unique<EstimatorRunner>(cell_, spec, [&](std::string_view what, double share) {
+          if (job_.on_progress) job_.on_progress(what, static_cast<int>(100 * share), 100);
+        });
+    row.result.setup_s = SecondsSince(start);
+    Grow(row, before);
+    const size_t held = ResetPeakMemory();
+    row.held_mib = held > before ? static_cast<double>(held - before) / kMebibyte : 0;
+    row.evaluator = std::make_unique<bop::Evaluator>(
+        [this](int object_id) { return cell_.objects()[object_id - 1]; });
+    return row;
+  }
+
+  // To what the row holds since it was loaded comes what it needed on the way, over `before`.
+  static void Grow(LiveRow& row, size_t before) {
+    const size_t peak = PeakMemory();
+    const double grown_mib = peak > before ? static_cast<double>(peak - before) / kMebibyte : 0;
+    row.result.peak_memory_mib = std::max(row.result.peak_memory_mib, row.held_mib + grown_mib);
+  }
+
+  void Draw(const LiveRow& row, int trial, const Scene& scene, const View& view,
+            const std::vector<PoseHypothesis>& hypotheses) const {
+    if (job_.pictures.empty() || trial >= job_.pictured_bins) return;
+    const auto folder =
+        job_.pictures / fmt::format("trial_{:04}", trial) / FolderName(row.result.label);
+    PickPictures(folder, 0).Write({view.frame, cell_.camera(), cell_.objects(), scene, hypotheses,
+                                   nullptr, nullptr, &view.ids});
+  }
+
+  const ComparisonJob& job_;
+  VirtualCell cell_;
+  std::vector<MetricModel> metrics_;
+  std::vector<LiveRow> rows_;
+};
+
+}  // namespace
+
+std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& labels,
+                                               const EstimatorSpec& base) {
+  std::vector<ComparedEstimator> rows;
+  std::set<std::string> seen;
+  for (const std::string& label : labels) {
+    CheckInput(seen.insert(label).second, fmt::format("estimator '{}' is named twice", label));
+    ComparedEstimator row{label, base};
+    const size_t colon = label.find(':');
+    row.spec.name = label.substr(0, colon);
+    if (colon != std::string::npos) row.spec.mode = label.substr(colon + 1);
+    RequireEstimator(row.spec.name);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::vector<ComparedRow> CompareEstimators(const ComparisonJob& job) {
+  Comparison comparison(job);
+  for (int trial = 0; trial < job.spec.trials; ++trial) {
+    if (job.stop && job.stop()) break;
+    comparison.LookAt(trial);
+    if (job.on_progress) job.on_progress("bin", trial + 1, job.spec.trials);
+  }
+  return comparison.Finish();
+}
+
+}  // namespace pickbed

@@ -1,0 +1,55 @@
+#pragma once
+
+// Estimators on the same bins: every row sees the same images, with the same random numbers, and is
+// scored against the same truth.
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "eval/bop/evaluator.h"
+#include "eval/matching.h"
+#include "scenes/scenario_spec.h"
+
+namespace pickbed {
+
+// "ppf" or "descriptor:hard": the name of an estimator and, where it has some, a mode.
+struct ComparedEstimator {
+  std::string label;
+  EstimatorSpec spec;
+};
+// The scenario's estimator with name and mode of each label. Throws InputError for unknown names
+// and for a label that comes twice.
+std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& labels,
+                                               const EstimatorSpec& base);
+
+struct ComparedLook {
+  int trial = 0;
+  LookScore score;
+  StageSeconds seconds;  // see EstimatorRunner
+};
+
+struct ComparedRow {
+  std::string label;
+  std::vector<ComparedLook> looks;  // by trial
+  bop::Scores bop;                  // AR and AP of all bins; object ids are index + 1
+  double setup_s = 0;               // to load, with code books where they were not in the cache
+  double peak_memory_mib = 0;       // that it took at most, over what the process held before
+};
+
+struct ComparisonJob {
+  ScenarioSpec spec;
+  ObjectSet objects;
+  std::vector<ComparedEstimator> estimators;
+  std::filesystem::path pictures;  // gets trial_0000/LABEL/ of the first bins; empty = none
+  int pictured_bins = 0;
+  std::function<void(std::string_view what, int done, int total)> on_progress;  // may be empty
+  std::function<bool()> stop;                                                   // may be empty
+};
+
+// Bins are filled one after the other and each row looks at each. Stops after a bin when asked to,
+// with what is done by then. Throws InputError, see VirtualCell and EstimatorRunner.
+std::vector<ComparedRow> CompareEstimators(const ComparisonJob& job);
+
+}  // namespace pickbed

@@ -1,0 +1,224 @@
+#include "eval/comparison_report.h"
+
+#include <fmt/format.h>
+
+#include "eval/comparison_figures.h"
+#include "eval/report/html_page.h"
+
+namespace pickbed {
+namespace {
+
+std::string Percent(double share) { return fmt::format("{:.1f}", 100 * share); }
+
+std::string BandName(const RecallBand& band) {
+  return fmt::format("{:.0f}-{:.0f} %", 100 * band.visible_min, 100 * band.visible_max);
+}
+
+std::string RecallOf(const RecallBand& band) {
+  if (band.instances == 0) return "-";
+  return Percent(static_cast<double>(band.recalled) / band.instances);
+}
+
+// A figure by name, as it is written for people.
+struct Figure {
+  std::string name, value;
+};
+
+std::vector<Figure> FigureList(const ComparedRow& row, const ComparisonFigures& f) {
+  std::vector<Figure> list{
+      {"top-ranked pose right, %",
+       fmt::format("{} ({} of {})", Percent(f.bins > 0 ? 1.0 * f.top_right / f.bins : 0),
+                   f.top_right, f.bins)},
+      {"recall, %", fmt::format("{} ({} of {})", Percent(f.recall()), f.recalled, f.instances)}};
+  for (const RecallBand& band : f.bands) {
+    list.push_back({"  recall, " + BandName(band) + " visible", RecallOf(band)});
+  }
+  const std::vector<Figure> rest{
+      {"precision, %", fmt::format("{} ({} of {})", Percent(f.precision()), f.right, f.poses)},
+      {"recall at precision 0.95, %", Percent(f.recall_at_95)},
+      {"kind of part right, %", Percent(f.poses > 0 ? 1.0 * f.identity_right / f.poses : 0)},
+      {"median rotation error, deg", fmt::format("{:.2f}", f.median_rotation_deg)},
+      {"median MSSD, diameters", fmt::format("{:.4f}", f.median_mssd_diameters)},
+      {"over 15 deg, %", Percent(f.share_over_15_deg)},
+      {"calibration error (ECE)", fmt::format("{:.3f}", f.calibration_error)},
+      {"AR (VSD, MSSD, MSPD)", fmt::format("{:.3f}", row.bop.ar())},
+      {"  AR VSD", fmt::format("{:.3f}", row.bop.ar_vsd)},
+      {"  AR MSSD", fmt::format("{:.3f}", row.bop.ar_mssd)},
+      {"  AR MSPD", fmt::format("{:.3f}", row.bop.ar_mspd)},
+      {"AP (MSSD, MSPD)", fmt::format("{:.3f}", row.bop.ap())},
+      {"seconds an image", fmt::format("{:.3f}", f.seconds)},
+      {"memory at most, MiB", fmt::format("{:.0f}", row.peak_memory_mib)},
+      {"seconds to load", fmt::format("{:.1f}", row.setup_s)}};
+  list.insert(list.end(), rest.begin(), rest.end());
+  return list;
+}
+
+// The figures one below the other, a column a row of the comparison; the header first.
+std::vector<std::vector<std::string>> FigureTable(const std::vector<ComparedRow>& rows) {
+  std::vector<std::vector<std::string>> table{{""}};
+  for (const ComparedRow& row : rows) {
+    table.front().push_back(row.label);
+    const std::vector<Figure> list = FigureList(row, FiguresOf(row));
+    for (size_t i = 0; i < list.size(); ++i) {
+      if (table.size() <= i + 1) table.push_back({list[i].name});
+      table[i + 1].push_back(list[i].value);
+    }
+  }
+  return table;
+}
+
+std::vector<std::vector<std::string>> PartTable(const std::vector<ComparedRow>& rows,
+                                                const ObjectSet& objects) {
+  std::vector<std::vector<std::string>> table{{"part"}};
+  for (const auto& object : objects) table.push_back({object->name});
+  for (const ComparedRow& row : rows) {
+    table.front().push_back(row.label);
+    for (size_t i = 0; i < objects.size(); ++i) {
+      table[i + 1].push_back(Percent(FiguresOf(row, static_cast<int>(i)).recall()));
+    }
+  }
+  return table;
+}
+
+std::vector<std::vector<std::string>> StageTable(const std::vector<ComparedRow>& rows) {
+  constexpr std::string_view kPrefix = "estimate/";
+  std::vector<std::vector<std::string>> table{
+      {"estimator", "stage", "seconds an image", "share, %"}};
+  for (const ComparedRow& row : rows) {
+    const ComparisonFigures figures = FiguresOf(row);
+    for (const auto& [stage, seconds] : figures.stages) {
+      if (!stage.starts_with(kPrefix)) continue;
+      table.push_back({row.label, stage.substr(kPrefix.size()), fmt::format("{:.4f}", seconds),
+                       Percent(seconds / figures.seconds)});
+    }
+  }
+  return table;
+}
+
+// Recall of each band with its interval over bins.
+Curve RecallCurve(const ComparedRow& row) {
+  Curve curve{row.label, {}};
+  const std::vector<RecallBand> bands = EmptyRecallBands();
+  for (size_t b = 0; b < bands.size(); ++b) {
+    std::vector<Cluster> bins;
+    RecallBand sum = bands[b];
+    for (const ComparedLook& look : row.looks) {
+      std::vector<RecallBand> here = EmptyRecallBands();
+      for (const InstanceRecord& instance : look.score.instances) CountRecall(instance, here);
+      bins.push_back({here[b].recalled, here[b].instances});
+      sum.recalled += here[b].recalled;
+      sum.instances += here[b].instances;
+    }
+    if (sum.instances == 0) continue;
+    const Interval interval = ClusterBootstrap(bins);
+    curve.points.push_back({50 * (sum.visible_min + sum.visible_max),
+                            100.0 * sum.recalled / sum.instances, 100 * interval.low,
+                            100 * interval.high});
+  }
+  return curve;
+}
+
+Curve ReliabilityCurve(const ComparedRow& row) {
+  Curve curve{row.label, {}};
+  for (const ReliabilityBin& bin : FiguresOf(row).reliability) {
+    if (bin.count == 0) continue;
+    const Interval interval = WilsonInterval(bin.right, bin.count);
+    curve.points.push_back(
+        {bin.score_sum / bin.count, 1.0 * bin.right / bin.count, interval.low, interval.high});
+  }
+  return curve;
+}
+
+}  // namespace
+
+std::string ComparisonTable(const std::vector<ComparedRow>& rows) {
+  std::string text;
+  for (const std::vector<std::string>& line : FigureTable(rows)) {
+    text += fmt::format("{:<32}", line.front());
+    for (size_t i = 1; i < line.size(); ++i) text += fmt::format("{:>22}", line[i]);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
+  std::string csv =
+      "estimator,object,bins,top_right,instances,recalled,poses,right,identity_right,recall_at_95,"
+      "median_rotation_deg,median_mssd_diameters,share_over_15_deg,calibration_error";
+  for (const RecallBand& band : EmptyRecallBands()) {
+    const int low = static_cast<int>(100 * band.visible_min + 0.5);
+    const int high = static_cast<int>(100 * band.visible_max + 0.5);
+    csv += fmt::format(",instances_{0}_{1},recalled_{0}_{1}", low, high);
+  }
+  csv += ",ar_vsd,ar_mssd,ar_mspd,ap_mssd,ap_mspd\n";
+  for (const ComparedRow& row : rows) {
+    for (int object = -1; object < static_cast<int>(objects.size()); ++object) {
+      const bool all = object < 0;
+      const ComparisonFigures f = all ? FiguresOf(row) : FiguresOf(row, object);
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}", row.label,
+                         all ? "all" : objects[object]->name, f.bins, f.top_right, f.instances,
+                         f.recalled, f.poses, f.right, f.identity_right, f.recall_at_95,
+                         f.median_rotation_deg, f.median_mssd_diameters, f.share_over_15_deg,
+                         f.calibration_error);
+      for (const RecallBand& band : f.bands) {
+        csv += fmt::format(",{},{}", band.instances, band.recalled);
+      }
+      const auto known = row.bop.objects.find(object + 1);
+      const bop::ObjectScores of_part =
+          known != row.bop.objects.end() ? known->second : bop::ObjectScores();
+      csv += fmt::format(
+          ",{},{},{},{},{}\n", all ? row.bop.ar_vsd : of_part.ar_vsd,
+          all ? row.bop.ar_mssd : of_part.ar_mssd, all ? row.bop.ar_mspd : of_part.ar_mspd,
+          all ? row.bop.ap_mssd : of_part.ap_mssd, all ? row.bop.ap_mspd : of_part.ap_mspd);
+    }
+  }
+  return csv;
+}
+
+std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
+  std::string csv =
+      "estimator,trial,hypothesis,object,instance,score,mssd_m,mssd_diameters,mspd_px,add_m,adi_m,"
+      "rotation_rad,translation_m,correct\n";
+  for (const ComparedRow& row : rows) {
+    for (const ComparedLook& look : row.looks) {
+      for (size_t i = 0; i < look.score.hypotheses.size(); ++i) {
+        const HypothesisScore& h = look.score.hypotheses[i];
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.label, look.trial, i,
+                           objects[h.object]->name, h.instance, h.score, h.mssd_m, h.mssd_diameters,
+                           h.mspd_px, h.add_m, h.adi_m, h.rotation_rad, h.translation_m,
+                           h.correct ? 1 : 0);
+      }
+    }
+  }
+  return csv;
+}
+
+std::string ComparisonPage(const std::string& title, const std::vector<ComparedRow>& rows,
+                           const ObjectSet& objects, const std::vector<std::string>& pictures) {
+  HtmlPage page(title);
+  page.Paragraph(
+      "Each estimator saw the same images. A pose is right when its MSSD is under a tenth of the "
+      "part's diameter; instances of at least 10 % visible are to be found, and a second pose of "
+      "an instance is a wrong one. Bands are 95 % intervals, of recall by bootstrap over bins.");
+  page.Table(FigureTable(rows));
+  CurveChart recall{"Recall by visible fraction", "visible, %", "recall, %", 0, 100, 0, 100};
+  CurveChart reliability{"What a score is worth", "score", "share right", 0, 1, 0, 1, true};
+  for (const ComparedRow& row : rows) {
+    recall.curves.push_back(RecallCurve(row));
+    reliability.curves.push_back(ReliabilityCurve(row));
+  }
+  page.Heading("Curves");
+  page.Chart(recall);
+  page.Chart(reliability);
+  if (objects.size() > 1) {
+    page.Heading("Recall by part, %");
+    page.Table(PartTable(rows, objects));
+  }
+  page.Heading("Where the time goes");
+  page.Table(StageTable(rows));
+  if (!pictures.empty()) page.Heading("The first bins");
+  for (const std::string& picture : pictures) page.Picture(picture, picture);
+  return page.Finish();
+}
+
+}  // namespace pickbed

@@ -1,0 +1,36 @@
+#pragma once
+
+// Any estimator by name, the oracle included, in the cell of a scenario.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "eval/virtual_cell.h"
+#include "perception/pose_estimator.h"
+
+namespace pickbed {
+
+class EstimatorRunner {
+ public:
+  using Progress = std::function<void(std::string_view what, double share)>;
+
+  // Makes the estimator, its code books from the cache where it holds them; `on_progress` is told
+  // while they are made. `cell` must outlive this. Throws InputError that begins with the key
+  // "estimator" for an unknown name or mode and for a broken model file.
+  EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& spec, const Progress& on_progress);
+  ~EstimatorRunner();
+
+  // `truth` is for the oracle alone. Seconds stand under "estimate" and, by stage,
+  // "estimate/STAGE".
+  EstimateResult Estimate(const Scene& truth, const View& view, Rng& rng);
+
+ private:
+  const VirtualCell& cell_;
+  EstimatorSpec spec_;
+  std::unique_ptr<LabelledViewSource> views_;
+  std::unique_ptr<PoseEstimator> estimator_;  // null: the oracle
+};
+
+}  // namespace pickbed

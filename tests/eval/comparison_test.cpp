@@ -1,0 +1,119 @@
+#include "eval/comparison.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "eval/comparison_figures.h"
+#include "eval/comparison_report.h"
+#include "eval/memory.h"
+#include "eval/report/html_page.h"
+#include "scenes/check.h"
+#include "tests/eval/cube_scenario.h"
+
+namespace pickbed {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+HypothesisScore Pose(double score, double mssd_diameters, double rotation_rad = 0) {
+  HypothesisScore pose;
+  pose.score = score;
+  pose.mssd_diameters = mssd_diameters;
+  pose.rotation_rad = rotation_rad;
+  pose.correct = mssd_diameters < kCorrectDiameters;
+  return pose;
+}
+
+// Three instances, the last hardly visible. Poses by score: right, a second one of the same
+// instance, one of another kind's place, right on the hidden instance.
+ComparedRow HandWorked() {
+  ComparedLook look;
+  look.score.instances = {{0, 0, 1.0, true}, {1, 0, 0.6, false}, {2, 0, 0.05, true}};
+  look.score.hypotheses = {Pose(0.9, 0.01, 0.01), Pose(0.8, 0.02, 0.02), Pose(0.7, 0.3, 0.5),
+                           Pose(0.6, 0.03, 0.03)};
+  look.score.taken = {0, -1, -1, 2};
+  look.score.nearest_object = {0, 0, 1, 0};
+  look.seconds = {{"estimate", 0.5}, {"estimate/icp", 0.2}};
+  ComparedRow row;
+  row.label = "by hand";
+  row.looks = {look};
+  return row;
+}
+
+TEST(ComparisonFigures, ByHand) {
+  const ComparisonFigures f = FiguresOf(HandWorked());
+  EXPECT_EQ(f.top_right, 1);
+  EXPECT_EQ(f.instances, 2) << "what is under 10 % visible need not be found";
+  EXPECT_EQ(f.recalled, 1);
+  EXPECT_EQ(f.poses, 4);
+  EXPECT_EQ(f.right, 2) << "the second pose of an instance is a wrong one";
+  EXPECT_EQ(f.identity_right, 3);
+  EXPECT_EQ(f.recall_at_95, 0.5) << "with the first pose alone";
+  EXPECT_EQ(f.bands.back().instances, 1);
+  EXPECT_EQ(f.bands.back().recalled, 1);
+  EXPECT_EQ(f.share_over_15_deg, 0.25);
+  // Scores 0.9 0.8 0.7 0.6 in bins of their own: |1 - .9| + |0 - .8| + |0 - .7| + |1 - .6|, over 4.
+  EXPECT_NEAR(f.calibration_error, (0.1 + 0.8 + 0.7 + 0.4) / 4, 1e-12);
+  EXPECT_EQ(f.seconds, 0.5);
+  EXPECT_EQ(FiguresOf(HandWorked(), 1).instances, 0) << "there is no other kind";
+}
+
+// Equal scores cannot be parted by a threshold, so a right one does not hide behind a wrong one.
+TEST(ComparisonFigures, ThresholdsDoNotPartEqualScores) {
+  ComparedRow row = HandWorked();
+  for (HypothesisScore& pose : row.looks[0].score.hypotheses) pose.score = 0.5;
+  EXPECT_EQ(FiguresOf(row).recall_at_95, 0);
+}
+
+TEST(Comparison, TheOracleIsPerfectAndADisturbedOneIsNot) {
+  ScenarioSpec spec = CubeScenario(3);
+  spec.trials = 2;
+  ComparedEstimator far{"far", spec.estimator};
+  far.spec.noise_mm = 30;
+  const ComparisonJob job{spec, EasyCube(), {{"oracle", spec.estimator}, far}, {}, 0, {}, {}};
+  const std::vector<ComparedRow> rows = CompareEstimators(job);
+  ASSERT_EQ(rows.size(), 2u);
+  const ComparisonFigures right = FiguresOf(rows[0]), wrong = FiguresOf(rows[1]);
+  EXPECT_EQ(right.recall(), 1);
+  EXPECT_EQ(right.precision(), 1);
+  EXPECT_EQ(right.top_right, 2);
+  EXPECT_NEAR(rows[0].bop.ar(), 1, 1e-9);
+  EXPECT_NEAR(rows[0].bop.ap(), 1, 1e-9);
+  EXPECT_EQ(wrong.instances, right.instances) << "the same bins";
+  EXPECT_LT(wrong.recall(), 0.5);
+  EXPECT_LT(rows[1].bop.ar(), 0.5);
+  EXPECT_EQ(ComparisonCsv(rows, job.objects), ComparisonCsv(CompareEstimators(job), job.objects));
+}
+
+TEST(Comparison, LabelsNameEstimatorAndMode) {
+  const auto rows = ParseEstimators({"descriptor:hard", "ppf"}, EstimatorSpec());
+  EXPECT_EQ(rows[0].spec.name, "descriptor");
+  EXPECT_EQ(rows[0].spec.mode, "hard");
+  EXPECT_EQ(rows[1].spec.mode, EstimatorSpec().mode);
+  EXPECT_THROW(ParseEstimators({"ppf", "ppf"}, EstimatorSpec()), InputError);
+  EXPECT_THROW(ParseEstimators({"pfp"}, EstimatorSpec()), InputError);
+}
+
+TEST(HtmlPage, NamesCannotBreakThePage) {
+  HtmlPage page("a < b & c");
+  page.Table({{"<script>"}, {"\"1\""}});
+  EXPECT_THAT(page.Finish(), HasSubstr("a &lt; b &amp; c"));
+  EXPECT_THAT(page.Finish(), Not(HasSubstr("<script>")));
+}
+
+TEST(Memory, ABlockThatIsTouchedShows) {
+  constexpr size_t kBlock = 64 << 20;
+  const size_t before = ResetPeakMemory();
+  {
+    std::vector<char> block(kBlock);
+    std::memset(block.data(), 1, kBlock);
+    EXPECT_EQ(block[kBlock / 2], 1);
+  }
+  EXPECT_GE(PeakMemory(), before + kBlock * 9 / 10);
+}
+
+}  // namespace
+}  // namespace pickbed
