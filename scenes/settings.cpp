@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fstream>
 #include <optional>
-#include <set>
 #include <sstream>
 
 #include "scenes/check.h"
@@ -110,10 +109,15 @@ class Reader : public SettingsVisitor {
       Fail(map_, prefix_,
            fmt::format("expected 'key: value' lines, with keys {}", fmt::join(known_, ", ")));
     }
-    std::set<std::string> seen;
+    std::map<std::string, YAML::Node> seen;
     for (const auto& entry : map_) {
       const std::string key = entry.first.as<std::string>("?");
-      if (!seen.insert(key).second) Fail(entry.first, Path(key), "is given twice");
+      const auto [first, is_new] = seen.try_emplace(key, entry.second);
+      if (!is_new) {
+        throw InputError(fmt::format("{}: {} = {}: is given twice, before as {} at {}; remove one",
+                                     Where(entry.first), Path(key), Flat(entry.second),
+                                     Flat(first->second), Where(first->second)));
+      }
       bool known = false;
       for (const std::string& name : known_) known |= name == key;
       if (known) continue;

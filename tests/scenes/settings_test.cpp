@@ -112,7 +112,8 @@ TEST(Settings, ErrorsNameFileLineKeyValueAndWhatIsAllowed) {
       {"size_m: [1, 2]\n", {"cell.yaml:1:", "size_m = [1, 2]", "3 numbers"}},
       {"size_m: [1, 2, .nan]\n", {"cell.yaml:1:", "size_m", "from 0 to 10"}},
       {"bin: [1]\n", {"cell.yaml:1:", "bin", "key: value"}},
-      {"deep: true\ndeep: false\n", {"cell.yaml:2:", "deep", "twice"}},
+      {"deep: true\ndeep: false\n",
+       {"cell.yaml:2: deep = false: is given twice, before as true at cell.yaml:1"}},
       {"seed: [\n", {"cell.yaml:", "not valid YAML"}},
   };
   for (const auto& c : cases) {
