@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 constexpr double kSmallestPick_m = 0.005, kLargestPick_m = 0.6;
 constexpr double kTypical_m = 0.1;
 constexpr double kSmallest_m = 0.003, kLargest_m = 5;
-constexpr int kMostFaces = 2000000;
 constexpr double kFarOrigin_diameters = 2;
 
 std::string ExtensionOf(const fs::path& file) {
@@ -181,9 +180,6 @@ InspectedMesh InspectMeshFile(const fs::path& file, const std::string& unit, boo
   MeshLoadReport load;
   TriangleMesh mesh = LoadMesh(file, "m", &load);
   RequireUsableMesh(mesh, file.string());
-  const int faces = static_cast<int>(mesh.triangles.size());
-  CheckInput(faces <= kMostFaces, fmt::format("mesh '{}' has {} faces; reduce it to {} or fewer",
-                                              file.string(), faces, kMostFaces));
   if (load.degenerate_faces > 0) {
     inspected.fixed.push_back(
         fmt::format("{} faces had two corners at one place: dropped", load.degenerate_faces));
@@ -211,7 +207,7 @@ InspectedMesh InspectMeshFile(const fs::path& file, const std::string& unit, boo
   DescribeOrigin(center, inspected);
   for (const std::string& name : MissingCompanions(file)) {
     inspected.notes.push_back(
-        fmt::format("'{}' is missing: the part is drawn in plain grey", name));
+        fmt::format("'{}' is missing: without it the part is drawn in a plain colour", name));
   }
   return inspected;
 }

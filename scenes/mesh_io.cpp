@@ -3,11 +3,16 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
 #include <map>
 #include <optional>
 #include <utility>
@@ -186,13 +191,60 @@ TriangleMesh Joined(std::vector<Part> parts, const TextureShelf& shelf) {
   return mesh;
 }
 
-// assimp 5.2 never returns from a PLY whose header has no end, such as a file cut short.
-void CheckPlyHeader(const fs::path& path) {
+std::string LowerExtension(const fs::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (extension != ".ply") return;
-  CheckInput(ReadFileBytes(path).find("end_header") != std::string::npos,
-             "cannot read mesh '" + path.string() + "': its PLY header has no end");
+  return extension;
+}
+
+[[noreturn]] void RefuseUnreadable(const fs::path& path, const std::string& reason) {
+  throw InputError("cannot read mesh '" + path.string() + "': " + reason +
+                   "; check that the file is whole and its extension says what it is (.obj .ply "
+                   ".stl .dae .gltf .glb)");
+}
+
+void CheckFaceCount(const fs::path& path, size_t faces) {
+  CheckInput(faces <= kMostFaces,
+             fmt::format("mesh '{}' has {} faces; reduce it to {} or fewer, for instance with "
+                         "MeshLab's quadric edge collapse",
+                         path.string(), faces, kMostFaces));
+}
+
+// assimp 5.2 never returns from a PLY whose header has no end, such as a file cut short.
+void CheckPlyHeader(const fs::path& path) {
+  constexpr size_t kLongestLine = 4096;
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  for (bool first = true; std::getline(file, line); first = false) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line == "end_header") return;
+    if (first && line != "ply") break;
+    if (line.size() > kLongestLine) break;
+    size_t faces = 0;
+    if (std::sscanf(line.c_str(), "element face %zu", &faces) == 1) CheckFaceCount(path, faces);
+  }
+  RefuseUnreadable(path, "it has no PLY header, or one without end");
+}
+
+// What the header says or implies, before a large file is read.
+void CheckHeader(const fs::path& path) {
+  constexpr size_t kStlHeader = 84, kStlFace = 50;  // bytes of a binary STL
+  const std::string extension = LowerExtension(path);
+  if (extension == ".ply") CheckPlyHeader(path);
+  if (extension != ".stl") return;
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, kStlHeader> header{};
+  if (!file.read(header.data(), kStlHeader)) return;
+  uint32_t faces = 0;
+  std::memcpy(&faces, header.data() + 80, sizeof(faces));
+  if (fs::file_size(path) == kStlHeader + kStlFace * faces) CheckFaceCount(path, faces);
+}
+
+size_t CountFaces(const aiScene& scene, const aiNode& node) {
+  size_t faces = 0;
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) faces += scene.mMeshes[node.mMeshes[i]]->mNumFaces;
+  for (unsigned i = 0; i < node.mNumChildren; ++i) faces += CountFaces(scene, *node.mChildren[i]);
+  return faces;
 }
 
 }  // namespace
@@ -211,12 +263,14 @@ TriangleMesh LoadMesh(const fs::path& path, const std::string& unit, MeshLoadRep
   std::error_code error;
   CheckInput(fs::is_regular_file(path, error),
              "mesh '" + name + "' does not exist; check the path");
-  CheckPlyHeader(path);
+  CheckHeader(path);
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
-  CheckInput(scene != nullptr && scene->mRootNode != nullptr,
-             "cannot read mesh '" + name + "': " + importer.GetErrorString());
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    RefuseUnreadable(path, importer.GetErrorString());
+  }
+  CheckFaceCount(path, CountFaces(*scene, *scene->mRootNode));
   TextureShelf shelf(*scene, path.parent_path());
   std::vector<Part> parts;
   CollectParts(*scene, *scene->mRootNode, Eigen::Affine3d(Eigen::Scaling(scale)), shelf, parts);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cstring>
+#include <fstream>
 
 #include "scenes/image_io.h"
 #include "scenes/mesh_checks.h"
@@ -304,6 +305,41 @@ TEST(LoadMesh, ReadsAsciiStlAndPly) {
   EXPECT_EQ(LoadMesh(folder.path() / "box.STL").base_color, TriangleMesh().base_color);
 }
 
+// The count stands in the header or follows from the size: nothing of the faces is read.
+TEST(LoadMesh, RefusesMoreFacesThanItsLimitAtOnce) {
+  const TemporaryFolder folder;
+  const auto ply = [](size_t faces) {
+    return fmt::format(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+        "y\nproperty float z\nelement face {}\nproperty list uchar int "
+        "vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        faces);
+  };
+  const std::string many = folder.Write("many.ply", ply(kMostFaces + 1));
+  const std::string message = InputErrorOf([&] { LoadMesh(many); });
+  EXPECT_THAT(message, HasSubstr(many + "' has 1000001 faces; reduce it to 1000000 or fewer"));
+  EXPECT_EQ(LoadMesh(folder.Write("one.ply", ply(1))).triangles.size(), 1u);
+
+  const std::string stl = folder.path() / "many.stl";
+  const uint32_t faces = kMostFaces + 1;
+  {
+    std::ofstream file(stl, std::ios::binary);
+    file.write(std::string(80, ' ').data(), 80);
+    file.write(reinterpret_cast<const char*>(&faces), 4);
+  }
+  std::filesystem::resize_file(stl, 84 + 50ull * faces);
+  EXPECT_THAT(InputErrorOf([&] { LoadMesh(stl); }), HasSubstr("has 1000001 faces"));
+}
+
+// A format whose count shows only when it is read.
+TEST(LoadMesh, RefusesTooManyFacesOfAnObj) {
+  const TemporaryFolder folder;
+  std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  for (size_t i = 0; i < kMostFaces / 2 + 1; ++i) obj += "f 1 2 3 4\n";  // two triangles each
+  EXPECT_THAT(InputErrorOf([&] { LoadMesh(folder.Write("many.obj", obj)); }),
+              HasSubstr("has 1000002 faces"));
+}
+
 TEST(LoadMesh, RefusesWhatIsNoMesh) {
   const TemporaryFolder folder;
   struct {
@@ -317,7 +353,9 @@ TEST(LoadMesh, RefusesWhatIsNoMesh) {
       {folder.Write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), "no faces"},
       {folder.Write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "without area"},
       {folder.Write("broken.gltf", "{\"asset\": "), "cannot read mesh"},
-      {folder.Write("half.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"), "has no end"},
+      {folder.Write("half.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"), "without end"},
+      {folder.Write("obj_in.stl", kCubeObj), "its extension says what it is"},
+      {folder.Write("obj_in.ply", kCubeObj), "its extension says what it is"},
   };
   for (const auto& c : cases) {
     const std::string message = InputErrorOf([&] { LoadMesh(c.path); });
