@@ -26,6 +26,12 @@ void ValidateCamera(const ScenarioSpec& spec) {
         fmt::format("{} = [{}, {}, {}]: the camera stands inside the bin or its wall; raise it",
                     spec.At("camera.eye_m"), camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
   }
+  if (camera.eye_m.z() < -spec.bin.wall_m) {
+    throw InputError(fmt::format(
+        "{} = [{}, {}, {}]: the camera stands under the bin's floor and sees nothing of the parts; "
+        "raise it",
+        spec.At("camera.eye_m"), camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
+  }
   if ((camera.target_m - camera.eye_m).norm() < 1e-3) {
     throw InputError(fmt::format("{}: equals camera.eye_m; aim the camera at the bin's floor",
                                  spec.At("camera.target_m")));
@@ -107,6 +113,14 @@ void BinSpec::Visit(SettingsVisitor& v) {
   v.Real("friction", friction, {0, 2}, "own value of the pair rule");
 }
 
+std::span<const RefinerName> RefinerNames() {
+  static constexpr RefinerName kRefiners[] = {
+      {"pcl_icp", "PCL's ICP against the depth image; undone where it makes a pose worse"},
+      {"none", "poses are reported as the estimator finds them"},
+  };
+  return kRefiners;
+}
+
 void ScenarioSpec::Visit(SettingsVisitor& v) {
   v.Seed("seed", seed, "same seed, same results");
   v.Integer("trials", trials, {1, 1000000}, "bins to fill");
@@ -121,8 +135,13 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
       "camera", [this](SettingsVisitor& g) { camera.Visit(g); }, "the depth camera");
   v.Text("sensor", sensor, {}, "a row of `pickbed list sensors`, or a file");
   v.Group(
+      "appearance", [this](SettingsVisitor& g) { appearance.Visit(g); },
+      "ranges that lamp, materials and background are drawn from: [least, most]");
+  v.Group(
       "estimator", [this](SettingsVisitor& g) { estimator.Visit(g); }, "who guesses poses");
-  v.Text("refiner", refiner, {"pcl_icp", "none"}, "what polishes reported poses");
+  std::vector<std::string> refiners;
+  for (const RefinerName& row : RefinerNames()) refiners.push_back(row.name);
+  v.Text("refiner", refiner, refiners, "what polishes reported poses");
   v.Text("gripper", gripper, {}, "a row of `pickbed list grippers`, or a file");
   v.Group(
       "policy", [this](SettingsVisitor& g) { policy.Visit(g); }, "how picking goes on");
@@ -173,6 +192,7 @@ void ScenarioSpec::Validate() const {
                            mass, part.name));
   }
   ValidateCamera(*this);
+  appearance.Validate([this](const std::string& key) { return At("appearance." + key); });
 }
 
 ScenarioSpec LoadScenario(const std::filesystem::path& file,
@@ -221,6 +241,37 @@ void RequireFits(const ObjectModel& model, const BinSpec& bin) {
       model.name, 1e3 * size[0], 1e3 * size[1], 1e3 * size[2], 1e3 * inner[0], 1e3 * inner[1]));
 }
 
+// Bin and a heap on it with sides of 45 degrees: a hipped roof over the rim.
+double RoomOf_m3(const BinSpec& bin) {
+  const double length_m = bin.inner_size_m.head<2>().maxCoeff();
+  const double width_m = bin.inner_size_m.head<2>().minCoeff();
+  const double roof_m3 = width_m * width_m * (3 * length_m - width_m) / 12;
+  return bin.inner_size_m.prod() + roof_m3;
+}
+
+// Poured parts leave gaps: what packs densest at random, cubes and ellipsoids, fills less than 0.8
+// (Donev et al., Science 2004: 0.735; Jiao and Torquato 2011: 0.78). More than that fails whatever
+// the seed, after minutes.
+void RequireRoom(const ScenarioSpec& spec, const ObjectSet& objects) {
+  constexpr double kDensestPile = 0.8;
+  double parts_m3 = 0;
+  size_t largest = 0;
+  const auto volume_m3 = [&](size_t i) {
+    return spec.objects[i].count * objects[i]->mass.volume_m3;
+  };
+  for (size_t i = 0; i < objects.size(); ++i) {
+    parts_m3 += volume_m3(i);
+    if (volume_m3(i) > volume_m3(largest)) largest = i;
+  }
+  const double room_m3 = kDensestPile * RoomOf_m3(spec.bin);
+  if (parts_m3 <= room_m3) return;
+  throw InputError(fmt::format(
+      "{} = {}: all parts together are {:.3g} l, a heap in this bin holds {:.3g} l at most; lower "
+      "the count, check the parts' unit or choose a larger bin",
+      spec.At(fmt::format("objects.{}.count", largest)), spec.objects[largest].count,
+      1e3 * parts_m3, 1e3 * room_m3));
+}
+
 }  // namespace
 
 ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
@@ -233,6 +284,7 @@ ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
       RequireFits(*objects.back(), spec.bin);
     });
   }
+  RequireRoom(spec, objects);
   return objects;
 }
 

@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "scenes/appearance_ranges.h"
 #include "scenes/bin.h"
 #include "scenes/camera.h"
 #include "scenes/check.h"
@@ -64,6 +66,13 @@ struct BinSpec {
   void Visit(SettingsVisitor& v);
 };
 
+// What may polish reported poses, with one line of help each.
+struct RefinerName {
+  const char* name;
+  const char* help;
+};
+std::span<const RefinerName> RefinerNames();
+
 struct ScenarioSpec {
   uint64_t seed = 0;
   int trials = 1;
@@ -72,8 +81,9 @@ struct ScenarioSpec {
   std::string arrangement = "pile";  // pile | packed | heap, see sim/drop.h
   CameraSpec camera;
   std::string sensor = "structured_light";  // assets/sensors/NAME.yaml or a path
+  AppearanceRanges appearance = FixedAppearance();
   EstimatorSpec estimator;
-  std::string refiner = "pcl_icp";  // pcl_icp | none
+  std::string refiner = "pcl_icp";  // a row of RefinerNames()
   std::string gripper = "jaw_8cm";  // assets/grippers/NAME.yaml or a path
   PolicySpec policy;
   std::filesystem::path folder;  // of the scenario file, for relative paths; not a setting
@@ -85,7 +95,8 @@ struct ScenarioSpec {
   std::string At(const std::string& key) const;
 
   // Cross-field checks that need no mesh: at least one object, positive counts, camera outside the
-  // bin's walls and looking at its floor. Throws InputError.
+  // bin's walls, not under its floor and looking at it, ranges of the appearance the right way
+  // round. Throws InputError.
   void Validate() const;
 };
 
@@ -104,7 +115,8 @@ auto BlameKey(const ScenarioSpec& spec, const std::string& key, Work work) {
 ScenarioSpec LoadScenario(const std::filesystem::path& file,
                           const std::vector<std::string>& overrides = {});
 
-// Loads each part; throws InputError when one is unknown, broken, or larger than the bin.
+// Loads each part; throws InputError when one is unknown, broken, or larger than the bin, or when
+// all together are more than a heap in it can hold.
 ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog);
 
 std::vector<std::string> BinNames();  // of assets/bins, sorted

@@ -4,49 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include "scenes/check.h"
 
 namespace pickbed {
 namespace {
 
 double Draw(const Span& span, Rng& rng) { return rng.Uniform(span.min, span.max); }
 
-void CheckSpan(const char* name, const Span& span, double low, double high) {
-  CheckInput(span.min >= low && span.max >= span.min && span.max <= high,
-             fmt::format("appearance {} from {} to {}: need {} <= min <= max <= {}", name, span.min,
-                         span.max, low, high));
-}
-
 }  // namespace
-
-void AppearanceRanges::Validate() const {
-  constexpr double kFar_m = 100;
-  CheckSpan("lamp_x_m", lamp_x_m, -kFar_m, kFar_m);
-  CheckSpan("lamp_y_m", lamp_y_m, -kFar_m, kFar_m);
-  CheckSpan("lamp_z_m", lamp_z_m, -kFar_m, kFar_m);
-  CheckSpan("ambient", ambient, 0, 1);
-  CheckSpan("shadow_share", {shadow_share, shadow_share}, 0, 1);
-  CheckSpan("shadow_softness_m", shadow_softness_m, 0, 0.1);
-  CheckSpan("tint", tint, 0, 1);
-  CheckSpan("gloss", gloss, 0, 1);
-  CheckSpan("grain", grain, 0, 1);
-  CheckSpan("grain_cells_pm", grain_cells_pm, 1, 1e5);
-  CheckSpan("background", background, 0, 1);
-  CheckSpan("background_cell_px", background_cell_px, 1, 1e4);
-}
-
-AppearanceRanges WideAppearance() {
-  AppearanceRanges ranges;
-  ranges.ambient = {0.15, 0.6};
-  ranges.shadow_share = 0.7;
-  ranges.tint = {0.4, 1};
-  ranges.gloss = {0, 0.6};
-  ranges.grain = {0, 0.5};
-  ranges.background = {0, 1};
-  return ranges;
-}
 
 Light RandomLight(const AppearanceRanges& ranges, Rng& rng) {
   Light light;
@@ -88,6 +52,29 @@ void PaintBackground(const AppearanceRanges& ranges, Rng& rng, RenderedImage& im
       image.color(x, y) = {grey, grey, grey};
     }
   }
+}
+
+Light LampOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial) {
+  Rng rng = Rng::Derive(seed, trial, "looks/lamp");
+  return RandomLight(ranges, rng);
+}
+
+Material MaterialOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial, int instance) {
+  Rng rng = Rng::Derive(seed, trial, fmt::format("looks/part/{}", instance));
+  return RandomMaterial(ranges, rng);
+}
+
+RenderedImage RenderWithLooks(SceneRenderer& renderer, const Scene& scene, const Camera& camera,
+                              const AppearanceRanges& ranges, uint64_t seed, uint64_t trial,
+                              int picture) {
+  std::vector<RenderInstance> instances = renderer.InstancesOf(scene);
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    instances[i].material = MaterialOf(ranges, seed, trial, scene.objects[i].instance);
+  }
+  RenderedImage image = renderer.renderer().Render(camera, instances, LampOf(ranges, seed, trial));
+  Rng rng = Rng::Derive(seed, trial, fmt::format("looks/background/{}", picture));
+  PaintBackground(ranges, rng, image);
+  return image;
 }
 
 }  // namespace pickbed

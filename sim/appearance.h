@@ -1,45 +1,29 @@
 #pragma once
 
-// How scenes look at random: lamps, materials and what stands behind the objects, each drawn
-// evenly from a named range. (Domain randomisation as in Tobin et al., IROS 2017.) The same numbers
-// from the Rng give the same looks.
+// Draws how scenes look from scenes/appearance_ranges.h. The same numbers from the Rng give the
+// same looks.
 
+#include "scenes/appearance_ranges.h"
 #include "scenes/image.h"
 #include "scenes/random.h"
+#include "scenes/scene.h"
 #include "sim/renderer.h"
 
 namespace pickbed {
-
-// From min to max; equal ones fix the value.
-struct Span {
-  double min = 0;
-  double max = 0;
-};
-
-struct AppearanceRanges {
-  Span lamp_x_m{-0.8, 0.8};  // in the world's frame
-  Span lamp_y_m{-0.8, 0.8};
-  Span lamp_z_m{0.8, 1.8};
-  Span ambient{0.25, 0.45};  // 0..1; the rest of the light comes from the lamp
-  double shadow_share = 0;   // 0..1, of pictures that have a shadow
-  Span shadow_softness_m{0.001, 0.01};
-  Span tint{1, 1};                // 0..1, factor of red, green and blue, each drawn by itself
-  Span gloss{0, 0};               // 0..1
-  Span grain{0, 0};               // 0..1, depth of a dark pattern
-  Span grain_cells_pm{100, 800};  // cells a metre
-  Span background{0, 0};          // 0..1, grey of pixels that show nothing, drawn per cell
-  Span background_cell_px{8, 64};
-
-  // Throws InputError naming the range that is turned round or outside its limits.
-  void Validate() const;
-};
-
-// Everything varies, as much as a real cell may.
-AppearanceRanges WideAppearance();
 
 Light RandomLight(const AppearanceRanges& ranges, Rng& rng);
 Material RandomMaterial(const AppearanceRanges& ranges, Rng& rng);
 // Colours the pixels without depth in random squares.
 void PaintBackground(const AppearanceRanges& ranges, Rng& rng, RenderedImage& image);
+
+// The lamp of a trial and the material of each instance in it: they stay while parts are picked.
+Light LampOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial);
+Material MaterialOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial, int instance);
+
+// Colour, depth and ids of the scene with the looks of its trial; the background is drawn anew for
+// each `picture`. The bin has its plain material.
+RenderedImage RenderWithLooks(SceneRenderer& renderer, const Scene& scene, const Camera& camera,
+                              const AppearanceRanges& ranges, uint64_t seed, uint64_t trial,
+                              int picture);
 
 }  // namespace pickbed

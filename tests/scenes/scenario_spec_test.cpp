@@ -53,6 +53,7 @@ TEST_F(ScenarioFile, BadScenariosAreRefusedInOneLine) {
       {"objects: [{name: x, mesh: a.obj}]\n", "mass_kg"},
       {rods + "camera: {eye_m: [0.202, 0, 0.05]}\n", "inside the bin"},
       {rods + "camera: {eye_m: [0.1, 0, 0.1]}\n", "inside the bin"},
+      {rods + "camera: {eye_m: [0, 0, -0.5]}\n", "under the bin's floor"},
       {rods + "camera: {eye_m: [0, 0, 0.8], target_m: [0, 0, 2]}\n", "looks away"},
       {rods + "camera: {eye_m: [0, 0, 0.8], target_m: [3, 0, 0.8]}\n", "looks away"},
       {rods + "camera: {eye_m: [0, 0, 0.8], target_m: [0, 0, 0.8]}\n", "equals camera.eye_m"},
@@ -79,6 +80,28 @@ TEST_F(ScenarioFile, LaterErrorsNameTheLineOfTheKey) {
     ADD_FAILURE() << "a part of no catalog was loaded";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr(file.string() + ":4: objects.1.name: unknown part"));
+  }
+}
+
+// 48 cm3 bricks in a bin of 18 l: with the roof of a heap, 24.75 l of room and 80 % of that filled,
+// 412 bricks are the most.
+TEST_F(ScenarioFile, MorePartsThanAHeapCanHoldAreRefused) {
+  folder_.Write("brick.obj",
+                "v 0 0 0\nv 60 0 0\nv 0 40 0\nv 60 40 0\nv 0 0 20\nv 60 0 20\nv 0 40 20\n"
+                "v 60 40 20\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+  const std::filesystem::path file =
+      folder_.Write("bricks.yaml",
+                    "bin: {inner_size_m: [0.4, 0.3, 0.15]}\nobjects:\n"
+                    "  - {name: rod, count: 1}\n"
+                    "  - {name: brick, mesh: brick.obj, unit: mm, mass_kg: 0.1, count: 450}\n");
+  const ObjectCatalog catalog({AssetsDir() / "objects"});
+  EXPECT_EQ(LoadObjects(LoadScenario(file, {"objects.1.count=405"}), catalog).size(), 2u);
+  try {
+    LoadObjects(LoadScenario(file), catalog);
+    ADD_FAILURE() << "21.6 l of bricks were taken for an 18 l bin";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(file.string() + ":4: objects.1.count = 450"));
+    EXPECT_THAT(error.what(), HasSubstr("19.8 l at most"));
   }
 }
 
