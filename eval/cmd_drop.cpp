@@ -30,7 +30,7 @@ int DropCommand(int argc, char** argv) {
   VirtualCell cell(scenario.spec, scenario.objects);
   const CertifiedScene made = cell.MakeScene(trial);
   WriteFileAtomically(folder / "scene.json", SceneJson(made.scene, cell.objects()));
-  WritePng(folder / "color.png", cell.ColorPicture(made.scene));
+  WritePng(folder / "color.png", cell.ColorPicture(made.scene, trial));
   WriteFileAtomically(folder / "certificate.json", CertificateJson(made));
   fmt::print("{}wrote {}, certificate.json and color.png\n", CertificateText(made),
              (folder / "scene.json").string());

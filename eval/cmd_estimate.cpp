@@ -79,6 +79,8 @@ int EstimateBop(const std::string& path, const std::string& split,
                 const ScenarioArguments& arguments, const std::string& out) {
   CheckInput(arguments.scenario.empty() && !arguments.trials,
              "--bop takes the place of SCENARIO and --trials; name one or the other");
+  CheckInput(std::filesystem::is_directory(path),
+             fmt::format("--bop {}: is no folder; name one with models/ and {}/", path, split));
   ScenarioSpec spec;
   for (const std::string& setting : arguments.settings) {
     ApplySetting(setting, [&](SettingsVisitor& v) { spec.Visit(v); });

@@ -37,6 +37,10 @@ void ListEstimators(const std::string&) {
   for (const EstimatorName& row : EstimatorNames()) Row(row.name, row.help);
 }
 
+void ListRefiners(const std::string&) {
+  for (const RefinerName& row : RefinerNames()) Row(row.name, row.help);
+}
+
 void ListGrippers(const std::string&) {
   for (const std::string& name : GripperNames()) {
     const GripperSpec spec = LoadGripper(name);
@@ -100,10 +104,11 @@ struct Topic {
   const char* title;
   void (*print)(const std::string& catalog_folder);
 };
-constexpr std::array<Topic, 9> kTopics{{
+constexpr std::array<Topic, 10> kTopics{{
     {"presets", "Scenarios that come with the program", ListPresets},
     {"objects", "Parts", ListObjects},
     {"estimators", "Pose estimators", ListEstimators},
+    {"refiners", "What polishes reported poses", ListRefiners},
     {"bins", "Bins", ListBins},
     {"grippers", "Grippers", ListGrippers},
     {"sensors", "Depth sensors", ListSensors},

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "eval/command_line.h"
 #include "eval/commands.h"
 #include "eval/report/draw.h"
@@ -50,8 +52,10 @@ int RenderCommand(int argc, char** argv) {
   WritePng16(folder / "ids.png", view.ids);
   WritePng(folder / "ids_color.png", ColorizeIds(view.ids));
   WriteFileAtomically(folder / "visible.csv", VisibilityCsv(scene, view, cell.objects()));
-  fmt::print("{} parts in view of the camera; pictures in {}\n", scene.objects.size(),
-             folder.string());
+  const auto in_view = std::count_if(view.visible_fractions.begin(), view.visible_fractions.end(),
+                                     [](double fraction) { return fraction > 0; });
+  fmt::print("{} of {} parts in view of the camera; pictures in {}\n", in_view,
+             scene.objects.size(), folder.string());
   return 0;
 }
 

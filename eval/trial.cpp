@@ -198,7 +198,7 @@ void TrialRunner::Impl::PickOnce(Live& live) {
   } else {
     record.loss = poses.empty() ? WhyNothing(record.instances) : Loss::kNoGrasp;
   }
-  if (pictures.wanted()) pictures.WriteAfter(cell.ColorPicture(live.scene));
+  if (pictures.wanted()) pictures.WriteAfter(cell.ColorPicture(live.scene, live.result.trial));
 }
 
 TrialRunner::TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/appearance.h"
 #include "sim/convex_pieces.h"
 #include "sim/resting_poses.h"
 #include "sim/sensor_noise.h"
@@ -12,6 +13,7 @@ VirtualCell::VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects)
     : seed_(spec.seed),
       camera_(CameraOf(spec)),
       bin_(BinOf(spec)),
+      appearance_(spec.appearance),
       sensor_(BlameKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); })),
       objects_(WithConvexPieces(objects)) {
   drop_.arrangement = ArrangementFromName(spec.arrangement);
@@ -29,7 +31,7 @@ CertifiedScene VirtualCell::MakeScene(int trial) const {
 }
 
 View VirtualCell::See(const Scene& scene, int trial, int look) {
-  RenderedImage image = renderer().Render(scene, camera_);
+  RenderedImage image = Render(renderer(), scene, camera_, trial, look);
   View view;
   view.visible_fractions = renderer().VisibleFractions(scene, camera_, image.ids);
   // A stream of its own for every look, so that a second look at an unchanged bin is a new sample.
@@ -42,8 +44,13 @@ View VirtualCell::See(const Scene& scene, int trial, int look) {
   return view;
 }
 
-Image<Rgb8> VirtualCell::ColorPicture(const Scene& scene) {
-  return renderer().Render(scene, camera_).color;
+Image<Rgb8> VirtualCell::ColorPicture(const Scene& scene, int trial) {
+  return Render(renderer(), scene, camera_, trial, 0).color;
+}
+
+RenderedImage VirtualCell::Render(SceneRenderer& renderer, const Scene& scene, const Camera& camera,
+                                  int trial, int picture) const {
+  return RenderWithLooks(renderer, scene, camera, appearance_, seed_, trial, picture);
 }
 
 }  // namespace pickbed

@@ -34,7 +34,12 @@ class VirtualCell {
   CertifiedScene MakeScene(int trial) const;  // throws InputError, see sim/scene_maker.h
   View See(const Scene& scene, int trial, int look);
 
-  Image<Rgb8> ColorPicture(const Scene& scene);
+  // Of the scene with the looks of its trial.
+  Image<Rgb8> ColorPicture(const Scene& scene, int trial);
+  // By a renderer of the cell's parts and bin, for cameras besides the cell's own: `picture` tells
+  // pictures of one scene apart.
+  RenderedImage Render(SceneRenderer& renderer, const Scene& scene, const Camera& camera, int trial,
+                       int picture) const;
 
   const ObjectSet& objects() const { return objects_; }  // with convex pieces
   const Camera& camera() const { return camera_; }
@@ -49,6 +54,7 @@ class VirtualCell {
   Camera camera_;
   Bin bin_;
   DropOptions drop_;
+  AppearanceRanges appearance_;
   SensorProfile sensor_;
   ObjectSet objects_;
   std::unique_ptr<SceneRenderer> renderer_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -120,6 +121,28 @@ class Runner {
   std::unique_ptr<PoseEstimator> estimator_;
 };
 
+using TakeImage =
+    std::function<void(const Estimate& place, const ImageTargets& targets, const RgbdFrame& frame)>;
+
+// Every image that is a target, read from disk.
+void ForEachTarget(const fs::path& root, const std::string& split, const SplitTargets& targets,
+                   const TakeImage& take) {
+  for (const auto& [scene_id, images] : targets.scenes) {
+    const SceneTruth scene =
+        ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault);
+    for (const auto& [image_id, image_targets] : images) {
+      const auto image = scene.images.find(image_id);
+      CheckInput(image != scene.images.end(),
+                 fmt::format("{}: has no image {}, which is a target",
+                             (scene.folder / "scene_camera.json").string(), image_id));
+      Estimate place;
+      place.scene_id = scene_id;
+      place.image_id = image_id;
+      take(place, image_targets, ReadFrame(scene, image->second));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Estimate> EstimateDataset(
@@ -130,32 +153,27 @@ std::vector<Estimate> EstimateDataset(
   const SplitTargets targets = TargetsOf(root, split);
   size_t all = 0, done = 0;
   for (const auto& [scene_id, images] : targets.scenes) all += images.size();
+  // All are read once before the first is worked on, a small share of the time: a broken one is
+  // told of now and not after hours, whose estimates would be lost.
+  ForEachTarget(root, split, targets,
+                [](const Estimate&, const ImageTargets&, const RgbdFrame&) {});
   std::optional<Runner> runner;
   std::vector<Estimate> estimates;
-  for (const auto& [scene_id, images] : targets.scenes) {
-    const SceneTruth scene =
-        ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault);
-    for (const auto& [image_id, image_targets] : images) {
-      const auto image = scene.images.find(image_id);
-      CheckInput(image != scene.images.end(),
-                 fmt::format("{}: has no image {}, which is a target",
-                             (scene.folder / "scene_camera.json").string(), image_id));
-      const RgbdFrame frame = ReadFrame(scene, image->second);
-      if (!runner) {
-        runner.emplace(root, options, ObjectsOf(targets, models), models, frame, on_progress);
-      }
-      Rng rng = Rng::Derive(options.seed, scene_id, fmt::format("bop/estimate/{}", image_id));
-      Estimate place;
-      place.scene_id = scene_id;
-      place.image_id = image_id;
-      runner->Run(frame, image_targets, place, rng, estimates);
-      ++done;
-      if (on_progress) {
-        on_progress({fmt::format("scene {} image {}", scene_id, image_id),
-                     static_cast<double>(done) / static_cast<double>(all)});
-      }
-    }
-  }
+  ForEachTarget(
+      root, split, targets,
+      [&](const Estimate& place, const ImageTargets& image_targets, const RgbdFrame& frame) {
+        if (!runner) {
+          runner.emplace(root, options, ObjectsOf(targets, models), models, frame, on_progress);
+        }
+        Rng rng = Rng::Derive(options.seed, place.scene_id,
+                              fmt::format("bop/estimate/{}", place.image_id));
+        runner->Run(frame, image_targets, place, rng, estimates);
+        ++done;
+        if (on_progress) {
+          on_progress({fmt::format("scene {} image {}", place.scene_id, place.image_id),
+                       static_cast<double>(done) / static_cast<double>(all)});
+        }
+      });
   return estimates;
 }
 

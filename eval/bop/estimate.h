@@ -26,7 +26,7 @@ struct EstimateProgress {
 // Of every target image, all poses of the objects that are its targets (BOP19) or of any object of
 // the data set (where only BOP24 names it). The estimator gets images, cameras and meshes, no truth
 // and no background, since BOP knows no bin. Throws InputError for an unknown estimator, the oracle
-// (it would need the truth) and a broken data set.
+// (it would need the truth) and a broken data set: before the first image is worked on.
 std::vector<Estimate> EstimateDataset(
     const std::filesystem::path& root, const std::string& split, const EstimateOptions& options,
     const std::function<void(const EstimateProgress&)>& on_progress = {});

@@ -32,9 +32,11 @@ EstimatesByImage ByImage(const std::vector<Estimate>& estimates,
   for (const Estimate& estimate : estimates) {
     CheckInput(
         models.contains(estimate.object_id),
-        fmt::format("an estimate of scene {} image {} is of object {}, which {} does not have",
-                    estimate.scene_id, estimate.image_id, estimate.object_id,
-                    (folder / "models_info.json").string()));
+        fmt::format("{}: obj_id {}: {} has no such object",
+                    estimate.place.empty() ? fmt::format("estimate of scene {} image {}",
+                                                         estimate.scene_id, estimate.image_id)
+                                           : estimate.place,
+                    estimate.object_id, (folder / "models_info.json").string()));
     by_image[{estimate.scene_id, estimate.image_id}].push_back(&estimate);
   }
   return by_image;

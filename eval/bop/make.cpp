@@ -58,7 +58,7 @@ class SceneMaker {
       Rng rng = Rng::Derive(spec_.seed, trial, fmt::format("bop/view/{}", view));
       camera = RandomView(spec_, {}, rng);
     }
-    const RenderedImage image = renderer_.Render(scene, camera);
+    const RenderedImage image = cell_.Render(renderer_, scene, camera, trial, view);
     Rng rng = Rng::Derive(spec_.seed, trial, fmt::format("bop/sensor/{}", view));
     LabelledImage labelled;
     labelled.color = image.color;

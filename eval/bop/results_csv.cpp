@@ -72,6 +72,7 @@ Estimate ParseLine(const std::string& text, const Line& line) {
     line.Refuse(fmt::format("has {} columns, not the 7 of {}", fields.size(), kHeader));
   }
   Estimate estimate;
+  estimate.place = line.place;
   estimate.scene_id = line.Id(fields[0], "scene_id");
   estimate.image_id = line.Id(fields[1], "im_id");
   estimate.object_id = line.Id(fields[2], "obj_id");

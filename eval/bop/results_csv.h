@@ -21,6 +21,7 @@ struct Estimate {
   double score = 0;
   Pose X_CO = Pose::Identity();
   double time_s = -1;
+  std::string place = {};  // in a results file, "results.csv:3"
 };
 
 std::string WriteResults(const std::vector<Estimate>& estimates);
