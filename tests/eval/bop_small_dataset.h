@@ -1,0 +1,36 @@
+#pragma once
+
+// The smallest data set: cubes, few pixels, an ideal sensor. No file of the catalog.
+
+#include <filesystem>
+#include <functional>
+
+#include "eval/bop/make.h"
+#include "tests/eval/cube_scenario.h"
+
+namespace pickbed::bop {
+
+inline constexpr int kSmallParts = 3;
+
+inline ScenarioSpec SmallScenario() {
+  ScenarioSpec spec = CubeScenario(kSmallParts);
+  spec.sensor = "ideal";
+  spec.camera.width = 96;
+  spec.camera.height = 72;
+  spec.camera.focal_px = 160;
+  spec.camera.eye_m = {0, -0.1, 0.6};
+  return spec;
+}
+
+inline MakeReport MakeSmall(const std::filesystem::path& out, int scenes, int views, int jobs = 1,
+                            bool resume = false, const std::function<bool()>& stop = {}) {
+  MakeOptions options;
+  options.out = out;
+  options.scenes = scenes;
+  options.views = views;
+  options.jobs = jobs;
+  options.resume = resume;
+  return MakeDataset(SmallScenario(), EasyCube(), options, {}, stop);
+}
+
+}  // namespace pickbed::bop
