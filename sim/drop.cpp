@@ -234,9 +234,7 @@ double Pouring::Top_m() const {
 
 bool Pouring::InBin(int part) const {
   const ObjectModel& model = *objects_[object_of_part_[part]];
-  const Vector3d p_W = world_.X_WO(part) * model.mass.com_O;
-  const Vector2d half = 0.5 * bin_.inner_size_m.head<2>();
-  return (p_W.head<2>().cwiseAbs().array() <= half.array()).all() && p_W.z() > 0;
+  return bin_.Holds(world_.X_WO(part) * model.mass.com_O);
 }
 
 DropResult Pouring::Result() const {
