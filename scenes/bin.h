@@ -19,7 +19,7 @@ struct Bin {
   double friction = 0.5;                           // own value of the pair rule of friction.h
   // Null = the box above. Physics, its checks and the camera take the shape as it is; the box then
   // says how much room there is, to the planner of grasps and to perception.
-  std::shared_ptr<const BinShape> shape;
+  std::shared_ptr<const BinShape> shape = nullptr;
 
   // Whether a part with its centre of mass here is in the bin.
   bool Holds(const Eigen::Vector3d& p_B) const;
