@@ -27,6 +27,9 @@ std::string SettingsText(ScenarioSpec spec) {
 
 // Paths of meshes made relative to the results folder, so that its scenario.yaml can be run again.
 std::string ScenarioText(ScenarioSpec spec, const std::filesystem::path& out) {
+  if (!spec.bin.mesh.empty()) {
+    spec.bin.mesh = std::filesystem::relative(spec.folder / spec.bin.mesh, out).string();
+  }
   for (PartSpec& part : spec.objects) {
     if (!part.mesh.empty()) {
       part.mesh = std::filesystem::relative(spec.folder / part.mesh, out).string();

@@ -39,7 +39,26 @@ std::vector<AxisAlignedBox> BinBoxes(const Bin& bin) {
   return boxes;
 }
 
+bool Bin::Holds(const Eigen::Vector3d& p_B) const {
+  const Eigen::Vector2d room_m = shape ? shape->opening_m : Eigen::Vector2d(inner_size_m.head<2>());
+  return (p_B.head<2>().cwiseAbs().array() <= 0.5 * room_m.array()).all() && p_B.z() > 0;
+}
+
+std::vector<std::vector<Eigen::Vector3d>> BinPieces(const Bin& bin) {
+  if (bin.shape) return bin.shape->pieces_B;
+  std::vector<std::vector<Eigen::Vector3d>> pieces;
+  for (const AxisAlignedBox& box : BinBoxes(bin)) {
+    std::vector<Eigen::Vector3d>& corners = pieces.emplace_back();
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+      corners.push_back(box.center + sign.cwiseProduct(box.half_size));
+    }
+  }
+  return pieces;
+}
+
 TriangleMesh BinMesh(const Bin& bin) {
+  if (bin.shape) return bin.shape->mesh_B;
   const Eigen::Vector2d inner = 0.5 * bin.inner_size_m.head<2>();
   const Eigen::Vector2d outer = inner + Eigen::Vector2d::Constant(bin.wall_m);
   const double height = bin.inner_size_m.z();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include "scenes/check.h"
@@ -50,23 +51,52 @@ void ValidateCamera(const ScenarioSpec& spec) {
 
 constexpr double kSmallestFloor_m = 0.02;
 
+// What the mesh says where the file does not.
+void TakeMeasures(const std::function<bool(const std::string&)>& is_given, BinSpec& bin) {
+  const BinShape& shape = *bin.shape;
+  if (!is_given("inner_size_m")) bin.inner_size_m = shape.inner_size_m;
+  if (!is_given("wall_m")) bin.wall_m = shape.wall_m;
+  // The tolerance lets a measured size pass that was written with fewer digits.
+  const bool fits = (bin.inner_size_m.head<2>().array() <= shape.opening_m.array() + 1e-4).all();
+  CheckInput(fits,
+             fmt::format("inner_size_m = [{}, {}, {}] is larger than the opening of {}, which "
+                         "is {:.4f} x {:.4f} m; leave it out to have it measured",
+                         bin.inner_size_m.x(), bin.inner_size_m.y(), bin.inner_size_m.z(), bin.mesh,
+                         shape.opening_m.x(), shape.opening_m.y()));
+}
+
+void LoadShape(const std::filesystem::path& folder, BinSpec& bin) {
+  bin.shape = std::make_shared<const BinShape>(LoadBinShape(folder / bin.mesh, bin.unit));
+}
+
 // What the scenario does not say of its bin, the bin's file does. A name that --set gives replaces
 // what the scenario file says of it.
 void FillInBin(ScenarioSpec& spec) {
-  if (spec.bin.name.empty()) return;
-  BinSpec bin = BlameKey(spec, "bin.name", [&] { return LoadBin(spec.bin.name); });
   const auto is_set = [&](const std::string& key) {
     const auto place = spec.places.find(key);
     return place != spec.places.end() && place->second.starts_with("--set");
   };
   const auto is_given = [&](const std::string& key) {
-    return is_set("bin.name") ? is_set(key) : spec.places.contains(key);
+    return is_set("bin.name") ? is_set("bin." + key) : spec.places.contains("bin." + key);
   };
-  bin.name = spec.bin.name;
-  if (is_given("bin.inner_size_m")) bin.inner_size_m = spec.bin.inner_size_m;
-  if (is_given("bin.wall_m")) bin.wall_m = spec.bin.wall_m;
-  if (is_given("bin.friction")) bin.friction = spec.bin.friction;
-  spec.bin = bin;
+  const BinSpec given = spec.bin;
+  if (!given.name.empty()) {
+    spec.bin = BlameKey(spec, "bin.name", [&] { return LoadBin(given.name); });
+    spec.bin.name = given.name;
+  }
+  if (is_given("friction")) spec.bin.friction = given.friction;
+  const bool own_mesh = !given.mesh.empty() && (given.name.empty() || is_given("mesh"));
+  if (own_mesh) {
+    spec.bin.mesh = given.mesh;
+    spec.bin.unit = given.unit;
+    BlameKey(spec, "bin.mesh", [&] { LoadShape(spec.folder, spec.bin); });
+  }
+  if (is_given("inner_size_m")) spec.bin.inner_size_m = given.inner_size_m;
+  if (is_given("wall_m")) spec.bin.wall_m = given.wall_m;
+  if (!spec.bin.shape) return;
+  const auto is_known = [&](const std::string& key) { return !own_mesh || is_given(key); };
+  BlameKey(spec, is_given("inner_size_m") ? "bin.inner_size_m" : "bin.mesh",
+           [&] { TakeMeasures(is_known, spec.bin); });
 }
 
 }  // namespace
@@ -107,8 +137,10 @@ void PolicySpec::Visit(SettingsVisitor& v) {
 
 void BinSpec::Visit(SettingsVisitor& v) {
   v.Text("name", name, {}, "a row of `pickbed list bins`, or a file; its own keys may be left out");
+  v.Text("mesh", mesh, {}, "mesh file of a bin of any shape, z up, relative to this file");
+  v.Text("unit", unit, {"m", "cm", "mm", "in"}, "of the mesh's coordinates");
   v.Vector3("inner_size_m", inner_size_m, {0, 5},
-            "inner length x, width y, height z, m; 0 = table");
+            "inner length x, width y, height z, m; 0 = table; a mesh is measured");
   v.Real("wall_m", wall_m, {0.001, 0.1}, "thickness of walls and floor, m");
   v.Real("friction", friction, {0, 2}, "own value of the pair rule");
 }
@@ -158,8 +190,17 @@ BinSpec LoadBin(const std::string& name_or_path) {
                UnknownNameMessage("bin", name_or_path, names));
   }
   BinSpec bin;
-  ReadSettingsFile(is_file ? path : AssetsDir() / "bins" / (name_or_path + ".yaml"),
-                   [&bin](SettingsVisitor& v) { bin.Visit(v); });
+  const std::filesystem::path file =
+      is_file ? path : AssetsDir() / "bins" / (name_or_path + ".yaml");
+  const KeyPlaces places = ReadSettingsFile(file, [&bin](SettingsVisitor& v) { bin.Visit(v); });
+  if (bin.mesh.empty()) return bin;
+  try {
+    bin.mesh = (std::filesystem::absolute(file).parent_path() / bin.mesh).string();
+    LoadShape({}, bin);
+    TakeMeasures([&](const std::string& key) { return places.contains(key); }, bin);
+  } catch (const InputError& error) {
+    throw InputError(places.at("mesh") + ": mesh: " + error.what());
+  }
   return bin;
 }
 
@@ -289,7 +330,7 @@ ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
 }
 
 Bin BinOf(const ScenarioSpec& spec) {
-  return {spec.bin.inner_size_m, spec.bin.wall_m, spec.bin.friction};
+  return {spec.bin.inner_size_m, spec.bin.wall_m, spec.bin.friction, spec.bin.shape};
 }
 
 Camera CameraOf(const ScenarioSpec& spec) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -60,9 +61,12 @@ struct PolicySpec {
 struct BinSpec {
   std::string
       name;  // assets/bins/NAME.yaml or a path; keys that are given here go before the file's
-  Eigen::Vector3d inner_size_m{0.40, 0.30, 0.15};
-  double wall_m = 0.006;
+  std::string mesh;  // of any shape, see scenes/bin_shape.h; relative to the file that names it
+  std::string unit = "m";
+  Eigen::Vector3d inner_size_m{0.40, 0.30, 0.15};  // where a mesh is given but not this: measured
+  double wall_m = 0.006;                           // likewise
   double friction = 0.5;
+  std::shared_ptr<const BinShape> shape;  // of the mesh; not a setting
   void Visit(SettingsVisitor& v);
 };
 
@@ -121,8 +125,8 @@ ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog);
 
 std::vector<std::string> BinNames();  // of assets/bins, sorted
 
-// NAME of assets/bins, or a path ending in .yaml. Throws InputError for an unknown name or bad
-// value.
+// NAME of assets/bins, or a path ending in .yaml, with the shape of its mesh. Throws InputError for
+// an unknown name, a bad value or a mesh that is no bin.
 BinSpec LoadBin(const std::string& name_or_path);
 
 Bin BinOf(const ScenarioSpec& spec);

@@ -1,6 +1,7 @@
 #include "sim/drop.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "scenes/check.h"
@@ -63,13 +64,25 @@ Bin ShaftOver(const Bin& bin, const ObjectSet& objects, const DropOptions& optio
   return shaft;
 }
 
+// Small parts need shorter steps, since gravity and contacts that are kept move all parts by the
+// same lengths: time goes with the root of the size, as in free fall.
+PhysicsOptions PhysicsFor(const ObjectSet& objects, PhysicsOptions physics) {
+  constexpr double kFullSize_m = 0.04;
+  double size = 1;
+  for (const auto& object : objects) size = std::min(size, object->diameter_m / kFullSize_m);
+  physics.rate_hz /= std::sqrt(size);
+  physics.contact_reuse_m *= size;
+  physics.still_m *= size;
+  return physics;
+}
+
 Pouring::Pouring(const Bin& bin, const ObjectSet& objects, const DropOptions& options, Rng& rng)
     : bin_(bin),
       shaft_(ShaftOver(bin, objects, options)),
       objects_(objects),
       options_(options),
       rng_(rng),
-      world_(options.physics) {
+      world_(PhysicsFor(objects, options.physics)) {
   world_.AddBin(bin);
   for (const auto& object : objects) {
     boxes_O_.push_back(TurnedBox(*object, Eigen::Matrix3d::Identity()));
@@ -234,9 +247,7 @@ double Pouring::Top_m() const {
 
 bool Pouring::InBin(int part) const {
   const ObjectModel& model = *objects_[object_of_part_[part]];
-  const Vector3d p_W = world_.X_WO(part) * model.mass.com_O;
-  const Vector2d half = 0.5 * bin_.inner_size_m.head<2>();
-  return (p_W.head<2>().cwiseAbs().array() <= half.array()).all() && p_W.z() > 0;
+  return bin_.Holds(world_.X_WO(part) * model.mass.com_O);
 }
 
 DropResult Pouring::Result() const {

@@ -10,6 +10,7 @@ namespace {
 
 // The floor counts as a slab of this thickness, so that a part deep in it is not taken to be below.
 constexpr double kFloorSlab_m = 1.0;
+constexpr double kFloorTop_m = 1e-5;
 // Edges whose directions differ by a smaller sine give no axis of their own.
 constexpr double kParallelSine = 1e-9;
 
@@ -35,13 +36,17 @@ PlacedHull Place(const ConvexHull& hull_O, const Pose& X_WO, int owner) {
   return placed;
 }
 
-ConvexHull BoxHull(const AxisAlignedBox& box) {
-  std::vector<Eigen::Vector3d> corners;
-  for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-    corners.push_back(box.center + sign.cwiseProduct(box.half_size));
+// What lies under the floor's plane altogether reaches down further.
+void DeepenFloor(std::vector<Eigen::Vector3d>& corners) {
+  double top = -std::numeric_limits<double>::infinity(), bottom = -top;
+  for (const Eigen::Vector3d& p : corners) {
+    top = std::max(top, p.z());
+    bottom = std::min(bottom, p.z());
   }
-  return MakeConvexHull(corners);
+  if (top > kFloorTop_m) return;
+  for (Eigen::Vector3d& p : corners) {
+    if (p.z() < 0.5 * (top + bottom)) p.z() = -kFloorSlab_m;
+  }
 }
 
 double Support(const ConvexHull& hull, const Eigen::Vector3d& direction) {
@@ -113,11 +118,11 @@ std::vector<PlacedHull> PlaceAll(const Scene& scene, const ObjectSet& objects) {
       placed.push_back(Place(hull, object.X_WO, static_cast<int>(i)));
     }
   }
-  std::vector<AxisAlignedBox> bin = BinBoxes(scene.bin);
-  bin[0].center.z() -= 0.5 * (kFloorSlab_m - scene.bin.wall_m);
-  bin[0].half_size.z() = 0.5 * kFloorSlab_m;
-  for (const AxisAlignedBox& box : bin) {
-    placed.push_back(Place(BoxHull(box), Pose::Identity(), kBinOwner));
+  for (std::vector<Eigen::Vector3d>& corners : BinPieces(scene.bin)) {
+    DeepenFloor(corners);
+    const ConvexHull hull = MakeConvexHull(corners);
+    if (hull.vertices.empty()) continue;  // a sliver of a bin's mesh
+    placed.push_back(Place(hull, Pose::Identity(), kBinOwner));
   }
   return placed;
 }

@@ -97,8 +97,11 @@ struct PhysicsWorld::Impl {
   explicit Impl(const PhysicsOptions& physics_options);
   ~Impl();
 
-  btRigidBody* AddStatic(const Pose& X_WB, const Eigen::Vector3d& half_size_m, double friction,
+  btRigidBody* AddStatic(std::unique_ptr<btCollisionShape> shape, const Pose& X_WB, double friction,
                          int group);
+  btRigidBody* AddBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m, double friction,
+                      int group);
+  void AddPieces(const std::vector<std::vector<Eigen::Vector3d>>& pieces_W, double friction);
   const PartShape& ShapeOf(const ObjectModel& model);
   void LetTheStillFallAsleep();
   void TellWhichMoved();
@@ -137,15 +140,36 @@ PhysicsWorld::Impl::~Impl() {
   }
 }
 
-btRigidBody* PhysicsWorld::Impl::AddStatic(const Pose& X_WB, const Eigen::Vector3d& half_size_m,
-                                           double friction, int group) {
-  shapes.push_back(std::make_unique<btBoxShape>(ToBullet(half_size_m)));
+btRigidBody* PhysicsWorld::Impl::AddStatic(std::unique_ptr<btCollisionShape> shape,
+                                           const Pose& X_WB, double friction, int group) {
+  shapes.push_back(std::move(shape));
   btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, shapes.back().get());
   info.m_startWorldTransform = ToBullet(X_WB);
   info.m_friction = friction;
   statics.push_back(std::make_unique<btRigidBody>(info));
   world.addRigidBody(statics.back().get(), group, kPartGroup | kFingerGroup);
   return statics.back().get();
+}
+
+btRigidBody* PhysicsWorld::Impl::AddBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m,
+                                        double friction, int group) {
+  return AddStatic(std::make_unique<btBoxShape>(ToBullet(half_size_m)), X_WB, friction, group);
+}
+
+// Without margins of their own, so that the surface is where the mesh has it; parts have theirs.
+void PhysicsWorld::Impl::AddPieces(const std::vector<std::vector<Eigen::Vector3d>>& pieces_W,
+                                   double friction) {
+  auto compound = std::make_unique<btCompoundShape>(true, static_cast<int>(pieces_W.size()));
+  compound->setMargin(0);
+  for (const std::vector<Eigen::Vector3d>& corners : pieces_W) {
+    auto hull = std::make_unique<btConvexHullShape>();
+    for (const Eigen::Vector3d& p_W : corners) hull->addPoint(ToBullet(p_W), false);
+    hull->setMargin(0);
+    hull->recalcLocalAabb();
+    compound->addChildShape(btTransform::getIdentity(), hull.get());
+    shapes.push_back(std::move(hull));
+  }
+  AddStatic(std::move(compound), Pose::Identity(), friction, kStaticGroup);
 }
 
 const PartShape& PhysicsWorld::Impl::ShapeOf(const ObjectModel& model) {
@@ -239,6 +263,10 @@ PhysicsWorld::PhysicsWorld(const PhysicsOptions& options)
 PhysicsWorld::~PhysicsWorld() = default;
 
 void PhysicsWorld::AddBin(const Bin& bin) {
+  if (bin.shape) {
+    impl_->AddPieces(bin.shape->pieces_B, bin.friction);
+    return;
+  }
   const double grow_m = std::max(0.0, kSolidFloor_m - bin.wall_m);
   bool is_floor = true;
   for (AxisAlignedBox box : BinBoxes(bin)) {
@@ -253,7 +281,7 @@ void PhysicsWorld::AddBin(const Bin& bin) {
 
 void PhysicsWorld::AddStaticBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m,
                                 double friction) {
-  impl_->AddStatic(X_WB, half_size_m, friction, kStaticGroup);
+  impl_->AddBox(X_WB, half_size_m, friction, kStaticGroup);
 }
 
 int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode mode,
@@ -304,12 +332,12 @@ void PhysicsWorld::AddFunnel(const Bin& bin, double height_m) {
   const double half_wall = 0.5 * kFunnelWall_m;
   const double z = bin.inner_size_m.z() + 0.5 * height_m;
   for (const double side : {-1.0, 1.0}) {
-    impl_->funnel.push_back(impl_->AddStatic(Translation({side * (inner.x() + half_wall), 0, z}),
-                                             {half_wall, inner.y() + kFunnelWall_m, 0.5 * height_m},
-                                             bin.friction, kFunnelGroup));
-    impl_->funnel.push_back(impl_->AddStatic(Translation({0, side * (inner.y() + half_wall), z}),
-                                             {inner.x() + kFunnelWall_m, half_wall, 0.5 * height_m},
-                                             bin.friction, kFunnelGroup));
+    impl_->funnel.push_back(impl_->AddBox(Translation({side * (inner.x() + half_wall), 0, z}),
+                                          {half_wall, inner.y() + kFunnelWall_m, 0.5 * height_m},
+                                          bin.friction, kFunnelGroup));
+    impl_->funnel.push_back(impl_->AddBox(Translation({0, side * (inner.y() + half_wall), z}),
+                                          {inner.x() + kFunnelWall_m, half_wall, 0.5 * height_m},
+                                          bin.friction, kFunnelGroup));
   }
 }
 

@@ -51,7 +51,7 @@ class PhysicsWorld {
   PhysicsWorld(const PhysicsWorld&) = delete;
   PhysicsWorld& operator=(const PhysicsWorld&) = delete;
 
-  // Static boxes of the bin at the world's origin.
+  // The bin, static, at the world's origin: boxes, or the convex pieces of its shape.
   void AddBin(const Bin& bin);
 
   // A static box, for inclines and tables. Returns nothing: it cannot be moved or read.

@@ -1,0 +1,169 @@
+// Long measurements of piles, with the figures on stdout:
+//   physics_figures certified SCENES   50 parts (bracket, tee, gear) a scene, judged anew by mesh
+//   physics_figures parts100 SCENES    100 parts a scene
+//   physics_figures sizes SCENES       the same parts of 10 cm and of 1 cm
+//   physics_figures memory SCENES      scenes dropped, seen and spoiled by a sensor in one process
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "scenes/camera.h"
+#include "scenes/object_catalog.h"
+#include "sim/convex_pieces.h"
+#include "sim/renderer.h"
+#include "sim/scene_maker.h"
+#include "sim/sensor_noise.h"
+#include "tests/support/mesh_overlap.h"
+
+namespace pickbed {
+namespace {
+
+double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+ObjectSet ConcaveParts() {
+  const ObjectCatalog catalog({AssetsDir() / "objects"});
+  ObjectSet objects;
+  for (const char* name : {"bracket", "pipe_tee", "gear"}) objects.push_back(catalog.Load(name));
+  return WithConvexPieces(objects);
+}
+
+std::vector<int> SpreadEvenly(int parts, size_t kinds) {
+  std::vector<int> counts(kinds, 0);
+  for (int i = 0; i < parts; ++i) ++counts[i % kinds];
+  return counts;
+}
+
+// Drops, counts refusals and judges what was accepted by the meshes.
+void MeasurePiles(const std::string& title, const Bin& bin, const ObjectSet& objects, int parts,
+                  int scenes) {
+  double seconds = 0, slowest_s = 0, certificate_m = 0, mesh_m = 0;
+  int refused = 0, lost = 0, missing = 0;
+  for (int trial = 0; trial < scenes; ++trial) {
+    const double begin_s = CpuSeconds();
+    const CertifiedScene made = MakeScene(
+        {bin, objects, SpreadEvenly(parts, objects.size()), 0, static_cast<uint64_t>(trial)});
+    const double scene_s = CpuSeconds() - begin_s;
+    seconds += scene_s;
+    slowest_s = std::max(slowest_s, scene_s);
+    refused += static_cast<int>(made.refused.size());
+    for (const RefusedScene& scene : made.refused) {
+      fmt::print("  trial {} attempt {} refused: {}\n", trial, scene.attempt, scene.faults[0]);
+    }
+    missing += parts - static_cast<int>(made.scene.objects.size());
+    certificate_m = std::max(certificate_m, made.certificate.deepest_penetration_m);
+    const MeshOverlap overlap = MeasureMeshOverlap(made.scene, objects);
+    mesh_m = std::max(mesh_m, overlap.deepest_m);
+    lost += overlap.lost;
+    if (overlap.deepest_m > 0.0005) {
+      fmt::print("  trial {}: meshes overlap by {:.3f} mm\n", trial, 1e3 * overlap.deepest_m);
+    }
+    std::fflush(stdout);
+  }
+  fmt::print(
+      "{}: {} scenes of {} parts; {} refused of {} raw ({:.2f} %); {:.2f} CPU s a scene with "
+      "refusals, slowest {:.2f}; deepest overlap {:.3f} mm by the certificate, {:.3f} mm by the "
+      "meshes; {} parts lost\n",
+      title, scenes, parts, refused, refused + scenes, 100.0 * refused / (refused + scenes),
+      seconds / scenes, slowest_s, 1e3 * certificate_m, 1e3 * mesh_m, lost + missing);
+}
+
+std::shared_ptr<const ObjectModel> OfDiameter(const ObjectModel& model, double diameter_m) {
+  const double s = diameter_m / model.diameter_m;
+  auto scaled = std::make_shared<ObjectModel>(model);
+  scaled->mesh_O = Scaled(model.mesh_O, s);
+  scaled->diameter_m = diameter_m;
+  scaled->mass.mass_kg *= s * s * s;
+  scaled->mass.volume_m3 *= s * s * s;
+  scaled->mass.com_O *= s;
+  scaled->mass.inertia_com_O *= s * s * s * s * s;
+  for (ConvexPiece& piece : scaled->convex_parts_O) {
+    for (Eigen::Vector3d& p : piece.vertices_O) p *= s;
+  }
+  return scaled;
+}
+
+// A bin that is to its parts as the default one is to parts of 10 cm.
+void MeasureSizes(int scenes) {
+  for (const double diameter_m : {0.1, 0.01}) {
+    ObjectSet objects;
+    for (const auto& object : ConcaveParts()) objects.push_back(OfDiameter(*object, diameter_m));
+    Bin bin;
+    bin.inner_size_m *= diameter_m / 0.1;
+    MeasurePiles(fmt::format("parts of {:.0f} mm", 1e3 * diameter_m), bin, objects, 30, scenes);
+  }
+}
+
+double ResidentMiB() {
+  std::ifstream file("/proc/self/statm");
+  long total = 0, resident = 0;
+  file >> total >> resident;
+  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+double Mean(const std::vector<double>& values, size_t from, size_t to) {
+  return std::accumulate(values.begin() + from, values.begin() + to, 0.0) / (to - from);
+}
+
+// The same ten scenes over and over, so that times compare.
+void MeasureMemory(int scenes) {
+  const ObjectSet objects = ConcaveParts();
+  Camera camera;
+  camera.intrinsics = {320, 240, 340, 340, 159.5, 119.5};
+  camera.X_WC = LookAt({0, -0.12, 0.85}, {0, 0, 0.03}, Eigen::Vector3d::UnitZ());
+  SceneRenderer renderer(objects, Bin{});
+  const SensorProfile sensor = LoadSensorProfile("structured_light");
+  std::vector<double> seconds, resident_mib;
+  for (int i = 0; i < scenes; ++i) {
+    const double begin_s = CpuSeconds();
+    const CertifiedScene made =
+        MakeScene({Bin{}, objects, {2, 2, 2}, 0, static_cast<uint64_t>(i % 10)});
+    const RenderedImage image = renderer.Render(made.scene, camera);
+    const auto fractions = renderer.VisibleFractions(made.scene, camera, image.ids);
+    Rng rng = Rng::Derive(0, i, "sensor");
+    ApplySensorNoise({image.depth_m, camera.intrinsics, &image.color}, sensor, rng);
+    seconds.push_back(CpuSeconds() - begin_s);
+    resident_mib.push_back(ResidentMiB());
+    if ((i + 1) % 100 == 0) {
+      fmt::print("  after {:>5}: {:.1f} MiB, {:.4f} CPU s a scene\n", i + 1, resident_mib.back(),
+                 Mean(seconds, i - 99, i + 1));
+      std::fflush(stdout);
+    }
+  }
+  const size_t settled = std::min(seconds.size() - 1, size_t{99});
+  const auto last = std::max_element(resident_mib.begin() + settled, resident_mib.end());
+  const size_t round = std::min(seconds.size() / 2, size_t{10});
+  const double first_s = Mean(seconds, round, 2 * round);
+  const double last_s = Mean(seconds, seconds.size() - round, seconds.size());
+  fmt::print(
+      "memory: {:.1f} MiB after {} scenes, at most {:.1f} MiB later ({:+.2f} %); scenes {} to {} "
+      "took {:.4f} CPU s each, the last {} {:.4f} ({:+.1f} %)\n",
+      resident_mib[settled], settled + 1, *last, 100 * (*last / resident_mib[settled] - 1),
+      round + 1, 2 * round, first_s, round, last_s, 100 * (last_s / first_s - 1));
+}
+
+int Main(int argc, char** argv) {
+  const std::string what = argc == 3 ? argv[1] : "";
+  const int scenes = argc == 3 ? std::atoi(argv[2]) : 0;
+  if (scenes < 1) {
+    fmt::print(stderr, "physics_figures certified|parts100|sizes|memory SCENES\n");
+    return 1;
+  }
+  if (what == "certified") MeasurePiles("certified", Bin{}, ConcaveParts(), 50, scenes);
+  if (what == "parts100") MeasurePiles("parts100", Bin{}, ConcaveParts(), 100, scenes);
+  if (what == "sizes") MeasureSizes(scenes);
+  if (what == "memory") MeasureMemory(scenes);
+  return 0;
+}
+
+}  // namespace
+}  // namespace pickbed
+
+int main(int argc, char** argv) { return pickbed::Main(argc, argv); }
