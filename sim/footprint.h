@@ -9,6 +9,14 @@ namespace pickbed {
 
 inline constexpr double kNearestDrawn_m = 0.005;  // nothing nearer to the camera is drawn
 
+// A rectangle of an image.
+struct ImageBox {
+  int x = 0;  // px, of the first column
+  int y = 0;
+  int width = 0;
+  int height = 0;
+};
+
 struct Footprint {
   double near_m = 0;  // depth of the box's nearest and farthest corner, may be negative
   double far_m = 0;
