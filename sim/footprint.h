@@ -29,6 +29,21 @@ struct Footprint {
   bool IsInside(const CameraIntrinsics& k) const;
 };
 
+// The part of an image that footprints may touch, grown by a pixel for rounding.
+class DrawnBox {
+ public:
+  explicit DrawnBox(const CameraIntrinsics& k) : k_(k), min_(k.width, k.height), max_(-1, -1) {}
+  void Include(const Footprint& footprint);
+  // Once something is included.
+  ImageBox box() const {
+    return {min_.x(), min_.y(), max_.x() - min_.x() + 1, max_.y() - min_.y() + 1};
+  }
+
+ private:
+  CameraIntrinsics k_;
+  Eigen::Vector2i min_, max_;
+};
+
 Footprint FootprintOf(const Bounds& bounds_O, const Pose& X_CO, const CameraIntrinsics& k);
 
 }  // namespace pickbed

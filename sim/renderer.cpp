@@ -4,7 +4,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -41,30 +40,6 @@ void CheckImageSize(int width, int height) {
 }
 
 int RoundUp(int side) { return (side + kTargetStep - 1) / kTargetStep * kTargetStep; }
-
-// The part of the image that footprints may touch, grown by a pixel for rounding.
-class DrawnBox {
- public:
-  explicit DrawnBox(const CameraIntrinsics& k) : k_(k), min_(k.width, k.height), max_(-1, -1) {}
-
-  void Include(const Footprint& footprint) {
-    const Eigen::Vector2d last(k_.width - 1, k_.height - 1);
-    Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = last;
-    if (footprint.in_front) {
-      low = (footprint.min_px.array() - 1).max(0.0).min(last.array()).floor();
-      high = (footprint.max_px.array() + 1).max(0.0).min(last.array()).ceil();
-    }
-    min_ = min_.cwiseMin(low.cast<int>());
-    max_ = max_.cwiseMax(high.cast<int>());
-  }
-  ImageBox box() const {
-    return {min_.x(), min_.y(), max_.x() - min_.x() + 1, max_.y() - min_.y() + 1};
-  }
-
- private:
-  CameraIntrinsics k_;
-  Eigen::Vector2i min_, max_;
-};
 
 std::array<float, 3> ToFloats(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
