@@ -16,6 +16,17 @@ bool Footprint::IsInside(const CameraIntrinsics& k) const {
          max_px.y() < k.height - 0.5;
 }
 
+void DrawnBox::Include(const Footprint& footprint) {
+  const Eigen::Vector2d last(k_.width - 1, k_.height - 1);
+  Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = last;
+  if (footprint.in_front) {
+    low = (footprint.min_px.array() - 1).max(0.0).min(last.array()).floor();
+    high = (footprint.max_px.array() + 1).max(0.0).min(last.array()).ceil();
+  }
+  min_ = min_.cwiseMin(low.cast<int>());
+  max_ = max_.cwiseMax(high.cast<int>());
+}
+
 Footprint FootprintOf(const Bounds& bounds_O, const Pose& X_CO, const CameraIntrinsics& k) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Footprint out;

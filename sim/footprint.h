@@ -9,6 +9,14 @@ namespace pickbed {
 
 inline constexpr double kNearestDrawn_m = 0.005;  // nothing nearer to the camera is drawn
 
+// A rectangle of an image.
+struct ImageBox {
+  int x = 0;  // px, of the first column
+  int y = 0;
+  int width = 0;
+  int height = 0;
+};
+
 struct Footprint {
   double near_m = 0;  // depth of the box's nearest and farthest corner, may be negative
   double far_m = 0;
@@ -19,6 +27,21 @@ struct Footprint {
   // May something of the box be drawn in such an image? Is all of it inside?
   bool Overlaps(const CameraIntrinsics& k) const;
   bool IsInside(const CameraIntrinsics& k) const;
+};
+
+// The part of an image that footprints may touch, grown by a pixel for rounding.
+class DrawnBox {
+ public:
+  explicit DrawnBox(const CameraIntrinsics& k) : k_(k), min_(k.width, k.height), max_(-1, -1) {}
+  void Include(const Footprint& footprint);
+  // Once something is included.
+  ImageBox box() const {
+    return {min_.x(), min_.y(), max_.x() - min_.x() + 1, max_.y() - min_.y() + 1};
+  }
+
+ private:
+  CameraIntrinsics k_;
+  Eigen::Vector2i min_, max_;
 };
 
 Footprint FootprintOf(const Bounds& bounds_O, const Pose& X_CO, const CameraIntrinsics& k);

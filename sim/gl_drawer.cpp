@@ -21,8 +21,8 @@ GlDrawer::GlDrawer(const GlFunctions& gl) : gl_(gl) {
   gl_.FrontFace(GL_CW);  // we draw upside down, see sim/shaders.h
 }
 
-int GlDrawer::AddMesh(const TriangleMesh& mesh) {
-  meshes_.push_back(UploadMesh(gl_, mesh, instance_buffer_));
+int GlDrawer::AddMesh(const TriangleMesh& mesh, const std::vector<MeshLevel>& levels) {
+  meshes_.push_back(UploadMesh(gl_, mesh, levels, instance_buffer_));
   return static_cast<int>(meshes_.size()) - 1;
 }
 

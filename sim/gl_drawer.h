@@ -39,7 +39,7 @@ class GlDrawer {
  public:
   explicit GlDrawer(const GlFunctions& gl);
 
-  int AddMesh(const TriangleMesh& mesh);
+  int AddMesh(const TriangleMesh& mesh, const std::vector<MeshLevel>& levels);
   const GlMesh& Mesh(int mesh) const { return meshes_.at(mesh); }
   void DrawAll(const std::vector<Draw>& draws, const DrawSetup& setup);
   void DeleteAll();

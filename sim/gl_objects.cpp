@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "scenes/mesh_checks.h"
-#include "sim/mesh_levels.h"
 #include "sim/shaders.h"
 
 namespace pickbed {
@@ -106,7 +105,8 @@ GLuint UploadTexture(const GlFunctions& gl, const Image<Rgb8>& image) {
 
 }  // namespace
 
-GlMesh UploadMesh(const GlFunctions& gl, const TriangleMesh& mesh, GLuint instances) {
+GlMesh UploadMesh(const GlFunctions& gl, const TriangleMesh& mesh,
+                  const std::vector<MeshLevel>& levels, GLuint instances) {
   GlMesh out;
   out.bounds_O = MeshBounds(mesh);
   const MeshReport report = InspectMesh(mesh);
@@ -115,7 +115,7 @@ GlMesh UploadMesh(const GlFunctions& gl, const TriangleMesh& mesh, GLuint instan
   out.colored_vertices = !mesh.colors.empty();
   const Rgb8 c = mesh.base_color;
   out.base_color = {c.r / 255.0f, c.g / 255.0f, c.b / 255.0f};
-  for (const MeshLevel& level : MakeMeshLevels(mesh)) {
+  for (const MeshLevel& level : levels) {
     out.levels.push_back(UploadLevel(gl, level, instances));
   }
   if (!mesh.texture.empty() && !mesh.uvs.empty()) out.texture = UploadTexture(gl, mesh.texture);

@@ -9,6 +9,7 @@
 
 #include "scenes/triangle_mesh.h"
 #include "sim/gl_functions.h"
+#include "sim/mesh_levels.h"
 
 namespace pickbed {
 
@@ -41,8 +42,9 @@ struct GlMesh {
   std::vector<GlMeshLevel> levels;    // by rising deviation, the original first
 };
 
-// `instances` is the buffer that instance attributes come from.
-GlMesh UploadMesh(const GlFunctions& gl, const TriangleMesh& mesh, GLuint instances);
+// `levels` are those of `mesh`, `instances` is the buffer that instance attributes come from.
+GlMesh UploadMesh(const GlFunctions& gl, const TriangleMesh& mesh,
+                  const std::vector<MeshLevel>& levels, GLuint instances);
 void DeleteMesh(const GlFunctions& gl, GlMesh& mesh);
 
 // Points the instance attributes of the bound vertex array at instance `first` of the buffer.

@@ -6,13 +6,20 @@
 namespace pickbed {
 namespace {
 
-// Rows of three bytes from rows of four, four pixels at a time in whole words. (The driver's own
-// conversion is far slower than copying four.)
-void PackRgb(const std::array<uint8_t, 4>* from, Rgb8* to, int count) {
+void PackVectors(const float* from, Eigen::Vector3f* to, int count) {
+  for (int i = 0; i < count; ++i) to[i] = {from[4 * i], from[4 * i + 1], from[4 * i + 2]};
+}
+
+size_t Area(const ImageBox& box) { return static_cast<size_t>(box.width) * box.height; }
+
+}  // namespace
+
+// Four pixels at a time in whole words; little-endian, so that red is the lowest byte.
+void PackRgb(const uint32_t* from, Rgb8* to, int count) {
   static_assert(sizeof(Rgb8) == 3);
   int i = 0;
   for (; i + 4 <= count; i += 4) {
-    uint64_t low, high;  // little-endian: red is the lowest byte
+    uint64_t low, high;
     std::memcpy(&low, from + i, sizeof(low));
     std::memcpy(&high, from + i + 2, sizeof(high));
     const uint64_t first = (low & 0xffffff) | (low >> 8 & 0xffffff000000) | high << 48;
@@ -21,16 +28,11 @@ void PackRgb(const std::array<uint8_t, 4>* from, Rgb8* to, int count) {
     std::memcpy(out, &first, sizeof(first));
     std::memcpy(out + sizeof(first), &second, sizeof(second));
   }
-  for (; i < count; ++i) to[i] = {from[i][0], from[i][1], from[i][2]};
+  for (; i < count; ++i) {
+    to[i] = {static_cast<uint8_t>(from[i]), static_cast<uint8_t>(from[i] >> 8),
+             static_cast<uint8_t>(from[i] >> 16)};
+  }
 }
-
-void PackVectors(const float* from, Eigen::Vector3f* to, int count) {
-  for (int i = 0; i < count; ++i) to[i] = {from[4 * i], from[4 * i + 1], from[4 * i + 2]};
-}
-
-size_t Area(const PixelBox& box) { return static_cast<size_t>(box.width) * box.height; }
-
-}  // namespace
 
 RenderedImage Readback::EmptyImage(GlOutputs outputs, int width, int height) {
   RenderedImage out;
@@ -48,7 +50,7 @@ RenderedImage Readback::EmptyImage(GlOutputs outputs, int width, int height) {
 }
 
 RenderedImage Readback::ReadImage(const GlFunctions& gl, GlOutputs outputs, int width, int height,
-                                  const PixelBox& box) {
+                                  const ImageBox& box) {
   RenderedImage out = EmptyImage(outputs, width, height);
   gl.ReadBuffer(AttachmentOf(kDepthOutput));
   gl.PixelStorei(GL_PACK_ROW_LENGTH, width);
@@ -85,7 +87,7 @@ RenderedImage Readback::ReadImage(const GlFunctions& gl, GlOutputs outputs, int 
   return out;
 }
 
-void Readback::FillIds(RenderedImage& image, const PixelBox& box, uint16_t id) {
+void Readback::FillIds(RenderedImage& image, const ImageBox& box, uint16_t id) {
   image.ids = Image<uint16_t>(image.depth_m.width(), image.depth_m.height());
   for (int y = box.y; y < box.y + box.height; ++y) {
     const float* depth_m = image.depth_m.row(y);
@@ -107,7 +109,7 @@ void Readback::ReadPage(const GlFunctions& gl, const GlTarget& target, GlOutputs
   gl.ReadPixels(0, 0, target.width, target.height, GL_RGBA, GL_UNSIGNED_BYTE, rgba_.data());
 }
 
-RenderedImage Readback::CropPage(const PixelBox& box, uint16_t id) const {
+RenderedImage Readback::CropPage(const ImageBox& box, uint16_t id) const {
   RenderedImage out;
   out.depth_m = Image<float>(box.width, box.height);
   out.ids = Image<uint16_t>(box.width, box.height);
@@ -130,7 +132,7 @@ void Readback::ReadCoverage(const GlFunctions& gl, const GlTarget& target) {
   gl.ReadPixels(0, 0, target.width, target.height, GL_RED, GL_UNSIGNED_BYTE, coverage_.data());
 }
 
-int Readback::CountCovered(const PixelBox& box) const {
+int Readback::CountCovered(const ImageBox& box) const {
   int count = 0;
   for (int y = 0; y < box.height; ++y) {
     const uint8_t* row = coverage_.data() + static_cast<size_t>(box.y + y) * page_width_ + box.x;

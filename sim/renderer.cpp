@@ -4,7 +4,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -16,6 +15,8 @@
 #include "sim/gl_drawer.h"
 #include "sim/gl_readback.h"
 #include "sim/gl_targets.h"
+#include "sim/mesh_levels.h"
+#include "sim/plain_drawer.h"
 #include "sim/shadow_map.h"
 
 namespace pickbed {
@@ -40,30 +41,6 @@ void CheckImageSize(int width, int height) {
 
 int RoundUp(int side) { return (side + kTargetStep - 1) / kTargetStep * kTargetStep; }
 
-// The part of the image that footprints may touch, grown by a pixel for rounding.
-class DrawnBox {
- public:
-  explicit DrawnBox(const CameraIntrinsics& k) : k_(k), min_(k.width, k.height), max_(-1, -1) {}
-
-  void Include(const Footprint& footprint) {
-    const Eigen::Vector2d last(k_.width - 1, k_.height - 1);
-    Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = last;
-    if (footprint.in_front) {
-      low = (footprint.min_px.array() - 1).max(0.0).min(last.array()).floor();
-      high = (footprint.max_px.array() + 1).max(0.0).min(last.array()).ceil();
-    }
-    min_ = min_.cwiseMin(low.cast<int>());
-    max_ = max_.cwiseMax(high.cast<int>());
-  }
-  PixelBox box() const {
-    return {min_.x(), min_.y(), max_.x() - min_.x() + 1, max_.y() - min_.y() + 1};
-  }
-
- private:
-  CameraIntrinsics k_;
-  Eigen::Vector2i min_, max_;
-};
-
 std::array<float, 3> ToFloats(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
@@ -86,11 +63,20 @@ DrawSetup SetupFor(GlOutputs outputs, std::span<const RenderInstance> instances,
   return setup;
 }
 
+// An instance that a camera sees.
+struct Seen {
+  const RenderInstance* instance;
+  Pose X_CO;
+  Footprint footprint;
+  int level;
+};
+
 }  // namespace
 
 struct Renderer::Impl {
-  Impl(const GlContextOptions& options, const DetailOptions& detail_options)
+  Impl(const GlContextOptions& options, const DetailOptions& detail_options, PlainSurfaces surfaces)
       : detail(detail_options),
+        plain_surfaces(surfaces),
         context(MakeGlContext(options)),
         gl(LoadGlFunctions(*context)),
         drawer(gl) {
@@ -135,54 +121,79 @@ struct Renderer::Impl {
     const DrawSetup setup = SetupFor(wanted, instances, light);
     const bool shadow =
         outputs.color && light.shadow && shadow_map.Draw(gl, drawer, instances, light);
+    const bool plain = ArePlain(instances, wanted, light);
     std::vector<RenderedImage> out;
     out.reserve(cameras.size());
     for (const Camera& camera : cameras) {
       DrawSetup setup_here = setup;
       if (shadow) shadow_map.AddTo(setup_here, camera.X_WC.inverse());
-      out.push_back(DrawImage(camera, instances, light, wanted, setup_here));
+      out.push_back(DrawImage(camera, instances, light, wanted, setup_here, plain));
     }
     CheckErrors();
     return out;
   }
 
-  RenderedImage DrawImage(const Camera& camera, std::span<const RenderInstance> instances,
-                          const Light& light, GlOutputs outputs, const DrawSetup& image_setup) {
+  // What is in view, and whether all of that is in front of the camera.
+  bool FindSeen(const Camera& camera, std::span<const RenderInstance> instances, DrawnBox& drawn,
+                std::vector<Seen>& seen) const {
     const CameraIntrinsics& k = camera.intrinsics;
     CheckImageSize(k.width, k.height);
     const Pose X_CW = camera.X_WC.inverse();
-    const std::array<float, 3> light_C = ToFloats(X_CW * light.position_W);
-    DepthRange range;
-    DrawnBox drawn(k);
-    std::vector<std::pair<const RenderInstance*, Footprint>> visible;
-    visible.reserve(instances.size());
+    bool in_front = true;
     for (const RenderInstance& instance : instances) {
-      const Footprint footprint =
-          FootprintOf(drawer.Mesh(instance.mesh).bounds_O, X_CW * instance.X_WO, k);
+      const GlMesh& mesh = drawer.Mesh(instance.mesh);
+      const Pose X_CO = X_CW * instance.X_WO;
+      const Footprint footprint = FootprintOf(mesh.bounds_O, X_CO, k);
       if (!footprint.Overlaps(k)) continue;
-      range.Include(footprint);
       drawn.Include(footprint);
-      visible.emplace_back(&instance, footprint);
+      seen.push_back({&instance, X_CO, footprint, LevelOf(mesh, footprint.near_m, k)});
+      in_front = in_front && footprint.in_front;
     }
-    if (visible.empty()) return Readback::EmptyImage(outputs, k.width, k.height);
+    return in_front;
+  }
+
+  RenderedImage DrawImage(const Camera& camera, std::span<const RenderInstance> instances,
+                          const Light& light, GlOutputs outputs, const DrawSetup& setup,
+                          bool plain) {
+    const CameraIntrinsics& k = camera.intrinsics;
+    DrawnBox drawn(k);
+    std::vector<Seen> seen;
+    const bool in_front = FindSeen(camera, instances, drawn, seen);
+    if (seen.empty()) return Readback::EmptyImage(outputs, k.width, k.height);
+    const Eigen::Vector3d light_C = camera.X_WC.inverse() * light.position_W;
+    if (!plain || !in_front) return DrawByGl(k, seen, drawn.box(), light_C, outputs, setup);
+    RenderedImage image = Readback::EmptyImage(outputs, k.width, k.height);
+    DrawPlain(k, seen, drawn.box());
+    plain_drawer.raster().Write(light, light_C, image);
+    return image;
+  }
+
+  // Leaves the picture to be ended.
+  void DrawPlain(const CameraIntrinsics& k, const std::vector<Seen>& seen, const ImageBox& box) {
+    plain_drawer.raster().Begin(k, box);
+    for (const Seen& s : seen) plain_drawer.Draw(*s.instance, s.level, s.X_CO);
+  }
+
+  RenderedImage DrawByGl(const CameraIntrinsics& k, const std::vector<Seen>& seen,
+                         const ImageBox& box, const Eigen::Vector3d& light_C, GlOutputs outputs,
+                         DrawSetup setup) {
+    DepthRange range;
+    for (const Seen& s : seen) range.Include(s.footprint);
     std::vector<Draw> draws;
-    draws.reserve(visible.size());
-    for (const auto& [instance, footprint] : visible) {
-      draws.push_back({instance->mesh, LevelOf(drawer.Mesh(instance->mesh), footprint.near_m, k),
-                       footprint.near_m,
-                       AttributesOf(X_CW * instance->X_WO, *instance, k, range,
-                                    Eigen::Vector2i::Zero(), k.width, k.height),
-                       light_C});
+    draws.reserve(seen.size());
+    for (const Seen& s : seen) {
+      draws.push_back(
+          {s.instance->mesh, s.level, s.footprint.near_m,
+           AttributesOf(s.X_CO, *s.instance, k, range, Eigen::Vector2i::Zero(), k.width, k.height),
+           ToFloats(light_C)});
     }
     SortNearFirst(draws);
     // With one instance in view its id stands wherever there is a depth, and need not be drawn.
     const bool one_id = outputs & OutputBit(kIdOutput) && draws.size() == 1;
-    DrawSetup setup = image_setup;
     if (one_id) {
       outputs &= ~OutputBit(kIdOutput);
       setup.switches &= ~kIdsSwitch;
     }
-    const PixelBox box = drawn.box();
     const bool extras = outputs & (OutputBit(kNormalOutput) | OutputBit(kCoordinateOutput));
     BeginTarget(
         gl,
@@ -194,8 +205,19 @@ struct Renderer::Impl {
     gl.Viewport(-box.x, -box.y, k.width, k.height);
     drawer.DrawAll(draws, setup);
     RenderedImage image = readback.ReadImage(gl, outputs, k.width, k.height, box);
-    if (one_id) Readback::FillIds(image, box, visible[0].first->id);
+    if (one_id) Readback::FillIds(image, box, seen[0].instance->id);
     return image;
+  }
+
+  // Can our own rasteriser draw these, if they are in front of the camera?
+  bool ArePlain(std::span<const RenderInstance> instances, GlOutputs outputs,
+                const Light& light) const {
+    const bool color = outputs & OutputBit(kColorOutput);
+    if (plain_surfaces == PlainSurfaces::kOpenGl || (color && light.shadow)) return false;
+    if (outputs & (OutputBit(kNormalOutput) | OutputBit(kCoordinateOutput))) return false;
+    return std::all_of(instances.begin(), instances.end(), [&](const RenderInstance& instance) {
+      return plain_drawer.CanDraw(instance, color);
+    });
   }
 
   // Draws the views of a page of this kind and leaves the page's target bound.
@@ -233,11 +255,14 @@ struct Renderer::Impl {
     return target;
   }
 
-  static AtlasLayout LayOut(std::span<const Camera> cameras,
-                            std::span<const RenderInstance> instances) {
+  static void CheckSameNumber(std::span<const Camera> cameras,
+                              std::span<const RenderInstance> instances) {
     CheckInput(cameras.size() == instances.size(),
                fmt::format("{} cameras for {} instances: each view needs one of both",
                            cameras.size(), instances.size()));
+  }
+
+  static AtlasLayout LayOut(std::span<const Camera> cameras) {
     std::vector<TileSize> sizes;
     sizes.reserve(cameras.size());
     for (const Camera& camera : cameras) {
@@ -248,7 +273,7 @@ struct Renderer::Impl {
     return LayOutAtlas(sizes, kAtlasSide);
   }
 
-  static PixelBox BoxOf(const AtlasTile& tile, const CameraIntrinsics& k) {
+  static ImageBox BoxOf(const AtlasTile& tile, const CameraIntrinsics& k) {
     return {tile.x, tile.y, k.width, k.height};
   }
 
@@ -256,11 +281,19 @@ struct Renderer::Impl {
   std::vector<RenderedImage> DrawEach(std::span<const Camera> cameras,
                                       std::span<const RenderInstance> instances, const Light& light,
                                       bool color) {
+    CheckSameNumber(cameras, instances);
     context->MakeCurrent();
-    const AtlasLayout layout = LayOut(cameras, instances);
     const GlOutputs outputs = OutputBit(kDepthOutput) | (color ? OutputBit(kColorOutput) : 0u);
     const DrawSetup setup = SetupFor(outputs, instances, light);
     std::vector<RenderedImage> out(cameras.size());
+    if (ArePlain(instances, outputs, {})) {
+      for (size_t i = 0; i < cameras.size(); ++i) {
+        out[i] = DrawImage(cameras[i], {&instances[i], 1}, light, outputs | OutputBit(kIdOutput),
+                           setup, true);
+      }
+      return out;
+    }
+    const AtlasLayout layout = LayOut(cameras);
     for (const AtlasPage& page : layout.pages) {
       const GlTarget& target =
           DrawPage(layout, page, cameras, instances, light, GlTargetKind::kImage, outputs, setup);
@@ -273,11 +306,29 @@ struct Renderer::Impl {
     return out;
   }
 
-  // Neither depth nor order matters to what is covered.
   std::vector<int> CountEach(std::span<const Camera> cameras,
                              std::span<const RenderInstance> instances) {
+    CheckSameNumber(cameras, instances);
+    std::vector<int> counts;
+    counts.reserve(cameras.size());
+    for (size_t i = 0; i < cameras.size(); ++i) {
+      DrawnBox drawn(cameras[i].intrinsics);
+      std::vector<Seen> seen;
+      const bool in_front = FindSeen(cameras[i], {&instances[i], 1}, drawn, seen);
+      if (plain_surfaces == PlainSurfaces::kOpenGl || !in_front) {
+        return CountEachByGl(cameras, instances);
+      }
+      if (!seen.empty()) DrawPlain(cameras[i].intrinsics, seen, drawn.box());
+      counts.push_back(seen.empty() ? 0 : plain_drawer.raster().CountCovered());
+    }
+    return counts;
+  }
+
+  // Neither depth nor order matters to what is covered.
+  std::vector<int> CountEachByGl(std::span<const Camera> cameras,
+                                 std::span<const RenderInstance> instances) {
     context->MakeCurrent();
-    const AtlasLayout layout = LayOut(cameras, instances);
+    const AtlasLayout layout = LayOut(cameras);
     DrawSetup setup;
     setup.switches = kCoverageSwitch;
     std::vector<int> counts(cameras.size(), 0);
@@ -293,21 +344,27 @@ struct Renderer::Impl {
   }
 
   DetailOptions detail;
+  PlainSurfaces plain_surfaces;
   std::unique_ptr<GlContext> context;
   GlFunctions gl;
   GlDrawer drawer;
   GlTargets targets;
   ShadowMap shadow_map;
+  PlainDrawer plain_drawer;
   Readback readback;
 };
 
-Renderer::Renderer(const GlContextOptions& options, const DetailOptions& detail)
-    : impl_(std::make_unique<Impl>(options, detail)) {}
+Renderer::Renderer(const GlContextOptions& options, const DetailOptions& detail,
+                   PlainSurfaces plain_surfaces)
+    : impl_(std::make_unique<Impl>(options, detail, plain_surfaces)) {}
 Renderer::~Renderer() = default;
 
 int Renderer::AddMesh(const TriangleMesh& mesh) {
   impl_->context->MakeCurrent();
-  return impl_->drawer.AddMesh(mesh);
+  const std::vector<MeshLevel> levels = MakeMeshLevels(mesh);
+  const int handle = impl_->drawer.AddMesh(mesh, levels);
+  impl_->plain_drawer.AddMesh(levels, impl_->drawer.Mesh(handle));
+  return handle;
 }
 
 RenderedImage Renderer::Render(const Camera& camera, std::span<const RenderInstance> instances,

@@ -49,6 +49,11 @@ struct DetailOptions {
   double deviation_px = 0.25;  // at the instance's nearest point
 };
 
+// Pictures without shadows, normals or coordinates, of surfaces without texture, colours of
+// vertices, gloss or grain, are drawn by a rasteriser of our own, which is faster
+// (sim/cpu_raster.h).
+enum class PlainSurfaces { kOwnRaster, kOpenGl };
+
 struct RenderInstance {
   int mesh = 0;  // from AddMesh
   Pose X_WO = Pose::Identity();
@@ -75,7 +80,8 @@ struct RenderedImage {
 
 class Renderer {
  public:
-  explicit Renderer(const GlContextOptions& options = {}, const DetailOptions& detail = {});
+  explicit Renderer(const GlContextOptions& options = {}, const DetailOptions& detail = {},
+                    PlainSurfaces plain_surfaces = PlainSurfaces::kOwnRaster);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;

@@ -40,7 +40,11 @@ std::vector<double> VisibleFractions(Renderer& renderer, const Camera& camera,
                                      std::span<const RenderInstance> instances,
                                      const Image<uint16_t>& ids) {
   std::vector<int> seen(std::numeric_limits<uint16_t>::max() + 1, 0);
-  for (const uint16_t id : ids.pixels()) ++seen[id];
+  const std::vector<uint16_t>& pixels = ids.pixels();
+  for (size_t begin = 0, end = 0; begin < pixels.size(); begin = end) {  // run by run of one id
+    for (end = begin + 1; end < pixels.size() && pixels[end] == pixels[begin];) ++end;
+    seen[pixels[begin]] += static_cast<int>(end - begin);
+  }
 
   std::vector<Camera> canvases;
   canvases.reserve(instances.size());

@@ -98,9 +98,10 @@ ObjectSet RingOf2304() {
 }
 
 // Frames a second of one 2,304-triangle object over a seventh of the image, in steps of 100.
-void RenderOne(benchmark::State& state, DetailOptions detail) {
-  MeasureInProcesses(state, 100, [detail] {
-    auto renderer = std::make_shared<Renderer>(GlContextOptions{}, detail);
+void RenderOne(benchmark::State& state, DetailOptions detail,
+               PlainSurfaces surfaces = PlainSurfaces::kOwnRaster) {
+  MeasureInProcesses(state, 100, [detail, surfaces] {
+    auto renderer = std::make_shared<Renderer>(GlContextOptions{}, detail, surfaces);
     const int mesh = renderer->AddMesh(Ring(0.06, 0.06, 48, 24));
     Rng rng(2);
     const Pose X_CO = MakePose(rng.Rotation().toRotationMatrix(), {0.02, -0.01, 0.42});
@@ -118,6 +119,13 @@ BENCHMARK_CAPTURE(RenderOne, levels, DetailOptions{})
     ->UseManualTime();
 BENCHMARK_CAPTURE(RenderOne, original, DetailOptions{0, 0})
     ->Name("render/one2304_original/640x480")
+    ->ArgName("cores")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseManualTime();
+
+BENCHMARK_CAPTURE(RenderOne, open_gl, DetailOptions{}, PlainSurfaces::kOpenGl)
+    ->Name("render/one2304_open_gl/640x480")
     ->ArgName("cores")
     ->Arg(1)
     ->Arg(2)

@@ -50,7 +50,7 @@ struct Crowd {
 };
 
 TEST(RenderOutputs, WhatIsNotAskedForIsEmpty) {
-  Renderer renderer;
+  Renderer renderer({}, {}, PlainSurfaces::kOpenGl);
   const Crowd crowd(renderer);
   const RenderedImage all = renderer.Render(crowd.camera, crowd.instances, {}, kEverything);
   const RenderedImage usual = renderer.Render(crowd.camera, crowd.instances);

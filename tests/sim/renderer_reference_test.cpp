@@ -47,10 +47,12 @@ RayAnswer CastRay(const std::vector<MeshQuery>& queries, const Camera& camera,
   return best;
 }
 
-TEST(RendererReference, IdsAndDepthEqualRayCasting) {
+class RayCasting : public testing::TestWithParam<PlainSurfaces> {};
+
+TEST_P(RayCasting, GivesTheSameIdsAndDepth) {
   const std::vector<TriangleMesh> meshes = {BoxMesh({0.12, 0.08, 0.05}), SphereMesh(0.05, 3),
                                             PartTable().front().make().mesh_O};
-  Renderer renderer({}, kOriginal);
+  Renderer renderer({}, kOriginal, GetParam());
   std::vector<MeshQuery> queries;
   for (const TriangleMesh& mesh : meshes) {
     renderer.AddMesh(mesh);
@@ -93,6 +95,12 @@ TEST(RendererReference, IdsAndDepthEqualRayCasting) {
   EXPECT_LT(worst_m, 2e-5);
   RecordProperty("worst_um", std::to_string(1e6 * worst_m));
 }
+
+INSTANTIATE_TEST_SUITE_P(RendererReference, RayCasting,
+                         testing::Values(PlainSurfaces::kOwnRaster, PlainSurfaces::kOpenGl),
+                         [](const auto& param) {
+                           return param.param == PlainSurfaces::kOpenGl ? "OpenGl" : "OwnRaster";
+                         });
 
 Pose PoseFromRows(const std::array<double, 12>& m) {
   Pose X = Pose::Identity();
