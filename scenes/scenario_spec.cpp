@@ -122,7 +122,7 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
   v.Text("sensor", sensor, {}, "a row of `pickbed list sensors`, or a file");
   v.Group(
       "estimator", [this](SettingsVisitor& g) { estimator.Visit(g); }, "who guesses poses");
-  v.Text("refiner", refiner, {"pcl_icp", "none"}, "what polishes reported poses");
+  v.Text("refiner", refiner, {"pcl_icp", "two_way_icp", "none"}, "what polishes reported poses");
   v.Text("gripper", gripper, {}, "a row of `pickbed list grippers`, or a file");
   v.Group(
       "policy", [this](SettingsVisitor& g) { policy.Visit(g); }, "how picking goes on");

@@ -73,7 +73,7 @@ struct ScenarioSpec {
   CameraSpec camera;
   std::string sensor = "structured_light";  // assets/sensors/NAME.yaml or a path
   EstimatorSpec estimator;
-  std::string refiner = "pcl_icp";  // pcl_icp | none
+  std::string refiner = "pcl_icp";  // pcl_icp | two_way_icp | none
   std::string gripper = "jaw_8cm";  // assets/grippers/NAME.yaml or a path
   PolicySpec policy;
   std::filesystem::path folder;  // of the scenario file, for relative paths; not a setting
