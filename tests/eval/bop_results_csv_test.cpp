@@ -1,8 +1,7 @@
-#include "eval/bop/results_csv.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "eval/bop/results_csv.h"
 #include "scenes/check.h"
 #include "scenes/random.h"
 #include "tests/support/temporary_folder.h"

@@ -1,10 +1,9 @@
-#include "eval/bop/scores.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
+#include "eval/bop/scores.h"
 #include "eval/bop/vsd.h"
 
 namespace pickbed::bop {
@@ -23,8 +22,7 @@ TEST(BopMatching, TheHigherScoreChoosesFirstAndTakesTheNearest) {
 TEST(BopLocalisation, CountsTheBestEstimatesAgainstTheMostVisible) {
   // Two of three instances are asked for: those of 90 % and 60 %. The two best estimates stand on
   // the hidden instance 1 and on instance 0; the third, which is on instance 2, comes too late.
-  const ErrorTable table{
-      1, {0.9, 0.8, 0.7}, {0.9, 0.2, 0.6}, {{1, 0, 1}, {0, 1, 1}, {1, 1, 0}}};
+  const ErrorTable table{1, {0.9, 0.8, 0.7}, {0.9, 0.2, 0.6}, {{1, 0, 1}, {0, 1, 1}, {1, 1, 0}}};
   const Recall two = RecallOf(table, 2, 0.5);
   EXPECT_EQ(two.found, 1);
   EXPECT_EQ(two.wanted, 2);
@@ -90,8 +88,7 @@ TEST(BopVsd, WhatIsHiddenDoesNotCount) {
   EXPECT_EQ(Vsd(Row(1, {1.016f}), Row(1, {1}), measured_m, 0.1, kTau), std::vector<double>{1});
   // Only the estimate at column 2, behind the measured surface: hidden, no error.
   EXPECT_EQ(Vsd(Row(1, {1, 1.016f}), Row(1, {1}), measured_m, 0.1, kTau), std::vector<double>{0});
-  EXPECT_EQ(Vsd(Row(1, {1, 1.014f}), Row(1, {1}), measured_m, 0.1, kTau),
-            std::vector<double>{0.5});
+  EXPECT_EQ(Vsd(Row(1, {1, 1.014f}), Row(1, {1}), measured_m, 0.1, kTau), std::vector<double>{0.5});
 }
 
 TEST(BopVsd, DistancesAreFromTheCentre) {
