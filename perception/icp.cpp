@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "perception/projective_icp.h"
 #include "perception/verify.h"
 
 namespace pickbed {
@@ -58,6 +59,14 @@ double Quality(const FitReport& fit) {
   return fit.inlier_share * (1 - miss * miss) - fit.violated_share;
 }
 
+// PCL keeps its normal equations to itself; those of the projective ICP hold the same pose.
+double ConditioningAt(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO) {
+  ProjectiveIcpOptions look;
+  look.coarse_iterations = 0;
+  look.fine_iterations = 0;
+  return ProjectiveIcp(cloud, model, X_CO, look).conditioning;
+}
+
 }  // namespace
 
 struct PclRefiner::Impl {
@@ -80,6 +89,11 @@ PclRefiner::~PclRefiner() = default;
 PclRefiner::PclRefiner(PclRefiner&&) noexcept = default;
 
 void PclRefiner::Refine(const ModelPoints& model, PoseHypothesis& hypothesis) const {
+  Align(model, hypothesis);
+  hypothesis.fit.conditioning = ConditioningAt(impl_->cloud, model, hypothesis.X_CO);
+}
+
+void PclRefiner::Align(const ModelPoints& model, PoseHypothesis& hypothesis) const {
   const PclIcpOptions& options = impl_->options;
   const FitReport before = MeasureFit(impl_->cloud, model, hypothesis.X_CO);
   hypothesis.fit = before;

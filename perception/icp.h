@@ -29,10 +29,12 @@ class PclRefiner {
   // Point-to-plane ICP the first of the visible model points against the frame. The new X_CO is
   // kept when MeasureFit says that it is no worse: inliers less what they miss by, minus
   // violations. hypothesis.fit then describes the pose that stands; fit.refinement_kept says which
-  // one.
+  // one, fit.conditioning whether anything holds it.
   void Refine(const ModelPoints& model, PoseHypothesis& hypothesis) const;
 
  private:
+  void Align(const ModelPoints& model, PoseHypothesis& hypothesis) const;
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

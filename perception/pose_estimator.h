@@ -42,7 +42,7 @@ class PoseEstimator {
 struct EstimatorSetup {
   ObjectSet objects;  // those that may be in the bin
   EstimatorSpec spec;
-  std::string refiner = "pcl_icp";  // what polishes the reported poses: pcl_icp | none
+  std::string refiner = "pcl_icp";  // what polishes the reported poses, see polish.h
   CameraIntrinsics intrinsics;
   double working_distance_m = 0.85;     // camera to parts, for code books
   LabelledViewSource* views = nullptr;  // over the same objects; may be null when no view is needed

@@ -12,10 +12,11 @@ namespace pickbed {
 
 // How well a pose agrees with the depth image; shares of the model points that face the camera.
 struct FitReport {
-  double inlier_share = 0;      // seen where the model says
-  double hidden_share = 0;      // something stands before it
-  double violated_share = 0;    // the camera looked through where the model should be
-  double residual_m = 0;        // rms point-to-plane of the inliers
+  double inlier_share = 0;    // seen where the model says
+  double hidden_share = 0;    // something stands before it
+  double violated_share = 0;  // the camera looked through where the model should be
+  double residual_m = 0;      // rms point-to-plane of the inliers
+  double conditioning = 0;    // of the final refiner, see IcpReport; 0 = slides or was not refined
   bool refinement_kept = true;  // false: the final refiner made it worse and was undone
 };
 

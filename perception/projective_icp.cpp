@@ -1,18 +1,16 @@
 #include "perception/projective_icp.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "perception/icp_equations.h"
 #include "perception/projector.h"
 
 namespace pickbed {
 namespace {
 
 constexpr int kMaxPoints = 512;
-constexpr int kMinPairs = 6;  // as many as unknowns
 
 // The visible points that take part, about the part's centre.
 struct Subset {
@@ -29,39 +27,6 @@ void Select(const ModelPoints& model, const Pose& X_CO, int max_points, Subset& 
   }
 }
 
-// Pose by rotation and the place of the part's centre: turns about the centre keep the normal
-// equations well scaled.
-struct CenteredPose {
-  Eigen::Matrix3d R_CO;
-  Eigen::Vector3d center_C;
-};
-
-using Matrix6f = Eigen::Matrix<float, 6, 6>;
-using Vector6f = Eigen::Matrix<float, 6, 1>;
-using Vector8f = Eigen::Matrix<float, 8, 1>;
-
-// Normal equations of the weighted sum of (n . (q - p))^2 over the pairs: the moments of rows
-// (J, residual), in columns of eight for the sake of vector instructions.
-struct Equations {
-  Eigen::Matrix<float, 8, 7> moments = Eigen::Matrix<float, 8, 7>::Zero();
-  float sum_squared_m2 = 0;  // not weighted
-  int pairs = 0;
-
-  // Weight (1 - r^2 / gate^2)^2, Tukey's biweight: what is about to leave the gate pulls no more.
-  void Add(const Eigen::Vector3f& turn, const Eigen::Vector3f& normal, float residual,
-           float gate2) {
-    const float root = 1 - residual * residual / gate2;
-    Vector8f row;
-    row << turn, normal, residual, 0;
-    row *= root;
-    for (int i = 0; i < 7; ++i) moments.col(i) += row[i] * row;
-    sum_squared_m2 += residual * residual;
-    ++pairs;
-  }
-  Matrix6f hessian() const { return moments.topLeftCorner<6, 6>(); }
-  Vector6f gradient() const { return moments.col(6).head<6>(); }
-};
-
 class Problem {
  public:
   Problem(const OrganizedCloud& cloud, const ModelPoints& model, double min_normal_cos)
@@ -70,13 +35,13 @@ class Problem {
         radius_m_(model.radius_m),
         min_normal_cos_(static_cast<float>(min_normal_cos)) {}
 
-  Equations Linearize(const Subset& subset, const CenteredPose& pose, double gate_m) const {
+  IcpEquations Linearize(const Subset& subset, const CenteredPose& pose, double gate_m) const {
     const Eigen::Matrix3f R = pose.R_CO.cast<float>();
     const Eigen::Vector3f center = pose.center_C.cast<float>();
     const std::array<int, 5> offsets = Offsets(gate_m, pose.center_C.z());
     const auto pixels = static_cast<int>(cloud_.normals_C.size());
     const float gate2 = static_cast<float>(gate_m * gate_m);
-    Equations equations;
+    IcpEquations equations;
     for (int i = 0; i < subset.count; ++i) {
       const Eigen::Vector3f arm = R * subset.points[i];
       const Eigen::Vector3f model_normal = R * subset.normals[i];
@@ -90,28 +55,17 @@ class Problem {
         if (!(n.dot(model_normal) > min_normal_cos_)) continue;  // also where n is zero
         const Eigen::Vector3f d = cloud_.points_C[pixel] - p;
         if (d.squaredNorm() > gate2) continue;
-        equations.Add(arm.cross(n) / radius_m_, n, n.dot(d), gate2);
+        // Tukey's biweight: what is about to leave the gate pulls no more.
+        const float off = n.dot(d);
+        equations.Add(arm.cross(n) / radius_m_, n, off, 1 - off * off / gate2);
         break;
       }
     }
     return equations;
   }
 
-  // One damped Gauss-Newton step. False: too few pairs, or a step beyond the gate, after which
-  // the pairs mean nothing.
   bool Step(const Subset& subset, double gate_m, double damping, CenteredPose& pose) const {
-    const Equations equations = Linearize(subset, pose, gate_m);
-    if (equations.pairs < kMinPairs) return false;
-    Matrix6f hessian = equations.hessian();
-    hessian.diagonal().array() += static_cast<float>(damping) * hessian.trace() / 6;
-    const Vector6f x = hessian.ldlt().solve(equations.gradient());
-    const Eigen::Vector3d turn = x.head<3>().cast<double>() / radius_m_;
-    const Eigen::Vector3d move = x.tail<3>().cast<double>();
-    if (!(move.norm() + turn.norm() * radius_m_ < 2 * gate_m)) return false;
-    const double angle = turn.norm();
-    if (angle > 0) pose.R_CO = Eigen::AngleAxisd(angle, turn / angle) * pose.R_CO;
-    pose.center_C += move;
-    return true;
+    return TakeStep(Linearize(subset, pose, gate_m), damping, 2 * gate_m, radius_m_, pose);
   }
 
  private:
@@ -130,25 +84,12 @@ class Problem {
   float min_normal_cos_;
 };
 
-Pose ToPose(const CenteredPose& c, const ModelPoints& model) {
-  Pose X_CO = Pose::Identity();
-  X_CO.linear() = Eigen::Quaterniond(c.R_CO).normalized().toRotationMatrix();
-  X_CO.translation() = c.center_C - X_CO.linear() * model.center_O.cast<double>();
-  return X_CO;
-}
-
-double Conditioning(const Matrix6f& hessian) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6f> solver(hessian, Eigen::EigenvaluesOnly);
-  const float largest = solver.eigenvalues()[5];
-  return largest > 0 ? std::max(0.0f, solver.eigenvalues()[0]) / largest : 0.0;
-}
-
 }  // namespace
 
 IcpReport ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                         const ProjectiveIcpOptions& options) {
   const Problem problem(cloud, model, options.min_normal_cos);
-  CenteredPose pose{X_CO.linear(), X_CO * model.center_O.cast<double>()};
+  CenteredPose pose = ToCentered(X_CO, model);
   Subset subset;
   Select(model, X_CO, options.max_points, subset);
   bool ok = true;
@@ -161,12 +102,12 @@ IcpReport ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, c
   for (int i = 0; ok && i < options.fine_iterations; ++i) {
     ok = problem.Step(subset, options.gate_end_m, options.damping, pose);
   }
-  const Equations end = problem.Linearize(subset, pose, options.gate_end_m);
+  const IcpEquations end = problem.Linearize(subset, pose, options.gate_end_m);
   IcpReport report;
   report.X_CO = ToPose(pose, model);
   if (subset.count > 0) report.overlap = static_cast<double>(end.pairs) / subset.count;
   if (end.pairs > 0) report.residual_m = std::sqrt(end.sum_squared_m2 / end.pairs);
-  if (end.pairs >= kMinPairs) report.conditioning = Conditioning(end.hessian());
+  if (end.pairs >= kMinIcpPairs) report.conditioning = Conditioning(end);
   return report;
 }
 

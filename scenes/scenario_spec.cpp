@@ -148,6 +148,7 @@ void BinSpec::Visit(SettingsVisitor& v) {
 std::span<const RefinerName> RefinerNames() {
   static constexpr RefinerName kRefiners[] = {
       {"pcl_icp", "PCL's ICP against the depth image; undone where it makes a pose worse"},
+      {"two_way_icp", "surface, outline and cover in one ICP with restarts: for real frames"},
       {"none", "poses are reported as the estimator finds them"},
   };
   return kRefiners;

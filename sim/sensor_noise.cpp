@@ -141,7 +141,7 @@ struct RowState {
 
 // As in sensor_rows.cpp: versions of the same arithmetic. What is written is marked as apart
 // from what is read, without which the compiler would not work on several pixels at once.
-#define PICKBED_TWO_WIDTHS __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
+#define PICKBED_TWO_WIDTHS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 
 PICKBED_TWO_WIDTHS void DrawNumbers(uint64_t place, int n, const float* gauss, RowState& row) {
   constexpr uint64_t kGaussMask = kGaussCount - 1, kMask = (1 << kDecisionBits) - 1;

@@ -9,7 +9,7 @@ namespace {
 // The loops over a row stand in functions of their own so that the compiler makes versions of them,
 // of which the widest runs that the processor has. All give the same bytes, since this file is
 // compiled without fused multiply-add.
-#define PICKBED_TWO_WIDTHS __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
+#define PICKBED_TWO_WIDTHS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 
 PICKBED_TWO_WIDTHS void Invert(const float* depth_m, int n, float* inverse) {
   for (int x = 0; x < n; ++x) {

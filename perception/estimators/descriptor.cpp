@@ -38,7 +38,7 @@ class DescriptorEstimator : public PoseEstimator {
   DescriptorEstimator(const EstimatorSetup& setup, const DescriptorOptions& options)
       : options_(options),
         min_score_(setup.spec.min_score),
-        refine_(setup.refiner == "pcl_icp"),
+        refiner_(setup.refiner),
         model_(LoadModel(DescriptorModelFile(setup.spec))) {
     finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(), options.candidates);
     for (const auto& object : setup.objects) distances_.emplace_back(*object);
@@ -56,7 +56,7 @@ class DescriptorEstimator : public PoseEstimator {
 
   DescriptorOptions options_;
   double min_score_;
-  bool refine_;
+  std::string refiner_;
   DescriptorModel model_;
   std::unique_ptr<CandidateFinder> finder_;
   std::vector<PoseDistance> distances_;
@@ -132,13 +132,8 @@ EstimateResult DescriptorEstimator::Estimate(const EstimatorInput& input, Rng& r
     result.hypotheses = SuppressDuplicates(cloud, finder_->model_points(),
                                            std::move(result.hypotheses), options_.suppress);
   }
-  if (refine_ && !result.hypotheses.empty()) {
-    const StageTimer timer(result.seconds, "refine");
-    const PclRefiner refiner(cloud, options_.refiner);
-    for (PoseHypothesis& hypothesis : result.hypotheses) {
-      refiner.Refine(finder_->model_points()[hypothesis.object], hypothesis);
-    }
-  }
+  const StageTimer timer(result.seconds, "refine");
+  PolishPoses(refiner_, cloud, finder_->model_points(), options_.polish, result.hypotheses);
   return result;
 }
 

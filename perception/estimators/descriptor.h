@@ -8,7 +8,7 @@
 #include <string>
 
 #include "perception/candidates.h"
-#include "perception/icp.h"
+#include "perception/polish.h"
 #include "perception/pose_estimator.h"
 #include "perception/suppress.h"
 
@@ -22,7 +22,7 @@ struct DescriptorOptions {
   double final_diameters = 0.1;  // verified poses within it are one
   CandidateOptions candidates;
   SuppressOptions suppress;
-  PclIcpOptions refiner;
+  PolishOptions polish;
   void Visit(SettingsVisitor& v);
 };
 

@@ -9,8 +9,8 @@
 #include <unordered_set>
 
 #include "perception/depth_to_cloud.h"
-#include "perception/icp.h"
 #include "perception/model_points.h"
+#include "perception/polish.h"
 #include "perception/suppress.h"
 #include "perception/verify.h"
 
@@ -89,7 +89,7 @@ auto Timed(StageSeconds& seconds, const char* stage, Work work) {
 class PpfEstimator : public PoseEstimator {
  public:
   explicit PpfEstimator(const EstimatorSetup& setup)
-      : min_score_(setup.spec.min_score), refine_(setup.refiner == "pcl_icp") {
+      : min_score_(setup.spec.min_score), refiner_(setup.refiner) {
     for (const auto& object : setup.objects) {
       models_.push_back(MakeModelPoints(*object));
       model_mats_.push_back(ModelMat(models_.back()));
@@ -117,9 +117,8 @@ class PpfEstimator : public PoseEstimator {
     }
     result.hypotheses = Timed(result.seconds, "suppress",
                               [&] { return SuppressDuplicates(cloud, models_, std::move(found)); });
-    if (refine_) {
-      Timed(result.seconds, "refine", [&] { Polish(cloud, result.hypotheses); });
-    }
+    Timed(result.seconds, "refine",
+          [&] { PolishPoses(refiner_, cloud, models_, {}, result.hypotheses); });
     return result;
   }
 
@@ -154,14 +153,9 @@ class PpfEstimator : public PoseEstimator {
     }
   }
 
-  void Polish(const OrganizedCloud& cloud, std::vector<PoseHypothesis>& hypotheses) const {
-    const PclRefiner refiner(cloud);
-    for (PoseHypothesis& h : hypotheses) refiner.Refine(models_[h.object], h);
-  }
-
   PpfOptions options_;
   double min_score_;
-  bool refine_;
+  std::string refiner_;
   std::vector<ModelPoints> models_;
   std::vector<cv::Mat> model_mats_;
   std::vector<std::unique_ptr<cv::ppf_match_3d::PPF3DDetector>> detectors_;

@@ -12,6 +12,7 @@
 #include "perception/model_points.h"
 #include "perception/projective_icp.h"
 #include "perception/suppress.h"
+#include "perception/two_way_icp.h"
 #include "perception/verify.h"
 #include "perception/votes.h"
 #include "scenes/object_catalog.h"
@@ -114,6 +115,13 @@ void FinalIcp(benchmark::State& state) {
   });
 }
 BENCHMARK(FinalIcp)->Name("pcl_icp/bracket/400")->Unit(benchmark::kMicrosecond);
+
+void TwoWay(benchmark::State& state) {
+  ForEachPose(state, [](const Pile& pile, const Pose& X_CO) {
+    benchmark::DoNotOptimize(TwoWayIcp(pile.cloud, pile.models[0], X_CO));
+  });
+}
+BENCHMARK(TwoWay)->Name("two_way_icp/bracket/600")->Unit(benchmark::kMicrosecond);
 
 void SearchTree(benchmark::State& state) {
   const OrganizedCloud& cloud = BracketPile().cloud;
