@@ -16,11 +16,14 @@ namespace {
 // Camera distances to learn from, over that of the scenario.
 constexpr double kNearest = 0.88;
 constexpr double kFarthest = 1.15;
+// Parts of this size fit the default cell; without a scenario the cell grows and shrinks with them.
+constexpr double kUsualDiameter_m = 0.095;
 
 struct TrainArguments {
   std::vector<std::string> objects;
   ScenarioArguments scenario;  // optional: camera, bin, sensor and parts
   std::string model_file;
+  std::string start_from;
   bool resume = false;
   TrainingOptions training;
 };
@@ -29,6 +32,7 @@ struct TrainArguments {
 struct Lesson {
   std::string name;
   ScenarioSpec spec;
+  bool has_cell = false;  // of a scenario; else cells of a size that suits each part
   ObjectSet objects;
 };
 
@@ -36,7 +40,7 @@ Lesson PlanLesson(const TrainArguments& arguments) {
   Lesson lesson;
   if (!arguments.scenario.scenario.empty()) {
     LoadedScenario loaded = LoadScenarioArguments(arguments.scenario);
-    lesson = {loaded.name, std::move(loaded.spec), std::move(loaded.objects)};
+    lesson = {loaded.name, std::move(loaded.spec), true, std::move(loaded.objects)};
   }
   if (!arguments.objects.empty()) {
     const ObjectCatalog catalog = OpenCatalog(arguments.scenario.catalog);
@@ -63,6 +67,7 @@ std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
   const double distance_m = lesson.spec.camera.eye_m.norm();
   options.distance_min_m = kNearest * distance_m;
   options.distance_max_m = kFarthest * distance_m;
+  if (!lesson.has_cell) options.for_diameter_m = kUsualDiameter_m;
   return MakeSimViewSource(WithConvexPieces(lesson.objects), options);
 }
 
@@ -75,6 +80,8 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   app.add_option("--catalog", arguments.scenario.catalog, "folder of your own objects")
       ->capture_default_str();
   app.add_option("--out", arguments.model_file, "model file [models/<objects>.pt]");
+  app.add_option("--from", arguments.start_from,
+                 "model to begin with, e.g. to add parts to those it knows: name them all");
   app.add_flag("--resume", arguments.resume, "go on from the checkpoint of a stopped training");
   app.add_option("--minutes", arguments.training.max_minutes, "time limit in minutes, 0 = none")
       ->check(CLI::NonNegativeNumber)
@@ -121,6 +128,7 @@ int TrainCommand(int argc, char** argv) {
         model_file,
         checkpoint,
         arguments.resume,
+        arguments.start_from,
         lesson.spec.sensor,
         [&](const TrainingProgress& state) {
           const std::string loss = state.loss > 0 ? fmt::format("  loss {:.4f}", state.loss) : "";

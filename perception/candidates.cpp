@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "perception/look_alikes.h"
 #include "perception/pose_embedding.h"
 #include "perception/vote_density.h"
 #include "perception/votes.h"
@@ -23,6 +24,29 @@ struct SideGroup {
   std::vector<Entry> entries;  // by row of the index
   std::unique_ptr<NeighborIndex> index;
 };
+
+// How much worse the best rival fits: another pose of the part at the same place. Bounded, and the
+// bound where there is none.
+void FillMargins(const PoseDistance& distance, const Eigen::Vector3d& middle_O,
+                 std::vector<Candidate>& candidates) {
+  constexpr double kSamePlaceDiameters = 0.3, kOtherPoseDiameters = 0.12;
+  constexpr float kMostMargin = 0.5f;
+  const double near_m = kSamePlaceDiameters * distance.diameter_m();
+  std::vector<Eigen::Vector3d> middles_C;
+  for (const Candidate& c : candidates) middles_C.push_back(c.hypothesis.X_CO * middle_O);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const float misfit = candidates[i].features[kMisfitFeature];
+    float margin = kMostMargin;
+    for (size_t j = 0; j < candidates.size(); ++j) {
+      const float rival = candidates[j].features[kMisfitFeature] - misfit;
+      if (rival >= margin || j == i) continue;
+      if ((middles_C[i] - middles_C[j]).norm() > near_m) continue;
+      const Pose& X_CO = candidates[j].hypothesis.X_CO;
+      if (distance(candidates[i].hypothesis.X_CO, X_CO) > kOtherPoseDiameters) margin = rival;
+    }
+    candidates[i].features[kMarginFeature] = std::max(margin, -kMostMargin);
+  }
+}
 
 // One random pixel of each of `count` equal stretches of the foreground: random, and spread evenly.
 std::vector<int> SpreadPixels(const std::vector<int>& foreground, int count, Rng& rng) {
@@ -57,6 +81,7 @@ void CandidateOptions::Visit(SettingsVisitor& v) {
   v.Real("gate_min_m", gate_min_m, {1e-4, 1}, "least gate, m");
   v.Real("gate_max_m", gate_max_m, {1e-4, 1}, "largest gate, m");
   v.Bool("two_gates", two_gates, "also try half the gate and keep the better");
+  v.Integer("turned", turned, {0, 100000}, "best poses of a part whose look-alikes are tried");
   v.Real("merge_diameters", merge_diameters, {0, 1}, "refined poses within it are one");
   v.Group(
       "index", [&](SettingsVisitor& g) { index.Visit(g); }, "neighbour index");
@@ -69,6 +94,7 @@ struct CandidateFinder::Impl {
   std::vector<ModelPoints> models;
   std::vector<PoseDistance> distances;
   std::vector<PoseEmbedding> embeddings;
+  std::vector<std::vector<Pose>> look_alikes;  // turns S_O, by part
   std::vector<SideGroup> groups;
 
   void BuildGroups();
@@ -78,6 +104,7 @@ struct CandidateFinder::Impl {
   VoteDensity Density(int part, const std::vector<CastVote>& votes) const;
   std::vector<RawHypothesis> Selected(const VoteDensity& density,
                                       const std::vector<CastVote>& votes) const;
+  void AddLookAlikes(const OrganizedCloud& cloud, std::vector<RawHypothesis>& poses) const;
   int Kept() const;
 };
 
@@ -154,6 +181,19 @@ RawHypothesis CandidateFinder::Impl::Refined(const OrganizedCloud& cloud,
   return best;
 }
 
+// `poses` best first.
+void CandidateFinder::Impl::AddLookAlikes(const OrganizedCloud& cloud,
+                                          std::vector<RawHypothesis>& poses) const {
+  const size_t count = std::min<size_t>(poses.size(), options.turned);
+  for (size_t i = 0; i < count; ++i) {
+    for (const Pose& S_O : look_alikes[poses[i].object]) {
+      RawHypothesis turned = poses[i];
+      turned.X_CO = turned.X_CO * S_O;
+      poses.push_back(Refined(cloud, turned));
+    }
+  }
+}
+
 VoteDensity CandidateFinder::Impl::Density(int part, const std::vector<CastVote>& votes) const {
   std::vector<PoseVote> poses;
   for (const CastVote& vote : votes) poses.push_back({vote.hypothesis.X_CO, vote.patch});
@@ -187,6 +227,8 @@ CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, DescribePatch
     impl_->models.push_back(MakeModelPoints(*part.model));
     impl_->distances.emplace_back(*part.model);
     impl_->embeddings.emplace_back(*part.model);
+    impl_->look_alikes.push_back(
+        LookAlikes(*part.model, impl_->models.back(), impl_->distances.back()));
   }
   impl_->BuildGroups();
 }
@@ -204,6 +246,9 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
   for (const SideGroup& group : impl_->groups) {
     impl_->Vote(group, cloud, pixels, rng, seconds, votes);
   }
+  // Votes that agree are more where more patches vote; the verifier sees them as of this many.
+  constexpr double kUsualPatches = 600;
+  const double per_patch = kUsualPatches / static_cast<double>(pixels.size());
   std::vector<Candidate> candidates;
   for (size_t p = 0; p < votes.size(); ++p) {
     const int part = static_cast<int>(p);
@@ -219,15 +264,20 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
       for (RawHypothesis& pose : poses) pose = impl_->Refined(cloud, pose);
       poses =
           ClusterVotes(std::move(poses), impl_->distances, options.merge_diameters, impl_->Kept());
+      impl_->AddLookAlikes(cloud, poses);
     }
     const StageTimer timer(seconds, "verify");
+    std::vector<Candidate> of_part;
     for (const RawHypothesis& pose : poses) {
       Candidate candidate;
       candidate.hypothesis = {part, pose.X_CO, pose.quick_score, {}};
-      candidate.features = ComputeVerifyFeatures(
-          cloud, impl_->models[p], pose.X_CO, density->Around(pose.X_CO), candidate.hypothesis.fit);
-      candidates.push_back(candidate);
+      candidate.features =
+          ComputeVerifyFeatures(cloud, impl_->models[p], pose.X_CO,
+                                per_patch * density->Around(pose.X_CO), candidate.hypothesis.fit);
+      of_part.push_back(candidate);
     }
+    FillMargins(impl_->distances[p], impl_->models[p].center_O.cast<double>(), of_part);
+    candidates.insert(candidates.end(), of_part.begin(), of_part.end());
   }
   return candidates;
 }

@@ -14,11 +14,12 @@ namespace pickbed {
 namespace {
 
 // Raise when the meaning of the file changes; older readers then say so.
-constexpr int64_t kModelVersion = 1;
+constexpr int64_t kModelVersion = 2;
 constexpr const char* kMagic = "pickbed descriptor model";
 
-std::vector<float> VerifierValues(const Verifier& verifier) {
-  std::vector<float> values;
+constexpr Eigen::Index kVerifierScalars = 3;  // b2 and the calibration
+
+void AppendVerifier(const Verifier& verifier, std::vector<float>& values) {
   const auto append = [&](const auto& matrix) {
     values.insert(values.end(), matrix.data(), matrix.data() + matrix.size());
   };
@@ -27,14 +28,24 @@ std::vector<float> VerifierValues(const Verifier& verifier) {
   append(verifier.w1);
   append(verifier.b1);
   append(verifier.w2);
-  values.push_back(verifier.b2);
+  values.insert(values.end(),
+                {verifier.b2, verifier.calibration_scale, verifier.calibration_shift});
+}
+
+// One after the other.
+std::vector<float> VerifierValues(const std::vector<Verifier>& verifiers) {
+  std::vector<float> values;
+  for (const Verifier& verifier : verifiers) AppendVerifier(verifier, values);
   return values;
 }
 
-Verifier VerifierFrom(const std::vector<float>& values) {
-  // 2 * inputs, then hidden * (inputs + 2), then 1.
-  const auto rest = static_cast<int64_t>(values.size()) - 2 * kVerifyFeatures - 1;
-  CheckInput(rest > 0 && rest % (kVerifyFeatures + 2) == 0, "its verifier has another shape");
+// `count` verifiers of equal shape.
+std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count) {
+  CheckInput(count > 0 && values.size() % count == 0, "its verifiers have another shape");
+  // 2 * inputs, then hidden * (inputs + 2), then the scalars.
+  const auto rest =
+      static_cast<int64_t>(values.size() / count) - 2 * kVerifyFeatures - kVerifierScalars;
+  CheckInput(rest > 0 && rest % (kVerifyFeatures + 2) == 0, "its verifiers have another shape");
   const Eigen::Index hidden = rest / (kVerifyFeatures + 2);
   const float* next = values.data();
   const auto vector = [&](Eigen::Index size) {
@@ -42,14 +53,19 @@ Verifier VerifierFrom(const std::vector<float>& values) {
     next += size;
     return result;
   };
-  Verifier verifier;
-  verifier.mean = vector(kVerifyFeatures);
-  verifier.scale = vector(kVerifyFeatures);
-  verifier.w1 = vector(hidden * kVerifyFeatures).reshaped(hidden, kVerifyFeatures);
-  verifier.b1 = vector(hidden);
-  verifier.w2 = vector(hidden);
-  verifier.b2 = *next;
-  return verifier;
+  std::vector<Verifier> verifiers(count);
+  for (Verifier& verifier : verifiers) {
+    verifier.mean = vector(kVerifyFeatures);
+    verifier.scale = vector(kVerifyFeatures);
+    verifier.w1 = vector(hidden * kVerifyFeatures).reshaped(hidden, kVerifyFeatures);
+    verifier.b1 = vector(hidden);
+    verifier.w2 = vector(hidden);
+    const Eigen::VectorXf scalars = vector(kVerifierScalars);
+    verifier.b2 = scalars[0];
+    verifier.calibration_scale = scalars[1];
+    verifier.calibration_shift = scalars[2];
+  }
+  return verifiers;
 }
 
 at::Tensor ToTensor(const std::vector<float>& values) {
@@ -78,9 +94,8 @@ DescriptorModel ReadArchive(const std::string& bytes, const std::string& name) {
   archive.read("magic", value);
   CheckInput(value.isString() && value.toStringRef() == kMagic, "it is no descriptor model");
   archive.read("version", value);
-  CheckInput(
-      value.toInt() <= kModelVersion,
-      fmt::format("it has version {}, this program reads up to {}", value.toInt(), kModelVersion));
+  CheckInput(value.toInt() == kModelVersion,
+             fmt::format("it has version {}, this program reads {}", value.toInt(), kModelVersion));
   archive.read("info", value);
   const std::string info_text = value.toStringRef();
   at::Tensor weights, verifier;
@@ -99,7 +114,10 @@ DescriptorModel ReadArchive(const std::string& bytes, const std::string& name) {
   ReadSettingsText(info_text, name, [&](SettingsVisitor& v) { info.Visit(v); });
   DescriptorNetwork network(info.network, 0);
   network.SetWeights(weight_values);
-  return {info, std::move(network), VerifierFrom(verifier_values), hash};
+  const uint64_t network_hash =
+      HashBytes(weight_values.data(), weight_values.size() * sizeof(float));
+  std::vector<Verifier> verifiers = VerifiersFrom(verifier_values, info.objects.size());
+  return {info, std::move(network), std::move(verifiers), network_hash, hash};
 }
 
 }  // namespace
@@ -109,6 +127,7 @@ void ModelObject::Visit(SettingsVisitor& v) {
   v.Seed("mesh_hash", mesh_hash, "hash of its mesh");
   v.Real("diameter_m", diameter_m, {0, 100}, "its diameter, m");
   v.Real("side_m", side_m, {0, 100}, "side of its patches, m");
+  v.Real("verifier_auc", verifier_auc, {0, 1}, "area under ROC on held-out poses");
 }
 
 void ModelInfo::Visit(SettingsVisitor& v) {
@@ -120,13 +139,12 @@ void ModelInfo::Visit(SettingsVisitor& v) {
       "network", [&](SettingsVisitor& g) { network.Visit(g); }, "the network");
   v.Integer("iterations", iterations, {0, 1e9}, "steps done");
   v.Real("loss", loss, {-1e9, 1e9}, "mean of the last hundred steps");
-  v.Real("verifier_auc", verifier_auc, {0, 1}, "area under ROC on held-out poses");
 }
 
 void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
-               const DescriptorNetwork& network, const Verifier& verifier_to_save) {
+               const DescriptorNetwork& network, const std::vector<Verifier>& verifiers) {
   const std::vector<float> weights = network.Weights();
-  const std::vector<float> verifier = VerifierValues(verifier_to_save);
+  const std::vector<float> verifier = VerifierValues(verifiers);
   const std::string text = InfoText(info);
   const uint64_t hash = HashBytes(text.data(), text.size(), HashValues(weights, verifier));
   torch::serialize::OutputArchive archive;
@@ -160,9 +178,9 @@ DescriptorModel LoadModel(const std::filesystem::path& file) {
   }
 }
 
-std::vector<double> PatchSidesOf(const ModelInfo& info, const ObjectSet& objects,
-                                 const std::filesystem::path& file) {
-  std::vector<double> sides;
+std::vector<int> TrainedParts(const ModelInfo& info, const ObjectSet& objects,
+                              const std::filesystem::path& file) {
+  std::vector<int> parts;
   for (const auto& object : objects) {
     const ModelObject* found = nullptr;
     std::string known;
@@ -177,9 +195,9 @@ std::vector<double> PatchSidesOf(const ModelInfo& info, const ObjectSet& objects
                fmt::format("{}: the mesh of part '{}' has changed since training; train again with "
                            "`pickbed train`",
                            file.string(), object->name));
-    sides.push_back(found->side_m);
+    parts.push_back(static_cast<int>(found - info.objects.data()));
   }
-  return sides;
+  return parts;
 }
 
 }  // namespace pickbed

@@ -16,7 +16,8 @@ struct ModelObject {
   std::string name;
   uint64_t mesh_hash = 0;
   double diameter_m = 0;
-  double side_m = 0;  // of its patches
+  double side_m = 0;        // of its patches
+  double verifier_auc = 0;  // of its verifier, on held-out poses
   void Visit(SettingsVisitor& v);
 };
 
@@ -24,9 +25,8 @@ struct ModelInfo {
   std::vector<ModelObject> objects;  // what it was trained for
   std::string sensor;                // profile of the training views
   NetworkOptions network;
-  int iterations = 0;       // done
-  double loss = 0;          // mean of the last hundred
-  double verifier_auc = 0;  // on held-out poses
+  int iterations = 0;  // done
+  double loss = 0;     // mean of the last hundred
   void Visit(SettingsVisitor& v);
 
   // Effective settings of the training, for people; kept apart, so that a renamed setting makes no
@@ -37,18 +37,19 @@ struct ModelInfo {
 struct DescriptorModel {
   ModelInfo info;
   DescriptorNetwork network;
-  Verifier verifier;
-  uint64_t hash = 0;  // of weights and verifier: the key of what is made with them
+  std::vector<Verifier> verifiers;  // of each of info.objects
+  uint64_t network_hash = 0;        // of the weights: the key of code books
+  uint64_t hash = 0;                // of weights and verifiers
 };
 
 // Both throw InputError naming the file: not readable, damaged, not a model, of a newer version.
 void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
-               const DescriptorNetwork& network, const Verifier& verifier);
+               const DescriptorNetwork& network, const std::vector<Verifier>& verifiers);
 DescriptorModel LoadModel(const std::filesystem::path& file);
 
-// Patch side of each part. Throws InputError naming file and part for one that the model was not
-// trained for or whose mesh has changed since.
-std::vector<double> PatchSidesOf(const ModelInfo& info, const ObjectSet& objects,
-                                 const std::filesystem::path& file);
+// Index into info.objects of each part. Throws InputError naming file and part for one that the
+// model was not trained for or whose mesh has changed since.
+std::vector<int> TrainedParts(const ModelInfo& info, const ObjectSet& objects,
+                              const std::filesystem::path& file);
 
 }  // namespace pickbed

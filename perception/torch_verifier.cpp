@@ -67,13 +67,13 @@ void VerifierOptions::Visit(SettingsVisitor& v) {
   v.Integer("batch", batch, {1, 1000000}, "examples in a step");
   v.Real("learning_rate", learning_rate, {1e-6, 1}, "of Adam");
   v.Real("weight_decay", weight_decay, {0, 1}, "of Adam");
-  v.Real("held_out", held_out, {0, 0.9}, "share of the examples kept for the figure");
 }
 
 TrainedVerifier TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
                               uint64_t seed) {
   const int64_t count = static_cast<int64_t>(examples.features.size());
-  const int64_t kept = count - static_cast<int64_t>(count * options.held_out);
+  const int64_t kept =
+      examples.held_out_from > 0 ? static_cast<int64_t>(examples.held_out_from) : count;
   const auto right = std::count(examples.right.begin(), examples.right.begin() + kept, 1);
   CheckInput(right > 0 && right < kept,
              "the verifier needs right and wrong poses to learn from, but has " +

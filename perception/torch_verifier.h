@@ -16,13 +16,13 @@ struct VerifierOptions {
   int batch = 1024;       // examples in a step, drawn with replacement
   double learning_rate = 0.01;
   double weight_decay = 1e-4;
-  double held_out = 0.2;  // last share of the examples, for the figure
   void Visit(SettingsVisitor& v);
 };
 
 struct VerifierExamples {
   std::vector<VerifyFeatures> features;
   std::vector<uint8_t> right;  // 1 = the pose is right
+  size_t held_out_from = 0;    // from this one on they serve the figure alone; 0 = none
 };
 
 struct TrainedVerifier {

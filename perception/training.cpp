@@ -8,11 +8,10 @@
 #include <numbers>
 #include <numeric>
 
-#include "perception/candidates.h"
 #include "perception/checkpoint.h"
 #include "perception/torch_model_file.h"
 #include "perception/training_data.h"
-#include "perception/votes.h"
+#include "perception/verifier_training.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -37,16 +36,14 @@ std::string CheckpointKey(const ObjectSet& objects, TrainingOptions options,
   return key;
 }
 
-bool IsRight(const Candidate& candidate, const LabelledView& view,
-             const std::vector<PoseDistance>& distances) {
-  constexpr double kRight = 0.1;  // diameters; the field's usual threshold
-  for (const LabelledInstance& instance : view.instances) {
-    if (instance.object == candidate.hypothesis.object &&
-        distances[instance.object](candidate.hypothesis.X_CO, instance.X_CO) < kRight) {
-      return true;
-    }
+// Runs `work`; an InputError that it throws gets the part's name in front.
+template <typename Work>
+auto BlamePart(const ObjectModel& part, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    throw InputError("part '" + part.name + "': " + error.what());
   }
-  return false;
 }
 
 // One training from views to model file.
@@ -73,14 +70,14 @@ class Trainer {
   }
   int Iterations() const { return options_.iterations * static_cast<int>(objects_.size()); }
   bool Report(const char* phase, double share, int total, Clock::time_point phase_start);
+  void StartFrom(const std::filesystem::path& file);
   bool CollectViews();
   bool TrainNetwork();
   double ScheduleShare(int iteration) const;
   void SaveCheckpoint(int iteration) const;
-  std::vector<CandidatePart> CodeParts() const;
-  VerifierExamples CollectExamples(bool& go_on);
+  std::vector<TrainedVerifier> TrainVerifiers();
   double RecentLoss() const;
-  void Save(const TrainedVerifier& trained) const;
+  void Save(const std::vector<TrainedVerifier>& trained);
 
   const TrainingJob& job_;
   const TrainingOptions& options_;
@@ -92,6 +89,17 @@ class Trainer {
   TrainingReport report_;
   Clock::time_point start_ = Clock::now();
 };
+
+void Trainer::StartFrom(const std::filesystem::path& file) {
+  const DescriptorModel model = LoadModel(file);
+  CheckInput(model.info.network.kind == options_.network.kind &&
+                 model.info.network.descriptor == options_.network.descriptor,
+             fmt::format("{}: its network is {} with descriptors of {}, not {} with {}; set "
+                         "network.kind and network.descriptor to those",
+                         file.string(), model.info.network.kind, model.info.network.descriptor,
+                         options_.network.kind, options_.network.descriptor));
+  network_.SetWeights(model.network.Weights());
+}
 
 bool Trainer::Report(const char* phase, double share, int total, Clock::time_point phase_start) {
   if (!job_.on_progress) return true;
@@ -158,54 +166,44 @@ bool Trainer::TrainNetwork() {
   return true;
 }
 
-std::vector<CandidatePart> Trainer::CodeParts() const {
-  IsolatedOptions isolated;
-  isolated.views = std::max(1, options_.verifier_entries / isolated.patches_per_view);
-  isolated.focal_px = data_.camera().focal_px;
-  isolated.distance_m = data_.camera().distance_m;
-  isolated.distance_spread = data_.camera().distance_spread;
-  std::vector<CandidatePart> parts;
-  for (size_t i = 0; i < objects_.size(); ++i) {
-    parts.push_back({objects_[i], sides_[i],
-                     MakeObjectCodes(job_.views, static_cast<int>(i), sides_[i], network_.length(),
-                                     [&](std::span<const int8_t> patches) {
-                                       return network_.Describe(patches);
-                                     },
-                                     isolated, options_.seed, {})});
-  }
-  return parts;
-}
-
-VerifierExamples Trainer::CollectExamples(bool& go_on) {
+// One verifier for each part; fewer when asked to stop.
+std::vector<TrainedVerifier> Trainer::TrainVerifiers() {
   const Clock::time_point phase = Clock::now();
-  const CandidateFinder finder(
-      CodeParts(), [&](std::span<const int8_t> p) { return network_.Describe(p); },
-      options_.candidates);
-  std::vector<PoseDistance> distances;
-  for (const auto& object : objects_) distances.emplace_back(*object);
-  VerifierExamples examples;
-  StageSeconds seconds;
-  const int piles = options_.verifier_piles * static_cast<int>(objects_.size());
-  for (int i = 0; i < piles; ++i) {
-    Rng rng = Rng::Derive(options_.seed, i, "training/verifier_pile");
-    for (const LabelledView& view : job_.views.Pile(rng.Next(), options_.views_per_pile)) {
-      const OrganizedCloud cloud = BuildCloud(view.frame, view.background);
-      for (const Candidate& candidate : finder.Find(cloud, rng, seconds)) {
-        examples.features.push_back(candidate.features);
-        examples.right.push_back(IsRight(candidate, view, distances));
-      }
-    }
-    go_on = Report("verifier", static_cast<double>(i + 1) / piles, piles, phase);
-    if (!go_on) break;
+  const int parts = static_cast<int>(objects_.size());
+  const int piles = options_.verifier_piles * parts;
+  VerifierTrainingOptions options;
+  options.seed = options_.seed;
+  options.piles = options_.verifier_piles;
+  options.views_per_pile = options_.views_per_pile;
+  options.entries = options_.verifier_entries;
+  options.candidates = options_.candidates;
+  options.verifier = options_.verifier;
+  std::vector<TrainedVerifier> trained;
+  for (int i = 0; i < parts; ++i) {
+    const VerifierPart part{i, sides_[i], network_.length(), [&](std::span<const int8_t> patches) {
+                              return network_.Describe(patches);
+                            }};
+    bool go_on = true;
+    TrainedVerifier verifier = BlamePart(*objects_[i], [&] {
+      return TrainPartVerifier(job_.views, part, options, [&](double share) {
+        return go_on = Report("verifier", (i + share) / parts, piles, phase);
+      });
+    });
+    if (!go_on) return trained;
+    trained.push_back(std::move(verifier));
   }
-  return examples;
+  Report("verifier", 1, piles, phase);
+  return trained;
 }
 
-void Trainer::Save(const TrainedVerifier& trained) const {
+void Trainer::Save(const std::vector<TrainedVerifier>& trained) {
   ModelInfo info;
+  std::vector<Verifier> verifiers;
   for (size_t i = 0; i < objects_.size(); ++i) {
-    info.objects.push_back(
-        {objects_[i]->name, objects_[i]->mesh_hash, objects_[i]->diameter_m, sides_[i]});
+    info.objects.push_back({objects_[i]->name, objects_[i]->mesh_hash, objects_[i]->diameter_m,
+                            sides_[i], trained[i].auc});
+    verifiers.push_back(trained[i].verifier);
+    report_.verifier_auc += trained[i].auc / static_cast<double>(objects_.size());
   }
   info.sensor = job_.sensor_profile;
   info.network = options_.network;
@@ -213,21 +211,18 @@ void Trainer::Save(const TrainedVerifier& trained) const {
   info.training = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
   info.iterations = static_cast<int>(report_.loss_history.size());
   info.loss = RecentLoss();
-  info.verifier_auc = trained.auc;
-  SaveModel(job_.model_file, info, network_, trained.verifier);
+  SaveModel(job_.model_file, info, network_, verifiers);
 }
 
 TrainingReport Trainer::Run() {
   // A checkpoint that cannot be used is told before minutes are spent on views.
   if (job_.resume) ReadCheckpoint(job_.checkpoint, key_);
-  bool go_on = CollectViews() && TrainNetwork();
+  if (!job_.start_from.empty()) StartFrom(job_.start_from);
+  bool go_on = options_.iterations == 0 || (CollectViews() && TrainNetwork());
   if (go_on) {
-    const VerifierExamples examples = CollectExamples(go_on);
-    if (go_on) {
-      const TrainedVerifier trained = TrainVerifier(examples, options_.verifier, options_.seed);
-      report_.verifier_auc = trained.auc;
-      Save(trained);
-    }
+    const std::vector<TrainedVerifier> trained = TrainVerifiers();
+    go_on = trained.size() == objects_.size();
+    if (go_on) Save(trained);
   }
   report_.finished = go_on;
   report_.seconds = SecondsSince(start_);
@@ -242,7 +237,7 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
   v.Integer("views_per_pile", views_per_pile, {1, 100}, "views of each");
   v.Group(
       "twins", [&](SettingsVisitor& g) { twins.Visit(g); }, "the pairs to learn from");
-  v.Integer("iterations", iterations, {1, 10000000}, "steps per part");
+  v.Integer("iterations", iterations, {0, 10000000}, "steps per part; 0 = verifiers alone");
   v.Integer("batch", batch, {2, 100000}, "pairs of patches in a step");
   v.Real("main_share", main_share, {0, 1}, "share of a batch that is of one part");
   v.Real("patch_diameters", patch_diameters, {0.05, 4}, "side of a patch over the diameter");

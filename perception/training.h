@@ -3,7 +3,7 @@
 // Trains the descriptor network and its verifier on views rendered on the fly: piles give the
 // patches that a query will show, isolated views their twins as the code book will hold them; twins
 // are pulled together and patches of other poses apart. Then the estimator's own front part runs on
-// further piles and the verifier learns which of its candidates are right.
+// further piles of each part, and the part's verifier learns which of its candidates are right.
 
 #include <cstdint>
 #include <filesystem>
@@ -31,7 +31,7 @@ struct TrainingOptions {
   double main_share = 0.5;        // share of a batch that is of one part, the parts taking turns
   double patch_diameters = 0.8;   // side of a patch over the part's diameter
   double learning_rate = 1.5e-3;  // of Adam, falls to zero along a cosine
-  int verifier_piles = 20;        // per object
+  int verifier_piles = 24;        // per object
   int verifier_entries = 24000;   // code book entries per object while it learns
   int checkpoint_every = 200;     // iterations
   double max_minutes = 0;         // of views and network; 0 = no limit. The schedule follows it
@@ -54,14 +54,15 @@ struct TrainingJob {
   std::filesystem::path model_file;  // written at the end, atomically
   std::filesystem::path checkpoint;  // written on the way; read when `resume`; empty = none
   bool resume = false;
-  std::string sensor_profile;                                // recorded in the model file
+  std::filesystem::path start_from;  // a model whose weights training begins with; empty = none
+  std::string sensor_profile;        // recorded in the model file
   std::function<bool(const TrainingProgress&)> on_progress;  // false = stop after a checkpoint
 };
 
 struct TrainingReport {
   bool finished = false;  // false: stopped on request, checkpoint written
   std::vector<double> loss_history;
-  double verifier_auc = 0;
+  double verifier_auc = 0;  // mean over parts
   double seconds = 0;
 };
 

@@ -27,7 +27,7 @@ bool TrainingData::Collect(LabelledViewSource& views, const std::function<bool(d
   CameraIntrinsics intrinsics;
   for (int i = 0; i < piles; ++i) {
     Rng rng = Rng::Derive(options_.seed, i, "training/pile");
-    const std::vector<LabelledView> pile = views.Pile(rng.Next(), options_.views_per_pile);
+    const std::vector<LabelledView> pile = views.Pile({rng.Next(), options_.views_per_pile});
     AppendTwinPatches(views, pile, sides_m_, options_.twins, rng, parts_);
     for (const LabelledView& view : pile) {
       intrinsics = view.frame.intrinsics;

@@ -13,6 +13,7 @@ struct FitCounts {
   int inlier = 0, hidden = 0, violated = 0, wrong_normal = 0, tight = 0;
   double sum_squared_m2 = 0;  // of the inliers
   double cos_sum = 0;         // of the angles between normals and rays
+  double misfit = 0;          // sum of bounded squared distances, 1 for a contradiction
 
   double Share(int count) const { return points > 0 ? static_cast<double>(count) / points : 0.0; }
 };
@@ -50,7 +51,11 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
     const Eigen::Vector3f d = cloud.points_C[pixel] - p;
     const float off_plane = n.dot(d);
     if (std::abs(off_plane) >= inlier_m || std::abs(d.z()) >= kMaxDepthBands * inlier_m) {
+      // What is hidden speaks neither for nor against, but a pose that hides is worth less than one
+      // that shows.
+      constexpr double kHiddenMisfit = 0.4;
       ++(d.z() > 0 ? c.violated : c.hidden);
+      c.misfit += d.z() > 0 ? 1 : kHiddenMisfit;
       continue;
     }
     if (!cloud.foreground.data()[pixel]) continue;
@@ -58,11 +63,13 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
     const bool has_normal = !seen.isZero(0);
     if (has_normal && seen.dot(n) < min_cos) {
       ++c.wrong_normal;
+      c.misfit += 1;
       continue;
     }
     ++c.inlier;
     c.tight += has_normal && std::abs(off_plane) < tight_m;
     c.sum_squared_m2 += off_plane * off_plane;
+    c.misfit += (off_plane / inlier_m) * (off_plane / inlier_m);
   }
   return c;
 }
@@ -173,7 +180,9 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
           pixel_share(scene.far),
           static_cast<float>(std::log1p(model.VisibleFrom(X_CO).size())),
           static_cast<float>(std::log1p(std::max(0.0, agreeing_votes))),
-          pixel_share(scene.explained)};
+          pixel_share(scene.explained),
+          static_cast<float>(c.points > 0 ? c.misfit / c.points : 1) + pixel_share(scene.near),
+          0.0f};
 }
 
 double Verifier::Score(const VerifyFeatures& features) const {
@@ -185,6 +194,7 @@ double Verifier::Score(const VerifyFeatures& features) const {
     }
     logit += w2[unit] * std::tanh(sum);
   }
+  logit = calibration_scale * logit + calibration_shift;
   return 1.0 / (1.0 + std::exp(-static_cast<double>(logit)));
 }
 

@@ -31,7 +31,8 @@ struct VerifyBands {
 double QuickScore(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                   double tau_m = 0.008, int max_points = 120);
 
-inline constexpr int kVerifyFeatures = 10;
+inline constexpr int kVerifyFeatures = 12;
+inline constexpr int kMisfitFeature = 10, kMarginFeature = 11;
 using VerifyFeatures = std::array<float, kVerifyFeatures>;
 
 // Shares of the visible model points. An inlier lies on the surface seen; where the pixel has a
@@ -42,17 +43,21 @@ FitReport MeasureFit(const OrganizedCloud& cloud, const ModelPoints& model, cons
                      const VerifyBands& bands = {});
 
 // In order: inlier, hidden, violated, wrong-normal and tight-inlier shares; near and farther
-// unexplained scene points; log visible points; log agreeing raw votes; explained share. The counts
-// of scene points are over the pixels that the part would cover were it not hidden. No allocation.
+// unexplained scene points; log visible points; log agreeing raw votes; explained share; misfit;
+// margin. The counts of scene points are over the pixels that the part would cover were it not
+// hidden. The misfit is the mean over the visible model points of a bounded squared distance, 1
+// where the point is contradicted. The margin, how much worse the best rival at the same place
+// fits, is for the caller to fill, who knows the rivals; it is 0. No allocation.
 VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoints& model,
                                      const Pose& X_CO, double agreeing_votes, FitReport& fit);
 
-// A 10-24-1 perceptron with tanh, inputs standardised; output P(pose right).
+// A 12-24-1 perceptron with tanh, inputs standardised; output P(pose right).
 struct Verifier {
-  Eigen::VectorXf mean, scale;  // 10; input i is (feature - mean) / scale
-  Eigen::MatrixXf w1;           // 24 x 10
+  Eigen::VectorXf mean, scale;  // 12; input i is (feature - mean) / scale
+  Eigen::MatrixXf w1;           // 24 x 12
   Eigen::VectorXf b1, w2;       // 24
   float b2 = 0;
+  float calibration_scale = 1, calibration_shift = 0;  // of the logit
   double Score(const VerifyFeatures& features) const;
 };
 

@@ -26,6 +26,13 @@ struct LabelledView {
   std::optional<KnownBackground> background;  // set for piles
 };
 
+struct PileRequest {
+  uint64_t seed = 0;
+  int views = 1;         // viewpoints
+  int object = -1;       // that the pile must hold; -1 = any
+  bool typical = false;  // only of the scale that the source takes as usual for such parts
+};
+
 class LabelledViewSource {
  public:
   virtual ~LabelledViewSource() = default;
@@ -37,9 +44,9 @@ class LabelledViewSource {
   virtual std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
                                              const CameraIntrinsics& camera, uint64_t seed) = 0;
 
-  // A random settled pile of these objects in a bin, seen from `views` random viewpoints. The same
-  // seed gives the same pile. Piles of one kind and mixed ones both occur.
-  virtual std::vector<LabelledView> Pile(uint64_t seed, int views) = 0;
+  // A random settled pile of these objects in a bin, seen from random viewpoints. The same request
+  // gives the same pile. Piles of one kind and mixed ones both occur.
+  virtual std::vector<LabelledView> Pile(const PileRequest& request) = 0;
 };
 
 }  // namespace pickbed

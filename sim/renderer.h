@@ -134,7 +134,7 @@ class SceneRenderer {
                                            const Light& light = {},
                                            const RenderOutputs& outputs = {});
   // The bin (id 0) last. Materials may be changed before they are drawn by renderer().
-  std::vector<RenderInstance> InstancesOf(const Scene& scene) const;
+  std::vector<RenderInstance> InstancesOf(const Scene& scene);
 
   // Of each scene.objects[i]: its pixels in `ids` over its pixels alone on a canvas large enough to
   // hold all of it, so pixels outside the image count as hidden (BOP's visib_fract). 0 where it
@@ -145,8 +145,10 @@ class SceneRenderer {
   int ObjectMesh(int object) const { return object_meshes_.at(object); }  // handle in renderer()
 
  private:
+  int BinMeshOf(const Bin& bin);
+
   Renderer renderer_;
-  int bin_mesh_ = 0;
+  std::vector<std::pair<Bin, int>> bin_meshes_;  // bins that were seen, with their meshes
   std::vector<int> object_meshes_;
 };
 

@@ -5,18 +5,26 @@ namespace pickbed {
 
 SceneRenderer::SceneRenderer(const ObjectSet& objects, const Bin& bin,
                              const GlContextOptions& options, const DetailOptions& detail)
-    : renderer_(options, detail), bin_mesh_(renderer_.AddMesh(BinMesh(bin))) {
+    : renderer_(options, detail) {
+  BinMeshOf(bin);
   for (const auto& object : objects) object_meshes_.push_back(renderer_.AddMesh(object->mesh_O));
 }
 
-std::vector<RenderInstance> SceneRenderer::InstancesOf(const Scene& scene) const {
+int SceneRenderer::BinMeshOf(const Bin& bin) {
+  for (const auto& [known, mesh] : bin_meshes_) {
+    if (known.inner_size_m == bin.inner_size_m && known.wall_m == bin.wall_m) return mesh;
+  }
+  return bin_meshes_.emplace_back(bin, renderer_.AddMesh(BinMesh(bin))).second;
+}
+
+std::vector<RenderInstance> SceneRenderer::InstancesOf(const Scene& scene) {
   std::vector<RenderInstance> instances;
   instances.reserve(scene.objects.size() + 1);
   for (const PosedObject& object : scene.objects) {
     instances.push_back({object_meshes_.at(object.object), object.X_WO,
                          static_cast<uint16_t>(object.instance + 1)});
   }
-  instances.push_back({bin_mesh_, Pose::Identity(), 0});
+  instances.push_back({BinMeshOf(scene.bin), Pose::Identity(), 0});
   return instances;
 }
 

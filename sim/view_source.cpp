@@ -26,10 +26,10 @@ double BoundingVolume_m3(const ObjectModel& object) {
 }
 
 // Looks at a point near the middle of the bin from above, turned about its own axis at random.
-Pose RandomCamera(const ViewSourceOptions& options, Rng& rng) {
-  const double jitter = options.target_jitter_m;
+Pose RandomCamera(const ViewSourceOptions& options, double scale, Rng& rng) {
+  const double jitter = scale * options.target_jitter_m;
   const Eigen::Vector3d target_W(rng.Uniform(-jitter, jitter), rng.Uniform(-jitter, jitter), 0);
-  const double distance_m = rng.Uniform(options.distance_min_m, options.distance_max_m);
+  const double distance_m = scale * rng.Uniform(options.distance_min_m, options.distance_max_m);
   const double tilt = rng.Uniform(0, options.tilt_max_rad);
   const double azimuth = rng.Uniform(-std::numbers::pi, std::numbers::pi);
   const double roll = rng.Uniform(-std::numbers::pi, std::numbers::pi);
@@ -51,12 +51,19 @@ class SimViewSource : public LabelledViewSource {
 
   std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
                                      const CameraIntrinsics& camera, uint64_t seed) override;
-  std::vector<LabelledView> Pile(uint64_t seed, int views) override;
+  std::vector<LabelledView> Pile(const PileRequest& request) override;
 
  private:
-  std::vector<int> RandomCounts(Rng& rng) const;
-  Scene DropPile(uint64_t seed) const;
-  LabelledView PileView(const Scene& scene, uint64_t seed, int view);
+  // A pile before the camera, both of a cell `scale` times the size of the options'.
+  struct ScaledPile {
+    Scene scene;
+    double scale = 1;
+  };
+  std::vector<int> RandomKinds(const PileRequest& request, Rng& rng) const;
+  std::vector<int> RandomCounts(const std::vector<int>& kinds, const Bin& bin, Rng& rng) const;
+  double RandomScale(const PileRequest& request, const std::vector<int>& kinds, Rng& rng) const;
+  ScaledPile DropPile(const PileRequest& request) const;
+  LabelledView PileView(const ScaledPile& pile, uint64_t seed, int view);
 
   ObjectSet objects_;
   ViewSourceOptions options_;
@@ -96,21 +103,29 @@ std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<
   return views;
 }
 
-// How many of each kind: one kind, or a mix.
-std::vector<int> SimViewSource::RandomCounts(Rng& rng) const {
+// One kind, or a mix.
+std::vector<int> SimViewSource::RandomKinds(const PileRequest& request, Rng& rng) const {
   const int kinds = static_cast<int>(objects_.size());
   std::vector<int> order(kinds);
   std::iota(order.begin(), order.end(), 0);
   for (int i = kinds - 1; i > 0; --i) std::swap(order[i], order[rng.Index(i + 1)]);
+  if (request.object >= 0) {
+    std::swap(order.front(), *std::find(order.begin(), order.end(), request.object));
+  }
   const int mixed_max = std::min(kinds, options_.mixed_kinds_max);
   const bool mixed = rng.Uniform() < options_.mixed_share && mixed_max > 1;
   order.resize(mixed ? 2 + rng.Index(mixed_max - 1) : 1);
+  return order;
+}
 
+// How many of each object; at least one of the first kind.
+std::vector<int> SimViewSource::RandomCounts(const std::vector<int>& kinds, const Bin& bin,
+                                             Rng& rng) const {
   const int wanted = options_.parts_min + rng.Index(options_.parts_max - options_.parts_min + 1);
-  double room_m3 = options_.fill_max * options_.bin.inner_size_m.prod();
-  std::vector<int> counts(kinds, 0);
+  double room_m3 = options_.fill_max * bin.inner_size_m.prod();
+  std::vector<int> counts(objects_.size(), 0);
   for (int i = 0; i < wanted; ++i) {
-    const int kind = order[rng.Index(static_cast<int>(order.size()))];
+    const int kind = i == 0 ? kinds.front() : kinds[rng.Index(static_cast<int>(kinds.size()))];
     room_m3 -= BoundingVolume_m3(*objects_[kind]);
     if (i > 0 && room_m3 < 0) break;
     ++counts[kind];
@@ -118,21 +133,36 @@ std::vector<int> SimViewSource::RandomCounts(Rng& rng) const {
   return counts;
 }
 
-Scene SimViewSource::DropPile(uint64_t seed) const {
-  for (int attempt = 0; attempt < kPileAttempts; ++attempt) {
-    Rng rng = Rng::Derive(seed, attempt, "pile");
-    const std::vector<int> counts = RandomCounts(rng);
-    DropResult result = DropParts(options_.bin, objects_, counts, rng, options_.drop);
-    if (!result.certificate.blew_up && !result.scene.objects.empty())
-      return std::move(result.scene);
-  }
-  throw std::runtime_error(
-      fmt::format("no settled pile for seed {} in {} attempts", seed, kPileAttempts));
+double SimViewSource::RandomScale(const PileRequest& request, const std::vector<int>& kinds,
+                                  Rng& rng) const {
+  const bool scaled = rng.Uniform() < options_.scaled_share || request.typical;
+  if (options_.for_diameter_m <= 0 || !scaled) return 1;
+  double sum_m = 0;
+  for (const int kind : kinds) sum_m += objects_[kind]->diameter_m;
+  return sum_m / static_cast<double>(kinds.size()) / options_.for_diameter_m;
 }
 
-LabelledView SimViewSource::PileView(const Scene& scene, uint64_t seed, int view) {
+SimViewSource::ScaledPile SimViewSource::DropPile(const PileRequest& request) const {
+  for (int attempt = 0; attempt < kPileAttempts; ++attempt) {
+    Rng rng = Rng::Derive(request.seed, attempt, "pile");
+    const std::vector<int> kinds = RandomKinds(request, rng);
+    const double scale = RandomScale(request, kinds, rng);
+    Bin bin = options_.bin;
+    bin.inner_size_m *= scale;
+    const std::vector<int> counts = RandomCounts(kinds, bin, rng);
+    DropResult result = DropParts(bin, objects_, counts, rng, options_.drop);
+    if (!result.certificate.blew_up && !result.scene.objects.empty()) {
+      return {std::move(result.scene), scale};
+    }
+  }
+  throw std::runtime_error(
+      fmt::format("no settled pile for seed {} in {} attempts", request.seed, kPileAttempts));
+}
+
+LabelledView SimViewSource::PileView(const ScaledPile& pile, uint64_t seed, int view) {
+  const Scene& scene = pile.scene;
   Rng rng = Rng::Derive(seed, view, "pile camera");
-  const Camera camera{options_.camera, RandomCamera(options_, rng)};
+  const Camera camera{options_.camera, RandomCamera(options_, pile.scale, rng)};
   const Light light = RandomLight(options_.looks, rng);
   std::vector<RenderInstance> instances = scene_renderer_.InstancesOf(scene);
   // A part looks the same in every view of a pile.
@@ -168,11 +198,15 @@ LabelledView SimViewSource::PileView(const Scene& scene, uint64_t seed, int view
   return out;
 }
 
-std::vector<LabelledView> SimViewSource::Pile(uint64_t seed, int views) {
-  const Scene scene = DropPile(seed);
+std::vector<LabelledView> SimViewSource::Pile(const PileRequest& request) {
+  CheckInput(request.object < static_cast<int>(objects_.size()),
+             fmt::format("object {} of {}: no such part", request.object, objects_.size()));
+  const ScaledPile pile = DropPile(request);
   std::vector<LabelledView> out;
-  out.reserve(views);
-  for (int view = 0; view < views; ++view) out.push_back(PileView(scene, seed, view));
+  out.reserve(request.views);
+  for (int view = 0; view < request.views; ++view) {
+    out.push_back(PileView(pile, request.seed, view));
+  }
   return out;
 }
 

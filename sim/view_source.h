@@ -20,7 +20,11 @@ struct ViewSourceOptions {
   double tilt_max_rad = 0.35;     // of the optical axis from the vertical
   double target_jitter_m = 0.03;  // of the point on the bin's floor that is looked at, x and y
   Bin bin;
-  int parts_min = 10;  // of a pile
+  // Above 0: bin, distances and jitter are for parts of this diameter, and piles of other parts get
+  // all that in proportion to their mean diameter, as cells are built. Of 0: for any parts.
+  double for_diameter_m = 0;
+  double scaled_share = 0.7;  // of piles that are so scaled; the others come as they are
+  int parts_min = 10;         // of a pile
   int parts_max = 25;
   double fill_max = 0.6;     // share of the bin's volume that the parts' bounding boxes may reach
   double mixed_share = 0.5;  // of piles that mix kinds, where there are several

@@ -28,8 +28,8 @@ IsolatedOptions CodeViews(const EstimatorSetup& setup, const DescriptorOptions& 
 uint64_t CodesKey(const DescriptorModel& model, const ObjectModel& object, double side_m,
                   IsolatedOptions isolated, uint64_t seed) {
   std::string text = WriteSettings([&](SettingsVisitor& v) { isolated.Visit(v); });
-  text += fmt::format("{:016x} {:016x} {} {} {}", model.hash, object.mesh_hash, side_m, seed,
-                      model.info.sensor);
+  text += fmt::format("{:016x} {:016x} {} {} {}", model.network_hash, object.mesh_hash, side_m,
+                      seed, model.info.sensor);
   return HashBytes(text.data(), text.size());
 }
 
@@ -37,9 +37,11 @@ class DescriptorEstimator : public PoseEstimator {
  public:
   DescriptorEstimator(const EstimatorSetup& setup, const DescriptorOptions& options)
       : options_(options),
-        min_score_(setup.spec.min_score),
         refiner_(setup.refiner),
         model_(LoadModel(DescriptorModelFile(setup.spec))) {
+    options_.final_set.min_score = setup.spec.min_score;
+    trained_ = TrainedParts(model_.info, setup.objects, DescriptorModelFile(setup.spec));
+    for (const int part : trained_) verifiers_.push_back(model_.verifiers[part]);
     finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(), options.candidates);
     for (const auto& object : setup.objects) distances_.emplace_back(*object);
   }
@@ -52,22 +54,21 @@ class DescriptorEstimator : public PoseEstimator {
   }
   std::vector<CandidatePart> Parts(const EstimatorSetup& setup) const;
   ObjectCodes Codes(const EstimatorSetup& setup, int object, double side_m) const;
-  std::vector<PoseHypothesis> Verified(std::vector<Candidate> candidates) const;
 
   DescriptorOptions options_;
-  double min_score_;
   std::string refiner_;
   DescriptorModel model_;
+  std::vector<int> trained_;         // index into model_.info.objects of each part
+  std::vector<Verifier> verifiers_;  // of each part
   std::unique_ptr<CandidateFinder> finder_;
   std::vector<PoseDistance> distances_;
 };
 
 std::vector<CandidatePart> DescriptorEstimator::Parts(const EstimatorSetup& setup) const {
-  const std::vector<double> sides =
-      PatchSidesOf(model_.info, setup.objects, DescriptorModelFile(setup.spec));
   std::vector<CandidatePart> parts;
   for (size_t i = 0; i < setup.objects.size(); ++i) {
-    parts.push_back({setup.objects[i], sides[i], Codes(setup, static_cast<int>(i), sides[i])});
+    const double side_m = model_.info.objects[trained_[i]].side_m;
+    parts.push_back({setup.objects[i], side_m, Codes(setup, static_cast<int>(i), side_m)});
   }
   return parts;
 }
@@ -93,28 +94,6 @@ ObjectCodes DescriptorEstimator::Codes(const EstimatorSetup& setup, int object,
   return codes;
 }
 
-// Best score first, one of each group of nearly equal poses, those below the threshold left out.
-std::vector<PoseHypothesis> DescriptorEstimator::Verified(std::vector<Candidate> candidates) const {
-  std::vector<PoseHypothesis> verified;
-  for (const Candidate& candidate : candidates) {
-    PoseHypothesis hypothesis = candidate.hypothesis;
-    hypothesis.score = model_.verifier.Score(candidate.features);
-    if (hypothesis.score >= min_score_) verified.push_back(hypothesis);
-  }
-  std::stable_sort(
-      verified.begin(), verified.end(),
-      [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.score > b.score; });
-  std::vector<PoseHypothesis> kept;
-  for (const PoseHypothesis& hypothesis : verified) {
-    const bool known = std::any_of(kept.begin(), kept.end(), [&](const PoseHypothesis& better) {
-      return better.object == hypothesis.object &&
-             distances_[hypothesis.object](better.X_CO, hypothesis.X_CO) < options_.final_diameters;
-    });
-    if (!known) kept.push_back(hypothesis);
-  }
-  return kept;
-}
-
 EstimateResult DescriptorEstimator::Estimate(const EstimatorInput& input, Rng& rng) {
   EstimateResult result;
   OrganizedCloud cloud;
@@ -122,15 +101,11 @@ EstimateResult DescriptorEstimator::Estimate(const EstimatorInput& input, Rng& r
     const StageTimer timer(result.seconds, "cloud");
     cloud = BuildCloud(input.frame, input.background);
   }
-  std::vector<Candidate> candidates = finder_->Find(cloud, rng, result.seconds);
-  {
-    const StageTimer timer(result.seconds, "verify");
-    result.hypotheses = Verified(std::move(candidates));
-  }
+  const std::vector<Candidate> candidates = finder_->Find(cloud, rng, result.seconds);
   {
     const StageTimer timer(result.seconds, "suppress");
-    result.hypotheses = SuppressDuplicates(cloud, finder_->model_points(),
-                                           std::move(result.hypotheses), options_.suppress);
+    result.hypotheses = FinalSet(cloud, finder_->model_points(), distances_, verifiers_, candidates,
+                                 options_.final_set);
   }
   const StageTimer timer(result.seconds, "refine");
   PolishPoses(refiner_, cloud, finder_->model_points(), options_.polish, result.hypotheses);
@@ -144,7 +119,6 @@ void DescriptorOptions::Visit(SettingsVisitor& v) {
   v.Integer("code_patches_per_view", code_patches_per_view, {1, 1000}, "of an isolated view");
   v.Real("code_distance_spread", code_distance_spread, {0, 0.9}, "about the working distance");
   v.Seed("code_seed", code_seed, "of the code book's views");
-  v.Real("final_diameters", final_diameters, {0, 1}, "verified poses within it are one");
   v.Group(
       "candidates", [&](SettingsVisitor& g) { candidates.Visit(g); }, "how poses are found");
 }

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "perception/candidates.h"
+#include "perception/final_set.h"
 #include "perception/polish.h"
 #include "perception/pose_estimator.h"
-#include "perception/suppress.h"
 
 namespace pickbed {
 
@@ -19,9 +19,8 @@ struct DescriptorOptions {
   int code_patches_per_view = 10;     // of an isolated view
   double code_distance_spread = 0.1;  // relative, about the working distance
   uint64_t code_seed = 0;
-  double final_diameters = 0.1;  // verified poses within it are one
   CandidateOptions candidates;
-  SuppressOptions suppress;
+  FinalSetOptions final_set;  // its least score is the setup's
   PolishOptions polish;
   void Visit(SettingsVisitor& v);
 };

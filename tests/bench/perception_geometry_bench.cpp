@@ -47,7 +47,7 @@ const Pile& BracketPile() {
   static const Pile pile = [] {
     Pile p;
     p.objects = {ObjectCatalog({AssetsDir() / "objects"}).Load("bracket")};
-    p.view = MakeSimViewSource(p.objects, {})->Pile(1, 1).front();
+    p.view = MakeSimViewSource(p.objects, {})->Pile({1, 1}).front();
     p.models.push_back(MakeModelPoints(*p.objects.front()));
     p.cloud = BuildCloud(p.view.frame, p.view.background);
     p.rough = RoughPoses(p.view, 1000);

@@ -37,7 +37,7 @@ class Descriptor : public testing::Test {
     options.loss.kind = "infonce";
     options.candidates.points = 150;
     options.candidates.candidates = 120;
-    TrainDescriptor({*views_, folder_ / "model.pt", {}, false, "test", {}}, options);
+    TrainDescriptor({*views_, folder_ / "model.pt", {}, false, {}, "test", {}}, options);
   }
   static void TearDownTestSuite() {
     delete views_;
@@ -95,7 +95,7 @@ TEST_F(Descriptor, FindsPartsThatLieFree) {
   const PoseDistance distance(*views_->objects()[0]);
   int found = 0, parts = 0, top_right = 0;
   for (uint64_t seed = 5000; seed < 5006; ++seed) {
-    const LabelledView view = views_->Pile(seed, 1).front();
+    const LabelledView view = views_->Pile({seed, 1}).front();
     const EstimateResult result = Run(*estimator, view);
     for (const LabelledInstance& instance : view.instances) {
       ++parts;
@@ -113,7 +113,7 @@ TEST_F(Descriptor, FindsPartsThatLieFree) {
 
 TEST_F(Descriptor, HypothesesAreRankedScoredAndTimed) {
   const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
-  const EstimateResult result = Run(*estimator, views_->Pile(7, 1).front());
+  const EstimateResult result = Run(*estimator, views_->Pile({7, 1}).front());
   ASSERT_FALSE(result.hypotheses.empty());
   for (size_t i = 0; i < result.hypotheses.size(); ++i) {
     EXPECT_GE(result.hypotheses[i].score, MakeSetup().spec.min_score);
@@ -129,10 +129,10 @@ TEST_F(Descriptor, HypothesesAreRankedScoredAndTimed) {
 }
 
 TEST_F(Descriptor, SameSeedSameAnswerAlsoFromAnotherEstimator) {
-  const LabelledView view = views_->Pile(8, 1).front();
+  const LabelledView view = views_->Pile({8, 1}).front();
   const EstimateResult first = Run(*MakeDescriptorEstimator(MakeSetup(), Options()), view);
   const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
-  Run(*estimator, views_->Pile(9, 1).front());
+  Run(*estimator, views_->Pile({9, 1}).front());
   const EstimateResult second = Run(*estimator, view);
   ASSERT_EQ(first.hypotheses.size(), second.hypotheses.size());
   for (size_t i = 0; i < first.hypotheses.size(); ++i) {

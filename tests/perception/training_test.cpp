@@ -8,6 +8,7 @@
 
 #include "perception/checkpoint.h"
 #include "perception/torch_model_file.h"
+#include "perception/verifier_training.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 #include "tests/support/ray_cast_views.h"
@@ -41,7 +42,8 @@ TrainingOptions TinyOptions() {
 class Training : public testing::Test {
  protected:
   TrainingJob Job(const std::string& name) {
-    return {views_, folder_ / (name + ".pt"), folder_ / (name + ".ckpt"), false, "test sensor", {}};
+    return {views_, folder_ / (name + ".pt"), folder_ / (name + ".ckpt"), false, {}, "test sensor",
+            {}};
   }
   std::string ErrorOf(const std::function<void()>& run) {
     try {
@@ -85,7 +87,8 @@ TEST_F(Training, LossFallsAndTheFileHoldsWhatWasTrained) {
   ASSERT_EQ(model.info.objects.size(), 1u);
   EXPECT_EQ(model.info.objects[0].mesh_hash, views_.objects()[0]->mesh_hash);
   EXPECT_EQ(model.info.objects[0].diameter_m, views_.objects()[0]->diameter_m);
-  EXPECT_EQ(model.verifier.w1.cols(), kVerifyFeatures);
+  ASSERT_EQ(model.verifiers.size(), 1u);
+  EXPECT_EQ(model.verifiers[0].w1.cols(), kVerifyFeatures);
   EXPECT_LT(std::filesystem::file_size(job.model_file), 1u << 20);
 }
 
@@ -149,15 +152,15 @@ TEST_F(Training, PartNeverSeenIsNamed) {
   class Unseen : public RayCastViews {
    public:
     using RayCastViews::RayCastViews;
-    std::vector<LabelledView> Pile(uint64_t seed, int views) override {
-      std::vector<LabelledView> result = RayCastViews::Pile(seed, views);
+    std::vector<LabelledView> Pile(const PileRequest& request) override {
+      std::vector<LabelledView> result = RayCastViews::Pile(request);
       for (LabelledView& view : result) {
         for (LabelledInstance& instance : view.instances) instance.visible_fraction = 0.5;
       }
       return result;
     }
   } unseen(views_.objects());
-  TrainingJob job{unseen, folder_ / "m.pt", {}, false, "", {}};
+  TrainingJob job{unseen, folder_ / "m.pt", {}, false, {}, "", {}};
   EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, options); }),
               HasSubstr("part 'test part' was never seen well enough"));
 }
@@ -177,7 +180,7 @@ class ModelFile : public Training {
     verifier.b1 = Eigen::VectorXf::LinSpaced(24, -1, 1);
     verifier.w2 = Eigen::VectorXf::LinSpaced(24, 1, -1);
     verifier.b2 = 0.25f;
-    SaveModel(file, info, DescriptorNetwork(info.network, 3), verifier);
+    SaveModel(file, info, DescriptorNetwork(info.network, 3), {verifier});
     verifier_ = verifier;
     return file;
   }
@@ -189,7 +192,7 @@ TEST_F(ModelFile, VerifierAndWeightsSurviveTheRoundTrip) {
   EXPECT_EQ(model.network.Weights(), DescriptorNetwork({"convolutional", 8}, 3).Weights());
   VerifyFeatures features{};
   features[3] = 0.7f;
-  EXPECT_EQ(model.verifier.Score(features), verifier_.Score(features));
+  EXPECT_EQ(model.verifiers.at(0).Score(features), verifier_.Score(features));
 }
 
 TEST_F(ModelFile, DamagedFilesAreRefusedWithTheirName) {
@@ -218,13 +221,13 @@ TEST_F(ModelFile, DamagedFilesAreRefusedWithTheirName) {
 TEST_F(ModelFile, ForeignPartsAndChangedMeshesAreNamed) {
   const DescriptorModel model = LoadModel(Untrained());
   const ObjectSet& known = views_.objects();
-  EXPECT_EQ(PatchSidesOf(model.info, known, "m.pt"), std::vector{0.064});
+  EXPECT_EQ(TrainedParts(model.info, known, "m.pt"), std::vector{0});
   auto changed = std::make_shared<ObjectModel>(*known[0]);
   changed->mesh_hash += 1;
-  EXPECT_THAT(ErrorOf([&] { PatchSidesOf(model.info, {changed}, "m.pt"); }),
+  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info, {changed}, "m.pt"); }),
               HasSubstr("m.pt: the mesh of part 'test part' has changed"));
   changed->name = "widget";
-  EXPECT_THAT(ErrorOf([&] { PatchSidesOf(model.info, {changed}, "m.pt"); }),
+  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info, {changed}, "m.pt"); }),
               HasSubstr("m.pt: not trained for part 'widget' (knows test part)"));
 }
 
@@ -237,6 +240,7 @@ TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
     examples.right.push_back(features[0] * features[1] > 0.1f);  // not linear
     examples.features.push_back(features);
   }
+  examples.held_out_from = 1200;
   VerifierOptions options;
   options.iterations = 400;
   const TrainedVerifier trained = TrainVerifier(examples, options, 0);
@@ -248,6 +252,25 @@ TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
   EXPECT_LT(trained.verifier.Score(right), 0.2);
   examples.right.assign(examples.right.size(), 1);
   EXPECT_THROW(TrainVerifier(examples, options, 0), InputError);
+}
+
+// Poses that are right with P = 1 / (1 + exp(-(2 logit + 1))) while the score claims
+// 1 / (1 + exp(-logit)).
+TEST(Calibrate, FindsAPlantedRule) {
+  Rng rng(3);
+  std::vector<ScoredPose> poses(4000);
+  for (ScoredPose& pose : poses) {
+    pose.logit = rng.Uniform(-3, 3);
+    pose.right = rng.Uniform() < 1 / (1 + std::exp(-(2 * pose.logit + 1)));
+  }
+  Verifier verifier;
+  Calibrate(poses, verifier);
+  EXPECT_NEAR(verifier.calibration_scale, 2, 0.2);
+  EXPECT_NEAR(verifier.calibration_shift, 1, 0.2);
+  Verifier untouched;
+  Calibrate({}, untouched);
+  EXPECT_EQ(untouched.calibration_scale, 1);
+  EXPECT_EQ(untouched.calibration_shift, 0);
 }
 
 TEST(AreaUnderRoc, CountsOrderedPairs) {

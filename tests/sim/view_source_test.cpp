@@ -111,7 +111,7 @@ TEST(ViewSource, ColourCanBeLeftOut) {
   const auto views = source->Isolated(0, SomePoses(2), {64, 64, 500, 500, 31.5, 31.5}, 1);
   EXPECT_TRUE(views[0].frame.color.empty());
   EXPECT_FALSE(views[0].frame.depth_m.empty());
-  EXPECT_TRUE(source->Pile(1, 1)[0].frame.color.empty());
+  EXPECT_TRUE(source->Pile({1, 1})[0].frame.color.empty());
 }
 
 // Every reading of an instance must lie on its mesh at its pose, and every reading of the
@@ -124,7 +124,7 @@ TEST(ViewSource, PileLabelsAgreeWithDepth) {
   std::vector<MeshQuery> queries;
   for (const auto& object : objects) queries.emplace_back(object->mesh_O);
   const MeshQuery bin(BinMesh(options.bin));
-  for (const LabelledView& view : source->Pile(3, 2)) {
+  for (const LabelledView& view : source->Pile({3, 2})) {
     EXPECT_EQ(view.frame.intrinsics, options.camera);
     ASSERT_TRUE(view.background.has_value());
     ASSERT_FALSE(view.instances.empty());
@@ -161,14 +161,14 @@ TEST(ViewSource, SameSeedSamePileAndAnotherSeedAnother) {
   const ObjectSet objects = SomeParts(3);
   const auto source = MakeSimViewSource(objects, SmallOptions());
   const auto other_source = MakeSimViewSource(objects, SmallOptions());
-  const auto a = source->Pile(5, 1);
-  source->Pile(6, 1);
-  for (const auto& b : {source->Pile(5, 1), other_source->Pile(5, 1)}) {
+  const auto a = source->Pile({5, 1});
+  source->Pile({6, 1});
+  for (const auto& b : {source->Pile({5, 1}), other_source->Pile({5, 1})}) {
     EXPECT_EQ(a[0].frame.depth_m, b[0].frame.depth_m);
     EXPECT_EQ(a[0].frame.color, b[0].frame.color);
     EXPECT_EQ(a[0].ids, b[0].ids);
   }
-  EXPECT_NE(a[0].ids, source->Pile(6, 1)[0].ids);
+  EXPECT_NE(a[0].ids, source->Pile({6, 1})[0].ids);
 }
 
 TEST(ViewSource, PilesOfOneKindAndMixedOnesBothOccur) {
@@ -176,7 +176,7 @@ TEST(ViewSource, PilesOfOneKindAndMixedOnesBothOccur) {
   std::map<int, int> by_kinds;
   for (uint64_t seed = 0; seed < 16; ++seed) {
     std::set<int> kinds;
-    const auto views = source->Pile(seed, 1);
+    const auto views = source->Pile({seed, 1});
     for (const LabelledInstance& instance : views[0].instances) kinds.insert(instance.object);
     ++by_kinds[std::min<int>(2, static_cast<int>(kinds.size()))];
   }
@@ -188,7 +188,7 @@ TEST(ViewSource, CamerasLookIntoTheBinFromAboveWithinTheirLimits) {
   const ViewSourceOptions options = SmallOptions();
   const auto source = MakeSimViewSource(SomeParts(1), options);
   double least_m = 10, most_m = 0;
-  for (const LabelledView& view : source->Pile(1, 40)) {
+  for (const LabelledView& view : source->Pile({1, 40})) {
     const Pose X_BC = view.background->X_CB.inverse();
     const Eigen::Vector3d axis_B = X_BC.linear().col(2);
     EXPECT_GE(-axis_B.z(), std::cos(options.tilt_max_rad) - 1e-9);
@@ -210,16 +210,16 @@ TEST(ViewSource, FillLimitsThePile) {
   const ObjectSet objects = SomeParts(1);
   const double part_m3 = MeshBounds(objects[0]->mesh_O).size().prod();
   options.fill_max = 5.5 * part_m3 / options.bin.inner_size_m.prod();
-  EXPECT_LE(MakeSimViewSource(objects, options)->Pile(1, 1)[0].instances.size(), 5u);
+  EXPECT_LE(MakeSimViewSource(objects, options)->Pile({1, 1})[0].instances.size(), 5u);
 }
 
 TEST(ViewSource, LooksVaryByTheirRangesAndLeaveDepthAlone) {
   const ObjectSet objects = SomeParts(2);
   ViewSourceOptions options = SmallOptions();
-  const auto plain = MakeSimViewSource(objects, options)->Pile(5, 2);
+  const auto plain = MakeSimViewSource(objects, options)->Pile({5, 2});
   options.looks = WideAppearance();
   const auto wide = MakeSimViewSource(objects, options);
-  const auto a = wide->Pile(5, 2), b = wide->Pile(5, 2);
+  const auto a = wide->Pile({5, 2}), b = wide->Pile({5, 2});
   for (int view = 0; view < 2; ++view) {
     EXPECT_EQ(a[view].frame.color, b[view].frame.color);
     EXPECT_NE(a[view].frame.color, plain[view].frame.color);

@@ -35,10 +35,10 @@ std::vector<LabelledView> RayCastViews::Isolated(int object, const std::vector<P
   return views;
 }
 
-std::vector<LabelledView> RayCastViews::Pile(uint64_t seed, int views) {
-  Rng rng(seed);
+std::vector<LabelledView> RayCastViews::Pile(const PileRequest& request) {
+  Rng rng(request.seed);
   std::vector<LabelledView> result;
-  for (int i = 0; i < views; ++i) {
+  for (int i = 0; i < request.views; ++i) {
     std::vector<LabelledInstance> instances;
     for (int k = 0; k < 3; ++k) {
       // Side by side, so that no part is hidden by another.

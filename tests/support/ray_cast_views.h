@@ -18,7 +18,7 @@ class RayCastViews : public LabelledViewSource {
   const ObjectSet& objects() const override { return objects_; }
   std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
                                      const CameraIntrinsics& camera, uint64_t seed) override;
-  std::vector<LabelledView> Pile(uint64_t seed, int views) override;
+  std::vector<LabelledView> Pile(const PileRequest& request) override;
 
   int isolated_calls() const { return isolated_calls_; }
 

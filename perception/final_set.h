@@ -1,0 +1,30 @@
+#pragma once
+
+// From refined candidates to what an estimator reports: scored by the verifier of their part, equal
+// poses merged, and no two that claim the same pixels. Shared by the estimator and by the
+// calibration of its scores.
+
+#include <span>
+#include <vector>
+
+#include "perception/candidates.h"
+#include "perception/suppress.h"
+#include "perception/votes.h"
+
+namespace pickbed {
+
+struct FinalSetOptions {
+  double min_score = 0.5;        // below it a pose is not reported
+  double merge_diameters = 0.1;  // poses of a part within it are one
+  SuppressOptions suppress;
+};
+
+// Highest score first. `models`, `distances` and `verifiers` by object index.
+std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
+                                     const std::vector<ModelPoints>& models,
+                                     const std::vector<PoseDistance>& distances,
+                                     std::span<const Verifier> verifiers,
+                                     const std::vector<Candidate>& candidates,
+                                     const FinalSetOptions& options);
+
+}  // namespace pickbed

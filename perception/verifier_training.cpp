@@ -1,0 +1,135 @@
+#include "perception/verifier_training.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+constexpr double kRight = 0.1;  // diameters; the field's usual threshold
+constexpr double kNoScore = 0;  // calibration looks at poses of any score
+
+// The camera that code books of these piles are made for: the middle 90 % of the distances.
+IsolatedOptions CodeViews(const std::vector<LabelledView>& views, int object, int entries) {
+  std::vector<double> distances_m;
+  for (const LabelledView& view : views) {
+    for (const LabelledInstance& instance : view.instances) {
+      if (instance.object == object) distances_m.push_back(instance.X_CO.translation().norm());
+    }
+  }
+  CheckInput(!distances_m.empty(), "no pile of the verifier's shows the part");
+  std::sort(distances_m.begin(), distances_m.end());
+  const double low_m = distances_m[distances_m.size() / 20];
+  const double high_m = distances_m[distances_m.size() - 1 - distances_m.size() / 20];
+  IsolatedOptions options;
+  options.views = std::max(1, entries / options.patches_per_view);
+  options.focal_px = views.front().frame.intrinsics.fx;
+  options.distance_m = 0.5 * (low_m + high_m);
+  options.distance_spread = std::clamp((high_m - low_m) / (high_m + low_m), 0.02, 0.5);
+  return options;
+}
+
+std::vector<LabelledView> Piles(LabelledViewSource& views, int object,
+                                const VerifierTrainingOptions& options) {
+  std::vector<LabelledView> all;
+  for (int i = 0; i < options.piles; ++i) {
+    Rng rng = Rng::Derive(options.seed, i, "training/verifier_pile");
+    PileRequest request{rng.Next(), options.views_per_pile, object, true};
+    for (LabelledView& view : views.Pile(request)) all.push_back(std::move(view));
+  }
+  return all;
+}
+
+// Right poses, each instance by one pose at most, highest first.
+std::vector<ScoredPose> Judge(const std::vector<PoseHypothesis>& poses, const LabelledView& view,
+                              int object, const PoseDistance& distance) {
+  std::vector<bool> taken(view.instances.size());
+  std::vector<ScoredPose> judged;
+  for (const PoseHypothesis& pose : poses) {
+    const double p = std::clamp(pose.score, 1e-6, 1 - 1e-6);
+    ScoredPose& scored = judged.emplace_back();
+    scored.logit = std::log(p / (1 - p));
+    for (size_t i = 0; i < view.instances.size() && !scored.right; ++i) {
+      const LabelledInstance& instance = view.instances[i];
+      if (taken[i] || instance.object != object) continue;
+      if (distance(pose.X_CO, instance.X_CO) >= kRight) continue;
+      taken[i] = scored.right = true;
+    }
+  }
+  return judged;
+}
+
+bool IsRight(const Pose& X_CO, const LabelledView& view, int object, const PoseDistance& distance) {
+  return std::any_of(view.instances.begin(), view.instances.end(),
+                     [&](const LabelledInstance& instance) {
+                       return instance.object == object && distance(X_CO, instance.X_CO) < kRight;
+                     });
+}
+
+}  // namespace
+
+void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
+  constexpr double kPrior = 2;  // poses' worth of pull towards scale 1, shift 0
+  constexpr int kSteps = 30;
+  constexpr double kLeastScale = 0.2;  // the order of scores must stay
+  Eigen::Vector2d x(1, 0);             // scale, shift
+  for (int step = 0; step < kSteps; ++step) {
+    Eigen::Vector2d gradient = kPrior * (x - Eigen::Vector2d(1, 0));
+    Eigen::Matrix2d hessian = kPrior * Eigen::Matrix2d::Identity();
+    for (const ScoredPose& pose : poses) {
+      const Eigen::Vector2d input(pose.logit, 1);
+      const double p = 1 / (1 + std::exp(-x.dot(input)));
+      gradient += (p - pose.right) * input;
+      hessian += p * (1 - p) * input * input.transpose();
+    }
+    x -= hessian.ldlt().solve(gradient);
+    x[0] = std::max(x[0], kLeastScale);
+  }
+  verifier.calibration_scale = static_cast<float>(x[0]);
+  verifier.calibration_shift = static_cast<float>(x[1]);
+}
+
+TrainedVerifier TrainPartVerifier(LabelledViewSource& views, const VerifierPart& part,
+                                  const VerifierTrainingOptions& options,
+                                  const std::function<bool(double)>& on_share) {
+  const std::vector<LabelledView> piles = Piles(views, part.object, options);
+  const auto model = views.objects()[part.object];
+  const ObjectCodes codes =
+      MakeObjectCodes(views, part.object, part.side_m, part.descriptor_length, part.describe,
+                      CodeViews(piles, part.object, options.entries), options.seed, {});
+  const CandidateFinder finder({{model, part.side_m, codes}}, part.describe, options.candidates);
+  const std::vector<PoseDistance> distances{PoseDistance(*model)};
+  const size_t learned =
+      piles.size() - static_cast<size_t>(options.calibration_share * piles.size());
+
+  VerifierExamples examples;
+  std::vector<std::vector<Candidate>> found(piles.size());
+  StageSeconds seconds;
+  for (size_t i = 0; i < piles.size(); ++i) {
+    if (!on_share(static_cast<double>(i) / piles.size())) return {};
+    Rng rng = Rng::Derive(options.seed, i, "training/verifier_view");
+    const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
+    found[i] = finder.Find(cloud, rng, seconds);
+    for (const Candidate& candidate : found[i]) {
+      examples.features.push_back(candidate.features);
+      examples.right.push_back(
+          IsRight(candidate.hypothesis.X_CO, piles[i], part.object, distances.front()));
+    }
+    if (i + 1 == learned) examples.held_out_from = examples.features.size();
+  }
+  TrainedVerifier trained = TrainVerifier(examples, options.verifier, options.seed);
+  std::vector<ScoredPose> reported;
+  for (size_t i = learned; i < piles.size(); ++i) {
+    const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
+    const auto set = FinalSet(cloud, finder.model_points(), distances, {&trained.verifier, 1},
+                              found[i], {kNoScore, FinalSetOptions().merge_diameters, {}});
+    const auto judged = Judge(set, piles[i], part.object, distances.front());
+    reported.insert(reported.end(), judged.begin(), judged.end());
+  }
+  Calibrate(reported, trained.verifier);
+  return trained;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,48 @@
+#pragma once
+
+// Trains the verifier of one part with the estimator's own front part: candidates of piles that
+// hold the part, right or wrong by the truth. Then its score is calibrated on what is left of them
+// when the set is made consistent, as it is reported: logistic calibration (Platt 1999).
+
+#include <functional>
+
+#include "perception/final_set.h"
+#include "perception/torch_verifier.h"
+#include "scenes/labelled_view.h"
+
+namespace pickbed {
+
+struct VerifierTrainingOptions {
+  uint64_t seed = 0;
+  int piles = 24;
+  int views_per_pile = 3;
+  double calibration_share = 0.3;  // last share of the piles, for figure and calibration
+  int entries = 24000;             // of the part's code book
+  CandidateOptions candidates;
+  VerifierOptions verifier;
+};
+
+// A part with what describes its patches.
+struct VerifierPart {
+  int object = 0;  // of the view source
+  double side_m = 0;
+  int descriptor_length = 0;
+  DescribePatches describe;
+};
+
+// on_share(0..1) returns false to stop; what comes back is then unfinished. Throws InputError when
+// all candidates are right or all wrong.
+TrainedVerifier TrainPartVerifier(LabelledViewSource& views, const VerifierPart& part,
+                                  const VerifierTrainingOptions& options,
+                                  const std::function<bool(double share)>& on_share);
+
+// A score that was reported and whether it was right.
+struct ScoredPose {
+  double logit = 0;
+  bool right = false;
+};
+// Sets the calibration of a verifier that has none yet so that scores are shares of right poses.
+// Drawn a little towards no change, so that few poses change little.
+void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier);
+
+}  // namespace pickbed
