@@ -229,6 +229,108 @@ OBJ
   grep -q '"parts_cleared": 4' bricks/summary.json || fail "the bricks were not picked"
 }
 
+# refused WORDS COMMAND... : exit 1 and one line on stderr, besides progress, that holds the words.
+refused() {
+  local words=$1
+  shift
+  expect 1 "$@"
+  [ "$(grep -c '^pickbed: ' last.err)" = 1 ] || fail "not one line of: $*"
+  grep '^pickbed: ' last.err | grep -qF -- "$words" || fail "'$words' is not said of: $*"
+}
+
+# brick SCALE: an OBJ of 60 x 40 x 20 units.
+brick() {
+  for z in -10 10; do for y in -20 20; do for x in -30 30; do
+    echo "v $((x * $1)) $((y * $1)) $((z * $1))"
+  done; done; done
+  printf 'f %s\n' '1 3 4 2' '5 6 8 7' '1 2 6 5' '3 7 8 4' '1 5 7 3' '2 4 8 6'
+}
+
+bad_meshes_are_refused() {
+  local add=("$pickbed" object add) name=(--name x --drops 5)
+  brick 1 | sed 's/^v 30 20 10$/v nan 20 10/' >nan.obj
+  refused "nan.obj' has vertices that are not numbers" "${add[@]}" nan.obj "${name[@]}"
+  { brick 1 | grep -v '^f'; echo 'f 1 2 3'; } >one.obj
+  refused "one.obj' encloses no volume" "${add[@]}" one.obj "${name[@]}"
+  brick 1 | sed 's/10$/0/' >flat.obj
+  refused "flat.obj' encloses no volume" "${add[@]}" flat.obj "${name[@]}"
+  brick 20000 >vast.obj
+  refused "check --unit" "${add[@]}" vast.obj "${name[@]}"
+  brick 1 >brick.stl
+  refused "its extension says what it is" "${add[@]}" brick.stl "${name[@]}"
+  refused "nowhere.obj" "${add[@]}" nowhere.obj "${name[@]}"
+  { # 5 million faces by its header; nothing else of it is read
+    printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n'
+    printf 'property float z\nelement face 5000000\nproperty list uchar int vertex_indices\n'
+    printf 'end_header\n'
+  } >many.ply
+  refused "many.ply' has 5000000 faces; reduce it to 1000000" "${add[@]}" many.ply "${name[@]}"
+  [ ! -e objects/x ] || fail "a refused mesh left a part"
+
+  # What is missing beside a mesh is said, and the part is made.
+  { echo "mtllib gone.mtl"; brick 1; } >plain.obj
+  expect 0 "${add[@]}" plain.obj --name plain --drops 5
+  grep -q "'gone.mtl' is missing" last.out || fail "the missing .mtl is not named"
+  printf 'newmtl a\nmap_Kd gone.png\n' >there.mtl
+  { echo "mtllib there.mtl"; brick 1; } >bare.obj
+  expect 0 "${add[@]}" bare.obj --name bare --drops 5
+  grep -q "'gone.png' is missing" last.out || fail "the missing texture is not named"
+}
+
+bad_scenes_are_refused() {
+  brick 1 >brick.obj
+  cat >bricks.yaml <<'YAML'
+bin: {inner_size_m: [0.4, 0.3, 0.15]}
+objects:
+  - {name: brick, mesh: brick.obj, unit: mm, mass_kg: 0.1, count: 2}
+YAML
+  local drop=("$pickbed" drop bricks.yaml --out out)
+  refused "larger than the bin" "${drop[@]}" --set objects.0.unit=cm
+  refused "bricks.yaml:3: objects.0.mesh" "${drop[@]}" --set objects.0.unit=m
+  refused "lower the count" "${drop[@]}" --set objects.0.count=1000
+  refused "does not exist" "${drop[@]}" --set objects.0.mesh=nowhere.obj
+  refused "inside the bin or its wall" "${drop[@]}" --set 'camera.eye_m=[0.203, 0, 0.1]'
+  refused "under the bin's floor" "${drop[@]}" --set 'camera.eye_m=[0, 0, -1]'
+  refused "did you mean 'wall_m'" "${drop[@]}" --set bin.wal_m=0.01
+  [ ! -e out ] || fail "a refused scene left a folder"
+  expect 0 "${drop[@]}"
+}
+
+bad_bop_data_is_refused() {
+  echo "camera: {width: 96, height: 72, focal_px: 100}" >>small.yaml
+  expect 0 "$pickbed" dataset make small.yaml --scenes 1 --views 2 --jobs 1 --out set
+  expect 0 "$pickbed" dataset check set
+  grep -q "no fault" last.out || fail "a fault is seen where none is"
+  local gt=set/test/000001/scene_gt.json
+  cp -r set sound
+
+  sed -i 's/"cam_R_m2c":\[[^,]*,/"cam_R_m2c":[2.0,/g' $gt
+  refused "faults, listed above" "$pickbed" dataset check set
+  grep -q "scene_gt.json: image 1: instance 4: 'cam_R_m2c': is no rotation" last.out ||
+    fail "the last of the matrices is not named"
+  refused "scene_gt.json: image 0: instance 0: 'cam_R_m2c': is no rotation" \
+    "$pickbed" estimate --bop set --set estimator.name=ppf --out look
+  cp sound/test/000001/scene_gt.json $gt
+
+  # 8 bits: a mask in the place of the last depth image.
+  cp set/test/000001/mask/000001_000000.png set/test/000001/depth/000001.png
+  refused "faults, listed above" "$pickbed" dataset check set
+  grep -q "depth/000001.png' as depth: it is not 16 bits" last.out || fail "8 bits are not named"
+  refused "depth/000001.png' as depth: it is not 16 bits" \
+    "$pickbed" estimate --bop set --set estimator.name=ppf --out look
+  rm set/test/000001/depth/000001.png
+  refused "depth/000001.png: is missing" \
+    "$pickbed" estimate --bop set --set estimator.name=ppf --out look
+
+  local header="scene_id,im_id,obj_id,score,R,t,time" turn="1 0 0 0 1 0 0 0 1"
+  printf '%s\n1,0,9,1,%s,0 0 500,-1\n' "$header" "$turn" >stranger.csv
+  refused "stranger.csv:2: obj_id 9" "$pickbed" score --bop sound stranger.csv
+  printf '%s\n1,0,1,1,%s,0 nan 500,-1\n' "$header" "$turn" >nan.csv
+  refused "nan.csv:2: t 'nan'" "$pickbed" score --bop sound nan.csv
+  printf 'im_id,scene_id,obj_id,score,R,t,time\n' >columns.csv
+  refused "columns.csv:1: begins with" "$pickbed" score --bop sound columns.csv
+}
+
 doctor_finds_nothing() {
   expect 0 "$pickbed" doctor
   [ "$(grep -c '^ok' last.out)" = 5 ] || fail "not all are ok"

@@ -97,10 +97,14 @@ TEST_F(CommandsTest, BadScenariosAreRefusedByEveryCommandThatReadsOne) {
     ExpectRefused({command, Scenario(), "--set", "objects.0.count=0"}, "count");
     ExpectRefused({command, Scenario(), "--set", "objects.0.count=-3"}, "count");
     ExpectRefused({command, Scenario(), "--set", "objects.0.name=rodd"}, "rod");
-    ExpectRefused({command, Scenario(), "--set", "sedd=3"}, "seed");
+    ExpectRefused({command, Scenario(), "--set", "sedd=3"}, "did you mean 'seed'");
+    ExpectRefused({command, Scenario(), "--set", "appearance.glos=[0, 1]"}, "did you mean 'gloss'");
+    ExpectRefused({command, Scenario(), "--set", "appearance.gloss=[1, 0]"}, "appearance.gloss");
     ExpectRefused({command, Scenario(), "--set", "seed"}, "seed");
     ExpectRefused({command, Scenario(), "--set", "camera.eye_m=[0.203, 0, 0.1]"}, "wall");
     ExpectRefused({command, Scenario(), "--set", "camera.target_m=[0, 0, 5]"}, "looks away");
+    ExpectRefused({command, Scenario(), "--set", "camera.eye_m=[0, 0, -1]"},
+                  "under the bin's floor");
   }
 }
 
@@ -126,6 +130,40 @@ TEST_F(CommandsTest, MeshesThatCannotBeUsedAreRefused) {
   ExpectRefused({"drop", with_mesh("faceless.obj")}, "faceless.obj");
   File("huge.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   ExpectRefused({"drop", with_mesh("huge.obj")}, "larger than the bin");
+}
+
+// A picture of what is in view, and how many parts that is.
+TEST_F(CommandsTest, RenderSaysHowManyPartsAreInView) {
+  const Outcome whole = Pickbed({"render", Scenario(), "--out", Out()});
+  EXPECT_EQ(whole.status, 0) << whole.err;
+  EXPECT_THAT(whole.out, HasSubstr("2 of 2 parts in view"));
+  // From beside the bin a wall stands before them.
+  const Outcome hidden =
+      Pickbed({"render", Scenario(), "--out", Out(), "--set", "camera.eye_m=[0.6, 0, 0.06]"});
+  EXPECT_EQ(hidden.status, 0) << hidden.err;
+  EXPECT_THAT(hidden.out, HasSubstr("0 of 2 parts in view"));
+}
+
+TEST_F(CommandsTest, BopFilesThatCannotBeUsedAreRefused) {
+  const std::string none = (folder_ / "none").string();
+  const std::string empty = (folder_ / "empty").string();
+  std::filesystem::create_directories(empty);
+  const std::string header = "scene_id,im_id,obj_id,score,R,t,time\n";
+  const std::string good = File("good.csv", header);
+  ExpectRefused({"dataset", "check", none}, none);
+  ExpectRefused({"score", "--bop", none, good}, none);
+  ExpectRefused({"score", "--bop", empty, good}, "has no scene folder");
+  ExpectRefused({"score", "--bop", empty, none}, none);
+  ExpectRefused({"score", "--bop", empty, File("a.csv", "scene,image\n")}, "a.csv:1");
+  ExpectRefused({"score", "--bop", empty, File("b.csv", header + "1,0,1,0.5\n")}, "b.csv:2");
+  ExpectRefused(
+      {"score", "--bop", empty, File("c.csv", header + "1,0,1,nan,1 0 0 0 1 0 0 0 1,0 0 500,-1\n")},
+      "c.csv:2: score 'nan'");
+  ExpectRefused(
+      {"score", "--bop", empty, File("d.csv", header + "1,0,1,1,2 0 0 0 1 0 0 0 1,0 0 500,-1\n")},
+      "d.csv:2: R is no rotation");
+  ExpectRefused({"estimate", "--bop", none, "--out", Out()}, none);
+  EXPECT_FALSE(std::filesystem::exists(Out())) << "a refused command leaves no folder";
 }
 
 TEST_F(CommandsTest, FoldersThatCannotBeMadeAreRefused) {
@@ -154,10 +192,12 @@ TEST_F(CommandsTest, SensorShowDrawsAProfileAndRefusesABadOne) {
 TEST_F(CommandsTest, ListNamesWhatThereIs) {
   const Outcome all = Pickbed({"list"});
   EXPECT_EQ(all.status, 0);
-  for (const char* name : {"demo", "rod", "oracle", "jaw_8cm", "structured_light", "mssd"}) {
+  for (const char* name :
+       {"demo", "rod", "oracle", "pcl_icp", "jaw_8cm", "structured_light", "mssd"}) {
     EXPECT_THAT(all.out, HasSubstr(name));
   }
   EXPECT_THAT(Pickbed({"list", "settings"}).out, HasSubstr("max_failures_in_row"));
+  EXPECT_THAT(Pickbed({"list", "settings"}).out, HasSubstr("background_cell_px"));
   EXPECT_THAT(Pickbed({"list", "grippers"}).out, testing::Not(HasSubstr("oracle")));
 }
 

@@ -3,11 +3,33 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 
-#include "scenes/check.h"
+#include "scenes/bin.h"
+#include "tests/sim/render_support.h"
 
 namespace pickbed {
 namespace {
+
+ObjectSet TwoBoxes() {
+  ObjectSet boxes;
+  for (const double side_m : {0.05, 0.08}) {
+    auto box = std::make_shared<ObjectModel>();
+    box->mesh_O = test::BoxMesh({side_m, side_m, 0.04});
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+Scene BoxesInBin() {
+  return {Bin{}, {{0, 0, Translation({-0.08, 0, 0.02})}, {1, 1, Translation({0.08, 0.02, 0.02})}}};
+}
+
+// Far enough to see past the bin.
+Camera FromAbove() {
+  return {{160, 120, 120, 120, 79.5, 59.5},
+          LookAt({0, 0, 1.0}, {0, 0, 0}, Eigen::Vector3d::UnitY())};
+}
 
 TEST(Appearance, DrawsFillTheirRangesAndStayInside) {
   const AppearanceRanges ranges = WideAppearance();
@@ -65,13 +87,83 @@ TEST(Appearance, BackgroundIsPaintedWhereNothingIsSeen) {
   EXPECT_NE(image.color(0, 0), image.color(8, 0));
 }
 
-TEST(Appearance, RangesOutsideTheirLimitsAreNamed) {
-  AppearanceRanges ranges;
-  ranges.shadow_share = 1.5;
-  EXPECT_THROW(ranges.Validate(), InputError);
-  ranges = {};
-  ranges.gloss = {0.5, 0.2};
-  EXPECT_THROW(ranges.Validate(), InputError);
+// What scenarios had before ranges could be set: the same picture to the byte.
+TEST(Appearance, FixedLooksAreThePlainPicture) {
+  const AppearanceRanges fixed = FixedAppearance();
+  for (const uint64_t trial : {0, 7}) {
+    const Light light = LampOf(fixed, 3, trial), plain;
+    EXPECT_EQ(light.position_W, plain.position_W);
+    EXPECT_EQ(light.ambient, plain.ambient);
+    EXPECT_EQ(light.diffuse, plain.diffuse);
+    EXPECT_EQ(light.shadow, plain.shadow);
+    EXPECT_EQ(light.shadow_softness_m, plain.shadow_softness_m);
+    EXPECT_EQ(MaterialOf(fixed, 3, trial, 2), Material());
+  }
+  SceneRenderer renderer(TwoBoxes(), Bin{});
+  const RenderedImage plain = renderer.Render(BoxesInBin(), FromAbove());
+  const RenderedImage looks = RenderWithLooks(renderer, BoxesInBin(), FromAbove(), fixed, 3, 0, 0);
+  EXPECT_EQ(looks.color, plain.color);
+  EXPECT_EQ(looks.depth_m, plain.depth_m);
+  EXPECT_EQ(looks.ids, plain.ids);
+}
+
+TEST(Appearance, ARangeOfOneValueGivesThatValue) {
+  AppearanceRanges ranges = FixedAppearance();
+  ranges.lamp_x_m = {0.1, 0.1};
+  ranges.ambient = {0.25, 0.25};
+  ranges.shadow_share = 1;
+  ranges.tint = {0.5, 0.5};
+  ranges.gloss = {0.75, 0.75};
+  ranges.grain = {0.5, 0.5};
+  ranges.grain_cells_pm = {250, 250};
+  for (int i = 0; i < 20; ++i) {
+    const Light light = LampOf(ranges, 1, i);
+    EXPECT_EQ(light.position_W.x(), 0.1);
+    EXPECT_EQ(light.ambient, 0.25);
+    EXPECT_EQ(light.diffuse, 0.75);
+    EXPECT_TRUE(light.shadow);
+    const Material material = MaterialOf(ranges, 1, 0, i);
+    EXPECT_EQ(material.tint, Eigen::Vector3d::Constant(0.5));
+    EXPECT_EQ(material.gloss, 0.75);
+    EXPECT_EQ(material.grain, 0.5);
+    EXPECT_EQ(material.grain_cells_pm, 250);
+  }
+}
+
+TEST(Appearance, PartsKeepTheirLooksWhileTheBackgroundIsDrawnAnew) {
+  AppearanceRanges ranges = FixedAppearance();
+  ranges.tint = {0.3, 1};
+  ranges.background = {0.1, 1};
+  SceneRenderer renderer(TwoBoxes(), Bin{});
+  const Scene both = BoxesInBin();
+  const auto picture = [&](const Scene& scene, uint64_t trial, int number) {
+    return RenderWithLooks(renderer, scene, FromAbove(), ranges, 5, trial, number);
+  };
+  const RenderedImage first = picture(both, 0, 0), again = picture(both, 0, 0);
+  const RenderedImage second = picture(both, 0, 1), other = picture(both, 1, 0);
+  EXPECT_EQ(first.color, again.color);
+  EXPECT_EQ(first.depth_m, other.depth_m);
+  // Once the other part is picked, the one that stays looks as before.
+  Scene one = both;
+  one.objects.erase(one.objects.begin());
+  const RenderedImage left = picture(one, 0, 0);
+  int seen = 0, changed = 0, behind = 0, redrawn = 0;
+  for (size_t i = 0; i < first.ids.size(); ++i) {
+    if (first.depth_m.data()[i] == 0) {
+      ++behind;
+      redrawn += !(first.color.data()[i] == second.color.data()[i]);
+      continue;
+    }
+    EXPECT_EQ(first.color.data()[i], second.color.data()[i]);
+    if (first.ids.data()[i] != both.objects[1].instance + 1) continue;
+    ++seen;
+    EXPECT_EQ(first.color.data()[i], left.color.data()[i]);
+    changed += !(first.color.data()[i] == other.color.data()[i]);
+  }
+  EXPECT_GT(seen, 50);
+  EXPECT_GT(changed, seen / 2) << "another trial gives the part another tint";
+  EXPECT_GT(behind, 100);
+  EXPECT_GT(redrawn, behind / 2);
 }
 
 }  // namespace
