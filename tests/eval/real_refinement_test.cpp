@@ -18,6 +18,7 @@
 #include <numbers>
 
 #include "eval/bop/dataset.h"
+#include "eval/bop/layout.h"
 #include "perception/two_way_icp.h"
 #include "scenes/symmetry_finder.h"
 #include "tests/support/synthetic_depth.h"
@@ -77,7 +78,8 @@ class RealRefinement : public ::testing::Test {
       if (image.infos.at(i).visib_fract < 0.6) continue;
       RealObject object;
       object.id = image.instances[i].object_id;
-      object.model = bop::LoadModel(kRoot / "models", object.id, infos.at(object.id));
+      object.model = bop::LoadModel(kRoot / "models", object.id, infos.at(object.id),
+                                    bop::ModelName(object.id));
       object.points = MakeModelPoints(*object.model);
       // The can is declared to have no symmetry for its label's sake, and its scan is round to 4 %
       // of the diameter; without colour its turn about the axis cannot be seen.
