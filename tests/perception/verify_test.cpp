@@ -185,18 +185,20 @@ TEST(Verifier, ScoreIsTheFormula) {
     for (float& x : m.reshaped()) x = static_cast<float>(rng.Normal());
     return m;
   };
-  v.mean = random(10, 1);
-  v.scale = random(10, 1).cwiseAbs().array() + 0.5f;
-  v.w1 = random(24, 10);
+  v.mean = random(kVerifyFeatures, 1);
+  v.scale = random(kVerifyFeatures, 1).cwiseAbs().array() + 0.5f;
+  v.w1 = random(24, kVerifyFeatures);
   v.b1 = random(24, 1);
   v.w2 = random(24, 1);
   v.b2 = 0.3f;
+  v.calibration_scale = 0.4f;
+  v.calibration_shift = -0.2f;
   VerifyFeatures f;
   for (float& x : f) x = static_cast<float>(rng.Normal());
   const Eigen::Map<const Eigen::VectorXf> x(f.data(), f.size());
   const Eigen::VectorXf hidden =
       (v.w1 * ((x - v.mean).cwiseQuotient(v.scale)) + v.b1).array().tanh();
-  const double logit = hidden.dot(v.w2) + v.b2;
+  const double logit = 0.4 * (hidden.dot(v.w2) + v.b2) - 0.2;
   EXPECT_NEAR(v.Score(f), 1 / (1 + std::exp(-logit)), 1e-5);
 }
 

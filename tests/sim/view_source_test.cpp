@@ -240,8 +240,30 @@ TEST(ViewSource, LooksVaryByTheirRangesAndLeaveDepthAlone) {
     MakeSimViewSource(objects, options);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("tint from 0.9 to 0.2"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("tint = [0.9, 0.2]"), std::string::npos);
   }
+}
+
+// A cell for parts of half the size is half as large, camera and bin alike, and every request for a
+// part is met.
+TEST(ViewSource, CellsScaleWithTheirParts) {
+  const ObjectSet objects = SomeParts(3);
+  ViewSourceOptions options = SmallOptions();
+  options.mixed_share = 0;
+  const auto plain = MakeSimViewSource(objects, options);
+  options.for_diameter_m = 2 * objects[1]->diameter_m;
+  const auto scaled = MakeSimViewSource(objects, options);
+  for (uint64_t seed = 0; seed < 4; ++seed) {
+    const PileRequest request{seed, 1, 1, true};
+    const LabelledView view = scaled->Pile(request).front();
+    for (const LabelledInstance& instance : view.instances) EXPECT_EQ(instance.object, 1);
+    EXPECT_NEAR(view.background->bin.inner_size_m.x(), 0.5 * options.bin.inner_size_m.x(), 1e-12);
+    const double distance_m = view.background->X_CB.translation().norm();
+    EXPECT_LE(distance_m, 0.5 * (options.distance_max_m + 2 * options.target_jitter_m));
+    EXPECT_GE(distance_m, 0.5 * (options.distance_min_m - 2 * options.target_jitter_m));
+    EXPECT_EQ(plain->Pile(request).front().background->bin.inner_size_m, options.bin.inner_size_m);
+  }
+  EXPECT_THROW(scaled->Pile({0, 1, 3}), InputError);
 }
 
 TEST(ViewSource, BadInputIsNamed) {
