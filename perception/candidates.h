@@ -33,7 +33,7 @@ struct CandidateOptions {
   double gate_min_m = 0.004;      // bounds of that gate: wide ones slide into clutter
   double gate_max_m = 0.010;      //
   bool two_gates = false;         // also try half the gate and keep the better
-  int turned = 30;                // of the best refined poses of a part, its look-alikes are tried
+  int turned = 12;                // of the best refined poses of a part, its look-alikes are tried
   double merge_diameters = 0.03;  // refined poses within it are one
   ProjectiveIcpOptions icp;       // its gates are set from the above
   NeighborOptions index;

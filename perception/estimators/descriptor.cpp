@@ -139,6 +139,7 @@ DescriptorOptions OptionsForMode(const std::string& mode) {
   options.candidates.points = 1200;
   options.candidates.candidates = 600;
   options.candidates.two_gates = true;
+  options.candidates.turned = 30;
   return options;
 }
 

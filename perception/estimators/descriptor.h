@@ -25,7 +25,8 @@ struct DescriptorOptions {
   void Visit(SettingsVisitor& v);
 };
 
-// fast: 600 points, 300 candidates, one ICP gate. hard: 1,200 points, 600 candidates, two gates.
+// fast: 600 points, 300 candidates, one ICP gate, few look-alikes. hard: 1,200 points, 600
+// candidates, two gates, more look-alikes.
 // Throws InputError for another mode.
 DescriptorOptions OptionsForMode(const std::string& mode);
 
