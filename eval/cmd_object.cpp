@@ -60,8 +60,14 @@ bool IsMadeAlready(const std::filesystem::path& folder, const std::string& key) 
 void Add(const AddArguments& arguments) {
   const ObjectRequest& request = arguments.request;
   CheckInput(
-      request.name.find_first_of("/\\ .") == std::string::npos,
-      fmt::format("--name '{}': a part's name has no '/', '\\', '.' or space", request.name));
+      !request.name.empty() && request.name.find_first_of("/\\ .") == std::string::npos,
+      fmt::format("--name '{}': a part's name is not empty and has no '/', '\\', '.' or space",
+                  request.name));
+  std::error_code error;
+  CheckInput(std::filesystem::is_regular_file(request.mesh, error),
+             fmt::format("mesh '{}' is no file; check the path", request.mesh.string()));
+  CheckInput(request.mass_kg == 0 || (request.mass_kg >= 1e-6 && request.mass_kg <= 100),
+             fmt::format("--mass {}: give 1e-6 to 100 kg", request.mass_kg));
   const std::filesystem::path folder = std::filesystem::path(arguments.catalog) / request.name;
   const std::string key = KeyOf(request);
   if (IsMadeAlready(folder, key)) {
@@ -79,6 +85,12 @@ void Add(const AddArguments& arguments) {
   WritePng(folder / "sheet.png", ObjectSheet(made));
   WriteFileAtomically(folder / "made.json", ReportJson(key, made));
   progress.Show("done", true);
+  if (std::filesystem::exists(AssetsDir() / "objects" / request.name / "object.yaml", error)) {
+    fmt::print(stderr,
+               "pickbed: a part '{}' comes with the program; scenarios that look into {} now take "
+               "yours instead\n",
+               request.name, arguments.catalog);
+  }
   fmt::print("{}\n{}look at {}\n", request.name, ObjectText(made), (folder / "sheet.png").string());
 }
 

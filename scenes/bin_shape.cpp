@@ -19,6 +19,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kMaxFaces = 50000;
+constexpr double kSmallest_m = 0.01, kLargest_m = 10;
 constexpr int kLines = 5;  // in each direction
 constexpr int kRaysPerLine = 64;
 constexpr double kLineShare = 0.5;    // of the bounds, over which the lines are spread
@@ -169,6 +170,12 @@ BinShape MakeBinShape(const TriangleMesh& mesh, const std::string& source) {
                              inside.low - surveyor.bounds().min[axis]});
   }
   shape.inner_size_m.z() = table ? 0 : height_m;
+  CheckInput(
+      shape.inner_size_m.maxCoeff() <= kLargest_m &&
+          shape.inner_size_m.head<2>().minCoeff() >= kSmallest_m,
+      fmt::format("{}: the bin is {:.3g} x {:.3g} m inside; bins are {} to {} m: check "
+                  "bin.unit",
+                  source, shape.inner_size_m.x(), shape.inner_size_m.y(), kSmallest_m, kLargest_m));
   shape.wall_m = std::max(shape.wall_m, kLeastStep_m);
   shape.mesh_B = Transformed(shape.mesh_B, MakePose(Eigen::Matrix3d::Identity(), -middle));
   shape.pieces_B = SolidPieces(shape.mesh_B);

@@ -1,8 +1,10 @@
 #include "scenes/mesh_checks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -109,6 +111,24 @@ TriangleMesh TurnedOutwards(TriangleMesh mesh) {
   if (agreement < 0) {
     for (Eigen::Vector3d& n : mesh.normals) n = -n;
   }
+  return mesh;
+}
+
+TriangleMesh WithoutRepeatedFaces(TriangleMesh mesh) {
+  using Place = std::array<double, 3>;
+  std::set<std::array<Place, 3>> seen;
+  const auto is_repeated = [&](const Eigen::Vector3i& triangle) {
+    std::array<Place, 3> face;
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d& p = mesh.vertices[triangle[k]];
+      face[k] = {p.x(), p.y(), p.z()};
+    }
+    // The least corner first keeps the order in which they go round.
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    return !seen.insert(face).second;
+  };
+  auto& triangles = mesh.triangles;
+  triangles.erase(std::remove_if(triangles.begin(), triangles.end(), is_repeated), triangles.end());
   return mesh;
 }
 

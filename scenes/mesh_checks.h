@@ -19,6 +19,10 @@ struct MeshReport {
 
 MeshReport InspectMesh(const TriangleMesh& mesh);
 
+// The mesh without faces that another face repeats: the same three places, the same side outside.
+// They would count twice in volume and mass.
+TriangleMesh WithoutRepeatedFaces(TriangleMesh mesh);
+
 // Throws InputError naming `source` for NaN or infinite vertices, no faces, zero volume (flat
 // relative to its bounds). Open and inside-out meshes pass.
 void RequireUsableMesh(const TriangleMesh& mesh, const std::string& source);

@@ -25,6 +25,7 @@ constexpr double kSmallestPick_m = 0.005, kLargestPick_m = 0.6;
 constexpr double kTypical_m = 0.1;
 constexpr double kSmallest_m = 0.003, kLargest_m = 5;
 constexpr double kFarOrigin_diameters = 2;
+constexpr double kTooFarOrigin_diameters = 100;
 
 std::string ExtensionOf(const fs::path& file) {
   std::string extension = file.extension().string();
@@ -109,13 +110,18 @@ void DescribeSurface(const TriangleMesh& as_loaded, InspectedMesh& inspected) {
   }
 }
 
-void DescribeOrigin(bool center, InspectedMesh& inspected) {
+void DescribeOrigin(const std::string& source, bool center, InspectedMesh& inspected) {
   const Bounds bounds = MeshBounds(inspected.mesh_O);
   const double away_m = bounds.center().norm();
   if (center && away_m > 0) {
     inspected.mesh_O = Transformed(inspected.mesh_O, Translation(-bounds.center()));
     inspected.fixed.push_back(
         fmt::format("origin was {:.1f} mm from the middle of the part: moved there", 1e3 * away_m));
+  } else if (away_m > kTooFarOrigin_diameters * bounds.size().norm()) {
+    throw InputError(fmt::format(
+        "mesh '{}': its origin is {:.3g} m away from the part, too far to turn the part "
+        "about it; pass --center to move it to the middle",
+        source, away_m));
   } else if (away_m > kFarOrigin_diameters * bounds.size().norm()) {
     inspected.notes.push_back(fmt::format(
         "origin is {:.3g} m away from the part; --center moves it to the middle", away_m));
@@ -180,6 +186,12 @@ InspectedMesh InspectMeshFile(const fs::path& file, const std::string& unit, boo
   MeshLoadReport load;
   TriangleMesh mesh = LoadMesh(file, "m", &load);
   RequireUsableMesh(mesh, file.string());
+  const size_t faces = mesh.triangles.size();
+  mesh = WithoutRepeatedFaces(std::move(mesh));
+  if (mesh.triangles.size() < faces) {
+    inspected.fixed.push_back(
+        fmt::format("{} faces were there twice: dropped", faces - mesh.triangles.size()));
+  }
   if (load.degenerate_faces > 0) {
     inspected.fixed.push_back(
         fmt::format("{} faces had two corners at one place: dropped", load.degenerate_faces));
@@ -204,7 +216,7 @@ InspectedMesh InspectMeshFile(const fs::path& file, const std::string& unit, boo
   mesh = Scaled(mesh, scale);
   DescribeSurface(mesh, inspected);
   inspected.mesh_O = TurnedOutwards(std::move(mesh));
-  DescribeOrigin(center, inspected);
+  DescribeOrigin(file.string(), center, inspected);
   for (const std::string& name : MissingCompanions(file)) {
     inspected.notes.push_back(
         fmt::format("'{}' is missing: without it the part is drawn in a plain colour", name));

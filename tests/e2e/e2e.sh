@@ -222,6 +222,9 @@ OBJ
   done
   expect 0 "$pickbed" object add brick.obj --name brick --mass 0.05
   grep -q "nothing to do" last.out || fail "it was made twice"
+  refused "--name ''" "$pickbed" object add brick.obj --name ''
+  refused "is no file" "$pickbed" object add /dev/zero --name zero
+  refused "--mass nan" "$pickbed" object add brick.obj --name heavy --mass nan
   expect 1 "$pickbed" object add brick.obj --name brick --mass 0.06
   grep -q -- "--replace" last.err || fail "an existing part was not explained"
   echo "objects: [{name: brick, count: 4}]" >bricks.yaml

@@ -97,6 +97,7 @@ TEST(BinShape, WhatIsNoBinIsRefused) {
   EXPECT_THAT(error(WallsWithoutFloor()), HasSubstr("my_bin.stl: the bin has no floor"));
   const Pose upside_down = MakePose(Vector3d(1, -1, -1).asDiagonal().toDenseMatrix(), {0, 0, 0});
   EXPECT_THAT(error(Transformed(frame, upside_down)), HasSubstr("opens downwards"));
+  EXPECT_THAT(error(Scaled(frame, 1000)), HasSubstr("check bin.unit"));
 }
 
 class MeshBinScenario : public ::testing::Test {

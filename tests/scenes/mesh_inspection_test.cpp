@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "scenes/check.h"
+#include "scenes/mesh_checks.h"
 #include "scenes/mesh_io.h"
 #include "tests/scenes/shapes.h"
 
@@ -61,6 +63,12 @@ TEST_F(MeshInspection, FindsPlantedFaults) {
   degenerate.triangles.emplace_back(3, 3, 4);
   EXPECT_THAT(Inspect(degenerate).fixed, ElementsAre(HasSubstr("1 faces had two corners")));
 
+  TriangleMesh twice = BoxShape({0.1, 0.05, 0.02});
+  Append(BoxShape({0.1, 0.05, 0.02}), twice);
+  const InspectedMesh once = Inspect(twice);
+  EXPECT_THAT(once.fixed, ElementsAre(HasSubstr("12 faces were there twice")));
+  EXPECT_NEAR(InspectMesh(once.mesh_O).volume_m3, 0.1 * 0.05 * 0.02, 1e-9);
+
   TriangleMesh odd_normals = BallShape(0.05, 2);
   odd_normals.normals[5].setZero();
   EXPECT_THAT(Inspect(odd_normals).fixed, ElementsAre(HasSubstr("normals")));
@@ -72,6 +80,9 @@ TEST_F(MeshInspection, AFarOriginIsSaidAndMovedOnRequest) {
   const InspectedMesh moved = InspectMeshFile(Save(far), "m", true);
   EXPECT_LT(MeshBounds(moved.mesh_O).center().norm(), 1e-6);
   EXPECT_THAT(moved.fixed, ElementsAre(HasSubstr("moved there")));
+  const TriangleMesh too_far = BoxShape({0.1, 0.05, 0.02}, {50, 0, 0});
+  EXPECT_THROW(Inspect(too_far), InputError);
+  EXPECT_LT(MeshBounds(InspectMeshFile(Save(too_far), "m", true).mesh_O).center().norm(), 1e-4);
 }
 
 TEST_F(MeshInspection, NamesMissingCompanions) {
