@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "eval/bop/estimate.h"
 #include "eval/command_line.h"
@@ -46,7 +47,7 @@ std::vector<std::string> Overlays(const std::filesystem::path& folder) {
 }
 
 int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
-                     const std::string& out) {
+                     const std::string& out, int threads) {
   const LoadedScenario scenario = LoadScenarioArguments(arguments);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");
   MakeFolder(folder / "pictures");
@@ -58,6 +59,7 @@ int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::
                           ParseEstimators(labels, scenario.spec.estimator),
                           folder / "pictures",
                           kPicturedBins,
+                          threads,
                           {},
                           {}};
   const std::vector<ComparedRow> rows = LookAtBins(job);
@@ -76,7 +78,7 @@ int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::
 
 // Settings of a scenario that mean something on images that exist: estimator, refiner and seed.
 int EstimateBop(const std::string& path, const std::string& split,
-                const ScenarioArguments& arguments, const std::string& out) {
+                const ScenarioArguments& arguments, const std::string& out, int threads) {
   CheckInput(arguments.scenario.empty() && !arguments.trials,
              "--bop takes the place of SCENARIO and --trials; name one or the other");
   CheckInput(std::filesystem::is_directory(path),
@@ -93,7 +95,7 @@ int EstimateBop(const std::string& path, const std::string& split,
   {
     ProgressLine progress;
     estimates = bop::EstimateDataset(
-        path, split, {spec.estimator, spec.refiner, spec.seed},
+        path, split, {spec.estimator, spec.refiner, spec.seed, threads},
         [&](const bop::EstimateProgress& state) {
           progress.Show(fmt::format("{}: {:.0f} %", state.what, 100 * state.share));
         });
@@ -124,16 +126,20 @@ int EstimateCommand(int argc, char** argv) {
   app.add_option("--estimator", estimators,
                  "one or several, each NAME or NAME:MODE, to compare on the same bins")
       ->delimiter(',');
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  app.add_option("--threads", threads, "at most; results do not depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
   AddTrialsArgument(app, arguments);
   AddOutArgument(app, out, "-estimate");
   app.footer(
       "Example: pickbed estimate bin_rod --trials 20 --estimator descriptor:hard,ppf\n"
       "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf");
   if (!ParseArguments(app, argc, argv)) return 0;
-  if (!bop_path.empty()) return EstimateBop(bop_path, split, arguments, out);
+  if (!bop_path.empty()) return EstimateBop(bop_path, split, arguments, out, threads);
   CheckInput(!arguments.scenario.empty(),
              "SCENARIO is required (or --bop PATH); see pickbed estimate --help");
-  return EstimateScenario(arguments, estimators, out);
+  return EstimateScenario(arguments, estimators, out, threads);
 }
 
 }  // namespace pickbed

@@ -112,8 +112,8 @@ class Comparison {
     spec.estimator = estimator.spec;
     const size_t before = ResetPeakMemory();
     const auto start = Clock::now();
-    row.runner =
-        std::make_unique<EstimatorRunner>(cell_, spec, [&](std::string_view what, double share) {
+    row.runner = std::make_unique<EstimatorRunner>(
+        cell_, spec, job_.threads, [&](std::string_view what, double share) {
           if (job_.on_progress) job_.on_progress(what, static_cast<int>(100 * share), 100);
         });
     row.result.setup_s = SecondsSince(start);

@@ -44,6 +44,7 @@ struct ComparisonJob {
   std::vector<ComparedEstimator> estimators;
   std::filesystem::path pictures;  // gets trial_0000/LABEL/ of the first bins; empty = none
   int pictured_bins = 0;
+  int threads = 1;  // at most; results are the same for any number
   std::function<void(std::string_view what, int done, int total)> on_progress;  // may be empty
   std::function<bool()> stop;                                                   // may be empty
 };

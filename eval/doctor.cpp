@@ -87,7 +87,7 @@ std::string Network() {
   spec.objects.resize(1);
   const PartSpec& part = spec.objects[0];
   VirtualCell cell(spec, LoadObjects(spec, ObjectCatalog({AssetsDir() / "objects"})));
-  EstimatorRunner runner(cell, spec, {});
+  EstimatorRunner runner(cell, spec, 1, {});
   const Scene scene = cell.MakeScene(0).scene;
   Rng rng(0);
   const EstimateResult found = runner.Estimate(scene, cell.See(scene, 0, 0), rng);

@@ -12,30 +12,31 @@ double WorkingDistance(const Camera& camera, const Bin& bin) {
   return (camera.X_WC.inverse() * middle_W).z();
 }
 
-std::unique_ptr<LabelledViewSource> ViewsOf(const VirtualCell& cell) {
+std::unique_ptr<LabelledViewSource> ViewsOf(const VirtualCell& cell, const ObjectSet& objects) {
   ViewSourceOptions options;
   options.sensor = cell.sensor();
   options.camera = cell.camera().intrinsics;
   options.bin = cell.bin();
-  return MakeSimViewSource(cell.objects(), options);
+  return MakeSimViewSource(objects, options);
 }
 
 }  // namespace
 
-EstimatorRunner::EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& spec,
+EstimatorRunner::EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& spec, int threads,
                                  const Progress& on_progress)
     : cell_(cell), spec_(spec.estimator) {
   BlameKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
   if (spec_.name == kOracleName) return;
-  views_ = ViewsOf(cell);
   EstimatorSetup setup;
-  setup.objects = cell.objects();
+  for (const int object : cell.wanted()) setup.objects.push_back(cell.objects()[object]);
   setup.spec = spec_;
   setup.refiner = spec.refiner;
   setup.intrinsics = cell.camera().intrinsics;
   setup.working_distance_m = WorkingDistance(cell.camera(), cell.bin());
+  views_ = ViewsOf(cell, setup.objects);
   setup.views = views_.get();
   setup.cache_dir = CacheDir();
+  setup.threads = threads;
   setup.on_progress = on_progress;
   for (const EstimatorRow& row : EstimatorTable()) {
     if (spec_.name != row.name) continue;
@@ -53,6 +54,9 @@ EstimateResult EstimatorRunner::Estimate(const Scene& truth, const View& view, R
     if (estimator_) {
       const KnownBackground background{cell_.bin(), cell_.camera().X_WC.inverse()};
       result = estimator_->Estimate({view.frame, background}, rng);
+      for (PoseHypothesis& hypothesis : result.hypotheses) {
+        hypothesis.object = cell_.wanted()[hypothesis.object];
+      }
     } else {
       result.hypotheses = OracleEstimate(truth, view, cell_.camera(), spec_, rng);
     }

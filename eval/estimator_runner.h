@@ -19,7 +19,9 @@ class EstimatorRunner {
   // Makes the estimator, its code books from the cache where it holds them; `on_progress` is told
   // while they are made. `cell` must outlive this. Throws InputError that begins with the key
   // "estimator" for an unknown name or mode and for a broken model file.
-  EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& spec, const Progress& on_progress);
+  // Results are the same for any number of threads.
+  EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& spec, int threads,
+                  const Progress& on_progress);
   ~EstimatorRunner();
 
   // `truth` is for the oracle alone. Seconds stand under "estimate" and, by stage,

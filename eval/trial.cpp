@@ -103,7 +103,7 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
       options(trial_options),
       cell(scenario, objects),
       gripper(BlameKey(scenario, "gripper", [&] { return LoadGripper(scenario.gripper); })),
-      estimator(cell, scenario, progress) {
+      estimator(cell, scenario, 1, progress) {
   for (const auto& model : cell.objects()) {
     metric_models.push_back(MakeMetricModel(*model));
     candidates.push_back(CachedAntipodalGrasps(*model, gripper));
@@ -119,7 +119,7 @@ TrialRunner::Impl::Live TrialRunner::Impl::Drop(int trial,
   CertifiedScene made = cell.MakeScene(trial);
   live.result.certificate = std::move(made.certificate);
   live.result.refused = std::move(made.refused);
-  live.result.parts_dropped = static_cast<int>(made.scene.objects.size());
+  live.result.parts_dropped = cell.WantedIn(made.scene);
   live.scene = std::move(made.scene);
   return live;
 }
@@ -213,7 +213,7 @@ TrialResult TrialRunner::Run(int trial, const std::filesystem::path& picture_fol
   Impl::Live live = impl_->Drop(trial, picture_folder);
   TrialResult& result = live.result;
   int failures_in_row = 0;
-  while (result.ended_by == Loss::kNone && !live.scene.objects.empty()) {
+  while (result.ended_by == Loss::kNone && impl_->cell.WantedIn(live.scene) > 0) {
     if (max_picks > 0 && result.picks.size() == max_picks) break;
     impl_->PickOnce(live);
     const PickRecord& pick = result.picks.back();

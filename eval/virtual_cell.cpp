@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "sim/appearance.h"
 #include "sim/convex_pieces.h"
 #include "sim/resting_poses.h"
@@ -18,7 +20,20 @@ VirtualCell::VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects)
       objects_(WithConvexPieces(objects)) {
   drop_.arrangement = ArrangementFromName(spec.arrangement);
   if (drop_.arrangement == Arrangement::kPacked) objects_ = WithRestingDirections(objects_);
-  for (const PartSpec& part : spec.objects) counts_.push_back(part.count);
+  for (const PartSpec& part : spec.objects) {
+    if (!part.foreign) wanted_.push_back(static_cast<int>(counts_.size()));
+    counts_.push_back(part.count);
+  }
+}
+
+bool VirtualCell::IsWanted(int object) const {
+  return std::find(wanted_.begin(), wanted_.end(), object) != wanted_.end();
+}
+
+int VirtualCell::WantedIn(const Scene& scene) const {
+  return static_cast<int>(
+      std::count_if(scene.objects.begin(), scene.objects.end(),
+                    [&](const PosedObject& posed) { return IsWanted(posed.object); }));
 }
 
 SceneRenderer& VirtualCell::renderer() {
@@ -34,6 +49,9 @@ View VirtualCell::See(const Scene& scene, int trial, int look) {
   RenderedImage image = Render(renderer(), scene, camera_, trial, look);
   View view;
   view.visible_fractions = renderer().VisibleFractions(scene, camera_, image.ids);
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    if (!IsWanted(scene.objects[i].object)) view.visible_fractions[i] = 0;
+  }
   // A stream of its own for every look, so that a second look at an unchanged bin is a new sample.
   Rng rng = Rng::Derive(seed_, trial, fmt::format("sensor/{}", look));
   view.frame.intrinsics = camera_.intrinsics;

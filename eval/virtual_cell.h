@@ -19,9 +19,10 @@ namespace pickbed {
 inline constexpr double kCountedVisibility = 0.1;
 
 struct View {
-  RgbdFrame frame;                        // what the sensor delivers
-  Image<uint16_t> ids;                    // truth: instance + 1, 0 = background
-  std::vector<double> visible_fractions;  // truth: of each scene.objects[i]
+  RgbdFrame frame;      // what the sensor delivers
+  Image<uint16_t> ids;  // truth: instance + 1, 0 = background
+  // Truth: of each scene.objects[i]; 0 for one that is foreign, which does not count.
+  std::vector<double> visible_fractions;
 };
 
 class VirtualCell {
@@ -41,16 +42,20 @@ class VirtualCell {
   RenderedImage Render(SceneRenderer& renderer, const Scene& scene, const Camera& camera, int trial,
                        int picture) const;
 
-  const ObjectSet& objects() const { return objects_; }  // with convex pieces
+  const ObjectSet& objects() const { return objects_; }       // with convex pieces
+  const std::vector<int>& wanted() const { return wanted_; }  // those of them that are not foreign
+  int WantedIn(const Scene& scene) const;                     // instances
   const Camera& camera() const { return camera_; }
   const Bin& bin() const { return bin_; }
   const SensorProfile& sensor() const { return sensor_; }
 
  private:
   SceneRenderer& renderer();
+  bool IsWanted(int object) const;
 
   uint64_t seed_;
   std::vector<int> counts_;
+  std::vector<int> wanted_;
   Camera camera_;
   Bin bin_;
   DropOptions drop_;

@@ -43,9 +43,9 @@ Eigen::Matrix3d PrincipalAxes(const ModelPoints& points) {
   return axes;
 }
 
-// Turns by multiples of 30 degrees about each axis.
+// Turns by multiples of 15 degrees about each axis.
 std::vector<Eigen::Matrix3d> AxisRotations() {
-  constexpr int kSteps = 12;
+  constexpr int kSteps = 24;
   std::vector<Eigen::Matrix3d> rotations;
   for (int axis = 0; axis < 3; ++axis) {
     for (int i = 1; i < kSteps; ++i) {

@@ -13,12 +13,12 @@ namespace pickbed {
 
 struct LookAlikeOptions {
   double max_gap_diameters = 0.05;   // mean distance of the turned surface from the part's
-  double min_move_diameters = 0.25;  // pose distance from the part's own poses, and from each other
-  int most = 10;
+  double min_move_diameters = 0.12;  // pose distance from the part's own poses, and from each other
+  int most = 40;
 };
 
 // Moves S_O such that X_CO * S_O nearly covers X_CO, the best covering first: of the rotations of a
-// cube and of turns by 30 degrees, in the part's principal and in its mesh's axes, each moved to
+// cube and of turns by 15 degrees, in the part's principal and in its mesh's axes, each moved to
 // where it covers the part best, those within the gap.
 std::vector<Pose> LookAlikes(const ObjectModel& model, const ModelPoints& points,
                              const PoseDistance& distance, const LookAlikeOptions& options = {});

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scenes/check.h"
+#include "scenes/parallel.h"
 #include "scenes/random.h"
 
 namespace pickbed {
@@ -79,7 +80,7 @@ NeighborIndex& NeighborIndex::operator=(NeighborIndex&&) noexcept = default;
 
 int NeighborIndex::size() const { return impl_->count; }
 
-Neighbors NeighborIndex::Search(std::span<const float> queries, int k) const {
+Neighbors NeighborIndex::Search(std::span<const float> queries, int k, int threads) const {
   if (!impl_->trees) return SearchExactly(impl_->rows, queries, impl_->dimensions, k);
   const size_t count = queries.size() / impl_->dimensions;
   Neighbors found{k, std::vector<int>(count * k, -1), std::vector<float>(count * k, 0)};
@@ -87,11 +88,16 @@ Neighbors NeighborIndex::Search(std::span<const float> queries, int k) const {
   const int reachable = std::min(k, impl_->count);
   flann::SearchParams params(impl_->options.checks);
   params.cores = 1;
-  // FLANN's matrices are not const-correct; it only reads the queries.
-  const flann::Matrix<float> query(const_cast<float*>(queries.data()), count, impl_->dimensions);
-  flann::Matrix<int> rows(found.rows.data(), count, k);
-  flann::Matrix<float> squared(found.squared.data(), count, k);
-  impl_->trees->knnSearch(query, rows, squared, reachable, params);
+  const size_t length = impl_->dimensions;
+  ForRanges(static_cast<int>(count), threads, [&](int begin, int end) {
+    const size_t size = end - begin;
+    // FLANN's matrices are not const-correct; it only reads the queries.
+    const flann::Matrix<float> query(const_cast<float*>(queries.data()) + begin * length, size,
+                                     length);
+    flann::Matrix<int> rows(found.rows.data() + static_cast<size_t>(begin) * k, size, k);
+    flann::Matrix<float> squared(found.squared.data() + static_cast<size_t>(begin) * k, size, k);
+    impl_->trees->knnSearch(query, rows, squared, reachable, params);
+  });
   return found;
 }
 

@@ -35,7 +35,7 @@ class NeighborIndex {
   NeighborIndex& operator=(NeighborIndex&&) noexcept;
 
   int size() const;
-  Neighbors Search(std::span<const float> queries, int k) const;
+  Neighbors Search(std::span<const float> queries, int k, int threads = 1) const;
 
  private:
   struct Impl;

@@ -47,6 +47,7 @@ struct EstimatorSetup {
   double working_distance_m = 0.85;     // camera to parts, for code books
   LabelledViewSource* views = nullptr;  // over the same objects; may be null when no view is needed
   std::filesystem::path cache_dir;
+  int threads = 1;  // at most; results are the same for any number
   std::function<void(std::string_view what, double share)> on_progress;  // may be empty
 };
 

@@ -14,7 +14,7 @@ namespace pickbed {
 namespace {
 
 // Raise when the meaning of the file changes; older readers then say so.
-constexpr int64_t kModelVersion = 2;
+constexpr int64_t kModelVersion = 3;
 constexpr const char* kMagic = "pickbed descriptor model";
 
 constexpr Eigen::Index kVerifierScalars = 3;  // b2 and the calibration

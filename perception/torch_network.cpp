@@ -8,6 +8,7 @@
 #include "perception/networks/patch_network.h"
 #include "perception/patch.h"
 #include "scenes/check.h"
+#include "scenes/parallel.h"
 
 namespace pickbed {
 namespace {
@@ -64,18 +65,22 @@ DescriptorNetwork& DescriptorNetwork::operator=(DescriptorNetwork&&) noexcept = 
 
 const NetworkOptions& DescriptorNetwork::options() const { return impl_->options; }
 
-std::vector<float> DescriptorNetwork::Describe(std::span<const int8_t> patches) const {
-  const torch::InferenceMode no_gradients;
+std::vector<float> DescriptorNetwork::Describe(std::span<const int8_t> patches, int threads) const {
   const int64_t count = static_cast<int64_t>(patches.size()) / kPatchValues;
   std::vector<float> descriptors(count * length());
-  for (int64_t first = 0; first < count; first += kChunk) {
+  const auto describe = [&](int64_t first) {
     const int64_t size = std::min(kChunk, count - first);
     const at::Tensor rows =
         impl_->network
             ->Forward(ToTensor(patches.subspan(first * kPatchValues, size * kPatchValues)))
             .contiguous();
     std::copy_n(rows.data_ptr<float>(), rows.numel(), descriptors.begin() + first * length());
-  }
+  };
+  const int chunks = static_cast<int>((count + kChunk - 1) / kChunk);
+  ForRanges(chunks, threads, [&](int begin, int end) {
+    const torch::InferenceMode no_gradients;  // of this thread
+    for (int chunk = begin; chunk < end; ++chunk) describe(chunk * kChunk);
+  });
   return descriptors;
 }
 

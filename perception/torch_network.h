@@ -1,7 +1,8 @@
 #pragma once
 
 // The descriptor network behind a header that is free of libtorch: describes patches, learns from
-// batches, and gives its state as bytes. Everything runs on one thread, so that results repeat.
+// batches, and gives its state as bytes. What is
+// computed for a patch depends on no thread, so that results repeat.
 
 #include <cstdint>
 #include <memory>
@@ -40,7 +41,7 @@ class DescriptorNetwork {
   int length() const { return options().descriptor; }
 
   // count x length values, rows of unit length, of count patches of patch.h.
-  std::vector<float> Describe(std::span<const int8_t> patches) const;
+  std::vector<float> Describe(std::span<const int8_t> patches, int threads = 1) const;
 
   // One step of Adam; returns the loss before it.
   double TrainStep(const TrainingBatch& batch, const LossOptions& loss, double learning_rate);

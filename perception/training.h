@@ -38,7 +38,8 @@ struct TrainingOptions {
   NetworkOptions network;
   LossOptions loss;
   VerifierOptions verifier;
-  CandidateOptions candidates;  // how the candidates are found that the verifier learns on
+  // How the candidates are found that the verifier learns on.
+  CandidateOptions candidates = HardCandidates();
   void Visit(SettingsVisitor& v);
 };
 

@@ -123,8 +123,9 @@ TrainedVerifier TrainPartVerifier(LabelledViewSource& views, const VerifierPart&
   std::vector<ScoredPose> reported;
   for (size_t i = learned; i < piles.size(); ++i) {
     const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
-    const auto set = FinalSet(cloud, finder.model_points(), distances, {&trained.verifier, 1},
-                              found[i], {kNoScore, FinalSetOptions().merge_diameters, {}});
+    const auto set =
+        FinalSet(cloud, finder.assessor().model_points(), distances, {&trained.verifier, 1},
+                 found[i], {kNoScore, FinalSetOptions().merge_diameters, {}});
     const auto judged = Judge(set, piles[i], part.object, distances.front());
     reported.insert(reported.end(), judged.begin(), judged.end());
   }

@@ -6,6 +6,7 @@
 
 #include <functional>
 
+#include "perception/candidates.h"
 #include "perception/final_set.h"
 #include "perception/torch_verifier.h"
 #include "scenes/labelled_view.h"

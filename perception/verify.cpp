@@ -13,7 +13,6 @@ struct FitCounts {
   int inlier = 0, hidden = 0, violated = 0, wrong_normal = 0, tight = 0;
   double sum_squared_m2 = 0;  // of the inliers
   double cos_sum = 0;         // of the angles between normals and rays
-  double misfit = 0;          // sum of bounded squared distances, 1 for a contradiction
 
   double Share(int count) const { return points > 0 ? static_cast<double>(count) / points : 0.0; }
 };
@@ -51,11 +50,7 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
     const Eigen::Vector3f d = cloud.points_C[pixel] - p;
     const float off_plane = n.dot(d);
     if (std::abs(off_plane) >= inlier_m || std::abs(d.z()) >= kMaxDepthBands * inlier_m) {
-      // What is hidden speaks neither for nor against, but a pose that hides is worth less than one
-      // that shows.
-      constexpr double kHiddenMisfit = 0.4;
       ++(d.z() > 0 ? c.violated : c.hidden);
-      c.misfit += d.z() > 0 ? 1 : kHiddenMisfit;
       continue;
     }
     if (!cloud.foreground.data()[pixel]) continue;
@@ -63,13 +58,11 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
     const bool has_normal = !seen.isZero(0);
     if (has_normal && seen.dot(n) < min_cos) {
       ++c.wrong_normal;
-      c.misfit += 1;
       continue;
     }
     ++c.inlier;
     c.tight += has_normal && std::abs(off_plane) < tight_m;
     c.sum_squared_m2 += off_plane * off_plane;
-    c.misfit += (off_plane / inlier_m) * (off_plane / inlier_m);
   }
   return c;
 }
@@ -159,7 +152,8 @@ FitReport MeasureFit(const OrganizedCloud& cloud, const ModelPoints& model, cons
 }
 
 VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoints& model,
-                                     const Pose& X_CO, double agreeing_votes, FitReport& fit) {
+                                     const Pose& X_CO, const DepthEvidence& evidence,
+                                     double agreeing_votes, FitReport& fit) {
   constexpr double kMaxPixelShare = 4;  // more says no more, and tiny silhouettes would explode
   const VerifyBands bands;
   const FitCounts c = CountFit(cloud, model, X_CO, bands);
@@ -167,6 +161,9 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
   const double expected = std::max(1.0, ExpectedPixels(cloud, model, X_CO, c));
   const auto pixel_share = [&](double pixels) {
     return static_cast<float>(std::min(kMaxPixelShare, pixels / expected));
+  };
+  const auto of_drawn = [&](double sum) {
+    return static_cast<float>(sum / std::max(1.0, evidence.covered));
   };
   const bool refinement_kept = fit.refinement_kept;
   fit = ToReport(c);
@@ -181,8 +178,33 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
           static_cast<float>(std::log1p(model.VisibleFrom(X_CO).size())),
           static_cast<float>(std::log1p(std::max(0.0, agreeing_votes))),
           pixel_share(scene.explained),
-          static_cast<float>(c.points > 0 ? c.misfit / c.points : 1) + pixel_share(scene.near),
-          0.0f};
+          of_drawn(evidence.log_ratio),
+          0.0f,
+          of_drawn(evidence.agreeing),
+          of_drawn(evidence.hidden),
+          of_drawn(evidence.violated),
+          of_drawn(evidence.wrong_normal)};
+}
+
+void MarkExplained(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
+                   std::vector<uint8_t>& explained) {
+  const Eigen::Isometry3f X_OC = X_CO.inverse(Eigen::Isometry).cast<float>();
+  const Eigen::Vector3f center_C = (X_CO * model.center_O.cast<double>()).cast<float>();
+  const float explained_m = BandScale(center_C.z()) * static_cast<float>(VerifyBands().explained_m);
+  const PixelBox box = BallPixels(cloud.intrinsics, center_C, model.radius_m + explained_m);
+  for (int y = box.y0; y < box.y1; ++y) {
+    for (int x = box.x0; x < box.x1; ++x) {
+      const size_t pixel = static_cast<size_t>(y) * cloud.intrinsics.width + x;
+      if (!cloud.foreground.data()[pixel]) continue;
+      if (model.distance.At(X_OC * cloud.points_C[pixel]) < explained_m) explained[pixel] = 1;
+    }
+  }
+}
+
+float EvidenceMargin(double log_ratio, double rival_log_ratio) {
+  constexpr double kHalf = 200;  // nats, of a margin of one half: some 70 pixels
+  const double nats = log_ratio - rival_log_ratio;
+  return static_cast<float>(nats / (std::abs(nats) + kHalf));
 }
 
 double Verifier::Score(const VerifyFeatures& features) const {

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "perception/depth_evidence.h"
 #include "perception/depth_to_cloud.h"
 #include "perception/model_points.h"
 #include "perception/pose_hypothesis.h"
@@ -31,8 +32,9 @@ struct VerifyBands {
 double QuickScore(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                   double tau_m = 0.008, int max_points = 120);
 
-inline constexpr int kVerifyFeatures = 12;
-inline constexpr int kMisfitFeature = 10, kMarginFeature = 11;
+inline constexpr int kVerifyFeatures = 16;
+inline constexpr int kMarginFeature = 11, kAgreeingFeature = 12, kViolatedFeature = 14,
+                     kWrongNormalFeature = 15;
 using VerifyFeatures = std::array<float, kVerifyFeatures>;
 
 // Shares of the visible model points. An inlier lies on the surface seen; where the pixel has a
@@ -43,18 +45,25 @@ FitReport MeasureFit(const OrganizedCloud& cloud, const ModelPoints& model, cons
                      const VerifyBands& bands = {});
 
 // In order: inlier, hidden, violated, wrong-normal and tight-inlier shares; near and farther
-// unexplained scene points; log visible points; log agreeing raw votes; explained share; misfit;
-// margin. The counts of scene points are over the pixels that the part would cover were it not
-// hidden. The misfit is the mean over the visible model points of a bounded squared distance, 1
-// where the point is contradicted. The margin, how much worse the best rival at the same place
-// fits, is for the caller to fill, who knows the rivals; it is 0. No allocation.
+// unexplained scene points; log visible points; log agreeing raw votes; explained share; evidence a
+// pixel; margin; agreeing, hidden, violated and wrong-normal shares of the pixels drawn. The counts
+// of scene points are over the pixels that the part would cover were it not hidden. The margin is
+// for the caller to fill, who knows the rivals; it is 0. No allocation.
 VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoints& model,
-                                     const Pose& X_CO, double agreeing_votes, FitReport& fit);
+                                     const Pose& X_CO, const DepthEvidence& evidence,
+                                     double agreeing_votes, FitReport& fit);
 
-// A 12-24-1 perceptron with tanh, inputs standardised; output P(pose right).
+// Sets the pixels whose points lie on the model's surface, in an array of the image's size.
+void MarkExplained(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
+                   std::vector<uint8_t>& explained);
+
+// By how much the evidence for a pose exceeds that for a rival, in nats, between -1 and 1.
+float EvidenceMargin(double log_ratio, double rival_log_ratio);
+
+// A 16-24-1 perceptron with tanh, inputs standardised; output P(pose right).
 struct Verifier {
-  Eigen::VectorXf mean, scale;  // 12; input i is (feature - mean) / scale
-  Eigen::MatrixXf w1;           // 24 x 12
+  Eigen::VectorXf mean, scale;  // 16; input i is (feature - mean) / scale
+  Eigen::MatrixXf w1;           // 24 x 16
   Eigen::VectorXf b1, w2;       // 24
   float b2 = 0;
   float calibration_scale = 1, calibration_shift = 0;  // of the logit

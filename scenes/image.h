@@ -14,6 +14,14 @@ struct Rgb8 {
   friend bool operator==(const Rgb8&, const Rgb8&) = default;
 };
 
+// A rectangle of an image.
+struct ImageBox {
+  int x = 0;  // px, of the first column
+  int y = 0;
+  int width = 0;
+  int height = 0;
+};
+
 template <typename T>
 class Image {
  public:

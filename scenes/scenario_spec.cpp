@@ -108,6 +108,7 @@ void PartSpec::Visit(SettingsVisitor& v) {
   v.Text("unit", unit, {"m", "cm", "mm", "in"}, "of the mesh's coordinates");
   v.Real("mass_kg", mass_kg, {0, 100}, "mass of the part, kg; only with mesh");
   v.Real("friction", friction, {0.01, 2}, "against a gripper pad; only with mesh");
+  v.Bool("foreign", foreign, "in the bin, but neither known to the estimator nor wanted");
 }
 
 void CameraSpec::Visit(SettingsVisitor& v) {
@@ -217,6 +218,9 @@ void ScenarioSpec::Validate() const {
                          bin.inner_size_m.z(), kSmallestFloor_m));
   CheckInput(!objects.empty(),
              At("objects") + ": the scenario drops nothing; add '- {name: rod, count: 5}'");
+  CheckInput(!std::all_of(objects.begin(), objects.end(),
+                          [](const PartSpec& part) { return part.foreign; }),
+             At("objects") + ": all parts are foreign; one at least must be wanted");
   std::set<std::string> names;
   for (size_t i = 0; i < objects.size(); ++i) {
     const PartSpec& part = objects[i];

@@ -27,6 +27,7 @@ struct PartSpec {
   std::string unit = "m";
   double mass_kg = 0;
   double friction = 0.5;
+  bool foreign = false;  // in the bin, but neither known to the estimator nor wanted
   void Visit(SettingsVisitor& v);
 };
 

@@ -2,7 +2,7 @@
 
 // From poses and cameras to what the vertex shader takes.
 
-#include "sim/footprint.h"
+#include "scenes/footprint.h"
 #include "sim/gl_objects.h"
 #include "sim/renderer.h"
 

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "scenes/mesh_levels.h"
 #include "scenes/triangle_mesh.h"
 #include "sim/gl_functions.h"
-#include "sim/mesh_levels.h"
 
 namespace pickbed {
 

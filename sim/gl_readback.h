@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/footprint.h"
+#include "scenes/footprint.h"
 #include "sim/gl_targets.h"
 #include "sim/renderer.h"
 

@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "scenes/mesh_levels.h"
 #include "sim/cpu_raster.h"
 #include "sim/gl_objects.h"
-#include "sim/mesh_levels.h"
 #include "sim/renderer.h"
 
 namespace pickbed {

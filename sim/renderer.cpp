@@ -9,13 +9,13 @@
 #include <utility>
 
 #include "scenes/check.h"
+#include "scenes/footprint.h"
+#include "scenes/mesh_levels.h"
 #include "sim/atlas.h"
-#include "sim/footprint.h"
 #include "sim/gl_attributes.h"
 #include "sim/gl_drawer.h"
 #include "sim/gl_readback.h"
 #include "sim/gl_targets.h"
-#include "sim/mesh_levels.h"
 #include "sim/plain_drawer.h"
 #include "sim/shadow_map.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/footprint.h"
+#include "scenes/footprint.h"
 #include "sim/gl_attributes.h"
 
 namespace pickbed {

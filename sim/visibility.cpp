@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/footprint.h"
+#include "scenes/footprint.h"
 
 namespace pickbed {
 namespace {

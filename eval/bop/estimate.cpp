@@ -91,6 +91,7 @@ class Runner {
       view_options.camera = first.intrinsics;
       views_ = MakeSimViewSource(setup.objects, view_options);
     }
+    setup.threads = options.threads;
     setup.views = views_.get();
     setup.cache_dir = CacheDir();
     if (on_progress) {

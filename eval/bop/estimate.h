@@ -16,6 +16,7 @@ struct EstimateOptions {
   EstimatorSpec estimator;
   std::string refiner = "pcl_icp";
   uint64_t seed = 0;
+  int threads = 1;  // at most; results are the same for any number
 };
 
 struct EstimateProgress {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/footprint.h"
+#include "scenes/footprint.h"
 
 namespace pickbed::bop {
 namespace {

@@ -38,30 +38,33 @@ class DescriptorEstimator : public PoseEstimator {
   DescriptorEstimator(const EstimatorSetup& setup, const DescriptorOptions& options)
       : options_(options),
         refiner_(setup.refiner),
+        threads_(setup.threads),
         model_(LoadModel(DescriptorModelFile(setup.spec))) {
     options_.final_set.min_score = setup.spec.min_score;
     trained_ = TrainedParts(model_.info, setup.objects, DescriptorModelFile(setup.spec));
     for (const int part : trained_) verifiers_.push_back(model_.verifiers[part]);
-    finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(), options.candidates);
-    for (const auto& object : setup.objects) distances_.emplace_back(*object);
+    finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(), options.candidates,
+                                                setup.threads);
   }
 
   EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override;
 
  private:
   DescribePatches Describe() const {
-    return [this](std::span<const int8_t> patches) { return model_.network.Describe(patches); };
+    return [this](std::span<const int8_t> patches) {
+      return model_.network.Describe(patches, threads_);
+    };
   }
   std::vector<CandidatePart> Parts(const EstimatorSetup& setup) const;
   ObjectCodes Codes(const EstimatorSetup& setup, int object, double side_m) const;
 
   DescriptorOptions options_;
   std::string refiner_;
+  int threads_;
   DescriptorModel model_;
   std::vector<int> trained_;         // index into model_.info.objects of each part
   std::vector<Verifier> verifiers_;  // of each part
   std::unique_ptr<CandidateFinder> finder_;
-  std::vector<PoseDistance> distances_;
 };
 
 std::vector<CandidatePart> DescriptorEstimator::Parts(const EstimatorSetup& setup) const {
@@ -104,11 +107,13 @@ EstimateResult DescriptorEstimator::Estimate(const EstimatorInput& input, Rng& r
   const std::vector<Candidate> candidates = finder_->Find(cloud, rng, result.seconds);
   {
     const StageTimer timer(result.seconds, "suppress");
-    result.hypotheses = FinalSet(cloud, finder_->model_points(), distances_, verifiers_, candidates,
-                                 options_.final_set);
+    result.hypotheses =
+        FinalSet(cloud, finder_->assessor().model_points(), finder_->assessor().distances(),
+                 verifiers_, candidates, options_.final_set);
   }
   const StageTimer timer(result.seconds, "refine");
-  PolishPoses(refiner_, cloud, finder_->model_points(), options_.polish, result.hypotheses);
+  PolishPoses(refiner_, cloud, finder_->assessor().model_points(), options_.polish,
+              result.hypotheses);
   return result;
 }
 
@@ -136,10 +141,7 @@ DescriptorOptions OptionsForMode(const std::string& mode) {
   DescriptorOptions options;
   if (mode == "fast") return options;
   CheckInput(mode == "hard", UnknownNameMessage("estimator mode", mode, {"fast", "hard"}));
-  options.candidates.points = 1200;
-  options.candidates.candidates = 600;
-  options.candidates.two_gates = true;
-  options.candidates.turned = 30;
+  options.candidates = HardCandidates();
   return options;
 }
 

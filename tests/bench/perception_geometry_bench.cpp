@@ -97,10 +97,19 @@ void BulkIcp(benchmark::State& state) {
 }
 BENCHMARK(BulkIcp)->Name("projective_icp/bracket/150")->Unit(benchmark::kMicrosecond);
 
+void Evidence(benchmark::State& state) {
+  const DepthEvidenceOf evidence(*BracketPile().objects.front());
+  EvidenceScratch scratch;
+  ForEachPose(state, [&](const Pile& pile, const Pose& X_CO) {
+    benchmark::DoNotOptimize(evidence(pile.cloud, X_CO, scratch));
+  });
+}
+BENCHMARK(Evidence)->Name("depth_evidence/bracket/1500")->Unit(benchmark::kMicrosecond);
+
 void Verify(benchmark::State& state) {
   ForEachPose(state, [](const Pile& pile, const Pose& X_CO) {
     FitReport fit;
-    benchmark::DoNotOptimize(ComputeVerifyFeatures(pile.cloud, pile.models[0], X_CO, 3, fit));
+    benchmark::DoNotOptimize(ComputeVerifyFeatures(pile.cloud, pile.models[0], X_CO, {}, 3, fit));
   });
 }
 BENCHMARK(Verify)->Name("verify/bracket/600")->Unit(benchmark::kMicrosecond);

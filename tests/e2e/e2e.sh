@@ -55,6 +55,19 @@ jobs_do_not_matter() {
   done
 }
 
+foreign_parts_are_not_wanted() {
+  cat >foreign.yaml <<'YAML'
+trials: 1
+objects:
+  - {name: flange, count: 2, foreign: true}
+  - {name: rod, count: 3}
+YAML
+  expect 0 "$pickbed" run foreign.yaml "${small[@]}" --out one --pictures 0
+  grep -q "^0,3," one/trials.csv || fail "foreign parts count as dropped ones"
+  expect 1 "$pickbed" run foreign.yaml --set objects.1.foreign=true --out two
+  grep -q "all parts are foreign" last.err || fail "nothing is wanted, and it runs"
+}
+
 another_seed_gives_other_results() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out one
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out two --set seed=8

@@ -73,7 +73,7 @@ TEST(Comparison, TheOracleIsPerfectAndADisturbedOneIsNot) {
   spec.trials = 2;
   ComparedEstimator far{"far", spec.estimator};
   far.spec.noise_mm = 30;
-  const ComparisonJob job{spec, EasyCube(), {{"oracle", spec.estimator}, far}, {}, 0, {}, {}};
+  const ComparisonJob job{spec, EasyCube(), {{"oracle", spec.estimator}, far}, {}, 0, 1, {}, {}};
   const std::vector<ComparedRow> rows = CompareEstimators(job);
   ASSERT_EQ(rows.size(), 2u);
   const ComparisonFigures right = FiguresOf(rows[0]), wrong = FiguresOf(rows[1]);
@@ -86,6 +86,27 @@ TEST(Comparison, TheOracleIsPerfectAndADisturbedOneIsNot) {
   EXPECT_LT(wrong.recall(), 0.5);
   EXPECT_LT(rows[1].bop.ar(), 0.5);
   EXPECT_EQ(ComparisonCsv(rows, job.objects), ComparisonCsv(CompareEstimators(job), job.objects));
+}
+
+// Cubes that look alike, half of them foreign: those are neither asked for nor counted.
+TEST(Comparison, ForeignPartsDoNotCount) {
+  ScenarioSpec spec = CubeScenario(3);
+  spec.trials = 2;
+  spec.objects.insert(spec.objects.begin(), spec.objects.front());
+  spec.objects[0].name = "other";
+  spec.objects[0].foreign = true;
+  const ObjectSet objects{EasyCube()[0], EasyCube()[0]};
+  const ComparisonJob job{spec, objects, {{"oracle", spec.estimator}}, {}, 0, 1, {}, {}};
+  const std::vector<ComparedRow> rows = CompareEstimators(job);
+  for (const ComparedLook& look : rows[0].looks) {
+    for (const HypothesisScore& pose : look.score.hypotheses) EXPECT_EQ(pose.object, 1);
+  }
+  const ComparisonFigures f = FiguresOf(rows[0]);
+  EXPECT_EQ(f.recall(), 1);
+  EXPECT_EQ(f.precision(), 1);
+  EXPECT_LE(f.instances, 6);
+  EXPECT_GT(f.instances, 3);
+  EXPECT_EQ(FiguresOf(rows[0], 0).instances, 0);
 }
 
 TEST(Comparison, LabelsNameEstimatorAndMode) {

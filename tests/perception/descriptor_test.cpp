@@ -111,6 +111,23 @@ TEST_F(Descriptor, FindsPartsThatLieFree) {
   EXPECT_GE(top_right, 5);
 }
 
+TEST_F(Descriptor, ThreadsAndRoundsChangeNoAnswerAndAddPoses) {
+  const LabelledView view = views_->Pile({8, 1}).front();
+  DescriptorOptions options = Options();
+  options.candidates.rounds = 2;
+  EstimatorSetup setup = MakeSetup();
+  const EstimateResult one = Run(*MakeDescriptorEstimator(setup, options), view);
+  setup.threads = 3;
+  const EstimateResult three = Run(*MakeDescriptorEstimator(setup, options), view);
+  ASSERT_EQ(one.hypotheses.size(), three.hypotheses.size());
+  for (size_t i = 0; i < one.hypotheses.size(); ++i) {
+    EXPECT_EQ(one.hypotheses[i].score, three.hypotheses[i].score);
+    EXPECT_EQ(one.hypotheses[i].X_CO.matrix(), three.hypotheses[i].X_CO.matrix());
+  }
+  EXPECT_GE(one.hypotheses.size(),
+            Run(*MakeDescriptorEstimator(MakeSetup(), Options()), view).hypotheses.size());
+}
+
 TEST_F(Descriptor, HypothesesAreRankedScoredAndTimed) {
   const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
   const EstimateResult result = Run(*estimator, views_->Pile({7, 1}).front());
@@ -122,8 +139,8 @@ TEST_F(Descriptor, HypothesesAreRankedScoredAndTimed) {
       EXPECT_LE(result.hypotheses[i].score, result.hypotheses[i - 1].score);
     }
   }
-  for (const char* stage : {"cloud", "patches", "network", "neighbors", "quick", "icp", "verify",
-                            "suppress", "refine"}) {
+  for (const char* stage : {"cloud", "patches", "network", "neighbors", "quick", "icp",
+                            "look_alikes", "verify", "suppress", "refine"}) {
     EXPECT_TRUE(result.seconds.contains(stage)) << stage;
   }
 }

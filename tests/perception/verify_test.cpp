@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scenes/random.h"
@@ -32,8 +33,10 @@ class SlabView : public ::testing::Test {
 
   VerifyFeatures FeaturesOf(const RgbdFrame& frame, const Pose& X_CO, double votes = 0) const {
     FitReport fit;
-    return ComputeVerifyFeatures(BuildCloud(frame, std::nullopt, kKeepAll), model_, X_CO, votes,
-                                 fit);
+    EvidenceScratch scratch;
+    const OrganizedCloud cloud = BuildCloud(frame, std::nullopt, kKeepAll);
+    const DepthEvidence evidence = DepthEvidenceOf(*object_)(cloud, X_CO, scratch);
+    return ComputeVerifyFeatures(cloud, model_, X_CO, evidence, votes, fit);
   }
 
   // Sets depth where the camera sees the slab's left half.
@@ -136,6 +139,36 @@ TEST_F(SlabView, TightInliersAreFewerAtTwoMillimetres) {
   EXPECT_GT(f[0], 0.9);
   EXPECT_LT(f[4], 0.05);
   EXPECT_GT(FeaturesOf(frame, X_CO_)[4], 0.85);
+}
+
+TEST_F(SlabView, ExactSharesAreThoseOfThePoints) {
+  RgbdFrame frame = Render();
+  PaintLeftHalf(frame, 0.3f);
+  const VerifyFeatures hidden = FeaturesOf(frame, X_CO_);
+  EXPECT_NEAR(hidden[kAgreeingFeature], hidden[0], 0.06);
+  EXPECT_NEAR(hidden[13], hidden[1], 0.06);
+  PaintLeftHalf(frame, 0.6f);
+  const VerifyFeatures violated = FeaturesOf(frame, X_CO_);
+  EXPECT_NEAR(violated[kViolatedFeature], violated[2], 0.06);
+}
+
+TEST_F(SlabView, MarksTheFacesPixelsAlone) {
+  const RgbdFrame frame = Render();
+  const OrganizedCloud cloud = BuildCloud(frame, std::nullopt, kKeepAll);
+  std::vector<uint8_t> marked(cloud.points_C.size());
+  MarkExplained(cloud, model_, Translation({0, 0, 0.006}) * X_CO_, marked);
+  EXPECT_LT(std::count(marked.begin(), marked.end(), 1),
+            0.1 * static_cast<double>(cloud.foreground_pixels.size()));
+  MarkExplained(cloud, model_, X_CO_, marked);
+  for (size_t i = 0; i < marked.size(); ++i) EXPECT_EQ(marked[i], cloud.foreground.data()[i]);
+}
+
+TEST(EvidenceMargin, IsOddBoundedAndRising) {
+  EXPECT_EQ(EvidenceMargin(500, 500), 0);
+  EXPECT_FLOAT_EQ(EvidenceMargin(900, 700), 0.5f);
+  EXPECT_FLOAT_EQ(EvidenceMargin(700, 900), -0.5f);
+  EXPECT_GT(EvidenceMargin(1e7, 0), 0.99f);
+  EXPECT_LE(EvidenceMargin(1e7, 0), 1.0f);
 }
 
 TEST_F(SlabView, FeaturesAreFiniteEverywhere) {

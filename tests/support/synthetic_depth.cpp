@@ -17,7 +17,7 @@ struct Box {
   int x0, y0, x1, y1;
 };
 
-Box ImageBox(const CameraIntrinsics& k, const TriangleMesh& mesh_C) {
+Box PixelsOf(const CameraIntrinsics& k, const TriangleMesh& mesh_C) {
   constexpr double kFarOff = 1e6;
   Eigen::Vector2d low(kFarOff, kFarOff), high = -low;
   for (const Eigen::Vector3d& p : mesh_C.vertices) {
@@ -70,7 +70,7 @@ void SyntheticDepth::AddMesh(const TriangleMesh& mesh_O, const Pose& X_CO) {
   const CameraIntrinsics& k = frame_.intrinsics;
   const TriangleMesh mesh_C = Transformed(mesh_O, X_CO);
   const MeshQuery query(mesh_C);
-  const Box box = ImageBox(k, mesh_C);
+  const Box box = PixelsOf(k, mesh_C);
   for (int y = box.y0; y < box.y1; ++y) {
     for (int x = box.x0; x < box.x1; ++x) {
       const auto hit = query.Raycast(Eigen::Vector3d::Zero(), Ray(k, x, y).normalized(), 0,

@@ -1,8 +1,8 @@
 #pragma once
 
-// How the rasteriser's loops are compiled. Private to its .cpp files.
+// How loops over pixels are compiled. Private to .cpp files.
 //
-// There are versions of the same arithmetic for processors with wider vectors; sim/CMakeLists.txt
+// There are versions of the same arithmetic for processors with wider vectors; CMakeLists.txt
 // has the compiler round products and sums one by one, so that their results are the same.
 
 #define PICKBED_WIDTHS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))

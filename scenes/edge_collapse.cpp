@@ -1,4 +1,4 @@
-#include "sim/edge_collapse.h"
+#include "scenes/edge_collapse.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "sim/mesh_levels.h"
+#include "scenes/mesh_levels.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "scenes/edge_collapse.h"
 #include "scenes/mesh_query.h"
-#include "sim/edge_collapse.h"
 
 namespace pickbed {
 namespace {

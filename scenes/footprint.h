@@ -3,19 +3,12 @@
 // Where a box lands in an image.
 
 #include "scenes/camera.h"
+#include "scenes/image.h"
 #include "scenes/triangle_mesh.h"
 
 namespace pickbed {
 
 inline constexpr double kNearestDrawn_m = 0.005;  // nothing nearer to the camera is drawn
-
-// A rectangle of an image.
-struct ImageBox {
-  int x = 0;  // px, of the first column
-  int y = 0;
-  int width = 0;
-  int height = 0;
-};
 
 struct Footprint {
   double near_m = 0;  // depth of the box's nearest and farthest corner, may be negative

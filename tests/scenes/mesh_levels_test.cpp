@@ -1,4 +1,4 @@
-#include "sim/mesh_levels.h"
+#include "scenes/mesh_levels.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/footprint.h"
+#include "scenes/footprint.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,6 @@
 #pragma once
 
-// The nearest triangle of each pixel: the first half of sim/cpu_raster.h. Private to sim's .cpp
-// files.
+// The nearest triangle of each pixel: the inner loop of scenes/face_raster.h.
 
 #include <array>
 #include <cstddef>

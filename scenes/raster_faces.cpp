@@ -1,10 +1,10 @@
-#include "sim/raster_faces.h"
+#include "scenes/raster_faces.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <utility>
 
-#include "sim/raster_vectors.h"
+#include "scenes/raster_vectors.h"
 
 namespace pickbed {
 namespace {

@@ -1,0 +1,295 @@
+#include "perception/assessment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "perception/look_alikes.h"
+#include "scenes/parallel.h"
+
+namespace pickbed {
+namespace {
+
+// By how much the evidence exceeds that for the best rival: another pose of the part at the same
+// place. 1 where there is none.
+void FillMargins(const PoseDistance& distance, const Eigen::Vector3d& middle_O,
+                 const std::vector<Candidate*>& candidates) {
+  constexpr double kRivalDiameters = 0.3, kOtherPoseDiameters = 0.12;
+  const double near_m = kRivalDiameters * distance.diameter_m();
+  std::vector<Eigen::Vector3d> middles_C;
+  for (const Candidate* c : candidates) middles_C.push_back(c->hypothesis.X_CO * middle_O);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    Candidate& candidate = *candidates[i];
+    float margin = 1;
+    for (size_t j = 0; j < candidates.size(); ++j) {
+      const float over = EvidenceMargin(candidate.evidence, candidates[j]->evidence);
+      if (over >= margin || j == i) continue;
+      if ((middles_C[i] - middles_C[j]).norm() > near_m) continue;
+      const Pose& X_CO = candidates[j]->hypothesis.X_CO;
+      if (distance(candidate.hypothesis.X_CO, X_CO) > kOtherPoseDiameters) margin = over;
+    }
+    candidate.features[kMarginFeature] = margin;
+  }
+}
+
+// How many poses lie at each place so far.
+class Crowding {
+ public:
+  explicit Crowding(double radius_m) : radius_m_(radius_m) {}
+
+  // False when there are `most` at this place already; counts the pose otherwise.
+  bool Admit(const Eigen::Vector3d& middle_C, int most) {
+    const auto is_near = [&](const Eigen::Vector3d& other) {
+      return (middle_C - other).norm() < radius_m_;
+    };
+    if (std::count_if(middles_C_.begin(), middles_C_.end(), is_near) >= most) return false;
+    middles_C_.push_back(middle_C);
+    return true;
+  }
+
+ private:
+  double radius_m_;
+  std::vector<Eigen::Vector3d> middles_C_;
+};
+
+constexpr double kSamePlaceDiameters = 0.2;
+
+// Does the pose fit nearly all that can be seen of it, and is that much?
+bool Explains(const VerifyFeatures& f) {
+  constexpr float kLeastAgreeing = 0.3f, kMostContradicted = 0.12f;
+  return f[kAgreeingFeature] > kLeastAgreeing &&
+         f[kViolatedFeature] + f[kWrongNormalFeature] < kMostContradicted * f[kAgreeingFeature];
+}
+
+}  // namespace
+
+void AssessmentOptions::Visit(SettingsVisitor& v) {
+  v.Integer("candidates", candidates, {1, 100000}, "poses refined, all parts together");
+  v.Integer("min_candidates", min_candidates, {1, 100000}, "poses refined for each part at least");
+  v.Real("quick_tau_m", quick_tau_m, {1e-4, 0.1}, "band of the quick score, m");
+  v.Real("density_weight", density_weight, {0, 10}, "of the votes' density in their rank");
+  v.Real("density_diameters", density_diameters, {1e-3, 1}, "votes within it count");
+  v.Real("cluster_diameters", cluster_diameters, {0, 1}, "raw poses within it are one");
+  v.Real("gate_diameters", gate_diameters, {1e-3, 1}, "first gate of ICP, diameters");
+  v.Real("gate_min_m", gate_min_m, {1e-4, 1}, "least gate, m");
+  v.Real("gate_max_m", gate_max_m, {1e-4, 1}, "largest gate, m");
+  v.Bool("two_gates", two_gates, "also try half the gate and keep the better");
+  v.Integer("turned", turned, {0, 100000}, "best poses of a part whose look-alikes are tried");
+  v.Integer("look_alikes", look_alikes, {1, 1000}, "look-alikes of a pose that are refined");
+  v.Real("merge_diameters", merge_diameters, {0, 1}, "refined poses within it are one");
+}
+
+CandidateAssessor::CandidateAssessor(const ObjectSet& objects, const AssessmentOptions& options,
+                                     int threads)
+    : objects_(objects), options_(options), threads_(threads) {
+  for (const auto& object : objects_) {
+    models_.push_back(MakeModelPoints(*object));
+    evidence_.emplace_back(*object);
+    distances_.emplace_back(*object);
+    embeddings_.emplace_back(*object);
+    look_alikes_.push_back(LookAlikes(*object, models_.back(), distances_.back()));
+  }
+}
+
+std::vector<RawHypothesis> CandidateAssessor::QuickScored(
+    const OrganizedCloud& cloud, int part, const std::vector<PoseVote>& votes) const {
+  std::vector<RawHypothesis> scored(votes.size());
+  ForRanges(static_cast<int>(votes.size()), threads_, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const Pose& X_CO = votes[i].X_CO;
+      const double score = QuickScore(cloud, models_[part], X_CO, options_.quick_tau_m);
+      scored[i] = {part, X_CO, static_cast<float>(score)};
+    }
+  });
+  return scored;
+}
+
+VoteDensity CandidateAssessor::Density(int part, const std::vector<PoseVote>& votes) const {
+  const ObjectModel& model = *objects_[part];
+  return VoteDensity(embeddings_[part], model.mass.com_O, model.diameter_m,
+                     options_.density_diameters, votes);
+}
+
+int CandidateAssessor::Kept(double share) const {
+  const int all =
+      std::max(options_.min_candidates, options_.candidates / static_cast<int>(objects_.size()));
+  return std::max(1, static_cast<int>(share * all));
+}
+
+// `scored` are the poses of `votes`. A patch does not agree with itself.
+std::vector<RawHypothesis> CandidateAssessor::Selected(std::vector<RawHypothesis> scored,
+                                                       const VoteDensity& density,
+                                                       const std::vector<PoseVote>& votes,
+                                                       int kept) const {
+  ForRanges(static_cast<int>(votes.size()), threads_, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const double agreeing = density.Around(votes[i].X_CO, votes[i].patch);
+      scored[i].quick_score += static_cast<float>(options_.density_weight * std::log1p(agreeing));
+    }
+  });
+  return ClusterVotes(std::move(scored), distances_, options_.cluster_diameters, kept);
+}
+
+// Quick score becomes the score of the refined pose in the fine gate.
+RawHypothesis CandidateAssessor::Refined(const OrganizedCloud& cloud,
+                                         const RawHypothesis& start) const {
+  const ModelPoints& model = models_[start.object];
+  ProjectiveIcpOptions icp = options_.icp;
+  const double gate = std::clamp(options_.gate_diameters * model.diameter_m, options_.gate_min_m,
+                                 options_.gate_max_m);
+  RawHypothesis best = start;
+  for (int run = 0; run < (options_.two_gates ? 2 : 1); ++run) {
+    icp.gate_m = std::max(run == 0 ? gate : 0.5 * gate, icp.gate_end_m);
+    const Pose X_CO = ProjectiveIcp(cloud, model, start.X_CO, icp).X_CO;
+    const float score = static_cast<float>(QuickScore(cloud, model, X_CO, icp.gate_end_m));
+    if (run > 0 && score <= best.quick_score) continue;
+    best.X_CO = X_CO;
+    best.quick_score = score;
+  }
+  return best;
+}
+
+void CandidateAssessor::Refine(const OrganizedCloud& cloud,
+                               std::vector<RawHypothesis>& poses) const {
+  ForRanges(static_cast<int>(poses.size()), threads_, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) poses[i] = Refined(cloud, poses[i]);
+  });
+}
+
+// Those for which there is most evidence, best first.
+std::vector<Pose> CandidateAssessor::BestLookAlikes(const OrganizedCloud& cloud,
+                                                    const RawHypothesis& start,
+                                                    EvidenceScratch& scratch) const {
+  std::vector<std::pair<double, Pose>> turned;  // nats, X_CO
+  for (const Pose& S_O : look_alikes_[start.object]) {
+    const Pose X_CO = start.X_CO * S_O;
+    turned.emplace_back(evidence_[start.object](cloud, X_CO, scratch).log_ratio, X_CO);
+  }
+  std::stable_sort(turned.begin(), turned.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<Pose> best;
+  for (const auto& [nats, X_CO] : turned) {
+    if (static_cast<int>(best.size()) == options_.look_alikes) break;
+    best.push_back(X_CO);
+  }
+  return best;
+}
+
+// `poses` best first, of one part.
+void CandidateAssessor::AddLookAlikes(const OrganizedCloud& cloud,
+                                      std::vector<RawHypothesis>& poses) const {
+  constexpr int kStartsAtPlace = 2;
+  if (poses.empty()) return;
+  const ModelPoints& model = models_[poses.front().object];
+  Crowding places(kSamePlaceDiameters * model.diameter_m);
+  std::vector<RawHypothesis> starts;
+  for (const RawHypothesis& pose : poses) {
+    if (static_cast<int>(starts.size()) == options_.turned) break;
+    const Eigen::Vector3d middle_C = pose.X_CO * model.center_O.cast<double>();
+    if (places.Admit(middle_C, kStartsAtPlace)) starts.push_back(pose);
+  }
+  std::vector<std::vector<RawHypothesis>> found(starts.size());
+  ForRanges(static_cast<int>(starts.size()), threads_, [&](int begin, int end) {
+    EvidenceScratch scratch;
+    for (int i = begin; i < end; ++i) {
+      for (const Pose& X_CO : BestLookAlikes(cloud, starts[i], scratch)) {
+        found[i].push_back(Refined(cloud, {starts[i].object, X_CO}));
+      }
+    }
+  });
+  for (const auto& of_start : found) poses.insert(poses.end(), of_start.begin(), of_start.end());
+}
+
+std::vector<Candidate> CandidateAssessor::WithFeatures(const OrganizedCloud& cloud,
+                                                       const std::vector<RawHypothesis>& poses,
+                                                       const VoteDensity& density,
+                                                       int patches) const {
+  // Votes that agree are more where more patches vote; the verifier sees them as of this many.
+  constexpr double kUsualPatches = 600;
+  const double per_patch = kUsualPatches / static_cast<double>(patches);
+  std::vector<Candidate> candidates(poses.size());
+  ForRanges(static_cast<int>(poses.size()), threads_, [&](int begin, int end) {
+    EvidenceScratch scratch;
+    for (int i = begin; i < end; ++i) {
+      const int part = poses[i].object;
+      const Pose& X_CO = poses[i].X_CO;
+      Candidate& candidate = candidates[i];
+      candidate.hypothesis = {part, X_CO, poses[i].quick_score, {}};
+      const DepthEvidence evidence = evidence_[part](cloud, X_CO, scratch);
+      candidate.evidence = evidence.log_ratio;
+      candidate.features =
+          ComputeVerifyFeatures(cloud, models_[part], X_CO, evidence,
+                                per_patch * density.Around(X_CO), candidate.hypothesis.fit);
+    }
+  });
+  return candidates;
+}
+
+std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, int part,
+                                                 const std::vector<PoseVote>& votes, int patches,
+                                                 double share, StageSeconds& seconds) const {
+  const int kept = Kept(share);
+  std::vector<RawHypothesis> poses;
+  {
+    const StageTimer timer(seconds, "quick");
+    poses = QuickScored(cloud, part, votes);
+  }
+  std::optional<VoteDensity> density;
+  {
+    const StageTimer timer(seconds, "select");
+    density.emplace(Density(part, votes));
+    poses = Selected(std::move(poses), *density, votes, kept);
+  }
+  {
+    const StageTimer timer(seconds, "icp");
+    Refine(cloud, poses);
+    poses = ClusterVotes(std::move(poses), distances_, options_.merge_diameters, kept);
+  }
+  {
+    const StageTimer timer(seconds, "look_alikes");
+    AddLookAlikes(cloud, poses);
+  }
+  const StageTimer timer(seconds, "verify");
+  return WithFeatures(cloud, poses, *density, patches);
+}
+
+std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
+                                                const std::vector<Candidate>& candidates,
+                                                const std::vector<int>& pixels) const {
+  std::vector<const Candidate*> explaining;
+  for (const Candidate& candidate : candidates) {
+    if (Explains(candidate.features)) explaining.push_back(&candidate);
+  }
+  std::stable_sort(
+      explaining.begin(), explaining.end(),
+      [](const Candidate* a, const Candidate* b) { return a->evidence > b->evidence; });
+  std::vector<uint8_t> explained(cloud.points_C.size());
+  std::vector<Crowding> places;
+  for (const ModelPoints& model : models_)
+    places.emplace_back(kSamePlaceDiameters * model.diameter_m);
+  for (const Candidate* candidate : explaining) {
+    const ModelPoints& model = models_[candidate->hypothesis.object];
+    const Pose& X_CO = candidate->hypothesis.X_CO;
+    if (!places[candidate->hypothesis.object].Admit(X_CO * model.center_O.cast<double>(), 1))
+      continue;
+    MarkExplained(cloud, model, X_CO, explained);
+  }
+  std::vector<int> left;
+  for (const int pixel : pixels) {
+    if (!explained[pixel]) left.push_back(pixel);
+  }
+  return left;
+}
+
+void CandidateAssessor::Compare(std::vector<Candidate>& candidates, StageSeconds& seconds) const {
+  const StageTimer timer(seconds, "verify");
+  std::vector<std::vector<Candidate*>> by_part(objects_.size());
+  for (Candidate& candidate : candidates)
+    by_part[candidate.hypothesis.object].push_back(&candidate);
+  for (size_t part = 0; part < by_part.size(); ++part) {
+    FillMargins(distances_[part], models_[part].center_O.cast<double>(), by_part[part]);
+  }
+}
+
+}  // namespace pickbed

@@ -1,0 +1,122 @@
+#include "perception/depth_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/footprint.h"
+#include "scenes/mesh_checks.h"
+
+namespace pickbed {
+namespace {
+
+constexpr int kAgreementSteps = 64;
+
+// The part of the image that a footprint may touch; empty outside it.
+ImageBox BoxOf(const Footprint& footprint, const CameraIntrinsics& k) {
+  if (!footprint.in_front || !footprint.Overlaps(k)) return {};
+  DrawnBox drawn(k);
+  drawn.Include(footprint);
+  return drawn.box();
+}
+
+// A pixel of the part: depth, and the cosine between its normal and the ray, whose z is 1.
+struct Surface {
+  float z_m = 0;
+  Eigen::Vector3f normal_C;  // unit, towards the camera
+  float along_normal = 0;    // metres along the normal of a metre of depth, negative
+};
+
+Surface SurfaceAt(const RasterFace& face, int x, int y, float inverse, const Eigen::Vector3f& ray) {
+  const float fx = static_cast<float>(x), fy = static_cast<float>(y);
+  Eigen::Vector3f n;
+  for (int k = 0; k < 3; ++k) {
+    n[k] = face.at_origin[k + 1] + fx * face.by_column[k + 1] + fy * face.by_row[k + 1];
+  }
+  n.normalize();
+  const float towards = n.dot(ray);
+  if (towards > 0) return {1 / inverse, -n, -towards};
+  return {1 / inverse, n, towards};
+}
+
+}  // namespace
+
+DepthEvidenceOf::DepthEvidenceOf(const ObjectModel& model, const DepthEvidenceOptions& options)
+    : options_(options),
+      mesh_(model.mesh_O),
+      bounds_O_(MeshBounds(model.mesh_O)),
+      diameter_m_(model.diameter_m) {
+  const MeshReport report = InspectMesh(model.mesh_O);
+  cull_back_ = report.watertight() && report.volume_m3 > 0;
+  const double most = options.max_sigmas * options.max_sigmas;
+  for (int i = 0; i <= kAgreementSteps; ++i) {
+    agreement_.push_back(static_cast<float>(Agreement(most * i / kAgreementSteps)));
+  }
+}
+
+// Readings that are not of the part are taken as spread over a depth of its diameter.
+double DepthEvidenceOf::Agreement(double squared_sigmas) const {
+  const double peak = diameter_m_ / (std::sqrt(2 * std::numbers::pi) * options_.sigma_m);
+  return std::log((1 - options_.occlusion) * peak * std::exp(-0.5 * squared_sigmas) +
+                  options_.occlusion + options_.outlier);
+}
+
+DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pose& X_CO,
+                                          EvidenceScratch& scratch) const {
+  DepthEvidence e;
+  const CameraIntrinsics& k = cloud.intrinsics;
+  const ImageBox box = BoxOf(FootprintOf(bounds_O_, X_CO, k), k);
+  if (box.width <= 0 || box.height <= 0) return e;
+  scratch.Begin(k, box);
+  scratch.Draw(mesh_, X_CO, cull_back_);
+  const double z_m = (X_CO * bounds_O_.center()).z();
+  const float sigma_m = static_cast<float>(options_.sigma_m * std::max(1.0, z_m * z_m));
+  const float band_m = static_cast<float>(options_.max_sigmas) * sigma_m;
+  const float depth_band_m = static_cast<float>(options_.max_depth_bands) * band_m;
+  const float min_cos = static_cast<float>(options_.min_normal_cos);
+  const float per_step =
+      kAgreementSteps / static_cast<float>(options_.max_sigmas * options_.max_sigmas);
+  const double pixels = static_cast<double>(box.width) * box.height;
+  const int stride = std::max(1, static_cast<int>(std::sqrt(pixels / options_.max_pixels)));
+  double agreement = 0;
+  for (int y = stride / 2; y < box.height; y += stride) {
+    const auto [begin, end] = scratch.Touched(y);
+    const float* inverse = scratch.InverseDepths(y);
+    const int* face_at = scratch.FacesAt(y);
+    const size_t row = static_cast<size_t>(k.width) * (box.y + y) + box.x;
+    const float ray_y = static_cast<float>((box.y + y - k.cy) / k.fy);
+    for (int x = begin + (stride / 2 + stride - begin % stride) % stride; x < end; x += stride) {
+      if (!(inverse[x] > 0)) continue;
+      ++e.covered;
+      const float seen_m = cloud.depth_m.data()[row + x];
+      if (!(seen_m > 0)) continue;
+      const Eigen::Vector3f ray(static_cast<float>((box.x + x - k.cx) / k.fx), ray_y, 1);
+      const Surface at = SurfaceAt(scratch.faces()[face_at[x]], x, y, inverse[x], ray);
+      const float behind_m = seen_m - at.z_m;
+      const float off_m = at.along_normal * behind_m;
+      if (std::abs(off_m) >= band_m || std::abs(behind_m) >= depth_band_m) {
+        ++(behind_m > 0 ? e.violated : e.hidden);
+        continue;
+      }
+      if (!cloud.foreground.data()[row + x]) continue;
+      const Eigen::Vector3f& normal_C = cloud.normals_C[row + x];
+      if (!normal_C.isZero(0) && normal_C.dot(at.normal_C) < min_cos) {
+        ++e.wrong_normal;
+        continue;
+      }
+      ++e.agreeing;
+      const float sigmas = off_m / sigma_m;
+      agreement += agreement_[static_cast<int>(sigmas * sigmas * per_step)];
+    }
+  }
+  scratch.Clean();
+  const double weight = static_cast<double>(stride) * stride;
+  for (double* count : {&e.covered, &e.agreeing, &e.hidden, &e.violated, &e.wrong_normal}) {
+    *count *= weight;
+  }
+  e.log_ratio = weight * agreement - options_.violated_cost * e.violated -
+                options_.hidden_cost * e.hidden - options_.wrong_normal_cost * e.wrong_normal;
+  return e;
+}
+
+}  // namespace pickbed

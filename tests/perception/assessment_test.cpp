@@ -1,0 +1,132 @@
+#include "perception/assessment.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/support/ray_cast_views.h"
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed {
+namespace {
+
+// A pile of brackets and votes for poses: each true one, roughly, and many at random.
+class Assessment : public testing::Test {
+ protected:
+  Assessment()
+      : views_({ObjectOf(BracketMesh())}),
+        view_(views_.Pile({21, 1}).front()),
+        cloud_(BuildCloud(view_.frame, OutOfSightBin())) {
+    Rng rng(5);
+    for (const LabelledInstance& instance : view_.instances) {
+      for (int i = 0; i < 3; ++i) {
+        const Pose rough = Perturbed(instance.X_CO, rng.UnitVector(), rng.Uniform(0, 4),
+                                     rng.Uniform(0, 0.002) * rng.UnitVector());
+        votes_.push_back({rough, static_cast<int>(votes_.size())});
+      }
+      Pose wrong = Translation(0.02 * rng.UnitVector()) * instance.X_CO;
+      wrong.linear() = rng.Rotation().toRotationMatrix();
+      votes_.push_back({wrong, static_cast<int>(votes_.size())});
+    }
+  }
+
+  // A bin far around the parts removes no pixel of theirs.
+  static KnownBackground OutOfSightBin() {
+    KnownBackground background;
+    background.bin.inner_size_m = {5, 5, 5};
+    background.X_CB = Translation({0, 0, -1});
+    return background;
+  }
+
+  std::vector<Candidate> Assess(const AssessmentOptions& options, int threads = 1,
+                                double share = 1) const {
+    const CandidateAssessor assessor(views_.objects(), options, threads);
+    StageSeconds seconds;
+    auto candidates =
+        assessor.Assess(cloud_, 0, votes_, static_cast<int>(votes_.size()), share, seconds);
+    assessor.Compare(candidates, seconds);
+    return candidates;
+  }
+
+  double Error(const Pose& X_CO) const {
+    const PoseDistance distance(*views_.objects()[0]);
+    double least = 1e9;
+    for (const LabelledInstance& instance : view_.instances) {
+      least = std::min<double>(least, distance(X_CO, instance.X_CO));
+    }
+    return least;
+  }
+
+  RayCastViews views_;
+  LabelledView view_;
+  OrganizedCloud cloud_;
+  std::vector<PoseVote> votes_;
+};
+
+TEST_F(Assessment, EachPartThatShowsIsAmongTheCandidates) {
+  const PoseDistance distance(*views_.objects()[0]);
+  const std::vector<Candidate> candidates = Assess({});
+  for (const LabelledInstance& instance : view_.instances) {
+    if (instance.visible_fraction < 0.3) continue;
+    const bool found =
+        std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
+          return distance(candidate.hypothesis.X_CO, instance.X_CO) < 0.05;
+        });
+    EXPECT_TRUE(found);
+  }
+}
+
+// By evidence alone the right poses stand above the wrong ones.
+TEST_F(Assessment, RightPosesHaveMoreEvidenceThanTheirRivals) {
+  int right = 0, above = 0;
+  for (const Candidate& candidate : Assess({})) {
+    if (Error(candidate.hypothesis.X_CO) > 0.05) continue;
+    ++right;
+    above += candidate.features[kMarginFeature] > 0;
+  }
+  EXPECT_GT(right, 3);
+  EXPECT_GT(above, 0.8 * right);
+}
+
+TEST_F(Assessment, APoseWithoutRivalHasTheLargestMargin) {
+  votes_.resize(1);
+  AssessmentOptions options;
+  options.turned = 0;
+  const std::vector<Candidate> candidates = Assess(options);
+  ASSERT_EQ(candidates.size(), 1u);
+  EXPECT_EQ(candidates[0].features[kMarginFeature], 1);
+}
+
+TEST_F(Assessment, TheShareBoundsWhatIsRefined) {
+  AssessmentOptions options;
+  options.turned = 0;
+  options.candidates = options.min_candidates = 8;
+  EXPECT_LE(Assess(options, 1, 0.5).size(), 4u);
+  EXPECT_GT(Assess(options, 1, 1).size(), 4u);
+}
+
+TEST_F(Assessment, IsTheSameForAnyNumberOfThreads) {
+  const std::vector<Candidate> one = Assess({}, 1), three = Assess({}, 3);
+  ASSERT_EQ(one.size(), three.size());
+  for (size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].hypothesis.X_CO.matrix(), three[i].hypothesis.X_CO.matrix());
+    EXPECT_EQ(one[i].features, three[i].features);
+  }
+}
+
+TEST_F(Assessment, WhatTruePosesCoverIsExplained) {
+  const CandidateAssessor assessor(views_.objects(), {});
+  const std::vector<int>& all = cloud_.foreground_pixels;
+  EXPECT_EQ(assessor.Unexplained(cloud_, {}, all), all);
+  const std::vector<Candidate> candidates = Assess({});
+  const std::vector<int> left = assessor.Unexplained(cloud_, candidates, all);
+  EXPECT_LT(left.size(), 0.5 * all.size());
+  EXPECT_TRUE(std::includes(all.begin(), all.end(), left.begin(), left.end()));
+  // Poses that contradict what is seen explain nothing.
+  std::vector<Candidate> lifted = candidates;
+  for (Candidate& candidate : lifted) candidate.features[kViolatedFeature] = 0.5f;
+  EXPECT_EQ(assessor.Unexplained(cloud_, lifted, all), all);
+}
+
+}  // namespace
+}  // namespace pickbed

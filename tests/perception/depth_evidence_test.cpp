@@ -1,0 +1,124 @@
+#include "perception/depth_evidence.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed {
+namespace {
+
+constexpr CloudOptions kKeepAll{.min_plane_share = 1};
+
+// An angled part in view of a camera that casts rays, without the rasteriser.
+class BracketView : public ::testing::Test {
+ protected:
+  BracketView() : object_(ObjectOf(BracketMesh())) {}
+
+  RgbdFrame Render(const Pose& X_CO) const {
+    SyntheticDepth scene(SmallCamera());
+    scene.AddMesh(object_->mesh_O, X_CO);
+    return scene.frame();
+  }
+
+  DepthEvidence EvidenceFor(const RgbdFrame& frame, const Pose& X_CO,
+                            const DepthEvidenceOptions& options = {}) const {
+    EvidenceScratch scratch;
+    return DepthEvidenceOf(*object_, options)(BuildCloud(frame, std::nullopt, kKeepAll), X_CO,
+                                              scratch);
+  }
+
+  static double Readings(const RgbdFrame& frame) {
+    double count = 0;
+    for (size_t i = 0; i < frame.depth_m.size(); ++i) count += frame.depth_m.data()[i] > 0;
+    return count;
+  }
+
+  std::shared_ptr<const ObjectModel> object_;
+};
+
+TEST_F(BracketView, CoversThePixelsThatRaysHit) {
+  const RgbdFrame frame = Render(BracketPose());
+  const DepthEvidence e = EvidenceFor(frame, BracketPose());
+  EXPECT_NEAR(e.covered, Readings(frame), 0.02 * Readings(frame));
+  EXPECT_GT(e.agreeing, 0.95 * e.covered);
+  EXPECT_EQ(e.hidden, 0);
+}
+
+// On the surface each pixel counts the log of the mixture at its peak.
+TEST_F(BracketView, ExactReadingsCountAsTheMixtureSays) {
+  const RgbdFrame frame = Render(BracketPose());
+  const DepthEvidenceOptions options;
+  const DepthEvidence e = EvidenceFor(frame, BracketPose(), options);
+  const double peak = object_->diameter_m / (std::sqrt(2 * std::numbers::pi) * options.sigma_m);
+  const double nats =
+      std::log((1 - options.occlusion) * peak + options.occlusion + options.outlier);
+  const double costs = options.violated_cost * e.violated + options.hidden_cost * e.hidden +
+                       options.wrong_normal_cost * e.wrong_normal;
+  EXPECT_NEAR((e.log_ratio + costs) / e.agreeing, nats, 0.02 * nats);
+}
+
+TEST_F(BracketView, BeforeAndBehindTheReadings) {
+  const RgbdFrame frame = Render(BracketPose());
+  const DepthEvidence before = EvidenceFor(frame, Translation({0, 0, -0.05}) * BracketPose());
+  EXPECT_GT(before.violated, 0.6 * before.covered);
+  EXPECT_LT(before.log_ratio, -before.covered);
+  const DepthEvidence behind = EvidenceFor(frame, Translation({0, 0, 0.05}) * BracketPose());
+  EXPECT_GT(behind.hidden, 0.9 * behind.covered);
+  EXPECT_LT(behind.log_ratio, 0);
+  EXPECT_GT(behind.log_ratio, -behind.covered);  // to be hidden is no contradiction
+}
+
+TEST_F(BracketView, HolesSayNothing) {
+  RgbdFrame frame = Render(BracketPose());
+  for (size_t i = 0; i < frame.depth_m.size(); ++i) frame.depth_m.data()[i] = 0;
+  const DepthEvidence e = EvidenceFor(frame, BracketPose());
+  EXPECT_GT(e.covered, 0);
+  EXPECT_EQ(e.log_ratio, 0);
+  EXPECT_EQ(e.agreeing + e.hidden + e.violated + e.wrong_normal, 0);
+}
+
+// A plane along the part's middle, seen where the part has sides of other slants.
+TEST_F(BracketView, AnotherSlantIsAWrongNormal) {
+  SyntheticDepth scene(SmallCamera());
+  const Eigen::Vector3d middle_C = BracketPose() * MeshBounds(object_->mesh_O).center();
+  scene.AddPlane({std::sin(1.0), 0, -std::cos(1.0)}, middle_C);
+  EXPECT_GT(EvidenceFor(scene.frame(), BracketPose()).wrong_normal, 20);
+}
+
+TEST_F(BracketView, ThereIsMostForTheTruth) {
+  Rng rng(3);
+  const RgbdFrame frame = WithNoise(Render(BracketPose()), 0.001, rng);
+  const double truth = EvidenceFor(frame, BracketPose()).log_ratio;
+  for (int i = 0; i < 100; ++i) {
+    const Pose other = Perturbed(BracketPose(), rng.UnitVector(), rng.Uniform(5, 180),
+                                 rng.Uniform(0, 0.01) * rng.UnitVector());
+    EXPECT_LT(EvidenceFor(frame, other).log_ratio, truth);
+  }
+}
+
+TEST_F(BracketView, FewPixelsStandForAll) {
+  const RgbdFrame frame = Render(BracketPose());
+  DepthEvidenceOptions few;
+  few.max_pixels = 300;
+  const DepthEvidence all = EvidenceFor(frame, BracketPose());
+  const DepthEvidence some = EvidenceFor(frame, BracketPose(), few);
+  EXPECT_NE(some.covered, all.covered);
+  EXPECT_NEAR(some.covered, all.covered, 0.1 * all.covered);
+  EXPECT_NEAR(some.log_ratio, all.log_ratio, 0.1 * all.log_ratio);
+}
+
+TEST_F(BracketView, OutOfViewIsNothing) {
+  const RgbdFrame frame = Render(BracketPose());
+  for (const Eigen::Vector3d& shift_m :
+       {Eigen::Vector3d(5, 0, 0), Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0, 0, -10)}) {
+    const DepthEvidence e = EvidenceFor(frame, Translation(shift_m) * BracketPose());
+    EXPECT_EQ(e.covered, 0);
+    EXPECT_EQ(e.log_ratio, 0);
+  }
+}
+
+}  // namespace
+}  // namespace pickbed
