@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <sstream>
 
 #include "eval/command_line.h"
 #include "eval/report/draw_training.h"
@@ -99,6 +100,21 @@ std::string TimingsCsv(const TrainingReport& report) {
   return csv;
 }
 
+// A row a line; the indentation, which says what belongs to what, is kept by spaces that do not
+// collapse.
+std::vector<std::vector<std::string>> SettingTable(const std::string& settings) {
+  constexpr const char* kHardSpace = "\u00a0";
+  std::vector<std::vector<std::string>> table{{"setting"}};
+  std::istringstream lines(settings);
+  for (std::string line; std::getline(lines, line);) {
+    const size_t indent = std::min(line.find_first_not_of(' '), line.size());
+    std::string cell;
+    for (size_t i = 0; i < indent; ++i) cell += kHardSpace;
+    table.push_back({cell + line.substr(indent)});
+  }
+  return table;
+}
+
 std::string Summary(const TrainingPage& page) {
   const TrainingReport& report = page.report;
   std::string text =
@@ -164,14 +180,7 @@ void WriteTrainingPage(const std::filesystem::path& folder, const TrainingPage& 
   html.Heading("Seconds");
   html.Table(TimeTable(report));
   html.Heading("Settings");
-  std::vector<std::vector<std::string>> lines{{"setting"}};
-  size_t begin = 0;
-  while (begin < page.settings.size()) {
-    const size_t end = std::min(page.settings.find('\n', begin), page.settings.size());
-    lines.push_back({page.settings.substr(begin, end - begin)});
-    begin = end + 1;
-  }
-  html.Table(lines);
+  html.Table(SettingTable(page.settings));
   WriteFileAtomically(folder / "curves.csv", CurvesCsv(report, page.objects));
   WriteFileAtomically(folder / "timings.csv", TimingsCsv(report));
   WriteFileAtomically(folder / "index.html", html.Finish());
