@@ -43,7 +43,10 @@ TrainingSchedule::TrainingSchedule(const std::vector<double>& weights,
   iterations_ = Rounded(options.iterations * total);
   measure_every_ = std::max(1, Rounded(options.held_out.every * total));
   main_parts_ = TakeTurns(weights, iterations_);
-  pile_parts_ = TakeTurns(weights, std::max(1, Rounded(options.piles * total)));
+  // Each part is in one pile at least, however low its weight.
+  std::vector<double> piles;
+  for (const double weight : weights) piles.push_back(std::max(1, Rounded(options.piles * weight)));
+  pile_parts_ = TakeTurns(piles, Rounded(std::accumulate(piles.begin(), piles.end(), 0.0)));
 }
 
 void TrainingSchedule::Watch(const std::vector<HeldOutRecall>& history) {

@@ -48,6 +48,16 @@ TEST(TrainingSchedule, RehearsedPartsGetTheirShareOfPilesAndSteps) {
   EXPECT_EQ(std::count(piles.begin(), piles.end(), 1), 10);
 }
 
+TEST(TrainingSchedule, EveryPartIsInAPile) {
+  TrainingOptions options = Options();
+  options.piles = 2;
+  const std::vector<int> piles = TrainingSchedule({1, 0.01, 0.01}, options).pile_parts();
+  EXPECT_EQ(piles.size(), 4u);
+  for (int part = 0; part < 3; ++part) {
+    EXPECT_EQ(std::count(piles.begin(), piles.end(), part), part == 0 ? 2 : 1);
+  }
+}
+
 TEST(TrainingSchedule, PilesComeInUntilTheirShareOfTheSteps) {
   const TrainingSchedule schedule({1}, Options());
   EXPECT_EQ(schedule.WantedPiles(0), 8);
