@@ -202,7 +202,7 @@ bool Trainer::AwaitPiles(double share, const char* phase, double shown_from) {
   const PhaseTimer timer(report_, "waiting for views");
   const bool limited = options_.max_minutes > 0;
   while (data_.piles() < wanted) {
-    const bool enough = limited && data_.piles() >= schedule_.FirstPiles();
+    const bool enough = limited && data_.piles() > 0;
     const std::optional<PilePairs> pile =
         views_->TakePile(enough ? std::chrono::milliseconds(0) : kLookEvery);
     if (pile) data_.Add(*pile);

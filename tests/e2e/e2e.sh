@@ -236,6 +236,7 @@ bad_training_is_refused() {
   refused "broken.pt" "$pickbed" train rod --from broken.pt
   refused "did you mean 'rod'" "$pickbed" train rodd
   refused "no checkpoint" "$pickbed" train rod --out new.pt --resume
+  refused "PICKBED_DEVICE is 'gpu'" env PICKBED_DEVICE=gpu "$pickbed" train rod --out new.pt
   brick 1 | awk '/^v/ {print "v", $2 / 10, $3 / 10, $4 / 10; next} {print}' >speck.obj
   echo "objects: [{name: speck, mesh: speck.obj, unit: mm, mass_kg: 0.01, count: 3}]" >specks.yaml
   refused "part 'speck' is" "$pickbed" train --scenario specks.yaml --out specks.pt
