@@ -36,7 +36,7 @@ void TrainingData::RequireAllParts() const {
   for (size_t part = 0; part < parts_.size(); ++part) {
     CheckInput(parts_[part].size() > 0,
                fmt::format("part '{}' was never seen well enough in {} training piles; raise "
-                           "piles or lower twins.min_visible",
+                           "piles (or the time limit) or lower twins.min_visible",
                            objects_[part]->name, piles_));
   }
 }
