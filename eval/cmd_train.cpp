@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "eval/command_line.h"
 #include "eval/commands.h"
 #include "eval/interrupt.h"
 #include "eval/progress.h"
+#include "eval/training_page.h"
+#include "perception/torch_model_file.h"
 #include "perception/training.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
@@ -24,9 +28,13 @@ struct TrainArguments {
   ScenarioArguments scenario;  // optional: camera, bin, sensor and parts
   std::string model_file;
   std::string start_from;
+  std::string report_folder;
   bool resume = false;
   TrainingOptions training;
 };
+
+// Diameter of a part below which training is refused, px.
+constexpr int kLeastPixels = 10;
 
 // What is learned, and the cell that it is learned for.
 struct Lesson {
@@ -35,6 +43,42 @@ struct Lesson {
   bool has_cell = false;  // of a scenario; else cells of a size that suits each part
   ObjectSet objects;
 };
+
+// The parts that the model to begin with knows are learned on with the others, so that none is
+// forgotten.
+void AddKnownParts(const TrainArguments& arguments, Lesson& lesson) {
+  const ObjectCatalog catalog = OpenCatalog(arguments.scenario.catalog);
+  const std::filesystem::path file = arguments.start_from;
+  for (const ModelObject& known : LoadModel(file).info.objects) {
+    const auto is_known = [&](const auto& object) { return object->name == known.name; };
+    if (std::any_of(lesson.objects.begin(), lesson.objects.end(), is_known)) continue;
+    const std::vector<std::string> names = catalog.Names();
+    CheckInput(std::find(names.begin(), names.end(), known.name) != names.end(),
+               fmt::format("{}: it knows part '{}', which is in no catalog, so that it would be "
+                           "forgotten; pass --catalog or a scenario that has it",
+                           file.string(), known.name));
+    const auto object = catalog.Load(known.name);
+    CheckInput(object->mesh_hash == known.mesh_hash,
+               fmt::format("{}: the mesh of part '{}' has changed since training; name the part "
+                           "to learn it anew",
+                           file.string(), known.name));
+    lesson.objects.push_back(object);
+  }
+}
+
+// Said before minutes of rendering: of a part of few pixels there is nothing to learn.
+void RequireVisibleParts(const Lesson& lesson) {
+  const double distance_m = lesson.spec.camera.eye_m.norm();
+  for (const auto& object : lesson.objects) {
+    const double pixels =
+        CameraOf(lesson.spec).intrinsics.fx * object->diameter_m / (kFarthest * distance_m);
+    CheckInput(pixels >= kLeastPixels,
+               fmt::format("part '{}' is {:.1f} px large at {:.2f} m, and {} px are the least to "
+                           "learn from; bring the camera nearer (camera.eye_m), raise "
+                           "camera.focal_px or check the mesh's unit",
+                           object->name, pixels, kFarthest * distance_m, kLeastPixels));
+  }
+}
 
 Lesson PlanLesson(const TrainArguments& arguments) {
   Lesson lesson;
@@ -53,6 +97,8 @@ Lesson PlanLesson(const TrainArguments& arguments) {
   }
   CheckInput(!lesson.objects.empty(),
              "nothing to learn: name objects of the catalog or pass --scenario FILE");
+  if (!arguments.start_from.empty()) AddKnownParts(arguments, lesson);
+  if (lesson.has_cell) RequireVisibleParts(lesson);
   return lesson;
 }
 
@@ -71,6 +117,30 @@ std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
   return MakeSimViewSource(WithConvexPieces(lesson.objects), options);
 }
 
+std::string ProgressText(const TrainingProgress& state) {
+  std::string text = fmt::format("{} {}/{}", state.phase, state.done, state.total);
+  if (state.loss > 0) text += fmt::format("  loss {:.4f}", state.loss);
+  if (state.recall_at_1 >= 0) {
+    text += fmt::format("  recall@1 {:.3f} @8 {:.3f}", state.recall_at_1, state.recall_at_8);
+  }
+  return text + fmt::format("  left {}", FormatDuration(state.seconds_left));
+}
+
+void PrintReport(const TrainingReport& report, const ObjectSet& objects) {
+  const HeldOutRecall &first = report.recall_history.front(), &last = report.recall_history.back();
+  if (report.plateau_iteration >= 0) {
+    fmt::print("held-out recall stayed on a plateau at step {}: the schedule was cut short\n",
+               report.plateau_iteration);
+  }
+  fmt::print("held-out recall@1 {:.3f}, @8 {:.3f}; verifiers' area under the curve {:.3f}\n",
+             last.at_1, last.at_8, report.verifier_auc);
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (!report.rehearsed[i]) continue;
+    fmt::print("  {}, known before: recall@1 {:.3f} before, {:.3f} after\n", objects[i]->name,
+               first.part_at_1[i], last.part_at_1[i]);
+  }
+}
+
 // "key=value" of --set, and the options that have a name of their own.
 void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
                        std::vector<std::string>& training_settings) {
@@ -81,7 +151,9 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
       ->capture_default_str();
   app.add_option("--out", arguments.model_file, "model file [models/<objects>.pt]");
   app.add_option("--from", arguments.start_from,
-                 "model to begin with, e.g. to add parts to those it knows: name them all");
+                 "model to begin with; the parts that it knows are kept beside those named");
+  app.add_option("--report", arguments.report_folder,
+                 "folder of the report page [beside the model file, <model>_report]");
   app.add_flag("--resume", arguments.resume, "go on from the checkpoint of a stopped training");
   app.add_option("--minutes", arguments.training.max_minutes, "time limit in minutes, 0 = none")
       ->check(CLI::NonNegativeNumber)
@@ -123,31 +195,40 @@ int TrainCommand(int argc, char** argv) {
   TrainingReport report;
   {
     ProgressLine progress;
-    const TrainingJob job{
-        *views,
-        model_file,
-        checkpoint,
-        arguments.resume,
-        arguments.start_from,
-        lesson.spec.sensor,
-        [&](const TrainingProgress& state) {
-          const std::string loss = state.loss > 0 ? fmt::format("  loss {:.4f}", state.loss) : "";
-          progress.Show(fmt::format("{} {}/{}{}  left {}", state.phase, state.done, state.total,
-                                    loss, FormatDuration(state.seconds_left)));
-          return !Interrupted();
-        }};
+    const TrainingJob job{*views,
+                          model_file,
+                          checkpoint,
+                          arguments.resume,
+                          arguments.start_from,
+                          lesson.spec.sensor,
+                          [&](const TrainingProgress& state) {
+                            progress.Show(ProgressText(state));
+                            return !Interrupted();
+                          }};
     report = TrainDescriptor(job, arguments.training);
   }
   if (!report.finished) {
-    fmt::print(stderr, "pickbed: stopped; {} is written, the same command with --resume goes on\n",
-               checkpoint.string());
+    if (!report.has_checkpoint) {
+      fmt::print(stderr, "pickbed: stopped before the first step; nothing is written\n");
+    } else {
+      fmt::print(stderr,
+                 "pickbed: stopped; {} is written, the same command with --resume goes on\n",
+                 checkpoint.string());
+    }
     return kExitInterrupted;
   }
-  fmt::print(
-      "wrote {} after {}; verifier's area under the curve {:.3f}\n"
-      "use it with --set estimator.model={}\n",
-      model_file.string(), FormatDuration(report.seconds), report.verifier_auc,
-      model_file.string());
+  PrintReport(report, lesson.objects);
+  std::filesystem::path folder = arguments.report_folder;
+  if (folder.empty()) {
+    folder = model_file.parent_path() / (model_file.stem().string() + "_report");
+  }
+  const std::string in_force =
+      WriteSettings([&](SettingsVisitor& v) { arguments.training.Visit(v); });
+  WriteTrainingPage(
+      folder, {model_file.stem().string(), lesson.spec.sensor, in_force, report, lesson.objects});
+  fmt::print("report: {}\n", (folder / "index.html").string());
+  fmt::print("wrote {} after {}\nuse it with --set estimator.model={}\n", model_file.string(),
+             FormatDuration(report.seconds), model_file.string());
   return 0;
 }
 

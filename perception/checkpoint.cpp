@@ -11,7 +11,7 @@
 namespace pickbed {
 namespace {
 
-constexpr uint64_t kMagic = 0x315054504b434950;  // "PICKPTP1", little endian
+constexpr uint64_t kMagic = 0x325054504b434950;  // "PICKPTP2", little endian
 
 void Put(std::string& bytes, const void* data, uint64_t size) {
   bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
@@ -37,12 +37,48 @@ class Reader {
   std::string_view rest_;
 };
 
+// iteration, means, then at_1 and at_8 by part.
+std::vector<double> RecallValues(const std::vector<HeldOutRecall>& history) {
+  std::vector<double> values;
+  values.push_back(history.empty() ? 0 : static_cast<double>(history.front().part_at_1.size()));
+  for (const HeldOutRecall& recall : history) {
+    values.insert(values.end(), {1.0 * recall.iteration, recall.at_1, recall.at_8});
+    values.insert(values.end(), recall.part_at_1.begin(), recall.part_at_1.end());
+    values.insert(values.end(), recall.part_at_8.begin(), recall.part_at_8.end());
+  }
+  return values;
+}
+
+std::vector<HeldOutRecall> RecallsFrom(const std::vector<double>& values) {
+  CheckInput(!values.empty() && values[0] >= 0 && values[0] <= values.size(), "damaged");
+  const size_t parts = static_cast<size_t>(values[0]), row = 3 + 2 * parts;
+  CheckInput((values.size() - 1) % row == 0, "damaged");
+  std::vector<HeldOutRecall> history;
+  for (size_t first = 1; first < values.size(); first += row) {
+    const double* next = values.data() + first;
+    HeldOutRecall& recall = history.emplace_back();
+    recall.iteration = static_cast<int>(next[0]);
+    recall.at_1 = next[1];
+    recall.at_8 = next[2];
+    recall.part_at_1.assign(next + 3, next + 3 + parts);
+    recall.part_at_8.assign(next + 3 + parts, next + row);
+  }
+  return history;
+}
+
+std::vector<double> TakeDoubles(Reader& reader) {
+  const std::string_view bytes = reader.Take();
+  std::vector<double> values(bytes.size() / sizeof(double));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(double));
+  return values;
+}
+
 Checkpoint Parse(std::string_view bytes) {
   uint64_t head[2] = {};
   CheckInput(bytes.size() >= sizeof head, "cut short");
   std::memcpy(head, bytes.data(), sizeof head);
   bytes.remove_prefix(sizeof head);
-  CheckInput(head[0] == kMagic, "no checkpoint");
+  CheckInput(head[0] == kMagic, "no checkpoint of this version");
   CheckInput(head[1] == HashBytes(bytes.data(), bytes.size()), "damaged");
   Reader reader(bytes);
   Checkpoint checkpoint;
@@ -50,9 +86,8 @@ Checkpoint Parse(std::string_view bytes) {
   const std::string_view iteration = reader.Take();
   CheckInput(iteration.size() == sizeof checkpoint.iteration, "damaged");
   std::memcpy(&checkpoint.iteration, iteration.data(), iteration.size());
-  const std::string_view losses = reader.Take();
-  checkpoint.loss_history.resize(losses.size() / sizeof(double));
-  if (!losses.empty()) std::memcpy(checkpoint.loss_history.data(), losses.data(), losses.size());
+  checkpoint.loss_history = TakeDoubles(reader);
+  checkpoint.recall_history = RecallsFrom(TakeDoubles(reader));
   checkpoint.training_state = reader.Take();
   return checkpoint;
 }
@@ -64,6 +99,8 @@ void WriteCheckpoint(const std::filesystem::path& file, const Checkpoint& checkp
   Put(body, checkpoint.key.data(), checkpoint.key.size());
   Put(body, &checkpoint.iteration, sizeof checkpoint.iteration);
   Put(body, checkpoint.loss_history.data(), checkpoint.loss_history.size() * sizeof(double));
+  const std::vector<double> recalls = RecallValues(checkpoint.recall_history);
+  Put(body, recalls.data(), recalls.size() * sizeof(double));
   Put(body, checkpoint.training_state.data(), checkpoint.training_state.size());
   const uint64_t head[2] = {kMagic, HashBytes(body.data(), body.size())};
   WriteFileAtomically(file, std::string(reinterpret_cast<const char*>(head), sizeof head) + body);

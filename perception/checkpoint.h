@@ -6,13 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "perception/held_out.h"
+
 namespace pickbed {
 
 struct Checkpoint {
   std::string key;  // settings and parts; another key cannot go on from it
   int iteration = 0;
   std::vector<double> loss_history;
-  std::string training_state;  // DescriptorNetwork::TrainingState()
+  std::vector<HeldOutRecall> recall_history;  // all of the same parts
+  std::string training_state;                 // DescriptorNetwork::TrainingState()
 };
 
 void WriteCheckpoint(const std::filesystem::path& file, const Checkpoint& checkpoint);

@@ -91,6 +91,17 @@ void AppendPatches(const OrganizedCloud& cloud, std::span<const int> pixels,
   for (const Pose& X_CP : cut.X_CP) patches.X_PO.push_back(X_CP.inverse() * X_CO);
 }
 
+void AppendPatch(const LabelledPatches& from, size_t row, LabelledPatches& to) {
+  const auto patch = from.patch(row);
+  to.values.insert(to.values.end(), patch.begin(), patch.end());
+  to.X_PO.push_back(from.X_PO[row]);
+}
+
+void AppendAll(const LabelledPatches& from, LabelledPatches& to) {
+  to.values.insert(to.values.end(), from.values.begin(), from.values.end());
+  to.X_PO.insert(to.X_PO.end(), from.X_PO.begin(), from.X_PO.end());
+}
+
 OrganizedCloud IsolatedCloud(const LabelledView& view) {
   return BuildCloud(view.frame, std::nullopt, {.min_plane_share = 1});
 }

@@ -45,6 +45,10 @@ void AppendPatches(const OrganizedCloud& cloud, std::span<const int> pixels,
                    std::span<const double> angles_rad, double side_m, const Pose& X_CO,
                    LabelledPatches& patches);
 
+// Patches that are cut already, one or all.
+void AppendPatch(const LabelledPatches& from, size_t row, LabelledPatches& to);
+void AppendAll(const LabelledPatches& from, LabelledPatches& to);
+
 // The cloud of a view without background: no plane is taken for a table.
 OrganizedCloud IsolatedCloud(const LabelledView& view);
 

@@ -14,7 +14,8 @@ namespace pickbed {
 namespace {
 
 // Raise when the meaning of the file changes; older readers then say so.
-constexpr int64_t kModelVersion = 3;
+constexpr int64_t kModelVersion = 4;
+constexpr int64_t kOldestVersion = 3;  // without recall
 constexpr const char* kMagic = "pickbed descriptor model";
 
 constexpr Eigen::Index kVerifierScalars = 3;  // b2 and the calibration
@@ -94,8 +95,12 @@ DescriptorModel ReadArchive(const std::string& bytes, const std::string& name) {
   archive.read("magic", value);
   CheckInput(value.isString() && value.toStringRef() == kMagic, "it is no descriptor model");
   archive.read("version", value);
-  CheckInput(value.toInt() == kModelVersion,
-             fmt::format("it has version {}, this program reads {}", value.toInt(), kModelVersion));
+  const int64_t version = value.toInt();
+  CheckInput(version <= kModelVersion,
+             fmt::format("it is of version {}, newer than this program, which reads up to {}",
+                         version, kModelVersion));
+  CheckInput(version >= kOldestVersion,
+             fmt::format("it is of version {}, older than {}", version, kOldestVersion));
   archive.read("info", value);
   const std::string info_text = value.toStringRef();
   at::Tensor weights, verifier;
@@ -128,6 +133,8 @@ void ModelObject::Visit(SettingsVisitor& v) {
   v.Real("diameter_m", diameter_m, {0, 100}, "its diameter, m");
   v.Real("side_m", side_m, {0, 100}, "side of its patches, m");
   v.Real("verifier_auc", verifier_auc, {0, 1}, "area under ROC on held-out poses");
+  v.Real("recall_at_1", recall_at_1, {-1, 1}, "of held-out patches, -1 = not measured");
+  v.Real("recall_at_8", recall_at_8, {-1, 1}, "among the eight nearest");
 }
 
 void ModelInfo::Visit(SettingsVisitor& v) {
@@ -139,6 +146,8 @@ void ModelInfo::Visit(SettingsVisitor& v) {
       "network", [&](SettingsVisitor& g) { network.Visit(g); }, "the network");
   v.Integer("iterations", iterations, {0, 1e9}, "steps done");
   v.Real("loss", loss, {-1e9, 1e9}, "mean of the last hundred steps");
+  v.Real("recall_at_1", recall_at_1, {-1, 1}, "of held-out patches, -1 = not measured");
+  v.Real("recall_at_8", recall_at_8, {-1, 1}, "among the eight nearest");
 }
 
 void SaveModel(const std::filesystem::path& file, const ModelInfo& info,

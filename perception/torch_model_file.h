@@ -18,6 +18,8 @@ struct ModelObject {
   double diameter_m = 0;
   double side_m = 0;        // of its patches
   double verifier_auc = 0;  // of its verifier, on held-out poses
+  double recall_at_1 = -1;  // of held-out patches, see held_out.h; -1 = not measured
+  double recall_at_8 = -1;
   void Visit(SettingsVisitor& v);
 };
 
@@ -25,8 +27,9 @@ struct ModelInfo {
   std::vector<ModelObject> objects;  // what it was trained for
   std::string sensor;                // profile of the training views
   NetworkOptions network;
-  int iterations = 0;  // done
-  double loss = 0;     // mean of the last hundred
+  int iterations = 0;                         // done
+  double loss = 0;                            // mean of the last hundred
+  double recall_at_1 = -1, recall_at_8 = -1;  // of held-out patches, mean over parts
   void Visit(SettingsVisitor& v);
 
   // Effective settings of the training, for people; kept apart, so that a renamed setting makes no

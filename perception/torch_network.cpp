@@ -7,6 +7,7 @@
 
 #include "perception/networks/patch_network.h"
 #include "perception/patch.h"
+#include "perception/torch_device.h"
 #include "scenes/check.h"
 #include "scenes/parallel.h"
 
@@ -28,14 +29,15 @@ std::unique_ptr<PatchNetwork> MakeNetwork(const NetworkOptions& options, uint64_
   throw InputError(UnknownNameMessage("network", options.kind, known));
 }
 
-at::Tensor ToTensor(std::span<const int8_t> patches) {
+at::Tensor ToTensor(std::span<const int8_t> patches, const torch::Device& device) {
   const int64_t count = static_cast<int64_t>(patches.size()) / kPatchValues;
   // from_blob takes no const pointer; the values are copied by the conversion.
   const at::Tensor bytes =
       torch::from_blob(const_cast<int8_t*>(patches.data()),
                        {count, kPatchChannels, kPatchPixels, kPatchPixels}, torch::kChar);
   // Channels last: oneDNN's convolutions of so few channels take half the time in that layout.
-  return bytes.to(torch::kFloat, false, false, at::MemoryFormat::ChannelsLast).mul_(1.0 / 127.0);
+  return bytes.to(device, torch::kFloat, false, false, at::MemoryFormat::ChannelsLast)
+      .mul_(1.0 / 127.0);
 }
 
 }  // namespace
@@ -50,9 +52,18 @@ void NetworkOptions::Visit(SettingsVisitor& v) {
 struct DescriptorNetwork::Impl {
   Impl(const NetworkOptions& options, uint64_t seed)
       : options(options),
-        network(MakeNetwork(options, seed)),
+        device(NetworkDevice()),
+        network(OnDevice(MakeNetwork(options, seed), device)),
         adam(network->module().parameters(), torch::optim::AdamOptions()) {}
+  // Weights are drawn on the CPU, so that a seed means the same everywhere. Adam is made after the
+  // move, since it holds on to the tensors.
+  static std::unique_ptr<PatchNetwork> OnDevice(std::unique_ptr<PatchNetwork> network,
+                                                const torch::Device& device) {
+    network->module().to(device);
+    return network;
+  }
   NetworkOptions options;
+  torch::Device device;
   std::unique_ptr<PatchNetwork> network;
   torch::optim::Adam adam;
 };
@@ -72,7 +83,9 @@ std::vector<float> DescriptorNetwork::Describe(std::span<const int8_t> patches, 
     const int64_t size = std::min(kChunk, count - first);
     const at::Tensor rows =
         impl_->network
-            ->Forward(ToTensor(patches.subspan(first * kPatchValues, size * kPatchValues)))
+            ->Forward(
+                ToTensor(patches.subspan(first * kPatchValues, size * kPatchValues), impl_->device))
+            .cpu()
             .contiguous();
     std::copy_n(rows.data_ptr<float>(), rows.numel(), descriptors.begin() + first * length());
   };
@@ -89,9 +102,11 @@ double DescriptorNetwork::TrainStep(const TrainingBatch& batch, const LossOption
   for (torch::optim::OptimizerParamGroup& group : impl_->adam.param_groups()) {
     static_cast<torch::optim::AdamOptions&>(group.options()).lr(learning_rate);
   }
-  const at::Tensor both = torch::cat({ToTensor(batch.anchors), ToTensor(batch.codes)});
+  const at::Tensor both =
+      torch::cat({ToTensor(batch.anchors, impl_->device), ToTensor(batch.codes, impl_->device)});
   const at::Tensor distance = torch::from_blob(const_cast<float*>(batch.pose_distance.data()),
-                                               {batch.count, batch.count}, torch::kFloat);
+                                               {batch.count, batch.count}, torch::kFloat)
+                                  .to(impl_->device);
   impl_->adam.zero_grad();
   const at::Tensor rows = impl_->network->Forward(both);
   const at::Tensor value =
@@ -104,7 +119,7 @@ double DescriptorNetwork::TrainStep(const TrainingBatch& batch, const LossOption
 std::vector<float> DescriptorNetwork::Weights() const {
   std::vector<float> weights;
   for (const at::Tensor& parameter : impl_->network->module().parameters()) {
-    const at::Tensor values = parameter.detach().contiguous();
+    const at::Tensor values = parameter.detach().cpu().contiguous();
     weights.insert(weights.end(), values.data_ptr<float>(),
                    values.data_ptr<float>() + values.numel());
   }
@@ -139,7 +154,7 @@ std::string DescriptorNetwork::TrainingState() const {
 
 void DescriptorNetwork::RestoreTrainingState(const std::string& bytes) try {
   torch::serialize::InputArchive archive, weights, adam;
-  archive.load_from(bytes.data(), bytes.size());
+  archive.load_from(bytes.data(), bytes.size(), impl_->device);
   archive.read("weights", weights);
   archive.read("adam", adam);
   impl_->network->module().load(weights);

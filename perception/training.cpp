@@ -11,6 +11,9 @@
 #include "perception/checkpoint.h"
 #include "perception/torch_model_file.h"
 #include "perception/training_data.h"
+#include "perception/training_schedule.h"
+#include "perception/training_start.h"
+#include "perception/training_views.h"
 #include "perception/verifier_training.h"
 #include "scenes/check.h"
 
@@ -19,17 +22,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// How soon a stop is noticed while views are waited for.
+constexpr std::chrono::milliseconds kLookEvery{100};
+
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 // Settings and parts, without what may change between two sessions of one training.
 std::string CheckpointKey(const ObjectSet& objects, TrainingOptions options,
-                          const std::string& sensor) {
+                          const std::string& sensor, uint64_t start_hash) {
   options.max_minutes = 0;
   options.checkpoint_every = TrainingOptions{}.checkpoint_every;
   std::string key = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
-  key += "sensor " + sensor;
+  key += fmt::format("sensor {}\nfrom {:016x}", sensor, start_hash);
   for (const auto& object : objects) {
     key += fmt::format("\n{} {:016x}", object->name, object->mesh_hash);
   }
@@ -46,69 +52,102 @@ auto BlamePart(const ObjectModel& part, const Work& work) {
   }
 }
 
+// Adds the seconds of its life to a phase of the report.
+class PhaseTimer {
+ public:
+  PhaseTimer(TrainingReport& report, const std::string& name) : report_(report), name_(name) {}
+  ~PhaseTimer() {
+    for (TrainingReport::PhaseSeconds& phase : report_.phases) {
+      if (phase.name != name_) continue;
+      phase.seconds += SecondsSince(start_);
+      return;
+    }
+    report_.phases.push_back({name_, SecondsSince(start_)});
+  }
+  PhaseTimer(const PhaseTimer&) = delete;
+  PhaseTimer& operator=(const PhaseTimer&) = delete;
+
+ private:
+  TrainingReport& report_;
+  std::string name_;
+  Clock::time_point start_ = Clock::now();
+};
+
 // One training from views to model file.
 class Trainer {
  public:
-  Trainer(const TrainingJob& job, const TrainingOptions& options)
-      : job_(job),
-        options_(options),
-        objects_(job.views.objects()),
-        key_(CheckpointKey(objects_, options, job.sensor_profile)),
-        network_(options.network, options.seed),
-        sides_(Sides(objects_, options)),
-        data_(objects_, sides_, options) {}
-
+  Trainer(const TrainingJob& job, const TrainingOptions& options);
   TrainingReport Run();
 
  private:
-  static std::vector<double> Sides(const ObjectSet& objects, const TrainingOptions& options) {
-    std::vector<double> sides;
-    for (const auto& object : objects) {
-      sides.push_back(PatchSide(object->diameter_m, options.patch_diameters));
-    }
-    return sides;
-  }
-  int Iterations() const { return options_.iterations * static_cast<int>(objects_.size()); }
-  bool Report(const char* phase, double share, int total, Clock::time_point phase_start);
-  void StartFrom(const std::filesystem::path& file);
-  bool CollectViews();
+  bool Report(const char* phase, double share, int total, double shown_from = 0);
+  void BeginPhase() { phase_start_ = Clock::now(); }
+  TrainingViewsPlan Plan() const;
+  VerifierTrainingOptions VerifierPlan() const;
+  bool AwaitHeldOut();
+  bool AwaitPiles(double share, const char* phase, double shown_from);
   bool TrainNetwork();
-  double ScheduleShare(int iteration) const;
-  void SaveCheckpoint(int iteration) const;
-  std::vector<TrainedVerifier> TrainVerifiers();
+  void Step(double share);
+  void Measure();
+  double Share() const;
+  void SaveCheckpoint();
+  bool TrainVerifiers();
   double RecentLoss() const;
-  void Save(const std::vector<TrainedVerifier>& trained);
+  void Save();
+  void FillPictures();
+  DescribePatches Describe() const {
+    return [this](std::span<const int8_t> patches) { return network_.Describe(patches); };
+  }
 
   const TrainingJob& job_;
   const TrainingOptions& options_;
   const ObjectSet& objects_;
+  TrainingStart from_;
+  std::vector<double> sides_;
+  TrainingSchedule schedule_;
   std::string key_;
   DescriptorNetwork network_;
-  std::vector<double> sides_;
   TrainingData data_;
+  HeldOutSet held_out_;
+  std::vector<TrainedVerifier> verifiers_;  // by part
+  std::unique_ptr<TrainingViews> views_;
+  int iteration_ = 0;  // steps done
   TrainingReport report_;
-  Clock::time_point start_ = Clock::now();
+  Clock::time_point start_ = Clock::now(), phase_start_ = start_;
 };
 
-void Trainer::StartFrom(const std::filesystem::path& file) {
-  const DescriptorModel model = LoadModel(file);
-  CheckInput(model.info.network.kind == options_.network.kind &&
-                 model.info.network.descriptor == options_.network.descriptor,
-             fmt::format("{}: its network is {} with descriptors of {}, not {} with {}; set "
-                         "network.kind and network.descriptor to those",
-                         file.string(), model.info.network.kind, model.info.network.descriptor,
-                         options_.network.kind, options_.network.descriptor));
-  network_.SetWeights(model.network.Weights());
+Trainer::Trainer(const TrainingJob& job, const TrainingOptions& options)
+    : job_(job),
+      options_(options),
+      objects_(job.views.objects()),
+      from_(LoadTrainingStart(job, options)),
+      sides_(StartSides(objects_, from_, options)),
+      schedule_(PartWeights(from_, options), options),
+      key_(CheckpointKey(objects_, options, job.sensor_profile,
+                         from_.model ? from_.model->network_hash : 0)),
+      network_(options.network, options.seed),
+      data_(objects_, schedule_.main_parts(), options),
+      verifiers_(objects_.size()) {
+  for (size_t part = 0; part < objects_.size(); ++part) {
+    report_.rehearsed.push_back(from_.IsRehearsed(part));
+  }
 }
 
-bool Trainer::Report(const char* phase, double share, int total, Clock::time_point phase_start) {
+// shown_from: the share at which this session began.
+bool Trainer::Report(const char* phase, double share, int total, double shown_from) {
   if (!job_.on_progress) return true;
   TrainingProgress progress;
   progress.phase = phase;
   progress.done = static_cast<int>(std::lround(share * total));
   progress.total = total;
   progress.loss = RecentLoss();
-  progress.seconds_left = share > 0 ? SecondsSince(phase_start) * (1 - share) / share : 0;
+  if (!report_.recall_history.empty()) {
+    progress.recall_at_1 = report_.recall_history.back().at_1;
+    progress.recall_at_8 = report_.recall_history.back().at_8;
+  }
+  if (share > shown_from) {
+    progress.seconds_left = SecondsSince(phase_start_) * (1 - share) / (share - shown_from);
+  }
   return job_.on_progress(progress);
 }
 
@@ -118,59 +157,7 @@ double Trainer::RecentLoss() const {
   return count == 0 ? 0 : std::accumulate(losses.end() - count, losses.end(), 0.0) / count;
 }
 
-bool Trainer::CollectViews() {
-  const Clock::time_point phase = Clock::now();
-  const int piles = options_.piles * static_cast<int>(objects_.size());
-  return data_.Collect(job_.views,
-                       [&](double share) { return Report("views", share, piles, phase); });
-}
-
-double Trainer::ScheduleShare(int iteration) const {
-  const double by_count = static_cast<double>(iteration) / Iterations();
-  const double limit_s = 60 * options_.max_minutes;
-  return limit_s > 0 ? std::max(by_count, SecondsSince(start_) / limit_s) : by_count;
-}
-
-void Trainer::SaveCheckpoint(int iteration) const {
-  if (job_.checkpoint.empty()) return;
-  WriteCheckpoint(job_.checkpoint,
-                  {key_, iteration, report_.loss_history, network_.TrainingState()});
-}
-
-bool Trainer::TrainNetwork() {
-  int iteration = 0;
-  if (job_.resume) {
-    const Checkpoint checkpoint = ReadCheckpoint(job_.checkpoint, key_);
-    iteration = checkpoint.iteration;
-    report_.loss_history = checkpoint.loss_history;
-    network_.RestoreTrainingState(checkpoint.training_state);
-  }
-  const Clock::time_point phase = Clock::now();
-  const double first_share = ScheduleShare(iteration);
-  for (double share = first_share; share < 1; share = ScheduleShare(iteration)) {
-    const double rate = 0.5 * options_.learning_rate * (1 + std::cos(std::numbers::pi * share));
-    const double loss = network_.TrainStep(data_.Batch(iteration), options_.loss, rate);
-    CheckInput(std::isfinite(loss), fmt::format("training diverged at step {}; lower "
-                                                "learning_rate ({})",
-                                                iteration, options_.learning_rate));
-    report_.loss_history.push_back(loss);
-    ++iteration;
-    if (iteration % options_.checkpoint_every == 0) SaveCheckpoint(iteration);
-    const double done = (ScheduleShare(iteration) - first_share) / (1 - first_share);
-    if (!Report("network", done, Iterations(), phase)) {
-      SaveCheckpoint(iteration);
-      return false;
-    }
-  }
-  SaveCheckpoint(iteration);
-  return true;
-}
-
-// One verifier for each part; fewer when asked to stop.
-std::vector<TrainedVerifier> Trainer::TrainVerifiers() {
-  const Clock::time_point phase = Clock::now();
-  const int parts = static_cast<int>(objects_.size());
-  const int piles = options_.verifier_piles * parts;
+VerifierTrainingOptions Trainer::VerifierPlan() const {
   VerifierTrainingOptions options;
   options.seed = options_.seed;
   options.piles = options_.verifier_piles;
@@ -178,85 +165,218 @@ std::vector<TrainedVerifier> Trainer::TrainVerifiers() {
   options.entries = options_.verifier_entries;
   options.candidates = options_.candidates;
   options.verifier = options_.verifier;
-  std::vector<TrainedVerifier> trained;
-  for (int i = 0; i < parts; ++i) {
-    const VerifierPart part{i, sides_[i], network_.length(), [&](std::span<const int8_t> patches) {
-                              return network_.Describe(patches);
-                            }};
-    bool go_on = true;
-    TrainedVerifier verifier = BlamePart(*objects_[i], [&] {
-      return TrainPartVerifier(job_.views, part, options, [&](double share) {
-        return go_on = Report("verifier", (i + share) / parts, piles, phase);
-      });
-    });
-    if (!go_on) return trained;
-    trained.push_back(std::move(verifier));
-  }
-  Report("verifier", 1, piles, phase);
-  return trained;
+  return options;
 }
 
-void Trainer::Save(const std::vector<TrainedVerifier>& trained) {
+TrainingViewsPlan Trainer::Plan() const {
+  TrainingViewsPlan plan;
+  plan.seed = options_.seed;
+  plan.sides_m = sides_;
+  if (Share() < 1) plan.pile_parts = schedule_.pile_parts();
+  for (size_t part = 0; part < objects_.size(); ++part) {
+    if (!from_.IsRehearsed(part)) plan.verifiers.push_back(static_cast<int>(part));
+  }
+  plan.views_per_pile = options_.views_per_pile;
+  plan.twins = options_.twins;
+  plan.held_out = options_.held_out;
+  plan.verifier = VerifierPlan();
+  return plan;
+}
+
+bool Trainer::AwaitHeldOut() {
+  const PhaseTimer timer(report_, "waiting for views");
+  while (true) {
+    if (!Report("views", 0, schedule_.FirstPiles())) return false;
+    if (std::optional<HeldOutSet> set = views_->TakeHeldOut(kLookEvery)) {
+      held_out_ = std::move(*set);
+      return true;
+    }
+  }
+}
+
+// Until as many piles are in as the schedule asks for. With a time limit, what is there must do:
+// its result depends on the time in any case.
+bool Trainer::AwaitPiles(double share, const char* phase, double shown_from) {
+  const int wanted = schedule_.WantedPiles(share);
+  if (data_.piles() >= wanted) return true;
+  const PhaseTimer timer(report_, "waiting for views");
+  const bool limited = options_.max_minutes > 0;
+  while (data_.piles() < wanted) {
+    const bool enough = limited && data_.piles() > 0;
+    const std::optional<PilePairs> pile =
+        views_->TakePile(enough ? std::chrono::milliseconds(0) : kLookEvery);
+    if (pile) data_.Add(*pile);
+    if (!pile && enough) return true;
+    const bool first = iteration_ == 0;
+    const double shown = first ? std::min(1.0, 1.0 * data_.piles() / wanted) : share;
+    const int total = first ? wanted : schedule_.iterations();
+    if (!Report(first ? "views" : phase, shown, total, first ? 0 : shown_from)) return false;
+  }
+  if (data_.piles() == schedule_.piles()) data_.RequireAllParts();
+  return true;
+}
+
+double Trainer::Share() const {
+  const double by_count = schedule_.Share(iteration_);
+  const double limit_s = 60 * options_.max_minutes;
+  return limit_s > 0 ? std::max(by_count, SecondsSince(start_) / limit_s) : by_count;
+}
+
+void Trainer::SaveCheckpoint() {
+  if (job_.checkpoint.empty()) return;
+  WriteCheckpoint(job_.checkpoint, {key_, iteration_, report_.loss_history, report_.recall_history,
+                                    network_.TrainingState()});
+  report_.has_checkpoint = true;
+}
+
+void Trainer::Step(double share) {
+  const double rate = 0.5 * options_.learning_rate * (1 + std::cos(std::numbers::pi * share));
+  const double loss = network_.TrainStep(data_.Batch(iteration_), options_.loss, rate);
+  CheckInput(std::isfinite(loss), fmt::format("training diverged at step {}; lower "
+                                              "learning_rate ({})",
+                                              iteration_, options_.learning_rate));
+  report_.loss_history.push_back(loss);
+  ++iteration_;
+}
+
+void Trainer::Measure() {
+  const PhaseTimer timer(report_, "held-out recall");
+  HeldOutRecall recall = MeasureRecall(held_out_, objects_, Describe(), network_.length());
+  recall.iteration = iteration_;
+  report_.recall_history.push_back(std::move(recall));
+  schedule_.Watch(report_.recall_history);
+}
+
+bool Trainer::TrainNetwork() {
+  if (report_.recall_history.empty()) Measure();
+  BeginPhase();
+  const double first_share = Share();
+  for (double share = first_share; share < 1; share = Share()) {
+    if (!AwaitPiles(share, "network", first_share)) {
+      SaveCheckpoint();
+      return false;
+    }
+    if (iteration_ == 0) BeginPhase();
+    {
+      const PhaseTimer timer(report_, "network");
+      Step(share);
+    }
+    if (iteration_ % schedule_.measure_every() == 0) Measure();
+    if (iteration_ % options_.checkpoint_every == 0) SaveCheckpoint();
+    if (!Report("network", Share(), schedule_.iterations(), first_share)) {
+      SaveCheckpoint();
+      return false;
+    }
+  }
+  views_->SkipPiles();
+  if (data_.piles() > 0) data_.RequireAllParts();
+  if (report_.recall_history.back().iteration != iteration_) Measure();
+  SaveCheckpoint();
+  return true;
+}
+
+// One verifier for each part that is not rehearsed; false when asked to stop.
+bool Trainer::TrainVerifiers() {
+  BeginPhase();
+  const std::vector<int> parts = Plan().verifiers;
+  const int piles = options_.verifier_piles * static_cast<int>(parts.size());
+  const auto share_of = [&](size_t done, double share) {
+    return (static_cast<double>(done) + share) / static_cast<double>(parts.size());
+  };
+  for (size_t n = 0; n < parts.size(); ++n) {
+    std::optional<VerifierLesson> lesson;
+    while (!lesson) {
+      const PhaseTimer timer(report_, "waiting for verifier views");
+      if (!Report("verifier", share_of(n, 0), piles)) return false;
+      lesson = views_->TakeLesson(kLookEvery);
+    }
+    const PhaseTimer timer(report_, "verifier");
+    const int i = parts[n];
+    const VerifierPart part{i, sides_[i], network_.length(), Describe()};
+    bool go_on = true;
+    verifiers_[i] = BlamePart(*objects_[i], [&] {
+      return TrainPartVerifier(*lesson, objects_[i], part, VerifierPlan(), [&](double share) {
+        return go_on = Report("verifier", share_of(n, share), piles);
+      });
+    });
+    if (!go_on) return false;
+  }
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    if (!from_.IsRehearsed(i)) continue;
+    const int known = from_.known[i];
+    verifiers_[i] = {from_.model->verifiers[known], from_.model->info.objects[known].verifier_auc};
+  }
+  Report("verifier", 1, piles);
+  return true;
+}
+
+void Trainer::Save() {
   ModelInfo info;
   std::vector<Verifier> verifiers;
+  const HeldOutRecall& recall = report_.recall_history.back();
   for (size_t i = 0; i < objects_.size(); ++i) {
-    info.objects.push_back({objects_[i]->name, objects_[i]->mesh_hash, objects_[i]->diameter_m,
-                            sides_[i], trained[i].auc});
-    verifiers.push_back(trained[i].verifier);
-    report_.verifier_auc += trained[i].auc / static_cast<double>(objects_.size());
+    ModelObject object{objects_[i]->name, objects_[i]->mesh_hash, objects_[i]->diameter_m,
+                       sides_[i], verifiers_[i].auc};
+    object.recall_at_1 = recall.part_at_1[i];
+    object.recall_at_8 = recall.part_at_8[i];
+    info.objects.push_back(object);
+    verifiers.push_back(verifiers_[i].verifier);
+    report_.part_auc.push_back(verifiers_[i].auc);
+    report_.verifier_auc += verifiers_[i].auc / static_cast<double>(objects_.size());
   }
   info.sensor = job_.sensor_profile;
   info.network = options_.network;
   TrainingOptions options = options_;
   info.training = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
-  info.iterations = static_cast<int>(report_.loss_history.size());
+  info.iterations = iteration_;
   info.loss = RecentLoss();
+  info.recall_at_1 = recall.at_1;
+  info.recall_at_8 = recall.at_8;
   SaveModel(job_.model_file, info, network_, verifiers);
+}
+
+void Trainer::FillPictures() {
+  report_.answers =
+      AnswersOf(held_out_, objects_, Describe(), network_.length(), options_.held_out.queries);
+  report_.held_out = std::move(held_out_);
+  constexpr size_t kPairs = 12;  // of a part
+  for (const PatchPairs& all : data_.pairs()) {
+    PatchPairs& some = report_.pairs.emplace_back();
+    const size_t count = std::min(kPairs, all.size());
+    for (size_t i = 0; i < count; ++i) {
+      const size_t row = i * all.size() / count;
+      AppendPatch(all.anchors, row, some.anchors);
+      AppendPatch(all.codes, row, some.codes);
+    }
+  }
 }
 
 TrainingReport Trainer::Run() {
   // A checkpoint that cannot be used is told before minutes are spent on views.
-  if (job_.resume) ReadCheckpoint(job_.checkpoint, key_);
-  if (!job_.start_from.empty()) StartFrom(job_.start_from);
-  bool go_on = options_.iterations == 0 || (CollectViews() && TrainNetwork());
-  if (go_on) {
-    const std::vector<TrainedVerifier> trained = TrainVerifiers();
-    go_on = trained.size() == objects_.size();
-    if (go_on) Save(trained);
+  if (job_.resume) {
+    const Checkpoint checkpoint = ReadCheckpoint(job_.checkpoint, key_);
+    iteration_ = checkpoint.iteration;
+    report_.loss_history = checkpoint.loss_history;
+    report_.recall_history = checkpoint.recall_history;
+    report_.has_checkpoint = true;
+    schedule_.Watch(report_.recall_history);
+    network_.RestoreTrainingState(checkpoint.training_state);
+  } else if (from_.model) {
+    network_.SetWeights(from_.model->network.Weights());
   }
-  report_.finished = go_on;
+  views_ = std::make_unique<TrainingViews>(job_.views, Plan());
+  report_.finished = AwaitHeldOut() && TrainNetwork() && TrainVerifiers();
+  views_.reset();
+  report_.plateau_iteration = schedule_.plateau_iteration();
+  if (report_.finished) {
+    Save();
+    FillPictures();
+  }
   report_.seconds = SecondsSince(start_);
-  return report_;
+  return std::move(report_);
 }
 
 }  // namespace
-
-void TrainingOptions::Visit(SettingsVisitor& v) {
-  v.Seed("seed", seed, "of weights, views and batches");
-  v.Integer("piles", piles, {1, 100000}, "training piles per part");
-  v.Integer("views_per_pile", views_per_pile, {1, 100}, "views of each");
-  v.Group(
-      "twins", [&](SettingsVisitor& g) { twins.Visit(g); }, "the pairs to learn from");
-  v.Integer("iterations", iterations, {0, 10000000}, "steps per part; 0 = verifiers alone");
-  v.Integer("batch", batch, {2, 100000}, "pairs of patches in a step");
-  v.Real("main_share", main_share, {0, 1}, "share of a batch that is of one part");
-  v.Real("patch_diameters", patch_diameters, {0.05, 4}, "side of a patch over the diameter");
-  v.Real("learning_rate", learning_rate, {1e-7, 1}, "of Adam, at the start of the cosine");
-  v.Integer("verifier_piles", verifier_piles, {1, 100000}, "piles per part for the verifier");
-  v.Integer("verifier_entries", verifier_entries, {1, 10000000},
-            "code book entries per part while the verifier learns");
-  v.Integer("checkpoint_every", checkpoint_every, {1, 1000000}, "steps");
-  v.Real("max_minutes", max_minutes, {0, 1e6}, "of views and network; 0 = no limit");
-  v.Group(
-      "network", [&](SettingsVisitor& g) { network.Visit(g); }, "the network");
-  v.Group(
-      "loss", [&](SettingsVisitor& g) { loss.Visit(g); }, "what it is taught");
-  v.Group(
-      "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "the verifier's training");
-  v.Group(
-      "candidates", [&](SettingsVisitor& g) { candidates.Visit(g); },
-      "how the candidates are found that the verifier learns on");
-}
 
 TrainingReport TrainDescriptor(const TrainingJob& job, const TrainingOptions& options) {
   CheckInput(!job.views.objects().empty(), "training needs at least one part");

@@ -15,61 +15,46 @@ constexpr float kOtherPart = 10.0f;
 
 }  // namespace
 
-TrainingData::TrainingData(const ObjectSet& objects, std::vector<double> sides_m,
+TrainingData::TrainingData(const ObjectSet& objects, std::vector<int> main_parts,
                            const TrainingOptions& options)
-    : objects_(objects), sides_m_(std::move(sides_m)), options_(options), parts_(objects.size()) {
+    : objects_(objects),
+      main_parts_(std::move(main_parts)),
+      options_(options),
+      parts_(objects.size()) {
   for (const auto& object : objects) embeddings_.emplace_back(*object);
 }
 
-bool TrainingData::Collect(LabelledViewSource& views, const std::function<bool(double)>& on_share) {
-  const int piles = options_.piles * static_cast<int>(objects_.size());
-  std::vector<double> distances_m;
-  CameraIntrinsics intrinsics;
-  for (int i = 0; i < piles; ++i) {
-    Rng rng = Rng::Derive(options_.seed, i, "training/pile");
-    const std::vector<LabelledView> pile = views.Pile({rng.Next(), options_.views_per_pile});
-    AppendTwinPatches(views, pile, sides_m_, options_.twins, rng, parts_);
-    for (const LabelledView& view : pile) {
-      intrinsics = view.frame.intrinsics;
-      for (const LabelledInstance& instance : view.instances) {
-        distances_m.push_back(instance.X_CO.translation().norm());
-      }
-    }
-    if (!on_share(static_cast<double>(i + 1) / piles)) return false;
+void TrainingData::Add(const std::vector<PatchPairs>& pile) {
+  for (size_t part = 0; part < pile.size(); ++part) {
+    AppendAll(pile[part].anchors, parts_[part].anchors);
+    AppendAll(pile[part].codes, parts_[part].codes);
   }
-  for (size_t p = 0; p < parts_.size(); ++p) {
-    CheckInput(parts_[p].size() > 0,
+  ++piles_;
+}
+
+void TrainingData::RequireAllParts() const {
+  for (size_t part = 0; part < parts_.size(); ++part) {
+    CheckInput(parts_[part].size() > 0,
                fmt::format("part '{}' was never seen well enough in {} training piles; raise "
-                           "piles or lower twins.min_visible",
-                           objects_[p]->name, piles));
+                           "piles (or the time limit) or lower twins.min_visible",
+                           objects_[part]->name, piles_));
   }
-  SetCamera(intrinsics, std::move(distances_m));
-  return true;
-}
-
-void TrainingData::SetCamera(const CameraIntrinsics& intrinsics, std::vector<double> distances_m) {
-  // The middle 90 % of the distances.
-  std::sort(distances_m.begin(), distances_m.end());
-  const double low = distances_m[distances_m.size() / 20];
-  const double high = distances_m[distances_m.size() - 1 - distances_m.size() / 20];
-  camera_.focal_px = intrinsics.fx;
-  camera_.distance_m = 0.5 * (low + high);
-  camera_.distance_spread = std::clamp((high - low) / (high + low), 0.02, 0.5);
-}
-
-size_t TrainingData::size() const {
-  size_t pairs = 0;
-  for (const PatchPairs& part : parts_) pairs += part.size();
-  return pairs;
 }
 
 std::vector<TrainingData::Choice> TrainingData::Choose(int iteration) const {
   Rng rng = Rng::Derive(options_.seed, iteration, "training/batch");
-  const int part_count = static_cast<int>(parts_.size());
+  std::vector<int> seen;
+  for (size_t part = 0; part < parts_.size(); ++part) {
+    if (parts_[part].size() > 0) seen.push_back(static_cast<int>(part));
+  }
+  if (seen.empty()) RequireAllParts();
+  // A part that no pile has shown yet lets another go first.
+  int main = main_parts_[iteration % main_parts_.size()];
+  if (parts_[main].size() == 0) main = seen[iteration % seen.size()];
   std::vector<Choice> choices(options_.batch);
   for (int i = 0; i < options_.batch; ++i) {
     const bool of_main = i < options_.main_share * options_.batch;
-    choices[i].part = of_main ? iteration % part_count : rng.Index(part_count);
+    choices[i].part = of_main ? main : seen[rng.Index(static_cast<int>(seen.size()))];
     choices[i].pair = rng.Index(static_cast<int>(parts_[choices[i].part].size()));
   }
   return choices;

@@ -1,9 +1,8 @@
 #pragma once
 
 // The pairs of patches that a descriptor network learns from, held in memory, and the batches drawn
-// from them.
+// from them. Piles come in one by one while the network learns.
 
-#include <functional>
 #include <vector>
 
 #include "perception/pose_embedding.h"
@@ -12,28 +11,24 @@
 
 namespace pickbed {
 
-// What the piles tell of the camera, for code books of views that look alike.
-struct PileCamera {
-  double focal_px = 0;
-  double distance_m = 0;         // camera to parts, middle
-  double distance_spread = 0.1;  // relative half range that holds nearly all parts
-};
-
 class TrainingData {
  public:
-  // No pairs yet; sides_m: patch side by object.
-  TrainingData(const ObjectSet& objects, std::vector<double> sides_m,
+  // No pairs yet; main_parts: the part that each step's batch is mostly of.
+  TrainingData(const ObjectSet& objects, std::vector<int> main_parts,
                const TrainingOptions& options);
 
-  // on_share(0..1) returns false to stop, then so does Collect. Throws InputError when a part was
-  // never seen well enough.
-  bool Collect(LabelledViewSource& views, const std::function<bool(double share)>& on_share);
+  // The next pile's pairs, by part.
+  void Add(const std::vector<PatchPairs>& pile);
+  int piles() const { return piles_; }
 
-  // Depends on seed and iteration alone.
+  // Throws InputError naming a part of which there are no pairs.
+  void RequireAllParts() const;
+
+  // Depends on seed, iteration and the piles that are in; of the parts that they show. Throws
+  // InputError when they show none.
   TrainingBatch Batch(int iteration) const;
 
-  const PileCamera& camera() const { return camera_; }
-  size_t size() const;  // pairs
+  const std::vector<PatchPairs>& pairs() const { return parts_; }  // by part
 
  private:
   struct Choice {
@@ -42,12 +37,11 @@ class TrainingData {
   };
   std::vector<Choice> Choose(int iteration) const;
   void FillDistances(const std::vector<Choice>& choices, TrainingBatch& batch) const;
-  void SetCamera(const CameraIntrinsics& intrinsics, std::vector<double> distances_m);
 
   const ObjectSet& objects_;
-  std::vector<double> sides_m_;
+  std::vector<int> main_parts_;
   TrainingOptions options_;
-  PileCamera camera_;
+  int piles_ = 0;
   std::vector<PatchPairs> parts_;
   std::vector<PoseEmbedding> embeddings_;
 };

@@ -32,12 +32,17 @@ IsolatedOptions CodeViews(const std::vector<LabelledView>& views, int object, in
 }
 
 std::vector<LabelledView> Piles(LabelledViewSource& views, int object,
-                                const VerifierTrainingOptions& options) {
+                                const VerifierTrainingOptions& options,
+                                const std::function<bool(double)>& on_share) {
   std::vector<LabelledView> all;
   for (int i = 0; i < options.piles; ++i) {
     Rng rng = Rng::Derive(options.seed, i, "training/verifier_pile");
     PileRequest request{rng.Next(), options.views_per_pile, object, true};
-    for (LabelledView& view : views.Pile(request)) all.push_back(std::move(view));
+    for (LabelledView& view : views.Pile(request)) {
+      view.frame.color = {};  // nothing looks at it, and it is a third of the memory
+      all.push_back(std::move(view));
+    }
+    if (!on_share(static_cast<double>(i + 1) / options.piles)) break;
   }
   return all;
 }
@@ -91,14 +96,31 @@ void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
   verifier.calibration_shift = static_cast<float>(x[1]);
 }
 
-TrainedVerifier TrainPartVerifier(LabelledViewSource& views, const VerifierPart& part,
+VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, double side_m,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double)>& on_share) {
-  const std::vector<LabelledView> piles = Piles(views, part.object, options);
-  const auto model = views.objects()[part.object];
-  const ObjectCodes codes =
-      MakeObjectCodes(views, part.object, part.side_m, part.descriptor_length, part.describe,
-                      CodeViews(piles, part.object, options.entries), options.seed, {});
+  constexpr double kPilesShare = 0.8;  // of the time, about
+  VerifierLesson lesson;
+  bool go_on = true;
+  lesson.piles = Piles(views, object, options,
+                       [&](double share) { return go_on = on_share(kPilesShare * share); });
+  if (!go_on) return lesson;
+  ForEachIsolatedBlock(views, object, side_m, CodeViews(lesson.piles, object, options.entries),
+                       options.seed, [&](const LabelledPatches& patches, double share) {
+                         AppendAll(patches, lesson.codes);
+                         return on_share(kPilesShare + (1 - kPilesShare) * share);
+                       });
+  return lesson;
+}
+
+TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
+                                  const std::shared_ptr<const ObjectModel>& model,
+                                  const VerifierPart& part, const VerifierTrainingOptions& options,
+                                  const std::function<bool(double)>& on_share) {
+  const std::vector<LabelledView>& piles = lesson.piles;
+  ObjectCodes codes;
+  codes.length = part.descriptor_length;
+  AppendCodes(lesson.codes, part.describe, codes);
   const CandidateFinder finder({{model, part.side_m, codes}}, part.describe, options.candidates);
   const std::vector<PoseDistance> distances{PoseDistance(*model)};
   const size_t learned =

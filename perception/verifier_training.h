@@ -5,9 +5,11 @@
 // when the set is made consistent, as it is reported: logistic calibration (Platt 1999).
 
 #include <functional>
+#include <vector>
 
 #include "perception/candidates.h"
 #include "perception/final_set.h"
+#include "perception/labelled_patches.h"
 #include "perception/torch_verifier.h"
 #include "scenes/labelled_view.h"
 
@@ -31,10 +33,23 @@ struct VerifierPart {
   DescribePatches describe;
 };
 
+// What a part's verifier learns from, as far as it needs no network.
+struct VerifierLesson {
+  std::vector<LabelledView> piles;  // views of piles that hold the part
+  LabelledPatches codes;            // of the part's code book
+};
+
+// on_share(0..1) returns false to stop; what comes back is then unfinished. Throws InputError when
+// no pile shows the part.
+VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, double side_m,
+                                  const VerifierTrainingOptions& options,
+                                  const std::function<bool(double share)>& on_share);
+
 // on_share(0..1) returns false to stop; what comes back is then unfinished. Throws InputError when
 // all candidates are right or all wrong.
-TrainedVerifier TrainPartVerifier(LabelledViewSource& views, const VerifierPart& part,
-                                  const VerifierTrainingOptions& options,
+TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
+                                  const std::shared_ptr<const ObjectModel>& model,
+                                  const VerifierPart& part, const VerifierTrainingOptions& options,
                                   const std::function<bool(double share)>& on_share);
 
 // A score that was reported and whether it was right.

@@ -2,9 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 
+#include <chrono>
 #include <filesystem>
 #include <numeric>
+#include <optional>
+#include <thread>
 
 #include "perception/checkpoint.h"
 #include "perception/torch_model_file.h"
@@ -36,6 +41,10 @@ TrainingOptions TinyOptions() {
   options.candidates.points = 40;
   options.candidates.candidates = 30;
   options.candidates.min_candidates = 10;
+  options.held_out.piles = 2;
+  options.held_out.queries = 40;
+  options.held_out.book_views = 20;
+  options.held_out.every = 8;
   return options;
 }
 
@@ -127,7 +136,7 @@ TEST_F(Training, ForeignOrDamagedCheckpointIsRefusedBeforeAnyWork) {
   job.resume = true;
   EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, TinyOptions()); }), HasSubstr("model.ckpt"));
 
-  WriteCheckpoint(job.checkpoint, {"other settings", 3, {1, 2, 3}, "state"});
+  WriteCheckpoint(job.checkpoint, {"other settings", 3, {1, 2, 3}, {}, "state"});
   EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, TinyOptions()); }), HasSubstr("other settings"));
 
   const std::string bytes = ReadFileBytes(job.checkpoint);
@@ -137,12 +146,209 @@ TEST_F(Training, ForeignOrDamagedCheckpointIsRefusedBeforeAnyWork) {
 }
 
 TEST_F(Training, CheckpointSurvivesTheRoundTrip) {
-  const Checkpoint saved{"key", 7, {0.5, 0.25}, std::string("\0state\xff", 7)};
+  const std::vector<HeldOutRecall> recalls{{0, 0.1, 0.4, {0.2, -1}, {0.5, -1}},
+                                           {5, 0.3, 0.6, {0.4, 0.2}, {0.7, 0.5}}};
+  const Checkpoint saved{"key", 7, {0.5, 0.25}, recalls, std::string("\0state\xff", 7)};
   WriteCheckpoint(folder_ / "c", saved);
   const Checkpoint read = ReadCheckpoint(folder_ / "c", "key");
   EXPECT_EQ(read.iteration, saved.iteration);
   EXPECT_EQ(read.loss_history, saved.loss_history);
   EXPECT_EQ(read.training_state, saved.training_state);
+  ASSERT_EQ(read.recall_history.size(), 2u);
+  EXPECT_EQ(read.recall_history[0].part_at_1, recalls[0].part_at_1);
+  EXPECT_EQ(read.recall_history[1].iteration, 5);
+  EXPECT_EQ(read.recall_history[1].at_1, 0.3);
+  EXPECT_EQ(read.recall_history[1].at_8, 0.6);
+  EXPECT_EQ(read.recall_history[1].part_at_8, recalls[1].part_at_8);
+}
+
+// A file may not grow beyond so many bytes: what a full disk looks like to the program.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  sighandler_t handler_ = signal(SIGXFSZ, SIG_IGN);  // writing then fails instead of killing
+};
+
+TEST_F(Training, FullDiskInMidCheckpointKeepsTheLastGoodOne) {
+  TrainingJob job = Job("model");
+  std::optional<FullDisk> full;
+  int steps = 0;
+  job.on_progress = [&](const TrainingProgress& progress) {
+    steps += progress.phase == "network";
+    // After the checkpoint of step 8, before that of step 16.
+    if (progress.phase == "network" && progress.done == 12) full.emplace(20000);
+    return true;
+  };
+  const std::string error = ErrorOf([&] { TrainDescriptor(job, TinyOptions()); });
+  full.reset();
+  EXPECT_THAT(error, HasSubstr("model.ckpt"));
+  EXPECT_THAT(error, HasSubstr("File too large"));
+  EXPECT_GE(steps, 12);
+  int files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_)) ++files;
+  EXPECT_EQ(files, 1) << "a broken file was left beside the checkpoint";
+
+  job.on_progress = {};
+  job.resume = true;
+  const TrainingReport resumed = TrainDescriptor(job, TinyOptions());
+  EXPECT_TRUE(resumed.finished);
+  EXPECT_EQ(resumed.loss_history, TrainDescriptor(Job("straight"), TinyOptions()).loss_history);
+}
+
+// Views that take as long as `delay` says, so that piles come late or early.
+class SlowViews : public RayCastViews {
+ public:
+  SlowViews(ObjectSet objects, std::chrono::milliseconds delay)
+      : RayCastViews(std::move(objects)), delay_(delay) {}
+  std::vector<LabelledView> Pile(const PileRequest& request) override {
+    std::this_thread::sleep_for(delay_);
+    return RayCastViews::Pile(request);
+  }
+
+ private:
+  std::chrono::milliseconds delay_;
+};
+
+TEST_F(Training, WeightsDoNotDependOnHowFastViewsCome) {
+  TrainingOptions options = TinyOptions();
+  options.piles = 6;
+  const TrainingReport quick = TrainDescriptor(Job("quick"), options);
+  SlowViews slow_views(views_.objects(), std::chrono::milliseconds(150));
+  const TrainingJob slow{slow_views, folder_ / "slow.pt", {}, false, {}, "test sensor", {}};
+  TrainDescriptor(slow, options);
+  EXPECT_EQ(LoadModel(Job("quick").model_file).hash, LoadModel(slow.model_file).hash);
+  EXPECT_EQ(ReadFileBytes(Job("quick").model_file), ReadFileBytes(slow.model_file));
+}
+
+TEST_F(Training, HeldOutRecallIsMeasuredOnTheWayAndKept) {
+  TrainingJob job = Job("model");
+  double shown = -1;
+  job.on_progress = [&](const TrainingProgress& progress) {
+    shown = progress.recall_at_1;
+    return true;
+  };
+  const TrainingReport report = TrainDescriptor(job, TinyOptions());
+  std::vector<int> iterations;
+  for (const HeldOutRecall& recall : report.recall_history) iterations.push_back(recall.iteration);
+  EXPECT_EQ(iterations, (std::vector{0, 8, 16, 24}));
+  const HeldOutRecall& last = report.recall_history.back();
+  EXPECT_EQ(shown, last.at_1);
+  EXPECT_GE(last.at_8, last.at_1);
+  const ModelInfo info = LoadModel(job.model_file).info;
+  EXPECT_NEAR(info.recall_at_1, last.at_1, 1e-9);
+  EXPECT_NEAR(info.objects[0].recall_at_8, last.part_at_8[0], 1e-9);
+  ASSERT_EQ(report.pairs.size(), 1u);
+  EXPECT_GT(report.pairs[0].size(), 0u);
+  EXPECT_EQ(report.answers.size(), report.held_out.queries[0].size());
+}
+
+TEST_F(Training, PlateauCutsTheScheduleShortAlikeAfterAResume) {
+  TrainingOptions options = TinyOptions();
+  options.iterations = 200;
+  options.held_out.every = 10;
+  options.held_out.patience = 2;
+  options.held_out.gain = 1;  // nothing counts as a gain after the first measurement
+  options.held_out.cooling = 0.1;
+  const TrainingReport straight = TrainDescriptor(Job("straight"), options);
+  EXPECT_EQ(straight.plateau_iteration, 20);
+  EXPECT_EQ(straight.loss_history.size(), 40u);  // and 20 steps to cool
+
+  TrainingJob job = Job("resumed");
+  int reports = 0;
+  job.on_progress = [&](const TrainingProgress& progress) {
+    reports += progress.phase == "network";
+    return reports < 27;  // while it cools
+  };
+  EXPECT_FALSE(TrainDescriptor(job, options).finished);
+  job.on_progress = {};
+  job.resume = true;
+  EXPECT_EQ(TrainDescriptor(job, options).loss_history, straight.loss_history);
+  EXPECT_EQ(LoadModel(job.model_file).hash, LoadModel(Job("straight").model_file).hash);
+}
+
+TEST_F(Training, StoppedBeforeTheFirstStepSaysThatThereIsNoCheckpoint) {
+  TrainingJob job = Job("model");
+  job.on_progress = [](const TrainingProgress&) { return false; };
+  const TrainingReport report = TrainDescriptor(job, TinyOptions());
+  EXPECT_FALSE(report.finished);
+  EXPECT_FALSE(report.has_checkpoint);
+  EXPECT_FALSE(std::filesystem::exists(job.checkpoint));
+}
+
+TEST_F(Training, FailureOfTheViewsIsToldByTheTrainer) {
+  class Broken : public RayCastViews {
+   public:
+    using RayCastViews::RayCastViews;
+    std::vector<LabelledView> Pile(const PileRequest&) override {
+      throw std::runtime_error("no settled pile");
+    }
+  } broken(views_.objects());
+  TrainingJob job{broken, folder_ / "m.pt", {}, false, {}, "", {}};
+  EXPECT_THROW(TrainDescriptor(job, TinyOptions()), std::runtime_error);
+}
+
+// A part is added to a model that knows another one.
+class AddedPart : public Training {
+ protected:
+  std::shared_ptr<ObjectModel> Named(const std::string& name, TriangleMesh mesh, uint64_t hash) {
+    auto part = std::make_shared<ObjectModel>(*ObjectOf(std::move(mesh)));
+    part->name = name;
+    part->mesh_hash = hash;
+    return part;
+  }
+  std::shared_ptr<ObjectModel> old_ = Named("old", BracketMesh(), 1);
+  std::shared_ptr<ObjectModel> new_ = Named("new", ScaledY(BracketMesh(), 0.5), 2);
+  static TriangleMesh ScaledY(TriangleMesh mesh, double factor) {
+    for (Eigen::Vector3d& vertex : mesh.vertices) vertex.y() *= factor;
+    return mesh;
+  }
+};
+
+TEST_F(AddedPart, OldOnesAreRehearsedAndKeepTheirVerifiers) {
+  RayCastViews first({old_});
+  TrainingJob job{first, folder_ / "old.pt", {}, false, {}, "test sensor", {}};
+  TrainDescriptor(job, TinyOptions());
+  const DescriptorModel before = LoadModel(job.model_file);
+
+  RayCastViews both({new_, old_});
+  TrainingOptions options = TinyOptions();
+  options.rehearsal = 0.5;
+  TrainingJob added{both, folder_ / "both.pt", {}, false, job.model_file, "test sensor", {}};
+  const TrainingReport report = TrainDescriptor(added, options);
+  EXPECT_EQ(report.rehearsed, (std::vector<uint8_t>{0, 1}));
+  EXPECT_EQ(report.loss_history.size(), 36u);  // 24 for the new part, half for the old one
+  ASSERT_EQ(report.pairs.size(), 2u);
+  EXPECT_GT(report.pairs[1].size(), 0u) << "the old part is in no batch";
+  // Before any step the network is that of the old model.
+  EXPECT_EQ(report.recall_history.front().iteration, 0);
+  const DescriptorModel after = LoadModel(added.model_file);
+  EXPECT_NE(after.network_hash, before.network_hash);
+  VerifyFeatures features{};
+  features[3] = 0.7f;
+  EXPECT_EQ(after.verifiers.at(1).Score(features), before.verifiers.at(0).Score(features));
+  EXPECT_EQ(after.info.objects[1].verifier_auc, before.info.objects[0].verifier_auc);
+}
+
+TEST_F(AddedPart, ChangedMeshIsLearnedAsANewPart) {
+  RayCastViews first({old_});
+  TrainingJob job{first, folder_ / "old.pt", {}, false, {}, "test sensor", {}};
+  TrainDescriptor(job, TinyOptions());
+  RayCastViews changed({Named("old", ScaledY(BracketMesh(), 0.7), 3)});
+  TrainingJob again{changed, folder_ / "again.pt", {}, false, job.model_file, "test sensor", {}};
+  const TrainingReport report = TrainDescriptor(again, TinyOptions());
+  EXPECT_EQ(report.rehearsed, (std::vector<uint8_t>{0}));
+  EXPECT_EQ(LoadModel(again.model_file).info.objects[0].mesh_hash, 3u);
 }
 
 TEST_F(Training, PartNeverSeenIsNamed) {
@@ -216,6 +422,28 @@ TEST_F(ModelFile, DamagedFilesAreRefusedWithTheirName) {
   WriteFileAtomically(file, "hello");
   EXPECT_THAT(ErrorOf([&] { LoadModel(file); }), HasSubstr("no model"));
   EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "absent.pt"); }), HasSubstr("absent.pt"));
+}
+
+TEST_F(ModelFile, NewerVersionIsToldApartFromDamage) {
+  const std::filesystem::path file = Untrained();
+  std::string bytes = ReadFileBytes(file);
+  // The number behind its name in the archive's pickle: K (one byte follows), the version.
+  const size_t name = bytes.find("version", bytes.find("data.pkl"));
+  ASSERT_NE(name, std::string::npos);
+  const size_t number = bytes.find('K', name);
+  ASSERT_LT(number, name + 16);
+  ASSERT_EQ(bytes[number + 1], 3);
+  bytes[number + 1] = 99;
+  WriteFileAtomically(file, bytes);
+  EXPECT_THAT(ErrorOf([&] { LoadModel(file); }),
+              HasSubstr("model.pt: it is of version 99, newer than this program"));
+}
+
+TEST(ShippedModel, IsRead) {
+  const DescriptorModel model =
+      LoadModel(std::filesystem::path(PICKBED_SOURCE_DIR) / "assets/models/shipped.pt");
+  EXPECT_GE(model.info.objects.size(), 12u);
+  EXPECT_EQ(model.verifiers.size(), model.info.objects.size());
 }
 
 TEST_F(ModelFile, ForeignPartsAndChangedMeshesAreNamed) {
