@@ -7,11 +7,6 @@
 namespace pickbed {
 namespace {
 
-double WorkingDistance(const Camera& camera, const Bin& bin) {
-  const Eigen::Vector3d middle_W(0, 0, bin.inner_size_m.z() / 4);
-  return (camera.X_WC.inverse() * middle_W).z();
-}
-
 std::unique_ptr<LabelledViewSource> ViewsOf(const VirtualCell& cell) {
   ViewSourceOptions options;
   options.sensor = cell.sensor();
@@ -33,7 +28,7 @@ EstimatorRunner::EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& sp
   setup.spec = spec_;
   setup.refiner = spec.refiner;
   setup.intrinsics = cell.camera().intrinsics;
-  setup.working_distance_m = WorkingDistance(cell.camera(), cell.bin());
+  setup.working_distance_m = working_distance_m();
   setup.views = views_.get();
   setup.cache_dir = CacheDir();
   setup.on_progress = on_progress;
@@ -45,14 +40,20 @@ EstimatorRunner::EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& sp
 
 EstimatorRunner::~EstimatorRunner() = default;
 
-EstimateResult EstimatorRunner::Estimate(const Scene& truth, const View& view, Rng& rng) {
+double EstimatorRunner::working_distance_m() const {
+  const Eigen::Vector3d middle_W(0, 0, cell_.bin().inner_size_m.z() / 4);
+  return (cell_.camera().X_WC.inverse() * middle_W).z();
+}
+
+EstimateResult EstimatorRunner::Estimate(const Scene& truth, const View& view, Rng& rng,
+                                         EstimateTrace* trace) {
   EstimateResult result;
   StageSeconds seconds;
   {
     const StageTimer timer(seconds, "estimate");
     if (estimator_) {
       const KnownBackground background{cell_.bin(), cell_.camera().X_WC.inverse()};
-      result = estimator_->Estimate({view.frame, background}, rng);
+      result = estimator_->Estimate({view.frame, background, trace}, rng);
     } else {
       result.hypotheses = OracleEstimate(truth, view, cell_.camera(), spec_, rng);
     }

@@ -99,12 +99,15 @@ struct CandidateFinder::Impl {
 
   void BuildGroups();
   void Vote(const SideGroup& group, const OrganizedCloud& cloud, const std::vector<int>& pixels,
-            Rng& rng, StageSeconds& seconds, std::vector<std::vector<CastVote>>& votes) const;
-  RawHypothesis Refined(const OrganizedCloud& cloud, const RawHypothesis& start) const;
+            Rng& rng, StageSeconds& seconds, std::vector<std::vector<CastVote>>& votes,
+            EstimateTrace* trace) const;
+  RawHypothesis Refined(const OrganizedCloud& cloud, const RawHypothesis& start,
+                        EstimateTrace* trace) const;
   VoteDensity Density(int part, const std::vector<CastVote>& votes) const;
   std::vector<RawHypothesis> Selected(const VoteDensity& density,
                                       const std::vector<CastVote>& votes) const;
-  void AddLookAlikes(const OrganizedCloud& cloud, std::vector<RawHypothesis>& poses) const;
+  void AddLookAlikes(const OrganizedCloud& cloud, std::vector<RawHypothesis>& poses,
+                     EstimateTrace* trace) const;
   int Kept() const;
 };
 
@@ -130,7 +133,8 @@ void CandidateFinder::Impl::BuildGroups() {
 
 void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& cloud,
                                  const std::vector<int>& pixels, Rng& rng, StageSeconds& seconds,
-                                 std::vector<std::vector<CastVote>>& votes) const {
+                                 std::vector<std::vector<CastVote>>& votes,
+                                 EstimateTrace* trace) const {
   PatchSet patches;
   {
     const StageTimer timer(seconds, "patches");
@@ -148,6 +152,7 @@ void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& c
     const StageTimer timer(seconds, "neighbors");
     found = group.index->Search(descriptors, options.neighbors);
   }
+  const int first_patch = trace ? TracePatches(pixels, patches, group.side_m, *trace) : 0;
   const StageTimer timer(seconds, "quick");
   for (size_t i = 0; i < found.rows.size(); ++i) {
     if (found.rows[i] < 0) continue;
@@ -158,13 +163,16 @@ void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& c
     vote.distance = std::sqrt(found.squared[i]);
     vote.quick_score =
         static_cast<float>(QuickScore(cloud, models[entry.part], vote.X_CO, options.quick_tau_m));
-    votes[entry.part].push_back({vote, static_cast<int>(i) / options.neighbors});
+    const int patch = static_cast<int>(i) / options.neighbors;
+    votes[entry.part].push_back({vote, patch});
+    if (trace) trace->votes.push_back({first_patch + patch, vote});
   }
 }
 
 // Quick score becomes the score of the refined pose in the fine gate.
 RawHypothesis CandidateFinder::Impl::Refined(const OrganizedCloud& cloud,
-                                             const RawHypothesis& start) const {
+                                             const RawHypothesis& start,
+                                             EstimateTrace* trace) const {
   const ModelPoints& model = models[start.object];
   ProjectiveIcpOptions icp = options.icp;
   const double gate =
@@ -178,18 +186,21 @@ RawHypothesis CandidateFinder::Impl::Refined(const OrganizedCloud& cloud,
     best.X_CO = X_CO;
     best.quick_score = score;
   }
+  if (trace) trace->refinements.push_back({start, best, false});
   return best;
 }
 
 // `poses` best first.
 void CandidateFinder::Impl::AddLookAlikes(const OrganizedCloud& cloud,
-                                          std::vector<RawHypothesis>& poses) const {
+                                          std::vector<RawHypothesis>& poses,
+                                          EstimateTrace* trace) const {
   const size_t count = std::min<size_t>(poses.size(), options.turned);
   for (size_t i = 0; i < count; ++i) {
     for (const Pose& S_O : look_alikes[poses[i].object]) {
       RawHypothesis turned = poses[i];
       turned.X_CO = turned.X_CO * S_O;
-      poses.push_back(Refined(cloud, turned));
+      poses.push_back(Refined(cloud, turned, trace));
+      if (trace) trace->refinements.back().look_alike = true;
     }
   }
 }
@@ -238,13 +249,13 @@ CandidateFinder::~CandidateFinder() = default;
 const std::vector<ModelPoints>& CandidateFinder::model_points() const { return impl_->models; }
 
 std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& rng,
-                                             StageSeconds& seconds) const {
+                                             StageSeconds& seconds, EstimateTrace* trace) const {
   const CandidateOptions& options = impl_->options;
   const std::vector<int> pixels = SpreadPixels(cloud.foreground_pixels, options.points, rng);
   if (pixels.empty()) return {};
   std::vector<std::vector<CastVote>> votes(impl_->parts.size());
   for (const SideGroup& group : impl_->groups) {
-    impl_->Vote(group, cloud, pixels, rng, seconds, votes);
+    impl_->Vote(group, cloud, pixels, rng, seconds, votes, trace);
   }
   // Votes that agree are more where more patches vote; the verifier sees them as of this many.
   constexpr double kUsualPatches = 600;
@@ -261,10 +272,10 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
     }
     {
       const StageTimer timer(seconds, "icp");
-      for (RawHypothesis& pose : poses) pose = impl_->Refined(cloud, pose);
+      for (RawHypothesis& pose : poses) pose = impl_->Refined(cloud, pose, trace);
       poses =
           ClusterVotes(std::move(poses), impl_->distances, options.merge_diameters, impl_->Kept());
-      impl_->AddLookAlikes(cloud, poses);
+      impl_->AddLookAlikes(cloud, poses, trace);
     }
     const StageTimer timer(seconds, "verify");
     std::vector<Candidate> of_part;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "perception/codebook.h"
+#include "perception/estimate_trace.h"
 #include "perception/neighbors.h"
 #include "perception/projective_icp.h"
 #include "perception/verify.h"
@@ -59,8 +60,10 @@ class CandidateFinder {
   ~CandidateFinder();
 
   // Candidates of all parts; hypothesis.object is the index into `parts`. Seconds are added under
-  // "patches", "network", "neighbors", "quick", "select", "icp" and "verify".
-  std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds) const;
+  // "patches", "network", "neighbors", "quick", "select", "icp" and "verify". A trace gets patches,
+  // votes and refinements.
+  std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds,
+                              EstimateTrace* trace = nullptr) const;
 
   const std::vector<ModelPoints>& model_points() const;
 
