@@ -8,7 +8,8 @@
 namespace pickbed {
 namespace {
 
-constexpr int kShift = 4;  // sub-pixel bits of OpenCV's drawing
+constexpr int kShift = 4;        // sub-pixel bits of OpenCV's drawing
+constexpr double kFar_px = 1e5;  // outside is as good as farther outside, and fits an int
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 
 // The pixels as an OpenCV matrix (channels r, g, b), not copied.
@@ -23,10 +24,8 @@ cv::Mat View(const Image<Rgb8>& image) {
 cv::Scalar Ink(Rgb8 color) { return cv::Scalar(color.r, color.g, color.b); }
 
 cv::Point SubPixel(const Eigen::Vector2d& p) {
-  // Far outside is as good as farther outside, and fits an int.
-  constexpr double kFar = 1e5;
   const auto part = [](double v) {
-    return static_cast<int>(std::lround(std::clamp(v, -kFar, kFar) * (1 << kShift)));
+    return static_cast<int>(std::lround(std::clamp(v, -kFar_px, kFar_px) * (1 << kShift)));
   };
   return {part(p.x()), part(p.y())};
 }
