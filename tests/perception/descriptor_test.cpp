@@ -180,7 +180,7 @@ TEST_F(Descriptor, TheStagesOfATraceFitTogether) {
   for (const TracedPatch& patch : trace.patches) {
     ASSERT_TRUE(trace.cloud.foreground.data()[patch.pixel]);
     const Eigen::Vector3d point_C = trace.cloud.points_C[patch.pixel].cast<double>();
-    EXPECT_EQ(patch.X_CP.translation(), point_C);
+    EXPECT_TRUE(patch.X_CP.translation() == point_C);
   }
   for (size_t i = 0; i < trace.votes.size(); ++i) {
     ASSERT_EQ(trace.votes[i].patch, static_cast<int>(i) / trace.neighbors);
