@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <thread>
 
 #include "eval/bop/estimate.h"
 #include "eval/command_line.h"
 #include "eval/commands.h"
 #include "eval/comparison_report.h"
+#include "eval/explain.h"
 #include "eval/interrupt.h"
 #include "eval/progress.h"
 #include "scenes/check.h"
@@ -76,9 +78,52 @@ int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::
   return kExitInterrupted;
 }
 
+// The one estimator whose stages are to be shown.
+EstimatorSpec ExplainedEstimator(const std::vector<std::string>& labels,
+                                 const EstimatorSpec& spec) {
+  CheckInput(labels.size() < 2, "--explain shows the stages of one estimator; name one alone");
+  const EstimatorSpec chosen = labels.empty() ? spec : ParseEstimators(labels, spec).front().spec;
+  RequireExplains(chosen.name);
+  return chosen;
+}
+
+void SayWhereExplained(const std::filesystem::path& folder) {
+  fmt::print("the stages, as a page with pictures, in {}\n", (folder / "explain.html").string());
+}
+
+// The trial that --explain names.
+int ExplainedTrial(const std::string& image) {
+  int trial = -1;
+  const auto [end, error] = std::from_chars(image.data(), image.data() + image.size(), trial);
+  CheckInput(
+      error == std::errc() && end == image.data() + image.size() && trial >= 0,
+      fmt::format("--explain {}: with a SCENARIO it takes the number of a trial, from 0", image));
+  return trial;
+}
+
+int ExplainScenario(const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
+                    const std::string& image, const std::string& out) {
+  CheckInput(!arguments.trials, "--explain looks at one image; leave --trials out");
+  const int trial = ExplainedTrial(image);
+  LoadedScenario scenario = LoadScenarioArguments(arguments);
+  scenario.spec.estimator = ExplainedEstimator(estimators, scenario.spec.estimator);
+  const std::filesystem::path folder = OutFolder(out, scenario.name, "-explain");
+  {
+    ProgressLine progress;
+    ExplainTrial(
+        scenario.spec, scenario.objects,
+        fmt::format("{} on {}, trial {}", scenario.spec.estimator.name, scenario.name, trial),
+        trial, folder, [&](std::string_view what, double share) {
+          progress.Show(fmt::format("{}: {:.0f} %", what, 100 * share));
+        });
+  }
+  SayWhereExplained(folder);
+  return 0;
+}
+
 // Settings of a scenario that mean something on images that exist: estimator, refiner and seed.
-int EstimateBop(const std::string& path, const std::string& split,
-                const ScenarioArguments& arguments, const std::string& out, int threads) {
+ScenarioSpec BopSettings(const std::string& path, const std::string& split,
+                         const ScenarioArguments& arguments) {
   CheckInput(arguments.scenario.empty() && !arguments.trials,
              "--bop takes the place of SCENARIO and --trials; name one or the other");
   CheckInput(std::filesystem::is_directory(path),
@@ -87,8 +132,38 @@ int EstimateBop(const std::string& path, const std::string& split,
   for (const std::string& setting : arguments.settings) {
     ApplySetting(setting, [&](SettingsVisitor& v) { spec.Visit(v); });
   }
-  const std::string data_set =
-      (std::filesystem::absolute(path) / ".").lexically_normal().parent_path().filename().string();
+  return spec;
+}
+
+std::string DataSetName(const std::string& path) {
+  return (std::filesystem::absolute(path) / ".")
+      .lexically_normal()
+      .parent_path()
+      .filename()
+      .string();
+}
+
+int ExplainBop(const std::string& path, const std::string& split,
+               const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
+               const std::string& image, const std::string& out) {
+  ScenarioSpec spec = BopSettings(path, split, arguments);
+  spec.estimator = ExplainedEstimator(estimators, spec.estimator);
+  const std::filesystem::path folder = OutFolder(out, DataSetName(path), "-explain");
+  {
+    ProgressLine progress;
+    bop::ExplainTarget(path, split, {spec.estimator, spec.refiner, spec.seed}, image, folder,
+                       [&](const bop::EstimateProgress& state) {
+                         progress.Show(fmt::format("{}: {:.0f} %", state.what, 100 * state.share));
+                       });
+  }
+  SayWhereExplained(folder);
+  return 0;
+}
+
+int EstimateBop(const std::string& path, const std::string& split,
+                const ScenarioArguments& arguments, const std::string& out, int threads) {
+  const ScenarioSpec spec = BopSettings(path, split, arguments);
+  const std::string data_set = DataSetName(path);
   const std::filesystem::path folder = OutFolder(out, data_set, "-estimate");
   MakeFolder(folder);
   std::vector<bop::Estimate> estimates;
@@ -118,7 +193,7 @@ int EstimateCommand(int argc, char** argv) {
       "pickbed estimate");
   ScenarioArguments arguments;
   std::vector<std::string> estimators;
-  std::string out, bop_path, split = "test";
+  std::string out, bop_path, explained, split = "test";
   AddScenarioArguments(app, arguments);
   app.get_option("SCENARIO")->required(false);
   auto* bop_option = app.add_option("--bop", bop_path, "a BOP data set, instead of SCENARIO");
@@ -130,15 +205,25 @@ int EstimateCommand(int argc, char** argv) {
   app.add_option("--threads", threads, "at most; results do not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
+  app.add_option(
+      "--explain", explained,
+      "instead of scores, a page that shows each stage of the estimate of one image: the "
+      "number of a trial, or, with --bop, SCENE/IMAGE; in results/NAME-explain");
   AddTrialsArgument(app, arguments);
   AddOutArgument(app, out, "-estimate");
   app.footer(
       "Example: pickbed estimate bin_rod --trials 20 --estimator descriptor:hard,ppf\n"
+      "         pickbed estimate bin_rod --explain 3\n"
       "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf");
   if (!ParseArguments(app, argc, argv)) return 0;
-  if (!bop_path.empty()) return EstimateBop(bop_path, split, arguments, out, threads);
+  const bool explain = app.count("--explain") > 0;
+  if (!bop_path.empty()) {
+    return explain ? ExplainBop(bop_path, split, arguments, estimators, explained, out)
+                   : EstimateBop(bop_path, split, arguments, out, threads);
+  }
   CheckInput(!arguments.scenario.empty(),
              "SCENARIO is required (or --bop PATH); see pickbed estimate --help");
+  if (explain) return ExplainScenario(arguments, estimators, explained, out);
   return EstimateScenario(arguments, estimators, out, threads);
 }
 

@@ -1,16 +1,12 @@
 #include "eval/estimator_runner.h"
 
 #include "eval/oracle.h"
+#include "perception/estimate_trace.h"
 #include "scenes/files.h"
 #include "sim/view_source.h"
 
 namespace pickbed {
 namespace {
-
-double WorkingDistance(const Camera& camera, const Bin& bin) {
-  const Eigen::Vector3d middle_W(0, 0, bin.inner_size_m.z() / 4);
-  return (camera.X_WC.inverse() * middle_W).z();
-}
 
 std::unique_ptr<LabelledViewSource> ViewsOf(const VirtualCell& cell, const ObjectSet& objects) {
   ViewSourceOptions options;
@@ -18,6 +14,18 @@ std::unique_ptr<LabelledViewSource> ViewsOf(const VirtualCell& cell, const Objec
   options.camera = cell.camera().intrinsics;
   options.bin = cell.bin();
   return MakeSimViewSource(objects, options);
+}
+
+// From the estimator's own numbers of the parts to those of the cell.
+void Renumber(const std::vector<int>& wanted, EstimateTrace& trace) {
+  for (TracedVote& vote : trace.votes) vote.vote.object = wanted[vote.vote.object];
+  for (TracedRefinement& refinement : trace.refinements) {
+    refinement.before.object = refinement.after.object = wanted[refinement.before.object];
+  }
+  for (TracedCandidate& candidate : trace.candidates) {
+    candidate.hypothesis.object = wanted[candidate.hypothesis.object];
+  }
+  for (PoseHypothesis& accepted : trace.accepted) accepted.object = wanted[accepted.object];
 }
 
 }  // namespace
@@ -32,7 +40,7 @@ EstimatorRunner::EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& sp
   setup.spec = spec_;
   setup.refiner = spec.refiner;
   setup.intrinsics = cell.camera().intrinsics;
-  setup.working_distance_m = WorkingDistance(cell.camera(), cell.bin());
+  setup.working_distance_m = working_distance_m();
   views_ = ViewsOf(cell, setup.objects);
   setup.views = views_.get();
   setup.cache_dir = CacheDir();
@@ -46,17 +54,24 @@ EstimatorRunner::EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& sp
 
 EstimatorRunner::~EstimatorRunner() = default;
 
-EstimateResult EstimatorRunner::Estimate(const Scene& truth, const View& view, Rng& rng) {
+double EstimatorRunner::working_distance_m() const {
+  const Eigen::Vector3d middle_W(0, 0, cell_.bin().inner_size_m.z() / 4);
+  return (cell_.camera().X_WC.inverse() * middle_W).z();
+}
+
+EstimateResult EstimatorRunner::Estimate(const Scene& truth, const View& view, Rng& rng,
+                                         EstimateTrace* trace) {
   EstimateResult result;
   StageSeconds seconds;
   {
     const StageTimer timer(seconds, "estimate");
     if (estimator_) {
       const KnownBackground background{cell_.bin(), cell_.camera().X_WC.inverse()};
-      result = estimator_->Estimate({view.frame, background}, rng);
+      result = estimator_->Estimate({view.frame, background, trace}, rng);
       for (PoseHypothesis& hypothesis : result.hypotheses) {
         hypothesis.object = cell_.wanted()[hypothesis.object];
       }
+      if (trace) Renumber(cell_.wanted(), *trace);
     } else {
       result.hypotheses = OracleEstimate(truth, view, cell_.camera(), spec_, rng);
     }

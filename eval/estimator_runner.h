@@ -25,8 +25,12 @@ class EstimatorRunner {
   ~EstimatorRunner();
 
   // `truth` is for the oracle alone. Seconds stand under "estimate" and, by stage,
-  // "estimate/STAGE".
-  EstimateResult Estimate(const Scene& truth, const View& view, Rng& rng);
+  // "estimate/STAGE". A trace is filled by estimators whose row explains.
+  EstimateResult Estimate(const Scene& truth, const View& view, Rng& rng,
+                          EstimateTrace* trace = nullptr);
+
+  LabelledViewSource* views() const { return views_.get(); }  // null for the oracle
+  double working_distance_m() const;                          // camera to parts
 
  private:
   const VirtualCell& cell_;

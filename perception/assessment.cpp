@@ -150,11 +150,18 @@ RawHypothesis CandidateAssessor::Refined(const OrganizedCloud& cloud,
   return best;
 }
 
-void CandidateAssessor::Refine(const OrganizedCloud& cloud,
-                               std::vector<RawHypothesis>& poses) const {
-  ForRanges(static_cast<int>(poses.size()), threads_, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) poses[i] = Refined(cloud, poses[i]);
+std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& cloud,
+                                                         const std::vector<RawHypothesis>& starts,
+                                                         bool look_alikes,
+                                                         EstimateTrace* trace) const {
+  std::vector<RawHypothesis> refined(starts.size());
+  ForRanges(static_cast<int>(starts.size()), threads_, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) refined[i] = Refined(cloud, starts[i]);
   });
+  for (size_t i = 0; trace && i < starts.size(); ++i) {
+    trace->refinements.push_back({starts[i], refined[i], look_alikes});
+  }
+  return refined;
 }
 
 // Those for which there is most evidence, best first.
@@ -177,7 +184,7 @@ std::vector<Pose> CandidateAssessor::BestLookAlikes(const OrganizedCloud& cloud,
 }
 
 // `poses` best first, of one part.
-void CandidateAssessor::AddLookAlikes(const OrganizedCloud& cloud,
+void CandidateAssessor::AddLookAlikes(const OrganizedCloud& cloud, EstimateTrace* trace,
                                       std::vector<RawHypothesis>& poses) const {
   constexpr int kStartsAtPlace = 2;
   if (poses.empty()) return;
@@ -189,16 +196,16 @@ void CandidateAssessor::AddLookAlikes(const OrganizedCloud& cloud,
     const Eigen::Vector3d middle_C = pose.X_CO * model.center_O.cast<double>();
     if (places.Admit(middle_C, kStartsAtPlace)) starts.push_back(pose);
   }
-  std::vector<std::vector<RawHypothesis>> found(starts.size());
+  std::vector<std::vector<Pose>> found(starts.size());
   ForRanges(static_cast<int>(starts.size()), threads_, [&](int begin, int end) {
     EvidenceScratch scratch;
-    for (int i = begin; i < end; ++i) {
-      for (const Pose& X_CO : BestLookAlikes(cloud, starts[i], scratch)) {
-        found[i].push_back(Refined(cloud, {starts[i].object, X_CO}));
-      }
-    }
+    for (int i = begin; i < end; ++i) found[i] = BestLookAlikes(cloud, starts[i], scratch);
   });
-  for (const auto& of_start : found) poses.insert(poses.end(), of_start.begin(), of_start.end());
+  std::vector<RawHypothesis> turned;
+  for (size_t i = 0; i < starts.size(); ++i) {
+    for (const Pose& X_CO : found[i]) turned.push_back({starts[i].object, X_CO});
+  }
+  for (const RawHypothesis& pose : AllRefined(cloud, turned, true, trace)) poses.push_back(pose);
 }
 
 std::vector<Candidate> CandidateAssessor::WithFeatures(const OrganizedCloud& cloud,
@@ -228,7 +235,8 @@ std::vector<Candidate> CandidateAssessor::WithFeatures(const OrganizedCloud& clo
 
 std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, int part,
                                                  const std::vector<PoseVote>& votes, int patches,
-                                                 double share, StageSeconds& seconds) const {
+                                                 double share, StageSeconds& seconds,
+                                                 EstimateTrace* trace) const {
   const int kept = Kept(share);
   std::vector<RawHypothesis> poses;
   {
@@ -243,12 +251,12 @@ std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, in
   }
   {
     const StageTimer timer(seconds, "icp");
-    Refine(cloud, poses);
+    poses = AllRefined(cloud, poses, false, trace);
     poses = ClusterVotes(std::move(poses), distances_, options_.merge_diameters, kept);
   }
   {
     const StageTimer timer(seconds, "look_alikes");
-    AddLookAlikes(cloud, poses);
+    AddLookAlikes(cloud, trace, poses);
   }
   const StageTimer timer(seconds, "verify");
   return WithFeatures(cloud, poses, *density, patches);

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "perception/estimate_trace.h"
 #include "perception/pose_embedding.h"
 #include "perception/projective_icp.h"
 #include "perception/verify.h"
@@ -53,11 +54,11 @@ class CandidateAssessor {
 
   // Candidates from the raw poses `votes` of objects[part]; hypothesis.object = part. `patches` is
   // how many patches (or reference points) voted: densities are told to the verifier as of a usual
-  // number. `share` is that of the poses that may be refined. Seconds are added under "quick",
-  // "select", "icp" and "verify".
+  // number. `share` is that of the poses that may be refined. A trace gets the refinements. Seconds
+  // are added under "quick", "select", "icp" and "verify".
   std::vector<Candidate> Assess(const OrganizedCloud& cloud, int part,
                                 const std::vector<PoseVote>& votes, int patches, double share,
-                                StageSeconds& seconds) const;
+                                StageSeconds& seconds, EstimateTrace* trace = nullptr) const;
 
   // Of the pixels, those that no candidate explains well.
   std::vector<int> Unexplained(const OrganizedCloud& cloud,
@@ -78,8 +79,11 @@ class CandidateAssessor {
   std::vector<RawHypothesis> Selected(std::vector<RawHypothesis> scored, const VoteDensity& density,
                                       const std::vector<PoseVote>& votes, int kept) const;
   RawHypothesis Refined(const OrganizedCloud& cloud, const RawHypothesis& start) const;
-  void Refine(const OrganizedCloud& cloud, std::vector<RawHypothesis>& poses) const;
-  void AddLookAlikes(const OrganizedCloud& cloud, std::vector<RawHypothesis>& poses) const;
+  std::vector<RawHypothesis> AllRefined(const OrganizedCloud& cloud,
+                                        const std::vector<RawHypothesis>& starts, bool look_alikes,
+                                        EstimateTrace* trace) const;
+  void AddLookAlikes(const OrganizedCloud& cloud, EstimateTrace* trace,
+                     std::vector<RawHypothesis>& poses) const;
   std::vector<Pose> BestLookAlikes(const OrganizedCloud& cloud, const RawHypothesis& start,
                                    EvidenceScratch& scratch) const;
   std::vector<Candidate> WithFeatures(const OrganizedCloud& cloud,

@@ -12,9 +12,10 @@ class CandidateSource {
  public:
   virtual ~CandidateSource() = default;
 
-  // Candidates of all parts; hypothesis.object is the index of the part. Adds seconds by stage.
-  virtual std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng,
-                                      StageSeconds& seconds) const = 0;
+  // Candidates of all parts; hypothesis.object is the index of the part. Adds seconds by stage, and
+  // to a trace what it did.
+  virtual std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds,
+                                      EstimateTrace* trace = nullptr) const = 0;
   virtual const CandidateAssessor& assessor() const = 0;
 };
 

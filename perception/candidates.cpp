@@ -69,10 +69,12 @@ struct CandidateFinder::Impl {
 
   void BuildGroups();
   void Vote(const SideGroup& group, const OrganizedCloud& cloud, const std::vector<int>& pixels,
-            Rng& rng, StageSeconds& seconds, std::vector<std::vector<PoseVote>>& votes) const;
+            Rng& rng, StageSeconds& seconds, std::vector<std::vector<PoseVote>>& votes,
+            EstimateTrace* trace) const;
   // Candidates by votes of some of the pixels.
   std::vector<Candidate> Round(const OrganizedCloud& cloud, const std::vector<int>& looked_at,
-                               double share, Rng& rng, StageSeconds& seconds) const;
+                               double share, Rng& rng, StageSeconds& seconds,
+                               EstimateTrace* trace) const;
 };
 
 void CandidateFinder::Impl::BuildGroups() {
@@ -97,7 +99,8 @@ void CandidateFinder::Impl::BuildGroups() {
 
 void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& cloud,
                                  const std::vector<int>& pixels, Rng& rng, StageSeconds& seconds,
-                                 std::vector<std::vector<PoseVote>>& votes) const {
+                                 std::vector<std::vector<PoseVote>>& votes,
+                                 EstimateTrace* trace) const {
   PatchSet patches;
   {
     const StageTimer timer(seconds, "patches");
@@ -112,28 +115,34 @@ void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& c
   }
   const StageTimer timer(seconds, "neighbors");
   const Neighbors found = group.index->Search(descriptors, options.neighbors, threads);
+  const int first_patch = trace ? TracePatches(pixels, patches, group.side_m, *trace) : 0;
   for (size_t i = 0; i < found.rows.size(); ++i) {
     if (found.rows[i] < 0) continue;
     const SideGroup::Entry& entry = group.entries[found.rows[i]];
     const int patch = static_cast<int>(i) / options.neighbors;
     votes[entry.part].push_back(
         {patches.X_CP[patch] * CodePose(parts[entry.part].codes, entry.code), patch});
+    if (!trace) continue;
+    trace->votes.push_back({first_patch + patch,
+                            {entry.part, votes[entry.part].back().X_CO},
+                            std::sqrt(found.squared[i])});
   }
 }
 
 std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
                                                     const std::vector<int>& looked_at, double share,
-                                                    Rng& rng, StageSeconds& seconds) const {
+                                                    Rng& rng, StageSeconds& seconds,
+                                                    EstimateTrace* trace) const {
   const std::vector<int> pixels =
       SpreadPixels(looked_at, static_cast<int>(std::ceil(share * options.points)), rng);
   if (pixels.empty()) return {};
   std::vector<std::vector<PoseVote>> votes(parts.size());
-  for (const SideGroup& group : groups) Vote(group, cloud, pixels, rng, seconds, votes);
+  for (const SideGroup& group : groups) Vote(group, cloud, pixels, rng, seconds, votes, trace);
   std::vector<Candidate> candidates;
   for (size_t part = 0; part < votes.size(); ++part) {
     const std::vector<Candidate> of_part =
         assessor.Assess(cloud, static_cast<int>(part), votes[part], static_cast<int>(pixels.size()),
-                        share, seconds);
+                        share, seconds, trace);
     candidates.insert(candidates.end(), of_part.begin(), of_part.end());
   }
   return candidates;
@@ -152,7 +161,7 @@ CandidateFinder::~CandidateFinder() = default;
 const CandidateAssessor& CandidateFinder::assessor() const { return impl_->assessor; }
 
 std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& rng,
-                                             StageSeconds& seconds) const {
+                                             StageSeconds& seconds, EstimateTrace* trace) const {
   std::vector<Candidate> candidates;
   std::vector<int> unexplained = cloud.foreground_pixels;
   double share = 1;  // of patches and candidates
@@ -164,7 +173,7 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
       share = std::min(1.0, kDenser * static_cast<double>(unexplained.size()) /
                                 static_cast<double>(cloud.foreground_pixels.size()));
     }
-    for (Candidate& candidate : impl_->Round(cloud, unexplained, share, rng, seconds)) {
+    for (Candidate& candidate : impl_->Round(cloud, unexplained, share, rng, seconds, trace)) {
       candidates.push_back(candidate);
     }
   }

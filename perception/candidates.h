@@ -9,6 +9,7 @@
 
 #include "perception/candidate_source.h"
 #include "perception/codebook.h"
+#include "perception/estimate_trace.h"
 #include "perception/neighbors.h"
 
 namespace pickbed {
@@ -38,9 +39,10 @@ class CandidateFinder : public CandidateSource {
                   const CandidateOptions& options, int threads = 1);
   ~CandidateFinder() override;
 
-  // Seconds are added under "patches", "network" and "neighbors", and those of CandidateAssessor.
-  std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng,
-                              StageSeconds& seconds) const override;
+  // Seconds are added under "patches", "network" and "neighbors", and those of CandidateAssessor. A
+  // trace gets patches, votes and refinements.
+  std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds,
+                              EstimateTrace* trace = nullptr) const override;
 
   const CandidateAssessor& assessor() const override;
 

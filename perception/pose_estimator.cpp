@@ -8,7 +8,7 @@ namespace {
 
 constexpr EstimatorRow kRows[] = {
     {"descriptor", "learned patch descriptors that vote through a code book, ICP and verifier",
-     &MakeDescriptorEstimator, &DescriptorModelFile},
+     &MakeDescriptorEstimator, &DescriptorModelFile, true},
     {"ppf", "point pair features with ICP, OpenCV's surface matching", &MakePpfEstimator, nullptr},
 };
 

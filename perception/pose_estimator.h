@@ -22,9 +22,13 @@
 
 namespace pickbed {
 
+struct EstimateTrace;  // estimate_trace.h
+
 struct EstimatorInput {
   const RgbdFrame& frame;
   std::optional<KnownBackground> background;  // none: a dominant plane is fitted and removed
+  // Filled by estimators whose row `explains`; null costs nothing. The answer is the same.
+  EstimateTrace* trace = nullptr;
 };
 
 struct EstimateResult {
@@ -57,6 +61,7 @@ struct EstimatorRow {
   std::unique_ptr<PoseEstimator> (*make)(const EstimatorSetup& setup);
   // The trained model that it will read, which need not exist; null: it reads none.
   std::filesystem::path (*model_file)(const EstimatorSpec& spec) = nullptr;
+  bool explains = false;  // fills EstimatorInput::trace
 };
 
 std::span<const EstimatorRow> EstimatorTable();

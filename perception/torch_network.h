@@ -2,8 +2,8 @@
 
 // The descriptor network behind a header that is free of libtorch: describes patches, learns from
 // batches, and gives its state as bytes. On the CPU what is computed for a patch depends on no
-// thread, so that results repeat; where torch_device.h finds CUDA it runs there. Weights come and go
-// as plain values.
+// thread, so that results repeat; where torch_device.h finds CUDA it runs there. Weights come and
+// go as plain values.
 
 #include <cstdint>
 #include <memory>

@@ -20,8 +20,9 @@ struct FitCounts {
 // Noise grows with z^2; below 1 m the bands stay, since calibration does not improve.
 float BandScale(double z_m) { return static_cast<float>(std::max(1.0, z_m * z_m)); }
 
+// Where `judged` is given, each point counted is also told there.
 FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
-                   const VerifyBands& bands) {
+                   const VerifyBands& bands, std::vector<JudgedPoint>* judged = nullptr) {
   // A ray that grazes a surface meets it far off in depth though near to its plane; beyond this
   // many bands it is another surface.
   constexpr float kMaxDepthBands = 4;
@@ -34,16 +35,21 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
   const float tight_m = scale * static_cast<float>(bands.tight_m);
   const float min_cos = static_cast<float>(bands.min_normal_cos);
   const std::vector<uint16_t>& visible = model.VisibleFrom(X_CO);
+  const auto tell = [judged](PointFit fit) {
+    if (judged) judged->back().fit = fit;
+  };
   FitCounts c;
   c.points = std::min(static_cast<int>(visible.size()), bands.max_points);
   for (int i = 0; i < c.points; ++i) {
     const int index = visible[i];
+    if (judged) judged->push_back({index, PointFit::kUnknown});
     const Eigen::Vector3f p = X * model.points_O[index];
     const Eigen::Vector3f n = X.linear() * model.normals_O[index];
     c.cos_sum += std::max(0.0f, n.dot(to_camera));
     const int pixel = project(p);
     if (pixel < 0) {
       ++c.hidden;
+      tell(PointFit::kHidden);
       continue;
     }
     if (!(cloud.depth_m.data()[pixel] > 0)) continue;
@@ -51,6 +57,7 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
     const float off_plane = n.dot(d);
     if (std::abs(off_plane) >= inlier_m || std::abs(d.z()) >= kMaxDepthBands * inlier_m) {
       ++(d.z() > 0 ? c.violated : c.hidden);
+      tell(d.z() > 0 ? PointFit::kViolates : PointFit::kHidden);
       continue;
     }
     if (!cloud.foreground.data()[pixel]) continue;
@@ -58,9 +65,11 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
     const bool has_normal = !seen.isZero(0);
     if (has_normal && seen.dot(n) < min_cos) {
       ++c.wrong_normal;
+      tell(PointFit::kWrongNormal);
       continue;
     }
     ++c.inlier;
+    tell(PointFit::kAgrees);
     c.tight += has_normal && std::abs(off_plane) < tight_m;
     c.sum_squared_m2 += off_plane * off_plane;
   }
@@ -149,6 +158,13 @@ double QuickScore(const OrganizedCloud& cloud, const ModelPoints& model, const P
 FitReport MeasureFit(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                      const VerifyBands& bands) {
   return ToReport(CountFit(cloud, model, X_CO, bands));
+}
+
+std::vector<JudgedPoint> JudgePoints(const OrganizedCloud& cloud, const ModelPoints& model,
+                                     const Pose& X_CO, const VerifyBands& bands) {
+  std::vector<JudgedPoint> judged;
+  CountFit(cloud, model, X_CO, bands, &judged);
+  return judged;
 }
 
 VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoints& model,

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -43,6 +44,16 @@ using VerifyFeatures = std::array<float, kVerifyFeatures>;
 // lowest few millimetres are cut off with the floor. No allocation.
 FitReport MeasureFit(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                      const VerifyBands& bands = {});
+
+// What MeasureFit finds of one visible model point. Unknown: a hole, or background at its depth.
+enum class PointFit : uint8_t { kUnknown, kAgrees, kWrongNormal, kHidden, kViolates };
+struct JudgedPoint {
+  int point = 0;  // index into ModelPoints::points_O
+  PointFit fit = PointFit::kUnknown;
+};
+// The visible model points that MeasureFit and the features count, one by one, to be looked at.
+std::vector<JudgedPoint> JudgePoints(const OrganizedCloud& cloud, const ModelPoints& model,
+                                     const Pose& X_CO, const VerifyBands& bands = {});
 
 // In order: inlier, hidden, violated, wrong-normal and tight-inlier shares; near and farther
 // unexplained scene points; log visible points; log agreeing raw votes; explained share; evidence a

@@ -13,6 +13,7 @@
 #include "eval/bop/dataset.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/targets.h"
+#include "eval/explain.h"
 #include "perception/pose_estimator.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
@@ -100,7 +101,17 @@ class Runner {
       };
     }
     estimator_ = row.make(setup);
+    objects_ = setup.objects;
+    working_distance_m_ = setup.working_distance_m;
   }
+
+  EstimateResult Explain(const RgbdFrame& frame, Rng& rng, EstimateTrace& trace) {
+    return estimator_->Estimate({frame, std::nullopt, &trace}, rng);
+  }
+  const std::vector<int>& object_ids() const { return object_ids_; }
+  const ObjectSet& objects() const { return objects_; }
+  LabelledViewSource& views() { return *views_; }
+  double working_distance_m() const { return working_distance_m_; }
 
   void Run(const RgbdFrame& frame, const ImageTargets& targets, Estimate place, Rng& rng,
            std::vector<Estimate>& estimates) {
@@ -118,6 +129,8 @@ class Runner {
 
  private:
   std::vector<int> object_ids_;
+  ObjectSet objects_;
+  double working_distance_m_ = 0;
   std::unique_ptr<LabelledViewSource> views_;
   std::unique_ptr<PoseEstimator> estimator_;
 };
@@ -144,6 +157,43 @@ void ForEachTarget(const fs::path& root, const std::string& split, const SplitTa
   }
 }
 
+Rng RngOf(const EstimateOptions& options, const Estimate& place) {
+  return Rng::Derive(options.seed, place.scene_id, fmt::format("bop/estimate/{}", place.image_id));
+}
+
+// The image of the split that `name` means: SCENE/IMAGE or its number among the targets.
+Estimate NamedTarget(const SplitTargets& targets, const std::string& name) {
+  std::vector<Estimate> places;
+  for (const auto& [scene_id, images] : targets.scenes) {
+    for (const auto& [image_id, image] : images) {
+      Estimate& place = places.emplace_back();
+      place.scene_id = scene_id;
+      place.image_id = image_id;
+      if (name == fmt::format("{}/{}", scene_id, image_id)) return place;
+      if (name == std::to_string(places.size() - 1)) return place;
+    }
+  }
+  CheckInput(!places.empty(), "--explain: the split has no target image");
+  throw InputError(fmt::format(
+      "--explain {}: is no target image; name one as SCENE/IMAGE, such as {}/{}, or by its number "
+      "among the targets, 0 to {}",
+      name, places.front().scene_id, places.front().image_id, places.size() - 1));
+}
+
+// Of the parts that the estimator looks for; nothing where the data set tells of none.
+std::optional<std::vector<TruePart>> TruthOf(const ImageTruth& image,
+                                             const std::vector<int>& object_ids) {
+  if (image.instances.empty()) return std::nullopt;
+  std::vector<TruePart> parts;
+  for (size_t i = 0; i < image.instances.size(); ++i) {
+    const auto id = std::ranges::find(object_ids, image.instances[i].object_id);
+    if (id == object_ids.end()) continue;
+    const double visible = i < image.infos.size() ? image.infos[i].visib_fract : 1;
+    parts.push_back({static_cast<int>(id - object_ids.begin()), image.instances[i].X_CO, visible});
+  }
+  return parts;
+}
+
 }  // namespace
 
 std::vector<Estimate> EstimateDataset(
@@ -166,8 +216,7 @@ std::vector<Estimate> EstimateDataset(
         if (!runner) {
           runner.emplace(root, options, ObjectsOf(targets, models), models, frame, on_progress);
         }
-        Rng rng = Rng::Derive(options.seed, place.scene_id,
-                              fmt::format("bop/estimate/{}", place.image_id));
+        Rng rng = RngOf(options, place);
         runner->Run(frame, image_targets, place, rng, estimates);
         ++done;
         if (on_progress) {
@@ -176,6 +225,41 @@ std::vector<Estimate> EstimateDataset(
         }
       });
   return estimates;
+}
+
+void ExplainTarget(const fs::path& root, const std::string& split, const EstimateOptions& options,
+                   const std::string& image, const fs::path& folder,
+                   const std::function<void(const EstimateProgress&)>& on_progress) {
+  RequireExplains(options.estimator.name);
+  const std::map<int, ModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
+  const SplitTargets targets = TargetsOf(root, split);
+  const Estimate place = NamedTarget(targets, image);
+  const auto read = [&](int scene_id, int image_id) {
+    SceneTruth scene =
+        ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault);
+    CheckInput(scene.images.contains(image_id),
+               fmt::format("{}: has no image {}, which is a target",
+                           (scene.folder / "scene_camera.json").string(), image_id));
+    return scene;
+  };
+  // The first target's camera is what the code books are made for.
+  const int first_scene = targets.scenes.begin()->first;
+  const int first_image = targets.scenes.begin()->second.begin()->first;
+  const SceneTruth first = read(first_scene, first_image);
+  Runner runner(root, options, ObjectsOf(targets, models), models,
+                ReadFrame(first, first.images.at(first_image)), on_progress);
+  const SceneTruth scene = read(place.scene_id, place.image_id);
+  const ImageTruth& truth = scene.images.at(place.image_id);
+  const RgbdFrame frame = ReadFrame(scene, truth);
+  EstimateTrace trace;
+  Rng rng = RngOf(options, place);
+  const EstimateResult result = runner.Explain(frame, rng, trace);
+  WriteExplanation(
+      {fmt::format("{} on {}, scene {} image {}", options.estimator.name, split, place.scene_id,
+                   place.image_id),
+       frame, runner.objects(), trace, result.hypotheses, TruthOf(truth, runner.object_ids()),
+       runner.views(), runner.working_distance_m()},
+      folder);
 }
 
 }  // namespace pickbed::bop

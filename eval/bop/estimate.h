@@ -32,4 +32,12 @@ std::vector<Estimate> EstimateDataset(
     const std::filesystem::path& root, const std::string& split, const EstimateOptions& options,
     const std::function<void(const EstimateProgress&)>& on_progress = {});
 
+// How the poses of one target image come about, as EstimateDataset finds them, as a page in
+// `folder` (explain.h). `image` is "SCENE/IMAGE", as in "48/12", or the number of the image among
+// the targets, from 0. Throws InputError, as above and for an image that is no target.
+void ExplainTarget(const std::filesystem::path& root, const std::string& split,
+                   const EstimateOptions& options, const std::string& image,
+                   const std::filesystem::path& folder,
+                   const std::function<void(const EstimateProgress&)>& on_progress = {});
+
 }  // namespace pickbed::bop

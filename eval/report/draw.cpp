@@ -1,19 +1,17 @@
 #include "eval/report/draw.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <opencv2/imgproc.hpp>
 
-#include "scenes/triangle_mesh.h"
+#include "eval/report/outline.h"
 #include "sim/hand_joints.h"
 
 namespace pickbed {
 namespace {
 
-constexpr double kCreaseCos = 0.8;  // edges of flatter folds are not drawn
 constexpr double kNearPlane_m = 0.02;
+constexpr int kShift = 4;  // sub-pixel bits of cv::line
 
 // The pixels of an Image<Rgb8> as an OpenCV matrix (channels r, g, b), not copied.
 cv::Mat View(Image<Rgb8>& image) {
@@ -33,65 +31,16 @@ cv::Scalar ScoreColor(double score) {
   return {255 * std::min(1.0, 2 - 2 * s), 255 * std::min(1.0, 2 * s), 40};
 }
 
-// An edge of a mesh with the normals of the faces on its two sides.
-struct CreaseEdge {
-  Eigen::Vector3d a_O, b_O;
-  Eigen::Vector3d normal_1_O = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal_2_O = Eigen::Vector3d::Zero();
-};
-
-using PlaceKey = std::array<int64_t, 3>;
-
-PlaceKey KeyOf(const Eigen::Vector3d& p) {
-  constexpr double kGrid_m = 1e-6;  // vertices at one place are split where normals differ
-  return {std::llround(p.x() / kGrid_m), std::llround(p.y() / kGrid_m),
-          std::llround(p.z() / kGrid_m)};
-}
-
-std::vector<CreaseEdge> MeshEdges(const TriangleMesh& mesh) {
-  const std::vector<Eigen::Vector3d> normals = FaceNormals(mesh);
-  std::map<std::pair<PlaceKey, PlaceKey>, CreaseEdge> edges;
-  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d& a = mesh.vertices[mesh.triangles[t][k]];
-      const Eigen::Vector3d& b = mesh.vertices[mesh.triangles[t][(k + 1) % 3]];
-      const PlaceKey ka = KeyOf(a), kb = KeyOf(b);
-      auto [it, is_new] = edges.try_emplace(std::minmax(ka, kb));
-      if (is_new)
-        it->second = {a, b, normals[t], -normals[t]};
-      else
-        it->second.normal_2_O = normals[t];
-    }
-  }
-  std::vector<CreaseEdge> list;
-  list.reserve(edges.size());
-  for (auto& [key, edge] : edges) list.push_back(edge);
-  return list;
+void DrawLine(cv::Mat& canvas, const PixelLine& line, const cv::Scalar& color, int width_px) {
+  const Eigen::Vector2d a = line.a * (1 << kShift), b = line.b * (1 << kShift);
+  cv::line(canvas, cv::Point(std::lround(a.x()), std::lround(a.y())),
+           cv::Point(std::lround(b.x()), std::lround(b.y())), color, width_px, cv::LINE_AA, kShift);
 }
 
 void DrawSegment(cv::Mat& canvas, const CameraIntrinsics& k, const Eigen::Vector3d& a_C,
                  const Eigen::Vector3d& b_C, const cv::Scalar& color, int width_px) {
   if (a_C.z() < kNearPlane_m || b_C.z() < kNearPlane_m) return;
-  constexpr int kShift = 4;  // sub-pixel bits of cv::line
-  const Eigen::Vector2d a = Project(k, a_C) * (1 << kShift), b = Project(k, b_C) * (1 << kShift);
-  cv::line(canvas, cv::Point(std::lround(a.x()), std::lround(a.y())),
-           cv::Point(std::lround(b.x()), std::lround(b.y())), color, width_px, cv::LINE_AA, kShift);
-}
-
-// Silhouette and creases that face the camera.
-void DrawEdges(cv::Mat& canvas, const CameraIntrinsics& k, const std::vector<CreaseEdge>& edges,
-               const Pose& X_CO, const cv::Scalar& color) {
-  const Eigen::Vector3d camera_O = X_CO.inverse().translation();
-  for (const CreaseEdge& edge : edges) {
-    const Eigen::Vector3d to_camera = camera_O - edge.a_O;
-    const bool faces_1 = edge.normal_1_O.dot(to_camera) > 0;
-    const bool faces_2 = edge.normal_2_O.dot(to_camera) > 0;
-    const bool silhouette = faces_1 != faces_2;
-    const bool crease = faces_1 && faces_2 && edge.normal_1_O.dot(edge.normal_2_O) < kCreaseCos;
-    if (silhouette || crease) {
-      DrawSegment(canvas, k, X_CO * edge.a_O, X_CO * edge.b_O, color, 1);
-    }
-  }
+  DrawLine(canvas, {Project(k, a_C), Project(k, b_C)}, color, width_px);
 }
 
 void DrawInstanceOutlines(cv::Mat& canvas, const Image<uint16_t>& ids) {
@@ -175,11 +124,11 @@ Image<Rgb8> DrawOverlay(const OverlayInput& input) {
   cv::Mat canvas = View(image);
   const CameraIntrinsics& k = input.camera.intrinsics;
   if (input.ids) DrawInstanceOutlines(canvas, *input.ids);
-  std::map<int, std::vector<CreaseEdge>> edges;  // by object, made once
+  PartOutlines outlines(input.objects);
   for (auto h = input.hypotheses.rbegin(); h != input.hypotheses.rend(); ++h) {
-    auto [it, is_new] = edges.try_emplace(h->object);
-    if (is_new) it->second = MeshEdges(input.objects.at(h->object)->mesh_O);
-    DrawEdges(canvas, k, it->second, h->X_CO, ScoreColor(h->score));
+    for (const PixelLine& line : outlines.At(h->object, h->X_CO, k)) {
+      DrawLine(canvas, line, ScoreColor(h->score), 1);
+    }
   }
   if (input.grasp && input.gripper) {
     const Pose X_CG = input.camera.X_WC.inverse() * input.grasp->X_WG;

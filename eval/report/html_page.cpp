@@ -14,7 +14,7 @@ constexpr const char* kStyle =
     "solid #dde3ea;text-align:left}td.n{text-align:right;font-variant-numeric:tabular-nums}"
     "th{border-bottom:2px solid #8fa1b3}figure{display:inline-block;margin:.5em 1em .5em 0}"
     "figcaption{font-size:.85em;color:#50606f}svg text{font:12px system-ui,sans-serif}"
-    "img{max-width:520px}";
+    "img{max-width:520px}img.wide{max-width:100%}";
 
 // Told apart by colour-blind readers too (Okabe and Ito 2008).
 constexpr std::array<const char*, 7> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
@@ -70,6 +70,13 @@ std::string Line(const Axes& axes, const Curve& curve, const char* color) {
       "<polygon points='{0}' fill='{2}' opacity='.15'/>"
       "<polyline points='{1}' fill='none' stroke='{2}' stroke-width='2'/>{3}",
       band, line, color, dots);
+}
+
+std::string Figure(const std::string& path, const std::string& caption, const char* look) {
+  return fmt::format(
+      "<figure><a href=\"{0}\"><img{2} src=\"{0}\" alt=\"{1}\"></a><figcaption>{1}</figcaption>"
+      "</figure>\n",
+      EscapeHtml(path), EscapeHtml(caption), look);
 }
 
 }  // namespace
@@ -150,10 +157,11 @@ void HtmlPage::Chart(const CurveChart& chart) {
 }
 
 void HtmlPage::Picture(const std::string& path, const std::string& caption) {
-  body_ += fmt::format(
-      "<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\"></a><figcaption>{1}</figcaption>"
-      "</figure>\n",
-      EscapeHtml(path), EscapeHtml(caption));
+  body_ += Figure(path, caption, "");
+}
+
+void HtmlPage::WidePicture(const std::string& path, const std::string& caption) {
+  body_ += Figure(path, caption, " class=\"wide\"");
 }
 
 std::string HtmlPage::Finish() const { return body_ + "</body></html>\n"; }

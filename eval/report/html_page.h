@@ -35,6 +35,8 @@ class HtmlPage {
   void Chart(const CurveChart& chart);
   // A link to a picture that shows it; `path` as seen from the page.
   void Picture(const std::string& path, const std::string& caption);
+  // The same, as wide as the page.
+  void WidePicture(const std::string& path, const std::string& caption);
 
   std::string Finish() const;
 

@@ -57,6 +57,8 @@ class DescriptorEstimator : public PoseEstimator {
   }
   std::vector<CandidatePart> Parts(const EstimatorSetup& setup) const;
   ObjectCodes Codes(const EstimatorSetup& setup, int object, double side_m) const;
+  void Trace(const OrganizedCloud& cloud, const std::vector<Candidate>& candidates,
+             const std::vector<PoseHypothesis>& accepted, EstimateTrace& trace) const;
 
   DescriptorOptions options_;
   std::string refiner_;
@@ -97,6 +99,22 @@ ObjectCodes DescriptorEstimator::Codes(const EstimatorSetup& setup, int object,
   return codes;
 }
 
+void DescriptorEstimator::Trace(const OrganizedCloud& cloud,
+                                const std::vector<Candidate>& candidates,
+                                const std::vector<PoseHypothesis>& accepted,
+                                EstimateTrace& trace) const {
+  trace.cloud = cloud;
+  trace.neighbors = options_.candidates.neighbors;
+  trace.min_score = options_.final_set.min_score;
+  for (const Candidate& candidate : candidates) {
+    TracedCandidate traced{candidate.hypothesis, candidate.features};
+    const Verifier& verifier = verifiers_[traced.hypothesis.object];
+    traced.hypothesis.score = verifier.Score(traced.features);
+    trace.candidates.push_back(std::move(traced));
+  }
+  trace.accepted = accepted;
+}
+
 EstimateResult DescriptorEstimator::Estimate(const EstimatorInput& input, Rng& rng) {
   EstimateResult result;
   OrganizedCloud cloud;
@@ -104,13 +122,14 @@ EstimateResult DescriptorEstimator::Estimate(const EstimatorInput& input, Rng& r
     const StageTimer timer(result.seconds, "cloud");
     cloud = BuildCloud(input.frame, input.background);
   }
-  const std::vector<Candidate> candidates = finder_->Find(cloud, rng, result.seconds);
+  const std::vector<Candidate> candidates = finder_->Find(cloud, rng, result.seconds, input.trace);
   {
     const StageTimer timer(result.seconds, "suppress");
     result.hypotheses =
         FinalSet(cloud, finder_->assessor().model_points(), finder_->assessor().distances(),
                  verifiers_, candidates, options_.final_set);
   }
+  if (input.trace) Trace(cloud, candidates, result.hypotheses, *input.trace);
   const StageTimer timer(result.seconds, "refine");
   PolishPoses(refiner_, cloud, finder_->assessor().model_points(), options_.polish,
               result.hypotheses);

@@ -183,6 +183,35 @@ estimate_scores_the_oracle_as_perfect() {
   [ -s look/pictures/trial_0001/oracle/pick_00_overlay.png ] || fail "no overlay"
 }
 
+# shown FOLDER: its page names pictures, and all of them are there.
+shown() {
+  local pictures=$(grep -o 'src="[^"]*"' "$1/explain.html" | cut -d'"' -f2)
+  [ "$(wc -w <<<"$pictures")" -ge 9 ] || fail "too few pictures in $1"
+  for picture in $pictures; do [ -s "$1/$picture" ] || fail "no $1/$picture"; done
+  [ "$(wc -w <<<"$pictures")" = "$(find "$1/pictures" -type f | wc -l)" ] ||
+    fail "a picture in $1 is not shown"
+}
+
+explain_shows_every_stage() {
+  expect 0 "$pickbed" estimate rods.yaml --explain 1 --out why
+  grep -q "why/explain.html" last.out || fail "the page is not named"
+  shown why
+  for stage in 1 2 3 4 5 6 7 8; do grep -q "<h2>$stage\\." why/explain.html || fail "no stage $stage"; done
+  expect 0 "$pickbed" estimate rods.yaml --explain 1 --out again
+  diff -r why again >&2 || fail "the same image was explained in another way"
+
+  echo "camera: {width: 160, height: 120, focal_px: 170}" >>rods.yaml
+  expect 0 "$pickbed" dataset make rods.yaml --scenes 1 --views 2 --jobs 1 --out set
+  expect 0 "$pickbed" estimate --bop set --explain 1/1 --out bop
+  shown bop
+  expect 0 "$pickbed" estimate --bop set --explain 1 --out same
+  diff -r bop same >&2 || fail "1/1 is not the second target"
+  refused "--explain 7/0: is no target image; name one as SCENE/IMAGE, such as 1/0" \
+    "$pickbed" estimate --bop set --explain 7/0 --out no
+  refused "'ppf' does not tell" "$pickbed" estimate --bop set --explain 0 --estimator ppf --out no
+  [ ! -e no ] || fail "a refused command left a folder"
+}
+
 broken_model_is_refused() {
   head -c 1000 /dev/urandom >broken.pt
   expect 1 "$pickbed" run small.yaml --set estimator.name=descriptor \

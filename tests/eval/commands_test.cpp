@@ -86,6 +86,23 @@ TEST_F(CommandsTest, SlipsInCommandAndOptionsAreNamed) {
   ExpectRefused({"list", "griper"}, "did you mean 'grippers'");
 }
 
+TEST_F(CommandsTest, WhatCannotBeExplainedIsRefused) {
+  const std::vector<std::string> estimate{"estimate", Scenario(), "--out", Out()};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), estimate.begin(), estimate.end());
+    return more;
+  };
+  ExpectRefused(with({"--explain", "first"}), "--explain first");
+  ExpectRefused(with({"--explain=-1"}), "--explain -1");
+  ExpectRefused(with({"--explain", "1/2"}), "number of a trial");
+  ExpectRefused(with({"--explain"}), "--explain");
+  ExpectRefused(with({"--explain", "0", "--trials", "3"}), "--trials");
+  ExpectRefused(with({"--explain", "0", "--estimator", "descriptor,ppf"}), "one estimator");
+  ExpectRefused(with({"--explain", "0", "--estimator", "ppf"}), "'ppf'");
+  ExpectRefused(with({"--explain", "0", "--estimator", "oracle"}), "descriptor");
+  EXPECT_FALSE(std::filesystem::exists(Out())) << "a refused command left a folder";
+}
+
 TEST_F(CommandsTest, BadScenariosAreRefusedByEveryCommandThatReadsOne) {
   const std::string missing = (folder_ / "none.yaml").string();
   const std::string empty = File("empty.yaml", "objects: []\n");

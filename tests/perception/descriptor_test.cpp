@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
+#include "perception/estimate_trace.h"
 #include "perception/training.h"
 #include "perception/votes.h"
 #include "scenes/check.h"
@@ -155,6 +157,78 @@ TEST_F(Descriptor, SameSeedSameAnswerAlsoFromAnotherEstimator) {
   for (size_t i = 0; i < first.hypotheses.size(); ++i) {
     EXPECT_EQ(first.hypotheses[i].score, second.hypotheses[i].score);
     EXPECT_EQ(first.hypotheses[i].X_CO.matrix(), second.hypotheses[i].X_CO.matrix());
+  }
+}
+
+EstimateTrace TraceOf(PoseEstimator& estimator, const EstimatorInput& input,
+                      EstimateResult* result = nullptr) {
+  EstimateTrace trace;
+  Rng rng(1);
+  EstimatorInput traced = input;
+  traced.trace = &trace;
+  const EstimateResult found = estimator.Estimate(traced, rng);
+  if (result) *result = found;
+  return trace;
+}
+
+TEST_F(Descriptor, ExplainingDoesNotChangeTheAnswer) {
+  const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
+  const LabelledView view = views_->Pile({12, 1}).front();
+  const EstimateResult plain = Run(*estimator, view);
+  EstimateResult traced;
+  TraceOf(*estimator, {view.frame, OutOfSightBin()}, &traced);
+  ASSERT_FALSE(plain.hypotheses.empty());
+  ASSERT_EQ(plain.hypotheses.size(), traced.hypotheses.size());
+  for (size_t i = 0; i < plain.hypotheses.size(); ++i) {
+    const PoseHypothesis &a = plain.hypotheses[i], &b = traced.hypotheses[i];
+    EXPECT_EQ(a.object, b.object);
+    EXPECT_EQ(a.score, b.score);
+    EXPECT_EQ(a.X_CO.matrix(), b.X_CO.matrix());
+    EXPECT_EQ(a.fit.inlier_share, b.fit.inlier_share);
+  }
+}
+
+TEST_F(Descriptor, TheStagesOfATraceFitTogether) {
+  const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
+  const LabelledView view = views_->Pile({12, 1}).front();
+  const EstimateTrace trace = TraceOf(*estimator, {view.frame, OutOfSightBin()});
+  ASSERT_EQ(trace.patches.size(), static_cast<size_t>(Options().candidates.points));
+  EXPECT_EQ(trace.votes.size(), trace.patches.size() * trace.neighbors);
+  for (const TracedPatch& patch : trace.patches) {
+    ASSERT_TRUE(trace.cloud.foreground.data()[patch.pixel]);
+    const Eigen::Vector3d point_C = trace.cloud.points_C[patch.pixel].cast<double>();
+    EXPECT_TRUE(patch.X_CP.translation() == point_C);
+  }
+  for (size_t i = 0; i < trace.votes.size(); ++i) {
+    ASSERT_EQ(trace.votes[i].patch, static_cast<int>(i) / trace.neighbors);
+    if (i % trace.neighbors > 0) {
+      EXPECT_GE(trace.votes[i].distance, trace.votes[i - 1].distance);
+    }
+  }
+  const auto same = [](const Pose& a, const Pose& b) { return a.matrix() == b.matrix(); };
+  for (const TracedRefinement& refinement : trace.refinements) {
+    EXPECT_NE(refinement.look_alike, std::ranges::any_of(trace.votes, [&](const TracedVote& vote) {
+                return same(vote.vote.X_CO, refinement.before.X_CO);
+              }));
+  }
+  const std::vector<ModelPoints> models{MakeModelPoints(*views_->objects()[0])};
+  ASSERT_FALSE(trace.candidates.empty());
+  for (const TracedCandidate& candidate : trace.candidates) {
+    const Pose& X_CO = candidate.hypothesis.X_CO;
+    EXPECT_TRUE(std::ranges::any_of(trace.refinements, [&](const TracedRefinement& refinement) {
+      return same(refinement.after.X_CO, X_CO);
+    }));
+    const std::vector<JudgedPoint> points = JudgePoints(trace.cloud, models[0], X_CO);
+    const auto violations = std::ranges::count(points, PointFit::kViolates, &JudgedPoint::fit);
+    EXPECT_NEAR(violations, candidate.features[2] * points.size(), 0.01);
+  }
+  ASSERT_FALSE(trace.accepted.empty());
+  for (const PoseHypothesis& accepted : trace.accepted) {
+    EXPECT_GE(accepted.score, trace.min_score);
+    EXPECT_TRUE(std::ranges::any_of(trace.candidates, [&](const TracedCandidate& candidate) {
+      return same(candidate.hypothesis.X_CO, accepted.X_CO) &&
+             candidate.hypothesis.score == accepted.score;
+    }));
   }
 }
 

@@ -68,6 +68,36 @@ TEST_F(SlabView, AnOccluderHides) {
   EXPECT_LT(fit.violated_share, 0.01);
 }
 
+// What is drawn point by point is what the features count: planted halves that hide, are looked
+// through and are unknown, and a turned slab whose normals disagree.
+TEST_F(SlabView, PointsJudgedOneByOneAddUpToTheFeatures) {
+  for (const float painted_m : {0.3f, 0.6f, 0.0f}) {
+    for (const double turn_deg : {0.0, 50.0}) {
+      RgbdFrame frame = Render();
+      PaintLeftHalf(frame, painted_m);
+      const Pose X_CO =
+          Perturbed(X_CO_, Eigen::Vector3d::UnitX(), turn_deg, Eigen::Vector3d::Zero());
+      const OrganizedCloud cloud = BuildCloud(frame, std::nullopt, kKeepAll);
+      FitReport fit;
+      const VerifyFeatures features = ComputeVerifyFeatures(cloud, model_, X_CO, {}, 0, fit);
+      const std::vector<JudgedPoint> points = JudgePoints(cloud, model_, X_CO);
+      const auto share = [&](PointFit wanted) {
+        const auto count = std::count_if(points.begin(), points.end(),
+                                         [&](const JudgedPoint& p) { return p.fit == wanted; });
+        return static_cast<float>(static_cast<double>(count) / points.size());
+      };
+      SCOPED_TRACE(testing::Message() << painted_m << " m, " << turn_deg << " degrees");
+      EXPECT_EQ(share(PointFit::kAgrees), features[0]);
+      EXPECT_EQ(share(PointFit::kHidden), features[1]);
+      EXPECT_EQ(share(PointFit::kViolates), features[2]);
+      EXPECT_EQ(share(PointFit::kWrongNormal), features[3]);
+      if (painted_m == 0) {
+        EXPECT_NEAR(share(PointFit::kUnknown), 0.5, 0.12);
+      }
+    }
+  }
+}
+
 TEST_F(SlabView, SeeingThroughViolates) {
   RgbdFrame frame = Render();
   PaintLeftHalf(frame, 0.6f);

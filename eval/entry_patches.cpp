@@ -1,0 +1,55 @@
+#include "eval/entry_patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "perception/labelled_patches.h"
+
+namespace pickbed {
+namespace {
+
+// Just holds the patch, with room for the sensor's jitter and the fit of normals; the middle of the
+// patch is the middle of a pixel.
+CameraIntrinsics PatchCamera(double side_m, double distance_m, double focal_px) {
+  constexpr double kRoom = 1.2;
+  constexpr int kBorder_px = 6;
+  const double half_px = 0.5 * kRoom * side_m * focal_px / std::max(1e-3, distance_m - side_m);
+  const int half = static_cast<int>(std::ceil(half_px)) + kBorder_px;
+  CameraIntrinsics k;
+  k.width = k.height = 2 * half + 1;
+  k.fx = k.fy = focal_px;
+  k.cx = k.cy = half;
+  return k;
+}
+
+}  // namespace
+
+std::vector<std::optional<std::array<int8_t, kPatchValues>>> EntryPatches(
+    LabelledViewSource& views, const std::vector<EntryPose>& entries, double distance_m,
+    double focal_px) {
+  const Pose X_CP = PatchFrame({0, 0, distance_m}, 0);
+  std::map<std::pair<int, double>, std::vector<size_t>> by_kind;  // object and side
+  for (size_t i = 0; i < entries.size(); ++i) {
+    by_kind[{entries[i].object, entries[i].side_m}].push_back(i);
+  }
+  std::vector<std::optional<std::array<int8_t, kPatchValues>>> patches(entries.size());
+  for (const auto& [kind, members] : by_kind) {
+    const auto [object, side_m] = kind;
+    const CameraIntrinsics camera = PatchCamera(side_m, distance_m, focal_px);
+    std::vector<Pose> X_CO;
+    for (const size_t i : members) X_CO.push_back(X_CP * entries[i].X_PO);
+    const std::vector<LabelledView> seen = views.Isolated(object, X_CO, camera, 0);
+    const int middle = camera.height / 2 * camera.width + camera.width / 2;
+    for (size_t m = 0; m < members.size(); ++m) {
+      const OrganizedCloud cloud = IsolatedCloud(seen[m]);
+      if (!(cloud.depth_m.data()[middle] > 0)) continue;
+      const double angle = 0;
+      const PatchSet patch = CutPatches(cloud, {&middle, 1}, {&angle, 1}, side_m);
+      std::ranges::copy(patch.patch(0), patches[members[m]].emplace().begin());
+    }
+  }
+  return patches;
+}
+
+}  // namespace pickbed
