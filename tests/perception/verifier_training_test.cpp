@@ -1,0 +1,63 @@
+#include "perception/verifier_training.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
+  Rng rng(1);
+  VerifierExamples examples;
+  for (int i = 0; i < 1500; ++i) {
+    VerifyFeatures features;
+    for (float& feature : features) feature = static_cast<float>(rng.Normal());
+    examples.right.push_back(features[0] * features[1] > 0.1f);  // not linear
+    examples.features.push_back(features);
+  }
+  examples.held_out_from = 1200;
+  VerifierOptions options;
+  options.iterations = 400;
+  const TrainedVerifier trained = TrainVerifier(examples, options, 0);
+  EXPECT_GT(trained.auc, 0.95);
+  VerifyFeatures right{};
+  right[0] = right[1] = 1.5f;
+  EXPECT_GT(trained.verifier.Score(right), 0.8);
+  right[1] = -1.5f;
+  EXPECT_LT(trained.verifier.Score(right), 0.2);
+  examples.right.assign(examples.right.size(), 1);
+  EXPECT_THROW(TrainVerifier(examples, options, 0), InputError);
+}
+
+// Poses that are right with P = 1 / (1 + exp(-(2 logit + 1))) while the score claims
+// 1 / (1 + exp(-logit)).
+TEST(Calibrate, FindsAPlantedRule) {
+  Rng rng(3);
+  std::vector<ScoredPose> poses(4000);
+  for (ScoredPose& pose : poses) {
+    pose.logit = rng.Uniform(-3, 3);
+    pose.right = rng.Uniform() < 1 / (1 + std::exp(-(2 * pose.logit + 1)));
+  }
+  Verifier verifier;
+  Calibrate(poses, verifier);
+  EXPECT_NEAR(verifier.calibration_scale, 2, 0.2);
+  EXPECT_NEAR(verifier.calibration_shift, 1, 0.2);
+  Verifier untouched;
+  Calibrate({}, untouched);
+  EXPECT_EQ(untouched.calibration_scale, 1);
+  EXPECT_EQ(untouched.calibration_shift, 0);
+}
+
+TEST(AreaUnderRoc, CountsOrderedPairs) {
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({0.1, 0.2, 0.8, 0.9}, {0, 0, 1, 1}), 1.0);
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({0.1, 0.2, 0.8, 0.9}, {1, 1, 0, 0}), 0.0);
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({0.5, 0.5, 0.5}, {0, 1, 0}), 0.5);
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({0.1, 0.4, 0.3, 0.8}, {0, 0, 1, 1}), 0.75);
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({0.1, 0.2}, {1, 1}), 0.5);
+}
+
+}  // namespace
+}  // namespace pickbed
