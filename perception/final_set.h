@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "perception/candidates.h"
+#include "perception/assessment.h"
 #include "perception/suppress.h"
 #include "perception/votes.h"
 

@@ -175,19 +175,23 @@ std::vector<TrainedVerifier> Trainer::TrainVerifiers() {
   options.seed = options_.seed;
   options.piles = options_.verifier_piles;
   options.views_per_pile = options_.views_per_pile;
-  options.entries = options_.verifier_entries;
-  options.candidates = options_.candidates;
   options.verifier = options_.verifier;
   std::vector<TrainedVerifier> trained;
   for (int i = 0; i < parts; ++i) {
-    const VerifierPart part{i, sides_[i], network_.length(), [&](std::span<const int8_t> patches) {
-                              return network_.Describe(patches);
-                            }};
+    const VerifierPart part{
+        i,
+        sides_[i],
+        network_.length(),
+        [&](std::span<const int8_t> patches) { return network_.Describe(patches); },
+        options_.verifier_entries,
+        options_.candidates};
     bool go_on = true;
     TrainedVerifier verifier = BlamePart(*objects_[i], [&] {
-      return TrainPartVerifier(job_.views, part, options, [&](double share) {
-        return go_on = Report("verifier", (i + share) / parts, piles, phase);
-      });
+      return TrainPartVerifier(job_.views, i, DescriptorSource(job_.views, part, options.seed),
+                               options, [&](double share) {
+                                 return go_on =
+                                            Report("verifier", (i + share) / parts, piles, phase);
+                               });
     });
     if (!go_on) return trained;
     trained.push_back(std::move(verifier));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "perception/final_set.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -70,6 +71,15 @@ bool IsRight(const Pose& X_CO, const LabelledView& view, int object, const PoseD
 
 }  // namespace
 
+void VerifierTrainingOptions::Visit(SettingsVisitor& v) {
+  v.Seed("seed", seed, "of piles and weights");
+  v.Integer("piles", piles, {1, 100000}, "per part");
+  v.Integer("views_per_pile", views_per_pile, {1, 100}, "views of each");
+  v.Real("calibration_share", calibration_share, {0, 0.9}, "last share of the views, to calibrate");
+  v.Group(
+      "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "the verifier's training");
+}
+
 void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
   constexpr double kPrior = 2;  // poses' worth of pull towards scale 1, shift 0
   constexpr int kSteps = 30;
@@ -91,16 +101,24 @@ void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
   verifier.calibration_shift = static_cast<float>(x[1]);
 }
 
-TrainedVerifier TrainPartVerifier(LabelledViewSource& views, const VerifierPart& part,
+MakeCandidateSource DescriptorSource(LabelledViewSource& views, const VerifierPart& part,
+                                     uint64_t seed) {
+  return [&views, part, seed](const std::vector<LabelledView>& piles) {
+    const ObjectCodes codes =
+        MakeObjectCodes(views, part.object, part.side_m, part.descriptor_length, part.describe,
+                        CodeViews(piles, part.object, part.entries), seed, {});
+    std::vector<CandidatePart> parts{{views.objects()[part.object], part.side_m, codes}};
+    return std::make_unique<CandidateFinder>(std::move(parts), part.describe, part.candidates);
+  };
+}
+
+TrainedVerifier TrainPartVerifier(LabelledViewSource& views, int object,
+                                  const MakeCandidateSource& make,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double)>& on_share) {
-  const std::vector<LabelledView> piles = Piles(views, part.object, options);
-  const auto model = views.objects()[part.object];
-  const ObjectCodes codes =
-      MakeObjectCodes(views, part.object, part.side_m, part.descriptor_length, part.describe,
-                      CodeViews(piles, part.object, options.entries), options.seed, {});
-  const CandidateFinder finder({{model, part.side_m, codes}}, part.describe, options.candidates);
-  const std::vector<PoseDistance> distances{PoseDistance(*model)};
+  const std::vector<LabelledView> piles = Piles(views, object, options);
+  const std::unique_ptr<CandidateSource> source = make(piles);
+  const std::vector<PoseDistance>& distances = source->assessor().distances();
   const size_t learned =
       piles.size() - static_cast<size_t>(options.calibration_share * piles.size());
 
@@ -111,11 +129,11 @@ TrainedVerifier TrainPartVerifier(LabelledViewSource& views, const VerifierPart&
     if (!on_share(static_cast<double>(i) / piles.size())) return {};
     Rng rng = Rng::Derive(options.seed, i, "training/verifier_view");
     const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
-    found[i] = finder.Find(cloud, rng, seconds);
+    found[i] = source->Find(cloud, rng, seconds);
     for (const Candidate& candidate : found[i]) {
       examples.features.push_back(candidate.features);
       examples.right.push_back(
-          IsRight(candidate.hypothesis.X_CO, piles[i], part.object, distances.front()));
+          IsRight(candidate.hypothesis.X_CO, piles[i], object, distances.front()));
     }
     if (i + 1 == learned) examples.held_out_from = examples.features.size();
   }
@@ -123,9 +141,10 @@ TrainedVerifier TrainPartVerifier(LabelledViewSource& views, const VerifierPart&
   std::vector<ScoredPose> reported;
   for (size_t i = learned; i < piles.size(); ++i) {
     const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
-    const auto set = FinalSet(cloud, finder.model_points(), distances, {&trained.verifier, 1},
-                              found[i], {kNoScore, FinalSetOptions().merge_diameters, {}});
-    const auto judged = Judge(set, piles[i], part.object, distances.front());
+    const auto set =
+        FinalSet(cloud, source->assessor().model_points(), distances, {&trained.verifier, 1},
+                 found[i], {kNoScore, FinalSetOptions().merge_diameters, {}});
+    const auto judged = Judge(set, piles[i], object, distances.front());
     reported.insert(reported.end(), judged.begin(), judged.end());
   }
   Calibrate(reported, trained.verifier);

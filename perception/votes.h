@@ -12,7 +12,6 @@ namespace pickbed {
 struct RawHypothesis {
   int object = 0;
   Pose X_CO = Pose::Identity();
-  float distance = 0;     // descriptor distance of the vote
   float quick_score = 0;  // QuickScore, higher is better
   float votes = 1;        // raw hypotheses that agree with it
 };

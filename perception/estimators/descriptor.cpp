@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "perception/torch_model_file.h"
-#include "perception/votes.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 
@@ -40,10 +39,9 @@ class DescriptorEstimator : public PoseEstimator {
         refiner_(setup.refiner),
         model_(LoadModel(DescriptorModelFile(setup.spec))) {
     options_.final_set.min_score = setup.spec.min_score;
-    trained_ = TrainedParts(model_.info, setup.objects, DescriptorModelFile(setup.spec));
+    trained_ = TrainedParts(model_.info.objects, setup.objects, DescriptorModelFile(setup.spec));
     for (const int part : trained_) verifiers_.push_back(model_.verifiers[part]);
     finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(), options.candidates);
-    for (const auto& object : setup.objects) distances_.emplace_back(*object);
   }
 
   EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override;
@@ -61,7 +59,6 @@ class DescriptorEstimator : public PoseEstimator {
   std::vector<int> trained_;         // index into model_.info.objects of each part
   std::vector<Verifier> verifiers_;  // of each part
   std::unique_ptr<CandidateFinder> finder_;
-  std::vector<PoseDistance> distances_;
 };
 
 std::vector<CandidatePart> DescriptorEstimator::Parts(const EstimatorSetup& setup) const {
@@ -104,11 +101,13 @@ EstimateResult DescriptorEstimator::Estimate(const EstimatorInput& input, Rng& r
   const std::vector<Candidate> candidates = finder_->Find(cloud, rng, result.seconds);
   {
     const StageTimer timer(result.seconds, "suppress");
-    result.hypotheses = FinalSet(cloud, finder_->model_points(), distances_, verifiers_, candidates,
-                                 options_.final_set);
+    result.hypotheses =
+        FinalSet(cloud, finder_->assessor().model_points(), finder_->assessor().distances(),
+                 verifiers_, candidates, options_.final_set);
   }
   const StageTimer timer(result.seconds, "refine");
-  PolishPoses(refiner_, cloud, finder_->model_points(), options_.polish, result.hypotheses);
+  PolishPoses(refiner_, cloud, finder_->assessor().model_points(), options_.polish,
+              result.hypotheses);
   return result;
 }
 
@@ -124,12 +123,7 @@ void DescriptorOptions::Visit(SettingsVisitor& v) {
 }
 
 std::filesystem::path DescriptorModelFile(const EstimatorSpec& spec) {
-  const std::string name = spec.model.empty() ? kShippedModel : spec.model;
-  const std::filesystem::path path = name;
-  if (path.has_parent_path() || path.extension() == ".pt") {
-    if (std::filesystem::exists(path)) return path;
-  }
-  return AssetsDir() / "models" / (path.extension() == ".pt" ? name : name + ".pt");
+  return TrainedFile(spec.model.empty() ? kShippedModel : spec.model);
 }
 
 DescriptorOptions OptionsForMode(const std::string& mode) {

@@ -1,0 +1,78 @@
+#pragma once
+
+// From raw pose hypotheses to refined candidates that a verifier can judge: quick score and density
+// -> clusters -> ICP -> look-alikes -> features. Whatever proposes the raw poses, descriptors or
+// point pairs, goes on through it alike, so that what differs is the proposal alone.
+
+#include <vector>
+
+#include "perception/pose_embedding.h"
+#include "perception/projective_icp.h"
+#include "perception/verify.h"
+#include "perception/vote_density.h"
+#include "perception/votes.h"
+#include "scenes/settings.h"
+#include "scenes/stage_seconds.h"
+
+namespace pickbed {
+
+struct AssessmentOptions {
+  int candidates = 300;        // refined by ICP, of all parts together
+  int min_candidates = 100;    // for each part at least
+  double quick_tau_m = 0.008;  // band of the quick score
+  // A vote's rank is its quick score plus this times log(1 + density of the other patches' votes).
+  double density_weight = 0.2;
+  double density_diameters = 0.2;  // votes within it count for the density
+  // Votes within it (largest displacement) are one candidate. As wide as ICP can reach: half of it
+  // gives four thousand clusters a frame, of which the best six hundred miss half of the hidden
+  // parts.
+  double cluster_diameters = 0.25;
+  double gate_diameters = 0.08;   // first gate of ICP
+  double gate_min_m = 0.004;      // bounds of that gate: wide ones slide into clutter
+  double gate_max_m = 0.010;      //
+  bool two_gates = false;         // also try half the gate and keep the better
+  int turned = 12;                // of the best refined poses of a part, its look-alikes are tried
+  double merge_diameters = 0.03;  // refined poses within it are one
+  ProjectiveIcpOptions icp;       // its gates are set from the above
+  void Visit(SettingsVisitor& v);
+};
+
+struct Candidate {
+  PoseHypothesis hypothesis;  // score = ICP's overlap; fit is filled
+  VerifyFeatures features;
+};
+
+class CandidateAssessor {
+ public:
+  CandidateAssessor(const ObjectSet& objects, const AssessmentOptions& options);
+
+  // Candidates from the raw poses `votes` of objects[part]; hypothesis.object = part. `patches` is
+  // how many patches (or reference points) voted: densities are told to the verifier as of a usual
+  // number. Seconds are added under "quick", "select", "icp" and "verify".
+  std::vector<Candidate> Assess(const OrganizedCloud& cloud, int part,
+                                const std::vector<PoseVote>& votes, int patches,
+                                StageSeconds& seconds) const;
+
+  // By object.
+  const std::vector<ModelPoints>& model_points() const { return models_; }
+  const std::vector<PoseDistance>& distances() const { return distances_; }
+
+ private:
+  std::vector<RawHypothesis> QuickScored(const OrganizedCloud& cloud, int part,
+                                         const std::vector<PoseVote>& votes) const;
+  VoteDensity Density(int part, const std::vector<PoseVote>& votes) const;
+  std::vector<RawHypothesis> Selected(std::vector<RawHypothesis> scored, const VoteDensity& density,
+                                      const std::vector<PoseVote>& votes) const;
+  RawHypothesis Refined(const OrganizedCloud& cloud, const RawHypothesis& start) const;
+  void AddLookAlikes(const OrganizedCloud& cloud, std::vector<RawHypothesis>& poses) const;
+  int Kept() const;
+
+  ObjectSet objects_;
+  AssessmentOptions options_;
+  std::vector<ModelPoints> models_;
+  std::vector<PoseDistance> distances_;
+  std::vector<PoseEmbedding> embeddings_;
+  std::vector<std::vector<Pose>> look_alikes_;  // turns S_O, by object
+};
+
+}  // namespace pickbed
