@@ -7,8 +7,10 @@
 #include "eval/interrupt.h"
 #include "eval/progress.h"
 #include "eval/training_page.h"
+#include "perception/pose_estimator.h"
 #include "perception/torch_model_file.h"
 #include "perception/training.h"
+#include "perception/verifier_library.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 #include "sim/convex_pieces.h"
@@ -31,6 +33,8 @@ struct TrainArguments {
   std::string report_folder;
   bool resume = false;
   TrainingOptions training;
+  std::string verifier_for;  // an estimator: its verifiers alone are trained
+  VerifierTrainingOptions verifier;
 };
 
 // Diameter of a part below which training is refused, px.
@@ -161,10 +165,59 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   app.add_option("--seed", arguments.training.seed, "same seed, same model")->capture_default_str();
   app.add_option("--set", training_settings, "change a setting of training, key=value")
       ->allow_extra_args(false);
+  app.add_option(
+         "--verifier-for", arguments.verifier_for,
+         "train the verifiers of this estimator alone, e.g. ppf, on its own candidates; its "
+         "settings are seed, piles, views_per_pile, calibration_share and verifier.*")
+      ->excludes("--minutes")
+      ->excludes("--from");
   TrainingOptions defaults;
   app.footer("Settings of training and their defaults:\n" +
              WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true) +
              "\nExample: pickbed train rod elbow --minutes 5 --set descriptor=64");
+}
+
+const EstimatorRow& RowWithCandidates(const std::string& name) {
+  std::vector<std::string> names;
+  for (const EstimatorRow& row : EstimatorTable()) {
+    if (row.candidates == nullptr) continue;
+    if (row.name == name) return row;
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("--verifier-for", name, names));
+}
+
+int TrainVerifiers(const TrainArguments& arguments, const Lesson& lesson,
+                   const std::filesystem::path& file) {
+  const EstimatorRow& row = RowWithCandidates(arguments.verifier_for);
+  const auto views = MakeViews(lesson);
+  CatchInterrupts();
+  VerifierReport report;
+  {
+    ProgressLine progress;
+    const VerifierJob job{
+        *views,
+        arguments.verifier_for,
+        row.candidates,
+        file,
+        arguments.resume,
+        lesson.spec.sensor,
+        [&](std::string_view part, double share) {
+          progress.Show(fmt::format("verifier of {}: {:.0f} %", part, 100 * share));
+          return !Interrupted();
+        }};
+    report = TrainVerifierLibrary(job, arguments.verifier);
+  }
+  if (!report.finished) {
+    fmt::print(stderr,
+               "pickbed: stopped; {} holds the parts that are done, the same command with "
+               "--resume goes on\n",
+               file.string());
+    return kExitInterrupted;
+  }
+  fmt::print("wrote {}; area under the curve {:.3f}\nuse it with --set estimator.model={}\n",
+             file.string(), report.mean_auc, file.string());
+  return 0;
 }
 
 }  // namespace
@@ -176,8 +229,11 @@ int TrainCommand(int argc, char** argv) {
   std::vector<std::string> settings;
   AddTrainArguments(app, arguments, settings);
   if (!ParseArguments(app, argc, argv)) return 0;
+  arguments.verifier.seed = arguments.training.seed;
   for (const std::string& assignment : settings) {
-    ApplySetting(assignment, [&](SettingsVisitor& v) { arguments.training.Visit(v); });
+    ApplySetting(assignment, [&](SettingsVisitor& v) {
+      arguments.verifier_for.empty() ? arguments.training.Visit(v) : arguments.verifier.Visit(v);
+    });
   }
 
   const Lesson lesson = PlanLesson(arguments);
@@ -185,6 +241,7 @@ int TrainCommand(int argc, char** argv) {
   if (model_file.empty()) model_file = std::filesystem::path("models") / (lesson.name + ".pt");
   if (model_file.has_parent_path()) MakeFolder(model_file.parent_path());
   RequireWritable(model_file);
+  if (!arguments.verifier_for.empty()) return TrainVerifiers(arguments, lesson, model_file);
   const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
   CheckInput(!arguments.resume || std::filesystem::exists(checkpoint),
              fmt::format("no checkpoint {} to resume from; leave out --resume to start anew",

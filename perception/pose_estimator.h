@@ -22,6 +22,7 @@
 
 namespace pickbed {
 
+class CandidateSource;
 struct EstimateTrace;  // estimate_trace.h
 
 struct EstimatorInput {
@@ -59,9 +60,12 @@ struct EstimatorRow {
   const char* name;
   const char* help;
   std::unique_ptr<PoseEstimator> (*make)(const EstimatorSetup& setup);
-  // The trained model that it will read, which need not exist; null: it reads none.
+  // The trained model that it will read, which need not exist; null or empty: it reads none.
   std::filesystem::path (*model_file)(const EstimatorSpec& spec) = nullptr;
   bool explains = false;  // fills EstimatorInput::trace
+  bool renders = false;   // makes use of setup.views
+  // What its verifiers are trained on, where they are all of it that learns; else null.
+  std::unique_ptr<CandidateSource> (*candidates)(const ObjectSet& objects) = nullptr;
 };
 
 std::span<const EstimatorRow> EstimatorTable();

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "perception/patch.h"
+#include "perception/verifier_values.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 #include "scenes/random.h"
@@ -17,57 +18,6 @@ namespace {
 constexpr int64_t kModelVersion = 4;
 constexpr int64_t kOldestVersion = 3;  // without recall
 constexpr const char* kMagic = "pickbed descriptor model";
-
-constexpr Eigen::Index kVerifierScalars = 3;  // b2 and the calibration
-
-void AppendVerifier(const Verifier& verifier, std::vector<float>& values) {
-  const auto append = [&](const auto& matrix) {
-    values.insert(values.end(), matrix.data(), matrix.data() + matrix.size());
-  };
-  append(verifier.mean);
-  append(verifier.scale);
-  append(verifier.w1);
-  append(verifier.b1);
-  append(verifier.w2);
-  values.insert(values.end(),
-                {verifier.b2, verifier.calibration_scale, verifier.calibration_shift});
-}
-
-// One after the other.
-std::vector<float> VerifierValues(const std::vector<Verifier>& verifiers) {
-  std::vector<float> values;
-  for (const Verifier& verifier : verifiers) AppendVerifier(verifier, values);
-  return values;
-}
-
-// `count` verifiers of equal shape.
-std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count) {
-  CheckInput(count > 0 && values.size() % count == 0, "its verifiers have another shape");
-  // 2 * inputs, then hidden * (inputs + 2), then the scalars.
-  const auto rest =
-      static_cast<int64_t>(values.size() / count) - 2 * kVerifyFeatures - kVerifierScalars;
-  CheckInput(rest > 0 && rest % (kVerifyFeatures + 2) == 0, "its verifiers have another shape");
-  const Eigen::Index hidden = rest / (kVerifyFeatures + 2);
-  const float* next = values.data();
-  const auto vector = [&](Eigen::Index size) {
-    const Eigen::VectorXf result = Eigen::Map<const Eigen::VectorXf>(next, size);
-    next += size;
-    return result;
-  };
-  std::vector<Verifier> verifiers(count);
-  for (Verifier& verifier : verifiers) {
-    verifier.mean = vector(kVerifyFeatures);
-    verifier.scale = vector(kVerifyFeatures);
-    verifier.w1 = vector(hidden * kVerifyFeatures).reshaped(hidden, kVerifyFeatures);
-    verifier.b1 = vector(hidden);
-    verifier.w2 = vector(hidden);
-    const Eigen::VectorXf scalars = vector(kVerifierScalars);
-    verifier.b2 = scalars[0];
-    verifier.calibration_scale = scalars[1];
-    verifier.calibration_shift = scalars[2];
-  }
-  return verifiers;
-}
 
 at::Tensor ToTensor(const std::vector<float>& values) {
   return torch::tensor(at::ArrayRef<float>(values), torch::kFloat);
@@ -187,26 +137,34 @@ DescriptorModel LoadModel(const std::filesystem::path& file) {
   }
 }
 
-std::vector<int> TrainedParts(const ModelInfo& info, const ObjectSet& objects,
-                              const std::filesystem::path& file) {
+std::vector<int> TrainedParts(const std::vector<ModelObject>& trained, const ObjectSet& objects,
+                              const std::filesystem::path& file, const std::string& command) {
   std::vector<int> parts;
   for (const auto& object : objects) {
     const ModelObject* found = nullptr;
     std::string known;
-    for (const ModelObject& trained : info.objects) {
-      known += (known.empty() ? "" : ", ") + trained.name;
-      if (trained.name == object->name) found = &trained;
+    for (const ModelObject& part : trained) {
+      known += (known.empty() ? "" : ", ") + part.name;
+      if (part.name == object->name) found = &part;
     }
     CheckInput(found, fmt::format("{}: not trained for part '{}' (knows {}); train a model with "
-                                  "`pickbed train`",
-                                  file.string(), object->name, known));
+                                  "`{}`",
+                                  file.string(), object->name, known, command));
     CheckInput(found->mesh_hash == object->mesh_hash,
                fmt::format("{}: the mesh of part '{}' has changed since training; train again with "
-                           "`pickbed train`",
-                           file.string(), object->name));
-    parts.push_back(static_cast<int>(found - info.objects.data()));
+                           "`{}`",
+                           file.string(), object->name, command));
+    parts.push_back(static_cast<int>(found - trained.data()));
   }
   return parts;
+}
+
+std::filesystem::path TrainedFile(const std::string& name) {
+  const std::filesystem::path path = name;
+  if (path.has_parent_path() || path.extension() == ".pt") {
+    if (std::filesystem::exists(path)) return path;
+  }
+  return AssetsDir() / "models" / (path.extension() == ".pt" ? name : name + ".pt");
 }
 
 }  // namespace pickbed

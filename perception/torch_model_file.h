@@ -50,9 +50,13 @@ void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
                const DescriptorNetwork& network, const std::vector<Verifier>& verifiers);
 DescriptorModel LoadModel(const std::filesystem::path& file);
 
-// Index into info.objects of each part. Throws InputError naming file and part for one that the
-// model was not trained for or whose mesh has changed since.
-std::vector<int> TrainedParts(const ModelInfo& info, const ObjectSet& objects,
-                              const std::filesystem::path& file);
+// Index into `trained` of each part. Throws InputError naming file and part for one that the model
+// was not trained for or whose mesh has changed since, and the command that trains it.
+std::vector<int> TrainedParts(const std::vector<ModelObject>& trained, const ObjectSet& objects,
+                              const std::filesystem::path& file,
+                              const std::string& command = "pickbed train");
+
+// A trained model by its path, or by its name under assets/models.
+std::filesystem::path TrainedFile(const std::string& name);
 
 }  // namespace pickbed

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "perception/final_set.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -29,22 +30,6 @@ IsolatedOptions CodeViews(const std::vector<LabelledView>& views, int object, in
   options.distance_m = 0.5 * (low_m + high_m);
   options.distance_spread = std::clamp((high_m - low_m) / (high_m + low_m), 0.02, 0.5);
   return options;
-}
-
-std::vector<LabelledView> Piles(LabelledViewSource& views, int object,
-                                const VerifierTrainingOptions& options,
-                                const std::function<bool(double)>& on_share) {
-  std::vector<LabelledView> all;
-  for (int i = 0; i < options.piles; ++i) {
-    Rng rng = Rng::Derive(options.seed, i, "training/verifier_pile");
-    PileRequest request{rng.Next(), options.views_per_pile, object, true};
-    for (LabelledView& view : views.Pile(request)) {
-      view.frame.color = {};  // nothing looks at it, and it is a third of the memory
-      all.push_back(std::move(view));
-    }
-    if (!on_share(static_cast<double>(i + 1) / options.piles)) break;
-  }
-  return all;
 }
 
 // Right poses, each instance by one pose at most, highest first.
@@ -75,6 +60,15 @@ bool IsRight(const Pose& X_CO, const LabelledView& view, int object, const PoseD
 
 }  // namespace
 
+void VerifierTrainingOptions::Visit(SettingsVisitor& v) {
+  v.Seed("seed", seed, "of piles and weights");
+  v.Integer("piles", piles, {1, 100000}, "per part");
+  v.Integer("views_per_pile", views_per_pile, {1, 100}, "views of each");
+  v.Real("calibration_share", calibration_share, {0, 0.9}, "last share of the views, to calibrate");
+  v.Group(
+      "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "the verifier's training");
+}
+
 void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
   constexpr double kPrior = 2;  // poses' worth of pull towards scale 1, shift 0
   constexpr int kSteps = 30;
@@ -96,14 +90,30 @@ void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
   verifier.calibration_shift = static_cast<float>(x[1]);
 }
 
+std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object,
+                                        const VerifierTrainingOptions& options,
+                                        const std::function<bool(double)>& on_share) {
+  std::vector<LabelledView> all;
+  for (int i = 0; i < options.piles; ++i) {
+    Rng rng = Rng::Derive(options.seed, i, "training/verifier_pile");
+    PileRequest request{rng.Next(), options.views_per_pile, object, true};
+    for (LabelledView& view : views.Pile(request)) {
+      view.frame.color = {};  // nothing looks at it, and it is a third of the memory
+      all.push_back(std::move(view));
+    }
+    if (!on_share(static_cast<double>(i + 1) / options.piles)) break;
+  }
+  return all;
+}
+
 VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, double side_m,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double)>& on_share) {
   constexpr double kPilesShare = 0.8;  // of the time, about
   VerifierLesson lesson;
   bool go_on = true;
-  lesson.piles = Piles(views, object, options,
-                       [&](double share) { return go_on = on_share(kPilesShare * share); });
+  lesson.piles = VerifierPiles(views, object, options,
+                               [&](double share) { return go_on = on_share(kPilesShare * share); });
   if (!go_on) return lesson;
   ForEachIsolatedBlock(views, object, side_m, CodeViews(lesson.piles, object, options.entries),
                        options.seed, [&](const LabelledPatches& patches, double share) {
@@ -117,12 +127,18 @@ TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
                                   const std::shared_ptr<const ObjectModel>& model,
                                   const VerifierPart& part, const VerifierTrainingOptions& options,
                                   const std::function<bool(double)>& on_share) {
-  const std::vector<LabelledView>& piles = lesson.piles;
   ObjectCodes codes;
   codes.length = part.descriptor_length;
   AppendCodes(lesson.codes, part.describe, codes);
   const CandidateFinder finder({{model, part.side_m, codes}}, part.describe, options.candidates);
-  const std::vector<PoseDistance> distances{PoseDistance(*model)};
+  return TrainPartVerifier(lesson.piles, part.object, finder, options, on_share);
+}
+
+TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int object,
+                                  const CandidateSource& source,
+                                  const VerifierTrainingOptions& options,
+                                  const std::function<bool(double)>& on_share) {
+  const std::vector<PoseDistance>& distances = source.assessor().distances();
   const size_t learned =
       piles.size() - static_cast<size_t>(options.calibration_share * piles.size());
 
@@ -133,11 +149,11 @@ TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
     if (!on_share(static_cast<double>(i) / piles.size())) return {};
     Rng rng = Rng::Derive(options.seed, i, "training/verifier_view");
     const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
-    found[i] = finder.Find(cloud, rng, seconds);
+    found[i] = source.Find(cloud, rng, seconds);
     for (const Candidate& candidate : found[i]) {
       examples.features.push_back(candidate.features);
       examples.right.push_back(
-          IsRight(candidate.hypothesis.X_CO, piles[i], part.object, distances.front()));
+          IsRight(candidate.hypothesis.X_CO, piles[i], object, distances.front()));
     }
     if (i + 1 == learned) examples.held_out_from = examples.features.size();
   }
@@ -146,9 +162,9 @@ TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
   for (size_t i = learned; i < piles.size(); ++i) {
     const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
     const auto set =
-        FinalSet(cloud, finder.assessor().model_points(), distances, {&trained.verifier, 1},
+        FinalSet(cloud, source.assessor().model_points(), distances, {&trained.verifier, 1},
                  found[i], {kNoScore, FinalSetOptions().merge_diameters, {}});
-    const auto judged = Judge(set, piles[i], part.object, distances.front());
+    const auto judged = Judge(set, piles[i], object, distances.front());
     reported.insert(reported.end(), judged.begin(), judged.end());
   }
   Calibrate(reported, trained.verifier);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Trains the verifier of one part with the estimator's own front part: candidates of piles that
+// Trains the verifier of one part with the estimator's own front part: its candidates of piles that
 // hold the part, right or wrong by the truth. Then its score is calibrated on what is left of them
 // when the set is made consistent, as it is reported: logistic calibration (Platt 1999).
 
@@ -20,9 +20,11 @@ struct VerifierTrainingOptions {
   int piles = 24;
   int views_per_pile = 3;
   double calibration_share = 0.3;  // last share of the piles, for figure and calibration
-  int entries = 24000;             // of the part's code book
-  CandidateOptions candidates;
   VerifierOptions verifier;
+  // Of learned descriptors alone:
+  int entries = 24000;  // of the part's code book
+  CandidateOptions candidates;
+  void Visit(SettingsVisitor& v);  // of all but these two
 };
 
 // A part with what describes its patches.
@@ -45,8 +47,20 @@ VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, double 
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double share)>& on_share);
 
+// Views of piles that hold the part, without colour; fewer when on_share(0..1) returns false.
+std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object,
+                                        const VerifierTrainingOptions& options,
+                                        const std::function<bool(double share)>& on_share);
+
+// Of part `object` of the view source; the candidates of `source` are all of object 0.
 // on_share(0..1) returns false to stop; what comes back is then unfinished. Throws InputError when
 // all candidates are right or all wrong.
+TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int object,
+                                  const CandidateSource& source,
+                                  const VerifierTrainingOptions& options,
+                                  const std::function<bool(double share)>& on_share);
+
+// By the candidates of learned descriptors.
 TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
                                   const std::shared_ptr<const ObjectModel>& model,
                                   const VerifierPart& part, const VerifierTrainingOptions& options,

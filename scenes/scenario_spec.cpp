@@ -124,7 +124,8 @@ void CameraSpec::Visit(SettingsVisitor& v) {
 void EstimatorSpec::Visit(SettingsVisitor& v) {
   v.Text("name", name, {}, "a row of `pickbed list estimators`");
   v.Text("model", model, {}, "trained model: a file, or a name in assets/models; empty = shipped");
-  v.Text("mode", mode, {"fast", "hard"}, "fast or thorough search");
+  v.Text("mode", mode, {"fast", "hard", "verified"},
+         "fast or thorough search; ppf alone: verified, see the README");
   v.Real("min_score", min_score, {0, 1}, "poses less sure than this are not reported");
   v.Real("noise_mm", noise_mm, {0, 1000}, "oracle only: sigma of the position, each axis, mm");
   v.Real("noise_deg", noise_deg, {0, 180}, "oracle only: sigma of the rotation, degrees");

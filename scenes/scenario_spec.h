@@ -45,7 +45,7 @@ struct CameraSpec {
 struct EstimatorSpec {
   std::string name = "descriptor";
   std::string model;          // name under assets/models or a path; empty = the shipped one
-  std::string mode = "fast";  // fast | hard
+  std::string mode = "fast";  // fast | hard; ppf also verified
   double min_score = 0.5;     // hypotheses below are not reported
   double noise_mm = 0;        // oracle only: sigma of each axis of the position
   double noise_deg = 0;       // oracle only: sigma of the rotation angle

@@ -20,7 +20,7 @@ set(rooms
   "pcl/=>^perception/(icp|normals)\\.cpp$"
   "flann/=>^perception/neighbors\\.cpp$"
   "assimp/=>^scenes/mesh_io\\.cpp$"
-  "opencv2/=>^(scenes/image_io\\.cpp|eval/report/draw[a-z_]*\\.cpp|perception/estimators/(ppf|linemod)\\.cpp|perception/hog\\.cpp)$"
+  "opencv2/=>^(scenes/image_io\\.cpp|eval/report/draw[a-z_]*\\.cpp|perception/estimators/(ppf_matcher|linemod)\\.cpp|perception/hog\\.cpp)$"
   "yaml-cpp/=>^scenes/settings\\.cpp$"
   "sqlite3=>^eval/results_store\\.cpp$"
   "boost/=>^eval/statistics\\.cpp$"

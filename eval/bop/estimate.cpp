@@ -85,7 +85,7 @@ class Runner {
     setup.refiner = options.refiner;
     setup.intrinsics = first.intrinsics;
     setup.working_distance_m = MiddleDepth(first.depth_m);
-    if (row.model_file != nullptr) {  // one that learns looks at rendered views
+    if (row.renders) {
       setup.objects = WithConvexPieces(setup.objects);
       ViewSourceOptions view_options;
       view_options.sensor = LoadSensorProfile(ScenarioSpec().sensor);

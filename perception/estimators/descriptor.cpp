@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "perception/torch_model_file.h"
-#include "perception/votes.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 
@@ -41,7 +40,7 @@ class DescriptorEstimator : public PoseEstimator {
         threads_(setup.threads),
         model_(LoadModel(DescriptorModelFile(setup.spec))) {
     options_.final_set.min_score = setup.spec.min_score;
-    trained_ = TrainedParts(model_.info, setup.objects, DescriptorModelFile(setup.spec));
+    trained_ = TrainedParts(model_.info.objects, setup.objects, DescriptorModelFile(setup.spec));
     for (const int part : trained_) verifiers_.push_back(model_.verifiers[part]);
     finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(), options.candidates,
                                                 setup.threads);
@@ -148,12 +147,7 @@ void DescriptorOptions::Visit(SettingsVisitor& v) {
 }
 
 std::filesystem::path DescriptorModelFile(const EstimatorSpec& spec) {
-  const std::string name = spec.model.empty() ? kShippedModel : spec.model;
-  const std::filesystem::path path = name;
-  if (path.has_parent_path() || path.extension() == ".pt") {
-    if (std::filesystem::exists(path)) return path;
-  }
-  return AssetsDir() / "models" / (path.extension() == ".pt" ? name : name + ".pt");
+  return TrainedFile(spec.model.empty() ? kShippedModel : spec.model);
 }
 
 DescriptorOptions OptionsForMode(const std::string& mode) {

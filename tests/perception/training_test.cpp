@@ -448,13 +448,13 @@ TEST(ShippedModel, IsRead) {
 TEST_F(ModelFile, ForeignPartsAndChangedMeshesAreNamed) {
   const DescriptorModel model = LoadModel(Untrained());
   const ObjectSet& known = views_.objects();
-  EXPECT_EQ(TrainedParts(model.info, known, "m.pt"), std::vector{0});
+  EXPECT_EQ(TrainedParts(model.info.objects, known, "m.pt"), std::vector{0});
   auto changed = std::make_shared<ObjectModel>(*known[0]);
   changed->mesh_hash += 1;
-  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info, {changed}, "m.pt"); }),
+  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info.objects, {changed}, "m.pt"); }),
               HasSubstr("m.pt: the mesh of part 'test part' has changed"));
   changed->name = "widget";
-  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info, {changed}, "m.pt"); }),
+  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info.objects, {changed}, "m.pt"); }),
               HasSubstr("m.pt: not trained for part 'widget' (knows test part)"));
 }
 

@@ -1,0 +1,115 @@
+#include "perception/estimators/ppf_verified.h"
+
+#include "perception/candidates.h"
+#include "perception/torch_verifier_file.h"
+
+namespace pickbed {
+namespace {
+
+constexpr const char* kName = "ppf";
+
+class PpfCandidates : public CandidateSource {
+ public:
+  PpfCandidates(const ObjectSet& objects, const VerifiedPpfOptions& options, int threads)
+      : assessor_(objects, options.assessment, threads) {
+    for (const ModelPoints& model : assessor_.model_points()) {
+      matchers_.push_back(std::make_unique<PpfMatcher>(model, options.match));
+    }
+  }
+
+  std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng&, StageSeconds& seconds,
+                              EstimateTrace* trace = nullptr) const override {
+    std::vector<Candidate> candidates;
+    for (size_t part = 0; part < matchers_.size(); ++part) {
+      const std::vector<PoseVote> votes = Votes(*matchers_[part], cloud, seconds);
+      if (votes.empty()) continue;
+      const std::vector<Candidate> of_part = assessor_.Assess(
+          cloud, static_cast<int>(part), votes, static_cast<int>(votes.size()), 1, seconds, trace);
+      candidates.insert(candidates.end(), of_part.begin(), of_part.end());
+    }
+    assessor_.Compare(candidates, seconds);
+    return candidates;
+  }
+
+  const CandidateAssessor& assessor() const override { return assessor_; }
+
+ private:
+  // Each reference point gives one pose, and so counts as a patch of its own.
+  static std::vector<PoseVote> Votes(const PpfMatcher& matcher, const OrganizedCloud& cloud,
+                                     StageSeconds& seconds) {
+    const StageTimer timer(seconds, "match");
+    std::vector<PoseVote> votes;
+    for (const Pose& X_CO : matcher.Match(matcher.SceneRows(cloud))) {
+      votes.push_back({X_CO, static_cast<int>(votes.size())});
+    }
+    return votes;
+  }
+
+  CandidateAssessor assessor_;
+  std::vector<std::unique_ptr<PpfMatcher>> matchers_;
+};
+
+class VerifiedPpfEstimator : public PoseEstimator {
+ public:
+  VerifiedPpfEstimator(const EstimatorSetup& setup, const VerifiedPpfOptions& options)
+      : options_(options), refiner_(setup.refiner) {
+    options_.final_set.min_score = setup.spec.min_score;
+    const std::filesystem::path file = PpfModelFile(setup.spec);
+    const VerifierFile trained = LoadVerifiers(file, kName);
+    for (const int part : TrainedParts(trained.objects, setup.objects, file,
+                                       std::string("pickbed train --verifier-for ") + kName)) {
+      verifiers_.push_back(trained.verifiers[part]);
+    }
+    source_ = MakePpfCandidates(setup.objects, options, setup.threads);
+  }
+
+  EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override {
+    EstimateResult result;
+    OrganizedCloud cloud;
+    {
+      const StageTimer timer(result.seconds, "cloud");
+      cloud = BuildCloud(input.frame, input.background);
+    }
+    const std::vector<Candidate> candidates = source_->Find(cloud, rng, result.seconds);
+    const CandidateAssessor& assessor = source_->assessor();
+    {
+      const StageTimer timer(result.seconds, "suppress");
+      result.hypotheses = FinalSet(cloud, assessor.model_points(), assessor.distances(), verifiers_,
+                                   candidates, options_.final_set);
+    }
+    const StageTimer timer(result.seconds, "refine");
+    PolishPoses(refiner_, cloud, assessor.model_points(), options_.polish, result.hypotheses);
+    return result;
+  }
+
+ private:
+  VerifiedPpfOptions options_;
+  std::string refiner_;
+  std::vector<Verifier> verifiers_;  // of each part
+  std::unique_ptr<CandidateSource> source_;
+};
+
+}  // namespace
+
+VerifiedPpfOptions::VerifiedPpfOptions() { assessment = HardCandidates(); }
+
+std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects,
+                                                   const VerifiedPpfOptions& options, int threads) {
+  return std::make_unique<PpfCandidates>(objects, options, threads);
+}
+
+std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects) {
+  return MakePpfCandidates(objects, {});
+}
+
+std::filesystem::path PpfModelFile(const EstimatorSpec& spec) {
+  if (spec.mode != kVerifiedMode) return {};
+  return TrainedFile(spec.model.empty() ? kName : spec.model);
+}
+
+std::unique_ptr<PoseEstimator> MakeVerifiedPpfEstimator(const EstimatorSetup& setup,
+                                                        const VerifiedPpfOptions& options) {
+  return std::make_unique<VerifiedPpfEstimator>(setup, options);
+}
+
+}  // namespace pickbed

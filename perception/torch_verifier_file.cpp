@@ -1,0 +1,117 @@
+#include "perception/torch_verifier_file.h"
+
+#include <fmt/format.h>
+#include <torch/torch.h>
+
+#include <sstream>
+
+#include "perception/verifier_values.h"
+#include "scenes/check.h"
+#include "scenes/files.h"
+#include "scenes/random.h"
+
+namespace pickbed {
+namespace {
+
+constexpr const char* kMagic = "pickbed verifiers";
+constexpr int64_t kVersion = 1;  // raise when the meaning of the file changes
+
+std::string ObjectsText(std::vector<ModelObject> objects) {
+  return WriteSettings([&](SettingsVisitor& v) {
+    v.List(
+        "objects", objects.size(), [](size_t) {},
+        [&](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what it is trained for");
+  });
+}
+
+std::vector<ModelObject> ObjectsFrom(const std::string& text, const std::string& name) {
+  std::vector<ModelObject> objects;
+  ReadSettingsText(text, name, [&](SettingsVisitor& v) {
+    v.List(
+        "objects", objects.size(), [&](size_t size) { objects.resize(size); },
+        [&](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what it is trained for");
+  });
+  return objects;
+}
+
+uint64_t HashOf(const std::string& texts, const std::vector<float>& values) {
+  const uint64_t hash = HashBytes(texts.data(), texts.size());
+  return HashBytes(values.data(), values.size() * sizeof(float), hash);
+}
+
+std::string ReadText(torch::serialize::InputArchive& archive, const char* key) {
+  c10::IValue value;
+  archive.read(key, value);
+  CheckInput(value.isString(), "the file is damaged");
+  return value.toStringRef();
+}
+
+VerifierFile ReadArchive(const std::string& bytes, const std::string& name) {
+  torch::serialize::InputArchive archive;
+  archive.load_from(bytes.data(), bytes.size());
+  CheckInput(ReadText(archive, "magic") == kMagic, "it holds no verifiers alone");
+  c10::IValue value;
+  archive.read("version", value);
+  CheckInput(value.toInt() == kVersion,
+             fmt::format("it has version {}, this program reads {}", value.toInt(), kVersion));
+  const std::string objects_text = ReadText(archive, "objects");
+  VerifierFile content;
+  content.estimator = ReadText(archive, "estimator");
+  content.sensor = ReadText(archive, "sensor");
+  content.training = ReadText(archive, "training");
+  at::Tensor tensor;
+  archive.read("verifiers", tensor);
+  tensor = tensor.to(torch::kFloat).contiguous();
+  const std::vector<float> values(tensor.data_ptr<float>(),
+                                  tensor.data_ptr<float>() + tensor.numel());
+  archive.read("hash", value);
+  const std::string texts = objects_text + content.estimator + content.sensor + content.training;
+  CheckInput(static_cast<uint64_t>(value.toInt()) == HashOf(texts, values),
+             "its check sum is wrong");
+  content.objects = ObjectsFrom(objects_text, name);
+  content.verifiers = VerifiersFrom(values, content.objects.size());
+  return content;
+}
+
+}  // namespace
+
+void SaveVerifiers(const std::filesystem::path& file, const VerifierFile& content) {
+  const std::vector<float> values = VerifierValues(content.verifiers);
+  const std::string objects_text = ObjectsText(content.objects);
+  const std::string texts = objects_text + content.estimator + content.sensor + content.training;
+  torch::serialize::OutputArchive archive;
+  archive.write("magic", c10::IValue(std::string(kMagic)));
+  archive.write("version", c10::IValue(kVersion));
+  archive.write("objects", c10::IValue(objects_text));
+  archive.write("estimator", c10::IValue(content.estimator));
+  archive.write("sensor", c10::IValue(content.sensor));
+  archive.write("training", c10::IValue(content.training));
+  archive.write("verifiers", torch::tensor(at::ArrayRef<float>(values), torch::kFloat));
+  archive.write("hash", c10::IValue(static_cast<int64_t>(HashOf(texts, values))));
+  std::ostringstream stream;
+  archive.save_to(stream);
+  WriteFileAtomically(file, stream.str());
+}
+
+VerifierFile LoadVerifiers(const std::filesystem::path& file, const std::string& estimator) {
+  const auto fail = [&](const std::string& reason) {
+    return InputError(fmt::format("{}: {}; make it with `pickbed train --verifier-for {}`",
+                                  file.string(), reason, estimator));
+  };
+  if (!std::filesystem::exists(file)) throw fail("there is no such file of verifiers");
+  const std::string bytes = ReadFileBytes(file);
+  VerifierFile content;
+  try {
+    content = ReadArchive(bytes, file.string());
+  } catch (const InputError& error) {
+    throw fail(error.what());
+  } catch (const c10::Error&) {
+    throw fail("the file is damaged or holds no verifiers");
+  }
+  if (content.estimator != estimator) {
+    throw fail(fmt::format("its verifiers are for '{}'", content.estimator));
+  }
+  return content;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,81 @@
+#include "perception/verifier_library.h"
+
+#include <algorithm>
+
+#include "perception/torch_verifier_file.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+// What the file holds already, or an empty one.
+VerifierFile Begin(const VerifierJob& job, VerifierTrainingOptions options) {
+  const std::string training = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+  if (job.resume && std::filesystem::exists(job.file)) {
+    VerifierFile known = LoadVerifiers(job.file, job.estimator);
+    CheckInput(known.training == training && known.sensor == job.sensor_profile,
+               job.file.string() +
+                   ": trained with other settings or another sensor; leave out --resume to start "
+                   "anew, or name another file");
+    return known;
+  }
+  return {job.estimator, job.sensor_profile, training, {}, {}};
+}
+
+bool Knows(const VerifierFile& file, const ObjectModel& part) {
+  return std::any_of(file.objects.begin(), file.objects.end(), [&](const ModelObject& known) {
+    return known.name == part.name && known.mesh_hash == part.mesh_hash;
+  });
+}
+
+// In place of one for another mesh of that name, if there is one.
+void Put(const ObjectModel& part, const TrainedVerifier& trained, VerifierFile& file) {
+  const ModelObject object{part.name, part.mesh_hash, part.diameter_m, 0, trained.auc};
+  for (size_t i = 0; i < file.objects.size(); ++i) {
+    if (file.objects[i].name != part.name) continue;
+    file.objects[i] = object;
+    file.verifiers[i] = trained.verifier;
+    return;
+  }
+  file.objects.push_back(object);
+  file.verifiers.push_back(trained.verifier);
+}
+
+}  // namespace
+
+VerifierReport TrainVerifierLibrary(const VerifierJob& job,
+                                    const VerifierTrainingOptions& options) {
+  const ObjectSet& objects = job.views.objects();
+  CheckInput(!objects.empty(), "training needs at least one part");
+  VerifierFile file = Begin(job, options);
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const ObjectModel& part = *objects[i];
+    if (Knows(file, part)) continue;
+    bool go_on = true;
+    const auto report = [&](double share) {
+      return go_on = !job.on_progress || job.on_progress(part.name, share);
+    };
+    try {
+      constexpr double kPilesShare = 0.1;  // of the time, about
+      const int object = static_cast<int>(i);
+      const std::vector<LabelledView> piles = VerifierPiles(
+          job.views, object, options, [&](double share) { return report(kPilesShare * share); });
+      if (!go_on) return {};
+      const TrainedVerifier trained = TrainPartVerifier(
+          piles, object, *job.candidates({objects[i]}), options,
+          [&](double share) { return report(kPilesShare + (1 - kPilesShare) * share); });
+      if (!go_on) return {};
+      Put(part, trained, file);
+    } catch (const InputError& error) {
+      throw InputError("part '" + part.name + "': " + error.what());
+    }
+    SaveVerifiers(job.file, file);
+  }
+  VerifierReport report{true, 0};
+  for (const ModelObject& object : file.objects) {
+    report.mean_auc += object.verifier_auc / static_cast<double>(file.objects.size());
+  }
+  return report;
+}
+
+}  // namespace pickbed

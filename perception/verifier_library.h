@@ -1,0 +1,37 @@
+#pragma once
+
+// Trains verifiers for an estimator that learns nothing else, one part after the other, into one
+// file that is whole after each.
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "perception/candidate_source.h"
+#include "perception/verifier_training.h"
+#include "scenes/labelled_view.h"
+
+namespace pickbed {
+
+struct VerifierJob {
+  LabelledViewSource& views;  // its objects are what is learned
+  std::string estimator;      // recorded in the file
+  std::function<std::unique_ptr<CandidateSource>(const ObjectSet& objects)> candidates;
+  std::filesystem::path file;
+  bool resume = false;  // keep what the file holds of these parts, where it does
+  std::string sensor_profile;
+  std::function<bool(std::string_view part, double share)> on_progress;  // false = stop
+};
+
+struct VerifierReport {
+  bool finished = false;  // false: stopped on request, the parts done by then are in the file
+  double mean_auc = 0;    // over the parts of the file, on held-out poses
+};
+
+// Throws InputError naming the part as TrainPartVerifier does, and naming the file when it is to be
+// resumed but was trained with other settings or another sensor.
+VerifierReport TrainVerifierLibrary(const VerifierJob& job, const VerifierTrainingOptions& options);
+
+}  // namespace pickbed

@@ -1,0 +1,128 @@
+// The grid by which the two modes of point pair features were tuned, on validation bins (seed 500),
+// with the figures on stdout:
+//   ppf_figures plain BINS PART...      recall at precision 0.95 of ppf
+//   ppf_figures verified BINS PART...   recall of the candidates of ppf:verified, before a verifier
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "eval/command_line.h"
+#include "eval/comparison_figures.h"
+#include "eval/virtual_cell.h"
+#include "perception/estimators/ppf.h"
+#include "perception/estimators/ppf_verified.h"
+
+namespace pickbed {
+namespace {
+
+constexpr uint64_t kValidationSeed = 500;
+
+struct Seen {
+  Scene scene;
+  View view;
+};
+
+EstimateResult Plain(const VirtualCell& cell, const View& view, const PpfMatchOptions& match) {
+  EstimatorSetup setup;
+  setup.objects = cell.objects();
+  setup.spec.min_score = 0.1;  // the threshold is found on the results
+  PpfOptions options;
+  options.match.model_sampling = match.model_sampling;
+  options.match.scene_voxel_diameters = match.scene_voxel_diameters;
+  options.match.scene_step = match.scene_step;
+  const KnownBackground background{cell.bin(), cell.camera().X_WC.inverse()};
+  Rng rng(0);
+  return MakePpfEstimator(setup, options)->Estimate({view.frame, background}, rng);
+}
+
+EstimateResult Candidates(const VirtualCell& cell, const View& view, const PpfMatchOptions& match) {
+  VerifiedPpfOptions options;
+  options.match = match;
+  const KnownBackground background{cell.bin(), cell.camera().X_WC.inverse()};
+  Rng rng(0);
+  EstimateResult result;
+  const auto source = MakePpfCandidates(cell.objects(), options);
+  for (const Candidate& candidate :
+       source->Find(BuildCloud(view.frame, background), rng, result.seconds)) {
+    result.hypotheses.push_back(candidate.hypothesis);
+  }
+  return result;
+}
+
+void Measure(bool verified, int bins, const std::string& part,
+             const std::vector<PpfMatchOptions>& grid) {
+  ScenarioArguments arguments;
+  arguments.scenario = "bin_" + part;
+  LoadedScenario loaded = LoadScenarioArguments(arguments);
+  loaded.spec.seed = kValidationSeed;
+  VirtualCell cell(loaded.spec, loaded.objects);
+  std::vector<MetricModel> metrics;
+  for (const auto& model : cell.objects()) metrics.push_back(MakeMetricModel(*model));
+  std::vector<Seen> seen;
+  for (int trial = 0; trial < bins; ++trial) {
+    Scene scene = cell.MakeScene(trial).scene;
+    View view = cell.See(scene, trial, 0);
+    seen.push_back({std::move(scene), std::move(view)});
+  }
+  for (const PpfMatchOptions& match : grid) {
+    ComparedRow row;
+    for (const Seen& bin : seen) {
+      EstimateResult found =
+          verified ? Candidates(cell, bin.view, match) : Plain(cell, bin.view, match);
+      row.looks.push_back({static_cast<int>(row.looks.size()),
+                           ScoreLook(bin.scene, bin.view.visible_fractions, metrics, cell.camera(),
+                                     found.hypotheses),
+                           std::move(found.seconds)});
+    }
+    const ComparisonFigures figures = FiguresOf(row);
+    double seconds = 0;
+    for (const auto& [stage, value] : figures.stages) seconds += value;
+    fmt::print("{:<10} {:5.2f} {:5.2f} {:5.2f} {:5.1f} {:7.3f} {:7.1f} {:7.1f}\n", part,
+               match.model_sampling, match.scene_voxel_diameters, match.scene_step,
+               match.window_diameters, verified ? figures.recall() : figures.recall_at_95,
+               figures.stages.count("match") ? figures.stages.at("match") : 0.0, seconds);
+    std::fflush(stdout);
+  }
+}
+
+std::vector<PpfMatchOptions> Grid(double window_diameters) {
+  std::vector<PpfMatchOptions> grid;
+  for (const double model_sampling : {0.05, 0.08}) {
+    for (const double voxel : {0.04, 0.06, 0.08}) {
+      for (const double step : {0.05, 0.2}) {
+        PpfMatchOptions match = VerifiedPpfOptions().match;
+        match.model_sampling = model_sampling;
+        match.scene_voxel_diameters = voxel;
+        match.scene_step = step;
+        match.window_diameters = window_diameters;
+        grid.push_back(match);
+      }
+    }
+  }
+  return grid;
+}
+
+}  // namespace
+}  // namespace pickbed
+
+int main(int argc, char** argv) {
+  const std::string mode = argc > 3 ? argv[1] : "";
+  if (mode != "plain" && mode != "verified") {
+    fmt::print(stderr, "ppf_figures plain|verified BINS PART...\n");
+    return 1;
+  }
+  const bool verified = mode == "verified";
+  fmt::print("{:<10} {:>5} {:>5} {:>5} {:>5} {:>7} {:>7} {:>7}\n", "part", "model", "voxel", "step",
+             "wind", "recall", "match_s", "all_s");
+  for (int i = 3; i < argc; ++i) {
+    pickbed::Measure(
+        verified, std::atoi(argv[2]), argv[i],
+        pickbed::Grid(verified ? pickbed::VerifiedPpfOptions().match.window_diameters : 0));
+  }
+  return 0;
+}
