@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
+#include "eval/bop/models.h"
 #include "eval/command_line.h"
 #include "eval/commands.h"
 #include "eval/interrupt.h"
@@ -27,6 +29,7 @@ constexpr double kUsualDiameter_m = 0.095;
 
 struct TrainArguments {
   std::vector<std::string> objects;
+  std::string bop_path;        // a BOP data set: all of its models, for its camera
   ScenarioArguments scenario;  // optional: camera, bin, sensor and parts
   std::string model_file;
   std::string start_from;
@@ -46,6 +49,7 @@ struct Lesson {
   ScenarioSpec spec;
   bool has_cell = false;  // of a scenario; else cells of a size that suits each part
   ObjectSet objects;
+  std::optional<CameraIntrinsics> camera;  // of a data set, instead of the scenario's
 };
 
 // The parts that the model to begin with knows are learned on with the others, so that none is
@@ -88,7 +92,20 @@ Lesson PlanLesson(const TrainArguments& arguments) {
   Lesson lesson;
   if (!arguments.scenario.scenario.empty()) {
     LoadedScenario loaded = LoadScenarioArguments(arguments.scenario);
-    lesson = {loaded.name, std::move(loaded.spec), true, std::move(loaded.objects)};
+    lesson = {loaded.name, std::move(loaded.spec), true, std::move(loaded.objects), {}};
+  }
+  if (!arguments.bop_path.empty()) {
+    CheckInput(arguments.objects.empty() && lesson.objects.empty(),
+               "--bop takes the place of OBJECT and --scenario; name one or the other");
+    const std::filesystem::path root = arguments.bop_path;
+    lesson.name = (std::filesystem::absolute(root) / ".")
+                      .lexically_normal()
+                      .parent_path()
+                      .filename()
+                      .string();
+    lesson.objects = bop::LoadParts(root).objects;
+    const auto camera = bop::ReadDatasetCamera(root / "camera.json", bop::ThrowFault);
+    if (camera) lesson.camera = camera->intrinsics;
   }
   if (!arguments.objects.empty()) {
     const ObjectCatalog catalog = OpenCatalog(arguments.scenario.catalog);
@@ -110,7 +127,7 @@ std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
   ViewSourceOptions options;
   options.sensor =
       BlameKey(lesson.spec, "sensor", [&] { return LoadSensorProfile(lesson.spec.sensor); });
-  options.camera = CameraOf(lesson.spec).intrinsics;
+  options.camera = lesson.camera.value_or(CameraOf(lesson.spec).intrinsics);
   options.bin = BinOf(lesson.spec);
   // A cell's camera stands still, but parts lie higher or lower and cells are built to a hand's
   // width.
@@ -151,6 +168,8 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   app.add_option("OBJECT", arguments.objects, "parts of the catalog (pickbed list objects)");
   app.add_option("--scenario", arguments.scenario.scenario,
                  "learn the parts of this scenario, for its camera, bin and sensor");
+  app.add_option("--bop", arguments.bop_path,
+                 "learn the models of this BOP data set, for its camera");
   app.add_option("--catalog", arguments.scenario.catalog, "folder of your own objects")
       ->capture_default_str();
   app.add_option("--out", arguments.model_file, "model file [models/<objects>.pt]");

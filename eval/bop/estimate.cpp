@@ -9,9 +9,9 @@
 #include <optional>
 #include <set>
 
-#include "eval/bop/card.h"
 #include "eval/bop/dataset.h"
 #include "eval/bop/layout.h"
+#include "eval/bop/models.h"
 #include "eval/bop/targets.h"
 #include "eval/explain.h"
 #include "perception/pose_estimator.h"
@@ -66,21 +66,10 @@ class Runner {
          const std::map<int, ModelInfo>& models, const RgbdFrame& first,
          const std::function<void(const EstimateProgress&)>& on_progress) {
     const EstimatorRow& row = RowOf(options.estimator.name);
-    const std::map<int, CardPart> known_parts = PartsOfCard(root);
     EstimatorSetup setup;
-    for (const int id : wanted) {
-      const auto info = models.find(id);
-      CheckInput(info != models.end(),
-                 fmt::format("{}: has no object {}, which is a target",
-                             (root / "models" / "models_info.json").string(), id));
-      const auto known = known_parts.find(id);
-      const std::string name = known != known_parts.end() ? known->second.name : ModelName(id);
-      auto model =
-          std::make_shared<ObjectModel>(*LoadModel(root / "models", id, info->second, name));
-      if (known != known_parts.end()) model->mesh_hash = known->second.mesh_hash;
-      setup.objects.push_back(std::move(model));
-      object_ids_.push_back(id);
-    }
+    DatasetParts parts = LoadParts(root, wanted, models);
+    setup.objects = std::move(parts.objects);
+    object_ids_ = std::move(parts.ids);
     setup.spec = options.estimator;
     setup.refiner = options.refiner;
     setup.intrinsics = first.intrinsics;
