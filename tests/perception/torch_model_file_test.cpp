@@ -1,0 +1,120 @@
+#include "perception/torch_model_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+
+#include "scenes/check.h"
+#include "scenes/files.h"
+#include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed {
+namespace {
+
+using testing::HasSubstr;
+
+class ModelFile : public testing::Test {
+ protected:
+  // A model without training.
+  std::filesystem::path Untrained() {
+    const std::filesystem::path file = folder_ / "model.pt";
+    ModelInfo info;
+    info.objects = {{"test part", objects_[0]->mesh_hash, 0.08, 0.064}};
+    info.network.descriptor = 8;
+    Verifier verifier;
+    verifier.mean = Eigen::VectorXf::LinSpaced(kVerifyFeatures, 0, 1);
+    verifier.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+    verifier.w1 = Eigen::MatrixXf::Random(24, kVerifyFeatures);
+    verifier.b1 = Eigen::VectorXf::LinSpaced(24, -1, 1);
+    verifier.w2 = Eigen::VectorXf::LinSpaced(24, 1, -1);
+    verifier.b2 = 0.25f;
+    SaveModel(file, info, DescriptorNetwork(info.network, 3), {verifier});
+    verifier_ = verifier;
+    return file;
+  }
+  static std::string ErrorOf(const std::function<void()>& run) {
+    try {
+      run();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  Verifier verifier_;
+  const ObjectSet objects_{ObjectOf(BracketMesh())};
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
+};
+
+TEST_F(ModelFile, VerifierAndWeightsSurviveTheRoundTrip) {
+  const DescriptorModel model = LoadModel(Untrained());
+  EXPECT_EQ(model.network.Weights(), DescriptorNetwork({"convolutional", 8}, 3).Weights());
+  VerifyFeatures features{};
+  features[3] = 0.7f;
+  EXPECT_EQ(model.verifiers.at(0).Score(features), verifier_.Score(features));
+}
+
+TEST_F(ModelFile, DamagedFilesAreRefusedWithTheirName) {
+  const std::filesystem::path file = Untrained();
+  const std::string bytes = ReadFileBytes(file);
+  for (const double share : {0.0, 0.1, 0.5, 0.9, 0.999}) {
+    WriteFileAtomically(file, bytes.substr(0, static_cast<size_t>(share * bytes.size())));
+    const std::string error = ErrorOf([&] { LoadModel(file); });
+    EXPECT_THAT(error, HasSubstr("model.pt")) << "cut to " << share;
+    EXPECT_THAT(error, HasSubstr("pickbed train"));
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  }
+  int refused = 0;
+  for (size_t place = bytes.size() / 4; place < bytes.size() * 3 / 4; place += bytes.size() / 20) {
+    std::string damaged = bytes;
+    damaged[place] ^= 0x10;
+    WriteFileAtomically(file, damaged);
+    refused += ErrorOf([&] { LoadModel(file); }) != "no error";
+  }
+  EXPECT_GE(refused, 10) << "a flipped bit among the weights goes unnoticed";
+  WriteFileAtomically(file, "hello");
+  EXPECT_THAT(ErrorOf([&] { LoadModel(file); }), HasSubstr("no model"));
+  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "absent.pt"); }), HasSubstr("absent.pt"));
+}
+
+TEST_F(ModelFile, NewerVersionIsToldApartFromDamage) {
+  const std::filesystem::path file = Untrained();
+  std::string bytes = ReadFileBytes(file);
+  // The number behind its name in the archive's pickle: K (one byte follows), the version.
+  const size_t name = bytes.find("version", bytes.find("data.pkl"));
+  ASSERT_NE(name, std::string::npos);
+  const size_t number = bytes.find('K', name);
+  ASSERT_LT(number, name + 16);
+  ASSERT_EQ(bytes[number + 1], 4);
+  bytes[number + 1] = 99;
+  WriteFileAtomically(file, bytes);
+  EXPECT_THAT(ErrorOf([&] { LoadModel(file); }),
+              HasSubstr("model.pt: it is of version 99, newer than this program"));
+}
+
+TEST(ShippedModel, IsRead) {
+  const DescriptorModel model =
+      LoadModel(std::filesystem::path(PICKBED_SOURCE_DIR) / "assets/models/shipped.pt");
+  EXPECT_GE(model.info.objects.size(), 12u);
+  EXPECT_EQ(model.verifiers.size(), model.info.objects.size());
+}
+
+TEST_F(ModelFile, ForeignPartsAndChangedMeshesAreNamed) {
+  const DescriptorModel model = LoadModel(Untrained());
+  const ObjectSet& known = objects_;
+  EXPECT_EQ(TrainedParts(model.info.objects, known, "m.pt"), std::vector{0});
+  auto changed = std::make_shared<ObjectModel>(*known[0]);
+  changed->mesh_hash += 1;
+  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info.objects, {changed}, "m.pt"); }),
+              HasSubstr("m.pt: the mesh of part 'test part' has changed"));
+  changed->name = "widget";
+  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info.objects, {changed}, "m.pt"); }),
+              HasSubstr("m.pt: not trained for part 'widget' (knows test part)"));
+}
+
+}  // namespace
+}  // namespace pickbed
