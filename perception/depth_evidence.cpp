@@ -3,14 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "scenes/footprint.h"
 #include "scenes/mesh_checks.h"
+#include "scenes/mesh_levels.h"
 
 namespace pickbed {
 namespace {
 
 constexpr int kAgreementSteps = 64;
+
+// The mesh itself where it has few triangles, else its coarsest level that is as good for a depth
+// sensor: scans of a hundred thousand triangles take a hundred times as long to draw.
+TriangleMesh DrawnMesh(const ObjectModel& model) {
+  constexpr size_t kFewTriangles = 3000;
+  constexpr double kDeviationDiameters = 0.002;
+  if (model.mesh_O.triangles.size() <= kFewTriangles) return model.mesh_O;
+  TriangleMesh coarsest = model.mesh_O;
+  for (MeshLevel& level : MakeMeshLevels(model.mesh_O)) {
+    if (level.deviation_m > kDeviationDiameters * model.diameter_m) break;
+    coarsest = std::move(level.mesh);
+  }
+  return coarsest;
+}
 
 // The part of the image that a footprint may touch; empty outside it.
 ImageBox BoxOf(const Footprint& footprint, const CameraIntrinsics& k) {
@@ -43,7 +59,7 @@ Surface SurfaceAt(const RasterFace& face, int x, int y, float inverse, const Eig
 
 DepthEvidenceOf::DepthEvidenceOf(const ObjectModel& model, const DepthEvidenceOptions& options)
     : options_(options),
-      mesh_(model.mesh_O),
+      mesh_(DrawnMesh(model)),
       bounds_O_(MeshBounds(model.mesh_O)),
       diameter_m_(model.diameter_m) {
   const MeshReport report = InspectMesh(model.mesh_O);
