@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/sim/render_support.h"
 #include "tests/support/synthetic_depth.h"
 
 namespace pickbed {
@@ -108,6 +109,21 @@ TEST_F(BracketView, FewPixelsStandForAll) {
   EXPECT_NE(some.covered, all.covered);
   EXPECT_NEAR(some.covered, all.covered, 0.1 * all.covered);
   EXPECT_NEAR(some.log_ratio, all.log_ratio, 0.1 * all.log_ratio);
+}
+
+// A scan of many triangles is drawn by a coarser level, which must still be the part.
+TEST(DepthEvidence, FineMeshesAreWhatTheyWere) {
+  const auto ball = ObjectOf(test::SphereMesh(0.03, 5));
+  ASSERT_GT(ball->mesh_O.triangles.size(), 15000u);
+  const Pose X_CO = Translation({0.01, 0.02, 0.5});
+  SyntheticDepth scene(SmallCamera());
+  scene.AddSphere(X_CO.translation(), 0.03);
+  const OrganizedCloud cloud = BuildCloud(scene.frame(), std::nullopt, kKeepAll);
+  EvidenceScratch scratch;
+  const DepthEvidence e = DepthEvidenceOf(*ball)(cloud, X_CO, scratch);
+  const double seen = static_cast<double>(cloud.foreground_pixels.size());
+  EXPECT_NEAR(e.covered, seen, 0.03 * seen);
+  EXPECT_GT(e.agreeing, 0.93 * e.covered);
 }
 
 TEST_F(BracketView, OutOfViewIsNothing) {
