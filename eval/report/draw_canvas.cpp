@@ -30,11 +30,19 @@ cv::Point SubPixel(const Eigen::Vector2d& p) {
   return {part(p.x()), part(p.y())};
 }
 
-Rgb8 MapColor(double share, int map) {
-  const cv::Mat1b grey(1, 1, static_cast<uint8_t>(std::lround(255 * std::clamp(share, 0.0, 1.0))));
+// All of OpenCV's map at once: a look-up by it for each pixel of a picture takes seconds.
+std::array<Rgb8, 256> ColorTable(int map) {
+  cv::Mat1b grey(1, 256);
+  for (int i = 0; i < 256; ++i) grey(0, i) = static_cast<uint8_t>(i);
   cv::Mat3b bgr;
   cv::applyColorMap(grey, bgr, map);
-  return {bgr(0, 0)[2], bgr(0, 0)[1], bgr(0, 0)[0]};
+  std::array<Rgb8, 256> table;
+  for (int i = 0; i < 256; ++i) table[i] = {bgr(0, i)[2], bgr(0, i)[1], bgr(0, i)[0]};
+  return table;
+}
+
+Rgb8 ColorAt(const std::array<Rgb8, 256>& table, double share) {
+  return table[std::lround(255 * std::clamp(share, 0.0, 1.0))];
 }
 
 }  // namespace
@@ -157,8 +165,15 @@ Image<Rgb8> Faded(const Image<Rgb8>& image) {
   return faded;
 }
 
-Rgb8 HeatColor(double share) { return MapColor(share, cv::COLORMAP_HOT); }
-Rgb8 TurboColor(double share) { return MapColor(share, cv::COLORMAP_TURBO); }
+Rgb8 HeatColor(double share) {
+  static const std::array<Rgb8, 256> table = ColorTable(cv::COLORMAP_HOT);
+  return ColorAt(table, share);
+}
+
+Rgb8 TurboColor(double share) {
+  static const std::array<Rgb8, 256> table = ColorTable(cv::COLORMAP_TURBO);
+  return ColorAt(table, share);
+}
 
 Image<float> Smoothed(const Image<float>& image, double sigma_px) {
   Image<float> smooth(image.width(), image.height());
