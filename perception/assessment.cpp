@@ -274,13 +274,14 @@ std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
       [](const Candidate* a, const Candidate* b) { return a->evidence > b->evidence; });
   std::vector<uint8_t> explained(cloud.points_C.size());
   std::vector<Crowding> places;
-  for (const ModelPoints& model : models_)
+  for (const ModelPoints& model : models_) {
     places.emplace_back(kSamePlaceDiameters * model.diameter_m);
+  }
   for (const Candidate* candidate : explaining) {
     const ModelPoints& model = models_[candidate->hypothesis.object];
     const Pose& X_CO = candidate->hypothesis.X_CO;
-    if (!places[candidate->hypothesis.object].Admit(X_CO * model.center_O.cast<double>(), 1))
-      continue;
+    Crowding& of_part = places[candidate->hypothesis.object];
+    if (!of_part.Admit(X_CO * model.center_O.cast<double>(), 1)) continue;
     MarkExplained(cloud, model, X_CO, explained);
   }
   std::vector<int> left;
@@ -293,8 +294,9 @@ std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
 void CandidateAssessor::Compare(std::vector<Candidate>& candidates, StageSeconds& seconds) const {
   const StageTimer timer(seconds, "verify");
   std::vector<std::vector<Candidate*>> by_part(objects_.size());
-  for (Candidate& candidate : candidates)
+  for (Candidate& candidate : candidates) {
     by_part[candidate.hypothesis.object].push_back(&candidate);
+  }
   for (size_t part = 0; part < by_part.size(); ++part) {
     FillMargins(distances_[part], models_[part].center_O.cast<double>(), by_part[part]);
   }

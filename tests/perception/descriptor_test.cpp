@@ -10,6 +10,7 @@
 #include "perception/training.h"
 #include "perception/votes.h"
 #include "scenes/check.h"
+#include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
 #include "tests/support/temporary_folder.h"
@@ -62,14 +63,6 @@ class Descriptor : public testing::Test {
     options.candidates.points = 200;
     options.candidates.candidates = 150;
     return options;
-  }
-  static std::string ErrorOf(const std::function<void()>& run) {
-    try {
-      run();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
   }
   // As a cell without a known bin; the parts hang before nothing, which is no plane.
   static EstimateResult Run(PoseEstimator& estimator, const LabelledView& view, uint64_t seed = 1) {

@@ -12,6 +12,7 @@
 #include "perception/verifier_values.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
+#include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
 #include "tests/support/temporary_folder.h"
@@ -107,14 +108,6 @@ class VerifiedPpf : public testing::Test {
       ++(found.size() > before ? count.right : count.wrong);
     }
     return count;
-  }
-  static std::string ErrorOf(const std::function<void()>& run) {
-    try {
-      run();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
   }
 
   static inline TemporaryFolder* temporary_ = nullptr;

@@ -8,6 +8,7 @@
 
 #include "scenes/check.h"
 #include "scenes/files.h"
+#include "tests/support/error_of.h"
 #include "tests/support/synthetic_depth.h"
 #include "tests/support/temporary_folder.h"
 
@@ -34,14 +35,6 @@ class ModelFile : public testing::Test {
     SaveModel(file, info, DescriptorNetwork(info.network, 3), {verifier});
     verifier_ = verifier;
     return file;
-  }
-  static std::string ErrorOf(const std::function<void()>& run) {
-    try {
-      run();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
   }
 
   Verifier verifier_;

@@ -15,6 +15,7 @@
 #include "perception/torch_model_file.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
+#include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
 #include "tests/support/temporary_folder.h"
@@ -52,14 +53,6 @@ class Training : public testing::Test {
   TrainingJob Job(const std::string& name) {
     return {views_, folder_ / (name + ".pt"), folder_ / (name + ".ckpt"), false, {}, "test sensor",
             {}};
-  }
-  std::string ErrorOf(const std::function<void()>& run) {
-    try {
-      run();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
   }
 
   RayCastViews views_{{ObjectOf(BracketMesh())}};
