@@ -3,60 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <vector>
 
 #include "scenes/check.h"
+#include "scenes/raster_vectors.h"
+#include "sim/sensor_numbers.h"
 #include "sim/sensor_rows.h"
 
 namespace pickbed {
 namespace {
-
-// One 64-bit random number serves a pixel: three Gaussians of 12 bits by table and two decisions of
-// 14 bits.
-constexpr int kGaussBits = 12;
-constexpr int kGaussCount = 1 << kGaussBits;
-constexpr int kDecisionBits = 14;
-constexpr int kLossShift = 3 * kGaussBits;
-constexpr int kFlyingShift = kLossShift + kDecisionBits;
-
-// The random number of a place in a sequence: SplitMix64 (Steele, Lea and Flood 2014) at that step.
-uint64_t MixBits(uint64_t place) {
-  uint64_t z = place * 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return z ^ (z >> 31);
-}
-
-double NormalCdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
-
-// Equally likely values of a normal distribution: the inverse of its distribution function at the
-// middles of equal steps, scaled to unit variance.
-std::array<float, kGaussCount> MakeGaussTable() {
-  std::array<double, kGaussCount> values;
-  double sum_of_squares = 0;
-  for (int i = 0; i < kGaussCount; ++i) {
-    const double p = (i + 0.5) / kGaussCount;
-    double low = -8, high = 8;
-    for (int step = 0; step < 50; ++step) {
-      const double middle = 0.5 * (low + high);
-      (NormalCdf(middle) < p ? low : high) = middle;
-    }
-    values[i] = 0.5 * (low + high);
-    sum_of_squares += values[i] * values[i];
-  }
-  const double scale = 1 / std::sqrt(sum_of_squares / kGaussCount);
-  std::array<float, kGaussCount> table;
-  for (int i = 0; i < kGaussCount; ++i) table[i] = static_cast<float>(values[i] * scale);
-  return table;
-}
-
-const std::array<float, kGaussCount>& GaussTable() {
-  static const std::array<float, kGaussCount> table = MakeGaussTable();
-  return table;
-}
 
 // The neighbour with a reading that differs most: what a flying pixel is mixed with.
 float OtherSurface(const Image<float>& depth_m, int x, int y) {
@@ -70,19 +28,6 @@ float OtherSurface(const Image<float>& depth_m, int x, int y) {
   return other;
 }
 
-// What the profile says of each of the 256 lumas: the chance to be neither too dark nor too shiny.
-std::array<float, 256> LumaTable(const SensorProfile& p) {
-  std::array<float, 256> survival;
-  for (int i = 0; i < 256; ++i) {
-    const double luma = i / 255.0;
-    const double dark = p.dark_dropout * std::clamp(1 - luma / p.dark_luma, 0.0, 1.0);
-    const double shiny =
-        p.shiny_dropout * std::clamp((luma - p.shiny_luma) / (1 - p.shiny_luma), 0.0, 1.0);
-    survival[i] = static_cast<float>((1 - dark) * (1 - shiny));
-  }
-  return survival;
-}
-
 // The constants of the loops over a row, as floats.
 struct RowConstants {
   explicit RowConstants(const SensorProfile& p, double image_focal_px);
@@ -91,6 +36,7 @@ struct RowConstants {
   float floor_m, linear_m, square_m, slant_m;
   int slant_half_power;
   float lateral_px, lateral_slant_px;
+  float dark_dropout, per_dark_luma, shiny_dropout, shiny_start, per_shiny_luma;  // lumas of 0..1
   float edge_step_m;
   float flying_share;
   float disparity_steps_m;  // f b / step: the disparity of 1 m in steps; 0 = not in steps
@@ -107,6 +53,9 @@ RowConstants::RowConstants(const SensorProfile& p, double image_focal_px) {
   slant_m = f(p.axial_slant_m);
   slant_half_power = static_cast<int>(std::lround(2 * p.axial_slant_power));
   lateral_px = f(p.lateral_sigma_px), lateral_slant_px = f(p.lateral_slant_px);
+  dark_dropout = f(p.dark_dropout), per_dark_luma = f(1 / p.dark_luma);
+  shiny_dropout = f(p.shiny_dropout), shiny_start = f(p.shiny_luma);
+  per_shiny_luma = f(1 / (1 - p.shiny_luma));
   edge_step_m = f(p.edge_step_m);
   flying_share = f(p.flying_share);
   const double focal_px = p.disparity_focal_px > 0 ? p.disparity_focal_px : image_focal_px;
@@ -124,59 +73,47 @@ struct RowState {
         survival(n),
         slant_ratio(n),
         slant_sigma_m(n),
-        loss(n),
-        flying(n),
-        aside(n),
-        below(n),
-        along(n),
+        pixel(n),
+        right(n),
+        down(n),
+        upper_m(2 * n),
+        lower_m(2 * n),
         seen_m(n) {}
   std::vector<uint8_t> is_edge, is_shadow;
-  std::vector<float> survival;             // probability of a reading
-  std::vector<float> slant_ratio;          // a / (pi/2 - a) of slant a
-  std::vector<float> slant_sigma_m;        // the part of sigma that is due to slant
-  std::vector<float> loss, flying;         // decisions, uniform in [0, 1)
-  std::vector<float> aside, below, along;  // of unit variance: across in x and y, and in depth
-  std::vector<float> seen_m;               // depth of what the pixel sees, 0 = nothing
+  std::vector<float> survival;          // probability of a reading
+  std::vector<float> slant_ratio;       // a / (pi/2 - a) of slant a
+  std::vector<float> slant_sigma_m;     // the part of sigma that is due to slant
+  std::vector<int> pixel;               // at the upper left of where it looks
+  std::vector<float> right, down;       // from there, in pixels
+  std::vector<float> upper_m, lower_m;  // depths of the four pixels around, in pairs
+  std::vector<float> seen_m;            // depth of what the pixel sees, 0 = nothing
 };
 
-// As in sensor_rows.cpp: versions of the same arithmetic. What is written is marked as apart
-// from what is read, without which the compiler would not work on several pixels at once.
-#define PICKBED_TWO_WIDTHS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
+// What is written is marked as apart from what is read, without which the compiler would not work
+// on several pixels at once.
 
-PICKBED_TWO_WIDTHS void DrawNumbers(uint64_t place, int n, const float* gauss, RowState& row) {
-  constexpr uint64_t kGaussMask = kGaussCount - 1, kMask = (1 << kDecisionBits) - 1;
-  constexpr float kUnit = 1.0f / (1 << kDecisionBits);
-  float* __restrict loss = row.loss.data();
-  float* __restrict flying = row.flying.data();
-  float* __restrict aside = row.aside.data();
-  float* __restrict below = row.below.data();
-  float* __restrict along = row.along.data();
+PICKBED_WIDTHS void FillSurvival(RowConstants c, const uint8_t* is_edge, const uint8_t* is_shadow,
+                                 int n, float* __restrict survival) {
   for (int x = 0; x < n; ++x) {
-    const uint64_t bits = MixBits(place + static_cast<uint64_t>(x));
-    aside[x] = gauss[bits & kGaussMask];
-    below[x] = gauss[(bits >> kGaussBits) & kGaussMask];
-    along[x] = gauss[(bits >> (2 * kGaussBits)) & kGaussMask];
-    loss[x] = static_cast<float>(static_cast<int>((bits >> kLossShift) & kMask)) * kUnit;
-    flying[x] = static_cast<float>(static_cast<int>((bits >> kFlyingShift) & kMask)) * kUnit;
+    const float kept = c.kept * (is_edge[x] ? c.kept_at_edge : 1.0f);
+    survival[x] = is_shadow[x] ? 0.0f : kept;
   }
 }
 
-PICKBED_TWO_WIDTHS void FillSurvival(RowConstants c, const uint8_t* is_edge, int n,
-                                     float* survival) {
-  for (int x = 0; x < n; ++x) survival[x] = c.kept * (is_edge[x] ? c.kept_at_edge : 1.0f);
-}
-
-// Luma by Rec. 601 in 8 bits.
-PICKBED_TWO_WIDTHS void ThinByLuma(const Rgb8* color, const float* luma_survival, int n,
-                                   float* __restrict survival) {
+// Luma by Rec. 601 in 8 bits. A reading comes through that is lost neither to dark nor to shine.
+PICKBED_WIDTHS void ThinByLuma(RowConstants c, const Rgb8* color, int n,
+                               float* __restrict survival) {
   for (int x = 0; x < n; ++x) {
-    const int luma = (77 * color[x].r + 150 * color[x].g + 29 * color[x].b + 128) >> 8;
-    survival[x] *= luma_survival[luma];
+    const int luma255 = (77 * color[x].r + 150 * color[x].g + 29 * color[x].b + 128) >> 8;
+    const float luma = static_cast<float>(luma255) * (1.0f / 255);
+    const float dark = std::max(1.0f - luma * c.per_dark_luma, 0.0f);
+    const float shiny = std::max((luma - c.shiny_start) * c.per_shiny_luma, 0.0f);
+    survival[x] *= (1.0f - c.dark_dropout * dark) * (1.0f - c.shiny_dropout * shiny);
   }
 }
 
-PICKBED_TWO_WIDTHS void FillSlant(RowConstants c, const float* slant_rad, const float* depth_m,
-                                  int n, float* survival, float* ratio, float* sigma_m) {
+PICKBED_WIDTHS void FillSlant(RowConstants c, const float* slant_rad, const float* depth_m, int n,
+                              float* survival, float* ratio, float* sigma_m) {
   constexpr auto kRightAngle = static_cast<float>(std::numbers::pi / 2);
   constexpr auto kSteepest = static_cast<float>(kSteepestSlant_rad);
   for (int x = 0; x < n; ++x) {
@@ -196,12 +133,12 @@ PICKBED_TWO_WIDTHS void FillSlant(RowConstants c, const float* slant_rad, const 
   }
 }
 
-// Depth a little aside, between pixels: bilinear on a surface, nearest where the four pixels around
-// are of two surfaces, since a reading between them would be of neither. For images of at least 2
-// x 2.
-PICKBED_TWO_WIDTHS void LookAside(RowConstants c, const float* depth_m, int width, int height,
-                                  int y, const float* aside, const float* below,
-                                  const float* slant_ratio, float* __restrict seen_m) {
+// Where each pixel of row y looks: the pixel to the upper left of the place, as an index into the
+// image, and the place's shares of the way to the next pixels right and down. For images of at
+// least 2 x 2.
+PICKBED_WIDTHS void PlacesAside(RowConstants c, int width, int height, int y, const float* aside,
+                                const float* below, const float* slant_ratio, int* __restrict pixel,
+                                float* __restrict right, float* __restrict down) {
   const auto u_max = static_cast<float>(width - 1), v_max = static_cast<float>(height - 1);
   for (int x = 0; x < width; ++x) {
     const float sigma_px = c.lateral_px + c.lateral_slant_px * slant_ratio[x];
@@ -209,16 +146,49 @@ PICKBED_TWO_WIDTHS void LookAside(RowConstants c, const float* depth_m, int widt
     const float v = std::min(std::max(static_cast<float>(y) + sigma_px * below[x], 0.0f), v_max);
     const int left = std::min(static_cast<int>(u), width - 2);
     const int top = std::min(static_cast<int>(v), height - 2);
-    const float a = u - static_cast<float>(left), b = v - static_cast<float>(top);
-    const int place = top * width + left;
-    const float z00 = depth_m[place], z10 = depth_m[place + 1];
-    const float z01 = depth_m[place + width], z11 = depth_m[place + width + 1];
+    right[x] = u - static_cast<float>(left);
+    down[x] = v - static_cast<float>(top);
+    pixel[x] = top * width + left;
+  }
+}
+
+// The depths of the four pixels around each place, in pairs. In one width: wide
+// gathers take longer than single loads.
+void LoadAround(const float* depth_m, int width, const int* pixel, float* __restrict upper,
+                float* __restrict lower) {
+  for (int x = 0; x < width; ++x) {
+    const float* at = depth_m + pixel[x];
+    std::memcpy(upper + 2 * x, at, 2 * sizeof(float));
+    std::memcpy(lower + 2 * x, at + width, 2 * sizeof(float));
+  }
+}
+
+// Bilinear on a surface, nearest where the four pixels around are of two surfaces, since a reading
+// between them would be of neither.
+PICKBED_WIDTHS void Between(float edge_step_m, const float* upper, const float* lower,
+                            const float* right, const float* down, int n,
+                            float* __restrict seen_m) {
+  for (int x = 0; x < n; ++x) {
+    const float a = right[x], b = down[x];
+    const float z00 = upper[2 * x], z10 = upper[2 * x + 1];
+    const float z01 = lower[2 * x], z11 = lower[2 * x + 1];
     const float low = std::min(std::min(z00, z10), std::min(z01, z11));
     const float high = std::max(std::max(z00, z10), std::max(z01, z11));
     const float nearest = b < 0.5f ? (a < 0.5f ? z00 : z10) : (a < 0.5f ? z01 : z11);
     const float between = (1 - b) * ((1 - a) * z00 + a * z10) + b * ((1 - a) * z01 + a * z11);
-    seen_m[x] = high - low > c.edge_step_m ? nearest : between;
+    seen_m[x] = high - low > edge_step_m ? nearest : between;
   }
+}
+
+// Depth a little aside, between pixels.
+void LookAside(RowConstants c, const Image<float>& depth_m, int y, const SensorNumbers& numbers,
+               RowState& row) {
+  const int width = depth_m.width();
+  PlacesAside(c, width, depth_m.height(), y, numbers.aside.data(), numbers.below.data(),
+              row.slant_ratio.data(), row.pixel.data(), row.right.data(), row.down.data());
+  LoadAround(depth_m.data(), width, row.pixel.data(), row.upper_m.data(), row.lower_m.data());
+  Between(c.edge_step_m, row.upper_m.data(), row.lower_m.data(), row.right.data(), row.down.data(),
+          width, row.seen_m.data());
 }
 
 // Rounds halves to even, for |value| < 2^22.
@@ -227,12 +197,12 @@ inline float RoundToWhole(float value) {
   return (value + kShift) - kShift;
 }
 
-PICKBED_TWO_WIDTHS void Read(RowConstants c, const float* ideal_m, const RowState& row, int n,
-                             float* __restrict out_m) {
+PICKBED_WIDTHS void Read(RowConstants c, const float* ideal_m, const RowState& row,
+                         const SensorNumbers& numbers, int n, float* __restrict out_m) {
   const float* seen_m = row.seen_m.data();
-  const float* along = row.along.data();
+  const float* along = numbers.along.data();
   const float* slant_sigma_m = row.slant_sigma_m.data();
-  const float* loss = row.loss.data();
+  const float* loss = numbers.loss.data();
   const float* survival = row.survival.data();
   const float quantum_m = c.quantum_m > 0 ? c.quantum_m : 1.0f;
   for (int x = 0; x < n; ++x) {
@@ -264,9 +234,9 @@ class NoiseMaker {
   const Image<Rgb8>* color_;
   const uint64_t key_;
   const bool needs_slant_, needs_edges_, needs_luma_, needs_shadow_, needs_jitter_;
-  const std::array<float, 256> luma_survival_;
   const RowConstants constants_;
   RowState row_;
+  SensorNumbers numbers_;
   SlantRows slants_;
   ShadowRows shadows_;
 };
@@ -281,9 +251,9 @@ NoiseMaker::NoiseMaker(const IdealView& view, const SensorProfile& p, uint64_t k
       needs_shadow_(p.baseline_m != 0),
       needs_jitter_((p.lateral_sigma_px > 0 || p.lateral_slant_px > 0) && depth_m_.width() > 1 &&
                     depth_m_.height() > 1),
-      luma_survival_(LumaTable(p)),
       constants_(p, view.intrinsics.fx),
       row_(depth_m_.width()),
+      numbers_(depth_m_.width()),
       slants_(depth_m_, view.intrinsics),
       shadows_(depth_m_.width(), view.intrinsics.fx, p.baseline_m, constants_.edge_step_m) {}
 
@@ -291,33 +261,29 @@ void NoiseMaker::FindChances(int y) {
   const int width = depth_m_.width();
   if (needs_edges_) EdgeRow(depth_m_, y, constants_.edge_step_m, row_.is_edge.data());
   if (needs_shadow_) shadows_.Row(depth_m_.row(y), row_.is_shadow.data());
-  FillSurvival(constants_, row_.is_edge.data(), width, row_.survival.data());
+  FillSurvival(constants_, row_.is_edge.data(), row_.is_shadow.data(), width, row_.survival.data());
   if (needs_slant_) {
     FillSlant(constants_, slants_.Row(y), depth_m_.row(y), width, row_.survival.data(),
               row_.slant_ratio.data(), row_.slant_sigma_m.data());
   }
-  if (needs_shadow_) {
-    for (int x = 0; x < width; ++x) row_.survival[x] *= row_.is_shadow[x] ? 0.0f : 1.0f;
-  }
   if (needs_luma_) {
-    ThinByLuma(color_->row(y), luma_survival_.data(), width, row_.survival.data());
+    ThinByLuma(constants_, color_->row(y), width, row_.survival.data());
   }
 }
 
 void NoiseMaker::MixFlyingPixels(int y) {
   for (int x = 0; x < depth_m_.width(); ++x) {
-    if (!row_.is_edge[x] || !(row_.flying[x] < constants_.flying_share)) continue;
+    if (!row_.is_edge[x] || !(numbers_.flying[x] < constants_.flying_share)) continue;
     const float z = depth_m_(x, y);
     // Given that it flies, the decision over the share is uniform once more.
-    const float mix = row_.flying[x] / constants_.flying_share;
+    const float mix = numbers_.flying[x] / constants_.flying_share;
     row_.seen_m[x] = z + mix * (OtherSurface(depth_m_, x, y) - z);
   }
 }
 
 void NoiseMaker::LookAt(int y) {
   if (needs_jitter_) {
-    LookAside(constants_, depth_m_.data(), depth_m_.width(), depth_m_.height(), y,
-              row_.aside.data(), row_.below.data(), row_.slant_ratio.data(), row_.seen_m.data());
+    LookAside(constants_, depth_m_, y, numbers_, row_);
   } else {
     std::copy_n(depth_m_.row(y), depth_m_.width(), row_.seen_m.data());
   }
@@ -329,10 +295,10 @@ Image<float> NoiseMaker::Make() {
   Image<float> out(width, depth_m_.height());
   for (int y = 0; y < out.height(); ++y) {
     const uint64_t place = key_ + static_cast<uint64_t>(y) * static_cast<uint64_t>(width);
-    DrawNumbers(place, width, GaussTable().data(), row_);
+    numbers_.Draw(place);
     FindChances(y);
     LookAt(y);
-    Read(constants_, depth_m_.row(y), row_, width, out.row(y));
+    Read(constants_, depth_m_.row(y), row_, numbers_, width, out.row(y));
   }
   return out;
 }

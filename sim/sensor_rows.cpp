@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/raster_vectors.h"
+
 namespace pickbed {
 namespace {
 
-// The loops over a row stand in functions of their own so that the compiler makes versions of them,
-// of which the widest runs that the processor has. All give the same bytes, since this file is
-// compiled without fused multiply-add.
-#define PICKBED_TWO_WIDTHS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
+// The loops over a row stand in functions of their own, for raster_vectors.h's versions.
 
-PICKBED_TWO_WIDTHS void Invert(const float* depth_m, int n, float* inverse) {
+PICKBED_WIDTHS void Invert(const float* depth_m, int n, float* inverse) {
   for (int x = 0; x < n; ++x) {
     const float z = depth_m[x];
     const float inverse_z = 1.0f / std::max(z, 1e-6f);
@@ -19,7 +18,7 @@ PICKBED_TWO_WIDTHS void Invert(const float* depth_m, int n, float* inverse) {
   }
 }
 
-PICKBED_TWO_WIDTHS void Extrapolate(const float* nearer, const float* farther, int n, float* out) {
+PICKBED_WIDTHS void Extrapolate(const float* nearer, const float* farther, int n, float* out) {
   for (int x = 0; x < n; ++x) out[x] = 2 * nearer[x] - farther[x];
 }
 
@@ -29,9 +28,9 @@ inline float ArcCosine(float c) {
          (1.5707288f + c * (-0.2121144f + c * (0.0742610f + c * -0.0187293f)));
 }
 
-PICKBED_TWO_WIDTHS void Slants(const float* above, const float* row, const float* below,
-                               const float* ray_x, float ray_y, float fx, float fy, int n,
-                               float* slant_rad) {
+PICKBED_WIDTHS void Slants(const float* above, const float* row, const float* below,
+                           const float* ray_x, float ray_y, float fx, float fy, int n,
+                           float* slant_rad) {
   for (int x = 0; x < n; ++x) {
     const float q = row[x];
     const float right = row[x + 1] - q, left = q - row[x - 1];
@@ -46,8 +45,8 @@ PICKBED_TWO_WIDTHS void Slants(const float* above, const float* row, const float
   }
 }
 
-PICKBED_TWO_WIDTHS void Edges(const float* above, const float* row, const float* below, int n,
-                              float step_m, uint8_t* is_edge) {
+PICKBED_WIDTHS void Edges(const float* above, const float* row, const float* below, int n,
+                          float step_m, uint8_t* is_edge) {
   for (int x = 0; x < n; ++x) {
     const float z = row[x];
     const float across = std::max(std::abs(above[x] - z), std::abs(below[x] - z));
@@ -57,8 +56,8 @@ PICKBED_TWO_WIDTHS void Edges(const float* above, const float* row, const float*
 }
 
 // Columns are counted from `width` to the left of the image; those farther out go to the two ends.
-PICKBED_TWO_WIDTHS void Columns(const float* depth_m, int width, float focal_times_baseline,
-                                float* disparity, float* column) {
+PICKBED_WIDTHS void Columns(const float* depth_m, int width, float focal_times_baseline,
+                            float* disparity, float* column) {
   const float magnitude = std::abs(focal_times_baseline);
   const float sign = focal_times_baseline < 0 ? 1.0f : -1.0f;
   for (int x = 0; x < width; ++x) {
@@ -71,8 +70,8 @@ PICKBED_TWO_WIDTHS void Columns(const float* depth_m, int width, float focal_tim
 // 1 where the gap between pixels x and x + 1 parts two surfaces: its depth step is an edge, and the
 // disparity does not go on at half the rate or more, with the same sign, on either side of it, as
 // it does on a steep surface. Both are read from x - 1 to x + 2.
-PICKBED_TWO_WIDTHS void Gaps(const float* depth_m, const float* disparity, int n, float step_m,
-                             float* is_gap) {
+PICKBED_WIDTHS void Gaps(const float* depth_m, const float* disparity, int n, float step_m,
+                         float* is_gap) {
   for (int x = 0; x < n; ++x) {
     const float before = disparity[x] - disparity[x - 1];
     const float across = disparity[x + 1] - disparity[x];
@@ -85,8 +84,8 @@ PICKBED_TWO_WIDTHS void Gaps(const float* depth_m, const float* disparity, int n
 
 // Each column belongs to the half-open stretch that it lies in, so that those that touch share
 // none. `column` is read one to either side, `is_gap` one to the left.
-PICKBED_TWO_WIDTHS void Stretches(const float* depth_m, const float* column, const float* is_gap,
-                                  int n, int* first, int* last) {
+PICKBED_WIDTHS void Stretches(const float* depth_m, const float* column, const float* is_gap, int n,
+                              int* first, int* last) {
   for (int x = 0; x < n; ++x) {
     const float z = depth_m[x], c = column[x];
     const float middle_left = 0.5f * (column[x - 1] + c), middle_right = 0.5f * (c + column[x + 1]);
@@ -100,8 +99,8 @@ PICKBED_TWO_WIDTHS void Stretches(const float* depth_m, const float* column, con
 }
 
 // `nearest` has an element for each whole column up to 3 * width.
-PICKBED_TWO_WIDTHS void Shadows(const float* depth_m, const float* disparity, const float* column,
-                                const float* nearest, int width, uint8_t* __restrict is_shadow) {
+PICKBED_WIDTHS void Shadows(const float* depth_m, const float* disparity, const float* column,
+                            const float* nearest, int width, uint8_t* __restrict is_shadow) {
   const auto end = static_cast<float>(3 * width);
   for (int x = 0; x < width; ++x) {
     const float c = column[x];
