@@ -36,10 +36,10 @@ std::vector<ComparedRow> LookAtBins(const ComparisonJob& job) {
   return CompareEstimators(shown);
 }
 
-// Overlays of the first bins, as seen from the page.
+// Overlays of the first bins, as seen from the page. An earlier run's are gone by now.
 std::vector<std::string> Overlays(const std::filesystem::path& folder) {
   std::vector<std::string> found;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "pictures")) {
     const std::filesystem::path& path = entry.path();
     if (path.filename() != "pick_00_overlay.png") continue;
     found.push_back(path.lexically_relative(folder).string());
@@ -52,18 +52,14 @@ int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::
                      const std::string& out, int threads) {
   const LoadedScenario scenario = LoadScenarioArguments(arguments);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");
-  MakeFolder(folder / "pictures");
   const std::vector<std::string> labels =
       estimators.empty() ? std::vector{scenario.spec.estimator.name} : estimators;
+  const std::vector<ComparedEstimator> rows_of = ParseEstimators(labels, scenario.spec.estimator);
+  std::filesystem::remove_all(folder / "pictures");
+  MakeFolder(folder / "pictures");
   CatchInterrupts();
-  const ComparisonJob job{scenario.spec,
-                          scenario.objects,
-                          ParseEstimators(labels, scenario.spec.estimator),
-                          folder / "pictures",
-                          kPicturedBins,
-                          threads,
-                          {},
-                          {}};
+  const ComparisonJob job{scenario.spec, scenario.objects, rows_of, folder / "pictures",
+                          kPicturedBins, threads,          {},      {}};
   const std::vector<ComparedRow> rows = LookAtBins(job);
   WriteFileAtomically(folder / "hypotheses.csv", HypothesesCsv(rows, scenario.objects));
   WriteFileAtomically(folder / "comparison.csv", ComparisonCsv(rows, scenario.objects));
@@ -161,8 +157,14 @@ int ExplainBop(const std::string& path, const std::string& split,
 }
 
 int EstimateBop(const std::string& path, const std::string& split,
-                const ScenarioArguments& arguments, const std::string& out, int threads) {
-  const ScenarioSpec spec = BopSettings(path, split, arguments);
+                const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
+                const std::string& out, int threads) {
+  ScenarioSpec spec = BopSettings(path, split, arguments);
+  CheckInput(estimators.size() < 2,
+             "--bop writes the estimates of one estimator; name one alone with --estimator");
+  if (!estimators.empty()) {
+    spec.estimator = ParseEstimators(estimators, spec.estimator).front().spec;
+  }
   const std::string data_set = DataSetName(path);
   const std::filesystem::path folder = OutFolder(out, data_set, "-estimate");
   MakeFolder(folder);
@@ -219,7 +221,7 @@ int EstimateCommand(int argc, char** argv) {
   const bool explain = app.count("--explain") > 0;
   if (!bop_path.empty()) {
     return explain ? ExplainBop(bop_path, split, arguments, estimators, explained, out)
-                   : EstimateBop(bop_path, split, arguments, out, threads);
+                   : EstimateBop(bop_path, split, arguments, estimators, out, threads);
   }
   CheckInput(!arguments.scenario.empty(),
              "SCENARIO is required (or --bop PATH); see pickbed estimate --help");

@@ -92,7 +92,11 @@ Lesson PlanLesson(const TrainArguments& arguments) {
   Lesson lesson;
   if (!arguments.scenario.scenario.empty()) {
     LoadedScenario loaded = LoadScenarioArguments(arguments.scenario);
-    lesson = {loaded.name, std::move(loaded.spec), true, std::move(loaded.objects), {}};
+    ObjectSet learned;
+    for (size_t i = 0; i < loaded.objects.size(); ++i) {
+      if (!loaded.spec.objects[i].foreign) learned.push_back(loaded.objects[i]);
+    }
+    lesson = {loaded.name, std::move(loaded.spec), true, std::move(learned), {}};
   }
   if (!arguments.bop_path.empty()) {
     CheckInput(arguments.objects.empty() && lesson.objects.empty(),
@@ -193,7 +197,7 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   TrainingOptions defaults;
   app.footer("Settings of training and their defaults:\n" +
              WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true) +
-             "\nExample: pickbed train rod elbow --minutes 5 --set descriptor=64");
+             "\nExample: pickbed train rod elbow --minutes 5 --set network.descriptor=64");
 }
 
 const EstimatorRow& RowWithCandidates(const std::string& name) {

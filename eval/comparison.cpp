@@ -159,6 +159,7 @@ std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& l
     const size_t colon = label.find(':');
     row.spec.name = label.substr(0, colon);
     if (colon != std::string::npos) row.spec.mode = label.substr(colon + 1);
+    if (row.spec.name != base.name) row.spec.model.clear();  // a model is one estimator's
     RequireEstimator(row.spec.name);
     rows.push_back(std::move(row));
   }

@@ -8,14 +8,6 @@
 namespace pickbed {
 namespace {
 
-std::unique_ptr<LabelledViewSource> ViewsOf(const VirtualCell& cell, const ObjectSet& objects) {
-  ViewSourceOptions options;
-  options.sensor = cell.sensor();
-  options.camera = cell.camera().intrinsics;
-  options.bin = cell.bin();
-  return MakeSimViewSource(objects, options);
-}
-
 // From the estimator's own numbers of the parts to those of the cell.
 void Renumber(const std::vector<int>& wanted, EstimateTrace& trace) {
   for (TracedVote& vote : trace.votes) vote.vote.object = wanted[vote.vote.object];
@@ -30,6 +22,14 @@ void Renumber(const std::vector<int>& wanted, EstimateTrace& trace) {
 
 }  // namespace
 
+std::unique_ptr<LabelledViewSource> CellViews(const VirtualCell& cell, const ObjectSet& objects) {
+  ViewSourceOptions options;
+  options.sensor = cell.sensor();
+  options.camera = cell.camera().intrinsics;
+  options.bin = cell.bin();
+  return MakeSimViewSource(objects, options);
+}
+
 EstimatorRunner::EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& spec, int threads,
                                  const Progress& on_progress)
     : cell_(cell), spec_(spec.estimator) {
@@ -41,13 +41,13 @@ EstimatorRunner::EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& sp
   setup.refiner = spec.refiner;
   setup.intrinsics = cell.camera().intrinsics;
   setup.working_distance_m = working_distance_m();
-  views_ = ViewsOf(cell, setup.objects);
-  setup.views = views_.get();
   setup.cache_dir = CacheDir();
   setup.threads = threads;
   setup.on_progress = on_progress;
   for (const EstimatorRow& row : EstimatorTable()) {
     if (spec_.name != row.name) continue;
+    if (row.renders) views_ = CellViews(cell, setup.objects);
+    setup.views = views_.get();
     estimator_ = BlameKey(spec, "estimator", [&] { return row.make(setup); });
   }
 }

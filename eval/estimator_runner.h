@@ -12,6 +12,9 @@
 
 namespace pickbed {
 
+// Views of these parts by the cell's camera and sensor.
+std::unique_ptr<LabelledViewSource> CellViews(const VirtualCell& cell, const ObjectSet& objects);
+
 class EstimatorRunner {
  public:
   using Progress = std::function<void(std::string_view what, double share)>;
@@ -29,8 +32,7 @@ class EstimatorRunner {
   EstimateResult Estimate(const Scene& truth, const View& view, Rng& rng,
                           EstimateTrace* trace = nullptr);
 
-  LabelledViewSource* views() const { return views_.get(); }  // null for the oracle
-  double working_distance_m() const;                          // camera to parts
+  double working_distance_m() const;  // camera to parts
 
  private:
   const VirtualCell& cell_;

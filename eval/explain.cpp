@@ -38,8 +38,9 @@ void ExplainTrial(const ScenarioSpec& spec, const ObjectSet& objects, const std:
   EstimateTrace trace;
   Rng rng = Rng::Derive(spec.seed, trial, "estimate/0");
   const EstimateResult result = runner.Estimate(scene, view, rng, &trace);
+  const auto views = CellViews(cell, cell.objects());  // the trace has the cell's numbers of parts
   WriteExplanation({title, view.frame, cell.objects(), trace, result.hypotheses, std::move(truth),
-                    *runner.views(), runner.working_distance_m()},
+                    *views, runner.working_distance_m()},
                    folder);
 }
 

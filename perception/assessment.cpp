@@ -70,14 +70,14 @@ void AssessmentOptions::Visit(SettingsVisitor& v) {
   v.Real("quick_tau_m", quick_tau_m, {1e-4, 0.1}, "band of the quick score, m");
   v.Real("density_weight", density_weight, {0, 10}, "of the votes' density in their rank");
   v.Real("density_diameters", density_diameters, {1e-3, 1}, "votes within it count");
-  v.Real("cluster_diameters", cluster_diameters, {0, 1}, "raw poses within it are one");
+  v.Real("cluster_diameters", cluster_diameters, {1e-4, 1}, "raw poses within it are one");
   v.Real("gate_diameters", gate_diameters, {1e-3, 1}, "first gate of ICP, diameters");
   v.Real("gate_min_m", gate_min_m, {1e-4, 1}, "least gate, m");
   v.Real("gate_max_m", gate_max_m, {1e-4, 1}, "largest gate, m");
   v.Bool("two_gates", two_gates, "also try half the gate and keep the better");
   v.Integer("turned", turned, {0, 100000}, "best poses of a part whose look-alikes are tried");
   v.Integer("look_alikes", look_alikes, {1, 1000}, "look-alikes of a pose that are refined");
-  v.Real("merge_diameters", merge_diameters, {0, 1}, "refined poses within it are one");
+  v.Real("merge_diameters", merge_diameters, {1e-4, 1}, "refined poses within it are one");
 }
 
 CandidateAssessor::CandidateAssessor(const ObjectSet& objects, const AssessmentOptions& options,
@@ -131,7 +131,8 @@ std::vector<RawHypothesis> CandidateAssessor::Selected(std::vector<RawHypothesis
   return ClusterVotes(std::move(scored), distances_, options_.cluster_diameters, kept);
 }
 
-// Quick score becomes the score of the refined pose in the fine gate.
+// Quick score becomes the score of the pose in the fine gate; where ICP made it worse, the start
+// stands.
 RawHypothesis CandidateAssessor::Refined(const OrganizedCloud& cloud,
                                          const RawHypothesis& start) const {
   const ModelPoints& model = models_[start.object];
@@ -139,11 +140,12 @@ RawHypothesis CandidateAssessor::Refined(const OrganizedCloud& cloud,
   const double gate = std::clamp(options_.gate_diameters * model.diameter_m, options_.gate_min_m,
                                  options_.gate_max_m);
   RawHypothesis best = start;
+  best.quick_score = static_cast<float>(QuickScore(cloud, model, start.X_CO, icp.gate_end_m));
   for (int run = 0; run < (options_.two_gates ? 2 : 1); ++run) {
     icp.gate_m = std::max(run == 0 ? gate : 0.5 * gate, icp.gate_end_m);
     const Pose X_CO = ProjectiveIcp(cloud, model, start.X_CO, icp).X_CO;
     const float score = static_cast<float>(QuickScore(cloud, model, X_CO, icp.gate_end_m));
-    if (run > 0 && score <= best.quick_score) continue;
+    if (score < best.quick_score || (run > 0 && score == best.quick_score)) continue;
     best.X_CO = X_CO;
     best.quick_score = score;
   }

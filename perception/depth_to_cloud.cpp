@@ -28,6 +28,8 @@ Plane TowardsCamera(const Eigen::Vector3f& normal_C, const Eigen::Vector3f& poin
 
 void CheckOptions(const RgbdFrame& frame, const CloudOptions& o) {
   const CameraIntrinsics& k = frame.intrinsics;
+  CheckInput(!frame.depth_m.empty(),
+             "the frame has no depth image; poses are found in depth, give it one");
   CheckInput(frame.depth_m.width() == k.width && frame.depth_m.height() == k.height &&
                  k.width > 0 && k.height > 0,
              fmt::format("depth image is {}x{} but the intrinsics say {}x{}: give the frame the "
@@ -132,7 +134,7 @@ Image<uint8_t> MarkForeground(const CameraIntrinsics& k, const Image<float>& dep
     const Eigen::Vector3f row = R.col(1) * static_cast<float>((y - k.cy) / k.fy) + R.col(2);
     for (int x = 0; x < k.width; ++x) {
       const float z = depth_m(x, y);
-      if (!(z > 0)) continue;
+      if (!(z > 0) || !std::isfinite(z)) continue;
       const Eigen::Vector3f p = z * (R.col(0) * static_cast<float>((x - k.cx) / k.fx) + row) + t;
       mask(x, y) = keep(p, margin * z * z);
     }

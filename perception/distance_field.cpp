@@ -101,6 +101,44 @@ class Builder {
   Nearest nearest_;
 };
 
+// Nodes that no way along the grid's axes leads to from its border without a node near the surface:
+// of two neighbours on either side of it one is within half a cell.
+std::vector<uint8_t> Enclosed(const DistanceField& field) {
+  const Eigen::Array3i size = field.size;
+  const auto index = [&](const Eigen::Array3i& n) {
+    return n.x() + size.x() * (n.y() + size.y() * n.z());
+  };
+  std::vector<uint8_t> enclosed(field.distance_m.size());
+  std::transform(field.distance_m.begin(), field.distance_m.end(), enclosed.begin(),
+                 [&](float distance_m) { return distance_m > field.cell_m ? 1 : 0; });
+  std::vector<Eigen::Array3i> open;
+  const auto enter = [&](const Eigen::Array3i& n) {
+    if (!enclosed[index(n)]) return;
+    enclosed[index(n)] = 0;
+    open.push_back(n);
+  };
+  for (int k = 0; k < size.z(); ++k) {
+    for (int j = 0; j < size.y(); ++j) {
+      for (int i = 0; i < size.x(); ++i) {
+        const Eigen::Array3i n(i, j, k);
+        if ((n == 0).any() || (n == size - 1).any()) enter(n);
+      }
+    }
+  }
+  while (!open.empty()) {
+    const Eigen::Array3i n = open.back();
+    open.pop_back();
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int step : {-1, 1}) {
+        Eigen::Array3i next = n;
+        next[axis] += step;
+        if (next[axis] >= 0 && next[axis] < size[axis]) enter(next);
+      }
+    }
+  }
+  return enclosed;
+}
+
 }  // namespace
 
 DistanceField MakeDistanceField(std::span<const Eigen::Vector3f> samples_O, double padding_m,
@@ -123,6 +161,7 @@ DistanceField MakeDistanceField(std::span<const Eigen::Vector3f> samples_O, doub
   builder.Sweep(1);
   builder.Sweep(-1);
   field.distance_m = builder.Distances();
+  field.is_inside = Enclosed(field);
   return field;
 }
 

@@ -1,10 +1,11 @@
 #pragma once
 
-// Unsigned distance to a surface on a regular grid, for millions of look-ups a second. Built from
-// dense surface samples by a vector distance transform (Danielsson 1980), so it is too long by at
-// most about the samples' spacing at the surface and by much less away from it.
+// Distance to a surface on a regular grid, for millions of look-ups a second. Built from dense
+// surface samples by a vector distance transform (Danielsson 1980), so it is too long by at most
+// about the samples' spacing at the surface and by much less away from it.
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -17,8 +18,9 @@ struct DistanceField {
   float cell_m = 0;
   Eigen::Vector3i size = Eigen::Vector3i::Zero();  // nodes by axis
   std::vector<float> distance_m;                   // x fastest
+  std::vector<uint8_t> is_inside;                  // by node: more than a cell under the surface
 
-  // Trilinear.
+  // Unsigned, trilinear.
   float At(const Eigen::Vector3f& p_O) const {
     const Eigen::Vector3f g = (p_O - origin_O) / cell_m;
     // Written so that NaN is outside, too.
@@ -37,6 +39,16 @@ struct DistanceField {
     const float d0 = d00 + w.y() * (d10 - d00);
     const float d1 = d01 + w.y() * (d11 - d01);
     return d0 + w.z() * (d1 - d0);
+  }
+
+  // How deep a point lies under the surface, m; 0 outside the solid. Depths under a cell are
+  // missed, and what no way of more than two cells' width leads to counts as solid.
+  float DepthAt(const Eigen::Vector3f& p_O) const {
+    const float distance = At(p_O);
+    if (distance == kOutside_m) return 0;
+    const Eigen::Vector3i i =
+        ((p_O - origin_O) / cell_m + Eigen::Vector3f::Constant(0.5f)).cast<int>();
+    return is_inside[i.x() + size.x() * (i.y() + size.y() * i.z())] ? distance : 0;
   }
 };
 

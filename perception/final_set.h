@@ -1,8 +1,8 @@
 #pragma once
 
 // From refined candidates to what an estimator reports: scored by the verifier of their part, equal
-// poses merged, and no two that claim the same pixels. Shared by the estimator and by the
-// calibration of its scores.
+// poses merged, and no two that claim the same pixels or lie in each other. Shared by the estimator
+// and by the calibration of its scores.
 
 #include <span>
 #include <vector>

@@ -33,7 +33,8 @@ void ProjectGrid(const CameraIntrinsics& k, const Eigen::Matrix3f& R_CP, const E
       const float u = fx * (start.x() + t * ex.x()) * inverse_z + cx;
       const float v = fy * (start.y() + t * ex.y()) * inverse_z + cy;
       const bool inside = u >= 1.0f && u < width + 1.0f && v >= 1.0f && v < height + 1.0f;
-      const int index = (static_cast<int>(v) - 1) * k.width + static_cast<int>(u) - 1;
+      const float column = inside ? u : 1.0f, line = inside ? v : 1.0f;
+      const int index = (static_cast<int>(line) - 1) * k.width + static_cast<int>(column) - 1;
       out[col] = inside ? index : -1;
     }
   }

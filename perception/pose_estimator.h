@@ -50,7 +50,7 @@ struct EstimatorSetup {
   std::string refiner = "pcl_icp";  // what polishes the reported poses, see polish.h
   CameraIntrinsics intrinsics;
   double working_distance_m = 0.85;     // camera to parts, for code books
-  LabelledViewSource* views = nullptr;  // over the same objects; may be null when no view is needed
+  LabelledViewSource* views = nullptr;  // over the same objects; may be null where no row renders
   std::filesystem::path cache_dir;
   int threads = 1;  // at most; results are the same for any number
   std::function<void(std::string_view what, double share)> on_progress;  // may be empty

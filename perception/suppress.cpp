@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "perception/interpenetration.h"
 #include "perception/projector.h"
 
 namespace pickbed {
@@ -30,6 +31,18 @@ void FindClaims(const OrganizedCloud& cloud, const ModelPoints& model, const Pos
   }
 }
 
+// The first of the kept ones that h would lie in; null = none.
+PoseHypothesis* LiesIn(const std::vector<ModelPoints>& models, const PoseHypothesis& h,
+                       double max_share, std::vector<PoseHypothesis>& kept) {
+  const ModelPoints& own = models.at(h.object);
+  const auto found = std::find_if(kept.begin(), kept.end(), [&](const PoseHypothesis& better) {
+    const ModelPoints& other = models.at(better.object);
+    return PenetrationDepth(own, h.X_CO, other, better.X_CO) >
+           max_share * std::min(own.diameter_m, other.diameter_m);
+  });
+  return found == kept.end() ? nullptr : &*found;
+}
+
 }  // namespace
 
 std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
@@ -48,10 +61,15 @@ std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
     std::vector<int> shared_with(kept.size() + 1, 0);  // [0]: nobody
     for (const int pixel : pixels) ++shared_with[claimed_by.data()[pixel]];
     const double shared = static_cast<double>(pixels.size()) - shared_with[0];
+    PoseHypothesis* winner = nullptr;
     if (shared > options.max_shared_share * static_cast<double>(pixels.size())) {
       const auto most = std::max_element(shared_with.begin() + 1, shared_with.end());
-      PoseHypothesis& winner = kept[most - shared_with.begin() - 1];
-      if (winner.object == h.object) winner.suppressed_X_CO.push_back(h.X_CO);
+      winner = &kept[most - shared_with.begin() - 1];
+    } else {
+      winner = LiesIn(models, h, options.max_penetration_share, kept);
+    }
+    if (winner) {
+      if (winner->object == h.object) winner->suppressed_X_CO.push_back(h.X_CO);
       continue;
     }
     for (const int pixel : pixels) {

@@ -161,9 +161,8 @@ std::vector<int> TrainedParts(const std::vector<ModelObject>& trained, const Obj
 
 std::filesystem::path TrainedFile(const std::string& name) {
   const std::filesystem::path path = name;
-  if (path.has_parent_path() || path.extension() == ".pt") {
-    if (std::filesystem::exists(path)) return path;
-  }
+  if (path.has_parent_path()) return path;
+  if (path.extension() == ".pt" && std::filesystem::exists(path)) return path;
   return AssetsDir() / "models" / (path.extension() == ".pt" ? name : name + ".pt");
 }
 

@@ -30,13 +30,14 @@ double SecondsSince(Clock::time_point start) {
 }
 
 // Settings and parts, without what may change between two sessions of one training.
-std::string CheckpointKey(const ObjectSet& objects, TrainingOptions options,
+std::string CheckpointKey(const LabelledViewSource& views, TrainingOptions options,
                           const std::string& sensor, uint64_t start_hash) {
   options.max_minutes = 0;
   options.checkpoint_every = TrainingOptions{}.checkpoint_every;
   std::string key = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
   key += fmt::format("sensor {}\nfrom {:016x}", sensor, start_hash);
-  for (const auto& object : objects) {
+  key += fmt::format("\n{}", views.PileSettings());
+  for (const auto& object : views.objects()) {
     key += fmt::format("\n{} {:016x}", object->name, object->mesh_hash);
   }
   return key;
@@ -123,7 +124,7 @@ Trainer::Trainer(const TrainingJob& job, const TrainingOptions& options)
       from_(LoadTrainingStart(job, options)),
       sides_(StartSides(objects_, from_, options)),
       schedule_(PartWeights(from_, options), options),
-      key_(CheckpointKey(objects_, options, job.sensor_profile,
+      key_(CheckpointKey(job.views, options, job.sensor_profile,
                          from_.model ? from_.model->network_hash : 0)),
       network_(options.network, options.seed),
       data_(objects_, schedule_.main_parts(), options),
@@ -269,9 +270,9 @@ bool Trainer::TrainNetwork() {
     }
   }
   views_->SkipPiles();
-  if (data_.piles() > 0) data_.RequireAllParts();
   if (report_.recall_history.back().iteration != iteration_) Measure();
   SaveCheckpoint();
+  if (data_.piles() > 0) data_.RequireAllParts();
   return true;
 }
 
@@ -288,7 +289,7 @@ bool Trainer::TrainVerifiers() {
     while (!lesson) {
       const PhaseTimer timer(report_, "waiting for verifier views");
       if (!Report("verifier", share_of(n, 0), piles)) return false;
-      lesson = views_->TakeLesson(kLookEvery);
+      lesson = BlamePart(*objects_[parts[n]], [&] { return views_->TakeLesson(kLookEvery); });
     }
     const PhaseTimer timer(report_, "verifier");
     const int i = parts[n];

@@ -86,7 +86,7 @@ struct TrainingReport {
     std::string name;
     double seconds = 0;
   };
-  std::vector<PhaseSeconds> phases;  // "views" (waited for), "network", "verifier"
+  std::vector<PhaseSeconds> phases;  // each kind of work, in order of appearance
 
   // Filled when finished, for pictures: held-out queries with what was found, and some of the
   // pairs that were learned from, by part.

@@ -73,9 +73,18 @@ void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
   constexpr double kPrior = 2;  // poses' worth of pull towards scale 1, shift 0
   constexpr int kSteps = 30;
   constexpr double kLeastScale = 0.2;  // the order of scores must stay
-  Eigen::Vector2d x(1, 0);             // scale, shift
+  const Eigen::Vector2d start(1, 0);   // scale, shift
+  const auto loss = [&](const Eigen::Vector2d& x) {
+    double sum = 0.5 * kPrior * (x - start).squaredNorm();
+    for (const ScoredPose& pose : poses) {
+      const double z = (pose.right ? -1 : 1) * (x[0] * pose.logit + x[1]);
+      sum += std::max(z, 0.0) + std::log1p(std::exp(-std::abs(z)));
+    }
+    return sum;
+  };
+  Eigen::Vector2d x = start;
   for (int step = 0; step < kSteps; ++step) {
-    Eigen::Vector2d gradient = kPrior * (x - Eigen::Vector2d(1, 0));
+    Eigen::Vector2d gradient = kPrior * (x - start);
     Eigen::Matrix2d hessian = kPrior * Eigen::Matrix2d::Identity();
     for (const ScoredPose& pose : poses) {
       const Eigen::Vector2d input(pose.logit, 1);
@@ -83,7 +92,12 @@ void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
       gradient += (p - pose.right) * input;
       hessian += p * (1 - p) * input * input.transpose();
     }
-    x -= hessian.ldlt().solve(gradient);
+    // Where the logits lie together, whole steps of Newton's overshoot.
+    const Eigen::Vector2d full = hessian.ldlt().solve(gradient);
+    const double before = loss(x);
+    double share = 1;
+    while (share > 1e-6 && loss(x - share * full) > before) share *= 0.5;
+    x -= share * full;
     x[0] = std::max(x[0], kLeastScale);
   }
   verifier.calibration_scale = static_cast<float>(x[0]);

@@ -71,11 +71,11 @@ void MarkExplained(const OrganizedCloud& cloud, const ModelPoints& model, const 
 // By how much the evidence for a pose exceeds that for a rival, in nats, between -1 and 1.
 float EvidenceMargin(double log_ratio, double rival_log_ratio);
 
-// A 16-24-1 perceptron with tanh, inputs standardised; output P(pose right).
+// A perceptron with tanh and one hidden layer, inputs standardised; output P(pose right).
 struct Verifier {
-  Eigen::VectorXf mean, scale;  // 16; input i is (feature - mean) / scale
-  Eigen::MatrixXf w1;           // 24 x 16
-  Eigen::VectorXf b1, w2;       // 24
+  Eigen::VectorXf mean, scale;  // a feature each; input i is (feature - mean) / scale
+  Eigen::MatrixXf w1;           // hidden x features
+  Eigen::VectorXf b1, w2;       // hidden
   float b2 = 0;
   float calibration_scale = 1, calibration_shift = 0;  // of the logit
   double Score(const VerifyFeatures& features) const;

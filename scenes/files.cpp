@@ -69,8 +69,6 @@ class TemporaryFile {
  private:
   [[noreturn]] void Fail() const {
     const std::string reason = std::strerror(errno);
-    if (descriptor_ >= 0) close(descriptor_);
-    if (errno != EEXIST) unlink(path_.c_str());
     throw InputError("cannot write '" + target_.string() + "': " + reason);
   }
 

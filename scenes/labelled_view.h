@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "scenes/bin.h"
@@ -44,9 +45,16 @@ class LabelledViewSource {
   virtual std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
                                              const CameraIntrinsics& camera, uint64_t seed) = 0;
 
+  // All that these views depend on besides the arguments, as text: what is made from them is theirs
+  // alone.
+  virtual std::string IsolatedSettings() const = 0;
+
   // A random settled pile of these objects in a bin, seen from random viewpoints. The same request
   // gives the same pile. Piles of one kind and mixed ones both occur.
   virtual std::vector<LabelledView> Pile(const PileRequest& request) = 0;
+
+  // As IsolatedSettings(), of piles.
+  virtual std::string PileSettings() const = 0;
 };
 
 }  // namespace pickbed

@@ -52,6 +52,8 @@ class SimViewSource : public LabelledViewSource {
   std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
                                      const CameraIntrinsics& camera, uint64_t seed) override;
   std::vector<LabelledView> Pile(const PileRequest& request) override;
+  std::string IsolatedSettings() const override;
+  std::string PileSettings() const override;
 
  private:
   // A pile before the camera, both of a cell `scale` times the size of the options'.
@@ -101,6 +103,27 @@ std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<
     }
   }
   return views;
+}
+
+std::string SimViewSource::IsolatedSettings() const {
+  SensorProfile sensor = options_.sensor;
+  return WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); }) +
+         fmt::format("color {}\n", options_.color);
+}
+
+std::string SimViewSource::PileSettings() const {
+  const ViewSourceOptions& o = options_;
+  const CameraIntrinsics& k = o.camera;
+  const Eigen::Vector3d& size = o.bin.inner_size_m;
+  return IsolatedSettings() +
+         fmt::format("camera {}x{} {} {} {} {}\n", k.width, k.height, k.fx, k.fy, k.cx, k.cy) +
+         fmt::format("distance {}..{} tilt {} jitter {}\n", o.distance_min_m, o.distance_max_m,
+                     o.tilt_max_rad, o.target_jitter_m) +
+         fmt::format("bin {} x {} x {} wall {} friction {}\n", size.x(), size.y(), size.z(),
+                     o.bin.wall_m, o.bin.friction) +
+         fmt::format("for {} scaled {} parts {}..{} fill {} mixed {} kinds {}\n", o.for_diameter_m,
+                     o.scaled_share, o.parts_min, o.parts_max, o.fill_max, o.mixed_share,
+                     o.mixed_kinds_max);
 }
 
 // One kind, or a mix.

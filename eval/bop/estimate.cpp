@@ -48,6 +48,10 @@ std::set<int> ObjectsOf(const SplitTargets& targets, const std::map<int, ModelIn
   return objects;
 }
 
+bool HasReadings(const Image<float>& depth_m) {
+  return std::ranges::any_of(depth_m.pixels(), [](float d) { return d > 0; });
+}
+
 // The middle reading: a working distance that needs no truth.
 double MiddleDepth(const Image<float>& depth_m) {
   std::vector<float> readings;
@@ -202,11 +206,12 @@ std::vector<Estimate> EstimateDataset(
   ForEachTarget(
       root, split, targets,
       [&](const Estimate& place, const ImageTargets& image_targets, const RgbdFrame& frame) {
-        if (!runner) {
+        const bool sees = HasReadings(frame.depth_m);
+        if (!runner && sees) {
           runner.emplace(root, options, ObjectsOf(targets, models), models, frame, on_progress);
         }
         Rng rng = RngOf(options, place);
-        runner->Run(frame, image_targets, place, rng, estimates);
+        if (sees) runner->Run(frame, image_targets, place, rng, estimates);
         ++done;
         if (on_progress) {
           on_progress({fmt::format("scene {} image {}", place.scene_id, place.image_id),

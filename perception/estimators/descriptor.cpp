@@ -25,10 +25,10 @@ IsolatedOptions CodeViews(const EstimatorSetup& setup, const DescriptorOptions& 
 
 // All that the entries of a part depend on.
 uint64_t CodesKey(const DescriptorModel& model, const ObjectModel& object, double side_m,
-                  IsolatedOptions isolated, uint64_t seed) {
+                  IsolatedOptions isolated, uint64_t seed, const std::string& views) {
   std::string text = WriteSettings([&](SettingsVisitor& v) { isolated.Visit(v); });
   text += fmt::format("{:016x} {:016x} {} {} {}", model.network_hash, object.mesh_hash, side_m,
-                      seed, model.info.sensor);
+                      seed, views);
   return HashBytes(text.data(), text.size());
 }
 
@@ -81,14 +81,13 @@ ObjectCodes DescriptorEstimator::Codes(const EstimatorSetup& setup, int object,
                                        double side_m) const {
   const ObjectModel& part = *setup.objects[object];
   const IsolatedOptions isolated = CodeViews(setup, options_);
-  const uint64_t key = CodesKey(model_, part, side_m, isolated, options_.code_seed);
+  CheckInput(setup.views, fmt::format("the code book of part '{}' needs a renderer", part.name));
+  const uint64_t key =
+      CodesKey(model_, part, side_m, isolated, options_.code_seed, setup.views->IsolatedSettings());
   const std::filesystem::path file = CodesFile(setup.cache_dir, part, key);
   if (!setup.cache_dir.empty()) {
     if (std::optional<ObjectCodes> cached = ReadCodes(file, key)) return *std::move(cached);
   }
-  CheckInput(setup.views, fmt::format("the code book of part '{}' is not in {} and there is no "
-                                      "renderer to make it",
-                                      part.name, setup.cache_dir.string()));
   const auto on_share = [&](double share) {
     if (setup.on_progress) setup.on_progress("code book of " + part.name, share);
   };

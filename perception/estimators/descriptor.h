@@ -34,7 +34,7 @@ DescriptorOptions OptionsForMode(const std::string& mode);
 std::filesystem::path DescriptorModelFile(const EstimatorSpec& spec);
 
 // Loads the model and makes or reads the code books. Throws InputError as LoadModel and
-// PatchSidesOf do, and when a code book must be made but setup.views is null.
+// TrainedParts do, and when setup.views is null.
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup,
                                                        const DescriptorOptions& options);
 

@@ -12,7 +12,7 @@
 namespace pickbed {
 
 struct PpfOptions {
-  PpfMatchOptions match{.cluster_m = 0.008};
+  PpfMatchOptions match{.scene_voxel_diameters = 0.04, .cluster_m = 0.008};
   PpfIcpOptions icp;
   int max_poses = 60;         // refined and scored, a frame and object
   double full_support = 0.3;  // share of inliers from which a score is not lowered for lack of them

@@ -13,8 +13,8 @@
 namespace pickbed {
 
 struct PpfMatchOptions {
-  double model_sampling = 0.05;         // share of the model's box, each axis
-  double scene_voxel_diameters = 0.05;  // one scene point of a voxel goes in
+  double model_sampling = 0.07;         // share of the model's box, each axis
+  double scene_voxel_diameters = 0.06;  // one scene point of a voxel goes in
   double scene_step = 0.1;              // share of those that are reference points: one pose each
   // The scene goes in by square windows of this side, half of it apart, since a pair wider than the
   // part says nothing of it: OpenCV looks it up all the same and finds chance votes. 0 = as a

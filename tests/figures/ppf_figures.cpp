@@ -92,9 +92,9 @@ void Measure(bool verified, int bins, const std::string& part,
 
 std::vector<PpfMatchOptions> Grid(double window_diameters) {
   std::vector<PpfMatchOptions> grid;
-  for (const double model_sampling : {0.05, 0.08}) {
+  for (const double model_sampling : {0.07, 0.1}) {
     for (const double voxel : {0.04, 0.06, 0.08}) {
-      for (const double step : {0.05, 0.2}) {
+      for (const double step : {0.1, 0.2}) {
         PpfMatchOptions match = VerifiedPpfOptions().match;
         match.model_sampling = model_sampling;
         match.scene_voxel_diameters = voxel;

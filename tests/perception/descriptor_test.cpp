@@ -114,6 +114,7 @@ TEST_F(Descriptor, ThreadsAndRoundsChangeNoAnswerAndAddPoses) {
   const EstimateResult one = Run(*MakeDescriptorEstimator(setup, options), view);
   setup.threads = 3;
   const EstimateResult three = Run(*MakeDescriptorEstimator(setup, options), view);
+  ASSERT_FALSE(one.hypotheses.empty());
   ASSERT_EQ(one.hypotheses.size(), three.hypotheses.size());
   for (size_t i = 0; i < one.hypotheses.size(); ++i) {
     EXPECT_EQ(one.hypotheses[i].score, three.hypotheses[i].score);
@@ -146,6 +147,7 @@ TEST_F(Descriptor, SameSeedSameAnswerAlsoFromAnotherEstimator) {
   const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
   Run(*estimator, views_->Pile({9, 1}).front());
   const EstimateResult second = Run(*estimator, view);
+  ASSERT_FALSE(first.hypotheses.empty());
   ASSERT_EQ(first.hypotheses.size(), second.hypotheses.size());
   for (size_t i = 0; i < first.hypotheses.size(); ++i) {
     EXPECT_EQ(first.hypotheses[i].score, second.hypotheses[i].score);
@@ -240,13 +242,27 @@ TEST_F(Descriptor, CodeBookIsMadeOnceAndThenRead) {
   EXPECT_EQ(share, 1.0);
 
   const int made = views_->isolated_calls();
-  setup.views = nullptr;
   MakeDescriptorEstimator(setup, Options());
   EXPECT_EQ(views_->isolated_calls(), made);
 
   DescriptorOptions larger = Options();
   larger.code_entries += 100;
-  EXPECT_THAT(ErrorOf([&] { MakeDescriptorEstimator(setup, larger); }), HasSubstr("code book"));
+  MakeDescriptorEstimator(setup, larger);
+  EXPECT_GT(views_->isolated_calls(), made);
+  setup.views = nullptr;
+  EXPECT_THAT(ErrorOf([&] { MakeDescriptorEstimator(setup, Options()); }), HasSubstr("renderer"));
+}
+
+TEST_F(Descriptor, AnotherSensorsCodeBookIsNotRead) {
+  EstimatorSetup setup = MakeSetup();
+  setup.cache_dir = folder_ / "two sensors";
+  std::filesystem::create_directories(setup.cache_dir);
+  RayCastViews still(setup.objects, 0), noisy(setup.objects, 0.002);
+  for (RayCastViews* views : {&still, &noisy}) {
+    setup.views = views;
+    MakeDescriptorEstimator(setup, Options());
+    EXPECT_GT(views->isolated_calls(), 0);
+  }
 }
 
 TEST_F(Descriptor, NothingInSightGivesNothing) {

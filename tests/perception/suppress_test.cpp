@@ -41,6 +41,30 @@ TEST_F(TwoBrackets, NeighboursStayADuplicateGoes) {
   EXPECT_EQ(kept[1].score, 0.7);
 }
 
+// Side by side, so that they share few pixels.
+TEST(SuppressDuplicates, WhatLiesInABetterOneGoes) {
+  const auto cube = ObjectOf(BoxMesh({0.05, 0.05, 0.05}, Eigen::Vector3d::Zero()));
+  const std::vector<ModelPoints> models{MakeModelPoints(*cube)};
+  SyntheticDepth scene(SmallCamera());
+  const std::vector<double> x_m{-0.03, 0.01, 0.058};  // the second one 10 mm deep in the first
+  for (const double x : x_m) scene.AddMesh(cube->mesh_O, Translation({x, 0, 0.4}));
+  const OrganizedCloud cloud = BuildCloud(scene.frame(), std::nullopt, kKeepAll);
+  std::vector<PoseHypothesis> all(3);
+  for (size_t i = 0; i < 3; ++i) {
+    all[i].X_CO = Translation({x_m[i], 0, 0.4});
+    all[i].score = 0.9 - 0.1 * static_cast<double>(i);
+  }
+  SuppressOptions options;
+  options.max_penetration_share = 0.13;  // 11.3 mm
+  EXPECT_EQ(SuppressDuplicates(cloud, models, all, options).size(), 3u);
+  options.max_penetration_share = 0.08;  // 6.9 mm
+  const auto kept = SuppressDuplicates(cloud, models, all, options);
+  ASSERT_EQ(kept.size(), 2u);
+  EXPECT_EQ(kept[0].score, all[0].score);
+  EXPECT_EQ(kept[1].score, all[2].score);  // near the one that is gone alone
+  EXPECT_EQ(kept[0].suppressed_X_CO.size(), 1u);
+}
+
 TEST_F(TwoBrackets, TheBetterOneWinsWhateverTheOrder) {
   const Pose turned = Perturbed(Left(), {0, 0, 1}, 180, Eigen::Vector3d::Zero());
   const auto kept = SuppressDuplicates(cloud_, models_, {At(Left(), 0.5), At(turned, 0.8)});

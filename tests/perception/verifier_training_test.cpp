@@ -32,6 +32,21 @@ TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
   EXPECT_THROW(TrainVerifier(examples, options, 0), InputError);
 }
 
+// A verifier that is sure of itself: Newton's whole steps would leave for scales of thousands.
+TEST(Calibrate, LogitsThatLieTogetherGetTheirShareOfRightPoses) {
+  std::vector<ScoredPose> poses;
+  for (int i = 0; i < 1030; ++i) poses.push_back({6.0, i < 1000});
+  for (int i = 0; i < 2000; ++i) poses.push_back({-6.0, false});
+  Verifier verifier;
+  Calibrate(poses, verifier);
+  const auto probability = [&](double logit) {
+    return 1 / (1 + std::exp(-verifier.calibration_scale * logit - verifier.calibration_shift));
+  };
+  EXPECT_NEAR(probability(6), 1000.0 / 1030, 0.003);
+  EXPECT_LT(probability(-6), 0.005);
+  EXPECT_LT(verifier.calibration_scale, 3);
+}
+
 // Poses that are right with P = 1 / (1 + exp(-(2 logit + 1))) while the score claims
 // 1 / (1 + exp(-logit)).
 TEST(Calibrate, FindsAPlantedRule) {

@@ -19,6 +19,10 @@ class RayCastViews : public LabelledViewSource {
   std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
                                      const CameraIntrinsics& camera, uint64_t seed) override;
   std::vector<LabelledView> Pile(const PileRequest& request) override;
+  std::string IsolatedSettings() const override {
+    return "ray cast, noise " + std::to_string(noise_sigma_m_);
+  }
+  std::string PileSettings() const override { return IsolatedSettings(); }
 
   int isolated_calls() const { return isolated_calls_; }
 
