@@ -87,9 +87,10 @@ void CandidateFinder::Impl::BuildGroups() {
     group.side_m = parts[members.front()].side_m;
     std::vector<float> rows;
     for (const int p : members) {
-      const ObjectCodes& codes = parts[p].codes;
+      ObjectCodes& codes = parts[p].codes;
       rows.insert(rows.end(), codes.descriptors.begin(), codes.descriptors.end());
       for (size_t i = 0; i < codes.size(); ++i) group.entries.push_back({p, static_cast<int>(i)});
+      codes.descriptors = {};  // the index has them now
     }
     group.index = std::make_unique<NeighborIndex>(
         std::move(rows), parts[members.front()].codes.length, options.index);

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "perception/verifier_values.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 #include "scenes/random.h"
@@ -11,7 +12,7 @@
 namespace pickbed {
 namespace {
 
-constexpr uint64_t kMagic = 0x325054504b434950;  // "PICKPTP2", little endian
+constexpr uint64_t kMagic = 0x335054504b434950;  // "PICKPTP3", little endian
 
 void Put(std::string& bytes, const void* data, uint64_t size) {
   bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
@@ -66,11 +67,38 @@ std::vector<HeldOutRecall> RecallsFrom(const std::vector<double>& values) {
   return history;
 }
 
-std::vector<double> TakeDoubles(Reader& reader) {
+template <typename Value>
+void PutAll(std::string& bytes, const std::vector<Value>& values) {
+  Put(bytes, values.data(), values.size() * sizeof(Value));
+}
+
+template <typename Value>
+std::vector<Value> TakeAll(Reader& reader) {
   const std::string_view bytes = reader.Take();
-  std::vector<double> values(bytes.size() / sizeof(double));
-  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(double));
+  std::vector<Value> values(bytes.size() / sizeof(Value));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(Value));
   return values;
+}
+
+void PutVerifiers(std::string& bytes, const std::vector<TrainedVerifier>& trained) {
+  std::vector<Verifier> verifiers;
+  std::vector<double> auc;
+  for (const TrainedVerifier& each : trained) {
+    verifiers.push_back(each.verifier);
+    auc.push_back(each.auc);
+  }
+  PutAll(bytes, auc);
+  PutAll(bytes, verifiers.empty() ? std::vector<float>{} : VerifierValues(verifiers));
+}
+
+std::vector<TrainedVerifier> TakeVerifiers(Reader& reader) {
+  const std::vector<double> auc = TakeAll<double>(reader);
+  const std::vector<float> values = TakeAll<float>(reader);
+  if (auc.empty()) return {};
+  const std::vector<Verifier> verifiers = VerifiersFrom(values, auc.size());
+  std::vector<TrainedVerifier> trained;
+  for (size_t i = 0; i < auc.size(); ++i) trained.push_back({verifiers[i], auc[i]});
+  return trained;
 }
 
 Checkpoint Parse(std::string_view bytes) {
@@ -86,9 +114,10 @@ Checkpoint Parse(std::string_view bytes) {
   const std::string_view iteration = reader.Take();
   CheckInput(iteration.size() == sizeof checkpoint.iteration, "damaged");
   std::memcpy(&checkpoint.iteration, iteration.data(), iteration.size());
-  checkpoint.loss_history = TakeDoubles(reader);
-  checkpoint.recall_history = RecallsFrom(TakeDoubles(reader));
+  checkpoint.loss_history = TakeAll<double>(reader);
+  checkpoint.recall_history = RecallsFrom(TakeAll<double>(reader));
   checkpoint.training_state = reader.Take();
+  checkpoint.verifiers = TakeVerifiers(reader);
   return checkpoint;
 }
 
@@ -98,10 +127,10 @@ void WriteCheckpoint(const std::filesystem::path& file, const Checkpoint& checkp
   std::string body;
   Put(body, checkpoint.key.data(), checkpoint.key.size());
   Put(body, &checkpoint.iteration, sizeof checkpoint.iteration);
-  Put(body, checkpoint.loss_history.data(), checkpoint.loss_history.size() * sizeof(double));
-  const std::vector<double> recalls = RecallValues(checkpoint.recall_history);
-  Put(body, recalls.data(), recalls.size() * sizeof(double));
+  PutAll(body, checkpoint.loss_history);
+  PutAll(body, RecallValues(checkpoint.recall_history));
   Put(body, checkpoint.training_state.data(), checkpoint.training_state.size());
+  PutVerifiers(body, checkpoint.verifiers);
   const uint64_t head[2] = {kMagic, HashBytes(body.data(), body.size())};
   WriteFileAtomically(file, std::string(reinterpret_cast<const char*>(head), sizeof head) + body);
 }

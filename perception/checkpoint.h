@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "perception/held_out.h"
+#include "perception/torch_verifier.h"
 
 namespace pickbed {
 
@@ -16,6 +17,7 @@ struct Checkpoint {
   std::vector<double> loss_history;
   std::vector<HeldOutRecall> recall_history;  // all of the same parts
   std::string training_state;                 // DescriptorNetwork::TrainingState()
+  std::vector<TrainedVerifier> verifiers;     // those done, in the order of their training
 };
 
 void WriteCheckpoint(const std::filesystem::path& file, const Checkpoint& checkpoint);

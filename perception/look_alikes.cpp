@@ -94,13 +94,14 @@ Turn Settled(const ModelPoints& points, const Eigen::Matrix3d& R) {
   constexpr int kSteps = 15;
   const Pose to_middle = Translation(points.center_O.cast<double>());
   Pose S_O = to_middle * MakePose(R, Eigen::Vector3d::Zero()) * to_middle.inverse();
-  Turn best{S_O, GapOf(points, S_O).mean_m};
+  Gap gap = GapOf(points, S_O);
+  Turn best{S_O, gap.mean_m};
   for (int step = 0; step < kSteps; ++step) {
     // Points along a wall hold no way across it, so a step longer than the mean is safe.
     constexpr double kLonger = 2;
-    S_O.translation() += kLonger * GapOf(points, S_O).way_m;
-    const double gap_m = GapOf(points, S_O).mean_m;
-    if (gap_m < best.gap_m) best = {S_O, gap_m};
+    S_O.translation() += kLonger * gap.way_m;
+    gap = GapOf(points, S_O);
+    if (gap.mean_m < best.gap_m) best = {S_O, gap.mean_m};
   }
   return best;
 }

@@ -7,16 +7,6 @@
 namespace pickbed {
 namespace {
 
-Eigen::Matrix<double, 3, 8> BoxCorners(const Bounds& bounds) {
-  Eigen::Matrix<double, 3, 8> corners;
-  for (int i = 0; i < 8; ++i) {
-    corners.col(i) = Eigen::Vector3d(i & 1 ? bounds.max.x() : bounds.min.x(),
-                                     i & 2 ? bounds.max.y() : bounds.min.y(),
-                                     i & 4 ? bounds.max.z() : bounds.min.z());
-  }
-  return corners;
-}
-
 // Both ends of the part along the axis, four times each.
 Eigen::Matrix<double, 3, 8> AxisEnds(const TriangleMesh& mesh, const ContinuousSymmetry& axis) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -35,13 +25,13 @@ Eigen::Matrix<double, 3, 8> AxisEnds(const TriangleMesh& mesh, const ContinuousS
 PoseEmbedding::PoseEmbedding(const ObjectModel& model)
     : scale_(1.0 / (std::sqrt(8.0) * model.diameter_m)) {
   const SymmetrySet& symmetries = model.symmetries_O;
-  if (symmetries.continuous_O.size() >= 2) {
+  if (SecondAxis(symmetries)) {
     // Turning about two axes is turning about their common point.
     keypoints_O_ = model.mass.com_O.replicate<1, 8>();
-  } else if (symmetries.continuous_O.size() == 1) {
+  } else if (!symmetries.continuous_O.empty()) {
     keypoints_O_ = AxisEnds(model.mesh_O, symmetries.continuous_O.front());
   } else {
-    keypoints_O_ = BoxCorners(MeshBounds(model.mesh_O));
+    keypoints_O_ = MeshBounds(model.mesh_O).Corners();
   }
   symmetries_O_ = {Pose::Identity()};
   symmetries_O_.insert(symmetries_O_.end(), symmetries.discrete_O.begin(),
@@ -53,15 +43,15 @@ PoseEmbedding::Point PoseEmbedding::Embed(const Pose& X_AO) const {
   return Eigen::Map<const Point>(moved.data());
 }
 
-Eigen::Matrix<float, 24, Eigen::Dynamic> PoseEmbedding::EmbedTwins(const Pose& X_AO) const {
-  Eigen::Matrix<float, 24, Eigen::Dynamic> points(24, twins());
-  for (int i = 0; i < twins(); ++i) points.col(i) = Embed(X_AO * symmetries_O_[i]);
+Eigen::Matrix<float, 24, Eigen::Dynamic> PoseEmbedding::EmbedVariants(const Pose& X_AO) const {
+  Eigen::Matrix<float, 24, Eigen::Dynamic> points(24, variants());
+  for (int i = 0; i < variants(); ++i) points.col(i) = Embed(X_AO * symmetries_O_[i]);
   return points;
 }
 
 float PoseEmbedding::Distance(const Pose& X_AO, const Pose& X_AO_other) const {
   const Point other = Embed(X_AO_other);
-  return std::sqrt((EmbedTwins(X_AO).colwise() - other).colwise().squaredNorm().minCoeff());
+  return std::sqrt((EmbedVariants(X_AO).colwise() - other).colwise().squaredNorm().minCoeff());
 }
 
 }  // namespace pickbed

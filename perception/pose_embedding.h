@@ -21,10 +21,10 @@ class PoseEmbedding {
 
   explicit PoseEmbedding(const ObjectModel& model);
 
-  int twins() const { return static_cast<int>(symmetries_O_.size()); }
+  int variants() const { return static_cast<int>(symmetries_O_.size()); }
   Point Embed(const Pose& X_AO) const;
-  // 24 x twins; the first is Embed(X_AO).
-  Eigen::Matrix<float, 24, Eigen::Dynamic> EmbedTwins(const Pose& X_AO) const;
+  // 24 x variants(), by the part's symmetries; the first is Embed(X_AO).
+  Eigen::Matrix<float, 24, Eigen::Dynamic> EmbedVariants(const Pose& X_AO) const;
   float Distance(const Pose& X_AO, const Pose& X_AO_other) const;
 
  private:

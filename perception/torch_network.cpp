@@ -3,6 +3,8 @@
 #include <torch/torch.h>
 
 #include <algorithm>
+#include <chrono>
+#include <limits>
 #include <sstream>
 
 #include "perception/networks/patch_network.h"
@@ -75,6 +77,8 @@ DescriptorNetwork::DescriptorNetwork(DescriptorNetwork&&) noexcept = default;
 DescriptorNetwork& DescriptorNetwork::operator=(DescriptorNetwork&&) noexcept = default;
 
 const NetworkOptions& DescriptorNetwork::options() const { return impl_->options; }
+
+double DescriptorNetwork::MultiplyAdds() const { return impl_->network->MultiplyAdds(); }
 
 std::vector<float> DescriptorNetwork::Describe(std::span<const int8_t> patches, int threads) const {
   const int64_t count = static_cast<int64_t>(patches.size()) / kPatchValues;
@@ -161,6 +165,21 @@ void DescriptorNetwork::RestoreTrainingState(const std::string& bytes) try {
   impl_->adam.load(adam);
 } catch (const c10::Error&) {
   throw InputError("the training state is damaged or of another network");
+}
+
+double SgemmRate() {
+  constexpr int64_t kSide = 512;
+  constexpr int kTries = 12;
+  const torch::InferenceMode no_gradients;
+  const at::Tensor a = torch::rand({kSide, kSide}), b = torch::rand({kSide, kSide});
+  double best_s = std::numeric_limits<double>::max();
+  for (int i = 0; i < kTries; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    torch::mm(a, b);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    best_s = std::min(best_s, seconds.count());
+  }
+  return kSide * kSide * kSide / best_s;
 }
 
 }  // namespace pickbed

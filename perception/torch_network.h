@@ -40,6 +40,7 @@ class DescriptorNetwork {
 
   const NetworkOptions& options() const;
   int length() const { return options().descriptor; }
+  double MultiplyAdds() const;  // to describe one patch
 
   // count x length values, rows of unit length, of count patches of patch.h.
   std::vector<float> Describe(std::span<const int8_t> patches, int threads = 1) const;
@@ -60,5 +61,9 @@ class DescriptorNetwork {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Multiply-adds a second of libtorch's product of two float matrices of 512 x 512 (SGEMM) on one
+// thread of the CPU, the best of some: the measure of a network's speed.
+double SgemmRate();
 
 }  // namespace pickbed

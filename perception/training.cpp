@@ -29,20 +29,6 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Settings and parts, without what may change between two sessions of one training.
-std::string CheckpointKey(const LabelledViewSource& views, TrainingOptions options,
-                          const std::string& sensor, uint64_t start_hash) {
-  options.max_minutes = 0;
-  options.checkpoint_every = TrainingOptions{}.checkpoint_every;
-  std::string key = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
-  key += fmt::format("sensor {}\nfrom {:016x}", sensor, start_hash);
-  key += fmt::format("\n{}", views.PileSettings());
-  for (const auto& object : views.objects()) {
-    key += fmt::format("\n{} {:016x}", object->name, object->mesh_hash);
-  }
-  return key;
-}
-
 // Runs `work`; an InputError that it throws gets the part's name in front.
 template <typename Work>
 auto BlamePart(const ObjectModel& part, const Work& work) {
@@ -84,6 +70,7 @@ class Trainer {
   bool Report(const char* phase, double share, int total, double shown_from = 0);
   void BeginPhase() { phase_start_ = Clock::now(); }
   TrainingViewsPlan Plan() const;
+  std::vector<int> NewParts() const;
   VerifierTrainingOptions VerifierPlan() const;
   bool AwaitHeldOut();
   bool AwaitPiles(double share, const char* phase, double shown_from);
@@ -93,6 +80,7 @@ class Trainer {
   double Share() const;
   void SaveCheckpoint();
   bool TrainVerifiers();
+  std::vector<TrainedVerifier> AllVerifiers() const;
   double RecentLoss() const;
   void Save();
   void FillPictures();
@@ -110,7 +98,7 @@ class Trainer {
   DescriptorNetwork network_;
   TrainingData data_;
   HeldOutSet held_out_;
-  std::vector<TrainedVerifier> verifiers_;  // by part
+  std::vector<TrainedVerifier> trained_;  // verifiers of the first of NewParts()
   std::unique_ptr<TrainingViews> views_;
   int iteration_ = 0;  // steps done
   TrainingReport report_;
@@ -127,8 +115,7 @@ Trainer::Trainer(const TrainingJob& job, const TrainingOptions& options)
       key_(CheckpointKey(job.views, options, job.sensor_profile,
                          from_.model ? from_.model->network_hash : 0)),
       network_(options.network, options.seed),
-      data_(objects_, schedule_.main_parts(), options),
-      verifiers_(objects_.size()) {
+      data_(objects_, schedule_.main_parts(), options) {
   for (size_t part = 0; part < objects_.size(); ++part) {
     report_.rehearsed.push_back(from_.IsRehearsed(part));
   }
@@ -169,14 +156,22 @@ VerifierTrainingOptions Trainer::VerifierPlan() const {
   return options;
 }
 
+// Those that are not rehearsed: each gets a verifier.
+std::vector<int> Trainer::NewParts() const {
+  std::vector<int> parts;
+  for (size_t part = 0; part < objects_.size(); ++part) {
+    if (!from_.IsRehearsed(part)) parts.push_back(static_cast<int>(part));
+  }
+  return parts;
+}
+
 TrainingViewsPlan Trainer::Plan() const {
   TrainingViewsPlan plan;
   plan.seed = options_.seed;
   plan.sides_m = sides_;
   if (Share() < 1) plan.pile_parts = schedule_.pile_parts();
-  for (size_t part = 0; part < objects_.size(); ++part) {
-    if (!from_.IsRehearsed(part)) plan.verifiers.push_back(static_cast<int>(part));
-  }
+  plan.verifiers = NewParts();
+  plan.verifiers.erase(plan.verifiers.begin(), plan.verifiers.begin() + trained_.size());
   plan.views_per_pile = options_.views_per_pile;
   plan.twins = options_.twins;
   plan.held_out = options_.held_out;
@@ -226,7 +221,7 @@ double Trainer::Share() const {
 void Trainer::SaveCheckpoint() {
   if (job_.checkpoint.empty()) return;
   WriteCheckpoint(job_.checkpoint, {key_, iteration_, report_.loss_history, report_.recall_history,
-                                    network_.TrainingState()});
+                                    network_.TrainingState(), trained_});
   report_.has_checkpoint = true;
 }
 
@@ -276,15 +271,15 @@ bool Trainer::TrainNetwork() {
   return true;
 }
 
-// One verifier for each part that is not rehearsed; false when asked to stop.
+// One verifier for each new part; false when asked to stop.
 bool Trainer::TrainVerifiers() {
   BeginPhase();
-  const std::vector<int> parts = Plan().verifiers;
+  const std::vector<int> parts = NewParts();
   const int piles = options_.verifier_piles * static_cast<int>(parts.size());
   const auto share_of = [&](size_t done, double share) {
     return (static_cast<double>(done) + share) / static_cast<double>(parts.size());
   };
-  for (size_t n = 0; n < parts.size(); ++n) {
+  for (size_t n = trained_.size(); n < parts.size(); ++n) {
     std::optional<VerifierLesson> lesson;
     while (!lesson) {
       const PhaseTimer timer(report_, "waiting for verifier views");
@@ -295,35 +290,48 @@ bool Trainer::TrainVerifiers() {
     const int i = parts[n];
     const VerifierPart part{i, sides_[i], network_.length(), Describe()};
     bool go_on = true;
-    verifiers_[i] = BlamePart(*objects_[i], [&] {
+    const TrainedVerifier trained = BlamePart(*objects_[i], [&] {
       return TrainPartVerifier(*lesson, objects_[i], part, VerifierPlan(), [&](double share) {
         return go_on = Report("verifier", share_of(n, share), piles);
       });
     });
     if (!go_on) return false;
-  }
-  for (size_t i = 0; i < objects_.size(); ++i) {
-    if (!from_.IsRehearsed(i)) continue;
-    const int known = from_.known[i];
-    verifiers_[i] = {from_.model->verifiers[known], from_.model->info.objects[known].verifier_auc};
+    trained_.push_back(trained);
+    SaveCheckpoint();
   }
   Report("verifier", 1, piles);
   return true;
 }
 
+// By part: rehearsed ones keep theirs.
+std::vector<TrainedVerifier> Trainer::AllVerifiers() const {
+  std::vector<TrainedVerifier> all;
+  size_t next = 0;
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    if (from_.IsRehearsed(i)) {
+      const int known = from_.known[i];
+      all.push_back({from_.model->verifiers[known], from_.model->info.objects[known].verifier_auc});
+    } else {
+      all.push_back(trained_[next++]);
+    }
+  }
+  return all;
+}
+
 void Trainer::Save() {
   ModelInfo info;
   std::vector<Verifier> verifiers;
+  const std::vector<TrainedVerifier> trained = AllVerifiers();
   const HeldOutRecall& recall = report_.recall_history.back();
   for (size_t i = 0; i < objects_.size(); ++i) {
     ModelObject object{objects_[i]->name, objects_[i]->mesh_hash, objects_[i]->diameter_m,
-                       sides_[i], verifiers_[i].auc};
+                       sides_[i], trained[i].auc};
     object.recall_at_1 = recall.part_at_1[i];
     object.recall_at_8 = recall.part_at_8[i];
     info.objects.push_back(object);
-    verifiers.push_back(verifiers_[i].verifier);
-    report_.part_auc.push_back(verifiers_[i].auc);
-    report_.verifier_auc += verifiers_[i].auc / static_cast<double>(objects_.size());
+    verifiers.push_back(trained[i].verifier);
+    report_.part_auc.push_back(trained[i].auc);
+    report_.verifier_auc += trained[i].auc / static_cast<double>(objects_.size());
   }
   info.sensor = job_.sensor_profile;
   info.network = options_.network;
@@ -362,6 +370,7 @@ TrainingReport Trainer::Run() {
     report_.has_checkpoint = true;
     schedule_.Watch(report_.recall_history);
     network_.RestoreTrainingState(checkpoint.training_state);
+    trained_ = checkpoint.verifiers;
   } else if (from_.model) {
     network_.SetWeights(from_.model->network.Weights());
   }

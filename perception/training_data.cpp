@@ -71,7 +71,7 @@ void TrainingData::FillDistances(const std::vector<Choice>& choices, TrainingBat
   for (size_t i = 0; i < count; ++i) {
     const Choice& choice = choices[i];
     const auto twins =
-        embeddings_[choice.part].EmbedTwins(parts_[choice.part].anchors.X_PO[choice.pair]);
+        embeddings_[choice.part].EmbedVariants(parts_[choice.part].anchors.X_PO[choice.pair]);
     for (size_t j = 0; j < count; ++j) {
       if (choices[j].part != choice.part) continue;
       batch.pose_distance[i * count + j] =

@@ -53,4 +53,17 @@ std::vector<double> StartSides(const ObjectSet& objects, const TrainingStart& st
   return sides;
 }
 
+std::string CheckpointKey(const LabelledViewSource& views, TrainingOptions options,
+                          const std::string& sensor, uint64_t start_hash) {
+  options.max_minutes = 0;
+  options.checkpoint_every = TrainingOptions{}.checkpoint_every;
+  std::string key = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+  key += fmt::format("sensor {}\nfrom {:016x}", sensor, start_hash);
+  key += fmt::format("\n{}", views.PileSettings());
+  for (const auto& object : views.objects()) {
+    key += fmt::format("\n{} {:016x}", object->name, object->mesh_hash);
+  }
+  return key;
+}
+
 }  // namespace pickbed

@@ -29,4 +29,9 @@ std::vector<double> PartWeights(const TrainingStart& start, const TrainingOption
 std::vector<double> StartSides(const ObjectSet& objects, const TrainingStart& start,
                                const TrainingOptions& options);
 
+// What a checkpoint belongs to: settings, views and parts, without what may change between two
+// sessions of one training. start_hash: of the weights it begins with; 0 = fresh ones.
+std::string CheckpointKey(const LabelledViewSource& views, TrainingOptions options,
+                          const std::string& sensor, uint64_t start_hash);
+
 }  // namespace pickbed

@@ -38,7 +38,7 @@ VoteDensity::Cell VoteDensity::CellOf(int x, int y, int z) const {
 
 double VoteDensity::Around(const Pose& X_CO, int except_patch) const {
   const Eigen::Vector3f com_C = (X_CO * com_O_).cast<float>();
-  const Eigen::Matrix<float, 24, Eigen::Dynamic> twins = embedding_.EmbedTwins(X_CO);
+  const Eigen::Matrix<float, 24, Eigen::Dynamic> variants = embedding_.EmbedVariants(X_CO);
   const Eigen::Array3i at = Index(com_C);
   const float reach2 = reach_m_ * reach_m_;
   const float radius2 = radius_ * radius_;
@@ -50,11 +50,11 @@ double VoteDensity::Around(const Pose& X_CO, int except_patch) const {
     for (const Vote& vote : cell->second) {
       if (vote.patch == except_patch || (vote.com_C - com_C).squaredNorm() > reach2) continue;
       float nearest2 = radius2;
-      for (Eigen::Index t = 0; t < twins.cols(); ++t) {
+      for (Eigen::Index t = 0; t < variants.cols(); ++t) {
         // Most are turned otherwise, which the first key points tell.
-        float squared = (twins.col(t).head<8>() - vote.point.head<8>()).squaredNorm();
+        float squared = (variants.col(t).head<8>() - vote.point.head<8>()).squaredNorm();
         if (squared >= nearest2) continue;
-        squared += (twins.col(t).tail<16>() - vote.point.tail<16>()).squaredNorm();
+        squared += (variants.col(t).tail<16>() - vote.point.tail<16>()).squaredNorm();
         nearest2 = std::min(nearest2, squared);
       }
       sum += 1 - nearest2 / radius2;

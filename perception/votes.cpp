@@ -10,30 +10,14 @@
 namespace pickbed {
 namespace {
 
-std::vector<Eigen::Vector3d> BoxCorners(const Bounds& box) {
-  std::vector<Eigen::Vector3d> corners;
-  for (int i = 0; i < 8; ++i) {
-    corners.emplace_back(i & 1 ? box.max.x() : box.min.x(), i & 2 ? box.max.y() : box.min.y(),
-                         i & 4 ? box.max.z() : box.min.z());
-  }
-  return corners;
-}
-
 // Two points on the axis, as far from the part's middle as its farthest corner: they move under a
 // tilt as the rim does, and not under a turn about the axis. Two different axes leave the centre.
-std::vector<Eigen::Vector3d> AxisKeypoints(const std::vector<ContinuousSymmetry>& symmetries,
-                                           const std::vector<Eigen::Vector3d>& corners) {
-  constexpr double kParallel = 1e-6;
-  const Eigen::Vector3d a = symmetries.front().axis_O;
-  const Eigen::Vector3d o = symmetries.front().offset_O;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& c : corners) mean += c / static_cast<double>(corners.size());
-  const Eigen::Vector3d middle = o + a * a.dot(mean - o);
-  for (const ContinuousSymmetry& s : symmetries) {
-    if (a.cross(s.axis_O).norm() > kParallel) return {s.offset_O};
-  }
-  double reach = 0;
-  for (const Eigen::Vector3d& c : corners) reach = std::max(reach, (c - middle).norm());
+std::vector<Eigen::Vector3d> AxisKeypoints(const SymmetrySet& symmetries, const Bounds& box) {
+  const Eigen::Vector3d a = symmetries.continuous_O.front().axis_O;
+  const Eigen::Vector3d o = symmetries.continuous_O.front().offset_O;
+  if (const ContinuousSymmetry* second = SecondAxis(symmetries)) return {second->offset_O};
+  const Eigen::Vector3d middle = o + a * a.dot(box.center() - o);
+  const double reach = (box.Corners().colwise() - middle).colwise().norm().maxCoeff();
   return {middle - reach * a, middle + reach * a};
 }
 
@@ -125,9 +109,11 @@ void Transform(const Pose& X_CO, std::span<const Eigen::Vector3d> points_O,
 }  // namespace
 
 PoseDistance::PoseDistance(const ObjectModel& model) {
-  keypoints_O_ = BoxCorners(MeshBounds(model.mesh_O));
-  if (!model.symmetries_O.continuous_O.empty()) {
-    keypoints_O_ = AxisKeypoints(model.symmetries_O.continuous_O, keypoints_O_);
+  const Bounds box = MeshBounds(model.mesh_O);
+  if (model.symmetries_O.continuous_O.empty()) {
+    for (const auto& corner : box.Corners().colwise()) keypoints_O_.push_back(corner);
+  } else {
+    keypoints_O_ = AxisKeypoints(model.symmetries_O, box);
   }
   variants_O_ = keypoints_O_;
   for (const Pose& S : model.symmetries_O.discrete_O) {

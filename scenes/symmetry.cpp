@@ -10,11 +10,14 @@
 namespace pickbed {
 namespace {
 
+bool AreParallel(const ContinuousSymmetry& a, const ContinuousSymmetry& b) {
+  constexpr double kParallel = 1e-6;
+  return a.axis_O.cross(b.axis_O).norm() < kParallel;
+}
+
 // Whether the second axis is the same line as the first.
 bool SameLine(const ContinuousSymmetry& a, const ContinuousSymmetry& b, double tolerance_m) {
-  constexpr double kParallel = 1e-6;
-  return a.axis_O.cross(b.axis_O).norm() < kParallel &&
-         (b.offset_O - a.offset_O).cross(a.axis_O).norm() <= tolerance_m;
+  return AreParallel(a, b) && (b.offset_O - a.offset_O).cross(a.axis_O).norm() <= tolerance_m;
 }
 
 // Where two axes that are not parallel meet.
@@ -79,6 +82,13 @@ Pose TurnAbout(const ContinuousSymmetry& axis, double angle_rad) {
 Eigen::Vector3d PointOnAxis(const Pose& X) {
   const Eigen::Matrix3d moved = Eigen::Matrix3d::Identity() - X.linear();
   return moved.completeOrthogonalDecomposition().solve(X.translation());
+}
+
+const ContinuousSymmetry* SecondAxis(const SymmetrySet& symmetries) {
+  for (const ContinuousSymmetry& axis : symmetries.continuous_O) {
+    if (!AreParallel(symmetries.continuous_O.front(), axis)) return &axis;
+  }
+  return nullptr;
 }
 
 std::vector<Pose> SymmetryTransforms(const SymmetrySet& symmetries, int steps) {

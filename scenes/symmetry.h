@@ -27,6 +27,10 @@ struct SymmetrySet {
   bool trivial() const { return discrete_O.empty() && continuous_O.empty(); }
 };
 
+// The first continuous axis of another direction than the first one's, with which the part is a
+// ball; null = none.
+const ContinuousSymmetry* SecondAxis(const SymmetrySet& symmetries);
+
 // All symmetry transforms, identity first, continuous axes in `steps` equal turns (the BOP toolkit
 // chooses the step so that the surface moves at most 1 % of the diameter: pi / 0.01 steps).
 // Discrete ones are composed with the continuous ones. Two axes that cross make a ball: all

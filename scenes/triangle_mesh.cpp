@@ -134,6 +134,15 @@ void AppendOrClear(const std::vector<T>& other, size_t size_before, std::vector<
 
 }  // namespace
 
+Eigen::Matrix<double, 3, 8> Bounds::Corners() const {
+  Eigen::Matrix<double, 3, 8> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.col(i) = Eigen::Vector3d(i & 1 ? max.x() : min.x(), i & 2 ? max.y() : min.y(),
+                                     i & 4 ? max.z() : min.z());
+  }
+  return corners;
+}
+
 Bounds MeshBounds(const TriangleMesh& mesh) {
   if (mesh.vertices.empty()) return {};
   Bounds bounds{mesh.vertices.front(), mesh.vertices.front()};

@@ -27,6 +27,8 @@ struct Bounds {
   Eigen::Vector3d max = Eigen::Vector3d::Zero();
   Eigen::Vector3d size() const { return max - min; }
   Eigen::Vector3d center() const { return 0.5 * (min + max); }
+  // x changes first.
+  Eigen::Matrix<double, 3, 8> Corners() const;
 };
 
 Bounds MeshBounds(const TriangleMesh& mesh);

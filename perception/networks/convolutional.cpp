@@ -33,6 +33,13 @@ class ConvolutionalNetwork : public PatchNetwork, public torch::nn::Module {
 
   torch::nn::Module& module() override { return *this; }
 
+  double MultiplyAdds() const override {
+    constexpr double kHalf = kPatchPixels / 2, kQuarter = kPatchPixels / 4;  // sides, px
+    return kHalf * kHalf * 12 * 25 * kPatchChannels + kHalf * kHalf * 24 * 9 * 12 +
+           kQuarter * kQuarter * 32 * 9 * 24 + static_cast<double>(hidden_->weight.numel()) +
+           static_cast<double>(last_->weight.numel());
+  }
+
  private:
   torch::nn::Conv2d first_{nullptr}, second_{nullptr}, third_{nullptr};
   torch::nn::Linear hidden_{nullptr}, last_{nullptr};

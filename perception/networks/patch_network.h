@@ -21,6 +21,7 @@ class PatchNetwork {
   // patches: count x 4 x 32 x 32 float in [-1, 1]; result: count x length, rows of unit length.
   virtual at::Tensor Forward(const at::Tensor& patches) = 0;
   virtual torch::nn::Module& module() = 0;  // its weights
+  virtual double MultiplyAdds() const = 0;  // to describe one patch
 };
 
 struct PatchNetworkRow {

@@ -57,7 +57,7 @@ TEST(PoseEmbedding, SymmetricTwinsAreOnePose) {
   const PoseEmbedding embedding(*part);
   Rng rng(3);
   const Pose X = RandomPose(rng);
-  EXPECT_EQ(embedding.twins(), 2);
+  EXPECT_EQ(embedding.variants(), 2);
   EXPECT_NEAR(embedding.Distance(X, X * half_turn), 0, 1e-5);
   EXPECT_GT(embedding.Distance(X, X * HalfTurn(Eigen::Vector3d::UnitX())), 0.3);
 }

@@ -128,7 +128,7 @@ TEST_F(Training, ForeignOrDamagedCheckpointIsRefusedBeforeAnyWork) {
   job.resume = true;
   EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, TinyOptions()); }), HasSubstr("model.ckpt"));
 
-  WriteCheckpoint(job.checkpoint, {"other settings", 3, {1, 2, 3}, {}, "state"});
+  WriteCheckpoint(job.checkpoint, {"other settings", 3, {1, 2, 3}, {}, "state", {}});
   EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, TinyOptions()); }), HasSubstr("other settings"));
 
   const std::string bytes = ReadFileBytes(job.checkpoint);
@@ -140,7 +140,7 @@ TEST_F(Training, ForeignOrDamagedCheckpointIsRefusedBeforeAnyWork) {
 TEST_F(Training, CheckpointSurvivesTheRoundTrip) {
   const std::vector<HeldOutRecall> recalls{{0, 0.1, 0.4, {0.2, -1}, {0.5, -1}},
                                            {5, 0.3, 0.6, {0.4, 0.2}, {0.7, 0.5}}};
-  const Checkpoint saved{"key", 7, {0.5, 0.25}, recalls, std::string("\0state\xff", 7)};
+  const Checkpoint saved{"key", 7, {0.5, 0.25}, recalls, std::string("\0state\xff", 7), {}};
   WriteCheckpoint(folder_ / "c", saved);
   const Checkpoint read = ReadCheckpoint(folder_ / "c", "key");
   EXPECT_EQ(read.iteration, saved.iteration);
@@ -340,6 +340,31 @@ TEST_F(AddedPart, WithoutAStepTheNetworkIsThatOfTheOldModel) {
   TrainingJob added{both, folder_ / "both.pt", {}, false, job.model_file, "test sensor", {}};
   TrainDescriptor(added, options);
   EXPECT_EQ(LoadModel(added.model_file).network_hash, LoadModel(job.model_file).network_hash);
+}
+
+TEST_F(AddedPart, VerifiersThatAreDoneAreNotTrainedAgainOnResume) {
+  RayCastViews both({new_, old_});
+  const auto job_of = [&](const char* name) {
+    return TrainingJob{
+        both, folder_ / name, folder_ / (std::string(name) + ".ckpt"), false, {}, "test sensor",
+        {}};
+  };
+  TrainingJob straight = job_of("straight.pt");
+  TrainDescriptor(straight, TinyOptions());
+
+  TrainingJob job = job_of("resumed.pt");
+  const auto second = [](const TrainingProgress& p) { return 2 * p.done >= p.total; };
+  job.on_progress = [&](const TrainingProgress& p) { return p.phase != "verifier" || !second(p); };
+  EXPECT_FALSE(TrainDescriptor(job, TinyOptions()).finished);
+  job.resume = true;
+  bool again = false;
+  job.on_progress = [&](const TrainingProgress& p) {
+    again = again || (p.phase == "verifier" && !second(p));
+    return true;
+  };
+  EXPECT_TRUE(TrainDescriptor(job, TinyOptions()).finished);
+  EXPECT_FALSE(again);
+  EXPECT_EQ(LoadModel(job.model_file).hash, LoadModel(straight.model_file).hash);
 }
 
 TEST_F(AddedPart, ChangedMeshIsLearnedAsANewPart) {
