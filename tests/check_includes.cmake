@@ -16,7 +16,7 @@ set(folders scenes sim perception grasp eval)
 set(rooms
   "btBullet|BulletCollision|BulletDynamics|LinearMath=>^sim/[a-z_]+(\\.cpp|_impl\\.h)$"
   "GL/|EGL/|KHR/=>^sim/(gl_[a-z_]+\\.(cpp|h)|renderer[a-z_]*\\.cpp|visibility\\.cpp)$"
-  "torch/|ATen/|c10/=>^perception/(torch_[a-z_]+\\.(cpp|h)|networks/[a-z_]+\\.(cpp|h))$"
+  "torch/|ATen/|c10/=>^(tests/)?perception/(torch_[a-z_]+\\.(cpp|h)|networks/[a-z_]+\\.(cpp|h))$"
   "pcl/=>^perception/(icp|normals)\\.cpp$"
   "flann/=>^perception/neighbors\\.cpp$"
   "assimp/=>^scenes/mesh_io\\.cpp$"
