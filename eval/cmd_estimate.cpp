@@ -55,6 +55,7 @@ int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::
   const std::vector<std::string> labels =
       estimators.empty() ? std::vector{scenario.spec.estimator.name} : estimators;
   const std::vector<ComparedEstimator> rows_of = ParseEstimators(labels, scenario.spec.estimator);
+  MakeFolder(folder);
   std::filesystem::remove_all(folder / "pictures");
   MakeFolder(folder / "pictures");
   CatchInterrupts();
