@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
+#include <filesystem>
 #include <thread>
 
 #include "eval/bop/estimate.h"
@@ -36,12 +38,14 @@ std::vector<ComparedRow> LookAtBins(const ComparisonJob& job) {
   return CompareEstimators(shown);
 }
 
-// Overlays of the first bins, as seen from the page. An earlier run's are gone by now.
-std::vector<std::string> Overlays(const std::filesystem::path& folder) {
+// Overlays of the first bins, as seen from the page: those of this run, which began at `start`, and
+// not of an earlier one in the same folder.
+std::vector<std::string> Overlays(const std::filesystem::path& folder,
+                                  std::filesystem::file_time_type start) {
   std::vector<std::string> found;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "pictures")) {
     const std::filesystem::path& path = entry.path();
-    if (path.filename() != "pick_00_overlay.png") continue;
+    if (path.filename() != "pick_00_overlay.png" || entry.last_write_time() < start) continue;
     found.push_back(path.lexically_relative(folder).string());
   }
   std::sort(found.begin(), found.end());
@@ -54,19 +58,19 @@ int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");
   const std::vector<std::string> labels =
       estimators.empty() ? std::vector{scenario.spec.estimator.name} : estimators;
-  const std::vector<ComparedEstimator> rows_of = ParseEstimators(labels, scenario.spec.estimator);
-  MakeFolder(folder);
-  std::filesystem::remove_all(folder / "pictures");
+  const std::vector<ComparedEstimator> compared = ParseEstimators(labels, scenario.spec.estimator);
   MakeFolder(folder / "pictures");
+  constexpr std::chrono::seconds kClockSlack{1};  // of file times
+  const auto start = std::filesystem::file_time_type::clock::now() - kClockSlack;
   CatchInterrupts();
-  const ComparisonJob job{scenario.spec, scenario.objects, rows_of, folder / "pictures",
-                          kPicturedBins, threads,          {},      {}};
+  const ComparisonJob job{scenario.spec, scenario.objects, compared, folder / "pictures",
+                          kPicturedBins, threads,          {},       {}};
   const std::vector<ComparedRow> rows = LookAtBins(job);
   WriteFileAtomically(folder / "hypotheses.csv", HypothesesCsv(rows, scenario.objects));
   WriteFileAtomically(folder / "comparison.csv", ComparisonCsv(rows, scenario.objects));
-  WriteFileAtomically(
-      folder / "comparison.html",
-      ComparisonPage("Poses in bins: " + scenario.name, rows, scenario.objects, Overlays(folder)));
+  WriteFileAtomically(folder / "comparison.html",
+                      ComparisonPage("Poses in bins: " + scenario.name, rows, scenario.objects,
+                                     Overlays(folder, start)));
   fmt::print("{}comparison.html, comparison.csv, hypotheses.csv and overlays in {}\n",
              ComparisonTable(rows), folder.string());
   if (!Interrupted()) return 0;
