@@ -152,8 +152,8 @@ PICKBED_WIDTHS void PlacesAside(RowConstants c, int width, int height, int y, co
   }
 }
 
-// The depths of the four pixels around each place, in pairs. In one width: wide
-// gathers take longer than single loads.
+// The depths of the four pixels around each place, in pairs. In one width: wide gathers take longer
+// than single loads.
 void LoadAround(const float* depth_m, int width, const int* pixel, float* __restrict upper,
                 float* __restrict lower) {
   for (int x = 0; x < width; ++x) {

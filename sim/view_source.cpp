@@ -107,7 +107,9 @@ std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<
 
 std::string SimViewSource::IsolatedSettings() const {
   SensorProfile sensor = options_.sensor;
+  AppearanceRanges looks = options_.looks;
   return WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); }) +
+         WriteSettings([&](SettingsVisitor& v) { looks.Visit(v); }) +
          fmt::format("color {}\n", options_.color);
 }
 
@@ -119,8 +121,9 @@ std::string SimViewSource::PileSettings() const {
          fmt::format("camera {}x{} {} {} {} {}\n", k.width, k.height, k.fx, k.fy, k.cx, k.cy) +
          fmt::format("distance {}..{} tilt {} jitter {}\n", o.distance_min_m, o.distance_max_m,
                      o.tilt_max_rad, o.target_jitter_m) +
-         fmt::format("bin {} x {} x {} wall {} friction {}\n", size.x(), size.y(), size.z(),
-                     o.bin.wall_m, o.bin.friction) +
+         fmt::format("bin {} x {} x {} wall {} friction {} mesh {:016x}\n", size.x(), size.y(),
+                     size.z(), o.bin.wall_m, o.bin.friction,
+                     o.bin.shape ? MeshHash(o.bin.shape->mesh_B) : 0) +
          fmt::format("for {} scaled {} parts {}..{} fill {} mixed {} kinds {}\n", o.for_diameter_m,
                      o.scaled_share, o.parts_min, o.parts_max, o.fill_max, o.mixed_share,
                      o.mixed_kinds_max);

@@ -137,23 +137,6 @@ TEST_F(Training, ForeignOrDamagedCheckpointIsRefusedBeforeAnyWork) {
   EXPECT_EQ(views_.isolated_calls(), 0);
 }
 
-TEST_F(Training, CheckpointSurvivesTheRoundTrip) {
-  const std::vector<HeldOutRecall> recalls{{0, 0.1, 0.4, {0.2, -1}, {0.5, -1}},
-                                           {5, 0.3, 0.6, {0.4, 0.2}, {0.7, 0.5}}};
-  const Checkpoint saved{"key", 7, {0.5, 0.25}, recalls, std::string("\0state\xff", 7), {}};
-  WriteCheckpoint(folder_ / "c", saved);
-  const Checkpoint read = ReadCheckpoint(folder_ / "c", "key");
-  EXPECT_EQ(read.iteration, saved.iteration);
-  EXPECT_EQ(read.loss_history, saved.loss_history);
-  EXPECT_EQ(read.training_state, saved.training_state);
-  ASSERT_EQ(read.recall_history.size(), 2u);
-  EXPECT_EQ(read.recall_history[0].part_at_1, recalls[0].part_at_1);
-  EXPECT_EQ(read.recall_history[1].iteration, 5);
-  EXPECT_EQ(read.recall_history[1].at_1, 0.3);
-  EXPECT_EQ(read.recall_history[1].at_8, 0.6);
-  EXPECT_EQ(read.recall_history[1].part_at_8, recalls[1].part_at_8);
-}
-
 // A file may not grow beyond so many bytes: what a full disk looks like to the program.
 class FullDisk {
  public:

@@ -266,6 +266,26 @@ TEST(ViewSource, CellsScaleWithTheirParts) {
   EXPECT_THROW(scaled->Pile({0, 1, 3}), InputError);
 }
 
+TEST(ViewSource, SettingsTellOtherViewsApart) {
+  const ObjectSet objects = SomeParts(1);
+  const ViewSourceOptions options = SmallOptions();
+  const auto source = MakeSimViewSource(objects, options);
+  EXPECT_EQ(source->PileSettings(), MakeSimViewSource(objects, options)->PileSettings());
+  ViewSourceOptions noisier = options;
+  noisier.sensor.axial_sigma_m += 0.001;
+  const auto other_sensor = MakeSimViewSource(objects, noisier);
+  EXPECT_NE(source->IsolatedSettings(), other_sensor->IsolatedSettings());
+  EXPECT_NE(source->PileSettings(), other_sensor->PileSettings());
+  ViewSourceOptions looks = options;
+  looks.looks = WideAppearance();
+  EXPECT_NE(source->IsolatedSettings(), MakeSimViewSource(objects, looks)->IsolatedSettings());
+  ViewSourceOptions deeper = options;
+  deeper.bin.inner_size_m.z() += 0.01;
+  const auto other_bin = MakeSimViewSource(objects, deeper);
+  EXPECT_EQ(source->IsolatedSettings(), other_bin->IsolatedSettings());
+  EXPECT_NE(source->PileSettings(), other_bin->PileSettings());
+}
+
 TEST(ViewSource, BadInputIsNamed) {
   EXPECT_THROW(MakeSimViewSource({}, SmallOptions()), InputError);
   ViewSourceOptions options = SmallOptions();
