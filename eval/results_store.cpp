@@ -178,7 +178,8 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const std::strin
              fmt::format("cannot write to {}: {}; choose another folder with --out", file,
                          sqlite3_errmsg(impl_->db)));
   sqlite3_busy_timeout(impl_->db, kBusyTimeoutMs);
-  impl_->Execute("PRAGMA journal_mode = WAL");
+  // The rollback journal stays: turning a new file to WAL fails when several workers do it at once
+  // (no busy timeout covers that), and WAL needs memory that machines of a cluster do not share.
   impl_->Execute("PRAGMA synchronous = NORMAL");
   impl_->Execute("BEGIN IMMEDIATE");
   impl_->CreateTables(settings);
