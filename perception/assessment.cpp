@@ -55,6 +55,13 @@ class Crowding {
 
 constexpr double kSamePlaceDiameters = 0.2;
 
+// The highest first; among equals the order stays.
+void KeepBest(size_t most, std::vector<std::pair<double, Pose>>& scored) {
+  std::stable_sort(scored.begin(), scored.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  if (scored.size() > most) scored.resize(most);
+}
+
 // Does the pose fit nearly all that can be seen of it, and is that much?
 bool Explains(const VerifyFeatures& f) {
   constexpr float kLeastAgreeing = 0.3f, kMostContradicted = 0.12f;
@@ -75,7 +82,8 @@ void AssessmentOptions::Visit(SettingsVisitor& v) {
   v.Real("gate_min_m", gate_min_m, {1e-4, 1}, "least gate, m");
   v.Real("gate_max_m", gate_max_m, {1e-4, 1}, "largest gate, m");
   v.Bool("two_gates", two_gates, "also try half the gate and keep the better");
-  v.Integer("turned", turned, {0, 100000}, "best poses of a part whose look-alikes are tried");
+  v.Integer("turned", turned, {0, 100000},
+            "best poses, of all parts together, whose look-alikes are tried");
   v.Integer("look_alikes", look_alikes, {1, 1000}, "look-alikes of a pose that are refined");
   v.Real("merge_diameters", merge_diameters, {1e-4, 1}, "refined poses within it are one");
 }
@@ -115,6 +123,12 @@ int CandidateAssessor::Kept(double share) const {
   const int all =
       std::max(options_.min_candidates, options_.candidates / static_cast<int>(objects_.size()));
   return std::max(1, static_cast<int>(share * all));
+}
+
+// Parts that share a bin share the places at which look-alikes are tried as they share candidates.
+int CandidateAssessor::Turned() const {
+  const double of_all = static_cast<double>(Kept(1)) / options_.candidates;
+  return static_cast<int>(std::ceil(options_.turned * std::min(1.0, of_all)));
 }
 
 // `scored` are the poses of `votes`. A patch does not agree with itself.
@@ -166,22 +180,25 @@ std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& c
   return refined;
 }
 
-// Those for which there is most evidence, best first.
+// Those for which there is most evidence, best first. The quick score, a tenth of the work, tells
+// which are worth drawing.
 std::vector<Pose> CandidateAssessor::BestLookAlikes(const OrganizedCloud& cloud,
                                                     const RawHypothesis& start,
                                                     EvidenceScratch& scratch) const {
-  std::vector<std::pair<double, Pose>> turned;  // nats, X_CO
+  constexpr size_t kDrawn = 12;
+  std::vector<std::pair<double, Pose>> turned;  // score, then nats; X_CO
   for (const Pose& S_O : look_alikes_[start.object]) {
     const Pose X_CO = start.X_CO * S_O;
-    turned.emplace_back(evidence_[start.object](cloud, X_CO, scratch).log_ratio, X_CO);
+    turned.emplace_back(QuickScore(cloud, models_[start.object], X_CO, options_.icp.gate_end_m),
+                        X_CO);
   }
-  std::stable_sort(turned.begin(), turned.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  KeepBest(kDrawn, turned);
+  for (auto& [score, X_CO] : turned) {
+    score = evidence_[start.object](cloud, X_CO, scratch).log_ratio;
+  }
+  KeepBest(options_.look_alikes, turned);
   std::vector<Pose> best;
-  for (const auto& [nats, X_CO] : turned) {
-    if (static_cast<int>(best.size()) == options_.look_alikes) break;
-    best.push_back(X_CO);
-  }
+  for (const auto& [nats, X_CO] : turned) best.push_back(X_CO);
   return best;
 }
 
@@ -192,9 +209,10 @@ void CandidateAssessor::AddLookAlikes(const OrganizedCloud& cloud, EstimateTrace
   if (poses.empty()) return;
   const ModelPoints& model = models_[poses.front().object];
   Crowding places(kSamePlaceDiameters * model.diameter_m);
+  const size_t most = Turned();
   std::vector<RawHypothesis> starts;
   for (const RawHypothesis& pose : poses) {
-    if (static_cast<int>(starts.size()) == options_.turned) break;
+    if (starts.size() == most) break;
     const Eigen::Vector3d middle_C = pose.X_CO * model.center_O.cast<double>();
     if (places.Admit(middle_C, kStartsAtPlace)) starts.push_back(pose);
   }

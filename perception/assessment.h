@@ -32,8 +32,8 @@ struct AssessmentOptions {
   double gate_min_m = 0.004;     // bounds of that gate: wide ones slide into clutter
   double gate_max_m = 0.010;     //
   bool two_gates = false;        // also try half the gate and keep the better
-  // Of this many of the best refined poses of a part its look-alikes are tried, and those refined
-  // for which there is most evidence; two poses of a place at most.
+  // Of this many of the best refined poses, of all parts together, the look-alikes are tried, and
+  // those refined for which there is most evidence; two poses of a place at most.
   int turned = 12;
   int look_alikes = 3;
   double merge_diameters = 0.03;  // refined poses within it are one
@@ -90,6 +90,7 @@ class CandidateAssessor {
                                       const std::vector<RawHypothesis>& poses,
                                       const VoteDensity& density, int patches) const;
   int Kept(double share) const;
+  int Turned() const;  // best poses of one part whose look-alikes are tried
 
   ObjectSet objects_;
   AssessmentOptions options_;

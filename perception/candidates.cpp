@@ -40,7 +40,8 @@ ObjectSet ModelsOf(const std::vector<CandidatePart>& parts) {
 }  // namespace
 
 void CandidateOptions::Visit(SettingsVisitor& v) {
-  v.Integer("points", points, {1, 100000}, "patches cut from a frame");
+  v.Integer("points", points, {1, 100000}, "patches cut from a frame, all parts together");
+  v.Integer("min_points", min_points, {1, 100000}, "patches cut for each part at least");
   v.Integer("neighbors", neighbors, {1, 1000}, "votes of a patch");
   v.Integer("rounds", rounds, {1, 10}, "of votes; later ones are cast where nothing is explained");
   AssessmentOptions::Visit(v);
@@ -51,6 +52,7 @@ void CandidateOptions::Visit(SettingsVisitor& v) {
 CandidateOptions HardCandidates() {
   CandidateOptions options;
   options.points = 1200;
+  options.min_points = 600;
   options.candidates = 600;
   options.two_gates = true;
   options.turned = 40;
@@ -134,8 +136,9 @@ std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
                                                     const std::vector<int>& looked_at, double share,
                                                     Rng& rng, StageSeconds& seconds,
                                                     EstimateTrace* trace) const {
-  const std::vector<int> pixels =
-      SpreadPixels(looked_at, static_cast<int>(std::ceil(share * options.points)), rng);
+  const int of_all = std::max(options.min_points, options.points / static_cast<int>(parts.size()));
+  const std::vector<int> pixels = SpreadPixels(
+      looked_at, static_cast<int>(std::ceil(share * std::min(options.points, of_all))), rng);
   if (pixels.empty()) return {};
   std::vector<std::vector<PoseVote>> votes(parts.size());
   for (const SideGroup& group : groups) Vote(group, cloud, pixels, rng, seconds, votes, trace);

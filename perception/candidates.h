@@ -15,9 +15,10 @@
 namespace pickbed {
 
 struct CandidateOptions : AssessmentOptions {
-  int points = 600;   // patches of a frame
-  int neighbors = 8;  // votes of a patch
-  int rounds = 1;     // later ones look where no candidate explains what is seen
+  int points = 600;      // patches of a frame, all parts together
+  int min_points = 450;  // for each part at least
+  int neighbors = 8;     // votes of a patch
+  int rounds = 1;        // later ones look where no candidate explains what is seen
   NeighborOptions index;
   void Visit(SettingsVisitor& v);
 };

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <future>
+#include <utility>
 
 #include "scenes/check.h"
 #include "scenes/files.h"
@@ -46,15 +48,21 @@ void AppendCodes(const LabelledPatches& patches, const DescribePatches& describe
 
 ObjectCodes MakeObjectCodes(LabelledViewSource& views, int object, double side_m, int length,
                             const DescribePatches& describe, const IsolatedOptions& options,
-                            uint64_t seed, const std::function<void(double)>& on_share) {
+                            uint64_t seed, int threads,
+                            const std::function<void(double)>& on_share) {
+  const auto when = threads > 1 ? std::launch::async : std::launch::deferred;
   ObjectCodes codes;
   codes.length = length;
-  ForEachIsolatedBlock(views, object, side_m, options, seed,
-                       [&](const LabelledPatches& patches, double share) {
-                         AppendCodes(patches, describe, codes);
-                         if (on_share) on_share(share);
-                         return true;
-                       });
+  std::future<void> described;
+  ForEachIsolatedBlock(
+      views, object, side_m, options, seed, [&](LabelledPatches patches, double share) {
+        if (described.valid()) described.get();
+        described = std::async(
+            when, [&, block = std::move(patches)] { AppendCodes(block, describe, codes); });
+        if (on_share) on_share(share);
+        return true;
+      });
+  if (described.valid()) described.get();
   return codes;
 }
 

@@ -14,9 +14,9 @@ namespace pickbed {
 struct PclIcpOptions {
   double max_correspondence_m = 0.005;
   int iterations = 15;
-  int max_points = 400;       // the first of the visible model points
-  int target_stride = 2;      // every so many foreground pixels of a row and rows are searched
-  double epsilon_m2 = 1e-10;  // stops when a step's squared shift is less
+  int max_points = 300;      // the first of the visible model points
+  int target_stride = 2;     // every so many foreground pixels of a row and rows are searched
+  double epsilon_m2 = 1e-9;  // stops when a step's squared shift is less
 };
 
 // Holds the search tree of one frame, shared by all hypotheses. `cloud` must outlive it.

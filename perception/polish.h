@@ -17,9 +17,10 @@ struct PolishOptions {
 };
 
 // Refines each hypothesis with `models[hypothesis.object]`; another name than the two changes
-// nothing. No pose gets worse by its refiner's own measure.
+// nothing. No pose gets worse by its refiner's own measure. Poses are the same for any number of
+// threads.
 void PolishPoses(const std::string& refiner, const OrganizedCloud& cloud,
-                 std::span<const ModelPoints> models, const PolishOptions& options,
+                 std::span<const ModelPoints> models, const PolishOptions& options, int threads,
                  std::vector<PoseHypothesis>& hypotheses);
 
 }  // namespace pickbed

@@ -91,8 +91,9 @@ ObjectCodes DescriptorEstimator::Codes(const EstimatorSetup& setup, int object,
   const auto on_share = [&](double share) {
     if (setup.on_progress) setup.on_progress("code book of " + part.name, share);
   };
-  const ObjectCodes codes = MakeObjectCodes(*setup.views, object, side_m, model_.network.length(),
-                                            Describe(), isolated, options_.code_seed, on_share);
+  const ObjectCodes codes =
+      MakeObjectCodes(*setup.views, object, side_m, model_.network.length(), Describe(), isolated,
+                      options_.code_seed, threads_, on_share);
   if (!setup.cache_dir.empty()) WriteCodes(file, codes, key);
   return codes;
 }
@@ -129,7 +130,7 @@ EstimateResult DescriptorEstimator::Estimate(const EstimatorInput& input, Rng& r
   }
   if (input.trace) Trace(cloud, candidates, result.hypotheses, *input.trace);
   const StageTimer timer(result.seconds, "refine");
-  PolishPoses(refiner_, cloud, finder_->assessor().model_points(), options_.polish,
+  PolishPoses(refiner_, cloud, finder_->assessor().model_points(), options_.polish, threads_,
               result.hypotheses);
   return result;
 }

@@ -29,7 +29,10 @@ auto Timed(StageSeconds& seconds, const char* stage, Work work) {
 class PpfEstimator : public PoseEstimator {
  public:
   PpfEstimator(const EstimatorSetup& setup, const PpfOptions& options)
-      : options_(options), min_score_(setup.spec.min_score), refiner_(setup.refiner) {
+      : options_(options),
+        min_score_(setup.spec.min_score),
+        refiner_(setup.refiner),
+        threads_(setup.threads) {
     for (const auto& object : setup.objects) {
       models_.push_back(MakeModelPoints(*object));
       matchers_.push_back(std::make_unique<PpfMatcher>(models_.back(), options_.match));
@@ -55,7 +58,7 @@ class PpfEstimator : public PoseEstimator {
     result.hypotheses = Timed(result.seconds, "suppress",
                               [&] { return SuppressDuplicates(cloud, models_, std::move(found)); });
     Timed(result.seconds, "refine",
-          [&] { PolishPoses(refiner_, cloud, models_, {}, result.hypotheses); });
+          [&] { PolishPoses(refiner_, cloud, models_, {}, threads_, result.hypotheses); });
     return result;
   }
 
@@ -77,6 +80,7 @@ class PpfEstimator : public PoseEstimator {
   PpfOptions options_;
   double min_score_;
   std::string refiner_;
+  int threads_;
   std::vector<ModelPoints> models_;
   std::vector<std::unique_ptr<PpfMatcher>> matchers_;
 };

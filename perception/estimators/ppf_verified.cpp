@@ -52,7 +52,7 @@ class PpfCandidates : public CandidateSource {
 class VerifiedPpfEstimator : public PoseEstimator {
  public:
   VerifiedPpfEstimator(const EstimatorSetup& setup, const VerifiedPpfOptions& options)
-      : options_(options), refiner_(setup.refiner) {
+      : options_(options), refiner_(setup.refiner), threads_(setup.threads) {
     options_.final_set.min_score = setup.spec.min_score;
     const std::filesystem::path file = PpfModelFile(setup.spec);
     const VerifierFile trained = LoadVerifiers(file, kName);
@@ -78,13 +78,15 @@ class VerifiedPpfEstimator : public PoseEstimator {
                                    candidates, options_.final_set);
     }
     const StageTimer timer(result.seconds, "refine");
-    PolishPoses(refiner_, cloud, assessor.model_points(), options_.polish, result.hypotheses);
+    PolishPoses(refiner_, cloud, assessor.model_points(), options_.polish, threads_,
+                result.hypotheses);
     return result;
   }
 
  private:
   VerifiedPpfOptions options_;
   std::string refiner_;
+  int threads_;
   std::vector<Verifier> verifiers_;  // of each part
   std::unique_ptr<CandidateSource> source_;
 };

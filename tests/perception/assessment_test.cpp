@@ -105,6 +105,25 @@ TEST_F(Assessment, TheShareBoundsWhatIsRefined) {
   EXPECT_GT(Assess(options, 1, 1).size(), 4u);
 }
 
+TEST_F(Assessment, KindsShareThePlacesAtWhichLookAlikesAreTried) {
+  AssessmentOptions options;
+  options.candidates = 40;
+  options.min_candidates = 10;
+  options.turned = 8;
+  options.look_alikes = 1;
+  const auto tried = [&](const ObjectSet& objects) {
+    const CandidateAssessor assessor(objects, options);
+    StageSeconds seconds;
+    EstimateTrace trace;
+    assessor.Assess(cloud_, 0, votes_, static_cast<int>(votes_.size()), 1, seconds, &trace);
+    return std::count_if(trace.refinements.begin(), trace.refinements.end(),
+                         [](const auto& refinement) { return refinement.look_alike; });
+  };
+  const auto& bracket = views_.objects()[0];
+  EXPECT_GT(tried({bracket}), 4);
+  EXPECT_EQ(tried({bracket, bracket, bracket, bracket}), 2);
+}
+
 TEST_F(Assessment, IsTheSameForAnyNumberOfThreads) {
   const std::vector<Candidate> one = Assess({}, 1), three = Assess({}, 3);
   ASSERT_EQ(one.size(), three.size());

@@ -41,8 +41,8 @@ IsolatedOptions FewViews(int views) {
   return options;
 }
 
-ObjectCodes SmallBook(RayCastViews& views, int count) {
-  return MakeObjectCodes(views, 0, kSideM, kLength, BlockMeans, FewViews(count), 7, {});
+ObjectCodes SmallBook(RayCastViews& views, int count, int threads = 1) {
+  return MakeObjectCodes(views, 0, kSideM, kLength, BlockMeans, FewViews(count), 7, threads, {});
 }
 
 class CodebookFile : public testing::Test {
@@ -118,6 +118,25 @@ TEST(Codebook, SameSeedSameBook) {
   ASSERT_EQ(first.size(), second.size());
   EXPECT_EQ(first.size(), 48u);
   for (size_t i = 0; i < first.size(); ++i) EXPECT_EQ(first.X_PO[i], second.X_PO[i]);
+}
+
+TEST(Codebook, BooksOfSeveralBlocksAreTheSameForAnyNumberOfThreads) {
+  RayCastViews views(Brackets());
+  const ObjectCodes one = SmallBook(views, 600), two = SmallBook(views, 600, 2);
+  EXPECT_GT(one.size(), 2000u);
+  EXPECT_EQ(one.descriptors, two.descriptors);
+  EXPECT_EQ(one.X_PO, two.X_PO);
+}
+
+TEST(Codebook, WhatDescribingThrowsIsThrownHere) {
+  RayCastViews views(Brackets());
+  const auto fail = [](std::span<const int8_t>) -> std::vector<float> {
+    throw std::runtime_error("no memory");
+  };
+  for (const int threads : {1, 2}) {
+    EXPECT_THROW(MakeObjectCodes(views, 0, kSideM, kLength, fail, FewViews(600), 7, threads, {}),
+                 std::runtime_error);
+  }
 }
 
 TEST_F(CodebookFile, ReadsWhatWasWritten) {
