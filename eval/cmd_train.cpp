@@ -29,8 +29,9 @@ constexpr double kUsualDiameter_m = 0.095;
 
 struct TrainArguments {
   std::vector<std::string> objects;
-  std::string bop_path;        // a BOP data set: all of its models, for its camera
-  ScenarioArguments scenario;  // optional: camera, bin, sensor and parts
+  std::string bop_path;              // a BOP data set: all of its models, for its camera
+  ScenarioArguments scenario;        // optional: camera, bin, sensor, looks and parts
+  std::vector<std::string> sensors;  // of the piles; empty = the scenario's
   std::string model_file;
   std::string start_from;
   std::string report_folder;
@@ -47,7 +48,8 @@ constexpr int kLeastPixels = 10;
 struct Lesson {
   std::string name;
   ScenarioSpec spec;
-  bool has_cell = false;  // of a scenario; else cells of a size that suits each part
+  bool has_cell = false;               // of a scenario; else cells of a size that suits each part
+  std::vector<SensorProfile> sensors;  // of the piles; empty = the scenario's
   ObjectSet objects;
   std::optional<CameraIntrinsics> camera;  // of a data set, instead of the scenario's
 };
@@ -96,7 +98,7 @@ Lesson PlanLesson(const TrainArguments& arguments) {
     for (size_t i = 0; i < loaded.objects.size(); ++i) {
       if (!loaded.spec.objects[i].foreign) learned.push_back(loaded.objects[i]);
     }
-    lesson = {loaded.name, std::move(loaded.spec), true, std::move(learned), {}};
+    lesson = {loaded.name, std::move(loaded.spec), true, {}, std::move(learned), {}};
   }
   if (!arguments.bop_path.empty()) {
     CheckInput(arguments.objects.empty() && lesson.objects.empty(),
@@ -122,15 +124,29 @@ Lesson PlanLesson(const TrainArguments& arguments) {
   }
   CheckInput(!lesson.objects.empty(),
              "nothing to learn: name objects of the catalog or pass --scenario FILE");
+  for (const std::string& name : arguments.sensors) {
+    lesson.sensors.push_back(LoadSensorProfile(name));
+  }
   if (!arguments.start_from.empty()) AddKnownParts(arguments, lesson);
   if (lesson.has_cell) RequireVisibleParts(lesson);
   return lesson;
+}
+
+// Where a scenario leaves its looks fixed, training varies the lamp all the same.
+bool HasOwnLooks(AppearanceRanges looks) {
+  const auto text = [](AppearanceRanges& ranges) {
+    return WriteSettings([&](SettingsVisitor& v) { ranges.Visit(v); });
+  };
+  AppearanceRanges fixed = FixedAppearance();
+  return text(looks) != text(fixed);
 }
 
 std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
   ViewSourceOptions options;
   options.sensor =
       BlameKey(lesson.spec, "sensor", [&] { return LoadSensorProfile(lesson.spec.sensor); });
+  options.pile_sensors = lesson.sensors;
+  if (HasOwnLooks(lesson.spec.appearance)) options.looks = lesson.spec.appearance;
   options.camera = lesson.camera.value_or(CameraOf(lesson.spec).intrinsics);
   options.bin = BinOf(lesson.spec);
   // A cell's camera stands still, but parts lie higher or lower and cells are built to a hand's
@@ -140,6 +156,14 @@ std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
   options.distance_max_m = kFarthest * distance_m;
   if (!lesson.has_cell) options.for_diameter_m = kUsualDiameter_m;
   return MakeSimViewSource(WithConvexPieces(lesson.objects), options);
+}
+
+// As recorded in the model.
+std::string SensorNames(const Lesson& lesson) {
+  if (lesson.sensors.empty()) return lesson.spec.sensor;
+  std::vector<std::string> names;
+  for (const SensorProfile& sensor : lesson.sensors) names.push_back(sensor.name);
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string ProgressText(const TrainingProgress& state) {
@@ -171,9 +195,14 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
                        std::vector<std::string>& training_settings) {
   app.add_option("OBJECT", arguments.objects, "parts of the catalog (pickbed list objects)");
   app.add_option("--scenario", arguments.scenario.scenario,
-                 "learn the parts of this scenario, for its camera, bin and sensor");
+                 "learn the parts of this scenario, for its camera, bin, sensor and looks");
   app.add_option("--bop", arguments.bop_path,
                  "learn the models of this BOP data set, for its camera");
+  app.add_option(
+         "--sensor", arguments.sensors,
+         "profiles, one of which sees each view of a pile, instead of the scenario's alone; "
+         "a code book stays that of the scenario's sensor")
+      ->delimiter(',');
   app.add_option("--catalog", arguments.scenario.catalog, "folder of your own objects")
       ->capture_default_str();
   app.add_option("--out", arguments.model_file, "model file [models/<objects>.pt]");
@@ -224,7 +253,7 @@ int TrainVerifiers(const TrainArguments& arguments, const Lesson& lesson,
         row.candidates,
         file,
         arguments.resume,
-        lesson.spec.sensor,
+        SensorNames(lesson),
         [&](std::string_view part, double share) {
           progress.Show(fmt::format("verifier of {}: {:.0f} %", part, 100 * share));
           return !Interrupted();
@@ -240,6 +269,58 @@ int TrainVerifiers(const TrainArguments& arguments, const Lesson& lesson,
   }
   fmt::print("wrote {}; area under the curve {:.3f}\nuse it with --set estimator.model={}\n",
              file.string(), report.mean_auc, file.string());
+  return 0;
+}
+
+void SayStopped(const TrainingReport& report, const std::filesystem::path& checkpoint) {
+  if (!report.has_checkpoint) {
+    fmt::print(stderr, "pickbed: stopped before the first step; nothing is written\n");
+  } else {
+    fmt::print(stderr, "pickbed: stopped; {} is written, the same command with --resume goes on\n",
+               checkpoint.string());
+  }
+}
+
+int TrainModel(TrainArguments& arguments, const Lesson& lesson,
+               const std::filesystem::path& model_file) {
+  const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
+  CheckInput(!arguments.resume || std::filesystem::exists(checkpoint),
+             fmt::format("no checkpoint {} to resume from; leave out --resume to start anew",
+                         checkpoint.string()));
+  const auto views = MakeViews(lesson);
+  CatchInterrupts();
+  TrainingReport report;
+  {
+    ProgressLine progress;
+    const TrainingJob job{*views,
+                          model_file,
+                          checkpoint,
+                          arguments.resume,
+                          arguments.start_from,
+                          SensorNames(lesson),
+                          [&](const TrainingProgress& state) {
+                            progress.Show(ProgressText(state));
+                            return !Interrupted();
+                          }};
+    report = TrainDescriptor(job, arguments.training);
+  }
+  if (!report.finished) {
+    SayStopped(report, checkpoint);
+    return kExitInterrupted;
+  }
+  std::filesystem::remove(checkpoint);
+  PrintReport(report, lesson.objects);
+  std::filesystem::path folder = arguments.report_folder;
+  if (folder.empty()) {
+    folder = model_file.parent_path() / (model_file.stem().string() + "_report");
+  }
+  const std::string in_force =
+      WriteSettings([&](SettingsVisitor& v) { arguments.training.Visit(v); });
+  WriteTrainingPage(
+      folder, {model_file.stem().string(), SensorNames(lesson), in_force, report, lesson.objects});
+  fmt::print("report: {}\n", (folder / "index.html").string());
+  fmt::print("wrote {} after {}\nuse it with --set estimator.model={}\n", model_file.string(),
+             FormatDuration(report.seconds), model_file.string());
   return 0;
 }
 
@@ -265,51 +346,7 @@ int TrainCommand(int argc, char** argv) {
   if (model_file.has_parent_path()) MakeFolder(model_file.parent_path());
   RequireWritable(model_file);
   if (!arguments.verifier_for.empty()) return TrainVerifiers(arguments, lesson, model_file);
-  const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
-  CheckInput(!arguments.resume || std::filesystem::exists(checkpoint),
-             fmt::format("no checkpoint {} to resume from; leave out --resume to start anew",
-                         checkpoint.string()));
-  const auto views = MakeViews(lesson);
-
-  CatchInterrupts();
-  TrainingReport report;
-  {
-    ProgressLine progress;
-    const TrainingJob job{*views,
-                          model_file,
-                          checkpoint,
-                          arguments.resume,
-                          arguments.start_from,
-                          lesson.spec.sensor,
-                          [&](const TrainingProgress& state) {
-                            progress.Show(ProgressText(state));
-                            return !Interrupted();
-                          }};
-    report = TrainDescriptor(job, arguments.training);
-  }
-  if (!report.finished) {
-    if (!report.has_checkpoint) {
-      fmt::print(stderr, "pickbed: stopped before the first step; nothing is written\n");
-    } else {
-      fmt::print(stderr,
-                 "pickbed: stopped; {} is written, the same command with --resume goes on\n",
-                 checkpoint.string());
-    }
-    return kExitInterrupted;
-  }
-  PrintReport(report, lesson.objects);
-  std::filesystem::path folder = arguments.report_folder;
-  if (folder.empty()) {
-    folder = model_file.parent_path() / (model_file.stem().string() + "_report");
-  }
-  const std::string in_force =
-      WriteSettings([&](SettingsVisitor& v) { arguments.training.Visit(v); });
-  WriteTrainingPage(
-      folder, {model_file.stem().string(), lesson.spec.sensor, in_force, report, lesson.objects});
-  fmt::print("report: {}\n", (folder / "index.html").string());
-  fmt::print("wrote {} after {}\nuse it with --set estimator.model={}\n", model_file.string(),
-             FormatDuration(report.seconds), model_file.string());
-  return 0;
+  return TrainModel(arguments, lesson, model_file);
 }
 
 }  // namespace pickbed

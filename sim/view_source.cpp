@@ -65,6 +65,7 @@ class SimViewSource : public LabelledViewSource {
   std::vector<int> RandomCounts(const std::vector<int>& kinds, const Bin& bin, Rng& rng) const;
   double RandomScale(const PileRequest& request, const std::vector<int>& kinds, Rng& rng) const;
   ScaledPile DropPile(const PileRequest& request) const;
+  const SensorProfile& PileSensor(uint64_t seed, int view) const;
   LabelledView PileView(const ScaledPile& pile, uint64_t seed, int view);
 
   ObjectSet objects_;
@@ -117,7 +118,11 @@ std::string SimViewSource::PileSettings() const {
   const ViewSourceOptions& o = options_;
   const CameraIntrinsics& k = o.camera;
   const Eigen::Vector3d& size = o.bin.inner_size_m;
-  return IsolatedSettings() +
+  std::string sensors;
+  for (SensorProfile sensor : o.pile_sensors) {
+    sensors += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
+  }
+  return IsolatedSettings() + sensors +
          fmt::format("camera {}x{} {} {} {} {}\n", k.width, k.height, k.fx, k.fy, k.cx, k.cy) +
          fmt::format("distance {}..{} tilt {} jitter {}\n", o.distance_min_m, o.distance_max_m,
                      o.tilt_max_rad, o.target_jitter_m) +
@@ -185,6 +190,12 @@ SimViewSource::ScaledPile SimViewSource::DropPile(const PileRequest& request) co
       fmt::format("no settled pile for seed {} in {} attempts", request.seed, kPileAttempts));
 }
 
+const SensorProfile& SimViewSource::PileSensor(uint64_t seed, int view) const {
+  if (options_.pile_sensors.empty()) return options_.sensor;
+  Rng rng = Rng::Derive(seed, view, "pile view sensor");
+  return options_.pile_sensors[rng.Index(static_cast<int>(options_.pile_sensors.size()))];
+}
+
 LabelledView SimViewSource::PileView(const ScaledPile& pile, uint64_t seed, int view) {
   const Scene& scene = pile.scene;
   Rng rng = Rng::Derive(seed, view, "pile camera");
@@ -216,8 +227,8 @@ LabelledView SimViewSource::PileView(const ScaledPile& pile, uint64_t seed, int 
   }
   for (uint16_t& id : image.ids.pixels()) id = new_id[id];
   Rng noise = Rng::Derive(seed, view, "pile view noise");
-  Image<float> depth_m =
-      ApplySensorNoise({image.depth_m, camera.intrinsics, &image.color}, options_.sensor, noise);
+  Image<float> depth_m = ApplySensorNoise({image.depth_m, camera.intrinsics, &image.color},
+                                          PileSensor(seed, view), noise);
   out.frame = {camera.intrinsics, std::move(image.color), std::move(depth_m)};
   out.ids = std::move(image.ids);
   out.background = KnownBackground{scene.bin, X_CW};  // the bin stands at the world's origin

@@ -3,6 +3,7 @@
 // The simulator as a source of labelled views, for training and code books.
 
 #include <memory>
+#include <vector>
 
 #include "scenes/labelled_view.h"
 #include "sim/appearance.h"
@@ -14,6 +15,8 @@ namespace pickbed {
 
 struct ViewSourceOptions {
   SensorProfile sensor;
+  // Each view of a pile is seen by one of these, drawn at random; empty = by `sensor`.
+  std::vector<SensorProfile> pile_sensors;
   CameraIntrinsics camera;       // of piles
   double distance_min_m = 0.75;  // camera to bin centre
   double distance_max_m = 1.00;

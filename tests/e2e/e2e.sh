@@ -257,9 +257,12 @@ train_stops_and_resumes() {
     "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/rod.pt"
 
   # Another part beside the one that is known.
-  expect 0 "$pickbed" train flange --from rod.pt "${quick[@]}" --out both.pt --report page
+  expect 0 "$pickbed" train flange --from rod.pt "${quick[@]}" --out both.pt --report page \
+    --sensor structured_light,time_of_flight
+  grep -q "structured_light, time_of_flight" page/index.html || fail "the sensors are not named"
   grep -q "rod, known before: recall@1" last.out || fail "nothing is said of the part known before"
   [ -s page/index.html ] || fail "no report where it was asked for"
+  [ ! -e both.pt.checkpoint ] || fail "the checkpoint of a finished training is left over"
   expect 0 "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/both.pt"
 
   # The same name, another mesh.
@@ -277,6 +280,7 @@ bad_training_is_refused() {
   head -c 1000 /dev/urandom >broken.pt
   refused "broken.pt" "$pickbed" train rod --from broken.pt
   refused "did you mean 'rod'" "$pickbed" train rodd
+  refused "unknown sensor 'sonar'" "$pickbed" train rod --sensor sonar
   refused "no checkpoint" "$pickbed" train rod --out new.pt --resume
   refused "PICKBED_DEVICE is 'gpu'" env PICKBED_DEVICE=gpu "$pickbed" train rod --out new.pt
   brick 1 | awk '/^v/ {print "v", $2 / 10, $3 / 10, $4 / 10; next} {print}' >speck.obj

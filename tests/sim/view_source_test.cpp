@@ -244,6 +244,29 @@ TEST(ViewSource, LooksVaryByTheirRangesAndLeaveDepthAlone) {
   }
 }
 
+// Views of piles come from each of the sensors, and from them alone.
+TEST(ViewSource, PilesAreSeenBySeveralSensors) {
+  const ObjectSet objects = SomeParts(1);
+  ViewSourceOptions options = SmallOptions();
+  const auto views_of = [&](const SensorProfile& sensor) {
+    options.sensor = sensor;
+    return MakeSimViewSource(objects, options)->Pile({5, 12});
+  };
+  SensorProfile blind;
+  blind.random_dropout = 1;
+  const auto clear = views_of({}), none = views_of(blind);
+  options.pile_sensors = {{}, blind};
+  const auto mixed = views_of(blind);
+  int seen = 0;
+  for (size_t i = 0; i < mixed.size(); ++i) {
+    const bool is_clear = mixed[i].frame.depth_m == clear[i].frame.depth_m;
+    EXPECT_NE(is_clear, mixed[i].frame.depth_m == none[i].frame.depth_m);
+    seen += is_clear;
+  }
+  EXPECT_GT(seen, 0);
+  EXPECT_LT(seen, 12);
+}
+
 // A cell for parts of half the size is half as large, camera and bin alike, and every request for a
 // part is met.
 TEST(ViewSource, CellsScaleWithTheirParts) {
@@ -276,6 +299,11 @@ TEST(ViewSource, SettingsTellOtherViewsApart) {
   const auto other_sensor = MakeSimViewSource(objects, noisier);
   EXPECT_NE(source->IsolatedSettings(), other_sensor->IsolatedSettings());
   EXPECT_NE(source->PileSettings(), other_sensor->PileSettings());
+  ViewSourceOptions several = options;
+  several.pile_sensors = {options.sensor, noisier.sensor};
+  const auto other_sensors = MakeSimViewSource(objects, several);
+  EXPECT_EQ(source->IsolatedSettings(), other_sensors->IsolatedSettings());
+  EXPECT_NE(source->PileSettings(), other_sensors->PileSettings());
   ViewSourceOptions looks = options;
   looks.looks = WideAppearance();
   EXPECT_NE(source->IsolatedSettings(), MakeSimViewSource(objects, looks)->IsolatedSettings());
