@@ -130,6 +130,7 @@ ScenarioSpec BopSettings(const std::string& path, const std::string& split,
   CheckInput(std::filesystem::is_directory(path),
              fmt::format("--bop {}: is no folder; name one with models/ and {}/", path, split));
   ScenarioSpec spec;
+  spec.estimator.min_score = 0;  // BOP ranks poses by score: a doubtful one costs nothing
   for (const std::string& setting : arguments.settings) {
     ApplySetting(setting, [&](SettingsVisitor& v) { spec.Visit(v); });
   }

@@ -12,14 +12,15 @@ std::string ScoreTable(const bop::Scores& scores) {
   std::string text = fmt::format(
       "BOP19, 6D localisation: {} instances to be found in {} images\n"
       "  AR         {:.3f}\n  AR VSD     {:.3f}\n  AR MSSD    {:.3f}\n  AR MSPD    {:.3f}\n"
+      "  ADI        {:.3f}  share of them with ADI < 0.1 diameter\n"
       "BOP24, 6D detection\n"
       "  AP         {:.3f}\n  AP MSSD    {:.3f}\n  AP MSPD    {:.3f}\n",
       scores.wanted, scores.images, scores.ar(), scores.ar_vsd, scores.ar_mssd, scores.ar_mspd,
-      scores.ap(), scores.ap_mssd, scores.ap_mspd);
-  text += "object  targets  AR VSD  AR MSSD  AR MSPD  AP MSSD  AP MSPD\n";
+      scores.adi_recall, scores.ap(), scores.ap_mssd, scores.ap_mspd);
+  text += "object  targets  AR VSD  AR MSSD  AR MSPD    ADI  AP MSSD  AP MSPD\n";
   for (const auto& [id, object] : scores.objects) {
-    text += fmt::format("{:>6}  {:>7}  {:>6.3f}  {:>7.3f}  {:>7.3f}", id, object.wanted,
-                        object.ar_vsd, object.ar_mssd, object.ar_mspd);
+    text += fmt::format("{:>6}  {:>7}  {:>6.3f}  {:>7.3f}  {:>7.3f}  {:>5.3f}", id, object.wanted,
+                        object.ar_vsd, object.ar_mssd, object.ar_mspd, object.adi_recall);
     text += object.detectable
                 ? fmt::format("  {:>7.3f}  {:>7.3f}\n", object.ap_mssd, object.ap_mspd)
                 : "        -        -\n";

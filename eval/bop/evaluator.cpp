@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kSteps = 10;
 constexpr double kMspdWidth_px = 640;
+constexpr double kAdiDiameters = 0.1;  // the usual threshold (Hinterstoisser et al. 2012)
+constexpr int kAdiVertices = 2000;
 
 // 0.05, 0.1, ... 0.5: tolerances and thresholds of VSD and MSSD, and a hundredth of MSPD's.
 std::array<double, kSteps> Steps() {
@@ -25,9 +27,11 @@ struct Found {
   int wanted = 0;
   std::array<int, kSteps * kSteps> vsd{};  // [tolerance][threshold]
   std::array<int, kSteps> mssd{}, mspd{};
+  int adi = 0;
 
   void Add(const Found& other) {
     wanted += other.wanted;
+    adi += other.adi;
     for (size_t i = 0; i < vsd.size(); ++i) vsd[i] += other.vsd[i];
     for (int i = 0; i < kSteps; ++i) mssd[i] += other.mssd[i];
     for (int i = 0; i < kSteps; ++i) mspd[i] += other.mspd[i];
@@ -50,12 +54,14 @@ class Parts {
 
   struct Part {
     MetricModel metric;
+    MetricModel sparse;  // for ADI, which compares every vertex with every other
     int mesh = 0;
   };
   const Part& Of(int object_id) {
     if (const auto known = parts_.find(object_id); known != parts_.end()) return known->second;
     const auto model = model_of_(object_id);
-    Part part{MakeMetricModel(*model, 0), renderer_.AddMesh(model->mesh_O)};
+    Part part{MakeMetricModel(*model, 0), MakeMetricModel(*model, kAdiVertices),
+              renderer_.AddMesh(model->mesh_O)};
     return parts_.emplace(object_id, std::move(part)).first->second;
   }
 
@@ -138,11 +144,13 @@ struct Evaluator::Impl {
       object.ar_vsd = AverageRecall(found.vsd, found.wanted);
       object.ar_mssd = AverageRecall(found.mssd, found.wanted);
       object.ar_mspd = AverageRecall(found.mspd, found.wanted);
+      object.adi_recall = Recall{found.adi, found.wanted}.value();
     }
     scores.wanted = all.wanted;
     scores.ar_vsd = AverageRecall(all.vsd, all.wanted);
     scores.ar_mssd = AverageRecall(all.mssd, all.wanted);
     scores.ar_mspd = AverageRecall(all.mspd, all.wanted);
+    scores.adi_recall = Recall{all.adi, all.wanted}.value();
     int detectable = 0;
     for (const double step : Steps()) {
       for (const auto& [object_id, ap] : AveragePrecisions(mssd_tables_, step)) {
@@ -185,6 +193,25 @@ struct Evaluator::Impl {
     });
   }
 
+  // In diameters; where MSSD, which is never less, is below the threshold, that stands for it.
+  ErrorTable AdiTable(const Group& group, const ErrorTable& mssd) {
+    const MetricModel& model = parts_.Of(group.object_id).sparse;
+    ErrorTable table = group.Table([&](const Pose& X_est, const Pose& X_true) {
+      return (X_est.translation() - X_true.translation()).norm() / model.diameter_m;
+    });
+    for (size_t e = 0; e < group.estimates.size(); ++e) {
+      for (size_t t = 0; t < group.X_CO_true.size(); ++t) {
+        double& error = table.errors[e][t];
+        if (mssd.errors[e][t] < kAdiDiameters) {
+          error = mssd.errors[e][t];
+        } else if (error < 1) {
+          error = Adi(model, group.estimates[e]->X_CO, group.X_CO_true[t]) / model.diameter_m;
+        }
+      }
+    }
+    return table;
+  }
+
   // In px of an image of 640 px.
   ErrorTable MspdTable(const Group& group, const CameraIntrinsics& camera) {
     const MetricModel& model = parts_.Of(group.object_id).metric;
@@ -223,6 +250,7 @@ struct Evaluator::Impl {
     const ErrorTable mssd = MssdTable(group), mspd = MspdTable(group, camera);
     const std::vector<ErrorTable> vsd = VsdTables(group, camera, measured_m);
     const auto steps = Steps();
+    found.adi += RecallOf(AdiTable(group, mssd), count, kAdiDiameters).found;
     found.wanted += RecallOf(mssd, count, steps[0]).wanted;
     for (int i = 0; i < kSteps; ++i) {
       found.mssd[i] += RecallOf(mssd, count, steps[i]).found;

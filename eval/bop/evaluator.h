@@ -19,6 +19,7 @@ namespace pickbed::bop {
 struct ObjectScores {
   int wanted = 0;  // instances to be found, BOP19
   double ar_vsd = 0, ar_mssd = 0, ar_mspd = 0;
+  double adi_recall = 0;    // share found with ADI < 0.1 diameter
   bool detectable = false;  // has an instance that counts in BOP24
   double ap_mssd = 0, ap_mspd = 0;
 };
@@ -26,6 +27,7 @@ struct ObjectScores {
 struct Scores {
   double ar_vsd = 0, ar_mssd = 0, ar_mspd = 0;  // BOP19, over all instances
   double ap_mssd = 0, ap_mspd = 0;              // BOP24, mean over objects
+  double adi_recall = 0;                        // of BOP19's instances, ADI < 0.1 diameter
   double ar() const { return (ar_vsd + ar_mssd + ar_mspd) / 3; }
   double ap() const { return (ap_mssd + ap_mspd) / 2; }
   int wanted = 0;                  // instances to be found, BOP19

@@ -198,8 +198,23 @@ TEST_F(BopTruth, TruthAsEstimateScoresOne) {
   EXPECT_DOUBLE_EQ(scores.ar_vsd, 1);
   EXPECT_DOUBLE_EQ(scores.ar_mssd, 1);
   EXPECT_DOUBLE_EQ(scores.ar_mspd, 1);
+  EXPECT_DOUBLE_EQ(scores.adi_recall, 1);
   EXPECT_DOUBLE_EQ(scores.ap(), 1);
   EXPECT_DOUBLE_EQ(scores.seconds_an_image, 0.1);
+}
+
+// The cube's vertices are its own nearest as long as they move by less than half its side.
+TEST_F(BopTruth, AdiCountsPosesWithinATenthOfTheDiameter) {
+  const double diameter_m = EasyCube().front()->diameter_m;
+  const auto recall_at = [&](double shift_diameters) {
+    std::vector<Estimate> estimates = TruthAsEstimates(Truth());
+    for (Estimate& estimate : estimates) {
+      estimate.X_CO.pretranslate(Eigen::Vector3d(shift_diameters * diameter_m, 0, 0));
+    }
+    return Evaluate(set_->path(), "test", estimates).adi_recall;
+  };
+  EXPECT_EQ(recall_at(0.095), 1);
+  EXPECT_EQ(recall_at(0.105), 0);
 }
 
 // The poses of the first image given to the second and the other way round: cameras differ by tens
@@ -209,6 +224,7 @@ TEST_F(BopTruth, ShuffledTruthScoresNearZero) {
   for (Estimate& estimate : estimates) estimate.image_id = 1 - estimate.image_id;
   const Scores scores = Evaluate(set_->path(), "test", estimates);
   EXPECT_LT(scores.ar(), 0.1);
+  EXPECT_LT(scores.adi_recall, 0.1);
   EXPECT_LT(scores.ap(), 0.1);
 }
 
