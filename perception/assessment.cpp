@@ -137,8 +137,9 @@ std::vector<RawHypothesis> CandidateAssessor::Selected(std::vector<RawHypothesis
                                                        const std::vector<PoseVote>& votes,
                                                        int kept) const {
   ForRanges(static_cast<int>(votes.size()), threads_, [&](int begin, int end) {
+    VoteDensity::Scratch scratch;
     for (int i = begin; i < end; ++i) {
-      const double agreeing = density.Around(votes[i].X_CO, votes[i].patch);
+      const double agreeing = density.Around(votes[i].X_CO, votes[i].patch, scratch);
       scored[i].quick_score += static_cast<float>(options_.density_weight * std::log1p(agreeing));
     }
   });
@@ -234,10 +235,12 @@ std::vector<Candidate> CandidateAssessor::WithFeatures(const OrganizedCloud& clo
                                                        int patches) const {
   // Votes that agree are more where more patches vote; the verifier sees them as of this many.
   constexpr double kUsualPatches = 600;
+  constexpr int kNoPatch = -1;
   const double per_patch = kUsualPatches / static_cast<double>(patches);
   std::vector<Candidate> candidates(poses.size());
   ForRanges(static_cast<int>(poses.size()), threads_, [&](int begin, int end) {
     EvidenceScratch scratch;
+    VoteDensity::Scratch density_scratch;
     for (int i = begin; i < end; ++i) {
       const int part = poses[i].object;
       const Pose& X_CO = poses[i].X_CO;
@@ -245,9 +248,9 @@ std::vector<Candidate> CandidateAssessor::WithFeatures(const OrganizedCloud& clo
       candidate.hypothesis = {part, X_CO, poses[i].quick_score, {}};
       const DepthEvidence evidence = evidence_[part](cloud, X_CO, scratch);
       candidate.evidence = evidence.log_ratio;
-      candidate.features =
-          ComputeVerifyFeatures(cloud, models_[part], X_CO, evidence,
-                                per_patch * density.Around(X_CO), candidate.hypothesis.fit);
+      candidate.features = ComputeVerifyFeatures(
+          cloud, models_[part], X_CO, evidence,
+          per_patch * density.Around(X_CO, kNoPatch, density_scratch), candidate.hypothesis.fit);
     }
   });
   return candidates;

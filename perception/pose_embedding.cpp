@@ -43,15 +43,15 @@ PoseEmbedding::Point PoseEmbedding::Embed(const Pose& X_AO) const {
   return Eigen::Map<const Point>(moved.data());
 }
 
-Eigen::Matrix<float, 24, Eigen::Dynamic> PoseEmbedding::EmbedVariants(const Pose& X_AO) const {
-  Eigen::Matrix<float, 24, Eigen::Dynamic> points(24, variants());
+void PoseEmbedding::EmbedVariants(const Pose& X_AO, Points& points) const {
+  points.resize(Eigen::NoChange, variants());
   for (int i = 0; i < variants(); ++i) points.col(i) = Embed(X_AO * symmetries_O_[i]);
-  return points;
 }
 
 float PoseEmbedding::Distance(const Pose& X_AO, const Pose& X_AO_other) const {
-  const Point other = Embed(X_AO_other);
-  return std::sqrt((EmbedVariants(X_AO).colwise() - other).colwise().squaredNorm().minCoeff());
+  Points points;
+  EmbedVariants(X_AO, points);
+  return std::sqrt((points.colwise() - Embed(X_AO_other)).colwise().squaredNorm().minCoeff());
 }
 
 }  // namespace pickbed

@@ -18,13 +18,15 @@ namespace pickbed {
 class PoseEmbedding {
  public:
   using Point = Eigen::Matrix<float, 24, 1>;
+  using Points = Eigen::Matrix<float, 24, Eigen::Dynamic>;  // by column
 
   explicit PoseEmbedding(const ObjectModel& model);
 
   int variants() const { return static_cast<int>(symmetries_O_.size()); }
   Point Embed(const Pose& X_AO) const;
-  // 24 x variants(), by the part's symmetries; the first is Embed(X_AO).
-  Eigen::Matrix<float, 24, Eigen::Dynamic> EmbedVariants(const Pose& X_AO) const;
+  // As many as variants(), by the part's symmetries; the first is Embed(X_AO). No allocation where
+  // `points` has that size already.
+  void EmbedVariants(const Pose& X_AO, Points& points) const;
   float Distance(const Pose& X_AO, const Pose& X_AO_other) const;
 
  private:

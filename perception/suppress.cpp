@@ -54,11 +54,11 @@ std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
       [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.score > b.score; });
   Image<uint16_t> claimed_by(cloud.intrinsics.width, cloud.intrinsics.height);  // kept index + 1
   std::vector<PoseHypothesis> kept;
-  std::vector<int> pixels;
+  std::vector<int> pixels, shared_with;
   for (PoseHypothesis& h : hypotheses) {
     FindClaims(cloud, models.at(h.object), h.X_CO, options, pixels);
     if (pixels.empty()) continue;
-    std::vector<int> shared_with(kept.size() + 1, 0);  // [0]: nobody
+    shared_with.assign(kept.size() + 1, 0);  // [0]: nobody
     for (const int pixel : pixels) ++shared_with[claimed_by.data()[pixel]];
     const double shared = static_cast<double>(pixels.size()) - shared_with[0];
     PoseHypothesis* winner = nullptr;

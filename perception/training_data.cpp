@@ -62,7 +62,7 @@ std::vector<TrainingData::Choice> TrainingData::Choose(int iteration) const {
 
 void TrainingData::FillDistances(const std::vector<Choice>& choices, TrainingBatch& batch) const {
   const size_t count = choices.size();
-  Eigen::Matrix<float, 24, Eigen::Dynamic> codes(24, count);
+  PoseEmbedding::Points codes(24, count), twins;
   for (size_t j = 0; j < count; ++j) {
     const Choice& choice = choices[j];
     codes.col(j) = embeddings_[choice.part].Embed(parts_[choice.part].codes.X_PO[choice.pair]);
@@ -70,8 +70,7 @@ void TrainingData::FillDistances(const std::vector<Choice>& choices, TrainingBat
   batch.pose_distance.assign(count * count, kOtherPart);
   for (size_t i = 0; i < count; ++i) {
     const Choice& choice = choices[i];
-    const auto twins =
-        embeddings_[choice.part].EmbedVariants(parts_[choice.part].anchors.X_PO[choice.pair]);
+    embeddings_[choice.part].EmbedVariants(parts_[choice.part].anchors.X_PO[choice.pair], twins);
     for (size_t j = 0; j < count; ++j) {
       if (choices[j].part != choice.part) continue;
       batch.pose_distance[i * count + j] =

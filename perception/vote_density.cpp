@@ -36,9 +36,9 @@ VoteDensity::Cell VoteDensity::CellOf(int x, int y, int z) const {
   return ((x & kMask) << 42) | ((y & kMask) << 21) | (z & kMask);
 }
 
-double VoteDensity::Around(const Pose& X_CO, int except_patch) const {
+double VoteDensity::Around(const Pose& X_CO, int except_patch, Scratch& variants) const {
   const Eigen::Vector3f com_C = (X_CO * com_O_).cast<float>();
-  const Eigen::Matrix<float, 24, Eigen::Dynamic> variants = embedding_.EmbedVariants(X_CO);
+  embedding_.EmbedVariants(X_CO, variants);
   const Eigen::Array3i at = Index(com_C);
   const float reach2 = reach_m_ * reach_m_;
   const float radius2 = radius_ * radius_;

@@ -23,8 +23,10 @@ class VoteDensity {
   VoteDensity(const PoseEmbedding& embedding, const Eigen::Vector3d& com_O, double diameter_m,
               double radius, const std::vector<PoseVote>& votes);
 
-  // Sum of 1 - (distance / radius)^2 over the votes near X_CO, without those of `except_patch`.
-  double Around(const Pose& X_CO, int except_patch = -1) const;
+  // Sum of 1 - (distance / radius)^2 over the votes near X_CO, without those of `except_patch`. No
+  // allocation after a scratch's first use; one for each thread.
+  using Scratch = PoseEmbedding::Points;
+  double Around(const Pose& X_CO, int except_patch, Scratch& scratch) const;
 
  private:
   struct Vote {

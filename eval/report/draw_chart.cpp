@@ -6,6 +6,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "eval/report/ticks.h"
+
 namespace pickbed {
 namespace {
 
@@ -26,15 +28,6 @@ void Write(cv::Mat& canvas, const std::string& text, cv::Point at, double size =
 int WidthOf(const std::string& text) {
   int below = 0;
   return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kTextSize, 1, &below).width;
-}
-
-// 1, 2 or 5 times a power of ten, for about five ticks.
-double TickStep(double span) {
-  const double rough = span / 5, power = std::pow(10, std::floor(std::log10(rough)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= 0.999 * rough) return factor * power;
-  }
-  return 10 * power;
 }
 
 class Axes {
@@ -62,15 +55,14 @@ class Axes {
   }
 
   void Draw(cv::Mat& canvas, const Chart& chart) const {
-    const double x_step = TickStep(x_max_ - x_min_), y_step = TickStep(y_max_);
-    for (double x = std::ceil(x_min_ / x_step - 1e-9) * x_step; x <= x_max_ + 1e-9; x += x_step) {
+    for (const double x : RoundTicks(x_min_, x_max_)) {
       cv::line(canvas, At({x, 0}), At({x, y_max_}), kGrid);
-      const std::string text = fmt::format("{:g}", std::round(x / x_step) * x_step + 0.0);
+      const std::string text = fmt::format("{:.6g}", x);
       Write(canvas, text, At({x, 0}) + cv::Point(-WidthOf(text) / 2, 16));
     }
-    for (double y = 0; y <= y_max_; y += y_step) {
+    for (const double y : RoundTicks(0, y_max_)) {
       cv::line(canvas, At({x_min_, y}), At({x_max_, y}), kGrid);
-      const std::string text = fmt::format("{:.4g}", y);
+      const std::string text = fmt::format("{:.6g}", y);
       Write(canvas, text, At({x_min_, y}) + cv::Point(-WidthOf(text) - 6, 4));
     }
     cv::line(canvas, At({x_min_, 0}), At({x_max_, 0}), kInk);

@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "eval/report/ticks.h"
+
 namespace pickbed {
 namespace {
 
@@ -22,7 +24,6 @@ constexpr std::array<const char*, 7> kColors{"#0072b2", "#d55e00", "#009e73", "#
 
 constexpr double kWidth_px = 480, kHeight_px = 340;
 constexpr double kLeft_px = 52, kRight_px = 12, kTop_px = 30, kBottom_px = 44;
-constexpr int kTicks = 5;
 constexpr double kLegendLine_px = 16;
 
 // From values to places in the drawing.
@@ -41,16 +42,15 @@ struct Axes {
 std::string Grid(const Axes& axes) {
   const CurveChart& chart = axes.chart;
   std::string svg;
-  for (int i = 0; i <= kTicks; ++i) {
-    const double share = static_cast<double>(i) / kTicks;
-    const double x = chart.x_min + share * (chart.x_max - chart.x_min);
-    const double y = chart.y_min + share * (chart.y_max - chart.y_min);
+  for (const double y : RoundTicks(chart.y_min, chart.y_max)) {
     svg += fmt::format(
         "<line x1='{0:.1f}' x2='{1:.1f}' y1='{2:.1f}' y2='{2:.1f}' stroke='#e3e8ee'/>"
-        "<text x='{3:.1f}' y='{4:.1f}' text-anchor='end'>{5:.3g}</text>"
-        "<text x='{6:.1f}' y='{7:.1f}' text-anchor='middle'>{8:.3g}</text>",
-        axes.X(chart.x_min), axes.X(chart.x_max), axes.Y(y), kLeft_px - 6, axes.Y(y) + 4, y,
-        axes.X(x), kHeight_px - kBottom_px + 16, x);
+        "<text x='{3:.1f}' y='{4:.1f}' text-anchor='end'>{5:.6g}</text>",
+        axes.X(chart.x_min), axes.X(chart.x_max), axes.Y(y), kLeft_px - 6, axes.Y(y) + 4, y);
+  }
+  for (const double x : RoundTicks(chart.x_min, chart.x_max)) {
+    svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{:.6g}</text>", axes.X(x),
+                       kHeight_px - kBottom_px + 16, x);
   }
   return svg;
 }

@@ -14,8 +14,9 @@ double DensityAt(const Pose& X_CO, const std::vector<PoseVote>& votes, int excep
                  const SymmetrySet& symmetries = {}) {
   const auto box = ObjectOf(BoxMesh(kSize_m, Eigen::Vector3d::Zero()), symmetries);
   const PoseEmbedding embedding(*box);
+  VoteDensity::Scratch scratch;
   return VoteDensity(embedding, box->mass.com_O, box->diameter_m, 0.1, votes)
-      .Around(X_CO, except_patch);
+      .Around(X_CO, except_patch, scratch);
 }
 
 Pose Shifted(double diameters) { return Translation({diameters * kSize_m.norm(), 0, 0.5}); }
