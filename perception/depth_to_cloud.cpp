@@ -2,29 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "perception/fitted_background.h"
 #include "perception/normals.h"
 #include "scenes/check.h"
-#include "scenes/random.h"
 
 namespace pickbed {
 namespace {
-
-// Unit normal towards the camera; points with normal . p - offset < 0 are behind the plane.
-struct Plane {
-  Eigen::Vector3f normal_C = Eigen::Vector3f::Zero();
-  float offset_m = 0;
-  float SignedDistance(const Eigen::Vector3f& p_C) const { return normal_C.dot(p_C) - offset_m; }
-};
-
-Plane TowardsCamera(const Eigen::Vector3f& normal_C, const Eigen::Vector3f& point_C) {
-  const float sign = normal_C.dot(point_C) > 0 ? -1.0f : 1.0f;  // the camera is at the origin
-  return {sign * normal_C, sign * normal_C.dot(point_C)};
-}
 
 void CheckOptions(const RgbdFrame& frame, const CloudOptions& o) {
   const CameraIntrinsics& k = frame.intrinsics;
@@ -39,72 +26,12 @@ void CheckOptions(const RgbdFrame& frame, const CloudOptions& o) {
              fmt::format("normal_window_px is {}: use an odd number in 3..15", o.normal_window_px));
 }
 
-// Largest plane among the points by RANSAC, refined by least squares over its inliers. A fixed
-// seed: the same frame gives the same plane.
-struct DominantPlane {
-  Plane plane;
-  double share = 0;
-};
-
-int CountInliers(const std::vector<Eigen::Vector3f>& points, const Plane& plane, float margin_m) {
-  int count = 0;
-  for (const Eigen::Vector3f& p : points) {
-    count += std::abs(plane.SignedDistance(p)) < margin_m * p.z() * p.z();
-  }
-  return count;
-}
-
-Plane LeastSquaresPlane(const std::vector<Eigen::Vector3f>& points, const Plane& start,
-                        float margin_m) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
-  int n = 0;
-  for (const Eigen::Vector3f& p : points) {
-    if (std::abs(start.SignedDistance(p)) >= margin_m * p.z() * p.z()) continue;
-    const Eigen::Vector3d d = p.cast<double>();
-    sum += d;
-    moment += d * d.transpose();
-    ++n;
-  }
-  if (n < 3) return start;
-  const Eigen::Vector3d mean = sum / n;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moment / n - mean * mean.transpose());
-  return TowardsCamera(solver.eigenvectors().col(0).cast<float>(), mean.cast<float>());
-}
-
-DominantPlane FitDominantPlane(const std::vector<Eigen::Vector3f>& points, float margin_m) {
-  // 200 draws find a plane of a quarter of the points with probability 1 - (1 - 1/64)^200 = 0.96.
-  constexpr int kDraws = 200;
-  constexpr float kMinSine = 1e-3f;  // of a triangle that spans a plane
-  DominantPlane best;
-  if (points.size() < 3) return best;
-  Rng rng = Rng::Derive(0, 0, "perception/dominant_plane");
-  int best_count = 0;
-  for (int draw = 0; draw < kDraws; ++draw) {
-    const int n = static_cast<int>(points.size());
-    const Eigen::Vector3f& a = points[rng.Index(n)];
-    const Eigen::Vector3f ab = points[rng.Index(n)] - a;
-    const Eigen::Vector3f ac = points[rng.Index(n)] - a;
-    const Eigen::Vector3f normal = ab.cross(ac);
-    if (normal.norm() <= kMinSine * ab.norm() * ac.norm()) continue;
-    const Plane plane = TowardsCamera(normal.normalized(), a);
-    const int count = CountInliers(points, plane, margin_m);
-    if (count > best_count) {
-      best_count = count;
-      best.plane = plane;
-    }
-  }
-  best.plane = LeastSquaresPlane(points, best.plane, margin_m);
-  best.share = static_cast<double>(CountInliers(points, best.plane, margin_m)) /
-               static_cast<double>(points.size());
-  return best;
-}
-
 std::vector<Eigen::Vector3f> SparsePoints(const CameraIntrinsics& k, const Image<float>& depth_m) {
-  constexpr int kStride = 8;  // some thousands of points, enough for one plane
+  constexpr int kColumns = 80;  // some thousands of points, enough for planes
+  const int stride = std::max(1, k.width / kColumns);
   std::vector<Eigen::Vector3f> points;
-  for (int y = kStride / 2; y < k.height; y += kStride) {
-    for (int x = kStride / 2; x < k.width; x += kStride) {
+  for (int y = stride / 2; y < k.height; y += stride) {
+    for (int x = stride / 2; x < k.width; x += stride) {
       if (depth_m(x, y) > 0) {
         points.push_back(BackProject(k, x, y, depth_m(x, y)).cast<float>());
       }
@@ -152,15 +79,16 @@ Image<uint8_t> Foreground(const CameraIntrinsics& k, const Image<float>& depth_m
         k, depth_m, background->X_CB.inverse().cast<float>(), margin,
         [&](const Eigen::Vector3f& p_B, float m) { return InsideBin(bin, p_B, m); });
   }
-  DominantPlane found;
+  std::vector<BackgroundPlane> planes;
   if (options.min_plane_share < 1) {
-    found = FitDominantPlane(SparsePoints(k, depth_m), static_cast<float>(margin));
+    planes = FitBackground(SparsePoints(k, depth_m),
+                           {.margin_m = margin, .min_plane_share = options.min_plane_share});
   }
-  const bool remove = found.share >= options.min_plane_share && found.share > 0;
-  return MarkForeground(k, depth_m, Eigen::Isometry3f::Identity(), margin,
-                        [&](const Eigen::Vector3f& p_C, float m) {
-                          return !remove || found.plane.SignedDistance(p_C) > m;
-                        });
+  return MarkForeground(
+      k, depth_m, Eigen::Isometry3f::Identity(), margin, [&](const Eigen::Vector3f& p_C, float m) {
+        return std::all_of(planes.begin(), planes.end(),
+                           [&](const auto& plane) { return plane.SignedDistance(p_C) > m; });
+      });
 }
 
 void FillPoints(OrganizedCloud& cloud) {

@@ -1,0 +1,105 @@
+#include "perception/fitted_background.h"
+
+#include <gtest/gtest.h>
+
+#include "perception/depth_to_cloud.h"
+#include "scenes/camera.h"
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed {
+namespace {
+
+// A bin on a table, turned about its own axis, before a camera that looks at it from the side.
+class UnknownBin : public ::testing::TestWithParam<double> {
+ protected:
+  UnknownBin() : scene_(SmallCamera()) {
+    const double turn_rad = GetParam();
+    const Pose X_CW = LookAt({0.05, -0.25, 0.85}, {0, 0, 0}, {0, 0, 1}).inverse();
+    background_.X_CB = X_CW * Pose(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()));
+    scene_.AddPlane(X_CW.linear() * Eigen::Vector3d::UnitZ(), X_CW.translation());
+    scene_.AddMesh(BinMesh(background_.bin), background_.X_CB);
+  }
+  void Add(const Eigen::Vector3d& size_m, const Eigen::Vector3d& center_B, double turn_rad) {
+    const Pose X_BO =
+        Translation(center_B) * Pose(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()));
+    scene_.AddMesh(BoxMesh(size_m, Eigen::Vector3d::Zero()), background_.X_CB * X_BO);
+  }
+  // Against the same frame with the bin told: shares of the parts' pixels that are lost, and of the
+  // others that are taken for a part's.
+  struct Mistakes {
+    double lost = 0, taken = 0;
+  };
+  Mistakes MistakesIn(const RgbdFrame& frame) const {
+    const OrganizedCloud told = BuildCloud(frame, background_);
+    const OrganizedCloud found = BuildCloud(frame, std::nullopt);
+    const double parts = static_cast<double>(told.foreground_pixels.size());
+    int lost = 0, taken = 0;
+    for (size_t i = 0; i < told.foreground.size(); ++i) {
+      lost += told.foreground.data()[i] && !found.foreground.data()[i];
+      taken += !told.foreground.data()[i] && found.foreground.data()[i];
+    }
+    return {lost / parts, taken / (static_cast<double>(told.foreground.size()) - parts)};
+  }
+
+  KnownBackground background_;
+  SyntheticDepth scene_;
+};
+
+TEST_P(UnknownBin, WallsAndFloorAreFound) {
+  Add({0.10, 0.03, 0.03}, {0.03, 0.02, 0.016}, 0.4);
+  Add({0.08, 0.05, 0.02}, {-0.09, -0.05, 0.011}, 1.1);
+  Add({0.03, 0.03, 0.09}, {-0.02, 0.08, 0.046}, 0.2);
+  Add({0.05, 0.05, 0.05}, {0.10, -0.08, 0.026}, 2.0);
+  Rng rng(7);
+  for (const RgbdFrame& frame : {scene_.frame(), WithNoise(scene_.frame(), 0.0005, rng)}) {
+    const Mistakes mistakes = MistakesIn(frame);
+    EXPECT_LT(mistakes.lost, 0.02);
+    EXPECT_LT(mistakes.taken, 0.01);  // the walls are a fifth
+  }
+}
+
+TEST_P(UnknownBin, AFloorThatIsNearlyHiddenIsFound) {
+  for (int x = -3; x <= 3; ++x) {
+    for (int y = -2; y <= 2; ++y) {
+      Add({0.045, 0.045, 0.02 + 0.003 * ((3 * x + 5 * y + 20) % 7)}, {0.054 * x, 0.054 * y, 0.02},
+          0.1 * x);
+    }
+  }
+  const Mistakes mistakes = MistakesIn(scene_.frame());
+  EXPECT_LT(mistakes.lost, 0.02);
+  EXPECT_LT(mistakes.taken, 0.02);
+}
+
+// Three walls show their inner side; from further round it is two.
+INSTANTIATE_TEST_SUITE_P(Turns, UnknownBin, ::testing::Values(0.0, 0.3, -0.25));
+
+// Sides of a part that face outwards are no walls, however much like a bin's they lie.
+TEST(FitBackground, ABoxOnATableKeepsItsSides) {
+  for (const double turn_rad : {0.0, 0.5}) {
+    const Pose X_CW = LookAt({0, -0.4, 0.5}, {0, 0, 0}, {0, 0, 1}).inverse();
+    SyntheticDepth scene(SmallCamera());
+    scene.AddPlane(X_CW.linear() * Eigen::Vector3d::UnitZ(), X_CW.translation());
+    const Image<float> table_m = scene.frame().depth_m;
+    scene.AddMesh(BoxMesh({0.15, 0.12, 0.10}, {0, 0, 0.05}),
+                  X_CW * Pose(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())));
+    const OrganizedCloud cloud = BuildCloud(scene.frame(), std::nullopt);
+    int box = 0, kept = 0;
+    for (size_t i = 0; i < table_m.size(); ++i) {
+      const bool is_box = scene.frame().depth_m.data()[i] < table_m.data()[i] - 0.01f;
+      box += is_box;
+      kept += is_box && cloud.foreground.data()[i];
+    }
+    EXPECT_GT(box, 2000);
+    EXPECT_GT(kept, 0.98 * box);
+  }
+}
+
+TEST(FitBackground, NothingFromNothing) {
+  EXPECT_TRUE(FitBackground({}, {}).empty());
+  EXPECT_TRUE(FitBackground({{0, 0, 1}, {0, 0.1f, 1}}, {}).empty());
+  // On one line there is no plane.
+  EXPECT_TRUE(FitBackground({{0, 0, 1}, {0, 0.1f, 1}, {0, 0.2f, 1}, {0, 0.3f, 1}}, {}).empty());
+}
+
+}  // namespace
+}  // namespace pickbed
