@@ -186,7 +186,7 @@ std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& c
 std::vector<Pose> CandidateAssessor::BestLookAlikes(const OrganizedCloud& cloud,
                                                     const RawHypothesis& start,
                                                     EvidenceScratch& scratch) const {
-  constexpr size_t kDrawn = 12;
+  constexpr size_t kDrawn = 30;
   std::vector<std::pair<double, Pose>> turned;  // score, then nats; X_CO
   for (const Pose& S_O : look_alikes_[start.object]) {
     const Pose X_CO = start.X_CO * S_O;
