@@ -123,14 +123,15 @@ int ExplainScenario(const ScenarioArguments& arguments, const std::vector<std::s
 }
 
 // Settings of a scenario that mean something on images that exist: estimator, refiner and seed.
+// min_score unless a setting says otherwise.
 ScenarioSpec BopSettings(const std::string& path, const std::string& split,
-                         const ScenarioArguments& arguments) {
+                         const ScenarioArguments& arguments, double min_score) {
   CheckInput(arguments.scenario.empty() && !arguments.trials,
              "--bop takes the place of SCENARIO and --trials; name one or the other");
   CheckInput(std::filesystem::is_directory(path),
              fmt::format("--bop {}: is no folder; name one with models/ and {}/", path, split));
   ScenarioSpec spec;
-  spec.estimator.min_score = 0;  // BOP ranks poses by score: a doubtful one costs nothing
+  spec.estimator.min_score = min_score;
   for (const std::string& setting : arguments.settings) {
     ApplySetting(setting, [&](SettingsVisitor& v) { spec.Visit(v); });
   }
@@ -148,7 +149,7 @@ std::string DataSetName(const std::string& path) {
 int ExplainBop(const std::string& path, const std::string& split,
                const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
                const std::string& image, const std::string& out) {
-  ScenarioSpec spec = BopSettings(path, split, arguments);
+  ScenarioSpec spec = BopSettings(path, split, arguments, EstimatorSpec().min_score);
   spec.estimator = ExplainedEstimator(estimators, spec.estimator);
   const std::filesystem::path folder = OutFolder(out, DataSetName(path), "-explain");
   {
@@ -165,7 +166,8 @@ int ExplainBop(const std::string& path, const std::string& split,
 int EstimateBop(const std::string& path, const std::string& split,
                 const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
                 const std::string& out, int threads) {
-  ScenarioSpec spec = BopSettings(path, split, arguments);
+  constexpr double kEvenDoubtful = 0;  // BOP ranks poses by score: a doubtful one costs nothing
+  ScenarioSpec spec = BopSettings(path, split, arguments, kEvenDoubtful);
   CheckInput(estimators.size() < 2,
              "--bop writes the estimates of one estimator; name one alone with --estimator");
   if (!estimators.empty()) {

@@ -132,13 +132,15 @@ Lesson PlanLesson(const TrainArguments& arguments) {
   return lesson;
 }
 
-// Where a scenario leaves its looks fixed, training varies the lamp all the same.
-bool HasOwnLooks(AppearanceRanges looks) {
-  const auto text = [](AppearanceRanges& ranges) {
-    return WriteSettings([&](SettingsVisitor& v) { ranges.Visit(v); });
-  };
-  AppearanceRanges fixed = FixedAppearance();
-  return text(looks) != text(fixed);
+// Those of the scenario; a lamp that it leaves where it is varies all the same.
+AppearanceRanges LearnedLooks(const AppearanceRanges& of_scenario) {
+  const AppearanceRanges fixed = FixedAppearance(), varied;
+  AppearanceRanges looks = of_scenario;
+  for (Span AppearanceRanges::*span : {&AppearanceRanges::lamp_x_m, &AppearanceRanges::lamp_y_m,
+                                       &AppearanceRanges::lamp_z_m, &AppearanceRanges::ambient}) {
+    if (looks.*span == fixed.*span) looks.*span = varied.*span;
+  }
+  return looks;
 }
 
 std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
@@ -146,7 +148,7 @@ std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
   options.sensor =
       BlameKey(lesson.spec, "sensor", [&] { return LoadSensorProfile(lesson.spec.sensor); });
   options.pile_sensors = lesson.sensors;
-  if (HasOwnLooks(lesson.spec.appearance)) options.looks = lesson.spec.appearance;
+  options.looks = LearnedLooks(lesson.spec.appearance);
   options.camera = lesson.camera.value_or(CameraOf(lesson.spec).intrinsics);
   options.bin = BinOf(lesson.spec);
   // A cell's camera stands still, but parts lie higher or lower and cells are built to a hand's
@@ -308,7 +310,6 @@ int TrainModel(TrainArguments& arguments, const Lesson& lesson,
     SayStopped(report, checkpoint);
     return kExitInterrupted;
   }
-  std::filesystem::remove(checkpoint);
   PrintReport(report, lesson.objects);
   std::filesystem::path folder = arguments.report_folder;
   if (folder.empty()) {
@@ -318,6 +319,7 @@ int TrainModel(TrainArguments& arguments, const Lesson& lesson,
       WriteSettings([&](SettingsVisitor& v) { arguments.training.Visit(v); });
   WriteTrainingPage(
       folder, {model_file.stem().string(), SensorNames(lesson), in_force, report, lesson.objects});
+  std::filesystem::remove(checkpoint);
   fmt::print("report: {}\n", (folder / "index.html").string());
   fmt::print("wrote {} after {}\nuse it with --set estimator.model={}\n", model_file.string(),
              FormatDuration(report.seconds), model_file.string());

@@ -180,7 +180,6 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const std::strin
   sqlite3_busy_timeout(impl_->db, kBusyTimeoutMs);
   // The rollback journal stays: turning a new file to WAL fails when several workers do it at once
   // (no busy timeout covers that), and WAL needs memory that machines of a cluster do not share.
-  impl_->Execute("PRAGMA synchronous = NORMAL");
   impl_->Execute("BEGIN IMMEDIATE");
   impl_->CreateTables(settings);
   impl_->Execute("COMMIT");

@@ -1,6 +1,6 @@
 #pragma once
 
-// Results of a run in one SQLite file: WAL, one transaction a trial, so that a kill at any moment
+// Results of a run in one SQLite file: one transaction a trial, so that a kill at any moment
 // loses at most the trials in flight.
 
 #include <filesystem>

@@ -186,14 +186,14 @@ std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& c
 std::vector<Pose> CandidateAssessor::BestLookAlikes(const OrganizedCloud& cloud,
                                                     const RawHypothesis& start,
                                                     EvidenceScratch& scratch) const {
-  constexpr size_t kDrawn = 30;
+  constexpr int kDrawn = 30;
   std::vector<std::pair<double, Pose>> turned;  // score, then nats; X_CO
   for (const Pose& S_O : look_alikes_[start.object]) {
     const Pose X_CO = start.X_CO * S_O;
     turned.emplace_back(QuickScore(cloud, models_[start.object], X_CO, options_.icp.gate_end_m),
                         X_CO);
   }
-  KeepBest(kDrawn, turned);
+  KeepBest(std::max(kDrawn, options_.look_alikes), turned);
   for (auto& [score, X_CO] : turned) {
     score = evidence_[start.object](cloud, X_CO, scratch).log_ratio;
   }
@@ -207,10 +207,10 @@ std::vector<Pose> CandidateAssessor::BestLookAlikes(const OrganizedCloud& cloud,
 void CandidateAssessor::AddLookAlikes(const OrganizedCloud& cloud, EstimateTrace* trace,
                                       std::vector<RawHypothesis>& poses) const {
   constexpr int kStartsAtPlace = 2;
+  const size_t most = Turned();
   if (poses.empty()) return;
   const ModelPoints& model = models_[poses.front().object];
   Crowding places(kSamePlaceDiameters * model.diameter_m);
-  const size_t most = Turned();
   std::vector<RawHypothesis> starts;
   for (const RawHypothesis& pose : poses) {
     if (starts.size() == most) break;

@@ -54,8 +54,8 @@ class CandidateAssessor {
 
   // Candidates from the raw poses `votes` of objects[part]; hypothesis.object = part. `patches` is
   // how many patches (or reference points) voted: densities are told to the verifier as of a usual
-  // number. `share` is that of the poses that may be refined. A trace gets the refinements. Seconds
-  // are added under "quick", "select", "icp", "look_alikes" and "verify".
+  // number. `share` is that of the poses of votes that may be refined. A trace gets the
+  // refinements. Seconds are added under "quick", "select", "icp", "look_alikes" and "verify".
   std::vector<Candidate> Assess(const OrganizedCloud& cloud, int part,
                                 const std::vector<PoseVote>& votes, int patches, double share,
                                 StageSeconds& seconds, EstimateTrace* trace = nullptr) const;

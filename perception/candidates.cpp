@@ -40,8 +40,9 @@ ObjectSet ModelsOf(const std::vector<CandidatePart>& parts) {
 }  // namespace
 
 void CandidateOptions::Visit(SettingsVisitor& v) {
-  v.Integer("points", points, {1, 100000}, "patches cut from a frame, all parts together");
-  v.Integer("min_points", min_points, {1, 100000}, "patches cut for each part at least");
+  v.Integer("points", points, {1, 100000}, "patches cut from a frame, of all sizes together");
+  v.Integer("min_points", min_points, {1, 100000},
+            "patches of each size at least, unless points is less");
   v.Integer("neighbors", neighbors, {1, 1000}, "votes of a patch");
   v.Integer("rounds", rounds, {1, 10}, "of votes; later ones are cast where nothing is explained");
   AssessmentOptions::Visit(v);
@@ -136,7 +137,7 @@ std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
                                                     const std::vector<int>& looked_at, double share,
                                                     Rng& rng, StageSeconds& seconds,
                                                     EstimateTrace* trace) const {
-  const int of_all = std::max(options.min_points, options.points / static_cast<int>(parts.size()));
+  const int of_all = std::max(options.min_points, options.points / static_cast<int>(groups.size()));
   const std::vector<int> pixels = SpreadPixels(
       looked_at, static_cast<int>(std::ceil(share * std::min(options.points, of_all))), rng);
   if (pixels.empty()) return {};

@@ -15,8 +15,8 @@
 namespace pickbed {
 
 struct CandidateOptions : AssessmentOptions {
-  int points = 600;      // patches of a frame, all parts together
-  int min_points = 450;  // for each part at least
+  int points = 600;      // patches of a frame, of all sizes together; parts differ in theirs
+  int min_points = 450;  // of each size at least, unless `points` is less
   int neighbors = 8;     // votes of a patch
   int rounds = 1;        // later ones look where no candidate explains what is seen
   NeighborOptions index;

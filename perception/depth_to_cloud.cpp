@@ -32,7 +32,7 @@ std::vector<Eigen::Vector3f> SparsePoints(const CameraIntrinsics& k, const Image
   std::vector<Eigen::Vector3f> points;
   for (int y = stride / 2; y < k.height; y += stride) {
     for (int x = stride / 2; x < k.width; x += stride) {
-      if (depth_m(x, y) > 0) {
+      if (depth_m(x, y) > 0 && std::isfinite(depth_m(x, y))) {
         points.push_back(BackProject(k, x, y, depth_m(x, y)).cast<float>());
       }
     }

@@ -28,8 +28,8 @@ struct CloudOptions {
   double fit_band_m = 0.010;
 
   // Used when no background is known: a plane that holds at least this share of all pixels with
-  // depth is taken for the table or floor, see fitted_background.h, where walls are found as well;
-  // 1 or more removes nothing (views of a part alone).
+  // depth is taken for the table or floor. fitted_background.h tells what is found besides; 1 or
+  // more removes nothing (views of a part alone).
   double min_plane_share = 0.25;
 };
 

@@ -57,7 +57,9 @@ BackgroundPlane LeastSquares(const Points& points, const BackgroundPlane& start,
 // to nothing behind them, as the floor of a well filled bin.
 std::optional<BackgroundPlane> FitFloor(const Points& points, const BackgroundOptions& options) {
   // 200 draws find a plane of a quarter of the points with probability 1 - (1 - 1/64)^200 = 0.96.
-  constexpr int kDraws = 200;
+  // A small patch of floor is found by as many more whose points lie near each other, in the order
+  // of rows in which points come.
+  constexpr int kDraws = 400, kNearby = 200;
   constexpr float kMinSine = 1e-3f;  // of a triangle that spans a plane
   constexpr double kMostBehind = 0.01;
   const int n = static_cast<int>(points.size());
@@ -66,9 +68,14 @@ std::optional<BackgroundPlane> FitFloor(const Points& points, const BackgroundOp
   BackgroundPlane largest, last;
   int on_largest = 0, on_last = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    const Eigen::Vector3f& a = points[rng.Index(n)];
-    const Eigen::Vector3f ab = points[rng.Index(n)] - a;
-    const Eigen::Vector3f ac = points[rng.Index(n)] - a;
+    const int first = rng.Index(n);
+    const auto other = [&] {
+      if (draw % 2 == 0) return rng.Index(n);
+      return std::clamp(first + rng.Index(2 * kNearby + 1) - kNearby, 0, n - 1);
+    };
+    const Eigen::Vector3f& a = points[first];
+    const Eigen::Vector3f ab = points[other()] - a;
+    const Eigen::Vector3f ac = points[other()] - a;
     const Eigen::Vector3f normal = ab.cross(ac);
     if (normal.norm() <= kMinSine * ab.norm() * ac.norm()) continue;
     const BackgroundPlane plane = TowardsCamera(normal.normalized(), a);
@@ -85,6 +92,7 @@ std::optional<BackgroundPlane> FitFloor(const Points& points, const BackgroundOp
   if (on_largest == 0) return std::nullopt;
   largest = LeastSquares(points, largest, margin_m);
   if (Count(points, largest, margin_m).on >= options.min_plane_share * n) return largest;
+  if (on_last == 0) return std::nullopt;
   last = LeastSquares(points, last, margin_m);
   const Sides sides = Count(points, last, margin_m);
   const bool holds = sides.on >= options.min_hidden_share * n && sides.behind <= kMostBehind * n;
@@ -135,6 +143,31 @@ class Profile {
   std::vector<int> counts_;
 };
 
+// From the lowest to the highest twentieth.
+struct Extent {
+  float low = 0, high = 0;
+  float length() const { return high - low; }
+};
+Extent ExtentOf(std::vector<float> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  return {values[values.size() / 20], values[values.size() - 1 - values.size() / 20]};
+}
+
+// Share of the cells of a grid over both extents that hold a point: a wall shows all over, of parts
+// only some reach as high as others.
+double Filled(const std::vector<float>& along, const std::vector<float>& up) {
+  constexpr int kColumns = 8, kRows = 3;
+  const Extent x = ExtentOf(along), y = ExtentOf(up);
+  std::array<bool, kColumns * kRows> filled{};
+  for (size_t i = 0; i < along.size(); ++i) {
+    const float u = (along[i] - x.low) / x.length(), v = (up[i] - y.low) / y.length();
+    if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) continue;
+    filled[static_cast<int>(v * kRows) * kColumns + static_cast<int>(u * kColumns)] = true;
+  }
+  return static_cast<double>(std::count(filled.begin(), filled.end(), true)) / filled.size();
+}
+
 struct Rectangle {
   std::vector<BackgroundPlane> walls;
   int seen_from_within = 0;
@@ -142,18 +175,40 @@ struct Rectangle {
 };
 
 // The walls at right angles to each other, the first turned by `angle` about the floor's normal.
-Rectangle WallsAt(const Points& over_floor, const Eigen::Vector3f& along_C,
-                  const Eigen::Vector3f& across_C, float angle, float step_m) {
+Rectangle WallsAt(const Points& over_floor, const std::vector<float>& heights_m,
+                  const Eigen::Vector3f& along_C, const Eigen::Vector3f& across_C, float angle,
+                  float step_m) {
+  // Over how much of the length of its side, and of the height, a wall's points lie. A part's are
+  // together, and those over the edges of equal parts are of one height.
+  constexpr float kLeastLength = 0.5f, kLeastHeight = 0.25f;
+  constexpr double kLeastFilled = 0.6;
+  const float height_m = ExtentOf(heights_m).high;
+  const std::array<Eigen::Vector3f, 2> directions_C = {
+      std::cos(angle) * along_C + std::sin(angle) * across_C,
+      std::cos(angle) * across_C - std::sin(angle) * along_C};
+  std::array<std::vector<float>, 2> places_m;
+  for (const Eigen::Vector3f& p : over_floor) {
+    for (const int k : {0, 1}) places_m[k].push_back(directions_C[k].dot(p));
+  }
   Rectangle found;
-  for (const float turn : {0.0f, std::numbers::pi_v<float> / 2}) {
-    const Eigen::Vector3f direction_C =
-        std::cos(angle + turn) * along_C + std::sin(angle + turn) * across_C;
-    std::vector<float> places_m;
-    for (const Eigen::Vector3f& p : over_floor) places_m.push_back(direction_C.dot(p));
-    const Profile profile(std::move(places_m), step_m);
+  for (const int k : {0, 1}) {
+    const Eigen::Vector3f& direction_C = directions_C[k];
+    const std::vector<float>& beside_m = places_m[1 - k];
+    const Profile profile(places_m[k], step_m);
     for (const bool near_end : {true, false}) {
       const Profile::Wall wall = profile.At(near_end);
       if (wall.count == 0) continue;
+      std::vector<float> along_m, up_m;  // of the wall's points
+      for (size_t i = 0; i < beside_m.size(); ++i) {
+        if (std::abs(places_m[k][i] - wall.place_m) > 1.5f * step_m) continue;
+        along_m.push_back(beside_m[i]);
+        up_m.push_back(heights_m[i]);
+      }
+      if (ExtentOf(along_m).length() < kLeastLength * ExtentOf(beside_m).length() ||
+          ExtentOf(up_m).length() < kLeastHeight * height_m ||
+          Filled(along_m, up_m) < kLeastFilled) {
+        continue;
+      }
       const float inwards = near_end ? 1.0f : -1.0f;
       found.walls.push_back({inwards * direction_C, inwards * wall.place_m});
       found.seen_from_within += inwards * wall.place_m < 0;  // the camera is at the origin
@@ -163,35 +218,88 @@ Rectangle WallsAt(const Points& over_floor, const Eigen::Vector3f& along_C,
   return found;
 }
 
+// Least squares over the wall's points, still upright; the wall as it was where that turns it.
+BackgroundPlane Refitted(const Points& over_floor, const BackgroundPlane& floor,
+                         const BackgroundPlane& wall, float margin_m) {
+  constexpr float kLeastCos = 0.985f;  // 10 degrees
+  const Eigen::Vector3f fitted = LeastSquares(over_floor, wall, margin_m).normal_C;
+  Eigen::Vector3f upright = fitted - floor.normal_C.dot(fitted) * floor.normal_C;
+  if (upright.norm() < kLeastCos) return wall;
+  upright.normalize();
+  const float cosine = upright.dot(wall.normal_C);
+  if (std::abs(cosine) < kLeastCos) return wall;
+  if (cosine < 0) upright = -upright;
+  double sum_m = 0;
+  int n = 0;
+  for (const Eigen::Vector3f& p : over_floor) {
+    if (std::abs(wall.SignedDistance(p)) >= MarginAt(p, margin_m)) continue;
+    sum_m += upright.dot(p);
+    ++n;
+  }
+  return n > 0 ? BackgroundPlane{upright, static_cast<float>(sum_m / n)} : wall;
+}
+
+// The floor of a bin that stands on a table: inside the walls, next to nothing shows the table, and
+// the lowest level of many points is the bin's.
+std::optional<BackgroundPlane> InnerFloor(const Points& points, const BackgroundPlane& table,
+                                          const std::vector<BackgroundPlane>& walls,
+                                          float margin_m) {
+  constexpr double kMostTable = 0.03;
+  std::vector<float> heights_m, depths_m;
+  int on_table = 0;
+  for (const Eigen::Vector3f& p : points) {
+    const bool inside = std::all_of(walls.begin(), walls.end(), [&](const BackgroundPlane& wall) {
+      return wall.SignedDistance(p) > MarginAt(p, margin_m);
+    });
+    if (!inside) continue;
+    const float height_m = table.SignedDistance(p);
+    if (height_m <= MarginAt(p, margin_m)) {
+      ++on_table;
+    } else {
+      heights_m.push_back(height_m);
+      depths_m.push_back(p.z());
+    }
+  }
+  const double inside = static_cast<double>(heights_m.size()) + on_table;
+  if (heights_m.empty() || on_table > kMostTable * inside) return std::nullopt;
+  const Extent depth = ExtentOf(std::move(depths_m));
+  const Profile profile(std::move(heights_m), margin_m * depth.high * depth.high);
+  const Profile::Wall floor = profile.At(true);
+  if (floor.count == 0) return std::nullopt;
+  return BackgroundPlane{table.normal_C, table.offset_m + floor.place_m};
+}
+
 std::vector<BackgroundPlane> FitWalls(const Points& points, const BackgroundPlane& floor,
                                       const BackgroundOptions& options) {
   constexpr int kAngles = 180;  // half degrees of a quarter turn
   constexpr size_t kLeastPoints = 100;
   constexpr int kLeastWithin = 3;  // walls that show their inner side, which a part's do not
   const float margin_m = static_cast<float>(options.margin_m);
+  constexpr float kMostSteps = 2000;  // more than any cell has: depths of a wrong unit
   Points over_floor;
-  double z_sum_m = 0;
+  std::vector<float> depths_m, heights_m;
   for (const Eigen::Vector3f& p : points) {
     if (floor.SignedDistance(p) <= MarginAt(p, margin_m)) continue;
     over_floor.push_back(p);
-    z_sum_m += p.z();
+    depths_m.push_back(p.z());
+    heights_m.push_back(floor.SignedDistance(p));
   }
   if (over_floor.size() < kLeastPoints) return {};
-  const double z_m = z_sum_m / static_cast<double>(over_floor.size());
-  const float step_m = static_cast<float>(options.margin_m * z_m * z_m);
+  std::nth_element(depths_m.begin(), depths_m.begin() + depths_m.size() / 2, depths_m.end());
+  const float z_m = depths_m[depths_m.size() / 2];
+  const float step_m = margin_m * z_m * z_m;
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& p : over_floor) box.extend(p);
+  if (!(box.diagonal().norm() < kMostSteps * step_m)) return {};
   const Eigen::Vector3f along_C = floor.normal_C.unitOrthogonal();
   const Eigen::Vector3f across_C = floor.normal_C.cross(along_C);
   Rectangle best;
   for (int i = 0; i < kAngles; ++i) {
     const float angle = std::numbers::pi_v<float> / 2 * static_cast<float>(i) / kAngles;
-    Rectangle found = WallsAt(over_floor, along_C, across_C, angle, step_m);
+    Rectangle found = WallsAt(over_floor, heights_m, along_C, across_C, angle, step_m);
     if (found.seen_from_within >= kLeastWithin && found.count > best.count) best = std::move(found);
   }
-  for (BackgroundPlane& wall : best.walls) {
-    const BackgroundPlane fitted = LeastSquares(over_floor, wall, 2 * margin_m);
-    const float sign = fitted.normal_C.dot(wall.normal_C) < 0 ? -1.0f : 1.0f;
-    wall = {sign * fitted.normal_C, sign * fitted.offset_m};
-  }
+  for (BackgroundPlane& wall : best.walls) wall = Refitted(over_floor, floor, wall, 2 * margin_m);
   return best.walls;
 }
 
@@ -203,6 +311,11 @@ std::vector<BackgroundPlane> FitBackground(const Points& points_C,
   const std::optional<BackgroundPlane> floor = FitFloor(points_C, options);
   if (!floor) return {};
   std::vector<BackgroundPlane> planes = FitWalls(points_C, *floor, options);
+  if (!planes.empty()) {
+    const float margin_m = static_cast<float>(options.margin_m);
+    const auto inner = InnerFloor(points_C, *floor, planes, margin_m);
+    if (inner) planes.push_back(*inner);
+  }
   planes.push_back(*floor);
   return planes;
 }

@@ -21,10 +21,12 @@ struct BackgroundOptions {
 };
 
 // First the table or floor: the plane of most points (RANSAC, Fischler and Bolles 1981), if it
-// holds enough of them. Then the walls of an upright rectangular bin on it, if three at least are
-// seen from inside: places beside which next to nothing lies further out, and at which points
-// stand over one line of the floor. What is on or behind any of the planes is background. Empty
-// where nothing is found. The same points give the same planes.
+// holds enough of them, else the one of most points with next to nothing behind it. Then the walls
+// of an upright rectangular bin on it, if three at least are seen from inside: places beside which
+// next to nothing lies further out, and at which points stand over one line of the floor; and the
+// bin's own floor, where that hides the table. What is on or behind any of the planes is
+// background. The table or floor is the last; empty where nothing is found. The same points give
+// the same planes.
 std::vector<BackgroundPlane> FitBackground(const std::vector<Eigen::Vector3f>& points_C,
                                            const BackgroundOptions& options);
 

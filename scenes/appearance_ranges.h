@@ -14,6 +14,7 @@ namespace pickbed {
 struct Span {
   double min = 0;
   double max = 0;
+  friend bool operator==(const Span&, const Span&) = default;
 };
 
 struct AppearanceRanges {

@@ -193,11 +193,14 @@ struct Evaluator::Impl {
     });
   }
 
-  // In diameters; where MSSD, which is never less, is below the threshold, that stands for it.
+  // In diameters; where MSSD, which is no less, is below the threshold, that stands for it, and
+  // where the middles are a diameter apart, their distance.
   ErrorTable AdiTable(const Group& group, const ErrorTable& mssd) {
     const MetricModel& model = parts_.Of(group.object_id).sparse;
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& v : model.vertices_O) box.extend(v);
     ErrorTable table = group.Table([&](const Pose& X_est, const Pose& X_true) {
-      return (X_est.translation() - X_true.translation()).norm() / model.diameter_m;
+      return (X_est * box.center() - X_true * box.center()).norm() / model.diameter_m;
     });
     for (size_t e = 0; e < group.estimates.size(); ++e) {
       for (size_t t = 0; t < group.X_CO_true.size(); ++t) {

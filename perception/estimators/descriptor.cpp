@@ -42,16 +42,16 @@ class DescriptorEstimator : public PoseEstimator {
     options_.final_set.min_score = setup.spec.min_score;
     trained_ = TrainedParts(model_.info.objects, setup.objects, DescriptorModelFile(setup.spec));
     for (const int part : trained_) verifiers_.push_back(model_.verifiers[part]);
-    finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(), options.candidates,
-                                                setup.threads);
+    finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(threads_),
+                                                options.candidates, setup.threads);
   }
 
   EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override;
 
  private:
-  DescribePatches Describe() const {
-    return [this](std::span<const int8_t> patches) {
-      return model_.network.Describe(patches, threads_);
+  DescribePatches Describe(int threads) const {
+    return [this, threads](std::span<const int8_t> patches) {
+      return model_.network.Describe(patches, threads);
     };
   }
   std::vector<CandidatePart> Parts(const EstimatorSetup& setup) const;
@@ -92,8 +92,8 @@ ObjectCodes DescriptorEstimator::Codes(const EstimatorSetup& setup, int object,
     if (setup.on_progress) setup.on_progress("code book of " + part.name, share);
   };
   const ObjectCodes codes =
-      MakeObjectCodes(*setup.views, object, side_m, model_.network.length(), Describe(), isolated,
-                      options_.code_seed, threads_, on_share);
+      MakeObjectCodes(*setup.views, object, side_m, model_.network.length(), Describe(threads_),
+                      isolated, options_.code_seed, threads_, on_share);
   if (!setup.cache_dir.empty()) WriteCodes(file, codes, key);
   return codes;
 }

@@ -52,7 +52,8 @@ KnownBackground BackgroundOf(const VirtualCell& cell) {
   return {cell.bin(), cell.camera().X_WC.inverse()};
 }
 
-// Both refiners as the estimator uses them, started at the true pose of each clear instance.
+// Both refiners, started at the true pose of each clear instance. The estimator also tries half the
+// first gate and keeps the better of the two, so that it loses no more.
 void MeasureIcp(const std::string& scenario, int bins) {
   constexpr double kClear = 0.5;  // visible fraction
   const LoadedScenario loaded = Load(scenario);
@@ -147,7 +148,7 @@ int main(int argc, char** argv) {
   const std::map<std::string, void (*)(const std::string&, int)> modes = {
       {"icp", pickbed::MeasureIcp}, {"index", pickbed::CompareIndex}};
   const auto mode = argc > 3 ? modes.find(argv[1]) : modes.end();
-  if (mode == modes.end()) {
+  if (mode == modes.end() || std::atoi(argv[2]) < 1) {
     fmt::print(stderr, "descriptor_figures icp|index BINS SCENARIO...\n");
     return 1;
   }

@@ -183,6 +183,20 @@ TEST_F(Descriptor, ExplainingDoesNotChangeTheAnswer) {
   }
 }
 
+TEST_F(Descriptor, PartsOfOneSizeShareThePatches) {
+  DescriptorOptions options = Options();
+  options.candidates.points = 100;
+  options.candidates.min_points = 60;
+  const LabelledView view = views_->Pile({12, 1}).front();
+  const auto patches = [&] {
+    return TraceOf(*MakeDescriptorEstimator(MakeSetup(), options), {view.frame, OutOfSightBin()})
+        .patches.size();
+  };
+  EXPECT_EQ(patches(), 100u);
+  options.candidates.min_points = 120;
+  EXPECT_EQ(patches(), 100u) << "never more than points";
+}
+
 TEST_F(Descriptor, TheStagesOfATraceFitTogether) {
   const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
   const LabelledView view = views_->Pile({12, 1}).front();
