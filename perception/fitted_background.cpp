@@ -53,6 +53,34 @@ BackgroundPlane LeastSquares(const Points& points, const BackgroundPlane& start,
   return TowardsCamera(solver.eigenvectors().col(0).cast<float>(), mean.cast<float>());
 }
 
+// From the lowest to the highest twentieth.
+struct Extent {
+  float low = 0, high = 0;
+  float length() const { return high - low; }
+};
+Extent ExtentOf(std::vector<float> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  return {values[values.size() / 20], values[values.size() - 1 - values.size() / 20]};
+}
+
+// Does the plane show between the parts all over, and not at one of them alone?
+bool IsSpread(const Points& points, const BackgroundPlane& plane, float margin_m) {
+  constexpr float kLeastShare = 0.6f;  // of the extent of all points
+  const Eigen::Vector3f along_C = plane.normal_C.unitOrthogonal();
+  for (const Eigen::Vector3f& direction_C : {along_C, plane.normal_C.cross(along_C).eval()}) {
+    std::vector<float> all, on;
+    for (const Eigen::Vector3f& p : points) {
+      all.push_back(direction_C.dot(p));
+      if (std::abs(plane.SignedDistance(p)) < MarginAt(p, margin_m)) on.push_back(all.back());
+    }
+    if (ExtentOf(std::move(on)).length() < kLeastShare * ExtentOf(std::move(all)).length()) {
+      return false;
+    }
+  }
+  return true;
+}
+
 // The plane of most points; where that holds too few, the one of most points among those with next
 // to nothing behind them, as the floor of a well filled bin.
 std::optional<BackgroundPlane> FitFloor(const Points& points, const BackgroundOptions& options) {
@@ -96,7 +124,7 @@ std::optional<BackgroundPlane> FitFloor(const Points& points, const BackgroundOp
   last = LeastSquares(points, last, margin_m);
   const Sides sides = Count(points, last, margin_m);
   const bool holds = sides.on >= options.min_hidden_share * n && sides.behind <= kMostBehind * n;
-  return holds ? std::optional(last) : std::nullopt;
+  return holds && IsSpread(points, last, margin_m) ? std::optional(last) : std::nullopt;
 }
 
 // Points over the floor by their place along one direction of it.
@@ -142,17 +170,6 @@ class Profile {
   float step_m_, low_m_ = 0;
   std::vector<int> counts_;
 };
-
-// From the lowest to the highest twentieth.
-struct Extent {
-  float low = 0, high = 0;
-  float length() const { return high - low; }
-};
-Extent ExtentOf(std::vector<float> values) {
-  if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
-  return {values[values.size() / 20], values[values.size() - 1 - values.size() / 20]};
-}
 
 // Share of the cells of a grid over both extents that hold a point: a wall shows all over, of parts
 // only some reach as high as others.

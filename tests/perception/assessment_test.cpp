@@ -30,14 +30,6 @@ class Assessment : public testing::Test {
     }
   }
 
-  // A bin far around the parts removes no pixel of theirs.
-  static KnownBackground OutOfSightBin() {
-    KnownBackground background;
-    background.bin.inner_size_m = {5, 5, 5};
-    background.X_CB = Translation({0, 0, -1});
-    return background;
-  }
-
   std::vector<Candidate> Assess(const AssessmentOptions& options, int threads = 1,
                                 double share = 1) const {
     const CandidateAssessor assessor(views_.objects(), options, threads);

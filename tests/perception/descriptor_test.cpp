@@ -69,14 +69,6 @@ class Descriptor : public testing::Test {
     Rng rng(seed);
     return estimator.Estimate({view.frame, OutOfSightBin()}, rng);
   }
-  // A bin far around the parts removes no pixel of theirs.
-  static KnownBackground OutOfSightBin() {
-    KnownBackground background;
-    background.bin.inner_size_m = {5, 5, 5};
-    background.X_CB = Translation({0, 0, -1});
-    return background;
-  }
-
   static TemporaryFolder* temporary_;
   static std::filesystem::path folder_;
   static RayCastViews* views_;

@@ -47,8 +47,16 @@ std::vector<LabelledView> RayCastViews::Pile(const PileRequest& request) {
       instances.push_back({rng.Index(static_cast<int>(objects_.size())), X_CO, 1.0});
     }
     result.push_back(View(SmallCamera(), std::move(instances), rng));
+    result.back().background = OutOfSightBin();
   }
   return result;
+}
+
+KnownBackground OutOfSightBin() {
+  KnownBackground background;
+  background.bin.inner_size_m = {5, 5, 5};
+  background.X_CB = Translation({0, 0, -1});
+  return background;
 }
 
 }  // namespace pickbed

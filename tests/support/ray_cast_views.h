@@ -1,7 +1,7 @@
 #pragma once
 
 // A view source for tests of learning: ray-cast views of parts, without renderer and physics. A
-// "pile" is three parts side by side over an empty background.
+// "pile" is three parts side by side in a bin that is out of sight.
 
 #include "scenes/labelled_view.h"
 #include "scenes/random.h"
@@ -34,5 +34,8 @@ class RayCastViews : public LabelledViewSource {
   double noise_sigma_m_;
   int isolated_calls_ = 0;
 };
+
+// A bin far around the parts, which removes no pixel of theirs.
+KnownBackground OutOfSightBin();
 
 }  // namespace pickbed
