@@ -175,7 +175,7 @@ TEST_F(Descriptor, ExplainingDoesNotChangeTheAnswer) {
   }
 }
 
-TEST_F(Descriptor, PartsOfOneSizeShareThePatches) {
+TEST_F(Descriptor, NoMorePatchesAreCutThanPoints) {
   DescriptorOptions options = Options();
   options.candidates.points = 100;
   options.candidates.min_points = 60;

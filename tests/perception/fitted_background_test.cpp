@@ -78,6 +78,19 @@ TEST_P(UnknownBin, AFloorThatIsNearlyHiddenIsFound) {
 // Three walls show their inner side; from further round it is two.
 INSTANTIATE_TEST_SUITE_P(Turns, UnknownBin, ::testing::Values(0.0, 0.3, -0.25));
 
+// What stands before an empty table is foreground.
+void ExpectPartsKept(const RgbdFrame& frame, const Image<float>& table_m) {
+  const OrganizedCloud cloud = BuildCloud(frame, std::nullopt);
+  int parts = 0, kept = 0;
+  for (size_t i = 0; i < table_m.size(); ++i) {
+    const bool is_part = frame.depth_m.data()[i] < table_m.data()[i] - 0.01f;
+    parts += is_part;
+    kept += is_part && cloud.foreground.data()[i];
+  }
+  EXPECT_GT(parts, 2000);
+  EXPECT_GT(kept, 0.98 * parts);
+}
+
 // Sides of a part that face outwards are no walls, however much like a bin's they lie.
 TEST(FitBackground, ABoxOnATableKeepsItsSides) {
   for (const double turn_rad : {0.0, 0.5}) {
@@ -87,15 +100,7 @@ TEST(FitBackground, ABoxOnATableKeepsItsSides) {
     const Image<float> table_m = scene.frame().depth_m;
     scene.AddMesh(BoxMesh({0.15, 0.12, 0.10}, {0, 0, 0.05}),
                   X_CW * Pose(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())));
-    const OrganizedCloud cloud = BuildCloud(scene.frame(), std::nullopt);
-    int box = 0, kept = 0;
-    for (size_t i = 0; i < table_m.size(); ++i) {
-      const bool is_box = scene.frame().depth_m.data()[i] < table_m.data()[i] - 0.01f;
-      box += is_box;
-      kept += is_box && cloud.foreground.data()[i];
-    }
-    EXPECT_GT(box, 2000);
-    EXPECT_GT(kept, 0.98 * box);
+    ExpectPartsKept(scene.frame(), table_m);
   }
 }
 
@@ -109,15 +114,7 @@ TEST(FitBackground, RodsOnATableStay) {
     scene.AddMesh(BoxMesh({0.02, 0.15, 0.02}, {0.05 * i, 0, 0.01}), X_CW);
     scene.AddMesh(BoxMesh({0.02, 0.02, 0.08}, {0.05 * i, 0.12, 0.04}), X_CW);
   }
-  const OrganizedCloud cloud = BuildCloud(scene.frame(), std::nullopt);
-  int rods = 0, kept = 0;
-  for (size_t i = 0; i < table_m.size(); ++i) {
-    const bool is_rod = scene.frame().depth_m.data()[i] < table_m.data()[i] - 0.01f;
-    rods += is_rod;
-    kept += is_rod && cloud.foreground.data()[i];
-  }
-  EXPECT_GT(rods, 2000);
-  EXPECT_GT(kept, 0.98 * rods);
+  ExpectPartsKept(scene.frame(), table_m);
 }
 
 TEST(FitBackground, DepthsOfAWrongUnitHaveNoWalls) {
@@ -126,7 +123,7 @@ TEST(FitBackground, DepthsOfAWrongUnitHaveNoWalls) {
     const float x = 0.01f * (i % 80), y = 0.01f * (i / 80);
     points_C.push_back(1e-4f * Eigen::Vector3f(x, y, 1 - (i % 7 == 0 ? 0.3f * x : 0)));
   }
-  EXPECT_LE(FitBackground(points_C, {}).size(), 1u);
+  EXPECT_EQ(FitBackground(points_C, {}).size(), 1u) << "the plane of most points alone";
 }
 
 TEST(FitBackground, NothingFromNothing) {
