@@ -85,6 +85,7 @@ void AssessmentOptions::Visit(SettingsVisitor& v) {
   v.Integer("turned", turned, {0, 100000},
             "best poses, of all parts together, whose look-alikes are tried");
   v.Integer("look_alikes", look_alikes, {1, 1000}, "look-alikes of a pose that are refined");
+  v.Integer("drawn", drawn, {1, 1000}, "look-alikes of a pose whose evidence is measured");
   v.Real("merge_diameters", merge_diameters, {1e-4, 1}, "refined poses within it are one");
 }
 
@@ -186,14 +187,13 @@ std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& c
 std::vector<Pose> CandidateAssessor::BestLookAlikes(const OrganizedCloud& cloud,
                                                     const RawHypothesis& start,
                                                     EvidenceScratch& scratch) const {
-  constexpr int kDrawn = 30;
   std::vector<std::pair<double, Pose>> turned;  // score, then nats; X_CO
   for (const Pose& S_O : look_alikes_[start.object]) {
     const Pose X_CO = start.X_CO * S_O;
     turned.emplace_back(QuickScore(cloud, models_[start.object], X_CO, options_.icp.gate_end_m),
                         X_CO);
   }
-  KeepBest(std::max(kDrawn, options_.look_alikes), turned);
+  KeepBest(std::max(options_.drawn, options_.look_alikes), turned);
   for (auto& [score, X_CO] : turned) {
     score = evidence_[start.object](cloud, X_CO, scratch).log_ratio;
   }

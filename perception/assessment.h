@@ -34,8 +34,9 @@ struct AssessmentOptions {
   bool two_gates = false;        // also try half the gate and keep the better
   // Of this many of the best refined poses, of all parts together, the look-alikes are tried, and
   // those refined for which there is most evidence; two poses of a place at most.
-  int turned = 32;
-  int look_alikes = 8;
+  int turned = 12;
+  int look_alikes = 3;
+  int drawn = 12;  // look-alikes of a pose whose evidence is measured, by quick score
   double merge_diameters = 0.03;  // refined poses within it are one
   ProjectiveIcpOptions icp;       // its gates are set from the above
   void Visit(SettingsVisitor& v);

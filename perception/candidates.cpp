@@ -56,8 +56,8 @@ CandidateOptions HardCandidates() {
   options.min_points = 600;
   options.candidates = 600;
   options.two_gates = true;
-  options.turned = 80;
-  options.look_alikes = 10;
+  options.turned = 40;
+  options.look_alikes = 6;
   options.rounds = 2;
   return options;
 }

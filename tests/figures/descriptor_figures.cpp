@@ -3,10 +3,13 @@
 //   descriptor_figures icp BINS SCENARIO...     instances that refinement loses from the true pose
 //   descriptor_figures index BINS SCENARIO...   recall and seconds of the search in the code book,
 //                                               beside those of an exact one
+//   descriptor_figures ambiguous BINS SCENARIO...   instances whose pose the picture does not tell:
+//                                               turned to a wrong pose they leave it as it is
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <climits>
 #include <cstdio>
 #include <cstdlib>
@@ -23,6 +26,7 @@
 #include "eval/virtual_cell.h"
 #include "perception/estimators/descriptor.h"
 #include "perception/icp.h"
+#include "perception/look_alikes.h"
 #include "perception/projective_icp.h"
 #include "scenes/files.h"
 
@@ -96,6 +100,62 @@ void MeasureIcp(const std::string& scenario, int bins) {
   fmt::print("median {:.4f} diameters off\n", errors[errors.size() / 2]);
 }
 
+// Share of the instance's pixels that would read another depth, by more than noise explains, were
+// it turned by S_O; pixels that it would newly cover count, too.
+double ChangedShare(SceneRenderer& renderer, const Camera& camera, const Scene& scene, size_t i,
+                    const Pose& S_O, const RenderedImage& before) {
+  constexpr float kNoise_m = 0.003f;
+  const uint16_t id = static_cast<uint16_t>(scene.objects[i].instance + 1);
+  Scene turned = scene;
+  turned.objects[i].X_WO = turned.objects[i].X_WO * S_O;
+  RenderOutputs outputs;
+  outputs.color = false;
+  const RenderedImage after = renderer.Render(turned, camera, {}, outputs);
+  int seen = 0, changed = 0;
+  for (size_t p = 0; p < before.ids.size(); ++p) {
+    const bool was = before.ids.data()[p] == id;
+    seen += was;
+    if (!was && after.ids.data()[p] != id) continue;
+    changed += std::abs(before.depth_m.data()[p] - after.depth_m.data()[p]) > kNoise_m;
+  }
+  return static_cast<double>(changed) / std::max(1, seen);
+}
+
+void CountAmbiguous(const std::string& scenario, int bins) {
+  constexpr double kSeen = 0.1;  // visible fraction from which an instance counts
+  constexpr std::array<double, 3> kShares{0.01, 0.02, 0.05};
+  const LoadedScenario loaded = Load(scenario);
+  VirtualCell cell(loaded.spec, loaded.objects);
+  SceneRenderer renderer(cell.objects(), cell.bin());
+  std::vector<std::vector<Pose>> turns;
+  for (const auto& object : cell.objects()) {
+    const PoseDistance distance(*object);
+    turns.push_back(LookAlikes(*object, MakeModelPoints(*object), distance));
+  }
+  int instances = 0;
+  std::array<int, kShares.size()> ambiguous{};
+  ForEachBin(cell, bins, [&](const Scene& scene, const View& view) {
+    RenderOutputs outputs;
+    outputs.color = false;
+    const RenderedImage before = renderer.Render(scene, cell.camera(), {}, outputs);
+    for (size_t i = 0; i < scene.objects.size(); ++i) {
+      if (view.visible_fractions[i] < kSeen) continue;
+      ++instances;
+      double least = 1;
+      for (const Pose& S_O : turns[scene.objects[i].object]) {
+        least = std::min(least, ChangedShare(renderer, cell.camera(), scene, i, S_O, before));
+      }
+      for (size_t k = 0; k < kShares.size(); ++k) ambiguous[k] += least < kShares[k];
+    }
+  });
+  fmt::print("{:<14} {:>6} instances; another pose changes less than", scenario, instances);
+  for (size_t k = 0; k < kShares.size(); ++k) {
+    fmt::print("{} {:.0f} % of the pixels of {:.1f} %", k > 0 ? "," : "", 100 * kShares[k],
+               100.0 * ambiguous[k] / std::max(1, instances));
+  }
+  fmt::print("\n");
+}
+
 struct IndexFigures {
   double recall_at_95 = 0, seconds = 0;
 };
@@ -146,10 +206,12 @@ void CompareIndex(const std::string& scenario, int bins) {
 
 int main(int argc, char** argv) {
   const std::map<std::string, void (*)(const std::string&, int)> modes = {
-      {"icp", pickbed::MeasureIcp}, {"index", pickbed::CompareIndex}};
+      {"ambiguous", pickbed::CountAmbiguous},
+      {"icp", pickbed::MeasureIcp},
+      {"index", pickbed::CompareIndex}};
   const auto mode = argc > 3 ? modes.find(argv[1]) : modes.end();
   if (mode == modes.end() || std::atoi(argv[2]) < 1) {
-    fmt::print(stderr, "descriptor_figures icp|index BINS SCENARIO...\n");
+    fmt::print(stderr, "descriptor_figures ambiguous|icp|index BINS SCENARIO...\n");
     return 1;
   }
   for (int i = 3; i < argc; ++i) {
