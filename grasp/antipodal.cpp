@@ -15,9 +15,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kGravity_mps2 = 9.81;
-// Bounds of the cloud that pads are tested on: enough for a bolt, cheap for a drill.
-constexpr int kMinSurfacePoints = 2000;
-constexpr int kMaxSurfacePoints = 8000;
 
 // Two surface points that face away from each other along `axis_O` (unit, first to second).
 struct ContactPair {
@@ -192,6 +189,8 @@ void AntipodalOptions::Visit(SettingsVisitor& v) {
   v.Real("straight_share", straight_share, {0, 1}, "of the rays along the normal");
   v.Vector3("tips_beyond_m", tips_beyond_m, {0, 0.05}, "tips past the contact, m");
   v.Real("point_spacing_m", point_spacing_m, {1e-4, 0.02}, "of the tested surface points, m");
+  v.Integer("min_points", min_points, {100, 1e6}, "of the tested surface, at least");
+  v.Integer("max_points", max_points, {100, 1e6}, "of the tested surface, at most");
   v.Real("min_width_m", min_width_m, {1e-4, 0.1}, "thinner walls are left alone, m");
   v.Real("touch_band_m", touch_band_m, {1e-5, 0.01}, "depth that counts as contact, m");
   v.Real("full_pad_share", full_pad_share, {0.01, 1}, "of a pad that is as good as all of it");
@@ -209,7 +208,7 @@ std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const Grip
   const auto pairs = FindPairs(model, cone_rad, max_width, options, rng);
   if (pairs.empty()) return {};
   const SurfacePoints surface = SpreadPoints(model.mesh_O, options.point_spacing_m,
-                                             kMinSurfacePoints, kMaxSurfacePoints, rng);
+                                             options.min_points, options.max_points, rng);
   const Judge judge{model, gripper, options, surface, friction, cone_rad};
 
   std::vector<GraspCandidate> all;

@@ -2,6 +2,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "grasp/antipodal.h"
 #include "grasp/execute.h"
 #include "grasp/plan.h"
 #include "scenes/object_catalog.h"

@@ -52,7 +52,7 @@ TEST(Clearance, BoxTestAgreesWithSampling) {
 TEST(Clearance, FingertipsKeepTheirDistanceFromTheFloor) {
   const Bin bin;
   const auto boxes = BinBoxes(bin);
-  const auto sweep = HandSweep(HandSpec{}, 0.05, 0.12);
+  const auto sweep = HandSweep(SmallJaw(), 0.05);
   EXPECT_FALSE(FindBinContact(sweep, FromAbove({0, 0, 0.0031}), boxes, 0.003));
   const auto contact = FindBinContact(sweep, FromAbove({0, 0, 0.0029}), boxes, 0.003);
   ASSERT_TRUE(contact);
@@ -110,7 +110,9 @@ TEST(Clearance, FieldFindsWhatAFullScanFinds) {
   ASSERT_EQ(field.points_W().size(), points.size());
   std::vector<uint8_t> ignored(points.size());
   for (size_t i = 0; i < ignored.size(); i += 3) ignored[i] = 1;
-  const auto sweep = HandSweep(HandSpec{}, 0.04, 0.1);
+  GripperSpec gripper = SmallJaw();
+  gripper.approach_m = 0.1;
+  const auto sweep = HandSweep(gripper, 0.04);
   const AxisAlignedBox between{{0, 0, -0.025}, {0.02, 0.01, 0.025}};
   for (int trial = 0; trial < 50; ++trial) {
     const Pose X_WG = MakePose(rng.Rotation().toRotationMatrix(),
