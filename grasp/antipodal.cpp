@@ -1,11 +1,11 @@
 #include "grasp/antipodal.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "grasp/pad_contact.h"
+#include "grasp/spread.h"
 #include "scenes/friction.h"
 #include "scenes/mesh_query.h"
 
@@ -111,9 +111,9 @@ struct Judge {
     contact = close();
     if (!good(contact)) return candidate;
     const auto opening = MechanismOf(gripper).approach_opening_m(gripper, contact.width_m());
-    if (!opening || !HandClearsPart(turned, X_OG, hand, *opening, options.own_margin_m)) {
-      return candidate;
-    }
+    if (!opening) return candidate;
+    const auto boxes = MechanismOf(gripper).boxes(gripper, *opening);
+    if (!HandClearsPart(turned, X_OG, boxes, options.own_margin_m)) return candidate;
     candidate.X_OG = X_OG;
     candidate.width_m = contact.width_m();
     candidate.depth_m = -contact.shared_center().y();
@@ -121,18 +121,6 @@ struct Judge {
     return candidate;
   }
 };
-
-// Approach directions sorted into 3 x 3 cells on each face of a cube.
-constexpr int kDirectionCells = 54;
-int DirectionCell(const Vector3d& direction) {
-  int axis = 0;
-  direction.cwiseAbs().maxCoeff(&axis);
-  const double scale = 1 / std::abs(direction[axis]);
-  const auto third = [](double value) { return std::clamp(int((value + 1) * 1.5), 0, 2); };
-  const int cell =
-      3 * third(direction[(axis + 1) % 3] * scale) + third(direction[(axis + 2) % 3] * scale);
-  return 9 * (2 * axis + (direction[axis] > 0 ? 1 : 0)) + cell;
-}
 
 bool SameGrasp(const GraspCandidate& a, const GraspCandidate& b, const AntipodalOptions& options) {
   if ((a.X_OG.translation() - b.X_OG.translation()).norm() > options.spacing_m) return false;
@@ -142,40 +130,6 @@ bool SameGrasp(const GraspCandidate& a, const GraspCandidate& b, const Antipodal
   const double angle = std::min(RotationAngleRad(a.X_OG.linear(), b.X_OG.linear()),
                                 RotationAngleRad(a.X_OG.linear(), flipped));
   return angle < options.spacing_rad;
-}
-
-// The best of each approach direction in turn, so that some candidate comes from above however the
-// part lies.
-std::vector<GraspCandidate> Spread(std::vector<GraspCandidate> all,
-                                   const AntipodalOptions& options) {
-  std::stable_sort(all.begin(), all.end(),
-                   [](const auto& a, const auto& b) { return a.quality > b.quality; });
-  std::array<std::vector<const GraspCandidate*>, kDirectionCells> cells;
-  for (const GraspCandidate& candidate : all) {
-    cells[DirectionCell(candidate.X_OG.linear().col(2))].push_back(&candidate);
-  }
-  std::array<size_t, kDirectionCells> next{};
-  std::vector<GraspCandidate> chosen;
-  const auto take_one = [&](int cell) {
-    while (next[cell] < cells[cell].size()) {
-      const GraspCandidate& candidate = *cells[cell][next[cell]++];
-      const bool known = std::any_of(chosen.begin(), chosen.end(), [&](const auto& other) {
-        return SameGrasp(candidate, other, options);
-      });
-      if (known) continue;
-      chosen.push_back(candidate);
-      return true;
-    }
-    return false;
-  };
-  for (bool progress = true; progress;) {
-    progress = false;
-    for (int cell = 0; cell < kDirectionCells; ++cell) {
-      if (static_cast<int>(chosen.size()) >= options.candidates) return chosen;
-      progress |= take_one(cell);
-    }
-  }
-  return chosen;
 }
 
 }  // namespace
@@ -224,7 +178,9 @@ std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const Grip
       }
     }
   }
-  return Spread(std::move(all), options);
+  return SpreadOverDirections(
+      std::move(all), options.candidates,
+      [&](const auto& a, const auto& b) { return SameGrasp(a, b, options); });
 }
 
 }  // namespace pickbed

@@ -78,18 +78,26 @@ std::vector<GraspCandidate> JawCandidates(const ObjectModel& model, const Grippe
   return candidates;
 }
 
+std::vector<GraspCandidate> CupCandidates(const ObjectModel& model, const GripperSpec& gripper,
+                                          Rng& rng, const CandidateOptions& options) {
+  return SuctionGrasps(model, gripper, rng, options.suction, options.robust);
+}
+
 }  // namespace
 
 void CandidateOptions::Visit(SettingsVisitor& v) {
   v.Group(
       "antipodal", [this](SettingsVisitor& g) { antipodal.Visit(g); }, "pairs for jaws");
   v.Group(
+      "suction", [this](SettingsVisitor& g) { suction.Visit(g); }, "places for cups");
+  v.Group(
       "robust", [this](SettingsVisitor& g) { robust.Visit(g); }, "sampled errors");
 }
 
 std::span<const CandidateMaker> CandidateMakerTable() {
-  static constexpr std::array<CandidateMaker, 1> kTable{{
+  static constexpr std::array<CandidateMaker, 2> kTable{{
       {"parallel_jaw", "antipodal pair that fits its stroke", JawCandidates},
+      {"suction_cup", "place that closes its lip", CupCandidates},
   }};
   return kTable;
 }

@@ -7,12 +7,14 @@
 
 #include "grasp/antipodal.h"
 #include "grasp/robust.h"
+#include "grasp/suction_candidates.h"
 
 namespace pickbed {
 
 struct CandidateOptions {
-  AntipodalOptions antipodal;
-  RobustOptions robust;
+  AntipodalOptions antipodal = {};  // jaws
+  SuctionOptions suction = {};      // cups
+  RobustOptions robust = {};
   void Visit(SettingsVisitor& v);
 };
 

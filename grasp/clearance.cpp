@@ -43,7 +43,7 @@ double SlabDistance(const AxisAlignedBox& box, const Vector3d& p) {
 }  // namespace
 
 std::vector<AxisAlignedBox> HandSweep(const GripperSpec& gripper, double opening_m) {
-  std::vector<AxisAlignedBox> sweep = HandBoxes(gripper.hand, opening_m);
+  std::vector<AxisAlignedBox> sweep = MechanismOf(gripper).boxes(gripper, opening_m);
   for (AxisAlignedBox& box : sweep) {
     box.center.z() -= 0.5 * gripper.approach_m;
     box.half_size.z() += 0.5 * gripper.approach_m;

@@ -44,7 +44,8 @@ std::vector<Vector3d> RimPoints(const PadPatch& patch) {
 std::optional<WrenchSet> JawHold::At(const Pose& X_OG, double opening_m,
                                      double friction_factor) const {
   const PointColumns turned = Turned(surface.points_O, X_OG.linear());
-  if (!HandClearsPart(turned, X_OG, gripper.hand, opening_m, 0)) return std::nullopt;
+  const auto boxes = MechanismOf(gripper).boxes(gripper, opening_m);
+  if (!HandClearsPart(turned, X_OG, boxes, 0)) return std::nullopt;
   const PadContact contact = ClosePads(surface, turned, X_OG, gripper.hand, options.touch_band_m);
   if (!contact.touches) return std::nullopt;
   const auto patches =

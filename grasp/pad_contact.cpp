@@ -139,13 +139,13 @@ std::array<PadPatch, 2> TouchedPatches(const SurfacePoints& surface, const Point
   return patches;
 }
 
-bool HandClearsPart(const PointColumns& turned, const Pose& X_OG, const HandSpec& hand,
-                    double opening_m, double margin_m) {
+bool HandClearsPart(const PointColumns& turned, const Pose& X_OG,
+                    std::span<const AxisAlignedBox> boxes_G, double margin_m) {
   const Eigen::Vector3d origin = X_OG.linear().transpose() * X_OG.translation();
   const float* x = turned.col(0).data();
   const float* y = turned.col(1).data();
   const float* z = turned.col(2).data();
-  for (const AxisAlignedBox& box : HandBoxes(hand, opening_m)) {
+  for (const AxisAlignedBox& box : boxes_G) {
     const Eigen::Vector3f center = (origin + box.center).cast<float>();
     const Eigen::Vector3f reach = (box.half_size.array() + margin_m).cast<float>();
     const float front_z = center.z() + reach.z();

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "grasp/gripper.h"
@@ -61,9 +62,9 @@ std::array<PadPatch, 2> TouchedPatches(const SurfacePoints& surface, const Point
                                        const Pose& X_OG, const HandSpec& hand,
                                        const PadContact& contact, double band_m);
 
-// True when no point is within `margin_m` of the hand's boxes, or of where they pass on the
+// True when no point is within `margin_m` of the hand's boxes (in G), or of where they pass on the
 // straight approach along z of G.
-bool HandClearsPart(const PointColumns& turned, const Pose& X_OG, const HandSpec& hand,
-                    double opening_m, double margin_m);
+bool HandClearsPart(const PointColumns& turned, const Pose& X_OG,
+                    std::span<const AxisAlignedBox> boxes_G, double margin_m);
 
 }  // namespace pickbed

@@ -153,7 +153,10 @@ class Planner {
   }
 
   ObstacleField MakeField() const {
-    const double height = input_.gripper.approach_m + input_.gripper.hand.finger_size_m.z();
+    double height = 0;  // of what the hand passes through over its tips
+    for (const AxisAlignedBox& box : HandSweep(input_.gripper, 0)) {
+      height = std::max(height, box.half_size.z() - box.center.z());
+    }
     std::vector<Vector3d> points =
         ThinnedCloud(input_.cloud_W, input_.bin, options_.voxel_m, options_.bin_band_m, height);
     std::vector<int> sources(points.size(), -1);

@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <queue>
 #include <vector>
 
@@ -25,14 +24,13 @@ class Span {
     return v;
   }
   void Add(const Wrench& v) { basis_[size_++] = Residual(v).normalized(); }
-  // A unit vector square to the span: of the axes' residuals the longest.
+  // A unit vector square to the span: what is left of the axis that has least in it.
   Wrench Normal() const {
-    Wrench longest = Wrench::Zero();
-    for (int k = 0; k < kDim; ++k) {
-      const Wrench residual = Residual(Wrench::Unit(k));
-      if (residual.squaredNorm() > longest.squaredNorm()) longest = residual;
-    }
-    return Residual(longest.normalized()).normalized();
+    Wrench within = Wrench::Zero();  // squared length of each axis in the span
+    for (int i = 0; i < size_; ++i) within += basis_[i].cwiseAbs2();
+    int axis = 0;
+    within.minCoeff(&axis);
+    return Residual(Residual(Wrench::Unit(axis)).normalized()).normalized();
   }
 
  private:
@@ -144,6 +142,34 @@ class Polytope {
     return index;
   }
 
+  // A side of a new facet whose neighbour is another new one.
+  struct OpenSide {
+    Ridge ridge;
+    int facet;
+    int side;
+    bool operator<(const OpenSide& other) const { return ridge < other.ridge; }
+  };
+
+  static Ridge RidgeWithout(const std::array<int, kDim>& points, int left_out) {
+    Ridge ridge;
+    for (int p = 0, k = 0; p < kDim; ++p) {
+      if (p != left_out) ridge[k++] = points[p];
+    }
+    std::sort(ridge.begin(), ridge.end());
+    return ridge;
+  }
+
+  // Makes neighbours of those that share a ridge; false when some ridge is not shared by two.
+  bool Join(std::vector<OpenSide>& open) {
+    std::sort(open.begin(), open.end());
+    for (size_t i = 0; i < open.size(); i += 2) {
+      if (i + 1 == open.size() || open[i].ridge != open[i + 1].ridge) return false;
+      facets_[open[i].facet].neighbors[open[i].side] = open[i + 1].facet;
+      facets_[open[i + 1].facet].neighbors[open[i + 1].side] = open[i].facet;
+    }
+    return true;
+  }
+
   // Takes away every facet that sees the point, from `first` on, and joins the rim of the hole to
   // it. False when rounding leaves a rim that is none.
   bool Grow(int first, const Wrench& point) {
@@ -175,7 +201,7 @@ class Polytope {
         rim.push_back({other, static_cast<int>(place), points});
       }
     }
-    std::map<Ridge, std::pair<int, int>> open;  // facet and which of its neighbours is not known
+    std::vector<OpenSide> open;
     for (const Side& side : rim) {
       // A facet that a later one of the loop above took away has lost its rim.
       if (!facets_[side.facet].alive) continue;
@@ -186,21 +212,12 @@ class Polytope {
         if (side.points[i] == apex) {
           facets_[made].neighbors[i] = side.facet;
           facets_[side.facet].neighbors[side.across] = made;
-          continue;
+        } else {
+          open.push_back({RidgeWithout(side.points, i), made, i});
         }
-        Ridge ridge;
-        for (int p = 0, k = 0; p < kDim; ++p) {
-          if (p != i) ridge[k++] = side.points[p];
-        }
-        std::sort(ridge.begin(), ridge.end());
-        const auto [entry, is_new] = open.try_emplace(ridge, made, i);
-        if (is_new) continue;
-        facets_[made].neighbors[i] = entry->second.first;
-        facets_[entry->second.first].neighbors[entry->second.second] = made;
-        open.erase(entry);
       }
     }
-    return open.empty();
+    return Join(open);
   }
 
   const WrenchSet& set_;

@@ -95,8 +95,9 @@ TEST(Antipodal, HandNeverCutsThePart) {
   const auto grasps = Grasps(*part, gripper);
   ASSERT_GT(grasps.size(), 50u);
   for (const auto& grasp : grasps) {
-    EXPECT_TRUE(HandClearsPart(Turned(surface.points_O, grasp.X_OG.linear()), grasp.X_OG,
-                               gripper.hand, grasp.width_m + 2 * gripper.clearance_m, 0));
+    const auto boxes = HandBoxes(gripper.hand, grasp.width_m + 2 * gripper.clearance_m);
+    const PointColumns turned = Turned(surface.points_O, grasp.X_OG.linear());
+    EXPECT_TRUE(HandClearsPart(turned, grasp.X_OG, boxes, 0));
   }
 }
 

@@ -31,6 +31,27 @@ TEST(Candidates, UnknownMechanismIsRefused) {
   EXPECT_THROW(CandidateMakerOf(gripper), InputError);
 }
 
+// Through the table alone, whatever the mechanism: every quality is set.
+TEST(Candidates, OfEachMechanismAreJudged) {
+  GripperSpec cup;
+  cup.mechanism = "suction_cup";
+  for (const GripperSpec& gripper : {SmallJaw(), cup}) {
+    Rng rng(1);
+    CandidateOptions options = kQuick;
+    options.suction.max_samples = 200;
+    const auto grasps = MakeCandidates(*BoxPart({0.08, 0.05, 0.05}, 0.2), gripper, rng, options);
+    ASSERT_GT(grasps.size(), 10u) << gripper.mechanism;
+    double robust = 0, epsilon = 0;
+    for (const GraspCandidate& grasp : grasps) {
+      EXPECT_GT(grasp.quality, 0);
+      robust = std::max(robust, grasp.robust);
+      epsilon = std::max(epsilon, grasp.epsilon);
+    }
+    EXPECT_GT(robust, 0.5) << gripper.mechanism;
+    EXPECT_GT(epsilon, 0) << gripper.mechanism;
+  }
+}
+
 class CandidateCache : public testing::Test {
  protected:
   CandidateCache() { setenv("XDG_CACHE_HOME", folder_.c_str(), 1); }

@@ -61,11 +61,14 @@ TEST(Clearance, FingertipsKeepTheirDistanceFromTheFloor) {
 }
 
 TEST(Clearance, SweepReachesBackByTheApproach) {
-  const HandSpec hand;
-  const auto sweep = HandSweep(hand, 0.05, 0.12);
-  for (const AxisAlignedBox& box : {sweep[0], sweep[1]}) {
+  const GripperSpec gripper = SmallJaw();
+  const HandSpec& hand = gripper.hand;
+  const auto sweep = HandSweep(gripper, 0.05);
+  for (int finger = 0; finger < 2; ++finger) {
+    const AxisAlignedBox& box = sweep[finger];
     EXPECT_NEAR(box.center.z() + box.half_size.z(), 0, 1e-12);
-    EXPECT_NEAR(box.center.z() - box.half_size.z(), -hand.finger_size_m.z() - 0.12, 1e-12);
+    EXPECT_NEAR(box.center.z() - box.half_size.z(), -hand.finger_size_m.z() - gripper.approach_m,
+                1e-12);
   }
   EXPECT_NEAR(sweep[1].center.x() - sweep[1].half_size.x(), 0.025, 1e-12);
 }

@@ -261,6 +261,43 @@ TEST_F(Plan, RankingByChanceTakesAnyFreeGrasp) {
   EXPECT_NEAR(of_doubtful, runs * free_of_doubtful / static_cast<double>(all.grasps.size()), 50);
 }
 
+// The same plan for another mechanism: its own boxes are kept clear of wall and points.
+class PlanCup : public Plan {
+ protected:
+  PlanCup() {
+    gripper_ = GripperSpec{};
+    gripper_.mechanism = "suction_cup";
+    GraspCandidate from_above;
+    from_above.X_OG = FromAbove({0, 0, 0.025 - gripper_.cup.press_m});
+    from_above.quality = 1;
+    candidates_ = {{from_above}};
+    Place({0, 0, 0.025});
+  }
+};
+
+TEST_F(PlanCup, LoneBoxIsTakenAsTheCandidateSays) {
+  const PlanResult result = Run();
+  ASSERT_EQ(result.grasps.size(), 1u);
+  EXPECT_TRUE(result.grasps[0].X_WG.isApprox(poses_[0].X_WO * candidates_[0][0].X_OG));
+}
+
+TEST_F(PlanCup, PointsBesideTheStemRejectIt) {
+  AddRing(gripper_.cup.stem_radius_m + 0.002, 0.12);
+  EXPECT_EQ(Run().rejected.at("fingers meet a part"), 1);
+}
+
+TEST_F(PlanCup, PointsOutsideTheStemButUnderThePalmRejectIt) {
+  const double reach_m = 0.5 * gripper_.cup.palm_size_m.x() - 0.002;
+  ASSERT_GT(reach_m, gripper_.cup.stem_radius_m + 0.006);
+  AddRing(reach_m, 0.20);
+  EXPECT_EQ(Run().rejected.at("palm meets a part"), 1);
+}
+
+TEST_F(PlanCup, NarrowWallsRejectIt) {
+  bin_.inner_size_m = {0.052, 0.052, 0.25};
+  EXPECT_EQ(Run().rejected.at("bin wall"), 1);
+}
+
 TEST_F(Plan, NoPosesNoGrasps) { EXPECT_TRUE(Run().grasps.empty()); }
 
 TEST_F(Plan, PoseOfAnObjectWithoutCandidatesIsACallersFault) {
