@@ -60,7 +60,7 @@ void WriteGrasps(const GraspsArguments& arguments) {
   WritePng(folder / "grasps.png", GraspSheet(*model, gripper, candidates));
   const GraspCandidate& best = candidates.front();
   fmt::print(
-      "{} grasps of {} with {}; the best survives {:.0f} % of sampled errors and holds {:.2g} "
+      "{} grasps of {} with {}; the best survives {:.0f} % of sampled errors and holds {:.1f} "
       "times the weight from any direction\n{}\n",
       candidates.size(), model->name, gripper.name, 100 * best.robust, best.epsilon,
       (folder / "grasps.csv").string());

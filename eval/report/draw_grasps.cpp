@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "eval/report/draw.h"
@@ -20,11 +22,14 @@ using Eigen::Vector3d;
 constexpr int kTileWidth = 460, kTileHeight = 400, kColumns = 3;
 constexpr double kFocal_px = 640;
 constexpr Rgb8 kPaper{238, 240, 243}, kBars{30, 90, 180};
-constexpr int kDrawn = 14;      // hands in each view
+constexpr int kBest = 8;        // hands in the views of the best
+constexpr int kOfAll = 30;      // and in that of good and bad ones
 constexpr double kApart = 0.2;  // of the diameter; hands nearer than this look the same
 constexpr double kApart_rad = 0.7;
-constexpr double kRod_m = 0.0014;       // half the thickness of a drawn hand
+constexpr double kRod_m = 0.0011;       // half the thickness of a drawn hand
 constexpr double kShownPalm_m = 0.012;  // of the palm's length
+// Of the distance from which the ball about everything is in view: boxes seldom reach its rim.
+constexpr double kFill = 0.8;
 constexpr int kBins = 20;
 
 // A rod of square section between two points of G.
@@ -45,7 +50,18 @@ void AddRod(const Vector3d& from, const Vector3d& to, const Pose& X_OG, Triangle
   Append(rod, mesh);
 }
 
-// Fingers or stem as rods through their boxes, joined before the palm: a fork or a stalk.
+// A ring of rods across the approach.
+void AddRing(const Vector3d& center, double radius_m, const Pose& X_OG, TriangleMesh& mesh) {
+  constexpr int kSides = 12;
+  const auto at = [&](int side) -> Vector3d {
+    const double turn = 2 * std::numbers::pi * side / kSides;
+    return center + radius_m * Vector3d(std::cos(turn), std::sin(turn), 0);
+  };
+  for (int side = 0; side < kSides; ++side) AddRod(at(side), at(side + 1), X_OG, mesh);
+}
+
+// Fingers or stem as rods through their boxes, joined before the palm: a fork, or a stalk with a
+// ring of its width at the end.
 TriangleMesh HandGlyph(const GraspCandidate& candidate, const GripperSpec& gripper) {
   const auto opening = MechanismOf(gripper).approach_opening_m(gripper, candidate.width_m);
   const auto boxes = MechanismOf(gripper).boxes(gripper, opening.value_or(candidate.width_m));
@@ -58,6 +74,10 @@ TriangleMesh HandGlyph(const GraspCandidate& candidate, const GripperSpec& gripp
     const Vector3d back(front.x(), front.y(), joint.z());
     AddRod(front, back, candidate.X_OG, mesh);
     if ((back - joint).norm() > kRod_m) AddRod(back, joint, candidate.X_OG, mesh);
+  }
+  if (boxes.size() == 2) {
+    const Vector3d front = boxes[0].center + Vector3d(0, 0, boxes[0].half_size.z());
+    AddRing(front, boxes[0].half_size.x(), candidate.X_OG, mesh);
   }
   AddRod(joint, joint - Vector3d(0, 0, kShownPalm_m), candidate.X_OG, mesh);
   return mesh;
@@ -77,11 +97,15 @@ Camera Towards(const Vector3d& target, const Vector3d& from, double distance_m) 
   return camera;
 }
 
-// Part and hands, in the colours of their meshes.
+// The part in grey, and hands in their colours.
 class Studio {
  public:
   Studio(const ObjectModel& model, const std::vector<TriangleMesh>& hands) {
-    TriangleMesh part = model.mesh_O;
+    // Without colours of its own, which would be taken for qualities.
+    TriangleMesh part;
+    part.vertices = model.mesh_O.vertices;
+    part.triangles = model.mesh_O.triangles;
+    part.normals = model.mesh_O.normals;
     instances_.push_back({renderer_.AddMesh(part), Pose::Identity(), 1});
     Bounds all = MeshBounds(part);
     for (const TriangleMesh& hand : hands) {
@@ -91,13 +115,14 @@ class Studio {
       all.max = all.max.cwiseMax(bounds.max);
     }
     middle_ = all.center();
-    // So that the ball about everything is in view.
-    distance_m_ = 0.5 * all.size().norm() * kFocal_px / (0.5 * kTileHeight);
+    distance_m_ = kFill * all.size().norm() * kFocal_px / kTileHeight;
   }
 
   Image<Rgb8> View(const Vector3d& from) {
     const Camera camera = Towards(middle_, from, distance_m_);
     Light light;
+    light.ambient = 0.55;
+    light.diffuse = 0.45;
     light.position_W = camera.X_WC * Vector3d(-0.5, -0.6, -0.3);
     RenderedImage image = renderer_.Render(camera, instances_, light);
     for (size_t i = 0; i < image.color.size(); ++i) {
@@ -160,9 +185,13 @@ std::vector<int> GraspsToDraw(const std::vector<GraspCandidate>& candidates, int
 Image<Rgb8> GraspSheet(const ObjectModel& model, const GripperSpec& gripper,
                        const std::vector<GraspCandidate>& candidates) {
   CheckInput(!candidates.empty(), "there is no grasp to draw");
-  std::vector<TriangleMesh> hands;
-  for (const int i : GraspsToDraw(candidates, kDrawn, model.diameter_m)) {
-    hands.push_back(HandGlyph(candidates[i], gripper));
+  std::vector<TriangleMesh> best, of_all;
+  for (const int i : GraspsToDraw(candidates, kBest, model.diameter_m)) {
+    best.push_back(HandGlyph(candidates[i], gripper));
+  }
+  const size_t step = std::max<size_t>(1, candidates.size() / kOfAll);
+  for (size_t i = 0; i < candidates.size(); i += step) {
+    of_all.push_back(HandGlyph(candidates[i], gripper));
   }
   std::vector<double> quality, robust, epsilon;
   for (const GraspCandidate& candidate : candidates) {
@@ -171,16 +200,15 @@ Image<Rgb8> GraspSheet(const ObjectModel& model, const GripperSpec& gripper,
     epsilon.push_back(candidate.epsilon);
   }
   const double top = std::max(1e-3, *std::max_element(epsilon.begin(), epsilon.end()));
-  Studio studio(model, hands);
+  Studio studio(model, best), studio_of_all(model, of_all);
   const Image<Rgb8> sheet = ContactSheet(
-      {studio.View({1, -1.3, 0.9}), studio.View({-1.2, 1, 0.5}), studio.View({0, 0, 1}),
+      {studio.View({1, -1.3, 0.9}), studio.View({-1.2, 1, 0.5}), studio_of_all.View({1, -1.3, 0.9}),
        Histogram(robust, 1, "robust: share of sampled errors survived"),
        Histogram(epsilon, top, "epsilon: least load that is too much, part weights"),
        Histogram(quality, 1, "quality of the contacts")},
-      {fmt::format("{} and {}: {} of {} grasps", model.name, gripper.name, hands.size(),
-                   candidates.size()),
-       "from behind", "from above", fmt::format("median {:.2f}", Median(robust)),
-       fmt::format("median {:.2f}", Median(epsilon)),
+      {fmt::format("{} and {}: the best of {} grasps", model.name, gripper.name, candidates.size()),
+       "the same from behind", fmt::format("{} of all grasps, good and bad", of_all.size()),
+       fmt::format("median {:.2f}", Median(robust)), fmt::format("median {:.2f}", Median(epsilon)),
        fmt::format("median {:.2f}", Median(quality))},
       kColumns);
   std::vector<LegendEntry> legend;
