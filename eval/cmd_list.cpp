@@ -44,8 +44,7 @@ void ListRefiners(const std::string&) {
 void ListGrippers(const std::string&) {
   for (const std::string& name : GripperNames()) {
     const GripperSpec spec = LoadGripper(name);
-    Row(name, fmt::format("{}, opens {:.0f} mm, {:.0f} N", spec.mechanism, 1e3 * spec.hand.stroke_m,
-                          spec.hand.force_n));
+    Row(name, fmt::format("{}, {}", spec.mechanism, MechanismOf(spec).summary(spec)));
   }
 }
 

@@ -9,7 +9,7 @@
 #include "eval/matching.h"
 #include "eval/pictures.h"
 #include "eval/virtual_cell.h"
-#include "grasp/antipodal.h"
+#include "grasp/candidates.h"
 
 namespace pickbed {
 namespace {
@@ -106,7 +106,7 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
       estimator(cell, scenario, 1, progress) {
   for (const auto& model : cell.objects()) {
     metric_models.push_back(MakeMetricModel(*model));
-    candidates.push_back(CachedAntipodalGrasps(*model, gripper));
+    candidates.push_back(CachedCandidates(*model, gripper));
   }
 }
 

@@ -1,11 +1,11 @@
 #include "grasp/antipodal.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "grasp/pad_contact.h"
+#include "grasp/spread.h"
 #include "scenes/friction.h"
 #include "scenes/mesh_query.h"
 
@@ -15,9 +15,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kGravity_mps2 = 9.81;
-// Bounds of the cloud that pads are tested on: enough for a bolt, cheap for a drill.
-constexpr int kMinSurfacePoints = 2000;
-constexpr int kMaxSurfacePoints = 8000;
 
 // Two surface points that face away from each other along `axis_O` (unit, first to second).
 struct ContactPair {
@@ -114,9 +111,9 @@ struct Judge {
     contact = close();
     if (!good(contact)) return candidate;
     const auto opening = MechanismOf(gripper).approach_opening_m(gripper, contact.width_m());
-    if (!opening || !HandClearsPart(turned, X_OG, hand, *opening, options.own_margin_m)) {
-      return candidate;
-    }
+    if (!opening) return candidate;
+    const auto boxes = MechanismOf(gripper).boxes(gripper, *opening);
+    if (!HandClearsPart(turned, X_OG, boxes, options.own_margin_m)) return candidate;
     candidate.X_OG = X_OG;
     candidate.width_m = contact.width_m();
     candidate.depth_m = -contact.shared_center().y();
@@ -124,18 +121,6 @@ struct Judge {
     return candidate;
   }
 };
-
-// Approach directions sorted into 3 x 3 cells on each face of a cube.
-constexpr int kDirectionCells = 54;
-int DirectionCell(const Vector3d& direction) {
-  int axis = 0;
-  direction.cwiseAbs().maxCoeff(&axis);
-  const double scale = 1 / std::abs(direction[axis]);
-  const auto third = [](double value) { return std::clamp(int((value + 1) * 1.5), 0, 2); };
-  const int cell =
-      3 * third(direction[(axis + 1) % 3] * scale) + third(direction[(axis + 2) % 3] * scale);
-  return 9 * (2 * axis + (direction[axis] > 0 ? 1 : 0)) + cell;
-}
 
 bool SameGrasp(const GraspCandidate& a, const GraspCandidate& b, const AntipodalOptions& options) {
   if ((a.X_OG.translation() - b.X_OG.translation()).norm() > options.spacing_m) return false;
@@ -145,40 +130,6 @@ bool SameGrasp(const GraspCandidate& a, const GraspCandidate& b, const Antipodal
   const double angle = std::min(RotationAngleRad(a.X_OG.linear(), b.X_OG.linear()),
                                 RotationAngleRad(a.X_OG.linear(), flipped));
   return angle < options.spacing_rad;
-}
-
-// The best of each approach direction in turn, so that some candidate comes from above however the
-// part lies.
-std::vector<GraspCandidate> Spread(std::vector<GraspCandidate> all,
-                                   const AntipodalOptions& options) {
-  std::stable_sort(all.begin(), all.end(),
-                   [](const auto& a, const auto& b) { return a.quality > b.quality; });
-  std::array<std::vector<const GraspCandidate*>, kDirectionCells> cells;
-  for (const GraspCandidate& candidate : all) {
-    cells[DirectionCell(candidate.X_OG.linear().col(2))].push_back(&candidate);
-  }
-  std::array<size_t, kDirectionCells> next{};
-  std::vector<GraspCandidate> chosen;
-  const auto take_one = [&](int cell) {
-    while (next[cell] < cells[cell].size()) {
-      const GraspCandidate& candidate = *cells[cell][next[cell]++];
-      const bool known = std::any_of(chosen.begin(), chosen.end(), [&](const auto& other) {
-        return SameGrasp(candidate, other, options);
-      });
-      if (known) continue;
-      chosen.push_back(candidate);
-      return true;
-    }
-    return false;
-  };
-  for (bool progress = true; progress;) {
-    progress = false;
-    for (int cell = 0; cell < kDirectionCells; ++cell) {
-      if (static_cast<int>(chosen.size()) >= options.candidates) return chosen;
-      progress |= take_one(cell);
-    }
-  }
-  return chosen;
 }
 
 }  // namespace
@@ -192,6 +143,8 @@ void AntipodalOptions::Visit(SettingsVisitor& v) {
   v.Real("straight_share", straight_share, {0, 1}, "of the rays along the normal");
   v.Vector3("tips_beyond_m", tips_beyond_m, {0, 0.05}, "tips past the contact, m");
   v.Real("point_spacing_m", point_spacing_m, {1e-4, 0.02}, "of the tested surface points, m");
+  v.Integer("min_points", min_points, {100, 1e6}, "of the tested surface, at least");
+  v.Integer("max_points", max_points, {100, 1e6}, "of the tested surface, at most");
   v.Real("min_width_m", min_width_m, {1e-4, 0.1}, "thinner walls are left alone, m");
   v.Real("touch_band_m", touch_band_m, {1e-5, 0.01}, "depth that counts as contact, m");
   v.Real("full_pad_share", full_pad_share, {0.01, 1}, "of a pad that is as good as all of it");
@@ -209,7 +162,7 @@ std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const Grip
   const auto pairs = FindPairs(model, cone_rad, max_width, options, rng);
   if (pairs.empty()) return {};
   const SurfacePoints surface = SpreadPoints(model.mesh_O, options.point_spacing_m,
-                                             kMinSurfacePoints, kMaxSurfacePoints, rng);
+                                             options.min_points, options.max_points, rng);
   const Judge judge{model, gripper, options, surface, friction, cone_rad};
 
   std::vector<GraspCandidate> all;
@@ -225,7 +178,9 @@ std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const Grip
       }
     }
   }
-  return Spread(std::move(all), options);
+  return SpreadOverDirections(
+      std::move(all), options.candidates,
+      [&](const auto& a, const auto& b) { return SameGrasp(a, b, options); });
 }
 
 }  // namespace pickbed

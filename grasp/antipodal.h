@@ -28,6 +28,8 @@ struct AntipodalOptions {
   // How far the tips stand beyond the contact, m; shallow ones serve parts that lie on the floor.
   Eigen::Vector3d tips_beyond_m{0.014, 0.009, 0.004};
   double point_spacing_m = 0.002;  // of the surface points that pads and hand are tested on
+  int min_points = 2000;           // of them, whatever the spacing: enough for a bolt
+  int max_points = 8000;           // and no more: cheap for a drill
   double min_width_m = 0.002;      // thinner walls are left alone
   double touch_band_m = 0.0005;    // surface this near to the first touch is in contact
   double full_pad_share = 0.15;    // of a pad in contact that is as good as all of it
@@ -41,10 +43,5 @@ struct AntipodalOptions {
 // Empty when the part has no antipodal pair that fits the stroke: a result, not an error.
 std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const GripperSpec& gripper,
                                             Rng& rng, const AntipodalOptions& options = {});
-
-// The same from the cache, keyed by mesh hash, gripper and options; made and stored when missing.
-std::vector<GraspCandidate> CachedAntipodalGrasps(const ObjectModel& model,
-                                                  const GripperSpec& gripper,
-                                                  const AntipodalOptions& options = {});
 
 }  // namespace pickbed

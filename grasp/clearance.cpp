@@ -42,12 +42,11 @@ double SlabDistance(const AxisAlignedBox& box, const Vector3d& p) {
 
 }  // namespace
 
-std::array<AxisAlignedBox, 3> HandSweep(const HandSpec& hand, double opening_m, double approach_m) {
-  const std::vector<AxisAlignedBox> boxes = HandBoxes(hand, opening_m);
-  std::array<AxisAlignedBox, 3> sweep{boxes.at(0), boxes.at(1), boxes.at(2)};
+std::vector<AxisAlignedBox> HandSweep(const GripperSpec& gripper, double opening_m) {
+  std::vector<AxisAlignedBox> sweep = MechanismOf(gripper).boxes(gripper, opening_m);
   for (AxisAlignedBox& box : sweep) {
-    box.center.z() -= 0.5 * approach_m;
-    box.half_size.z() += 0.5 * approach_m;
+    box.center.z() -= 0.5 * gripper.approach_m;
+    box.half_size.z() += 0.5 * gripper.approach_m;
   }
   return sweep;
 }
@@ -157,12 +156,13 @@ int ObstacleField::Column(double x, double y) const {
   return row * columns_ + column;
 }
 
-ObstacleField::Answer ObstacleField::Look(const Pose& X_WG,
-                                          const std::array<AxisAlignedBox, 3>& sweep_G,
+ObstacleField::Answer ObstacleField::Look(const Pose& X_WG, std::span<const AxisAlignedBox> sweep_G,
                                           const AxisAlignedBox& between_box,
                                           const std::vector<uint8_t>& ignored,
                                           double limit_m) const {
-  Answer answer{{limit_m, limit_m, limit_m}, 0};
+  Answer answer;
+  answer.distance_m.fill(limit_m);
+  const size_t boxes = std::min(sweep_G.size(), kMaxHandBoxes);
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const AxisAlignedBox& box : sweep_G) {
     const Vector3d center = X_WG * box.center;
@@ -183,7 +183,7 @@ ObstacleField::Answer ObstacleField::Look(const Pose& X_WG,
         continue;
       }
       const Vector3d p_G = R_GW * (p - X_WG.translation());
-      for (int k = 0; k < 3; ++k) {
+      for (size_t k = 0; k < boxes; ++k) {
         answer.distance_m[k] = std::min(answer.distance_m[k], SlabDistance(sweep_G[k], p_G));
       }
       answer.between += SlabDistance(between_box, p_G) < 0;

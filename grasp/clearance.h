@@ -16,9 +16,9 @@
 
 namespace pickbed {
 
-// The volume that the open hand passes through on its straight approach, as boxes in G: left
-// finger, right finger, palm, each drawn out backwards by the approach.
-std::array<AxisAlignedBox, 3> HandSweep(const HandSpec& hand, double opening_m, double approach_m);
+// The volume that the open hand passes through on its straight approach, as boxes in G: those of
+// its mechanism (fingers or stem, the palm last), each drawn out backwards by the approach.
+std::vector<AxisAlignedBox> HandSweep(const GripperSpec& gripper, double opening_m);
 
 // First of the boxes (in G) that comes within `clearance_m` of a bin box, and which bin box: index
 // of BinBoxes. Separating axes of oriented boxes (Gottschalk et al. 1996).
@@ -58,14 +58,15 @@ class ObstacleField {
   const std::vector<Eigen::Vector3d>& points_W() const { return points_W_; }
   const std::vector<int>& sources() const { return sources_; }
 
-  // Nearest counted point to each hand box, by the largest of its distances to the box's slabs, up
-  // to `limit_m`; negative inside. `ignored` holds a flag for each point. `between` counts points
-  // in `between_box` (in G).
+  // Nearest counted point to each hand box (at most kMaxHandBoxes), by the largest of its distances
+  // to the box's slabs, up to `limit_m`; negative inside. `ignored` holds a flag for each point.
+  // `between` counts points in `between_box` (in G).
+  static constexpr size_t kMaxHandBoxes = 8;
   struct Answer {
-    std::array<double, 3> distance_m;
+    std::array<double, kMaxHandBoxes> distance_m;
     int between = 0;
   };
-  Answer Look(const Pose& X_WG, const std::array<AxisAlignedBox, 3>& sweep_G,
+  Answer Look(const Pose& X_WG, std::span<const AxisAlignedBox> sweep_G,
               const AxisAlignedBox& between_box, const std::vector<uint8_t>& ignored,
               double limit_m) const;
 

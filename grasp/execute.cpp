@@ -36,9 +36,10 @@ class Attempt {
     opening_m_ = opening.value_or(gripper.hand.stroke_m);
     AddParts();
     // A hand starts as open as its stroke lets it: its sliders' end stop is where it shall start.
-    HandSpec hand = gripper.hand;
-    hand.stroke_m = opening_m_;
-    hand_ = &world_.AddHand(hand, X_WG_ * Translation({0, 0, -gripper.approach_m}));
+    GripperSpec hand = gripper;
+    hand.hand.stroke_m = opening_m_;
+    hand_ =
+        &MechanismOf(gripper).add(world_, hand, X_WG_ * Translation({0, 0, -gripper.approach_m}));
     hand_->HoldOpening(opening_m_);
   }
 
@@ -130,7 +131,7 @@ class Attempt {
     return true;
   }
 
-  // False when the fingers met each other.
+  // False when the fingers met each other, or a cup did not seal.
   bool CloseOnPart() {
     hand_->Close();
     const int window = Steps(kStallWindow_s);
@@ -145,7 +146,7 @@ class Attempt {
       last = hand_->opening_m();
       if (i > window && speed < options_.stalled_mps) break;
     }
-    return !world_.PartsTouchingHand().empty();
+    return hand_->Holds();
   }
 
   void MarkLiftStart() {

@@ -16,6 +16,11 @@ struct GraspCandidate {
   double width_m = 0;  // distance of the two contacts
   double depth_m = 0;  // of the contact's middle behind the finger tips
   double quality = 0;  // 0..1
+  // Ferrari and Canny's epsilon (grasp/wrench_space.h): the largest load from any direction that is
+  // held, forces in weights of the part, torques about its centre of mass in weights times half its
+  // diameter.
+  double epsilon = 0;
+  double robust = 0;  // 0..1, share of sampled errors under which the part is lifted
 };
 
 // In the world, for one hypothesis of a list.

@@ -1,20 +1,21 @@
 #include "grasp/gripper.h"
 
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <filesystem>
 
 #include "grasp/grippers/parallel_jaw.h"
+#include "grasp/grippers/suction_cup.h"
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
 
 namespace pickbed {
 namespace {
 
-// A size of zero would make a hand that touches nothing; a tenth of a millimetre is below any
-// gripper that is built.
-constexpr double kSmallestSize_m = 1e-4;
-constexpr double kLargestSize_m = 1.0;
+constexpr double kGravity_mps2 = 9.81;
 
 std::vector<std::string> MechanismNames() {
   std::vector<std::string> names;
@@ -33,25 +34,14 @@ std::filesystem::path GripperFile(const std::string& name_or_path) {
 }  // namespace
 
 void GripperSpec::Visit(SettingsVisitor& v) {
-  const Range size{kSmallestSize_m, kLargestSize_m};
-  v.Text("mechanism", mechanism, MechanismNames(), "how the hand closes");
-  v.Vector3("finger_size_m", hand.finger_size_m, size,
-            "x thickness, y width, z length of a finger");
-  v.Vector3("palm_size_m", hand.palm_size_m, size, "box behind the fingers");
-  v.Real("stroke_m", hand.stroke_m, size, "largest opening between the pads, m");
-  v.Real("finger_mass_kg", hand.finger_mass_kg, {0.001, 10}, "of each finger, kg");
-  v.Real("force_n", hand.force_n, {0.1, 2000}, "of each finger on the part, N");
-  v.Real("close_speed_mps", hand.close_speed_mps, {0.001, 1}, "of each finger, m/s");
-  v.Real("pad_friction", hand.pad_friction, {0.01, 3}, "of a pad; multiplies the part's own value");
+  v.Text("mechanism", mechanism, MechanismNames(), "how the hand holds");
+  MechanismOf(*this).visit(*this, v);
   v.Real("approach_m", approach_m, {0.01, 1}, "straight-line approach before the grasp, m");
   v.Real("clearance_m", clearance_m, {0, 0.05}, "kept between hand and anything else, m");
 }
 
 std::span<const MechanismRow> MechanismTable() {
-  static constexpr std::array<MechanismRow, 1> kTable{{
-      {"parallel_jaw", "two coupled fingers on a slider with a force limit", CheckParallelJaw,
-       ParallelJawApproachOpening},
-  }};
+  static const std::array<MechanismRow, 2> kTable{ParallelJawRow(), SuctionCupRow()};
   return kTable;
 }
 
@@ -72,5 +62,35 @@ GripperSpec LoadGripper(const std::string& name_or_path) {
 }
 
 std::vector<std::string> GripperNames() { return StemsIn(AssetsDir() / "grippers", ".yaml"); }
+
+void RequireFitsBin(const GripperSpec& gripper, const Bin& bin) {
+  if (bin.inner_size_m.z() <= 0) return;
+  Eigen::AlignedBox2d inside;
+  for (const AxisAlignedBox& box : MechanismOf(gripper).boxes(gripper, 0)) {
+    const double above_floor_m = -(box.center.z() + box.half_size.z());
+    if (above_floor_m >= bin.inner_size_m.z()) continue;
+    inside.extend(Eigen::Vector2d((box.center - box.half_size).head<2>()));
+    inside.extend(Eigen::Vector2d((box.center + box.half_size).head<2>()));
+  }
+  const Eigen::Vector2d hand = inside.sizes(), room = bin.inner_size_m.head<2>();
+  const bool fits =
+      (hand.array() <= room.array()).all() || (hand.reverse().array() <= room.array()).all();
+  CheckInput(fits, fmt::format("gripper '{}' is wider than the bin: {:.0f} x {:.0f} mm of it must "
+                               "go between walls {:.0f} x {:.0f} mm apart; take a smaller gripper "
+                               "or a larger bin",
+                               gripper.name, 1e3 * hand.x(), 1e3 * hand.y(), 1e3 * room.x(),
+                               1e3 * room.y()));
+}
+
+void RequireCanCarry(const GripperSpec& gripper, const ObjectModel& part) {
+  const double capacity_n = MechanismOf(gripper).capacity_n(gripper, part.friction);
+  const double weight_n = kGravity_mps2 * part.mass.mass_kg;
+  CheckInput(weight_n < capacity_n,
+             fmt::format("part '{}' is too heavy for gripper '{}': it weighs {:.3g} kg, {:.3g} N, "
+                         "and the gripper carries at most {:.3g} N of it ({}, friction {:g}); take "
+                         "a stronger gripper",
+                         part.name, gripper.name, part.mass.mass_kg, weight_n, capacity_n,
+                         MechanismOf(gripper).summary(gripper), part.friction));
+}
 
 }  // namespace pickbed

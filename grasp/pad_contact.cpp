@@ -106,13 +106,46 @@ PadContact ClosePads(const SurfacePoints& surface, const PointColumns& turned, c
   return contact;
 }
 
-bool HandClearsPart(const PointColumns& turned, const Pose& X_OG, const HandSpec& hand,
-                    double opening_m, double margin_m) {
+std::array<PadPatch, 2> TouchedPatches(const SurfacePoints& surface, const PointColumns& turned,
+                                       const Pose& X_OG, const HandSpec& hand,
+                                       const PadContact& contact, double band_m) {
+  const Eigen::Matrix3d R_GO = X_OG.linear().transpose();
+  const Eigen::Vector3d origin = R_GO * X_OG.translation();
+  const float low_x = origin.x() + contact.low_x_m, high_x = origin.x() + contact.high_x_m;
+  const float band = band_m, half_width = 0.5 * hand.finger_size_m.y();
+  const float half_stroke = 0.5 * hand.stroke_m;
+  const float x = origin.x(), y = origin.y(), high_z = origin.z(),
+              low_z = origin.z() - hand.finger_size_m.z();
+  std::array<PadPatch, 2> patches;
+  for (int i = 0; i < turned.rows(); ++i) {
+    if (std::abs(turned(i, 1) - y) > half_width || turned(i, 2) > high_z || turned(i, 2) < low_z) {
+      continue;
+    }
+    if (std::abs(turned(i, 0) - x) > half_stroke) continue;
+    const bool near_low = turned(i, 0) < low_x + band;
+    const bool near_high = turned(i, 0) > high_x - band;
+    if (!near_low && !near_high) continue;
+    const Eigen::Vector3d normal =
+        R_GO * surface.normals_O.row(i).matrix().transpose().cast<double>();
+    const Eigen::Vector3d p = turned.row(i).matrix().transpose().cast<double>() - origin;
+    const auto add = [&](PadPatch& patch) {
+      patch.points_G.push_back(p);
+      patch.normal_G += normal;
+    };
+    if (near_low && normal.x() < -kFacingCosine) add(patches[0]);
+    if (near_high && normal.x() > kFacingCosine) add(patches[1]);
+  }
+  for (PadPatch& patch : patches) patch.normal_G.normalize();
+  return patches;
+}
+
+bool HandClearsPart(const PointColumns& turned, const Pose& X_OG,
+                    std::span<const AxisAlignedBox> boxes_G, double margin_m) {
   const Eigen::Vector3d origin = X_OG.linear().transpose() * X_OG.translation();
   const float* x = turned.col(0).data();
   const float* y = turned.col(1).data();
   const float* z = turned.col(2).data();
-  for (const AxisAlignedBox& box : HandBoxes(hand, opening_m)) {
+  for (const AxisAlignedBox& box : boxes_G) {
     const Eigen::Vector3f center = (origin + box.center).cast<float>();
     const Eigen::Vector3f reach = (box.half_size.array() + margin_m).cast<float>();
     const float front_z = center.z() + reach.z();

@@ -4,6 +4,9 @@
 // stop, on how much surface, and whether the rest of the hand is clear of the part.
 
 #include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
 
 #include "grasp/gripper.h"
 #include "scenes/object_model.h"
@@ -43,14 +46,25 @@ struct PadContact {
   Eigen::Vector2d shared_center() const { return 0.5 * (shared_min + shared_max); }
 };
 
+// Where one pad touches: places in G, and the mean of the surface's normals there.
+struct PadPatch {
+  std::vector<Eigen::Vector3d> points_G;
+  Eigen::Vector3d normal_G = Eigen::Vector3d::Zero();  // unit, out of the part
+};
+
 // Closes the pads of `hand` at X_OG on the part; `turned` are its points turned by R_OG. Surface
 // within `band_m` of the first touch counts as contact. Places are in G.
 PadContact ClosePads(const SurfacePoints& surface, const PointColumns& turned, const Pose& X_OG,
                      const HandSpec& hand, double band_m);
 
-// True when no point is within `margin_m` of the hand's boxes, or of where they pass on the
+// The patches of pads that stopped as `contact` says: low x first.
+std::array<PadPatch, 2> TouchedPatches(const SurfacePoints& surface, const PointColumns& turned,
+                                       const Pose& X_OG, const HandSpec& hand,
+                                       const PadContact& contact, double band_m);
+
+// True when no point is within `margin_m` of the hand's boxes (in G), or of where they pass on the
 // straight approach along z of G.
-bool HandClearsPart(const PointColumns& turned, const Pose& X_OG, const HandSpec& hand,
-                    double opening_m, double margin_m);
+bool HandClearsPart(const PointColumns& turned, const Pose& X_OG,
+                    std::span<const AxisAlignedBox> boxes_G, double margin_m);
 
 }  // namespace pickbed

@@ -7,6 +7,7 @@
 
 #include "grasp/clearance.h"
 #include "grasp/pad_contact.h"
+#include "scenes/check.h"
 
 namespace pickbed {
 namespace {
@@ -58,6 +59,26 @@ PartShape MakeShape(const PlanInput& input, int object, const PlanOptions& optio
   return shape;
 }
 
+constexpr std::array<RankingRow, 4> kRankings{{
+    {"quality", "angle, area, depth and lever of the contacts, 0..1",
+     [](const GraspCandidate& candidate) { return candidate.quality; }},
+    {"epsilon", "the least load that is too much, from any direction",
+     [](const GraspCandidate& candidate) { return candidate.epsilon / (1 + candidate.epsilon); }},
+    {"robust", "share of sampled errors that it survives",
+     [](const GraspCandidate& candidate) { return candidate.robust; }},
+    {"random", "chance alone among the grasps without collision: what ranking has to beat",
+     nullptr},
+}};
+
+const RankingRow& RankingOf(const std::string& name) {
+  std::vector<std::string> names;
+  for (const RankingRow& row : kRankings) {
+    if (name == row.name) return row;
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("ranking", name, names));
+}
+
 Vector3d CenterOf(const PlanInput& input, const BelievedPose& pose) {
   return pose.X_WO * input.objects[pose.object]->mass.com_O;
 }
@@ -67,6 +88,7 @@ class Planner {
   Planner(const PlanInput& input, const PlanOptions& options)
       : input_(input),
         options_(options),
+        ranking_(RankingOf(options.ranking)),
         bin_boxes_(BinBoxes(input.bin)),
         shapes_(MakeShapes()),
         field_(MakeField()) {
@@ -78,6 +100,10 @@ class Planner {
 
   PlanResult Run() {
     for (size_t i = 0; i < input_.poses.size(); ++i) PlanPose(static_cast<int>(i));
+    if (by_chance()) {
+      Rng rng(options_.seed);
+      for (Pending& pending : pending_) pending.grasp.score = rng.Uniform();
+    }
     // Looking at the points costs most and only lowers a score: the best go first, until no other
     // can come among the reported.
     std::stable_sort(pending_.begin(), pending_.end(), [](const Pending& a, const Pending& b) {
@@ -106,6 +132,8 @@ class Planner {
   }
 
  private:
+  bool by_chance() const { return ranking_.value == nullptr; }
+
   // Free of the bin, not yet held against the points.
   struct Pending {
     Grasp grasp;
@@ -125,7 +153,10 @@ class Planner {
   }
 
   ObstacleField MakeField() const {
-    const double height = input_.gripper.approach_m + input_.gripper.hand.finger_size_m.z();
+    double height = 0;  // of what the hand passes through over its tips
+    for (const AxisAlignedBox& box : HandSweep(input_.gripper, 0)) {
+      height = std::max(height, box.half_size.z() - box.center.z());
+    }
     std::vector<Vector3d> points =
         ThinnedCloud(input_.cloud_W, input_.bin, options_.voxel_m, options_.bin_band_m, height);
     std::vector<int> sources(points.size(), -1);
@@ -183,7 +214,7 @@ class Planner {
       grasp.X_WG = pose.X_WO * candidates[k].X_OG;
       grasp.width_m = candidates[k].width_m;
       grasp.hypothesis = target;
-      grasp.score = pose_score * candidates[k].quality;
+      grasp.score = pose_score * (by_chance() ? 1 : ranking_.value(candidates[k]));
       const std::optional<double>& opening_m = shape.openings_m[k];
       const Cause cause = CheckBin(candidates[k], opening_m, grasp);
       if (cause == kFree) {
@@ -196,8 +227,7 @@ class Planner {
 
   // Draws a hand that would meet the floor back along its approach, and its score with it; false
   // when too little of the contact would be left.
-  bool KeepOffFloor(const std::array<AxisAlignedBox, 3>& sweep, double depth_m,
-                    Grasp& grasp) const {
+  bool KeepOffFloor(std::span<const AxisAlignedBox> sweep, double depth_m, Grasp& grasp) const {
     const Eigen::RowVector3d up = grasp.X_WG.linear().row(2);
     double lowest = std::numeric_limits<double>::infinity();
     for (const AxisAlignedBox& box : sweep) {
@@ -221,9 +251,9 @@ class Planner {
                  Grasp& grasp) const {
     const double tilt = std::acos(std::clamp(-grasp.X_WG.linear()(2, 2), -1.0, 1.0));
     if (tilt > options_.max_tilt_rad) return kTilt;
-    if (candidate.quality < options_.min_quality) return kQuality;
+    if (!by_chance() && candidate.quality < options_.min_quality) return kQuality;
     if (!opening_m) return kOpening;
-    const auto sweep = HandSweep(input_.gripper.hand, *opening_m, input_.gripper.approach_m);
+    const auto sweep = HandSweep(input_.gripper, *opening_m);
     if (!KeepOffFloor(sweep, candidate.depth_m, grasp)) return kBinFloor;
     if (FindBinContact(sweep, grasp.X_WG, bin_boxes_, options_.bin_clearance_m)) return kBinWall;
     grasp.score *= 1 - options_.tilt_share * tilt / options_.max_tilt_rad;
@@ -234,16 +264,18 @@ class Planner {
   Cause CheckPoints(Pending& pending) const {
     const GripperSpec& gripper = input_.gripper;
     Grasp& grasp = pending.grasp;
-    const auto sweep = HandSweep(gripper.hand, pending.opening_m, gripper.approach_m);
+    const auto sweep = HandSweep(gripper, pending.opening_m);
     const Vector3d half_pad = 0.5 * gripper.hand.finger_size_m;
     const AxisAlignedBox between{{0, 0, -half_pad.z()},
                                  {0.5 * pending.opening_m, half_pad.y(), half_pad.z()}};
     const auto seen =
         field_.Look(grasp.X_WG, sweep, between, ignored_[grasp.hypothesis], options_.good_room_m);
-    const double fingers = std::min(seen.distance_m[0], seen.distance_m[1]);
+    const auto palm = seen.distance_m.begin() + sweep.size() - 1;
+    const double fingers = *std::min_element(seen.distance_m.begin(), palm);
     if (fingers < gripper.clearance_m) return kFingers;
-    if (seen.distance_m[2] < gripper.clearance_m) return kPalm;
-    const double room = std::min(1.0, std::min(fingers, seen.distance_m[2]) / options_.good_room_m);
+    if (*palm < gripper.clearance_m) return kPalm;
+    if (by_chance()) return kFree;
+    const double room = std::min(1.0, std::min(fingers, *palm) / options_.good_room_m);
     const double crowd = std::min(1.0, double(seen.between) / options_.many_between);
     grasp.score *= (1 - options_.room_share * (1 - room)) * (1 - options_.between_share * crowd);
     return kFree;
@@ -251,6 +283,7 @@ class Planner {
 
   const PlanInput& input_;
   const PlanOptions& options_;
+  const RankingRow& ranking_;
   std::vector<AxisAlignedBox> bin_boxes_;
   std::vector<std::optional<PartShape>> shapes_;  // by object, where some pose names it
   ObstacleField field_;
@@ -267,6 +300,10 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   const Range share{0, 1};
   const Range length{0, 0.1};
   v.Integer("max_grasps", max_grasps, {1, 1000}, "reported");
+  std::vector<std::string> rankings;
+  for (const RankingRow& row : kRankings) rankings.push_back(row.name);
+  v.Text("ranking", ranking, rankings, "by what of a candidate grasps are ranked");
+  v.Seed("seed", seed, "of the ranking by chance");
   v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.6}, "of the approach from straight down, rad");
   v.Real("own_points_m", own_points_m, {0.001, 0.1}, "points this near are the target's own, m");
   v.Real("bin_clearance_m", bin_clearance_m, length, "kept between hand and bin, m");
@@ -287,6 +324,8 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.Integer("many_between", many_between, {1, 100000}, "points between fingers at full loss");
   v.Real("cover_above_m", cover_above_m, length, "points this much higher lie on the target, m");
 }
+
+std::span<const RankingRow> RankingTable() { return kRankings; }
 
 PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
   return Planner(input, options).Run();

@@ -11,10 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "grasp/antipodal.h"
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
 #include "scenes/bin.h"
+#include "scenes/object_model.h"
+#include "scenes/settings.h"
 
 namespace pickbed {
 
@@ -34,9 +35,19 @@ struct PlanInput {
   const GripperSpec& gripper;
 };
 
+// By what of a candidate grasps are ranked, beside the confidence of the pose, height and room.
+struct RankingRow {
+  const char* name;
+  const char* help;
+  double (*value)(const GraspCandidate& candidate);  // null = by chance alone
+};
+std::span<const RankingRow> RankingTable();
+
 struct PlanOptions {
-  int max_grasps = 5;           // reported
-  double max_tilt_rad = 1.05;   // of the approach from straight down
+  int max_grasps = 5;               // reported
+  std::string ranking = "quality";  // a row of RankingTable()
+  uint64_t seed = 0;                // of the ranking by chance
+  double max_tilt_rad = 1.05;       // of the approach from straight down
   double own_points_m = 0.006;  // cloud points this near to the target's own surface are its own
 
   // Kept between hand and bin, whose place is known better than a part's.
@@ -66,12 +77,14 @@ struct PlanOptions {
 
 struct PlanResult {
   std::vector<Grasp> grasps;  // best first
-  // Cause -> count. Causes: tilt, quality, opening, bin floor, bin wall, fingers meet a part, palm
-  // meets a part. The last two are looked for from the best candidate on, until enough are free.
+  // Cause -> count. Causes: tilt, quality, opening, bin floor, bin wall, fingers meet a part (a
+  // cup's stem too), palm meets a part. The last two are looked for from the best candidate on,
+  // until enough are free.
   std::map<std::string, int> rejected;
 };
 
-// Throws std::logic_error when a pose names an object outside `candidates` or `objects`.
+// Throws std::logic_error when a pose names an object outside `candidates` or `objects`, InputError
+// for a ranking that is not known.
 PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options = {});
 
 }  // namespace pickbed

@@ -8,14 +8,18 @@
 // centimetres, and in single precision hid overlaps of 5 mm. Masses stay kg and times s, so
 // velocities, accelerations and forces carry the factor once, torques and inertias twice.
 
+#include <functional>
 #include <memory>
 #include <vector>
 
+#include "scenes/object_model.h"
 #include "scenes/pose.h"
+#include "sim/cup_joint.h"
 #include "sim/hand_joints.h"
 
 class btDiscreteDynamicsWorld;
 class btMatrix3x3;
+class btRigidBody;
 class btTransform;
 class btVector3;
 
@@ -43,10 +47,27 @@ class BulletHand : public Hand {
  public:
   virtual void AfterStep() = 0;
   virtual std::vector<int> TouchedParts() const = 0;
+  // The part is about to be taken out of the world.
+  virtual void LetGoOf(int part) = 0;
+};
+
+// A part as a hand sees it.
+struct PartInWorld {
+  btRigidBody* body = nullptr;         // null once it was taken out
+  const ObjectModel* model = nullptr;  // valid as long as the caller of AddPart keeps it
+  Pose X_BO = Pose::Identity();        // B: the body's own frame
+};
+
+// What a cup asks of the world: how many parts there are, and the one of an index.
+struct PartsInWorld {
+  std::function<int()> count;
+  std::function<PartInWorld(int)> part;
 };
 
 // The hand adds itself to `world`, which must outlive it, and takes itself out when destroyed.
 std::unique_ptr<BulletHand> MakeBulletHand(btDiscreteDynamicsWorld& world, const HandSpec& spec,
                                            const Pose& X_WG, double step_s);
+std::unique_ptr<BulletHand> MakeBulletCup(btDiscreteDynamicsWorld& world, const CupSpec& spec,
+                                          const Pose& X_WG, double step_s, PartsInWorld parts);
 
 }  // namespace pickbed

@@ -63,9 +63,11 @@ class JawHand : public BulletHand {
   double opening_m() const override;
   Pose X_WG() const override { return X_WG_; }
   std::array<double, 2> ContactForces_n() const override { return forces_n_; }
+  bool Holds() const override { return forces_n_[0] > kTouch_n && forces_n_[1] > kTouch_n; }
 
   void AfterStep() override;
   std::vector<int> TouchedParts() const override { return touched_; }
+  void LetGoOf(int) override {}
 
  private:
   std::unique_ptr<btRigidBody> MakeBody(const btCollisionShape& shape, double mass_kg,

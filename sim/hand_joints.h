@@ -3,6 +3,7 @@
 // The joints that grippers are made of: a palm driven along a path, and two fingers on sliders with
 // a force limit, coupled left to right. A kinematic palm, fingers on 6-dof constraints with a
 // force-limited motor and one coupling row hold to 5 % of the analytic limit 2*mu*F = m*(g+a).
+// The suction cup of sim/cup_joint.h has the same public face.
 
 #include <Eigen/Core>
 #include <array>
@@ -30,14 +31,19 @@ class Hand {
   virtual ~Hand() = default;
   // Pose that the palm is to reach in the next step; call before every Step().
   virtual void MoveTo(const Pose& X_WG) = 0;
-  // Fingers are held at this opening (position servo, full force).
+  // Fingers are held at this opening (position servo, full force). A cup: the vacuum is off.
   virtual void HoldOpening(double opening_m) = 0;
-  // Fingers close with their speed and force limit until told otherwise.
+  // Fingers close with their speed and force limit until told otherwise. A cup: the vacuum is on,
+  // and takes hold in the first step in which the lip seals; once lost, it needs HoldOpening first.
   virtual void Close() = 0;
+  // Between the pads. A cup: what is left of the bellows' travel.
   virtual double opening_m() const = 0;
   virtual Pose X_WG() const = 0;
-  // Normal contact force on each finger from parts, in the last step, N.
+  // Normal contact force on each finger from parts, in the last step, N. A cup: of the lip (pressed
+  // on the part by bellows or vacuum), and of stem and palm.
   virtual std::array<double, 2> ContactForces_n() const = 0;
+  // Both pads touch a part. A cup: it is sealed on a part.
+  virtual bool Holds() const = 0;
 };
 
 // The hand's boxes (left finger, right finger, palm) in G at an opening, for collision checks.

@@ -70,6 +70,7 @@ struct PartShape {
 
 struct Part {
   std::unique_ptr<btRigidBody> body;
+  const ObjectModel* model = nullptr;
   Pose X_BO;
   double radius = 0;        // of the part about its centre, Bullet units
   btTransform still_pose;   // where it was when it last moved noticeably
@@ -313,7 +314,7 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
   }
   if (mode == BodyMode::kAsleep) body->forceActivationState(ISLAND_SLEEPING);
   const btTransform X_WB = body->getWorldTransform();
-  impl_->parts.push_back({std::move(body), shape.frame.X_OB.inverse(),
+  impl_->parts.push_back({std::move(body), &model, shape.frame.X_OB.inverse(),
                           0.5 * model.diameter_m * kUnitsPerMeter, X_WB, 0, X_WB});
   return part_count() - 1;
 }
@@ -321,6 +322,7 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
 void PhysicsWorld::RemovePart(int part) {
   Part& entry = impl_->parts.at(part);
   if (!entry.body->isInWorld()) return;
+  if (impl_->hand != nullptr) impl_->hand->LetGoOf(part);
   impl_->WakeTouching(entry.body.get());
   impl_->world.removeRigidBody(entry.body.get());
   entry.body->forceActivationState(ISLAND_SLEEPING);
@@ -354,6 +356,18 @@ int PhysicsWorld::RemoveFunnel() {
 Hand& PhysicsWorld::AddHand(const HandSpec& spec, const Pose& X_WG) {
   if (impl_->hand != nullptr) throw std::logic_error("the world has a hand already");
   impl_->hand = MakeBulletHand(impl_->world, spec, X_WG, step_s());
+  return *impl_->hand;
+}
+
+Hand& PhysicsWorld::AddCup(const CupSpec& spec, const Pose& X_WG) {
+  if (impl_->hand != nullptr) throw std::logic_error("the world has a hand already");
+  PartsInWorld parts{[this] { return part_count(); },
+                     [this](int index) -> PartInWorld {
+                       const Part& part = impl_->parts.at(index);
+                       const bool is_there = part.body->isInWorld();
+                       return {is_there ? part.body.get() : nullptr, part.model, part.X_BO};
+                     }};
+  impl_->hand = MakeBulletCup(impl_->world, spec, X_WG, step_s(), std::move(parts));
   return *impl_->hand;
 }
 

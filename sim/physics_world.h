@@ -42,6 +42,7 @@ struct Twist {
 };
 
 struct HandSpec;  // sim/hand_joints.h
+struct CupSpec;   // sim/cup_joint.h
 class Hand;
 
 class PhysicsWorld {
@@ -72,6 +73,9 @@ class PhysicsWorld {
 
   // Palm and two fingers, see sim/hand_joints.h. One hand a world; owned by the world.
   Hand& AddHand(const HandSpec& spec, const Pose& X_WG);
+  // A suction cup in its place. It looks at the parts' meshes: the models given to AddPart must
+  // live as long as the world.
+  Hand& AddCup(const CupSpec& spec, const Pose& X_WG);
 
   void Step();
   double time_s() const;
@@ -90,7 +94,8 @@ class PhysicsWorld {
   // True when any body's state is not finite or faster than 50 m/s.
   bool BlewUp() const;
 
-  // Parts that touch the fingers (force above 0.01 N in the last step), by index, ascending.
+  // Parts that touch the fingers (force above 0.01 N in the last step), by index, ascending. A cup:
+  // the part that its lip is on, and those that stem and palm touch.
   std::vector<int> PartsTouchingHand() const;
 
  private:

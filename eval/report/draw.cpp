@@ -57,7 +57,7 @@ void DrawInstanceOutlines(cv::Mat& canvas, const Image<uint16_t>& ids) {
 void DrawGrasp(cv::Mat& canvas, const CameraIntrinsics& k, const Pose& X_CG,
                const GripperSpec& gripper, double width_m) {
   const cv::Scalar color(70, 160, 255);
-  for (const AxisAlignedBox& box : HandBoxes(gripper.hand, width_m)) {
+  for (const AxisAlignedBox& box : MechanismOf(gripper).boxes(gripper, width_m)) {
     const auto corner = [&](int i) {
       const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
       return X_CG * Eigen::Vector3d(box.center + sign.cwiseProduct(box.half_size));

@@ -2,11 +2,27 @@
 
 #include <fmt/format.h>
 
+#include "grasp/grippers/sizes.h"
 #include "scenes/check.h"
+#include "scenes/friction.h"
 
 namespace pickbed {
+namespace {
 
-void CheckParallelJaw(const GripperSpec& spec, const std::string& source) {
+void Visit(GripperSpec& spec, SettingsVisitor& v) {
+  HandSpec& hand = spec.hand;
+  v.Vector3("finger_size_m", hand.finger_size_m, kGripperSize,
+            "x thickness, y width, z length of a finger");
+  v.Vector3("palm_size_m", hand.palm_size_m, kGripperSize, "box behind the fingers");
+  v.Real("stroke_m", hand.stroke_m, kGripperSize, "largest opening between the pads, m");
+  v.Real("finger_mass_kg", hand.finger_mass_kg, {0.001, 10}, "of each finger, kg");
+  v.Real("force_n", hand.force_n, {0.1, 2000}, "of each finger on the part, N");
+  v.Real("close_speed_mps", hand.close_speed_mps, {0.001, 1}, "of each finger, m/s");
+  v.Real("pad_friction", hand.pad_friction, {0.01, 3}, "of a pad; multiplies the part's own value");
+}
+
+// Pads that cannot reach past the palm, or a clearance that eats the stroke.
+void Check(const GripperSpec& spec, const std::string& source) {
   const HandSpec& hand = spec.hand;
   CheckInput(2 * spec.clearance_m < hand.stroke_m,
              fmt::format("{}: clearance_m = {}: twice that must stay below the stroke_m of {}",
@@ -18,10 +34,38 @@ void CheckParallelJaw(const GripperSpec& spec, const std::string& source) {
                          hand.stroke_m));
 }
 
-std::optional<double> ParallelJawApproachOpening(const GripperSpec& spec, double width_m) {
+// The part's width and the clearance on each side; nullopt beyond the stroke.
+std::optional<double> ApproachOpening(const GripperSpec& spec, double width_m) {
   const double opening = width_m + 2 * spec.clearance_m;
   if (opening > spec.hand.stroke_m) return std::nullopt;
   return opening;
+}
+
+Hand& Add(PhysicsWorld& world, const GripperSpec& spec, const Pose& X_WG) {
+  return world.AddHand(spec.hand, X_WG);
+}
+
+std::vector<AxisAlignedBox> Boxes(const GripperSpec& spec, double opening_m) {
+  return HandBoxes(spec.hand, opening_m);
+}
+
+// Friction of two pads.
+double Capacity(const GripperSpec& spec, double part_friction) {
+  return 2 * spec.hand.force_n * PairFriction(part_friction, spec.hand.pad_friction);
+}
+
+std::string Summary(const GripperSpec& spec) {
+  return fmt::format("opens {:.0f} mm, {:g} N", 1e3 * spec.hand.stroke_m, spec.hand.force_n);
+}
+
+}  // namespace
+
+MechanismRow ParallelJawRow() {
+  return {"parallel_jaw",  "two coupled fingers on a slider with a force limit",
+          Visit,           Check,
+          ApproachOpening, Add,
+          Boxes,           Capacity,
+          Summary};
 }
 
 }  // namespace pickbed

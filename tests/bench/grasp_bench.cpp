@@ -2,6 +2,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "grasp/candidates.h"
 #include "grasp/execute.h"
 #include "grasp/plan.h"
 #include "scenes/object_catalog.h"
@@ -50,6 +51,25 @@ void PlanBin(benchmark::State& state, int candidates_each) {
 }
 BENCHMARK_CAPTURE(PlanBin, few, 200)->Name("grasp/plan/20x200")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(PlanBin, many, 2000)->Name("grasp/plan/20x2000")->Unit(benchmark::kMillisecond);
+
+// 500 grasps of a new part with all their qualities.
+void Candidates(benchmark::State& state, const char* gripper_name) {
+  const auto bracket = ObjectCatalog({AssetsDir() / "objects"}).Load("bracket");
+  const GripperSpec gripper = LoadGripper(gripper_name);
+  CandidateOptions options;
+  options.antipodal.candidates = options.suction.candidates = 500;
+  for (auto _ : state) {
+    Rng rng(1);
+    benchmark::DoNotOptimize(MakeCandidates(*bracket, gripper, rng, options));
+  }
+  state.SetItemsProcessed(state.iterations() * 500);
+}
+BENCHMARK_CAPTURE(Candidates, jaw, "jaw_8cm")
+    ->Name("grasp/candidates/jaw500")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Candidates, cup, "cup_30mm")
+    ->Name("grasp/candidates/cup500")
+    ->Unit(benchmark::kMillisecond);
 
 void Execute(benchmark::State& state) {
   const GraspBench bench(20, 2000);

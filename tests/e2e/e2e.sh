@@ -343,6 +343,31 @@ brick() {
   printf 'f %s\n' '1 3 4 2' '5 6 8 7' '1 2 6 5' '3 7 8 4' '1 5 7 3' '2 4 8 6'
 }
 
+grasps_are_written_and_drawn() {
+  local quick=(--count 20 --set antipodal.max_pairs=80 --set suction.max_samples=300
+    --set robust.samples=4)
+  for gripper in jaw_8cm cup_30mm; do
+    expect 0 "$pickbed" grasps carton $gripper "${quick[@]}" --out $gripper
+    [ "$(wc -l <$gripper/grasps.csv)" = 21 ] || fail "not 20 grasps with $gripper"
+    [ -s $gripper/grasps.png ] || fail "no picture"
+    expect 0 env XDG_CACHE_HOME="$work/cache" "$pickbed" grasps carton $gripper "${quick[@]}" \
+      --out again
+    same $gripper/grasps.csv again/grasps.csv
+    same $gripper/grasps.png again/grasps.png
+  done
+
+  # 100 mm at its narrowest.
+  brick 5 >big.obj
+  expect 0 "$pickbed" object add big.obj --name big --unit mm --mass 0.5 --drops 5
+  refused "part 'big' has no antipodal pair that fits its stroke for gripper 'jaw_8cm', but" \
+    "$pickbed" grasps big jaw_8cm "${quick[@]}" --out none
+  grep -q "cup_30mm has 20" last.err || fail "suction is not offered"
+  [ ! -e none ] || fail "a refused command left a folder"
+  refused "did you mean 'carton'" "$pickbed" grasps cartn jaw_8cm
+  refused "unknown gripper 'claw'" "$pickbed" grasps carton claw
+  refused "robust.samples" "$pickbed" grasps carton jaw_8cm --set robust.samples=0
+}
+
 bad_meshes_are_refused() {
   local add=("$pickbed" object add) name=(--name x --drops 5)
   brick 1 | sed 's/^v 30 20 10$/v nan 20 10/' >nan.obj

@@ -2,12 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-
 #include "grasp/pad_contact.h"
 #include "tests/grasp/grasp_scenes.h"
-#include "tests/support/temporary_folder.h"
 
 namespace pickbed {
 namespace {
@@ -99,8 +95,9 @@ TEST(Antipodal, HandNeverCutsThePart) {
   const auto grasps = Grasps(*part, gripper);
   ASSERT_GT(grasps.size(), 50u);
   for (const auto& grasp : grasps) {
-    EXPECT_TRUE(HandClearsPart(Turned(surface.points_O, grasp.X_OG.linear()), grasp.X_OG,
-                               gripper.hand, grasp.width_m + 2 * gripper.clearance_m, 0));
+    const auto boxes = HandBoxes(gripper.hand, grasp.width_m + 2 * gripper.clearance_m);
+    const PointColumns turned = Turned(surface.points_O, grasp.X_OG.linear());
+    EXPECT_TRUE(HandClearsPart(turned, grasp.X_OG, boxes, 0));
   }
 }
 
@@ -148,47 +145,6 @@ TEST(Antipodal, SameSeedSameBytes) {
     EXPECT_EQ(a[i].X_OG.matrix(), b[i].X_OG.matrix());
     EXPECT_EQ(a[i].quality, b[i].quality);
   }
-}
-
-class CachedAntipodal : public testing::Test {
- protected:
-  CachedAntipodal() { setenv("XDG_CACHE_HOME", folder_.c_str(), 1); }
-  ~CachedAntipodal() override { unsetenv("XDG_CACHE_HOME"); }
-
-  std::vector<std::filesystem::path> Files() const {
-    std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "pickbed" / "grasps")) {
-      files.push_back(entry.path());
-    }
-    return files;
-  }
-
-  const TemporaryFolder temporary_;
-  const std::filesystem::path folder_ = temporary_.path();
-};
-
-TEST_F(CachedAntipodal, ComesBackTheSameFromDiskAndAfterDamage) {
-  const auto part = BracketPart();
-  const auto made = CachedAntipodalGrasps(*part, SmallJaw(), kQuick);
-  const auto read = CachedAntipodalGrasps(*part, SmallJaw(), kQuick);
-  ASSERT_EQ(Files().size(), 1u);
-  std::filesystem::resize_file(Files().front(), 100);
-  const auto remade = CachedAntipodalGrasps(*part, SmallJaw(), kQuick);
-  ASSERT_EQ(made.size(), read.size());
-  ASSERT_EQ(made.size(), remade.size());
-  for (size_t i = 0; i < made.size(); ++i) {
-    EXPECT_EQ(made[i].X_OG.matrix(), read[i].X_OG.matrix());
-    EXPECT_EQ(made[i].width_m, read[i].width_m);
-    EXPECT_EQ(made[i].quality, remade[i].quality);
-  }
-}
-
-TEST_F(CachedAntipodal, OtherGripperOtherEntry) {
-  CachedAntipodalGrasps(*BracketPart(), SmallJaw(), kQuick);
-  GripperSpec other = SmallJaw();
-  other.hand.stroke_m = 0.07;
-  CachedAntipodalGrasps(*BracketPart(), other, kQuick);
-  EXPECT_EQ(Files().size(), 2u);
 }
 
 }  // namespace

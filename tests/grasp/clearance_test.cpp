@@ -52,7 +52,7 @@ TEST(Clearance, BoxTestAgreesWithSampling) {
 TEST(Clearance, FingertipsKeepTheirDistanceFromTheFloor) {
   const Bin bin;
   const auto boxes = BinBoxes(bin);
-  const auto sweep = HandSweep(HandSpec{}, 0.05, 0.12);
+  const auto sweep = HandSweep(SmallJaw(), 0.05);
   EXPECT_FALSE(FindBinContact(sweep, FromAbove({0, 0, 0.0031}), boxes, 0.003));
   const auto contact = FindBinContact(sweep, FromAbove({0, 0, 0.0029}), boxes, 0.003);
   ASSERT_TRUE(contact);
@@ -61,11 +61,14 @@ TEST(Clearance, FingertipsKeepTheirDistanceFromTheFloor) {
 }
 
 TEST(Clearance, SweepReachesBackByTheApproach) {
-  const HandSpec hand;
-  const auto sweep = HandSweep(hand, 0.05, 0.12);
-  for (const AxisAlignedBox& box : {sweep[0], sweep[1]}) {
+  const GripperSpec gripper = SmallJaw();
+  const HandSpec& hand = gripper.hand;
+  const auto sweep = HandSweep(gripper, 0.05);
+  for (int finger = 0; finger < 2; ++finger) {
+    const AxisAlignedBox& box = sweep[finger];
     EXPECT_NEAR(box.center.z() + box.half_size.z(), 0, 1e-12);
-    EXPECT_NEAR(box.center.z() - box.half_size.z(), -hand.finger_size_m.z() - 0.12, 1e-12);
+    EXPECT_NEAR(box.center.z() - box.half_size.z(), -hand.finger_size_m.z() - gripper.approach_m,
+                1e-12);
   }
   EXPECT_NEAR(sweep[1].center.x() - sweep[1].half_size.x(), 0.025, 1e-12);
 }
@@ -110,7 +113,9 @@ TEST(Clearance, FieldFindsWhatAFullScanFinds) {
   ASSERT_EQ(field.points_W().size(), points.size());
   std::vector<uint8_t> ignored(points.size());
   for (size_t i = 0; i < ignored.size(); i += 3) ignored[i] = 1;
-  const auto sweep = HandSweep(HandSpec{}, 0.04, 0.1);
+  GripperSpec gripper = SmallJaw();
+  gripper.approach_m = 0.1;
+  const auto sweep = HandSweep(gripper, 0.04);
   const AxisAlignedBox between{{0, 0, -0.025}, {0.02, 0.01, 0.025}};
   for (int trial = 0; trial < 50; ++trial) {
     const Pose X_WG = MakePose(rng.Rotation().toRotationMatrix(),

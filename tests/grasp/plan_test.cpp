@@ -5,7 +5,9 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "grasp/antipodal.h"
 #include "grasp/clearance.h"
+#include "scenes/check.h"
 #include "tests/grasp/grasp_scenes.h"
 
 namespace pickbed {
@@ -72,7 +74,7 @@ TEST_F(Plan, LoneBoxOnTheFloorHasGraspsBestFirst) {
     if (i > 0) {
       EXPECT_LE(grasp.score, result.grasps[i - 1].score);
     }
-    const auto sweep = HandSweep(gripper_.hand, grasp.width_m + 0.006, gripper_.approach_m);
+    const auto sweep = HandSweep(gripper_, grasp.width_m + 0.006);
     EXPECT_FALSE(FindBinContact(sweep, grasp.X_WG, floor, options.bin_clearance_m));
     EXPECT_LE(std::acos(-grasp.X_WG.linear()(2, 2)), PlanOptions{}.max_tilt_rad);
   }
@@ -204,6 +206,96 @@ TEST_F(Plan, CoveredPartComesLast) {
     for (double y = -0.02; y <= 0.02; y += 0.002) cloud_.emplace_back(x, y, 0.06);
   }
   EXPECT_EQ(Run().grasps.at(0).hypothesis, 0);
+}
+
+// By the name of the ranking, the first grasp is the one that is best by it.
+TEST_F(Plan, RankingChoosesWhichQualityCounts) {
+  Place({0, 0, 0.025});
+  GraspCandidate candidate = {};
+  candidate.X_OG = FromAbove({0, 0, -0.010});
+  candidate.width_m = 0.05;
+  candidate.depth_m = 0.010;
+  candidate.quality = 0.5;
+  std::vector<GraspCandidate> candidates(3, candidate);
+  const double places_m[] = {-0.006, 0, 0.006};
+  for (int i = 0; i < 3; ++i) candidates[i].X_OG.translation().y() = places_m[i];
+  candidates[0].quality = 0.6;
+  candidates[1].epsilon = 0.8;
+  candidates[2].robust = 0.9;
+  candidates_ = {candidates};
+  EXPECT_NEAR(Run({.ranking = "quality"}).grasps.at(0).X_WG.translation().y(), -0.006, 1e-12);
+  EXPECT_NEAR(Run({.ranking = "epsilon"}).grasps.at(0).X_WG.translation().y(), 0, 1e-12);
+  EXPECT_NEAR(Run({.ranking = "robust"}).grasps.at(0).X_WG.translation().y(), 0.006, 1e-12);
+}
+
+TEST_F(Plan, UnknownRankingIsRefused) {
+  Place({0, 0, 0.025});
+  EXPECT_THROW(Run({.ranking = "randm"}), InputError);
+}
+
+// What is free is the same as with any ranking, but the best of it is not chosen more often than
+// the rest; the seed alone says which.
+TEST_F(Plan, RankingByChanceTakesAnyFreeGrasp) {
+  Place({0, 0, 0.025});
+  Place({0.1, 0, 0.025}, 0.1);
+  const PlanResult all = Run({.max_grasps = 100000, .ranking = "random", .min_quality = 0});
+  const PlanResult ranked = Run({.max_grasps = 100000, .min_quality = 0});
+  EXPECT_EQ(all.grasps.size(), ranked.grasps.size());
+  EXPECT_EQ(all.rejected, ranked.rejected);
+
+  const int runs = 400;
+  int of_doubtful = 0, free_of_doubtful = 0;
+  for (const Grasp& grasp : all.grasps) free_of_doubtful += grasp.hypothesis;
+  ASSERT_GT(free_of_doubtful, 20);
+  for (int seed = 0; seed < runs; ++seed) {
+    PlanOptions options;
+    options.ranking = "random";
+    options.seed = seed;
+    options.max_grasps = 1;
+    const PlanResult result = Run(options), again = Run(options);
+    ASSERT_EQ(result.grasps.size(), 1u);
+    EXPECT_EQ(result.grasps[0].X_WG.matrix(), again.grasps[0].X_WG.matrix());
+    of_doubtful += result.grasps[0].hypothesis;
+  }
+  // As many as its share of what is free, to five standard deviations.
+  EXPECT_NEAR(of_doubtful, runs * free_of_doubtful / static_cast<double>(all.grasps.size()), 50);
+}
+
+// The same plan for another mechanism: its own boxes are kept clear of wall and points.
+class PlanCup : public Plan {
+ protected:
+  PlanCup() {
+    gripper_ = GripperSpec{};
+    gripper_.mechanism = "suction_cup";
+    GraspCandidate from_above;
+    from_above.X_OG = FromAbove({0, 0, 0.025 - gripper_.cup.press_m});
+    from_above.quality = 1;
+    candidates_ = {{from_above}};
+    Place({0, 0, 0.025});
+  }
+};
+
+TEST_F(PlanCup, LoneBoxIsTakenAsTheCandidateSays) {
+  const PlanResult result = Run();
+  ASSERT_EQ(result.grasps.size(), 1u);
+  EXPECT_TRUE(result.grasps[0].X_WG.isApprox(poses_[0].X_WO * candidates_[0][0].X_OG));
+}
+
+TEST_F(PlanCup, PointsBesideTheStemRejectIt) {
+  AddRing(gripper_.cup.stem_radius_m + 0.002, 0.12);
+  EXPECT_EQ(Run().rejected.at("fingers meet a part"), 1);
+}
+
+TEST_F(PlanCup, PointsOutsideTheStemButUnderThePalmRejectIt) {
+  const double reach_m = 0.5 * gripper_.cup.palm_size_m.x() - 0.002;
+  ASSERT_GT(reach_m, gripper_.cup.stem_radius_m + 0.006);
+  AddRing(reach_m, 0.20);
+  EXPECT_EQ(Run().rejected.at("palm meets a part"), 1);
+}
+
+TEST_F(PlanCup, NarrowWallsRejectIt) {
+  bin_.inner_size_m = {0.052, 0.052, 0.25};
+  EXPECT_EQ(Run().rejected.at("bin wall"), 1);
 }
 
 TEST_F(Plan, NoPosesNoGrasps) { EXPECT_TRUE(Run().grasps.empty()); }

@@ -1,0 +1,97 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "eval/command_line.h"
+#include "eval/commands.h"
+#include "eval/grasps_csv.h"
+#include "eval/report/draw_grasps.h"
+#include "grasp/candidates.h"
+#include "scenes/check.h"
+#include "scenes/image_io.h"
+
+namespace pickbed {
+namespace {
+
+struct GraspsArguments {
+  std::string object, gripper, out;
+  std::string catalog = "objects";
+  int count = 500;
+  std::vector<std::string> settings;
+};
+
+// What other grippers that come with the program can do with a part.
+std::string Offers(const ObjectModel& model, const std::string& without,
+                   const CandidateOptions& options) {
+  std::string offers;
+  for (const std::string& name : GripperNames()) {
+    if (name == without) continue;
+    const size_t count = CachedCandidates(model, LoadGripper(name), options).size();
+    if (count > 0) offers += fmt::format("{}{} has {}", offers.empty() ? "" : ", ", name, count);
+  }
+  return offers.empty() ? "and no other gripper that comes with the program has one"
+                        : fmt::format("but {}: pickbed grasps {} GRIPPER", offers, model.name);
+}
+
+void WriteGrasps(const GraspsArguments& arguments) {
+  const auto model = OpenCatalog(arguments.catalog).Load(arguments.object);
+  const GripperSpec gripper = LoadGripper(arguments.gripper);
+  RequireCanCarry(gripper, *model);
+  CandidateOptions options;
+  options.antipodal.candidates = options.suction.candidates = arguments.count;
+  for (const std::string& setting : arguments.settings) {
+    ApplySetting(setting, [&](SettingsVisitor& v) { options.Visit(v); });
+  }
+  auto candidates = CachedCandidates(*model, gripper, options);
+  CheckInput(!candidates.empty(), fmt::format("part '{}' has no {} for gripper '{}', {}",
+                                              model->name, CandidateMakerOf(gripper).needs,
+                                              gripper.name, Offers(*model, gripper.name, options)));
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return std::make_pair(a.robust, a.epsilon) > std::make_pair(b.robust, b.epsilon);
+  });
+
+  const std::filesystem::path folder =
+      arguments.out.empty() ? std::filesystem::path("results") /
+                                  fmt::format("grasps_{}_{}", model->name, gripper.name)
+                            : std::filesystem::path(arguments.out);
+  MakeFolder(folder);
+  WriteFileAtomically(folder / "grasps.csv", GraspsCsv(candidates));
+  WritePng(folder / "grasps.png", GraspSheet(*model, gripper, candidates));
+  const GraspCandidate& best = candidates.front();
+  fmt::print(
+      "{} grasps of {} with {}; the best survives {:.0f} % of sampled errors and holds {:.1f} "
+      "times the weight from any direction\n{}\n",
+      candidates.size(), model->name, gripper.name, 100 * best.robust, best.epsilon,
+      (folder / "grasps.csv").string());
+  fmt::print("look at {}\n", (folder / "grasps.png").string());
+}
+
+}  // namespace
+
+int GraspsCommand(int argc, char** argv) {
+  CLI::App app(
+      "Finds how a gripper may hold a part and writes the grasps, best first, as grasps.csv, and a "
+      "picture of the best, grasps.png.",
+      "pickbed grasps");
+  GraspsArguments a;
+  app.add_option("OBJECT", a.object, "a name of `pickbed list objects`")->required();
+  app.add_option("GRIPPER", a.gripper, "a name of `pickbed list grippers`, or a .yaml file")
+      ->required();
+  app.add_option("--count", a.count, "grasps wanted")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--set", a.settings, "KEY=VALUE, such as robust.position_m=0.003; repeatable");
+  app.add_option("--catalog", a.catalog, "folder of your own objects")->capture_default_str();
+  app.add_option("--out", a.out, "folder (default: results/grasps_OBJECT_GRIPPER)");
+  CandidateOptions defaults;
+  app.footer(
+      fmt::format("Settings and their defaults:\n{}Columns of grasps.csv: see README.md.\n"
+                  "Example: pickbed grasps bracket jaw_8cm --count 200",
+                  WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true)));
+  if (!ParseArguments(app, argc, argv)) return 0;
+  WriteGrasps(a);
+  return 0;
+}
+
+}  // namespace pickbed
