@@ -16,7 +16,7 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 11> kCommands{{
+constexpr std::array<CommandRow, 12> kCommands{{
     {"run", "drop, look, estimate and pick, trial after trial; measure how often it works",
      RunCommand},
     {"drop", "fill one bin and show how it came to rest", DropCommand},
@@ -28,6 +28,7 @@ constexpr std::array<CommandRow, 11> kCommands{{
     {"sensor", "draw what a depth sensor's profile does", SensorCommand},
     {"dataset", "make a data set in BOP's layout, or check one", DatasetCommand},
     {"score", "score pose estimates on a BOP data set by BOP's rules", ScoreCommand},
+    {"tolerance", "how wrong a pose may be and the pick still succeed", ToleranceCommand},
     {"list", "what there is to choose from: objects, estimators, grippers, sensors, ...",
      ListCommand},
     {"doctor", "check that this machine can do all that a run needs", DoctorCommand},
