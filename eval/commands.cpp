@@ -30,6 +30,7 @@ constexpr std::array<CommandRow, 12> kCommands{{
      GraspsCommand},
     {"dataset", "make a data set in BOP's layout, or check one", DatasetCommand},
     {"score", "score pose estimates on a BOP data set by BOP's rules", ScoreCommand},
+    {"tolerance", "how wrong a pose may be and the pick still succeed", ToleranceCommand},
     {"list", "what there is to choose from: objects, estimators, grippers, sensors, ...",
      ListCommand},
     {"doctor", "check that this machine can do all that a run needs", DoctorCommand},

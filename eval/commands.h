@@ -17,6 +17,7 @@ int TrainCommand(int argc, char** argv);
 int ObjectCommand(int argc, char** argv);
 int SensorCommand(int argc, char** argv);
 int GraspsCommand(int argc, char** argv);
+int ToleranceCommand(int argc, char** argv);
 int ListCommand(int argc, char** argv);
 int DatasetCommand(int argc, char** argv);
 int ScoreCommand(int argc, char** argv);

@@ -83,6 +83,7 @@ HypothesisScore Compare(const Scene& truth, const std::vector<Pose>& X_CO_true,
   score.translation_m = TranslationError(model, hypothesis.X_CO, X_CO);
   score.mssd_diameters = score.mssd_m / model.diameter_m;
   score.correct = score.mssd_diameters < kCorrectDiameters;
+  score.X_OtrueObelieved = X_CO.inverse() * hypothesis.X_CO;
   return score;
 }
 
@@ -127,6 +128,7 @@ LookScore ScoreLook(const Scene& truth, const std::vector<double>& visible_fract
     const double correct_m = kCorrectDiameters * model.diameter_m;
     const auto near = NearInstances(truth, X_CO_true, model, hypothesis, correct_m);
     look.hypotheses[index] = Compare(truth, X_CO_true, model, camera.intrinsics, hypothesis, near);
+    look.hypotheses[index].X_WO = camera.X_WC * hypothesis.X_CO;
     for (const Candidate& candidate : near) {
       if (candidate.mssd_m >= correct_m) break;
       InstanceRecord& record = look.instances[candidate.index];

@@ -43,7 +43,8 @@ constexpr std::array kMetrics{
     MetricRow{"mssd", "m", "maximum symmetry-aware surface distance",
               [](const MetricInput& in) { return Mssd(in.model, in.X_est, in.X_true); }},
     MetricRow{"mspd", "px", "maximum symmetry-aware projection distance",
-              [](const MetricInput& in) { return Mspd(in.model, in.camera, in.X_est, in.X_true); }},
+              [](const MetricInput& in) { return Mspd(in.model, in.camera, in.X_est, in.X_true); },
+              true},
     MetricRow{"add", "m", "mean distance of equal model points",
               [](const MetricInput& in) { return Add(in.model, in.X_est, in.X_true); }},
     MetricRow{"adi", "m", "mean distance to the closest model point",
@@ -53,6 +54,8 @@ constexpr std::array kMetrics{
     MetricRow{
         "translation", "m", "distance of the origins, least over the symmetries",
         [](const MetricInput& in) { return TranslationError(in.model, in.X_est, in.X_true); }},
+    MetricRow{kPickRiskMetric, "0..1", "chance that the pick fails, by the part's tolerance map",
+              [](const MetricInput& in) { return PickRisk(in.tolerance, in.X_est, in.X_true); }},
 };
 
 }  // namespace

@@ -36,17 +36,24 @@ double Adi(const MetricModel& model, const Pose& X_est, const Pose& X_true);
 double RotationError(const MetricModel& model, const Pose& X_est, const Pose& X_true);
 double TranslationError(const MetricModel& model, const Pose& X_est, const Pose& X_true);
 
+struct ToleranceModel;  // grasp/tolerance.h
+inline constexpr char kPickRiskMetric[] = "pick_risk";
+// Chance that a pick on the estimate fails, by the part's tolerance map; NaN without one.
+double PickRisk(const ToleranceModel* tolerance, const Pose& X_est, const Pose& X_true);
+
 struct MetricInput {
   const MetricModel& model;
   const CameraIntrinsics& camera;
   const Pose& X_est;
   const Pose& X_true;
+  const ToleranceModel* tolerance = nullptr;  // of the part, where there is one
 };
 struct MetricRow {
   const char* name;
   const char* unit;
   const char* help;
   double (*compute)(const MetricInput& input);
+  bool needs_camera = false;
 };
 // Adding a metric is one file in metrics/ and one row in metrics.cpp.
 std::span<const MetricRow> MetricTable();

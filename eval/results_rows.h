@@ -76,6 +76,8 @@ struct HypothesisRow {
     v("translation_m", score.translation_m);
     v("mssd_diameters", score.mssd_diameters);
     v("correct", score.correct);
+    v("x_wo", score.X_WO);
+    v("x_otrue_obelieved", score.X_OtrueObelieved);
   }
 };
 

@@ -28,7 +28,9 @@ struct HypothesisScore {
   double score = 0;
   double mssd_m = 0, mspd_px = 0, add_m = 0, adi_m = 0, rotation_rad = 0, translation_m = 0;
   double mssd_diameters = 0;
-  bool correct = false;  // MSSD < 0.1 diameter
+  bool correct = false;                      // MSSD < 0.1 diameter
+  Pose X_WO = Pose::Identity();              // as believed
+  Pose X_OtrueObelieved = Pose::Identity();  // the believed part in that instance
 };
 
 struct InstanceRecord {

@@ -453,6 +453,32 @@ bad_bop_data_is_refused() {
   refused "columns.csv:1: begins with" "$pickbed" score --bop sound columns.csv
 }
 
+a_tolerance_map_stops_and_resumes() {
+  local few=(--set grasps=3 --set steps=2 --set step_mm=4 --set fit_tries=30 --set test_tries=30)
+  local map=("$pickbed" tolerance rod jaw_8cm --pairs gx:gry "${few[@]}")
+  expect 0 "${map[@]}" --jobs 1 --out one
+  grep -q "along the closing direction" last.out || fail "no table of the axes"
+  grep -q "^  mssd" last.out || fail "no table of the scores"
+  for file in map.png pairs.png model.yaml tolerance.yaml; do
+    [ -s "one/$file" ] || fail "no $file"
+  done
+  refused "pass --resume" "${map[@]}" --out one
+  refused "other settings" "${map[@]}" --out one --resume --set seed=3
+  mkdir two
+  head -60 one/tries.csv >two/tries.csv
+  expect 0 "${map[@]}" --jobs 2 --out two --resume
+  for file in tries.csv axes.csv pairs.csv predictors.csv model.yaml; do
+    same "one/$file" "two/$file"
+  done
+  brick 10 >wide.obj
+  expect 0 "$pickbed" object add wide.obj --name wide --unit mm --mass 1
+  refused "wide has no grasp with jaw_8cm" "$pickbed" tolerance wide jaw_8cm --out wide
+  [ ! -e wide ] || fail "a refused map left a folder"
+  refused "did you mean 'grx'" "${map[@]}" --pairs gx:gxr --out three
+  refused "axes of one frame" "${map[@]}" --pairs x:gx --out three
+  refused "did you mean 'rod'" "$pickbed" tolerance rodd jaw_8cm
+}
+
 doctor_finds_nothing() {
   expect 0 "$pickbed" doctor
   [ "$(grep -c '^ok' last.out)" = 5 ] || fail "not all are ok"

@@ -52,6 +52,18 @@ Look EmptyLook() {
 
 Pose At(double x, double y = 0, double z = 0) { return Translation({x, y, z}); }
 
+TEST(Matching, KeepsTheBelievedPoseAndItsPlaceInTheTruePart) {
+  Look look = EmptyLook();
+  const Pose X_WO = At(0.1, 0.05, 0.02) * Pose(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ()));
+  const Pose error =
+      At(0.001, -0.002, 0.003) * Pose(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
+  look.AddInstance(7, 0, X_WO);
+  look.Believe(0, X_WO * error, 0.4);
+  const HypothesisScore score = look.Score({Box(false)}).hypotheses[0];
+  EXPECT_TRUE(score.X_WO.isApprox(X_WO * error, 1e-9));
+  EXPECT_TRUE(score.X_OtrueObelieved.isApprox(error, 1e-9));
+}
+
 TEST(Matching, TruePosesAreCorrectWithZeroError) {
   Look look = EmptyLook();
   look.AddInstance(7, 0, At(0.1));

@@ -39,6 +39,7 @@ TEST(Metrics, TruthScoresZeroOnEveryRow) {
   for (int i = 0; i < 20; ++i) {
     const Pose X = RandomPose(rng);
     for (const MetricRow& row : MetricTable()) {
+      if (row.name == std::string_view(kPickRiskMetric)) continue;  // the truth may be dropped, too
       EXPECT_NEAR(row.compute({model, kCamera, X, X}), 0, 1e-6) << row.name;
     }
   }

@@ -68,6 +68,8 @@ TrialResult FullTrial(int trial) {
     score.translation_m = rng.Uniform();
     score.mssd_diameters = kInfinity;
     score.correct = true;
+    score.X_WO = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
+    score.X_OtrueObelieved = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
     pick.hypotheses = {score, HypothesisScore()};
     pick.loss = Loss::kNoGrasp;
     pick.grasps_rejected = {{"collision", 12}, {"tilt's", 3}};
@@ -119,6 +121,8 @@ void ExpectSamePick(const PickRecord& a, const PickRecord& b) {
               std::tie(y.object, y.instance, y.score, y.mssd_m, y.mspd_px, y.add_m, y.adi_m));
     EXPECT_EQ(std::tie(x.rotation_rad, x.translation_m, x.mssd_diameters, x.correct),
               std::tie(y.rotation_rad, y.translation_m, y.mssd_diameters, y.correct));
+    EXPECT_EQ(x.X_WO.matrix(), y.X_WO.matrix());
+    EXPECT_EQ(x.X_OtrueObelieved.matrix(), y.X_OtrueObelieved.matrix());
   }
 }
 

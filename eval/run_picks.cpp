@@ -1,0 +1,40 @@
+#include "eval/run_picks.h"
+
+#include <fmt/format.h>
+
+#include "eval/command_line.h"
+#include "eval/results_store.h"
+#include "eval/run.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+
+std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const std::string& catalog,
+                                   const std::string& object, const std::string& gripper) {
+  CheckInput(std::filesystem::exists(folder / "results.sqlite"),
+             fmt::format("{}: holds no results.sqlite; make a results folder with pickbed run",
+                         folder.string()));
+  ScenarioArguments arguments;
+  arguments.scenario = (folder / "scenario.yaml").string();
+  arguments.catalog = catalog;
+  const LoadedScenario scenario = LoadScenarioArguments(arguments);
+  const std::string of_run = LoadGripper(scenario.spec.gripper).name;
+  CheckInput(of_run == gripper, fmt::format("{}: picked with gripper {}, the map is of {}",
+                                            folder.string(), of_run, gripper));
+  std::vector<JudgedPick> picks;
+  const ResultsStore store(folder, RunIdentity(scenario.spec, scenario.objects));
+  for (const TrialResult& trial : store.ReadAll()) {
+    for (const PickRecord& pick : trial.picks) {
+      if (!pick.grasp || pick.chosen < 0) continue;
+      const HypothesisScore& chosen = pick.hypotheses[pick.chosen];
+      if (chosen.instance < 0 || scenario.objects[chosen.object]->name != object) continue;
+      picks.push_back({chosen.X_OtrueObelieved, pick.outcome.success, trial.trial,
+                       chosen.X_WO.inverse() * pick.grasp->X_WG});
+    }
+  }
+  CheckInput(!picks.empty(),
+             fmt::format("{}: none of its picks was of {}", folder.string(), object));
+  return picks;
+}
+
+}  // namespace pickbed

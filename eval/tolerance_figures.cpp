@@ -1,0 +1,209 @@
+#include "eval/tolerance_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string_view>
+
+namespace pickbed {
+namespace {
+
+double UnitsOf(const ToleranceOptions& options, int axis, int level) {
+  return level * (ErrorAxisTable()[axis].coordinate < 3 ? options.step_mm : options.step_deg);
+}
+
+void Count(LevelShare& share, const TryOutcome& outcome) {
+  ++share.tries;
+  share.successes += outcome.success;
+}
+
+// Where the share falls below `least` on the way from the middle to one side.
+void Reach(const std::vector<LevelShare>& levels, int middle, int direction, double least,
+           double& end, bool& open) {
+  int at = middle;
+  const int last = direction < 0 ? 0 : static_cast<int>(levels.size()) - 1;
+  while (at != last && levels[at + direction].share() >= least) at += direction;
+  open = at == last;
+  end = levels[at].offset;
+  if (open) return;
+  const double inside = levels[at].share(), outside = levels[at + direction].share();
+  end += (inside - least) / (inside - outside) * (levels[at + direction].offset - end);
+}
+
+class Reader {
+ public:
+  Reader(const ToleranceStudy& study, const std::vector<TryOutcome>& outcomes)
+      : study_(study), outcomes_(outcomes), options_(study.options) {}
+
+  LevelShare AtTruth() const {
+    LevelShare share;
+    for (size_t i = 0; i < study_.tries.size(); ++i) {
+      const ToleranceTry& t = study_.tries[i];
+      if (t.kind == TryKind::kAxis && t.level[0] == 0) Count(share, outcomes_[i]);
+    }
+    return share;
+  }
+
+  AxisCurve Curve(int axis, const LevelShare& at_truth) const {
+    AxisCurve curve{axis, std::vector<LevelShare>(2 * options_.steps + 1), {}};
+    for (int level = -options_.steps; level <= options_.steps; ++level) {
+      curve.levels[level + options_.steps].offset = UnitsOf(options_, axis, level);
+    }
+    curve.levels[options_.steps] = at_truth;
+    for (size_t i = 0; i < study_.tries.size(); ++i) {
+      const ToleranceTry& t = study_.tries[i];
+      if (t.kind != TryKind::kAxis || t.axis[0] != axis || t.level[0] == 0) continue;
+      Count(curve.levels[t.level[0] + options_.steps], outcomes_[i]);
+    }
+    curve.region = RegionOf(curve.levels, options_.keep_share * at_truth.share());
+    return curve;
+  }
+
+  PairMap Map(const std::array<int, 2>& pair) const {
+    const int side = options_.steps / options_.pair_stride;
+    PairMap map;
+    map.axis = pair;
+    for (int level = -side; level <= side; ++level) {
+      map.offsets_a.push_back(UnitsOf(options_, pair[0], level * options_.pair_stride));
+      map.offsets_b.push_back(UnitsOf(options_, pair[1], level * options_.pair_stride));
+    }
+    map.cells.resize(map.offsets_a.size() * map.offsets_b.size());
+    for (size_t i = 0; i < study_.tries.size(); ++i) {
+      const ToleranceTry& t = study_.tries[i];
+      if (t.kind != TryKind::kPair || t.axis != pair) continue;
+      const int a = t.level[0] / options_.pair_stride + side;
+      const int b = t.level[1] / options_.pair_stride + side;
+      Count(map.cells[b * map.offsets_a.size() + a], outcomes_[i]);
+    }
+    return map;
+  }
+
+  ToleranceModel Fitted() const {
+    ToleranceModel model = study_.model;
+    std::vector<ToleranceSample> samples;
+    for (size_t i = 0; i < study_.tries.size(); ++i) {
+      if (study_.tries[i].kind == TryKind::kTest) continue;
+      samples.push_back({ErrorInG(study_, study_.tries[i]), outcomes_[i].success});
+    }
+    FitTolerance(samples, options_.fit, model);
+    return model;
+  }
+
+  std::vector<JudgedPick> TestPicks() const {
+    std::vector<JudgedPick> picks;
+    for (size_t i = 0; i < study_.tries.size(); ++i) {
+      if (study_.tries[i].kind != TryKind::kTest) continue;
+      const ToleranceTry& t = study_.tries[i];
+      picks.push_back({t.X_OO, outcomes_[i].success, static_cast<int>(i),
+                       study_.grasps[t.grasp].candidate.X_OG});
+    }
+    return picks;
+  }
+
+ private:
+  const ToleranceStudy& study_;
+  const std::vector<TryOutcome>& outcomes_;
+  const ToleranceOptions& options_;
+};
+
+// Scores of the picks in turn, larger for what is thought to succeed.
+struct ScoreColumn {
+  std::string name, help;
+  std::vector<ScoredOutcome> scores;
+};
+
+std::vector<ScoreColumn> ScoreColumns(const ToleranceModel& model, const ObjectModel& part,
+                                      const std::vector<JudgedPick>& picks) {
+  const MetricModel metric_model = MakeMetricModel(part);
+  const CameraIntrinsics no_camera;
+  const Pose X_true = Pose::Identity();
+  std::vector<ScoreColumn> columns;
+  for (const MetricRow& row : MetricTable()) {
+    if (row.needs_camera) continue;
+    ScoreColumn column{row.name, row.help, {}};
+    for (const JudgedPick& pick : picks) {
+      const double error =
+          row.compute({metric_model, no_camera, pick.X_OtrueObelieved, X_true, &model});
+      column.scores.push_back({-error, pick.success});
+    }
+    columns.push_back(std::move(column));
+  }
+  const bool grasps_known = std::all_of(
+      picks.begin(), picks.end(), [](const JudgedPick& pick) { return pick.X_OG.has_value(); });
+  if (grasps_known) {
+    ScoreColumn column{
+        kGraspRisk, "chance that the pick fails with the grasp that is executed", {}};
+    for (const JudgedPick& pick : picks) {
+      column.scores.push_back(
+          {SuccessProbability(model, pick.X_OtrueObelieved, *pick.X_OG), pick.success});
+    }
+    columns.push_back(std::move(column));
+  }
+  // The map's own row leads; the others are held against it.
+  std::stable_partition(columns.begin(), columns.end(),
+                        [](const ScoreColumn& c) { return c.name == kPickRiskMetric; });
+  return columns;
+}
+
+Interval IntervalOverClusters(const ScoreColumn& column, const std::vector<JudgedPick>& picks) {
+  std::map<int, std::vector<ScoredOutcome>> by_cluster;
+  for (size_t i = 0; i < picks.size(); ++i)
+    by_cluster[picks[i].cluster].push_back(column.scores[i]);
+  std::vector<std::vector<ScoredOutcome>> clusters;
+  for (auto& [cluster, outcomes] : by_cluster) clusters.push_back(std::move(outcomes));
+  return ClusterBootstrapAuc(clusters);
+}
+
+}  // namespace
+
+ToleranceRegion RegionOf(const std::vector<LevelShare>& levels, double least) {
+  ToleranceRegion region;
+  const int middle = static_cast<int>(levels.size()) / 2;
+  if (levels[middle].tries == 0 || levels[middle].share() < least) return region;
+  Reach(levels, middle, -1, least, region.low, region.low_open);
+  Reach(levels, middle, 1, least, region.high, region.high_open);
+  return region;
+}
+
+ToleranceFigures FiguresOf(const ToleranceStudy& study, const std::vector<TryOutcome>& outcomes) {
+  const Reader reader(study, outcomes);
+  const ObjectModel& part = *study.table.objects[0];
+  ToleranceFigures figures;
+  figures.object = part.name;
+  figures.gripper = study.table.gripper.name;
+  figures.at_truth = reader.AtTruth();
+  for (size_t axis = 0; axis < ErrorAxisTable().size(); ++axis) {
+    figures.axes.push_back(reader.Curve(static_cast<int>(axis), figures.at_truth));
+  }
+  for (const auto& pair : study.options.pairs) figures.pairs.push_back(reader.Map(pair));
+  figures.model = reader.Fitted();
+  const std::vector<JudgedPick> picks = reader.TestPicks();
+  figures.test_picks = static_cast<int>(picks.size());
+  figures.predictors = JudgePredictors(figures.model, part, picks);
+  for (const JudgedPick& pick : picks) {
+    const double p = SuccessProbability(figures.model, pick.X_OtrueObelieved);
+    figures.brier += (p - pick.success) * (p - pick.success) / double(picks.size());
+  }
+  return figures;
+}
+
+std::vector<Predictor> JudgePredictors(const ToleranceModel& model, const ObjectModel& part,
+                                       const std::vector<JudgedPick>& picks) {
+  std::set<int> seen;
+  for (const JudgedPick& pick : picks) seen.insert(pick.cluster);
+  const bool clustered = seen.size() < picks.size();
+  const std::vector<ScoreColumn> columns = ScoreColumns(model, part, picks);
+  std::vector<Predictor> predictors;
+  for (const ScoreColumn& column : columns) {
+    Predictor predictor{column.name, column.help, Auc(column.scores), {}};
+    if (clustered) predictor.auc.interval = IntervalOverClusters(column, picks);
+    predictor.to_first = CompareAuc(column.scores, columns.front().scores);
+    predictors.push_back(std::move(predictor));
+  }
+  std::stable_sort(predictors.begin() + 1, predictors.end(),
+                   [](const Predictor& a, const Predictor& b) { return a.auc.auc > b.auc.auc; });
+  return predictors;
+}
+
+}  // namespace pickbed

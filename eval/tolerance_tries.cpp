@@ -1,0 +1,172 @@
+#include "eval/tolerance_tries.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+constexpr double kMm = 1e-3, kDegree = std::numbers::pi / 180;
+
+constexpr std::array<ErrorAxis, 12> kAxes{{
+    {"x", "along x of the part", "mm", false, 0, kMm},
+    {"y", "along y of the part", "mm", false, 1, kMm},
+    {"z", "along z of the part", "mm", false, 2, kMm},
+    {"rx", "about x of the part", "deg", false, 3, kDegree},
+    {"ry", "about y of the part", "deg", false, 4, kDegree},
+    {"rz", "about z of the part", "deg", false, 5, kDegree},
+    {"gx", "along the closing direction", "mm", true, 0, kMm},
+    {"gy", "across the fingers", "mm", true, 1, kMm},
+    {"gz", "along the approach", "mm", true, 2, kMm},
+    {"grx", "about the closing direction", "deg", true, 3, kDegree},
+    {"gry", "about the fingers' width", "deg", true, 4, kDegree},
+    {"grz", "about the approach", "deg", true, 5, kDegree},
+}};
+
+// Turned about a point of O instead of its origin.
+Pose TurnedAbout(const Eigen::Vector3d& point_O, const PoseError& error) {
+  const Pose X = ToPose(error);
+  return MakePose(X.linear(), point_O - X.linear() * point_O + X.translation());
+}
+
+class Planner {
+ public:
+  explicit Planner(ToleranceStudy& study) : study_(study), options_(study.options) {}
+
+  void AddAxes() {
+    for (int axis = 0; axis < static_cast<int>(kAxes.size()); ++axis) {
+      for (int level = -options_.steps; level <= options_.steps; ++level) {
+        // Without an error all axes are one.
+        if (level == 0 && axis > 0) continue;
+        for (int grasp = 0; grasp < options_.grasps; ++grasp) {
+          Add(TryKind::kAxis, {axis, -1}, {level, 0}, grasp);
+        }
+      }
+    }
+  }
+
+  void AddPairs() {
+    const int grasps = std::min(options_.pair_grasps, options_.grasps);
+    const int side = options_.steps / options_.pair_stride;
+    for (const auto& pair : options_.pairs) {
+      for (int a = -side; a <= side; ++a) {
+        for (int b = -side; b <= side; ++b) {
+          for (int grasp = 0; grasp < grasps; ++grasp) {
+            // Spread over the map's grasps, which stand in the order of the resting poses.
+            const int spread = grasp * options_.grasps / grasps;
+            Add(TryKind::kPair, pair, {a * options_.pair_stride, b * options_.pair_stride}, spread);
+          }
+        }
+      }
+    }
+  }
+
+  // Errors in all directions of the six axes, each as long as any other up to the limit.
+  void AddRandom(TryKind kind, int count, int first_grasp, int grasps, std::string_view stream) {
+    Rng rng = Rng::Derive(options_.seed, 0, stream);
+    for (int i = 0; i < count; ++i) {
+      PoseError direction;
+      for (int k = 0; k < 6; ++k) direction[k] = rng.Normal();
+      const double steps = rng.Uniform(0, options_.random_steps) / direction.norm();
+      PoseError error;
+      error << steps * options_.step_mm * kMm * direction.head<3>(),
+          steps * options_.step_deg * kDegree * direction.tail<3>();
+      ToleranceTry t;
+      t.kind = kind;
+      t.grasp = first_grasp + i % grasps;
+      t.X_OO = TurnedAbout(study_.model.surface_mean_O, error);
+      study_.tries.push_back(t);
+    }
+  }
+
+ private:
+  void Add(TryKind kind, std::array<int, 2> axis, std::array<int, 2> level, int grasp) {
+    ToleranceTry t{kind, axis, level, grasp, Pose::Identity()};
+    PoseError error = PoseError::Zero();
+    for (int i = 0; i < 2; ++i) {
+      if (axis[i] < 0) continue;
+      const ErrorAxis& row = kAxes[axis[i]];
+      const double step = row.coordinate < 3 ? options_.step_mm : options_.step_deg;
+      error[row.coordinate] = level[i] * step * row.per_unit_si;
+    }
+    const Pose& X_OG = study_.grasps[grasp].candidate.X_OG;
+    t.X_OO = kAxes[axis[0]].of_grasp ? X_OG * ToPose(error) * X_OG.inverse()
+                                     : TurnedAbout(study_.model.surface_mean_O, error);
+    study_.tries.push_back(t);
+  }
+
+  ToleranceStudy& study_;
+  const ToleranceOptions& options_;
+};
+
+}  // namespace
+
+std::span<const ErrorAxis> ErrorAxisTable() { return kAxes; }
+
+int ErrorAxisNamed(const std::string& name) {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < kAxes.size(); ++i) {
+    if (name == kAxes[i].name) return static_cast<int>(i);
+    names.push_back(kAxes[i].name);
+  }
+  throw InputError(UnknownNameMessage("error axis", name, names));
+}
+
+const char* TryKindName(TryKind kind) {
+  constexpr const char* kNames[] = {"axis", "pair", "fit", "test"};
+  return kNames[static_cast<int>(kind)];
+}
+
+void ToleranceOptions::Visit(SettingsVisitor& v) {
+  v.Integer("grasps", grasps, {1, 100000}, "that each error is executed with");
+  v.Real("step_mm", step_mm, {0.01, 100}, "of the errors along an axis, mm");
+  v.Real("step_deg", step_deg, {0.01, 60}, "of the errors about an axis, deg");
+  v.Integer("steps", steps, {1, 100}, "to each side");
+  v.Integer("pair_grasps", pair_grasps, {1, 100000}, "that an error of a pair is executed with");
+  v.Integer("pair_stride", pair_stride, {1, 100}, "steps between the errors of a pair");
+  v.Integer("fit_tries", fit_tries, {0, 10000000}, "random errors that the model is fitted to");
+  v.Integer("test_tries", test_tries, {0, 10000000}, "random errors that scores are judged by");
+  v.Real("random_steps", random_steps, {0.1, 1000}, "greatest length of a random error, steps");
+  v.Real("keep_share", keep_share, {0.01, 1}, "of the success at no error that a region keeps");
+  v.Seed("seed", seed, "of grasps and random errors");
+  v.Group(
+      "table", [&](SettingsVisitor& g) { table.Visit(g); }, "that the part lies on");
+  v.Group(
+      "fit", [&](SettingsVisitor& g) { fit.Visit(g); }, "of the model");
+}
+
+ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part, const GripperSpec& gripper,
+                         std::vector<GraspCandidate> candidates, const ToleranceOptions& options) {
+  ToleranceStudy study;
+  study.options = options;
+  study.table = MakeTable(part, gripper, std::move(candidates), options.table);
+  Rng rng = Rng::Derive(options.seed, 0, "tolerance grasps");
+  study.grasps = DrawTableGrasps(study.table, options.grasps, rng, options.table);
+  const int of_map = static_cast<int>(study.grasps.size());
+  study.options.grasps = of_map;
+  Rng test_rng = Rng::Derive(options.seed, 0, "tolerance test grasps");
+  const auto of_test = DrawTableGrasps(study.table, options.test_tries, test_rng, options.table);
+  study.grasps.insert(study.grasps.end(), of_test.begin(), of_test.end());
+
+  std::vector<Pose> X_OG;
+  for (int i = 0; i < of_map; ++i) X_OG.push_back(study.grasps[i].candidate.X_OG);
+  study.model = EmptyToleranceModel(*part, gripper.name, X_OG, options.fit);
+  Planner planner(study);
+  planner.AddAxes();
+  planner.AddPairs();
+  planner.AddRandom(TryKind::kFit, options.fit_tries, 0, of_map, "tolerance fit errors");
+  planner.AddRandom(TryKind::kTest, static_cast<int>(of_test.size()), of_map,
+                    static_cast<int>(of_test.size()), "tolerance test errors");
+  return study;
+}
+
+PoseError ErrorInG(const ToleranceStudy& study, const ToleranceTry& t) {
+  const Pose& X_OG = study.grasps[t.grasp].candidate.X_OG;
+  return ToPoseError(X_OG.inverse() * NearestError(study.model, t.X_OO) * X_OG);
+}
+
+}  // namespace pickbed

@@ -1,0 +1,103 @@
+#include "grasp/tolerance_trial.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "grasp/tolerance.h"
+#include "tests/grasp/grasp_scenes.h"
+#include "tests/support/error_of.h"
+
+namespace pickbed {
+namespace {
+
+// Half of 4 x 3 x 6 cm, lies on any side. Held across x at its upper end.
+constexpr double kHalfWidth_m = 0.02, kHalfHeight_m = 0.03;
+
+GraspCandidate FromTheTop(double depth_m) {
+  GraspCandidate candidate;
+  candidate.X_OG = FromAbove({0, 0, kHalfHeight_m - 2 * depth_m});
+  candidate.width_m = 2 * kHalfWidth_m;
+  candidate.depth_m = depth_m;
+  candidate.quality = 0.9;
+  return candidate;
+}
+
+Table StandingBox(double depth_m = 0.012) {
+  return MakeTable(BoxPart({0.04, 0.03, 0.06}, 0.1, 0.5), SmallJaw(), {FromTheTop(depth_m)});
+}
+
+Pose Shift(double x, double y, double z) { return Translation({x, y, z}); }
+
+TEST(ToleranceTrial, ErrorsWithinTheOpeningSucceedAndBeyondItHitThePart) {
+  const Table table = StandingBox();
+  Rng rng(0);
+  const auto grasps = DrawTableGrasps(table, 1, rng);
+  ASSERT_EQ(grasps.size(), 1u);
+  EXPECT_TRUE(ExecuteWithError(table, grasps[0], Pose::Identity()).success);
+  // The open fingers stand 3 mm beside the part, and are 10 mm thick.
+  for (const double x : {-0.0015, 0.0015}) {
+    EXPECT_TRUE(ExecuteWithError(table, grasps[0], Shift(x, 0, 0)).success) << x;
+  }
+  for (const double x : {-0.008, 0.008}) {
+    const GraspOutcome outcome = ExecuteWithError(table, grasps[0], Shift(x, 0, 0));
+    EXPECT_FALSE(outcome.success) << x;
+    EXPECT_EQ(outcome.loss, Loss::kCollision) << x;
+  }
+}
+
+TEST(ToleranceTrial, AHandThatStaysAboveThePartClosesOnNothing) {
+  const Table table = StandingBox();
+  Rng rng(0);
+  const auto grasps = DrawTableGrasps(table, 1, rng);
+  const GraspOutcome outcome = ExecuteWithError(table, grasps[0], Shift(0, 0, 0.05));
+  EXPECT_FALSE(outcome.success);
+  EXPECT_EQ(outcome.loss, Loss::kClosedOnNothing);
+}
+
+TEST(ToleranceTrial, TheTableIsKnownHoweverLowThePartIsBelieved) {
+  const Table table = StandingBox(0.014);
+  Rng rng(0);
+  const auto grasps = DrawTableGrasps(table, 1, rng);
+  // 28 mm behind the top of 60: tips 32 mm above the table. 38 mm lower the hand is drawn back and
+  // its palm is still over the part; 60 mm lower there is nothing left of the contact.
+  const GraspOutcome outcome = ExecuteWithError(table, grasps[0], Shift(0, 0, -0.060));
+  EXPECT_FALSE(outcome.success);
+  EXPECT_EQ(outcome.loss, Loss::kNoGrasp);
+}
+
+TEST(ToleranceTrial, PlacesAreThePartAtRestOnTheTable) {
+  const Table table = StandingBox();
+  ASSERT_GE(table.places.size(), 2u);
+  std::set<int> graspable;
+  double total = 0;
+  for (size_t i = 0; i < table.places.size(); ++i) {
+    const Pose& X_WO = table.places[i].scene.objects[0].X_WO;
+    double lowest = 1;
+    for (const Eigen::Vector3d& v : table.objects[0]->mesh_O.vertices) {
+      lowest = std::min(lowest, (X_WO * v).z());
+    }
+    EXPECT_NEAR(lowest, 0.0005, 0.0004) << i;  // the hulls' margin
+    total += table.places[i].probability;
+    if (table.places[i].graspable) graspable.insert(static_cast<int>(i));
+  }
+  EXPECT_GT(total, 0.9);
+  EXPECT_LE(total, 1 + 1e-9);
+  // Only where the one candidate comes from above.
+  EXPECT_LT(graspable.size(), table.places.size());
+  Rng rng(0);
+  for (const TableGrasp& grasp : DrawTableGrasps(table, 5, rng)) {
+    EXPECT_TRUE(graspable.contains(grasp.place));
+  }
+}
+
+TEST(ToleranceTrial, APartWithoutGraspsIsRefusedByName) {
+  EXPECT_THAT(ErrorOf([] {
+                MakeTable(BoxPart({0.04, 0.03, 0.06}, 0.1, 0.5), SmallJaw(), {});
+              }),
+              testing::AllOf(testing::HasSubstr("test jaw"), testing::HasSubstr("no grasp")));
+}
+
+}  // namespace
+}  // namespace pickbed
