@@ -75,6 +75,10 @@ void ListMetrics(const std::string&) {
     Row(row.name, fmt::format("{} ({})", row.help, row.unit));
 }
 
+void ListPolicies(const std::string&) {
+  for (const PolicyRow& row : PolicyTable()) Row(row.name, row.help);
+}
+
 void ListLosses(const std::string&) {
   for (const LossRow& row : LossTable()) {
     Row(std::string(row.name), fmt::format("{:<9} {}", StageName(row.stage), row.help));
@@ -103,7 +107,7 @@ struct Topic {
   const char* title;
   void (*print)(const std::string& catalog_folder);
 };
-constexpr std::array<Topic, 10> kTopics{{
+constexpr std::array<Topic, 11> kTopics{{
     {"presets", "Scenarios that come with the program", ListPresets},
     {"objects", "Parts", ListObjects},
     {"estimators", "Pose estimators", ListEstimators},
@@ -112,6 +116,7 @@ constexpr std::array<Topic, 10> kTopics{{
     {"grippers", "Grippers", ListGrippers},
     {"sensors", "Depth sensors", ListSensors},
     {"metrics", "Pose errors", ListMetrics},
+    {"policies", "When the picking of a bin ends", ListPolicies},
     {"losses", "What becomes of a pick: reason, stage", ListLosses},
     {"settings", "Keys of a scenario file with their defaults", ListSettings},
 }};

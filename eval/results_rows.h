@@ -42,6 +42,7 @@ struct PickRow {
     v("loss", record.loss);
     v("executed", executed);
     v("chosen_hypothesis", record.chosen);
+    v("aimed", record.aimed);
     v("grasp_hypothesis", grasp.hypothesis);
     v("grasp_x_wg", grasp.X_WG);
     v("grasp_width_m", grasp.width_m);
@@ -92,6 +93,22 @@ struct InstanceRow {
     v("object", record.object);
     v("visible_fraction", record.visible_fraction);
     v("recalled", record.recalled);
+    v("missed", record.missed);
+  }
+};
+
+struct FateRow {
+  int trial = 0;
+  InstanceFate fate;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("instance", fate.instance);
+    v("object", fate.object);
+    v("picked", fate.picked);
+    v("asked", fate.asked);
+    v("loss", fate.loss);
+    v("pick", fate.pick);
   }
 };
 

@@ -144,6 +144,7 @@ struct ResultsStore::Impl {
     Execute(CreateTable<PickRow>("picks"));
     Execute(CreateTable<HypothesisRow>("hypotheses"));
     Execute(CreateTable<InstanceRow>("instances"));
+    Execute(CreateTable<FateRow>("fates"));
     Execute(CreateTable<RejectionRow>("rejections"));
     Execute(CreateTable<RefusalRow>("refusals"));
     Execute(CreateTable<TimingRow>("timings"));
@@ -164,6 +165,16 @@ struct ResultsStore::Impl {
 
   sqlite3* db = nullptr;
 };
+
+std::optional<std::string> StoredSettings(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "results.sqlite";
+  if (!std::filesystem::is_regular_file(file)) return std::nullopt;
+  ResultsStore::Impl store;
+  const int opened = sqlite3_open_v2(file.c_str(), &store.db, SQLITE_OPEN_READONLY, nullptr);
+  CheckInput(opened == SQLITE_OK,
+             fmt::format("cannot read {}: {}", file.string(), sqlite3_errmsg(store.db)));
+  return store.SettingOr("scenario", "");
+}
 
 ResultsStore::ResultsStore(const std::filesystem::path& folder, const std::string& settings)
     : impl_(std::make_unique<Impl>()) {
@@ -200,6 +211,7 @@ void ResultsStore::Write(const TrialResult& result) {
   std::vector<PickRow> picks;
   std::vector<HypothesisRow> hypotheses;
   std::vector<InstanceRow> instances;
+  std::vector<FateRow> fates;
   std::vector<RejectionRow> rejections;
   std::vector<RefusalRow> refusals;
   std::vector<TimingRow> timings;
@@ -216,6 +228,7 @@ void ResultsStore::Write(const TrialResult& result) {
       rejections.push_back({trial, record.pick, cause, grasps});
     }
   }
+  for (const InstanceFate& fate : result.fates) fates.push_back({trial, fate});
   for (const RefusedScene& refused : result.refused) {
     for (const std::string& fault : refused.faults) {
       refusals.push_back({trial, refused.attempt, fault});
@@ -230,6 +243,7 @@ void ResultsStore::Write(const TrialResult& result) {
     Insert(db, "picks", std::move(picks));
     Insert(db, "hypotheses", std::move(hypotheses));
     Insert(db, "instances", std::move(instances));
+    Insert(db, "fates", std::move(fates));
     Insert(db, "rejections", std::move(rejections));
     Insert(db, "refusals", std::move(refusals));
     Insert(db, "timings", std::move(timings));
@@ -267,6 +281,7 @@ std::vector<TrialResult> ResultsStore::ReadAll() const {
   for (InstanceRow& row : Select<InstanceRow>(db, "instances")) {
     of(row.trial).picks[row.pick].instances.push_back(row.record);
   }
+  for (const FateRow& row : Select<FateRow>(db, "fates")) of(row.trial).fates.push_back(row.fate);
   for (const RejectionRow& row : Select<RejectionRow>(db, "rejections")) {
     of(row.trial).picks[row.pick].grasps_rejected[row.cause] = row.grasps;
   }

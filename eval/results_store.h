@@ -5,12 +5,17 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "eval/trial.h"
 
 namespace pickbed {
+
+// The settings that FOLDER/results.sqlite was written with; none when there is no such file. Throws
+// InputError when it is no results store.
+std::optional<std::string> StoredSettings(const std::filesystem::path& folder);
 
 class ResultsStore {
  public:
@@ -26,6 +31,7 @@ class ResultsStore {
 
  private:
   struct Impl;
+  friend std::optional<std::string> StoredSettings(const std::filesystem::path& folder);
   std::unique_ptr<Impl> impl_;
 };
 

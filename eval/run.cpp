@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <iterator>
 #include <memory>
+#include <numeric>
 
 #include "eval/oracle.h"
 #include "eval/results_store.h"
@@ -69,7 +71,9 @@ WorkerPlan::DoItem StartWorker(const ScenarioSpec& spec, const ObjectSet& object
     said = Clock::now();
     say(fmt::format("{}: {:.0f} %", what, 100 * share));
   };
-  auto runner = std::make_shared<TrialRunner>(spec, objects, on_progress);
+  TrialOptions trial_options;
+  trial_options.truth = options.truth;
+  auto runner = std::make_shared<TrialRunner>(spec, objects, on_progress, trial_options);
   auto store = std::make_shared<ResultsStore>(options.out, identity);
   return [runner, store, options](int trial) {
     std::filesystem::path pictures;
@@ -87,7 +91,8 @@ void WriteReports(const std::vector<TrialResult>& trials, const ObjectSet& objec
   WriteFileAtomically(out / "summary.json", SummaryJson(summary));
   WriteFileAtomically(out / "trials.csv", TrialsCsv(trials));
   WriteFileAtomically(out / "picks.csv", PicksCsv(trials, objects));
-  WriteFileAtomically(out / "timings.csv", TimingsCsv(trials));
+  WriteFileAtomically(out / "parts.csv", PartsCsv(trials, objects));
+  WriteFileAtomically(out / "timings.csv", TimingsCsv(trials, summary.cycle));
 }
 
 // All of a part that a trial depends on.
@@ -109,11 +114,20 @@ uint64_t PartHash(const ObjectModel& part) {
   return HashBytes(numbers.data(), numbers.size() * sizeof(double), part.mesh_hash);
 }
 
+std::string FedText(const TruthStages& truth) {
+  return fmt::format("# truth for: sense {}, detection {}, pose {}, refinement {}, grasp {}\n",
+                     truth.sense, truth.detection, truth.pose, truth.refinement, truth.grasp);
+}
+
 }  // namespace
 
 std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
   ScenarioSpec same_for_all = spec;
   same_for_all.trials = 1;
+  same_for_all.cycle = {};
+  // Their contents stand below; where they lie is no matter.
+  same_for_all.bin.mesh.clear();
+  for (PartSpec& part : same_for_all.objects) part.mesh.clear();
   std::string text = SettingsText(same_for_all);
   BlameKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
   // Files that the settings only name.
@@ -123,6 +137,10 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
   text += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
   for (const auto& object : objects) {
     text += fmt::format("# part {} is {:016x}\n", object->name, PartHash(*object));
+  }
+  if (!spec.bin.mesh.empty()) {
+    const std::string bytes = ReadFileBytes(spec.folder / spec.bin.mesh);
+    text += fmt::format("# bin {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
   for (const EstimatorRow& row : EstimatorTable()) {
     if (spec.estimator.name != row.name || row.model_file == nullptr) continue;
@@ -136,16 +154,21 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
 
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener) {
-  const std::string identity = RunIdentity(spec, objects);
+  std::string identity = RunIdentity(spec, objects);
+  if (options.truth != TruthStages()) identity += FedText(options.truth);
   const std::vector<int> finished = FinishedTrials(options, identity);
   ScenarioSpec all_trials = spec;  // fewer may be asked for now than were run before
   if (!finished.empty()) all_trials.trials = std::max(spec.trials, finished.back() + 1);
   WriteFileAtomically(options.out / "scenario.yaml", ScenarioText(all_trials, options.out));
 
   WorkerPlan plan;
-  for (int trial = 0; trial < spec.trials; ++trial) {
-    if (!std::binary_search(finished.begin(), finished.end(), trial)) plan.items.push_back(trial);
+  std::vector<int> wanted = options.only_trials;
+  if (wanted.empty()) {
+    wanted.resize(spec.trials);
+    std::iota(wanted.begin(), wanted.end(), 0);
   }
+  std::set_difference(wanted.begin(), wanted.end(), finished.begin(), finished.end(),
+                      std::back_inserter(plan.items));
   RunState state;
   state.done = state.done_before = static_cast<int>(finished.size());
   state.total = state.done + static_cast<int>(plan.items.size());
@@ -165,12 +188,12 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
   plan.stop = listener.stop;
   WorkReport work = RunInWorkers(plan);
 
-  const std::vector<TrialResult> trials = ResultsStore(options.out, identity).ReadAll();
   RunReport report;
-  report.summary = Summarize(trials);
+  report.trials = ResultsStore(options.out, identity).ReadAll();
+  report.summary = Summarize(report.trials, spec.cycle);
   report.interrupted = work.stopped;
   report.lost = std::move(work.lost);
-  WriteReports(trials, objects, report.summary, options.out);
+  WriteReports(report.trials, objects, report.summary, options.out);
   return report;
 }
 

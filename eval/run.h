@@ -4,7 +4,9 @@
 //
 //   OUT/results.sqlite   everything, see eval/results_store.h
 //   OUT/scenario.yaml    the effective settings
-//   OUT/summary.json     OUT/trials.csv, OUT/picks.csv: the same bytes for any number of workers
+//   OUT/summary.json     OUT/trials.csv, OUT/picks.csv, OUT/parts.csv: the same bytes for any
+//   number
+//                        of workers
 //   OUT/timings.csv      seconds by trial and stage
 //   OUT/pictures/trial_0000/pick_00_{color,depth,overlay,after}.png
 
@@ -22,8 +24,10 @@ namespace pickbed {
 struct RunOptions {
   std::filesystem::path out;
   int jobs = 1;
-  bool resume = false;     // go on in a folder that holds finished trials
-  int picture_trials = 4;  // trials 0 .. picture_trials - 1 get pictures
+  bool resume = false;           // go on in a folder that holds finished trials
+  int picture_trials = 4;        // trials 0 .. picture_trials - 1 get pictures
+  std::vector<int> only_trials;  // ascending; empty = all of the scenario
+  TruthStages truth;             // stages that are fed with truth
 };
 
 // How far a run is.
@@ -41,6 +45,7 @@ struct RunListener {
 
 struct RunReport {
   RunSummary summary;
+  std::vector<TrialResult> trials;  // all that are finished, by trial
   bool interrupted = false;
   std::vector<LostItem> lost;  // trials that threw or crashed
 };
@@ -50,8 +55,9 @@ struct RunReport {
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener);
 
-// What must be equal for two runs to be one: the settings but the number of trials, the gripper,
-// the sensor, the parts' meshes and the trained model.
+// What must be equal for two runs to be one: the settings but the number of trials and the cycle's
+// times, the gripper, the sensor, the meshes of parts and bin wherever they lie, and the trained
+// model.
 std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects);
 
 }  // namespace pickbed

@@ -27,4 +27,10 @@ struct Cluster {
 Interval ClusterBootstrap(std::span<const Cluster> clusters, double confidence = 0.95,
                           int resamples = 2000, uint64_t seed = 0);
 
+// Interval of by how much the rate rises from `before` to `after`, which hold the same units in the
+// same order: units are drawn, with what they add to both. [-1, 1] when nothing was tried in
+// either. Throws std::logic_error when they differ in number.
+Interval PairedBootstrap(std::span<const Cluster> before, std::span<const Cluster> after,
+                         double confidence = 0.95, int resamples = 2000, uint64_t seed = 0);
+
 }  // namespace pickbed

@@ -34,6 +34,12 @@ std::string BandName(const RecallBand& band) {
 
 std::string Percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
+std::string CycleText(const CycleTime& cycle) {
+  return fmt::format("{:.0f}  a part: sense {:.1f} s, compute {:.1f} s{}, move {:.1f} s",
+                     cycle.picks_per_hour(), cycle.sense_s, cycle.compute_s,
+                     cycle.measured ? " (measured)" : "", cycle.move_s);
+}
+
 std::string RefusedText(const RunSummary& summary) {
   std::string text =
       fmt::format("Scenes refused and built anew: {} of {}\n", summary.refused.size(),
@@ -64,8 +70,9 @@ void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands)
   }
 }
 
-RunSummary Summarize(const std::vector<TrialResult>& trials) {
+RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle) {
   RunSummary summary;
+  summary.cycle = CycleTimeOf(trials, cycle);
   summary.recall_by_visibility = EmptyRecallBands();
   for (const TrialResult& trial : trials) {
     ++summary.trials;
@@ -110,6 +117,8 @@ std::string SummaryJson(const RunSummary& s) {
   }
   json["losses"] = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : s.losses) json["losses"][reason] = count;
+  auto& picks_per_hour = json["picks_per_hour"];
+  if (!s.cycle.measured && s.successes > 0) picks_per_hour = s.cycle.picks_per_hour();
   json["seconds"] = nlohmann::ordered_json::object();
   for (const auto& [stage, seconds] : s.seconds) json["seconds"][stage] = seconds;
   return json.dump(2) + "\n";
@@ -128,6 +137,7 @@ std::string SummaryTable(const RunSummary& s) {
                                     s.parts_cleared, s.parts_dropped, s.trials));
   line("top-ranked pose right",
        fmt::format("{}  {} of {} images", Percent(s.top1_precision), s.top1_correct, s.frames));
+  if (s.cycle.picks_per_hour() > 0) line("picks an hour", CycleText(s.cycle));
   if (!s.refused.empty()) text += RefusedText(s);
   text += "Recall by visible fraction (MSSD < 0.1 diameter)\n";
   for (const RecallBand& band : s.recall_by_visibility) {
@@ -189,14 +199,32 @@ std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& ob
   return csv;
 }
 
-std::string TimingsCsv(const std::vector<TrialResult>& trials) {
+std::string PartsCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects) {
+  std::string csv = "trial,instance,object,became,loss,stage,pick\n";
+  for (const TrialResult& trial : trials) {
+    for (const InstanceFate& fate : trial.fates) {
+      csv += fmt::format("{},{},{},{},{},{},{}\n", trial.trial, fate.instance,
+                         objects.at(fate.object)->name,
+                         fate.picked  ? "picked"
+                         : fate.asked ? "lost"
+                                      : "not_asked",
+                         LossName(fate.loss), StageName(StageOf(fate.loss)), fate.pick);
+    }
+  }
+  return csv;
+}
+
+std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle) {
   std::string csv = "trial,stage,seconds\n";
   for (const TrialResult& trial : trials) {
     for (const auto& [stage, seconds] : trial.seconds) {
       csv += fmt::format("{},{},{:.6f}\n", trial.trial, stage, seconds);
     }
   }
-  return csv;
+  if (cycle.part_s() == 0) return csv;
+  csv += fmt::format("all,cycle/sense,{:.6f}\nall,cycle/compute,{:.6f}\nall,cycle/move,{:.6f}\n",
+                     cycle.sense_s, cycle.compute_s, cycle.move_s);
+  return csv + fmt::format("all,cycle/part,{:.6f}\n", cycle.part_s());
 }
 
 }  // namespace pickbed

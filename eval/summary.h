@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/cycle.h"
 #include "eval/statistics.h"
 #include "eval/trial.h"
 
@@ -39,16 +40,20 @@ struct RunSummary {
   std::vector<RecallBand> recall_by_visibility;  // 10-30, 30-50, 50-70, 70-90, 90-100 %
   std::vector<TrialRefusal> refused;             // scenes that failed their certificate
   std::map<std::string, int> losses;             // reason -> attempts or ends charged to it
-  StageSeconds seconds;                          // stage -> mean a trial
+  CycleTime cycle;
+  StageSeconds seconds;  // stage -> mean a trial
 };
 
-RunSummary Summarize(const std::vector<TrialResult>& trials);
+RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle = {});
 
-// summary.json; the seconds stand in one object "seconds" so that they can be left out.
+// summary.json; the seconds stand in one object "seconds" so that they can be left out. Picks per
+// hour are null where they rest on a measured time, or nothing was picked.
 std::string SummaryJson(const RunSummary& summary);
 std::string SummaryTable(const RunSummary& summary);            // for people
 std::string TrialsCsv(const std::vector<TrialResult>& trials);  // a line a trial
 std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);  // a pick
-std::string TimingsCsv(const std::vector<TrialResult>& trials);
+std::string PartsCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);  // a part
+// The last lines, of trial "all", are the cycle's seconds a picked part.
+std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle = {});
 
 }  // namespace pickbed

@@ -7,6 +7,7 @@
 #include "eval/blame.h"
 #include "eval/estimator_runner.h"
 #include "eval/matching.h"
+#include "eval/oracle.h"
 #include "eval/pictures.h"
 #include "eval/virtual_cell.h"
 #include "grasp/candidates.h"
@@ -43,13 +44,9 @@ std::vector<Eigen::Vector3d> ObservedPoints(const RgbdFrame& frame, const Pose& 
   return points_W;
 }
 
-// Why a look gave no hypothesis at all.
-Loss WhyNothing(const std::vector<InstanceRecord>& instances) {
-  const bool any_visible =
-      std::any_of(instances.begin(), instances.end(), [](const InstanceRecord& instance) {
-        return instance.visible_fraction >= kCountedVisibility;
-      });
-  return any_visible ? Loss::kNoProposal : Loss::kNotVisible;
+// The instance that a hypothesis stands on, -1 = none.
+int AimOf(const HypothesisScore& believed, double stands_on_diameters) {
+  return believed.mssd_diameters < stands_on_diameters ? believed.instance : -1;
 }
 
 // A pose that stands on no part may still bring one up; of another kind it is not the one wanted.
@@ -78,13 +75,22 @@ struct TrialRunner::Impl {
 
   Live Drop(int trial, const std::filesystem::path& picture_folder);
   View See(Live& live, int look);
+  std::vector<PoseHypothesis> Believe(const View& view, Live& live, PickRecord& record);
+  // With truth in place of the stages that are fed.
+  std::vector<PoseHypothesis> Fed(std::vector<PoseHypothesis> believed, const View& view,
+                                  const Scene& scene) const;
   // One look: fills the record's instances and hypotheses.
   std::vector<PoseHypothesis> Estimate(const View& view, Live& live, PickRecord& record);
-  std::optional<Grasp> Plan(const View& view, const std::vector<BelievedPose>& poses, Live& live,
-                            PickRecord& record);
+  // Best first, without those that would only repeat a failure.
+  std::vector<Grasp> Plan(const View& view, const std::vector<BelievedPose>& poses, Live& live,
+                          PickRecord& record);
+  std::optional<Grasp> Choose(const std::vector<Grasp>& grasps, Live& live,
+                              const PickRecord& record) const;
+  ExecuteResult Try(const Scene& scene, const Grasp& grasp, const PickRecord& record) const;
   void Execute(const PoseHypothesis& hypothesis, const BelievedPose& pose, Live& live,
                PickRecord& record);
   void PickOnce(Live& live);
+  void PickAll(Live& live);  // until the bin is empty or the policy ends it
 
   ScenarioSpec spec;
   Progress on_progress;
@@ -93,7 +99,8 @@ struct TrialRunner::Impl {
   GripperSpec gripper;
   std::vector<MetricModel> metric_models;
   std::vector<std::vector<GraspCandidate>> candidates;
-  EstimatorRunner estimator;
+  std::unique_ptr<EstimatorRunner> estimator;  // null: all it would tell is fed
+  std::unique_ptr<FedRefiner> fed_refiner;     // null: nothing that is fed is refined
 };
 
 TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
@@ -102,8 +109,15 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
       on_progress(progress),
       options(trial_options),
       cell(scenario, objects),
-      gripper(BlameKey(scenario, "gripper", [&] { return LoadGripper(scenario.gripper); })),
-      estimator(cell, scenario, 1, progress) {
+      gripper(BlameKey(scenario, "gripper", [&] { return LoadGripper(scenario.gripper); })) {
+  BlameKey(scenario, "policy.stop", [&] { PolicyNamed(scenario.policy.stop); });
+  const TruthStages& truth = options.truth;
+  if (!truth.AllOfPerception()) {
+    estimator = std::make_unique<EstimatorRunner>(cell, scenario, 1, progress);
+  }
+  if (truth.pose && !truth.refinement && scenario.estimator.name != kOracleName) {
+    fed_refiner = std::make_unique<FedRefiner>(cell.objects(), scenario.refiner);
+  }
   for (const auto& model : cell.objects()) {
     metric_models.push_back(MakeMetricModel(*model));
     candidates.push_back(CachedCandidates(*model, gripper));
@@ -120,6 +134,12 @@ TrialRunner::Impl::Live TrialRunner::Impl::Drop(int trial,
   live.result.certificate = std::move(made.certificate);
   live.result.refused = std::move(made.refused);
   live.result.parts_dropped = cell.WantedIn(made.scene);
+  for (const PosedObject& posed : made.scene.objects) {
+    if (!cell.IsWanted(posed.object)) continue;
+    InstanceFate& fate = live.result.fates.emplace_back();
+    fate.instance = posed.instance;
+    fate.object = posed.object;
+  }
   live.scene = std::move(made.scene);
   return live;
 }
@@ -129,45 +149,90 @@ View TrialRunner::Impl::See(Live& live, int look) {
   return cell.See(live.scene, live.result.trial, look);
 }
 
-std::vector<PoseHypothesis> TrialRunner::Impl::Estimate(const View& view, Live& live,
-                                                        PickRecord& record) {
-  StageSeconds& seconds = live.result.seconds;
-  Rng rng = Rng::Derive(spec.seed, live.result.trial, fmt::format("estimate/{}", record.pick));
-  EstimateResult result = estimator.Estimate(live.scene, view, rng);
-  for (const auto& [stage, value] : result.seconds) seconds[stage] += value;
-  StageTimer timer(seconds, "score");
-  LookScore score = ScoreLook(live.scene, view.visible_fractions, metric_models, cell.camera(),
-                              result.hypotheses);
-  record.instances = std::move(score.instances);
-  record.hypotheses = std::move(score.hypotheses);
-  return std::move(result.hypotheses);
+std::vector<PoseHypothesis> TrialRunner::Impl::Fed(std::vector<PoseHypothesis> believed,
+                                                   const View& view, const Scene& scene) const {
+  const TruthStages& truth = options.truth;
+  if (!truth.detection && !truth.pose && !truth.refinement) return believed;
+  const Pose X_CW = cell.camera().X_WC.inverse();
+  std::vector<FedPart> parts;
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    const PosedObject& posed = scene.objects[i];
+    const double visible = view.visible_fractions[i];
+    if (!cell.IsWanted(posed.object)) continue;
+    if (!truth.sense && visible < kCountedVisibility) continue;
+    parts.push_back({posed.object, X_CW * posed.X_WO, visible});
+  }
+  believed = WithTruth(std::move(believed), parts, metric_models, truth);
+  if (fed_refiner) fed_refiner->Refine(view.frame, {cell.bin(), X_CW}, believed);
+  return believed;
 }
 
-std::optional<Grasp> TrialRunner::Impl::Plan(const View& view,
-                                             const std::vector<BelievedPose>& poses, Live& live,
-                                             PickRecord& record) {
+std::vector<PoseHypothesis> TrialRunner::Impl::Believe(const View& view, Live& live,
+                                                       PickRecord& record) {
+  if (!estimator) return Fed({}, view, live.scene);
+  Rng rng = Rng::Derive(spec.seed, live.result.trial, fmt::format("estimate/{}", record.pick));
+  EstimateResult result = estimator->Estimate(live.scene, view, rng);
+  for (const auto& [stage, value] : result.seconds) live.result.seconds[stage] += value;
+  return Fed(std::move(result.hypotheses), view, live.scene);
+}
+
+std::vector<PoseHypothesis> TrialRunner::Impl::Estimate(const View& view, Live& live,
+                                                        PickRecord& record) {
+  std::vector<PoseHypothesis> hypotheses = Believe(view, live, record);
+  StageTimer timer(live.result.seconds, "score");
+  LookScore score =
+      ScoreLook(live.scene, view.visible_fractions, metric_models, cell.camera(), hypotheses);
+  const std::vector<Loss> missed =
+      WhyMissed(score, hypotheses, {live.scene, metric_models, cell.camera()});
+  for (size_t i = 0; i < missed.size(); ++i) score.instances[i].missed = missed[i];
+  record.instances = std::move(score.instances);
+  record.hypotheses = std::move(score.hypotheses);
+  return hypotheses;
+}
+
+std::vector<Grasp> TrialRunner::Impl::Plan(const View& view, const std::vector<BelievedPose>& poses,
+                                           Live& live, PickRecord& record) {
   StageTimer timer(live.result.seconds, "plan");
   const auto cloud_W = ObservedPoints(view.frame, cell.camera().X_WC, options.cloud_stride_px);
   PlanOptions plan_options;
+  if (options.truth.grasp) plan_options.max_grasps = options.true_grasps;
   if (!live.failed.empty()) plan_options.max_grasps = options.retry_grasps;
   PlanResult plan =
       PlanGrasps({cell.bin(), poses, candidates, cloud_W, cell.objects(), gripper}, plan_options);
   record.grasps_rejected = std::move(plan.rejected);
-  for (const Grasp& grasp : plan.grasps) {
-    if (!IsRetry(grasp, poses[grasp.hypothesis], live.failed, options)) return grasp;
+  std::erase_if(plan.grasps, [&](const Grasp& grasp) {
+    return IsRetry(grasp, poses[grasp.hypothesis], live.failed, options);
+  });
+  return std::move(plan.grasps);
+}
+
+std::optional<Grasp> TrialRunner::Impl::Choose(const std::vector<Grasp>& grasps, Live& live,
+                                               const PickRecord& record) const {
+  if (grasps.empty()) return std::nullopt;
+  if (!options.truth.grasp) return grasps.front();
+  StageTimer timer(live.result.seconds, "try");
+  const size_t tried = std::min<size_t>(grasps.size(), options.true_grasps);
+  for (size_t i = 0; i < tried; ++i) {
+    if (Try(live.scene, grasps[i], record).outcome.success) return grasps[i];
   }
-  return std::nullopt;
+  return grasps.front();
+}
+
+ExecuteResult TrialRunner::Impl::Try(const Scene& scene, const Grasp& grasp,
+                                     const PickRecord& record) const {
+  const HypothesisScore& believed = record.hypotheses[grasp.hypothesis];
+  ExecuteResult executed = ExecuteGrasp(scene, cell.objects(), grasp, gripper,
+                                        AimOf(believed, options.stands_on_diameters));
+  RefuseOtherKinds(scene, believed.object, executed.outcome);
+  return executed;
 }
 
 void TrialRunner::Impl::Execute(const PoseHypothesis& hypothesis, const BelievedPose& pose,
                                 Live& live, PickRecord& record) {
   StageTimer timer(live.result.seconds, "execute");
-  const HypothesisScore& chosen = record.hypotheses[record.chosen];
-  const bool stands_on_one = chosen.mssd_diameters < options.stands_on_diameters;
-  ExecuteResult executed = ExecuteGrasp(live.scene, cell.objects(), *record.grasp, gripper,
-                                        stands_on_one ? chosen.instance : -1);
+  record.aimed = AimOf(record.hypotheses[record.chosen], options.stands_on_diameters);
+  ExecuteResult executed = Try(live.scene, *record.grasp, record);
   record.outcome = executed.outcome;
-  RefuseOtherKinds(live.scene, pose.object, record.outcome);
   record.loss = LossOf(record, hypothesis, {live.scene, metric_models, cell.camera()});
   live.scene = std::move(executed.after);
   if (record.outcome.success) {
@@ -189,16 +254,40 @@ void TrialRunner::Impl::PickOnce(Live& live) {
   for (const PoseHypothesis& hypothesis : hypotheses) {
     poses.push_back({hypothesis.object, cell.camera().X_WC * hypothesis.X_CO, hypothesis.score});
   }
-  if (!poses.empty()) record.grasp = Plan(view, poses, live, record);
+  if (!poses.empty()) record.grasp = Choose(Plan(view, poses, live, record), live, record);
   pictures.Write({view.frame, cell.camera(), cell.objects(), live.scene, hypotheses,
                   record.grasp ? &*record.grasp : nullptr, &gripper, &view.ids});
   if (record.grasp) {
     record.chosen = record.grasp->hypothesis;
     Execute(hypotheses[record.chosen], poses[record.chosen], live, record);
   } else {
-    record.loss = poses.empty() ? WhyNothing(record.instances) : Loss::kNoGrasp;
+    record.loss = LossWithoutGrasp(record, hypotheses, {live.scene, metric_models, cell.camera()});
   }
   if (pictures.wanted()) pictures.WriteAfter(cell.ColorPicture(live.scene, live.result.trial));
+}
+
+void TrialRunner::Impl::PickAll(Live& live) {
+  const PolicySpec& policy = spec.policy;
+  const PolicyRow& row = PolicyNamed(policy.stop);
+  const int most_looks = row.most_looks > 0 ? row.most_looks : policy.max_picks;
+  TrialResult& result = live.result;
+  PolicyState state;
+  while (cell.WantedIn(live.scene) > 0 && (most_looks == 0 || state.looks < most_looks)) {
+    PickOnce(live);
+    const PickRecord& pick = result.picks.back();
+    const bool picked = pick.loss == Loss::kNone;
+    result.parts_cleared += picked;
+    if (on_progress) {
+      const double cleared = static_cast<double>(result.parts_cleared) / result.parts_dropped;
+      on_progress(fmt::format("trial {}", result.trial), cleared);
+    }
+    ++state.looks;
+    state.grasp_found = pick.grasp.has_value();
+    state.failures_in_row = picked ? 0 : state.failures_in_row + 1;
+    if (!row.gives_up(state, policy)) continue;
+    result.ended_by = pick.loss;
+    return;
+  }
 }
 
 TrialRunner::TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects,
@@ -208,24 +297,13 @@ TrialRunner::TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects,
 TrialRunner::~TrialRunner() = default;
 
 TrialResult TrialRunner::Run(int trial, const std::filesystem::path& picture_folder) {
-  const PolicySpec& policy = impl_->spec.policy;
-  const size_t max_picks = policy.stop == "one_pick" ? 1 : policy.max_picks;
   Impl::Live live = impl_->Drop(trial, picture_folder);
+  impl_->PickAll(live);
   TrialResult& result = live.result;
-  int failures_in_row = 0;
-  while (result.ended_by == Loss::kNone && impl_->cell.WantedIn(live.scene) > 0) {
-    if (max_picks > 0 && result.picks.size() == max_picks) break;
-    impl_->PickOnce(live);
-    const PickRecord& pick = result.picks.back();
-    const bool picked = pick.loss == Loss::kNone;
-    result.parts_cleared += picked;
-    if (impl_->on_progress) {
-      const double cleared = static_cast<double>(result.parts_cleared) / result.parts_dropped;
-      impl_->on_progress(fmt::format("trial {}", trial), cleared);
-    }
-    failures_in_row = picked ? 0 : failures_in_row + 1;
-    if (!pick.grasp || failures_in_row >= policy.max_failures_in_row) result.ended_by = pick.loss;
-  }
+  TrialEnd end;
+  end.gave_up = result.ended_by != Loss::kNone;
+  for (const PosedObject& posed : live.scene.objects) end.remaining.push_back(posed.instance);
+  result.fates = FatesOf(std::move(result.fates), result.picks, end);
   return std::move(result);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// One trial: drop, then look, estimate, refine, pick, score, again and again until the bin is
-// empty, no grasp is found, or too many picks in a row fail.
+// One trial: drop, then look, estimate, refine, pick, score, again and again until the bin is empty
+// or the scenario's policy ends it (scenes/policy.h).
 
 #include <filesystem>
 #include <functional>
@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "eval/fates.h"
+#include "eval/truth_feed.h"
 #include "grasp/execute.h"
 #include "grasp/plan.h"
 #include "perception/pose_estimator.h"
@@ -37,7 +39,8 @@ struct InstanceRecord {
   int instance = 0;
   int object = 0;
   double visible_fraction = 0;
-  bool recalled = false;  // some hypothesis is correct for it
+  bool recalled = false;      // some hypothesis is correct for it
+  Loss missed = Loss::kNone;  // why it is not recalled, see WhyMissed in eval/blame.h
 };
 
 // One look, and the pick that followed from it. A look without an executed grasp is no attempt: its
@@ -47,6 +50,7 @@ struct PickRecord {
   std::vector<InstanceRecord> instances;
   std::vector<HypothesisScore> hypotheses;
   int chosen = -1;  // hypothesis of the executed grasp
+  int aimed = -1;   // instance that it stands on, -1 = none
   std::optional<Grasp> grasp;
   GraspOutcome outcome;
   Loss loss = Loss::kNone;
@@ -59,6 +63,7 @@ struct TrialResult {
   std::vector<RefusedScene> refused;  // before the certified one
   int parts_dropped = 0;
   int parts_cleared = 0;  // by picks that succeeded; a part knocked out of the bin is not one
+  std::vector<InstanceFate> fates;  // of each part that was dropped and wanted
   std::vector<PickRecord> picks;
   Loss ended_by = Loss::kNone;  // kNone = bin empty or pick limit, else what stopped the trial
   StageSeconds seconds;         // never part of a results file
@@ -74,6 +79,8 @@ struct TrialOptions {
   int retry_grasps = 50;             // planned after a failure, to choose from
   int cloud_stride_px = 2;           // of the observed points that the planner keeps clear of
   double stands_on_diameters = 0.5;  // MSSD within which a hypothesis stands on an instance
+  TruthStages truth;                 // stages that are fed with truth
+  int true_grasps = 10;              // tried in the true scene where truth.grasp is set
 };
 
 // What a worker holds for all its trials: meshes on the renderer, network, grasp candidates.
@@ -83,7 +90,7 @@ class TrialRunner {
   using Progress = std::function<void(std::string_view what, double share)>;
 
   // Makes the estimator and grasp candidates, from caches where they hold them. Throws InputError
-  // for an unknown estimator, gripper or sensor and for a broken model file.
+  // for an unknown estimator, gripper, sensor or policy and for a broken model file.
   TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects, const Progress& on_progress = {},
               const TrialOptions& options = {});
   ~TrialRunner();

@@ -44,14 +44,14 @@ class VirtualCell {
 
   const ObjectSet& objects() const { return objects_; }       // with convex pieces
   const std::vector<int>& wanted() const { return wanted_; }  // those of them that are not foreign
-  int WantedIn(const Scene& scene) const;                     // instances
+  bool IsWanted(int object) const;
+  int WantedIn(const Scene& scene) const;  // instances
   const Camera& camera() const { return camera_; }
   const Bin& bin() const { return bin_; }
   const SensorProfile& sensor() const { return sensor_; }
 
  private:
   SceneRenderer& renderer();
-  bool IsWanted(int object) const;
 
   uint64_t seed_;
   std::vector<int> counts_;

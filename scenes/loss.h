@@ -15,16 +15,17 @@ enum class Loss {
   kNone,             // the pick succeeded
   kNotVisible,       // the camera saw too little of any part
   kNoProposal,       // parts in view, no hypothesis reported
-  kWrongPart,        // hypothesis names another part, or another part came along
+  kWrongPart,        // hypothesis names another part than the one that lies there
   kPoseWrong,        // wrong, and no stage had a right one in its place
   kRefinementWorse,  // refinement made a right pose wrong
   kSuppressed,       // a right pose was suppressed
   kNoGrasp,          // no collision-free grasp for any hypothesis
   kCollision,        // gripper hit something on approach
-  kClosedOnNothing,  // fingers met
+  kClosedOnNothing,  // fingers met, or a cup did not seal
   kSlipped,          // part left the fingers while lifting
   kDropped,          // part lost while holding or shaking
-  kTookTwo,          // another part came too
+  kTookTwo,          // another part came too, or in place of the one that was meant
+  kDisturbed,        // part left the bin by a pick that was not meant for it
   kPhysicsFailed,    // bodies exploded or the solver gave NaN
 };
 

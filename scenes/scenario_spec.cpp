@@ -131,12 +131,6 @@ void EstimatorSpec::Visit(SettingsVisitor& v) {
   v.Real("noise_deg", noise_deg, {0, 180}, "oracle only: sigma of the rotation, degrees");
 }
 
-void PolicySpec::Visit(SettingsVisitor& v) {
-  v.Text("stop", stop, {"until_empty", "one_pick"}, "when a trial ends");
-  v.Integer("max_failures_in_row", max_failures_in_row, {1, 1000}, "failed picks in a row");
-  v.Integer("max_picks", max_picks, {0, 100000}, "picks a trial, 0 = no limit");
-}
-
 void BinSpec::Visit(SettingsVisitor& v) {
   v.Text("name", name, {}, "a row of `pickbed list bins`, or a file; its own keys may be left out");
   v.Text("mesh", mesh, {}, "mesh file of a bin of any shape, z up, relative to this file");
@@ -180,6 +174,9 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
   v.Text("gripper", gripper, {}, "a row of `pickbed list grippers`, or a file");
   v.Group(
       "policy", [this](SettingsVisitor& g) { policy.Visit(g); }, "how picking goes on");
+  v.Group(
+      "cycle", [this](SettingsVisitor& g) { cycle.Visit(g); },
+      "what a pick costs, for picks an hour");
 }
 
 std::vector<std::string> BinNames() { return StemsIn(AssetsDir() / "bins", ".yaml"); }

@@ -14,6 +14,7 @@
 #include "scenes/camera.h"
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
+#include "scenes/policy.h"
 #include "scenes/settings.h"
 
 namespace pickbed {
@@ -52,13 +53,6 @@ struct EstimatorSpec {
   void Visit(SettingsVisitor& v);
 };
 
-struct PolicySpec {
-  std::string stop = "until_empty";  // until_empty | one_pick
-  int max_failures_in_row = 2;
-  int max_picks = 0;  // 0 = no limit
-  void Visit(SettingsVisitor& v);
-};
-
 struct BinSpec {
   std::string
       name;  // assets/bins/NAME.yaml or a path; keys that are given here go before the file's
@@ -91,6 +85,7 @@ struct ScenarioSpec {
   std::string refiner = "pcl_icp";  // a row of RefinerNames()
   std::string gripper = "jaw_8cm";  // assets/grippers/NAME.yaml or a path
   PolicySpec policy;
+  CycleSpec cycle;
   std::filesystem::path folder;  // of the scenario file, for relative paths; not a setting
   KeyPlaces places;              // of the keys that were given; not a setting
 

@@ -55,7 +55,9 @@ TrialResult FullTrial(int trial) {
   for (int p = 0; p < 3; ++p) {
     PickRecord& pick = result.picks.emplace_back();
     pick.pick = p;
-    for (int i = 0; i < 4; ++i) pick.instances.push_back({i, i % 2, rng.Uniform(), i % 2 == 0});
+    for (int i = 0; i < 4; ++i) {
+      pick.instances.push_back({i, i % 2, rng.Uniform(), i % 2 == 0, Loss::kSuppressed});
+    }
     HypothesisScore score;
     score.object = 1;
     score.instance = 3;
@@ -75,6 +77,7 @@ TrialResult FullTrial(int trial) {
     pick.grasps_rejected = {{"collision", 12}, {"tilt's", 3}};
     if (p == 2) continue;  // a look without a grasp
     pick.chosen = 1;
+    pick.aimed = 3;
     Grasp grasp;
     grasp.X_WG = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
     grasp.width_m = rng.Uniform();
@@ -83,6 +86,7 @@ TrialResult FullTrial(int trial) {
     pick.grasp = grasp;
     pick.outcome = {true, Loss::kDropped, 5, 2, rng.Uniform(), rng.Uniform(), rng.Uniform(), 4};
   }
+  result.fates = {{0, 1, true, true, Loss::kNone, 0}, {1, 0, false, false, Loss::kDisturbed, 2}};
   result.seconds = {{"drop", rng.Uniform()}, {"see", rng.Uniform()}};
   return result;
 }
@@ -90,6 +94,7 @@ TrialResult FullTrial(int trial) {
 void ExpectSamePick(const PickRecord& a, const PickRecord& b) {
   EXPECT_EQ(a.pick, b.pick);
   EXPECT_EQ(a.chosen, b.chosen);
+  EXPECT_EQ(a.aimed, b.aimed);
   EXPECT_EQ(a.loss, b.loss);
   EXPECT_EQ(a.grasps_rejected, b.grasps_rejected);
   ASSERT_EQ(a.grasp.has_value(), b.grasp.has_value());
@@ -113,6 +118,7 @@ void ExpectSamePick(const PickRecord& a, const PickRecord& b) {
     EXPECT_EQ(a.instances[i].object, b.instances[i].object);
     EXPECT_EQ(a.instances[i].visible_fraction, b.instances[i].visible_fraction);
     EXPECT_EQ(a.instances[i].recalled, b.instances[i].recalled);
+    EXPECT_EQ(a.instances[i].missed, b.instances[i].missed);
   }
   ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
   for (size_t i = 0; i < a.hypotheses.size(); ++i) {
@@ -143,6 +149,12 @@ void ExpectSameTrial(const TrialResult& a, const TrialResult& b) {
     EXPECT_EQ(a.refused[i].attempt, b.refused[i].attempt);
     EXPECT_EQ(a.refused[i].faults, b.refused[i].faults);
   }
+  ASSERT_EQ(a.fates.size(), b.fates.size());
+  for (size_t i = 0; i < a.fates.size(); ++i) {
+    const InstanceFate &x = a.fates[i], &y = b.fates[i];
+    EXPECT_EQ(std::tie(x.instance, x.object, x.picked, x.asked, x.loss, x.pick),
+              std::tie(y.instance, y.object, y.picked, y.asked, y.loss, y.pick));
+  }
   EXPECT_EQ(a.seconds, b.seconds);
   ASSERT_EQ(a.picks.size(), b.picks.size());
   for (size_t i = 0; i < a.picks.size(); ++i) ExpectSamePick(a.picks[i], b.picks[i]);
@@ -153,6 +165,13 @@ TEST_F(ResultsStoreTest, ReadsBackEveryBitOfATrial) {
   const auto read = ResultsStore(folder_, "seed: 1").ReadAll();
   ASSERT_EQ(read.size(), 1u);
   ExpectSameTrial(read[0], FullTrial(4));
+}
+
+TEST_F(ResultsStoreTest, TellsWhatItWasWrittenWith) {
+  EXPECT_FALSE(StoredSettings(folder_).has_value());
+  EXPECT_TRUE(std::filesystem::is_empty(folder_)) << "asking makes no file";
+  ResultsStore(folder_, "seed: 1").Write(FullTrial(4));
+  EXPECT_EQ(StoredSettings(folder_), "seed: 1");
 }
 
 TEST_F(ResultsStoreTest, OrderOfWritingDoesNotMatter) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <stdexcept>
 #include <vector>
 
 #include "scenes/random.h"
@@ -72,6 +74,50 @@ TEST(ClusterBootstrap, KnowsNothingWithoutTries) {
   const std::vector<Cluster> empty{{0, 0}, {0, 0}};
   EXPECT_EQ(ClusterBootstrap(empty).low, 0);
   EXPECT_EQ(ClusterBootstrap(empty).high, 1);
+}
+
+// Rates that differ much from unit to unit but by the same in each pair: pairing keeps the units'
+// own spread out of the interval.
+TEST(PairedBootstrap, PairsTakeOutWhatUnitsHaveInCommon) {
+  std::vector<Cluster> before, after;
+  for (int i = 0; i < 40; ++i) {
+    before.push_back({i % 2 ? 50 : 10, 100});
+    after.push_back({before.back().hits + 20, 100});
+  }
+  const Interval rise = PairedBootstrap(before, after);
+  EXPECT_NEAR(rise.low, 0.2, 1e-12);
+  EXPECT_NEAR(rise.high, 0.2, 1e-12);
+  std::vector<Cluster> turned(after);
+  std::rotate(turned.begin(), turned.begin() + 1, turned.end());
+  const Interval unpaired = PairedBootstrap(before, turned);
+  EXPECT_GT(unpaired.high - unpaired.low, 0.1);
+}
+
+TEST(PairedBootstrap, CoversTheTruth) {
+  constexpr int kExperiments = 400;
+  Rng rng(6);
+  int covered = 0;
+  for (int experiment = 0; experiment < kExperiments; ++experiment) {
+    std::vector<Cluster> before(60), after(60);
+    for (size_t i = 0; i < before.size(); ++i) {
+      const double rate = rng.Uniform(0.4, 0.8);
+      before[i].tries = after[i].tries = 10;
+      for (int k = 0; k < 10; ++k) {
+        before[i].hits += rng.Uniform(0, 1) < rate;
+        after[i].hits += rng.Uniform(0, 1) < rate + 0.1;
+      }
+    }
+    const Interval rise = PairedBootstrap(before, after, 0.95, 400, experiment);
+    covered += rise.low <= 0.1 && 0.1 <= rise.high;
+  }
+  EXPECT_NEAR(covered / static_cast<double>(kExperiments), 0.94, 0.035);
+}
+
+TEST(PairedBootstrap, KnowsNothingWithoutTriesAndNeedsPairs) {
+  const std::vector<Cluster> none{{0, 0}}, one{{1, 2}};
+  EXPECT_EQ(PairedBootstrap(none, one).low, -1);
+  EXPECT_EQ(PairedBootstrap(one, none).high, 1);
+  EXPECT_THROW(PairedBootstrap(one, std::vector<Cluster>{{1, 2}, {1, 2}}), std::logic_error);
 }
 
 }  // namespace

@@ -79,6 +79,29 @@ TEST(Summarize, InstancesUnderTenPercentVisibleCountInNoBand) {
   EXPECT_EQ(s.recall_by_visibility[4].recalled, 3);
 }
 
+// 4 looks, 3 grasps, 2 parts: (4 * 1 + 4 * 2 + 3 * 6) / 2 = 15 s a part.
+TEST(Summarize, PicksAnHourFromStatedTimes) {
+  const RunSummary stated = Summarize(TwoTrials(), {1, 2, 6});
+  EXPECT_DOUBLE_EQ(stated.cycle.sense_s, 2);
+  EXPECT_DOUBLE_EQ(stated.cycle.compute_s, 4);
+  EXPECT_DOUBLE_EQ(stated.cycle.move_s, 9);
+  EXPECT_DOUBLE_EQ(stated.cycle.picks_per_hour(), 240);
+  EXPECT_EQ(nlohmann::json::parse(SummaryJson(stated))["picks_per_hour"], 240);
+  EXPECT_NE(SummaryTable(stated).find("240"), std::string::npos);
+}
+
+TEST(Summarize, AMeasuredComputeTimeStandsInTheTimingsAlone) {
+  auto trials = TwoTrials();
+  trials[0].seconds["estimate"] = 5;
+  trials[0].seconds["estimate/icp"] = 3;  // is part of it
+  trials[1].seconds["plan"] = 1;
+  const RunSummary measured = Summarize(trials, {1, 0, 6});
+  EXPECT_DOUBLE_EQ(measured.cycle.compute_s, 3);
+  EXPECT_TRUE(measured.cycle.measured);
+  EXPECT_TRUE(nlohmann::json::parse(SummaryJson(measured))["picks_per_hour"].is_null());
+  EXPECT_NE(TimingsCsv(trials, measured.cycle).find("all,cycle/part,14.000000"), std::string::npos);
+}
+
 TEST(Summarize, NothingRunGivesNoNumberThatIsNotOne) {
   const auto json = nlohmann::json::parse(SummaryJson(Summarize({})));
   EXPECT_EQ(json["attempts"], 0);
@@ -112,6 +135,18 @@ TEST(Csv, HasALineATrialAndALineAPick) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','),
               std::count(header.begin(), header.end(), ','));
   }
+}
+
+TEST(PartsCsv, SaysWhatBecameOfEachPart) {
+  auto trials = TwoTrials();
+  trials[0].fates = {{0, 0, true, true, Loss::kNone, 0},
+                     {1, 0, false, true, Loss::kSlipped, 1},
+                     {2, 0, false, false, Loss::kNone, -1}};
+  const auto model = std::make_shared<ObjectModel>();
+  model->name = "rod";
+  EXPECT_EQ(PartsCsv(trials, {model}),
+            "trial,instance,object,became,loss,stage,pick\n0,0,rod,picked,none,done,0\n"
+            "0,1,rod,lost,slipped,grasp,1\n0,2,rod,not_asked,none,done,-1\n");
 }
 
 TEST(TrialsCsv, HoldsNoTimes) {

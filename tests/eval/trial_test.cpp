@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "eval/loss_budget.h"
 #include "eval/summary.h"
 #include "eval/virtual_cell.h"
 #include "scenes/check.h"
@@ -58,7 +59,9 @@ TEST(Trial, IsAFunctionOfSeedAndNumber) {
 TEST(Trial, PolicyLimitsThePicks) {
   ScenarioSpec spec = CubeScenario(3);
   spec.policy.stop = "one_pick";
-  EXPECT_EQ(RunOne(spec, EasyCube()).picks.size(), 1u);
+  const TrialResult one = RunOne(spec, EasyCube());
+  EXPECT_EQ(one.picks.size(), 1u);
+  EXPECT_EQ(BudgetOfInstances({&one, 1}).not_asked, 2);
   spec.policy.stop = "until_empty";
   spec.policy.max_picks = 2;
   const TrialResult result = RunOne(spec, EasyCube());
@@ -133,11 +136,71 @@ TEST(Trial, UnknownNamesAreBadInput) {
   for (const auto& spoil : std::vector<std::function<void(ScenarioSpec&)>>{
            [](ScenarioSpec& s) { s.estimator.name = "orcale"; },
            [](ScenarioSpec& s) { s.gripper = "jaw_9cm"; },
-           [](ScenarioSpec& s) { s.sensor = "eye"; }}) {
+           [](ScenarioSpec& s) { s.sensor = "eye"; },
+           [](ScenarioSpec& s) { s.policy.stop = "never"; }}) {
     ScenarioSpec spec = CubeScenario(1);
     spoil(spec);
     EXPECT_THROW(TrialRunner(spec, EasyCube()), InputError);
   }
+}
+
+// The looks that find no grasp are failures like others, and the third of them ends the trial.
+TEST(Trial, ThePolicyThatLooksAgainCountsLooksWithoutGrasp) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.policy.stop = "look_again";
+  spec.policy.max_failures_in_row = 3;
+  const TrialResult result = RunOne(spec, {Cube(0.09, 0.2, 0.6)});
+  EXPECT_EQ(result.picks.size(), 3u);
+  EXPECT_EQ(result.ended_by, Loss::kNoGrasp);
+}
+
+LossBudget Both(const TrialResult& trial) {
+  LossBudget sum = BudgetOfAttempts({&trial, 1});
+  const LossBudget instances = BudgetOfInstances({&trial, 1});
+  for (size_t i = 0; i < sum.lost.size(); ++i) sum.lost[i] += instances.lost[i];
+  return sum;
+}
+
+// An oracle that is off by more than a tenth of the diameter and less than half of it, and stages
+// that are then fed with truth.
+TEST(Trial, TruthInPlaceOfAStageMendsThatStage) {
+  ScenarioSpec spec = CubeScenario(4);
+  spec.estimator.noise_mm = 8;
+  const ObjectSet objects = EasyCube();
+  const auto run = [&](const TruthStages& truth) {
+    TrialOptions options;
+    options.truth = truth;
+    TrialRunner runner(spec, objects, {}, options);
+    LossBudget sum;
+    for (int trial = 0; trial < 3; ++trial) {
+      const LossBudget one = Both(runner.Run(trial));
+      sum.total += one.total;
+      sum.picked += one.picked;
+      for (size_t i = 0; i < sum.lost.size(); ++i) sum.lost[i] += one.lost[i];
+    }
+    return sum;
+  };
+  const LossBudget as_run = run({});
+  EXPECT_GT(as_run[Loss::kPoseWrong], 0) << "the case did not occur";
+  const LossBudget pose = run({.pose = true});
+  EXPECT_EQ(pose[Loss::kPoseWrong], 0);
+  EXPECT_EQ(pose.picked, 12);
+  EXPECT_EQ(run({.detection = true})[Loss::kNoProposal], 0);
+  EXPECT_NO_THROW(RequireGraspLossesOnly(run({true, true, true, true, false})));
+}
+
+// From low outside, a wall hides what lies on the floor: with truth everywhere it is known.
+TEST(Trial, TruthEverywhereKnowsWhatNoPixelShows) {
+  ScenarioSpec spec = CubeScenario(2);
+  spec.seed = 12;  // neither part in a corner
+  spec.camera.eye_m = {0, -0.8, 0.1};
+  spec.camera.target_m = {0, 0, 0.075};
+  EXPECT_EQ(RunOne(spec, EasyCube()).ended_by, Loss::kNotVisible);
+  TrialOptions options;
+  options.truth = OracleNamed("everything").truth;
+  const TrialResult result = TrialRunner(spec, EasyCube(), {}, options).Run(0);
+  EXPECT_NO_THROW(RequireGraspLossesOnly(Both(result)));
+  EXPECT_EQ(result.parts_cleared, 2);
 }
 
 TEST(VirtualCell, EveryLookIsANewSampleOfTheSameTruth) {

@@ -1,0 +1,99 @@
+#include "eval/loss_budget.h"
+
+#include <fmt/format.h>
+
+#include <numeric>
+#include <stdexcept>
+
+namespace pickbed {
+namespace {
+
+void Charge(Loss loss, LossBudget& budget) { ++budget.lost.at(static_cast<size_t>(loss)); }
+
+void RequireSum(const char* what, int sum, int expected) {
+  if (sum == expected) return;
+  throw std::logic_error(
+      fmt::format("the budget of {} sums to {} and not to {}", what, sum, expected));
+}
+
+int LostOf(const LossBudget& budget) {
+  return std::accumulate(budget.lost.begin(), budget.lost.end(), 0);
+}
+
+int ClearedIn(std::span<const TrialResult> trials) {
+  return std::accumulate(trials.begin(), trials.end(), 0, [](int sum, const TrialResult& trial) {
+    return sum + trial.parts_cleared;
+  });
+}
+
+}  // namespace
+
+int LossBudget::Of(Stage stage) const {
+  int sum = 0;
+  for (const LossRow& row : LossTable()) {
+    if (row.stage == stage) sum += (*this)[row.loss];
+  }
+  return sum;
+}
+
+LossBudget BudgetOfAttempts(std::span<const TrialResult> trials) {
+  LossBudget budget;
+  for (const TrialResult& trial : trials) {
+    budget.total += static_cast<int>(trial.picks.size());
+    for (const PickRecord& pick : trial.picks) {
+      if (pick.loss != Loss::kNone) {
+        Charge(pick.loss, budget);
+      } else {
+        budget.picked += pick.grasp.has_value();
+      }
+    }
+  }
+  RequireSum("attempts", budget.picked + LostOf(budget), budget.total);
+  RequireSum("successful attempts", budget.picked, ClearedIn(trials));
+  return budget;
+}
+
+LossBudget BudgetOfInstances(std::span<const TrialResult> trials) {
+  LossBudget budget;
+  for (const TrialResult& trial : trials) {
+    budget.total += trial.parts_dropped;
+    for (const InstanceFate& fate : trial.fates) {
+      budget.picked += fate.picked;
+      budget.not_asked += !fate.asked;
+      if (fate.loss != Loss::kNone) Charge(fate.loss, budget);
+    }
+  }
+  RequireSum("instances", budget.picked + budget.not_asked + LostOf(budget), budget.total);
+  RequireSum("picked instances", budget.picked, ClearedIn(trials));
+  return budget;
+}
+
+void RequireGraspLossesOnly(const LossBudget& budget) {
+  for (const Stage stage : {Stage::kSense, Stage::kDetect, Stage::kPose, Stage::kRefine}) {
+    if (budget.Of(stage) == 0) continue;
+    throw std::logic_error(
+        fmt::format("{} losses are charged to the stage '{}', which was fed "
+                    "with truth",
+                    budget.Of(stage), StageName(stage)));
+  }
+}
+
+std::vector<Cluster> AttemptsByTrial(std::span<const TrialResult> trials) {
+  std::vector<Cluster> clusters;
+  for (const TrialResult& trial : trials) {
+    const LossBudget budget = BudgetOfAttempts({&trial, 1});
+    clusters.push_back({budget.picked, budget.asked()});
+  }
+  return clusters;
+}
+
+std::vector<Cluster> InstancesByTrial(std::span<const TrialResult> trials) {
+  std::vector<Cluster> clusters;
+  for (const TrialResult& trial : trials) {
+    const LossBudget budget = BudgetOfInstances({&trial, 1});
+    clusters.push_back({budget.picked, budget.asked()});
+  }
+  return clusters;
+}
+
+}  // namespace pickbed

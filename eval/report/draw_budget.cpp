@@ -1,0 +1,174 @@
+#include "eval/report/draw_budget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "eval/report/draw_canvas.h"
+#include "eval/report/ticks.h"
+
+namespace pickbed {
+namespace {
+
+constexpr Rgb8 kPaper{255, 255, 255}, kInk{35, 40, 48}, kGrid{225, 229, 234};
+constexpr Rgb8 kAll{150, 158, 168}, kLeft{0, 138, 100}, kOther{90, 90, 90};
+constexpr Rgb8 kFirst{0, 114, 178}, kSecond{213, 94, 0};
+// Told apart by colour-blind readers too (Okabe and Ito 2008).
+constexpr std::array<std::pair<const char*, Rgb8>, 9> kStages{{{"sense", {86, 180, 233}},
+                                                               {"detect", {0, 114, 178}},
+                                                               {"pose", {204, 121, 167}},
+                                                               {"refine", {230, 159, 0}},
+                                                               {"plan", {196, 178, 20}},
+                                                               {"approach", {213, 94, 0}},
+                                                               {"grasp", {126, 62, 152}},
+                                                               {"simulate", {60, 60, 60}},
+                                                               {"policy", {190, 196, 204}}}};
+constexpr int kWidth = 900, kNames_px = 190, kRight_px = 40, kTop_px = 46, kBottom_px = 52;
+constexpr int kLine_px = 30, kBar_px = 20;
+constexpr int kValues_px = 300;  // of the gains' numbers
+constexpr double kText = 0.45, kTitle = 0.55;
+
+Rgb8 ColorOf(const std::string& stage) {
+  for (const auto& [name, color] : kStages) {
+    if (stage == name) return color;
+  }
+  return kOther;
+}
+
+// A horizontal axis with round marks over lines of text.
+class Axis {
+ public:
+  Axis(double min, double max, int left_px, int right_px)
+      : min_(min), max_(max), left_px_(left_px), right_px_(right_px) {}
+
+  double At(double x) const {
+    return left_px_ + (x - min_) / (max_ - min_) * (right_px_ - left_px_);
+  }
+
+  void Draw(Canvas& canvas, int top_px, int bottom_px, const std::string& label) const {
+    for (const double x : RoundTicks(min_, max_)) {
+      canvas.Line({At(x), top_px}, {At(x), bottom_px}, kGrid);
+      const std::string text = fmt::format("{:g}", x);
+      canvas.Text(text, static_cast<int>(At(x)) - TextWidth(text, kText) / 2, bottom_px + 17, kInk,
+                  kText);
+    }
+    const int middle_px = (left_px_ + right_px_) / 2;
+    canvas.Text(label, middle_px - TextWidth(label, kText) / 2, bottom_px + 38, kInk, kText);
+  }
+
+ private:
+  double min_, max_;
+  int left_px_, right_px_;
+};
+
+// A bar from `from` to `to` per cent, with its name and its number beside it.
+void DrawBar(Canvas& canvas, const Axis& axis, int line, const std::string& name, Rgb8 color,
+             double from, double to, const std::string& value) {
+  constexpr int kGap_px = 7, kLeast_px = 3;
+  const int y = kTop_px + line * kLine_px;
+  canvas.Text(name, kNames_px - 12 - TextWidth(name, kText), y + kBar_px - 5, kInk, kText);
+  const int right = static_cast<int>(std::lround(axis.At(to)));
+  const int left = std::min(static_cast<int>(std::lround(axis.At(from))), right - kLeast_px);
+  canvas.Fill(left, y, right - left, kBar_px, color);
+  const int width = TextWidth(value, kText);
+  const bool fits_inside = right - left > width + 2 * kGap_px;
+  const bool fits_before = left - width - kGap_px > kNames_px;
+  const int x = fits_inside   ? left + kGap_px
+                : fits_before ? left - width - kGap_px
+                              : right + kGap_px;
+  const bool dark = 0.299 * color.r + 0.587 * color.g + 0.114 * color.b < 150;
+  canvas.Text(value, x, y + kBar_px - 5, fits_inside && dark ? kPaper : kInk, kText);
+}
+
+std::string Share(int count, int total) {
+  return fmt::format("{} ({:.1f} %)", count, 100.0 * count / std::max(1, total));
+}
+
+std::vector<LegendEntry> StagesOf(const std::vector<WaterfallStep>& steps) {
+  std::vector<LegendEntry> legend;
+  for (const auto& [name, color] : kStages) {
+    const bool there = std::any_of(steps.begin(), steps.end(),
+                                   [&](const WaterfallStep& step) { return step.group == name; });
+    if (there) legend.push_back({color, name});
+  }
+  return legend;
+}
+
+// Half a point beyond the intervals, and zero within.
+std::pair<double, double> RangeOf(const GainChart& chart) {
+  double low = 0, high = 1;
+  for (const GainRow& row : chart.rows) {
+    for (const GainDot& dot : {row.first, row.second}) {
+      low = std::min(low, dot.low);
+      high = std::max(high, dot.high);
+    }
+  }
+  const double margin = 0.05 * (high - low);
+  return {low - margin, high + margin};
+}
+
+void DrawDot(Canvas& canvas, const Axis& axis, const GainDot& dot, double y, Rgb8 color) {
+  constexpr double kCap_px = 4;
+  canvas.Line({axis.At(dot.low), y}, {axis.At(dot.high), y}, color, 2);
+  for (const double end : {dot.low, dot.high}) {
+    canvas.Line({axis.At(end), y - kCap_px}, {axis.At(end), y + kCap_px}, color, 2);
+  }
+  canvas.Dot({axis.At(dot.points), y}, 5, color);
+}
+
+std::string DotText(const GainDot& dot) {
+  return fmt::format("{:+.1f}  [{:+.1f}, {:+.1f}]", dot.points, dot.low, dot.high);
+}
+
+}  // namespace
+
+Image<Rgb8> DrawWaterfall(const Waterfall& waterfall) {
+  const int lines = static_cast<int>(waterfall.steps.size()) + 2;
+  const int bottom_px = kTop_px + lines * kLine_px;
+  Canvas canvas(kWidth, bottom_px + kBottom_px, kPaper);
+  canvas.Text(waterfall.title, 16, 26, kInk, kTitle);
+  const Axis axis(0, 100, kNames_px, kWidth - kRight_px);
+  axis.Draw(canvas, kTop_px - 6, bottom_px, waterfall.unit);
+  const double percent = 100.0 / std::max(1, waterfall.total);
+  DrawBar(canvas, axis, 0, waterfall.all, kAll, 0, 100, fmt::format("{}", waterfall.total));
+  int left = waterfall.total;
+  int line = 1;
+  for (const WaterfallStep& step : waterfall.steps) {
+    const int before = left;
+    left -= step.count;
+    DrawBar(canvas, axis, line++, step.name, ColorOf(step.group), percent * left, percent * before,
+            Share(step.count, waterfall.total));
+  }
+  DrawBar(canvas, axis, line, waterfall.left, kLeft, 0, percent * left,
+          Share(left, waterfall.total));
+  const std::vector<LegendEntry> legend = StagesOf(waterfall.steps);
+  Image<Rgb8> picture = canvas.Take();
+  return legend.empty() ? picture : WithLegend(picture, legend);
+}
+
+Image<Rgb8> DrawGains(const GainChart& chart) {
+  constexpr int kRow_px = 46;
+  const int bottom_px = kTop_px + static_cast<int>(chart.rows.size()) * kRow_px;
+  Canvas canvas(kWidth, bottom_px + kBottom_px, kPaper);
+  canvas.Text(chart.title, 16, 26, kInk, kTitle);
+  const auto [low, high] = RangeOf(chart);
+  const Axis axis(low, high, kNames_px, kWidth - kValues_px);
+  axis.Draw(canvas, kTop_px - 6, bottom_px, chart.x_label);
+  canvas.Line({axis.At(0), kTop_px - 6}, {axis.At(0), bottom_px}, kInk);
+  for (size_t i = 0; i < chart.rows.size(); ++i) {
+    const GainRow& row = chart.rows[i];
+    const int y = kTop_px + static_cast<int>(i) * kRow_px;
+    canvas.Text(row.name, kNames_px - 12 - TextWidth(row.name, kText), y + 24, kInk, kText);
+    DrawDot(canvas, axis, row.first, y + 11, kFirst);
+    DrawDot(canvas, axis, row.second, y + 28, kSecond);
+    const int x = kWidth - kValues_px + 40;
+    canvas.Text(DotText(row.first), x, y + 16, kFirst, kText);
+    canvas.Text(DotText(row.second), x, y + 33, kSecond, kText);
+  }
+  return WithLegend(canvas.Take(), {{kFirst, chart.first}, {kSecond, chart.second}});
+}
+
+}  // namespace pickbed
