@@ -16,7 +16,7 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 11> kCommands{{
+constexpr std::array<CommandRow, 12> kCommands{{
     {"run", "drop, look, estimate and pick, trial after trial; measure how often it works",
      RunCommand},
     {"drop", "fill one bin and show how it came to rest", DropCommand},
@@ -26,6 +26,7 @@ constexpr std::array<CommandRow, 11> kCommands{{
     {"train", "learn parts from views rendered on the fly", TrainCommand},
     {"object", "make a part of the catalog from a mesh", ObjectCommand},
     {"sensor", "draw what a depth sensor's profile does", SensorCommand},
+    {"gripper", "draw a gripper with its frame and sizes", GripperCommand},
     {"dataset", "make a data set in BOP's layout, or check one", DatasetCommand},
     {"score", "score pose estimates on a BOP data set by BOP's rules", ScoreCommand},
     {"list", "what there is to choose from: objects, estimators, grippers, sensors, ...",

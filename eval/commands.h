@@ -16,6 +16,7 @@ int EstimateCommand(int argc, char** argv);
 int TrainCommand(int argc, char** argv);
 int ObjectCommand(int argc, char** argv);
 int SensorCommand(int argc, char** argv);
+int GripperCommand(int argc, char** argv);
 int ListCommand(int argc, char** argv);
 int DatasetCommand(int argc, char** argv);
 int ScoreCommand(int argc, char** argv);
