@@ -16,7 +16,7 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 12> kCommands{{
+constexpr std::array<CommandRow, 15> kCommands{{
     {"run", "drop, look, estimate and pick, trial after trial; measure how often it works",
      RunCommand},
     {"budget", "where the picks of a run were lost, and what perfecting a stage would gain",
@@ -30,6 +30,7 @@ constexpr std::array<CommandRow, 12> kCommands{{
     {"sensor", "draw what a depth sensor's profile does", SensorCommand},
     {"grasps", "how a gripper may hold a part: grasps with their qualities, and a picture",
      GraspsCommand},
+    {"gripper", "draw a gripper with its frame and sizes", GripperCommand},
     {"dataset", "make a data set in BOP's layout, or check one", DatasetCommand},
     {"score", "score pose estimates on a BOP data set by BOP's rules", ScoreCommand},
     {"tolerance", "how wrong a pose may be and the pick still succeed", ToleranceCommand},

@@ -19,6 +19,7 @@ int ObjectCommand(int argc, char** argv);
 int SensorCommand(int argc, char** argv);
 int GraspsCommand(int argc, char** argv);
 int ToleranceCommand(int argc, char** argv);
+int GripperCommand(int argc, char** argv);
 int ListCommand(int argc, char** argv);
 int DatasetCommand(int argc, char** argv);
 int ScoreCommand(int argc, char** argv);

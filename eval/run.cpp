@@ -132,6 +132,10 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
   BlameKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
   // Files that the settings only name.
   GripperSpec gripper = BlameKey(spec, "gripper", [&] { return LoadGripper(spec.gripper); });
+  BlameKey(spec, "gripper", [&] {
+    RequireFitsBin(gripper, BinOf(spec));
+    for (const auto& object : objects) RequireCanCarry(gripper, *object);
+  });
   SensorProfile sensor = BlameKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); });
   text += WriteSettings([&](SettingsVisitor& v) { gripper.Visit(v); });
   text += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });

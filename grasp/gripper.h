@@ -43,6 +43,9 @@ struct MechanismRow {
   Hand& (*add)(PhysicsWorld& world, const GripperSpec& spec, const Pose& X_WG);
   // The hand's solid boxes in G at an opening, for collision checks.
   std::vector<AxisAlignedBox> (*boxes)(const GripperSpec& spec, double opening_m);
+  double (*most_open_m)(const GripperSpec& spec);
+  // What gives way and so stands in no collision check, for pictures.
+  std::vector<AxisAlignedBox> (*soft_boxes)(const GripperSpec& spec);
   // The most that it can carry of a part of this friction, N: its weight must stay below.
   double (*capacity_n)(const GripperSpec& spec, double part_friction);
   // Its key numbers in a few words.

@@ -47,6 +47,8 @@ class BulletHand : public Hand {
  public:
   virtual void AfterStep() = 0;
   virtual std::vector<int> TouchedParts() const = 0;
+  // Bodies that lie flat on what they hold.
+  virtual std::vector<const btRigidBody*> Pads() const = 0;
   // The part is about to be taken out of the world.
   virtual void LetGoOf(int part) = 0;
 };

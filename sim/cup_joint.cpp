@@ -51,6 +51,7 @@ class CupHand : public BulletHand {
 
   void AfterStep() override;
   std::vector<int> TouchedParts() const override { return touched_; }
+  std::vector<const btRigidBody*> Pads() const override { return {}; }
   void LetGoOf(int part) override;
 
  private:

@@ -67,6 +67,9 @@ class JawHand : public BulletHand {
 
   void AfterStep() override;
   std::vector<int> TouchedParts() const override { return touched_; }
+  std::vector<const btRigidBody*> Pads() const override {
+    return {fingers_[0].get(), fingers_[1].get()};
+  }
   void LetGoOf(int) override {}
 
  private:

@@ -10,6 +10,7 @@
 
 #include "sim/bullet_bridge.h"
 #include "sim/contact_reuse_impl.h"
+#include "sim/patch_friction_impl.h"
 #include "sim/warm_contact_impl.h"
 
 namespace pickbed {
@@ -112,7 +113,7 @@ struct PhysicsWorld::Impl {
   WarmContactConfiguration configuration;
   ReusingDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
-  btSequentialImpulseConstraintSolver solver;
+  PatchFrictionSolver solver;
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
   std::vector<std::unique_ptr<btCollisionShape>> shapes;
   std::map<const ObjectModel*, PartShape> part_shapes;
@@ -356,6 +357,7 @@ int PhysicsWorld::RemoveFunnel() {
 Hand& PhysicsWorld::AddHand(const HandSpec& spec, const Pose& X_WG) {
   if (impl_->hand != nullptr) throw std::logic_error("the world has a hand already");
   impl_->hand = MakeBulletHand(impl_->world, spec, X_WG, step_s());
+  impl_->solver.pads = impl_->hand->Pads();
   return *impl_->hand;
 }
 

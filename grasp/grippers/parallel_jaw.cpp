@@ -49,6 +49,10 @@ std::vector<AxisAlignedBox> Boxes(const GripperSpec& spec, double opening_m) {
   return HandBoxes(spec.hand, opening_m);
 }
 
+double MostOpen(const GripperSpec& spec) { return spec.hand.stroke_m; }
+
+std::vector<AxisAlignedBox> SoftBoxes(const GripperSpec&) { return {}; }
+
 // Friction of two pads.
 double Capacity(const GripperSpec& spec, double part_friction) {
   return 2 * spec.hand.force_n * PairFriction(part_friction, spec.hand.pad_friction);
@@ -64,7 +68,8 @@ MechanismRow ParallelJawRow() {
   return {"parallel_jaw",  "two coupled fingers on a slider with a force limit",
           Visit,           Check,
           ApproachOpening, Add,
-          Boxes,           Capacity,
+          Boxes,           MostOpen,
+          SoftBoxes,       Capacity,
           Summary};
 }
 

@@ -58,6 +58,13 @@ Hand& Add(PhysicsWorld& world, const GripperSpec& spec, const Pose& X_WG) {
 
 std::vector<AxisAlignedBox> Boxes(const GripperSpec& spec, double) { return CupBoxes(spec.cup); }
 
+double MostOpen(const GripperSpec&) { return 0; }
+
+std::vector<AxisAlignedBox> SoftBoxes(const GripperSpec& spec) {
+  const Eigen::Vector3d half(spec.cup.radius_m, spec.cup.radius_m, 0.5 * spec.cup.bellows_travel_m);
+  return {{{0, 0, -half.z()}, half}};
+}
+
 // Hanging straight down.
 double Capacity(const GripperSpec& spec, double) { return spec.cup.vacuum_n; }
 
@@ -72,7 +79,8 @@ MechanismRow SuctionCupRow() {
   return {"suction_cup",   "a bellows whose lip seals on a part, until pull or moment break it off",
           Visit,           Check,
           ApproachOpening, Add,
-          Boxes,           Capacity,
+          Boxes,           MostOpen,
+          SoftBoxes,       Capacity,
           Summary};
 }
 

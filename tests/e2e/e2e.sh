@@ -351,6 +351,17 @@ bad_training_is_refused() {
   refused "none.yaml" "$pickbed" train --scenario none.yaml
 }
 
+grippers_are_drawn() {
+  for gripper in jaw_8cm jaw_14cm cup_30mm; do
+    expect 0 "$pickbed" gripper show "$gripper"
+    [ -s "results/gripper_$gripper.png" ] || fail "no picture of $gripper"
+  done
+  grep -q "vacuum_n: 45" last.out || fail "the cup's force is not told"
+  printf 'mechanism: suction_cup\nvacuum_n: 0\n' >weak.yaml
+  expect 1 "$pickbed" gripper show weak.yaml
+  grep -q "weak.yaml:2: vacuum_n = 0" last.err || fail "a cup without force is not refused"
+}
+
 an_added_object_is_dropped() {
   cat >brick.obj <<'OBJ'
 v -30 -20 -10

@@ -85,5 +85,68 @@ TEST(Gripper, ApproachOpeningIsWidthAndClearanceWithinTheStroke) {
   EXPECT_FALSE(opening(gripper, 0.0741));
 }
 
+TEST(Gripper, CupIsReadByItsOwnKeys) {
+  const GripperSpec cup = LoadGripper("cup_30mm");
+  EXPECT_EQ(cup.mechanism, "suction_cup");
+  EXPECT_EQ(cup.cup.radius_m, 0.015);
+  EXPECT_THAT(ErrorOf(YamlWith("mechanism: suction_cup\nstroke_m: 0.08\n").string()),
+              HasSubstr("stroke_m"));
+  EXPECT_THAT(ErrorOf(YamlWith("vacuum_n: 45\n").string()), HasSubstr("vacuum_n"));
+}
+
+TEST(Gripper, CupsWithImpossibleNumbersAreRefused) {
+  const std::string cup = "mechanism: suction_cup\n";
+  EXPECT_THAT(ErrorOf(YamlWith(cup + "vacuum_n: 0\n").string()), HasSubstr(":2: vacuum_n = 0"));
+  EXPECT_THAT(ErrorOf(YamlWith(cup + "radius_m: -0.01\n").string()), HasSubstr("radius_m = -0.01"));
+  EXPECT_THAT(ErrorOf(YamlWith(cup + "press_m: 0.009\n").string()), HasSubstr("bellows_travel_m"));
+  // The air's pressure on a lip of 15 mm is 71.6 N.
+  EXPECT_THAT(ErrorOf(YamlWith(cup + "vacuum_n: 73\n").string()), HasSubstr("71.6 N"));
+  EXPECT_THAT(ErrorOf(YamlWith(cup + "moment_limit_nm: 0.7\n").string()),
+              HasSubstr("moment_limit_nm"));
+}
+
+std::string FitErrorOf(const GripperSpec& gripper, const Eigen::Vector3d& inner_size_m) {
+  Bin bin;
+  bin.inner_size_m = inner_size_m;
+  try {
+    RequireFitsBin(gripper, bin);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// The fingers of jaw_8cm are 5 cm long: deeper in, its palm of 10 x 4 cm comes along.
+TEST(Gripper, WiderThanTheBinIsRefused) {
+  const GripperSpec jaw = LoadGripper("jaw_8cm");
+  EXPECT_EQ(FitErrorOf(jaw, {0.40, 0.30, 0.15}), "");
+  EXPECT_EQ(FitErrorOf(jaw, {0.05, 0.11, 0.15}), "");  // turned
+  EXPECT_THAT(FitErrorOf(jaw, {0.09, 0.09, 0.15}), HasSubstr("'jaw_8cm' is wider than the bin"));
+  EXPECT_EQ(FitErrorOf(jaw, {0.09, 0.09, 0.04}), "");
+  EXPECT_NE(FitErrorOf(jaw, {0.015, 0.09, 0.04}), "");
+  EXPECT_EQ(FitErrorOf(jaw, {0.015, 0.09, 0}), "");  // a table
+  EXPECT_NE(FitErrorOf(LoadGripper("cup_30mm"), {0.02, 0.2, 0.05}), "");
+}
+
+TEST(Gripper, PartsTooHeavyAreRefused) {
+  ObjectModel part;
+  part.name = "anvil";
+  part.friction = 0.5;
+  const GripperSpec jaw = LoadGripper("jaw_8cm");  // 2 * 0.5 * 40 N
+  part.mass.mass_kg = 4.0;
+  EXPECT_NO_THROW(RequireCanCarry(jaw, part));
+  part.mass.mass_kg = 4.1;
+  try {
+    RequireCanCarry(jaw, part);
+    FAIL() << "carried";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("part 'anvil' is too heavy for gripper 'jaw_8cm'"));
+    EXPECT_THAT(error.what(), HasSubstr("40 N"));
+  }
+  EXPECT_NO_THROW(RequireCanCarry(LoadGripper("cup_30mm"), part));
+  part.mass.mass_kg = 4.6;
+  EXPECT_THROW(RequireCanCarry(LoadGripper("cup_30mm"), part), InputError);
+}
+
 }  // namespace
 }  // namespace pickbed

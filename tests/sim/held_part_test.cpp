@@ -1,0 +1,188 @@
+// What friction holds, against mechanics: parts alone, held by a parallel jaw, with planted facts.
+
+#include "tests/sim/held_part.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <vector>
+
+#include "sim/contact_patch.h"
+
+namespace pickbed {
+namespace {
+
+constexpr double kBox_m = 0.05;
+constexpr double kFinger_kg = 0.2;
+// A part that slid this far did not stay; one that stayed slid less than the other.
+constexpr double kGone_m = 0.01;
+constexpr double kStayed_m = 0.001;
+
+struct HoldCase {
+  const char* name;
+  double mass_kg = 0.2;
+  double friction = 0.6;
+  double up_mps2 = 1;   // held for 0.4 s
+  double turn_deg = 0;  // of the hand about its closing axis, so that weight pulls across the pads
+};
+void PrintTo(const HoldCase& c, std::ostream* out) { *out << c.name; }
+
+// Slip of a cube in pads that cover its sides, at a share of the force 2 mu F = m (g + a).
+double SlipAtShare_m(const HoldCase& c, double share) {
+  HandSpec spec;
+  spec.finger_mass_kg = kFinger_kg;
+  spec.finger_size_m.z() = 0.08;  // the palm is clear of the turned cube
+  spec.force_n = share * c.mass_kg * (kGravity_mps2 + c.up_mps2) / (2 * c.friction);
+  const double middle_m = 0.5 * kBox_m + 0.0005;
+  const Pose around =
+      TurnedHand(c.turn_deg * std::numbers::pi / 180, {0, 0, middle_m}) * Translation({0, 0, 0.04});
+  HeldPart held(BoxPart(Eigen::Vector3d::Constant(kBox_m), c.mass_kg, c.friction),
+                Translation({0, 0, middle_m}), spec, around);
+  const Pose before = held.X_GO();
+  AccelerateFor(held.world, *held.hand, {0, 0, c.up_mps2}, 0.4);
+  return held.Slip_m(before);
+}
+
+class FrictionLimit : public ::testing::TestWithParam<HoldCase> {};
+
+TEST_P(FrictionLimit, LetsGoBelowAndHoldsAbove) {
+  EXPECT_GT(SlipAtShare_m(GetParam(), 0.94), kGone_m);
+  EXPECT_LT(SlipAtShare_m(GetParam(), 1.06), kStayed_m);
+}
+INSTANTIATE_TEST_SUITE_P(
+    Cases, FrictionLimit,
+    ::testing::Values(
+        HoldCase{"a tenth of a finger", 0.1 * kFinger_kg}, HoldCase{"as a finger", kFinger_kg},
+        HoldCase{"five fingers", 5 * kFinger_kg}, HoldCase{"ten fingers", 10 * kFinger_kg},
+        HoldCase{"ten fingers, slippery", 10 * kFinger_kg, 0.3}, HoldCase{"slippery", 0.5, 0.2},
+        HoldCase{"rough", 0.5, 1.0}, HoldCase{"slow", 0.2, 0.6, 0.5}, HoldCase{"fast", 0.2, 0.6, 5},
+        HoldCase{"fast, ten fingers", 10 * kFinger_kg, 0.6, 5},
+        HoldCase{"turned 22.5", 0.2, 0.6, 1, 22.5}, HoldCase{"turned 45", 0.2, 0.6, 1, 45},
+        HoldCase{"turned 90", 0.2, 0.6, 1, 90},
+        HoldCase{"turned 45, ten fingers", 10 * kFinger_kg, 0.6, 1, 45},
+        HoldCase{"turned 90, ten fingers", 10 * kFinger_kg, 0.6, 1, 90}));
+
+TEST(HeldPart, DoesNotCreep) {
+  for (const double mass_kg : {0.02, 0.2, 2.0}) {
+    HandSpec spec;
+    spec.force_n = 1.5 * mass_kg * kGravity_mps2 / (2 * 0.6);
+    HeldPart held(BoxPart(Eigen::Vector3d::Constant(kBox_m), mass_kg, 0.6),
+                  Translation({0, 0, 0.0255}), spec, HandOver({0, 0, 0.014}));
+    held.Lift(0.1, 1.5);
+    held.Rest(0.5);
+    const Pose before = held.X_GO();
+    held.Rest(2.0);
+    EXPECT_GT(held.world.X_WO(0).translation().z(), 0.1);
+    EXPECT_LT(held.Slip_m(before), 5e-5) << mass_kg;
+  }
+}
+
+// A bar held aside of its middle hangs on the torque of two patches: with even pressure
+// 2 mu F = sqrt(w^2 + (w d / r)^2), where r is the mean arm of a patch (Howe and Cutkosky 1996).
+struct TorsionCase {
+  const char* name;
+  double pad_m;      // width of the pads, along the bar
+  double overlap_m;  // height of the patch
+  double aside_m;    // d
+  double mass_kg;
+};
+void PrintTo(const TorsionCase& c, std::ostream* out) { *out << c.name; }
+
+bool HangsOn(const TorsionCase& c, double share) {
+  constexpr double kFriction = 0.6;
+  const Eigen::Vector2d half(0.5 * c.pad_m, 0.5 * c.overlap_m);
+  const double arm_m = PressureOn({-half, {half.x(), -half.y()}, half, {-half.x(), half.y()}}).arm;
+  const double weight_n = c.mass_kg * kGravity_mps2;
+  HandSpec spec;
+  spec.finger_size_m.y() = c.pad_m;
+  spec.force_n = share * std::hypot(weight_n, weight_n * c.aside_m / arm_m) / (2 * kFriction);
+  HeldPart held(BoxPart({0.05, 0.15, 0.05}, c.mass_kg, kFriction), Translation({0, 0, 0.0255}),
+                spec, HandOver({0, c.aside_m, 0.0505 - c.overlap_m}));
+  const Pose before = held.X_GO();
+  held.Lift(0.1, 2.0);
+  held.Rest(0.5);
+  return held.Turn_rad(before) < 0.05 && held.Slip_m(before) < 0.005;
+}
+
+class Torsion : public ::testing::TestWithParam<TorsionCase> {};
+
+TEST_P(Torsion, IsThatOfEvenPressureOnThePatch) {
+  EXPECT_FALSE(HangsOn(GetParam(), 0.85));
+  EXPECT_TRUE(HangsOn(GetParam(), 1.1));
+}
+INSTANTIATE_TEST_SUITE_P(Cases, Torsion,
+                         ::testing::Values(TorsionCase{"20 x 40", 0.02, 0.04, 0.045, 0.3},
+                                           TorsionCase{"20 x 20", 0.02, 0.02, 0.045, 0.3},
+                                           TorsionCase{"10 x 40", 0.01, 0.04, 0.045, 0.3},
+                                           TorsionCase{"30 x 10", 0.03, 0.01, 0.045, 0.3},
+                                           TorsionCase{"20 x 40, light", 0.02, 0.04, 0.045, 0.15}));
+
+// Upright prism of many sides along z.
+std::shared_ptr<const ObjectModel> Rod(double radius_m, double length_m, double mass_kg,
+                                       double friction) {
+  constexpr int kSides = 48;
+  auto model = std::make_shared<ObjectModel>();
+  model->name = "rod";
+  model->friction = friction;
+  ConvexPiece piece;
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2 * std::numbers::pi * (i + 0.5) / kSides;
+    for (const double z : {-0.5, 0.5}) {
+      piece.vertices_O.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle),
+                                    z * length_m);
+    }
+  }
+  model->mesh_O.vertices = piece.vertices_O;
+  for (int i = 0; i < kSides; ++i) {
+    const int a = 2 * i, b = 2 * ((i + 1) % kSides);
+    model->mesh_O.triangles.emplace_back(a, b, a + 1);
+    model->mesh_O.triangles.emplace_back(b, b + 1, a + 1);
+  }
+  model->convex_parts_O.push_back(piece);
+  model->diameter_m = std::hypot(2 * radius_m, length_m);
+  const double across = mass_kg * (3 * radius_m * radius_m + length_m * length_m) / 12;
+  model->mass.mass_kg = mass_kg;
+  model->mass.volume_m3 = std::numbers::pi * radius_m * radius_m * length_m;
+  model->mass.inertia_com_O =
+      Eigen::Vector3d(across, across, 0.5 * mass_kg * radius_m * radius_m).asDiagonal();
+  return model;
+}
+
+// Lying along y, the pads meet its two sides in lines.
+TEST(HeldPart, RodAcrossItsAxisHasTheSameLimit) {
+  constexpr double kRadius_m = 0.015, kMass_kg = 0.3, kFriction = 0.5, kUp_mps2 = 1;
+  const Eigen::Matrix3d along_y =
+      Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitX()).matrix();
+  for (const double share : {0.94, 1.06}) {
+    HandSpec spec;
+    spec.force_n = share * kMass_kg * (kGravity_mps2 + kUp_mps2) / (2 * kFriction);
+    HeldPart held(Rod(kRadius_m, 0.1, kMass_kg, kFriction),
+                  MakePose(along_y, {0, 0, kRadius_m + 0.0005}), spec, HandOver({0, 0, 0.006}));
+    const Pose before = held.X_GO();
+    AccelerateFor(held.world, *held.hand, {0, 0, kUp_mps2}, 0.4);
+    if (share < 1) {
+      EXPECT_GT(held.Slip_m(before), kGone_m);
+    } else {
+      EXPECT_LT(held.Slip_m(before), kStayed_m);
+      EXPECT_LT(held.Turn_rad(before), 0.02);
+    }
+  }
+}
+
+TEST(HeldPart, SmallOnesAreHeld) {
+  constexpr double kSize_m = 0.015, kMass_kg = 0.010;
+  for (const double force_n : {1.0, 10.0, 40.0}) {
+    HandSpec spec;
+    spec.force_n = force_n;
+    HeldPart held(BoxPart(Eigen::Vector3d::Constant(kSize_m), kMass_kg, 0.6),
+                  Translation({0, 0, 0.5 * kSize_m + 0.0003}), spec, HandOver({0, 0, 0.003}));
+    const Pose before = held.X_GO();
+    held.Lift(0.1, 0.5);
+    held.Rest(2.0);
+    EXPECT_LT(held.Slip_m(before), 2e-4) << force_n;
+    EXPECT_LT(held.Turn_rad(before), 0.02) << force_n;
+  }
+}
+
+}  // namespace
+}  // namespace pickbed
