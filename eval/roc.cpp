@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <functional>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 #include "scenes/random.h"
@@ -76,6 +78,37 @@ double TwoSidedZ(double confidence) {
 
 double Logistic(double x) { return 1 / (1 + std::exp(-x)); }
 
+// AUC of the clusters drawn, together; nothing without both outcomes.
+std::optional<double> AucOf(const OutcomeClusters& clusters, const std::vector<int>& drawn) {
+  std::vector<ScoredOutcome> outcomes;
+  for (const int i : drawn) {
+    outcomes.insert(outcomes.end(), clusters[i].begin(), clusters[i].end());
+  }
+  const AucResult result = Auc(outcomes);
+  if (result.successes == 0 || result.failures == 0) return std::nullopt;
+  return result.auc;
+}
+
+using Statistic = std::function<std::optional<double>(const std::vector<int>& drawn)>;
+
+// Percentiles of the statistic over draws of `count` clusters from as many.
+Interval Bootstrap(int count, double confidence, int resamples, uint64_t seed,
+                   const Statistic& statistic) {
+  Rng rng(seed);
+  std::vector<double> values;
+  for (int i = 0; i < resamples; ++i) {
+    std::vector<int> drawn(count);
+    for (int& cluster : drawn) cluster = rng.Index(count);
+    if (const auto value = statistic(drawn)) values.push_back(*value);
+  }
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    return values[static_cast<size_t>(std::lround(share * double(values.size() - 1)))];
+  };
+  return {at((1 - confidence) / 2), at((1 + confidence) / 2)};
+}
+
 }  // namespace
 
 AucResult Auc(std::span<const ScoredOutcome> outcomes, double confidence) {
@@ -105,8 +138,13 @@ AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const Score
                     std::equal(a.begin(), a.end(), b.begin(),
                                [](const auto& p, const auto& q) { return p.success == q.success; });
   if (!same) throw std::logic_error("AUCs of different outcomes cannot be compared");
-  const AucResult first = Auc(a);
-  if (first.successes == 0 || first.failures == 0) return {};
+  const AucResult all_a = Auc(a, confidence), all_b = Auc(b, confidence);
+  if (all_a.successes == 0 || all_a.failures == 0) return {};
+  const auto extreme = [](double auc) { return auc <= 0 || auc >= 1; };
+  if (extreme(all_a.auc) && extreme(all_b.auc)) {
+    return {all_a.auc - all_b.auc,
+            {all_a.interval.low - all_b.interval.high, all_a.interval.high - all_b.interval.low}};
+  }
   const Placements of_a = PlacementsOf(a), of_b = PlacementsOf(b);
   const double variance = VarianceOfMean(of_a.of_successes, of_b.of_successes) +
                           VarianceOfMean(of_a.of_failures, of_b.of_failures);
@@ -115,25 +153,21 @@ AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const Score
   return {difference, {difference - half, difference + half}};
 }
 
-Interval ClusterBootstrapAuc(std::span<const std::vector<ScoredOutcome>> clusters,
-                             double confidence, int resamples, uint64_t seed) {
-  Rng rng(seed);
-  std::vector<double> aucs;
-  for (int i = 0; i < resamples; ++i) {
-    std::vector<ScoredOutcome> drawn;
-    for (size_t k = 0; k < clusters.size(); ++k) {
-      const auto& cluster = clusters[rng.Index(static_cast<int>(clusters.size()))];
-      drawn.insert(drawn.end(), cluster.begin(), cluster.end());
-    }
-    const AucResult result = Auc(drawn, confidence);
-    if (result.successes > 0 && result.failures > 0) aucs.push_back(result.auc);
-  }
-  if (aucs.empty()) return {};
-  std::sort(aucs.begin(), aucs.end());
-  const auto at = [&](double share) {
-    return aucs[static_cast<size_t>(std::lround(share * double(aucs.size() - 1)))];
-  };
-  return {at((1 - confidence) / 2), at((1 + confidence) / 2)};
+Interval ClusterBootstrapAuc(const OutcomeClusters& clusters, double confidence, int resamples,
+                             uint64_t seed) {
+  return Bootstrap(static_cast<int>(clusters.size()), confidence, resamples, seed,
+                   [&](const std::vector<int>& drawn) { return AucOf(clusters, drawn); });
+}
+
+Interval ClusterBootstrapAucDifference(const OutcomeClusters& a, const OutcomeClusters& b,
+                                       double confidence, int resamples, uint64_t seed) {
+  if (a.size() != b.size()) throw std::logic_error("AUCs of different outcomes, see CompareAuc");
+  return Bootstrap(static_cast<int>(a.size()), confidence, resamples, seed,
+                   [&](const std::vector<int>& drawn) -> std::optional<double> {
+                     const auto of_a = AucOf(a, drawn), of_b = AucOf(b, drawn);
+                     if (!of_a || !of_b) return std::nullopt;
+                     return *of_a - *of_b;
+                   });
 }
 
 }  // namespace pickbed

@@ -30,7 +30,8 @@ struct AucResult {
 AucResult Auc(std::span<const ScoredOutcome> outcomes, double confidence = 0.95);
 
 // AUC of `a` less that of `b` on the same outcomes in the same order, with the interval of DeLong's
-// covariance. Throws std::logic_error when the outcomes differ.
+// covariance; where both tell all, it is as wide as their own intervals allow. Throws
+// std::logic_error when the outcomes differ.
 struct AucDifference {
   double difference = 0;
   Interval interval{-1, 1};
@@ -38,10 +39,15 @@ struct AucDifference {
 AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const ScoredOutcome> b,
                          double confidence = 0.95);
 
-// The interval when outcomes of one cluster (a bin) are not independent: percentiles over
-// `resamples` draws of as many clusters with replacement; draws without both outcomes are left out.
-// The same seed gives the same interval.
-Interval ClusterBootstrapAuc(std::span<const std::vector<ScoredOutcome>> clusters,
-                             double confidence = 0.95, int resamples = 1000, uint64_t seed = 0);
+// Intervals when outcomes of one cluster (a bin) are not independent: percentiles over `resamples`
+// draws of as many clusters with replacement; draws without both outcomes are left out. The same
+// seed gives the same interval.
+using OutcomeClusters = std::vector<std::vector<ScoredOutcome>>;
+Interval ClusterBootstrapAuc(const OutcomeClusters& clusters, double confidence = 0.95,
+                             int resamples = 1000, uint64_t seed = 0);
+// Of AUC of `a` less that of `b`, the same outcomes in the same clusters and order.
+Interval ClusterBootstrapAucDifference(const OutcomeClusters& a, const OutcomeClusters& b,
+                                       double confidence = 0.95, int resamples = 1000,
+                                       uint64_t seed = 0);
 
 }  // namespace pickbed

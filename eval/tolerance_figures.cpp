@@ -84,7 +84,8 @@ class Reader {
     std::vector<ToleranceSample> samples;
     for (size_t i = 0; i < study_.tries.size(); ++i) {
       if (study_.tries[i].kind == TryKind::kTest) continue;
-      samples.push_back({ErrorInG(study_, study_.tries[i]), outcomes_[i].success});
+      samples.push_back(
+          {ErrorInG(study_, study_.tries[i]), outcomes_[i].success, study_.tries[i].grasp});
     }
     FitTolerance(samples, options_.fit, model);
     return model;
@@ -146,13 +147,14 @@ std::vector<ScoreColumn> ScoreColumns(const ToleranceModel& model, const ObjectM
   return columns;
 }
 
-Interval IntervalOverClusters(const ScoreColumn& column, const std::vector<JudgedPick>& picks) {
+OutcomeClusters InClusters(const ScoreColumn& column, const std::vector<JudgedPick>& picks) {
   std::map<int, std::vector<ScoredOutcome>> by_cluster;
-  for (size_t i = 0; i < picks.size(); ++i)
+  for (size_t i = 0; i < picks.size(); ++i) {
     by_cluster[picks[i].cluster].push_back(column.scores[i]);
-  std::vector<std::vector<ScoredOutcome>> clusters;
+  }
+  OutcomeClusters clusters;
   for (auto& [cluster, outcomes] : by_cluster) clusters.push_back(std::move(outcomes));
-  return ClusterBootstrapAuc(clusters);
+  return clusters;
 }
 
 }  // namespace
@@ -197,8 +199,13 @@ std::vector<Predictor> JudgePredictors(const ToleranceModel& model, const Object
   std::vector<Predictor> predictors;
   for (const ScoreColumn& column : columns) {
     Predictor predictor{column.name, column.help, Auc(column.scores), {}};
-    if (clustered) predictor.auc.interval = IntervalOverClusters(column, picks);
     predictor.to_first = CompareAuc(column.scores, columns.front().scores);
+    if (clustered) {
+      const OutcomeClusters clusters = InClusters(column, picks);
+      predictor.auc.interval = ClusterBootstrapAuc(clusters);
+      predictor.to_first.interval =
+          ClusterBootstrapAucDifference(clusters, InClusters(columns.front(), picks));
+    }
     predictors.push_back(std::move(predictor));
   }
   std::stable_sort(predictors.begin() + 1, predictors.end(),

@@ -128,6 +128,7 @@ void ToleranceOptions::Visit(SettingsVisitor& v) {
   v.Integer("steps", steps, {1, 100}, "to each side");
   v.Integer("pair_grasps", pair_grasps, {1, 100000}, "that an error of a pair is executed with");
   v.Integer("pair_stride", pair_stride, {1, 100}, "steps between the errors of a pair");
+  v.Integer("fit_grasps", fit_grasps, {1, 100000}, "that the model is fitted to");
   v.Integer("fit_tries", fit_tries, {0, 10000000}, "random errors that the model is fitted to");
   v.Integer("test_tries", test_tries, {0, 10000000}, "random errors that scores are judged by");
   v.Real("random_steps", random_steps, {0.1, 1000}, "greatest length of a random error, steps");
@@ -144,23 +145,25 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part, const GripperS
   ToleranceStudy study;
   study.options = options;
   study.table = MakeTable(part, gripper, std::move(candidates), options.table);
-  Rng rng = Rng::Derive(options.seed, 0, "tolerance grasps");
-  study.grasps = DrawTableGrasps(study.table, options.grasps, rng, options.table);
-  const int of_map = static_cast<int>(study.grasps.size());
-  study.options.grasps = of_map;
-  Rng test_rng = Rng::Derive(options.seed, 0, "tolerance test grasps");
-  const auto of_test = DrawTableGrasps(study.table, options.test_tries, test_rng, options.table);
-  study.grasps.insert(study.grasps.end(), of_test.begin(), of_test.end());
+  // Each kind draws grasps of its own, so that none is judged by grasps that it was made from.
+  const auto draw = [&](int count, std::string_view stream) {
+    Rng rng = Rng::Derive(options.seed, 0, stream);
+    const auto drawn = DrawTableGrasps(study.table, count, rng, options.table);
+    study.grasps.insert(study.grasps.end(), drawn.begin(), drawn.end());
+    return static_cast<int>(drawn.size());
+  };
+  const int of_map = study.options.grasps = draw(options.grasps, "tolerance grasps");
+  const int of_fit = draw(options.fit_grasps, "tolerance fit grasps");
+  const int of_test = draw(options.test_tries, "tolerance test grasps");
 
   std::vector<Pose> X_OG;
-  for (int i = 0; i < of_map; ++i) X_OG.push_back(study.grasps[i].candidate.X_OG);
+  for (int i = of_map; i < of_map + of_fit; ++i) X_OG.push_back(study.grasps[i].candidate.X_OG);
   study.model = EmptyToleranceModel(*part, gripper.name, X_OG, options.fit);
   Planner planner(study);
   planner.AddAxes();
   planner.AddPairs();
-  planner.AddRandom(TryKind::kFit, options.fit_tries, 0, of_map, "tolerance fit errors");
-  planner.AddRandom(TryKind::kTest, static_cast<int>(of_test.size()), of_map,
-                    static_cast<int>(of_test.size()), "tolerance test errors");
+  planner.AddRandom(TryKind::kFit, options.fit_tries, of_map, of_fit, "tolerance fit errors");
+  planner.AddRandom(TryKind::kTest, of_test, of_map + of_fit, of_test, "tolerance test errors");
   return study;
 }
 

@@ -37,7 +37,8 @@ struct ToleranceOptions {
   int steps = 10;         // to each side
   int pair_grasps = 12;   // grasps of a pair's map
   int pair_stride = 2;    // steps between the errors of a pair's map
-  int fit_tries = 1500;   // of random errors on all axes at once, to fit the model to
+  int fit_grasps = 200;   // that the model is fitted to and that hypotheses are scored by
+  int fit_tries = 1500;   // of random errors on all axes at once, with those grasps in turn
   int test_tries = 1500;  // likewise with grasps of their own, to judge scores by
   // A random error is this many steps long at most, counted in the steps of the axes.
   double random_steps = 15;
@@ -72,7 +73,7 @@ struct TryOutcome {
 struct ToleranceStudy {
   ToleranceOptions options;
   Table table;
-  std::vector<TableGrasp> grasps;  // `grasps` of the map first, then one each of the test
+  std::vector<TableGrasp> grasps;  // of the map, of the fit, then one each of the test
   ToleranceModel model;            // without weights: surface and symmetries
   std::vector<ToleranceTry> tries;
 };

@@ -18,6 +18,7 @@ using Eigen::Vector3d;
 constexpr const char* kKind = "pickbed tolerance model 1";
 constexpr int kTerms = 1 + 2 * 6 + 2 + 15;
 using Terms = Eigen::Matrix<double, kTerms, 1>;
+constexpr double kConstantRidge = 1e-6;  // keeps the constant finite when all succeed
 
 PoseError Scaled(const PoseError& error_G, const ToleranceModel& model) {
   PoseError u;
@@ -47,6 +48,54 @@ double Logistic(double x) { return 1 / (1 + std::exp(-x)); }
 double Probability(const ToleranceModel& model, const PoseError& error_G) {
   const Eigen::Map<const Terms> weights(model.weights.data());
   return Logistic(weights.dot(TermsOf(Scaled(error_G, model))));
+}
+
+// Terms and outcomes (1 or 0) of samples, a row each.
+struct DesignRows {
+  Eigen::MatrixXd terms;
+  Eigen::VectorXd outcomes;
+};
+
+DesignRows RowsOf(const std::vector<ToleranceSample>& samples, const ToleranceModel& model) {
+  DesignRows rows{Eigen::MatrixXd(samples.size(), kTerms), Eigen::VectorXd(samples.size())};
+  for (size_t i = 0; i < samples.size(); ++i) {
+    rows.terms.row(i) = TermsOf(Scaled(samples[i].error_G, model)).transpose();
+    rows.outcomes[i] = samples[i].success ? 1 : 0;
+  }
+  return rows;
+}
+
+// log sigmoid(x) = -log(1 + exp(-x)), without overflow.
+double LogLikelihood(const DesignRows& rows, const Terms& w) {
+  const Eigen::ArrayXd margin = (rows.terms * w).array() * (2 * rows.outcomes.array() - 1);
+  return (margin.min(0.0) - (-margin.abs()).exp().log1p()).sum();
+}
+
+// Newton's method on the log likelihood less `ridge` times half the squared coefficients (all but
+// the constant): concave, so that each step is safe once it is halved until the value grows.
+Terms Fit(const DesignRows& rows, double ridge, const ToleranceFitOptions& options) {
+  Terms penalty = Terms::Constant(ridge);
+  penalty[0] = kConstantRidge;
+  const auto value = [&](const Terms& w) {
+    return LogLikelihood(rows, w) - 0.5 * w.dot(penalty.cwiseProduct(w));
+  };
+  Terms w = Terms::Zero();
+  for (int step = 0; step < options.max_steps; ++step) {
+    const Eigen::VectorXd p = (rows.terms * w).unaryExpr(&Logistic);
+    const Eigen::VectorXd gradient =
+        rows.terms.transpose() * (rows.outcomes - p) - penalty.cwiseProduct(w);
+    const Eigen::VectorXd variance = p.array() * (1 - p.array());
+    Eigen::MatrixXd hessian = rows.terms.transpose() * variance.asDiagonal() * rows.terms;
+    hessian.diagonal() += penalty;
+    Terms change = hessian.ldlt().solve(gradient);
+    const double before = value(w);
+    while (value(w + change) < before && change.cwiseAbs().maxCoeff() > options.converged) {
+      change *= 0.5;
+    }
+    w += change;
+    if (change.cwiseAbs().maxCoeff() < options.converged) break;
+  }
+  return w;
 }
 
 // First and second moments of the surface by area; of a triangle (a, b, c) with middle m the second
@@ -107,7 +156,10 @@ PoseError ToPoseError(const Pose& X) {
 void ToleranceFitOptions::Visit(SettingsVisitor& v) {
   v.Real("length_scale_m", length_scale_m, {1e-4, 1}, "an error that is a coordinate of 1, m");
   v.Real("angle_scale_rad", angle_scale_rad, {1e-3, 3}, "likewise, rad");
-  v.Real("ridge", ridge, {1e-6, 1e6}, "weight of the squared coefficients");
+  v.Real("least_ridge", least_ridge, {1e-6, 1e6}, "least weight of the squared coefficients");
+  v.Real("ridge_factor", ridge_factor, {1, 1000}, "from one weight that is tried to the next");
+  v.Integer("ridges", ridges, {1, 100}, "weights that are tried");
+  v.Integer("folds", folds, {2, 1000}, "of the grasps, that weights are tried on");
   v.Integer("max_steps", max_steps, {1, 10000}, "of Newton's method");
   v.Real("converged", converged, {1e-15, 1}, "largest change of a coefficient at the end");
 }
@@ -127,40 +179,29 @@ ToleranceModel EmptyToleranceModel(const ObjectModel& model, const std::string& 
   return tolerance;
 }
 
-// Newton's method on the log likelihood less `ridge` times half the squared coefficients (all but
-// the constant): concave, so that each step is safe once it is halved until the value grows.
+// The ridge that foretells grasps best which the fit has not seen (Hastie et al. 2009, sec. 7.10).
 void FitTolerance(const std::vector<ToleranceSample>& samples, const ToleranceFitOptions& options,
                   ToleranceModel& model) {
   CheckInput(!samples.empty(), "no executed grasps to fit a tolerance model to");
-  Eigen::MatrixXd X(samples.size(), kTerms);
-  Eigen::VectorXd y(samples.size());
-  for (size_t i = 0; i < samples.size(); ++i) {
-    X.row(i) = TermsOf(Scaled(samples[i].error_G, model)).transpose();
-    y[i] = samples[i].success ? 1 : 0;
-  }
-  Terms penalty = Terms::Constant(options.ridge);
-  penalty[0] = 1e-6;
-  const auto value = [&](const Terms& w) {
-    // log sigmoid(x) = -log(1 + exp(-x)), without overflow.
-    const Eigen::ArrayXd margin = (X * w).array() * (2 * y.array() - 1);
-    const Eigen::ArrayXd loss = (-margin.abs()).exp().log1p() - margin.min(0.0);
-    return -loss.sum() - 0.5 * w.dot(penalty.cwiseProduct(w));
-  };
-  Terms w = Terms::Zero();
-  for (int step = 0; step < options.max_steps; ++step) {
-    const Eigen::VectorXd p = (X * w).unaryExpr(&Logistic);
-    const Terms gradient = X.transpose() * (y - p) - penalty.cwiseProduct(w);
-    const Eigen::VectorXd variance = p.array() * (1 - p.array());
-    Eigen::MatrixXd hessian = X.transpose() * variance.asDiagonal() * X;
-    hessian.diagonal() += penalty;
-    Terms change = hessian.ldlt().solve(gradient);
-    const double before = value(w);
-    while (value(w + change) < before && change.cwiseAbs().maxCoeff() > options.converged) {
-      change *= 0.5;
+  double best_ridge = options.least_ridge;
+  double best_value = -std::numeric_limits<double>::infinity();
+  double ridge = options.least_ridge;
+  for (int i = 0; i < options.ridges; ++i, ridge *= options.ridge_factor) {
+    double value = 0;
+    for (int fold = 0; fold < options.folds; ++fold) {
+      std::vector<ToleranceSample> seen, left_out;
+      for (const ToleranceSample& sample : samples) {
+        (sample.grasp % options.folds == fold ? left_out : seen).push_back(sample);
+      }
+      const DesignRows rows = RowsOf(left_out, model);
+      value += LogLikelihood(rows, Fit(RowsOf(seen, model), ridge, options));
     }
-    w += change;
-    if (change.cwiseAbs().maxCoeff() < options.converged) break;
+    if (value > best_value) {
+      best_value = value;
+      best_ridge = ridge;
+    }
   }
+  const Terms w = Fit(RowsOf(samples, model), best_ridge, options);
   model.weights.assign(w.data(), w.data() + kTerms);
 }
 

@@ -544,7 +544,7 @@ a_tolerance_map_stops_and_resumes() {
   expect 0 "$pickbed" object add wide.obj --name wide --unit mm --mass 1
   refused "wide has no grasp with jaw_8cm" "$pickbed" tolerance wide jaw_8cm --out wide
   [ ! -e wide ] || fail "a refused map left a folder"
-  refused "did you mean 'grx'" "${map[@]}" --pairs gx:gxr --out three
+  refused "did you mean 'gy'" "${map[@]}" --pairs gx:gyy --out three
   refused "axes of one frame" "${map[@]}" --pairs x:gx --out three
   refused "did you mean 'rod'" "$pickbed" tolerance rodd jaw_8cm
 }

@@ -134,6 +134,10 @@ TEST(Auc, AScoreDoesNotDifferFromItself) {
   EXPECT_DOUBLE_EQ(d.difference, 0);
   EXPECT_DOUBLE_EQ(d.interval.low, 0);
   EXPECT_DOUBLE_EQ(d.interval.high, 0);
+  const AucDifference few = CompareAuc(Outcomes({5, 6}, {1, 2}), Outcomes({7, 9}, {1, 3}));
+  EXPECT_EQ(few.difference, 0);
+  EXPECT_LT(few.interval.low, -0.3);
+  EXPECT_GT(few.interval.high, 0.3);
   auto other = outcomes;
   other[0].success = !other[0].success;
   EXPECT_THROW(CompareAuc(outcomes, other), std::logic_error);
@@ -152,6 +156,17 @@ TEST(Auc, CopiesWithinAClusterAddNoCertainty) {
   const Interval clustered = ClusterBootstrapAuc(clusters);
   EXPECT_LT(naive.high - naive.low, 0.45 * (once.high - once.low));
   EXPECT_NEAR(clustered.high - clustered.low, once.high - once.low, 0.25 * (once.high - once.low));
+  // A score less itself is nothing; less one without noise of its own it varies as itself.
+  const Interval nothing = ClusterBootstrapAucDifference(clusters, clusters);
+  EXPECT_EQ(nothing.low, 0);
+  EXPECT_EQ(nothing.high, 0);
+  auto certain = clusters;
+  for (auto& cluster : certain) {
+    for (ScoredOutcome& outcome : cluster) outcome.score = outcome.success ? 1 : 0;
+  }
+  const Interval less = ClusterBootstrapAucDifference(clusters, certain);
+  EXPECT_NEAR(less.low, clustered.low - 1, 1e-12);
+  EXPECT_NEAR(less.high, clustered.high - 1, 1e-12);
   const Interval again = ClusterBootstrapAuc(clusters);
   EXPECT_DOUBLE_EQ(again.low, clustered.low);
   EXPECT_DOUBLE_EQ(again.high, clustered.high);

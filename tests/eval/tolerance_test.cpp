@@ -141,7 +141,7 @@ TEST(TolerancePredictors, APlantedRuleIsToldByTheMapAndNotByTheMetrics) {
   std::vector<ToleranceSample> samples;
   for (int i = 0; i < 2000; ++i) {
     const PoseError error = draw();
-    samples.push_back({error, std::abs(error[0]) < 0.003});
+    samples.push_back({error, std::abs(error[0]) < 0.003, i % 20});
   }
   FitTolerance(samples, {}, model);
   std::vector<JudgedPick> picks;
