@@ -73,6 +73,12 @@ std::string Aligned(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
+std::string FewBinsText(const BudgetRuns& runs) {
+  if (runs.as_run.size() >= static_cast<size_t>(kFewBins)) return "";
+  return fmt::format("{} bins are few: the intervals are too narrow; {} or more tell something.",
+                     runs.as_run.size(), kFewBins);
+}
+
 nlohmann::ordered_json BudgetObject(const LossBudget& budget) {
   nlohmann::ordered_json json;
   json["all"] = budget.total;
@@ -166,7 +172,8 @@ std::string PageOf(const std::string& name, const BudgetRuns& runs) {
   page.Paragraph(
       "The same bins, seeds and policy, with truth in place of a stage; in percentage points, with "
       "95 % intervals by bootstrap over bins, which are paired. Later looks of a bin differ once a "
-      "pick does.");
+      "pick does. " +
+      FewBinsText(runs));
   page.Table(GainCells(runs));
   page.WidePicture("gains.png", "gain of truth in place of a stage");
   std::vector<std::vector<std::string>> rows{{"truth in place of", "which means"}};
@@ -181,8 +188,9 @@ std::string BudgetTable(const BudgetRuns& runs) {
   std::string text = fmt::format("Where picks are lost, {} bins\n{}", runs.as_run.size(),
                                  Aligned(LossCells(runs)));
   if (runs.fed.empty()) return text;
+  const std::string few = FewBinsText(runs);
   return text + "What truth in place of a stage would gain, percentage points [95 % over bins]\n" +
-         Aligned(GainCells(runs));
+         Aligned(GainCells(runs)) + (few.empty() ? "" : "  " + few + "\n");
 }
 
 std::string BudgetJson(const BudgetRuns& runs) {

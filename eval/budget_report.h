@@ -9,6 +9,9 @@
 
 namespace pickbed {
 
+// With fewer bins a bootstrap over them gives intervals that are too narrow, which is then said.
+inline constexpr int kFewBins = 20;
+
 std::string BudgetTable(const BudgetRuns& runs);  // for people
 std::string BudgetJson(const BudgetRuns& runs);
 // A line a row and reason: row, stage, reason, attempts, instances; with those picked and not asked

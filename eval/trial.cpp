@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <numbers>
 
 #include "eval/blame.h"
 #include "eval/estimator_runner.h"
@@ -84,7 +86,16 @@ struct TrialRunner::Impl {
   // Best first, without those that would only repeat a failure.
   std::vector<Grasp> Plan(const View& view, const std::vector<BelievedPose>& poses, Live& live,
                           PickRecord& record);
-  std::optional<Grasp> Choose(const std::vector<Grasp>& grasps, Live& live,
+  // The same where truth will tell what is free: neither what was seen nor what is believed of
+  // other parts stands in the way, and no approach is too flat and no candidate too poor.
+  std::vector<Grasp> PlanBoldly(const std::vector<BelievedPose>& poses, const Live& live) const;
+  std::vector<Grasp> WithoutRetries(std::vector<Grasp> grasps,
+                                    const std::vector<BelievedPose>& poses,
+                                    const std::vector<FailedGrasp>& failed) const;
+  std::optional<Grasp> FirstThatSucceeds(const std::vector<Grasp>& grasps, const Live& live,
+                                         const PickRecord& record) const;
+  std::optional<Grasp> Choose(const std::vector<BelievedPose>& poses,
+                              const std::vector<Grasp>& planned, Live& live,
                               const PickRecord& record) const;
   ExecuteResult Try(const Scene& scene, const Grasp& grasp, const PickRecord& record) const;
   void Execute(const PoseHypothesis& hypothesis, const BelievedPose& pose, Live& live,
@@ -200,22 +211,49 @@ std::vector<Grasp> TrialRunner::Impl::Plan(const View& view, const std::vector<B
   PlanResult plan =
       PlanGrasps({cell.bin(), poses, candidates, cloud_W, cell.objects(), gripper}, plan_options);
   record.grasps_rejected = std::move(plan.rejected);
-  std::erase_if(plan.grasps, [&](const Grasp& grasp) {
-    return IsRetry(grasp, poses[grasp.hypothesis], live.failed, options);
-  });
-  return std::move(plan.grasps);
+  return WithoutRetries(std::move(plan.grasps), poses, live.failed);
 }
 
-std::optional<Grasp> TrialRunner::Impl::Choose(const std::vector<Grasp>& grasps, Live& live,
-                                               const PickRecord& record) const {
-  if (grasps.empty()) return std::nullopt;
-  if (!options.truth.grasp) return grasps.front();
-  StageTimer timer(live.result.seconds, "try");
+std::vector<Grasp> TrialRunner::Impl::PlanBoldly(const std::vector<BelievedPose>& poses,
+                                                 const Live& live) const {
+  PlanOptions bold;
+  bold.max_grasps = options.true_grasps;
+  bold.max_tilt_rad = 0.5 * std::numbers::pi;
+  bold.min_quality = 0;
+  bold.bin_clearance_m = 0;
+  bold.neighbor_confidence = std::numeric_limits<double>::infinity();
+  PlanResult plan = PlanGrasps({cell.bin(), poses, candidates, {}, cell.objects(), gripper}, bold);
+  return WithoutRetries(std::move(plan.grasps), poses, live.failed);
+}
+
+std::vector<Grasp> TrialRunner::Impl::WithoutRetries(std::vector<Grasp> grasps,
+                                                     const std::vector<BelievedPose>& poses,
+                                                     const std::vector<FailedGrasp>& failed) const {
+  std::erase_if(grasps, [&](const Grasp& grasp) {
+    return IsRetry(grasp, poses[grasp.hypothesis], failed, options);
+  });
+  return grasps;
+}
+
+std::optional<Grasp> TrialRunner::Impl::FirstThatSucceeds(const std::vector<Grasp>& grasps,
+                                                          const Live& live,
+                                                          const PickRecord& record) const {
   const size_t tried = std::min<size_t>(grasps.size(), options.true_grasps);
   for (size_t i = 0; i < tried; ++i) {
     if (Try(live.scene, grasps[i], record).outcome.success) return grasps[i];
   }
-  return grasps.front();
+  return std::nullopt;
+}
+
+std::optional<Grasp> TrialRunner::Impl::Choose(const std::vector<BelievedPose>& poses,
+                                               const std::vector<Grasp>& planned, Live& live,
+                                               const PickRecord& record) const {
+  if (options.truth.grasp) {
+    StageTimer timer(live.result.seconds, "try");
+    if (const auto grasp = FirstThatSucceeds(planned, live, record)) return grasp;
+    if (const auto grasp = FirstThatSucceeds(PlanBoldly(poses, live), live, record)) return grasp;
+  }
+  return planned.empty() ? std::nullopt : std::optional(planned.front());
 }
 
 ExecuteResult TrialRunner::Impl::Try(const Scene& scene, const Grasp& grasp,
@@ -254,7 +292,7 @@ void TrialRunner::Impl::PickOnce(Live& live) {
   for (const PoseHypothesis& hypothesis : hypotheses) {
     poses.push_back({hypothesis.object, cell.camera().X_WC * hypothesis.X_CO, hypothesis.score});
   }
-  if (!poses.empty()) record.grasp = Choose(Plan(view, poses, live, record), live, record);
+  if (!poses.empty()) record.grasp = Choose(poses, Plan(view, poses, live, record), live, record);
   pictures.Write({view.frame, cell.camera(), cell.objects(), live.scene, hypotheses,
                   record.grasp ? &*record.grasp : nullptr, &gripper, &view.ids});
   if (record.grasp) {

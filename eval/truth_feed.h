@@ -18,8 +18,9 @@
 // - refinement: a hypothesis that was right before refinement, is right after it, or made a right
 //   one give way gets the true pose of the part that it is right for. One that was never right
 //   stays as it was.
-// - grasp: the planner's best grasps are tried in the true scene, and the first that succeeds is
-//   executed; where none of them does, the best.
+// - grasp: the planner's best grasps, then the best of what it rejects for tilt, quality or what it
+//   sees are tried in the true scene until one succeeds; where none does, the planner's first
+//   stays.
 // With sense, detection, pose and refinement fed, the estimator is not asked.
 
 #include <memory>
@@ -73,7 +74,7 @@ std::vector<PoseHypothesis> WithTruth(std::vector<PoseHypothesis> believed,
 // The refiner of a scenario alone, for poses that were fed.
 class FedRefiner {
  public:
-  // Throws std::logic_error for an unknown refiner.
+  // `refiner` is a row of RefinerNames() in scenes/scenario_spec.h.
   FedRefiner(const ObjectSet& objects, const std::string& refiner);
   ~FedRefiner();
   void Refine(const RgbdFrame& frame, const KnownBackground& background,
