@@ -88,9 +88,10 @@ class Attempt {
       const Vector3d reference_center = Center(reference, scene_.objects[reference].X_WO);
       const bool near_reference =
           (center - reference_center).norm() < radius + 0.5 * Diameter(reference);
-      const bool near = near_reference || (center - grasp_point).norm() < radius;
-      world_.AddPart(*objects_.at(part.object), part.X_WO,
-                     near ? BodyMode::kAsleep : BodyMode::kStatic);
+      const bool near =
+          options_.all_active || near_reference || (center - grasp_point).norm() < radius;
+      const BodyMode moving = options_.all_active ? BodyMode::kDynamic : BodyMode::kAsleep;
+      world_.AddPart(*objects_.at(part.object), part.X_WO, near ? moving : BodyMode::kStatic);
       is_static_.push_back(!near);
     }
     reference_diameter_m_ = reference < 0 ? 0 : Diameter(reference);

@@ -21,6 +21,7 @@ struct ExecuteOptions {
   double settle_s = 1.5;       // at most, after a failed grasp, until the parts sleep again
   double stop_force_n = 40;    // on a finger during approach: collision
   double near_m = 0.02;        // bodies beyond the target's diameter plus this are static
+  bool all_active = false;     // all bodies move and start awake: slow, to compare with
   double disturbed_m = 0.01;   // a neighbour that moved further is disturbed
   double stalled_mps = 0.002;  // fingers that close slower than this have met the part
   PhysicsOptions physics;
