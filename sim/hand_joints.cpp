@@ -15,6 +15,13 @@ btVector3 Column(const btRigidBody& body, int axis) {
   return body.getWorldTransform().getBasis().getColumn(axis);
 }
 
+// What a body touches by this manifold; null = the manifold is of other bodies.
+const btCollisionObject* OtherBody(const btPersistentManifold& manifold,
+                                   const btCollisionObject& body) {
+  if (manifold.getBody0() == &body) return manifold.getBody1();
+  return manifold.getBody1() == &body ? manifold.getBody0() : nullptr;
+}
+
 // One row that keeps the fingers' displacements along the palm's x opposite: x_left + x_right = 0,
 // as a rack and pinion does. The palm is kinematic, so its motion stands on the right-hand side.
 class FingerCoupling : public btTypedConstraint {
@@ -63,6 +70,7 @@ class JawHand : public BulletHand {
   double opening_m() const override;
   Pose X_WG() const override { return X_WG_; }
   std::array<double, 2> ContactForces_n() const override { return forces_n_; }
+  HandLoad Load() const override;
 
   void AfterStep() override;
   std::vector<int> TouchedParts() const override { return touched_; }
@@ -73,6 +81,8 @@ class JawHand : public BulletHand {
   void AddSlider(int finger);
   void DrivePalm();
   void ReadContacts();
+  double NormalForce_n(const btPersistentManifold& manifold) const;
+  void AddForces(const btPersistentManifold& manifold, bool hand_is_first, HandLoad& load) const;
 
   btDiscreteDynamicsWorld& world_;
   const HandSpec spec_;
@@ -210,22 +220,58 @@ void JawHand::ReadContacts() {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
     for (int i = 0; i < 2; ++i) {
-      const btCollisionObject* finger = fingers_[i].get();
-      if (manifold.getBody0() != finger && manifold.getBody1() != finger) continue;
-      const btCollisionObject* other =
-          manifold.getBody0() == finger ? manifold.getBody1() : manifold.getBody0();
-      if (other->getUserIndex() < 0) continue;
-      double impulse = 0;
-      for (int k = 0; k < manifold.getNumContacts(); ++k) {
-        impulse += manifold.getContactPoint(k).getAppliedImpulse();
-      }
-      const double force_n = impulse / (step_s_ * kUnitsPerMeter);
+      const btCollisionObject* other = OtherBody(manifold, *fingers_[i]);
+      if (other == nullptr || other->getUserIndex() < 0) continue;
+      const double force_n = NormalForce_n(manifold);
       forces_n_[i] += force_n;
       if (force_n > kTouch_n) touched_.push_back(other->getUserIndex());
     }
   }
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+}
+
+double JawHand::NormalForce_n(const btPersistentManifold& manifold) const {
+  double impulse = 0;
+  for (int k = 0; k < manifold.getNumContacts(); ++k) {
+    impulse += manifold.getContactPoint(k).getAppliedImpulse();
+  }
+  return impulse / (step_s_ * kUnitsPerMeter);
+}
+
+HandLoad JawHand::Load() const {
+  HandLoad load;
+  btDispatcher& dispatcher = *world_.getDispatcher();
+  std::array<double, 3> pressed_n{0, 0, 0};
+  const std::array<const btRigidBody*, 3> bodies{fingers_[0].get(), fingers_[1].get(), palm_.get()};
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      const btCollisionObject* other = OtherBody(manifold, *bodies[i]);
+      if (other == nullptr) continue;
+      pressed_n[i] += NormalForce_n(manifold);
+      if (other->getUserIndex() >= 0) AddForces(manifold, manifold.getBody0() == bodies[i], load);
+    }
+  }
+  load.hardest_n = *std::max_element(pressed_n.begin(), pressed_n.end());
+  return load;
+}
+
+// Bullet's impulses act on the first body, along the normal and two directions of friction.
+void JawHand::AddForces(const btPersistentManifold& manifold, bool hand_is_first,
+                        HandLoad& load) const {
+  const double sign = hand_is_first ? 1 : -1;
+  const Eigen::Matrix3d R_GW = X_WG_.linear().transpose();
+  for (int k = 0; k < manifold.getNumContacts(); ++k) {
+    const btManifoldPoint& point = manifold.getContactPoint(k);
+    const btVector3 impulse = point.m_appliedImpulse * point.m_normalWorldOnB +
+                              point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
+                              point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2;
+    const Eigen::Vector3d force_n = R_GW * FromBullet(sign / step_s_ * impulse);
+    const Eigen::Vector3d at_G = X_WG_.inverse() * FromBullet(point.getPositionWorldOnB());
+    load.force_n += force_n;
+    load.torque_nm += at_G.cross(force_n);
+  }
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Long measurements of grasps in full bins, with the figures on stdout:
-//   execute_figures speed ATTEMPTS      CPU seconds of a full attempt, ATTEMPTS of each of 12 parts
+//   execute_figures speed ATTEMPTS      CPU seconds from approach to shake, ATTEMPTS of each part
 //   execute_figures agreement ATTEMPTS  verdicts beside those of slower and finer physics
 //   execute_figures labels GRASPS       labels of two runs over the same grasps
 // A bin holds the part that is picked and 20 neighbours of its kind; poses are the true ones.
@@ -7,10 +7,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <ctime>
 #include <limits>
-#include <set>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -57,10 +58,11 @@ std::vector<Eigen::Vector3d> CloudOf(const Scene& scene, const ObjectModel& mode
   return cloud_W;
 }
 
-// The best grasp of each part that can be reached, best parts first.
+// One grasp of each part that can be reached, drawn at random of those that were planned: the best
+// ones alone would hardly ever fail.
 std::vector<Case> CasesOf(const Scene& scene, const ObjectSet& objects,
-                          const std::vector<GraspCandidate>& candidates,
-                          const GripperSpec& gripper) {
+                          const std::vector<GraspCandidate>& candidates, const GripperSpec& gripper,
+                          Rng& rng) {
   std::vector<BelievedPose> poses;
   for (const PosedObject& part : scene.objects) poses.push_back({part.object, part.X_WO, 1});
   PlanOptions options;
@@ -68,12 +70,13 @@ std::vector<Case> CasesOf(const Scene& scene, const ObjectSet& objects,
   const std::vector<std::vector<GraspCandidate>> all{candidates};
   const auto cloud_W = CloudOf(scene, *objects[0]);
   const PlanResult plan = PlanGrasps({scene.bin, poses, all, cloud_W, objects, gripper}, options);
+  std::map<int, std::vector<Grasp>> by_part;
+  for (const Grasp& grasp : plan.grasps) by_part[grasp.hypothesis].push_back(grasp);
   std::vector<Case> cases;
-  std::set<int> taken;
-  for (const Grasp& grasp : plan.grasps) {
+  for (const auto& [part, grasps] : by_part) {
+    const Grasp& grasp = grasps[rng.Index(static_cast<int>(grasps.size()))];
     if (static_cast<int>(cases.size()) == kEachScene) break;
-    if (!taken.insert(grasp.hypothesis).second) continue;
-    cases.push_back({scene, grasp, scene.objects[grasp.hypothesis].instance});
+    cases.push_back({scene, grasp, scene.objects[part].instance});
   }
   return cases;
 }
@@ -85,8 +88,9 @@ PartCases MakeCases(const std::string& name, const GripperSpec& gripper, int att
   bin.inner_size_m = Eigen::Vector3d(4, 3, 1.5) * part.objects[0]->diameter_m;
   const auto candidates = CachedAntipodalGrasps(*part.objects[0], gripper);
   for (uint64_t trial = 0; static_cast<int>(part.cases.size()) < attempts; ++trial) {
+    Rng rng = Rng::Derive(0, trial, "grasps");
     const CertifiedScene made = MakeScene({bin, part.objects, {kParts}, 0, trial});
-    for (Case& found : CasesOf(made.scene, part.objects, candidates, gripper)) {
+    for (Case& found : CasesOf(made.scene, part.objects, candidates, gripper, rng)) {
       if (static_cast<int>(part.cases.size()) < attempts) part.cases.push_back(std::move(found));
     }
     if (trial > static_cast<uint64_t>(attempts)) break;  // a part that is hardly ever reached
@@ -102,8 +106,15 @@ std::vector<PartCases> AllCases(const GripperSpec& gripper, int attempts_each) {
   return all;
 }
 
+int EachPart(int attempts) {
+  const int parts = static_cast<int>(ObjectCatalog({AssetsDir() / "objects"}).Names().size());
+  return (attempts + parts - 1) / parts;
+}
+
 void MeasureSpeed(int attempts) {
   const GripperSpec gripper = LoadGripper("jaw_8cm");
+  ExecuteOptions options;
+  options.carry = false;
   double mean_of_means_s = 0;
   const auto parts = AllCases(gripper, attempts);
   for (const PartCases& part : parts) {
@@ -112,7 +123,7 @@ void MeasureSpeed(int attempts) {
     for (const Case& one : part.cases) {
       const double begin_s = CpuSeconds();
       const ExecuteResult result =
-          ExecuteGrasp(one.scene, part.objects, one.grasp, gripper, one.target);
+          ExecuteGrasp(one.scene, part.objects, one.grasp, gripper, one.target, options);
       const double took_s = CpuSeconds() - begin_s;
       sum_s += took_s;
       slowest_s = std::max(slowest_s, took_s);
@@ -138,11 +149,15 @@ struct Variant {
 std::vector<Variant> Variants() {
   Variant usual{"usual", {}, 0};
   Variant shifted{"gripper shifted by 0.1 mm", {}, kShift_m};
-  Variant active{"all bodies active", {}, 0};
+  Variant plain{"all contacts anew each step", {}, 0};
+  plain.options.physics.contact_reuse_m = 0;
+  Variant active = plain;
+  active.name = "that and all bodies active";
   active.options.all_active = true;
-  Variant fine{"960 Hz", {}, 0};
+  Variant fine = plain;
+  fine.name = "that at 960 Hz";
   fine.options.physics.rate_hz = 960;
-  return {usual, shifted, active, fine};
+  return {usual, shifted, plain, active, fine};
 }
 
 void MeasureAgreement(int attempts) {
@@ -151,9 +166,7 @@ void MeasureAgreement(int attempts) {
   std::vector<int> agree(variants.size(), 0), succeeded(variants.size(), 0);
   std::vector<double> seconds(variants.size(), 0);
   int done = 0;
-  const size_t kinds = ObjectCatalog({AssetsDir() / "objects"}).Names().size();
-  for (const PartCases& part :
-       AllCases(gripper, (attempts + static_cast<int>(kinds) - 1) / static_cast<int>(kinds))) {
+  for (const PartCases& part : AllCases(gripper, EachPart(attempts))) {
     for (const Case& one : part.cases) {
       if (done == attempts) break;
       Rng rng = Rng::Derive(0, done++, "shift");
@@ -183,6 +196,41 @@ void MeasureAgreement(int attempts) {
   }
 }
 
+// All that was found out about a grasp, every number so that it reads back the same.
+std::string Label(const GraspOutcome& o) {
+  std::string text = fmt::format("{} {} {} {} {} {} {} {} {}", LossName(o.loss), o.picked_instance,
+                                 o.parts_lifted, o.final_opening_m, o.slip_m, o.turn_rad,
+                                 o.disturbed, o.lift_height_m, o.place_error_m);
+  for (const bool verdict : o.verdicts) text += verdict ? " 1" : " 0";
+  for (const double n : o.contact_force_n) text += fmt::format(" {}", n);
+  for (const double nm : o.contact_torque_nm) text += fmt::format(" {}", nm);
+  return text;
+}
+
+void MeasureLabels(int grasps) {
+  const GripperSpec gripper = LoadGripper("jaw_8cm");
+  int done = 0, same = 0, succeeded = 0;
+  uint64_t hash = 0;
+  for (const PartCases& part : AllCases(gripper, EachPart(grasps))) {
+    for (const Case& one : part.cases) {
+      if (done == grasps) break;
+      ++done;
+      std::array<GraspOutcome, 2> runs;
+      for (GraspOutcome& outcome : runs) {
+        outcome = ExecuteGrasp(one.scene, part.objects, one.grasp, gripper, one.target).outcome;
+      }
+      const std::string label = Label(runs[0]);
+      same += label == Label(runs[1]);
+      succeeded += runs[0].success;
+      hash = HashBytes(label.data(), label.size(), hash);
+    }
+  }
+  fmt::print(
+      "labels: {} of {} grasps equal in every bit on a second run; {} succeeded; all labels "
+      "{:016x}, to compare with another process\n",
+      same, done, succeeded, hash);
+}
+
 int Main(int argc, char** argv) {
   const std::string what = argc == 3 ? argv[1] : "";
   const int count = argc == 3 ? std::atoi(argv[2]) : 0;
@@ -192,6 +240,7 @@ int Main(int argc, char** argv) {
   }
   if (what == "speed") MeasureSpeed(count);
   if (what == "agreement") MeasureAgreement(count);
+  if (what == "labels") MeasureLabels(count);
   return 0;
 }
 
