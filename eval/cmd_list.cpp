@@ -8,6 +8,7 @@
 #include "eval/metrics.h"
 #include "eval/oracle.h"
 #include "grasp/gripper.h"
+#include "grasp/success_rules.h"
 #include "scenes/camera.h"
 #include "scenes/check.h"
 #include "scenes/loss.h"
@@ -82,6 +83,10 @@ void ListLosses(const std::string&) {
   }
 }
 
+void ListRules(const std::string&) {
+  for (const SuccessRuleRow& row : SuccessRuleTable()) Row(row.name, row.help);
+}
+
 void ListPresets(const std::string&) {
   for (const std::string& name : PresetNames()) {
     const ScenarioSpec spec = LoadScenario(PresetsDir() / (name + ".yaml"));
@@ -104,7 +109,7 @@ struct Topic {
   const char* title;
   void (*print)(const std::string& catalog_folder);
 };
-constexpr std::array<Topic, 10> kTopics{{
+constexpr std::array<Topic, 11> kTopics{{
     {"presets", "Scenarios that come with the program", ListPresets},
     {"objects", "Parts", ListObjects},
     {"estimators", "Pose estimators", ListEstimators},
@@ -114,6 +119,7 @@ constexpr std::array<Topic, 10> kTopics{{
     {"sensors", "Depth sensors", ListSensors},
     {"metrics", "Pose errors", ListMetrics},
     {"losses", "What becomes of a pick: reason, stage", ListLosses},
+    {"rules", "What counts as a successful grasp", ListRules},
     {"settings", "Keys of a scenario file with their defaults", ListSettings},
 }};
 

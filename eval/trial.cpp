@@ -52,16 +52,6 @@ Loss WhyNothing(const std::vector<InstanceRecord>& instances) {
   return any_visible ? Loss::kNoProposal : Loss::kNotVisible;
 }
 
-// A pose that stands on no part may still bring one up; of another kind it is not the one wanted.
-void RefuseOtherKinds(const Scene& before, int object, GraspOutcome& outcome) {
-  if (!outcome.success) return;
-  for (const PosedObject& posed : before.objects) {
-    if (posed.instance != outcome.picked_instance || posed.object == object) continue;
-    outcome.success = false;
-    outcome.loss = Loss::kWrongPart;
-  }
-}
-
 }  // namespace
 
 struct TrialRunner::Impl {
@@ -164,10 +154,10 @@ void TrialRunner::Impl::Execute(const PoseHypothesis& hypothesis, const Believed
   StageTimer timer(live.result.seconds, "execute");
   const HypothesisScore& chosen = record.hypotheses[record.chosen];
   const bool stands_on_one = chosen.mssd_diameters < options.stands_on_diameters;
-  ExecuteResult executed = ExecuteGrasp(live.scene, cell.objects(), *record.grasp, gripper,
-                                        stands_on_one ? chosen.instance : -1);
+  ExecuteResult executed =
+      ExecuteGrasp(live.scene, cell.objects(), *record.grasp, gripper,
+                   {stands_on_one ? chosen.instance : -1, pose.object, pose.X_WO});
   record.outcome = executed.outcome;
-  RefuseOtherKinds(live.scene, pose.object, record.outcome);
   record.loss = LossOf(record, hypothesis, {live.scene, metric_models, cell.camera()});
   live.scene = std::move(executed.after);
   if (record.outcome.success) {

@@ -152,12 +152,15 @@ class Attempt {
 
   // False when the hand meets more than the stopping force on the way.
   bool Approach() {
+    const double share = std::min(1.0, world_.step_s() / options_.stop_window_s);
+    double felt_n = 0;
     const int steps = Steps(MinimumJerkSeconds(gripper_.approach_m, options_.approach_mps));
     for (int i = 1; i <= steps; ++i) {
       const double left = 1 - MinimumJerk(static_cast<double>(i) / steps);
       hand_->MoveTo(X_WG_ * Translation({0, 0, -left * gripper_.approach_m}));
       world_.Step();
-      if (hand_->Load().hardest_n > options_.stop_force_n) return false;
+      felt_n += share * (hand_->Load().hardest_n - felt_n);
+      if (felt_n > options_.stop_force_n) return false;
     }
     return true;
   }

@@ -14,11 +14,12 @@
 namespace pickbed {
 
 struct ExecuteOptions {
-  double approach_mps = 0.375;  // largest speed of approach and of drawing back
-  double stop_force_n = 40;     // on any body of the hand during approach: collision
-  double close_s = 0.6;         // waited at most for the fingers to come to rest on the part
-  double stalled_mps = 0.002;   // fingers that close slower than this have met the part
-  double lift_m = 0.20;         // above the bin's rim when that is more
+  double approach_mps = 0.375;    // largest speed of approach and of drawing back
+  double stop_force_n = 40;       // mean on any body of the hand during approach: collision
+  double stop_window_s = 0.0125;  // of that mean: a blow's peak depends on the step's length
+  double close_s = 0.6;           // waited at most for the fingers to come to rest on the part
+  double stalled_mps = 0.002;     // fingers that close slower than this have met the part
+  double lift_m = 0.20;           // above the bin's rim when that is more
   double lift_s = 1.0;
   double retreat_m = 0.10;  // of the lift, after which the loose rule of success is judged
   double hold_s = 2.0;
@@ -37,7 +38,8 @@ struct ExecuteOptions {
   SuccessRule rule = SuccessRule::kRightPart;  // decides what `success` says
   // Neighbours at rest keep their contacts, as they did while the bin was filled; the hand's own
   // are looked for in every step.
-  PhysicsOptions physics{.contact_reuse_m = 0.0001};
+  PhysicsOptions physics{
+      .sleep_after_s = 0.25, .contact_reuse_m = 0.0001, .awake_boxes_only = true};
 };
 
 // What the grasp was meant for.

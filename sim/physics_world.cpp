@@ -126,6 +126,7 @@ struct PhysicsWorld::Impl {
 
 PhysicsWorld::Impl::Impl(const PhysicsOptions& physics_options) : options(physics_options) {
   world.setGravity(ToBullet(options.gravity_W));
+  world.setForceUpdateAllAabbs(!options.awake_boxes_only);
   btContactSolverInfo& info = world.getSolverInfo();
   info.m_numIterations = options.solver_iterations;
   // With one direction a gripped box slides out at eight times the force it needs.
