@@ -8,6 +8,7 @@
 #include "eval/metrics.h"
 #include "eval/oracle.h"
 #include "grasp/gripper.h"
+#include "grasp/success_rules.h"
 #include "scenes/camera.h"
 #include "scenes/check.h"
 #include "scenes/loss.h"
@@ -85,6 +86,10 @@ void ListLosses(const std::string&) {
   }
 }
 
+void ListRules(const std::string&) {
+  for (const SuccessRuleRow& row : SuccessRuleTable()) Row(row.name, row.help);
+}
+
 void ListPresets(const std::string&) {
   for (const std::string& name : PresetNames()) {
     const ScenarioSpec spec = LoadScenario(PresetsDir() / (name + ".yaml"));
@@ -118,6 +123,7 @@ constexpr std::array<Topic, 11> kTopics{{
     {"metrics", "Pose errors", ListMetrics},
     {"policies", "When the picking of a bin ends", ListPolicies},
     {"losses", "What becomes of a pick: reason, stage", ListLosses},
+    {"rules", "What counts as a successful grasp", ListRules},
     {"settings", "Keys of a scenario file with their defaults", ListSettings},
 }};
 

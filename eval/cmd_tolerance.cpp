@@ -98,11 +98,11 @@ ToleranceOptions OptionsOf(const Arguments& arguments) {
 
 // The grasps of the part with this gripper; without any says which gripper has some.
 std::vector<GraspCandidate> RequireCandidates(const ObjectModel& part, const GripperSpec& gripper) {
-  auto candidates = CachedAntipodalGrasps(part, gripper);
+  auto candidates = CachedCandidates(part, gripper);
   if (!candidates.empty()) return candidates;
   std::string others;
   for (const std::string& name : GripperNames()) {
-    if (name == gripper.name || CachedAntipodalGrasps(part, LoadGripper(name)).empty()) continue;
+    if (name == gripper.name || CachedCandidates(part, LoadGripper(name)).empty()) continue;
     others += fmt::format("{}{}", others.empty() ? "" : " or ", name);
   }
   throw InputError(fmt::format(

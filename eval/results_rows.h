@@ -55,6 +55,24 @@ struct PickRow {
     v("slip_m", outcome.slip_m);
     v("turn_rad", outcome.turn_rad);
     v("disturbed", outcome.disturbed);
+    v("is_target", outcome.is_target);
+    v("parts_touched", outcome.parts_touched);
+    v("parts_risen", outcome.parts_risen);
+    v("lift_height_m", outcome.lift_height_m);
+    v("contact_force_x_n", outcome.contact_force_n.x());
+    v("contact_force_y_n", outcome.contact_force_n.y());
+    v("contact_force_z_n", outcome.contact_force_n.z());
+    v("contact_torque_x_nm", outcome.contact_torque_nm.x());
+    v("contact_torque_y_nm", outcome.contact_torque_nm.y());
+    v("contact_torque_z_nm", outcome.contact_torque_nm.z());
+    v("retreat_contact", outcome.retreat_contact);
+    v("retreat_opening", outcome.retreat_opening);
+    v("set_down", outcome.set_down);
+    v("place_error_m", outcome.place_error_m);
+    v("place_turn_rad", outcome.place_turn_rad);
+    for (const SuccessRuleRow& row : SuccessRuleTable()) {
+      v(row.name, outcome.verdicts[static_cast<int>(row.rule)]);
+    }
   }
 };
 

@@ -11,7 +11,7 @@
 namespace pickbed {
 namespace {
 
-constexpr int kSchemaVersion = 3;
+constexpr int kSchemaVersion = 4;
 constexpr int kBusyTimeoutMs = 60000;  // several workers write to one file
 
 // One prepared statement.

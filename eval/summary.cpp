@@ -51,6 +51,20 @@ std::string RefusedText(const RunSummary& summary) {
   return text;
 }
 
+const SuccessRuleRow& RowOf(SuccessRule rule) { return SuccessRuleTable()[static_cast<int>(rule)]; }
+
+std::string RulesText(const RunSummary& summary) {
+  std::string text = fmt::format("Success of {} attempts by rule\n", summary.attempts);
+  for (const RuleRate& rule : summary.by_rule) {
+    const SuccessRuleRow& row = RowOf(rule.rule);
+    const Interval ci95 = rule.ci95();
+    const std::string rate =
+        fmt::format("{}  [{}, {}]", Percent(rule.rate()), Percent(ci95.low), Percent(ci95.high));
+    text += fmt::format("  {:<26}{:<28}{}\n", row.name, rate, row.help);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<RecallBand> EmptyRecallBands() {
@@ -87,6 +101,7 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
   for (auto& [stage, seconds] : summary.seconds) seconds /= summary.trials;
   summary.success_rate = Ratio(summary.successes, summary.attempts);
   summary.success_ci95 = WilsonInterval(summary.successes, summary.attempts);
+  summary.by_rule = RatesByRule(trials);
   summary.cleared_rate = Ratio(summary.parts_cleared, summary.parts_dropped);
   summary.top1_precision = Ratio(summary.top1_correct, summary.frames);
   return summary;
@@ -99,6 +114,12 @@ std::string SummaryJson(const RunSummary& s) {
   json["successes"] = s.successes;
   json["success_rate"] = s.success_rate;
   json["success_ci95"] = {s.success_ci95.low, s.success_ci95.high};
+  json["success_by_rule"] = nlohmann::ordered_json::object();
+  for (const RuleRate& rule : s.by_rule) {
+    const Interval ci95 = rule.ci95();
+    json["success_by_rule"][RowOf(rule.rule).name] = {
+        {"successes", rule.successes}, {"rate", rule.rate()}, {"ci95", {ci95.low, ci95.high}}};
+  }
   json["parts_dropped"] = s.parts_dropped;
   json["parts_cleared"] = s.parts_cleared;
   json["cleared_rate"] = s.cleared_rate;
@@ -139,6 +160,7 @@ std::string SummaryTable(const RunSummary& s) {
        fmt::format("{}  {} of {} images", Percent(s.top1_precision), s.top1_correct, s.frames));
   if (s.cycle.picks_per_hour() > 0) line("picks an hour", CycleText(s.cycle));
   if (!s.refused.empty()) text += RefusedText(s);
+  if (s.attempts > 0) text += RulesText(s);
   text += "Recall by visible fraction (MSSD < 0.1 diameter)\n";
   for (const RecallBand& band : s.recall_by_visibility) {
     if (band.instances == 0) continue;
@@ -176,8 +198,10 @@ std::string TrialsCsv(const std::vector<TrialResult>& trials) {
 
 std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects) {
   std::string csv =
+      std::string() +
       "trial,pick,parts_in_view,hypotheses,object,instance,confidence,mssd_diameters,mssd_mm,"
-      "mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,success,loss,slip_mm,turn_deg,disturbed\n";
+      "mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,success,loss,slip_mm,turn_deg,disturbed" +
+      OutcomeHeader() + "\n";
   constexpr double kDegrees = 180 / 3.14159265358979323846;
   for (const TrialResult& trial : trials) {
     for (const PickRecord& pick : trial.picks) {
@@ -191,9 +215,10 @@ std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& ob
       } else {
         csv += ",,,,,,,,,,";
       }
-      csv += fmt::format("{},{},{},{},{}\n", pick.loss == Loss::kNone ? 1 : 0, LossName(pick.loss),
-                         1e3 * pick.outcome.slip_m, kDegrees * pick.outcome.turn_rad,
-                         pick.outcome.disturbed);
+      csv +=
+          fmt::format("{},{},{},{},{}{}\n", pick.loss == Loss::kNone ? 1 : 0, LossName(pick.loss),
+                      1e3 * pick.outcome.slip_m, kDegrees * pick.outcome.turn_rad,
+                      pick.outcome.disturbed, OutcomeCells(pick));
     }
   }
   return csv;

@@ -3,12 +3,14 @@
 // What one reads off a run. Made from stored trials alone, so that it is the same for any number of
 // workers.
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "eval/cycle.h"
+#include "eval/outcome_table.h"
 #include "eval/statistics.h"
 #include "eval/trial.h"
 
@@ -33,6 +35,7 @@ struct RunSummary {
   int trials = 0, attempts = 0, successes = 0;
   double success_rate = 0;
   Interval success_ci95;
+  std::array<RuleRate, kSuccessRules> by_rule;  // of the same attempts
   int parts_dropped = 0, parts_cleared = 0;
   double cleared_rate = 0;
   int frames = 0, top1_correct = 0;

@@ -51,16 +51,6 @@ int AimOf(const HypothesisScore& believed, double stands_on_diameters) {
   return believed.mssd_diameters < stands_on_diameters ? believed.instance : -1;
 }
 
-// A pose that stands on no part may still bring one up; of another kind it is not the one wanted.
-void RefuseOtherKinds(const Scene& before, int object, GraspOutcome& outcome) {
-  if (!outcome.success) return;
-  for (const PosedObject& posed : before.objects) {
-    if (posed.instance != outcome.picked_instance || posed.object == object) continue;
-    outcome.success = false;
-    outcome.loss = Loss::kWrongPart;
-  }
-}
-
 }  // namespace
 
 struct TrialRunner::Impl {
@@ -92,12 +82,14 @@ struct TrialRunner::Impl {
   std::vector<Grasp> WithoutRetries(std::vector<Grasp> grasps,
                                     const std::vector<BelievedPose>& poses,
                                     const std::vector<FailedGrasp>& failed) const;
-  std::optional<Grasp> FirstThatSucceeds(const std::vector<Grasp>& grasps, const Live& live,
+  std::optional<Grasp> FirstThatSucceeds(const std::vector<Grasp>& grasps,
+                                         const std::vector<BelievedPose>& poses, const Live& live,
                                          const PickRecord& record) const;
   std::optional<Grasp> Choose(const std::vector<BelievedPose>& poses,
                               const std::vector<Grasp>& planned, Live& live,
                               const PickRecord& record) const;
-  ExecuteResult Try(const Scene& scene, const Grasp& grasp, const PickRecord& record) const;
+  ExecuteResult Try(const Scene& scene, const Grasp& grasp, const BelievedPose& pose,
+                    const PickRecord& record) const;
   void Execute(const PoseHypothesis& hypothesis, const BelievedPose& pose, Live& live,
                PickRecord& record);
   void PickOnce(Live& live);
@@ -236,11 +228,13 @@ std::vector<Grasp> TrialRunner::Impl::WithoutRetries(std::vector<Grasp> grasps,
 }
 
 std::optional<Grasp> TrialRunner::Impl::FirstThatSucceeds(const std::vector<Grasp>& grasps,
+                                                          const std::vector<BelievedPose>& poses,
                                                           const Live& live,
                                                           const PickRecord& record) const {
   const size_t tried = std::min<size_t>(grasps.size(), options.true_grasps);
   for (size_t i = 0; i < tried; ++i) {
-    if (Try(live.scene, grasps[i], record).outcome.success) return grasps[i];
+    const BelievedPose& pose = poses[grasps[i].hypothesis];
+    if (Try(live.scene, grasps[i], pose, record).outcome.success) return grasps[i];
   }
   return std::nullopt;
 }
@@ -250,26 +244,24 @@ std::optional<Grasp> TrialRunner::Impl::Choose(const std::vector<BelievedPose>& 
                                                const PickRecord& record) const {
   if (options.truth.grasp) {
     StageTimer timer(live.result.seconds, "try");
-    if (const auto grasp = FirstThatSucceeds(planned, live, record)) return grasp;
-    if (const auto grasp = FirstThatSucceeds(PlanBoldly(poses, live), live, record)) return grasp;
+    if (const auto grasp = FirstThatSucceeds(planned, poses, live, record)) return grasp;
+    if (const auto grasp = FirstThatSucceeds(PlanBoldly(poses, live), poses, live, record))
+      return grasp;
   }
   return planned.empty() ? std::nullopt : std::optional(planned.front());
 }
 
 ExecuteResult TrialRunner::Impl::Try(const Scene& scene, const Grasp& grasp,
-                                     const PickRecord& record) const {
-  const HypothesisScore& believed = record.hypotheses[grasp.hypothesis];
-  ExecuteResult executed = ExecuteGrasp(scene, cell.objects(), grasp, gripper,
-                                        AimOf(believed, options.stands_on_diameters));
-  RefuseOtherKinds(scene, believed.object, executed.outcome);
-  return executed;
+                                     const BelievedPose& pose, const PickRecord& record) const {
+  const int aim = AimOf(record.hypotheses[grasp.hypothesis], options.stands_on_diameters);
+  return ExecuteGrasp(scene, cell.objects(), grasp, gripper, {aim, pose.object, pose.X_WO});
 }
 
 void TrialRunner::Impl::Execute(const PoseHypothesis& hypothesis, const BelievedPose& pose,
                                 Live& live, PickRecord& record) {
   StageTimer timer(live.result.seconds, "execute");
   record.aimed = AimOf(record.hypotheses[record.chosen], options.stands_on_diameters);
-  ExecuteResult executed = Try(live.scene, *record.grasp, record);
+  ExecuteResult executed = Try(live.scene, *record.grasp, pose, record);
   record.outcome = executed.outcome;
   record.loss = LossOf(record, hypothesis, {live.scene, metric_models, cell.camera()});
   live.scene = std::move(executed.after);

@@ -21,14 +21,25 @@ constexpr double kStallWindow_s = 0.05;
 // Rest-to-rest path of least jerk (Flash and Hogan 1985), 0..1 over 0..1.
 double MinimumJerk(double t) { return t * t * t * (10 + t * (6 * t - 15)); }
 
+// How long such a path takes that reaches this speed in its middle.
+double MinimumJerkSeconds(double distance_m, double peak_mps) {
+  return 1.875 * distance_m / peak_mps;
+}
+
+Pose Between(const Pose& from, const Pose& to, double share) {
+  const Eigen::Quaterniond start(from.linear()), end(to.linear());
+  return MakePose(start.slerp(share, end).toRotationMatrix(),
+                  (1 - share) * from.translation() + share * to.translation());
+}
+
 class Attempt {
  public:
   Attempt(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
-          const GripperSpec& gripper, int target_instance, const ExecuteOptions& options)
+          const GripperSpec& gripper, const GraspTarget& target, const ExecuteOptions& options)
       : scene_(scene),
         objects_(objects),
         gripper_(gripper),
-        target_instance_(target_instance),
+        target_(target),
         options_(options),
         X_WG_(grasp.X_WG),
         world_(options.physics) {
@@ -47,9 +58,9 @@ class Attempt {
     ExecuteResult result;
     GraspOutcome& outcome = result.outcome;
     outcome.loss = Try(outcome);
-    if (outcome.loss != Loss::kPhysicsFailed && Held().empty()) Withdraw();
+    if (outcome.loss != Loss::kPhysicsFailed && carried_.empty()) Withdraw();
     if (world_.BlewUp()) outcome.loss = Loss::kPhysicsFailed;
-    outcome.success = outcome.loss == Loss::kNone;
+    Judge(outcome);
     Conclude(result);
     return result;
   }
@@ -66,7 +77,7 @@ class Attempt {
     int nearest = -1;
     double nearest_distance = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < scene_.objects.size(); ++i) {
-      if (scene_.objects[i].instance == target_instance_) return static_cast<int>(i);
+      if (scene_.objects[i].instance == target_.instance) return static_cast<int>(i);
       const double distance = (Center(i, scene_.objects[i].X_WO) - grasp_point).norm();
       if (distance < nearest_distance) {
         nearest_distance = distance;
@@ -89,9 +100,10 @@ class Attempt {
       const Vector3d reference_center = Center(reference, scene_.objects[reference].X_WO);
       const bool near_reference =
           (center - reference_center).norm() < radius + 0.5 * Diameter(reference);
-      const bool near = near_reference || (center - grasp_point).norm() < radius;
-      world_.AddPart(*objects_.at(part.object), part.X_WO,
-                     near ? BodyMode::kAsleep : BodyMode::kStatic);
+      const bool near =
+          options_.all_active || near_reference || (center - grasp_point).norm() < radius;
+      const BodyMode moving = options_.all_active ? BodyMode::kDynamic : BodyMode::kAsleep;
+      world_.AddPart(*objects_.at(part.object), part.X_WO, near ? moving : BodyMode::kStatic);
       is_static_.push_back(!near);
     }
     reference_diameter_m_ = reference < 0 ? 0 : Diameter(reference);
@@ -105,28 +117,51 @@ class Attempt {
 
   Loss Try(GraspOutcome& outcome) {
     if (!Approach()) return Loss::kCollision;
-    if (!CloseOnPart()) return Loss::kClosedOnNothing;
+    const bool closed_on_part = CloseOnPart();
+    outcome.parts_touched = static_cast<int>(world_.PartsTouchingHand().size());
+    if (!closed_on_part) return Loss::kClosedOnNothing;
     MarkLiftStart();
     outcome.final_opening_m = hand_->opening_m();
-    Lift();
+    Lift(outcome);
     if (world_.BlewUp()) return Loss::kPhysicsFailed;
-    if (Held().empty()) return Loss::kSlipped;
-    Hold();
+    outcome.parts_risen = static_cast<int>(Held().size());
+    if (outcome.parts_risen == 0) return Loss::kSlipped;
+    Hold(outcome);
     Shake();
     if (world_.BlewUp()) return Loss::kPhysicsFailed;
     outcome.final_opening_m = hand_->opening_m();
-    return JudgeHeld(outcome);
+    RecordGrip(outcome);
+    const int picked = PickedOf(Held());
+    if (options_.carry && picked >= 0) Carry(picked);
+    if (world_.BlewUp()) return Loss::kPhysicsFailed;
+    carried_ = Held();
+    const Loss loss = JudgeHeld(outcome);
+    if (options_.carry && loss == Loss::kNone) SetDown(carried_.front(), outcome);
+    return loss;
   }
 
-  // False when a finger meets more than the stopping force on the way.
+  // A motion from where the hand stands; nothing but the palm is told where to go.
+  void Move(const Pose& X_WG_to, double peak_mps) {
+    const Pose from = hand_->X_WG();
+    const double distance_m = (X_WG_to.translation() - from.translation()).norm();
+    const int steps = Steps(MinimumJerkSeconds(distance_m, peak_mps));
+    for (int i = 1; i <= steps; ++i) {
+      hand_->MoveTo(Between(from, X_WG_to, MinimumJerk(static_cast<double>(i) / steps)));
+      world_.Step();
+    }
+  }
+
+  // False when the hand meets more than the stopping force on the way.
   bool Approach() {
-    const int steps = Steps(options_.approach_s);
+    const double share = std::min(1.0, world_.step_s() / options_.stop_window_s);
+    double felt_n = 0;
+    const int steps = Steps(MinimumJerkSeconds(gripper_.approach_m, options_.approach_mps));
     for (int i = 1; i <= steps; ++i) {
       const double left = 1 - MinimumJerk(static_cast<double>(i) / steps);
       hand_->MoveTo(X_WG_ * Translation({0, 0, -left * gripper_.approach_m}));
       world_.Step();
-      const auto forces = hand_->ContactForces_n();
-      if (std::max(forces[0], forces[1]) > options_.stop_force_n) return false;
+      felt_n += share * (hand_->Load().hardest_n - felt_n);
+      if (felt_n > options_.stop_force_n) return false;
     }
     return true;
   }
@@ -156,18 +191,33 @@ class Attempt {
     lift_m_ = std::max(options_.lift_m, rim + reference_diameter_m_ - X_WG_.translation().z());
   }
 
-  void Lift() {
+  void Lift(GraspOutcome& outcome) {
     const int steps = Steps(options_.lift_s);
+    const double retreat_m = std::min(options_.retreat_m, lift_m_);
+    bool is_back = false;
     for (int i = 1; i <= steps; ++i) {
-      hand_->MoveTo(Raised(lift_m_ * MinimumJerk(static_cast<double>(i) / steps)));
+      const double height_m = lift_m_ * MinimumJerk(static_cast<double>(i) / steps);
+      hand_->MoveTo(Raised(height_m));
       world_.Step();
+      if (is_back || height_m < retreat_m) continue;
+      is_back = true;
+      outcome.retreat_contact = !world_.PartsTouchingHand().empty();
+      outcome.retreat_opening = hand_->opening_m() / MechanismOf(gripper_).most_open_m(gripper_);
+    }
+    for (int i = 0; i < world_.part_count(); ++i) {
+      if (!is_static_[i]) outcome.lift_height_m = std::max(outcome.lift_height_m, Rise(i));
     }
   }
 
-  void Hold() {
-    for (int i = 0; i < Steps(options_.hold_s); ++i) {
+  void Hold(GraspOutcome& outcome) {
+    const int steps = Steps(options_.hold_s), counted = std::max(1, steps / 2);
+    for (int i = 0; i < steps; ++i) {
       hand_->MoveTo(Raised(lift_m_));
       world_.Step();
+      if (i < steps - counted) continue;
+      const HandLoad load = hand_->Load();
+      outcome.contact_force_n += load.force_n / counted;
+      outcome.contact_torque_nm += load.torque_nm / counted;
     }
   }
 
@@ -182,50 +232,97 @@ class Attempt {
     }
   }
 
+  // Of a part's centre since the start of the lift.
+  double Rise(int part) const {
+    return Center(part, world_.X_WO(part)).z() - Center(part, X_WO_lift_[part]).z();
+  }
+
   // Parts that have risen with the hand by more than half of the lift, by index.
   std::vector<int> Held() const {
     std::vector<int> held;
     if (X_WO_lift_.empty()) return held;
     for (int i = 0; i < world_.part_count(); ++i) {
-      if (is_static_[i]) continue;
-      const double rise = Center(i, world_.X_WO(i)).z() - Center(i, X_WO_lift_[i]).z();
-      if (rise > 0.5 * lift_m_) held.push_back(i);
+      if (!is_static_[i] && Rise(i) > 0.5 * lift_m_) held.push_back(i);
     }
     return held;
   }
 
-  Loss JudgeHeld(GraspOutcome& outcome) const {
-    const std::vector<int> held = Held();
-    outcome.parts_lifted = static_cast<int>(held.size());
-    if (held.empty()) return Loss::kDropped;
-    int picked = held.front();
+  // The one that was meant, or the first; -1 = none.
+  int PickedOf(const std::vector<int>& held) const {
     for (const int part : held) {
-      if (scene_.objects[part].instance == target_instance_) picked = part;
+      if (IsTarget(part)) return part;
     }
-    outcome.picked_instance = scene_.objects[picked].instance;
+    return held.empty() ? -1 : held.front();
+  }
+
+  bool IsTarget(int part) const {
+    const PosedObject& posed = scene_.objects[part];
+    if (target_.instance >= 0) return posed.instance == target_.instance;
+    return target_.object < 0 || posed.object == target_.object;
+  }
+
+  void RecordGrip(GraspOutcome& outcome) const {
+    const int picked = PickedOf(Held());
+    if (picked < 0) return;
     const Pose X_GO_lift = X_WG_lift_.inverse() * X_WO_lift_[picked];
     const Pose X_GO = hand_->X_WG().inverse() * world_.X_WO(picked);
     const Vector3d com_O = objects_[scene_.objects[picked].object]->mass.com_O;
     outcome.slip_m = (X_GO * com_O - X_GO_lift * com_O).norm();
     outcome.turn_rad = RotationAngleRad(X_GO_lift.linear(), X_GO.linear());
-    if (held.size() > 1) return Loss::kTookTwo;
-    if (target_instance_ >= 0 && outcome.picked_instance != target_instance_) {
-      return Loss::kWrongPart;
-    }
-    return Loss::kNone;
   }
 
-  // Empty-handed: opens, backs off along the approach and lets the parts come to rest.
+  // Over the table, as high above its place as the hand was lifted.
+  void Carry(int picked) {
+    const PosedObject& posed = scene_.objects[picked];
+    place_ = PlanPlace(scene_.bin, *objects_[posed.object], target_.X_WO.value_or(posed.X_WO),
+                       X_WG_, MechanismOf(gripper_).boxes(gripper_, opening_m_), options_.place);
+    world_.AddStaticBox(Translation(place_.table_W.center), place_.table_W.half_size,
+                        scene_.bin.friction);
+    Move(Translation({0, 0, lift_m_}) * place_.X_WG, options_.carry_mps);
+  }
+
+  void SetDown(int picked, GraspOutcome& outcome) {
+    Move(place_.X_WG, options_.lower_mps);
+    Withdraw();
+    const ObjectModel& model = *objects_[scene_.objects[picked].object];
+    const PlaceError error = PlaceErrorOf(model, place_.X_WO, world_.X_WO(picked));
+    outcome.set_down = true;
+    outcome.place_error_m = error.distance_m;
+    outcome.place_turn_rad = error.turn_rad;
+  }
+
+  Loss JudgeHeld(GraspOutcome& outcome) const {
+    outcome.parts_lifted = static_cast<int>(carried_.size());
+    if (carried_.empty()) return Loss::kDropped;
+    const int picked = PickedOf(carried_);
+    outcome.picked_instance = scene_.objects[picked].instance;
+    outcome.is_target = IsTarget(picked);
+    if (carried_.size() > 1) return Loss::kTookTwo;
+    return outcome.is_target ? Loss::kNone : Loss::kWrongPart;
+  }
+
+  // Opens, backs off along the approach and lets the parts come to rest.
   void Withdraw() {
     hand_->HoldOpening(opening_m_);
-    const Pose from = hand_->X_WG();
-    const int steps = Steps(options_.approach_s);
-    for (int i = 1; i <= steps; ++i) {
-      const double done = MinimumJerk(static_cast<double>(i) / steps);
-      hand_->MoveTo(from * Translation({0, 0, -done * gripper_.approach_m}));
+    // First the fingers: a part between them must not be dragged along.
+    const double opening_s =
+        0.5 * (opening_m_ - hand_->opening_m()) / gripper_.hand.close_speed_mps;
+    for (int i = 0; i < Steps(opening_s); ++i) {
+      hand_->MoveTo(hand_->X_WG());
       world_.Step();
     }
+    Move(hand_->X_WG() * Translation({0, 0, -gripper_.approach_m}), options_.approach_mps);
     for (int i = 0; i < Steps(options_.settle_s) && !world_.AllAsleep(); ++i) world_.Step();
+  }
+
+  // By the rule that decides. What the other rules count as lost may be a success by it, and what
+  // is in the hand may yet fail it where it was set down: that counts as dropped.
+  void Judge(GraspOutcome& outcome) const {
+    if (outcome.loss == Loss::kPhysicsFailed) return;
+    outcome.verdicts = JudgeByAllRules(outcome, options_.rules);
+    outcome.success = outcome.verdicts[static_cast<int>(options_.rule)];
+    if (outcome.success) outcome.loss = Loss::kNone;
+    if (!outcome.success && outcome.loss == Loss::kNone) outcome.loss = Loss::kDropped;
   }
 
   bool InsideBin(const Vector3d& center) const {
@@ -239,14 +336,13 @@ class Attempt {
       result.after = scene_;
       return;
     }
-    const std::vector<int> held = Held();
     for (int i = 0; i < world_.part_count(); ++i) {
-      if (std::find(held.begin(), held.end(), i) != held.end()) continue;
+      if (std::find(carried_.begin(), carried_.end(), i) != carried_.end()) continue;
       PosedObject part = scene_.objects[i];
       const Vector3d before = Center(i, part.X_WO);
       if (!is_static_[i]) part.X_WO = world_.X_WO(i);
       const Vector3d center = Center(i, part.X_WO);
-      const bool is_target = part.instance == target_instance_;
+      const bool is_target = part.instance == target_.instance;
       result.outcome.disturbed += !is_target && (center - before).norm() > options_.disturbed_m;
       if (InsideBin(center)) result.after.objects.push_back(part);
     }
@@ -255,7 +351,7 @@ class Attempt {
   const Scene& scene_;
   const ObjectSet& objects_;
   const GripperSpec& gripper_;
-  const int target_instance_;
+  const GraspTarget target_;
   const ExecuteOptions& options_;
   const Pose X_WG_;
   PhysicsWorld world_;
@@ -264,6 +360,8 @@ class Attempt {
   double lift_m_ = 0;
   double reference_diameter_m_ = 0;
   std::vector<bool> is_static_;
+  std::vector<int> carried_;  // parts in the hand at the end, by index
+  PlacePlan place_;
   // At the start of the lift; empty before.
   std::vector<Pose> X_WO_lift_;
   Pose X_WG_lift_ = Pose::Identity();
@@ -272,9 +370,9 @@ class Attempt {
 }  // namespace
 
 ExecuteResult ExecuteGrasp(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
-                           const GripperSpec& gripper, int target_instance,
+                           const GripperSpec& gripper, const GraspTarget& target,
                            const ExecuteOptions& options) {
-  return Attempt(scene, objects, grasp, gripper, target_instance, options).Run();
+  return Attempt(scene, objects, grasp, gripper, target, options).Run();
 }
 
 }  // namespace pickbed

@@ -1,29 +1,58 @@
 #pragma once
 
-// Executes one grasp in a world rebuilt from the snapshot: approach, close, lift, hold, shake.
+// Executes one grasp in a world rebuilt from the snapshot: a free-flying hand approaches, closes,
+// lifts, holds, shakes, carries the part out of the bin and sets it down.
+
+#include <optional>
 
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
+#include "grasp/place.h"
 #include "scenes/scene.h"
 #include "sim/physics_world.h"
 
 namespace pickbed {
 
 struct ExecuteOptions {
-  double approach_s = 0.6;
-  double close_s = 0.6;  // waited at most for the fingers to come to rest on the part
-  double lift_m = 0.20;  // above the bin's rim when that is more
+  double approach_mps = 0.375;    // largest speed of approach and of drawing back
+  double stop_force_n = 40;       // mean on any body of the hand during approach: collision
+  double stop_window_s = 0.0125;  // of that mean: a blow's peak depends on the step's length
+  double close_s = 0.6;           // waited at most for the fingers to come to rest on the part
+  double stalled_mps = 0.002;     // fingers that close slower than this have met the part
+  double lift_m = 0.20;           // above the bin's rim when that is more
   double lift_s = 1.0;
+  double retreat_m = 0.10;  // of the lift, after which the loose rule of success is judged
   double hold_s = 2.0;
   double shake_m = 0.005;
   double shake_hz = 5;
   double shake_s = 1.0;
-  double settle_s = 1.5;       // at most, after a failed grasp, until the parts sleep again
-  double stop_force_n = 40;    // on a finger during approach: collision
-  double near_m = 0.02;        // bodies beyond the target's diameter plus this are static
-  double disturbed_m = 0.01;   // a neighbour that moved further is disturbed
-  double stalled_mps = 0.002;  // fingers that close slower than this have met the part
-  PhysicsOptions physics;
+  bool carry = true;          // out of the bin to the table; else it ends with the shake
+  double carry_mps = 0.8;     // largest speed of the hand on the way
+  double lower_mps = 0.4;     // likewise, down to the table
+  double settle_s = 1.5;      // at most, once the hand has opened, until the parts sleep again
+  double near_m = 0.02;       // bodies beyond the target's diameter plus this are static
+  bool all_active = false;    // all bodies move and start awake: slow, to compare with
+  double disturbed_m = 0.01;  // a neighbour that moved further is disturbed
+  PlaceOptions place;
+  RuleOptions rules;
+  SuccessRule rule = SuccessRule::kRightPart;  // decides what `success` says
+  // Neighbours at rest keep their contacts, as they did while the bin was filled; the hand's own
+  // are looked for in every step.
+  PhysicsOptions physics{
+      .sleep_after_s = 0.25, .contact_reuse_m = 0.0001, .awake_boxes_only = true};
+};
+
+// What the grasp was meant for.
+struct GraspTarget {
+  int instance = -1;  // that the hypothesis stands on (the nearest true one), -1 = none
+  int object = -1;    // without an instance: the kind that will do, -1 = any
+  // Where it was believed: what is set down is judged against that. Nothing = where it truly lay.
+  std::optional<Pose> X_WO;
+
+  // Also from a bare instance.
+  GraspTarget(int target_instance = -1, int target_object = -1,
+              const std::optional<Pose>& believed_X_WO = std::nullopt)
+      : instance(target_instance), object(target_object), X_WO(believed_X_WO) {}
 };
 
 struct ExecuteResult {
@@ -31,13 +60,11 @@ struct ExecuteResult {
   Scene after;  // without what was carried off; neighbours where they came to rest
 };
 
-// `target_instance` is the instance that the hypothesis stood on (the nearest true one), -1 when
-// there is none; success means that exactly that part is held at the end, or with -1 exactly one
-// part, whichever it is. Neighbours that were thrown about are counted, not judged. Parts that left
-// the bin are missing in `after`. Throws nothing but std::logic_error (objects without convex
-// pieces, see sim/convex_pieces.h): a failed grasp is a result. Same inputs, same bytes.
+// Throws nothing but std::logic_error (objects without convex pieces, see sim/convex_pieces.h): a
+// failed grasp is a result. Neighbours that were thrown about are counted, not judged. Parts that
+// left the bin are missing in `after`. Same inputs, same bytes.
 ExecuteResult ExecuteGrasp(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
-                           const GripperSpec& gripper, int target_instance,
+                           const GripperSpec& gripper, const GraspTarget& target,
                            const ExecuteOptions& options = {});
 
 }  // namespace pickbed

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "grasp/success_rules.h"
 #include "scenes/loss.h"
 #include "scenes/pose.h"
 
@@ -31,15 +32,33 @@ struct Grasp {
   int hypothesis = 0;  // index into what was planned for
 };
 
+// What became of an executed grasp: facts, and what each rule of success makes of them.
 struct GraspOutcome {
-  bool success = false;
+  bool success = false;              // by the rule that decides, see ExecuteOptions::rule
   Loss loss = Loss::kPhysicsFailed;  // kNone on success
   int picked_instance = -1;          // Scene instance that came along, -1 = none
-  int parts_lifted = 0;
+  int parts_lifted = 0;              // in the hand to the end: after hold, shake and carry
   double final_opening_m = 0;
   double slip_m = 0;    // of the part in the hand, lift to end of shake
   double turn_rad = 0;  // likewise
   int disturbed = 0;    // neighbours that moved over 1 cm
+
+  bool is_target = false;    // the picked part is the one that was meant
+  int parts_touched = 0;     // by the hand once it had closed
+  int parts_risen = 0;       // that hung in the hand at the end of the lift
+  double lift_height_m = 0;  // of the part that rose most, at the end of the lift
+  // Of the parts on the hand, in G about its origin, mean of the hold's second half.
+  Eigen::Vector3d contact_force_n = Eigen::Vector3d::Zero();
+  Eigen::Vector3d contact_torque_nm = Eigen::Vector3d::Zero();
+  // After the first 10 cm of the lift, for the loose rule; of a hand that came so far.
+  bool retreat_contact = false;
+  double retreat_opening = 0;  // share of the stroke
+  // Where the part lies against where it was to lie; only where it was set down.
+  bool set_down = false;
+  double place_error_m = 0;   // of the centre of mass
+  double place_turn_rad = 0;  // least over the part's symmetries
+
+  SuccessVerdicts verdicts{};
 };
 
 }  // namespace pickbed

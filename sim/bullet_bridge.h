@@ -41,11 +41,18 @@ btTransform ToBullet(const Pose& X_AB);
 Eigen::Vector3d FromBullet(const btVector3& scaled);
 Pose FromBullet(const btTransform& X_AB);
 
+// Friction of the patch of a pad, on the pad, in W: see sim/patch_friction_impl.h.
+struct PadFriction {
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque_nm = Eigen::Vector3d::Zero();  // about the place
+  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
+};
+
 // What the world needs of a hand beyond its public face. Part bodies carry their index as user
 // index; all other bodies keep Bullet's -1.
 class BulletHand : public Hand {
  public:
-  virtual void AfterStep() = 0;
+  virtual void AfterStep(std::vector<PadFriction> frictions) = 0;
   virtual std::vector<int> TouchedParts() const = 0;
   // Bodies that lie flat on what they hold.
   virtual std::vector<const btRigidBody*> Pads() const = 0;

@@ -10,6 +10,7 @@
 #include "scenes/mesh_query.h"
 #include "sim/bullet_bridge.h"
 #include "sim/cup_seal.h"
+#include "sim/hand_contacts.h"
 
 namespace pickbed {
 namespace {
@@ -48,8 +49,9 @@ class CupHand : public BulletHand {
   Pose X_WG() const override { return X_WG_; }
   std::array<double, 2> ContactForces_n() const override { return forces_n_; }
   bool Holds() const override { return joint_ != nullptr; }
+  HandLoad Load() const override;
 
-  void AfterStep() override;
+  void AfterStep(std::vector<PadFriction> frictions) override;
   std::vector<int> TouchedParts() const override { return touched_; }
   std::vector<const btRigidBody*> Pads() const override { return {}; }
   void LetGoOf(int part) override;
@@ -155,7 +157,7 @@ void CupHand::PressBellows() {
   body->applyForce(force, place - body->getCenterOfMassPosition());
 }
 
-void CupHand::AfterStep() {
+void CupHand::AfterStep(std::vector<PadFriction>) {
   X_WG_ = target_WG_;
   const btTransform X_W = ToBullet(X_WG_);
   body_->setWorldTransform(X_W);
@@ -290,19 +292,37 @@ void CupHand::ReadContacts() {
   btDispatcher& dispatcher = *world_.getDispatcher();
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    const bool is_first = manifold.getBody0() == body_.get();
-    if (!is_first && manifold.getBody1() != body_.get()) continue;
-    const int part = (is_first ? manifold.getBody1() : manifold.getBody0())->getUserIndex();
-    double impulse = 0;
-    for (int k = 0; k < manifold.getNumContacts(); ++k) {
-      impulse += manifold.getContactPoint(k).getAppliedImpulse();
-    }
-    const double force_n = impulse / (step_s_ * kUnitsPerMeter);
+    const btCollisionObject* other = OtherBody(manifold, *body_);
+    if (other == nullptr) continue;
+    const int part = other->getUserIndex();
+    const double force_n = NormalForce_n(manifold, step_s_);
     forces_n_[1] += force_n;
     if (part >= 0 && force_n > kTouch_n) touched_.push_back(part);
   }
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+}
+
+// Through the lip, and of parts against stem and palm.
+HandLoad CupHand::Load() const {
+  HandLoad load;
+  load.hardest_n = std::max(forces_n_[1], joint_ == nullptr ? forces_n_[0] : 0);
+  if (joint_ != nullptr) {
+    load.force_n = mean_load_.force_n;
+    load.torque_nm = mean_load_.torque_nm;
+  } else if (facing_.part >= 0) {
+    const Eigen::Vector2d& at = facing_.seal.press_center_m;
+    load.force_n.z() = -forces_n_[0];
+    load.torque_nm = Eigen::Vector3d(at.x(), at.y(), 0).cross(load.force_n);
+  }
+  btDispatcher& dispatcher = *world_.getDispatcher();
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    const btCollisionObject* other = OtherBody(manifold, *body_);
+    if (other == nullptr || other->getUserIndex() < 0) continue;
+    AddContactForces(manifold, manifold.getBody0() == body_.get(), X_WG_, step_s_, load);
+  }
+  return load;
 }
 
 }  // namespace

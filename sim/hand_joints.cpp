@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "sim/bullet_bridge.h"
+#include "sim/hand_contacts.h"
 
 namespace pickbed {
 namespace {
@@ -64,8 +65,9 @@ class JawHand : public BulletHand {
   Pose X_WG() const override { return X_WG_; }
   std::array<double, 2> ContactForces_n() const override { return forces_n_; }
   bool Holds() const override { return forces_n_[0] > kTouch_n && forces_n_[1] > kTouch_n; }
+  HandLoad Load() const override;
 
-  void AfterStep() override;
+  void AfterStep(std::vector<PadFriction> frictions) override;
   std::vector<int> TouchedParts() const override { return touched_; }
   std::vector<const btRigidBody*> Pads() const override {
     return {fingers_[0].get(), fingers_[1].get()};
@@ -93,6 +95,7 @@ class JawHand : public BulletHand {
   std::unique_ptr<FingerCoupling> coupling_;
   std::array<double, 2> forces_n_{0, 0};
   std::vector<int> touched_;
+  std::vector<PadFriction> frictions_;
 };
 
 JawHand::JawHand(btDiscreteDynamicsWorld& world, const HandSpec& spec, const Pose& X_WG,
@@ -200,7 +203,8 @@ void JawHand::DrivePalm() {
   palm_->setAngularVelocity(angular);
 }
 
-void JawHand::AfterStep() {
+void JawHand::AfterStep(std::vector<PadFriction> frictions) {
+  frictions_ = std::move(frictions);
   X_WG_ = target_WG_;
   const btTransform X_WP = ToBullet(Pose(X_WG_ * X_GP_));
   palm_->setWorldTransform(X_WP);
@@ -215,22 +219,41 @@ void JawHand::ReadContacts() {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
     for (int i = 0; i < 2; ++i) {
-      const btCollisionObject* finger = fingers_[i].get();
-      if (manifold.getBody0() != finger && manifold.getBody1() != finger) continue;
-      const btCollisionObject* other =
-          manifold.getBody0() == finger ? manifold.getBody1() : manifold.getBody0();
-      if (other->getUserIndex() < 0) continue;
-      double impulse = 0;
-      for (int k = 0; k < manifold.getNumContacts(); ++k) {
-        impulse += manifold.getContactPoint(k).getAppliedImpulse();
-      }
-      const double force_n = impulse / (step_s_ * kUnitsPerMeter);
+      const btCollisionObject* other = OtherBody(manifold, *fingers_[i]);
+      if (other == nullptr || other->getUserIndex() < 0) continue;
+      const double force_n = NormalForce_n(manifold, step_s_);
       forces_n_[i] += force_n;
       if (force_n > kTouch_n) touched_.push_back(other->getUserIndex());
     }
   }
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+}
+
+HandLoad JawHand::Load() const {
+  HandLoad load;
+  btDispatcher& dispatcher = *world_.getDispatcher();
+  std::array<double, 3> pressed_n{0, 0, 0};
+  const std::array<const btRigidBody*, 3> bodies{fingers_[0].get(), fingers_[1].get(), palm_.get()};
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      const btCollisionObject* other = OtherBody(manifold, *bodies[i]);
+      if (other == nullptr) continue;
+      pressed_n[i] += NormalForce_n(manifold, step_s_);
+      if (other->getUserIndex() < 0) continue;
+      AddContactForces(manifold, manifold.getBody0() == bodies[i], X_WG_, step_s_, load);
+    }
+  }
+  const Eigen::Matrix3d R_GW = X_WG_.linear().transpose();
+  for (const PadFriction& friction : frictions_) {
+    const Eigen::Vector3d force_n = R_GW * friction.force_n;
+    load.force_n += force_n;
+    load.torque_nm +=
+        R_GW * friction.torque_nm + (X_WG_.inverse() * friction.place_m).cross(force_n);
+  }
+  load.hardest_n = *std::max_element(pressed_n.begin(), pressed_n.end());
+  return load;
 }
 
 }  // namespace

@@ -26,6 +26,15 @@ struct HandSpec {
   double pad_friction = 1.0;     // own value of the pair rule of scenes/friction.h
 };
 
+// What parts do to the hand, as a wrist's sensor has it, by contacts alone: the hand's own weight
+// and inertia are left out. Of the last step.
+struct HandLoad {
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();    // of parts on the hand, in G
+  Eigen::Vector3d torque_nm = Eigen::Vector3d::Zero();  // likewise, about G's origin
+  // Largest normal force on one of its bodies by parts; on a finger by the bin, too.
+  double hardest_n = 0;
+};
+
 class Hand {
  public:
   virtual ~Hand() = default;
@@ -44,6 +53,7 @@ class Hand {
   virtual std::array<double, 2> ContactForces_n() const = 0;
   // Both pads touch a part. A cup: it is sealed on a part.
   virtual bool Holds() const = 0;
+  virtual HandLoad Load() const = 0;
 };
 
 // The hand's boxes (left finger, right finger, palm) in G at an opening, for collision checks.

@@ -53,12 +53,16 @@ std::vector<Eigen::Vector2d> OutlineOnPad(const btBoxShape& pad, const btCollisi
 
 }  // namespace
 
+void PatchFrictionSolver::BeginStep() {
+  ++step_;
+  frictions_.clear();
+}
+
 void PatchFrictionSolver::convertContacts(btPersistentManifold** manifolds, int manifold_count,
                                           const btContactSolverInfo& info) {
   btSequentialImpulseConstraintSolver::convertContacts(manifolds, manifold_count, info);
   patches_.clear();
   if (pads.empty()) return;
-  ++step_;
   FindPatches(info);
   for (Patch& patch : patches_) Prepare(patch, info);
 }
@@ -235,12 +239,25 @@ btScalar PatchFrictionSolver::solveSingleIteration(
   return residual;
 }
 
+PadFriction PatchFrictionSolver::FrictionOf(const Patch& patch, btScalar step_s) const {
+  const btRigidBody& pad = *m_tmpSolverBodyPool[patch.pad_id].m_originalBody;
+  btVector3 force(0, 0, 0), torque(0, 0, 0);
+  for (int i = 0; i < kRows; ++i) {
+    const Row& row = patch.rows[i];
+    force += patch.impulse[i] / step_s * row.linear;
+    if (i == 2) torque += patch.impulse[i] / step_s * row.turn_pad;
+  }
+  return {FromBullet(force), FromBullet(torque) / kUnitsPerMeter,
+          FromBullet(pad.getWorldTransform() * patch.memory->center_P)};
+}
+
 btScalar PatchFrictionSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,
                                                             int body_count,
                                                             const btContactSolverInfo& info) {
   for (const Patch& patch : patches_) {
     patch.memory->impulse = patch.impulse;
     patch.memory->has_slipped = patch.is_slipping;
+    frictions_.push_back(FrictionOf(patch, info.m_timeStep));
   }
   patches_.clear();
   return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count,

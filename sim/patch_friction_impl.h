@@ -19,12 +19,19 @@
 #include <utility>
 #include <vector>
 
+#include "sim/bullet_bridge.h"
+
 namespace pickbed {
 
 class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
  public:
   // Boxes whose faces across their x are pads. To be emptied before they are destroyed.
   std::vector<const btRigidBody*> pads;
+
+  // To be called before each step of the world, which may solve its islands one by one.
+  void BeginStep();
+  // Of the last step.
+  const std::vector<PadFriction>& frictions() const { return frictions_; }
 
  protected:
   void convertContacts(btPersistentManifold** manifolds, int manifold_count,
@@ -81,7 +88,10 @@ class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
   btScalar RelativeVelocity(const Patch& patch, const Row& row) const;
   void Solve(Patch& patch);
 
+  PadFriction FrictionOf(const Patch& patch, btScalar step_s) const;
+
   std::vector<Patch> patches_;
+  std::vector<PadFriction> frictions_;
   std::map<std::pair<const btRigidBody*, const btRigidBody*>, Memory> memories_;
   long step_ = 0;
 };

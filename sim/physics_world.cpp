@@ -128,6 +128,7 @@ struct PhysicsWorld::Impl {
 
 PhysicsWorld::Impl::Impl(const PhysicsOptions& physics_options) : options(physics_options) {
   world.setGravity(ToBullet(options.gravity_W));
+  world.setForceUpdateAllAabbs(!options.awake_boxes_only);
   btContactSolverInfo& info = world.getSolverInfo();
   info.m_numIterations = options.solver_iterations;
   // With one direction a gripped box slides out at eight times the force it needs.
@@ -376,8 +377,9 @@ Hand& PhysicsWorld::AddCup(const CupSpec& spec, const Pose& X_WG) {
 void PhysicsWorld::Step() {
   if (impl_->may_sleep) impl_->LetTheStillFallAsleep();
   if (impl_->options.contact_reuse_m > 0) impl_->TellWhichMoved();
+  impl_->solver.BeginStep();
   impl_->world.stepSimulation(step_s(), 0);
-  if (impl_->hand != nullptr) impl_->hand->AfterStep();
+  if (impl_->hand != nullptr) impl_->hand->AfterStep(impl_->solver.frictions());
   ++impl_->steps;
 }
 

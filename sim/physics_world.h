@@ -32,6 +32,9 @@ struct PhysicsOptions {
   // in full keep those contacts, see sim/contact_reuse_impl.h. Off for grasping, whose figures were
   // measured without.
   double contact_reuse_m = 0;
+  // Boxes of bodies that sleep or are static are not looked at again. Another order of pairs
+  // follows from it, and so other piles from the same seed.
+  bool awake_boxes_only = false;
 };
 
 enum class BodyMode { kDynamic, kAsleep, kStatic };

@@ -49,6 +49,10 @@ jobs_do_not_matter() {
   same one.json two.json
   [ -s one.json ] || fail "summary.json is empty"
   [ "$(wc -l <one/trials.csv)" = 5 ] || fail "trials.csv has not one line a trial"
+  for rule in contact lifted held right_part single_part placed vgn_loose; do
+    head -1 one/picks.csv | grep -q ",$rule," || fail "picks.csv has no column $rule"
+    grep -q "\"$rule\": {" one/summary.json || fail "summary.json has no rate by $rule"
+  done
   [ ! -e one/pictures ] || fail "pictures were not wanted"
   for picture in color depth overlay after; do
     [ -s "two/pictures/trial_0000/pick_00_$picture.png" ] || fail "no picture $picture"

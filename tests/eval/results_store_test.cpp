@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "scenes/check.h"
+#include "scenes/files.h"
 #include "scenes/random.h"
 #include "tests/support/temporary_folder.h"
 
@@ -34,6 +35,21 @@ std::string ErrorOf(const std::function<void()>& function) {
     return error.what();
   }
   return "no InputError";
+}
+
+GraspOutcome FullOutcome(Rng& rng) {
+  GraspOutcome outcome{true, Loss::kDropped, 5, 2, rng.Uniform(), rng.Uniform(), rng.Uniform(), 4};
+  outcome.is_target = outcome.retreat_contact = outcome.set_down = true;
+  outcome.parts_touched = 3;
+  outcome.parts_risen = 2;
+  outcome.lift_height_m = rng.Uniform();
+  outcome.contact_force_n = rng.UnitVector();
+  outcome.contact_torque_nm = rng.UnitVector();
+  outcome.retreat_opening = rng.Uniform();
+  outcome.place_error_m = rng.Uniform();
+  outcome.place_turn_rad = rng.Uniform();
+  for (size_t i = 0; i < outcome.verdicts.size(); ++i) outcome.verdicts[i] = i % 2 == 0;
+  return outcome;
 }
 
 // A trial in which no field has its default.
@@ -84,7 +100,7 @@ TrialResult FullTrial(int trial) {
     grasp.score = rng.Uniform();
     grasp.hypothesis = 1;
     pick.grasp = grasp;
-    pick.outcome = {true, Loss::kDropped, 5, 2, rng.Uniform(), rng.Uniform(), rng.Uniform(), 4};
+    pick.outcome = FullOutcome(rng);
   }
   result.fates = {{0, 1, true, true, Loss::kNone, 0}, {1, 0, false, false, Loss::kDisturbed, 2}};
   result.seconds = {{"drop", rng.Uniform()}, {"see", rng.Uniform()}};
@@ -112,6 +128,18 @@ void ExpectSamePick(const PickRecord& a, const PickRecord& b) {
   EXPECT_EQ(a.outcome.slip_m, b.outcome.slip_m);
   EXPECT_EQ(a.outcome.turn_rad, b.outcome.turn_rad);
   EXPECT_EQ(a.outcome.disturbed, b.outcome.disturbed);
+  EXPECT_EQ(a.outcome.is_target, b.outcome.is_target);
+  EXPECT_EQ(a.outcome.parts_touched, b.outcome.parts_touched);
+  EXPECT_EQ(a.outcome.parts_risen, b.outcome.parts_risen);
+  EXPECT_EQ(a.outcome.lift_height_m, b.outcome.lift_height_m);
+  EXPECT_EQ(a.outcome.contact_force_n, b.outcome.contact_force_n);
+  EXPECT_EQ(a.outcome.contact_torque_nm, b.outcome.contact_torque_nm);
+  EXPECT_EQ(a.outcome.retreat_contact, b.outcome.retreat_contact);
+  EXPECT_EQ(a.outcome.retreat_opening, b.outcome.retreat_opening);
+  EXPECT_EQ(a.outcome.set_down, b.outcome.set_down);
+  EXPECT_EQ(a.outcome.place_error_m, b.outcome.place_error_m);
+  EXPECT_EQ(a.outcome.place_turn_rad, b.outcome.place_turn_rad);
+  EXPECT_EQ(a.outcome.verdicts, b.outcome.verdicts);
   ASSERT_EQ(a.instances.size(), b.instances.size());
   for (size_t i = 0; i < a.instances.size(); ++i) {
     EXPECT_EQ(a.instances[i].instance, b.instances[i].instance);
@@ -189,6 +217,22 @@ TEST_F(ResultsStoreTest, RefusesResultsOfOtherSettings) {
   const std::string error = ErrorOf([&] { ResultsStore(folder_, "seed: 2"); });
   EXPECT_THAT(error, HasSubstr(folder_.string()));
   EXPECT_THAT(error, HasSubstr("--out"));
+}
+
+// A store of before the rules of success stood beside each other lacks their columns.
+TEST_F(ResultsStoreTest, AStoreOfAnEarlierVersionIsRefusedInOneLine) {
+  ResultsStore(folder_, "s").Write(FullTrial(0));
+  const auto file = folder_ / "results.sqlite";
+  std::string bytes = ReadFileBytes(file);
+  const std::string key = "schema_version";
+  const size_t at = bytes.find(key + "3");
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + key.size()] = '2';
+  std::ofstream(file, std::ios::binary) << bytes;
+  const std::string error = ErrorOf([&] { ResultsStore(folder_, "s"); });
+  EXPECT_THAT(error, HasSubstr("written by another version of pickbed (schema 2, here 3)"));
+  EXPECT_THAT(error, HasSubstr("--out"));
+  EXPECT_EQ(std::count(error.begin(), error.end(), '\n'), 0);
 }
 
 TEST_F(ResultsStoreTest, WithoutATrialItTakesNewSettings) {

@@ -55,6 +55,35 @@ TEST(Summarize, CountsWhatAHandCounts) {
   EXPECT_DOUBLE_EQ(s.seconds.at("icp"), 0.5);
 }
 
+// Three attempts, of which the second was held but wrong and the third only touched its part.
+TEST(Summarize, RulesOfSuccessStandSideBySide) {
+  auto trials = TwoTrials();
+  const auto pass = [&](int pick, std::initializer_list<SuccessRule> rules) {
+    for (const SuccessRule rule : rules) {
+      trials[0].picks[pick].outcome.verdicts[static_cast<int>(rule)] = true;
+    }
+  };
+  pass(0, {SuccessRule::kContact, SuccessRule::kHeld, SuccessRule::kRightPart});
+  pass(1, {SuccessRule::kContact, SuccessRule::kHeld});
+  pass(2, {SuccessRule::kContact});
+  // Left from a look that led to no attempt: counts for nothing.
+  trials[1].picks[0].outcome.verdicts[static_cast<int>(SuccessRule::kHeld)] = true;
+  const RunSummary summary = Summarize(trials);
+  const auto json = nlohmann::json::parse(SummaryJson(summary))["success_by_rule"];
+  ASSERT_EQ(json.size(), static_cast<size_t>(kSuccessRules));
+  EXPECT_EQ(json["contact"]["successes"], 3);
+  EXPECT_EQ(json["held"]["successes"], 2);
+  EXPECT_EQ(json["right_part"]["successes"], 1);
+  EXPECT_EQ(json["placed"]["successes"], 0);
+  EXPECT_DOUBLE_EQ(json["held"]["rate"], 2.0 / 3);
+  const Interval expected = WilsonInterval(2, 3);
+  EXPECT_DOUBLE_EQ(json["held"]["ci95"][0], expected.low);
+  EXPECT_DOUBLE_EQ(json["held"]["ci95"][1], expected.high);
+  const std::string table = SummaryTable(summary);
+  EXPECT_NE(table.find("Success of 3 attempts by rule"), std::string::npos);
+  EXPECT_NE(table.find("vgn_loose"), std::string::npos);
+}
+
 TEST(Summarize, RefusedScenesAreListedWithTheirReasons) {
   TrialResult trial;
   trial.trial = 7;
@@ -147,6 +176,31 @@ TEST(PartsCsv, SaysWhatBecameOfEachPart) {
   EXPECT_EQ(PartsCsv(trials, {model}),
             "trial,instance,object,became,loss,stage,pick\n0,0,rod,picked,none,done,0\n"
             "0,1,rod,lost,slipped,grasp,1\n0,2,rod,not_asked,none,done,-1\n");
+TEST(Csv, OutcomesStandInColumnsAndAreEmptyWithoutAnAttempt) {
+  auto trials = TwoTrials();
+  GraspOutcome& outcome = trials[0].picks[0].outcome;
+  outcome.verdicts[static_cast<int>(SuccessRule::kLifted)] = true;
+  outcome.contact_force_n = {0.25, 0.5, 1.75};
+  outcome.lift_height_m = 0.125;
+  const std::string csv = PicksCsv(trials, {std::make_shared<ObjectModel>()});
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream cells(line + ",");
+    rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  const auto cell = [&](size_t row, const std::string& column) {
+    const auto at = std::find(rows[0].begin(), rows[0].end(), column);
+    return at == rows[0].end() ? "no such column" : rows.at(row).at(at - rows[0].begin());
+  };
+  EXPECT_EQ(cell(1, "contact"), "0");
+  EXPECT_EQ(cell(1, "lifted"), "1");
+  EXPECT_EQ(cell(1, "force_z_n"), "1.75");
+  EXPECT_EQ(cell(1, "lift_height_mm"), "125");
+  EXPECT_EQ(cell(1, "place_error_mm"), "") << "it was not set down";
+  EXPECT_EQ(cell(4, "lifted"), "") << "a look without an attempt";
+  EXPECT_EQ(cell(4, "picked_instance"), "");
 }
 
 TEST(TrialsCsv, HoldsNoTimes) {

@@ -28,9 +28,20 @@ class Execute : public testing::Test {
     return grasp;
   }
 
-  ExecuteResult Run(const Scene& scene, const Grasp& grasp, int target = 10) const {
-    return ExecuteGrasp(scene, objects_, grasp, gripper_, target);
+  ExecuteResult Run(const Scene& scene, const Grasp& grasp, const GraspTarget& target = 10) const {
+    return ExecuteGrasp(scene, objects_, grasp, gripper_, target, options_);
   }
+
+  // Names of the rules of success that were passed.
+  static std::string Passed(const GraspOutcome& outcome) {
+    std::string names;
+    for (const SuccessRuleRow& row : SuccessRuleTable()) {
+      if (outcome.verdicts[static_cast<int>(row.rule)]) names += std::string(row.name) + " ";
+    }
+    return names;
+  }
+
+  ExecuteOptions options_;
 
   GripperSpec gripper_ = SmallJaw();
   ObjectSet objects_ = Boxes(0.2);
@@ -47,6 +58,80 @@ TEST_F(Execute, GoodGraspOfALoneBoxSucceeds) {
   EXPECT_LT(outcome.slip_m, 0.002);
   EXPECT_LT(outcome.turn_rad, 0.02);
   EXPECT_TRUE(result.after.objects.empty());
+  EXPECT_EQ(Passed(outcome), "contact lifted held right_part single_part placed vgn_loose ");
+  EXPECT_TRUE(outcome.set_down);
+  EXPECT_LT(outcome.place_error_m, 0.002);
+  EXPECT_LT(outcome.place_turn_rad, 0.02);
+  // Above the rim of 15 cm, the tips as much as the part's diameter.
+  const double lift_m = 0.15 + objects_[0]->diameter_m - 0.015;
+  EXPECT_NEAR(outcome.lift_height_m, lift_m, 0.001);
+  EXPECT_NEAR(outcome.retreat_opening, kWidth_m / gripper_.hand.stroke_m, 0.02);
+}
+
+// The wrist of a hand that points down feels the weight along its z, and about its origin the
+// weight's torque: 9.81 * 0.2 N, 7 mm beside the hand's plane.
+TEST_F(Execute, ContactWrenchIsTheWeightInTheHand) {
+  const GraspOutcome outcome = Run(BoxesOnFloor({{0, 0}}, kHeight_m), GraspAt(0, 0.007)).outcome;
+  ASSERT_TRUE(outcome.success);
+  const double weight_n = 0.2 * 9.81;
+  EXPECT_NEAR(outcome.contact_force_n.z(), weight_n, 0.01 * weight_n);
+  EXPECT_LT(outcome.contact_force_n.head<2>().norm(), 0.01 * weight_n);
+  EXPECT_NEAR(outcome.contact_torque_nm.head<2>().norm(), 0.007 * weight_n,
+              0.05 * 0.007 * weight_n);
+}
+
+TEST_F(Execute, AFingerThatMeetsTheFloorIsACollision) {
+  Grasp grasp = GraspAt(0.1, 0);
+  grasp.X_WG.translation().z() = -0.01;
+  const GraspOutcome outcome = Run(BoxesOnFloor({{0, 0}}, kHeight_m), grasp).outcome;
+  EXPECT_EQ(LossName(outcome.loss), LossName(Loss::kCollision));
+  EXPECT_EQ(Passed(outcome), "");
+}
+
+TEST_F(Execute, APalmThatMeetsThePartIsACollision) {
+  Grasp grasp = GraspAt(0, 0);
+  gripper_.hand.finger_size_m.z() = 0.03;  // shorter than what stands between them
+  const GraspOutcome outcome = Run(BoxesOnFloor({{0, 0}}, kHeight_m), grasp).outcome;
+  EXPECT_EQ(LossName(outcome.loss), LossName(Loss::kCollision));
+}
+
+// A part believed 2 cm beside where it lies is set down as far from where it was to lie.
+TEST_F(Execute, PlacingIsJudgedAgainstWhatWasBelieved) {
+  const Scene scene = BoxesOnFloor({{0, 0}}, kHeight_m);
+  const Pose believed = Translation({0, 0.02, 0}) * scene.objects[0].X_WO;
+  const GraspOutcome outcome = Run(scene, GraspAt(0, 0), {10, -1, believed}).outcome;
+  EXPECT_TRUE(outcome.success);
+  EXPECT_NEAR(outcome.place_error_m, 0.02, 0.002);
+  EXPECT_EQ(Passed(outcome), "contact lifted held right_part single_part vgn_loose ");
+}
+
+TEST_F(Execute, TheRuleThatIsChosenDecides) {
+  const Scene scene = BoxesOnFloor({{-0.1, 0}, {0.1, 0}}, kHeight_m);
+  options_.rule = SuccessRule::kSinglePart;
+  const GraspOutcome other = Run(scene, GraspAt(0.1, 0), 10).outcome;
+  EXPECT_TRUE(other.success);
+  EXPECT_EQ(LossName(other.loss), LossName(Loss::kNone));
+  EXPECT_FALSE(other.is_target);
+  options_.rule = SuccessRule::kPlaced;
+  const Pose believed = Translation({0, 0.02, 0}) * scene.objects[0].X_WO;
+  const GraspOutcome misplaced = Run(scene, GraspAt(-0.1, 0), {10, -1, believed}).outcome;
+  EXPECT_FALSE(misplaced.success);
+  EXPECT_NE(LossName(misplaced.loss), LossName(Loss::kNone));
+}
+
+TEST_F(Execute, WithoutAnInstanceTheKindDecides) {
+  const Scene scene = BoxesOnFloor({{0, 0}}, kHeight_m);
+  EXPECT_TRUE(Run(scene, GraspAt(0, 0), {-1, 0}).outcome.success);
+  const GraspOutcome other = Run(scene, GraspAt(0, 0), {-1, 1}).outcome;
+  EXPECT_FALSE(other.success);
+  EXPECT_EQ(LossName(other.loss), LossName(Loss::kWrongPart));
+}
+
+TEST_F(Execute, WithoutCarryItEndsWithTheShake) {
+  options_.carry = false;
+  const GraspOutcome outcome = Run(BoxesOnFloor({{0, 0}}, kHeight_m), GraspAt(0, 0)).outcome;
+  EXPECT_FALSE(outcome.set_down);
+  EXPECT_EQ(Passed(outcome), "contact lifted held right_part single_part vgn_loose ");
 }
 
 TEST_F(Execute, BesideTheBoxItClosesOnNothing) {

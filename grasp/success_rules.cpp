@@ -1,0 +1,68 @@
+#include "grasp/success_rules.h"
+
+#include "grasp/grasp.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+bool Contact(const GraspOutcome& o, const RuleOptions&) { return o.parts_touched > 0; }
+
+bool Lifted(const GraspOutcome& o, const RuleOptions&) { return o.parts_risen > 0; }
+
+bool Held(const GraspOutcome& o, const RuleOptions&) { return o.parts_lifted > 0; }
+
+bool RightPart(const GraspOutcome& o, const RuleOptions&) {
+  return o.parts_lifted == 1 && o.is_target;
+}
+
+bool SinglePart(const GraspOutcome& o, const RuleOptions&) { return o.parts_lifted == 1; }
+
+bool Placed(const GraspOutcome& o, const RuleOptions& options) {
+  return RightPart(o, options) && o.set_down && o.place_error_m <= options.place_tolerance_m &&
+         o.place_turn_rad <= options.place_tolerance_rad;
+}
+
+bool VgnLoose(const GraspOutcome& o, const RuleOptions& options) {
+  return o.retreat_contact && o.retreat_opening > options.loose_opening;
+}
+
+}  // namespace
+
+std::span<const SuccessRuleRow> SuccessRuleTable() {
+  static constexpr std::array<SuccessRuleRow, kSuccessRules> kTable{{
+      {SuccessRule::kContact, "contact", "the closed hand touched a part", Contact, false},
+      {SuccessRule::kLifted, "lifted", "a part hung in the hand at the end of the lift", Lifted,
+       false},
+      {SuccessRule::kHeld, "held", "a part stayed in the hand: hold, shake, carried out", Held,
+       true},
+      {SuccessRule::kRightPart, "right_part", "held, the part that was meant and no other",
+       RightPart, true},
+      {SuccessRule::kSinglePart, "single_part", "held, exactly one part, whichever", SinglePart,
+       true},
+      {SuccessRule::kPlaced, "placed", "the right part lies where it was to be set down", Placed,
+       true},
+      {SuccessRule::kVgnLoose, "vgn_loose",
+       "any contact and fingers over 10 % open after 10 cm of retreat (VGN)", VgnLoose, false},
+  }};
+  return kTable;
+}
+
+SuccessRule SuccessRuleNamed(const std::string& name) {
+  std::vector<std::string> names;
+  for (const SuccessRuleRow& row : SuccessRuleTable()) {
+    if (name == row.name) return row.rule;
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("success rule", name, names));
+}
+
+SuccessVerdicts JudgeByAllRules(const GraspOutcome& outcome, const RuleOptions& options) {
+  SuccessVerdicts verdicts{};
+  for (const SuccessRuleRow& row : SuccessRuleTable()) {
+    verdicts[static_cast<int>(row.rule)] = row.judge(outcome, options);
+  }
+  return verdicts;
+}
+
+}  // namespace pickbed

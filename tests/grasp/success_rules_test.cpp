@@ -1,0 +1,107 @@
+#include "grasp/success_rules.h"
+
+#include <gtest/gtest.h>
+
+#include "grasp/grasp.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+// A grasp that passes every rule.
+GraspOutcome Perfect() {
+  GraspOutcome outcome;
+  outcome.parts_touched = outcome.parts_risen = outcome.parts_lifted = 1;
+  outcome.is_target = true;
+  outcome.retreat_contact = true;
+  outcome.retreat_opening = 0.5;
+  outcome.set_down = true;
+  return outcome;
+}
+
+// Names of the rules that are passed.
+std::string Passed(const GraspOutcome& outcome, const RuleOptions& options = {}) {
+  const SuccessVerdicts verdicts = JudgeByAllRules(outcome, options);
+  std::string names;
+  for (const SuccessRuleRow& row : SuccessRuleTable()) {
+    if (verdicts[static_cast<int>(row.rule)]) names += std::string(row.name) + " ";
+  }
+  return names;
+}
+
+TEST(SuccessRules, TableIsInTheEnumsOrderAndEachHelpSaysWhat) {
+  ASSERT_EQ(SuccessRuleTable().size(), static_cast<size_t>(kSuccessRules));
+  for (int i = 0; i < kSuccessRules; ++i) {
+    const SuccessRuleRow& row = SuccessRuleTable()[i];
+    EXPECT_EQ(static_cast<int>(row.rule), i);
+    EXPECT_EQ(SuccessRuleNamed(row.name), row.rule);
+    EXPECT_GT(std::string(row.help).size(), 10u);
+  }
+}
+
+TEST(SuccessRules, AnUnknownOneIsNamedInOneLineWithTheKnown) {
+  try {
+    SuccessRuleNamed("right-part");
+    FAIL() << "no InputError";
+  } catch (const InputError& error) {
+    const std::string line = error.what();
+    EXPECT_NE(line.find("unknown success rule 'right-part'"), std::string::npos) << line;
+    EXPECT_NE(line.find("right_part"), std::string::npos) << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+  }
+}
+
+TEST(SuccessRules, APerfectGraspPassesAllAndNothingPassesNone) {
+  EXPECT_EQ(Passed(Perfect()), "contact lifted held right_part single_part placed vgn_loose ");
+  EXPECT_EQ(Passed(GraspOutcome()), "");
+}
+
+struct RuleCase {
+  const char* what;
+  void (*spoil)(GraspOutcome&);
+  const char* passed;
+};
+class SpoiledGrasp : public testing::TestWithParam<RuleCase> {};
+
+TEST_P(SpoiledGrasp, PassesTheRulesThatDoNotAskForIt) {
+  GraspOutcome outcome = Perfect();
+  GetParam().spoil(outcome);
+  EXPECT_EQ(Passed(outcome), GetParam().passed) << GetParam().what;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Facts, SpoiledGrasp,
+    testing::Values(RuleCase{"two parts came", [](GraspOutcome& o) { o.parts_lifted = 2; },
+                             "contact lifted held vgn_loose "},
+                    RuleCase{"another part came", [](GraspOutcome& o) { o.is_target = false; },
+                             "contact lifted held single_part vgn_loose "},
+                    RuleCase{"lost while it was held", [](GraspOutcome& o) { o.parts_lifted = 0; },
+                             "contact lifted vgn_loose "},
+                    RuleCase{"slipped on the way up",
+                             [](GraspOutcome& o) {
+                               o.parts_risen = o.parts_lifted = 0;
+                               o.retreat_contact = false;
+                             },
+                             "contact "},
+                    RuleCase{"fingers nearly met",
+                             [](GraspOutcome& o) { o.retreat_opening = 0.09; },
+                             "contact lifted held right_part single_part placed "},
+                    RuleCase{"set down 11 mm off", [](GraspOutcome& o) { o.place_error_m = 0.011; },
+                             "contact lifted held right_part single_part vgn_loose "},
+                    RuleCase{"set down turned by 11 degrees",
+                             [](GraspOutcome& o) { o.place_turn_rad = 0.19; },
+                             "contact lifted held right_part single_part vgn_loose "},
+                    RuleCase{"not set down", [](GraspOutcome& o) { o.set_down = false; },
+                             "contact lifted held right_part single_part vgn_loose "}));
+
+TEST(SuccessRules, TolerancesAreOptions) {
+  GraspOutcome outcome = Perfect();
+  outcome.place_error_m = 0.011;
+  RuleOptions options;
+  options.place_tolerance_m = 0.012;
+  options.loose_opening = 0.6;
+  EXPECT_EQ(Passed(outcome, options), "contact lifted held right_part single_part placed ");
+}
+
+}  // namespace
+}  // namespace pickbed

@@ -1,0 +1,78 @@
+// The load that a hand feels against the weight that hangs in it.
+
+#include <gtest/gtest.h>
+
+#include "sim/hand_joints.h"
+#include "sim/physics_world.h"
+#include "tests/sim/physics_parts.h"
+
+namespace pickbed {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kGravity_mps2 = 9.81;
+constexpr double kMass_kg = 0.2;
+
+Pose HandOver(double y_m, double z_m) {
+  return MakePose(Vector3d(1, -1, -1).asDiagonal(), {0, y_m, z_m});
+}
+
+// A 5 cm box on a table, gripped `off_center_m` beside its middle and lifted by 10 cm.
+struct LiftedBox {
+  std::shared_ptr<const ObjectModel> box = BoxPart({0.05, 0.05, 0.05}, kMass_kg, 0.6);
+  PhysicsWorld world;
+  Hand* hand = nullptr;
+
+  explicit LiftedBox(double off_center_m) {
+    world.AddStaticBox(Translation({0, 0, -0.05}), {0.5, 0.5, 0.05}, 0.5);
+    world.AddPart(*box, Translation({0, 0, 0.0255}));
+    hand = &world.AddHand(HandSpec{}, HandOver(off_center_m, 0.02));
+    hand->Close();
+    for (int i = 0; i < 720; ++i) {
+      const double lift_m = 0.1 * std::clamp((i - 140) / 240.0, 0.0, 1.0);
+      hand->MoveTo(HandOver(off_center_m, 0.02 + lift_m));
+      world.Step();
+    }
+  }
+};
+
+TEST(HandLoad, IsTheWeightThatHangsInTheHand) {
+  const LiftedBox held(0);
+  const HandLoad load = held.hand->Load();
+  const double weight_n = kMass_kg * kGravity_mps2;
+  // z of G points down.
+  EXPECT_NEAR(load.force_n.z(), weight_n, 0.01 * weight_n);
+  EXPECT_LT(load.force_n.head<2>().norm(), 0.01 * weight_n);
+  EXPECT_NEAR(load.hardest_n, HandSpec{}.force_n, 0.2);
+}
+
+TEST(HandLoad, TorqueIsTheWeightTimesItsArm) {
+  const double off_center_m = 0.01;
+  const LiftedBox held(off_center_m);
+  const HandLoad load = held.hand->Load();
+  const Vector3d com_G = held.hand->X_WG().inverse() * held.world.X_WO(0).translation();
+  const Vector3d expected = com_G.cross(Vector3d(0, 0, kMass_kg * kGravity_mps2));
+  ASSERT_GT(expected.norm(), 0.015);  // 1 cm times 2 N
+  EXPECT_LT((load.torque_nm - expected).norm(), 0.03 * expected.norm());
+}
+
+TEST(HandLoad, AWallPressesOnAFingerButIsNoLoad) {
+  PhysicsWorld world;
+  world.AddStaticBox(Translation({0.05, 0, 0.3}), {0.01, 0.2, 0.2}, 0.5);
+  Hand& hand = world.AddHand(HandSpec{}, HandOver(0, 0.3));
+  hand.HoldOpening(0.02);
+  for (int i = 0; i < 480; ++i) {
+    if (i == 240) {
+      EXPECT_EQ(hand.Load().hardest_n, 0);
+      hand.HoldOpening(0.08);  // would reach to x = 0.05; the wall starts at 0.04
+    }
+    hand.MoveTo(HandOver(0, 0.3));
+    world.Step();
+  }
+  EXPECT_GT(hand.Load().hardest_n, 1);
+  EXPECT_EQ(hand.Load().force_n.norm(), 0);
+}
+
+}  // namespace
+}  // namespace pickbed
