@@ -1,0 +1,55 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "grasp/execute.h"
+#include "tests/grasp/grasp_scenes.h"
+
+namespace pickbed {
+namespace {
+
+// Every number of an outcome.
+std::vector<double> Label(const GraspOutcome& o) {
+  return {static_cast<double>(o.success),
+          static_cast<double>(o.loss),
+          static_cast<double>(o.picked_instance),
+          static_cast<double>(o.parts_lifted),
+          o.final_opening_m,
+          o.slip_m,
+          o.turn_rad,
+          static_cast<double>(o.disturbed)};
+}
+
+std::vector<std::vector<double>> LabelsOfSampledGrasps(const GripperSpec& gripper, int count) {
+  constexpr double kHeight_m = 0.04;
+  const ObjectSet boxes{BoxPart({0.04, 0.05, kHeight_m}, 0.2)};
+  const Scene scene = BoxesOnFloor({{0, 0}, {0.06, 0.01}, {-0.04, 0.06}}, kHeight_m);
+  Rng rng(11);
+  std::vector<std::vector<double>> labels;
+  for (int i = 0; i < count; ++i) {
+    Grasp grasp;
+    const double x = rng.Uniform(-0.02, 0.02), y = rng.Uniform(-0.02, 0.02);
+    const double z =
+        gripper.mechanism == "suction_cup" ? rng.Uniform(0.036, 0.041) : rng.Uniform(0.005, 0.03);
+    grasp.X_WG = FromAbove({x, y, z}, rng.Uniform(0, std::numbers::pi));
+    grasp.width_m = 0.05;
+    labels.push_back(Label(ExecuteGrasp(scene, boxes, grasp, gripper, 10).outcome));
+  }
+  return labels;
+}
+
+TEST(GraspLabels, RepeatExactlyOnASecondRun) {
+  for (const auto& [gripper, count] :
+       {std::pair(SmallJaw(), 400), std::pair(LoadGripper("cup_30mm"), 100)}) {
+    const auto first = LabelsOfSampledGrasps(gripper, count);
+    EXPECT_EQ(first, LabelsOfSampledGrasps(gripper, count)) << gripper.name;
+    const auto held = std::count_if(first.begin(), first.end(),
+                                    [](const std::vector<double>& label) { return label[0] > 0; });
+    EXPECT_GT(held, count / 20) << gripper.name;
+    EXPECT_LT(held, count - count / 20) << gripper.name;
+  }
+}
+
+}  // namespace
+}  // namespace pickbed
