@@ -24,7 +24,7 @@ constexpr std::array<OracleRow, 6> kRows{{
     {"refinement", "a right pose in hand is kept and made exact", {.refinement = true}},
     {"grasp", "grasps are tried in the true scene first", {.grasp = true}},
     {"perception", "all parts are known as they stand", kPerception},
-    {"everything", "that, and grasps are tried in the true scene first", kAll},
+    {"everything", "all parts are known, and grasps are tried in the true scene first", kAll},
 }};
 
 class Feed {
