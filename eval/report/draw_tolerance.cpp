@@ -207,8 +207,8 @@ Image<Rgb8> DrawPair(const PairMap& map) {
   const ErrorAxis& a = ErrorAxisTable()[map.axis[0]];
   const ErrorAxis& b = ErrorAxisTable()[map.axis[1]];
   const int columns = int(map.offsets_a.size()), rows = int(map.offsets_b.size());
-  const int left = 84, top = 16, width = left + columns * kCell_px + 20;
-  Canvas canvas(std::max(width, 420), top + rows * kCell_px + 52, kWhite);
+  const int left = 112, top = 16, width = left + columns * kCell_px + 20;
+  Canvas canvas(std::max(width, 420), top + rows * kCell_px + 74, kWhite);
   for (int row = 0; row < rows; ++row) {
     const int y = top + (rows - 1 - row) * kCell_px;
     for (int column = 0; column < columns; ++column) {
@@ -229,7 +229,9 @@ Image<Rgb8> DrawPair(const PairMap& map) {
   }
   canvas.Text(fmt::format("{}, {}", b.name, b.unit), 4, top + rows * kCell_px / 2 - 4, kInk, 0.4);
   const std::string label = fmt::format("{}: error {}, {}", a.name, a.help, a.unit);
-  canvas.Text(label, left, top + rows * kCell_px + 42, kInk, 0.42);
+  canvas.Text(label, 10, top + rows * kCell_px + 42, kInk, 0.42);
+  canvas.Text(fmt::format("{}: error {}, {}", b.name, b.help, b.unit), 10,
+              top + rows * kCell_px + 62, kInk, 0.42);
   return canvas.Take();
 }
 
@@ -264,7 +266,7 @@ Image<Rgb8> DrawPairSheet(const ToleranceFigures& figures) {
     const ErrorAxis& a = ErrorAxisTable()[map.axis[0]];
     const ErrorAxis& b = ErrorAxisTable()[map.axis[1]];
     tiles.push_back(DrawPair(map));
-    captions.push_back(fmt::format("{} and {} ({}): percent of picks", a.name, b.name, b.help));
+    captions.push_back(fmt::format("{} and {}: percent of picks that succeed", a.name, b.name));
   }
   return ContactSheet(tiles, captions, std::min<int>(kMaxPairColumns, int(tiles.size())));
 }
