@@ -23,7 +23,7 @@ struct GraspsArguments {
 
 // What other grippers that come with the program can do with a part.
 std::string Offers(const ObjectModel& model, const std::string& without,
-                   const CandidateOptions& options) {
+                   const GraspCandidateOptions& options) {
   std::string offers;
   for (const std::string& name : GripperNames()) {
     if (name == without) continue;
@@ -38,7 +38,7 @@ void WriteGrasps(const GraspsArguments& arguments) {
   const auto model = OpenCatalog(arguments.catalog).Load(arguments.object);
   const GripperSpec gripper = LoadGripper(arguments.gripper);
   RequireCanCarry(gripper, *model);
-  CandidateOptions options;
+  GraspCandidateOptions options;
   options.antipodal.candidates = options.suction.candidates = arguments.count;
   for (const std::string& setting : arguments.settings) {
     ApplySetting(setting, [&](SettingsVisitor& v) { options.Visit(v); });
@@ -84,7 +84,7 @@ int GraspsCommand(int argc, char** argv) {
   app.add_option("--set", a.settings, "KEY=VALUE, such as robust.position_m=0.003; repeatable");
   app.add_option("--catalog", a.catalog, "folder of your own objects")->capture_default_str();
   app.add_option("--out", a.out, "folder (default: results/grasps_OBJECT_GRIPPER)");
-  CandidateOptions defaults;
+  GraspCandidateOptions defaults;
   app.footer(
       fmt::format("Settings and their defaults:\n{}Columns of grasps.csv: see README.md.\n"
                   "Example: pickbed grasps bracket jaw_8cm --count 200",

@@ -112,7 +112,7 @@ struct Topic {
   const char* title;
   void (*print)(const std::string& catalog_folder);
 };
-constexpr std::array<Topic, 11> kTopics{{
+constexpr std::array<Topic, 12> kTopics{{
     {"presets", "Scenarios that come with the program", ListPresets},
     {"objects", "Parts", ListObjects},
     {"estimators", "Pose estimators", ListEstimators},

@@ -9,7 +9,7 @@
 #include "eval/progress.h"
 #include "eval/run_picks.h"
 #include "eval/tolerance_report.h"
-#include "grasp/antipodal.h"
+#include "grasp/candidates.h"
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
 #include "sim/convex_pieces.h"

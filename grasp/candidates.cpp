@@ -23,7 +23,7 @@ constexpr const char* kVersion = "pickbed grasps 3\n";
 constexpr size_t kNumbersEach = 17;  // rows of [R|p], width, depth, quality, epsilon, robust
 using PoseRows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
-uint64_t Key(const ObjectModel& model, GripperSpec gripper, CandidateOptions options) {
+uint64_t Key(const ObjectModel& model, GripperSpec gripper, GraspCandidateOptions options) {
   std::string text = kVersion;
   text += fmt::format("{:016x} {} {} {} {} {} {}\n", model.mesh_hash, model.friction,
                       model.diameter_m, model.mass.mass_kg, model.mass.com_O.x(),
@@ -68,7 +68,7 @@ std::optional<std::vector<GraspCandidate>> FromBytes(const std::string& bytes) {
 }
 
 std::vector<GraspCandidate> JawCandidates(const ObjectModel& model, const GripperSpec& gripper,
-                                          Rng& rng, const CandidateOptions& options) {
+                                          Rng& rng, const GraspCandidateOptions& options) {
   const AntipodalOptions& pairs = options.antipodal;
   auto candidates = AntipodalGrasps(model, gripper, rng, pairs);
   if (candidates.empty()) return candidates;
@@ -79,13 +79,13 @@ std::vector<GraspCandidate> JawCandidates(const ObjectModel& model, const Grippe
 }
 
 std::vector<GraspCandidate> CupCandidates(const ObjectModel& model, const GripperSpec& gripper,
-                                          Rng& rng, const CandidateOptions& options) {
+                                          Rng& rng, const GraspCandidateOptions& options) {
   return SuctionGrasps(model, gripper, rng, options.suction, options.robust);
 }
 
 }  // namespace
 
-void CandidateOptions::Visit(SettingsVisitor& v) {
+void GraspCandidateOptions::Visit(SettingsVisitor& v) {
   v.Group(
       "antipodal", [this](SettingsVisitor& g) { antipodal.Visit(g); }, "pairs for jaws");
   v.Group(
@@ -111,12 +111,12 @@ const CandidateMaker& CandidateMakerOf(const GripperSpec& gripper) {
 }
 
 std::vector<GraspCandidate> MakeCandidates(const ObjectModel& model, const GripperSpec& gripper,
-                                           Rng& rng, const CandidateOptions& options) {
+                                           Rng& rng, const GraspCandidateOptions& options) {
   return CandidateMakerOf(gripper).make(model, gripper, rng, options);
 }
 
 std::vector<GraspCandidate> CachedCandidates(const ObjectModel& model, const GripperSpec& gripper,
-                                             const CandidateOptions& options) {
+                                             const GraspCandidateOptions& options) {
   const uint64_t key = Key(model, gripper, options);
   const std::filesystem::path file = CacheDir() / "grasps" / fmt::format("{:016x}", key);
   if (std::ifstream in(file, std::ios::binary); in) {

@@ -11,7 +11,7 @@
 
 namespace pickbed {
 
-struct CandidateOptions {
+struct GraspCandidateOptions {
   AntipodalOptions antipodal = {};  // jaws
   SuctionOptions suction = {};      // cups
   RobustOptions robust = {};
@@ -23,7 +23,7 @@ struct CandidateMaker {
   const char* mechanism;
   const char* needs;  // what a part must have to be held so, in words
   std::vector<GraspCandidate> (*make)(const ObjectModel& model, const GripperSpec& gripper,
-                                      Rng& rng, const CandidateOptions& options);
+                                      Rng& rng, const GraspCandidateOptions& options);
 };
 std::span<const CandidateMaker> CandidateMakerTable();
 
@@ -32,11 +32,11 @@ const CandidateMaker& CandidateMakerOf(const GripperSpec& gripper);
 
 // Empty when the gripper cannot hold the part: a result, not an error.
 std::vector<GraspCandidate> MakeCandidates(const ObjectModel& model, const GripperSpec& gripper,
-                                           Rng& rng, const CandidateOptions& options = {});
+                                           Rng& rng, const GraspCandidateOptions& options = {});
 
 // The same from the cache, keyed by what the part is (mesh, mass, friction), the gripper and the
 // options; made and stored when missing. Same inputs, same candidates, with or without a cache.
 std::vector<GraspCandidate> CachedCandidates(const ObjectModel& model, const GripperSpec& gripper,
-                                             const CandidateOptions& options = {});
+                                             const GraspCandidateOptions& options = {});
 
 }  // namespace pickbed

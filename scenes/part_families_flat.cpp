@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 constexpr double kDegree = M_PI / 180;
 constexpr double kCrease_deg = 35;  // between the facets of a circle and the edges of a prism
 
-constexpr Material kAluminium{2700, 0.5, {182, 186, 192}};
-constexpr Material kSteel{7800, 0.45, {120, 124, 130}};
+constexpr PartMaterial kAluminium{2700, 0.5, {182, 186, 192}};
+constexpr PartMaterial kSteel{7800, 0.45, {120, 124, 130}};
 
 Loop InPlaneX(double x, const Outline& yz) {
   Loop loop;

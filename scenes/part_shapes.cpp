@@ -146,7 +146,7 @@ std::vector<Pose> DihedralZ(int order) {
 }
 
 MadePart FinishPart(const TriangleMesh& mesh_mm, const std::vector<ConvexPiece>& pieces_mm,
-                    const SymmetrySet& symmetries_mm, const Material& material) {
+                    const SymmetrySet& symmetries_mm, const PartMaterial& material) {
   constexpr double kMeters = 1e-3;
   constexpr double kGrid_m = 1e-9;  // rounds away what differs between compilers
   const Vector3d center = MeshBounds(mesh_mm).center();

@@ -98,7 +98,7 @@ std::vector<Pose> CyclicZ(int order);
 // CyclicZ and `order` half turns about axes in the xy plane, the first along x.
 std::vector<Pose> DihedralZ(int order);
 
-struct Material {
+struct PartMaterial {
   double density_kgpm3;
   double friction;
   Rgb8 color;
@@ -107,6 +107,6 @@ struct Material {
 // Puts the origin into the middle of the bounding box and turns millimetres into metres.
 // `symmetries` are about the drawing's origin, in millimetres.
 MadePart FinishPart(const TriangleMesh& mesh_mm, const std::vector<ConvexPiece>& pieces_mm,
-                    const SymmetrySet& symmetries_mm, const Material& material);
+                    const SymmetrySet& symmetries_mm, const PartMaterial& material);
 
 }  // namespace pickbed

@@ -56,7 +56,7 @@ BENCHMARK_CAPTURE(PlanBin, many, 2000)->Name("grasp/plan/20x2000")->Unit(benchma
 void Candidates(benchmark::State& state, const char* gripper_name) {
   const auto bracket = ObjectCatalog({AssetsDir() / "objects"}).Load("bracket");
   const GripperSpec gripper = LoadGripper(gripper_name);
-  CandidateOptions options;
+  GraspCandidateOptions options;
   options.antipodal.candidates = options.suction.candidates = 500;
   for (auto _ : state) {
     Rng rng(1);

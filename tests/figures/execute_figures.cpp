@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "grasp/candidates.h"
 #include "grasp/execute.h"
 #include "grasp/plan.h"
 #include "scenes/object_catalog.h"

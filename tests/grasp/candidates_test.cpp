@@ -12,7 +12,7 @@
 namespace pickbed {
 namespace {
 
-const CandidateOptions kQuick{.antipodal = {.candidates = 40, .max_pairs = 60},
+const GraspCandidateOptions kQuick{.antipodal = {.candidates = 40, .max_pairs = 60},
                               .robust = {.samples = 4}};
 
 TEST(Candidates, EveryMechanismHasAMaker) {
@@ -37,7 +37,7 @@ TEST(Candidates, OfEachMechanismAreJudged) {
   cup.mechanism = "suction_cup";
   for (const GripperSpec& gripper : {SmallJaw(), cup}) {
     Rng rng(1);
-    CandidateOptions options = kQuick;
+    GraspCandidateOptions options = kQuick;
     options.suction.max_samples = 200;
     const auto grasps = MakeCandidates(*BoxPart({0.08, 0.05, 0.05}, 0.2), gripper, rng, options);
     ASSERT_GT(grasps.size(), 10u) << gripper.mechanism;
