@@ -8,6 +8,7 @@
 #include "eval/metrics.h"
 #include "eval/oracle.h"
 #include "grasp/gripper.h"
+#include "grasp/plan.h"
 #include "grasp/success_rules.h"
 #include "scenes/camera.h"
 #include "scenes/check.h"
@@ -80,6 +81,10 @@ void ListPolicies(const std::string&) {
   for (const PolicyRow& row : PolicyTable()) Row(row.name, row.help);
 }
 
+void ListRankings(const std::string&) {
+  for (const RankingRow& row : RankingTable()) Row(row.name, row.help);
+}
+
 void ListLosses(const std::string&) {
   for (const LossRow& row : LossTable()) {
     Row(std::string(row.name), fmt::format("{:<9} {}", StageName(row.stage), row.help));
@@ -112,7 +117,7 @@ struct Topic {
   const char* title;
   void (*print)(const std::string& catalog_folder);
 };
-constexpr std::array<Topic, 12> kTopics{{
+constexpr std::array<Topic, 13> kTopics{{
     {"presets", "Scenarios that come with the program", ListPresets},
     {"objects", "Parts", ListObjects},
     {"estimators", "Pose estimators", ListEstimators},
@@ -122,6 +127,7 @@ constexpr std::array<Topic, 12> kTopics{{
     {"sensors", "Depth sensors", ListSensors},
     {"metrics", "Pose errors", ListMetrics},
     {"policies", "When the picking of a bin ends", ListPolicies},
+    {"rankings", "By what planned grasps are ranked", ListRankings},
     {"losses", "What becomes of a pick: reason, stage", ListLosses},
     {"rules", "What counts as a successful grasp", ListRules},
     {"settings", "Keys of a scenario file with their defaults", ListSettings},

@@ -117,6 +117,7 @@ ToleranceStudy MakeStudy(const Arguments& arguments) {
   const ToleranceOptions options = OptionsOf(arguments);
   const GripperSpec gripper = LoadGripper(arguments.gripper);
   const auto loaded = OpenCatalog(arguments.catalog).Load(arguments.object);
+  RequireCanCarry(gripper, *loaded);
   const auto part = WithConvexPieces(loaded);
   fmt::print(stderr, "grasps and resting poses of {}\n", part->name);
   return PlanStudy(part, gripper, RequireCandidates(*part, gripper), options);

@@ -1,7 +1,6 @@
 #include "eval/roc.h"
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -72,10 +71,6 @@ double VarianceOfMean(const std::vector<double>& a, const std::vector<double>& b
   return sum / double(d.size() - 1) / double(d.size());
 }
 
-double TwoSidedZ(double confidence) {
-  return boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * confidence);
-}
-
 double Logistic(double x) { return 1 / (1 + std::exp(-x)); }
 
 // AUC of the clusters drawn, together; nothing without both outcomes.
@@ -122,6 +117,10 @@ AucResult Auc(std::span<const ScoredOutcome> outcomes, double confidence) {
   const double variance =
       VarianceOfMean(placements.of_successes) + VarianceOfMean(placements.of_failures);
   const int pairs = std::min(result.successes, result.failures);
+  if (pairs < 2) {  // one outcome of a kind tells nothing of its spread
+    result.interval = {0, 1};
+    return result;
+  }
   if (result.auc <= 0 || result.auc >= 1) {
     result.interval = WilsonInterval(result.auc > 0.5 ? pairs : 0, pairs, confidence);
     return result;
@@ -140,6 +139,7 @@ AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const Score
   if (!same) throw std::logic_error("AUCs of different outcomes cannot be compared");
   const AucResult all_a = Auc(a, confidence), all_b = Auc(b, confidence);
   if (all_a.successes == 0 || all_a.failures == 0) return {};
+  if (std::min(all_a.successes, all_a.failures) < 2) return {all_a.auc - all_b.auc, {-1, 1}};
   const auto extreme = [](double auc) { return auc <= 0 || auc >= 1; };
   if (extreme(all_a.auc) && extreme(all_b.auc)) {
     return {all_a.auc - all_b.auc,
@@ -150,7 +150,7 @@ AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const Score
                           VarianceOfMean(of_a.of_failures, of_b.of_failures);
   const double difference = Mean(of_a.of_successes) - Mean(of_b.of_successes);
   const double half = TwoSidedZ(confidence) * std::sqrt(variance);
-  return {difference, {difference - half, difference + half}};
+  return {difference, {std::max(-1.0, difference - half), std::min(1.0, difference + half)}};
 }
 
 Interval ClusterBootstrapAuc(const OutcomeClusters& clusters, double confidence, int resamples,

@@ -12,6 +12,8 @@
 #include "eval/oracle.h"
 #include "eval/results_store.h"
 #include "grasp/gripper.h"
+#include "grasp/plan.h"
+#include "grasp/success_rules.h"
 #include "perception/pose_estimator.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
@@ -130,6 +132,8 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
   for (PartSpec& part : same_for_all.objects) part.mesh.clear();
   std::string text = SettingsText(same_for_all);
   BlameKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
+  BlameKey(spec, "policy.ranking", [&] { RankingNamed(spec.policy.ranking); });
+  BlameKey(spec, "policy.success", [&] { DecidingRule(spec.policy.success); });
   // Files that the settings only name.
   GripperSpec gripper = BlameKey(spec, "gripper", [&] { return LoadGripper(spec.gripper); });
   BlameKey(spec, "gripper", [&] {

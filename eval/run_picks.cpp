@@ -5,6 +5,7 @@
 #include "eval/command_line.h"
 #include "eval/results_store.h"
 #include "eval/run.h"
+#include "grasp/success_rules.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -25,11 +26,12 @@ std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const st
   const ResultsStore store(folder, RunIdentity(scenario.spec, scenario.objects));
   for (const TrialResult& trial : store.ReadAll()) {
     for (const PickRecord& pick : trial.picks) {
-      if (!pick.grasp || pick.chosen < 0) continue;
+      if (!pick.grasp || pick.aimed < 0) continue;
       const HypothesisScore& chosen = pick.hypotheses[pick.chosen];
       if (chosen.instance < 0 || scenario.objects[chosen.object]->name != object) continue;
-      picks.push_back({chosen.X_OtrueObelieved, pick.outcome.success, trial.trial,
-                       chosen.X_WO.inverse() * pick.grasp->X_WG});
+      picks.push_back({chosen.X_OtrueObelieved,
+                       pick.outcome.verdicts[static_cast<int>(SuccessRule::kRightPart)],
+                       trial.trial, chosen.X_WO.inverse() * pick.grasp->X_WG});
     }
   }
   CheckInput(!picks.empty(),

@@ -34,9 +34,13 @@ Interval Percentiles(std::vector<double> values, double confidence) {
 
 }  // namespace
 
+double TwoSidedZ(double confidence) {
+  return boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * confidence);
+}
+
 Interval WilsonInterval(int successes, int attempts, double confidence) {
   if (attempts <= 0) return {0, 1};
-  const double z = boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * confidence);
+  const double z = TwoSidedZ(confidence);
   const double n = attempts;
   const double p = successes / n;
   const double center = (p + z * z / (2 * n)) / (1 + z * z / n);

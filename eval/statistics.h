@@ -15,6 +15,9 @@ struct Interval {
 // Wilson score interval (Wilson 1927) of successes / attempts; [0, 1] for no attempts.
 Interval WilsonInterval(int successes, int attempts, double confidence = 0.95);
 
+// Standard normal deviations on each side that hold `confidence` of it.
+double TwoSidedZ(double confidence);
+
 // What one independent unit (a scene) adds to a rate: `hits` of `tries`.
 struct Cluster {
   int hits = 0;

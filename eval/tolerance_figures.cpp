@@ -83,7 +83,8 @@ class Reader {
     ToleranceModel model = study_.model;
     std::vector<ToleranceSample> samples;
     for (size_t i = 0; i < study_.tries.size(); ++i) {
-      if (study_.tries[i].kind == TryKind::kTest) continue;
+      const TryKind kind = study_.tries[i].kind;
+      if (kind == TryKind::kTest || kind == TryKind::kPair) continue;  // drawn on request alone
       samples.push_back(
           {ErrorInG(study_, study_.tries[i]), outcomes_[i].success, study_.tries[i].grasp});
     }
@@ -162,7 +163,7 @@ OutcomeClusters InClusters(const ScoreColumn& column, const std::vector<JudgedPi
 ToleranceRegion RegionOf(const std::vector<LevelShare>& levels, double least) {
   ToleranceRegion region;
   const int middle = static_cast<int>(levels.size()) / 2;
-  if (levels[middle].tries == 0 || levels[middle].share() < least) return region;
+  if (levels[middle].successes == 0 || levels[middle].share() < least) return region;
   Reach(levels, middle, -1, least, region.low, region.low_open);
   Reach(levels, middle, 1, least, region.high, region.high_open);
   return region;

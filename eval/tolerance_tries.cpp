@@ -155,6 +155,11 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part, const GripperS
   const int of_map = study.options.grasps = draw(options.grasps, "tolerance grasps");
   const int of_fit = draw(options.fit_grasps, "tolerance fit grasps");
   const int of_test = draw(options.test_tries, "tolerance test grasps");
+  CheckInput(
+      of_map > 0 && of_fit > 0 && (of_test > 0 || options.test_tries == 0),
+      fmt::format("{}: no grasp with {} was found in table.max_draws = {} draws; raise it, or "
+                  "lower table.min_choice",
+                  part->name, gripper.name, options.table.max_draws));
 
   std::vector<Pose> X_OG;
   for (int i = of_map; i < of_map + of_fit; ++i) X_OG.push_back(study.grasps[i].candidate.X_OG);

@@ -100,6 +100,7 @@ struct TrialRunner::Impl {
   TrialOptions options;
   VirtualCell cell;
   GripperSpec gripper;
+  ExecuteOptions execute;
   std::vector<MetricModel> metric_models;
   std::vector<std::vector<GraspCandidate>> candidates;
   std::unique_ptr<EstimatorRunner> estimator;  // null: all it would tell is fed
@@ -114,6 +115,9 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
       cell(scenario, objects),
       gripper(BlameKey(scenario, "gripper", [&] { return LoadGripper(scenario.gripper); })) {
   BlameKey(scenario, "policy.stop", [&] { PolicyNamed(scenario.policy.stop); });
+  BlameKey(scenario, "policy.ranking", [&] { RankingNamed(scenario.policy.ranking); });
+  execute.rule =
+      BlameKey(scenario, "policy.success", [&] { return DecidingRule(scenario.policy.success); });
   const TruthStages& truth = options.truth;
   if (!truth.AllOfPerception()) {
     estimator = std::make_unique<EstimatorRunner>(cell, scenario, 1, progress);
@@ -198,6 +202,9 @@ std::vector<Grasp> TrialRunner::Impl::Plan(const View& view, const std::vector<B
   StageTimer timer(live.result.seconds, "plan");
   const auto cloud_W = ObservedPoints(view.frame, cell.camera().X_WC, options.cloud_stride_px);
   PlanOptions plan_options;
+  plan_options.ranking = spec.policy.ranking;
+  plan_options.seed =
+      Rng::Derive(spec.seed, live.result.trial, fmt::format("plan/{}", record.pick)).Next();
   if (options.truth.grasp) plan_options.max_grasps = options.true_grasps;
   if (!live.failed.empty()) plan_options.max_grasps = options.retry_grasps;
   PlanResult plan =
@@ -245,8 +252,8 @@ std::optional<Grasp> TrialRunner::Impl::Choose(const std::vector<BelievedPose>& 
   if (options.truth.grasp) {
     StageTimer timer(live.result.seconds, "try");
     if (const auto grasp = FirstThatSucceeds(planned, poses, live, record)) return grasp;
-    if (const auto grasp = FirstThatSucceeds(PlanBoldly(poses, live), poses, live, record))
-      return grasp;
+    const std::vector<Grasp> bold = PlanBoldly(poses, live);
+    if (const auto grasp = FirstThatSucceeds(bold, poses, live, record)) return grasp;
   }
   return planned.empty() ? std::nullopt : std::optional(planned.front());
 }
@@ -254,7 +261,8 @@ std::optional<Grasp> TrialRunner::Impl::Choose(const std::vector<BelievedPose>& 
 ExecuteResult TrialRunner::Impl::Try(const Scene& scene, const Grasp& grasp,
                                      const BelievedPose& pose, const PickRecord& record) const {
   const int aim = AimOf(record.hypotheses[grasp.hypothesis], options.stands_on_diameters);
-  return ExecuteGrasp(scene, cell.objects(), grasp, gripper, {aim, pose.object, pose.X_WO});
+  return ExecuteGrasp(scene, cell.objects(), grasp, gripper, {aim, pose.object, pose.X_WO},
+                      execute);
 }
 
 void TrialRunner::Impl::Execute(const PoseHypothesis& hypothesis, const BelievedPose& pose,

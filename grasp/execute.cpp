@@ -105,8 +105,19 @@ class Attempt {
       const BodyMode moving = options_.all_active ? BodyMode::kDynamic : BodyMode::kAsleep;
       world_.AddPart(*objects_.at(part.object), part.X_WO, near ? moving : BodyMode::kStatic);
       is_static_.push_back(!near);
+      is_lost_.push_back(false);
     }
     reference_diameter_m_ = reference < 0 ? 0 : Diameter(reference);
+  }
+
+  // What falls past the floor falls for ever: it is taken out before its speed looks like a fault.
+  void Step() {
+    world_.Step();
+    for (int i = 0; i < world_.part_count(); ++i) {
+      if (is_lost_[i] || world_.X_WO(i).translation().z() > -options_.lost_below_m) continue;
+      world_.RemovePart(i);
+      is_lost_[i] = true;
+    }
   }
 
   int Steps(double seconds) const {
@@ -147,7 +158,7 @@ class Attempt {
     const int steps = Steps(MinimumJerkSeconds(distance_m, peak_mps));
     for (int i = 1; i <= steps; ++i) {
       hand_->MoveTo(Between(from, X_WG_to, MinimumJerk(static_cast<double>(i) / steps)));
-      world_.Step();
+      Step();
     }
   }
 
@@ -159,7 +170,7 @@ class Attempt {
     for (int i = 1; i <= steps; ++i) {
       const double left = 1 - MinimumJerk(static_cast<double>(i) / steps);
       hand_->MoveTo(X_WG_ * Translation({0, 0, -left * gripper_.approach_m}));
-      world_.Step();
+      Step();
       felt_n += share * (hand_->Load().hardest_n - felt_n);
       if (felt_n > options_.stop_force_n) return false;
     }
@@ -175,7 +186,7 @@ class Attempt {
     double last = hand_->opening_m();
     for (int i = 1; i <= most; ++i) {
       hand_->MoveTo(X_WG_);
-      world_.Step();
+      Step();
       if (i % window != 0) continue;
       const double speed = std::abs(last - hand_->opening_m()) / (window * world_.step_s());
       last = hand_->opening_m();
@@ -198,11 +209,12 @@ class Attempt {
     for (int i = 1; i <= steps; ++i) {
       const double height_m = lift_m_ * MinimumJerk(static_cast<double>(i) / steps);
       hand_->MoveTo(Raised(height_m));
-      world_.Step();
+      Step();
       if (is_back || height_m < retreat_m) continue;
       is_back = true;
       outcome.retreat_contact = !world_.PartsTouchingHand().empty();
-      outcome.retreat_opening = hand_->opening_m() / MechanismOf(gripper_).most_open_m(gripper_);
+      const double most_m = MechanismOf(gripper_).most_open_m(gripper_);
+      outcome.retreat_opening = most_m > 0 ? hand_->opening_m() / most_m : hand_->Holds();
     }
     for (int i = 0; i < world_.part_count(); ++i) {
       if (!is_static_[i]) outcome.lift_height_m = std::max(outcome.lift_height_m, Rise(i));
@@ -213,7 +225,7 @@ class Attempt {
     const int steps = Steps(options_.hold_s), counted = std::max(1, steps / 2);
     for (int i = 0; i < steps; ++i) {
       hand_->MoveTo(Raised(lift_m_));
-      world_.Step();
+      Step();
       if (i < steps - counted) continue;
       const HandLoad load = hand_->Load();
       outcome.contact_force_n += load.force_n / counted;
@@ -228,7 +240,7 @@ class Attempt {
       const double periods = i * world_.step_s() * options_.shake_hz;
       const double swing = std::min(1.0, periods) * std::sin(2 * std::numbers::pi * periods);
       hand_->MoveTo(Translation(options_.shake_m * swing * kShakeDirection_W) * Raised(lift_m_));
-      world_.Step();
+      Step();
     }
   }
 
@@ -237,12 +249,19 @@ class Attempt {
     return Center(part, world_.X_WO(part)).z() - Center(part, X_WO_lift_[part]).z();
   }
 
-  // Parts that have risen with the hand by more than half of the lift, by index.
+  // How far a part's centre has moved in the hand since the start of the lift.
+  double ShiftInHand_m(int part) const {
+    const Vector3d now_G = hand_->X_WG().inverse() * Center(part, world_.X_WO(part));
+    return (now_G - X_WG_lift_.inverse() * Center(part, X_WO_lift_[part])).norm();
+  }
+
+  // Parts that have come with the hand, by index: those that stayed behind by less than half of the
+  // lift.
   std::vector<int> Held() const {
     std::vector<int> held;
     if (X_WO_lift_.empty()) return held;
     for (int i = 0; i < world_.part_count(); ++i) {
-      if (!is_static_[i] && Rise(i) > 0.5 * lift_m_) held.push_back(i);
+      if (!is_static_[i] && ShiftInHand_m(i) < 0.5 * lift_m_) held.push_back(i);
     }
     return held;
   }
@@ -309,10 +328,10 @@ class Attempt {
         0.5 * (opening_m_ - hand_->opening_m()) / gripper_.hand.close_speed_mps;
     for (int i = 0; i < Steps(opening_s); ++i) {
       hand_->MoveTo(hand_->X_WG());
-      world_.Step();
+      Step();
     }
     Move(hand_->X_WG() * Translation({0, 0, -gripper_.approach_m}), options_.approach_mps);
-    for (int i = 0; i < Steps(options_.settle_s) && !world_.AllAsleep(); ++i) world_.Step();
+    for (int i = 0; i < Steps(options_.settle_s) && !world_.AllAsleep(); ++i) Step();
   }
 
   // By the rule that decides. What the other rules count as lost may be a success by it, and what
@@ -360,6 +379,7 @@ class Attempt {
   double lift_m_ = 0;
   double reference_diameter_m_ = 0;
   std::vector<bool> is_static_;
+  std::vector<bool> is_lost_;  // fell past the floor and was taken out
   std::vector<int> carried_;  // parts in the hand at the end, by index
   PlacePlan place_;
   // At the start of the lift; empty before.

@@ -32,6 +32,7 @@ struct ExecuteOptions {
   double settle_s = 1.5;      // at most, once the hand has opened, until the parts sleep again
   double near_m = 0.02;       // bodies beyond the target's diameter plus this are static
   bool all_active = false;    // all bodies move and start awake: slow, to compare with
+  double lost_below_m = 0.5;  // parts this far under the bin's floor have left the world
   double disturbed_m = 0.01;  // a neighbour that moved further is disturbed
   PlaceOptions place;
   RuleOptions rules;

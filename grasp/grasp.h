@@ -52,7 +52,7 @@ struct GraspOutcome {
   Eigen::Vector3d contact_torque_nm = Eigen::Vector3d::Zero();
   // After the first 10 cm of the lift, for the loose rule; of a hand that came so far.
   bool retreat_contact = false;
-  double retreat_opening = 0;  // share of the stroke
+  double retreat_opening = 0;  // share of the stroke; a hand without one: 1 while it holds, else 0
   // Where the part lies against where it was to lie; only where it was set down.
   bool set_down = false;
   double place_error_m = 0;   // of the centre of mass

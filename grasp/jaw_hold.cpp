@@ -78,7 +78,7 @@ void JudgeJawGrasps(const ObjectModel& model, const GripperSpec& gripper,
     const auto hold = [&](const Pose& X_OG, double factor) {
       return jaw.At(X_OG, *opening, factor);
     };
-    if (const auto set = hold(candidate.X_OG, 1)) candidate.epsilon = DepthOfZero(*set).upper;
+    if (const auto set = hold(candidate.X_OG, 1)) candidate.epsilon = DepthOfZero(*set).lower;
     candidate.robust = RobustShare(model, candidate.X_OG, hold, Rng(seed), options);
   }
 }

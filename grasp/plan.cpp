@@ -70,15 +70,6 @@ constexpr std::array<RankingRow, 4> kRankings{{
      nullptr},
 }};
 
-const RankingRow& RankingOf(const std::string& name) {
-  std::vector<std::string> names;
-  for (const RankingRow& row : kRankings) {
-    if (name == row.name) return row;
-    names.push_back(row.name);
-  }
-  throw InputError(UnknownNameMessage("ranking", name, names));
-}
-
 Vector3d CenterOf(const PlanInput& input, const BelievedPose& pose) {
   return pose.X_WO * input.objects[pose.object]->mass.com_O;
 }
@@ -88,7 +79,7 @@ class Planner {
   Planner(const PlanInput& input, const PlanOptions& options)
       : input_(input),
         options_(options),
-        ranking_(RankingOf(options.ranking)),
+        ranking_(RankingNamed(options.ranking)),
         bin_boxes_(BinBoxes(input.bin)),
         shapes_(MakeShapes()),
         field_(MakeField()) {
@@ -326,6 +317,15 @@ void PlanOptions::Visit(SettingsVisitor& v) {
 }
 
 std::span<const RankingRow> RankingTable() { return kRankings; }
+
+const RankingRow& RankingNamed(const std::string& name) {
+  std::vector<std::string> names;
+  for (const RankingRow& row : kRankings) {
+    if (name == row.name) return row;
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("ranking", name, names));
+}
 
 PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
   return Planner(input, options).Run();

@@ -42,6 +42,8 @@ struct RankingRow {
   double (*value)(const GraspCandidate& candidate);  // null = by chance alone
 };
 std::span<const RankingRow> RankingTable();
+// Throws InputError with the known names.
+const RankingRow& RankingNamed(const std::string& name);
 
 struct PlanOptions {
   int max_grasps = 5;               // reported

@@ -50,7 +50,8 @@ double RobustShare(const ObjectModel& model, const Pose& X_OG, const HoldFunctio
   for (int i = 0; i < options.samples; ++i) {
     Pose X_OS = X_OG;
     X_OS.translate(NormalVector(options.position_m, rng));
-    X_OS.rotate(Eigen::AngleAxisd(options.rotation_rad * rng.Normal(), rng.UnitVector()));
+    const Vector3d axis = rng.UnitVector();
+    X_OS.rotate(Eigen::AngleAxisd(options.rotation_rad * rng.Normal(), axis));
     const double friction = std::max(kLeastFactor, 1 + options.friction_share * rng.Normal());
     const double mass = std::max(kLeastFactor, 1 + options.mass_share * rng.Normal());
     const Vector3d com_shift_O = NormalVector(options.com_share * model.diameter_m, rng);

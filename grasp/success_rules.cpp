@@ -35,11 +35,11 @@ std::span<const SuccessRuleRow> SuccessRuleTable() {
       {SuccessRule::kLifted, "lifted", "a part hung in the hand at the end of the lift", Lifted,
        false},
       {SuccessRule::kHeld, "held", "a part stayed in the hand: hold, shake, carried out", Held,
-       true},
+       false},
       {SuccessRule::kRightPart, "right_part", "held, the part that was meant and no other",
        RightPart, true},
       {SuccessRule::kSinglePart, "single_part", "held, exactly one part, whichever", SinglePart,
-       true},
+       false},
       {SuccessRule::kPlaced, "placed", "the right part lies where it was to be set down", Placed,
        true},
       {SuccessRule::kVgnLoose, "vgn_loose",
@@ -55,6 +55,18 @@ SuccessRule SuccessRuleNamed(const std::string& name) {
     names.push_back(row.name);
   }
   throw InputError(UnknownNameMessage("success rule", name, names));
+}
+
+SuccessRule DecidingRule(const std::string& name) {
+  const SuccessRule rule = SuccessRuleNamed(name);
+  std::string others;
+  for (const SuccessRuleRow& row : SuccessRuleTable()) {
+    if (!row.decides) continue;
+    if (row.rule == rule) return rule;
+    others += (others.empty() ? "" : " or ") + std::string(row.name);
+  }
+  throw InputError("'" + name + "' is judged beside the others, but a part that stays or another " +
+                   "that comes passes it, so it cannot decide a pick; choose " + others);
 }
 
 SuccessVerdicts JudgeByAllRules(const GraspOutcome& outcome, const RuleOptions& options) {

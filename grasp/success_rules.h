@@ -40,8 +40,9 @@ struct SuccessRuleRow {
   const char* name;  // stable key in JSON, CSV and the store
   const char* help;
   bool (*judge)(const GraspOutcome& outcome, const RuleOptions& options);
-  // Whether only a part that left the bin passes, so that picking by this rule comes to an end.
-  bool takes_part;
+  // Whether only the part that was meant, alone and out of the bin, passes: picking by this rule
+  // comes to an end, and no part is counted twice.
+  bool decides;
 };
 
 // In the order of the enum.
@@ -49,6 +50,10 @@ std::span<const SuccessRuleRow> SuccessRuleTable();
 
 // Throws InputError with the known names.
 SuccessRule SuccessRuleNamed(const std::string& name);
+
+// The same, for a rule that is to decide whether a pick brought its part. Throws InputError for one
+// that cannot.
+SuccessRule DecidingRule(const std::string& name);
 
 // Every rule on the facts of `outcome`; its own verdicts are not read.
 SuccessVerdicts JudgeByAllRules(const GraspOutcome& outcome, const RuleOptions& options = {});

@@ -35,7 +35,7 @@ struct InspectedMesh {
 InspectedMesh InspectMeshFile(const std::filesystem::path& file, const std::string& unit,
                               bool center);
 
-// PartMaterial and texture files that an OBJ or glTF names and that are not there, in order.
+// Material and texture files that an OBJ or glTF names and that are not there, in order.
 std::vector<std::string> MissingCompanions(const std::filesystem::path& file);
 
 }  // namespace pickbed

@@ -38,6 +38,8 @@ void PolicySpec::Visit(SettingsVisitor& v) {
   v.Text("stop", stop, Names(), "when a trial ends, see pickbed list policies");
   v.Integer("max_failures_in_row", max_failures_in_row, {1, 1000}, "failed picks in a row");
   v.Integer("max_picks", max_picks, {0, 100000}, "picks a trial, 0 = no limit");
+  v.Text("ranking", ranking, {}, "of grasps without collision, see pickbed list rankings");
+  v.Text("success", success, {}, "what counts as a pick, see pickbed list rules");
 }
 
 void CycleSpec::Visit(SettingsVisitor& v) {

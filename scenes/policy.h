@@ -13,7 +13,9 @@ namespace pickbed {
 struct PolicySpec {
   std::string stop = "until_empty";  // a row of PolicyTable()
   int max_failures_in_row = 2;
-  int max_picks = 0;  // 0 = no limit
+  int max_picks = 0;                   // 0 = no limit
+  std::string ranking = "quality";     // of planned grasps: a row of grasp/plan.h's table
+  std::string success = "right_part";  // what counts: a row of grasp/success_rules.h's table
   void Visit(SettingsVisitor& v);
 };
 

@@ -176,7 +176,7 @@ void CupHand::AfterStep(std::vector<PadFriction>) {
 }
 
 bool CupHand::Reaches(const PartInWorld& part) const {
-  if (part.body == nullptr) return false;
+  if (part.body == nullptr || part.body->isStaticObject()) return false;
   const Eigen::Vector3d from_lip =
       X_WG_.inverse() * FromBullet(part.body->getCenterOfMassPosition());
   const double reach_m = std::hypot(spec_.radius_m, spec_.bellows_travel_m);

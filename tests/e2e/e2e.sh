@@ -225,6 +225,11 @@ bad_budgets_are_refused() {
   refused "holds no results.sqlite" "$pickbed" budget here
   refused "unknown policy.stop 'never'; known: until_empty, look_again, one_pick" \
     "$pickbed" run small.yaml --set policy.stop=never --out no
+  refused "unknown ranking 'best'; known: quality, epsilon, robust, random" \
+    "$pickbed" run small.yaml --set policy.ranking=best --out no
+  refused "so it cannot decide a pick; choose right_part or placed" \
+    "$pickbed" run small.yaml --set policy.success=contact --out no
+  [ ! -e no ] || fail "a refused run left a folder"
 }
 
 drop_and_render_write_their_files() {

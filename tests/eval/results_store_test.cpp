@@ -225,12 +225,12 @@ TEST_F(ResultsStoreTest, AStoreOfAnEarlierVersionIsRefusedInOneLine) {
   const auto file = folder_ / "results.sqlite";
   std::string bytes = ReadFileBytes(file);
   const std::string key = "schema_version";
-  const size_t at = bytes.find(key + "3");
+  const size_t at = bytes.find(key);
   ASSERT_NE(at, std::string::npos);
-  bytes[at + key.size()] = '2';
+  bytes[at + key.size()] = '0';
   std::ofstream(file, std::ios::binary) << bytes;
   const std::string error = ErrorOf([&] { ResultsStore(folder_, "s"); });
-  EXPECT_THAT(error, HasSubstr("written by another version of pickbed (schema 2, here 3)"));
+  EXPECT_THAT(error, HasSubstr("written by another version of pickbed (schema 0, here "));
   EXPECT_THAT(error, HasSubstr("--out"));
   EXPECT_EQ(std::count(error.begin(), error.end(), '\n'), 0);
 }

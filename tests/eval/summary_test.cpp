@@ -176,6 +176,8 @@ TEST(PartsCsv, SaysWhatBecameOfEachPart) {
   EXPECT_EQ(PartsCsv(trials, {model}),
             "trial,instance,object,became,loss,stage,pick\n0,0,rod,picked,none,done,0\n"
             "0,1,rod,lost,slipped,grasp,1\n0,2,rod,not_asked,none,done,-1\n");
+}
+
 TEST(Csv, OutcomesStandInColumnsAndAreEmptyWithoutAnAttempt) {
   auto trials = TwoTrials();
   GraspOutcome& outcome = trials[0].picks[0].outcome;

@@ -62,6 +62,12 @@ TEST(ToleranceRegion, IslandsBeyondAGapDoNotCount) {
   EXPECT_EQ(RegionOf({Level(-1, 1, 1), Level(0, 0, 1), Level(1, 1, 1)}, 0.5).high, 0);
 }
 
+TEST(ToleranceRegion, IsEmptyWhereNothingSucceeds) {
+  const ToleranceRegion region = RegionOf({Level(-1, 0, 9), Level(0, 0, 9), Level(1, 0, 9)}, 0);
+  EXPECT_EQ(region.low, region.high);
+  EXPECT_FALSE(region.low_open || region.high_open);
+}
+
 TEST(ToleranceStudy, ErrorsAreWhatTheirAxesSay) {
   const ToleranceStudy study = Study(Small());
   const Pose X_OG = study.grasps[0].candidate.X_OG;

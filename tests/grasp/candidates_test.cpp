@@ -13,7 +13,7 @@ namespace pickbed {
 namespace {
 
 const GraspCandidateOptions kQuick{.antipodal = {.candidates = 40, .max_pairs = 60},
-                              .robust = {.samples = 4}};
+                                   .robust = {.samples = 4}};
 
 TEST(Candidates, EveryMechanismHasAMaker) {
   for (const MechanismRow& row : MechanismTable()) {

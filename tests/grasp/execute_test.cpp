@@ -167,6 +167,21 @@ TEST_F(Execute, WeightHalfTheFrictionLimitIsHeld) {
   EXPECT_TRUE(Run(BoxesOnFloor({{0, 0}}, kHeight_m), GraspAt(0, 0)).outcome.success);
 }
 
+// A part that lay higher than half of the lift comes down again on its way to the table.
+TEST_F(Execute, APartFromHighUpIsStillInTheHandOverTheTable) {
+  Scene scene = BoxesOnFloor({{0, 0}, {0, 0}, {0, 0}, {0, 0}}, kHeight_m);
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    scene.objects[i].X_WO.translation().z() += static_cast<double>(i) * kHeight_m;
+  }
+  Grasp grasp = GraspAt(0, 0);
+  const double top_m = static_cast<double>(scene.objects.size() - 1) * kHeight_m;
+  ASSERT_GT(top_m, 0.5 * options_.lift_m);
+  grasp.X_WG.translation().z() += top_m;
+  const ExecuteResult result = Run(scene, grasp, scene.objects.back().instance);
+  EXPECT_EQ(LossName(result.outcome.loss), LossName(Loss::kNone));
+  EXPECT_TRUE(result.outcome.set_down);
+}
+
 TEST_F(Execute, TwoBoxesBetweenTheFingersAreTwo) {
   objects_ = {BoxPart({0.030, 0.050, kHeight_m}, 0.1)};
   const Scene scene = BoxesOnFloor({{-0.0153, 0}, {0.0153, 0}}, kHeight_m);

@@ -61,6 +61,7 @@ struct RuleCase {
   void (*spoil)(GraspOutcome&);
   const char* passed;
 };
+void PrintTo(const RuleCase& rule_case, std::ostream* out) { *out << rule_case.what; }
 class SpoiledGrasp : public testing::TestWithParam<RuleCase> {};
 
 TEST_P(SpoiledGrasp, PassesTheRulesThatDoNotAskForIt) {
