@@ -380,7 +380,7 @@ class Attempt {
   double reference_diameter_m_ = 0;
   std::vector<bool> is_static_;
   std::vector<bool> is_lost_;  // fell past the floor and was taken out
-  std::vector<int> carried_;  // parts in the hand at the end, by index
+  std::vector<int> carried_;   // parts in the hand at the end, by index
   PlacePlan place_;
   // At the start of the lift; empty before.
   std::vector<Pose> X_WO_lift_;
