@@ -27,10 +27,9 @@ struct TrialEnd {
 };
 
 // `fates` names the wanted parts that were dropped; the rest is filled in, from the looks in order:
-// - A part that left the bin was picked when that is what the pick brought. Else the pick's own
-// loss
-//   stands when the part was its aim, kTookTwo when it came along in the hand, and kDisturbed when
-//   neither is so.
+// - A part that left the bin was picked when that is what the pick brought. Else the loss of the
+//   pick stands when the part was its aim, kTookTwo when it came along in the hand, and kDisturbed
+//   when neither is so.
 // - A part that remains is charged to the last pick that aimed at it. One that was never aimed at
 //   was not asked for when the policy's number of picks ended the trial. When failed picks did, it
 //   is charged to the last of them; when a look without a grasp did, to why that look had no right

@@ -2,8 +2,7 @@
 
 // Where picks are lost, as two budgets whose parts sum exactly to all.
 //
-// - Attempts: every look at a bin that held wanted parts asks for one of them. It is picked, or
-// lost
+// - Attempts: every look at a bin that held wanted parts asks for one of them. It is picked or lost
 //   for one reason; looks that found no grasp are among the lost.
 // - Instances: every wanted part that was dropped is picked, or lost for one reason, or was not
 //   asked for (eval/fates.h).

@@ -4,11 +4,11 @@
 //
 //   OUT/results.sqlite   everything, see eval/results_store.h
 //   OUT/scenario.yaml    the effective settings
-//   OUT/summary.json     OUT/trials.csv, OUT/picks.csv, OUT/parts.csv: the same bytes for any
-//   number
-//                        of workers
 //   OUT/timings.csv      seconds by trial and stage
+//   OUT/{summary.json,trials.csv,picks.csv,parts.csv}
 //   OUT/pictures/trial_0000/pick_00_{color,depth,overlay,after}.png
+//
+// All but the store's timings and timings.csv are the same bytes for any number of workers.
 
 #include <filesystem>
 #include <functional>

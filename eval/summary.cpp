@@ -140,8 +140,6 @@ std::string SummaryJson(const RunSummary& s) {
   for (const auto& [reason, count] : s.losses) json["losses"][reason] = count;
   auto& picks_per_hour = json["picks_per_hour"];
   if (!s.cycle.measured && s.successes > 0) picks_per_hour = s.cycle.picks_per_hour();
-  json["seconds"] = nlohmann::ordered_json::object();
-  for (const auto& [stage, seconds] : s.seconds) json["seconds"][stage] = seconds;
   return json.dump(2) + "\n";
 }
 

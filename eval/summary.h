@@ -49,8 +49,8 @@ struct RunSummary {
 
 RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle = {});
 
-// summary.json; the seconds stand in one object "seconds" so that they can be left out. Picks per
-// hour are null where they rest on a measured time, or nothing was picked.
+// summary.json, without times. Picks per hour are null where they rest on a measured time, or
+// nothing was picked.
 std::string SummaryJson(const RunSummary& summary);
 std::string SummaryTable(const RunSummary& summary);            // for people
 std::string TrialsCsv(const std::vector<TrialResult>& trials);  // a line a trial

@@ -8,9 +8,8 @@
 //
 // - sense: every wanted part counts as in view, however much of it is hidden. Only parts in view
 //   are fed by the stages below; without `sense` those at least kCountedVisibility visible.
-// - detection: hypotheses that stand on no part in view are dropped, and each part in view that
-// none
-//   stands on gets one. The new one has the true pose: what pose the estimator would have found
+// - detection: hypotheses that stand on no part in view are dropped, and each part in view without
+//   one gets one. The new one has the true pose: what pose the estimator would have found
 //   there nobody knows, so the gain is the most that better detection can bring.
 // - pose: a hypothesis that stands on a part gets its true pose, as the start of the scenario's
 //   refiner (none for the oracle estimator, which does not refine); what was suppressed is

@@ -19,7 +19,7 @@ namespace pickbed {
 namespace {
 
 // Raised whenever the candidates of the same inputs would come out differently.
-constexpr const char* kVersion = "pickbed grasps 3\n";
+constexpr const char* kVersion = "pickbed grasps 4\n";
 constexpr size_t kNumbersEach = 17;  // rows of [R|p], width, depth, quality, epsilon, robust
 using PoseRows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
