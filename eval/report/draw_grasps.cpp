@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "eval/report/camera_towards.h"
 #include "eval/report/draw.h"
 #include "eval/report/draw_canvas.h"
 #include "eval/report/draw_chart.h"
@@ -84,17 +85,7 @@ TriangleMesh HandGlyph(const GraspCandidate& candidate, const GripperSpec& gripp
 }
 
 Camera Towards(const Vector3d& target, const Vector3d& from, double distance_m) {
-  Camera camera;
-  camera.intrinsics = {kTileWidth,
-                       kTileHeight,
-                       kFocal_px,
-                       kFocal_px,
-                       0.5 * (kTileWidth - 1),
-                       0.5 * (kTileHeight - 1)};
-  const Vector3d direction = from.normalized();
-  const Vector3d up = std::abs(direction.z()) > 0.99 ? Vector3d::UnitY() : Vector3d::UnitZ();
-  camera.X_WC = LookAt(target + distance_m * direction, target, up);
-  return camera;
+  return CameraTowards(target, from, distance_m, kTileWidth, kTileHeight, kFocal_px);
 }
 
 // The part in grey, and hands in their colours.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "eval/report/camera_towards.h"
 #include "eval/report/draw.h"
 #include "sim/convex_hull.h"
 #include "sim/renderer.h"
@@ -21,18 +22,8 @@ constexpr double kExplode = 0.35;  // by which pieces are moved away from the mi
 constexpr double kFocal_px = 520;
 constexpr Rgb8 kPaper{238, 240, 243};
 
-Camera Towards(const Vector3d& target_W, const Vector3d& from_W, double distance_m) {
-  Camera camera;
-  camera.intrinsics = {kTileWidth,
-                       kTileHeight,
-                       kFocal_px,
-                       kFocal_px,
-                       0.5 * (kTileWidth - 1),
-                       0.5 * (kTileHeight - 1)};
-  const Vector3d direction = from_W.normalized();
-  const Vector3d up = std::abs(direction.z()) > 0.99 ? Vector3d::UnitY() : Vector3d::UnitZ();
-  camera.X_WC = LookAt(target_W + distance_m * direction, target_W, up);
-  return camera;
+Camera Towards(const Vector3d& target, const Vector3d& from, double distance_m) {
+  return CameraTowards(target, from, distance_m, kTileWidth, kTileHeight, kFocal_px);
 }
 
 Rgb8 PieceColor(int i) {
