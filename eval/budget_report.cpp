@@ -75,7 +75,7 @@ std::string Aligned(const std::vector<std::vector<std::string>>& rows) {
 
 std::string FewBinsText(const BudgetRuns& runs) {
   if (runs.as_run.size() >= static_cast<size_t>(kFewBins)) return "";
-  return fmt::format("{} bins are few: the intervals are too narrow; {} or more tell something.",
+  return fmt::format("{} bins are few, and the intervals wide; {} or more tell something.",
                      runs.as_run.size(), kFewBins);
 }
 
@@ -171,7 +171,7 @@ std::string PageOf(const std::string& name, const BudgetRuns& runs) {
   page.Heading("What perfecting a stage would gain");
   page.Paragraph(
       "The same bins, seeds and policy, with truth in place of a stage; in percentage points, with "
-      "95 % intervals by bootstrap over bins, which are paired. Later looks of a bin differ once a "
+      "95 % intervals over bins, which are paired. Later looks of a bin differ once a "
       "pick does. " +
       FewBinsText(runs));
   page.Table(GainCells(runs));

@@ -9,7 +9,7 @@
 
 namespace pickbed {
 
-// With fewer bins a bootstrap over them gives intervals that are too narrow, which is then said.
+// With fewer bins the intervals are so wide that they tell little, which is then said.
 inline constexpr int kFewBins = 20;
 
 std::string BudgetTable(const BudgetRuns& runs);  // for people
