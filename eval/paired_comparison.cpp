@@ -143,7 +143,7 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
     if (SumOf(a).tries == 0 || SumOf(b).tries == 0) continue;
     comparison.figures.push_back(PairedRate(rate.key, rate.name, a, b));
   }
-  const auto add_median = [&](const char* key, const char* name, const PoseError& error) {
+  const auto add_median = [&](const char* key, const char* name, const ErrorOfPose& error) {
     const ValueClusters a = ErrorsByScene(before, shared, error);
     const ValueClusters b = ErrorsByScene(after, shared, error);
     if (std::isnan(MedianOf(a)) || std::isnan(MedianOf(b))) return;

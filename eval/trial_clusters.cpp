@@ -110,7 +110,7 @@ std::vector<Cluster> CountByScene(std::span<const TrialResult> trials, const Tri
 }
 
 ValueClusters ErrorsByScene(std::span<const TrialResult> trials, const std::vector<int>& scenes,
-                            const PoseError& error) {
+                            const ErrorOfPose& error) {
   ValueClusters values(scenes.size());
   for (const TrialResult& trial : trials) {
     const int place = PlaceOf(trial.scene, scenes);

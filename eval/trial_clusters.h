@@ -36,9 +36,9 @@ std::vector<Cluster> CountByScene(std::span<const TrialResult> trials,
 std::vector<Cluster> CountByScene(std::span<const TrialResult> trials, const TrialCount& count);
 
 // What is collected of a hypothesis, such as its MSSD.
-using PoseError = std::function<double(const HypothesisScore& pose)>;
+using ErrorOfPose = std::function<double(const HypothesisScore& pose)>;
 // Errors of the poses that stand on an instance (MSSD < 0.5 diameter), by scene.
 ValueClusters ErrorsByScene(std::span<const TrialResult> trials, const std::vector<int>& scenes,
-                            const PoseError& error);
+                            const ErrorOfPose& error);
 
 }  // namespace pickbed

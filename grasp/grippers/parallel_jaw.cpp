@@ -65,11 +65,17 @@ std::string Summary(const GripperSpec& spec) {
 }  // namespace
 
 MechanismRow ParallelJawRow() {
-  return {"parallel_jaw",  "two coupled fingers on a slider with a force limit",
-          Visit,           Check,
-          ApproachOpening, Add,
-          Boxes,           MostOpen,
-          SoftBoxes,       Capacity,
+  return {"parallel_jaw",
+          "two coupled fingers on a slider with a force limit",
+          {"the closing direction", "the fingers' width", "the approach"},
+          Visit,
+          Check,
+          ApproachOpening,
+          Add,
+          Boxes,
+          MostOpen,
+          SoftBoxes,
+          Capacity,
           Summary};
 }
 

@@ -76,11 +76,17 @@ std::string Summary(const GripperSpec& spec) {
 }  // namespace
 
 MechanismRow SuctionCupRow() {
-  return {"suction_cup",   "a bellows whose lip seals on a part, until pull or moment break it off",
-          Visit,           Check,
-          ApproachOpening, Add,
-          Boxes,           MostOpen,
-          SoftBoxes,       Capacity,
+  return {"suction_cup",
+          "a bellows whose lip seals on a part, until pull or moment break it off",
+          {"x of the lip", "y of the lip", "the approach"},
+          Visit,
+          Check,
+          ApproachOpening,
+          Add,
+          Boxes,
+          MostOpen,
+          SoftBoxes,
+          Capacity,
           Summary};
 }
 
