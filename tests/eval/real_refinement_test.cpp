@@ -35,7 +35,7 @@ constexpr int kStarts = 20;
 constexpr int kNeeded = 16;  // 80 % of them
 constexpr int kCan = 4, kMustard = 5, kBanana = 10, kDrill = 15;
 
-struct PoseOffset {
+struct PoseError {
   double ray_m = std::numeric_limits<double>::infinity();  // of the part's centre
   double across_m = ray_m;
   double angle_deg = ray_m;
@@ -51,15 +51,15 @@ struct RealObject {
   std::vector<Pose> symmetries_O;
   Pose published_X_CO;
 
-  PoseOffset Error(const Pose& X_CO, const Pose& truth_X_CO) const {
+  PoseError Error(const Pose& X_CO, const Pose& truth_X_CO) const {
     const Eigen::Vector3d center_O = points.center_O.cast<double>();
     const Eigen::Vector3d ray = (truth_X_CO * center_O).normalized();
-    PoseOffset least;
+    PoseError least;
     for (const Pose& S : symmetries_O) {
       const Pose X = truth_X_CO * S;
       const Eigen::Vector3d off = X_CO * center_O - X * center_O;
-      const PoseOffset error{std::abs(off.dot(ray)), (off - off.dot(ray) * ray).norm(),
-                             RotationAngleRad(X_CO.linear(), X.linear()) * 180 / std::numbers::pi};
+      const PoseError error{std::abs(off.dot(ray)), (off - off.dot(ray) * ray).norm(),
+                            RotationAngleRad(X_CO.linear(), X.linear()) * 180 / std::numbers::pi};
       if (error.Tolerances() < least.Tolerances()) least = error;
     }
     return least;
@@ -145,7 +145,7 @@ TEST_F(RealRefinement, EachObjectComesBackToOnePose) {
 TEST_F(RealRefinement, MustardAndBananaComeBackToThePublishedPose) {
   for (const RealObject& object : objects_) {
     const int back = CountSmall(object, FromAllStarts(object), object.published_X_CO);
-    const PoseOffset home = object.Error(
+    const PoseError home = object.Error(
         TwoWayIcp(cloud_, object.points, object.published_X_CO).X_CO, object.published_X_CO);
     RecordProperty(fmt::format("object_{}_of_{}", object.id, kStarts), back);
     RecordProperty(fmt::format("object_{}_off", object.id),
@@ -286,7 +286,7 @@ TEST_F(RealRefinement, DrillComesBackToWhereTheColourImageShowsIt) {
   Pose truth = drill->published_X_CO;
   truth.translation().x() += move_px.x() * z_m / frame_.intrinsics.fx;
   truth.translation().y() += move_px.y() * z_m / frame_.intrinsics.fy;
-  const PoseOffset published = drill->Error(drill->published_X_CO, truth);
+  const PoseError published = drill->Error(drill->published_X_CO, truth);
   RecordProperty("published_off_across_mm", fmt::format("{:.1f}", 1e3 * published.across_m));
   EXPECT_GT(published.across_m, 0.003) << "the published pose is right: ask for it";
   const int back = CountSmall(*drill, FromAllStarts(*drill), truth);
