@@ -202,10 +202,10 @@ void AddForecasts(const BudgetRuns& runs, HtmlPage& page) {
       "chance that a score puts a pick that succeeded before one that failed (0.5 is guessing), "
       "with 95 % intervals over bins.");
   for (const PickForecast& f : runs.forecasts) {
-    page.Paragraph(
-        fmt::format("{}: {} of {} picks succeeded; by its pose errors, each on the part alone, the "
-                    "tolerance map foretells {:.1f}. {}",
-                    f.part, f.successes, f.picks, f.expected, FewBinsText(f.bins)));
+    page.Paragraph(fmt::format(
+        "{}: {} of {} picks succeeded; by its pose errors, each on the part alone, the "
+        "tolerance map foretells {:.1f}, knowing the grasps {:.1f}. {}",
+        f.part, f.successes, f.picks, f.expected, f.expected_with_grasp, FewBinsText(f.bins)));
     page.Table(PredictorCells(f.predictors));
   }
 }
