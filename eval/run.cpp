@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "eval/oracle.h"
+#include "eval/pictures.h"
 #include "eval/results_store.h"
 #include "grasp/gripper.h"
 #include "grasp/plan.h"
@@ -78,11 +79,9 @@ WorkerPlan::DoItem StartWorker(const ScenarioSpec& spec, const ObjectSet& object
   auto runner = std::make_shared<TrialRunner>(spec, objects, on_progress, trial_options);
   auto store = std::make_shared<ResultsStore>(options.out, identity);
   return [runner, store, options](int trial) {
-    std::filesystem::path pictures;
-    if (trial < options.picture_trials) {
-      pictures = options.out / "pictures" / fmt::format("trial_{:04}", trial);
-    }
-    const TrialResult result = runner->Run(trial, pictures);
+    PickPictures pictures(options.out / "pictures" / fmt::format("trial_{:04}", trial));
+    const TrialResult result =
+        runner->Run(trial, trial < options.picture_trials ? &pictures : nullptr);
     store->Write(result);
     return ReplyOf(result);
   };
