@@ -122,7 +122,8 @@ std::string FedText(const TruthStages& truth) {
 
 }  // namespace
 
-std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
+std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
+                        const TruthStages& truth) {
   ScenarioSpec same_for_all = spec;
   same_for_all.trials = 1;
   same_for_all.cycle = {};
@@ -156,13 +157,20 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
     const std::string bytes = ReadFileBytes(file);
     text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
+  if (truth != TruthStages()) text += FedText(truth);
   return text;
+}
+
+TruthStages TruthIn(const std::string& identity) {
+  for (const OracleRow& row : OracleTable()) {
+    if (identity.ends_with(FedText(row.truth))) return row.truth;
+  }
+  return {};
 }
 
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener) {
-  std::string identity = RunIdentity(spec, objects);
-  if (options.truth != TruthStages()) identity += FedText(options.truth);
+  const std::string identity = RunIdentity(spec, objects, options.truth);
   const std::vector<int> finished = FinishedTrials(options, identity);
   ScenarioSpec all_trials = spec;  // fewer may be asked for now than were run before
   if (!finished.empty()) all_trials.trials = std::max(spec.trials, finished.back() + 1);

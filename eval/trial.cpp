@@ -65,7 +65,7 @@ struct TrialRunner::Impl {
   Impl(const ScenarioSpec& spec, const ObjectSet& objects, const Progress& on_progress,
        const TrialOptions& options);
 
-  Live Drop(int trial);
+  Live Drop(int scene);
   View See(Live& live, int look);
   std::vector<PoseHypothesis> Believe(const View& view, Live& live, PickRecord& record);
   // With truth in place of the stages that are fed.
@@ -131,11 +131,11 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
   }
 }
 
-TrialRunner::Impl::Live TrialRunner::Impl::Drop(int trial) {
+TrialRunner::Impl::Live TrialRunner::Impl::Drop(int scene) {
   Live live;
-  live.result.trial = trial;
+  live.result.trial = live.result.scene = scene;
   StageTimer timer(live.result.seconds, "drop");
-  CertifiedScene made = cell.MakeScene(trial);
+  CertifiedScene made = cell.MakeScene(scene);
   live.result.certificate = std::move(made.certificate);
   live.result.refused = std::move(made.refused);
   live.result.parts_dropped = cell.WantedIn(made.scene);
@@ -151,7 +151,7 @@ TrialRunner::Impl::Live TrialRunner::Impl::Drop(int trial) {
 
 View TrialRunner::Impl::See(Live& live, int look) {
   StageTimer timer(live.result.seconds, "see");
-  return cell.See(live.scene, live.result.trial, look);
+  return cell.See(live.scene, live.result.scene, look);
 }
 
 std::vector<PoseHypothesis> TrialRunner::Impl::Fed(std::vector<PoseHypothesis> believed,
@@ -175,7 +175,7 @@ std::vector<PoseHypothesis> TrialRunner::Impl::Fed(std::vector<PoseHypothesis> b
 std::vector<PoseHypothesis> TrialRunner::Impl::Believe(const View& view, Live& live,
                                                        PickRecord& record) {
   if (!estimator) return Fed({}, view, live.scene);
-  Rng rng = Rng::Derive(spec.seed, live.result.trial, fmt::format("estimate/{}", record.pick));
+  Rng rng = Rng::Derive(spec.seed, live.result.scene, fmt::format("estimate/{}", record.pick));
   EstimateResult result = estimator->Estimate(live.scene, view, rng);
   for (const auto& [stage, value] : result.seconds) live.result.seconds[stage] += value;
   return Fed(std::move(result.hypotheses), view, live.scene);
@@ -202,7 +202,7 @@ std::vector<Grasp> TrialRunner::Impl::Plan(const View& view, const std::vector<B
   PlanOptions plan_options;
   plan_options.ranking = spec.policy.ranking;
   plan_options.seed =
-      Rng::Derive(spec.seed, live.result.trial, fmt::format("plan/{}", record.pick)).Next();
+      Rng::Derive(spec.seed, live.result.scene, fmt::format("plan/{}", record.pick)).Next();
   if (options.truth.grasp) plan_options.max_grasps = options.true_grasps;
   if (!live.failed.empty()) plan_options.max_grasps = options.retry_grasps;
   PlanResult plan =
@@ -282,7 +282,7 @@ void TrialRunner::Impl::Execute(const PoseHypothesis& hypothesis, const Believed
 void TrialRunner::Impl::PickOnce(Live& live) {
   PickRecord& record = live.result.picks.emplace_back();
   record.pick = static_cast<int>(live.result.picks.size()) - 1;
-  LookState look{live.result.trial, cell, gripper, live.scene, record};
+  LookState look{live.result.scene, cell, gripper, live.scene, record};
   const auto reach = [&](TrialStage stage) { ReachStage(stage, look, record, live.observer); };
 
   reach(TrialStage::kScene);
@@ -337,8 +337,8 @@ TrialRunner::TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects,
 
 TrialRunner::~TrialRunner() = default;
 
-TrialResult TrialRunner::Run(int trial, TrialObserver* observer) {
-  Impl::Live live = impl_->Drop(trial);
+TrialResult TrialRunner::Run(int scene, TrialObserver* observer) {
+  Impl::Live live = impl_->Drop(scene);
   live.observer = observer;
   impl_->PickAll(live);
   TrialResult& result = live.result;

@@ -22,7 +22,7 @@ set(rooms
   "assimp/=>^scenes/(mesh_io|glb_writer)\\.cpp$"
   "opencv2/=>^(scenes/image_io\\.cpp|eval/report/draw[a-z_]*\\.cpp|perception/estimators/(ppf_matcher|linemod)\\.cpp|perception/hog\\.cpp)$"
   "yaml-cpp/=>^scenes/settings\\.cpp$"
-  "sqlite3=>^eval/results_store\\.cpp$"
+  "sqlite3=>^eval/results_[a-z_]+(\\.cpp|_impl\\.h)$"
   "boost/=>^eval/statistics\\.cpp$"
   "nlohmann/=>^eval/.+(\\.cpp|_impl\\.h)$"
   "CLI/|spdlog/=>^eval/.+\\.(cpp|h)$"
