@@ -10,6 +10,8 @@
 #include "grasp/candidates.h"
 #include "scenes/check.h"
 #include "scenes/image_io.h"
+#include "sim/convex_pieces.h"
+#include "sim/resting_poses.h"
 
 namespace pickbed {
 namespace {
@@ -35,9 +37,10 @@ std::string Offers(const ObjectModel& model, const std::string& without,
 }
 
 void WriteGrasps(const GraspsArguments& arguments) {
-  const auto model = OpenCatalog(arguments.catalog).Load(arguments.object);
+  const ObjectSet parts{OpenCatalog(arguments.catalog).Load(arguments.object)};
   const GripperSpec gripper = LoadGripper(arguments.gripper);
-  RequireCanCarry(gripper, *model);
+  RequireCanCarry(gripper, *parts[0]);
+  const auto model = WithRestingDirections(WithConvexPieces(parts))[0];
   GraspCandidateOptions options;
   options.antipodal.candidates = options.suction.candidates = arguments.count;
   for (const std::string& setting : arguments.settings) {
@@ -45,8 +48,8 @@ void WriteGrasps(const GraspsArguments& arguments) {
   }
   auto candidates = CachedCandidates(*model, gripper, options);
   CheckInput(!candidates.empty(), fmt::format("part '{}' has no {} for gripper '{}', {}",
-                                              model->name, CandidateMakerOf(gripper).needs,
-                                              gripper.name, Offers(*model, gripper.name, options)));
+                                              model->name, MechanismOf(gripper).needs, gripper.name,
+                                              Offers(*model, gripper.name, options)));
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     return std::make_pair(a.robust, a.epsilon) > std::make_pair(b.robust, b.epsilon);
   });

@@ -139,8 +139,10 @@ class Studio {
     Grasp grasp;
     grasp.X_WG = X_WO * held.candidate.X_OG;
     grasp.width_m = held.candidate.width_m;
-    const HandSpec& hand = table_.gripper.hand;
-    const double reach_m = hand.finger_size_m.z() + hand.palm_size_m.z();
+    double reach_m = 0;  // of the hand behind its tips
+    for (const AxisAlignedBox& box : MechanismOf(table_.gripper).boxes(table_.gripper, 0)) {
+      reach_m = std::max(reach_m, box.half_size.z() - box.center.z());
+    }
     // Seen across the closing direction, a little from above.
     Vector3d from = grasp.X_WG.linear().col(1);
     from.z() = 0;
