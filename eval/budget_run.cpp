@@ -64,6 +64,7 @@ BudgetRuns RerunWithTruth(const BudgetJob& job, const BudgetListener& listener) 
   runs.as_run = TrialsOfRun(job);
   BudgetOfAttempts(runs.as_run);
   BudgetOfInstances(runs.as_run);
+  runs.forecasts = ForecastsOf(runs.as_run, job.objects, job.tolerance);
   RunOptions options;
   options.jobs = job.jobs;
   options.resume = true;

@@ -11,6 +11,7 @@
 #include "eval/memory.h"
 #include "eval/oracle.h"
 #include "eval/pictures.h"
+#include "eval/tolerance_maps.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -174,6 +175,17 @@ std::vector<ComparedRow> CompareEstimators(const ComparisonJob& job) {
     if (job.on_progress) job.on_progress("bin", trial + 1, job.spec.trials);
   }
   return comparison.Finish();
+}
+
+void AddPickChances(const ToleranceMaps& maps, std::vector<ComparedRow>& rows) {
+  for (ComparedRow& row : rows) {
+    for (ComparedLook& look : row.looks) {
+      look.pick_chances.clear();
+      for (const HypothesisScore& h : look.score.hypotheses) {
+        look.pick_chances.push_back(maps.PickChance(h));
+      }
+    }
+  }
 }
 
 }  // namespace pickbed

@@ -30,6 +30,9 @@ std::vector<Figure> FigureList(const ComparedRow& row, const ComparisonFigures& 
        fmt::format("{} ({} of {})", Percent(f.bins > 0 ? 1.0 * f.top_right / f.bins : 0),
                    f.top_right, f.bins)},
       {"recall, %", fmt::format("{} ({} of {})", Percent(f.recall()), f.recalled, f.instances)}};
+  if (f.top_pick_chance) {
+    list.insert(list.begin() + 1, {"chance to pick it, mean, %", Percent(*f.top_pick_chance)});
+  }
   for (const RecallBand& band : f.bands) {
     list.push_back({"  recall, " + BandName(band) + " visible", RecallOf(band)});
   }
@@ -150,7 +153,7 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
     const int high = static_cast<int>(100 * band.visible_max + 0.5);
     csv += fmt::format(",instances_{0}_{1},recalled_{0}_{1}", low, high);
   }
-  csv += ",ar_vsd,ar_mssd,ar_mspd,ap_mssd,ap_mspd\n";
+  csv += ",ar_vsd,ar_mssd,ar_mspd,ap_mssd,ap_mspd,top_pick_chance\n";
   for (const ComparedRow& row : rows) {
     for (int object = -1; object < static_cast<int>(objects.size()); ++object) {
       const bool all = object < 0;
@@ -167,9 +170,10 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
       const bop::ObjectScores of_part =
           known != row.bop.objects.end() ? known->second : bop::ObjectScores();
       csv += fmt::format(
-          ",{},{},{},{},{}\n", all ? row.bop.ar_vsd : of_part.ar_vsd,
+          ",{},{},{},{},{},{}\n", all ? row.bop.ar_vsd : of_part.ar_vsd,
           all ? row.bop.ar_mssd : of_part.ar_mssd, all ? row.bop.ar_mspd : of_part.ar_mspd,
-          all ? row.bop.ap_mssd : of_part.ap_mssd, all ? row.bop.ap_mspd : of_part.ap_mspd);
+          all ? row.bop.ap_mssd : of_part.ap_mssd, all ? row.bop.ap_mspd : of_part.ap_mspd,
+          f.top_pick_chance ? fmt::format("{:.4f}", *f.top_pick_chance) : "");
     }
   }
   return csv;
@@ -178,15 +182,17 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
 std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
   std::string csv =
       "estimator,trial,hypothesis,object,instance,score,mssd_m,mssd_diameters,mspd_px,add_m,adi_m,"
-      "rotation_rad,translation_m,correct\n";
+      "rotation_rad,translation_m,correct,p_pick\n";
   for (const ComparedRow& row : rows) {
     for (const ComparedLook& look : row.looks) {
       for (size_t i = 0; i < look.score.hypotheses.size(); ++i) {
         const HypothesisScore& h = look.score.hypotheses[i];
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.label, look.trial, i,
-                           objects[h.object]->name, h.instance, h.score, h.mssd_m, h.mssd_diameters,
-                           h.mspd_px, h.add_m, h.adi_m, h.rotation_rad, h.translation_m,
-                           h.correct ? 1 : 0);
+        const bool known = !look.pick_chances.empty() && look.pick_chances[i].has_value();
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.label, look.trial,
+                           i, objects[h.object]->name, h.instance, h.score, h.mssd_m,
+                           h.mssd_diameters, h.mspd_px, h.add_m, h.adi_m, h.rotation_rad,
+                           h.translation_m, h.correct ? 1 : 0,
+                           known ? fmt::format("{:.4f}", *look.pick_chances[i]) : "");
       }
     }
   }

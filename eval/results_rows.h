@@ -5,16 +5,42 @@
 
 #include <string>
 
-#include "eval/trial.h"
+#include "eval/results_store.h"
 
 namespace pickbed {
 
+inline constexpr char kFinished[] = "finished";
+inline constexpr char kCrashed[] = "crashed";
+
+struct PointRow {
+  StoredPoint point;
+  template <typename V>
+  void Visit(V&& v) {
+    v("point", point.point);
+    v("name", point.name);
+    v("first_trial", point.first_trial);
+    v("trials", point.trials);
+    v("seed", point.seed);
+    v("identity", point.identity);
+    v("settings", point.settings);
+  }
+};
+
+// A trial that crashed has no rows in the other tables.
 struct TrialRow {
   int trial = 0;
   TrialResult result;
+  uint64_t seed = 0;
+  std::string status = kFinished;
+  std::string crash;  // why it crashed
   template <typename V>
   void Visit(V&& v) {
     v("trial", trial);
+    v("point", result.point);
+    v("scene", result.scene);
+    v("seed", seed);
+    v("status", status);
+    v("crash", crash);
     v("parts_dropped", result.parts_dropped);
     v("parts_cleared", result.parts_cleared);
     v("ended_by", result.ended_by);
@@ -43,6 +69,8 @@ struct PickRow {
     v("executed", executed);
     v("chosen_hypothesis", record.chosen);
     v("aimed", record.aimed);
+    v("target", record.target);
+    v("band", record.band);
     v("grasp_hypothesis", grasp.hypothesis);
     v("grasp_x_wg", grasp.X_WG);
     v("grasp_width_m", grasp.width_m);

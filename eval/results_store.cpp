@@ -1,211 +1,135 @@
 #include "eval/results_store.h"
 
 #include <fmt/format.h>
-#include <sqlite3.h>
 
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <limits>
+#include <map>
 
-#include "eval/results_rows.h"
+#include "eval/results_schema_impl.h"
 #include "scenes/check.h"
 
 namespace pickbed {
 namespace {
 
-constexpr int kSchemaVersion = 4;
-constexpr int kBusyTimeoutMs = 60000;  // several workers write to one file
+constexpr char kFileName[] = "results.sqlite";
+constexpr int kTrialsAtATime = 256;  // that ForEach holds
 
-// One prepared statement.
-class Statement {
- public:
-  Statement(sqlite3* db, const std::string& sql) : db_(db) {
-    Check(sqlite3_prepare_v2(db, sql.c_str(), -1, &statement_, nullptr));
-  }
-  ~Statement() { sqlite3_finalize(statement_); }
-  Statement(const Statement&) = delete;
-  Statement& operator=(const Statement&) = delete;
-
-  // True when there is a row to read.
-  bool Step() {
-    const int code = sqlite3_step(statement_);
-    if (code == SQLITE_ROW) return true;
-    if (code != SQLITE_DONE) Check(code);
-    sqlite3_reset(statement_);
-    return false;
-  }
-
-  void Bind(int column, int value) { Check(sqlite3_bind_int(statement_, column, value)); }
-  void Bind(int column, bool value) { Bind(column, static_cast<int>(value)); }
-  void Bind(int column, double value) { Check(sqlite3_bind_double(statement_, column, value)); }
-  void Bind(int column, const std::string& value) {
-    Check(sqlite3_bind_text(statement_, column, value.c_str(), -1, SQLITE_TRANSIENT));
-  }
-  void Bind(int column, Loss value) { Bind(column, std::string(LossName(value))); }
-  void Bind(int column, const Pose& value) {  // row by row, shortest text that reads back the same
-    Eigen::Matrix<double, 3, 4, Eigen::RowMajor> rows = value.matrix().topRows<3>();
-    Bind(column, nlohmann::json(std::vector<double>(rows.data(), rows.data() + 12)).dump());
-  }
-
-  void Read(int column, int& value) const { value = sqlite3_column_int(statement_, column); }
-  void Read(int column, bool& value) const { value = sqlite3_column_int(statement_, column) != 0; }
-  void Read(int column, double& value) const { value = sqlite3_column_double(statement_, column); }
-  void Read(int column, std::string& value) const {
-    value = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
-  }
-  void Read(int column, Loss& value) const {
-    std::string name;
-    Read(column, name);
-    value = LossFromName(name).value_or(Loss::kNone);
-  }
-  void Read(int column, Pose& value) const {
-    std::string text;
-    Read(column, text);
-    const auto numbers = nlohmann::json::parse(text).get<std::vector<double>>();
-    value.matrix().topRows<3>() =
-        Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(numbers.data());
-  }
-
- private:
-  void Check(int code) const {
-    if (code == SQLITE_OK) return;
-    const std::string reason = sqlite3_errmsg(db_);
-    const bool users = code == SQLITE_FULL || code == SQLITE_READONLY || code == SQLITE_IOERR ||
-                       code == SQLITE_CANTOPEN;
-    const std::string message = fmt::format("{}: {}", sqlite3_db_filename(db_, "main"), reason);
-    if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT) {
-      throw InputError(message + "; remove the folder, or choose another with --out");
-    }
-    if (users) throw InputError(message + "; finished trials are kept, see --resume");
-    throw std::runtime_error(message);
-  }
-
-  sqlite3* db_;
-  sqlite3_stmt* statement_ = nullptr;
-};
-
-template <typename Row>
-std::string CreateTable(const char* table) {
-  std::string columns;
-  Row().Visit([&]<typename T>(const char* name, const T&) {
-    constexpr bool kInteger = std::is_same_v<T, int> || std::is_same_v<T, bool>;
-    const char* type = kInteger ? "INTEGER" : std::is_same_v<T, double> ? "REAL" : "TEXT";
-    columns += fmt::format("{}{} {}", columns.empty() ? "" : ", ", name, type);
-  });
-  return fmt::format("CREATE TABLE IF NOT EXISTS {} ({})", table, columns);
+std::filesystem::path FileIn(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  CheckInput(!error, fmt::format("cannot make the folder {}: {}; choose another with --out",
+                                 folder.string(), error.message()));
+  return folder / kFileName;
 }
 
-template <typename Row>
-void Insert(sqlite3* db, const char* table, std::vector<Row> rows) {
-  if (rows.empty()) return;
-  std::string marks;
-  Row().Visit([&](const char*, const auto&) { marks += marks.empty() ? "?" : ", ?"; });
-  Statement statement(db, fmt::format("INSERT INTO {} VALUES ({})", table, marks));
-  for (Row& row : rows) {
-    int column = 0;
-    row.Visit([&](const char*, const auto& value) { statement.Bind(++column, value); });
-    statement.Step();
+bool HoldsTrials(const Database& db) { return Statement(db, "SELECT 1 FROM trials").Step(); }
+
+// A run that failed before its first trial ended leaves nothing to be kept apart from.
+void WriteHead(const Database& db, const StoreHead& head) {
+  db.Execute("DELETE FROM points");
+  std::vector<PointRow> rows;
+  for (const StoredPoint& point : head.points) rows.push_back({point});
+  Insert(db, "points", std::move(rows));
+  Statement insert(db, "INSERT OR REPLACE INTO settings VALUES ('scenario', ?)");
+  insert.Bind(1, head.identity);
+  insert.Step();
+}
+
+// More trials may be asked for than before.
+void RaiseTrials(const Database& db, const StoreHead& head) {
+  Statement update(db, "UPDATE points SET trials = max(trials, ?) WHERE point = ?");
+  for (const StoredPoint& point : head.points) {
+    update.Bind(1, point.trials);
+    update.Bind(2, point.point);
+    update.Step();
   }
 }
 
-template <typename Row>
-std::vector<Row> Select(sqlite3* db, const char* table) {
-  std::string columns;
-  Row().Visit([&](const char* name, const auto&) {
-    columns += columns.empty() ? name : fmt::format(", {}", name);
-  });
-  // Rows of a trial were written in order and in one transaction.
-  Statement statement(db, fmt::format("SELECT {} FROM {} ORDER BY trial, rowid", columns, table));
-  std::vector<Row> rows;
-  while (statement.Step()) {
-    Row& row = rows.emplace_back();
-    int column = 0;
-    row.Visit([&](const char*, auto& value) { statement.Read(column++, value); });
+StoreHead ReadHead(const Database& db) {
+  StoreHead head;
+  head.identity = db.Setting("scenario");
+  for (PointRow& row : Select<PointRow>(db, "points", "ORDER BY point")) {
+    head.points.push_back(std::move(row.point));
   }
-  return rows;
+  return head;
+}
+
+StoreHead OnePoint(const std::string& settings) {
+  StoredPoint point;
+  point.identity = point.settings = settings;
+  point.seed = SeedIn(settings);
+  return {settings, {point}};
 }
 
 }  // namespace
 
 struct ResultsStore::Impl {
-  ~Impl() { sqlite3_close(db); }
-  void Execute(const std::string& sql) { Statement(db, sql).Step(); }
+  Database db;
+  StoreHead head;
 
-  std::string SettingOr(const char* key, const std::string& fallback) {
-    Statement statement(db, "SELECT value FROM settings WHERE key = ?");
-    statement.Bind(1, std::string(key));
-    std::string value = fallback;
-    if (statement.Step()) statement.Read(0, value);
-    return value;
-  }
-
-  void CreateTables(const std::string& settings) {
-    Execute("CREATE TABLE IF NOT EXISTS settings (key TEXT PRIMARY KEY, value TEXT)");
-    Execute(CreateTable<TrialRow>("trials"));
-    Execute("CREATE UNIQUE INDEX IF NOT EXISTS one_row_a_trial ON trials (trial)");
-    Execute(CreateTable<PickRow>("picks"));
-    Execute(CreateTable<HypothesisRow>("hypotheses"));
-    Execute(CreateTable<InstanceRow>("instances"));
-    Execute(CreateTable<FateRow>("fates"));
-    Execute(CreateTable<RejectionRow>("rejections"));
-    Execute(CreateTable<RefusalRow>("refusals"));
-    Execute(CreateTable<TimingRow>("timings"));
-    Statement insert(db, "INSERT OR IGNORE INTO settings VALUES (?, ?)");
-    insert.Bind(1, std::string("schema_version"));
-    insert.Bind(2, std::to_string(kSchemaVersion));
-    insert.Step();
-    insert.Bind(1, std::string("scenario"));
-    insert.Bind(2, settings);
-    insert.Step();
-    // A run that failed before its first trial ended leaves nothing to be kept apart from.
-    Statement update(db,
-                     "UPDATE settings SET value = ? WHERE key = 'scenario' "
-                     "AND NOT EXISTS (SELECT 1 FROM trials)");
-    update.Bind(1, settings);
-    update.Step();
-  }
-
-  sqlite3* db = nullptr;
+  // Throws std::logic_error for a point that the store does not have.
+  uint64_t SeedOf(int point) const { return head.points.at(point).seed; }
 };
 
-std::optional<std::string> StoredSettings(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / "results.sqlite";
-  if (!std::filesystem::is_regular_file(file)) return std::nullopt;
-  ResultsStore::Impl store;
-  const int opened = sqlite3_open_v2(file.c_str(), &store.db, SQLITE_OPEN_READONLY, nullptr);
-  CheckInput(opened == SQLITE_OK,
-             fmt::format("cannot read {}: {}", file.string(), sqlite3_errmsg(store.db)));
-  return store.SettingOr("scenario", "");
+uint64_t SeedIn(const std::string& settings) {
+  constexpr std::string_view kKey = "seed: ";
+  const std::string text = "\n" + settings;
+  const size_t at = text.find("\n" + std::string(kKey));
+  return at == std::string::npos ? 0 : std::strtoull(&text[at + 1 + kKey.size()], nullptr, 10);
 }
+
+std::optional<std::string> StoredSettings(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_regular_file(folder / kFileName)) return std::nullopt;
+  return ResultsStore::OpenToRead(folder).head().identity;
+}
+
+ResultsStore::ResultsStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ResultsStore::ResultsStore(ResultsStore&&) noexcept = default;
+ResultsStore::~ResultsStore() = default;
 
 ResultsStore::ResultsStore(const std::filesystem::path& folder, const std::string& settings)
-    : impl_(std::make_unique<Impl>()) {
-  const std::string where = folder.string();
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  CheckInput(!error, fmt::format("cannot make the folder {}: {}; choose another with --out", where,
-                                 error.message()));
-  const std::string file = (folder / "results.sqlite").string();
-  const int opened = sqlite3_open(file.c_str(), &impl_->db);
-  CheckInput(opened == SQLITE_OK,
-             fmt::format("cannot write to {}: {}; choose another folder with --out", file,
-                         sqlite3_errmsg(impl_->db)));
-  sqlite3_busy_timeout(impl_->db, kBusyTimeoutMs);
+    : ResultsStore(folder, OnePoint(settings)) {}
+
+ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead& head) {
+  Database db(FileIn(folder), Database::Mode::kCreate);
   // The rollback journal stays: turning a new file to WAL fails when several workers do it at once
   // (no busy timeout covers that), and WAL needs memory that machines of a cluster do not share.
-  impl_->Execute("BEGIN IMMEDIATE");
-  impl_->CreateTables(settings);
-  impl_->Execute("COMMIT");
-  const std::string version = impl_->SettingOr("schema_version", "");
-  CheckInput(version == std::to_string(kSchemaVersion),
-             fmt::format("{} was written by another version of pickbed (schema {}, here {}); "
-                         "choose another folder with --out",
-                         file, version, kSchemaVersion));
-  CheckInput(impl_->SettingOr("scenario", "") == settings,
+  Transaction transaction(db);
+  RequireKnownVersion(db);
+  if (!IsOfThisVersion(db)) Migrate(db);
+  if (!HoldsTrials(db)) WriteHead(db, head);
+  CheckInput(db.Setting("scenario") == head.identity,
              fmt::format("{} already holds results of another scenario or of other settings; "
                          "choose another folder with --out or remove this one",
-                         where));
+                         folder.string()));
+  RaiseTrials(db, head);
+  transaction.Commit();
+  StoreHead stored = ReadHead(db);
+  impl_ = std::make_unique<Impl>(std::move(db), std::move(stored));
 }
 
-ResultsStore::~ResultsStore() = default;
+ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / kFileName;
+  CheckInput(std::filesystem::is_regular_file(file),
+             fmt::format("{} holds no {}; name the results folder of a `pickbed run` or `pickbed "
+                         "sweep`",
+                         folder.string(), kFileName));
+  Database db(file, Database::Mode::kExisting);
+  RequireKnownVersion(db);
+  CheckInput(db.HasTable("trials") && db.HasTable("settings"),
+             fmt::format("{} is no results store of pickbed", file.string()));
+  if (IsOfThisVersion(db)) {
+    StoreHead head = ReadHead(db);
+    return ResultsStore(std::make_unique<Impl>(std::move(db), std::move(head)));
+  }
+  Database copy = db.CopyInMemory();
+  Migrate(copy);
+  StoreHead head = ReadHead(copy);
+  return ResultsStore(std::make_unique<Impl>(std::move(copy), std::move(head)));
+}
+
+const StoreHead& ResultsStore::head() const { return impl_->head; }
 
 void ResultsStore::Write(const TrialResult& result) {
   std::vector<PickRow> picks;
@@ -236,22 +160,35 @@ void ResultsStore::Write(const TrialResult& result) {
   }
   for (const auto& [stage, seconds] : result.seconds) timings.push_back({trial, stage, seconds});
 
-  sqlite3* db = impl_->db;
-  impl_->Execute("BEGIN IMMEDIATE");
-  try {
-    Insert<TrialRow>(db, "trials", {{trial, result}});
-    Insert(db, "picks", std::move(picks));
-    Insert(db, "hypotheses", std::move(hypotheses));
-    Insert(db, "instances", std::move(instances));
-    Insert(db, "fates", std::move(fates));
-    Insert(db, "rejections", std::move(rejections));
-    Insert(db, "refusals", std::move(refusals));
-    Insert(db, "timings", std::move(timings));
-    impl_->Execute("COMMIT");
-  } catch (...) {
-    sqlite3_exec(db, "ROLLBACK", nullptr, nullptr, nullptr);
-    throw;
-  }
+  const Database& db = impl_->db;
+  Transaction transaction(db);
+  Insert<TrialRow>(db, "trials",
+                   {{trial, result, impl_->SeedOf(result.point), kFinished, /*crash=*/""}});
+  Insert(db, "picks", std::move(picks));
+  Insert(db, "hypotheses", std::move(hypotheses));
+  Insert(db, "instances", std::move(instances));
+  Insert(db, "fates", std::move(fates));
+  Insert(db, "rejections", std::move(rejections));
+  Insert(db, "refusals", std::move(refusals));
+  Insert(db, "timings", std::move(timings));
+  transaction.Commit();
+}
+
+void ResultsStore::WriteCrashed(const CrashedTrial& crashed) {
+  TrialRow row;
+  row.trial = crashed.trial;
+  row.result.point = crashed.point;
+  row.result.scene = crashed.scene;
+  row.seed = impl_->SeedOf(crashed.point);
+  row.status = kCrashed;
+  row.crash = crashed.why;
+  Transaction transaction(impl_->db);
+  Insert<TrialRow>(impl_->db, "trials", {row});
+  transaction.Commit();
+}
+
+void ResultsStore::ForgetCrashed() {
+  impl_->db.Execute(fmt::format("DELETE FROM trials WHERE status = '{}'", kCrashed));
 }
 
 std::vector<int> ResultsStore::FinishedTrials() const {
@@ -261,38 +198,65 @@ std::vector<int> ResultsStore::FinishedTrials() const {
   return trials;
 }
 
+std::vector<CrashedTrial> ResultsStore::Crashed() const {
+  std::vector<CrashedTrial> crashed;
+  const std::string clause = fmt::format("WHERE status = '{}' ORDER BY trial", kCrashed);
+  for (TrialRow& row : Select<TrialRow>(impl_->db, "trials", clause)) {
+    crashed.push_back(
+        {row.trial, row.result.point, row.result.scene, row.seed, std::move(row.crash)});
+  }
+  return crashed;
+}
+
 std::vector<TrialResult> ResultsStore::ReadAll() const {
-  sqlite3* db = impl_->db;
+  return Read(0, std::numeric_limits<int>::max());
+}
+
+void ResultsStore::ForEach(const std::function<void(const TrialResult&)>& visit) const {
+  const std::vector<int> trials = FinishedTrials();
+  for (size_t from = 0; from < trials.size(); from += kTrialsAtATime) {
+    const size_t last = std::min(from + kTrialsAtATime, trials.size()) - 1;
+    for (const TrialResult& result : Read(trials[from], trials[last] + 1)) visit(result);
+  }
+}
+
+std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
+  const Database& db = impl_->db;
+  // Rows of a trial were written in order and in one transaction.
+  const std::string range =
+      fmt::format("WHERE trial >= {} AND trial < {} ORDER BY trial, rowid", first, end);
   std::vector<TrialResult> results;
   std::map<int, size_t> index;
-  for (TrialRow& row : Select<TrialRow>(db, "trials")) {
+  for (TrialRow& row : Select<TrialRow>(db, "trials", range)) {
+    if (row.status == kCrashed) continue;
     index[row.trial] = results.size();
     results.push_back(std::move(row.result));
     results.back().trial = row.trial;
   }
   const auto of = [&](int trial) -> TrialResult& { return results[index.at(trial)]; };
-  for (PickRow& row : Select<PickRow>(db, "picks")) {
+  for (PickRow& row : Select<PickRow>(db, "picks", range)) {
     if (row.executed) row.record.grasp = row.grasp;
     of(row.trial).picks.push_back(std::move(row.record));
   }
-  for (HypothesisRow& row : Select<HypothesisRow>(db, "hypotheses")) {
+  for (HypothesisRow& row : Select<HypothesisRow>(db, "hypotheses", range)) {
     of(row.trial).picks[row.pick].hypotheses.push_back(row.score);
   }
-  for (InstanceRow& row : Select<InstanceRow>(db, "instances")) {
+  for (InstanceRow& row : Select<InstanceRow>(db, "instances", range)) {
     of(row.trial).picks[row.pick].instances.push_back(row.record);
   }
-  for (const FateRow& row : Select<FateRow>(db, "fates")) of(row.trial).fates.push_back(row.fate);
-  for (const RejectionRow& row : Select<RejectionRow>(db, "rejections")) {
+  for (const FateRow& row : Select<FateRow>(db, "fates", range))
+    of(row.trial).fates.push_back(row.fate);
+  for (const RejectionRow& row : Select<RejectionRow>(db, "rejections", range)) {
     of(row.trial).picks[row.pick].grasps_rejected[row.cause] = row.grasps;
   }
-  for (const RefusalRow& row : Select<RefusalRow>(db, "refusals")) {
+  for (const RefusalRow& row : Select<RefusalRow>(db, "refusals", range)) {
     std::vector<RefusedScene>& refused = of(row.trial).refused;
     if (refused.empty() || refused.back().attempt != row.attempt) {
       refused.push_back({row.attempt, {}});
     }
     refused.back().faults.push_back(row.fault);
   }
-  for (const TimingRow& row : Select<TimingRow>(db, "timings")) {
+  for (const TimingRow& row : Select<TimingRow>(db, "timings", range)) {
     of(row.trial).seconds[row.stage] = row.seconds;
   }
   return results;

@@ -89,12 +89,15 @@ WorkerPlan::DoItem StartWorker(const ScenarioSpec& spec, const ObjectSet& object
 }
 
 void WriteReports(const std::vector<TrialResult>& trials, const ObjectSet& objects,
-                  const RunSummary& summary, const std::filesystem::path& out) {
+                  const RunSummary& summary, const RunOptions& options) {
+  const std::filesystem::path& out = options.out;
   WriteFileAtomically(out / "summary.json", SummaryJson(summary));
   WriteFileAtomically(out / "trials.csv", TrialsCsv(trials));
-  WriteFileAtomically(out / "picks.csv", PicksCsv(trials, objects));
+  WriteFileAtomically(out / "picks.csv", PicksCsv(trials, objects, options.tolerance));
   WriteFileAtomically(out / "parts.csv", PartsCsv(trials, objects));
   WriteFileAtomically(out / "timings.csv", TimingsCsv(trials, summary.cycle));
+  if (options.tolerance.empty()) return;
+  WriteFileAtomically(out / "pick_chances.csv", PickChancesCsv(trials, objects, options.tolerance));
 }
 
 // All of a part that a trial depends on.
@@ -199,9 +202,10 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
   RunReport report;
   report.trials = ResultsStore(options.out, identity).ReadAll();
   report.summary = Summarize(report.trials, spec.cycle);
+  report.summary.forecasts = ForecastsOf(report.trials, objects, options.tolerance);
   report.interrupted = work.stopped;
   report.lost = std::move(work.lost);
-  WriteReports(report.trials, objects, report.summary, options.out);
+  WriteReports(report.trials, objects, report.summary, options);
   return report;
 }
 

@@ -6,6 +6,7 @@
 //   OUT/scenario.yaml    the effective settings
 //   OUT/timings.csv      seconds by trial and stage
 //   OUT/{summary.json,trials.csv,picks.csv,parts.csv}
+//   OUT/pick_chances.csv the chance of every hypothesis, where tolerance maps are given
 //   OUT/pictures/trial_0000/pick_00_{color,depth,overlay,after}.png
 //
 // All but the store's timings and timings.csv are the same bytes for any number of workers.
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "eval/summary.h"
+#include "eval/tolerance_maps.h"
 #include "eval/workers.h"
 #include "scenes/scenario_spec.h"
 
@@ -28,6 +30,7 @@ struct RunOptions {
   int picture_trials = 4;        // trials 0 .. picture_trials - 1 get pictures
   std::vector<int> only_trials;  // ascending; empty = all of the scenario
   TruthStages truth;             // stages that are fed with truth
+  ToleranceMaps tolerance;       // of the parts, for the reports alone
 };
 
 // How far a run is.

@@ -65,6 +65,12 @@ std::string RulesText(const RunSummary& summary) {
   return text;
 }
 
+// Empty where the part has no map.
+std::string ChanceCell(const ToleranceMaps& maps, const HypothesisScore& hypothesis) {
+  const std::optional<double> chance = maps.PickChance(hypothesis);
+  return chance ? fmt::format("{:.4f}", *chance) : "";
+}
+
 }  // namespace
 
 std::vector<RecallBand> EmptyRecallBands() {
@@ -138,6 +144,9 @@ std::string SummaryJson(const RunSummary& s) {
   }
   json["losses"] = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : s.losses) json["losses"][reason] = count;
+  if (!s.forecasts.empty()) {
+    json["pick_forecasts"] = nlohmann::ordered_json::parse(ForecastJson(s.forecasts));
+  }
   auto& picks_per_hour = json["picks_per_hour"];
   if (!s.cycle.measured && s.successes > 0) picks_per_hour = s.cycle.picks_per_hour();
   return json.dump(2) + "\n";
@@ -171,6 +180,7 @@ std::string SummaryTable(const RunSummary& s) {
   for (const auto& [reason, count] : s.losses) {
     line(reason, fmt::format("{:<6}{}", count, StageName(StageOf(*LossFromName(reason)))));
   }
+  text += ForecastText(s.forecasts);
   text += "Seconds a bin\n";
   for (const auto& [stage, seconds] : s.seconds) line(stage, fmt::format("{:.2f}", seconds));
   return text;
@@ -194,11 +204,13 @@ std::string TrialsCsv(const std::vector<TrialResult>& trials) {
   return csv;
 }
 
-std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects) {
+std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects,
+                     const ToleranceMaps& maps) {
   std::string csv =
       std::string() +
       "trial,pick,parts_in_view,hypotheses,object,instance,confidence,mssd_diameters,mssd_mm,"
-      "mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,success,loss,slip_mm,turn_deg,disturbed" +
+      "mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,p_pick,success,loss,slip_mm,turn_deg,"
+      "disturbed" +
       OutcomeHeader() + "\n";
   constexpr double kDegrees = 180 / 3.14159265358979323846;
   for (const TrialResult& trial : trials) {
@@ -207,11 +219,12 @@ std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& ob
                          pick.hypotheses.size());
       if (pick.chosen >= 0) {
         const HypothesisScore& h = pick.hypotheses.at(pick.chosen);
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},", objects.at(h.object)->name, h.instance,
-                           h.score, h.mssd_diameters, 1e3 * h.mssd_m, h.mspd_px, 1e3 * h.add_m,
-                           1e3 * h.adi_m, kDegrees * h.rotation_rad, 1e3 * h.translation_m);
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},", objects.at(h.object)->name,
+                           h.instance, h.score, h.mssd_diameters, 1e3 * h.mssd_m, h.mspd_px,
+                           1e3 * h.add_m, 1e3 * h.adi_m, kDegrees * h.rotation_rad,
+                           1e3 * h.translation_m, ChanceCell(maps, h));
       } else {
-        csv += ",,,,,,,,,,";
+        csv += ",,,,,,,,,,,";
       }
       csv +=
           fmt::format("{},{},{},{},{}{}\n", pick.loss == Loss::kNone ? 1 : 0, LossName(pick.loss),

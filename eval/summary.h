@@ -11,6 +11,7 @@
 
 #include "eval/cycle.h"
 #include "eval/outcome_table.h"
+#include "eval/pick_forecast.h"
 #include "eval/statistics.h"
 #include "eval/trial.h"
 
@@ -43,6 +44,7 @@ struct RunSummary {
   std::vector<RecallBand> recall_by_visibility;  // 10-30, 30-50, 50-70, 70-90, 90-100 %
   std::vector<TrialRefusal> refused;             // scenes that failed their certificate
   std::map<std::string, int> losses;             // reason -> attempts or ends charged to it
+  std::vector<PickForecast> forecasts;           // by tolerance maps, where there are some
   CycleTime cycle;
   StageSeconds seconds;  // stage -> mean a trial
 };
@@ -54,7 +56,9 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
 std::string SummaryJson(const RunSummary& summary);
 std::string SummaryTable(const RunSummary& summary);            // for people
 std::string TrialsCsv(const std::vector<TrialResult>& trials);  // a line a trial
-std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);  // a pick
+// A line a pick; p_pick is the chance of the executed pose, where its part has a tolerance map.
+std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects,
+                     const ToleranceMaps& maps = {});
 std::string PartsCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);  // a part
 // The last lines, of trial "all", are the cycle's seconds a picked part.
 std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle = {});

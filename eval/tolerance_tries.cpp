@@ -13,18 +13,18 @@ namespace {
 constexpr double kMm = 1e-3, kDegree = std::numbers::pi / 180;
 
 constexpr std::array<ErrorAxis, 12> kAxes{{
-    {"x", "along x of the part", "mm", false, 0, kMm},
-    {"y", "along y of the part", "mm", false, 1, kMm},
-    {"z", "along z of the part", "mm", false, 2, kMm},
-    {"rx", "about x of the part", "deg", false, 3, kDegree},
-    {"ry", "about y of the part", "deg", false, 4, kDegree},
-    {"rz", "about z of the part", "deg", false, 5, kDegree},
-    {"gx", "along the closing direction", "mm", true, 0, kMm},
-    {"gy", "across the fingers", "mm", true, 1, kMm},
-    {"gz", "along the approach", "mm", true, 2, kMm},
-    {"grx", "about the closing direction", "deg", true, 3, kDegree},
-    {"gry", "about the fingers' width", "deg", true, 4, kDegree},
-    {"grz", "about the approach", "deg", true, 5, kDegree},
+    {"x", "along", "mm", false, 0, kMm},
+    {"y", "along", "mm", false, 1, kMm},
+    {"z", "along", "mm", false, 2, kMm},
+    {"rx", "about", "deg", false, 3, kDegree},
+    {"ry", "about", "deg", false, 4, kDegree},
+    {"rz", "about", "deg", false, 5, kDegree},
+    {"gx", "along", "mm", true, 0, kMm},
+    {"gy", "along", "mm", true, 1, kMm},
+    {"gz", "along", "mm", true, 2, kMm},
+    {"grx", "about", "deg", true, 3, kDegree},
+    {"gry", "about", "deg", true, 4, kDegree},
+    {"grz", "about", "deg", true, 5, kDegree},
 }};
 
 // Turned about a point of O instead of its origin.
@@ -106,6 +106,12 @@ class Planner {
 }  // namespace
 
 std::span<const ErrorAxis> ErrorAxisTable() { return kAxes; }
+
+std::string AxisHelp(const ErrorAxis& axis, const GripperSpec& gripper) {
+  const int xyz = axis.coordinate % 3;
+  if (axis.of_grasp) return fmt::format("{} {}", axis.way, MechanismOf(gripper).axes_G[xyz]);
+  return fmt::format("{} {} of the part", axis.way, std::array{"x", "y", "z"}[xyz]);
+}
 
 int ErrorAxisNamed(const std::string& name) {
   std::vector<std::string> names;

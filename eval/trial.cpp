@@ -65,7 +65,7 @@ struct TrialRunner::Impl {
   Impl(const ScenarioSpec& spec, const ObjectSet& objects, const Progress& on_progress,
        const TrialOptions& options);
 
-  Live Drop(int trial, const std::filesystem::path& picture_folder);
+  Live Drop(int scene, const std::filesystem::path& picture_folder);
   View See(Live& live, int look);
   std::vector<PoseHypothesis> Believe(const View& view, Live& live, PickRecord& record);
   // With truth in place of the stages that are fed.
@@ -133,13 +133,13 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
   }
 }
 
-TrialRunner::Impl::Live TrialRunner::Impl::Drop(int trial,
+TrialRunner::Impl::Live TrialRunner::Impl::Drop(int scene,
                                                 const std::filesystem::path& picture_folder) {
   Live live;
   live.picture_folder = picture_folder;
-  live.result.trial = trial;
+  live.result.trial = live.result.scene = scene;
   StageTimer timer(live.result.seconds, "drop");
-  CertifiedScene made = cell.MakeScene(trial);
+  CertifiedScene made = cell.MakeScene(scene);
   live.result.certificate = std::move(made.certificate);
   live.result.refused = std::move(made.refused);
   live.result.parts_dropped = cell.WantedIn(made.scene);
@@ -155,7 +155,7 @@ TrialRunner::Impl::Live TrialRunner::Impl::Drop(int trial,
 
 View TrialRunner::Impl::See(Live& live, int look) {
   StageTimer timer(live.result.seconds, "see");
-  return cell.See(live.scene, live.result.trial, look);
+  return cell.See(live.scene, live.result.scene, look);
 }
 
 std::vector<PoseHypothesis> TrialRunner::Impl::Fed(std::vector<PoseHypothesis> believed,
@@ -179,7 +179,7 @@ std::vector<PoseHypothesis> TrialRunner::Impl::Fed(std::vector<PoseHypothesis> b
 std::vector<PoseHypothesis> TrialRunner::Impl::Believe(const View& view, Live& live,
                                                        PickRecord& record) {
   if (!estimator) return Fed({}, view, live.scene);
-  Rng rng = Rng::Derive(spec.seed, live.result.trial, fmt::format("estimate/{}", record.pick));
+  Rng rng = Rng::Derive(spec.seed, live.result.scene, fmt::format("estimate/{}", record.pick));
   EstimateResult result = estimator->Estimate(live.scene, view, rng);
   for (const auto& [stage, value] : result.seconds) live.result.seconds[stage] += value;
   return Fed(std::move(result.hypotheses), view, live.scene);
@@ -221,7 +221,7 @@ PlanOptions TrialRunner::Impl::Ranking(const Live& live, const PickRecord& recor
   PlanOptions plan_options;
   plan_options.ranking = spec.policy.ranking;
   plan_options.seed =
-      Rng::Derive(spec.seed, live.result.trial, fmt::format("plan/{}", record.pick)).Next();
+      Rng::Derive(spec.seed, live.result.scene, fmt::format("plan/{}", record.pick)).Next();
   return plan_options;
 }
 
@@ -313,7 +313,7 @@ void TrialRunner::Impl::PickOnce(Live& live) {
   } else {
     record.loss = LossWithoutGrasp(record, hypotheses, {live.scene, metric_models, cell.camera()});
   }
-  if (pictures.wanted()) pictures.WriteAfter(cell.ColorPicture(live.scene, live.result.trial));
+  if (pictures.wanted()) pictures.WriteAfter(cell.ColorPicture(live.scene, live.result.scene));
 }
 
 void TrialRunner::Impl::PickAll(Live& live) {
@@ -346,8 +346,8 @@ TrialRunner::TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects,
 
 TrialRunner::~TrialRunner() = default;
 
-TrialResult TrialRunner::Run(int trial, const std::filesystem::path& picture_folder) {
-  Impl::Live live = impl_->Drop(trial, picture_folder);
+TrialResult TrialRunner::Run(int scene, const std::filesystem::path& picture_folder) {
+  Impl::Live live = impl_->Drop(scene, picture_folder);
   impl_->PickAll(live);
   TrialResult& result = live.result;
   TrialEnd end;

@@ -51,6 +51,8 @@ struct PickRecord {
   std::vector<HypothesisScore> hypotheses;
   int chosen = -1;  // hypothesis of the executed grasp
   int aimed = -1;   // instance that it stands on, -1 = none
+  int target = -1;  // instance that the look of an occlusion sweep is about, -1 = none
+  int band = -1;    // band of the target's visible fraction, -1 = none
   std::optional<Grasp> grasp;
   GraspOutcome outcome;
   Loss loss = Loss::kNone;
@@ -58,7 +60,9 @@ struct PickRecord {
 };
 
 struct TrialResult {
-  int trial = 0;
+  int trial = 0;  // number in its results store
+  int point = 0;  // point of the sweep that it belongs to, 0 in a plain run
+  int scene = 0;  // which scene it is about: equal for the trials of several points that are pairs
   SceneCertificate certificate;
   std::vector<RefusedScene> refused;  // before the certified one
   int parts_dropped = 0;
@@ -95,8 +99,9 @@ class TrialRunner {
               const TrialOptions& options = {});
   ~TrialRunner();
 
+  // The trial of that scene number, which is also the trial's until the caller numbers it.
   // Overlays go to `picture_folder` when it is not empty.
-  TrialResult Run(int trial, const std::filesystem::path& picture_folder = {});
+  TrialResult Run(int scene, const std::filesystem::path& picture_folder = {});
 
  private:
   struct Impl;

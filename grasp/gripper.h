@@ -2,6 +2,7 @@
 
 // Grippers are data: assets/grippers/NAME.yaml names a mechanism and its numbers.
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,6 +38,8 @@ struct GripperSpec {
 struct MechanismRow {
   const char* name;
   const char* help;
+  // What x, y and z of G are, in words.
+  std::array<const char*, 3> axes_G;
   // Names its own numbers.
   void (*visit)(GripperSpec& spec, SettingsVisitor& v);
   // Throws InputError naming `source` when the numbers contradict each other.

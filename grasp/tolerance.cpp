@@ -8,6 +8,7 @@
 
 #include "scenes/check.h"
 #include "scenes/files.h"
+#include "scenes/logistic.h"
 
 namespace pickbed {
 namespace {
@@ -42,8 +43,6 @@ Terms TermsOf(const PoseError& u) {
   }
   return terms;
 }
-
-double Logistic(double x) { return 1 / (1 + std::exp(-x)); }
 
 double Probability(const ToleranceModel& model, const PoseError& error_G) {
   const Eigen::Map<const Terms> weights(model.weights.data());

@@ -92,6 +92,7 @@ std::vector<GraspCandidate> Candidates(const ObjectModel& model, const GripperSp
 MechanismRow ParallelJawRow() {
   return {.name = "parallel_jaw",
           .help = "two coupled fingers on a slider with a force limit",
+          .axes_G = {"the closing direction", "the fingers' width", "the approach"},
           .visit = Visit,
           .check = Check,
           .approach_opening_m = ApproachOpening,

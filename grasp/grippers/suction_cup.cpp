@@ -89,6 +89,7 @@ std::vector<GraspCandidate> Candidates(const ObjectModel& model, const GripperSp
 MechanismRow SuctionCupRow() {
   return {.name = "suction_cup",
           .help = "a bellows whose lip seals on a part, until pull or moment break it off",
+          .axes_G = {"x of the lip", "y of the lip", "the approach"},
           .visit = Visit,
           .check = Check,
           .approach_opening_m = ApproachOpening,

@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <numbers>
+#include <set>
 
 #include "eval/tolerance_figures.h"
 #include "eval/tolerance_report.h"
@@ -86,6 +87,20 @@ TEST(ToleranceStudy, ErrorsAreWhatTheirAxesSay) {
   EXPECT_EQ(axis_tries, 12 * 6 + 1);
 }
 
+// What a cup has no fingers for.
+TEST(ErrorAxes, AreNamedByWhatTheGripperHas) {
+  std::set<std::string> of_cup;
+  for (const ErrorAxis& axis : ErrorAxisTable()) {
+    const std::string help = AxisHelp(axis, LoadGripper("cup_30mm"));
+    EXPECT_THAT(help, testing::Not(testing::ContainsRegex("finger|closing")));
+    of_cup.insert(help);
+  }
+  EXPECT_EQ(of_cup.size(), ErrorAxisTable().size());
+  EXPECT_EQ(AxisHelp(ErrorAxisTable()[6], SmallJaw()), "along the closing direction");
+  EXPECT_EQ(AxisHelp(ErrorAxisTable()[11], SmallJaw()), "about the approach");
+  EXPECT_EQ(AxisHelp(ErrorAxisTable()[4], SmallJaw()), "about y of the part");
+}
+
 TEST(ToleranceStudy, FilesAreTheSameForAnyNumberOfJobsAndAfterAStop) {
   ToleranceOptions options = Small();
   options.pairs = {{6, 11}};
@@ -155,7 +170,7 @@ TEST(TolerancePredictors, APlantedRuleIsToldByTheMapAndNotByTheMetrics) {
     const PoseError error = draw();
     picks.push_back({ToPose(error), std::abs(error[0]) < 0.003, i});
   }
-  const auto predictors = JudgePredictors(model, *part, picks);
+  const auto predictors = JudgePredictors({{model, *part, picks}});
   ASSERT_GE(predictors.size(), 4u);
   EXPECT_EQ(predictors[0].name, kPickRiskMetric);
   EXPECT_GT(predictors[0].auc.auc, 0.98);
@@ -174,9 +189,21 @@ TEST(TolerancePredictors, APlantedRuleIsToldByTheMapAndNotByTheMetrics) {
   EXPECT_NEAR(auc_of("mssd"), auc_of("add"), 1e-12);
   // Picks of one bin are drawn together.
   for (size_t i = 0; i < picks.size(); ++i) picks[i].cluster = static_cast<int>(i) / 100;
-  const auto clustered = JudgePredictors(model, *part, picks);
+  const auto clustered = JudgePredictors({{model, *part, picks}});
   EXPECT_DOUBLE_EQ(clustered[0].auc.auc, predictors[0].auc.auc);
   EXPECT_NE(clustered[1].auc.interval.low, predictors[1].auc.interval.low);
+}
+
+TEST(TolerancePredictors, PicksOfOneOutcomeJudgeNoScore) {
+  const auto part = BoxPart({0.04, 0.03, 0.06}, 0.1);
+  const ToleranceModel model = EmptyToleranceModel(*part, "test jaw", {Pose::Identity()});
+  std::vector<JudgedPick> picks;
+  for (int i = 0; i < 6; ++i) picks.push_back({Translation({1e-4 * i, 0, 0}), true, i / 2});
+  const auto predictors = JudgePredictors({{model, *part, picks}});
+  EXPECT_THAT(PredictorText(predictors, "3 bins"),
+              testing::AllOf(testing::HasSubstr("all 6 picks succeeded (3 bins)"),
+                             testing::Not(testing::HasSubstr("0.5"))));
+  EXPECT_THAT(PredictorsCsv(predictors), testing::HasSubstr("pick_risk,,,,,,,6,0\n"));
 }
 
 }  // namespace

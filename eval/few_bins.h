@@ -1,0 +1,14 @@
+#pragma once
+
+// Intervals over bins need bins: a resample of a few of them varies less than new bins would.
+
+#include <string>
+
+namespace pickbed {
+
+inline constexpr int kFewBins = 20;
+
+// A sentence that says so where there are less than kFewBins; else empty.
+std::string FewBinsText(int bins);
+
+}  // namespace pickbed
