@@ -143,6 +143,8 @@ void ToleranceOptions::Visit(SettingsVisitor& v) {
   v.Group(
       "table", [&](SettingsVisitor& g) { table.Visit(g); }, "that the part lies on");
   v.Group(
+      "execute", [&](SettingsVisitor& g) { execute.Visit(g); }, "each grasp");
+  v.Group(
       "fit", [&](SettingsVisitor& g) { fit.Visit(g); }, "of the model");
 }
 
