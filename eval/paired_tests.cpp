@@ -152,7 +152,10 @@ std::optional<OddsRatio> MatchedOddsRatio(const Discordance& scenes, double conf
   const double low = Binomial::find_lower_bound_on_p(all, scenes.after_only, tail);
   const double high = Binomial::find_upper_bound_on_p(all, scenes.after_only, tail);
   const auto odds = [](double share) { return share < 1 ? share / (1 - share) : kInfinity; };
-  return OddsRatio{odds(static_cast<double>(scenes.after_only) / all), {odds(low), odds(high)}};
+  const double ratio = scenes.before_only > 0
+                           ? static_cast<double>(scenes.after_only) / scenes.before_only
+                           : kInfinity;
+  return OddsRatio{ratio, {odds(low), odds(high)}};
 }
 
 double SignFlipTest(int scenes, const FlipStatistic& statistic, int flips, uint64_t seed) {
