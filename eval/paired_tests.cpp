@@ -33,20 +33,34 @@ struct PairSums {
   double hh[2] = {0, 0}, ht[2] = {0, 0}, tt[2] = {0, 0};
   double h0h1 = 0, h0t1 = 0, t0h1 = 0, t0t1 = 0;
 
-  void Add(const Cluster& zero, const Cluster& one, double sign) {
+  void Add(const Cluster& zero, const Cluster& one) {
     const Cluster* of[2] = {&zero, &one};
     for (int k = 0; k < 2; ++k) {
       const double hits = of[k]->hits, tries = of[k]->tries;
-      h[k] += sign * hits;
-      t[k] += sign * tries;
-      hh[k] += sign * hits * hits;
-      ht[k] += sign * hits * tries;
-      tt[k] += sign * tries * tries;
+      h[k] += hits;
+      t[k] += tries;
+      hh[k] += hits * hits;
+      ht[k] += hits * tries;
+      tt[k] += tries * tries;
     }
-    h0h1 += sign * zero.hits * one.hits;
-    h0t1 += sign * zero.hits * one.tries;
-    t0h1 += sign * zero.tries * one.hits;
-    t0t1 += sign * zero.tries * one.tries;
+    h0h1 += static_cast<double>(zero.hits) * one.hits;
+    h0t1 += static_cast<double>(zero.hits) * one.tries;
+    t0h1 += static_cast<double>(zero.tries) * one.hits;
+    t0t1 += static_cast<double>(zero.tries) * one.tries;
+  }
+
+  void Add(const PairSums& other, double sign) {
+    for (int k = 0; k < 2; ++k) {
+      h[k] += sign * other.h[k];
+      t[k] += sign * other.t[k];
+      hh[k] += sign * other.hh[k];
+      ht[k] += sign * other.ht[k];
+      tt[k] += sign * other.tt[k];
+    }
+    h0h1 += sign * other.h0h1;
+    h0t1 += sign * other.h0t1;
+    t0h1 += sign * other.t0h1;
+    t0t1 += sign * other.t0t1;
   }
 
   double Rise() const { return h[1] / t[1] - h[0] / t[0]; }
@@ -91,22 +105,34 @@ std::vector<PooledValue> Pooled(const ValueClusters& before, const ValueClusters
   return pool;
 }
 
-// Median of the values for which `configuration` says `wanted`, each as often as its scene counts;
-// NaN of none.
-double MedianOf(const std::vector<PooledValue>& pool, const std::vector<int>& counts,
-                const std::function<int(const PooledValue&)>& configuration, int wanted) {
-  long total = 0;
+// Median of the values that `label` gives to configuration 1 less that of those it gives to 0, each
+// value as often as its scene counts; NaN where either has none, or both are infinite.
+template <typename Label>
+double MedianRise(const std::vector<PooledValue>& pool, const std::vector<int>& counts,
+                  const Label& label) {
+  long totals[2] = {0, 0};
+  for (const PooledValue& value : pool) totals[label(value)] += counts[value.scene];
+  if (totals[0] == 0 || totals[1] == 0) return std::numeric_limits<double>::quiet_NaN();
+  long passed[2] = {0, 0};
+  double medians[2] = {0, 0};
+  bool known[2] = {false, false};
   for (const PooledValue& value : pool) {
-    if (configuration(value) == wanted) total += counts[value.scene];
+    const int k = label(value);
+    passed[k] += counts[value.scene];
+    if (known[k] || 2 * passed[k] < totals[k]) continue;
+    medians[k] = value.value;
+    known[k] = true;
+    if (known[1 - k]) break;
   }
-  if (total == 0) return std::numeric_limits<double>::quiet_NaN();
-  long passed = 0;
-  for (const PooledValue& value : pool) {
-    if (configuration(value) != wanted) continue;
-    passed += counts[value.scene];
-    if (2 * passed >= total) return value.value;
-  }
-  return pool.back().value;
+  return medians[1] - medians[0];
+}
+
+// Draws of so many values each, so that all draw kMostValues at most; 200 at least.
+int FewerDraws(int draws, size_t values) {
+  constexpr double kMostValues = 1e8;
+  constexpr int kFewestDraws = 200;
+  const double affordable = kMostValues / std::max<double>(1, static_cast<double>(values));
+  return affordable >= draws ? draws : std::max(kFewestDraws, static_cast<int>(affordable));
 }
 
 }  // namespace
@@ -158,25 +184,26 @@ double SignFlipTest(int scenes, const FlipStatistic& statistic, int flips, uint6
 double PairedRateTest(std::span<const Cluster> before, std::span<const Cluster> after, int flips,
                       uint64_t seed) {
   if (before.size() != after.size()) throw std::logic_error("pairs differ in number");
-  std::vector<Cluster> a, b;
   PairSums found;
+  std::vector<PairSums> changes;  // by changing the labels of a scene
   for (size_t i = 0; i < before.size(); ++i) {
-    found.Add(before[i], after[i], 1);
+    found.Add(before[i], after[i]);
     // Scenes that both did alike stay as they are whatever their labels.
     if (before[i].hits == after[i].hits && before[i].tries == after[i].tries) continue;
-    a.push_back(before[i]);
-    b.push_back(after[i]);
+    PairSums as_is, changed;
+    as_is.Add(before[i], after[i]);
+    changed.Add(after[i], before[i]);
+    changed.Add(as_is, -1);
+    changes.push_back(changed);
   }
   const auto size = [&](const std::vector<bool>& flipped) {
     PairSums sums = found;
-    for (size_t i = 0; i < a.size(); ++i) {
-      if (!flipped[i]) continue;
-      sums.Add(a[i], b[i], -1);
-      sums.Add(b[i], a[i], 1);
+    for (size_t i = 0; i < changes.size(); ++i) {
+      if (flipped[i]) sums.Add(changes[i], 1);
     }
     return sums.Size();
   };
-  return SignFlipTest(static_cast<int>(a.size()), size, flips, seed);
+  return SignFlipTest(static_cast<int>(changes.size()), size, flips, seed);
 }
 
 double PairedMedianTest(const ValueClusters& before, const ValueClusters& after, int flips,
@@ -187,11 +214,11 @@ double PairedMedianTest(const ValueClusters& before, const ValueClusters& after,
     const auto label = [&](const PooledValue& value) {
       return value.configuration ^ static_cast<int>(flipped[value.scene]);
     };
-    const double difference = MedianOf(pool, once, label, 1) - MedianOf(pool, once, label, 0);
+    const double difference = MedianRise(pool, once, label);
     // Two infinite medians are alike; labels that leave one without values tell nothing.
     return std::isnan(difference) ? 0 : std::abs(difference);
   };
-  return SignFlipTest(static_cast<int>(before.size()), size, flips, seed);
+  return SignFlipTest(static_cast<int>(before.size()), size, FewerDraws(flips, pool.size()), seed);
 }
 
 Interval PairedMedianInterval(const ValueClusters& before, const ValueClusters& after,
@@ -201,10 +228,11 @@ Interval PairedMedianInterval(const ValueClusters& before, const ValueClusters& 
   const int scenes = static_cast<int>(before.size());
   Rng rng(seed);
   std::vector<double> differences;
-  for (int k = 0; k < resamples; ++k) {
+  const int draws = FewerDraws(resamples, pool.size());
+  for (int k = 0; k < draws; ++k) {
     std::vector<int> counts(scenes, 0);
     for (int i = 0; i < scenes; ++i) ++counts[rng.Index(scenes)];
-    const double difference = MedianOf(pool, counts, label, 1) - MedianOf(pool, counts, label, 0);
+    const double difference = MedianRise(pool, counts, label);
     if (!std::isnan(difference)) differences.push_back(difference);
   }
   if (differences.empty()) return {-kInfinity, kInfinity};
@@ -234,7 +262,7 @@ std::optional<int> ScenesNeededForMcNemar(double difference, double discordant,
 double DeviationOfRise(std::span<const Cluster> before, std::span<const Cluster> after) {
   if (before.size() != after.size()) throw std::logic_error("pairs differ in number");
   PairSums sums;
-  for (size_t i = 0; i < before.size(); ++i) sums.Add(before[i], after[i], 1);
+  for (size_t i = 0; i < before.size(); ++i) sums.Add(before[i], after[i]);
   if (sums.t[0] == 0 || sums.t[1] == 0) return 0;
   return std::sqrt(sums.Variance() * static_cast<double>(before.size()));
 }

@@ -46,13 +46,14 @@ double SignFlipTest(int scenes, const FlipStatistic& statistic, int flips = 1000
 double PairedRateTest(std::span<const Cluster> before, std::span<const Cluster> after,
                       int flips = 10000, uint64_t seed = 0);
 
-// Whether medians of all values differ, by sign flips of their difference.
+// Whether medians of all values differ, by sign flips of their difference. Fewer flips, 200 at
+// least, where there are over 50,000 values.
 double PairedMedianTest(const ValueClusters& before, const ValueClusters& after, int flips = 2000,
                         uint64_t seed = 0);
 
 // Interval of the median after less the median before: percentiles over `resamples` draws of as
-// many scenes with replacement (Davison and Hinkley 1997, sec. 3.8). [-inf, inf] where either has
-// no values.
+// many scenes with replacement (Davison and Hinkley 1997, sec. 3.8), fewer as above. [-inf, inf]
+// where either has no values.
 Interval PairedMedianInterval(const ValueClusters& before, const ValueClusters& after,
                               double confidence = 0.95, int resamples = 2000, uint64_t seed = 0);
 
