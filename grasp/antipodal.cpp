@@ -7,14 +7,13 @@
 #include "grasp/pad_contact.h"
 #include "grasp/spread.h"
 #include "scenes/friction.h"
+#include "scenes/gravity.h"
 #include "scenes/mesh_query.h"
 
 namespace pickbed {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kGravity_mps2 = 9.81;
 
 // Two surface points that face away from each other along `axis_O` (unit, first to second).
 struct ContactPair {

@@ -162,7 +162,7 @@ class Attempt {
     }
   }
 
-  // False when the hand meets more than the stopping force on the way.
+  // False when something in the hand's way does not give way to it.
   bool Approach() {
     const double share = std::min(1.0, world_.step_s() / options_.stop_window_s);
     double felt_n = 0;
@@ -171,8 +171,10 @@ class Attempt {
       const double left = 1 - MinimumJerk(static_cast<double>(i) / steps);
       hand_->MoveTo(X_WG_ * Translation({0, 0, -left * gripper_.approach_m}));
       Step();
-      felt_n += share * (hand_->Load().hardest_n - felt_n);
-      if (felt_n > options_.stop_force_n) return false;
+      felt_n += share * (hand_->Load().stiff_n - felt_n);
+      if (felt_n > options_.stop_force_n || hand_->yielded_m() > options_.stop_yield_m) {
+        return false;
+      }
     }
     return true;
   }

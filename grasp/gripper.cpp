@@ -10,12 +10,11 @@
 #include "grasp/grippers/parallel_jaw.h"
 #include "grasp/grippers/suction_cup.h"
 #include "scenes/check.h"
+#include "scenes/gravity.h"
 #include "scenes/object_catalog.h"
 
 namespace pickbed {
 namespace {
-
-constexpr double kGravity_mps2 = 9.81;
 
 std::vector<std::string> MechanismNames() {
   std::vector<std::string> names;

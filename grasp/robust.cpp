@@ -4,12 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/gravity.h"
+
 namespace pickbed {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity_mps2 = 9.81;
 constexpr double kLeastFactor = 0.05;  // of friction and mass, however far out a sample lies
 
 Vector3d NormalVector(double sigma, Rng& rng) {
