@@ -12,9 +12,7 @@ namespace pickbed {
 
 std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const std::string& catalog,
                                    const std::string& object, const std::string& gripper) {
-  CheckInput(std::filesystem::exists(folder / "results.sqlite"),
-             fmt::format("{}: holds no results.sqlite; make a results folder with pickbed run",
-                         folder.string()));
+  const ResultsStore store = ResultsStore::OpenToRead(folder);
   ScenarioArguments arguments;
   arguments.scenario = (folder / "scenario.yaml").string();
   arguments.catalog = catalog;
@@ -23,7 +21,10 @@ std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const st
   CheckInput(of_run == gripper, fmt::format("{}: picked with gripper {}, the map is of {}",
                                             folder.string(), of_run, gripper));
   std::vector<JudgedPick> picks;
-  const ResultsStore store(folder, RunIdentity(scenario.spec, scenario.objects));
+  CheckInput(store.head().identity == RunIdentity(scenario.spec, scenario.objects),
+             fmt::format("{} was made with another model, gripper, sensor or part than there is "
+                         "now; repeat the run",
+                         folder.string()));
   for (const TrialResult& trial : store.ReadAll()) {
     for (const PickRecord& pick : trial.picks) {
       if (!pick.grasp || pick.aimed < 0) continue;

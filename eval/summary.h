@@ -11,6 +11,7 @@
 
 #include "eval/cycle.h"
 #include "eval/outcome_table.h"
+#include "eval/results_store.h"
 #include "eval/statistics.h"
 #include "eval/trial.h"
 
@@ -42,6 +43,7 @@ struct RunSummary {
   double top1_precision = 0;
   std::vector<RecallBand> recall_by_visibility;  // 10-30, 30-50, 50-70, 70-90, 90-100 %
   std::vector<TrialRefusal> refused;             // scenes that failed their certificate
+  std::vector<CrashedTrial> crashed;             // counted nowhere else
   std::map<std::string, int> losses;             // reason -> attempts or ends charged to it
   CycleTime cycle;
   StageSeconds seconds;  // stage -> mean a trial
@@ -52,10 +54,13 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
 // summary.json, without times. Picks per hour are null where they rest on a measured time, or
 // nothing was picked.
 std::string SummaryJson(const RunSummary& summary);
-std::string SummaryTable(const RunSummary& summary);            // for people
-std::string TrialsCsv(const std::vector<TrialResult>& trials);  // a line a trial
-std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);  // a pick
-std::string PartsCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);  // a part
+std::string SummaryTable(const RunSummary& summary);  // for people
+// A line a trial; those that crashed have empty cells.
+std::string TrialsCsv(const std::vector<TrialResult>& trials,
+                      const std::vector<CrashedTrial>& crashed = {});
+// A line a pick, and a line a part; `parts` are the names of the kinds that were dropped.
+std::string PicksCsv(const std::vector<TrialResult>& trials, const std::vector<std::string>& parts);
+std::string PartsCsv(const std::vector<TrialResult>& trials, const std::vector<std::string>& parts);
 // The last lines, of trial "all", are the cycle's seconds a picked part.
 std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle = {});
 
