@@ -64,12 +64,6 @@ class Judge {
   }
 
  private:
-  static Eigen::Vector3d MeanVertex(const MetricModel& model) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& vertex : model.vertices_O) sum += vertex;
-    return sum / std::max<size_t>(1, model.vertices_O.size());
-  }
-
   const LookTruth& truth_;
   std::vector<Eigen::Vector3d> means_O_;  // by object
   std::vector<Pose> X_CO_;                // by instance

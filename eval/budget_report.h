@@ -9,13 +9,10 @@
 
 namespace pickbed {
 
-// With fewer bins a bootstrap over them gives intervals that are too narrow, which is then said.
-inline constexpr int kFewBins = 20;
-
 std::string BudgetTable(const BudgetRuns& runs);  // for people
 std::string BudgetJson(const BudgetRuns& runs);
-// A line a row and reason: row, stage, reason, attempts, instances; with those picked and not asked
-// for.
+// A line a row and reason: row, stage, reason, attempts, instances; with all, those picked and
+// those not asked for; then the 95 % intervals of the shares of what was asked for.
 std::string BudgetCsv(const BudgetRuns& runs);
 
 // FOLDER/budget.json, budget.csv, attempts.png, instances.png, gains.png and index.html, which

@@ -10,8 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "eval/pick_forecast.h"
 #include "eval/run.h"
 #include "eval/statistics.h"
+#include "eval/tolerance_maps.h"
 #include "eval/truth_feed.h"
 
 namespace pickbed {
@@ -21,6 +23,7 @@ struct BudgetJob {
   ScenarioSpec spec;          // of its scenario.yaml
   ObjectSet objects;
   std::vector<OracleRow> rows;  // what is to be fed, a rerun each
+  ToleranceMaps tolerance;      // to judge the run's picks by
   int jobs = 1;
 };
 
@@ -30,9 +33,10 @@ struct FedRun {
 };
 
 struct BudgetRuns {
-  std::vector<TrialResult> as_run;  // by trial
-  std::vector<FedRun> fed;          // the same trials each
-  bool interrupted = false;         // then `fed` is not complete
+  std::vector<TrialResult> as_run;      // by trial
+  std::vector<FedRun> fed;              // the same trials each
+  std::vector<PickForecast> forecasts;  // of the picks as run
+  bool interrupted = false;             // then `fed` is not complete
 };
 
 struct BudgetListener {
@@ -57,8 +61,8 @@ struct Gain {
   double points() const { return 100 * (after - before); }
 };
 struct StageGain {
-  Gain attempts;   // picked of all looks
-  Gain instances;  // picked of the parts that were asked for
+  Gain attempts;   // picked of all attempts
+  Gain instances;  // picked of the instances asked for
 };
 // The same trials in the same order; throws std::logic_error otherwise.
 StageGain GainOf(std::span<const TrialResult> as_run, std::span<const TrialResult> fed);

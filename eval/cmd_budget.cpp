@@ -59,11 +59,10 @@ std::string StagesHelp() {
 int BudgetCommand(int argc, char** argv) {
   CLI::App app(
       "Says where the picks of a run were lost, by stage and reason, and runs its trials again "
-      "with "
-      "truth in place of one stage at a time: what perfecting that stage would gain.",
+      "with truth in place of one stage at a time: what perfecting that stage would gain.",
       "pickbed budget");
   std::string run, catalog = "objects";
-  std::vector<std::string> stages;
+  std::vector<std::string> stages, tolerance;
   bool json = false;
   BudgetJob job;
   job.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -74,6 +73,7 @@ int BudgetCommand(int argc, char** argv) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
+  AddToleranceArgument(app, tolerance);
   app.add_flag("--json", json, "print the budget as JSON on stdout, and nothing else");
   app.footer(StagesHelp() +
              "\nReruns lie in RUN/budget; a second call goes on where the first was stopped.\n"
@@ -90,6 +90,7 @@ int BudgetCommand(int argc, char** argv) {
   LoadedScenario loaded = LoadScenarioArguments({scenario.string(), {}, catalog, {}});
   job.spec = std::move(loaded.spec);
   job.objects = std::move(loaded.objects);
+  job.tolerance = MapsFor(job.spec, job.objects, tolerance);
   const BudgetRuns runs = RerunWithProgress(job);
   if (runs.interrupted) {
     fmt::print(stderr, "pickbed: stopped; the same command goes on\n");

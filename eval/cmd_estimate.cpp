@@ -13,6 +13,7 @@
 #include "eval/explain.h"
 #include "eval/interrupt.h"
 #include "eval/progress.h"
+#include "eval/tolerance_maps.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -54,19 +55,22 @@ std::vector<std::string> Overlays(const std::filesystem::path& folder,
 }
 
 int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
-                     const std::string& out, int threads) {
+                     const std::vector<std::string>& tolerance, const std::string& out,
+                     int threads) {
   const LoadedScenario scenario = LoadScenarioArguments(arguments);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");
   const std::vector<std::string> labels =
       estimators.empty() ? std::vector{scenario.spec.estimator.name} : estimators;
   const std::vector<ComparedEstimator> compared = ParseEstimators(labels, scenario.spec.estimator);
+  const ToleranceMaps maps = MapsFor(scenario.spec, scenario.objects, tolerance);
   MakeFolder(folder / "pictures");
   constexpr std::chrono::seconds kClockSlack{1};  // of file times
   const auto start = std::filesystem::file_time_type::clock::now() - kClockSlack;
   CatchInterrupts();
   const ComparisonJob job{scenario.spec, scenario.objects, compared, folder / "pictures",
                           kPicturedBins, threads,          {},       {}};
-  const std::vector<ComparedRow> rows = LookAtBins(job);
+  std::vector<ComparedRow> rows = LookAtBins(job);
+  if (!maps.empty()) AddPickChances(maps, rows);
   WriteFileAtomically(folder / "hypotheses.csv", HypothesesCsv(rows, scenario.objects));
   WriteFileAtomically(folder / "comparison.csv", ComparisonCsv(rows, scenario.objects));
   WriteFileAtomically(folder / "comparison.html",
@@ -203,7 +207,7 @@ int EstimateCommand(int argc, char** argv) {
       "guesses poses in the images of a BOP data set and writes them as BOP's results CSV.",
       "pickbed estimate");
   ScenarioArguments arguments;
-  std::vector<std::string> estimators;
+  std::vector<std::string> estimators, tolerance;
   std::string out, bop_path, explained, split = "test";
   AddScenarioArguments(app, arguments);
   app.get_option("SCENARIO")->required(false);
@@ -221,6 +225,7 @@ int EstimateCommand(int argc, char** argv) {
       "instead of scores, a page that shows each stage of the estimate of one image: the "
       "number of a trial, or, with --bop, SCENE/IMAGE; in results/NAME-explain");
   AddTrialsArgument(app, arguments);
+  AddToleranceArgument(app, tolerance);
   AddOutArgument(app, out, "-estimate");
   app.footer(
       "Example: pickbed estimate bin_rod --trials 20 --estimator descriptor:hard,ppf\n"
@@ -228,6 +233,8 @@ int EstimateCommand(int argc, char** argv) {
       "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf");
   if (!ParseArguments(app, argc, argv)) return 0;
   const bool explain = app.count("--explain") > 0;
+  CheckInput(tolerance.empty() || (bop_path.empty() && !explain),
+             "--tolerance scores poses of a SCENARIO; with --bop, pass it to pickbed score");
   if (!bop_path.empty()) {
     return explain ? ExplainBop(bop_path, split, arguments, estimators, explained, out)
                    : EstimateBop(bop_path, split, arguments, estimators, out, threads);
@@ -235,7 +242,7 @@ int EstimateCommand(int argc, char** argv) {
   CheckInput(!arguments.scenario.empty(),
              "SCENARIO is required (or --bop PATH); see pickbed estimate --help");
   if (explain) return ExplainScenario(arguments, estimators, explained, out);
-  return EstimateScenario(arguments, estimators, out, threads);
+  return EstimateScenario(arguments, estimators, tolerance, out, threads);
 }
 
 }  // namespace pickbed

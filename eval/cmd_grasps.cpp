@@ -7,9 +7,10 @@
 #include "eval/commands.h"
 #include "eval/grasps_csv.h"
 #include "eval/report/draw_grasps.h"
-#include "grasp/candidates.h"
-#include "scenes/check.h"
+#include "grasp/require_candidates.h"
 #include "scenes/image_io.h"
+#include "sim/convex_pieces.h"
+#include "sim/resting_poses.h"
 
 namespace pickbed {
 namespace {
@@ -21,32 +22,17 @@ struct GraspsArguments {
   std::vector<std::string> settings;
 };
 
-// What other grippers that come with the program can do with a part.
-std::string Offers(const ObjectModel& model, const std::string& without,
-                   const GraspCandidateOptions& options) {
-  std::string offers;
-  for (const std::string& name : GripperNames()) {
-    if (name == without) continue;
-    const size_t count = CachedCandidates(model, LoadGripper(name), options).size();
-    if (count > 0) offers += fmt::format("{}{} has {}", offers.empty() ? "" : ", ", name, count);
-  }
-  return offers.empty() ? "and no other gripper that comes with the program has one"
-                        : fmt::format("but {}: pickbed grasps {} GRIPPER", offers, model.name);
-}
-
 void WriteGrasps(const GraspsArguments& arguments) {
-  const auto model = OpenCatalog(arguments.catalog).Load(arguments.object);
+  const ObjectSet parts{OpenCatalog(arguments.catalog).Load(arguments.object)};
   const GripperSpec gripper = LoadGripper(arguments.gripper);
-  RequireCanCarry(gripper, *model);
+  RequireCanCarry(gripper, *parts[0]);
+  const auto model = WithRestingDirections(WithConvexPieces(parts))[0];
   GraspCandidateOptions options;
   options.antipodal.candidates = options.suction.candidates = arguments.count;
   for (const std::string& setting : arguments.settings) {
     ApplySetting(setting, [&](SettingsVisitor& v) { options.Visit(v); });
   }
-  auto candidates = CachedCandidates(*model, gripper, options);
-  CheckInput(!candidates.empty(), fmt::format("part '{}' has no {} for gripper '{}', {}",
-                                              model->name, CandidateMakerOf(gripper).needs,
-                                              gripper.name, Offers(*model, gripper.name, options)));
+  auto candidates = RequireCandidates(*model, gripper, options);
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     return std::make_pair(a.robust, a.epsilon) > std::make_pair(b.robust, b.epsilon);
   });

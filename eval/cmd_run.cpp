@@ -26,6 +26,7 @@ int RunCommand(int argc, char** argv) {
   RunOptions options;
   options.jobs = std::max(1u, std::thread::hardware_concurrency());
   std::string out;
+  std::vector<std::string> tolerance;
   bool json = false;
   AddScenarioArguments(app, arguments);
   AddTrialsArgument(app, arguments);
@@ -39,6 +40,7 @@ int RunCommand(int argc, char** argv) {
   app.add_option("--pictures", options.picture_trials, "trials that get pictures, 0 = none")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
+  AddToleranceArgument(app, tolerance);
   app.add_flag("--json", json, "print the summary as JSON on stdout, and nothing else");
   app.footer("Example: pickbed run demo --trials 10 --set estimator.name=oracle --jobs 2");
   if (!ParseArguments(app, argc, argv)) return 0;
@@ -46,6 +48,7 @@ int RunCommand(int argc, char** argv) {
   CatchInterrupts();
   const LoadedScenario scenario = LoadScenarioArguments(arguments);
   options.out = OutFolder(out, scenario.name);
+  options.tolerance = MapsFor(scenario.spec, scenario.objects, tolerance);
   const RunReport report = RunWithProgress(scenario, options);
 
   if (json) {

@@ -25,6 +25,13 @@ std::string ScoreTable(const bop::Scores& scores) {
                 ? fmt::format("  {:>7.3f}  {:>7.3f}\n", object.ap_mssd, object.ap_mspd)
                 : "        -        -\n";
   }
+  for (const auto& [id, object] : scores.objects) {
+    if (!object.pick_chance) continue;
+    text += fmt::format(
+        "object {}: a pick on the estimate of an instance to be found succeeds by "
+        "{:.3f} in the mean\n",
+        id, *object.pick_chance);
+  }
   if (scores.seconds_an_image >= 0) {
     text += fmt::format("seconds an image  {:.2f}\n", scores.seconds_an_image);
   }
@@ -44,6 +51,7 @@ int ScoreCommand(int argc, char** argv) {
       "by those of BOP24.",
       "pickbed score");
   std::string path, csv, split = "test";
+  std::vector<std::string> tolerances;
   bop::VsdOptions vsd;
   double delta_mm = 1e3 * vsd.delta_m;
   app.add_option("--bop", path, "the data set's folder")->required();
@@ -55,14 +63,20 @@ int ScoreCommand(int argc, char** argv) {
                  "BOP has 5 for itodd")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option(
+         "--tolerance", tolerances,
+         "ID=PLACE, comma-separated: an obj_id and its map of `pickbed tolerance`; says the "
+         "mean chance that a pick on an estimate succeeds")
+      ->delimiter(',');
   app.footer("Example: pickbed score --bop bop/ycbv results/ppf_ycbv-test.csv");
   if (!ParseArguments(app, argc, argv)) return 0;
   vsd.delta_m = 1e-3 * delta_mm;
+  const bop::TolerancesById models = bop::ReadTolerances(tolerances);
   const std::vector<bop::Estimate> estimates = bop::ReadResults(csv);
   bop::Scores scores;
   {
     ProgressLine progress;
-    scores = bop::Evaluate(path, split, estimates, vsd,
+    scores = bop::Evaluate(path, split, estimates, vsd, models,
                            [&](const std::string& scene) { progress.Show("scoring " + scene); });
   }
   fmt::print("{}", ScoreTable(scores));

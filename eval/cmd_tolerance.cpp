@@ -1,18 +1,21 @@
 #include <fmt/format.h>
 
+#include <set>
 #include <sstream>
 #include <thread>
 
 #include "eval/command_line.h"
 #include "eval/commands.h"
+#include "eval/few_bins.h"
 #include "eval/interrupt.h"
 #include "eval/progress.h"
 #include "eval/run_picks.h"
 #include "eval/tolerance_report.h"
-#include "grasp/candidates.h"
+#include "grasp/require_candidates.h"
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
 #include "sim/convex_pieces.h"
+#include "sim/resting_poses.h"
 
 namespace pickbed {
 namespace {
@@ -96,29 +99,12 @@ ToleranceOptions OptionsOf(const Arguments& arguments) {
   return options;
 }
 
-// The grasps of the part with this gripper; without any says which gripper has some.
-std::vector<GraspCandidate> RequireCandidates(const ObjectModel& part, const GripperSpec& gripper) {
-  auto candidates = CachedCandidates(part, gripper);
-  if (!candidates.empty()) return candidates;
-  std::string others;
-  for (const std::string& name : GripperNames()) {
-    if (name == gripper.name || CachedCandidates(part, LoadGripper(name)).empty()) continue;
-    others += fmt::format("{}{}", others.empty() ? "" : " or ", name);
-  }
-  throw InputError(fmt::format(
-      "{} has no grasp with {}: no two of its sides that face away from each other fit between the "
-      "fingers; {}",
-      part.name, gripper.name,
-      others.empty() ? "take a gripper of another kind or size, see pickbed list grippers"
-                     : "it has some with " + others));
-}
-
 ToleranceStudy MakeStudy(const Arguments& arguments) {
   const ToleranceOptions options = OptionsOf(arguments);
   const GripperSpec gripper = LoadGripper(arguments.gripper);
   const auto loaded = OpenCatalog(arguments.catalog).Load(arguments.object);
   RequireCanCarry(gripper, *loaded);
-  const auto part = WithConvexPieces(loaded);
+  const auto part = WithRestingDirections({WithConvexPieces(loaded)})[0];
   fmt::print(stderr, "grasps and resting poses of {}\n", part->name);
   return PlanStudy(part, gripper, RequireCandidates(*part, gripper), options);
 }
@@ -137,6 +123,14 @@ StudyOutcomes ExecuteWithProgress(const ToleranceStudy& study, const std::filesy
   };
   listener.stop = Interrupted;
   return ExecuteStudy(study, out, arguments.jobs, arguments.resume, listener);
+}
+
+// A line where the picks are of few bins.
+std::string FewBinsLine(const std::vector<JudgedPick>& picks) {
+  std::set<int> bins;
+  for (const JudgedPick& pick : picks) bins.insert(pick.cluster);
+  const std::string few = FewBinsText(static_cast<int>(bins.size()));
+  return few.empty() ? few : "  " + few + "\n";
 }
 
 }  // namespace
@@ -168,9 +162,9 @@ int ToleranceCommand(int argc, char** argv) {
   WriteToleranceFiles(study, figures, out);
   fmt::print("{}", ToleranceText(figures));
   if (!arguments.run.empty()) {
-    const auto predictors = JudgePredictors(figures.model, part, picks);
+    const auto predictors = JudgePredictors({{figures.model, part, picks}});
     WriteFileAtomically(out / "run_predictors.csv", PredictorsCsv(predictors));
-    fmt::print("{}", PredictorText(predictors, "picks of " + arguments.run));
+    fmt::print("{}{}", PredictorText(predictors, "picks of " + arguments.run), FewBinsLine(picks));
   }
   fmt::print("results in {}\n", out.string());
   return 0;

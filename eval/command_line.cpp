@@ -71,6 +71,14 @@ void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix) 
   app.add_option("--out", out, "folder of the results [results/<scenario>" + suffix + "]");
 }
 
+void AddToleranceArgument(CLI::App& app, std::vector<std::string>& places) {
+  app.add_option(
+         "--tolerance", places,
+         "maps of `pickbed tolerance` for the parts with this gripper: folders, or a folder "
+         "of such, comma-separated; poses get their chance that a pick on them succeeds")
+      ->delimiter(',');
+}
+
 LoadedScenario LoadScenarioArguments(const ScenarioArguments& arguments) {
   const std::filesystem::path file = FindScenario(arguments.scenario);
   std::vector<std::string> settings = arguments.settings;

@@ -29,6 +29,9 @@ void AddTrialsArgument(CLI::App& app, ScenarioArguments& arguments);
 // --out, default results/<scenario><suffix>, said in the help.
 void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix = "");
 
+// --tolerance: where tolerance models lie, see eval/tolerance_maps.h.
+void AddToleranceArgument(CLI::App& app, std::vector<std::string>& places);
+
 struct LoadedScenario {
   std::string name;  // of the file, without folder and ending
   ScenarioSpec spec;

@@ -13,6 +13,7 @@ int RunCommand(int argc, char** argv);
 int SweepCommand(int argc, char** argv);
 int MergeCommand(int argc, char** argv);
 int BudgetCommand(int argc, char** argv);
+int ReplayCommand(int argc, char** argv);
 int DropCommand(int argc, char** argv);
 int RenderCommand(int argc, char** argv);
 int EstimateCommand(int argc, char** argv);

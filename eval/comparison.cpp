@@ -11,6 +11,7 @@
 #include "eval/memory.h"
 #include "eval/oracle.h"
 #include "eval/pictures.h"
+#include "eval/tolerance_maps.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -137,8 +138,9 @@ class Comparison {
     if (job_.pictures.empty() || trial >= job_.pictured_bins) return;
     const auto folder =
         job_.pictures / fmt::format("trial_{:04}", trial) / FolderName(row.result.label);
-    PickPictures(folder, 0).Write({view.frame, cell_.camera(), cell_.objects(), scene, hypotheses,
-                                   nullptr, nullptr, &view.ids});
+    WriteLookPictures(folder, 0,
+                      {view.frame, cell_.camera(), cell_.objects(), scene, hypotheses, nullptr,
+                       nullptr, &view.ids});
   }
 
   const ComparisonJob& job_;
@@ -174,6 +176,17 @@ std::vector<ComparedRow> CompareEstimators(const ComparisonJob& job) {
     if (job.on_progress) job.on_progress("bin", trial + 1, job.spec.trials);
   }
   return comparison.Finish();
+}
+
+void AddPickChances(const ToleranceMaps& maps, std::vector<ComparedRow>& rows) {
+  for (ComparedRow& row : rows) {
+    for (ComparedLook& look : row.looks) {
+      look.pick_chances.clear();
+      for (const HypothesisScore& h : look.score.hypotheses) {
+        look.pick_chances.push_back(maps.PickChance(h));
+      }
+    }
+  }
 }
 
 }  // namespace pickbed

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ struct ComparedLook {
   int trial = 0;
   LookScore score;
   StageSeconds seconds;  // see EstimatorRunner
+  // By hypothesis, see eval/tolerance_maps.h; empty without maps.
+  std::vector<std::optional<double>> pick_chances = {};
 };
 
 struct ComparedRow {
@@ -52,5 +55,9 @@ struct ComparisonJob {
 // Bins are filled one after the other and each row looks at each. Stops after a bin when asked to,
 // with what is done by then. Throws InputError, see VirtualCell and EstimatorRunner.
 std::vector<ComparedRow> CompareEstimators(const ComparisonJob& job);
+
+class ToleranceMaps;  // eval/tolerance_maps.h
+// Fills the chances of every look.
+void AddPickChances(const ToleranceMaps& maps, std::vector<ComparedRow>& rows);
 
 }  // namespace pickbed

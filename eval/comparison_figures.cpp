@@ -9,7 +9,6 @@
 namespace pickbed {
 namespace {
 
-constexpr double kStandsOnDiameters = 0.5;
 constexpr double kFarOff_deg = 15;
 constexpr double kWantedPrecision = 0.95;
 constexpr int kReliabilityBins = 10;
@@ -70,6 +69,21 @@ void CountInstances(const LookScore& look, std::optional<int> object, Comparison
   }
 }
 
+std::optional<double> TopPickChance(const ComparedRow& row) {
+  double sum = 0;
+  int known = 0, mapped = 0;
+  for (const ComparedLook& look : row.looks) {
+    const bool blind = look.score.hypotheses.empty();
+    if (!blind && (look.pick_chances.empty() || !look.pick_chances.front())) continue;
+    ++known;
+    if (blind) continue;
+    ++mapped;
+    sum += *look.pick_chances.front();
+  }
+  if (mapped == 0) return std::nullopt;
+  return sum / known;
+}
+
 }  // namespace
 
 ComparisonFigures FiguresOf(const ComparedRow& row, std::optional<int> object) {
@@ -104,6 +118,7 @@ ComparisonFigures FiguresOf(const ComparedRow& row, std::optional<int> object) {
   }
   figures.recall_at_95 = RecallAtPrecision(claims, figures.instances);
   Calibrate(claims, figures);
+  figures.top_pick_chance = TopPickChance(row);
   figures.share_over_15_deg =
       rotations_deg.empty() ? 0 : static_cast<double>(far_off) / rotations_deg.size();
   figures.median_rotation_deg = Median(std::move(rotations_deg));

@@ -28,6 +28,9 @@ struct ComparisonFigures {
   double share_over_15_deg = 0;      //
   double calibration_error = 0;      // ECE, ten bins of equal width
   std::vector<ReliabilityBin> reliability;
+  // Mean chance that a pick on the highest-ranked pose succeeds, over the bins where its part has a
+  // tolerance map; 0 counts for a bin without a pose. Nothing without maps.
+  std::optional<double> top_pick_chance;
   double seconds = 0;   // of an image, mean
   StageSeconds stages;  // the same by stage
 

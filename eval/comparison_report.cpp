@@ -30,6 +30,9 @@ std::vector<Figure> FigureList(const ComparedRow& row, const ComparisonFigures& 
        fmt::format("{} ({} of {})", Percent(f.bins > 0 ? 1.0 * f.top_right / f.bins : 0),
                    f.top_right, f.bins)},
       {"recall, %", fmt::format("{} ({} of {})", Percent(f.recall()), f.recalled, f.instances)}};
+  if (f.top_pick_chance) {
+    list.insert(list.begin() + 1, {"chance to pick it, mean, %", Percent(*f.top_pick_chance)});
+  }
   for (const RecallBand& band : f.bands) {
     list.push_back({"  recall, " + BandName(band) + " visible", RecallOf(band)});
   }
@@ -110,7 +113,7 @@ Curve RecallCurve(const ComparedRow& row) {
       sum.instances += here[b].instances;
     }
     if (sum.instances == 0) continue;
-    const Interval interval = ClusterBootstrap(bins);
+    const Interval interval = ClusterInterval(bins);
     curve.points.push_back({50 * (sum.visible_min + sum.visible_max),
                             100.0 * sum.recalled / sum.instances, 100 * interval.low,
                             100 * interval.high});
@@ -120,9 +123,18 @@ Curve RecallCurve(const ComparedRow& row) {
 
 Curve ReliabilityCurve(const ComparedRow& row) {
   Curve curve{row.label, {}};
-  for (const ReliabilityBin& bin : FiguresOf(row).reliability) {
+  const std::vector<ReliabilityBin> reliability = FiguresOf(row).reliability;
+  std::vector<std::vector<Cluster>> by_look(reliability.size());
+  for (const ComparedLook& look : row.looks) {
+    ComparedRow one_look;
+    one_look.looks = {look};
+    const std::vector<ReliabilityBin> here = FiguresOf(one_look).reliability;
+    for (size_t b = 0; b < here.size(); ++b) by_look[b].push_back({here[b].right, here[b].count});
+  }
+  for (size_t b = 0; b < reliability.size(); ++b) {
+    const ReliabilityBin& bin = reliability[b];
     if (bin.count == 0) continue;
-    const Interval interval = WilsonInterval(bin.right, bin.count);
+    const Interval interval = ClusterInterval(by_look[b]);
     curve.points.push_back(
         {bin.score_sum / bin.count, 1.0 * bin.right / bin.count, interval.low, interval.high});
   }
@@ -150,7 +162,7 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
     const int high = static_cast<int>(100 * band.visible_max + 0.5);
     csv += fmt::format(",instances_{0}_{1},recalled_{0}_{1}", low, high);
   }
-  csv += ",ar_vsd,ar_mssd,ar_mspd,ap_mssd,ap_mspd\n";
+  csv += ",ar_vsd,ar_mssd,ar_mspd,ap_mssd,ap_mspd,top_pick_chance\n";
   for (const ComparedRow& row : rows) {
     for (int object = -1; object < static_cast<int>(objects.size()); ++object) {
       const bool all = object < 0;
@@ -167,9 +179,10 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
       const bop::ObjectScores of_part =
           known != row.bop.objects.end() ? known->second : bop::ObjectScores();
       csv += fmt::format(
-          ",{},{},{},{},{}\n", all ? row.bop.ar_vsd : of_part.ar_vsd,
+          ",{},{},{},{},{},{}\n", all ? row.bop.ar_vsd : of_part.ar_vsd,
           all ? row.bop.ar_mssd : of_part.ar_mssd, all ? row.bop.ar_mspd : of_part.ar_mspd,
-          all ? row.bop.ap_mssd : of_part.ap_mssd, all ? row.bop.ap_mspd : of_part.ap_mspd);
+          all ? row.bop.ap_mssd : of_part.ap_mssd, all ? row.bop.ap_mspd : of_part.ap_mspd,
+          f.top_pick_chance ? fmt::format("{:.4f}", *f.top_pick_chance) : "");
     }
   }
   return csv;
@@ -178,15 +191,17 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
 std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
   std::string csv =
       "estimator,trial,hypothesis,object,instance,score,mssd_m,mssd_diameters,mspd_px,add_m,adi_m,"
-      "rotation_rad,translation_m,correct\n";
+      "rotation_rad,translation_m,correct,p_pick\n";
   for (const ComparedRow& row : rows) {
     for (const ComparedLook& look : row.looks) {
       for (size_t i = 0; i < look.score.hypotheses.size(); ++i) {
         const HypothesisScore& h = look.score.hypotheses[i];
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.label, look.trial, i,
-                           objects[h.object]->name, h.instance, h.score, h.mssd_m, h.mssd_diameters,
-                           h.mspd_px, h.add_m, h.adi_m, h.rotation_rad, h.translation_m,
-                           h.correct ? 1 : 0);
+        const bool known = !look.pick_chances.empty() && look.pick_chances[i].has_value();
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.label, look.trial,
+                           i, objects[h.object]->name, h.instance, h.score, h.mssd_m,
+                           h.mssd_diameters, h.mspd_px, h.add_m, h.adi_m, h.rotation_rad,
+                           h.translation_m, h.correct ? 1 : 0,
+                           known ? fmt::format("{:.4f}", *look.pick_chances[i]) : "");
       }
     }
   }
@@ -199,7 +214,9 @@ std::string ComparisonPage(const std::string& title, const std::vector<ComparedR
   page.Paragraph(
       "Each estimator saw the same images. A pose is right when its MSSD is under a tenth of the "
       "part's diameter; instances of at least 10 % visible are to be found, and a second pose of "
-      "an instance is a wrong one. Bands are 95 % intervals, of recall by bootstrap over bins.");
+      "an instance is a wrong one. Bands are 95 % intervals over bins, since what one image shows "
+      "is "
+      "not independent.");
   page.Table(FigureTable(rows));
   CurveChart recall{"Recall by visible fraction", "visible, %", "recall, %", 0, 100, 0, 100};
   CurveChart reliability{"What a score is worth", "score", "share right", 0, 1, 0, 1, true};

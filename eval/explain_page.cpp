@@ -84,7 +84,7 @@ std::vector<LegendEntry> Explainer::TruthLegend(const std::string& right, const 
 
 std::string Explainer::TruthText(int object, const Pose& X_CO) const {
   if (!judge_) return "";
-  const PoseError error = (*judge_)(object, X_CO);
+  const PoseVerdict error = (*judge_)(object, X_CO);
   if (error.part < 0) return "no such part";
   if (error.right()) return "right";
   return error.diameters < 9.95 ? fmt::format("off {:.2f} d", error.diameters) : "far off";

@@ -49,7 +49,7 @@ class Explainer {
   Eigen::Vector2d MiddlePixel(int object, const Pose& X_CO) const {
     return Project(in_.frame.intrinsics, X_CO * in_.objects[object]->mass.com_O);
   }
-  Rgb8 ColorOf(const PoseError& error) const {
+  Rgb8 ColorOf(const PoseVerdict& error) const {
     if (error.right()) return explain::kRight;
     return error.diameters < kReachDiameters ? explain::kNear : explain::kWrong;
   }
@@ -80,9 +80,9 @@ class Explainer {
   std::vector<ModelPoints> models_;
   std::vector<PoseDistance> distances_;
   std::optional<PoseJudge> judge_;
-  std::vector<PoseError> vote_errors_;  // of trace.votes
-  std::vector<Verdict> verdicts_;       // of hypotheses
-  std::vector<PartFate> fates_;         // of the true parts
+  std::vector<PoseVerdict> vote_errors_;  // of trace.votes
+  std::vector<Verdict> verdicts_;         // of hypotheses
+  std::vector<PartFate> fates_;           // of the true parts
 };
 
 }  // namespace pickbed

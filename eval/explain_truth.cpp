@@ -35,7 +35,7 @@ void CountPoints(const PoseJudge& judge, const EstimateTrace& trace,
 
 void FollowIcp(const PoseJudge& judge, const EstimateTrace& trace, std::vector<PartFate>& fates) {
   const auto note = [&](const RawHypothesis& pose, double PartFate::*best) {
-    const PoseError error = judge(pose.object, pose.X_CO);
+    const PoseVerdict error = judge(pose.object, pose.X_CO);
     if (error.part < 0) return;
     double& least = fates[error.part].*best;
     least = std::min(least, error.diameters);
@@ -50,7 +50,7 @@ void FollowIcp(const PoseJudge& judge, const EstimateTrace& trace, std::vector<P
 std::vector<bool> Covered(const PoseJudge& judge, const std::vector<PoseHypothesis>& poses) {
   std::vector<bool> covered(judge.parts().size(), false);
   for (const PoseHypothesis& pose : poses) {
-    const PoseError error = judge(pose.object, pose.X_CO);
+    const PoseVerdict error = judge(pose.object, pose.X_CO);
     if (error.right()) covered[error.part] = true;
   }
   return covered;
@@ -75,13 +75,11 @@ PoseJudge::PoseJudge(const ObjectSet& objects, std::vector<TruePart> parts)
     : parts_(std::move(parts)) {
   for (const auto& object : objects) {
     models_.push_back(MakeMetricModel(*object, kJudgedVertices));
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& vertex : models_.back().vertices_O) sum += vertex;
-    means_O_.push_back(sum / std::max<size_t>(1, models_.back().vertices_O.size()));
+    means_O_.push_back(MeanVertex(models_.back()));
   }
 }
 
-PoseError PoseJudge::operator()(int object, const Pose& X_CO) const {
+PoseVerdict PoseJudge::operator()(int object, const Pose& X_CO) const {
   const MetricModel& model = models_.at(object);
   const Eigen::Vector3d mean_C = X_CO * means_O_[object];
   // The mean of the displacements is no more than the largest: parts too far away are passed over.
@@ -95,7 +93,7 @@ PoseError PoseJudge::operator()(int object, const Pose& X_CO) const {
     bounds.emplace_back(bound_m / model.diameter_m, static_cast<int>(i));
   }
   std::ranges::sort(bounds);
-  PoseError best;
+  PoseVerdict best;
   for (const auto& [bound, part] : bounds) {
     if (bound >= best.diameters) break;
     const double error = Mssd(model, X_CO, parts_[part].X_CO) / model.diameter_m;
@@ -109,7 +107,7 @@ std::vector<Verdict> JudgeSet(const PoseJudge& judge,
   std::vector<bool> taken(judge.parts().size(), false);
   std::vector<Verdict> verdicts;
   for (const PoseHypothesis& hypothesis : hypotheses) {
-    const PoseError error = judge(hypothesis.object, hypothesis.X_CO);
+    const PoseVerdict error = judge(hypothesis.object, hypothesis.X_CO);
     if (!error.right()) {
       verdicts.push_back(Verdict::kWrong);
       continue;
@@ -147,19 +145,19 @@ LostAtText TextOf(LostAt lost) {
 }
 
 std::vector<PartFate> FatesOf(const PoseJudge& judge, const EstimateTrace& trace,
-                              const std::vector<PoseError>& vote_errors,
+                              const std::vector<PoseVerdict>& vote_errors,
                               const std::vector<ModelPoints>& models,
                               const std::vector<PoseHypothesis>& hypotheses) {
   std::vector<PartFate> fates(judge.parts().size());
   CountPoints(judge, trace, models, fates);
-  for (const PoseError& error : vote_errors) {
+  for (const PoseVerdict& error : vote_errors) {
     if (error.part < 0) continue;
     fates[error.part].votes_near += error.diameters < kReachDiameters;
     fates[error.part].votes_right += error.right();
   }
   FollowIcp(judge, trace, fates);
   for (const TracedCandidate& candidate : trace.candidates) {
-    const PoseError error = judge(candidate.hypothesis.object, candidate.hypothesis.X_CO);
+    const PoseVerdict error = judge(candidate.hypothesis.object, candidate.hypothesis.X_CO);
     if (!error.right()) continue;
     double& best = fates[error.part].best_score;
     best = std::max(best, candidate.hypothesis.score);

@@ -18,7 +18,7 @@ struct TruePart {
   double visible_fraction = 1;
 };
 
-struct PoseError {
+struct PoseVerdict {
   int part = -1;  // the nearest of its kind; -1 = there is none
   double diameters = std::numeric_limits<double>::infinity();  // MSSD
   bool right() const { return diameters < kCorrectDiameters; }
@@ -29,7 +29,7 @@ class PoseJudge {
  public:
   PoseJudge(const ObjectSet& objects, std::vector<TruePart> parts);
 
-  PoseError operator()(int object, const Pose& X_CO) const;
+  PoseVerdict operator()(int object, const Pose& X_CO) const;
   const std::vector<TruePart>& parts() const { return parts_; }
 
  private:
@@ -77,7 +77,7 @@ struct PartFate {
 
 // By part. `vote_errors` of trace.votes; `hypotheses` is the estimator's answer.
 std::vector<PartFate> FatesOf(const PoseJudge& judge, const EstimateTrace& trace,
-                              const std::vector<PoseError>& vote_errors,
+                              const std::vector<PoseVerdict>& vote_errors,
                               const std::vector<ModelPoints>& models,
                               const std::vector<PoseHypothesis>& hypotheses);
 

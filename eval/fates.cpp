@@ -27,6 +27,30 @@ void LeaveBy(const PickRecord& pick, InstanceFate& fate) {
   fate.loss = aim ? pick.loss : in_hand ? Loss::kTookTwo : Loss::kDisturbed;
 }
 
+// Each look that failed without a part to be charged with asked for one all the same: else a bin
+// whose poses stand on nothing would ask for less than one whose poses are true.
+void ChargeAimlessLooks(const std::vector<PickRecord>& picks, std::vector<InstanceFate>& fates) {
+  for (const PickRecord& pick : picks) {
+    if (pick.loss == Loss::kNone || pick.aimed >= 0) continue;
+    const bool is_charged = std::any_of(fates.begin(), fates.end(), [&](const InstanceFate& fate) {
+      return fate.pick == pick.pick && !fate.picked;
+    });
+    if (is_charged) continue;
+    InstanceFate* most_seen = nullptr;
+    double most = -1;
+    for (InstanceFate& fate : fates) {
+      const InstanceRecord* seen = fate.asked ? nullptr : SeenIn(pick, fate.instance);
+      if (seen == nullptr || seen->visible_fraction <= most) continue;
+      most = seen->visible_fraction;
+      most_seen = &fate;
+    }
+    if (most_seen == nullptr) continue;
+    most_seen->asked = true;
+    most_seen->loss = pick.loss;
+    most_seen->pick = pick.pick;
+  }
+}
+
 void Remain(const std::vector<PickRecord>& picks, bool gave_up, InstanceFate& fate) {
   for (auto pick = picks.rbegin(); pick != picks.rend(); ++pick) {
     if (pick->aimed != fate.instance || pick->loss == Loss::kNone) continue;
@@ -66,6 +90,7 @@ std::vector<InstanceFate> FatesOf(std::vector<InstanceFate> fates,
       LeaveBy(*last, fate);
     }
   }
+  if (!end.gave_up) ChargeAimlessLooks(picks, fates);
   return fates;
 }
 

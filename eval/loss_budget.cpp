@@ -26,6 +26,38 @@ int ClearedIn(std::span<const TrialResult> trials) {
   });
 }
 
+// Of each trial what `count` takes from its budget, of what was asked for.
+template <typename CountOf>
+std::vector<Cluster> ClustersOf(const std::vector<LossBudget>& by_trial, CountOf&& count) {
+  std::vector<Cluster> clusters;
+  for (const LossBudget& budget : by_trial) clusters.push_back({count(budget), budget.asked()});
+  return clusters;
+}
+
+using BudgetMaker = LossBudget (*)(std::span<const TrialResult> trials);
+
+std::vector<LossBudget> ByTrial(std::span<const TrialResult> trials, BudgetMaker make) {
+  std::vector<LossBudget> by_trial;
+  for (const TrialResult& trial : trials) by_trial.push_back(make({&trial, 1}));
+  return by_trial;
+}
+
+std::vector<Cluster> PickedByTrial(const std::vector<LossBudget>& by_trial) {
+  return ClustersOf(by_trial, [](const LossBudget& budget) { return budget.picked; });
+}
+
+BudgetShares SharesOf(std::span<const TrialResult> trials, BudgetMaker make) {
+  const std::vector<LossBudget> by_trial = ByTrial(trials, make);
+  BudgetShares shares;
+  shares.budget = make(trials);
+  shares.picked = ClusterInterval(PickedByTrial(by_trial));
+  for (const LossRow& row : LossTable()) {
+    shares.lost.at(static_cast<size_t>(row.loss)) = ClusterInterval(
+        ClustersOf(by_trial, [&](const LossBudget& budget) { return budget[row.loss]; }));
+  }
+  return shares;
+}
+
 }  // namespace
 
 int LossBudget::Of(Stage stage) const {
@@ -79,21 +111,19 @@ void RequireGraspLossesOnly(const LossBudget& budget) {
 }
 
 std::vector<Cluster> AttemptsByTrial(std::span<const TrialResult> trials) {
-  std::vector<Cluster> clusters;
-  for (const TrialResult& trial : trials) {
-    const LossBudget budget = BudgetOfAttempts({&trial, 1});
-    clusters.push_back({budget.picked, budget.asked()});
-  }
-  return clusters;
+  return PickedByTrial(ByTrial(trials, BudgetOfAttempts));
 }
 
 std::vector<Cluster> InstancesByTrial(std::span<const TrialResult> trials) {
-  std::vector<Cluster> clusters;
-  for (const TrialResult& trial : trials) {
-    const LossBudget budget = BudgetOfInstances({&trial, 1});
-    clusters.push_back({budget.picked, budget.asked()});
-  }
-  return clusters;
+  return PickedByTrial(ByTrial(trials, BudgetOfInstances));
+}
+
+BudgetShares SharesOfAttempts(std::span<const TrialResult> trials) {
+  return SharesOf(trials, BudgetOfAttempts);
+}
+
+BudgetShares SharesOfInstances(std::span<const TrialResult> trials) {
+  return SharesOf(trials, BudgetOfInstances);
 }
 
 }  // namespace pickbed

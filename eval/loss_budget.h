@@ -5,10 +5,15 @@
 // - Attempts: every look at a bin that held wanted parts asks for one of them. It is picked or lost
 //   for one reason; looks that found no grasp are among the lost.
 // - Instances: every wanted part that was dropped is picked, or lost for one reason, or was not
-//   asked for (eval/fates.h).
+//   asked for (eval/fates.h). Asked for are the parts that looks asked for, one each, and those
+//   that a pick cost the bin by the way; where a policy limits the looks these are few of all.
+//
+// Shares and rates are of what was asked for: of all attempts, and of the instances asked for.
 
 #include <array>
 #include <span>
+#include <tuple>
+#include <vector>
 
 #include "eval/statistics.h"
 #include "eval/trial.h"
@@ -23,7 +28,7 @@ struct LossBudget {
   std::array<int, static_cast<size_t>(Loss::kPhysicsFailed) + 1> lost{};  // by loss; [kNone] = 0
 
   int operator[](Loss loss) const { return lost.at(static_cast<size_t>(loss)); }
-  int asked() const { return total - not_asked; }
+  int asked() const { return total - not_asked; }  // picked + lost
   int Of(Stage stage) const;
 };
 
@@ -39,5 +44,17 @@ void RequireGraspLossesOnly(const LossBudget& budget);
 // Picked of asked for, by trial: what intervals are made of.
 std::vector<Cluster> AttemptsByTrial(std::span<const TrialResult> trials);
 std::vector<Cluster> InstancesByTrial(std::span<const TrialResult> trials);
+
+// A budget with the 95 % intervals of its shares. Losses of one bin are not independent, so that
+// the intervals are over bins (eval/statistics.h).
+struct BudgetShares {
+  LossBudget budget;
+  Interval picked;
+  std::array<Interval, std::tuple_size_v<decltype(LossBudget::lost)>> lost;  // by loss
+
+  const Interval& operator[](Loss loss) const { return lost.at(static_cast<size_t>(loss)); }
+};
+BudgetShares SharesOfAttempts(std::span<const TrialResult> trials);
+BudgetShares SharesOfInstances(std::span<const TrialResult> trials);
 
 }  // namespace pickbed

@@ -28,12 +28,6 @@ double MssdLowerBound(const MetricModel& model, const Eigen::Vector3d& mean_O, c
   return best;
 }
 
-Eigen::Vector3d MeanVertex(const MetricModel& model) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& vertex : model.vertices_O) sum += vertex;
-  return sum / std::max<size_t>(1, model.vertices_O.size());
-}
-
 // MSSD to every instance of the object that is nearest or nearer than `needed_m`, nearest first.
 std::vector<Candidate> NearInstances(const Scene& truth, const std::vector<Pose>& X_CO_true,
                                      const MetricModel& model, const PoseHypothesis& hypothesis,

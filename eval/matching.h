@@ -28,5 +28,7 @@ LookScore ScoreLook(const Scene& truth, const std::vector<double>& visible_fract
 
 // MSSD below this share of the diameter is a correct pose (Drost et al. 2017, BOP).
 inline constexpr double kCorrectDiameters = 0.1;
+// A pose stands on a part below this share of the diameter, wrong as it may be.
+inline constexpr double kStandsOnDiameters = 0.5;
 
 }  // namespace pickbed

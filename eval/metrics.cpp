@@ -70,6 +70,12 @@ MetricModel MakeMetricModel(const ObjectModel& model, int max_vertices) {
   return metric;
 }
 
+Eigen::Vector3d MeanVertex(const MetricModel& model) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& vertex : model.vertices_O) sum += vertex;
+  return sum / std::max<size_t>(1, model.vertices_O.size());
+}
+
 std::span<const MetricRow> MetricTable() { return kMetrics; }
 
 }  // namespace pickbed

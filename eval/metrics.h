@@ -23,6 +23,9 @@ struct MetricModel {
 // a maximum over the surface is reached on the convex hull, then an even stride over the rest.
 MetricModel MakeMetricModel(const ObjectModel& model, int max_vertices = 2000);
 
+// Where the part is, in one point: no vertex moves less than the mean of all moves.
+Eigen::Vector3d MeanVertex(const MetricModel& model);
+
 // Maximum symmetry-aware surface distance, m.
 double Mssd(const MetricModel& model, const Pose& X_est, const Pose& X_true);
 // Maximum symmetry-aware projection distance, px.

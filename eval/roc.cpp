@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "scenes/logistic.h"
 #include "scenes/random.h"
 
 namespace pickbed {
@@ -71,8 +72,6 @@ double VarianceOfMean(const std::vector<double>& a, const std::vector<double>& b
   return sum / double(d.size() - 1) / double(d.size());
 }
 
-double Logistic(double x) { return 1 / (1 + std::exp(-x)); }
-
 // AUC of the clusters drawn, together; nothing without both outcomes.
 std::optional<double> AucOf(const OutcomeClusters& clusters, const std::vector<int>& drawn) {
   std::vector<ScoredOutcome> outcomes;
@@ -86,9 +85,10 @@ std::optional<double> AucOf(const OutcomeClusters& clusters, const std::vector<i
 
 using Statistic = std::function<std::optional<double>(const std::vector<int>& drawn)>;
 
-// Percentiles of the statistic over draws of `count` clusters from as many.
-Interval Bootstrap(int count, double confidence, int resamples, uint64_t seed,
-                   const Statistic& statistic) {
+// Percentiles of the statistic over draws of `count` clusters from as many; nothing where it has no
+// value in any.
+std::optional<Interval> Bootstrap(int count, double confidence, int resamples, uint64_t seed,
+                                  const Statistic& statistic) {
   Rng rng(seed);
   std::vector<double> values;
   for (int i = 0; i < resamples; ++i) {
@@ -96,12 +96,23 @@ Interval Bootstrap(int count, double confidence, int resamples, uint64_t seed,
     for (int& cluster : drawn) cluster = rng.Index(count);
     if (const auto value = statistic(drawn)) values.push_back(*value);
   }
-  if (values.empty()) return {};
+  if (values.empty()) return std::nullopt;
   std::sort(values.begin(), values.end());
   const auto at = [&](double share) {
     return values[static_cast<size_t>(std::lround(share * double(values.size() - 1)))];
   };
-  return {at((1 - confidence) / 2), at((1 + confidence) / 2)};
+  return Interval{at((1 - confidence) / 2), at((1 + confidence) / 2)};
+}
+
+// Clusters with a success or, if fewer, with a failure.
+int ClustersWithEither(const OutcomeClusters& clusters) {
+  const auto with = [&](bool success) {
+    return std::count_if(clusters.begin(), clusters.end(), [&](const auto& cluster) {
+      return std::any_of(cluster.begin(), cluster.end(),
+                         [&](const ScoredOutcome& outcome) { return outcome.success == success; });
+    });
+  };
+  return static_cast<int>(std::min(with(true), with(false)));
 }
 
 }  // namespace
@@ -155,8 +166,15 @@ AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const Score
 
 Interval ClusterBootstrapAuc(const OutcomeClusters& clusters, double confidence, int resamples,
                              uint64_t seed) {
-  return Bootstrap(static_cast<int>(clusters.size()), confidence, resamples, seed,
-                   [&](const std::vector<int>& drawn) { return AucOf(clusters, drawn); });
+  const std::optional<Interval> drawn_interval =
+      Bootstrap(static_cast<int>(clusters.size()), confidence, resamples, seed,
+                [&](const std::vector<int>& drawn) { return AucOf(clusters, drawn); });
+  if (!drawn_interval) return {0, 1};
+  const bool told_all = drawn_interval->low == drawn_interval->high &&
+                        (drawn_interval->low <= 0 || drawn_interval->low >= 1);
+  if (!told_all) return *drawn_interval;
+  const int pairs = ClustersWithEither(clusters);
+  return WilsonInterval(drawn_interval->low > 0.5 ? pairs : 0, pairs, confidence);
 }
 
 Interval ClusterBootstrapAucDifference(const OutcomeClusters& a, const OutcomeClusters& b,
@@ -167,7 +185,8 @@ Interval ClusterBootstrapAucDifference(const OutcomeClusters& a, const OutcomeCl
                      const auto of_a = AucOf(a, drawn), of_b = AucOf(b, drawn);
                      if (!of_a || !of_b) return std::nullopt;
                      return *of_a - *of_b;
-                   });
+                   })
+      .value_or(Interval{-1, 1});
 }
 
 }  // namespace pickbed

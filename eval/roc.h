@@ -21,6 +21,7 @@ struct AucResult {
   double auc = 0.5;
   Interval interval;  // of confidence
   int successes = 0, failures = 0;
+  bool is_known() const { return successes > 0 && failures > 0; }
 };
 
 // The variance of DeLong, DeLong and Clarke-Pearson (1988), by ranks as Sun and Xu (2014) do; the
@@ -40,8 +41,10 @@ AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const Score
                          double confidence = 0.95);
 
 // Intervals when outcomes of one cluster (a bin) are not independent: percentiles over `resamples`
-// draws of as many clusters with replacement; draws without both outcomes are left out. The same
-// seed gives the same interval.
+// draws of as many clusters with replacement; draws without both outcomes are left out. Where all
+// draws tell all (or nothing) that would have no width: the interval is then Wilson's of as many
+// pairs as there are clusters with a success or, if fewer, with a failure. [0, 1] and [-1, 1] where
+// no draw has both outcomes. The same seed gives the same interval.
 using OutcomeClusters = std::vector<std::vector<ScoredOutcome>>;
 Interval ClusterBootstrapAuc(const OutcomeClusters& clusters, double confidence = 0.95,
                              int resamples = 1000, uint64_t seed = 0);

@@ -20,6 +20,17 @@ std::string SettingsText(ScenarioSpec spec) {
   return WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); });
 }
 
+// What tolerance maps make of a run, into its files.
+void WriteForecasts(const ObjectSet& objects, const RunOptions& options, RunReport& report) {
+  std::vector<std::string> names;
+  for (const auto& object : objects) names.push_back(object->name);
+  report.summary.forecasts = ForecastsOf(report.trials, objects, options.tolerance);
+  WriteFileAtomically(options.out / "summary.json", SummaryJson(report.summary));
+  WriteFileAtomically(options.out / "picks.csv", PicksCsv(report.trials, names, options.tolerance));
+  WriteFileAtomically(options.out / "pick_chances.csv",
+                      PickChancesCsv(report.trials, objects, options.tolerance));
+}
+
 // All of a part that a trial depends on.
 uint64_t PartHash(const ObjectModel& part) {
   std::vector<double> numbers{part.mass.mass_kg, part.friction};
@@ -46,7 +57,8 @@ std::string FedText(const TruthStages& truth) {
 
 }  // namespace
 
-std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
+std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
+                        const TruthStages& truth) {
   ScenarioSpec same_for_all = spec;
   same_for_all.trials = 1;
   same_for_all.cycle = {};
@@ -80,15 +92,22 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
     const std::string bytes = ReadFileBytes(file);
     text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
+  if (truth != TruthStages()) text += FedText(truth);
   return text;
+}
+
+TruthStages TruthIn(const std::string& identity) {
+  for (const OracleRow& row : OracleTable()) {
+    if (identity.ends_with(FedText(row.truth))) return row.truth;
+  }
+  return {};
 }
 
 Sweep SweepOfOne(const ScenarioSpec& spec, const ObjectSet& objects, const TruthStages& truth) {
   SweepPoint point;
   point.spec = spec;
   point.objects = objects;
-  point.identity = RunIdentity(spec, objects);
-  if (truth != TruthStages()) point.identity += FedText(truth);
+  point.identity = RunIdentity(spec, objects, truth);
   point.trials = spec.trials;
   return {{point}, ""};
 }
@@ -112,6 +131,7 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
   report.summary = std::move(swept.points.front().summary);
   report.interrupted = swept.interrupted;
   report.crashed = std::move(swept.crashed);
+  if (!options.tolerance.empty()) WriteForecasts(objects, options, report);
   return report;
 }
 

@@ -3,6 +3,7 @@
 // A whole run: trials over worker processes into a results folder, which is a sweep of one point
 // (see eval/sweep.h) with
 //
+//   OUT/pick_chances.csv the chance of every hypothesis, where tolerance maps are given
 //   OUT/pictures/trial_0000/pick_00_{color,depth,overlay,after}.png
 //
 // All but the store's timings and timings.csv are the same bytes for any number of workers.
@@ -13,6 +14,7 @@
 
 #include "eval/summary.h"
 #include "eval/sweep.h"
+#include "eval/tolerance_maps.h"
 #include "scenes/scenario_spec.h"
 
 namespace pickbed {
@@ -25,6 +27,7 @@ struct RunOptions {
   int picture_trials = 4;        // trials 0 .. picture_trials - 1 get pictures
   std::vector<int> only_trials;  // ascending; empty = all of the scenario
   TruthStages truth;             // stages that are fed with truth
+  ToleranceMaps tolerance;       // of the parts, for the reports alone
 };
 
 struct RunReport {
@@ -41,8 +44,11 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
 
 // What must be equal for two runs to be one: the settings but the number of trials and the cycle's
 // times, the gripper, the sensor, the meshes of parts and bin wherever they lie, and the trained
-// model.
-std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects);
+// model; and which stages were fed with truth.
+std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
+                        const TruthStages& truth = {});
+// Those stages again; none where the text says of none.
+TruthStages TruthIn(const std::string& identity);
 
 // The sweep that a run is.
 Sweep SweepOfOne(const ScenarioSpec& spec, const ObjectSet& objects, const TruthStages& truth = {});

@@ -7,6 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "eval/trial_clusters.h"
+
 namespace pickbed {
 namespace {
 
@@ -17,6 +19,8 @@ double Ratio(int part, int whole) { return whole > 0 ? static_cast<double>(part)
 
 void CountPick(const PickRecord& pick, RunSummary& summary) {
   for (const InstanceRecord& instance : pick.instances) {
+    // A look about a target tells of the target alone.
+    if (pick.target >= 0 && instance.instance != pick.target) continue;
     CountRecall(instance, summary.recall_by_visibility);
   }
   if (!pick.hypotheses.empty()) {
@@ -29,11 +33,29 @@ void CountPick(const PickRecord& pick, RunSummary& summary) {
   if (pick.loss != Loss::kNone) ++summary.losses[std::string(LossName(pick.loss))];
 }
 
+void AddIntervals(const std::vector<TrialResult>& trials, RunSummary& summary) {
+  const std::vector<int> scenes = ScenesOf(trials);
+  const auto of = [&](const TrialCount& count) {
+    return ClusterInterval(CountByScene(trials, scenes, count));
+  };
+  summary.success_ci95 = of(SuccessOfAttempts());
+  summary.cleared_ci95 = of(PartsCleared());
+  summary.top1_ci95 = of(TopRankedRight());
+  for (const RecallBand& band : summary.recall_by_visibility) {
+    summary.recall_ci95.push_back(of(InstancesRecalled(band.visible_min, band.visible_max)));
+  }
+}
+
 std::string BandName(const RecallBand& band) {
   return fmt::format("{:.0f}-{:.0f}", 100 * band.visible_min, 100 * band.visible_max);
 }
 
 std::string Percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
+
+// "91.1 %  [80.0 %, 97.5 %]".
+std::string PercentWithin(double share, const Interval& ci95) {
+  return fmt::format("{}  [{}, {}]", Percent(share), Percent(ci95.low), Percent(ci95.high));
+}
 
 std::string CycleText(const CycleTime& cycle) {
   return fmt::format("{:.0f}  a part: sense {:.1f} s, compute {:.1f} s{}, move {:.1f} s",
@@ -52,18 +74,23 @@ std::string RefusedText(const RunSummary& summary) {
   return text;
 }
 
+std::array<double, 2> EndsOf(const Interval& interval) { return {interval.low, interval.high}; }
+
 const SuccessRuleRow& RowOf(SuccessRule rule) { return SuccessRuleTable()[static_cast<int>(rule)]; }
 
 std::string RulesText(const RunSummary& summary) {
   std::string text = fmt::format("Success of {} attempts by rule\n", summary.attempts);
   for (const RuleRate& rule : summary.by_rule) {
     const SuccessRuleRow& row = RowOf(rule.rule);
-    const Interval ci95 = rule.ci95();
-    const std::string rate =
-        fmt::format("{}  [{}, {}]", Percent(rule.rate()), Percent(ci95.low), Percent(ci95.high));
-    text += fmt::format("  {:<26}{:<28}{}\n", row.name, rate, row.help);
+    text += fmt::format("  {:<26}{:<28}{}\n", row.name, PercentWithin(rule.rate(), rule.ci95),
+                        row.help);
   }
   return text;
+}
+
+// Empty where the part has no map.
+std::string ChanceCell(const std::optional<double>& chance) {
+  return chance ? fmt::format("{:.4f}", *chance) : "";
 }
 
 }  // namespace
@@ -101,7 +128,7 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
   }
   for (auto& [stage, seconds] : summary.seconds) seconds /= summary.trials;
   summary.success_rate = Ratio(summary.successes, summary.attempts);
-  summary.success_ci95 = WilsonInterval(summary.successes, summary.attempts);
+  AddIntervals(trials, summary);
   summary.by_rule = RatesByRule(trials);
   summary.cleared_rate = Ratio(summary.parts_cleared, summary.parts_dropped);
   summary.top1_precision = Ratio(summary.top1_correct, summary.frames);
@@ -114,23 +141,26 @@ std::string SummaryJson(const RunSummary& s) {
   json["attempts"] = s.attempts;
   json["successes"] = s.successes;
   json["success_rate"] = s.success_rate;
-  json["success_ci95"] = {s.success_ci95.low, s.success_ci95.high};
+  json["success_ci95"] = EndsOf(s.success_ci95);
   json["success_by_rule"] = nlohmann::ordered_json::object();
   for (const RuleRate& rule : s.by_rule) {
-    const Interval ci95 = rule.ci95();
     json["success_by_rule"][RowOf(rule.rule).name] = {
-        {"successes", rule.successes}, {"rate", rule.rate()}, {"ci95", {ci95.low, ci95.high}}};
+        {"successes", rule.successes}, {"rate", rule.rate()}, {"ci95", EndsOf(rule.ci95)}};
   }
   json["parts_dropped"] = s.parts_dropped;
   json["parts_cleared"] = s.parts_cleared;
   json["cleared_rate"] = s.cleared_rate;
+  json["cleared_ci95"] = EndsOf(s.cleared_ci95);
   json["frames"] = s.frames;
   json["top1_precision"] = s.top1_precision;
+  json["top1_ci95"] = EndsOf(s.top1_ci95);
   auto& recall = json["recall_by_visibility"] = nlohmann::ordered_json::object();
-  for (const RecallBand& band : s.recall_by_visibility) {
+  for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
+    const RecallBand& band = s.recall_by_visibility[i];
     recall[BandName(band)] = {{"instances", band.instances}, {"recalled", band.recalled}};
     auto& rate = recall[BandName(band)]["recall"];  // null where there was none to recall
     if (band.instances > 0) rate = Ratio(band.recalled, band.instances);
+    recall[BandName(band)]["ci95"] = EndsOf(s.recall_ci95[i]);
   }
   json["scenes_refused"] = nlohmann::ordered_json::array();
   for (const auto& [trial, refused] : s.refused) {
@@ -144,6 +174,9 @@ std::string SummaryJson(const RunSummary& s) {
   }
   json["losses"] = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : s.losses) json["losses"][reason] = count;
+  if (!s.forecasts.empty()) {
+    json["pick_forecasts"] = nlohmann::ordered_json::parse(ForecastJson(s.forecasts));
+  }
   auto& picks_per_hour = json["picks_per_hour"];
   if (!s.cycle.measured && s.successes > 0) picks_per_hour = s.cycle.picks_per_hour();
   return json.dump(2) + "\n";
@@ -155,13 +188,15 @@ std::string SummaryTable(const RunSummary& s) {
     text += fmt::format("  {:<26}{}\n", name, value);
   };
   text += "Picks\n";
-  line("success rate", fmt::format("{}  [{}, {}]  {} of {} attempts", Percent(s.success_rate),
-                                   Percent(s.success_ci95.low), Percent(s.success_ci95.high),
-                                   s.successes, s.attempts));
-  line("parts cleared", fmt::format("{}  {} of {} in {} bins", Percent(s.cleared_rate),
-                                    s.parts_cleared, s.parts_dropped, s.trials));
+  line("success rate",
+       fmt::format("{}  {} of {} attempts", PercentWithin(s.success_rate, s.success_ci95),
+                   s.successes, s.attempts));
+  line("parts cleared",
+       fmt::format("{}  {} of {} in {} bins", PercentWithin(s.cleared_rate, s.cleared_ci95),
+                   s.parts_cleared, s.parts_dropped, s.trials));
   line("top-ranked pose right",
-       fmt::format("{}  {} of {} images", Percent(s.top1_precision), s.top1_correct, s.frames));
+       fmt::format("{}  {} of {} images", PercentWithin(s.top1_precision, s.top1_ci95),
+                   s.top1_correct, s.frames));
   if (s.cycle.picks_per_hour() > 0) line("picks an hour", CycleText(s.cycle));
   if (!s.refused.empty()) text += RefusedText(s);
   for (const CrashedTrial& trial : s.crashed) {
@@ -170,17 +205,19 @@ std::string SummaryTable(const RunSummary& s) {
   }
   if (s.attempts > 0) text += RulesText(s);
   text += "Recall by visible fraction (MSSD < 0.1 diameter)\n";
-  for (const RecallBand& band : s.recall_by_visibility) {
+  for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
+    const RecallBand& band = s.recall_by_visibility[i];
     if (band.instances == 0) continue;
-    line(BandName(band) + " %",
-         fmt::format("{}  {} of {}", Percent(Ratio(band.recalled, band.instances)), band.recalled,
-                     band.instances));
+    const std::string recall =
+        PercentWithin(Ratio(band.recalled, band.instances), s.recall_ci95[i]);
+    line(BandName(band) + " %", fmt::format("{}  {} of {}", recall, band.recalled, band.instances));
   }
   text += "Why picks were lost\n";
   if (s.losses.empty()) line("none", "0");
   for (const auto& [reason, count] : s.losses) {
     line(reason, fmt::format("{:<6}{}", count, StageName(StageOf(*LossFromName(reason)))));
   }
+  text += ForecastText(s.forecasts);
   text += "Seconds a bin\n";
   for (const auto& [stage, seconds] : s.seconds) line(stage, fmt::format("{:.2f}", seconds));
   return text;
@@ -215,13 +252,13 @@ std::string TrialsCsv(const std::vector<TrialResult>& trials,
   return csv;
 }
 
-std::string PicksCsv(const std::vector<TrialResult>& trials,
-                     const std::vector<std::string>& parts) {
+std::string PicksCsv(const std::vector<TrialResult>& trials, const std::vector<std::string>& parts,
+                     const ToleranceMaps& maps) {
   std::string csv =
       std::string() +
-      "trial,point,pick,target,band,parts_in_view,hypotheses,object,instance,confidence,mssd_"
-      "diameters,mssd_mm,"
-      "mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,success,loss,slip_mm,turn_deg,disturbed" +
+      "trial,point,pick,target,band,parts_in_view,hypotheses,object,instance,confidence,"
+      "mssd_diameters,mssd_mm,mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,p_pick,p_grasp,"
+      "success,loss,slip_mm,turn_deg,disturbed" +
       OutcomeHeader() + "\n";
   constexpr double kDegrees = 180 / 3.14159265358979323846;
   for (const TrialResult& trial : trials) {
@@ -230,11 +267,13 @@ std::string PicksCsv(const std::vector<TrialResult>& trials,
                          pick.band, pick.instances.size(), pick.hypotheses.size());
       if (pick.chosen >= 0) {
         const HypothesisScore& h = pick.hypotheses.at(pick.chosen);
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},", parts.at(h.object), h.instance,
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},", parts.at(h.object), h.instance,
                            h.score, h.mssd_diameters, 1e3 * h.mssd_m, h.mspd_px, 1e3 * h.add_m,
-                           1e3 * h.adi_m, kDegrees * h.rotation_rad, 1e3 * h.translation_m);
+                           1e3 * h.adi_m, kDegrees * h.rotation_rad, 1e3 * h.translation_m,
+                           ChanceCell(maps.PickChance(h)),
+                           ChanceCell(maps.PickChance(h, *pick.grasp)));
       } else {
-        csv += ",,,,,,,,,,";
+        csv += ",,,,,,,,,,,,";
       }
       csv +=
           fmt::format("{},{},{},{},{}{}\n", pick.loss == Loss::kNone ? 1 : 0, LossName(pick.loss),

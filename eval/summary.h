@@ -11,6 +11,7 @@
 
 #include "eval/cycle.h"
 #include "eval/outcome_table.h"
+#include "eval/pick_forecast.h"
 #include "eval/results_store.h"
 #include "eval/statistics.h"
 #include "eval/trial.h"
@@ -32,6 +33,7 @@ struct TrialRefusal {
   RefusedScene scene;
 };
 
+// Intervals are over scenes, see ClusterInterval: picks of one bin are not independent.
 struct RunSummary {
   int trials = 0, attempts = 0, successes = 0;
   double success_rate = 0;
@@ -39,12 +41,16 @@ struct RunSummary {
   std::array<RuleRate, kSuccessRules> by_rule;  // of the same attempts
   int parts_dropped = 0, parts_cleared = 0;
   double cleared_rate = 0;
+  Interval cleared_ci95;
   int frames = 0, top1_correct = 0;
   double top1_precision = 0;
+  Interval top1_ci95;
   std::vector<RecallBand> recall_by_visibility;  // 10-30, 30-50, 50-70, 70-90, 90-100 %
+  std::vector<Interval> recall_ci95;             // of each band
   std::vector<TrialRefusal> refused;             // scenes that failed their certificate
   std::vector<CrashedTrial> crashed;             // counted nowhere else
   std::map<std::string, int> losses;             // reason -> attempts or ends charged to it
+  std::vector<PickForecast> forecasts;           // by tolerance maps, where there are some
   CycleTime cycle;
   StageSeconds seconds;  // stage -> mean a trial
 };
@@ -58,8 +64,11 @@ std::string SummaryTable(const RunSummary& summary);  // for people
 // A line a trial; those that crashed have empty cells.
 std::string TrialsCsv(const std::vector<TrialResult>& trials,
                       const std::vector<CrashedTrial>& crashed = {});
-// A line a pick, and a line a part; `parts` are the names of the kinds that were dropped.
-std::string PicksCsv(const std::vector<TrialResult>& trials, const std::vector<std::string>& parts);
+// A line a pick; p_pick is the chance of the executed pose, p_grasp that of the executed grasp of
+// it, where its part has a tolerance map. `parts` are the names of the kinds that were dropped.
+std::string PicksCsv(const std::vector<TrialResult>& trials, const std::vector<std::string>& parts,
+                     const ToleranceMaps& maps = {});
+// A line a part.
 std::string PartsCsv(const std::vector<TrialResult>& trials, const std::vector<std::string>& parts);
 // The last lines, of trial "all", are the cycle's seconds a picked part.
 std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle = {});

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "eval/folder_lock.h"
+#include "eval/pictures.h"
 #include "eval/scenario_text.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
@@ -147,8 +148,10 @@ MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
     };
     auto runner =
         std::make_shared<TrialRunner>(point.spec, point.objects, on_progress, trial_options);
-    return [runner](int scene, const std::filesystem::path& pictures) {
-      return runner->Run(scene, pictures);
+    return [runner](int scene, const std::filesystem::path& folder) {
+      if (folder.empty()) return runner->Run(scene);
+      PickPictures pictures(folder);
+      return runner->Run(scene, &pictures);
     };
   };
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <string_view>
 
@@ -46,7 +47,10 @@ class Reader {
   }
 
   AxisCurve Curve(int axis, const LevelShare& at_truth) const {
-    AxisCurve curve{axis, std::vector<LevelShare>(2 * options_.steps + 1), {}};
+    AxisCurve curve{axis,
+                    AxisHelp(ErrorAxisTable()[axis], study_.table.gripper),
+                    std::vector<LevelShare>(2 * options_.steps + 1),
+                    {}};
     for (int level = -options_.steps; level <= options_.steps; ++level) {
       curve.levels[level + options_.steps].offset = UnitsOf(options_, axis, level);
     }
@@ -115,43 +119,53 @@ struct ScoreColumn {
   std::vector<ScoredOutcome> scores;
 };
 
-std::vector<ScoreColumn> ScoreColumns(const ToleranceModel& model, const ObjectModel& part,
-                                      const std::vector<JudgedPick>& picks) {
-  const MetricModel metric_model = MakeMetricModel(part);
+// One row of a table of metrics over the picks of all parts.
+ScoreColumn MetricColumn(const MetricRow& row, const std::vector<JudgedPart>& parts,
+                         const std::vector<MetricModel>& metric_models) {
   const CameraIntrinsics no_camera;
   const Pose X_true = Pose::Identity();
-  std::vector<ScoreColumn> columns;
-  for (const MetricRow& row : MetricTable()) {
-    if (row.needs_camera) continue;
-    ScoreColumn column{row.name, row.help, {}};
-    for (const JudgedPick& pick : picks) {
-      const double error =
-          row.compute({metric_model, no_camera, pick.X_OtrueObelieved, X_true, &model});
+  ScoreColumn column{row.name, row.help, {}};
+  for (size_t i = 0; i < parts.size(); ++i) {
+    for (const JudgedPick& pick : parts[i].picks) {
+      const double error = row.compute(
+          {metric_models[i], no_camera, pick.X_OtrueObelieved, X_true, &parts[i].model});
       column.scores.push_back({-error, pick.success});
     }
-    columns.push_back(std::move(column));
   }
-  const bool grasps_known = std::all_of(
-      picks.begin(), picks.end(), [](const JudgedPick& pick) { return pick.X_OG.has_value(); });
-  if (grasps_known) {
-    ScoreColumn column{
-        kGraspRisk, "chance that the pick fails with the grasp that is executed", {}};
-    for (const JudgedPick& pick : picks) {
+  return column;
+}
+
+// Nothing where some grasp is not known.
+std::optional<ScoreColumn> GraspColumn(const std::vector<JudgedPart>& parts) {
+  ScoreColumn column{kGraspRisk, "chance that the pick fails with the grasp that is executed", {}};
+  for (const JudgedPart& part : parts) {
+    for (const JudgedPick& pick : part.picks) {
+      if (!pick.X_OG) return std::nullopt;
       column.scores.push_back(
-          {SuccessProbability(model, pick.X_OtrueObelieved, *pick.X_OG), pick.success});
+          {SuccessProbability(part.model, pick.X_OtrueObelieved, *pick.X_OG), pick.success});
     }
-    columns.push_back(std::move(column));
   }
+  return column;
+}
+
+std::vector<ScoreColumn> ScoreColumns(const std::vector<JudgedPart>& parts) {
+  std::vector<MetricModel> metric_models;
+  for (const JudgedPart& part : parts) metric_models.push_back(MakeMetricModel(part.part));
+  std::vector<ScoreColumn> columns;
+  for (const MetricRow& row : MetricTable()) {
+    if (!row.needs_camera) columns.push_back(MetricColumn(row, parts, metric_models));
+  }
+  if (auto column = GraspColumn(parts)) columns.push_back(std::move(*column));
   // The map's own row leads; the others are held against it.
   std::stable_partition(columns.begin(), columns.end(),
                         [](const ScoreColumn& c) { return c.name == kPickRiskMetric; });
   return columns;
 }
 
-OutcomeClusters InClusters(const ScoreColumn& column, const std::vector<JudgedPick>& picks) {
+OutcomeClusters InClusters(const ScoreColumn& column, const std::vector<int>& clusters_of) {
   std::map<int, std::vector<ScoredOutcome>> by_cluster;
-  for (size_t i = 0; i < picks.size(); ++i) {
-    by_cluster[picks[i].cluster].push_back(column.scores[i]);
+  for (size_t i = 0; i < clusters_of.size(); ++i) {
+    by_cluster[clusters_of[i]].push_back(column.scores[i]);
   }
   OutcomeClusters clusters;
   for (auto& [cluster, outcomes] : by_cluster) clusters.push_back(std::move(outcomes));
@@ -183,7 +197,7 @@ ToleranceFigures FiguresOf(const ToleranceStudy& study, const std::vector<TryOut
   figures.model = reader.Fitted();
   const std::vector<JudgedPick> picks = reader.TestPicks();
   figures.test_picks = static_cast<int>(picks.size());
-  figures.predictors = JudgePredictors(figures.model, part, picks);
+  figures.predictors = JudgePredictors({{figures.model, part, picks}});
   for (const JudgedPick& pick : picks) {
     const double p = SuccessProbability(figures.model, pick.X_OtrueObelieved);
     figures.brier += (p - pick.success) * (p - pick.success) / double(picks.size());
@@ -191,21 +205,23 @@ ToleranceFigures FiguresOf(const ToleranceStudy& study, const std::vector<TryOut
   return figures;
 }
 
-std::vector<Predictor> JudgePredictors(const ToleranceModel& model, const ObjectModel& part,
-                                       const std::vector<JudgedPick>& picks) {
-  std::set<int> seen;
-  for (const JudgedPick& pick : picks) seen.insert(pick.cluster);
-  const bool clustered = seen.size() < picks.size();
-  const std::vector<ScoreColumn> columns = ScoreColumns(model, part, picks);
+std::vector<Predictor> JudgePredictors(const std::vector<JudgedPart>& parts) {
+  std::vector<int> clusters_of;  // by pick
+  for (const JudgedPart& part : parts) {
+    for (const JudgedPick& pick : part.picks) clusters_of.push_back(pick.cluster);
+  }
+  const std::set<int> seen(clusters_of.begin(), clusters_of.end());
+  const bool clustered = seen.size() < clusters_of.size();
+  const std::vector<ScoreColumn> columns = ScoreColumns(parts);
+  const OutcomeClusters of_first = InClusters(columns.front(), clusters_of);
   std::vector<Predictor> predictors;
   for (const ScoreColumn& column : columns) {
     Predictor predictor{column.name, column.help, Auc(column.scores), {}};
     predictor.to_first = CompareAuc(column.scores, columns.front().scores);
     if (clustered) {
-      const OutcomeClusters clusters = InClusters(column, picks);
+      const OutcomeClusters clusters = InClusters(column, clusters_of);
       predictor.auc.interval = ClusterBootstrapAuc(clusters);
-      predictor.to_first.interval =
-          ClusterBootstrapAucDifference(clusters, InClusters(columns.front(), picks));
+      predictor.to_first.interval = ClusterBootstrapAucDifference(clusters, of_first);
     }
     predictors.push_back(std::move(predictor));
   }

@@ -27,6 +27,7 @@ struct ToleranceRegion {
 
 struct AxisCurve {
   int axis = 0;
+  std::string help;                // what the axis is with this gripper
   std::vector<LevelShare> levels;  // by offset
   ToleranceRegion region;
 };
@@ -72,10 +73,16 @@ struct JudgedPick {
 // The name of the model's risk for the grasp that was executed, instead of over all grasps.
 inline constexpr char kGraspRisk[] = "grasp_risk";
 
-// The model's risk, every metric of the table that needs no camera and, where all grasps are known,
-// the risk of the very grasp; best first after the model's. Intervals are DeLong's, or of a
-// bootstrap over clusters when there are several picks in some.
-std::vector<Predictor> JudgePredictors(const ToleranceModel& model, const ObjectModel& part,
-                                       const std::vector<JudgedPick>& picks);
+// Picks of one part, with what scores them.
+struct JudgedPart {
+  const ToleranceModel& model;
+  const ObjectModel& part;
+  std::vector<JudgedPick> picks;
+};
+
+// The models' risk, every metric of the table that needs no camera and, where all grasps are known,
+// the risk of the very grasp, over the picks of all parts together; best first after the models'.
+// Intervals are DeLong's, or of a bootstrap over clusters when there are several picks in some.
+std::vector<Predictor> JudgePredictors(const std::vector<JudgedPart>& parts);
 
 }  // namespace pickbed

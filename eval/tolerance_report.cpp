@@ -13,19 +13,40 @@ std::string Signed(const AucDifference& d) {
   return fmt::format("{:+.3f} [{:+.3f}, {:+.3f}]", d.difference, d.interval.low, d.interval.high);
 }
 
+std::string AucText(const AucResult& auc) {
+  return fmt::format("{:.3f} [{:.3f}, {:.3f}]", auc.auc, auc.interval.low, auc.interval.high);
+}
+
 }  // namespace
+
+std::vector<std::vector<std::string>> PredictorCells(const std::vector<Predictor>& predictors) {
+  std::vector<std::vector<std::string>> rows{{"score", "AUC"}};
+  if (!predictors.empty()) rows.front().push_back("less " + predictors.front().name);
+  for (const Predictor& p : predictors) {
+    const bool first = &p == &predictors.front();
+    if (p.auc.is_known()) {
+      rows.push_back({p.name, AucText(p.auc), first ? "" : Signed(p.to_first)});
+    } else {
+      rows.push_back({p.name, "all picks had one outcome", ""});
+    }
+  }
+  return rows;
+}
 
 std::string PredictorText(const std::vector<Predictor>& predictors, const std::string& picks) {
   if (predictors.empty()) return "";
   const AucResult& first = predictors.front().auc;
+  if (!first.is_known()) {
+    return fmt::format("  all {} picks {} ({}): no score can be judged by them\n",
+                       first.successes + first.failures,
+                       first.failures == 0 ? "succeeded" : "failed", picks);
+  }
   std::string text = fmt::format(
       "How well a score tells picks that succeed from those that fail ({}: {} succeeded, "
       "{} failed)\n  {:<14}{:<24}less {}\n",
       picks, first.successes, first.failures, "", "AUC [95 %]", predictors.front().name);
   for (const Predictor& p : predictors) {
-    const std::string auc =
-        fmt::format("{:.3f} [{:.3f}, {:.3f}]", p.auc.auc, p.auc.interval.low, p.auc.interval.high);
-    text += fmt::format("  {:<14}{:<24}{}\n", p.name, auc,
+    text += fmt::format("  {:<14}{:<24}{}\n", p.name, AucText(p.auc),
                         &p == &predictors.front() ? "" : Signed(p.to_first));
   }
   return text;
@@ -40,8 +61,8 @@ std::string ToleranceText(const ToleranceFigures& figures) {
       100 * band.high, figures.at_truth.tries);
   for (const AxisCurve& curve : figures.axes) {
     const ErrorAxis& axis = ErrorAxisTable()[curve.axis];
-    text +=
-        fmt::format("  {:<5}{:<32}{}\n", axis.name, axis.help, RegionText(curve.region, axis.unit));
+    text += fmt::format("  {:<5}{:<32}{}\n", axis.name, curve.help,
+                        RegionText(curve.region, axis.unit));
   }
   text += PredictorText(figures.predictors, "held-out errors");
   text += fmt::format("Brier score of the probability: {:.3f}\n", figures.brier);
@@ -81,6 +102,10 @@ std::string PairsCsv(const ToleranceFigures& figures) {
 std::string PredictorsCsv(const std::vector<Predictor>& predictors) {
   std::string csv = "score,auc,low,high,less_first,less_low,less_high,successes,failures\n";
   for (const Predictor& p : predictors) {
+    if (!p.auc.is_known()) {
+      csv += fmt::format("{},,,,,,,{},{}\n", p.name, p.auc.successes, p.auc.failures);
+      continue;
+    }
     csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", p.name, p.auc.auc,
                        p.auc.interval.low, p.auc.interval.high, p.to_first.difference,
                        p.to_first.interval.low, p.to_first.interval.high, p.auc.successes,

@@ -22,6 +22,9 @@ std::string ToleranceText(const ToleranceFigures& figures);
 // One table of predictors; `picks` says of what.
 std::string PredictorText(const std::vector<Predictor>& predictors, const std::string& picks);
 
+// The same as cells, the header first.
+std::vector<std::vector<std::string>> PredictorCells(const std::vector<Predictor>& predictors);
+
 std::string AxesCsv(const ToleranceFigures& figures);
 std::string PairsCsv(const ToleranceFigures& figures);
 std::string PredictorsCsv(const std::vector<Predictor>& predictors);

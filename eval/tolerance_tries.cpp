@@ -13,22 +13,22 @@ namespace {
 constexpr double kMm = 1e-3, kDegree = std::numbers::pi / 180;
 
 constexpr std::array<ErrorAxis, 12> kAxes{{
-    {"x", "along x of the part", "mm", false, 0, kMm},
-    {"y", "along y of the part", "mm", false, 1, kMm},
-    {"z", "along z of the part", "mm", false, 2, kMm},
-    {"rx", "about x of the part", "deg", false, 3, kDegree},
-    {"ry", "about y of the part", "deg", false, 4, kDegree},
-    {"rz", "about z of the part", "deg", false, 5, kDegree},
-    {"gx", "along the closing direction", "mm", true, 0, kMm},
-    {"gy", "across the fingers", "mm", true, 1, kMm},
-    {"gz", "along the approach", "mm", true, 2, kMm},
-    {"grx", "about the closing direction", "deg", true, 3, kDegree},
-    {"gry", "about the fingers' width", "deg", true, 4, kDegree},
-    {"grz", "about the approach", "deg", true, 5, kDegree},
+    {"x", "along", "mm", false, 0, kMm},
+    {"y", "along", "mm", false, 1, kMm},
+    {"z", "along", "mm", false, 2, kMm},
+    {"rx", "about", "deg", false, 3, kDegree},
+    {"ry", "about", "deg", false, 4, kDegree},
+    {"rz", "about", "deg", false, 5, kDegree},
+    {"gx", "along", "mm", true, 0, kMm},
+    {"gy", "along", "mm", true, 1, kMm},
+    {"gz", "along", "mm", true, 2, kMm},
+    {"grx", "about", "deg", true, 3, kDegree},
+    {"gry", "about", "deg", true, 4, kDegree},
+    {"grz", "about", "deg", true, 5, kDegree},
 }};
 
 // Turned about a point of O instead of its origin.
-Pose TurnedAbout(const Eigen::Vector3d& point_O, const PoseError& error) {
+Pose TurnedAbout(const Eigen::Vector3d& point_O, const PoseOffset& error) {
   const Pose X = ToPose(error);
   return MakePose(X.linear(), point_O - X.linear() * point_O + X.translation());
 }
@@ -69,10 +69,10 @@ class Planner {
   void AddRandom(TryKind kind, int count, int first_grasp, int grasps, std::string_view stream) {
     Rng rng = Rng::Derive(options_.seed, 0, stream);
     for (int i = 0; i < count; ++i) {
-      PoseError direction;
+      PoseOffset direction;
       for (int k = 0; k < 6; ++k) direction[k] = rng.Normal();
       const double steps = rng.Uniform(0, options_.random_steps) / direction.norm();
-      PoseError error;
+      PoseOffset error;
       error << steps * options_.step_mm * kMm * direction.head<3>(),
           steps * options_.step_deg * kDegree * direction.tail<3>();
       ToleranceTry t;
@@ -86,7 +86,7 @@ class Planner {
  private:
   void Add(TryKind kind, std::array<int, 2> axis, std::array<int, 2> level, int grasp) {
     ToleranceTry t{kind, axis, level, grasp, Pose::Identity()};
-    PoseError error = PoseError::Zero();
+    PoseOffset error = PoseOffset::Zero();
     for (int i = 0; i < 2; ++i) {
       if (axis[i] < 0) continue;
       const ErrorAxis& row = kAxes[axis[i]];
@@ -106,6 +106,12 @@ class Planner {
 }  // namespace
 
 std::span<const ErrorAxis> ErrorAxisTable() { return kAxes; }
+
+std::string AxisHelp(const ErrorAxis& axis, const GripperSpec& gripper) {
+  const int xyz = axis.coordinate % 3;
+  if (axis.of_grasp) return fmt::format("{} {}", axis.way, MechanismOf(gripper).axes_G[xyz]);
+  return fmt::format("{} {} of the part", axis.way, std::array{"x", "y", "z"}[xyz]);
+}
 
 int ErrorAxisNamed(const std::string& name) {
   std::vector<std::string> names;
@@ -136,6 +142,8 @@ void ToleranceOptions::Visit(SettingsVisitor& v) {
   v.Seed("seed", seed, "of grasps and random errors");
   v.Group(
       "table", [&](SettingsVisitor& g) { table.Visit(g); }, "that the part lies on");
+  v.Group(
+      "execute", [&](SettingsVisitor& g) { execute.Visit(g); }, "each grasp");
   v.Group(
       "fit", [&](SettingsVisitor& g) { fit.Visit(g); }, "of the model");
 }
@@ -172,9 +180,9 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part, const GripperS
   return study;
 }
 
-PoseError ErrorInG(const ToleranceStudy& study, const ToleranceTry& t) {
+PoseOffset ErrorInG(const ToleranceStudy& study, const ToleranceTry& t) {
   const Pose& X_OG = study.grasps[t.grasp].candidate.X_OG;
-  return ToPoseError(X_OG.inverse() * NearestError(study.model, t.X_OO) * X_OG);
+  return ToPoseOffset(X_OG.inverse() * NearestError(study.model, t.X_OO) * X_OG);
 }
 
 }  // namespace pickbed

@@ -19,14 +19,16 @@ namespace pickbed {
 // An axis of the error: along or about x, y, z of the object's frame O, or of the grasp's frame G.
 // Turns are about the middle of the part's surface in O, about the middle of the tips in G.
 struct ErrorAxis {
-  const char* name;  // as on the command line
-  const char* help;
+  const char* name;    // as on the command line
+  const char* way;     // "along" or "about"
   const char* unit;    // mm or deg
   bool of_grasp;       // else of O
-  int coordinate;      // of the PoseError
+  int coordinate;      // of the PoseOffset
   double per_unit_si;  // m or rad in one unit
 };
 std::span<const ErrorAxis> ErrorAxisTable();
+// "along the closing direction": what the axis is with this gripper.
+std::string AxisHelp(const ErrorAxis& axis, const GripperSpec& gripper);
 // Index into the table; InputError with the nearest name.
 int ErrorAxisNamed(const std::string& name);
 
@@ -83,7 +85,7 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part, const GripperS
                          std::vector<GraspCandidate> candidates, const ToleranceOptions& options);
 
 // The error of a try as its hand sees it.
-PoseError ErrorInG(const ToleranceStudy& study, const ToleranceTry& t);
+PoseOffset ErrorInG(const ToleranceStudy& study, const ToleranceTry& t);
 
 struct StudyListener {
   std::function<void(int done, int total, int before)> on_progress;

@@ -14,8 +14,6 @@
 namespace pickbed {
 namespace {
 
-constexpr double kStandsOnDiameters = 0.5;
-
 constexpr TruthStages kPerception{true, true, true, true, false};
 constexpr TruthStages kAll{true, true, true, true, true};
 constexpr std::array<OracleRow, 6> kRows{{
@@ -32,11 +30,7 @@ class Feed {
   Feed(std::vector<PoseHypothesis> believed, const std::vector<FedPart>& parts,
        const std::vector<MetricModel>& models)
       : believed_(std::move(believed)), parts_(parts), models_(models) {
-    for (const MetricModel& model : models) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (const Eigen::Vector3d& vertex : model.vertices_O) sum += vertex;
-      means_O_.push_back(sum / std::max<size_t>(1, model.vertices_O.size()));
-    }
+    for (const MetricModel& model : models) means_O_.push_back(MeanVertex(model));
     Sort();
   }
 

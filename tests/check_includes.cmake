@@ -19,11 +19,11 @@ set(rooms
   "torch/|ATen/|c10/=>^(tests/)?perception/(torch_[a-z_]+\\.(cpp|h)|networks/[a-z_]+\\.(cpp|h))$"
   "pcl/=>^perception/(icp|normals)\\.cpp$"
   "flann/=>^perception/neighbors\\.cpp$"
-  "assimp/=>^scenes/mesh_io\\.cpp$"
+  "assimp/=>^scenes/(mesh_io|glb_writer)\\.cpp$"
   "opencv2/=>^(scenes/image_io\\.cpp|eval/report/draw[a-z_]*\\.cpp|perception/estimators/(ppf_matcher|linemod)\\.cpp|perception/hog\\.cpp)$"
   "yaml-cpp/=>^scenes/settings(_tree)?\\.cpp$"
   "sqlite3=>^eval/results_[a-z_]+(\\.cpp|_impl\\.h)$"
-  "boost/=>^eval/statistics\\.cpp$"
+  "boost/=>^eval/(statistics|paired_tests)\\.cpp$"
   "nlohmann/=>^eval/.+(\\.cpp|_impl\\.h)$"
   "CLI/|spdlog/=>^eval/.+\\.(cpp|h)$"
 )

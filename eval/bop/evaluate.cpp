@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+
 #include "eval/bop/dataset.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/targets.h"
+#include "eval/tolerance_maps.h"
 #include "scenes/check.h"
 
 namespace pickbed::bop {
@@ -53,8 +56,31 @@ TrueImage TruthOf(const ImageTruth& image, const RgbdFrame& frame) {
 
 }  // namespace
 
+TolerancesById ReadTolerances(const std::vector<std::string>& texts) {
+  TolerancesById tolerances;
+  for (const std::string& text : texts) {
+    const size_t equals = text.find('=');
+    int id = -1;
+    const char* end = text.data() + (equals == std::string::npos ? 0 : equals);
+    const auto [stop, error] = std::from_chars(text.data(), end, id);
+    CheckInput(
+        error == std::errc() && stop == end,
+        fmt::format("--tolerance {}: write ID=PLACE, an obj_id of the data set and the folder "
+                    "of its map",
+                    text));
+    const std::vector<fs::path> files = ToleranceFiles(text.substr(equals + 1));
+    CheckInput(files.size() == 1,
+               fmt::format("--tolerance {}: holds {} maps; name one", text, files.size()));
+    const bool is_new =
+        tolerances.insert({id, {files.front(), ReadToleranceModel(files.front())}}).second;
+    CheckInput(is_new, fmt::format("--tolerance {}: object {} has one already", text, id));
+  }
+  return tolerances;
+}
+
 Scores Evaluate(const fs::path& root, const std::string& split,
                 const std::vector<Estimate>& estimates, const VsdOptions& options,
+                const TolerancesById& tolerances,
                 const std::function<void(const std::string&)>& on_scene) {
   const SplitTargets targets = TargetsOf(root, split);
   const fs::path folder = EvalModelsFolder(root);
@@ -65,9 +91,22 @@ Scores Evaluate(const fs::path& root, const std::string& split,
         CheckInput(info != models.end(),
                    fmt::format("{}: has no object {}, which is true in a scene",
                                (folder / "models_info.json").string(), object_id));
-        return LoadModel(folder, object_id, info->second, ModelName(object_id));
+        auto model = LoadModel(folder, object_id, info->second, ModelName(object_id));
+        if (const auto named = tolerances.find(object_id); named != tolerances.end()) {
+          RequireModelOf(named->second.model, *model, named->second.file);
+        }
+        return model;
       },
-      options);
+      options,
+      [&](int object_id) -> const ToleranceModel* {
+        const auto named = tolerances.find(object_id);
+        return named == tolerances.end() ? nullptr : &named->second.model;
+      });
+  for (const auto& [id, named] : tolerances) {
+    CheckInput(models.contains(id),
+               fmt::format("--tolerance {}={}: {} has no such object", id, named.file.string(),
+                           (folder / "models_info.json").string()));
+  }
   EstimatesByImage by_image = ByImage(estimates, models, folder);
   Scores scores;
   scores.notes = targets.notes;

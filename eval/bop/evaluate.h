@@ -7,19 +7,33 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "eval/bop/evaluator.h"
 #include "eval/bop/results_csv.h"
 #include "eval/bop/vsd.h"
+#include "grasp/tolerance.h"
 
 namespace pickbed::bop {
 
+// A tolerance model of an object and the file that it was read from.
+struct NamedTolerance {
+  std::filesystem::path file;
+  ToleranceModel model;
+};
+using TolerancesById = std::map<int, NamedTolerance>;
+// Each text is ID=PLACE: an obj_id, and a model.yaml of `pickbed tolerance` or its folder. Throws
+// InputError for what is neither and for an object that comes twice.
+TolerancesById ReadTolerances(const std::vector<std::string>& texts);
+
 // Throws InputError for a broken data set, a split without scenes, targets without truth, and
-// estimates of an object that models_info.json does not have.
+// estimates or tolerance models of an object that models_info.json does not have or, these, of
+// another mesh.
 Scores Evaluate(const std::filesystem::path& root, const std::string& split,
                 const std::vector<Estimate>& estimates, const VsdOptions& options = {},
+                const TolerancesById& tolerances = {},
                 const std::function<void(const std::string& scene)>& on_scene = {});
 
 }  // namespace pickbed::bop

@@ -4,7 +4,9 @@
 #include <array>
 
 #include "eval/bop/scores.h"
+#include "eval/matching.h"
 #include "eval/metrics.h"
+#include "grasp/tolerance.h"
 #include "sim/renderer.h"
 
 namespace pickbed::bop {
@@ -28,6 +30,7 @@ struct Found {
   std::array<int, kSteps * kSteps> vsd{};  // [tolerance][threshold]
   std::array<int, kSteps> mssd{}, mspd{};
   int adi = 0;
+  double pick_chances = 0;  // sum over the instances
 
   void Add(const Found& other) {
     wanted += other.wanted;
@@ -106,8 +109,8 @@ struct Group {
 }  // namespace
 
 struct Evaluator::Impl {
-  Impl(ModelOf model_of, const VsdOptions& options)
-      : parts_(std::move(model_of)), options_(options) {}
+  Impl(ModelOf model_of, const VsdOptions& options, ToleranceOf tolerance_of)
+      : parts_(std::move(model_of)), options_(options), tolerance_of_(std::move(tolerance_of)) {}
 
   void AddImage(const TrueImage& truth, const ImageTargets& targets,
                 const std::vector<const Estimate*>& estimates) {
@@ -145,6 +148,9 @@ struct Evaluator::Impl {
       object.ar_mssd = AverageRecall(found.mssd, found.wanted);
       object.ar_mspd = AverageRecall(found.mspd, found.wanted);
       object.adi_recall = Recall{found.adi, found.wanted}.value();
+      if (ToleranceFor(object_id) != nullptr && found.wanted > 0) {
+        object.pick_chance = found.pick_chances / found.wanted;
+      }
     }
     scores.wanted = all.wanted;
     scores.ar_vsd = AverageRecall(all.vsd, all.wanted);
@@ -243,6 +249,25 @@ struct Evaluator::Impl {
     return tables;
   }
 
+  const ToleranceModel* ToleranceFor(int object_id) const {
+    return tolerance_of_ ? tolerance_of_(object_id) : nullptr;
+  }
+
+  // Sum over the estimates that stand on an instance each.
+  double PickChances(const Group& group, const ErrorTable& mssd, int count) const {
+    const ToleranceModel* tolerance = ToleranceFor(group.object_id);
+    if (tolerance == nullptr) return 0;
+    double sum = 0;
+    const std::vector<int> taken =
+        MatchGreedily(mssd, MostVisible(group.visible, count), kStandsOnDiameters);
+    for (size_t e = 0; e < taken.size(); ++e) {
+      if (taken[e] < 0) continue;
+      sum += SuccessProbability(*tolerance,
+                                group.X_CO_true[taken[e]].inverse() * group.estimates[e]->X_CO);
+    }
+    return sum;
+  }
+
   void Localise(Group group, int count, const CameraIntrinsics& camera,
                 const Image<float>& measured_m) {
     const std::vector<int> kept = HighestScores(group.Table().scores, count);
@@ -255,6 +280,7 @@ struct Evaluator::Impl {
     const auto steps = Steps();
     found.adi += RecallOf(AdiTable(group, mssd), count, kAdiDiameters).found;
     found.wanted += RecallOf(mssd, count, steps[0]).wanted;
+    found.pick_chances += PickChances(group, mssd, count);
     for (int i = 0; i < kSteps; ++i) {
       found.mssd[i] += RecallOf(mssd, count, steps[i]).found;
       found.mspd[i] += RecallOf(mspd, count, 100 * steps[i]).found;
@@ -266,13 +292,14 @@ struct Evaluator::Impl {
 
   Parts parts_;
   VsdOptions options_;
+  ToleranceOf tolerance_of_;
   int images_ = 0;
   std::map<int, Found> found_;
   std::vector<ErrorTable> mssd_tables_, mspd_tables_;
 };
 
-Evaluator::Evaluator(ModelOf model_of, const VsdOptions& options)
-    : impl_(std::make_unique<Impl>(std::move(model_of), options)) {}
+Evaluator::Evaluator(ModelOf model_of, const VsdOptions& options, ToleranceOf tolerance_of)
+    : impl_(std::make_unique<Impl>(std::move(model_of), options, std::move(tolerance_of))) {}
 
 Evaluator::~Evaluator() = default;
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,12 +15,19 @@
 #include "eval/bop/vsd.h"
 #include "scenes/object_model.h"
 
+namespace pickbed {
+struct ToleranceModel;  // grasp/tolerance.h
+}
+
 namespace pickbed::bop {
 
 struct ObjectScores {
   int wanted = 0;  // instances to be found, BOP19
   double ar_vsd = 0, ar_mssd = 0, ar_mspd = 0;
-  double adi_recall = 0;    // share found with ADI < 0.1 diameter
+  double adi_recall = 0;  // share found with ADI < 0.1 diameter
+  // Mean chance over the instances to be found that a pick on the estimate that stands on it
+  // (MSSD < 0.5 diameter) succeeds, 0 without one; nothing where the object has no tolerance model.
+  std::optional<double> pick_chance = std::nullopt;
   bool detectable = false;  // has an instance that counts in BOP24
   double ap_mssd = 0, ap_mspd = 0;
 };
@@ -54,7 +62,10 @@ class Evaluator {
  public:
   // Asked once for each part, which is drawn and measured with all its vertices.
   using ModelOf = std::function<std::shared_ptr<const ObjectModel>(int object_id)>;
-  explicit Evaluator(ModelOf model_of, const VsdOptions& options = {});
+  // Null for an object without one.
+  using ToleranceOf = std::function<const ToleranceModel*(int object_id)>;
+  explicit Evaluator(ModelOf model_of, const VsdOptions& options = {},
+                     ToleranceOf tolerance_of = {});
   ~Evaluator();
 
   void AddImage(const TrueImage& truth, const ImageTargets& targets,

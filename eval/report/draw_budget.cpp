@@ -17,15 +17,14 @@ constexpr Rgb8 kPaper{255, 255, 255}, kInk{35, 40, 48}, kGrid{225, 229, 234};
 constexpr Rgb8 kAll{150, 158, 168}, kLeft{0, 138, 100}, kOther{90, 90, 90};
 constexpr Rgb8 kFirst{0, 114, 178}, kSecond{213, 94, 0};
 // Told apart by colour-blind readers too (Okabe and Ito 2008).
-constexpr std::array<std::pair<const char*, Rgb8>, 9> kStages{{{"sense", {86, 180, 233}},
+constexpr std::array<std::pair<const char*, Rgb8>, 8> kStages{{{"sense", {86, 180, 233}},
                                                                {"detect", {0, 114, 178}},
                                                                {"pose", {204, 121, 167}},
                                                                {"refine", {230, 159, 0}},
                                                                {"plan", {196, 178, 20}},
                                                                {"approach", {213, 94, 0}},
                                                                {"grasp", {126, 62, 152}},
-                                                               {"simulate", {60, 60, 60}},
-                                                               {"policy", {190, 196, 204}}}};
+                                                               {"simulate", {60, 60, 60}}}};
 constexpr int kWidth = 900, kNames_px = 190, kRight_px = 40, kTop_px = 46, kBottom_px = 52;
 constexpr int kLine_px = 30, kBar_px = 20;
 constexpr int kValues_px = 300;  // of the gains' numbers
@@ -83,8 +82,9 @@ void DrawBar(Canvas& canvas, const Axis& axis, int line, const std::string& name
   canvas.Text(value, x, y + kBar_px - 5, fits_inside && dark ? kPaper : kInk, kText);
 }
 
-std::string Share(int count, int total) {
-  return fmt::format("{} ({:.1f} %)", count, 100.0 * count / std::max(1, total));
+std::string ShareText(const WaterfallStep& step, int total) {
+  return fmt::format("{} = {:.1f} %  [{:.1f}, {:.1f}]", step.count,
+                     100.0 * step.count / std::max(1, total), step.low, step.high);
 }
 
 std::vector<LegendEntry> StagesOf(const std::vector<WaterfallStep>& steps) {
@@ -140,10 +140,10 @@ Image<Rgb8> DrawWaterfall(const Waterfall& waterfall) {
     const int before = left;
     left -= step.count;
     DrawBar(canvas, axis, line++, step.name, ColorOf(step.group), percent * left, percent * before,
-            Share(step.count, waterfall.total));
+            ShareText(step, waterfall.total));
   }
-  DrawBar(canvas, axis, line, waterfall.left, kLeft, 0, percent * left,
-          Share(left, waterfall.total));
+  DrawBar(canvas, axis, line, waterfall.left.name, kLeft, 0, percent * waterfall.left.count,
+          ShareText(waterfall.left, waterfall.total));
   const std::vector<LegendEntry> legend = StagesOf(waterfall.steps);
   Image<Rgb8> picture = canvas.Take();
   return legend.empty() ? picture : WithLegend(picture, legend);

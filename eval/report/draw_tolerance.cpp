@@ -88,7 +88,7 @@ Image<Rgb8> DrawCurve(const AxisCurve& curve) {
     const int upper = int(frame.Y(Between(high, at))), lower = int(frame.Y(Between(low, at)));
     canvas.Fill(x, upper, 1, std::max(1, lower - upper), band_color);
   }
-  DrawGrid(canvas, frame, fmt::format("error {}, {}", axis.help, axis.unit).c_str());
+  DrawGrid(canvas, frame, fmt::format("error {}, {}", curve.help, axis.unit).c_str());
   const Rgb8 line_color = axis.of_grasp ? kGraspLine : kObjectLine;
   for (size_t i = 0; i < share.size(); ++i) {
     const Vector2d here(frame.X(share[i].x()), frame.Y(share[i].y()));
@@ -120,6 +120,19 @@ void DrawAxes(Canvas& canvas, const Camera& camera, const Pose& X_WF, double len
   }
 }
 
+// How far a gripper stands back from the origin of G.
+double ReachOf(const GripperSpec& gripper) {
+  const MechanismRow& row = MechanismOf(gripper);
+  double reach_m = 0;
+  for (const auto& boxes :
+       {row.boxes(gripper, row.most_open_m(gripper)), row.soft_boxes(gripper)}) {
+    for (const AxisAlignedBox& box : boxes) {
+      reach_m = std::max(reach_m, box.half_size.z() - box.center.z());
+    }
+  }
+  return reach_m;
+}
+
 class Studio {
  public:
   explicit Studio(const ToleranceStudy& study)
@@ -139,9 +152,8 @@ class Studio {
     Grasp grasp;
     grasp.X_WG = X_WO * held.candidate.X_OG;
     grasp.width_m = held.candidate.width_m;
-    const HandSpec& hand = table_.gripper.hand;
-    const double reach_m = hand.finger_size_m.z() + hand.palm_size_m.z();
-    // Seen across the closing direction, a little from above.
+    const double reach_m = ReachOf(table_.gripper);
+    // Seen along y of G, a little from above.
     Vector3d from = grasp.X_WG.linear().col(1);
     from.z() = 0;
     from = from.normalized() + Vector3d(0, 0, 0.45) + 0.5 * grasp.X_WG.linear().col(0);
@@ -186,6 +198,7 @@ std::vector<std::string> KeyFigures(const ToleranceStudy& study, const Tolerance
       fmt::format("green\terrors that keep {:.0f} % of that", 100 * study.options.keep_share),
       fmt::format("AUC of {} held-out picks", figures.test_picks)};
   for (const Predictor& p : figures.predictors) {
+    if (!p.auc.is_known()) continue;  // all picks had one outcome
     lines.push_back(fmt::format("  {}\t{:.3f} [{:.3f}, {:.3f}]", p.name, p.auc.auc,
                                 p.auc.interval.low, p.auc.interval.high));
   }
@@ -203,7 +216,7 @@ Rgb8 ShareColor(double share) {
   return share < 0.5 ? Mixed(kFails, kWhite, 2 * share) : Mixed(kWhite, kSucceeds, 2 * share - 1);
 }
 
-Image<Rgb8> DrawPair(const PairMap& map) {
+Image<Rgb8> DrawPair(const PairMap& map, const std::vector<AxisCurve>& axes) {
   const ErrorAxis& a = ErrorAxisTable()[map.axis[0]];
   const ErrorAxis& b = ErrorAxisTable()[map.axis[1]];
   const int columns = int(map.offsets_a.size()), rows = int(map.offsets_b.size());
@@ -228,9 +241,9 @@ Image<Rgb8> DrawPair(const PairMap& map) {
                 top + rows * kCell_px + 18, kInk, 0.4);
   }
   canvas.Text(fmt::format("{}, {}", b.name, b.unit), 4, top + rows * kCell_px / 2 - 4, kInk, 0.4);
-  const std::string label = fmt::format("{}: error {}, {}", a.name, a.help, a.unit);
+  const std::string label = fmt::format("{}: error {}, {}", a.name, axes[map.axis[0]].help, a.unit);
   canvas.Text(label, 10, top + rows * kCell_px + 42, kInk, 0.42);
-  canvas.Text(fmt::format("{}: error {}, {}", b.name, b.help, b.unit), 10,
+  canvas.Text(fmt::format("{}: error {}, {}", b.name, axes[map.axis[1]].help, b.unit), 10,
               top + rows * kCell_px + 62, kInk, 0.42);
   return canvas.Take();
 }
@@ -265,7 +278,7 @@ Image<Rgb8> DrawPairSheet(const ToleranceFigures& figures) {
   for (const PairMap& map : figures.pairs) {
     const ErrorAxis& a = ErrorAxisTable()[map.axis[0]];
     const ErrorAxis& b = ErrorAxisTable()[map.axis[1]];
-    tiles.push_back(DrawPair(map));
+    tiles.push_back(DrawPair(map, figures.axes));
     captions.push_back(fmt::format("{} and {}: percent of picks that succeed", a.name, b.name));
   }
   return ContactSheet(tiles, captions, std::min<int>(kMaxPairColumns, int(tiles.size())));

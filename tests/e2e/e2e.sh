@@ -299,6 +299,46 @@ bad_budgets_are_refused() {
   [ ! -e no ] || fail "a refused run left a folder"
 }
 
+a_replay_is_the_same() {
+  expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
+  expect 0 "$pickbed" replay one#1
+  grep -q "^all that is recorded is the same" last.out || fail "it is not said that all is the same"
+  [ "$(grep -c " same$" last.out)" -ge 5 ] || fail "not all stages of a look are named"
+  for file in color.png depth.png ids.png overlay.png after.png cloud.ply hypotheses.ply scene.glb; do
+    [ -s "one/replay/trial_0001/look_00_$file" ] || fail "no $file"
+  done
+  # From another place, and a trial that was fed with truth.
+  expect 0 "$pickbed" budget one --stages pose
+  cd / || fail "cannot go elsewhere"
+  "$pickbed" replay "$work/one#0" --out "$work/elsewhere" >"$work/last.out" || fail "not the same elsewhere"
+  [ -s "$work/elsewhere/stages.csv" ] || fail "no stages.csv"
+  "$pickbed" replay "$work/one/budget/pose#1" >"$work/last.out" 2>"$work/last.err" ||
+    fail "a rerun of the budget is not the same"
+  [ "$(grep -c " same$" "$work/last.out")" -ge 5 ] || fail "not all stages of the rerun are named"
+}
+
+a_replay_names_what_changed() {
+  cp "$here/../../assets/grippers/jaw_8cm.yaml" jaw.yaml
+  expect 0 "$pickbed" run small.yaml "${noisy[@]}" --set gripper=jaw.yaml --out one
+  sed -i 's/^clearance_m: .*/clearance_m: 0.006/' jaw.yaml
+  expect 1 "$pickbed" replay one#1
+  grep -q "^changed since the trial ran: was 'clearance_m: 0.003', is 'clearance_m: 0.006'" last.out ||
+    fail "the changed file is not told"
+  grep -q "^first difference: look 0, stage grasp" last.out || fail "the stage is not named"
+}
+
+bad_replays_are_refused() {
+  refused "one: which trial? name it as RUN#TRIAL, for instance one#0" "$pickbed" replay one
+  refused "there is no folder nowhere" "$pickbed" replay nowhere#1
+  mkdir empty
+  refused "empty holds no results.sqlite" "$pickbed" replay empty#1
+  expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
+  refused "one#7: the run has no such trial" "$pickbed" replay one#7
+  refused "one#x: 'x' is no number of a trial" "$pickbed" replay one#x
+  head -c 5000 one/results.sqlite >cut && mv cut one/results.sqlite
+  refused "results.sqlite" "$pickbed" replay one#1
+}
+
 drop_and_render_write_their_files() {
   expect 0 "$pickbed" drop small.yaml --out drop
   [ "$(grep -c '"instance"' drop/scene.json)" = 5 ] || fail "scene.json does not hold 5 parts"
@@ -618,11 +658,36 @@ a_tolerance_map_stops_and_resumes() {
   done
   brick 10 >wide.obj
   expect 0 "$pickbed" object add wide.obj --name wide --unit mm --mass 1
-  refused "wide has no grasp with jaw_8cm" "$pickbed" tolerance wide jaw_8cm --out wide
+  refused "part 'wide' has no antipodal pair that fits its stroke for gripper 'jaw_8cm', but" "$pickbed" tolerance wide jaw_8cm --out wide
   [ ! -e wide ] || fail "a refused map left a folder"
   refused "did you mean 'gy'" "${map[@]}" --pairs gx:gyy --out three
   refused "axes of one frame" "${map[@]}" --pairs x:gx --out three
   refused "did you mean 'rod'" "$pickbed" tolerance rodd jaw_8cm
+}
+
+tolerance_maps_score_the_poses_of_runs() {
+  expect 0 "$pickbed" tolerance rod jaw_8cm --set grasps=3 --set steps=2 --set step_mm=4 \
+    --set fit_tries=30 --set test_tries=30 --out maps/rod
+  cp small.yaml here.yaml
+  expect 0 "$pickbed" run here.yaml "${noisy[@]}" --tolerance maps --out one
+  grep -q "^Picks of rod by their pose errors" last.out || fail "no forecast"
+  grep -q '"pick_forecasts"' one/summary.json || fail "no forecast in summary.json"
+  head -1 one/picks.csv | grep -q ",p_pick," || fail "picks.csv has no p_pick"
+  [ "$(grep -c "^[01],[0-9]*,[0-9]*,rod,[0-9-]*,[01]\.[0-9]*$" one/pick_chances.csv)" -gt 3 ] ||
+    fail "hypotheses have no chance"
+  expect 0 "$pickbed" run here.yaml "${noisy[@]}" --tolerance maps/rod/model.yaml --out two --jobs 1
+  for file in picks.csv pick_chances.csv summary.json; do same "one/$file" "two/$file"; done
+  expect 0 "$pickbed" budget one --stages none --tolerance maps
+  grep -q "What pose errors foretell" one/budget/index.html || fail "the page tells no forecast"
+  grep -q "bins are few" one/budget/index.html || fail "two bins are not said to be few"
+  expect 0 "$pickbed" estimate here.yaml "${noisy[@]:0:4}" --trials 1 --tolerance maps --out poses
+  head -1 poses/hypotheses.csv | grep -q ",p_pick$" || fail "hypotheses.csv has no p_pick"
+  refused "is of rod with jaw_8cm; the parts are rod, flange, the gripper is jaw_14cm" \
+    "$pickbed" run here.yaml --set gripper=jaw_14cm --tolerance maps/rod --out no
+  cp -r maps/rod maps/again
+  refused "are both of rod with jaw_8cm" "$pickbed" run here.yaml --tolerance maps --out no
+  refused "there is no such file" "$pickbed" run here.yaml --tolerance nowhere --out no
+  refused "write ID=PLACE" "$pickbed" score --bop none none.csv --tolerance maps
 }
 
 doctor_finds_nothing() {

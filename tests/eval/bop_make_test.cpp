@@ -228,5 +228,35 @@ TEST_F(BopTruth, ShuffledTruthScoresNearZero) {
   EXPECT_LT(scores.ap(), 0.1);
 }
 
+// The chance of an error of nothing where the truth is told, and none where all poses are of the
+// other image.
+TEST_F(BopTruth, PickChancesAreOfTheErrorsOfTheEstimates) {
+  ToleranceModel model = EmptyToleranceModel(*EasyCube().front(), "jaw", {Pose::Identity()});
+  model.weights[0] = 0.5;   // logistic(0.5) without an error
+  model.weights[2] = -100;  // and less with one along x
+  const TolerancesById tolerances{{1, {"model.yaml", model}}};
+  const auto chance_of = [&](const std::vector<Estimate>& estimates) {
+    return Evaluate(set_->path(), "test", estimates, {}, tolerances).objects.at(1).pick_chance;
+  };
+  std::vector<Estimate> estimates = TruthAsEstimates(Truth());
+  EXPECT_NEAR(chance_of(estimates).value(), 1 / (1 + std::exp(-0.5)), 1e-6);
+  EXPECT_FALSE(Evaluate(set_->path(), "test", estimates).objects.at(1).pick_chance.has_value());
+  estimates.resize(estimates.size() / 2);
+  EXPECT_LT(chance_of(estimates).value(), 0.6) << "an instance that is not found counts as 0";
+  EXPECT_EQ(chance_of({}).value(), 0);
+  const TolerancesById strange{{7, {"model.yaml", model}}};
+  EXPECT_THROW(Evaluate(set_->path(), "test", estimates, {}, strange), InputError);
+  const ObjectModel other = *Cube(0.06, 0.1, 0.5);
+  const TolerancesById foreign{
+      {1, {"model.yaml", EmptyToleranceModel(other, "jaw", {Pose::Identity()})}}};
+  EXPECT_THROW(Evaluate(set_->path(), "test", estimates, {}, foreign), InputError);
+}
+
+TEST(ReadTolerances, SaysHowTheyAreWritten) {
+  EXPECT_THROW(ReadTolerances({"flange"}), InputError);
+  EXPECT_THROW(ReadTolerances({"=flange"}), InputError);
+  EXPECT_THROW(ReadTolerances({"1=/no/such/place"}), InputError);
+}
+
 }  // namespace
 }  // namespace pickbed::bop

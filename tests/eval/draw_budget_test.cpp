@@ -27,8 +27,8 @@ int Widest(const Image<Rgb8>& image, Rgb8 color) {
 
 TEST(DrawWaterfall, BarsAreAsWideAsTheirShareInTheColourOfTheirStage) {
   const Rgb8 all{150, 158, 168}, left{0, 138, 100}, grasp{126, 62, 152}, pose{204, 121, 167};
-  const Image<Rgb8> image =
-      DrawWaterfall({"t", "%", "all", "picked", 40, {{"a", "pose", 4}, {"b", "grasp", 10}}});
+  const Image<Rgb8> image = DrawWaterfall(
+      {"t", "%", "all", {"picked", "", 26}, 40, {{"a", "pose", 4}, {"b", "grasp", 10}}});
   const double whole = Widest(image, all);
   EXPECT_GT(whole, 500);
   EXPECT_NEAR(Widest(image, pose) / whole, 0.10, 0.005);
@@ -37,7 +37,7 @@ TEST(DrawWaterfall, BarsAreAsWideAsTheirShareInTheColourOfTheirStage) {
 }
 
 TEST(DrawWaterfall, NothingToDrawIsDrawn) {
-  EXPECT_GT(DrawWaterfall({"t", "%", "all", "picked", 0, {}}).width(), 0);
+  EXPECT_GT(DrawWaterfall({"t", "%", "all", {"picked", "", 0}, 0, {}}).width(), 0);
 }
 
 TEST(DrawGains, DotsStandAtTheirPlaceOnOneAxis) {

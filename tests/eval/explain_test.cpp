@@ -30,10 +30,10 @@ std::vector<TruePart> TwoCubes() {
 TEST(PoseJudge, ErrorIsTheShiftOverTheDiameterAndGoesToTheNearestPart) {
   const PoseJudge judge(EasyCube(), TwoCubes());
   const double diameter_m = std::sqrt(3) * kSide_m;
-  const PoseError exact = judge(0, Translation({0.05, 0, 0.5}));
+  const PoseVerdict exact = judge(0, Translation({0.05, 0, 0.5}));
   EXPECT_EQ(exact.part, 1);
   EXPECT_NEAR(exact.diameters, 0, 1e-12);
-  const PoseError shifted = judge(0, Translation({-0.05, 0, 0.5 + 0.09 * diameter_m}));
+  const PoseVerdict shifted = judge(0, Translation({-0.05, 0, 0.5 + 0.09 * diameter_m}));
   EXPECT_EQ(shifted.part, 0);
   EXPECT_NEAR(shifted.diameters, 0.09, 1e-9);
   EXPECT_TRUE(shifted.right());
@@ -65,7 +65,7 @@ class Fate : public testing::Test {
     trace_.min_score = 0.5;
   }
   PartFate Of(const std::vector<PoseHypothesis>& answer = {}) const {
-    std::vector<PoseError> errors;
+    std::vector<PoseVerdict> errors;
     for (const TracedVote& vote : trace_.votes) errors.push_back(judge_(0, vote.vote.X_CO));
     return FatesOf(judge_, trace_, errors, models_, answer).front();
   }

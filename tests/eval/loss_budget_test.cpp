@@ -152,6 +152,92 @@ TEST(Fates, PartsThatRemain) {
   EXPECT_EQ(FateOf(stuck, 2).loss, Loss::kSuppressed);
 }
 
+// A look that ends without a grasp, or with one at a pose that stood on nothing.
+PickRecord Aimless(int pick, const std::vector<double>& visible, Loss loss, bool executed) {
+  PickRecord record = Look(pick, {}, loss);
+  for (const double share : visible) {
+    record.instances.push_back({static_cast<int>(record.instances.size()), 0, share, false, loss});
+  }
+  if (!executed) record.grasp.reset();
+  return record;
+}
+
+TEST(Fates, EachLookOfALimitedTrialAsksForOnePart) {
+  for (const bool executed : {false, true}) {
+    // Of the first part that the camera saw it saw less than of the second.
+    const PickRecord blind = Aimless(0, {0.2, 0.9, 0.5}, Loss::kPoseWrong, executed);
+    const TrialResult one = TrialOf(3, {blind}, {{0, 1, 2}, false});
+    EXPECT_EQ(FateOf(one, 1).loss, Loss::kPoseWrong);
+    EXPECT_EQ(FateOf(one, 1).pick, 0);
+    const LossBudget parts = BudgetOfInstances({&one, 1}), looks = BudgetOfAttempts({&one, 1});
+    EXPECT_EQ(parts.asked(), looks.asked()) << "one look, one part";
+    EXPECT_EQ(parts[Loss::kPoseWrong], looks[Loss::kPoseWrong]);
+
+    // The next look asks for another part; a third for none, since none is left to ask for.
+    PickRecord second = Aimless(1, {0.2, 0.9, 0.5}, Loss::kNoGrasp, false);
+    PickRecord third = Look(2, {0, 1, 2}, Loss::kSlipped, 0);
+    const TrialResult more = TrialOf(3, {blind, second, third}, {{0, 1, 2}, false});
+    EXPECT_EQ(FateOf(more, 1).loss, Loss::kPoseWrong);
+    EXPECT_EQ(FateOf(more, 2).loss, Loss::kNoGrasp);
+    EXPECT_EQ(FateOf(more, 0).loss, Loss::kSlipped);
+    EXPECT_EQ(BudgetOfInstances({&more, 1}).not_asked, 0);
+  }
+  // A phantom's grasp that brought a part to nobody has cost the bin that part.
+  PickRecord instead = Look(0, {0, 1, 2}, Loss::kPoseWrong);
+  instead.outcome.loss = Loss::kWrongPart;
+  instead.outcome.picked_instance = 2;
+  const TrialResult cost = TrialOf(3, {instead}, {{0, 1}, false});
+  EXPECT_EQ(FateOf(cost, 2).loss, Loss::kTookTwo);
+  EXPECT_EQ(BudgetOfInstances({&cost, 1}).asked(), 1);
+}
+
+// What the issue is about: a bin that finds no grasp counts as one that fails, so that a gain is
+// not measured against the bins alone that found one.
+TEST(LossBudget, BinsThatFindNoGraspCountInTheRateOfInstances) {
+  std::vector<TrialResult> trials{
+      TrialOf(2, {Aimless(0, {0.5, 0.4}, Loss::kNoGrasp, false)}, {{0, 1}, false}),
+      TrialOf(2, {Look(0, {0, 1}, Loss::kNone, 0)}, {{1}, false})};
+  const LossBudget parts = BudgetOfInstances(trials);
+  EXPECT_EQ(parts.asked(), 2);
+  EXPECT_EQ(parts.picked, 1);
+  const std::vector<Cluster> clusters = InstancesByTrial(trials);
+  EXPECT_EQ(clusters[0].tries, 1);
+  EXPECT_EQ(clusters[0].hits, 0);
+}
+
+// Ten bins, a quarter of all looks slipped: the interval is wider where whole bins slip.
+TEST(LossBudget, IntervalsOfSharesAreOverBins) {
+  const auto trials = [](bool by_bin) {
+    std::vector<TrialResult> all;
+    for (int bin = 0; bin < 12; ++bin) {
+      std::vector<PickRecord> picks;
+      std::vector<int> remaining;
+      for (int i = 0; i < 4; ++i) {
+        const bool slips = by_bin ? bin % 4 == 0 : i == bin % 4;
+        std::vector<int> seen = remaining;
+        for (int part = i; part < 4; ++part) seen.push_back(part);
+        picks.push_back(Look(i, seen, slips ? Loss::kSlipped : Loss::kNone, i));
+        if (slips) remaining.push_back(i);
+      }
+      all.push_back(TrialOf(4, picks, {remaining, false}));
+    }
+    return all;
+  };
+  const auto spread = trials(false), clustered = trials(true);
+  for (const auto shares_of : {SharesOfAttempts, SharesOfInstances}) {
+    const BudgetShares even = shares_of(spread), uneven = shares_of(clustered);
+    EXPECT_EQ(even.budget[Loss::kSlipped], 12);
+    EXPECT_EQ(uneven.budget[Loss::kSlipped], 12);
+    const Interval& narrow = even[Loss::kSlipped];
+    const Interval& wide = uneven[Loss::kSlipped];
+    EXPECT_GT(wide.high - wide.low, narrow.high - narrow.low);
+    EXPECT_LT(wide.low, 0.25);
+    EXPECT_GT(wide.high, 0.25);
+    EXPECT_NEAR(wide.low, 1 - uneven.picked.high, 0.05) << "one reason alone: the rest is picked";
+    EXPECT_NEAR(wide.high, 1 - uneven.picked.low, 0.05);
+  }
+}
+
 TEST(Fates, APartThatAppearsFromNowhereIsOurFault) {
   EXPECT_THROW(TrialOf(2, {Look(0, {0}, Loss::kNone, 0)}, {{}, false}), std::logic_error);
   EXPECT_THROW(

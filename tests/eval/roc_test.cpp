@@ -172,5 +172,23 @@ TEST(Auc, CopiesWithinAClusterAddNoCertainty) {
   EXPECT_DOUBLE_EQ(again.high, clustered.high);
 }
 
+TEST(ClusterBootstrapAuc, HasAWidthWhereEveryDrawTellsAll) {
+  const OutcomeClusters told{Outcomes({5, 6}, {1}), Outcomes({7}, {2}), Outcomes({8}, {0, 1})};
+  const Interval interval = ClusterBootstrapAuc(told);
+  EXPECT_EQ(interval.high, 1);
+  EXPECT_DOUBLE_EQ(interval.low, WilsonInterval(3, 3).low);
+}
+
+TEST(ClusterBootstrapAuc, KnowsNothingOfOneOutcomeAlone) {
+  const OutcomeClusters all_well{Outcomes({5, 6}, {}), Outcomes({7}, {})};
+  const Interval auc = ClusterBootstrapAuc(all_well);
+  EXPECT_EQ(auc.low, 0);
+  EXPECT_EQ(auc.high, 1);
+  const Interval difference = ClusterBootstrapAucDifference(all_well, all_well);
+  EXPECT_EQ(difference.low, -1);
+  EXPECT_EQ(difference.high, 1);
+  EXPECT_FALSE(Auc(all_well[0]).is_known());
+}
+
 }  // namespace
 }  // namespace pickbed

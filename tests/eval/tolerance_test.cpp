@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <numbers>
+#include <set>
 
 #include "eval/tolerance_figures.h"
 #include "eval/tolerance_report.h"
@@ -76,14 +77,28 @@ TEST(ToleranceStudy, ErrorsAreWhatTheirAxesSay) {
     if (t.kind != TryKind::kAxis) continue;
     ++axis_tries;
     const ErrorAxis& axis = ErrorAxisTable()[t.axis[0]];
-    const PoseError error = ToPoseError(axis.of_grasp ? X_OG.inverse() * t.X_OO * X_OG : t.X_OO);
+    const PoseOffset error = ToPoseOffset(axis.of_grasp ? X_OG.inverse() * t.X_OO * X_OG : t.X_OO);
     const double step = axis.coordinate < 3 ? 0.0015 : 5 * std::numbers::pi / 180;
-    PoseError expected = PoseError::Zero();
+    PoseOffset expected = PoseOffset::Zero();
     expected[axis.coordinate] = t.level[0] * step;
     // The box's surface has its middle at the origin of O.
     EXPECT_LT((error - expected).norm(), 1e-9) << axis.name << " " << t.level[0];
   }
   EXPECT_EQ(axis_tries, 12 * 6 + 1);
+}
+
+// What a cup has no fingers for.
+TEST(ErrorAxes, AreNamedByWhatTheGripperHas) {
+  std::set<std::string> of_cup;
+  for (const ErrorAxis& axis : ErrorAxisTable()) {
+    const std::string help = AxisHelp(axis, LoadGripper("cup_30mm"));
+    EXPECT_THAT(help, testing::Not(testing::ContainsRegex("finger|closing")));
+    of_cup.insert(help);
+  }
+  EXPECT_EQ(of_cup.size(), ErrorAxisTable().size());
+  EXPECT_EQ(AxisHelp(ErrorAxisTable()[6], SmallJaw()), "along the closing direction");
+  EXPECT_EQ(AxisHelp(ErrorAxisTable()[11], SmallJaw()), "about the approach");
+  EXPECT_EQ(AxisHelp(ErrorAxisTable()[4], SmallJaw()), "about y of the part");
 }
 
 TEST(ToleranceStudy, FilesAreTheSameForAnyNumberOfJobsAndAfterAStop) {
@@ -140,22 +155,22 @@ TEST(TolerancePredictors, APlantedRuleIsToldByTheMapAndNotByTheMetrics) {
   ToleranceModel model = EmptyToleranceModel(*part, "test jaw", {Pose::Identity()});
   Rng rng(0);
   const auto draw = [&] {
-    PoseError error = PoseError::Zero();
+    PoseOffset error = PoseOffset::Zero();
     for (int i = 0; i < 3; ++i) error[i] = rng.Uniform(-0.01, 0.01);
     return error;
   };
   std::vector<ToleranceSample> samples;
   for (int i = 0; i < 2000; ++i) {
-    const PoseError error = draw();
+    const PoseOffset error = draw();
     samples.push_back({error, std::abs(error[0]) < 0.003, i % 20});
   }
   FitTolerance(samples, {}, model);
   std::vector<JudgedPick> picks;
   for (int i = 0; i < 600; ++i) {
-    const PoseError error = draw();
+    const PoseOffset error = draw();
     picks.push_back({ToPose(error), std::abs(error[0]) < 0.003, i});
   }
-  const auto predictors = JudgePredictors(model, *part, picks);
+  const auto predictors = JudgePredictors({{model, *part, picks}});
   ASSERT_GE(predictors.size(), 4u);
   EXPECT_EQ(predictors[0].name, kPickRiskMetric);
   EXPECT_GT(predictors[0].auc.auc, 0.98);
@@ -174,9 +189,21 @@ TEST(TolerancePredictors, APlantedRuleIsToldByTheMapAndNotByTheMetrics) {
   EXPECT_NEAR(auc_of("mssd"), auc_of("add"), 1e-12);
   // Picks of one bin are drawn together.
   for (size_t i = 0; i < picks.size(); ++i) picks[i].cluster = static_cast<int>(i) / 100;
-  const auto clustered = JudgePredictors(model, *part, picks);
+  const auto clustered = JudgePredictors({{model, *part, picks}});
   EXPECT_DOUBLE_EQ(clustered[0].auc.auc, predictors[0].auc.auc);
   EXPECT_NE(clustered[1].auc.interval.low, predictors[1].auc.interval.low);
+}
+
+TEST(TolerancePredictors, PicksOfOneOutcomeJudgeNoScore) {
+  const auto part = BoxPart({0.04, 0.03, 0.06}, 0.1);
+  const ToleranceModel model = EmptyToleranceModel(*part, "test jaw", {Pose::Identity()});
+  std::vector<JudgedPick> picks;
+  for (int i = 0; i < 6; ++i) picks.push_back({Translation({1e-4 * i, 0, 0}), true, i / 2});
+  const auto predictors = JudgePredictors({{model, *part, picks}});
+  EXPECT_THAT(PredictorText(predictors, "3 bins"),
+              testing::AllOf(testing::HasSubstr("all 6 picks succeeded (3 bins)"),
+                             testing::Not(testing::HasSubstr("0.5"))));
+  EXPECT_THAT(PredictorsCsv(predictors), testing::HasSubstr("pick_risk,,,,,,,6,0\n"));
 }
 
 }  // namespace
