@@ -45,7 +45,7 @@ std::vector<TrialResult> TrialsOfRun(const BudgetJob& job) {
              fmt::format("{} was made with another model, gripper, sensor, part or scenario than "
                          "there is now; repeat the run",
                          where));
-  std::vector<TrialResult> trials = ResultsStore(job.run, identity).ReadAll();
+  std::vector<TrialResult> trials = ResultsStore::OpenToRead(job.run).ReadAll();
   CheckInput(!trials.empty(),
              fmt::format("{} holds no finished trial; finish the run with --resume", where));
   return trials;
@@ -60,6 +60,7 @@ BudgetRuns RerunWithTruth(const BudgetJob& job, const BudgetListener& listener) 
   RunOptions options;
   options.jobs = job.jobs;
   options.resume = true;
+  options.retry_crashed = true;
   options.picture_trials = 0;
   for (const TrialResult& trial : runs.as_run) options.only_trials.push_back(trial.trial);
   for (const OracleRow& row : job.rows) {
@@ -76,10 +77,12 @@ BudgetRuns RerunWithTruth(const BudgetJob& job, const BudgetListener& listener) 
     RunReport report = RunScenario(job.spec, job.objects, options, of_row);
     runs.interrupted = report.interrupted;
     if (runs.interrupted) return runs;
-    if (!report.lost.empty()) {
+    if (!report.crashed.empty()) {
+      const CrashedTrial& first = report.crashed.front();
       throw std::runtime_error(fmt::format(
-          "{}: {} trials were lost, the first is trial {}: {}; the same command tries them again",
-          row.name, report.lost.size(), report.lost.front().item, report.lost.front().why));
+          "{}: {} trials crashed twice, the first is trial {}: {}; the same command tries them "
+          "again",
+          row.name, report.crashed.size(), first.trial, first.why));
     }
     runs.fed.push_back({row, Only(std::move(report.trials), options.only_trials)});
     RequireSums(runs.fed.back());

@@ -7,6 +7,7 @@
 #include "eval/commands.h"
 #include "eval/interrupt.h"
 #include "eval/progress.h"
+#include "eval/sweep_progress.h"
 
 namespace pickbed {
 namespace {
@@ -15,21 +16,18 @@ BudgetRuns RerunWithProgress(const BudgetJob& job) {
   ProgressLine progress;
   size_t row_index = 0;
   std::string state_text;
-  double row_start_s = 0;
   const auto enter = [&](const OracleRow& row) {
     if (row_index > 0 && job.rows[row_index - 1].name == std::string(row.name)) return;
     ++row_index;
     state_text = fmt::format("{} ({}/{})", row.name, row_index, job.rows.size());
-    row_start_s = progress.elapsed_s();
+    progress.Restart();
   };
   BudgetListener listener;
   listener.on_trial = [&](const OracleRow& row, const RunState& state) {
     enter(row);
-    const int done_now = state.done - state.done_before;
-    const double each_s = (progress.elapsed_s() - row_start_s) / std::max(1, done_now);
-    progress.Show(fmt::format("{}  trial {}/{}  left in this row {}", state_text, state.done,
-                              state.total, FormatDuration((state.total - state.done) * each_s)),
-                  state.done == state.total);
+    ProgressState shown = ProgressOf(state);
+    shown.note = state_text;
+    progress.Show(shown);
   };
   listener.on_message = [&](const OracleRow& row, const std::string& line) {
     enter(row);

@@ -31,11 +31,13 @@ int Make(const MakeArguments& arguments) {
   {
     ProgressLine progress;
     const auto on_scene = [&](const bop::MakeReport& state) {
-      const double scenes_a_second = (state.done - state.done_before) / progress.elapsed_s();
-      progress.Show(fmt::format("scene {}/{}  {:.2f} images/s  left {}", state.done, options.scenes,
-                                scenes_a_second * options.views,
-                                FormatDuration((options.scenes - state.done) / scenes_a_second)),
-                    state.done == options.scenes);
+      ProgressState shown;
+      shown.what = "scene";
+      shown.done = state.done;
+      shown.total = options.scenes;
+      shown.done_before = state.done_before;
+      shown.note = fmt::format("{} images each", options.views);
+      progress.Show(shown);
     };
     report = bop::MakeDataset(scenario.spec, scenario.objects, options, on_scene, Interrupted);
     seconds = progress.elapsed_s();

@@ -23,18 +23,19 @@ constexpr int kPicturedBins = 5;
 
 std::vector<ComparedRow> LookAtBins(const ComparisonJob& job) {
   ProgressLine progress;
-  double start_s = 0;
   ComparisonJob shown = job;
   shown.stop = Interrupted;
   shown.on_progress = [&](std::string_view what, int done, int total) {
     if (what != "bin") {
       progress.Show(fmt::format("{}: {} %", what, done));
-      start_s = progress.elapsed_s();
+      progress.Restart();
       return;
     }
-    const double a_bin_s = (progress.elapsed_s() - start_s) / done;
-    progress.Show(
-        fmt::format("bin {}/{}  left {}", done, total, FormatDuration(a_bin_s * (total - done))));
+    ProgressState state;
+    state.what = "bin";
+    state.done = done;
+    state.total = total;
+    progress.Show(state);
   };
   return CompareEstimators(shown);
 }

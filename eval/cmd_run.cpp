@@ -7,34 +7,14 @@
 #include "eval/interrupt.h"
 #include "eval/progress.h"
 #include "eval/run.h"
+#include "eval/sweep_progress.h"
 
 namespace pickbed {
 namespace {
 
-std::string StateText(const RunState& state, double elapsed_s) {
-  const int done_now = state.done - state.done_before;
-  const double rate = done_now / std::max(elapsed_s, 1e-9);
-  const Interval interval = WilsonInterval(state.successes, state.attempts);
-  const double success = state.attempts ? 100.0 * state.successes / state.attempts : 0;
-  return fmt::format(
-      "trial {}/{}  {:.2f} trials/s  left {}  picked {}/{} = {:.1f} % [{:.1f}, {:.1f}]", state.done,
-      state.total, rate, FormatDuration((state.total - state.done) / rate), state.successes,
-      state.attempts, success, 100 * interval.low, 100 * interval.high);
-}
-
 RunReport RunWithProgress(const LoadedScenario& scenario, const RunOptions& options) {
   ProgressLine progress;
-  std::string state_text;
-  RunListener listener;
-  listener.on_trial = [&](const RunState& state) {
-    state_text = StateText(state, progress.elapsed_s());
-    progress.Show(state_text, state.done == state.total);
-  };
-  listener.on_message = [&](const std::string& line) {
-    progress.Show(state_text.empty() ? line : fmt::format("{}  ({})", state_text, line));
-  };
-  listener.stop = Interrupted;
-  return RunScenario(scenario.spec, scenario.objects, options, listener);
+  return RunScenario(scenario.spec, scenario.objects, options, ShowOn(progress, Interrupted));
 }
 
 }  // namespace
@@ -55,6 +35,8 @@ int RunCommand(int argc, char** argv) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_flag("--resume", options.resume, "go on with a run that was stopped");
+  app.add_flag("--retry-crashed", options.retry_crashed,
+               "with --resume: try those again that ended their worker");
   app.add_option("--pictures", options.picture_trials, "trials that get pictures, 0 = none")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
@@ -79,12 +61,7 @@ int RunCommand(int argc, char** argv) {
                report.summary.trials);
     return kExitInterrupted;
   }
-  if (!report.lost.empty()) {
-    const LostItem& first = report.lost.front();
-    throw std::runtime_error(
-        fmt::format("{} trials were lost, the first is trial {}: {}; --resume tries them again",
-                    report.lost.size(), first.item, first.why));
-  }
+  RequireNoCrash(report.crashed);
   return 0;
 }
 

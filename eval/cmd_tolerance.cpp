@@ -114,10 +114,12 @@ StudyOutcomes ExecuteWithProgress(const ToleranceStudy& study, const std::filesy
   ProgressLine progress;
   StudyListener listener;
   listener.on_progress = [&](int done, int total, int before) {
-    const double rate = (done - before) / std::max(progress.elapsed_s(), 1e-9);
-    progress.Show(fmt::format("grasp {}/{}  {:.0f} grasps/s  left {}", done, total, rate,
-                              FormatDuration((total - done) / rate)),
-                  done == total);
+    ProgressState state;
+    state.what = "grasp";
+    state.done = done;
+    state.total = total;
+    state.done_before = before;
+    progress.Show(state);
   };
   listener.stop = Interrupted;
   return ExecuteStudy(study, out, arguments.jobs, arguments.resume, listener);

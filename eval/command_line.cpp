@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "eval/progress.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -33,6 +34,9 @@ void FindBeside(const std::filesystem::path& folder, std::string& name_or_path) 
 }  // namespace
 
 bool ParseArguments(CLI::App& app, int argc, char** argv) {
+  app.add_flag_callback("--json-progress", WriteProgressAsJson,
+                        "progress for machines: one JSON object a line on stderr");
+  for (CLI::App* subcommand : app.get_subcommands({})) subcommand->fallthrough();
   try {
     app.parse(argc, argv);
     return true;

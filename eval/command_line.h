@@ -14,7 +14,7 @@ namespace pickbed {
 
 // Parses; true when the command is to go on, false when help was asked for and printed. Throws
 // InputError with one line for anything that cannot be parsed (CLI11's own exit codes are over 100
-// and its messages have several lines).
+// and its messages have several lines). Every command takes --json-progress.
 bool ParseArguments(CLI::App& app, int argc, char** argv);
 
 struct ScenarioArguments {

@@ -16,9 +16,11 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 16> kCommands{{
+constexpr std::array<CommandRow, 18> kCommands{{
     {"run", "drop, look, estimate and pick, trial after trial; measure how often it works",
      RunCommand},
+    {"sweep", "run a grid of settings, over processes, shards or a Slurm cluster", SweepCommand},
+    {"merge", "join the shards of a sweep, or put several runs side by side", MergeCommand},
     {"budget", "where the picks of a run were lost, and what perfecting a stage would gain",
      BudgetCommand},
     {"replay", "run one trial of a run again, and name the first stage that went another way",

@@ -10,6 +10,8 @@ namespace pickbed {
 // argv[0] is the command's name. Returns the exit status: 0 done, 130 interrupted. Throws
 // InputError for bad input.
 int RunCommand(int argc, char** argv);
+int SweepCommand(int argc, char** argv);
+int MergeCommand(int argc, char** argv);
 int BudgetCommand(int argc, char** argv);
 int ReplayCommand(int argc, char** argv);
 int DropCommand(int argc, char** argv);

@@ -6,12 +6,18 @@
 namespace pickbed {
 namespace {
 
+// The scenario's part of a run's identity, which goes on with the gripper's settings.
+std::string ScenarioIn(const std::string& identity) {
+  const size_t gripper = identity.find("\nmechanism:");
+  return gripper == std::string::npos ? identity : identity.substr(0, gripper + 1);
+}
+
 // Version 4 held one set of settings: one point, whose trials' scenes bear their number.
 void FillPointOfVersion4(const Database& db) {
-  const std::string settings = db.Setting("scenario");
   PointRow row;
-  row.point.identity = row.point.settings = settings;
-  row.point.seed = SeedIn(settings);
+  row.point.identity = db.Setting("scenario");
+  row.point.settings = ScenarioIn(row.point.identity);
+  row.point.seed = SeedIn(row.point.identity);
   Statement count(db, "SELECT coalesce(max(trial) + 1, 0) FROM trials");
   count.Step();
   count.Read(0, row.point.trials);

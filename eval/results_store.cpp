@@ -36,12 +36,13 @@ void WriteHead(const Database& db, const StoreHead& head) {
   insert.Step();
 }
 
-// More trials may be asked for than before.
-void RaiseTrials(const Database& db, const StoreHead& head) {
-  Statement update(db, "UPDATE points SET trials = max(trials, ?) WHERE point = ?");
+// More trials may be asked for than before, and what leaves the identity as it is may change.
+void UpdatePoints(const Database& db, const StoreHead& head) {
+  Statement update(db, "UPDATE points SET trials = max(trials, ?), settings = ? WHERE point = ?");
   for (const StoredPoint& point : head.points) {
     update.Bind(1, point.trials);
-    update.Bind(2, point.point);
+    update.Bind(2, point.settings);
+    update.Bind(3, point.point);
     update.Step();
   }
 }
@@ -80,7 +81,11 @@ uint64_t SeedIn(const std::string& settings) {
 }
 
 std::optional<std::string> StoredSettings(const std::filesystem::path& folder) {
-  if (!std::filesystem::is_regular_file(folder / kFileName)) return std::nullopt;
+  const std::filesystem::path file = folder / kFileName;
+  if (!std::filesystem::is_regular_file(file)) return std::nullopt;
+  const Database db(file, Database::Mode::kExisting);
+  const bool is_new = !Statement(db, "SELECT 1 FROM sqlite_master").Step();
+  if (is_new) return std::nullopt;  // its writer is just making the tables
   return ResultsStore::OpenToRead(folder).head().identity;
 }
 
@@ -103,7 +108,7 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
              fmt::format("{} already holds results of another scenario or of other settings; "
                          "choose another folder with --out or remove this one",
                          folder.string()));
-  RaiseTrials(db, head);
+  UpdatePoints(db, head);
   transaction.Commit();
   StoreHead stored = ReadHead(db);
   impl_ = std::make_unique<Impl>(std::move(db), std::move(stored));

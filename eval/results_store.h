@@ -44,7 +44,7 @@ struct CrashedTrial {
 };
 
 // The settings that FOLDER/results.sqlite was written with (StoreHead::identity); none when there
-// is no such file. Throws InputError when it is no results store.
+// is no such file, or nothing in it yet. Throws InputError when it is no results store.
 std::optional<std::string> StoredSettings(const std::filesystem::path& folder);
 
 // The value of the line "seed: N" of a settings text, 0 without one.

@@ -2,15 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
-#include <cstdio>
-#include <iterator>
-#include <memory>
-#include <numeric>
-
 #include "eval/oracle.h"
-#include "eval/pictures.h"
 #include "eval/results_store.h"
 #include "grasp/gripper.h"
 #include "grasp/plan.h"
@@ -24,79 +16,19 @@
 namespace pickbed {
 namespace {
 
-constexpr std::chrono::seconds kSayEvery{2};
-
 std::string SettingsText(ScenarioSpec spec) {
   return WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); });
 }
 
-// Paths of meshes made relative to the results folder, so that its scenario.yaml can be run again.
-std::string ScenarioText(ScenarioSpec spec, const std::filesystem::path& out) {
-  if (!spec.bin.mesh.empty()) {
-    spec.bin.mesh = std::filesystem::relative(spec.folder / spec.bin.mesh, out).string();
-  }
-  for (PartSpec& part : spec.objects) {
-    if (!part.mesh.empty()) {
-      part.mesh = std::filesystem::relative(spec.folder / part.mesh, out).string();
-    }
-  }
-  return SettingsText(spec);
-}
-
-// Opens the store, and closes it again before workers are forked.
-std::vector<int> FinishedTrials(const RunOptions& options, const std::string& identity) {
-  const std::vector<int> finished = ResultsStore(options.out, identity).FinishedTrials();
-  CheckInput(finished.empty() || options.resume,
-             fmt::format("{} already holds {} finished trials of this scenario; pass --resume to "
-                         "go on with it, or choose another folder with --out",
-                         options.out.string(), finished.size()));
-  return finished;
-}
-
-// What a worker tells of a finished trial: "attempts successes".
-std::string ReplyOf(const TrialResult& result) {
-  const auto attempts =
-      std::count_if(result.picks.begin(), result.picks.end(),
-                    [](const PickRecord& pick) { return pick.grasp.has_value(); });
-  const auto successes = std::count_if(
-      result.picks.begin(), result.picks.end(),
-      [](const PickRecord& pick) { return pick.grasp.has_value() && pick.loss == Loss::kNone; });
-  return fmt::format("{} {}", attempts, successes);
-}
-
-WorkerPlan::DoItem StartWorker(const ScenarioSpec& spec, const ObjectSet& objects,
-                               const RunOptions& options, const std::string& identity,
-                               const WorkerPlan::Say& say) {
-  using Clock = std::chrono::steady_clock;
-  const auto on_progress = [say, said = Clock::time_point()](std::string_view what,
-                                                             double share) mutable {
-    if (Clock::now() - said < kSayEvery) return;
-    said = Clock::now();
-    say(fmt::format("{}: {:.0f} %", what, 100 * share));
-  };
-  TrialOptions trial_options;
-  trial_options.truth = options.truth;
-  auto runner = std::make_shared<TrialRunner>(spec, objects, on_progress, trial_options);
-  auto store = std::make_shared<ResultsStore>(options.out, identity);
-  return [runner, store, options](int trial) {
-    PickPictures pictures(options.out / "pictures" / fmt::format("trial_{:04}", trial));
-    const TrialResult result =
-        runner->Run(trial, trial < options.picture_trials ? &pictures : nullptr);
-    store->Write(result);
-    return ReplyOf(result);
-  };
-}
-
-void WriteReports(const std::vector<TrialResult>& trials, const ObjectSet& objects,
-                  const RunSummary& summary, const RunOptions& options) {
-  const std::filesystem::path& out = options.out;
-  WriteFileAtomically(out / "summary.json", SummaryJson(summary));
-  WriteFileAtomically(out / "trials.csv", TrialsCsv(trials));
-  WriteFileAtomically(out / "picks.csv", PicksCsv(trials, objects, options.tolerance));
-  WriteFileAtomically(out / "parts.csv", PartsCsv(trials, objects));
-  WriteFileAtomically(out / "timings.csv", TimingsCsv(trials, summary.cycle));
-  if (options.tolerance.empty()) return;
-  WriteFileAtomically(out / "pick_chances.csv", PickChancesCsv(trials, objects, options.tolerance));
+// What tolerance maps make of a run, into its files.
+void WriteForecasts(const ObjectSet& objects, const RunOptions& options, RunReport& report) {
+  std::vector<std::string> names;
+  for (const auto& object : objects) names.push_back(object->name);
+  report.summary.forecasts = ForecastsOf(report.trials, objects, options.tolerance);
+  WriteFileAtomically(options.out / "summary.json", SummaryJson(report.summary));
+  WriteFileAtomically(options.out / "picks.csv", PicksCsv(report.trials, names, options.tolerance));
+  WriteFileAtomically(options.out / "pick_chances.csv",
+                      PickChancesCsv(report.trials, objects, options.tolerance));
 }
 
 // All of a part that a trial depends on.
@@ -171,48 +103,35 @@ TruthStages TruthIn(const std::string& identity) {
   return {};
 }
 
+Sweep SweepOfOne(const ScenarioSpec& spec, const ObjectSet& objects, const TruthStages& truth) {
+  SweepPoint point;
+  point.spec = spec;
+  point.objects = objects;
+  point.identity = RunIdentity(spec, objects, truth);
+  point.trials = spec.trials;
+  return {{point}, ""};
+}
+
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener) {
-  const std::string identity = RunIdentity(spec, objects, options.truth);
-  const std::vector<int> finished = FinishedTrials(options, identity);
-  ScenarioSpec all_trials = spec;  // fewer may be asked for now than were run before
-  if (!finished.empty()) all_trials.trials = std::max(spec.trials, finished.back() + 1);
-  WriteFileAtomically(options.out / "scenario.yaml", ScenarioText(all_trials, options.out));
-
-  WorkerPlan plan;
-  std::vector<int> wanted = options.only_trials;
-  if (wanted.empty()) {
-    wanted.resize(spec.trials);
-    std::iota(wanted.begin(), wanted.end(), 0);
-  }
-  std::set_difference(wanted.begin(), wanted.end(), finished.begin(), finished.end(),
-                      std::back_inserter(plan.items));
-  RunState state;
-  state.done = state.done_before = static_cast<int>(finished.size());
-  state.total = state.done + static_cast<int>(plan.items.size());
-  plan.jobs = options.jobs;
-  plan.start = [&](const WorkerPlan::Say& say) {
-    return StartWorker(spec, objects, options, identity, say);
-  };
-  plan.on_done = [&](int, const std::string& reply) {
-    int attempts = 0, successes = 0;
-    std::sscanf(reply.c_str(), "%d %d", &attempts, &successes);
-    ++state.done;
-    state.attempts += attempts;
-    state.successes += successes;
-    if (listener.on_trial) listener.on_trial(state);
-  };
-  plan.on_message = listener.on_message;
-  plan.stop = listener.stop;
-  WorkReport work = RunInWorkers(plan);
+  SweepOptions sweep_options;
+  sweep_options.out = options.out;
+  sweep_options.jobs = options.jobs;
+  sweep_options.resume = options.resume;
+  sweep_options.retry_crashed = options.retry_crashed;
+  sweep_options.picture_trials = options.picture_trials;
+  sweep_options.only_trials = options.only_trials;
+  TrialOptions trial_options;
+  trial_options.truth = options.truth;
+  sweep_options.make = PickingTrials(trial_options);
+  SweepReport swept = RunSweep(SweepOfOne(spec, objects, options.truth), sweep_options, listener);
 
   RunReport report;
-  report.trials = ResultsStore(options.out, identity).ReadAll();
-  report.summary = Summarize(report.trials, spec.cycle);
-  report.summary.forecasts = ForecastsOf(report.trials, objects, options.tolerance);
-  report.interrupted = work.stopped;
-  report.lost = std::move(work.lost);
-  WriteReports(report.trials, objects, report.summary, options);
+  report.trials = ResultsStore::OpenToRead(options.out).ReadAll();
+  report.summary = std::move(swept.points.front().summary);
+  report.interrupted = swept.interrupted;
+  report.crashed = std::move(swept.crashed);
+  if (!options.tolerance.empty()) WriteForecasts(objects, options, report);
   return report;
 }
 

@@ -12,9 +12,7 @@ namespace pickbed {
 
 std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const std::string& catalog,
                                    const std::string& object, const std::string& gripper) {
-  CheckInput(std::filesystem::exists(folder / "results.sqlite"),
-             fmt::format("{}: holds no results.sqlite; make a results folder with pickbed run",
-                         folder.string()));
+  const ResultsStore store = ResultsStore::OpenToRead(folder);
   ScenarioArguments arguments;
   arguments.scenario = (folder / "scenario.yaml").string();
   arguments.catalog = catalog;
@@ -22,7 +20,10 @@ std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const st
   const std::string of_run = LoadGripper(scenario.spec.gripper).name;
   CheckInput(of_run == gripper, fmt::format("{}: picked with gripper {}, the map is of {}",
                                             folder.string(), of_run, gripper));
-  const ResultsStore store(folder, RunIdentity(scenario.spec, scenario.objects));
+  CheckInput(store.head().identity == RunIdentity(scenario.spec, scenario.objects),
+             fmt::format("{} was made with another model, gripper, sensor or part than there is "
+                         "now; repeat the run",
+                         folder.string()));
   const std::vector<TrialResult> trials = store.ReadAll();
   std::vector<JudgedPick> picks;
   for (size_t i = 0; i < scenario.objects.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <array>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "eval/trial_clusters.h"
@@ -166,6 +167,11 @@ std::string SummaryJson(const RunSummary& s) {
     json["scenes_refused"].push_back(
         {{"trial", trial}, {"attempt", refused.attempt}, {"faults", refused.faults}});
   }
+  json["trials_crashed"] = nlohmann::ordered_json::array();
+  for (const CrashedTrial& trial : s.crashed) {
+    json["trials_crashed"].push_back(
+        {{"trial", trial.trial}, {"scene", trial.scene}, {"seed", trial.seed}, {"why", trial.why}});
+  }
   json["losses"] = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : s.losses) json["losses"][reason] = count;
   if (!s.forecasts.empty()) {
@@ -193,6 +199,10 @@ std::string SummaryTable(const RunSummary& s) {
                    s.top1_correct, s.frames));
   if (s.cycle.picks_per_hour() > 0) line("picks an hour", CycleText(s.cycle));
   if (!s.refused.empty()) text += RefusedText(s);
+  for (const CrashedTrial& trial : s.crashed) {
+    line("crashed", fmt::format("trial {} (seed {}, scene {}): {}", trial.trial, trial.seed,
+                                trial.scene, trial.why));
+  }
   if (s.attempts > 0) text += RulesText(s);
   text += "Recall by visible fraction (MSSD < 0.1 diameter)\n";
   for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
@@ -213,44 +223,54 @@ std::string SummaryTable(const RunSummary& s) {
   return text;
 }
 
-std::string TrialsCsv(const std::vector<TrialResult>& trials) {
+std::string TrialsCsv(const std::vector<TrialResult>& trials,
+                      const std::vector<CrashedTrial>& crashed) {
   std::string csv =
-      "trial,parts_dropped,parts_cleared,attempts,successes,ended_by,settled_s,wake_movement_mm,"
+      "trial,point,scene,status,parts_dropped,parts_cleared,attempts,successes,ended_by,settled_s,"
+      "wake_movement_mm,"
       "penetration_mm,scenes_refused\n";
+  auto next_crashed = crashed.begin();
+  const auto add_crashed_before = [&](int trial) {
+    for (; next_crashed != crashed.end() && next_crashed->trial < trial; ++next_crashed) {
+      csv += fmt::format("{},{},{},crashed,,,,,,,,,\n", next_crashed->trial, next_crashed->point,
+                         next_crashed->scene);
+    }
+  };
   for (const TrialResult& t : trials) {
     int attempts = 0, successes = 0;
     for (const PickRecord& pick : t.picks) {
       attempts += pick.grasp.has_value();
       successes += pick.grasp && pick.loss == Loss::kNone;
     }
-    csv += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", t.trial, t.parts_dropped, t.parts_cleared,
-                       attempts, successes, LossName(t.ended_by), t.certificate.simulated_s,
-                       1e3 * t.certificate.wake_movement_m,
+    add_crashed_before(t.trial);
+    csv += fmt::format("{},{},{},finished,{},{},{},{},{},{},{},{},{}\n", t.trial, t.point, t.scene,
+                       t.parts_dropped, t.parts_cleared, attempts, successes, LossName(t.ended_by),
+                       t.certificate.simulated_s, 1e3 * t.certificate.wake_movement_m,
                        1e3 * t.certificate.deepest_penetration_m, t.refused.size());
   }
+  add_crashed_before(std::numeric_limits<int>::max());
   return csv;
 }
 
-std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects,
+std::string PicksCsv(const std::vector<TrialResult>& trials, const std::vector<std::string>& parts,
                      const ToleranceMaps& maps) {
   std::string csv =
       std::string() +
-      "trial,pick,parts_in_view,hypotheses,object,instance,confidence,mssd_diameters,mssd_mm,"
-      "mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,p_pick,p_grasp,success,loss,slip_mm,turn_"
-      "deg,"
-      "disturbed" +
+      "trial,point,pick,target,band,parts_in_view,hypotheses,object,instance,confidence,"
+      "mssd_diameters,mssd_mm,mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,p_pick,p_grasp,"
+      "success,loss,slip_mm,turn_deg,disturbed" +
       OutcomeHeader() + "\n";
   constexpr double kDegrees = 180 / 3.14159265358979323846;
   for (const TrialResult& trial : trials) {
     for (const PickRecord& pick : trial.picks) {
-      csv += fmt::format("{},{},{},{},", trial.trial, pick.pick, pick.instances.size(),
-                         pick.hypotheses.size());
+      csv += fmt::format("{},{},{},{},{},{},{},", trial.trial, trial.point, pick.pick, pick.target,
+                         pick.band, pick.instances.size(), pick.hypotheses.size());
       if (pick.chosen >= 0) {
         const HypothesisScore& h = pick.hypotheses.at(pick.chosen);
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},", objects.at(h.object)->name,
-                           h.instance, h.score, h.mssd_diameters, 1e3 * h.mssd_m, h.mspd_px,
-                           1e3 * h.add_m, 1e3 * h.adi_m, kDegrees * h.rotation_rad,
-                           1e3 * h.translation_m, ChanceCell(maps.PickChance(h)),
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},", parts.at(h.object), h.instance,
+                           h.score, h.mssd_diameters, 1e3 * h.mssd_m, h.mspd_px, 1e3 * h.add_m,
+                           1e3 * h.adi_m, kDegrees * h.rotation_rad, 1e3 * h.translation_m,
+                           ChanceCell(maps.PickChance(h)),
                            ChanceCell(maps.PickChance(h, *pick.grasp)));
       } else {
         csv += ",,,,,,,,,,,,";
@@ -264,12 +284,13 @@ std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& ob
   return csv;
 }
 
-std::string PartsCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects) {
-  std::string csv = "trial,instance,object,became,loss,stage,pick\n";
+std::string PartsCsv(const std::vector<TrialResult>& trials,
+                     const std::vector<std::string>& parts) {
+  std::string csv = "trial,point,instance,object,became,loss,stage,pick\n";
   for (const TrialResult& trial : trials) {
     for (const InstanceFate& fate : trial.fates) {
-      csv += fmt::format("{},{},{},{},{},{},{}\n", trial.trial, fate.instance,
-                         objects.at(fate.object)->name,
+      csv += fmt::format("{},{},{},{},{},{},{},{}\n", trial.trial, trial.point, fate.instance,
+                         parts.at(fate.object),
                          fate.picked  ? "picked"
                          : fate.asked ? "lost"
                                       : "not_asked",

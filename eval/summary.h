@@ -12,6 +12,7 @@
 #include "eval/cycle.h"
 #include "eval/outcome_table.h"
 #include "eval/pick_forecast.h"
+#include "eval/results_store.h"
 #include "eval/statistics.h"
 #include "eval/trial.h"
 
@@ -47,6 +48,7 @@ struct RunSummary {
   std::vector<RecallBand> recall_by_visibility;  // 10-30, 30-50, 50-70, 70-90, 90-100 %
   std::vector<Interval> recall_ci95;             // of each band
   std::vector<TrialRefusal> refused;             // scenes that failed their certificate
+  std::vector<CrashedTrial> crashed;             // counted nowhere else
   std::map<std::string, int> losses;             // reason -> attempts or ends charged to it
   std::vector<PickForecast> forecasts;           // by tolerance maps, where there are some
   CycleTime cycle;
@@ -58,13 +60,16 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
 // summary.json, without times. Picks per hour are null where they rest on a measured time, or
 // nothing was picked.
 std::string SummaryJson(const RunSummary& summary);
-std::string SummaryTable(const RunSummary& summary);            // for people
-std::string TrialsCsv(const std::vector<TrialResult>& trials);  // a line a trial
+std::string SummaryTable(const RunSummary& summary);  // for people
+// A line a trial; those that crashed have empty cells.
+std::string TrialsCsv(const std::vector<TrialResult>& trials,
+                      const std::vector<CrashedTrial>& crashed = {});
 // A line a pick; p_pick is the chance of the executed pose, p_grasp that of the executed grasp of
-// it, where its part has a tolerance map.
-std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects,
+// it, where its part has a tolerance map. `parts` are the names of the kinds that were dropped.
+std::string PicksCsv(const std::vector<TrialResult>& trials, const std::vector<std::string>& parts,
                      const ToleranceMaps& maps = {});
-std::string PartsCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);  // a part
+// A line a part.
+std::string PartsCsv(const std::vector<TrialResult>& trials, const std::vector<std::string>& parts);
 // The last lines, of trial "all", are the cycle's seconds a picked part.
 std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle = {});
 

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <cstring>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -146,10 +147,12 @@ class Worker {
   bool ready() const { return ready_; }
   bool idle() const { return ready_ && item_ == kNothing; }
   int item() const { return item_; }
+  std::optional<int> group() const { return group_; }
 
   void SetReady() { ready_ = true; }
-  void Assign(int item) {
+  void Assign(int item, int group) {
     item_ = item;
+    group_ = group;
     // A worker that is gone is noticed when its socket is read.
     SendBytes(socket_, &item, sizeof(item));
   }
@@ -168,25 +171,26 @@ class Worker {
   int socket_ = -1;
   bool ready_ = false;
   int item_ = kNothing;
+  std::optional<int> group_;  // of the last item
 };
 
 // The parent's side.
 class Foreman {
  public:
-  explicit Foreman(const WorkerPlan& plan)
-      : plan_(plan), waiting_(plan.items.begin(), plan.items.end()) {}
+  explicit Foreman(const WorkerPlan& plan) : plan_(plan) {
+    for (const int item : plan.items) waiting_[GroupOf(item)].push_back(item);
+    waiting_items_ = static_cast<int>(plan.items.size());
+  }
 
   WorkReport Run() {
-    while (!waiting_.empty() || busy() > 0) {
+    while (waiting_items_ > 0 || busy() > 0) {
       if (plan_.stop && plan_.stop()) {
         report_.stopped = true;
         break;
       }
       Hire();
       for (auto& worker : workers_) {
-        if (!worker->idle() || waiting_.empty()) continue;
-        worker->Assign(waiting_.front());
-        waiting_.pop_front();
+        if (worker->idle() && waiting_items_ > 0) Give(*worker);
       }
       Listen();
     }
@@ -201,9 +205,45 @@ class Foreman {
     }));
   }
 
+  int GroupOf(int item) const { return plan_.group ? plan_.group(item) : 0; }
+
+  // The worker's own group; else one that nobody is at; else the one with most to do.
+  int GroupFor(const Worker& worker) const {
+    if (worker.group() && waiting_.contains(*worker.group())) return *worker.group();
+    for (const auto& [group, items] : waiting_) {
+      const bool taken = std::any_of(workers_.begin(), workers_.end(), [&](const auto& other) {
+        return other->item() != kNothing && other->group() == group;
+      });
+      if (!taken) return group;
+    }
+    return std::max_element(
+               waiting_.begin(), waiting_.end(),
+               [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); })
+        ->first;
+  }
+
+  void Give(Worker& worker) {
+    const auto group = waiting_.find(GroupFor(worker));
+    worker.Assign(group->second.front(), group->first);
+    group->second.pop_front();
+    if (group->second.empty()) waiting_.erase(group);
+    --waiting_items_;
+  }
+
+  // Once more, or it is lost.
+  void Retry(int item, const std::string& why) {
+    if (tried_[item]++ < plan_.retries) {
+      waiting_[GroupOf(item)].push_front(item);
+      ++waiting_items_;
+      return;
+    }
+    report_.lost.push_back({item, why});
+    if (plan_.on_lost) plan_.on_lost(item, why);
+  }
+
   // Keeps as many workers as there are jobs and work, the first alone until it is ready.
   void Hire() {
-    const int wanted = std::min<int>(plan_.jobs, busy() + static_cast<int>(waiting_.size()));
+    const int wanted = std::min<int>(plan_.jobs, busy() + waiting_items_);
     while (static_cast<int>(workers_.size()) < wanted) {
       if (!first_is_ready_ && !workers_.empty()) return;
       workers_.push_back(std::make_unique<Worker>(plan_, workers_));
@@ -240,7 +280,7 @@ class Foreman {
         return;
       case Kind::kFailed:
         if (!worker.ready()) throw std::runtime_error(message.text);
-        report_.lost.push_back({worker.item(), message.text});
+        Retry(worker.item(), message.text);
         worker.SetIdle();
         return;
       case Kind::kBadInput:
@@ -254,11 +294,13 @@ class Foreman {
     const std::string why = workers_[index]->Reap();
     workers_.erase(workers_.begin() + index);
     if (!was_ready) throw std::runtime_error("while a worker started, " + why);
-    if (item != kNothing) report_.lost.push_back({item, why});
+    if (item != kNothing) Retry(item, why);
   }
 
   const WorkerPlan& plan_;
-  std::deque<int> waiting_;
+  std::map<int, std::deque<int>> waiting_;  // by group, none empty
+  int waiting_items_ = 0;
+  std::map<int, int> tried_;  // in vain
   std::vector<std::unique_ptr<Worker>> workers_;
   bool first_is_ready_ = false;
   WorkReport report_;

@@ -20,8 +20,15 @@ struct WorkerPlan {
   using DoItem = std::function<std::string(int item)>;
   std::function<DoItem(const Say& say)> start;
 
+  // An item whose worker threw or crashed is tried again so many times before it is lost.
+  int retries = 0;
+  // Items of one group share what is costly to make: a worker goes on with the group of its last
+  // item while there are some, then with one that no other worker is at. Without: in their order.
+  std::function<int(int item)> group;
+
   // In the calling process, one at a time.
   std::function<void(int item, const std::string& reply)> on_done;
+  std::function<void(int item, const std::string& why)> on_lost;
   std::function<void(const std::string& line)> on_message;
   std::function<bool()> stop;  // true ends all workers at once
 };

@@ -9,6 +9,7 @@
 #include "grasp/robust.h"
 #include "grasp/spread.h"
 #include "scenes/friction.h"
+#include "scenes/gravity.h"
 #include "scenes/mesh_query.h"
 
 namespace pickbed {

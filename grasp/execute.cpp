@@ -96,16 +96,16 @@ class Attempt {
     }
   }
 
-  // False when the hand meets more than the stopping force on the way, or its palm, which feels no
-  // force from what cannot give way, gets into bin or static parts.
+  // False when something in the hand's way does not give way to it, or its palm, which feels no
+  // force from what cannot, gets into bin or static parts.
   bool Approach() {
     const double share = std::min(1.0, world_.physics().step_s() / options_.stop_window_s);
     double felt_n = 0;
     const int steps = world_.Steps(MinimumJerkSeconds(gripper_.approach_m, options_.approach_mps));
     for (int i = 1; i <= steps; ++i) {
       Advance(Between(Behind(X_WG_), X_WG_, MinimumJerk(static_cast<double>(i) / steps)));
-      felt_n += share * (hand_.Load().hardest_n - felt_n);
-      if (felt_n > options_.stop_force_n) return false;
+      felt_n += share * (hand_.Load().stiff_n - felt_n);
+      if (felt_n > options_.stop_force_n || hand_.yielded_m() > options_.stop_yield_m) return false;
       if (world_.physics().PalmIsInside(options_.stop_depth_m)) return false;
     }
     return true;
@@ -345,7 +345,8 @@ class Attempt {
 void ExecuteOptions::Visit(SettingsVisitor& v) {
   const Range seconds{0, 100}, speed{0.001, 10}, length{0, 10};
   v.Real("approach_mps", approach_mps, speed, "largest speed of approach and of drawing back, m/s");
-  v.Real("stop_force_n", stop_force_n, {0.1, 1e5}, "on a body of the hand: collision, N");
+  v.Real("stop_yield_m", stop_yield_m, {1e-5, 0.05}, "of a finger that is pushed back, m");
+  v.Real("stop_force_n", stop_force_n, {0.1, 1e5}, "of parts on palm or stem: collision, N");
   v.Real("stop_window_s", stop_window_s, {0.0001, 10}, "of the mean of that force, s");
   v.Real("stop_depth_m", stop_depth_m, {0, 0.1}, "of the palm in what cannot give way, m");
   v.Real("close_s", close_s, seconds, "waited at most for the fingers to come to rest, s");

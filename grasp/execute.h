@@ -16,7 +16,8 @@ namespace pickbed {
 
 struct ExecuteOptions {
   double approach_mps = 0.375;     // largest speed of approach and of drawing back
-  double stop_force_n = 40;        // mean on any body of the hand during approach: collision
+  double stop_yield_m = 0.001;     // a finger pushed back by more on the approach: collision
+  double stop_force_n = 40;        // mean of parts on palm or stem during approach: collision
   double stop_window_s = 0.0125;   // of that mean: a blow's peak depends on the step's length
   double stop_depth_m = 0.001;     // of the palm in the bin or in a static part: likewise
   double close_s = 0.6;            // waited at most for the fingers to come to rest on the part

@@ -11,6 +11,7 @@
 #include "grasp/grippers/suction_cup.h"
 #include "grasp/robust.h"
 #include "scenes/check.h"
+#include "scenes/gravity.h"
 #include "scenes/object_catalog.h"
 
 namespace pickbed {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/gravity.h"
+
 namespace pickbed {
 namespace {
 

@@ -31,8 +31,6 @@ struct RobustOptions {
   void Visit(SettingsVisitor& v);
 };
 
-inline constexpr double kGravity_mps2 = 9.81;
-
 // The unit of a grasp's wrenches: weight, and half the diameter for torques.
 double WrenchForce_n(const ObjectModel& model);
 double WrenchRadius_m(const ObjectModel& model);

@@ -7,6 +7,7 @@
 #include "grasp/spread.h"
 #include "scenes/friction.h"
 #include "scenes/mesh_query.h"
+#include "sim/cup_limit.h"
 #include "sim/cup_seal.h"
 
 namespace pickbed {
@@ -58,11 +59,10 @@ void SuctionOptions::Visit(SettingsVisitor& v) {
 WrenchSet CupWrenches(const ObjectModel& model, const CupSpec& cup, const Pose& X_OG,
                       double compression_m, double friction_factor, int cone_edges) {
   const double force = cup.vacuum_n / WrenchForce_n(model);
-  const double radius_m = std::min(cup.radius_m, cup.moment_limit_nm / cup.vacuum_n);
+  const double radius_m = RingRadius_m(cup);
   const Vector3d approach = X_OG.linear().col(2);
   const Vector3d middle = X_OG * Vector3d(0, 0, -compression_m) - model.mass.com_O;
   WrenchSet set;
-  // Pushed on, the rim bears as much again as the air presses on it.
   Wrenches rim(6, kRimPoints * cone_edges);
   for (int k = 0; k < kRimPoints; ++k) {
     const double turn = 2 * std::numbers::pi * k / kRimPoints;

@@ -32,9 +32,8 @@ std::vector<GraspCandidate> SuctionGrasps(const ObjectModel& model, const Grippe
                                           Rng& rng, const SuctionOptions& options,
                                           const RobustOptions& robust);
 
-// What a sealed cup can put on a part, in the units of grasp/robust.h: the air presses the part on
-// the rim with vacuum_n, the rim pushes back with friction. The rim is drawn in to
-// moment_limit_nm / vacuum_n, where the cup tips off. `compression_m` is where the part is.
+// What a sealed cup can put on a part, in the units of grasp/robust.h, by the model of
+// sim/cup_limit.h with the ring as 8 points. `compression_m` is where the part is.
 WrenchSet CupWrenches(const ObjectModel& model, const CupSpec& cup, const Pose& X_OG,
                       double compression_m, double friction_factor, int cone_edges);
 

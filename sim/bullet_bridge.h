@@ -27,6 +27,10 @@ namespace pickbed {
 
 inline constexpr double kUnitsPerMeter = 10;
 
+// Contacts whose normal is within 25 degrees of a pad's are the pad's; those at the finger's tip
+// and edges are like any other body's.
+inline constexpr double kPadNormal = 0.9;
+
 // Static bodies get explicit groups, since Bullet's default one would let fingers through them.
 enum CollisionGroup : int {
   kStaticGroup = 1 << 0,  // bin, boxes and parts that may not move

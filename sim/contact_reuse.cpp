@@ -1,15 +1,43 @@
+#include <cmath>
+
 #include "sim/contact_reuse_impl.h"
 
 namespace pickbed {
 
+btScalar Movement(const btTransform& from, const btTransform& to, btScalar radius) {
+  btScalar squared_turn = 0;  // Frobenius norm of the rotations' difference
+  for (int row = 0; row < 3; ++row) {
+    squared_turn += (from.getBasis()[row] - to.getBasis()[row]).length2();
+  }
+  return from.getOrigin().distance(to.getOrigin()) + radius * std::sqrt(squared_turn);
+}
+
+void ReusingDispatcher::StartReuse(btScalar still) {
+  still_ = still;
+  setNearCallback(LookIfMoved);
+}
+
 void ReusingDispatcher::ForgetContacts() {
+  looked_.clear();
   for (int i = 0; i < getNumManifolds(); ++i) getManifoldByIndexInternal(i)->clearManifold();
 }
 
 bool ReusingDispatcher::HasMoved(const btCollisionObject& body) const {
   if (body.isStaticObject()) return false;
-  const int index = body.getUserIndex();
-  return index < 0 || moved.at(index);
+  return moved.at(body.getUserIndex());
+}
+
+bool ReusingDispatcher::MustLook(const btCollisionObject& first, const btCollisionObject& second) {
+  const bool first_is_hand = first.getUserIndex() < 0 && !first.isStaticObject();
+  const bool second_is_hand = second.getUserIndex() < 0 && !second.isStaticObject();
+  if (!first_is_hand && !second_is_hand) return HasMoved(first) || HasMoved(second);
+  const int part = first_is_hand ? second.getUserIndex() : first.getUserIndex();
+  if (part < 0) return true;
+  const btTransform now = first.getWorldTransform().inverseTimes(second.getWorldTransform());
+  const auto [entry, is_new] = looked_.try_emplace({&first, &second}, now);
+  if (!is_new && Movement(entry->second, now, radius.at(part)) <= still_) return false;
+  entry->second = now;
+  return true;
 }
 
 void ReusingDispatcher::LookIfMoved(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
@@ -18,7 +46,7 @@ void ReusingDispatcher::LookIfMoved(btBroadphasePair& pair, btCollisionDispatche
   const auto* first = static_cast<btCollisionObject*>(pair.m_pProxy0->m_clientObject);
   const auto* second = static_cast<btCollisionObject*>(pair.m_pProxy1->m_clientObject);
   // A pair without an algorithm is new: its boxes have just met.
-  if (pair.m_algorithm == nullptr || self.HasMoved(*first) || self.HasMoved(*second)) {
+  if (self.MustLook(*first, *second) || pair.m_algorithm == nullptr) {
     defaultNearCallback(pair, dispatcher, info);
     return;
   }

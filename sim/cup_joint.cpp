@@ -9,6 +9,7 @@
 #include "scenes/friction.h"
 #include "scenes/mesh_query.h"
 #include "sim/bullet_bridge.h"
+#include "sim/cup_limit.h"
 #include "sim/cup_seal.h"
 #include "sim/hand_contacts.h"
 
@@ -16,25 +17,7 @@ namespace pickbed {
 namespace {
 
 constexpr double kTouch_n = 0.01;  // a part touches the hand from this force on
-
-// Force in N and torque in Nm about the lip's middle, of the part on the cup, in G.
-struct LipLoad {
-  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
-  Eigen::Vector3d torque_nm = Eigen::Vector3d::Zero();
-};
-
-// From 1 on the lip comes off: the vacuum is used up by pull and bending, or what is left of it
-// cannot hold shear and torsion by friction (an ellipsoid, as of a ring contact).
-double ShareOfLimit(const CupSpec& spec, double pair_friction, const LipLoad& load) {
-  const double pull_n = load.force_n.z();  // negative while the part is pressed on
-  const double bend_nm = load.torque_nm.head<2>().norm();
-  const double peel = std::max(0.0, pull_n) / spec.vacuum_n + bend_nm / spec.moment_limit_nm;
-  const double grip_n = pair_friction * (spec.vacuum_n - pull_n);
-  if (peel >= 1 || grip_n <= 0) return std::max(1.0, peel);
-  const double shear = load.force_n.head<2>().norm() / grip_n;
-  const double twist = load.torque_nm.z() / (grip_n * spec.radius_m);
-  return std::max(peel, std::hypot(shear, twist));
-}
+constexpr double kMoved = 1e-9;    // share by which a pose differs that is another one
 
 class CupHand : public BulletHand {
  public:
@@ -50,6 +33,7 @@ class CupHand : public BulletHand {
   std::array<double, 2> ContactForces_n() const override { return forces_n_; }
   bool Holds() const override { return joint_ != nullptr; }
   HandLoad Load() const override;
+  double yielded_m() const override { return 0; }
 
   void AfterStep(std::vector<PadFriction> frictions) override;
   std::vector<int> TouchedParts() const override { return touched_; }
@@ -89,8 +73,11 @@ class CupHand : public BulletHand {
   Facing facing_;  // the part that the lip is on
   double held_friction_ = 0;
   int state_before_ = ACTIVE_TAG;  // Bullet's activation state of the held part
+  Pose X_WG_sealed_;
+  bool has_moved_ = false;  // since it took hold
   std::unique_ptr<btGeneric6DofSpring2Constraint> joint_;
   btJointFeedback feedback_;
+  LipLoad load_;  // of the last step
   LipLoad mean_load_;
   std::array<double, 2> forces_n_{0, 0};
   std::vector<int> touched_;
@@ -230,7 +217,9 @@ void CupHand::TakeHold(int index) {
   joint_->setAngularUpperLimit({0, 0, 0});
   joint_->setJointFeedback(&feedback_);
   feedback_ = {};
-  mean_load_ = {};
+  load_ = mean_load_ = {};
+  X_WG_sealed_ = X_WG_;
+  has_moved_ = false;
   held_friction_ = PairFriction(part.model->friction, spec_.friction);
   // A sleeping part would stay behind: the hand's own motion wakes nobody.
   state_before_ = part.body->isActive() ? part.body->getActivationState() : ACTIVE_TAG;
@@ -269,11 +258,16 @@ LipLoad CupHand::ReadLoad() const {
   return load;
 }
 
+// What stands on something loads a hand that stands still with nothing. The joint and the floor
+// share the weight as the solver has it, whose first choice is the joint: so the lip bears no load
+// until the hand moves.
 void CupHand::JudgeJoint() {
-  const LipLoad load = ReadLoad();
+  has_moved_ = has_moved_ || !X_WG_.isApprox(X_WG_sealed_, kMoved);
+  if (!has_moved_) return;
+  load_ = ReadLoad();
   const double share = std::min(1.0, step_s_ / spec_.break_after_s);
-  mean_load_.force_n += share * (load.force_n - mean_load_.force_n);
-  mean_load_.torque_nm += share * (load.torque_nm - mean_load_.torque_nm);
+  mean_load_.force_n += share * (load_.force_n - mean_load_.force_n);
+  mean_load_.torque_nm += share * (load_.torque_nm - mean_load_.torque_nm);
   if (ShareOfLimit(spec_, held_friction_, mean_load_) < 1) return;
   is_lost_ = true;
   Release();
@@ -284,7 +278,7 @@ void CupHand::ReadContacts() {
   const bool presses = facing_.part >= 0 && facing_.seal.compression_m > 0;
   forces_n_ = {0, 0};
   if (joint_ != nullptr) {
-    forces_n_[0] = std::max(0.0, spec_.vacuum_n - mean_load_.force_n.z());
+    forces_n_[0] = std::max(0.0, spec_.vacuum_n - load_.force_n.z());
   } else if (presses) {
     forces_n_[0] = spec_.bellows_npm * facing_.seal.compression_m;
   }
@@ -306,10 +300,10 @@ void CupHand::ReadContacts() {
 // Through the lip, and of parts against stem and palm.
 HandLoad CupHand::Load() const {
   HandLoad load;
-  load.hardest_n = std::max(forces_n_[1], joint_ == nullptr ? forces_n_[0] : 0);
+  load.stiff_n = forces_n_[1];
   if (joint_ != nullptr) {
-    load.force_n = mean_load_.force_n;
-    load.torque_nm = mean_load_.torque_nm;
+    load.force_n = load_.force_n;
+    load.torque_nm = load_.torque_nm;
   } else if (facing_.part >= 0) {
     const Eigen::Vector2d& at = facing_.seal.press_center_m;
     load.force_n.z() = -forces_n_[0];

@@ -1,9 +1,7 @@
 #pragma once
 
 // A suction cup: a bellows with a thin lip at the end of a stem that is driven along a path. It
-// holds a part by one joint that breaks by pull, moment or shear (Mahler et al. 2018, "Dex-Net
-// 3.0", section IV: the contact ring; the limits of pull and bending moment are added up, as the
-// pressure on the ring falls to zero at one side).
+// holds a part by one joint that breaks by pull, moment or shear, see sim/cup_limit.h.
 
 #include <Eigen/Core>
 #include <vector>

@@ -2,7 +2,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -11,33 +10,22 @@ namespace {
 
 using Eigen::Vector3d;
 
-// 3 mm apart on a lip of 15 mm radius: finer than the features that a lip cannot close.
-constexpr int kRimRays = 32;
-// Rings inside the rim, as shares of its radius, on which holes are looked for.
-constexpr std::array<double, 3> kInnerRings{0.0, 0.4, 0.75};
-constexpr int kInnerRays = 12;
-// A lip clings to what it just misses: this much beyond its uncompressed end.
-constexpr double kReachBeyond_m = 0.0002;
-
 Vector3d OnRing(double radius_m, int index, int count, double z_m) {
   const double angle = 2 * std::numbers::pi * index / count;
   return {radius_m * std::cos(angle), radius_m * std::sin(angle), z_m};
 }
 
-// z of G of the first surface along the approach from `start_G` on; infinite when there is none.
-double SurfaceZ(const MeshQuery& mesh_O, const Pose& X_OG, const Vector3d& start_G,
-                double range_m) {
-  const auto hit = mesh_O.Raycast(X_OG * start_G, X_OG.linear().col(2), 0, range_m);
-  return hit ? start_G.z() + hit->distance : std::numeric_limits<double>::infinity();
-}
-
-bool HasHole(const MeshQuery& mesh_O, const Pose& X_OG, const CupSpec& spec) {
-  constexpr double kFar_m = 10;  // beyond any part
-  for (const double share : kInnerRings) {
-    const int count = share == 0 ? 1 : kInnerRays;
-    for (int i = 0; i < count; ++i) {
-      const Vector3d start = OnRing(share * spec.radius_m, i, count, -spec.bellows_travel_m);
-      if (!std::isfinite(SurfaceZ(mesh_O, X_OG, start, kFar_m))) return true;
+bool HasHole(const MeshQuery& mesh_O, const Pose& X_OG, const CupSpec& spec,
+             const SealOptions& options) {
+  const auto goes_through = [&](double radius_m, int index) {
+    constexpr double kFar_m = 10;  // beyond any part
+    const Vector3d start = OnRing(radius_m, index, options.inner_rays, -spec.bellows_travel_m);
+    return !mesh_O.Raycast(X_OG * start, X_OG.linear().col(2), 0, kFar_m);
+  };
+  if (goes_through(0, 0)) return true;
+  for (const double share : options.inner_rings) {
+    for (int i = 0; i < options.inner_rays; ++i) {
+      if (goes_through(share * spec.radius_m, i)) return true;
     }
   }
   return false;
@@ -61,16 +49,18 @@ const char* SealFaultName(SealFault fault) {
   return "";
 }
 
-CupSeal TestSeal(const MeshQuery& mesh_O, const Pose& X_OG, const CupSpec& spec) {
+CupSeal TestSeal(const MeshQuery& mesh_O, const Pose& X_OG, const CupSpec& spec,
+                 const SealOptions& options) {
+  const int rays = options.rim_rays;
   CupSeal seal;
-  const double range_m = spec.bellows_travel_m + kReachBeyond_m;
-  Eigen::Matrix<double, kRimRays, 3> plane;  // z = a x + b y + c
-  Eigen::Matrix<double, kRimRays, 1> z;
+  const double range_m = spec.bellows_travel_m + options.reach_beyond_m;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> plane(rays, 3);  // z = a x + b y + c
+  Eigen::VectorXd z(rays);
   int hits = 0;
   bool too_far = false;
   double pressed_m = 0;
-  for (int i = 0; i < kRimRays; ++i) {
-    const Vector3d start = OnRing(spec.radius_m, i, kRimRays, -spec.bellows_travel_m);
+  for (int i = 0; i < rays; ++i) {
+    const Vector3d start = OnRing(spec.radius_m, i, rays, -spec.bellows_travel_m);
     // Starting from within the part there is a way out before there is a way in.
     const auto hit = mesh_O.Raycast(X_OG * start, X_OG.linear().col(2), 0, range_m);
     if (!hit) continue;
@@ -82,19 +72,19 @@ CupSeal TestSeal(const MeshQuery& mesh_O, const Pose& X_OG, const CupSpec& spec)
     seal.press_center_m += depth_m * start.head<2>();
     ++hits;
   }
-  seal.touching = static_cast<double>(hits) / kRimRays;
+  seal.touching = static_cast<double>(hits) / rays;
   if (hits == 0) return seal;
-  seal.compression_m = pressed_m / kRimRays;
+  seal.compression_m = pressed_m / rays;
   if (pressed_m > 0) seal.press_center_m /= pressed_m;
   if (too_far) seal.fault = SealFault::kTooFar;
-  if (too_far || hits < kRimRays) return seal;
+  if (too_far || hits < rays) return seal;
 
   const Vector3d fit = plane.colPivHouseholderQr().solve(z);
   seal.uneven_m = (z - plane * fit).cwiseAbs().maxCoeff();
   seal.tilt_rad = std::atan(fit.head<2>().norm());
   if (seal.uneven_m > spec.lip_conform_m) {
     seal.fault = SealFault::kUneven;
-  } else if (HasHole(mesh_O, X_OG, spec)) {
+  } else if (HasHole(mesh_O, X_OG, spec, options)) {
     seal.fault = SealFault::kLeaks;
   } else {
     seal.fault = SealFault::kNone;

@@ -3,6 +3,8 @@
 // Whether a suction cup seals on a part: rays along the approach from the rim, and from rings
 // inside it, against the part's mesh.
 
+#include <array>
+
 #include "scenes/mesh_query.h"
 #include "scenes/pose.h"
 #include "sim/cup_joint.h"
@@ -18,6 +20,13 @@ enum class SealFault {
 };
 const char* SealFaultName(SealFault fault);
 
+struct SealOptions {
+  int rim_rays = 32;    // 3 mm apart on a lip of 15 mm: finer than what a lip cannot close; from 8
+  int inner_rays = 12;  // on each ring inside, where holes are looked for
+  std::array<double, 2> inner_rings{0.4, 0.75};  // shares of the lip's radius; and the middle
+  double reach_beyond_m = 0.0002;  // a lip clings to what it just misses, beyond its end; 0..0.001
+};
+
 struct CupSeal {
   SealFault fault = SealFault::kMissed;
   double compression_m = 0;  // of the bellows: mean over the rim, 0 where it meets nothing
@@ -30,6 +39,7 @@ struct CupSeal {
 
 // The cup at X_OG, by the part's true surface. A plane that is tilted is sealed as long as the
 // travel takes it up; what is left beside the plane must be within lip_conform_m.
-CupSeal TestSeal(const MeshQuery& mesh_O, const Pose& X_OG, const CupSpec& spec);
+CupSeal TestSeal(const MeshQuery& mesh_O, const Pose& X_OG, const CupSpec& spec,
+                 const SealOptions& options = {});
 
 }  // namespace pickbed

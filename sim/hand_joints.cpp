@@ -11,6 +11,8 @@ namespace pickbed {
 namespace {
 
 constexpr double kTouch_n = 0.01;  // a part touches the hand from this force on
+// Contacts of a part that rocks between the pads come and go; one lost for longer is no more.
+constexpr double kTouchLasts_s = 0.02;
 
 btVector3 Column(const btRigidBody& body, int axis) {
   return body.getWorldTransform().getBasis().getColumn(axis);
@@ -53,6 +55,47 @@ class FingerCoupling : public btTypedConstraint {
   const btRigidBody& palm_;
 };
 
+// The stop of a finger along the palm's z: `home` from the palm's middle, pressed there with a
+// force that a push has to overcome.
+class OverloadSlide : public btTypedConstraint {
+ public:
+  OverloadSlide(btRigidBody& finger, const btRigidBody& palm, btScalar home, btScalar force)
+      : btTypedConstraint(MAX_CONSTRAINT_TYPE, finger), palm_(palm), home_(home), force_(force) {}
+
+  // Of the finger, beyond its stop.
+  btScalar Displacement() const { return Arm().dot(Column(palm_, 2)) - home_; }
+
+  void getInfo1(btConstraintInfo1* info) override {
+    info->m_numConstraintRows = 1;
+    info->nub = 1;
+  }
+
+  void getInfo2(btConstraintInfo2* info) override {
+    const btVector3 axis = Column(palm_, 2);
+    for (int i = 0; i < 3; ++i) {
+      info->m_J1linearAxis[i] = axis[i];
+      info->m_J1angularAxis[i] = 0;
+    }
+    const double palm_rate =
+        palm_.getLinearVelocity().dot(axis) - Arm().dot(palm_.getAngularVelocity().cross(axis));
+    info->m_constraintError[0] = palm_rate - info->fps * info->erp * Displacement();
+    info->m_lowerLimit[0] = -SIMD_INFINITY;
+    info->m_upperLimit[0] = force_ / info->fps;
+  }
+
+  void setParam(int, btScalar, int) override {}
+  btScalar getParam(int, int) const override { return 0; }
+
+ private:
+  btVector3 Arm() const {
+    return m_rbA.getCenterOfMassPosition() - palm_.getCenterOfMassPosition();
+  }
+
+  const btRigidBody& palm_;
+  const btScalar home_;
+  const btScalar force_;
+};
+
 class JawHand : public BulletHand {
  public:
   JawHand(btDiscreteDynamicsWorld& world, const HandSpec& spec, const Pose& X_WG, double step_s);
@@ -64,8 +107,9 @@ class JawHand : public BulletHand {
   double opening_m() const override;
   Pose X_WG() const override { return X_WG_; }
   std::array<double, 2> ContactForces_n() const override { return forces_n_; }
-  bool Holds() const override { return forces_n_[0] > kTouch_n && forces_n_[1] > kTouch_n; }
+  bool Holds() const override { return std::max(untouched_s_[0], untouched_s_[1]) < kTouchLasts_s; }
   HandLoad Load() const override;
+  double yielded_m() const override;
 
   void AfterStep(std::vector<PadFriction> frictions) override;
   std::vector<int> TouchedParts() const override { return touched_; }
@@ -92,8 +136,10 @@ class JawHand : public BulletHand {
   std::unique_ptr<btRigidBody> palm_;
   std::array<std::unique_ptr<btRigidBody>, 2> fingers_;  // left (-x), right (+x)
   std::array<std::unique_ptr<btGeneric6DofSpring2Constraint>, 2> sliders_;
+  std::array<std::unique_ptr<OverloadSlide>, 2> slides_;
   std::unique_ptr<FingerCoupling> coupling_;
   std::array<double, 2> forces_n_{0, 0};
+  std::array<double, 2> untouched_s_{kTouchLasts_s, kTouchLasts_s};  // since a part last touched
   std::vector<int> touched_;
   std::vector<PadFriction> frictions_;
 };
@@ -132,6 +178,7 @@ JawHand::~JawHand() {
   world_.setInternalTickCallback(nullptr, nullptr, true);
   world_.removeConstraint(coupling_.get());
   for (int i = 0; i < 2; ++i) {
+    world_.removeConstraint(slides_[i].get());
     world_.removeConstraint(sliders_[i].get());
     world_.removeRigidBody(fingers_[i].get());
   }
@@ -159,13 +206,18 @@ void JawHand::AddSlider(int finger) {
       *palm_, *fingers_[finger], ToBullet(X_PS), btTransform::getIdentity());
   btGeneric6DofSpring2Constraint& slider = *sliders_[finger];
   const double open = side * 0.5 * spec_.stroke_m * kUnitsPerMeter;
-  slider.setLinearLowerLimit({std::min(0.0, open), 0, 0});
-  slider.setLinearUpperLimit({std::max(0.0, open), 0, 0});
+  // Bullet takes a lower limit above the upper one for a free axis.
+  slider.setLinearLowerLimit({std::min(0.0, open), 0, 1});
+  slider.setLinearUpperLimit({std::max(0.0, open), 0, -1});
   slider.setAngularLowerLimit({0, 0, 0});
   slider.setAngularUpperLimit({0, 0, 0});
   slider.enableMotor(0, true);
   slider.setMaxMotorForce(0, spec_.force_n * kUnitsPerMeter);
   world_.addConstraint(&slider, true);
+  slides_[finger] = std::make_unique<OverloadSlide>(*fingers_[finger], *palm_,
+                                                    X_PS.translation().z() * kUnitsPerMeter,
+                                                    spec_.yield_n * kUnitsPerMeter);
+  world_.addConstraint(slides_[finger].get(), true);
 }
 
 void JawHand::HoldOpening(double opening_m) {
@@ -190,6 +242,12 @@ double JawHand::opening_m() const {
   const btVector3 apart =
       fingers_[1]->getCenterOfMassPosition() - fingers_[0]->getCenterOfMassPosition();
   return apart.dot(Column(*palm_, 0)) / kUnitsPerMeter - spec_.finger_size_m.x();
+}
+
+double JawHand::yielded_m() const {
+  double least = 0;
+  for (const auto& slide : slides_) least = std::min(least, slide->Displacement());
+  return -least / kUnitsPerMeter;
 }
 
 // The palm stands where it was while the solver runs and moves with exactly the velocity that takes
@@ -226,6 +284,9 @@ void JawHand::ReadContacts() {
       if (force_n > kTouch_n) touched_.push_back(other->getUserIndex());
     }
   }
+  for (int i = 0; i < 2; ++i) {
+    untouched_s_[i] = forces_n_[i] > kTouch_n ? 0 : untouched_s_[i] + step_s_;
+  }
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
 }
@@ -233,15 +294,13 @@ void JawHand::ReadContacts() {
 HandLoad JawHand::Load() const {
   HandLoad load;
   btDispatcher& dispatcher = *world_.getDispatcher();
-  std::array<double, 3> pressed_n{0, 0, 0};
   const std::array<const btRigidBody*, 3> bodies{fingers_[0].get(), fingers_[1].get(), palm_.get()};
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
     for (size_t i = 0; i < bodies.size(); ++i) {
       const btCollisionObject* other = OtherBody(manifold, *bodies[i]);
-      if (other == nullptr) continue;
-      pressed_n[i] += NormalForce_n(manifold, step_s_);
-      if (other->getUserIndex() < 0) continue;
+      if (other == nullptr || other->getUserIndex() < 0) continue;
+      if (bodies[i] == palm_.get()) load.stiff_n += NormalForce_n(manifold, step_s_);
       AddContactForces(manifold, manifold.getBody0() == bodies[i], X_WG_, step_s_, load);
     }
   }
@@ -252,7 +311,6 @@ HandLoad JawHand::Load() const {
     load.torque_nm +=
         R_GW * friction.torque_nm + (X_WG_.inverse() * friction.place_m).cross(force_n);
   }
-  load.hardest_n = *std::max_element(pressed_n.begin(), pressed_n.end());
   return load;
 }
 

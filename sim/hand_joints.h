@@ -3,6 +3,9 @@
 // The joints that grippers are made of: a palm driven along a path, and two fingers on sliders with
 // a force limit, coupled left to right. A kinematic palm, fingers on 6-dof constraints with a
 // force-limited motor and one coupling row hold to 5 % of the analytic limit 2*mu*F = m*(g+a).
+// Along the approach each finger rests on a stop with an overload slide, as hands are protected
+// against collisions: pulled, it stands firm; pushed, it gives way at a set force. Without it the
+// force of a blow would be the solver's: it grew with the rate of steps.
 // The suction cup of sim/cup_joint.h has the same public face.
 
 #include <Eigen/Core>
@@ -24,6 +27,7 @@ struct HandSpec {
   double force_n = 40;           // of each finger on the part
   double close_speed_mps = 0.1;  // of each finger
   double pad_friction = 1.0;     // own value of the pair rule of scenes/friction.h
+  double yield_n = 40;           // push against the approach at which a finger gives way
 };
 
 // What parts do to the hand, as a wrist's sensor has it, by contacts alone: the hand's own weight
@@ -31,8 +35,8 @@ struct HandSpec {
 struct HandLoad {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();    // of parts on the hand, in G
   Eigen::Vector3d torque_nm = Eigen::Vector3d::Zero();  // likewise, about G's origin
-  // Largest normal force on one of its bodies by parts; on a finger by the bin, too.
-  double hardest_n = 0;
+  // Normal force of parts on what does not give way: a palm, a stem.
+  double stiff_n = 0;
 };
 
 class Hand {
@@ -51,9 +55,12 @@ class Hand {
   // Normal contact force on each finger from parts, in the last step, N. A cup: of the lip (pressed
   // on the part by bellows or vacuum), and of stem and palm.
   virtual std::array<double, 2> ContactForces_n() const = 0;
-  // Both pads touch a part. A cup: it is sealed on a part.
+  // Both pads touch a part, or did 20 ms ago. A cup: it is sealed on a part.
   virtual bool Holds() const = 0;
   virtual HandLoad Load() const = 0;
+  // How far the finger that was pushed furthest stands back along z, see HandSpec::yield_n. What is
+  // pushed away with less than that force leaves it where it is. A cup: 0.
+  virtual double yielded_m() const = 0;
 };
 
 // The hand's boxes (left finger, right finger, palm) in G at an opening, for collision checks.

@@ -8,16 +8,6 @@
 namespace pickbed {
 namespace {
 
-// Contacts whose normal is within 25 degrees of the pad's are the pad's; those at the finger's tip
-// and edges keep Bullet's friction.
-constexpr btScalar kPadNormal = 0.9;
-// A pad of rubber gives way by this much, so that surface this near to it touches.
-constexpr double kPadGives_m = 0.00025;
-// Parts lighter than this share of a finger need the contacts' impulses from the last step in full;
-// with heavier ones it would only make the normal force tremble at the limit of friction.
-constexpr btScalar kLightShare = 0.5;
-constexpr long kLookAgainAfter = 8;  // steps until the outline of a patch that sticks is renewed
-
 // Corners of the part's pieces, in the frame of the pad, piece by piece.
 template <typename Visit>
 void ForEachPiece(const btCollisionShape& shape, const btTransform& X_PB, const Visit& visit) {
@@ -32,16 +22,17 @@ void ForEachPiece(const btCollisionShape& shape, const btTransform& X_PB, const 
 }
 
 // Where the part's pieces lie on the pad's face at `side` of its x, in y and z; in Bullet's units.
+// What is on the finger's other side, as the far wall of a hollow part, does not count.
 std::vector<Eigen::Vector2d> OutlineOnPad(const btBoxShape& pad, const btCollisionShape& part,
-                                          const btTransform& X_PB, btScalar side) {
+                                          const btTransform& X_PB, btScalar side, btScalar gives) {
   const btVector3 half = pad.getHalfExtentsWithMargin();
   std::vector<Eigen::Vector2d> touching;
   ForEachPiece(part, X_PB, [&](const btConvexHullShape& hull, const btTransform& X_PH) {
-    const btScalar reach = hull.getMargin() + kPadGives_m * kUnitsPerMeter;
+    const btScalar reach = hull.getMargin() + gives;
     std::vector<Eigen::Vector2d> corners;
     for (int i = 0; i < hull.getNumPoints(); ++i) {
       const btVector3 p = X_PH * hull.getScaledPoint(i);
-      if (side * p.x() - half.x() < reach) corners.emplace_back(p.y(), p.z());
+      if (side * p.x() > 0 && side * p.x() - half.x() < reach) corners.emplace_back(p.y(), p.z());
     }
     for (const Eigen::Vector2d& p :
          ClippedToRectangle(ConvexOutline(std::move(corners)), {half.y(), half.z()})) {
@@ -96,7 +87,7 @@ void PatchFrictionSolver::FindPatches(const btContactSolverInfo& info) {
     if (!patch->contacts.empty() && patch->contacts.back() == row.m_frictionIndex) continue;
     patch->contacts.push_back(row.m_frictionIndex);
     patch->friction = point.m_combinedFriction;
-    if (part->getMass() < kLightShare * pad->getMass()) {
+    if (part->getMass() < options_.light_share * pad->getMass()) {
       TopUp(row.m_frictionIndex, 1 - info.m_warmstartingFactor);
     }
     patch->points.push_back(point.getPositionWorldOnA());
@@ -131,9 +122,9 @@ void PatchFrictionSolver::LookAtOutline(Patch& patch) const {
     contacts.emplace_back(point_P.y(), point_P.z());
     x += point_P.x() / static_cast<btScalar>(patch.points.size());
   }
-  std::vector<Eigen::Vector2d> outline =
-      OutlineOnPad(static_cast<const btBoxShape&>(*pad.getCollisionShape()),
-                   *part.getCollisionShape(), X_PW * part.getWorldTransform(), x < 0 ? -1 : 1);
+  std::vector<Eigen::Vector2d> outline = OutlineOnPad(
+      static_cast<const btBoxShape&>(*pad.getCollisionShape()), *part.getCollisionShape(),
+      X_PW * part.getWorldTransform(), x < 0 ? -1 : 1, options_.gives_m * kUnitsPerMeter);
   if (outline.empty()) outline = ConvexOutline(std::move(contacts));
   const EvenPressure pressure = PressureOn(outline);
   patch.memory->center_P = btVector3(x, pressure.center.x(), pressure.center.y());
@@ -149,7 +140,8 @@ void PatchFrictionSolver::Prepare(Patch& patch, const btContactSolverInfo& info)
   if (memory.step != step_ - 1) memory = Memory();  // it did not touch a step ago
   memory.step = step_;
 
-  if (memory.has_slipped || memory.age % kLookAgainAfter == 0) LookAtOutline(patch);
+  const long renewed_after = std::max(1L, std::lround(options_.look_again_s / info.m_timeStep));
+  if (memory.has_slipped || memory.age % renewed_after == 0) LookAtOutline(patch);
   if (memory.has_slipped) memory.X_PB = X_PB;
   memory.has_slipped = false;
   ++memory.age;

@@ -20,11 +20,14 @@
 #include <vector>
 
 #include "sim/bullet_bridge.h"
+#include "sim/physics_world.h"
 
 namespace pickbed {
 
 class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
  public:
+  explicit PatchFrictionSolver(const PadOptions& options) : options_(options) {}
+
   // Boxes whose faces across their x are pads. To be emptied before they are destroyed.
   std::vector<const btRigidBody*> pads;
 
@@ -90,6 +93,7 @@ class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
 
   PadFriction FrictionOf(const Patch& patch, btScalar step_s) const;
 
+  const PadOptions options_;
   std::vector<Patch> patches_;
   std::vector<PadFriction> frictions_;
   std::map<std::pair<const btRigidBody*, const btRigidBody*>, Memory> memories_;

@@ -2,43 +2,17 @@
 
 #include <btBulletDynamicsCommon.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <stdexcept>
 
 #include "sim/bullet_bridge.h"
 #include "sim/contact_reuse_impl.h"
+#include "sim/part_shapes_impl.h"
 #include "sim/patch_friction_impl.h"
 #include "sim/warm_contact_impl.h"
 
 namespace pickbed {
-
-btVector3 ToBullet(const Eigen::Vector3d& metric) {
-  return {metric.x() * kUnitsPerMeter, metric.y() * kUnitsPerMeter, metric.z() * kUnitsPerMeter};
-}
-
-btTransform ToBullet(const Pose& X_AB) {
-  const Eigen::Matrix3d& R = X_AB.linear();
-  const btMatrix3x3 basis(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1),
-                          R(2, 2));
-  return btTransform(basis, ToBullet(Eigen::Vector3d(X_AB.translation())));
-}
-
-Eigen::Vector3d FromBullet(const btVector3& scaled) {
-  return Eigen::Vector3d(scaled.x(), scaled.y(), scaled.z()) / kUnitsPerMeter;
-}
-
-Pose FromBullet(const btTransform& X_AB) {
-  Pose pose = Pose::Identity();
-  for (int row = 0; row < 3; ++row) {
-    for (int col = 0; col < 3; ++col) pose.linear()(row, col) = X_AB.getBasis()[row][col];
-  }
-  pose.translation() = FromBullet(X_AB.getOrigin());
-  return pose;
-}
-
 namespace {
 
 // A thinner floor is grown downward to this: a part may fall 8 mm in a step, more than a
@@ -47,27 +21,7 @@ constexpr double kSolidFloor_m = 0.05;
 // The funnel stands this much inside the bin's walls, so that nothing catches on the seam.
 constexpr double kFunnelInset_m = 0.0005;
 constexpr double kFunnelWall_m = 0.05;
-// Below this diameter the hull margin shrinks with the part.
-constexpr double kFullMarginDiameter_m = 0.04;
 constexpr double kTooFast_mps = 50;
-
-// Bodies are built in frame B: origin at the centre of mass, axes along the principal ones.
-struct PartFrame {
-  Pose X_OB = Pose::Identity();
-  Eigen::Vector3d principal_inertia;  // kg m^2
-};
-
-PartFrame PrincipalFrame(const MassProperties& mass) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(mass.inertia_com_O);
-  Eigen::Matrix3d R_OB = solver.eigenvectors();
-  if (R_OB.determinant() < 0) R_OB.col(2) *= -1;
-  return {MakePose(R_OB, mass.com_O), solver.eigenvalues()};
-}
-
-struct PartShape {
-  btCollisionShape* shape = nullptr;
-  PartFrame frame;
-};
 
 struct Part {
   std::unique_ptr<btRigidBody> body;
@@ -84,15 +38,6 @@ struct Part {
   }
 };
 
-// Bound on how far any point within `radius` of the origin moves from one pose to the other.
-double Movement(const btTransform& from, const btTransform& to, double radius) {
-  double squared_turn = 0;  // Frobenius norm of the rotations' difference
-  for (int row = 0; row < 3; ++row) {
-    squared_turn += (from.getBasis()[row] - to.getBasis()[row]).length2();
-  }
-  return from.getOrigin().distance(to.getOrigin()) + radius * std::sqrt(squared_turn);
-}
-
 }  // namespace
 
 struct PhysicsWorld::Impl {
@@ -104,7 +49,6 @@ struct PhysicsWorld::Impl {
   btRigidBody* AddBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m, double friction,
                       int group);
   void AddPieces(const std::vector<std::vector<Eigen::Vector3d>>& pieces_W, double friction);
-  const PartShape& ShapeOf(const ObjectModel& model);
   void LetTheStillFallAsleep();
   void TellWhichMoved();
   int WakeTouching(const btCollisionObject* body);  // how many
@@ -113,10 +57,10 @@ struct PhysicsWorld::Impl {
   WarmContactConfiguration configuration;
   ReusingDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
-  PatchFrictionSolver solver;
+  PatchFrictionSolver solver{options.pad};
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
   std::vector<std::unique_ptr<btCollisionShape>> shapes;
-  std::map<const ObjectModel*, PartShape> part_shapes;
+  PartShapes part_shapes{options.hull_margin_m};
   std::vector<std::unique_ptr<btRigidBody>> statics;
   std::vector<btRigidBody*> funnel;  // in `statics` too, so that they live as long
   std::vector<Part> parts;
@@ -131,9 +75,12 @@ PhysicsWorld::Impl::Impl(const PhysicsOptions& physics_options) : options(physic
   world.setForceUpdateAllAabbs(!options.awake_boxes_only);
   btContactSolverInfo& info = world.getSolverInfo();
   info.m_numIterations = options.solver_iterations;
+  info.m_erp = info.m_erp2 = info.m_frictionERP = options.recover_share;
   // With one direction a gripped box slides out at eight times the force it needs.
   info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-  if (options.contact_reuse_m > 0) dispatcher.StartReuse();
+  if (options.contact_reuse_m > 0) {
+    dispatcher.StartReuse(options.contact_reuse_m * kUnitsPerMeter);
+  }
 }
 
 PhysicsWorld::Impl::~Impl() {
@@ -175,45 +122,18 @@ void PhysicsWorld::Impl::AddPieces(const std::vector<std::vector<Eigen::Vector3d
   AddStatic(std::move(compound), Pose::Identity(), friction, kStaticGroup);
 }
 
-const PartShape& PhysicsWorld::Impl::ShapeOf(const ObjectModel& model) {
-  const auto [entry, is_new] = part_shapes.try_emplace(&model);
-  if (!is_new) return entry->second;
-  PartShape& made = entry->second;
-  made.frame = PrincipalFrame(model.mass);
-  const Pose X_BO = made.frame.X_OB.inverse();
-  const double margin = kUnitsPerMeter * options.hull_margin_m *
-                        std::min(1.0, model.diameter_m / kFullMarginDiameter_m);
-  const bool single = model.convex_parts_O.size() == 1;
-  auto compound =
-      std::make_unique<btCompoundShape>(true, static_cast<int>(model.convex_parts_O.size()));
-  compound->setMargin(margin);
-  for (const ConvexPiece& piece : model.convex_parts_O) {
-    auto hull = std::make_unique<btConvexHullShape>();
-    for (const Eigen::Vector3d& p_O : piece.vertices_O) {
-      hull->addPoint(ToBullet(Eigen::Vector3d(X_BO * p_O)), false);
-    }
-    hull->setMargin(margin);
-    hull->recalcLocalAabb();
-    if (!single) compound->addChildShape(btTransform::getIdentity(), hull.get());
-    made.shape = hull.get();
-    shapes.push_back(std::move(hull));
-  }
-  if (!single) {
-    made.shape = compound.get();
-    shapes.push_back(std::move(compound));
-  }
-  return made;
-}
-
 // Bullet's own waiting time is a process-wide variable of 2 s. It is left alone, so that worlds
 // cannot disturb each other; a body that has been slow or still for our time is told that it has
 // been slow for longer than that.
 void PhysicsWorld::Impl::LetTheStillFallAsleep() {
   constexpr double kLongerThanBulletWaits_s = 1e3;
-  // Trembling may be this much faster than the speeds. The linear factor stays below one step of
-  // free fall, so that a part that loses its support is still seen to move.
+  // Trembling may be this much faster than the speeds.
   constexpr double kLinearTremble = 4;
   constexpr double kAngularTremble = 20;
+  // Slower than one step of free fall, so that a part that loses its support is seen to move.
+  const double falling_mps = 0.99 * options.gravity_W.norm() / options.rate_hz;
+  const double tremble_mps = std::min(kLinearTremble * options.sleep_linear_mps,
+                                      std::max(options.sleep_linear_mps, falling_mps));
   for (Part& part : parts) {
     if (part.body->isStaticObject()) continue;
     const btTransform& pose = part.body->getWorldTransform();
@@ -226,7 +146,7 @@ void PhysicsWorld::Impl::LetTheStillFallAsleep() {
     if (!part.body->isActive()) continue;
     const bool still = part.still_s >= options.sleep_after_s;
     part.body->setSleepingThresholds(
-        (still ? kLinearTremble : 1) * options.sleep_linear_mps * kUnitsPerMeter,
+        (still ? tremble_mps : options.sleep_linear_mps) * kUnitsPerMeter,
         (still ? kAngularTremble : 1) * options.sleep_angular_radps);
     if (still || part.body->getDeactivationTime() >= options.sleep_after_s) {
       part.body->setDeactivationTime(kLongerThanBulletWaits_s);
@@ -292,7 +212,7 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
   if (model.convex_parts_O.empty()) {
     throw std::logic_error("part '" + model.name + "' has no convex pieces");
   }
-  const PartShape& shape = impl_->ShapeOf(model);
+  const PartShape& shape = impl_->part_shapes.Of(model);
   const bool is_static = mode == BodyMode::kStatic;
   btRigidBody::btRigidBodyConstructionInfo info(is_static ? 0 : model.mass.mass_kg, nullptr,
                                                 shape.shape);
@@ -316,6 +236,7 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
   }
   if (mode == BodyMode::kAsleep) body->forceActivationState(ISLAND_SLEEPING);
   const btTransform X_WB = body->getWorldTransform();
+  impl_->dispatcher.radius.push_back(0.5 * model.diameter_m * kUnitsPerMeter);
   impl_->parts.push_back({std::move(body), &model, shape.frame.X_OB.inverse(),
                           0.5 * model.diameter_m * kUnitsPerMeter, X_WB, 0, X_WB});
   return part_count() - 1;

@@ -11,17 +11,30 @@
 #include <vector>
 
 #include "scenes/bin.h"
+#include "scenes/gravity.h"
 #include "scenes/object_model.h"
 #include "scenes/pose.h"
 
 namespace pickbed {
 
+// How a finger's pad lies on a part, see sim/patch_friction_impl.h.
+struct PadOptions {
+  double gives_m = 0.00025;        // rubber gives way by this: surface so near touches; 0..0.001
+  double look_again_s = 1.0 / 30;  // until the outline of a patch that sticks is renewed
+  // Parts lighter than this share of a finger's mass need their contacts' impulses from the last
+  // step in full; with heavier ones it would only make the normal force tremble at the limit.
+  double light_share = 0.5;
+};
+
 struct PhysicsOptions {
   double rate_hz = 240;
   int solver_iterations = 20;
-  Eigen::Vector3d gravity_W{0, 0, -9.81};  // m/s^2
-  double hull_margin_m = 0.0005;           // grows hulls outward; shrunk for parts under 4 cm
-  double angular_damping = 0;              // share of the angular velocity lost in a second, 0..1
+  Eigen::Vector3d gravity_W{0, 0, -kGravity_mps2};  // m/s^2
+  // Of overlaps, drift of friction and errors of joints, undone in a step; 0..1. Another rate_hz
+  // needs another share for the same law: their product is the speed per metre, 48/s.
+  double recover_share = 0.2;
+  double hull_margin_m = 0.0005;  // grows hulls outward; shrunk for parts under 4 cm
+  double angular_damping = 0;     // share of the angular velocity lost in a second, 0..1
   double sleep_linear_mps = 0.01;
   double sleep_angular_radps = 0.1;
   double sleep_after_s = 0.5;  // below both speeds for this long; at most 2 s
@@ -35,6 +48,7 @@ struct PhysicsOptions {
   // Boxes of bodies that sleep or are static are not looked at again. Another order of pairs
   // follows from it, and so other piles from the same seed.
   bool awake_boxes_only = false;
+  PadOptions pad{};
 };
 
 enum class BodyMode { kDynamic, kAsleep, kStatic };

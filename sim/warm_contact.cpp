@@ -3,6 +3,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 
+#include "sim/pad_face_impl.h"
 #include "sim/warm_contact_impl.h"
 
 namespace pickbed {
@@ -42,6 +43,7 @@ class WarmContacts : public btActivatingCollisionAlgorithm {
                            manifold_->getContactBreakingThreshold() +
                            result->m_closestPointDistanceThreshold;
     result->setPersistentManifold(manifold_);
+    const int known = manifold_->getNumContacts();
     if (!StillSeparated(*shape_a, X_WA, *shape_b, X_WB, reach)) {
       btVoronoiSimplexSolver simplex_solver;
       btGjkPairDetector detector(shape_a, shape_b, &simplex_solver, &depth_solver_);
@@ -54,6 +56,11 @@ class WarmContacts : public btActivatingCollisionAlgorithm {
       const btVector3& axis_W = detector.getCachedSeparatingAxis();
       axis_A_ = axis_W * X_WA.getBasis();
       if (!(axis_A_.length2() > SIMD_EPSILON)) axis_A_ = btVector3(0, 1, 0);
+      // Once there are four they are kept: others in their place would have to find their forces.
+      if (known < MANIFOLD_CACHE_SIZE) {
+        if (IsPad(*first)) AddPadFace(*first, *second, true, axis_W, *result);
+        if (IsPad(*second)) AddPadFace(*second, *first, false, axis_W, *result);
+      }
     }
     if (owns_manifold_) result->refreshContactPoints();
   }

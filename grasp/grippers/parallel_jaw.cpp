@@ -20,6 +20,8 @@ void Visit(GripperSpec& spec, SettingsVisitor& v) {
   v.Real("finger_mass_kg", hand.finger_mass_kg, {0.001, 10}, "of each finger, kg");
   v.Real("force_n", hand.force_n, {0.1, 2000}, "of each finger on the part, N");
   v.Real("close_speed_mps", hand.close_speed_mps, {0.001, 1}, "of each finger, m/s");
+  v.Real("yield_n", hand.yield_n, {0.1, 2000},
+         "push against the approach at which a finger gives way, N");
   v.Real("pad_friction", hand.pad_friction, {0.01, 3}, "of a pad; multiplies the part's own value");
 }
 

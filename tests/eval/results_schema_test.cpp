@@ -57,7 +57,8 @@ constexpr char kSchema4[] =
     "CREATE TABLE timings (trial INTEGER, stage TEXT, seconds REAL);"
     "CREATE UNIQUE INDEX one_row_a_trial ON trials (trial);";
 
-constexpr char kSettings[] = "seed: 42\ntrials: 3\n";
+constexpr char kScenario[] = "seed: 42\ntrials: 3\n";
+constexpr char kSettings[] = "seed: 42\ntrials: 3\nmechanism: \"jaw\"\n";
 
 // Two trials, the second with a pick that was executed.
 const std::string kRows4 =
@@ -103,7 +104,7 @@ void ExpectTrialsOfSchema4(const ResultsStore& store) {
   ASSERT_EQ(store.head().points.size(), 1u);
   EXPECT_EQ(store.head().points[0].seed, 42u);
   EXPECT_EQ(store.head().points[0].trials, 3);
-  EXPECT_EQ(store.head().points[0].settings, kSettings);
+  EXPECT_EQ(store.head().points[0].identity, kSettings);
 }
 
 class ResultsSchemaTest : public testing::Test {
@@ -116,7 +117,9 @@ class ResultsSchemaTest : public testing::Test {
 TEST_F(ResultsSchemaTest, ReadsSchema4AndLeavesTheFileAsItIs) {
   RunSql(folder_, kSchema4 + kRows4);
   const std::string before = bytes();
-  ExpectTrialsOfSchema4(ResultsStore::OpenToRead(folder_));
+  const ResultsStore store = ResultsStore::OpenToRead(folder_);
+  ExpectTrialsOfSchema4(store);
+  EXPECT_EQ(store.head().points[0].settings, kScenario) << "the gripper's are no scenario's";
   EXPECT_EQ(StoredSettings(folder_), kSettings);
   EXPECT_EQ(bytes(), before);
 }

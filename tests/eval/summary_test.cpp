@@ -171,12 +171,11 @@ TEST(SummaryJson, HasTheKeysThatScriptsRead) {
 }
 
 TEST(Csv, HasALineATrialAndALineAPick) {
-  const auto model = std::make_shared<ObjectModel>();
   const auto count = [](const std::string& text) {
     return std::count(text.begin(), text.end(), '\n');
   };
   EXPECT_EQ(count(TrialsCsv(TwoTrials())), 1 + 2);
-  const std::string picks = PicksCsv(TwoTrials(), {model});
+  const std::string picks = PicksCsv(TwoTrials(), {"rod"});
   EXPECT_EQ(count(picks), 1 + 4);
   // Every line has as many cells as the header.
   std::istringstream lines(picks);
@@ -188,16 +187,33 @@ TEST(Csv, HasALineATrialAndALineAPick) {
   }
 }
 
+TEST(Csv, CrashedTrialsStandAmongTheOthersWithEmptyCells) {
+  auto trials = TwoTrials();
+  trials[0].trial = 1;
+  trials[1].trial = 4;
+  const std::string csv =
+      TrialsCsv(trials, {{0, 0, 0, 7, "a"}, {3, 1, 2, 7, "b"}, {9, 1, 8, 7, "c"}});
+  std::istringstream lines(csv);
+  std::vector<std::string> firsts;
+  std::string header, line;
+  std::getline(lines, header);
+  while (std::getline(lines, line)) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','),
+              std::count(header.begin(), header.end(), ','));
+    firsts.push_back(line.substr(0, line.find(',')));
+  }
+  EXPECT_EQ(firsts, (std::vector<std::string>{"0", "1", "3", "4", "9"}));
+  EXPECT_NE(csv.find("3,1,2,crashed,"), std::string::npos);
+}
+
 TEST(PartsCsv, SaysWhatBecameOfEachPart) {
   auto trials = TwoTrials();
   trials[0].fates = {{0, 0, true, true, Loss::kNone, 0},
                      {1, 0, false, true, Loss::kSlipped, 1},
                      {2, 0, false, false, Loss::kNone, -1}};
-  const auto model = std::make_shared<ObjectModel>();
-  model->name = "rod";
-  EXPECT_EQ(PartsCsv(trials, {model}),
-            "trial,instance,object,became,loss,stage,pick\n0,0,rod,picked,none,done,0\n"
-            "0,1,rod,lost,slipped,grasp,1\n0,2,rod,not_asked,none,done,-1\n");
+  EXPECT_EQ(PartsCsv(trials, {"rod"}),
+            "trial,point,instance,object,became,loss,stage,pick\n0,0,0,rod,picked,none,done,0\n"
+            "0,0,1,rod,lost,slipped,grasp,1\n0,0,2,rod,not_asked,none,done,-1\n");
 }
 
 TEST(Csv, OutcomesStandInColumnsAndAreEmptyWithoutAnAttempt) {
@@ -206,7 +222,7 @@ TEST(Csv, OutcomesStandInColumnsAndAreEmptyWithoutAnAttempt) {
   outcome.verdicts[static_cast<int>(SuccessRule::kLifted)] = true;
   outcome.contact_force_n = {0.25, 0.5, 1.75};
   outcome.lift_height_m = 0.125;
-  const std::string csv = PicksCsv(trials, {std::make_shared<ObjectModel>()});
+  const std::string csv = PicksCsv(trials, {"rod"});
   std::vector<std::vector<std::string>> rows;
   std::istringstream lines(csv);
   for (std::string line; std::getline(lines, line);) {
@@ -229,10 +245,9 @@ TEST(Csv, OutcomesStandInColumnsAndAreEmptyWithoutAnAttempt) {
 
 TEST(TrialsCsv, HoldsNoTimes) {
   auto trials = TwoTrials();
-  const std::string before =
-      TrialsCsv(trials) + PicksCsv(trials, {std::make_shared<ObjectModel>()});
+  const std::string before = TrialsCsv(trials) + PicksCsv(trials, {"rod"});
   for (auto& trial : trials) trial.seconds["drop"] = 99;
-  EXPECT_EQ(TrialsCsv(trials) + PicksCsv(trials, {std::make_shared<ObjectModel>()}), before);
+  EXPECT_EQ(TrialsCsv(trials) + PicksCsv(trials, {"rod"}), before);
 }
 
 }  // namespace

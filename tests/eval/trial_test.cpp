@@ -21,7 +21,9 @@ TrialResult RunOne(const ScenarioSpec& spec, const ObjectSet& objects, int trial
 
 // All that is measured, as text.
 std::string Record(const TrialResult& result, const ObjectSet& objects) {
-  return TrialsCsv({result}) + PicksCsv({result}, objects);
+  std::vector<std::string> names;
+  for (const auto& object : objects) names.push_back(object->name);
+  return TrialsCsv({result}) + PicksCsv({result}, names);
 }
 
 TEST(Trial, TruePosesOfEasyPartsEmptyTheBin) {

@@ -84,6 +84,58 @@ TEST(Workers, AnExceptionLosesOneItemAndItsTextIsKept) {
   EXPECT_EQ(replies.size(), 7u);
 }
 
+TEST(Workers, ALostItemIsTriedAgainAsOftenAsThePlanSays) {
+  const TemporaryFolder temporary;
+  const auto tries = [&](int item) { return temporary.path() / std::to_string(item); };
+  for (const bool crash : {true, false}) {
+    std::map<int, std::string> replies;
+    const auto fail = [&](int item) {
+      std::ofstream(tries(item), std::ios::app).put('x').flush();
+      const bool fails = item == 4 || (item == 6 && std::filesystem::file_size(tries(item)) == 1);
+      if (!fails) return;
+      if (crash) raise(SIGKILL);
+      throw std::logic_error("odd");
+    };
+    WorkerPlan plan = Squares(10, 2, fail, replies);
+    plan.retries = 1;
+    std::vector<int> told;
+    plan.on_lost = [&](int item, const std::string&) { told.push_back(item); };
+    const WorkReport report = RunInWorkers(plan);
+    ASSERT_EQ(report.lost.size(), 1u);
+    EXPECT_EQ(report.lost[0].item, 4);
+    EXPECT_EQ(told, std::vector<int>{4});
+    EXPECT_EQ(replies.size(), 9u);
+    EXPECT_EQ(std::filesystem::file_size(tries(4)), 2u);
+    for (int item = 0; item < 10; ++item) std::filesystem::remove(tries(item));
+  }
+}
+
+TEST(Workers, AWorkerStaysWithItsGroup) {
+  std::map<int, std::string> replies;
+  WorkerPlan plan = Squares(
+      40, 2, [](int) { usleep(2000); }, replies);
+  plan.group = [](int item) { return item % 4; };
+  plan.start = [](const WorkerPlan::Say&) {
+    return [last = -1, changes = 0](int item) mutable {
+      usleep(2000);
+      if (item % 4 != last) ++changes;
+      last = item % 4;
+      return std::to_string(getpid()) + " " + std::to_string(changes);
+    };
+  };
+  RunInWorkers(plan);
+  std::map<int, int> changes;  // by process
+  for (const auto& [item, reply] : replies) {
+    const size_t space = reply.find(' ');
+    int& most = changes[std::stoi(reply)];
+    most = std::max(most, std::stoi(reply.substr(space)));
+  }
+  int all = 0;
+  for (const auto& [process, count] : changes) all += count;
+  EXPECT_EQ(replies.size(), 40u);
+  EXPECT_LE(all, 5) << "four groups, of which the last may be shared";
+}
+
 TEST(Workers, BadInputInAWorkerIsThrownHere) {
   std::map<int, std::string> replies;
   const auto refuse = [](int item) {

@@ -12,6 +12,7 @@
 #include <ctime>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -162,7 +163,9 @@ std::vector<Variant> Variants() {
   active.options.world.all_active = true;
   Variant fine = plain;
   fine.name = "that at 960 Hz";
-  fine.options.physics.rate_hz = 960;
+  PhysicsOptions& physics = fine.options.physics;
+  physics.recover_share *= physics.rate_hz / 960;
+  physics.rate_hz = 960;
   return {usual, shifted, plain, active, fine};
 }
 
@@ -187,18 +190,23 @@ void MeasureAgreement(int attempts) {
       const Eigen::Vector3d direction_W = rng.UnitVector();
       const Grasp planned = Disturbed(one.grasp, rng);
       bool usual = false;
+      std::vector<std::string> losses;
       for (size_t v = 0; v < variants.size(); ++v) {
         Grasp grasp = planned;
         grasp.X_WG = Translation(variants[v].shift_m * direction_W) * grasp.X_WG;
         const double begin_s = CpuSeconds();
-        const bool success =
+        const GraspOutcome outcome =
             ExecuteGrasp(one.scene, part.objects, grasp, gripper, one.target, variants[v].options)
-                .outcome.success;
+                .outcome;
+        const bool success = outcome.success;
+        losses.emplace_back(LossName(outcome.loss));
         seconds[v] += CpuSeconds() - begin_s;
         if (v == 0) usual = success;
         succeeded[v] += success;
         agree[v] += success == usual;
       }
+      if (std::set<std::string>(losses.begin(), losses.end()).size() == 1) continue;
+      fmt::print("{} {}: {}\n", part.name, done - 1, fmt::join(losses, ", "));
     }
     fmt::print("{:<10} done, {} attempts so far, agree", part.name, done);
     for (const int count : agree) fmt::print(" {}", count);

@@ -66,5 +66,13 @@ TEST(CupExecute, ItComesOffABoxThatIsTooHeavyToLiftSoFast) {
   EXPECT_EQ(LossName(PickWithCup(4.3, 0).loss), LossName(Loss::kSlipped));
 }
 
+// It seals on 20 kg that stand on the floor, and comes off when the hand goes up.
+TEST(CupExecute, FarTooHeavyIsSealedAndThenNotLifted) {
+  const GraspOutcome outcome = PickWithCup(20, 0);
+  EXPECT_EQ(LossName(outcome.loss), LossName(Loss::kSlipped));
+  EXPECT_EQ(outcome.parts_touched, 1);
+  EXPECT_LT(outcome.lift_height_m, 0.001);
+}
+
 }  // namespace
 }  // namespace pickbed

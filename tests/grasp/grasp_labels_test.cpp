@@ -11,14 +11,27 @@ namespace {
 
 // Every number of an outcome.
 std::vector<double> Label(const GraspOutcome& o) {
-  return {static_cast<double>(o.success),
-          static_cast<double>(o.loss),
-          static_cast<double>(o.picked_instance),
-          static_cast<double>(o.parts_lifted),
-          o.final_opening_m,
-          o.slip_m,
-          o.turn_rad,
-          static_cast<double>(o.disturbed)};
+  std::vector<double> label{static_cast<double>(o.success),
+                            static_cast<double>(o.loss),
+                            static_cast<double>(o.picked_instance),
+                            static_cast<double>(o.parts_lifted),
+                            o.final_opening_m,
+                            o.slip_m,
+                            o.turn_rad,
+                            static_cast<double>(o.disturbed),
+                            static_cast<double>(o.is_target),
+                            static_cast<double>(o.parts_touched),
+                            static_cast<double>(o.parts_risen),
+                            o.lift_height_m,
+                            static_cast<double>(o.retreat_contact),
+                            o.retreat_opening,
+                            static_cast<double>(o.set_down),
+                            o.place_error_m,
+                            o.place_turn_rad};
+  label.insert(label.end(), o.contact_force_n.begin(), o.contact_force_n.end());
+  label.insert(label.end(), o.contact_torque_nm.begin(), o.contact_torque_nm.end());
+  label.insert(label.end(), o.verdicts.begin(), o.verdicts.end());
+  return label;
 }
 
 std::vector<std::vector<double>> LabelsOfSampledGrasps(const GripperSpec& gripper, int count) {

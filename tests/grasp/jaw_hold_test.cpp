@@ -75,7 +75,7 @@ TEST_F(JawHolds, EpsilonIsInverseToTheMass) {
   EXPECT_GT(DepthOfZero(*heavy, exact).lower, 0);
 }
 
-TEST_F(JawHolds, RobustFallsWithErrorsAndWithTheLeverOfTheWeight) {
+TEST_F(JawHolds, RobustFallsWithErrorsAndWithTheWeight) {
   GraspCandidate good;
   good.X_OG = at_middle_;
   good.width_m = 0.05;
@@ -92,6 +92,27 @@ TEST_F(JawHolds, RobustFallsWithErrorsAndWithTheLeverOfTheWeight) {
   box_ = BoxPart({0.05, 0.05, 0.05}, 5, 0.5);  // more than 2 * mu * F holds
   options.position_m = 0.0001;
   EXPECT_EQ(judge(options), 0);
+}
+
+// Of a bar that the pads hold by friction 2 mu F = 40 N. Beside its middle its weight turns it
+// about the closing axis, against 40 N times the patches' mean arm of 12 to 15 mm.
+TEST_F(JawHolds, RobustFallsWithTheLeverOfTheWeight) {
+  box_ = BoxPart({0.05, 0.15, 0.05}, 1.5, 0.5);
+  surface_ = SpreadPoints(box_->mesh_O, 0.001, 2000, 40000, rng_);
+  RobustOptions options;
+  options.position_m = options.rotation_rad = 0.0001;
+  std::vector<GraspCandidate> along;
+  for (const double aside_m : {0.0, 0.01, 0.06}) {
+    GraspCandidate candidate;
+    candidate.X_OG = FromAbove({0, aside_m, -0.015});
+    candidate.width_m = 0.05;
+    along.push_back(candidate);
+  }
+  JudgeJawGrasps(*box_, gripper_, surface_, options, 1, along);
+  EXPECT_EQ(along[0].robust, 1);
+  EXPECT_EQ(along[1].robust, 1);
+  EXPECT_EQ(along[2].robust, 0);  // 15 N at 60 mm
+  EXPECT_GT(along[0].epsilon, along[2].epsilon);
 }
 
 // Evenly pressed, a disc resists a turn with 2/3 of its radius, a line with a quarter of its

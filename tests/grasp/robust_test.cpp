@@ -7,8 +7,6 @@
 namespace pickbed {
 namespace {
 
-constexpr double kGravity_mps2 = 9.81;
-
 // Holds any force along an axis up to `limit`, in weights, and some torque.
 WrenchSet HoldsUpTo(double limit) {
   Wrenches corners(6, 12);

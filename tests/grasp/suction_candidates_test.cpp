@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "grasp/candidates.h"
+#include "sim/cup_limit.h"
 #include "tests/grasp/grasp_scenes.h"
 
 namespace pickbed {
@@ -113,6 +114,39 @@ TEST_F(CupHolds, ShearUpToFrictionAndLessWhilePulled) {
   EXPECT_TRUE(Balanced({0.92 * limit_n, 0, 0}, Vector3d::Zero()));
   EXPECT_FALSE(Balanced({1.01 * limit_n, 0, 0}, Vector3d::Zero()));
   EXPECT_FALSE(Balanced({0.92 * limit_n, 0, -0.5 * cup_.vacuum_n}, Vector3d::Zero()));
+}
+
+// The planner's polytope is the joint's limit as near as 8 points of the ring and 8 edges of a cone
+// are to a circle, and forces on the ring to the ellipsoid of shear and torsion: less where bending
+// puts all on one side of the ring, at most sqrt(2) where shear and torsion agree on one point.
+TEST_F(CupHolds, WhatTheJointHolds) {
+  Rng rng(3);
+  const double friction = 0.5 * cup_.friction, radius_m = RingRadius_m(cup_);
+  for (int i = 0; i < 500; ++i) {
+    LipLoad load;  // of the part on the cup, in G
+    const Vector3d force = rng.UnitVector(), torque = rng.UnitVector();
+    load.force_n = cup_.vacuum_n * Vector3d(force.x() * friction, force.y() * friction, force.z());
+    load.torque_nm = rng.Uniform(0, 1) * cup_.vacuum_n * radius_m *
+                     Vector3d(torque.x(), torque.y(), torque.z() * friction);
+    // Scaled to just within and just beyond; a load that presses needs no more than that.
+    double low = 0, high = 1;
+    for (int k = 0; k < 40; ++k) {
+      const double scale = 0.5 * (low + high);
+      const LipLoad scaled{scale * load.force_n, scale * load.torque_nm};
+      (ShareOfLimit(cup_, friction, scaled) < 1 ? low : high) = scale;
+    }
+    if (high == 1) continue;  // held in full
+    // x of W is x of G, y and z turn over.
+    const auto planned = [&](double scale) {
+      const Vector3d flip(1, -1, -1);
+      return Balanced(scale * load.force_n.cwiseProduct(flip),
+                      scale * load.torque_nm.cwiseProduct(flip));
+    };
+    EXPECT_TRUE(planned(0.65 * low))
+        << i << ": " << load.force_n.transpose() << "; " << load.torque_nm.transpose();
+    EXPECT_FALSE(planned(1.45 * high))
+        << i << ": " << load.force_n.transpose() << "; " << load.torque_nm.transpose();
+  }
 }
 
 }  // namespace

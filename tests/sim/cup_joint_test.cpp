@@ -106,7 +106,7 @@ TEST_P(CupPull, BreaksAtItsForce) {
   constexpr double kMass_kg = 1.0, kLift_mps2 = 1.0;
   CupSpec spec;
   spec.moment_limit_nm = 10;
-  spec.vacuum_n = ratio * kMass_kg * (9.81 + kLift_mps2);
+  spec.vacuum_n = ratio * kMass_kg * (kGravity_mps2 + kLift_mps2);
   Sucked cup(spec, kMass_kg);
   cup.Take(0.003);
   AccelerateFor(cup.world, *cup.hand, {0, 0, kLift_mps2}, 0.4);
@@ -124,7 +124,7 @@ TEST_P(CupMoment, BreaksAtItsMoment) {
   constexpr double kMass_kg = 0.8, kAside_m = 0.02;
   CupSpec spec;
   spec.vacuum_n = 1000;
-  spec.moment_limit_nm = ratio * kMass_kg * 9.81 * kAside_m;
+  spec.moment_limit_nm = ratio * kMass_kg * kGravity_mps2 * kAside_m;
   Sucked cup(spec, kMass_kg, kAside_m);
   cup.Take(0.003);
   cup.MoveTo(kTop_m + 0.05, 3.0);
@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(Ratios, CupMoment, ::testing::Values(0.7, 0.94, 1.06, 1
 
 // The two add up: half of each limit is all that it takes.
 TEST(Cup, PullAndMomentAddUp) {
-  constexpr double kMass_kg = 0.8, kAside_m = 0.02, kWeight_n = kMass_kg * 9.81;
+  constexpr double kMass_kg = 0.8, kAside_m = 0.012, kWeight_n = kMass_kg * kGravity_mps2;
   for (const double share : {0.9, 1.1}) {
     CupSpec spec;
     spec.vacuum_n = 2 * share * kWeight_n;
@@ -155,7 +155,7 @@ TEST(Cup, SlipsSidewaysBeyondFriction) {
     CupSpec spec;
     spec.moment_limit_nm = 100;
     const double grip_n = share * kMass_kg * kSide_mps2 / (0.6 * spec.friction);
-    spec.vacuum_n = grip_n + kMass_kg * 9.81;
+    spec.vacuum_n = grip_n + kMass_kg * kGravity_mps2;
     Sucked cup(spec, kMass_kg);
     cup.Take(0.003);
     cup.MoveTo(kTop_m + 0.05, 1.0);

@@ -10,8 +10,6 @@
 namespace pickbed {
 namespace {
 
-constexpr double kGravity_mps2 = 9.81;
-
 // A hand that points straight down, its tips at height z.
 Pose HandOver(double z_m) { return MakePose(Eigen::Vector3d(1, -1, -1).asDiagonal(), {0, 0, z_m}); }
 

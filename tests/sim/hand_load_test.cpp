@@ -11,7 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity_mps2 = 9.81;
 constexpr double kMass_kg = 0.2;
 
 Pose HandOver(double y_m, double z_m) {
@@ -44,7 +43,7 @@ TEST(HandLoad, IsTheWeightThatHangsInTheHand) {
   // z of G points down.
   EXPECT_NEAR(load.force_n.z(), weight_n, 0.01 * weight_n);
   EXPECT_LT(load.force_n.head<2>().norm(), 0.01 * weight_n);
-  EXPECT_NEAR(load.hardest_n, HandSpec{}.force_n, 0.2);
+  EXPECT_EQ(load.stiff_n, 0);  // the palm is clear of it
 }
 
 TEST(HandLoad, TorqueIsTheWeightTimesItsArm) {
@@ -57,22 +56,58 @@ TEST(HandLoad, TorqueIsTheWeightTimesItsArm) {
   EXPECT_LT((load.torque_nm - expected).norm(), 0.03 * expected.norm());
 }
 
-TEST(HandLoad, AWallPressesOnAFingerButIsNoLoad) {
+TEST(HandLoad, AWallIsNoLoad) {
   PhysicsWorld world;
   world.AddStaticBox(Translation({0.05, 0, 0.3}), {0.01, 0.2, 0.2}, 0.5);
   Hand& hand = world.AddHand(HandSpec{}, HandOver(0, 0.3));
-  hand.HoldOpening(0.02);
-  for (int i = 0; i < 480; ++i) {
-    if (i == 240) {
-      EXPECT_EQ(hand.Load().hardest_n, 0);
-      hand.HoldOpening(0.08);  // would reach to x = 0.05; the wall starts at 0.04
-    }
+  for (int i = 0; i < 240; ++i) {
+    hand.HoldOpening(0.08);  // would reach to x = 0.05; the wall starts at 0.04
     hand.MoveTo(HandOver(0, 0.3));
     world.Step();
   }
-  EXPECT_GT(hand.Load().hardest_n, 1);
   EXPECT_EQ(hand.Load().force_n.norm(), 0);
 }
+
+// A box of 5 cm under the finger at x = 30 to 40 mm, and the hand driven down on it by 5 mm.
+class Overload : public testing::TestWithParam<double> {
+ protected:
+  // Of the last step.
+  struct Pushed {
+    double yielded_m;
+    double force_n;
+  };
+  static Pushed PushOn(bool is_static, double rate_hz) {
+    const auto box = BoxPart({0.05, 0.05, 0.05}, kMass_kg, 0.6);
+    PhysicsOptions options;
+    options.rate_hz = rate_hz;
+    PhysicsWorld world(options);
+    if (is_static) world.AddStaticBox(Translation({0, 0, -0.05}), {0.5, 0.5, 0.05}, 0.5);
+    world.AddPart(*box, Translation({0.035, 0, 0.0255}));
+    HandSpec spec;
+    spec.stroke_m = 0.06;
+    Hand& hand = world.AddHand(spec, HandOver(0, 0.056));
+    const int steps = static_cast<int>(0.1 * rate_hz);
+    for (int i = 1; i <= steps; ++i) {
+      hand.MoveTo(HandOver(0, 0.056 - 0.01 * i / steps));
+      world.Step();
+    }
+    return {hand.yielded_m(), -hand.Load().force_n.z()};
+  }
+};
+
+// Whatever the rate of steps: the way that the floor leaves no room for, with the force that is
+// set.
+TEST_P(Overload, AFingerGivesWayAtItsForceAndNoFurtherThanItMust) {
+  const Pushed pushed = PushOn(true, GetParam());
+  EXPECT_NEAR(pushed.yielded_m, 0.005, 3e-4);
+  EXPECT_NEAR(pushed.force_n, HandSpec{}.yield_n, 1);
+}
+
+// At 0.1 m/s, in free fall.
+TEST_P(Overload, WhatGivesWayItselfDoesNotPushAFingerBack) {
+  EXPECT_LT(PushOn(false, GetParam()).yielded_m, 2e-4);
+}
+INSTANTIATE_TEST_SUITE_P(Rates, Overload, testing::Values(240, 960));
 
 }  // namespace
 }  // namespace pickbed

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <memory>
 
+#include "scenes/gravity.h"
 #include "sim/hand_joints.h"
 #include "sim/physics_world.h"
 #include "tests/sim/hand_paths.h"
 #include "tests/sim/physics_parts.h"
 
 namespace pickbed {
-
-inline constexpr double kGravity_mps2 = 9.81;
 
 struct HeldPart {
   std::shared_ptr<const ObjectModel> model;

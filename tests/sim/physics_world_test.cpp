@@ -15,8 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity_mps2 = 9.81;
-
 void StepFor(PhysicsWorld& world, double duration_s) {
   const int steps = static_cast<int>(std::lround(duration_s / world.step_s()));
   for (int i = 0; i < steps; ++i) world.Step();

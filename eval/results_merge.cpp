@@ -1,0 +1,211 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "eval/folder_lock.h"
+#include "eval/merge.h"
+#include "eval/results_join_impl.h"
+#include "eval/results_store.h"
+#include "eval/scenario_text.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+constexpr char kFileName[] = "results.sqlite";
+
+// A store to be joined, and where its numbers go.
+struct Source {
+  std::filesystem::path folder;
+  StoreHead head;
+  RowShift shift;
+};
+
+// One set of points that stores share.
+struct Group {
+  StoreHead head;
+  RowShift shift;
+  int end_trial = 0;  // in the numbers of its own stores
+};
+
+std::string FirstDifference(const std::string& a, const std::string& b) {
+  size_t from = 0;
+  for (size_t i = 0; i < std::min(a.size(), b.size()) && a[i] == b[i]; ++i) {
+    if (a[i] == '\n') from = i + 1;
+  }
+  const auto line = [from](const std::string& text) {
+    return text.substr(from, text.find('\n', from) - from);
+  };
+  return fmt::format("'{}' and '{}'", line(a), line(b));
+}
+
+// What a user knows of two heads that are not alike.
+std::string Unlike(const StoreHead& a, const StoreHead& b) {
+  if (a.points.size() != b.points.size()) {
+    return fmt::format("{} and {} points", a.points.size(), b.points.size());
+  }
+  for (size_t i = 0; i < a.points.size(); ++i) {
+    if (a.points[i].identity == b.points[i].identity) continue;
+    return FirstDifference(a.points[i].identity, b.points[i].identity);
+  }
+  return FirstDifference(a.identity, b.identity);
+}
+
+std::string NameOf(const std::filesystem::path& folder) {
+  return (std::filesystem::absolute(folder) / ".").lexically_normal().parent_path().filename();
+}
+
+// The settings' paths lead from the folder of their store.
+void Rebase(const std::filesystem::path& from, const std::filesystem::path& to, StoreHead& head) {
+  for (StoredPoint& point : head.points) {
+    point.settings = ScenarioText(ScenarioOfText(point.settings, from, from.string()), to);
+  }
+}
+
+void Join(const StoreHead& head, StoreHead& into) {
+  for (size_t i = 0; i < head.points.size(); ++i) {
+    into.points[i].trials = std::max(into.points[i].trials, head.points[i].trials);
+  }
+}
+
+int EndTrial(const StoreHead& head, const std::vector<int>& finished) {
+  int end = finished.empty() ? 0 : finished.back() + 1;
+  for (const StoredPoint& point : head.points) {
+    end = std::max(end, point.first_trial + point.trials);
+  }
+  return end;
+}
+
+class Plan {
+ public:
+  Plan(std::filesystem::path out, bool compare) : out_(std::move(out)), compare_(compare) {}
+
+  void Add(const std::filesystem::path& folder) {
+    const ResultsStore store = ResultsStore::OpenToRead(folder);
+    Source source{folder, store.head(), {}};
+    Rebase(folder, out_, source.head);
+    const int end = EndTrial(source.head, store.FinishedTrials());
+    auto group = std::find_if(groups_.begin(), groups_.end(), [&](const Group& known) {
+      return known.head.identity == source.head.identity;
+    });
+    if (group == groups_.end()) {
+      CheckInput(
+          compare_ || groups_.empty(),
+          fmt::format("{} and {} have unlike settings: {}; --compare puts them side by side",
+                      sources_.empty() ? "" : sources_.front().folder.string(), folder.string(),
+                      groups_.empty() ? "" : Unlike(groups_.front().head, source.head)));
+      group = groups_.insert(groups_.end(), {source.head, {}, 0});
+      names_.push_back(NameOf(folder));
+    }
+    Join(source.head, group->head);
+    group->end_trial = std::max(group->end_trial, end);
+    members_.push_back(group - groups_.begin());
+    sources_.push_back(std::move(source));
+  }
+
+  // Gives every group its numbers; returns the head of the joined store.
+  StoreHead Settle() {
+    StoreHead joined;
+    RowShift next;
+    for (size_t g = 0; g < groups_.size(); ++g) {
+      groups_[g].shift = next;
+      for (StoredPoint point : groups_[g].head.points) {
+        point.point += next.point;
+        point.first_trial += next.trial;
+        if (groups_.size() > 1) {
+          point.name = names_[g] + (point.name.empty() ? "" : ":" + point.name);
+        }
+        joined.points.push_back(std::move(point));
+      }
+      joined.identity += groups_[g].head.identity;
+      next.trial += groups_[g].end_trial;
+      next.point += static_cast<int>(groups_[g].head.points.size());
+    }
+    for (size_t s = 0; s < sources_.size(); ++s) sources_[s].shift = groups_[members_[s]].shift;
+    return joined;
+  }
+
+  const std::vector<Source>& sources() const { return sources_; }
+
+ private:
+  std::filesystem::path out_;
+  bool compare_;
+  std::vector<Group> groups_;
+  std::vector<std::string> names_;  // of the groups
+  std::vector<Source> sources_;
+  std::vector<size_t> members_;  // group of each source
+};
+
+// The store's file, or a copy of one of an earlier version that has become one of this.
+std::filesystem::path FileOfThisVersion(const Source& source,
+                                        const std::filesystem::path& scratch) {
+  const std::filesystem::path file = source.folder / kFileName;
+  if (IsOfThisVersion(Database(file, Database::Mode::kExisting))) return file;
+  std::filesystem::create_directories(scratch);
+  std::filesystem::copy_file(file, scratch / kFileName,
+                             std::filesystem::copy_options::overwrite_existing);
+  ResultsStore(scratch, source.head);
+  return scratch / kFileName;
+}
+
+int JoinAll(const std::vector<Source>& sources, const std::filesystem::path& file) {
+  const Database db(file, Database::Mode::kExisting);
+  // The file takes its place when it is whole, so that a half-written one may be lost.
+  db.Execute("PRAGMA main.synchronous = OFF");
+  int doubled = 0;
+  for (const Source& source : sources) {
+    const std::filesystem::path scratch = file.parent_path() / "earlier_version";
+    doubled += JoinRows(db, FileOfThisVersion(source, scratch), source.shift);
+    std::filesystem::remove_all(scratch);
+  }
+  return doubled;
+}
+
+// To the disk: the file is about to take the place of another.
+void WriteThrough(const std::filesystem::path& path) {
+  const int file = open(path.c_str(), O_RDONLY);
+  const bool written = file >= 0 && fsync(file) == 0;
+  if (file >= 0) close(file);
+  CheckInput(written, fmt::format("{}: {}", path.string(), strerror(errno)));
+}
+
+}  // namespace
+
+MergeReport MergeStores(const std::vector<std::filesystem::path>& folders,
+                        const std::filesystem::path& out, const MergeOptions& options) {
+  const FolderLock lock(out);
+  Plan plan(out, options.compare);
+  for (const std::filesystem::path& folder : folders) plan.Add(folder);
+  const StoreHead head = plan.Settle();
+  if (const auto stored = StoredSettings(out)) {
+    CheckInput(*stored == head.identity,
+               fmt::format("{} holds results of other settings already; choose another folder with "
+                           "--out",
+                           out.string()));
+  }
+  const std::filesystem::path scratch = out / "merging";
+  std::filesystem::remove_all(scratch);  // of a merge that was killed
+  MergeReport report;
+  { const ResultsStore store(scratch, head); }
+  report.doubled = JoinAll(plan.sources(), scratch / kFileName);
+  if (std::filesystem::exists(out / kFileName)) {  // of an earlier merge, whose shards may be gone
+    JoinAll({{out, head, {}}}, scratch / kFileName);
+  }
+  WriteThrough(scratch / kFileName);
+  std::filesystem::rename(scratch / kFileName, out / kFileName);
+  std::filesystem::remove_all(scratch);
+  report.points = WriteSweepFiles(out);
+  int wanted = 0;
+  for (const PointSummary& point : report.points) {
+    wanted += point.point.trials;
+    report.trials += point.summary.trials + static_cast<int>(point.summary.crashed.size());
+  }
+  report.missing = wanted - report.trials;
+  return report;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,106 @@
+#pragma once
+
+// A grid of settings run over worker processes into one results folder; a run is a sweep of one
+// point.
+//
+//   OUT/results.sqlite      everything, see eval/results_store.h
+//   OUT/shards/shard_1_of_8/results.sqlite    instead, of a shard; `pickbed merge` joins them
+//   OUT/scenario.yaml       the settings in force, of a run
+//   OUT/sweep.yaml, OUT/points/00_NAME.yaml   the same of a sweep and of each of its points
+//   OUT/lock                held while something writes here
+//   what eval/sweep_files.h says, made from the store at the end
+//
+// All but times are the same bytes for any number of workers and shards.
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "eval/results_store.h"
+#include "eval/sweep_files.h"
+#include "eval/workers.h"
+#include "scenes/scenario_spec.h"
+
+namespace pickbed {
+
+// One set of settings; owns trials [first_trial, first_trial + trials) of the store, of scenes 0,
+// 1, ...
+struct SweepPoint {
+  int point = 0;
+  std::string name;  // "estimator.name=ppf,sensor=ideal", empty in a run
+  ScenarioSpec spec;
+  ObjectSet objects;
+  std::string identity;  // see RunIdentity in eval/run.h
+  int first_trial = 0;
+  int trials = 0;
+};
+
+struct Sweep {
+  std::vector<SweepPoint> points;
+  std::string yaml;  // of OUT/sweep.yaml; empty: a run
+};
+
+// What does the trials of one point. It is called in a worker with the number of a scene and the
+// folder for its pictures (empty: none are wanted); trial and point are filled in by the sweep.
+using DoTrial = std::function<TrialResult(int scene, const std::filesystem::path& pictures)>;
+// Makes that in a worker, which does many trials of a point one after the other. Throws InputError
+// for what the settings name and is not there.
+using MakeDoTrial = std::function<DoTrial(const SweepPoint& point, const WorkerPlan::Say& say)>;
+// Drop, look, estimate, pick.
+MakeDoTrial PickingTrials(const TrialOptions& options = {});
+
+// Part `index` (1 .. count) of a sweep: a range of its scenes with all their points, so that
+// what is compared lies in one shard.
+struct Shard {
+  int index = 1;
+  int count = 1;
+};
+// Of "3/8". Throws InputError.
+Shard ParseShard(const std::string& text);
+std::filesystem::path ShardFolder(const std::filesystem::path& out, const Shard& shard);
+// Trials of a shard, ascending.
+std::vector<int> TrialsOfShard(const Sweep& sweep, const Shard& shard);
+
+struct SweepOptions {
+  std::filesystem::path out;
+  int jobs = 1;
+  bool resume = false;           // go on in a folder that holds finished trials
+  bool retry_crashed = false;    // those of an earlier call are tried again
+  int picture_trials = 4;        // scenes 0 .. picture_trials - 1 of each point get pictures
+  std::vector<int> only_trials;  // ascending; empty = all of the shard
+  Shard shard;
+  MakeDoTrial make = PickingTrials();
+};
+
+// How far a sweep is.
+struct RunState {
+  int done = 0, total = 0;          // trials, with those of an earlier run
+  int done_before = 0;              // of an earlier run
+  int attempts = 0, successes = 0;  // of this run
+  int crashed = 0;                  // of this run
+  std::vector<Cluster> trials;      // attempts and successes of each trial of this run
+};
+
+struct RunListener {
+  std::function<void(const RunState& state)> on_trial;
+  std::function<void(const std::string& line)> on_message;
+  std::function<bool()> stop;
+};
+
+struct SweepReport {
+  std::vector<PointSummary> points;  // none of a shard
+  bool interrupted = false;
+  int finished = 0, total = 0;        // trials of this shard
+  std::vector<CrashedTrial> crashed;  // of this call
+};
+
+// Throws InputError for unknown names, a broken model, and a folder that cannot be written, is in
+// use, holds other results, or holds finished trials when `resume` is not set. Forks, see
+// eval/workers.h.
+SweepReport RunSweep(const Sweep& sweep, const SweepOptions& options, const RunListener& listener);
+
+// The store's head of a sweep whose results lie in `folder`.
+StoreHead HeadOf(const Sweep& sweep, const std::filesystem::path& folder);
+
+}  // namespace pickbed

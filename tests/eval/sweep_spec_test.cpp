@@ -1,0 +1,152 @@
+#include "eval/sweep_spec.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/check.h"
+#include "tests/support/error_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+class SweepSpecTest : public testing::Test {
+ protected:
+  SweepSpec Load(const std::string& yaml) const {
+    return LoadSweepSpec(temporary_.Write("sweep.yaml", yaml));
+  }
+  Sweep Make(const std::string& yaml) const {
+    return MakeSweep(Load(yaml), temporary_.path() / "out", "objects");
+  }
+  std::vector<std::string> Names(const std::string& yaml) const {
+    std::vector<std::string> names;
+    for (const GridValue& point : PointsOf(Load(yaml))) names.push_back(point.name);
+    return names;
+  }
+  const TemporaryFolder temporary_;
+};
+
+TEST_F(SweepSpecTest, IsTheProductWithTheFirstKeySlowest) {
+  EXPECT_THAT(Names("scenario: demo\n"
+                    "grid:\n"
+                    "  sensor: [ideal, time_of_flight]\n"
+                    "  seed: 7..9\n"),
+              ElementsAre("sensor=ideal,seed=7", "sensor=ideal,seed=8", "sensor=ideal,seed=9",
+                          "sensor=time_of_flight,seed=7", "sensor=time_of_flight,seed=8",
+                          "sensor=time_of_flight,seed=9"));
+}
+
+TEST_F(SweepSpecTest, SeveralKeysChangeTogetherUnderAnyName) {
+  EXPECT_THAT(Names("scenario: demo\n"
+                    "grid:\n"
+                    "  method:\n"
+                    "    - {estimator.name: ppf, estimator.mode: verified}\n"
+                    "    - {estimator: {name: oracle, noise_mm: 2}}\n"),
+              ElementsAre("estimator.name=ppf,estimator.mode=verified",
+                          "estimator={name: oracle, noise_mm: 2}"));
+}
+
+TEST_F(SweepSpecTest, PointsHaveTheirSettingsAndTrials) {
+  const Sweep sweep = Make(
+      "scenario: demo\n"
+      "trials: 4\n"
+      "set: {gripper: cup_30mm, estimator.name: oracle}\n"
+      "grid:\n"
+      "  objects.0.count: [2, 3]\n"
+      "  sensor: [ideal]\n");
+  ASSERT_EQ(sweep.points.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    const SweepPoint& point = sweep.points[i];
+    EXPECT_EQ(point.point, i);
+    EXPECT_EQ(point.first_trial, 4 * i);
+    EXPECT_EQ(point.trials, 4);
+    EXPECT_EQ(point.spec.objects[0].count, 2 + i);
+    EXPECT_EQ(point.spec.gripper, "cup_30mm");
+    EXPECT_EQ(point.spec.sensor, "ideal");
+    EXPECT_EQ(point.spec.estimator.name, "oracle");
+    EXPECT_EQ(point.objects.size(), point.spec.objects.size());
+  }
+  EXPECT_NE(sweep.points[0].identity, sweep.points[1].identity);
+}
+
+TEST_F(SweepSpecTest, TheWrittenTextMeansTheSame) {
+  temporary_.Write("own.yaml", "objects: [{name: rod, count: 3}]\n");
+  const std::string yaml =
+      "scenario: own.yaml\n"
+      "trials: 2\n"
+      "set: {estimator.name: oracle, camera.eye_m: [0, 0, 0.8]}\n"
+      "grid: {seed: 1..2, pair: [{sensor: ideal, refiner: none}, {sensor: active_stereo}]}\n"
+      "slurm: {shards: 3, options: '--account=lab --qos=low'}\n";
+  const std::filesystem::path out = temporary_.path() / "results" / "here";
+  const Sweep first = MakeSweep(Load(yaml), out, "objects");
+  const auto written = temporary_.Write("results/here/sweep.yaml", first.yaml);
+  const SweepSpec again = LoadSweepSpec(written);
+  const Sweep second = MakeSweep(again, out, "objects");
+  EXPECT_EQ(second.yaml, first.yaml);
+  EXPECT_EQ(again.slurm.shards, 3);
+  EXPECT_EQ(again.slurm.options, "--account=lab --qos=low");
+  ASSERT_EQ(second.points.size(), 4u);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(second.points[i].name, first.points[i].name);
+    EXPECT_EQ(second.points[i].identity, first.points[i].identity);
+  }
+}
+
+struct BadSweep {
+  const char* name;
+  const char* yaml;
+  const char* place;  // of the fault
+  const char* what;
+};
+
+class BadSweepTest : public SweepSpecTest, public testing::WithParamInterface<BadSweep> {};
+
+TEST_P(BadSweepTest, IsToldInOneLineWithItsPlace) {
+  const std::string error = ErrorOf([&] { Make(GetParam().yaml); });
+  EXPECT_THAT(error, HasSubstr(GetParam().what));
+  EXPECT_THAT(error, HasSubstr(GetParam().place));
+  EXPECT_THAT(error, Not(HasSubstr("\n")));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    SweepSpec, BadSweepTest,
+    testing::Values(
+        BadSweep{"EmptyGrid", "scenario: demo\ngrid: {}\n", "sweep.yaml:2", "the grid is empty"},
+        BadSweep{"NoGrid", "scenario: demo\n", "sweep.yaml", "has no grid"},
+        BadSweep{"EmptyList", "scenario: demo\ngrid:\n  sensor: []\n", "sweep.yaml:3",
+                 "the list is empty"},
+        BadSweep{"NoList", "scenario: demo\ngrid:\n  sensor: ideal\n", "sweep.yaml:3",
+                 "must be a list of values"},
+        BadSweep{"UnknownKey", "scenario: demo\ngrid:\n  seed: [1]\n  estimatr.name: [ppf]\n",
+                 "sweep.yaml:4", "did you mean 'estimator'"},
+        BadSweep{"WrongValue", "scenario: demo\ngrid:\n  refiner: [none, icp]\n", "sweep.yaml:3",
+                 "icp"},
+        BadSweep{"OutOfRange", "scenario: demo\nset: {gripper: jaw_8cm}\ngrid:\n  seed: [1, -4]\n",
+                 "sweep.yaml:4", "whole number"},
+        BadSweep{"UnknownEstimator", "scenario: demo\ngrid:\n  estimator.name: [pff]\n",
+                 "sweep.yaml:3", "did you mean 'ppf'"},
+        BadSweep{"UnknownSensor", "scenario: demo\ngrid:\n  seed: [1]\n  sensor: [idael]\n",
+                 "sweep.yaml:4", "did you mean 'ideal'"},
+        BadSweep{"UnknownTopKey", "scenario: demo\ngird: {seed: [1]}\n", "sweep.yaml:2",
+                 "did you mean 'grid'"},
+        BadSweep{"UnknownScenario", "scenario: dmeo\ngrid: {seed: [1]}\n", "sweep.yaml:1",
+                 "did you mean 'demo'"},
+        BadSweep{"Doubled", "scenario: demo\ngrid:\n  seed: [1, 2, 1]\n", "sweep.yaml:3",
+                 "stands in the grid twice"},
+        BadSweep{"KeyTwice", "scenario: demo\ngrid:\n  seed: [1]\n  seed: [2]\n", "sweep.yaml:4",
+                 "is given twice"},
+        BadSweep{"BackwardRange", "scenario: demo\ngrid:\n  seed: 9..3\n", "sweep.yaml:3",
+                 "upwards"},
+        BadSweep{"Trials", "scenario: demo\ntrials: none\ngrid: {seed: [1]}\n", "sweep.yaml:2",
+                 "whole number"},
+        BadSweep{"UnknownSlurmKey", "scenario: demo\ngrid: {seed: [1]}\nslurm:\n  queue: x\n",
+                 "sweep.yaml:4", "partition"},
+        BadSweep{"NoYaml", "scenario: [demo\n", "sweep.yaml", "not valid YAML"}),
+    [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace pickbed
