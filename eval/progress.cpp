@@ -39,7 +39,7 @@ Success SuccessOf(const std::vector<Cluster>& outcomes) {
     success.attempts += trial.tries;
     success.successes += trial.hits;
   }
-  success.ci95 = ClusterBootstrap(outcomes);
+  success.ci95 = ClusterInterval(outcomes);
   return success;
 }
 
