@@ -4,6 +4,7 @@
 // that a success drawn at random has the greater score of a success and a failure, ties counted
 // half (Hanley and McNeil 1982). 0.5 is guessing, 1 tells all.
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
