@@ -55,6 +55,8 @@ struct MechanismRow {
   std::vector<AxisAlignedBox> (*boxes)(const GripperSpec& spec, double opening_m);
   // Where another part would be grasped along with the one that is meant, in G; nullopt = nowhere.
   std::optional<AxisAlignedBox> (*between)(const GripperSpec& spec, double opening_m);
+  // How far across the closing direction the hand may stand aside and still hold what it is on, m.
+  double (*aside_m)(const GripperSpec& spec);
   // What gives way and so stands in no collision check, for pictures.
   std::vector<AxisAlignedBox> (*soft_boxes)(const GripperSpec& spec);
   // The most that it can carry of a part of this friction, N: its weight must stay below.

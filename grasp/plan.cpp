@@ -241,6 +241,36 @@ class Planner {
     return true;
   }
 
+  // Moves a hand that would meet a wall away from it, across its closing direction, and lowers its
+  // score; false when it would have to go too far.
+  bool KeepOffWalls(double opening_m, Grasp& grasp) const {
+    const MechanismRow& mechanism = MechanismOf(input_.gripper);
+    const double most_m = mechanism.aside_m(input_.gripper);
+    const Vector3d across_W = grasp.X_WG.linear().col(0).cross(Vector3d::UnitZ());
+    const Eigen::Matrix3d spread = grasp.X_WG.linear().cwiseAbs();
+    double move_m = 0;
+    for (const AxisAlignedBox& box : mechanism.boxes(input_.gripper, opening_m)) {
+      const Vector3d center = grasp.X_WG * box.center, reach = spread * box.half_size;
+      if (center.z() - reach.z() > input_.bin.inner_size_m.z()) continue;
+      for (int axis = 0; axis < 2; ++axis) {
+        const double room_m =
+            0.5 * input_.bin.inner_size_m[axis] - options_.bin_clearance_m - kTouching_m;
+        const double over_m = std::abs(center[axis]) + reach[axis] - room_m;
+        if (over_m <= 0) continue;
+        const double needed_m = over_m / -(std::copysign(1.0, center[axis]) * across_W[axis]);
+        if (!(std::abs(needed_m) <= most_m)) return false;
+        if (std::abs(needed_m) > std::abs(move_m)) move_m = needed_m;
+      }
+    }
+    grasp.X_WG = Translation(move_m * across_W) * grasp.X_WG;
+    grasp.score *= 1 - options_.aside_share * std::abs(move_m) / std::max(most_m, kTouching_m);
+    return true;
+  }
+
+  bool MeetsBin(std::span<const AxisAlignedBox> sweep, const Grasp& grasp) const {
+    return FindBinContact(sweep, grasp.X_WG, bin_boxes_, options_.bin_clearance_m).has_value();
+  }
+
   // Scales the score of a free grasp by its tilt.
   Cause CheckBin(const GraspCandidate& candidate, const std::optional<double>& opening_m,
                  Grasp& grasp) const {
@@ -250,7 +280,9 @@ class Planner {
     if (!opening_m) return kOpening;
     const auto sweep = HandSweep(input_.gripper, *opening_m);
     if (!KeepOffFloor(sweep, candidate.depth_m, grasp)) return kBinFloor;
-    if (FindBinContact(sweep, grasp.X_WG, bin_boxes_, options_.bin_clearance_m)) return kBinWall;
+    if (MeetsBin(sweep, grasp) && (!KeepOffWalls(*opening_m, grasp) || MeetsBin(sweep, grasp))) {
+      return kBinWall;
+    }
     grasp.score *= 1 - options_.tilt_share * tilt / options_.max_tilt_rad;
     return kFree;
   }
@@ -322,6 +354,7 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.Real("tilt_share", tilt_share, share, "lost at max_tilt_rad");
   v.Real("room_share", room_share, share, "lost when others touch the hand");
   v.Real("cover_share", cover_share, share, "lost when others lie all over the target");
+  v.Real("aside_share", aside_share, share, "lost by a hand that stands aside for a wall");
   v.Real("set_down_share", set_down_share, share, "lost when the part cannot be laid down so held");
   v.Real("between_share", between_share, share, "lost when others are between the fingers");
   v.Real("good_room_m", good_room_m, {0.001, 0.1}, "distance from others without loss, m");

@@ -82,8 +82,9 @@ struct PlanOptions {
   double tilt_share = 0.4;
   double room_share = 0.4;
   double cover_share = 0.8;
-  double set_down_share = 0.4;
+  double set_down_share = 0.2;
   double between_share = 0.5;
+  double aside_share = 0.3;      // by a hand that stands as far aside for a wall as it can
   double good_room_m = 0.010;    // distance from others from which there is no loss
   int many_between = 20;         // points of others between the fingers at which the loss is full
   double cover_above_m = 0.004;  // points this much higher lie on the target

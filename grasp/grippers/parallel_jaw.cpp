@@ -67,6 +67,9 @@ double Travel(const GripperSpec& spec, double opening_m) {
   return 0.5 * opening_m / spec.hand.close_speed_mps;
 }
 
+// A quarter of the pads' width still leaves most of a contact.
+double Aside(const GripperSpec& spec) { return 0.25 * spec.hand.finger_size_m.y(); }
+
 std::vector<AxisAlignedBox> SoftBoxes(const GripperSpec&) { return {}; }
 
 // Friction of two pads.
@@ -103,6 +106,7 @@ MechanismRow ParallelJawRow() {
           .add = Add,
           .boxes = Boxes,
           .between = Between,
+          .aside_m = Aside,
           .soft_boxes = SoftBoxes,
           .capacity_n = Capacity,
           .summary = Summary,

@@ -66,6 +66,9 @@ double MostOpen(const GripperSpec&) { return 0; }
 
 double Travel(const GripperSpec&, double) { return 0; }
 
+// Its lip seals where the candidate says.
+double Aside(const GripperSpec&) { return 0; }
+
 std::vector<AxisAlignedBox> SoftBoxes(const GripperSpec& spec) {
   const Eigen::Vector3d half(spec.cup.radius_m, spec.cup.radius_m, 0.5 * spec.cup.bellows_travel_m);
   return {{{0, 0, -half.z()}, half}};
@@ -98,6 +101,7 @@ MechanismRow SuctionCupRow() {
           .add = Add,
           .boxes = Boxes,
           .between = Between,
+          .aside_m = Aside,
           .soft_boxes = SoftBoxes,
           .capacity_n = Capacity,
           .summary = Summary,

@@ -132,6 +132,26 @@ TEST_F(Plan, HandDrawsBackFromTheFloor) {
   EXPECT_TRUE(Run(keep_depth).grasps.empty());
 }
 
+// Pads of 20 mm in the middle of a part that is 9 mm from the wall would reach into it.
+TEST_F(Plan, HandStandsAsideForAWall) {
+  const double wall_m = 0.5 * bin_.inner_size_m.y();
+  gripper_.hand.palm_size_m.y() = 0.02;
+  GraspCandidate middle;
+  middle.X_OG = FromAbove({0, 0, -0.010});
+  middle.width_m = 0.05;
+  middle.depth_m = 0.010;
+  middle.quality = 1;
+  candidates_ = {{middle}};
+  Place({0, wall_m - 0.009, 0.025});
+  const PlanResult result = Run();
+  ASSERT_EQ(result.grasps.size(), 1u);
+  const double edge_m = result.grasps[0].X_WG.translation().y() + 0.010;
+  EXPECT_NEAR(edge_m, wall_m - PlanOptions{}.bin_clearance_m, 1e-5);
+  poses_.clear();
+  Place({0, wall_m - 0.004, 0.025});  // 8 mm aside: more than a quarter of the pads
+  EXPECT_EQ(Run().rejected.at("bin wall"), 1);
+}
+
 TEST_F(Plan, OwnPointsAreNoObstacle) {
   Place({0, 0, 0.025});
   const size_t without = Run({.max_grasps = 1000}).grasps.size();
