@@ -84,10 +84,14 @@ void RequireSlurm() {
   }
 }
 
-std::string Submit(const SlurmJob& job, const std::vector<int>& shards) {
+std::string Submit(const Sweep& sweep, const SlurmJob& job, const std::vector<int>& shards) {
   const std::filesystem::path folder = job.out / "slurm";
   const std::filesystem::path script = folder / "job.sh";
-  std::filesystem::create_directories(folder);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  CheckInput(!error, fmt::format("cannot make the folder {}: {}; choose another with --out",
+                                 folder.string(), error.message()));
+  WriteFileAtomically(job.out / "sweep.yaml", sweep.yaml);
   WriteFileAtomically(script, JobScript(job));
   const ProgramOutput output = RunProgram(
       {"sbatch", "--parsable", fmt::format("--array={}", fmt::join(shards, ",")), script.string()});
@@ -205,8 +209,7 @@ SlurmReport RunOnSlurm(const Sweep& sweep, const SlurmJob& job, const SlurmListe
       if (!shard.finished() || job.retry_crashed) open.push_back(shard.shard.index);
     }
     if (open.empty()) return report;
-    WriteFileAtomically(job.out / "sweep.yaml", sweep.yaml);
-    report.job_id = Submit(job, open);
+    report.job_id = Submit(sweep, job, open);
   }
   for (int failures = 0;;) {
     const auto queue = StatesInQueue(report.job_id);

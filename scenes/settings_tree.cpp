@@ -9,9 +9,17 @@
 namespace pickbed {
 namespace {
 
+// A node that was written over several lines keeps that style unless it is told otherwise.
+void SetFlowStyle(YAML::Node node) {
+  if (!node.IsMap() && !node.IsSequence()) return;
+  node.SetStyle(YAML::EmitterStyle::Flow);
+  for (const auto& entry : node) SetFlowStyle(node.IsMap() ? entry.second : entry);
+}
+
 std::string FlowText(const YAML::Node& node) {
+  SetFlowStyle(node);
   YAML::Emitter out;
-  out << YAML::Flow << node;
+  out << node;
   return out.c_str();
 }
 

@@ -79,7 +79,8 @@ TEST_F(SweepSpecTest, TheWrittenTextMeansTheSame) {
       "scenario: own.yaml\n"
       "trials: 2\n"
       "set: {estimator.name: oracle, camera.eye_m: [0, 0, 0.8]}\n"
-      "grid: {seed: 1..2, pair: [{sensor: ideal, refiner: none}, {sensor: active_stereo}]}\n"
+      "grid:\n  seed: 1..2\n  pair:\n    - sensor: ideal\n      refiner: none\n"
+      "    - {sensor: active_stereo}\n"
       "slurm: {shards: 3, options: '--account=lab --qos=low'}\n";
   const std::filesystem::path out = temporary_.path() / "results" / "here";
   const Sweep first = MakeSweep(Load(yaml), out, "objects");

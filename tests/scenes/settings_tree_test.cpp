@@ -31,6 +31,12 @@ TEST(SettingsTree, KeepsKindsTextsAndLines) {
   EXPECT_EQ(tree.Find("nothing"), nullptr);
 }
 
+TEST(SettingsTree, TextsAreOneLineHoweverTheyWereWritten) {
+  const SettingsTree tree = ReadSettingsTreeText(
+      "grid:\n  sensor: [a, b]\n  pair:\n    - x: 1\n      y: 2\n    - {x: 3}\n", "f.yaml");
+  EXPECT_EQ(tree.Find("grid")->text, "{sensor: [a, b], pair: [{x: 1, y: 2}, {x: 3}]}");
+}
+
 TEST(SettingsTree, ABlockIsReadIntoWhatVisits) {
   double wall_m = 0;
   int count = 0;
