@@ -16,11 +16,13 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 15> kCommands{{
+constexpr std::array<CommandRow, 16> kCommands{{
     {"run", "drop, look, estimate and pick, trial after trial; measure how often it works",
      RunCommand},
     {"budget", "where the picks of a run were lost, and what perfecting a stage would gain",
      BudgetCommand},
+    {"replay", "run one trial of a run again, and name the first stage that went another way",
+     ReplayCommand},
     {"drop", "fill one bin and show how it came to rest", DropCommand},
     {"render", "fill one bin and write what the camera sees", RenderCommand},
     {"estimate", "guess poses in filled bins and score them against the truth, without picking",

@@ -11,6 +11,7 @@ namespace pickbed {
 // InputError for bad input.
 int RunCommand(int argc, char** argv);
 int BudgetCommand(int argc, char** argv);
+int ReplayCommand(int argc, char** argv);
 int DropCommand(int argc, char** argv);
 int RenderCommand(int argc, char** argv);
 int EstimateCommand(int argc, char** argv);

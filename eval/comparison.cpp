@@ -138,8 +138,9 @@ class Comparison {
     if (job_.pictures.empty() || trial >= job_.pictured_bins) return;
     const auto folder =
         job_.pictures / fmt::format("trial_{:04}", trial) / FolderName(row.result.label);
-    PickPictures(folder, 0).Write({view.frame, cell_.camera(), cell_.objects(), scene, hypotheses,
-                                   nullptr, nullptr, &view.ids});
+    WriteLookPictures(folder, 0,
+                      {view.frame, cell_.camera(), cell_.objects(), scene, hypotheses, nullptr,
+                       nullptr, &view.ids});
   }
 
   const ComparisonJob& job_;

@@ -6,29 +6,41 @@
 #include "scenes/image_io.h"
 
 namespace pickbed {
+namespace {
 
-PickPictures::PickPictures(const std::filesystem::path& folder, int pick)
-    : folder_(folder), pick_(pick) {
-  if (folder_.empty()) return;
+std::filesystem::path PathOf(const std::filesystem::path& folder, int pick, const char* what) {
+  return folder / fmt::format("pick_{:02}_{}.png", pick, what);
+}
+
+}  // namespace
+
+void WriteLookPictures(const std::filesystem::path& folder, int pick, const OverlayInput& input) {
   std::error_code error;
-  std::filesystem::create_directories(folder_, error);
+  std::filesystem::create_directories(folder, error);
   CheckInput(!error,
-             fmt::format("cannot make the folder {}: {}", folder_.string(), error.message()));
+             fmt::format("cannot make the folder {}: {}", folder.string(), error.message()));
+  WritePng(PathOf(folder, pick, "color"), input.frame.color);
+  WritePng(PathOf(folder, pick, "depth"), ColorizeDepth(input.frame.depth_m));
+  WritePng(PathOf(folder, pick, "overlay"), DrawOverlay(input));
 }
 
-std::filesystem::path PickPictures::PathOf(const char* what) const {
-  return folder_ / fmt::format("pick_{:02}_{}.png", pick_, what);
+OverlayInput OverlayOf(const LookState& look) {
+  return {look.view->frame,
+          look.cell.camera(),
+          look.cell.objects(),
+          look.scene,
+          *look.hypotheses,
+          look.record.grasp ? &*look.record.grasp : nullptr,
+          &look.gripper,
+          &look.view->ids};
 }
 
-void PickPictures::Write(const OverlayInput& input) const {
-  if (folder_.empty()) return;
-  WritePng(PathOf("color"), input.frame.color);
-  WritePng(PathOf("depth"), ColorizeDepth(input.frame.depth_m));
-  WritePng(PathOf("overlay"), DrawOverlay(input));
-}
-
-void PickPictures::WriteAfter(const Image<Rgb8>& color) const {
-  if (!folder_.empty()) WritePng(PathOf("after"), color);
+void PickPictures::OnStage(TrialStage stage, const LookState& look) {
+  const int pick = look.record.pick;
+  if (stage == TrialStage::kGrasp) WriteLookPictures(folder_, pick, OverlayOf(look));
+  if (stage == TrialStage::kOutcome) {
+    WritePng(PathOf(folder_, pick, "after"), look.cell.ColorPicture(look.scene, look.scene_number));
+  }
 }
 
 }  // namespace pickbed

@@ -1,27 +1,28 @@
 #pragma once
 
-// The pictures of one pick: pick_00_color.png, _depth.png, _overlay.png and _after.png.
+// The pictures of picks: pick_00_color.png, _depth.png, _overlay.png and _after.png.
 
 #include <filesystem>
 
 #include "eval/report/draw.h"
+#include "eval/trial_observer.h"
 
 namespace pickbed {
 
-class PickPictures {
- public:
-  // Writes nothing when `folder` is empty. Throws InputError when it cannot be made.
-  PickPictures(const std::filesystem::path& folder, int pick);
+// Colour, depth and overlay of one look. Throws InputError when the folder cannot be made.
+void WriteLookPictures(const std::filesystem::path& folder, int pick, const OverlayInput& input);
 
-  bool wanted() const { return !folder_.empty(); }
-  void Write(const OverlayInput& input) const;      // colour, depth and overlay
-  void WriteAfter(const Image<Rgb8>& color) const;  // the bin when the pick is over
+// The same of each look of a trial, and the bin when the pick is over.
+class PickPictures : public TrialObserver {
+ public:
+  explicit PickPictures(const std::filesystem::path& folder) : folder_(folder) {}
+  void OnStage(TrialStage stage, const LookState& look) override;
 
  private:
-  std::filesystem::path PathOf(const char* what) const;
-
   std::filesystem::path folder_;
-  int pick_;
 };
+
+// What its overlay shows; from kGrasp on. Refers to the look.
+OverlayInput OverlayOf(const LookState& look);
 
 }  // namespace pickbed

@@ -101,6 +101,11 @@ struct PickRow {
     for (const SuccessRuleRow& row : SuccessRuleTable()) {
       v(row.name, outcome.verdicts[static_cast<int>(row.rule)]);
     }
+    v("hash_scene", record.hashes[TrialStage::kScene]);
+    v("hash_image", record.hashes[TrialStage::kImage]);
+    v("hash_hypotheses", record.hashes[TrialStage::kHypotheses]);
+    v("hash_grasp", record.hashes[TrialStage::kGrasp]);
+    v("hash_outcome", record.hashes[TrialStage::kOutcome]);
   }
 };
 

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "eval/oracle.h"
+#include "eval/pictures.h"
 #include "eval/results_store.h"
 #include "grasp/gripper.h"
 #include "grasp/plan.h"
@@ -78,11 +79,9 @@ WorkerPlan::DoItem StartWorker(const ScenarioSpec& spec, const ObjectSet& object
   auto runner = std::make_shared<TrialRunner>(spec, objects, on_progress, trial_options);
   auto store = std::make_shared<ResultsStore>(options.out, identity);
   return [runner, store, options](int trial) {
-    std::filesystem::path pictures;
-    if (trial < options.picture_trials) {
-      pictures = options.out / "pictures" / fmt::format("trial_{:04}", trial);
-    }
-    const TrialResult result = runner->Run(trial, pictures);
+    PickPictures pictures(options.out / "pictures" / fmt::format("trial_{:04}", trial));
+    const TrialResult result =
+        runner->Run(trial, trial < options.picture_trials ? &pictures : nullptr);
     store->Write(result);
     return ReplyOf(result);
   };
@@ -126,7 +125,8 @@ std::string FedText(const TruthStages& truth) {
 
 }  // namespace
 
-std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
+std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
+                        const TruthStages& truth) {
   ScenarioSpec same_for_all = spec;
   same_for_all.trials = 1;
   same_for_all.cycle = {};
@@ -160,13 +160,20 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects) {
     const std::string bytes = ReadFileBytes(file);
     text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
+  if (truth != TruthStages()) text += FedText(truth);
   return text;
+}
+
+TruthStages TruthIn(const std::string& identity) {
+  for (const OracleRow& row : OracleTable()) {
+    if (identity.ends_with(FedText(row.truth))) return row.truth;
+  }
+  return {};
 }
 
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener) {
-  std::string identity = RunIdentity(spec, objects);
-  if (options.truth != TruthStages()) identity += FedText(options.truth);
+  const std::string identity = RunIdentity(spec, objects, options.truth);
   const std::vector<int> finished = FinishedTrials(options, identity);
   ScenarioSpec all_trials = spec;  // fewer may be asked for now than were run before
   if (!finished.empty()) all_trials.trials = std::max(spec.trials, finished.back() + 1);

@@ -60,7 +60,10 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
 
 // What must be equal for two runs to be one: the settings but the number of trials and the cycle's
 // times, the gripper, the sensor, the meshes of parts and bin wherever they lie, and the trained
-// model.
-std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects);
+// model; and which stages were fed with truth.
+std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
+                        const TruthStages& truth = {});
+// Those stages again; none where the text says of none.
+TruthStages TruthIn(const std::string& identity);
 
 }  // namespace pickbed

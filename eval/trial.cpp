@@ -10,7 +10,7 @@
 #include "eval/estimator_runner.h"
 #include "eval/matching.h"
 #include "eval/oracle.h"
-#include "eval/pictures.h"
+#include "eval/trial_observer.h"
 #include "eval/virtual_cell.h"
 #include "grasp/candidates.h"
 
@@ -56,16 +56,16 @@ int AimOf(const HypothesisScore& believed, double stands_on_diameters) {
 struct TrialRunner::Impl {
   // A trial under way.
   struct Live {
-    std::filesystem::path picture_folder;  // empty = none
     TrialResult result;
     Scene scene;
     std::vector<FailedGrasp> failed;  // since the last success
+    TrialObserver* observer = nullptr;
   };
 
   Impl(const ScenarioSpec& spec, const ObjectSet& objects, const Progress& on_progress,
        const TrialOptions& options);
 
-  Live Drop(int scene, const std::filesystem::path& picture_folder);
+  Live Drop(int scene);
   View See(Live& live, int look);
   std::vector<PoseHypothesis> Believe(const View& view, Live& live, PickRecord& record);
   // With truth in place of the stages that are fed.
@@ -131,10 +131,8 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
   }
 }
 
-TrialRunner::Impl::Live TrialRunner::Impl::Drop(int scene,
-                                                const std::filesystem::path& picture_folder) {
+TrialRunner::Impl::Live TrialRunner::Impl::Drop(int scene) {
   Live live;
-  live.picture_folder = picture_folder;
   live.result.trial = live.result.scene = scene;
   StageTimer timer(live.result.seconds, "drop");
   CertifiedScene made = cell.MakeScene(scene);
@@ -284,24 +282,29 @@ void TrialRunner::Impl::Execute(const PoseHypothesis& hypothesis, const Believed
 void TrialRunner::Impl::PickOnce(Live& live) {
   PickRecord& record = live.result.picks.emplace_back();
   record.pick = static_cast<int>(live.result.picks.size()) - 1;
-  const PickPictures pictures(live.picture_folder, record.pick);
+  LookState look{live.result.scene, cell, gripper, live.scene, record};
+  const auto reach = [&](TrialStage stage) { ReachStage(stage, look, record, live.observer); };
 
+  reach(TrialStage::kScene);
   const View view = See(live, record.pick);
+  look.view = &view;
+  reach(TrialStage::kImage);
   const auto hypotheses = Estimate(view, live, record);
+  look.hypotheses = &hypotheses;
+  reach(TrialStage::kHypotheses);
   std::vector<BelievedPose> poses;
   for (const PoseHypothesis& hypothesis : hypotheses) {
     poses.push_back({hypothesis.object, cell.camera().X_WC * hypothesis.X_CO, hypothesis.score});
   }
   if (!poses.empty()) record.grasp = Choose(poses, Plan(view, poses, live, record), live, record);
-  pictures.Write({view.frame, cell.camera(), cell.objects(), live.scene, hypotheses,
-                  record.grasp ? &*record.grasp : nullptr, &gripper, &view.ids});
+  reach(TrialStage::kGrasp);
   if (record.grasp) {
     record.chosen = record.grasp->hypothesis;
     Execute(hypotheses[record.chosen], poses[record.chosen], live, record);
   } else {
     record.loss = LossWithoutGrasp(record, hypotheses, {live.scene, metric_models, cell.camera()});
   }
-  if (pictures.wanted()) pictures.WriteAfter(cell.ColorPicture(live.scene, live.result.scene));
+  reach(TrialStage::kOutcome);
 }
 
 void TrialRunner::Impl::PickAll(Live& live) {
@@ -334,8 +337,9 @@ TrialRunner::TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects,
 
 TrialRunner::~TrialRunner() = default;
 
-TrialResult TrialRunner::Run(int scene, const std::filesystem::path& picture_folder) {
-  Impl::Live live = impl_->Drop(scene, picture_folder);
+TrialResult TrialRunner::Run(int scene, TrialObserver* observer) {
+  Impl::Live live = impl_->Drop(scene);
+  live.observer = observer;
   impl_->PickAll(live);
   TrialResult& result = live.result;
   TrialEnd end;

@@ -3,7 +3,6 @@
 // One trial: drop, then look, estimate, refine, pick, score, again and again until the bin is empty
 // or the scenario's policy ends it (scenes/policy.h).
 
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "eval/fates.h"
+#include "eval/state_hash.h"
 #include "eval/truth_feed.h"
 #include "grasp/execute.h"
 #include "grasp/plan.h"
@@ -22,6 +22,8 @@
 #include "sim/sensor_profile.h"
 
 namespace pickbed {
+
+class TrialObserver;
 
 // One hypothesis against the truth; errors in metres, pixels and radians.
 struct HypothesisScore {
@@ -57,6 +59,7 @@ struct PickRecord {
   GraspOutcome outcome;
   Loss loss = Loss::kNone;
   std::map<std::string, int> grasps_rejected;
+  StageHashes hashes;
 };
 
 struct TrialResult {
@@ -100,8 +103,8 @@ class TrialRunner {
   ~TrialRunner();
 
   // The trial of that scene number, which is also the trial's until the caller numbers it.
-  // Overlays go to `picture_folder` when it is not empty.
-  TrialResult Run(int scene, const std::filesystem::path& picture_folder = {});
+  // `observer`, when there is one, sees each stage of each look.
+  TrialResult Run(int scene, TrialObserver* observer = nullptr);
 
  private:
   struct Impl;

@@ -32,8 +32,9 @@ aiColor4D LinearOf(const Eigen::Vector3f& rgb, float alpha) {
   return {LinearOf(rgb.x()), LinearOf(rgb.y()), LinearOf(rgb.z()), alpha};
 }
 
-std::unique_ptr<aiMaterial> MakeMaterial(const Eigen::Vector4f& rgba) {
+std::unique_ptr<aiMaterial> MakeMaterial(const Eigen::Vector4f& rgba, const aiString& name) {
   auto material = std::make_unique<aiMaterial>();
+  material->AddProperty(&name, AI_MATKEY_NAME);
   const aiColor4D color = LinearOf(rgba.head<3>(), rgba.w());
   const aiString blend("BLEND");
   const float metallic = 0;
@@ -117,7 +118,7 @@ struct Contents {
   unsigned Add(std::unique_ptr<aiMesh> mesh, const Eigen::Vector4f& rgba, const std::string& name) {
     mesh->mName = name;
     mesh->mMaterialIndex = static_cast<unsigned>(materials.size());
-    materials.push_back(MakeMaterial(rgba));
+    materials.push_back(MakeMaterial(rgba, mesh->mName));
     meshes.push_back(std::move(mesh));
     return static_cast<unsigned>(meshes.size()) - 1;
   }

@@ -28,9 +28,9 @@ struct GlbCloud {
 
 // The bytes of a .glb file. All hangs below a node "world" that turns the world's z up into glTF's
 // y up; below it is a node for each part and cloud, in order, with its name and, as a matrix, its
-// pose. Parts of one mesh and colour share their geometry. Coordinates are 32-bit floats. Same
-// input, same bytes. Throws std::logic_error when there is nothing, a mesh or cloud is empty
-// or colours are missing.
+// pose. Parts of one mesh and colour share their geometry and a material, which has the name of the
+// first. Coordinates are 32-bit floats. Same input, same bytes. Throws std::logic_error when there
+// is nothing, a mesh or cloud is empty or colours are missing.
 std::string GlbBytes(std::span<const GlbPart> parts, std::span<const GlbCloud> clouds);
 
 }  // namespace pickbed

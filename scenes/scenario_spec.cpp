@@ -99,6 +99,22 @@ void FillInBin(ScenarioSpec& spec) {
            [&] { TakeMeasures(is_known, spec.bin); });
 }
 
+// What was read, with the bin's file and mesh, checked. `name` is what was read from.
+ScenarioSpec Completed(ScenarioSpec spec, const std::filesystem::path& folder,
+                       const std::string& name) {
+  spec.folder = folder;
+  FillInBin(spec);
+  try {
+    spec.Validate();
+  } catch (const InputError& error) {
+    // A key that was not given has no place of its own.
+    const std::string message = error.what();
+    const bool has_place = message.starts_with(name) || message.starts_with("--set ");
+    throw InputError(has_place ? message : fmt::format("{}: {}", name, message));
+  }
+  return spec;
+}
+
 }  // namespace
 
 void PartSpec::Visit(SettingsVisitor& v) {
@@ -247,17 +263,14 @@ ScenarioSpec LoadScenario(const std::filesystem::path& file,
   for (const std::string& assignment : overrides) {
     for (const auto& [key, place] : ApplySetting(assignment, visit)) spec.places[key] = place;
   }
-  spec.folder = std::filesystem::absolute(file).parent_path();
-  FillInBin(spec);
-  try {
-    spec.Validate();
-  } catch (const InputError& error) {
-    // A key that was not given has no place of its own.
-    const std::string message = error.what();
-    const bool has_place = message.starts_with(file.string()) || message.starts_with("--set ");
-    throw InputError(has_place ? message : fmt::format("{}: {}", file.string(), message));
-  }
-  return spec;
+  return Completed(std::move(spec), std::filesystem::absolute(file).parent_path(), file.string());
+}
+
+ScenarioSpec LoadScenarioText(const std::string& yaml, const std::filesystem::path& folder,
+                              const std::string& name) {
+  ScenarioSpec spec;
+  spec.places = ReadSettingsText(yaml, name, [&spec](SettingsVisitor& v) { spec.Visit(v); });
+  return Completed(std::move(spec), std::filesystem::absolute(folder), name);
 }
 
 namespace {

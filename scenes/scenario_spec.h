@@ -114,6 +114,9 @@ auto BlameKey(const ScenarioSpec& spec, const std::string& key, Work work) {
 // Reads, applies the "key=value" overrides in order, validates. Throws InputError.
 ScenarioSpec LoadScenario(const std::filesystem::path& file,
                           const std::vector<std::string>& overrides = {});
+// The same of the text of a file that would lie in `folder`; `name` stands for it in errors.
+ScenarioSpec LoadScenarioText(const std::string& yaml, const std::filesystem::path& folder,
+                              const std::string& name);
 
 // Loads each part; throws InputError when one is unknown, broken, or larger than the bin, or when
 // all together are more than a heap in it can hold.

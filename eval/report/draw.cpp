@@ -25,11 +25,7 @@ Image<Rgb8> FromBgr(const cv::Mat& bgr) {
   return image;
 }
 
-cv::Scalar ScoreColor(double score) {
-  // Red for doubtful, yellow, green for sure.
-  const double s = std::clamp(score, 0.0, 1.0);
-  return {255 * std::min(1.0, 2 - 2 * s), 255 * std::min(1.0, 2 * s), 40};
-}
+cv::Scalar ToScalar(const Rgb8& color) { return cv::Scalar(color.r, color.g, color.b); }
 
 void DrawLine(cv::Mat& canvas, const PixelLine& line, const cv::Scalar& color, int width_px) {
   const Eigen::Vector2d a = line.a * (1 << kShift), b = line.b * (1 << kShift);
@@ -71,6 +67,12 @@ void DrawGrasp(cv::Mat& canvas, const CameraIntrinsics& k, const Pose& X_CG,
 }
 
 }  // namespace
+
+Rgb8 ScoreColor(double score) {
+  const double s = std::clamp(score, 0.0, 1.0);
+  return {static_cast<uint8_t>(255 * std::min(1.0, 2 - 2 * s)),
+          static_cast<uint8_t>(255 * std::min(1.0, 2 * s)), 40};
+}
 
 Image<Rgb8> ColorizeDepth(const Image<float>& depth_m) {
   std::vector<float> known;
@@ -127,7 +129,7 @@ Image<Rgb8> DrawOverlay(const OverlayInput& input) {
   PartOutlines outlines(input.objects);
   for (auto h = input.hypotheses.rbegin(); h != input.hypotheses.rend(); ++h) {
     for (const PixelLine& line : outlines.At(h->object, h->X_CO, k)) {
-      DrawLine(canvas, line, ScoreColor(h->score), 1);
+      DrawLine(canvas, line, ToScalar(ScoreColor(h->score)), 1);
     }
   }
   if (input.grasp && input.gripper) {

@@ -25,6 +25,7 @@ struct OverlayInput {
   const Image<uint16_t>* ids = nullptr;  // true instances, for their outlines
 };
 
+Rgb8 ScoreColor(double score);  // of a hypothesis: red for doubtful, yellow, green for sure
 Image<Rgb8> ColorizeDepth(const Image<float>& depth_m);
 Image<Rgb8> ColorizeIds(const Image<uint16_t>& ids);
 // Colour image with truth outlines, hypotheses as wireframe edges coloured by score, chosen grasp.

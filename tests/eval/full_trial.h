@@ -69,6 +69,7 @@ inline TrialResult FullTrial(int trial) {
     pick.hypotheses = {score, HypothesisScore()};
     pick.loss = Loss::kNoGrasp;
     pick.grasps_rejected = {{"collision", 12}, {"tilt's", 3}};
+    for (uint64_t& hash : pick.hashes.values) hash = rng.Next();
     if (p == 2) continue;  // a look without a grasp
     pick.chosen = 1;
     pick.aimed = 3;
@@ -93,6 +94,7 @@ inline void ExpectSamePick(const PickRecord& a, const PickRecord& b) {
   EXPECT_EQ(a.band, b.band);
   EXPECT_EQ(a.loss, b.loss);
   EXPECT_EQ(a.grasps_rejected, b.grasps_rejected);
+  EXPECT_EQ(a.hashes, b.hashes);
   ASSERT_EQ(a.grasp.has_value(), b.grasp.has_value());
   if (a.grasp) {
     EXPECT_EQ(a.grasp->X_WG.matrix(), b.grasp->X_WG.matrix());

@@ -1,0 +1,138 @@
+// What a trial was made from, out of its store.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include "eval/command_line.h"
+#include "eval/replay.h"
+#include "eval/run.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+std::string Named(const TrialAddress& address) {
+  return fmt::format("{}#{}", address.run.string(), address.trial);
+}
+
+const StoredPoint& PointOf(const ResultsStore& store, const TrialAddress& address) {
+  for (const StoredPoint& point : store.head().points) {
+    const int within = address.trial - point.first_trial;
+    if (within >= 0 && within < point.trials) return point;
+  }
+  throw InputError(fmt::format("{}: the run has no such trial", Named(address)));
+}
+
+// The record's own settings; stores of schema 4 have them beside other text only, so that the
+// folder's scenario.yaml speaks for them.
+ScenarioSpec SpecOf(const StoredPoint& point, const TrialAddress& address) {
+  if (point.settings != point.identity) {
+    return LoadScenarioText(point.settings, address.run,
+                            fmt::format("settings of {}", Named(address)));
+  }
+  const std::filesystem::path file = address.run / "scenario.yaml";
+  CheckInput(std::filesystem::exists(file),
+             fmt::format("{} is missing, and the store is of a version that does not hold the "
+                         "settings; put it back",
+                         file.string()));
+  return LoadScenario(file);
+}
+
+std::vector<std::string> LinesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    const size_t first = line.find_first_not_of(" -");
+    if (first != std::string::npos) lines.push_back(line.substr(first));
+  }
+  return lines;
+}
+
+// Lines of `lines` beyond those that `others` has too, in order.
+std::vector<std::string> Without(const std::vector<std::string>& lines,
+                                 const std::vector<std::string>& others) {
+  std::multiset<std::string> left(others.begin(), others.end());
+  std::vector<std::string> result;
+  for (const std::string& line : lines) {
+    const auto same = left.find(line);
+    if (same == left.end()) {
+      result.push_back(line);
+    } else {
+      left.erase(same);
+    }
+  }
+  return result;
+}
+
+// "friction" of "friction: 0.5", "# part rod" of "# part rod is 0123".
+std::string KeyOf(const std::string& line) {
+  if (line.starts_with("# part ")) return line.substr(0, line.rfind(" is "));
+  if (line.starts_with('#')) return line.substr(0, line.find(' ', 2));
+  return line.substr(0, line.find(':'));
+}
+
+std::string ChangeOf(const std::string& was, const std::string& is) {
+  const std::string key = KeyOf(was.empty() ? is : was);
+  if (key.starts_with("# part ")) return key.substr(2) + ": mesh or physical values";
+  if (key == "# bin") return "the bin's mesh";
+  if (key == "# model") return is.empty() ? "the model is missing" : "the estimator's model";
+  if (was.empty()) return fmt::format("'{}' is new", is);
+  return is.empty() ? fmt::format("'{}' is gone", was) : fmt::format("was '{}', is '{}'", was, is);
+}
+
+// Identities are settings, a line a key, and a hash of each file.
+std::vector<std::string> ChangesBetween(const std::string& recorded, const std::string& now) {
+  const std::vector<std::string> before = LinesOf(recorded), after = LinesOf(now);
+  std::vector<std::string> added = Without(after, before);
+  std::vector<std::string> changes;
+  for (const std::string& was : Without(before, after)) {
+    const auto is = std::find_if(added.begin(), added.end(), [&](const std::string& line) {
+      return KeyOf(line) == KeyOf(was);
+    });
+    changes.push_back(ChangeOf(was, is == added.end() ? "" : *is));
+    if (is != added.end()) added.erase(is);
+  }
+  for (const std::string& is : added) changes.push_back(ChangeOf("", is));
+  return changes;
+}
+
+}  // namespace
+
+RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& catalog) {
+  CheckInput(std::filesystem::is_directory(address.run),
+             fmt::format("{}: there is no folder {}; name the results folder of a `pickbed run` or "
+                         "`pickbed sweep`",
+                         Named(address), address.run.string()));
+  const ResultsStore store = ResultsStore::OpenToRead(address.run);
+  RecordedTrial recorded;
+  std::vector<TrialResult> found = store.Read(address.trial, address.trial + 1);
+  for (const CrashedTrial& crashed : store.Crashed()) {
+    if (crashed.trial == address.trial) recorded.crashed = crashed;
+  }
+  const StoredPoint& point = PointOf(store, address);
+  if (recorded.crashed) {
+    recorded.result.trial = address.trial;
+    recorded.result.point = recorded.crashed->point;
+    recorded.result.scene = recorded.crashed->scene;
+  } else {
+    CheckInput(!found.empty(),
+               fmt::format("{}: this trial is not finished; --resume of the run goes on with it",
+                           Named(address)));
+    recorded.result = std::move(found.front());
+  }
+  try {
+    recorded.spec = SpecOf(point, address);
+    recorded.objects = LoadObjects(recorded.spec, OpenCatalog(catalog));
+    recorded.truth = TruthIn(point.identity);
+    recorded.changes = ChangesBetween(point.identity,
+                                      RunIdentity(recorded.spec, recorded.objects, recorded.truth));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{} cannot be replayed: {}", Named(address), error.what()));
+  }
+  return recorded;
+}
+
+}  // namespace pickbed
