@@ -185,7 +185,7 @@ void AddGains(const BudgetRuns& runs, HtmlPage& page) {
   page.Heading("What perfecting a stage would gain");
   page.Paragraph(
       "The same bins, seeds and policy, with truth in place of a stage; in percentage points, with "
-      "95 % intervals by bootstrap over bins, which are paired. Later looks of a bin differ once a "
+      "95 % intervals over bins, which are paired. Later looks of a bin differ once a "
       "pick does.");
   page.Table(GainCells(runs));
   page.WidePicture("gains.png", "gain of truth in place of a stage");
@@ -214,8 +214,9 @@ std::string PageOf(const std::string& name, const BudgetRuns& runs) {
   page.Paragraph(fmt::format(
       "{} bins. An attempt is a look at a bin that held parts: it brings one, or is lost for one "
       "reason. An instance is a part that was dropped: it is picked, or lost for one reason, or "
-      "was not asked for. The parts of both budgets sum to all. {} Brackets are 95 % intervals by "
-      "bootstrap over bins. {}",
+      "was not asked for. The parts of both budgets sum to all. {} Brackets are 95 % intervals "
+      "over "
+      "bins. {}",
       runs.as_run.size(), AskedText(runs), FewBinsText(static_cast<int>(runs.as_run.size()))));
   page.Table(LossCells(runs));
   page.WidePicture("attempts.png", "of attempts");

@@ -13,15 +13,7 @@ namespace pickbed {
 namespace {
 
 Gain GainBetween(const std::vector<Cluster>& before, const std::vector<Cluster>& after) {
-  const auto rate = [](const std::vector<Cluster>& clusters) {
-    Cluster sum;
-    for (const Cluster& cluster : clusters) {
-      sum.hits += cluster.hits;
-      sum.tries += cluster.tries;
-    }
-    return sum.tries > 0 ? static_cast<double>(sum.hits) / sum.tries : 0;
-  };
-  return {rate(before), rate(after), PairedBootstrap(before, after)};
+  return {RateOf(before), RateOf(after), PairedInterval(before, after)};
 }
 
 // Those of `all` that `wanted` names, both by trial.

@@ -113,7 +113,7 @@ Curve RecallCurve(const ComparedRow& row) {
       sum.instances += here[b].instances;
     }
     if (sum.instances == 0) continue;
-    const Interval interval = ClusterBootstrap(bins);
+    const Interval interval = ClusterInterval(bins);
     curve.points.push_back({50 * (sum.visible_min + sum.visible_max),
                             100.0 * sum.recalled / sum.instances, 100 * interval.low,
                             100 * interval.high});
@@ -123,9 +123,18 @@ Curve RecallCurve(const ComparedRow& row) {
 
 Curve ReliabilityCurve(const ComparedRow& row) {
   Curve curve{row.label, {}};
-  for (const ReliabilityBin& bin : FiguresOf(row).reliability) {
+  const std::vector<ReliabilityBin> reliability = FiguresOf(row).reliability;
+  std::vector<std::vector<Cluster>> by_look(reliability.size());
+  for (const ComparedLook& look : row.looks) {
+    ComparedRow one_look;
+    one_look.looks = {look};
+    const std::vector<ReliabilityBin> here = FiguresOf(one_look).reliability;
+    for (size_t b = 0; b < here.size(); ++b) by_look[b].push_back({here[b].right, here[b].count});
+  }
+  for (size_t b = 0; b < reliability.size(); ++b) {
+    const ReliabilityBin& bin = reliability[b];
     if (bin.count == 0) continue;
-    const Interval interval = WilsonInterval(bin.right, bin.count);
+    const Interval interval = ClusterInterval(by_look[b]);
     curve.points.push_back(
         {bin.score_sum / bin.count, 1.0 * bin.right / bin.count, interval.low, interval.high});
   }
@@ -205,7 +214,9 @@ std::string ComparisonPage(const std::string& title, const std::vector<ComparedR
   page.Paragraph(
       "Each estimator saw the same images. A pose is right when its MSSD is under a tenth of the "
       "part's diameter; instances of at least 10 % visible are to be found, and a second pose of "
-      "an instance is a wrong one. Bands are 95 % intervals, of recall by bootstrap over bins.");
+      "an instance is a wrong one. Bands are 95 % intervals over bins, since what one image shows "
+      "is "
+      "not independent.");
   page.Table(FigureTable(rows));
   CurveChart recall{"Recall by visible fraction", "visible, %", "recall, %", 0, 100, 0, 100};
   CurveChart reliability{"What a score is worth", "score", "share right", 0, 1, 0, 1, true};

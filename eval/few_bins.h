@@ -1,6 +1,7 @@
 #pragma once
 
-// Intervals over bins need bins: a resample of a few of them varies less than new bins would.
+// Intervals over bins need bins: of few they are wide, and those of an AUC by bootstrap too narrow,
+// as a resample of a few bins varies less than new bins would.
 
 #include <string>
 

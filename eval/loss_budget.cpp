@@ -50,9 +50,9 @@ BudgetShares SharesOf(std::span<const TrialResult> trials, BudgetMaker make) {
   const std::vector<LossBudget> by_trial = ByTrial(trials, make);
   BudgetShares shares;
   shares.budget = make(trials);
-  shares.picked = ClusterBootstrap(PickedByTrial(by_trial));
+  shares.picked = ClusterInterval(PickedByTrial(by_trial));
   for (const LossRow& row : LossTable()) {
-    shares.lost.at(static_cast<size_t>(row.loss)) = ClusterBootstrap(
+    shares.lost.at(static_cast<size_t>(row.loss)) = ClusterInterval(
         ClustersOf(by_trial, [&](const LossBudget& budget) { return budget[row.loss]; }));
   }
   return shares;

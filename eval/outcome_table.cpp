@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "eval/trial_clusters.h"
+
 namespace pickbed {
 namespace {
 
@@ -36,13 +38,11 @@ std::array<RuleRate, kSuccessRules> RatesByRule(const std::vector<TrialResult>& 
   for (const SuccessRuleRow& row : SuccessRuleTable()) {
     RuleRate& rate = rates[static_cast<int>(row.rule)];
     rate.rule = row.rule;
-    for (const TrialResult& trial : trials) {
-      for (const PickRecord& pick : trial.picks) {
-        if (!pick.grasp) continue;
-        ++rate.attempts;
-        rate.successes += pick.outcome.verdicts[static_cast<int>(row.rule)];
-      }
-    }
+    const std::vector<Cluster> scenes = CountByScene(trials, SuccessByRule(row.rule));
+    const Cluster sum = SumOf(scenes);
+    rate.successes = sum.hits;
+    rate.attempts = sum.tries;
+    rate.ci95 = ClusterInterval(scenes);
   }
   return rates;
 }

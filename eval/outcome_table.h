@@ -12,12 +12,12 @@
 
 namespace pickbed {
 
-// Successes of all executed grasps of a run by one rule, with Wilson's interval.
+// Successes of all executed grasps of a run by one rule, with the interval over scenes.
 struct RuleRate {
   SuccessRule rule = SuccessRule::kContact;
   int successes = 0, attempts = 0;
+  Interval ci95;
   double rate() const { return attempts > 0 ? static_cast<double>(successes) / attempts : 0; }
-  Interval ci95() const { return WilsonInterval(successes, attempts); }
 };
 
 // In the rules' order.

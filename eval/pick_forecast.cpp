@@ -29,7 +29,7 @@ PickForecast ForecastOf(const std::string& name, const std::vector<JudgedPart>& 
   forecast.bins = static_cast<int>(bins.size());
   std::vector<Cluster> clusters;
   for (const auto& [trial, cluster] : bins) clusters.push_back(cluster);
-  forecast.rate_ci95 = ClusterBootstrap(clusters);
+  forecast.rate_ci95 = ClusterInterval(clusters);
   forecast.predictors = JudgePredictors(parts);
   return forecast;
 }

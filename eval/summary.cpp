@@ -6,6 +6,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "eval/trial_clusters.h"
+
 namespace pickbed {
 namespace {
 
@@ -16,6 +18,8 @@ double Ratio(int part, int whole) { return whole > 0 ? static_cast<double>(part)
 
 void CountPick(const PickRecord& pick, RunSummary& summary) {
   for (const InstanceRecord& instance : pick.instances) {
+    // A look about a target tells of the target alone.
+    if (pick.target >= 0 && instance.instance != pick.target) continue;
     CountRecall(instance, summary.recall_by_visibility);
   }
   if (!pick.hypotheses.empty()) {
@@ -28,11 +32,29 @@ void CountPick(const PickRecord& pick, RunSummary& summary) {
   if (pick.loss != Loss::kNone) ++summary.losses[std::string(LossName(pick.loss))];
 }
 
+void AddIntervals(const std::vector<TrialResult>& trials, RunSummary& summary) {
+  const std::vector<int> scenes = ScenesOf(trials);
+  const auto of = [&](const TrialCount& count) {
+    return ClusterInterval(CountByScene(trials, scenes, count));
+  };
+  summary.success_ci95 = of(SuccessOfAttempts());
+  summary.cleared_ci95 = of(PartsCleared());
+  summary.top1_ci95 = of(TopRankedRight());
+  for (const RecallBand& band : summary.recall_by_visibility) {
+    summary.recall_ci95.push_back(of(InstancesRecalled(band.visible_min, band.visible_max)));
+  }
+}
+
 std::string BandName(const RecallBand& band) {
   return fmt::format("{:.0f}-{:.0f}", 100 * band.visible_min, 100 * band.visible_max);
 }
 
 std::string Percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
+
+// "91.1 %  [80.0 %, 97.5 %]".
+std::string PercentWithin(double share, const Interval& ci95) {
+  return fmt::format("{}  [{}, {}]", Percent(share), Percent(ci95.low), Percent(ci95.high));
+}
 
 std::string CycleText(const CycleTime& cycle) {
   return fmt::format("{:.0f}  a part: sense {:.1f} s, compute {:.1f} s{}, move {:.1f} s",
@@ -51,16 +73,16 @@ std::string RefusedText(const RunSummary& summary) {
   return text;
 }
 
+std::array<double, 2> EndsOf(const Interval& interval) { return {interval.low, interval.high}; }
+
 const SuccessRuleRow& RowOf(SuccessRule rule) { return SuccessRuleTable()[static_cast<int>(rule)]; }
 
 std::string RulesText(const RunSummary& summary) {
   std::string text = fmt::format("Success of {} attempts by rule\n", summary.attempts);
   for (const RuleRate& rule : summary.by_rule) {
     const SuccessRuleRow& row = RowOf(rule.rule);
-    const Interval ci95 = rule.ci95();
-    const std::string rate =
-        fmt::format("{}  [{}, {}]", Percent(rule.rate()), Percent(ci95.low), Percent(ci95.high));
-    text += fmt::format("  {:<26}{:<28}{}\n", row.name, rate, row.help);
+    text += fmt::format("  {:<26}{:<28}{}\n", row.name, PercentWithin(rule.rate(), rule.ci95),
+                        row.help);
   }
   return text;
 }
@@ -106,7 +128,7 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
   }
   for (auto& [stage, seconds] : summary.seconds) seconds /= summary.trials;
   summary.success_rate = Ratio(summary.successes, summary.attempts);
-  summary.success_ci95 = WilsonInterval(summary.successes, summary.attempts);
+  AddIntervals(trials, summary);
   summary.by_rule = RatesByRule(trials);
   summary.cleared_rate = Ratio(summary.parts_cleared, summary.parts_dropped);
   summary.top1_precision = Ratio(summary.top1_correct, summary.frames);
@@ -119,23 +141,26 @@ std::string SummaryJson(const RunSummary& s) {
   json["attempts"] = s.attempts;
   json["successes"] = s.successes;
   json["success_rate"] = s.success_rate;
-  json["success_ci95"] = {s.success_ci95.low, s.success_ci95.high};
+  json["success_ci95"] = EndsOf(s.success_ci95);
   json["success_by_rule"] = nlohmann::ordered_json::object();
   for (const RuleRate& rule : s.by_rule) {
-    const Interval ci95 = rule.ci95();
     json["success_by_rule"][RowOf(rule.rule).name] = {
-        {"successes", rule.successes}, {"rate", rule.rate()}, {"ci95", {ci95.low, ci95.high}}};
+        {"successes", rule.successes}, {"rate", rule.rate()}, {"ci95", EndsOf(rule.ci95)}};
   }
   json["parts_dropped"] = s.parts_dropped;
   json["parts_cleared"] = s.parts_cleared;
   json["cleared_rate"] = s.cleared_rate;
+  json["cleared_ci95"] = EndsOf(s.cleared_ci95);
   json["frames"] = s.frames;
   json["top1_precision"] = s.top1_precision;
+  json["top1_ci95"] = EndsOf(s.top1_ci95);
   auto& recall = json["recall_by_visibility"] = nlohmann::ordered_json::object();
-  for (const RecallBand& band : s.recall_by_visibility) {
+  for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
+    const RecallBand& band = s.recall_by_visibility[i];
     recall[BandName(band)] = {{"instances", band.instances}, {"recalled", band.recalled}};
     auto& rate = recall[BandName(band)]["recall"];  // null where there was none to recall
     if (band.instances > 0) rate = Ratio(band.recalled, band.instances);
+    recall[BandName(band)]["ci95"] = EndsOf(s.recall_ci95[i]);
   }
   json["scenes_refused"] = nlohmann::ordered_json::array();
   for (const auto& [trial, refused] : s.refused) {
@@ -158,22 +183,25 @@ std::string SummaryTable(const RunSummary& s) {
     text += fmt::format("  {:<26}{}\n", name, value);
   };
   text += "Picks\n";
-  line("success rate", fmt::format("{}  [{}, {}]  {} of {} attempts", Percent(s.success_rate),
-                                   Percent(s.success_ci95.low), Percent(s.success_ci95.high),
-                                   s.successes, s.attempts));
-  line("parts cleared", fmt::format("{}  {} of {} in {} bins", Percent(s.cleared_rate),
-                                    s.parts_cleared, s.parts_dropped, s.trials));
+  line("success rate",
+       fmt::format("{}  {} of {} attempts", PercentWithin(s.success_rate, s.success_ci95),
+                   s.successes, s.attempts));
+  line("parts cleared",
+       fmt::format("{}  {} of {} in {} bins", PercentWithin(s.cleared_rate, s.cleared_ci95),
+                   s.parts_cleared, s.parts_dropped, s.trials));
   line("top-ranked pose right",
-       fmt::format("{}  {} of {} images", Percent(s.top1_precision), s.top1_correct, s.frames));
+       fmt::format("{}  {} of {} images", PercentWithin(s.top1_precision, s.top1_ci95),
+                   s.top1_correct, s.frames));
   if (s.cycle.picks_per_hour() > 0) line("picks an hour", CycleText(s.cycle));
   if (!s.refused.empty()) text += RefusedText(s);
   if (s.attempts > 0) text += RulesText(s);
   text += "Recall by visible fraction (MSSD < 0.1 diameter)\n";
-  for (const RecallBand& band : s.recall_by_visibility) {
+  for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
+    const RecallBand& band = s.recall_by_visibility[i];
     if (band.instances == 0) continue;
-    line(BandName(band) + " %",
-         fmt::format("{}  {} of {}", Percent(Ratio(band.recalled, band.instances)), band.recalled,
-                     band.instances));
+    const std::string recall =
+        PercentWithin(Ratio(band.recalled, band.instances), s.recall_ci95[i]);
+    line(BandName(band) + " %", fmt::format("{}  {} of {}", recall, band.recalled, band.instances));
   }
   text += "Why picks were lost\n";
   if (s.losses.empty()) line("none", "0");

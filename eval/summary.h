@@ -32,6 +32,7 @@ struct TrialRefusal {
   RefusedScene scene;
 };
 
+// Intervals are over scenes, see ClusterInterval: picks of one bin are not independent.
 struct RunSummary {
   int trials = 0, attempts = 0, successes = 0;
   double success_rate = 0;
@@ -39,9 +40,12 @@ struct RunSummary {
   std::array<RuleRate, kSuccessRules> by_rule;  // of the same attempts
   int parts_dropped = 0, parts_cleared = 0;
   double cleared_rate = 0;
+  Interval cleared_ci95;
   int frames = 0, top1_correct = 0;
   double top1_precision = 0;
+  Interval top1_ci95;
   std::vector<RecallBand> recall_by_visibility;  // 10-30, 30-50, 50-70, 70-90, 90-100 %
+  std::vector<Interval> recall_ci95;             // of each band
   std::vector<TrialRefusal> refused;             // scenes that failed their certificate
   std::map<std::string, int> losses;             // reason -> attempts or ends charged to it
   std::vector<PickForecast> forecasts;           // by tolerance maps, where there are some

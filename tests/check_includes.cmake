@@ -23,7 +23,7 @@ set(rooms
   "opencv2/=>^(scenes/image_io\\.cpp|eval/report/draw[a-z_]*\\.cpp|perception/estimators/(ppf_matcher|linemod)\\.cpp|perception/hog\\.cpp)$"
   "yaml-cpp/=>^scenes/settings\\.cpp$"
   "sqlite3=>^eval/results_[a-z_]+(\\.cpp|_impl\\.h)$"
-  "boost/=>^eval/statistics\\.cpp$"
+  "boost/=>^eval/(statistics|paired_tests)\\.cpp$"
   "nlohmann/=>^eval/.+(\\.cpp|_impl\\.h)$"
   "CLI/|spdlog/=>^eval/.+\\.(cpp|h)$"
 )

@@ -1,0 +1,242 @@
+#include "eval/paired_comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "eval/summary.h"
+#include "eval/trial_clusters.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+using Scenes = std::vector<int>;
+
+constexpr std::array kSceneSettings{"seed:", "bin:", "objects:", "arrangement:"};
+constexpr std::array kSceneHashes{"# part ", "# bin "};
+
+template <size_t N>
+bool BeginsWithAny(const std::string& line, const std::array<const char*, N>& heads) {
+  return std::any_of(heads.begin(), heads.end(),
+                     [&](const char* head) { return line.starts_with(head); });
+}
+
+bool OnceEach(const std::vector<Cluster>& clusters) {
+  return std::all_of(clusters.begin(), clusters.end(),
+                     [](const Cluster& cluster) { return cluster.tries <= 1; });
+}
+
+// Where each scene gives one outcome in both runs; scenes that one of them lacks tell no pair.
+struct OneOutcome {
+  int pairs = 0;
+  Discordance discordance;
+};
+OneOutcome OutcomesOf(const std::vector<Cluster>& before, const std::vector<Cluster>& after) {
+  OneOutcome outcome;
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (before[i].tries == 0 || after[i].tries == 0) continue;
+    ++outcome.pairs;
+    outcome.discordance.before_only += before[i].hits > after[i].hits;
+    outcome.discordance.after_only += after[i].hits > before[i].hits;
+  }
+  return outcome;
+}
+
+void TestOneOutcome(const OneOutcome& outcome, PairedFigure& figure) {
+  figure.test = "mcnemar";
+  figure.p_value = McNemarExact(outcome.discordance);
+  figure.odds_ratio = MatchedOddsRatio(outcome.discordance);
+  const double discordant = static_cast<double>(figure.discordant_scenes) / outcome.pairs;
+  figure.scenes_needed = ScenesNeededForMcNemar(figure.difference(), discordant);
+}
+
+PairedFigure PairedMedian(const std::string& key, const std::string& name,
+                          const ValueClusters& before, const ValueClusters& after) {
+  PairedFigure figure{key, name, false, MedianOf(before), MedianOf(after)};
+  for (size_t i = 0; i < before.size(); ++i) {
+    figure.scenes += !before[i].empty() || !after[i].empty();
+    figure.discordant_scenes += before[i] != after[i];
+  }
+  figure.difference_ci95 = PairedMedianInterval(before, after);
+  figure.p_value = PairedMedianTest(before, after);
+  figure.test = "sign_flip";
+  return figure;
+}
+
+struct NamedRate {
+  std::string key, name;
+  TrialCount count;
+};
+
+std::vector<NamedRate> Rates() {
+  std::vector<NamedRate> rates{{"pick_success", "pick success", SuccessOfAttempts()},
+                               {"cleared", "parts cleared", PartsCleared()},
+                               {"top1", "top-ranked pose right", TopRankedRight()}};
+  const std::vector<RecallBand> bands = EmptyRecallBands();
+  rates.push_back({"recall", "recall", InstancesRecalled(bands.front().visible_min, 1)});
+  for (const RecallBand& band : bands) {
+    const int low = static_cast<int>(std::lround(100 * band.visible_min));
+    const int high = static_cast<int>(std::lround(100 * band.visible_max));
+    rates.push_back({fmt::format("recall_{}_{}", low, high),
+                     fmt::format("recall, {}-{} % visible", low, high),
+                     InstancesRecalled(band.visible_min, band.visible_max)});
+  }
+  return rates;
+}
+
+// Rates as percent, errors in their unit.
+std::string Valued(const PairedFigure& figure, double value) {
+  return figure.is_rate ? fmt::format("{:.1f}", 100 * value) : fmt::format("{:.4f}", value);
+}
+
+std::string Signed(const PairedFigure& figure, double value) {
+  return figure.is_rate ? fmt::format("{:+.1f}", 100 * value) : fmt::format("{:+.4f}", value);
+}
+
+nlohmann::ordered_json Number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
+
+}  // namespace
+
+PairedFigure PairedRate(const std::string& key, const std::string& name,
+                        const std::vector<Cluster>& before, const std::vector<Cluster>& after) {
+  PairedFigure figure{key, name, true, RateOf(before), RateOf(after)};
+  for (size_t i = 0; i < before.size(); ++i) {
+    figure.scenes += before[i].tries > 0 || after[i].tries > 0;
+    figure.discordant_scenes += before[i].hits * after[i].tries != after[i].hits * before[i].tries;
+  }
+  figure.difference_ci95 = PairedInterval(before, after);
+  const OneOutcome outcome = OutcomesOf(before, after);
+  if (OnceEach(before) && OnceEach(after) && outcome.pairs == figure.scenes) {
+    TestOneOutcome(outcome, figure);
+    return figure;
+  }
+  figure.test = "sign_flip";
+  figure.p_value = PairedRateTest(before, after);
+  figure.scenes_needed = ScenesNeeded(figure.difference(), DeviationOfRise(before, after));
+  return figure;
+}
+
+PairedComparison ComparePaired(std::span<const TrialResult> before,
+                               std::span<const TrialResult> after) {
+  const Scenes scenes_before = ScenesOf(before), scenes_after = ScenesOf(after);
+  Scenes shared;
+  std::set_intersection(scenes_before.begin(), scenes_before.end(), scenes_after.begin(),
+                        scenes_after.end(), std::back_inserter(shared));
+  CheckInput(!shared.empty(),
+             "the runs share no scenes: none of their finished trials is about the same one");
+  PairedComparison comparison;
+  comparison.scenes = static_cast<int>(shared.size());
+  comparison.before_only = static_cast<int>(scenes_before.size() - shared.size());
+  comparison.after_only = static_cast<int>(scenes_after.size() - shared.size());
+  for (const NamedRate& rate : Rates()) {
+    const auto a = CountByScene(before, shared, rate.count);
+    const auto b = CountByScene(after, shared, rate.count);
+    if (SumOf(a).tries == 0 || SumOf(b).tries == 0) continue;
+    comparison.figures.push_back(PairedRate(rate.key, rate.name, a, b));
+  }
+  const auto add_median = [&](const char* key, const char* name, const ErrorOfPose& error) {
+    const ValueClusters a = ErrorsByScene(before, shared, error);
+    const ValueClusters b = ErrorsByScene(after, shared, error);
+    if (std::isnan(MedianOf(a)) || std::isnan(MedianOf(b))) return;
+    comparison.figures.push_back(PairedMedian(key, name, a, b));
+  };
+  add_median("median_mssd_diameters", "median MSSD, diameters",
+             [](const HypothesisScore& pose) { return pose.mssd_diameters; });
+  add_median("median_rotation_deg", "median rotation error, deg", [](const HypothesisScore& pose) {
+    return pose.rotation_rad * 180 / std::numbers::pi;
+  });
+  return comparison;
+}
+
+std::string SceneKey(const std::string& settings) {
+  std::string key;
+  bool wanted = false;
+  std::istringstream lines(settings);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty()) continue;
+    const bool is_inside = line[0] == ' ' || line[0] == '-';
+    if (!is_inside) wanted = BeginsWithAny(line, kSceneSettings);
+    if (wanted || BeginsWithAny(line, kSceneHashes)) key += line + "\n";
+  }
+  return key;
+}
+
+void RequireSameScenes(const std::string& settings_before, const std::string& settings_after,
+                       const std::string& name_before, const std::string& name_after) {
+  const std::string before = SceneKey(settings_before), after = SceneKey(settings_after);
+  if (before == after) return;
+  std::istringstream lines_before(before), lines_after(after);
+  std::string a, b;
+  while (true) {
+    const bool more_a = static_cast<bool>(std::getline(lines_before, a));
+    const bool more_b = static_cast<bool>(std::getline(lines_after, b));
+    if (!more_a) a = "nothing";
+    if (!more_b) b = "nothing";
+    if (a != b) break;
+  }
+  const auto trimmed = [](const std::string& line) {
+    return line.substr(std::min(line.size(), line.find_first_not_of(" -")));
+  };
+  throw InputError(
+      fmt::format("{} and {} share no scenes, which seed, bin, objects and arrangement make: "
+                  "'{}' in one, '{}' in the other",
+                  name_before, name_after, trimmed(a), trimmed(b)));
+}
+
+std::string PairedTable(const PairedComparison& comparison) {
+  std::string text = fmt::format(
+      "{} scenes that both have; differences with 95 % intervals over scenes; needed: scenes that\n"
+      "show such a difference four times in five\n  {:<28}{:>9}{:>9}  {:<28}{:>8}{:>11}{:>9}\n",
+      comparison.scenes, "", "A", "B", "B - A", "p", "differ in", "needed");
+  for (const PairedFigure& figure : comparison.figures) {
+    const std::string difference = fmt::format("{} [{}, {}]", Signed(figure, figure.difference()),
+                                               Signed(figure, figure.difference_ci95.low),
+                                               Signed(figure, figure.difference_ci95.high));
+    text += fmt::format("  {:<28}{:>9}{:>9}  {:<28}{:>8.4f}{:>11}{:>9}\n",
+                        figure.name + (figure.is_rate ? ", %" : ""), Valued(figure, figure.before),
+                        Valued(figure, figure.after), difference, figure.p_value,
+                        fmt::format("{}/{}", figure.discordant_scenes, figure.scenes),
+                        figure.scenes_needed ? std::to_string(*figure.scenes_needed) : "-");
+  }
+  return text;
+}
+
+std::string PairedJson(const PairedComparison& comparison) {
+  nlohmann::ordered_json json;
+  json["scenes"] = comparison.scenes;
+  json["scenes_of_first_only"] = comparison.before_only;
+  json["scenes_of_second_only"] = comparison.after_only;
+  json["figures"] = nlohmann::ordered_json::array();
+  for (const PairedFigure& figure : comparison.figures) {
+    auto& row = json["figures"].emplace_back();
+    row["key"] = figure.key;
+    row["name"] = figure.name;
+    row["before"] = Number(figure.before);
+    row["after"] = Number(figure.after);
+    row["difference"] = Number(figure.difference());
+    row["difference_ci95"] = {Number(figure.difference_ci95.low),
+                              Number(figure.difference_ci95.high)};
+    row["p_value"] = figure.p_value;
+    row["test"] = figure.test;
+    row["scenes"] = figure.scenes;
+    row["discordant_scenes"] = figure.discordant_scenes;
+    auto& needed = row["scenes_needed"];
+    if (figure.scenes_needed) needed = *figure.scenes_needed;
+    if (!figure.odds_ratio) continue;
+    row["odds_ratio"] = Number(figure.odds_ratio->ratio);
+    row["odds_ratio_ci95"] = {Number(figure.odds_ratio->interval.low),
+                              Number(figure.odds_ratio->interval.high)};
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace pickbed

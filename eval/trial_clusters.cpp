@@ -1,0 +1,127 @@
+#include "eval/trial_clusters.h"
+
+#include <algorithm>
+
+namespace pickbed {
+namespace {
+
+constexpr double kStandsOnDiameters = 0.5;
+
+bool InBand(double visible, double min, double max) {
+  return visible >= min && (visible < max || max >= 1);
+}
+
+// Visible fraction of an instance in a look, -1 where it is not seen.
+double VisibleFraction(const PickRecord& pick, int instance) {
+  for (const InstanceRecord& record : pick.instances) {
+    if (record.instance == instance) return record.visible_fraction;
+  }
+  return -1;
+}
+
+// Index in `scenes`, -1 = not among them.
+int PlaceOf(int scene, const std::vector<int>& scenes) {
+  const auto place = std::lower_bound(scenes.begin(), scenes.end(), scene);
+  return place != scenes.end() && *place == scene ? static_cast<int>(place - scenes.begin()) : -1;
+}
+
+}  // namespace
+
+std::vector<int> ScenesOf(std::span<const TrialResult> trials) {
+  std::vector<int> scenes;
+  for (const TrialResult& trial : trials) scenes.push_back(trial.scene);
+  std::sort(scenes.begin(), scenes.end());
+  scenes.erase(std::unique(scenes.begin(), scenes.end()), scenes.end());
+  return scenes;
+}
+
+TrialCount SuccessOfAttempts() {
+  return [](const TrialResult& trial, Cluster& scene) {
+    for (const PickRecord& pick : trial.picks) {
+      scene.tries += pick.grasp.has_value();
+      scene.hits += pick.grasp && pick.loss == Loss::kNone;
+    }
+  };
+}
+
+TrialCount SuccessByRule(SuccessRule rule) {
+  return [rule](const TrialResult& trial, Cluster& scene) {
+    for (const PickRecord& pick : trial.picks) {
+      scene.tries += pick.grasp.has_value();
+      scene.hits += pick.grasp && pick.outcome.verdicts[static_cast<int>(rule)];
+    }
+  };
+}
+
+TrialCount PartsCleared() {
+  return [](const TrialResult& trial, Cluster& scene) {
+    scene.hits += trial.parts_cleared;
+    scene.tries += trial.parts_dropped;
+  };
+}
+
+TrialCount TopRankedRight() {
+  return [](const TrialResult& trial, Cluster& scene) {
+    for (const PickRecord& pick : trial.picks) {
+      if (pick.hypotheses.empty()) continue;
+      ++scene.tries;
+      scene.hits += pick.hypotheses.front().correct;
+    }
+  };
+}
+
+TrialCount InstancesRecalled(double visible_min, double visible_max) {
+  return [=](const TrialResult& trial, Cluster& scene) {
+    for (const PickRecord& pick : trial.picks) {
+      for (const InstanceRecord& instance : pick.instances) {
+        if (pick.target >= 0 && instance.instance != pick.target) continue;
+        if (!InBand(instance.visible_fraction, visible_min, visible_max)) continue;
+        ++scene.tries;
+        scene.hits += instance.recalled;
+      }
+    }
+  };
+}
+
+TrialCount SuccessByVisibility(double visible_min, double visible_max) {
+  return [=](const TrialResult& trial, Cluster& scene) {
+    for (const PickRecord& pick : trial.picks) {
+      if (!pick.grasp) continue;
+      const int aim = pick.target >= 0 ? pick.target : pick.aimed;
+      if (!InBand(VisibleFraction(pick, aim), visible_min, visible_max)) continue;
+      ++scene.tries;
+      scene.hits += pick.loss == Loss::kNone;
+    }
+  };
+}
+
+std::vector<Cluster> CountByScene(std::span<const TrialResult> trials,
+                                  const std::vector<int>& scenes, const TrialCount& count) {
+  std::vector<Cluster> clusters(scenes.size());
+  for (const TrialResult& trial : trials) {
+    const int place = PlaceOf(trial.scene, scenes);
+    if (place >= 0) count(trial, clusters[place]);
+  }
+  return clusters;
+}
+
+std::vector<Cluster> CountByScene(std::span<const TrialResult> trials, const TrialCount& count) {
+  return CountByScene(trials, ScenesOf(trials), count);
+}
+
+ValueClusters ErrorsByScene(std::span<const TrialResult> trials, const std::vector<int>& scenes,
+                            const ErrorOfPose& error) {
+  ValueClusters values(scenes.size());
+  for (const TrialResult& trial : trials) {
+    const int place = PlaceOf(trial.scene, scenes);
+    if (place < 0) continue;
+    for (const PickRecord& pick : trial.picks) {
+      for (const HypothesisScore& pose : pick.hypotheses) {
+        if (pose.mssd_diameters < kStandsOnDiameters) values[place].push_back(error(pose));
+      }
+    }
+  }
+  return values;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,217 @@
+#include "eval/paired_comparison.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "eval/trial_clusters.h"
+#include "scenes/check.h"
+#include "tests/support/error_of.h"
+
+namespace pickbed {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A look at parts of these visible fractions of which the first `recalled` are found, and a pick.
+PickRecord Look(const std::vector<double>& visible, int recalled, bool picked) {
+  PickRecord pick;
+  for (size_t i = 0; i < visible.size(); ++i) {
+    const int instance = static_cast<int>(i);
+    pick.instances.push_back({instance, 0, visible[i], instance < recalled});
+  }
+  HypothesisScore top;
+  top.correct = recalled > 0;
+  top.mssd_diameters = recalled > 0 ? 0.02 : 0.3;
+  pick.hypotheses = {top};
+  pick.chosen = 0;
+  pick.aimed = 0;
+  pick.grasp = Grasp{};
+  pick.loss = picked ? Loss::kNone : Loss::kSlipped;
+  return pick;
+}
+
+TrialResult Trial(int number, int scene, std::vector<PickRecord> picks) {
+  TrialResult trial;
+  trial.trial = number;
+  trial.scene = scene;
+  trial.parts_dropped = 3;
+  trial.picks = std::move(picks);
+  for (const PickRecord& pick : trial.picks) trial.parts_cleared += pick.loss == Loss::kNone;
+  return trial;
+}
+
+// 20 scenes of one pick each; those that succeed.
+std::vector<TrialResult> OnePickRun(const std::vector<int>& successes, int first_trial = 0) {
+  std::vector<TrialResult> trials;
+  for (int i = 0; i < 20; ++i) {
+    const bool picked = std::find(successes.begin(), successes.end(), i) != successes.end();
+    trials.push_back(Trial(first_trial + i, i, {Look({0.95, 0.6, 0.2}, picked ? 2 : 1, picked)}));
+  }
+  return trials;
+}
+
+const PairedFigure& FigureOf(const PairedComparison& comparison, const std::string& key) {
+  for (const PairedFigure& figure : comparison.figures) {
+    if (figure.key == key) return figure;
+  }
+  throw std::logic_error("no figure " + key);
+}
+
+TEST(CountByScene, TrialsOfOneSceneAreOneCluster) {
+  const std::vector<TrialResult> trials{Trial(7, 4, {Look({1, 0.5}, 1, true)}),
+                                        Trial(8, 2, {Look({0.05, 0.95}, 2, false)}),
+                                        Trial(9, 4, {Look({0.4, 0.4}, 0, true)})};
+  EXPECT_EQ(ScenesOf(trials), (std::vector<int>{2, 4}));
+  const auto picks = CountByScene(trials, SuccessOfAttempts());
+  ASSERT_EQ(picks.size(), 2u);
+  EXPECT_EQ(picks[0].hits, 0);
+  EXPECT_EQ(picks[1].hits, 2);
+  EXPECT_EQ(picks[1].tries, 2);
+  const auto recall = CountByScene(trials, InstancesRecalled(0.1, 1));
+  EXPECT_EQ(recall[0].tries, 1) << "5 % visible need not be found";
+  EXPECT_EQ(recall[1].tries, 4);
+  EXPECT_EQ(recall[1].hits, 1);
+  const auto of_band = CountByScene(trials, {2, 3, 4}, InstancesRecalled(0.3, 0.5));
+  EXPECT_EQ(of_band[1].tries, 0) << "a scene without trials";
+  EXPECT_EQ(of_band[2].tries, 2) << "0.5 belongs to the next band";
+}
+
+// A look about a target tells of the target, at its own visible fraction.
+TEST(CountByScene, OfALookAboutATargetTheTargetAloneCounts) {
+  PickRecord look = Look({0.95, 0.4, 0.4}, 2, true);
+  look.target = 1;
+  const std::vector<TrialResult> trials{Trial(0, 0, {look})};
+  const auto whole = CountByScene(trials, InstancesRecalled(0.1, 1));
+  EXPECT_EQ(whole[0].tries, 1);
+  EXPECT_EQ(whole[0].hits, 1);
+  EXPECT_EQ(CountByScene(trials, SuccessByVisibility(0.3, 0.5))[0].hits, 1);
+  EXPECT_EQ(CountByScene(trials, SuccessByVisibility(0.9, 1))[0].tries, 0);
+}
+
+// One pick a scene: the counts of McNemar's table are 2 and 9, by hand.
+TEST(ComparePaired, OneOutcomeASceneIsMcNemars) {
+  const auto before = OnePickRun({0, 1, 2, 3, 4, 5});
+  const auto after = OnePickRun({2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14}, 100);
+  const PairedComparison comparison = ComparePaired(before, after);
+  EXPECT_EQ(comparison.scenes, 20);
+  const PairedFigure& success = FigureOf(comparison, "pick_success");
+  EXPECT_EQ(success.test, "mcnemar");
+  EXPECT_DOUBLE_EQ(success.before, 0.3);
+  EXPECT_DOUBLE_EQ(success.after, 0.65);
+  EXPECT_EQ(success.discordant_scenes, 11);
+  EXPECT_NEAR(success.p_value, 2 * (1 + 11 + 55) / 2048.0, 1e-12);
+  ASSERT_TRUE(success.odds_ratio);
+  EXPECT_DOUBLE_EQ(success.odds_ratio->ratio, 4.5);
+  EXPECT_GT(success.scenes_needed.value_or(0), 20) << "p > .05 says that 20 were too few";
+  EXPECT_LT(success.difference_ci95.low, 0.35);
+  EXPECT_GT(success.difference_ci95.high, 0.35);
+  // Three instances a scene are not one outcome.
+  EXPECT_EQ(FigureOf(comparison, "recall").test, "sign_flip");
+  EXPECT_EQ(FigureOf(comparison, "recall_90_100").test, "mcnemar");
+  EXPECT_EQ(FigureOf(comparison, "recall_90_100").p_value, 1);
+}
+
+TEST(ComparePaired, ScenesArePairedByNumberAndOnlySharedOnesCount) {
+  auto before = OnePickRun({0, 1, 2}), after = OnePickRun({0, 1, 2, 3, 4}, 50);
+  std::reverse(after.begin(), after.end());
+  before.erase(before.begin());  // scene 0
+  after.erase(after.begin());    // scene 19
+  const PairedComparison comparison = ComparePaired(before, after);
+  EXPECT_EQ(comparison.scenes, 18);
+  EXPECT_EQ(comparison.before_only, 1);
+  EXPECT_EQ(comparison.after_only, 1);
+  const PairedFigure& success = FigureOf(comparison, "pick_success");
+  EXPECT_DOUBLE_EQ(success.before, 2 / 18.0);
+  EXPECT_DOUBLE_EQ(success.after, 4 / 18.0);
+  EXPECT_EQ(success.discordant_scenes, 2);
+}
+
+TEST(ComparePaired, ErrorsAreComparedByTheirMedian) {
+  auto before = OnePickRun({}), after = OnePickRun({});
+  for (int i = 0; i < 20; ++i) {
+    before[i].picks[0].hypotheses[0].mssd_diameters = 0.02 + 0.001 * i;
+    after[i].picks[0].hypotheses[0].mssd_diameters = 0.01 + 0.001 * i;
+  }
+  before[3].picks[0].hypotheses[0].mssd_diameters = 2;  // stands on nothing
+  const PairedFigure& median = FigureOf(ComparePaired(before, after), "median_mssd_diameters");
+  EXPECT_FALSE(median.is_rate);
+  EXPECT_NEAR(median.difference(), -0.01, 1.1e-3);
+  EXPECT_LE(median.difference_ci95.high, -0.007);
+  EXPECT_LT(median.p_value, 0.01);
+}
+
+TEST(ComparePaired, EqualRunsDoNotDiffer) {
+  const auto run = OnePickRun({0, 1, 2, 3});
+  for (const PairedFigure& figure : ComparePaired(run, run).figures) {
+    EXPECT_EQ(figure.difference(), 0) << figure.key;
+    EXPECT_EQ(figure.p_value, 1) << figure.key;
+    EXPECT_FALSE(figure.scenes_needed) << figure.key;
+    if (!figure.is_rate) continue;
+    EXPECT_GT(figure.difference_ci95.high, 0.05) << figure.key;
+  }
+}
+
+TEST(ComparePaired, RunsWithoutASharedSceneAreRefusedInALine) {
+  auto other = OnePickRun({});
+  for (TrialResult& trial : other) trial.scene += 1000;
+  const std::string error = ErrorOf([&] { ComparePaired(OnePickRun({}), other); });
+  EXPECT_THAT(error, HasSubstr("share no scenes"));
+  EXPECT_EQ(error.find('\n'), std::string::npos);
+}
+
+constexpr char kSettings[] =
+    "seed: 3\ntrials: 40\nbin:\n  wall_m: 0.006\nobjects:\n  - name: rod\n    count: 5\n"
+    "arrangement: pile\ncamera:\n  width: 640\nsensor: ideal\nestimator:\n  name: ppf\n"
+    "# part rod is 0123\n# model 77\n";
+
+std::string With(const std::string& old_text, const std::string& new_text) {
+  std::string settings = kSettings;
+  return settings.replace(settings.find(old_text), old_text.size(), new_text);
+}
+
+TEST(SceneKey, HoldsWhatMakesTheDropAlone) {
+  for (const auto& [a, b] : {std::pair{"trials: 40", "trials: 7"},
+                             {"name: ppf", "name: oracle"},
+                             {"sensor: ideal", "sensor: time_of_flight"},
+                             {"# model 77", "# model 8"},
+                             {"width: 640", "width: 320"}}) {
+    EXPECT_EQ(SceneKey(With(a, b)), SceneKey(kSettings)) << a;
+  }
+  for (const auto& [a, b] : {std::pair{"seed: 3", "seed: 4"},
+                             {"0.006", "0.004"},
+                             {"count: 5", "count: 6"},
+                             {"arrangement: pile", "arrangement: heap"},
+                             {"is 0123", "is 9999"}}) {
+    EXPECT_NE(SceneKey(With(a, b)), SceneKey(kSettings)) << a;
+  }
+}
+
+TEST(RequireSameScenes, SaysWhatDiffers) {
+  RequireSameScenes(kSettings, With("name: ppf", "name: oracle"), "A", "B");
+  const std::string error = ErrorOf(
+      [] { RequireSameScenes(kSettings, With("count: 5", "count: 6"), "runs/a", "runs/b"); });
+  EXPECT_THAT(error, HasSubstr("runs/a and runs/b share no scenes"));
+  EXPECT_THAT(error, HasSubstr("'count: 5' in one, 'count: 6' in the other"));
+}
+
+TEST(PairedTable, AndJsonTellTheSame) {
+  const auto before = OnePickRun({0, 1, 2, 3, 4, 5});
+  const auto after = OnePickRun({2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14});
+  const PairedComparison comparison = ComparePaired(before, after);
+  const std::string table = PairedTable(comparison);
+  EXPECT_THAT(table, HasSubstr("pick success, %"));
+  EXPECT_THAT(table, HasSubstr("+35.0 ["));
+  EXPECT_THAT(table, HasSubstr("11/20"));
+  const auto json = nlohmann::json::parse(PairedJson(comparison));
+  EXPECT_EQ(json["scenes"], 20);
+  EXPECT_EQ(json["figures"][0]["key"], "pick_success");
+  EXPECT_NEAR(json["figures"][0]["difference"], 0.35, 1e-12);
+  EXPECT_EQ(json["figures"][0]["odds_ratio"], 4.5);
+  EXPECT_TRUE(json["figures"].back()["scenes_needed"].is_null());
+}
+
+}  // namespace
+}  // namespace pickbed
