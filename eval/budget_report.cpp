@@ -25,9 +25,11 @@ std::string ShareText(int count, int of, const Interval& ci95) {
   return fmt::format("{} [{:.1f}, {:.1f}]", ShareText(count, of), 100 * ci95.low, 100 * ci95.high);
 }
 
+std::string RateText(double rate) { return fmt::format("{:.1f} %", 100 * rate); }
+
 std::string GainText(const Gain& gain) {
-  return fmt::format("{:.1f} %  {:+.1f} [{:+.1f}, {:+.1f}]", 100 * gain.after, gain.points(),
-                     100 * gain.rise.low, 100 * gain.rise.high);
+  return fmt::format("{:+.1f} [{:+.1f}, {:+.1f}]", gain.points(), 100 * gain.rise.low,
+                     100 * gain.rise.high);
 }
 
 // The first row is the header. Shares are of what was asked for.
@@ -56,12 +58,12 @@ std::vector<std::vector<std::string>> LossCells(const BudgetRuns& runs) {
 std::vector<std::vector<std::string>> GainCells(const BudgetRuns& runs) {
   const StageGain none = GainOf(runs.as_run, runs.as_run);
   std::vector<std::vector<std::string>> rows{
-      {"truth in place of", "attempts that succeed", "instances picked"},
-      {"nothing", fmt::format("{:.1f} %", 100 * none.attempts.before),
-       fmt::format("{:.1f} %", 100 * none.instances.before)}};
+      {"truth in place of", "attempts that succeed", "gain", "instances picked", "gain"},
+      {"nothing", RateText(none.attempts.before), "", RateText(none.instances.before), ""}};
   for (const FedRun& fed : runs.fed) {
     const StageGain gain = GainOf(runs.as_run, fed.trials);
-    rows.push_back({fed.row.name, GainText(gain.attempts), GainText(gain.instances)});
+    rows.push_back({fed.row.name, RateText(gain.attempts.after), GainText(gain.attempts),
+                    RateText(gain.instances.after), GainText(gain.instances)});
   }
   return rows;
 }
@@ -140,7 +142,7 @@ Waterfall WaterfallOf(const BudgetShares& shares, const std::string& things) {
   const bool some = budget.not_asked > 0;
   Waterfall waterfall{
       "Where picks are lost: " + things + (some ? " asked for" : ""),
-      fmt::format("% of {} (95 % over bins)", some ? "those asked for" : "all"),
+      fmt::format("% of {}; brackets: 95 % over bins", some ? "those asked for" : "all " + things),
       some ? "asked for" : "all " + things,
       {"picked", "", budget.picked, 100 * shares.picked.low, 100 * shares.picked.high},
       budget.asked(),
@@ -185,10 +187,9 @@ void AddGains(const BudgetRuns& runs, HtmlPage& page) {
   page.Heading("What perfecting a stage would gain");
   page.Paragraph(
       "The same bins, seeds and policy, with truth in place of a stage; in percentage points, with "
-      "95 % intervals over bins, which are paired. Later looks of a bin differ once a "
-      "pick does.");
+      "95 % intervals over bins, which are paired. Later looks of a bin differ once a pick does.");
   page.Table(GainCells(runs));
-  page.WidePicture("gains.png", "gain of truth in place of a stage");
+  page.WidePicture("gains.png", "gain of truth in place of a stage, with 95 % intervals");
   std::vector<std::vector<std::string>> rows{{"truth in place of", "which means"}};
   for (const FedRun& fed : runs.fed) rows.push_back({fed.row.name, fed.row.help});
   page.Table(rows);
@@ -201,10 +202,10 @@ void AddForecasts(const BudgetRuns& runs, HtmlPage& page) {
       "chance that a score puts a pick that succeeded before one that failed (0.5 is guessing), "
       "with 95 % intervals over bins.");
   for (const PickForecast& f : runs.forecasts) {
-    page.Paragraph(
-        fmt::format("{}: {} of {} picks succeeded; by its pose errors, each on the part alone, the "
-                    "tolerance map foretells {:.1f}. {}",
-                    f.part, f.successes, f.picks, f.expected, FewBinsText(f.bins)));
+    page.Paragraph(fmt::format(
+        "{}: {} of {} picks succeeded; by its pose errors, each on the part alone, the "
+        "tolerance map foretells {:.1f}, knowing the grasps {:.1f}. {}",
+        f.part, f.successes, f.picks, f.expected, f.expected_with_grasp, FewBinsText(f.bins)));
     page.Table(PredictorCells(f.predictors));
   }
 }
@@ -219,8 +220,8 @@ std::string PageOf(const std::string& name, const BudgetRuns& runs) {
       "bins. {}",
       runs.as_run.size(), AskedText(runs), FewBinsText(static_cast<int>(runs.as_run.size()))));
   page.Table(LossCells(runs));
-  page.WidePicture("attempts.png", "of attempts");
-  page.WidePicture("instances.png", "of parts that were dropped");
+  page.WidePicture("attempts.png", "attempts: from all down to those that brought a part");
+  page.WidePicture("instances.png", "parts: from those asked for down to those picked");
   if (!runs.fed.empty()) AddGains(runs, page);
   if (!runs.forecasts.empty()) AddForecasts(runs, page);
   return page.Finish();

@@ -9,6 +9,8 @@
 #include "eval/report/draw_grasps.h"
 #include "grasp/require_candidates.h"
 #include "scenes/image_io.h"
+#include "sim/convex_pieces.h"
+#include "sim/resting_poses.h"
 
 namespace pickbed {
 namespace {
@@ -21,9 +23,10 @@ struct GraspsArguments {
 };
 
 void WriteGrasps(const GraspsArguments& arguments) {
-  const auto model = OpenCatalog(arguments.catalog).Load(arguments.object);
+  const ObjectSet parts{OpenCatalog(arguments.catalog).Load(arguments.object)};
   const GripperSpec gripper = LoadGripper(arguments.gripper);
-  RequireCanCarry(gripper, *model);
+  RequireCanCarry(gripper, *parts[0]);
+  const auto model = WithRestingDirections(WithConvexPieces(parts))[0];
   GraspCandidateOptions options;
   options.antipodal.candidates = options.suction.candidates = arguments.count;
   for (const std::string& setting : arguments.settings) {

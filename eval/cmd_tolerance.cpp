@@ -15,6 +15,7 @@
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
 #include "sim/convex_pieces.h"
+#include "sim/resting_poses.h"
 
 namespace pickbed {
 namespace {
@@ -103,7 +104,7 @@ ToleranceStudy MakeStudy(const Arguments& arguments) {
   const GripperSpec gripper = LoadGripper(arguments.gripper);
   const auto loaded = OpenCatalog(arguments.catalog).Load(arguments.object);
   RequireCanCarry(gripper, *loaded);
-  const auto part = WithConvexPieces(loaded);
+  const auto part = WithRestingDirections({WithConvexPieces(loaded)})[0];
   fmt::print(stderr, "grasps and resting poses of {}\n", part->name);
   return PlanStudy(part, gripper, RequireCandidates(*part, gripper), options);
 }

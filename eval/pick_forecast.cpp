@@ -24,6 +24,8 @@ PickForecast ForecastOf(const std::string& name, const std::vector<JudgedPart>& 
       ++forecast.picks;
       forecast.successes += pick.success;
       forecast.expected += SuccessProbability(part.model, pick.X_OtrueObelieved);
+      forecast.expected_with_grasp +=
+          SuccessProbability(part.model, pick.X_OtrueObelieved, pick.X_OG.value());
     }
   }
   forecast.bins = static_cast<int>(bins.size());
@@ -84,9 +86,9 @@ std::string ForecastText(const std::vector<PickForecast>& forecasts) {
   for (const PickForecast& f : forecasts) {
     text += fmt::format(
         "Picks of {} by their pose errors: {} of {} succeeded = {:.1f} % [{:.1f}, {:.1f}], the "
-        "tolerance map foretells {:.1f} %\n",
+        "tolerance map foretells {:.1f} %, knowing the grasps {:.1f} %\n",
         f.part, f.successes, f.picks, 100.0 * f.successes / f.picks, 100 * f.rate_ci95.low,
-        100 * f.rate_ci95.high, 100 * f.expected / f.picks);
+        100 * f.rate_ci95.high, 100 * f.expected / f.picks, 100 * f.expected_with_grasp / f.picks);
     text += PredictorText(f.predictors, fmt::format("{} bins", f.bins));
     const std::string few = FewBinsText(f.bins);
     if (!few.empty()) text += "  " + few + "\n";
@@ -104,6 +106,7 @@ std::string ForecastJson(const std::vector<PickForecast>& forecasts) {
     object["successes"] = f.successes;
     object["success_ci95"] = {f.rate_ci95.low, f.rate_ci95.high};
     object["expected_successes"] = f.expected;
+    object["expected_successes_with_grasp"] = f.expected_with_grasp;
     object["scores"] = nlohmann::ordered_json::array();
     for (const Predictor& p : f.predictors) object["scores"].push_back(PredictorObject(p));
     json.push_back(std::move(object));

@@ -19,8 +19,10 @@ struct PickForecast {
   std::string part;
   int bins = 0;  // with such a pick
   int picks = 0, successes = 0;
-  double expected = 0;  // successes that the model foretells: the chances' sum
-  Interval rate_ci95;   // of successes / picks, over bins
+  // Successes that the model foretells, the chances' sum: over all its grasps, and knowing which
+  // was executed.
+  double expected = 0, expected_with_grasp = 0;
+  Interval rate_ci95;  // of successes / picks, over bins
   std::vector<Predictor> predictors;
 };
 

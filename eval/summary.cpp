@@ -88,8 +88,7 @@ std::string RulesText(const RunSummary& summary) {
 }
 
 // Empty where the part has no map.
-std::string ChanceCell(const ToleranceMaps& maps, const HypothesisScore& hypothesis) {
-  const std::optional<double> chance = maps.PickChance(hypothesis);
+std::string ChanceCell(const std::optional<double>& chance) {
   return chance ? fmt::format("{:.4f}", *chance) : "";
 }
 
@@ -237,7 +236,8 @@ std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& ob
   std::string csv =
       std::string() +
       "trial,pick,parts_in_view,hypotheses,object,instance,confidence,mssd_diameters,mssd_mm,"
-      "mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,p_pick,success,loss,slip_mm,turn_deg,"
+      "mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,p_pick,p_grasp,success,loss,slip_mm,turn_"
+      "deg,"
       "disturbed" +
       OutcomeHeader() + "\n";
   constexpr double kDegrees = 180 / 3.14159265358979323846;
@@ -247,12 +247,13 @@ std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& ob
                          pick.hypotheses.size());
       if (pick.chosen >= 0) {
         const HypothesisScore& h = pick.hypotheses.at(pick.chosen);
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},", objects.at(h.object)->name,
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},", objects.at(h.object)->name,
                            h.instance, h.score, h.mssd_diameters, 1e3 * h.mssd_m, h.mspd_px,
                            1e3 * h.add_m, 1e3 * h.adi_m, kDegrees * h.rotation_rad,
-                           1e3 * h.translation_m, ChanceCell(maps, h));
+                           1e3 * h.translation_m, ChanceCell(maps.PickChance(h)),
+                           ChanceCell(maps.PickChance(h, *pick.grasp)));
       } else {
-        csv += ",,,,,,,,,,,";
+        csv += ",,,,,,,,,,,,";
       }
       csv +=
           fmt::format("{},{},{},{},{}{}\n", pick.loss == Loss::kNone ? 1 : 0, LossName(pick.loss),

@@ -60,7 +60,8 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
 std::string SummaryJson(const RunSummary& summary);
 std::string SummaryTable(const RunSummary& summary);            // for people
 std::string TrialsCsv(const std::vector<TrialResult>& trials);  // a line a trial
-// A line a pick; p_pick is the chance of the executed pose, where its part has a tolerance map.
+// A line a pick; p_pick is the chance of the executed pose, p_grasp that of the executed grasp of
+// it, where its part has a tolerance map.
 std::string PicksCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects,
                      const ToleranceMaps& maps = {});
 std::string PartsCsv(const std::vector<TrialResult>& trials, const ObjectSet& objects);  // a part

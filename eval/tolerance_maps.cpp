@@ -34,6 +34,10 @@ bool IsOne(const fs::path& place) {
   return !fs::is_directory(place) || fs::is_regular_file(place / kFile);
 }
 
+bool StandsOnAPart(const HypothesisScore& hypothesis) {
+  return hypothesis.instance >= 0 && hypothesis.mssd_diameters < kStandsOnDiameters;
+}
+
 }  // namespace
 
 std::vector<fs::path> ToleranceFiles(const fs::path& place) {
@@ -104,8 +108,17 @@ const ToleranceModel* ToleranceMaps::Of(int object) const {
 std::optional<double> ToleranceMaps::PickChance(const HypothesisScore& hypothesis) const {
   const ToleranceModel* model = Of(hypothesis.object);
   if (model == nullptr) return std::nullopt;
-  if (hypothesis.instance < 0 || hypothesis.mssd_diameters >= kStandsOnDiameters) return 0;
+  if (!StandsOnAPart(hypothesis)) return 0;
   return SuccessProbability(*model, hypothesis.X_OtrueObelieved);
+}
+
+std::optional<double> ToleranceMaps::PickChance(const HypothesisScore& hypothesis,
+                                                const Grasp& grasp) const {
+  const ToleranceModel* model = Of(hypothesis.object);
+  if (model == nullptr) return std::nullopt;
+  if (!StandsOnAPart(hypothesis)) return 0;
+  return SuccessProbability(*model, hypothesis.X_OtrueObelieved,
+                            hypothesis.X_WO.inverse() * grasp.X_WG);
 }
 
 ToleranceMaps MapsFor(const ScenarioSpec& spec, const ObjectSet& objects,

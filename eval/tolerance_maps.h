@@ -30,6 +30,8 @@ class ToleranceMaps {
   // Nothing where the part has no model; 0 for a pose that stands on no part of its kind, which the
   // model knows nothing of.
   std::optional<double> PickChance(const HypothesisScore& hypothesis) const;
+  // The same for one grasp of it, instead of the mean over the model's grasps.
+  std::optional<double> PickChance(const HypothesisScore& hypothesis, const Grasp& grasp) const;
 
  private:
   std::vector<std::optional<ToleranceModel>> by_object_;

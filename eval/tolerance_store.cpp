@@ -42,7 +42,7 @@ std::string IdentityLine(const ToleranceStudy& study) {
 std::string Row(const ToleranceStudy& study, int index, const TryOutcome& outcome) {
   const ToleranceTry& t = study.tries[index];
   const auto axis = [&](int i) { return t.axis[i] < 0 ? "" : ErrorAxisTable()[t.axis[i]].name; };
-  const PoseError e = ToPoseError(t.X_OO);
+  const PoseOffset e = ToPoseOffset(t.X_OO);
   const double mm = 1e3, deg = 180 / std::numbers::pi;
   return fmt::format("{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n",
                      index, TryKindName(t.kind), axis(0), t.level[0], axis(1), t.level[1],

@@ -28,7 +28,7 @@ constexpr std::array<ErrorAxis, 12> kAxes{{
 }};
 
 // Turned about a point of O instead of its origin.
-Pose TurnedAbout(const Eigen::Vector3d& point_O, const PoseError& error) {
+Pose TurnedAbout(const Eigen::Vector3d& point_O, const PoseOffset& error) {
   const Pose X = ToPose(error);
   return MakePose(X.linear(), point_O - X.linear() * point_O + X.translation());
 }
@@ -69,10 +69,10 @@ class Planner {
   void AddRandom(TryKind kind, int count, int first_grasp, int grasps, std::string_view stream) {
     Rng rng = Rng::Derive(options_.seed, 0, stream);
     for (int i = 0; i < count; ++i) {
-      PoseError direction;
+      PoseOffset direction;
       for (int k = 0; k < 6; ++k) direction[k] = rng.Normal();
       const double steps = rng.Uniform(0, options_.random_steps) / direction.norm();
-      PoseError error;
+      PoseOffset error;
       error << steps * options_.step_mm * kMm * direction.head<3>(),
           steps * options_.step_deg * kDegree * direction.tail<3>();
       ToleranceTry t;
@@ -86,7 +86,7 @@ class Planner {
  private:
   void Add(TryKind kind, std::array<int, 2> axis, std::array<int, 2> level, int grasp) {
     ToleranceTry t{kind, axis, level, grasp, Pose::Identity()};
-    PoseError error = PoseError::Zero();
+    PoseOffset error = PoseOffset::Zero();
     for (int i = 0; i < 2; ++i) {
       if (axis[i] < 0) continue;
       const ErrorAxis& row = kAxes[axis[i]];
@@ -143,6 +143,8 @@ void ToleranceOptions::Visit(SettingsVisitor& v) {
   v.Group(
       "table", [&](SettingsVisitor& g) { table.Visit(g); }, "that the part lies on");
   v.Group(
+      "execute", [&](SettingsVisitor& g) { execute.Visit(g); }, "each grasp");
+  v.Group(
       "fit", [&](SettingsVisitor& g) { fit.Visit(g); }, "of the model");
 }
 
@@ -178,9 +180,9 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part, const GripperS
   return study;
 }
 
-PoseError ErrorInG(const ToleranceStudy& study, const ToleranceTry& t) {
+PoseOffset ErrorInG(const ToleranceStudy& study, const ToleranceTry& t) {
   const Pose& X_OG = study.grasps[t.grasp].candidate.X_OG;
-  return ToPoseError(X_OG.inverse() * NearestError(study.model, t.X_OO) * X_OG);
+  return ToPoseOffset(X_OG.inverse() * NearestError(study.model, t.X_OO) * X_OG);
 }
 
 }  // namespace pickbed

@@ -23,7 +23,7 @@ struct ErrorAxis {
   const char* way;     // "along" or "about"
   const char* unit;    // mm or deg
   bool of_grasp;       // else of O
-  int coordinate;      // of the PoseError
+  int coordinate;      // of the PoseOffset
   double per_unit_si;  // m or rad in one unit
 };
 std::span<const ErrorAxis> ErrorAxisTable();
@@ -85,7 +85,7 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part, const GripperS
                          std::vector<GraspCandidate> candidates, const ToleranceOptions& options);
 
 // The error of a try as its hand sees it.
-PoseError ErrorInG(const ToleranceStudy& study, const ToleranceTry& t);
+PoseOffset ErrorInG(const ToleranceStudy& study, const ToleranceTry& t);
 
 struct StudyListener {
   std::function<void(int done, int total, int before)> on_progress;

@@ -78,7 +78,9 @@ struct TrialRunner::Impl {
                           PickRecord& record);
   // The same where truth will tell what is free: neither what was seen nor what is believed of
   // other parts stands in the way, and no approach is too flat and no candidate too poor.
-  std::vector<Grasp> PlanBoldly(const std::vector<BelievedPose>& poses, const Live& live) const;
+  std::vector<Grasp> PlanBoldly(const std::vector<BelievedPose>& poses, const Live& live,
+                                const PickRecord& record) const;
+  PlanOptions Ranking(const Live& live, const PickRecord& record) const;  // as the policy says
   std::vector<Grasp> WithoutRetries(std::vector<Grasp> grasps,
                                     const std::vector<BelievedPose>& poses,
                                     const std::vector<FailedGrasp>& failed) const;
@@ -199,21 +201,31 @@ std::vector<Grasp> TrialRunner::Impl::Plan(const View& view, const std::vector<B
                                            Live& live, PickRecord& record) {
   StageTimer timer(live.result.seconds, "plan");
   const auto cloud_W = ObservedPoints(view.frame, cell.camera().X_WC, options.cloud_stride_px);
-  PlanOptions plan_options;
-  plan_options.ranking = spec.policy.ranking;
-  plan_options.seed =
-      Rng::Derive(spec.seed, live.result.scene, fmt::format("plan/{}", record.pick)).Next();
+  PlanOptions plan_options = Ranking(live, record);
   if (options.truth.grasp) plan_options.max_grasps = options.true_grasps;
   if (!live.failed.empty()) plan_options.max_grasps = options.retry_grasps;
   PlanResult plan =
       PlanGrasps({cell.bin(), poses, candidates, cloud_W, cell.objects(), gripper}, plan_options);
   record.grasps_rejected = std::move(plan.rejected);
-  return WithoutRetries(std::move(plan.grasps), poses, live.failed);
+  const size_t planned = plan.grasps.size();
+  auto grasps = WithoutRetries(std::move(plan.grasps), poses, live.failed);
+  if (grasps.size() < planned) {
+    record.grasps_rejected["failed before"] = static_cast<int>(planned - grasps.size());
+  }
+  return grasps;
+}
+
+PlanOptions TrialRunner::Impl::Ranking(const Live& live, const PickRecord& record) const {
+  PlanOptions plan_options;
+  plan_options.ranking = spec.policy.ranking;
+  plan_options.seed =
+      Rng::Derive(spec.seed, live.result.scene, fmt::format("plan/{}", record.pick)).Next();
+  return plan_options;
 }
 
 std::vector<Grasp> TrialRunner::Impl::PlanBoldly(const std::vector<BelievedPose>& poses,
-                                                 const Live& live) const {
-  PlanOptions bold;
+                                                 const Live& live, const PickRecord& record) const {
+  PlanOptions bold = Ranking(live, record);
   bold.max_grasps = options.true_grasps;
   bold.max_tilt_rad = 0.5 * std::numbers::pi;
   bold.min_quality = 0;
@@ -250,7 +262,7 @@ std::optional<Grasp> TrialRunner::Impl::Choose(const std::vector<BelievedPose>& 
   if (options.truth.grasp) {
     StageTimer timer(live.result.seconds, "try");
     if (const auto grasp = FirstThatSucceeds(planned, poses, live, record)) return grasp;
-    const std::vector<Grasp> bold = PlanBoldly(poses, live);
+    const std::vector<Grasp> bold = PlanBoldly(poses, live, record);
     if (const auto grasp = FirstThatSucceeds(bold, poses, live, record)) return grasp;
   }
   return planned.empty() ? std::nullopt : std::optional(planned.front());

@@ -17,9 +17,8 @@ VirtualCell::VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects)
       bin_(BinOf(spec)),
       appearance_(spec.appearance),
       sensor_(BlameKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); })),
-      objects_(WithConvexPieces(objects)) {
+      objects_(WithRestingDirections(WithConvexPieces(objects))) {
   drop_.arrangement = ArrangementFromName(spec.arrangement);
-  if (drop_.arrangement == Arrangement::kPacked) objects_ = WithRestingDirections(objects_);
   for (const PartSpec& part : spec.objects) {
     if (!part.foreign) wanted_.push_back(static_cast<int>(counts_.size()));
     counts_.push_back(part.count);

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "grasp/pad_contact.h"
+#include "grasp/robust.h"
 #include "grasp/spread.h"
 #include "scenes/friction.h"
 #include "scenes/mesh_query.h"
@@ -13,8 +15,6 @@ namespace pickbed {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kGravity_mps2 = 9.81;
 
 // Two surface points that face away from each other along `axis_O` (unit, first to second).
 struct ContactPair {
@@ -79,17 +79,18 @@ struct Judge {
     const double lever = (com_G.tail<2>() - shared).norm();
     // A uniformly pressed disc resists mu * N * 2/3 of its radius, on each of two pads.
     const double arm = 2.0 / 3.0 * std::sqrt(contact.area_m2 / std::numbers::pi);
-    const double ratio = model.mass.mass_kg * kGravity_mps2 * lever /
-                         (2 * friction * gripper.hand.force_n * std::max(arm, 1e-6));
+    const double ratio =
+        WrenchForce_n(model) * lever / (2 * friction * gripper.hand.force_n * std::max(arm, 1e-6));
     const double off_center = std::min(1.0, 2 * lever / model.diameter_m);
-    return (1 - 0.5 * off_center) / (1 + ratio * ratio);
+    return (1 - options.off_center_share * off_center) / (1 + ratio * ratio);
   }
 
   double Quality(const Pose& X_OG, const PadContact& contact) const {
     const Vector3d size = gripper.hand.finger_size_m;
     const double cone_factor = 1 - contact.max_angle_rad / std::atan(friction);
     const double share = contact.area_m2 / (size.y() * size.z());
-    const double pad_factor = 0.3 + 0.7 * std::min(1.0, share / options.full_pad_share);
+    const double thin = options.thin_pad_factor;
+    const double pad_factor = thin + (1 - thin) * std::min(1.0, share / options.full_pad_share);
     const double depth = -contact.shared_center().y();
     const double depth_factor = std::min(1.0, depth / options.good_depth_m);
     return cone_factor * pad_factor * depth_factor * TorqueFactor(X_OG, contact);
@@ -122,14 +123,75 @@ struct Judge {
   }
 };
 
-bool SameGrasp(const GraspCandidate& a, const GraspCandidate& b, const AntipodalOptions& options) {
-  if ((a.X_OG.translation() - b.X_OG.translation()).norm() > options.spacing_m) return false;
+bool SameGrasp(const GraspCandidate& a, const GraspCandidate& b, double spacing_m,
+               double spacing_rad) {
+  if ((a.X_OG.translation() - b.X_OG.translation()).norm() > spacing_m) return false;
   // Turned half around its approach a two-finger hand is the same hand.
   const Eigen::Matrix3d flipped =
       b.X_OG.linear() * Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix();
   const double angle = std::min(RotationAngleRad(a.X_OG.linear(), b.X_OG.linear()),
                                 RotationAngleRad(a.X_OG.linear(), flipped));
-  return angle < options.spacing_rad;
+  return angle < spacing_rad;
+}
+
+// The ways in which the part rests, with those that its symmetries make of them.
+std::vector<Vector3d> RestingUps(const ObjectModel& model, const AntipodalOptions& options) {
+  const auto symmetries = SymmetryTransforms(model.symmetries_O, options.resting_turns);
+  const double same = std::cos(options.resting_spacing_rad);
+  std::vector<Vector3d> ups_O;
+  for (const RestingDirection& resting : model.resting_O) {
+    for (const Pose& X_OS : symmetries) {
+      const Vector3d up_O = X_OS.linear() * resting.up_O;
+      const bool known = std::any_of(ups_O.begin(), ups_O.end(),
+                                     [&](const Vector3d& other) { return other.dot(up_O) > same; });
+      if (!known) ups_O.push_back(up_O);
+    }
+  }
+  return ups_O;
+}
+
+// One lean about the closing axis: tips as deep as the contact asks for, and as the floor lets
+// them.
+void AddLeaning(const Judge& judge, const ContactPair& pair, const Vector3d& up_O,
+                const Eigen::Matrix3d& R_OG, double middle_m, std::vector<GraspCandidate>& all) {
+  const AntipodalOptions& options = judge.options;
+  const double down = -up_O.dot(R_OG.col(2));
+  const double half_width_m = 0.5 * judge.gripper.hand.finger_size_m.y();
+  const double corner_m = half_width_m * std::abs(up_O.dot(R_OG.col(1)));
+  const double most_m = (middle_m - options.floor_gap_m - corner_m) / down;
+  const PointColumns turned = Turned(judge.surface.points_O, R_OG);
+  double last_m = -1;
+  for (const double wanted_m : options.tips_beyond_m) {
+    const double beyond_m = std::min(wanted_m, most_m);
+    if (beyond_m <= 0 || beyond_m == last_m) continue;
+    last_m = beyond_m;
+    const GraspCandidate candidate =
+        judge.Evaluate(MakePose(R_OG, pair.center_O + beyond_m * R_OG.col(2)), turned);
+    if (candidate.quality > 0) all.push_back(candidate);
+  }
+}
+
+// On a part that rests with `up_O` up.
+void AddRestingGrasps(const Judge& judge, const std::vector<ContactPair>& pairs,
+                      const Vector3d& up_O, std::vector<GraspCandidate>& all) {
+  const AntipodalOptions& options = judge.options;
+  double floor_m = std::numeric_limits<double>::infinity();
+  for (const Vector3d& p_O : judge.model.mesh_O.vertices) {
+    floor_m = std::min(floor_m, up_O.dot(p_O));
+  }
+  for (const ContactPair& pair : pairs) {
+    const double slope = pair.axis_O.dot(up_O);
+    if (std::abs(slope) > std::sin(options.resting_level_rad)) continue;
+    Eigen::Matrix3d R_OG;
+    R_OG.col(0) = (pair.axis_O - slope * up_O).normalized();
+    R_OG.col(2) = -up_O;
+    R_OG.col(1) = R_OG.col(2).cross(R_OG.col(0));
+    const double middle_m = up_O.dot(pair.center_O) - floor_m;
+    for (int lean = -options.resting_leans; lean <= options.resting_leans; ++lean) {
+      const Eigen::AngleAxisd turn(lean * options.resting_lean_rad, Vector3d::UnitX());
+      AddLeaning(judge, pair, up_O, R_OG * turn.toRotationMatrix(), middle_m, all);
+    }
+  }
 }
 
 }  // namespace
@@ -145,9 +207,19 @@ void AntipodalOptions::Visit(SettingsVisitor& v) {
   v.Real("point_spacing_m", point_spacing_m, {1e-4, 0.02}, "of the tested surface points, m");
   v.Integer("min_points", min_points, {100, 1e6}, "of the tested surface, at least");
   v.Integer("max_points", max_points, {100, 1e6}, "of the tested surface, at most");
+  v.Integer("resting_candidates", resting_candidates, {0, 100000},
+            "on the ways that the part rests, besides");
+  v.Real("resting_lean_rad", resting_lean_rad, {0, 0.7}, "between their leans, rad");
+  v.Integer("resting_leans", resting_leans, {0, 2}, "of them to each side");
+  v.Integer("resting_turns", resting_turns, {1, 1000}, "of a continuous symmetry");
+  v.Real("resting_level_rad", resting_level_rad, {0, 1}, "level pairs for them, rad");
+  v.Real("floor_gap_m", floor_gap_m, {0, 0.1}, "of their tips over the floor, m");
+  v.Real("resting_spacing_rad", resting_spacing_rad, {0, 3.2}, "nearer ones are one, rad");
   v.Real("min_width_m", min_width_m, {1e-4, 0.1}, "thinner walls are left alone, m");
   v.Real("touch_band_m", touch_band_m, {1e-5, 0.01}, "depth that counts as contact, m");
   v.Real("full_pad_share", full_pad_share, {0.01, 1}, "of a pad that is as good as all of it");
+  v.Real("thin_pad_factor", thin_pad_factor, {0, 1}, "quality of a contact without area");
+  v.Real("off_center_share", off_center_share, {0, 1}, "lost half a diameter off the centre");
   v.Real("good_depth_m", good_depth_m, {1e-4, 0.1}, "contact behind the tips, m");
   v.Real("own_margin_m", own_margin_m, {0, 0.02}, "between open hand and part, m");
   v.Real("spacing_m", spacing_m, {0, 0.1}, "nearer candidates count as one, m");
@@ -178,9 +250,20 @@ std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const Grip
       }
     }
   }
-  return SpreadOverDirections(
-      std::move(all), options.candidates,
-      [&](const auto& a, const auto& b) { return SameGrasp(a, b, options); });
+  auto chosen =
+      SpreadOverDirections(std::move(all), options.candidates, [&](const auto& a, const auto& b) {
+        return SameGrasp(a, b, options.spacing_m, options.spacing_rad);
+      });
+  std::vector<GraspCandidate> resting;
+  for (const Vector3d& up_O : RestingUps(model, options)) {
+    AddRestingGrasps(judge, pairs, up_O, resting);
+  }
+  resting = SpreadOverDirections(
+      std::move(resting), options.resting_candidates, [&](const auto& a, const auto& b) {
+        return SameGrasp(a, b, options.spacing_m, options.resting_spacing_rad);
+      });
+  chosen.insert(chosen.end(), resting.begin(), resting.end());
+  return chosen;
 }
 
 }  // namespace pickbed

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -10,7 +9,6 @@
 #include <optional>
 #include <string>
 
-#include "grasp/jaw_hold.h"
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
 #include "scenes/settings.h"
@@ -19,8 +17,8 @@ namespace pickbed {
 namespace {
 
 // Raised whenever the candidates of the same inputs would come out differently.
-constexpr const char* kVersion = "pickbed grasps 4\n";
-constexpr size_t kNumbersEach = 17;  // rows of [R|p], width, depth, quality, epsilon, robust
+constexpr const char* kVersion = "pickbed grasps 5\n";
+constexpr size_t kNumbersEach = 18;  // rows of [R|p], width, depth, the qualities
 using PoseRows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
 uint64_t Key(const ObjectModel& model, GripperSpec gripper, GraspCandidateOptions options) {
@@ -28,6 +26,9 @@ uint64_t Key(const ObjectModel& model, GripperSpec gripper, GraspCandidateOption
   text += fmt::format("{:016x} {} {} {} {} {} {}\n", model.mesh_hash, model.friction,
                       model.diameter_m, model.mass.mass_kg, model.mass.com_O.x(),
                       model.mass.com_O.y(), model.mass.com_O.z());
+  for (const RestingDirection& resting : model.resting_O) {
+    text += fmt::format("{} {} {}\n", resting.up_O.x(), resting.up_O.y(), resting.up_O.z());
+  }
   text += WriteSettings([&](SettingsVisitor& v) { gripper.Visit(v); });
   text += WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
   return HashBytes(text.data(), text.size());
@@ -44,6 +45,7 @@ std::string ToBytes(const std::vector<GraspCandidate>& candidates) {
     numbers[14] = candidate.quality;
     numbers[15] = candidate.epsilon;
     numbers[16] = candidate.robust;
+    numbers[17] = candidate.set_down;
     bytes.append(reinterpret_cast<const char*>(numbers), sizeof(numbers));
   }
   return bytes;
@@ -63,24 +65,9 @@ std::optional<std::vector<GraspCandidate>> FromBytes(const std::string& bytes) {
     candidates[i].quality = numbers[14];
     candidates[i].epsilon = numbers[15];
     candidates[i].robust = numbers[16];
+    candidates[i].set_down = numbers[17];
   }
   return candidates;
-}
-
-std::vector<GraspCandidate> JawCandidates(const ObjectModel& model, const GripperSpec& gripper,
-                                          Rng& rng, const GraspCandidateOptions& options) {
-  const AntipodalOptions& pairs = options.antipodal;
-  auto candidates = AntipodalGrasps(model, gripper, rng, pairs);
-  if (candidates.empty()) return candidates;
-  const SurfacePoints surface =
-      SpreadPoints(model.mesh_O, pairs.point_spacing_m, pairs.min_points, pairs.max_points, rng);
-  JudgeJawGrasps(model, gripper, surface, options.robust, rng.Next(), candidates);
-  return candidates;
-}
-
-std::vector<GraspCandidate> CupCandidates(const ObjectModel& model, const GripperSpec& gripper,
-                                          Rng& rng, const GraspCandidateOptions& options) {
-  return SuctionGrasps(model, gripper, rng, options.suction, options.robust);
 }
 
 }  // namespace
@@ -92,27 +79,24 @@ void GraspCandidateOptions::Visit(SettingsVisitor& v) {
       "suction", [this](SettingsVisitor& g) { suction.Visit(g); }, "places for cups");
   v.Group(
       "robust", [this](SettingsVisitor& g) { robust.Visit(g); }, "sampled errors");
-}
-
-std::span<const CandidateMaker> CandidateMakerTable() {
-  static constexpr std::array<CandidateMaker, 2> kTable{{
-      {"parallel_jaw", "antipodal pair that fits its stroke", JawCandidates},
-      {"suction_cup", "place that closes its lip", CupCandidates},
-  }};
-  return kTable;
-}
-
-const CandidateMaker& CandidateMakerOf(const GripperSpec& gripper) {
-  for (const CandidateMaker& row : CandidateMakerTable()) {
-    if (gripper.mechanism == row.mechanism) return row;
-  }
-  throw InputError(fmt::format("gripper '{}': there is no maker of grasps for mechanism '{}'",
-                               gripper.name, gripper.mechanism));
+  v.Group(
+      "place", [this](SettingsVisitor& g) { place.Visit(g); }, "how a part is set down");
 }
 
 std::vector<GraspCandidate> MakeCandidates(const ObjectModel& model, const GripperSpec& gripper,
                                            Rng& rng, const GraspCandidateOptions& options) {
-  return CandidateMakerOf(gripper).make(model, gripper, rng, options);
+  const MechanismRow& mechanism = MechanismOf(gripper);
+  auto candidates = mechanism.make_candidates(model, gripper, rng, options);
+  std::vector<Pose> X_OG;
+  std::vector<std::vector<AxisAlignedBox>> boxes;
+  for (const GraspCandidate& candidate : candidates) {
+    X_OG.push_back(candidate.X_OG);
+    const auto opening_m = mechanism.approach_opening_m(gripper, candidate.width_m);
+    boxes.push_back(mechanism.boxes(gripper, opening_m.value_or(mechanism.most_open_m(gripper))));
+  }
+  const std::vector<double> worths = SetDownWorths(model, X_OG, boxes, options.place);
+  for (size_t i = 0; i < candidates.size(); ++i) candidates[i].set_down = worths[i];
+  return candidates;
 }
 
 std::vector<GraspCandidate> CachedCandidates(const ObjectModel& model, const GripperSpec& gripper,

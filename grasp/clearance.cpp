@@ -54,11 +54,12 @@ std::vector<AxisAlignedBox> HandSweep(const GripperSpec& gripper, double opening
 std::optional<BinContact> FindBinContact(std::span<const AxisAlignedBox> boxes_G, const Pose& X_WG,
                                          std::span<const AxisAlignedBox> bin_boxes,
                                          double clearance_m) {
-  for (size_t i = 0; i < boxes_G.size(); ++i) {
-    AxisAlignedBox grown = boxes_G[i];
+  for (size_t k = 0; k < bin_boxes.size(); ++k) {
+    // Grown along the floor's and the walls' normals: a tilted hand need not keep further off.
+    AxisAlignedBox grown = bin_boxes[k];
     grown.half_size.array() += clearance_m;
-    for (size_t k = 0; k < bin_boxes.size(); ++k) {
-      if (!BoxesApart(bin_boxes[k], grown, X_WG)) {
+    for (size_t i = 0; i < boxes_G.size(); ++i) {
+      if (!BoxesApart(grown, boxes_G[i], X_WG)) {
         return BinContact{static_cast<int>(i), static_cast<int>(k)};
       }
     }
@@ -157,12 +158,12 @@ int ObstacleField::Column(double x, double y) const {
 }
 
 ObstacleField::Answer ObstacleField::Look(const Pose& X_WG, std::span<const AxisAlignedBox> sweep_G,
-                                          const AxisAlignedBox& between_box,
+                                          const std::optional<AxisAlignedBox>& between_box,
                                           const std::vector<uint8_t>& ignored,
                                           double limit_m) const {
   Answer answer;
-  answer.distance_m.fill(limit_m);
-  const size_t boxes = std::min(sweep_G.size(), kMaxHandBoxes);
+  const size_t boxes = sweep_G.size();
+  answer.distance_m.assign(boxes, limit_m);
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const AxisAlignedBox& box : sweep_G) {
     const Vector3d center = X_WG * box.center;
@@ -186,7 +187,7 @@ ObstacleField::Answer ObstacleField::Look(const Pose& X_WG, std::span<const Axis
       for (size_t k = 0; k < boxes; ++k) {
         answer.distance_m[k] = std::min(answer.distance_m[k], SlabDistance(sweep_G[k], p_G));
       }
-      answer.between += SlabDistance(between_box, p_G) < 0;
+      answer.between += between_box && SlabDistance(*between_box, p_G) < 0;
     }
   }
   return answer;

@@ -4,7 +4,6 @@
 // believed, never the truth.
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -20,8 +19,8 @@ namespace pickbed {
 // its mechanism (fingers or stem, the palm last), each drawn out backwards by the approach.
 std::vector<AxisAlignedBox> HandSweep(const GripperSpec& gripper, double opening_m);
 
-// First of the boxes (in G) that comes within `clearance_m` of a bin box, and which bin box: index
-// of BinBoxes. Separating axes of oriented boxes (Gottschalk et al. 1996).
+// A box (in G) that comes within `clearance_m` of a bin box, along the axes of W, and which bin
+// box: index of BinBoxes. Separating axes of oriented boxes (Gottschalk et al. 1996).
 struct BinContact {
   int hand_box = 0;
   int bin_box = 0;
@@ -58,16 +57,15 @@ class ObstacleField {
   const std::vector<Eigen::Vector3d>& points_W() const { return points_W_; }
   const std::vector<int>& sources() const { return sources_; }
 
-  // Nearest counted point to each hand box (at most kMaxHandBoxes), by the largest of its distances
-  // to the box's slabs, up to `limit_m`; negative inside. `ignored` holds a flag for each point.
-  // `between` counts points in `between_box` (in G).
-  static constexpr size_t kMaxHandBoxes = 8;
+  // Nearest counted point to each hand box, by the largest of its distances to the box's slabs, up
+  // to `limit_m`; negative inside. `ignored` holds a flag for each point. `between` counts points
+  // in `between_box` (in G), where there is one.
   struct Answer {
-    std::array<double, kMaxHandBoxes> distance_m;
+    std::vector<double> distance_m;  // by box
     int between = 0;
   };
   Answer Look(const Pose& X_WG, std::span<const AxisAlignedBox> sweep_G,
-              const AxisAlignedBox& between_box, const std::vector<uint8_t>& ignored,
+              const std::optional<AxisAlignedBox>& between_box, const std::vector<uint8_t>& ignored,
               double limit_m) const;
 
   // Share of the part's floor plan that has a counted point over it.

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "grasp/attempt_world.h"
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
 #include "grasp/place.h"
@@ -14,13 +15,16 @@
 namespace pickbed {
 
 struct ExecuteOptions {
-  double approach_mps = 0.375;    // largest speed of approach and of drawing back
-  double stop_force_n = 40;       // mean on any body of the hand during approach: collision
-  double stop_window_s = 0.0125;  // of that mean: a blow's peak depends on the step's length
-  double close_s = 0.6;           // waited at most for the fingers to come to rest on the part
-  double stalled_mps = 0.002;     // fingers that close slower than this have met the part
-  double lift_m = 0.20;           // above the bin's rim when that is more
-  double lift_s = 1.0;
+  double approach_mps = 0.375;     // largest speed of approach and of drawing back
+  double stop_force_n = 40;        // mean on any body of the hand during approach: collision
+  double stop_window_s = 0.0125;   // of that mean: a blow's peak depends on the step's length
+  double stop_depth_m = 0.001;     // of the palm in the bin or in a static part: likewise
+  double close_s = 0.6;            // waited at most for the fingers to come to rest on the part
+  double stalled_mps = 0.002;      // fingers that close slower than this have met the part
+  double stalled_window_s = 0.05;  // of that speed: longer than the start of their acceleration
+  double lift_m = 0.20;            // above the bin's rim when that is more
+  double lift_s = 1.0;             // longer where the speed would be more than the next
+  double lift_mps = 0.5;
   double retreat_m = 0.10;  // of the lift, after which the loose rule of success is judged
   double hold_s = 2.0;
   double shake_m = 0.005;
@@ -28,12 +32,9 @@ struct ExecuteOptions {
   double shake_s = 1.0;
   bool carry = true;          // out of the bin to the table; else it ends with the shake
   double carry_mps = 0.8;     // largest speed of the hand on the way
-  double lower_mps = 0.4;     // likewise, down to the table
   double settle_s = 1.5;      // at most, once the hand has opened, until the parts sleep again
-  double near_m = 0.02;       // bodies beyond the target's diameter plus this are static
-  bool all_active = false;    // all bodies move and start awake: slow, to compare with
-  double lost_below_m = 0.5;  // parts this far under the bin's floor have left the world
   double disturbed_m = 0.01;  // a neighbour that moved further is disturbed
+  AttemptWorldOptions world;
   PlaceOptions place;
   RuleOptions rules;
   SuccessRule rule = SuccessRule::kRightPart;  // decides what `success` says
@@ -41,6 +42,8 @@ struct ExecuteOptions {
   // are looked for in every step.
   PhysicsOptions physics{
       .sleep_after_s = 0.25, .contact_reuse_m = 0.0001, .awake_boxes_only = true};
+  // All but the rule and the physics, whose figures were measured.
+  void Visit(SettingsVisitor& v);
 };
 
 // What the grasp was meant for.

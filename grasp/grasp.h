@@ -22,6 +22,9 @@ struct GraspCandidate {
   // diameter.
   double epsilon = 0;
   double robust = 0;  // 0..1, share of sampled errors under which the part is lifted
+  // 0..1, how well the hand can lay the part down (grasp/place.h); 1 = straight down on its
+  // likeliest side.
+  double set_down = 1;
 };
 
 // In the world, for one hypothesis of a list.

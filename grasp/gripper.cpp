@@ -9,13 +9,12 @@
 
 #include "grasp/grippers/parallel_jaw.h"
 #include "grasp/grippers/suction_cup.h"
+#include "grasp/robust.h"
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
 
 namespace pickbed {
 namespace {
-
-constexpr double kGravity_mps2 = 9.81;
 
 std::vector<std::string> MechanismNames() {
   std::vector<std::string> names;
@@ -84,7 +83,7 @@ void RequireFitsBin(const GripperSpec& gripper, const Bin& bin) {
 
 void RequireCanCarry(const GripperSpec& gripper, const ObjectModel& part) {
   const double capacity_n = MechanismOf(gripper).capacity_n(gripper, part.friction);
-  const double weight_n = kGravity_mps2 * part.mass.mass_kg;
+  const double weight_n = WrenchForce_n(part);
   CheckInput(weight_n < capacity_n,
              fmt::format("part '{}' is too heavy for gripper '{}': it weighs {:.3g} kg, {:.3g} N, "
                          "and the gripper carries at most {:.3g} N of it ({}, friction {:g}); take "

@@ -10,12 +10,16 @@
 
 #include "scenes/bin.h"
 #include "scenes/object_model.h"
+#include "scenes/random.h"
 #include "scenes/settings.h"
 #include "sim/cup_joint.h"
 #include "sim/hand_joints.h"
 #include "sim/physics_world.h"
 
 namespace pickbed {
+
+struct GraspCandidate;         // grasp/grasp.h
+struct GraspCandidateOptions;  // grasp/candidates.h
 
 // Only the numbers of its own mechanism count.
 struct GripperSpec {
@@ -42,17 +46,25 @@ struct MechanismRow {
   void (*check)(const GripperSpec& spec, const std::string& source);
   // How far the hand is open on approach to a part of this width, m; nullopt = it cannot take it.
   std::optional<double> (*approach_opening_m)(const GripperSpec& spec, double width_m);
-  // Puts the hand, as open as it goes, into the world.
-  Hand& (*add)(PhysicsWorld& world, const GripperSpec& spec, const Pose& X_WG);
-  // The hand's solid boxes in G at an opening, for collision checks.
-  std::vector<AxisAlignedBox> (*boxes)(const GripperSpec& spec, double opening_m);
   double (*most_open_m)(const GripperSpec& spec);
+  // From an opening until it is closed on nothing, and back, at its own speed, s.
+  double (*travel_s)(const GripperSpec& spec, double opening_m);
+  // Puts the hand into the world, open by this much, which is also as far as it opens there.
+  Hand& (*add)(PhysicsWorld& world, const GripperSpec& spec, double opening_m, const Pose& X_WG);
+  // The hand's solid boxes in G at an opening, for collision checks; the palm is the last.
+  std::vector<AxisAlignedBox> (*boxes)(const GripperSpec& spec, double opening_m);
+  // Where another part would be grasped along with the one that is meant, in G; nullopt = nowhere.
+  std::optional<AxisAlignedBox> (*between)(const GripperSpec& spec, double opening_m);
   // What gives way and so stands in no collision check, for pictures.
   std::vector<AxisAlignedBox> (*soft_boxes)(const GripperSpec& spec);
   // The most that it can carry of a part of this friction, N: its weight must stay below.
   double (*capacity_n)(const GripperSpec& spec, double part_friction);
   // Its key numbers in a few words.
   std::string (*summary)(const GripperSpec& spec);
+  const char* needs;  // what a part must have to be held so, in words
+  // Grasps of a part with every quality, best first; empty when it cannot hold the part.
+  std::vector<GraspCandidate> (*make_candidates)(const ObjectModel& model, const GripperSpec& spec,
+                                                 Rng& rng, const GraspCandidateOptions& options);
 };
 
 std::span<const MechanismRow> MechanismTable();

@@ -14,10 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kColumn_m = 0.010;   // of the floor plan that sorts obstacle points
 constexpr double kTouching_m = 1e-6;  // so that rounding does not turn touching into overlap
-constexpr int kMinPartPoints = 200;   // on a believed pose
-constexpr int kMaxPartPoints = 2000;
 
 enum Cause {
   kTilt,
@@ -27,6 +24,8 @@ enum Cause {
   kBinWall,
   kFingers,
   kPalm,
+  kOutranked,
+  kNotTried,
   kCauses,
   kFree = kCauses
 };
@@ -36,7 +35,9 @@ constexpr const char* kCauseNames[kCauses] = {"tilt",
                                               "bin floor",
                                               "bin wall",
                                               "fingers meet a part",
-                                              "palm meets a part"};
+                                              "palm meets a part",
+                                              "outranked",
+                                              "not tried"};
 
 // What is the same for every pose of one object.
 struct PartShape {
@@ -48,8 +49,8 @@ struct PartShape {
 PartShape MakeShape(const PlanInput& input, int object, const PlanOptions& options) {
   const ObjectModel& model = *input.objects[object];
   Rng rng(model.mesh_hash);
-  SurfacePoints surface =
-      SpreadPoints(model.mesh_O, options.neighbor_spacing_m, kMinPartPoints, kMaxPartPoints, rng);
+  SurfacePoints surface = SpreadPoints(model.mesh_O, options.neighbor_spacing_m,
+                                       options.min_part_points, options.max_part_points, rng);
   const Eigen::Matrix3Xd points_O = surface.points_O.matrix().transpose().cast<double>();
   PartShape shape{points_O, SurfaceBand(points_O, options.own_points_m), {}};
   const MechanismRow& mechanism = MechanismOf(input.gripper);
@@ -103,8 +104,10 @@ class Planner {
     PlanResult result;
     std::vector<Grasp>& best = result.grasps;
     const size_t wanted = options_.max_grasps;
+    rejected_[kNotTried] = static_cast<int>(pending_.size());
     for (Pending& pending : pending_) {
       if (best.size() == wanted && best.back().score >= pending.grasp.score) break;
+      --rejected_[kNotTried];
       const Cause cause = CheckPoints(pending);
       if (cause != kFree) {
         ++rejected_[cause];
@@ -114,7 +117,9 @@ class Planner {
           std::upper_bound(best.begin(), best.end(), pending.grasp,
                            [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
       best.insert(place, pending.grasp);
-      if (best.size() > wanted) best.pop_back();
+      if (best.size() <= wanted) continue;
+      best.pop_back();
+      ++rejected_[kOutranked];
     }
     for (int cause = 0; cause < kCauses; ++cause) {
       if (rejected_[cause] > 0) result.rejected[kCauseNames[cause]] = rejected_[cause];
@@ -158,7 +163,7 @@ class Planner {
       for (int k = 0; k < points_O.cols(); ++k) points.push_back(pose.X_WO * points_O.col(k));
       sources.resize(points.size(), static_cast<int>(i));
     }
-    return ObstacleField(std::move(points), std::move(sources), kColumn_m);
+    return ObstacleField(std::move(points), std::move(sources), options_.column_m);
   }
 
   // Poses that claim the same part as pose `target`, itself included.
@@ -205,7 +210,8 @@ class Planner {
       grasp.X_WG = pose.X_WO * candidates[k].X_OG;
       grasp.width_m = candidates[k].width_m;
       grasp.hypothesis = target;
-      grasp.score = pose_score * (by_chance() ? 1 : ranking_.value(candidates[k]));
+      const double set_down = 1 - options_.set_down_share * (1 - candidates[k].set_down);
+      grasp.score = pose_score * set_down * (by_chance() ? 1 : ranking_.value(candidates[k]));
       const std::optional<double>& opening_m = shape.openings_m[k];
       const Cause cause = CheckBin(candidates[k], opening_m, grasp);
       if (cause == kFree) {
@@ -222,12 +228,10 @@ class Planner {
     const Eigen::RowVector3d up = grasp.X_WG.linear().row(2);
     double lowest = std::numeric_limits<double>::infinity();
     for (const AxisAlignedBox& box : sweep) {
-      // Grown as FindBinContact grows it.
-      const Vector3d reach = box.half_size.array() + options_.bin_clearance_m;
-      lowest = std::min(
-          lowest, grasp.X_WG.translation().z() + up.dot(box.center) - up.cwiseAbs().dot(reach));
+      lowest = std::min(lowest, grasp.X_WG.translation().z() + up.dot(box.center) -
+                                    up.cwiseAbs().dot(box.half_size));
     }
-    const double missing = kTouching_m - lowest;
+    const double missing = options_.bin_clearance_m + kTouching_m - lowest;
     if (missing <= 0) return true;
     const double back = missing / -up.z();
     if (!(up.z() < 0) || back > depth_m - options_.min_depth_m) return false;
@@ -256,15 +260,14 @@ class Planner {
     const GripperSpec& gripper = input_.gripper;
     Grasp& grasp = pending.grasp;
     const auto sweep = HandSweep(gripper, pending.opening_m);
-    const Vector3d half_pad = 0.5 * gripper.hand.finger_size_m;
-    const AxisAlignedBox between{{0, 0, -half_pad.z()},
-                                 {0.5 * pending.opening_m, half_pad.y(), half_pad.z()}};
+    const auto between = MechanismOf(gripper).between(gripper, pending.opening_m);
     const auto seen =
         field_.Look(grasp.X_WG, sweep, between, ignored_[grasp.hypothesis], options_.good_room_m);
     const auto palm = seen.distance_m.begin() + sweep.size() - 1;
     const double fingers = *std::min_element(seen.distance_m.begin(), palm);
-    if (fingers < gripper.clearance_m) return kFingers;
-    if (*palm < gripper.clearance_m) return kPalm;
+    const double clearance_m = options_.clearance_share * gripper.clearance_m;
+    if (fingers < clearance_m) return kFingers;
+    if (*palm < clearance_m) return kPalm;
     if (by_chance()) return kFree;
     const double room = std::min(1.0, std::min(fingers, *palm) / options_.good_room_m);
     const double crowd = std::min(1.0, double(seen.between) / options_.many_between);
@@ -287,6 +290,14 @@ class Planner {
 
 }  // namespace
 
+void WiderLimits::Visit(SettingsVisitor& v) {
+  v.Bool("look", look, "look again where nothing was found");
+  v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.6}, "of the approach from straight down, rad");
+  v.Real("min_quality", min_quality, {0, 1}, "worse candidates are left alone");
+  v.Real("clearance_share", clearance_share, {-2, 1}, "of the gripper's clearance");
+  v.Real("bin_clearance_m", bin_clearance_m, {0, 0.1}, "kept between hand and bin, m");
+}
+
 void PlanOptions::Visit(SettingsVisitor& v) {
   const Range share{0, 1};
   const Range length{0, 0.1};
@@ -297,6 +308,7 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.Seed("seed", seed, "of the ranking by chance");
   v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.6}, "of the approach from straight down, rad");
   v.Real("own_points_m", own_points_m, {0.001, 0.1}, "points this near are the target's own, m");
+  v.Real("clearance_share", clearance_share, {-2, 1}, "of the gripper's clearance");
   v.Real("bin_clearance_m", bin_clearance_m, length, "kept between hand and bin, m");
   v.Real("min_depth_m", min_depth_m, length, "contact behind the tips, at least, m");
   v.Real("good_depth_m", good_depth_m, {0.001, 0.1}, "contact behind the tips without loss, m");
@@ -310,9 +322,15 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.Real("tilt_share", tilt_share, share, "lost at max_tilt_rad");
   v.Real("room_share", room_share, share, "lost when others touch the hand");
   v.Real("cover_share", cover_share, share, "lost when others lie all over the target");
+  v.Real("set_down_share", set_down_share, share, "lost when the part cannot be laid down so held");
   v.Real("between_share", between_share, share, "lost when others are between the fingers");
   v.Real("good_room_m", good_room_m, {0.001, 0.1}, "distance from others without loss, m");
   v.Integer("many_between", many_between, {1, 100000}, "points between fingers at full loss");
+  v.Real("column_m", column_m, {0.001, 0.1}, "of the floor plan that sorts the points, m");
+  v.Integer("min_part_points", min_part_points, {10, 100000}, "on a believed pose, at least");
+  v.Integer("max_part_points", max_part_points, {10, 100000}, "on a believed pose, at most");
+  v.Group(
+      "wide", [this](SettingsVisitor& g) { wide.Visit(g); }, "where nothing was found");
   v.Real("cover_above_m", cover_above_m, length, "points this much higher lie on the target, m");
 }
 
@@ -328,7 +346,16 @@ const RankingRow& RankingNamed(const std::string& name) {
 }
 
 PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
-  return Planner(input, options).Run();
+  PlanResult result = Planner(input, options).Run();
+  if (!result.grasps.empty() || !options.wide.look) return result;
+  PlanOptions wide = options;
+  wide.max_tilt_rad = std::max(options.max_tilt_rad, options.wide.max_tilt_rad);
+  wide.min_quality = std::min(options.min_quality, options.wide.min_quality);
+  wide.clearance_share = std::min(options.clearance_share, options.wide.clearance_share);
+  wide.bin_clearance_m = std::min(options.bin_clearance_m, options.wide.bin_clearance_m);
+  result = Planner(input, wide).Run();
+  result.with_wider_limits = true;
+  return result;
 }
 
 }  // namespace pickbed

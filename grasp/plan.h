@@ -45,6 +45,16 @@ std::span<const RankingRow> RankingTable();
 // Throws InputError with the known names.
 const RankingRow& RankingNamed(const std::string& name);
 
+// For a second look where the first one found nothing.
+struct WiderLimits {
+  bool look = true;
+  double max_tilt_rad = 1.3;
+  double min_quality = 0.005;
+  double clearance_share = 0.3;    // of the gripper's clearance
+  double bin_clearance_m = 0.001;  //
+  void Visit(SettingsVisitor& v);
+};
+
 struct PlanOptions {
   int max_grasps = 5;               // reported
   std::string ranking = "quality";  // a row of RankingTable()
@@ -52,6 +62,7 @@ struct PlanOptions {
   double max_tilt_rad = 1.05;       // of the approach from straight down
   double own_points_m = 0.006;  // cloud points this near to the target's own surface are its own
 
+  double clearance_share = 1;  // of the gripper's clearance, kept from other parts
   // Kept between hand and bin, whose place is known better than a part's.
   double bin_clearance_m = 0.002;
   // A hand that would meet the floor draws back until its contact is this near to the tips.
@@ -65,23 +76,34 @@ struct PlanOptions {
   double same_share = 0.25;  // poses nearer than this share of the diameter are rivals for one part
 
   // Each lowers the score by up to its share: lowest part of all, approach at max_tilt_rad, nothing
-  // but `clearance_m` of room, floor plan wholly covered by others, others between the fingers.
+  // but `clearance_m` of room, floor plan wholly covered by others, a hold with which the part
+  // cannot be laid down, others between the fingers.
   double height_share = 0.4;
   double tilt_share = 0.4;
   double room_share = 0.4;
   double cover_share = 0.8;
+  double set_down_share = 0.4;
   double between_share = 0.5;
   double good_room_m = 0.010;    // distance from others from which there is no loss
   int many_between = 20;         // points of others between the fingers at which the loss is full
   double cover_above_m = 0.004;  // points this much higher lie on the target
+
+  // How finely believed poses and the cloud are sampled; more is slower.
+  double column_m = 0.010;  // of the floor plan that sorts the points
+  int min_part_points = 200;
+  int max_part_points = 2000;
+  WiderLimits wide = {};
   void Visit(SettingsVisitor& v);
 };
 
 struct PlanResult {
-  std::vector<Grasp> grasps;  // best first
-  // Cause -> count. Causes: tilt, quality, opening, bin floor, bin wall, fingers meet a part (a
-  // cup's stem too), palm meets a part. The last two are looked for from the best candidate on,
-  // until enough are free.
+  std::vector<Grasp> grasps;       // best first
+  bool with_wider_limits = false;  // found, or looked for in vain, in the second look
+  // Cause -> count, of the last look; with `grasps` they sum to the candidates of all poses.
+  // Causes: tilt, quality, opening, bin floor, bin wall, fingers meet a part (a cup's stem too),
+  // palm meets a part. The last two are looked for from the best candidate on, until no other can
+  // come among the reported: "not tried" are those that were left then, "outranked" those that are
+  // free but not among the best.
   std::map<std::string, int> rejected;
 };
 

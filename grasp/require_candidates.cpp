@@ -27,7 +27,7 @@ std::vector<GraspCandidate> RequireCandidates(const ObjectModel& part, const Gri
   if (!candidates.empty()) return candidates;
   const std::string offers = Offers(part, gripper.name, options);
   throw InputError(fmt::format(
-      "part '{}' has no {} for gripper '{}', {}", part.name, CandidateMakerOf(gripper).needs,
+      "part '{}' has no {} for gripper '{}', {}", part.name, MechanismOf(gripper).needs,
       gripper.name,
       offers.empty() ? "and no other gripper that comes with the program can hold it"
                      : fmt::format("but {}: pickbed grasps {} GRIPPER", offers, part.name)));

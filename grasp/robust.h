@@ -25,10 +25,13 @@ struct RobustOptions {
   double tilt_rad = 0.5;        // of the hand from straight down when it lifts, at most
   double lift_mps2 = 2;         // acceleration upwards
   double touch_band_m =
-      0.002;           // surface this near to the first touch: the part turns into the pads
-  int cone_edges = 8;  // of a friction cone made a pyramid
+      0.002;                   // surface this near to the first touch: the part turns into the pads
+  double least_factor = 0.05;  // of friction and mass, however far out a sample lies
+  int cone_edges = 8;          // of a friction cone made a pyramid
   void Visit(SettingsVisitor& v);
 };
+
+inline constexpr double kGravity_mps2 = 9.81;
 
 // The unit of a grasp's wrenches: weight, and half the diameter for torques.
 double WrenchForce_n(const ObjectModel& model);

@@ -29,6 +29,12 @@ bool VgnLoose(const GraspOutcome& o, const RuleOptions& options) {
 
 }  // namespace
 
+void RuleOptions::Visit(SettingsVisitor& v) {
+  v.Real("place_tolerance_m", place_tolerance_m, {0, 1}, "of the centre of mass, for placed, m");
+  v.Real("place_tolerance_rad", place_tolerance_rad, {0, 3.2}, "of the orientation, rad");
+  v.Real("loose_opening", loose_opening, {0, 1}, "share of the stroke, for vgn_loose");
+}
+
 std::span<const SuccessRuleRow> SuccessRuleTable() {
   static constexpr std::array<SuccessRuleRow, kSuccessRules> kTable{{
       {SuccessRule::kContact, "contact", "the closed hand touched a part", Contact, false},

@@ -11,6 +11,8 @@
 #include <span>
 #include <string>
 
+#include "scenes/settings.h"
+
 namespace pickbed {
 
 enum class SuccessRule {
@@ -31,6 +33,7 @@ struct RuleOptions {
   double place_tolerance_m = 0.01;     // of the centre of mass, for "placed"
   double place_tolerance_rad = 0.175;  // of the orientation, least over the part's symmetries
   double loose_opening = 0.1;          // share of the stroke, for "vgn_loose"
+  void Visit(SettingsVisitor& v);
 };
 
 struct GraspOutcome;  // grasp/grasp.h

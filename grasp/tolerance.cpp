@@ -21,14 +21,14 @@ constexpr int kTerms = 1 + 2 * 6 + 2 + 15;
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 constexpr double kConstantRidge = 1e-6;  // keeps the constant finite when all succeed
 
-PoseError Scaled(const PoseError& error_G, const ToleranceModel& model) {
-  PoseError u;
+PoseOffset Scaled(const PoseOffset& error_G, const ToleranceModel& model) {
+  PoseOffset u;
   u << error_G.head<3>() / model.length_scale_m, error_G.tail<3>() / model.angle_scale_rad;
   return u;
 }
 
 // 1; |u| and u^2 of each coordinate; the approach z by sign; |u_i u_j| of each pair.
-Terms TermsOf(const PoseError& u) {
+Terms TermsOf(const PoseOffset& u) {
   Terms terms;
   int k = 0;
   terms[k++] = 1;
@@ -44,7 +44,7 @@ Terms TermsOf(const PoseError& u) {
   return terms;
 }
 
-double Probability(const ToleranceModel& model, const PoseError& error_G) {
+double Probability(const ToleranceModel& model, const PoseOffset& error_G) {
   const Eigen::Map<const Terms> weights(model.weights.data());
   return Logistic(weights.dot(TermsOf(Scaled(error_G, model))));
 }
@@ -138,16 +138,16 @@ void VisitPose(SettingsVisitor& v, Pose& X) {
 
 }  // namespace
 
-Pose ToPose(const PoseError& error) {
+Pose ToPose(const PoseOffset& error) {
   const double angle = error.tail<3>().norm();
   Matrix3d R = Matrix3d::Identity();
   if (angle > 0) R = Eigen::AngleAxisd(angle, error.tail<3>() / angle).toRotationMatrix();
   return MakePose(R, error.head<3>());
 }
 
-PoseError ToPoseError(const Pose& X) {
+PoseOffset ToPoseOffset(const Pose& X) {
   const Eigen::AngleAxisd turn(X.linear());
-  PoseError error;
+  PoseOffset error;
   error << X.translation(), turn.angle() * turn.axis();
   return error;
 }
@@ -220,14 +220,14 @@ Pose NearestError(const ToleranceModel& model, const Pose& X_OtrueObelieved) {
 double SuccessProbability(const ToleranceModel& model, const Pose& X_OtrueObelieved,
                           const Pose& X_OG) {
   const Pose X = NearestError(model, X_OtrueObelieved);
-  return Probability(model, ToPoseError(X_OG.inverse() * X * X_OG));
+  return Probability(model, ToPoseOffset(X_OG.inverse() * X * X_OG));
 }
 
 double SuccessProbability(const ToleranceModel& model, const Pose& X_OtrueObelieved) {
   const Pose X = NearestError(model, X_OtrueObelieved);
   double sum = 0;
   for (const Pose& X_OG : model.X_OG) {
-    sum += Probability(model, ToPoseError(X_OG.inverse() * X * X_OG));
+    sum += Probability(model, ToPoseOffset(X_OG.inverse() * X * X_OG));
   }
   return sum / static_cast<double>(model.X_OG.size());
 }

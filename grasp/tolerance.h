@@ -19,14 +19,14 @@
 namespace pickbed {
 
 // x, y, z in metres, then a turn as rotation vector in radians: R = exp(turn).
-using PoseError = Eigen::Matrix<double, 6, 1>;
-Pose ToPose(const PoseError& error);
+using PoseOffset = Eigen::Matrix<double, 6, 1>;
+Pose ToPose(const PoseOffset& error);
 // The turn is at most half a revolution.
-PoseError ToPoseError(const Pose& X);
+PoseOffset ToPoseOffset(const Pose& X);
 
 // One executed grasp: how far the hand stood from where the truth would have put it.
 struct ToleranceSample {
-  PoseError error_G = PoseError::Zero();
+  PoseOffset error_G = PoseOffset::Zero();
   bool success = false;
   int grasp = 0;  // which grasp it was
 };

@@ -23,6 +23,8 @@ constexpr std::array kLosses{
             "the fingers met, or the cup did not seal"},
     LossRow{Loss::kSlipped, Stage::kGrasp, "slipped", "the part left the fingers while lifting"},
     LossRow{Loss::kDropped, Stage::kGrasp, "dropped", "the part was lost while holding or shaking"},
+    LossRow{Loss::kMisplaced, Stage::kGrasp, "misplaced",
+            "brought, but not set down as it was to lie"},
     LossRow{Loss::kTookTwo, Stage::kGrasp, "took_two", "another part came too, or instead"},
     LossRow{Loss::kDisturbed, Stage::kGrasp, "disturbed",
             "the part left the bin by a pick that was not meant for it"},

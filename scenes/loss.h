@@ -24,6 +24,7 @@ enum class Loss {
   kClosedOnNothing,  // fingers met, or a cup did not seal
   kSlipped,          // part left the fingers while lifting
   kDropped,          // part lost while holding or shaking
+  kMisplaced,        // brought, but not set down as it was to lie; where that decides
   kTookTwo,          // another part came too, or in place of the one that was meant
   kDisturbed,        // part left the bin by a pick that was not meant for it
   kPhysicsFailed,    // bodies exploded or the solver gave NaN

@@ -114,7 +114,7 @@ CupHand::CupHand(btDiscreteDynamicsWorld& world, const CupSpec& spec, const Pose
   body_ = std::make_unique<btRigidBody>(info);
   body_->setActivationState(DISABLE_DEACTIVATION);
   body_->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  world_.addRigidBody(body_.get(), kPalmGroup, kPartGroup);
+  world_.addRigidBody(body_.get(), kPalmGroup, kStaticGroup | kPartGroup);
   world_.setInternalTickCallback(
       [](btDynamicsWorld* w, btScalar) { static_cast<CupHand*>(w->getWorldUserInfo())->Drive(); },
       this, true);

@@ -107,7 +107,7 @@ JawHand::JawHand(btDiscreteDynamicsWorld& world, const HandSpec& spec, const Pos
   finger_shape_ = std::make_unique<btBoxShape>(ToBullet(boxes[0].half_size));
   palm_ = MakeBody(*palm_shape_, 0, X_WG * X_GP_);
   palm_->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  world_.addRigidBody(palm_.get(), kPalmGroup, kPartGroup);
+  world_.addRigidBody(palm_.get(), kPalmGroup, kStaticGroup | kPartGroup);
   for (int i = 0; i < 2; ++i) {
     fingers_[i] =
         MakeBody(*finger_shape_, spec.finger_mass_kg, X_WG * Translation(boxes[i].center));

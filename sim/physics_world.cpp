@@ -150,7 +150,7 @@ btRigidBody* PhysicsWorld::Impl::AddStatic(std::unique_ptr<btCollisionShape> sha
   info.m_startWorldTransform = ToBullet(X_WB);
   info.m_friction = friction;
   statics.push_back(std::make_unique<btRigidBody>(info));
-  world.addRigidBody(statics.back().get(), group, kPartGroup | kFingerGroup);
+  world.addRigidBody(statics.back().get(), group, kPartGroup | kFingerGroup | kPalmGroup);
   return statics.back().get();
 }
 
@@ -308,7 +308,7 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
   body->setLinearVelocity(ToBullet(V_WO.linear_W));
   body->setAngularVelocity(btVector3(V_WO.angular_W.x(), V_WO.angular_W.y(), V_WO.angular_W.z()));
   if (is_static) {
-    impl_->world.addRigidBody(body.get(), kStaticGroup, kPartGroup | kFingerGroup);
+    impl_->world.addRigidBody(body.get(), kStaticGroup, kPartGroup | kFingerGroup | kPalmGroup);
   } else {
     impl_->world.addRigidBody(body.get(), kPartGroup,
                               kStaticGroup | kFunnelGroup | kPartGroup | kFingerGroup | kPalmGroup);
@@ -435,6 +435,23 @@ bool PhysicsWorld::BlewUp() const {
 
 std::vector<int> PhysicsWorld::PartsTouchingHand() const {
   return impl_->hand == nullptr ? std::vector<int>{} : impl_->hand->TouchedParts();
+}
+
+bool PhysicsWorld::PalmIsInside(double depth_m) const {
+  const auto group = [](const btCollisionObject* body) {
+    return body->getBroadphaseHandle()->m_collisionFilterGroup;
+  };
+  for (int i = 0; i < impl_->dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold* manifold = impl_->dispatcher.getManifoldByIndexInternal(i);
+    if ((group(manifold->getBody0()) | group(manifold->getBody1())) !=
+        (kPalmGroup | kStaticGroup)) {
+      continue;
+    }
+    for (int k = 0; k < manifold->getNumContacts(); ++k) {
+      if (manifold->getContactPoint(k).getDistance() < -depth_m * kUnitsPerMeter) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace pickbed

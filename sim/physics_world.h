@@ -101,6 +101,10 @@ class PhysicsWorld {
   // the part that its lip is on, and those that stem and palm touch.
   std::vector<int> PartsTouchingHand() const;
 
+  // Whether the palm, or a cup's stem, stands deeper than this in something that cannot give way:
+  // bin, box or static part. Driven along its path, it feels no force from them. Of the last step.
+  bool PalmIsInside(double depth_m) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -1,9 +1,16 @@
 #include "sim/resting_poses.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
+#include <optional>
+#include <string>
 
+#include "scenes/files.h"
 #include "sim/physics_world.h"
 
 namespace pickbed {
@@ -89,6 +96,59 @@ std::vector<RestingPose> FindRestingPoses(const ObjectModel& model, int drops, u
   return poses;
 }
 
+namespace {
+
+// Raised whenever the directions of the same part would come out differently.
+constexpr const char* kVersion = "pickbed resting directions 1\n";
+
+std::filesystem::path CacheFile(const ObjectModel& model) {
+  std::string text = kVersion;
+  text += fmt::format("{:016x} {} {}", model.mesh_hash, model.friction, model.mass.mass_kg);
+  for (const double x : model.mass.com_O) text += fmt::format(" {}", x);
+  for (const double x : model.mass.inertia_com_O.reshaped()) text += fmt::format(" {}", x);
+  for (const Pose& X : SymmetryTransforms(model.symmetries_O, kSymmetrySteps)) {
+    for (const double x : X.linear().reshaped()) text += fmt::format(" {}", x);
+  }
+  uint64_t hash = HashBytes(text.data(), text.size());
+  for (const ConvexPiece& piece : model.convex_parts_O) {
+    hash = HashBytes(piece.vertices_O.data(), piece.vertices_O.size() * sizeof(Vector3d), hash);
+  }
+  return CacheDir() / "resting" / fmt::format("{:016x}", hash);
+}
+
+std::optional<std::vector<RestingDirection>> ReadDirections(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  if (!std::getline(in, line) || line + "\n" != kVersion) return std::nullopt;
+  std::vector<RestingDirection> directions;
+  size_t count = 0;
+  in >> count;
+  for (size_t i = 0; i < count; ++i) {
+    RestingDirection& d = directions.emplace_back();
+    in >> d.up_O.x() >> d.up_O.y() >> d.up_O.z() >> d.probability;
+  }
+  if (!in) return std::nullopt;
+  return directions;
+}
+
+std::vector<RestingDirection> CachedDirections(const ObjectModel& model) {
+  const std::filesystem::path file = CacheFile(model);
+  if (auto known = ReadDirections(file)) return *std::move(known);
+  std::vector<RestingDirection> directions;
+  for (const RestingPose& pose : FindRestingPoses(model)) {
+    directions.push_back({pose.up_O, pose.probability});
+  }
+  std::string text = kVersion + fmt::format("{}\n", directions.size());
+  for (const RestingDirection& d : directions) {
+    text += fmt::format("{} {} {} {}\n", d.up_O.x(), d.up_O.y(), d.up_O.z(), d.probability);
+  }
+  std::filesystem::create_directories(file.parent_path());
+  WriteFileAtomically(file, text);
+  return directions;
+}
+
+}  // namespace
+
 ObjectSet WithRestingDirections(const ObjectSet& objects) {
   ObjectSet known;
   for (const auto& object : objects) {
@@ -97,9 +157,7 @@ ObjectSet WithRestingDirections(const ObjectSet& objects) {
       continue;
     }
     auto copy = std::make_shared<ObjectModel>(*object);
-    for (const RestingPose& pose : FindRestingPoses(*object)) {
-      copy->resting_O.push_back({pose.up_O, pose.probability});
-    }
+    copy->resting_O = CachedDirections(*object);
     known.push_back(std::move(copy));
   }
   return known;

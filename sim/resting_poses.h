@@ -21,7 +21,7 @@ struct RestingPose {
 std::vector<RestingPose> FindRestingPoses(const ObjectModel& model, int drops = 100,
                                           uint64_t seed = 0);
 
-// The same parts with resting_O filled in where it is empty.
+// The same parts with resting_O filled in where it is empty, from the cache or found now.
 ObjectSet WithRestingDirections(const ObjectSet& objects);
 
 }  // namespace pickbed

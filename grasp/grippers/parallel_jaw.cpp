@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "grasp/candidates.h"
 #include "grasp/grippers/sizes.h"
+#include "grasp/jaw_hold.h"
 #include "scenes/check.h"
 #include "scenes/friction.h"
 
@@ -41,15 +43,27 @@ std::optional<double> ApproachOpening(const GripperSpec& spec, double width_m) {
   return opening;
 }
 
-Hand& Add(PhysicsWorld& world, const GripperSpec& spec, const Pose& X_WG) {
-  return world.AddHand(spec.hand, X_WG);
+// Its sliders' end stop is where it starts.
+Hand& Add(PhysicsWorld& world, const GripperSpec& spec, double opening_m, const Pose& X_WG) {
+  HandSpec hand = spec.hand;
+  hand.stroke_m = opening_m;
+  return world.AddHand(hand, X_WG);
 }
 
 std::vector<AxisAlignedBox> Boxes(const GripperSpec& spec, double opening_m) {
   return HandBoxes(spec.hand, opening_m);
 }
 
+std::optional<AxisAlignedBox> Between(const GripperSpec& spec, double opening_m) {
+  const Eigen::Vector3d half_pad = 0.5 * spec.hand.finger_size_m;
+  return AxisAlignedBox{{0, 0, -half_pad.z()}, {0.5 * opening_m, half_pad.y(), half_pad.z()}};
+}
+
 double MostOpen(const GripperSpec& spec) { return spec.hand.stroke_m; }
+
+double Travel(const GripperSpec& spec, double opening_m) {
+  return 0.5 * opening_m / spec.hand.close_speed_mps;
+}
 
 std::vector<AxisAlignedBox> SoftBoxes(const GripperSpec&) { return {}; }
 
@@ -62,21 +76,36 @@ std::string Summary(const GripperSpec& spec) {
   return fmt::format("opens {:.0f} mm, {:g} N", 1e3 * spec.hand.stroke_m, spec.hand.force_n);
 }
 
+std::vector<GraspCandidate> Candidates(const ObjectModel& model, const GripperSpec& spec, Rng& rng,
+                                       const GraspCandidateOptions& options) {
+  const AntipodalOptions& pairs = options.antipodal;
+  auto candidates = AntipodalGrasps(model, spec, rng, pairs);
+  if (candidates.empty()) return candidates;
+  const SurfacePoints surface =
+      SpreadPoints(model.mesh_O, pairs.point_spacing_m, pairs.min_points, pairs.max_points, rng);
+  JudgeJawGrasps(model, spec, surface, options.robust, rng.Next(), candidates);
+  return candidates;
+}
+
 }  // namespace
 
 MechanismRow ParallelJawRow() {
-  return {"parallel_jaw",
-          "two coupled fingers on a slider with a force limit",
-          {"the closing direction", "the fingers' width", "the approach"},
-          Visit,
-          Check,
-          ApproachOpening,
-          Add,
-          Boxes,
-          MostOpen,
-          SoftBoxes,
-          Capacity,
-          Summary};
+  return {.name = "parallel_jaw",
+          .help = "two coupled fingers on a slider with a force limit",
+          .axes_G = {"the closing direction", "the fingers' width", "the approach"},
+          .visit = Visit,
+          .check = Check,
+          .approach_opening_m = ApproachOpening,
+          .most_open_m = MostOpen,
+          .travel_s = Travel,
+          .add = Add,
+          .boxes = Boxes,
+          .between = Between,
+          .soft_boxes = SoftBoxes,
+          .capacity_n = Capacity,
+          .summary = Summary,
+          .needs = "antipodal pair that fits its stroke",
+          .make_candidates = Candidates};
 }
 
 }  // namespace pickbed

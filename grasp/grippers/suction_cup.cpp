@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "grasp/candidates.h"
 #include "grasp/grippers/sizes.h"
 #include "scenes/check.h"
 
@@ -52,13 +53,18 @@ void Check(const GripperSpec& spec, const std::string& source) {
 // The lip is always open.
 std::optional<double> ApproachOpening(const GripperSpec&, double) { return 0; }
 
-Hand& Add(PhysicsWorld& world, const GripperSpec& spec, const Pose& X_WG) {
+Hand& Add(PhysicsWorld& world, const GripperSpec& spec, double, const Pose& X_WG) {
   return world.AddCup(spec.cup, X_WG);
 }
 
 std::vector<AxisAlignedBox> Boxes(const GripperSpec& spec, double) { return CupBoxes(spec.cup); }
 
+// Its lip seals on one part alone.
+std::optional<AxisAlignedBox> Between(const GripperSpec&, double) { return std::nullopt; }
+
 double MostOpen(const GripperSpec&) { return 0; }
+
+double Travel(const GripperSpec&, double) { return 0; }
 
 std::vector<AxisAlignedBox> SoftBoxes(const GripperSpec& spec) {
   const Eigen::Vector3d half(spec.cup.radius_m, spec.cup.radius_m, 0.5 * spec.cup.bellows_travel_m);
@@ -73,21 +79,30 @@ std::string Summary(const GripperSpec& spec) {
                      spec.cup.vacuum_n, spec.cup.moment_limit_nm);
 }
 
+std::vector<GraspCandidate> Candidates(const ObjectModel& model, const GripperSpec& spec, Rng& rng,
+                                       const GraspCandidateOptions& options) {
+  return SuctionGrasps(model, spec, rng, options.suction, options.robust);
+}
+
 }  // namespace
 
 MechanismRow SuctionCupRow() {
-  return {"suction_cup",
-          "a bellows whose lip seals on a part, until pull or moment break it off",
-          {"x of the lip", "y of the lip", "the approach"},
-          Visit,
-          Check,
-          ApproachOpening,
-          Add,
-          Boxes,
-          MostOpen,
-          SoftBoxes,
-          Capacity,
-          Summary};
+  return {.name = "suction_cup",
+          .help = "a bellows whose lip seals on a part, until pull or moment break it off",
+          .axes_G = {"x of the lip", "y of the lip", "the approach"},
+          .visit = Visit,
+          .check = Check,
+          .approach_opening_m = ApproachOpening,
+          .most_open_m = MostOpen,
+          .travel_s = Travel,
+          .add = Add,
+          .boxes = Boxes,
+          .between = Between,
+          .soft_boxes = SoftBoxes,
+          .capacity_n = Capacity,
+          .summary = Summary,
+          .needs = "place that closes its lip",
+          .make_candidates = Candidates};
 }
 
 }  // namespace pickbed

@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kGrasps = 40;
 
-PoseError RandomError(Rng& rng) {
-  PoseError error;
+PoseOffset RandomError(Rng& rng) {
+  PoseOffset error;
   for (int i = 0; i < 6; ++i) error[i] = (i < 3 ? 0.01 : 0.4) * rng.Uniform(-1, 1);
   return error;
 }
@@ -42,7 +42,7 @@ void Fit(benchmark::State& state) {
   ToleranceModel model = FlangeModel(rng);
   std::vector<ToleranceSample> samples;
   for (int i = 0; i < state.range(0); ++i) {
-    const PoseError error = RandomError(rng);
+    const PoseOffset error = RandomError(rng);
     samples.push_back({error, error.head<3>().norm() < 0.01 * rng.Uniform(), i % kGrasps});
   }
   for (auto _ : state) FitTolerance(samples, {}, model);

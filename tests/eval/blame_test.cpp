@@ -55,7 +55,7 @@ TEST_F(Blame, AnotherPartThatCameIsTheGraspsFaultAtARightPoseAlone) {
 TEST_F(Blame, EveryLossOfTheHandPassesAtARightPose) {
   record_.hypotheses[0].correct = true;
   for (const Loss loss : {Loss::kCollision, Loss::kClosedOnNothing, Loss::kSlipped, Loss::kDropped,
-                          Loss::kTookTwo, Loss::kDisturbed}) {
+                          Loss::kMisplaced, Loss::kTookTwo, Loss::kDisturbed}) {
     record_.outcome.loss = loss;
     EXPECT_EQ(At(Pose::Identity()), loss);
   }

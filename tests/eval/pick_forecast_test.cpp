@@ -30,7 +30,7 @@ ToleranceModel Model(const ObjectModel& part) {
   Rng rng(3);
   std::vector<ToleranceSample> samples;
   for (int i = 0; i < 1000; ++i) {
-    PoseError error = PoseError::Zero();
+    PoseOffset error = PoseOffset::Zero();
     for (int k = 0; k < 3; ++k) error[k] = rng.Uniform(-0.01, 0.01);
     samples.push_back({error, std::abs(error[0]) < kBearable_m, i % 20});
   }
@@ -123,7 +123,7 @@ TEST_F(PickForecasts, EveryHypothesisHasItsChance) {
   const auto trials = Bins(3, 2, 0.01);
   EXPECT_THAT(PickChancesCsv(trials, objects_, maps), Not(HasSubstr("large")));
   EXPECT_THAT(PickChancesCsv(trials, objects_, maps), HasSubstr("\n0,0,0,small,0,0."));
-  EXPECT_THAT(PicksCsv(trials, objects_, maps), HasSubstr(",p_pick,success"));
+  EXPECT_THAT(PicksCsv(trials, objects_, maps), HasSubstr(",p_pick,p_grasp,success"));
 }
 
 TEST_F(PickForecasts, ForetellTheRunsOwnPicks) {
@@ -143,7 +143,10 @@ TEST_F(PickForecasts, ForetellTheRunsOwnPicks) {
     EXPECT_NEAR(f.expected / f.picks, double(f.successes) / f.picks, 0.08);
     EXPECT_EQ(f.predictors[0].name, kPickRiskMetric);
     EXPECT_GT(f.predictors[0].auc.auc, 0.97);
-    EXPECT_LT(f.predictors[1].auc.auc, 0.9) << f.predictors[1].name;
+    for (const Predictor& p : f.predictors) {
+      if (p.name == "mssd" || p.name == "add" || p.name == "adi")
+        EXPECT_LT(p.auc.auc, 0.9) << p.name;
+    }
   }
   const std::string text = ForecastText(forecasts);
   EXPECT_THAT(text, HasSubstr("Picks of all parts by their pose errors"));

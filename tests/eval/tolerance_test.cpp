@@ -77,9 +77,9 @@ TEST(ToleranceStudy, ErrorsAreWhatTheirAxesSay) {
     if (t.kind != TryKind::kAxis) continue;
     ++axis_tries;
     const ErrorAxis& axis = ErrorAxisTable()[t.axis[0]];
-    const PoseError error = ToPoseError(axis.of_grasp ? X_OG.inverse() * t.X_OO * X_OG : t.X_OO);
+    const PoseOffset error = ToPoseOffset(axis.of_grasp ? X_OG.inverse() * t.X_OO * X_OG : t.X_OO);
     const double step = axis.coordinate < 3 ? 0.0015 : 5 * std::numbers::pi / 180;
-    PoseError expected = PoseError::Zero();
+    PoseOffset expected = PoseOffset::Zero();
     expected[axis.coordinate] = t.level[0] * step;
     // The box's surface has its middle at the origin of O.
     EXPECT_LT((error - expected).norm(), 1e-9) << axis.name << " " << t.level[0];
@@ -155,19 +155,19 @@ TEST(TolerancePredictors, APlantedRuleIsToldByTheMapAndNotByTheMetrics) {
   ToleranceModel model = EmptyToleranceModel(*part, "test jaw", {Pose::Identity()});
   Rng rng(0);
   const auto draw = [&] {
-    PoseError error = PoseError::Zero();
+    PoseOffset error = PoseOffset::Zero();
     for (int i = 0; i < 3; ++i) error[i] = rng.Uniform(-0.01, 0.01);
     return error;
   };
   std::vector<ToleranceSample> samples;
   for (int i = 0; i < 2000; ++i) {
-    const PoseError error = draw();
+    const PoseOffset error = draw();
     samples.push_back({error, std::abs(error[0]) < 0.003, i % 20});
   }
   FitTolerance(samples, {}, model);
   std::vector<JudgedPick> picks;
   for (int i = 0; i < 600; ++i) {
-    const PoseError error = draw();
+    const PoseOffset error = draw();
     picks.push_back({ToPose(error), std::abs(error[0]) < 0.003, i});
   }
   const auto predictors = JudgePredictors({{model, *part, picks}});

@@ -62,6 +62,10 @@ TEST(Trial, PolicyLimitsThePicks) {
   const TrialResult one = RunOne(spec, EasyCube());
   EXPECT_EQ(one.picks.size(), 1u);
   EXPECT_EQ(BudgetOfInstances({&one, 1}).not_asked, 2);
+  // A bin without a grasp was asked for one part, too.
+  const TrialResult none = RunOne(spec, {Cube(0.09, 0.2, 0.6)});
+  EXPECT_EQ(BudgetOfInstances({&none, 1})[Loss::kNoGrasp], 1);
+  EXPECT_EQ(BudgetOfInstances({&none, 1}).asked(), 1);
   spec.policy.stop = "until_empty";
   spec.policy.max_picks = 2;
   const TrialResult result = RunOne(spec, EasyCube());

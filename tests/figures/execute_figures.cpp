@@ -159,7 +159,7 @@ std::vector<Variant> Variants() {
   plain.options.physics = PhysicsOptions();
   Variant active = plain;
   active.name = "that and all bodies active";
-  active.options.all_active = true;
+  active.options.world.all_active = true;
   Variant fine = plain;
   fine.name = "that at 960 Hz";
   fine.options.physics.rate_hz = 960;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 
@@ -15,20 +17,29 @@ namespace {
 const GraspCandidateOptions kQuick{.antipodal = {.candidates = 40, .max_pairs = 60},
                                    .robust = {.samples = 4}};
 
-TEST(Candidates, EveryMechanismHasAMaker) {
-  for (const MechanismRow& row : MechanismTable()) {
-    GripperSpec gripper;
-    gripper.mechanism = row.name;
-    EXPECT_STREQ(CandidateMakerOf(gripper).mechanism, row.name);
-  }
-  EXPECT_EQ(CandidateMakerTable().size(), MechanismTable().size());
-}
-
 TEST(Candidates, UnknownMechanismIsRefused) {
   GripperSpec gripper;
-  gripper.name = "odd";
   gripper.mechanism = "magnet";
-  EXPECT_THROW(CandidateMakerOf(gripper), InputError);
+  Rng rng(1);
+  EXPECT_THROW(MakeCandidates(*BoxPart({0.05, 0.05, 0.05}, 0.2), gripper, rng), InputError);
+}
+
+// A plate of 12 mm on the floor: a hand that leans by more than a few degrees would meet it before
+// its contact is deep enough.
+TEST(Candidates, APartThatRestsIsTakenFromStraightAbove) {
+  auto plate = std::make_shared<ObjectModel>(*BoxPart({0.06, 0.012, 0.012}, 0.05));
+  const auto count = [&] {
+    Rng rng(1);
+    const auto grasps = MakeCandidates(*plate, SmallJaw(), rng, kQuick);
+    return std::count_if(grasps.begin(), grasps.end(), [](const GraspCandidate& grasp) {
+      const Eigen::Matrix3d& R_OG = grasp.X_OG.linear();
+      const double tips_m = grasp.X_OG.translation().z();
+      return R_OG(2, 2) < -1 + 1e-9 && std::abs(R_OG(2, 0)) < 1e-9 && tips_m > -0.006;
+    });
+  };
+  EXPECT_EQ(count(), 0);
+  plate->resting_O = {{Eigen::Vector3d::UnitZ(), 1}};
+  EXPECT_GT(count(), 5);
 }
 
 // Through the table alone, whatever the mechanism: every quality is set.

@@ -138,6 +138,32 @@ TEST(Clearance, FieldFindsWhatAFullScanFinds) {
   }
 }
 
+TEST(Clearance, AHandOfManyBoxesIsLookedAtWhole) {
+  std::vector<AxisAlignedBox> boxes;
+  for (int i = 0; i < 12; ++i) boxes.push_back({{0.1 * i, 0, 0}, Vector3d::Constant(0.01)});
+  const ObstacleField field({{1.1, 0, 0.013}}, {-1}, 0.01);
+  const auto seen = field.Look(Pose::Identity(), boxes, std::nullopt, {0}, 0.02);
+  ASSERT_EQ(seen.distance_m.size(), 12u);
+  EXPECT_NEAR(seen.distance_m[11], 0.003, 1e-12);
+  EXPECT_EQ(seen.distance_m[10], 0.02);
+  EXPECT_EQ(seen.between, 0);
+}
+
+// A hand that leans is as far from the floor as its lowest corner.
+TEST(Clearance, ALeaningBoxKeepsNoMoreThanTheClearance) {
+  const AxisAlignedBox finger{{0, 0, 0}, {0.01, 0.01, 0.03}};
+  const auto floor = BinBoxes(Bin{});
+  const Pose leaning(Eigen::AngleAxisd(0.5, Vector3d::UnitY()));
+  const double reach_m = 0.01 * std::sin(0.5) + 0.03 * std::cos(0.5);
+  const auto met = [&](double gap_m) {
+    return FindBinContact({&finger, 1}, Translation({0, 0, reach_m + gap_m}) * leaning, floor,
+                          0.002)
+        .has_value();
+  };
+  EXPECT_TRUE(met(0.0019));
+  EXPECT_FALSE(met(0.0021));
+}
+
 TEST(Clearance, CoveredShareIsThatOfTheFloorPlan) {
   Eigen::Matrix3Xd plate(3, 40 * 40);
   std::vector<Vector3d> above;

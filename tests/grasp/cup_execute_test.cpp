@@ -33,6 +33,35 @@ TEST(CupExecute, OverTheEdgeItDoesNotSeal) {
 }
 
 // Its weight of 42 N is below the cup's 45, with the lift's 1.15 m/s^2 it is 47.
+// The palm behind the stem reaches 3 cm from its middle, the lip half of that.
+TEST(CupExecute, APalmThatMeetsTheWallIsACollision) {
+  const GripperSpec cup = LoadGripper("cup_30mm");
+  const ObjectSet boxes{BoxPart({0.06, 0.06, kHeight_m}, 0.3)};
+  const auto pick = [&](double from_wall_m) {
+    Scene scene = BoxesOnFloor({{0, 0.118}}, kHeight_m);
+    scene.bin.inner_size_m.z() = 0.25;
+    const double wall_m = 0.5 * scene.bin.inner_size_m.y();
+    Grasp grasp;
+    grasp.X_WG = FromAbove({0, wall_m - from_wall_m, kHeight_m + 0.0006 - cup.cup.press_m});
+    return ExecuteGrasp(scene, boxes, grasp, cup, 10).outcome.loss;
+  };
+  EXPECT_EQ(LossName(pick(0.025)), LossName(Loss::kCollision));
+  EXPECT_EQ(LossName(pick(0.035)), LossName(Loss::kNone));
+}
+
+// A stem beside the box goes into the floor, the palm stays above.
+TEST(CupExecute, AStemThatMeetsTheFloorIsACollision) {
+  const GripperSpec cup = LoadGripper("cup_30mm");
+  const ObjectSet boxes{BoxPart({0.06, 0.06, kHeight_m}, 0.3)};
+  const auto pick = [&](double lip_z_m) {
+    Grasp grasp;
+    grasp.X_WG = FromAbove({0.1, 0, lip_z_m});
+    return ExecuteGrasp(BoxesOnFloor({{0, 0}}, kHeight_m), boxes, grasp, cup, 10).outcome.loss;
+  };
+  EXPECT_EQ(LossName(pick(-cup.cup.bellows_travel_m - 0.003)), LossName(Loss::kCollision));
+  EXPECT_EQ(LossName(pick(-cup.cup.bellows_travel_m + 0.003)), LossName(Loss::kClosedOnNothing));
+}
+
 TEST(CupExecute, ItComesOffABoxThatIsTooHeavyToLiftSoFast) {
   EXPECT_EQ(LossName(PickWithCup(4.3, 0).loss), LossName(Loss::kSlipped));
 }

@@ -85,6 +85,21 @@ TEST_F(Plan, ReportsNoMoreThanAskedFor) {
   EXPECT_EQ(Run().grasps.size(), 5u);
 }
 
+// What is reported, rejected and left untried are all the candidates of all poses.
+TEST_F(Plan, EveryCandidateIsAccountedFor) {
+  Place({0, 0, 0.025});
+  Place({0.07, 0.01, 0.025}, 0.9);
+  AddRing(0.13, 0.04);
+  const int all = 2 * static_cast<int>(candidates_[0].size());
+  for (const int most : {1, 5, 100000}) {
+    const PlanResult result = Run({.max_grasps = most});
+    EXPECT_EQ(static_cast<int>(result.grasps.size()) + Rejected(result), all) << most;
+    EXPECT_EQ(result.rejected.contains("not tried"), most < 100000);
+  }
+  const PlanResult chance = Run({.max_grasps = 5, .ranking = "random"});
+  EXPECT_EQ(static_cast<int>(chance.grasps.size()) + Rejected(chance), all);
+}
+
 TEST_F(Plan, FewAreTheFirstOfMany) {
   Place({0, 0, 0.025});
   Place({0.07, 0.01, 0.025}, 0.9);
@@ -226,6 +241,23 @@ TEST_F(Plan, RankingChoosesWhichQualityCounts) {
   EXPECT_NEAR(Run({.ranking = "quality"}).grasps.at(0).X_WG.translation().y(), -0.006, 1e-12);
   EXPECT_NEAR(Run({.ranking = "epsilon"}).grasps.at(0).X_WG.translation().y(), 0, 1e-12);
   EXPECT_NEAR(Run({.ranking = "robust"}).grasps.at(0).X_WG.translation().y(), 0.006, 1e-12);
+}
+
+TEST_F(Plan, OfEqualGraspsTheOneThatCanSetThePartDownIsBetter) {
+  Place({0, 0, 0.025});
+  GraspCandidate candidate = {};
+  candidate.X_OG = FromAbove({0, -0.006, -0.010});
+  candidate.width_m = 0.05;
+  candidate.depth_m = 0.010;
+  candidate.quality = 0.5;
+  std::vector<GraspCandidate> candidates(2, candidate);
+  candidates[1].X_OG.translation().y() = 0.006;
+  for (const int good : {0, 1}) {
+    candidates[good].set_down = 1;
+    candidates[1 - good].set_down = 0.1;
+    candidates_ = {candidates};
+    EXPECT_NEAR(Run().grasps.at(0).X_WG.translation().y(), good == 0 ? -0.006 : 0.006, 1e-12);
+  }
 }
 
 TEST_F(Plan, UnknownRankingIsRefused) {

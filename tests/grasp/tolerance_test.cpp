@@ -22,14 +22,14 @@ std::shared_ptr<ObjectModel> Box() {
   return std::make_shared<ObjectModel>(*BoxPart({0.04, 0.03, 0.02}, 0.1));
 }
 
-PoseError Error(double x, double y, double z, double rx = 0, double ry = 0, double rz = 0) {
-  PoseError error;
+PoseOffset Error(double x, double y, double z, double rx = 0, double ry = 0, double rz = 0) {
+  PoseOffset error;
   error << x, y, z, rx, ry, rz;
   return error;
 }
 
-PoseError RandomError(Rng& rng, double length_m, double angle_rad) {
-  PoseError error;
+PoseOffset RandomError(Rng& rng, double length_m, double angle_rad) {
+  PoseOffset error;
   for (int i = 0; i < 3; ++i) error[i] = rng.Uniform(-length_m, length_m);
   for (int i = 3; i < 6; ++i) error[i] = rng.Uniform(-angle_rad, angle_rad);
   return error;
@@ -37,8 +37,8 @@ PoseError RandomError(Rng& rng, double length_m, double angle_rad) {
 
 // Outcomes of a rule that is known: an ellipsoid in the error as the hand sees it, 4 mm along the
 // closing direction, 12 mm across, 8 mm along the approach, and 0.4 rad about each.
-double PlantedRadius(const PoseError& error_G) {
-  const PoseError half = Error(0.004, 0.012, 0.008, 0.4, 0.4, 0.4);
+double PlantedRadius(const PoseOffset& error_G) {
+  const PoseOffset half = Error(0.004, 0.012, 0.008, 0.4, 0.4, 0.4);
   return error_G.cwiseQuotient(half).norm();
 }
 
@@ -47,7 +47,7 @@ ToleranceModel PlantedModel(const std::vector<Pose>& X_OG, int count = 3000) {
   Rng rng(1);
   std::vector<ToleranceSample> samples;
   for (int i = 0; i < count; ++i) {
-    const PoseError error = rng.Uniform() * RandomError(rng, 0.02, 0.6);
+    const PoseOffset error = rng.Uniform() * RandomError(rng, 0.02, 0.6);
     samples.push_back({error, PlantedRadius(error) < 1, i % 40});
   }
   FitTolerance(samples, {}, model);
@@ -57,10 +57,10 @@ ToleranceModel PlantedModel(const std::vector<Pose>& X_OG, int count = 3000) {
 TEST(Tolerance, AnErrorIsItsOwnPoseAndBack) {
   Rng rng(3);
   for (int i = 0; i < 200; ++i) {
-    const PoseError error = RandomError(rng, 0.1, 1.7);
-    EXPECT_LT((ToPoseError(ToPose(error)) - error).norm(), 1e-12);
+    const PoseOffset error = RandomError(rng, 0.1, 1.7);
+    EXPECT_LT((ToPoseOffset(ToPose(error)) - error).norm(), 1e-12);
   }
-  EXPECT_TRUE(ToPose(PoseError::Zero()).isApprox(Pose::Identity()));
+  EXPECT_TRUE(ToPose(PoseOffset::Zero()).isApprox(Pose::Identity()));
 }
 
 TEST(Tolerance, FindsThePlantedRegionAxisByAxis) {
@@ -70,7 +70,7 @@ TEST(Tolerance, FindsThePlantedRegionAxisByAxis) {
   const double ends[] = {0.004, 0.012, 0.008, 0.4, 0.4, 0.4};
   for (int axis = 0; axis < 6; ++axis) {
     for (const double sign : {-1.0, 1.0}) {
-      PoseError error = PoseError::Zero();
+      PoseOffset error = PoseOffset::Zero();
       error[axis] = 0.6 * sign * ends[axis];
       EXPECT_GT(SuccessProbability(model, ToPose(error)), 0.6) << axis;
       error[axis] = 1.6 * sign * ends[axis];
@@ -84,7 +84,7 @@ TEST(Tolerance, TellsPlantedHitsFromMisses) {
   Rng rng(9);
   int right = 0, tries = 2000;
   for (int i = 0; i < tries; ++i) {
-    const PoseError error = rng.Uniform() * RandomError(rng, 0.02, 0.6);
+    const PoseOffset error = rng.Uniform() * RandomError(rng, 0.02, 0.6);
     right += (SuccessProbability(model, ToPose(error)) > 0.5) == (PlantedRadius(error) < 1);
   }
   EXPECT_GT(right, 0.93 * tries);
@@ -160,7 +160,7 @@ TEST(Tolerance, ATurnAboutAContinuousAxisIsNoError) {
   for (const double angle : {0.5, 1.3, 2.9, -2.0}) {
     const Pose turned(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
     // To half a step of the expanded axis.
-    EXPECT_LT(ToPoseError(NearestError(model, turned)).norm(), 0.0101) << angle;
+    EXPECT_LT(ToPoseOffset(NearestError(model, turned)).norm(), 0.0101) << angle;
     EXPECT_GT(SuccessProbability(model, turned), 0.95) << angle;
   }
 }

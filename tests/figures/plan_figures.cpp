@@ -1,0 +1,183 @@
+// Empties bins of 20 of one part with true poses and says what the plan left and why:
+//   plan_figures PART|all BINS [KEY=VALUE ...]
+// Keys are those of PlanOptions as plan.KEY, of ExecuteOptions as execute.KEY, and gripper.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "grasp/candidates.h"
+#include "grasp/execute.h"
+#include "grasp/plan.h"
+#include "scenes/object_catalog.h"
+#include "sim/convex_pieces.h"
+#include "sim/resting_poses.h"
+#include "sim/scene_maker.h"
+
+namespace pickbed {
+namespace {
+
+constexpr int kParts = 20;
+constexpr int kCloudPoints = 3000;  // on each part
+constexpr int kMaxFailures = 2;     // in a row, as the clutter removal protocol has it
+
+struct Settings {
+  std::string gripper = "jaw_8cm";
+  PlanOptions plan;
+  ExecuteOptions execute;
+  void Visit(SettingsVisitor& v) {
+    v.Text("gripper", gripper, {}, "name or file");
+    v.Group(
+        "plan", [this](SettingsVisitor& g) { plan.Visit(g); }, "");
+    v.Group(
+        "execute", [this](SettingsVisitor& g) { execute.Visit(g); }, "");
+  }
+};
+
+struct Count {
+  int dropped = 0, cleared = 0, attempts = 0, placed = 0, second_looks = 0, of_second = 0;
+  double plan_s = 0;
+  int plans = 0;
+  std::map<std::string, int> losses, rejected;  // rejections of the looks that found nothing
+  std::vector<std::string> misplaced;
+};
+
+double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+// What the parts show to the sky, without what hides it.
+std::vector<Eigen::Vector3d> CloudOf(const Scene& scene, const ObjectModel& model) {
+  Rng rng(1);
+  const SurfaceSamples samples = SampleSurface(model.mesh_O, kCloudPoints, rng);
+  std::vector<Eigen::Vector3d> cloud_W;
+  for (const PosedObject& part : scene.objects) {
+    for (size_t i = 0; i < samples.points.size(); ++i) {
+      const Eigen::Vector3d normal_W = part.X_WO.linear() * samples.normals[i];
+      if (normal_W.z() > 0) cloud_W.push_back(part.X_WO * samples.points[i]);
+    }
+  }
+  return cloud_W;
+}
+
+PlanResult PlanOnce(const Scene& scene, const ObjectSet& objects, const GripperSpec& gripper,
+                    const std::vector<std::vector<GraspCandidate>>& candidates,
+                    const Settings& settings, Count& count) {
+  std::vector<BelievedPose> poses;
+  for (const PosedObject& part : scene.objects) poses.push_back({part.object, part.X_WO, 1});
+  const auto cloud_W = CloudOf(scene, *objects[0]);
+  const double begin_s = CpuSeconds();
+  PlanResult plan =
+      PlanGrasps({scene.bin, poses, candidates, cloud_W, objects, gripper}, settings.plan);
+  count.plan_s += CpuSeconds() - begin_s;
+  ++count.plans;
+  count.second_looks += plan.with_wider_limits;
+  return plan;
+}
+
+// Where it came to lie against where it was to, and how it was let go.
+std::string HowPlaced(const Bin& bin, const ObjectModel& model, const Pose& X_WO,
+                      const Grasp& grasp, const GripperSpec& gripper, const PlaceOptions& options,
+                      const GraspOutcome& outcome) {
+  const MechanismRow& row = MechanismOf(gripper);
+  const double opening_m = row.approach_opening_m(gripper, grasp.width_m).value_or(0);
+  const PlacePlan plan =
+      PlanPlace(bin, model, X_WO, grasp.X_WG, row.boxes(gripper, opening_m), options);
+  const Pose let_go = plan.X_WG * grasp.X_WG.inverse() * X_WO;
+  double drop_m = 1;
+  for (const Eigen::Vector3d& p_O : model.mesh_O.vertices) {
+    drop_m = std::min(drop_m, (let_go * p_O).z());
+  }
+  return fmt::format(
+      "{:.0f}mm/{:.0f}deg(in hand {:.0f}mm/{:.0f}deg, dropped {:.0f}mm, inclined "
+      "{:.0f}, hand {:.0f})",
+      1e3 * outcome.place_error_m, 57.3 * outcome.place_turn_rad, 1e3 * outcome.slip_m,
+      57.3 * outcome.turn_rad, 1e3 * drop_m,
+      57.3 * RotationAngleRad(let_go.linear(), plan.X_WO.linear()),
+      57.3 * std::acos(-plan.X_WG.linear()(2, 2)));
+}
+
+void Empty(Scene scene, const ObjectSet& objects, const GripperSpec& gripper,
+           const std::vector<std::vector<GraspCandidate>>& candidates, const Settings& settings,
+           Count& count) {
+  count.dropped += static_cast<int>(scene.objects.size());
+  for (int failures = 0; failures < kMaxFailures && !scene.objects.empty();) {
+    const PlanResult plan = PlanOnce(scene, objects, gripper, candidates, settings, count);
+    if (plan.grasps.empty()) {
+      for (const auto& [cause, grasps] : plan.rejected) count.rejected[cause] += grasps;
+      return;
+    }
+    const Grasp& grasp = plan.grasps[std::min<size_t>(failures, plan.grasps.size() - 1)];
+    const PosedObject target = scene.objects[grasp.hypothesis];
+    ExecuteResult result =
+        ExecuteGrasp(scene, objects, grasp, gripper, {target.instance, target.object, target.X_WO},
+                     settings.execute);
+    const GraspOutcome& outcome = result.outcome;
+    ++count.attempts;
+    failures = outcome.success ? 0 : failures + 1;
+    count.cleared += outcome.success;
+    count.of_second += outcome.success && plan.with_wider_limits;
+    if (!outcome.success) ++count.losses[std::string(LossName(outcome.loss))];
+    const bool placed = outcome.verdicts[static_cast<int>(SuccessRule::kPlaced)];
+    count.placed += placed;
+    if (outcome.success && !placed) {
+      count.misplaced.push_back(HowPlaced(scene.bin, *objects[0], target.X_WO, grasp, gripper,
+                                          settings.execute.place, outcome));
+    }
+    scene = std::move(result.after);
+  }
+}
+
+void Measure(const std::string& name, int bins, const Settings& settings) {
+  const ObjectSet objects = WithRestingDirections(
+      WithConvexPieces(ObjectSet{ObjectCatalog({AssetsDir() / "objects"}).Load(name)}));
+  const GripperSpec gripper = LoadGripper(settings.gripper);
+  Bin bin;  // of the part's size, as those of the presets bin_PART
+  bin.inner_size_m = Eigen::Vector3d(4, 3, 1.5) * objects[0]->diameter_m;
+  const std::vector<std::vector<GraspCandidate>> candidates{CachedCandidates(*objects[0], gripper)};
+  Count count;
+  for (int trial = 0; trial < bins; ++trial) {
+    const CertifiedScene made = MakeScene({bin, objects, {kParts}, 0, uint64_t(trial)});
+    Empty(made.scene, objects, gripper, candidates, settings, count);
+  }
+  fmt::print(
+      "{:<9} {} grasps; cleared {}/{}, success {}/{}, placed {}; plan {:.0f} ms; second look {}, "
+      "brought {};",
+      name, candidates[0].size(), count.cleared, count.dropped, count.cleared, count.attempts,
+      count.placed, 1e3 * count.plan_s / std::max(1, count.plans), count.second_looks,
+      count.of_second);
+  for (const auto& [loss, n] : count.losses) fmt::print(" {} {}", loss, n);
+  for (const std::string& text : count.misplaced) fmt::print(" {}", text);
+  fmt::print("\n   left by");
+  for (const auto& [cause, n] : count.rejected) fmt::print(" {} {},", cause, n);
+  fmt::print("\n");
+  std::fflush(stdout);
+}
+
+int Main(int argc, char** argv) {
+  const std::string part = argc > 2 ? argv[1] : "";
+  const int bins = argc > 2 ? std::atoi(argv[2]) : 0;
+  if (bins < 1) {
+    fmt::print(stderr, "plan_figures PART|all BINS [KEY=VALUE ...]\n");
+    return 1;
+  }
+  Settings settings;
+  for (int i = 3; i < argc; ++i) {
+    ApplySetting(argv[i], [&](SettingsVisitor& v) { settings.Visit(v); });
+  }
+  const auto names = ObjectCatalog({AssetsDir() / "objects"}).Names();
+  for (const std::string& name : names) {
+    if (part == "all" || part.find(name) != std::string::npos) Measure(name, bins, settings);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace pickbed
+
+int main(int argc, char** argv) { return pickbed::Main(argc, argv); }
