@@ -16,13 +16,16 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 16> kCommands{{
+constexpr std::array<CommandRow, 18> kCommands{{
     {"run", "drop, look, estimate and pick, trial after trial; measure how often it works",
      RunCommand},
     {"budget", "where the picks of a run were lost, and what perfecting a stage would gain",
      BudgetCommand},
     {"replay", "run one trial of a run again, and name the first stage that went another way",
      ReplayCommand},
+    {"report", "what a run found, as one HTML page with charts, lost picks and 3D views",
+     ReportCommand},
+    {"compare", "two runs side by side as one HTML page, with paired differences", CompareCommand},
     {"drop", "fill one bin and show how it came to rest", DropCommand},
     {"render", "fill one bin and write what the camera sees", RenderCommand},
     {"estimate", "guess poses in filled bins and score them against the truth, without picking",

@@ -25,14 +25,9 @@ void WriteLookPictures(const std::filesystem::path& folder, int pick, const Over
 }
 
 OverlayInput OverlayOf(const LookState& look) {
-  return {look.view->frame,
-          look.cell.camera(),
-          look.cell.objects(),
-          look.scene,
-          *look.hypotheses,
-          look.record.grasp ? &*look.record.grasp : nullptr,
-          &look.gripper,
-          &look.view->ids};
+  return {look.view->frame, look.cell.camera(), look.cell.objects(),
+          look.scene,       *look.hypotheses,   look.record.grasp ? &*look.record.grasp : nullptr,
+          &look.gripper,    &look.view->ids};
 }
 
 void PickPictures::OnStage(TrialStage stage, const LookState& look) {

@@ -65,7 +65,8 @@ int main(int argc, char** argv) {
   constexpr int kFewest = 20;
   const int trials = argc > 1 ? std::atoi(argv[1]) : 0;
   if (argc < 3 || trials < kFewest) {
-    fmt::print(stderr, "soak_figures TRIALS SCENARIO [KEY=VALUE]..., {} trials at least\n", kFewest);
+    fmt::print(stderr, "soak_figures TRIALS SCENARIO [KEY=VALUE]..., {} trials at least\n",
+               kFewest);
     return 2;
   }
   pickbed::ScenarioArguments arguments;
