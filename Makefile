@@ -8,11 +8,13 @@ PROGRAM := build/release/pickbed
 PARTS := build/release/scenes/pickbed_make_parts
 AS_ROOT := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-# $(call install,groups): installs what is missing of these groups of packages.txt.
+# $(call install,groups): installs what is missing of these groups of packages.txt; what another
+# package provides (nodejs of NodeSource has npm) is not missing.
 define install
 	@missing=""; \
+	here=" $$(dpkg-query -W -f '$${db:Status-Status} $${Package} $${Provides}\n' | sed -n 's/^installed//; T; s/([^)]*)//g; s/,/ /g; p' | tr '\n' ' ') "; \
 	for package in $$(awk -v groups="$(1)" '/^[a-z]/ && index(groups, $$1) { print $$2 }' packages.txt); do \
-	  dpkg-query -W -f '$${Status}' $$package 2>/dev/null | grep -q 'ok installed' || missing="$$missing $$package"; \
+	  [[ "$$here" == *" $$package "* ]] || missing="$$missing $$package"; \
 	done; \
 	if [ -n "$$missing" ]; then \
 	  echo "installing:$$missing"; \
@@ -27,16 +29,17 @@ help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 
 build:
-	$(call install,build)
+	$(call install,build report)
 	cmake --preset release -DPICKBED_BUILD_TESTS=OFF
 	cmake --build --preset release
 
 demo: build
 	rm -rf results/demo
 	$(PROGRAM) run scenes/presets/demo.yaml --jobs $$(nproc) --out results/demo
+	-$(PROGRAM) report results/demo
 
 test:
-	$(call install,build test)
+	$(call install,build report test)
 	cmake --preset release -DPICKBED_BUILD_TESTS=ON
 	cmake --build --preset release
 	ctest --preset release -j $$(nproc)

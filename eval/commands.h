@@ -14,6 +14,8 @@ int SweepCommand(int argc, char** argv);
 int MergeCommand(int argc, char** argv);
 int BudgetCommand(int argc, char** argv);
 int ReplayCommand(int argc, char** argv);
+int ReportCommand(int argc, char** argv);
+int CompareCommand(int argc, char** argv);
 int DropCommand(int argc, char** argv);
 int RenderCommand(int argc, char** argv);
 int EstimateCommand(int argc, char** argv);

@@ -1,5 +1,6 @@
 #include "scenes/image_io.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
@@ -59,6 +60,25 @@ std::string EncodePng(const Image<Rgb8>& image, int level) {
   cv::Mat bgr;
   cv::cvtColor(MatOf(image, CV_8UC3), bgr, cv::COLOR_RGB2BGR);
   return Encode(bgr, level);
+}
+
+std::string EncodeJpeg(const Image<Rgb8>& image, int quality) {
+  cv::Mat bgr;
+  cv::cvtColor(MatOf(image, CV_8UC3), bgr, cv::COLOR_RGB2BGR);
+  std::vector<unsigned char> bytes;
+  cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  return std::string(bytes.begin(), bytes.end());
+}
+
+Image<Rgb8> Narrowed(const Image<Rgb8>& image, int width_px) {
+  if (image.width() <= width_px) return image;
+  const int height_px =
+      std::max(1, static_cast<int>(
+                      std::lround(static_cast<double>(image.height()) * width_px / image.width())));
+  Image<Rgb8> narrowed(width_px, height_px);
+  cv::Mat out(height_px, width_px, CV_8UC3, narrowed.data());
+  cv::resize(MatOf(image, CV_8UC3), out, out.size(), 0, 0, cv::INTER_AREA);
+  return narrowed;
 }
 
 std::string EncodePng(const Image<uint16_t>& image, int level) {

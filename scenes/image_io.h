@@ -1,6 +1,6 @@
 #pragma once
 
-// PNG in and out: 8-bit colour, 8-bit masks and 16-bit depth.
+// PNG in and out: 8-bit colour, 8-bit masks and 16-bit depth. JPEG out, for pages.
 
 #include <filesystem>
 #include <optional>
@@ -25,6 +25,11 @@ Image<uint8_t> ReadPng8(const std::filesystem::path& path);  // one channel
 std::string EncodePng(const Image<Rgb8>& image, int level);
 std::string EncodePng(const Image<uint16_t>& image, int level);
 std::string EncodePng(const Image<uint8_t>& image, int level);
+
+// The bytes of a JPEG; `quality` 1 .. 100.
+std::string EncodeJpeg(const Image<Rgb8>& image, int quality);
+// The image made smaller, in proportion, where it is wider than this.
+Image<Rgb8> Narrowed(const Image<Rgb8>& image, int width_px);
 
 // As WriteDepthPng rounds.
 Image<uint16_t> DepthUnits(const Image<float>& depth_m, double scale_mm);

@@ -81,5 +81,37 @@ TEST(DecodeImage, GivesNothingForOtherBytes) {
   EXPECT_EQ(DecodeImage(ReadFileBytes(folder.path() / "a.png")), image);
 }
 
+// The mean of each channel.
+Eigen::Vector3d MeanColor(const Image<Rgb8>& image) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Rgb8& p : image.pixels()) sum += Eigen::Vector3d(p.r, p.g, p.b);
+  return sum / static_cast<double>(image.size());
+}
+
+TEST(Narrowed, KeepsShapeAndColoursOfWhatIsTooWide) {
+  const Image<Rgb8> image = RandomImage(120, 90);
+  const Image<Rgb8> narrowed = Narrowed(image, 40);
+  EXPECT_EQ(narrowed.width(), 40);
+  EXPECT_EQ(narrowed.height(), 30);
+  EXPECT_LT((MeanColor(narrowed) - MeanColor(image)).norm(), 1);
+  EXPECT_EQ(Narrowed(image, 120), image);
+  EXPECT_EQ(Narrowed(RandomImage(50, 1), 2).height(), 1);
+}
+
+TEST(EncodeJpeg, IsReadBackNearlyAsItWas) {
+  Image<Rgb8> ramp(64, 48);
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      ramp(x, y) = {static_cast<uint8_t>(4 * x), static_cast<uint8_t>(5 * y), 30};
+    }
+  }
+  const auto back = DecodeImage(EncodeJpeg(ramp, 90));
+  ASSERT_TRUE(back.has_value());
+  ASSERT_EQ(back->width(), 64);
+  EXPECT_LT((MeanColor(*back) - MeanColor(ramp)).norm(), 2);
+  EXPECT_GT((*back)(60, 5).r, (*back)(3, 5).r + 150);
+  EXPECT_LT(EncodeJpeg(ramp, 20).size(), EncodeJpeg(ramp, 95).size());
+}
+
 }  // namespace
 }  // namespace pickbed

@@ -1,0 +1,37 @@
+#include <fmt/format.h>
+
+#include "eval/command_line.h"
+#include "eval/commands.h"
+#include "eval/report.h"
+#include "scenes/files.h"
+
+namespace pickbed {
+
+int ReportCommand(int argc, char** argv) {
+  CLI::App app(
+      "Writes what a run found as one HTML page that opens from disk and needs no network.",
+      "pickbed report");
+  std::string run, out, catalog = "objects";
+  ReportOptions options;
+  app.add_option("RUN", run, "results folder of a `pickbed run` or `pickbed sweep`")->required();
+  app.add_option("--out", out, "the page [RUN/report.html]");
+  app.add_option("--failures", options.failures, "lost picks in the gallery at most")
+      ->check(CLI::Range(0, 5000))
+      ->capture_default_str();
+  app.add_option("--views", options.views, "trials in 3D at most")
+      ->check(CLI::Range(0, 20))
+      ->capture_default_str();
+  app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
+  app.footer("Example: pickbed report results/demo");
+  if (!ParseArguments(app, argc, argv)) return 0;
+
+  ReportRun read = ReadReportRun(run);
+  const std::filesystem::path page =
+      out.empty() ? std::filesystem::path(run) / "report.html" : std::filesystem::path(out);
+  RequireWritable(page);
+  WriteFileAtomically(page, RunReportPage(std::move(read), OpenCatalog(catalog), options));
+  fmt::print("report in {}\n", page.string());
+  return 0;
+}
+
+}  // namespace pickbed

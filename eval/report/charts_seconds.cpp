@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "eval/report/charts_impl.h"
+
+namespace pickbed {
+namespace {
+
+const StageTime* TimeOf(const PointReport& point, const std::string& stage) {
+  const auto found = std::find_if(point.seconds.begin(), point.seconds.end(),
+                                  [&](const StageTime& time) { return time.stage == stage; });
+  return found == point.seconds.end() ? nullptr : &*found;
+}
+
+// In the first point's order, with those that only others have behind.
+std::vector<std::string> StagesOf(std::span<const PointReport> points) {
+  std::vector<std::string> stages;
+  for (const PointReport& point : points) {
+    for (const StageTime& time : point.seconds) {
+      if (std::find(stages.begin(), stages.end(), time.stage) == stages.end()) {
+        stages.push_back(time.stage);
+      }
+    }
+  }
+  return stages;
+}
+
+}  // namespace
+
+ReportChart SecondsChart(std::span<const PointReport> points) {
+  ReportChart chart{"seconds", "Time of each stage",
+                    "Seconds of computing a trial, mean; the line reaches from the 10th to the "
+                    "90th percentile over trials. \"estimate/icp\" is a part of \"estimate\". "
+                    "Times are of the machine that ran the trials and differ from run to run.",
+                    ""};
+  chart.table = {{"stage"}};
+  for (const PointReport& point : points) {
+    const std::string prefix = points.size() > 1 ? point.name + ": " : "";
+    chart.table[0].insert(chart.table[0].end(), {prefix + "mean, s", "10 % to 90 %"});
+  }
+  const std::vector<std::string> stages = StagesOf(points), names = NamesOf(points);
+  Json values = Json::array();
+  for (const std::string& stage : stages) {
+    chart.table.push_back({stage});
+    for (const PointReport& point : points) {
+      const StageTime* time = TimeOf(point, stage);
+      if (time == nullptr) {
+        chart.table.back().insert(chart.table.back().end(), {"-", ""});
+        continue;
+      }
+      const std::string range = fmt::format("{:.3f} to {:.3f}", time->low_s, time->high_s);
+      chart.table.back().insert(chart.table.back().end(),
+                                {fmt::format("{:.3f}", time->mean_s), range});
+      values.push_back({{"stage", stage},
+                        {"series", point.name},
+                        {"mean", time->mean_s},
+                        {"low", time->low_s},
+                        {"high", time->high_s},
+                        {"text", fmt::format("{:.3f} s, {}", time->mean_s, range)}});
+    }
+  }
+  if (values.empty()) {
+    chart.caption = "The run holds no times.";
+    return chart;
+  }
+  Json y = Field("stage", "nominal", "");
+  y["sort"] = stages;
+  y["title"] = nullptr;
+  Json bar{{"y", y}, {"x", Field("mean", "quantitative", "seconds a trial")}};
+  if (points.size() > 1) {
+    bar["yOffset"] = {{"field", "series"}, {"type", "nominal"}, {"sort", names}};
+  }
+  Json line = bar;
+  line["x"]["field"] = "low";
+  line["x2"] = {{"field", "high"}};
+  bar["fill"] = SeriesFill("series", names);
+  bar["tooltip"] = {{{"field", "stage"}, {"type", "nominal"}},
+                    {{"field", "text"}, {"type", "nominal"}, {"title", "time"}}};
+  Json spec = EmptySpec(values);
+  spec["height"] = BarsHeight_px(stages.size(), points.size());
+  spec["layer"] = {{{"mark", {{"type", "bar"}}}, {"encoding", bar}},
+                   {{"mark", {{"type", "rule"}, {"color", "currentColor"}, {"strokeWidth", 1.5}}},
+                    {"encoding", line}}};
+  chart.spec = spec.dump();
+  return chart;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,327 @@
+#include "eval/report_data.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+
+#include "eval/report/ticks.h"
+#include "eval/trial_clusters.h"
+#include "eval/virtual_cell.h"
+
+namespace pickbed {
+namespace {
+
+constexpr double kDegrees = 180 / 3.14159265358979323846;
+constexpr double kLowShare = 0.1, kHighShare = 0.9;  // of StageTime
+
+// One entry a trial; what is summed is also what intervals are made of.
+class RateByScene {
+ public:
+  explicit RateByScene(size_t trials) : clusters_(trials) {}
+  void Count(size_t trial, bool hit) {
+    clusters_[trial].hits += hit;
+    ++clusters_[trial].tries;
+  }
+  ReportRate Finish() const {
+    ReportRate rate;
+    for (const Cluster& cluster : clusters_) {
+      rate.hits += cluster.hits;
+      rate.tries += cluster.tries;
+    }
+    rate.ci95 = ClusterInterval(clusters_);
+    return rate;
+  }
+
+ private:
+  std::vector<Cluster> clusters_;
+};
+
+// Of sorted values, the nearest of them.
+double Quantile(const std::vector<double>& sorted, double share) {
+  if (sorted.empty()) return 0;
+  return sorted[static_cast<size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)))];
+}
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return Quantile(values, 0.5);
+}
+
+const InstanceRecord* InstanceIn(const PickRecord& pick, int instance) {
+  const auto found = std::find_if(pick.instances.begin(), pick.instances.end(),
+                                  [&](const InstanceRecord& r) { return r.instance == instance; });
+  return found == pick.instances.end() ? nullptr : &*found;
+}
+
+bool StandsOnSomething(const HypothesisScore& score) {
+  return score.instance >= 0 && std::isfinite(score.mssd_diameters);
+}
+
+ReportRate RateOfScenes(const PointTrials& point, const TrialCount& count) {
+  const std::vector<Cluster> clusters = CountByScene(point.trials, count);
+  const Cluster sum = SumOf(clusters);
+  return {sum.hits, sum.tries, ClusterInterval(clusters)};
+}
+
+std::vector<BandRates> BandsOf(const PointTrials& point) {
+  std::vector<BandRates> rates;
+  for (const RecallBand& band : EmptyRecallBands()) {
+    const double min = band.visible_min, max = band.visible_max;
+    rates.push_back({fmt::format("{:.0f}-{:.0f} %", 100 * min, 100 * max),
+                     RateOfScenes(point, InstancesRecalled(min, max)),
+                     RateOfScenes(point, SuccessByVisibility(min, max))});
+  }
+  return rates;
+}
+
+template <typename Use>
+void ForEachPose(const PointTrials& point, Use use) {
+  for (size_t t = 0; t < point.trials.size(); ++t) {
+    for (const PickRecord& pick : point.trials[t].picks) {
+      for (const HypothesisScore& score : pick.hypotheses) use(t, score);
+    }
+  }
+}
+
+std::vector<double> ErrorsOf(std::span<const PointTrials> points, const PoseErrorRow& row) {
+  std::vector<double> errors;
+  for (const PointTrials& point : points) {
+    ForEachPose(point, [&](size_t, const HypothesisScore& score) {
+      if (StandsOnSomething(score)) errors.push_back(row.of(score));
+    });
+  }
+  std::sort(errors.begin(), errors.end());
+  return errors;
+}
+
+// A round number that `error_share` of the errors stay below.
+double RangeOf(std::span<const PointTrials> points, const PoseErrorRow& row,
+               const ReportOptions& options) {
+  const double reach = Quantile(ErrorsOf(points, row), options.error_share);
+  if (!(reach > 0)) return 1;
+  const std::vector<double> ticks = RoundTicks(0, reach);
+  const double step = ticks.size() > 1 ? ticks[1] : reach;
+  return std::max(step, step * std::ceil(reach / step));
+}
+
+ErrorHistogram HistogramOf(const PointTrials& point, const PoseErrorRow& row, double range,
+                           const ReportOptions& options) {
+  ErrorHistogram histogram;
+  const int count = options.error_bins;
+  for (int i = 0; i < count; ++i) {
+    histogram.bins.push_back({range * i / count, range * (i + 1) / count, 0, 0});
+  }
+  std::vector<double> errors;
+  ForEachPose(point, [&](size_t, const HypothesisScore& score) {
+    if (!StandsOnSomething(score)) return;
+    const double error = row.of(score);
+    errors.push_back(error);
+    if (error >= range) {
+      ++histogram.beyond;
+      return;
+    }
+    ErrorBin& bin = histogram.bins[static_cast<size_t>(error / range * count)];
+    ++(score.correct ? bin.right : bin.wrong);
+  });
+  histogram.total = static_cast<int>(errors.size());
+  histogram.median = Median(std::move(errors));
+  return histogram;
+}
+
+Calibration CalibrationOf(const PointTrials& point, const ReportOptions& options) {
+  const int count = options.confidence_bins;
+  std::vector<RateByScene> right(count, RateByScene(point.trials.size()));
+  std::vector<double> confidence(count, 0.0);
+  Calibration calibration;
+  ForEachPose(point, [&](size_t trial, const HypothesisScore& score) {
+    const int bin = std::clamp(static_cast<int>(score.score * count), 0, count - 1);
+    right[bin].Count(trial, score.correct);
+    confidence[bin] += score.score;
+    ++calibration.poses;
+  });
+  for (int i = 0; i < count; ++i) {
+    ConfidenceBin bin{0, right[i].Finish()};
+    if (bin.right.tries == 0) continue;
+    bin.mean_confidence = confidence[i] / bin.right.tries;
+    calibration.expected_error +=
+        std::abs(bin.mean_confidence - bin.right.rate()) * bin.right.tries / calibration.poses;
+    calibration.bins.push_back(bin);
+  }
+  return calibration;
+}
+
+std::vector<StageTime> SecondsOf(const PointTrials& point) {
+  std::map<std::string, std::vector<double>> of_stage;
+  for (const TrialResult& trial : point.trials) {
+    for (const auto& [stage, seconds] : trial.seconds) of_stage[stage].push_back(seconds);
+  }
+  std::vector<StageTime> times;
+  for (auto& [stage, seconds] : of_stage) {
+    const double mean = std::accumulate(seconds.begin(), seconds.end(), 0.0) / point.trials.size();
+    seconds.resize(point.trials.size(), 0.0);  // trials that never came to the stage
+    std::sort(seconds.begin(), seconds.end());
+    times.push_back({stage, mean, Quantile(seconds, kLowShare), Quantile(seconds, kHighShare)});
+  }
+  const auto whole = [&](const std::string& stage) {  // seconds of the stage that it belongs to
+    const std::string name = stage.substr(0, stage.find('/'));
+    const auto found = std::find_if(times.begin(), times.end(),
+                                    [&](const StageTime& time) { return time.stage == name; });
+    return std::pair(found == times.end() ? 0 : found->mean_s, name);
+  };
+  std::map<std::string, std::pair<double, std::string>> wholes;
+  for (const StageTime& time : times) wholes[time.stage] = whole(time.stage);
+  std::sort(times.begin(), times.end(), [&](const StageTime& a, const StageTime& b) {
+    const auto &whole_a = wholes[a.stage], &whole_b = wholes[b.stage];
+    if (whole_a != whole_b) return whole_a > whole_b;
+    const bool part_a = a.stage != whole_a.second, part_b = b.stage != whole_b.second;
+    return part_a != part_b ? part_b : a.mean_s > b.mean_s;
+  });
+  return times;
+}
+
+struct ObjectCounts {
+  explicit ObjectCounts(size_t trials) : recall(trials), picks(trials) {}
+  ObjectReport report;
+  RateByScene recall, picks;
+  std::vector<double> mssd;
+  std::map<Loss, int> losses;
+};
+
+void CountLook(size_t trial, const PickRecord& pick, std::vector<ObjectCounts>& counts) {
+  for (const InstanceRecord& instance : pick.instances) {
+    if (instance.visible_fraction < kCountedVisibility) continue;
+    counts.at(instance.object).recall.Count(trial, instance.recalled);
+  }
+  for (const HypothesisScore& score : pick.hypotheses) {
+    if (StandsOnSomething(score)) counts.at(score.object).mssd.push_back(score.mssd_diameters);
+  }
+  const InstanceRecord* aim = pick.grasp ? InstanceIn(pick, pick.aimed) : nullptr;
+  if (aim != nullptr) counts.at(aim->object).picks.Count(trial, pick.loss == Loss::kNone);
+}
+
+std::vector<ObjectReport> ObjectsOf(const PointTrials& point) {
+  std::vector<ObjectCounts> counts(point.objects.size(), ObjectCounts(point.trials.size()));
+  for (size_t t = 0; t < point.trials.size(); ++t) {
+    for (const PickRecord& pick : point.trials[t].picks) CountLook(t, pick, counts);
+    for (const InstanceFate& fate : point.trials[t].fates) {
+      ObjectCounts& count = counts.at(fate.object);
+      ++count.report.dropped;
+      count.report.picked += fate.picked;
+      if (fate.loss != Loss::kNone) ++count.losses[fate.loss];
+    }
+  }
+  std::vector<ObjectReport> objects;
+  for (size_t i = 0; i < counts.size(); ++i) {
+    ObjectCounts& count = counts[i];
+    ObjectReport& report = count.report;
+    report.name = point.objects[i];
+    report.recall = count.recall.Finish();
+    report.picks = count.picks.Finish();
+    report.median_mssd_diameters = Median(std::move(count.mssd));
+    const auto most =
+        std::max_element(count.losses.begin(), count.losses.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most != count.losses.end()) report.commonest = most->first;
+    // A foreign part is in no look.
+    if (report.recall.tries + report.dropped > 0) objects.push_back(report);
+  }
+  return objects;
+}
+
+}  // namespace
+
+void ReportOptions::Validate() const {
+  const auto within = [](const char* name, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    throw std::logic_error(fmt::format("ReportOptions::{} is {}", name, value));
+  };
+  within("confidence_bins", confidence_bins, 2, 100);
+  within("error_bins", error_bins, 2, 200);
+  within("error_share", error_share, 0.5, 1);
+  within("failures", failures, 0, 5000);
+  within("picture_width_px", picture_width_px, 64, 4096);
+  within("picture_quality", picture_quality, 1, 100);
+  within("pictures_mb", pictures_mb, 0, 100);
+  within("views", views, 0, 20);
+  within("views_mb", views_mb, 0, 100);
+  within("cloud_points", cloud_points, 0, 1000000);
+  within("view_triangles", view_triangles, 100, 1000000);
+}
+
+std::span<const PoseErrorRow> PoseErrorTable() {
+  static constexpr std::array<PoseErrorRow, kPoseErrors> kRows{{
+      {PoseError::kMssd, "MSSD", "diameters",
+       [](const HypothesisScore& score) { return score.mssd_diameters; }},
+      {PoseError::kTranslation, "translation", "mm",
+       [](const HypothesisScore& score) { return 1e3 * score.translation_m; }},
+      {PoseError::kRotation, "rotation", "deg",
+       [](const HypothesisScore& score) { return kDegrees * score.rotation_rad; }},
+  }};
+  return kRows;
+}
+
+std::vector<PointReport> ReportOn(std::span<const PointTrials> points,
+                                  const ReportOptions& options) {
+  options.Validate();
+  std::vector<double> ranges;
+  for (const PoseErrorRow& row : PoseErrorTable()) ranges.push_back(RangeOf(points, row, options));
+  std::vector<PointReport> reports;
+  for (const PointTrials& point : points) {
+    PointReport& report = reports.emplace_back();
+    report.name = point.name;
+    report.summary = Summarize(point.trials, point.cycle);
+    report.attempts = SharesOfAttempts(point.trials);
+    report.recall = RateOfScenes(point, InstancesRecalled(kCountedVisibility, 1));
+    report.bands = BandsOf(point);
+    for (const PoseErrorRow& row : PoseErrorTable()) {
+      report.errors.push_back(
+          HistogramOf(point, row, ranges[static_cast<size_t>(row.error)], options));
+    }
+    report.calibration = CalibrationOf(point, options);
+    report.seconds = SecondsOf(point);
+    report.objects = ObjectsOf(point);
+  }
+  return reports;
+}
+
+std::vector<LostPick> LostPicksOf(std::span<const PointTrials> points) {
+  std::vector<LostPick> lost;
+  for (size_t p = 0; p < points.size(); ++p) {
+    for (const TrialResult& trial : points[p].trials) {
+      for (const PickRecord& pick : trial.picks) {
+        if (pick.loss == Loss::kNone) continue;
+        LostPick& entry = lost.emplace_back();
+        entry.point = static_cast<int>(p);
+        entry.trial = trial.trial;
+        entry.pick = pick.pick;
+        entry.loss = pick.loss;
+        if (!pick.grasp || pick.chosen < 0) continue;
+        const HypothesisScore& chosen = pick.hypotheses.at(pick.chosen);
+        entry.object = points[p].objects.at(chosen.object);
+        entry.confidence = chosen.score;
+        if (StandsOnSomething(chosen)) entry.mssd_diameters = chosen.mssd_diameters;
+        const InstanceRecord* aim = InstanceIn(pick, pick.aimed);
+        if (aim != nullptr) entry.visible_fraction = aim->visible_fraction;
+      }
+    }
+  }
+  return lost;
+}
+
+std::vector<LostPick> SpreadOverReasons(const std::vector<LostPick>& picks, int most) {
+  std::map<Loss, int> seen;
+  std::vector<std::pair<int, size_t>> turns;  // how many of its reason came before, place
+  for (size_t i = 0; i < picks.size(); ++i) turns.push_back({seen[picks[i].loss]++, i});
+  std::sort(turns.begin(), turns.end());
+  if (turns.size() > static_cast<size_t>(most)) turns.resize(most);
+  std::sort(turns.begin(), turns.end(), [](auto& a, auto& b) { return a.second < b.second; });
+  std::vector<LostPick> spread;
+  for (const auto& [turn, place] : turns) spread.push_back(picks[place]);
+  return spread;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,64 @@
+#include "eval/report_pairs.h"
+
+#include <fmt/format.h>
+
+#include "eval/paired_comparison.h"
+
+namespace pickbed {
+namespace {
+
+// Rates in percent, errors as they are.
+std::string ValueText(const PairedFigure& figure, double value) {
+  return figure.is_rate ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{:.3g}", value);
+}
+
+std::string DifferenceText(const PairedFigure& figure) {
+  const double scale = figure.is_rate ? 100 : 1;
+  const Interval& ci95 = figure.difference_ci95;
+  const char* form = figure.is_rate ? "{:+.1f} [{:+.1f}, {:+.1f}]" : "{:+.3g} [{:+.3g}, {:+.3g}]";
+  return fmt::format(fmt::runtime(form), scale * figure.difference(), scale * ci95.low,
+                     scale * ci95.high);
+}
+
+TableCells CellsOf(const PairedComparison& comparison, const std::string& before,
+                   const std::string& after) {
+  TableCells cells{{"figure", before, after, "difference [95 %]", "p", "scenes", "that differ",
+                    "scenes needed"}};
+  for (const PairedFigure& figure : comparison.figures) {
+    cells.push_back({figure.name, ValueText(figure, figure.before), ValueText(figure, figure.after),
+                     DifferenceText(figure), fmt::format("{:.3g}", figure.p_value),
+                     std::to_string(figure.scenes), std::to_string(figure.discordant_scenes),
+                     figure.scenes_needed ? std::to_string(*figure.scenes_needed) : ""});
+  }
+  return cells;
+}
+
+}  // namespace
+
+ReportTable PairedReport(const PairedPoint& before, const PairedPoint& after) {
+  const std::string &first = before.trials->name, &second = after.trials->name;
+  const PairedComparison comparison = ComparePaired(before.trials->trials, after.trials->trials);
+  std::string text = fmt::format(
+      "{} minus {}, on the {} scenes that both have; rates in percentage points. p: McNemar's "
+      "exact "
+      "test where a scene gives one outcome, else signs flipped by scene. Scenes needed: to show a "
+      "difference of this size with power .8 at the level .05.",
+      second, first, comparison.scenes);
+  if (comparison.before_only + comparison.after_only > 0) {
+    text += fmt::format(" Left out are {} scenes that only the first has and {} of the second.",
+                        comparison.before_only, comparison.after_only);
+  }
+  return {fmt::format("Paired differences: {} against {}", second, first), text,
+          CellsOf(comparison, first, second)};
+}
+
+std::vector<ReportTable> PairedWithFirst(const std::vector<PairedPoint>& points) {
+  std::vector<ReportTable> tables;
+  for (size_t i = 1; i < points.size(); ++i) {
+    if (SceneKey(points[i].identity) != SceneKey(points[0].identity)) continue;
+    tables.push_back(PairedReport(points[0], points[i]));
+  }
+  return tables;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,112 @@
+#include "eval/report_views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "eval/scene_glb.h"
+#include "eval/virtual_cell.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+constexpr double kSamePose = 1e-6;  // of two matrices' entries: rounding of their products
+
+const PosedObject* PosedIn(const Scene& scene, int instance) {
+  const auto found = std::find_if(scene.objects.begin(), scene.objects.end(),
+                                  [&](const PosedObject& p) { return p.instance == instance; });
+  return found == scene.objects.end() ? nullptr : &*found;
+}
+
+// The record holds each hypothesis in the world and in the true part, so it knows where that lay.
+void RequireSameScene(const Scene& scene, const TrialResult& trial) {
+  for (const HypothesisScore& score : trial.picks.front().hypotheses) {
+    if (score.instance < 0) continue;
+    const PosedObject* posed = PosedIn(scene, score.instance);
+    const bool same =
+        posed != nullptr && (posed->X_WO * score.X_OtrueObelieved).isApprox(score.X_WO, kSamePose);
+    CheckInput(same, fmt::format("the scene of trial {} cannot be made again as it was in the run",
+                                 trial.trial));
+  }
+}
+
+}  // namespace
+
+std::span<const ViewLayer> ViewLayers() {
+  static constexpr std::array<ViewLayer, 5> kLayers{{
+      {"truth", "true parts", "#cdcdd2"},
+      {"hypothesis", "poses, doubtful to sure",
+       "linear-gradient(90deg, #ff2828, #ffff28, #28ff28)"},
+      {"hand", "hand", "#46a0ff"},
+      {"cloud", "what the camera saw", "repeating-radial-gradient(#888 0 1px, #fff 1px 3px)"},
+      {"bin", "bin", "#8c96a5"},
+  }};
+  return kLayers;
+}
+
+std::vector<ViewChoice> ChooseViews(std::span<const PointTrials> points, int most) {
+  std::vector<ViewChoice> lost, picked;
+  std::vector<int> turns;  // how many of its reason came before
+  std::map<Loss, int> seen;
+  for (size_t p = 0; p < points.size(); ++p) {
+    for (size_t t = 0; t < points[p].trials.size(); ++t) {
+      const TrialResult& trial = points[p].trials[t];
+      if (trial.picks.empty() || !trial.picks.front().grasp) continue;
+      const Loss loss = trial.picks.front().loss;
+      if (loss == Loss::kNone) {
+        picked.push_back({p, t});
+      } else {
+        lost.push_back({p, t});
+        turns.push_back(seen[loss]++);
+      }
+    }
+  }
+  std::vector<size_t> order(lost.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return turns[a] < turns[b]; });
+  std::vector<ViewChoice> choices;
+  const size_t for_lost = static_cast<size_t>(most) - (picked.empty() || most == 0 ? 0 : 1);
+  for (size_t i = 0; i < std::min(order.size(), for_lost); ++i) choices.push_back(lost[order[i]]);
+  if (most > 0 && !picked.empty()) choices.push_back(picked.front());
+  return choices;
+}
+
+struct ViewMaker::Impl {
+  GripperSpec gripper;
+  VirtualCell cell;
+  ReportOptions options;
+};
+
+ViewMaker::ViewMaker(const ScenarioSpec& spec, const ObjectSet& objects,
+                     const ReportOptions& options)
+    : impl_(new Impl{LoadGripper(spec.gripper), VirtualCell(spec, objects), options}) {}
+
+ViewMaker::~ViewMaker() = default;
+
+std::string ViewMaker::Glb(const TrialResult& trial) {
+  VirtualCell& cell = impl_->cell;
+  const Scene scene = cell.MakeScene(trial.scene).scene;
+  RequireSameScene(scene, trial);
+  const PickRecord& look = trial.picks.front();
+  const View view = cell.See(scene, trial.scene, look.pick);
+  const Image<float>& depth_m = view.frame.depth_m;
+  const double pixels = static_cast<double>(depth_m.width()) * depth_m.height();
+  const int stride_px = std::max(
+      1, static_cast<int>(std::ceil(std::sqrt(pixels / std::max(1, impl_->options.cloud_points)))));
+  const GlbCloud cloud = ObservedCloud(view.frame, cell.camera().X_WC, stride_px);
+  SceneGlbOptions options;
+  options.most_faces = impl_->options.view_triangles;
+  return SceneGlb({.scene = scene,
+                   .objects = cell.objects(),
+                   .hypotheses = look.hypotheses,
+                   .grasp = look.grasp ? &*look.grasp : nullptr,
+                   .gripper = &impl_->gripper,
+                   .cloud = impl_->options.cloud_points > 0 ? &cloud : nullptr},
+                  options);
+}
+
+}  // namespace pickbed

@@ -1,0 +1,234 @@
+// Opens a report in headless Chromium from disk and checks that it works there.
+//   node report_check.mjs PAGE.html [--views N] [--pictures DIR]
+// --views: 3D views that the page must have. --pictures: screenshots and a print go there, to be
+// looked at. Chromium is driven through its DevTools protocol over a pipe. Prints what is wrong, a
+// line each, and exits with 1.
+
+import {spawn} from 'node:child_process';
+import {mkdtempSync, mkdirSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join, resolve} from 'node:path';
+import {pathToFileURL} from 'node:url';
+
+const wait_ms = 180000;  // for a page under software rendering on a busy machine
+
+const argument = (name) => {
+  const place = process.argv.indexOf(name);
+  return place < 0 ? undefined : process.argv[place + 1];
+};
+const page = resolve(process.argv[2]);
+const views = Number(argument('--views') ?? 0);
+const pictures = argument('--pictures');
+
+const faults = [];
+const check = (right, what) => { if (!right) faults.push(what); };
+
+class Browser {
+  constructor() {
+    this.profile = mkdtempSync(join(tmpdir(), 'pickbed_chromium_'));
+    this.process = spawn('chromium', [
+      '--headless=new', '--no-sandbox', '--enable-unsafe-swiftshader', '--remote-debugging-pipe',
+      '--disable-dev-shm-usage', '--hide-scrollbars', `--user-data-dir=${this.profile}`, 'about:blank',
+    ], {stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe']});
+    this.process.on('error', (error) => { throw error; });
+    this.answers = new Map();
+    this.listeners = [];
+    this.last = 0;
+    let rest = '';
+    this.process.stdio[4].on('data', (bytes) => {
+      const messages = (rest + bytes).split('\0');
+      rest = messages.pop();
+      messages.forEach((text) => this.receive(JSON.parse(text)));
+    });
+  }
+  receive(message) {
+    if (message.id === undefined) return this.listeners.forEach((listen) => listen(message));
+    const {done, failed} = this.answers.get(message.id);
+    this.answers.delete(message.id);
+    if (message.error) failed(new Error(message.error.message)); else done(message.result);
+  }
+  send(method, params = {}) {
+    const id = ++this.last;
+    this.process.stdio[3].write(JSON.stringify({id, method, params, sessionId: this.session}) + '\0');
+    return new Promise((done, failed) => this.answers.set(id, {done, failed}));
+  }
+  async open() {
+    const {targetId} = await this.send('Target.createTarget', {url: 'about:blank'});
+    this.session = (await this.send('Target.attachToTarget', {targetId, flatten: true})).sessionId;
+  }
+  // The value of an expression or promise in the page.
+  async value(expression) {
+    const {result, exceptionDetails} = await this.send('Runtime.evaluate',
+      {expression, awaitPromise: true, returnByValue: true});
+    if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? expression);
+    return result.value;
+  }
+  async until(expression, what) {
+    const end = Date.now() + wait_ms;
+    while (!await this.value(expression)) {
+      if (Date.now() > end) throw new Error(`waited in vain for ${what}`);
+      await new Promise((done) => setTimeout(done, 100));
+    }
+  }
+  async shot(name) {
+    if (!pictures) return;
+    const {data} = await this.send('Page.captureScreenshot', {captureBeyondViewport: true});
+    writeFileSync(join(pictures, name), Buffer.from(data, 'base64'));
+  }
+  screen(width, scheme) {
+    return Promise.all([
+      this.send('Emulation.setDeviceMetricsOverride',
+        {width, height: 900, deviceScaleFactor: 1, mobile: width < 600}),
+      this.send('Emulation.setEmulatedMedia',
+        {features: [{name: 'prefers-color-scheme', value: scheme}]}),
+    ]);
+  }
+  close() {
+    this.process.kill('SIGKILL');
+    rmSync(this.profile, {recursive: true, force: true, maxRetries: 20, retryDelay: 100});
+  }
+}
+
+async function checkCharts(browser) {
+  const charts = await browser.value(`[...document.querySelectorAll('.plot')].map((plot) => ({
+    name: plot.closest('[data-chart]').dataset.chart,
+    marks: plot.querySelectorAll('.role-mark path, .role-mark text, .role-mark line').length,
+    width: plot.querySelector('svg')?.getBoundingClientRect().width ?? 0,
+    room: plot.getBoundingClientRect().width,
+    table: plot.closest('figure').querySelectorAll('details tr').length}))`);
+  check(charts.length >= 6, `only ${charts.length} charts`);
+  for (const chart of charts) {
+    check(chart.marks > 0, `chart ${chart.name} has no marks`);
+    check(chart.width > 200 && chart.width <= chart.room + 1,
+      `chart ${chart.name} is ${chart.width} px wide in ${chart.room} px`);
+    check(chart.table > 1, `chart ${chart.name} has no table`);
+  }
+}
+
+async function checkGallery(browser) {
+  const state = () => browser.value(`(() => {
+    const cards = [...document.querySelectorAll('.failure')].filter((card) => !card.hidden);
+    return {reasons: cards.map((card) => card.dataset.reason),
+      confidences: cards.map((card) => Number(card.dataset.confidence ?? -1)),
+      seen: cards.filter((card) => card.getBoundingClientRect().height > 0).length,
+      addresses: cards.every((card) => /#\\d+$/.test(card.querySelector('code').textContent)),
+      said: document.querySelector('.shown').textContent};
+  })()`);
+  const choose = (name, value) => browser.value(`(() => {
+    const list = document.querySelector('.failures [name=${name}]');
+    list.value = ${JSON.stringify(value)};
+    list.dispatchEvent(new Event('change'));
+  })()`);
+  const options = await browser.value(
+    `[...document.querySelectorAll('.failures [name=reason] option')].map((option) => option.value)`);
+  const all = await state();
+  check(all.reasons.length > 0 && all.addresses, 'the gallery has no cards, or one without RUN#trial');
+  for (const reason of options) {
+    await choose('reason', reason);
+    const {reasons, seen, said} = await state();
+    const wanted = all.reasons.filter((name) => reason === '' || name === reason).length;
+    check(wanted > 0 && reasons.length === wanted && seen === wanted && said === `${wanted} shown` &&
+      (reason === '' || reasons.every((name) => name === reason)), `the filter '${reason}' is wrong`);
+  }
+  await choose('reason', '');
+  await choose('order', 'confidence down');
+  const {confidences} = await state();
+  check(confidences.every((value, i) => i === 0 || value <= confidences[i - 1]),
+    'surest first is not sorted');
+  await choose('order', 'trial');
+}
+
+// Pixels of the view that are not of its most frequent colour.
+const drawn = `(async (viewer) => {
+  const image = new Image();
+  image.src = viewer.toDataURL('image/png');
+  await image.decode();
+  const canvas = Object.assign(document.createElement('canvas'), {width: image.width, height: image.height});
+  const context = canvas.getContext('2d');
+  context.drawImage(image, 0, 0);
+  const pixels = new Uint32Array(context.getImageData(0, 0, image.width, image.height).data.buffer);
+  const counts = new Map();
+  let sum = 0;
+  for (const pixel of pixels) {
+    counts.set(pixel, (counts.get(pixel) ?? 0) + 1);
+    sum = (sum * 31 + pixel) >>> 0;
+  }
+  return {share: 1 - Math.max(...counts.values()) / pixels.length, colors: counts.size, sum};
+})`;
+
+async function checkView(browser, i) {
+  const viewer = `document.querySelectorAll('model-viewer')[${i}]`;
+  await browser.value(`${viewer}.scrollIntoView({block: 'center'})`);
+  await browser.until(`${viewer}.loaded && ${viewer}.modelIsVisible`, `3D view ${i}`);
+  const settle = () => browser.value(`new Promise((done) => {
+    ${viewer}.jumpCameraToGoal();
+    requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 200)));
+  })`);
+  await settle();
+  const before = await browser.value(`${drawn}(${viewer})`);
+  check(before.share > 0.05 && before.colors > 30, `3D view ${i} is blank: ${JSON.stringify(before)}`);
+  await browser.value(`${viewer}.cameraOrbit = '120deg 30deg 90%'`);
+  await browser.value(`${viewer}.updateComplete.then(() => true)`);
+  await settle();
+  const turned = await browser.value(`${drawn}(${viewer})`);
+  check(turned.sum !== before.sum, `3D view ${i} does not turn`);
+  const layers = await browser.value(`${viewer}.closest('.view').querySelectorAll('input').length`);
+  check(layers > 2, `3D view ${i} has no layers to choose`);
+  await browser.value(`${viewer}.closest('.view').querySelectorAll('input').forEach((box) => {
+    if (box.checked) box.click();
+  })`);
+  await settle();
+  const hidden = await browser.value(`${drawn}(${viewer})`);
+  check(hidden.share < 0.2 * turned.share, `3D view ${i} shows ${hidden.share} without layers`);
+  await browser.value(`${viewer}.closest('.view').querySelectorAll('input').forEach((box) => box.click())`);
+  await settle();
+}
+
+async function run(browser) {
+  await browser.open();
+  browser.listeners.push(({method, params}) => {
+    if (method === 'Runtime.exceptionThrown') {
+      faults.push(`error: ${params.exceptionDetails.exception?.description ?? params.exceptionDetails.text}`);
+    } else if (method === 'Runtime.consoleAPICalled' && ['error', 'warning'].includes(params.type)) {
+      faults.push(`console: ${params.args.map((arg) => arg.value ?? arg.description).join(' ')}`);
+    } else if (method === 'Log.entryAdded' && params.entry.level === 'error') {
+      faults.push(`log: ${params.entry.text}`);
+    } else if (method === 'Network.requestWillBeSent' && /^(https?|wss?):/.test(params.request.url)) {
+      faults.push(`asks the network for ${params.request.url}`);
+    }
+  });
+  for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await browser.send(`${domain}.enable`);
+  await browser.screen(1280, 'light');
+  await browser.send('Page.navigate', {url: pathToFileURL(page).href});
+  await browser.until(`document.body?.dataset.charts === 'drawn'`, 'the charts');
+  await checkCharts(browser);
+  if (await browser.value(`document.querySelector('.failures') !== null`)) await checkGallery(browser);
+  const has = await browser.value(`document.querySelectorAll('model-viewer').length`);
+  check(has >= views, `${has} 3D views instead of ${views}`);
+  for (let i = 0; i < has; ++i) await checkView(browser, i);
+  await browser.value('scrollTo(0, 0)');
+  await browser.shot('light.png');
+  await browser.screen(1280, 'dark');
+  await browser.shot('dark.png');
+  await browser.screen(400, 'light');
+  await new Promise((done) => setTimeout(done, 1000));  // charts follow the new width
+  const width = await browser.value('document.documentElement.scrollWidth');
+  check(width <= 400, `on a phone of 400 px the page is ${width} px wide`);
+  await browser.shot('phone.png');
+  if (pictures) {
+    await browser.screen(1280, 'dark');
+    const {data} = await browser.send('Page.printToPDF', {printBackground: true});
+    writeFileSync(join(pictures, 'print.pdf'), Buffer.from(data, 'base64'));
+  }
+}
+
+if (pictures) mkdirSync(pictures, {recursive: true});
+const browser = new Browser();
+try {
+  await run(browser);
+} catch (error) {
+  faults.push(String(error));
+}
+browser.close();
+faults.forEach((fault) => console.error(fault));
+process.exit(faults.length > 0 ? 1 : 0);

@@ -1,0 +1,99 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "eval/report/page_parts.h"
+#include "tests/support/stub_trials.h"
+
+namespace pickbed {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::vector<PointReport> Reports(const std::vector<std::string>& names) {
+  std::vector<PointTrials> points;
+  for (size_t i = 0; i < names.size(); ++i) {
+    points.push_back({names[i], {"rod", "flange"}, StubTrials(15, {.ease = 0.1 * i}), {}});
+  }
+  return ReportOn(points);
+}
+
+std::vector<ReportChart> AllCharts(const std::vector<PointReport>& points) {
+  std::vector<ReportChart> charts{LossChart(points), CalibrationChart(points), SecondsChart(points),
+                                  SuccessChart(points)};
+  for (const ReportChart& chart : VisibilityCharts(points)) charts.push_back(chart);
+  for (const ReportChart& chart : ErrorCharts(points)) charts.push_back(chart);
+  return charts;
+}
+
+// Texts and numbers of a table's column.
+std::vector<std::string> Column(const TableCells& cells, size_t column) {
+  std::vector<std::string> values;
+  for (size_t i = 1; i < cells.size(); ++i) values.push_back(cells[i].at(column));
+  return values;
+}
+
+TEST(ReportPage, Base64IsThatOfRfc4648) {
+  EXPECT_EQ(Base64(""), "");
+  EXPECT_EQ(Base64("f"), "Zg==");
+  EXPECT_EQ(Base64("fo"), "Zm8=");
+  EXPECT_EQ(Base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(Base64("\xff\xfe\xfd"), "//79");
+}
+
+TEST(ReportPage, EveryChartHasDataOfEveryPointAndATable) {
+  for (const std::vector<std::string>& names : {std::vector<std::string>{"one"},
+                                                {"ppf", "descriptor"},
+                                                {"a", "b", "c", "d", "e", "f", "g", "h", "i"}}) {
+    for (const ReportChart& chart : AllCharts(Reports(names))) {
+      SCOPED_TRACE(chart.id);
+      const auto spec = nlohmann::json::parse(chart.spec);
+      EXPECT_EQ(spec.at("$schema"), "https://vega.github.io/schema/vega-lite/v5.json");
+      ASSERT_FALSE(spec.at("data").at("values").empty());
+      EXPECT_GT(chart.table.size(), 1u);
+      for (const auto& row : chart.table) EXPECT_EQ(row.size(), chart.table[0].size());
+      if (names.size() == 1) continue;
+      for (const std::string& name : names) {
+        bool found = false;
+        for (const auto& value : spec["data"]["values"]) found |= value.at("series") == name;
+        EXPECT_TRUE(found) << name;
+      }
+    }
+  }
+}
+
+TEST(ReportPage, TheLossChartSumsToAllLooks) {
+  const std::vector<PointReport> points = Reports({"one"});
+  const ReportChart chart = LossChart(points);
+  const LossBudget& budget = points[0].attempts.budget;
+  int sum = 0;
+  for (const std::string& count : Column(chart.table, 3)) sum += std::stoi(count);
+  EXPECT_EQ(sum, budget.total);
+  double share = 0;
+  for (const auto& bar : nlohmann::json::parse(chart.spec)["data"]["values"]) {
+    share += bar["share"].get<double>();
+  }
+  EXPECT_NEAR(share, 1 - static_cast<double>(budget.picked) / budget.total, 1e-9);
+}
+
+TEST(ReportPage, WhereNothingWasLostOrTriedTheChartsSaySo) {
+  const std::vector<PointReport> points = ReportOn(std::vector<PointTrials>{{"none", {}, {}, {}}});
+  for (const ReportChart& chart : AllCharts(points)) {
+    EXPECT_EQ(chart.spec, "") << chart.id;
+    EXPECT_THAT(chart.caption, testing::ContainsRegex("[Nn]o|nothing")) << chart.id;
+  }
+}
+
+TEST(ReportPage, NamesCannotBreakThePage) {
+  const std::string name = "</script><!--<script>\"'&";
+  std::string html = TableHtml({{name}, {name}});
+  for (const ReportChart& chart : AllCharts(Reports({name, "other"}))) html += ChartHtml(chart);
+  EXPECT_THAT(html, Not(HasSubstr("<!--")));
+  EXPECT_THAT(html, Not(HasSubstr("</script><")));
+  EXPECT_THAT(html, HasSubstr("&lt;/script&gt;"));
+}
+
+}  // namespace
+}  // namespace pickbed
