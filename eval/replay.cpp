@@ -150,7 +150,13 @@ std::string ReplayTable(const ReplayReport& report) {
                         HashText(row.recorded), HashText(row.replayed), VerdictName(row.verdict));
   }
   const StageReplay* first = report.FirstDifference();
-  if (first == nullptr) return text + "all that is recorded is the same\n";
+  if (first == nullptr) {
+    const bool compared = std::any_of(report.stages.begin(), report.stages.end(), [](auto& row) {
+      return row.verdict == ReplayVerdict::kSame;
+    });
+    return text + (compared ? "all that is recorded is the same\n"
+                            : "no stage is on record to compare with\n");
+  }
   text += fmt::format("first difference: look {}, stage {} ({})\n", first->look,
                       StageName(first->stage), VerdictName(first->verdict));
   if (!first->what.empty()) text += fmt::format("  {}\n", first->what);

@@ -18,10 +18,13 @@ std::string Named(const TrialAddress& address) {
   return fmt::format("{}#{}", address.run.string(), address.trial);
 }
 
-const StoredPoint& PointOf(const ResultsStore& store, const TrialAddress& address) {
+// The point whose settings a trial was run with. A trial that is on record says so itself; of
+// another the points' numbers tell whether it would be one.
+const StoredPoint& PointOf(const ResultsStore& store, const TrialAddress& address,
+                           std::optional<int> number) {
   for (const StoredPoint& point : store.head().points) {
     const int within = address.trial - point.first_trial;
-    if (within >= 0 && within < point.trials) return point;
+    if (number ? point.point == *number : within >= 0 && within < point.trials) return point;
   }
   throw InputError(fmt::format("{}: the run has no such trial", Named(address)));
 }
@@ -108,21 +111,23 @@ RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& 
                          Named(address), address.run.string()));
   const ResultsStore store = ResultsStore::OpenToRead(address.run);
   RecordedTrial recorded;
-  std::vector<TrialResult> found = store.Read(address.trial, address.trial + 1);
+  std::optional<int> number;
+  for (TrialResult& trial : store.Read(address.trial, address.trial + 1)) {
+    number = trial.point;
+    recorded.result = std::move(trial);
+  }
   for (const CrashedTrial& crashed : store.Crashed()) {
-    if (crashed.trial == address.trial) recorded.crashed = crashed;
+    if (crashed.trial != address.trial) continue;
+    number = crashed.point;
+    recorded.crashed = crashed;
+    recorded.result.trial = crashed.trial;
+    recorded.result.point = crashed.point;
+    recorded.result.scene = crashed.scene;
   }
-  const StoredPoint& point = PointOf(store, address);
-  if (recorded.crashed) {
-    recorded.result.trial = address.trial;
-    recorded.result.point = recorded.crashed->point;
-    recorded.result.scene = recorded.crashed->scene;
-  } else {
-    CheckInput(!found.empty(),
-               fmt::format("{}: this trial is not finished; --resume of the run goes on with it",
-                           Named(address)));
-    recorded.result = std::move(found.front());
-  }
+  const StoredPoint& point = PointOf(store, address, number);
+  CheckInput(number.has_value(),
+             fmt::format("{}: this trial is not finished; --resume of the run goes on with it",
+                         Named(address)));
   try {
     recorded.spec = SpecOf(point, address);
     recorded.objects = LoadObjects(recorded.spec, OpenCatalog(catalog));

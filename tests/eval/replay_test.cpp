@@ -29,6 +29,7 @@ constexpr int kTrial = 1;
 class ReplayTest : public testing::Test {
  protected:
   void SetUp() override {
+    std::filesystem::create_directories(run_);
     SaveCube(0.03);
     const std::string settings =
         "seed: 3\ntrials: 2\n"
@@ -99,7 +100,7 @@ TEST_F(ReplayTest, NamesTheStageThatASettingChanges) {
   };
   for (const Case& c : {Case{"seed: 3", "seed: 4", "0 scene"},
                         {"friction: 0.5", "friction: 0.4", "0 scene"},
-                        {"sensor: structured_light", "sensor: ideal", "0 image"},
+                        {"structured_light", "ideal", "0 image"},
                         {"noise_mm: 2", "noise_mm: 2.0000000001", "0 hypotheses"},
                         {"ranking: ", "ranking: random #", "0 grasp"}}) {
     SCOPED_TRACE(c.after);
@@ -176,6 +177,7 @@ TEST_F(ReplayTest, ATrialThatCrashedIsRunFromItsNumberAlone) {
   EXPECT_EQ(FirstDifference(report), "none");
   EXPECT_GE(report.stages.size(), 5u);
   EXPECT_EQ(report.stages[0].verdict, ReplayVerdict::kNotRecorded);
+  EXPECT_THAT(ReplayTable(report), HasSubstr("no stage is on record to compare with"));
 }
 
 TEST_F(ReplayTest, RefusesWhatItCannotFind) {

@@ -205,9 +205,9 @@ struct Stages : TrialObserver {
 
 TEST(TrialObserver, SeesEachStageOfEachLookInOrder) {
   Stages stages;
-  const TrialResult result = TrialRunner(CubeScenario(2), EasyCube()).Run(0, &stages);
-  ASSERT_EQ(result.picks.size(), 2u);
-  ASSERT_EQ(stages.seen.size(), 10u);
+  const TrialResult result = TrialRunner(CubeScenario(4), EasyCube()).Run(0, &stages);
+  ASSERT_GE(result.picks.size(), 2u);
+  ASSERT_EQ(stages.seen.size(), 5 * result.picks.size());
   for (size_t i = 0; i < stages.seen.size(); ++i) {
     EXPECT_EQ(stages.seen[i], std::make_pair(static_cast<int>(i / 5), kTrialStages[i % 5]));
   }
