@@ -16,7 +16,7 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 18> kCommands{{
+constexpr std::array<CommandRow, 20> kCommands{{
     {"run", "drop, look, estimate and pick, trial after trial; measure how often it works",
      RunCommand},
     {"sweep", "run a grid of settings, over processes, shards or a Slurm cluster", SweepCommand},

@@ -85,8 +85,8 @@ TEST(ReportData, EveryPoseIsInOneBinOrBeyondAndPointsShareTheBins) {
   }
   // Right is what lies below a tenth of the diameter.
   for (const ErrorBin& bin : reports[0].errors[0].bins) {
-    if (bin.high <= 0.1) EXPECT_EQ(bin.wrong, 0) << bin.low;
-    if (bin.low >= 0.1) EXPECT_EQ(bin.right, 0) << bin.low;
+    EXPECT_EQ(bin.high <= 0.1 ? bin.wrong : 0, 0) << bin.low;
+    EXPECT_EQ(bin.low >= 0.1 ? bin.right : 0, 0) << bin.low;
   }
 }
 
