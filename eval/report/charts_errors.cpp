@@ -30,10 +30,17 @@ std::string CaptionOf(std::span<const PointReport> points, size_t error, const P
 Json BarSpec(const ErrorHistogram& histogram, const std::string& x_title) {
   Json values = Json::array();
   for (const ErrorBin& bin : histogram.bins) {
-    values.push_back(
-        {{"low", bin.low}, {"high", bin.high}, {"poses", bin.right}, {"series", kRight}});
-    values.push_back(
-        {{"low", bin.low}, {"high", bin.high}, {"poses", bin.wrong}, {"series", kWrong}});
+    // Stacked here: Vega-Lite stacks no bars that have both ends of x.
+    const auto add = [&](int from, int poses, const char* series) {
+      values.push_back({{"low", bin.low},
+                        {"high", bin.high},
+                        {"from", from},
+                        {"to", from + poses},
+                        {"poses", poses},
+                        {"series", series}});
+    };
+    add(0, bin.right, kRight);
+    add(bin.right, bin.wrong, kWrong);
   }
   Json spec = EmptySpec(values);
   Json x = Field("low", "quantitative", x_title);
@@ -43,9 +50,9 @@ Json BarSpec(const ErrorHistogram& histogram, const std::string& x_title) {
   spec["mark"] = {{"type", "bar"}, {"stroke", "currentColor"}, {"strokeWidth", 0.4}};
   spec["encoding"] = {{"x", x},
                       {"x2", {{"field", "high"}}},
-                      {"y", Field("poses", "quantitative", "poses")},
-                      {"fill", SeriesFill("series", {kRight, kWrong})},
-                      {"order", {{"field", "series"}}}};
+                      {"y", Field("to", "quantitative", "poses")},
+                      {"y2", {{"field", "from"}}},
+                      {"fill", SeriesFill("series", {kRight, kWrong})}};
   return spec;
 }
 

@@ -339,6 +339,12 @@ bad_replays_are_refused() {
   refused "results.sqlite" "$pickbed" replay one#1
 }
 
+# Without npm's registry the program is built without the page of its reports, and says so.
+needs_report_page() {
+  [ -s "$(dirname "$pickbed")/report/page.html" ] ||
+    { echo "skipped: the page of reports was not built, see the build's output"; exit 77; }
+}
+
 # browser PAGE VIEWS: the page works in Chromium and has that many 3D views.
 browser() {
   node "$here/report_check.mjs" "$1" --views "$2" >browser.out 2>browser.err ||
@@ -347,6 +353,7 @@ browser() {
 }
 
 reports_work_in_a_browser() {
+  needs_report_page
   local one=(--set policy.stop=one_pick --trials 12 --set estimator.name=oracle)
   expect 0 "$pickbed" run small.yaml "${one[@]}" --set estimator.noise_mm=9 --pictures 12 --out one
   expect 0 "$pickbed" run small.yaml "${one[@]}" --set estimator.noise_mm=3 --out two
@@ -364,6 +371,7 @@ reports_work_in_a_browser() {
 }
 
 bad_reports_are_refused() {
+  needs_report_page
   refused "nowhere" "$pickbed" report nowhere
   mkdir empty
   refused "empty" "$pickbed" report empty

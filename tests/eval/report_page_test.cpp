@@ -72,7 +72,8 @@ TEST(ReportPage, TheLossChartSumsToAllLooks) {
   for (const std::string& count : Column(chart.table, 3)) sum += std::stoi(count);
   EXPECT_EQ(sum, budget.total);
   double share = 0;
-  for (const auto& bar : nlohmann::json::parse(chart.spec)["data"]["values"]) {
+  const nlohmann::json spec = nlohmann::json::parse(chart.spec);
+  for (const auto& bar : spec["data"]["values"]) {
     share += bar["share"].get<double>();
   }
   EXPECT_NEAR(share, 1 - static_cast<double>(budget.picked) / budget.total, 1e-9);
