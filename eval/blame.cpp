@@ -115,6 +115,20 @@ Loss LossWithoutGrasp(const PickRecord& record, const std::vector<PoseHypothesis
   return any_right ? Loss::kNoGrasp : Judge(truth).MakerOf(hypotheses.front());
 }
 
+Loss LossWithoutGraspOnTarget(const PickRecord& record, const std::vector<int>& aims,
+                              const std::vector<PoseHypothesis>& hypotheses,
+                              const LookTruth& truth) {
+  if (aims.empty()) {
+    for (const InstanceRecord& instance : record.instances) {
+      if (instance.instance == record.target && !instance.recalled) return instance.missed;
+    }
+    return Loss::kNoGrasp;
+  }
+  const bool any_right = std::any_of(aims.begin(), aims.end(),
+                                     [&](int aim) { return record.hypotheses[aim].correct; });
+  return any_right ? Loss::kNoGrasp : Judge(truth).MakerOf(hypotheses[aims.front()]);
+}
+
 std::vector<Loss> WhyMissed(const LookScore& look, const std::vector<PoseHypothesis>& hypotheses,
                             const LookTruth& truth) {
   const Judge judge(truth);

@@ -33,6 +33,12 @@ Loss LossOf(const PickRecord& record, const PoseHypothesis& chosen, const LookTr
 Loss LossWithoutGrasp(const PickRecord& record, const std::vector<PoseHypothesis>& hypotheses,
                       const LookTruth& truth);
 
+// The same of a look at which record.target alone was to be picked: by the hypotheses `aims` that
+// stand on it. Without any: why it was missed.
+Loss LossWithoutGraspOnTarget(const PickRecord& record, const std::vector<int>& aims,
+                              const std::vector<PoseHypothesis>& hypotheses,
+                              const LookTruth& truth);
+
 // Of each instance of the look why no hypothesis recalls it: kNone where one does; kNotVisible
 // under kCountedVisibility; kRefinementWorse or kSuppressed where a right pose was in hand;
 // kPoseWrong or kWrongPart where a hypothesis of its own or of another kind lies nearest to it;

@@ -5,6 +5,7 @@
 #include "eval/command_line.h"
 #include "eval/commands.h"
 #include "eval/interrupt.h"
+#include "eval/occlusion_curve.h"
 #include "eval/progress.h"
 #include "eval/run.h"
 #include "eval/sweep_progress.h"
@@ -54,7 +55,10 @@ int RunCommand(int argc, char** argv) {
   if (json) {
     fmt::print("{}", SummaryJson(report.summary));
   } else {
-    fmt::print("{}\nresults in {}\n", SummaryTable(report.summary), options.out.string());
+    fmt::print("{}", SummaryTable(report.summary));
+    const OcclusionSpec& occlusion = scenario.spec.occlusion;
+    if (occlusion.enabled) fmt::print("{}", CurveTable(FiguresByBand(report.trials, occlusion)));
+    fmt::print("\nresults in {}\n", options.out.string());
   }
   if (report.interrupted) {
     fmt::print(stderr, "pickbed: stopped after {} trials; the same command with --resume goes on\n",

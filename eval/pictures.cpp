@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/series_sheet.h"
 #include "scenes/check.h"
 #include "scenes/image_io.h"
 
@@ -33,6 +34,9 @@ OverlayInput OverlayOf(const LookState& look) {
 void PickPictures::OnStage(TrialStage stage, const LookState& look) {
   const int pick = look.record.pick;
   if (stage == TrialStage::kGrasp) WriteLookPictures(folder_, pick, OverlayOf(look));
+  if (stage == TrialStage::kGrasp && look.record.band >= 0) {
+    WritePng(folder_ / BandTileName(look.record.band), BandTile(look));
+  }
   if (stage == TrialStage::kOutcome) {
     WritePng(PathOf(folder_, pick, "after"), look.cell.ColorPicture(look.scene, look.scene_number));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
-// The pictures of picks: pick_00_color.png, _depth.png, _overlay.png and _after.png.
+// The pictures of picks: pick_00_color.png, _depth.png, _overlay.png and _after.png; of occlusion
+// trials band_0.png, ..., too (eval/series_sheet.h).
 
 #include <filesystem>
 

@@ -188,6 +188,25 @@ struct RefusalRow {
   }
 };
 
+// How one band of an occlusion trial was filled.
+struct BandRow {
+  int trial = 0, band = 0;
+  BandAccount account;
+  template <typename V>
+  void Visit(V&& v) {
+    BlockerCounts& blockers = account.blockers;
+    v("trial", trial);
+    v("band", band);
+    v("filled", account.filled);
+    v("targets_given_up", account.given_up);
+    v("blockers", blockers.dropped);
+    v("blockers_kept", blockers.kept);
+    v("blockers_refused", blockers.refused);
+    v("blockers_jumped", blockers.jumped);
+    v("blockers_useless", blockers.useless);
+  }
+};
+
 struct TimingRow {
   int trial = 0;
   std::string stage;

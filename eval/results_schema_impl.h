@@ -23,6 +23,7 @@ void ForEachTrialTable(Visitor&& visit) {
   visit.template operator()<FateRow>("fates");
   visit.template operator()<RejectionRow>("rejections");
   visit.template operator()<RefusalRow>("refusals");
+  visit.template operator()<BandRow>("bands");
   visit.template operator()<TimingRow>("timings");
 }
 

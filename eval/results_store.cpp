@@ -143,6 +143,7 @@ void ResultsStore::Write(const TrialResult& result) {
   std::vector<FateRow> fates;
   std::vector<RejectionRow> rejections;
   std::vector<RefusalRow> refusals;
+  std::vector<BandRow> bands;
   std::vector<TimingRow> timings;
   const int trial = result.trial;
   for (const PickRecord& record : result.picks) {
@@ -163,6 +164,9 @@ void ResultsStore::Write(const TrialResult& result) {
       refusals.push_back({trial, refused.attempt, fault});
     }
   }
+  for (size_t i = 0; i < result.bands.size(); ++i) {
+    bands.push_back({trial, static_cast<int>(i), result.bands[i]});
+  }
   for (const auto& [stage, seconds] : result.seconds) timings.push_back({trial, stage, seconds});
 
   const Database& db = impl_->db;
@@ -175,6 +179,7 @@ void ResultsStore::Write(const TrialResult& result) {
   Insert(db, "fates", std::move(fates));
   Insert(db, "rejections", std::move(rejections));
   Insert(db, "refusals", std::move(refusals));
+  Insert(db, "bands", std::move(bands));
   Insert(db, "timings", std::move(timings));
   transaction.Commit();
 }
@@ -260,6 +265,9 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
       refused.push_back({row.attempt, {}});
     }
     refused.back().faults.push_back(row.fault);
+  }
+  for (const BandRow& row : Select<BandRow>(db, "bands", range)) {
+    of(row.trial).bands.push_back(row.account);
   }
   for (const TimingRow& row : Select<TimingRow>(db, "timings", range)) {
     of(row.trial).seconds[row.stage] = row.seconds;

@@ -8,6 +8,7 @@
 
 #include "eval/results_store.h"
 #include "eval/scenario_text.h"
+#include "eval/series_sheet.h"
 #include "scenes/files.h"
 
 namespace pickbed {
@@ -38,7 +39,8 @@ PointSummary Summarized(const ResultsStore& store, const StoredPoint& point,
   const std::vector<std::string> names = PartNames(spec);
   const std::vector<TrialResult> trials =
       alone ? store.ReadAll() : store.Read(point.first_trial, point.first_trial + point.trials);
-  PointSummary result{point, Summarize(trials, spec.cycle)};
+  PointSummary result{point, Summarize(trials, spec.cycle), {}};
+  if (spec.occlusion.enabled) result.bands = FiguresByBand(trials, spec.occlusion);
   std::vector<CrashedTrial>& crashed = result.summary.crashed;
   std::copy_if(all_crashed.begin(), all_crashed.end(), std::back_inserter(crashed),
                [&](const CrashedTrial& trial) { return trial.point == point.point; });
@@ -61,7 +63,7 @@ std::string PointsCsv(const std::vector<PointSummary>& points) {
   std::string csv =
       "point,name,seed,first_trial,trials,finished,crashed,attempts,successes,success_rate,"
       "success_low,success_high,parts_dropped,parts_cleared,frames,top1_correct\n";
-  for (const auto& [point, s] : points) {
+  for (const auto& [point, s, bands] : points) {
     csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", point.point,
                        Cell(point.name), point.seed, point.first_trial, point.trials, s.trials,
                        s.crashed.size(), s.attempts, s.successes, s.success_rate,
@@ -69,6 +71,16 @@ std::string PointsCsv(const std::vector<PointSummary>& points) {
                        s.frames, s.top1_correct);
   }
   return csv;
+}
+
+void WriteCurve(const std::vector<PointSummary>& points, const std::filesystem::path& out) {
+  std::vector<NamedCurve> curves;
+  for (const auto& [point, summary, bands] : points) {
+    if (!bands.empty()) curves.push_back({point.name, bands});
+  }
+  if (curves.empty()) return;
+  WriteFileAtomically(out / "curve.csv", CurveCsv(curves));
+  WriteSeriesSheet(out / "pictures", curves.front().bands);
 }
 
 }  // namespace
@@ -84,19 +96,23 @@ std::string PointFileName(int point, const std::string& name) {
 
 std::string SweepTable(const std::vector<PointSummary>& points) {
   if (points.size() == 1 && points.front().point.name.empty()) {
-    return SummaryTable(points.front().summary);
+    const PointSummary& run = points.front();
+    return SummaryTable(run.summary) + (run.bands.empty() ? "" : CurveTable(run.bands));
   }
   size_t width = 5;
-  for (const auto& [point, summary] : points) width = std::max(width, point.name.size());
+  for (const PointSummary& point : points) width = std::max(width, point.point.name.size());
   std::string text = fmt::format("{:<{}}  {:>11}  {:>23}  {:>9}  {:>11}\n", "Point", width, "bins",
                                  "picks that succeed", "cleared", "top-1 right");
-  for (const auto& [point, s] : points) {
+  for (const auto& [point, s, bands] : points) {
     const std::string rate = fmt::format("{:.1f} % [{:.1f}, {:.1f}]", 100 * s.success_rate,
                                          100 * s.success_ci95.low, 100 * s.success_ci95.high);
     text +=
         fmt::format("{:<{}}  {:>5} of {:>2}  {:>23}  {:>7.1f} %  {:>9.1f} %{}\n", point.name, width,
                     s.trials, point.trials, rate, 100 * s.cleared_rate, 100 * s.top1_precision,
                     s.crashed.empty() ? "" : fmt::format("  {} crashed", s.crashed.size()));
+  }
+  for (const auto& [point, summary, bands] : points) {
+    if (!bands.empty()) text += fmt::format("\n{}\n{}", point.name, CurveTable(bands));
   }
   return text;
 }
@@ -107,7 +123,7 @@ std::string SweepJson(const std::vector<PointSummary>& points) {
   }
   nlohmann::ordered_json json;
   json["points"] = nlohmann::ordered_json::array();
-  for (const auto& [point, summary] : points) {
+  for (const auto& [point, summary, bands] : points) {
     nlohmann::ordered_json entry;
     entry["point"] = point.point;
     entry["name"] = point.name;
@@ -131,6 +147,7 @@ std::vector<PointSummary> WriteSweepFiles(const std::filesystem::path& out) {
   WriteFileAtomically(out / "parts.csv", csv.parts);
   WriteFileAtomically(out / "points.csv", PointsCsv(points));
   WriteFileAtomically(out / "timings.csv", csv.timings);
+  WriteCurve(points, out);
   return points;
 }
 

@@ -5,11 +5,13 @@
 //   OUT/summary.json                        of each point; of a run, of its one point
 //   OUT/{trials,picks,parts,points}.csv     a line a trial, pick, part, point
 //   OUT/timings.csv                         seconds by trial and stage, the only file with times
+//   OUT/{curve.csv,pictures/occlusion.png}  of occlusion trials: by band of the visible fraction
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "eval/occlusion_curve.h"
 #include "eval/summary.h"
 
 namespace pickbed {
@@ -17,6 +19,7 @@ namespace pickbed {
 struct PointSummary {
   StoredPoint point;
   RunSummary summary;
+  std::vector<BandFigures> bands;  // of occlusion trials, else none
 };
 
 // Reads OUT/results.sqlite point by point and writes the files beside it. Throws InputError for a

@@ -10,19 +10,12 @@
 #include "eval/estimator_runner.h"
 #include "eval/matching.h"
 #include "eval/oracle.h"
+#include "eval/trial_impl.h"
 #include "eval/trial_observer.h"
-#include "eval/virtual_cell.h"
 #include "grasp/candidates.h"
 
 namespace pickbed {
 namespace {
-
-// A grasp that failed, in the world.
-struct FailedGrasp {
-  int object = 0;
-  Eigen::Vector3d position_W = Eigen::Vector3d::Zero();
-  Eigen::Vector3d approach_W = Eigen::Vector3d::UnitZ();
-};
 
 bool IsRetry(const Grasp& grasp, const BelievedPose& pose, const std::vector<FailedGrasp>& failed,
              const TrialOptions& options) {
@@ -52,62 +45,6 @@ int AimOf(const HypothesisScore& believed, double stands_on_diameters) {
 }
 
 }  // namespace
-
-struct TrialRunner::Impl {
-  // A trial under way.
-  struct Live {
-    TrialResult result;
-    Scene scene;
-    std::vector<FailedGrasp> failed;  // since the last success
-    TrialObserver* observer = nullptr;
-  };
-
-  Impl(const ScenarioSpec& spec, const ObjectSet& objects, const Progress& on_progress,
-       const TrialOptions& options);
-
-  Live Drop(int scene);
-  View See(Live& live, int look);
-  std::vector<PoseHypothesis> Believe(const View& view, Live& live, PickRecord& record);
-  // With truth in place of the stages that are fed.
-  std::vector<PoseHypothesis> Fed(std::vector<PoseHypothesis> believed, const View& view,
-                                  const Scene& scene) const;
-  // One look: fills the record's instances and hypotheses.
-  std::vector<PoseHypothesis> Estimate(const View& view, Live& live, PickRecord& record);
-  // Best first, without those that would only repeat a failure.
-  std::vector<Grasp> Plan(const View& view, const std::vector<BelievedPose>& poses, Live& live,
-                          PickRecord& record);
-  // The same where truth will tell what is free: neither what was seen nor what is believed of
-  // other parts stands in the way, and no approach is too flat and no candidate too poor.
-  std::vector<Grasp> PlanBoldly(const std::vector<BelievedPose>& poses, const Live& live,
-                                const PickRecord& record) const;
-  PlanOptions Ranking(const Live& live, const PickRecord& record) const;  // as the policy says
-  std::vector<Grasp> WithoutRetries(std::vector<Grasp> grasps,
-                                    const std::vector<BelievedPose>& poses,
-                                    const std::vector<FailedGrasp>& failed) const;
-  std::optional<Grasp> FirstThatSucceeds(const std::vector<Grasp>& grasps,
-                                         const std::vector<BelievedPose>& poses, const Live& live,
-                                         const PickRecord& record) const;
-  std::optional<Grasp> Choose(const std::vector<BelievedPose>& poses,
-                              const std::vector<Grasp>& planned, Live& live,
-                              const PickRecord& record) const;
-  ExecuteResult Try(const Scene& scene, const Grasp& grasp, const BelievedPose& pose,
-                    const PickRecord& record) const;
-  void Execute(const PoseHypothesis& hypothesis, const BelievedPose& pose, Live& live,
-               PickRecord& record);
-  void PickOnce(Live& live);
-  void PickAll(Live& live);  // until the bin is empty or the policy ends it
-
-  ScenarioSpec spec;
-  Progress on_progress;
-  TrialOptions options;
-  VirtualCell cell;
-  GripperSpec gripper;
-  ExecuteOptions execute;
-  std::vector<MetricModel> metric_models;
-  std::vector<std::vector<GraspCandidate>> candidates;
-  std::unique_ptr<EstimatorRunner> estimator;  // null: all it would tell is fed
-  std::unique_ptr<FedRefiner> fed_refiner;     // null: nothing that is fed is refined
-};
 
 TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
                         const Progress& progress, const TrialOptions& trial_options)
@@ -197,6 +134,15 @@ std::vector<PoseHypothesis> TrialRunner::Impl::Estimate(const View& view, Live& 
   return hypotheses;
 }
 
+std::vector<int> TrialRunner::Impl::AimsOf(const PickRecord& record) const {
+  std::vector<int> aims;
+  for (size_t i = 0; i < record.hypotheses.size(); ++i) {
+    const int aim = AimOf(record.hypotheses[i], options.stands_on_diameters);
+    if (record.target < 0 || aim == record.target) aims.push_back(static_cast<int>(i));
+  }
+  return aims;
+}
+
 std::vector<Grasp> TrialRunner::Impl::Plan(const View& view, const std::vector<BelievedPose>& poses,
                                            Live& live, PickRecord& record) {
   StageTimer timer(live.result.seconds, "plan");
@@ -204,8 +150,9 @@ std::vector<Grasp> TrialRunner::Impl::Plan(const View& view, const std::vector<B
   PlanOptions plan_options = Ranking(live, record);
   if (options.truth.grasp) plan_options.max_grasps = options.true_grasps;
   if (!live.failed.empty()) plan_options.max_grasps = options.retry_grasps;
-  PlanResult plan =
-      PlanGrasps({cell.bin(), poses, candidates, cloud_W, cell.objects(), gripper}, plan_options);
+  const std::vector<int> aims = AimsOf(record);
+  PlanResult plan = PlanGrasps(
+      {cell.bin(), poses, candidates, cloud_W, cell.objects(), gripper, aims}, plan_options);
   record.grasps_rejected = std::move(plan.rejected);
   const size_t planned = plan.grasps.size();
   auto grasps = WithoutRetries(std::move(plan.grasps), poses, live.failed);
@@ -231,7 +178,9 @@ std::vector<Grasp> TrialRunner::Impl::PlanBoldly(const std::vector<BelievedPose>
   bold.min_quality = 0;
   bold.bin_clearance_m = 0;
   bold.neighbor_confidence = std::numeric_limits<double>::infinity();
-  PlanResult plan = PlanGrasps({cell.bin(), poses, candidates, {}, cell.objects(), gripper}, bold);
+  const std::vector<int> aims = AimsOf(record);
+  PlanResult plan =
+      PlanGrasps({cell.bin(), poses, candidates, {}, cell.objects(), gripper, aims}, bold);
   return WithoutRetries(std::move(plan.grasps), poses, live.failed);
 }
 
@@ -291,9 +240,11 @@ void TrialRunner::Impl::Execute(const PoseHypothesis& hypothesis, const Believed
   }
 }
 
-void TrialRunner::Impl::PickOnce(Live& live) {
+void TrialRunner::Impl::PickOnce(Live& live, int target, int band) {
   PickRecord& record = live.result.picks.emplace_back();
   record.pick = static_cast<int>(live.result.picks.size()) - 1;
+  record.target = target;
+  record.band = band;
   LookState look{live.result.scene, cell, gripper, live.scene, record};
   const auto reach = [&](TrialStage stage) { ReachStage(stage, look, record, live.observer); };
 
@@ -308,13 +259,16 @@ void TrialRunner::Impl::PickOnce(Live& live) {
   for (const PoseHypothesis& hypothesis : hypotheses) {
     poses.push_back({hypothesis.object, cell.camera().X_WC * hypothesis.X_CO, hypothesis.score});
   }
-  if (!poses.empty()) record.grasp = Choose(poses, Plan(view, poses, live, record), live, record);
+  const std::vector<int> aims = AimsOf(record);
+  if (!aims.empty()) record.grasp = Choose(poses, Plan(view, poses, live, record), live, record);
   reach(TrialStage::kGrasp);
   if (record.grasp) {
     record.chosen = record.grasp->hypothesis;
     Execute(hypotheses[record.chosen], poses[record.chosen], live, record);
   } else {
-    record.loss = LossWithoutGrasp(record, hypotheses, {live.scene, metric_models, cell.camera()});
+    const LookTruth truth{live.scene, metric_models, cell.camera()};
+    record.loss = target < 0 ? LossWithoutGrasp(record, hypotheses, truth)
+                             : LossWithoutGraspOnTarget(record, aims, hypotheses, truth);
   }
   reach(TrialStage::kOutcome);
 }
@@ -350,6 +304,7 @@ TrialRunner::TrialRunner(const ScenarioSpec& spec, const ObjectSet& objects,
 TrialRunner::~TrialRunner() = default;
 
 TrialResult TrialRunner::Run(int scene, TrialObserver* observer) {
+  if (impl_->spec.occlusion.enabled) return impl_->RunSeries(scene, observer);
   Impl::Live live = impl_->Drop(scene);
   live.observer = observer;
   impl_->PickAll(live);

@@ -1,7 +1,9 @@
 #pragma once
 
 // One trial: drop, then look, estimate, refine, pick, score, again and again until the bin is empty
-// or the scenario's policy ends it (scenes/policy.h).
+// or the scenario's policy ends it (scenes/policy.h). Where the scenario asks for it, an occlusion
+// trial in its place: one target, seen and picked once in each band of its visible fraction
+// (scenes/occlusion_spec.h); a pick then leaves no trace in the next look.
 
 #include <functional>
 #include <memory>
@@ -17,6 +19,7 @@
 #include "perception/pose_estimator.h"
 #include "scenes/scenario_spec.h"
 #include "scenes/scene.h"
+#include "sim/occlusion_maker.h"
 #include "sim/renderer.h"
 #include "sim/scene_maker.h"
 #include "sim/sensor_profile.h"
@@ -72,6 +75,8 @@ struct TrialResult {
   int parts_cleared = 0;  // by picks that succeeded; a part knocked out of the bin is not one
   std::vector<InstanceFate> fates;  // of each part that was dropped and wanted
   std::vector<PickRecord> picks;
+  // Of an occlusion trial, by band; else empty.
+  std::vector<BandAccount> bands;
   Loss ended_by = Loss::kNone;  // kNone = bin empty or pick limit, else what stopped the trial
   StageSeconds seconds;         // never part of a results file
 };

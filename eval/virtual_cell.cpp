@@ -15,6 +15,7 @@ VirtualCell::VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects)
     : seed_(spec.seed),
       camera_(CameraOf(spec)),
       bin_(BinOf(spec)),
+      occlusion_(spec.occlusion),
       appearance_(spec.appearance),
       sensor_(BlameKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); })),
       objects_(WithRestingDirections(WithConvexPieces(objects))) {
@@ -42,6 +43,12 @@ SceneRenderer& VirtualCell::renderer() {
 
 CertifiedScene VirtualCell::MakeScene(int trial) const {
   return pickbed::MakeScene({bin_, objects_, counts_, seed_, static_cast<uint64_t>(trial)}, drop_);
+}
+
+MadeSeries VirtualCell::MakeSeries(int trial) {
+  const SceneRequest request{bin_, objects_, counts_, seed_, static_cast<uint64_t>(trial)};
+  return MakeOcclusionSeries(renderer(), request, wanted_,
+                             {objects_, counts_, camera_, drop_, occlusion_});
 }
 
 View VirtualCell::See(const Scene& scene, int trial, int look) {

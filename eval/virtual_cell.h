@@ -9,6 +9,7 @@
 #include "scenes/rgbd_frame.h"
 #include "scenes/scenario_spec.h"
 #include "scenes/scene.h"
+#include "sim/occlusion_maker.h"
 #include "sim/renderer.h"
 #include "sim/scene_maker.h"
 #include "sim/sensor_profile.h"
@@ -31,8 +32,10 @@ class VirtualCell {
   // Throws InputError for an unknown sensor.
   VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects);
 
-  // Both are functions of their arguments and the scenario's seed alone.
+  // All are functions of their arguments and the scenario's seed alone.
   CertifiedScene MakeScene(int trial) const;  // throws InputError, see sim/scene_maker.h
+  // By the scenario's settings for occlusion; see sim/occlusion_maker.h for what is thrown.
+  MadeSeries MakeSeries(int trial);
   View See(const Scene& scene, int trial, int look);
 
   // Of the scene with the looks of its trial.
@@ -59,6 +62,7 @@ class VirtualCell {
   Camera camera_;
   Bin bin_;
   DropOptions drop_;
+  OcclusionSpec occlusion_;
   AppearanceRanges appearance_;
   SensorProfile sensor_;
   ObjectSet objects_;

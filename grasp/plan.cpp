@@ -91,7 +91,10 @@ class Planner {
   }
 
   PlanResult Run() {
-    for (size_t i = 0; i < input_.poses.size(); ++i) PlanPose(static_cast<int>(i));
+    ignored_.resize(input_.poses.size());
+    for (size_t i = 0; i < input_.poses.size(); ++i) {
+      if (MayGrasp(static_cast<int>(i))) PlanPose(static_cast<int>(i));
+    }
     if (by_chance()) {
       Rng rng(options_.seed);
       for (Pending& pending : pending_) pending.grasp.score = rng.Uniform();
@@ -129,6 +132,11 @@ class Planner {
 
  private:
   bool by_chance() const { return ranking_.value == nullptr; }
+
+  bool MayGrasp(int pose) const {
+    const auto& aims = input_.aims;
+    return aims.empty() || std::find(aims.begin(), aims.end(), pose) != aims.end();
+  }
 
   // Free of the bin, not yet held against the points.
   struct Pending {
@@ -197,9 +205,9 @@ class Planner {
   void PlanPose(int target) {
     const BelievedPose& pose = input_.poses[target];
     const PartShape& shape = *shapes_[pose.object];
-    ignored_.push_back(IgnoredPoints(target));
+    ignored_[target] = IgnoredPoints(target);
     const double covered =
-        field_.CoveredShare(pose.X_WO * shape.points_O, ignored_.back(), options_.cover_above_m);
+        field_.CoveredShare(pose.X_WO * shape.points_O, ignored_[target], options_.cover_above_m);
     const double range = highest_ - lowest_;
     const double depth = range > 0 ? (highest_ - CenterOf(input_, pose).z()) / range : 0;
     const double pose_score = pose.confidence * (1 - options_.cover_share * covered) *
@@ -315,7 +323,8 @@ class Planner {
   ObstacleField field_;
   double lowest_ = std::numeric_limits<double>::infinity();
   double highest_ = -std::numeric_limits<double>::infinity();
-  std::vector<std::vector<uint8_t>> ignored_;  // by pose, a flag for each point of the field
+  // By pose that may be grasped, a flag for each point of the field.
+  std::vector<std::vector<uint8_t>> ignored_;
   std::vector<Pending> pending_;
   std::array<int, kCauses> rejected_{};
 };

@@ -33,6 +33,7 @@ struct PlanInput {
   std::span<const Eigen::Vector3d> cloud_W;                 // observed points, bin included or not
   const ObjectSet& objects;
   const GripperSpec& gripper;
+  std::span<const int> aims = {};  // indices of poses that may be grasped; none = all may
 };
 
 // By what of a candidate grasps are ranked, beside the confidence of the pose, height and room.

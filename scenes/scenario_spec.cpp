@@ -191,6 +191,9 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
   v.Group(
       "policy", [this](SettingsVisitor& g) { policy.Visit(g); }, "how picking goes on");
   v.Group(
+      "occlusion", [this](SettingsVisitor& g) { occlusion.Visit(g); },
+      "a target seen with ever more parts before it, in place of bins that are picked empty");
+  v.Group(
       "cycle", [this](SettingsVisitor& g) { cycle.Visit(g); },
       "what a pick costs, for picks an hour");
 }
@@ -253,6 +256,9 @@ void ScenarioSpec::Validate() const {
   }
   ValidateCamera(*this);
   appearance.Validate([this](const std::string& key) { return At("appearance." + key); });
+  if (occlusion.enabled) {
+    occlusion.Validate([this](const std::string& key) { return At("occlusion." + key); });
+  }
 }
 
 ScenarioSpec LoadScenario(const std::filesystem::path& file,

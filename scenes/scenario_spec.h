@@ -14,6 +14,7 @@
 #include "scenes/camera.h"
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
+#include "scenes/occlusion_spec.h"
 #include "scenes/policy.h"
 #include "scenes/settings.h"
 
@@ -85,6 +86,7 @@ struct ScenarioSpec {
   std::string refiner = "pcl_icp";  // a row of RefinerNames()
   std::string gripper = "jaw_8cm";  // assets/grippers/NAME.yaml or a path
   PolicySpec policy;
+  OcclusionSpec occlusion;
   CycleSpec cycle;
   std::filesystem::path folder;  // of the scenario file, for relative paths; not a setting
   KeyPlaces places;              // of the keys that were given; not a setting

@@ -7,6 +7,7 @@
 #include "scenes/check.h"
 #include "sim/layout.h"
 #include "sim/penetration.h"
+#include "sim/scene_rest.h"
 
 namespace pickbed {
 namespace {
@@ -29,9 +30,6 @@ class Pouring {
   double Top_m() const;             // of the highest part
   bool InBin(int part) const;
   bool StepUntilStill(double window_s, double limit_diameters, double deadline_s);
-  struct Movement {
-    double m = 0, diameters = 0;
-  };
   Movement LargestMovement(const std::vector<Pose>& since_X_WO) const;
   EnergySample Energy() const;
   DropResult Result() const;
@@ -62,18 +60,6 @@ Bin ShaftOver(const Bin& bin, const ObjectSet& objects, const DropOptions& optio
     shaft.inner_size_m[axis] = std::min(size_m, std::max(options.shaft_share * size_m, least_m));
   }
   return shaft;
-}
-
-// Small parts need shorter steps, since gravity and contacts that are kept move all parts by the
-// same lengths: time goes with the root of the size, as in free fall.
-PhysicsOptions PhysicsFor(const ObjectSet& objects, PhysicsOptions physics) {
-  constexpr double kFullSize_m = 0.04;
-  double size = 1;
-  for (const auto& object : objects) size = std::min(size, object->diameter_m / kFullSize_m);
-  physics.rate_hz /= std::sqrt(size);
-  physics.contact_reuse_m *= size;
-  physics.still_m *= size;
-  return physics;
 }
 
 Pouring::Pouring(const Bin& bin, const ObjectSet& objects, const DropOptions& options, Rng& rng)
@@ -194,18 +180,12 @@ bool Pouring::StepUntilStill(double window_s, double limit_diameters, double dea
   return false;
 }
 
-// By a bound for any point of a part's bounding box, whose middle may be far from the origin.
-Pouring::Movement Pouring::LargestMovement(const std::vector<Pose>& since_X_WO) const {
+Movement Pouring::LargestMovement(const std::vector<Pose>& since_X_WO) const {
   Movement largest;
   for (size_t i = 0; i < since_X_WO.size(); ++i) {
-    const Pose X_WO = world_.X_WO(static_cast<int>(i));
-    const Eigen::AlignedBox3d& box_O = boxes_O_[object_of_part_[i]];
-    const double moved_m =
-        (X_WO * box_O.center() - since_X_WO[i] * box_O.center()).norm() +
-        0.5 * box_O.diagonal().norm() * RotationAngleRad(X_WO.linear(), since_X_WO[i].linear());
-    const double diameter_m = objects_[object_of_part_[i]]->diameter_m;
-    largest.m = std::max(largest.m, moved_m);
-    largest.diameters = std::max(largest.diameters, moved_m / diameter_m);
+    const int object = object_of_part_[i];
+    largest.Include(boxes_O_[object], objects_[object]->diameter_m, since_X_WO[i],
+                    world_.X_WO(static_cast<int>(i)));
   }
   return largest;
 }

@@ -11,7 +11,8 @@ CertifiedScene MakeScene(const SceneRequest& request, const DropOptions& options
                          int max_attempts) {
   CertifiedScene made;
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
-    const std::string stage = attempt == 0 ? "drop" : fmt::format("drop/{}", attempt);
+    const std::string stage =
+        attempt == 0 ? request.stage : fmt::format("{}/{}", request.stage, attempt);
     Rng rng = Rng::Derive(request.seed, request.trial, stage);
     DropResult drop = DropParts(request.bin, request.objects, request.counts, rng, options);
     std::vector<std::string> faults = Faults(drop.certificate);

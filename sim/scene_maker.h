@@ -15,6 +15,8 @@ struct SceneRequest {
   std::vector<int> counts;   // of each object
   uint64_t seed = 0;         // of the scenario
   uint64_t trial = 0;
+  // Name of the streams of random numbers; another one gives another scene of the same trial.
+  std::string stage = "drop";
 };
 
 struct RefusedScene {

@@ -180,6 +180,33 @@ a_sweep_stops_and_goes_on() {
   same long/picks.csv whole/picks.csv
 }
 
+an_occlusion_sweep_sees_the_same_scenes_at_all_points() {
+  cat >occlusion.yaml <<'YAML'
+scenario: small.yaml
+trials: 3
+occlusion: {enabled: true, bands: [{least: 0.3, most: 0.6}, {least: 0.6, most: 0.9}, {least: 0.9, most: 1}]}
+grid: {estimator.noise_mm: [0, 3]}
+set: {estimator.name: oracle}
+YAML
+  expect 0 "$pickbed" sweep occlusion.yaml --jobs 1 --pictures 2 --out one
+  expect 0 "$pickbed" sweep occlusion.yaml --jobs 2 --out two
+  for file in trials.csv picks.csv parts.csv curve.csv summary.json; do same one/$file two/$file; done
+  [ -s one/pictures/occlusion.png ] || fail "no picture of the series"
+  [ "$(grep -c noise one/curve.csv)" = 6 ] || fail "not a line a point and band"
+  # Equal counts, and visible fractions that do not depend on the point.
+  [ "$(grep noise one/curve.csv | cut -d, -f4 | sort -u)" = 3 ] || fail "bands differ in looks"
+  [ "$(grep noise one/curve.csv | cut -d, -f2-5 | sort -u | wc -l)" = 3 ] || fail "scenes differ"
+  expect 1 "$pickbed" sweep occlusion.yaml --set occlusion.bands.1.least=0.5 --out bad
+  grep -q "occlusion.bands.1.least = 0.5: must not be under bands.0.most = 0.6" last.err ||
+    fail "bands that overlap are not told"
+  # A band that nothing fills is named, with what was tried, and the others have their looks.
+  expect 0 "$pickbed" run small.yaml --set estimator.name=oracle --set occlusion.enabled=true \
+    --set "occlusion.bands=[{least: 0.3, most: 0.3001}, {least: 0.9, most: 1}]" \
+    --set occlusion.margin=0 --set occlusion.tries=2 --trials 2 --jobs 1 --out thin
+  grep -q "30-30.01 %: 2 trials without a scene; .* targets given up; of .* blockers" last.out ||
+    fail "a band without scenes is not named"
+}
+
 # refused_sweep TEXT YAML-LINE...: a sweep with this grid ends with one line that says TEXT.
 refused_sweep() {
   local wanted=$1

@@ -82,6 +82,7 @@ inline TrialResult FullTrial(int trial) {
     pick.outcome = FullOutcome(rng);
   }
   result.fates = {{0, 1, true, true, Loss::kNone, 0}, {1, 0, false, false, Loss::kDisturbed, 2}};
+  result.bands = {{true, 1, {15, 2, 3, 4, 6}}, {false, 5, {7, 0, 7, 0, 0}}};
   result.seconds = {{"drop", rng.Uniform()}, {"see", rng.Uniform()}};
   return result;
 }
@@ -167,6 +168,7 @@ inline void ExpectSameTrial(const TrialResult& a, const TrialResult& b) {
     EXPECT_EQ(std::tie(x.instance, x.object, x.picked, x.asked, x.loss, x.pick),
               std::tie(y.instance, y.object, y.picked, y.asked, y.loss, y.pick));
   }
+  EXPECT_EQ(a.bands, b.bands);
   EXPECT_EQ(a.seconds, b.seconds);
   ASSERT_EQ(a.picks.size(), b.picks.size());
   for (size_t i = 0; i < a.picks.size(); ++i) ExpectSamePick(a.picks[i], b.picks[i]);

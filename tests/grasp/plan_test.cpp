@@ -60,6 +60,24 @@ class Plan : public testing::Test {
   std::vector<Vector3d> cloud_;
 };
 
+// A pose that may not be grasped stands in the way all the same.
+TEST_F(Plan, AimsAloneAreGraspedAndTheOthersStayObstacles) {
+  Place({0, 0, 0.025});
+  Place({0.06, 0, 0.025});
+  PlanOptions options;
+  options.max_grasps = 1000;
+  const PlanResult all = Run(options);
+  const std::vector<int> aims{1};
+  const PlanResult one =
+      PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, gripper_, aims}, options);
+  ASSERT_FALSE(one.grasps.empty());
+  size_t of_one = 0;
+  for (const Grasp& grasp : all.grasps) of_one += grasp.hypothesis == 1;
+  EXPECT_LT(of_one, all.grasps.size());
+  EXPECT_EQ(one.grasps.size(), of_one);
+  for (const Grasp& grasp : one.grasps) EXPECT_EQ(grasp.hypothesis, 1);
+}
+
 TEST_F(Plan, LoneBoxOnTheFloorHasGraspsBestFirst) {
   Place({0, 0, 0.025});
   PlanOptions options;

@@ -1,0 +1,243 @@
+#include "sim/occluded_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/check.h"
+#include "sim/occlusion_maker.h"
+#include "sim/penetration.h"
+#include "tests/sim/physics_parts.h"
+#include "tests/support/error_of.h"
+
+namespace pickbed {
+namespace {
+
+using ::testing::HasSubstr;
+
+Camera OverTheBin() {
+  Camera camera;
+  camera.X_WC = LookAt({0, -0.12, 0.85}, {0, 0, 0.03}, {0, 0, 1});
+  return camera;
+}
+
+class Series : public testing::Test {
+ protected:
+  MadeSeries Make(const std::vector<int>& counts, uint64_t trial = 0, uint64_t seed = 3) {
+    SceneRenderer renderer(parts_, bin_);
+    const OcclusionSetup setup{parts_, counts, OverTheBin(), {}, spec_};
+    return MakeOcclusionSeries(renderer, {bin_, parts_, counts, seed, trial}, {0, 1, 2, 3}, setup);
+  }
+
+  Bin bin_;
+  ObjectSet parts_ = MixedParts();
+  OcclusionSpec spec_;
+};
+
+// Another renderer than the one that measured while the series was built: OpenGL, without coarser
+// levels of detail.
+double VisibleByOpenGl(const ObjectSet& parts, const Scene& scene, int instance) {
+  Renderer renderer({}, {0, 0}, PlainSurfaces::kOpenGl);
+  std::vector<RenderInstance> instances;
+  size_t target = 0;
+  for (const PosedObject& posed : scene.objects) {
+    if (posed.instance == instance) target = instances.size();
+    instances.push_back({renderer.AddMesh(parts[posed.object]->mesh_O), posed.X_WO,
+                         static_cast<uint16_t>(posed.instance + 1)});
+  }
+  instances.push_back({renderer.AddMesh(BinMesh(scene.bin)), Pose::Identity(), 0});
+  const Camera camera = OverTheBin();
+  const auto count = [&](const std::vector<RenderInstance>& drawn) {
+    const std::vector<uint16_t> ids = renderer.RenderDepth(camera, drawn).ids.pixels();
+    return std::count(ids.begin(), ids.end(), static_cast<uint16_t>(instance + 1));
+  };
+  return static_cast<double>(count(instances)) / count({instances[target]});
+}
+
+bool SamePose(const PosedObject& a, const PosedObject& b) {
+  return a.instance == b.instance && a.object == b.object && a.X_WO.matrix() == b.X_WO.matrix();
+}
+
+TEST_F(Series, EachSceneShowsAsMuchOfTheTargetAsItsBandSays) {
+  for (const uint64_t trial : {0, 1}) {
+    const MadeSeries made = Make({3, 3, 3, 3}, trial);
+    ASSERT_EQ(made.series.scenes.size(), spec_.bands.size());
+    for (size_t i = 0; i < made.series.scenes.size(); ++i) {
+      const OccludedScene& scene = made.series.scenes[i];
+      EXPECT_EQ(scene.band, static_cast<int>(spec_.bands.size() - 1 - i));
+      const double visible = VisibleByOpenGl(parts_, scene.scene, made.series.target);
+      EXPECT_TRUE(spec_.bands[scene.band].Holds(visible)) << visible << " in band " << scene.band;
+      EXPECT_NEAR(visible, scene.visible_fraction, spec_.margin);
+      EXPECT_EQ(scene.scene.objects.size(), made.start.scene.objects.size() + scene.blockers);
+    }
+  }
+}
+
+// What lay there before a blocker came lies there after, to the last bit: the target above all.
+TEST_F(Series, NothingMovesWhileABlockerSettles) {
+  const MadeSeries made = Make({3, 3, 3, 3});
+  const std::vector<PosedObject>* before = &made.start.scene.objects;
+  for (const OccludedScene& scene : made.series.scenes) {
+    const std::vector<PosedObject>& after = scene.scene.objects;
+    ASSERT_GE(after.size(), before->size());
+    for (size_t i = 0; i < before->size(); ++i) EXPECT_TRUE(SamePose((*before)[i], after[i])) << i;
+    before = &after;
+  }
+}
+
+TEST_F(Series, EachSceneStaysAsItIsWithAllPartsAwake) {
+  const MadeSeries made = Make({3, 3, 3, 3});
+  for (const OccludedScene& scene : made.series.scenes) {
+    EXPECT_THAT(Faults(scene.certificate), testing::IsEmpty());
+    EXPECT_LE(scene.certificate.wake_movement_diameters, spec_.movement_diameters);
+    EXPECT_LT(DeepestPenetration(scene.scene, parts_), 0.0005);
+    PhysicsWorld world;
+    world.AddBin(bin_);
+    for (const PosedObject& posed : scene.scene.objects) {
+      world.AddPart(*parts_[posed.object], posed.X_WO);
+    }
+    world.ForbidSleep();
+    while (world.time_s() < 1) world.Step();
+    for (size_t i = 0; i < scene.scene.objects.size(); ++i) {
+      const PosedObject& posed = scene.scene.objects[i];
+      const ObjectModel& part = *parts_[posed.object];
+      const Eigen::Vector3d moved_m =
+          world.X_WO(static_cast<int>(i)) * part.mass.com_O - posed.X_WO * part.mass.com_O;
+      EXPECT_LT(moved_m.norm(), spec_.movement_diameters * part.diameter_m) << "part " << i;
+    }
+  }
+}
+
+TEST_F(Series, IsAFunctionOfSeedAndTrial) {
+  const auto same = [](const MadeSeries& a, const MadeSeries& b) {
+    if (a.series.target != b.series.target) return false;
+    const Scene &last_a = a.series.scenes.back().scene, &last_b = b.series.scenes.back().scene;
+    return std::equal(last_a.objects.begin(), last_a.objects.end(), last_b.objects.begin(),
+                      last_b.objects.end(), SamePose);
+  };
+  const MadeSeries first = Make({2, 2, 2, 2}, 4);
+  EXPECT_TRUE(same(first, Make({2, 2, 2, 2}, 4)));
+  EXPECT_FALSE(same(first, Make({2, 2, 2, 2}, 5)));
+  EXPECT_FALSE(same(first, Make({2, 2, 2, 2}, 4, 8)));
+}
+
+TEST_F(Series, EveryBlockerIsAccountedFor) {
+  int refused = 0;
+  for (const uint64_t trial : {0, 1, 2}) {
+    const MadeSeries made = Make({3, 3, 3, 3}, trial);
+    BlockerCounts sum;
+    for (const BandAccount& band : made.bands) sum.Add(band.blockers);
+    EXPECT_EQ(sum.dropped, sum.kept + sum.refused + sum.jumped + sum.useless);
+    EXPECT_GE(sum.kept, made.series.scenes.back().blockers);
+    refused += sum.refused;
+  }
+  EXPECT_GT(refused, 0) << "the case did not occur";
+}
+
+// A plate of 60 x 80 mm that stands on its edge of 5 mm: what leans on it while it is frozen
+// overturns it when it wakes.
+TEST(OccludeTarget, ABlockerThatOnlyStandsWhileTheTargetIsFrozenIsTakenBack) {
+  const ObjectSet parts{BoxPart({0.06, 0.005, 0.08}, 0.05), BoxPart({0.16, 0.02, 0.02}, 0.3)};
+  Scene scene;
+  scene.objects = {{0, 0, Translation({0, 0, 0.04})}};
+  const SceneCertificate standing = CertifyRest(scene, parts);
+  ASSERT_THAT(Faults(standing), testing::IsEmpty()) << "the plate does not stand by itself";
+  OcclusionSetup setup{parts, {0, 1}, {}, {}, {}};
+  setup.camera.X_WC = LookAt({0, -0.6, 0.6}, {0, 0, 0.04}, {0, 0, 1});
+  setup.spec.tries = 40;
+  SceneRenderer renderer(parts, scene.bin);
+  Rng rng(5);
+  const OcclusionSeries series = OccludeTarget(renderer, {scene, standing}, 0, setup, rng);
+  BlockerCounts sum;
+  for (const BlockerCounts& counts : series.blockers) sum.Add(counts);
+  EXPECT_GT(sum.refused, 0);
+  for (const OccludedScene& occluded : series.scenes) {
+    EXPECT_LE(CertifyRest(occluded.scene, parts).wake_movement_diameters,
+              setup.spec.movement_diameters);
+  }
+}
+
+// A plate over a cube hides all of it or nothing.
+TEST(OccludeTarget, ABlockerThatLeavesABandOutIsTakenBack) {
+  const ObjectSet parts{BoxPart({0.03, 0.03, 0.03}, 0.1), BoxPart({0.2, 0.2, 0.01}, 0.4)};
+  Scene scene;
+  scene.objects = {{0, 0, Translation({0, 0, 0.015})}};
+  OcclusionSetup setup{parts, {0, 1}, OverTheBin(), {}, {}};
+  setup.spec.bands = {{0.45, 0.47}, {0.9, 1}};
+  setup.spec.tries = 12;
+  setup.spec.scatter_diameters = 0;
+  SceneRenderer renderer(parts, scene.bin);
+  Rng rng(5);
+  const OcclusionSeries series =
+      OccludeTarget(renderer, {scene, CertifyRest(scene, parts)}, 0, setup, rng);
+  ASSERT_EQ(series.scenes.size(), 1u);
+  EXPECT_EQ(series.scenes[0].band, 1);
+  EXPECT_EQ(series.scenes[0].blockers, 0);
+  EXPECT_GT(series.blockers[0].jumped, 0);
+  EXPECT_EQ(series.blockers[0].dropped, 12);
+  EXPECT_EQ(series.blockers[0].kept, 0);
+}
+
+TEST_F(Series, ABandThatNothingFillsLeavesTheOthers) {
+  spec_.bands = {{0.300, 0.302}, {0.5, 0.7}, {0.9, 1}};
+  spec_.margin = 0;
+  spec_.tries = 3;
+  spec_.targets = 2;
+  spec_.scenes = 2;
+  const MadeSeries made = Make({1, 1, 1, 1});
+  EXPECT_EQ(made.targets_tried, 4) << "others are tried before it is given up";
+  EXPECT_EQ(made.bands[0].given_up + made.bands[1].given_up, 4);
+  EXPECT_FALSE(made.bands[0].filled);
+  EXPECT_TRUE(made.bands[2].filled);
+}
+
+TEST_F(Series, APartAloneIsHiddenByItsOwnKind) {
+  const MadeSeries made = Make({1, 0, 0, 0});
+  EXPECT_EQ(made.series.scenes.size(), spec_.bands.size());
+  EXPECT_EQ(made.series.target, 0);
+}
+
+TEST_F(Series, WhyThereIsNoSceneIsSaid) {
+  spec_.bands = {{0.500, 0.502}};
+  spec_.margin = 0;
+  spec_.tries = 2;
+  spec_.targets = spec_.scenes = 1;
+  EXPECT_THAT(
+      ErrorOf([&] {
+        Make({1, 1, 0, 0}, 7);
+      }),
+      HasSubstr("trial 7: no band of visible fraction could be filled with 1 target: of 2"));
+
+  SceneRenderer renderer(parts_, bin_);
+  OcclusionSetup setup{parts_, {2, 0, 0, 0}, {}, {}, OcclusionSpec{}};
+  setup.camera.X_WC = LookAt({0, -0.8, 0.15}, {0, 0, 0.14}, {0, 0, 1});  // over the wall's rim
+  EXPECT_THAT(ErrorOf([&] {
+                MakeOcclusionSeries(renderer, {bin_, parts_, {2, 0, 0, 0}, 1, 2}, {0}, setup);
+              }),
+              HasSubstr("trial 2: in 3 scenes no part had 90.5 % of it in view"));
+}
+
+// Two at the same spot would not stay; one in the air would not either.
+TEST(CertifyRest, SeesWhatDoesNotStay) {
+  const ObjectSet parts{BoxPart({0.04, 0.04, 0.04}, 0.1)};
+  const auto faults = [&](const std::vector<Pose>& poses) {
+    Scene scene;
+    for (const Pose& X_WO : poses) {
+      scene.objects.push_back({static_cast<int>(scene.objects.size()), 0, X_WO});
+    }
+    return Faults(CertifyRest(scene, parts));
+  };
+  const Pose lies = Translation({0, 0, 0.0205});  // over the hulls' margin
+  EXPECT_THAT(faults({lies}), testing::IsEmpty());
+  EXPECT_THAT(faults({lies, Translation({0, 0, 0.0615})}), testing::IsEmpty());
+  EXPECT_THAT(faults({Translation({0, 0, 0.05})}), testing::Contains(HasSubstr("not at rest")));
+  EXPECT_THAT(faults({lies, Translation({0.03, 0, 0.0205})}),
+              testing::Contains(HasSubstr("two bodies overlap")));
+  EXPECT_THAT(faults({lies, Translation({0.025, 0, 0.0615})}),
+              testing::Contains(HasSubstr("not at rest")))
+      << "it stands over the edge";
+  EXPECT_THAT(faults({Translation({0.5, 0, 0.02})}),
+              testing::Contains(HasSubstr("1 part fell outside")));
+}
+
+}  // namespace
+}  // namespace pickbed
