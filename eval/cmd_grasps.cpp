@@ -18,7 +18,7 @@ namespace {
 struct GraspsArguments {
   std::string object, gripper, out;
   std::string catalog = "objects";
-  int count = 500;
+  int count = 0;  // 0 = all
   std::vector<std::string> settings;
 };
 
@@ -28,7 +28,10 @@ void WriteGrasps(const GraspsArguments& arguments) {
   RequireCanCarry(gripper, *parts[0]);
   const auto model = WithRestingDirections(WithConvexPieces(parts))[0];
   GraspCandidateOptions options;
-  options.antipodal.candidates = options.suction.candidates = arguments.count;
+  if (arguments.count > 0) {
+    options.antipodal.candidates = options.suction.candidates = arguments.count;
+    options.antipodal.resting_candidates = 0;
+  }
   for (const std::string& setting : arguments.settings) {
     ApplySetting(setting, [&](SettingsVisitor& v) { options.Visit(v); });
   }
@@ -64,9 +67,9 @@ int GraspsCommand(int argc, char** argv) {
   app.add_option("OBJECT", a.object, "a name of `pickbed list objects`")->required();
   app.add_option("GRIPPER", a.gripper, "a name of `pickbed list grippers`, or a .yaml file")
       ->required();
-  app.add_option("--count", a.count, "grasps wanted")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  app.add_option("--count", a.count,
+                 "grasps wanted, wherever the part lies (default: all that runs choose from)")
+      ->check(CLI::Range(1, 100000));
   app.add_option("--set", a.settings, "KEY=VALUE, such as robust.position_m=0.003; repeatable");
   app.add_option("--catalog", a.catalog, "folder of your own objects")->capture_default_str();
   app.add_option("--out", a.out, "folder (default: results/grasps_OBJECT_GRIPPER)");

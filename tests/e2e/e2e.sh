@@ -426,7 +426,8 @@ drop_and_render_write_their_files() {
 
 estimate_scores_the_oracle_as_perfect() {
   expect 0 "$pickbed" estimate small.yaml --set estimator.name=oracle --trials 2 --out look
-  local wrong=$(tail -n +2 look/hypotheses.csv | grep -vc ',1$')
+  head -1 look/hypotheses.csv | grep -q 'correct,p_pick$' || fail "other columns than expected"
+  local wrong=$(tail -n +2 look/hypotheses.csv | grep -vc ',1,$')
   [ "$wrong" = 0 ] || fail "$wrong true poses were called wrong"
   [ "$(wc -l <look/hypotheses.csv)" -gt 5 ] || fail "too few hypotheses"
   [ -s look/pictures/trial_0001/oracle/pick_00_overlay.png ] || fail "no overlay"
