@@ -211,9 +211,8 @@ class Foreman {
   int GroupFor(const Worker& worker) const {
     if (worker.group() && waiting_.contains(*worker.group())) return *worker.group();
     for (const auto& [group, items] : waiting_) {
-      const bool taken = std::any_of(workers_.begin(), workers_.end(), [&](const auto& other) {
-        return other->item() != kNothing && other->group() == group;
-      });
+      const bool taken = std::any_of(workers_.begin(), workers_.end(),
+                                     [&](const auto& other) { return other->group() == group; });
       if (!taken) return group;
     }
     return std::max_element(
