@@ -40,6 +40,17 @@ TEST_F(SweepSpecTest, IsTheProductWithTheFirstKeySlowest) {
                           "sensor=time_of_flight,seed=9"));
 }
 
+TEST_F(SweepSpecTest, PresetsLoadAndTheirWrittenFormReadsBack) {
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(PICKBED_SOURCE_DIR) +
+                                                               "/scenes/presets/sweeps")) {
+    const SweepSpec spec = LoadSweepSpec(entry.path());
+    const Sweep sweep = MakeSweep(spec, temporary_.path() / "out", "objects");
+    EXPECT_GT(sweep.points.size(), 1u) << entry.path();
+    const std::string text = SweepText(spec, temporary_.path());
+    EXPECT_EQ(SweepText(Load(text), temporary_.path()), text) << entry.path();
+  }
+}
+
 TEST_F(SweepSpecTest, SeveralKeysChangeTogetherUnderAnyName) {
   EXPECT_THAT(Names("scenario: demo\n"
                     "grid:\n"

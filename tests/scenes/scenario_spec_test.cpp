@@ -30,6 +30,7 @@ class ScenarioFile : public ::testing::Test {
 TEST_F(ScenarioFile, PresetsLoadAndTheirWrittenFormReadsBack) {
   for (const auto& entry :
        std::filesystem::directory_iterator(std::string(PICKBED_SOURCE_DIR) + "/scenes/presets")) {
+    if (entry.is_directory()) continue;
     ScenarioSpec spec = LoadScenario(entry.path());
     const std::string text = WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); });
     ScenarioSpec copy;
