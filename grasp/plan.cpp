@@ -1,13 +1,13 @@
 #include "grasp/plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "grasp/clearance.h"
 #include "grasp/pad_contact.h"
-#include "scenes/check.h"
 
 namespace pickbed {
 namespace {
@@ -42,6 +42,7 @@ constexpr const char* kCauseNames[kCauses] = {"tilt",
 // What is the same for every pose of one object.
 struct PartShape {
   Eigen::Matrix3Xd points_O;
+  double thickness_m;  // least extent along the axes of O
   SurfaceBand band;
   std::vector<std::optional<double>> openings_m;  // by candidate; nullopt = beyond the stroke
 };
@@ -52,24 +53,14 @@ PartShape MakeShape(const PlanInput& input, int object, const PlanOptions& optio
   SurfacePoints surface = SpreadPoints(model.mesh_O, options.neighbor_spacing_m,
                                        options.min_part_points, options.max_part_points, rng);
   const Eigen::Matrix3Xd points_O = surface.points_O.matrix().transpose().cast<double>();
-  PartShape shape{points_O, SurfaceBand(points_O, options.own_points_m), {}};
+  const Vector3d extent_m = points_O.rowwise().maxCoeff() - points_O.rowwise().minCoeff();
+  PartShape shape{points_O, extent_m.minCoeff(), SurfaceBand(points_O, options.own_points_m), {}};
   const MechanismRow& mechanism = MechanismOf(input.gripper);
   for (const GraspCandidate& candidate : input.candidates[object]) {
     shape.openings_m.push_back(mechanism.approach_opening_m(input.gripper, candidate.width_m));
   }
   return shape;
 }
-
-constexpr std::array<RankingRow, 4> kRankings{{
-    {"quality", "angle, area, depth and lever of the contacts, 0..1",
-     [](const GraspCandidate& candidate) { return candidate.quality; }},
-    {"epsilon", "the least load that is too much, from any direction",
-     [](const GraspCandidate& candidate) { return candidate.epsilon / (1 + candidate.epsilon); }},
-    {"robust", "share of sampled errors that it survives",
-     [](const GraspCandidate& candidate) { return candidate.robust; }},
-    {"random", "chance alone among the grasps without collision: what ranking has to beat",
-     nullptr},
-}};
 
 Vector3d CenterOf(const PlanInput& input, const BelievedPose& pose) {
   return pose.X_WO * input.objects[pose.object]->mass.com_O;
@@ -174,7 +165,8 @@ class Planner {
     return ObstacleField(std::move(points), std::move(sources), options_.column_m);
   }
 
-  // Poses that claim the same part as pose `target`, itself included.
+  // Poses that claim the same part as pose `target`, itself included. Flat parts that lie across
+  // each other have their middles one thickness apart, and are two.
   std::vector<bool> Rivals(int target) const {
     const BelievedPose& pose = input_.poses[target];
     std::vector<bool> rivals(input_.poses.size());
@@ -182,8 +174,11 @@ class Planner {
       const BelievedPose& other = input_.poses[i];
       const double size = std::min(input_.objects[pose.object]->diameter_m,
                                    input_.objects[other.object]->diameter_m);
+      const double thickness =
+          std::min(shapes_[pose.object]->thickness_m, shapes_[other.object]->thickness_m);
+      const double apart = (CenterOf(input_, pose) - CenterOf(input_, other)).norm();
       rivals[i] =
-          (CenterOf(input_, pose) - CenterOf(input_, other)).norm() < options_.same_share * size;
+          apart < std::min(options_.same_share * size, options_.same_thickness_share * thickness);
     }
     rivals[target] = true;
     return rivals;
@@ -330,62 +325,6 @@ class Planner {
 };
 
 }  // namespace
-
-void WiderLimits::Visit(SettingsVisitor& v) {
-  v.Bool("look", look, "look again where nothing was found");
-  v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.6}, "of the approach from straight down, rad");
-  v.Real("min_quality", min_quality, {0, 1}, "worse candidates are left alone");
-  v.Real("clearance_share", clearance_share, {-2, 1}, "of the gripper's clearance");
-  v.Real("bin_clearance_m", bin_clearance_m, {0, 0.1}, "kept between hand and bin, m");
-}
-
-void PlanOptions::Visit(SettingsVisitor& v) {
-  const Range share{0, 1};
-  const Range length{0, 0.1};
-  v.Integer("max_grasps", max_grasps, {1, 1000}, "reported");
-  std::vector<std::string> rankings;
-  for (const RankingRow& row : kRankings) rankings.push_back(row.name);
-  v.Text("ranking", ranking, rankings, "by what of a candidate grasps are ranked");
-  v.Seed("seed", seed, "of the ranking by chance");
-  v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.6}, "of the approach from straight down, rad");
-  v.Real("own_points_m", own_points_m, {0.001, 0.1}, "points this near are the target's own, m");
-  v.Real("clearance_share", clearance_share, {-2, 1}, "of the gripper's clearance");
-  v.Real("bin_clearance_m", bin_clearance_m, length, "kept between hand and bin, m");
-  v.Real("min_depth_m", min_depth_m, length, "contact behind the tips, at least, m");
-  v.Real("good_depth_m", good_depth_m, {0.001, 0.1}, "contact behind the tips without loss, m");
-  v.Real("min_quality", min_quality, share, "worse candidates are left alone");
-  v.Real("voxel_m", voxel_m, {0.0005, 0.1}, "the cloud is thinned to, m");
-  v.Real("bin_band_m", bin_band_m, length, "points this near to floor and walls are the bin's, m");
-  v.Real("neighbor_confidence", neighbor_confidence, {0, 1e9}, "poses from here on are obstacles");
-  v.Real("neighbor_spacing_m", neighbor_spacing_m, {0.001, 0.1}, "of the points on them, m");
-  v.Real("same_share", same_share, share, "of the diameter; nearer poses are rivals");
-  v.Real("height_share", height_share, share, "lost by the lowest part");
-  v.Real("tilt_share", tilt_share, share, "lost at max_tilt_rad");
-  v.Real("room_share", room_share, share, "lost when others touch the hand");
-  v.Real("cover_share", cover_share, share, "lost when others lie all over the target");
-  v.Real("aside_share", aside_share, share, "lost by a hand that stands aside for a wall");
-  v.Real("set_down_share", set_down_share, share, "lost when the part cannot be laid down so held");
-  v.Real("between_share", between_share, share, "lost when others are between the fingers");
-  v.Real("good_room_m", good_room_m, {0.001, 0.1}, "distance from others without loss, m");
-  v.Integer("many_between", many_between, {1, 100000}, "points between fingers at full loss");
-  v.Real("column_m", column_m, {0.001, 0.1}, "of the floor plan that sorts the points, m");
-  v.Integer("min_part_points", min_part_points, {10, 100000}, "on a believed pose, at least");
-  v.Integer("max_part_points", max_part_points, {10, 100000}, "on a believed pose, at most");
-  v.Group(
-      "wide", [this](SettingsVisitor& g) { wide.Visit(g); }, "where nothing was found");
-  v.Real("cover_above_m", cover_above_m, length, "points this much higher lie on the target, m");
-}
-
-std::span<const RankingRow> RankingTable() { return kRankings; }
-
-const RankingRow& RankingNamed(const std::string& name) {
-  std::vector<std::string> names;
-  for (const RankingRow& row : kRankings) {
-    if (name == row.name) return row;
-    names.push_back(row.name);
-  }
-  throw InputError(UnknownNameMessage("ranking", name, names));
-}
 
 PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
   PlanResult result = Planner(input, options).Run();

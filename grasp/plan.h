@@ -50,7 +50,7 @@ const RankingRow& RankingNamed(const std::string& name);
 struct WiderLimits {
   bool look = true;
   double max_tilt_rad = 1.3;
-  double min_quality = 0.005;
+  double min_quality = 0.15;
   double clearance_share = 0.3;    // of the gripper's clearance
   double bin_clearance_m = 0.001;  //
   void Visit(SettingsVisitor& v);
@@ -68,13 +68,17 @@ struct PlanOptions {
   double bin_clearance_m = 0.002;
   // A hand that would meet the floor draws back until its contact is this near to the tips.
   double min_depth_m = 0.002;
-  double good_depth_m = 0.008;        // contact this far behind the tips has no loss
-  double min_quality = 0.02;          // worse candidates are left alone
+  double good_depth_m = 0.008;  // contact this far behind the tips has no loss
+  // Worse candidates are left alone: with true poses a third of what they held slipped out.
+  double min_quality = 0.15;
   double voxel_m = 0.003;             // the cloud is thinned to
   double bin_band_m = 0.004;          // points this near to floor and walls are the bin's
   double neighbor_confidence = 0.5;   // believed poses from here on are obstacles
   double neighbor_spacing_m = 0.004;  // of the points on them
-  double same_share = 0.25;  // poses nearer than this share of the diameter are rivals for one part
+  // Poses are rivals for one part when they are nearer than both: this share of the diameter, and
+  // this of the least extent, beyond which two parts can lie across each other.
+  double same_share = 0.25;
+  double same_thickness_share = 0.8;
 
   // Each lowers the score by up to its share: lowest part of all, approach at max_tilt_rad, nothing
   // but `clearance_m` of room, floor plan wholly covered by others, a hold with which the part

@@ -543,7 +543,7 @@ bad_training_is_refused() {
 }
 
 grippers_are_drawn() {
-  for gripper in jaw_8cm jaw_14cm cup_30mm; do
+  for gripper in jaw_4cm jaw_8cm jaw_14cm cup_30mm; do
     expect 0 "$pickbed" gripper show "$gripper"
     [ -s "results/gripper_$gripper.png" ] || fail "no picture of $gripper"
   done

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
 
@@ -242,6 +243,34 @@ TEST_F(Plan, RivalPoseForTheSamePartIsNot) {
   Place({0, 0, 0.025});
   Place({0.004, 0, 0.025});
   EXPECT_FALSE(Run().grasps.empty());
+}
+
+// Bars that lie across each other have their middles nearer than a quarter of their length: the
+// lower one is a part all the same, and fingers that reach past the upper one would meet it.
+TEST_F(Plan, FlatPartsAcrossEachOtherAreTwoParts) {
+  objects_[0] = BoxPart({0.10, 0.03, 0.016}, 0.2);
+  GraspCandidate candidate;
+  candidate.X_OG = FromAbove({0, 0, -0.006}, 0.5 * std::numbers::pi);
+  candidate.width_m = 0.03;
+  candidate.depth_m = 0.010;
+  candidate.quality = 0.8;
+  candidates_ = {{candidate}};
+  Place({0, 0, 0.024});
+  ASSERT_EQ(Run().grasps.size(), 1u);
+  const std::vector<int> upper{0};
+  const auto planned = [&] {
+    PlanOptions options;
+    options.wide.look = false;
+    return PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, gripper_, upper}, options);
+  };
+  poses_.push_back({0,
+                    Translation({0, 0, 0.008}) *
+                        Pose(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitZ())),
+                    1});
+  EXPECT_TRUE(planned().grasps.empty());
+  EXPECT_EQ(planned().rejected.at("fingers meet a part"), 1);
+  poses_[1].X_WO = poses_[0].X_WO * Translation({0.004, 0.002, 0.002});
+  EXPECT_EQ(planned().grasps.size(), 1u) << "the same part, believed twice";
 }
 
 TEST_F(Plan, HigherAndSurerPartsComeFirst) {
