@@ -32,6 +32,7 @@ struct TrainArguments {
   std::string bop_path;              // a BOP data set: all of its models, for its camera
   ScenarioArguments scenario;        // optional: camera, bin, sensor, looks and parts
   std::vector<std::string> sensors;  // of the piles; empty = the scenario's
+  double foreign_share = 0.3;        // of the piles, in which shapes lie that are no parts
   std::string model_file;
   std::string start_from;
   std::string report_folder;
@@ -50,6 +51,7 @@ struct Lesson {
   ScenarioSpec spec;
   bool has_cell = false;               // of a scenario; else cells of a size that suits each part
   std::vector<SensorProfile> sensors;  // of the piles; empty = the scenario's
+  double foreign_share = 0;            // of the piles, in which shapes lie that are no parts
   ObjectSet objects;
   std::optional<CameraIntrinsics> camera;  // of a data set, instead of the scenario's
 };
@@ -98,7 +100,7 @@ Lesson PlanLesson(const TrainArguments& arguments) {
     for (size_t i = 0; i < loaded.objects.size(); ++i) {
       if (!loaded.spec.objects[i].foreign) learned.push_back(loaded.objects[i]);
     }
-    lesson = {loaded.name, std::move(loaded.spec), true, {}, std::move(learned), {}};
+    lesson = {loaded.name, std::move(loaded.spec), true, {}, 0, std::move(learned), {}};
   }
   if (!arguments.bop_path.empty()) {
     CheckInput(arguments.objects.empty() && lesson.objects.empty(),
@@ -127,6 +129,7 @@ Lesson PlanLesson(const TrainArguments& arguments) {
   for (const std::string& name : arguments.sensors) {
     lesson.sensors.push_back(LoadSensorProfile(name));
   }
+  lesson.foreign_share = arguments.foreign_share;
   if (!arguments.start_from.empty()) AddKnownParts(arguments, lesson);
   if (lesson.has_cell) RequireVisibleParts(lesson);
   return lesson;
@@ -148,6 +151,7 @@ std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
   options.sensor =
       BlameKey(lesson.spec, "sensor", [&] { return LoadSensorProfile(lesson.spec.sensor); });
   options.pile_sensors = lesson.sensors;
+  options.foreign_share = lesson.foreign_share;
   options.looks = LearnedLooks(lesson.spec.appearance);
   options.camera = lesson.camera.value_or(CameraOf(lesson.spec).intrinsics);
   options.bin = BinOf(lesson.spec);
@@ -205,6 +209,10 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
          "profiles, one of which sees each view of a pile, instead of the scenario's alone; "
          "a code book stays that of the scenario's sensor")
       ->delimiter(',');
+  app.add_option("--foreign", arguments.foreign_share,
+                 "share of the piles in which shapes lie that are no parts")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--catalog", arguments.scenario.catalog, "folder of your own objects")
       ->capture_default_str();
   app.add_option("--out", arguments.model_file, "model file [models/<objects>.pt]");

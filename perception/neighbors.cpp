@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <flann/flann.hpp>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -22,23 +21,21 @@ struct RepeatableL2 : flann::L2<float> {};
 
 namespace flann {
 
+// As FLANN's: distinct rows drawn at random; fewer than k where there are no more.
 template <>
-void KDTreeIndex<pickbed::RepeatableL2>::buildIndexImpl() {
-  seed_random(1);  // FLANN draws its split dimensions from the C library's generator
-  pickbed::Rng rng(1);
-  std::vector<int> order(size_);
-  std::iota(order.begin(), order.end(), 0);
-  std::vector<DistanceType> mean(veclen_), variance(veclen_);
-  mean_ = mean.data();
-  var_ = variance.data();
-  tree_roots_.resize(trees_);
-  for (auto& root : tree_roots_) {
-    for (int i = static_cast<int>(size_) - 1; i > 0; --i)
-      std::swap(order[i], order[rng.Index(i + 1)]);
-    root = divideTree(order.data(), static_cast<int>(size_));
+void RandomCenterChooser<pickbed::RepeatableL2>::operator()(int k, int* indices, int indices_length,
+                                                            int* centers, int& centers_length) {
+  constexpr float kSame = 1e-16f;  // squared distance below which two rows are one
+  pickbed::Rng rng(indices_length);
+  std::vector<int> order(indices, indices + indices_length);
+  centers_length = 0;
+  for (int i = 0; i < indices_length && centers_length < k; ++i) {
+    std::swap(order[i], order[i + rng.Index(indices_length - i)]);
+    const bool is_new = std::none_of(centers, centers + centers_length, [&](int center) {
+      return distance_(points_[order[i]], points_[center], cols_) < kSame;
+    });
+    if (is_new) centers[centers_length++] = order[i];
   }
-  mean_ = nullptr;
-  var_ = nullptr;
 }
 
 }  // namespace flann
@@ -46,8 +43,9 @@ void KDTreeIndex<pickbed::RepeatableL2>::buildIndexImpl() {
 namespace pickbed {
 
 void NeighborOptions::Visit(SettingsVisitor& v) {
-  v.Integer("trees", trees, {1, 32}, "randomised kd-trees of the index");
-  v.Integer("checks", checks, {1, 100000}, "leaves looked at for one query");
+  v.Integer("branching", branching, {2, 1000}, "clusters that a node of the index is divided into");
+  v.Integer("iterations", iterations, {0, 1000}, "of k-means at a node");
+  v.Integer("checks", checks, {1, 100000}, "rows looked at for one query");
   v.Integer("linear_below", linear_below, {0, 1000000}, "smaller sets are searched exactly");
 }
 
@@ -56,7 +54,7 @@ struct NeighborIndex::Impl {
   int dimensions = 0;
   int count = 0;
   NeighborOptions options;
-  std::optional<flann::KDTreeIndex<RepeatableL2>> trees;
+  std::optional<flann::KMeansIndex<RepeatableL2>> tree;
 };
 
 NeighborIndex::NeighborIndex(std::vector<float> rows, int dimensions,
@@ -69,9 +67,10 @@ NeighborIndex::NeighborIndex(std::vector<float> rows, int dimensions,
   impl_->count = static_cast<int>(impl_->rows.size() / dimensions);
   impl_->options = options;
   if (impl_->count < std::max(options.linear_below, 2)) return;
-  impl_->trees.emplace(flann::Matrix<float>(impl_->rows.data(), impl_->count, dimensions),
-                       flann::KDTreeIndexParams(options.trees));
-  impl_->trees->buildIndex();
+  impl_->tree.emplace(
+      flann::Matrix<float>(impl_->rows.data(), impl_->count, dimensions),
+      flann::KMeansIndexParams(options.branching, options.iterations, flann::FLANN_CENTERS_RANDOM));
+  impl_->tree->buildIndex();
 }
 
 NeighborIndex::~NeighborIndex() = default;
@@ -81,7 +80,7 @@ NeighborIndex& NeighborIndex::operator=(NeighborIndex&&) noexcept = default;
 int NeighborIndex::size() const { return impl_->count; }
 
 Neighbors NeighborIndex::Search(std::span<const float> queries, int k, int threads) const {
-  if (!impl_->trees) return SearchExactly(impl_->rows, queries, impl_->dimensions, k);
+  if (!impl_->tree) return SearchExactly(impl_->rows, queries, impl_->dimensions, k);
   const size_t count = queries.size() / impl_->dimensions;
   Neighbors found{k, std::vector<int>(count * k, -1), std::vector<float>(count * k, 0)};
   if (count == 0) return found;
@@ -96,7 +95,7 @@ Neighbors NeighborIndex::Search(std::span<const float> queries, int k, int threa
                                      length);
     flann::Matrix<int> rows(found.rows.data() + static_cast<size_t>(begin) * k, size, k);
     flann::Matrix<float> squared(found.squared.data() + static_cast<size_t>(begin) * k, size, k);
-    impl_->trees->knnSearch(query, rows, squared, reachable, params);
+    impl_->tree->knnSearch(query, rows, squared, reachable, params);
   });
   return found;
 }

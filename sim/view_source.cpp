@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "scenes/check.h"
+#include "sim/foreign_parts.h"
 #include "sim/sensor_noise.h"
 
 namespace pickbed {
@@ -42,10 +43,22 @@ Pose RandomCamera(const ViewSourceOptions& options, double scale, Rng& rng) {
   return MakePose(R_WC, target_W - distance_m * R_WC.col(2));
 }
 
+ObjectSet WithForeignParts(const ObjectSet& objects, const ViewSourceOptions& options) {
+  ObjectSet all = objects;
+  if (options.foreign_share > 0) {
+    const ObjectSet foreign = MakeForeignParts(objects);
+    all.insert(all.end(), foreign.begin(), foreign.end());
+  }
+  return all;
+}
+
 class SimViewSource : public LabelledViewSource {
  public:
   SimViewSource(const ObjectSet& objects, const ViewSourceOptions& options)
-      : objects_(objects), options_(options), scene_renderer_(objects, options.bin, options.gl) {}
+      : objects_(objects),
+        options_(options),
+        in_piles_(WithForeignParts(objects, options)),
+        scene_renderer_(in_piles_, options.bin, options.gl) {}
 
   const ObjectSet& objects() const override { return objects_; }
 
@@ -62,14 +75,19 @@ class SimViewSource : public LabelledViewSource {
     double scale = 1;
   };
   std::vector<int> RandomKinds(const PileRequest& request, Rng& rng) const;
-  std::vector<int> RandomCounts(const std::vector<int>& kinds, const Bin& bin, Rng& rng) const;
+  std::vector<int> RandomForeign(const PileRequest& request, const std::vector<int>& kinds) const;
+  std::vector<int> RandomCounts(const std::vector<int>& kinds, const std::vector<int>& foreign,
+                                const Bin& bin, Rng& rng) const;
   double RandomScale(const PileRequest& request, const std::vector<int>& kinds, Rng& rng) const;
   ScaledPile DropPile(const PileRequest& request) const;
   const SensorProfile& PileSensor(uint64_t seed, int view) const;
   LabelledView PileView(const ScaledPile& pile, uint64_t seed, int view);
 
+  bool IsForeign(int object) const { return object >= static_cast<int>(objects_.size()); }
+
   ObjectSet objects_;
   ViewSourceOptions options_;
+  ObjectSet in_piles_;  // objects_, then foreign shapes
   SceneRenderer scene_renderer_;
 };
 
@@ -131,7 +149,9 @@ std::string SimViewSource::PileSettings() const {
                      o.bin.shape ? MeshHash(o.bin.shape->mesh_B) : 0) +
          fmt::format("for {} scaled {} parts {}..{} fill {} mixed {} kinds {}\n", o.for_diameter_m,
                      o.scaled_share, o.parts_min, o.parts_max, o.fill_max, o.mixed_share,
-                     o.mixed_kinds_max);
+                     o.mixed_kinds_max) +
+         (o.foreign_share > 0 ? fmt::format("foreign {} {}\n", o.foreign_share, o.foreign_max)
+                              : "");
 }
 
 // One kind, or a mix.
@@ -149,12 +169,34 @@ std::vector<int> SimViewSource::RandomKinds(const PileRequest& request, Rng& rng
   return order;
 }
 
+// Foreign shapes of about the size of these kinds, as indices into in_piles_. Their stream is their
+// own, so that piles without them stay what they were.
+std::vector<int> SimViewSource::RandomForeign(const PileRequest& request,
+                                              const std::vector<int>& kinds) const {
+  std::vector<int> shapes;
+  Rng rng = Rng::Derive(request.seed, 0, "pile foreign");
+  if (rng.Uniform() >= options_.foreign_share) return shapes;
+  const int own = static_cast<int>(objects_.size());
+  const int per_object = static_cast<int>(in_piles_.size()) / own - 1;
+  const int count = 1 + rng.Index(options_.foreign_max);
+  for (int i = 0; i < count; ++i) {
+    const int kind = kinds[rng.Index(static_cast<int>(kinds.size()))];
+    shapes.push_back(own + kind * per_object + rng.Index(per_object));
+  }
+  return shapes;
+}
+
 // How many of each object; at least one of the first kind.
-std::vector<int> SimViewSource::RandomCounts(const std::vector<int>& kinds, const Bin& bin,
+std::vector<int> SimViewSource::RandomCounts(const std::vector<int>& kinds,
+                                             const std::vector<int>& foreign, const Bin& bin,
                                              Rng& rng) const {
   const int wanted = options_.parts_min + rng.Index(options_.parts_max - options_.parts_min + 1);
   double room_m3 = options_.fill_max * bin.inner_size_m.prod();
-  std::vector<int> counts(objects_.size(), 0);
+  std::vector<int> counts(foreign.empty() ? objects_.size() : in_piles_.size(), 0);
+  for (const int shape : foreign) {
+    room_m3 -= BoundingVolume_m3(*in_piles_[shape]);
+    ++counts[shape];
+  }
   for (int i = 0; i < wanted; ++i) {
     const int kind = i == 0 ? kinds.front() : kinds[rng.Index(static_cast<int>(kinds.size()))];
     room_m3 -= BoundingVolume_m3(*objects_[kind]);
@@ -180,8 +222,10 @@ SimViewSource::ScaledPile SimViewSource::DropPile(const PileRequest& request) co
     const double scale = RandomScale(request, kinds, rng);
     Bin bin = options_.bin;
     bin.inner_size_m *= scale;
-    const std::vector<int> counts = RandomCounts(kinds, bin, rng);
-    DropResult result = DropParts(bin, objects_, counts, rng, options_.drop);
+    const std::vector<int> foreign = RandomForeign(request, kinds);
+    const std::vector<int> counts = RandomCounts(kinds, foreign, bin, rng);
+    DropResult result =
+        DropParts(bin, foreign.empty() ? objects_ : in_piles_, counts, rng, options_.drop);
     if (!result.certificate.blew_up && !result.scene.objects.empty()) {
       return {std::move(result.scene), scale};
     }
@@ -220,8 +264,8 @@ LabelledView SimViewSource::PileView(const ScaledPile& pile, uint64_t seed, int 
   for (const PosedObject& object : scene.objects) largest = std::max(largest, object.instance);
   std::vector<uint16_t> new_id(largest + 2, 0);
   for (size_t i = 0; i < scene.objects.size(); ++i) {
-    if (fractions[i] == 0) continue;
     const PosedObject& object = scene.objects[i];
+    if (fractions[i] == 0 || IsForeign(object.object)) continue;
     out.instances.push_back({object.object, X_CW * object.X_WO, fractions[i]});
     new_id[object.instance + 1] = static_cast<uint16_t>(out.instances.size());
   }
@@ -258,6 +302,11 @@ std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
   CheckInput(options.distance_min_m > 0 && options.distance_max_m >= options.distance_min_m,
              fmt::format("camera distance {} to {} m: need 0 < distance_min_m <= distance_max_m",
                          options.distance_min_m, options.distance_max_m));
+  CheckInput(
+      options.foreign_share >= 0 && options.foreign_share <= 1 && options.foreign_max >= 1,
+      fmt::format("foreign shapes in {} of the piles, at most {}: need a share of 0 to 1 and "
+                  "1 shape or more",
+                  options.foreign_share, options.foreign_max));
   options.looks.Validate();
   return std::make_unique<SimViewSource>(objects, options);
 }

@@ -32,8 +32,12 @@ struct ViewSourceOptions {
   double fill_max = 0.6;     // share of the bin's volume that the parts' bounding boxes may reach
   double mixed_share = 0.5;  // of piles that mix kinds, where there are several
   int mixed_kinds_max = 6;   // in one pile
-  bool color = true;         // views carry colour; isolated ones are cheaper without
-  AppearanceRanges looks;    // of lamps, materials and background, where there is colour
+  // Of piles in which shapes lie that are no object of the source (foreign_parts.h), for an
+  // estimator to learn that not everything is a part; in `ids` they are background.
+  double foreign_share = 0;
+  int foreign_max = 6;     // of them in one pile
+  bool color = true;       // views carry colour; isolated ones are cheaper without
+  AppearanceRanges looks;  // of lamps, materials and background, where there is colour
   DropOptions drop;
   GlContextOptions gl;
 };

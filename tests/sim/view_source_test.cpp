@@ -267,6 +267,45 @@ TEST(ViewSource, PilesAreSeenBySeveralSensors) {
   EXPECT_LT(seen, 12);
 }
 
+// Pixels of no instance that show something well inside the bin and over its floor.
+int UnnamedPixels(const LabelledView& view) {
+  const Pose X_BC = view.background->X_CB.inverse();
+  const Eigen::Vector3d half_m = 0.5 * view.background->bin.inner_size_m;
+  int count = 0;
+  for (int v = 0; v < view.ids.height(); ++v) {
+    for (int u = 0; u < view.ids.width(); ++u) {
+      const float z_m = view.frame.depth_m(u, v);
+      if (z_m == 0 || view.ids(u, v) != 0) continue;
+      const Eigen::Vector3d p_B = X_BC * BackProject(view.frame.intrinsics, u, v, z_m);
+      count += p_B.z() > 0.012 && std::abs(p_B.x()) < half_m.x() - 0.01 &&
+               std::abs(p_B.y()) < half_m.y() - 0.01;
+    }
+  }
+  return count;
+}
+
+TEST(ViewSource, ForeignShapesLieInPilesAndAreBackground) {
+  const ObjectSet objects = SomeParts(2);
+  ViewSourceOptions options = SmallOptions();
+  options.sensor = SensorProfile();
+  const auto none = MakeSimViewSource(objects, options);
+  options.foreign_share = 0.5;
+  const auto half = MakeSimViewSource(objects, options);
+  EXPECT_NE(none->PileSettings(), half->PileSettings());
+  EXPECT_EQ(none->IsolatedSettings(), half->IsolatedSettings());
+  int piles = 0;
+  for (uint64_t seed = 0; seed < 12; ++seed) {
+    const LabelledView view = half->Pile({seed, 1}).front(), plain = none->Pile({seed, 1}).front();
+    EXPECT_EQ(UnnamedPixels(plain), 0);
+    const int unnamed = UnnamedPixels(view);
+    EXPECT_EQ(unnamed == 0, view.frame.depth_m == plain.frame.depth_m);
+    piles += unnamed > 0;
+    for (const LabelledInstance& instance : view.instances) EXPECT_LT(instance.object, 2);
+  }
+  EXPECT_GE(piles, 3);
+  EXPECT_LE(piles, 9);
+}
+
 // A cell for parts of half the size is half as large, camera and bin alike, and every request for a
 // part is met.
 TEST(ViewSource, CellsScaleWithTheirParts) {
@@ -321,6 +360,9 @@ TEST(ViewSource, BadInputIsNamed) {
   EXPECT_THROW(MakeSimViewSource(SomeParts(1), options), InputError);
   options = SmallOptions();
   options.distance_min_m = 2;
+  EXPECT_THROW(MakeSimViewSource(SomeParts(1), options), InputError);
+  options = SmallOptions();
+  options.foreign_share = 1.5;
   EXPECT_THROW(MakeSimViewSource(SomeParts(1), options), InputError);
   const auto source = MakeSimViewSource(SomeParts(1), SmallOptions());
   EXPECT_THROW(source->Isolated(1, SomePoses(1), {}, 0), InputError);
