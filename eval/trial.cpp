@@ -187,10 +187,17 @@ std::vector<Grasp> TrialRunner::Impl::PlanBoldly(const std::vector<BelievedPose>
 std::vector<Grasp> TrialRunner::Impl::WithoutRetries(std::vector<Grasp> grasps,
                                                      const std::vector<BelievedPose>& poses,
                                                      const std::vector<FailedGrasp>& failed) const {
-  std::erase_if(grasps, [&](const Grasp& grasp) {
-    return IsRetry(grasp, poses[grasp.hypothesis], failed, options);
-  });
-  return grasps;
+  std::vector<FailedGrasp> in_this_bin = failed;
+  std::erase_if(in_this_bin, [](const FailedGrasp& old) { return old.picked_since; });
+  const auto without = [&](const std::vector<FailedGrasp>& known) {
+    std::vector<Grasp> fresh;
+    for (const Grasp& grasp : grasps) {
+      if (!IsRetry(grasp, poses[grasp.hypothesis], known, options)) fresh.push_back(grasp);
+    }
+    return fresh;
+  };
+  std::vector<Grasp> fresh = without(failed);
+  return fresh.empty() ? without(in_this_bin) : fresh;
 }
 
 std::optional<Grasp> TrialRunner::Impl::FirstThatSucceeds(const std::vector<Grasp>& grasps,
@@ -233,7 +240,7 @@ void TrialRunner::Impl::Execute(const PoseHypothesis& hypothesis, const Believed
   record.loss = LossOf(record, hypothesis, {live.scene, metric_models, cell.camera()});
   live.scene = std::move(executed.after);
   if (record.outcome.success) {
-    live.failed.clear();
+    for (FailedGrasp& old : live.failed) old.picked_since = true;
   } else {
     live.failed.push_back(
         {pose.object, pose.X_WO.translation(), record.grasp->X_WG.linear().col(2)});

@@ -85,10 +85,10 @@ struct TrialResult {
 struct TrialOptions {
   // After a failed pick a grasp on the same part is not tried again when the believed position is
   // within `retry_radius_m` of the failed one and the approach within `retry_angle_rad`: an
-  // unchanged bin would give the same failure.
+  // unchanged bin would give the same failure. Once another part has been picked it comes last.
   double retry_radius_m = 0.02;
   double retry_angle_rad = 0.35;
-  int retry_grasps = 50;             // planned after a failure, to choose from
+  int retry_grasps = 200;            // planned after a failure, to choose from
   int cloud_stride_px = 2;           // of the observed points that the planner keeps clear of
   double stands_on_diameters = 0.5;  // MSSD within which a hypothesis stands on an instance
   TruthStages truth;                 // stages that are fed with truth

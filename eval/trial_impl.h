@@ -19,6 +19,7 @@ struct FailedGrasp {
   int object = 0;
   Eigen::Vector3d position_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d approach_W = Eigen::Vector3d::UnitZ();
+  bool picked_since = false;  // another part was taken out, which may have cleared the way
 };
 
 struct TrialRunner::Impl {
@@ -26,7 +27,7 @@ struct TrialRunner::Impl {
   struct Live {
     TrialResult result;
     Scene scene;
-    std::vector<FailedGrasp> failed;  // since the last success
+    std::vector<FailedGrasp> failed;
     TrialObserver* observer = nullptr;
   };
 
@@ -51,6 +52,8 @@ struct TrialRunner::Impl {
   std::vector<Grasp> PlanBoldly(const std::vector<BelievedPose>& poses, const Live& live,
                                 const PickRecord& record) const;
   PlanOptions Ranking(const Live& live, const PickRecord& record) const;  // as the policy says
+  // Without those that failed; where nothing else is left, with those of them that failed before
+  // another part was picked.
   std::vector<Grasp> WithoutRetries(std::vector<Grasp> grasps,
                                     const std::vector<BelievedPose>& poses,
                                     const std::vector<FailedGrasp>& failed) const;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "grasp/clearance.h"
+#include "grasp/edge_points.h"
 #include "grasp/pad_contact.h"
 
 namespace pickbed {
@@ -41,8 +42,9 @@ constexpr const char* kCauseNames[kCauses] = {"tilt",
 
 // What is the same for every pose of one object.
 struct PartShape {
-  Eigen::Matrix3Xd points_O;
-  double thickness_m;  // least extent along the axes of O
+  Eigen::Matrix3Xd points_O;    // spread by area
+  Eigen::Matrix3Xd obstacle_O;  // these and points along its sharp edges
+  double thickness_m;           // least extent along the axes of O
   SurfaceBand band;
   std::vector<std::optional<double>> openings_m;  // by candidate; nullopt = beyond the stroke
 };
@@ -54,7 +56,14 @@ PartShape MakeShape(const PlanInput& input, int object, const PlanOptions& optio
                                        options.min_part_points, options.max_part_points, rng);
   const Eigen::Matrix3Xd points_O = surface.points_O.matrix().transpose().cast<double>();
   const Vector3d extent_m = points_O.rowwise().maxCoeff() - points_O.rowwise().minCoeff();
-  PartShape shape{points_O, extent_m.minCoeff(), SurfaceBand(points_O, options.own_points_m), {}};
+  const Eigen::Matrix3Xd edges_O = SharpEdgePoints(model.mesh_O, options.neighbor_spacing_m);
+  Eigen::Matrix3Xd obstacle_O(3, points_O.cols() + edges_O.cols());
+  obstacle_O << points_O, edges_O;
+  PartShape shape{points_O,
+                  std::move(obstacle_O),
+                  extent_m.minCoeff(),
+                  SurfaceBand(points_O, options.own_points_m),
+                  {}};
   const MechanismRow& mechanism = MechanismOf(input.gripper);
   for (const GraspCandidate& candidate : input.candidates[object]) {
     shape.openings_m.push_back(mechanism.approach_opening_m(input.gripper, candidate.width_m));
@@ -158,7 +167,7 @@ class Planner {
     for (size_t i = 0; i < input_.poses.size(); ++i) {
       const BelievedPose& pose = input_.poses[i];
       if (pose.confidence < options_.neighbor_confidence) continue;
-      const Eigen::Matrix3Xd& points_O = shapes_[pose.object]->points_O;
+      const Eigen::Matrix3Xd& points_O = shapes_[pose.object]->obstacle_O;
       for (int k = 0; k < points_O.cols(); ++k) points.push_back(pose.X_WO * points_O.col(k));
       sources.resize(points.size(), static_cast<int>(i));
     }
@@ -270,6 +279,17 @@ class Planner {
     return true;
   }
 
+  // The candidate was clear of its own part where it stood, but not where it was moved to.
+  bool MeetsTarget(std::span<const AxisAlignedBox> sweep, const Grasp& grasp) const {
+    const BelievedPose& pose = input_.poses[grasp.hypothesis];
+    const Pose X_GO = grasp.X_WG.inverse() * pose.X_WO;
+    const Eigen::Matrix3Xd points_G = X_GO * shapes_[pose.object]->obstacle_O;
+    return std::any_of(sweep.begin(), sweep.end(), [&](const AxisAlignedBox& box) {
+      const auto outside_m = (points_G.colwise() - box.center).cwiseAbs().colwise() - box.half_size;
+      return (outside_m.colwise().maxCoeff().array() < 0).any();
+    });
+  }
+
   bool MeetsBin(std::span<const AxisAlignedBox> sweep, const Grasp& grasp) const {
     return FindBinContact(sweep, grasp.X_WG, bin_boxes_, options_.bin_clearance_m).has_value();
   }
@@ -283,7 +303,8 @@ class Planner {
     if (!opening_m) return kOpening;
     const auto sweep = HandSweep(input_.gripper, *opening_m);
     if (!KeepOffFloor(sweep, candidate.depth_m, grasp)) return kBinFloor;
-    if (MeetsBin(sweep, grasp) && (!KeepOffWalls(*opening_m, grasp) || MeetsBin(sweep, grasp))) {
+    if (MeetsBin(sweep, grasp) &&
+        (!KeepOffWalls(*opening_m, grasp) || MeetsBin(sweep, grasp) || MeetsTarget(sweep, grasp))) {
       return kBinWall;
     }
     grasp.score *= 1 - options_.tilt_share * tilt / options_.max_tilt_rad;

@@ -138,6 +138,40 @@ TEST(Trial, ATooHeavyPartIsLostToPhysicsAndTheSameGraspIsNotRepeated) {
   }
 }
 
+// A pick of another part does not make a grasp good that failed: it comes last.
+TEST(Trial, AFailedGraspIsRepeatedOnlyWhenNothingElseIsLeft) {
+  ScenarioSpec spec = CubeScenario(4);
+  spec.objects.push_back(spec.objects[0]);
+  spec.objects[1].count = 1;
+  spec.policy.max_failures_in_row = 3;
+  const ObjectSet objects{Cube(0.03, 0.05, 0.6), Cube(0.05, 5, 0.2)};
+  const TrialOptions options;
+  const auto is_near = [&](const PickRecord& a, const PickRecord& b) {
+    const Pose &first = a.grasp->X_WG, &later = b.grasp->X_WG;
+    const double angle = std::acos(first.linear().col(2).dot(later.linear().col(2)));
+    const double moved_m = (first.translation() - later.translation()).norm();
+    return angle < options.retry_angle_rad && moved_m < options.retry_radius_m / 2;
+  };
+  TrialRunner runner(spec, objects);
+  int chances = 0;  // looks at light cubes after the heavy one was tried and another was picked
+  for (int trial = 0; trial < 6; ++trial) {
+    const TrialResult result = runner.Run(trial);
+    std::vector<PickRecord> failed;
+    int picked = 0, picked_since = 0;
+    for (const PickRecord& pick : result.picks) {
+      if (!pick.grasp) continue;
+      for (const PickRecord& old : failed) {
+        EXPECT_TRUE(!is_near(old, pick) || picked == 4) << "trial " << trial;
+      }
+      chances += picked_since > 0 && picked < 4;
+      picked += pick.outcome.success;
+      picked_since += pick.outcome.success && !failed.empty();
+      if (!pick.outcome.success) failed.push_back(pick);
+    }
+  }
+  EXPECT_GT(chances, 2) << "the case did not occur";
+}
+
 TEST(Trial, UnknownNamesAreBadInput) {
   for (const auto& spoil : std::vector<std::function<void(ScenarioSpec&)>>{
            [](ScenarioSpec& s) { s.estimator.name = "orcale"; },
