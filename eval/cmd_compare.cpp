@@ -18,13 +18,7 @@ int CompareCommand(int argc, char** argv) {
       ->required();
   app.add_option("RUN_B", run_b, "another; differences are B - A")->required();
   app.add_option("--out", out, "the page")->capture_default_str();
-  app.add_option("--failures", options.failures, "lost picks in the gallery at most")
-      ->check(CLI::Range(0, 5000))
-      ->capture_default_str();
-  app.add_option("--views", options.views, "trials in 3D at most")
-      ->check(CLI::Range(0, 20))
-      ->capture_default_str();
-  app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
+  AddReportOptions(app, options, catalog);
   app.footer("Example: pickbed compare results/descriptor results/ppf --out ppf.html");
   if (!ParseArguments(app, argc, argv)) return 0;
 

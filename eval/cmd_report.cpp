@@ -15,13 +15,7 @@ int ReportCommand(int argc, char** argv) {
   ReportOptions options;
   app.add_option("RUN", run, "results folder of a `pickbed run` or `pickbed sweep`")->required();
   app.add_option("--out", out, "the page [RUN/report.html]");
-  app.add_option("--failures", options.failures, "lost picks in the gallery at most")
-      ->check(CLI::Range(0, 5000))
-      ->capture_default_str();
-  app.add_option("--views", options.views, "trials in 3D at most")
-      ->check(CLI::Range(0, 20))
-      ->capture_default_str();
-  app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
+  AddReportOptions(app, options, catalog);
   app.footer("Example: pickbed report results/demo");
   if (!ParseArguments(app, argc, argv)) return 0;
 

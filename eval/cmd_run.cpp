@@ -5,7 +5,6 @@
 #include "eval/command_line.h"
 #include "eval/commands.h"
 #include "eval/interrupt.h"
-#include "eval/occlusion_curve.h"
 #include "eval/progress.h"
 #include "eval/run.h"
 #include "eval/sweep_progress.h"
@@ -41,6 +40,7 @@ int RunCommand(int argc, char** argv) {
   app.add_option("--pictures", options.picture_trials, "trials that get pictures, 0 = none")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
+  AddLostPicturesArgument(app, options.lost_picture_trials);
   AddToleranceArgument(app, tolerance);
   app.add_flag("--json", json, "print the summary as JSON on stdout, and nothing else");
   app.footer("Example: pickbed run demo --trials 10 --set estimator.name=oracle --jobs 2");
@@ -56,8 +56,6 @@ int RunCommand(int argc, char** argv) {
     fmt::print("{}", SummaryJson(report.summary));
   } else {
     fmt::print("{}", SummaryTable(report.summary));
-    const OcclusionSpec& occlusion = scenario.spec.occlusion;
-    if (occlusion.enabled) fmt::print("{}", CurveTable(FiguresByBand(report.trials, occlusion)));
     fmt::print("\nresults in {}\n", options.out.string());
   }
   if (report.interrupted) {

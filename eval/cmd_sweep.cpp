@@ -66,6 +66,7 @@ bool Parse(int argc, char** argv, Arguments& a) {
   app.add_option("--pictures", a.options.picture_trials, "scenes of each point that get pictures")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
+  AddLostPicturesArgument(app, a.options.lost_picture_trials);
   app.add_flag("--json", a.json, "print the summary as JSON on stdout, and nothing else");
   AddSlurmArguments(app, a);
   app.footer(

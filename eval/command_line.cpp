@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "eval/progress.h"
+#include "eval/report_data.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -77,6 +78,23 @@ void AddToleranceArgument(CLI::App& app, std::vector<std::string>& places) {
          "maps of `pickbed tolerance` for the parts with this gripper: folders, or a folder "
          "of such, comma-separated; poses get their chance that a pick on them succeeds")
       ->delimiter(',');
+}
+
+void AddLostPicturesArgument(CLI::App& app, int& trials) {
+  app.add_option("--lost-pictures", trials,
+                 "bins of which each lost pick gets a small picture for the report")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+}
+
+void AddReportOptions(CLI::App& app, ReportOptions& options, std::string& catalog) {
+  app.add_option("--failures", options.failures, "lost picks in the gallery at most")
+      ->check(CLI::Range(0, 5000))
+      ->capture_default_str();
+  app.add_option("--views", options.views, "picks in 3D at most")
+      ->check(CLI::Range(0, 20))
+      ->capture_default_str();
+  app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
 }
 
 LoadedScenario LoadScenarioArguments(const ScenarioArguments& arguments) {

@@ -12,6 +12,8 @@
 
 namespace pickbed {
 
+struct ReportOptions;
+
 // Parses; true when the command is to go on, false when help was asked for and printed. Throws
 // InputError with one line for anything that cannot be parsed (CLI11's own exit codes are over 100
 // and its messages have several lines). Every command takes --json-progress.
@@ -31,6 +33,12 @@ void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix =
 
 // --tolerance: where tolerance models lie, see eval/tolerance_maps.h.
 void AddToleranceArgument(CLI::App& app, std::vector<std::string>& places);
+
+// --lost-pictures: see eval/sweep.h.
+void AddLostPicturesArgument(CLI::App& app, int& trials);
+
+// --failures, --views and --catalog of a page about runs.
+void AddReportOptions(CLI::App& app, ReportOptions& options, std::string& catalog);
 
 struct LoadedScenario {
   std::string name;  // of the file, without folder and ending

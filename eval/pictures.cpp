@@ -4,6 +4,7 @@
 
 #include "eval/series_sheet.h"
 #include "scenes/check.h"
+#include "scenes/files.h"
 #include "scenes/image_io.h"
 
 namespace pickbed {
@@ -13,13 +14,17 @@ std::filesystem::path PathOf(const std::filesystem::path& folder, int pick, cons
   return folder / fmt::format("pick_{:02}_{}.png", pick, what);
 }
 
-}  // namespace
-
-void WriteLookPictures(const std::filesystem::path& folder, int pick, const OverlayInput& input) {
+void MakeFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   CheckInput(!error,
              fmt::format("cannot make the folder {}: {}", folder.string(), error.message()));
+}
+
+}  // namespace
+
+void WriteLookPictures(const std::filesystem::path& folder, int pick, const OverlayInput& input) {
+  MakeFolder(folder);
   WritePng(PathOf(folder, pick, "color"), input.frame.color);
   WritePng(PathOf(folder, pick, "depth"), ColorizeDepth(input.frame.depth_m));
   WritePng(PathOf(folder, pick, "overlay"), DrawOverlay(input));
@@ -40,6 +45,19 @@ void PickPictures::OnStage(TrialStage stage, const LookState& look) {
   if (stage == TrialStage::kOutcome) {
     WritePng(PathOf(folder_, pick, "after"), look.cell.ColorPicture(look.scene, look.scene_number));
   }
+}
+
+std::string LostPictureName(int pick) { return fmt::format("pick_{:02}_lost.jpg", pick); }
+
+void LostPickPictures::OnStage(TrialStage stage, const LookState& look) {
+  if (stage == TrialStage::kGrasp) before_ = look.scene;
+  if (stage != TrialStage::kOutcome || look.record.loss == Loss::kNone) return;
+  const OverlayInput input = OverlayOf({look.scene_number, look.cell, look.gripper, before_,
+                                        look.record, look.view, look.hypotheses});
+  const Image<Rgb8> overlay = Narrowed(DrawOverlay(input), options_.picture_width_px);
+  MakeFolder(folder_);
+  WriteFileAtomically(folder_ / LostPictureName(look.record.pick),
+                      EncodeJpeg(overlay, options_.picture_quality));
 }
 
 }  // namespace pickbed

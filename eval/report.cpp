@@ -6,10 +6,12 @@
 #include <map>
 
 #include "eval/paired_comparison.h"
+#include "eval/pictures.h"
 #include "eval/report_pairs.h"
 #include "eval/report_views.h"
 #include "eval/results_store.h"
 #include "scenes/check.h"
+#include "scenes/files.h"
 #include "scenes/image_io.h"
 
 namespace pickbed {
@@ -26,8 +28,10 @@ std::string AddressOf(const ReportRun& run, int trial) {
 
 // Empty where the run has no picture of it.
 std::string PictureOf(const ReportRun& run, const LostPick& pick, const ReportOptions& options) {
-  const fs::path file = run.folder / "pictures" / fmt::format("trial_{:04}", pick.trial) /
-                        fmt::format("pick_{:02}_overlay.png", pick.pick);
+  const fs::path folder = run.folder / "pictures" / fmt::format("trial_{:04}", pick.trial);
+  const fs::path small = folder / LostPictureName(pick.pick);
+  if (fs::is_regular_file(small)) return ReadFileBytes(small);
+  const fs::path file = folder / fmt::format("pick_{:02}_overlay.png", pick.pick);
   if (!fs::is_regular_file(file)) return "";
   return EncodeJpeg(Narrowed(ReadPng(file), options.picture_width_px), options.picture_quality);
 }
@@ -76,8 +80,8 @@ void AddGallery(const Contestants& all, const ReportOptions& options, ReportCont
   }
   if (without > 0) {
     contents.gallery_note += fmt::format(
-        "{}{} have no picture here: a run draws those of its first trials (`pickbed run --pictures "
-        "N`), and a page holds {:.0f} MB of them.",
+        "{}{} have no picture here: a run draws them up to a number of trials (`pickbed run "
+        "--lost-pictures N`), and a page holds {:.0f} MB of them.",
         contents.gallery_note.empty() ? "" : " ",
         without == static_cast<int>(shown) ? "They" : fmt::format("{}", without),
         options.pictures_mb);
@@ -86,9 +90,13 @@ void AddGallery(const Contestants& all, const ReportOptions& options, ReportCont
 
 std::string ViewTitle(const Contestants& all, const ViewChoice& choice) {
   const PointTrials& point = all.trials[choice.point];
-  const Loss loss = point.trials[choice.trial].picks.front().loss;
+  const PickRecord& pick = point.trials[choice.trial].picks[choice.look];
+  const std::string outcome =
+      pick.loss == Loss::kNone ? "picked" : fmt::format("lost: {}", LossName(pick.loss));
+  const std::vector<VisibleBand>& bands = all.points[choice.point]->spec.occlusion.bands;
   const std::string title =
-      loss == Loss::kNone ? "picked" : fmt::format("lost: {}", LossName(loss));
+      pick.band >= 0 ? fmt::format("{} % in view, {}", bands.at(pick.band).name(), outcome)
+                     : fmt::format("look {}, {}", pick.pick, outcome);
   return all.trials.size() > 1 ? fmt::format("{}, {}", point.name, title) : title;
 }
 
@@ -105,7 +113,7 @@ void AddViews(const Contestants& all, const ObjectCatalog& catalog, const Report
       }
       const TrialResult& trial = all.trials[choice.point].trials[choice.trial];
       ReportView view{ViewTitle(all, choice), AddressOf(*all.runs[choice.point], trial.trial),
-                      maker->Glb(trial)};
+                      maker->Glb(trial, choice.look)};
       bytes += kBase64 * view.glb.size();
       if (bytes > options.views_mb * kMegabyte) {
         contents.views_note +=
@@ -113,8 +121,7 @@ void AddViews(const Contestants& all, const ObjectCatalog& catalog, const Report
         return;
       }
       contents.views.push_back(std::move(view));
-      contents.views_note =
-          "The first look of some trials: drag to turn, wheel or two fingers to come near.";
+      contents.views_note = "Some looks: drag to turn, wheel or two fingers to come near.";
     }
   } catch (const InputError& error) {
     contents.views_note = fmt::format("Views in 3D are left out: {}.", error.what());
@@ -186,7 +193,8 @@ std::string CrashedText(const ReportRun& run) {
 
 ReportRun ReadReportRun(const fs::path& folder) {
   const ResultsStore store = ResultsStore::OpenToRead(folder);
-  ReportRun run{(folder / "").parent_path().string(), folder, {}, {}};
+  ReportRun run{(folder / "").parent_path().string(), folder, {}, {}, {}};
+  const std::vector<CrashedTrial> all_crashed = store.Crashed();
   for (const StoredPoint& stored : store.head().points) {
     ReportPoint point;
     point.trials.trials = store.Read(stored.first_trial, stored.first_trial + stored.trials);
@@ -196,12 +204,21 @@ ReportRun ReadReportRun(const fs::path& folder) {
     point.trials.name = stored.name;
     point.trials.cycle = point.spec.cycle;
     for (const PartSpec& part : point.spec.objects) point.trials.objects.push_back(part.name);
+    std::vector<int> crashed_scenes;
+    for (const CrashedTrial& crashed : all_crashed) {
+      if (crashed.point == stored.point) crashed_scenes.push_back(crashed.scene);
+    }
+    const auto stop = StopOf(point.trials.trials, crashed_scenes, point.spec.stop_width);
+    if (stop) {
+      run.stops.push_back(
+          fmt::format("{} {}.", stored.name.empty() ? run.name : stored.name, StopText(*stop)));
+    }
     run.points.push_back(std::move(point));
   }
   CheckInput(
       !run.points.empty(),
       fmt::format("{} holds no finished trial; finish the run with --resume", folder.string()));
-  for (const CrashedTrial& crashed : store.Crashed()) run.crashed.push_back(crashed.trial);
+  for (const CrashedTrial& crashed : all_crashed) run.crashed.push_back(crashed.trial);
   return run;
 }
 
@@ -212,6 +229,7 @@ std::string RunReportPage(ReportRun run, const ObjectCatalog& catalog,
   contents.title = fmt::format("Pick report: {}", run.name);
   if (run.points.size() == 1) contents.about.push_back(SettingsText(run.points[0].spec));
   contents.about.push_back(CrashedText(run));
+  contents.about.insert(contents.about.end(), run.stops.begin(), run.stops.end());
   contents.comparisons = PairedWithFirst(PairedPointsOf(all));
   return PageOf(all, std::move(contents), catalog, options);
 }
@@ -229,6 +247,7 @@ std::string ComparisonPage(ReportRun a, ReportRun b, const ObjectCatalog& catalo
       contents.about.push_back(fmt::format("{}: {}", run->name, SettingsText(run->points[0].spec)));
     }
     contents.about.push_back(CrashedText(*run));
+    contents.about.insert(contents.about.end(), run->stops.begin(), run->stops.end());
   }
   for (const PointPair& pair : pairs) {
     const PairedPoint &before = points[pair.a], &after = points[a.points.size() + pair.b];

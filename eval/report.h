@@ -24,6 +24,7 @@ struct ReportRun {
   std::filesystem::path folder;
   std::vector<ReportPoint> points;  // those that hold trials
   std::vector<int> crashed;         // trials
+  std::vector<std::string> stops;   // which points ended early, or may, and where
 };
 
 // Throws InputError when the folder holds no results, or no finished trial.

@@ -23,7 +23,7 @@ struct ReportOptions {
   int picture_width_px = 520;  // of the gallery's pictures, 64 .. 4096
   int picture_quality = 72;    // JPEG, 1 .. 100
   double pictures_mb = 6;      // of all of them, 0 .. 100
-  int views = 4;               // in 3D: failed trials and one success, 0 .. 20
+  int views = 4;               // in 3D: lost picks and one success, 0 .. 20
   double views_mb = 4;         // of all of them, 0 .. 100
   int cloud_points = 20000;    // of a view, 0 .. 1000000
   int view_triangles = 3000;   // of a part in a view, 100 .. 1000000

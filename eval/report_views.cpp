@@ -6,35 +6,11 @@
 #include <cmath>
 #include <map>
 
+#include "eval/look_scene.h"
 #include "eval/scene_glb.h"
 #include "eval/virtual_cell.h"
-#include "scenes/check.h"
 
 namespace pickbed {
-namespace {
-
-constexpr double kSamePose = 1e-6;  // of two matrices' entries: rounding of their products
-
-const PosedObject* PosedIn(const Scene& scene, int instance) {
-  const auto found = std::find_if(scene.objects.begin(), scene.objects.end(),
-                                  [&](const PosedObject& p) { return p.instance == instance; });
-  return found == scene.objects.end() ? nullptr : &*found;
-}
-
-// The record holds each hypothesis in the world and in the true part, so it knows where that lay.
-void RequireSameScene(const Scene& scene, const TrialResult& trial) {
-  for (const HypothesisScore& score : trial.picks.front().hypotheses) {
-    if (score.instance < 0) continue;
-    const PosedObject* posed = PosedIn(scene, score.instance);
-    const bool same =
-        posed != nullptr && (posed->X_WO * score.X_OtrueObelieved).isApprox(score.X_WO, kSamePose);
-    CheckInput(same, fmt::format("the scene of trial {} cannot be made again as it was in the run",
-                                 trial.trial));
-  }
-}
-
-}  // namespace
-
 std::span<const ViewLayer> ViewLayers() {
   static constexpr std::array<ViewLayer, 5> kLayers{{
       {"truth", "true parts", "#cdcdd2"},
@@ -53,14 +29,16 @@ std::vector<ViewChoice> ChooseViews(std::span<const PointTrials> points, int mos
   std::map<Loss, int> seen;
   for (size_t p = 0; p < points.size(); ++p) {
     for (size_t t = 0; t < points[p].trials.size(); ++t) {
-      const TrialResult& trial = points[p].trials[t];
-      if (trial.picks.empty() || !trial.picks.front().grasp) continue;
-      const Loss loss = trial.picks.front().loss;
-      if (loss == Loss::kNone) {
-        picked.push_back({p, t});
-      } else {
-        lost.push_back({p, t});
-        turns.push_back(seen[loss]++);
+      const std::vector<PickRecord>& picks = points[p].trials[t].picks;
+      for (size_t look = 0; look < picks.size(); ++look) {
+        if (!picks[look].grasp) continue;
+        const Loss loss = picks[look].loss;
+        if (loss == Loss::kNone) {
+          picked.push_back({p, t, look});
+        } else {
+          lost.push_back({p, t, look});
+          turns.push_back(seen[loss]++);
+        }
       }
     }
   }
@@ -77,21 +55,22 @@ std::vector<ViewChoice> ChooseViews(std::span<const PointTrials> points, int mos
 
 struct ViewMaker::Impl {
   GripperSpec gripper;
+  std::string success_rule;
   VirtualCell cell;
   ReportOptions options;
 };
 
 ViewMaker::ViewMaker(const ScenarioSpec& spec, const ObjectSet& objects,
                      const ReportOptions& options)
-    : impl_(new Impl{LoadGripper(spec.gripper), VirtualCell(spec, objects), options}) {}
+    : impl_(new Impl{LoadGripper(spec.gripper), spec.policy.success, VirtualCell(spec, objects),
+                     options}) {}
 
 ViewMaker::~ViewMaker() = default;
 
-std::string ViewMaker::Glb(const TrialResult& trial) {
+std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
   VirtualCell& cell = impl_->cell;
-  const Scene scene = cell.MakeScene(trial.scene).scene;
-  RequireSameScene(scene, trial);
-  const PickRecord& look = trial.picks.front();
+  const Scene scene = SceneOfLook(trial, number, {cell, impl_->gripper, impl_->success_rule});
+  const PickRecord& look = trial.picks[number];
   const View view = cell.See(scene, trial.scene, look.pick);
   const Image<float>& depth_m = view.frame.depth_m;
   const double pixels = static_cast<double>(depth_m.width()) * depth_m.height();

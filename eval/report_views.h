@@ -1,8 +1,7 @@
 #pragma once
 
-// Trials of a run as 3D scenes: the truth, what was believed, the hand and what the camera saw at
-// the first look. The scene is made again from the scenario, which gives the same bytes as in the
-// run.
+// Looks of a run as 3D scenes: the truth, what was believed, the hand and what the camera saw. The
+// scene is made again as it was (eval/look_scene.h).
 
 #include <memory>
 #include <string>
@@ -23,10 +22,10 @@ struct ViewLayer {
 std::span<const ViewLayer> ViewLayers();
 
 struct ViewChoice {
-  size_t point = 0, trial = 0;  // places in the points and in the point's trials
+  size_t point = 0, trial = 0, look = 0;  // places in the points, the point's trials, the trial
 };
-// Trials whose first look is worth a view: lost ones, one of each reason before a second of any,
-// and one that succeeded; `most` in all.
+// Looks that are worth a view: lost picks, one of each reason before a second of any, and one that
+// succeeded; `most` in all.
 std::vector<ViewChoice> ChooseViews(std::span<const PointTrials> points, int most);
 
 class ViewMaker {
@@ -35,9 +34,8 @@ class ViewMaker {
   ViewMaker(const ScenarioSpec& spec, const ObjectSet& objects, const ReportOptions& options);
   ~ViewMaker();
 
-  // The bytes of a GLB. Throws InputError when the scene that is made anew is not the stored
-  // trial's: other meshes, another program, another kind of CPU.
-  std::string Glb(const TrialResult& trial);
+  // The bytes of a GLB of one look. Throws what SceneOfLook throws.
+  std::string Glb(const TrialResult& trial, size_t look);
 
  private:
   struct Impl;

@@ -201,8 +201,10 @@ MergeReport MergeStores(const std::vector<std::filesystem::path>& folders,
   report.points = WriteSweepFiles(out);
   int wanted = 0;
   for (const PointSummary& point : report.points) {
-    wanted += point.point.trials;
-    report.trials += point.summary.trials + static_cast<int>(point.summary.crashed.size());
+    const int there = point.summary.trials + static_cast<int>(point.summary.crashed.size());
+    const bool ended_early = point.summary.stop && point.summary.stop->reached;
+    wanted += ended_early ? there : point.point.trials;
+    report.trials += there;
   }
   report.missing = wanted - report.trials;
   return report;

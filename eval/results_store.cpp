@@ -1,6 +1,7 @@
 #include "eval/results_store.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <limits>
@@ -199,6 +200,15 @@ void ResultsStore::WriteCrashed(const CrashedTrial& crashed) {
 
 void ResultsStore::ForgetCrashed() {
   impl_->db.Execute(fmt::format("DELETE FROM trials WHERE status = '{}'", kCrashed));
+}
+
+void ResultsStore::Forget(const std::vector<int>& trials) {
+  const std::string clause = fmt::format("WHERE trial IN ({})", fmt::join(trials, ","));
+  Transaction transaction(impl_->db);
+  ForEachTrialTable([&]<typename Row>(const char* table) {
+    impl_->db.Execute(fmt::format("DELETE FROM {} {}", table, clause));
+  });
+  transaction.Commit();
 }
 
 std::vector<int> ResultsStore::FinishedTrials() const {

@@ -66,7 +66,8 @@ class ResultsStore {
   // All of a trial in one transaction. Throws InputError on a full disk; what was there stays.
   void Write(const TrialResult& result);
   void WriteCrashed(const CrashedTrial& crashed);
-  void ForgetCrashed();  // so that they are tried again
+  void ForgetCrashed();                         // so that they are tried again
+  void Forget(const std::vector<int>& trials);  // with all that belongs to them
 
   const StoreHead& head() const;
   std::vector<int> FinishedTrials() const;  // ascending; those that crashed are among them

@@ -61,6 +61,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
                         const TruthStages& truth) {
   ScenarioSpec same_for_all = spec;
   same_for_all.trials = 1;
+  same_for_all.stop_width = 0;
   same_for_all.cycle = {};
   // Their contents stand below; where they lie is no matter.
   same_for_all.bin.mesh.clear();
@@ -120,6 +121,7 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
   sweep_options.resume = options.resume;
   sweep_options.retry_crashed = options.retry_crashed;
   sweep_options.picture_trials = options.picture_trials;
+  sweep_options.lost_picture_trials = options.lost_picture_trials;
   sweep_options.only_trials = options.only_trials;
   TrialOptions trial_options;
   trial_options.truth = options.truth;

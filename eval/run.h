@@ -4,7 +4,8 @@
 // (see eval/sweep.h) with
 //
 //   OUT/pick_chances.csv the chance of every hypothesis, where tolerance maps are given
-//   OUT/pictures/trial_0000/pick_00_{color,depth,overlay,after}.png
+//   OUT/pictures/trial_0000/pick_00_{color,depth,overlay,after}.png    of the first trials
+//   OUT/pictures/trial_0008/pick_02_lost.jpg                           of lost picks of the others
 //
 // All but the store's timings and timings.csv are the same bytes for any number of workers.
 
@@ -22,12 +23,13 @@ namespace pickbed {
 struct RunOptions {
   std::filesystem::path out;
   int jobs = 1;
-  bool resume = false;           // go on in a folder that holds finished trials
-  bool retry_crashed = false;    // those of an earlier call are tried again
-  int picture_trials = 4;        // trials 0 .. picture_trials - 1 get pictures
-  std::vector<int> only_trials;  // ascending; empty = all of the scenario
-  TruthStages truth;             // stages that are fed with truth
-  ToleranceMaps tolerance;       // of the parts, for the reports alone
+  bool resume = false;             // go on in a folder that holds finished trials
+  bool retry_crashed = false;      // those of an earlier call are tried again
+  int picture_trials = 4;          // trials 0 .. picture_trials - 1 get pictures
+  int lost_picture_trials = 1000;  // later ones below this get a small one of each lost pick
+  std::vector<int> only_trials;    // ascending; empty = all of the scenario
+  TruthStages truth;               // stages that are fed with truth
+  ToleranceMaps tolerance;         // of the parts, for the reports alone
 };
 
 struct RunReport {
@@ -42,9 +44,9 @@ struct RunReport {
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener);
 
-// What must be equal for two runs to be one: the settings but the number of trials and the cycle's
-// times, the gripper, the sensor, the meshes of parts and bin wherever they lie, and the trained
-// model; and which stages were fed with truth.
+// What must be equal for two runs to be one: the settings but the number of trials, where they
+// stop and the cycle's times, the gripper, the sensor, the meshes of parts and bin wherever they
+// lie, and the trained model; and which stages were fed with truth.
 std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
                         const TruthStages& truth = {});
 // Those stages again; none where the text says of none.

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "eval/subprocess.h"
+#include "eval/sweep_stop.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 
@@ -197,6 +198,7 @@ std::vector<ShardState> ShardStates(const Sweep& sweep, const std::filesystem::p
 }
 
 SlurmReport RunOnSlurm(const Sweep& sweep, const SlurmJob& job, const SlurmListener& listener) {
+  if (job.options.shards > 1) RequireNoStop(sweep);
   RequireSlurm();
   SlurmReport report;
   const auto states = [&] { return ShardStates(sweep, job.out, job.options.shards); };
@@ -211,6 +213,7 @@ SlurmReport RunOnSlurm(const Sweep& sweep, const SlurmJob& job, const SlurmListe
     if (open.empty()) return report;
     report.job_id = Submit(sweep, job, open);
   }
+  RunState state;
   for (int failures = 0;;) {
     const auto queue = StatesInQueue(report.job_id);
     failures = queue ? 0 : failures + 1;
@@ -218,7 +221,12 @@ SlurmReport RunOnSlurm(const Sweep& sweep, const SlurmJob& job, const SlurmListe
                fmt::format("squeue does not answer; job {} may go on, the same command follows it "
                            "again",
                            report.job_id));
-    RunState state = SumOf(states());
+    // A store that its shard is just writing to, or that a kill left half written, may be locked:
+    // it is looked at again, and once more when all tasks are over.
+    try {
+      state = SumOf(states());
+    } catch (const InputError&) {
+    }
     state.done_before = done_before;
     if (listener.on_message && queue) listener.on_message(QueueText(report.job_id, *queue));
     if (listener.on_state) listener.on_state(state);

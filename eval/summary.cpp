@@ -76,6 +76,29 @@ std::string RefusedText(const RunSummary& summary) {
 
 std::array<double, 2> EndsOf(const Interval& interval) { return {interval.low, interval.high}; }
 
+nlohmann::ordered_json JsonOf(const BandFigures& band) {
+  nlohmann::ordered_json json;
+  json["least"] = band.band.least;
+  json["most"] = band.band.most;
+  json["looks"] = band.looks;
+  json["trials_without"] = band.trials_without;
+  json["losses"] = band.losses;
+  if (band.looks == 0) return json;
+  const auto share = [&](const ShareOfLooks& of) {
+    return nlohmann::ordered_json{
+        {"hits", of.hits}, {"rate", Ratio(of.hits, band.looks)}, {"ci95", EndsOf(of.ci95)}};
+  };
+  json["mean_visible"] = band.mean_visible;
+  json["recall"] = share(band.recalled);
+  json["picks"] = share(band.picked);
+  json["posed"] = band.errors.looks;
+  if (band.errors.looks == 0) return json;
+  json["median_mssd_diameters"] = band.errors.mssd_diameters;
+  json["median_translation_m"] = band.errors.translation_m;
+  json["median_rotation_rad"] = band.errors.rotation_rad;
+  return json;
+}
+
 const SuccessRuleRow& RowOf(SuccessRule rule) { return SuccessRuleTable()[static_cast<int>(rule)]; }
 
 std::string RulesText(const RunSummary& summary) {
@@ -147,6 +170,13 @@ std::string SummaryJson(const RunSummary& s) {
     json["success_by_rule"][RowOf(rule.rule).name] = {
         {"successes", rule.successes}, {"rate", rule.rate()}, {"ci95", EndsOf(rule.ci95)}};
   }
+  if (s.stop) {
+    json["stop"] = {{"width", s.stop->width},
+                    {"reached", s.stop->reached},
+                    {"bins", s.stop->scenes},
+                    {"mean", s.stop->mean},
+                    {"interval", EndsOf(s.stop->interval)}};
+  }
   json["parts_dropped"] = s.parts_dropped;
   json["parts_cleared"] = s.parts_cleared;
   json["cleared_rate"] = s.cleared_rate;
@@ -162,6 +192,7 @@ std::string SummaryJson(const RunSummary& s) {
     if (band.instances > 0) rate = Ratio(band.recalled, band.instances);
     recall[BandName(band)]["ci95"] = EndsOf(s.recall_ci95[i]);
   }
+  for (const BandFigures& band : s.bands) json["target_by_visibility"].push_back(JsonOf(band));
   json["scenes_refused"] = nlohmann::ordered_json::array();
   for (const auto& [trial, refused] : s.refused) {
     json["scenes_refused"].push_back(
@@ -191,6 +222,7 @@ std::string SummaryTable(const RunSummary& s) {
   line("success rate",
        fmt::format("{}  {} of {} attempts", PercentWithin(s.success_rate, s.success_ci95),
                    s.successes, s.attempts));
+  if (s.stop) line("early end", StopText(*s.stop));
   line("parts cleared",
        fmt::format("{}  {} of {} in {} bins", PercentWithin(s.cleared_rate, s.cleared_ci95),
                    s.parts_cleared, s.parts_dropped, s.trials));
@@ -212,6 +244,7 @@ std::string SummaryTable(const RunSummary& s) {
         PercentWithin(Ratio(band.recalled, band.instances), s.recall_ci95[i]);
     line(BandName(band) + " %", fmt::format("{}  {} of {}", recall, band.recalled, band.instances));
   }
+  if (!s.bands.empty()) text += CurveTable(s.bands);
   text += "Why picks were lost\n";
   if (s.losses.empty()) line("none", "0");
   for (const auto& [reason, count] : s.losses) {

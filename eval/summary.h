@@ -6,14 +6,17 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "eval/cycle.h"
+#include "eval/occlusion_curve.h"
 #include "eval/outcome_table.h"
 #include "eval/pick_forecast.h"
 #include "eval/results_store.h"
 #include "eval/statistics.h"
+#include "eval/sweep_stop.h"
 #include "eval/trial.h"
 
 namespace pickbed {
@@ -49,6 +52,8 @@ struct RunSummary {
   std::vector<Interval> recall_ci95;             // of each band
   std::vector<TrialRefusal> refused;             // scenes that failed their certificate
   std::vector<CrashedTrial> crashed;             // counted nowhere else
+  std::optional<StopState> stop;                 // where it may end early
+  std::vector<BandFigures> bands;                // of occlusion trials, else none
   std::map<std::string, int> losses;             // reason -> attempts or ends charged to it
   std::vector<PickForecast> forecasts;           // by tolerance maps, where there are some
   CycleTime cycle;

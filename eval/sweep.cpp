@@ -7,10 +7,14 @@
 #include <cstdio>
 #include <iterator>
 #include <memory>
+#include <optional>
+#include <set>
 
 #include "eval/folder_lock.h"
 #include "eval/pictures.h"
 #include "eval/scenario_text.h"
+#include "eval/sweep_stop.h"
+#include "eval/trial_clusters.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 #include "scenes/random.h"
@@ -21,22 +25,15 @@ namespace {
 constexpr std::chrono::seconds kSayEvery{2};
 constexpr int kTriesAfterACrash = 1;
 
-const SweepPoint& PointOf(const Sweep& sweep, int trial) {
-  const auto after = std::upper_bound(
-      sweep.points.begin(), sweep.points.end(), trial,
-      [](int number, const SweepPoint& point) { return number < point.first_trial; });
-  return *std::prev(after);
+std::filesystem::path PicturesOf(const std::filesystem::path& out, int trial) {
+  return out / "pictures" / fmt::format("trial_{:04}", trial);
 }
 
 // What a worker tells of a finished trial: "attempts successes".
 std::string ReplyOf(const TrialResult& result) {
-  const auto attempts =
-      std::count_if(result.picks.begin(), result.picks.end(),
-                    [](const PickRecord& pick) { return pick.grasp.has_value(); });
-  const auto successes = std::count_if(
-      result.picks.begin(), result.picks.end(),
-      [](const PickRecord& pick) { return pick.grasp.has_value() && pick.loss == Loss::kNone; });
-  return fmt::format("{} {}", attempts, successes);
+  Cluster outcome;
+  SuccessOfAttempts()(result, outcome);
+  return fmt::format("{} {}", outcome.tries, outcome.hits);
 }
 
 // A worker's: what it made for the point that it is at, and where it writes.
@@ -54,9 +51,11 @@ std::string DoItem(Bench& bench, const SweepPoint& point, const SweepOptions& op
     bench.point = &point;
   }
   const int scene = trial - point.first_trial;
-  std::filesystem::path pictures;
+  PictureOrder pictures{PicturesWanted::kNone, PicturesOf(options.out, trial)};
   if (scene < options.picture_trials) {
-    pictures = options.out / "pictures" / fmt::format("trial_{:04}", trial);
+    pictures.wanted = PicturesWanted::kAll;
+  } else if (scene < options.lost_picture_trials) {
+    pictures.wanted = PicturesWanted::kOfLostPicks;
   }
   TrialResult result = bench.do_trial(scene, pictures);
   result.trial = trial;
@@ -125,17 +124,153 @@ void KeepEarlierTrials(const std::vector<int>& finished, Sweep& sweep) {
   point.trials = point.spec.trials = std::max(point.trials, finished.back() + 1);
 }
 
-std::vector<int> TrialsToDo(const Sweep& sweep, const SweepOptions& options,
-                            const std::vector<int>& finished) {
-  const std::vector<int> wanted =
-      options.only_trials.empty() ? TrialsOfShard(sweep, options.shard) : options.only_trials;
-  std::vector<int> to_do;
-  std::set_difference(wanted.begin(), wanted.end(), finished.begin(), finished.end(),
-                      std::back_inserter(to_do));
-  return to_do;
+// Settings that the folder's trials were done with may say another width.
+bool HasOtherStops(const Sweep& sweep, const std::filesystem::path& folder) {
+  if (!StoredSettings(folder)) return false;
+  const ResultsStore store = ResultsStore::OpenToRead(folder);
+  const std::vector<StoredPoint>& points = store.head().points;
+  for (size_t i = 0; i < std::min(points.size(), sweep.points.size()); ++i) {
+    const ScenarioSpec spec = ScenarioOfText(points[i].settings, folder, folder.string());
+    if (spec.stop_width != sweep.points[i].spec.stop_width) return true;
+  }
+  return false;
+}
+
+// One call of RunSweep.
+class SweepCall {
+ public:
+  SweepCall(const Sweep& sweep, const SweepOptions& options, const RunListener& listener);
+  SweepReport Run();
+
+ private:
+  void ReadEarlier();  // what an earlier call finished
+  WorkerPlan PlanOf(const StoreHead& head);
+  void Note(int trial, const Cluster& outcome);
+  void Count();
+  void ForgetNeedless();  // what was under way when its point ended
+
+  Sweep sweep_;
+  const SweepOptions& options_;
+  const RunListener& listener_;
+  std::filesystem::path folder_;
+  FolderLock lock_;
+  std::optional<SweepStop> stop_;  // where one of the points may end early
+  std::vector<int> wanted_;        // trials, ascending
+  std::set<int> finished_;
+  RunState state_;
+  SweepReport report_;
+};
+
+SweepCall::SweepCall(const Sweep& sweep, const SweepOptions& options, const RunListener& listener)
+    : sweep_(sweep),
+      options_(options),
+      listener_(listener),
+      folder_(ShardFolder(options.out, options.shard)),
+      lock_(folder_) {}
+
+void SweepCall::ReadEarlier() {
+  const bool may_stop = SweepStop(sweep_).enabled() && options_.only_trials.empty();
+  const bool other_stops = may_stop && HasOtherStops(sweep_, folder_);
+  const std::vector<int> finished = FinishedTrials(options_, folder_, HeadOf(sweep_, folder_));
+  KeepEarlierTrials(finished, sweep_);
+  finished_.insert(finished.begin(), finished.end());
+  wanted_ =
+      options_.only_trials.empty() ? TrialsOfShard(sweep_, options_.shard) : options_.only_trials;
+  if (!may_stop) return;
+  stop_.emplace(sweep_);
+  const ResultsStore store = ResultsStore::OpenToRead(folder_);
+  for (const CrashedTrial& crashed : store.Crashed()) stop_->Add(crashed.trial, {});
+  store.ForEach([&](const TrialResult& result) { stop_->Add(result); });
+  const auto lost =
+      std::count_if(finished.begin(), finished.end(), [&](int t) { return !stop_->Counts(t); });
+  CheckInput(!other_stops || lost == 0,
+             fmt::format("{} holds {} finished trials beyond where its points would stop with this "
+                         "stop_width; choose another folder with --out, or the width it had",
+                         folder_.string(), lost));
+}
+
+void SweepCall::Count() {
+  const auto counts = [&](int trial) { return !stop_ || stop_->Counts(trial); };
+  state_.done = static_cast<int>(std::count_if(finished_.begin(), finished_.end(), counts));
+  state_.total = state_.done;
+  for (const int trial : wanted_) state_.total += !finished_.contains(trial) && counts(trial);
+}
+
+void SweepCall::Note(int trial, const Cluster& outcome) {
+  finished_.insert(trial);
+  ++state_.done;
+  if (stop_) {
+    const bool ends = stop_->Add(trial, outcome);
+    if (ends || !stop_->Counts(trial)) Count();
+    state_.stop = stop_->Note();
+  }
+  if (listener_.on_trial) listener_.on_trial(state_);
+}
+
+WorkerPlan SweepCall::PlanOf(const StoreHead& head) {
+  WorkerPlan plan;
+  for (const int trial : wanted_) {
+    if (!finished_.contains(trial) && (!stop_ || stop_->Counts(trial))) plan.items.push_back(trial);
+  }
+  plan.jobs = options_.jobs;
+  plan.retries = kTriesAfterACrash;
+  plan.group = [this](int trial) { return PointOf(sweep_, trial).point; };
+  if (stop_) plan.needless = [this](int trial) { return !stop_->Counts(trial); };
+  plan.start = [this, &head](const WorkerPlan::Say& say) {
+    return StartWorker(sweep_, options_, head, folder_, say);
+  };
+  plan.on_done = [this](int item, const std::string& reply) {
+    Cluster trial;
+    std::sscanf(reply.c_str(), "%d %d", &trial.tries, &trial.hits);
+    state_.trials.push_back(trial);
+    state_.attempts += trial.tries;
+    state_.successes += trial.hits;
+    Note(item, trial);
+  };
+  plan.on_lost = [this, &head](int trial, const std::string& why) {
+    report_.crashed.push_back(NoteCrash(sweep_, head, folder_, trial, why));
+    ++state_.crashed;
+    Note(trial, {});
+  };
+  plan.on_message = listener_.on_message;
+  plan.stop = listener_.stop;
+  return plan;
+}
+
+void SweepCall::ForgetNeedless() {
+  std::vector<int> needless;
+  for (const int trial : finished_) {
+    if (!stop_->Counts(trial)) needless.push_back(trial);
+  }
+  if (needless.empty()) return;
+  ResultsStore(folder_, HeadOf(sweep_, folder_)).Forget(needless);
+  for (const int trial : needless) std::filesystem::remove_all(PicturesOf(options_.out, trial));
+  std::erase_if(report_.crashed,
+                [&](const CrashedTrial& crashed) { return !stop_->Counts(crashed.trial); });
+}
+
+SweepReport SweepCall::Run() {
+  ReadEarlier();
+  const StoreHead head = HeadOf(sweep_, folder_);
+  WriteSettingsFiles(sweep_, head, options_.out);
+  Count();
+  state_.done_before = state_.done;
+  report_.interrupted = RunInWorkers(PlanOf(head)).stopped;
+  if (stop_) ForgetNeedless();
+  report_.finished = state_.done;
+  report_.total = state_.total;
+  if (options_.shard.count == 1) report_.points = WriteSweepFiles(options_.out);
+  return std::move(report_);
 }
 
 }  // namespace
+
+const SweepPoint& PointOf(const Sweep& sweep, int trial) {
+  const auto after = std::upper_bound(
+      sweep.points.begin(), sweep.points.end(), trial,
+      [](int number, const SweepPoint& point) { return number < point.first_trial; });
+  return *std::prev(after);
+}
 
 MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
   return [trial_options](const SweepPoint& point, const WorkerPlan::Say& say) -> DoTrial {
@@ -148,10 +283,18 @@ MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
     };
     auto runner =
         std::make_shared<TrialRunner>(point.spec, point.objects, on_progress, trial_options);
-    return [runner](int scene, const std::filesystem::path& folder) {
-      if (folder.empty()) return runner->Run(scene);
-      PickPictures pictures(folder);
-      return runner->Run(scene, &pictures);
+    return [runner](int scene, const PictureOrder& order) {
+      PickPictures all(order.folder);
+      LostPickPictures lost(order.folder);
+      switch (order.wanted) {
+        case PicturesWanted::kAll:
+          return runner->Run(scene, &all);
+        case PicturesWanted::kOfLostPicks:
+          return runner->Run(scene, &lost);
+        case PicturesWanted::kNone:
+          break;
+      }
+      return runner->Run(scene);
     };
   };
 }
@@ -208,50 +351,8 @@ StoreHead HeadOf(const Sweep& sweep, const std::filesystem::path& folder) {
 }
 
 SweepReport RunSweep(const Sweep& given, const SweepOptions& options, const RunListener& listener) {
-  Sweep sweep = given;
-  const std::filesystem::path folder = ShardFolder(options.out, options.shard);
-  const FolderLock lock(folder);
-  const std::vector<int> finished = FinishedTrials(options, folder, HeadOf(sweep, folder));
-  KeepEarlierTrials(finished, sweep);
-  const StoreHead head = HeadOf(sweep, folder);
-  WriteSettingsFiles(sweep, head, options.out);
-
-  WorkerPlan plan;
-  plan.items = TrialsToDo(sweep, options, finished);
-  plan.jobs = options.jobs;
-  plan.retries = kTriesAfterACrash;
-  plan.group = [&](int trial) { return PointOf(sweep, trial).point; };
-  plan.start = [&](const WorkerPlan::Say& say) {
-    return StartWorker(sweep, options, head, folder, say);
-  };
-  SweepReport report;
-  RunState state;
-  state.done = state.done_before = static_cast<int>(finished.size());
-  state.total = state.done + static_cast<int>(plan.items.size());
-  const auto tell = [&] {
-    ++state.done;
-    if (listener.on_trial) listener.on_trial(state);
-  };
-  plan.on_done = [&](int, const std::string& reply) {
-    Cluster trial;
-    std::sscanf(reply.c_str(), "%d %d", &trial.tries, &trial.hits);
-    state.trials.push_back(trial);
-    state.attempts += trial.tries;
-    state.successes += trial.hits;
-    tell();
-  };
-  plan.on_lost = [&](int trial, const std::string& why) {
-    report.crashed.push_back(NoteCrash(sweep, head, folder, trial, why));
-    ++state.crashed;
-    tell();
-  };
-  plan.on_message = listener.on_message;
-  plan.stop = listener.stop;
-  report.interrupted = RunInWorkers(plan).stopped;
-  report.finished = state.done;
-  report.total = state.total;
-  if (options.shard.count == 1) report.points = WriteSweepFiles(options.out);
-  return report;
+  if (options.shard.count > 1) RequireNoStop(given);
+  return SweepCall(given, options, listener).Run();
 }
 
 }  // namespace pickbed

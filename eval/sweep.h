@@ -40,10 +40,18 @@ struct Sweep {
   std::vector<SweepPoint> points;
   std::string yaml;  // of OUT/sweep.yaml; empty: a run
 };
+// The one that owns a trial.
+const SweepPoint& PointOf(const Sweep& sweep, int trial);
 
-// What does the trials of one point. It is called in a worker with the number of a scene and the
-// folder for its pictures (empty: none are wanted); trial and point are filled in by the sweep.
-using DoTrial = std::function<TrialResult(int scene, const std::filesystem::path& pictures)>;
+// Which pictures a trial is to leave, see eval/pictures.h.
+enum class PicturesWanted { kNone, kOfLostPicks, kAll };
+struct PictureOrder {
+  PicturesWanted wanted = PicturesWanted::kNone;
+  std::filesystem::path folder;
+};
+// What does the trials of one point. It is called in a worker with the number of a scene; trial and
+// point are filled in by the sweep.
+using DoTrial = std::function<TrialResult(int scene, const PictureOrder& pictures)>;
 // Makes that in a worker, which does many trials of a point one after the other. Throws InputError
 // for what the settings name and is not there.
 using MakeDoTrial = std::function<DoTrial(const SweepPoint& point, const WorkerPlan::Say& say)>;
@@ -65,10 +73,11 @@ std::vector<int> TrialsOfShard(const Sweep& sweep, const Shard& shard);
 struct SweepOptions {
   std::filesystem::path out;
   int jobs = 1;
-  bool resume = false;           // go on in a folder that holds finished trials
-  bool retry_crashed = false;    // those of an earlier call are tried again
-  int picture_trials = 4;        // scenes 0 .. picture_trials - 1 of each point get pictures
-  std::vector<int> only_trials;  // ascending; empty = all of the shard
+  bool resume = false;             // go on in a folder that holds finished trials
+  bool retry_crashed = false;      // those of an earlier call are tried again
+  int picture_trials = 4;          // scenes 0 .. picture_trials - 1 of each point get pictures
+  int lost_picture_trials = 1000;  // later ones below this get a small one of each lost pick
+  std::vector<int> only_trials;    // ascending; empty = all of the shard
   Shard shard;
   MakeDoTrial make = PickingTrials();
 };
@@ -80,6 +89,7 @@ struct RunState {
   int attempts = 0, successes = 0;  // of this run
   int crashed = 0;                  // of this run
   std::vector<Cluster> trials;      // attempts and successes of each trial of this run
+  std::string stop;                 // how near points are to their early end, see eval/sweep_stop.h
 };
 
 struct RunListener {
@@ -95,8 +105,10 @@ struct SweepReport {
   std::vector<CrashedTrial> crashed;  // of this call
 };
 
-// Throws InputError for unknown names, a broken model, and a folder that cannot be written, is in
-// use, holds other results, or holds finished trials when `resume` is not set. Forks, see
+// A point with a stop_width ends early (eval/sweep_stop.h), but where `only_trials` names the
+// trials. Throws InputError for unknown names, a broken model, a stop_width in a shard, and a
+// folder that cannot be written, is in use, holds other results, holds finished trials when
+// `resume` is not set, or more of them than another stop_width would keep. Forks, see
 // eval/workers.h.
 SweepReport RunSweep(const Sweep& sweep, const SweepOptions& options, const RunListener& listener);
 

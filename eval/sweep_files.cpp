@@ -39,11 +39,14 @@ PointSummary Summarized(const ResultsStore& store, const StoredPoint& point,
   const std::vector<std::string> names = PartNames(spec);
   const std::vector<TrialResult> trials =
       alone ? store.ReadAll() : store.Read(point.first_trial, point.first_trial + point.trials);
-  PointSummary result{point, Summarize(trials, spec.cycle), {}};
-  if (spec.occlusion.enabled) result.bands = FiguresByBand(trials, spec.occlusion);
+  PointSummary result{point, Summarize(trials, spec.cycle)};
+  if (spec.occlusion.enabled) result.summary.bands = FiguresByBand(trials, spec.occlusion);
   std::vector<CrashedTrial>& crashed = result.summary.crashed;
   std::copy_if(all_crashed.begin(), all_crashed.end(), std::back_inserter(crashed),
                [&](const CrashedTrial& trial) { return trial.point == point.point; });
+  std::vector<int> crashed_scenes;
+  for (const CrashedTrial& trial : crashed) crashed_scenes.push_back(trial.scene);
+  result.summary.stop = StopOf(trials, crashed_scenes, spec.stop_width);
   Append(TrialsCsv(trials, crashed), csv.trials);
   Append(PicksCsv(trials, names), csv.picks);
   Append(PartsCsv(trials, names), csv.parts);
@@ -63,7 +66,7 @@ std::string PointsCsv(const std::vector<PointSummary>& points) {
   std::string csv =
       "point,name,seed,first_trial,trials,finished,crashed,attempts,successes,success_rate,"
       "success_low,success_high,parts_dropped,parts_cleared,frames,top1_correct\n";
-  for (const auto& [point, s, bands] : points) {
+  for (const auto& [point, s] : points) {
     csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", point.point,
                        Cell(point.name), point.seed, point.first_trial, point.trials, s.trials,
                        s.crashed.size(), s.attempts, s.successes, s.success_rate,
@@ -75,8 +78,8 @@ std::string PointsCsv(const std::vector<PointSummary>& points) {
 
 void WriteCurve(const std::vector<PointSummary>& points, const std::filesystem::path& out) {
   std::vector<NamedCurve> curves;
-  for (const auto& [point, summary, bands] : points) {
-    if (!bands.empty()) curves.push_back({point.name, bands});
+  for (const auto& [point, summary] : points) {
+    if (!summary.bands.empty()) curves.push_back({point.name, summary.bands});
   }
   if (curves.empty()) return;
   WriteFileAtomically(out / "curve.csv", CurveCsv(curves));
@@ -97,13 +100,13 @@ std::string PointFileName(int point, const std::string& name) {
 std::string SweepTable(const std::vector<PointSummary>& points) {
   if (points.size() == 1 && points.front().point.name.empty()) {
     const PointSummary& run = points.front();
-    return SummaryTable(run.summary) + (run.bands.empty() ? "" : CurveTable(run.bands));
+    return SummaryTable(run.summary);
   }
   size_t width = 5;
   for (const PointSummary& point : points) width = std::max(width, point.point.name.size());
   std::string text = fmt::format("{:<{}}  {:>11}  {:>23}  {:>9}  {:>11}\n", "Point", width, "bins",
                                  "picks that succeed", "cleared", "top-1 right");
-  for (const auto& [point, s, bands] : points) {
+  for (const auto& [point, s] : points) {
     const std::string rate = fmt::format("{:.1f} % [{:.1f}, {:.1f}]", 100 * s.success_rate,
                                          100 * s.success_ci95.low, 100 * s.success_ci95.high);
     text +=
@@ -111,8 +114,12 @@ std::string SweepTable(const std::vector<PointSummary>& points) {
                     s.trials, point.trials, rate, 100 * s.cleared_rate, 100 * s.top1_precision,
                     s.crashed.empty() ? "" : fmt::format("  {} crashed", s.crashed.size()));
   }
-  for (const auto& [point, summary, bands] : points) {
-    if (!bands.empty()) text += fmt::format("\n{}\n{}", point.name, CurveTable(bands));
+  for (const auto& [point, summary] : points) {
+    if (summary.stop) text += fmt::format("{}: {}\n", point.name, StopText(*summary.stop));
+  }
+  for (const auto& [point, summary] : points) {
+    if (summary.bands.empty()) continue;
+    text += fmt::format("\n{}\n{}", point.name, CurveTable(summary.bands));
   }
   return text;
 }
@@ -123,7 +130,7 @@ std::string SweepJson(const std::vector<PointSummary>& points) {
   }
   nlohmann::ordered_json json;
   json["points"] = nlohmann::ordered_json::array();
-  for (const auto& [point, summary, bands] : points) {
+  for (const auto& [point, summary] : points) {
     nlohmann::ordered_json entry;
     entry["point"] = point.point;
     entry["name"] = point.name;

@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "eval/occlusion_curve.h"
 #include "eval/summary.h"
 
 namespace pickbed {
@@ -19,7 +18,6 @@ namespace pickbed {
 struct PointSummary {
   StoredPoint point;
   RunSummary summary;
-  std::vector<BandFigures> bands;  // of occlusion trials, else none
 };
 
 // Reads OUT/results.sqlite point by point and writes the files beside it. Throws InputError for a

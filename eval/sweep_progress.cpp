@@ -14,7 +14,10 @@ ProgressState ProgressOf(const RunState& state) {
   shown.done_before = state.done_before;
   shown.counts_successes = true;
   shown.outcomes = state.trials;
-  if (state.crashed > 0) shown.note = fmt::format("{} crashed", state.crashed);
+  shown.note = state.stop;
+  if (state.crashed > 0) {
+    shown.note += fmt::format("{}{} crashed", shown.note.empty() ? "" : ", ", state.crashed);
+  }
   return shown;
 }
 

@@ -52,6 +52,19 @@ GridValue ValueOf(const std::string& key, const SettingsTree& item) {
   return value;
 }
 
+// Values under labels of the user's.
+GridAxis LabelledAxis(const SettingsTree& entry) {
+  if (entry.items.empty()) Fail(entry, "names no value; write LABEL: {KEY: VALUE}");
+  GridAxis axis{entry.key, {}};
+  for (const SettingsTree& item : entry.items) {
+    if (item.kind != Kind::kMap || item.items.empty()) {
+      Fail(item, "a label stands for settings, such as ppf: {estimator.name: ppf}");
+    }
+    axis.values.push_back({entry.key + "=" + item.key, SettingsIn(item)});
+  }
+  return axis;
+}
+
 GridAxis AxisOf(const SettingsTree& entry) {
   GridAxis axis{entry.key, {}};
   for (const std::string& number : RangeOf(entry)) {
@@ -59,6 +72,7 @@ GridAxis AxisOf(const SettingsTree& entry) {
     axis.values.push_back({assignment, {{assignment, entry.place}}});
   }
   if (!axis.values.empty()) return axis;
+  if (entry.kind == Kind::kMap) return LabelledAxis(entry);
   if (entry.kind != Kind::kList) {
     Fail(entry, "must be a list of values, such as [a, b], or a range of whole numbers, 1..10");
   }

@@ -8,9 +8,10 @@
 //   grid:                          # cartesian product, the first key slowest
 //     sensor: [ideal, time_of_flight]
 //     seed: 1..3                   # whole numbers from 1 to 3
-//     method:                      # several keys changed together, under a name of your own
-//       - {estimator.name: ppf, estimator.mode: verified}
-//       - {estimator.name: descriptor}
+//     method:                      # several keys changed together, under names of your own
+//       ppf: {estimator.name: ppf, estimator.mode: verified}      # point method=ppf
+//       learned: {estimator.name: descriptor}
+//     pair: [{sensor: ideal, refiner: none}, {sensor: time_of_flight}]    # named by their settings
 //   occlusion: {...}               # settings of that group, for all points
 //   slurm: {...}                   # see eval/slurm.h
 //

@@ -221,12 +221,17 @@ class Foreman {
         ->first;
   }
 
+  // Nothing where all that waits is needless.
   void Give(Worker& worker) {
-    const auto group = waiting_.find(GroupFor(worker));
-    worker.Assign(group->second.front(), group->first);
-    group->second.pop_front();
-    if (group->second.empty()) waiting_.erase(group);
-    --waiting_items_;
+    while (waiting_items_ > 0 && worker.idle()) {
+      const auto group = waiting_.find(GroupFor(worker));
+      const int item = group->second.front();
+      const bool needless = plan_.needless && plan_.needless(item);
+      if (!needless) worker.Assign(item, group->first);
+      group->second.pop_front();
+      if (group->second.empty()) waiting_.erase(group);
+      --waiting_items_;
+    }
   }
 
   // Once more, or it is lost.

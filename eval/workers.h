@@ -25,6 +25,8 @@ struct WorkerPlan {
   // Items of one group share what is costly to make: a worker goes on with the group of its last
   // item while there are some, then with one that no other worker is at. Without: in their order.
   std::function<int(int item)> group;
+  // Asked before an item is given to a worker: one that is needed no more is left out.
+  std::function<bool(int item)> needless;
 
   // In the calling process, one at a time.
   std::function<void(int item, const std::string& reply)> on_done;

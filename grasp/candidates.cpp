@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "scenes/cache_lock.h"
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
 #include "scenes/settings.h"
@@ -70,6 +71,12 @@ std::optional<std::vector<GraspCandidate>> FromBytes(const std::string& bytes) {
   return candidates;
 }
 
+std::optional<std::vector<GraspCandidate>> ReadCandidates(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return std::nullopt;
+  return FromBytes(std::string(std::istreambuf_iterator<char>(in), {}));
+}
+
 }  // namespace
 
 void GraspCandidateOptions::Visit(SettingsVisitor& v) {
@@ -103,14 +110,13 @@ std::vector<GraspCandidate> CachedCandidates(const ObjectModel& model, const Gri
                                              const GraspCandidateOptions& options) {
   const uint64_t key = Key(model, gripper, options);
   const std::filesystem::path file = CacheDir() / "grasps" / fmt::format("{:016x}", key);
-  if (std::ifstream in(file, std::ios::binary); in) {
-    const std::string bytes(std::istreambuf_iterator<char>(in), {});
-    if (auto candidates = FromBytes(bytes)) return *std::move(candidates);
-  }
+  if (auto candidates = ReadCandidates(file)) return *std::move(candidates);
+  std::filesystem::create_directories(file.parent_path());
+  const CacheLock lock(file);
+  if (auto candidates = ReadCandidates(file)) return *std::move(candidates);
   // Seeded by the key, so that a lost cache comes back the same.
   Rng rng(key);
   auto candidates = MakeCandidates(model, gripper, rng, options);
-  std::filesystem::create_directories(file.parent_path());
   WriteFileAtomically(file, ToBytes(candidates));
   return candidates;
 }

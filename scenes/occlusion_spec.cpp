@@ -26,6 +26,8 @@ void OcclusionSpec::Visit(SettingsVisitor& v) {
       [this](size_t i, SettingsVisitor& item) { bands[i].Visit(item); },
       "of the target's visible fraction, from the least visible on");
   v.Real("margin", margin, {0, 0.1}, "fractions nearer to a band's end are not taken");
+  v.Integer("level_tries", level_tries, {0, 100000},
+            "blockers dropped to come nearer to a fraction drawn evenly over the band");
   v.Integer("max_blockers", max_blockers, {1, 1000}, "parts that may hide a target");
   v.Integer("tries", tries, {1, 100000}, "blockers dropped for one band of a target, at most");
   v.Integer("targets", targets, {1, 1000}, "tried in one scene, at most");

@@ -26,6 +26,9 @@ struct OcclusionSpec {
   std::vector<VisibleBand> bands{{0.1, 0.3}, {0.3, 0.5}, {0.5, 0.7}, {0.7, 0.9}, {0.9, 1}};
   // Fractions nearer than this to an end of a band are not taken, so that another renderer agrees.
   double margin = 0.005;
+  // Blockers dropped, once a band holds the target, to come nearer to a fraction that is drawn
+  // evenly over the band; 0 = the first scene of the band is kept, as a rule from its upper end.
+  int level_tries = 6;
   int max_blockers = 16;  // that lie in a scene at last
   int tries = 60;         // blockers dropped for one band of one target, at most
   int targets = 3;        // tried in one scene until one has been seen in all bands

@@ -169,6 +169,8 @@ std::span<const RefinerName> RefinerNames() {
 void ScenarioSpec::Visit(SettingsVisitor& v) {
   v.Seed("seed", seed, "same seed, same results");
   v.Integer("trials", trials, {1, 1000000}, "bins to fill");
+  v.Real("stop_width", stop_width, {0, 1},
+         "ends before that once the interval of pick success is no wider; 0 = never");
   v.Group(
       "bin", [this](SettingsVisitor& g) { bin.Visit(g); }, "the bin");
   v.List(

@@ -76,6 +76,9 @@ std::span<const RefinerName> RefinerNames();
 struct ScenarioSpec {
   uint64_t seed = 0;
   int trials = 1;
+  // A run, or point of a sweep, ends early once the interval of its pick success is no wider, from
+  // 0 to 1; 0 = never. See eval/sequential_stop.h.
+  double stop_width = 0;
   BinSpec bin;
   std::vector<PartSpec> objects;
   std::string arrangement = "pile";  // pile | packed | heap, see sim/drop.h

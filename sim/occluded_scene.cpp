@@ -1,6 +1,7 @@
 #include "sim/occluded_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -58,13 +59,22 @@ class Occluder {
     series_.blockers.resize(spec_.bands.size());
     next_ = static_cast<int>(spec_.bands.size()) - 1;
     view_ = Look(scene_);
+    DrawLevel();
     Keep(start.certificate);
   }
 
   OcclusionSeries Run() {
-    while (next_ >= 0 && blockers_ < spec_.max_blockers &&
-           series_.blockers[next_].dropped < spec_.tries) {
-      TryBlocker(series_.blockers[next_]);
+    while (next_ >= 0) {
+      BlockerCounts& counts = series_.blockers[next_];
+      const bool may_go_on = blockers_ < spec_.max_blockers && counts.dropped < spec_.tries;
+      const bool may_improve = view_.fraction > level_ && level_tries_ < spec_.level_tries;
+      if (held_ && !(may_go_on && may_improve)) {
+        Settle();
+        continue;
+      }
+      if (!may_go_on) break;
+      if (held_) ++level_tries_;
+      TryBlocker(counts);
     }
     return std::move(series_);
   }
@@ -75,7 +85,9 @@ class Occluder {
   PosedObject AimedBlocker();
   int RandomKind();
   TargetView Look(const Scene& scene);
-  void Keep(const SceneCertificate& certificate);  // files the scene where it fills a band
+  void DrawLevel();                                // of the next band
+  void Keep(const SceneCertificate& certificate);  // holds the scene where it fills a band
+  void Settle();                                   // files what is held
 
   SceneRenderer& renderer_;
   const OcclusionSetup& setup_;
@@ -86,6 +98,9 @@ class Occluder {
   size_t target_ = 0;  // index in the scene's objects
   int next_ = 0;       // band to be filled
   int blockers_ = 0;   // in the scene
+  double level_ = 0;   // fraction that the next band's scene should have
+  int level_tries_ = 0;
+  std::optional<OccludedScene> held_;  // of the next band's scenes the nearest to that
   OcclusionSeries series_;
 };
 
@@ -122,10 +137,24 @@ void Occluder::TryBlocker(BlockerCounts& counts) {
   Keep(certificate);
 }
 
+// No more can be seen of the most visible band than of the start.
+void Occluder::DrawLevel() {
+  const VisibleBand band = spec_.Inner(next_);
+  level_ = rng_.Uniform(band.least, std::max(band.least, std::min(band.most, view_.fraction)));
+}
+
 void Occluder::Keep(const SceneCertificate& certificate) {
   if (spec_.BandOf(view_.fraction) != next_) return;
-  series_.scenes.push_back({next_, view_.fraction, blockers_, scene_, certificate});
-  --next_;
+  const auto off = [&](double fraction) { return std::abs(fraction - level_); };
+  if (held_ && off(held_->visible_fraction) <= off(view_.fraction)) return;
+  held_ = OccludedScene{next_, view_.fraction, blockers_, scene_, certificate};
+}
+
+void Occluder::Settle() {
+  series_.scenes.push_back(std::move(*held_));
+  held_.reset();
+  level_tries_ = 0;
+  if (--next_ >= 0) DrawLevel();
 }
 
 TargetView Occluder::Look(const Scene& scene) {

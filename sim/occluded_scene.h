@@ -1,8 +1,8 @@
 #pragma once
 
 // One target seen with ever less of it in view: blockers are dropped near the line of sight, one by
-// one, and the first scene in which the target's visible fraction falls into a band is kept for
-// that band.
+// one. Of the scenes in which the target's visible fraction falls into a band the one is kept that
+// comes nearest to a fraction drawn evenly over the band, since the first leans to its upper end.
 //
 // While a blocker settles the target and all other parts are static, so that the target's pose is
 // the same bits in all scenes of a series. Then the whole scene has to pass the certificate with

@@ -22,7 +22,7 @@ std::string CaptionOf(std::span<const PointReport> points, size_t error, const P
         points.size() > 1 ? point.name + ": " : "", histogram.median, row.unit, histogram.total,
         histogram.beyond > 0 ? fmt::format("; {:.1f} % lie beyond", beyond) : "");
   }
-  caption.front() = static_cast<char>(std::toupper(caption.front()));
+  if (points.size() == 1) caption.front() = static_cast<char>(std::toupper(caption.front()));
   return caption;
 }
 
@@ -61,17 +61,28 @@ Json StepSpec(std::span<const PointReport> points, size_t error, const std::stri
   Json values = Json::array();
   for (const PointReport& point : points) {
     const ErrorHistogram& histogram = point.errors[error];
+    // A corner of the outline, which begins and ends on the axis.
+    int corner = 0;
+    const auto add = [&](double at, double share) {
+      values.push_back(
+          {{"low", at}, {"share", share}, {"series", point.name}, {"corner", corner++}});
+    };
+    add(histogram.bins.front().low, 0);
     for (const ErrorBin& bin : histogram.bins) {
-      const double share =
-          histogram.total > 0 ? static_cast<double>(bin.right + bin.wrong) / histogram.total : 0;
-      values.push_back({{"low", bin.low}, {"share", share}, {"series", point.name}});
+      add(bin.low,
+          histogram.total > 0 ? static_cast<double>(bin.right + bin.wrong) / histogram.total : 0);
     }
+    add(histogram.bins.back().high, 0);
   }
+  Json x = Field("low", "quantitative", x_title);
+  x["scale"] = {{"domain", {0, points[0].errors[error].bins.back().high}}, {"nice", false}};
+  x["axis"] = {{"tickCount", 6}};
   const std::vector<std::string> names = NamesOf(points);
   Json spec = EmptySpec(values);
   spec["height"] = 200;
   spec["mark"] = {{"type", "line"}, {"interpolate", "step-after"}, {"strokeWidth", 2}};
-  spec["encoding"] = {{"x", Field("low", "quantitative", x_title)},
+  spec["encoding"] = {{"x", x},
+                      {"order", {{"field", "corner"}, {"type", "quantitative"}}},
                       {"y", PercentField("share", "share of poses", false)},
                       {"color", SeriesColor("series", names)},
                       {"strokeDash", SeriesDash("series", names)}};

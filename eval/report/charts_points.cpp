@@ -34,7 +34,6 @@ ReportChart SuccessChart(std::span<const PointReport> points) {
   Json y = Field("series", "nominal", "");
   y["sort"] = NamesOf(points);
   y["title"] = nullptr;
-  y["axis"] = {{"labelLimit", 260}};
   const Json x = PercentField("rate", "pick success");
   Json low = x;
   low["field"] = "low";

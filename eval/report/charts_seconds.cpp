@@ -67,7 +67,9 @@ ReportChart SecondsChart(std::span<const PointReport> points) {
   Json y = Field("stage", "nominal", "");
   y["sort"] = stages;
   y["title"] = nullptr;
-  Json bar{{"y", y}, {"x", Field("mean", "quantitative", "seconds a trial")}};
+  Json x = Field("mean", "quantitative", "seconds a trial");
+  x["axis"] = {{"tickCount", 8}};
+  Json bar{{"y", y}, {"x", x}};
   if (points.size() > 1) {
     bar["yOffset"] = {{"field", "series"}, {"type", "nominal"}, {"sort", names}};
   }

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "perception/torch_model_file.h"
+#include "scenes/cache_lock.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 
@@ -85,7 +87,10 @@ ObjectCodes DescriptorEstimator::Codes(const EstimatorSetup& setup, int object,
   const uint64_t key =
       CodesKey(model_, part, side_m, isolated, options_.code_seed, setup.views->IsolatedSettings());
   const std::filesystem::path file = CodesFile(setup.cache_dir, part, key);
+  std::optional<CacheLock> lock;
   if (!setup.cache_dir.empty()) {
+    if (std::optional<ObjectCodes> cached = ReadCodes(file, key)) return *std::move(cached);
+    lock.emplace(file);
     if (std::optional<ObjectCodes> cached = ReadCodes(file, key)) return *std::move(cached);
   }
   const auto on_share = [&](double share) {

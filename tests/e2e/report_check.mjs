@@ -184,6 +184,21 @@ async function checkView(browser, i) {
   await settle();
 }
 
+// Nothing on a printed page is cut at its edge.
+async function checkPaper(browser) {
+  const paper_px = 718;  // A4 without its margins
+  await browser.screen(paper_px, 'light');
+  await browser.send('Emulation.setEmulatedMedia', {media: 'print'});
+  const cut = await browser.value(`(() => {
+    document.querySelectorAll('details').forEach((table) => { table.open = true; });
+    return [...document.querySelectorAll('table, .plot svg')]
+      .filter((one) => one.getBoundingClientRect().right > ${paper_px} + 1)
+      .map((one) => one.textContent.trim().slice(0, 60));
+  })()`);
+  for (const one of cut) check(false, `on paper this is cut: ${one}`);
+  await browser.send('Emulation.setEmulatedMedia', {media: ''});
+}
+
 async function run(browser) {
   await browser.open();
   browser.listeners.push(({method, params}) => {
@@ -215,6 +230,7 @@ async function run(browser) {
   const width = await browser.value('document.documentElement.scrollWidth');
   check(width <= 400, `on a phone of 400 px the page is ${width} px wide`);
   await browser.shot('phone.png');
+  await checkPaper(browser);
   if (pictures) {
     await browser.screen(1280, 'dark');
     const {data} = await browser.send('Page.printToPDF', {printBackground: true});

@@ -1,6 +1,6 @@
 #!/bin/bash
 # A sweep on a real Slurm: starts munged, slurmctld and slurmd on loopback, runs 8 shards as a job
-# array, kills one and requeues it, and compares with the same sweep by two workers.
+# array, kills one that is half done and requeues it, and compares with the same sweep by two workers.
 #   slurm.sh PICKBED
 # Needs root and the packages slurm-wlm and munge; is skipped (exit 77) without.
 set -u
@@ -60,7 +60,7 @@ MpiDefault=none
 ReturnToService=2
 KillWait=2
 NodeName=$host NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
-PartitionName=loopback Nodes=ALL Default=YES MaxTime=INFINITE OverSubscribe=FORCE:4 State=UP
+PartitionName=loopback Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 CONF
   munged --force --foreground --num-threads=2 --socket="$work/munge/socket" \
     --key-file="$work/munge/key" --pid-file="$work/munge/pid" --log-file="$work/munge/log" \
@@ -81,11 +81,52 @@ CONF
 # Tasks of the array in a state, as numbers of shards.
 tasks_in() { squeue --noheader --array --states="$1" --format=%K 2>/dev/null; }
 
+# wait_for SECONDS WHAT COMMAND...: until the command succeeds; fails, saying what was waited for.
+wait_for() {
+  local seconds=$1 what=$2
+  shift 2
+  for _ in $(seq $((10 * seconds))); do
+    "$@" && return
+    sleep 0.1
+  done
+  squeue --array >&2
+  fail "after $seconds s: $what"
+}
+
+# Trials that a shard's store holds.
+done_of() {
+  rm -rf peek
+  "$pickbed" merge "cluster/shards/shard_$1_of_8" --out peek >/dev/null 2>peek.err || { echo 0; return; }
+  echo $(($(wc -l <peek/trials.csv) - 1))
+}
+
+# Stops a task when it has done some of its trials and not all: its shard is then `victim`. Its
+# process is signalled itself, since Slurm takes a task that was stopped through it for suspended.
+stop_half_done() {
+  local shard pid count
+  for shard in $(tasks_in RUNNING); do
+    pid=$(sed -n 's/^process \([0-9]*\) .*/\1/p' "cluster/shards/shard_${shard}_of_8/lock" 2>/dev/null)
+    [ -n "$pid" ] && kill -STOP "$pid" 2>/dev/null || continue
+    sleep 0.3 # its worker ends the trial that it is at
+    count=$(done_of "$shard")
+    if [ "$count" -ge 1 ] && [ "$count" -lt 6 ]; then
+      victim=$shard
+      victim_pid=$pid
+      half_done=$count
+      return 0
+    fi
+    kill -CONT "$pid" 2>/dev/null
+  done
+  return 1
+}
+task_is_over() { ! tasks_in RUNNING,COMPLETING | grep -qx "$victim"; }
+requeued() { scontrol requeue "${job}_$victim" 2>requeue.err; }
+
 start_cluster
 cd "$work" || exit 1
 cat >sweep.yaml <<'YAML'
 scenario: cell.yaml
-trials: 12
+trials: 24
 set: {estimator.name: oracle}
 grid:
   estimator.noise_mm: [0.5, 3]
@@ -106,29 +147,28 @@ YAML
 grep -q "Slurm refused the job" refused.err || fail "the refusal is not told"
 [ "$(grep -c "^pickbed:" refused.err)" = 1 ] || fail "the refusal is not one line"
 
+# The last task is held until the victim is back in the queue: an empty queue ends the following.
 "$pickbed" sweep sweep.yaml --slurm --out cluster --json-progress >cluster.log 2>cluster.err &
 follower=$!
-for _ in $(seq 600); do
-  running=$(tasks_in RUNNING | head -1)
-  [ -n "$running" ] && [ -s "cluster/shards/shard_${running}_of_8/results.sqlite" ] && break
-  sleep 0.1
-done
-[ -n "$running" ] || fail "no task came to run"
+wait_for 60 "no job was submitted" test -s cluster/slurm/job_id
 job=$(cat cluster/slurm/job_id)
-scancel --signal=KILL --batch "${job}_$running"
-for _ in $(seq 300); do
-  tasks_in RUNNING,COMPLETING | grep -qx "$running" || break
-  sleep 0.1
-done
-echo "shard $running of job $job was killed after $(grep -c finished cluster/slurm/shard_"$running"_of_8.log) trials"
-scontrol requeue "${job}_$running" || fail "cannot requeue"
-scontrol update "JobId=${job}_$running" StartTime=now # Slurm would wait for two minutes
+held=8
+scontrol hold "${job}_$held" || fail "cannot hold the last task"
+wait_for 120 "no task was seen half done" stop_half_done
+kill -KILL "$victim_pid" || fail "cannot kill the task"
+wait_for 60 "the killed task $victim is not over" task_is_over
+[ "$(done_of "$victim")" -ge "$half_done" ] || fail "shard $victim lost what it had done"
+wait_for 60 "cannot requeue task $victim" requeued
+echo "shard $victim of job $job was killed after $half_done of 6 trials and requeued"
+scontrol update "JobId=${job}_$victim" StartTime=now # Slurm would wait for two minutes
+scontrol release "${job}_$held" || fail "cannot release the last task"
 wait $follower
-[ $? = 0 ] || fail "the sweep on Slurm ended with an error"
+status=$?
+[ $status = 0 ] || fail "the sweep on Slurm ended with status $status: $(tail -1 cluster.err)"
 for file in trials.csv picks.csv parts.csv points.csv summary.json; do
   cmp -s "local/$file" "cluster/$file" || fail "$file differs from that of two workers"
 done
-[ "$(wc -l <cluster/trials.csv)" = 25 ] || fail "not 24 trials"
+[ "$(wc -l <cluster/trials.csv)" = 49 ] || fail "not 48 trials"
 grep -q '"what":"trial","done":' cluster.err || fail "no progress"
 
 # All is done: the same command finds that out, submits nothing and gives the same.

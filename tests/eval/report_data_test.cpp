@@ -162,15 +162,18 @@ TEST(ReportData, ViewsShowOneOfEachReasonAndOneSuccess) {
                          Loss::kPoseWrong, Loss::kNone,    Loss::kNoGrasp};
   for (int i = 0; i < 6; ++i) trials[i].picks = {Look(0.9, true, losses[i])};
   trials[5].picks[0].grasp.reset();  // no hand to be shown
+  trials[5].picks.push_back(Look(0.9, true, Loss::kDropped));
   const PointTrials point = Point(trials);
   const auto places = [&](int most) {
     std::vector<size_t> numbers;
-    for (const ViewChoice& choice : ChooseViews({&point, 1}, most)) numbers.push_back(choice.trial);
+    for (const ViewChoice& choice : ChooseViews({&point, 1}, most)) {
+      numbers.push_back(10 * choice.trial + choice.look);
+    }
     return numbers;
   };
-  EXPECT_THAT(places(3), ElementsAre(0, 3, 2));
-  EXPECT_THAT(places(9), ElementsAre(0, 3, 1, 2));
-  EXPECT_THAT(places(1), ElementsAre(2));
+  EXPECT_THAT(places(4), ElementsAre(0, 30, 51, 20));
+  EXPECT_THAT(places(9), ElementsAre(0, 30, 51, 10, 20));
+  EXPECT_THAT(places(1), ElementsAre(20));
   EXPECT_TRUE(places(0).empty());
 }
 

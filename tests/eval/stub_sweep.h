@@ -42,7 +42,7 @@ inline Sweep StubSweep(int points, int trials) {
 using BeforeTrial = std::function<void(const SweepPoint& point, int scene)>;
 inline MakeDoTrial StubTrials(const BeforeTrial& before = [](const SweepPoint&, int) {}) {
   return [before](const SweepPoint& point, const WorkerPlan::Say&) -> DoTrial {
-    return [&point, before](int scene, const std::filesystem::path&) {
+    return [&point, before](int scene, const PictureOrder&) {
       before(point, scene);
       TrialResult result = FullTrial(static_cast<int>(100 * point.spec.seed) + scene);
       result.seconds = {{"drop", 0.5}};

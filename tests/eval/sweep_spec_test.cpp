@@ -61,6 +61,23 @@ TEST_F(SweepSpecTest, SeveralKeysChangeTogetherUnderAnyName) {
                           "estimator={name: oracle, noise_mm: 2}"));
 }
 
+TEST_F(SweepSpecTest, ValuesMayHaveLabels) {
+  const std::string yaml =
+      "scenario: demo\n"
+      "grid:\n"
+      "  seed: [1, 2]\n"
+      "  method:\n"
+      "    exact: {estimator: {name: oracle, noise_mm: 0}}\n"
+      "    rough: {estimator.name: oracle, estimator.noise_mm: 9}\n";
+  EXPECT_THAT(Names(yaml), ElementsAre("seed=1,method=exact", "seed=1,method=rough",
+                                       "seed=2,method=exact", "seed=2,method=rough"));
+  const Sweep sweep = Make(yaml);
+  EXPECT_EQ(sweep.points[1].spec.estimator.noise_mm, 9);
+  EXPECT_EQ(sweep.points[2].spec.estimator.name, "oracle");
+  EXPECT_EQ(sweep.points[2].spec.seed, 2u);
+  EXPECT_THAT(sweep.yaml, HasSubstr("method: {exact: {estimator: {name: oracle"));
+}
+
 TEST_F(SweepSpecTest, PointsHaveTheirSettingsAndTrials) {
   const Sweep sweep = Make(
       "scenario: demo\n"
@@ -133,6 +150,15 @@ INSTANTIATE_TEST_SUITE_P(
                  "the list is empty"},
         BadSweep{"NoList", "scenario: demo\ngrid:\n  sensor: ideal\n", "sweep.yaml:3",
                  "must be a list of values"},
+        BadSweep{"LabelOfNothing", "scenario: demo\ngrid:\n  method:\n    ppf: ppf\n",
+                 "sweep.yaml:4", "a label stands for settings"},
+        BadSweep{"NoLabels", "scenario: demo\ngrid:\n  method: {}\n", "sweep.yaml:3",
+                 "names no value"},
+        BadSweep{"LabelTwice",
+                 "scenario: demo\ngrid:\n  method:\n    a: {seed: 1}\n    a: {seed: 2}\n",
+                 "sweep.yaml:5", "is given twice"},
+        BadSweep{"KeyUnderALabel", "scenario: demo\ngrid:\n  method:\n    a: {sed: 1}\n",
+                 "sweep.yaml:4", "did you mean 'seed'"},
         BadSweep{"UnknownKey", "scenario: demo\ngrid:\n  seed: [1]\n  estimatr.name: [ppf]\n",
                  "sweep.yaml:4", "did you mean 'estimator'"},
         BadSweep{"WrongValue", "scenario: demo\ngrid:\n  refiner: [none, icp]\n", "sweep.yaml:3",

@@ -136,6 +136,18 @@ TEST(Workers, AWorkerStaysWithItsGroup) {
   EXPECT_LE(all, 5) << "four groups, of which the last may be shared";
 }
 
+TEST(Workers, WhatIsNeedlessWhenItsTurnComesIsLeftOut) {
+  for (const int jobs : {1, 3}) {
+    std::map<int, std::string> replies;
+    WorkerPlan plan = Squares(40, jobs, NoTrouble, replies);
+    plan.needless = [&](int item) { return item % 2 == 1 || replies.size() >= 10; };
+    EXPECT_TRUE(RunInWorkers(plan).lost.empty());
+    EXPECT_GE(replies.size(), 10u);
+    EXPECT_LT(replies.size(), 10u + jobs) << "only those under way come to an end";
+    for (const auto& [item, reply] : replies) EXPECT_EQ(item % 2, 0);
+  }
+}
+
 TEST(Workers, BadInputInAWorkerIsThrownHere) {
   std::map<int, std::string> replies;
   const auto refuse = [](int item) {

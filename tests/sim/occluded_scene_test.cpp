@@ -72,6 +72,32 @@ TEST_F(Series, EachSceneShowsAsMuchOfTheTargetAsItsBandSays) {
   }
 }
 
+// Where in their bands fractions lie: 0 at the lower end, 1 at the upper one. The start of a series
+// is as much in view as a part can be.
+TEST_F(Series, FractionsAreSpreadOverTheBands) {
+  const auto mean_place = [&](int level_tries, int from_band) {
+    spec_.level_tries = level_tries;
+    double sum = 0;
+    int scenes = 0;
+    for (uint64_t trial = 0; trial < 8; ++trial) {
+      for (const OccludedScene& scene : Make({3, 3, 3, 3}, trial).series.scenes) {
+        if (scene.band < from_band) continue;
+        const VisibleBand band = spec_.Inner(scene.band);
+        const double place = (scene.visible_fraction - band.least) / (band.most - band.least);
+        EXPECT_GE(place, 0);
+        EXPECT_LE(place, 1);
+        sum += place;
+        ++scenes;
+      }
+    }
+    return sum / scenes;
+  };
+  const int top = static_cast<int>(spec_.bands.size()) - 1;
+  EXPECT_GT(mean_place(0, top), 0.9) << "the first scene is kept";
+  EXPECT_LT(mean_place(20, top), 0.85);
+  EXPECT_NEAR(mean_place(6, 0), 0.5, 0.15);
+}
+
 // What lay there before a blocker came lies there after, to the last bit: the target above all.
 TEST_F(Series, NothingMovesWhileABlockerSettles) {
   const MadeSeries made = Make({3, 3, 3, 3});
@@ -90,7 +116,7 @@ TEST_F(Series, EachSceneStaysAsItIsWithAllPartsAwake) {
     EXPECT_THAT(Faults(scene.certificate), testing::IsEmpty());
     EXPECT_LE(scene.certificate.wake_movement_diameters, spec_.movement_diameters);
     EXPECT_LT(DeepestPenetration(scene.scene, parts_), 0.0005);
-    PhysicsWorld world;
+    PhysicsWorld world(PhysicsFor(parts_, DropOptions().physics));  // as piles are settled
     world.AddBin(bin_);
     for (const PosedObject& posed : scene.scene.objects) {
       world.AddPart(*parts_[posed.object], posed.X_WO);

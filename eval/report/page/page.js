@@ -8,20 +8,26 @@ const chartStyle = {
   view: {stroke: null},
   axis: {
     labelColor: 'currentColor', titleColor: 'currentColor', domainColor: 'currentColor',
-    tickColor: 'currentColor', gridColor: 'currentColor', gridOpacity: 0.13,
-    labelFontSize: 12, titleFontSize: 12, titleFontWeight: 'normal', labelLimit: 200,
+    tickColor: 'currentColor', gridColor: 'currentColor', gridOpacity: 0.13, labelOverlap: true,
+    labelFontSize: 12, titleFontSize: 12, titleFontWeight: 'normal',
   },
-  legend: {labelColor: 'currentColor', titleColor: 'currentColor', labelFontSize: 12, labelLimit: 420,
+  legend: {labelColor: 'currentColor', titleColor: 'currentColor', labelFontSize: 12,
     symbolSize: 110, symbolOpacity: 1},
   text: {color: 'currentColor', fontSize: 12},
   point: {color: '#0072b2'},
 };
 
+// Names take no more of a chart than leaves it room, on a phone too.
+function styleFor(width) {
+  return {...chartStyle, axisY: {labelLimit: Math.max(80, 0.3 * width)},
+    legend: {...chartStyle.legend, labelLimit: Math.max(120, width - 90)}};
+}
+
 async function drawCharts() {
   for (const plot of document.querySelectorAll('.plot')) {
     const spec = JSON.parse(plot.nextElementSibling.textContent);
     try {
-      await vegaEmbed(plot, spec, {renderer: 'svg', actions: false, config: chartStyle});
+      await vegaEmbed(plot, spec, {renderer: 'svg', actions: false, config: styleFor(plot.clientWidth)});
     } catch (error) {
       plot.textContent = 'This chart could not be drawn; its table is below. ' + error;
       console.error(error);

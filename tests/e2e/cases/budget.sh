@@ -1,0 +1,63 @@
+# Cases of pickbed budget.
+
+budget_sums_and_jobs_do_not_matter() {
+  expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
+  cp -r one two
+  expect 0 "$pickbed" budget one --jobs 1
+  grep -q pose_wrong last.out || fail "no loss in the table"
+  grep -q "^  everything" last.out || fail "no gain in the table"
+  expect 0 "$pickbed" budget two --jobs 2 --json
+  same last.out two/budget/budget.json
+  for file in budget.json budget.csv attempts.png instances.png gains.png; do
+    [ -s "one/budget/$file" ] || fail "no $file"
+    same "one/budget/$file" "two/budget/$file"
+  done
+  for row in detection pose refinement grasp perception everything; do
+    same "one/budget/$row/picks.csv" "two/budget/$row/picks.csv"
+    same "one/budget/$row/parts.csv" "two/budget/$row/parts.csv"
+  done
+  # Of each row and column, all = picked + not asked + lost.
+  awk -F, 'NR > 1 { for (i = 4; i <= 5; ++i) sum[$1, i] += $3 == "all" ? $i : -$i; rows[$1] }
+    END { for (row in rows) for (i = 4; i <= 5; ++i) if (sum[row, i] != 0) exit 1 }' \
+    one/budget/budget.csv || fail "the parts do not sum to all"
+  [ "$(grep -c ",all," one/budget/budget.csv)" = 7 ] || fail "not seven rows"
+}
+
+budget_stops_and_goes_on() {
+  # Enough bins for it to be at work when it is told to stop, at its first line.
+  expect 0 "$pickbed" run small.yaml "${noisy[@]:0:4}" --trials 30 --pictures 0 --out here
+  cp -r here whole
+  "$pickbed" budget here --stages pose --jobs 1 2>stopped.err >/dev/null &
+  local pid=$!
+  for _ in $(seq 6000); do
+    grep -q "pose (1/1)" stopped.err && break
+    sleep 0.01
+  done
+  kill -INT $pid
+  wait $pid
+  [ $? = 130 ] || fail "exit was not 130"
+  grep -q "goes on" stopped.err || fail "nothing was said"
+  [ ! -e here/budget/budget.json ] || fail "half a budget was written"
+  expect 0 "$pickbed" budget here --stages pose
+  expect 0 "$pickbed" budget whole --stages pose
+  same here/budget/budget.json whole/budget/budget.json
+}
+
+bad_budgets_are_refused() {
+  refused "holds no scenario.yaml" "$pickbed" budget nowhere
+  expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out here
+  refused "did you mean 'pose'?" "$pickbed" budget here --stages poes
+  expect 0 "$pickbed" budget here --stages none
+  [ ! -e here/budget/pose ] || fail "a rerun was not wanted"
+  sed -i 's/^seed: .*/seed: 99/' here/scenario.yaml
+  refused "repeat the run" "$pickbed" budget here
+  rm here/results.sqlite
+  refused "holds no results.sqlite" "$pickbed" budget here
+  refused "unknown policy.stop 'never'; known: until_empty, look_again, one_pick" \
+    "$pickbed" run small.yaml --set policy.stop=never --out no
+  refused "unknown ranking 'best'; known: quality, epsilon, robust, random" \
+    "$pickbed" run small.yaml --set policy.ranking=best --out no
+  refused "so it cannot decide a pick; choose right_part or placed" \
+    "$pickbed" run small.yaml --set policy.success=contact --out no
+  [ ! -e no ] || fail "a refused run left a folder"
+}

@@ -1,0 +1,36 @@
+# Cases of pickbed dataset and what reads its sets.
+
+bad_bop_data_is_refused() {
+  echo "camera: {width: 96, height: 72, focal_px: 100}" >>small.yaml
+  expect 0 "$pickbed" dataset make small.yaml --scenes 1 --views 2 --jobs 1 --out set
+  expect 0 "$pickbed" dataset check set
+  grep -q "no fault" last.out || fail "a fault is seen where none is"
+  local gt=set/test/000001/scene_gt.json
+  cp -r set sound
+
+  sed -i 's/"cam_R_m2c":\[[^,]*,/"cam_R_m2c":[2.0,/g' $gt
+  refused "faults, listed above" "$pickbed" dataset check set
+  grep -q "scene_gt.json: image 1: instance 4: 'cam_R_m2c': is no rotation" last.out ||
+    fail "the last of the matrices is not named"
+  refused "scene_gt.json: image 0: instance 0: 'cam_R_m2c': is no rotation" \
+    "$pickbed" estimate --bop set --set estimator.name=ppf --out look
+  cp sound/test/000001/scene_gt.json $gt
+
+  # 8 bits: a mask in the place of the last depth image.
+  cp set/test/000001/mask/000001_000000.png set/test/000001/depth/000001.png
+  refused "faults, listed above" "$pickbed" dataset check set
+  grep -q "depth/000001.png' as depth: it is not 16 bits" last.out || fail "8 bits are not named"
+  refused "depth/000001.png' as depth: it is not 16 bits" \
+    "$pickbed" estimate --bop set --set estimator.name=ppf --out look
+  rm set/test/000001/depth/000001.png
+  refused "depth/000001.png: is missing" \
+    "$pickbed" estimate --bop set --set estimator.name=ppf --out look
+
+  local header="scene_id,im_id,obj_id,score,R,t,time" turn="1 0 0 0 1 0 0 0 1"
+  printf '%s\n1,0,9,1,%s,0 0 500,-1\n' "$header" "$turn" >stranger.csv
+  refused "stranger.csv:2: obj_id 9" "$pickbed" score --bop sound stranger.csv
+  printf '%s\n1,0,1,1,%s,0 nan 500,-1\n' "$header" "$turn" >nan.csv
+  refused "nan.csv:2: t 'nan'" "$pickbed" score --bop sound nan.csv
+  printf 'im_id,scene_id,obj_id,score,R,t,time\n' >columns.csv
+  refused "columns.csv:1: begins with" "$pickbed" score --bop sound columns.csv
+}

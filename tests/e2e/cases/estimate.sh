@@ -1,0 +1,70 @@
+# Cases of pickbed estimate.
+
+other_commands_stop_at_once() {
+  "$pickbed" estimate small.yaml "${small[@]}" --trials 500 --out look 2>stopped.err >/dev/null &
+  local pid=$!
+  for _ in $(seq 600); do
+    grep -q "^bin" stopped.err && break
+    sleep 0.2
+  done
+  kill -INT $pid
+  wait $pid
+  [ $? = 130 ] || fail "exit was not 130"
+  grep -q "interrupted" stopped.err || fail "nothing was said"
+}
+
+estimate_scores_the_oracle_as_perfect() {
+  expect 0 "$pickbed" estimate small.yaml --set estimator.name=oracle --trials 2 --out look
+  head -1 look/hypotheses.csv | grep -q 'correct,p_pick$' || fail "other columns than expected"
+  local wrong=$(tail -n +2 look/hypotheses.csv | grep -vc ',1,$')
+  [ "$wrong" = 0 ] || fail "$wrong true poses were called wrong"
+  [ "$(wc -l <look/hypotheses.csv)" -gt 5 ] || fail "too few hypotheses"
+  [ -s look/pictures/trial_0001/oracle/pick_00_overlay.png ] || fail "no overlay"
+}
+
+# _shown FOLDER: its page names pictures, and all of them are there.
+_shown() {
+  local pictures=$(grep -o 'src="[^"]*"' "$1/explain.html" | cut -d'"' -f2)
+  [ "$(wc -w <<<"$pictures")" -ge 9 ] || fail "too few pictures in $1"
+  for picture in $pictures; do [ -s "$1/$picture" ] || fail "no $1/$picture"; done
+  [ "$(wc -w <<<"$pictures")" = "$(find "$1/pictures" -type f | wc -l)" ] ||
+    fail "a picture in $1 is not shown"
+}
+
+explain_shows_every_stage() {
+  expect 0 "$pickbed" estimate rods.yaml --explain 1 --out why
+  grep -q "why/explain.html" last.out || fail "the page is not named"
+  _shown why
+  for stage in 1 2 3 4 5 6 7 8; do grep -q "<h2>$stage\\." why/explain.html || fail "no stage $stage"; done
+  expect 0 "$pickbed" estimate rods.yaml --explain 1 --out again
+  diff -r why again >&2 || fail "the same image was explained in another way"
+
+  echo "camera: {width: 160, height: 120, focal_px: 170}" >>rods.yaml
+  expect 0 "$pickbed" dataset make rods.yaml --scenes 1 --views 2 --jobs 1 --out set
+  expect 0 "$pickbed" estimate --bop set --explain 1/1 --out bop
+  _shown bop
+  expect 0 "$pickbed" estimate --bop set --explain 1 --out same
+  diff -r bop same >&2 || fail "1/1 is not the second target"
+  refused "--explain 7/0: is no target image; name one as SCENE/IMAGE, such as 1/0" \
+    "$pickbed" estimate --bop set --explain 7/0 --out no
+  refused "'ppf' does not tell" "$pickbed" estimate --bop set --explain 0 --estimator ppf --out no
+  [ ! -e no ] || fail "a refused command left a folder"
+}
+
+broken_model_is_refused() {
+  head -c 1000 /dev/urandom >broken.pt
+  expect 1 "$pickbed" run small.yaml --set estimator.name=descriptor \
+    --set "estimator.model=$work/broken.pt" --out broken
+  grep -q "broken.pt" last.err || fail "the file is not named"
+  expect 1 "$pickbed" run small.yaml --set estimator.name=descriptor \
+    --set "estimator.model=$work/missing.pt" --out missing
+  grep -q "missing.pt" last.err || fail "the file is not named"
+}
+
+truncated_model_is_refused() {
+  local model=$here/../../assets/models/shipped.pt
+  head -c 5000 "$model" >cut.pt
+  expect 1 "$pickbed" estimate small.yaml --set "estimator.model=$work/cut.pt" --out cut
+  grep -q "cut.pt" last.err || fail "the file is not named"
+  [ "$(wc -l <last.err)" = 1 ] || fail "more than one line"
+}

@@ -1,0 +1,96 @@
+# Cases of pickbed object, drop and render: parts and scenes.
+
+drop_and_render_write_their_files() {
+  expect 0 "$pickbed" drop small.yaml --out drop
+  [ "$(grep -c '"instance"' drop/scene.json)" = 5 ] || fail "scene.json does not hold 5 parts"
+  [ -s drop/color.png ] || fail "no picture"
+  expect 0 "$pickbed" render small.yaml --out render
+  for file in color.png depth.png depth_color.png ids.png ids_color.png visible.csv; do
+    [ -s "render/$file" ] || fail "no $file"
+  done
+  [ "$(wc -l <render/visible.csv)" = 6 ] || fail "visible.csv does not hold 5 parts"
+}
+
+an_added_object_is_dropped() {
+  cat >brick.obj <<'OBJ'
+v -30 -20 -10
+v 30 -20 -10
+v -30 20 -10
+v 30 20 -10
+v -30 -20 10
+v 30 -20 10
+v -30 20 10
+v 30 20 10
+f 1 3 4 2
+f 5 6 8 7
+f 1 2 6 5
+f 3 7 8 4
+f 1 5 7 3
+f 2 4 8 6
+OBJ
+  expect 0 "$pickbed" object add brick.obj --name brick --mass 0.05
+  grep -q "unit guessed: mm" last.out || fail "the unit was not guessed"
+  for file in mesh.obj convex.obj object.yaml made.json sheet.png; do
+    [ -s "objects/brick/$file" ] || fail "no $file"
+  done
+  expect 0 "$pickbed" object add brick.obj --name brick --mass 0.05
+  grep -q "nothing to do" last.out || fail "it was made twice"
+  refused "--name ''" "$pickbed" object add brick.obj --name ''
+  refused "is no file" "$pickbed" object add /dev/zero --name zero
+  refused "--mass nan" "$pickbed" object add brick.obj --name heavy --mass nan
+  expect 1 "$pickbed" object add brick.obj --name brick --mass 0.06
+  grep -q -- "--replace" last.err || fail "an existing part was not explained"
+  echo "objects: [{name: brick, count: 4}]" >bricks.yaml
+  expect 0 "$pickbed" run bricks.yaml "${small[@]}" --trials 1 --out bricks
+  grep -q '"parts_cleared": 4' bricks/summary.json || fail "the bricks were not picked"
+}
+
+bad_meshes_are_refused() {
+  local add=("$pickbed" object add) name=(--name x --drops 5)
+  brick 1 | sed 's/^v 30 20 10$/v nan 20 10/' >nan.obj
+  refused "nan.obj' has vertices that are not numbers" "${add[@]}" nan.obj "${name[@]}"
+  { brick 1 | grep -v '^f'; echo 'f 1 2 3'; } >one.obj
+  refused "one.obj' encloses no volume" "${add[@]}" one.obj "${name[@]}"
+  brick 1 | sed 's/10$/0/' >flat.obj
+  refused "flat.obj' encloses no volume" "${add[@]}" flat.obj "${name[@]}"
+  brick 20000 >vast.obj
+  refused "check --unit" "${add[@]}" vast.obj "${name[@]}"
+  brick 1 >brick.stl
+  refused "its extension says what it is" "${add[@]}" brick.stl "${name[@]}"
+  refused "nowhere.obj" "${add[@]}" nowhere.obj "${name[@]}"
+  { # 5 million faces by its header; nothing else of it is read
+    printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n'
+    printf 'property float z\nelement face 5000000\nproperty list uchar int vertex_indices\n'
+    printf 'end_header\n'
+  } >many.ply
+  refused "many.ply' has 5000000 faces; reduce it to 1000000" "${add[@]}" many.ply "${name[@]}"
+  [ ! -e objects/x ] || fail "a refused mesh left a part"
+
+  # What is missing beside a mesh is said, and the part is made.
+  { echo "mtllib gone.mtl"; brick 1; } >plain.obj
+  expect 0 "${add[@]}" plain.obj --name plain --drops 5
+  grep -q "'gone.mtl' is missing" last.out || fail "the missing .mtl is not named"
+  printf 'newmtl a\nmap_Kd gone.png\n' >there.mtl
+  { echo "mtllib there.mtl"; brick 1; } >bare.obj
+  expect 0 "${add[@]}" bare.obj --name bare --drops 5
+  grep -q "'gone.png' is missing" last.out || fail "the missing texture is not named"
+}
+
+bad_scenes_are_refused() {
+  brick 1 >brick.obj
+  cat >bricks.yaml <<'YAML'
+bin: {inner_size_m: [0.4, 0.3, 0.15]}
+objects:
+  - {name: brick, mesh: brick.obj, unit: mm, mass_kg: 0.1, count: 2}
+YAML
+  local drop=("$pickbed" drop bricks.yaml --out out)
+  refused "larger than the bin" "${drop[@]}" --set objects.0.unit=cm
+  refused "bricks.yaml:3: objects.0.mesh" "${drop[@]}" --set objects.0.unit=m
+  refused "lower the count" "${drop[@]}" --set objects.0.count=1000
+  refused "does not exist" "${drop[@]}" --set objects.0.mesh=nowhere.obj
+  refused "inside the bin or its wall" "${drop[@]}" --set 'camera.eye_m=[0.203, 0, 0.1]'
+  refused "under the bin's floor" "${drop[@]}" --set 'camera.eye_m=[0, 0, -1]'
+  refused "did you mean 'wall_m'" "${drop[@]}" --set bin.wal_m=0.01
+  [ ! -e out ] || fail "a refused scene left a folder"
+  expect 0 "${drop[@]}"
+}

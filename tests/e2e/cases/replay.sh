@@ -1,0 +1,53 @@
+# Cases of pickbed replay.
+
+a_replay_is_the_same() {
+  expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
+  expect 0 "$pickbed" replay one#1
+  grep -q "^all that is recorded is the same" last.out || fail "it is not said that all is the same"
+  [ "$(grep -c " same$" last.out)" -ge 5 ] || fail "not all stages of a look are named"
+  for file in color.png depth.png ids.png overlay.png after.png cloud.ply hypotheses.ply scene.glb; do
+    [ -s "one/replay/trial_0001/look_00_$file" ] || fail "no $file"
+  done
+  # A look of an occlusion trial, at the second point of a sweep.
+  cat >occlusion.yaml <<'YAML'
+scenario: small.yaml
+trials: 2
+set: {estimator.name: oracle}
+occlusion: {enabled: true, bands: [{least: 0.3, most: 0.6}, {least: 0.9, most: 1}]}
+grid: {noise: {none: {estimator.noise_mm: 0}, much: {estimator.noise_mm: 9}}}
+YAML
+  expect 0 "$pickbed" sweep occlusion.yaml --out hidden
+  expect 0 "$pickbed" replay hidden#3
+  [ "$(grep -c "^[01] .* same$" last.out)" = 10 ] || fail "not five stages of two looks"
+  [ -s hidden/replay/trial_0003/look_01_scene.glb ] || fail "no second look"
+  # From another place, and a trial that was fed with truth.
+  expect 0 "$pickbed" budget one --stages pose
+  cd / || fail "cannot go elsewhere"
+  "$pickbed" replay "$work/one#0" --out "$work/elsewhere" >"$work/last.out" || fail "not the same elsewhere"
+  [ -s "$work/elsewhere/stages.csv" ] || fail "no stages.csv"
+  "$pickbed" replay "$work/one/budget/pose#1" >"$work/last.out" 2>"$work/last.err" ||
+    fail "a rerun of the budget is not the same"
+  [ "$(grep -c " same$" "$work/last.out")" -ge 5 ] || fail "not all stages of the rerun are named"
+}
+
+a_replay_names_what_changed() {
+  cp "$here/../../assets/grippers/jaw_8cm.yaml" jaw.yaml
+  expect 0 "$pickbed" run small.yaml "${noisy[@]}" --set gripper=jaw.yaml --out one
+  sed -i 's/^clearance_m: .*/clearance_m: 0.006/' jaw.yaml
+  expect 1 "$pickbed" replay one#1
+  grep -q "^changed since the trial ran: was 'clearance_m: 0.003', is 'clearance_m: 0.006'" last.out ||
+    fail "the changed file is not told"
+  grep -q "^first difference: look 0, stage grasp" last.out || fail "the stage is not named"
+}
+
+bad_replays_are_refused() {
+  refused "one: which trial? name it as RUN#TRIAL, for instance one#0" "$pickbed" replay one
+  refused "there is no folder nowhere" "$pickbed" replay nowhere#1
+  mkdir empty
+  refused "empty holds no results.sqlite" "$pickbed" replay empty#1
+  expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
+  refused "one#7: the run has no such trial" "$pickbed" replay one#7
+  refused "one#x: 'x' is no number of a trial" "$pickbed" replay one#x
+  head -c 5000 one/results.sqlite >cut && mv cut one/results.sqlite
+  refused "results.sqlite" "$pickbed" replay one#1
+}

@@ -1,0 +1,49 @@
+# Cases of pickbed report and pickbed compare, in a browser.
+
+# Without npm's registry the program is built without the page of its reports, and says so.
+_needs_report_page() {
+  [ -s "$(dirname "$pickbed")/report/page.html" ] ||
+    { echo "skipped: the page of reports was not built, see the build's output"; exit 77; }
+}
+
+# _browser PAGE VIEWS: the page works in Chromium and has that many 3D views.
+_browser() {
+  node "$here/report_check.mjs" "$1" --views "$2" >browser.out 2>browser.err ||
+    fail "$1 does not work in a browser"
+  [ "$(stat -c %s "$1")" -lt 15000000 ] || fail "$1 is too large"
+}
+
+reports_work_in_a_browser() {
+  _needs_report_page
+  local one=(--set policy.stop=one_pick --trials 12 --set estimator.name=oracle)
+  expect 0 "$pickbed" run small.yaml "${one[@]}" --set estimator.noise_mm=9 --out one
+  expect 0 "$pickbed" run small.yaml "${one[@]}" --set estimator.noise_mm=3 --out two
+  expect 0 "$pickbed" report one
+  grep -q "one/report.html" last.out || fail "the page is not named"
+  _browser one/report.html 2
+  grep -q "data:image/jpeg" one/report.html || fail "no picture of a lost pick"
+  grep -q "have no picture here" one/report.html && fail "a lost pick has no picture"
+  expect 0 "$pickbed" report one --out again.html
+  same one/report.html again.html
+  expect 0 "$pickbed" compare one two --out both.html
+  _browser both.html 2
+  expect 0 "$pickbed" report two --views 0 --out flat.html
+  _browser flat.html 0
+  [ "$(stat -c %s flat.html)" -lt 1200000 ] || fail "a page without 3D views holds their library"
+}
+
+bad_reports_are_refused() {
+  _needs_report_page
+  refused "nowhere" "$pickbed" report nowhere
+  mkdir empty
+  refused "empty" "$pickbed" report empty
+  echo "no database" >empty/results.sqlite
+  refused "results.sqlite" "$pickbed" report empty
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --pictures 0 --out one
+  refused "is a folder" "$pickbed" report one --out .
+  refused "named twice" "$pickbed" compare one one --out both.html
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --pictures 0 --set seed=8 --out other
+  refused "seed" "$pickbed" compare one other --out both.html
+  [ ! -e both.html ] || fail "a refused comparison left a page"
+  [ ! -e one/report.html ] || fail "a refused report left a page"
+}

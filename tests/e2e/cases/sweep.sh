@@ -1,0 +1,114 @@
+# Cases of pickbed sweep and pickbed merge.
+
+cat >sweep.yaml <<'YAML'
+scenario: small.yaml
+trials: 3
+set: {estimator.name: oracle}
+grid:
+  estimator.noise_mm: [1, 9]
+  objects.0.count: [2, 3]
+YAML
+
+a_sweep_is_the_same_by_shards() {
+  expect 0 "$pickbed" sweep sweep.yaml --jobs 1 --out one
+  expect 0 "$pickbed" sweep sweep.yaml --jobs 2 --out two --json-progress
+  grep -q '^{"what":"trial","done":12,"total":12,.*"success_ci95":\[' last.err || fail "no progress"
+  grep -qv '^{' last.err && fail "not every line of progress is JSON"
+  for i in 2 3 1; do expect 0 "$pickbed" sweep sweep.yaml --shard $i/3 --jobs 2 --out parts; done
+  expect 0 "$pickbed" merge parts/shards/* --out joined
+  for file in trials.csv picks.csv parts.csv points.csv summary.json; do
+    same "one/$file" "two/$file"
+    same "one/$file" "joined/$file"
+  done
+  [ "$(wc -l <one/trials.csv)" = 13 ] || fail "not 12 trials"
+  # A point is the run that its file says.
+  expect 0 "$pickbed" run one/points/03_*.yaml --out point
+  cut -d, -f5- point/picks.csv >run.picks
+  grep -E "^(trial|9|10|11)," one/picks.csv | cut -d, -f5- >sweep.picks
+  same run.picks sweep.picks
+  # Unlike settings stand side by side when they are asked to.
+  expect 1 "$pickbed" merge one point --out both
+  grep -q -- "--compare" last.err || fail "--compare was not offered"
+  expect 0 "$pickbed" merge one point --out both --compare
+  [ "$(wc -l <both/points.csv)" = 6 ] || fail "not five points side by side"
+}
+
+a_sweep_stops_and_goes_on() {
+  "$pickbed" sweep sweep.yaml --trials 20 --jobs 2 --out long 2>stopped.err >/dev/null &
+  local pid=$!
+  for _ in $(seq 600); do
+    grep -q "^trial [2-9]" stopped.err && break
+    sleep 0.2
+  done
+  expect 1 "$pickbed" sweep sweep.yaml --trials 20 --out long --resume
+  grep -q "in use by process $pid" last.err || fail "a second sweep in the folder was not refused"
+  kill -KILL $pid
+  wait $pid 2>/dev/null
+  expect 0 "$pickbed" sweep sweep.yaml --trials 20 --jobs 2 --out long --resume
+  expect 0 "$pickbed" sweep sweep.yaml --trials 20 --jobs 2 --out whole
+  same long/trials.csv whole/trials.csv
+  same long/picks.csv whole/picks.csv
+}
+
+a_sweep_ends_when_it_is_sure() {
+  local wide=(--trials 30 --set stop_width=0.9)
+  expect 0 "$pickbed" sweep sweep.yaml "${wide[@]}" --jobs 1 --out one
+  grep -q "estimator.noise_mm=1,objects.0.count=2: stops after [0-9]* bins" last.out || fail "the end is not told"
+  local bins=$(($(wc -l <one/trials.csv) - 1))
+  [ "$bins" -ge 8 ] && [ "$bins" -lt 120 ] || fail "$bins bins"
+  expect 0 "$pickbed" sweep sweep.yaml "${wide[@]}" --jobs 3 --out three
+  for file in trials.csv picks.csv points.csv summary.json; do same "one/$file" "three/$file"; done
+  expect 1 "$pickbed" sweep sweep.yaml "${wide[@]}" --shard 1/2 --out parts
+  grep -q "stop_width = 0.9: a shard sees no other's scenes" last.err || fail "a shard is not refused"
+  [ ! -e parts ] || fail "a refused shard left a folder"
+  expect 1 "$pickbed" run small.yaml --set stop_width=2 --out no
+  grep -q "stop_width" last.err || fail "a width of 2 is not refused"
+}
+
+an_occlusion_sweep_sees_the_same_scenes_at_all_points() {
+  cat >occlusion.yaml <<'YAML'
+scenario: small.yaml
+trials: 3
+occlusion: {enabled: true, bands: [{least: 0.3, most: 0.6}, {least: 0.6, most: 0.9}, {least: 0.9, most: 1}]}
+grid: {estimator.noise_mm: [0, 3]}
+set: {estimator.name: oracle}
+YAML
+  expect 0 "$pickbed" sweep occlusion.yaml --jobs 1 --pictures 2 --out one
+  expect 0 "$pickbed" sweep occlusion.yaml --jobs 2 --out two
+  for file in trials.csv picks.csv parts.csv curve.csv summary.json; do same one/$file two/$file; done
+  [ -s one/pictures/occlusion.png ] || fail "no picture of the series"
+  [ "$(grep -c noise one/curve.csv)" = 6 ] || fail "not a line a point and band"
+  # Equal counts, and visible fractions that do not depend on the point.
+  [ "$(grep noise one/curve.csv | cut -d, -f4 | sort -u)" = 3 ] || fail "bands differ in looks"
+  [ "$(grep noise one/curve.csv | cut -d, -f2-5 | sort -u | wc -l)" = 3 ] || fail "scenes differ"
+  expect 1 "$pickbed" sweep occlusion.yaml --set occlusion.bands.1.least=0.5 --out bad
+  grep -q "occlusion.bands.1.least = 0.5: must not be under bands.0.most = 0.6" last.err ||
+    fail "bands that overlap are not told"
+  # A band that nothing fills is named, with what was tried, and the others have their looks.
+  expect 0 "$pickbed" run small.yaml --set estimator.name=oracle --set occlusion.enabled=true \
+    --set "occlusion.bands=[{least: 0.3, most: 0.3001}, {least: 0.9, most: 1}]" \
+    --set occlusion.margin=0 --set occlusion.tries=2 --trials 2 --jobs 1 --out thin
+  grep -q "30-30.01 %: 2 trials without a scene; .* targets given up; of .* blockers" last.out ||
+    fail "a band without scenes is not named"
+}
+
+# _refused_sweep TEXT YAML-LINE...: a sweep with this grid ends with one line that says TEXT.
+_refused_sweep() {
+  local wanted=$1
+  printf 'scenario: small.yaml\n%s\n' "$2" >bad.yaml
+  expect 1 "$pickbed" sweep bad.yaml --out bad
+  grep -q -- "$wanted" last.err || fail "not told: $wanted"
+  [ "$(wc -l <last.err)" = 1 ] || fail "more than one line"
+}
+
+bad_sweeps_are_refused() {
+  _refused_sweep "bad.yaml:2.*did you mean 'sensor'" "grid: {sensr: [ideal]}"
+  _refused_sweep "bad.yaml:2.*the grid is empty" "grid: {}"
+  _refused_sweep "bad.yaml:2.*gripper.*did you mean" "grid: {gripper: [jaw_9cm]}"
+  _refused_sweep "has no grid" "trials: 3"
+  expect 1 "$pickbed" sweep nothing.yaml
+  expect 1 "$pickbed" sweep sweep.yaml --shard 4/3
+  expect 1 "$pickbed" merge sweep.yaml --out joined
+  expect 1 env PATH=/nowhere "$pickbed" sweep sweep.yaml --slurm --out here
+  grep -q "there is no sbatch" last.err || fail "that Slurm is absent is not told"
+}

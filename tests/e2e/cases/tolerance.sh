@@ -1,0 +1,52 @@
+# Cases of pickbed tolerance.
+
+a_tolerance_map_stops_and_resumes() {
+  local few=(--set grasps=3 --set steps=2 --set step_mm=4 --set fit_tries=30 --set test_tries=30)
+  local map=("$pickbed" tolerance rod jaw_8cm --pairs gx:gry "${few[@]}")
+  expect 0 "${map[@]}" --jobs 1 --out one
+  grep -q "along the closing direction" last.out || fail "no table of the axes"
+  grep -q "^  mssd" last.out || fail "no table of the scores"
+  for file in map.png pairs.png model.yaml tolerance.yaml; do
+    [ -s "one/$file" ] || fail "no $file"
+  done
+  refused "pass --resume" "${map[@]}" --out one
+  refused "other settings" "${map[@]}" --out one --resume --set seed=3
+  mkdir two
+  head -60 one/tries.csv >two/tries.csv
+  expect 0 "${map[@]}" --jobs 2 --out two --resume
+  for file in tries.csv axes.csv pairs.csv predictors.csv model.yaml; do
+    same "one/$file" "two/$file"
+  done
+  brick 10 >wide.obj
+  expect 0 "$pickbed" object add wide.obj --name wide --unit mm --mass 1
+  refused "part 'wide' has no antipodal pair that fits its stroke for gripper 'jaw_8cm', but" "$pickbed" tolerance wide jaw_8cm --out wide
+  [ ! -e wide ] || fail "a refused map left a folder"
+  refused "did you mean 'gy'" "${map[@]}" --pairs gx:gyy --out three
+  refused "axes of one frame" "${map[@]}" --pairs x:gx --out three
+  refused "did you mean 'rod'" "$pickbed" tolerance rodd jaw_8cm
+}
+
+tolerance_maps_score_the_poses_of_runs() {
+  expect 0 "$pickbed" tolerance rod jaw_8cm --set grasps=3 --set steps=2 --set step_mm=4 \
+    --set fit_tries=30 --set test_tries=30 --out maps/rod
+  cp small.yaml here.yaml
+  expect 0 "$pickbed" run here.yaml "${noisy[@]}" --tolerance maps --out one
+  grep -q "^Picks of rod by their pose errors" last.out || fail "no forecast"
+  grep -q '"pick_forecasts"' one/summary.json || fail "no forecast in summary.json"
+  head -1 one/picks.csv | grep -q ",p_pick," || fail "picks.csv has no p_pick"
+  [ "$(grep -c "^[01],[0-9]*,[0-9]*,rod,[0-9-]*,[01]\.[0-9]*$" one/pick_chances.csv)" -gt 3 ] ||
+    fail "hypotheses have no chance"
+  expect 0 "$pickbed" run here.yaml "${noisy[@]}" --tolerance maps/rod/model.yaml --out two --jobs 1
+  for file in picks.csv pick_chances.csv summary.json; do same "one/$file" "two/$file"; done
+  expect 0 "$pickbed" budget one --stages none --tolerance maps
+  grep -q "What pose errors foretell" one/budget/index.html || fail "the page tells no forecast"
+  grep -q "bins are few" one/budget/index.html || fail "two bins are not said to be few"
+  expect 0 "$pickbed" estimate here.yaml "${noisy[@]:0:4}" --trials 1 --tolerance maps --out poses
+  head -1 poses/hypotheses.csv | grep -q ",p_pick$" || fail "hypotheses.csv has no p_pick"
+  refused "is of rod with jaw_8cm; the parts are rod, flange, the gripper is jaw_14cm" \
+    "$pickbed" run here.yaml --set gripper=jaw_14cm --tolerance maps/rod --out no
+  cp -r maps/rod maps/again
+  refused "are both of rod with jaw_8cm" "$pickbed" run here.yaml --tolerance maps --out no
+  refused "there is no such file" "$pickbed" run here.yaml --tolerance nowhere --out no
+  refused "write ID=PLACE" "$pickbed" score --bop none none.csv --tolerance maps
+}

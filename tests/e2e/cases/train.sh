@@ -1,0 +1,71 @@
+# Cases of pickbed train.
+
+train_stops_and_resumes() {
+  local quick=(--set piles=2 --set iterations=80 --set checkpoint_every=5 --set held_out.piles=1
+    --set held_out.book_views=50 --set held_out.every=20
+    --set verifier_piles=2 --set verifier_entries=2000 --set verifier.iterations=100)
+  local short=(rod "${quick[@]}")
+  "$pickbed" train "${short[@]}" --out rod.pt 2>stopped.err &
+  local pid=$!
+  while kill -0 $pid 2>/dev/null && ! grep -q "^network" stopped.err; do sleep 0.1; done
+  kill -INT $pid 2>/dev/null
+  wait $pid
+  local rc=$?
+  [ $rc = 130 ] || fail "exit was $rc and not 130"
+  [ -s rod.pt.checkpoint ] || fail "no checkpoint"
+  [ ! -e rod.pt ] || fail "an unfinished model was written"
+  cp rod.pt.checkpoint good.checkpoint
+  (
+    trap '' XFSZ # a write beyond the limit then fails instead of killing
+    ulimit -f 100
+    "$pickbed" train "${short[@]}" --out rod.pt --resume 2>last.err
+  )
+  [ $? = 1 ] || fail "a full disk did not end the training"
+  grep -q "^pickbed: .*rod.pt.checkpoint" last.err || fail "the checkpoint on a full disk is not named"
+  same rod.pt.checkpoint good.checkpoint
+  expect 0 "$pickbed" train "${short[@]}" --out rod.pt --resume
+  for file in index.html embedding.png answers.png pairs.png curves.csv timings.csv; do
+    [ -s "rod_report/$file" ] || fail "no $file in the report"
+  done
+  expect 0 "$pickbed" train "${short[@]}" --out unstopped.pt
+  cmp rod.pt unstopped.pt || fail "a stopped and resumed training gives other weights"
+  same rod_report/curves.csv unstopped_report/curves.csv
+  expect 0 "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.pt"
+  refused "rod.pt: not trained for part 'flange' (knows rod)" \
+    "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/rod.pt"
+
+  # Another part beside the one that is known.
+  expect 0 "$pickbed" train flange --from rod.pt "${quick[@]}" --out both.pt --report page \
+    --sensor structured_light,time_of_flight
+  grep -q "structured_light, time_of_flight" page/index.html || fail "the sensors are not named"
+  grep -q "rod, known before: recall@1" last.out || fail "nothing is said of the part known before"
+  [ -s page/index.html ] || fail "no report where it was asked for"
+  [ ! -e both.pt.checkpoint ] || fail "the checkpoint of a finished training is left over"
+  expect 0 "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/both.pt"
+
+  # The same name, another mesh.
+  brick 1 >brick.obj
+  expect 0 "$pickbed" object add brick.obj --name rod --mass 0.1 --drops 5
+  refused "rod.pt: the mesh of part 'rod' has changed since training" \
+    "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.pt"
+  refused "rod.pt: the mesh of part 'rod' has changed since training; name the part" \
+    "$pickbed" train flange --from rod.pt "${quick[@]}" --out both.pt
+}
+
+bad_training_is_refused() {
+  refused "nothing to learn" "$pickbed" train
+  refused "missing.pt: there is no such trained model" "$pickbed" train rod --from missing.pt
+  head -c 1000 /dev/urandom >broken.pt
+  refused "broken.pt" "$pickbed" train rod --from broken.pt
+  refused "did you mean 'rod'" "$pickbed" train rodd
+  refused "unknown sensor 'sonar'" "$pickbed" train rod --sensor sonar
+  refused "no checkpoint" "$pickbed" train rod --out new.pt --resume
+  refused "PICKBED_DEVICE is 'gpu'" env PICKBED_DEVICE=gpu "$pickbed" train rod --out new.pt
+  brick 1 | awk '/^v/ {print "v", $2 / 10, $3 / 10, $4 / 10; next} {print}' >speck.obj
+  echo "objects: [{name: speck, mesh: speck.obj, unit: mm, mass_kg: 0.01, count: 3}]" >specks.yaml
+  refused "part 'speck' is" "$pickbed" train --scenario specks.yaml --out specks.pt
+  grep -q "10 px are the least" last.err || fail "the least size is not said"
+  grep -q "^views" last.err && fail "it was said only after views were rendered"
+  echo "objects: []" >none.yaml
+  refused "none.yaml" "$pickbed" train --scenario none.yaml
+}
