@@ -28,7 +28,9 @@ constexpr double kFarthest = 1.15;
 constexpr double kUsualDiameter_m = 0.095;
 
 struct TrainArguments {
-  std::vector<std::string> objects;
+  std::vector<std::string> objects;  // the first may be the method's name
+  std::vector<std::string> listed;   // of --objects
+  std::string method = "descriptor";
   std::string bop_path;              // a BOP data set: all of its models, for its camera
   ScenarioArguments scenario;        // optional: camera, bin, sensor, looks and parts
   std::vector<std::string> sensors;  // of the piles; empty = the scenario's
@@ -37,6 +39,8 @@ struct TrainArguments {
   std::string start_from;
   std::string report_folder;
   bool resume = false;
+  uint64_t seed = 0;
+  double max_minutes = 0;
   TrainingOptions training;
   std::string verifier_for;  // an estimator: its verifiers alone are trained
   VerifierTrainingOptions verifier;
@@ -199,7 +203,10 @@ void PrintReport(const TrainingReport& report, const ObjectSet& objects) {
 // "key=value" of --set, and the options that have a name of their own.
 void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
                        std::vector<std::string>& training_settings) {
-  app.add_option("OBJECT", arguments.objects, "parts of the catalog (pickbed list objects)");
+  app.add_option("OBJECT", arguments.objects,
+                 "parts of the catalog (pickbed list objects); before them may stand the estimator "
+                 "that learns: descriptor (by default), kehl, doumanoglou");
+  app.add_option("--objects", arguments.listed, "the parts, with commas")->delimiter(',');
   app.add_option("--scenario", arguments.scenario.scenario,
                  "learn the parts of this scenario, for its camera, bin, sensor and looks");
   app.add_option("--bop", arguments.bop_path,
@@ -221,10 +228,10 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   app.add_option("--report", arguments.report_folder,
                  "folder of the report page [beside the model file, <model>_report]");
   app.add_flag("--resume", arguments.resume, "go on from the checkpoint of a stopped training");
-  app.add_option("--minutes", arguments.training.max_minutes, "time limit in minutes, 0 = none")
+  app.add_option("--minutes", arguments.max_minutes, "time limit in minutes, 0 = none")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--seed", arguments.training.seed, "same seed, same model")->capture_default_str();
+  app.add_option("--seed", arguments.seed, "same seed, same model")->capture_default_str();
   app.add_option("--set", training_settings, "change a setting of training, key=value")
       ->allow_extra_args(false);
   app.add_option(
@@ -236,7 +243,25 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   TrainingOptions defaults;
   app.footer("Settings of training and their defaults:\n" +
              WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true) +
-             "\nExample: pickbed train rod elbow --minutes 5 --set network.descriptor=64");
+             "\nExample: pickbed train rod elbow --minutes 5 --set network.descriptor=64\n"
+             "         pickbed train kehl --objects bracket");
+}
+
+// Takes the method from the names, and gives the settings its defaults.
+void ChooseMethod(TrainArguments& arguments) {
+  std::vector<std::string>& names = arguments.objects;
+  for (const EstimatorRow& row : EstimatorTable()) {
+    if (row.training == nullptr || names.empty() || names.front() != row.name) continue;
+    arguments.method = row.name;
+    names.erase(names.begin());
+    break;
+  }
+  names.insert(names.end(), arguments.listed.begin(), arguments.listed.end());
+  for (const EstimatorRow& row : EstimatorTable()) {
+    if (arguments.method == row.name) arguments.training = row.training();
+  }
+  arguments.training.seed = arguments.verifier.seed = arguments.seed;
+  arguments.training.max_minutes = arguments.max_minutes;
 }
 
 const EstimatorRow& RowWithCandidates(const std::string& name) {
@@ -329,8 +354,9 @@ int TrainModel(TrainArguments& arguments, const Lesson& lesson,
       folder, {model_file.stem().string(), SensorNames(lesson), in_force, report, lesson.objects});
   std::filesystem::remove(checkpoint);
   fmt::print("report: {}\n", (folder / "index.html").string());
-  fmt::print("wrote {} after {}\nuse it with --set estimator.model={}\n", model_file.string(),
-             FormatDuration(report.seconds), model_file.string());
+  fmt::print("wrote {} after {}\nuse it with --set estimator.name={} --set estimator.model={}\n",
+             model_file.string(), FormatDuration(report.seconds), arguments.method,
+             model_file.string());
   return 0;
 }
 
@@ -343,7 +369,7 @@ int TrainCommand(int argc, char** argv) {
   std::vector<std::string> settings;
   AddTrainArguments(app, arguments, settings);
   if (!ParseArguments(app, argc, argv)) return 0;
-  arguments.verifier.seed = arguments.training.seed;
+  ChooseMethod(arguments);
   for (const std::string& assignment : settings) {
     ApplySetting(assignment, [&](SettingsVisitor& v) {
       arguments.verifier_for.empty() ? arguments.training.Visit(v) : arguments.verifier.Visit(v);
@@ -352,7 +378,11 @@ int TrainCommand(int argc, char** argv) {
 
   const Lesson lesson = PlanLesson(arguments);
   std::filesystem::path model_file = arguments.model_file;
-  if (model_file.empty()) model_file = std::filesystem::path("models") / (lesson.name + ".pt");
+  if (model_file.empty()) {
+    const bool usual = arguments.method == "descriptor";
+    const std::string name = usual ? lesson.name : arguments.method + "-" + lesson.name;
+    model_file = std::filesystem::path("models") / (name + ".pt");
+  }
   if (model_file.has_parent_path()) MakeFolder(model_file.parent_path());
   RequireWritable(model_file);
   if (!arguments.verifier_for.empty()) return TrainVerifiers(arguments, lesson, model_file);

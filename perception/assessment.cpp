@@ -235,7 +235,6 @@ std::vector<Candidate> CandidateAssessor::WithFeatures(const OrganizedCloud& clo
                                                        int patches) const {
   // Votes that agree are more where more patches vote; the verifier sees them as of this many.
   constexpr double kUsualPatches = 600;
-  constexpr int kNoPatch = -1;
   const double per_patch = kUsualPatches / static_cast<double>(patches);
   std::vector<Candidate> candidates(poses.size());
   ForRanges(static_cast<int>(poses.size()), threads_, [&](int begin, int end) {
@@ -260,6 +259,14 @@ std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, in
                                                  const std::vector<PoseVote>& votes, int patches,
                                                  double share, StageSeconds& seconds,
                                                  EstimateTrace* trace) const {
+  return Assess(cloud, part, votes, votes, patches, share, seconds, trace);
+}
+
+std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, int part,
+                                                 const std::vector<PoseVote>& votes,
+                                                 const std::vector<PoseVote>& cast, int patches,
+                                                 double share, StageSeconds& seconds,
+                                                 EstimateTrace* trace) const {
   const int kept = Kept(share);
   std::vector<RawHypothesis> poses;
   {
@@ -269,7 +276,7 @@ std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, in
   std::optional<VoteDensity> density;
   {
     const StageTimer timer(seconds, "select");
-    density.emplace(Density(part, votes));
+    density.emplace(Density(part, cast));
     poses = Selected(std::move(poses), *density, votes, kept);
   }
   {

@@ -60,6 +60,11 @@ class CandidateAssessor {
   std::vector<Candidate> Assess(const OrganizedCloud& cloud, int part,
                                 const std::vector<PoseVote>& votes, int patches, double share,
                                 StageSeconds& seconds, EstimateTrace* trace = nullptr) const;
+  // Where the raw poses were made of votes that agree: densities are those of `cast`.
+  std::vector<Candidate> Assess(const OrganizedCloud& cloud, int part,
+                                const std::vector<PoseVote>& votes,
+                                const std::vector<PoseVote>& cast, int patches, double share,
+                                StageSeconds& seconds, EstimateTrace* trace = nullptr) const;
 
   // Of the pixels, those that no candidate explains well.
   std::vector<int> Unexplained(const OrganizedCloud& cloud,

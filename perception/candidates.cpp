@@ -4,9 +4,14 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <string_view>
+
+#include "scenes/check.h"
 
 namespace pickbed {
 namespace {
+
+constexpr std::string_view kModes = "modes", kRegressed = "regressed";
 
 // Parts of equal patch side share the patches of a query and one index.
 struct SideGroup {
@@ -15,8 +20,16 @@ struct SideGroup {
     int code = 0;
   };
   double side_m = 0;
-  std::vector<Entry> entries;  // by row of the index
-  std::unique_ptr<NeighborIndex> index;
+  std::vector<int> parts;
+  std::vector<Entry> entries;            // by row of the index
+  std::unique_ptr<NeighborIndex> index;  // null: votes are regressed
+};
+
+// The vote of one patch, with the distance of the descriptors that it comes from.
+struct PatchVote {
+  int part = 0;
+  PoseVote vote;
+  float distance = 0;
 };
 
 // One random pixel of each of `count` equal stretches of the foreground: random, and spread evenly.
@@ -44,8 +57,12 @@ void CandidateOptions::Visit(SettingsVisitor& v) {
   v.Integer("min_points", min_points, {1, 100000},
             "patches of each size at least, unless points is less");
   v.Integer("neighbors", neighbors, {1, 1000}, "votes of a patch");
+  v.Text("votes", votes, {"neighbors", "modes", "regressed"}, "what is taken for a raw pose");
+  v.Real("least_share", least_share, {0, 1}, "how sure a network must be of a part to vote for it");
   v.Integer("rounds", rounds, {1, 10}, "of votes; later ones are cast where nothing is explained");
   AssessmentOptions::Visit(v);
+  v.Group(
+      "modes", [&](SettingsVisitor& g) { modes.Visit(g); }, "how votes are filtered to modes");
   v.Group(
       "index", [&](SettingsVisitor& g) { index.Visit(g); }, "neighbour index");
 }
@@ -64,16 +81,24 @@ CandidateOptions HardCandidates() {
 
 struct CandidateFinder::Impl {
   std::vector<CandidatePart> parts;
-  DescribePatches describe;
+  PatchVoter voter;
   CandidateOptions options;
   int threads;
   CandidateAssessor assessor;
+  std::vector<PartRotations> rotations;  // by part
+  std::vector<PoseTargets> targets;      // by part
   std::vector<SideGroup> groups;
 
   void BuildGroups();
+  // All that the pixels' patches vote for, by part.
   void Vote(const SideGroup& group, const OrganizedCloud& cloud, const std::vector<int>& pixels,
-            Rng& rng, StageSeconds& seconds, std::vector<std::vector<PoseVote>>& votes,
+            Rng& rng, StageSeconds& seconds, std::vector<std::vector<PatchVote>>& votes,
             EstimateTrace* trace) const;
+  std::vector<PatchVote> LookUp(const SideGroup& group, const PatchSet& patches,
+                                StageSeconds& seconds) const;
+  std::vector<PatchVote> Regress(const SideGroup& group, const PatchSet& patches,
+                                 StageSeconds& seconds) const;
+  std::vector<PoseVote> ModesOf(int part, const std::vector<PatchVote>& votes) const;
   // Candidates by votes of some of the pixels.
   std::vector<Candidate> Round(const OrganizedCloud& cloud, const std::vector<int>& looked_at,
                                double share, Rng& rng, StageSeconds& seconds,
@@ -88,6 +113,11 @@ void CandidateFinder::Impl::BuildGroups() {
   for (const auto& [side_um, members] : by_side) {
     SideGroup group;
     group.side_m = parts[members.front()].side_m;
+    group.parts = members;
+    if (options.votes == kRegressed) {
+      groups.push_back(std::move(group));
+      continue;
+    }
     std::vector<float> rows;
     for (const int p : members) {
       ObjectCodes& codes = parts[p].codes;
@@ -101,9 +131,49 @@ void CandidateFinder::Impl::BuildGroups() {
   }
 }
 
+std::vector<PatchVote> CandidateFinder::Impl::LookUp(const SideGroup& group,
+                                                     const PatchSet& patches,
+                                                     StageSeconds& seconds) const {
+  std::vector<float> descriptors;
+  {
+    const StageTimer timer(seconds, "network");
+    descriptors = voter.describe(patches.values);
+  }
+  const StageTimer timer(seconds, "neighbors");
+  const Neighbors found = group.index->Search(descriptors, options.neighbors, threads);
+  std::vector<PatchVote> votes;
+  for (size_t i = 0; i < found.rows.size(); ++i) {
+    if (found.rows[i] < 0) continue;
+    const SideGroup::Entry& entry = group.entries[found.rows[i]];
+    const int patch = static_cast<int>(i) / options.neighbors;
+    const Pose X_CO = patches.X_CP[patch] * CodePose(parts[entry.part].codes, entry.code);
+    votes.push_back({entry.part, {X_CO, patch}, std::sqrt(found.squared[i])});
+  }
+  return votes;
+}
+
+// A regressed pose is its own nearest neighbour: distance 0.
+std::vector<PatchVote> CandidateFinder::Impl::Regress(const SideGroup& group,
+                                                      const PatchSet& patches,
+                                                      StageSeconds& seconds) const {
+  const StageTimer timer(seconds, "network");
+  const std::vector<float> values = voter.regress(patches.values);
+  std::vector<PatchVote> votes;
+  for (size_t patch = 0; patch < patches.size(); ++patch) {
+    for (const int part : group.parts) {
+      const size_t row = patch * voter.parts + parts[part].trained;
+      const std::span<const float> said(values.data() + row * kPoseValues, kPoseValues);
+      if (said[0] < options.least_share) continue;
+      votes.push_back(
+          {part, {patches.X_CP[patch] * targets[part].PoseOf(said), static_cast<int>(patch)}});
+    }
+  }
+  return votes;
+}
+
 void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& cloud,
                                  const std::vector<int>& pixels, Rng& rng, StageSeconds& seconds,
-                                 std::vector<std::vector<PoseVote>>& votes,
+                                 std::vector<std::vector<PatchVote>>& votes,
                                  EstimateTrace* trace) const {
   PatchSet patches;
   {
@@ -112,25 +182,26 @@ void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& c
     for (double& angle : angles) angle = rng.Uniform(0, 2 * std::numbers::pi);
     patches = CutPatches(cloud, pixels, angles, group.side_m);
   }
-  std::vector<float> descriptors;
-  {
-    const StageTimer timer(seconds, "network");
-    descriptors = describe(patches.values);
-  }
-  const StageTimer timer(seconds, "neighbors");
-  const Neighbors found = group.index->Search(descriptors, options.neighbors, threads);
   const int first_patch = trace ? TracePatches(pixels, patches, group.side_m, *trace) : 0;
-  for (size_t i = 0; i < found.rows.size(); ++i) {
-    if (found.rows[i] < 0) continue;
-    const SideGroup::Entry& entry = group.entries[found.rows[i]];
-    const int patch = static_cast<int>(i) / options.neighbors;
-    votes[entry.part].push_back(
-        {patches.X_CP[patch] * CodePose(parts[entry.part].codes, entry.code), patch});
+  for (const PatchVote& cast :
+       group.index ? LookUp(group, patches, seconds) : Regress(group, patches, seconds)) {
+    votes[cast.part].push_back(cast);
     if (!trace) continue;
-    trace->votes.push_back({first_patch + patch,
-                            {entry.part, votes[entry.part].back().X_CO},
-                            std::sqrt(found.squared[i])});
+    trace->votes.push_back(
+        {first_patch + cast.vote.patch, {cast.part, cast.vote.X_CO}, cast.distance});
   }
+}
+
+std::vector<PoseVote> CandidateFinder::Impl::ModesOf(int part,
+                                                     const std::vector<PatchVote>& votes) const {
+  std::vector<CastVote> cast;
+  for (const PatchVote& vote : votes) cast.push_back({vote.vote.X_CO, vote.distance});
+  std::vector<PoseVote> modes;
+  for (const VoteMode& mode :
+       FindVoteModes(*parts[part].model, rotations[part], cast, options.modes)) {
+    modes.push_back({mode.X_CO, kNoPatch});
+  }
+  return modes;
 }
 
 std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
@@ -141,23 +212,43 @@ std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
   const std::vector<int> pixels = SpreadPixels(
       looked_at, static_cast<int>(std::ceil(share * std::min(options.points, of_all))), rng);
   if (pixels.empty()) return {};
-  std::vector<std::vector<PoseVote>> votes(parts.size());
+  std::vector<std::vector<PatchVote>> votes(parts.size());
   for (const SideGroup& group : groups) Vote(group, cloud, pixels, rng, seconds, votes, trace);
   std::vector<Candidate> candidates;
-  for (size_t part = 0; part < votes.size(); ++part) {
-    const std::vector<Candidate> of_part =
-        assessor.Assess(cloud, static_cast<int>(part), votes[part], static_cast<int>(pixels.size()),
-                        share, seconds, trace);
+  for (size_t p = 0; p < votes.size(); ++p) {
+    const int part = static_cast<int>(p), patches = static_cast<int>(pixels.size());
+    std::vector<PoseVote> cast, poses;
+    for (const PatchVote& vote : votes[p]) cast.push_back(vote.vote);
+    if (options.votes == kModes) {
+      const StageTimer timer(seconds, "modes");
+      poses = ModesOf(part, votes[p]);
+    }
+    const std::vector<Candidate> of_part = assessor.Assess(
+        cloud, part, options.votes == kModes ? poses : cast, cast, patches, share, seconds, trace);
     candidates.insert(candidates.end(), of_part.begin(), of_part.end());
   }
   return candidates;
 }
 
-CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, DescribePatches describe,
+CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, PatchVoter voter,
                                  const CandidateOptions& options, int threads) {
+  CheckInput(options.votes != kRegressed || voter.regress,
+             "candidates.votes: the network regresses no poses; set it to neighbors or modes");
   CandidateAssessor assessor(ModelsOf(parts), options, threads);
-  impl_ = std::make_unique<Impl>(
-      Impl{std::move(parts), std::move(describe), options, threads, std::move(assessor), {}});
+  std::vector<PartRotations> rotations;
+  std::vector<PoseTargets> targets;
+  for (const CandidatePart& part : parts) {
+    rotations.emplace_back(part.model->symmetries_O);
+    targets.emplace_back(*part.model, part.side_m);
+  }
+  impl_ = std::make_unique<Impl>(Impl{std::move(parts),
+                                      std::move(voter),
+                                      options,
+                                      threads,
+                                      std::move(assessor),
+                                      std::move(rotations),
+                                      std::move(targets),
+                                      {}});
   impl_->BuildGroups();
 }
 

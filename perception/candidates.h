@@ -1,16 +1,18 @@
 #pragma once
 
-// From a cloud to refined pose candidates: points -> patches -> descriptors -> neighbours in the
-// code book -> votes, which assessment.h takes on. The learned estimator and the training of its
-// verifier share it, so that the verifier learns on exactly what it will judge.
+// From a cloud to refined pose candidates: points -> patches -> votes, which assessment.h takes on.
+// A patch votes for the poses of its neighbours in the code book, or for the pose that a network
+// regresses from it. The learned estimators and the training of their verifiers share it, so that a
+// verifier learns on exactly what it will judge.
 
 #include <memory>
 #include <vector>
 
 #include "perception/candidate_source.h"
-#include "perception/codebook.h"
 #include "perception/estimate_trace.h"
 #include "perception/neighbors.h"
+#include "perception/patch_voter.h"
+#include "perception/vote_modes.h"
 
 namespace pickbed {
 
@@ -19,6 +21,12 @@ struct CandidateOptions : AssessmentOptions {
   int min_points = 450;  // of each size at least, unless `points` is less
   int neighbors = 8;     // votes of a patch
   int rounds = 1;        // later ones look where no candidate explains what is seen
+  // What is assessed: each vote of a neighbour (neighbors), the modes of these votes (modes, see
+  // vote_modes.h), or what the network regresses (regressed).
+  std::string votes = "neighbors";
+  double least_share =
+      0.2;  // of regressed votes: the patch shows the part, as the network believes
+  ModeOptions modes;
   NeighborOptions index;
   void Visit(SettingsVisitor& v);
 };
@@ -30,13 +38,15 @@ CandidateOptions HardCandidates();
 struct CandidatePart {
   std::shared_ptr<const ObjectModel> model;
   double side_m = 0;  // of its patches
-  ObjectCodes codes;
+  ObjectCodes codes;  // empty where votes are regressed
+  int trained = 0;    // which part it is to the network
 };
 
 class CandidateFinder : public CandidateSource {
  public:
-  // Results are the same for any number of threads.
-  CandidateFinder(std::vector<CandidatePart> parts, DescribePatches describe,
+  // Results are the same for any number of threads. Throws InputError where votes are to be
+  // regressed and the network does not.
+  CandidateFinder(std::vector<CandidatePart> parts, PatchVoter voter,
                   const CandidateOptions& options, int threads = 1);
   ~CandidateFinder() override;
 

@@ -1,15 +1,27 @@
 #include "perception/pose_estimator.h"
 
 #include "perception/estimators/descriptor.h"
+#include "perception/estimators/doumanoglou.h"
+#include "perception/estimators/kehl.h"
 #include "perception/estimators/ppf.h"
 #include "perception/estimators/ppf_verified.h"
+#include "perception/training.h"
 
 namespace pickbed {
 namespace {
 
+TrainingOptions DescriptorTraining() { return {}; }
+
 constexpr EstimatorRow kRows[] = {
     {"descriptor", "learned patch descriptors that vote through a code book, ICP and verifier",
-     &MakeDescriptorEstimator, &DescriptorModelFile, true, true},
+     &MakeDescriptorEstimator, &DescriptorModelFile, true, true, nullptr, &DescriptorTraining},
+    {"kehl",
+     "patches described by an auto-encoder; their votes filtered to modes, then descriptor's ICP "
+     "and verifier",
+     &MakeKehlEstimator, &KehlModelFile, false, true, nullptr, &KehlTraining},
+    {"doumanoglou",
+     "poses regressed from patches by a siamese network, then descriptor's ICP and verifier",
+     &MakeDoumanoglouEstimator, &DoumanoglouModelFile, false, false, nullptr, &DoumanoglouTraining},
     {"ppf",
      "point pair features with ICP, OpenCV's surface matching; mode verified: its poses with "
      "descriptor's ICP and a verifier",

@@ -23,7 +23,8 @@
 namespace pickbed {
 
 class CandidateSource;
-struct EstimateTrace;  // estimate_trace.h
+struct EstimateTrace;    // estimate_trace.h
+struct TrainingOptions;  // training.h
 
 struct EstimatorInput {
   const RgbdFrame& frame;
@@ -66,6 +67,8 @@ struct EstimatorRow {
   bool renders = false;   // makes use of setup.views
   // What its verifiers are trained on, where they are all of it that learns; else null.
   std::unique_ptr<CandidateSource> (*candidates)(const ObjectSet& objects) = nullptr;
+  // How its model is trained by `pickbed train NAME`, by default; null = not so.
+  TrainingOptions (*training)() = nullptr;
 };
 
 std::span<const EstimatorRow> EstimatorTable();

@@ -15,8 +15,8 @@ namespace pickbed {
 namespace {
 
 // Raise when the meaning of the file changes; older readers then say so.
-constexpr int64_t kModelVersion = 4;
-constexpr int64_t kOldestVersion = 3;  // without recall
+constexpr int64_t kModelVersion = 5;
+constexpr int64_t kOldestVersion = 3;  // without recall, and as 4 of one kind of network
 constexpr const char* kMagic = "pickbed descriptor model";
 
 at::Tensor ToTensor(const std::vector<float>& values) {
@@ -67,7 +67,7 @@ DescriptorModel ReadArchive(const std::string& bytes, const std::string& name) {
   ModelInfo info;
   info.training = training_text;
   ReadSettingsText(info_text, name, [&](SettingsVisitor& v) { info.Visit(v); });
-  DescriptorNetwork network(info.network, 0);
+  DescriptorNetwork network(info.network, 0, static_cast<int>(info.objects.size()));
   network.SetWeights(weight_values);
   const uint64_t network_hash =
       HashBytes(weight_values.data(), weight_values.size() * sizeof(float));
@@ -119,14 +119,14 @@ void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
   WriteFileAtomically(file, stream.str());
 }
 
-DescriptorModel LoadModel(const std::filesystem::path& file) {
-  CheckInput(std::filesystem::exists(file),
-             fmt::format("{}: there is no such trained model; make it with `pickbed train`",
-                         file.string()));
+DescriptorModel LoadModel(const std::filesystem::path& file, const std::string& command) {
+  CheckInput(
+      std::filesystem::exists(file),
+      fmt::format("{}: there is no such trained model; make it with `{}`", file.string(), command));
   const std::string bytes = ReadFileBytes(file);
   const auto fail = [&](const std::string& reason) {
     return InputError(
-        fmt::format("{}: {}; train it again with `pickbed train`", file.string(), reason));
+        fmt::format("{}: {}; train it again with `{}`", file.string(), reason, command));
   };
   try {
     return ReadArchive(bytes, file.string());

@@ -12,6 +12,8 @@
 
 namespace pickbed {
 
+inline constexpr const char* kTrainCommand = "pickbed train";
+
 struct ModelObject {
   std::string name;
   uint64_t mesh_hash = 0;
@@ -48,13 +50,15 @@ struct DescriptorModel {
 // Both throw InputError naming the file: not readable, damaged, not a model, of a newer version.
 void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
                const DescriptorNetwork& network, const std::vector<Verifier>& verifiers);
-DescriptorModel LoadModel(const std::filesystem::path& file);
+// `command` trains such a model.
+DescriptorModel LoadModel(const std::filesystem::path& file,
+                          const std::string& command = kTrainCommand);
 
 // Index into `trained` of each part. Throws InputError naming file and part for one that the model
 // was not trained for or whose mesh has changed since, and the command that trains it.
 std::vector<int> TrainedParts(const std::vector<ModelObject>& trained, const ObjectSet& objects,
                               const std::filesystem::path& file,
-                              const std::string& command = "pickbed train");
+                              const std::string& command = kTrainCommand);
 
 // A trained model by its path, or by its name under assets/models.
 std::filesystem::path TrainedFile(const std::string& name);

@@ -8,7 +8,9 @@
 #include <sstream>
 
 #include "perception/networks/patch_network.h"
+#include "perception/networks/training_tensors.h"
 #include "perception/patch.h"
+#include "perception/pose_targets.h"
 #include "perception/torch_device.h"
 #include "scenes/check.h"
 #include "scenes/parallel.h"
@@ -19,16 +21,11 @@ namespace {
 // Patches described in one call; more does not fit the caches.
 constexpr int64_t kChunk = 64;
 
-std::unique_ptr<PatchNetwork> MakeNetwork(const NetworkOptions& options, uint64_t seed) {
-  std::vector<std::string> known;
-  for (const PatchNetworkRow& row : PatchNetworkTable()) {
-    known.push_back(row.name);
-    if (options.kind != row.name) continue;
-    at::set_num_threads(1);
-    torch::manual_seed(seed);
-    return row.make(options.descriptor);
-  }
-  throw InputError(UnknownNameMessage("network", options.kind, known));
+std::unique_ptr<PatchNetwork> MakeNetwork(const NetworkOptions& options, uint64_t seed, int parts) {
+  const PatchNetworkRow& row = FindPatchNetwork(options.kind);
+  at::set_num_threads(1);
+  torch::manual_seed(seed);
+  return row.make(options, parts);
 }
 
 at::Tensor ToTensor(std::span<const int8_t> patches, const torch::Device& device) {
@@ -42,6 +39,27 @@ at::Tensor ToTensor(std::span<const int8_t> patches, const torch::Device& device
       .mul_(1.0 / 127.0);
 }
 
+// A copy of plain values; from_blob takes no const pointer.
+template <typename Value>
+at::Tensor ToTensor(const std::vector<Value>& values, at::IntArrayRef shape,
+                    const torch::Device& device) {
+  return torch::from_blob(const_cast<Value*>(values.data()), shape,
+                          c10::CppTypeToScalarType<Value>::value)
+      .to(device, false, /*copy=*/true);
+}
+
+TrainingTensors ToTensors(const TrainingBatch& batch, const torch::Device& device) {
+  TrainingTensors tensors;
+  tensors.patches = torch::cat({ToTensor(batch.anchors, device), ToTensor(batch.codes, device)});
+  tensors.pose_distance = ToTensor(batch.pose_distance, {batch.count, batch.count}, device);
+  if (batch.parts.empty()) return tensors;
+  const int64_t rows = 2 * batch.count;
+  tensors.parts = ToTensor(batch.parts, {rows}, device);
+  tensors.rotations = ToTensor(batch.rotations, {rows, batch.variants, 4}, device);
+  tensors.middles = ToTensor(batch.middles, {rows, 3}, device);
+  return tensors;
+}
+
 }  // namespace
 
 void NetworkOptions::Visit(SettingsVisitor& v) {
@@ -49,13 +67,18 @@ void NetworkOptions::Visit(SettingsVisitor& v) {
   for (const PatchNetworkRow& row : PatchNetworkTable()) kinds.push_back(row.name);
   v.Text("kind", kind, kinds, "the network that describes a patch");
   v.Integer("descriptor", descriptor, {2, 1024}, "length of the descriptor");
+  v.Group(
+      "autoencoder", [&](SettingsVisitor& g) { autoencoder.Visit(g); }, "of kind autoencoder");
+  v.Group(
+      "regression", [&](SettingsVisitor& g) { regression.Visit(g); }, "of kind siamese_regression");
 }
 
 struct DescriptorNetwork::Impl {
-  Impl(const NetworkOptions& options, uint64_t seed)
+  Impl(const NetworkOptions& options, uint64_t seed, int parts)
       : options(options),
+        parts(parts),
         device(NetworkDevice()),
-        network(OnDevice(MakeNetwork(options, seed), device)),
+        network(OnDevice(MakeNetwork(options, seed, parts), device)),
         adam(network->module().parameters(), torch::optim::AdamOptions()) {}
   // Weights are drawn on the CPU, so that a seed means the same everywhere. Adam is made after the
   // move, since it holds on to the tensors.
@@ -64,14 +87,41 @@ struct DescriptorNetwork::Impl {
     network->module().to(device);
     return network;
   }
+  // What `compute` gives for all patches, `width` values each.
+  template <typename Compute>
+  std::vector<float> ForAll(std::span<const int8_t> patches, int64_t width, int threads,
+                            const Compute& compute) const;
+
   NetworkOptions options;
+  int parts;
   torch::Device device;
   std::unique_ptr<PatchNetwork> network;
   torch::optim::Adam adam;
 };
 
-DescriptorNetwork::DescriptorNetwork(const NetworkOptions& options, uint64_t seed)
-    : impl_(std::make_unique<Impl>(options, seed)) {}
+template <typename Compute>
+std::vector<float> DescriptorNetwork::Impl::ForAll(std::span<const int8_t> patches, int64_t width,
+                                                   int threads, const Compute& compute) const {
+  const int64_t count = static_cast<int64_t>(patches.size()) / kPatchValues;
+  std::vector<float> values(count * width);
+  const auto chunk_from = [&](int64_t first) {
+    const int64_t size = std::min(kChunk, count - first);
+    const at::Tensor rows =
+        compute(ToTensor(patches.subspan(first * kPatchValues, size * kPatchValues), device))
+            .cpu()
+            .contiguous();
+    std::copy_n(rows.template data_ptr<float>(), rows.numel(), values.begin() + first * width);
+  };
+  const int chunks = static_cast<int>((count + kChunk - 1) / kChunk);
+  ForRanges(chunks, threads, [&](int begin, int end) {
+    const torch::InferenceMode no_gradients;  // of this thread
+    for (int chunk = begin; chunk < end; ++chunk) chunk_from(chunk * kChunk);
+  });
+  return values;
+}
+
+DescriptorNetwork::DescriptorNetwork(const NetworkOptions& options, uint64_t seed, int parts)
+    : impl_(std::make_unique<Impl>(options, seed, parts)) {}
 DescriptorNetwork::~DescriptorNetwork() = default;
 DescriptorNetwork::DescriptorNetwork(DescriptorNetwork&&) noexcept = default;
 DescriptorNetwork& DescriptorNetwork::operator=(DescriptorNetwork&&) noexcept = default;
@@ -80,25 +130,18 @@ const NetworkOptions& DescriptorNetwork::options() const { return impl_->options
 
 double DescriptorNetwork::MultiplyAdds() const { return impl_->network->MultiplyAdds(); }
 
+int DescriptorNetwork::parts() const { return impl_->parts; }
+
+bool DescriptorNetwork::regresses() const { return FindPatchNetwork(options().kind).regresses; }
+
 std::vector<float> DescriptorNetwork::Describe(std::span<const int8_t> patches, int threads) const {
-  const int64_t count = static_cast<int64_t>(patches.size()) / kPatchValues;
-  std::vector<float> descriptors(count * length());
-  const auto describe = [&](int64_t first) {
-    const int64_t size = std::min(kChunk, count - first);
-    const at::Tensor rows =
-        impl_->network
-            ->Forward(
-                ToTensor(patches.subspan(first * kPatchValues, size * kPatchValues), impl_->device))
-            .cpu()
-            .contiguous();
-    std::copy_n(rows.data_ptr<float>(), rows.numel(), descriptors.begin() + first * length());
-  };
-  const int chunks = static_cast<int>((count + kChunk - 1) / kChunk);
-  ForRanges(chunks, threads, [&](int begin, int end) {
-    const torch::InferenceMode no_gradients;  // of this thread
-    for (int chunk = begin; chunk < end; ++chunk) describe(chunk * kChunk);
-  });
-  return descriptors;
+  return impl_->ForAll(patches, length(), threads,
+                       [&](const at::Tensor& some) { return impl_->network->Forward(some); });
+}
+
+std::vector<float> DescriptorNetwork::Regress(std::span<const int8_t> patches, int threads) const {
+  return impl_->ForAll(patches, static_cast<int64_t>(impl_->parts) * kPoseValues, threads,
+                       [&](const at::Tensor& some) { return impl_->network->Poses(some); });
 }
 
 double DescriptorNetwork::TrainStep(const TrainingBatch& batch, const LossOptions& loss,
@@ -106,15 +149,8 @@ double DescriptorNetwork::TrainStep(const TrainingBatch& batch, const LossOption
   for (torch::optim::OptimizerParamGroup& group : impl_->adam.param_groups()) {
     static_cast<torch::optim::AdamOptions&>(group.options()).lr(learning_rate);
   }
-  const at::Tensor both =
-      torch::cat({ToTensor(batch.anchors, impl_->device), ToTensor(batch.codes, impl_->device)});
-  const at::Tensor distance = torch::from_blob(const_cast<float*>(batch.pose_distance.data()),
-                                               {batch.count, batch.count}, torch::kFloat)
-                                  .to(impl_->device);
   impl_->adam.zero_grad();
-  const at::Tensor rows = impl_->network->Forward(both);
-  const at::Tensor value =
-      DescriptorLoss(rows.slice(0, 0, batch.count), rows.slice(0, batch.count), distance, loss);
+  const at::Tensor value = impl_->network->Loss(ToTensors(batch, impl_->device), loss);
   value.backward();
   impl_->adam.step();
   return value.item<double>();
@@ -165,6 +201,19 @@ void DescriptorNetwork::RestoreTrainingState(const std::string& bytes) try {
   impl_->adam.load(adam);
 } catch (const c10::Error&) {
   throw InputError("the training state is damaged or of another network");
+}
+
+PatchVoter VoterOf(const DescriptorNetwork& network, int threads) {
+  PatchVoter voter;
+  voter.describe = [&network, threads](std::span<const int8_t> patches) {
+    return network.Describe(patches, threads);
+  };
+  if (!network.regresses()) return voter;
+  voter.parts = network.parts();
+  voter.regress = [&network, threads](std::span<const int8_t> patches) {
+    return network.Regress(patches, threads);
+  };
+  return voter;
 }
 
 double SgemmRate() {

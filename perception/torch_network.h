@@ -11,14 +11,19 @@
 #include <string>
 #include <vector>
 
+#include "perception/networks/doumanoglou.h"
+#include "perception/networks/kehl.h"
+#include "perception/patch_voter.h"
 #include "perception/torch_losses.h"
 #include "scenes/settings.h"
 
 namespace pickbed {
 
 struct NetworkOptions {
-  std::string kind = "convolutional";  // a row of PatchNetworkTable()
-  int descriptor = 32;                 // length of the descriptor
+  std::string kind = "convolutional";   // a row of PatchNetworkTable()
+  int descriptor = 32;                  // length of the descriptor
+  AutoencoderOptions autoencoder = {};  // of kind autoencoder
+  RegressionOptions regression = {};    // of kind siamese_regression
   void Visit(SettingsVisitor& v);
 };
 
@@ -28,12 +33,18 @@ struct TrainingBatch {
   std::vector<int8_t> anchors;       // count patches from piles, see patch.h
   std::vector<int8_t> codes;         // count patches from isolated views
   std::vector<float> pose_distance;  // count x count, anchor i to code j, diameters
+  // For networks that regress, see pose_targets.h; rows: the anchors, then their codes.
+  int variants = 0;              // symmetric poses of a row
+  std::vector<int64_t> parts;    // of each row
+  std::vector<float> rotations;  // rows x variants x 4
+  std::vector<float> middles;    // rows x 3
 };
 
 class DescriptorNetwork {
  public:
-  // Fresh weights drawn from `seed`. Throws InputError for an unknown kind.
-  DescriptorNetwork(const NetworkOptions& options, uint64_t seed);
+  // Fresh weights drawn from `seed`. Throws InputError for an unknown kind. parts: of which a
+  // network that regresses gives poses.
+  DescriptorNetwork(const NetworkOptions& options, uint64_t seed, int parts = 1);
   ~DescriptorNetwork();
   DescriptorNetwork(DescriptorNetwork&&) noexcept;
   DescriptorNetwork& operator=(DescriptorNetwork&&) noexcept;
@@ -41,11 +52,18 @@ class DescriptorNetwork {
   const NetworkOptions& options() const;
   int length() const { return options().descriptor; }
   double MultiplyAdds() const;  // to describe one patch
+  bool regresses() const;       // Regress() may be called
+  int parts() const;            // whose poses it regresses
 
-  // count x length values, rows of unit length, of count patches of patch.h.
+  // count x length values, of count patches of patch.h; rows of unit length but of networks that
+  // regress.
   std::vector<float> Describe(std::span<const int8_t> patches, int threads = 1) const;
 
-  // One step of Adam; returns the loss before it.
+  // count x parts x kPoseValues values, see pose_targets.h.
+  std::vector<float> Regress(std::span<const int8_t> patches, int threads = 1) const;
+
+  // One step of Adam on the network's own loss; returns the loss before it. `loss`: of networks
+  // that are taught by comparing descriptors.
   double TrainStep(const TrainingBatch& batch, const LossOptions& loss, double learning_rate);
 
   // The weights one after the other.
@@ -61,6 +79,9 @@ class DescriptorNetwork {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// The network, which must outlive it, for CandidateFinder.
+PatchVoter VoterOf(const DescriptorNetwork& network, int threads = 1);
 
 // Multiply-adds a second of libtorch's product of two float matrices of 512 x 512 (SGEMM) on one
 // thread of the CPU, the best of some: the measure of a network's speed.

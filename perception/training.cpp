@@ -114,8 +114,8 @@ Trainer::Trainer(const TrainingJob& job, const TrainingOptions& options)
       schedule_(PartWeights(from_, options), options),
       key_(CheckpointKey(job.views, options, job.sensor_profile,
                          from_.model ? from_.model->network_hash : 0)),
-      network_(options.network, options.seed),
-      data_(objects_, schedule_.main_parts(), options) {
+      network_(options.network, options.seed, static_cast<int>(objects_.size())),
+      data_(objects_, schedule_.main_parts(), sides_, network_.regresses(), options) {
   for (size_t part = 0; part < objects_.size(); ++part) {
     report_.rehearsed.push_back(from_.IsRehearsed(part));
   }
@@ -150,7 +150,7 @@ VerifierTrainingOptions Trainer::VerifierPlan() const {
   options.seed = options_.seed;
   options.piles = options_.verifier_piles;
   options.views_per_pile = options_.views_per_pile;
-  options.entries = options_.verifier_entries;
+  options.entries = options_.candidates.votes == "regressed" ? 0 : options_.verifier_entries;
   options.candidates = options_.candidates;
   options.verifier = options_.verifier;
   return options;
@@ -288,7 +288,7 @@ bool Trainer::TrainVerifiers() {
     }
     const PhaseTimer timer(report_, "verifier");
     const int i = parts[n];
-    const VerifierPart part{i, sides_[i], network_.length(), Describe()};
+    const VerifierPart part{i, sides_[i], network_.length(), VoterOf(network_)};
     bool go_on = true;
     const TrainedVerifier trained = BlamePart(*objects_[i], [&] {
       return TrainPartVerifier(*lesson, objects_[i], part, VerifierPlan(), [&](double share) {

@@ -16,12 +16,17 @@ constexpr float kOtherPart = 10.0f;
 }  // namespace
 
 TrainingData::TrainingData(const ObjectSet& objects, std::vector<int> main_parts,
+                           const std::vector<double>& sides_m, bool targets,
                            const TrainingOptions& options)
     : objects_(objects),
       main_parts_(std::move(main_parts)),
       options_(options),
       parts_(objects.size()) {
   for (const auto& object : objects) embeddings_.emplace_back(*object);
+  for (size_t part = 0; targets && part < objects.size(); ++part) {
+    targets_.emplace_back(*objects[part], sides_m[part]);
+    variants_ = std::max(variants_, targets_.back().variants());
+  }
 }
 
 void TrainingData::Add(const std::vector<PatchPairs>& pile) {
@@ -79,6 +84,24 @@ void TrainingData::FillDistances(const std::vector<Choice>& choices, TrainingBat
   }
 }
 
+// Parts of fewer symmetric poses repeat theirs.
+void TrainingData::FillTargets(const std::vector<Choice>& choices, TrainingBatch& batch) const {
+  batch.variants = variants_;
+  for (const bool codes : {false, true}) {
+    for (const Choice& choice : choices) {
+      const PatchPairs& pairs = parts_[choice.part];
+      const Pose& X_PO = (codes ? pairs.codes : pairs.anchors).X_PO[choice.pair];
+      const PoseTargets& targets = targets_[choice.part];
+      batch.parts.push_back(choice.part);
+      const size_t wanted = batch.rotations.size() + 4 * static_cast<size_t>(variants_);
+      while (batch.rotations.size() < wanted) targets.AppendRotations(X_PO, batch.rotations);
+      batch.rotations.resize(wanted);
+      const Eigen::Vector3f middle = targets.Middle(X_PO);
+      batch.middles.insert(batch.middles.end(), middle.begin(), middle.end());
+    }
+  }
+}
+
 TrainingBatch TrainingData::Batch(int iteration) const {
   const std::vector<Choice> choices = Choose(iteration);
   TrainingBatch batch;
@@ -90,6 +113,7 @@ TrainingBatch TrainingData::Batch(int iteration) const {
     batch.codes.insert(batch.codes.end(), code.begin(), code.end());
   }
   FillDistances(choices, batch);
+  if (!targets_.empty()) FillTargets(choices, batch);
   return batch;
 }
 

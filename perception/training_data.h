@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "perception/pose_embedding.h"
+#include "perception/pose_targets.h"
 #include "perception/training.h"
 #include "perception/twin_patches.h"
 
@@ -14,8 +15,9 @@ namespace pickbed {
 class TrainingData {
  public:
   // No pairs yet; main_parts: the part that each step's batch is mostly of.
+  // sides_m: patch side by part; targets: batches tell poses, for a network that regresses.
   TrainingData(const ObjectSet& objects, std::vector<int> main_parts,
-               const TrainingOptions& options);
+               const std::vector<double>& sides_m, bool targets, const TrainingOptions& options);
 
   // The next pile's pairs, by part.
   void Add(const std::vector<PatchPairs>& pile);
@@ -37,6 +39,7 @@ class TrainingData {
   };
   std::vector<Choice> Choose(int iteration) const;
   void FillDistances(const std::vector<Choice>& choices, TrainingBatch& batch) const;
+  void FillTargets(const std::vector<Choice>& choices, TrainingBatch& batch) const;
 
   const ObjectSet& objects_;
   std::vector<int> main_parts_;
@@ -44,6 +47,8 @@ class TrainingData {
   int piles_ = 0;
   std::vector<PatchPairs> parts_;
   std::vector<PoseEmbedding> embeddings_;
+  std::vector<PoseTargets> targets_;  // empty: not wanted
+  int variants_ = 0;                  // most of any part
 };
 
 }  // namespace pickbed

@@ -22,6 +22,11 @@ TrainingStart LoadTrainingStart(const TrainingJob& job, const TrainingOptions& o
                          "network.kind and network.descriptor to those",
                          job.start_from.string(), info.network.kind, info.network.descriptor,
                          options.network.kind, options.network.descriptor));
+  // Its last layer has rows for the parts that it was made for, in their order.
+  const bool grows = start.model->network.regresses() && info.objects.size() != objects.size();
+  CheckInput(!grows, fmt::format("{}: a network that regresses poses learns no parts later; train "
+                                 "it on all of them at once, without --from",
+                                 job.start_from.string()));
   for (size_t part = 0; part < objects.size(); ++part) {
     for (size_t i = 0; i < info.objects.size(); ++i) {
       if (info.objects[i].name != objects[part]->name) continue;

@@ -143,8 +143,9 @@ TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
                                   const std::function<bool(double)>& on_share) {
   ObjectCodes codes;
   codes.length = part.descriptor_length;
-  AppendCodes(lesson.codes, part.describe, codes);
-  const CandidateFinder finder({{model, part.side_m, codes}}, part.describe, options.candidates);
+  AppendCodes(lesson.codes, part.voter.describe, codes);
+  const CandidateFinder finder({{model, part.side_m, codes, part.object}}, part.voter,
+                               options.candidates);
   return TrainPartVerifier(lesson.piles, part.object, finder, options, on_share);
 }
 

@@ -32,7 +32,7 @@ struct VerifierPart {
   int object = 0;  // of the view source
   double side_m = 0;
   int descriptor_length = 0;
-  DescribePatches describe;
+  PatchVoter voter;
 };
 
 // What a part's verifier learns from, as far as it needs no network.

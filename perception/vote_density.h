@@ -13,8 +13,9 @@ namespace pickbed {
 // A vote and the patch that cast it.
 struct PoseVote {
   Pose X_CO = Pose::Identity();
-  int patch = 0;
+  int patch = 0;  // kNoPatch: several together
 };
+inline constexpr int kNoPatch = -1;
 
 class VoteDensity {
  public:

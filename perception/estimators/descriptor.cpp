@@ -34,28 +34,31 @@ uint64_t CodesKey(const DescriptorModel& model, const ObjectModel& object, doubl
   return HashBytes(text.data(), text.size());
 }
 
-class DescriptorEstimator : public PoseEstimator {
+void RequireKind(const std::string& kind, const LearnedModel& model) {
+  CheckInput(model.kind.empty() || kind == model.kind,
+             fmt::format("{}: holds a network of kind {}, and {} is needed; make one with `{}`",
+                         model.file.string(), kind, model.kind, model.command));
+}
+
+class LearnedEstimator : public PoseEstimator {
  public:
-  DescriptorEstimator(const EstimatorSetup& setup, const DescriptorOptions& options)
+  LearnedEstimator(const EstimatorSetup& setup, const DescriptorOptions& options,
+                   const LearnedModel& model)
       : options_(options),
         refiner_(setup.refiner),
         threads_(setup.threads),
-        model_(LoadModel(DescriptorModelFile(setup.spec))) {
+        model_(LoadModel(model.file, model.command)) {
+    RequireKind(model_.info.network.kind, model);
     options_.final_set.min_score = setup.spec.min_score;
-    trained_ = TrainedParts(model_.info.objects, setup.objects, DescriptorModelFile(setup.spec));
+    trained_ = TrainedParts(model_.info.objects, setup.objects, model.file, model.command);
     for (const int part : trained_) verifiers_.push_back(model_.verifiers[part]);
-    finder_ = std::make_unique<CandidateFinder>(Parts(setup), Describe(threads_),
+    finder_ = std::make_unique<CandidateFinder>(Parts(setup), VoterOf(model_.network, threads_),
                                                 options.candidates, setup.threads);
   }
 
   EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override;
 
  private:
-  DescribePatches Describe(int threads) const {
-    return [this, threads](std::span<const int8_t> patches) {
-      return model_.network.Describe(patches, threads);
-    };
-  }
   std::vector<CandidatePart> Parts(const EstimatorSetup& setup) const;
   ObjectCodes Codes(const EstimatorSetup& setup, int object, double side_m) const;
   void Trace(const OrganizedCloud& cloud, const std::vector<Candidate>& candidates,
@@ -70,17 +73,20 @@ class DescriptorEstimator : public PoseEstimator {
   std::unique_ptr<CandidateFinder> finder_;
 };
 
-std::vector<CandidatePart> DescriptorEstimator::Parts(const EstimatorSetup& setup) const {
+std::vector<CandidatePart> LearnedEstimator::Parts(const EstimatorSetup& setup) const {
   std::vector<CandidatePart> parts;
   for (size_t i = 0; i < setup.objects.size(); ++i) {
     const double side_m = model_.info.objects[trained_[i]].side_m;
-    parts.push_back({setup.objects[i], side_m, Codes(setup, static_cast<int>(i), side_m)});
+    ObjectCodes codes;
+    if (options_.candidates.votes != "regressed") {
+      codes = Codes(setup, static_cast<int>(i), side_m);
+    }
+    parts.push_back({setup.objects[i], side_m, std::move(codes), trained_[i]});
   }
   return parts;
 }
 
-ObjectCodes DescriptorEstimator::Codes(const EstimatorSetup& setup, int object,
-                                       double side_m) const {
+ObjectCodes LearnedEstimator::Codes(const EstimatorSetup& setup, int object, double side_m) const {
   const ObjectModel& part = *setup.objects[object];
   const IsolatedOptions isolated = CodeViews(setup, options_);
   CheckInput(setup.views, fmt::format("the code book of part '{}' needs a renderer", part.name));
@@ -96,17 +102,16 @@ ObjectCodes DescriptorEstimator::Codes(const EstimatorSetup& setup, int object,
   const auto on_share = [&](double share) {
     if (setup.on_progress) setup.on_progress("code book of " + part.name, share);
   };
-  const ObjectCodes codes =
-      MakeObjectCodes(*setup.views, object, side_m, model_.network.length(), Describe(threads_),
-                      isolated, options_.code_seed, threads_, on_share);
+  const ObjectCodes codes = MakeObjectCodes(*setup.views, object, side_m, model_.network.length(),
+                                            VoterOf(model_.network, threads_).describe, isolated,
+                                            options_.code_seed, threads_, on_share);
   if (!setup.cache_dir.empty()) WriteCodes(file, codes, key);
   return codes;
 }
 
-void DescriptorEstimator::Trace(const OrganizedCloud& cloud,
-                                const std::vector<Candidate>& candidates,
-                                const std::vector<PoseHypothesis>& accepted,
-                                EstimateTrace& trace) const {
+void LearnedEstimator::Trace(const OrganizedCloud& cloud, const std::vector<Candidate>& candidates,
+                             const std::vector<PoseHypothesis>& accepted,
+                             EstimateTrace& trace) const {
   trace.cloud = cloud;
   trace.neighbors = options_.candidates.neighbors;
   trace.min_score = options_.final_set.min_score;
@@ -119,7 +124,7 @@ void DescriptorEstimator::Trace(const OrganizedCloud& cloud,
   trace.accepted = accepted;
 }
 
-EstimateResult DescriptorEstimator::Estimate(const EstimatorInput& input, Rng& rng) {
+EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng) {
   EstimateResult result;
   OrganizedCloud cloud;
   {
@@ -163,9 +168,15 @@ DescriptorOptions OptionsForMode(const std::string& mode) {
   return options;
 }
 
+std::unique_ptr<PoseEstimator> MakeLearnedEstimator(const EstimatorSetup& setup,
+                                                    const DescriptorOptions& options,
+                                                    const LearnedModel& model) {
+  return std::make_unique<LearnedEstimator>(setup, options, model);
+}
+
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup,
                                                        const DescriptorOptions& options) {
-  return std::make_unique<DescriptorEstimator>(setup, options);
+  return MakeLearnedEstimator(setup, options, {DescriptorModelFile(setup.spec), "", kTrainCommand});
 }
 
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup) {

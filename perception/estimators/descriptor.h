@@ -1,6 +1,6 @@
 #pragma once
 
-// The learned estimator: patches described by a network vote through a code book, ICP refines the
+// The learned estimators: patches described by a network vote through a code book, ICP refines the
 // votes and a learned verifier ranks them. After Wohlhart and Lepetit 2015 and Kehl et al. 2016.
 
 #include <filesystem>
@@ -37,6 +37,17 @@ std::filesystem::path DescriptorModelFile(const EstimatorSpec& spec);
 // TrainedParts do, and when setup.views is null.
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup,
                                                        const DescriptorOptions& options);
+
+// The same with the model of another method: `kind` is that of its network, `command` trains it.
+// Throws InputError also for a model of another kind.
+struct LearnedModel {
+  std::filesystem::path file;
+  std::string kind;     // empty = any
+  std::string command;  //
+};
+std::unique_ptr<PoseEstimator> MakeLearnedEstimator(const EstimatorSetup& setup,
+                                                    const DescriptorOptions& options,
+                                                    const LearnedModel& model);
 
 // Row of the table: options by setup.spec.mode.
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup);

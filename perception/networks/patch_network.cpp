@@ -1,13 +1,35 @@
 #include "perception/networks/patch_network.h"
 
+#include <ATen/core/Tensor.h>
+
+#include <stdexcept>
+
+#include "scenes/check.h"
+
 namespace pickbed {
+
+at::Tensor PatchNetwork::Poses(const at::Tensor&) {
+  throw std::logic_error("this network regresses no poses");
+}
 
 std::span<const PatchNetworkRow> PatchNetworkTable() {
   static constexpr PatchNetworkRow rows[] = {
       {"convolutional", "three convolutions and two full layers, 80 k weights",
        MakeConvolutionalNetwork},
+      {"autoencoder", "gives the patch back through a narrow layer (kehl)", MakeAutoencoder},
+      {"siamese_regression", "regresses the pose; features as far apart as poses (doumanoglou)",
+       MakeSiameseRegression, false, true},
   };
   return rows;
+}
+
+const PatchNetworkRow& FindPatchNetwork(const std::string& name) {
+  std::vector<std::string> known;
+  for (const PatchNetworkRow& row : PatchNetworkTable()) {
+    if (name == row.name) return row;
+    known.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("network", name, known));
 }
 
 }  // namespace pickbed

@@ -49,7 +49,7 @@ TrainingBatch TiltedPlanes(int count, uint64_t seed) {
 
 class EveryNetwork : public testing::TestWithParam<const char*> {};
 
-TEST_P(EveryNetwork, GivesUnitRowsThatDoNotDependOnTheirNeighbours) {
+TEST_P(EveryNetwork, GivesRowsThatDoNotDependOnTheirNeighbours) {
   const DescriptorNetwork network({GetParam(), 16}, 3);
   const std::vector<int8_t> patches = RandomPatches(70, 1);
   const std::vector<float> all = network.Describe(patches);
@@ -57,7 +57,9 @@ TEST_P(EveryNetwork, GivesUnitRowsThatDoNotDependOnTheirNeighbours) {
   for (int i = 0; i < 70; ++i) {
     double squared = 0;
     for (int d = 0; d < 16; ++d) squared += all[i * 16 + d] * all[i * 16 + d];
-    EXPECT_NEAR(squared, 1, 1e-4);
+    if (FindPatchNetwork(GetParam()).unit_rows) {
+      EXPECT_NEAR(squared, 1, 1e-4);
+    }
   }
   const std::vector<float> last =
       network.Describe({patches.data() + 69 * kPatchValues, kPatchValues});

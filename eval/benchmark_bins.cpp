@@ -1,0 +1,147 @@
+#include "eval/benchmark_bins.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "eval/comparison_figures.h"
+#include "perception/torch_model_file.h"
+#include "perception/torch_verifier_file.h"
+#include "scenes/check.h"
+#include "scenes/files.h"
+
+namespace pickbed {
+namespace {
+
+using nlohmann::json;
+
+bool Knows(const std::vector<ModelObject>& trained, const ObjectSet& objects) {
+  return std::all_of(objects.begin(), objects.end(), [&](const auto& object) {
+    return std::any_of(trained.begin(), trained.end(), [&](const ModelObject& known) {
+      return known.name == object->name && known.mesh_hash == object->mesh_hash;
+    });
+  });
+}
+
+// What the file was trained for; nothing where it cannot be read.
+std::vector<ModelObject> TrainedFor(const BinMethod& method, const std::filesystem::path& file) {
+  try {
+    const bool verifiers = std::string(method.estimator) == "ppf";
+    return verifiers ? LoadVerifiers(file, method.estimator).objects : LoadModel(file).info.objects;
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+json ToJson(const BinLook& look) {
+  json bands = json::array();
+  for (const Cluster& band : look.bands) bands.push_back({band.hits, band.tries});
+  return {{"trial", look.trial},
+          {"top_right", look.top_right},
+          {"seconds", look.seconds},
+          {"bands", std::move(bands)}};
+}
+
+BinLook LookFrom(const json& value) {
+  BinLook look{value.at("trial"), value.at("top_right"), value.at("seconds"), {}};
+  for (const json& band : value.at("bands")) look.bands.push_back({band.at(0), band.at(1)});
+  return look;
+}
+
+}  // namespace
+
+const std::vector<BinMethod>& BinMethods() {
+  static const std::vector<BinMethod> methods{
+      {"descriptor:fast", "descriptor", "fast", "", {}},
+      {"descriptor:hard", "descriptor", "hard", "", {}},
+      {"ppf", "ppf", "fast", "", {}},
+      {"ppf:verified", "ppf", "verified", "ppf", {"--verifier-for", "ppf", "--set", "piles=24"}},
+      {"kehl", "kehl", "hard", "kehl", {"kehl"}},
+      {"doumanoglou", "doumanoglou", "hard", "doumanoglou", {"doumanoglou"}},
+      {"doumanoglou, no siamese term",
+       "doumanoglou",
+       "hard",
+       "regression",
+       {"doumanoglou", "--set", "network.regression.siamese_weight=0"}},
+      {"doumanoglou, look-up", "descriptor", "hard", "doumanoglou", {"doumanoglou"}},
+      {"oracle", "oracle", "fast", "", {}},
+  };
+  return methods;
+}
+
+BinRow BinRowOf(const ComparedRow& row) {
+  BinRow result{row.label, {}, row.bop.ap(), row.bop.ar(), row.peak_memory_mib, row.setup_s};
+  for (const ComparedLook& compared : row.looks) {
+    ComparedRow one{row.label, {compared}, {}, 0, 0};
+    const ComparisonFigures figures = FiguresOf(one);
+    BinLook look{compared.trial, figures.top_right > 0, figures.seconds, {}};
+    for (const RecallBand& band : figures.bands) {
+      look.bands.push_back({band.recalled, band.instances});
+    }
+    result.looks.push_back(std::move(look));
+  }
+  return result;
+}
+
+void WriteBinScenario(const std::filesystem::path& file, const BinScenario& scenario,
+                      const std::string& key) {
+  json rows = json::array();
+  for (const BinRow& row : scenario.rows) {
+    json looks = json::array();
+    for (const BinLook& look : row.looks) looks.push_back(ToJson(look));
+    rows.push_back({{"label", row.label},
+                    {"ap", row.ap},
+                    {"ar", row.ar},
+                    {"memory_mib", row.memory_mib},
+                    {"setup_s", row.setup_s},
+                    {"looks", std::move(looks)}});
+  }
+  const json all{{"key", key}, {"name", scenario.name}, {"rows", std::move(rows)}};
+  WriteFileAtomically(file, all.dump(1) + "\n");
+}
+
+std::optional<BinScenario> ReadBinScenario(const std::filesystem::path& file,
+                                           const std::string& key) {
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  try {
+    const json all = json::parse(ReadFileBytes(file));
+    if (all.at("key") != key) return std::nullopt;
+    BinScenario scenario{all.at("name"), {}};
+    for (const json& value : all.at("rows")) {
+      BinRow row{value.at("label"),  {}, value.at("ap"), value.at("ar"), value.at("memory_mib"),
+                 value.at("setup_s")};
+      for (const json& look : value.at("looks")) row.looks.push_back(LookFrom(look));
+      scenario.rows.push_back(std::move(row));
+    }
+    return scenario;
+  } catch (const json::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::filesystem::path FindBinModel(const BinMethod& method, const std::filesystem::path& folder,
+                                   const ObjectSet& objects) {
+  const std::string name = std::string(method.model) + ".pt";
+  for (const std::filesystem::path& file : {folder / name, AssetsDir() / "models" / name}) {
+    if (Knows(TrainedFor(method, file), objects)) return file;
+  }
+  return {};
+}
+
+std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& folder,
+                                       const std::vector<std::string>& parts) {
+  const std::filesystem::path file = folder / (std::string(method.model) + ".pt");
+  std::vector<std::string> words = method.training;
+  const std::vector<std::string> rest{"--objects", fmt::format("{}", fmt::join(parts, ",")),
+                                      "--out", file.string()};
+  words.insert(words.end(), rest.begin(), rest.end());
+  // Verifiers are kept part by part in the file itself.
+  if (std::filesystem::exists(file.string() + ".checkpoint") ||
+      std::string(method.estimator) == "ppf") {
+    words.push_back("--resume");
+  }
+  return words;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,166 @@
+// Direct regression of the pose from a local patch, with a siamese term. Doumanoglou et al.,
+// Siamese Regression Networks with Efficient Mid-level Feature Extraction for 3D Object Pose
+// Estimation, 2016: L = L_regress(q) + lambda | |f_i - f_j| - d(pose_i, pose_j) |, in the form that
+// is known of it second hand. q is the unit quaternion of the part in the patch's frame; beside it
+// stands the offset from the patch to the part's centre of mass, since a patch, unlike a crop of
+// the whole part, does not know where the middle is. q and -q, and all poses that a symmetry makes
+// one, are one pose in both terms: the first takes the nearest of them, and d is the distance of
+// PoseEmbedding.
+//
+// The features f have no unit length: their distances shall be those of poses. Several parts share
+// trunk and features; each has its own rows of the last layer, and a softmax tells which part is
+// seen.
+
+#include "perception/networks/doumanoglou.h"
+
+#include <torch/nn.h>
+
+#include <cmath>
+
+#include "perception/networks/patch_network.h"
+#include "perception/networks/training_tensors.h"
+#include "perception/networks/trunk.h"
+#include "perception/pose_targets.h"
+#include "perception/training.h"
+
+namespace pickbed {
+namespace {
+
+// Roots have infinite slope at zero.
+constexpr double kFloor = 1e-12;
+
+at::Tensor Root(const at::Tensor& squared) { return squared.clamp_min(kFloor).sqrt(); }
+
+at::Tensor Unit(const at::Tensor& rows) { return rows / Root(rows.square().sum(-1, true)); }
+
+class SiameseRegression : public PatchNetwork, public torch::nn::Module {
+ public:
+  SiameseRegression(const NetworkOptions& options, int parts)
+      : options_(options.regression), parts_(parts) {
+    trunk_ = register_module("trunk", std::make_shared<PatchTrunk>());
+    features_ =
+        register_module("features", torch::nn::Linear(PatchTrunk::kFeatures, options.descriptor));
+    hidden_ = register_module("hidden", torch::nn::Linear(options.descriptor, kHidden));
+    last_ = register_module("last", torch::nn::Linear(kHidden, parts * (Rotation() + 3 + 1)));
+  }
+
+  at::Tensor Forward(const at::Tensor& patches) override {
+    return features_(trunk_->Forward(patches));
+  }
+
+  at::Tensor Poses(const at::Tensor& patches) override {
+    const at::Tensor out = Regress(Forward(patches));
+    const at::Tensor shares = torch::softmax(out.select(2, 0), 1).unsqueeze(2);
+    const at::Tensor R_PO = RotationMatrices(out.slice(2, 4).flatten(0, 1));
+    return torch::cat({shares, R_PO.view({-1, parts_, 9}), out.slice(2, 1, 4)}, 2);
+  }
+
+  at::Tensor Loss(const TrainingTensors& batch, const LossOptions&) override {
+    const at::Tensor rows = Forward(batch.patches);
+    const at::Tensor out = Regress(rows);
+    const at::Tensor of_part =
+        out.gather(1, batch.parts.view({-1, 1, 1}).expand({-1, 1, out.size(2)})).squeeze(1);
+    const at::Tensor off = Root((of_part.slice(1, 1, 4) - batch.middles).square().sum(1));
+    at::Tensor loss = RotationDistance(of_part.slice(1, 4), batch.rotations).mean() +
+                      options_.offset_weight * off.mean();
+    if (parts_ > 1) {
+      loss = loss + options_.part_weight *
+                        torch::nn::functional::cross_entropy(out.select(2, 0), batch.parts);
+    }
+    if (options_.siamese_weight == 0) return loss;
+    const int64_t count = batch.pose_distance.size(0);
+    const at::Tensor same =
+        batch.parts.slice(0, 0, count).unsqueeze(1) == batch.parts.slice(0, count).unsqueeze(0);
+    return loss + options_.siamese_weight * SiameseLoss(rows.slice(0, 0, count),
+                                                        rows.slice(0, count), batch.pose_distance,
+                                                        same);
+  }
+
+  torch::nn::Module& module() override { return *this; }
+
+  double MultiplyAdds() const override {
+    return trunk_->MultiplyAdds() +
+           static_cast<double>(features_->weight.numel() + hidden_->weight.numel() +
+                               last_->weight.numel());
+  }
+
+ private:
+  static constexpr int kHidden = 128;
+
+  int64_t Rotation() const { return options_.rotation == "six_d" ? 6 : 4; }
+
+  // N x parts x (share before the softmax, offset, rotation).
+  at::Tensor Regress(const at::Tensor& features) {
+    const at::Tensor out = last_(torch::relu(hidden_(torch::relu(features))));
+    return out.view({-1, parts_, Rotation() + 3 + 1});
+  }
+
+  RegressionOptions options_;
+  int64_t parts_;
+  std::shared_ptr<PatchTrunk> trunk_;
+  torch::nn::Linear features_{nullptr}, hidden_{nullptr}, last_{nullptr};
+};
+
+}  // namespace
+
+void RegressionOptions::Visit(SettingsVisitor& v) {
+  v.Text("rotation", rotation, {"quaternion", "six_d"}, "form of the regressed rotation");
+  v.Real("siamese_weight", siamese_weight, {0, 1000}, "of the siamese term; 0 = plain regression");
+  v.Real("offset_weight", offset_weight, {0, 1000}, "of the offset to the part's middle");
+  v.Real("part_weight", part_weight, {0, 1000}, "of telling parts apart");
+}
+
+at::Tensor RotationMatrices(const at::Tensor& values) {
+  if (values.size(-1) == 6) {
+    const at::Tensor x = Unit(values.slice(-1, 0, 3)), y0 = values.slice(-1, 3);
+    const at::Tensor y = Unit(y0 - (x * y0).sum(-1, true) * x);
+    return torch::stack({x, y, torch::cross(x, y, -1)}, -1);
+  }
+  const std::vector<at::Tensor> q = Unit(values).unbind(-1);
+  const auto entry = [&](int a, int b, int c, int d, double sign) {
+    return 2 * (q[a] * q[b] + sign * q[c] * q[d]);
+  };
+  const auto diagonal = [&](int a, int b) { return 1 - 2 * (q[a].square() + q[b].square()); };
+  const at::Tensor rows =
+      torch::stack({diagonal(2, 3), entry(1, 2, 0, 3, -1), entry(1, 3, 0, 2, 1),
+                    entry(1, 2, 0, 3, 1), diagonal(1, 3), entry(2, 3, 0, 1, -1),
+                    entry(1, 3, 0, 2, -1), entry(2, 3, 0, 1, 1), diagonal(1, 2)},
+                   -1);
+  std::vector<int64_t> shape = values.sizes().vec();
+  shape.back() = 3;
+  shape.push_back(3);
+  return rows.view(shape);
+}
+
+at::Tensor RotationDistance(const at::Tensor& values, const at::Tensor& rotations) {
+  if (values.size(1) == 4) {
+    const at::Tensor cosine = (Unit(values).unsqueeze(1) * rotations).sum(2).abs();
+    return Root(2 - 2 * std::get<0>(cosine.max(1)));
+  }
+  const at::Tensor off = RotationMatrices(values).unsqueeze(1) - RotationMatrices(rotations);
+  return Root(std::get<0>(off.square().sum({2, 3}).min(1)) / 8);
+}
+
+at::Tensor SiameseLoss(const at::Tensor& anchors, const at::Tensor& codes,
+                       const at::Tensor& pose_distance, const at::Tensor& same_part) {
+  const at::Tensor squared = anchors.square().sum(1).unsqueeze(1) +
+                             codes.square().sum(1).unsqueeze(0) - 2 * anchors.mm(codes.t());
+  const at::Tensor pairs = same_part.to(anchors.scalar_type());
+  const at::Tensor off = (Root(squared) - pose_distance).abs();
+  return (pairs * off).sum() / pairs.sum().clamp_min(1);
+}
+
+std::unique_ptr<PatchNetwork> MakeSiameseRegression(const NetworkOptions& options, int parts) {
+  return std::make_unique<SiameseRegression>(options, parts);
+}
+
+TrainingOptions DoumanoglouTraining() {
+  TrainingOptions options;
+  options.network.kind = "siamese_regression";
+  options.network.descriptor = 64;
+  options.candidates.votes = "regressed";
+  options.held_out.patience = 0;  // how well features are looked up tells little of the regression
+  return options;
+}
+
+}  // namespace pickbed

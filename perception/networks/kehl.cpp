@@ -1,0 +1,96 @@
+// Convolutional auto-encoder of local patches. Kehl et al., Deep Learning of Local RGB-D Patches
+// for 3D Object Detection and 6D Pose Estimation, ECCV 2016, section 3.1: the network learns to
+// give its input back through a narrow layer, whose values describe the patch. The loss is the mean
+// squared difference of patch and reconstruction. Here the trunk of the other networks encodes, a
+// full layer and two transposed convolutions decode, and the narrow layer has unit length, so that
+// its distances have one scale.
+
+#include "perception/networks/kehl.h"
+
+#include <torch/nn.h>
+
+#include "perception/networks/patch_network.h"
+#include "perception/networks/training_tensors.h"
+#include "perception/networks/trunk.h"
+#include "perception/training.h"
+
+namespace pickbed {
+namespace {
+
+class Autoencoder : public PatchNetwork, public torch::nn::Module {
+ public:
+  Autoencoder(const AutoencoderOptions& options, int length) : options_(options) {
+    using torch::nn::ConvTranspose2dOptions;
+    trunk_ = register_module("trunk", std::make_shared<PatchTrunk>());
+    code_ = register_module("code", torch::nn::Linear(PatchTrunk::kFeatures, length));
+    unfold_ = register_module("unfold", torch::nn::Linear(length, kMaps * kArea));
+    widen_ = register_module(
+        "widen",
+        torch::nn::ConvTranspose2d(ConvTranspose2dOptions(kMaps, kMaps, 4).stride(2).padding(1)));
+    paint_ = register_module(
+        "paint", torch::nn::ConvTranspose2d(
+                     ConvTranspose2dOptions(kMaps, Channels(), 4).stride(2).padding(1)));
+  }
+
+  at::Tensor Forward(const at::Tensor& patches) override {
+    return UnitRows(code_(trunk_->Forward(Seen(patches))));
+  }
+
+  at::Tensor Loss(const TrainingTensors& batch, const LossOptions&) override {
+    const int64_t count = batch.pose_distance.size(0);
+    const at::Tensor codes = batch.patches.slice(0, count);
+    const at::Tensor wanted =
+        options_.target == "twin" ? torch::cat({codes, codes}) : batch.patches;
+    return (Decode(Forward(batch.patches)) - wanted.slice(1, 0, Channels())).square().mean();
+  }
+
+  torch::nn::Module& module() override { return *this; }
+
+  double MultiplyAdds() const override {
+    return trunk_->MultiplyAdds() + static_cast<double>(code_->weight.numel());
+  }
+
+ private:
+  static constexpr int kMaps = 8;                                        // of the decoder
+  static constexpr int kSide = kPatchPixels / 4, kArea = kSide * kSide;  // of its first maps
+
+  int64_t Channels() const { return options_.channels == "depth" ? 1 : kPatchChannels; }
+
+  // The trunk has one form; what is not to be seen is 0.
+  at::Tensor Seen(const at::Tensor& patches) const {
+    if (Channels() == kPatchChannels) return patches;
+    const at::Tensor depth = patches.slice(1, 0, Channels());
+    return torch::cat({depth, torch::zeros_like(patches.slice(1, Channels()))}, 1);
+  }
+
+  at::Tensor Decode(const at::Tensor& codes) {
+    at::Tensor x = torch::relu(unfold_(codes)).view({-1, kMaps, kSide, kSide});
+    return paint_(torch::relu(widen_(x)));
+  }
+
+  AutoencoderOptions options_;
+  std::shared_ptr<PatchTrunk> trunk_;
+  torch::nn::Linear code_{nullptr}, unfold_{nullptr};
+  torch::nn::ConvTranspose2d widen_{nullptr}, paint_{nullptr};
+};
+
+}  // namespace
+
+void AutoencoderOptions::Visit(SettingsVisitor& v) {
+  v.Text("target", target, {"itself", "twin"}, "what the decoder gives back");
+  v.Text("channels", channels, {"depth", "depth_normals"}, "of the patch that are seen");
+}
+
+std::unique_ptr<PatchNetwork> MakeAutoencoder(const NetworkOptions& options, int) {
+  return std::make_unique<Autoencoder>(options.autoencoder, options.descriptor);
+}
+
+TrainingOptions KehlTraining() {
+  TrainingOptions options;
+  options.network.kind = "autoencoder";
+  options.network.descriptor = 64;
+  options.candidates.votes = "modes";
+  return options;
+}
+
+}  // namespace pickbed

@@ -1,0 +1,16 @@
+#pragma once
+
+// What a network says of patches, for those who make votes of it.
+
+#include "perception/codebook.h"
+#include "perception/pose_targets.h"
+
+namespace pickbed {
+
+struct PatchVoter {
+  DescribePatches describe;
+  RegressPoses regress;  // empty: it regresses none
+  int parts = 1;         // of which it regresses poses
+};
+
+}  // namespace pickbed

@@ -1,0 +1,151 @@
+// Estimators kehl and doumanoglou: trained in seconds on parts that lie free.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "perception/estimators/descriptor.h"
+#include "perception/estimators/doumanoglou.h"
+#include "perception/estimators/kehl.h"
+#include "perception/torch_model_file.h"
+#include "perception/training.h"
+#include "perception/votes.h"
+#include "scenes/files.h"
+#include "tests/support/error_of.h"
+#include "tests/support/ray_cast_views.h"
+#include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed {
+namespace {
+
+using testing::HasSubstr;
+
+const EstimatorRow& RowOf(const std::string& name) {
+  for (const EstimatorRow& row : EstimatorTable()) {
+    if (name == row.name) return row;
+  }
+  throw std::logic_error("no estimator " + name);
+}
+
+TrainingOptions Quick(const std::string& method) {
+  TrainingOptions options = RowOf(method).training();
+  options.piles = 24;
+  options.views_per_pile = 1;
+  options.twins.patches_per_view = 120;
+  options.verifier_entries = 3000;
+  options.iterations = 240;
+  options.batch = 64;
+  options.verifier_piles = 6;
+  options.network.descriptor = 16;
+  options.candidates.points = 150;
+  options.candidates.candidates = 120;
+  options.held_out.piles = 2;
+  options.held_out.queries = 40;
+  options.held_out.book_views = 20;
+  return options;
+}
+
+class PublishedMethod : public testing::TestWithParam<const char*> {
+ protected:
+  TrainingReport Train(const std::string& name, const TrainingOptions& options) {
+    return TrainDescriptor({views_, folder_ / name, {}, false, {}, "test", {}}, options);
+  }
+  EstimatorSetup Setup(const std::string& model) {
+    EstimatorSetup setup;
+    setup.objects = views_.objects();
+    setup.spec.name = GetParam();
+    setup.spec.model = folder_ / model;
+    setup.spec.min_score = 0;
+    setup.intrinsics = SmallCamera();
+    setup.working_distance_m = RayCastViews::kDistanceM;
+    setup.views = &views_;
+    setup.cache_dir = folder_;
+    return setup;
+  }
+  RayCastViews views_{{ObjectOf(BracketMesh())}};
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
+};
+
+TEST_P(PublishedMethod, LearnsAndFindsPartsThatLieFree) {
+  const TrainingReport report = Train("model.pt", Quick(GetParam()));
+  ASSERT_TRUE(report.finished);
+  const std::vector<double>& losses = report.loss_history;
+  const auto mean = [&](size_t first) {
+    return std::accumulate(losses.begin() + first, losses.begin() + first + 20, 0.0) / 20;
+  };
+  EXPECT_LT(mean(losses.size() - 20), 0.8 * mean(0));
+  EXPECT_EQ(LoadModel(folder_ / "model.pt").info.network.kind, Quick(GetParam()).network.kind);
+
+  const auto estimator = RowOf(GetParam()).make(Setup("model.pt"));
+  const PoseDistance distance(*views_.objects()[0]);
+  int found = 0, parts = 0;
+  for (uint64_t seed = 5000; seed < 5004; ++seed) {
+    const LabelledView view = views_.Pile({seed, 1}).front();
+    Rng rng(1);
+    const EstimateResult result = estimator->Estimate({view.frame, OutOfSightBin()}, rng);
+    for (const LabelledInstance& instance : view.instances) {
+      ++parts;
+      found += std::any_of(result.hypotheses.begin(), result.hypotheses.end(),
+                           [&](const PoseHypothesis& hypothesis) {
+                             return distance(hypothesis.X_CO, instance.X_CO) < 0.1;
+                           });
+    }
+  }
+  EXPECT_GE(found, 0.5 * parts);
+
+  // What cannot be read, or is of another mesh, is told with the command that mends it.
+  const std::string bytes = ReadFileBytes(folder_ / "model.pt");
+  WriteFileAtomically(folder_ / "cut.pt", bytes.substr(0, bytes.size() / 2));
+  const std::string command = std::string("pickbed train ") + GetParam();
+  EXPECT_THAT(ErrorOf([&] { RowOf(GetParam()).make(Setup("cut.pt")); }),
+              testing::AllOf(HasSubstr("cut.pt"), HasSubstr(command)));
+  EstimatorSetup changed = Setup("model.pt");
+  auto part = std::make_shared<ObjectModel>(*changed.objects[0]);
+  part->mesh_hash += 1;
+  changed.objects = {part};
+  EXPECT_THAT(
+      ErrorOf([&] { RowOf(GetParam()).make(changed); }),
+      testing::AllOf(HasSubstr("the mesh of part 'test part' has changed"), HasSubstr(command)));
+}
+
+TEST_P(PublishedMethod, SameSeedSameFileAndTheModelOfAnotherMethodIsRefused) {
+  TrainingOptions options = Quick(GetParam());
+  options.iterations = 6;
+  options.piles = 3;
+  options.verifier_piles = 2;
+  Train("a.pt", options);
+  Train("b.pt", options);
+  EXPECT_EQ(ReadFileBytes(folder_ / "a.pt"), ReadFileBytes(folder_ / "b.pt"));
+  options.network.kind = "convolutional";
+  options.candidates.votes = "neighbors";
+  Train("other.pt", options);
+  EXPECT_THAT(ErrorOf([&] { RowOf(GetParam()).make(Setup("other.pt")); }),
+              testing::AllOf(HasSubstr("other.pt"), HasSubstr("kind convolutional")));
+  options.candidates.votes = "regressed";
+  EXPECT_THAT(ErrorOf([&] { Train("none.pt", options); }), HasSubstr("regresses no poses"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, PublishedMethod, testing::Values("kehl", "doumanoglou"));
+
+TEST(PublishedSettings, OutOfRangeNamesTheRange) {
+  TrainingOptions options;
+  const auto error_of = [&](const char* assignment) {
+    return ErrorOf(
+        [&] { ApplySetting(assignment, [&](SettingsVisitor& v) { options.Visit(v); }); });
+  };
+  EXPECT_THAT(error_of("network.descriptor=1"),
+              testing::AllOf(HasSubstr("network.descriptor"), HasSubstr("2"), HasSubstr("1024")));
+  EXPECT_THAT(error_of("candidates.neighbors=0"),
+              testing::AllOf(HasSubstr("candidates.neighbors"), HasSubstr("1000")));
+  EXPECT_THAT(error_of("patch_diameters=9"),
+              testing::AllOf(HasSubstr("patch_diameters"), HasSubstr("0.05"), HasSubstr("4")));
+  EXPECT_THAT(error_of("network.regression.siamese_weight=-1"), HasSubstr("siamese_weight"));
+  EXPECT_THAT(error_of("network.regression.rotation=euler"), HasSubstr("six_d"));
+  EXPECT_THAT(error_of("network.autoencoder.target=twni"), HasSubstr("did you mean 'twin'"));
+}
+
+}  // namespace
+}  // namespace pickbed
