@@ -16,7 +16,7 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 20> kCommands{{
+constexpr std::array<CommandRow, 21> kCommands{{
     {"run", "drop, look, estimate and pick, trial after trial; measure how often it works",
      RunCommand},
     {"sweep", "run a grid of settings, over processes, shards or a Slurm cluster", SweepCommand},
@@ -32,6 +32,7 @@ constexpr std::array<CommandRow, 20> kCommands{{
     {"render", "fill one bin and write what the camera sees", RenderCommand},
     {"estimate", "guess poses in filled bins and score them against the truth, without picking",
      EstimateCommand},
+    {"benchmark", "published methods side by side, on crops of parts", BenchmarkCommand},
     {"train", "learn parts from views rendered on the fly", TrainCommand},
     {"object", "make a part of the catalog from a mesh", ObjectCommand},
     {"sensor", "draw what a depth sensor's profile does", SensorCommand},

@@ -18,8 +18,6 @@ namespace pickbed {
 namespace {
 
 constexpr int64_t kChunk = 64;  // crops described in one call; more does not fit the caches
-// Squared distances are floored before the root, whose slope at zero is infinite.
-constexpr double kFloor = 1e-8;
 
 int Channels(const WohlhartOptions& options) {
   return options.input == "depth" ? 1 : options.input == "rgb" ? 3 : 4;
@@ -66,6 +64,13 @@ at::Tensor ToTensor(const CropSet& crops, int64_t begin, int64_t count,
       .to(device);
 }
 
+// From the differences: a matrix product would lose the small distances of rows that lie far from
+// zero. The slope at zero is 0.
+at::Tensor Distances(const at::Tensor& a, const at::Tensor& b) {
+  constexpr int64_t kNoMatrixProduct = 2;
+  return torch::cdist(a, b, 2.0, kNoMatrixProduct);
+}
+
 }  // namespace
 
 void WohlhartOptions::Visit(SettingsVisitor& v) {
@@ -89,12 +94,9 @@ void WohlhartOptions::Visit(SettingsVisitor& v) {
 at::Tensor WohlhartLoss(const at::Tensor& anchors, const at::Tensor& templates,
                         const at::Tensor& puller, const at::Tensor& pose_distance,
                         const WohlhartOptions& options) {
-  const at::Tensor squared =
-      (anchors.square().sum(1, true) + templates.square().sum(1).unsqueeze(0) -
-       2 * anchors.mm(templates.t()))
-          .clamp_min(kFloor);
+  const at::Tensor plain = Distances(anchors, templates);
   // Zakharov 2017, eq. 2, squares distances; the released code of 2015 does not.
-  const at::Tensor distance = options.dynamic_margin ? squared : squared.sqrt();
+  const at::Tensor distance = options.dynamic_margin ? plain.square() : plain;
   const at::Tensor column = puller.unsqueeze(1);
   const at::Tensor near = distance.gather(1, column);
   const at::Tensor is_other = pose_distance >= kOtherPart;
