@@ -15,12 +15,20 @@ namespace {
 
 namespace linemod = cv::linemod;
 
-constexpr int kPixels = 128;                   // side of an enlarged crop; both levels divide it
+constexpr int kPixels = 128;  // side of an enlarged crop; with its border both levels divide it
+// Around it on each side: OpenCV refines no match nearer to the image's edge than 8 T.
+constexpr int kBorder = 40;
 constexpr float kThreshold = 50;               // similarity below which OpenCV reports no match, %
 constexpr int kLevels[] = {4, 8};              // T of each level: how far features are spread, px
 constexpr double kPixelPitch = 1000.0 / 1150;  // mm at 1 m for the focal length in DepthNormal
 constexpr int kMiddle = 1000;                  // depth of a crop's centre, mm
 constexpr uint16_t kNoReading = 60000;         // beyond what DepthNormal looks at
+
+cv::Mat WithBorder(const cv::Mat& image, int kind) {
+  cv::Mat wider;
+  cv::copyMakeBorder(image, wider, kBorder, kBorder, kBorder, kBorder, kind);
+  return wider;
+}
 
 // Colour and depth as LINEMOD takes them. Lengths are in pixels of the enlarged crop, so that
 // slants are those of the part whatever its size.
@@ -37,7 +45,7 @@ std::vector<cv::Mat> Sources(const CropSet& crops, size_t i) {
   }
   cv::resize(color, color, {kPixels, kPixels}, 0, 0, cv::INTER_LINEAR);
   cv::resize(depth, depth, {kPixels, kPixels}, 0, 0, cv::INTER_NEAREST);
-  return {color, depth};
+  return {WithBorder(color, cv::BORDER_REPLICATE), WithBorder(depth, cv::BORDER_REPLICATE)};
 }
 
 cv::Mat MaskOf(const CropSet& crops, size_t i) {
@@ -45,7 +53,7 @@ cv::Mat MaskOf(const CropSet& crops, size_t i) {
   std::transform(crops.masks.begin() + i * kCropArea, crops.masks.begin() + (i + 1) * kCropArea,
                  mask.data, [](uint8_t inside) { return static_cast<uint8_t>(255 * inside); });
   cv::resize(mask, mask, {kPixels, kPixels}, 0, 0, cv::INTER_NEAREST);
-  return mask;
+  return WithBorder(mask, cv::BORDER_CONSTANT);
 }
 
 class LinemodMethod : public CropMethod {

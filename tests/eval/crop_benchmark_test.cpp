@@ -173,7 +173,9 @@ TEST_F(CropConditions, ABackgroundHidesNothingAndLeavesNoHole) {
       const float alone_m = clean[i].frame.depth_m.data()[p];
       const float seen_m = behind[i].frame.depth_m.data()[p];
       ASSERT_GT(seen_m, 0);
-      if (alone_m > 0) ASSERT_EQ(seen_m, alone_m);
+      if (alone_m > 0) {
+        ASSERT_EQ(seen_m, alone_m);
+      }
     }
   }
 }

@@ -85,7 +85,9 @@ TEST(CropViews, AnIcosahedronsDirections) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (size_t i = 0; i < fine.size(); ++i) {
     EXPECT_NEAR(fine[i].norm(), 1, 1e-12);
-    if (i < coarse.size()) EXPECT_EQ(fine[i], coarse[i]);
+    if (i < coarse.size()) {
+      EXPECT_EQ(fine[i], coarse[i]);
+    }
     sum += fine[i];
   }
   EXPECT_LT(sum.norm(), 1e-9);
