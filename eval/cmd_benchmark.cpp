@@ -1,44 +1,45 @@
 #include <fmt/format.h>
 
+#include <string>
+#include <vector>
+
+#include "eval/benchmark_commands.h"
 #include "eval/commands.h"
 #include "scenes/check.h"
 
 namespace pickbed {
 namespace {
 
-struct Benchmark {
-  const char* name;
-  const char* help;
-  int (*run)(int argc, char** argv);
+constexpr CommandRow kTables[] = {
+    {"crops", "whole-object crops: part and orientation by each method, under each condition",
+     &BenchmarkCropsCommand},
+    {"bins", "every pose estimator on filled bins: recall, top-ranked pose, AP, time, memory",
+     &BenchmarkBinsCommand},
 };
 
-constexpr Benchmark kBenchmarks[] = {
-    {"bins", "every pose estimator on filled bins: recall, top-ranked pose, AP, time, memory",
-     BenchmarkBinsCommand},
-};
+std::string Usage() {
+  std::string text =
+      "Methods side by side, from training to page.\n\nUsage: pickbed benchmark TABLE [OPTIONS]\n\n"
+      "Tables:\n";
+  for (const CommandRow& row : kTables) text += fmt::format("  {:<8}{}\n", row.name, row.help);
+  return text + "\n`pickbed benchmark TABLE --help` shows a table's options with an example.\n";
+}
 
 }  // namespace
 
 int BenchmarkCommand(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "";
-  std::vector<std::string> names;
-  std::string usage =
-      "Trains what is missing, measures, and makes a table as CSV and page.\n\n"
-      "Usage: pickbed benchmark NAME [OPTIONS]\n\n";
-  for (const Benchmark& benchmark : kBenchmarks) {
-    if (name == benchmark.name) return benchmark.run(argc - 1, argv + 1);
-    names.push_back(benchmark.name);
-    usage += fmt::format("  {:<8} {}\n", benchmark.name, benchmark.help);
-  }
   if (name == "--help" || name == "-h") {
-    fmt::print(
-        "{}\n`pickbed benchmark NAME --help` shows its options.\n"
-        "Example: pickbed benchmark bins --small\n",
-        usage);
+    fmt::print("{}", Usage());
     return 0;
   }
-  CheckInput(!name.empty(), "which benchmark? see pickbed benchmark --help");
-  throw InputError(UnknownNameMessage("benchmark", name, names));
+  CheckInput(!name.empty(), "which table? see pickbed benchmark --help");
+  std::vector<std::string> names;
+  for (const CommandRow& row : kTables) {
+    if (row.name == name) return row.run(argc - 1, argv + 1);
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("table", name, names));
 }
 
 }  // namespace pickbed

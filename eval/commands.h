@@ -19,9 +19,8 @@ int CompareCommand(int argc, char** argv);
 int DropCommand(int argc, char** argv);
 int RenderCommand(int argc, char** argv);
 int EstimateCommand(int argc, char** argv);
-int TrainCommand(int argc, char** argv);
 int BenchmarkCommand(int argc, char** argv);
-int BenchmarkBinsCommand(int argc, char** argv);  // of BenchmarkCommand
+int TrainCommand(int argc, char** argv);
 int ObjectCommand(int argc, char** argv);
 int SensorCommand(int argc, char** argv);
 int GraspsCommand(int argc, char** argv);

@@ -274,13 +274,17 @@ std::string BodyOf(const ReportContents& contents) {
 
 }  // namespace
 
-std::string ReportPage(const ReportContents& contents) {
+std::string FilledPage(const std::string& title, const std::string& body, bool has_views) {
   std::string page = ReadTemplate();
-  if (contents.views.empty()) RemoveViewsLibrary(page);
-  Fill("@PICKBED_TITLE@", EscapeHtml(contents.title), page);
-  Fill("@PICKBED_BODY@", BodyOf(contents), page);
+  if (!has_views) RemoveViewsLibrary(page);
+  Fill("@PICKBED_TITLE@", EscapeHtml(title), page);
+  Fill("@PICKBED_BODY@", body, page);
   Fill("@PICKBED_VERSION@", PICKBED_VERSION, page);
   return page;
+}
+
+std::string ReportPage(const ReportContents& contents) {
+  return FilledPage(contents.title, BodyOf(contents), !contents.views.empty());
 }
 
 }  // namespace pickbed

@@ -40,7 +40,11 @@ struct ReportContents {
   std::string views_note;
 };
 
-// Throws InputError when this build has no page to fill in.
+// The page with this body, of page_parts.h; with the library for 3D views or without. Throws
+// InputError when this build has no page to fill in.
+std::string FilledPage(const std::string& title, const std::string& body, bool has_views = false);
+
+// Throws as FilledPage.
 std::string ReportPage(const ReportContents& contents);
 
 }  // namespace pickbed

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <sstream>
 
 #include "perception/networks/patch_network.h"
 #include "perception/networks/training_tensors.h"
 #include "perception/patch.h"
 #include "perception/pose_targets.h"
 #include "perception/torch_device.h"
+#include "perception/torch_weights.h"
 #include "scenes/check.h"
 #include "scenes/parallel.h"
 
@@ -146,9 +146,7 @@ std::vector<float> DescriptorNetwork::Regress(std::span<const int8_t> patches, i
 
 double DescriptorNetwork::TrainStep(const TrainingBatch& batch, const LossOptions& loss,
                                     double learning_rate) {
-  for (torch::optim::OptimizerParamGroup& group : impl_->adam.param_groups()) {
-    static_cast<torch::optim::AdamOptions&>(group.options()).lr(learning_rate);
-  }
+  SetLearningRate(impl_->adam, learning_rate);
   impl_->adam.zero_grad();
   const at::Tensor value = impl_->network->Loss(ToTensors(batch, impl_->device), loss);
   value.backward();
@@ -157,50 +155,19 @@ double DescriptorNetwork::TrainStep(const TrainingBatch& batch, const LossOption
 }
 
 std::vector<float> DescriptorNetwork::Weights() const {
-  std::vector<float> weights;
-  for (const at::Tensor& parameter : impl_->network->module().parameters()) {
-    const at::Tensor values = parameter.detach().cpu().contiguous();
-    weights.insert(weights.end(), values.data_ptr<float>(),
-                   values.data_ptr<float>() + values.numel());
-  }
-  return weights;
+  return WeightsOf(impl_->network->module());
 }
 
 void DescriptorNetwork::SetWeights(std::span<const float> weights) {
-  const torch::NoGradGuard no_gradients;
-  const std::vector<at::Tensor> parameters = impl_->network->module().parameters();
-  int64_t needed = 0;
-  for (const at::Tensor& parameter : parameters) needed += parameter.numel();
-  CheckInput(needed == static_cast<int64_t>(weights.size()),
-             "the network has " + std::to_string(needed) + " weights, the file holds " +
-                 std::to_string(weights.size()));
-  const float* next = weights.data();
-  for (at::Tensor parameter : parameters) {
-    parameter.copy_(torch::from_blob(const_cast<float*>(next), parameter.sizes(), torch::kFloat));
-    next += parameter.numel();
-  }
+  SetWeightsOf(impl_->network->module(), weights);
 }
 
 std::string DescriptorNetwork::TrainingState() const {
-  torch::serialize::OutputArchive archive, weights, adam;
-  impl_->network->module().save(weights);
-  impl_->adam.save(adam);
-  archive.write("weights", weights);
-  archive.write("adam", adam);
-  std::ostringstream stream;
-  archive.save_to(stream);
-  return stream.str();
+  return TrainingStateOf(impl_->network->module(), impl_->adam);
 }
 
-void DescriptorNetwork::RestoreTrainingState(const std::string& bytes) try {
-  torch::serialize::InputArchive archive, weights, adam;
-  archive.load_from(bytes.data(), bytes.size(), impl_->device);
-  archive.read("weights", weights);
-  archive.read("adam", adam);
-  impl_->network->module().load(weights);
-  impl_->adam.load(adam);
-} catch (const c10::Error&) {
-  throw InputError("the training state is damaged or of another network");
+void DescriptorNetwork::RestoreTrainingState(const std::string& bytes) {
+  RestoreTrainingStateOf(bytes, impl_->device, impl_->network->module(), impl_->adam);
 }
 
 PatchVoter VoterOf(const DescriptorNetwork& network, int threads) {

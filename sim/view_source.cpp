@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -69,6 +70,9 @@ class SimViewSource : public LabelledViewSource {
   std::string PileSettings() const override;
 
  private:
+  std::vector<RenderedImage> RenderIsolated(std::span<const Camera> cameras,
+                                            std::span<const RenderInstance> instances,
+                                            uint64_t seed, size_t first);
   // A pile before the camera, both of a cell `scale` times the size of the options'.
   struct ScaledPile {
     Scene scene;
@@ -91,11 +95,28 @@ class SimViewSource : public LabelledViewSource {
   SceneRenderer scene_renderer_;
 };
 
+// Views first, first + 1 and so on.
+std::vector<RenderedImage> SimViewSource::RenderIsolated(std::span<const Camera> cameras,
+                                                         std::span<const RenderInstance> instances,
+                                                         uint64_t seed, size_t first) {
+  Renderer& renderer = scene_renderer_.renderer();
+  if (!options_.color) return renderer.RenderEachDepth(cameras, instances);
+  if (!options_.isolated_lamps) return renderer.RenderEach(cameras, instances, kLampByCamera);
+  std::vector<RenderedImage> images;
+  for (size_t i = 0; i < instances.size(); ++i) {
+    Rng rng = Rng::Derive(seed, first + i, "isolated view lamp");
+    Light light = RandomLight(options_.looks, rng);
+    light.position_W.z() = instances[i].X_WO.translation().z() - light.position_W.z();
+    images.push_back(
+        std::move(renderer.RenderEach(cameras.subspan(i, 1), instances.subspan(i, 1), light)[0]));
+  }
+  return images;
+}
+
 std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<Pose>& X_CO,
                                                   const CameraIntrinsics& camera, uint64_t seed) {
   CheckInput(object >= 0 && object < static_cast<int>(objects_.size()),
              fmt::format("object {} of {}: no such part", object, objects_.size()));
-  Renderer& renderer = scene_renderer_.renderer();
   std::vector<LabelledView> views(X_CO.size());
   for (size_t begin = 0; begin < X_CO.size(); begin += kIsolatedBatch) {
     const size_t end = std::min(X_CO.size(), begin + kIsolatedBatch);
@@ -106,9 +127,7 @@ std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<
       Rng looks = Rng::Derive(seed, i, "isolated view looks");
       instances.back().material = RandomMaterial(options_.looks, looks);
     }
-    std::vector<RenderedImage> images = options_.color
-                                            ? renderer.RenderEach(cameras, instances, kLampByCamera)
-                                            : renderer.RenderEachDepth(cameras, instances);
+    std::vector<RenderedImage> images = RenderIsolated(cameras, instances, seed, begin);
     for (size_t i = begin; i < end; ++i) {
       RenderedImage& image = images[i - begin];
       Rng background = Rng::Derive(seed, i, "isolated view background");
@@ -129,7 +148,8 @@ std::string SimViewSource::IsolatedSettings() const {
   AppearanceRanges looks = options_.looks;
   return WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); }) +
          WriteSettings([&](SettingsVisitor& v) { looks.Visit(v); }) +
-         fmt::format("color {}\n", options_.color);
+         fmt::format("color {}\n", options_.color) +
+         (options_.isolated_lamps ? "isolated lamps\n" : "");
 }
 
 std::string SimViewSource::PileSettings() const {

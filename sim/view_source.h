@@ -38,6 +38,9 @@ struct ViewSourceOptions {
   int foreign_max = 6;     // of them in one pile
   bool color = true;       // views carry colour; isolated ones are cheaper without
   AppearanceRanges looks;  // of lamps, materials and background, where there is colour
+  // Each isolated view has a lamp of its own, by looks in a world that stands at the part with z
+  // towards the camera; false = one beside the camera for all.
+  bool isolated_lamps = false;
   DropOptions drop;
   GlContextOptions gl;
 };

@@ -34,6 +34,17 @@ ReportChart SecondsChart(std::span<const PointReport> points);
 // Success of each point, best seen where there are many.
 ReportChart SuccessChart(std::span<const PointReport> points);
 
+// One series of a chart of rates: a rate for each name along x.
+struct RateCurve {
+  std::string series;
+  std::vector<ReportRate> rates;
+};
+// Curves with their intervals over names in the order given, and the table of their numbers. The
+// chart's id, title and caption are taken as they are.
+ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std::string& y_title,
+                       const std::vector<std::string>& x_names,
+                       const std::vector<RateCurve>& curves);
+
 // "12.5 % [8.1, 18.4]", or "-" of nothing.
 std::string RateText(const ReportRate& rate);
 

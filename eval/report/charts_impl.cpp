@@ -115,4 +115,43 @@ Json CurveLayers(const Json& x, const Json& y, const std::vector<std::string>& n
   return layers;
 }
 
+ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std::string& y_title,
+                       const std::vector<std::string>& x_names,
+                       const std::vector<RateCurve>& curves) {
+  Json values = Json::array();
+  std::vector<std::string> names;
+  chart.table = {{x_title}};
+  for (const std::string& x : x_names) chart.table.push_back({x});
+  for (const RateCurve& curve : curves) {
+    names.push_back(curve.series);
+    chart.table[0].push_back(curve.series + " [95 %]");
+    chart.table[0].push_back("of");
+    for (size_t i = 0; i < x_names.size(); ++i) {
+      const ReportRate& rate = curve.rates[i];
+      chart.table[i + 1].push_back(RateText(rate));
+      chart.table[i + 1].push_back(std::to_string(rate.tries));
+      if (rate.tries == 0) continue;
+      values.push_back({{"x", x_names[i]},
+                        {"series", curve.series},
+                        {"rate", rate.rate()},
+                        {"low", rate.ci95.low},
+                        {"high", rate.ci95.high},
+                        {"text", fmt::format("{} of {}", RateText(rate), rate.tries)}});
+    }
+  }
+  if (values.empty()) {
+    chart.caption += " There was nothing to count.";
+    return chart;
+  }
+  Json spec = EmptySpec(values);
+  Json x = Field("x", "ordinal", x_title);
+  x["sort"] = x_names;
+  x["scale"] = {{"domain", x_names}};
+  x["axis"] = {{"labelAngle", 0}};
+  spec["height"] = 260;
+  spec["layer"] = CurveLayers(x, PercentField("rate", y_title), names);
+  chart.spec = spec.dump();
+  return chart;
+}
+
 }  // namespace pickbed

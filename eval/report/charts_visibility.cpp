@@ -15,43 +15,14 @@ struct Curve {
 
 ReportChart CurvesOf(ReportChart chart, const std::string& y_title,
                      const std::vector<Curve>& curves) {
-  Json values = Json::array();
-  std::vector<std::string> names, bands;
-  chart.table = {{"visible"}};
-  for (const BandRates& band : curves.front().point->bands) {
-    bands.push_back(band.name);
-    chart.table.push_back({band.name});
-  }
+  std::vector<std::string> bands;
+  for (const BandRates& band : curves.front().point->bands) bands.push_back(band.name);
+  std::vector<RateCurve> rates;
   for (const Curve& curve : curves) {
-    names.push_back(curve.series);
-    chart.table[0].push_back(curve.series + " [95 %]");
-    chart.table[0].push_back("of");
-    for (size_t i = 0; i < bands.size(); ++i) {
-      const ReportRate& rate = curve.point->bands[i].*curve.rate;
-      chart.table[i + 1].push_back(RateText(rate));
-      chart.table[i + 1].push_back(std::to_string(rate.tries));
-      if (rate.tries == 0) continue;
-      values.push_back({{"band", bands[i]},
-                        {"series", curve.series},
-                        {"rate", rate.rate()},
-                        {"low", rate.ci95.low},
-                        {"high", rate.ci95.high},
-                        {"text", fmt::format("{} of {}", RateText(rate), rate.tries)}});
-    }
+    RateCurve& of_series = rates.emplace_back(RateCurve{curve.series, {}});
+    for (const BandRates& band : curve.point->bands) of_series.rates.push_back(band.*curve.rate);
   }
-  if (values.empty()) {
-    chart.caption += " There was nothing to count.";
-    return chart;
-  }
-  Json spec = EmptySpec(values);
-  Json x = Field("band", "ordinal", "visible fraction of the part");
-  x["sort"] = bands;
-  x["scale"] = {{"domain", bands}};
-  x["axis"] = {{"labelAngle", 0}};
-  spec["height"] = 260;
-  spec["layer"] = CurveLayers(x, PercentField("rate", y_title), names);
-  chart.spec = spec.dump();
-  return chart;
+  return RateCurves(std::move(chart), "visible fraction of the part", y_title, bands, rates);
 }
 
 constexpr const char* kRecallCaption =

@@ -1,0 +1,181 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <torch/torch.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "perception/crop_lookup.h"
+#include "perception/crop_method.h"
+#include "perception/networks/wohlhart.h"
+#include "perception/rotation_distance.h"
+#include "scenes/check.h"
+#include "tests/support/error_of.h"
+#include "tests/support/ray_cast_views.h"
+#include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(WohlhartNetwork, HasThePapersWeights) {
+  WohlhartOptions options;
+  options.descriptor = 16;
+  EXPECT_EQ(WohlhartNetwork(options, 0).weights(), 269335);
+}
+
+// One anchor at 0, its closest template at 1, one of another pose at 3, one of another part at 2,
+// one of nearly its own pose at 0.5, which is no pusher.
+class WohlhartLossValue : public testing::Test {
+ protected:
+  double Value(const WohlhartOptions& options) const {
+    const at::Tensor anchors = torch::zeros({1, 1});
+    const at::Tensor templates = torch::tensor({{1.0f}, {3.0f}, {2.0f}, {0.5f}});
+    const at::Tensor pose_distance =
+        torch::tensor({{0.1f, 0.8f, static_cast<float>(kOtherPart), 0.12f}});
+    return WohlhartLoss(anchors, templates, torch::zeros({1}, torch::kLong), pose_distance, options)
+        .item<double>();
+  }
+};
+
+TEST_F(WohlhartLossValue, OfTheReleasedCode) {
+  WohlhartOptions options;
+  options.margin = 1.5;
+  options.pair_weight = 2;
+  // Hinges 1 - 3 / 2.5 < 0 and 1 - 2 / 2.5 = 0.2, mean over four templates; pair |f_i - f_j| = 1.
+  EXPECT_NEAR(Value(options), 0.2 / 4 + 2 * 1, 1e-5);
+  options.pushers = 1;
+  EXPECT_NEAR(Value(options), 0.2 + 2 * 1, 1e-5);
+}
+
+TEST_F(WohlhartLossValue, WithTheDynamicMargin) {
+  WohlhartOptions options;
+  options.dynamic_margin = true;
+  options.class_margin = 5;
+  options.pair_weight = 0;
+  // Squared distances: 1 - 9 / (1 + 0.8) < 0 and 1 - 4 / (1 + 5).
+  EXPECT_NEAR(Value(options), (1 - 4.0 / 6) / 4, 1e-5);
+}
+
+TEST(WohlhartOptions, OutOfRangeNamesTheRange) {
+  WohlhartOptions options;
+  const auto set = [&](const std::string& text) {
+    return ErrorOf([&] { ApplySetting(text, [&](SettingsVisitor& v) { options.Visit(v); }); });
+  };
+  EXPECT_THAT(set("descriptor=1"), HasSubstr("1024"));
+  EXPECT_THAT(set("margin=-1"), HasSubstr("10"));
+  EXPECT_THAT(set("input=grey"), HasSubstr("depth, rgb, rgbd"));
+}
+
+// Two parts from few directions: seconds of training, enough to learn something.
+class WohlhartTraining : public testing::Test {
+ protected:
+  WohlhartTraining() {
+    views_.template_level = 1;
+    views_.train_level = 2;
+    RayCastViews clean({ObjectOf(BracketMesh()), ObjectOf(BoxMesh({0.05, 0.04, 0.06}, {0, 0, 0}))},
+                       0);
+    RayCastViews noisy(clean.objects(), 0.0005);
+    lesson_ = std::make_shared<CropLesson>(MakeCropLesson(clean, noisy, views_, 1));
+    options_.input = "depth";
+    options_.descriptor = 8;
+    options_.iterations = 12;
+    options_.mine_every = 8;
+    options_.anchors = 12;
+  }
+
+  // Of views that were not learned from: how many have the right part's template nearest.
+  int RightParts(const WohlhartNetwork& network) {
+    const auto method = MakeCropLookUp(
+        lesson_,
+        [&](const CropSet& crops, int threads) { return network.Describe(crops, threads); },
+        network.length(), 1);
+    RayCastViews source(lesson_->objects, 0);
+    int right = 0;
+    for (int part = 0; part < 2; ++part) {
+      Rng rng(9);
+      const ObjectCrops tests =
+          RenderCrops(source, part, TestRotations(20, views_, rng), views_, 5);
+      for (const auto& answers : method->Answer(tests.crops, 1, 1)) {
+        right += answers.front().object == part;
+      }
+    }
+    return right;
+  }
+
+  CropViewOptions views_;
+  std::shared_ptr<CropLesson> lesson_;
+  WohlhartOptions options_;
+  const TemporaryFolder folder_;
+};
+
+TEST_F(WohlhartTraining, LearnsToTellPartsApart) {
+  options_.iterations = 30;
+  const auto network = TrainWohlhart({*lesson_, 1, {}, {}}, options_);
+  EXPECT_GE(RightParts(*network), 38);
+}
+
+TEST_F(WohlhartTraining, TheSameSeedGivesTheSameDescriptorsAlsoAfterAStop) {
+  const auto straight = TrainWohlhart({*lesson_, 1, {}, {}}, options_);
+  int steps = 0;
+  WohlhartJob job{*lesson_, 1, folder_.path() / "net.checkpoint", {}};
+  job.on_progress = [&](double, double) { return ++steps < 13; };
+  EXPECT_EQ(TrainWohlhart(job, options_), nullptr);
+  job.on_progress = {};
+  const auto resumed = TrainWohlhart(job, options_);
+  const CropSet& crops = lesson_->templates[0].crops;
+  EXPECT_EQ(straight->Describe(crops), resumed->Describe(crops, 2));
+  job.seed = 2;
+  EXPECT_THAT(ErrorOf([&] { TrainWohlhart(job, options_); }), HasSubstr("other settings or parts"));
+}
+
+TEST_F(WohlhartTraining, APartWithoutFurtherViewsIsRefused) {
+  lesson_->training[1] = {};
+  EXPECT_THAT(ErrorOf([&] {
+                TrainWohlhart({*lesson_, 1, {}, {}}, options_);
+              }),
+              HasSubstr("raise train_level above template_level"));
+}
+
+// A template is its own nearest neighbour, whatever describes it. (LINEMOD needs colour.)
+class CropMethods : public testing::TestWithParam<const char*> {};
+
+TEST_P(CropMethods, FindATemplateAgain) {
+  CropViewOptions views;
+  views.template_level = 1;
+  views.train_level = 2;
+  RayCastViews source({ObjectOf(BracketMesh()), ObjectOf(BoxMesh({0.05, 0.04, 0.06}, {0, 0, 0}))},
+                      0);
+  const auto lesson = std::make_shared<CropLesson>(MakeCropLesson(source, source, views, 1));
+  const auto rows = CropMethodTable();
+  const auto row = std::find_if(rows.begin(), rows.end(), [&](const CropMethodRow& r) {
+    return r.name == std::string_view(GetParam());
+  });
+  ASSERT_NE(row, rows.end());
+  CropMethodSetup setup{lesson, {}, {}, 1, {}};
+  setup.options.wohlhart.iterations = 1;
+  setup.options.wohlhart.anchors = 4;
+  const auto method = row->make(setup);
+  const ObjectCrops& of_part = lesson->templates[0];
+  const RotationDistance distance(lesson->objects[0]->symmetries_O);
+  const auto answers = method->Answer(of_part.crops, 3, 1);
+  EXPECT_EQ(answers, method->Answer(of_part.crops, 3, 2));
+  int found = 0;
+  for (size_t i = 0; i < answers.size(); ++i) {
+    ASSERT_LE(answers[i].size(), 3u);
+    for (size_t n = 1; n < answers[i].size(); ++n) {
+      EXPECT_LE(answers[i][n - 1].distance, answers[i][n].distance);
+    }
+    found += !answers[i].empty() && answers[i][0].object == 0 &&
+             distance(answers[i][0].R_CO, of_part.R_CO[i]) < 1e-6;
+  }
+  EXPECT_GE(found, 0.9 * static_cast<double>(answers.size()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Rows, CropMethods,
+                         testing::Values("wohlhart", "wohlhart_16", "wohlhart_depth", "hog"));
+
+}  // namespace
+}  // namespace pickbed
