@@ -22,7 +22,9 @@ std::string Usage() {
       "Methods side by side, from training to page.\n\nUsage: pickbed benchmark TABLE [OPTIONS]\n\n"
       "Tables:\n";
   for (const CommandRow& row : kTables) text += fmt::format("  {:<8}{}\n", row.name, row.help);
-  return text + "\n`pickbed benchmark TABLE --help` shows a table's options with an example.\n";
+  return text +
+         "\n`pickbed benchmark TABLE --help` shows a table's options.\n"
+         "Example: pickbed benchmark bins --small\n";
 }
 
 }  // namespace

@@ -4,8 +4,9 @@
 #include <thread>
 
 #include "eval/benchmark_bins.h"
-#include "eval/command_line.h"
 #include "eval/benchmark_commands.h"
+#include "eval/command_line.h"
+#include "eval/commands.h"
 #include "eval/interrupt.h"
 #include "eval/progress.h"
 #include "scenes/check.h"

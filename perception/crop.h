@@ -1,6 +1,6 @@
 #pragma once
 
-// Whole-object crops: what Wohlhart and Lepetit (CVPR 2015), HOG and LINEMOD see of a part.
+// Whole-object crops: what Wohlhart and Lepetit (CVPR 2015) and HOG see of a part.
 //
 // A crop is a square of fixed metric side around the part's centre, parallel to the image, seen at
 // 64 x 64 pixels: nearest neighbours of the frame. Depth is stored relative to the centre's over

@@ -1,7 +1,6 @@
 #include "perception/crop_method.h"
 
 #include "perception/crop_lookup.h"
-#include "perception/estimators/linemod.h"
 #include "perception/hog.h"
 
 namespace pickbed {
@@ -86,7 +85,6 @@ constexpr CropMethodRow kRows[] = {
     {"wohlhart_depth", "the same from depth alone", &MakeDepthWohlhart},
     {"wohlhart_rgb", "the same from colour alone", &MakeColorWohlhart},
     {"hog", "histograms of oriented gradients of depth and grey, OpenCV", &MakeHog},
-    {"linemod", "colour gradients and normals, OpenCV's LINEMOD", &MakeLinemodMethod},
     {"random", "any template: the floor", &MakeRandom},
 };
 

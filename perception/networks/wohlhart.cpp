@@ -244,7 +244,9 @@ std::vector<Anchor> WohlhartTrainer::MineRound(int round) const {
   }
   if (round == 0) return anchors;
   const auto as_tensor = [&](std::vector<float>& rows) {
-    return torch::from_blob(rows.data(), {-1, network_->length()}, torch::kFloat);
+    const int64_t length = network_->length();
+    return torch::from_blob(rows.data(), {static_cast<int64_t>(rows.size()) / length, length},
+                            torch::kFloat);
   };
   std::vector<float> template_rows = network_->Describe(templates_);
   std::vector<float> crop_rows = network_->Describe(crops);

@@ -82,7 +82,7 @@ TEST_F(ModelFile, NewerVersionIsToldApartFromDamage) {
   ASSERT_NE(name, std::string::npos);
   const size_t number = bytes.find('K', name);
   ASSERT_LT(number, name + 16);
-  ASSERT_EQ(bytes[number + 1], 4);
+  ASSERT_EQ(bytes[number + 1], 5);
   bytes[number + 1] = 99;
   WriteFileAtomically(file, bytes);
   EXPECT_THAT(ErrorOf([&] { LoadModel(file); }),

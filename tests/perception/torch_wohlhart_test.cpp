@@ -139,7 +139,7 @@ TEST_F(WohlhartTraining, APartWithoutFurtherViewsIsRefused) {
               HasSubstr("raise train_level above template_level"));
 }
 
-// A template is its own nearest neighbour, whatever describes it. (LINEMOD needs colour.)
+// A template is its own nearest neighbour, whatever describes it.
 class CropMethods : public testing::TestWithParam<const char*> {};
 
 TEST_P(CropMethods, FindATemplateAgain) {
