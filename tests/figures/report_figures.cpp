@@ -33,7 +33,8 @@ void Measure(int trials, const std::filesystem::path& page) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder.path() / "scenario.yaml", kScenario);
   Timed(fmt::format("store {} trials", trials).c_str(), [&] {
-    StoreHead head{kScenario, {{.trials = trials, .identity = kScenario, .settings = kScenario}}};
+    StoreHead head{kScenario,
+                   {{.name = "", .trials = trials, .identity = kScenario, .settings = kScenario}}};
     ResultsStore store(folder.path(), head);
     for (int i = 0; i < trials; ++i) store.Write(StubTrial(i));
     return 0;
