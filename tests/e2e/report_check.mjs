@@ -85,7 +85,18 @@ class Browser {
   }
   close() {
     this.process.kill('SIGKILL');
-    rmSync(this.profile, {recursive: true, force: true, maxRetries: 20, retryDelay: 100});
+    // Its helpers write into the profile until they notice, and Node's own retries do not cover a
+    // folder that fills again while it is emptied.
+    const pause = new Int32Array(new SharedArrayBuffer(4));
+    for (let tries = 0; ; ++tries) {
+      try {
+        rmSync(this.profile, {recursive: true, force: true});
+        return;
+      } catch (error) {
+        if (tries === 50) throw error;
+        Atomics.wait(pause, 0, 0, 100);
+      }
+    }
   }
 }
 
