@@ -285,7 +285,8 @@ class Planner {
     const Pose X_GO = grasp.X_WG.inverse() * pose.X_WO;
     const Eigen::Matrix3Xd points_G = X_GO * shapes_[pose.object]->obstacle_O;
     return std::any_of(sweep.begin(), sweep.end(), [&](const AxisAlignedBox& box) {
-      const auto outside_m = (points_G.colwise() - box.center).cwiseAbs().colwise() - box.half_size;
+      const Eigen::Matrix3Xd outside_m =
+          (points_G.colwise() - box.center).cwiseAbs().colwise() - box.half_size;
       return (outside_m.colwise().maxCoeff().array() < 0).any();
     });
   }
