@@ -194,7 +194,8 @@ btScalar PatchFrictionSolver::RelativeVelocity(const Patch& patch, const Row& ro
          row.turn_part.dot(angular(part));
 }
 
-void PatchFrictionSolver::Solve(Patch& patch) {
+btScalar PatchFrictionSolver::Solve(Patch& patch) {
+  const btVector3 before = patch.impulse;
   btScalar normal = 0;
   for (const int contact : patch.contacts) {
     normal += m_tmpSolverContactConstraintPool[contact].m_appliedImpulse;
@@ -218,17 +219,23 @@ void PatchFrictionSolver::Solve(Patch& patch) {
   patch.is_slipping = share > 1 || !(most > 0);
   Apply(patch, allowed - patch.impulse);
   patch.impulse = allowed;
+  btScalar most_change = 0;
+  for (int i = 0; i < kRows; ++i) {
+    const btScalar change = (allowed[i] - before[i]) * patch.rows[i].inverse_mass;
+    most_change = std::max(most_change, change * change);
+  }
+  return most_change;
 }
 
 btScalar PatchFrictionSolver::solveSingleIteration(
     int iteration, btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
     int manifold_count, btTypedConstraint** constraints, int constraint_count,
     const btContactSolverInfo& info, btIDebugDraw* draw) {
-  const btScalar residual = btSequentialImpulseConstraintSolver::solveSingleIteration(
+  btScalar residual = btSequentialImpulseConstraintSolver::solveSingleIteration(
       iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info,
       draw);
-  for (Patch& patch : patches_) Solve(patch);
-  return residual;
+  for (Patch& patch : patches_) residual = std::max(residual, Solve(patch));
+  return iteration + 1 < least_iterations ? SIMD_INFINITY : residual;
 }
 
 PadFriction PatchFrictionSolver::FrictionOf(const Patch& patch, btScalar step_s) const {

@@ -30,6 +30,9 @@ class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
 
   // Boxes whose faces across their x are pads. To be emptied before they are destroyed.
   std::vector<const btRigidBody*> pads;
+  // Before these are done no step counts as solved: what is left after them may be small against
+  // the world's residual and yet large against the weight of a light part.
+  int least_iterations = 0;
 
   // To be called before each step of the world, which may solve its islands one by one.
   void BeginStep();
@@ -89,7 +92,7 @@ class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
   void Prepare(Patch& patch, const btContactSolverInfo& info);
   void Apply(const Patch& patch, const btVector3& impulse);
   btScalar RelativeVelocity(const Patch& patch, const Row& row) const;
-  void Solve(Patch& patch);
+  btScalar Solve(Patch& patch);  // square of the largest change of relative velocity
 
   PadFriction FrictionOf(const Patch& patch, btScalar step_s) const;
 

@@ -193,5 +193,39 @@ TEST(Hand, FingersStopAtWalls) {
   EXPECT_TRUE(world.PartsTouchingHand().empty());
 }
 
+// Rigid parts get no shorter under a finger that is ten times as heavy, and it yields by the rest
+// of its way, however long the steps. Half a millimetre is what bodies of a pile may overlap.
+TEST(Hand, AColumnOfLightPartsStopsAFinger) {
+  constexpr int kCubes = 4;
+  constexpr double kCube_m = 0.02, kBeyond_m = 0.004;
+  const auto cube = BoxPart(Eigen::Vector3d::Constant(kCube_m), 0.02, 0.5);
+  for (const double rate_hz : {240.0, 960.0}) {
+    PhysicsOptions options;
+    options.recover_share *= options.rate_hz / rate_hz;
+    options.rate_hz = rate_hz;
+    PhysicsWorld world(options);
+    world.AddStaticBox(Translation({0, 0, -0.05}), {0.2, 0.2, 0.05}, 0.5);
+    const double finger_x_m = 0.5 * (HandSpec{}.stroke_m + HandSpec{}.finger_size_m.x());
+    for (int i = 0; i < kCubes; ++i) {
+      world.AddPart(*cube, Translation({-finger_x_m, 0, (i + 0.5) * 1.02 * kCube_m}));
+    }
+    Hand& hand = world.AddHand(HandSpec{}, HandOver(0.12));
+    const auto move = [&](double from_m, double to_m, double duration_s) {
+      const long steps = std::lround(duration_s * rate_hz);
+      for (long i = 1; i <= steps; ++i) {
+        const double share = static_cast<double>(i) / static_cast<double>(steps);
+        hand.MoveTo(HandOver(from_m + share * (to_m - from_m)));
+        world.Step();
+      }
+    };
+    move(0.12, 0.12, 0.5);
+    const double top_m = world.X_WO(kCubes - 1).translation().z();
+    const double surface_m = top_m + 0.5 * kCube_m;
+    move(0.12, surface_m - kBeyond_m, 0.2);
+    EXPECT_NEAR(world.X_WO(kCubes - 1).translation().z(), top_m, 5e-4) << rate_hz;
+    EXPECT_NEAR(hand.yielded_m(), kBeyond_m, 6e-4) << rate_hz;
+  }
+}
+
 }  // namespace
 }  // namespace pickbed
