@@ -1,6 +1,9 @@
 // Long measurements of grasps in full bins, with the figures on stdout:
 //   execute_figures speed ATTEMPTS      CPU seconds from approach to shake, ATTEMPTS of each part
-//   execute_figures agreement ATTEMPTS  verdicts beside those of slower and finer physics
+//   execute_figures agreement ATTEMPTS  verdicts beside those of slower and finer physics, of
+//   grasps
+//                                       as planned
+//   execute_figures fickle ATTEMPTS     the same with pose errors, which make many of them close
 //   execute_figures labels GRASPS       labels of two runs over the same grasps
 // A bin holds the part that is picked and 20 neighbours of its kind; poses are the true ones.
 
@@ -31,10 +34,14 @@ constexpr int kEachScene = 7;        // attempts on one bin at most, each on ano
 constexpr int kGraspsPlanned = 300;  // to find as many parts that can be reached
 constexpr double kShift_m = 1e-4;    // of the gripper, to see how fickle verdicts are
 
-// Sigmas of the error that the agreement study adds to grasps, as wrong poses do: those planned
-// with true poses succeed nearly all, and verdicts that are all the same tell nothing.
-constexpr double kError_m = 0.004;
-constexpr double kError_rad = 0.08;
+// Sigmas of an error added to grasps, as wrong poses do.
+struct GraspError {
+  double error_m = 0;
+  double error_rad = 0;
+};
+
+// Those planned with true poses succeed nearly all; with these about half do.
+constexpr GraspError kFickle{0.004, 0.08};
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -151,6 +158,7 @@ struct Variant {
   std::string name;
   ExecuteOptions options;
   double shift_m = 0;  // of the gripper, in a direction of its own for each attempt
+  int beside = 0;      // the variant whose verdicts are compared with its own
 };
 
 std::vector<Variant> Variants() {
@@ -166,18 +174,22 @@ std::vector<Variant> Variants() {
   PhysicsOptions& physics = fine.options.physics;
   physics.recover_share *= physics.rate_hz / 960;
   physics.rate_hz = 960;
-  return {usual, shifted, plain, active, fine};
+  Variant fine_shifted = fine;
+  fine_shifted.name = "960 Hz shifted, with 960 Hz";
+  fine_shifted.shift_m = kShift_m;
+  fine_shifted.beside = 4;
+  return {usual, shifted, plain, active, fine, fine_shifted};
 }
 
-Grasp Disturbed(Grasp grasp, Rng& rng) {
+Grasp Disturbed(Grasp grasp, const GraspError& error, Rng& rng) {
   const Eigen::Vector3d off_m =
-      kError_m * Eigen::Vector3d(rng.Normal(), rng.Normal(), rng.Normal());
-  const Eigen::AngleAxisd turn(kError_rad * rng.Normal(), rng.UnitVector());
+      error.error_m * Eigen::Vector3d(rng.Normal(), rng.Normal(), rng.Normal());
+  const Eigen::AngleAxisd turn(error.error_rad * rng.Normal(), rng.UnitVector());
   grasp.X_WG = grasp.X_WG * Translation(off_m) * Pose(turn);
   return grasp;
 }
 
-void MeasureAgreement(int attempts) {
+void MeasureAgreement(int attempts, const GraspError& error) {
   const GripperSpec gripper = LoadGripper("jaw_8cm");
   const auto variants = Variants();
   std::vector<int> agree(variants.size(), 0), succeeded(variants.size(), 0);
@@ -188,8 +200,8 @@ void MeasureAgreement(int attempts) {
       if (done == attempts) break;
       Rng rng = Rng::Derive(0, done++, "shift");
       const Eigen::Vector3d direction_W = rng.UnitVector();
-      const Grasp planned = Disturbed(one.grasp, rng);
-      bool usual = false;
+      const Grasp planned = Disturbed(one.grasp, error, rng);
+      std::vector<bool> verdicts;
       std::vector<std::string> losses;
       for (size_t v = 0; v < variants.size(); ++v) {
         Grasp grasp = planned;
@@ -198,12 +210,11 @@ void MeasureAgreement(int attempts) {
         const GraspOutcome outcome =
             ExecuteGrasp(one.scene, part.objects, grasp, gripper, one.target, variants[v].options)
                 .outcome;
-        const bool success = outcome.success;
+        verdicts.push_back(outcome.success);
         losses.emplace_back(LossName(outcome.loss));
         seconds[v] += CpuSeconds() - begin_s;
-        if (v == 0) usual = success;
-        succeeded[v] += success;
-        agree[v] += success == usual;
+        succeeded[v] += verdicts[v];
+        agree[v] += verdicts[v] == verdicts[variants[v].beside];
       }
       if (std::set<std::string>(losses.begin(), losses.end()).size() == 1) continue;
       fmt::print("{} {}: {}\n", part.name, done - 1, fmt::join(losses, ", "));
@@ -214,7 +225,7 @@ void MeasureAgreement(int attempts) {
     std::fflush(stdout);
   }
   for (size_t v = 0; v < variants.size(); ++v) {
-    fmt::print("{:<26} {} of {} succeeded, {:.1f} % the usual verdict, {:.3f} CPU s each\n",
+    fmt::print("{:<26} {} of {} succeeded, {:.1f} % the same verdict, {:.3f} CPU s each\n",
                variants[v].name, succeeded[v], done, 100.0 * agree[v] / done, seconds[v] / done);
   }
 }
@@ -258,11 +269,12 @@ int Main(int argc, char** argv) {
   const std::string what = argc == 3 ? argv[1] : "";
   const int count = argc == 3 ? std::atoi(argv[2]) : 0;
   if (count < 1) {
-    fmt::print(stderr, "execute_figures speed|agreement|labels COUNT\n");
+    fmt::print(stderr, "execute_figures speed|agreement|fickle|labels COUNT\n");
     return 1;
   }
   if (what == "speed") MeasureSpeed(count);
-  if (what == "agreement") MeasureAgreement(count);
+  if (what == "agreement") MeasureAgreement(count, {});
+  if (what == "fickle") MeasureAgreement(count, kFickle);
   if (what == "labels") MeasureLabels(count);
   return 0;
 }
