@@ -256,6 +256,7 @@ SweepReport SweepCall::Run() {
   Count();
   state_.done_before = state_.done;
   report_.interrupted = RunInWorkers(PlanOf(head)).stopped;
+  ResultsStore::Tidy(folder_);
   if (stop_) ForgetNeedless();
   report_.finished = state_.done;
   report_.total = state_.total;
