@@ -173,6 +173,36 @@ void WriteThrough(const std::filesystem::path& path) {
   CheckInput(written, fmt::format("{}: {}", path.string(), strerror(errno)));
 }
 
+// A folder that is gone again however its merge ends: a full disk needs its room.
+class ScratchFolder {
+ public:
+  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {
+    std::filesystem::remove_all(path_);  // of a merge that was killed
+  }
+  ~ScratchFolder() {
+    std::error_code error;
+    std::filesystem::remove_all(path_, error);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void MergeInto(const std::filesystem::path& out, const Plan& plan, const StoreHead& head,
+               MergeReport& report) {
+  const ScratchFolder scratch(out / "merging");
+  { const ResultsStore store(scratch.path(), head); }
+  report.doubled = JoinAll(plan.sources(), scratch.path() / kFileName);
+  if (std::filesystem::exists(out / kFileName)) {  // of an earlier merge, whose shards may be gone
+    JoinAll({{out, head, {}}}, scratch.path() / kFileName);
+  }
+  WriteThrough(scratch.path() / kFileName);
+  std::filesystem::rename(scratch.path() / kFileName, out / kFileName);
+}
+
 }  // namespace
 
 MergeReport MergeStores(const std::vector<std::filesystem::path>& folders,
@@ -187,17 +217,8 @@ MergeReport MergeStores(const std::vector<std::filesystem::path>& folders,
                            "--out",
                            out.string()));
   }
-  const std::filesystem::path scratch = out / "merging";
-  std::filesystem::remove_all(scratch);  // of a merge that was killed
   MergeReport report;
-  { const ResultsStore store(scratch, head); }
-  report.doubled = JoinAll(plan.sources(), scratch / kFileName);
-  if (std::filesystem::exists(out / kFileName)) {  // of an earlier merge, whose shards may be gone
-    JoinAll({{out, head, {}}}, scratch / kFileName);
-  }
-  WriteThrough(scratch / kFileName);
-  std::filesystem::rename(scratch / kFileName, out / kFileName);
-  std::filesystem::remove_all(scratch);
+  MergeInto(out, plan, head, report);
   report.points = WriteSweepFiles(out);
   int wanted = 0;
   for (const PointSummary& point : report.points) {

@@ -82,7 +82,8 @@ void CheckSql(const Database& db, int code) {
     case SQLITE_FULL:
     case SQLITE_IOERR:
       throw InputError(message +
-                       "; is the disk full? finished trials are kept, go on with --resume");
+                       "; is the disk full? finished trials are kept: make room and repeat the "
+                       "command, a run or sweep with --resume");
     case SQLITE_READONLY:
     case SQLITE_CANTOPEN:
     case SQLITE_PERM:

@@ -26,6 +26,19 @@ std::filesystem::path FileIn(const std::filesystem::path& folder) {
 
 bool HoldsTrials(const Database& db) { return Statement(db, "SELECT 1 FROM trials").Step(); }
 
+// Between transactions the journal stays, with its head wiped out, which no program takes for a
+// transaction to be taken back: making and removing the file anew each time costs more syncs of its
+// folder than the trial's own rows. It is as safe, since what is synced before a commit is the
+// same.
+void KeepJournal(const Database& db) { db.Execute("PRAGMA journal_mode = PERSIST"); }
+
+// Only leaving PERSIST removes the file, and only while nobody writes: other writers, which make it
+// anew, may stay.
+void RemoveJournal(const Database& db) {
+  KeepJournal(db);
+  db.Execute("PRAGMA journal_mode = DELETE");
+}
+
 // A run that failed before its first trial ended leaves nothing to be kept apart from.
 void WriteHead(const Database& db, const StoreHead& head) {
   db.Execute("DELETE FROM points");
@@ -69,6 +82,15 @@ StoreHead OnePoint(const std::string& settings) {
 struct ResultsStore::Impl {
   Database db;
   StoreHead head;
+  bool writes = false;
+
+  ~Impl() {
+    if (!writes) return;
+    try {
+      RemoveJournal(db);
+    } catch (const std::exception&) {  // it is in nobody's way
+    }
+  }
 
   // Throws std::logic_error for a point that the store does not have.
   uint64_t SeedOf(int point) const { return head.points.at(point).seed; }
@@ -101,6 +123,7 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
   Database db(FileIn(folder), Database::Mode::kCreate);
   // The rollback journal stays: turning a new file to WAL fails when several workers do it at once
   // (no busy timeout covers that), and WAL needs memory that machines of a cluster do not share.
+  KeepJournal(db);
   Transaction transaction(db);
   RequireKnownVersion(db);
   if (!IsOfThisVersion(db)) Migrate(db);
@@ -112,7 +135,7 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
   UpdatePoints(db, head);
   transaction.Commit();
   StoreHead stored = ReadHead(db);
-  impl_ = std::make_unique<Impl>(std::move(db), std::move(stored));
+  impl_ = std::make_unique<Impl>(std::move(db), std::move(stored), /*writes=*/true);
 }
 
 ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder) {
@@ -133,6 +156,10 @@ ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder) {
   Migrate(copy);
   StoreHead head = ReadHead(copy);
   return ResultsStore(std::make_unique<Impl>(std::move(copy), std::move(head)));
+}
+
+void ResultsStore::Tidy(const std::filesystem::path& folder) {
+  RemoveJournal(Database(folder / kFileName, Database::Mode::kExisting));
 }
 
 const StoreHead& ResultsStore::head() const { return impl_->head; }

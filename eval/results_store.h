@@ -60,6 +60,9 @@ class ResultsStore {
   // Opens what is there and leaves it as it is, also where nobody may write. Throws InputError when
   // there is no store.
   static ResultsStore OpenToRead(const std::filesystem::path& folder);
+  // Removes what writers that were ended, not closed, have left beside the file. Nothing is lost
+  // where it stays.
+  static void Tidy(const std::filesystem::path& folder);
   ~ResultsStore();
   ResultsStore(ResultsStore&&) noexcept;
 

@@ -29,27 +29,45 @@ std::filesystem::path PicturesOf(const std::filesystem::path& out, int trial) {
   return out / "pictures" / fmt::format("trial_{:04}", trial);
 }
 
-// What a worker tells of a finished trial: "attempts successes".
-std::string ReplyOf(const TrialResult& result) {
-  Cluster outcome;
-  SuccessOfAttempts()(result, outcome);
-  return fmt::format("{} {}", outcome.tries, outcome.hits);
-}
-
 // A worker's: what it made for the point that it is at, and where it writes.
 struct Bench {
   ResultsStore store;
+  StageSeconds seconds;  // since its last reply
   const SweepPoint* point = nullptr;
-  DoTrial do_trial;
+  DoTrial do_trial = nullptr;
 };
+
+// What a worker tells of a finished trial: attempts, successes, seconds.
+std::string ReplyOf(const TrialResult& result, StageSeconds& seconds) {
+  Cluster outcome;
+  SuccessOfAttempts()(result, outcome);
+  return fmt::format("{} {} {} {} {}", outcome.tries, outcome.hits, seconds["start"],
+                     seconds["trials"], seconds["store"]);
+}
+
+Cluster TakeReply(const std::string& reply, StageSeconds& seconds) {
+  Cluster outcome;
+  double start_s = 0, trial_s = 0, store_s = 0;
+  std::sscanf(reply.c_str(), "%d %d %lf %lf %lf", &outcome.tries, &outcome.hits, &start_s, &trial_s,
+              &store_s);
+  seconds["start"] += start_s;
+  seconds["trials"] += trial_s;
+  seconds["store"] += store_s;
+  return outcome;
+}
+
+void GoTo(const SweepPoint& point, const SweepOptions& options, const WorkerPlan::Say& say,
+          Bench& bench) {
+  if (bench.point == &point) return;
+  const StageTimer timer(bench.seconds, "start");
+  bench.do_trial = nullptr;  // one point's meshes and networks at a time
+  bench.do_trial = options.make(point, say);
+  bench.point = &point;
+}
 
 std::string DoItem(Bench& bench, const SweepPoint& point, const SweepOptions& options, int trial,
                    const WorkerPlan::Say& say) {
-  if (bench.point != &point) {
-    bench.do_trial = nullptr;  // one point's meshes and networks at a time
-    bench.do_trial = options.make(point, say);
-    bench.point = &point;
-  }
+  GoTo(point, options, say, bench);
   const int scene = trial - point.first_trial;
   PictureOrder pictures{PicturesWanted::kNone, PicturesOf(options.out, trial)};
   if (scene < options.picture_trials) {
@@ -57,23 +75,35 @@ std::string DoItem(Bench& bench, const SweepPoint& point, const SweepOptions& op
   } else if (scene < options.lost_picture_trials) {
     pictures.wanted = PicturesWanted::kOfLostPicks;
   }
-  TrialResult result = bench.do_trial(scene, pictures);
+  TrialResult result;
+  {
+    const StageTimer timer(bench.seconds, "trials");
+    result = bench.do_trial(scene, pictures);
+  }
   result.trial = trial;
   result.scene = scene;
   result.point = point.point;
-  bench.store.Write(result);
-  return ReplyOf(result);
+  {
+    const StageTimer timer(bench.seconds, "store");
+    bench.store.Write(result);
+  }
+  StageSeconds seconds;
+  std::swap(seconds, bench.seconds);
+  return ReplyOf(result, seconds);
 }
 
 WorkerPlan::DoItem StartWorker(const Sweep& sweep, const SweepOptions& options,
                                const StoreHead& head, const std::filesystem::path& folder,
                                const WorkerPlan::Say& say) {
-  auto bench = std::make_shared<Bench>(Bench{ResultsStore(folder, head), nullptr, nullptr});
-  if (sweep.points.size() ==
-      1) {  // else a worker is told only with its first trial where it starts
-    bench->point = &sweep.points.front();
-    bench->do_trial = options.make(*bench->point, say);
-  }
+  StageSeconds seconds;
+  const auto open = [&] {
+    const StageTimer timer(seconds, "store");
+    return ResultsStore(folder, head);
+  };
+  auto bench = std::make_shared<Bench>(Bench{open(), {}});
+  bench->seconds = seconds;
+  // Of several points, a worker is told only with its first trial where it starts.
+  if (sweep.points.size() == 1) GoTo(sweep.points.front(), options, say, *bench);
   return [bench, &sweep, &options, say](int trial) {
     return DoItem(*bench, PointOf(sweep, trial), options, trial, say);
   };
@@ -197,6 +227,7 @@ void SweepCall::Count() {
 }
 
 void SweepCall::Note(int trial, const Cluster& outcome) {
+  const StageTimer timer(report_.seconds, "progress");
   finished_.insert(trial);
   ++state_.done;
   if (stop_) {
@@ -220,8 +251,7 @@ WorkerPlan SweepCall::PlanOf(const StoreHead& head) {
     return StartWorker(sweep_, options_, head, folder_, say);
   };
   plan.on_done = [this](int item, const std::string& reply) {
-    Cluster trial;
-    std::sscanf(reply.c_str(), "%d %d", &trial.tries, &trial.hits);
+    const Cluster trial = TakeReply(reply, report_.seconds);
     state_.trials.push_back(trial);
     state_.attempts += trial.tries;
     state_.successes += trial.hits;
@@ -250,16 +280,26 @@ void SweepCall::ForgetNeedless() {
 }
 
 SweepReport SweepCall::Run() {
-  ReadEarlier();
+  {
+    const StageTimer timer(report_.seconds, "store");
+    ReadEarlier();
+  }
   const StoreHead head = HeadOf(sweep_, folder_);
   WriteSettingsFiles(sweep_, head, options_.out);
   Count();
   state_.done_before = state_.done;
   report_.interrupted = RunInWorkers(PlanOf(head)).stopped;
-  if (stop_) ForgetNeedless();
+  {
+    const StageTimer timer(report_.seconds, "store");
+    ResultsStore::Tidy(folder_);
+    if (stop_) ForgetNeedless();
+  }
   report_.finished = state_.done;
   report_.total = state_.total;
-  if (options_.shard.count == 1) report_.points = WriteSweepFiles(options_.out);
+  if (options_.shard.count == 1) {
+    const StageTimer timer(report_.seconds, "files");
+    report_.points = WriteSweepFiles(options_.out);
+  }
   return std::move(report_);
 }
 

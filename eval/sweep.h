@@ -103,6 +103,9 @@ struct SweepReport {
   bool interrupted = false;
   int finished = 0, total = 0;        // trials of this shard
   std::vector<CrashedTrial> crashed;  // of this call
+  // Where its wall time went: "start", "trials" and "store" are sums over the workers; "progress",
+  // what follows the end of a trial, and "files", statistics and all, are of the calling process.
+  StageSeconds seconds;
 };
 
 // A point with a stop_width ends early (eval/sweep_stop.h), but where `only_trials` names the

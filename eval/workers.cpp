@@ -245,11 +245,10 @@ class Foreman {
     if (plan_.on_lost) plan_.on_lost(item, why);
   }
 
-  // Keeps as many workers as there are jobs and work, the first alone until it is ready.
+  // Keeps as many workers as there are jobs and work.
   void Hire() {
     const int wanted = std::min<int>(plan_.jobs, busy() + waiting_items_);
     while (static_cast<int>(workers_.size()) < wanted) {
-      if (!first_is_ready_ && !workers_.empty()) return;
       workers_.push_back(std::make_unique<Worker>(plan_, workers_));
     }
   }
@@ -273,7 +272,6 @@ class Foreman {
     switch (message.kind) {
       case Kind::kReady:
         worker.SetReady();
-        first_is_ready_ = true;
         return;
       case Kind::kSaid:
         if (plan_.on_message) plan_.on_message(message.text);
@@ -306,7 +304,6 @@ class Foreman {
   int waiting_items_ = 0;
   std::map<int, int> tried_;  // in vain
   std::vector<std::unique_ptr<Worker>> workers_;
-  bool first_is_ready_ = false;
   WorkReport report_;
 };
 

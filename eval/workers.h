@@ -44,9 +44,9 @@ struct WorkReport {
   std::vector<LostItem> lost;  // items whose worker threw or crashed; the others went on
 };
 
-// Forks. The caller must not have touched GL, libtorch or SQLite, which do not survive a fork. The
-// first worker starts alone, so that what it stores in caches is there for the others. An
-// InputError in a worker ends the run and is thrown here, and so is any failure of `start`
+// Forks. The caller must not have touched GL, libtorch or SQLite, which do not survive a fork. All
+// workers start at once; what a cache lacks one makes while the others wait, scenes/cache_lock.h.
+// An InputError in a worker ends the run and is thrown here, and so is any failure of `start`
 // (std::runtime_error).
 WorkReport RunInWorkers(const WorkerPlan& plan);
 

@@ -116,9 +116,12 @@ std::vector<Eigen::Vector3d> Probes(const TriangleMesh& mesh) {
   return probes;
 }
 
-double Farthest_m(const MeshQuery& surface, const std::vector<Eigen::Vector3d>& points) {
-  double farthest_m = 0;
+// The largest distance from the surface, at least `farthest_m`. Most points lie nearer than one
+// before, and then it need not be known how near.
+double Farthest_m(const MeshQuery& surface, const std::vector<Eigen::Vector3d>& points,
+                  double farthest_m) {
   for (const Eigen::Vector3d& p : points) {
+    if (surface.IsWithin(p, farthest_m)) continue;
     farthest_m = std::max(farthest_m, surface.ClosestPoint(p).distance);
   }
   return farthest_m;
@@ -131,8 +134,9 @@ struct Surface {
   std::vector<Eigen::Vector3d> probes;
 };
 
-double Deviation_m(const Surface& a, const Surface& b) {
-  return std::max(Farthest_m(a.query, b.probes), Farthest_m(b.query, a.probes));
+// At least `least_m`.
+double Deviation_m(const Surface& a, const Surface& b, double least_m) {
+  return Farthest_m(b.query, a.probes, Farthest_m(a.query, b.probes, least_m));
 }
 
 }  // namespace
@@ -151,8 +155,7 @@ std::vector<MeshLevel> MakeMeshLevels(const TriangleMesh& mesh) {
     const std::vector<Eigen::Vector3i> triangles = collapse.Triangles();
     if (triangles.size() > (1 - kMinSaving) * last_count) continue;
     MeshLevel level{Rebuild(mesh, joined, triangles), 0.0};
-    level.deviation_m =
-        std::max(levels.back().deviation_m, Deviation_m(original, Surface(level.mesh)));
+    level.deviation_m = Deviation_m(original, Surface(level.mesh), levels.back().deviation_m);
     levels.push_back(std::move(level));
     last_count = triangles.size();
     if (last_count < kMinTriangles) break;

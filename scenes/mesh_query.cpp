@@ -179,6 +179,24 @@ struct MeshQuery::Impl {
     if (far_squared < best_squared) Closest(far, p, best, best_squared);
   }
 
+  bool HasWithin(const Eigen::Vector3d& p, double distance_m) const {
+    // A square is rounded: no box may be left out for that.
+    constexpr double kSlack = 1 + 8 * std::numeric_limits<double>::epsilon();
+    const double most_squared = kSlack * distance_m * distance_m;
+    for (int index = 0; index < static_cast<int>(nodes.size());) {
+      const Node& node = nodes[index];
+      if (SquaredDistanceToBox(node, p) > most_squared) {
+        index = node.skip;
+        continue;
+      }
+      for (int i = node.begin; node.leaf() && i < node.end; ++i) {
+        if ((ClosestOnTriangle(corners[i], p) - p).norm() <= distance_m) return true;
+      }
+      ++index;
+    }
+    return false;
+  }
+
   // Calls take(t, triangle) for each hit with min_t < t < max_t; it returns the new max_t.
   template <typename Take>
   void ForHits(const Ray& ray, double min_t, double max_t, const Take& take) const {
@@ -225,6 +243,10 @@ SurfaceHit MeshQuery::ClosestPoint(const Eigen::Vector3d& p) const {
   best.normal = impl_->normals[best.triangle];
   best.distance = std::sqrt(best_squared);
   return best;
+}
+
+bool MeshQuery::IsWithin(const Eigen::Vector3d& p, double distance_m) const {
+  return impl_->HasWithin(p, distance_m);
 }
 
 std::optional<SurfaceHit> MeshQuery::Raycast(const Eigen::Vector3d& origin,

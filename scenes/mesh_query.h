@@ -25,6 +25,8 @@ class MeshQuery {
   MeshQuery(MeshQuery&&) noexcept;
 
   SurfaceHit ClosestPoint(const Eigen::Vector3d& p) const;
+  // Whether ClosestPoint(p).distance <= distance_m, found out sooner.
+  bool IsWithin(const Eigen::Vector3d& p, double distance_m) const;
   // First hit along origin + t * direction (unit), min_t < t < max_t.
   std::optional<SurfaceHit> Raycast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                     double min_t, double max_t) const;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 
+#include "scenes/cache_lock.h"
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
 #include "sim/convex_hull.h"
@@ -138,10 +139,15 @@ std::shared_ptr<const ObjectModel> WithConvexPieces(std::shared_ptr<const Object
     copy->convex_parts_O = std::move(*cached);
     return copy;
   }
+  std::filesystem::create_directories(path.parent_path());
+  const CacheLock lock(path);
+  if (std::optional<std::vector<ConvexPiece>> cached = ReadPieces(path)) {
+    copy->convex_parts_O = std::move(*cached);
+    return copy;
+  }
   copy->convex_parts_O = DecomposeConvex(model->mesh_O, options);
   CheckInput(!copy->convex_parts_O.empty(),
              "part '" + model->name + "' is flat: its mesh encloses no volume to collide with");
-  std::filesystem::create_directories(path.parent_path());
   WriteFileAtomically(path, ToText(copy->convex_parts_O));
   return copy;
 }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "scenes/cache_lock.h"
 #include "scenes/files.h"
 #include "sim/physics_world.h"
 
@@ -134,6 +135,9 @@ std::optional<std::vector<RestingDirection>> ReadDirections(const std::filesyste
 std::vector<RestingDirection> CachedDirections(const ObjectModel& model) {
   const std::filesystem::path file = CacheFile(model);
   if (auto known = ReadDirections(file)) return *std::move(known);
+  std::filesystem::create_directories(file.parent_path());
+  const CacheLock lock(file);
+  if (auto known = ReadDirections(file)) return *std::move(known);
   std::vector<RestingDirection> directions;
   for (const RestingPose& pose : FindRestingPoses(model)) {
     directions.push_back({pose.up_O, pose.probability});
@@ -142,7 +146,6 @@ std::vector<RestingDirection> CachedDirections(const ObjectModel& model) {
   for (const RestingDirection& d : directions) {
     text += fmt::format("{} {} {} {}\n", d.up_O.x(), d.up_O.y(), d.up_O.z(), d.probability);
   }
-  std::filesystem::create_directories(file.parent_path());
   WriteFileAtomically(file, text);
   return directions;
 }

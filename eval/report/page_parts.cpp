@@ -20,6 +20,15 @@ bool IsNumber(const std::string& cell) {
                             std::isdigit(static_cast<unsigned char>(cell[1]))));
 }
 
+// "87.5 % [69.0, 95.7]": where it has to break, before its interval.
+std::string NumberHtml(const std::string& cell) {
+  const size_t interval = cell.find(" [");
+  std::string html = EscapeHtml(cell.substr(0, interval));
+  if (const size_t at = html.find(" %"); at != std::string::npos) html.replace(at, 1, "&nbsp;");
+  if (interval == std::string::npos) return html;
+  return html + " <span>" + EscapeHtml(cell.substr(interval + 1)) + "</span>";
+}
+
 }  // namespace
 
 std::string Base64(const std::string& bytes) {
@@ -48,7 +57,7 @@ std::string TableHtml(const TableCells& cells) {
       const char* tag = i == 0 ? "th" : "td";
       const bool number = i > 0 && k > 0 && IsNumber(cells[i][k]);
       html += fmt::format("<{0}{1}>{2}</{0}>", tag, number ? " class=\"n\"" : "",
-                          EscapeHtml(cells[i][k]));
+                          number ? NumberHtml(cells[i][k]) : EscapeHtml(cells[i][k]));
     }
     html += "</tr>\n";
   }

@@ -67,6 +67,7 @@ TEST_F(MergeTest, TakesEqualDoublesOnceAndRefusesUnequalOnes) {
   });
   EXPECT_THAT(error, HasSubstr("trial 1 stands in another store with other hypotheses"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "other/results.sqlite"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "other/merging")) << "half of a store";
 }
 
 TEST_F(MergeTest, IsTheSameWhenItIsRepeatedAndGoesOnWhenMoreIsThere) {

@@ -87,6 +87,11 @@ TEST(ReportPage, WhereNothingWasLostOrTriedTheChartsSaySo) {
   }
 }
 
+TEST(ReportPage, ANumberBreaksBeforeItsIntervalAlone) {
+  const std::string html = TableHtml({{"part", "right"}, {"rod", "87.5 % [69.0, 95.7]"}});
+  EXPECT_THAT(html, HasSubstr(">87.5&nbsp;% <span>[69.0, 95.7]</span></td>"));
+}
+
 TEST(ReportPage, NamesCannotBreakThePage) {
   const std::string name = "</script><!--<script>\"'&";
   std::string html = TableHtml({{name}, {name}});

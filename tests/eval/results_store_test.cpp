@@ -207,5 +207,39 @@ TEST_F(ResultsStoreTest, AKilledWriterLosesOnlyWhatWasInFlight) {
   EXPECT_THAT(ResultsStore(folder_, "s").FinishedTrials(), ElementsAre(0, 1));
 }
 
+TEST_F(ResultsStoreTest, ItsJournalStaysBetweenTrialsAndGoesWithItsWriter) {
+  const auto journal = folder_ / "results.sqlite-journal";
+  {
+    ResultsStore store(folder_, "s");
+    store.Write(FullTrial(0));
+    EXPECT_TRUE(std::filesystem::exists(journal)) << "made anew for each trial";
+    EXPECT_THAT(ResultsStore::OpenToRead(folder_).FinishedTrials(), ElementsAre(0));
+    ResultsStore(folder_, "s").Write(FullTrial(1));
+    EXPECT_FALSE(std::filesystem::exists(journal));
+    store.Write(FullTrial(2));  // though the other has removed it
+  }
+  EXPECT_FALSE(std::filesystem::exists(journal));
+  EXPECT_THAT(ResultsStore::OpenToRead(folder_).FinishedTrials(), ElementsAre(0, 1, 2));
+}
+
+TEST_F(ResultsStoreTest, AKilledWritersJournalIsNoPartOfTheStore) {
+  const pid_t child = fork();
+  if (child == 0) {
+    ResultsStore store(folder_, "s");
+    store.Write(FullTrial(0));
+    kill(getpid(), SIGKILL);
+  }
+  waitpid(child, nullptr, 0);
+  const auto journal = folder_ / "results.sqlite-journal";
+  ASSERT_TRUE(std::filesystem::exists(journal));
+  const auto copy = folder_ / "copy";
+  std::filesystem::create_directory(copy);
+  std::filesystem::copy_file(folder_ / "results.sqlite", copy / "results.sqlite");
+  EXPECT_THAT(ResultsStore::OpenToRead(copy).FinishedTrials(), ElementsAre(0));
+  ResultsStore::Tidy(folder_);
+  EXPECT_FALSE(std::filesystem::exists(journal));
+  EXPECT_THAT(ResultsStore::OpenToRead(folder_).FinishedTrials(), ElementsAre(0));
+}
+
 }  // namespace
 }  // namespace pickbed

@@ -82,6 +82,17 @@ TEST_F(SweepTest, JobsAndShardsDoNotMatter) {
   }
 }
 
+TEST_F(SweepTest, LeavesNoJournalBesideTheStore) {
+  RunSweep(StubSweep(1, 8), Options("whole", 3), {});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "whole/results.sqlite-journal"));
+  SweepOptions shard = Options("sharded", 3);
+  shard.shard = {2, 2};
+  RunSweep(StubSweep(1, 8), shard, {});
+  const auto folder = ShardFolder(shard.out, shard.shard);
+  EXPECT_TRUE(std::filesystem::exists(folder / "results.sqlite"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "results.sqlite-journal"));
+}
+
 TEST_F(SweepTest, TrialsAreNumberedByPointAndPairedByScene) {
   RunSweep(StubSweep(2, 3), Options("s", 2), {});
   const ResultsStore store = ResultsStore::OpenToRead(folder_ / "s");

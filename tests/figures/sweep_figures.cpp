@@ -1,8 +1,12 @@
-// Measurements of sweeps with a stub in place of the physics, run by hand:
+// Measurements of sweeps, run by hand. With a stub in place of the physics:
 //
 //   sweep_figures store 10000   trials into 8 shards, merged: seconds and peak memory
 //   sweep_figures kills 50      kill -9 of a sweep at random moments, resumed each time: trials
 //                               lost, doubled, damaged stores
+//
+// Of a real one, by 2 workers:
+//
+//   sweep_figures share SWEEP.yaml 8   trials a point: what store and statistics take of the time
 
 #include <fmt/format.h>
 #include <signal.h>
@@ -15,7 +19,10 @@
 #include <filesystem>
 
 #include "eval/merge.h"
+#include "eval/progress.h"
 #include "eval/results_store.h"
+#include "eval/sweep_progress.h"
+#include "eval/sweep_spec.h"
 #include "scenes/files.h"
 #include "tests/eval/stub_sweep.h"
 #include "tests/support/temporary_folder.h"
@@ -108,18 +115,48 @@ void MeasureKills(int kills) {
   }
 }
 
+void MeasureShare(const std::filesystem::path& file, int trials) {
+  const TemporaryFolder temporary;
+  SweepOptions options;
+  options.out = temporary.path() / "sweep";
+  options.jobs = 2;
+  SweepSpec spec = LoadSweepSpec(file);
+  if (trials > 0) spec.trials = trials;
+  const auto start = Clock::now();
+  SweepReport report;
+  {
+    ProgressLine progress;
+    report = RunSweep(MakeSweep(spec, options.out, "objects"), options,
+                      ShowOn(progress, [] { return false; }));
+  }
+  const double wall_s = SecondsSince(start);
+  double all_s = 0;
+  for (const auto& [stage, seconds] : report.seconds) all_s += seconds;
+  fmt::print("{} trials by {} workers in {:.1f} s\n", report.finished, options.jobs, wall_s);
+  for (const auto& [stage, seconds] : report.seconds) {
+    fmt::print("{:<10}{:10.3f} s {:8.3f} %\n", stage, seconds, 100 * seconds / all_s);
+  }
+  const double kept_s =
+      report.seconds["store"] + report.seconds["progress"] + report.seconds["files"];
+  fmt::print("store, progress and files with statistics: {:.3f} %\n", 100 * kept_s / all_s);
+}
+
 }  // namespace
 }  // namespace pickbed
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
+  if (what == "share" && argc > 2) {
+    pickbed::MeasureShare(argv[2], argc > 3 ? std::atoi(argv[3]) : 0);
+    return 0;
+  }
   const int number = argc > 2 ? std::atoi(argv[2]) : 0;
   if (what == "store") {
     pickbed::MeasureStore(number > 0 ? number : 10000);
   } else if (what == "kills") {
     pickbed::MeasureKills(number > 0 ? number : 50);
   } else {
-    fmt::print("sweep_figures store 10000 | kills 50\n");
+    fmt::print("sweep_figures store 10000 | kills 50 | share SWEEP.yaml 8\n");
     return 1;
   }
   return 0;

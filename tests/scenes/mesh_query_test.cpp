@@ -93,6 +93,20 @@ TEST(ClosestPoint, OfABoxInsideAndOutside) {
   }
 }
 
+TEST(IsWithin, AgreesWithTheClosestPointToTheLastBit) {
+  Rng rng(3);
+  for (const int count : {1, 5, 300}) {
+    const MeshQuery query(Soup(count, rng));
+    for (int i = 0; i < 200; ++i) {
+      const Vector3d p = 1.5 * rng.Uniform() * rng.UnitVector();
+      const double distance = query.ClosestPoint(p).distance;
+      EXPECT_TRUE(query.IsWithin(p, distance));
+      EXPECT_TRUE(query.IsWithin(p, 2 * distance));
+      EXPECT_FALSE(query.IsWithin(p, distance * (1 - 1e-15)));
+    }
+  }
+}
+
 TEST(Raycast, EqualsBruteForceOnASoup) {
   Rng rng(2);
   const TriangleMesh soup = Soup(300, rng);
