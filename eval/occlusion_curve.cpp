@@ -160,7 +160,7 @@ std::string CurveTable(const std::vector<BandFigures>& bands) {
     if (band.trials_without == 0) continue;
     const BlockerCounts& b = band.account.blockers;
     text += fmt::format(
-        "  {} %: {} trials without a scene; {} targets given up; of {} blockers {} hid too much, "
+        "  {} %: trials without a scene: {}; targets given up: {}; of {} blockers {} hid too much, "
         "{} too little, {} disturbed the scene\n",
         band.band.name(), band.trials_without, band.account.given_up, b.dropped, b.jumped,
         b.useless, b.refused);

@@ -31,6 +31,12 @@ fs::path ExecutableDir() {
   return fs::read_symlink("/proc/self/exe", error).parent_path();
 }
 
+const char* WhatToDo(int error) {
+  if (error == ENOSPC || error == EDQUOT) return "; make room and repeat the command";
+  if (error == EROFS || error == EACCES || error == EPERM) return "; choose another folder";
+  return "";
+}
+
 // A temporary file beside the target, removed unless it was renamed away.
 class TemporaryFile {
  public:
@@ -68,8 +74,9 @@ class TemporaryFile {
 
  private:
   [[noreturn]] void Fail() const {
-    const std::string reason = std::strerror(errno);
-    throw InputError("cannot write '" + target_.string() + "': " + reason);
+    const int error = errno;
+    throw InputError("cannot write '" + target_.string() + "': " + std::strerror(error) +
+                     WhatToDo(error));
   }
 
   fs::path target_;

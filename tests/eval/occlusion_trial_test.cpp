@@ -160,7 +160,7 @@ TEST(OcclusionCurve, CountsTheTargetAndNoOther) {
   EXPECT_EQ(bands[1].trials_without, 1);
   const std::string table = CurveTable(bands);
   EXPECT_THAT(table, HasSubstr("66.7 % [20.8, 93.9]"));
-  EXPECT_THAT(table, HasSubstr("90-100 %: 1 trials without a scene; 2 targets given up; of 4 "
+  EXPECT_THAT(table, HasSubstr("90-100 %: trials without a scene: 1; targets given up: 2; of 4 "
                                "blockers 0 hid too much, 0 too little, 4 disturbed the scene"));
 }
 
