@@ -81,13 +81,17 @@ std::vector<NamedRate> Rates() {
                                {"top1", "top-ranked pose right", TopRankedRight()}};
   const std::vector<RecallBand> bands = EmptyRecallBands();
   rates.push_back({"recall", "recall", InstancesRecalled(bands.front().visible_min, 1)});
-  for (const RecallBand& band : bands) {
-    const int low = static_cast<int>(std::lround(100 * band.visible_min));
-    const int high = static_cast<int>(std::lround(100 * band.visible_max));
-    rates.push_back({fmt::format("recall_{}_{}", low, high),
-                     fmt::format("recall, {}-{} % visible", low, high),
-                     InstancesRecalled(band.visible_min, band.visible_max)});
-  }
+  const auto add_bands = [&](const char* key, const char* name, auto count) {
+    for (const RecallBand& band : bands) {
+      const int low = static_cast<int>(std::lround(100 * band.visible_min));
+      const int high = static_cast<int>(std::lround(100 * band.visible_max));
+      rates.push_back({fmt::format("{}_{}_{}", key, low, high),
+                       fmt::format("{}, {}-{} % visible", name, low, high),
+                       count(band.visible_min, band.visible_max)});
+    }
+  };
+  add_bands("recall", "recall", InstancesRecalled);
+  add_bands("target_picked", "target picked", TargetsPicked);
   return rates;
 }
 

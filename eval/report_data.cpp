@@ -73,7 +73,8 @@ std::vector<BandRates> BandsOf(const PointTrials& point) {
     const double min = band.visible_min, max = band.visible_max;
     rates.push_back({fmt::format("{:.0f}-{:.0f} %", 100 * min, 100 * max),
                      RateOfScenes(point, InstancesRecalled(min, max)),
-                     RateOfScenes(point, SuccessByVisibility(min, max))});
+                     RateOfScenes(point, SuccessByVisibility(min, max)),
+                     RateOfScenes(point, TargetsPicked(min, max))});
   }
   return rates;
 }

@@ -50,6 +50,7 @@ struct ReportRate {
 struct BandRates {
   std::string name;  // "30-50 %"
   ReportRate recall, picks;
+  ReportRate targets;  // of looks at a target, those that brought it; without targets none tried
 };
 
 enum class PoseError { kMssd, kTranslation, kRotation };

@@ -95,6 +95,17 @@ TrialCount SuccessByVisibility(double visible_min, double visible_max) {
   };
 }
 
+TrialCount TargetsPicked(double visible_min, double visible_max) {
+  return [=](const TrialResult& trial, Cluster& scene) {
+    for (const PickRecord& look : trial.picks) {
+      if (look.target < 0) continue;
+      if (!InBand(VisibleFraction(look, look.target), visible_min, visible_max)) continue;
+      ++scene.tries;
+      scene.hits += look.loss == Loss::kNone;
+    }
+  };
+}
+
 std::vector<Cluster> CountByScene(std::span<const TrialResult> trials,
                                   const std::vector<int>& scenes, const TrialCount& count) {
   std::vector<Cluster> clusters(scenes.size());

@@ -28,6 +28,8 @@ TrialCount InstancesRecalled(double visible_min, double visible_max);
 // Successes of executed grasps by the visible fraction of the part that was aimed at: the target of
 // a look that has one, else the instance that the executed pose stands on.
 TrialCount SuccessByVisibility(double visible_min, double visible_max);
+// Looks about a target of that visible fraction that brought it; one that found no grasp did not.
+TrialCount TargetsPicked(double visible_min, double visible_max);
 
 // A cluster a scene, in the order of `scenes` (ascending); trials of other scenes are left out.
 std::vector<Cluster> CountByScene(std::span<const TrialResult> trials,

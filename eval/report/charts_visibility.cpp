@@ -31,30 +31,50 @@ constexpr const char* kRecallCaption =
 constexpr const char* kPickCaption =
     "Pick success: share of the executed grasps that brought their part, by how much of it was in "
     "view.";
+constexpr const char* kTargetCaption =
+    "Share of the looks about a target that brought it; one that found no grasp did not.";
 constexpr const char* kBandCaption = "Shaded: 95 % intervals, with scenes as units.";
+
+std::vector<Curve> OfEach(std::span<const PointReport> points, ReportRate BandRates::*rate) {
+  std::vector<Curve> curves;
+  for (const PointReport& point : points) curves.push_back({point.name, &point, rate});
+  return curves;
+}
+
+bool HasTargets(std::span<const PointReport> points) {
+  for (const PointReport& point : points) {
+    for (const BandRates& band : point.bands) {
+      if (band.targets.tries > 0) return true;
+    }
+  }
+  return false;
+}
 
 }  // namespace
 
 std::vector<ReportChart> VisibilityCharts(std::span<const PointReport> points) {
+  std::vector<ReportChart> charts;
   if (points.size() == 1) {
     const PointReport* point = points.data();
-    return {CurvesOf(
+    charts.push_back(CurvesOf(
         {"visibility", "Recall and pick success by visible fraction",
          fmt::format("{} {} {}", kRecallCaption, kPickCaption, kBandCaption), ""},
         "share",
-        {{"recall", point, &BandRates::recall}, {"pick success", point, &BandRates::picks}})};
+        {{"recall", point, &BandRates::recall}, {"pick success", point, &BandRates::picks}}));
+  } else {
+    charts.push_back(CurvesOf({"recall", "Recall by visible fraction",
+                               fmt::format("{} {}", kRecallCaption, kBandCaption), ""},
+                              "recall", OfEach(points, &BandRates::recall)));
+    charts.push_back(CurvesOf({"pick-success", "Pick success by visible fraction",
+                               fmt::format("{} {}", kPickCaption, kBandCaption), ""},
+                              "pick success", OfEach(points, &BandRates::picks)));
   }
-  std::vector<Curve> recall, picks;
-  for (const PointReport& point : points) {
-    recall.push_back({point.name, &point, &BandRates::recall});
-    picks.push_back({point.name, &point, &BandRates::picks});
+  if (HasTargets(points)) {
+    charts.push_back(CurvesOf({"target-picked", "Targets picked by visible fraction",
+                               fmt::format("{} {}", kTargetCaption, kBandCaption), ""},
+                              "targets picked", OfEach(points, &BandRates::targets)));
   }
-  return {CurvesOf({"recall", "Recall by visible fraction",
-                    fmt::format("{} {}", kRecallCaption, kBandCaption), ""},
-                   "recall", recall),
-          CurvesOf({"pick-success", "Pick success by visible fraction",
-                    fmt::format("{} {}", kPickCaption, kBandCaption), ""},
-                   "pick success", picks)};
+  return charts;
 }
 
 }  // namespace pickbed

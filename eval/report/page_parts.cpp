@@ -29,6 +29,22 @@ std::string NumberHtml(const std::string& cell) {
   return html + " <span>" + EscapeHtml(cell.substr(interval + 1)) + "</span>";
 }
 
+// Names of points as "estimator.name=ppf,seed=1" may break between their words alone.
+std::string HeadHtml(const std::string& cell) {
+  std::string html = "<th>";
+  for (const char c : EscapeHtml(cell)) {
+    html += c;
+    if (c == '=' || c == ',' || c == '.') html += "<wbr>";
+  }
+  return html + "</th>";
+}
+
+std::string CellHtml(const std::string& cell, bool may_be_number) {
+  if (may_be_number && IsNumber(cell))
+    return fmt::format("<td class=\"n\">{}</td>", NumberHtml(cell));
+  return fmt::format("<td>{}</td>", EscapeHtml(cell));
+}
+
 }  // namespace
 
 std::string Base64(const std::string& bytes) {
@@ -54,10 +70,7 @@ std::string TableHtml(const TableCells& cells) {
   for (size_t i = 0; i < cells.size(); ++i) {
     html += "<tr>";
     for (size_t k = 0; k < cells[i].size(); ++k) {
-      const char* tag = i == 0 ? "th" : "td";
-      const bool number = i > 0 && k > 0 && IsNumber(cells[i][k]);
-      html += fmt::format("<{0}{1}>{2}</{0}>", tag, number ? " class=\"n\"" : "",
-                          number ? NumberHtml(cells[i][k]) : EscapeHtml(cells[i][k]));
+      html += i == 0 ? HeadHtml(cells[i][k]) : CellHtml(cells[i][k], /*may_be_number=*/k > 0);
     }
     html += "</tr>\n";
   }

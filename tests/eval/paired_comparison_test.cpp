@@ -91,6 +91,22 @@ TEST(CountByScene, OfALookAboutATargetTheTargetAloneCounts) {
   EXPECT_EQ(CountByScene(trials, SuccessByVisibility(0.9, 1))[0].tries, 0);
 }
 
+// Where no grasp is found nothing is executed, and yet the target was not picked.
+TEST(CountByScene, ATargetWithoutAGraspIsNotPicked) {
+  PickRecord picked = Look({0.95, 0.4, 0.4}, 2, true);
+  picked.target = 1;
+  PickRecord none = picked;
+  none.grasp.reset();
+  none.loss = Loss::kNoGrasp;
+  PickRecord untargeted = Look({0.4, 0.4}, 1, true);
+  const std::vector<TrialResult> trials{Trial(0, 0, {picked, none, untargeted})};
+  const auto of_band = CountByScene(trials, TargetsPicked(0.3, 0.5));
+  EXPECT_EQ(of_band[0].tries, 2);
+  EXPECT_EQ(of_band[0].hits, 1);
+  EXPECT_EQ(CountByScene(trials, SuccessByVisibility(0.3, 0.5))[0].tries, 2);
+  EXPECT_EQ(CountByScene(trials, TargetsPicked(0.9, 1))[0].tries, 0);
+}
+
 // One pick a scene: the counts of McNemar's table are 2 and 9, by hand.
 TEST(ComparePaired, OneOutcomeASceneIsMcNemars) {
   const auto before = OnePickRun({0, 1, 2, 3, 4, 5});

@@ -35,6 +35,20 @@ std::vector<std::string> Column(const TableCells& cells, size_t column) {
   return values;
 }
 
+// The share of targets that were picked is drawn where looks have a target, and only there.
+TEST(VisibilityCharts, DrawPickedTargetsWhereThereAreTargets) {
+  PointTrials point{"one", {"rod", "flange"}, StubTrials(15, {}), {}};
+  EXPECT_EQ(VisibilityCharts(ReportOn({&point, 1})).size(), 1u);
+  for (TrialResult& trial : point.trials) {
+    for (PickRecord& look : trial.picks) {
+      if (!look.instances.empty()) look.target = look.instances.front().instance;
+    }
+  }
+  const auto charts = VisibilityCharts(ReportOn({&point, 1}));
+  ASSERT_EQ(charts.size(), 2u);
+  EXPECT_EQ(charts[1].id, "target-picked");
+}
+
 TEST(ReportPage, Base64IsThatOfRfc4648) {
   EXPECT_EQ(Base64(""), "");
   EXPECT_EQ(Base64("f"), "Zg==");
