@@ -31,7 +31,7 @@ struct CropArguments {
 
 // Of --small: parts that look unlike, few views, one network.
 constexpr const char* kSmallParts[] = {"bracket", "pipe_tee", "mug"};
-constexpr const char* kSmallMethods[] = {"wohlhart", "hog", "random"};
+constexpr const char* kSmallMethods[] = {"wohlhart", "hog", "linemod", "random"};
 constexpr const char* kSmallConditions[] = {"clean", "noisy", "occluded_30"};
 
 void MakeSmall(CropArguments& arguments, CropBenchmarkOptions& options) {

@@ -2,6 +2,7 @@
 
 #include "perception/crop_lookup.h"
 #include "perception/hog.h"
+#include "perception/linemod.h"
 
 namespace pickbed {
 namespace {
@@ -85,6 +86,8 @@ constexpr CropMethodRow kRows[] = {
     {"wohlhart_depth", "the same from depth alone", &MakeDepthWohlhart},
     {"wohlhart_rgb", "the same from colour alone", &MakeColorWohlhart},
     {"hog", "histograms of oriented gradients of depth and grey, OpenCV", &MakeHog},
+    {"linemod", "templates of colour gradients and surface normals, Hinterstoisser 2012, OpenCV",
+     &MakeLinemodMethod},
     {"random", "any template: the floor", &MakeRandom},
 };
 

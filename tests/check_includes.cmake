@@ -20,7 +20,7 @@ set(rooms
   "pcl/=>^perception/(icp|normals)\\.cpp$"
   "flann/=>^perception/neighbors\\.cpp$"
   "assimp/=>^scenes/(mesh_io|glb_writer)\\.cpp$"
-  "opencv2/=>^(scenes/image_io\\.cpp|eval/report/draw[a-z_]*\\.cpp|perception/estimators/ppf_matcher\\.cpp|perception/hog\\.cpp)$"
+  "opencv2/=>^(scenes/image_io\\.cpp|eval/report/draw[a-z_]*\\.cpp|perception/estimators/ppf_matcher\\.cpp|perception/(hog|linemod)\\.cpp)$"
   "yaml-cpp/=>^scenes/settings(_tree)?\\.cpp$"
   "sqlite3=>^eval/results_[a-z_]+(\\.cpp|_impl\\.h)$"
   "boost/=>^eval/(statistics|paired_tests)\\.cpp$"
