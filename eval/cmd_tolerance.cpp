@@ -92,10 +92,10 @@ ToleranceOptions OptionsOf(const Arguments& arguments) {
   for (const std::string& setting : arguments.settings) {
     ApplySetting(setting, [&](SettingsVisitor& v) { options.Visit(v); });
   }
-  CheckInput(options.pair_stride <= options.steps,
+  options.pairs = AxisPairs(arguments.pairs);
+  CheckInput(options.pairs.empty() || options.pair_stride <= options.steps,
              fmt::format("pair_stride = {}: must not be over steps = {}", options.pair_stride,
                          options.steps));
-  options.pairs = AxisPairs(arguments.pairs);
   return options;
 }
 

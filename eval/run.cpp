@@ -74,7 +74,9 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
   GripperSpec gripper = BlameKey(spec, "gripper", [&] { return LoadGripper(spec.gripper); });
   BlameKey(spec, "gripper", [&] {
     RequireFitsBin(gripper, BinOf(spec));
-    for (const auto& object : objects) RequireCanCarry(gripper, *object);
+    for (size_t i = 0; i < objects.size(); ++i) {
+      if (!spec.objects[i].foreign) RequireCanCarry(gripper, *objects[i]);
+    }
   });
   SensorProfile sensor = BlameKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); });
   text += WriteSettings([&](SettingsVisitor& v) { gripper.Visit(v); });

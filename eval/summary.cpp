@@ -29,7 +29,7 @@ void CountPick(const PickRecord& pick, RunSummary& summary) {
   }
   summary.attempts += pick.grasp.has_value();
   summary.successes += pick.grasp && pick.loss == Loss::kNone;
-  // A look that led to no attempt is a lost pick too, and ends its trial.
+  // A look that led to no attempt is a lost pick too.
   if (pick.loss != Loss::kNone) ++summary.losses[std::string(LossName(pick.loss))];
 }
 

@@ -32,6 +32,19 @@ void Reach(const std::vector<LevelShare>& levels, int middle, int direction, dou
   end += (inside - least) / (inside - outside) * (levels[at + direction].offset - end);
 }
 
+// Of each grasp, the first that is the same.
+std::vector<int> FirstAlike(const std::vector<TableGrasp>& grasps) {
+  std::vector<int> first(grasps.size());
+  for (size_t i = 0; i < grasps.size(); ++i) {
+    const auto same = [&](const TableGrasp& other) {
+      return other.place == grasps[i].place &&
+             other.candidate.X_OG.matrix() == grasps[i].candidate.X_OG.matrix();
+    };
+    first[i] = static_cast<int>(std::find_if(grasps.begin(), grasps.end(), same) - grasps.begin());
+  }
+  return first;
+}
+
 class Reader {
  public:
   Reader(const ToleranceStudy& study, const std::vector<TryOutcome>& outcomes)
@@ -96,12 +109,14 @@ class Reader {
     return model;
   }
 
+  // Tries of the same grasp are one cluster.
   std::vector<JudgedPick> TestPicks() const {
+    const std::vector<int> first_alike = FirstAlike(study_.grasps);
     std::vector<JudgedPick> picks;
     for (size_t i = 0; i < study_.tries.size(); ++i) {
       if (study_.tries[i].kind != TryKind::kTest) continue;
       const ToleranceTry& t = study_.tries[i];
-      picks.push_back({t.X_OO, outcomes_[i].success, static_cast<int>(i),
+      picks.push_back({t.X_OO, outcomes_[i].success, first_alike[t.grasp],
                        study_.grasps[t.grasp].candidate.X_OG});
     }
     return picks;

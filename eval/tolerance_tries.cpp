@@ -153,7 +153,9 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part, const GripperS
   ToleranceStudy study;
   study.options = options;
   study.table = MakeTable(part, gripper, std::move(candidates), options.table);
-  // Each kind draws grasps of its own, so that none is judged by grasps that it was made from.
+  // Each kind draws for itself. The planner takes few of a part's candidates, so that the same
+  // grasp may come twice, and in several kinds: what is judged are errors that the model has not
+  // seen.
   const auto draw = [&](int count, std::string_view stream) {
     Rng rng = Rng::Derive(options.seed, 0, stream);
     const auto drawn = DrawTableGrasps(study.table, count, rng, options.table);

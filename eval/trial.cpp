@@ -12,7 +12,7 @@
 #include "eval/oracle.h"
 #include "eval/trial_impl.h"
 #include "eval/trial_observer.h"
-#include "grasp/candidates.h"
+#include "grasp/require_candidates.h"
 
 namespace pickbed {
 namespace {
@@ -64,9 +64,12 @@ TrialRunner::Impl::Impl(const ScenarioSpec& scenario, const ObjectSet& objects,
   if (truth.pose && !truth.refinement && scenario.estimator.name != kOracleName) {
     fed_refiner = std::make_unique<FedRefiner>(cell.objects(), scenario.refiner);
   }
-  for (const auto& model : cell.objects()) {
-    metric_models.push_back(MakeMetricModel(*model));
-    candidates.push_back(CachedCandidates(*model, gripper));
+  for (size_t i = 0; i < cell.objects().size(); ++i) {
+    const ObjectModel& model = *cell.objects()[i];
+    metric_models.push_back(MakeMetricModel(model));
+    candidates.emplace_back();  // none of a part that is not to be picked
+    if (!cell.IsWanted(static_cast<int>(i))) continue;
+    BlameKey(scenario, "gripper", [&] { candidates.back() = RequireCandidates(model, gripper); });
   }
 }
 

@@ -22,13 +22,31 @@ constexpr const char* kVersion = "pickbed grasps 5\n";
 constexpr size_t kNumbersEach = 18;  // rows of [R|p], width, depth, the qualities
 using PoseRows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
+// Each so that it reads back the same.
+std::string Numbers(const Eigen::MatrixXd& values) {
+  std::string text;
+  for (const double value : values.reshaped()) text += fmt::format("{} ", value);
+  return text;
+}
+
 uint64_t Key(const ObjectModel& model, GripperSpec gripper, GraspCandidateOptions options) {
   std::string text = kVersion;
   text += fmt::format("{:016x} {} {} {} {} {} {}\n", model.mesh_hash, model.friction,
                       model.diameter_m, model.mass.mass_kg, model.mass.com_O.x(),
                       model.mass.com_O.y(), model.mass.com_O.z());
   for (const RestingDirection& resting : model.resting_O) {
-    text += fmt::format("{} {} {}\n", resting.up_O.x(), resting.up_O.y(), resting.up_O.z());
+    text += fmt::format("rests {} {}\n", Numbers(resting.up_O), resting.probability);
+  }
+  for (const Pose& discrete : model.symmetries_O.discrete_O) {
+    text += fmt::format("symmetry {}\n", Numbers(discrete.matrix()));
+  }
+  for (const ContinuousSymmetry& axis : model.symmetries_O.continuous_O) {
+    text += fmt::format("axis {} {}\n", Numbers(axis.axis_O), Numbers(axis.offset_O));
+  }
+  for (const ConvexPiece& piece : model.convex_parts_O) {
+    text += "piece";
+    for (const Eigen::Vector3d& vertex : piece.vertices_O) text += ' ' + Numbers(vertex);
+    text += '\n';
   }
   text += WriteSettings([&](SettingsVisitor& v) { gripper.Visit(v); });
   text += WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });

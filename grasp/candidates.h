@@ -24,9 +24,9 @@ struct GraspCandidateOptions {
 std::vector<GraspCandidate> MakeCandidates(const ObjectModel& model, const GripperSpec& gripper,
                                            Rng& rng, const GraspCandidateOptions& options = {});
 
-// The same from the cache, keyed by what the part is (mesh, mass, friction, how it rests), the
-// gripper and the
-// options; made and stored when missing. Same inputs, same candidates, with or without a cache.
+// The same from the cache, keyed by what the part is (mesh, mass, friction, symmetries, convex
+// pieces, how it rests), the gripper and the options; made and stored when missing. Same inputs,
+// same candidates, with or without a cache.
 std::vector<GraspCandidate> CachedCandidates(const ObjectModel& model, const GripperSpec& gripper,
                                              const GraspCandidateOptions& options = {});
 

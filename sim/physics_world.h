@@ -42,8 +42,9 @@ struct PhysicsOptions {
   // flat faces can tremble for ever by microns at more than the speeds above.
   double still_m = 0.0002;
   // Above 0: two bodies that have both stayed within this since their contacts were last looked for
-  // in full keep those contacts, see sim/contact_reuse_impl.h. Off for grasping, whose figures were
-  // measured without.
+  // in full keep those contacts, see sim/contact_reuse_impl.h. The figures of friction and torsion
+  // were measured without; with it verdicts of whole grasps are the same
+  // (tests/figures/execute_figures).
   double contact_reuse_m = 0;
   // Boxes of bodies that sleep or are static are not looked at again. Another order of pairs
   // follows from it, and so other piles from the same seed.

@@ -11,6 +11,8 @@
 #include "eval/virtual_cell.h"
 #include "scenes/check.h"
 #include "tests/eval/cube_scenario.h"
+#include "tests/sim/physics_parts.h"
+#include "tests/support/error_of.h"
 
 namespace pickbed {
 namespace {
@@ -18,6 +20,9 @@ namespace {
 TrialResult RunOne(const ScenarioSpec& spec, const ObjectSet& objects, int trial = 0) {
   return TrialRunner(spec, objects).Run(trial);
 }
+
+// It can be held by its edge alone, which lies on the floor.
+ObjectSet WidePlate() { return {BoxPart({0.12, 0.11, 0.006}, 0.2)}; }
 
 // All that is measured, as text.
 std::string Record(const TrialResult& result, const ObjectSet& objects) {
@@ -65,7 +70,7 @@ TEST(Trial, PolicyLimitsThePicks) {
   EXPECT_EQ(one.picks.size(), 1u);
   EXPECT_EQ(BudgetOfInstances({&one, 1}).not_asked, 2);
   // A bin without a grasp was asked for one part, too.
-  const TrialResult none = RunOne(spec, {Cube(0.09, 0.2, 0.6)});
+  const TrialResult none = RunOne(spec, WidePlate());
   EXPECT_EQ(BudgetOfInstances({&none, 1})[Loss::kNoGrasp], 1);
   EXPECT_EQ(BudgetOfInstances({&none, 1}).asked(), 1);
   spec.policy.stop = "until_empty";
@@ -76,8 +81,8 @@ TEST(Trial, PolicyLimitsThePicks) {
   EXPECT_EQ(result.parts_cleared, 2);
 }
 
-TEST(Trial, APartWiderThanTheHandEndsWithoutAttempt) {
-  const TrialResult result = RunOne(CubeScenario(1), {Cube(0.09, 0.2, 0.6)});
+TEST(Trial, APartThatLiesOutOfReachEndsWithoutAttempt) {
+  const TrialResult result = RunOne(CubeScenario(1), WidePlate());
   EXPECT_EQ(result.ended_by, Loss::kNoGrasp);
   ASSERT_EQ(result.picks.size(), 1u);
   EXPECT_FALSE(result.picks[0].grasp.has_value());
@@ -172,6 +177,18 @@ TEST(Trial, AFailedGraspIsRepeatedOnlyWhenNothingElseIsLeft) {
   EXPECT_GT(chances, 2) << "the case did not occur";
 }
 
+// All its sides are wider than the hand opens; a cup can hold it. As a foreign part it may be so.
+TEST(Trial, APartWithoutAnyGraspIsSaidBeforeTheFirstTrial) {
+  ScenarioSpec spec = CubeScenario(1);
+  const ObjectSet wide{Cube(0.09, 0.2, 0.6)};
+  EXPECT_THAT(ErrorOf([&] { TrialRunner(spec, wide); }),
+              testing::AllOf(testing::HasSubstr("gripper: part 'cube' has no"),
+                             testing::HasSubstr("cup_30mm has")));
+  spec.objects.push_back(spec.objects[0]);
+  spec.objects[0].foreign = true;
+  EXPECT_NO_THROW(TrialRunner(spec, {wide[0], EasyCube()[0]}));
+}
+
 TEST(Trial, UnknownNamesAreBadInput) {
   for (const auto& spoil : std::vector<std::function<void(ScenarioSpec&)>>{
            [](ScenarioSpec& s) { s.estimator.name = "orcale"; },
@@ -189,7 +206,7 @@ TEST(Trial, ThePolicyThatLooksAgainCountsLooksWithoutGrasp) {
   ScenarioSpec spec = CubeScenario(1);
   spec.policy.stop = "look_again";
   spec.policy.max_failures_in_row = 3;
-  const TrialResult result = RunOne(spec, {Cube(0.09, 0.2, 0.6)});
+  const TrialResult result = RunOne(spec, WidePlate());
   EXPECT_EQ(result.picks.size(), 3u);
   EXPECT_EQ(result.ended_by, Loss::kNoGrasp);
 }

@@ -108,5 +108,14 @@ TEST_F(CandidateCache, OtherGripperOtherEntry) {
   EXPECT_EQ(Files().size(), 2u);
 }
 
+// What a part looks like says on which sides it rests alike, and so how it is best set down.
+TEST_F(CandidateCache, OtherSymmetriesOtherEntry) {
+  CachedCandidates(*BracketPart(), SmallJaw(), kQuick);
+  ObjectModel other = *BracketPart();
+  other.symmetries_O.continuous_O.push_back({});
+  CachedCandidates(other, SmallJaw(), kQuick);
+  EXPECT_EQ(Files().size(), 2u);
+}
+
 }  // namespace
 }  // namespace pickbed

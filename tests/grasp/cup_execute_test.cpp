@@ -32,7 +32,6 @@ TEST(CupExecute, OverTheEdgeItDoesNotSeal) {
   EXPECT_EQ(LossName(PickWithCup(0.3, 0.025).loss), LossName(Loss::kClosedOnNothing));
 }
 
-// Its weight of 42 N is below the cup's 45, with the lift's 1.15 m/s^2 it is 47.
 // The palm behind the stem reaches 3 cm from its middle, the lip half of that.
 TEST(CupExecute, APalmThatMeetsTheWallIsACollision) {
   const GripperSpec cup = LoadGripper("cup_30mm");
@@ -62,6 +61,7 @@ TEST(CupExecute, AStemThatMeetsTheFloorIsACollision) {
   EXPECT_EQ(LossName(pick(-cup.cup.bellows_travel_m + 0.003)), LossName(Loss::kClosedOnNothing));
 }
 
+// Its weight of 42 N is below the cup's 45, with the lift's 1.15 m/s^2 it is 47.
 TEST(CupExecute, ItComesOffABoxThatIsTooHeavyToLiftSoFast) {
   EXPECT_EQ(LossName(PickWithCup(4.3, 0).loss), LossName(Loss::kSlipped));
 }
