@@ -49,11 +49,13 @@ PairedFigure PairedRate(const std::string& key, const std::string& name,
                         const std::vector<Cluster>& before, const std::vector<Cluster>& after);
 
 // The part of a run's settings or identity (eval/run.h) that makes its scenes: seed, bin, parts and
-// arrangement, with the hashes of meshes where the text has them. Trials of equal number have the
-// same dropped scene where these are equal, whatever looks at them.
+// arrangement, with the hashes of meshes where the text has them; of trials on occlusion also the
+// camera and all of `occlusion`, which place the blockers. Trials of equal number have the same
+// scenes where these are equal, whatever looks at them.
 std::string SceneKey(const std::string& settings);
 
-// Throws InputError, naming both runs and the first setting that differs, unless the keys agree.
+// Throws InputError, naming both runs and the first setting that differs with its group, unless the
+// keys agree.
 void RequireSameScenes(const std::string& settings_before, const std::string& settings_after,
                        const std::string& name_before, const std::string& name_after);
 

@@ -205,12 +205,39 @@ TEST(SceneKey, HoldsWhatMakesTheDropAlone) {
   }
 }
 
+std::string Occluded(const std::string& settings, const std::string& least = "0.1") {
+  return settings + "occlusion:\n  enabled: true\n  bands:\n    - least: " + least + "\n";
+}
+
+// Blockers are dropped along the line of sight until the bands are filled.
+TEST(SceneKey, HoldsTheCameraAndBandsOfTrialsOnOcclusion) {
+  const std::string key = SceneKey(Occluded(kSettings));
+  EXPECT_EQ(SceneKey(Occluded(With("name: ppf", "name: oracle"))), key);
+  EXPECT_NE(SceneKey(Occluded(With("width: 640", "width: 320"))), key);
+  EXPECT_NE(SceneKey(Occluded(kSettings, "0.2")), key);
+  EXPECT_NE(SceneKey(kSettings), key);
+  const std::string off = "occlusion:\n  enabled: false\n  margin: 0.1\n";
+  EXPECT_EQ(SceneKey(kSettings + off), SceneKey(kSettings)) << "plain trials know no bands";
+}
+
+TEST(RequireSameScenes, NamesTheSettingOfTrialsOnOcclusion) {
+  const auto error = [](const std::string& a, const std::string& b) {
+    return ErrorOf([&] { RequireSameScenes(a, b, "A", "B"); });
+  };
+  EXPECT_THAT(error(Occluded(kSettings), Occluded(kSettings, "0.2")),
+              HasSubstr("differ in occlusion: 'least: 0.1' in one, 'least: 0.2' in the other"));
+  EXPECT_THAT(error(Occluded(kSettings), Occluded(With("width: 640", "width: 320"))),
+              HasSubstr("differ in camera: 'width: 640' in one"));
+  EXPECT_THAT(error(Occluded(kSettings), kSettings),
+              HasSubstr("'occlusion.enabled: true' in one, 'occlusion.enabled: false'"));
+}
+
 TEST(RequireSameScenes, SaysWhatDiffers) {
   RequireSameScenes(kSettings, With("name: ppf", "name: oracle"), "A", "B");
   const std::string error = ErrorOf(
       [] { RequireSameScenes(kSettings, With("count: 5", "count: 6"), "runs/a", "runs/b"); });
   EXPECT_THAT(error, HasSubstr("runs/a and runs/b share no scenes"));
-  EXPECT_THAT(error, HasSubstr("'count: 5' in one, 'count: 6' in the other"));
+  EXPECT_THAT(error, HasSubstr("differ in objects: 'count: 5' in one, 'count: 6' in the other"));
 }
 
 TEST(PairedTable, AndJsonTellTheSame) {
