@@ -168,10 +168,9 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
     comparison.figures.push_back(PairedRate(rate.key, rate.name, a, b));
   }
   const auto add_median = [&](const char* key, const char* name, const ErrorOfPose& error) {
-    const ValueClusters a = ErrorsByScene(before, shared, error);
-    const ValueClusters b = ErrorsByScene(after, shared, error);
-    if (std::isnan(MedianOf(a)) || std::isnan(MedianOf(b))) return;
-    comparison.figures.push_back(PairedMedian(key, name, a, b));
+    const PairedErrors errors = PairedErrorsByScene(before, after, shared, error);
+    if (std::isnan(MedianOf(errors.before))) return;
+    comparison.figures.push_back(PairedMedian(key, name, errors.before, errors.after));
   };
   add_median("median_mssd_diameters", "median MSSD, diameters",
              [](const HypothesisScore& pose) { return pose.mssd_diameters; });

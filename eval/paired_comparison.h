@@ -38,9 +38,9 @@ struct PairedComparison {
 };
 
 // Pick success, parts cleared, recall of all at least 10 % visible and by visible fraction, targets
-// picked by visible fraction, top-ranked poses, median MSSD and rotation of the poses that stand on
-// an instance. Figures of which a run tells nothing are left out. Trials are paired by their scene
-// number; pass those of one point each. Throws InputError when no scene is shared.
+// picked by visible fraction, top-ranked poses, median MSSD and rotation on the instances that both
+// found (PairedErrorsByScene). Figures of which a run tells nothing are left out. Trials are paired
+// by their scene number; pass those of one point each. Throws InputError when no scene is shared.
 PairedComparison ComparePaired(std::span<const TrialResult> before,
                                std::span<const TrialResult> after);
 

@@ -23,6 +23,7 @@ PickRecord Look(const std::vector<double>& visible, int recalled, bool picked) {
     pick.instances.push_back({instance, 0, visible[i], instance < recalled});
   }
   HypothesisScore top;
+  top.instance = 0;
   top.correct = recalled > 0;
   top.mssd_diameters = recalled > 0 ? 0.02 : 0.3;
   pick.hypotheses = {top};
@@ -157,6 +158,32 @@ TEST(ComparePaired, ErrorsAreComparedByTheirMedian) {
   EXPECT_NEAR(median.difference(), -0.01, 1.1e-3);
   EXPECT_LE(median.difference_ci95.high, -0.007);
   EXPECT_LT(median.p_value, 0.01);
+}
+
+// The second finds the hard part, too, and is as exact as the first on the easy one.
+TEST(ComparePaired, ErrorsAreThoseOnPartsThatBothFound) {
+  auto before = OnePickRun({}), after = OnePickRun({});
+  for (int i = 0; i < 20; ++i) {
+    std::vector<HypothesisScore>& a = before[i].picks[0].hypotheses;
+    std::vector<HypothesisScore>& b = after[i].picks[0].hypotheses;
+    a[0].mssd_diameters = b[0].mssd_diameters = 0.02;
+    a[0].score = b[0].score = 0.9;
+    b.push_back(b[0]);  // on the same part, and less sure of it
+    b.back().score = 0.3;
+    b.back().mssd_diameters = 0.4;
+    b.push_back(b.back());
+    b.back().instance = 2;
+    b.back().score = 0.8;
+  }
+  const PairedFigure& median = FigureOf(ComparePaired(before, after), "median_mssd_diameters");
+  EXPECT_DOUBLE_EQ(median.before, 0.02);
+  EXPECT_DOUBLE_EQ(median.after, 0.02);
+  EXPECT_EQ(median.discordant_scenes, 0);
+
+  for (TrialResult& trial : after) trial.picks[0].target = 2;
+  for (const PairedFigure& figure : ComparePaired(before, after).figures) {
+    EXPECT_TRUE(figure.is_rate) << "no part was found by both: " << figure.key;
+  }
 }
 
 TEST(ComparePaired, EqualRunsDoNotDiffer) {
