@@ -79,12 +79,7 @@ bool Parse(int argc, char** argv, Arguments& a) {
 SweepSpec SpecOf(const Arguments& a) {
   SweepSpec spec = LoadSweepSpec(a.file);
   if (a.trials) spec.trials = a.trials;
-  for (const std::string& setting : a.settings) {
-    const std::string key = setting.substr(0, setting.find('=') + 1);
-    std::erase_if(spec.set,
-                  [&](const PlacedSetting& old) { return old.assignment.starts_with(key); });
-    spec.set.push_back({setting, "--set " + setting});
-  }
+  for (const std::string& setting : a.settings) SetForAll(setting, spec);
   SlurmOptions& slurm = spec.slurm;
   slurm.shards = a.shards.value_or(slurm.shards);
   slurm.cpus = a.cpus.value_or(slurm.cpus);

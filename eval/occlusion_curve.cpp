@@ -69,6 +69,13 @@ std::string ShareText(const ShareOfLooks& share, const BandFigures& band) {
                      100 * share.ci95.high);
 }
 
+// A target that fills not all bands is given up; one that fills some has looks.
+bool NoTargetFound(const std::vector<BandFigures>& bands) {
+  return std::all_of(bands.begin(), bands.end(), [](const BandFigures& band) {
+    return band.looks == 0 && band.trials_without > 0 && band.account.given_up == 0;
+  });
+}
+
 std::string CsvLine(const std::string& point, const BandFigures& band) {
   std::string line =
       fmt::format("\"{}\",{},{},{},", point, band.band.least, band.band.most, band.looks);
@@ -164,6 +171,11 @@ std::string CurveTable(const std::vector<BandFigures>& bands) {
         "{} too little, {} disturbed the scene\n",
         band.band.name(), band.trials_without, band.account.given_up, b.dropped, b.jumped,
         b.useless, b.refused);
+  }
+  if (NoTargetFound(bands)) {
+    text +=
+        "  no scene came to rest with a part enough in view to be a target: look from higher up, "
+        "drop fewer parts or end the bands lower\n";
   }
   return text;
 }

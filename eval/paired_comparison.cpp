@@ -20,12 +20,32 @@ namespace {
 using Scenes = std::vector<int>;
 
 constexpr std::array kSceneSettings{"seed:", "bin:", "objects:", "arrangement:"};
+// What decides beyond these where blockers are put until a target is in view as much as wanted.
+constexpr std::array kSeriesSettings{"camera:", "occlusion:"};
 constexpr std::array kSceneHashes{"# part ", "# bin "};
 
 template <size_t N>
 bool BeginsWithAny(const std::string& line, const std::array<const char*, N>& heads) {
   return std::any_of(heads.begin(), heads.end(),
                      [&](const char* head) { return line.starts_with(head); });
+}
+
+// Whether the settings ask for trials on occlusion.
+bool IsOccluded(const std::string& settings) {
+  bool inside = false;
+  std::istringstream lines(settings);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("  enabled: true") && inside) return true;
+    if (!line.starts_with(" ")) inside = line.starts_with("occlusion:");
+  }
+  return false;
+}
+
+// "objects" of a line such as "objects:" or "# part rod is 0123"; empty inside of a group.
+std::string GroupOf(const std::string& line) {
+  if (line.empty() || line[0] == ' ' || line[0] == '-') return "";
+  if (line[0] == '#') return line.starts_with("# bin") ? "the bin's mesh" : "the parts' meshes";
+  return line.substr(0, line.find(':'));
 }
 
 bool OnceEach(const std::vector<Cluster>& clusters) {
@@ -148,10 +168,9 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
     comparison.figures.push_back(PairedRate(rate.key, rate.name, a, b));
   }
   const auto add_median = [&](const char* key, const char* name, const ErrorOfPose& error) {
-    const ValueClusters a = ErrorsByScene(before, shared, error);
-    const ValueClusters b = ErrorsByScene(after, shared, error);
-    if (std::isnan(MedianOf(a)) || std::isnan(MedianOf(b))) return;
-    comparison.figures.push_back(PairedMedian(key, name, a, b));
+    const PairedErrors errors = PairedErrorsByScene(before, after, shared, error);
+    if (std::isnan(MedianOf(errors.before))) return;
+    comparison.figures.push_back(PairedMedian(key, name, errors.before, errors.after));
   };
   add_median("median_mssd_diameters", "median MSSD, diameters",
              [](const HypothesisScore& pose) { return pose.mssd_diameters; });
@@ -162,13 +181,17 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
 }
 
 std::string SceneKey(const std::string& settings) {
-  std::string key;
+  const bool occluded = IsOccluded(settings);
+  std::string key = fmt::format("occlusion.enabled: {}\n", occluded);
   bool wanted = false;
   std::istringstream lines(settings);
   for (std::string line; std::getline(lines, line);) {
     if (line.empty()) continue;
     const bool is_inside = line[0] == ' ' || line[0] == '-';
-    if (!is_inside) wanted = BeginsWithAny(line, kSceneSettings);
+    if (!is_inside) {
+      wanted =
+          BeginsWithAny(line, kSceneSettings) || (occluded && BeginsWithAny(line, kSeriesSettings));
+    }
     if (wanted || BeginsWithAny(line, kSceneHashes)) key += line + "\n";
   }
   return key;
@@ -179,21 +202,23 @@ void RequireSameScenes(const std::string& settings_before, const std::string& se
   const std::string before = SceneKey(settings_before), after = SceneKey(settings_after);
   if (before == after) return;
   std::istringstream lines_before(before), lines_after(after);
-  std::string a, b;
+  std::string a, b, group;
   while (true) {
     const bool more_a = static_cast<bool>(std::getline(lines_before, a));
     const bool more_b = static_cast<bool>(std::getline(lines_after, b));
     if (!more_a) a = "nothing";
     if (!more_b) b = "nothing";
+    const std::string begun = GroupOf(more_a ? a : b);
+    if (!begun.empty()) group = begun;
     if (a != b) break;
   }
   const auto trimmed = [](const std::string& line) {
     return line.substr(std::min(line.size(), line.find_first_not_of(" -")));
   };
   throw InputError(
-      fmt::format("{} and {} share no scenes, which seed, bin, objects and arrangement make: "
-                  "'{}' in one, '{}' in the other",
-                  name_before, name_after, trimmed(a), trimmed(b)));
+      fmt::format("{} and {} share no scenes: they differ in {}: '{}' in one, '{}' "
+                  "in the other",
+                  name_before, name_after, group, trimmed(a), trimmed(b)));
 }
 
 std::string PairedTable(const PairedComparison& comparison) {

@@ -38,9 +38,9 @@ struct PairedComparison {
 };
 
 // Pick success, parts cleared, recall of all at least 10 % visible and by visible fraction, targets
-// picked by visible fraction, top-ranked poses, median MSSD and rotation of the poses that stand on
-// an instance. Figures of which a run tells nothing are left out. Trials are paired by their scene
-// number; pass those of one point each. Throws InputError when no scene is shared.
+// picked by visible fraction, top-ranked poses, median MSSD and rotation on the instances that both
+// found (PairedErrorsByScene). Figures of which a run tells nothing are left out. Trials are paired
+// by their scene number; pass those of one point each. Throws InputError when no scene is shared.
 PairedComparison ComparePaired(std::span<const TrialResult> before,
                                std::span<const TrialResult> after);
 
@@ -49,11 +49,13 @@ PairedFigure PairedRate(const std::string& key, const std::string& name,
                         const std::vector<Cluster>& before, const std::vector<Cluster>& after);
 
 // The part of a run's settings or identity (eval/run.h) that makes its scenes: seed, bin, parts and
-// arrangement, with the hashes of meshes where the text has them. Trials of equal number have the
-// same dropped scene where these are equal, whatever looks at them.
+// arrangement, with the hashes of meshes where the text has them; of trials on occlusion also the
+// camera and all of `occlusion`, which place the blockers. Trials of equal number have the same
+// scenes where these are equal, whatever looks at them.
 std::string SceneKey(const std::string& settings);
 
-// Throws InputError, naming both runs and the first setting that differs, unless the keys agree.
+// Throws InputError, naming both runs and the first setting that differs with its group, unless the
+// keys agree.
 void RequireSameScenes(const std::string& settings_before, const std::string& settings_after,
                        const std::string& name_before, const std::string& name_after);
 

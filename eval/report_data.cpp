@@ -194,6 +194,8 @@ struct ObjectCounts {
 
 void CountLook(size_t trial, const PickRecord& pick, std::vector<ObjectCounts>& counts) {
   for (const InstanceRecord& instance : pick.instances) {
+    // A look about a target tells of the target alone, as in InstancesRecalled.
+    if (pick.target >= 0 && instance.instance != pick.target) continue;
     if (instance.visible_fraction < kCountedVisibility) continue;
     counts.at(instance.object).recall.Count(trial, instance.recalled);
   }

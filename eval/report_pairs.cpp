@@ -39,9 +39,9 @@ ReportTable PairedReport(const PairedPoint& before, const PairedPoint& after) {
   const std::string &first = before.trials->name, &second = after.trials->name;
   const PairedComparison comparison = ComparePaired(before.trials->trials, after.trials->trials);
   std::string text = fmt::format(
-      "{} minus {}, on the {} scenes that both have; rates in percentage points. p: McNemar's "
-      "exact "
-      "test where a scene gives one outcome, else signs flipped by scene. Scenes needed: to show a "
+      "{} minus {}, on the {} scenes that both have; rates in percentage points, errors on the "
+      "parts that both found, of the surest pose on each. p: McNemar's exact test where a scene "
+      "gives one outcome, else signs flipped by scene. Scenes needed: to show a "
       "difference of this size with power .8 at the level .05.",
       second, first, comparison.scenes);
   if (comparison.before_only + comparison.after_only > 0) {

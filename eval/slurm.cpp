@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "eval/subprocess.h"
+#include "eval/sweep_folder.h"
 #include "eval/sweep_stop.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
@@ -200,6 +201,7 @@ std::vector<ShardState> ShardStates(const Sweep& sweep, const std::filesystem::p
 SlurmReport RunOnSlurm(const Sweep& sweep, const SlurmJob& job, const SlurmListener& listener) {
   if (job.options.shards > 1) RequireNoStop(sweep);
   RequireSlurm();
+  RequireNoOtherSweep(job.out, sweep.yaml);
   SlurmReport report;
   const auto states = [&] { return ShardStates(sweep, job.out, job.options.shards); };
   const int done_before = SumOf(states()).done;

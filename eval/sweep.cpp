@@ -13,6 +13,7 @@
 #include "eval/folder_lock.h"
 #include "eval/pictures.h"
 #include "eval/scenario_text.h"
+#include "eval/sweep_folder.h"
 #include "eval/sweep_stop.h"
 #include "eval/trial_clusters.h"
 #include "scenes/check.h"
@@ -280,6 +281,8 @@ void SweepCall::ForgetNeedless() {
 }
 
 SweepReport SweepCall::Run() {
+  // The store of the whole refuses other settings itself; that of a shard may be the first.
+  if (options_.shard.count > 1) RequireNoOtherSweep(options_.out, sweep_.yaml);
   {
     const StageTimer timer(report_.seconds, "store");
     ReadEarlier();

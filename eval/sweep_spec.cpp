@@ -90,6 +90,39 @@ GridAxis AxisOf(const SettingsTree& entry) {
   return axis;
 }
 
+std::string KeyOf(const PlacedSetting& setting) {
+  return setting.assignment.substr(0, setting.assignment.find('='));
+}
+
+// Whether one key sets what the other does, such as "policy" and "policy.stop".
+bool Overlap(const std::string& a, const std::string& b) {
+  return a == b || a.starts_with(b + ".") || b.starts_with(a + ".");
+}
+
+// The first setting of an axis that sets what `key` does.
+const PlacedSetting* SettingOf(const GridAxis& axis, const std::string& key) {
+  for (const GridValue& value : axis.values) {
+    for (const PlacedSetting& setting : value.settings) {
+      if (Overlap(KeyOf(setting), key)) return &setting;
+    }
+  }
+  return nullptr;
+}
+
+// The later of two axes would win, and names of points would tell what is not so.
+void RequireApart(const GridAxis& axis, const std::vector<GridAxis>& others) {
+  for (const GridAxis& other : others) {
+    for (const GridValue& value : axis.values) {
+      for (const PlacedSetting& setting : value.settings) {
+        const PlacedSetting* twin = SettingOf(other, KeyOf(setting));
+        CheckInput(twin == nullptr,
+                   fmt::format("{}: {}: {} sets {}, too; leave it to one of them", setting.place,
+                               setting.assignment, other.key, twin ? KeyOf(*twin) : ""));
+      }
+    }
+  }
+}
+
 std::vector<GridAxis> GridOf(const SettingsTree& grid) {
   if (grid.kind != Kind::kMap || grid.items.empty()) {
     Fail(grid,
@@ -99,7 +132,9 @@ std::vector<GridAxis> GridOf(const SettingsTree& grid) {
   std::vector<GridAxis> axes;
   size_t points = 1;
   for (const SettingsTree& entry : grid.items) {
-    axes.push_back(AxisOf(entry));
+    GridAxis axis = AxisOf(entry);
+    RequireApart(axis, axes);
+    axes.push_back(std::move(axis));
     points *= axes.back().values.size();
     if (points > kMostPoints) Fail(entry, fmt::format("makes over {} points", kMostPoints));
   }
@@ -174,6 +209,18 @@ SweepSpec LoadSweepSpec(const std::filesystem::path& file) {
   spec.grid = GridOf(*grid);
   spec.grid_text = grid->text;
   return spec;
+}
+
+void SetForAll(const std::string& assignment, SweepSpec& spec) {
+  const PlacedSetting setting{assignment, "--set " + assignment};
+  for (const GridAxis& axis : spec.grid) {
+    const PlacedSetting* twin = SettingOf(axis, KeyOf(setting));
+    CheckInput(twin == nullptr,
+               fmt::format("{}: the grid sets {}, too ({}); change it there", setting.place,
+                           twin ? KeyOf(*twin) : "", twin ? twin->place : ""));
+  }
+  std::erase_if(spec.set, [&](const PlacedSetting& old) { return KeyOf(old) == KeyOf(setting); });
+  spec.set.push_back(setting);
 }
 
 std::vector<GridValue> PointsOf(const SweepSpec& spec) {

@@ -47,9 +47,14 @@ struct SweepSpec {
   std::string grid_text;  // as it was written, in flow style
 };
 
-// Throws InputError with file and line for an unknown key and an empty or broken grid. What the
+// Throws InputError with file and line for an unknown key, an empty or broken grid and one that
+// sets a key by two axes. What the
 // grid's keys and values mean is checked by MakeSweep.
 SweepSpec LoadSweepSpec(const std::filesystem::path& file);
+
+// Adds "key=value" of the command line to what all points have, in place of the file's. Throws
+// InputError where the grid sets that key: the points' names would tell what is not so.
+void SetForAll(const std::string& assignment, SweepSpec& spec);
 
 // The points in the grid's order: name and settings, of all points first.
 std::vector<GridValue> PointsOf(const SweepSpec& spec);

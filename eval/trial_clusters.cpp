@@ -1,6 +1,8 @@
 #include "eval/trial_clusters.h"
 
 #include <algorithm>
+#include <array>
+#include <map>
 
 namespace pickbed {
 namespace {
@@ -23,6 +25,29 @@ double VisibleFraction(const PickRecord& pick, int instance) {
 int PlaceOf(int scene, const std::vector<int>& scenes) {
   const auto place = std::lower_bound(scenes.begin(), scenes.end(), scene);
   return place != scenes.end() && *place == scene ? static_cast<int>(place - scenes.begin()) : -1;
+}
+
+// Of an instance in a look: place of its scene, which trial of that scene, look, instance.
+using Sighting = std::array<int, 4>;
+
+std::map<Sighting, const HypothesisScore*> BestOfEach(std::span<const TrialResult> trials,
+                                                      const std::vector<int>& scenes) {
+  std::map<Sighting, const HypothesisScore*> best;
+  std::vector<int> trials_of(scenes.size());
+  for (const TrialResult& trial : trials) {
+    const int place = PlaceOf(trial.scene, scenes);
+    if (place < 0) continue;
+    const int nth = trials_of[place]++;
+    for (const PickRecord& look : trial.picks) {
+      for (const HypothesisScore& pose : look.hypotheses) {
+        if (pose.instance < 0 || !(pose.mssd_diameters < kStandsOnDiameters)) continue;
+        if (look.target >= 0 && pose.instance != look.target) continue;
+        const HypothesisScore*& chosen = best[{place, nth, look.pick, pose.instance}];
+        if (chosen == nullptr || pose.score > chosen->score) chosen = &pose;
+      }
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -120,19 +145,18 @@ std::vector<Cluster> CountByScene(std::span<const TrialResult> trials, const Tri
   return CountByScene(trials, ScenesOf(trials), count);
 }
 
-ValueClusters ErrorsByScene(std::span<const TrialResult> trials, const std::vector<int>& scenes,
-                            const ErrorOfPose& error) {
-  ValueClusters values(scenes.size());
-  for (const TrialResult& trial : trials) {
-    const int place = PlaceOf(trial.scene, scenes);
-    if (place < 0) continue;
-    for (const PickRecord& pick : trial.picks) {
-      for (const HypothesisScore& pose : pick.hypotheses) {
-        if (pose.mssd_diameters < kStandsOnDiameters) values[place].push_back(error(pose));
-      }
-    }
+PairedErrors PairedErrorsByScene(std::span<const TrialResult> before,
+                                 std::span<const TrialResult> after, const std::vector<int>& scenes,
+                                 const ErrorOfPose& error) {
+  PairedErrors errors{ValueClusters(scenes.size()), ValueClusters(scenes.size())};
+  const auto best_after = BestOfEach(after, scenes);
+  for (const auto& [sighting, pose] : BestOfEach(before, scenes)) {
+    const auto same = best_after.find(sighting);
+    if (same == best_after.end()) continue;
+    errors.before[sighting[0]].push_back(error(*pose));
+    errors.after[sighting[0]].push_back(error(*same->second));
   }
-  return values;
+  return errors;
 }
 
 }  // namespace pickbed

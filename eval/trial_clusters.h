@@ -39,8 +39,15 @@ std::vector<Cluster> CountByScene(std::span<const TrialResult> trials, const Tri
 
 // What is collected of a hypothesis, such as its MSSD.
 using ErrorOfPose = std::function<double(const HypothesisScore& pose)>;
-// Errors of the poses that stand on an instance (MSSD < 0.5 diameter), by scene.
-ValueClusters ErrorsByScene(std::span<const TrialResult> trials, const std::vector<int>& scenes,
-                            const ErrorOfPose& error);
+struct PairedErrors {
+  ValueClusters before, after;  // by scene; value by value of the same instances
+};
+// Errors of two runs on the instances that both found, so that a run that finds easy parts alone
+// doesn't look the more exact one: the same instance in the same look of the same scene, each with
+// the hypothesis of the highest score among those that stand on it (MSSD < 0.5 diameter). Of a look
+// about a target it is the target alone.
+PairedErrors PairedErrorsByScene(std::span<const TrialResult> before,
+                                 std::span<const TrialResult> after, const std::vector<int>& scenes,
+                                 const ErrorOfPose& error);
 
 }  // namespace pickbed

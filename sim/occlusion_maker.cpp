@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "scenes/check.h"
+#include "sim/scene_tries.h"
 
 namespace pickbed {
 namespace {
@@ -25,30 +26,17 @@ void Charge(const OcclusionSeries& series, std::vector<BandAccount>& bands) {
   if (empty > 0) ++bands[empty - 1].given_up;
 }
 
-std::string WhyNone(const MadeSeries& made, const SceneRequest& request,
-                    const OcclusionSetup& setup) {
-  const OcclusionSpec& spec = setup.spec;
-  const double least = spec.Inner(static_cast<int>(spec.bands.size()) - 1).least;
-  if (made.targets_tried == 0) {
-    return fmt::format(
-        "trial {}: in {} scene{} no part had {:.1f} % of it in view, with which a series on "
-        "occlusion begins; look from higher up, drop fewer parts or end the bands lower",
-        request.trial, spec.scenes, spec.scenes == 1 ? "" : "s", 100 * least);
-  }
-  BlockerCounts counts;
-  for (const BandAccount& band : made.bands) counts.Add(band.blockers);
-  return fmt::format(
-      "trial {}: no band of visible fraction could be filled with {} target{}: of {} blockers {} "
-      "hid too little, {} too much, and {} disturbed the scene; widen occlusion.bands, raise "
-      "occlusion.tries or drop other parts",
-      request.trial, made.targets_tried, made.targets_tried == 1 ? "" : "s", counts.dropped,
-      counts.useless, counts.jumped, counts.refused);
+bool DropsAny(const std::vector<int>& wanted, const std::vector<int>& counts) {
+  return std::any_of(wanted.begin(), wanted.end(), [&](int object) { return counts[object] > 0; });
 }
 
 }  // namespace
 
 MadeSeries MakeOcclusionSeries(SceneRenderer& renderer, const SceneRequest& request,
                                const std::vector<int>& wanted, const OcclusionSetup& setup) {
+  CheckInput(DropsAny(wanted, request.counts),
+             "a trial on occlusion has no part that could be its target; raise the count of one "
+             "that is not foreign");
   const OcclusionSpec& spec = setup.spec;
   MadeSeries made;
   made.bands.resize(spec.bands.size());
@@ -56,10 +44,13 @@ MadeSeries MakeOcclusionSeries(SceneRenderer& renderer, const SceneRequest& requ
   for (int scene = 0; scene < spec.scenes; ++scene) {
     SceneRequest attempt = request;
     if (scene > 0) attempt.stage = fmt::format("{}/scene_{}", request.stage, scene);
-    CertifiedScene start = MakeScene(attempt, setup.drop);
-    for (RefusedScene& faulty : start.refused) {
+    SceneTries tries = TryScene(attempt, setup.drop);
+    for (RefusedScene& faulty : tries.refused) {
       refused.push_back({static_cast<int>(refused.size()), std::move(faulty.faults)});
     }
+    if (!tries.made) continue;
+    const CertifiedScene& start = *tries.made;
+    if (made.start.scene.objects.empty()) made.start = start;
     Rng order = Rng::Derive(request.seed, request.trial, fmt::format("occlude/{}", scene));
     for (const int target :
          DrawnTargets(PossibleTargets(renderer, start.scene, wanted, setup), spec.targets, order)) {
@@ -76,7 +67,6 @@ MadeSeries MakeOcclusionSeries(SceneRenderer& renderer, const SceneRequest& requ
     }
     if (made.series.scenes.size() == spec.bands.size()) break;
   }
-  CheckInput(!made.series.scenes.empty(), WhyNone(made, request, setup));
   made.start.refused = std::move(refused);
   for (const OccludedScene& scene : made.series.scenes) made.bands[scene.band].filled = true;
   return made;

@@ -27,8 +27,8 @@ struct MadeSeries {
 
 // Scenes come from the streams "drop", "drop/scene_1", ..., series from "occlude/SCENE/TARGET" of
 // (request.seed, request.trial). Targets are instances of objects that are `wanted`, in random
-// order. Throws InputError when no band can be filled, with what became of the blockers, and where
-// MakeScene does.
+// order. Where no scene passes or no band can be filled the series is empty, since another trial
+// may have one. Throws InputError when no trial can: nothing that is wanted is dropped.
 MadeSeries MakeOcclusionSeries(SceneRenderer& renderer, const SceneRequest& request,
                                const std::vector<int>& wanted, const OcclusionSetup& setup);
 

@@ -122,6 +122,29 @@ TEST(OcclusionTrial, ATargetThatNoGraspFitsIsLostToThePlan) {
   for (const PickRecord& pick : result.picks) EXPECT_EQ(pick.loss, Loss::kNoGrasp);
 }
 
+// Another scene may have one, so that this ends no sweep.
+TEST(OcclusionTrial, ATrialThatFindsNoSceneIsRecordedAsThat) {
+  ScenarioSpec spec = OccludedCubes(2);
+  spec.occlusion.bands = {{0.500, 0.502}};
+  spec.occlusion.margin = 0;
+  spec.occlusion.tries = spec.occlusion.targets = spec.occlusion.scenes = 1;
+  const TrialResult result = TrialRunner(spec, EasyCube()).Run(3);
+  EXPECT_TRUE(result.picks.empty());
+  EXPECT_EQ(result.parts_dropped, 0);
+  ASSERT_EQ(result.bands.size(), 1u);
+  EXPECT_FALSE(result.bands[0].filled);
+  const std::vector<BandFigures> bands = FiguresByBand({&result, 1}, spec.occlusion);
+  EXPECT_EQ(bands[0].trials_without, 1);
+  EXPECT_THAT(CurveTable(bands), HasSubstr("trials without a scene: 1; targets given up: 1"));
+}
+
+TEST(OcclusionCurve, SaysWhatToDoWhereNoTargetWasFound) {
+  TrialResult trial;
+  trial.bands.resize(5);
+  EXPECT_THAT(CurveTable(FiguresByBand({&trial, 1}, OcclusionSpec{})),
+              HasSubstr("look from higher up, drop fewer parts or end the bands lower"));
+}
+
 // A look at target 7 in band 0 that is recalled and picked as told.
 PickRecord LookAt(bool recalled, bool picked, double error_diameters) {
   PickRecord look;

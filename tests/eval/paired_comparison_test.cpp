@@ -23,6 +23,7 @@ PickRecord Look(const std::vector<double>& visible, int recalled, bool picked) {
     pick.instances.push_back({instance, 0, visible[i], instance < recalled});
   }
   HypothesisScore top;
+  top.instance = 0;
   top.correct = recalled > 0;
   top.mssd_diameters = recalled > 0 ? 0.02 : 0.3;
   pick.hypotheses = {top};
@@ -159,6 +160,32 @@ TEST(ComparePaired, ErrorsAreComparedByTheirMedian) {
   EXPECT_LT(median.p_value, 0.01);
 }
 
+// The second finds the hard part, too, and is as exact as the first on the easy one.
+TEST(ComparePaired, ErrorsAreThoseOnPartsThatBothFound) {
+  auto before = OnePickRun({}), after = OnePickRun({});
+  for (int i = 0; i < 20; ++i) {
+    std::vector<HypothesisScore>& a = before[i].picks[0].hypotheses;
+    std::vector<HypothesisScore>& b = after[i].picks[0].hypotheses;
+    a[0].mssd_diameters = b[0].mssd_diameters = 0.02;
+    a[0].score = b[0].score = 0.9;
+    b.push_back(b[0]);  // on the same part, and less sure of it
+    b.back().score = 0.3;
+    b.back().mssd_diameters = 0.4;
+    b.push_back(b.back());
+    b.back().instance = 2;
+    b.back().score = 0.8;
+  }
+  const PairedFigure& median = FigureOf(ComparePaired(before, after), "median_mssd_diameters");
+  EXPECT_DOUBLE_EQ(median.before, 0.02);
+  EXPECT_DOUBLE_EQ(median.after, 0.02);
+  EXPECT_EQ(median.discordant_scenes, 0);
+
+  for (TrialResult& trial : after) trial.picks[0].target = 2;
+  for (const PairedFigure& figure : ComparePaired(before, after).figures) {
+    EXPECT_TRUE(figure.is_rate) << "no part was found by both: " << figure.key;
+  }
+}
+
 TEST(ComparePaired, EqualRunsDoNotDiffer) {
   const auto run = OnePickRun({0, 1, 2, 3});
   for (const PairedFigure& figure : ComparePaired(run, run).figures) {
@@ -205,12 +232,39 @@ TEST(SceneKey, HoldsWhatMakesTheDropAlone) {
   }
 }
 
+std::string Occluded(const std::string& settings, const std::string& least = "0.1") {
+  return settings + "occlusion:\n  enabled: true\n  bands:\n    - least: " + least + "\n";
+}
+
+// Blockers are dropped along the line of sight until the bands are filled.
+TEST(SceneKey, HoldsTheCameraAndBandsOfTrialsOnOcclusion) {
+  const std::string key = SceneKey(Occluded(kSettings));
+  EXPECT_EQ(SceneKey(Occluded(With("name: ppf", "name: oracle"))), key);
+  EXPECT_NE(SceneKey(Occluded(With("width: 640", "width: 320"))), key);
+  EXPECT_NE(SceneKey(Occluded(kSettings, "0.2")), key);
+  EXPECT_NE(SceneKey(kSettings), key);
+  const std::string off = "occlusion:\n  enabled: false\n  margin: 0.1\n";
+  EXPECT_EQ(SceneKey(kSettings + off), SceneKey(kSettings)) << "plain trials know no bands";
+}
+
+TEST(RequireSameScenes, NamesTheSettingOfTrialsOnOcclusion) {
+  const auto error = [](const std::string& a, const std::string& b) {
+    return ErrorOf([&] { RequireSameScenes(a, b, "A", "B"); });
+  };
+  EXPECT_THAT(error(Occluded(kSettings), Occluded(kSettings, "0.2")),
+              HasSubstr("differ in occlusion: 'least: 0.1' in one, 'least: 0.2' in the other"));
+  EXPECT_THAT(error(Occluded(kSettings), Occluded(With("width: 640", "width: 320"))),
+              HasSubstr("differ in camera: 'width: 640' in one"));
+  EXPECT_THAT(error(Occluded(kSettings), kSettings),
+              HasSubstr("'occlusion.enabled: true' in one, 'occlusion.enabled: false'"));
+}
+
 TEST(RequireSameScenes, SaysWhatDiffers) {
   RequireSameScenes(kSettings, With("name: ppf", "name: oracle"), "A", "B");
   const std::string error = ErrorOf(
       [] { RequireSameScenes(kSettings, With("count: 5", "count: 6"), "runs/a", "runs/b"); });
   EXPECT_THAT(error, HasSubstr("runs/a and runs/b share no scenes"));
-  EXPECT_THAT(error, HasSubstr("'count: 5' in one, 'count: 6' in the other"));
+  EXPECT_THAT(error, HasSubstr("differ in objects: 'count: 5' in one, 'count: 6' in the other"));
 }
 
 TEST(PairedTable, AndJsonTellTheSame) {

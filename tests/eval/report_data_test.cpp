@@ -49,8 +49,25 @@ TEST(ReportData, CountsPartsAndPicksInTheBandOfTheirVisibleFraction) {
   EXPECT_THAT(picks, ElementsAre(1, 0, 1, 0, 1));
 }
 
-TEST(ReportData, TablesAgreeWithTheSummary) {
-  const PointReport report = ReportOf(Point(StubTrials(60)));
+// `on_targets`: every look is about its last part, as in trials on occlusion.
+class ReportTables : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(PlainAndOnTargets, ReportTables, testing::Bool());
+
+TEST_P(ReportTables, AgreeWithTheSummary) {
+  std::vector<TrialResult> trials = StubTrials(60);
+  for (TrialResult& trial : trials) {
+    for (PickRecord& pick : trial.picks) {
+      if (GetParam()) pick.target = pick.instances.back().instance;
+    }
+  }
+  const PointReport report = ReportOf(Point(std::move(trials)));
+  int recalled = 0, in_view = 0;
+  for (const ObjectReport& object : report.objects) {
+    recalled += object.recall.hits;
+    in_view += object.recall.tries;
+  }
+  EXPECT_EQ(recalled, report.recall.hits);
+  EXPECT_EQ(in_view, report.recall.tries);
   int attempts = 0, successes = 0, dropped = 0, picked = 0;
   for (const ObjectReport& object : report.objects) {
     attempts += object.picks.tries;

@@ -78,6 +78,34 @@ TEST_F(SweepSpecTest, ValuesMayHaveLabels) {
   EXPECT_THAT(sweep.yaml, HasSubstr("method: {exact: {estimator: {name: oracle"));
 }
 
+// The later axis would win, under a point's name that tells otherwise.
+TEST_F(SweepSpecTest, AKeyThatTwoAxesSetIsRefusedWithItsLine) {
+  const auto error = [&](const std::string& grid) {
+    return ErrorOf([&] { Load("scenario: demo\ngrid:\n" + grid); });
+  };
+  EXPECT_THAT(error("  sensor: [ideal]\n  pair:\n    - {sensor: ideal, refiner: none}\n"),
+              HasSubstr("sweep.yaml:5: sensor=ideal: sensor sets sensor, too"));
+  EXPECT_THAT(error("  method:\n    exact: {estimator.name: oracle}\n  estimator.name: [ppf]\n"),
+              HasSubstr("sweep.yaml:5: estimator.name=ppf: method sets estimator.name, too"));
+  EXPECT_THAT(error("  method:\n    exact: {estimator: {name: oracle}}\n  estimator.name: [ppf]\n"),
+              HasSubstr("method sets estimator, too"));
+  EXPECT_EQ(Names("scenario: demo\ngrid:\n  estimator.name: [oracle]\n"
+                  "  estimator.noise_mm: [1, 2]\n")
+                .size(),
+            2u);
+}
+
+TEST_F(SweepSpecTest, TheCommandLineSetsWhatTheGridDoesNot) {
+  SweepSpec spec = Load(
+      "scenario: demo\nset: {gripper: cup_30mm}\ngrid:\n  method:\n    exact: {sensor: ideal}\n");
+  SetForAll("gripper=jaw_8cm", spec);
+  ASSERT_EQ(spec.set.size(), 1u) << "in place of the file's";
+  EXPECT_EQ(spec.set[0].assignment, "gripper=jaw_8cm");
+  EXPECT_THAT(ErrorOf([&] { SetForAll("sensor=time_of_flight", spec); }),
+              testing::AllOf(HasSubstr("--set sensor=time_of_flight: the grid sets sensor, too ("),
+                             HasSubstr("sweep.yaml:5")));
+}
+
 TEST_F(SweepSpecTest, PointsHaveTheirSettingsAndTrials) {
   const Sweep sweep = Make(
       "scenario: demo\n"

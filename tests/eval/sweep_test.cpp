@@ -82,6 +82,24 @@ TEST_F(SweepTest, JobsAndShardsDoNotMatter) {
   }
 }
 
+TEST_F(SweepTest, AShardOfAnotherSweepLeavesTheFolderAsItIs) {
+  SweepOptions options = Options("shared");
+  Sweep sweep = StubSweep(1, 4);
+  sweep.yaml = "scenario: stub\ngrid: {seed: [5]}\nslurm:\n  shards: 2\n";
+  options.shard = {1, 2};
+  RunSweep(sweep, options, {});
+  const std::string yaml = Read("shared/sweep.yaml");
+  Sweep other = StubSweep(1, 4);
+  other.yaml = "scenario: stub\ngrid: {seed: [6]}\n";
+  options.shard = {2, 2};
+  EXPECT_THAT(ErrorOf([&] { RunSweep(other, options, {}); }),
+              HasSubstr("sweep.yaml is of a sweep with other settings"));
+  EXPECT_EQ(Read("shared/sweep.yaml"), yaml);
+  EXPECT_FALSE(std::filesystem::exists(ShardFolder(options.out, options.shard) / "results.sqlite"));
+  sweep.yaml = "scenario: stub\ngrid: {seed: [5]}\nslurm:\n  shards: 8\n";
+  EXPECT_EQ(RunSweep(sweep, options, {}).finished, 2) << "however it is run";
+}
+
 TEST_F(SweepTest, LeavesNoJournalBesideTheStore) {
   RunSweep(StubSweep(1, 8), Options("whole", 3), {});
   EXPECT_FALSE(std::filesystem::exists(folder_ / "whole/results.sqlite-journal"));
