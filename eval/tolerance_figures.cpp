@@ -14,11 +14,6 @@ double UnitsOf(const ToleranceOptions& options, int axis, int level) {
   return level * (ErrorAxisTable()[axis].coordinate < 3 ? options.step_mm : options.step_deg);
 }
 
-void Count(LevelShare& share, const TryOutcome& outcome) {
-  ++share.tries;
-  share.successes += outcome.success;
-}
-
 // Where the share falls below `least` on the way from the middle to one side.
 void Reach(const std::vector<LevelShare>& levels, int middle, int direction, double least,
            double& end, bool& open) {
@@ -48,13 +43,16 @@ std::vector<int> FirstAlike(const std::vector<TableGrasp>& grasps) {
 class Reader {
  public:
   Reader(const ToleranceStudy& study, const std::vector<TryOutcome>& outcomes)
-      : study_(study), outcomes_(outcomes), options_(study.options) {}
+      : study_(study),
+        outcomes_(outcomes),
+        options_(study.options),
+        first_alike_(FirstAlike(study.grasps)) {}
 
   LevelShare AtTruth() const {
     LevelShare share;
     for (size_t i = 0; i < study_.tries.size(); ++i) {
       const ToleranceTry& t = study_.tries[i];
-      if (t.kind == TryKind::kAxis && t.level[0] == 0) Count(share, outcomes_[i]);
+      if (t.kind == TryKind::kAxis && t.level[0] == 0) Count(i, share);
     }
     return share;
   }
@@ -71,7 +69,7 @@ class Reader {
     for (size_t i = 0; i < study_.tries.size(); ++i) {
       const ToleranceTry& t = study_.tries[i];
       if (t.kind != TryKind::kAxis || t.axis[0] != axis || t.level[0] == 0) continue;
-      Count(curve.levels[t.level[0] + options_.steps], outcomes_[i]);
+      Count(i, curve.levels[t.level[0] + options_.steps]);
     }
     curve.region = RegionOf(curve.levels, options_.keep_share * at_truth.share());
     return curve;
@@ -91,7 +89,7 @@ class Reader {
       if (t.kind != TryKind::kPair || t.axis != pair) continue;
       const int a = t.level[0] / options_.pair_stride + side;
       const int b = t.level[1] / options_.pair_stride + side;
-      Count(map.cells[b * map.offsets_a.size() + a], outcomes_[i]);
+      Count(i, map.cells[b * map.offsets_a.size() + a]);
     }
     return map;
   }
@@ -111,21 +109,30 @@ class Reader {
 
   // Tries of the same grasp are one cluster.
   std::vector<JudgedPick> TestPicks() const {
-    const std::vector<int> first_alike = FirstAlike(study_.grasps);
     std::vector<JudgedPick> picks;
     for (size_t i = 0; i < study_.tries.size(); ++i) {
       if (study_.tries[i].kind != TryKind::kTest) continue;
       const ToleranceTry& t = study_.tries[i];
-      picks.push_back({t.X_OO, outcomes_[i].success, first_alike[t.grasp],
+      picks.push_back({t.X_OO, outcomes_[i].success, first_alike_[t.grasp],
                        study_.grasps[t.grasp].candidate.X_OG});
     }
     return picks;
   }
 
  private:
+  void Count(size_t i, LevelShare& share) const {
+    const bool success = outcomes_[i].success;
+    ++share.tries;
+    share.successes += success;
+    Cluster& grasp = share.of_grasp[first_alike_[study_.tries[i].grasp]];
+    ++grasp.tries;
+    grasp.hits += success;
+  }
+
   const ToleranceStudy& study_;
   const std::vector<TryOutcome>& outcomes_;
   const ToleranceOptions& options_;
+  const std::vector<int> first_alike_;
 };
 
 // Scores of the picks in turn, larger for what is thought to succeed.
@@ -188,6 +195,12 @@ OutcomeClusters InClusters(const ScoreColumn& column, const std::vector<int>& cl
 }
 
 }  // namespace
+
+Interval LevelShare::band() const {
+  std::vector<Cluster> grasps;
+  for (const auto& [first, grasp] : of_grasp) grasps.push_back(grasp);
+  return ClusterInterval(grasps);
+}
 
 ToleranceRegion RegionOf(const std::vector<LevelShare>& levels, double least) {
   ToleranceRegion region;

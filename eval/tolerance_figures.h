@@ -3,12 +3,14 @@
 // What the outcomes of a tolerance study say: success against the error along each axis, the region
 // that still succeeds, maps of pairs, the fitted model, and how well each score foretells outcomes.
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "eval/metrics.h"
 #include "eval/roc.h"
+#include "eval/statistics.h"
 #include "eval/tolerance_tries.h"
 
 namespace pickbed {
@@ -16,7 +18,10 @@ namespace pickbed {
 struct LevelShare {
   double offset = 0;  // in the axis's unit
   int successes = 0, tries = 0;
+  // By the first grasp that is the same: one that was drawn twice tells its outcome twice.
+  std::map<int, Cluster> of_grasp;
   double share() const { return tries > 0 ? double(successes) / tries : 0; }
+  Interval band() const;  // 95 %, grasps are the units
 };
 
 // Errors in the axis's unit; an end that the map does not reach is where the map ends, `open`.

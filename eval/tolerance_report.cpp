@@ -53,7 +53,7 @@ std::string PredictorText(const std::vector<Predictor>& predictors, const std::s
 }
 
 std::string ToleranceText(const ToleranceFigures& figures) {
-  const Interval band = WilsonInterval(figures.at_truth.successes, figures.at_truth.tries);
+  const Interval band = figures.at_truth.band();
   std::string text = fmt::format(
       "{} with {}: {:.1f} % [{:.1f}, {:.1f}] of {} grasps succeed where the pose is true\n"
       "Errors that keep picks going\n",
@@ -74,7 +74,7 @@ std::string AxesCsv(const ToleranceFigures& figures) {
   for (const AxisCurve& curve : figures.axes) {
     const ErrorAxis& axis = ErrorAxisTable()[curve.axis];
     for (const LevelShare& level : curve.levels) {
-      const Interval band = WilsonInterval(level.successes, level.tries);
+      const Interval band = level.band();
       csv += fmt::format("{},{},{:g},{},{},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f}\n", axis.name,
                          axis.unit, level.offset, level.successes, level.tries, level.share(),
                          band.low, band.high, curve.region.low, curve.region.high);
@@ -88,7 +88,7 @@ std::string PairsCsv(const ToleranceFigures& figures) {
   for (const PairMap& map : figures.pairs) {
     for (size_t i = 0; i < map.cells.size(); ++i) {
       const LevelShare& cell = map.cells[i];
-      const Interval band = WilsonInterval(cell.successes, cell.tries);
+      const Interval band = cell.band();
       csv += fmt::format("{},{},{:g},{:g},{},{},{:.4f},{:.4f},{:.4f}\n",
                          ErrorAxisTable()[map.axis[0]].name, ErrorAxisTable()[map.axis[1]].name,
                          map.offsets_a[i % map.offsets_a.size()],

@@ -40,7 +40,7 @@ ToleranceStudy Study(const ToleranceOptions& options) {
   return PlanStudy(BoxPart({0.04, 0.03, 0.06}, 0.1), SmallJaw(), {FromTheTop()}, options);
 }
 
-LevelShare Level(double offset, int successes, int tries) { return {offset, successes, tries}; }
+LevelShare Level(double offset, int successes, int tries) { return {offset, successes, tries, {}}; }
 
 TEST(ToleranceRegion, EndsWhereTheStraightLineCrosses) {
   const std::vector<LevelShare> levels{Level(-4, 0, 10), Level(-2, 10, 10), Level(0, 10, 10),
@@ -147,6 +147,21 @@ TEST(ToleranceStudy, FilesAreTheSameForAnyNumberOfJobsAndAfterAStop) {
   EXPECT_EQ(figures.pairs[0].cells.size(), 9u);
   EXPECT_EQ(figures.pairs[0].cells[4].successes, 1);
   EXPECT_EQ(AxesCsv(figures), AxesCsv(FiguresOf(study, both.outcomes)));
+}
+
+// Twenty tries of one and the same grasp know no more than one.
+TEST(ToleranceFigures, AGraspThatWasDrawnAgainAddsNothingToTheBand) {
+  ToleranceOptions options = Small();
+  options.grasps = 20;
+  const ToleranceStudy study = Study(options);
+  std::set<int> places;
+  for (int i = 0; i < options.grasps; ++i) places.insert(study.grasps[i].place);
+  ASSERT_LT(places.size(), 6u);
+  const std::vector<TryOutcome> good(study.tries.size(), {true, Loss::kNone});
+  const LevelShare at_truth = FiguresOf(study, good).at_truth;
+  EXPECT_EQ(at_truth.tries, 20);
+  const int distinct = static_cast<int>(places.size());
+  EXPECT_EQ(at_truth.band().low, WilsonInterval(distinct, distinct).low);
 }
 
 TEST(TolerancePredictors, APlantedRuleIsToldByTheMapAndNotByTheMetrics) {
