@@ -30,6 +30,14 @@ std::unique_ptr<LabelledViewSource> CellViews(const VirtualCell& cell, const Obj
   return MakeSimViewSource(objects, options);
 }
 
+void KeepThoseInBin(const VirtualCell& cell, std::vector<PoseHypothesis>& hypotheses) {
+  const Pose& X_WC = cell.camera().X_WC;
+  std::erase_if(hypotheses, [&](const PoseHypothesis& hypothesis) {
+    const Eigen::Vector3d& com_O = cell.objects()[hypothesis.object]->mass.com_O;
+    return !cell.bin().Holds(X_WC * hypothesis.X_CO * com_O);
+  });
+}
+
 EstimatorRunner::EstimatorRunner(const VirtualCell& cell, const ScenarioSpec& spec, int threads,
                                  const Progress& on_progress)
     : cell_(cell), spec_(spec.estimator) {
@@ -71,7 +79,11 @@ EstimateResult EstimatorRunner::Estimate(const Scene& truth, const View& view, R
       for (PoseHypothesis& hypothesis : result.hypotheses) {
         hypothesis.object = cell_.wanted()[hypothesis.object];
       }
-      if (trace) Renumber(cell_.wanted(), *trace);
+      KeepThoseInBin(cell_, result.hypotheses);
+      if (trace) {
+        Renumber(cell_.wanted(), *trace);
+        KeepThoseInBin(cell_, trace->accepted);
+      }
     } else {
       result.hypotheses = OracleEstimate(truth, view, cell_.camera(), spec_, rng);
     }

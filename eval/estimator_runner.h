@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "eval/virtual_cell.h"
 #include "perception/pose_estimator.h"
@@ -14,6 +15,11 @@ namespace pickbed {
 
 // Views of these parts by the cell's camera and sensor.
 std::unique_ptr<LabelledViewSource> CellViews(const VirtualCell& cell, const ObjectSet& objects);
+
+// Leaves out poses whose centre of mass lies beside or under the cell's bin: what one looks for is
+// in it, and noise on the rim's edge can look like a part that hangs outside, where no depth
+// contradicts it. `object` is an index into cell.objects().
+void KeepThoseInBin(const VirtualCell& cell, std::vector<PoseHypothesis>& hypotheses);
 
 class EstimatorRunner {
  public:
@@ -27,8 +33,8 @@ class EstimatorRunner {
                   const Progress& on_progress);
   ~EstimatorRunner();
 
-  // `truth` is for the oracle alone. Seconds stand under "estimate" and, by stage,
-  // "estimate/STAGE". A trace is filled by estimators whose row explains.
+  // Poses in the bin, but for the oracle's, for which alone `truth` is. Seconds stand under
+  // "estimate" and, by stage, "estimate/STAGE". A trace is filled by estimators whose row explains.
   EstimateResult Estimate(const Scene& truth, const View& view, Rng& rng,
                           EstimateTrace* trace = nullptr);
 
