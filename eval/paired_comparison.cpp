@@ -10,8 +10,8 @@
 #include <numbers>
 #include <sstream>
 
-#include "eval/summary.h"
 #include "eval/trial_clusters.h"
+#include "eval/virtual_cell.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -95,19 +95,18 @@ struct NamedRate {
   TrialCount count;
 };
 
-std::vector<NamedRate> Rates() {
+std::vector<NamedRate> Rates(const std::vector<VisibleBand>& bands) {
   std::vector<NamedRate> rates{{"pick_success", "pick success", SuccessOfAttempts()},
                                {"cleared", "parts cleared", PartsCleared()},
                                {"top1", "top-ranked pose right", TopRankedRight()}};
-  const std::vector<RecallBand> bands = EmptyRecallBands();
-  rates.push_back({"recall", "recall", InstancesRecalled(bands.front().visible_min, 1)});
+  rates.push_back({"recall", "recall", InstancesRecalled(kCountedVisibility, 1)});
   const auto add_bands = [&](const char* key, const char* name, auto count) {
-    for (const RecallBand& band : bands) {
-      const int low = static_cast<int>(std::lround(100 * band.visible_min));
-      const int high = static_cast<int>(std::lround(100 * band.visible_max));
-      rates.push_back({fmt::format("{}_{}_{}", key, low, high),
-                       fmt::format("{}, {}-{} % visible", name, low, high),
-                       count(band.visible_min, band.visible_max)});
+    for (const VisibleBand& band : bands) {
+      std::string ends = band.name();
+      std::replace(ends.begin(), ends.end(), '-', '_');
+      rates.push_back({fmt::format("{}_{}", key, ends),
+                       fmt::format("{}, {} % visible", name, band.name()),
+                       count(band.least, band.most)});
     }
   };
   add_bands("recall", "recall", InstancesRecalled);
@@ -150,7 +149,8 @@ PairedFigure PairedRate(const std::string& key, const std::string& name,
 }
 
 PairedComparison ComparePaired(std::span<const TrialResult> before,
-                               std::span<const TrialResult> after) {
+                               std::span<const TrialResult> after,
+                               const std::vector<VisibleBand>& bands) {
   const Scenes scenes_before = ScenesOf(before), scenes_after = ScenesOf(after);
   Scenes shared;
   std::set_intersection(scenes_before.begin(), scenes_before.end(), scenes_after.begin(),
@@ -161,7 +161,7 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
   comparison.scenes = static_cast<int>(shared.size());
   comparison.before_only = static_cast<int>(scenes_before.size() - shared.size());
   comparison.after_only = static_cast<int>(scenes_after.size() - shared.size());
-  for (const NamedRate& rate : Rates()) {
+  for (const NamedRate& rate : Rates(bands)) {
     const auto a = CountByScene(before, shared, rate.count);
     const auto b = CountByScene(after, shared, rate.count);
     if (SumOf(a).tries == 0 || SumOf(b).tries == 0) continue;

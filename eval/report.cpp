@@ -203,6 +203,7 @@ ReportRun ReadReportRun(const fs::path& folder) {
     point.identity = stored.identity;
     point.trials.name = stored.name;
     point.trials.cycle = point.spec.cycle;
+    point.trials.bands = ReportedBands(point.spec.occlusion);
     for (const PartSpec& part : point.spec.objects) point.trials.objects.push_back(part.name);
     std::vector<int> crashed_scenes;
     for (const CrashedTrial& crashed : all_crashed) {

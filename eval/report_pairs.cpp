@@ -37,7 +37,8 @@ TableCells CellsOf(const PairedComparison& comparison, const std::string& before
 
 ReportTable PairedReport(const PairedPoint& before, const PairedPoint& after) {
   const std::string &first = before.trials->name, &second = after.trials->name;
-  const PairedComparison comparison = ComparePaired(before.trials->trials, after.trials->trials);
+  const PairedComparison comparison =
+      ComparePaired(before.trials->trials, after.trials->trials, before.trials->bands);
   std::string text = fmt::format(
       "{} minus {}, on the {} scenes that both have; rates in percentage points, errors on the "
       "parts that both found, of the surest pose on each. p: McNemar's exact test where a scene "

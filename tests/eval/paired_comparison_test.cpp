@@ -131,6 +131,15 @@ TEST(ComparePaired, OneOutcomeASceneIsMcNemars) {
   EXPECT_EQ(FigureOf(comparison, "recall_90_100").p_value, 1);
 }
 
+TEST(ComparePaired, RatesAreComparedByTheBandsOfTheRuns) {
+  const auto run = OnePickRun({0, 1});
+  const PairedComparison comparison = ComparePaired(run, run, {{0.15, 0.225}, {0.5, 0.7}});
+  EXPECT_EQ(FigureOf(comparison, "recall_15_22.5").name, "recall, 15-22.5 % visible");
+  EXPECT_EQ(FigureOf(comparison, "recall_50_70").scenes, 20);
+  EXPECT_EQ(FigureOf(comparison, "recall").scenes, 20) << "of all at least 10 % visible";
+  EXPECT_THROW(FigureOf(comparison, "recall_90_100"), std::logic_error);
+}
+
 TEST(ComparePaired, ScenesArePairedByNumberAndOnlySharedOnesCount) {
   auto before = OnePickRun({0, 1, 2}), after = OnePickRun({0, 1, 2, 3, 4}, 50);
   std::reverse(after.begin(), after.end());

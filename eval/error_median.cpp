@@ -1,0 +1,44 @@
+#include "eval/error_median.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+namespace pickbed {
+namespace {
+
+// 2 / 2^n is below 5 % from here on.
+constexpr size_t kFewestValues = 6;
+
+std::string Number(double value, int digits) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
+}
+
+std::string Cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+}  // namespace
+
+ErrorMedian ErrorMedian::Times(double factor) const {
+  return {factor * value, {factor * ci95.low, factor * ci95.high}};
+}
+
+ErrorMedian MedianWithin(const ValueClusters& by_scene) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  size_t values = 0;
+  for (const std::vector<double>& scene : by_scene) values += scene.size();
+  const bool few = values < kFewestValues;
+  return {MedianOf(by_scene), few ? Interval{-kInfinity, kInfinity} : MedianInterval(by_scene)};
+}
+
+std::string MedianText(const ErrorMedian& median, int digits) {
+  if (std::isnan(median.value)) return "-";
+  return fmt::format("{} [{}, {}]", Number(median.value, digits), Number(median.ci95.low, digits),
+                     Number(median.ci95.high, digits));
+}
+
+std::string MedianCells(const ErrorMedian& median) {
+  return fmt::format("{},{},{}", Cell(median.value), Cell(median.ci95.low), Cell(median.ci95.high));
+}
+
+}  // namespace pickbed
