@@ -103,13 +103,12 @@ void Print(const Arguments& a, const std::vector<PointSummary>& points,
 
 SlurmReport FollowSlurm(const Sweep& sweep, const SlurmJob& job) {
   ProgressLine progress;
-  ProgressState shown;
+  std::string queue;
   SlurmListener listener;
-  listener.on_message = [&](const std::string& line) { shown.note = line; };
+  listener.on_message = [&](const std::string& line) { queue = line; };
   listener.on_state = [&](const RunState& state) {
-    shown.done = state.done;
-    shown.total = state.total;
-    shown.done_before = state.done_before;
+    ProgressState shown = ProgressOf(state);
+    shown.note = queue + (shown.note.empty() ? "" : ", " + shown.note);
     progress.Show(shown);
   };
   listener.stop = Interrupted;

@@ -123,6 +123,8 @@ RunState SumOf(const std::vector<ShardState>& shards) {
   for (const ShardState& shard : shards) {
     state.done += shard.done;
     state.total += shard.total;
+    state.crashed += shard.crashed;
+    state.trials.insert(state.trials.end(), shard.outcomes.begin(), shard.outcomes.end());
   }
   return state;
 }
@@ -193,7 +195,10 @@ std::vector<ShardState> ShardStates(const Sweep& sweep, const std::filesystem::p
     CheckInput(*stored == HeadOf(sweep, folder).identity || stored->empty(),
                fmt::format("{} holds results of other settings; choose another folder with --out",
                            folder.string()));
-    state.done = static_cast<int>(ResultsStore::OpenToRead(folder).FinishedTrials().size());
+    const ResultsStore store = ResultsStore::OpenToRead(folder);
+    state.done = static_cast<int>(store.FinishedTrials().size());
+    state.crashed = static_cast<int>(store.Crashed().size());
+    for (const auto& [trial, outcome] : store.Outcomes()) state.outcomes.push_back(outcome);
   }
   return states;
 }

@@ -84,12 +84,11 @@ struct SweepOptions {
 
 // How far a sweep is.
 struct RunState {
-  int done = 0, total = 0;          // trials, with those of an earlier run
-  int done_before = 0;              // of an earlier run
-  int attempts = 0, successes = 0;  // of this run
-  int crashed = 0;                  // of this run
-  std::vector<Cluster> trials;      // attempts and successes of each trial of this run
-  std::string stop;                 // how near points are to their early end, see eval/sweep_stop.h
+  int done = 0, total = 0;      // trials, with those of an earlier run, as all but done_before
+  int done_before = 0;          // of an earlier run
+  int crashed = 0;              // of those that are done
+  std::vector<Cluster> trials;  // successes of attempts of each of the others
+  std::string stop;             // how near points are to their early end, see eval/sweep_stop.h
 };
 
 struct RunListener {

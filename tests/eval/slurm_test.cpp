@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "eval/trial_clusters.h"
 #include "scenes/files.h"
 #include "tests/eval/stub_sweep.h"
 #include "tests/support/error_of.h"
@@ -68,6 +69,12 @@ TEST(Slurm, CountsTrialsOfShards) {
 TEST(Slurm, IsToldToBeAbsent) {
   const TemporaryFolder temporary;
   const char* path = std::getenv("PATH");
+  const ResultsStore store = ResultsStore::OpenToRead(ShardFolder(options.out, options.shard));
+  Cluster stored;
+  for (const TrialResult& trial : store.ReadAll()) SuccessOfAttempts()(trial, stored);
+  EXPECT_GT(stored.tries, 0);
+  EXPECT_EQ(SumOf(states[1].outcomes).tries, stored.tries);
+  EXPECT_EQ(SumOf(states[1].outcomes).hits, stored.hits);
   const std::string before = path == nullptr ? "" : path;
   setenv("PATH", temporary.path().c_str(), 1);
   SlurmJob job = SomeJob();
