@@ -223,8 +223,9 @@ void RequireSameScenes(const std::string& settings_before, const std::string& se
 
 std::string PairedTable(const PairedComparison& comparison) {
   std::string text = fmt::format(
-      "{} scenes that both have; differences with 95 % intervals over scenes; needed: scenes that\n"
-      "show such a difference four times in five\n  {:<28}{:>9}{:>9}  {:<28}{:>8}{:>11}{:>9}\n",
+      "{} scenes that both have\n"
+      "Differences with 95 % intervals over scenes; needed: scenes that show such a difference of\n"
+      "rates four times in five\n  {:<28}{:>9}{:>9}  {:<28}{:>8}{:>11}{:>9}\n",
       comparison.scenes, "", "A", "B", "B - A", "p", "differ in", "needed");
   for (const PairedFigure& figure : comparison.figures) {
     const std::string difference = fmt::format("{} [{}, {}]", Signed(figure, figure.difference()),

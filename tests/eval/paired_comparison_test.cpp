@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "eval/report_pairs.h"
 #include "eval/trial_clusters.h"
 #include "scenes/check.h"
 #include "tests/support/error_of.h"
@@ -290,6 +291,26 @@ TEST(PairedTable, AndJsonTellTheSame) {
   EXPECT_NEAR(json["figures"][0]["difference"], 0.35, 1e-12);
   EXPECT_EQ(json["figures"][0]["odds_ratio"], 4.5);
   EXPECT_TRUE(json["figures"].back()["scenes_needed"].is_null());
+}
+
+TEST(ComparePoints, AreToldWithTheirNamesAndByTheBandsOfTheRun) {
+  PointTrials a{"runs/a", {"rod"}, OnePickRun({0, 1, 2}), {}};
+  PointTrials b{"runs/b", {"rod"}, OnePickRun({2, 3, 4, 5}), {}};
+  a.bands = b.bands = {{0.15, 0.25}};
+  const std::vector<PointComparison> compared =
+      CompareWithFirst({{&a, kSettings}, {&b, kSettings}});
+  ASSERT_EQ(compared.size(), 1u);
+  EXPECT_THAT(ComparisonText(compared), HasSubstr("A is runs/a, B is runs/b; 20 scenes"));
+  const auto json = nlohmann::json::parse(ComparisonJson(compared))["comparisons"][0];
+  EXPECT_EQ(json["first"], "runs/a");
+  EXPECT_EQ(json["second"], "runs/b");
+  EXPECT_EQ(json["figures"][0]["discordant_scenes"], 5);
+  const ReportTable table = PairedReport(compared[0]);
+  EXPECT_THAT(table.text, HasSubstr("of rates, not of medians"));
+  std::vector<std::string> names;
+  for (const auto& row : table.cells) names.push_back(row[0]);
+  EXPECT_THAT(names, testing::Contains("recall, 15-25 % visible"));
+  EXPECT_THAT(names, testing::Not(testing::Contains("recall, 10-30 % visible")));
 }
 
 }  // namespace
