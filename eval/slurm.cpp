@@ -174,11 +174,12 @@ std::string JobScript(const SlurmJob& job) {
   std::istringstream more(o.options);
   for (std::string word; more >> word;) text += "#SBATCH " + word + "\n";
   text += fmt::format(
-      "cd {} || exit 1\nexec {} sweep {} --out {} --catalog {} \\\n  --shard "
-      "\"$SLURM_ARRAY_TASK_ID/{}\" --jobs {} --resume{}\n",
+      "cd {} || exit 1\nexec {} sweep {} --out {} --catalog {} \\\n  --pictures {} "
+      "--lost-pictures {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --jobs {} --resume{}\n",
       Quoted(job.working_folder.string()), Quoted(job.program.string()),
       Quoted((job.out / "sweep.yaml").string()), Quoted(job.out.string()), Quoted(job.catalog),
-      o.shards, o.cpus, job.retry_crashed ? " --retry-crashed" : "");
+      job.picture_trials, job.lost_picture_trials, o.shards, o.cpus,
+      job.retry_crashed ? " --retry-crashed" : "");
   return text;
 }
 

@@ -36,6 +36,7 @@ struct SlurmJob {
   std::filesystem::path working_folder;
   std::string catalog;
   bool retry_crashed = false;
+  int picture_trials = 0, lost_picture_trials = 0;  // as in SweepOptions
 };
 
 // OUT/slurm/job.sh

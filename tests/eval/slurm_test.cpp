@@ -42,6 +42,13 @@ TEST(SlurmScript, AsksForWhatIsSetAndLeavesTheRestToTheCluster) {
   EXPECT_THAT(script, HasSubstr("--shard \"$SLURM_ARRAY_TASK_ID/16\" --jobs 4 --resume\n"));
 }
 
+TEST(SlurmScript, ShardsLeaveThePicturesThatAreAskedFor) {
+  SlurmJob job = SomeJob();
+  job.picture_trials = 7;
+  job.lost_picture_trials = 30;
+  EXPECT_THAT(JobScript(job), HasSubstr(" --pictures 7 --lost-pictures 30 "));
+}
+
 TEST(SlurmScript, QuotesPathsForTheShell) {
   const std::string script = JobScript(SomeJob());
   EXPECT_THAT(script,
@@ -62,6 +69,12 @@ TEST(Slurm, CountsTrialsOfShards) {
   for (const ShardState& state : states) EXPECT_EQ(state.total, 4);
   EXPECT_EQ(states[0].done, 0);
   EXPECT_TRUE(states[1].finished());
+  const ResultsStore store = ResultsStore::OpenToRead(ShardFolder(options.out, options.shard));
+  Cluster stored;
+  for (const TrialResult& trial : store.ReadAll()) SuccessOfAttempts()(trial, stored);
+  EXPECT_GT(stored.tries, 0);
+  EXPECT_EQ(SumOf(states[1].outcomes).tries, stored.tries);
+  EXPECT_EQ(SumOf(states[1].outcomes).hits, stored.hits);
   EXPECT_THAT(ErrorOf([&] { ShardStates(StubSweep(2, 7), options.out, 3); }),
               HasSubstr("results of other settings"));
 }
@@ -69,12 +82,6 @@ TEST(Slurm, CountsTrialsOfShards) {
 TEST(Slurm, IsToldToBeAbsent) {
   const TemporaryFolder temporary;
   const char* path = std::getenv("PATH");
-  const ResultsStore store = ResultsStore::OpenToRead(ShardFolder(options.out, options.shard));
-  Cluster stored;
-  for (const TrialResult& trial : store.ReadAll()) SuccessOfAttempts()(trial, stored);
-  EXPECT_GT(stored.tries, 0);
-  EXPECT_EQ(SumOf(states[1].outcomes).tries, stored.tries);
-  EXPECT_EQ(SumOf(states[1].outcomes).hits, stored.hits);
   const std::string before = path == nullptr ? "" : path;
   setenv("PATH", temporary.path().c_str(), 1);
   SlurmJob job = SomeJob();
