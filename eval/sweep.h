@@ -58,8 +58,9 @@ using MakeDoTrial = std::function<DoTrial(const SweepPoint& point, const WorkerP
 // Drop, look, estimate, pick.
 MakeDoTrial PickingTrials(const TrialOptions& options = {});
 
-// Part `index` (1 .. count) of a sweep: a range of its scenes with all their points, so that
-// what is compared lies in one shard.
+// Part `index` (1 .. count) of a sweep's trials, in the order of their scenes with all points of
+// each, so that what is compared lies in one shard; but a scene at the border of two has points in
+// both.
 struct Shard {
   int index = 1;
   int count = 1;
