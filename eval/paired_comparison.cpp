@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
@@ -18,6 +19,9 @@ namespace pickbed {
 namespace {
 
 using Scenes = std::vector<int>;
+
+// Of fewer the test of medians cannot reach p < .05 (2 / 2^n), nor an interval its 95 %.
+constexpr int kFewestScenes = 6;
 
 constexpr std::array kSceneSettings{"seed:", "bin:", "objects:", "arrangement:"};
 // What decides beyond these where blockers are put until a target is in view as much as wanted.
@@ -84,7 +88,9 @@ PairedFigure PairedMedian(const std::string& key, const std::string& name,
     figure.scenes += !before[i].empty() || !after[i].empty();
     figure.discordant_scenes += before[i] != after[i];
   }
-  figure.difference_ci95 = PairedMedianInterval(before, after);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  figure.difference_ci95 = figure.scenes < kFewestScenes ? Interval{-kInfinity, kInfinity}
+                                                         : PairedMedianInterval(before, after);
   figure.p_value = PairedMedianTest(before, after);
   figure.test = "sign_flip";
   return figure;
@@ -120,6 +126,7 @@ std::string Valued(const PairedFigure& figure, double value) {
 }
 
 std::string Signed(const PairedFigure& figure, double value) {
+  if (!std::isfinite(value)) return "-";
   return figure.is_rate ? fmt::format("{:+.1f}", 100 * value) : fmt::format("{:+.4f}", value);
 }
 

@@ -19,7 +19,8 @@ struct PairedFigure {
   std::string name;     // "recall, 30-50 % visible"
   bool is_rate = true;  // 0..1; else an error, smaller is better
   double before = 0, after = 0;
-  Interval difference_ci95{-1, 1};  // of after - before
+  // Of after - before; of a median in fewer than six scenes with infinite ends.
+  Interval difference_ci95{-1, 1};
   double p_value = 1;
   std::string test = {};      // how p was found: "mcnemar" | "sign_flip"
   int scenes = 0;             // that tell something of it in either run

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace pickbed {
@@ -13,11 +14,13 @@ std::string ValueText(const PairedFigure& figure, double value) {
 }
 
 std::string DifferenceText(const PairedFigure& figure) {
-  const double scale = figure.is_rate ? 100 : 1;
+  const auto signed_text = [&](double value) {
+    if (!std::isfinite(value)) return std::string("-");
+    return figure.is_rate ? fmt::format("{:+.1f}", 100 * value) : fmt::format("{:+.3g}", value);
+  };
   const Interval& ci95 = figure.difference_ci95;
-  const char* form = figure.is_rate ? "{:+.1f} [{:+.1f}, {:+.1f}]" : "{:+.3g} [{:+.3g}, {:+.3g}]";
-  return fmt::format(fmt::runtime(form), scale * figure.difference(), scale * ci95.low,
-                     scale * ci95.high);
+  return fmt::format("{} [{}, {}]", signed_text(figure.difference()), signed_text(ci95.low),
+                     signed_text(ci95.high));
 }
 
 TableCells CellsOf(const PairedComparison& comparison, const std::string& before,

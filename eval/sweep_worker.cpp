@@ -1,5 +1,3 @@
-#include "eval/sweep_worker_impl.h"
-
 #include <fmt/format.h>
 
 #include <chrono>
@@ -7,6 +5,7 @@
 #include <memory>
 
 #include "eval/pictures.h"
+#include "eval/sweep_worker_impl.h"
 #include "eval/trial_clusters.h"
 
 namespace pickbed {

@@ -32,7 +32,7 @@ ReportChart CurvesOf(ReportChart chart, const std::string& y_title,
                      const std::vector<Curve>& curves) {
   const std::vector<VisibleBand> bands = BandsOfAll(curves);
   std::vector<std::string> names;
-  for (const VisibleBand& band : bands) names.push_back(band.name() + " %");
+  for (const VisibleBand& band : bands) names.push_back(band.name());
   std::vector<RateCurve> rates;
   for (const Curve& curve : curves) {
     RateCurve& of_series = rates.emplace_back(RateCurve{curve.series, {}});
@@ -42,7 +42,7 @@ ReportChart CurvesOf(ReportChart chart, const std::string& y_title,
       of_series.rates[place] = of_band.*curve.rate;
     }
   }
-  return RateCurves(std::move(chart), "visible fraction of the part", y_title, names, rates);
+  return RateCurves(std::move(chart), "visible fraction of the part, %", y_title, names, rates);
 }
 
 constexpr const char* kRecallCaption =

@@ -170,6 +170,23 @@ TEST(ComparePaired, ErrorsAreComparedByTheirMedian) {
   EXPECT_LT(median.p_value, 0.01);
 }
 
+// Five scenes that all say the same still have p > .05: no interval may leave 0 out.
+TEST(ComparePaired, OfFewScenesNoIntervalOfAMedianIsTold) {
+  auto before = OnePickRun({}), after = OnePickRun({});
+  for (int i = 0; i < 20; ++i) after[i].picks[0].hypotheses[0].mssd_diameters = 0.01;
+  const auto median = [&](int scenes) {
+    before.resize(scenes);
+    after.resize(scenes);
+    return FigureOf(ComparePaired(before, after), "median_mssd_diameters");
+  };
+  EXPECT_TRUE(std::isfinite(median(6).difference_ci95.high));
+  const PairedFigure few = median(5);
+  EXPECT_GT(few.p_value, 0.05);
+  EXPECT_TRUE(std::isinf(few.difference_ci95.low));
+  EXPECT_TRUE(std::isinf(few.difference_ci95.high));
+  EXPECT_THAT(PairedTable({5, 0, 0, {few}}), HasSubstr(" [-, -]"));
+}
+
 // The second finds the hard part, too, and is as exact as the first on the easy one.
 TEST(ComparePaired, ErrorsAreThoseOnPartsThatBothFound) {
   auto before = OnePickRun({}), after = OnePickRun({});
