@@ -296,13 +296,15 @@ std::vector<LostPick> LostPicksOf(std::span<const PointTrials> points) {
         entry.trial = trial.trial;
         entry.pick = pick.pick;
         entry.loss = pick.loss;
+        const InstanceRecord* part = InstanceIn(pick, pick.target >= 0 ? pick.target : pick.aimed);
+        if (part != nullptr && (pick.grasp || pick.target >= 0)) {
+          entry.visible_fraction = part->visible_fraction;
+        }
         if (!pick.grasp || pick.chosen < 0) continue;
         const HypothesisScore& chosen = pick.hypotheses.at(pick.chosen);
         entry.object = points[p].objects.at(chosen.object);
         entry.confidence = chosen.score;
         if (StandsOnSomething(chosen)) entry.mssd_diameters = chosen.mssd_diameters;
-        const InstanceRecord* aim = InstanceIn(pick, pick.aimed);
-        if (aim != nullptr) entry.visible_fraction = aim->visible_fraction;
       }
     }
   }

@@ -127,7 +127,7 @@ struct LostPick {
   int point = 0;
   int trial = 0, pick = 0;
   Loss loss = Loss::kNone;
-  // Of the executed grasp; negative and empty where there is none.
+  // Of the executed grasp; negative, empty without one. Visible: of a look's target in any case.
   std::string object;
   double visible_fraction = -1, confidence = -1, mssd_diameters = -1;
 };

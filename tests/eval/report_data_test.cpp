@@ -213,6 +213,24 @@ TEST(ReportData, LostPicksAreThoseOfTheBudget) {
   }
 }
 
+// How much of its target was in view is known of a look that found no grasp, too.
+TEST(ReportData, LostPicksTellHowMuchOfTheTargetWasInView) {
+  TrialResult trial;
+  trial.picks = {Look(0.3, true, Loss::kNoGrasp), Look(0.4, true, Loss::kSlipped)};
+  for (PickRecord& look : trial.picks) {
+    look.target = look.instances[0].instance;
+    look.aimed = -1;
+  }
+  trial.picks[0].grasp.reset();
+  PointTrials point = Point({trial});
+  std::vector<LostPick> lost = LostPicksOf({&point, 1});
+  EXPECT_EQ(lost.at(0).visible_fraction, 0.3);
+  EXPECT_EQ(lost.at(1).visible_fraction, 0.4);
+  for (PickRecord& look : point.trials[0].picks) look.target = -1;
+  lost = LostPicksOf({&point, 1});
+  EXPECT_LT(lost.at(0).visible_fraction, 0) << "it aimed at nothing";
+}
+
 TEST(ReportData, ViewsShowOneOfEachReasonAndOneSuccess) {
   std::vector<TrialResult> trials(6);
   const Loss losses[] = {Loss::kSlipped,   Loss::kSlipped, Loss::kNone,
