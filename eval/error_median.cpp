@@ -10,6 +10,8 @@ namespace {
 
 // 2 / 2^n is below 5 % from here on.
 constexpr size_t kFewestValues = 6;
+// Of one alone nothing tells how scenes differ.
+constexpr int kFewestScenes = 2;
 
 std::string Number(double value, int digits) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
@@ -26,8 +28,12 @@ ErrorMedian ErrorMedian::Times(double factor) const {
 ErrorMedian MedianWithin(const ValueClusters& by_scene) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   size_t values = 0;
-  for (const std::vector<double>& scene : by_scene) values += scene.size();
-  const bool few = values < kFewestValues;
+  int scenes = 0;
+  for (const std::vector<double>& scene : by_scene) {
+    values += scene.size();
+    scenes += !scene.empty();
+  }
+  const bool few = values < kFewestValues || scenes < kFewestScenes;
   return {MedianOf(by_scene), few ? Interval{-kInfinity, kInfinity} : MedianInterval(by_scene)};
 }
 

@@ -14,8 +14,8 @@ struct ErrorMedian {
   ErrorMedian Times(double factor) const;  // in another unit; `factor` > 0
 };
 
-// MedianOf and MedianInterval of the errors of each scene. Of fewer than six values both ends are
-// infinite: the least and the largest of five independent ones hold the median in 94 % only.
+// MedianOf and MedianInterval of the errors of each scene. Of one scene, or fewer than six values,
+// both ends are infinite: the range of five independent ones holds the median in 94 % only.
 ErrorMedian MedianWithin(const ValueClusters& by_scene);
 
 // "1.25 [0.98, 1.60]" with so many digits behind the point; "-" for an end that is not known, and

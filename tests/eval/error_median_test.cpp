@@ -36,6 +36,10 @@ TEST(ErrorMedian, OfFewValuesTheEndsAreUnknown) {
   EXPECT_EQ(MedianCells(five), "3,,");
 }
 
+TEST(ErrorMedian, OfOneSceneTheEndsAreUnknown) {
+  EXPECT_TRUE(std::isinf(MedianWithin({{}, std::vector<double>(40, 1.0), {}}).ci95.high));
+}
+
 TEST(ErrorMedian, OfNothingIsTold) {
   const ErrorMedian none = MedianWithin({{}, {}});
   EXPECT_EQ(MedianText(none, 1), "-");
