@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+
+#include "scenes/random.h"
 
 namespace pickbed {
 namespace {
@@ -21,9 +24,41 @@ TEST(ErrorMedian, ScenesAreTheUnitsOfItsInterval) {
   EXPECT_EQ(often.value, 20);
   EXPECT_NEAR(often.ci95.low, once.ci95.low, 1);
   EXPECT_NEAR(often.ci95.high, once.ci95.high, 1);
-  // Of 40 independent values the 14th and the 27th hold the median in 95 %.
-  EXPECT_NEAR(once.ci95.low, 14, 1);
-  EXPECT_NEAR(once.ci95.high, 27, 1);
+}
+
+// Values 1 .. n, one a scene.
+ErrorMedian OfSingles(int n) {
+  ValueClusters scenes;
+  for (int i = 1; i <= n; ++i) scenes.push_back({static_cast<double>(i)});
+  return MedianWithin(scenes);
+}
+
+// The l-th of n values is above the median in 2.5 % at most: sums of binomial coefficients over
+// 2^n.
+TEST(ErrorMedian, OfOneValueASceneLiesBetweenTheRanksOfTheSignTest) {
+  const std::map<int, std::pair<double, double>> ranks{{6, {1, 6}},    {8, {1, 8}},   {9, {2, 8}},
+                                                       {10, {2, 9}},   {15, {4, 12}}, {20, {6, 15}},
+                                                       {30, {10, 21}}, {40, {14, 27}}};
+  for (const auto& [n, ends] : ranks) {
+    EXPECT_EQ(OfSingles(n).ci95.low, ends.first) << n;
+    EXPECT_EQ(OfSingles(n).ci95.high, ends.second) << n;
+  }
+}
+
+TEST(ErrorMedian, OfOneValueASceneHoldsTheTruthIn95PercentAtLeast) {
+  constexpr int kExperiments = 10000;
+  for (const int scenes : {6, 13, 40}) {
+    Rng rng(scenes);
+    int covered = 0;
+    for (int experiment = 0; experiment < kExperiments; ++experiment) {
+      ValueClusters errors;
+      for (int i = 0; i < scenes; ++i) errors.push_back({std::exp(rng.Normal())});
+      const Interval interval = MedianWithin(errors).ci95;
+      covered += interval.low <= 1 && 1 <= interval.high;
+    }
+    EXPECT_GE(covered, 0.945 * kExperiments) << scenes;
+    EXPECT_LE(covered, 0.985 * kExperiments) << scenes;
+  }
 }
 
 TEST(ErrorMedian, OfFewValuesTheEndsAreUnknown) {
