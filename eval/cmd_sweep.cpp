@@ -55,11 +55,12 @@ bool Parse(int argc, char** argv, Arguments& a) {
       ->check(CLI::Range(1, 1000000));
   app.add_option("--catalog", a.catalog, "folder of your own objects")->capture_default_str();
   AddOutArgument(app, a.out);
-  app.add_option("--jobs", a.options.jobs, "worker processes; results do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  app.add_option("--shard", a.shard,
-                 "only part I of N of the scenes, I/N; pickbed merge joins them");
+  const auto* jobs =
+      app.add_option("--jobs", a.options.jobs, "worker processes; results do not depend on it")
+          ->check(CLI::Range(1, 1024))
+          ->capture_default_str();
+  const auto* shard = app.add_option(
+      "--shard", a.shard, "only part I of N of the trials, I/N; pickbed merge joins them");
   app.add_flag("--resume", a.options.resume, "go on with a sweep that was stopped");
   app.add_flag("--retry-crashed", a.options.retry_crashed,
                "with --resume: try those trials again that ended their worker");
@@ -72,7 +73,15 @@ bool Parse(int argc, char** argv, Arguments& a) {
   app.footer(
       "Example: pickbed sweep sensors.yaml --jobs 2\n"
       "         pickbed sweep sensors.yaml --slurm --shards 16 --partition short");
-  return ParseArguments(app, argc, argv);
+  const bool goes_on = ParseArguments(app, argc, argv);
+  CheckInput(
+      !a.slurm || jobs->count() == 0,
+      "--jobs: says how many workers run on this machine; with --slurm, --cpus says how many "
+      "a shard has");
+  CheckInput(!a.slurm || shard->count() == 0,
+             "--shard: does one shard on this machine; --slurm submits all of them, leave out one "
+             "of the two");
+  return goes_on;
 }
 
 // The file's, with what the command line says beyond.
@@ -103,13 +112,12 @@ void Print(const Arguments& a, const std::vector<PointSummary>& points,
 
 SlurmReport FollowSlurm(const Sweep& sweep, const SlurmJob& job) {
   ProgressLine progress;
-  ProgressState shown;
+  std::string queue;
   SlurmListener listener;
-  listener.on_message = [&](const std::string& line) { shown.note = line; };
+  listener.on_message = [&](const std::string& line) { queue = line; };
   listener.on_state = [&](const RunState& state) {
-    shown.done = state.done;
-    shown.total = state.total;
-    shown.done_before = state.done_before;
+    ProgressState shown = ProgressOf(state);
+    shown.note = queue + (shown.note.empty() ? "" : ", " + shown.note);
     progress.Show(shown);
   };
   listener.stop = Interrupted;
@@ -124,6 +132,8 @@ int SweepOnSlurm(const Arguments& a, const SweepSpec& spec, const std::filesyste
   job.working_folder = std::filesystem::current_path();
   job.catalog = a.catalog;
   job.retry_crashed = a.options.retry_crashed;
+  job.picture_trials = a.options.picture_trials;
+  job.lost_picture_trials = a.options.lost_picture_trials;
   const Sweep sweep = MakeSweep(spec, out, a.catalog);
   const SlurmReport report = FollowSlurm(sweep, job);
   if (report.stopped) {

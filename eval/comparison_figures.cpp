@@ -13,13 +13,6 @@ constexpr double kFarOff_deg = 15;
 constexpr double kWantedPrecision = 0.95;
 constexpr int kReliabilityBins = 10;
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // A reported pose.
 struct Claim {
   double score = 0;
@@ -90,11 +83,13 @@ ComparisonFigures FiguresOf(const ComparedRow& row, std::optional<int> object) {
   ComparisonFigures figures;
   figures.bands = EmptyRecallBands();
   std::vector<Claim> claims;
-  std::vector<double> rotations_deg, mssds;
-  int far_off = 0;
+  ValueClusters rotations_deg, mssds;  // by bin
+  int far_off = 0, standing = 0;
   for (const ComparedLook& compared : row.looks) {
     const LookScore& look = compared.score;
     ++figures.bins;
+    std::vector<double>& rotations_here_deg = rotations_deg.emplace_back();
+    std::vector<double>& mssds_here = mssds.emplace_back();
     figures.top_right += !look.hypotheses.empty() && look.hypotheses.front().correct;
     CountInstances(look, object, figures);
     for (size_t i = 0; i < look.hypotheses.size(); ++i) {
@@ -108,9 +103,10 @@ ComparisonFigures FiguresOf(const ComparedRow& row, std::optional<int> object) {
       figures.right += taken >= 0;
       figures.identity_right += look.nearest_object[i] == pose.object;
       if (pose.mssd_diameters >= kStandsOnDiameters) continue;
-      rotations_deg.push_back(pose.rotation_rad * 180 / std::numbers::pi);
-      mssds.push_back(pose.mssd_diameters);
-      far_off += rotations_deg.back() > kFarOff_deg;
+      rotations_here_deg.push_back(pose.rotation_rad * 180 / std::numbers::pi);
+      mssds_here.push_back(pose.mssd_diameters);
+      far_off += rotations_here_deg.back() > kFarOff_deg;
+      ++standing;
     }
     for (const auto& [stage, seconds] : compared.seconds) {
       figures.stages[stage] += seconds / static_cast<double>(row.looks.size());
@@ -119,10 +115,9 @@ ComparisonFigures FiguresOf(const ComparedRow& row, std::optional<int> object) {
   figures.recall_at_95 = RecallAtPrecision(claims, figures.instances);
   Calibrate(claims, figures);
   figures.top_pick_chance = TopPickChance(row);
-  figures.share_over_15_deg =
-      rotations_deg.empty() ? 0 : static_cast<double>(far_off) / rotations_deg.size();
-  figures.median_rotation_deg = Median(std::move(rotations_deg));
-  figures.median_mssd_diameters = Median(std::move(mssds));
+  figures.share_over_15_deg = standing > 0 ? static_cast<double>(far_off) / standing : 0;
+  figures.median_rotation_deg = MedianWithin(rotations_deg);
+  figures.median_mssd_diameters = MedianWithin(mssds);
   if (const auto all = figures.stages.find("estimate"); all != figures.stages.end()) {
     figures.seconds = all->second;
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "eval/comparison.h"
+#include "eval/error_median.h"
 #include "eval/summary.h"
 
 namespace pickbed {
@@ -18,15 +19,15 @@ struct ReliabilityBin {
 struct ComparisonFigures {
   int bins = 0,
       top_right = 0;  // bins whose highest-ranked pose is right; one without a pose is not
-  int instances = 0, recalled = 0;   // of those at least 10 % visible
-  std::vector<RecallBand> bands;     // 10-30, 30-50, 50-70, 70-90, 90-100 % visible
-  int poses = 0, right = 0;          // reported, and right, one for each instance
-  int identity_right = 0;            // the nearest part is of the kind that was named
-  double recall_at_95 = 0;           // largest recall with a threshold of precision >= 0.95
-  double median_rotation_deg = 0;    // of poses that stand on an instance (MSSD < 0.5 diameter)
-  double median_mssd_diameters = 0;  //
-  double share_over_15_deg = 0;      //
-  double calibration_error = 0;      // ECE, ten bins of equal width
+  int instances = 0, recalled = 0;  // of those at least 10 % visible
+  std::vector<RecallBand> bands;    // 10-30, 30-50, 50-70, 70-90, 90-100 % visible
+  int poses = 0, right = 0;         // reported, and right, one for each instance
+  int identity_right = 0;           // the nearest part is of the kind that was named
+  double recall_at_95 = 0;          // largest recall with a threshold of precision >= 0.95
+  // Of poses that stand on an instance (MSSD < 0.5 diameter).
+  ErrorMedian median_rotation_deg, median_mssd_diameters;
+  double share_over_15_deg = 0;
+  double calibration_error = 0;  // ECE, ten bins of equal width
   std::vector<ReliabilityBin> reliability;
   // Mean chance that a pick on the highest-ranked pose succeeds, over the bins where its part has a
   // tolerance map; 0 counts for a bin without a pose. Nothing without maps.

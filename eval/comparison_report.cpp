@@ -40,8 +40,8 @@ std::vector<Figure> FigureList(const ComparedRow& row, const ComparisonFigures& 
       {"precision, %", fmt::format("{} ({} of {})", Percent(f.precision()), f.right, f.poses)},
       {"recall at precision 0.95, %", Percent(f.recall_at_95)},
       {"kind of part right, %", Percent(f.poses > 0 ? 1.0 * f.identity_right / f.poses : 0)},
-      {"median rotation error, deg", fmt::format("{:.2f}", f.median_rotation_deg)},
-      {"median MSSD, diameters", fmt::format("{:.4f}", f.median_mssd_diameters)},
+      {"median rotation error, deg", MedianText(f.median_rotation_deg, 2)},
+      {"median MSSD, diameters", MedianText(f.median_mssd_diameters, 4)},
       {"over 15 deg, %", Percent(f.share_over_15_deg)},
       {"calibration error (ECE)", fmt::format("{:.3f}", f.calibration_error)},
       {"AR (VSD, MSSD, MSPD)", fmt::format("{:.3f}", row.bop.ar())},
@@ -147,7 +147,7 @@ std::string ComparisonTable(const std::vector<ComparedRow>& rows) {
   std::string text;
   for (const std::vector<std::string>& line : FigureTable(rows)) {
     text += fmt::format("{:<32}", line.front());
-    for (size_t i = 1; i < line.size(); ++i) text += fmt::format("{:>22}", line[i]);
+    for (size_t i = 1; i < line.size(); ++i) text += fmt::format("{:>26}", line[i]);
     text += "\n";
   }
   return text;
@@ -156,7 +156,8 @@ std::string ComparisonTable(const std::vector<ComparedRow>& rows) {
 std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
   std::string csv =
       "estimator,object,bins,top_right,instances,recalled,poses,right,identity_right,recall_at_95,"
-      "median_rotation_deg,median_mssd_diameters,share_over_15_deg,calibration_error";
+      "median_rotation_deg,median_rotation_low,median_rotation_high,median_mssd_diameters,"
+      "median_mssd_low,median_mssd_high,share_over_15_deg,calibration_error";
   for (const RecallBand& band : EmptyRecallBands()) {
     const int low = static_cast<int>(100 * band.visible_min + 0.5);
     const int high = static_cast<int>(100 * band.visible_max + 0.5);
@@ -170,8 +171,8 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
       csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}", row.label,
                          all ? "all" : objects[object]->name, f.bins, f.top_right, f.instances,
                          f.recalled, f.poses, f.right, f.identity_right, f.recall_at_95,
-                         f.median_rotation_deg, f.median_mssd_diameters, f.share_over_15_deg,
-                         f.calibration_error);
+                         MedianCells(f.median_rotation_deg), MedianCells(f.median_mssd_diameters),
+                         f.share_over_15_deg, f.calibration_error);
       for (const RecallBand& band : f.bands) {
         csv += fmt::format(",{},{}", band.instances, band.recalled);
       }
@@ -214,9 +215,8 @@ std::string ComparisonPage(const std::string& title, const std::vector<ComparedR
   page.Paragraph(
       "Each estimator saw the same images. A pose is right when its MSSD is under a tenth of the "
       "part's diameter; instances of at least 10 % visible are to be found, and a second pose of "
-      "an instance is a wrong one. Bands are 95 % intervals over bins, since what one image shows "
-      "is "
-      "not independent.");
+      "an instance is a wrong one. Bands, and brackets behind medians, are 95 % intervals over "
+      "bins, since what one image shows is not independent.");
   page.Table(FigureTable(rows));
   CurveChart recall{"Recall by visible fraction", "visible, %", "recall, %", 0, 100, 0, 100};
   CurveChart reliability{"What a score is worth", "score", "share right", 0, 1, 0, 1, true};

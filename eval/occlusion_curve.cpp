@@ -11,8 +11,9 @@ constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 // The looks of one band, by scene.
 struct BandLooks {
-  std::vector<const PickRecord*> looks;
+  int looks = 0;
   std::map<int, Cluster> recalled, picked;
+  std::map<int, std::vector<double>> mssd, translation_m, rotation_rad;  // of the best pose
   double visible = 0;
 };
 
@@ -46,17 +47,19 @@ const HypothesisScore* BestOnTarget(const PickRecord& look) {
   return best;
 }
 
-ErrorMedians ErrorsOf(const std::vector<const PickRecord*>& looks) {
-  std::vector<double> mssd, translation_m, rotation_rad;
-  for (const PickRecord* look : looks) {
-    const HypothesisScore* best = BestOnTarget(*look);
-    if (best == nullptr) continue;
-    mssd.push_back(best->mssd_diameters);
-    translation_m.push_back(best->translation_m);
-    rotation_rad.push_back(best->rotation_rad);
-  }
-  const int looks_with = static_cast<int>(mssd.size());
-  return {looks_with, MedianOf({mssd}), MedianOf({translation_m}), MedianOf({rotation_rad})};
+ErrorMedian MedianOfScenes(const std::map<int, std::vector<double>>& by_scene) {
+  ValueClusters clusters;
+  for (const auto& [scene, values] : by_scene) clusters.push_back(values);
+  return MedianWithin(clusters);
+}
+
+void CountErrors(int scene, const PickRecord& look, BandLooks& band, ErrorMedians& errors) {
+  const HypothesisScore* best = BestOnTarget(look);
+  if (best == nullptr) return;
+  ++errors.looks;
+  band.mssd[scene].push_back(best->mssd_diameters);
+  band.translation_m[scene].push_back(best->translation_m);
+  band.rotation_rad[scene].push_back(best->rotation_rad);
 }
 
 std::string Percent(int hits, const BandFigures& band) {
@@ -88,13 +91,9 @@ std::string CsvLine(const std::string& point, const BandFigures& band) {
   } else {
     line += ",,,,,,,,,";
   }
-  line += fmt::format("{},", band.errors.looks);
-  if (band.errors.looks > 0) {
-    line += fmt::format("{},{},{},", band.errors.mssd_diameters, 1e3 * band.errors.translation_m,
-                        kDegrees * band.errors.rotation_rad);
-  } else {
-    line += ",,,";
-  }
+  line += fmt::format("{},{},{},{},", band.errors.looks, MedianCells(band.errors.mssd_diameters),
+                      MedianCells(band.errors.translation_m.Times(1e3)),
+                      MedianCells(band.errors.rotation_rad.Times(kDegrees)));
   const BlockerCounts& blockers = band.account.blockers;
   return line + fmt::format("{},{},{},{},{},{},{}\n", band.trials_without, band.account.given_up,
                             blockers.dropped, blockers.kept, blockers.refused, blockers.jumped,
@@ -112,10 +111,11 @@ std::vector<BandFigures> FiguresByBand(std::span<const TrialResult> trials,
       if (look.target < 0 || look.band < 0 || look.band >= static_cast<int>(looks.size())) continue;
       const InstanceRecord* target = TargetOf(look);
       BandLooks& band = looks[look.band];
-      band.looks.push_back(&look);
+      ++band.looks;
       band.visible += target ? target->visible_fraction : 0;
       Count(target && target->recalled, band.recalled[trial.scene]);
       Count(look.loss == Loss::kNone, band.picked[trial.scene]);
+      CountErrors(trial.scene, look, band, figures[look.band].errors);
       if (look.loss != Loss::kNone) {
         ++figures[look.band].losses[std::string(LossName(look.loss))];
       }
@@ -129,11 +129,13 @@ std::vector<BandFigures> FiguresByBand(std::span<const TrialResult> trials,
   for (size_t i = 0; i < figures.size(); ++i) {
     BandFigures& band = figures[i];
     band.band = spec.bands[i];
-    band.looks = static_cast<int>(looks[i].looks.size());
+    band.looks = looks[i].looks;
     if (band.looks > 0) band.mean_visible = looks[i].visible / band.looks;
     band.recalled = ShareOf(looks[i].recalled);
     band.picked = ShareOf(looks[i].picked);
-    band.errors = ErrorsOf(looks[i].looks);
+    band.errors.mssd_diameters = MedianOfScenes(looks[i].mssd);
+    band.errors.translation_m = MedianOfScenes(looks[i].translation_m);
+    band.errors.rotation_rad = MedianOfScenes(looks[i].rotation_rad);
   }
   return figures;
 }
@@ -141,7 +143,8 @@ std::vector<BandFigures> FiguresByBand(std::span<const TrialResult> trials,
 std::string CurveCsv(std::span<const NamedCurve> curves) {
   std::string csv =
       "point,visible_least,visible_most,looks,visible_mean,recalled,recall,recall_low,recall_high,"
-      "picked,pick_rate,pick_low,pick_high,posed,mssd_diameters,translation_mm,rotation_deg,"
+      "picked,pick_rate,pick_low,pick_high,posed,mssd_diameters,mssd_low,mssd_high,"
+      "translation_mm,translation_low,translation_high,rotation_deg,rotation_low,rotation_high,"
       "trials_without,targets_given_up,blockers,blockers_kept,blockers_refused,blockers_jumped,"
       "blockers_useless\n";
   for (const NamedCurve& curve : curves) {
@@ -153,13 +156,14 @@ std::string CurveCsv(std::span<const NamedCurve> curves) {
 std::string CurveTable(const std::vector<BandFigures>& bands) {
   std::string text =
       "Targets by visible fraction\n"
-      "  band, %   looks  found                   picked                  error of the best pose\n";
+      "  band, %   looks  found                   picked                  median error of the best "
+      "pose\n";
   for (const BandFigures& band : bands) {
     const std::string error =
         band.errors.looks == 0
             ? "-"
-            : fmt::format("{:.1f} mm, {:.1f} deg", 1e3 * band.errors.translation_m,
-                          kDegrees * band.errors.rotation_rad);
+            : fmt::format("{} mm, {} deg", MedianText(band.errors.translation_m.Times(1e3), 1),
+                          MedianText(band.errors.rotation_rad.Times(kDegrees), 1));
     text += fmt::format("  {:<10}{:<7}{:<24}{:<24}{}\n", band.band.name(), band.looks,
                         ShareText(band.recalled, band), ShareText(band.picked, band), error);
   }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/error_median.h"
 #include "eval/statistics.h"
 #include "eval/trial.h"
 #include "scenes/occlusion_spec.h"
@@ -25,7 +26,7 @@ struct ShareOfLooks {
 // Medians, of the hypothesis with the highest score among those that stand on the target.
 struct ErrorMedians {
   int looks = 0;  // that have one
-  double mssd_diameters = 0, translation_m = 0, rotation_rad = 0;
+  ErrorMedian mssd_diameters, translation_m, rotation_rad;
 };
 
 struct BandFigures {

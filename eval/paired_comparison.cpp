@@ -6,18 +6,22 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 
-#include "eval/summary.h"
 #include "eval/trial_clusters.h"
+#include "eval/virtual_cell.h"
 #include "scenes/check.h"
 
 namespace pickbed {
 namespace {
 
 using Scenes = std::vector<int>;
+
+// Of fewer the test of medians cannot reach p < .05 (2 / 2^n), nor an interval its 95 %.
+constexpr int kFewestScenes = 6;
 
 constexpr std::array kSceneSettings{"seed:", "bin:", "objects:", "arrangement:"};
 // What decides beyond these where blockers are put until a target is in view as much as wanted.
@@ -84,7 +88,9 @@ PairedFigure PairedMedian(const std::string& key, const std::string& name,
     figure.scenes += !before[i].empty() || !after[i].empty();
     figure.discordant_scenes += before[i] != after[i];
   }
-  figure.difference_ci95 = PairedMedianInterval(before, after);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  figure.difference_ci95 = figure.scenes < kFewestScenes ? Interval{-kInfinity, kInfinity}
+                                                         : PairedMedianInterval(before, after);
   figure.p_value = PairedMedianTest(before, after);
   figure.test = "sign_flip";
   return figure;
@@ -95,19 +101,18 @@ struct NamedRate {
   TrialCount count;
 };
 
-std::vector<NamedRate> Rates() {
+std::vector<NamedRate> Rates(const std::vector<VisibleBand>& bands) {
   std::vector<NamedRate> rates{{"pick_success", "pick success", SuccessOfAttempts()},
                                {"cleared", "parts cleared", PartsCleared()},
                                {"top1", "top-ranked pose right", TopRankedRight()}};
-  const std::vector<RecallBand> bands = EmptyRecallBands();
-  rates.push_back({"recall", "recall", InstancesRecalled(bands.front().visible_min, 1)});
+  rates.push_back({"recall", "recall", InstancesRecalled(kCountedVisibility, 1)});
   const auto add_bands = [&](const char* key, const char* name, auto count) {
-    for (const RecallBand& band : bands) {
-      const int low = static_cast<int>(std::lround(100 * band.visible_min));
-      const int high = static_cast<int>(std::lround(100 * band.visible_max));
-      rates.push_back({fmt::format("{}_{}_{}", key, low, high),
-                       fmt::format("{}, {}-{} % visible", name, low, high),
-                       count(band.visible_min, band.visible_max)});
+    for (const VisibleBand& band : bands) {
+      std::string ends = band.name();
+      std::replace(ends.begin(), ends.end(), '-', '_');
+      rates.push_back({fmt::format("{}_{}", key, ends),
+                       fmt::format("{}, {} % visible", name, band.name()),
+                       count(band.least, band.most)});
     }
   };
   add_bands("recall", "recall", InstancesRecalled);
@@ -121,6 +126,7 @@ std::string Valued(const PairedFigure& figure, double value) {
 }
 
 std::string Signed(const PairedFigure& figure, double value) {
+  if (!std::isfinite(value)) return "-";
   return figure.is_rate ? fmt::format("{:+.1f}", 100 * value) : fmt::format("{:+.4f}", value);
 }
 
@@ -150,7 +156,8 @@ PairedFigure PairedRate(const std::string& key, const std::string& name,
 }
 
 PairedComparison ComparePaired(std::span<const TrialResult> before,
-                               std::span<const TrialResult> after) {
+                               std::span<const TrialResult> after,
+                               const std::vector<VisibleBand>& bands) {
   const Scenes scenes_before = ScenesOf(before), scenes_after = ScenesOf(after);
   Scenes shared;
   std::set_intersection(scenes_before.begin(), scenes_before.end(), scenes_after.begin(),
@@ -161,7 +168,7 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
   comparison.scenes = static_cast<int>(shared.size());
   comparison.before_only = static_cast<int>(scenes_before.size() - shared.size());
   comparison.after_only = static_cast<int>(scenes_after.size() - shared.size());
-  for (const NamedRate& rate : Rates()) {
+  for (const NamedRate& rate : Rates(bands)) {
     const auto a = CountByScene(before, shared, rate.count);
     const auto b = CountByScene(after, shared, rate.count);
     if (SumOf(a).tries == 0 || SumOf(b).tries == 0) continue;
@@ -223,8 +230,9 @@ void RequireSameScenes(const std::string& settings_before, const std::string& se
 
 std::string PairedTable(const PairedComparison& comparison) {
   std::string text = fmt::format(
-      "{} scenes that both have; differences with 95 % intervals over scenes; needed: scenes that\n"
-      "show such a difference four times in five\n  {:<28}{:>9}{:>9}  {:<28}{:>8}{:>11}{:>9}\n",
+      "{} scenes that both have\n"
+      "Differences with 95 % intervals over scenes; needed: scenes that show such a difference of\n"
+      "rates four times in five\n  {:<28}{:>9}{:>9}  {:<28}{:>8}{:>11}{:>9}\n",
       comparison.scenes, "", "A", "B", "B - A", "p", "differ in", "needed");
   for (const PairedFigure& figure : comparison.figures) {
     const std::string difference = fmt::format("{} [{}, {}]", Signed(figure, figure.difference()),

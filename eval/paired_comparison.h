@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eval/paired_tests.h"
+#include "eval/summary.h"
 #include "eval/trial.h"
 
 namespace pickbed {
@@ -18,7 +19,8 @@ struct PairedFigure {
   std::string name;     // "recall, 30-50 % visible"
   bool is_rate = true;  // 0..1; else an error, smaller is better
   double before = 0, after = 0;
-  Interval difference_ci95{-1, 1};  // of after - before
+  // Of after - before; of a median in fewer than six scenes with infinite ends.
+  Interval difference_ci95{-1, 1};
   double p_value = 1;
   std::string test = {};      // how p was found: "mcnemar" | "sign_flip"
   int scenes = 0;             // that tell something of it in either run
@@ -40,9 +42,11 @@ struct PairedComparison {
 // Pick success, parts cleared, recall of all at least 10 % visible and by visible fraction, targets
 // picked by visible fraction, top-ranked poses, median MSSD and rotation on the instances that both
 // found (PairedErrorsByScene). Figures of which a run tells nothing are left out. Trials are paired
-// by their scene number; pass those of one point each. Throws InputError when no scene is shared.
+// by their scene number; pass those of one point each, whose `bands` are the same where their
+// scenes are. Throws InputError when no scene is shared.
 PairedComparison ComparePaired(std::span<const TrialResult> before,
-                               std::span<const TrialResult> after);
+                               std::span<const TrialResult> after,
+                               const std::vector<VisibleBand>& bands = ReportedBands());
 
 // A cluster comparison of any rate, as a row of the table.
 PairedFigure PairedRate(const std::string& key, const std::string& name,

@@ -67,6 +67,25 @@ std::string HypothesesDiffer(const PickRecord& recorded, const PickRecord& repla
   return fmt::format("hypotheses: {} recorded, {} replayed", a.size(), b.size());
 }
 
+// `rest` is what the hash knows beyond the parts in view.
+std::string PartsDiffer(const PickRecord& recorded, const PickRecord& replayed, const char* rest) {
+  const auto& a = recorded.instances;
+  const auto& b = replayed.instances;
+  const auto wanted = [](const std::string& column) {
+    return column == "instance" || column == "object" || column == "visible_fraction";
+  };
+  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    const std::string found =
+        FirstUnequal(fmt::format("parts[{}].", i), CellsOf(InstanceRow{0, 0, a[i]}, wanted),
+                     CellsOf(InstanceRow{0, 0, b[i]}, wanted));
+    if (!found.empty()) return found;
+  }
+  if (a.size() != b.size()) {
+    return fmt::format("parts: {} recorded, {} replayed", a.size(), b.size());
+  }
+  return fmt::format("the hash alone: the record holds no number of {}", rest);
+}
+
 std::string PickDiffers(const PickRecord& recorded, const PickRecord& replayed,
                         const std::function<bool(const std::string&)>& wanted) {
   const auto cells_of = [&](const PickRecord& record) {
@@ -97,8 +116,9 @@ std::string RejectionsDiffer(const PickRecord& recorded, const PickRecord& repla
 std::string WhatDiffers(TrialStage stage, const PickRecord& recorded, const PickRecord& replayed) {
   switch (stage) {
     case TrialStage::kScene:
+      return PartsDiffer(recorded, replayed, "the bin and of where the parts lie");
     case TrialStage::kImage:
-      return "";
+      return PartsDiffer(recorded, replayed, "pixels");
     case TrialStage::kHypotheses:
       return HypothesesDiffer(recorded, replayed);
     case TrialStage::kGrasp: {

@@ -52,7 +52,7 @@ struct StageReplay {
   TrialStage stage = TrialStage::kScene;
   uint64_t recorded = 0, replayed = 0;  // hashes, 0 = none
   ReplayVerdict verdict = ReplayVerdict::kSame;
-  std::string what;  // first number that differs, where the record holds it
+  std::string what;  // first number that differs, see eval/record_difference.h
 };
 
 struct ReplayReport {

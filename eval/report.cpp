@@ -7,7 +7,6 @@
 
 #include "eval/paired_comparison.h"
 #include "eval/pictures.h"
-#include "eval/report_pairs.h"
 #include "eval/report_views.h"
 #include "eval/results_store.h"
 #include "scenes/check.h"
@@ -203,6 +202,7 @@ ReportRun ReadReportRun(const fs::path& folder) {
     point.identity = stored.identity;
     point.trials.name = stored.name;
     point.trials.cycle = point.spec.cycle;
+    point.trials.bands = ReportedBands(point.spec.occlusion);
     for (const PartSpec& part : point.spec.objects) point.trials.objects.push_back(part.name);
     std::vector<int> crashed_scenes;
     for (const CrashedTrial& crashed : all_crashed) {
@@ -230,12 +230,14 @@ std::string RunReportPage(ReportRun run, const ObjectCatalog& catalog,
   if (run.points.size() == 1) contents.about.push_back(SettingsText(run.points[0].spec));
   contents.about.push_back(CrashedText(run));
   contents.about.insert(contents.about.end(), run.stops.begin(), run.stops.end());
-  contents.comparisons = PairedWithFirst(PairedPointsOf(all));
+  for (const PointComparison& comparison : CompareWithFirst(PairedPointsOf(all))) {
+    contents.comparisons.push_back(PairedReport(comparison));
+  }
   return PageOf(all, std::move(contents), catalog, options);
 }
 
-std::string ComparisonPage(ReportRun a, ReportRun b, const ObjectCatalog& catalog,
-                           const ReportOptions& options) {
+RunComparison CompareRuns(ReportRun a, ReportRun b, const ObjectCatalog& catalog,
+                          const ReportOptions& options) {
   CheckInput(a.name != b.name, fmt::format("{} is named twice; name two runs", a.name));
   const std::vector<PointPair> pairs = PairsOf(a, b);
   const Contestants all = PointsOf({&a, &b});
@@ -249,12 +251,15 @@ std::string ComparisonPage(ReportRun a, ReportRun b, const ObjectCatalog& catalo
     contents.about.push_back(CrashedText(*run));
     contents.about.insert(contents.about.end(), run->stops.begin(), run->stops.end());
   }
+  RunComparison result;
   for (const PointPair& pair : pairs) {
     const PairedPoint &before = points[pair.a], &after = points[a.points.size() + pair.b];
     RequireSameScenes(before.identity, after.identity, before.trials->name, after.trials->name);
-    contents.comparisons.push_back(PairedReport(before, after));
+    result.points.push_back(ComparePoints(before, after));
+    contents.comparisons.push_back(PairedReport(result.points.back()));
   }
-  return PageOf(all, std::move(contents), catalog, options);
+  result.page = PageOf(all, std::move(contents), catalog, options);
+  return result;
 }
 
 }  // namespace pickbed

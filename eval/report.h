@@ -9,6 +9,7 @@
 
 #include "eval/report_data.h"
 #include "eval/report_page.h"
+#include "eval/report_pairs.h"
 #include "scenes/scenario_spec.h"
 
 namespace pickbed {
@@ -35,9 +36,13 @@ ReportRun ReadReportRun(const std::filesystem::path& folder);
 std::string RunReportPage(ReportRun run, const ObjectCatalog& catalog,
                           const ReportOptions& options = {});
 
-// Both side by side. Points are compared by name; a run of one point is compared with any other of
-// one. Throws InputError when there is nothing to compare.
-std::string ComparisonPage(ReportRun a, ReportRun b, const ObjectCatalog& catalog,
-                           const ReportOptions& options = {});
+struct RunComparison {
+  std::string page;  // both side by side
+  std::vector<PointComparison> points;
+};
+// Points are compared by name; a run of one point is compared with any other of one. Throws
+// InputError when there is nothing to compare.
+RunComparison CompareRuns(ReportRun a, ReportRun b, const ObjectCatalog& catalog,
+                          const ReportOptions& options = {});
 
 }  // namespace pickbed

@@ -46,11 +46,6 @@ double Quantile(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)))];
 }
 
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return Quantile(values, 0.5);
-}
-
 const InstanceRecord* InstanceIn(const PickRecord& pick, int instance) {
   const auto found = std::find_if(pick.instances.begin(), pick.instances.end(),
                                   [&](const InstanceRecord& r) { return r.instance == instance; });
@@ -69,12 +64,10 @@ ReportRate RateOfScenes(const PointTrials& point, const TrialCount& count) {
 
 std::vector<BandRates> BandsOf(const PointTrials& point) {
   std::vector<BandRates> rates;
-  for (const RecallBand& band : EmptyRecallBands()) {
-    const double min = band.visible_min, max = band.visible_max;
-    rates.push_back({fmt::format("{:.0f}-{:.0f} %", 100 * min, 100 * max),
-                     RateOfScenes(point, InstancesRecalled(min, max)),
-                     RateOfScenes(point, SuccessByVisibility(min, max)),
-                     RateOfScenes(point, TargetsPicked(min, max))});
+  for (const VisibleBand& band : point.bands) {
+    rates.push_back({band, RateOfScenes(point, InstancesRecalled(band.least, band.most)),
+                     RateOfScenes(point, SuccessByVisibility(band.least, band.most)),
+                     RateOfScenes(point, TargetsPicked(band.least, band.most))});
   }
   return rates;
 }
@@ -116,11 +109,12 @@ ErrorHistogram HistogramOf(const PointTrials& point, const PoseErrorRow& row, do
   for (int i = 0; i < count; ++i) {
     histogram.bins.push_back({range * i / count, range * (i + 1) / count, 0, 0});
   }
-  std::vector<double> errors;
-  ForEachPose(point, [&](size_t, const HypothesisScore& score) {
+  ValueClusters errors(point.trials.size());
+  ForEachPose(point, [&](size_t trial, const HypothesisScore& score) {
     if (!StandsOnSomething(score)) return;
     const double error = row.of(score);
-    errors.push_back(error);
+    errors[trial].push_back(error);
+    ++histogram.total;
     if (error >= range) {
       ++histogram.beyond;
       return;
@@ -128,8 +122,7 @@ ErrorHistogram HistogramOf(const PointTrials& point, const PoseErrorRow& row, do
     ErrorBin& bin = histogram.bins[static_cast<size_t>(error / range * count)];
     ++(score.correct ? bin.right : bin.wrong);
   });
-  histogram.total = static_cast<int>(errors.size());
-  histogram.median = Median(std::move(errors));
+  histogram.median = MedianWithin(errors);
   return histogram;
 }
 
@@ -185,10 +178,10 @@ std::vector<StageTime> SecondsOf(const PointTrials& point) {
 }
 
 struct ObjectCounts {
-  explicit ObjectCounts(size_t trials) : recall(trials), picks(trials) {}
+  explicit ObjectCounts(size_t trials) : recall(trials), picks(trials), mssd(trials) {}
   ObjectReport report;
   RateByScene recall, picks;
-  std::vector<double> mssd;
+  ValueClusters mssd;
   std::map<Loss, int> losses;
 };
 
@@ -200,7 +193,8 @@ void CountLook(size_t trial, const PickRecord& pick, std::vector<ObjectCounts>& 
     counts.at(instance.object).recall.Count(trial, instance.recalled);
   }
   for (const HypothesisScore& score : pick.hypotheses) {
-    if (StandsOnSomething(score)) counts.at(score.object).mssd.push_back(score.mssd_diameters);
+    if (StandsOnSomething(score))
+      counts.at(score.object).mssd[trial].push_back(score.mssd_diameters);
   }
   const InstanceRecord* aim = pick.grasp ? InstanceIn(pick, pick.aimed) : nullptr;
   if (aim != nullptr) counts.at(aim->object).picks.Count(trial, pick.loss == Loss::kNone);
@@ -224,7 +218,7 @@ std::vector<ObjectReport> ObjectsOf(const PointTrials& point) {
     report.name = point.objects[i];
     report.recall = count.recall.Finish();
     report.picks = count.picks.Finish();
-    report.median_mssd_diameters = Median(std::move(count.mssd));
+    report.median_mssd_diameters = MedianWithin(count.mssd);
     const auto most =
         std::max_element(count.losses.begin(), count.losses.end(),
                          [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -257,11 +251,11 @@ void ReportOptions::Validate() const {
 
 std::span<const PoseErrorRow> PoseErrorTable() {
   static constexpr std::array<PoseErrorRow, kPoseErrors> kRows{{
-      {PoseError::kMssd, "MSSD", "diameters",
+      {PoseError::kMssd, "MSSD", "diameters", 4,
        [](const HypothesisScore& score) { return score.mssd_diameters; }},
-      {PoseError::kTranslation, "translation", "mm",
+      {PoseError::kTranslation, "translation", "mm", 2,
        [](const HypothesisScore& score) { return 1e3 * score.translation_m; }},
-      {PoseError::kRotation, "rotation", "deg",
+      {PoseError::kRotation, "rotation", "deg", 2,
        [](const HypothesisScore& score) { return kDegrees * score.rotation_rad; }},
   }};
   return kRows;
@@ -276,7 +270,7 @@ std::vector<PointReport> ReportOn(std::span<const PointTrials> points,
   for (const PointTrials& point : points) {
     PointReport& report = reports.emplace_back();
     report.name = point.name;
-    report.summary = Summarize(point.trials, point.cycle);
+    report.summary = Summarize(point.trials, point.cycle, point.bands);
     report.attempts = SharesOfAttempts(point.trials);
     report.recall = RateOfScenes(point, InstancesRecalled(kCountedVisibility, 1));
     report.bands = BandsOf(point);
@@ -302,13 +296,15 @@ std::vector<LostPick> LostPicksOf(std::span<const PointTrials> points) {
         entry.trial = trial.trial;
         entry.pick = pick.pick;
         entry.loss = pick.loss;
+        const InstanceRecord* part = InstanceIn(pick, pick.target >= 0 ? pick.target : pick.aimed);
+        if (part != nullptr && (pick.grasp || pick.target >= 0)) {
+          entry.visible_fraction = part->visible_fraction;
+        }
         if (!pick.grasp || pick.chosen < 0) continue;
         const HypothesisScore& chosen = pick.hypotheses.at(pick.chosen);
         entry.object = points[p].objects.at(chosen.object);
         entry.confidence = chosen.score;
         if (StandsOnSomething(chosen)) entry.mssd_diameters = chosen.mssd_diameters;
-        const InstanceRecord* aim = InstanceIn(pick, pick.aimed);
-        if (aim != nullptr) entry.visible_fraction = aim->visible_fraction;
       }
     }
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/error_median.h"
 #include "eval/loss_budget.h"
 #include "eval/statistics.h"
 #include "eval/summary.h"
@@ -37,6 +38,7 @@ struct PointTrials {
   std::vector<std::string> objects;  // names of the parts
   std::vector<TrialResult> trials;   // by trial
   CycleSpec cycle;
+  std::vector<VisibleBand> bands = ReportedBands();  // by which rates are told
 };
 
 struct ReportRate {
@@ -48,7 +50,7 @@ struct ReportRate {
 // Of parts whose visible fraction is in a band: the band's share of them that was recalled, and the
 // share of grasps aimed at them that succeeded. Where looks have a target, of the target alone.
 struct BandRates {
-  std::string name;  // "30-50 %"
+  VisibleBand band;
   ReportRate recall, picks;
   ReportRate targets;  // of looks at a target, those that brought it; without targets none tried
 };
@@ -59,6 +61,7 @@ struct PoseErrorRow {
   PoseError error;
   const char* name;                            // "MSSD"
   const char* unit;                            // "diameters"
+  int digits;                                  // behind the point, that people are shown
   double (*of)(const HypothesisScore& score);  // in that unit
 };
 std::span<const PoseErrorRow> PoseErrorTable();
@@ -71,7 +74,7 @@ struct ErrorHistogram {
   std::vector<ErrorBin> bins;
   int beyond = 0;  // poses that are worse than the last bin
   int total = 0;   // with those beyond
-  double median = 0;
+  ErrorMedian median;
 };
 
 // Seconds a trial.
@@ -97,10 +100,10 @@ struct Calibration {
 struct ObjectReport {
   std::string name;
   int dropped = 0, picked = 0;
-  ReportRate recall;                 // of those in view, kCountedVisibility or more
-  ReportRate picks;                  // of executed grasps that were aimed at it
-  double median_mssd_diameters = 0;  // of hypotheses of it
-  Loss commonest = Loss::kNone;      // of its fates; kNone = no loss
+  ReportRate recall;                  // of those in view, kCountedVisibility or more
+  ReportRate picks;                   // of executed grasps that were aimed at it
+  ErrorMedian median_mssd_diameters;  // of hypotheses of it
+  Loss commonest = Loss::kNone;       // of its fates; kNone = no loss
 };
 
 struct PointReport {
@@ -124,7 +127,7 @@ struct LostPick {
   int point = 0;
   int trial = 0, pick = 0;
   Loss loss = Loss::kNone;
-  // Of the executed grasp; negative and empty where there is none.
+  // Of the executed grasp; negative, empty without one. Visible: of a look's target in any case.
   std::string object;
   double visible_fraction = -1, confidence = -1, mssd_diameters = -1;
 };

@@ -123,12 +123,12 @@ std::string PointsTable(const std::vector<PointReport>& points) {
 
 std::string ObjectsTable(const PointReport& point) {
   TableCells cells{{"part", "dropped", "picked", "recall [95 %]", "pick success [95 %]", "attempts",
-                    "median MSSD, diameters", "most often lost by"}};
+                    "median MSSD, diameters [95 %]", "most often lost by"}};
   for (const ObjectReport& object : point.objects) {
     cells.push_back(
         {object.name, std::to_string(object.dropped), std::to_string(object.picked),
          RateText(object.recall), RateText(object.picks), std::to_string(object.picks.tries),
-         fmt::format("{:.3f}", object.median_mssd_diameters),
+         MedianText(object.median_mssd_diameters, 3),
          object.commonest == Loss::kNone ? "" : std::string(LossName(object.commonest))});
   }
   return TableHtml(cells);

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "eval/paired_comparison.h"
+#include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace pickbed {
 namespace {
@@ -13,11 +14,13 @@ std::string ValueText(const PairedFigure& figure, double value) {
 }
 
 std::string DifferenceText(const PairedFigure& figure) {
-  const double scale = figure.is_rate ? 100 : 1;
+  const auto signed_text = [&](double value) {
+    if (!std::isfinite(value)) return std::string("-");
+    return figure.is_rate ? fmt::format("{:+.1f}", 100 * value) : fmt::format("{:+.3g}", value);
+  };
   const Interval& ci95 = figure.difference_ci95;
-  const char* form = figure.is_rate ? "{:+.1f} [{:+.1f}, {:+.1f}]" : "{:+.3g} [{:+.3g}, {:+.3g}]";
-  return fmt::format(fmt::runtime(form), scale * figure.difference(), scale * ci95.low,
-                     scale * ci95.high);
+  return fmt::format("{} [{}, {}]", signed_text(figure.difference()), signed_text(ci95.low),
+                     signed_text(ci95.high));
 }
 
 TableCells CellsOf(const PairedComparison& comparison, const std::string& before,
@@ -35,14 +38,19 @@ TableCells CellsOf(const PairedComparison& comparison, const std::string& before
 
 }  // namespace
 
-ReportTable PairedReport(const PairedPoint& before, const PairedPoint& after) {
-  const std::string &first = before.trials->name, &second = after.trials->name;
-  const PairedComparison comparison = ComparePaired(before.trials->trials, after.trials->trials);
+PointComparison ComparePoints(const PairedPoint& before, const PairedPoint& after) {
+  return {before.trials->name, after.trials->name,
+          ComparePaired(before.trials->trials, after.trials->trials, before.trials->bands)};
+}
+
+ReportTable PairedReport(const PointComparison& compared) {
+  const std::string &first = compared.before, &second = compared.after;
+  const PairedComparison& comparison = compared.paired;
   std::string text = fmt::format(
       "{} minus {}, on the {} scenes that both have; rates in percentage points, errors on the "
       "parts that both found, of the surest pose on each. p: McNemar's exact test where a scene "
-      "gives one outcome, else signs flipped by scene. Scenes needed: to show a "
-      "difference of this size with power .8 at the level .05.",
+      "gives one outcome, else signs flipped by scene. Scenes needed: to show a difference of "
+      "this size with power .8 at the level .05; told of rates, not of medians.",
       second, first, comparison.scenes);
   if (comparison.before_only + comparison.after_only > 0) {
     text += fmt::format(" Left out are {} scenes that only the first has and {} of the second.",
@@ -52,13 +60,33 @@ ReportTable PairedReport(const PairedPoint& before, const PairedPoint& after) {
           CellsOf(comparison, first, second)};
 }
 
-std::vector<ReportTable> PairedWithFirst(const std::vector<PairedPoint>& points) {
-  std::vector<ReportTable> tables;
+std::vector<PointComparison> CompareWithFirst(const std::vector<PairedPoint>& points) {
+  std::vector<PointComparison> comparisons;
   for (size_t i = 1; i < points.size(); ++i) {
     if (SceneKey(points[i].identity) != SceneKey(points[0].identity)) continue;
-    tables.push_back(PairedReport(points[0], points[i]));
+    comparisons.push_back(ComparePoints(points[0], points[i]));
   }
-  return tables;
+  return comparisons;
+}
+
+std::string ComparisonText(std::span<const PointComparison> comparisons) {
+  std::string text;
+  for (const PointComparison& comparison : comparisons) {
+    text += fmt::format("A is {}, B is {}; {}\n", comparison.before, comparison.after,
+                        PairedTable(comparison.paired));
+  }
+  return text;
+}
+
+std::string ComparisonJson(std::span<const PointComparison> comparisons) {
+  nlohmann::ordered_json json;
+  json["comparisons"] = nlohmann::ordered_json::array();
+  for (const PointComparison& comparison : comparisons) {
+    nlohmann::ordered_json entry{{"first", comparison.before}, {"second", comparison.after}};
+    entry.update(nlohmann::ordered_json::parse(PairedJson(comparison.paired)));
+    json["comparisons"].push_back(std::move(entry));
+  }
+  return json.dump(2) + "\n";
 }
 
 }  // namespace pickbed

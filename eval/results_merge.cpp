@@ -55,8 +55,26 @@ std::string Unlike(const StoreHead& a, const StoreHead& b) {
   return FirstDifference(a.identity, b.identity);
 }
 
-std::string NameOf(const std::filesystem::path& folder) {
-  return (std::filesystem::absolute(folder) / ".").lexically_normal().parent_path().filename();
+// The last folders of each path, as few as tell it from the others: "run_a"; "a/run" beside
+// "b/run".
+std::vector<std::string> NamesApart(const std::vector<std::filesystem::path>& folders) {
+  std::vector<std::filesystem::path> rest, names;
+  for (const std::filesystem::path& folder : folders) {
+    rest.push_back((std::filesystem::absolute(folder) / ".").lexically_normal().parent_path());
+    names.push_back(rest.back().filename());
+  }
+  for (bool grown = true; grown;) {
+    grown = false;
+    const std::vector<std::filesystem::path> before = names;
+    for (size_t i = 0; i < names.size(); ++i) {
+      if (std::count(before.begin(), before.end(), before[i]) < 2) continue;
+      if (rest[i] == rest[i].root_path()) continue;
+      rest[i] = rest[i].parent_path();
+      names[i] = rest[i].filename() / names[i];
+      grown = true;
+    }
+  }
+  return {names.begin(), names.end()};
 }
 
 // The settings' paths lead from the folder of their store.
@@ -99,7 +117,7 @@ class Plan {
                       sources_.empty() ? "" : sources_.front().folder.string(), folder.string(),
                       groups_.empty() ? "" : Unlike(groups_.front().head, source.head)));
       group = groups_.insert(groups_.end(), {source.head, {}, 0});
-      names_.push_back(NameOf(folder));
+      folders_.push_back(folder);
     }
     Join(source.head, group->head);
     group->end_trial = std::max(group->end_trial, end);
@@ -109,6 +127,7 @@ class Plan {
 
   // Gives every group its numbers; returns the head of the joined store.
   StoreHead Settle() {
+    const std::vector<std::string> names = NamesApart(folders_);
     StoreHead joined;
     RowShift next;
     for (size_t g = 0; g < groups_.size(); ++g) {
@@ -117,7 +136,7 @@ class Plan {
         point.point += next.point;
         point.first_trial += next.trial;
         if (groups_.size() > 1) {
-          point.name = names_[g] + (point.name.empty() ? "" : ":" + point.name);
+          point.name = names[g] + (point.name.empty() ? "" : ":" + point.name);
         }
         joined.points.push_back(std::move(point));
       }
@@ -135,7 +154,7 @@ class Plan {
   std::filesystem::path out_;
   bool compare_;
   std::vector<Group> groups_;
-  std::vector<std::string> names_;  // of the groups
+  std::vector<std::filesystem::path> folders_;  // of the groups, the first of each
   std::vector<Source> sources_;
   std::vector<size_t> members_;  // group of each source
 };

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 
 #include "eval/results_schema_impl.h"
 #include "scenes/check.h"
@@ -253,6 +252,22 @@ std::vector<CrashedTrial> ResultsStore::Crashed() const {
         {row.trial, row.result.point, row.result.scene, row.seed, std::move(row.crash)});
   }
   return crashed;
+}
+
+std::map<int, Cluster> ResultsStore::Outcomes() const {
+  Statement statement(impl_->db,
+                      "SELECT trial, sum(executed AND loss = ?), sum(executed) FROM picks GROUP BY "
+                      "trial ORDER BY trial");
+  statement.Bind(1, Loss::kNone);
+  std::map<int, Cluster> outcomes;
+  while (statement.Step()) {
+    int trial = 0;
+    statement.Read(0, trial);
+    Cluster& outcome = outcomes[trial];
+    statement.Read(1, outcome.hits);
+    statement.Read(2, outcome.tries);
+  }
+  return outcomes;
 }
 
 std::vector<TrialResult> ResultsStore::ReadAll() const {

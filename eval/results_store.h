@@ -10,11 +10,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "eval/statistics.h"
 #include "eval/trial.h"
 
 namespace pickbed {
@@ -75,6 +77,8 @@ class ResultsStore {
   const StoreHead& head() const;
   std::vector<int> FinishedTrials() const;  // ascending; those that crashed are among them
   std::vector<CrashedTrial> Crashed() const;
+  // Successes of attempts of each trial with a look, read without the rest of it.
+  std::map<int, Cluster> Outcomes() const;
   // By trial, with their seconds, those that did not crash.
   std::vector<TrialResult> ReadAll() const;
   // The same of trials [first, end).

@@ -123,6 +123,8 @@ RunState SumOf(const std::vector<ShardState>& shards) {
   for (const ShardState& shard : shards) {
     state.done += shard.done;
     state.total += shard.total;
+    state.crashed += shard.crashed;
+    state.trials.insert(state.trials.end(), shard.outcomes.begin(), shard.outcomes.end());
   }
   return state;
 }
@@ -172,11 +174,12 @@ std::string JobScript(const SlurmJob& job) {
   std::istringstream more(o.options);
   for (std::string word; more >> word;) text += "#SBATCH " + word + "\n";
   text += fmt::format(
-      "cd {} || exit 1\nexec {} sweep {} --out {} --catalog {} \\\n  --shard "
-      "\"$SLURM_ARRAY_TASK_ID/{}\" --jobs {} --resume{}\n",
+      "cd {} || exit 1\nexec {} sweep {} --out {} --catalog {} \\\n  --pictures {} "
+      "--lost-pictures {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --jobs {} --resume{}\n",
       Quoted(job.working_folder.string()), Quoted(job.program.string()),
       Quoted((job.out / "sweep.yaml").string()), Quoted(job.out.string()), Quoted(job.catalog),
-      o.shards, o.cpus, job.retry_crashed ? " --retry-crashed" : "");
+      job.picture_trials, job.lost_picture_trials, o.shards, o.cpus,
+      job.retry_crashed ? " --retry-crashed" : "");
   return text;
 }
 
@@ -193,7 +196,10 @@ std::vector<ShardState> ShardStates(const Sweep& sweep, const std::filesystem::p
     CheckInput(*stored == HeadOf(sweep, folder).identity || stored->empty(),
                fmt::format("{} holds results of other settings; choose another folder with --out",
                            folder.string()));
-    state.done = static_cast<int>(ResultsStore::OpenToRead(folder).FinishedTrials().size());
+    const ResultsStore store = ResultsStore::OpenToRead(folder);
+    state.done = static_cast<int>(store.FinishedTrials().size());
+    state.crashed = static_cast<int>(store.Crashed().size());
+    for (const auto& [trial, outcome] : store.Outcomes()) state.outcomes.push_back(outcome);
   }
   return states;
 }

@@ -36,15 +36,18 @@ struct SlurmJob {
   std::filesystem::path working_folder;
   std::string catalog;
   bool retry_crashed = false;
+  int picture_trials = 0, lost_picture_trials = 0;  // as in SweepOptions
 };
 
 // OUT/slurm/job.sh
 std::string JobScript(const SlurmJob& job);
 
-// How many trials of each shard its store holds.
+// What the store of each shard holds by now.
 struct ShardState {
   Shard shard;
-  int done = 0, total = 0;
+  int done = 0, total = 0;        // trials
+  int crashed = 0;                // of those that are done
+  std::vector<Cluster> outcomes;  // successes of attempts of each of the others
   bool finished() const { return done == total; }
 };
 std::vector<ShardState> ShardStates(const Sweep& sweep, const std::filesystem::path& out,

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -11,9 +12,6 @@
 
 namespace pickbed {
 namespace {
-
-constexpr std::array<std::array<double, 2>, 5> kBands{
-    {{0.1, 0.3}, {0.3, 0.5}, {0.5, 0.7}, {0.7, 0.9}, {0.9, 1.0}}};
 
 double Ratio(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
 
@@ -47,7 +45,7 @@ void AddIntervals(const std::vector<TrialResult>& trials, RunSummary& summary) {
 }
 
 std::string BandName(const RecallBand& band) {
-  return fmt::format("{:.0f}-{:.0f}", 100 * band.visible_min, 100 * band.visible_max);
+  return VisibleBand{band.visible_min, band.visible_max}.name();
 }
 
 std::string Percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
@@ -76,6 +74,11 @@ std::string RefusedText(const RunSummary& summary) {
 
 std::array<double, 2> EndsOf(const Interval& interval) { return {interval.low, interval.high}; }
 
+// An end that is not known is null.
+nlohmann::ordered_json FiniteOrNull(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
+
 nlohmann::ordered_json JsonOf(const BandFigures& band) {
   nlohmann::ordered_json json;
   json["least"] = band.band.least;
@@ -93,9 +96,13 @@ nlohmann::ordered_json JsonOf(const BandFigures& band) {
   json["picks"] = share(band.picked);
   json["posed"] = band.errors.looks;
   if (band.errors.looks == 0) return json;
-  json["median_mssd_diameters"] = band.errors.mssd_diameters;
-  json["median_translation_m"] = band.errors.translation_m;
-  json["median_rotation_rad"] = band.errors.rotation_rad;
+  const auto median = [&](const std::string& key, const ErrorMedian& of) {
+    json[key] = of.value;
+    json[key + "_ci95"] = {FiniteOrNull(of.ci95.low), FiniteOrNull(of.ci95.high)};
+  };
+  median("median_mssd_diameters", band.errors.mssd_diameters);
+  median("median_translation_m", band.errors.translation_m);
+  median("median_rotation_rad", band.errors.rotation_rad);
   return json;
 }
 
@@ -118,10 +125,14 @@ std::string ChanceCell(const std::optional<double>& chance) {
 
 }  // namespace
 
-std::vector<RecallBand> EmptyRecallBands() {
-  std::vector<RecallBand> bands;
-  for (const auto& band : kBands) bands.push_back({band[0], band[1], 0, 0});
-  return bands;
+std::vector<VisibleBand> ReportedBands(const OcclusionSpec& spec) {
+  return spec.enabled ? spec.bands : OcclusionSpec().bands;
+}
+
+std::vector<RecallBand> EmptyRecallBands(const std::vector<VisibleBand>& bands) {
+  std::vector<RecallBand> empty;
+  for (const VisibleBand& band : bands) empty.push_back({band.least, band.most, 0, 0});
+  return empty;
 }
 
 void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands) {
@@ -135,10 +146,11 @@ void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands)
   }
 }
 
-RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle) {
+RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle,
+                     const std::vector<VisibleBand>& bands) {
   RunSummary summary;
   summary.cycle = CycleTimeOf(trials, cycle);
-  summary.recall_by_visibility = EmptyRecallBands();
+  summary.recall_by_visibility = EmptyRecallBands(bands);
   for (const TrialResult& trial : trials) {
     ++summary.trials;
     summary.parts_dropped += trial.parts_dropped;

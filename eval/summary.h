@@ -26,8 +26,12 @@ struct RecallBand {
   int instances = 0, recalled = 0;
 };
 
-// 10-30, 30-50, 50-70, 70-90, 90-100 %, nothing counted yet.
-std::vector<RecallBand> EmptyRecallBands();
+// By what visible fractions a run is told: its own bands where it is on occlusion, else 10-30,
+// 30-50, 50-70, 70-90, 90-100 %.
+std::vector<VisibleBand> ReportedBands(const OcclusionSpec& spec = {});
+
+// With nothing counted yet.
+std::vector<RecallBand> EmptyRecallBands(const std::vector<VisibleBand>& bands = ReportedBands());
 // Counts an instance in its band; one that is less visible than all of them in none.
 void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands);
 
@@ -48,19 +52,20 @@ struct RunSummary {
   int frames = 0, top1_correct = 0;
   double top1_precision = 0;
   Interval top1_ci95;
-  std::vector<RecallBand> recall_by_visibility;  // 10-30, 30-50, 50-70, 70-90, 90-100 %
-  std::vector<Interval> recall_ci95;             // of each band
-  std::vector<TrialRefusal> refused;             // scenes that failed their certificate
-  std::vector<CrashedTrial> crashed;             // counted nowhere else
-  std::optional<StopState> stop;                 // where it may end early
-  std::vector<BandFigures> bands;                // of occlusion trials, else none
-  std::map<std::string, int> losses;             // reason -> attempts or ends charged to it
-  std::vector<PickForecast> forecasts;           // by tolerance maps, where there are some
+  std::vector<RecallBand> recall_by_visibility;
+  std::vector<Interval> recall_ci95;    // of each band
+  std::vector<TrialRefusal> refused;    // scenes that failed their certificate
+  std::vector<CrashedTrial> crashed;    // counted nowhere else
+  std::optional<StopState> stop;        // where it may end early
+  std::vector<BandFigures> bands;       // of occlusion trials, else none
+  std::map<std::string, int> losses;    // reason -> attempts or ends charged to it
+  std::vector<PickForecast> forecasts;  // by tolerance maps, where there are some
   CycleTime cycle;
   StageSeconds seconds;  // stage -> mean a trial
 };
 
-RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle = {});
+RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle = {},
+                     const std::vector<VisibleBand>& bands = ReportedBands());
 
 // summary.json, without times. Picks per hour are null where they rest on a measured time, or
 // nothing was picked.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <iterator>
 #include <memory>
@@ -11,11 +10,10 @@
 #include <set>
 
 #include "eval/folder_lock.h"
-#include "eval/pictures.h"
 #include "eval/scenario_text.h"
 #include "eval/sweep_folder.h"
 #include "eval/sweep_stop.h"
-#include "eval/trial_clusters.h"
+#include "eval/sweep_worker_impl.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 #include "scenes/random.h"
@@ -23,92 +21,7 @@
 namespace pickbed {
 namespace {
 
-constexpr std::chrono::seconds kSayEvery{2};
 constexpr int kTriesAfterACrash = 1;
-
-std::filesystem::path PicturesOf(const std::filesystem::path& out, int trial) {
-  return out / "pictures" / fmt::format("trial_{:04}", trial);
-}
-
-// A worker's: what it made for the point that it is at, and where it writes.
-struct Bench {
-  ResultsStore store;
-  StageSeconds seconds;  // since its last reply
-  const SweepPoint* point = nullptr;
-  DoTrial do_trial = nullptr;
-};
-
-// What a worker tells of a finished trial: attempts, successes, seconds.
-std::string ReplyOf(const TrialResult& result, StageSeconds& seconds) {
-  Cluster outcome;
-  SuccessOfAttempts()(result, outcome);
-  return fmt::format("{} {} {} {} {}", outcome.tries, outcome.hits, seconds["start"],
-                     seconds["trials"], seconds["store"]);
-}
-
-Cluster TakeReply(const std::string& reply, StageSeconds& seconds) {
-  Cluster outcome;
-  double start_s = 0, trial_s = 0, store_s = 0;
-  std::sscanf(reply.c_str(), "%d %d %lf %lf %lf", &outcome.tries, &outcome.hits, &start_s, &trial_s,
-              &store_s);
-  seconds["start"] += start_s;
-  seconds["trials"] += trial_s;
-  seconds["store"] += store_s;
-  return outcome;
-}
-
-void GoTo(const SweepPoint& point, const SweepOptions& options, const WorkerPlan::Say& say,
-          Bench& bench) {
-  if (bench.point == &point) return;
-  const StageTimer timer(bench.seconds, "start");
-  bench.do_trial = nullptr;  // one point's meshes and networks at a time
-  bench.do_trial = options.make(point, say);
-  bench.point = &point;
-}
-
-std::string DoItem(Bench& bench, const SweepPoint& point, const SweepOptions& options, int trial,
-                   const WorkerPlan::Say& say) {
-  GoTo(point, options, say, bench);
-  const int scene = trial - point.first_trial;
-  PictureOrder pictures{PicturesWanted::kNone, PicturesOf(options.out, trial)};
-  if (scene < options.picture_trials) {
-    pictures.wanted = PicturesWanted::kAll;
-  } else if (scene < options.lost_picture_trials) {
-    pictures.wanted = PicturesWanted::kOfLostPicks;
-  }
-  TrialResult result;
-  {
-    const StageTimer timer(bench.seconds, "trials");
-    result = bench.do_trial(scene, pictures);
-  }
-  result.trial = trial;
-  result.scene = scene;
-  result.point = point.point;
-  {
-    const StageTimer timer(bench.seconds, "store");
-    bench.store.Write(result);
-  }
-  StageSeconds seconds;
-  std::swap(seconds, bench.seconds);
-  return ReplyOf(result, seconds);
-}
-
-WorkerPlan::DoItem StartWorker(const Sweep& sweep, const SweepOptions& options,
-                               const StoreHead& head, const std::filesystem::path& folder,
-                               const WorkerPlan::Say& say) {
-  StageSeconds seconds;
-  const auto open = [&] {
-    const StageTimer timer(seconds, "store");
-    return ResultsStore(folder, head);
-  };
-  auto bench = std::make_shared<Bench>(Bench{open(), {}});
-  bench->seconds = seconds;
-  // Of several points, a worker is told only with its first trial where it starts.
-  if (sweep.points.size() == 1) GoTo(sweep.points.front(), options, say, *bench);
-  return [bench, &sweep, &options, say](int trial) {
-    return DoItem(*bench, PointOf(sweep, trial), options, trial, say);
-  };
-}
 
 // Opens the store, and closes it again before workers are forked.
 std::vector<int> FinishedTrials(const SweepOptions& options, const std::filesystem::path& folder,
@@ -174,7 +87,8 @@ class SweepCall {
   SweepReport Run();
 
  private:
-  void ReadEarlier();  // what an earlier call finished
+  void ReadEarlier();   // what an earlier call finished
+  void CountEarlier();  // of that, what progress tells
   WorkerPlan PlanOf(const StoreHead& head);
   void Note(int trial, const Cluster& outcome);
   void Count();
@@ -227,6 +141,16 @@ void SweepCall::Count() {
   for (const int trial : wanted_) state_.total += !finished_.contains(trial) && counts(trial);
 }
 
+void SweepCall::CountEarlier() {
+  state_.done_before = state_.done;
+  if (finished_.empty()) return;
+  const ResultsStore store = ResultsStore::OpenToRead(folder_);
+  state_.crashed = static_cast<int>(store.Crashed().size());
+  for (const auto& [trial, outcome] : store.Outcomes()) {
+    if (!stop_ || stop_->Counts(trial)) state_.trials.push_back(outcome);
+  }
+}
+
 void SweepCall::Note(int trial, const Cluster& outcome) {
   const StageTimer timer(report_.seconds, "progress");
   finished_.insert(trial);
@@ -254,8 +178,6 @@ WorkerPlan SweepCall::PlanOf(const StoreHead& head) {
   plan.on_done = [this](int item, const std::string& reply) {
     const Cluster trial = TakeReply(reply, report_.seconds);
     state_.trials.push_back(trial);
-    state_.attempts += trial.tries;
-    state_.successes += trial.hits;
     Note(item, trial);
   };
   plan.on_lost = [this, &head](int trial, const std::string& why) {
@@ -290,7 +212,7 @@ SweepReport SweepCall::Run() {
   const StoreHead head = HeadOf(sweep_, folder_);
   WriteSettingsFiles(sweep_, head, options_.out);
   Count();
-  state_.done_before = state_.done;
+  CountEarlier();
   report_.interrupted = RunInWorkers(PlanOf(head)).stopped;
   {
     const StageTimer timer(report_.seconds, "store");
@@ -313,33 +235,6 @@ const SweepPoint& PointOf(const Sweep& sweep, int trial) {
       sweep.points.begin(), sweep.points.end(), trial,
       [](int number, const SweepPoint& point) { return number < point.first_trial; });
   return *std::prev(after);
-}
-
-MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
-  return [trial_options](const SweepPoint& point, const WorkerPlan::Say& say) -> DoTrial {
-    using Clock = std::chrono::steady_clock;
-    const auto on_progress = [say, said = Clock::time_point()](std::string_view what,
-                                                               double share) mutable {
-      if (Clock::now() - said < kSayEvery) return;
-      said = Clock::now();
-      say(fmt::format("{}: {:.0f} %", what, 100 * share));
-    };
-    auto runner =
-        std::make_shared<TrialRunner>(point.spec, point.objects, on_progress, trial_options);
-    return [runner](int scene, const PictureOrder& order) {
-      PickPictures all(order.folder);
-      LostPickPictures lost(order.folder);
-      switch (order.wanted) {
-        case PicturesWanted::kAll:
-          return runner->Run(scene, &all);
-        case PicturesWanted::kOfLostPicks:
-          return runner->Run(scene, &lost);
-        case PicturesWanted::kNone:
-          break;
-      }
-      return runner->Run(scene);
-    };
-  };
 }
 
 Shard ParseShard(const std::string& text) {

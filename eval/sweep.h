@@ -58,8 +58,9 @@ using MakeDoTrial = std::function<DoTrial(const SweepPoint& point, const WorkerP
 // Drop, look, estimate, pick.
 MakeDoTrial PickingTrials(const TrialOptions& options = {});
 
-// Part `index` (1 .. count) of a sweep: a range of its scenes with all their points, so that
-// what is compared lies in one shard.
+// Part `index` (1 .. count) of a sweep's trials, in the order of their scenes with all points of
+// each, so that what is compared lies in one shard; but a scene at the border of two has points in
+// both.
 struct Shard {
   int index = 1;
   int count = 1;
@@ -84,12 +85,11 @@ struct SweepOptions {
 
 // How far a sweep is.
 struct RunState {
-  int done = 0, total = 0;          // trials, with those of an earlier run
-  int done_before = 0;              // of an earlier run
-  int attempts = 0, successes = 0;  // of this run
-  int crashed = 0;                  // of this run
-  std::vector<Cluster> trials;      // attempts and successes of each trial of this run
-  std::string stop;                 // how near points are to their early end, see eval/sweep_stop.h
+  int done = 0, total = 0;      // trials, with those of an earlier run, as all but done_before
+  int done_before = 0;          // of an earlier run
+  int crashed = 0;              // of those that are done
+  std::vector<Cluster> trials;  // successes of attempts of each of the others
+  std::string stop;             // how near points are to their early end, see eval/sweep_stop.h
 };
 
 struct RunListener {

@@ -39,7 +39,7 @@ PointSummary Summarized(const ResultsStore& store, const StoredPoint& point,
   const std::vector<std::string> names = PartNames(spec);
   const std::vector<TrialResult> trials =
       alone ? store.ReadAll() : store.Read(point.first_trial, point.first_trial + point.trials);
-  PointSummary result{point, Summarize(trials, spec.cycle)};
+  PointSummary result{point, Summarize(trials, spec.cycle, ReportedBands(spec.occlusion))};
   if (spec.occlusion.enabled) result.summary.bands = FiguresByBand(trials, spec.occlusion);
   std::vector<CrashedTrial>& crashed = result.summary.crashed;
   std::copy_if(all_crashed.begin(), all_crashed.end(), std::back_inserter(crashed),

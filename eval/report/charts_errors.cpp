@@ -16,14 +16,18 @@ std::string CaptionOf(std::span<const PointReport> points, size_t error, const P
   std::string caption;
   for (const PointReport& point : points) {
     const ErrorHistogram& histogram = point.errors[error];
-    const double beyond = histogram.total > 0 ? 100.0 * histogram.beyond / histogram.total : 0;
+    const std::string name = points.size() > 1 ? point.name + ": " : "";
+    if (histogram.total == 0) {
+      caption += fmt::format("{}no poses. ", name);
+      continue;
+    }
+    const double beyond = 100.0 * histogram.beyond / histogram.total;
     caption += fmt::format(
-        "{}{}median {:.3g} {} of {} poses{}.", caption.empty() ? "" : " ",
-        points.size() > 1 ? point.name + ": " : "", histogram.median, row.unit, histogram.total,
-        histogram.beyond > 0 ? fmt::format("; {:.1f} % lie beyond", beyond) : "");
+        "{}median {} {} of {} poses{}. ", name, MedianText(histogram.median, row.digits), row.unit,
+        histogram.total, histogram.beyond > 0 ? fmt::format("; {:.1f} % lie beyond", beyond) : "");
   }
   if (points.size() == 1) caption.front() = static_cast<char>(std::toupper(caption.front()));
-  return caption;
+  return caption + "In brackets: 95 % intervals, with scenes as units.";
 }
 
 // One point: bars, right poses below wrong ones.

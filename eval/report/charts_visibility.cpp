@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "eval/report/charts_impl.h"
 
@@ -13,16 +14,35 @@ struct Curve {
   ReportRate BandRates::*rate;
 };
 
+// Each once, from the least visible on: settings that are seen together may have bands of their
+// own.
+std::vector<VisibleBand> BandsOfAll(const std::vector<Curve>& curves) {
+  std::vector<VisibleBand> bands;
+  for (const Curve& curve : curves) {
+    for (const BandRates& of_band : curve.point->bands) bands.push_back(of_band.band);
+  }
+  const auto ends = [](const VisibleBand& band) { return std::pair(band.least, band.most); };
+  std::sort(bands.begin(), bands.end(),
+            [&](const VisibleBand& a, const VisibleBand& b) { return ends(a) < ends(b); });
+  bands.erase(std::unique(bands.begin(), bands.end()), bands.end());
+  return bands;
+}
+
 ReportChart CurvesOf(ReportChart chart, const std::string& y_title,
                      const std::vector<Curve>& curves) {
-  std::vector<std::string> bands;
-  for (const BandRates& band : curves.front().point->bands) bands.push_back(band.name);
+  const std::vector<VisibleBand> bands = BandsOfAll(curves);
+  std::vector<std::string> names;
+  for (const VisibleBand& band : bands) names.push_back(band.name());
   std::vector<RateCurve> rates;
   for (const Curve& curve : curves) {
     RateCurve& of_series = rates.emplace_back(RateCurve{curve.series, {}});
-    for (const BandRates& band : curve.point->bands) of_series.rates.push_back(band.*curve.rate);
+    of_series.rates.resize(bands.size());
+    for (const BandRates& of_band : curve.point->bands) {
+      const auto place = std::find(bands.begin(), bands.end(), of_band.band) - bands.begin();
+      of_series.rates[place] = of_band.*curve.rate;
+    }
   }
-  return RateCurves(std::move(chart), "visible fraction of the part", y_title, bands, rates);
+  return RateCurves(std::move(chart), "visible fraction of the part, %", y_title, names, rates);
 }
 
 constexpr const char* kRecallCaption =

@@ -170,6 +170,8 @@ for file in trials.csv picks.csv parts.csv points.csv summary.json; do
 done
 [ "$(wc -l <cluster/trials.csv)" = 49 ] || fail "not 48 trials"
 grep -q '"what":"trial","done":' cluster.err || fail "no progress"
+grep -q '"done":48,"total":48,.*"attempts":[1-9].*"success_ci95":' cluster.err ||
+  fail "the last line of progress tells no success rate"
 
 # All is done: the same command finds that out, submits nothing and gives the same.
 "$pickbed" sweep sweep.yaml --slurm --out cluster >again.log 2>again.err || fail "the second call"

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "eval/comparison_figures.h"
@@ -55,6 +56,8 @@ TEST(ComparisonFigures, ByHand) {
   EXPECT_EQ(f.bands.back().instances, 1);
   EXPECT_EQ(f.bands.back().recalled, 1);
   EXPECT_EQ(f.share_over_15_deg, 0.25);
+  EXPECT_EQ(f.median_mssd_diameters.value, 0.02);
+  EXPECT_TRUE(std::isinf(f.median_mssd_diameters.ci95.high)) << "four poses are too few";
   // Scores 0.9 0.8 0.7 0.6 in bins of their own: |1 - .9| + |0 - .8| + |0 - .7| + |1 - .6|, over 4.
   EXPECT_NEAR(f.calibration_error, (0.1 + 0.8 + 0.7 + 0.4) / 4, 1e-12);
   EXPECT_EQ(f.seconds, 0.5);

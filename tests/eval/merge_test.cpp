@@ -105,6 +105,23 @@ TEST_F(MergeTest, RefusesUnlikeSettingsUnlessTheyAreToBeCompared) {
   EXPECT_EQ(joined.head().points[1].seed, 99u);
 }
 
+TEST_F(MergeTest, ComparedRunsOfOneNameAreToldApart) {
+  std::vector<std::filesystem::path> folders;
+  for (const char* name : {"x/a/run", "x/b/run", "y/b/run", "other"}) {
+    Sweep run = StubSweep(1, 1);
+    run.yaml.clear();
+    run.points[0].name.clear();
+    run.points[0].identity = fmt::format("seed: {}\n", folders.size());
+    folders.push_back(Store(name, run, {0}));
+  }
+  std::vector<std::string> names;
+  for (const PointSummary& point :
+       MergeStores(folders, folder_ / "out", {.compare = true}).points) {
+    names.push_back(point.point.name);
+  }
+  EXPECT_THAT(names, ElementsAre("a/run", "x/b/run", "y/b/run", "other"));
+}
+
 TEST_F(MergeTest, DoesNotTouchAFolderOfOtherResults) {
   const auto a = Store("a", StubSweep(1, 2), {0}), b = Store("b", StubSweep(2, 2), {0});
   const std::string before = ReadFileBytes(b / "picks.csv");

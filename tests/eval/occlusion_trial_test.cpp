@@ -1,7 +1,10 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "eval/loss_budget.h"
 #include "eval/occlusion_curve.h"
@@ -179,7 +182,7 @@ TEST(OcclusionCurve, CountsTheTargetAndNoOther) {
   EXPECT_EQ(bands[0].recalled.ci95.low, WilsonInterval(2, 3).low) << "a scene gives one outcome";
   EXPECT_DOUBLE_EQ(bands[0].mean_visible, 0.2);
   EXPECT_EQ(bands[0].errors.looks, 2);
-  EXPECT_DOUBLE_EQ(bands[0].errors.mssd_diameters, 0.02) << "the lower median of two";
+  EXPECT_DOUBLE_EQ(bands[0].errors.mssd_diameters.value, 0.02) << "the lower median of two";
   EXPECT_EQ(bands[0].losses.at("slipped"), 2);
   EXPECT_EQ(bands[1].looks, 0);
   EXPECT_EQ(bands[1].trials_without, 1);
@@ -187,6 +190,45 @@ TEST(OcclusionCurve, CountsTheTargetAndNoOther) {
   EXPECT_THAT(table, HasSubstr("66.7 % [20.8, 93.9]"));
   EXPECT_THAT(table, HasSubstr("90-100 %: trials without a scene: 1; targets given up: 2; of 4 "
                                "blockers 0 hid too much, 0 too little, 4 disturbed the scene"));
+}
+
+// The cell of a CSV's second line under a name of its first.
+std::string CellOf(const std::string& csv, const std::string& column) {
+  std::istringstream lines(csv);
+  std::string head, row;
+  std::getline(lines, head);
+  std::getline(lines, row);
+  std::istringstream names(head), cells(row);
+  std::string name, cell;
+  while (std::getline(names, name, ',')) {
+    if (!std::getline(cells, cell, ',')) break;
+    if (name == column) return cell;
+  }
+  return "no " + column;
+}
+
+TEST(OcclusionCurve, MediansOfErrorsHaveTheirIntervalOverScenes) {
+  OcclusionSpec spec;
+  spec.bands = {{0.1, 0.3}};
+  std::vector<TrialResult> trials(40);
+  for (int i = 0; i < 40; ++i) {
+    trials[i].trial = trials[i].scene = i;
+    trials[i].picks = {LookAt(true, true, 0.001 * (i + 1))};
+  }
+  RunSummary summary = Summarize(trials);
+  summary.bands = FiguresByBand(trials, spec);
+  const ErrorMedian median = summary.bands[0].errors.mssd_diameters;
+  EXPECT_DOUBLE_EQ(median.ci95.low, 0.014);
+  EXPECT_DOUBLE_EQ(median.value, 0.02);
+  EXPECT_DOUBLE_EQ(median.ci95.high, 0.027);
+
+  const std::string csv = CurveCsv(std::vector<NamedCurve>{{"", summary.bands}});
+  EXPECT_EQ(CellOf(csv, "mssd_low"), fmt::format("{}", median.ci95.low));
+  EXPECT_NEAR(std::stod(CellOf(csv, "translation_high")), 10 * median.ci95.high, 1e-9);
+  EXPECT_EQ(CellOf(csv, "blockers_useless"), "0");
+  EXPECT_THAT(CurveTable(summary.bands), HasSubstr("0.2 [0.1, 0.3] mm"));
+  const auto json = nlohmann::json::parse(SummaryJson(summary))["target_by_visibility"][0];
+  EXPECT_EQ(json["median_mssd_diameters_ci95"][1], median.ci95.high);
 }
 
 }  // namespace

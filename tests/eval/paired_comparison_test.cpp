@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "eval/report_pairs.h"
 #include "eval/trial_clusters.h"
 #include "scenes/check.h"
 #include "tests/support/error_of.h"
@@ -131,6 +132,15 @@ TEST(ComparePaired, OneOutcomeASceneIsMcNemars) {
   EXPECT_EQ(FigureOf(comparison, "recall_90_100").p_value, 1);
 }
 
+TEST(ComparePaired, RatesAreComparedByTheBandsOfTheRuns) {
+  const auto run = OnePickRun({0, 1});
+  const PairedComparison comparison = ComparePaired(run, run, {{0.15, 0.225}, {0.5, 0.7}});
+  EXPECT_EQ(FigureOf(comparison, "recall_15_22.5").name, "recall, 15-22.5 % visible");
+  EXPECT_EQ(FigureOf(comparison, "recall_50_70").scenes, 20);
+  EXPECT_EQ(FigureOf(comparison, "recall").scenes, 20) << "of all at least 10 % visible";
+  EXPECT_THROW(FigureOf(comparison, "recall_90_100"), std::logic_error);
+}
+
 TEST(ComparePaired, ScenesArePairedByNumberAndOnlySharedOnesCount) {
   auto before = OnePickRun({0, 1, 2}), after = OnePickRun({0, 1, 2, 3, 4}, 50);
   std::reverse(after.begin(), after.end());
@@ -158,6 +168,23 @@ TEST(ComparePaired, ErrorsAreComparedByTheirMedian) {
   EXPECT_NEAR(median.difference(), -0.01, 1.1e-3);
   EXPECT_LE(median.difference_ci95.high, -0.007);
   EXPECT_LT(median.p_value, 0.01);
+}
+
+// Five scenes that all say the same still have p > .05: no interval may leave 0 out.
+TEST(ComparePaired, OfFewScenesNoIntervalOfAMedianIsTold) {
+  auto before = OnePickRun({}), after = OnePickRun({});
+  for (int i = 0; i < 20; ++i) after[i].picks[0].hypotheses[0].mssd_diameters = 0.01;
+  const auto median = [&](int scenes) {
+    before.resize(scenes);
+    after.resize(scenes);
+    return FigureOf(ComparePaired(before, after), "median_mssd_diameters");
+  };
+  EXPECT_TRUE(std::isfinite(median(6).difference_ci95.high));
+  const PairedFigure few = median(5);
+  EXPECT_GT(few.p_value, 0.05);
+  EXPECT_TRUE(std::isinf(few.difference_ci95.low));
+  EXPECT_TRUE(std::isinf(few.difference_ci95.high));
+  EXPECT_THAT(PairedTable({5, 0, 0, {few}}), HasSubstr(" [-, -]"));
 }
 
 // The second finds the hard part, too, and is as exact as the first on the easy one.
@@ -281,6 +308,26 @@ TEST(PairedTable, AndJsonTellTheSame) {
   EXPECT_NEAR(json["figures"][0]["difference"], 0.35, 1e-12);
   EXPECT_EQ(json["figures"][0]["odds_ratio"], 4.5);
   EXPECT_TRUE(json["figures"].back()["scenes_needed"].is_null());
+}
+
+TEST(ComparePoints, AreToldWithTheirNamesAndByTheBandsOfTheRun) {
+  PointTrials a{"runs/a", {"rod"}, OnePickRun({0, 1, 2}), {}};
+  PointTrials b{"runs/b", {"rod"}, OnePickRun({2, 3, 4, 5}), {}};
+  a.bands = b.bands = {{0.15, 0.25}};
+  const std::vector<PointComparison> compared =
+      CompareWithFirst({{&a, kSettings}, {&b, kSettings}});
+  ASSERT_EQ(compared.size(), 1u);
+  EXPECT_THAT(ComparisonText(compared), HasSubstr("A is runs/a, B is runs/b; 20 scenes"));
+  const auto json = nlohmann::json::parse(ComparisonJson(compared))["comparisons"][0];
+  EXPECT_EQ(json["first"], "runs/a");
+  EXPECT_EQ(json["second"], "runs/b");
+  EXPECT_EQ(json["figures"][0]["discordant_scenes"], 5);
+  const ReportTable table = PairedReport(compared[0]);
+  EXPECT_THAT(table.text, HasSubstr("of rates, not of medians"));
+  std::vector<std::string> names;
+  for (const auto& row : table.cells) names.push_back(row[0]);
+  EXPECT_THAT(names, testing::Contains("recall, 15-25 % visible"));
+  EXPECT_THAT(names, testing::Not(testing::Contains("recall, 10-30 % visible")));
 }
 
 }  // namespace

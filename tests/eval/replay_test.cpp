@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "eval/record_difference.h"
 #include "eval/replay_files.h"
 #include "eval/run.h"
 #include "scenes/check.h"
@@ -119,7 +120,26 @@ TEST_F(ReplayTest, NamesAChangedMeshAndTheSceneThatItMade) {
   SaveCube(0.0301);
   const RecordedTrial record = Record();
   EXPECT_THAT(record.changes, ElementsAre("part cube: mesh or physical values"));
-  EXPECT_EQ(FirstDifference(ReplayTrial(record, nullptr, {})), "0 scene");
+  const ReplayReport report = ReplayTrial(record, nullptr, {});
+  EXPECT_EQ(FirstDifference(report), "0 scene");
+  EXPECT_FALSE(report.FirstDifference()->what.empty());
+}
+
+// Of scenes and images the record holds the parts in view, and else a hash.
+TEST(WhatDiffers, OfSceneAndImageNamesTheFirstPart) {
+  PickRecord recorded;
+  recorded.instances = {{0, 0, 0.5, true}, {1, 0, 0.25, true}};
+  PickRecord replayed = recorded;
+  EXPECT_THAT(WhatDiffers(TrialStage::kScene, recorded, replayed), HasSubstr("the hash alone"));
+  EXPECT_THAT(WhatDiffers(TrialStage::kImage, recorded, replayed), HasSubstr("pixels"));
+  replayed.instances[1].visible_fraction = 0.125;
+  replayed.instances[0].recalled = false;  // of a later stage
+  for (const TrialStage stage : {TrialStage::kScene, TrialStage::kImage}) {
+    EXPECT_EQ(WhatDiffers(stage, recorded, replayed),
+              "parts[1].visible_fraction: 0.25 recorded, 0.125 replayed");
+  }
+  replayed.instances = {recorded.instances[0]};
+  EXPECT_EQ(WhatDiffers(TrialStage::kScene, recorded, replayed), "parts: 2 recorded, 1 replayed");
 }
 
 TEST_F(ReplayTest, NamesAnAlteredRecord) {

@@ -38,12 +38,12 @@ TEST(ReportData, CountsPartsAndPicksInTheBandOfTheirVisibleFraction) {
   std::vector<std::string> names;
   std::vector<int> recalled, tries, picks;
   for (const BandRates& band : report.bands) {
-    names.push_back(band.name);
+    names.push_back(band.band.name());
     recalled.push_back(band.recall.hits);
     tries.push_back(band.recall.tries);
     picks.push_back(band.picks.tries);
   }
-  EXPECT_THAT(names, ElementsAre("10-30 %", "30-50 %", "50-70 %", "70-90 %", "90-100 %"));
+  EXPECT_THAT(names, ElementsAre("10-30", "30-50", "50-70", "70-90", "90-100"));
   EXPECT_THAT(recalled, ElementsAre(1, 0, 1, 0, 1));
   EXPECT_THAT(tries, ElementsAre(1, 0, 2, 0, 1));
   EXPECT_THAT(picks, ElementsAre(1, 0, 1, 0, 1));
@@ -105,6 +105,46 @@ TEST(ReportData, EveryPoseIsInOneBinOrBeyondAndPointsShareTheBins) {
     EXPECT_EQ(bin.high <= 0.1 ? bin.wrong : 0, 0) << bin.low;
     EXPECT_EQ(bin.low >= 0.1 ? bin.right : 0, 0) << bin.low;
   }
+}
+
+// Poses of one scene are not independent: told twice they tell no more.
+TEST(ReportData, MediansHaveIntervalsOfScenes) {
+  const std::vector<TrialResult> trials = StubTrials(40);
+  std::vector<TrialResult> twice = trials;
+  for (TrialResult& trial : twice) {
+    for (PickRecord& look : trial.picks) {
+      const std::vector<HypothesisScore> once = look.hypotheses;
+      look.hypotheses.insert(look.hypotheses.end(), once.begin(), once.end());
+    }
+  }
+  const PointReport report = ReportOf(Point(trials)), of_twice = ReportOf(Point(twice));
+  const ErrorMedian a = report.errors[0].median, b = of_twice.errors[0].median;
+  EXPECT_LT(a.ci95.low, a.value);
+  EXPECT_GT(a.ci95.high, a.value);
+  EXPECT_NEAR(b.ci95.high - b.ci95.low, a.ci95.high - a.ci95.low, 2e-3);
+  for (const ObjectReport& object : report.objects) {
+    const ErrorMedian& median = object.median_mssd_diameters;
+    EXPECT_LT(median.ci95.low, median.value) << object.name;
+    EXPECT_GT(median.ci95.high - median.ci95.low, a.ci95.high - a.ci95.low)
+        << "half of the poses tell less";
+  }
+}
+
+TEST(ReportData, RatesAreToldByTheBandsOfTheRun) {
+  OcclusionSpec spec;
+  spec.bands = {{0.2, 0.4}, {0.4, 0.625}};
+  EXPECT_EQ(ReportedBands(spec).size(), 5u) << "a plain run is about no bands";
+  spec.enabled = true;
+  TrialResult trial;
+  trial.picks = {Look(0.35, true, Loss::kSlipped), Look(0.45, true, Loss::kSlipped)};
+  PointTrials point = Point({trial});
+  point.bands = ReportedBands(spec);
+  const PointReport report = ReportOf(point);
+  ASSERT_EQ(report.bands.size(), 2u);
+  EXPECT_EQ(report.bands[1].band.name(), "40-62.5");
+  EXPECT_EQ(report.bands[0].recall.tries, 1);
+  EXPECT_EQ(report.bands[1].recall.tries, 1);
+  EXPECT_EQ(report.summary.recall_by_visibility[1].instances, 1);
 }
 
 TEST(ReportData, CalibrationTellsSureFromTooSure) {
@@ -171,6 +211,24 @@ TEST(ReportData, LostPicksAreThoseOfTheBudget) {
     EXPECT_EQ(look.loss, pick.loss);
     EXPECT_EQ(look.grasp.has_value(), !pick.object.empty());
   }
+}
+
+// How much of its target was in view is known of a look that found no grasp, too.
+TEST(ReportData, LostPicksTellHowMuchOfTheTargetWasInView) {
+  TrialResult trial;
+  trial.picks = {Look(0.3, true, Loss::kNoGrasp), Look(0.4, true, Loss::kSlipped)};
+  for (PickRecord& look : trial.picks) {
+    look.target = look.instances[0].instance;
+    look.aimed = -1;
+  }
+  trial.picks[0].grasp.reset();
+  PointTrials point = Point({trial});
+  std::vector<LostPick> lost = LostPicksOf({&point, 1});
+  EXPECT_EQ(lost.at(0).visible_fraction, 0.3);
+  EXPECT_EQ(lost.at(1).visible_fraction, 0.4);
+  for (PickRecord& look : point.trials[0].picks) look.target = -1;
+  lost = LostPicksOf({&point, 1});
+  EXPECT_LT(lost.at(0).visible_fraction, 0) << "it aimed at nothing";
 }
 
 TEST(ReportData, ViewsShowOneOfEachReasonAndOneSuccess) {

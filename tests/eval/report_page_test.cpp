@@ -49,6 +49,29 @@ TEST(VisibilityCharts, DrawPickedTargetsWhereThereAreTargets) {
   EXPECT_EQ(charts[1].id, "target-picked");
 }
 
+// Settings of other bands stand on one axis, each where it has numbers.
+TEST(VisibilityCharts, HaveTheBandsOfAllSettingsInOrder) {
+  std::vector<PointTrials> points{{"a", {"rod", "flange"}, StubTrials(15), {}},
+                                  {"b", {"rod", "flange"}, StubTrials(15), {}}};
+  points[0].bands = {{0.6, 0.9}, {0.9, 1}};
+  points[1].bands = {{0.25, 0.5}, {0.9, 1}};
+  const ReportChart chart = VisibilityCharts(ReportOn(points)).front();
+  EXPECT_THAT(Column(chart.table, 0), testing::ElementsAre("25-50", "60-90", "90-100"));
+  EXPECT_EQ(chart.table[1][1], "-");
+  EXPECT_NE(chart.table[1][3], "-");
+  EXPECT_NE(chart.table[2][1], "-");
+  EXPECT_EQ(chart.table[2][3], "-");
+  const auto spec = nlohmann::json::parse(chart.spec);
+  EXPECT_EQ(spec["layer"][0]["encoding"]["x"]["scale"]["domain"].size(), 3u);
+}
+
+TEST(ErrorCharts, SayTheMedianWithItsInterval) {
+  const std::vector<PointReport> points = Reports({"one"});
+  const ReportChart chart = ErrorCharts(points).front();
+  EXPECT_THAT(chart.caption, HasSubstr(MedianText(points[0].errors[0].median, 4) + " diameters"));
+  EXPECT_THAT(chart.caption, HasSubstr("95 % intervals, with scenes as units"));
+}
+
 TEST(ReportPage, Base64IsThatOfRfc4648) {
   EXPECT_EQ(Base64(""), "");
   EXPECT_EQ(Base64("f"), "Zg==");

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "eval/trial_clusters.h"
 #include "scenes/files.h"
 #include "tests/eval/stub_sweep.h"
 #include "tests/support/error_of.h"
@@ -41,6 +42,13 @@ TEST(SlurmScript, AsksForWhatIsSetAndLeavesTheRestToTheCluster) {
   EXPECT_THAT(script, HasSubstr("--shard \"$SLURM_ARRAY_TASK_ID/16\" --jobs 4 --resume\n"));
 }
 
+TEST(SlurmScript, ShardsLeaveThePicturesThatAreAskedFor) {
+  SlurmJob job = SomeJob();
+  job.picture_trials = 7;
+  job.lost_picture_trials = 30;
+  EXPECT_THAT(JobScript(job), HasSubstr(" --pictures 7 --lost-pictures 30 "));
+}
+
 TEST(SlurmScript, QuotesPathsForTheShell) {
   const std::string script = JobScript(SomeJob());
   EXPECT_THAT(script,
@@ -61,6 +69,12 @@ TEST(Slurm, CountsTrialsOfShards) {
   for (const ShardState& state : states) EXPECT_EQ(state.total, 4);
   EXPECT_EQ(states[0].done, 0);
   EXPECT_TRUE(states[1].finished());
+  const ResultsStore store = ResultsStore::OpenToRead(ShardFolder(options.out, options.shard));
+  Cluster stored;
+  for (const TrialResult& trial : store.ReadAll()) SuccessOfAttempts()(trial, stored);
+  EXPECT_GT(stored.tries, 0);
+  EXPECT_EQ(SumOf(states[1].outcomes).tries, stored.tries);
+  EXPECT_EQ(SumOf(states[1].outcomes).hits, stored.hits);
   EXPECT_THAT(ErrorOf([&] { ShardStates(StubSweep(2, 7), options.out, 3); }),
               HasSubstr("results of other settings"));
 }

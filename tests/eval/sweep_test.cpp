@@ -198,6 +198,36 @@ TEST_F(SweepTest, FinishedTrialsNeedResume) {
               HasSubstr("other settings"));
 }
 
+// The running rate is that of all trials that are done, whoever did them.
+TEST_F(SweepTest, GoneOnWithItsProgressCountsWhatTheStoreHolds) {
+  const Sweep sweep = StubSweep(2, 5);
+  SweepOptions options = Options("s");
+  options.only_trials = {0, 1, 2, 6};
+  options.make = StubTrials([](const SweepPoint& point, int scene) {
+    if (point.point == 0 && scene == 2) raise(SIGKILL);
+  });
+  RunSweep(sweep, options, {});
+  options = Options("s", 2);
+  options.resume = true;
+  std::vector<RunState> states;
+  RunListener listener;
+  listener.on_trial = [&](const RunState& state) { states.push_back(state); };
+  const SweepReport report = RunSweep(sweep, options, listener);
+  ASSERT_EQ(states.size(), 6u);
+  EXPECT_EQ(states.front().done, 5);
+  EXPECT_EQ(states.front().done_before, 4);
+  EXPECT_EQ(states.front().crashed, 1);
+  EXPECT_EQ(states.front().trials.size(), 4u);
+  Cluster told = SumOf(states.back().trials), stored;
+  for (const PointSummary& point : report.points) {
+    stored.hits += point.summary.successes;
+    stored.tries += point.summary.attempts;
+  }
+  EXPECT_GT(stored.tries, 0);
+  EXPECT_EQ(told.tries, stored.tries);
+  EXPECT_EQ(told.hits, stored.hits);
+}
+
 TEST_F(SweepTest, ASecondSweepInTheFolderIsRefusedUntilTheFirstIsGone) {
   const pid_t first = fork();
   if (first == 0) {

@@ -25,7 +25,11 @@ reports_work_in_a_browser() {
   grep -q "have no picture here" one/report.html && fail "a lost pick has no picture"
   expect 0 "$pickbed" report one --out again.html
   same one/report.html again.html
-  expect 0 "$pickbed" compare one two --out both.html
+  expect 0 "$pickbed" compare one two --out both.html --json both.json
+  grep -q "^A is one, B is two; 12 scenes that both have" last.out || fail "the scenes are not told"
+  grep -q "^  pick success, % .*\[.*\]" last.out || fail "the differences are not printed"
+  grep -q '"first": "one"' both.json && grep -q '"odds_ratio_ci95"' both.json &&
+    grep -q '"scenes_needed"' both.json || fail "the differences are not in the JSON file"
   _browser both.html 2
   expect 0 "$pickbed" report two --views 0 --out flat.html
   _browser flat.html 0

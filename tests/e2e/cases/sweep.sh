@@ -109,6 +109,8 @@ bad_sweeps_are_refused() {
   expect 1 "$pickbed" sweep nothing.yaml
   expect 1 "$pickbed" sweep sweep.yaml --shard 4/3
   expect 1 "$pickbed" merge sweep.yaml --out joined
+  refused "with --slurm, --cpus says" "$pickbed" sweep sweep.yaml --slurm --jobs 4 --out here
+  refused "--slurm submits all of them" "$pickbed" sweep sweep.yaml --slurm --shard 1/2 --out here
   expect 1 env PATH=/nowhere "$pickbed" sweep sweep.yaml --slurm --out here
   grep -q "there is no sbatch" last.err || fail "that Slurm is absent is not told"
 }
