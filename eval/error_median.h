@@ -14,10 +14,8 @@ struct ErrorMedian {
   ErrorMedian Times(double factor) const;  // in another unit; `factor` > 0
 };
 
-// MedianOf of the errors of each scene, with MedianInterval or, where no scene has more than one,
-// the order statistics that hold the median of independent values in 95 % at least (David and
-// Nagaraja 2003, sec. 7.1). Of one scene, or fewer than six values, both ends are infinite: the
-// range of five independent ones holds the median in 94 % only.
+// MedianOf of the errors of each scene, with MedianInterval. Of one scene, or fewer than six
+// values, both ends are infinite.
 ErrorMedian MedianWithin(const ValueClusters& by_scene);
 
 // "1.25 [0.98, 1.60]" with so many digits behind the point; "-" for an end that is not known, and

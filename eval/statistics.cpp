@@ -1,12 +1,12 @@
 #include "eval/statistics.h"
 
 #include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <utility>
 
 namespace pickbed {
 namespace {
@@ -140,14 +140,14 @@ double AtShare(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<size_t>(std::clamp(place, 0.0, last))];
 }
 
-std::vector<Share> SharesOf(const ValueClusters& clusters) {
-  std::vector<Share> shares;
-  for (const auto& cluster : clusters) {
-    Share& share = shares.emplace_back();
-    for (const double value : cluster) share.total += value;
-    share.weight = static_cast<double>(cluster.size());
-  }
-  return shares;
+// Of the median of independent values: the sign test's. A value lies below the median as a fair
+// coin falls; of fewer than six values even the range holds it too seldom for 95 %.
+Interval OrderStatistics(const std::vector<double>& sorted, double confidence) {
+  const boost::math::binomial below(static_cast<double>(sorted.size()), 0.5);
+  size_t rank = 0;  // so many values below it and fewer are too few
+  while (2 * cdf(below, static_cast<double>(rank)) <= 1 - confidence) ++rank;
+  if (rank == 0) return {-kInfinity, kInfinity};
+  return {sorted[rank - 1], sorted[sorted.size() - rank]};
 }
 
 }  // namespace
@@ -236,6 +236,9 @@ double MedianOf(const ValueClusters& clusters) {
 Interval MedianInterval(const ValueClusters& clusters, double confidence) {
   const std::vector<double> values = Sorted(clusters);
   if (values.empty()) return {-kInfinity, kInfinity};
+  const bool independent = std::all_of(clusters.begin(), clusters.end(),
+                                       [](const auto& cluster) { return cluster.size() <= 1; });
+  if (independent) return OrderStatistics(values, confidence);
   const double median = AtShare(values, 0.5);
   std::vector<Cluster> below;
   for (const auto& cluster : clusters) {
@@ -245,19 +248,6 @@ Interval MedianInterval(const ValueClusters& clusters, double confidence) {
   }
   const Interval shares = ClusterInterval(below, confidence);
   return {AtShare(values, shares.low), AtShare(values, shares.high)};
-}
-
-double MeanOf(const ValueClusters& clusters) {
-  const RatioSpread spread = SpreadOf(SharesOf(clusters));
-  return spread.units > 0 ? spread.ratio : std::numeric_limits<double>::quiet_NaN();
-}
-
-Interval MeanInterval(const ValueClusters& clusters, double confidence) {
-  const RatioSpread spread = SpreadOf(SharesOf(clusters));
-  if (spread.units < 2) return {-kInfinity, kInfinity};
-  const double half =
-      TwoSidedT(confidence, spread.spread.degrees) * std::sqrt(spread.spread.variance);
-  return {spread.ratio - half, spread.ratio + half};
 }
 
 }  // namespace pickbed

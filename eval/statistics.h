@@ -58,12 +58,9 @@ using ValueClusters = std::vector<std::vector<double>>;
 // Median of all values, the lower one of two; NaN of none.
 double MedianOf(const ValueClusters& clusters);
 // Woodruff (1952): the values at the ends of the ClusterInterval of the share that is at or below
-// the median. Infinite values may be among them. [-inf, inf] of no values.
+// the median. Where no cluster has more than one value, the order statistics that hold the median
+// of independent values in `confidence` at least (David and Nagaraja 2003, sec. 7.1), which 95 %
+// needs six of. Infinite values may be among them. [-inf, inf] where nothing is known.
 Interval MedianInterval(const ValueClusters& clusters, double confidence = 0.95);
-
-// Mean of all values, NaN of none; jackknife and t as in ClusterInterval. [-inf, inf] where there
-// are fewer than two clusters with values.
-double MeanOf(const ValueClusters& clusters);
-Interval MeanInterval(const ValueClusters& clusters, double confidence = 0.95);
 
 }  // namespace pickbed

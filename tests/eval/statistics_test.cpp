@@ -239,23 +239,5 @@ TEST(MedianInterval, LiesOnTheValuesAndBearsInfiniteOnes) {
   EXPECT_EQ(MedianInterval({{}, {}}).high, infinity);
 }
 
-// Scenes of one value each are a plain sample: mean +- t s / sqrt(n). Of Student's (1908) sleep
-// data, the gains of drug 2 over drug 1: 0.70 to 2.46 hours at 95 %.
-TEST(MeanInterval, EqualsStudentsForOneValueAScene) {
-  ValueClusters sleep;
-  for (const double gain : {1.2, 2.4, 1.3, 1.3, 0.0, 1.0, 1.8, 0.8, 4.6, 1.4}) {
-    sleep.push_back({gain});
-  }
-  EXPECT_NEAR(MeanOf(sleep), 1.58, 1e-12);
-  // Student's own has 9 degrees of freedom, t = 2.262 and half 0.880; the one far value (4.6)
-  // leaves fewer.
-  const Interval interval = MeanInterval(sleep);
-  const double half = 0.5 * (interval.high - interval.low);
-  EXPECT_NEAR(0.5 * (interval.low + interval.high), 1.58, 1e-12);
-  EXPECT_GT(half, 0.880);
-  EXPECT_LT(half, 1.25);
-  EXPECT_EQ(MeanInterval({{1, 2, 3}}).high, std::numeric_limits<double>::infinity());
-}
-
 }  // namespace
 }  // namespace pickbed
