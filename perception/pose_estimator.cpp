@@ -22,6 +22,8 @@ constexpr EstimatorRow kRows[] = {
     {"doumanoglou",
      "poses regressed from patches by a siamese network, then descriptor's ICP and verifier",
      &MakeDoumanoglouEstimator, &DoumanoglouModelFile, false, false, nullptr, &DoumanoglouTraining},
+    {"union", "descriptor's votes and those that doumanoglou's network regresses, together",
+     &MakeUnionEstimator, &DoumanoglouModelFile, false, true},
     {"ppf",
      "point pair features with ICP, OpenCV's surface matching; mode verified: its poses with "
      "descriptor's ICP and a verifier",
