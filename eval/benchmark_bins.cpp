@@ -24,11 +24,17 @@ bool Knows(const std::vector<ModelObject>& trained, const ObjectSet& objects) {
   });
 }
 
+// Of these a model is a file of verifiers, which is whole part by part.
+bool HasVerifiersAlone(const BinMethod& method) {
+  const std::string name = method.estimator;
+  return name == "ppf" || name == "wohlhart";
+}
+
 // What the file was trained for; nothing where it cannot be read.
 std::vector<ModelObject> TrainedFor(const BinMethod& method, const std::filesystem::path& file) {
   try {
-    const bool verifiers = std::string(method.estimator) == "ppf";
-    return verifiers ? LoadVerifiers(file, method.estimator).objects : LoadModel(file).info.objects;
+    return HasVerifiersAlone(method) ? LoadVerifiers(file, method.estimator).objects
+                                     : LoadModel(file).info.objects;
   } catch (const InputError&) {
     return {};
   }
@@ -52,19 +58,25 @@ BinLook LookFrom(const json& value) {
 }  // namespace
 
 const std::vector<BinMethod>& BinMethods() {
+  const auto set = [](std::vector<std::string> words, const std::vector<std::string>& settings) {
+    for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
+    return words;
+  };
+  const auto few = set({}, {"piles=12", "iterations=250", "verifier_piles=4", "held_out.piles=2"});
+  const auto few_wholes = set({}, {"piles=4", "wohlhart.views.piles=12", "wohlhart.views.alone=600",
+                                   "wohlhart.network.iterations=200"});
   static const std::vector<BinMethod> methods{
       {"descriptor:fast", "descriptor", "fast", "", {}},
       {"descriptor:hard", "descriptor", "hard", "", {}},
       {"ppf", "ppf", "fast", "", {}},
       {"ppf:verified", "ppf", "verified", "ppf", {"--verifier-for", "ppf", "--set", "piles=24"}},
-      {"kehl", "kehl", "hard", "kehl", {"kehl"}},
-      {"doumanoglou", "doumanoglou", "hard", "doumanoglou", {"doumanoglou"}},
-      {"doumanoglou, no siamese term",
-       "doumanoglou",
-       "hard",
-       "regression",
-       {"doumanoglou", "--set", "network.regression.siamese_weight=0"}},
-      {"doumanoglou, look-up", "descriptor", "hard", "doumanoglou", {"doumanoglou"}},
+      {"kehl", "kehl", "hard", "kehl", {"kehl"}, few},
+      {"doumanoglou", "doumanoglou", "hard", "doumanoglou", {"doumanoglou"}, few},
+      {"doumanoglou, no siamese term", "doumanoglou", "hard", "regression",
+       set({"doumanoglou"}, {"network.regression.siamese_weight=0"}), few},
+      {"doumanoglou, look-up", "descriptor", "hard", "doumanoglou", {"doumanoglou"}, few},
+      {"union", "union", "hard", "doumanoglou", {"doumanoglou"}, few},
+      {"wohlhart", "wohlhart", "hard", "wohlhart", {"wohlhart"}, few_wholes},
       {"oracle", "oracle", "fast", "", {}},
   };
   return methods;
@@ -130,15 +142,14 @@ std::filesystem::path FindBinModel(const BinMethod& method, const std::filesyste
 }
 
 std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& folder,
-                                       const std::vector<std::string>& parts) {
+                                       const std::vector<std::string>& parts, bool small) {
   const std::filesystem::path file = folder / (std::string(method.model) + ".pt");
   std::vector<std::string> words = method.training;
+  if (small) words.insert(words.end(), method.small_training.begin(), method.small_training.end());
   const std::vector<std::string> rest{"--objects", fmt::format("{}", fmt::join(parts, ",")),
                                       "--out", file.string()};
   words.insert(words.end(), rest.begin(), rest.end());
-  // Verifiers are kept part by part in the file itself.
-  if (std::filesystem::exists(file.string() + ".checkpoint") ||
-      std::string(method.estimator) == "ppf") {
+  if (std::filesystem::exists(file.string() + ".checkpoint") || HasVerifiersAlone(method)) {
     words.push_back("--resume");
   }
   return words;

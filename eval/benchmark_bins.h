@@ -26,6 +26,8 @@ struct BinMethod {
   const char* model;
   // How it is trained where neither does: words after `pickbed train` and before the parts.
   std::vector<std::string> training;
+  // Further words for a model of --small: minutes for all, and worse.
+  std::vector<std::string> small_training = {};
 };
 const std::vector<BinMethod>& BinMethods();
 
@@ -67,7 +69,7 @@ std::filesystem::path FindBinModel(const BinMethod& method, const std::filesyste
 
 // The arguments of `pickbed train` that make folder/MODEL.pt.
 std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& folder,
-                                       const std::vector<std::string>& parts);
+                                       const std::vector<std::string>& parts, bool small = false);
 
 // A line an estimator and scenario, and one an estimator for all.
 std::string BinTableCsv(const std::vector<BinScenario>& scenarios);

@@ -93,7 +93,7 @@ int Train(std::vector<std::string> words) {
 
 // The methods with their model files, by label; trains what is missing. Status of what stopped it.
 int FindModels(const std::vector<BinMethod>& methods, const std::filesystem::path& folder,
-               const ObjectSet& parts, std::vector<ComparedEstimator>& estimators) {
+               const ObjectSet& parts, bool small, std::vector<ComparedEstimator>& estimators) {
   MakeFolder(folder);
   for (const BinMethod& method : methods) {
     ComparedEstimator& estimator = estimators.emplace_back();
@@ -105,7 +105,7 @@ int FindModels(const std::vector<BinMethod>& methods, const std::filesystem::pat
     if (file.empty()) {
       std::vector<std::string> names;
       for (const auto& part : parts) names.push_back(part->name);
-      if (const int status = Train(TrainingWords(method, folder, names))) return status;
+      if (const int status = Train(TrainingWords(method, folder, names, small))) return status;
       file = FindBinModel(method, folder, parts);
     }
     estimator.spec.model = file.string();
@@ -159,8 +159,8 @@ int RunBins(const BinsArguments& arguments) {
   MakeFolder(folder / "scenarios");
   CatchInterrupts();
   std::vector<ComparedEstimator> estimators;
-  if (const int status =
-          FindModels(methods, folder / "models", WantedParts(scenarios), estimators)) {
+  if (const int status = FindModels(methods, folder / "models", WantedParts(scenarios),
+                                    arguments.small, estimators)) {
     return status;
   }
   std::vector<BinScenario> done;
@@ -205,7 +205,8 @@ int BenchmarkBinsCommand(int argc, char** argv) {
   BinsArguments arguments;
   app.add_option("SCENARIO", arguments.scenarios, "bins to fill [all presets bin_*]");
   app.add_flag("--small", arguments.small,
-               fmt::format("{}, {} scenes each", fmt::join(kSmallScenarios, ", "), kSmallScenes));
+               fmt::format("{}, {} scenes each, short training: some minutes",
+                           fmt::join(kSmallScenarios, ", "), kSmallScenes));
   app.add_option("--scenes", arguments.scenes, fmt::format("bins of each scenario [{}]", kScenes))
       ->check(CLI::Range(1, 100000));
   app.add_option("--estimator", arguments.estimators, "only these rows of the table")

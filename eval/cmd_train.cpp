@@ -9,6 +9,7 @@
 #include "eval/interrupt.h"
 #include "eval/progress.h"
 #include "eval/training_page.h"
+#include "perception/estimators/wohlhart.h"
 #include "perception/pose_estimator.h"
 #include "perception/torch_model_file.h"
 #include "perception/training.h"
@@ -44,6 +45,7 @@ struct TrainArguments {
   TrainingOptions training;
   std::string verifier_for;  // an estimator: its verifiers alone are trained
   VerifierTrainingOptions verifier;
+  WohlhartBinOptions wohlhart;
 };
 
 // Diameter of a part below which training is refused, px.
@@ -205,7 +207,7 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
                        std::vector<std::string>& training_settings) {
   app.add_option("OBJECT", arguments.objects,
                  "parts of the catalog (pickbed list objects); before them may stand the estimator "
-                 "that learns: descriptor (by default), kehl, doumanoglou");
+                 "that learns: descriptor (by default), kehl, doumanoglou, wohlhart");
   app.add_option("--objects", arguments.listed, "the parts, with commas")->delimiter(',');
   app.add_option("--scenario", arguments.scenario.scenario,
                  "learn the parts of this scenario, for its camera, bin, sensor and looks");
@@ -237,7 +239,8 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   app.add_option(
          "--verifier-for", arguments.verifier_for,
          "train the verifiers of this estimator alone, e.g. ppf, on its own candidates; its "
-         "settings are seed, piles, views_per_pile, calibration_share and verifier.*")
+         "settings are seed, piles, views_per_pile, calibration_share and verifier.*, and for "
+         "wohlhart, whose network is learned before them, wohlhart.*")
       ->excludes("--minutes")
       ->excludes("--from");
   TrainingOptions defaults;
@@ -251,14 +254,16 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
 void ChooseMethod(TrainArguments& arguments) {
   std::vector<std::string>& names = arguments.objects;
   for (const EstimatorRow& row : EstimatorTable()) {
-    if (row.training == nullptr || names.empty() || names.front() != row.name) continue;
+    const bool learns = row.training != nullptr || row.learn != nullptr;
+    if (!learns || names.empty() || names.front() != row.name) continue;
     arguments.method = row.name;
+    if (row.learn != nullptr) arguments.verifier_for = row.name;
     names.erase(names.begin());
     break;
   }
   names.insert(names.end(), arguments.listed.begin(), arguments.listed.end());
   for (const EstimatorRow& row : EstimatorTable()) {
-    if (arguments.method == row.name) arguments.training = row.training();
+    if (arguments.method == row.name && row.training) arguments.training = row.training();
   }
   arguments.training.seed = arguments.verifier.seed = arguments.seed;
   arguments.training.max_minutes = arguments.max_minutes;
@@ -277,22 +282,30 @@ const EstimatorRow& RowWithCandidates(const std::string& name) {
 int TrainVerifiers(const TrainArguments& arguments, const Lesson& lesson,
                    const std::filesystem::path& file) {
   const EstimatorRow& row = RowWithCandidates(arguments.verifier_for);
+  const std::filesystem::path checkpoint = file.string() + ".checkpoint";
+  if (!arguments.resume) std::filesystem::remove(checkpoint);
   const auto views = MakeViews(lesson);
   CatchInterrupts();
   VerifierReport report;
   {
     ProgressLine progress;
-    const VerifierJob job{
-        *views,
-        arguments.verifier_for,
-        row.candidates,
-        file,
-        arguments.resume,
-        SensorNames(lesson),
-        [&](std::string_view part, double share) {
-          progress.Show(fmt::format("verifier of {}: {:.0f} %", part, 100 * share));
-          return !Interrupted();
-        }};
+    VerifierJob job{*views,
+                    arguments.verifier_for,
+                    [&](const ObjectSet& objects, const LearnedNetwork& network) {
+                      return row.candidates({objects, *views, network});
+                    },
+                    file,
+                    arguments.resume,
+                    SensorNames(lesson),
+                    [&](std::string_view part, double share) {
+                      progress.Show(fmt::format("{}: {:.0f} %", part, 100 * share));
+                      return !Interrupted();
+                    }};
+    if (row.learn != nullptr) {
+      job.learn = [&](const std::function<bool(double)>& on_share) {
+        return row.learn({*views, arguments.wohlhart, arguments.seed, checkpoint, on_share});
+      };
+    }
     report = TrainVerifierLibrary(job, arguments.verifier);
   }
   if (!report.finished) {
@@ -302,6 +315,7 @@ int TrainVerifiers(const TrainArguments& arguments, const Lesson& lesson,
                file.string());
     return kExitInterrupted;
   }
+  std::filesystem::remove(checkpoint);
   fmt::print("wrote {}; area under the curve {:.3f}\nuse it with --set estimator.model={}\n",
              file.string(), report.mean_auc, file.string());
   return 0;
@@ -372,7 +386,10 @@ int TrainCommand(int argc, char** argv) {
   ChooseMethod(arguments);
   for (const std::string& assignment : settings) {
     ApplySetting(assignment, [&](SettingsVisitor& v) {
-      arguments.verifier_for.empty() ? arguments.training.Visit(v) : arguments.verifier.Visit(v);
+      if (arguments.verifier_for.empty()) return arguments.training.Visit(v);
+      arguments.verifier.Visit(v);
+      v.Group(
+          "wohlhart", [&](SettingsVisitor& g) { arguments.wohlhart.Visit(g); }, "of wohlhart");
     });
   }
 

@@ -11,7 +11,7 @@
 namespace pickbed {
 namespace {
 
-constexpr std::string_view kModes = "modes", kRegressed = "regressed";
+constexpr std::string_view kModes = "modes", kRegressed = "regressed", kBoth = "both";
 
 // Parts of equal patch side share the patches of a query and one index.
 struct SideGroup {
@@ -57,7 +57,8 @@ void CandidateOptions::Visit(SettingsVisitor& v) {
   v.Integer("min_points", min_points, {1, 100000},
             "patches of each size at least, unless points is less");
   v.Integer("neighbors", neighbors, {1, 1000}, "votes of a patch");
-  v.Text("votes", votes, {"neighbors", "modes", "regressed"}, "what is taken for a raw pose");
+  v.Text("votes", votes, {"neighbors", "modes", "regressed", "both"},
+         "what is taken for a raw pose");
   v.Real("least_share", least_share, {0, 1}, "how sure a network must be of a part to vote for it");
   v.Integer("rounds", rounds, {1, 10}, "of votes; later ones are cast where nothing is explained");
   AssessmentOptions::Visit(v);
@@ -98,6 +99,9 @@ struct CandidateFinder::Impl {
                                 StageSeconds& seconds) const;
   std::vector<PatchVote> Regress(const SideGroup& group, const PatchSet& patches,
                                  StageSeconds& seconds) const;
+  // By the options, those of a patch together.
+  std::vector<PatchVote> Cast(const SideGroup& group, const PatchSet& patches,
+                              StageSeconds& seconds) const;
   std::vector<PoseVote> ModesOf(int part, const std::vector<PatchVote>& votes) const;
   // Candidates by votes of some of the pixels.
   std::vector<Candidate> Round(const OrganizedCloud& cloud, const std::vector<int>& looked_at,
@@ -171,6 +175,19 @@ std::vector<PatchVote> CandidateFinder::Impl::Regress(const SideGroup& group,
   return votes;
 }
 
+std::vector<PatchVote> CandidateFinder::Impl::Cast(const SideGroup& group, const PatchSet& patches,
+                                                   StageSeconds& seconds) const {
+  if (options.votes == kRegressed) return Regress(group, patches, seconds);
+  std::vector<PatchVote> votes = LookUp(group, patches, seconds);
+  if (options.votes != kBoth) return votes;
+  const std::vector<PatchVote> regressed = Regress(group, patches, seconds);
+  votes.insert(votes.end(), regressed.begin(), regressed.end());
+  std::stable_sort(votes.begin(), votes.end(), [](const PatchVote& a, const PatchVote& b) {
+    return a.vote.patch < b.vote.patch;
+  });
+  return votes;
+}
+
 void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& cloud,
                                  const std::vector<int>& pixels, Rng& rng, StageSeconds& seconds,
                                  std::vector<std::vector<PatchVote>>& votes,
@@ -183,8 +200,7 @@ void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& c
     patches = CutPatches(cloud, pixels, angles, group.side_m);
   }
   const int first_patch = trace ? TracePatches(pixels, patches, group.side_m, *trace) : 0;
-  for (const PatchVote& cast :
-       group.index ? LookUp(group, patches, seconds) : Regress(group, patches, seconds)) {
+  for (const PatchVote& cast : Cast(group, patches, seconds)) {
     votes[cast.part].push_back(cast);
     if (!trace) continue;
     trace->votes.push_back(
@@ -232,7 +248,8 @@ std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
 
 CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, PatchVoter voter,
                                  const CandidateOptions& options, int threads) {
-  CheckInput(options.votes != kRegressed || voter.regress,
+  const bool regresses = options.votes == kRegressed || options.votes == kBoth;
+  CheckInput(!regresses || voter.regress,
              "candidates.votes: the network regresses no poses; set it to neighbors or modes");
   CandidateAssessor assessor(ModelsOf(parts), options, threads);
   std::vector<PartRotations> rotations;

@@ -22,7 +22,8 @@ struct CandidateOptions : AssessmentOptions {
   int neighbors = 8;     // votes of a patch
   int rounds = 1;        // later ones look where no candidate explains what is seen
   // What is assessed: each vote of a neighbour (neighbors), the modes of these votes (modes, see
-  // vote_modes.h), or what the network regresses (regressed).
+  // vote_modes.h), what the network regresses (regressed), or neighbours' votes and what is
+  // regressed together (both).
   std::string votes = "neighbors";
   double least_share =
       0.2;  // of regressed votes: the patch shows the part, as the network believes
@@ -39,7 +40,7 @@ struct CandidatePart {
   std::shared_ptr<const ObjectModel> model;
   double side_m = 0;  // of its patches
   ObjectCodes codes;  // empty where votes are regressed
-  int trained = 0;    // which part it is to the network
+  int trained = 0;    // which part it is to the network that regresses
 };
 
 class CandidateFinder : public CandidateSource {

@@ -25,7 +25,7 @@ class CropLookUp : public CropMethod {
         if (row < 0) break;
         const Entry& entry = entries_[row];
         answers[i].push_back({entry.object, lesson_->templates[entry.object].R_CO[entry.view],
-                              found.squared[i * k + n]});
+                              found.squared[i * k + n], entry.view});
       }
     }
     return answers;

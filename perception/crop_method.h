@@ -21,6 +21,7 @@ struct CropAnswer {
   int object = 0;  // index into the ObjectSet
   Eigen::Matrix3d R_CO = Eigen::Matrix3d::Identity();
   double distance = 0;  // by the method's own measure; less is better
+  int view = -1;        // row of the part's templates that it is; -1 = none
   friend bool operator==(const CropAnswer&, const CropAnswer&) = default;
 };
 

@@ -150,23 +150,29 @@ Pose CropPose(const ObjectModel& object, const Eigen::Matrix3d& R_CO,
   return MakePose(R_CO, center_C - R_CO * CropCenter_O(object));
 }
 
-ObjectCrops RenderCrops(LabelledViewSource& views, int object, const Rotations& R_CO,
-                        const CropViewOptions& options, uint64_t seed) {
+void ForEachCropView(LabelledViewSource& views, int object, const Rotations& R_CO,
+                     const CropViewOptions& options, uint64_t seed,
+                     const std::function<void(const LabelledView& view)>& take) {
   constexpr size_t kBatch = 512;  // frames held at once
-  const ObjectModel& part = *views.objects()[object];
-  ObjectCrops out{object, R_CO, {}};
   const CameraIntrinsics camera = CropCamera(options);
   for (size_t begin = 0; begin < R_CO.size(); begin += kBatch) {
     std::vector<Pose> X_CO;
     for (size_t i = begin; i < std::min(R_CO.size(), begin + kBatch); ++i) {
-      X_CO.push_back(CropPose(part, R_CO[i], options));
+      X_CO.push_back(CropPose(*views.objects()[object], R_CO[i], options));
     }
-    for (const LabelledView& view : views.Isolated(object, X_CO, camera, seed + begin)) {
-      const CropSpot spot{view.instances.front().X_CO * CropCenter_O(part),
-                          CropSide_m(part, options)};
-      AppendCrop(view.frame, spot, &view.ids, out.crops);
-    }
+    for (const LabelledView& view : views.Isolated(object, X_CO, camera, seed + begin)) take(view);
   }
+}
+
+ObjectCrops RenderCrops(LabelledViewSource& views, int object, const Rotations& R_CO,
+                        const CropViewOptions& options, uint64_t seed) {
+  const ObjectModel& part = *views.objects()[object];
+  ObjectCrops out{object, R_CO, {}};
+  ForEachCropView(views, object, R_CO, options, seed, [&](const LabelledView& view) {
+    const CropSpot spot{view.instances.front().X_CO * CropCenter_O(part),
+                        CropSide_m(part, options)};
+    AppendCrop(view.frame, spot, &view.ids, out.crops);
+  });
   return out;
 }
 

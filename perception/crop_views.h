@@ -10,6 +10,7 @@
 // axis, at a distance in proportion to its diameter.
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "perception/crop.h"
@@ -62,6 +63,11 @@ struct ObjectCrops {
   Rotations R_CO;
   CropSet crops;  // with masks
 };
+
+// Calls take(view) for the part alone at each of these orientations in turn, see CropPose().
+void ForEachCropView(LabelledViewSource& views, int object, const Rotations& R_CO,
+                     const CropViewOptions& options, uint64_t seed,
+                     const std::function<void(const LabelledView& view)>& take);
 
 ObjectCrops RenderCrops(LabelledViewSource& views, int object, const Rotations& R_CO,
                         const CropViewOptions& options, uint64_t seed);

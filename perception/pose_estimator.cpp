@@ -5,6 +5,7 @@
 #include "perception/estimators/kehl.h"
 #include "perception/estimators/ppf.h"
 #include "perception/estimators/ppf_verified.h"
+#include "perception/estimators/wohlhart.h"
 #include "perception/training.h"
 
 namespace pickbed {
@@ -22,6 +23,13 @@ constexpr EstimatorRow kRows[] = {
     {"doumanoglou",
      "poses regressed from patches by a siamese network, then descriptor's ICP and verifier",
      &MakeDoumanoglouEstimator, &DoumanoglouModelFile, false, false, nullptr, &DoumanoglouTraining},
+    {"union", "descriptor's votes and those that doumanoglou's network regresses, together",
+     &MakeUnionEstimator, &DoumanoglouModelFile, false, true},
+    {"wohlhart",
+     "whole parts described at once and looked up among templates, then descriptor's ICP and "
+     "verifier",
+     &MakeWohlhartEstimator, &WohlhartModelFile, false, true, &MakeWohlhartCandidates, nullptr,
+     &LearnWohlhart},
     {"ppf",
      "point pair features with ICP, OpenCV's surface matching; mode verified: its poses with "
      "descriptor's ICP and a verifier",

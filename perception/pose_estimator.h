@@ -23,8 +23,10 @@
 namespace pickbed {
 
 class CandidateSource;
-struct EstimateTrace;    // estimate_trace.h
-struct TrainingOptions;  // training.h
+struct EstimateTrace;       // estimate_trace.h
+struct LearnedNetwork;      // torch_verifier_file.h
+struct TrainingOptions;     // training.h
+struct WohlhartBinOptions;  // estimators/wohlhart.h
 
 struct EstimatorInput {
   const RgbdFrame& frame;
@@ -57,6 +59,22 @@ struct EstimatorSetup {
   std::function<void(std::string_view what, double share)> on_progress;  // may be empty
 };
 
+// What candidates are made from.
+struct CandidateSetup {
+  const ObjectSet& objects;
+  LabelledViewSource& views;  // of these and maybe other parts
+  const LearnedNetwork& network;
+};
+
+// To learn the network that candidates come from.
+struct LearnJob {
+  LabelledViewSource& views;  // its objects are what is learned
+  const WohlhartBinOptions& options;
+  uint64_t seed = 0;
+  std::filesystem::path checkpoint;            // see WohlhartJob
+  std::function<bool(double share)> on_share;  // false = stop; may be empty
+};
+
 struct EstimatorRow {
   const char* name;
   const char* help;
@@ -65,10 +83,12 @@ struct EstimatorRow {
   std::filesystem::path (*model_file)(const EstimatorSpec& spec) = nullptr;
   bool explains = false;  // fills EstimatorInput::trace
   bool renders = false;   // makes use of setup.views
-  // What its verifiers are trained on, where they are all of it that learns; else null.
-  std::unique_ptr<CandidateSource> (*candidates)(const ObjectSet& objects) = nullptr;
+  // What its verifiers are trained on, where no descriptor of patches is learned; else null.
+  std::unique_ptr<CandidateSource> (*candidates)(const CandidateSetup& setup) = nullptr;
   // How its model is trained by `pickbed train NAME`, by default; null = not so.
   TrainingOptions (*training)() = nullptr;
+  // Learns the network of `candidates`, nothing when stopped; null = they need none.
+  std::optional<LearnedNetwork> (*learn)(const LearnJob& job) = nullptr;
 };
 
 std::span<const EstimatorRow> EstimatorTable();

@@ -34,9 +34,25 @@ std::vector<ModelObject> ObjectsFrom(const std::string& text, const std::string&
   return objects;
 }
 
-uint64_t HashOf(const std::string& texts, const std::vector<float>& values) {
-  const uint64_t hash = HashBytes(texts.data(), texts.size());
-  return HashBytes(values.data(), values.size() * sizeof(float), hash);
+uint64_t HashOf(const std::string& texts, const std::vector<float>& verifiers,
+                const LearnedNetwork& network) {
+  const auto add = [](const std::vector<float>& values, uint64_t hash) {
+    return HashBytes(values.data(), values.size() * sizeof(float), hash);
+  };
+  const uint64_t hash = add(verifiers, HashBytes(texts.data(), texts.size()));
+  if (network.settings.empty()) return hash;
+  return add(network.weights, HashBytes(network.settings.data(), network.settings.size(), hash));
+}
+
+std::vector<float> ReadValues(torch::serialize::InputArchive& archive, const char* key) {
+  at::Tensor tensor;
+  archive.read(key, tensor);
+  tensor = tensor.to(torch::kFloat).contiguous();
+  return {tensor.data_ptr<float>(), tensor.data_ptr<float>() + tensor.numel()};
+}
+
+at::Tensor ToTensor(const std::vector<float>& values) {
+  return torch::tensor(at::ArrayRef<float>(values), torch::kFloat);
 }
 
 std::string ReadText(torch::serialize::InputArchive& archive, const char* key) {
@@ -59,14 +75,14 @@ VerifierFile ReadArchive(const std::string& bytes, const std::string& name) {
   content.estimator = ReadText(archive, "estimator");
   content.sensor = ReadText(archive, "sensor");
   content.training = ReadText(archive, "training");
-  at::Tensor tensor;
-  archive.read("verifiers", tensor);
-  tensor = tensor.to(torch::kFloat).contiguous();
-  const std::vector<float> values(tensor.data_ptr<float>(),
-                                  tensor.data_ptr<float>() + tensor.numel());
+  const std::vector<float> values = ReadValues(archive, "verifiers");
+  if (archive.try_read("network", value)) {
+    content.network.settings = value.toStringRef();
+    content.network.weights = ReadValues(archive, "weights");
+  }
   archive.read("hash", value);
   const std::string texts = objects_text + content.estimator + content.sensor + content.training;
-  CheckInput(static_cast<uint64_t>(value.toInt()) == HashOf(texts, values),
+  CheckInput(static_cast<uint64_t>(value.toInt()) == HashOf(texts, values, content.network),
              "its check sum is wrong");
   content.objects = ObjectsFrom(objects_text, name);
   content.verifiers = VerifiersFrom(values, content.objects.size());
@@ -86,8 +102,12 @@ void SaveVerifiers(const std::filesystem::path& file, const VerifierFile& conten
   archive.write("estimator", c10::IValue(content.estimator));
   archive.write("sensor", c10::IValue(content.sensor));
   archive.write("training", c10::IValue(content.training));
-  archive.write("verifiers", torch::tensor(at::ArrayRef<float>(values), torch::kFloat));
-  archive.write("hash", c10::IValue(static_cast<int64_t>(HashOf(texts, values))));
+  archive.write("verifiers", ToTensor(values));
+  if (!content.network.settings.empty()) {
+    archive.write("network", c10::IValue(content.network.settings));
+    archive.write("weights", ToTensor(content.network.weights));
+  }
+  archive.write("hash", c10::IValue(static_cast<int64_t>(HashOf(texts, values, content.network))));
   std::ostringstream stream;
   archive.save_to(stream);
   WriteFileAtomically(file, stream.str());

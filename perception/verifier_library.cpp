@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "perception/torch_verifier_file.h"
 #include "scenes/check.h"
 
 namespace pickbed {
@@ -19,7 +18,7 @@ VerifierFile Begin(const VerifierJob& job, VerifierTrainingOptions options) {
                    "anew, or name another file");
     return known;
   }
-  return {job.estimator, job.sensor_profile, training, {}, {}};
+  return {job.estimator, job.sensor_profile, training, {}, {}, {}};
 }
 
 bool Knows(const VerifierFile& file, const ObjectModel& part) {
@@ -48,6 +47,13 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
   const ObjectSet& objects = job.views.objects();
   CheckInput(!objects.empty(), "training needs at least one part");
   VerifierFile file = Begin(job, options);
+  if (job.learn && file.network.settings.empty()) {
+    std::optional<LearnedNetwork> network = job.learn(
+        [&](double share) { return !job.on_progress || job.on_progress("all parts", share); });
+    if (!network) return {};
+    file.network = *std::move(network);
+    SaveVerifiers(job.file, file);
+  }
   for (size_t i = 0; i < objects.size(); ++i) {
     const ObjectModel& part = *objects[i];
     if (Knows(file, part)) continue;
@@ -62,7 +68,7 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
           job.views, object, options, [&](double share) { return report(kPilesShare * share); });
       if (!go_on) return {};
       const TrainedVerifier trained = TrainPartVerifier(
-          piles, object, *job.candidates({objects[i]}), options,
+          piles, object, *job.candidates({objects[i]}, file.network), options,
           [&](double share) { return report(kPilesShare + (1 - kPilesShare) * share); });
       if (!go_on) return {};
       Put(part, trained, file);

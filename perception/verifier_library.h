@@ -1,15 +1,18 @@
 #pragma once
 
-// Trains verifiers for an estimator that learns nothing else, one part after the other, into one
-// file that is whole after each.
+// Trains verifiers for an estimator that learns little else, one part after the other, into one
+// file that is whole after each. What its candidates come from is learned before them, of all parts
+// at once.
 
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "perception/candidate_source.h"
+#include "perception/torch_verifier_file.h"
 #include "perception/verifier_training.h"
 #include "scenes/labelled_view.h"
 
@@ -18,11 +21,16 @@ namespace pickbed {
 struct VerifierJob {
   LabelledViewSource& views;  // its objects are what is learned
   std::string estimator;      // recorded in the file
-  std::function<std::unique_ptr<CandidateSource>(const ObjectSet& objects)> candidates;
+  std::function<std::unique_ptr<CandidateSource>(const ObjectSet& objects,
+                                                 const LearnedNetwork& network)>
+      candidates;
   std::filesystem::path file;
   bool resume = false;  // keep what the file holds of these parts, where it does
   std::string sensor_profile;
   std::function<bool(std::string_view part, double share)> on_progress;  // false = stop
+  // Learns the network, unless the file holds it; nothing when stopped. Empty = there is none.
+  std::function<std::optional<LearnedNetwork>(const std::function<bool(double share)>& on_share)>
+      learn = {};
 };
 
 struct VerifierReport {

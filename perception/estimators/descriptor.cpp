@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <utility>
 
 #include "perception/torch_model_file.h"
 #include "scenes/cache_lock.h"
@@ -50,15 +52,20 @@ class LearnedEstimator : public PoseEstimator {
         model_(LoadModel(model.file, model.command)) {
     RequireKind(model_.info.network.kind, model);
     options_.final_set.min_score = setup.spec.min_score;
-    trained_ = TrainedParts(model_.info.objects, setup.objects, model.file, model.command);
+    trained_ = regressed_ =
+        TrainedParts(model_.info.objects, setup.objects, model.file, model.command);
     for (const int part : trained_) verifiers_.push_back(model_.verifiers[part]);
-    finder_ = std::make_unique<CandidateFinder>(Parts(setup), VoterOf(model_.network, threads_),
-                                                options.candidates, setup.threads);
+    PatchVoter voter = VoterOf(model_.network, threads_);
+    if (!model.regression.empty()) AddRegression(setup, model.regression, voter);
+    finder_ = std::make_unique<CandidateFinder>(Parts(setup), std::move(voter), options.candidates,
+                                                setup.threads);
   }
 
   EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override;
 
  private:
+  void AddRegression(const EstimatorSetup& setup, const std::filesystem::path& file,
+                     PatchVoter& voter);
   std::vector<CandidatePart> Parts(const EstimatorSetup& setup) const;
   ObjectCodes Codes(const EstimatorSetup& setup, int object, double side_m) const;
   void Trace(const OrganizedCloud& cloud, const std::vector<Candidate>& candidates,
@@ -68,10 +75,31 @@ class LearnedEstimator : public PoseEstimator {
   std::string refiner_;
   int threads_;
   DescriptorModel model_;
-  std::vector<int> trained_;         // index into model_.info.objects of each part
-  std::vector<Verifier> verifiers_;  // of each part
+  std::optional<DescriptorModel> regression_;  // another that regresses
+  std::vector<int> trained_;                   // index into model_.info.objects of each part
+  std::vector<int> regressed_;                 // the same of the one that regresses
+  std::vector<Verifier> verifiers_;            // of each part
   std::unique_ptr<CandidateFinder> finder_;
 };
+
+void LearnedEstimator::AddRegression(const EstimatorSetup& setup, const std::filesystem::path& file,
+                                     PatchVoter& voter) {
+  constexpr double kSameSide_m = 1e-6;
+  constexpr const char* kCommand = "pickbed train doumanoglou";
+  regression_.emplace(LoadModel(file, kCommand));
+  regressed_ = TrainedParts(regression_->info.objects, setup.objects, file, kCommand);
+  for (size_t i = 0; i < regressed_.size(); ++i) {
+    const double side_m = regression_->info.objects[regressed_[i]].side_m;
+    const double wanted_m = model_.info.objects[trained_[i]].side_m;
+    CheckInput(std::abs(side_m - wanted_m) < kSameSide_m,
+               fmt::format("{}: its patches of part '{}' are {} m large and those that are looked "
+                           "up {} m; train it with the patch_diameters of the other",
+                           file.string(), setup.objects[i]->name, side_m, wanted_m));
+  }
+  const PatchVoter regressing = VoterOf(regression_->network, threads_);
+  voter.regress = regressing.regress;
+  voter.parts = regressing.parts;
+}
 
 std::vector<CandidatePart> LearnedEstimator::Parts(const EstimatorSetup& setup) const {
   std::vector<CandidatePart> parts;
@@ -81,7 +109,7 @@ std::vector<CandidatePart> LearnedEstimator::Parts(const EstimatorSetup& setup) 
     if (options_.candidates.votes != "regressed") {
       codes = Codes(setup, static_cast<int>(i), side_m);
     }
-    parts.push_back({setup.objects[i], side_m, std::move(codes), trained_[i]});
+    parts.push_back({setup.objects[i], side_m, std::move(codes), regressed_[i]});
   }
   return parts;
 }

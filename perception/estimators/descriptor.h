@@ -44,6 +44,9 @@ struct LearnedModel {
   std::filesystem::path file;
   std::string kind;     // empty = any
   std::string command;  //
+  // Whose regressed poses are voted for besides, where candidates.votes is both and `file` does not
+  // regress; its patches must be of the same sides. Empty = none.
+  std::filesystem::path regression = {};
 };
 std::unique_ptr<PoseEstimator> MakeLearnedEstimator(const EstimatorSetup& setup,
                                                     const DescriptorOptions& options,

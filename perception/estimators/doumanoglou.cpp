@@ -17,4 +17,12 @@ std::unique_ptr<PoseEstimator> MakeDoumanoglouEstimator(const EstimatorSetup& se
       {DoumanoglouModelFile(setup.spec), "siamese_regression", "pickbed train doumanoglou"});
 }
 
+std::unique_ptr<PoseEstimator> MakeUnionEstimator(const EstimatorSetup& setup) {
+  DescriptorOptions options = OptionsForMode(setup.spec.mode);
+  options.candidates.votes = "both";
+  return MakeLearnedEstimator(
+      setup, options,
+      {DescriptorModelFile({}), "", kTrainCommand, DoumanoglouModelFile(setup.spec)});
+}
+
 }  // namespace pickbed

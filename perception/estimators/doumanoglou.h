@@ -18,4 +18,9 @@ std::filesystem::path DoumanoglouModelFile(const EstimatorSpec& spec);
 // Modes fast and hard as of descriptor. Throws InputError as MakeLearnedEstimator does.
 std::unique_ptr<PoseEstimator> MakeDoumanoglouEstimator(const EstimatorSetup& setup);
 
+// Two sources of hypotheses: estimator descriptor with the shipped model, whose patches vote also
+// for the pose that doumanoglou's model regresses from them. Throws InputError also where the two
+// were trained for patches of other sides.
+std::unique_ptr<PoseEstimator> MakeUnionEstimator(const EstimatorSetup& setup);
+
 }  // namespace pickbed

@@ -1,6 +1,7 @@
 #include "perception/estimators/ppf_verified.h"
 
 #include "perception/candidates.h"
+#include "perception/estimators/verified_candidates.h"
 #include "perception/torch_verifier_file.h"
 
 namespace pickbed {
@@ -49,48 +50,6 @@ class PpfCandidates : public CandidateSource {
   std::vector<std::unique_ptr<PpfMatcher>> matchers_;
 };
 
-class VerifiedPpfEstimator : public PoseEstimator {
- public:
-  VerifiedPpfEstimator(const EstimatorSetup& setup, const VerifiedPpfOptions& options)
-      : options_(options), refiner_(setup.refiner), threads_(setup.threads) {
-    options_.final_set.min_score = setup.spec.min_score;
-    const std::filesystem::path file = PpfModelFile(setup.spec);
-    const VerifierFile trained = LoadVerifiers(file, kName);
-    for (const int part : TrainedParts(trained.objects, setup.objects, file,
-                                       std::string("pickbed train --verifier-for ") + kName)) {
-      verifiers_.push_back(trained.verifiers[part]);
-    }
-    source_ = MakePpfCandidates(setup.objects, options, setup.threads);
-  }
-
-  EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override {
-    EstimateResult result;
-    OrganizedCloud cloud;
-    {
-      const StageTimer timer(result.seconds, "cloud");
-      cloud = BuildCloud(input.frame, input.background);
-    }
-    const std::vector<Candidate> candidates = source_->Find(cloud, rng, result.seconds);
-    const CandidateAssessor& assessor = source_->assessor();
-    {
-      const StageTimer timer(result.seconds, "suppress");
-      result.hypotheses = FinalSet(cloud, assessor.model_points(), assessor.distances(), verifiers_,
-                                   candidates, options_.final_set);
-    }
-    const StageTimer timer(result.seconds, "refine");
-    PolishPoses(refiner_, cloud, assessor.model_points(), options_.polish, threads_,
-                result.hypotheses);
-    return result;
-  }
-
- private:
-  VerifiedPpfOptions options_;
-  std::string refiner_;
-  int threads_;
-  std::vector<Verifier> verifiers_;  // of each part
-  std::unique_ptr<CandidateSource> source_;
-};
-
 }  // namespace
 
 VerifiedPpfOptions::VerifiedPpfOptions() { assessment = HardCandidates(); }
@@ -100,8 +59,8 @@ std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects,
   return std::make_unique<PpfCandidates>(objects, options, threads);
 }
 
-std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects) {
-  return MakePpfCandidates(objects, {});
+std::unique_ptr<CandidateSource> MakePpfCandidates(const CandidateSetup& setup) {
+  return MakePpfCandidates(setup.objects, {});
 }
 
 std::filesystem::path PpfModelFile(const EstimatorSpec& spec) {
@@ -111,7 +70,15 @@ std::filesystem::path PpfModelFile(const EstimatorSpec& spec) {
 
 std::unique_ptr<PoseEstimator> MakeVerifiedPpfEstimator(const EstimatorSetup& setup,
                                                         const VerifiedPpfOptions& options) {
-  return std::make_unique<VerifiedPpfEstimator>(setup, options);
+  const std::filesystem::path file = PpfModelFile(setup.spec);
+  VerifiedSetup made{MakePpfCandidates(setup.objects, options, setup.threads),
+                     VerifiersOf(LoadVerifiers(file, kName), setup.objects, file),
+                     options.final_set,
+                     options.polish,
+                     setup.refiner,
+                     setup.threads};
+  made.final_set.min_score = setup.spec.min_score;
+  return MakeVerifiedEstimator(std::move(made));
 }
 
 }  // namespace pickbed

@@ -30,7 +30,7 @@ std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects,
                                                    const VerifiedPpfOptions& options,
                                                    int threads = 1);
 // Of the table: with the options by default.
-std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects);
+std::unique_ptr<CandidateSource> MakePpfCandidates(const CandidateSetup& setup);
 
 // The file of verifiers by spec.model, or assets/models/ppf.pt; empty where the mode needs none.
 std::filesystem::path PpfModelFile(const EstimatorSpec& spec);

@@ -131,8 +131,12 @@ WohlhartNetwork::WohlhartNetwork(WohlhartNetwork&&) noexcept = default;
 
 int WohlhartNetwork::length() const { return impl_->options.descriptor; }
 
-int64_t WohlhartNetwork::weights() const {
-  return static_cast<int64_t>(WeightsOf(*impl_->layers).size());
+int64_t WohlhartNetwork::weights() const { return static_cast<int64_t>(Weights().size()); }
+
+std::vector<float> WohlhartNetwork::Weights() const { return WeightsOf(*impl_->layers); }
+
+void WohlhartNetwork::SetWeights(std::span<const float> weights) {
+  SetWeightsOf(*impl_->layers, weights);
 }
 
 std::vector<float> WohlhartNetwork::Describe(const CropSet& crops, int threads) const {
@@ -178,6 +182,11 @@ class WohlhartTrainer {
       distances_.emplace_back(job.lesson.objects[part]->symmetries_O);
     }
     iterations_ = options.iterations * static_cast<int>(first_.size());
+    for (int part = 0; part < static_cast<int>(first_.size()); ++part) {
+      std::vector<int>& of_part = pullers_.emplace_back();
+      const int rows = static_cast<int>(job.lesson.training[part].crops.size());
+      for (int row = 0; row < rows; ++row) of_part.push_back(NearestTemplate(part, row));
+    }
   }
 
   std::unique_ptr<WohlhartNetwork> Run();
@@ -191,6 +200,7 @@ class WohlhartTrainer {
     return distances_[anchor.object](job_.lesson.training[anchor.object].R_CO[anchor.row],
                                      RotationOf(row));
   }
+  int NearestTemplate(int part, int row) const;
   Anchor RandomAnchor(Rng& rng) const;
   std::vector<Anchor> MineRound(int round) const;
   double Step(std::span<const Anchor> anchors, Rng& rng);
@@ -204,12 +214,29 @@ class WohlhartTrainer {
   torch::optim::Adam adam_;
   int iterations_ = 0;
   int iteration_ = 0;
-  CropSet templates_;         // of all parts
-  std::vector<int> first_;    // row of each part's first template
-  std::vector<int> part_of_;  // of each template
+  CropSet templates_;                      // of all parts
+  std::vector<int> first_;                 // row of each part's first template
+  std::vector<int> part_of_;               // of each template
+  std::vector<std::vector<int>> pullers_;  // by part and row of its training
   std::vector<RotationDistance> distances_;
   std::vector<double> losses_;
 };
+
+int WohlhartTrainer::NearestTemplate(int part, int row) const {
+  Anchor anchor;
+  anchor.object = part;
+  anchor.row = row;
+  const int end = first_[part] + static_cast<int>(job_.lesson.templates[part].crops.size());
+  int nearest = first_[part];
+  double least = kOtherPart;
+  for (int i = first_[part]; i < end; ++i) {
+    const double distance = PoseDistanceOf(anchor, i);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = i;
+  }
+  return nearest;
+}
 
 // With random wrong templates.
 Anchor WohlhartTrainer::RandomAnchor(Rng& rng) const {
@@ -217,15 +244,9 @@ Anchor WohlhartTrainer::RandomAnchor(Rng& rng) const {
   Anchor anchor;
   anchor.object = rng.Index(parts);
   anchor.row = rng.Index(static_cast<int>(job_.lesson.training[anchor.object].crops.size()));
+  anchor.puller = pullers_[anchor.object][anchor.row];
   const int begin = first_[anchor.object];
   const int count = static_cast<int>(job_.lesson.templates[anchor.object].crops.size());
-  double least = kOtherPart;
-  for (int row = begin; row < begin + count; ++row) {
-    const double distance = PoseDistanceOf(anchor, row);
-    if (distance >= least) continue;
-    least = distance;
-    anchor.puller = row;
-  }
   anchor.wrong_pose = begin + rng.Index(count);
   anchor.wrong_part = parts > 1 ? (begin + count + rng.Index(all - count)) % all : begin;
   return anchor;

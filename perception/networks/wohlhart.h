@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ struct WohlhartOptions {
   int iterations = 250;         // steps a part
   int mine_every = 100;         // steps between two rounds that look up the hardest wrong templates
   double learning_rate = 1e-3;  // of Adam, falls to zero along a cosine
-  CropAugmentOptions augment;
+  CropAugmentOptions augment = {};
   void Visit(SettingsVisitor& v);
 };
 
@@ -62,6 +63,9 @@ class WohlhartNetwork {
 
   int length() const;
   int64_t weights() const;  // how many
+  std::vector<float> Weights() const;
+  // Throws InputError when the number does not fit this network.
+  void SetWeights(std::span<const float> weights);
   // A row of `length` values for each crop. The same for any number of threads.
   std::vector<float> Describe(const CropSet& crops, int threads = 1) const;
 

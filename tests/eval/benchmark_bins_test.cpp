@@ -76,6 +76,9 @@ TEST(BinMethods, AreEstimatorsAndKnowHowTheirModelsAreMade) {
     EXPECT_THAT(TrainingWords(method, "folder", {"rod", "ring"}),
                 testing::IsSupersetOf({std::string("--objects"), std::string("rod,ring"),
                                        "folder/" + std::string(method.model) + ".pt"}));
+    // Of --small: further settings, so that they go before those of a full training.
+    EXPECT_EQ(TrainingWords(method, "folder", {"rod"}, true).size(),
+              TrainingWords(method, "folder", {"rod"}).size() + method.small_training.size());
     // A cube is in no model.
     EXPECT_TRUE(FindBinModel(method, "no such folder", EasyCube()).empty()) << method.label;
   }

@@ -75,7 +75,9 @@ class VerifiedPpf : public testing::Test {
   static VerifierJob Job(const std::filesystem::path& file) {
     return {*views_,
             "ppf",
-            [](const ObjectSet& objects) { return MakePpfCandidates(objects, Options()); },
+            [](const ObjectSet& objects, const LearnedNetwork&) {
+              return MakePpfCandidates(objects, Options());
+            },
             file,
             false,
             "test sensor",

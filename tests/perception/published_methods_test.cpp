@@ -5,6 +5,7 @@
 
 #include <numeric>
 
+#include "perception/estimate_trace.h"
 #include "perception/estimators/descriptor.h"
 #include "perception/estimators/doumanoglou.h"
 #include "perception/estimators/kehl.h"
@@ -129,6 +130,51 @@ TEST_P(PublishedMethod, SameSeedSameFileAndTheModelOfAnotherMethodIsRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, PublishedMethod, testing::Values("kehl", "doumanoglou"));
+
+// Two networks look at the same patches: one is looked up, the other regresses.
+TEST(UnionOfVotes, EachPatchCastsThoseOfBothNetworks) {
+  const TemporaryFolder temporary;
+  RayCastViews views({ObjectOf(BracketMesh())});
+  const auto train = [&](const std::string& method, const std::string& name, double diameters) {
+    TrainingOptions options = Quick(method);
+    options.iterations = 6;
+    options.piles = 3;
+    options.verifier_piles = 2;
+    options.patch_diameters = diameters;
+    TrainDescriptor({views, temporary.path() / name, {}, false, {}, "test", {}}, options);
+  };
+  const double side = TrainingOptions().patch_diameters;
+  train("descriptor", "look_up.pt", side);
+  train("doumanoglou", "regression.pt", side);
+  train("doumanoglou", "narrow.pt", 0.5 * side);
+  EstimatorSetup setup;
+  setup.objects = views.objects();
+  setup.intrinsics = SmallCamera();
+  setup.working_distance_m = RayCastViews::kDistanceM;
+  setup.views = &views;
+  DescriptorOptions options = OptionsForMode("fast");
+  options.code_entries = 500;
+  options.candidates.votes = "both";
+  options.candidates.least_share = 0;
+  options.candidates.points = 60;
+  const auto make = [&](const std::filesystem::path& regression) {
+    return MakeLearnedEstimator(setup, options,
+                                {temporary.path() / "look_up.pt", "", kTrainCommand, regression});
+  };
+  const LabelledView view = views.Pile({5000, 1}).front();
+  EstimateTrace trace;
+  Rng rng(1);
+  make(temporary.path() / "regression.pt")->Estimate({view.frame, OutOfSightBin(), &trace}, rng);
+  ASSERT_FALSE(trace.patches.empty());
+  const size_t of_a_patch = options.candidates.neighbors + 1;
+  ASSERT_EQ(trace.votes.size(), trace.patches.size() * of_a_patch);
+  for (size_t i = 0; i < trace.votes.size(); ++i) {
+    EXPECT_EQ(trace.votes[i].patch, static_cast<int>(i / of_a_patch));
+  }
+  EXPECT_THAT(ErrorOf([&] { make({}); }), HasSubstr("regresses no poses"));
+  EXPECT_THAT(ErrorOf([&] { make(temporary.path() / "narrow.pt"); }),
+              testing::AllOf(HasSubstr("narrow.pt"), HasSubstr("patch_diameters of the other")));
+}
 
 TEST(PublishedSettings, OutOfRangeNamesTheRange) {
   TrainingOptions options;

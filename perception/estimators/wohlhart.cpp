@@ -1,0 +1,202 @@
+#include "perception/estimators/wohlhart.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "perception/crop_lookup.h"
+#include "perception/estimators/descriptor.h"
+#include "perception/estimators/verified_candidates.h"
+#include "perception/patch.h"
+#include "scenes/check.h"
+
+namespace pickbed {
+namespace {
+
+constexpr const char* kName = "wohlhart";
+constexpr uint64_t kTemplateSeed = 0;  // of the sensor's noise on templates
+
+// What a learned network's settings hold.
+struct Record {
+  std::string parts;  // with commas
+  WohlhartBinOptions options;
+  void Visit(SettingsVisitor& v) {
+    v.Text("parts", parts, {}, "that it was learned for");
+    options.Visit(v);
+  }
+};
+
+std::string NamesOf(const ObjectSet& objects) {
+  std::vector<std::string> names;
+  for (const auto& object : objects) names.push_back(object->name);
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
+int IndexIn(const ObjectSet& all, const ObjectModel& part) {
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (all[i]->name == part.name) return static_cast<int>(i);
+  }
+  throw InputError(fmt::format("no views of part '{}'", part.name));
+}
+
+// The look-up of one frame's crops.
+struct Templates {
+  std::vector<std::vector<Pose>> X_PO;  // by part and view
+  std::unique_ptr<CropMethod> look_up;
+};
+
+Templates MakeTemplates(const ObjectSet& objects, LabelledViewSource& views, const Record& record,
+                        std::shared_ptr<const WohlhartNetwork> network, int threads) {
+  const std::string known = "," + record.parts + ",";
+  CropLesson lesson{objects, {}, {}};
+  Templates templates;
+  for (size_t part = 0; part < objects.size(); ++part) {
+    const ObjectModel& object = *objects[part];
+    CheckInput(known.find("," + object.name + ",") != std::string::npos,
+               fmt::format("the network was learned for {} and not for part '{}'; train anew with "
+                           "all of them",
+                           record.parts, object.name));
+    WholeTemplates made = MakeWholeTemplates(views, IndexIn(views.objects(), object),
+                                             record.options.views.templates, kTemplateSeed);
+    made.crops.object = static_cast<int>(part);
+    lesson.templates.push_back(std::move(made.crops));
+    templates.X_PO.push_back(std::move(made.X_PO));
+  }
+  const int length = network->length();
+  templates.look_up = MakeCropLookUp(
+      std::make_shared<const CropLesson>(std::move(lesson)),
+      [network = std::move(network)](const CropSet& crops, int threads) {
+        return network->Describe(crops, threads);
+      },
+      length, threads);
+  return templates;
+}
+
+class WohlhartCandidates : public CandidateSource {
+ public:
+  WohlhartCandidates(const ObjectSet& objects, const WohlhartBinOptions& options,
+                     Templates templates, const AssessmentOptions& assessment, int threads)
+      : objects_(objects),
+        options_(options),
+        templates_(std::move(templates)),
+        assessor_(objects, assessment, threads),
+        threads_(threads) {}
+
+  std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng&, StageSeconds& seconds,
+                              EstimateTrace* trace = nullptr) const override {
+    const std::vector<int> pixels = GridProposals(cloud, options_.grid_px);
+    std::vector<Candidate> candidates;
+    for (size_t part = 0; part < objects_.size(); ++part) {
+      const std::vector<PoseVote> votes = Votes(static_cast<int>(part), cloud, pixels, seconds);
+      if (votes.empty()) continue;
+      const std::vector<Candidate> of_part = assessor_.Assess(
+          cloud, static_cast<int>(part), votes, static_cast<int>(pixels.size()), 1, seconds, trace);
+      candidates.insert(candidates.end(), of_part.begin(), of_part.end());
+    }
+    assessor_.Compare(candidates, seconds);
+    return candidates;
+  }
+
+  const CandidateAssessor& assessor() const override { return assessor_; }
+
+ private:
+  // Of crops of this part's size. Neighbours of other parts say that the crop shows none of it.
+  std::vector<PoseVote> Votes(int part, const OrganizedCloud& cloud, const std::vector<int>& pixels,
+                              StageSeconds& seconds) const {
+    CropSet crops;
+    {
+      const StageTimer timer(seconds, "crops");
+      crops = CutWholeCrops(cloud, pixels, CropSide_m(*objects_[part], options_.views.templates));
+    }
+    const StageTimer timer(seconds, "network");
+    const auto answers = templates_.look_up->Answer(crops, options_.neighbors, threads_);
+    std::vector<PoseVote> votes;
+    for (size_t i = 0; i < answers.size(); ++i) {
+      const Pose X_CP = PatchFrame(crops.spots[i].center_C, 0);
+      for (const CropAnswer& answer : answers[i]) {
+        if (answer.object != part) continue;
+        votes.push_back({X_CP * templates_.X_PO[part][answer.view], static_cast<int>(i)});
+      }
+    }
+    return votes;
+  }
+
+  ObjectSet objects_;
+  WohlhartBinOptions options_;
+  Templates templates_;
+  CandidateAssessor assessor_;
+  int threads_;
+};
+
+}  // namespace
+
+void WohlhartBinOptions::Visit(SettingsVisitor& v) {
+  v.Group(
+      "views", [&](SettingsVisitor& g) { views.Visit(g); }, "templates, and what is learned from");
+  v.Group(
+      "network", [&](SettingsVisitor& g) { network.Visit(g); }, "the learned descriptor");
+  v.Integer("grid_px", grid_px, {1, 100}, "between two proposals, both ways");
+  v.Integer("neighbors", neighbors, {1, 100}, "votes of a crop: k of the look-up");
+}
+
+std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const ObjectSet& objects,
+                                                        LabelledViewSource& views,
+                                                        const LearnedNetwork& network,
+                                                        const AssessmentOptions& assessment,
+                                                        int threads) {
+  Record record;
+  ReadSettingsText(network.settings, "settings of the network",
+                   [&](SettingsVisitor& v) { record.Visit(v); });
+  auto weighted = std::make_shared<WohlhartNetwork>(record.options.network, 0);
+  weighted->SetWeights(network.weights);
+  Templates templates = MakeTemplates(objects, views, record, std::move(weighted), threads);
+  return std::make_unique<WohlhartCandidates>(objects, record.options, std::move(templates),
+                                              assessment, threads);
+}
+
+std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const CandidateSetup& setup) {
+  return MakeWohlhartCandidates(setup.objects, setup.views, setup.network, HardCandidates());
+}
+
+std::optional<LearnedNetwork> LearnWohlhart(const LearnJob& job) {
+  constexpr double kViewsShare = 0.2;  // of the time, about
+  CheckInput(job.options.network.input == "depth",
+             "network.input: crops of bins are of depth alone; leave it at depth");
+  bool go_on = true;
+  const auto tell = [&](double share) {
+    return go_on = go_on && (!job.on_share || job.on_share(share));
+  };
+  const CropLesson lesson =
+      MakeWholeLesson(job.views, job.options.views, job.seed,
+                      [&](double share) { return tell(kViewsShare * share); });
+  if (!go_on) return std::nullopt;
+  const auto network = TrainWohlhart(
+      {lesson, job.seed, job.checkpoint,
+       [&](double share, double) { return tell(kViewsShare + (1 - kViewsShare) * share); }},
+      job.options.network);
+  if (network == nullptr) return std::nullopt;
+  Record record{NamesOf(job.views.objects()), job.options};
+  return LearnedNetwork{WriteSettings([&](SettingsVisitor& v) { record.Visit(v); }),
+                        network->Weights()};
+}
+
+std::filesystem::path WohlhartModelFile(const EstimatorSpec& spec) {
+  return TrainedFile(spec.model.empty() ? kName : spec.model);
+}
+
+std::unique_ptr<PoseEstimator> MakeWohlhartEstimator(const EstimatorSetup& setup) {
+  CheckInput(setup.views, "the templates of estimator wohlhart need a renderer");
+  const std::filesystem::path file = WohlhartModelFile(setup.spec);
+  const VerifierFile trained = LoadVerifiers(file, kName);
+  VerifiedSetup made;
+  made.verifiers = VerifiersOf(trained, setup.objects, file);
+  made.source = MakeWohlhartCandidates(setup.objects, *setup.views, trained.network,
+                                       OptionsForMode(setup.spec.mode).candidates, setup.threads);
+  made.final_set.min_score = setup.spec.min_score;
+  made.refiner = setup.refiner;
+  made.threads = setup.threads;
+  return MakeVerifiedEstimator(std::move(made));
+}
+
+}  // namespace pickbed

@@ -1,0 +1,44 @@
+# Cases of pickbed benchmark.
+
+a_small_crop_table_repeats() {
+  local few=(bracket mug --small --method wohlhart,hog,random --condition clean,noisy
+    --set tests=4 --set icp_starts=1 --set views.template_level=1 --set views.train_level=2
+    --set methods.wohlhart.iterations=6 --set methods.wohlhart.mine_every=6
+    --set methods.wohlhart.anchors=8)
+  expect 0 "$pickbed" benchmark crops "${few[@]}" --threads 1 --out once
+  expect 0 "$pickbed" benchmark crops "${few[@]}" --threads 2 --out twice
+  for file in crops.csv views.csv differences.csv settings.yaml; do
+    same once/$file twice/$file
+  done
+  # What was learned is kept: the same again in no time, and the same table.
+  cp once/views.csv before.csv
+  expect 0 "$pickbed" benchmark crops "${few[@]}" --out once
+  same once/views.csv before.csv
+  grep -q "wohlhart" once/crops.html || fail "no row of wohlhart on the page"
+  expect 0 "$pickbed" benchmark crops "${few[@]}" --set seed=1 --out other
+  cmp -s once/views.csv other/views.csv && fail "another seed gives the same answers"
+  refused "unknown crop method 'hogg'" "$pickbed" benchmark crops --small --method hogg
+  refused "methods.wohlhart.descriptor" \
+    "$pickbed" benchmark crops --small --set methods.wohlhart.descriptor=1
+}
+
+a_small_bin_table_trains_what_is_missing() {
+  local few=(rods.yaml --small --scenes 1 --estimator "wohlhart;oracle" --out bins)
+  # In place of --small's training, which takes minutes.
+  expect 0 "$pickbed" train wohlhart rod --out bins/models/wohlhart.pt --set piles=2 \
+    --set wohlhart.views.templates.template_level=1 --set wohlhart.views.templates.in_plane=12 \
+    --set wohlhart.views.alone=100 --set wohlhart.views.piles=2 \
+    --set wohlhart.network.iterations=4 --set wohlhart.network.mine_every=4
+  expect 0 "$pickbed" benchmark bins "${few[@]}"
+  grep -q '^all,"wohlhart",1,' bins/bins.csv || fail "no row of wohlhart for all"
+  grep -q '^all,"oracle",1,' bins/bins.csv || fail "no row of the oracle for all"
+  [ -s bins/bins.html ] || fail "no page"
+  cp bins/bins.csv before.csv
+  # What was measured is kept: the same table, without looking again.
+  expect 0 "$pickbed" benchmark bins "${few[@]}"
+  same bins/bins.csv before.csv
+  refused "unknown estimator 'wohlhat'" "$pickbed" benchmark bins rods.yaml --estimator wohlhat
+  refused "wohlhart.neighbors" "$pickbed" train wohlhart rod --set wohlhart.neighbors=0
+  refused "wohlhart.network.margin" "$pickbed" train wohlhart rod --set wohlhart.network.margin=0
+  refused "leave it at depth" "$pickbed" train wohlhart rod --set wohlhart.network.input=rgb
+}

@@ -1,0 +1,197 @@
+// Estimator wohlhart: learned in seconds on parts that lie free.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "perception/estimators/wohlhart.h"
+#include "perception/labelled_patches.h"
+#include "perception/patch.h"
+#include "perception/verifier_library.h"
+#include "perception/votes.h"
+#include "scenes/files.h"
+#include "tests/support/error_of.h"
+#include "tests/support/ray_cast_views.h"
+#include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed {
+namespace {
+
+using testing::HasSubstr;
+
+WholeViewOptions FewViews() {
+  WholeViewOptions options;
+  options.templates.template_level = 1;
+  options.templates.in_plane = 12;
+  options.templates.in_plane_max_rad = 2.88;
+  options.alone = 150;
+  options.piles = 12;
+  options.views_per_pile = 1;
+  return options;
+}
+
+WohlhartBinOptions Quick() {
+  WohlhartBinOptions options;
+  options.views = FewViews();
+  options.network.descriptor = 16;
+  options.network.iterations = 150;
+  options.network.mine_every = 50;
+  options.network.anchors = 24;
+  options.neighbors = 8;
+  options.grid_px = 4;
+  return options;
+}
+
+VerifierTrainingOptions FewPiles() {
+  VerifierTrainingOptions options;
+  options.piles = 6;
+  options.views_per_pile = 1;
+  options.verifier.iterations = 300;
+  return options;
+}
+
+class WohlhartInBins : public testing::Test {
+ protected:
+  VerifierReport Train(const std::string& name, const WohlhartBinOptions& options) {
+    VerifierJob job{views_,
+                    "wohlhart",
+                    [&](const ObjectSet& objects, const LearnedNetwork& network) {
+                      return MakeWohlhartCandidates(objects, views_, network, Assessment());
+                    },
+                    folder_ / name,
+                    false,
+                    "test sensor",
+                    {}};
+    job.learn = [&](const std::function<bool(double)>& on_share) {
+      return LearnWohlhart({views_, options, 0, {}, on_share});
+    };
+    return TrainVerifierLibrary(job, FewPiles());
+  }
+  static AssessmentOptions Assessment() {
+    AssessmentOptions options;
+    options.candidates = 120;
+    return options;
+  }
+  EstimatorSetup Setup(const std::string& model) {
+    EstimatorSetup setup;
+    setup.objects = views_.objects();
+    setup.spec.name = "wohlhart";
+    setup.spec.model = folder_ / model;
+    setup.spec.min_score = 0;
+    setup.intrinsics = SmallCamera();
+    setup.views = &views_;
+    return setup;
+  }
+
+  RayCastViews views_{{ObjectOf(BracketMesh())}};
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
+};
+
+TEST_F(WohlhartInBins, LearnsAndFindsPartsThatLieFree) {
+  ASSERT_TRUE(Train("model.pt", Quick()).finished);
+  const auto estimator = MakeWohlhartEstimator(Setup("model.pt"));
+  const PoseDistance distance(*views_.objects()[0]);
+  int found = 0, parts = 0;
+  for (uint64_t seed = 5000; seed < 5004; ++seed) {
+    const LabelledView view = views_.Pile({seed, 1}).front();
+    Rng rng(1);
+    const EstimateResult result = estimator->Estimate({view.frame, OutOfSightBin()}, rng);
+    for (const LabelledInstance& instance : view.instances) {
+      ++parts;
+      found += std::any_of(result.hypotheses.begin(), result.hypotheses.end(),
+                           [&](const PoseHypothesis& hypothesis) {
+                             return distance(hypothesis.X_CO, instance.X_CO) < 0.1;
+                           });
+    }
+  }
+  EXPECT_GE(found, 0.5 * parts);
+
+  // Where the part is another, the network's templates would be of the wrong mesh.
+  EstimatorSetup changed = Setup("model.pt");
+  auto part = std::make_shared<ObjectModel>(*changed.objects[0]);
+  part->mesh_hash += 1;
+  changed.objects = {part};
+  EXPECT_THAT(ErrorOf([&] { MakeWohlhartEstimator(changed); }),
+              testing::AllOf(HasSubstr("the mesh of part 'test part' has changed"),
+                             HasSubstr("pickbed train --verifier-for wohlhart")));
+}
+
+TEST_F(WohlhartInBins, SameSeedSameFile) {
+  WohlhartBinOptions options = Quick();
+  options.network.iterations = 150;
+  options.views.piles = 2;
+  Train("a.pt", options);
+  Train("b.pt", options);
+  EXPECT_EQ(ReadFileBytes(folder_ / "a.pt"), ReadFileBytes(folder_ / "b.pt"));
+  const VerifierFile file = LoadVerifiers(folder_ / "a.pt", "wohlhart");
+  EXPECT_THAT(file.network.settings, HasSubstr("parts: \"test part\""));
+  EXPECT_EQ(WohlhartNetwork(options.network, 1).weights(),
+            static_cast<int64_t>(file.network.weights.size()));
+}
+
+TEST_F(WohlhartInBins, PartsThatTheNetworkHasNotSeenAreRefused) {
+  const LearnedNetwork other{"parts: mug,rod\n", {}};
+  EXPECT_THAT(ErrorOf([&] {
+                MakeWohlhartCandidates(
+                    views_.objects(), views_,
+                    {other.settings, WohlhartNetwork({.input = "depth"}, 0).Weights()},
+                    Assessment());
+              }),
+              HasSubstr("learned for mug,rod and not for part 'test part'"));
+}
+
+double MeanDifference(const CropSet& a, size_t i, const CropSet& b, size_t j) {
+  double sum = 0;
+  for (int p = 0; p < kCropArea; ++p) sum += std::abs(a.depth_of(i)[p] - b.depth_of(j)[p]);
+  return sum / kCropArea / kCropDepthUnit;
+}
+
+// A template was rendered on the optical axis. Where its likeness stands beside it, the point's
+// frame carries the template's pose there: the part at that pose looks like the template, and
+// unlike the one that is turned by some 60 degrees.
+TEST_F(WohlhartInBins, ATemplatesPoseHoldsAnywhereInTheImage) {
+  CropViewOptions options = FewViews().templates;
+  options.template_level = 0;
+  const WholeTemplates templates = MakeWholeTemplates(views_, 0, options, 0);
+  const ObjectModel& part = *views_.objects()[0];
+  const double z_m = options.distance_diameters * part.diameter_m;
+  CameraIntrinsics camera = CropCamera(options, 6);
+  for (size_t i = 0; i < templates.X_PO.size(); i += 17) {
+    const Pose X_CP = PatchFrame({0.2 * z_m, -0.1 * z_m, z_m}, 0);
+    const LabelledView view = views_.Isolated(0, {X_CP * templates.X_PO[i]}, camera, 0).front();
+    const OrganizedCloud cloud = IsolatedCloud(view);
+    const auto off_px = [&](int index) {
+      const Eigen::Vector2d at(index % camera.width, index / camera.width);
+      return (at - Project(camera, X_CP.translation())).norm();
+    };
+    // The point may be on the part's outline.
+    const int index =
+        *std::min_element(cloud.foreground_pixels.begin(), cloud.foreground_pixels.end(),
+                          [&](int a, int b) { return off_px(a) < off_px(b); });
+    ASSERT_LT(off_px(index), 2);
+    const CropSet crops = CutWholeCrops(cloud, {index}, CropSide_m(part, options));
+    const size_t turned = i % options.in_plane < 6 ? i + 2 : i - 2;
+    EXPECT_LT(MeanDifference(crops, 0, templates.crops.crops, i),
+              0.5 * MeanDifference(crops, 0, templates.crops.crops, turned));
+  }
+}
+
+TEST(WohlhartBinSettings, OutOfRangeNamesTheRange) {
+  WohlhartBinOptions options;
+  const auto error_of = [&](const char* assignment) {
+    return ErrorOf(
+        [&] { ApplySetting(assignment, [&](SettingsVisitor& v) { options.Visit(v); }); });
+  };
+  EXPECT_THAT(error_of("neighbors=0"), testing::AllOf(HasSubstr("neighbors"), HasSubstr("100")));
+  EXPECT_THAT(error_of("network.margin=0"),
+              testing::AllOf(HasSubstr("network.margin"), HasSubstr("10")));
+  EXPECT_THAT(error_of("network.descriptor=1"), testing::AllOf(HasSubstr("2"), HasSubstr("1024")));
+  EXPECT_THAT(error_of("views.templates.side_diameters=9"), HasSubstr("5"));
+}
+
+}  // namespace
+}  // namespace pickbed
