@@ -257,7 +257,12 @@ void ChooseMethod(TrainArguments& arguments) {
     const bool learns = row.training != nullptr || row.learn != nullptr;
     if (!learns || names.empty() || names.front() != row.name) continue;
     arguments.method = row.name;
-    if (row.learn != nullptr) arguments.verifier_for = row.name;
+    if (row.learn != nullptr) {
+      arguments.verifier_for = row.name;
+      CheckInput(
+          arguments.max_minutes <= 0 && arguments.start_from.empty(),
+          fmt::format("train {}: takes neither --minutes nor --from; leave them out", row.name));
+    }
     names.erase(names.begin());
     break;
   }
