@@ -1,43 +1,28 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <optional>
-
-#include "eval/bop/models.h"
-#include "eval/command_line.h"
 #include "eval/commands.h"
 #include "eval/interrupt.h"
 #include "eval/progress.h"
+#include "eval/training_lesson.h"
 #include "eval/training_page.h"
 #include "perception/estimators/wohlhart.h"
 #include "perception/pose_estimator.h"
-#include "perception/torch_model_file.h"
 #include "perception/training.h"
 #include "perception/verifier_library.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
-#include "sim/convex_pieces.h"
-#include "sim/view_source.h"
 
 namespace pickbed {
 namespace {
 
-// Camera distances to learn from, over that of the scenario.
-constexpr double kNearest = 0.88;
-constexpr double kFarthest = 1.15;
-// Parts of this size fit the default cell; without a scenario the cell grows and shrinks with them.
-constexpr double kUsualDiameter_m = 0.095;
+// A laptop has as many cores at least, and what is learned does not depend on it.
+constexpr int kThreads = 2;
 
 struct TrainArguments {
-  std::vector<std::string> objects;  // the first may be the method's name
-  std::vector<std::string> listed;   // of --objects
+  LessonChoice lesson;              // the first of its objects may be the method's name
+  std::vector<std::string> listed;  // of --objects
   std::string method = "descriptor";
-  std::string bop_path;              // a BOP data set: all of its models, for its camera
-  ScenarioArguments scenario;        // optional: camera, bin, sensor, looks and parts
-  std::vector<std::string> sensors;  // of the piles; empty = the scenario's
-  double foreign_share = 0.3;        // of the piles, in which shapes lie that are no parts
   std::string model_file;
-  std::string start_from;
   std::string report_folder;
   bool resume = false;
   uint64_t seed = 0;
@@ -47,136 +32,6 @@ struct TrainArguments {
   VerifierTrainingOptions verifier;
   WohlhartBinOptions wohlhart;
 };
-
-// Diameter of a part below which training is refused, px.
-constexpr int kLeastPixels = 10;
-
-// What is learned, and the cell that it is learned for.
-struct Lesson {
-  std::string name;
-  ScenarioSpec spec;
-  bool has_cell = false;               // of a scenario; else cells of a size that suits each part
-  std::vector<SensorProfile> sensors;  // of the piles; empty = the scenario's
-  double foreign_share = 0;            // of the piles, in which shapes lie that are no parts
-  ObjectSet objects;
-  std::optional<CameraIntrinsics> camera;  // of a data set, instead of the scenario's
-};
-
-// The parts that the model to begin with knows are learned on with the others, so that none is
-// forgotten.
-void AddKnownParts(const TrainArguments& arguments, Lesson& lesson) {
-  const ObjectCatalog catalog = OpenCatalog(arguments.scenario.catalog);
-  const std::filesystem::path file = arguments.start_from;
-  for (const ModelObject& known : LoadModel(file).info.objects) {
-    const auto is_known = [&](const auto& object) { return object->name == known.name; };
-    if (std::any_of(lesson.objects.begin(), lesson.objects.end(), is_known)) continue;
-    const std::vector<std::string> names = catalog.Names();
-    CheckInput(std::find(names.begin(), names.end(), known.name) != names.end(),
-               fmt::format("{}: it knows part '{}', which is in no catalog, so that it would be "
-                           "forgotten; pass --catalog or a scenario that has it",
-                           file.string(), known.name));
-    const auto object = catalog.Load(known.name);
-    CheckInput(object->mesh_hash == known.mesh_hash,
-               fmt::format("{}: the mesh of part '{}' has changed since training; name the part "
-                           "to learn it anew",
-                           file.string(), known.name));
-    lesson.objects.push_back(object);
-  }
-}
-
-// Said before minutes of rendering: of a part of few pixels there is nothing to learn.
-void RequireVisibleParts(const Lesson& lesson) {
-  const double distance_m = lesson.spec.camera.eye_m.norm();
-  for (const auto& object : lesson.objects) {
-    const double pixels =
-        CameraOf(lesson.spec).intrinsics.fx * object->diameter_m / (kFarthest * distance_m);
-    CheckInput(pixels >= kLeastPixels,
-               fmt::format("part '{}' is {:.1f} px large at {:.2f} m, and {} px are the least to "
-                           "learn from; bring the camera nearer (camera.eye_m), raise "
-                           "camera.focal_px or check the mesh's unit",
-                           object->name, pixels, kFarthest * distance_m, kLeastPixels));
-  }
-}
-
-Lesson PlanLesson(const TrainArguments& arguments) {
-  Lesson lesson;
-  if (!arguments.scenario.scenario.empty()) {
-    LoadedScenario loaded = LoadScenarioArguments(arguments.scenario);
-    ObjectSet learned;
-    for (size_t i = 0; i < loaded.objects.size(); ++i) {
-      if (!loaded.spec.objects[i].foreign) learned.push_back(loaded.objects[i]);
-    }
-    lesson = {loaded.name, std::move(loaded.spec), true, {}, 0, std::move(learned), {}};
-  }
-  if (!arguments.bop_path.empty()) {
-    CheckInput(arguments.objects.empty() && lesson.objects.empty(),
-               "--bop takes the place of OBJECT and --scenario; name one or the other");
-    const std::filesystem::path root = arguments.bop_path;
-    lesson.name = (std::filesystem::absolute(root) / ".")
-                      .lexically_normal()
-                      .parent_path()
-                      .filename()
-                      .string();
-    lesson.objects = bop::LoadParts(root).objects;
-    const auto camera = bop::ReadDatasetCamera(root / "camera.json", bop::ThrowFault);
-    if (camera) lesson.camera = camera->intrinsics;
-  }
-  if (!arguments.objects.empty()) {
-    const ObjectCatalog catalog = OpenCatalog(arguments.scenario.catalog);
-    lesson.objects.clear();
-    lesson.name.clear();
-    for (const std::string& name : arguments.objects) {
-      lesson.objects.push_back(catalog.Load(name));
-      lesson.name += lesson.name.empty() ? name : "-" + name;
-    }
-  }
-  CheckInput(!lesson.objects.empty(),
-             "nothing to learn: name objects of the catalog or pass --scenario FILE");
-  for (const std::string& name : arguments.sensors) {
-    lesson.sensors.push_back(LoadSensorProfile(name));
-  }
-  lesson.foreign_share = arguments.foreign_share;
-  if (!arguments.start_from.empty()) AddKnownParts(arguments, lesson);
-  if (lesson.has_cell) RequireVisibleParts(lesson);
-  return lesson;
-}
-
-// Those of the scenario; a lamp that it leaves where it is varies all the same.
-AppearanceRanges LearnedLooks(const AppearanceRanges& of_scenario) {
-  const AppearanceRanges fixed = FixedAppearance(), varied;
-  AppearanceRanges looks = of_scenario;
-  for (Span AppearanceRanges::*span : {&AppearanceRanges::lamp_x_m, &AppearanceRanges::lamp_y_m,
-                                       &AppearanceRanges::lamp_z_m, &AppearanceRanges::ambient}) {
-    if (looks.*span == fixed.*span) looks.*span = varied.*span;
-  }
-  return looks;
-}
-
-std::unique_ptr<LabelledViewSource> MakeViews(const Lesson& lesson) {
-  ViewSourceOptions options;
-  options.sensor =
-      BlameKey(lesson.spec, "sensor", [&] { return LoadSensorProfile(lesson.spec.sensor); });
-  options.pile_sensors = lesson.sensors;
-  options.foreign_share = lesson.foreign_share;
-  options.looks = LearnedLooks(lesson.spec.appearance);
-  options.camera = lesson.camera.value_or(CameraOf(lesson.spec).intrinsics);
-  options.bin = BinOf(lesson.spec);
-  // A cell's camera stands still, but parts lie higher or lower and cells are built to a hand's
-  // width.
-  const double distance_m = lesson.spec.camera.eye_m.norm();
-  options.distance_min_m = kNearest * distance_m;
-  options.distance_max_m = kFarthest * distance_m;
-  if (!lesson.has_cell) options.for_diameter_m = kUsualDiameter_m;
-  return MakeSimViewSource(WithConvexPieces(lesson.objects), options);
-}
-
-// As recorded in the model.
-std::string SensorNames(const Lesson& lesson) {
-  if (lesson.sensors.empty()) return lesson.spec.sensor;
-  std::vector<std::string> names;
-  for (const SensorProfile& sensor : lesson.sensors) names.push_back(sensor.name);
-  return fmt::format("{}", fmt::join(names, ", "));
-}
 
 std::string ProgressText(const TrainingProgress& state) {
   std::string text = fmt::format("{} {}/{}", state.phase, state.done, state.total);
@@ -205,27 +60,27 @@ void PrintReport(const TrainingReport& report, const ObjectSet& objects) {
 // "key=value" of --set, and the options that have a name of their own.
 void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
                        std::vector<std::string>& training_settings) {
-  app.add_option("OBJECT", arguments.objects,
+  app.add_option("OBJECT", arguments.lesson.objects,
                  "parts of the catalog (pickbed list objects); before them may stand the estimator "
                  "that learns: descriptor (by default), kehl, doumanoglou, wohlhart");
   app.add_option("--objects", arguments.listed, "the parts, with commas")->delimiter(',');
-  app.add_option("--scenario", arguments.scenario.scenario,
+  app.add_option("--scenario", arguments.lesson.scenario.scenario,
                  "learn the parts of this scenario, for its camera, bin, sensor and looks");
-  app.add_option("--bop", arguments.bop_path,
+  app.add_option("--bop", arguments.lesson.bop_path,
                  "learn the models of this BOP data set, for its camera");
   app.add_option(
-         "--sensor", arguments.sensors,
+         "--sensor", arguments.lesson.sensors,
          "profiles, one of which sees each view of a pile, instead of the scenario's alone; "
          "a code book stays that of the scenario's sensor")
       ->delimiter(',');
-  app.add_option("--foreign", arguments.foreign_share,
+  app.add_option("--foreign", arguments.lesson.foreign_share,
                  "share of the piles in which shapes lie that are no parts")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--catalog", arguments.scenario.catalog, "folder of your own objects")
+  app.add_option("--catalog", arguments.lesson.scenario.catalog, "folder of your own objects")
       ->capture_default_str();
   app.add_option("--out", arguments.model_file, "model file [models/<objects>.pt]");
-  app.add_option("--from", arguments.start_from,
+  app.add_option("--from", arguments.lesson.start_from,
                  "model to begin with; the parts that it knows are kept beside those named");
   app.add_option("--report", arguments.report_folder,
                  "folder of the report page [beside the model file, <model>_report]");
@@ -252,7 +107,7 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
 
 // Takes the method from the names, and gives the settings its defaults.
 void ChooseMethod(TrainArguments& arguments) {
-  std::vector<std::string>& names = arguments.objects;
+  std::vector<std::string>& names = arguments.lesson.objects;
   for (const EstimatorRow& row : EstimatorTable()) {
     const bool learns = row.training != nullptr || row.learn != nullptr;
     if (!learns || names.empty() || names.front() != row.name) continue;
@@ -260,7 +115,7 @@ void ChooseMethod(TrainArguments& arguments) {
     if (row.learn != nullptr) {
       arguments.verifier_for = row.name;
       CheckInput(
-          arguments.max_minutes <= 0 && arguments.start_from.empty(),
+          arguments.max_minutes <= 0 && arguments.lesson.start_from.empty(),
           fmt::format("train {}: takes neither --minutes nor --from; leave them out", row.name));
     }
     names.erase(names.begin());
@@ -284,12 +139,12 @@ const EstimatorRow& RowWithCandidates(const std::string& name) {
   throw InputError(UnknownNameMessage("--verifier-for", name, names));
 }
 
-int TrainVerifiers(const TrainArguments& arguments, const Lesson& lesson,
+int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson,
                    const std::filesystem::path& file) {
   const EstimatorRow& row = RowWithCandidates(arguments.verifier_for);
   const std::filesystem::path checkpoint = file.string() + ".checkpoint";
   if (!arguments.resume) std::filesystem::remove(checkpoint);
-  const auto views = MakeViews(lesson);
+  const auto views = MakeTrainingViews(lesson);
   CatchInterrupts();
   VerifierReport report;
   {
@@ -307,8 +162,10 @@ int TrainVerifiers(const TrainArguments& arguments, const Lesson& lesson,
                       return !Interrupted();
                     }};
     if (row.learn != nullptr) {
+      job.network_settings = WohlhartSettings(lesson.objects, arguments.wohlhart);
       job.learn = [&](const std::function<bool(double)>& on_share) {
-        return row.learn({*views, arguments.wohlhart, arguments.seed, checkpoint, on_share});
+        return row.learn(
+            {*views, arguments.wohlhart, arguments.seed, checkpoint, on_share, kThreads});
       };
     }
     report = TrainVerifierLibrary(job, arguments.verifier);
@@ -335,13 +192,13 @@ void SayStopped(const TrainingReport& report, const std::filesystem::path& check
   }
 }
 
-int TrainModel(TrainArguments& arguments, const Lesson& lesson,
+int TrainModel(TrainArguments& arguments, const TrainingLesson& lesson,
                const std::filesystem::path& model_file) {
   const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
   CheckInput(!arguments.resume || std::filesystem::exists(checkpoint),
              fmt::format("no checkpoint {} to resume from; leave out --resume to start anew",
                          checkpoint.string()));
-  const auto views = MakeViews(lesson);
+  const auto views = MakeTrainingViews(lesson);
   CatchInterrupts();
   TrainingReport report;
   {
@@ -350,7 +207,7 @@ int TrainModel(TrainArguments& arguments, const Lesson& lesson,
                           model_file,
                           checkpoint,
                           arguments.resume,
-                          arguments.start_from,
+                          arguments.lesson.start_from,
                           SensorNames(lesson),
                           [&](const TrainingProgress& state) {
                             progress.Show(ProgressText(state));
@@ -398,7 +255,7 @@ int TrainCommand(int argc, char** argv) {
     });
   }
 
-  const Lesson lesson = PlanLesson(arguments);
+  const TrainingLesson lesson = PlanTrainingLesson(arguments.lesson);
   std::filesystem::path model_file = arguments.model_file;
   if (model_file.empty()) {
     const bool usual = arguments.method == "descriptor";

@@ -88,12 +88,13 @@ int Hidden(const Canvas& canvas, const uint8_t* blocker, int dx, int dy) {
   return hidden;
 }
 
-// Slides row j in from a random side until it hides more than the share; stands one step before.
-void Occlude(const CropSet& pool, size_t j, double share, Canvas& canvas, Rng& rng) {
+// Slides row j of `blockers` in from a random side until it hides more than the share; stands one
+// step before.
+void Occlude(const CropSet& blockers, size_t j, double share, Canvas& canvas, Rng& rng) {
   const int visible = static_cast<int>(std::count(canvas.mask.begin(), canvas.mask.end(), 1));
   const Eigen::Vector3d side = rng.UnitVector();
   const double length = std::max(1e-6, side.head<2>().norm());
-  const uint8_t* blocker = pool.masks.data() + j * kCropArea;
+  const uint8_t* blocker = blockers.masks.data() + j * kCropArea;
   int dx = 0, dy = 0;
   for (int distance = kCropPixels; distance >= 0; --distance) {
     const int next_dx = static_cast<int>(std::lround(distance * side.x() / length));
@@ -106,8 +107,8 @@ void Occlude(const CropSet& pool, size_t j, double share, Canvas& canvas, Rng& r
   const double nearer = rng.Uniform(0.2, 0.9);
   ForShifted(dx, dy, [&](int from, int to) {
     if (!blocker[from]) return;
-    canvas.depth[to] = Stored(pool.depth[j * kCropArea + from] / kCropDepthUnit - nearer);
-    canvas.color[to] = pool.color[j * kCropArea + from];
+    canvas.depth[to] = Stored(blockers.depth[j * kCropArea + from] / kCropDepthUnit - nearer);
+    canvas.color[to] = blockers.color[j * kCropArea + from];
   });
 }
 
@@ -121,13 +122,13 @@ void CropAugmentOptions::Visit(SettingsVisitor& v) {
   v.Real("shift_depth", shift_depth, {0, 1}, "of the centre's depth, over the crop's side");
 }
 
-void AppendAugmented(const CropSet& pool, size_t i, const CropAugmentOptions& options, Rng& rng,
-                     CropSet& out) {
+void AppendAugmented(const CropSet& pool, size_t i, const CropSet& blockers,
+                     const CropAugmentOptions& options, Rng& rng, CropSet& out) {
   Canvas canvas = Shifted(pool, i, options, rng);
   if (rng.Uniform() < options.background_share) PaintNoise(canvas, rng);
   if (rng.Uniform() < options.occluded_share) {
-    const size_t other = rng.Index(static_cast<int>(pool.size()));
-    Occlude(pool, other, rng.Uniform(0, options.occluded_max), canvas, rng);
+    const size_t blocker = rng.Index(static_cast<int>(blockers.size()));
+    Occlude(blockers, blocker, rng.Uniform(0, options.occluded_max), canvas, rng);
   }
   out.depth.insert(out.depth.end(), canvas.depth.begin(), canvas.depth.end());
   out.color.insert(out.color.end(), canvas.color.begin(), canvas.color.end());

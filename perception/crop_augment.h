@@ -20,9 +20,9 @@ struct CropAugmentOptions {
   void Visit(SettingsVisitor& v);
 };
 
-// Row i of `pool`, which has masks, so varied; appended to `out` without a mask. What stands before
-// the part is of a random row.
-void AppendAugmented(const CropSet& pool, size_t i, const CropAugmentOptions& options, Rng& rng,
-                     CropSet& out);
+// Row i of `pool` so varied; appended to `out` without a mask. What stands before the part is a
+// random row of `blockers`. Both have masks.
+void AppendAugmented(const CropSet& pool, size_t i, const CropSet& blockers,
+                     const CropAugmentOptions& options, Rng& rng, CropSet& out);
 
 }  // namespace pickbed

@@ -9,7 +9,7 @@ namespace {
 
 std::unique_ptr<CropMethod> MakeWohlhart(const CropMethodSetup& setup,
                                          const WohlhartOptions& options, const char* name) {
-  WohlhartJob job{*setup.lesson, setup.options.seed, {}, {}};
+  WohlhartJob job{*setup.lesson, setup.options.seed, {}, {}, setup.threads};
   if (!setup.folder.empty()) job.checkpoint = setup.folder / (std::string(name) + ".checkpoint");
   if (setup.on_progress) {
     job.on_progress = [&](double share, double) { return setup.on_progress(share); };

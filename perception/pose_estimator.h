@@ -73,6 +73,7 @@ struct LearnJob {
   uint64_t seed = 0;
   std::filesystem::path checkpoint;            // see WohlhartJob
   std::function<bool(double share)> on_share;  // false = stop; may be empty
+  int threads = 1;                             // what is learned does not depend on it
 };
 
 struct EstimatorRow {

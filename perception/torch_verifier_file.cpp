@@ -85,7 +85,9 @@ VerifierFile ReadArchive(const std::string& bytes, const std::string& name) {
   CheckInput(static_cast<uint64_t>(value.toInt()) == HashOf(texts, values, content.network),
              "its check sum is wrong");
   content.objects = ObjectsFrom(objects_text, name);
-  content.verifiers = VerifiersFrom(values, content.objects.size());
+  // Of a training that was stopped before the first part was done there is the network alone.
+  const bool has_verifiers = !content.objects.empty() || !values.empty();
+  if (has_verifiers) content.verifiers = VerifiersFrom(values, content.objects.size());
   return content;
 }
 

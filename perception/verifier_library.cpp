@@ -16,6 +16,10 @@ VerifierFile Begin(const VerifierJob& job, VerifierTrainingOptions options) {
                job.file.string() +
                    ": trained with other settings or another sensor; leave out --resume to start "
                    "anew, or name another file");
+    CheckInput(known.network.settings.empty() || known.network.settings == job.network_settings,
+               job.file.string() +
+                   ": its network was learned of other parts or with other settings; leave out "
+                   "--resume to start anew, or name another file");
     return known;
   }
   return {job.estimator, job.sensor_profile, training, {}, {}, {}};

@@ -31,6 +31,7 @@ struct VerifierJob {
   // Learns the network, unless the file holds it; nothing when stopped. Empty = there is none.
   std::function<std::optional<LearnedNetwork>(const std::function<bool(double share)>& on_share)>
       learn = {};
+  std::string network_settings = {};  // that `learn` records
 };
 
 struct VerifierReport {

@@ -159,6 +159,11 @@ std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const CandidateSetup& se
   return MakeWohlhartCandidates(setup.objects, setup.views, setup.network, HardCandidates());
 }
 
+std::string WohlhartSettings(const ObjectSet& objects, const WohlhartBinOptions& options) {
+  Record record{NamesOf(objects), options};
+  return WriteSettings([&](SettingsVisitor& v) { record.Visit(v); });
+}
+
 std::optional<LearnedNetwork> LearnWohlhart(const LearnJob& job) {
   constexpr double kViewsShare = 0.2;  // of the time, about
   CheckInput(job.options.network.input == "depth",
@@ -173,12 +178,11 @@ std::optional<LearnedNetwork> LearnWohlhart(const LearnJob& job) {
   if (!go_on) return std::nullopt;
   const auto network = TrainWohlhart(
       {lesson, job.seed, job.checkpoint,
-       [&](double share, double) { return tell(kViewsShare + (1 - kViewsShare) * share); }},
+       [&](double share, double) { return tell(kViewsShare + (1 - kViewsShare) * share); },
+       job.threads},
       job.options.network);
   if (network == nullptr) return std::nullopt;
-  Record record{NamesOf(job.views.objects()), job.options};
-  return LearnedNetwork{WriteSettings([&](SettingsVisitor& v) { record.Visit(v); }),
-                        network->Weights()};
+  return LearnedNetwork{WohlhartSettings(job.views.objects(), job.options), network->Weights()};
 }
 
 std::filesystem::path WohlhartModelFile(const EstimatorSpec& spec) {

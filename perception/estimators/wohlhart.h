@@ -37,6 +37,9 @@ std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const ObjectSet& objects
 // Of the table: with the assessment of mode hard.
 std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const CandidateSetup& setup);
 
+// What LearnWohlhart() records of a network: its parts and settings.
+std::string WohlhartSettings(const ObjectSet& objects, const WohlhartBinOptions& options);
+
 // Learns all parts of the views; nothing when stopped.
 std::optional<LearnedNetwork> LearnWohlhart(const LearnJob& job);
 

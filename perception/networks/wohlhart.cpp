@@ -4,6 +4,7 @@
 #include <torch/torch.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -18,6 +19,7 @@ namespace pickbed {
 namespace {
 
 constexpr int64_t kChunk = 64;  // crops described in one call; more does not fit the caches
+constexpr int kHalves = 2;      // of a batch in training, one a thread
 
 int Channels(const WohlhartOptions& options) {
   return options.input == "depth" ? 1 : options.input == "rgb" ? 3 : 4;
@@ -203,7 +205,9 @@ class WohlhartTrainer {
   int NearestTemplate(int part, int row) const;
   Anchor RandomAnchor(Rng& rng) const;
   std::vector<Anchor> MineRound(int round) const;
-  double Step(std::span<const Anchor> anchors, Rng& rng);
+  CropSet Varied(std::span<const Anchor> anchors) const;
+  double Step(std::span<const Anchor> anchors);
+  double Descend(const CropSet& crops, int64_t count, const at::Tensor& pose_distance);
   std::string Key() const;
   void Restore();
   void Save() const;
@@ -269,8 +273,8 @@ std::vector<Anchor> WohlhartTrainer::MineRound(int round) const {
     return torch::from_blob(rows.data(), {static_cast<int64_t>(rows.size()) / length, length},
                             torch::kFloat);
   };
-  std::vector<float> template_rows = network_->Describe(templates_);
-  std::vector<float> crop_rows = network_->Describe(crops);
+  std::vector<float> template_rows = network_->Describe(templates_, job_.threads);
+  std::vector<float> crop_rows = network_->Describe(crops, job_.threads);
   const at::Tensor all = as_tensor(template_rows);
   const int64_t looked = std::min<int64_t>(kLooked, all.size(0));
   for (size_t begin = 0; begin < anchors.size(); begin += kChunk) {
@@ -296,45 +300,88 @@ std::vector<Anchor> WohlhartTrainer::MineRound(int round) const {
   return anchors;
 }
 
-double WohlhartTrainer::Step(std::span<const Anchor> anchors, Rng& rng) {
-  const int64_t count = static_cast<int64_t>(anchors.size());
+// The crops to learn from, each varied with chance of its own.
+CropSet WohlhartTrainer::Varied(std::span<const Anchor> anchors) const {
+  const CropLesson& lesson = job_.lesson;
+  std::vector<CropSet> varied(anchors.size());
+  ForRanges(static_cast<int>(anchors.size()), job_.threads, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const Anchor& anchor = anchors[i];
+      Rng rng = Rng::Derive(job_.seed, static_cast<uint64_t>(iteration_) * anchors.size() + i,
+                            "wohlhart/crop");
+      const int other = rng.Index(static_cast<int>(lesson.training.size()));
+      AppendAugmented(lesson.training[anchor.object].crops, anchor.row,
+                      lesson.training[other].crops, options_.augment, rng, varied[i]);
+    }
+  });
   CropSet crops;
-  for (const Anchor& anchor : anchors) {
-    AppendAugmented(job_.lesson.training[anchor.object].crops, anchor.row, options_.augment, rng,
-                    crops);
-  }
+  for (const CropSet& one : varied) AppendRow(one, 0, crops);
+  return crops;
+}
+
+double WohlhartTrainer::Step(std::span<const Anchor> anchors) {
+  const int64_t count = static_cast<int64_t>(anchors.size());
+  CropSet crops = Varied(anchors);
   std::vector<int> rows;  // pullers, wrong poses, wrong parts
   for (const Anchor& anchor : anchors) rows.push_back(anchor.puller);
   for (const Anchor& anchor : anchors) rows.push_back(anchor.wrong_pose);
   for (const Anchor& anchor : anchors) rows.push_back(anchor.wrong_part);
   for (const int row : rows) AppendRow(templates_, row, crops);
-  std::vector<float> distances;
-  for (const Anchor& anchor : anchors) {
-    for (const int row : rows) {
-      distances.push_back(static_cast<float>(PoseDistanceOf(anchor, row)));
-    }
-  }
-  const torch::Device& device = network_->impl_->device;
   const int64_t columns = static_cast<int64_t>(rows.size());
+  std::vector<float> distances(count * columns);
+  ForRanges(static_cast<int>(count), job_.threads, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      for (int64_t k = 0; k < columns; ++k) {
+        distances[i * columns + k] = static_cast<float>(PoseDistanceOf(anchors[i], rows[k]));
+      }
+    }
+  });
+  const torch::Device& device = network_->impl_->device;
   const at::Tensor pose_distance =
       torch::from_blob(distances.data(), {count, columns}, torch::kFloat).to(device);
-  const double share = static_cast<double>(iteration_) / iterations_;
-  SetLearningRate(adam_, 0.5 * options_.learning_rate * (1 + std::cos(std::numbers::pi * share)));
-  adam_.zero_grad();
-  const at::Tensor described =
-      network_->impl_->layers->Forward(ToTensor(crops, 0, count + columns, options_, device));
-  at::Tensor loss =
-      WohlhartLoss(described.slice(0, 0, count), described.slice(0, count),
+  return Descend(crops, count, pose_distance);
+}
+
+// One step of Adam down the loss of a batch whose first `count` crops are the anchors. Halves of it
+// are described, and their gradients found, side by side; their sum is the same in either order.
+double WohlhartTrainer::Descend(const CropSet& crops, int64_t count,
+                                const at::Tensor& pose_distance) {
+  Layers& layers = *network_->impl_->layers;
+  const torch::Device& device = network_->impl_->device;
+  const int64_t half = static_cast<int64_t>(crops.size()) / kHalves;
+  std::array<at::Tensor, kHalves> described;
+  const auto size_of = [&](int h) {
+    return h + 1 < kHalves ? half : static_cast<int64_t>(crops.size()) - h * half;
+  };
+  ForRanges(kHalves, job_.threads, [&](int begin, int end) {
+    for (int h = begin; h < end; ++h) {
+      described[h] = layers.Forward(ToTensor(crops, h * half, size_of(h), options_, device));
+    }
+  });
+  at::Tensor all = torch::cat({described[0].detach(), described[1].detach()});
+  all.requires_grad_();
+  const at::Tensor loss =
+      WohlhartLoss(all.slice(0, 0, count), all.slice(0, count),
                    torch::arange(count, torch::TensorOptions(torch::kLong).device(device)),
                    pose_distance, options_);
-  const double value = loss.item<double>();
-  // Eq. 1: lambda |w|^2.
-  for (const at::Tensor& w : network_->impl_->layers->parameters()) {
-    loss = loss + options_.weight_decay * w.square().sum();
-  }
   loss.backward();
+  std::vector<at::Tensor> weights = layers.parameters();
+  std::array<std::vector<at::Tensor>, kHalves> slopes;
+  ForRanges(kHalves, job_.threads, [&](int begin, int end) {
+    for (int h = begin; h < end; ++h) {
+      slopes[h] = torch::autograd::grad({described[h]}, weights,
+                                        {all.grad().slice(0, h * half, h * half + size_of(h))});
+    }
+  });
+  for (size_t w = 0; w < weights.size(); ++w) {
+    // Eq. 1: lambda |w|^2.
+    weights[w].mutable_grad() =
+        slopes[0][w] + slopes[1][w] + 2 * options_.weight_decay * weights[w].detach();
+  }
+  const double share = static_cast<double>(iteration_) / iterations_;
+  SetLearningRate(adam_, 0.5 * options_.learning_rate * (1 + std::cos(std::numbers::pi * share)));
   adam_.step();
-  return value;
+  return loss.item<double>();
 }
 
 std::string WohlhartTrainer::Key() const {
@@ -375,9 +422,8 @@ std::unique_ptr<WohlhartNetwork> WohlhartTrainer::Run() {
   while (iteration_ < iterations_) {
     const std::vector<Anchor> anchors = MineRound(iteration_ / options_.mine_every);
     for (int step = 0; step < options_.mine_every && iteration_ < iterations_; ++step) {
-      Rng rng = Rng::Derive(job_.seed, iteration_, "wohlhart/step");
       losses_.push_back(
-          Step(std::span(anchors).subspan(step * options_.anchors, options_.anchors), rng));
+          Step(std::span(anchors).subspan(step * options_.anchors, options_.anchors)));
       ++iteration_;
       const double share = static_cast<double>(iteration_) / iterations_;
       if (job_.on_progress && !job_.on_progress(share, losses_.back())) return nullptr;

@@ -82,9 +82,11 @@ struct WohlhartJob {
   // parts and views. Empty = none.
   std::filesystem::path checkpoint;
   std::function<bool(double share, double loss)> on_progress;  // false = stop; may be empty
+  int threads = 1;
 };
 
-// Null when stopped. The same seed gives the same weights, also after stops. Throws InputError for
+// Null when stopped. The same seed gives the same weights, also after stops and for any number of
+// threads. Throws InputError for
 // a lesson without views and for a checkpoint of another training.
 std::unique_ptr<WohlhartNetwork> TrainWohlhart(const WohlhartJob& job,
                                                const WohlhartOptions& options);

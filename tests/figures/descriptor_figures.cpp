@@ -5,6 +5,10 @@
 //                                               beside those of an exact one
 //   descriptor_figures ambiguous BINS SCENARIO...   instances whose pose the picture does not tell:
 //                                               turned to a wrong pose they leave it as it is
+//   descriptor_figures fates BINS SCENARIO...   at which stage mode hard loses instances, by
+//   visible
+//                                               fraction
+// KEY=VALUE among the scenarios is a setting of all that follow it.
 
 #include <fmt/format.h>
 
@@ -22,6 +26,7 @@
 #include "eval/command_line.h"
 #include "eval/comparison_figures.h"
 #include "eval/estimator_runner.h"
+#include "eval/explain_truth.h"
 #include "eval/oracle.h"
 #include "eval/virtual_cell.h"
 #include "perception/estimators/descriptor.h"
@@ -36,9 +41,16 @@ namespace {
 constexpr uint64_t kValidationSeed = 500;
 constexpr double kRight = 0.1;  // diameters
 
-LoadedScenario Load(const std::string& scenario) {
+struct Bins {
+  std::string scenario;
+  std::vector<std::string> settings;
+  int count = 0;
+};
+
+LoadedScenario Load(const Bins& bins) {
   ScenarioArguments arguments;
-  arguments.scenario = scenario;
+  arguments.scenario = bins.scenario;
+  arguments.settings = bins.settings;
   LoadedScenario loaded = LoadScenarioArguments(arguments);
   loaded.spec.seed = kValidationSeed;
   return loaded;
@@ -58,9 +70,9 @@ KnownBackground BackgroundOf(const VirtualCell& cell) {
 
 // Both refiners, started at the true pose of each clear instance. The estimator also tries half the
 // first gate and keeps the better of the two, so that it loses no more.
-void MeasureIcp(const std::string& scenario, int bins) {
+void MeasureIcp(const Bins& bins) {
   constexpr double kClear = 0.5;  // visible fraction
-  const LoadedScenario loaded = Load(scenario);
+  const LoadedScenario loaded = Load(bins);
   VirtualCell cell(loaded.spec, loaded.objects);
   const AssessmentOptions options = OptionsForMode("hard").candidates;
   std::vector<ModelPoints> models;
@@ -71,7 +83,7 @@ void MeasureIcp(const std::string& scenario, int bins) {
   }
   int clear = 0, lost_in_bulk = 0, lost_at_last = 0;
   std::vector<double> errors;
-  ForEachBin(cell, bins, [&](const Scene& scene, const View& view) {
+  ForEachBin(cell, bins.count, [&](const Scene& scene, const View& view) {
     const OrganizedCloud cloud = BuildCloud(view.frame, BackgroundOf(cell));
     const PclRefiner refiner(cloud);
     for (size_t i = 0; i < scene.objects.size(); ++i) {
@@ -95,7 +107,7 @@ void MeasureIcp(const std::string& scenario, int bins) {
   if (errors.empty()) return;
   std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
   fmt::print("{:<14} {:>6} clear, lost in bulk {:>3} ({:.1f} %), lost at last {:>3} ({:.1f} %), ",
-             scenario, clear, lost_in_bulk, 100.0 * lost_in_bulk / clear, lost_at_last,
+             bins.scenario, clear, lost_in_bulk, 100.0 * lost_in_bulk / clear, lost_at_last,
              100.0 * lost_at_last / clear);
   fmt::print("median {:.4f} diameters off\n", errors[errors.size() / 2]);
 }
@@ -121,10 +133,10 @@ double ChangedShare(SceneRenderer& renderer, const Camera& camera, const Scene& 
   return static_cast<double>(changed) / std::max(1, seen);
 }
 
-void CountAmbiguous(const std::string& scenario, int bins) {
+void CountAmbiguous(const Bins& bins) {
   constexpr double kSeen = 0.1;  // visible fraction from which an instance counts
   constexpr std::array<double, 3> kShares{0.01, 0.02, 0.05};
-  const LoadedScenario loaded = Load(scenario);
+  const LoadedScenario loaded = Load(bins);
   VirtualCell cell(loaded.spec, loaded.objects);
   SceneRenderer renderer(cell.objects(), cell.bin());
   std::vector<std::vector<Pose>> turns;
@@ -134,7 +146,7 @@ void CountAmbiguous(const std::string& scenario, int bins) {
   }
   int instances = 0;
   std::array<int, kShares.size()> ambiguous{};
-  ForEachBin(cell, bins, [&](const Scene& scene, const View& view) {
+  ForEachBin(cell, bins.count, [&](const Scene& scene, const View& view) {
     RenderOutputs outputs;
     outputs.color = false;
     const RenderedImage before = renderer.Render(scene, cell.camera(), {}, outputs);
@@ -148,7 +160,7 @@ void CountAmbiguous(const std::string& scenario, int bins) {
       for (size_t k = 0; k < kShares.size(); ++k) ambiguous[k] += least < kShares[k];
     }
   });
-  fmt::print("{:<14} {:>6} instances; another pose changes less than", scenario, instances);
+  fmt::print("{:<14} {:>6} instances; another pose changes less than", bins.scenario, instances);
   for (size_t k = 0; k < kShares.size(); ++k) {
     fmt::print("{} {:.0f} % of the pixels of {:.1f} %", k > 0 ? "," : "", 100 * kShares[k],
                100.0 * ambiguous[k] / std::max(1, instances));
@@ -192,30 +204,83 @@ IndexFigures MeasureIndex(const LoadedScenario& loaded, int bins, bool exact) {
   return {figures.recall_at_95, figures.stages.at("neighbors")};
 }
 
-void CompareIndex(const std::string& scenario, int bins) {
-  LoadedScenario loaded = Load(scenario);
+void CompareIndex(const Bins& bins) {
+  LoadedScenario loaded = Load(bins);
   loaded.spec.estimator.mode = "fast";  // 600 queries of each part
-  const IndexFigures index = MeasureIndex(loaded, bins, false);
-  const IndexFigures exact = MeasureIndex(loaded, bins, true);
-  fmt::print("{:<14} recall {:.3f}, exact {:.3f}; {:.1f} ms an image, exact {:.1f}\n", scenario,
-             index.recall_at_95, exact.recall_at_95, 1e3 * index.seconds, 1e3 * exact.seconds);
+  const IndexFigures index = MeasureIndex(loaded, bins.count, false);
+  const IndexFigures exact = MeasureIndex(loaded, bins.count, true);
+  fmt::print("{:<14} recall {:.3f}, exact {:.3f}; {:.1f} ms an image, exact {:.1f}\n",
+             bins.scenario, index.recall_at_95, exact.recall_at_95, 1e3 * index.seconds,
+             1e3 * exact.seconds);
+}
+
+// Where instances are lost, by band of visible fraction.
+void CountFates(const Bins& bins) {
+  constexpr std::array<double, 6> kBands{0.1, 0.3, 0.5, 0.7, 0.9, 1.01};
+  LoadedScenario loaded = Load(bins);
+  loaded.spec.estimator.mode = "hard";
+  VirtualCell cell(loaded.spec, loaded.objects);
+  EstimatorRunner runner(cell, loaded.spec, 2, {});
+  std::vector<ModelPoints> models;
+  for (const auto& object : cell.objects()) models.push_back(MakeModelPoints(*object));
+  const Pose X_CW = cell.camera().X_WC.inverse();
+  std::array<std::map<LostAt, int>, kBands.size() - 1> counts;
+  ForEachBin(cell, bins.count, [&](const Scene& scene, const View& view) {
+    std::vector<TruePart> parts;
+    for (size_t i = 0; i < scene.objects.size(); ++i) {
+      const PosedObject& posed = scene.objects[i];
+      parts.push_back({posed.object, X_CW * posed.X_WO, view.visible_fractions[i]});
+    }
+    const PoseJudge judge(cell.objects(), std::move(parts));
+    EstimateTrace trace;
+    Rng rng(0);
+    const EstimateResult result = runner.Estimate(scene, view, rng, &trace);
+    std::vector<PoseVerdict> errors;
+    for (const TracedVote& vote : trace.votes) {
+      errors.push_back(judge(vote.vote.object, vote.vote.X_CO));
+    }
+    const auto fates = FatesOf(judge, trace, errors, models, result.hypotheses);
+    for (size_t i = 0; i < fates.size(); ++i) {
+      for (size_t band = 0; band + 1 < kBands.size(); ++band) {
+        const double visible = judge.parts()[i].visible_fraction;
+        counts[band][fates[i].lost] += visible >= kBands[band] && visible < kBands[band + 1];
+      }
+    }
+  });
+  for (size_t band = kBands.size() - 1; band-- > 0;) {
+    fmt::print("{:<14} {:>3.0f} to {:>3.0f} %:", bins.scenario, 100 * kBands[band],
+               100 * std::min(1.0, kBands[band + 1]));
+    for (const auto& [lost, count] : counts[band]) {
+      if (count > 0) fmt::print("  {} {}", TextOf(lost).name, count);
+    }
+    fmt::print("\n");
+  }
 }
 
 }  // namespace
 }  // namespace pickbed
 
 int main(int argc, char** argv) {
-  const std::map<std::string, void (*)(const std::string&, int)> modes = {
+  const std::map<std::string, void (*)(const pickbed::Bins&)> modes = {
       {"ambiguous", pickbed::CountAmbiguous},
+      {"fates", pickbed::CountFates},
       {"icp", pickbed::MeasureIcp},
       {"index", pickbed::CompareIndex}};
   const auto mode = argc > 3 ? modes.find(argv[1]) : modes.end();
   if (mode == modes.end() || std::atoi(argv[2]) < 1) {
-    fmt::print(stderr, "descriptor_figures ambiguous|icp|index BINS SCENARIO...\n");
+    fmt::print(stderr,
+               "descriptor_figures ambiguous|fates|icp|index BINS [KEY=VALUE] SCENARIO...\n");
     return 1;
   }
+  pickbed::Bins bins;
+  bins.count = std::atoi(argv[2]);
   for (int i = 3; i < argc; ++i) {
-    mode->second(argv[i], std::atoi(argv[2]));
+    bins.scenario = argv[i];
+    if (bins.scenario.find('=') != std::string::npos) {
+      bins.settings.push_back(bins.scenario);
+      continue;
+    }
+    mode->second(bins);
     std::fflush(stdout);
   }
   return 0;

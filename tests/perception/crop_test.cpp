@@ -176,8 +176,10 @@ class CropAugment : public testing::Test {
     views.template_level = 0;
     RayCastViews source({ObjectOf(BracketMesh())}, 0);
     pool_ = RenderCrops(source, 0, TemplateRotations(views), views, 1).crops;
+    RayCastViews others({ObjectOf(BoxMesh({0.05, 0.05, 0.05}, Eigen::Vector3d::Zero()))}, 0);
+    blockers_ = RenderCrops(others, 0, TemplateRotations(views), views, 1).crops;
   }
-  CropSet pool_;
+  CropSet pool_, blockers_;
 };
 
 TEST_F(CropAugment, NothingChangesWhenNothingIsAsked) {
@@ -186,7 +188,7 @@ TEST_F(CropAugment, NothingChangesWhenNothingIsAsked) {
   none.shift_px = 0;
   Rng rng(1);
   CropSet out;
-  AppendAugmented(pool_, 2, none, rng, out);
+  AppendAugmented(pool_, 2, pool_, none, rng, out);
   EXPECT_TRUE(std::equal(out.depth.begin(), out.depth.end(), pool_.depth_of(2).begin()));
 }
 
@@ -197,7 +199,7 @@ TEST_F(CropAugment, ABackgroundLeavesThePartAlone) {
   background.shift_px = 0;
   Rng rng(1);
   CropSet out;
-  AppendAugmented(pool_, 0, background, rng, out);
+  AppendAugmented(pool_, 0, pool_, background, rng, out);
   int behind = 0;
   for (int p = 0; p < kCropArea; ++p) {
     if (pool_.masks[p]) {
@@ -220,7 +222,7 @@ TEST_F(CropAugment, NoMoreIsHiddenThanAllowed) {
     Rng rng(i);
     CropSet out;
     const size_t row = i % pool_.size();
-    AppendAugmented(pool_, row, occluded, rng, out);
+    AppendAugmented(pool_, row, blockers_, occluded, rng, out);
     int visible = 0, hidden = 0;
     for (int p = 0; p < kCropArea; ++p) {
       if (!pool_.masks[row * kCropArea + p]) continue;
@@ -231,6 +233,18 @@ TEST_F(CropAugment, NoMoreIsHiddenThanAllowed) {
   }
   EXPECT_LE(most, 0.3);
   EXPECT_GT(most, 0.15);
+}
+
+TEST_F(CropAugment, BlockersThatCoverNothingHideNothing) {
+  CropAugmentOptions occluded;
+  occluded.background_share = occluded.shift_depth = 0;
+  occluded.shift_px = 0;
+  occluded.occluded_share = 1;
+  std::fill(blockers_.masks.begin(), blockers_.masks.end(), 0);
+  Rng rng(1);
+  CropSet out;
+  AppendAugmented(pool_, 2, blockers_, occluded, rng, out);
+  EXPECT_TRUE(std::equal(out.depth.begin(), out.depth.end(), pool_.depth_of(2).begin()));
 }
 
 }  // namespace

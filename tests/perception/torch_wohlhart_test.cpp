@@ -117,13 +117,14 @@ TEST_F(WohlhartTraining, LearnsToTellPartsApart) {
   EXPECT_GE(RightParts(*network), 38);
 }
 
-TEST_F(WohlhartTraining, TheSameSeedGivesTheSameDescriptorsAlsoAfterAStop) {
+TEST_F(WohlhartTraining, TheSameSeedGivesTheSameDescriptorsAlsoAfterAStopAndOnTwoThreads) {
   const auto straight = TrainWohlhart({*lesson_, 1, {}, {}}, options_);
   int steps = 0;
   WohlhartJob job{*lesson_, 1, folder_.path() / "net.checkpoint", {}};
   job.on_progress = [&](double, double) { return ++steps < 13; };
   EXPECT_EQ(TrainWohlhart(job, options_), nullptr);
   job.on_progress = {};
+  job.threads = 2;
   const auto resumed = TrainWohlhart(job, options_);
   const CropSet& crops = lesson_->templates[0].crops;
   EXPECT_EQ(straight->Describe(crops), resumed->Describe(crops, 2));

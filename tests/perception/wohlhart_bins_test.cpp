@@ -55,16 +55,18 @@ VerifierTrainingOptions FewPiles() {
 
 class WohlhartInBins : public testing::Test {
  protected:
-  VerifierReport Train(const std::string& name, const WohlhartBinOptions& options) {
+  VerifierReport Train(const std::string& name, const WohlhartBinOptions& options,
+                       bool resume = false) {
     VerifierJob job{views_,
                     "wohlhart",
                     [&](const ObjectSet& objects, const LearnedNetwork& network) {
                       return MakeWohlhartCandidates(objects, views_, network, Assessment());
                     },
                     folder_ / name,
-                    false,
+                    resume,
                     "test sensor",
                     {}};
+    job.network_settings = WohlhartSettings(views_.objects(), options);
     job.learn = [&](const std::function<bool(double)>& on_share) {
       return LearnWohlhart({views_, options, 0, {}, on_share});
     };
@@ -131,6 +133,21 @@ TEST_F(WohlhartInBins, SameSeedSameFile) {
   EXPECT_THAT(file.network.settings, HasSubstr("parts: \"test part\""));
   EXPECT_EQ(WohlhartNetwork(options.network, 1).weights(),
             static_cast<int64_t>(file.network.weights.size()));
+}
+
+TEST_F(WohlhartInBins, ResumedWithOtherSettingsIsRefused) {
+  WohlhartBinOptions options = Quick();
+  options.network.iterations = 2;
+  options.views.piles = 2;
+  VerifierFile begun{"wohlhart", "test sensor", "", {}, {}, {}};
+  VerifierTrainingOptions training = FewPiles();
+  begun.training = WriteSettings([&](SettingsVisitor& v) { training.Visit(v); });
+  begun.network = {WohlhartSettings(views_.objects(), options), {1.0f}};
+  SaveVerifiers(folder_ / "begun.pt", begun);
+  options.network.margin = 0.02;
+  EXPECT_THAT(ErrorOf([&] { Train("begun.pt", options, true); }),
+              testing::AllOf(HasSubstr("begun.pt"), HasSubstr("with other settings"),
+                             HasSubstr("--resume")));
 }
 
 TEST_F(WohlhartInBins, PartsThatTheNetworkHasNotSeenAreRefused) {
