@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "perception/interpenetration.h"
 #include "perception/look_alikes.h"
 #include "scenes/parallel.h"
 
@@ -292,9 +293,8 @@ std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, in
   return WithFeatures(cloud, poses, *density, patches);
 }
 
-std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
-                                                const std::vector<Candidate>& candidates,
-                                                const std::vector<int>& pixels) const {
+std::vector<const Candidate*> CandidateAssessor::Evident(
+    const std::vector<Candidate>& candidates) const {
   std::vector<const Candidate*> explaining;
   for (const Candidate& candidate : candidates) {
     if (Explains(candidate.features)) explaining.push_back(&candidate);
@@ -302,23 +302,54 @@ std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
   std::stable_sort(
       explaining.begin(), explaining.end(),
       [](const Candidate* a, const Candidate* b) { return a->evidence > b->evidence; });
-  std::vector<uint8_t> explained(cloud.points_C.size());
   std::vector<Crowding> places;
   for (const ModelPoints& model : models_) {
     places.emplace_back(kSamePlaceDiameters * model.diameter_m);
   }
-  for (const Candidate* candidate : explaining) {
-    const ModelPoints& model = models_[candidate->hypothesis.object];
-    const Pose& X_CO = candidate->hypothesis.X_CO;
-    Crowding& of_part = places[candidate->hypothesis.object];
-    if (!of_part.Admit(X_CO * model.center_O.cast<double>(), 1)) continue;
-    MarkExplained(cloud, model, X_CO, explained);
+  std::erase_if(explaining, [&](const Candidate* candidate) {
+    const int part = candidate->hypothesis.object;
+    return !places[part].Admit(candidate->hypothesis.X_CO * models_[part].center_O.cast<double>(),
+                               1);
+  });
+  return explaining;
+}
+
+std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
+                                                const std::vector<Candidate>& candidates,
+                                                const std::vector<int>& pixels) const {
+  std::vector<uint8_t> explained(cloud.points_C.size());
+  for (const Candidate* candidate : Evident(candidates)) {
+    MarkExplained(cloud, models_[candidate->hypothesis.object], candidate->hypothesis.X_CO,
+                  explained);
   }
   std::vector<int> left;
   for (const int pixel : pixels) {
     if (!explained[pixel]) left.push_back(pixel);
   }
   return left;
+}
+
+// How deep it lies in the evident ones, other poses of its own place aside, over the smaller
+// diameter.
+double CandidateAssessor::Overlap(const Candidate& candidate,
+                                  const std::vector<const Candidate*>& evident) const {
+  constexpr double kMost = 0.25;
+  const int part = candidate.hypothesis.object;
+  const ModelPoints& model = models_[part];
+  const Pose& X_CO = candidate.hypothesis.X_CO;
+  const Eigen::Vector3d middle_C = X_CO * model.center_O.cast<double>();
+  double most = 0;
+  for (const Candidate* other : evident) {
+    const ModelPoints& theirs = models_[other->hypothesis.object];
+    const Pose& X_CE = other->hypothesis.X_CO;
+    const double apart_m = (X_CE * theirs.center_O.cast<double>() - middle_C).norm();
+    const bool same_place =
+        other->hypothesis.object == part && apart_m < kSamePlaceDiameters * model.diameter_m;
+    if (same_place) continue;
+    most = std::max(most, PenetrationDepth(model, X_CO, theirs, X_CE) /
+                              std::min(model.diameter_m, theirs.diameter_m));
+  }
+  return std::min(kMost, most);
 }
 
 void CandidateAssessor::Compare(std::vector<Candidate>& candidates, StageSeconds& seconds) const {
@@ -330,6 +361,12 @@ void CandidateAssessor::Compare(std::vector<Candidate>& candidates, StageSeconds
   for (size_t part = 0; part < by_part.size(); ++part) {
     FillMargins(distances_[part], models_[part].center_O.cast<double>(), by_part[part]);
   }
+  const std::vector<const Candidate*> evident = Evident(candidates);
+  ForRanges(static_cast<int>(candidates.size()), threads_, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      candidates[i].features[kOverlapFeature] = static_cast<float>(Overlap(candidates[i], evident));
+    }
+  });
 }
 
 }  // namespace pickbed

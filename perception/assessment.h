@@ -71,7 +71,7 @@ class CandidateAssessor {
                                const std::vector<Candidate>& candidates,
                                const std::vector<int>& pixels) const;
 
-  // Fills in the margins of the features, once all candidates are known.
+  // Fills in margins and overlaps of the features, once all candidates are known.
   void Compare(std::vector<Candidate>& candidates, StageSeconds& seconds) const;
 
   // By object.
@@ -95,6 +95,9 @@ class CandidateAssessor {
   std::vector<Candidate> WithFeatures(const OrganizedCloud& cloud,
                                       const std::vector<RawHypothesis>& poses,
                                       const VoteDensity& density, int patches) const;
+  // Those that fit nearly all that can be seen of them, one of a place, most evidence first.
+  std::vector<const Candidate*> Evident(const std::vector<Candidate>& candidates) const;
+  double Overlap(const Candidate& candidate, const std::vector<const Candidate*>& evident) const;
   int Kept(double share) const;
   int Turned() const;  // best poses of one part whose look-alikes are tried
 

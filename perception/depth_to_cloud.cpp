@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "perception/fitted_background.h"
 #include "perception/normals.h"
 #include "scenes/check.h"
 
@@ -69,24 +68,47 @@ Image<uint8_t> MarkForeground(const CameraIntrinsics& k, const Image<float>& dep
   return mask;
 }
 
-Image<uint8_t> Foreground(const CameraIntrinsics& k, const Image<float>& depth_m,
-                          const std::optional<KnownBackground>& background,
-                          const CloudOptions& options) {
+// Inner sides of the walls, then the floor.
+std::vector<BackgroundPlane> PlanesOf(const KnownBackground& background) {
+  const Bin& bin = background.bin;
+  std::vector<BackgroundPlane> planes;
+  if (bin.shape != nullptr) return planes;
+  const auto add = [&](const Eigen::Vector3d& normal_B, double offset_m) {
+    const Eigen::Vector3f normal_C = (background.X_CB.linear() * normal_B).cast<float>();
+    const auto origin_C = background.X_CB.translation().cast<float>();
+    planes.push_back({normal_C, static_cast<float>(offset_m) + normal_C.dot(origin_C)});
+  };
+  for (int axis = 0; axis < 2 && bin.inner_size_m.z() > 0; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      add(side * Eigen::Vector3d::Unit(axis), -0.5 * bin.inner_size_m[axis]);
+    }
+  }
+  add(Eigen::Vector3d::UnitZ(), 0);
+  return planes;
+}
+
+// Fills foreground and planes.
+void TellBackground(const std::optional<KnownBackground>& background, const CloudOptions& options,
+                    OrganizedCloud& cloud) {
+  const CameraIntrinsics& k = cloud.intrinsics;
   const double margin = options.background_margin_m;
   if (background) {
     const Bin& bin = background->bin;
-    return MarkForeground(
-        k, depth_m, background->X_CB.inverse().cast<float>(), margin,
-        [&](const Eigen::Vector3f& p_B, float m) { return InsideBin(bin, p_B, m); });
+    cloud.planes = PlanesOf(*background);
+    cloud.wall_height_m = static_cast<float>(bin.inner_size_m.z());
+    cloud.foreground =
+        MarkForeground(k, cloud.depth_m, background->X_CB.inverse().cast<float>(), margin,
+                       [&](const Eigen::Vector3f& p_B, float m) { return InsideBin(bin, p_B, m); });
+    return;
   }
-  std::vector<BackgroundPlane> planes;
   if (options.min_plane_share < 1) {
-    planes = FitBackground(SparsePoints(k, depth_m),
-                           {.margin_m = margin, .min_plane_share = options.min_plane_share});
+    cloud.planes = FitBackground(SparsePoints(k, cloud.depth_m),
+                                 {.margin_m = margin, .min_plane_share = options.min_plane_share});
   }
-  return MarkForeground(
-      k, depth_m, Eigen::Isometry3f::Identity(), margin, [&](const Eigen::Vector3f& p_C, float m) {
-        return std::all_of(planes.begin(), planes.end(),
+  cloud.foreground = MarkForeground(
+      k, cloud.depth_m, Eigen::Isometry3f::Identity(), margin,
+      [&](const Eigen::Vector3f& p_C, float m) {
+        return std::all_of(cloud.planes.begin(), cloud.planes.end(),
                            [&](const auto& plane) { return plane.SignedDistance(p_C) > m; });
       });
 }
@@ -136,7 +158,7 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
   OrganizedCloud cloud;
   cloud.intrinsics = frame.intrinsics;
   cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
-  cloud.foreground = Foreground(cloud.intrinsics, cloud.depth_m, background, options);
+  TellBackground(background, options, cloud);
   cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
   const PlaneFitOptions fit{.window_px = options.normal_window_px, .band_m = options.fit_band_m};
   FitPlanes(cloud.intrinsics, cloud.foreground, fit, cloud.depth_m, cloud.normals_C);

@@ -9,9 +9,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
+#include "perception/fitted_background.h"
 #include "scenes/bin.h"
 #include "scenes/rgbd_frame.h"
 
@@ -43,6 +45,10 @@ struct OrganizedCloud {
                                            // unreliable, and on the background
   Image<uint8_t> foreground;               // 1 = has a point and is not background
   std::vector<int> foreground_pixels;      // their indices, ascending
+  // Walls and, last, the table or floor, as told or as fitted; empty where neither is known, and
+  // for a bin of another shape than the box. Walls end at this height over the floor.
+  std::vector<BackgroundPlane> planes;
+  float wall_height_m = std::numeric_limits<float>::infinity();
 };
 
 // Throws InputError when the frame's depth is not of the intrinsics' size or the options are out

@@ -14,7 +14,8 @@ namespace pickbed {
 namespace {
 
 constexpr const char* kMagic = "pickbed verifiers";
-constexpr int64_t kVersion = 1;  // raise when the meaning of the file changes
+constexpr int64_t kWithoutSurroundings = 1;
+constexpr int64_t kVersion = 2;  // raise when the meaning of the file changes
 
 std::string ObjectsText(std::vector<ModelObject> objects) {
   return WriteSettings([&](SettingsVisitor& v) {
@@ -68,8 +69,9 @@ VerifierFile ReadArchive(const std::string& bytes, const std::string& name) {
   CheckInput(ReadText(archive, "magic") == kMagic, "it holds no verifiers alone");
   c10::IValue value;
   archive.read("version", value);
-  CheckInput(value.toInt() == kVersion,
-             fmt::format("it has version {}, this program reads {}", value.toInt(), kVersion));
+  const int64_t version = value.toInt();
+  CheckInput(version == kVersion || version == kWithoutSurroundings,
+             fmt::format("it has version {}, this program reads up to {}", version, kVersion));
   const std::string objects_text = ReadText(archive, "objects");
   VerifierFile content;
   content.estimator = ReadText(archive, "estimator");
@@ -87,7 +89,11 @@ VerifierFile ReadArchive(const std::string& bytes, const std::string& name) {
   content.objects = ObjectsFrom(objects_text, name);
   // Of a training that was stopped before the first part was done there is the network alone.
   const bool has_verifiers = !content.objects.empty() || !values.empty();
-  if (has_verifiers) content.verifiers = VerifiersFrom(values, content.objects.size());
+  const int features =
+      version == kWithoutSurroundings ? kFeaturesWithoutSurroundings : kVerifyFeatures;
+  if (has_verifiers) {
+    content.verifiers = VerifiersFrom(values, content.objects.size(), features);
+  }
   return content;
 }
 

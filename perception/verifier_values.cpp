@@ -28,13 +28,12 @@ std::vector<float> VerifierValues(const std::vector<Verifier>& verifiers) {
   return values;
 }
 
-std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count) {
+std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count, int features) {
   CheckInput(count > 0 && values.size() % count == 0, "its verifiers have another shape");
   // 2 * inputs, then hidden * (inputs + 2), then the scalars.
-  const auto rest =
-      static_cast<int64_t>(values.size() / count) - 2 * kVerifyFeatures - kVerifierScalars;
-  CheckInput(rest > 0 && rest % (kVerifyFeatures + 2) == 0, "its verifiers have another shape");
-  const Eigen::Index hidden = rest / (kVerifyFeatures + 2);
+  const auto rest = static_cast<int64_t>(values.size() / count) - 2 * features - kVerifierScalars;
+  CheckInput(rest > 0 && rest % (features + 2) == 0, "its verifiers have another shape");
+  const Eigen::Index hidden = rest / (features + 2);
   const float* next = values.data();
   const auto vector = [&](Eigen::Index size) {
     const Eigen::VectorXf result = Eigen::Map<const Eigen::VectorXf>(next, size);
@@ -43,9 +42,12 @@ std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t cou
   };
   std::vector<Verifier> verifiers(count);
   for (Verifier& verifier : verifiers) {
-    verifier.mean = vector(kVerifyFeatures);
-    verifier.scale = vector(kVerifyFeatures);
-    verifier.w1 = vector(hidden * kVerifyFeatures).reshaped(hidden, kVerifyFeatures);
+    verifier.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
+    verifier.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+    verifier.w1 = Eigen::MatrixXf::Zero(hidden, kVerifyFeatures);
+    verifier.mean.head(features) = vector(features);
+    verifier.scale.head(features) = vector(features);
+    verifier.w1.leftCols(features) = vector(hidden * features).reshaped(hidden, features);
     verifier.b1 = vector(hidden);
     verifier.w2 = vector(hidden);
     const Eigen::VectorXf scalars = vector(kVerifierScalars);

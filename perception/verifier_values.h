@@ -11,7 +11,12 @@ namespace pickbed {
 
 std::vector<float> VerifierValues(const std::vector<Verifier>& verifiers);
 
-// `count` verifiers of equal shape. Throws InputError when the numbers are not theirs.
-std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count);
+// `count` verifiers of equal shape that were trained on the first `features` of the features; those
+// that came later count for nothing to them. Throws InputError when the numbers are not theirs.
+std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count,
+                                    int features = kVerifyFeatures);
+
+// Of files from before bin, floor and neighbours were looked at.
+inline constexpr int kFeaturesWithoutSurroundings = 16;
 
 }  // namespace pickbed

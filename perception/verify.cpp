@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "perception/projector.h"
+#include "perception/surroundings.h"
 
 namespace pickbed {
 namespace {
@@ -171,6 +172,8 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
                                      const Pose& X_CO, const DepthEvidence& evidence,
                                      double agreeing_votes, FitReport& fit) {
   constexpr double kMaxPixelShare = 4;  // more says no more, and tiny silhouettes would explode
+  constexpr float kMostInside = 0.25f;  // diameters; deeper says no more
+  constexpr float kNearFloor = 0.05f;   // diameters over it, at which the feature has fallen to 1/e
   const VerifyBands bands;
   const FitCounts c = CountFit(cloud, model, X_CO, bands);
   const SceneCounts scene = CountScene(cloud, model, X_CO, bands);
@@ -181,6 +184,8 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
   const auto of_drawn = [&](double sum) {
     return static_cast<float>(sum / std::max(1.0, evidence.covered));
   };
+  const Containment contained = MeasureContainment(cloud, model, X_CO);
+  const float height = std::max(0.0f, contained.height_m) / model.diameter_m;
   const bool refinement_kept = fit.refinement_kept;
   fit = ToReport(c);
   fit.refinement_kept = refinement_kept;
@@ -199,7 +204,10 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
           of_drawn(evidence.agreeing),
           of_drawn(evidence.hidden),
           of_drawn(evidence.violated),
-          of_drawn(evidence.wrong_normal)};
+          of_drawn(evidence.wrong_normal),
+          std::min(kMostInside, contained.outside_m / model.diameter_m),
+          contained.has_floor ? std::exp(-height / kNearFloor) : 0.0f,
+          0.0f};
 }
 
 void MarkExplained(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,

@@ -89,6 +89,35 @@ TEST_F(Assessment, APoseWithoutRivalHasTheLargestMargin) {
   EXPECT_EQ(candidates[0].features[kMarginFeature], 1);
 }
 
+TEST_F(Assessment, APoseThatLiesInAnEvidentOneOverlaps) {
+  const CandidateAssessor assessor(views_.objects(), {});
+  std::vector<Candidate> candidates = Assess({});
+  const auto evident = std::max_element(
+      candidates.begin(), candidates.end(),
+      [](const Candidate& a, const Candidate& b) { return a.evidence < b.evidence; });
+  ASSERT_LT(Error(evident->hypothesis.X_CO), 0.05);
+  // At most, moved so far along one of the axes.
+  const auto overlap_of = [&](double moved_diameters) {
+    float most = 0;
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Vector3d way = (i < 3 ? 1 : -1) * Eigen::Vector3d::Unit(i % 3);
+      Candidate other = *evident;
+      other.features = {};
+      other.hypothesis.X_CO = Translation(moved_diameters * views_.objects()[0]->diameter_m * way) *
+                              evident->hypothesis.X_CO;
+      std::vector<Candidate> both{*evident, other};
+      StageSeconds seconds;
+      assessor.Compare(both, seconds);
+      EXPECT_EQ(both[0].features[kOverlapFeature], 0) << "the other one is not evident";
+      most = std::max(most, both[1].features[kOverlapFeature]);
+    }
+    return most;
+  };
+  EXPECT_GT(overlap_of(0.25), 0.02);
+  EXPECT_EQ(overlap_of(0.1), 0) << "another pose of the same place is a rival";
+  EXPECT_EQ(overlap_of(1.2), 0);
+}
+
 TEST_F(Assessment, TheShareBoundsWhatIsRefined) {
   AssessmentOptions options;
   options.turned = 0;

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
 
+#include "perception/verifier_values.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 #include "tests/support/error_of.h"
@@ -82,11 +84,26 @@ TEST_F(ModelFile, NewerVersionIsToldApartFromDamage) {
   ASSERT_NE(name, std::string::npos);
   const size_t number = bytes.find('K', name);
   ASSERT_LT(number, name + 16);
-  ASSERT_EQ(bytes[number + 1], 5);
+  ASSERT_EQ(bytes[number + 1], 6);
   bytes[number + 1] = 99;
   WriteFileAtomically(file, bytes);
   EXPECT_THAT(ErrorOf([&] { LoadModel(file); }),
               HasSubstr("model.pt: it is of version 99, newer than this program"));
+}
+
+// By hand: one hidden unit that sees the first two of the features alone.
+TEST(VerifierValues, ThoseOfFewerFeaturesHeedTheFirstOnes) {
+  const std::vector<float> values{0.5f, 1, 2, 4, 3, -1, 0.1f, 2, 0.25f, 1, 0};
+  const Verifier verifier = VerifiersFrom(values, 1, 2).at(0);
+  VerifyFeatures features{};
+  features[0] = 0.7f;
+  features[1] = 2;
+  const double unit = std::tanh(3 * (0.7 - 0.5) / 2 - (2.0 - 1) / 4 + 0.1);
+  const double expected = 1 / (1 + std::exp(-(2 * unit + 0.25)));
+  EXPECT_NEAR(verifier.Score(features), expected, 1e-6);
+  features[kOutsideFeature] = 100;
+  EXPECT_NEAR(verifier.Score(features), expected, 1e-6);
+  EXPECT_THAT(ErrorOf([&] { VerifiersFrom(values, 1, 3); }), HasSubstr("another shape"));
 }
 
 TEST(ShippedModel, IsRead) {
