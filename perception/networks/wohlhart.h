@@ -36,7 +36,7 @@ struct WohlhartOptions {
   double pair_weight = 1;        // of L_pairs
   double weight_decay = 1e-6;    // lambda of |w|^2
   int anchors = 64;             // of a batch; with a puller, a wrong pose and a wrong part for each
-  int iterations = 250;         // steps a part
+  int iterations = 800;         // steps a part
   int mine_every = 100;         // steps between two rounds that look up the hardest wrong templates
   double learning_rate = 1e-3;  // of Adam, falls to zero along a cosine
   CropAugmentOptions augment = {};
