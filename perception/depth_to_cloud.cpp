@@ -135,6 +135,7 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
   CheckOptions(frame, options);
   OrganizedCloud cloud;
   cloud.intrinsics = frame.intrinsics;
+  cloud.color = frame.color;
   cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
   cloud.foreground = Foreground(cloud.intrinsics, cloud.depth_m, background, options);
   cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
