@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "perception/labelled_patches.h"
 
@@ -29,13 +30,15 @@ std::vector<std::optional<std::array<int8_t, kPatchValues>>> EntryPatches(
     LabelledViewSource& views, const std::vector<EntryPose>& entries, double distance_m,
     double focal_px) {
   const Pose X_CP = PatchFrame({0, 0, distance_m}, 0);
-  std::map<std::pair<int, double>, std::vector<size_t>> by_kind;  // object and side
+  using Kind = std::tuple<int, double, PatchChannels>;  // object and form
+  std::map<Kind, std::vector<size_t>> by_kind;
   for (size_t i = 0; i < entries.size(); ++i) {
-    by_kind[{entries[i].object, entries[i].side_m}].push_back(i);
+    const PatchForm& form = entries[i].form;
+    by_kind[{entries[i].object, form.side_m, form.channels}].push_back(i);
   }
   std::vector<std::optional<std::array<int8_t, kPatchValues>>> patches(entries.size());
   for (const auto& [kind, members] : by_kind) {
-    const auto [object, side_m] = kind;
+    const auto [object, side_m, channels] = kind;
     const CameraIntrinsics camera = PatchCamera(side_m, distance_m, focal_px);
     std::vector<Pose> X_CO;
     for (const size_t i : members) X_CO.push_back(X_CP * entries[i].X_PO);
@@ -45,7 +48,7 @@ std::vector<std::optional<std::array<int8_t, kPatchValues>>> EntryPatches(
       const OrganizedCloud cloud = IsolatedCloud(seen[m]);
       if (!(cloud.depth_m.data()[middle] > 0)) continue;
       const double angle = 0;
-      const PatchSet patch = CutPatches(cloud, {&middle, 1}, {&angle, 1}, side_m);
+      const PatchSet patch = CutPatches(cloud, {&middle, 1}, {&angle, 1}, {side_m, channels});
       std::ranges::copy(patch.patch(0), patches[members[m]].emplace().begin());
     }
   }

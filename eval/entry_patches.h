@@ -13,7 +13,7 @@ namespace pickbed {
 
 struct EntryPose {
   int object = 0;
-  double side_m = 0;  // of the patch
+  PatchForm form;
   Pose X_PO = Pose::Identity();
 };
 

@@ -91,7 +91,8 @@ void Explainer::Patches() {
     if (votes == votes_of.end()) continue;
     queries.push_back(QueryOf(patch, votes->second.first, votes->second.second));
     for (const NeighborTile& neighbor : queries.back().neighbors) {
-      entries.push_back({neighbor.object, trace.patches[patch].side_m,
+      entries.push_back({neighbor.object,
+                         {trace.patches[patch].side_m, trace.channels},
                          trace.patches[patch].X_CP.inverse() * neighbor.X_CO});
     }
   }
@@ -102,12 +103,16 @@ void Explainer::Patches() {
     for (NeighborTile& neighbor : query.neighbors) neighbor.patch = patches[next++];
   }
   Show("3_patches",
-       PatchSheet(board_, outlines_, queries,
+       PatchSheet(board_, outlines_, queries, trace.channels,
                   TruthLegend("votes for the right pose", "within 0.25 d: in ICP's reach",
                               "votes for a wrong pose")),
-       "Each block: the query patch (depth, near is warm, shaded by its normals) and the nearest "
-       "entries, rendered anew; below, the patch's place and the pose that each entry votes for. "
-       "Numbers are distances of the descriptors.");
+       std::string("Each block: the query patch ") +
+           (trace.channels == PatchChannels::kDepthColor
+                ? "(its colours; the network sees its depth, too)"
+                : "(depth, near is warm, shaded by its normals)") +
+           " and the nearest entries, rendered anew; below, the patch's place and the pose that "
+           "each "
+           "entry votes for. Numbers are distances of the descriptors.");
 }
 
 PoseTile Explainer::TileOf(int object, const Pose& X_CO, std::string title,

@@ -170,13 +170,17 @@ void WriteTrainingPage(const std::filesystem::path& folder, const TrainingPage& 
                                      "(viewing direction x, y, z as red, green, blue)"
                                    : "first two principal axes; colour: the part");
   html.Heading("Nearest neighbours");
-  picture("answers.png", DrawAnswers(report.answers, report.held_out, page.objects, kAnswerTiles),
+  picture("answers.png",
+          DrawAnswers(report.answers, report.held_out, report.channels, page.objects, kAnswerTiles),
           "query, found in the code book, true: wrong answers first");
   html.Heading("Pairs to learn from");
   const int per_part = std::max(1, kPairTiles / static_cast<int>(page.objects.size()));
-  picture("pairs.png", DrawPairs(report.pairs, page.objects, per_part),
-          "a patch of a pile and its twin of the part alone: sensor noise, clutter and holes, a "
-          "little turned and shifted. Colours are normals, darker is farther");
+  picture("pairs.png", DrawPairs(report.pairs, report.channels, page.objects, per_part),
+          std::string("a patch of a pile and its twin of the part alone: sensor noise, clutter and "
+                      "holes, a little turned and shifted. ") +
+              (report.channels == PatchChannels::kDepthColor
+                   ? "Colours are those of the image; depth is seen, too"
+                   : "Colours are normals, darker is farther"));
   html.Heading("Seconds");
   html.Table(TimeTable(report));
   html.Heading("Settings");

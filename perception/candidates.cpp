@@ -197,7 +197,7 @@ void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& c
     const StageTimer timer(seconds, "patches");
     std::vector<double> angles(pixels.size());
     for (double& angle : angles) angle = rng.Uniform(0, 2 * std::numbers::pi);
-    patches = CutPatches(cloud, pixels, angles, group.side_m);
+    patches = CutPatches(cloud, pixels, angles, {group.side_m, voter.channels});
   }
   const int first_patch = trace ? TracePatches(pixels, patches, group.side_m, *trace) : 0;
   for (const PatchVote& cast : Cast(group, patches, seconds)) {
@@ -275,6 +275,8 @@ const CandidateAssessor& CandidateFinder::assessor() const { return impl_->asses
 
 std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& rng,
                                              StageSeconds& seconds, EstimateTrace* trace) const {
+  RequireChannels(cloud, impl_->voter.channels);  // also where there is nothing to cut
+  if (trace) trace->channels = impl_->voter.channels;
   std::vector<Candidate> candidates;
   std::vector<int> unexplained = cloud.foreground_pixels;
   double share = 1;  // of patches and candidates

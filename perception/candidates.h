@@ -52,7 +52,7 @@ class CandidateFinder : public CandidateSource {
   ~CandidateFinder() override;
 
   // Seconds are added under "patches", "network" and "neighbors", and those of CandidateAssessor. A
-  // trace gets patches, votes and refinements.
+  // trace gets patches, votes and refinements. Throws InputError as RequireChannels() does.
   std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds,
                               EstimateTrace* trace = nullptr) const override;
 

@@ -46,16 +46,16 @@ void AppendCodes(const LabelledPatches& patches, const DescribePatches& describe
   }
 }
 
-ObjectCodes MakeObjectCodes(LabelledViewSource& views, int object, double side_m, int length,
-                            const DescribePatches& describe, const IsolatedOptions& options,
-                            uint64_t seed, int threads,
+ObjectCodes MakeObjectCodes(LabelledViewSource& views, int object, const PatchForm& form,
+                            int length, const DescribePatches& describe,
+                            const IsolatedOptions& options, uint64_t seed, int threads,
                             const std::function<void(double)>& on_share) {
   const auto when = threads > 1 ? std::launch::async : std::launch::deferred;
   ObjectCodes codes;
   codes.length = length;
   std::future<void> described;
   ForEachIsolatedBlock(
-      views, object, side_m, options, seed, [&](LabelledPatches patches, double share) {
+      views, object, form, options, seed, [&](LabelledPatches patches, double share) {
         if (described.valid()) described.get();
         described = std::async(
             when, [&, block = std::move(patches)] { AppendCodes(block, describe, codes); });

@@ -31,9 +31,9 @@ void AppendCodes(const LabelledPatches& patches, const DescribePatches& describe
 
 // Renders and describes the part's entries; for threads > 1 one block is described while the next
 // is rendered. on_share(0..1) may be empty.
-ObjectCodes MakeObjectCodes(LabelledViewSource& views, int object, double side_m, int length,
-                            const DescribePatches& describe, const IsolatedOptions& options,
-                            uint64_t seed, int threads,
+ObjectCodes MakeObjectCodes(LabelledViewSource& views, int object, const PatchForm& form,
+                            int length, const DescribePatches& describe,
+                            const IsolatedOptions& options, uint64_t seed, int threads,
                             const std::function<void(double share)>& on_share);
 
 // One file a part in the cache. `key` names all that the entries depend on: weights, mesh, sensor,

@@ -157,6 +157,7 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
   CheckOptions(frame, options);
   OrganizedCloud cloud;
   cloud.intrinsics = frame.intrinsics;
+  cloud.color = frame.color;
   cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
   TellBackground(background, options, cloud);
   cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());

@@ -38,6 +38,7 @@ struct CloudOptions {
 // Organised like the image; arrays have width * height entries.
 struct OrganizedCloud {
   CameraIntrinsics intrinsics;
+  Image<Rgb8> color;  // as the frame's, which may have none
   // Holes of single pixels filled, smoothed by the plane fit where there is a normal; 0 = unknown.
   Image<float> depth_m;
   std::vector<Eigen::Vector3f> points_C;   // of depth_m; zero where unknown

@@ -119,7 +119,7 @@ void HeldOutOptions::Visit(SettingsVisitor& v) {
   v.Real("cooling", cooling, {0, 1}, "share of the steps in which the rest is then run through");
 }
 
-HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<double>& sides_m,
+HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<PatchForm>& forms,
                        const HeldOutOptions& options, uint64_t seed,
                        const std::function<bool(double)>& on_share) {
   const ObjectSet& objects = views.objects();
@@ -135,13 +135,13 @@ HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<double>& sid
       Rng rng = Rng::Derive(seed, index, "training/held_out_pile");
       std::vector<LabelledView> pile =
           views.Pile({rng.Next(), kViewsPerPile, part, /*typical=*/true});
-      AppendTwinPatches(views, pile, sides_m, NearTwins(), rng, pairs);
+      AppendTwinPatches(views, pile, forms, NearTwins(), rng, pairs);
       std::move(pile.begin(), pile.end(), std::back_inserter(seen));
       if (!on_share(static_cast<double>(index + 1) / piles)) return set;
     }
     if (options.book_views == 0) continue;
-    ForEachIsolatedBlock(views, part, sides_m[part], BookViews(seen, part, options.book_views),
-                         seed, [&](const LabelledPatches& patches, double) {
+    ForEachIsolatedBlock(views, part, forms[part], BookViews(seen, part, options.book_views), seed,
+                         [&](const LabelledPatches& patches, double) {
                            AppendAll(patches, set.distract[part]);
                            return true;
                          });

@@ -50,9 +50,9 @@ struct HeldOutAnswer {
   bool right = false;
 };
 
-// on_share(0..1) returns false to stop; what comes back is then unfinished. sides_m: patch side by
-// part. The same seed gives the same set.
-HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<double>& sides_m,
+// on_share(0..1) returns false to stop; what comes back is then unfinished. forms: of the patches,
+// by part. The same seed gives the same set.
+HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<PatchForm>& forms,
                        const HeldOutOptions& options, uint64_t seed,
                        const std::function<bool(double share)>& on_share);
 

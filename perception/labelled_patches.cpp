@@ -60,7 +60,7 @@ CameraIntrinsics CropCamera(double diameter_m, const IsolatedOptions& options) {
   return k;
 }
 
-void ForEachIsolatedBlock(LabelledViewSource& views, int object, double side_m,
+void ForEachIsolatedBlock(LabelledViewSource& views, int object, const PatchForm& form,
                           const IsolatedOptions& options, uint64_t seed,
                           const std::function<bool(LabelledPatches, double)>& take) {
   const ObjectModel& model = *views.objects()[object];
@@ -76,17 +76,17 @@ void ForEachIsolatedBlock(LabelledViewSource& views, int object, double side_m,
       const std::vector<int> pixels = PixelsByInstance(view, cloud).at(0);
       if (pixels.empty()) continue;
       const std::vector<int> drawn = Draw(pixels, options.patches_per_view, rng);
-      AppendPatches(cloud, drawn, RandomAngles(drawn.size(), rng), side_m,
-                    view.instances.at(0).X_CO, patches);
+      AppendPatches(cloud, drawn, RandomAngles(drawn.size(), rng), form, view.instances.at(0).X_CO,
+                    patches);
     }
     if (!take(std::move(patches), static_cast<double>(first + count) / options.views)) return;
   }
 }
 
 void AppendPatches(const OrganizedCloud& cloud, std::span<const int> pixels,
-                   std::span<const double> angles_rad, double side_m, const Pose& X_CO,
+                   std::span<const double> angles_rad, const PatchForm& form, const Pose& X_CO,
                    LabelledPatches& patches) {
-  const PatchSet cut = CutPatches(cloud, pixels, angles_rad, side_m);
+  const PatchSet cut = CutPatches(cloud, pixels, angles_rad, form);
   patches.values.insert(patches.values.end(), cut.values.begin(), cut.values.end());
   for (const Pose& X_CP : cut.X_CP) patches.X_PO.push_back(X_CP.inverse() * X_CO);
 }

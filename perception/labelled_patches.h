@@ -36,13 +36,13 @@ CameraIntrinsics CropCamera(double diameter_m, const IsolatedOptions& options);
 // Calls take(patches of a block of views) until all views are done: uniform rotations, uniform
 // in-plane angles, uniform pixels of the part. share = done so far, 0..1; take returns false to
 // stop.
-void ForEachIsolatedBlock(LabelledViewSource& views, int object, double side_m,
+void ForEachIsolatedBlock(LabelledViewSource& views, int object, const PatchForm& form,
                           const IsolatedOptions& options, uint64_t seed,
                           const std::function<bool(LabelledPatches patches, double share)>& take);
 
 // Cuts the patches and labels them with the part's pose.
 void AppendPatches(const OrganizedCloud& cloud, std::span<const int> pixels,
-                   std::span<const double> angles_rad, double side_m, const Pose& X_CO,
+                   std::span<const double> angles_rad, const PatchForm& form, const Pose& X_CO,
                    LabelledPatches& patches);
 
 // Patches that are cut already, one or all.

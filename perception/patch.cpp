@@ -1,5 +1,7 @@
 #include "perception/patch.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +10,9 @@
 
 namespace pickbed {
 namespace {
+
+constexpr int8_t kFar = 127;
+constexpr float kBrightest = 255;  // of a channel of colour
 
 // Which pixel each grid point of the patch falls on, -1 = outside the image. The grid lies in the
 // plane z = 0 of P; its projection is a homography, evaluated row by row in plain arrays so that
@@ -45,28 +50,38 @@ int8_t Quantized(float value) {
   return static_cast<int8_t>(static_cast<int>(clipped * 127.0f + 127.5f) - 127);
 }
 
+Eigen::Vector3f ColorValue(Rgb8 color) {
+  const Eigen::Vector3f bytes(color.r, color.g, color.b);
+  return bytes * (2 / kBrightest) - Eigen::Vector3f::Ones();
+}
+
+// value_of(pixel) gives the three values beside depth.
+template <typename ValueOf>
 void FillPatch(const OrganizedCloud& cloud, const GridPixels& pixels, const Eigen::Matrix3f& R_CP,
-               const Eigen::Vector3f& p_C, float side, int8_t* out) {
-  const Eigen::Matrix3f R_PC = R_CP.transpose();
-  const Eigen::Vector3f depth_row = R_PC.row(2).transpose() * (2.0f / side);
+               const Eigen::Vector3f& p_C, float side, const ValueOf& value_of, int8_t* out) {
+  const Eigen::Vector3f depth_row = R_CP.col(2) * (2.0f / side);
   const float depth_offset = depth_row.dot(p_C);
   const uint8_t* foreground = cloud.foreground.data();
   for (int i = 0; i < kPatchArea; ++i) {
     const int pixel = pixels[i];
     if (pixel < 0 || !foreground[pixel]) {
-      out[i] = 127;
+      out[i] = kFar;
       out[i + kPatchArea] = out[i + 2 * kPatchArea] = out[i + 3 * kPatchArea] = 0;
       continue;
     }
-    const Eigen::Vector3f normal = R_PC * cloud.normals_C[pixel];
+    const Eigen::Vector3f value = value_of(pixel);
     out[i] = Quantized(depth_row.dot(cloud.points_C[pixel]) - depth_offset);
-    out[i + kPatchArea] = Quantized(normal.x());
-    out[i + 2 * kPatchArea] = Quantized(normal.y());
-    out[i + 3 * kPatchArea] = Quantized(normal.z());
+    out[i + kPatchArea] = Quantized(value.x());
+    out[i + 2 * kPatchArea] = Quantized(value.y());
+    out[i + 3 * kPatchArea] = Quantized(value.z());
   }
 }
 
 }  // namespace
+
+const char* NameOf(PatchChannels channels) {
+  return channels == PatchChannels::kDepthColor ? "depth and colour" : "depth and normals";
+}
 
 double PatchSide(double diameter_m, double patch_diameters) {
   CheckInput(diameter_m > 0 && patch_diameters > 0, "a patch needs a part of positive diameter");
@@ -84,21 +99,57 @@ Pose PatchFrame(const Eigen::Vector3d& point_C, double angle_rad) {
   return MakePose(R_CP, point_C);
 }
 
+void RequireChannels(const OrganizedCloud& cloud, PatchChannels channels) {
+  if (channels != PatchChannels::kDepthColor) return;
+  const int width = cloud.intrinsics.width, height = cloud.intrinsics.height;
+  CheckInput(!cloud.color.empty(),
+             "the network learned from depth and colour, and the frame has no colour image; give "
+             "it one or use a model of network.autoencoder.channels depth_normals");
+  CheckInput(cloud.color.width() == width && cloud.color.height() == height,
+             fmt::format("colour image is {}x{} and depth image {}x{}: give the frame colour that "
+                         "is registered to depth",
+                         cloud.color.width(), cloud.color.height(), width, height));
+}
+
 PatchSet CutPatches(const OrganizedCloud& cloud, std::span<const int> pixels,
-                    std::span<const double> angles_rad, double side_m) {
+                    std::span<const double> angles_rad, const PatchForm& form) {
+  RequireChannels(cloud, form.channels);
   PatchSet set;
   set.values.resize(pixels.size() * kPatchValues);
   set.X_CP.reserve(pixels.size());
+  const float side = static_cast<float>(form.side_m);
   GridPixels grid;
   for (size_t i = 0; i < pixels.size(); ++i) {
     const Eigen::Vector3f& p_C = cloud.points_C[pixels[i]];
     set.X_CP.push_back(PatchFrame(p_C.cast<double>(), angles_rad[i]));
     const Eigen::Matrix3f R_CP = set.X_CP.back().linear().cast<float>();
-    const float side = static_cast<float>(side_m);
     ProjectGrid(cloud.intrinsics, R_CP, p_C, side, grid);
-    FillPatch(cloud, grid, R_CP, p_C, side, set.values.data() + i * kPatchValues);
+    int8_t* out = set.values.data() + i * kPatchValues;
+    if (form.channels == PatchChannels::kDepthColor) {
+      FillPatch(
+          cloud, grid, R_CP, p_C, side,
+          [&](int pixel) { return ColorValue(cloud.color.data()[pixel]); }, out);
+    } else {
+      const Eigen::Matrix3f R_PC = R_CP.transpose();
+      FillPatch(
+          cloud, grid, R_CP, p_C, side,
+          [&](int pixel) -> Eigen::Vector3f { return R_PC * cloud.normals_C[pixel]; }, out);
+    }
   }
   return set;
+}
+
+bool IsUnknownAt(std::span<const int8_t> patch, int pixel) {
+  return patch[pixel] == kFar && patch[pixel + kPatchArea] == 0 &&
+         patch[pixel + 2 * kPatchArea] == 0 && patch[pixel + 3 * kPatchArea] == 0;
+}
+
+Rgb8 PatchColorAt(std::span<const int8_t> patch, int pixel) {
+  const auto byte = [&](int channel) {
+    const float value = patch[channel * kPatchArea + pixel] / 127.0f;
+    return static_cast<uint8_t>(std::lround(0.5f * kBrightest * (value + 1)));
+  };
+  return {byte(1), byte(2), byte(3)};
 }
 
 }  // namespace pickbed

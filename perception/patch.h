@@ -1,29 +1,42 @@
 #pragma once
 
-// Local patches of a depth image: what the descriptor network sees.
+// Local patches of an image: what the descriptor network sees.
 //
 // A patch is a square of fixed physical side, cut around one pixel and perpendicular to the viewing
 // ray through it, so that it looks the same wherever in the image and at whatever distance the part
 // lies. Its frame P stands at the pixel's 3-D point, z along the viewing ray, x turned about the
-// ray by the given in-plane angle. Channels: depth along the ray relative to the centre over half
-// the side, clipped to [-1, 1], then the normal in P (x, y, z). Pixels that are unknown or
-// background have depth +1 (far) and no normal: a known bin is taken out. Values are stored as
-// round(127 v). Scale by depth as in Kehl et al., ECCV 2016; normals because grey adds nothing on
-// bare metal.
+// ray by the given in-plane angle. The first channel is depth along the ray relative to the centre
+// over half the side, clipped to [-1, 1]; the others are the normal in P (x, y, z), or colour (red,
+// green, blue, from -1 = 0 to 1 = 255). Pixels that are unknown or background have depth +1 (far)
+// and 0 in the others, no normal or middle grey: a known bin is taken out. Values are stored as
+// round(127 v). Scale by depth and colour as in Kehl et al., ECCV 2016; normals because grey adds
+// nothing on bare metal.
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "perception/depth_to_cloud.h"
+#include "scenes/image.h"
 #include "scenes/pose.h"
 
 namespace pickbed {
 
 inline constexpr int kPatchPixels = 32;   // side, px
-inline constexpr int kPatchChannels = 4;  // depth, normal x, y, z
+inline constexpr int kPatchChannels = 4;  // depth and three more, see PatchChannels
 inline constexpr int kPatchArea = kPatchPixels * kPatchPixels;
 inline constexpr int kPatchValues = kPatchChannels * kPatchArea;
+
+enum class PatchChannels { kDepthNormals, kDepthColor };
+
+// For people: "depth and normals", "depth and colour".
+const char* NameOf(PatchChannels channels);
+
+// Which patches are cut around a pixel.
+struct PatchForm {
+  double side_m = 0;
+  PatchChannels channels = PatchChannels::kDepthNormals;
+};
 
 struct PatchSet {
   std::vector<int8_t> values;  // count x 4 x 32 x 32
@@ -41,8 +54,17 @@ double PatchSide(double diameter_m, double patch_diameters);
 // Frame of the patch around a point that the camera at the origin of C sees.
 Pose PatchFrame(const Eigen::Vector3d& point_C, double angle_rad);
 
-// One patch for each pixel index; each must have a point.
+// Throws InputError where the frame of the cloud had no colour and the channels show it.
+void RequireChannels(const OrganizedCloud& cloud, PatchChannels channels);
+
+// One patch for each pixel index; each must have a point. Throws as RequireChannels() does.
 PatchSet CutPatches(const OrganizedCloud& cloud, std::span<const int> pixels,
-                    std::span<const double> angles_rad, double side_m);
+                    std::span<const double> angles_rad, const PatchForm& form);
+
+// Whether a patch has nothing, or nothing near, at one of its kPatchArea pixels.
+bool IsUnknownAt(std::span<const int8_t> patch, int pixel);
+
+// What a patch of kDepthColor shows there.
+Rgb8 PatchColorAt(std::span<const int8_t> patch, int pixel);
 
 }  // namespace pickbed

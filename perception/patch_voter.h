@@ -8,6 +8,7 @@
 namespace pickbed {
 
 struct PatchVoter {
+  PatchChannels channels = PatchChannels::kDepthNormals;  // of the patches that it sees
   DescribePatches describe;
   RegressPoses regress;  // empty: it regresses none
   int parts = 1;         // of which it regresses poses

@@ -73,6 +73,11 @@ void NetworkOptions::Visit(SettingsVisitor& v) {
       "regression", [&](SettingsVisitor& g) { regression.Visit(g); }, "of kind siamese_regression");
 }
 
+PatchChannels ChannelsOf(const NetworkOptions& options) {
+  const PatchNetworkRow& row = FindPatchNetwork(options.kind);
+  return row.channels ? row.channels(options) : PatchChannels::kDepthNormals;
+}
+
 struct DescriptorNetwork::Impl {
   Impl(const NetworkOptions& options, uint64_t seed, int parts)
       : options(options),
@@ -172,6 +177,7 @@ void DescriptorNetwork::RestoreTrainingState(const std::string& bytes) {
 
 PatchVoter VoterOf(const DescriptorNetwork& network, int threads) {
   PatchVoter voter;
+  voter.channels = network.channels();
   voter.describe = [&network, threads](std::span<const int8_t> patches) {
     return network.Describe(patches, threads);
   };

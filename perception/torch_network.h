@@ -27,6 +27,9 @@ struct NetworkOptions {
   void Visit(SettingsVisitor& v);
 };
 
+// Of the patches that such a network sees. Throws InputError for an unknown kind.
+PatchChannels ChannelsOf(const NetworkOptions& options);
+
 // Row i of anchors and codes shows nearly the same pose of the same part.
 struct TrainingBatch {
   int count = 0;
@@ -51,9 +54,10 @@ class DescriptorNetwork {
 
   const NetworkOptions& options() const;
   int length() const { return options().descriptor; }
-  double MultiplyAdds() const;  // to describe one patch
-  bool regresses() const;       // Regress() may be called
-  int parts() const;            // whose poses it regresses
+  double MultiplyAdds() const;                                      // to describe one patch
+  PatchChannels channels() const { return ChannelsOf(options()); }  // of the patches that it sees
+  bool regresses() const;                                           // Regress() may be called
+  int parts() const;                                                // whose poses it regresses
 
   // count x length values, of count patches of patch.h; rows of unit length but of networks that
   // regress.

@@ -168,7 +168,7 @@ std::vector<int> Trainer::NewParts() const {
 TrainingViewsPlan Trainer::Plan() const {
   TrainingViewsPlan plan;
   plan.seed = options_.seed;
-  plan.sides_m = sides_;
+  for (const double side_m : sides_) plan.forms.push_back({side_m, network_.channels()});
   if (Share() < 1) plan.pile_parts = schedule_.pile_parts();
   plan.verifiers = NewParts();
   plan.verifiers.erase(plan.verifiers.begin(), plan.verifiers.begin() + trained_.size());
@@ -348,6 +348,7 @@ void Trainer::FillPictures() {
   report_.answers =
       AnswersOf(held_out_, objects_, Describe(), network_.length(), options_.held_out.queries);
   report_.held_out = std::move(held_out_);
+  report_.channels = network_.channels();
   constexpr size_t kPairs = 12;  // of a part
   for (const PatchPairs& all : data_.pairs()) {
     PatchPairs& some = report_.pairs.emplace_back();

@@ -93,6 +93,7 @@ struct TrainingReport {
   HeldOutSet held_out;
   std::vector<HeldOutAnswer> answers;
   std::vector<PatchPairs> pairs;
+  PatchChannels channels = PatchChannels::kDepthNormals;  // of all these patches
 };
 
 // The same seed and options give the same weights (without max_minutes), also after any number of

@@ -22,6 +22,11 @@ TrainingStart LoadTrainingStart(const TrainingJob& job, const TrainingOptions& o
                          "network.kind and network.descriptor to those",
                          job.start_from.string(), info.network.kind, info.network.descriptor,
                          options.network.kind, options.network.descriptor));
+  CheckInput(start.model->network.channels() == ChannelsOf(options.network),
+             fmt::format("{}: its network learned from {}, not from {}; set "
+                         "network.autoencoder.channels to what it learned from",
+                         job.start_from.string(), NameOf(start.model->network.channels()),
+                         NameOf(ChannelsOf(options.network))));
   // Its last layer has rows for the parts that it was made for, in their order.
   const bool grows = start.model->network.regresses() && info.objects.size() != objects.size();
   CheckInput(!grows, fmt::format("{}: a network that regresses poses learns no parts later; train "

@@ -69,19 +69,19 @@ PilePairs TrainingViews::Impl::MakePile(int index) {
   const std::vector<LabelledView> pile =
       source.Pile({rng.Next(), plan.views_per_pile, plan.pile_parts[index]});
   PilePairs pairs(source.objects().size());
-  AppendTwinPatches(source, pile, plan.sides_m, plan.twins, rng, pairs);
+  AppendTwinPatches(source, pile, plan.forms, plan.twins, rng, pairs);
   return pairs;
 }
 
 void TrainingViews::Impl::MakeAll() {
   constexpr size_t kAll = SIZE_MAX;  // the trainer keeps all pairs anyway
   const auto go_on = [this](double) { return !stop; };
-  Hand(held_out, MakeHeldOut(source, plan.sides_m, plan.held_out, plan.seed, go_on), kAll);
+  Hand(held_out, MakeHeldOut(source, plan.forms, plan.held_out, plan.seed, go_on), kAll);
   const int count = static_cast<int>(plan.pile_parts.size());
   for (int i = 0; i < count && !stop && !skip_piles; ++i) Hand(piles, MakePile(i), kAll);
   for (const int part : plan.verifiers) {
     if (stop) return;
-    Hand(lessons, MakeVerifierLesson(source, part, plan.sides_m[part], plan.verifier, go_on),
+    Hand(lessons, MakeVerifierLesson(source, part, plan.forms[part], plan.verifier, go_on),
          kLessonsAhead);
   }
 }

@@ -17,9 +17,9 @@ namespace pickbed {
 
 struct TrainingViewsPlan {
   uint64_t seed = 0;
-  std::vector<double> sides_m;  // patch side by part
-  std::vector<int> pile_parts;  // the part that each pile holds for certain
-  std::vector<int> verifiers;   // parts whose verifiers are trained, in this order
+  std::vector<PatchForm> forms;  // of the patches, by part
+  std::vector<int> pile_parts;   // the part that each pile holds for certain
+  std::vector<int> verifiers;    // parts whose verifiers are trained, in this order
   int views_per_pile = 3;
   TwinOptions twins;
   HeldOutOptions held_out;

@@ -88,7 +88,7 @@ struct CutList {
 };
 
 void AppendPairs(const OrganizedCloud& pile_cloud, const Pose& X_CO, const OrganizedCloud& alone,
-                 const TwinView& twin, double side_m, double tolerance_m,
+                 const TwinView& twin, const PatchForm& form, double tolerance_m,
                  const TwinOptions& options, Rng& rng, PatchPairs& pairs) {
   CutList anchors, codes;
   const Pose X_TC = twin.X_TO * X_CO.inverse();
@@ -103,8 +103,8 @@ void AppendPairs(const OrganizedCloud& pile_cloud, const Pose& X_CO, const Organ
     codes.pixels.push_back(pixel);
     codes.angles_rad.push_back(angle + options.in_plane_rad * rng.Normal());
   }
-  AppendPatches(pile_cloud, anchors.pixels, anchors.angles_rad, side_m, X_CO, pairs.anchors);
-  AppendPatches(alone, codes.pixels, codes.angles_rad, side_m, twin.X_TO, pairs.codes);
+  AppendPatches(pile_cloud, anchors.pixels, anchors.angles_rad, form, X_CO, pairs.anchors);
+  AppendPatches(alone, codes.pixels, codes.angles_rad, form, twin.X_TO, pairs.codes);
 }
 
 }  // namespace
@@ -119,7 +119,7 @@ void TwinOptions::Visit(SettingsVisitor& v) {
 }
 
 void AppendTwinPatches(LabelledViewSource& source, const std::vector<LabelledView>& pile,
-                       const std::vector<double>& sides_m, const TwinOptions& options, Rng& rng,
+                       const std::vector<PatchForm>& forms, const TwinOptions& options, Rng& rng,
                        std::vector<PatchPairs>& by_object) {
   const ObjectSet& objects = source.objects();
   std::vector<OrganizedCloud> clouds;
@@ -149,7 +149,7 @@ void AppendTwinPatches(LabelledViewSource& source, const std::vector<LabelledVie
       const OrganizedCloud alone = IsolatedCloud(views[i]);
       const TwinView& twin = twins[o][i];
       AppendPairs(clouds[twin.view], pile[twin.view].instances[twin.instance].X_CO, alone, twin,
-                  sides_m[o], tolerance_m, options, rng, by_object[o]);
+                  forms[o], tolerance_m, options, rng, by_object[o]);
     }
   }
 }

@@ -29,10 +29,10 @@ struct PatchPairs {
 };
 
 // Pairs of all views of one pile, in equal parts from every instance seen well enough, appended to
-// by_object[its object]. sides_m: patch side by object. Where the twin shows another side of the
+// by_object[its object]. forms: of the patches, by object. Where the twin shows another side of the
 // part at the anchor's place there is no pair.
 void AppendTwinPatches(LabelledViewSource& source, const std::vector<LabelledView>& pile,
-                       const std::vector<double>& sides_m, const TwinOptions& options, Rng& rng,
+                       const std::vector<PatchForm>& forms, const TwinOptions& options, Rng& rng,
                        std::vector<PatchPairs>& by_object);
 
 }  // namespace pickbed

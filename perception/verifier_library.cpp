@@ -68,8 +68,9 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
     try {
       constexpr double kPilesShare = 0.1;  // of the time, about
       const int object = static_cast<int>(i);
-      const std::vector<LabelledView> piles = VerifierPiles(
-          job.views, object, options, [&](double share) { return report(kPilesShare * share); });
+      const std::vector<LabelledView> piles =
+          VerifierPiles(job.views, object, /*color=*/false, options,
+                        [&](double share) { return report(kPilesShare * share); });
       if (!go_on) return {};
       const TrainedVerifier trained = TrainPartVerifier(
           piles, object, *job.candidates({objects[i]}, file.network), options,

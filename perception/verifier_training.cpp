@@ -104,7 +104,7 @@ void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
   verifier.calibration_shift = static_cast<float>(x[1]);
 }
 
-std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object,
+std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, bool color,
                                         const VerifierTrainingOptions& options,
                                         const std::function<bool(double)>& on_share) {
   std::vector<LabelledView> all;
@@ -112,7 +112,8 @@ std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object,
     Rng rng = Rng::Derive(options.seed, i, "training/verifier_pile");
     PileRequest request{rng.Next(), options.views_per_pile, object, true};
     for (LabelledView& view : views.Pile(request)) {
-      view.frame.color = {};  // nothing looks at it, and it is a third of the memory
+      // Where nothing looks at it: it is a third of the memory.
+      if (!color) view.frame.color = {};
       all.push_back(std::move(view));
     }
     if (!on_share(static_cast<double>(i + 1) / options.piles)) break;
@@ -120,16 +121,16 @@ std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object,
   return all;
 }
 
-VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, double side_m,
+VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, const PatchForm& form,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double)>& on_share) {
   constexpr double kPilesShare = 0.8;  // of the time, about
   VerifierLesson lesson;
   bool go_on = true;
-  lesson.piles = VerifierPiles(views, object, options,
+  lesson.piles = VerifierPiles(views, object, form.channels == PatchChannels::kDepthColor, options,
                                [&](double share) { return go_on = on_share(kPilesShare * share); });
   if (!go_on) return lesson;
-  ForEachIsolatedBlock(views, object, side_m, CodeViews(lesson.piles, object, options.entries),
+  ForEachIsolatedBlock(views, object, form, CodeViews(lesson.piles, object, options.entries),
                        options.seed, [&](const LabelledPatches& patches, double share) {
                          AppendAll(patches, lesson.codes);
                          return on_share(kPilesShare + (1 - kPilesShare) * share);

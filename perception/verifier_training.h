@@ -43,12 +43,13 @@ struct VerifierLesson {
 
 // on_share(0..1) returns false to stop; what comes back is then unfinished. Throws InputError when
 // no pile shows the part.
-VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, double side_m,
+VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, const PatchForm& form,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double share)>& on_share);
 
-// Views of piles that hold the part, without colour; fewer when on_share(0..1) returns false.
-std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object,
+// Views of piles that hold the part, with colour only where asked for; fewer when on_share(0..1)
+// returns false.
+std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, bool color,
                                         const VerifierTrainingOptions& options,
                                         const std::function<bool(double share)>& on_share);
 

@@ -48,14 +48,15 @@ Image<Rgb8> VoteTile(const Board& board, PartOutlines& outlines, const QueryTile
   return tile.Take();
 }
 
-Image<Rgb8> FramedPatch(const std::optional<PatchValues>& values, Rgb8 frame) {
+Image<Rgb8> FramedPatch(const std::optional<PatchValues>& values, PatchChannels channels,
+                        Rgb8 frame) {
   Canvas tile(kTile_px, kTile_px, frame);
   static_assert(kTile_px - 2 * kFrame_px >= 3 * kPatchPixels);
   tile.Fill(kFrame_px, kFrame_px, kTile_px - 2 * kFrame_px, kTile_px - 2 * kFrame_px,
             {225, 228, 232});
   if (values) {
     constexpr int kAt = (kTile_px - 3 * kPatchPixels) / 2;
-    tile.Paste(Enlarged(PatchPicture(*values), 3, false), kAt, kAt);
+    tile.Paste(Enlarged(PatchPicture(*values, channels), 3, false), kAt, kAt);
   } else {
     tile.Text("no view", 24, kTile_px / 2 + 4, kFaint, 0.42);
   }
@@ -68,15 +69,15 @@ int BlockWidth(size_t neighbors) {
 constexpr int kBlockHeight_px = kCaption_px + 2 * kTile_px + kGap_px;
 
 void DrawQuery(Canvas& sheet, int x, int y, const Board& board, PartOutlines& outlines,
-               const QueryTile& query) {
+               const QueryTile& query, PatchChannels channels) {
   const int patch_y = y + kCaption_px, place_y = patch_y + kTile_px + kGap_px / 2;
   sheet.Text("query", x, y + 12, kInk, 0.42);
-  sheet.Paste(FramedPatch(query.patch->values, kUnknown), x, patch_y);
+  sheet.Paste(FramedPatch(query.patch->values, channels, kUnknown), x, patch_y);
   sheet.Paste(PlaceTile(board, query), x, place_y);
   for (const NeighborTile& neighbor : query.neighbors) {
     x += kTile_px + kGap_px;
     sheet.Text(neighbor.caption, x, y + 12, kInk, 0.38);
-    sheet.Paste(FramedPatch(neighbor.patch, neighbor.color), x, patch_y);
+    sheet.Paste(FramedPatch(neighbor.patch, channels, neighbor.color), x, patch_y);
     sheet.Paste(VoteTile(board, outlines, query, neighbor), x, place_y);
   }
 }
@@ -107,10 +108,14 @@ Image<Rgb8> PoseCrop(const Board& board, PartOutlines& outlines, const ObjectMod
 
 }  // namespace
 
-Image<Rgb8> PatchPicture(const PatchValues& values) {
+Image<Rgb8> PatchPicture(const PatchValues& values, PatchChannels channels) {
   const Eigen::Vector3d light = Eigen::Vector3d(-0.45, -0.55, -0.7).normalized();
   Image<Rgb8> picture(kPatchPixels, kPatchPixels);
   for (int i = 0; i < kPatchArea; ++i) {
+    if (channels == PatchChannels::kDepthColor && !IsUnknownAt(values, i)) {
+      picture.data()[i] = PatchColorAt(values, i);
+      continue;
+    }
     const double depth = values[i] / 127.0;
     const Eigen::Vector3d normal =
         Eigen::Vector3d(values[kPatchArea + i], values[2 * kPatchArea + i],
@@ -131,7 +136,7 @@ Image<Rgb8> PatchPicture(const PatchValues& values) {
 }
 
 Image<Rgb8> PatchSheet(const Board& board, PartOutlines& outlines,
-                       const std::vector<QueryTile>& queries,
+                       const std::vector<QueryTile>& queries, PatchChannels channels,
                        const std::vector<LegendEntry>& legend) {
   size_t most = 0;
   for (const QueryTile& query : queries) most = std::max(most, query.neighbors.size());
@@ -143,7 +148,7 @@ Image<Rgb8> PatchSheet(const Board& board, PartOutlines& outlines,
     const int column = static_cast<int>(i) % kQueryColumns,
               row = static_cast<int>(i) / kQueryColumns;
     DrawQuery(sheet, kGap_px + column * (block + kBlockGap_px - kGap_px),
-              kGap_px + row * (kBlockHeight_px + kGap_px), board, outlines, queries[i]);
+              kGap_px + row * (kBlockHeight_px + kGap_px), board, outlines, queries[i], channels);
   }
   return WithLegend(sheet.Take(), legend);
 }

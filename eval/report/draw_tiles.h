@@ -31,11 +31,12 @@ struct QueryTile {
 // A block a query: its patch over its place in the image, then each neighbour's patch over the pose
 // that it votes for.
 Image<Rgb8> PatchSheet(const Board& board, PartOutlines& outlines,
-                       const std::vector<QueryTile>& queries,
+                       const std::vector<QueryTile>& queries, PatchChannels channels,
                        const std::vector<LegendEntry>& legend);
 
-// A patch by depth (near is warm), shaded by its normals; dark where nothing is known.
-Image<Rgb8> PatchPicture(const PatchValues& values);
+// A patch by depth (near is warm), shaded by its normals, or in its colours; dark where nothing is
+// known.
+Image<Rgb8> PatchPicture(const PatchValues& values, PatchChannels channels);
 
 struct PoseTile {
   int object = 0;

@@ -33,10 +33,12 @@ uint8_t Byte(double share) {
   return static_cast<uint8_t>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
 }
 
-Rgb8 PatchColor(const int8_t* values) {
+Rgb8 PixelColor(std::span<const int8_t> patch, PatchChannels channels, int pixel) {
+  if (IsUnknownAt(patch, pixel)) return kBackground;
+  if (channels == PatchChannels::kDepthColor) return PatchColorAt(patch, pixel);
+  const int8_t* values = patch.data() + pixel;
   const double depth = values[0] / 127.0;
   const Eigen::Vector3d normal(values[kPatchArea], values[2 * kPatchArea], values[3 * kPatchArea]);
-  if (values[0] == 127 && normal.isZero()) return kBackground;
   const double light = 0.75 - 0.25 * depth;
   if (normal.isZero()) return {Byte(0.5 * light), Byte(0.5 * light), Byte(0.5 * light)};
   const Eigen::Vector3d n = normal / 127.0;
@@ -71,25 +73,25 @@ std::vector<size_t> Spread(const std::vector<HeldOutAnswer>& answers, bool right
 
 }  // namespace
 
-Image<Rgb8> DrawPatch(std::span<const int8_t> patch, int zoom) {
+Image<Rgb8> DrawPatch(std::span<const int8_t> patch, PatchChannels channels, int zoom) {
   Image<Rgb8> image(zoom * kPatchPixels, zoom * kPatchPixels);
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
-      image(x, y) = PatchColor(patch.data() + y / zoom * kPatchPixels + x / zoom);
+      image(x, y) = PixelColor(patch, channels, y / zoom * kPatchPixels + x / zoom);
     }
   }
   return image;
 }
 
-Image<Rgb8> DrawPairs(const std::vector<PatchPairs>& pairs, const ObjectSet& objects,
-                      int per_part) {
+Image<Rgb8> DrawPairs(const std::vector<PatchPairs>& pairs, PatchChannels channels,
+                      const ObjectSet& objects, int per_part) {
   std::vector<Image<Rgb8>> tiles;
   std::vector<std::string> captions;
   for (size_t part = 0; part < pairs.size(); ++part) {
     const size_t count = std::min<size_t>(per_part, pairs[part].size());
     for (size_t i = 0; i < count; ++i) {
-      tiles.push_back(SideBySide(
-          {DrawPatch(pairs[part].anchors.patch(i), 3), DrawPatch(pairs[part].codes.patch(i), 3)}));
+      tiles.push_back(SideBySide({DrawPatch(pairs[part].anchors.patch(i), channels, 3),
+                                  DrawPatch(pairs[part].codes.patch(i), channels, 3)}));
       captions.push_back(objects[part]->name);
     }
   }
@@ -97,7 +99,7 @@ Image<Rgb8> DrawPairs(const std::vector<PatchPairs>& pairs, const ObjectSet& obj
 }
 
 Image<Rgb8> DrawAnswers(const std::vector<HeldOutAnswer>& answers, const HeldOutSet& set,
-                        const ObjectSet& objects, int count) {
+                        PatchChannels channels, const ObjectSet& objects, int count) {
   std::vector<size_t> wrong = Spread(answers, false), right = Spread(answers, true);
   const size_t half = count / 2;
   const size_t wrong_kept =
@@ -110,9 +112,9 @@ Image<Rgb8> DrawAnswers(const std::vector<HeldOutAnswer>& answers, const HeldOut
   for (const size_t row : wrong) {
     const HeldOutAnswer& answer = answers[row];
     const PatchPairs& pairs = set.queries[answer.part];
-    tiles.push_back(
-        SideBySide({DrawPatch(pairs.anchors.patch(answer.query), 3), DrawPatch(answer.found, 3),
-                    DrawPatch(pairs.codes.patch(answer.query), 3)}));
+    tiles.push_back(SideBySide({DrawPatch(pairs.anchors.patch(answer.query), channels, 3),
+                                DrawPatch(answer.found, channels, 3),
+                                DrawPatch(pairs.codes.patch(answer.query), channels, 3)}));
     std::string caption = objects[answer.part]->name;
     if (answer.found_part != answer.part) caption += " as " + objects[answer.found_part]->name;
     captions.push_back(caption + (answer.right ? ": right" : ": wrong"));

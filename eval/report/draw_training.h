@@ -13,17 +13,18 @@
 namespace pickbed {
 
 // A patch of patch.h, `zoom` pixels a pixel: normals as colours (facing the camera = light blue),
-// darker the farther; background dark, surface without a normal grey.
-Image<Rgb8> DrawPatch(std::span<const int8_t> patch, int zoom);
+// darker the farther, or its own colours; background dark, surface without a normal grey.
+Image<Rgb8> DrawPatch(std::span<const int8_t> patch, PatchChannels channels, int zoom);
 
 // Pairs that were learned from, side by side: from a pile, from the isolated view; `per_part` of
 // each part at most.
-Image<Rgb8> DrawPairs(const std::vector<PatchPairs>& pairs, const ObjectSet& objects, int per_part);
+Image<Rgb8> DrawPairs(const std::vector<PatchPairs>& pairs, PatchChannels channels,
+                      const ObjectSet& objects, int per_part);
 
 // Query, found, true; `count` at most, of right and of wrong answers half each where there are
 // enough, spread over the parts.
 Image<Rgb8> DrawAnswers(const std::vector<HeldOutAnswer>& answers, const HeldOutSet& set,
-                        const ObjectSet& objects, int count);
+                        PatchChannels channels, const ObjectSet& objects, int count);
 
 // Descriptors along their first two principal axes, a dot a query: coloured by part or, of one
 // part, by the side that is seen (x, y, z of the viewing direction as red, green, blue).

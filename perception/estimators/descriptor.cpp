@@ -33,6 +33,8 @@ uint64_t CodesKey(const DescriptorModel& model, const ObjectModel& object, doubl
   std::string text = WriteSettings([&](SettingsVisitor& v) { isolated.Visit(v); });
   text += fmt::format("{:016x} {:016x} {} {} {}", model.network_hash, object.mesh_hash, side_m,
                       seed, views);
+  // Weights say nothing of the patches that they learned from.
+  if (model.network.channels() == PatchChannels::kDepthColor) text += "rgbd";
   return HashBytes(text.data(), text.size());
 }
 
@@ -88,6 +90,12 @@ void LearnedEstimator::AddRegression(const EstimatorSetup& setup, const std::fil
   constexpr const char* kCommand = "pickbed train doumanoglou";
   regression_.emplace(LoadModel(file, kCommand));
   regressed_ = TrainedParts(regression_->info.objects, setup.objects, file, kCommand);
+  CheckInput(
+      regression_->network.channels() == model_.network.channels(),
+      fmt::format("{}: its network learned from {} and that which looks patches up from {}; both "
+                  "must see the same",
+                  file.string(), NameOf(regression_->network.channels()),
+                  NameOf(model_.network.channels())));
   for (size_t i = 0; i < regressed_.size(); ++i) {
     const double side_m = regression_->info.objects[regressed_[i]].side_m;
     const double wanted_m = model_.info.objects[trained_[i]].side_m;
@@ -130,9 +138,9 @@ ObjectCodes LearnedEstimator::Codes(const EstimatorSetup& setup, int object, dou
   const auto on_share = [&](double share) {
     if (setup.on_progress) setup.on_progress("code book of " + part.name, share);
   };
-  const ObjectCodes codes = MakeObjectCodes(*setup.views, object, side_m, model_.network.length(),
-                                            VoterOf(model_.network, threads_).describe, isolated,
-                                            options_.code_seed, threads_, on_share);
+  const ObjectCodes codes = MakeObjectCodes(
+      *setup.views, object, {side_m, model_.network.channels()}, model_.network.length(),
+      VoterOf(model_.network, threads_).describe, isolated, options_.code_seed, threads_, on_share);
   if (!setup.cache_dir.empty()) WriteCodes(file, codes, key);
   return codes;
 }

@@ -78,11 +78,16 @@ class Autoencoder : public PatchNetwork, public torch::nn::Module {
 
 void AutoencoderOptions::Visit(SettingsVisitor& v) {
   v.Text("target", target, {"itself", "twin"}, "what the decoder gives back");
-  v.Text("channels", channels, {"depth", "depth_normals"}, "of the patch that are seen");
+  v.Text("channels", channels, {"depth", "depth_normals", "rgbd"}, "of the patch that are seen");
 }
 
 std::unique_ptr<PatchNetwork> MakeAutoencoder(const NetworkOptions& options, int) {
   return std::make_unique<Autoencoder>(options.autoencoder, options.descriptor);
+}
+
+PatchChannels AutoencoderChannels(const NetworkOptions& options) {
+  return options.autoencoder.channels == "rgbd" ? PatchChannels::kDepthColor
+                                                : PatchChannels::kDepthNormals;
 }
 
 TrainingOptions KehlTraining() {

@@ -16,7 +16,8 @@ std::span<const PatchNetworkRow> PatchNetworkTable() {
   static constexpr PatchNetworkRow rows[] = {
       {"convolutional", "three convolutions and two full layers, 80 k weights",
        MakeConvolutionalNetwork},
-      {"autoencoder", "gives the patch back through a narrow layer (kehl)", MakeAutoencoder},
+      {"autoencoder", "gives the patch back through a narrow layer (kehl)", MakeAutoencoder, true,
+       false, AutoencoderChannels},
       {"siamese_regression", "regresses the pose; features as far apart as poses (doumanoglou)",
        MakeSiameseRegression, false, true},
   };

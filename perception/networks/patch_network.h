@@ -39,6 +39,7 @@ struct PatchNetworkRow {
   std::unique_ptr<PatchNetwork> (*make)(const NetworkOptions& options, int parts);
   bool unit_rows = true;   // descriptors have unit length
   bool regresses = false;  // it gives poses too, of as many parts as it was made for
+  PatchChannels (*channels)(const NetworkOptions& options) = nullptr;  // null: depth and normals
 };
 
 std::span<const PatchNetworkRow> PatchNetworkTable();
@@ -48,5 +49,6 @@ const PatchNetworkRow& FindPatchNetwork(const std::string& name);
 std::unique_ptr<PatchNetwork> MakeConvolutionalNetwork(const NetworkOptions& options, int parts);
 std::unique_ptr<PatchNetwork> MakeAutoencoder(const NetworkOptions& options, int parts);
 std::unique_ptr<PatchNetwork> MakeSiameseRegression(const NetworkOptions& options, int parts);
+PatchChannels AutoencoderChannels(const NetworkOptions& options);
 
 }  // namespace pickbed

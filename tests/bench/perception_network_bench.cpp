@@ -56,7 +56,7 @@ const DescriptorModel& Shipped() {
 void Patches(benchmark::State& state) {
   const Pile& pile = BracketPile();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(CutPatches(pile.cloud, pile.pixels, pile.angles_rad, kSide_m));
+    benchmark::DoNotOptimize(CutPatches(pile.cloud, pile.pixels, pile.angles_rad, {kSide_m}));
   }
   state.SetItemsProcessed(state.iterations() * kPatches);
 }
@@ -65,7 +65,7 @@ BENCHMARK(Patches)->Name("patches/cut/600")->Unit(benchmark::kMillisecond);
 void Describe(benchmark::State& state) {
   const Pile& pile = BracketPile();
   const DescriptorNetwork& network = Shipped().network;
-  const PatchSet patches = CutPatches(pile.cloud, pile.pixels, pile.angles_rad, kSide_m);
+  const PatchSet patches = CutPatches(pile.cloud, pile.pixels, pile.angles_rad, {kSide_m});
   const double sgemm_rate = SgemmRate();
   const auto start = std::chrono::steady_clock::now();
   for (auto _ : state) benchmark::DoNotOptimize(network.Describe(patches.values));

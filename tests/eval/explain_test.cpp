@@ -132,8 +132,8 @@ TEST(EntryPatches, ShowWhatTheEntryWasMadeOf) {
   std::vector<std::vector<int8_t>> originals;
   for (const double angle : {0.0, 1.1, 4.0}) {
     const int pixel = cloud.foreground_pixels[cloud.foreground_pixels.size() / 2];
-    const PatchSet cut = CutPatches(cloud, {&pixel, 1}, {&angle, 1}, side_m);
-    entries.push_back({0, side_m, cut.X_CP[0].inverse() * X_CO});
+    const PatchSet cut = CutPatches(cloud, {&pixel, 1}, {&angle, 1}, {side_m});
+    entries.push_back({0, {side_m}, cut.X_CP[0].inverse() * X_CO});
     originals.push_back(cut.values);
   }
   const auto anew = EntryPatches(views, entries, distance_m, SmallCamera().fx);
@@ -173,10 +173,21 @@ TEST(DrawExplain, AFarPartOfAPatchIsColderAndTheUnknownIsDark) {
   set(0, -100, -127);
   set(1, 100, -127);
   set(2, 127, 0);
-  const Image<Rgb8> picture = explain::PatchPicture(values);
+  const Image<Rgb8> picture = explain::PatchPicture(values, PatchChannels::kDepthNormals);
   EXPECT_GT(picture(0, 0).r, picture(0, 0).b);
   EXPECT_GT(picture(1, 0).b, picture(1, 0).r);
   EXPECT_LT(picture(2, 0).r + picture(2, 0).g + picture(2, 0).b, 180);
+}
+
+TEST(DrawExplain, APatchOfColourIsShownInItsColours) {
+  explain::PatchValues values{};
+  std::fill_n(values.begin(), kPatchArea, 127);
+  values[0] = 20;
+  values[kPatchArea] = values[3 * kPatchArea] = -127;
+  values[2 * kPatchArea] = 127;
+  const Image<Rgb8> picture = explain::PatchPicture(values, PatchChannels::kDepthColor);
+  EXPECT_EQ(picture(0, 0), (Rgb8{0, 255, 0}));
+  EXPECT_LT(picture(1, 0).r, 60) << "background is dark, not middle grey";
 }
 
 TEST(SquareCrop, ShowsTheSquareEnlargedAboutItsCentre) {
@@ -239,7 +250,7 @@ TEST_F(Page, HasAPictureOfEveryStage) {
   EstimateTrace trace = Trace(view_);
   const int pixel = trace.cloud.foreground_pixels[100];
   const double angle = 0;
-  const PatchSet cut = CutPatches(trace.cloud, {&pixel, 1}, {&angle, 1}, 0.03);
+  const PatchSet cut = CutPatches(trace.cloud, {&pixel, 1}, {&angle, 1}, {0.03});
   TracePatches({&pixel, 1}, cut, 0.03, trace);
   const LabelledInstance& part = view_.instances[0];
   RawHypothesis raw;

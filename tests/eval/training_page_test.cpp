@@ -46,12 +46,23 @@ TEST(DrawPatch, BackgroundIsDarkAndSurfacesShowTheirNormals) {
   std::fill_n(patch.begin(), kPatchArea, 127);  // nothing there
   patch[5] = 0;                                 // but one pixel of surface, facing the camera
   patch[3 * kPatchArea + 5] = -127;
-  const Image<Rgb8> image = DrawPatch(patch, 2);
+  const Image<Rgb8> image = DrawPatch(patch, PatchChannels::kDepthNormals, 2);
   EXPECT_EQ(image.width(), 64);
   EXPECT_EQ(image(10, 0), image(11, 1)) << "a pixel is not drawn as a square";
   EXPECT_LT(image(8, 0).b, 50);
   EXPECT_GT(image(10, 0).b, 150);
   EXPECT_GT(image(10, 0).b, image(10, 0).r);
+}
+
+TEST(DrawPatch, ColourIsShownAsItIs) {
+  std::vector<int8_t> patch(kPatchValues, 0);
+  std::fill_n(patch.begin(), kPatchArea, 127);
+  patch[5] = 0;
+  patch[kPatchArea + 5] = 127;  // red
+  patch[2 * kPatchArea + 5] = patch[3 * kPatchArea + 5] = -127;
+  const Image<Rgb8> image = DrawPatch(patch, PatchChannels::kDepthColor, 1);
+  EXPECT_EQ(image(5, 0), (Rgb8{255, 0, 0}));
+  EXPECT_LT(image(4, 0).b, 50) << "background is dark, not middle grey";
 }
 
 PatchPairs Pairs(int count) {

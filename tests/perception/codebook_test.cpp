@@ -42,7 +42,7 @@ IsolatedOptions FewViews(int views) {
 }
 
 ObjectCodes SmallBook(RayCastViews& views, int count, int threads = 1) {
-  return MakeObjectCodes(views, 0, kSideM, kLength, BlockMeans, FewViews(count), 7, threads, {});
+  return MakeObjectCodes(views, 0, {kSideM}, kLength, BlockMeans, FewViews(count), 7, threads, {});
 }
 
 class CodebookFile : public testing::Test {
@@ -69,13 +69,14 @@ TEST(Codebook, QueryOfAnEntrysOwnViewVotesForTheTruth) {
     const LabelledView view = views.Isolated(0, {truths[i]}, camera, 1).front();
     clouds.push_back(BuildCloud(view.frame, std::nullopt, keep_planes));
     const int pixel = clouds[i].foreground_pixels[clouds[i].foreground_pixels.size() / 2];
-    const PatchSet cut = CutPatches(clouds[i], std::vector{pixel}, std::vector{angles[i]}, kSideM);
+    const PatchSet cut =
+        CutPatches(clouds[i], std::vector{pixel}, std::vector{angles[i]}, {kSideM});
     AppendCodes({cut.values, {cut.X_CP[0].inverse() * truths[i]}}, BlockMeans, codes);
   }
   for (int i = 0; i < 30; ++i) {
     const int pixel = clouds[i].foreground_pixels[clouds[i].foreground_pixels.size() / 2];
     const PatchSet query =
-        CutPatches(clouds[i], std::vector{pixel}, std::vector{angles[i]}, kSideM);
+        CutPatches(clouds[i], std::vector{pixel}, std::vector{angles[i]}, {kSideM});
     const Neighbors found = SearchExactly(codes.descriptors, BlockMeans(query.values), kLength, 1);
     ASSERT_EQ(found.rows[0], i);
     const Pose X_CO = query.X_CP[0] * CodePose(codes, found.rows[0]);
@@ -90,7 +91,7 @@ TEST(Codebook, FreshViewVotesNearTheTruthMoreOftenThanChance) {
   const ObjectCodes codes = SmallBook(views, 600);
   const PoseEmbedding embedding(*views.objects()[0]);
   int near = 0, chance = 0, queries = 0;
-  ForEachIsolatedBlock(views, 0, kSideM, FewViews(40), 99, [&](LabelledPatches patches, double) {
+  ForEachIsolatedBlock(views, 0, {kSideM}, FewViews(40), 99, [&](LabelledPatches patches, double) {
     const Neighbors found =
         SearchExactly(codes.descriptors, BlockMeans(patches.values), kLength, 5);
     for (size_t i = 0; i < patches.size(); ++i, ++queries) {
@@ -134,7 +135,7 @@ TEST(Codebook, WhatDescribingThrowsIsThrownHere) {
     throw std::runtime_error("no memory");
   };
   for (const int threads : {1, 2}) {
-    EXPECT_THROW(MakeObjectCodes(views, 0, kSideM, kLength, fail, FewViews(600), 7, threads, {}),
+    EXPECT_THROW(MakeObjectCodes(views, 0, {kSideM}, kLength, fail, FewViews(600), 7, threads, {}),
                  std::runtime_error);
   }
 }

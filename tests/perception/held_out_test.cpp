@@ -28,7 +28,7 @@ class HeldOut : public testing::Test {
 };
 
 TEST_F(HeldOut, EveryQueryHasARightAnswerInTheBook) {
-  const HeldOutSet set = MakeHeldOut(views_, {kSide_m}, Few(), 5, kGoOn);
+  const HeldOutSet set = MakeHeldOut(views_, {{kSide_m}}, Few(), 5, kGoOn);
   ASSERT_EQ(set.queries.size(), 1u);
   ASSERT_EQ(set.queries[0].size(), 25u);
   EXPECT_EQ(set.distract[0].size(), 40u);
@@ -39,9 +39,9 @@ TEST_F(HeldOut, EveryQueryHasARightAnswerInTheBook) {
 }
 
 TEST_F(HeldOut, SeedDecidesTheSet) {
-  const HeldOutSet a = MakeHeldOut(views_, {kSide_m}, Few(), 5, kGoOn);
-  const HeldOutSet b = MakeHeldOut(views_, {kSide_m}, Few(), 5, kGoOn);
-  const HeldOutSet c = MakeHeldOut(views_, {kSide_m}, Few(), 6, kGoOn);
+  const HeldOutSet a = MakeHeldOut(views_, {{kSide_m}}, Few(), 5, kGoOn);
+  const HeldOutSet b = MakeHeldOut(views_, {{kSide_m}}, Few(), 5, kGoOn);
+  const HeldOutSet c = MakeHeldOut(views_, {{kSide_m}}, Few(), 6, kGoOn);
   EXPECT_EQ(a.queries[0].anchors.values, b.queries[0].anchors.values);
   EXPECT_EQ(a.distract[0].values, b.distract[0].values);
   EXPECT_NE(a.queries[0].anchors.values, c.queries[0].anchors.values);
@@ -49,7 +49,7 @@ TEST_F(HeldOut, SeedDecidesTheSet) {
 
 TEST_F(HeldOut, StopIsHeeded) {
   int calls = 0;
-  MakeHeldOut(views_, {kSide_m}, Few(), 5, [&](double) {
+  MakeHeldOut(views_, {{kSide_m}}, Few(), 5, [&](double) {
     ++calls;
     return false;
   });

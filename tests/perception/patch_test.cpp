@@ -1,12 +1,15 @@
 #include "perception/patch.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "scenes/check.h"
 #include "tests/support/analytic_clouds.h"
+#include "tests/support/error_of.h"
 
 namespace pickbed {
 namespace {
@@ -54,7 +57,7 @@ TEST(PatchFrame, AngleTurnsAboutTheRay) {
 TEST(CutPatches, FrontalPlaneIsFlatWithNormalTowardsTheCamera) {
   const OrganizedCloud cloud = PlaneCloud(0.8, Eigen::Vector3d(0, 0, -1));
   const int pixel = CenterPixel(cloud);
-  const PatchSet set = CutPatches(cloud, std::vector{pixel}, std::vector{0.3}, 0.08);
+  const PatchSet set = CutPatches(cloud, std::vector{pixel}, std::vector{0.3}, {0.08});
   for (const int row : {0, 7, kCenter, 31}) {
     for (const int col : {0, 13, kCenter, 31}) {
       // The ray of the pixel next to the optical axis tilts the patch by less than a milliradian.
@@ -69,7 +72,7 @@ TEST(CutPatches, TiltedPlaneHasTheDepthOfItsEquation) {
   const OrganizedCloud cloud = PlaneCloud(0.8, normal);
   const int pixel = CenterPixel(cloud) + 40;
   const double side_m = 0.08;
-  const PatchSet set = CutPatches(cloud, std::vector{pixel}, std::vector{1.1}, side_m);
+  const PatchSet set = CutPatches(cloud, std::vector{pixel}, std::vector{1.1}, {side_m});
   const Eigen::Matrix3d R_PC = set.X_CP[0].linear().transpose();
   const Eigen::Vector3d normal_P = R_PC * normal;
   const double camera_m = set.X_CP[0].translation().norm();
@@ -92,7 +95,8 @@ TEST(CutPatches, TiltedPlaneHasTheDepthOfItsEquation) {
 TEST(CutPatches, SphereHasItsDepthNormalsAndFarSurroundings) {
   const double radius_m = 0.03, side_m = 0.08;
   const OrganizedCloud cloud = SphereCloud(0.8, radius_m);
-  const PatchSet set = CutPatches(cloud, std::vector{CenterPixel(cloud)}, std::vector{0.0}, side_m);
+  const PatchSet set =
+      CutPatches(cloud, std::vector{CenterPixel(cloud)}, std::vector{0.0}, {side_m});
   for (int row = 0; row < kPatchPixels; ++row) {
     for (int col = 0; col < kPatchPixels; ++col) {
       const double x = GridCoordinate(col, side_m), y = GridCoordinate(row, side_m);
@@ -116,7 +120,7 @@ TEST(CutPatches, QuarterTurnOfTheFrameTurnsTheImage) {
   const int pixel = CenterPixel(cloud);
   const double quarter = 0.5 * std::numbers::pi;
   const PatchSet set =
-      CutPatches(cloud, std::vector{pixel, pixel}, std::vector{0.0, quarter}, 0.08);
+      CutPatches(cloud, std::vector{pixel, pixel}, std::vector{0.0, quarter}, {0.08});
   // x of the turned frame is y of the first, y of the turned frame is -x of the first.
   for (int row = 0; row < kPatchPixels; ++row) {
     for (int col = 0; col < kPatchPixels; ++col) {
@@ -131,8 +135,8 @@ TEST(CutPatches, QuarterTurnOfTheFrameTurnsTheImage) {
 TEST(CutPatches, LooksTheSameAtAnotherDistance) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.5, 0.2, -1).normalized();
   const OrganizedCloud near = PlaneCloud(0.6, normal), far = PlaneCloud(1.2, normal);
-  const PatchSet a = CutPatches(near, std::vector{CenterPixel(near)}, std::vector{0.5}, 0.06);
-  const PatchSet b = CutPatches(far, std::vector{CenterPixel(far)}, std::vector{0.5}, 0.06);
+  const PatchSet a = CutPatches(near, std::vector{CenterPixel(near)}, std::vector{0.5}, {0.06});
+  const PatchSet b = CutPatches(far, std::vector{CenterPixel(far)}, std::vector{0.5}, {0.06});
   for (int i = 0; i < kPatchValues; ++i) {
     // A pixel of 1.8 mm at 1.2 m on a slope of one half, and less perspective.
     EXPECT_NEAR(a.values[i], b.values[i], 8) << i;
@@ -142,7 +146,7 @@ TEST(CutPatches, LooksTheSameAtAnotherDistance) {
 TEST(CutPatches, PixelsOutsideTheImageAndBackgroundAreFar) {
   OrganizedCloud cloud = PlaneCloud(0.8, Eigen::Vector3d(0, 0, -1));
   const int corner = 5 * cloud.intrinsics.width + 5;
-  const PatchSet cut = CutPatches(cloud, std::vector{corner}, std::vector{0.0}, 0.08);
+  const PatchSet cut = CutPatches(cloud, std::vector{corner}, std::vector{0.0}, {0.08});
   EXPECT_EQ(Value(cut, 0, 0, 0, 0), 1.0);
   // The other corner sees the plane, which is slanted against the ray to the image's corner.
   const double half_m = 0.04;
@@ -151,9 +155,92 @@ TEST(CutPatches, PixelsOutsideTheImageAndBackgroundAreFar) {
   const Eigen::Vector3d hit_C = grid_C * (0.8 / grid_C.z());
   EXPECT_NEAR(Value(cut, 0, 0, 31, 31), (X_CP.inverse() * hit_C).z() / half_m, 0.05);
   cloud.foreground = Image<uint8_t>(cloud.intrinsics.width, cloud.intrinsics.height, 0);
-  const PatchSet none = CutPatches(cloud, std::vector{corner}, std::vector{0.0}, 0.08);
+  const PatchSet none = CutPatches(cloud, std::vector{corner}, std::vector{0.0}, {0.08});
   EXPECT_EQ(Value(none, 0, 0, 31, 31), 1.0);
   EXPECT_EQ(Value(none, 0, 3, 31, 31), 0.0);
+}
+
+// Red grows to the right of the image, green downwards; a pixel is a step of 2.2.
+Rgb8 Paint(const CameraIntrinsics& k, double x, double y) {
+  const auto byte = [](double v) { return static_cast<uint8_t>(std::clamp(v, 0.0, 255.0)); };
+  return {byte(128 + 2.2 * (x - k.cx)), byte(128 + 2.2 * (y - k.cy)), 40};
+}
+
+OrganizedCloud PaintedPlane() {
+  OrganizedCloud cloud = PlaneCloud(0.8, Eigen::Vector3d(0, 0, -1));
+  const CameraIntrinsics& k = cloud.intrinsics;
+  cloud.color = Image<Rgb8>(k.width, k.height);
+  for (int y = 0; y < k.height; ++y) {
+    for (int x = 0; x < k.width; ++x) cloud.color(x, y) = Paint(k, x, y);
+  }
+  return cloud;
+}
+
+TEST(ColorPatches, HaveTheColoursOfTheirPixelsAtAnyTurn) {
+  const OrganizedCloud cloud = PaintedPlane();
+  const double side_m = 0.08;
+  const int pixel = CenterPixel(cloud);
+  const std::vector<double> angles{0.0, 0.9, 0.5 * std::numbers::pi, 4.0};
+  const PatchSet set = CutPatches(cloud, std::vector<int>(angles.size(), pixel), angles,
+                                  {side_m, PatchChannels::kDepthColor});
+  for (size_t i = 0; i < angles.size(); ++i) {
+    for (int cell = 0; cell < kPatchArea; ++cell) {
+      const int row = cell / kPatchPixels, col = cell % kPatchPixels;
+      const Eigen::Vector3d grid_P(GridCoordinate(col, side_m), GridCoordinate(row, side_m), 0);
+      const Eigen::Vector2d at = Project(cloud.intrinsics, set.X_CP[i] * grid_P);
+      const Rgb8 expected = Paint(cloud.intrinsics, at.x(), at.y());
+      const Rgb8 seen = PatchColorAt(set.patch(i), cell);
+      // Half a pixel, bytes that are cut off, and a step of the stored value.
+      ASSERT_NEAR(seen.r, expected.r, 3.1) << angles[i] << " " << row << " " << col;
+      ASSERT_NEAR(seen.g, expected.g, 3.1) << angles[i] << " " << row << " " << col;
+      ASSERT_NEAR(seen.b, expected.b, 1);
+    }
+  }
+}
+
+TEST(ColorPatches, ValuesSpanTheWholeRangeAndDepthStaysWhatItWas) {
+  OrganizedCloud cloud = PaintedPlane();
+  std::ranges::fill(cloud.color.pixels(), Rgb8{0, 255, 128});
+  const std::vector<int> pixel{CenterPixel(cloud)};
+  const std::vector<double> angle{0.3};
+  const PatchSet color = CutPatches(cloud, pixel, angle, {0.08, PatchChannels::kDepthColor});
+  const PatchSet normals = CutPatches(cloud, pixel, angle, {0.08});
+  for (int i = 0; i < kPatchArea; ++i) {
+    EXPECT_EQ(color.values[i], normals.values[i]);
+    EXPECT_EQ(color.values[i + kPatchArea], -127);
+    EXPECT_EQ(color.values[i + 2 * kPatchArea], 127);
+    EXPECT_NEAR(color.values[i + 3 * kPatchArea], 0, 1);
+  }
+  cloud.color = {};
+  EXPECT_EQ(CutPatches(cloud, pixel, angle, {0.08}).values, normals.values);
+}
+
+TEST(ColorPatches, BackgroundAndWhatIsOutsideAreNeutral) {
+  OrganizedCloud cloud = PaintedPlane();
+  const std::vector<int> corner{5 * cloud.intrinsics.width + 5};
+  const std::vector<double> angle{0.0};
+  const PatchForm form{0.08, PatchChannels::kDepthColor};
+  const PatchSet cut = CutPatches(cloud, corner, angle, form);
+  EXPECT_TRUE(IsUnknownAt(cut.patch(0), 0));
+  EXPECT_FALSE(IsUnknownAt(cut.patch(0), kPatchArea - 1));
+  cloud.foreground = Image<uint8_t>(cloud.intrinsics.width, cloud.intrinsics.height, 0);
+  const PatchSet none = CutPatches(cloud, corner, angle, form);
+  for (int i = 0; i < kPatchArea; ++i) {
+    EXPECT_EQ(none.values[i], 127);
+    for (int c = 1; c < kPatchChannels; ++c) EXPECT_EQ(none.values[i + c * kPatchArea], 0);
+  }
+}
+
+TEST(ColorPatches, NeedColourOfTheDepthImagesSize) {
+  OrganizedCloud cloud = PaintedPlane();
+  RequireChannels(cloud, PatchChannels::kDepthColor);
+  cloud.color = Image<Rgb8>(64, 48);
+  EXPECT_THAT(ErrorOf([&] { RequireChannels(cloud, PatchChannels::kDepthColor); }),
+              testing::HasSubstr("colour image is 64x48 and depth image 640x480"));
+  cloud.color = {};
+  EXPECT_THAT(ErrorOf([&] { RequireChannels(cloud, PatchChannels::kDepthColor); }),
+              testing::HasSubstr("no colour image"));
+  RequireChannels(cloud, PatchChannels::kDepthNormals);
 }
 
 }  // namespace

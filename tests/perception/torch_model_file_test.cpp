@@ -53,6 +53,21 @@ TEST_F(ModelFile, VerifierAndWeightsSurviveTheRoundTrip) {
   EXPECT_EQ(model.verifiers.at(0).Score(features), verifier_.Score(features));
 }
 
+TEST_F(ModelFile, NetworkOfColourDescribesAsBeforeItWasSaved) {
+  Untrained();
+  ModelInfo info;
+  info.objects = {{"test part", objects_[0]->mesh_hash, 0.08, 0.064}};
+  info.network = {"autoencoder", 8};
+  info.network.autoencoder.channels = "rgbd";
+  const DescriptorNetwork network(info.network, 3);
+  SaveModel(folder_ / "rgbd.pt", info, network, {verifier_});
+  const DescriptorModel model = LoadModel(folder_ / "rgbd.pt");
+  std::vector<int8_t> patches(3 * kPatchValues);
+  for (size_t i = 0; i < patches.size(); ++i) patches[i] = static_cast<int8_t>(i * 37 % 251 - 125);
+  EXPECT_EQ(model.network.Describe(patches), network.Describe(patches));
+  EXPECT_EQ(model.network.channels(), PatchChannels::kDepthColor);
+}
+
 TEST_F(ModelFile, DamagedFilesAreRefusedWithTheirName) {
   const std::filesystem::path file = Untrained();
   const std::string bytes = ReadFileBytes(file);
