@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/comparison_figures.h"
+#include "perception/pose_estimator.h"
 #include "perception/torch_model_file.h"
 #include "perception/torch_verifier_file.h"
 #include "scenes/check.h"
@@ -26,8 +27,9 @@ bool Knows(const std::vector<ModelObject>& trained, const ObjectSet& objects) {
 
 // Of these a model is a file of verifiers, which is whole part by part.
 bool HasVerifiersAlone(const BinMethod& method) {
-  const std::string name = method.estimator;
-  return name == "ppf" || name == "wohlhart";
+  return std::ranges::any_of(EstimatorTable(), [&](const EstimatorRow& row) {
+    return row.candidates != nullptr && std::string(method.estimator) == row.name;
+  });
 }
 
 // What the file was trained for; nothing where it cannot be read.

@@ -250,6 +250,7 @@ int TrainCommand(int argc, char** argv) {
     ApplySetting(assignment, [&](SettingsVisitor& v) {
       if (arguments.verifier_for.empty()) return arguments.training.Visit(v);
       arguments.verifier.Visit(v);
+      if (RowWithCandidates(arguments.verifier_for).learn == nullptr) return;
       v.Group(
           "wohlhart", [&](SettingsVisitor& g) { arguments.wohlhart.Visit(g); }, "of wohlhart");
     });

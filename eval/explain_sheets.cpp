@@ -111,8 +111,7 @@ void Explainer::Patches() {
                 ? "(its colours; the network sees its depth, too)"
                 : "(depth, near is warm, shaded by its normals)") +
            " and the nearest entries, rendered anew; below, the patch's place and the pose that "
-           "each "
-           "entry votes for. Numbers are distances of the descriptors.");
+           "each entry votes for. Numbers are distances of the descriptors.");
 }
 
 PoseTile Explainer::TileOf(int object, const Pose& X_CO, std::string title,

@@ -11,10 +11,10 @@
 #include "perception/estimators/kehl.h"
 #include "perception/torch_model_file.h"
 #include "perception/training.h"
-#include "perception/votes.h"
 #include "scenes/files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
+#include "tests/support/share_found.h"
 #include "tests/support/synthetic_depth.h"
 #include "tests/support/temporary_folder.h"
 
@@ -81,21 +81,7 @@ TEST_P(PublishedMethod, LearnsAndFindsPartsThatLieFree) {
   EXPECT_EQ(LoadModel(folder_ / "model.pt").info.network.kind, Quick(GetParam()).network.kind);
 
   const auto estimator = RowOf(GetParam()).make(Setup("model.pt"));
-  const PoseDistance distance(*views_.objects()[0]);
-  int found = 0, parts = 0;
-  for (uint64_t seed = 5000; seed < 5004; ++seed) {
-    const LabelledView view = views_.Pile({seed, 1}).front();
-    Rng rng(1);
-    const EstimateResult result = estimator->Estimate({view.frame, OutOfSightBin()}, rng);
-    for (const LabelledInstance& instance : view.instances) {
-      ++parts;
-      found += std::any_of(result.hypotheses.begin(), result.hypotheses.end(),
-                           [&](const PoseHypothesis& hypothesis) {
-                             return distance(hypothesis.X_CO, instance.X_CO) < 0.1;
-                           });
-    }
-  }
-  EXPECT_GE(found, 0.5 * parts);
+  EXPECT_GE(ShareFound(*estimator, views_), 0.5);
 
   // What cannot be read, or is of another mesh, is told with the command that mends it.
   const std::string bytes = ReadFileBytes(folder_ / "model.pt");

@@ -10,10 +10,10 @@
 #include "perception/labelled_patches.h"
 #include "perception/patch.h"
 #include "perception/verifier_library.h"
-#include "perception/votes.h"
 #include "scenes/files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
+#include "tests/support/share_found.h"
 #include "tests/support/synthetic_depth.h"
 #include "tests/support/temporary_folder.h"
 
@@ -96,21 +96,7 @@ class WohlhartInBins : public testing::Test {
 TEST_F(WohlhartInBins, LearnsAndFindsPartsThatLieFree) {
   ASSERT_TRUE(Train("model.pt", Quick()).finished);
   const auto estimator = MakeWohlhartEstimator(Setup("model.pt"));
-  const PoseDistance distance(*views_.objects()[0]);
-  int found = 0, parts = 0;
-  for (uint64_t seed = 5000; seed < 5004; ++seed) {
-    const LabelledView view = views_.Pile({seed, 1}).front();
-    Rng rng(1);
-    const EstimateResult result = estimator->Estimate({view.frame, OutOfSightBin()}, rng);
-    for (const LabelledInstance& instance : view.instances) {
-      ++parts;
-      found += std::any_of(result.hypotheses.begin(), result.hypotheses.end(),
-                           [&](const PoseHypothesis& hypothesis) {
-                             return distance(hypothesis.X_CO, instance.X_CO) < 0.1;
-                           });
-    }
-  }
-  EXPECT_GE(found, 0.5 * parts);
+  EXPECT_GE(ShareFound(*estimator, views_), 0.5);
 
   // Where the part is another, the network's templates would be of the wrong mesh.
   EstimatorSetup changed = Setup("model.pt");
