@@ -87,6 +87,10 @@ void AssessmentOptions::Visit(SettingsVisitor& v) {
             "best poses, of all parts together, whose look-alikes are tried");
   v.Integer("look_alikes", look_alikes, {1, 1000}, "look-alikes of a pose that are refined");
   v.Integer("drawn", drawn, {1, 1000}, "look-alikes of a pose whose evidence is measured");
+  v.Real("least_quick_score", least_quick_score, {-1, 1}, "of a refined pose");
+  v.Integer("fine_points", fine_points, {6, 512}, "points of the last steps of ICP");
+  v.Integer("fine_steps", fine_steps, {0, 100}, "last steps of ICP, by more points");
+  v.Integer("evidence_pixels", evidence_pixels, {1, 1000000}, "of a candidate looked at, about");
   v.Real("merge_diameters", merge_diameters, {1e-4, 1}, "refined poses within it are one");
 }
 
@@ -166,7 +170,23 @@ RawHypothesis CandidateAssessor::Refined(const OrganizedCloud& cloud,
     best.X_CO = X_CO;
     best.quick_score = score;
   }
+  if (best.quick_score >= options_.least_quick_score) RefineFinely(cloud, best);
   return best;
+}
+
+// So few points as the first steps take leave a look-alike ahead of the true pose now and then.
+void CandidateAssessor::RefineFinely(const OrganizedCloud& cloud, RawHypothesis& pose) const {
+  constexpr float kMostLost = 0.05f;  // of the quick score, which counts whole points
+  const ModelPoints& model = models_[pose.object];
+  ProjectiveIcpOptions icp = options_.icp;
+  icp.coarse_iterations = 0;
+  icp.fine_iterations = options_.fine_steps;
+  icp.max_points = options_.fine_points;
+  const Pose X_CO = ProjectiveIcp(cloud, model, pose.X_CO, icp).X_CO;
+  const float score = static_cast<float>(QuickScore(cloud, model, X_CO, icp.gate_end_m));
+  if (score < pose.quick_score - kMostLost) return;
+  pose.X_CO = X_CO;
+  pose.quick_score = score;
 }
 
 std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& cloud,
@@ -181,6 +201,16 @@ std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& c
     trace->refinements.push_back({starts[i], refined[i], look_alikes});
   }
   return refined;
+}
+
+// Equal ones are one, and those without hope are none.
+std::vector<RawHypothesis> CandidateAssessor::Merged(std::vector<RawHypothesis> poses,
+                                                     size_t most) const {
+  std::erase_if(poses, [&](const RawHypothesis& pose) {
+    return pose.quick_score < options_.least_quick_score;
+  });
+  return ClusterVotes(std::move(poses), distances_, options_.merge_diameters,
+                      static_cast<int>(most));
 }
 
 // Those for which there is most evidence, best first. The quick score, a tenth of the work, tells
@@ -246,7 +276,8 @@ std::vector<Candidate> CandidateAssessor::WithFeatures(const OrganizedCloud& clo
       const Pose& X_CO = poses[i].X_CO;
       Candidate& candidate = candidates[i];
       candidate.hypothesis = {part, X_CO, poses[i].quick_score, {}};
-      const DepthEvidence evidence = evidence_[part](cloud, X_CO, scratch);
+      const DepthEvidence evidence =
+          evidence_[part](cloud, X_CO, scratch, options_.evidence_pixels);
       candidate.evidence = evidence.log_ratio;
       candidate.features = ComputeVerifyFeatures(
           cloud, models_[part], X_CO, evidence,
@@ -283,11 +314,13 @@ std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, in
   {
     const StageTimer timer(seconds, "icp");
     poses = AllRefined(cloud, poses, false, trace);
-    poses = ClusterVotes(std::move(poses), distances_, options_.merge_diameters, kept);
+    poses = Merged(std::move(poses), kept);
   }
   {
     const StageTimer timer(seconds, "look_alikes");
     AddLookAlikes(cloud, trace, poses);
+    const size_t all = poses.size();
+    poses = Merged(std::move(poses), all);
   }
   const StageTimer timer(seconds, "verify");
   return WithFeatures(cloud, poses, *density, patches);

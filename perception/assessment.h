@@ -37,7 +37,13 @@ struct AssessmentOptions {
   int turned = 12;
   int look_alikes = 3;
   int drawn = 12;  // look-alikes of a pose whose evidence is measured, by quick score
+  // Refined poses of a lower quick score are no candidates; the others are refined once more, by
+  // more of their points.
+  double least_quick_score = 0.05;
+  int fine_points = 512;
+  int fine_steps = 10;
   double merge_diameters = 0.03;  // refined poses within it are one
+  int evidence_pixels = 6000;     // of a candidate looked at for evidence; look-alikes take fewer
   ProjectiveIcpOptions icp;       // its gates are set from the above
   void Visit(SettingsVisitor& v);
 };
@@ -85,9 +91,11 @@ class CandidateAssessor {
   std::vector<RawHypothesis> Selected(std::vector<RawHypothesis> scored, const VoteDensity& density,
                                       const std::vector<PoseVote>& votes, int kept) const;
   RawHypothesis Refined(const OrganizedCloud& cloud, const RawHypothesis& start) const;
+  void RefineFinely(const OrganizedCloud& cloud, RawHypothesis& pose) const;
   std::vector<RawHypothesis> AllRefined(const OrganizedCloud& cloud,
                                         const std::vector<RawHypothesis>& starts, bool look_alikes,
                                         EstimateTrace* trace) const;
+  std::vector<RawHypothesis> Merged(std::vector<RawHypothesis> poses, size_t most) const;
   void AddLookAlikes(const OrganizedCloud& cloud, EstimateTrace* trace,
                      std::vector<RawHypothesis>& poses) const;
   std::vector<Pose> BestLookAlikes(const OrganizedCloud& cloud, const RawHypothesis& start,

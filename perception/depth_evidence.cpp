@@ -78,7 +78,8 @@ double DepthEvidenceOf::Agreement(double squared_sigmas) const {
 }
 
 DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pose& X_CO,
-                                          EvidenceScratch& scratch) const {
+                                          EvidenceScratch& scratch,
+                                          std::optional<int> max_pixels) const {
   DepthEvidence e;
   const CameraIntrinsics& k = cloud.intrinsics;
   const ImageBox box = BoxOf(FootprintOf(bounds_O_, X_CO, k), k);
@@ -93,7 +94,8 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
   const float per_step =
       kAgreementSteps / static_cast<float>(options_.max_sigmas * options_.max_sigmas);
   const double pixels = static_cast<double>(box.width) * box.height;
-  const int stride = std::max(1, static_cast<int>(std::sqrt(pixels / options_.max_pixels)));
+  const int stride =
+      std::max(1, static_cast<int>(std::sqrt(pixels / max_pixels.value_or(options_.max_pixels))));
   double agreement = 0;
   for (int y = stride / 2; y < box.height; y += stride) {
     const auto [begin, end] = scratch.Touched(y);

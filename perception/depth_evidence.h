@@ -8,6 +8,7 @@
 // Fox, "Probabilistic Robotics", 2005, section 6.3).
 
 #include <memory>
+#include <optional>
 
 #include "perception/depth_to_cloud.h"
 #include "scenes/face_raster.h"
@@ -48,9 +49,10 @@ class DepthEvidenceOf {
   explicit DepthEvidenceOf(const ObjectModel& model, const DepthEvidenceOptions& options = {});
 
   // All zero where the part is not wholly in front of the camera or outside the image. No
-  // allocation once the scratch has grown.
-  DepthEvidence operator()(const OrganizedCloud& cloud, const Pose& X_CO,
-                           EvidenceScratch& scratch) const;
+  // allocation once the scratch has grown. Looks at about max_pixels, or as many as the options
+  // say.
+  DepthEvidence operator()(const OrganizedCloud& cloud, const Pose& X_CO, EvidenceScratch& scratch,
+                           std::optional<int> max_pixels = {}) const;
 
  private:
   double Agreement(double squared_sigmas) const;

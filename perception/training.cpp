@@ -151,7 +151,8 @@ VerifierTrainingOptions Trainer::VerifierPlan() const {
   options.piles = options_.verifier_piles;
   options.views_per_pile = options_.views_per_pile;
   options.entries = options_.candidates.votes == "regressed" ? 0 : options_.verifier_entries;
-  options.candidates = options_.candidates;
+  options.candidates = {options_.candidates, options_.fast_candidates};
+  options.candidates.back().votes = options_.candidates.votes;
   options.verifier = options_.verifier;
   return options;
 }

@@ -47,8 +47,10 @@ struct TrainingOptions {
   LossOptions loss;
   VerifierOptions verifier;
   HeldOutOptions held_out;
-  // How the candidates are found that the verifier learns on.
+  // How the candidates are found that the verifier learns on: those of both modes, since in the
+  // fast one fewer rivals are looked at. The votes are those of the first.
   CandidateOptions candidates = HardCandidates();
+  CandidateOptions fast_candidates;
   void Visit(SettingsVisitor& v);
 };
 

@@ -32,6 +32,9 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
   v.Group(
       "candidates", [&](SettingsVisitor& g) { candidates.Visit(g); },
       "how the candidates are found that the verifier learns on");
+  v.Group(
+      "fast_candidates", [&](SettingsVisitor& g) { fast_candidates.Visit(g); },
+      "the same in mode fast; its votes are those of candidates");
 }
 
 }  // namespace pickbed

@@ -72,8 +72,10 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
           VerifierPiles(job.views, object, /*color=*/false, options,
                         [&](double share) { return report(kPilesShare * share); });
       if (!go_on) return {};
+      const std::unique_ptr<CandidateSource> source = job.candidates({objects[i]}, file.network);
+      const CandidateSource* const sources[] = {source.get()};
       const TrainedVerifier trained = TrainPartVerifier(
-          piles, object, *job.candidates({objects[i]}, file.network), options,
+          piles, object, sources, options,
           [&](double share) { return report(kPilesShare + (1 - kPilesShare) * share); });
       if (!go_on) return {};
       Put(part, trained, file);

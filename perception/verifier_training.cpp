@@ -145,31 +145,38 @@ TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
   ObjectCodes codes;
   codes.length = part.descriptor_length;
   AppendCodes(lesson.codes, part.voter.describe, codes);
-  const CandidateFinder finder({{model, part.side_m, codes, part.object}}, part.voter,
-                               options.candidates);
-  return TrainPartVerifier(lesson.piles, part.object, finder, options, on_share);
+  std::vector<std::unique_ptr<CandidateFinder>> finders;
+  std::vector<const CandidateSource*> sources;
+  for (const CandidateOptions& mode : options.candidates) {
+    finders.push_back(std::make_unique<CandidateFinder>(
+        std::vector<CandidatePart>{{model, part.side_m, codes, part.object}}, part.voter, mode));
+    sources.push_back(finders.back().get());
+  }
+  return TrainPartVerifier(lesson.piles, part.object, sources, options, on_share);
 }
 
 TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int object,
-                                  const CandidateSource& source,
+                                  std::span<const CandidateSource* const> sources,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double)>& on_share) {
-  const std::vector<PoseDistance>& distances = source.assessor().distances();
+  const CandidateAssessor& assessor = sources.front()->assessor();
+  const std::vector<PoseDistance>& distances = assessor.distances();
   const size_t learned =
       piles.size() - static_cast<size_t>(options.calibration_share * piles.size());
 
   VerifierExamples examples;
-  std::vector<std::vector<Candidate>> found(piles.size());
+  std::vector<std::vector<std::vector<Candidate>>> found(piles.size());  // by pile and source
   StageSeconds seconds;
   for (size_t i = 0; i < piles.size(); ++i) {
     if (!on_share(static_cast<double>(i) / piles.size())) return {};
     Rng rng = Rng::Derive(options.seed, i, "training/verifier_view");
     const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
-    found[i] = source.Find(cloud, rng, seconds);
-    for (const Candidate& candidate : found[i]) {
-      examples.features.push_back(candidate.features);
-      examples.right.push_back(
-          IsRight(candidate.hypothesis.X_CO, piles[i], object, distances.front()));
+    for (const CandidateSource* source : sources) {
+      for (const Candidate& candidate : found[i].emplace_back(source->Find(cloud, rng, seconds))) {
+        examples.features.push_back(candidate.features);
+        examples.right.push_back(
+            IsRight(candidate.hypothesis.X_CO, piles[i], object, distances.front()));
+      }
     }
     if (i + 1 == learned) examples.held_out_from = examples.features.size();
   }
@@ -177,11 +184,12 @@ TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int ob
   std::vector<ScoredPose> reported;
   for (size_t i = learned; i < piles.size(); ++i) {
     const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
-    const auto set =
-        FinalSet(cloud, source.assessor().model_points(), distances, {&trained.verifier, 1},
-                 found[i], {kNoScore, FinalSetOptions().merge_diameters, {}});
-    const auto judged = Judge(set, piles[i], object, distances.front());
-    reported.insert(reported.end(), judged.begin(), judged.end());
+    for (const std::vector<Candidate>& candidates : found[i]) {
+      const auto set = FinalSet(cloud, assessor.model_points(), distances, {&trained.verifier, 1},
+                                candidates, {kNoScore, FinalSetOptions().merge_diameters, {}});
+      const auto judged = Judge(set, piles[i], object, distances.front());
+      reported.insert(reported.end(), judged.begin(), judged.end());
+    }
   }
   Calibrate(reported, trained.verifier);
   return trained;

@@ -1,10 +1,12 @@
 #pragma once
 
 // Trains the verifier of one part with the estimator's own front part: its candidates of piles that
-// hold the part, right or wrong by the truth. Then its score is calibrated on what is left of them
-// when the set is made consistent, as it is reported: logistic calibration (Platt 1999).
+// hold the part, right or wrong by the truth, in each mode that it will judge. Then its score is
+// calibrated on what is left of them when the set is made consistent, as it is reported: logistic
+// calibration (Platt 1999).
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "perception/candidates.h"
@@ -22,9 +24,9 @@ struct VerifierTrainingOptions {
   double calibration_share = 0.3;  // last share of the piles, for figure and calibration
   VerifierOptions verifier;
   // Of learned descriptors alone:
-  int entries = 24000;  // of the part's code book
-  CandidateOptions candidates;
-  void Visit(SettingsVisitor& v);  // of all but these two
+  int entries = 24000;                           // of the part's code book
+  std::vector<CandidateOptions> candidates{{}};  // of each mode
+  void Visit(SettingsVisitor& v);                // of all but these two
 };
 
 // A part with what describes its patches.
@@ -53,11 +55,12 @@ std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, b
                                         const VerifierTrainingOptions& options,
                                         const std::function<bool(double share)>& on_share);
 
-// Of part `object` of the view source; the candidates of `source` are all of object 0.
+// Of part `object` of the view source; the candidates of the sources, one or more that look for the
+// same part, are all of object 0.
 // on_share(0..1) returns false to stop; what comes back is then unfinished. Throws InputError when
 // all candidates are right or all wrong.
 TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int object,
-                                  const CandidateSource& source,
+                                  std::span<const CandidateSource* const> sources,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double share)>& on_share);
 

@@ -14,6 +14,7 @@
 #include "perception/suppress.h"
 #include "perception/two_way_icp.h"
 #include "perception/verify.h"
+#include "perception/vote_density.h"
 #include "perception/votes.h"
 #include "scenes/object_catalog.h"
 #include "sim/view_source.h"
@@ -170,6 +171,34 @@ BENCHMARK(Suppress)
     ->Arg(100)
     ->Arg(1000)
     ->Unit(benchmark::kMillisecond);
+
+// The votes of a frame about each of some of them: a bracket is one pose, a gear 24.
+void Density(benchmark::State& state, const char* part) {
+  constexpr int kVotes = 5000, kPlaces = 20, kAsked = 200;
+  const auto model = ObjectCatalog({AssetsDir() / "objects"}).Load(part);
+  LabelledView view;
+  Rng rng(3);
+  for (int i = 0; i < kPlaces; ++i) {
+    LabelledInstance& instance = view.instances.emplace_back();
+    instance.X_CO = Translation({rng.Uniform(-0.1, 0.1), rng.Uniform(-0.1, 0.1), 0.8});
+    instance.X_CO.linear() = Eigen::AngleAxisd(3, rng.UnitVector()).toRotationMatrix();
+  }
+  std::vector<PoseVote> votes;
+  for (const Pose& X_CO : RoughPoses(view, kVotes)) {
+    votes.push_back({X_CO, static_cast<int>(votes.size())});
+  }
+  const PoseEmbedding embedding(*model);
+  const VoteDensity density(embedding, model->mass.com_O, model->diameter_m, 0.2, votes);
+  VoteDensity::Scratch scratch;
+  for (auto _ : state) {
+    for (int i = 0; i < kAsked; ++i) {
+      benchmark::DoNotOptimize(density.Around(votes[i].X_CO, votes[i].patch, scratch));
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * kAsked);
+}
+BENCHMARK_CAPTURE(Density, bracket, "bracket")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Density, gear, "gear")->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace pickbed

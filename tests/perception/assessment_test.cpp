@@ -121,9 +121,61 @@ TEST_F(Assessment, APoseThatLiesInAnEvidentOneOverlaps) {
 TEST_F(Assessment, TheShareBoundsWhatIsRefined) {
   AssessmentOptions options;
   options.turned = 0;
+  options.least_quick_score = -1;
   options.candidates = options.min_candidates = 8;
   EXPECT_LE(Assess(options, 1, 0.5).size(), 4u);
   EXPECT_GT(Assess(options, 1, 1).size(), 4u);
+}
+
+TEST_F(Assessment, APoseWithoutHopeIsNoCandidate) {
+  AssessmentOptions options;
+  options.least_quick_score = 0.5;
+  const std::vector<Candidate> candidates = Assess(options);
+  EXPECT_FALSE(candidates.empty());
+  EXPECT_LT(candidates.size(), Assess({}).size());
+  for (const Candidate& candidate : candidates) EXPECT_GE(candidate.hypothesis.score, 0.5);
+}
+
+TEST_F(Assessment, NoTwoCandidatesAreOnePose) {
+  const PoseDistance distance(*views_.objects()[0]);
+  AssessmentOptions options;
+  const std::vector<Candidate> candidates = Assess(options);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      EXPECT_GE(distance(candidates[i].hypothesis.X_CO, candidates[j].hypothesis.X_CO),
+                options.merge_diameters);
+    }
+  }
+}
+
+// In the noise of a depth camera, where few points do not tell.
+TEST_F(Assessment, TheLastStepsOfIcpMakePosesMoreExact) {
+  constexpr double kNoise_m = 0.0015;
+  RayCastViews noisy(views_.objects(), kNoise_m);
+  const PoseDistance distance(*noisy.objects()[0]);
+  const auto error = [&](int fine_steps) {
+    AssessmentOptions options;
+    options.fine_steps = fine_steps;
+    options.turned = 0;
+    options.two_gates = false;
+    const CandidateAssessor assessor(noisy.objects(), options);
+    double sum = 0;
+    for (uint64_t seed = 0; seed < 8; ++seed) {
+      const LabelledView view = noisy.Pile({seed, 1}).front();
+      Rng rng(seed);
+      for (const LabelledInstance& instance : view.instances) {
+        const Pose rough = Perturbed(instance.X_CO, rng.UnitVector(), 3, {0, 0, 0});
+        StageSeconds seconds;
+        const auto found = assessor.Assess(BuildCloud(view.frame, OutOfSightBin()), 0, {{rough, 0}},
+                                           1, 1, seconds);
+        for (const Candidate& candidate : found) {
+          sum += distance(candidate.hypothesis.X_CO, instance.X_CO);
+        }
+      }
+    }
+    return sum;
+  };
+  EXPECT_LT(error(10), 0.9 * error(0));
 }
 
 TEST_F(Assessment, KindsShareThePlacesAtWhichLookAlikesAreTried) {
@@ -132,6 +184,7 @@ TEST_F(Assessment, KindsShareThePlacesAtWhichLookAlikesAreTried) {
   options.min_candidates = 10;
   options.turned = 8;
   options.look_alikes = 1;
+  options.least_quick_score = -1;
   const auto tried = [&](const ObjectSet& objects) {
     const CandidateAssessor assessor(objects, options);
     StageSeconds seconds;

@@ -39,6 +39,7 @@ TrainingOptions Untrained(const std::string& channels) {
   options.candidates.points = 40;
   options.candidates.candidates = 30;
   options.candidates.min_candidates = 10;
+  options.fast_candidates = options.candidates;
   options.held_out.piles = 1;
   options.held_out.queries = 20;
   options.held_out.book_views = 10;

@@ -40,6 +40,7 @@ class Descriptor : public testing::Test {
     options.loss.kind = "infonce";
     options.candidates.points = 150;
     options.candidates.candidates = 120;
+    options.fast_candidates = options.candidates;
     TrainDescriptor({*views_, folder_ / "model.pt", {}, false, {}, "test", {}}, options);
   }
   static void TearDownTestSuite() {

@@ -42,6 +42,7 @@ TrainingOptions Quick(const std::string& method) {
   options.network.descriptor = 16;
   options.candidates.points = 150;
   options.candidates.candidates = 120;
+  options.fast_candidates = options.candidates;
   options.held_out.piles = 2;
   options.held_out.queries = 40;
   options.held_out.book_views = 20;

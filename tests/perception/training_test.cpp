@@ -41,6 +41,7 @@ TrainingOptions TinyOptions() {
   options.candidates.points = 40;
   options.candidates.candidates = 30;
   options.candidates.min_candidates = 10;
+  options.fast_candidates = options.candidates;
   options.held_out.piles = 2;
   options.held_out.queries = 40;
   options.held_out.book_views = 20;

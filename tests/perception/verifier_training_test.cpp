@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "scenes/check.h"
+#include "tests/support/ray_cast_views.h"
+#include "tests/support/synthetic_depth.h"
 
 namespace pickbed {
 namespace {
@@ -30,6 +32,49 @@ TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
   EXPECT_LT(trained.verifier.Score(right), 0.2);
   examples.right.assign(examples.right.size(), 1);
   EXPECT_THROW(TrainVerifier(examples, options, 0), InputError);
+}
+
+// Finds the true pose of each part, or one beside it.
+class Shifted : public CandidateSource {
+ public:
+  Shifted(const ObjectSet& objects, const std::vector<LabelledView>& piles, double shift_m)
+      : assessor_(objects, {}), piles_(piles), shift_m_(shift_m) {}
+
+  std::vector<Candidate> Find(const OrganizedCloud&, Rng& rng, StageSeconds&,
+                              EstimateTrace*) const override {
+    std::vector<Candidate> found;
+    for (const LabelledInstance& instance : piles_[next_++ % piles_.size()].instances) {
+      Candidate& candidate = found.emplace_back();
+      candidate.hypothesis.X_CO = Translation({shift_m_, 0, 0}) * instance.X_CO;
+      for (float& feature : candidate.features) feature = static_cast<float>(rng.Normal());
+      candidate.features[0] += shift_m_ > 0 ? -5.0f : 5.0f;
+    }
+    return found;
+  }
+  const CandidateAssessor& assessor() const override { return assessor_; }
+
+ private:
+  CandidateAssessor assessor_;
+  const std::vector<LabelledView>& piles_;
+  double shift_m_;
+  mutable size_t next_ = 0;
+};
+
+// What finds right poses alone teaches nothing, nor does what finds wrong ones alone.
+TEST(TrainPartVerifier, LearnsFromTheCandidatesOfAllSources) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  VerifierTrainingOptions options;
+  options.piles = 6;
+  options.verifier.iterations = 200;
+  const auto go_on = [](double) { return true; };
+  const auto piles = VerifierPiles(views, 0, /*color=*/false, options, go_on);
+  const Shifted right(views.objects(), piles, 0), wrong(views.objects(), piles, 0.05);
+  const auto train = [&](std::vector<const CandidateSource*> sources) {
+    return TrainPartVerifier(piles, 0, sources, options, go_on);
+  };
+  EXPECT_THROW(train({&right}), InputError);
+  EXPECT_THROW(train({&wrong}), InputError);
+  EXPECT_GT(train({&right, &wrong}).auc, 0.99);
 }
 
 // A verifier that is sure of itself: Newton's whole steps would leave for scales of thousands.
