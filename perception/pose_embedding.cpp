@@ -1,5 +1,6 @@
 #include "perception/pose_embedding.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -52,6 +53,16 @@ float PoseEmbedding::Distance(const Pose& X_AO, const Pose& X_AO_other) const {
   Points points;
   EmbedVariants(X_AO, points);
   return std::sqrt((points.colwise() - Embed(X_AO_other)).colwise().squaredNorm().minCoeff());
+}
+
+// Displacements are B p for homogeneous p. With H the mean of p p^T over the key points, their mean
+// square is tr(B H B^T), and |B p|^2 <= tr(B H B^T) p^T H^+ p for all p in the range of H
+// (Cauchy-Schwarz).
+double PoseEmbedding::Leverage(const Eigen::Vector3d& p_O) const {
+  const Eigen::Matrix<double, 4, 8> points = keypoints_O_.colwise().homogeneous();
+  const Eigen::Matrix4d moments = points * points.transpose() / 8;
+  const Eigen::Vector4d p = p_O.homogeneous();
+  return std::sqrt(p.dot(moments.completeOrthogonalDecomposition().solve(p)));
 }
 
 }  // namespace pickbed

@@ -28,6 +28,10 @@ class PoseEmbedding {
   // `points` has that size already.
   void EmbedVariants(const Pose& X_AO, Points& points) const;
   float Distance(const Pose& X_AO, const Pose& X_AO_other) const;
+  // Two poses at distance d have this point of the part at most so many times d diameters apart: 1
+  // in the middle of the key points, more outside. Of parts with a continuous symmetry: a point on
+  // its axis.
+  double Leverage(const Eigen::Vector3d& p_O) const;
 
  private:
   Eigen::Matrix<double, 3, 8> keypoints_O_;

@@ -5,10 +5,7 @@
 namespace pickbed {
 namespace {
 
-// The displacement of a point with trilinear weights w in the box of the key points is at most
-// sqrt(8 max w) times their root mean square displacement: 2 covers the inner three fifths of the
-// box, where centres of mass lie.
-constexpr double kReach = 2.0;
+constexpr double kRounding = 1.001;
 
 }  // namespace
 
@@ -17,7 +14,7 @@ VoteDensity::VoteDensity(const PoseEmbedding& embedding, const Eigen::Vector3d& 
     : embedding_(embedding),
       com_O_(com_O),
       radius_(static_cast<float>(radius)),
-      reach_m_(static_cast<float>(kReach * radius * diameter_m)) {
+      reach_m_(static_cast<float>(kRounding * embedding.Leverage(com_O) * radius * diameter_m)) {
   for (const PoseVote& vote : votes) {
     const Eigen::Vector3f com_C = (vote.X_CO * com_O_).cast<float>();
     const Eigen::Array3i at = Index(com_C);

@@ -39,6 +39,37 @@ TEST(PoseEmbedding, TurnMovesTheCornersByTheirRadius) {
               2 * 0.04 / std::sqrt(2.0) * std::sin(0.15) / part->diameter_m, 1e-5);
 }
 
+TEST(PoseEmbedding, APointMovesAtMostByItsLeverage) {
+  const Eigen::Vector3d middle(0.01, 0, -0.02), corner(0.02, 0.02, 0.02);
+  const auto cube = ObjectOf(BoxMesh({0.04, 0.04, 0.04}, middle));
+  const PoseEmbedding of_cube(*cube);
+  EXPECT_NEAR(of_cube.Leverage(middle), 1, 1e-9);
+  EXPECT_NEAR(of_cube.Leverage(middle + corner), 2, 1e-9);
+  const auto part = ObjectOf(BracketMesh());
+  const PoseEmbedding embedding(*part);
+  const Eigen::Vector3d p_O = part->mass.com_O;
+  const double leverage = embedding.Leverage(p_O);
+  double most = 0;
+  Rng rng(4);
+  for (int i = 0; i < 2000; ++i) {
+    const Pose X = RandomPose(rng), Y = RandomPose(rng);
+    const double share = (X * p_O - Y * p_O).norm() / part->diameter_m / embedding.Distance(X, Y);
+    ASSERT_LE(share, leverage + 1e-5);
+    most = std::max(most, share);
+  }
+  EXPECT_GT(most, 0.8 * leverage) << "no tighter bound holds";
+}
+
+// All of its key points lie on the axis.
+TEST(PoseEmbedding, APointBetweenTheEndsOfTheAxisHasNoLeverage) {
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  const auto rod = ObjectOf(BoxMesh({0.02, 0.02, 0.1}, Eigen::Vector3d::Zero()),
+                            {{}, {{z, Eigen::Vector3d::Zero()}}});
+  const PoseEmbedding embedding(*rod);
+  EXPECT_NEAR(embedding.Leverage(Eigen::Vector3d::Zero()), 1, 1e-6);
+  EXPECT_NEAR(embedding.Leverage({0, 0, 0.05}), std::sqrt(2.0), 1e-6);
+}
+
 TEST(PoseEmbedding, IsSymmetricInItsArgumentsAndMovesWithTheFrame) {
   const auto part = ObjectOf(BracketMesh(), {{HalfTurn(Eigen::Vector3d::UnitX())}, {}});
   const PoseEmbedding embedding(*part);
