@@ -5,7 +5,7 @@
 namespace pickbed {
 namespace {
 
-constexpr double kRounding = 1.001;
+constexpr double kRounding = 1.001;  // positions are floats
 
 }  // namespace
 
