@@ -190,24 +190,27 @@ std::string BinTableCsv(const std::vector<BinScenario>& scenarios) {
   return csv;
 }
 
-std::string BinTableText(const std::vector<BinScenario>& scenarios) {
+std::string BinTableText(const std::vector<BinScenario>& scenarios, const std::string& note) {
   std::string text;
   for (const std::vector<std::string>& line : MainTable(scenarios)) {
     text += fmt::format("{:<30}", line.front());
     for (size_t i = 1; i < line.size(); ++i) text += fmt::format("{:>25}", line[i]);
     text += "\n";
   }
-  const std::string gain = SiameseGain(scenarios);
-  return gain.empty() ? text : text + gain + "\n";
+  for (const std::string& line : {SiameseGain(scenarios), note}) {
+    if (!line.empty()) text += line + "\n";
+  }
+  return text;
 }
 
-std::string BinTablePage(const std::vector<BinScenario>& scenarios) {
+std::string BinTablePage(const std::vector<BinScenario>& scenarios, const std::string& note) {
   HtmlPage page("Pose estimators in bins");
   page.Paragraph(
       "All estimators saw the same images. A pose is right when its MSSD is under a tenth of the "
       "part's diameter; instances of at least 10 % visible are to be found. In brackets: 95 % "
       "intervals over bins. Kehl, Doumanoglou and the verified point pair features share sampling, "
       "ICP, verifier and final set with the descriptors; what differs is who proposes poses.");
+  if (!note.empty()) page.Paragraph(note);
   if (const std::string few = FewBinsText(BinsOf(scenarios)); !few.empty()) page.Paragraph(few);
   page.Table(MainTable(scenarios));
   if (const std::string gain = SiameseGain(scenarios); !gain.empty()) page.Paragraph(gain);

@@ -85,6 +85,11 @@ TEST(BinTable, DrawsEachEstimatorAloneOverTheReference) {
   EXPECT_THAT(BinTablePage(scenarios), HasSubstr("Grey: descriptor:hard"));
 }
 
+TEST(BinTable, SaysWhatItIsToldToSay) {
+  EXPECT_THAT(BinTableText(HandWorked(), "Small form."), HasSubstr("\nSmall form.\n"));
+  EXPECT_THAT(BinTablePage(HandWorked(), "Small form."), HasSubstr("<p>Small form.</p>"));
+}
+
 TEST(BinTable, ScenariosAreColumnsWithoutTheirPrefix) {
   EXPECT_THAT(BinTablePage(HandWorked()), HasSubstr("<th>a</th><th>b</th>"));
 }
@@ -102,6 +107,12 @@ TEST(BinScenarioFile, SurvivesTheRoundTripAndIsDoneAgainWhereItDoesNotFit) {
   const std::string bytes = ReadFileBytes(file);
   WriteFileAtomically(file, bytes.substr(0, bytes.size() / 2));
   EXPECT_FALSE(ReadBinScenario(file, "key"));
+}
+
+TEST(SharedBins, SumToAllOfThemAndDifferByOneAtMost) {
+  EXPECT_EQ(SharedBins(10, 3), (std::vector<int>{4, 3, 3}));
+  EXPECT_EQ(SharedBins(10, 5), (std::vector<int>{2, 2, 2, 2, 2}));
+  EXPECT_EQ(SharedBins(2, 3), (std::vector<int>{1, 1, 1}));
 }
 
 TEST(BinMethods, AreEstimatorsAndKnowHowTheirModelsAreMade) {
