@@ -64,9 +64,9 @@ const std::vector<BinMethod>& BinMethods() {
     for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
     return words;
   };
-  const auto few = set({}, {"piles=12", "iterations=250", "verifier_piles=4", "held_out.piles=2"});
-  const auto few_wholes = set({}, {"piles=4", "wohlhart.views.piles=12", "wohlhart.views.alone=600",
-                                   "wohlhart.network.iterations=200"});
+  const auto few = set({}, {"piles=6", "iterations=120", "verifier_piles=2", "held_out.piles=1"});
+  const auto few_wholes = set({}, {"piles=2", "wohlhart.views.piles=6", "wohlhart.views.alone=300",
+                                   "wohlhart.network.iterations=100"});
   static const std::vector<BinMethod> methods{
       {"descriptor:fast", "descriptor", "fast", "", {}},
       {"descriptor:hard", "descriptor", "hard", "", {}},
@@ -132,6 +132,14 @@ std::optional<BinScenario> ReadBinScenario(const std::filesystem::path& file,
   } catch (const json::exception&) {
     return std::nullopt;
   }
+}
+
+std::vector<int> SharedBins(int all, int scenarios) {
+  std::vector<int> bins;
+  for (int i = 0; i < scenarios; ++i) {
+    bins.push_back(std::max(1, all / scenarios + (i < all % scenarios ? 1 : 0)));
+  }
+  return bins;
 }
 
 std::filesystem::path FindBinModel(const BinMethod& method, const std::filesystem::path& folder,

@@ -62,6 +62,10 @@ void WriteBinScenario(const std::filesystem::path& file, const BinScenario& scen
 std::optional<BinScenario> ReadBinScenario(const std::filesystem::path& file,
                                            const std::string& key);
 
+// Bins of each of `scenarios`: `all` of them shared out evenly, the first get what is over; at
+// least one each.
+std::vector<int> SharedBins(int all, int scenarios);
+
 // The file of a method's model for these parts: in `folder` or shipped; empty where neither knows
 // all of them.
 std::filesystem::path FindBinModel(const BinMethod& method, const std::filesystem::path& folder,
@@ -73,8 +77,9 @@ std::vector<std::string> TrainingWords(const BinMethod& method, const std::files
 
 // A line an estimator and scenario, and one an estimator for all.
 std::string BinTableCsv(const std::vector<BinScenario>& scenarios);
-// The figures of all scenarios together, for the console.
-std::string BinTableText(const std::vector<BinScenario>& scenarios);
-std::string BinTablePage(const std::vector<BinScenario>& scenarios);
+// The figures of all scenarios together, for the console. `note`: what the reader must know of how
+// they came about; empty = nothing.
+std::string BinTableText(const std::vector<BinScenario>& scenarios, const std::string& note = "");
+std::string BinTablePage(const std::vector<BinScenario>& scenarios, const std::string& note = "");
 
 }  // namespace pickbed

@@ -115,6 +115,20 @@ Json CurveLayers(const Json& x, const Json& y, const std::vector<std::string>& n
   return layers;
 }
 
+namespace {
+
+// Names that do not fit beside each other are slanted, all of them, rather than left out.
+Json NamesAxis(const std::vector<std::string>& names) {
+  constexpr size_t kLevelLetters = 40;
+  constexpr int kSlant_deg = -40;
+  size_t letters = 0;
+  for (const std::string& name : names) letters += name.size();
+  if (letters <= kLevelLetters) return {{"labelAngle", 0}};
+  return {{"labelAngle", kSlant_deg}, {"labelOverlap", false}};
+}
+
+}  // namespace
+
 ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std::string& y_title,
                        const std::vector<std::string>& x_names,
                        const std::vector<RateCurve>& curves) {
@@ -147,7 +161,7 @@ ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std:
   Json x = Field("x", "ordinal", x_title);
   x["sort"] = x_names;
   x["scale"] = {{"domain", x_names}};
-  x["axis"] = {{"labelAngle", 0}};
+  x["axis"] = NamesAxis(x_names);
   spec["height"] = 260;
   spec["layer"] = CurveLayers(x, PercentField("rate", y_title), names);
   chart.spec = spec.dump();

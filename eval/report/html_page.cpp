@@ -22,21 +22,28 @@ constexpr const char* kStyle =
 constexpr std::array<const char*, 7> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                              "#e69f00", "#56b4e9", "#000000"};
 
-constexpr double kWidth_px = 480, kHeight_px = 340;
+constexpr const char* kBehind = "#9aa5b1";
+
+struct ChartSize {
+  double width_px, height_px;
+};
+constexpr ChartSize kLarge{480, 340}, kSmall{258, 200};
 constexpr double kLeft_px = 52, kRight_px = 12, kTop_px = 30, kBottom_px = 44;
 constexpr double kLegendLine_px = 16;
 
 // From values to places in the drawing.
 struct Axes {
   const CurveChart& chart;
+  const ChartSize& size;
   double X(double x) const {
     const double share = (x - chart.x_min) / (chart.x_max - chart.x_min);
-    return kLeft_px + share * (kWidth_px - kLeft_px - kRight_px);
+    return kLeft_px + share * (size.width_px - kLeft_px - kRight_px);
   }
   double Y(double y) const {
     const double share = (y - chart.y_min) / (chart.y_max - chart.y_min);
-    return kHeight_px - kBottom_px - share * (kHeight_px - kTop_px - kBottom_px);
+    return Floor_px() - share * (Floor_px() - kTop_px);
   }
+  double Floor_px() const { return size.height_px - kBottom_px; }
 };
 
 std::string Grid(const Axes& axes) {
@@ -50,26 +57,65 @@ std::string Grid(const Axes& axes) {
   }
   for (const double x : RoundTicks(chart.x_min, chart.x_max)) {
     svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{:.6g}</text>", axes.X(x),
-                       kHeight_px - kBottom_px + 16, x);
+                       axes.Floor_px() + 16, x);
   }
   return svg;
 }
 
-std::string Line(const Axes& axes, const Curve& curve, const char* color) {
-  std::string band, line, dots;
+// The interval about a curve.
+std::string Band(const Axes& axes, const Curve& curve, const char* color) {
+  std::string edge;
   for (const CurvePoint& p : curve.points) {
-    band += fmt::format("{:.1f},{:.1f} ", axes.X(p.x), axes.Y(p.high));
+    edge += fmt::format("{:.1f},{:.1f} ", axes.X(p.x), axes.Y(p.high));
+  }
+  for (auto p = curve.points.rbegin(); p != curve.points.rend(); ++p) {
+    edge += fmt::format("{:.1f},{:.1f} ", axes.X(p->x), axes.Y(p->low));
+  }
+  return fmt::format("<polygon points='{}' fill='{}' opacity='.15'/>", edge, color);
+}
+
+std::string Points(const Axes& axes, const Curve& curve, const char* color) {
+  std::string line, dots;
+  for (const CurvePoint& p : curve.points) {
     line += fmt::format("{:.1f},{:.1f} ", axes.X(p.x), axes.Y(p.y));
     dots += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='3' fill='{}'/>", axes.X(p.x),
                         axes.Y(p.y), color);
   }
-  for (auto p = curve.points.rbegin(); p != curve.points.rend(); ++p) {
-    band += fmt::format("{:.1f},{:.1f} ", axes.X(p->x), axes.Y(p->low));
+  return fmt::format("<polyline points='{}' fill='none' stroke='{}' stroke-width='2'/>{}", line,
+                     color, dots);
+}
+
+std::string Curves(const Axes& axes) {
+  const CurveChart& chart = axes.chart;
+  std::string svg = Grid(axes);
+  if (chart.diagonal) {
+    svg += fmt::format(
+        "<line x1='{:.1f}' y1='{:.1f}' x2='{:.1f}' y2='{:.1f}' stroke='#8fa1b3' "
+        "stroke-dasharray='4 4'/>",
+        axes.X(chart.x_min), axes.Y(chart.y_min), axes.X(chart.x_max), axes.Y(chart.y_max));
   }
+  if (!chart.behind.points.empty()) svg += Points(axes, chart.behind, kBehind);
+  for (size_t i = 0; i < chart.curves.size(); ++i) {
+    const char* color = kColors[i % kColors.size()];
+    svg += Band(axes, chart.curves[i], color) + Points(axes, chart.curves[i], color);
+  }
+  return svg;
+}
+
+// With title and names of the axes.
+std::string Drawing(const Axes& axes, const std::string& curves) {
+  const CurveChart& chart = axes.chart;
+  const ChartSize& size = axes.size;
+  const double middle_px = 0.5 * (kTop_px + axes.Floor_px());
   return fmt::format(
-      "<polygon points='{0}' fill='{2}' opacity='.15'/>"
-      "<polyline points='{1}' fill='none' stroke='{2}' stroke-width='2'/>{3}",
-      band, line, color, dots);
+      "<svg width='{0}' height='{1}' viewBox='0 0 {0} {1}'>{2}"
+      "<text x='{3}' y='18' font-weight='bold'>{4}</text>"
+      "<text x='{5:.1f}' y='{6:.1f}' text-anchor='middle'>{7}</text>"
+      "<text x='14' y='{8:.1f}' text-anchor='middle' transform='rotate(-90 14 {8:.1f})'>{9}</text>"
+      "</svg>\n",
+      size.width_px, size.height_px, curves, kLeft_px, EscapeHtml(chart.title),
+      0.5 * (kLeft_px + size.width_px - kRight_px), size.height_px - 8, EscapeHtml(chart.x_label),
+      middle_px, EscapeHtml(chart.y_label));
 }
 
 std::string Figure(const std::string& path, const std::string& caption, const char* look) {
@@ -130,30 +176,23 @@ void HtmlPage::Table(const std::vector<std::vector<std::string>>& rows) {
 }
 
 void HtmlPage::Chart(const CurveChart& chart) {
-  const Axes axes{chart};
-  std::string svg = Grid(axes);
-  if (chart.diagonal) {
-    svg += fmt::format(
-        "<line x1='{:.1f}' y1='{:.1f}' x2='{:.1f}' y2='{:.1f}' stroke='#8fa1b3' "
-        "stroke-dasharray='4 4'/>",
-        axes.X(chart.x_min), axes.Y(chart.y_min), axes.X(chart.x_max), axes.Y(chart.y_max));
-  }
+  const Axes axes{chart, kLarge};
+  std::string curves = Curves(axes);
   for (size_t i = 0; i < chart.curves.size(); ++i) {
-    const char* color = kColors[i % kColors.size()];
-    svg += Line(axes, chart.curves[i], color);
-    const double y = kHeight_px - kBottom_px - 10 -
-                     kLegendLine_px * static_cast<double>(chart.curves.size() - 1 - i);
-    svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end' fill='{}'>{}</text>",
-                       kWidth_px - kRight_px - 6, y, color, EscapeHtml(chart.curves[i].name));
+    const double y =
+        axes.Floor_px() - 10 - kLegendLine_px * static_cast<double>(chart.curves.size() - 1 - i);
+    curves += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end' fill='{}'>{}</text>",
+                          kLarge.width_px - kRight_px - 6, y, kColors[i % kColors.size()],
+                          EscapeHtml(chart.curves[i].name));
   }
-  svg += fmt::format(
-      "<text x='{}' y='18' font-weight='bold'>{}</text>"
-      "<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{}</text>"
-      "<text x='14' y='{:.1f}' text-anchor='middle' transform='rotate(-90 14 {:.1f})'>{}</text>",
-      kLeft_px, EscapeHtml(chart.title), 0.5 * (kLeft_px + kWidth_px - kRight_px), kHeight_px - 8,
-      EscapeHtml(chart.x_label), 0.5 * kHeight_px, 0.5 * kHeight_px, EscapeHtml(chart.y_label));
-  body_ += fmt::format("<svg width='{0}' height='{1}' viewBox='0 0 {0} {1}'>{2}</svg>\n", kWidth_px,
-                       kHeight_px, svg);
+  body_ += Drawing(axes, curves);
+}
+
+void HtmlPage::SmallCharts(const std::vector<CurveChart>& charts) {
+  for (const CurveChart& chart : charts) {
+    const Axes axes{chart, kSmall};
+    body_ += Drawing(axes, Curves(axes));
+  }
 }
 
 void HtmlPage::Picture(const std::string& path, const std::string& caption) {

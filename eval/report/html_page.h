@@ -22,6 +22,7 @@ struct CurveChart {
   double x_min = 0, x_max = 1, y_min = 0, y_max = 1;
   bool diagonal = false;  // y = x, as a guide
   std::vector<Curve> curves = {};
+  Curve behind = {};  // drawn in grey without its interval, to compare with
 };
 
 class HtmlPage {
@@ -33,6 +34,9 @@ class HtmlPage {
   void Table(const std::vector<std::vector<std::string>>& rows);
   // Curves with their intervals as shaded bands; charts added one after the other share a row.
   void Chart(const CurveChart& chart);
+  // Each smaller and without a legend, so that many stand side by side; for one curve, which the
+  // title names.
+  void SmallCharts(const std::vector<CurveChart>& charts);
   // A link to a picture that shows it; `path` as seen from the page.
   void Picture(const std::string& path, const std::string& caption);
   // The same, as wide as the page.

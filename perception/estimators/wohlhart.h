@@ -21,8 +21,12 @@ struct WohlhartBinOptions {
   WholeViewOptions views;
   // Of one part alone a pair term of full weight draws all descriptors together to a point.
   // Piles hide enough of their parts themselves, so that fewer crops get something before them.
-  WohlhartOptions network{
-      .input = "depth", .pair_weight = 0.1, .iterations = 1000, .augment = {.occluded_share = 0.4}};
+  // Crops stand for the depth of a point of the surface, behind which all of the part may lie.
+  WohlhartOptions network{.input = "depth",
+                          .depth_reach = 1,
+                          .pair_weight = 0.1,
+                          .iterations = 1000,
+                          .augment = {.occluded_share = 0.4}};
   int grid_px = 8;    // between two proposals, both ways
   int neighbors = 4;  // votes of a crop: k of the look-up
   void Visit(SettingsVisitor& v);

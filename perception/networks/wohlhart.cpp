@@ -45,7 +45,8 @@ struct Layers : torch::nn::Module {
   torch::nn::Linear hidden{nullptr}, last{nullptr};
 };
 
-// Depth in [-1, 1], colour / 255 - 0.5 as in the released code; count x channels x 64 x 64.
+// Depth over the reach, in [-1, 1]; colour / 255 - 0.5 as in the released code, 0 beyond the reach.
+// count x channels x 64 x 64.
 at::Tensor ToTensor(const CropSet& crops, int64_t begin, int64_t count,
                     const WohlhartOptions& options, const torch::Device& device) {
   const int channels = Channels(options);
@@ -53,10 +54,12 @@ at::Tensor ToTensor(const CropSet& crops, int64_t begin, int64_t count,
   std::vector<float> values(count * kCropArea * channels);
   float* next = values.data();
   for (int64_t pixel = begin * kCropArea; pixel < (begin + count) * kCropArea; ++pixel) {
-    if (has_depth) *next++ = static_cast<float>(crops.depth[pixel] / kCropDepthUnit);
+    const double depth = crops.depth[pixel] / (options.depth_reach * kCropDepthUnit);
+    if (has_depth) *next++ = static_cast<float>(std::clamp(depth, -1.0, 1.0));
     if (channels == 1) continue;
+    const bool is_seen = !has_depth || std::abs(depth) < 1;
     for (const uint8_t value : {crops.color[pixel].r, crops.color[pixel].g, crops.color[pixel].b}) {
-      *next++ = static_cast<float>(value) / 255.0f - 0.5f;
+      *next++ = is_seen ? static_cast<float>(value) / 255.0f - 0.5f : 0;
     }
   }
   // Pixel by pixel is what oneDNN's convolutions of few channels are fastest with.
@@ -78,6 +81,7 @@ at::Tensor Distances(const at::Tensor& a, const at::Tensor& b) {
 void WohlhartOptions::Visit(SettingsVisitor& v) {
   v.Text("input", input, {"depth", "rgb", "rgbd"}, "what the network sees");
   v.Integer("descriptor", descriptor, {2, 1024}, "length of the descriptor");
+  v.Real("depth_reach", depth_reach, {0.1, 1}, "seen about the centre both ways, over the side");
   v.Real("margin", margin, {1e-6, 10}, "m of the triplet term");
   v.Bool("dynamic_margin", dynamic_margin, "m by the angle between the poses (Zakharov 2017)");
   v.Real("class_margin", class_margin, {std::numbers::pi, 100}, "of another part then");

@@ -26,8 +26,11 @@ class Tensor;
 namespace pickbed {
 
 struct WohlhartOptions {
-  std::string input = "rgbd";    // depth | rgb | rgbd: 1, 3 or 4 channels
-  int descriptor = 32;           // length
+  std::string input = "rgbd";  // depth | rgb | rgbd: 1, 3 or 4 channels
+  int descriptor = 32;         // length
+  // Half the depth that is seen about the centre, over the crop's side, 0.1..1. What stands before
+  // or behind it is no piece of the part: it is drawn onto that end, without its colour.
+  double depth_reach = 0.5;
   double margin = 0.01;          // m of eq. 2
   bool dynamic_margin = false;   // m by the angle between the poses, and squared distances
   double class_margin = 4;       // of templates of another part then; above pi

@@ -51,6 +51,49 @@ TEST(BinTable, WithoutBothRegressionsNothingIsSaidOfTheGain) {
   EXPECT_THAT(BinTableText(scenarios), Not(HasSubstr("siamese")));
 }
 
+// Pieces of the drawings of a page by visible fraction, from its heading to the table below.
+struct Drawn {
+  int charts = 0;
+  int intervals = 0;   // one a chart
+  int references = 0;  // curves without one
+};
+Drawn DrawnOn(const std::string& page) {
+  const size_t begin = page.find("By visible fraction");
+  const std::string part = page.substr(begin, page.find("<table>", begin) - begin);
+  const auto count = [&](const std::string& text) {
+    int found = 0;
+    for (size_t at = part.find(text); at != part.npos; at = part.find(text, at + 1)) ++found;
+    return found;
+  };
+  return {count("<svg"), count("<polygon"), count("<polyline") - count("<polygon")};
+}
+
+TEST(BinTable, DrawsEachEstimatorAloneOverTheReference) {
+  std::vector<BinScenario> scenarios = HandWorked();
+  const Drawn without = DrawnOn(BinTablePage(scenarios));
+  EXPECT_EQ(without.charts, 2);
+  EXPECT_EQ(without.references, 0);
+  EXPECT_THAT(BinTablePage(scenarios), Not(HasSubstr("Grey")));
+  for (BinScenario& scenario : scenarios) {
+    scenario.rows.push_back(scenario.rows.front());
+    scenario.rows.back().label = "descriptor:hard";
+  }
+  const Drawn with = DrawnOn(BinTablePage(scenarios));
+  EXPECT_EQ(with.charts, 3);
+  EXPECT_EQ(with.intervals, 3);
+  EXPECT_EQ(with.references, 2);
+  EXPECT_THAT(BinTablePage(scenarios), HasSubstr("Grey: descriptor:hard"));
+}
+
+TEST(BinTable, SaysWhatItIsToldToSay) {
+  EXPECT_THAT(BinTableText(HandWorked(), "Small form."), HasSubstr("\nSmall form.\n"));
+  EXPECT_THAT(BinTablePage(HandWorked(), "Small form."), HasSubstr("<p>Small form.</p>"));
+}
+
+TEST(BinTable, ScenariosAreColumnsWithoutTheirPrefix) {
+  EXPECT_THAT(BinTablePage(HandWorked()), HasSubstr("<th>a</th><th>b</th>"));
+}
+
 TEST(BinScenarioFile, SurvivesTheRoundTripAndIsDoneAgainWhereItDoesNotFit) {
   const TemporaryFolder temporary;
   const std::filesystem::path file = temporary.path() / "bin_a.json";
@@ -64,6 +107,12 @@ TEST(BinScenarioFile, SurvivesTheRoundTripAndIsDoneAgainWhereItDoesNotFit) {
   const std::string bytes = ReadFileBytes(file);
   WriteFileAtomically(file, bytes.substr(0, bytes.size() / 2));
   EXPECT_FALSE(ReadBinScenario(file, "key"));
+}
+
+TEST(SharedBins, SumToAllOfThemAndDifferByOneAtMost) {
+  EXPECT_EQ(SharedBins(10, 3), (std::vector<int>{4, 3, 3}));
+  EXPECT_EQ(SharedBins(10, 5), (std::vector<int>{2, 2, 2, 2, 2}));
+  EXPECT_EQ(SharedBins(2, 3), (std::vector<int>{1, 1, 1}));
 }
 
 TEST(BinMethods, AreEstimatorsAndKnowHowTheirModelsAreMade) {

@@ -72,6 +72,20 @@ TEST(ErrorCharts, SayTheMedianWithItsInterval) {
   EXPECT_THAT(chart.caption, HasSubstr("95 % intervals, with scenes as units"));
 }
 
+// Of curves over these names, at one half each.
+std::string SpecOver(const std::vector<std::string>& names) {
+  const std::vector<ReportRate> halves(names.size(), {1, 2, {0.1, 0.9}});
+  return RateCurves({"id", "title", "caption", ""}, "x", "y", names, {{"one", halves}}).spec;
+}
+
+TEST(RateCurves, SlantNamesThatDoNotFitBesideEachOther) {
+  EXPECT_THAT(SpecOver({"10-30", "30-50", "50-70"}), HasSubstr("\"labelAngle\":0"));
+  const std::string many =
+      SpecOver({"background", "occluded_10", "occluded_20", "occluded_30", "occluded_50"});
+  EXPECT_THAT(many, HasSubstr("\"labelAngle\":-40"));
+  EXPECT_THAT(many, HasSubstr("\"labelOverlap\":false"));
+}
+
 TEST(ReportPage, Base64IsThatOfRfc4648) {
   EXPECT_EQ(Base64(""), "");
   EXPECT_EQ(Base64("f"), "Zg==");

@@ -26,6 +26,49 @@ TEST(WohlhartNetwork, HasThePapersWeights) {
   EXPECT_EQ(WohlhartNetwork(options, 0).weights(), 269335);
 }
 
+// Two crops that are alike but for the depth and colour of a block far before the part.
+class DepthReach : public testing::Test {
+ protected:
+  DepthReach() {
+    crops_.spots.resize(2);
+    crops_.depth.resize(2 * kCropArea);
+    crops_.color.resize(2 * kCropArea);
+    for (int i = 0; i < kCropArea; ++i) {
+      const auto inside = static_cast<int16_t>(i % 50 * 200);
+      crops_.depth[i] = crops_.depth[kCropArea + i] = inside;
+      crops_.color[i] = crops_.color[kCropArea + i] = {uint8_t(i % 200), 90, 40};
+      if (i % kCropPixels > 20) continue;
+      crops_.depth[i] = static_cast<int16_t>(-0.6 * kCropDepthUnit);
+      crops_.depth[kCropArea + i] = static_cast<int16_t>(-0.9 * kCropDepthUnit);
+      crops_.color[i] = {250, 250, 0};
+    }
+  }
+
+  bool AreOne(const char* input, double depth_reach) const {
+    WohlhartOptions options;
+    options.input = input;
+    options.depth_reach = depth_reach;
+    const WohlhartNetwork network(options, 3);
+    const std::vector<float> rows = network.Describe(crops_);
+    return std::equal(rows.begin(), rows.begin() + network.length(),
+                      rows.begin() + network.length());
+  }
+
+  CropSet crops_;
+};
+
+TEST_F(DepthReach, WhatLiesBeyondItMakesNoDifference) {
+  EXPECT_TRUE(AreOne("depth", 0.5));
+  EXPECT_TRUE(AreOne("rgbd", 0.5));
+}
+
+TEST_F(DepthReach, WhatLiesWithinItDoes) {
+  EXPECT_FALSE(AreOne("depth", 1));
+  EXPECT_FALSE(AreOne("rgbd", 0.8));
+}
+
+TEST_F(DepthReach, ColourAloneKnowsNoDepth) { EXPECT_FALSE(AreOne("rgb", 0.5)); }
+
 // One anchor at 0, its closest template at 1, one of another pose at 3, one of another part at 2,
 // one of nearly its own pose at 0.5, which is no pusher.
 class WohlhartLossValue : public testing::Test {
@@ -67,6 +110,7 @@ TEST(WohlhartOptions, OutOfRangeNamesTheRange) {
   EXPECT_THAT(set("descriptor=1"), HasSubstr("1024"));
   EXPECT_THAT(set("margin=-1"), HasSubstr("10"));
   EXPECT_THAT(set("input=grey"), HasSubstr("depth, rgb, rgbd"));
+  EXPECT_THAT(set("depth_reach=0"), HasSubstr("0.1"));
 }
 
 // Two parts from few directions: seconds of training, enough to learn something.
