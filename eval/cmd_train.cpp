@@ -112,6 +112,10 @@ void ChooseMethod(TrainArguments& arguments) {
     const bool learns = row.training != nullptr || row.learn != nullptr;
     if (!learns || names.empty() || names.front() != row.name) continue;
     arguments.method = row.name;
+    CheckInput(arguments.verifier_for.empty() || arguments.verifier_for == row.name,
+               fmt::format("train {}: --verifier-for {} trains the verifiers of another estimator; "
+                           "name one or the other",
+                           row.name, arguments.verifier_for));
     if (row.learn != nullptr) {
       arguments.verifier_for = row.name;
       CheckInput(

@@ -55,6 +55,8 @@ train_stops_and_resumes() {
 bad_training_is_refused() {
   refused "nothing to learn" "$pickbed" train
   refused "takes neither --minutes nor --from" "$pickbed" train wohlhart rod --minutes 3
+  refused "--verifier-for ppf trains the verifiers of another estimator" \
+    "$pickbed" train kehl rod --verifier-for ppf
   refused "unknown key 'wohlhart'" "$pickbed" train rod --verifier-for ppf --set wohlhart.grid_px=3
   refused "missing.pt: there is no such trained model" "$pickbed" train rod --from missing.pt
   head -c 1000 /dev/urandom >broken.pt
