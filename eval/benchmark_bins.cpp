@@ -42,6 +42,22 @@ std::vector<ModelObject> TrainedFor(const BinMethod& method, const std::filesyst
   }
 }
 
+std::filesystem::path ModelFile(const BinMethod& method, const std::filesystem::path& folder) {
+  return folder / (std::string(method.model) + ".pt");
+}
+
+std::filesystem::path CommandFile(const BinMethod& method, const std::filesystem::path& folder) {
+  return folder / (std::string(method.model) + ".command");
+}
+
+// Of the file by its name alone, so that the folder may be named and moved at will.
+std::string CommandText(std::vector<std::string> words) {
+  for (std::string& word : words) {
+    if (word.ends_with(".pt")) word = std::filesystem::path(word).filename().string();
+  }
+  return fmt::format("pickbed train {}\n", fmt::join(words, " "));
+}
+
 json ToJson(const BinLook& look) {
   json bands = json::array();
   for (const Cluster& band : look.bands) bands.push_back({band.hits, band.tries});
@@ -142,27 +158,41 @@ std::vector<int> SharedBins(int all, int scenarios) {
   return bins;
 }
 
-std::filesystem::path FindBinModel(const BinMethod& method, const std::filesystem::path& folder,
-                                   const ObjectSet& objects) {
-  const std::string name = std::string(method.model) + ".pt";
-  for (const std::filesystem::path& file : {folder / name, AssetsDir() / "models" / name}) {
-    if (Knows(TrainedFor(method, file), objects)) return file;
-  }
-  return {};
-}
-
 std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& folder,
                                        const std::vector<std::string>& parts, bool small) {
-  const std::filesystem::path file = folder / (std::string(method.model) + ".pt");
   std::vector<std::string> words = method.training;
   if (small) words.insert(words.end(), method.small_training.begin(), method.small_training.end());
   const std::vector<std::string> rest{"--objects", fmt::format("{}", fmt::join(parts, ",")),
-                                      "--out", file.string()};
+                                      "--out", ModelFile(method, folder).string()};
   words.insert(words.end(), rest.begin(), rest.end());
-  if (std::filesystem::exists(file.string() + ".checkpoint") || HasVerifiersAlone(method)) {
-    words.push_back("--resume");
-  }
   return words;
+}
+
+void WriteTrainingCommand(const BinMethod& method, const std::filesystem::path& folder,
+                          const std::vector<std::string>& words) {
+  WriteFileAtomically(CommandFile(method, folder), CommandText(words));
+}
+
+bool WasBegun(const BinMethod& method, const std::filesystem::path& folder,
+              const std::vector<std::string>& words) {
+  const std::filesystem::path file = ModelFile(method, folder),
+                              command = CommandFile(method, folder);
+  if (!std::filesystem::exists(command) || ReadFileBytes(command) != CommandText(words))
+    return false;
+  return std::filesystem::exists(file.string() + ".checkpoint") ||
+         (HasVerifiersAlone(method) && std::filesystem::exists(file));
+}
+
+std::filesystem::path FindBinModel(const BinMethod& method, const std::filesystem::path& folder,
+                                   const ObjectSet& objects,
+                                   const std::vector<std::string>& words) {
+  const std::filesystem::path file = ModelFile(method, folder),
+                              command = CommandFile(method, folder);
+  const bool is_other =
+      std::filesystem::exists(command) && ReadFileBytes(command) != CommandText(words);
+  if (!is_other && Knows(TrainedFor(method, file), objects)) return file;
+  const std::filesystem::path shipped = ModelFile(method, AssetsDir() / "models");
+  return Knows(TrainedFor(method, shipped), objects) ? shipped : std::filesystem::path();
 }
 
 }  // namespace pickbed

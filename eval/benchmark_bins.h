@@ -66,14 +66,22 @@ std::optional<BinScenario> ReadBinScenario(const std::filesystem::path& file,
 // least one each.
 std::vector<int> SharedBins(int all, int scenarios);
 
-// The file of a method's model for these parts: in `folder` or shipped; empty where neither knows
-// all of them.
-std::filesystem::path FindBinModel(const BinMethod& method, const std::filesystem::path& folder,
-                                   const ObjectSet& objects);
-
 // The arguments of `pickbed train` that make folder/MODEL.pt.
 std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& folder,
                                        const std::vector<std::string>& parts, bool small = false);
+
+// Written before a model is trained, to folder/MODEL.command: what it is trained by.
+void WriteTrainingCommand(const BinMethod& method, const std::filesystem::path& folder,
+                          const std::vector<std::string>& words);
+
+// A training by these words was begun in the folder, and left something to go on from.
+bool WasBegun(const BinMethod& method, const std::filesystem::path& folder,
+              const std::vector<std::string>& words);
+
+// The file of a method's model for these parts: in `folder`, unless it was trained there by other
+// words than these, or shipped; empty where neither knows all of them.
+std::filesystem::path FindBinModel(const BinMethod& method, const std::filesystem::path& folder,
+                                   const ObjectSet& objects, const std::vector<std::string>& words);
 
 // A line an estimator and scenario, and one an estimator for all.
 std::string BinTableCsv(const std::vector<BinScenario>& scenarios);

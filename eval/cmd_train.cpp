@@ -143,10 +143,31 @@ const EstimatorRow& RowWithCandidates(const std::string& name) {
   throw InputError(UnknownNameMessage("--verifier-for", name, names));
 }
 
+std::string NothingToResume(const std::filesystem::path& file) {
+  return fmt::format("no checkpoint {} to resume from; leave out --resume to start anew",
+                     file.string());
+}
+
+// `written`: what the stopped training goes on from, where it got as far as to write it.
+void SayStopped(const std::filesystem::path& written) {
+  if (std::filesystem::exists(written)) {
+    fmt::print(stderr, "pickbed: stopped; {} is written, the same command with --resume goes on\n",
+               written.string());
+  } else {
+    fmt::print(stderr, "pickbed: stopped before the first step; nothing is written\n");
+  }
+}
+
 int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson,
                    const std::filesystem::path& file) {
   const EstimatorRow& row = RowWithCandidates(arguments.verifier_for);
+  CheckInput(arguments.report_folder.empty(),
+             fmt::format("--report: verifiers of {} have no report page; leave it out",
+                         arguments.verifier_for));
   const std::filesystem::path checkpoint = file.string() + ".checkpoint";
+  CheckInput(
+      !arguments.resume || std::filesystem::exists(file) || std::filesystem::exists(checkpoint),
+      NothingToResume(file));
   if (!arguments.resume) std::filesystem::remove(checkpoint);
   const auto views = MakeTrainingViews(lesson);
   CatchInterrupts();
@@ -169,16 +190,13 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson
       job.network_settings = WohlhartSettings(lesson.objects, arguments.wohlhart);
       job.learn = [&](const std::function<bool(double)>& on_share) {
         return row.learn(
-            {*views, arguments.wohlhart, arguments.seed, checkpoint, on_share, kThreads});
+            {*views, arguments.wohlhart, arguments.verifier.seed, checkpoint, on_share, kThreads});
       };
     }
     report = TrainVerifierLibrary(job, arguments.verifier);
   }
   if (!report.finished) {
-    fmt::print(stderr,
-               "pickbed: stopped; {} holds the parts that are done, the same command with "
-               "--resume goes on\n",
-               file.string());
+    SayStopped(report.is_saved ? file : checkpoint);
     return kExitInterrupted;
   }
   std::filesystem::remove(checkpoint);
@@ -187,21 +205,10 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson
   return 0;
 }
 
-void SayStopped(const TrainingReport& report, const std::filesystem::path& checkpoint) {
-  if (!report.has_checkpoint) {
-    fmt::print(stderr, "pickbed: stopped before the first step; nothing is written\n");
-  } else {
-    fmt::print(stderr, "pickbed: stopped; {} is written, the same command with --resume goes on\n",
-               checkpoint.string());
-  }
-}
-
 int TrainModel(TrainArguments& arguments, const TrainingLesson& lesson,
                const std::filesystem::path& model_file) {
   const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
-  CheckInput(!arguments.resume || std::filesystem::exists(checkpoint),
-             fmt::format("no checkpoint {} to resume from; leave out --resume to start anew",
-                         checkpoint.string()));
+  CheckInput(!arguments.resume || std::filesystem::exists(checkpoint), NothingToResume(checkpoint));
   const auto views = MakeTrainingViews(lesson);
   CatchInterrupts();
   TrainingReport report;
@@ -220,7 +227,7 @@ int TrainModel(TrainArguments& arguments, const TrainingLesson& lesson,
     report = TrainDescriptor(job, arguments.training);
   }
   if (!report.finished) {
-    SayStopped(report, checkpoint);
+    SayStopped(report.has_checkpoint ? checkpoint : "");
     return kExitInterrupted;
   }
   PrintReport(report, lesson.objects);

@@ -5,69 +5,17 @@
 #include <optional>
 #include <utility>
 
-#include "perception/interpenetration.h"
 #include "perception/look_alikes.h"
 #include "scenes/parallel.h"
 
 namespace pickbed {
 namespace {
 
-// By how much the evidence exceeds that for the best rival: another pose of the part at the same
-// place. 1 where there is none.
-void FillMargins(const PoseDistance& distance, const Eigen::Vector3d& middle_O,
-                 const std::vector<Candidate*>& candidates) {
-  constexpr double kRivalDiameters = 0.3, kOtherPoseDiameters = 0.12;
-  const double near_m = kRivalDiameters * distance.diameter_m();
-  std::vector<Eigen::Vector3d> middles_C;
-  for (const Candidate* c : candidates) middles_C.push_back(c->hypothesis.X_CO * middle_O);
-  for (size_t i = 0; i < candidates.size(); ++i) {
-    Candidate& candidate = *candidates[i];
-    float margin = 1;
-    for (size_t j = 0; j < candidates.size(); ++j) {
-      const float over = EvidenceMargin(candidate.evidence, candidates[j]->evidence);
-      if (over >= margin || j == i) continue;
-      if ((middles_C[i] - middles_C[j]).norm() > near_m) continue;
-      const Pose& X_CO = candidates[j]->hypothesis.X_CO;
-      if (distance(candidate.hypothesis.X_CO, X_CO) > kOtherPoseDiameters) margin = over;
-    }
-    candidate.features[kMarginFeature] = margin;
-  }
-}
-
-// How many poses lie at each place so far.
-class Crowding {
- public:
-  explicit Crowding(double radius_m) : radius_m_(radius_m) {}
-
-  // False when there are `most` at this place already; counts the pose otherwise.
-  bool Admit(const Eigen::Vector3d& middle_C, int most) {
-    const auto is_near = [&](const Eigen::Vector3d& other) {
-      return (middle_C - other).norm() < radius_m_;
-    };
-    if (std::count_if(middles_C_.begin(), middles_C_.end(), is_near) >= most) return false;
-    middles_C_.push_back(middle_C);
-    return true;
-  }
-
- private:
-  double radius_m_;
-  std::vector<Eigen::Vector3d> middles_C_;
-};
-
-constexpr double kSamePlaceDiameters = 0.2;
-
 // The highest first; among equals the order stays.
 void KeepBest(size_t most, std::vector<std::pair<double, Pose>>& scored) {
   std::stable_sort(scored.begin(), scored.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   if (scored.size() > most) scored.resize(most);
-}
-
-// Does the pose fit nearly all that can be seen of it, and is that much?
-bool Explains(const VerifyFeatures& f) {
-  constexpr float kLeastAgreeing = 0.3f, kMostContradicted = 0.12f;
-  return f[kAgreeingFeature] > kLeastAgreeing &&
-         f[kViolatedFeature] + f[kWrongNormalFeature] < kMostContradicted * f[kAgreeingFeature];
 }
 
 }  // namespace
@@ -326,32 +274,11 @@ std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, in
   return WithFeatures(cloud, poses, *density, patches);
 }
 
-std::vector<const Candidate*> CandidateAssessor::Evident(
-    const std::vector<Candidate>& candidates) const {
-  std::vector<const Candidate*> explaining;
-  for (const Candidate& candidate : candidates) {
-    if (Explains(candidate.features)) explaining.push_back(&candidate);
-  }
-  std::stable_sort(
-      explaining.begin(), explaining.end(),
-      [](const Candidate* a, const Candidate* b) { return a->evidence > b->evidence; });
-  std::vector<Crowding> places;
-  for (const ModelPoints& model : models_) {
-    places.emplace_back(kSamePlaceDiameters * model.diameter_m);
-  }
-  std::erase_if(explaining, [&](const Candidate* candidate) {
-    const int part = candidate->hypothesis.object;
-    return !places[part].Admit(candidate->hypothesis.X_CO * models_[part].center_O.cast<double>(),
-                               1);
-  });
-  return explaining;
-}
-
 std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
                                                 const std::vector<Candidate>& candidates,
                                                 const std::vector<int>& pixels) const {
   std::vector<uint8_t> explained(cloud.points_C.size());
-  for (const Candidate* candidate : Evident(candidates)) {
+  for (const Candidate* candidate : EvidentCandidates(candidates, models_)) {
     MarkExplained(cloud, models_[candidate->hypothesis.object], candidate->hypothesis.X_CO,
                   explained);
   }
@@ -362,29 +289,6 @@ std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
   return left;
 }
 
-// How deep it lies in the evident ones, other poses of its own place aside, over the smaller
-// diameter.
-double CandidateAssessor::Overlap(const Candidate& candidate,
-                                  const std::vector<const Candidate*>& evident) const {
-  constexpr double kMost = 0.25;
-  const int part = candidate.hypothesis.object;
-  const ModelPoints& model = models_[part];
-  const Pose& X_CO = candidate.hypothesis.X_CO;
-  const Eigen::Vector3d middle_C = X_CO * model.center_O.cast<double>();
-  double most = 0;
-  for (const Candidate* other : evident) {
-    const ModelPoints& theirs = models_[other->hypothesis.object];
-    const Pose& X_CE = other->hypothesis.X_CO;
-    const double apart_m = (X_CE * theirs.center_O.cast<double>() - middle_C).norm();
-    const bool same_place =
-        other->hypothesis.object == part && apart_m < kSamePlaceDiameters * model.diameter_m;
-    if (same_place) continue;
-    most = std::max(most, PenetrationDepth(model, X_CO, theirs, X_CE) /
-                              std::min(model.diameter_m, theirs.diameter_m));
-  }
-  return std::min(kMost, most);
-}
-
 void CandidateAssessor::Compare(std::vector<Candidate>& candidates, StageSeconds& seconds) const {
   const StageTimer timer(seconds, "verify");
   std::vector<std::vector<Candidate*>> by_part(objects_.size());
@@ -392,12 +296,13 @@ void CandidateAssessor::Compare(std::vector<Candidate>& candidates, StageSeconds
     by_part[candidate.hypothesis.object].push_back(&candidate);
   }
   for (size_t part = 0; part < by_part.size(); ++part) {
-    FillMargins(distances_[part], models_[part].center_O.cast<double>(), by_part[part]);
+    FillMargins(distances_[part], models_[part], by_part[part]);
   }
-  const std::vector<const Candidate*> evident = Evident(candidates);
+  const std::vector<const Candidate*> evident = EvidentCandidates(candidates, models_);
   ForRanges(static_cast<int>(candidates.size()), threads_, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
-      candidates[i].features[kOverlapFeature] = static_cast<float>(Overlap(candidates[i], evident));
+      candidates[i].features[kOverlapFeature] =
+          static_cast<float>(OverlapWith(evident, candidates[i], models_));
     }
   });
 }

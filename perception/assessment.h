@@ -6,10 +6,10 @@
 
 #include <vector>
 
+#include "perception/candidate_comparison.h"
 #include "perception/estimate_trace.h"
 #include "perception/pose_embedding.h"
 #include "perception/projective_icp.h"
-#include "perception/verify.h"
 #include "perception/vote_density.h"
 #include "perception/votes.h"
 #include "scenes/settings.h"
@@ -46,12 +46,6 @@ struct AssessmentOptions {
   int evidence_pixels = 6000;     // of a candidate looked at for evidence; look-alikes take fewer
   ProjectiveIcpOptions icp;       // its gates are set from the above
   void Visit(SettingsVisitor& v);
-};
-
-struct Candidate {
-  PoseHypothesis hypothesis;  // score = quick score in the fine gate; fit is filled
-  VerifyFeatures features;
-  double evidence = 0;  // nats, see depth_evidence.h
 };
 
 class CandidateAssessor {
@@ -103,9 +97,6 @@ class CandidateAssessor {
   std::vector<Candidate> WithFeatures(const OrganizedCloud& cloud,
                                       const std::vector<RawHypothesis>& poses,
                                       const VoteDensity& density, int patches) const;
-  // Those that fit nearly all that can be seen of them, one of a place, most evidence first.
-  std::vector<const Candidate*> Evident(const std::vector<Candidate>& candidates) const;
-  double Overlap(const Candidate& candidate, const std::vector<const Candidate*>& evident) const;
   int Kept(double share) const;
   int Turned() const;  // best poses of one part whose look-alikes are tried
 

@@ -145,8 +145,8 @@ Checkpoint ReadCheckpoint(const std::filesystem::path& file, const std::string& 
         fmt::format("{}: {}; delete it and start the training anew", file.string(), error.what()));
   }
   CheckInput(checkpoint.key == key,
-             fmt::format("{}: belongs to a training with other settings or parts; use those or "
-                         "start anew without resuming",
+             fmt::format("{}: belongs to a training with other settings or parts; use those, write "
+                         "elsewhere (--out), or delete it to start anew",
                          file.string()));
   return checkpoint;
 }

@@ -123,7 +123,7 @@ void SaveVerifiers(const std::filesystem::path& file, const VerifierFile& conten
 
 VerifierFile LoadVerifiers(const std::filesystem::path& file, const std::string& estimator) {
   const auto fail = [&](const std::string& reason) {
-    return InputError(fmt::format("{}: {}; make it with `pickbed train --verifier-for {}`",
+    return InputError(fmt::format("{}: {}; make it with `pickbed train PART... --verifier-for {}`",
                                   file.string(), reason, estimator));
   };
   if (!std::filesystem::exists(file)) throw fail("there is no such file of verifiers");

@@ -8,14 +8,14 @@ namespace pickbed {
 namespace {
 
 // What the file holds already, or an empty one.
-VerifierFile Begin(const VerifierJob& job, VerifierTrainingOptions options) {
-  const std::string training = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+VerifierFile Begin(const VerifierJob& job, const VerifierTrainingOptions& options) {
+  const std::string training = VerifierTrainingText(job.views, options);
   if (job.resume && std::filesystem::exists(job.file)) {
     VerifierFile known = LoadVerifiers(job.file, job.estimator);
     CheckInput(known.training == training && known.sensor == job.sensor_profile,
                job.file.string() +
-                   ": trained with other settings or another sensor; leave out --resume to start "
-                   "anew, or name another file");
+                   ": trained with other settings, another sensor or another bin; leave out "
+                   "--resume to start anew, or name another file");
     CheckInput(known.network.settings.empty() || known.network.settings == job.network_settings,
                job.file.string() +
                    ": its network was learned of other parts or with other settings; leave out "
@@ -46,17 +46,23 @@ void Put(const ObjectModel& part, const TrainedVerifier& trained, VerifierFile& 
 
 }  // namespace
 
+std::string VerifierTrainingText(const LabelledViewSource& views, VerifierTrainingOptions options) {
+  return WriteSettings([&](SettingsVisitor& v) { options.Visit(v); }) + views.PileSettings();
+}
+
 VerifierReport TrainVerifierLibrary(const VerifierJob& job,
                                     const VerifierTrainingOptions& options) {
   const ObjectSet& objects = job.views.objects();
   CheckInput(!objects.empty(), "training needs at least one part");
   VerifierFile file = Begin(job, options);
+  bool is_saved = job.resume && std::filesystem::exists(job.file);
   if (job.learn && file.network.settings.empty()) {
     std::optional<LearnedNetwork> network = job.learn(
         [&](double share) { return !job.on_progress || job.on_progress("all parts", share); });
-    if (!network) return {};
+    if (!network) return {false, is_saved, 0};
     file.network = *std::move(network);
     SaveVerifiers(job.file, file);
+    is_saved = true;
   }
   for (size_t i = 0; i < objects.size(); ++i) {
     const ObjectModel& part = *objects[i];
@@ -71,20 +77,21 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
       const std::vector<LabelledView> piles =
           VerifierPiles(job.views, object, /*color=*/false, options,
                         [&](double share) { return report(kPilesShare * share); });
-      if (!go_on) return {};
+      if (!go_on) return {false, is_saved, 0};
       const std::unique_ptr<CandidateSource> source = job.candidates({objects[i]}, file.network);
       const CandidateSource* const sources[] = {source.get()};
       const TrainedVerifier trained = TrainPartVerifier(
           piles, object, sources, options,
           [&](double share) { return report(kPilesShare + (1 - kPilesShare) * share); });
-      if (!go_on) return {};
+      if (!go_on) return {false, is_saved, 0};
       Put(part, trained, file);
     } catch (const InputError& error) {
       throw InputError("part '" + part.name + "': " + error.what());
     }
     SaveVerifiers(job.file, file);
+    is_saved = true;
   }
-  VerifierReport report{true, 0};
+  VerifierReport report{true, true, 0};
   for (const ModelObject& object : file.objects) {
     report.mean_auc += object.verifier_auc / static_cast<double>(file.objects.size());
   }

@@ -35,12 +35,16 @@ struct VerifierJob {
 };
 
 struct VerifierReport {
-  bool finished = false;  // false: stopped on request, the parts done by then are in the file
+  bool finished = false;  // false: stopped on request
+  bool is_saved = false;  // the file holds the parts done by then, or the network at least
   double mean_auc = 0;    // over the parts of the file, on held-out poses
 };
 
+// All that verifiers depend on besides their parts, as recorded in the file.
+std::string VerifierTrainingText(const LabelledViewSource& views, VerifierTrainingOptions options);
+
 // Throws InputError naming the part as TrainPartVerifier does, and naming the file when it is to be
-// resumed but was trained with other settings or another sensor.
+// resumed but was trained with other settings, sensor or piles.
 VerifierReport TrainVerifierLibrary(const VerifierJob& job, const VerifierTrainingOptions& options);
 
 }  // namespace pickbed

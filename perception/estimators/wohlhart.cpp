@@ -19,18 +19,24 @@ constexpr uint64_t kTemplateSeed = 0;  // of the sensor's noise on templates
 
 // What a learned network's settings hold.
 struct Record {
-  std::string parts;  // with commas
+  std::string parts;   // with commas
+  std::string meshes;  // their hashes, likewise
   WohlhartBinOptions options;
   void Visit(SettingsVisitor& v) {
     v.Text("parts", parts, {}, "that it was learned for");
+    v.Text("meshes", meshes, {}, "of these parts, as hashes");
     options.Visit(v);
   }
 };
 
-std::string NamesOf(const ObjectSet& objects) {
-  std::vector<std::string> names;
-  for (const auto& object : objects) names.push_back(object->name);
-  return fmt::format("{}", fmt::join(names, ","));
+Record RecordOf(const ObjectSet& objects, const WohlhartBinOptions& options) {
+  std::vector<std::string> names, hashes;
+  for (const auto& object : objects) {
+    names.push_back(object->name);
+    hashes.push_back(fmt::format("{:016x}", object->mesh_hash));
+  }
+  return {fmt::format("{}", fmt::join(names, ",")), fmt::format("{}", fmt::join(hashes, ",")),
+          options};
 }
 
 int IndexIn(const ObjectSet& all, const ObjectModel& part) {
@@ -160,7 +166,7 @@ std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const CandidateSetup& se
 }
 
 std::string WohlhartSettings(const ObjectSet& objects, const WohlhartBinOptions& options) {
-  Record record{NamesOf(objects), options};
+  Record record = RecordOf(objects, options);
   return WriteSettings([&](SettingsVisitor& v) { record.Visit(v); });
 }
 

@@ -43,7 +43,7 @@ std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const ObjectSet& objects
 // Of the table: with the assessment of mode hard.
 std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const CandidateSetup& setup);
 
-// What LearnWohlhart() records of a network: its parts and settings.
+// What LearnWohlhart() records of a network: its parts with their meshes, and settings.
 std::string WohlhartSettings(const ObjectSet& objects, const WohlhartBinOptions& options);
 
 // Learns all parts of the views; nothing when stopped.

@@ -69,6 +69,14 @@ at::Tensor ToTensor(const CropSet& crops, int64_t begin, int64_t count,
       .to(device);
 }
 
+// Of all that a network may learn from them.
+uint64_t HashOf(const CropSet& crops) {
+  const auto add = [](const auto& values, uint64_t hash) {
+    return HashBytes(values.data(), values.size() * sizeof(values[0]), hash);
+  };
+  return add(crops.masks, add(crops.color, add(crops.depth, crops.size())));
+}
+
 // From the differences: a matrix product would lose the small distances of rows that lie far from
 // zero. The slope at zero is 0.
 at::Tensor Distances(const at::Tensor& a, const at::Tensor& b) {
@@ -395,10 +403,9 @@ std::string WohlhartTrainer::Key() const {
   for (size_t part = 0; part < first_.size(); ++part) {
     const CropSet& crops = job_.lesson.training[part].crops;
     key += fmt::format("{} {} {:016x}\n", job_.lesson.objects[part]->name, crops.size(),
-                       HashBytes(crops.depth.data(), crops.depth.size() * sizeof(int16_t)));
+                       HashOf(crops));
   }
-  return key + fmt::format("{:016x}\n", HashBytes(templates_.depth.data(),
-                                                  templates_.depth.size() * sizeof(int16_t)));
+  return key + fmt::format("{:016x}\n", HashOf(templates_));
 }
 
 void WohlhartTrainer::Restore() {

@@ -29,7 +29,8 @@ struct WohlhartOptions {
   std::string input = "rgbd";  // depth | rgb | rgbd: 1, 3 or 4 channels
   int descriptor = 32;         // length
   // Half the depth that is seen about the centre, over the crop's side, 0.1..1. What stands before
-  // or behind it is no piece of the part: it is drawn onto that end, without its colour.
+  // or behind it is no piece of the part: its depth is drawn onto that end, its colour (of rgbd) is
+  // left out. Of input rgb, which has no depth, all is seen.
   double depth_reach = 0.5;
   double margin = 0.01;          // m of eq. 2
   bool dynamic_margin = false;   // m by the angle between the poses, and squared distances
@@ -89,8 +90,7 @@ struct WohlhartJob {
 };
 
 // Null when stopped. The same seed gives the same weights, also after stops and for any number of
-// threads. Throws InputError for
-// a lesson without views and for a checkpoint of another training.
+// threads. Throws InputError for a lesson without views and for a checkpoint of another training.
 std::unique_ptr<WohlhartNetwork> TrainWohlhart(const WohlhartJob& job,
                                                const WohlhartOptions& options);
 

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "eval/oracle.h"
 #include "eval/summary.h"
+#include "perception/torch_verifier_file.h"
 #include "scenes/files.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/temporary_folder.h"
@@ -109,7 +111,7 @@ TEST(BinScenarioFile, SurvivesTheRoundTripAndIsDoneAgainWhereItDoesNotFit) {
   EXPECT_FALSE(ReadBinScenario(file, "key"));
 }
 
-TEST(SharedBins, SumToAllOfThemAndDifferByOneAtMost) {
+TEST(SharedBins, SumToAllOfThemAndDifferByOneButAreNeverNone) {
   EXPECT_EQ(SharedBins(10, 3), (std::vector<int>{4, 3, 3}));
   EXPECT_EQ(SharedBins(10, 5), (std::vector<int>{2, 2, 2, 2, 2}));
   EXPECT_EQ(SharedBins(2, 3), (std::vector<int>{1, 1, 1}));
@@ -129,8 +131,31 @@ TEST(BinMethods, AreEstimatorsAndKnowHowTheirModelsAreMade) {
     EXPECT_EQ(TrainingWords(method, "folder", {"rod"}, true).size(),
               TrainingWords(method, "folder", {"rod"}).size() + method.small_training.size());
     // A cube is in no model.
-    EXPECT_TRUE(FindBinModel(method, "no such folder", EasyCube()).empty()) << method.label;
+    EXPECT_TRUE(FindBinModel(method, "no such folder", EasyCube(), {}).empty()) << method.label;
   }
+}
+
+// What a model was trained by decides whether it is taken, gone on with or trained anew.
+TEST(FindBinModel, TakesTheUsersModelAndThatOfTheSameTrainingAlone) {
+  const BinMethod& method = *std::ranges::find(BinMethods(), std::string("ppf:verified"),
+                                               [](const BinMethod& m) { return m.label; });
+  const TemporaryFolder temporary;
+  const std::filesystem::path folder = temporary.path(), file = folder / "ppf.pt";
+  const ObjectSet cube = EasyCube();
+  const std::vector<std::string> words = TrainingWords(method, folder, {"cube"}),
+                                 others = TrainingWords(method, folder, {"cube", "rod"});
+  EXPECT_FALSE(WasBegun(method, folder, words));
+  VerifierFile known = LoadVerifiers(AssetsDir() / "models/ppf.pt", "ppf");
+  known.objects.front().name = cube[0]->name;
+  known.objects.front().mesh_hash = cube[0]->mesh_hash;
+  SaveVerifiers(file, known);
+  EXPECT_EQ(FindBinModel(method, folder, cube, words), file) << "the user's own";
+  EXPECT_FALSE(WasBegun(method, folder, words));
+  WriteTrainingCommand(method, folder, words);
+  EXPECT_EQ(FindBinModel(method, folder, cube, words), file);
+  EXPECT_TRUE(FindBinModel(method, folder, cube, others).empty());
+  EXPECT_TRUE(WasBegun(method, folder, words));
+  EXPECT_FALSE(WasBegun(method, folder, others));
 }
 
 TEST(BinRowOf, TakesTheFiguresOfAComparison) {

@@ -5,9 +5,8 @@
 //                                               beside those of an exact one
 //   descriptor_figures ambiguous BINS SCENARIO...   instances whose pose the picture does not tell:
 //                                               turned to a wrong pose they leave it as it is
-//   descriptor_figures fates BINS SCENARIO...   at which stage mode hard loses instances, by
-//   visible
-//                                               fraction
+//   descriptor_figures fates BINS SCENARIO...   at which stage mode hard loses instances, by their
+//                                               visible fraction
 // KEY=VALUE among the scenarios is a setting of all that follow it.
 
 #include <fmt/format.h>

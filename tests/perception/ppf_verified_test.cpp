@@ -246,8 +246,13 @@ TEST_F(VerifiedPpf, StoppedTrainingKeepsWhatIsDone) {
   EXPECT_TRUE(TrainVerifierLibrary(job, TinyTraining()).finished);
 
   job.file = file;
+  job.on_progress = [](std::string_view, double) { return false; };
+  EXPECT_FALSE(TrainVerifierLibrary(job, TinyTraining()).is_saved);
+  EXPECT_FALSE(std::filesystem::exists(file));
   job.on_progress = [](std::string_view part, double) { return part != "second"; };
-  EXPECT_FALSE(TrainVerifierLibrary(job, TinyTraining()).finished);
+  const VerifierReport stopped = TrainVerifierLibrary(job, TinyTraining());
+  EXPECT_FALSE(stopped.finished);
+  EXPECT_TRUE(stopped.is_saved);
   EXPECT_EQ(LoadVerifiers(file, "ppf").objects.size(), 1u);
 
   job.resume = true;
@@ -260,6 +265,10 @@ TEST_F(VerifiedPpf, StoppedTrainingKeepsWhatIsDone) {
   other.piles += 1;
   EXPECT_THAT(ErrorOf([&] { TrainVerifierLibrary(job, other); }),
               testing::AllOf(HasSubstr("stopped.pt"), HasSubstr("other settings")));
+  HangingParts noisier({views_->objects()[0], second}, 0.001);
+  const VerifierJob elsewhere{noisier, "ppf", job.candidates, file, true, "test sensor", {}};
+  EXPECT_THAT(ErrorOf([&] { TrainVerifierLibrary(elsewhere, TinyTraining()); }),
+              testing::AllOf(HasSubstr("stopped.pt"), HasSubstr("another bin")));
 }
 
 TEST_F(VerifiedPpf, UnknownModeIsRefused) {

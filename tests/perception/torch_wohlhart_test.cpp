@@ -172,8 +172,15 @@ TEST_F(WohlhartTraining, TheSameSeedGivesTheSameDescriptorsAlsoAfterAStopAndOnTw
   const auto resumed = TrainWohlhart(job, options_);
   const CropSet& crops = lesson_->templates[0].crops;
   EXPECT_EQ(straight->Describe(crops), resumed->Describe(crops, 2));
+  const auto is_refused = [&] {
+    EXPECT_THAT(ErrorOf([&] { TrainWohlhart(job, options_); }),
+                HasSubstr("other settings or parts"));
+  };
   job.seed = 2;
-  EXPECT_THAT(ErrorOf([&] { TrainWohlhart(job, options_); }), HasSubstr("other settings or parts"));
+  is_refused();
+  job.seed = 1;
+  lesson_->training[1].crops.color.front().g ^= 1;
+  is_refused();
 }
 
 TEST_F(WohlhartTraining, APartWithoutFurtherViewsIsRefused) {

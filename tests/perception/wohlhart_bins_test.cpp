@@ -126,14 +126,21 @@ TEST_F(WohlhartInBins, ResumedWithOtherSettingsIsRefused) {
   options.network.iterations = 2;
   options.views.piles = 2;
   VerifierFile begun{"wohlhart", "test sensor", "", {}, {}, {}};
-  VerifierTrainingOptions training = FewPiles();
-  begun.training = WriteSettings([&](SettingsVisitor& v) { training.Visit(v); });
-  begun.network = {WohlhartSettings(views_.objects(), options), {1.0f}};
+  begun.training = VerifierTrainingText(views_, FewPiles());
+  auto changed = std::make_shared<ObjectModel>(*views_.objects()[0]);
+  changed->mesh_hash += 1;
+  begun.network = {WohlhartSettings({changed}, options), {1.0f}};
+  SaveVerifiers(folder_ / "other_mesh.pt", begun);
+  begun.network.settings = WohlhartSettings(views_.objects(), options);
   SaveVerifiers(folder_ / "begun.pt", begun);
+  const auto refused = [&](const char* name) {
+    EXPECT_THAT(ErrorOf([&] { Train(name, options, true); }),
+                testing::AllOf(HasSubstr(name), HasSubstr("its network was learned of other parts"),
+                               HasSubstr("--resume")));
+  };
+  refused("other_mesh.pt");
   options.network.margin = 0.02;
-  EXPECT_THAT(ErrorOf([&] { Train("begun.pt", options, true); }),
-              testing::AllOf(HasSubstr("begun.pt"), HasSubstr("with other settings"),
-                             HasSubstr("--resume")));
+  refused("begun.pt");
 }
 
 TEST_F(WohlhartInBins, PartsThatTheNetworkHasNotSeenAreRefused) {

@@ -64,6 +64,8 @@ bad_training_is_refused() {
   refused "did you mean 'rod'" "$pickbed" train rodd
   refused "unknown sensor 'sonar'" "$pickbed" train rod --sensor sonar
   refused "no checkpoint" "$pickbed" train rod --out new.pt --resume
+  refused "no checkpoint" "$pickbed" train rod --verifier-for ppf --out new.pt --resume
+  refused "no report page" "$pickbed" train wohlhart rod --report page
   refused "PICKBED_DEVICE is 'gpu'" env PICKBED_DEVICE=gpu "$pickbed" train rod --out new.pt
   brick 1 | awk '/^v/ {print "v", $2 / 10, $3 / 10, $4 / 10; next} {print}' >speck.obj
   echo "objects: [{name: speck, mesh: speck.obj, unit: mm, mass_kg: 0.01, count: 3}]" >specks.yaml

@@ -1,0 +1,94 @@
+#include "perception/candidate_comparison.h"
+
+#include <algorithm>
+
+#include "perception/depth_evidence.h"
+#include "perception/interpenetration.h"
+
+namespace pickbed {
+namespace {
+
+// Does the pose fit nearly all that can be seen of it, and is that much?
+bool Explains(const VerifyFeatures& f) {
+  constexpr float kLeastAgreeing = 0.3f, kMostContradicted = 0.12f;
+  return f[kAgreeingFeature] > kLeastAgreeing &&
+         f[kViolatedFeature] + f[kWrongNormalFeature] < kMostContradicted * f[kAgreeingFeature];
+}
+
+Eigen::Vector3d MiddleOf(const Candidate& candidate, const ModelPoints& model) {
+  return candidate.hypothesis.X_CO * model.center_O.cast<double>();
+}
+
+}  // namespace
+
+bool Crowding::Admit(const Eigen::Vector3d& middle_C, int most) {
+  const auto is_near = [&](const Eigen::Vector3d& other) {
+    return (middle_C - other).norm() < radius_m_;
+  };
+  if (std::count_if(middles_C_.begin(), middles_C_.end(), is_near) >= most) return false;
+  middles_C_.push_back(middle_C);
+  return true;
+}
+
+void FillMargins(const PoseDistance& distance, const ModelPoints& model,
+                 const std::vector<Candidate*>& candidates) {
+  constexpr double kRivalDiameters = 0.3, kOtherPoseDiameters = 0.12;
+  const double near_m = kRivalDiameters * distance.diameter_m();
+  std::vector<Eigen::Vector3d> middles_C;
+  for (const Candidate* c : candidates) middles_C.push_back(MiddleOf(*c, model));
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    Candidate& candidate = *candidates[i];
+    float margin = 1;
+    for (size_t j = 0; j < candidates.size(); ++j) {
+      const float over = EvidenceMargin(candidate.evidence, candidates[j]->evidence);
+      if (over >= margin || j == i) continue;
+      if ((middles_C[i] - middles_C[j]).norm() > near_m) continue;
+      const Pose& X_CO = candidates[j]->hypothesis.X_CO;
+      if (distance(candidate.hypothesis.X_CO, X_CO) > kOtherPoseDiameters) margin = over;
+    }
+    candidate.features[kMarginFeature] = margin;
+  }
+}
+
+std::vector<const Candidate*> EvidentCandidates(const std::vector<Candidate>& candidates,
+                                                const std::vector<ModelPoints>& models) {
+  std::vector<const Candidate*> explaining;
+  for (const Candidate& candidate : candidates) {
+    if (Explains(candidate.features)) explaining.push_back(&candidate);
+  }
+  std::stable_sort(
+      explaining.begin(), explaining.end(),
+      [](const Candidate* a, const Candidate* b) { return a->evidence > b->evidence; });
+  std::vector<Crowding> places;
+  for (const ModelPoints& model : models) {
+    places.emplace_back(kSamePlaceDiameters * model.diameter_m);
+  }
+  std::vector<const Candidate*> evident;
+  for (const Candidate* candidate : explaining) {
+    const int part = candidate->hypothesis.object;
+    if (places[part].Admit(MiddleOf(*candidate, models[part]), 1)) evident.push_back(candidate);
+  }
+  return evident;
+}
+
+double OverlapWith(const std::vector<const Candidate*>& evident, const Candidate& candidate,
+                   const std::vector<ModelPoints>& models) {
+  constexpr double kMost = 0.25;
+  const int part = candidate.hypothesis.object;
+  const ModelPoints& model = models[part];
+  const Eigen::Vector3d middle_C = MiddleOf(candidate, model);
+  double most = 0;
+  for (const Candidate* other : evident) {
+    const ModelPoints& theirs = models[other->hypothesis.object];
+    const double apart_m = (MiddleOf(*other, theirs) - middle_C).norm();
+    const bool same_place =
+        other->hypothesis.object == part && apart_m < kSamePlaceDiameters * model.diameter_m;
+    if (same_place) continue;
+    const double depth_m =
+        PenetrationDepth(model, candidate.hypothesis.X_CO, theirs, other->hypothesis.X_CO);
+    most = std::max(most, depth_m / std::min(model.diameter_m, theirs.diameter_m));
+  }
+  return std::min(kMost, most);
+}
+
+}  // namespace pickbed
