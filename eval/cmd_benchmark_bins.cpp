@@ -16,7 +16,7 @@
 namespace pickbed {
 namespace {
 
-constexpr int kScenes = 20;       // of each scenario
+constexpr int kScenes = 10;       // of each scenario
 constexpr int kSmallScenes = 10;  // of --small, in all
 const std::vector<std::string> kSmallScenarios{"bin_bracket", "bin_pipe_tee", "bin_rod"};
 constexpr const char* kSmallNote =

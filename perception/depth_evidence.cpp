@@ -55,6 +55,67 @@ Surface SurfaceAt(const RasterFace& face, int x, int y, float inverse, const Eig
   return {1 / inverse, n, towards};
 }
 
+// Looks left, right, up and down from a pixel (x, y) of the picture's box at `at`.
+class OutlineLook {
+ public:
+  OutlineLook(const OrganizedCloud& cloud, const FaceRaster& drawn,
+              const DepthEvidenceOptions& options, float sigma_m, float depth_band_m)
+      : cloud_(cloud),
+        drawn_(drawn),
+        reach_px_(options.beyond_px),
+        band_m_(static_cast<float>(options.continuing_sigmas) * sigma_m),
+        depth_band_m_(depth_band_m),
+        min_cos_(static_cast<float>(options.continuing_min_cos)) {}
+
+  void operator()(int x, int y, const RasterFace& face, const Surface& at, DepthEvidence& e) const {
+    Beyond(x - reach_px_, y, face, at, e);
+    Beyond(x + reach_px_, y, face, at, e);
+    Beyond(x, y - reach_px_, face, at, e);
+    Beyond(x, y + reach_px_, face, at, e);
+  }
+
+ private:
+  bool IsDrawn(int x, int y) const {
+    return x >= 0 && y >= 0 && x < drawn_.box().width && y < drawn_.box().height &&
+           drawn_.InverseDepths(y)[x] > 0;
+  }
+
+  void Beyond(int x, int y, const RasterFace& face, const Surface& at, DepthEvidence& e) const {
+    if (IsDrawn(x, y)) return;
+    const int column = drawn_.box().x + x, row = drawn_.box().y + y;
+    const CameraIntrinsics& k = cloud_.intrinsics;
+    if (column < 0 || row < 0 || column >= k.width || row >= k.height) return;
+    const size_t pixel = static_cast<size_t>(k.width) * row + column;
+    const float seen_m = cloud_.depth_m.data()[pixel];
+    const float inverse = face.at_origin[0] + static_cast<float>(x) * face.by_column[0] +
+                          static_cast<float>(y) * face.by_row[0];
+    if (!(seen_m > 0) || !(inverse > 0)) return;
+    const float behind_m = seen_m - 1 / inverse;
+    if (behind_m < -depth_band_m_) return;  // hidden
+    ++e.beyond;
+    const Eigen::Vector3f& normal_C = cloud_.normals_C[pixel];
+    e.continuing += std::abs(at.along_normal * behind_m) < band_m_ &&
+                    cloud_.foreground.data()[pixel] && normal_C.dot(at.normal_C) > min_cos_;
+  }
+
+  const OrganizedCloud& cloud_;
+  const FaceRaster& drawn_;
+  int reach_px_;
+  float band_m_, depth_band_m_, min_cos_;
+};
+
+// From every stride-th pixel, both ways, to all of them; `agreement` is that of the agreeing ones.
+void Weigh(const DepthEvidenceOptions& options, double agreement, int stride, DepthEvidence& e) {
+  const double weight = static_cast<double>(stride) * stride;
+  for (double* count : {&e.covered, &e.agreeing, &e.hidden, &e.violated, &e.wrong_normal, &e.beyond,
+                        &e.continuing}) {
+    *count *= weight;
+  }
+  e.log_ratio = weight * agreement - options.violated_cost * e.violated -
+                options.hidden_cost * e.hidden - options.wrong_normal_cost * e.wrong_normal -
+                options.continuing_cost * e.continuing;
+}
+
 }  // namespace
 
 DepthEvidenceOf::DepthEvidenceOf(const ObjectModel& model, const DepthEvidenceOptions& options)
@@ -96,6 +157,7 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
   const double pixels = static_cast<double>(box.width) * box.height;
   const int stride =
       std::max(1, static_cast<int>(std::sqrt(pixels / max_pixels.value_or(options_.max_pixels))));
+  const OutlineLook look_beyond(cloud, scratch, options_, sigma_m, depth_band_m);
   double agreement = 0;
   for (int y = stride / 2; y < box.height; y += stride) {
     const auto [begin, end] = scratch.Touched(y);
@@ -109,7 +171,8 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
       const float seen_m = cloud.depth_m.data()[row + x];
       if (!(seen_m > 0)) continue;
       const Eigen::Vector3f ray(static_cast<float>((box.x + x - k.cx) / k.fx), ray_y, 1);
-      const Surface at = SurfaceAt(scratch.faces()[face_at[x]], x, y, inverse[x], ray);
+      const RasterFace& face = scratch.faces()[face_at[x]];
+      const Surface at = SurfaceAt(face, x, y, inverse[x], ray);
       const float behind_m = seen_m - at.z_m;
       const float off_m = at.along_normal * behind_m;
       if (std::abs(off_m) >= band_m || std::abs(behind_m) >= depth_band_m) {
@@ -125,15 +188,11 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
       ++e.agreeing;
       const float sigmas = off_m / sigma_m;
       agreement += agreement_[static_cast<int>(sigmas * sigmas * per_step)];
+      look_beyond(x, y, face, at, e);
     }
   }
   scratch.Clean();
-  const double weight = static_cast<double>(stride) * stride;
-  for (double* count : {&e.covered, &e.agreeing, &e.hidden, &e.violated, &e.wrong_normal}) {
-    *count *= weight;
-  }
-  e.log_ratio = weight * agreement - options_.violated_cost * e.violated -
-                options_.hidden_cost * e.hidden - options_.wrong_normal_cost * e.wrong_normal;
+  Weigh(options_, agreement, stride, e);
   return e;
 }
 

@@ -3,9 +3,10 @@
 // How much better a pose explains the depth image than no part there would: the logarithm of the
 // ratio of the likelihoods of the readings, pixel by pixel over what the part covers when it is
 // drawn at that pose. A reading at the part's surface is likely, one in front of it is another part
-// that hides it, one behind contradicts it, and none says nothing. The mixture of a surface, what
-// may stand before it, and outliers is that of beam models of range finders (Thrun, Burgard and
-// Fox, "Probabilistic Robotics", 2005, section 6.3).
+// that hides it, one behind contradicts it, and none says nothing. Where the part ends in the
+// picture a surface that goes on as if it did not says that it is another one. The mixture of a
+// surface, what may stand before it, and outliers is that of beam models of range finders (Thrun,
+// Burgard and Fox, "Probabilistic Robotics", 2005, section 6.3).
 
 #include <memory>
 #include <optional>
@@ -28,6 +29,12 @@ struct DepthEvidenceOptions {
   double violated_cost = 6;
   double hidden_cost = 0.35;
   double wrong_normal_cost = 2.5;
+  // The same of a look beyond the part's outline that sees its surface go on: this far from a pixel
+  // that agrees, so near to the pixel's plane and so little turned.
+  double continuing_cost = 3;
+  int beyond_px = 3;
+  double continuing_sigmas = 1.5;
+  double continuing_min_cos = 0.95;
   int max_pixels = 1500;  // looked at; evenly strided beyond
 };
 
@@ -39,6 +46,9 @@ struct DepthEvidence {
   double hidden = 0;     //
   double violated = 0;   // readings behind the surface
   double wrong_normal = 0;
+  // Looks beyond the outline, from pixels that agree, to what is not hidden; and those of them that
+  // see the surface go on.
+  double beyond = 0, continuing = 0;
 };
 
 // Memory of one frame's work, for one thread.

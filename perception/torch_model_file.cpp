@@ -15,7 +15,7 @@ namespace pickbed {
 namespace {
 
 // Raise when the meaning of the file changes; older readers then say so.
-constexpr int64_t kModelVersion = 6;
+constexpr int64_t kModelVersion = 7;
 constexpr int64_t kOldestVersion = 3;  // without recall, and as 4 of one kind of network
 constexpr const char* kMagic = "pickbed descriptor model";
 
@@ -71,8 +71,10 @@ DescriptorModel ReadArchive(const std::string& bytes, const std::string& name) {
   network.SetWeights(weight_values);
   const uint64_t network_hash =
       HashBytes(weight_values.data(), weight_values.size() * sizeof(float));
-  constexpr int64_t kWithSurroundings = 6;
-  const int features = version < kWithSurroundings ? kFeaturesWithoutSurroundings : kVerifyFeatures;
+  constexpr int64_t kWithSurroundings = 6, kWithOutline = 7;
+  const int features = version < kWithSurroundings ? kFeaturesWithoutSurroundings
+                       : version < kWithOutline    ? kFeaturesWithoutOutline
+                                                   : kVerifyFeatures;
   std::vector<Verifier> verifiers = VerifiersFrom(verifier_values, info.objects.size(), features);
   return {info, std::move(network), std::move(verifiers), network_hash, hash};
 }

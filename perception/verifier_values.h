@@ -16,7 +16,7 @@ std::vector<float> VerifierValues(const std::vector<Verifier>& verifiers);
 std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count,
                                     int features = kVerifyFeatures);
 
-// Of files from before bin, floor and neighbours were looked at.
-inline constexpr int kFeaturesWithoutSurroundings = 16;
+// Of files from before bin, floor and neighbours were looked at, and before outlines were.
+inline constexpr int kFeaturesWithoutSurroundings = 16, kFeaturesWithoutOutline = 19;
 
 }  // namespace pickbed

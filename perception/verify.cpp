@@ -174,6 +174,7 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
   constexpr double kMaxPixelShare = 4;  // more says no more, and tiny silhouettes would explode
   constexpr float kMostInside = 0.25f;  // diameters; deeper says no more
   constexpr float kNearFloor = 0.05f;   // diameters over it, at which the feature has fallen to 1/e
+  constexpr double kFewLooks = 8;       // beyond an outline: so few say little
   const VerifyBands bands;
   const FitCounts c = CountFit(cloud, model, X_CO, bands);
   const SceneCounts scene = CountScene(cloud, model, X_CO, bands);
@@ -207,7 +208,8 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
           of_drawn(evidence.wrong_normal),
           std::min(kMostInside, contained.outside_m / model.diameter_m),
           contained.has_floor ? std::exp(-height / kNearFloor) : 0.0f,
-          0.0f};
+          0.0f,
+          static_cast<float>(evidence.continuing / (evidence.beyond + kFewLooks))};
 }
 
 void MarkExplained(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,

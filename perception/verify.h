@@ -33,10 +33,10 @@ struct VerifyBands {
 double QuickScore(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                   double tau_m = 0.008, int max_points = 120);
 
-inline constexpr int kVerifyFeatures = 19;
+inline constexpr int kVerifyFeatures = 20;
 inline constexpr int kMarginFeature = 11, kAgreeingFeature = 12, kViolatedFeature = 14,
                      kWrongNormalFeature = 15, kOutsideFeature = 16, kRestingFeature = 17,
-                     kOverlapFeature = 18;
+                     kOverlapFeature = 18, kContinuingFeature = 19;
 using VerifyFeatures = std::array<float, kVerifyFeatures>;
 
 // Shares of the visible model points. An inlier lies on the surface seen; where the pixel has a
@@ -60,7 +60,8 @@ std::vector<JudgedPoint> JudgePoints(const OrganizedCloud& cloud, const ModelPoi
 // unexplained scene points; log visible points; log agreeing raw votes; explained share; evidence a
 // pixel; margin; agreeing, hidden, violated and wrong-normal shares of the pixels drawn; how far it
 // reaches out of the bin, in diameters; how near its lowest point is to the floor, 1 = on it; how
-// deep it lies in others, in diameters. The counts of scene points are over the pixels that the
+// deep it lies in others, in diameters; the share of the looks beyond its outline that see its
+// surface go on. The counts of scene points are over the pixels that the
 // part would cover were it not hidden. Margin and overlap are for the caller to fill, who knows the
 // others; they are 0. No allocation.
 VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoints& model,

@@ -57,7 +57,8 @@ TEST_F(BracketView, ExactReadingsCountAsTheMixtureSays) {
   const double nats =
       std::log((1 - options.occlusion) * peak + options.occlusion + options.outlier);
   const double costs = options.violated_cost * e.violated + options.hidden_cost * e.hidden +
-                       options.wrong_normal_cost * e.wrong_normal;
+                       options.wrong_normal_cost * e.wrong_normal +
+                       options.continuing_cost * e.continuing;
   EXPECT_NEAR((e.log_ratio + costs) / e.agreeing, nats, 0.02 * nats);
 }
 
@@ -79,6 +80,42 @@ TEST_F(BracketView, HolesSayNothing) {
   EXPECT_GT(e.covered, 0);
   EXPECT_EQ(e.log_ratio, 0);
   EXPECT_EQ(e.agreeing + e.hidden + e.violated + e.wrong_normal, 0);
+}
+
+// A box that shows one face, before a wall or as a piece of it.
+TEST(OutlineEvidence, ASurfaceThatGoesOnIsNotThePart) {
+  const auto box = ObjectOf(BoxMesh({0.061, 0.041, 0.02}, {0, 0, 0.01}));
+  const Pose X_CO = Translation({0, 0, 0.4});
+  const auto evidence = [&](const SyntheticDepth& scene) {
+    EvidenceScratch scratch;
+    return DepthEvidenceOf(*box)(BuildCloud(scene.frame(), std::nullopt, kKeepAll), X_CO, scratch);
+  };
+  SyntheticDepth flush(SmallCamera());
+  flush.AddPlane(-Eigen::Vector3d::UnitZ(), X_CO.translation());
+  const DepthEvidence of_wall = evidence(flush);
+  EXPECT_GT(of_wall.agreeing, 0.95 * of_wall.covered);
+  // Three pixels of the face's rim look beyond it, on each side.
+  const double rim_px = 2 * (0.061 + 0.041) / 0.4 * SmallCamera().fx;
+  EXPECT_NEAR(of_wall.beyond, 3 * rim_px, 0.1 * 3 * rim_px);
+  EXPECT_EQ(of_wall.continuing, of_wall.beyond);
+
+  SyntheticDepth before_wall(SmallCamera());
+  before_wall.AddPlane(-Eigen::Vector3d::UnitZ(), {0, 0, 0.5});
+  before_wall.AddMesh(box->mesh_O, X_CO);
+  const DepthEvidence alone = evidence(before_wall);
+  EXPECT_NEAR(alone.beyond, of_wall.beyond, 0.05 * of_wall.beyond);
+  EXPECT_EQ(alone.continuing, 0);
+  EXPECT_NEAR(alone.log_ratio - of_wall.log_ratio,
+              DepthEvidenceOptions().continuing_cost * of_wall.continuing, 0.01 * alone.log_ratio);
+
+  // What stands before the outline tells nothing of it.
+  SyntheticDepth half_hidden(SmallCamera());
+  half_hidden.AddPlane(-Eigen::Vector3d::UnitZ(), X_CO.translation());
+  half_hidden.AddMesh(BoxMesh({0.4, 0.3, 0.02}, {0.215, 0, 0.3}), Pose::Identity());
+  const DepthEvidence half = evidence(half_hidden);
+  EXPECT_GT(half.hidden, 0.1 * half.covered);
+  EXPECT_LT(half.beyond, 0.85 * of_wall.beyond);
+  EXPECT_EQ(half.continuing, half.beyond);
 }
 
 // A plane along the part's middle, seen where the part has sides of other slants.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "perception/verifier_values.h"
 #include "scenes/random.h"
 #include "tests/support/synthetic_depth.h"
 
@@ -182,6 +183,13 @@ TEST_F(SlabView, ExactSharesAreThoseOfThePoints) {
   EXPECT_NEAR(violated[kViolatedFeature], violated[2], 0.06);
 }
 
+TEST_F(SlabView, TheOutlineTellsAPartFromAWall) {
+  EXPECT_EQ(FeaturesOf(Render(), X_CO_)[kContinuingFeature], 0);
+  SyntheticDepth wall(SmallCamera());
+  wall.AddPlane(-Eigen::Vector3d::UnitZ(), {0, 0, 0.39});
+  EXPECT_GT(FeaturesOf(wall.frame(), X_CO_)[kContinuingFeature], 0.9);
+}
+
 TEST_F(SlabView, MarksTheFacesPixelsAlone) {
   const RgbdFrame frame = Render();
   const OrganizedCloud cloud = BuildCloud(frame, std::nullopt, kKeepAll);
@@ -263,6 +271,24 @@ TEST(Verifier, ScoreIsTheFormula) {
       (v.w1 * ((x - v.mean).cwiseQuotient(v.scale)) + v.b1).array().tanh();
   const double logit = 0.4 * (hidden.dot(v.w2) + v.b2) - 0.2;
   EXPECT_NEAR(v.Score(f), 1 / (1 + std::exp(-logit)), 1e-5);
+}
+
+// Files from before a feature was measured hold no weights of it.
+TEST(VerifiersFrom, FeaturesThatCameLaterCountForNothing) {
+  constexpr int kKnown = kFeaturesWithoutOutline, kHidden = 5;
+  Verifier narrow;
+  narrow.mean = Eigen::VectorXf::LinSpaced(kKnown, -1, 1);
+  narrow.scale = Eigen::VectorXf::Constant(kKnown, 0.7f);
+  narrow.w1 = Eigen::MatrixXf::Constant(kHidden, kKnown, 0.1f);
+  narrow.b1 = narrow.w2 = Eigen::VectorXf::LinSpaced(kHidden, 0.2f, 0.9f);
+  const Verifier wide = VerifiersFrom(VerifierValues({narrow}), 1, kKnown).front();
+  VerifyFeatures features;
+  features.fill(0.3f);
+  const double score = wide.Score(features);
+  features.back() = 0.9f;
+  EXPECT_EQ(wide.Score(features), score);
+  features[kKnown - 1] = 0.9f;
+  EXPECT_NE(wide.Score(features), score);
 }
 
 }  // namespace
