@@ -4,12 +4,29 @@
 
 #include <algorithm>
 
+#include "scenes/check.h"
 #include "sim/appearance.h"
 #include "sim/convex_pieces.h"
 #include "sim/resting_poses.h"
 #include "sim/sensor_noise.h"
 
 namespace pickbed {
+namespace {
+
+// Where not even the floor is in range nothing is seen, and nothing says why.
+SensorProfile SensorThatSees(const ScenarioSpec& spec, const Camera& camera) {
+  return BlameKey(spec, "sensor", [&] {
+    SensorProfile sensor = LoadSensorProfile(spec.sensor);
+    const double floor_m = camera.X_WC.inverse().translation().z();  // depth of W's origin
+    CheckInput(floor_m > sensor.min_range_m && floor_m < sensor.max_range_m,
+               fmt::format("{} reads from {} to {} m, and the bin's floor is {:.3f} m before the "
+                           "camera; move the camera (camera.eye_m) or take another sensor",
+                           sensor.name, sensor.min_range_m, sensor.max_range_m, floor_m));
+    return sensor;
+  });
+}
+
+}  // namespace
 
 VirtualCell::VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects)
     : seed_(spec.seed),
@@ -17,7 +34,7 @@ VirtualCell::VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects)
       bin_(BinOf(spec)),
       occlusion_(spec.occlusion),
       appearance_(spec.appearance),
-      sensor_(BlameKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); })),
+      sensor_(SensorThatSees(spec, camera_)),
       objects_(WithRestingDirections(WithConvexPieces(objects))) {
   drop_.arrangement = ArrangementFromName(spec.arrangement);
   for (const PartSpec& part : spec.objects) {

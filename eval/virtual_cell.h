@@ -29,7 +29,7 @@ struct View {
 class VirtualCell {
  public:
   // Loads the sensor and cuts the parts into convex pieces. The renderer is made on first use.
-  // Throws InputError for an unknown sensor.
+  // Throws InputError for an unknown sensor and for one in whose range the bin's floor is not.
   VirtualCell(const ScenarioSpec& spec, const ObjectSet& objects);
 
   // All are functions of their arguments and the scenario's seed alone.
