@@ -12,7 +12,7 @@
 namespace pickbed {
 namespace {
 
-constexpr uint64_t kMagic = 0x335054504b434950;  // "PICKPTP3", little endian
+constexpr uint64_t kMagic = 0x345054504b434950;  // "PICKPTP4", little endian
 
 void Put(std::string& bytes, const void* data, uint64_t size) {
   bytes.append(reinterpret_cast<const char*>(&size), sizeof size);

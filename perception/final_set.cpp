@@ -6,12 +6,13 @@ namespace pickbed {
 namespace {
 
 std::vector<PoseHypothesis> Scored(std::span<const Verifier> verifiers,
-                                   const std::vector<Candidate>& candidates, double min_score) {
+                                   const std::vector<Candidate>& candidates,
+                                   const FinalSetOptions& options) {
   std::vector<PoseHypothesis> scored;
   for (const Candidate& candidate : candidates) {
     PoseHypothesis hypothesis = candidate.hypothesis;
-    hypothesis.score = verifiers[hypothesis.object].Score(candidate.features);
-    if (hypothesis.score >= min_score) scored.push_back(hypothesis);
+    hypothesis.score = verifiers[hypothesis.object].Score(candidate.features, options.mode);
+    if (hypothesis.score >= options.min_score) scored.push_back(hypothesis);
   }
   std::stable_sort(
       scored.begin(), scored.end(),
@@ -28,7 +29,7 @@ std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
                                      const std::vector<Candidate>& candidates,
                                      const FinalSetOptions& options) {
   std::vector<PoseHypothesis> kept;
-  for (const PoseHypothesis& hypothesis : Scored(verifiers, candidates, options.min_score)) {
+  for (const PoseHypothesis& hypothesis : Scored(verifiers, candidates, options)) {
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const PoseHypothesis& better) {
       return better.object == hypothesis.object &&
              distances[hypothesis.object](better.X_CO, hypothesis.X_CO) < options.merge_diameters;

@@ -16,6 +16,7 @@ namespace pickbed {
 struct FinalSetOptions {
   double min_score = 0.5;        // below it a pose is not reported
   double merge_diameters = 0.1;  // poses of a part within it are one
+  CandidateMode mode = CandidateMode::kHard;
   SuppressOptions suppress;
 };
 

@@ -17,7 +17,7 @@ namespace pickbed {
 struct NeighborOptions {
   int branching = 48;     // clusters that a node is divided into
   int iterations = 2;     // of k-means at a node; more = better recall and slower building
-  int checks = 128;       // rows looked at for one query, or few more
+  int checks = 256;       // rows looked at for one query, or few more
   int linear_below = 64;  // sets with fewer rows are searched through exactly
   void Visit(SettingsVisitor& v);
 };

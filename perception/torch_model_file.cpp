@@ -15,7 +15,7 @@ namespace pickbed {
 namespace {
 
 // Raise when the meaning of the file changes; older readers then say so.
-constexpr int64_t kModelVersion = 7;
+constexpr int64_t kModelVersion = 8;
 constexpr int64_t kOldestVersion = 3;  // without recall, and as 4 of one kind of network
 constexpr const char* kMagic = "pickbed descriptor model";
 
@@ -71,11 +71,12 @@ DescriptorModel ReadArchive(const std::string& bytes, const std::string& name) {
   network.SetWeights(weight_values);
   const uint64_t network_hash =
       HashBytes(weight_values.data(), weight_values.size() * sizeof(float));
-  constexpr int64_t kWithSurroundings = 6, kWithOutline = 7;
-  const int features = version < kWithSurroundings ? kFeaturesWithoutSurroundings
-                       : version < kWithOutline    ? kFeaturesWithoutOutline
-                                                   : kVerifyFeatures;
-  std::vector<Verifier> verifiers = VerifiersFrom(verifier_values, info.objects.size(), features);
+  constexpr int64_t kWithSurroundings = 6, kWithOutline = 7, kWithModes = 8;
+  const VerifierLayout layout = version < kWithSurroundings ? kWithoutSurroundings
+                                : version < kWithOutline    ? kWithoutOutline
+                                : version < kWithModes      ? kOneCalibration
+                                                            : VerifierLayout();
+  std::vector<Verifier> verifiers = VerifiersFrom(verifier_values, info.objects.size(), layout);
   return {info, std::move(network), std::move(verifiers), network_hash, hash};
 }
 

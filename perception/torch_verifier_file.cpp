@@ -14,8 +14,8 @@ namespace pickbed {
 namespace {
 
 constexpr const char* kMagic = "pickbed verifiers";
-constexpr int64_t kWithoutSurroundings = 1, kWithoutOutline = 2;
-constexpr int64_t kVersion = 3;  // raise when the meaning of the file changes
+constexpr int64_t kOldest = 1, kWithOutline = 3, kWithModes = 4;
+constexpr int64_t kVersion = 4;  // raise when the meaning of the file changes
 
 std::string ObjectsText(std::vector<ModelObject> objects) {
   return WriteSettings([&](SettingsVisitor& v) {
@@ -70,7 +70,7 @@ VerifierFile ReadArchive(const std::string& bytes, const std::string& name) {
   c10::IValue value;
   archive.read("version", value);
   const int64_t version = value.toInt();
-  CheckInput(version >= kWithoutSurroundings && version <= kVersion,
+  CheckInput(version >= kOldest && version <= kVersion,
              fmt::format("it has version {}, this program reads up to {}", version, kVersion));
   const std::string objects_text = ReadText(archive, "objects");
   VerifierFile content;
@@ -89,11 +89,12 @@ VerifierFile ReadArchive(const std::string& bytes, const std::string& name) {
   content.objects = ObjectsFrom(objects_text, name);
   // Of a training that was stopped before the first part was done there is the network alone.
   const bool has_verifiers = !content.objects.empty() || !values.empty();
-  const int features = version == kWithoutSurroundings ? kFeaturesWithoutSurroundings
-                       : version == kWithoutOutline    ? kFeaturesWithoutOutline
-                                                       : kVerifyFeatures;
+  const VerifierLayout layout = version == kOldest       ? kWithoutSurroundings
+                                : version < kWithOutline ? kWithoutOutline
+                                : version < kWithModes   ? kOneCalibration
+                                                         : VerifierLayout();
   if (has_verifiers) {
-    content.verifiers = VerifiersFrom(values, content.objects.size(), features);
+    content.verifiers = VerifiersFrom(values, content.objects.size(), layout);
   }
   return content;
 }

@@ -69,7 +69,7 @@ void VerifierTrainingOptions::Visit(SettingsVisitor& v) {
       "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "the verifier's training");
 }
 
-void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
+Calibration Calibrate(const std::vector<ScoredPose>& poses) {
   constexpr double kPrior = 2;  // poses' worth of pull towards scale 1, shift 0
   constexpr int kSteps = 30;
   constexpr double kLeastScale = 0.2;  // the order of scores must stay
@@ -100,8 +100,7 @@ void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier) {
     x -= share * full;
     x[0] = std::max(x[0], kLeastScale);
   }
-  verifier.calibration_scale = static_cast<float>(x[0]);
-  verifier.calibration_shift = static_cast<float>(x[1]);
+  return {static_cast<float>(x[0]), static_cast<float>(x[1])};
 }
 
 std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, bool color,
@@ -181,17 +180,22 @@ TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int ob
     if (i + 1 == learned) examples.held_out_from = examples.features.size();
   }
   TrainedVerifier trained = TrainVerifier(examples, options.verifier, options.seed);
-  std::vector<ScoredPose> reported;
+  std::vector<std::vector<ScoredPose>> reported(sources.size());
   for (size_t i = learned; i < piles.size(); ++i) {
     const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
-    for (const std::vector<Candidate>& candidates : found[i]) {
+    for (size_t s = 0; s < sources.size(); ++s) {
+      FinalSetOptions all;
+      all.min_score = kNoScore;
       const auto set = FinalSet(cloud, assessor.model_points(), distances, {&trained.verifier, 1},
-                                candidates, {kNoScore, FinalSetOptions().merge_diameters, {}});
+                                found[i][s], all);
       const auto judged = Judge(set, piles[i], object, distances.front());
-      reported.insert(reported.end(), judged.begin(), judged.end());
+      reported[s].insert(reported[s].end(), judged.begin(), judged.end());
     }
   }
-  Calibrate(reported, trained.verifier);
+  auto& calibrations = trained.verifier.calibrations;
+  for (size_t mode = 0; mode < calibrations.size(); ++mode) {
+    calibrations[mode] = mode < sources.size() ? Calibrate(reported[mode]) : calibrations[0];
+  }
   return trained;
 }
 

@@ -2,8 +2,8 @@
 
 // Trains the verifier of one part with the estimator's own front part: its candidates of piles that
 // hold the part, right or wrong by the truth, in each mode that it will judge. Then its score is
-// calibrated on what is left of them when the set is made consistent, as it is reported: logistic
-// calibration (Platt 1999).
+// calibrated on what is left of a mode's when the set is made consistent, as it is reported:
+// logistic calibration (Platt 1999).
 
 #include <functional>
 #include <span>
@@ -55,8 +55,9 @@ std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, b
                                         const VerifierTrainingOptions& options,
                                         const std::function<bool(double share)>& on_share);
 
-// Of part `object` of the view source; the candidates of the sources, one or more that look for the
-// same part, are all of object 0.
+// Of part `object` of the view source; the candidates of the sources, one a mode in the order of
+// CandidateMode that look for the same part, are all of object 0. Modes without a source are
+// calibrated as the first is.
 // on_share(0..1) returns false to stop; what comes back is then unfinished. Throws InputError when
 // all candidates are right or all wrong.
 TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int object,
@@ -75,8 +76,8 @@ struct ScoredPose {
   double logit = 0;
   bool right = false;
 };
-// Sets the calibration of a verifier that has none yet so that scores are shares of right poses.
-// Drawn a little towards no change, so that few poses change little.
-void Calibrate(const std::vector<ScoredPose>& poses, Verifier& verifier);
+// What makes scores of a verifier that is not calibrated shares of right poses. Drawn a little
+// towards no change, so that few poses change little.
+Calibration Calibrate(const std::vector<ScoredPose>& poses);
 
 }  // namespace pickbed

@@ -5,8 +5,6 @@
 namespace pickbed {
 namespace {
 
-constexpr Eigen::Index kVerifierScalars = 3;  // b2 and the calibration
-
 void AppendVerifier(const Verifier& verifier, std::vector<float>& values) {
   const auto append = [&](const auto& matrix) {
     values.insert(values.end(), matrix.data(), matrix.data() + matrix.size());
@@ -16,8 +14,10 @@ void AppendVerifier(const Verifier& verifier, std::vector<float>& values) {
   append(verifier.w1);
   append(verifier.b1);
   append(verifier.w2);
-  values.insert(values.end(),
-                {verifier.b2, verifier.calibration_scale, verifier.calibration_shift});
+  values.push_back(verifier.b2);
+  for (const Calibration& calibration : verifier.calibrations) {
+    values.insert(values.end(), {calibration.scale, calibration.shift});
+  }
 }
 
 }  // namespace
@@ -28,10 +28,13 @@ std::vector<float> VerifierValues(const std::vector<Verifier>& verifiers) {
   return values;
 }
 
-std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count, int features) {
+std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count,
+                                    const VerifierLayout& layout) {
+  const int features = layout.features;
   CheckInput(count > 0 && values.size() % count == 0, "its verifiers have another shape");
-  // 2 * inputs, then hidden * (inputs + 2), then the scalars.
-  const auto rest = static_cast<int64_t>(values.size() / count) - 2 * features - kVerifierScalars;
+  // 2 * inputs, then hidden * (inputs + 2), then b2 and the calibrations.
+  const Eigen::Index scalars = 1 + 2 * layout.calibrations;
+  const auto rest = static_cast<int64_t>(values.size() / count) - 2 * features - scalars;
   CheckInput(rest > 0 && rest % (features + 2) == 0, "its verifiers have another shape");
   const Eigen::Index hidden = rest / (features + 2);
   const float* next = values.data();
@@ -50,10 +53,13 @@ std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t cou
     verifier.w1.leftCols(features) = vector(hidden * features).reshaped(hidden, features);
     verifier.b1 = vector(hidden);
     verifier.w2 = vector(hidden);
-    const Eigen::VectorXf scalars = vector(kVerifierScalars);
-    verifier.b2 = scalars[0];
-    verifier.calibration_scale = scalars[1];
-    verifier.calibration_shift = scalars[2];
+    verifier.b2 = *next++;
+    for (int mode = 0; mode < layout.calibrations; ++mode, next += 2) {
+      verifier.calibrations[mode] = {next[0], next[1]};
+    }
+    for (int mode = layout.calibrations; mode < kCandidateModes; ++mode) {
+      verifier.calibrations[mode] = verifier.calibrations[0];
+    }
   }
   return verifiers;
 }

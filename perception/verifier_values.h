@@ -11,12 +11,19 @@ namespace pickbed {
 
 std::vector<float> VerifierValues(const std::vector<Verifier>& verifiers);
 
-// `count` verifiers of equal shape that were trained on the first `features` of the features; those
-// that came later count for nothing to them. Throws InputError when the numbers are not theirs.
-std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count,
-                                    int features = kVerifyFeatures);
+// What a verifier knows of: the first of the features, and all modes or the first for all of them.
+struct VerifierLayout {
+  int features = kVerifyFeatures;
+  int calibrations = kCandidateModes;
+};
+// Of files from before bin, floor and neighbours were looked at, before outlines were, and before
+// modes were calibrated apart.
+inline constexpr VerifierLayout kWithoutSurroundings{16, 1}, kWithoutOutline{19, 1},
+    kOneCalibration{20, 1};
 
-// Of files from before bin, floor and neighbours were looked at, and before outlines were.
-inline constexpr int kFeaturesWithoutSurroundings = 16, kFeaturesWithoutOutline = 19;
+// `count` verifiers of equal shape; features that came after theirs count for nothing to them.
+// Throws InputError when the numbers are not theirs.
+std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count,
+                                    const VerifierLayout& layout = {});
 
 }  // namespace pickbed

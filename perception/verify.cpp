@@ -233,7 +233,7 @@ float EvidenceMargin(double log_ratio, double rival_log_ratio) {
   return static_cast<float>(nats / (std::abs(nats) + kHalf));
 }
 
-double Verifier::Score(const VerifyFeatures& features) const {
+double Verifier::Score(const VerifyFeatures& features, CandidateMode mode) const {
   float logit = b2;
   for (Eigen::Index unit = 0; unit < w1.rows(); ++unit) {
     float sum = b1[unit];
@@ -242,7 +242,8 @@ double Verifier::Score(const VerifyFeatures& features) const {
     }
     logit += w2[unit] * std::tanh(sum);
   }
-  logit = calibration_scale * logit + calibration_shift;
+  const Calibration& calibration = calibrations[static_cast<size_t>(mode)];
+  logit = calibration.scale * logit + calibration.shift;
   return 1.0 / (1.0 + std::exp(-static_cast<double>(logit)));
 }
 

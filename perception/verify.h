@@ -75,14 +75,23 @@ void MarkExplained(const OrganizedCloud& cloud, const ModelPoints& model, const 
 // By how much the evidence for a pose exceeds that for a rival, in nats, between -1 and 1.
 float EvidenceMargin(double log_ratio, double rival_log_ratio);
 
+// Whose candidates a score is of. A method of one mode is of the first.
+enum class CandidateMode { kHard, kFast };
+inline constexpr int kCandidateModes = 2;
+
+struct Calibration {
+  float scale = 1, shift = 0;  // of a logit
+};
+
 // A perceptron with tanh and one hidden layer, inputs standardised; output P(pose right).
 struct Verifier {
   Eigen::VectorXf mean, scale;  // a feature each; input i is (feature - mean) / scale
   Eigen::MatrixXf w1;           // hidden x features
   Eigen::VectorXf b1, w2;       // hidden
   float b2 = 0;
-  float calibration_scale = 1, calibration_shift = 0;  // of the logit
-  double Score(const VerifyFeatures& features) const;
+  // A mode that finds fewer right poses has more wrong ones of equal features.
+  std::array<Calibration, kCandidateModes> calibrations;
+  double Score(const VerifyFeatures& features, CandidateMode mode = CandidateMode::kHard) const;
 };
 
 }  // namespace pickbed

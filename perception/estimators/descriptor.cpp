@@ -154,7 +154,7 @@ void LearnedEstimator::Trace(const OrganizedCloud& cloud, const std::vector<Cand
   for (const Candidate& candidate : candidates) {
     TracedCandidate traced{candidate.hypothesis, candidate.features};
     const Verifier& verifier = verifiers_[traced.hypothesis.object];
-    traced.hypothesis.score = verifier.Score(traced.features);
+    traced.hypothesis.score = verifier.Score(traced.features, options_.final_set.mode);
     trace.candidates.push_back(std::move(traced));
   }
   trace.accepted = accepted;
@@ -198,7 +198,10 @@ std::filesystem::path DescriptorModelFile(const EstimatorSpec& spec) {
 
 DescriptorOptions OptionsForMode(const std::string& mode) {
   DescriptorOptions options;
-  if (mode == "fast") return options;
+  if (mode == "fast") {
+    options.final_set.mode = CandidateMode::kFast;
+    return options;
+  }
   CheckInput(mode == "hard", UnknownNameMessage("estimator mode", mode, {"fast", "hard"}));
   options.candidates = HardCandidates();
   return options;

@@ -16,7 +16,7 @@ TrainedVerifier AVerifier(float bias, double auc) {
   v.b1 = Eigen::VectorXf::LinSpaced(kHidden, -1, 1);
   v.w2 = Eigen::VectorXf::LinSpaced(kHidden, 1, 2);
   v.b2 = bias;
-  v.calibration_scale = 1.5f;
+  v.calibrations = {{{1.5f, 0.5f}, {0.5f, -0.5f}}};
   return {v, auc};
 }
 
@@ -46,8 +46,10 @@ TEST(Checkpoint, SurvivesTheRoundTrip) {
   features[3] = 0.7f;
   for (size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(read.verifiers[i].auc, saved.verifiers[i].auc);
-    EXPECT_EQ(read.verifiers[i].verifier.Score(features),
-              saved.verifiers[i].verifier.Score(features));
+    for (const CandidateMode mode : {CandidateMode::kHard, CandidateMode::kFast}) {
+      EXPECT_EQ(read.verifiers[i].verifier.Score(features, mode),
+                saved.verifiers[i].verifier.Score(features, mode));
+    }
   }
 }
 

@@ -56,6 +56,17 @@ TEST_F(FinalSetOfABracket, ScoresAreTheVerifiersAndTheLeastIsKept) {
   EXPECT_TRUE(Set({At(BracketPose(), -0.1f)}, 0.5).empty());
 }
 
+TEST_F(FinalSetOfABracket, ScoresAreOfTheModeAskedFor) {
+  verifiers_[0].calibrations[1] = {1, -3};
+  FinalSetOptions options;
+  options.mode = CandidateMode::kFast;
+  options.min_score = 0;
+  const Candidate candidate = At(BracketPose(), 0.2f);
+  const auto kept = FinalSet(cloud_, models_, distances_, verifiers_, {candidate}, options);
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_LT(kept[0].score, 0.3) << "it is 0.69 in mode hard";
+}
+
 TEST_F(FinalSetOfABracket, EqualPosesBecomeTheBestOfThem) {
   const Pose near = Perturbed(BracketPose(), {0, 0, 1}, 1, {0.001, 0, 0});
   const auto kept = Set({At(near, 0.1f), At(BracketPose(), 0.3f), At(near, 0.2f)}, 0.5);

@@ -34,20 +34,22 @@ TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
   EXPECT_THROW(TrainVerifier(examples, options, 0), InputError);
 }
 
-// Finds the true pose of each part, or one beside it.
+// Finds the true pose of each part, or of a share of them one beside it.
 class Shifted : public CandidateSource {
  public:
-  Shifted(const ObjectSet& objects, const std::vector<LabelledView>& piles, double shift_m)
-      : assessor_(objects, {}), piles_(piles), shift_m_(shift_m) {}
+  Shifted(const ObjectSet& objects, const std::vector<LabelledView>& piles, double shift_m,
+          double share = 1, float cue = 5)
+      : assessor_(objects, {}), piles_(piles), shift_m_(shift_m), share_(share), cue_(cue) {}
 
   std::vector<Candidate> Find(const OrganizedCloud&, Rng& rng, StageSeconds&,
                               EstimateTrace*) const override {
     std::vector<Candidate> found;
     for (const LabelledInstance& instance : piles_[next_++ % piles_.size()].instances) {
       Candidate& candidate = found.emplace_back();
-      candidate.hypothesis.X_CO = Translation({shift_m_, 0, 0}) * instance.X_CO;
+      const double shift_m = rng.Uniform() < share_ ? shift_m_ : 0;
+      candidate.hypothesis.X_CO = Translation({shift_m, 0, 0}) * instance.X_CO;
       for (float& feature : candidate.features) feature = static_cast<float>(rng.Normal());
-      candidate.features[0] += shift_m_ > 0 ? -5.0f : 5.0f;
+      candidate.features[0] += shift_m > 0 ? -cue_ : cue_;
     }
     return found;
   }
@@ -56,7 +58,8 @@ class Shifted : public CandidateSource {
  private:
   CandidateAssessor assessor_;
   const std::vector<LabelledView>& piles_;
-  double shift_m_;
+  double shift_m_, share_;
+  float cue_;  // how much a feature tells right from wrong
   mutable size_t next_ = 0;
 };
 
@@ -77,19 +80,35 @@ TEST(TrainPartVerifier, LearnsFromTheCandidatesOfAllSources) {
   EXPECT_GT(train({&right, &wrong}).auc, 0.99);
 }
 
+// Of equal features a mode that is seldom right has lower scores than one that often is.
+TEST(TrainPartVerifier, CalibratesEachModeByItsOwnCandidates) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  VerifierTrainingOptions options;
+  options.piles = 20;
+  options.verifier.iterations = 200;
+  const auto go_on = [](double) { return true; };
+  const auto piles = VerifierPiles(views, 0, /*color=*/false, options, go_on);
+  const Shifted often(views.objects(), piles, 0.05, 0.2, 0.5f);
+  const Shifted seldom(views.objects(), piles, 0.05, 0.8, 0.5f);
+  const std::vector<const CandidateSource*> sources{&often, &seldom};
+  const Verifier verifier = TrainPartVerifier(piles, 0, sources, options, go_on).verifier;
+  const VerifyFeatures features{};
+  EXPECT_GT(verifier.Score(features, CandidateMode::kHard), 0.6);
+  EXPECT_LT(verifier.Score(features, CandidateMode::kFast), 0.4);
+}
+
 // A verifier that is sure of itself: Newton's whole steps would leave for scales of thousands.
 TEST(Calibrate, LogitsThatLieTogetherGetTheirShareOfRightPoses) {
   std::vector<ScoredPose> poses;
   for (int i = 0; i < 1030; ++i) poses.push_back({6.0, i < 1000});
   for (int i = 0; i < 2000; ++i) poses.push_back({-6.0, false});
-  Verifier verifier;
-  Calibrate(poses, verifier);
+  const Calibration calibration = Calibrate(poses);
   const auto probability = [&](double logit) {
-    return 1 / (1 + std::exp(-verifier.calibration_scale * logit - verifier.calibration_shift));
+    return 1 / (1 + std::exp(-calibration.scale * logit - calibration.shift));
   };
   EXPECT_NEAR(probability(6), 1000.0 / 1030, 0.003);
   EXPECT_LT(probability(-6), 0.005);
-  EXPECT_LT(verifier.calibration_scale, 3);
+  EXPECT_LT(calibration.scale, 3);
 }
 
 // Poses that are right with P = 1 / (1 + exp(-(2 logit + 1))) while the score claims
@@ -101,14 +120,11 @@ TEST(Calibrate, FindsAPlantedRule) {
     pose.logit = rng.Uniform(-3, 3);
     pose.right = rng.Uniform() < 1 / (1 + std::exp(-(2 * pose.logit + 1)));
   }
-  Verifier verifier;
-  Calibrate(poses, verifier);
-  EXPECT_NEAR(verifier.calibration_scale, 2, 0.2);
-  EXPECT_NEAR(verifier.calibration_shift, 1, 0.2);
-  Verifier untouched;
-  Calibrate({}, untouched);
-  EXPECT_EQ(untouched.calibration_scale, 1);
-  EXPECT_EQ(untouched.calibration_shift, 0);
+  const Calibration found = Calibrate(poses), untouched = Calibrate({});
+  EXPECT_NEAR(found.scale, 2, 0.2);
+  EXPECT_NEAR(found.shift, 1, 0.2);
+  EXPECT_EQ(untouched.scale, 1);
+  EXPECT_EQ(untouched.shift, 0);
 }
 
 TEST(AreaUnderRoc, CountsOrderedPairs) {

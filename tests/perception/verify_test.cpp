@@ -262,26 +262,26 @@ TEST(Verifier, ScoreIsTheFormula) {
   v.b1 = random(24, 1);
   v.w2 = random(24, 1);
   v.b2 = 0.3f;
-  v.calibration_scale = 0.4f;
-  v.calibration_shift = -0.2f;
+  v.calibrations = {{{0.4f, -0.2f}, {0.7f, 0.1f}}};  // hard, fast
   VerifyFeatures f;
   for (float& x : f) x = static_cast<float>(rng.Normal());
   const Eigen::Map<const Eigen::VectorXf> x(f.data(), f.size());
   const Eigen::VectorXf hidden =
       (v.w1 * ((x - v.mean).cwiseQuotient(v.scale)) + v.b1).array().tanh();
-  const double logit = 0.4 * (hidden.dot(v.w2) + v.b2) - 0.2;
-  EXPECT_NEAR(v.Score(f), 1 / (1 + std::exp(-logit)), 1e-5);
+  const double logit = hidden.dot(v.w2) + v.b2;
+  EXPECT_NEAR(v.Score(f), 1 / (1 + std::exp(0.2 - 0.4 * logit)), 1e-5);
+  EXPECT_NEAR(v.Score(f, CandidateMode::kFast), 1 / (1 + std::exp(-0.1 - 0.7 * logit)), 1e-5);
 }
 
 // Files from before a feature was measured hold no weights of it.
 TEST(VerifiersFrom, FeaturesThatCameLaterCountForNothing) {
-  constexpr int kKnown = kFeaturesWithoutOutline, kHidden = 5;
+  constexpr int kKnown = kWithoutOutline.features, kHidden = 5;
   Verifier narrow;
   narrow.mean = Eigen::VectorXf::LinSpaced(kKnown, -1, 1);
   narrow.scale = Eigen::VectorXf::Constant(kKnown, 0.7f);
   narrow.w1 = Eigen::MatrixXf::Constant(kHidden, kKnown, 0.1f);
   narrow.b1 = narrow.w2 = Eigen::VectorXf::LinSpaced(kHidden, 0.2f, 0.9f);
-  const Verifier wide = VerifiersFrom(VerifierValues({narrow}), 1, kKnown).front();
+  const Verifier wide = VerifiersFrom(VerifierValues({narrow}), 1, {.features = kKnown}).front();
   VerifyFeatures features;
   features.fill(0.3f);
   const double score = wide.Score(features);
