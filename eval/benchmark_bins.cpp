@@ -9,6 +9,7 @@
 #include "perception/pose_estimator.h"
 #include "perception/torch_model_file.h"
 #include "perception/torch_verifier_file.h"
+#include "perception/verifier_library.h"
 #include "scenes/check.h"
 #include "scenes/files.h"
 
@@ -25,7 +26,7 @@ bool Knows(const std::vector<ModelObject>& trained, const ObjectSet& objects) {
   });
 }
 
-// Of these a model is a file of verifiers, which is whole part by part.
+// Of these a model is a file of verifiers.
 bool HasVerifiersAlone(const BinMethod& method) {
   return std::ranges::any_of(EstimatorTable(), [&](const EstimatorRow& row) {
     return row.candidates != nullptr && std::string(method.estimator) == row.name;
@@ -46,16 +47,11 @@ std::filesystem::path ModelFile(const BinMethod& method, const std::filesystem::
   return folder / (std::string(method.model) + ".pt");
 }
 
-std::filesystem::path CommandFile(const BinMethod& method, const std::filesystem::path& folder) {
-  return folder / (std::string(method.model) + ".command");
-}
-
-// Of the file by its name alone, so that the folder may be named and moved at will.
-std::string CommandText(std::vector<std::string> words) {
-  for (std::string& word : words) {
-    if (word.ends_with(".pt")) word = std::filesystem::path(word).filename().string();
-  }
-  return fmt::format("pickbed train {}\n", fmt::join(words, " "));
+// How a method is trained, in words after `pickbed train`, but for the parts and the file.
+std::vector<std::string> HowTrained(const BinMethod& method, bool small) {
+  std::vector<std::string> words = method.training;
+  if (small) words.insert(words.end(), method.small_training.begin(), method.small_training.end());
+  return words;
 }
 
 json ToJson(const BinLook& look) {
@@ -158,41 +154,40 @@ std::vector<int> SharedBins(int all, int scenarios) {
   return bins;
 }
 
-std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& folder,
-                                       const std::vector<std::string>& parts, bool small) {
-  std::vector<std::string> words = method.training;
-  if (small) words.insert(words.end(), method.small_training.begin(), method.small_training.end());
+std::filesystem::path TrainedModelFile(const BinMethod& method, const std::filesystem::path& folder,
+                                       const ObjectSet& objects, bool small) {
+  std::string text = fmt::format("{}", fmt::join(HowTrained(method, small), " "));
+  for (const auto& object : objects) {
+    text += fmt::format(" {} {:016x}", object->name, object->mesh_hash);
+  }
+  const auto key = static_cast<uint32_t>(HashBytes(text.data(), text.size()));
+  return folder / fmt::format("{}-{:08x}.pt", method.model, key);
+}
+
+std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& file,
+                                       const ObjectSet& objects, bool small) {
+  std::vector<std::string> parts;
+  for (const auto& object : objects) parts.push_back(object->name);
+  std::vector<std::string> words = HowTrained(method, small);
   const std::vector<std::string> rest{"--objects", fmt::format("{}", fmt::join(parts, ",")),
-                                      "--out", ModelFile(method, folder).string()};
+                                      "--out", file.string()};
   words.insert(words.end(), rest.begin(), rest.end());
   return words;
 }
 
-void WriteTrainingCommand(const BinMethod& method, const std::filesystem::path& folder,
-                          const std::vector<std::string>& words) {
-  WriteFileAtomically(CommandFile(method, folder), CommandText(words));
-}
-
-bool WasBegun(const BinMethod& method, const std::filesystem::path& folder,
-              const std::vector<std::string>& words) {
-  const std::filesystem::path file = ModelFile(method, folder),
-                              command = CommandFile(method, folder);
-  if (!std::filesystem::exists(command) || ReadFileBytes(command) != CommandText(words))
-    return false;
+bool IsBegun(const std::filesystem::path& file) {
   return std::filesystem::exists(file.string() + ".checkpoint") ||
-         (HasVerifiersAlone(method) && std::filesystem::exists(file));
+         std::filesystem::exists(UnfinishedLibrary(file));
 }
 
 std::filesystem::path FindBinModel(const BinMethod& method, const std::filesystem::path& folder,
-                                   const ObjectSet& objects,
-                                   const std::vector<std::string>& words) {
-  const std::filesystem::path file = ModelFile(method, folder),
-                              command = CommandFile(method, folder);
-  const bool is_other =
-      std::filesystem::exists(command) && ReadFileBytes(command) != CommandText(words);
-  if (!is_other && Knows(TrainedFor(method, file), objects)) return file;
-  const std::filesystem::path shipped = ModelFile(method, AssetsDir() / "models");
-  return Knows(TrainedFor(method, shipped), objects) ? shipped : std::filesystem::path();
+                                   const ObjectSet& objects, bool small) {
+  for (const std::filesystem::path& file :
+       {ModelFile(method, folder), TrainedModelFile(method, folder, objects, small),
+        ModelFile(method, AssetsDir() / "models")}) {
+    if (Knows(TrainedFor(method, file), objects)) return file;
+  }
+  return {};
 }
 
 }  // namespace pickbed

@@ -21,10 +21,9 @@ struct BinMethod {
   const char* label;
   const char* estimator;
   const char* mode;
-  // Its model: OUT/models/MODEL.pt or the shipped one, whichever knows the parts; "" = it needs
-  // none or has one for all parts.
+  // Name of its model, see FindBinModel; "" = it needs none or has one for all parts.
   const char* model;
-  // How it is trained where neither does: words after `pickbed train` and before the parts.
+  // How it is trained where there is none: words after `pickbed train` and before the parts.
   std::vector<std::string> training;
   // Further words for a model of --small: minutes for all, and worse.
   std::vector<std::string> small_training = {};
@@ -66,22 +65,22 @@ std::optional<BinScenario> ReadBinScenario(const std::filesystem::path& file,
 // least one each.
 std::vector<int> SharedBins(int all, int scenarios);
 
-// The arguments of `pickbed train` that make folder/MODEL.pt.
-std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& folder,
-                                       const std::vector<std::string>& parts, bool small = false);
+// folder/MODEL-KEY.pt, which a method is trained into: another one for each way to train it and
+// each set of parts, so that none is taken for another or written over.
+std::filesystem::path TrainedModelFile(const BinMethod& method, const std::filesystem::path& folder,
+                                       const ObjectSet& objects, bool small);
 
-// Written before a model is trained, to folder/MODEL.command: what it is trained by.
-void WriteTrainingCommand(const BinMethod& method, const std::filesystem::path& folder,
-                          const std::vector<std::string>& words);
+// The arguments of `pickbed train` that make that file.
+std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& file,
+                                       const ObjectSet& objects, bool small);
 
-// A training by these words was begun in the folder, and left something to go on from.
-bool WasBegun(const BinMethod& method, const std::filesystem::path& folder,
-              const std::vector<std::string>& words);
+// A training of this file was stopped and left something to go on from.
+bool IsBegun(const std::filesystem::path& file);
 
-// The file of a method's model for these parts: in `folder`, unless it was trained there by other
-// words than these, or shipped; empty where neither knows all of them.
+// The model file of a method that knows these parts: the user's own, folder/MODEL.pt, or that which
+// was trained there, or the shipped one; empty where none does.
 std::filesystem::path FindBinModel(const BinMethod& method, const std::filesystem::path& folder,
-                                   const ObjectSet& objects, const std::vector<std::string>& words);
+                                   const ObjectSet& objects, bool small);
 
 // A line an estimator and scenario, and one an estimator for all.
 std::string BinTableCsv(const std::vector<BinScenario>& scenarios);

@@ -98,26 +98,38 @@ int Train(std::vector<std::string> words) {
   return TrainCommand(static_cast<int>(argv.size()), argv.data());
 }
 
+// Parts of a scenario's own meshes cannot be trained by name.
+void RequireInCatalog(const ObjectSet& parts, const std::string& catalog, const BinMethod& method,
+                      const std::filesystem::path& folder) {
+  const std::vector<std::string> known = OpenCatalog(catalog).Names();
+  for (const auto& part : parts) {
+    CheckInput(std::find(known.begin(), known.end(), part->name) != known.end(),
+               fmt::format("part '{}' is in no catalog, so that {} cannot be trained for it here; "
+                           "add it with --catalog, or put a model that knows it at {}",
+                           part->name, method.label,
+                           (folder / (std::string(method.model) + ".pt")).string()));
+  }
+}
+
 // The methods with their model files, by label; trains what is missing. Status of what stopped it.
 int FindModels(const std::vector<BinMethod>& methods, const std::filesystem::path& folder,
-               const ObjectSet& parts, bool small, std::vector<ComparedEstimator>& estimators) {
+               const ObjectSet& parts, const BinsArguments& arguments,
+               std::vector<ComparedEstimator>& estimators) {
   MakeFolder(folder);
-  std::vector<std::string> names;
-  for (const auto& part : parts) names.push_back(part->name);
   for (const BinMethod& method : methods) {
     ComparedEstimator& estimator = estimators.emplace_back();
     estimator.label = method.label;
     estimator.spec.name = method.estimator;
     estimator.spec.mode = method.mode;
     if (std::string(method.model).empty()) continue;
-    const std::vector<std::string> words = TrainingWords(method, folder, names, small);
-    std::filesystem::path file = FindBinModel(method, folder, parts, words);
+    std::filesystem::path file = FindBinModel(method, folder, parts, arguments.small);
     if (file.empty()) {
-      std::vector<std::string> now = words;
-      if (WasBegun(method, folder, words)) now.push_back("--resume");
-      WriteTrainingCommand(method, folder, words);
-      if (const int status = Train(std::move(now))) return status;
-      file = FindBinModel(method, folder, parts, words);
+      RequireInCatalog(parts, arguments.catalog, method, folder);
+      file = TrainedModelFile(method, folder, parts, arguments.small);
+      std::vector<std::string> words = TrainingWords(method, file, parts, arguments.small);
+      words.insert(words.end(), {"--catalog", arguments.catalog});
+      if (IsBegun(file)) words.push_back("--resume");
+      if (const int status = Train(std::move(words))) return status;
     }
     estimator.spec.model = file.string();
   }
@@ -170,8 +182,11 @@ int RunBins(const BinsArguments& arguments) {
   MakeFolder(folder / "scenarios");
   CatchInterrupts();
   std::vector<ComparedEstimator> estimators;
-  if (const int status = FindModels(methods, folder / "models", WantedParts(scenarios),
-                                    arguments.small, estimators)) {
+  if (const int status =
+          FindModels(methods, folder / "models", WantedParts(scenarios), arguments, estimators)) {
+    if (status == kExitInterrupted) {
+      fmt::print(stderr, "pickbed: the same benchmark goes on with this training\n");
+    }
     return status;
   }
   std::vector<BinScenario> done;

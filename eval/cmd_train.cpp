@@ -144,8 +144,7 @@ const EstimatorRow& RowWithCandidates(const std::string& name) {
 }
 
 std::string NothingToResume(const std::filesystem::path& file) {
-  return fmt::format("no checkpoint {} to resume from; leave out --resume to start anew",
-                     file.string());
+  return fmt::format("no {} to resume from; leave out --resume to start anew", file.string());
 }
 
 // `written`: what the stopped training goes on from, where it got as far as to write it.
@@ -154,7 +153,7 @@ void SayStopped(const std::filesystem::path& written) {
     fmt::print(stderr, "pickbed: stopped; {} is written, the same command with --resume goes on\n",
                written.string());
   } else {
-    fmt::print(stderr, "pickbed: stopped before the first step; nothing is written\n");
+    fmt::print(stderr, "pickbed: stopped before anything was learned that could be kept\n");
   }
 }
 
@@ -165,10 +164,11 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson
              fmt::format("--report: verifiers of {} have no report page; leave it out",
                          arguments.verifier_for));
   const std::filesystem::path checkpoint = file.string() + ".checkpoint";
-  CheckInput(
-      !arguments.resume || std::filesystem::exists(file) || std::filesystem::exists(checkpoint),
-      NothingToResume(file));
-  if (!arguments.resume) std::filesystem::remove(checkpoint);
+  const bool has_checkpoint = row.learn != nullptr && std::filesystem::exists(checkpoint);
+  CheckInput(!arguments.resume || has_checkpoint || std::filesystem::exists(file) ||
+                 std::filesystem::exists(UnfinishedLibrary(file)),
+             NothingToResume(UnfinishedLibrary(file)));
+  if (!arguments.resume && has_checkpoint) std::filesystem::remove(checkpoint);
   const auto views = MakeTrainingViews(lesson);
   CatchInterrupts();
   VerifierReport report;
@@ -187,6 +187,7 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson
                       return !Interrupted();
                     }};
     if (row.learn != nullptr) {
+      job.checkpoint = checkpoint;
       job.network_settings = WohlhartSettings(lesson.objects, arguments.wohlhart);
       job.learn = [&](const std::function<bool(double)>& on_share) {
         return row.learn(
@@ -196,10 +197,10 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson
     report = TrainVerifierLibrary(job, arguments.verifier);
   }
   if (!report.finished) {
-    SayStopped(report.is_saved ? file : checkpoint);
+    SayStopped(report.saved.empty() && row.learn != nullptr ? checkpoint : report.saved);
     return kExitInterrupted;
   }
-  std::filesystem::remove(checkpoint);
+  if (row.learn != nullptr) std::filesystem::remove(checkpoint);
   fmt::print("wrote {}; area under the curve {:.3f}\nuse it with --set estimator.model={}\n",
              file.string(), report.mean_auc, file.string());
   return 0;

@@ -58,6 +58,15 @@ void RequireVisibleParts(const TrainingLesson& lesson) {
   }
 }
 
+// The scenario's sensor, or those that look at the piles in its stead.
+void RequireFloorInRange(const TrainingLesson& lesson) {
+  const double floor_m = CameraOf(lesson.spec).X_WC.inverse().translation().z();
+  for (const SensorProfile& sensor : lesson.sensors) RequireInRange(sensor, floor_m);
+  if (!lesson.sensors.empty()) return;
+  BlameKey(lesson.spec, "sensor",
+           [&] { RequireInRange(LoadSensorProfile(lesson.spec.sensor), floor_m); });
+}
+
 // Those of the scenario; a lamp that it leaves where it is varies all the same.
 AppearanceRanges LearnedLooks(const AppearanceRanges& of_scenario) {
   const AppearanceRanges fixed = FixedAppearance(), varied;
@@ -110,7 +119,10 @@ TrainingLesson PlanTrainingLesson(const LessonChoice& choice) {
   }
   lesson.foreign_share = choice.foreign_share;
   if (!choice.start_from.empty()) AddKnownParts(choice, lesson);
-  if (lesson.has_cell) RequireVisibleParts(lesson);
+  if (lesson.has_cell) {
+    RequireVisibleParts(lesson);
+    RequireFloorInRange(lesson);
+  }
   return lesson;
 }
 

@@ -13,15 +13,10 @@
 namespace pickbed {
 namespace {
 
-// Where not even the floor is in range nothing is seen, and nothing says why.
 SensorProfile SensorThatSees(const ScenarioSpec& spec, const Camera& camera) {
   return BlameKey(spec, "sensor", [&] {
     SensorProfile sensor = LoadSensorProfile(spec.sensor);
-    const double floor_m = camera.X_WC.inverse().translation().z();  // depth of W's origin
-    CheckInput(floor_m > sensor.min_range_m && floor_m < sensor.max_range_m,
-               fmt::format("{} reads from {} to {} m, and the bin's floor is {:.3f} m before the "
-                           "camera; move the camera (camera.eye_m) or take another sensor",
-                           sensor.name, sensor.min_range_m, sensor.max_range_m, floor_m));
+    RequireInRange(sensor, camera.X_WC.inverse().translation().z());  // depth of W's origin
     return sensor;
   });
 }

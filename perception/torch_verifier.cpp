@@ -78,7 +78,7 @@ TrainedVerifier TrainVerifier(const VerifierExamples& examples, const VerifierOp
   CheckInput(right > 0 && right < kept,
              "the verifier needs right and wrong poses to learn from, but has " +
                  std::to_string(right) + " right of " + std::to_string(kept) +
-                 "; train the network longer or on more piles");
+                 "; raise piles, or train longer what proposes them");
   at::set_num_threads(1);
   torch::manual_seed(seed);
   const at::Tensor all = FeatureTensor(examples);

@@ -7,17 +7,28 @@
 namespace pickbed {
 namespace {
 
-// What the file holds already, or an empty one.
-VerifierFile Begin(const VerifierJob& job, const VerifierTrainingOptions& options) {
+// The file to go on from; empty = none.
+std::filesystem::path ResumedFile(const VerifierJob& job) {
+  const std::filesystem::path unfinished = UnfinishedLibrary(job.file);
+  if (!job.resume) return {};
+  if (std::filesystem::exists(unfinished)) return unfinished;
+  // The network of the training that stopped is not learned yet: the file is of another.
+  if (!job.checkpoint.empty() && std::filesystem::exists(job.checkpoint)) return {};
+  return std::filesystem::exists(job.file) ? job.file : std::filesystem::path();
+}
+
+// What the resumed file holds, or an empty one.
+VerifierFile Begin(const VerifierJob& job, const VerifierTrainingOptions& options,
+                   const std::filesystem::path& resumed) {
   const std::string training = VerifierTrainingText(job.views, options);
-  if (job.resume && std::filesystem::exists(job.file)) {
-    VerifierFile known = LoadVerifiers(job.file, job.estimator);
+  if (!resumed.empty()) {
+    VerifierFile known = LoadVerifiers(resumed, job.estimator);
     CheckInput(known.training == training && known.sensor == job.sensor_profile,
-               job.file.string() +
-                   ": trained with other settings, another sensor or another bin; leave out "
-                   "--resume to start anew, or name another file");
+               resumed.string() +
+                   ": trained with other settings, another sensor, another bin or an older "
+                   "pickbed; leave out --resume to start anew, or name another file");
     CheckInput(known.network.settings.empty() || known.network.settings == job.network_settings,
-               job.file.string() +
+               resumed.string() +
                    ": its network was learned of other parts or with other settings; leave out "
                    "--resume to start anew, or name another file");
     return known;
@@ -46,6 +57,10 @@ void Put(const ObjectModel& part, const TrainedVerifier& trained, VerifierFile& 
 
 }  // namespace
 
+std::filesystem::path UnfinishedLibrary(const std::filesystem::path& file) {
+  return file.string() + ".part";
+}
+
 std::string VerifierTrainingText(const LabelledViewSource& views, VerifierTrainingOptions options) {
   return WriteSettings([&](SettingsVisitor& v) { options.Visit(v); }) + views.PileSettings();
 }
@@ -54,15 +69,16 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
                                     const VerifierTrainingOptions& options) {
   const ObjectSet& objects = job.views.objects();
   CheckInput(!objects.empty(), "training needs at least one part");
-  VerifierFile file = Begin(job, options);
-  bool is_saved = job.resume && std::filesystem::exists(job.file);
+  const std::filesystem::path unfinished = UnfinishedLibrary(job.file);
+  if (!job.resume) std::filesystem::remove(unfinished);
+  std::filesystem::path saved = ResumedFile(job);
+  VerifierFile file = Begin(job, options, saved);
   if (job.learn && file.network.settings.empty()) {
     std::optional<LearnedNetwork> network = job.learn(
         [&](double share) { return !job.on_progress || job.on_progress("all parts", share); });
-    if (!network) return {false, is_saved, 0};
+    if (!network) return {false, saved, 0};
     file.network = *std::move(network);
-    SaveVerifiers(job.file, file);
-    is_saved = true;
+    SaveVerifiers(saved = unfinished, file);
   }
   for (size_t i = 0; i < objects.size(); ++i) {
     const ObjectModel& part = *objects[i];
@@ -77,21 +93,21 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
       const std::vector<LabelledView> piles =
           VerifierPiles(job.views, object, /*color=*/false, options,
                         [&](double share) { return report(kPilesShare * share); });
-      if (!go_on) return {false, is_saved, 0};
+      if (!go_on) return {false, saved, 0};
       const std::unique_ptr<CandidateSource> source = job.candidates({objects[i]}, file.network);
       const CandidateSource* const sources[] = {source.get()};
       const TrainedVerifier trained = TrainPartVerifier(
           piles, object, sources, options,
           [&](double share) { return report(kPilesShare + (1 - kPilesShare) * share); });
-      if (!go_on) return {false, is_saved, 0};
+      if (!go_on) return {false, saved, 0};
       Put(part, trained, file);
     } catch (const InputError& error) {
       throw InputError("part '" + part.name + "': " + error.what());
     }
-    SaveVerifiers(job.file, file);
-    is_saved = true;
+    SaveVerifiers(saved = unfinished, file);
   }
-  VerifierReport report{true, true, 0};
+  if (saved == unfinished) std::filesystem::rename(unfinished, job.file);
+  VerifierReport report{true, job.file, 0};
   for (const ModelObject& object : file.objects) {
     report.mean_auc += object.verifier_auc / static_cast<double>(file.objects.size());
   }

@@ -1,7 +1,8 @@
 #pragma once
 
 // Trains verifiers for an estimator that learns little else, one part after the other, into one
-// file that is whole after each. What its candidates come from is learned before them, of all parts
+// file. Until all parts are done they are kept in another beside it, so that a file of an earlier
+// training stays until then. What its candidates come from is learned before them, of all parts
 // at once.
 
 #include <filesystem>
@@ -25,20 +26,26 @@ struct VerifierJob {
                                                  const LearnedNetwork& network)>
       candidates;
   std::filesystem::path file;
-  bool resume = false;  // keep what the file holds of these parts, where it does
+  bool resume = false;  // go on from UnfinishedLibrary(file), or add parts to the file
   std::string sensor_profile;
   std::function<bool(std::string_view part, double share)> on_progress;  // false = stop
   // Learns the network, unless the file holds it; nothing when stopped. Empty = there is none.
   std::function<std::optional<LearnedNetwork>(const std::function<bool(double share)>& on_share)>
       learn = {};
   std::string network_settings = {};  // that `learn` records
+  // Of a network half learned, which `learn` goes on from; empty = there is none.
+  std::filesystem::path checkpoint = {};
 };
 
 struct VerifierReport {
   bool finished = false;  // false: stopped on request
-  bool is_saved = false;  // the file holds the parts done by then, or the network at least
-  double mean_auc = 0;    // over the parts of the file, on held-out poses
+  // What a resumed training goes on from, where parts or the network are done; empty = nothing.
+  std::filesystem::path saved;
+  double mean_auc = 0;  // over the parts of the file, on held-out poses
 };
+
+// Of a file of verifiers whose parts are not all done.
+std::filesystem::path UnfinishedLibrary(const std::filesystem::path& file);
 
 // All that verifiers depend on besides their parts, as recorded in the file.
 std::string VerifierTrainingText(const LabelledViewSource& views, VerifierTrainingOptions options);

@@ -111,6 +111,13 @@ double ReadingStep_m(const SensorProfile& p, double z_m, double image_focal_px) 
   return std::max(step_m, p.quantization_m);
 }
 
+void RequireInRange(const SensorProfile& p, double floor_m) {
+  CheckInput(floor_m > p.min_range_m && floor_m < p.max_range_m,
+             fmt::format("{} reads from {} to {} m, and the bin's floor is {:.3f} m before the "
+                         "camera; move the camera (camera.eye_m) or take another sensor",
+                         p.name, p.min_range_m, p.max_range_m, floor_m));
+}
+
 bool ChangesNothing(const SensorProfile& p) {
   const SensorProfile none;
   return p.min_range_m == 0 && p.max_range_m >= none.max_range_m && p.axial_floor_m == 0 &&

@@ -66,6 +66,10 @@ double ReadingStep_m(const SensorProfile& profile, double z_m, double image_foca
 // True when no pixel of any image would change.
 bool ChangesNothing(const SensorProfile& profile);
 
+// Throws InputError where a floor at this depth is out of its range: nothing else is seen then
+// either, and nothing says why.
+void RequireInRange(const SensorProfile& profile, double floor_m);
+
 std::vector<std::string> SensorProfileNames();  // of assets/sensors, sorted
 
 // NAME of assets/sensors, or a path ending in .yaml. Throws InputError for an unknown name, a bad

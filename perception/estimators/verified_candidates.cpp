@@ -43,7 +43,7 @@ std::vector<Verifier> VerifiersOf(const VerifierFile& trained, const ObjectSet& 
                                   const std::filesystem::path& file) {
   std::vector<Verifier> verifiers;
   for (const int part : TrainedParts(trained.objects, objects, file,
-                                     "pickbed train --verifier-for " + trained.estimator)) {
+                                     "pickbed train PART... --verifier-for " + trained.estimator)) {
     verifiers.push_back(trained.verifiers[part]);
   }
   return verifiers;

@@ -9,6 +9,7 @@
 #include "eval/oracle.h"
 #include "eval/summary.h"
 #include "perception/torch_verifier_file.h"
+#include "perception/verifier_library.h"
 #include "scenes/files.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/temporary_folder.h"
@@ -124,38 +125,70 @@ TEST(BinMethods, AreEstimatorsAndKnowHowTheirModelsAreMade) {
     EXPECT_TRUE(labels.insert(method.label).second) << method.label;
     EXPECT_EQ(std::string(method.model).empty(), method.training.empty()) << method.label;
     if (method.training.empty()) continue;
-    EXPECT_THAT(TrainingWords(method, "folder", {"rod", "ring"}),
-                testing::IsSupersetOf({std::string("--objects"), std::string("rod,ring"),
-                                       "folder/" + std::string(method.model) + ".pt"}));
+    EXPECT_THAT(TrainingWords(method, "folder/a.pt", EasyCube(), false),
+                testing::IsSupersetOf(
+                    {std::string("--objects"), EasyCube()[0]->name, std::string("folder/a.pt")}));
     // Of --small: further settings, so that they go before those of a full training.
-    EXPECT_EQ(TrainingWords(method, "folder", {"rod"}, true).size(),
-              TrainingWords(method, "folder", {"rod"}).size() + method.small_training.size());
+    EXPECT_EQ(
+        TrainingWords(method, "a.pt", EasyCube(), true).size(),
+        TrainingWords(method, "a.pt", EasyCube(), false).size() + method.small_training.size());
     // A cube is in no model.
-    EXPECT_TRUE(FindBinModel(method, "no such folder", EasyCube(), {}).empty()) << method.label;
+    EXPECT_TRUE(FindBinModel(method, "no such folder", EasyCube(), false).empty()) << method.label;
   }
 }
 
-// What a model was trained by decides whether it is taken, gone on with or trained anew.
-TEST(FindBinModel, TakesTheUsersModelAndThatOfTheSameTrainingAlone) {
-  const BinMethod& method = *std::ranges::find(BinMethods(), std::string("ppf:verified"),
-                                               [](const BinMethod& m) { return m.label; });
-  const TemporaryFolder temporary;
-  const std::filesystem::path folder = temporary.path(), file = folder / "ppf.pt";
-  const ObjectSet cube = EasyCube();
-  const std::vector<std::string> words = TrainingWords(method, folder, {"cube"}),
-                                 others = TrainingWords(method, folder, {"cube", "rod"});
-  EXPECT_FALSE(WasBegun(method, folder, words));
+const BinMethod& MethodNamed(const std::string& label) {
+  return *std::ranges::find(BinMethods(), label, [](const BinMethod& m) { return m.label; });
+}
+
+// Saves what knows all parts of the shipped file, the first by the name and mesh of this one.
+void SaveModelOf(const ObjectModel& part, const std::filesystem::path& file) {
   VerifierFile known = LoadVerifiers(AssetsDir() / "models/ppf.pt", "ppf");
-  known.objects.front().name = cube[0]->name;
-  known.objects.front().mesh_hash = cube[0]->mesh_hash;
+  known.objects.front().name = part.name;
+  known.objects.front().mesh_hash = part.mesh_hash;
   SaveVerifiers(file, known);
-  EXPECT_EQ(FindBinModel(method, folder, cube, words), file) << "the user's own";
-  EXPECT_FALSE(WasBegun(method, folder, words));
-  WriteTrainingCommand(method, folder, words);
-  EXPECT_EQ(FindBinModel(method, folder, cube, words), file);
-  EXPECT_TRUE(FindBinModel(method, folder, cube, others).empty());
-  EXPECT_TRUE(WasBegun(method, folder, words));
-  EXPECT_FALSE(WasBegun(method, folder, others));
+}
+
+// So that none is taken for another: not that of --small for the whole one, nor that of other parts
+// or meshes.
+TEST(TrainedModelFile, IsAnotherForEachTraining) {
+  const BinMethod& method = MethodNamed("kehl");
+  const ObjectSet cube = EasyCube();
+  auto changed = std::make_shared<ObjectModel>(*cube[0]);
+  changed->mesh_hash += 1;
+  const std::set<std::filesystem::path> files{
+      TrainedModelFile(method, "folder", cube, false),
+      TrainedModelFile(method, "folder", cube, true),
+      TrainedModelFile(method, "folder", {changed}, false),
+      TrainedModelFile(method, "folder", {cube[0], changed}, false),
+      TrainedModelFile(MethodNamed("doumanoglou"), "folder", cube, false)};
+  EXPECT_EQ(files.size(), 5u);
+  EXPECT_EQ(TrainedModelFile(MethodNamed("union"), "folder", cube, false),
+            TrainedModelFile(MethodNamed("doumanoglou"), "folder", cube, false))
+      << "they share a model";
+}
+
+TEST(FindBinModel, TakesTheUsersOwnBeforeThatOfTheSameTraining) {
+  const BinMethod& method = MethodNamed("ppf:verified");
+  const TemporaryFolder temporary;
+  const std::filesystem::path& folder = temporary.path();
+  const ObjectSet cube = EasyCube();
+  const std::filesystem::path trained = TrainedModelFile(method, folder, cube, false),
+                              own = folder / "ppf.pt";
+  // What a stopped training leaves is gone on from, and is no model yet.
+  SaveModelOf(*cube[0], UnfinishedLibrary(trained));
+  EXPECT_TRUE(FindBinModel(method, folder, cube, false).empty());
+  EXPECT_TRUE(IsBegun(trained));
+  std::filesystem::rename(UnfinishedLibrary(trained), trained);
+  EXPECT_FALSE(IsBegun(trained));
+  EXPECT_EQ(FindBinModel(method, folder, cube, false), trained);
+  SaveModelOf(*cube[0], own);
+  EXPECT_EQ(FindBinModel(method, folder, cube, false), own);
+  auto changed = std::make_shared<ObjectModel>(*cube[0]);
+  changed->mesh_hash += 1;
+  EXPECT_TRUE(FindBinModel(method, folder, {changed}, false).empty());
+  temporary.Write("kehl.pt.checkpoint", "");
+  EXPECT_TRUE(IsBegun(folder / "kehl.pt"));
 }
 
 TEST(BinRowOf, TakesTheFiguresOfAComparison) {

@@ -220,7 +220,7 @@ TEST_F(VerifiedPpf, ForeignFilesAreRefusedWithWhatToDo) {
   setup.objects = {changed};
   EXPECT_THAT(ErrorOf([&] { MakePpfEstimator(setup); }),
               testing::AllOf(HasSubstr("ppf.pt: the mesh of part 'test part' has changed"),
-                             HasSubstr("pickbed train --verifier-for ppf")));
+                             HasSubstr("pickbed train PART... --verifier-for ppf")));
   changed->name = "widget";
   EXPECT_THAT(ErrorOf([&] { MakePpfEstimator(setup); }),
               HasSubstr("not trained for part 'widget' (knows test part)"));
@@ -247,17 +247,19 @@ TEST_F(VerifiedPpf, StoppedTrainingKeepsWhatIsDone) {
 
   job.file = file;
   job.on_progress = [](std::string_view, double) { return false; };
-  EXPECT_FALSE(TrainVerifierLibrary(job, TinyTraining()).is_saved);
+  EXPECT_EQ(TrainVerifierLibrary(job, TinyTraining()).saved, "");
   EXPECT_FALSE(std::filesystem::exists(file));
   job.on_progress = [](std::string_view part, double) { return part != "second"; };
   const VerifierReport stopped = TrainVerifierLibrary(job, TinyTraining());
   EXPECT_FALSE(stopped.finished);
-  EXPECT_TRUE(stopped.is_saved);
-  EXPECT_EQ(LoadVerifiers(file, "ppf").objects.size(), 1u);
+  EXPECT_EQ(stopped.saved, UnfinishedLibrary(file));
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(LoadVerifiers(stopped.saved, "ppf").objects.size(), 1u);
 
   job.resume = true;
   job.on_progress = [](std::string_view part, double) { return part == "second"; };
   EXPECT_TRUE(TrainVerifierLibrary(job, TinyTraining()).finished) << "the first was trained anew";
+  EXPECT_FALSE(std::filesystem::exists(UnfinishedLibrary(file)));
   EXPECT_EQ(VerifierValues(LoadVerifiers(file, "ppf").verifiers),
             VerifierValues(LoadVerifiers(straight_file, "ppf").verifiers));
 
@@ -269,6 +271,27 @@ TEST_F(VerifiedPpf, StoppedTrainingKeepsWhatIsDone) {
   const VerifierJob elsewhere{noisier, "ppf", job.candidates, file, true, "test sensor", {}};
   EXPECT_THAT(ErrorOf([&] { TrainVerifierLibrary(elsewhere, TinyTraining()); }),
               testing::AllOf(HasSubstr("stopped.pt"), HasSubstr("another bin")));
+}
+
+// A training that starts anew and is stopped leaves the file of the one before, and goes on from
+// what it had itself.
+TEST_F(VerifiedPpf, AFileStaysUntilTheNextTrainingIsDone) {
+  auto second = std::make_shared<ObjectModel>(*views_->objects()[0]);
+  second->name = "second";
+  HangingParts views({views_->objects()[0], second});
+  const auto file = temporary_->path() / "twice.pt";
+  std::filesystem::copy_file(file_, file);
+  const std::string before = ReadFileBytes(file);
+  VerifierTrainingOptions other = TinyTraining();
+  other.seed = 5;
+  VerifierJob job{views, "ppf", Job(file).candidates, file, false, "test sensor", {}};
+  job.on_progress = [](std::string_view part, double) { return part != "second"; };
+  EXPECT_FALSE(TrainVerifierLibrary(job, other).finished);
+  EXPECT_EQ(ReadFileBytes(file), before);
+  job.resume = true;
+  job.on_progress = {};
+  EXPECT_TRUE(TrainVerifierLibrary(job, other).finished);
+  EXPECT_EQ(LoadVerifiers(file, "ppf").objects.size(), 2u);
 }
 
 TEST_F(VerifiedPpf, UnknownModeIsRefused) {

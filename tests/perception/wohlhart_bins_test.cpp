@@ -105,7 +105,7 @@ TEST_F(WohlhartInBins, LearnsAndFindsPartsThatLieFree) {
   changed.objects = {part};
   EXPECT_THAT(ErrorOf([&] { MakeWohlhartEstimator(changed); }),
               testing::AllOf(HasSubstr("the mesh of part 'test part' has changed"),
-                             HasSubstr("pickbed train --verifier-for wohlhart")));
+                             HasSubstr("pickbed train PART... --verifier-for wohlhart")));
 }
 
 TEST_F(WohlhartInBins, SameSeedSameFile) {

@@ -63,8 +63,12 @@ bad_training_is_refused() {
   refused "broken.pt" "$pickbed" train rod --from broken.pt
   refused "did you mean 'rod'" "$pickbed" train rodd
   refused "unknown sensor 'sonar'" "$pickbed" train rod --sensor sonar
-  refused "no checkpoint" "$pickbed" train rod --out new.pt --resume
-  refused "no checkpoint" "$pickbed" train rod --verifier-for ppf --out new.pt --resume
+  refused "no new.pt.checkpoint to resume" "$pickbed" train rod --out new.pt --resume
+  echo checkpoint >new.pt.checkpoint # of a network: none that verifiers of ppf would have
+  refused "no new.pt.part to resume" \
+    "$pickbed" train rod --verifier-for ppf --out new.pt --resume
+  [ -s new.pt.checkpoint ] || fail "the checkpoint of another training was removed"
+  rm new.pt.checkpoint
   refused "no report page" "$pickbed" train wohlhart rod --report page
   refused "PICKBED_DEVICE is 'gpu'" env PICKBED_DEVICE=gpu "$pickbed" train rod --out new.pt
   brick 1 | awk '/^v/ {print "v", $2 / 10, $3 / 10, $4 / 10; next} {print}' >speck.obj
