@@ -54,14 +54,32 @@ std::vector<std::string> Overlays(const std::filesystem::path& folder,
   return found;
 }
 
+// The rows that --estimator names, or that of the settings alone. A model that none of them takes
+// is not passed over: what is compared would not be what was meant.
+std::vector<ComparedEstimator> NamedEstimators(const ScenarioArguments& arguments,
+                                               const std::vector<std::string>& labels,
+                                               const EstimatorSpec& base) {
+  const std::vector<ComparedEstimator> rows =
+      ParseEstimators(labels.empty() ? std::vector{base.name} : labels, base);
+  for (const std::string& setting : arguments.settings) {
+    const bool taken = std::any_of(rows.begin(), rows.end(), [&](const ComparedEstimator& row) {
+      return row.spec.model == base.model;
+    });
+    CheckInput(taken || !setting.starts_with("estimator.model="),
+               fmt::format("--set {}: it is a model of '{}', which --estimator does not name; say "
+                           "--estimator NAME={} with the estimator that it is of",
+                           setting, base.name, base.model));
+  }
+  return rows;
+}
+
 int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
                      const std::vector<std::string>& tolerance, const std::string& out,
                      int threads) {
   const LoadedScenario scenario = LoadScenarioArguments(arguments);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");
-  const std::vector<std::string> labels =
-      estimators.empty() ? std::vector{scenario.spec.estimator.name} : estimators;
-  const std::vector<ComparedEstimator> compared = ParseEstimators(labels, scenario.spec.estimator);
+  const std::vector<ComparedEstimator> compared =
+      NamedEstimators(arguments, estimators, scenario.spec.estimator);
   const ToleranceMaps maps = MapsFor(scenario.spec, scenario.objects, tolerance);
   MakeFolder(folder / "pictures");
   constexpr std::chrono::seconds kClockSlack{1};  // of file times
@@ -85,10 +103,11 @@ int EstimateScenario(const ScenarioArguments& arguments, const std::vector<std::
 }
 
 // The one estimator whose stages are to be shown.
-EstimatorSpec ExplainedEstimator(const std::vector<std::string>& labels,
+EstimatorSpec ExplainedEstimator(const ScenarioArguments& arguments,
+                                 const std::vector<std::string>& labels,
                                  const EstimatorSpec& spec) {
   CheckInput(labels.size() < 2, "--explain shows the stages of one estimator; name one alone");
-  const EstimatorSpec chosen = labels.empty() ? spec : ParseEstimators(labels, spec).front().spec;
+  const EstimatorSpec chosen = NamedEstimators(arguments, labels, spec).front().spec;
   RequireExplains(chosen.name);
   return chosen;
 }
@@ -112,7 +131,7 @@ int ExplainScenario(const ScenarioArguments& arguments, const std::vector<std::s
   CheckInput(!arguments.trials, "--explain looks at one image; leave --trials out");
   const int trial = ExplainedTrial(image);
   LoadedScenario scenario = LoadScenarioArguments(arguments);
-  scenario.spec.estimator = ExplainedEstimator(estimators, scenario.spec.estimator);
+  scenario.spec.estimator = ExplainedEstimator(arguments, estimators, scenario.spec.estimator);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-explain");
   {
     ProgressLine progress;
@@ -155,7 +174,7 @@ int ExplainBop(const std::string& path, const std::string& split,
                const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
                const std::string& image, const std::string& out) {
   ScenarioSpec spec = BopSettings(path, split, arguments, EstimatorSpec().min_score);
-  spec.estimator = ExplainedEstimator(estimators, spec.estimator);
+  spec.estimator = ExplainedEstimator(arguments, estimators, spec.estimator);
   const std::filesystem::path folder = OutFolder(out, DataSetName(path), "-explain");
   {
     ProgressLine progress;
@@ -175,9 +194,7 @@ int EstimateBop(const std::string& path, const std::string& split,
   ScenarioSpec spec = BopSettings(path, split, arguments, kEvenDoubtful);
   CheckInput(estimators.size() < 2,
              "--bop writes the estimates of one estimator; name one alone with --estimator");
-  if (!estimators.empty()) {
-    spec.estimator = ParseEstimators(estimators, spec.estimator).front().spec;
-  }
+  spec.estimator = NamedEstimators(arguments, estimators, spec.estimator).front().spec;
   const std::string data_set = DataSetName(path);
   const std::filesystem::path folder = OutFolder(out, data_set, "-estimate");
   MakeFolder(folder);
@@ -214,7 +231,8 @@ int EstimateCommand(int argc, char** argv) {
   auto* bop_option = app.add_option("--bop", bop_path, "a BOP data set, instead of SCENARIO");
   app.add_option("--split", split, "of the BOP data set")->capture_default_str()->needs(bop_option);
   app.add_option("--estimator", estimators,
-                 "one or several, each NAME or NAME:MODE, to compare on the same bins")
+                 "one or several to compare on the same bins, each NAME, NAME:MODE, NAME=MODEL or "
+                 "NAME:MODE=MODEL, of which MODEL is a file that was trained for it")
       ->delimiter(',');
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   app.add_option("--threads", threads, "at most; results do not depend on it")
@@ -228,7 +246,7 @@ int EstimateCommand(int argc, char** argv) {
   AddToleranceArgument(app, tolerance);
   AddOutArgument(app, out, "-estimate");
   app.footer(
-      "Example: pickbed estimate bin_rod --trials 20 --estimator descriptor:hard,ppf\n"
+      "Example: pickbed estimate bin_rod --trials 20 --estimator descriptor:hard,ppf,kehl=kehl.pt\n"
       "         pickbed estimate bin_rod --explain 3\n"
       "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf");
   if (!ParseArguments(app, argc, argv)) return 0;

@@ -66,8 +66,27 @@ void AddToScores(const TrueBin& truth, const std::vector<PoseHypothesis>& hypoth
 }
 
 std::string FolderName(std::string label) {
-  std::replace(label.begin(), label.end(), ':', '_');
+  for (const char separator : {':', '=', '/'}) {
+    std::replace(label.begin(), label.end(), separator, '_');
+  }
   return label;
+}
+
+// "kehl:hard=kehl.pt": name, mode and model file.
+EstimatorSpec Labelled(const std::string& label, const EstimatorSpec& base) {
+  const size_t equals = label.find('=');
+  const std::string method = label.substr(0, equals);
+  const size_t colon = method.find(':');
+  EstimatorSpec spec = base;
+  spec.name = method.substr(0, colon);
+  if (colon != std::string::npos) spec.mode = method.substr(colon + 1);
+  if (spec.name != base.name) spec.model.clear();  // a model is one estimator's
+  if (equals != std::string::npos) {
+    spec.model = label.substr(equals + 1);
+    CheckInput(!spec.model.empty(), fmt::format("estimator '{}' names no model after '='", label));
+  }
+  RequireEstimator(spec.name);
+  return spec;
 }
 
 class Comparison {
@@ -157,13 +176,7 @@ std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& l
   std::set<std::string> seen;
   for (const std::string& label : labels) {
     CheckInput(seen.insert(label).second, fmt::format("estimator '{}' is named twice", label));
-    ComparedEstimator row{label, base};
-    const size_t colon = label.find(':');
-    row.spec.name = label.substr(0, colon);
-    if (colon != std::string::npos) row.spec.mode = label.substr(colon + 1);
-    if (row.spec.name != base.name) row.spec.model.clear();  // a model is one estimator's
-    RequireEstimator(row.spec.name);
-    rows.push_back(std::move(row));
+    rows.push_back({label, Labelled(label, base)});
   }
   return rows;
 }

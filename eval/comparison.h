@@ -15,13 +15,15 @@
 
 namespace pickbed {
 
-// "ppf" or "descriptor:hard": the name of an estimator and, where it has some, a mode.
+// "ppf", "descriptor:hard" or "kehl:hard=kehl.pt": the name of an estimator and, where it has some,
+// a mode and a model.
 struct ComparedEstimator {
   std::string label;
   EstimatorSpec spec;
 };
-// The scenario's estimator with name and mode of each label. Throws InputError for unknown names
-// and for a label that comes twice.
+// The scenario's estimator with name, mode and model of each label; without a model it is that of
+// the scenario where the name is the scenario's, else the shipped one. Throws InputError for
+// unknown names, for a label that comes twice, and for '=' without a model.
 std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& labels,
                                                const EstimatorSpec& base);
 

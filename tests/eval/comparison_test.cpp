@@ -121,6 +121,22 @@ TEST(Comparison, LabelsNameEstimatorAndMode) {
   EXPECT_THROW(ParseEstimators({"pfp"}, EstimatorSpec()), InputError);
 }
 
+TEST(Comparison, LabelsNameModelsOfTheirOwn) {
+  EstimatorSpec base;
+  base.model = "mine.pt";
+  const auto rows =
+      ParseEstimators({"descriptor", "descriptor=models/b:1.pt", "kehl:hard=kehl.pt", "ppf"}, base);
+  EXPECT_EQ(rows[0].spec.model, "mine.pt");
+  EXPECT_EQ(rows[1].spec.name, "descriptor");
+  EXPECT_EQ(rows[1].spec.mode, base.mode);
+  EXPECT_EQ(rows[1].spec.model, "models/b:1.pt");
+  EXPECT_EQ(rows[2].spec.name, "kehl");
+  EXPECT_EQ(rows[2].spec.mode, "hard");
+  EXPECT_EQ(rows[2].spec.model, "kehl.pt");
+  EXPECT_EQ(rows[3].spec.model, "");  // the scenario's is descriptor's
+  EXPECT_THROW(ParseEstimators({"kehl="}, base), InputError);
+}
+
 TEST(HtmlPage, NamesCannotBreakThePage) {
   HtmlPage page("a < b & c");
   page.Table({{"<script>"}, {"\"1\""}});

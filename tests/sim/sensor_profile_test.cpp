@@ -30,8 +30,8 @@ TEST(SensorProfile, StructuredLightIsNeverMilder) {
 
 TEST(SensorProfile, EveryShippedProfileLoadsAndCitesItsSource) {
   const std::vector<std::string> names = SensorProfileNames();
-  EXPECT_THAT(names, testing::IsSupersetOf(
-                         {"ideal", "structured_light", "active_stereo", "time_of_flight"}));
+  EXPECT_THAT(names, testing::IsSupersetOf({"ideal", "structured_light", "kinect_v1",
+                                            "active_stereo", "time_of_flight"}));
   for (const std::string& name : names) {
     EXPECT_EQ(LoadSensorProfile(name).name, name);
     EXPECT_EQ(ChangesNothing(LoadSensorProfile(name)), name == "ideal");
@@ -45,6 +45,7 @@ TEST(SensorProfile, EveryShippedProfileLoadsAndCitesItsSource) {
 TEST(SensorProfile, SigmasAreThePublishedOnes) {
   constexpr double kHalfPi = 1.5707963267948966;
   const SensorProfile kinect_2 = LoadSensorProfile("time_of_flight");
+  const SensorProfile kinect_1 = LoadSensorProfile("kinect_v1");
   const SensorProfile light = LoadSensorProfile("structured_light");
   for (const double z : {0.7, 1.0, 2.0, 3.5}) {
     for (const double a : {0.0, 0.3, 0.8, 1.1}) {
@@ -52,6 +53,10 @@ TEST(SensorProfile, SigmasAreThePublishedOnes) {
       EXPECT_NEAR(AxialSigma_m(kinect_2, z, a),
                   1e-3 * (1.5 - 0.5 * z + 0.3 * z * z + 0.1 * z * std::sqrt(z) * ratio * ratio),
                   1e-9);
+      EXPECT_NEAR(AxialSigma_m(kinect_1, z, a),
+                  1e-3 * (1.2 + 1.9 * (z - 0.4) * (z - 0.4) + 0.1 / std::sqrt(z) * ratio * ratio),
+                  1e-9);
+      EXPECT_NEAR(LateralSigma_px(kinect_1, a), 0.8 + 0.035 * ratio, 1e-9);
       EXPECT_NEAR(AxialSigma_m(light, z, a) - AxialSigma_m(light, z, 0),
                   1e-4 / std::sqrt(z) * ratio * ratio, 1e-9);
       EXPECT_NEAR(LateralSigma_px(light, a), 0.4 + 0.035 * ratio, 1e-9);

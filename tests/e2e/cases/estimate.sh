@@ -48,6 +48,8 @@ explain_shows_every_stage() {
   refused "--explain 7/0: is no target image; name one as SCENE/IMAGE, such as 1/0" \
     "$pickbed" estimate --bop set --explain 7/0 --out no
   refused "'ppf' does not tell" "$pickbed" estimate --bop set --explain 0 --estimator ppf --out no
+  refused "it is a model of 'descriptor', which --estimator does not name" "$pickbed" estimate demo --estimator ppf --set estimator.model=a.pt --out no
+  refused "names no model after '='" "$pickbed" estimate demo --estimator kehl= --out no
   [ ! -e no ] || fail "a refused command left a folder"
 }
 
