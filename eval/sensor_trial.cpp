@@ -99,7 +99,7 @@ NoiseSample Measure(const SensorProfile& p, double z_m, double slant_rad, Rng& r
   sample.measured_m = read > 0 ? std::sqrt(std::max(0.0, sum2 / read - mean * mean)) : 0;
   sample.lost_share = static_cast<double>(lost) / (lost + read);
   const double slope_m = z_m * std::tan(slant_rad) / kFocal_px;  // a pixel
-  const double lateral_m = LateralSigma_px(p, slant_rad) * slope_m;
+  const double lateral_m = LateralSigma_px(p, slant_rad, kFocal_px) * slope_m;
   const double step_m = ReadingStep_m(p, z_m, kFocal_px);
   sample.axial_m = AxialSigma_m(p, z_m, slant_rad);
   sample.formula_m =

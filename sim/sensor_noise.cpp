@@ -52,7 +52,9 @@ RowConstants::RowConstants(const SensorProfile& p, double image_focal_px) {
   floor_m = f(p.axial_floor_m), linear_m = f(p.axial_linear_m), square_m = f(p.axial_sigma_m);
   slant_m = f(p.axial_slant_m);
   slant_half_power = static_cast<int>(std::lround(2 * p.axial_slant_power));
-  lateral_px = f(p.lateral_sigma_px), lateral_slant_px = f(p.lateral_slant_px);
+  const double lateral_scale = LateralScale(p, image_focal_px);
+  lateral_px = f(lateral_scale * p.lateral_sigma_px);
+  lateral_slant_px = f(lateral_scale * p.lateral_slant_px);
   dark_dropout = f(p.dark_dropout), per_dark_luma = f(1 / p.dark_luma);
   shiny_dropout = f(p.shiny_dropout), shiny_start = f(p.shiny_luma);
   per_shiny_luma = f(1 / (1 - p.shiny_luma));

@@ -76,6 +76,8 @@ void SensorProfile::Visit(SettingsVisitor& v) {
   v.Real("lateral_sigma_px", lateral_sigma_px, {0, 10}, "jitter of where a pixel looks, px");
   v.Real("lateral_slant_px", lateral_slant_px, {0, 1},
          "the same by slant a, px; grows with a / (pi/2 - a)");
+  v.Real("lateral_focal_px", lateral_focal_px, {0, 1e5},
+         "focal length of the images whose pixels these are, px; 0 = that of the depth image");
   v.Real("edge_step_m", edge_step_m, {1e-4, 10}, "depth step to a neighbour that is an edge, m");
   v.Real("edge_dropout", edge_dropout, {0, 1}, "probability of no reading at an edge");
   v.Real("random_dropout", random_dropout, {0, 1}, "probability of no reading anywhere");
@@ -100,8 +102,13 @@ double AxialSigma_m(const SensorProfile& p, double z_m, double slant_rad) {
          p.axial_slant_m * std::pow(z_m, p.axial_slant_power) * ratio * ratio;
 }
 
-double LateralSigma_px(const SensorProfile& p, double slant_rad) {
-  return p.lateral_sigma_px + p.lateral_slant_px * SlantRatio(slant_rad);
+double LateralSigma_px(const SensorProfile& p, double slant_rad, double image_focal_px) {
+  return LateralScale(p, image_focal_px) *
+         (p.lateral_sigma_px + p.lateral_slant_px * SlantRatio(slant_rad));
+}
+
+double LateralScale(const SensorProfile& p, double image_focal_px) {
+  return p.lateral_focal_px > 0 ? image_focal_px / p.lateral_focal_px : 1;
 }
 
 double ReadingStep_m(const SensorProfile& p, double z_m, double image_focal_px) {

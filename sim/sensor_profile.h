@@ -32,6 +32,7 @@ struct SensorProfile {
   double axial_slant_power = 0;  // p, a multiple of 0.5
   double lateral_sigma_px = 0;   // l0, of each axis
   double lateral_slant_px = 0;   // l1
+  double lateral_focal_px = 0;   // of the images l0 and l1 are of; 0 = that of the depth image
 
   double edge_step_m = 0.012;    // a step of more than this to one of 4 neighbours is an edge
   double edge_dropout = 0;       // probability of no reading at an edge
@@ -56,9 +57,13 @@ struct SensorProfile {
 // Larger slants count as this one in sigma() and lateral(), which have no bound at 90 degrees.
 inline constexpr double kSteepestSlant_rad = 85 * std::numbers::pi / 180;
 
-// Standard deviation of the reading along z at a depth and slant, and of where a pixel looks.
+// Standard deviation of the reading along z at a depth and slant.
 double AxialSigma_m(const SensorProfile& profile, double z_m, double slant_rad);
-double LateralSigma_px(const SensorProfile& profile, double slant_rad);
+// Standard deviation of where a pixel looks, of each axis, in pixels of a depth image of this focal
+// length.
+double LateralSigma_px(const SensorProfile& profile, double slant_rad, double image_focal_px);
+// How many of its pixels are one of those that lateral_sigma_px and lateral_slant_px are in.
+double LateralScale(const SensorProfile& profile, double image_focal_px);
 // The distance between two neighbouring readings at a depth, for a depth image of this focal
 // length.
 double ReadingStep_m(const SensorProfile& profile, double z_m, double image_focal_px);

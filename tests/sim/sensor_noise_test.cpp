@@ -10,14 +10,16 @@ namespace pickbed {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
+constexpr double kFocal_px = 340;
 
 Image<float> Flat(double depth_m) {
   return Image<float>(kWidth, kHeight, static_cast<float>(depth_m));
 }
 
 Image<float> Sensed(const Image<float>& depth_m, const SensorProfile& profile, Rng& rng) {
-  return ApplySensorNoise({depth_m, CameraIntrinsics{kWidth, kHeight, 340, 340, 159.5, 119.5}},
-                          profile, rng);
+  return ApplySensorNoise(
+      {depth_m, CameraIntrinsics{kWidth, kHeight, kFocal_px, kFocal_px, 159.5, 119.5}}, profile,
+      rng);
 }
 
 struct Statistics {
@@ -115,23 +117,27 @@ TEST(SensorNoise, EdgesLoseTheirShareAndFacesNothing) {
 
 // On a slope the jitter shows as noise of slope times sigma; far outside it would show as bias.
 TEST(SensorNoise, LateralJitterHasItsSigmaInPixels) {
-  const SensorProfile profile = Only([](SensorProfile& p) { p.lateral_sigma_px = 0.4; });
+  const SensorProfile of_these_pixels = Only([](SensorProfile& p) { p.lateral_sigma_px = 0.4; });
+  const SensorProfile of_coarser_pixels =
+      Only([](SensorProfile& p) { p.lateral_sigma_px = 0.2, p.lateral_focal_px = kFocal_px / 2; });
   constexpr float kSlope = 0.002f;  // m per px, in x alone
   Image<float> depth(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) depth(x, y) = 0.5f + kSlope * static_cast<float>(x);
   }
-  Rng rng(7);
-  const Image<float> noisy = Sensed(depth, profile, rng);
-  Image<float> jitter(kWidth - 8, kHeight);  // without the borders, where nothing is beyond
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 4; x < kWidth - 4; ++x) {
-      jitter(x - 4, y) = 10 + (noisy(x, y) - depth(x, y)) / kSlope;  // in px, positive
+  for (const SensorProfile& profile : {of_these_pixels, of_coarser_pixels}) {
+    Rng rng(7);
+    const Image<float> noisy = Sensed(depth, profile, rng);
+    Image<float> jitter(kWidth - 8, kHeight);  // without the borders, where nothing is beyond
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 4; x < kWidth - 4; ++x) {
+        jitter(x - 4, y) = 10 + (noisy(x, y) - depth(x, y)) / kSlope;  // in px, positive
+      }
     }
+    const Statistics s = Of(jitter);
+    EXPECT_NEAR(s.mean, 10, 0.01);
+    EXPECT_NEAR(s.sigma, 0.4, 0.008);
   }
-  const Statistics s = Of(jitter);
-  EXPECT_NEAR(s.mean, 10, 0.01);
-  EXPECT_NEAR(s.sigma, 0.4, 0.008);
 }
 
 TEST(SensorNoise, JitterMakesNoReadingsBetweenSurfaces) {

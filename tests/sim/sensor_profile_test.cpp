@@ -56,10 +56,11 @@ TEST(SensorProfile, SigmasAreThePublishedOnes) {
       EXPECT_NEAR(AxialSigma_m(kinect_1, z, a),
                   1e-3 * (1.2 + 1.9 * (z - 0.4) * (z - 0.4) + 0.1 / std::sqrt(z) * ratio * ratio),
                   1e-9);
-      EXPECT_NEAR(LateralSigma_px(kinect_1, a), 0.8 + 0.035 * ratio, 1e-9);
+      EXPECT_NEAR(LateralSigma_px(kinect_1, a, 580), 0.8 + 0.035 * ratio, 1e-9);
+      EXPECT_NEAR(LateralSigma_px(kinect_1, a, 1160), 1.6 + 0.07 * ratio, 1e-9);
       EXPECT_NEAR(AxialSigma_m(light, z, a) - AxialSigma_m(light, z, 0),
                   1e-4 / std::sqrt(z) * ratio * ratio, 1e-9);
-      EXPECT_NEAR(LateralSigma_px(light, a), 0.4 + 0.035 * ratio, 1e-9);
+      EXPECT_NEAR(LateralSigma_px(light, a, 1067), 0.4 + 0.035 * ratio, 1e-9);
     }
   }
   EXPECT_EQ(AxialSigma_m(light, 1, kHalfPi), AxialSigma_m(light, 1, kSteepestSlant_rad));
@@ -103,11 +104,12 @@ TEST(SensorProfile, BadInputIsNamed) {
   EXPECT_THAT(refusal("disparity_step_px: 0.1"), HasSubstr("needs baseline_m"));
   EXPECT_THAT(refusal("dark_luma: 0.5\nshiny_luma: 0.4"), HasSubstr("dark_luma 0.5"));
   for (const char* key :
-       {"axial_floor_m",     "axial_sigma_m", "axial_slant_m",     "lateral_sigma_px",
-        "lateral_slant_px",  "edge_dropout",  "random_dropout",    "grazing_dropout",
-        "grazing_start_rad", "dark_dropout",  "dark_luma",         "shiny_dropout",
-        "shiny_luma",        "flying_share",  "disparity_step_px", "disparity_focal_px",
-        "quantization_m",    "edge_step_m",   "min_range_m",       "max_range_m"}) {
+       {"axial_floor_m",      "axial_sigma_m",     "axial_slant_m", "lateral_sigma_px",
+        "lateral_slant_px",   "lateral_focal_px",  "edge_dropout",  "random_dropout",
+        "grazing_dropout",    "grazing_start_rad", "dark_dropout",  "dark_luma",
+        "shiny_dropout",      "shiny_luma",        "flying_share",  "disparity_step_px",
+        "disparity_focal_px", "quantization_m",    "edge_step_m",   "min_range_m",
+        "max_range_m"}) {
     for (const char* value : {"-1", ".nan", ".inf", "much"}) {
       EXPECT_THAT(refusal(std::string(key) + ": " + value), HasSubstr(key));
     }
