@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "eval/report/draw_canvas.h"
 #include "eval/report/outline.h"
 #include "sim/hand_joints.h"
 
@@ -145,21 +146,17 @@ Image<Rgb8> ContactSheet(const std::vector<Image<Rgb8>>& tiles,
   constexpr int kCaption_px = 22, kGap_px = 6;
   const int width = tiles.front().width(), height = tiles.front().height();
   const int rows = (static_cast<int>(tiles.size()) + columns - 1) / columns;
-  Image<Rgb8> sheet(columns * (width + kGap_px) + kGap_px,
-                    rows * (height + kCaption_px + kGap_px) + kGap_px, Rgb8{250, 250, 250});
-  cv::Mat canvas = View(sheet);
+  Canvas sheet(columns * (width + kGap_px) + kGap_px,
+               rows * (height + kCaption_px + kGap_px) + kGap_px, {250, 250, 250});
   for (size_t i = 0; i < tiles.size(); ++i) {
     const int x = kGap_px + static_cast<int>(i) % columns * (width + kGap_px);
     const int y = kGap_px + static_cast<int>(i) / columns * (height + kCaption_px + kGap_px);
-    Image<Rgb8> tile = tiles[i];
-    const int w = std::min(width, tile.width()), h = std::min(height, tile.height());
-    View(tile)(cv::Rect(0, 0, w, h)).copyTo(canvas(cv::Rect(x, y + kCaption_px, w, h)));
+    sheet.Paste(tiles[i], x, y + kCaption_px);
     if (i < captions.size()) {
-      cv::putText(canvas, captions[i], {x + 2, y + 16}, cv::FONT_HERSHEY_SIMPLEX, 0.48,
-                  cv::Scalar(20, 20, 20), 1, cv::LINE_AA);
+      sheet.TextWithin(width - 2, captions[i], x + 2, y + 16, {20, 20, 20}, 0.48);
     }
   }
-  return sheet;
+  return sheet.Take();
 }
 
 }  // namespace pickbed

@@ -82,6 +82,12 @@ void Canvas::Text(const std::string& text, int x, int y, Rgb8 color, double size
   cv::putText(canvas, text, {x, y}, kFont, size, Ink(color), 1, cv::LINE_AA);
 }
 
+void Canvas::TextWithin(int width_px, const std::string& text, int x, int y, Rgb8 color,
+                        double size) {
+  const double share = static_cast<double>(width_px) / std::max(1, TextWidth(text, size));
+  Text(text, x, y, color, size * std::min(1.0, share));
+}
+
 void Canvas::Label(const std::string& text, const Eigen::Vector2d& center, double size) {
   cv::Mat canvas = View(image_);
   const int x = static_cast<int>(std::lround(center.x() - 0.5 * TextWidth(text, size)));

@@ -26,6 +26,9 @@ class Canvas {
   void Fill(int x, int y, int width, int height, Rgb8 color);
   // `y` is the line that letters stand on; `size` 1 is some 22 px high.
   void Text(const std::string& text, int x, int y, Rgb8 color, double size = 0.45);
+  // The same, smaller where it would be wider than this.
+  void TextWithin(int width_px, const std::string& text, int x, int y, Rgb8 color,
+                  double size = 0.45);
   // White on a dark rim, centred: to be read on any picture.
   void Label(const std::string& text, const Eigen::Vector2d& center, double size = 0.45);
   void Paste(const Image<Rgb8>& tile, int x, int y);

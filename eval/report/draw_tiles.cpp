@@ -76,7 +76,7 @@ void DrawQuery(Canvas& sheet, int x, int y, const Board& board, PartOutlines& ou
   sheet.Paste(PlaceTile(board, query), x, place_y);
   for (const NeighborTile& neighbor : query.neighbors) {
     x += kTile_px + kGap_px;
-    sheet.Text(neighbor.caption, x, y + 12, kInk, 0.38);
+    sheet.TextWithin(kTile_px, neighbor.caption, x, y + 12, kInk, 0.38);
     sheet.Paste(FramedPatch(neighbor.patch, channels, neighbor.color), x, patch_y);
     sheet.Paste(VoteTile(board, outlines, query, neighbor), x, place_y);
   }
@@ -188,8 +188,8 @@ Image<Rgb8> PoseGallery(const Board& board, PartOutlines& outlines, const Object
     const PoseTile& pose = tiles[i];
     const int x = kGap_px + i % kPoseColumns * (kPoseTile_px + kGap_px);
     const int y = kGap_px + i / kPoseColumns * pitch_y;
-    sheet.Text(pose.title, x + 2, y + 15, kInk, 0.46);
-    sheet.Text(pose.caption, x + 2, y + 33, kFaint, 0.4);
+    sheet.TextWithin(kPoseTile_px - 2, pose.title, x + 2, y + 15, kInk, 0.46);
+    sheet.TextWithin(kPoseTile_px - 2, pose.caption, x + 2, y + 33, kFaint, 0.4);
     sheet.Paste(PoseCrop(board, outlines, *objects[pose.object], models[pose.object], pose), x,
                 y + kPoseCaption_px);
   }

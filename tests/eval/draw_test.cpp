@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "eval/report/draw_canvas.h"
+
 namespace pickbed {
 namespace {
 
@@ -52,6 +54,23 @@ TEST(DrawOverlay, DrawsAPoseWhereItProjectsAndNowhereElse) {
   }
   const std::vector<PoseHypothesis> none;
   EXPECT_EQ(CountPixels(DrawOverlay({frame, camera, objects, truth, none}), Rgb8{}), 0);
+}
+
+TEST(Canvas, TextWithinAWidthStaysThere) {
+  constexpr Rgb8 kPaper{250, 250, 250}, kInk{20, 20, 20};
+  const std::string long_text = "a name that no tile of this width would hold";
+  ASSERT_GT(TextWidth(long_text), 100);
+  const auto written = [&](const std::string& text, int width_px) {
+    Canvas canvas(400, 30, kPaper);
+    canvas.TextWithin(width_px, text, 10, 20, kInk);
+    return canvas.Take();
+  };
+  const Image<Rgb8> image = written(long_text, 100);
+  EXPECT_GT(CountPixels(image, kPaper), 100);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 112; x < image.width(); ++x) ASSERT_EQ(image(x, y), kPaper) << x;
+  }
+  EXPECT_EQ(written("short", 100), written("short", 390));
 }
 
 TEST(ContactSheet, HoldsEveryTile) {
