@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "scenes/check.h"
 #include "scenes/object_catalog.h"
@@ -55,6 +56,12 @@ void CheckProfile(const SensorProfile& p, const std::string& file) {
   CheckInput(p.disparity_step_px == 0 || p.baseline_m != 0,
              fmt::format("{}: disparity_step_px {} needs baseline_m, which is 0", file,
                          p.disparity_step_px));
+  for (const auto& [key, focal_px] : {std::pair{"lateral_focal_px", p.lateral_focal_px},
+                                      std::pair{"disparity_focal_px", p.disparity_focal_px}}) {
+    CheckInput(focal_px == 0 || focal_px >= 1,
+               fmt::format("{}: {} {} must be at least 1, or 0 for that of the depth image", file,
+                           key, focal_px));
+  }
   CheckInput(p.dark_luma < p.shiny_luma,
              fmt::format("{}: dark_luma {} must be less than shiny_luma {}", file, p.dark_luma,
                          p.shiny_luma));

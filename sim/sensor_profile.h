@@ -10,7 +10,8 @@
 // is the angle between the surface's normal and the ray to the pixel,
 //   sigma(z, a)   = c0 + c1 z + c2 z^2 + s z^p a^2 / (pi/2 - a)^2     along z, m
 //   lateral(a)    = l0 + l1 a / (pi/2 - a)                            across, px
-// and a triangulating camera with focal length f and baseline b reads disparity f b / z in steps.
+// of an image of lateral_focal_px, and a triangulating camera with focal length f and baseline b
+// reads disparity f b / z in steps.
 
 #include <numbers>
 #include <string>

@@ -102,6 +102,8 @@ TEST(SensorProfile, BadInputIsNamed) {
   EXPECT_THAT(refusal("axial_linear_m: -0.002\naxial_floor_m: 0.0009\naxial_sigma_m: 0.001"),
               HasSubstr("at 1 m negative"));
   EXPECT_THAT(refusal("disparity_step_px: 0.1"), HasSubstr("needs baseline_m"));
+  EXPECT_THAT(refusal("lateral_focal_px: 1e-30"), HasSubstr("lateral_focal_px 1e-30 must be"));
+  EXPECT_THAT(refusal("disparity_focal_px: 0.5"), HasSubstr("disparity_focal_px 0.5 must be"));
   EXPECT_THAT(refusal("dark_luma: 0.5\nshiny_luma: 0.4"), HasSubstr("dark_luma 0.5"));
   for (const char* key :
        {"axial_floor_m",      "axial_sigma_m",     "axial_slant_m", "lateral_sigma_px",
