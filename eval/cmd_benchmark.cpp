@@ -15,6 +15,7 @@ constexpr CommandRow kTables[] = {
      &BenchmarkCropsCommand},
     {"bins", "every pose estimator on filled bins: recall, top-ranked pose, AP, time, memory",
      &BenchmarkBinsCommand},
+    {"all", "both, one after the other", &BenchmarkAllCommand},
 };
 
 std::string Usage() {
@@ -24,7 +25,7 @@ std::string Usage() {
   for (const CommandRow& row : kTables) text += fmt::format("  {:<8}{}\n", row.name, row.help);
   return text +
          "\n`pickbed benchmark TABLE --help` shows a table's options.\n"
-         "Example: pickbed benchmark bins --small\n";
+         "Example: pickbed benchmark all --small\n";
 }
 
 }  // namespace

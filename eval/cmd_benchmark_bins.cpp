@@ -89,15 +89,6 @@ ObjectSet WantedParts(const std::vector<LoadedScenario>& scenarios) {
   return parts;
 }
 
-int Train(std::vector<std::string> words) {
-  fmt::print("pickbed train {}\n", fmt::join(words, " "));
-  std::fflush(stdout);
-  words.insert(words.begin(), "train");
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  return TrainCommand(static_cast<int>(argv.size()), argv.data());
-}
-
 // Parts of a scenario's own meshes cannot be trained by name.
 void RequireInCatalog(const ObjectSet& parts, const std::string& catalog, const BinMethod& method,
                       const std::filesystem::path& folder) {
@@ -129,7 +120,7 @@ int FindModels(const std::vector<BinMethod>& methods, const std::filesystem::pat
       std::vector<std::string> words = TrainingWords(method, file, parts, arguments.small);
       words.insert(words.end(), {"--catalog", arguments.catalog});
       if (IsBegun(file)) words.push_back("--resume");
-      if (const int status = Train(std::move(words))) return status;
+      if (const int status = RunWords(&TrainCommand, "train", words)) return status;
     }
     estimator.spec.model = file.string();
   }

@@ -62,17 +62,8 @@ ObjectSet LoadParts(const CropArguments& arguments) {
   std::vector<std::string> parts = arguments.parts;
   if (parts.empty() && arguments.meshes.empty()) parts = catalog.Names();
   for (const std::string& name : parts) objects.push_back(catalog.Load(name));
-  for (const std::string& mesh : arguments.meshes) {
-    const std::filesystem::path file = mesh;
-    // A mass is asked for of every part; crops weigh nothing.
-    MeshPartSpec spec;
-    spec.mesh = file;
-    spec.unit = arguments.unit;
-    spec.mass_kg = 1;
-    auto part = std::make_shared<ObjectModel>(*LoadMeshPart(file.stem().string(), spec));
-    part->symmetries_O = FindSymmetries(part->mesh_O);
-    objects.push_back(std::move(part));
-  }
+  const ObjectSet more = LoadMeshFiles(arguments.meshes, arguments.unit);
+  objects.insert(objects.end(), more.begin(), more.end());
   return objects;
 }
 
@@ -89,13 +80,31 @@ void WriteAll(const CropBenchmark& benchmark, const ObjectSet& objects,
 
 }  // namespace
 
+ObjectSet LoadMeshFiles(const std::vector<std::string>& meshes, const std::string& unit) {
+  ObjectSet objects;
+  for (const std::string& mesh : meshes) {
+    const std::filesystem::path file = mesh;
+    MeshPartSpec spec;
+    spec.mesh = file;
+    spec.unit = unit;
+    spec.mass_kg = 1;
+    auto part = std::make_shared<ObjectModel>(*LoadMeshPart(file.stem().string(), spec));
+    part->symmetries_O = FindSymmetries(part->mesh_O);
+    objects.push_back(std::move(part));
+  }
+  return objects;
+}
+
 int BenchmarkCropsCommand(int argc, char** argv) {
   CLI::App app("Every crop method on the same views of every part, under every condition.",
                "pickbed benchmark crops");
   CropArguments arguments;
   app.add_option("PART", arguments.parts, "of the catalog; none = all of it");
-  app.add_option("--mesh", arguments.meshes, "a mesh file as a further part; repeatable");
-  app.add_option("--unit", arguments.unit, "of the meshes: m, cm, mm, in")->capture_default_str();
+  CLI::Option* mesh =
+      app.add_option("--mesh", arguments.meshes, "a mesh file as a further part; repeatable");
+  app.add_option("--unit", arguments.unit, "of the meshes: m, cm, mm, in")
+      ->needs(mesh)
+      ->capture_default_str();
   app.add_option("--method", arguments.methods, "some of the rows; none = all")->delimiter(',');
   app.add_option("--condition", arguments.conditions, "some of them; none = all")->delimiter(',');
   app.add_option("--set", arguments.settings, "KEY=VALUE, repeatable");

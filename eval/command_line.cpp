@@ -112,6 +112,16 @@ LoadedScenario LoadScenarioArguments(const ScenarioArguments& arguments) {
   return loaded;
 }
 
+int RunWords(int (*command)(int argc, char** argv), const std::string& name,
+             std::vector<std::string> words) {
+  fmt::print("pickbed {} {}\n", name, fmt::join(words, " "));
+  std::fflush(stdout);
+  words.insert(words.begin(), name);
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  return command(static_cast<int>(argv.size()), argv.data());
+}
+
 std::filesystem::path OutFolder(const std::string& out, const std::string& name,
                                 const std::string& suffix) {
   return out.empty() ? std::filesystem::path("results") / (name + suffix)

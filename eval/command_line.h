@@ -19,6 +19,10 @@ struct ReportOptions;
 // and its messages have several lines). Every command takes --json-progress.
 bool ParseArguments(CLI::App& app, int argc, char** argv);
 
+// A command that takes part in another one: prints its line, `name` and `words`, and runs it.
+int RunWords(int (*command)(int argc, char** argv), const std::string& name,
+             std::vector<std::string> words);
+
 struct ScenarioArguments {
   std::string scenario;  // a file, or the name of a preset
   std::vector<std::string> settings;

@@ -42,3 +42,19 @@ a_small_bin_table_trains_what_is_missing() {
   refused "wohlhart.network.margin" "$pickbed" train wohlhart rod --set wohlhart.network.margin=0
   refused "leave it at depth" "$pickbed" train wohlhart rod --set wohlhart.network.input=rgb
 }
+
+both_tables_stop_together_and_check_first() {
+  refused "'nix.obj'" "$pickbed" benchmark all --mesh nix.obj --out both
+  [ ! -e both ] || fail "the bins were begun before the meshes of the crops were looked at"
+  refused "--unit requires --mesh" "$pickbed" benchmark all --unit mm --out both
+  refused "--small excludes --mesh" "$pickbed" benchmark all --small --mesh nix.obj
+  "$pickbed" benchmark all --small --out both >stopped.out 2>stopped.err &
+  local pid=$!
+  while kill -0 $pid 2>/dev/null && ! grep -q "^network" stopped.err; do sleep 0.1; done
+  kill -INT $pid
+  wait $pid
+  [ $? = 130 ] || fail "exit was not 130"
+  grep -q "the same benchmark goes on" stopped.err || fail "it is not said how to go on"
+  [ -n "$(ls both/bins/models/kehl-*.pt.checkpoint)" ] || fail "no checkpoint of the training"
+  [ ! -e both/crops ] || fail "the crops were begun after the stop"
+}
