@@ -46,6 +46,13 @@ std::vector<std::string> KeyFigures(const SensorProfile& p, const SensorScene& s
                                     const Image<float>& seen_m) {
   const auto mm = [](double m) { return fmt::format("{:.2f} mm", 1e3 * m); };
   const double focal_px = scene.camera.fx, steep = std::numbers::pi / 3;
+  const double scale = LateralScale(p, focal_px);
+  // On one side of a part for what stands at the depth image's own camera, else on both.
+  std::vector<std::string> shades_px;
+  for (const double x_m : {p.baseline_m, p.sensor_x_m}) {
+    if (x_m == 0 && !shades_px.empty()) continue;
+    shades_px.push_back(fmt::format("{:.1f}", std::abs(x_m) * focal_px * (1 / 0.8 - 1)));
+  }
   const auto holes = std::count(seen_m.pixels().begin(), seen_m.pixels().end(), 0.0f);
   return {
       fmt::format("profile\t{}", p.name),
@@ -57,8 +64,10 @@ std::vector<std::string> KeyFigures(const SensorProfile& p, const SensorScene& s
                   LateralSigma_px(p, steep, focal_px)),
       fmt::format("steps at 1 m\t{} ({:.4g} px of disparity)", mm(ReadingStep_m(p, 1, focal_px)),
                   p.disparity_step_px),
-      fmt::format("baseline\t{:g} mm: a step from 1 to 0.8 m", 1e3 * p.baseline_m),
-      fmt::format("\tshades {:.1f} px here", std::abs(p.baseline_m) * focal_px * (1 / 0.8 - 1)),
+      fmt::format("alike within\t{:.1f} px; windows {:.1f} px", scale * p.correlation_px,
+                  scale * p.window_px),
+      fmt::format("baseline\t{:g} mm: a step from 1 to 0.8 m", 1e3 * TriangulationBaseline_m(p)),
+      fmt::format("\tshades {} px here", fmt::join(shades_px, " and ")),
       fmt::format("lost anywhere\t{:.1f} %", 100 * p.random_dropout),
       fmt::format("lost at edges\t{:.0f} %, flying {:.0f} % of the rest", 100 * p.edge_dropout,
                   100 * p.flying_share),

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "scenes/check.h"
 #include "scenes/raster_vectors.h"
 #include "sim/sensor_numbers.h"
 #include "sim/sensor_rows.h"
+#include "sim/sensor_windows.h"
 
 namespace pickbed {
 namespace {
@@ -31,7 +33,8 @@ float OtherSurface(const Image<float>& depth_m, int x, int y) {
 // The constants of the loops over a row, as floats.
 struct RowConstants {
   explicit RowConstants(const SensorProfile& p, double image_focal_px);
-  float kept, kept_at_edge;  // 1 - dropout
+  float kept, edge_dropout;  // kept: 1 - random_dropout
+  float window_reach_px;     // half a window
   float grazing_per_rad, grazing_start_rad;
   float floor_m, linear_m, square_m, slant_m;
   int slant_half_power;
@@ -46,7 +49,8 @@ struct RowConstants {
 
 RowConstants::RowConstants(const SensorProfile& p, double image_focal_px) {
   const auto f = [](double value) { return static_cast<float>(value); };
-  kept = f(1 - p.random_dropout), kept_at_edge = f(1 - p.edge_dropout);
+  kept = f(1 - p.random_dropout), edge_dropout = f(p.edge_dropout);
+  window_reach_px = f(LateralScale(p, image_focal_px) * p.window_px / 2);
   grazing_per_rad = f(p.grazing_dropout / (std::numbers::pi / 2 - p.grazing_start_rad));
   grazing_start_rad = f(p.grazing_start_rad);
   floor_m = f(p.axial_floor_m), linear_m = f(p.axial_linear_m), square_m = f(p.axial_sigma_m);
@@ -62,7 +66,7 @@ RowConstants::RowConstants(const SensorProfile& p, double image_focal_px) {
   flying_share = f(p.flying_share);
   const double focal_px = p.disparity_focal_px > 0 ? p.disparity_focal_px : image_focal_px;
   disparity_steps_m =
-      p.disparity_step_px > 0 ? f(focal_px * std::abs(p.baseline_m) / p.disparity_step_px) : 0;
+      p.disparity_step_px > 0 ? f(focal_px * TriangulationBaseline_m(p) / p.disparity_step_px) : 0;
   quantum_m = f(p.quantization_m);
   min_m = f(p.min_range_m), max_m = f(p.max_range_m);
 }
@@ -72,6 +76,7 @@ struct RowState {
   explicit RowState(int n)
       : is_edge(n),
         is_shadow(n),
+        sees_edge(n),
         survival(n),
         slant_ratio(n),
         slant_sigma_m(n),
@@ -82,6 +87,7 @@ struct RowState {
         lower_m(2 * n),
         seen_m(n) {}
   std::vector<uint8_t> is_edge, is_shadow;
+  std::vector<float> sees_edge;         // 1 at an edge, 0 where no window sees one
   std::vector<float> survival;          // probability of a reading
   std::vector<float> slant_ratio;       // a / (pi/2 - a) of slant a
   std::vector<float> slant_sigma_m;     // the part of sigma that is due to slant
@@ -94,11 +100,19 @@ struct RowState {
 // What is written is marked as apart from what is read, without which the compiler would not work
 // on several pixels at once.
 
-PICKBED_WIDTHS void FillSurvival(RowConstants c, const uint8_t* is_edge, const uint8_t* is_shadow,
+PICKBED_WIDTHS void FillSurvival(RowConstants c, const float* sees_edge, const uint8_t* is_shadow,
                                  int n, float* __restrict survival) {
   for (int x = 0; x < n; ++x) {
-    const float kept = c.kept * (is_edge[x] ? c.kept_at_edge : 1.0f);
+    const float kept = c.kept * (1.0f - c.edge_dropout * sees_edge[x]);
     survival[x] = is_shadow[x] ? 0.0f : kept;
+  }
+}
+
+// How much of an edge a pixel's window sees: falls linearly with the distance.
+PICKBED_WIDTHS void FillSeenEdges(float reach_px, const uint8_t* distance_px, int n,
+                                  float* __restrict sees_edge) {
+  for (int x = 0; x < n; ++x) {
+    sees_edge[x] = std::max(0.0f, 1.0f - static_cast<float>(distance_px[x]) / reach_px);
   }
 }
 
@@ -228,6 +242,8 @@ class NoiseMaker {
   Image<float> Make();
 
  private:
+  void FindEdges(int y);
+  void FindShadows(int y);
   void FindChances(int y);
   void LookAt(int y);
   void MixFlyingPixels(int y);
@@ -239,8 +255,12 @@ class NoiseMaker {
   const RowConstants constants_;
   RowState row_;
   SensorNumbers numbers_;
+  std::optional<CorrelatedNumbers> correlated_;
+  Image<uint8_t> edge_distance_px_;  // empty where no window sees more than its own pixel
   SlantRows slants_;
-  ShadowRows shadows_;
+  ShadowRows shadows_;                        // of the projector
+  std::optional<ShadowRows> sensor_shadows_;  // what the sensor's own camera cannot see
+  std::vector<uint8_t> is_sensor_shadow_;
 };
 
 NoiseMaker::NoiseMaker(const IdealView& view, const SensorProfile& p, uint64_t key)
@@ -257,13 +277,45 @@ NoiseMaker::NoiseMaker(const IdealView& view, const SensorProfile& p, uint64_t k
       row_(depth_m_.width()),
       numbers_(depth_m_.width()),
       slants_(depth_m_, view.intrinsics),
-      shadows_(depth_m_.width(), view.intrinsics.fx, p.baseline_m, constants_.edge_step_m) {}
+      shadows_(depth_m_.width(), view.intrinsics.fx, p.baseline_m, constants_.edge_step_m) {
+  const double spacing_px = LateralScale(p, view.intrinsics.fx) * p.correlation_px;
+  if (spacing_px > 1) correlated_.emplace(depth_m_.width(), spacing_px);
+  if (constants_.window_reach_px > 1 && p.edge_dropout > 0) {
+    const double farthest = std::min(255.0, std::ceil(double{constants_.window_reach_px}));
+    edge_distance_px_ =
+        EdgeDistances_px(depth_m_, constants_.edge_step_m, static_cast<uint8_t>(farthest));
+  }
+  if (p.sensor_x_m != 0) {
+    sensor_shadows_.emplace(depth_m_.width(), view.intrinsics.fx, p.sensor_x_m,
+                            constants_.edge_step_m);
+    is_sensor_shadow_.resize(depth_m_.width());
+  }
+}
+
+void NoiseMaker::FindEdges(int y) {
+  const int width = depth_m_.width();
+  EdgeRow(depth_m_, y, constants_.edge_step_m, row_.is_edge.data());
+  if (edge_distance_px_.empty()) {
+    std::copy_n(row_.is_edge.data(), width, row_.sees_edge.data());
+  } else {
+    FillSeenEdges(constants_.window_reach_px, edge_distance_px_.row(y), width,
+                  row_.sees_edge.data());
+  }
+}
+
+void NoiseMaker::FindShadows(int y) {
+  if (needs_shadow_) shadows_.Row(depth_m_.row(y), row_.is_shadow.data());
+  if (!sensor_shadows_) return;
+  sensor_shadows_->Row(depth_m_.row(y), is_sensor_shadow_.data());
+  for (size_t x = 0; x < is_sensor_shadow_.size(); ++x) row_.is_shadow[x] |= is_sensor_shadow_[x];
+}
 
 void NoiseMaker::FindChances(int y) {
   const int width = depth_m_.width();
-  if (needs_edges_) EdgeRow(depth_m_, y, constants_.edge_step_m, row_.is_edge.data());
-  if (needs_shadow_) shadows_.Row(depth_m_.row(y), row_.is_shadow.data());
-  FillSurvival(constants_, row_.is_edge.data(), row_.is_shadow.data(), width, row_.survival.data());
+  if (needs_edges_) FindEdges(y);
+  FindShadows(y);
+  FillSurvival(constants_, row_.sees_edge.data(), row_.is_shadow.data(), width,
+               row_.survival.data());
   if (needs_slant_) {
     FillSlant(constants_, slants_.Row(y), depth_m_.row(y), width, row_.survival.data(),
               row_.slant_ratio.data(), row_.slant_sigma_m.data());
@@ -298,6 +350,7 @@ Image<float> NoiseMaker::Make() {
   for (int y = 0; y < out.height(); ++y) {
     const uint64_t place = key_ + static_cast<uint64_t>(y) * static_cast<uint64_t>(width);
     numbers_.Draw(place);
+    if (correlated_) correlated_->Fill(key_, y, numbers_);
     FindChances(y);
     LookAt(y);
     Read(constants_, depth_m_.row(y), row_, numbers_, width, out.row(y));

@@ -53,9 +53,9 @@ void CheckProfile(const SensorProfile& p, const std::string& file) {
   CheckInput(
       2 * p.axial_slant_power == std::round(2 * p.axial_slant_power),
       fmt::format("{}: axial_slant_power {} must be a multiple of 0.5", file, p.axial_slant_power));
-  CheckInput(p.disparity_step_px == 0 || p.baseline_m != 0,
-             fmt::format("{}: disparity_step_px {} needs baseline_m, which is 0", file,
-                         p.disparity_step_px));
+  CheckInput(p.disparity_step_px == 0 || TriangulationBaseline_m(p) > 0,
+             fmt::format("{}: disparity_step_px {} needs baseline_m, which is {}", file,
+                         p.disparity_step_px, p.baseline_m == 0 ? "0" : "the same as sensor_x_m"));
   for (const auto& [key, focal_px] : {std::pair{"lateral_focal_px", p.lateral_focal_px},
                                       std::pair{"disparity_focal_px", p.disparity_focal_px}}) {
     CheckInput(focal_px == 0 || focal_px >= 1,
@@ -83,10 +83,16 @@ void SensorProfile::Visit(SettingsVisitor& v) {
   v.Real("lateral_sigma_px", lateral_sigma_px, {0, 10}, "jitter of where a pixel looks, px");
   v.Real("lateral_slant_px", lateral_slant_px, {0, 1},
          "the same by slant a, px; grows with a / (pi/2 - a)");
+  v.Real("correlation_px", correlation_px, {0, 100},
+         "distance from which on errors and losses are independent, px; 0 = of every pixel");
   v.Real("lateral_focal_px", lateral_focal_px, {0, 1e5},
-         "focal length of the images whose pixels these are, px; 0 = that of the depth image");
+         "focal length of the images whose pixels these and window_px are, px; 0 = that of the "
+         "depth image");
   v.Real("edge_step_m", edge_step_m, {1e-4, 10}, "depth step to a neighbour that is an edge, m");
   v.Real("edge_dropout", edge_dropout, {0, 1}, "probability of no reading at an edge");
+  v.Real("window_px", window_px, {0, 100},
+         "width of the windows that are matched, px: within half of it such losses fall to none; "
+         "0 = the edge's own pixels alone");
   v.Real("random_dropout", random_dropout, {0, 1}, "probability of no reading anywhere");
   v.Real("grazing_dropout", grazing_dropout, {0, 1}, "probability of no reading at 90 deg slant");
   v.Real("grazing_start_rad", grazing_start_rad, {0, 1.5}, "slant where such losses begin, rad");
@@ -97,6 +103,9 @@ void SensorProfile::Visit(SettingsVisitor& v) {
   v.Real("flying_share", flying_share, {0, 1}, "share of edge pixels that read between surfaces");
   v.Real("baseline_m", baseline_m, {-1, 1},
          "x of the projector or second camera, m; what it cannot see has no reading; 0 = none");
+  v.Real("sensor_x_m", sensor_x_m, {-1, 1},
+         "x of the sensor's own camera, m; not 0 where depth was laid over another's image: what "
+         "it cannot see has no reading");
   v.Real("disparity_step_px", disparity_step_px, {0, 10}, "step of the disparity, px; 0 = none");
   v.Real("disparity_focal_px", disparity_focal_px, {0, 1e5},
          "focal length of the sensor's own images, px; 0 = that of the depth image");
@@ -118,10 +127,14 @@ double LateralScale(const SensorProfile& p, double image_focal_px) {
   return p.lateral_focal_px > 0 ? image_focal_px / p.lateral_focal_px : 1;
 }
 
+double TriangulationBaseline_m(const SensorProfile& p) {
+  return std::abs(p.baseline_m - p.sensor_x_m);
+}
+
 double ReadingStep_m(const SensorProfile& p, double z_m, double image_focal_px) {
   if (p.disparity_step_px == 0) return p.quantization_m;
   const double focal_px = p.disparity_focal_px > 0 ? p.disparity_focal_px : image_focal_px;
-  const double step_m = z_m * z_m * p.disparity_step_px / (focal_px * std::abs(p.baseline_m));
+  const double step_m = z_m * z_m * p.disparity_step_px / (focal_px * TriangulationBaseline_m(p));
   return std::max(step_m, p.quantization_m);
 }
 
@@ -138,7 +151,7 @@ bool ChangesNothing(const SensorProfile& p) {
          p.axial_linear_m == 0 && p.axial_sigma_m == 0 && p.axial_slant_m == 0 &&
          p.lateral_sigma_px == 0 && p.lateral_slant_px == 0 && p.edge_dropout == 0 &&
          p.random_dropout == 0 && p.grazing_dropout == 0 && p.dark_dropout == 0 &&
-         p.shiny_dropout == 0 && p.flying_share == 0 && p.baseline_m == 0 &&
+         p.shiny_dropout == 0 && p.flying_share == 0 && p.baseline_m == 0 && p.sensor_x_m == 0 &&
          p.disparity_step_px == 0 && p.quantization_m == 0;
 }
 

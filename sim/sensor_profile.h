@@ -11,7 +11,8 @@
 //   sigma(z, a)   = c0 + c1 z + c2 z^2 + s z^p a^2 / (pi/2 - a)^2     along z, m
 //   lateral(a)    = l0 + l1 a / (pi/2 - a)                            across, px
 // of an image of lateral_focal_px, and a triangulating camera with focal length f and baseline b
-// reads disparity f b / z in steps.
+// reads disparity f b / z in steps. It matches windows, not pixels: readings closer than
+// correlation_px err together, and a window that sees two surfaces may match neither.
 
 #include <numbers>
 #include <string>
@@ -33,10 +34,14 @@ struct SensorProfile {
   double axial_slant_power = 0;  // p, a multiple of 0.5
   double lateral_sigma_px = 0;   // l0, of each axis
   double lateral_slant_px = 0;   // l1
-  double lateral_focal_px = 0;   // of the images l0 and l1 are of; 0 = that of the depth image
+  double correlation_px = 0;     // errors and losses this far apart are nearly independent
+  double lateral_focal_px = 0;   // of the images l0, l1, correlation_px and window_px are of; 0 =
+                                 // that of the depth image
 
   double edge_step_m = 0.012;    // a step of more than this to one of 4 neighbours is an edge
-  double edge_dropout = 0;       // probability of no reading at an edge
+  double edge_dropout = 0;       // probability of no reading at an edge, falling linearly
+  double window_px = 0;          // to none half of this away from it; 0 = none beyond the edge's
+                                 // own pixels
   double random_dropout = 0;     // probability of no reading anywhere
   double grazing_dropout = 0;    // probability of no reading at a slant of 90 degrees, falling
   double grazing_start_rad = 0;  // linearly to none at this slant
@@ -47,6 +52,8 @@ struct SensorProfile {
   double flying_share = 0;       // of edge pixels that read between the two surfaces
 
   double baseline_m = 0;          // where the projector or second camera stands along camera x
+  double sensor_x_m = 0;          // where the sensor's own camera does; not 0 where its depth was
+                                  // laid over the image of another one
   double disparity_step_px = 0;   // step of the disparity; 0 = none
   double disparity_focal_px = 0;  // of the sensor's own images; 0 = that of the depth image
   double quantization_m = 0;      // step of the reading, after that of disparity; 0 = none
@@ -65,6 +72,8 @@ double AxialSigma_m(const SensorProfile& profile, double z_m, double slant_rad);
 double LateralSigma_px(const SensorProfile& profile, double slant_rad, double image_focal_px);
 // How many of its pixels are one of those that lateral_sigma_px and lateral_slant_px are in.
 double LateralScale(const SensorProfile& profile, double image_focal_px);
+// Between projector (or second camera) and the sensor's own camera, m, not negative.
+double TriangulationBaseline_m(const SensorProfile& profile);
 // The distance between two neighbouring readings at a depth, for a depth image of this focal
 // length.
 double ReadingStep_m(const SensorProfile& profile, double z_m, double image_focal_px);

@@ -102,6 +102,8 @@ TEST(SensorProfile, BadInputIsNamed) {
   EXPECT_THAT(refusal("axial_linear_m: -0.002\naxial_floor_m: 0.0009\naxial_sigma_m: 0.001"),
               HasSubstr("at 1 m negative"));
   EXPECT_THAT(refusal("disparity_step_px: 0.1"), HasSubstr("needs baseline_m"));
+  EXPECT_THAT(refusal("disparity_step_px: 0.1\nbaseline_m: 0.1\nsensor_x_m: 0.1"),
+              HasSubstr("the same as sensor_x_m"));
   EXPECT_THAT(refusal("lateral_focal_px: 1e-30"), HasSubstr("lateral_focal_px 1e-30 must be"));
   EXPECT_THAT(refusal("disparity_focal_px: 0.5"), HasSubstr("disparity_focal_px 0.5 must be"));
   EXPECT_THAT(refusal("dark_luma: 0.5\nshiny_luma: 0.4"), HasSubstr("dark_luma 0.5"));
@@ -111,12 +113,13 @@ TEST(SensorProfile, BadInputIsNamed) {
         "grazing_dropout",    "grazing_start_rad", "dark_dropout",  "dark_luma",
         "shiny_dropout",      "shiny_luma",        "flying_share",  "disparity_step_px",
         "disparity_focal_px", "quantization_m",    "edge_step_m",   "min_range_m",
-        "max_range_m"}) {
+        "max_range_m",        "correlation_px",    "window_px"}) {
     for (const char* value : {"-1", ".nan", ".inf", "much"}) {
       EXPECT_THAT(refusal(std::string(key) + ": " + value), HasSubstr(key));
     }
   }
   EXPECT_THAT(refusal("baseline_m: 2"), HasSubstr("baseline_m"));
+  EXPECT_THAT(refusal("sensor_x_m: -2"), HasSubstr("sensor_x_m"));
 }
 
 }  // namespace
