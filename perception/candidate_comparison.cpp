@@ -79,6 +79,7 @@ double OverlapWith(const std::vector<const Candidate*>& evident, const Candidate
   const Eigen::Vector3d middle_C = MiddleOf(candidate, model);
   double most = 0;
   for (const Candidate* other : evident) {
+    if (other->evidence <= candidate.evidence) break;
     const ModelPoints& theirs = models[other->hypothesis.object];
     const double apart_m = (MiddleOf(*other, theirs) - middle_C).norm();
     const bool same_place =

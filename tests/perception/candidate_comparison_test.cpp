@@ -62,5 +62,16 @@ TEST_F(ComparedCandidates, PartsOverlapWithOthersAndNotWithTheirOwnPlace) {
   EXPECT_EQ(OverlapWith({&evident}, At(far_, 1), models_), 0);
 }
 
+// A wrong pose that fits well enough must not cast doubt on a right one that explains more.
+TEST_F(ComparedCandidates, OnlyWhatIsMoreEvidentIsOverlappedWith) {
+  const Pose beside = Translation({0.3 * part_->diameter_m, 0, 0}) * X_CO_;
+  const Candidate weak = At(X_CO_, 10), strong = At(far_, 30), weaker = At(X_CO_, 5);
+  EXPECT_EQ(OverlapWith({&weak}, At(beside, 20), models_), 0);
+  const double of_weak = OverlapWith({&weak}, At(beside, 1), models_);
+  EXPECT_GT(of_weak, 0.01);
+  EXPECT_EQ(OverlapWith({&strong, &weak, &weaker}, At(beside, 7), models_), of_weak);
+  EXPECT_EQ(OverlapWith({&strong, &weak, &weaker}, At(beside, 20), models_), 0);
+}
+
 }  // namespace
 }  // namespace pickbed
