@@ -79,12 +79,11 @@ double OverlapWith(const std::vector<const Candidate*>& evident, const Candidate
   const Eigen::Vector3d middle_C = MiddleOf(candidate, model);
   double most = 0;
   for (const Candidate* other : evident) {
-    if (other->evidence <= candidate.evidence) break;
+    const bool same_part = other->hypothesis.object == part;
+    if (!same_part && other->evidence <= candidate.evidence) continue;
     const ModelPoints& theirs = models[other->hypothesis.object];
     const double apart_m = (MiddleOf(*other, theirs) - middle_C).norm();
-    const bool same_place =
-        other->hypothesis.object == part && apart_m < kSamePlaceDiameters * model.diameter_m;
-    if (same_place) continue;
+    if (same_part && apart_m < kSamePlaceDiameters * model.diameter_m) continue;
     const double depth_m =
         PenetrationDepth(model, candidate.hypothesis.X_CO, theirs, other->hypothesis.X_CO);
     most = std::max(most, depth_m / std::min(model.diameter_m, theirs.diameter_m));

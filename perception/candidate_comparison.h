@@ -1,7 +1,7 @@
 #pragma once
 
 // What candidates say of each other: which of them are evident, by how much each is ahead of its
-// rivals, and how deep it lies in what is more evident.
+// rivals, and how deep it lies in what is evident.
 
 #include <Eigen/Core>
 #include <vector>
@@ -45,10 +45,10 @@ void FillMargins(const PoseDistance& distance, const ModelPoints& model,
 std::vector<const Candidate*> EvidentCandidates(const std::vector<Candidate>& candidates,
                                                 const std::vector<ModelPoints>& models);
 
-// How deep the candidate lies in the evident ones that there is more evidence for, other poses of
-// its own place aside, over the smaller diameter; 0.25 at most. What there is less evidence for
-// says nothing: among parts of several kinds, a wrong pose of one may fit a face of another well.
-// `evident`: most evidence first.
+// How deep the candidate lies in the evident ones, other poses of its own place aside, over the
+// smaller diameter; 0.25 at most. Of other parts only those count that there is more evidence for:
+// a wrong pose of one may fit a face of another well, and says nothing of a pose that explains
+// more.
 double OverlapWith(const std::vector<const Candidate*>& evident, const Candidate& candidate,
                    const std::vector<ModelPoints>& models);
 

@@ -60,8 +60,8 @@ std::vector<JudgedPoint> JudgePoints(const OrganizedCloud& cloud, const ModelPoi
 // unexplained scene points; log visible points; log agreeing raw votes; explained share; evidence a
 // pixel; margin; agreeing, hidden, violated and wrong-normal shares of the pixels drawn; how far it
 // reaches out of the bin, in diameters; how near its lowest point is to the floor, 1 = on it; how
-// deep it lies in what is more evident, in diameters; the share of the looks beyond its outline
-// that see its surface go on. The counts of scene points are over the pixels that the
+// deep it lies in others, in diameters; the share of the looks beyond its outline that see its
+// surface go on. The counts of scene points are over the pixels that the
 // part would cover were it not hidden. Margin and overlap are for the caller to fill, who knows the
 // others; they are 0. No allocation.
 VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoints& model,

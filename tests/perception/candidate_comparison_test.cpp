@@ -62,15 +62,23 @@ TEST_F(ComparedCandidates, PartsOverlapWithOthersAndNotWithTheirOwnPlace) {
   EXPECT_EQ(OverlapWith({&evident}, At(far_, 1), models_), 0);
 }
 
-// A wrong pose that fits well enough must not cast doubt on a right one that explains more.
-TEST_F(ComparedCandidates, OnlyWhatIsMoreEvidentIsOverlappedWith) {
+// A wrong pose of another part that fits well enough must not cast doubt on a right one that
+// explains more.
+TEST_F(ComparedCandidates, OfOtherPartsOnlyWhatIsMoreEvidentIsOverlappedWith) {
+  const std::vector<ModelPoints> two{models_[0], models_[0]};
+  const auto of_other = [&](const Pose& X_CO, double evidence) {
+    Candidate candidate = At(X_CO, evidence);
+    candidate.hypothesis.object = 1;
+    return candidate;
+  };
   const Pose beside = Translation({0.3 * part_->diameter_m, 0, 0}) * X_CO_;
-  const Candidate weak = At(X_CO_, 10), strong = At(far_, 30), weaker = At(X_CO_, 5);
-  EXPECT_EQ(OverlapWith({&weak}, At(beside, 20), models_), 0);
-  const double of_weak = OverlapWith({&weak}, At(beside, 1), models_);
-  EXPECT_GT(of_weak, 0.01);
-  EXPECT_EQ(OverlapWith({&strong, &weak, &weaker}, At(beside, 7), models_), of_weak);
-  EXPECT_EQ(OverlapWith({&strong, &weak, &weaker}, At(beside, 20), models_), 0);
+  const Candidate strong = of_other(far_, 30), weak = of_other(X_CO_, 10), same = At(X_CO_, 10);
+  const double deep = OverlapWith({&same}, At(beside, 20), two);
+  EXPECT_GT(deep, 0.01);
+  EXPECT_EQ(OverlapWith({&weak}, At(beside, 7), two), deep);
+  EXPECT_EQ(OverlapWith({&weak}, At(beside, 20), two), 0);
+  EXPECT_EQ(OverlapWith({&strong, &weak}, At(beside, 7), two), deep);
+  EXPECT_EQ(OverlapWith({&strong, &weak}, At(beside, 20), two), 0);
 }
 
 }  // namespace
