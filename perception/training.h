@@ -59,7 +59,7 @@ struct TrainingProgress {
   int done = 0, total = 0;
   double loss = 0;
   double recall_at_1 = -1, recall_at_8 = -1;  // on held-out patches; -1 = not measured yet
-  double seconds_left = -1;  // of the phase; -1 = not known yet
+  double seconds_left = -1;                   // of the phase; -1 = not known yet
 };
 
 struct TrainingJob {
