@@ -20,6 +20,8 @@ namespace pickbed {
 namespace {
 
 constexpr int kPicturedBins = 5;
+constexpr const char* kLocalisation = "localisation";
+constexpr const char* kDetection = "detection";
 
 std::vector<ComparedRow> LookAtBins(const ComparisonJob& job) {
   ProgressLine progress;
@@ -146,14 +148,25 @@ int ExplainScenario(const ScenarioArguments& arguments, const std::vector<std::s
   return 0;
 }
 
+struct BopArguments {
+  std::string path;
+  std::string split = "test";
+  std::string task = kLocalisation;
+};
+
+bop::Task TaskOf(const BopArguments& bop) {
+  return bop.task == kDetection ? bop::Task::kDetection : bop::Task::kLocalisation;
+}
+
 // Settings of a scenario that mean something on images that exist: estimator, refiner and seed.
 // min_score unless a setting says otherwise.
-ScenarioSpec BopSettings(const std::string& path, const std::string& split,
-                         const ScenarioArguments& arguments, double min_score) {
+ScenarioSpec BopSettings(const BopArguments& bop, const ScenarioArguments& arguments,
+                         double min_score) {
   CheckInput(arguments.scenario.empty() && !arguments.trials,
              "--bop takes the place of SCENARIO and --trials; name one or the other");
-  CheckInput(std::filesystem::is_directory(path),
-             fmt::format("--bop {}: is no folder; name one with models/ and {}/", path, split));
+  CheckInput(
+      std::filesystem::is_directory(bop.path),
+      fmt::format("--bop {}: is no folder; name one with models/ and {}/", bop.path, bop.split));
   ScenarioSpec spec;
   spec.estimator.min_score = min_score;
   for (const std::string& setting : arguments.settings) {
@@ -170,16 +183,18 @@ std::string DataSetName(const std::string& path) {
       .string();
 }
 
-int ExplainBop(const std::string& path, const std::string& split,
-               const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
-               const std::string& image, const std::string& out) {
-  ScenarioSpec spec = BopSettings(path, split, arguments, EstimatorSpec().min_score);
+int ExplainBop(const BopArguments& bop, const ScenarioArguments& arguments,
+               const std::vector<std::string>& estimators, const std::string& image,
+               const std::string& out) {
+  ScenarioSpec spec = BopSettings(bop, arguments, EstimatorSpec().min_score);
   spec.estimator = ExplainedEstimator(arguments, estimators, spec.estimator);
-  const std::filesystem::path folder = OutFolder(out, DataSetName(path), "-explain");
+  const std::filesystem::path folder = OutFolder(out, DataSetName(bop.path), "-explain");
   {
+    constexpr int kThreads = 1;
     ProgressLine progress;
-    bop::ExplainTarget(path, split, {spec.estimator, spec.refiner, spec.seed}, image, folder,
-                       [&](const bop::EstimateProgress& state) {
+    bop::ExplainTarget(bop.path, bop.split,
+                       {spec.estimator, spec.refiner, spec.seed, kThreads, TaskOf(bop)}, image,
+                       folder, [&](const bop::EstimateProgress& state) {
                          progress.Show(fmt::format("{}: {:.0f} %", state.what, 100 * state.share));
                        });
   }
@@ -187,31 +202,30 @@ int ExplainBop(const std::string& path, const std::string& split,
   return 0;
 }
 
-int EstimateBop(const std::string& path, const std::string& split,
-                const ScenarioArguments& arguments, const std::vector<std::string>& estimators,
-                const std::string& out, int threads) {
+int EstimateBop(const BopArguments& bop, const ScenarioArguments& arguments,
+                const std::vector<std::string>& estimators, const std::string& out, int threads) {
   constexpr double kEvenDoubtful = 0;  // BOP ranks poses by score: a doubtful one costs nothing
-  ScenarioSpec spec = BopSettings(path, split, arguments, kEvenDoubtful);
+  ScenarioSpec spec = BopSettings(bop, arguments, kEvenDoubtful);
   CheckInput(estimators.size() < 2,
              "--bop writes the estimates of one estimator; name one alone with --estimator");
   spec.estimator = NamedEstimators(arguments, estimators, spec.estimator).front().spec;
-  const std::string data_set = DataSetName(path);
+  const std::string data_set = DataSetName(bop.path);
   const std::filesystem::path folder = OutFolder(out, data_set, "-estimate");
   MakeFolder(folder);
   std::vector<bop::Estimate> estimates;
   {
     ProgressLine progress;
     estimates = bop::EstimateDataset(
-        path, split, {spec.estimator, spec.refiner, spec.seed, threads},
+        bop.path, bop.split, {spec.estimator, spec.refiner, spec.seed, threads, TaskOf(bop)},
         [&](const bop::EstimateProgress& state) {
           progress.Show(fmt::format("{}: {:.0f} %", state.what, 100 * state.share));
         });
   }
   const std::filesystem::path csv =
-      folder / fmt::format("{}_{}-{}.csv", spec.estimator.name, data_set, split);
+      folder / fmt::format("{}_{}-{}.csv", spec.estimator.name, data_set, bop.split);
   WriteFileAtomically(csv, bop::WriteResults(estimates));
   fmt::print("{} estimates in {}\nscore them with pickbed score --bop {} --split {} {}\n",
-             estimates.size(), csv.string(), path, split, csv.string());
+             estimates.size(), csv.string(), bop.path, bop.split, csv.string());
   return 0;
 }
 
@@ -225,11 +239,20 @@ int EstimateCommand(int argc, char** argv) {
       "pickbed estimate");
   ScenarioArguments arguments;
   std::vector<std::string> estimators, tolerance;
-  std::string out, bop_path, explained, split = "test";
+  BopArguments bop;
+  std::string out, explained;
   AddScenarioArguments(app, arguments);
   app.get_option("SCENARIO")->required(false);
-  auto* bop_option = app.add_option("--bop", bop_path, "a BOP data set, instead of SCENARIO");
-  app.add_option("--split", split, "of the BOP data set")->capture_default_str()->needs(bop_option);
+  auto* bop_option = app.add_option("--bop", bop.path, "a BOP data set, instead of SCENARIO");
+  app.add_option("--split", bop.split, "of the BOP data set")
+      ->capture_default_str()
+      ->needs(bop_option);
+  app.add_option("--task", bop.task,
+                 "what is told of a BOP image: which objects and how many of each are to be found "
+                 "(localisation), or nothing (detection)")
+      ->check(CLI::IsMember({kLocalisation, kDetection}))
+      ->capture_default_str()
+      ->needs(bop_option);
   app.add_option("--estimator", estimators,
                  "one or several to compare on the same bins, each NAME, NAME:MODE, NAME=MODEL or "
                  "NAME:MODE=MODEL, of which MODEL is a file that was trained for it")
@@ -251,11 +274,11 @@ int EstimateCommand(int argc, char** argv) {
       "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf");
   if (!ParseArguments(app, argc, argv)) return 0;
   const bool explain = app.count("--explain") > 0;
-  CheckInput(tolerance.empty() || (bop_path.empty() && !explain),
+  CheckInput(tolerance.empty() || (bop.path.empty() && !explain),
              "--tolerance scores poses of a SCENARIO; with --bop, pass it to pickbed score");
-  if (!bop_path.empty()) {
-    return explain ? ExplainBop(bop_path, split, arguments, estimators, explained, out)
-                   : EstimateBop(bop_path, split, arguments, estimators, out, threads);
+  if (!bop.path.empty()) {
+    return explain ? ExplainBop(bop, arguments, estimators, explained, out)
+                   : EstimateBop(bop, arguments, estimators, out, threads);
   }
   CheckInput(!arguments.scenario.empty(),
              "SCENARIO is required (or --bop PATH); see pickbed estimate --help");

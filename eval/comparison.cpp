@@ -102,6 +102,8 @@ class Comparison {
     const View view = cell_.See(scene, trial, 0);
     const TrueBin truth = TruthFor(scene, view, cell_.camera());
     for (LiveRow& row : rows_) {
+      // Once: to take the pages again costs time, and a first look costs more than others anyway.
+      if (row.result.looks.empty()) ReleaseFreedMemory();
       const size_t before = ResetPeakMemory();
       Rng rng = Rng::Derive(job_.spec.seed, trial, "estimate/0");
       EstimateResult found = row.runner->Estimate(scene, view, rng);
@@ -130,6 +132,7 @@ class Comparison {
     row.result.label = estimator.label;
     ScenarioSpec spec = job_.spec;
     spec.estimator = estimator.spec;
+    ReleaseFreedMemory();
     const size_t before = ResetPeakMemory();
     const auto start = Clock::now();
     row.runner = std::make_unique<EstimatorRunner>(
@@ -138,6 +141,7 @@ class Comparison {
         });
     row.result.setup_s = SecondsSince(start);
     Grow(row, before);
+    ReleaseFreedMemory();
     const size_t held = ResetPeakMemory();
     row.held_mib = held > before ? static_cast<double>(held - before) / kMebibyte : 0;
     row.evaluator = std::make_unique<bop::Evaluator>(

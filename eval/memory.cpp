@@ -1,5 +1,7 @@
 #include "eval/memory.h"
 
+#include <malloc.h>
+
 #include <fstream>
 #include <string>
 
@@ -18,6 +20,11 @@ size_t StatusBytes(const std::string& key) {
 }
 
 }  // namespace
+
+void ReleaseFreedMemory() {
+  constexpr size_t kKeptBytes = 0;
+  malloc_trim(kKeptBytes);
+}
 
 size_t ResetPeakMemory() {
   constexpr const char* kForgetPeak = "5";  // proc(5), clear_refs

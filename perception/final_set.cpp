@@ -27,7 +27,8 @@ std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
                                      const std::vector<PoseDistance>& distances,
                                      std::span<const Verifier> verifiers,
                                      const std::vector<Candidate>& candidates,
-                                     const FinalSetOptions& options) {
+                                     const FinalSetOptions& options,
+                                     std::span<const int> instances) {
   std::vector<PoseHypothesis> kept;
   for (const PoseHypothesis& hypothesis : Scored(verifiers, candidates, options)) {
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const PoseHypothesis& better) {
@@ -36,7 +37,7 @@ std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
     });
     if (!known) kept.push_back(hypothesis);
   }
-  return SuppressDuplicates(cloud, models, std::move(kept), options.suppress);
+  return SuppressDuplicates(cloud, models, std::move(kept), options.suppress, instances);
 }
 
 }  // namespace pickbed

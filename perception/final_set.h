@@ -20,12 +20,14 @@ struct FinalSetOptions {
   SuppressOptions suppress;
 };
 
-// Highest score first. `models`, `distances` and `verifiers` by object index.
+// Highest score first. `models`, `distances`, `verifiers` and, where not empty, `instances`
+// (EstimatorInput) by object index.
 std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
                                      const std::vector<ModelPoints>& models,
                                      const std::vector<PoseDistance>& distances,
                                      std::span<const Verifier> verifiers,
                                      const std::vector<Candidate>& candidates,
-                                     const FinalSetOptions& options);
+                                     const FinalSetOptions& options,
+                                     std::span<const int> instances = {});
 
 }  // namespace pickbed

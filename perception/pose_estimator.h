@@ -33,6 +33,9 @@ struct EstimatorInput {
   std::optional<KnownBackground> background;  // none: a dominant plane is fitted and removed
   // Filled by estimators whose row `explains`; null costs nothing. The answer is the same.
   EstimateTrace* trace = nullptr;
+  // How many of each object are there to be found, by object index, where that is told, as in BOP's
+  // 6D localisation task; empty: unknown. Final sets of verified poses keep no more than that.
+  std::vector<int> instances = {};
 };
 
 struct EstimateResult {

@@ -48,14 +48,20 @@ PoseHypothesis* LiesIn(const std::vector<ModelPoints>& models, const PoseHypothe
 std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
                                                const std::vector<ModelPoints>& models,
                                                std::vector<PoseHypothesis> hypotheses,
-                                               const SuppressOptions& options) {
+                                               const SuppressOptions& options,
+                                               std::span<const int> instances) {
   std::stable_sort(
       hypotheses.begin(), hypotheses.end(),
       [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.score > b.score; });
   Image<uint16_t> claimed_by(cloud.intrinsics.width, cloud.intrinsics.height);  // kept index + 1
   std::vector<PoseHypothesis> kept;
   std::vector<int> pixels, shared_with;
+  const auto all_found = [&](int object) {
+    return !instances.empty() &&
+           std::ranges::count(kept, object, &PoseHypothesis::object) >= instances[object];
+  };
   for (PoseHypothesis& h : hypotheses) {
+    if (all_found(h.object)) continue;
     FindClaims(cloud, models.at(h.object), h.X_CO, options, pixels);
     if (pixels.empty()) continue;
     shared_with.assign(kept.size() + 1, 0);  // [0]: nobody

@@ -3,6 +3,7 @@
 // Keeps a consistent set: no two hypotheses claim the same pixels or lie in each other, the better
 // one wins.
 
+#include <span>
 #include <vector>
 
 #include "perception/depth_to_cloud.h"
@@ -21,11 +22,13 @@ struct SuppressOptions {
 
 // `hypotheses` in any order; the result is sorted by falling score (of equals the earlier first).
 // One that claims no pixel at all is dropped; one that gives way is noted in suppressed_X_CO of the
-// one that claims most of its pixels or that it lies in, where that is of the same object. `models`
-// by object index.
+// one that claims most of its pixels or that it lies in, where that is of the same object. Where
+// `instances` are told, only so many of an object are kept, and what is over keeps nothing else
+// away. `models` and `instances` by object index.
 std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
                                                const std::vector<ModelPoints>& models,
                                                std::vector<PoseHypothesis> hypotheses,
-                                               const SuppressOptions& options = {});
+                                               const SuppressOptions& options = {},
+                                               std::span<const int> instances = {});
 
 }  // namespace pickbed

@@ -35,12 +35,13 @@ const EstimatorRow& RowOf(const std::string& name) {
   throw InputError(UnknownNameMessage("estimator for BOP data", name, names));
 }
 
-std::set<int> ObjectsOf(const SplitTargets& targets, const std::map<int, ModelInfo>& models) {
+std::set<int> ObjectsOf(const SplitTargets& targets, const std::map<int, ModelInfo>& models,
+                        Task task) {
   std::set<int> objects;
   for (const auto& [scene_id, images] : targets.scenes) {
     for (const auto& [image_id, image] : images) {
       for (const auto& [object_id, count] : image.counts) objects.insert(object_id);
-      if (image.counts.empty()) {
+      if (image.counts.empty() || task == Task::kDetection) {
         for (const auto& [object_id, info] : models) objects.insert(object_id);
       }
     }
@@ -68,7 +69,8 @@ class Runner {
  public:
   Runner(const fs::path& root, const EstimateOptions& options, const std::set<int>& wanted,
          const std::map<int, ModelInfo>& models, const RgbdFrame& first,
-         const std::function<void(const EstimateProgress&)>& on_progress) {
+         const std::function<void(const EstimateProgress&)>& on_progress)
+      : task_(options.task) {
     const EstimatorRow& row = RowOf(options.estimator.name);
     EstimatorSetup setup;
     DatasetParts parts = LoadParts(root, wanted, models);
@@ -98,8 +100,9 @@ class Runner {
     working_distance_m_ = setup.working_distance_m;
   }
 
-  EstimateResult Explain(const RgbdFrame& frame, Rng& rng, EstimateTrace& trace) {
-    return estimator_->Estimate({frame, std::nullopt, &trace}, rng);
+  EstimateResult Explain(const RgbdFrame& frame, const ImageTargets& targets, Rng& rng,
+                         EstimateTrace& trace) {
+    return estimator_->Estimate({frame, std::nullopt, &trace, Instances(targets)}, rng);
   }
   const std::vector<int>& object_ids() const { return object_ids_; }
   const ObjectSet& objects() const { return objects_; }
@@ -109,11 +112,15 @@ class Runner {
   void Run(const RgbdFrame& frame, const ImageTargets& targets, Estimate place, Rng& rng,
            std::vector<Estimate>& estimates) {
     const auto start = std::chrono::steady_clock::now();
-    const EstimateResult result = estimator_->Estimate({frame, std::nullopt}, rng);
+    const EstimateResult result =
+        estimator_->Estimate({frame, std::nullopt, nullptr, Instances(targets)}, rng);
     place.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (const PoseHypothesis& hypothesis : result.hypotheses) {
       place.object_id = object_ids_[hypothesis.object];
-      if (!targets.counts.empty() && !targets.counts.contains(place.object_id)) continue;
+      if (task_ == Task::kLocalisation && !targets.counts.empty() &&
+          !targets.counts.contains(place.object_id)) {
+        continue;
+      }
       place.score = hypothesis.score;
       place.X_CO = hypothesis.X_CO;
       estimates.push_back(place);
@@ -121,6 +128,17 @@ class Runner {
   }
 
  private:
+  std::vector<int> Instances(const ImageTargets& targets) const {
+    if (task_ == Task::kDetection || targets.counts.empty()) return {};
+    std::vector<int> instances;
+    for (const int id : object_ids_) {
+      const auto count = targets.counts.find(id);
+      instances.push_back(count == targets.counts.end() ? 0 : count->second);
+    }
+    return instances;
+  }
+
+  Task task_;
   std::vector<int> object_ids_;
   ObjectSet objects_;
   double working_distance_m_ = 0;
@@ -208,7 +226,8 @@ std::vector<Estimate> EstimateDataset(
       [&](const Estimate& place, const ImageTargets& image_targets, const RgbdFrame& frame) {
         const bool sees = HasReadings(frame.depth_m);
         if (!runner && sees) {
-          runner.emplace(root, options, ObjectsOf(targets, models), models, frame, on_progress);
+          runner.emplace(root, options, ObjectsOf(targets, models, options.task), models, frame,
+                         on_progress);
         }
         Rng rng = RngOf(options, place);
         if (sees) runner->Run(frame, image_targets, place, rng, estimates);
@@ -240,14 +259,15 @@ void ExplainTarget(const fs::path& root, const std::string& split, const Estimat
   const int first_scene = targets.scenes.begin()->first;
   const int first_image = targets.scenes.begin()->second.begin()->first;
   const SceneTruth first = read(first_scene, first_image);
-  Runner runner(root, options, ObjectsOf(targets, models), models,
+  Runner runner(root, options, ObjectsOf(targets, models, options.task), models,
                 ReadFrame(first, first.images.at(first_image)), on_progress);
   const SceneTruth scene = read(place.scene_id, place.image_id);
   const ImageTruth& truth = scene.images.at(place.image_id);
   const RgbdFrame frame = ReadFrame(scene, truth);
   EstimateTrace trace;
   Rng rng = RngOf(options, place);
-  const EstimateResult result = runner.Explain(frame, rng, trace);
+  const ImageTargets& asked = targets.scenes.at(place.scene_id).at(place.image_id);
+  const EstimateResult result = runner.Explain(frame, asked, rng, trace);
   WriteExplanation(
       {fmt::format("{} on {}, scene {} image {}", options.estimator.name, split, place.scene_id,
                    place.image_id),

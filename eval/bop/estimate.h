@@ -12,11 +12,16 @@
 
 namespace pickbed::bop {
 
+// What BOP tells an estimator of an image that is a target of BOP19: localisation, which objects
+// are in it and how many of each; detection, nothing.
+enum class Task { kLocalisation, kDetection };
+
 struct EstimateOptions {
   EstimatorSpec estimator;
   std::string refiner = "pcl_icp";
   uint64_t seed = 0;
   int threads = 1;  // at most; results are the same for any number
+  Task task = Task::kLocalisation;
 };
 
 struct EstimateProgress {
@@ -24,10 +29,11 @@ struct EstimateProgress {
   double share = 0;
 };
 
-// Of every target image, all poses of the objects that are its targets (BOP19) or of any object of
-// the data set (where only BOP24 names it). The estimator gets images, cameras and meshes, no truth
-// and no background, since BOP knows no bin. Throws InputError for an unknown estimator, the oracle
-// (it would need the truth) and a broken data set: before the first image is worked on.
+// Of every target image, all poses of the objects that are its targets (BOP19 and localisation) or
+// of any object of the data set (detection, or where only BOP24 names the image). The estimator
+// gets images, cameras and meshes, no truth and no background, since BOP knows no bin. Throws
+// InputError for an unknown estimator, the oracle (it would need the truth) and a broken data set:
+// before the first image is worked on.
 std::vector<Estimate> EstimateDataset(
     const std::filesystem::path& root, const std::string& split, const EstimateOptions& options,
     const std::function<void(const EstimateProgress&)>& on_progress = {});

@@ -172,7 +172,7 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
     const StageTimer timer(result.seconds, "suppress");
     result.hypotheses =
         FinalSet(cloud, finder_->assessor().model_points(), finder_->assessor().distances(),
-                 verifiers_, candidates, options_.final_set);
+                 verifiers_, candidates, options_.final_set, input.instances);
   }
   if (input.trace) Trace(cloud, candidates, result.hypotheses, *input.trace);
   const StageTimer timer(result.seconds, "refine");

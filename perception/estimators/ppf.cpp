@@ -55,8 +55,9 @@ class PpfEstimator : public PoseEstimator {
       Timed(result.seconds, "verify",
             [&] { Score(static_cast<int>(object), cloud, poses, found); });
     }
-    result.hypotheses = Timed(result.seconds, "suppress",
-                              [&] { return SuppressDuplicates(cloud, models_, std::move(found)); });
+    result.hypotheses = Timed(result.seconds, "suppress", [&] {
+      return SuppressDuplicates(cloud, models_, std::move(found), {}, input.instances);
+    });
     Timed(result.seconds, "refine",
           [&] { PolishPoses(refiner_, cloud, models_, {}, threads_, result.hypotheses); });
     return result;

@@ -21,7 +21,7 @@ class VerifiedEstimator : public PoseEstimator {
     {
       const StageTimer timer(result.seconds, "suppress");
       result.hypotheses = FinalSet(cloud, assessor.model_points(), assessor.distances(),
-                                   setup_.verifiers, candidates, setup_.final_set);
+                                   setup_.verifiers, candidates, setup_.final_set, input.instances);
     }
     const StageTimer timer(result.seconds, "refine");
     PolishPoses(setup_.refiner, cloud, assessor.model_points(), setup_.polish, setup_.threads,

@@ -96,5 +96,25 @@ TEST_F(TwoBrackets, OneThatClaimsNothingGoes) {
   EXPECT_TRUE(SuppressDuplicates(cloud_, models_, {}).empty());
 }
 
+// Both parts in both places: one more left bracket shuts a right one of the other part out, unless
+// it is known that there is but one.
+TEST_F(TwoBrackets, WhatIsMoreThanThereAreKeepsNothingAway) {
+  models_.push_back(models_[0]);
+  PoseHypothesis other = At(Right(), 0.6);
+  other.object = 1;
+  const std::vector<PoseHypothesis> all{At(Left(), 0.9), At(Right(), 0.8), other};
+  const auto unknown = SuppressDuplicates(cloud_, models_, all);
+  ASSERT_EQ(unknown.size(), 2u);
+  EXPECT_EQ(unknown[1].object, 0);
+  const std::vector<int> one_each{1, 1}, none_of_the_first{0, 1};
+  const auto told = SuppressDuplicates(cloud_, models_, all, {}, one_each);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[0].score, 0.9);
+  EXPECT_EQ(told[1].object, 1);
+  const auto others = SuppressDuplicates(cloud_, models_, all, {}, none_of_the_first);
+  ASSERT_EQ(others.size(), 1u);
+  EXPECT_EQ(others[0].object, 1);
+}
+
 }  // namespace
 }  // namespace pickbed

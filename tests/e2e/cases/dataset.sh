@@ -1,5 +1,20 @@
 # Cases of pickbed dataset and what reads its sets.
 
+# Of three rods two are said to be there.
+bop_tasks_tell_what_is_to_be_found() {
+  echo "camera: {width: 160, height: 120, focal_px: 170}" >>rods.yaml
+  expect 0 "$pickbed" dataset make rods.yaml --scenes 1 --views 1 --jobs 1 --out set
+  sed -i 's/"inst_count": *[0-9]*/"inst_count": 2/' set/test_targets_bop19.json
+  local all="--set estimator.min_score=0 --set estimator.mode=hard"
+  expect 0 "$pickbed" estimate --bop set $all --out told
+  [ "$(wc -l <told/descriptor_set-test.csv)" = 3 ] || fail "not the two rods that are asked for"
+  expect 0 "$pickbed" estimate --bop set $all --task detection --out untold
+  head -3 untold/descriptor_set-test.csv | cut -d, -f1-6 >best
+  cut -d, -f1-6 told/descriptor_set-test.csv | diff - best >&2 || fail "they are not the best two"
+  [ "$(wc -l <untold/descriptor_set-test.csv)" -gt 3 ] || fail "detection was told how many"
+  refused "segmentation" "$pickbed" estimate --bop set --task segmentation --out no
+}
+
 bad_bop_data_is_refused() {
   echo "camera: {width: 96, height: 72, focal_px: 100}" >>small.yaml
   expect 0 "$pickbed" dataset make small.yaml --scenes 1 --views 2 --jobs 1 --out set
