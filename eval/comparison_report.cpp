@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "eval/comparison_figures.h"
 #include "eval/report/html_page.h"
 
@@ -144,10 +146,15 @@ Curve ReliabilityCurve(const ComparedRow& row) {
 }  // namespace
 
 std::string ComparisonTable(const std::vector<ComparedRow>& rows) {
+  constexpr size_t kLeastWidth = 26;
+  const std::vector<std::vector<std::string>> table = FigureTable(rows);
   std::string text;
-  for (const std::vector<std::string>& line : FigureTable(rows)) {
+  for (const std::vector<std::string>& line : table) {
     text += fmt::format("{:<32}", line.front());
-    for (size_t i = 1; i < line.size(); ++i) text += fmt::format("{:>26}", line[i]);
+    for (size_t i = 1; i < line.size(); ++i) {
+      const size_t width = std::max(kLeastWidth, table.front()[i].size() + 1);
+      text += fmt::format("{:>{}}", line[i], width);
+    }
     text += "\n";
   }
   return text;

@@ -64,6 +64,18 @@ TEST(ComparisonFigures, ByHand) {
   EXPECT_EQ(FiguresOf(HandWorked(), 1).instances, 0) << "there is no other kind";
 }
 
+TEST(ComparisonTable, LongLabelsStayApartAndFiguresBelowThem) {
+  ComparedRow first = HandWorked(), second = HandWorked();
+  first.label = "kehl:hard=/home/somebody/models/of/kehl.pt";
+  second.label = "doumanoglou:hard=/home/somebody/models/of/doumanoglou.pt";
+  const std::string table = ComparisonTable({first, second});
+  EXPECT_THAT(table, HasSubstr(' ' + first.label + ' ' + second.label + '\n'));
+  const size_t width = table.find('\n');
+  for (size_t at = 0; at < table.size(); at += width + 1) {
+    ASSERT_EQ(table.find('\n', at), at + width) << table;
+  }
+}
+
 // Equal scores cannot be parted by a threshold, so a right one does not hide behind a wrong one.
 TEST(ComparisonFigures, ThresholdsDoNotPartEqualScores) {
   ComparedRow row = HandWorked();
