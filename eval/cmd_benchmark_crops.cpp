@@ -45,6 +45,7 @@ void MakeSmall(CropArguments& arguments, CropBenchmarkOptions& options) {
   options.icp_starts = 4;
   options.views.template_level = 2;
   options.views.train_level = 3;
+  options.methods.wohlhart.anchors = 64;
   options.methods.wohlhart.iterations = 60;
   options.methods.wohlhart.mine_every = 60;
 }

@@ -35,7 +35,9 @@ class CropMethod {
 
 struct CropMethodOptions {
   uint64_t seed = 0;
-  WohlhartOptions wohlhart;
+  // The pushers are the hardest of a batch: of crops that are rendered once, steps of many anchors
+  // teach more in the same time than more steps of few.
+  WohlhartOptions wohlhart{.anchors = 128, .iterations = 200};
   void Visit(SettingsVisitor& v);
 };
 
