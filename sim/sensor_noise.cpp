@@ -304,6 +304,7 @@ void NoiseMaker::FindEdges(int y) {
 }
 
 void NoiseMaker::FindShadows(int y) {
+  std::fill(row_.is_shadow.begin(), row_.is_shadow.end(), uint8_t{0});
   if (needs_shadow_) shadows_.Row(depth_m_.row(y), row_.is_shadow.data());
   if (!sensor_shadows_) return;
   sensor_shadows_->Row(depth_m_.row(y), is_sensor_shadow_.data());
