@@ -13,7 +13,8 @@
 namespace pickbed::bop {
 
 // What BOP tells an estimator of an image that is a target of BOP19: localisation, which objects
-// are in it and how many of each; detection, nothing.
+// are in it and how many of each, without a file of targets counted from the truth; detection,
+// nothing.
 enum class Task { kLocalisation, kDetection };
 
 struct EstimateOptions {
