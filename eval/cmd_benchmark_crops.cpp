@@ -79,6 +79,16 @@ void WriteAll(const CropBenchmark& benchmark, const ObjectSet& objects,
   WriteFileAtomically(folder / "crops.html", CropPage(benchmark, objects, settings));
 }
 
+CropBenchmark RunWithProgress(CropBenchmarkJob job) {
+  ProgressLine progress;
+  job.on_progress = [&](const std::string& what, double share) {
+    const double left_s = share > 0 ? progress.elapsed_s() * (1 - share) / share : -1;
+    progress.Show(fmt::format("{:.0f} %  left {}  {}", 100 * share, FormatDuration(left_s), what));
+    return !Interrupted();
+  };
+  return RunCropBenchmark(job);
+}
+
 }  // namespace
 
 ObjectSet LoadMeshFiles(const std::vector<std::string>& meshes, const std::string& unit) {
@@ -130,25 +140,15 @@ int BenchmarkCropsCommand(int argc, char** argv) {
 
   const std::filesystem::path folder = OutFolder(arguments.out, "crops");
   MakeFolder(folder / "models");
-  CropBenchmarkJob job{LoadParts(arguments),
-                       arguments.methods,
-                       arguments.conditions,
-                       options,
-                       folder / "models",
-                       arguments.threads,
-                       {}};
+  const CropBenchmarkJob job{LoadParts(arguments),
+                             arguments.methods,
+                             arguments.conditions,
+                             options,
+                             folder / "models",
+                             arguments.threads,
+                             {}};
   CatchInterrupts();
-  CropBenchmark benchmark;
-  {
-    ProgressLine progress;
-    job.on_progress = [&](const std::string& what, double share) {
-      const double left_s = share > 0 ? progress.elapsed_s() * (1 - share) / share : -1;
-      progress.Show(
-          fmt::format("{:.0f} %  left {}  {}", 100 * share, FormatDuration(left_s), what));
-      return !Interrupted();
-    };
-    benchmark = RunCropBenchmark(job);
-  }
+  const CropBenchmark benchmark = RunWithProgress(job);
   if (!benchmark.records.empty()) WriteAll(benchmark, job.objects, options, folder);
   if (!benchmark.finished) {
     fmt::print(stderr, "pickbed: interrupted; the same command goes on with what was learned\n");

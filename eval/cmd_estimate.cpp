@@ -148,6 +148,14 @@ int ExplainScenario(const ScenarioArguments& arguments, const std::vector<std::s
   return 0;
 }
 
+std::string DataSetName(const std::string& path) {
+  return (std::filesystem::absolute(path) / ".")
+      .lexically_normal()
+      .parent_path()
+      .filename()
+      .string();
+}
+
 struct BopArguments {
   std::string path;
   std::string split = "test";
@@ -156,6 +164,13 @@ struct BopArguments {
 
 bop::Task TaskOf(const BopArguments& bop) {
   return bop.task == kDetection ? bop::Task::kDetection : bop::Task::kLocalisation;
+}
+
+// Each task has results of its own: what is told changes the poses.
+std::filesystem::path BopFolder(const BopArguments& bop, const std::string& out,
+                                const std::string& what) {
+  const std::string task = TaskOf(bop) == bop::Task::kDetection ? "-detection" : "";
+  return OutFolder(out, DataSetName(bop.path), what + task);
 }
 
 // Settings of a scenario that mean something on images that exist: estimator, refiner and seed.
@@ -175,20 +190,12 @@ ScenarioSpec BopSettings(const BopArguments& bop, const ScenarioArguments& argum
   return spec;
 }
 
-std::string DataSetName(const std::string& path) {
-  return (std::filesystem::absolute(path) / ".")
-      .lexically_normal()
-      .parent_path()
-      .filename()
-      .string();
-}
-
 int ExplainBop(const BopArguments& bop, const ScenarioArguments& arguments,
                const std::vector<std::string>& estimators, const std::string& image,
                const std::string& out) {
   ScenarioSpec spec = BopSettings(bop, arguments, EstimatorSpec().min_score);
   spec.estimator = ExplainedEstimator(arguments, estimators, spec.estimator);
-  const std::filesystem::path folder = OutFolder(out, DataSetName(bop.path), "-explain");
+  const std::filesystem::path folder = BopFolder(bop, out, "-explain");
   {
     constexpr int kThreads = 1;
     ProgressLine progress;
@@ -210,7 +217,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioArguments& arguments,
              "--bop writes the estimates of one estimator; name one alone with --estimator");
   spec.estimator = NamedEstimators(arguments, estimators, spec.estimator).front().spec;
   const std::string data_set = DataSetName(bop.path);
-  const std::filesystem::path folder = OutFolder(out, data_set, "-estimate");
+  const std::filesystem::path folder = BopFolder(bop, out, "-estimate");
   MakeFolder(folder);
   std::vector<bop::Estimate> estimates;
   {
@@ -224,8 +231,11 @@ int EstimateBop(const BopArguments& bop, const ScenarioArguments& arguments,
   const std::filesystem::path csv =
       folder / fmt::format("{}_{}-{}.csv", spec.estimator.name, data_set, bop.split);
   WriteFileAtomically(csv, bop::WriteResults(estimates));
-  fmt::print("{} estimates in {}\nscore them with pickbed score --bop {} --split {} {}\n",
-             estimates.size(), csv.string(), bop.path, bop.split, csv.string());
+  fmt::print("{} estimates in {}\nscore them with pickbed score --bop {} --split {} {}\n{}",
+             estimates.size(), csv.string(), bop.path, bop.split, csv.string(),
+             TaskOf(bop) == bop::Task::kLocalisation
+                 ? "of its figures, AP is comparable only after --task detection\n"
+                 : "");
   return 0;
 }
 

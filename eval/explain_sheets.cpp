@@ -37,6 +37,8 @@ Rgb8 FateColor(LostAt lost) {
       return {200, 90, 240};
     case LostAt::kFinalSet:
       return {85, 165, 255};
+    case LostAt::kCount:
+      return {40, 90, 170};
     case LostAt::kRefiner:
       return {60, 220, 230};
   }

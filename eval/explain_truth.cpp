@@ -56,12 +56,22 @@ std::vector<bool> Covered(const PoseJudge& judge, const std::vector<PoseHypothes
   return covered;
 }
 
-LostAt LossOf(const PartFate& fate, double visible_fraction, double min_score, bool accepted,
+// Whether as many poses of the object as the estimator was told of came before one of this score.
+bool CountUsedUp(const EstimateTrace& trace, int object, double score) {
+  if (trace.instances.empty()) return false;
+  return std::ranges::count_if(trace.accepted, [&](const PoseHypothesis& pose) {
+           return pose.object == object && pose.score >= score;
+         }) >= trace.instances[object];
+}
+
+LostAt LossOf(const PartFate& fate, const TruePart& part, const EstimateTrace& trace, bool accepted,
               bool reported) {
   if (reported) return LostAt::kFound;
-  if (visible_fraction < kCountedVisibility) return LostAt::kHardlyVisible;
+  if (part.visible_fraction < kCountedVisibility) return LostAt::kHardlyVisible;
   if (accepted) return LostAt::kRefiner;
-  if (fate.best_score >= min_score) return LostAt::kFinalSet;
+  if (fate.best_score >= trace.min_score) {
+    return CountUsedUp(trace, part.object, fate.best_score) ? LostAt::kCount : LostAt::kFinalSet;
+  }
   if (fate.best_score >= 0) return LostAt::kVerifier;
   if (fate.best_refined < kCorrectDiameters) return LostAt::kMerging;
   if (fate.best_start < kReachDiameters) return LostAt::kIcp;
@@ -138,6 +148,8 @@ LostAtText TextOf(LostAt lost) {
       return {"verifier", "the right candidate scored too low"};
     case LostAt::kFinalSet:
       return {"final set", "the right candidate gave way to one that claims the same pixels"};
+    case LostAt::kCount:
+      return {"count", "as many of its kind as the image was said to hold scored higher"};
     case LostAt::kRefiner:
       return {"refiner", "the final refiner moved the right pose away"};
   }
@@ -165,8 +177,7 @@ std::vector<PartFate> FatesOf(const PoseJudge& judge, const EstimateTrace& trace
   const std::vector<bool> accepted = Covered(judge, trace.accepted);
   const std::vector<bool> reported = Covered(judge, hypotheses);
   for (size_t i = 0; i < fates.size(); ++i) {
-    fates[i].lost = LossOf(fates[i], judge.parts()[i].visible_fraction, trace.min_score,
-                           accepted[i], reported[i]);
+    fates[i].lost = LossOf(fates[i], judge.parts()[i], trace, accepted[i], reported[i]);
   }
   return fates;
 }

@@ -54,6 +54,7 @@ enum class LostAt {
   kMerging,        // refined to the right pose, which was no candidate of its own
   kVerifier,       // the right candidate scored too low
   kFinalSet,       // it gave way to another
+  kCount,          // as many of the object as were told of scored higher
   kRefiner,        // the final refiner moved it away
 };
 // One word or two, and a sentence.

@@ -44,8 +44,9 @@ struct TracedCandidate {
 
 struct EstimateTrace {
   OrganizedCloud cloud;
-  int neighbors = 0;     // votes of a patch, where the code book has as many
-  double min_score = 0;  // below it a candidate is not reported
+  int neighbors = 0;                // votes of a patch, where the code book has as many
+  double min_score = 0;             // below it a candidate is not reported
+  std::vector<int> instances = {};  // what the estimator was told of them (EstimatorInput)
   PatchChannels channels = PatchChannels::kDepthNormals;  // of the patches
   std::vector<TracedPatch> patches;           // a frame's pixels, once for each patch side
   std::vector<TracedVote> votes;              // those of a patch stand together, nearest first

@@ -1,9 +1,12 @@
 #include "perception/suppress.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "perception/interpenetration.h"
 #include "perception/projector.h"
+#include "scenes/check.h"
 
 namespace pickbed {
 namespace {
@@ -50,6 +53,9 @@ std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
                                                std::vector<PoseHypothesis> hypotheses,
                                                const SuppressOptions& options,
                                                std::span<const int> instances) {
+  CheckInput(instances.empty() || instances.size() == models.size(),
+             fmt::format("told how many there are of {} objects, but looking for {}",
+                         instances.size(), models.size()));
   std::stable_sort(
       hypotheses.begin(), hypotheses.end(),
       [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.score > b.score; });

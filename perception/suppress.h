@@ -24,7 +24,7 @@ struct SuppressOptions {
 // One that claims no pixel at all is dropped; one that gives way is noted in suppressed_X_CO of the
 // one that claims most of its pixels or that it lies in, where that is of the same object. Where
 // `instances` are told, only so many of an object are kept, and what is over keeps nothing else
-// away. `models` and `instances` by object index.
+// away. `models` and `instances` by object index. Throws InputError where they are not as many.
 std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
                                                const std::vector<ModelPoints>& models,
                                                std::vector<PoseHypothesis> hypotheses,

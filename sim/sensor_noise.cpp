@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -30,6 +31,9 @@ float OtherSurface(const Image<float>& depth_m, int x, int y) {
   return other;
 }
 
+// Farther than this no window sees an edge, px: as far as EdgeDistances_px counts.
+constexpr double kFarthestEdge_px = std::numeric_limits<uint8_t>::max();
+
 // The constants of the loops over a row, as floats.
 struct RowConstants {
   explicit RowConstants(const SensorProfile& p, double image_focal_px);
@@ -50,7 +54,8 @@ struct RowConstants {
 RowConstants::RowConstants(const SensorProfile& p, double image_focal_px) {
   const auto f = [](double value) { return static_cast<float>(value); };
   kept = f(1 - p.random_dropout), edge_dropout = f(p.edge_dropout);
-  window_reach_px = f(LateralScale(p, image_focal_px) * p.window_px / 2);
+  window_reach_px =
+      f(std::min(LateralScale(p, image_focal_px) * p.window_px / 2, kFarthestEdge_px));
   grazing_per_rad = f(p.grazing_dropout / (std::numbers::pi / 2 - p.grazing_start_rad));
   grazing_start_rad = f(p.grazing_start_rad);
   floor_m = f(p.axial_floor_m), linear_m = f(p.axial_linear_m), square_m = f(p.axial_sigma_m);
@@ -279,11 +284,11 @@ NoiseMaker::NoiseMaker(const IdealView& view, const SensorProfile& p, uint64_t k
       slants_(depth_m_, view.intrinsics),
       shadows_(depth_m_.width(), view.intrinsics.fx, p.baseline_m, constants_.edge_step_m) {
   const double spacing_px = LateralScale(p, view.intrinsics.fx) * p.correlation_px;
-  if (spacing_px > 1) correlated_.emplace(depth_m_.width(), spacing_px);
+  if (spacing_px > 1) correlated_.emplace(key, depth_m_.width(), spacing_px);
   if (constants_.window_reach_px > 1 && p.edge_dropout > 0) {
-    const double farthest = std::min(255.0, std::ceil(double{constants_.window_reach_px}));
     edge_distance_px_ =
-        EdgeDistances_px(depth_m_, constants_.edge_step_m, static_cast<uint8_t>(farthest));
+        EdgeDistances_px(depth_m_, constants_.edge_step_m,
+                         static_cast<uint8_t>(std::ceil(constants_.window_reach_px)));
   }
   if (p.sensor_x_m != 0) {
     sensor_shadows_.emplace(depth_m_.width(), view.intrinsics.fx, p.sensor_x_m,
@@ -294,12 +299,14 @@ NoiseMaker::NoiseMaker(const IdealView& view, const SensorProfile& p, uint64_t k
 
 void NoiseMaker::FindEdges(int y) {
   const int width = depth_m_.width();
-  EdgeRow(depth_m_, y, constants_.edge_step_m, row_.is_edge.data());
   if (edge_distance_px_.empty()) {
+    EdgeRow(depth_m_, y, constants_.edge_step_m, row_.is_edge.data());
     std::copy_n(row_.is_edge.data(), width, row_.sees_edge.data());
   } else {
-    FillSeenEdges(constants_.window_reach_px, edge_distance_px_.row(y), width,
-                  row_.sees_edge.data());
+    const uint8_t* distance_px = edge_distance_px_.row(y);
+    std::transform(distance_px, distance_px + width, row_.is_edge.begin(),
+                   [](uint8_t distance) { return distance == 0; });
+    FillSeenEdges(constants_.window_reach_px, distance_px, width, row_.sees_edge.data());
   }
 }
 
@@ -351,7 +358,7 @@ Image<float> NoiseMaker::Make() {
   for (int y = 0; y < out.height(); ++y) {
     const uint64_t place = key_ + static_cast<uint64_t>(y) * static_cast<uint64_t>(width);
     numbers_.Draw(place);
-    if (correlated_) correlated_->Fill(key_, y, numbers_);
+    if (correlated_) correlated_->Fill(y, numbers_);
     FindChances(y);
     LookAt(y);
     Read(constants_, depth_m_.row(y), row_, numbers_, width, out.row(y));

@@ -26,8 +26,6 @@ uint64_t MixBits(uint64_t place) {
   return z ^ (z >> 31);
 }
 
-double NormalCdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
-
 // Equally likely values of a normal distribution: the inverse of its distribution function at the
 // middles of equal steps, scaled to unit variance.
 std::array<float, kGaussCount> MakeGaussTable() {
@@ -93,6 +91,8 @@ void LookUpGaussians(const uint32_t* lower, const uint32_t* upper, const float* 
 }
 
 }  // namespace
+
+double NormalCdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
 SensorNumbers::SensorNumbers(int width)
     : loss(width),

@@ -8,6 +8,9 @@
 
 namespace pickbed {
 
+// Distribution function of the normal distribution of unit variance.
+double NormalCdf(double x);
+
 struct SensorNumbers {
   explicit SensorNumbers(int width);
 

@@ -84,7 +84,9 @@ void SensorProfile::Visit(SettingsVisitor& v) {
   v.Real("lateral_slant_px", lateral_slant_px, {0, 1},
          "the same by slant a, px; grows with a / (pi/2 - a)");
   v.Real("correlation_px", correlation_px, {0, 100},
-         "distance from which on errors and losses are independent, px; 0 = of every pixel");
+         "distance at which errors and losses are still alike by 0.285 (from twice that on not at "
+         "all), "
+         "px; 0 = of every pixel its own");
   v.Real("lateral_focal_px", lateral_focal_px, {0, 1e5},
          "focal length of the images whose pixels these and window_px are, px; 0 = that of the "
          "depth image");

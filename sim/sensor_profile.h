@@ -34,14 +34,15 @@ struct SensorProfile {
   double axial_slant_power = 0;  // p, a multiple of 0.5
   double lateral_sigma_px = 0;   // l0, of each axis
   double lateral_slant_px = 0;   // l1
-  double correlation_px = 0;     // errors and losses this far apart are nearly independent
+  double correlation_px = 0;     // errors and losses this far apart are alike by 0.285, twice as
+                                 // far apart independent
   double lateral_focal_px = 0;   // of the images l0, l1, correlation_px and window_px are of; 0 =
                                  // that of the depth image
 
   double edge_step_m = 0.012;    // a step of more than this to one of 4 neighbours is an edge
   double edge_dropout = 0;       // probability of no reading at an edge, falling linearly
-  double window_px = 0;          // to none half of this away from it; 0 = none beyond the edge's
-                                 // own pixels
+  double window_px = 0;          // to none half of this away from it, at most 255 pixels of the
+                                 // depth image; 0 = none beyond the edge's own pixels
   double random_dropout = 0;     // probability of no reading anywhere
   double grazing_dropout = 0;    // probability of no reading at a slant of 90 degrees, falling
   double grazing_start_rad = 0;  // linearly to none at this slant

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "scenes/raster_vectors.h"
 #include "sim/sensor_rows.h"
@@ -21,7 +20,7 @@ std::vector<float> MakeNormalCdf() {
   std::vector<float> table;
   for (int i = 0; i <= 2 * kReach * kPerUnit; ++i) {
     const double x = static_cast<double>(i) / kPerUnit - kReach;
-    table.push_back(static_cast<float>(0.5 * std::erfc(-x / std::numbers::sqrt2)));
+    table.push_back(static_cast<float>(NormalCdf(x)));
   }
   return table;
 }
@@ -54,8 +53,9 @@ void Widen(const float* knots, const int* left, const float* left_weight, const 
 
 }  // namespace
 
-CorrelatedNumbers::CorrelatedNumbers(int width, double spacing_px)
-    : spacing_px_(spacing_px),
+CorrelatedNumbers::CorrelatedNumbers(uint64_t key, int width, double spacing_px)
+    : key_(key),
+      spacing_px_(spacing_px),
       count_(static_cast<int>((width - 1) / spacing_px) + 2),
       upper_{SensorNumbers(count_), SensorNumbers(count_), -1},
       lower_{SensorNumbers(count_), SensorNumbers(count_), -1},
@@ -69,8 +69,8 @@ CorrelatedNumbers::CorrelatedNumbers(int width, double spacing_px)
   }
 }
 
-void CorrelatedNumbers::Draw(uint64_t key, int row, Knots& knots) const {
-  const uint64_t place = key + static_cast<uint64_t>(row) * static_cast<uint64_t>(count_);
+void CorrelatedNumbers::Draw(int row, Knots& knots) const {
+  const uint64_t place = key_ + static_cast<uint64_t>(row) * static_cast<uint64_t>(count_);
   knots.errors.Draw(place + kErrorPlaces);
   knots.losses.Draw(place + kLossPlaces);
   knots.row = row;
@@ -84,16 +84,16 @@ void CorrelatedNumbers::Blend(const std::vector<float>& upper, const std::vector
         static_cast<int>(out.size()), out.data());
 }
 
-void CorrelatedNumbers::Fill(uint64_t key, int y, SensorNumbers& numbers) {
+void CorrelatedNumbers::Fill(int y, SensorNumbers& numbers) {
   const double at = y / spacing_px_;
   const int row = static_cast<int>(at);
   if (row != upper_.row) {
     if (row == lower_.row) {
       std::swap(upper_, lower_);
     } else {
-      Draw(key, row, upper_);
+      Draw(row, upper_);
     }
-    Draw(key, row + 1, lower_);
+    Draw(row + 1, lower_);
   }
   const auto share = static_cast<float>(at - row);
   Blend(upper_.errors.aside, lower_.errors.aside, share, numbers.aside);

@@ -12,24 +12,26 @@
 namespace pickbed {
 
 // Random fields of unit variance everywhere: bilinear between independent numbers `spacing_px`
-// apart, scaled by the length of the four weights. Their correlation, over all places, is that of a
-// cubic B-spline: 1/4 at one spacing, 0 from two on.
+// apart, scaled by the length of the four weights. Their correlation along x or y, in the mean over
+// all places, is pi/4 - 1/2 = 0.285 at one spacing and 0 from two on.
 class CorrelatedNumbers {
  public:
-  CorrelatedNumbers(int width, double spacing_px);
+  // `key`: the place in a sequence of 2^64 from which on the numbers are taken.
+  CorrelatedNumbers(uint64_t key, int width, double spacing_px);
   // Puts those of row y in place of all numbers of `numbers` but `flying`. Rows must be asked for
   // in rising order.
-  void Fill(uint64_t key, int y, SensorNumbers& numbers);
+  void Fill(int y, SensorNumbers& numbers);
 
  private:
   struct Knots {
     SensorNumbers errors, losses;  // `along` of losses counts alone
     int row;
   };
-  void Draw(uint64_t key, int row, Knots& knots) const;
+  void Draw(int row, Knots& knots) const;
   void Blend(const std::vector<float>& upper, const std::vector<float>& lower, float share,
              std::vector<float>& out);
 
+  uint64_t key_;
   double spacing_px_;
   int count_;  // of knots in a row
   Knots upper_, lower_;

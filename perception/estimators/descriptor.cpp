@@ -174,7 +174,10 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
         FinalSet(cloud, finder_->assessor().model_points(), finder_->assessor().distances(),
                  verifiers_, candidates, options_.final_set, input.instances);
   }
-  if (input.trace) Trace(cloud, candidates, result.hypotheses, *input.trace);
+  if (input.trace) {
+    Trace(cloud, candidates, result.hypotheses, *input.trace);
+    input.trace->instances = input.instances;
+  }
   const StageTimer timer(result.seconds, "refine");
   PolishPoses(refiner_, cloud, finder_->assessor().model_points(), options_.polish, threads_,
               result.hypotheses);

@@ -115,6 +115,19 @@ TEST_F(Fate, EachStageIsBlamedForWhatItLost) {
   EXPECT_EQ(Of({Scored(0.01, 0.8)}).lost, LostAt::kFound);
 }
 
+TEST_F(Fate, WhatTheCountLeftOutIsNotLostToPixels) {
+  trace_.candidates = {{Scored(0.02, 0.8), {}}};
+  trace_.accepted = {Scored(0.5, 0.9)};
+  EXPECT_EQ(Of().lost, LostAt::kFinalSet) << "told of no count";
+  trace_.instances = {1};
+  EXPECT_EQ(Of().lost, LostAt::kCount);
+  trace_.instances = {2};
+  EXPECT_EQ(Of().lost, LostAt::kFinalSet) << "one more was to be found";
+  trace_.instances = {1};
+  trace_.accepted = {Scored(0.5, 0.7)};
+  EXPECT_EQ(Of().lost, LostAt::kFinalSet) << "what took the place came later";
+}
+
 TEST_F(Fate, WhatIsHardlyVisibleIsNotLost) {
   judge_ = PoseJudge(EasyCube(), {{0, kTrue, 0.05}});
   EXPECT_EQ(Of().lost, LostAt::kHardlyVisible);

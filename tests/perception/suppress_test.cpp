@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "scenes/check.h"
 #include "tests/support/synthetic_depth.h"
 
 namespace pickbed {
@@ -114,6 +115,7 @@ TEST_F(TwoBrackets, WhatIsMoreThanThereAreKeepsNothingAway) {
   const auto others = SuppressDuplicates(cloud_, models_, all, {}, none_of_the_first);
   ASSERT_EQ(others.size(), 1u);
   EXPECT_EQ(others[0].object, 1);
+  EXPECT_THROW(SuppressDuplicates(cloud_, models_, all, {}, std::vector{1}), InputError);
 }
 
 }  // namespace

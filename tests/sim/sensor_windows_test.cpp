@@ -24,11 +24,11 @@ struct Fields {
 Fields DrawFields(uint64_t seed, double spacing_px) {
   // Keys next to each other give the same numbers, one place further on.
   const uint64_t key = Rng(seed).Next();
-  CorrelatedNumbers correlated(kWidth, spacing_px);
+  CorrelatedNumbers correlated(key, kWidth, spacing_px);
   SensorNumbers numbers(kWidth);
   Fields fields;
   for (int y = 0; y < kHeight; ++y) {
-    correlated.Fill(key, y, numbers);
+    correlated.Fill(y, numbers);
     std::copy_n(numbers.along.data(), kWidth, fields.along.row(y));
     std::copy_n(numbers.aside.data(), kWidth, fields.aside.row(y));
     std::copy_n(numbers.loss.data(), kWidth, fields.loss.row(y));
@@ -46,7 +46,8 @@ double Product(const Image<float>& a, const Image<float>& b, int dx, int dy) {
 }
 
 TEST(SensorWindows, FieldsHaveUnitVarianceAndTheirCorrelation) {
-  // 1/4 at a spacing and 0 beyond two; numbers that repeat or are not scaled fail this.
+  // Much alike at one pixel and 0 beyond two spacings; numbers that repeat or are not scaled fail
+  // this.
   for (const double spacing_px : {2.5, 4.0, 6.6}) {
     double variance = 0, along_x = 0, along_y = 0, far = 0, apart = 0;
     constexpr int kFields = 8;
@@ -68,13 +69,21 @@ TEST(SensorWindows, FieldsHaveUnitVarianceAndTheirCorrelation) {
   }
 }
 
-TEST(SensorWindows, FieldsAtOneSpacingAreAQuarterAlike) {
-  double alike = 0;
-  for (int i = 0; i < 16; ++i) {
-    const Fields f = DrawFields(i, 5);
-    alike += Product(f.along, f.along, 5, 0) / 16;
+TEST(SensorWindows, FieldsAtOneSpacingAreAlikeAsTheirWeightsAre) {
+  // The mean of w0 w1 / (w0^2 + w1^2) over the places between two knots, of w0 + w1 = 1.
+  constexpr int kSpacing_px = 5, kFields = 16;
+  double expected = 0, alike_x = 0, alike_y = 0;
+  for (int i = 0; i < kSpacing_px; ++i) {
+    const double w = static_cast<double>(i) / kSpacing_px;
+    expected += w * (1 - w) / (w * w + (1 - w) * (1 - w)) / kSpacing_px;
   }
-  EXPECT_NEAR(alike, 0.25, 0.03);
+  for (int i = 0; i < kFields; ++i) {
+    const Fields f = DrawFields(i, kSpacing_px);
+    alike_x += Product(f.along, f.along, kSpacing_px, 0) / kFields;
+    alike_y += Product(f.along, f.along, 0, kSpacing_px) / kFields;
+  }
+  EXPECT_NEAR(alike_x, expected, 0.015);  // 0.279
+  EXPECT_NEAR(alike_y, expected, 0.015);
 }
 
 TEST(SensorWindows, LossesStayUniformAndComeInBlobs) {
@@ -99,10 +108,10 @@ TEST(SensorWindows, LossesStayUniformAndComeInBlobs) {
 }
 
 TEST(SensorWindows, RowsDoNotDependOnThoseAskedForBefore) {
-  CorrelatedNumbers all(kWidth, 3.3), one(kWidth, 3.3);
+  CorrelatedNumbers all(5, kWidth, 3.3), one(5, kWidth, 3.3);
   SensorNumbers of_all(kWidth), of_one(kWidth);
-  for (int y = 0; y <= 57; ++y) all.Fill(5, y, of_all);
-  one.Fill(5, 57, of_one);
+  for (int y = 0; y <= 57; ++y) all.Fill(y, of_all);
+  one.Fill(57, of_one);
   EXPECT_EQ(of_all.along, of_one.along);
   EXPECT_EQ(of_all.loss, of_one.loss);
 }
@@ -174,6 +183,14 @@ TEST(SensorWindows, LossesFallLinearlyWithTheDistanceToAnEdge) {
   }
 }
 
+// A surface without an edge loses nothing to windows, whatever their size.
+TEST(SensorWindows, WindowsOfAnySizeLoseNothingWithoutAnEdge) {
+  SensorProfile profile;
+  profile.edge_dropout = 1, profile.window_px = 100, profile.lateral_focal_px = 50;
+  const Image<float> wall(kWidth, kHeight, 1.0f);
+  EXPECT_TRUE(std::ranges::equal(Sensed(wall, profile, 2).pixels(), wall.pixels()));
+}
+
 TEST(SensorWindows, CorrelationLeavesSigmaAndSharesAsTheyAre) {
   SensorProfile profile;
   profile.axial_sigma_m = 0.002, profile.random_dropout = 0.05;
@@ -199,6 +216,20 @@ TEST(SensorWindows, CorrelationLeavesSigmaAndSharesAsTheyAre) {
   EXPECT_NEAR(sum2 / static_cast<double>(read), 1, 0.03);
   EXPECT_GT(neighbors / static_cast<double>(pairs), 0.85);  // 0 without
   EXPECT_NEAR(static_cast<double>(lost) / static_cast<double>(lost + read), 0.05, 0.006);
+}
+
+// Without a projector as well; what a row shades does not reach the rows below.
+TEST(SensorWindows, ShadowsOfTheSensorAloneStayInTheirRow) {
+  SensorProfile profile;
+  profile.sensor_x_m = 0.05;
+  Image<float> depth = Board(0.8f, 1.0f);
+  for (int y = kHeight / 2; y < kHeight; ++y) std::fill_n(depth.row(y), kWidth, 1.0f);
+  const Image<float> sensed = Sensed(depth, profile, 1);
+  const auto lost = [&](int y) { return std::count(sensed.row(y), sensed.row(y) + kWidth, 0.0f); };
+  EXPECT_NEAR(lost(0), 0.05 * kCamera.fx * (1 / 0.8 - 1), 1);
+  EXPECT_EQ(lost(kHeight / 2 - 1), lost(0));
+  EXPECT_EQ(lost(kHeight / 2), 0);
+  EXPECT_EQ(lost(kHeight - 1), 0);
 }
 
 // Seen from between the two, a board shades the wall on both sides, each by its own baseline.

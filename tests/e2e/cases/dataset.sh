@@ -12,6 +12,16 @@ bop_tasks_tell_what_is_to_be_found() {
   head -3 untold/descriptor_set-test.csv | cut -d, -f1-6 >best
   cut -d, -f1-6 told/descriptor_set-test.csv | diff - best >&2 || fail "they are not the best two"
   [ "$(wc -l <untold/descriptor_set-test.csv)" -gt 3 ] || fail "detection was told how many"
+  expect 0 "$pickbed" estimate --bop set $all
+  grep -q "AP is comparable only after --task detection" last.out || fail "what AP is of is not said"
+  expect 0 "$pickbed" estimate --bop set $all --task detection
+  grep -q "AP is comparable" last.out && fail "said of detection too"
+  local task
+  for task in told/set-estimate untold/set-estimate-detection; do
+    cut -d, -f1-6 "${task%/*}/descriptor_set-test.csv" >expected
+    cut -d, -f1-6 "results/${task#*/}/descriptor_set-test.csv" | diff - expected >&2 ||
+      fail "the poses of ${task%/*} are not in results/${task#*/}"
+  done
   refused "segmentation" "$pickbed" estimate --bop set --task segmentation --out no
 }
 
