@@ -27,10 +27,12 @@ constexpr int kAtlasSide = 512;       // px; larger pages fall out of the cache
 constexpr int kTargetStep = 64;  // px; sides of framebuffers are multiples, so that few are made
 
 // Images come and go by the megabyte. glibc gives such memory back to the system at once, and
-// fetching fresh pages costs more than drawing; so let it keep them.
+// fetching fresh pages costs more than drawing; so let it keep them. The heaps of threads, 64 MiB
+// each, it gives back as soon as one is empty, unless there would be less than the pad left.
 void KeepFreedPages() {
   mallopt(M_MMAP_THRESHOLD, 64 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  mallopt(M_TOP_PAD, 64 << 20);
 }
 
 void CheckImageSize(int width, int height) {
