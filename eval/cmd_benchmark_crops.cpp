@@ -120,7 +120,8 @@ int BenchmarkCropsCommand(int argc, char** argv) {
   app.add_option("--condition", arguments.conditions, "some of them; none = all")->delimiter(',');
   app.add_option("--set", arguments.settings, "KEY=VALUE, repeatable");
   app.add_option("--catalog", arguments.catalog, "your own parts")->capture_default_str();
-  app.add_option("--out", arguments.out, "folder; default results/crops");
+  app.add_option("--out", arguments.out,
+                 "folder; default results/crops, with --small results/crops-small");
   app.add_flag("--small", arguments.small, "3 parts, few views, short training: some minutes");
   app.add_option("--threads", arguments.threads, "at most; results do not depend on it")
       ->check(CLI::Range(1, 1024))
@@ -138,7 +139,8 @@ int BenchmarkCropsCommand(int argc, char** argv) {
   if (arguments.methods.empty()) arguments.methods = AllNames(CropMethodTable());
   if (arguments.conditions.empty()) arguments.conditions = AllNames(CropConditionTable());
 
-  const std::filesystem::path folder = OutFolder(arguments.out, "crops");
+  const std::filesystem::path folder =
+      OutFolder(arguments.out, "crops", arguments.small ? "-small" : "");
   MakeFolder(folder / "models");
   const CropBenchmarkJob job{LoadParts(arguments),
                              arguments.methods,

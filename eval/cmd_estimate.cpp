@@ -166,7 +166,7 @@ bop::Task TaskOf(const BopArguments& bop) {
   return bop.task == kDetection ? bop::Task::kDetection : bop::Task::kLocalisation;
 }
 
-// Each task has results of its own: what is told changes the poses.
+// By default each task has a folder of its own: what is told changes the poses.
 std::filesystem::path BopFolder(const BopArguments& bop, const std::string& out,
                                 const std::string& what) {
   const std::string task = TaskOf(bop) == bop::Task::kDetection ? "-detection" : "";
@@ -259,7 +259,7 @@ int EstimateCommand(int argc, char** argv) {
       ->needs(bop_option);
   app.add_option("--task", bop.task,
                  "what is told of a BOP image: which objects and how many of each are to be found "
-                 "(localisation), or nothing (detection)")
+                 "(localisation), or nothing (detection, with -detection after the default folder)")
       ->check(CLI::IsMember({kLocalisation, kDetection}))
       ->capture_default_str()
       ->needs(bop_option);

@@ -46,7 +46,6 @@ std::vector<std::string> KeyFigures(const SensorProfile& p, const SensorScene& s
                                     const Image<float>& seen_m) {
   const auto mm = [](double m) { return fmt::format("{:.2f} mm", 1e3 * m); };
   const double focal_px = scene.camera.fx, steep = std::numbers::pi / 3;
-  const double scale = LateralScale(p, focal_px);
   // On one side of a part for what stands at the depth image's own camera, else on both.
   std::vector<std::string> shades_px;
   for (const double x_m : {p.baseline_m, p.sensor_x_m}) {
@@ -64,8 +63,8 @@ std::vector<std::string> KeyFigures(const SensorProfile& p, const SensorScene& s
                   LateralSigma_px(p, steep, focal_px)),
       fmt::format("steps at 1 m\t{} ({:.4g} px of disparity)", mm(ReadingStep_m(p, 1, focal_px)),
                   p.disparity_step_px),
-      fmt::format("alike within\t{:.1f} px; windows {:.1f} px", scale * p.correlation_px,
-                  scale * p.window_px),
+      fmt::format("alike within\t{:.1f} px; windows {:.1f} px", 2 * ErrorSpacing_px(p, focal_px),
+                  WindowWidth_px(p, focal_px)),
       fmt::format("baseline\t{:g} mm: a step from 1 to 0.8 m", 1e3 * TriangulationBaseline_m(p)),
       fmt::format("\tshades {} px here", fmt::join(shades_px, " and ")),
       fmt::format("lost anywhere\t{:.1f} %", 100 * p.random_dropout),

@@ -40,7 +40,9 @@ struct ComparedRow {
   std::vector<ComparedLook> looks;  // by trial
   bop::Scores bop;                  // AR and AP of all bins; object ids are index + 1
   double setup_s = 0;               // to load, with code books where they were not in the cache
-  double peak_memory_mib = 0;       // that it took at most, over what the process held before
+  // That it took at most, over what the process held before; of looks after the first, not what it
+  // took of memory that other rows had freed.
+  double peak_memory_mib = 0;
 };
 
 struct ComparisonJob {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "eval/report/draw.h"
 #include "eval/virtual_cell.h"
@@ -95,6 +96,11 @@ void Explainer::Summary() {
       "{} patches cast {} votes; {} poses were refined, {} judged by the verifier and {} reported.",
       in_.trace.patches.size(), in_.trace.votes.size(), in_.trace.refinements.size(),
       in_.trace.candidates.size(), in_.hypotheses.size());
+  const std::vector<int>& told = in_.trace.instances;
+  if (!told.empty()) {
+    text += fmt::format(" It was told how many of each object to find, {} in all.",
+                        std::accumulate(told.begin(), told.end(), 0));
+  }
   if (judge_) {
     const auto right = std::ranges::count(verdicts_, Verdict::kRight);
     size_t wanted = 0, found = 0;

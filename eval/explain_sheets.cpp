@@ -180,7 +180,8 @@ std::string Explainer::WhyRejected(const PoseHypothesis& hypothesis) const {
   if (hypothesis.score < in_.trace.min_score) {
     return fmt::format("under {:g}", in_.trace.min_score);
   }
-  return "gave way";
+  return CountUsedUp(in_.trace, hypothesis.object, hypothesis.score) ? "over the count"
+                                                                     : "gave way";
 }
 
 void Explainer::Rejected() {
@@ -194,8 +195,9 @@ void Explainer::Rejected() {
   }
   if (tiles.empty()) return;
   ShowGallery("6_rejected", tiles,
-              "The best of the rejected: their score is under the threshold, or they gave way to a "
-              "better pose that claims the same pixels");
+              "The best of the rejected: their score is under the threshold, they gave way to a "
+              "better pose that claims the same pixels, or as many of their kind as the image was "
+              "said to hold scored higher");
 }
 
 void Explainer::Missed() {

@@ -56,14 +56,6 @@ std::vector<bool> Covered(const PoseJudge& judge, const std::vector<PoseHypothes
   return covered;
 }
 
-// Whether as many poses of the object as the estimator was told of came before one of this score.
-bool CountUsedUp(const EstimateTrace& trace, int object, double score) {
-  if (trace.instances.empty()) return false;
-  return std::ranges::count_if(trace.accepted, [&](const PoseHypothesis& pose) {
-           return pose.object == object && pose.score >= score;
-         }) >= trace.instances[object];
-}
-
 LostAt LossOf(const PartFate& fate, const TruePart& part, const EstimateTrace& trace, bool accepted,
               bool reported) {
   if (reported) return LostAt::kFound;
@@ -80,6 +72,13 @@ LostAt LossOf(const PartFate& fate, const TruePart& part, const EstimateTrace& t
 }
 
 }  // namespace
+
+bool CountUsedUp(const EstimateTrace& trace, int object, double score) {
+  if (trace.instances.empty()) return false;
+  return std::ranges::count_if(trace.accepted, [&](const PoseHypothesis& pose) {
+           return pose.object == object && pose.score >= score;
+         }) >= trace.instances[object];
+}
 
 PoseJudge::PoseJudge(const ObjectSet& objects, std::vector<TruePart> parts)
     : parts_(std::move(parts)) {

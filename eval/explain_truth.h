@@ -64,6 +64,10 @@ struct LostAtText {
 };
 LostAtText TextOf(LostAt lost);
 
+// Whether the estimator was told how many of the object there are, and as many poses of it were
+// accepted with at least this score.
+bool CountUsedUp(const EstimateTrace& trace, int object, double score);
+
 // Votes within this of a part's pose are in ICP's reach, in diameters (MSSD).
 inline constexpr double kReachDiameters = 0.25;
 

@@ -34,7 +34,7 @@ struct EstimatorInput {
   // Filled by estimators whose row `explains`; null costs nothing. The answer is the same.
   EstimateTrace* trace = nullptr;
   // How many of each object are there to be found, by object index, where that is told, as in BOP's
-  // 6D localisation task; empty: unknown. Final sets of verified poses keep no more than that.
+  // 6D localisation task; empty: unknown. Answers keep to it. As many as objects, else InputError.
   std::vector<int> instances = {};
 };
 

@@ -31,8 +31,7 @@ float OtherSurface(const Image<float>& depth_m, int x, int y) {
   return other;
 }
 
-// Farther than this no window sees an edge, px: as far as EdgeDistances_px counts.
-constexpr double kFarthestEdge_px = std::numeric_limits<uint8_t>::max();
+static_assert(kWidestWindow_px / 2 <= std::numeric_limits<uint8_t>::max());  // EdgeDistances_px
 
 // The constants of the loops over a row, as floats.
 struct RowConstants {
@@ -54,8 +53,7 @@ struct RowConstants {
 RowConstants::RowConstants(const SensorProfile& p, double image_focal_px) {
   const auto f = [](double value) { return static_cast<float>(value); };
   kept = f(1 - p.random_dropout), edge_dropout = f(p.edge_dropout);
-  window_reach_px =
-      f(std::min(LateralScale(p, image_focal_px) * p.window_px / 2, kFarthestEdge_px));
+  window_reach_px = f(WindowWidth_px(p, image_focal_px) / 2);
   grazing_per_rad = f(p.grazing_dropout / (std::numbers::pi / 2 - p.grazing_start_rad));
   grazing_start_rad = f(p.grazing_start_rad);
   floor_m = f(p.axial_floor_m), linear_m = f(p.axial_linear_m), square_m = f(p.axial_sigma_m);
@@ -283,8 +281,8 @@ NoiseMaker::NoiseMaker(const IdealView& view, const SensorProfile& p, uint64_t k
       numbers_(depth_m_.width()),
       slants_(depth_m_, view.intrinsics),
       shadows_(depth_m_.width(), view.intrinsics.fx, p.baseline_m, constants_.edge_step_m) {
-  const double spacing_px = LateralScale(p, view.intrinsics.fx) * p.correlation_px;
-  if (spacing_px > 1) correlated_.emplace(key, depth_m_.width(), spacing_px);
+  const double spacing_px = ErrorSpacing_px(p, view.intrinsics.fx);
+  if (spacing_px > 0) correlated_.emplace(key, depth_m_.width(), spacing_px);
   if (constants_.window_reach_px > 1 && p.edge_dropout > 0) {
     edge_distance_px_ =
         EdgeDistances_px(depth_m_, constants_.edge_step_m,

@@ -84,9 +84,8 @@ void SensorProfile::Visit(SettingsVisitor& v) {
   v.Real("lateral_slant_px", lateral_slant_px, {0, 1},
          "the same by slant a, px; grows with a / (pi/2 - a)");
   v.Real("correlation_px", correlation_px, {0, 100},
-         "distance at which errors and losses are still alike by 0.285 (from twice that on not at "
-         "all), "
-         "px; 0 = of every pixel its own");
+         "distance at which errors are still alike by 0.285, px; from twice that on errors and "
+         "losses are independent, and up to one pixel of the depth image all are");
   v.Real("lateral_focal_px", lateral_focal_px, {0, 1e5},
          "focal length of the images whose pixels these and window_px are, px; 0 = that of the "
          "depth image");
@@ -123,6 +122,15 @@ double AxialSigma_m(const SensorProfile& p, double z_m, double slant_rad) {
 double LateralSigma_px(const SensorProfile& p, double slant_rad, double image_focal_px) {
   return LateralScale(p, image_focal_px) *
          (p.lateral_sigma_px + p.lateral_slant_px * SlantRatio(slant_rad));
+}
+
+double ErrorSpacing_px(const SensorProfile& p, double image_focal_px) {
+  const double spacing_px = LateralScale(p, image_focal_px) * p.correlation_px;
+  return spacing_px > 1 ? spacing_px : 0;
+}
+
+double WindowWidth_px(const SensorProfile& p, double image_focal_px) {
+  return std::min(LateralScale(p, image_focal_px) * p.window_px, kWidestWindow_px);
 }
 
 double LateralScale(const SensorProfile& p, double image_focal_px) {

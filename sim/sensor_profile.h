@@ -34,8 +34,8 @@ struct SensorProfile {
   double axial_slant_power = 0;  // p, a multiple of 0.5
   double lateral_sigma_px = 0;   // l0, of each axis
   double lateral_slant_px = 0;   // l1
-  double correlation_px = 0;     // errors and losses this far apart are alike by 0.285, twice as
-                                 // far apart independent
+  double correlation_px = 0;     // errors this far apart are alike by 0.285, errors and losses
+                                 // twice as far apart independent
   double lateral_focal_px = 0;   // of the images l0, l1, correlation_px and window_px are of; 0 =
                                  // that of the depth image
 
@@ -65,14 +65,21 @@ struct SensorProfile {
 
 // Larger slants count as this one in sigma() and lateral(), which have no bound at 90 degrees.
 inline constexpr double kSteepestSlant_rad = 85 * std::numbers::pi / 180;
+// Wider windows count as this, in pixels of the depth image.
+inline constexpr double kWidestWindow_px = 510;
 
 // Standard deviation of the reading along z at a depth and slant.
 double AxialSigma_m(const SensorProfile& profile, double z_m, double slant_rad);
 // Standard deviation of where a pixel looks, of each axis, in pixels of a depth image of this focal
 // length.
 double LateralSigma_px(const SensorProfile& profile, double slant_rad, double image_focal_px);
-// How many of its pixels are one of those that lateral_sigma_px and lateral_slant_px are in.
+// How many of its pixels are one of lateral_focal_px.
 double LateralScale(const SensorProfile& profile, double image_focal_px);
+// correlation_px in its pixels; 0 = each of them errs on its own, as where that is no more than
+// one.
+double ErrorSpacing_px(const SensorProfile& profile, double image_focal_px);
+// window_px in its pixels.
+double WindowWidth_px(const SensorProfile& profile, double image_focal_px);
 // Between projector (or second camera) and the sensor's own camera, m, not negative.
 double TriangulationBaseline_m(const SensorProfile& profile);
 // The distance between two neighbouring readings at a depth, for a depth image of this focal

@@ -53,13 +53,12 @@ bool HasReadings(const Image<float>& depth_m) {
   return std::ranges::any_of(depth_m.pixels(), [](float d) { return d > 0; });
 }
 
-// The middle reading: a working distance that needs no truth.
+// The middle one of the readings, of which there are some: a working distance that needs no truth.
 double MiddleDepth(const Image<float>& depth_m) {
   std::vector<float> readings;
   for (const float d : depth_m.pixels()) {
     if (d > 0) readings.push_back(d);
   }
-  CheckInput(!readings.empty(), "the first target image has no depth reading");
   std::nth_element(readings.begin(), readings.begin() + readings.size() / 2, readings.end());
   return readings[readings.size() / 2];
 }
@@ -117,10 +116,6 @@ class Runner {
     place.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (const PoseHypothesis& hypothesis : result.hypotheses) {
       place.object_id = object_ids_[hypothesis.object];
-      if (task_ == Task::kLocalisation && !targets.counts.empty() &&
-          !targets.counts.contains(place.object_id)) {
-        continue;
-      }
       place.score = hypothesis.score;
       place.X_CO = hypothesis.X_CO;
       estimates.push_back(place);
@@ -146,6 +141,14 @@ class Runner {
   std::unique_ptr<PoseEstimator> estimator_;
 };
 
+const ImageTruth& TargetImage(const SceneTruth& scene, int image_id) {
+  const auto image = scene.images.find(image_id);
+  CheckInput(image != scene.images.end(),
+             fmt::format("{}: has no image {}, which is a target",
+                         (scene.folder / "scene_camera.json").string(), image_id));
+  return image->second;
+}
+
 using TakeImage =
     std::function<void(const Estimate& place, const ImageTargets& targets, const RgbdFrame& frame)>;
 
@@ -156,16 +159,25 @@ void ForEachTarget(const fs::path& root, const std::string& split, const SplitTa
     const SceneTruth scene =
         ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault);
     for (const auto& [image_id, image_targets] : images) {
-      const auto image = scene.images.find(image_id);
-      CheckInput(image != scene.images.end(),
-                 fmt::format("{}: has no image {}, which is a target",
-                             (scene.folder / "scene_camera.json").string(), image_id));
       Estimate place;
       place.scene_id = scene_id;
       place.image_id = image_id;
-      take(place, image_targets, ReadFrame(scene, image->second));
+      take(place, image_targets, ReadFrame(scene, TargetImage(scene, image_id)));
     }
   }
+}
+
+// The first target image with a reading: its camera and depth are what code books are made for.
+RgbdFrame FirstFrame(const fs::path& root, const std::string& split, const SplitTargets& targets) {
+  for (const auto& [scene_id, images] : targets.scenes) {
+    const SceneTruth scene =
+        ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault);
+    for (const auto& [image_id, image_targets] : images) {
+      RgbdFrame frame = ReadFrame(scene, TargetImage(scene, image_id));
+      if (HasReadings(frame.depth_m)) return frame;
+    }
+  }
+  throw InputError(fmt::format("{}: no target image has a depth reading", (root / split).string()));
 }
 
 Rng RngOf(const EstimateOptions& options, const Estimate& place) {
@@ -247,22 +259,11 @@ void ExplainTarget(const fs::path& root, const std::string& split, const Estimat
   const std::map<int, ModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
   const SplitTargets targets = TargetsOf(root, split);
   const Estimate place = NamedTarget(targets, image);
-  const auto read = [&](int scene_id, int image_id) {
-    SceneTruth scene =
-        ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault);
-    CheckInput(scene.images.contains(image_id),
-               fmt::format("{}: has no image {}, which is a target",
-                           (scene.folder / "scene_camera.json").string(), image_id));
-    return scene;
-  };
-  // The first target's camera is what the code books are made for.
-  const int first_scene = targets.scenes.begin()->first;
-  const int first_image = targets.scenes.begin()->second.begin()->first;
-  const SceneTruth first = read(first_scene, first_image);
   Runner runner(root, options, ObjectsOf(targets, models, options.task), models,
-                ReadFrame(first, first.images.at(first_image)), on_progress);
-  const SceneTruth scene = read(place.scene_id, place.image_id);
-  const ImageTruth& truth = scene.images.at(place.image_id);
+                FirstFrame(root, split, targets), on_progress);
+  const SceneTruth scene =
+      ReadSceneTruth(root / split / SceneFolderName(place.scene_id), place.scene_id, ThrowFault);
+  const ImageTruth& truth = TargetImage(scene, place.image_id);
   const RgbdFrame frame = ReadFrame(scene, truth);
   EstimateTrace trace;
   Rng rng = RngOf(options, place);

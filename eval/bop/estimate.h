@@ -30,9 +30,10 @@ struct EstimateProgress {
   double share = 0;
 };
 
-// Of every target image, all poses of the objects that are its targets (BOP19 and localisation) or
-// of any object of the data set (detection, or where only BOP24 names the image). The estimator
-// gets images, cameras and meshes, no truth and no background, since BOP knows no bin. Throws
+// Of every target image, poses of the objects that are its targets, of each no more than are to be
+// found (BOP19 and localisation), or all poses of any object of the data set (detection, or where
+// only BOP24 names the image). The estimator gets images, cameras, meshes and, in localisation,
+// these counts; no other truth and no background, since BOP knows no bin. Throws
 // InputError for an unknown estimator, the oracle (it would need the truth) and a broken data set:
 // before the first image is worked on.
 std::vector<Estimate> EstimateDataset(

@@ -38,14 +38,15 @@ class BracketsOnATable : public ::testing::Test {
     }
   }
 
-  EstimateResult Run(const std::vector<Pose>& parts) const {
+  EstimateResult Run(const std::vector<Pose>& parts, std::vector<int> instances = {}) const {
     const CameraIntrinsics k{
         .width = 480, .height = 360, .fx = 600, .fy = 600, .cx = 239.5, .cy = 179.5};
     SyntheticDepth scene(k);
     scene.AddPlane(background_.X_CB.linear().col(2), background_.X_CB.translation());
     for (const Pose& X_CO : parts) scene.AddMesh(object_->mesh_O, X_CO);
     Rng noise(1), rng(0);
-    return estimator_->Estimate({WithNoise(scene.frame(), 0.0005, noise), background_}, rng);
+    return estimator_->Estimate(
+        {WithNoise(scene.frame(), 0.0005, noise), background_, nullptr, std::move(instances)}, rng);
   }
 
   static inline std::shared_ptr<const ObjectModel> object_;
@@ -76,6 +77,13 @@ TEST_F(BracketsOnATable, FindsMostAndNothingElse) {
   for (const char* stage : {"cloud", "match", "icp", "verify", "suppress", "refine"}) {
     EXPECT_TRUE(result.seconds.contains(stage)) << stage;
   }
+}
+
+TEST_F(BracketsOnATable, ToldHowManyItReportsTheBest) {
+  const EstimateResult all = Run(truth_), one = Run(truth_, {1});
+  ASSERT_GE(all.hypotheses.size(), 2u);
+  ASSERT_EQ(one.hypotheses.size(), 1u);
+  EXPECT_EQ(one.hypotheses[0].score, all.hypotheses[0].score);
 }
 
 TEST_F(BracketsOnATable, SameFrameSamePoses) {

@@ -188,6 +188,19 @@ TEST_F(VerifiedPpf, WindowsLoseNoPart) {
   EXPECT_GT(std::count_if(cut.begin(), cut.end(), [](int n) { return n > 0; }), 0);
 }
 
+TEST_F(VerifiedPpf, ReportsNoMoreThanItIsToldOf) {
+  const auto estimator = MakeVerifiedPpfEstimator(MakeSetup(), Options());
+  const LabelledView view = Pile(104);
+  const auto told = [&](std::vector<int> instances) {
+    Rng rng(0);
+    return estimator->Estimate({view.frame, view.background, nullptr, std::move(instances)}, rng)
+        .hypotheses.size();
+  };
+  ASSERT_GT(told({}), 1u);
+  EXPECT_EQ(told({1}), 1u);
+  EXPECT_EQ(told({0}), 0u);
+}
+
 TEST_F(VerifiedPpf, SameSeedSameVerifiersAndPoses) {
   const auto again = temporary_->path() / "again.pt", other = temporary_->path() / "other.pt";
   TrainVerifierLibrary(Job(again), TinyTraining());

@@ -291,6 +291,25 @@ TEST(SensorEffects, FlyingPixelsLieEvenlyBetweenTheTwoSurfaces) {
   EXPECT_NEAR(std::sqrt(sum2 / flying - mean * mean), 0.5 / std::sqrt(12.0), 0.02);
 }
 
+// Windows see edges from afar, but only what lies at one is mixed.
+TEST(SensorEffects, WindowsLetNoMorePixelsFly) {
+  SensorProfile p;
+  p.flying_share = 1, p.edge_dropout = 1e-9, p.window_px = 8;
+  const Image<float> ideal = StepEdge(0.5, 1.0, 160);
+  const Image<float> sensed = Sensed(ideal, p);
+  int flying = 0;
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      if (x == 159 || x == 160) {
+        flying += sensed(x, y) != ideal(x, y);
+      } else {
+        ASSERT_EQ(sensed(x, y), ideal(x, y)) << x;
+      }
+    }
+  }
+  EXPECT_GT(flying, 475);  // of 480
+}
+
 TEST(SensorEffects, APixelNextToAHoleDoesNotFly) {
   SensorProfile p;
   p.flying_share = 1;

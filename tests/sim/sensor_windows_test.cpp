@@ -187,6 +187,7 @@ TEST(SensorWindows, LossesFallLinearlyWithTheDistanceToAnEdge) {
 TEST(SensorWindows, WindowsOfAnySizeLoseNothingWithoutAnEdge) {
   SensorProfile profile;
   profile.edge_dropout = 1, profile.window_px = 100, profile.lateral_focal_px = 50;
+  EXPECT_EQ(WindowWidth_px(profile, kCamera.fx), 510);
   const Image<float> wall(kWidth, kHeight, 1.0f);
   EXPECT_TRUE(std::ranges::equal(Sensed(wall, profile, 2).pixels(), wall.pixels()));
 }
@@ -195,6 +196,8 @@ TEST(SensorWindows, CorrelationLeavesSigmaAndSharesAsTheyAre) {
   SensorProfile profile;
   profile.axial_sigma_m = 0.002, profile.random_dropout = 0.05;
   profile.correlation_px = 2.5, profile.lateral_focal_px = kCamera.fx / 2;
+  EXPECT_EQ(ErrorSpacing_px(profile, kCamera.fx), 5);
+  EXPECT_EQ(ErrorSpacing_px(profile, kCamera.fx / 5), 0) << "of single pixels";
   const Image<float> wall(kWidth, kHeight, 1.0f);
   double sum2 = 0, neighbors = 0;
   int64_t read = 0, pairs = 0, lost = 0;

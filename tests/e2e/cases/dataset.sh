@@ -22,6 +22,12 @@ bop_tasks_tell_what_is_to_be_found() {
     cut -d, -f1-6 "results/${task#*/}/descriptor_set-test.csv" | diff - expected >&2 ||
       fail "the poses of ${task%/*} are not in results/${task#*/}"
   done
+  expect 0 "$pickbed" estimate --bop set --explain 0
+  grep -q "told how many of each object to find, 2 in all" results/set-explain/explain.html ||
+    fail "the page does not say what was told"
+  expect 0 "$pickbed" estimate --bop set --explain 0 --task detection
+  grep -q "told how many" results/set-explain-detection/explain.html &&
+    fail "detection is said to have been told"
   refused "segmentation" "$pickbed" estimate --bop set --task segmentation --out no
 }
 
