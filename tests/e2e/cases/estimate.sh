@@ -45,6 +45,14 @@ explain_shows_every_stage() {
   _shown bop
   expect 0 "$pickbed" estimate --bop set --explain 1 --out same
   diff -r bop same >&2 || fail "1/1 is not the second target"
+  # Depth of 160 x 120 zeros, 16 bits: code books are then made for the next target's camera.
+  local blank=iVBORw0KGgoAAAANSUhEUgAAAKAAAAB4EAAAAAAAWXrwAAAAPElEQVR42u3BMQEAAADCoPVPbQlPoAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAB4GpZ4AAHxJknaAAAAAElFTkSuQmCC
+  printf %s "$blank" | base64 -d >set/test/000001/depth/000000.png
+  expect 0 "$pickbed" estimate --bop set --explain 1/1 --out behind
+  _shown behind
+  cp set/test/000001/depth/000000.png set/test/000001/depth/000001.png
+  refused "set/test: no target image has a depth reading" \
+    "$pickbed" estimate --bop set --explain 1/1 --out no
   refused "--explain 7/0: is no target image; name one as SCENE/IMAGE, such as 1/0" \
     "$pickbed" estimate --bop set --explain 7/0 --out no
   refused "'ppf' does not tell" "$pickbed" estimate --bop set --explain 0 --estimator ppf --out no
