@@ -15,7 +15,7 @@ namespace pickbed {
 
 struct Candidate {
   PoseHypothesis hypothesis;  // score = quick score in the fine gate; fit is filled
-  VerifyFeatures features;
+  VerifyFeatures features{};
   double evidence = 0;  // nats, see depth_evidence.h
 };
 

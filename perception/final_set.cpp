@@ -5,13 +5,17 @@
 namespace pickbed {
 namespace {
 
-std::vector<PoseHypothesis> Scored(std::span<const Verifier> verifiers,
+std::vector<PoseHypothesis> Scored(const OrganizedCloud& cloud,
+                                   const std::vector<ModelPoints>& models,
+                                   std::span<const Verifier> verifiers,
                                    const std::vector<Candidate>& candidates,
                                    const FinalSetOptions& options) {
   std::vector<PoseHypothesis> scored;
   for (const Candidate& candidate : candidates) {
     PoseHypothesis hypothesis = candidate.hypothesis;
-    hypothesis.score = verifiers[hypothesis.object].Score(candidate.features, options.mode);
+    const int part = hypothesis.object;
+    hypothesis.score = CandidateScore(cloud, models[part], verifiers[part], candidate, options.mode,
+                                      options.min_score);
     if (hypothesis.score >= options.min_score) scored.push_back(hypothesis);
   }
   std::stable_sort(
@@ -22,6 +26,14 @@ std::vector<PoseHypothesis> Scored(std::span<const Verifier> verifiers,
 
 }  // namespace
 
+double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
+                      const Verifier& verifier, const Candidate& candidate, CandidateMode mode,
+                      double least) {
+  const double score = verifier.Score(candidate.features, mode);
+  if (score < least) return score;
+  return ScoreWithPrint(score, PrintCorrelation(cloud, model, candidate.hypothesis.X_CO));
+}
+
 std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
                                      const std::vector<ModelPoints>& models,
                                      const std::vector<PoseDistance>& distances,
@@ -30,7 +42,7 @@ std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
                                      const FinalSetOptions& options,
                                      std::span<const int> instances) {
   std::vector<PoseHypothesis> kept;
-  for (const PoseHypothesis& hypothesis : Scored(verifiers, candidates, options)) {
+  for (const PoseHypothesis& hypothesis : Scored(cloud, models, verifiers, candidates, options)) {
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const PoseHypothesis& better) {
       return better.object == hypothesis.object &&
              distances[hypothesis.object](better.X_CO, hypothesis.X_CO) < options.merge_diameters;

@@ -20,6 +20,12 @@ struct FinalSetOptions {
   SuppressOptions suppress;
 };
 
+// What the verifier says of a candidate, less what the part's print speaks against it. The print is
+// looked at from a score of `least` on; a lower one stands as it is.
+double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
+                      const Verifier& verifier, const Candidate& candidate, CandidateMode mode,
+                      double least = 0);
+
 // Highest score first. `models`, `distances`, `verifiers` and, where not empty, `instances`
 // (EstimatorInput) by object index.
 std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,

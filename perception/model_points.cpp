@@ -190,10 +190,14 @@ ModelPoints MakeModelPoints(const ObjectModel& model, int points, int directions
   const double diameter_m = model.diameter_m > 0 ? model.diameter_m : Diameter(model.mesh_O);
   result.diameter_m = static_cast<float>(diameter_m);
   const SurfaceSamples samples = SampleSurface(model.mesh_O, kCandidates * points, rng);
+  SurfaceSamples even;
   for (const int i : EvenOrder(samples, points, diameter_m)) {
+    even.points.push_back(samples.points[i]);
+    even.triangles.push_back(samples.triangles[i]);
     result.points_O.push_back(samples.points[i].cast<float>());
     result.normals_O.push_back(samples.normals[i].cast<float>());
   }
+  result.print = MakeSurfacePrint(model, even.points, even.triangles);
   result.area_per_point_m2 = static_cast<float>(area / points);
   result.center_O = MeshBounds(model.mesh_O).center().cast<float>();
   std::vector<Eigen::Vector3f> vertices;

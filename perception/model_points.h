@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "perception/distance_field.h"
+#include "perception/surface_print.h"
 #include "scenes/object_model.h"
 #include "scenes/random.h"
 
@@ -25,6 +26,7 @@ struct ModelPoints {
   float radius_m = 0;                                  // about center_O
   float area_per_point_m2 = 0;
   DistanceField distance;  // to the surface, up to 15 mm away from it
+  SurfacePrint print;      // colours of points_O
 
   // The subset for a camera at the origin of C that sees the part at X_CO.
   const std::vector<uint16_t>& VisibleFrom(const Pose& X_CO) const;

@@ -153,8 +153,9 @@ void LearnedEstimator::Trace(const OrganizedCloud& cloud, const std::vector<Cand
   trace.min_score = options_.final_set.min_score;
   for (const Candidate& candidate : candidates) {
     TracedCandidate traced{candidate.hypothesis, candidate.features};
-    const Verifier& verifier = verifiers_[traced.hypothesis.object];
-    traced.hypothesis.score = verifier.Score(traced.features, options_.final_set.mode);
+    const int part = traced.hypothesis.object;
+    traced.hypothesis.score = CandidateScore(cloud, finder_->assessor().model_points()[part],
+                                             verifiers_[part], candidate, options_.final_set.mode);
     trace.candidates.push_back(std::move(traced));
   }
   trace.accepted = accepted;

@@ -1,0 +1,189 @@
+#include "perception/surface_print.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "perception/model_points.h"
+#include "perception/projector.h"
+#include "scenes/logistic.h"
+
+namespace pickbed {
+namespace {
+
+constexpr double kPixelDiameters = 1.0 / 60;  // what a pixel sees of a part
+constexpr int kContinuousSteps = 36;
+
+Eigen::Vector3f ToVector(const Rgb8& color) {
+  return {static_cast<float>(color.r), static_cast<float>(color.g), static_cast<float>(color.b)};
+}
+
+// Weights of the corners of a triangle.
+Eigen::Vector3d Barycentric(const TriangleMesh& mesh, const Eigen::Vector3i& t,
+                            const Eigen::Vector3d& p) {
+  const Eigen::Vector3d a = mesh.vertices[t.x()];
+  const Eigen::Vector3d ab = mesh.vertices[t.y()] - a, ac = mesh.vertices[t.z()] - a, ap = p - a;
+  const Eigen::Vector3d n = ab.cross(ac);
+  const double squared = n.squaredNorm();
+  if (!(squared > 0)) return {1, 0, 0};
+  const double v = ap.cross(ac).dot(n) / squared, w = ab.cross(ap).dot(n) / squared;
+  return {1 - v - w, v, w};
+}
+
+// Side of a texel on the surface, in the mean.
+double TexelSize_m(const TriangleMesh& mesh) {
+  double texels = 0;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Eigen::Vector2d a = mesh.uvs[t.x()];
+    const Eigen::Vector2d ab = mesh.uvs[t.y()] - a, ac = mesh.uvs[t.z()] - a;
+    texels += 0.5 * std::abs(ab.x() * ac.y() - ab.y() * ac.x());
+  }
+  texels *= static_cast<double>(mesh.texture.width()) * mesh.texture.height();
+  return texels > 0 ? std::sqrt(SurfaceArea(mesh) / texels) : 0;
+}
+
+// Mean over the square of 2 * reach + 1 texels about a place; v = 0 is the top row.
+Eigen::Vector3f TextureMean(const Image<Rgb8>& texture, const Eigen::Vector2d& uv, int reach) {
+  const auto texel = [](double share, int size) {
+    return std::clamp(static_cast<int>(std::floor((share - std::floor(share)) * size)), 0,
+                      size - 1);
+  };
+  const int x = texel(uv.x(), texture.width()), y = texel(uv.y(), texture.height());
+  const int x0 = std::max(0, x - reach), x1 = std::min(texture.width() - 1, x + reach);
+  const int y0 = std::max(0, y - reach), y1 = std::min(texture.height() - 1, y + reach);
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (int row = y0; row <= y1; ++row) {
+    for (int column = x0; column <= x1; ++column) sum += ToVector(texture(column, row));
+  }
+  return sum / static_cast<float>((x1 - x0 + 1) * (y1 - y0 + 1));
+}
+
+// Of one channel's pairs of values.
+struct Moments {
+  double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+
+  void Add(double of_a, double of_b) {
+    ++n;
+    a += of_a;
+    b += of_b;
+    aa += of_a * of_a;
+    bb += of_b * of_b;
+    ab += of_a * of_b;
+  }
+  // Sums about the means.
+  double SquaresA() const { return n > 0 ? aa - a / n * a : 0; }
+  double SquaresB() const { return n > 0 ? bb - b / n * b : 0; }
+  double Products() const { return n > 0 ? ab - a / n * b : 0; }
+};
+
+// Sides are lit differently; each is compared about its own mean.
+constexpr int kSides = 6;
+int SideOf(const Eigen::Vector3f& normal_O) {
+  int axis = 0;
+  normal_O.cwiseAbs().maxCoeff(&axis);
+  return 2 * axis + (normal_O[axis] < 0 ? 1 : 0);
+}
+
+// What the part should show and what the image does, at the points of the part that are seen.
+struct Looks {
+  int points = 0;
+  std::array<std::array<Moments, 3>, kSides> sides;
+};
+
+Looks LookAt(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO) {
+  constexpr int kMaxPoints = 400;
+  constexpr float kSeen_m = 0.004f;       // of a point and its reading, along the normal, at 1 m
+  constexpr float kMinFacingCos = 0.35f;  // beyond it a pixel sees much of the surface
+  const Projector project(cloud.intrinsics);
+  const Eigen::Isometry3f X = X_CO.cast<float>();
+  const float z_m = (X * model.center_O).z();
+  const float seen_m = kSeen_m * std::max(1.0f, z_m * z_m);
+  Looks looks;
+  for (const uint16_t index : model.VisibleFrom(X_CO)) {
+    if (looks.points == kMaxPoints) break;
+    const Eigen::Vector3f& normal_O = model.normals_O[index];
+    const Eigen::Vector3f p = X * model.points_O[index];
+    const Eigen::Vector3f n = X.linear() * normal_O;
+    if (-n.dot(p.normalized()) < kMinFacingCos) continue;
+    const int pixel = project(p);
+    if (pixel < 0 || !(cloud.depth_m.data()[pixel] > 0)) continue;
+    if (std::abs(n.dot(cloud.points_C[pixel] - p)) > seen_m) continue;
+    const Eigen::Vector3f& told = model.print.colors[index];
+    const Eigen::Vector3f seen = ToVector(cloud.color.data()[pixel]);
+    std::array<Moments, 3>& side = looks.sides[SideOf(normal_O)];
+    for (int k = 0; k < 3; ++k) side[k].Add(told[k], seen[k]);
+    ++looks.points;
+  }
+  return looks;
+}
+
+std::optional<double> CorrelationOf(const Looks& looks) {
+  constexpr int kLeastPoints = 40;
+  constexpr double kLeastVariance = 3 * 20.0 * 20.0;  // of the part's colours, all channels
+  constexpr double kPointsPerLook = 4;                // neighbours say much the same
+  if (looks.points < kLeastPoints) return {};
+  double told = 0, seen = 0, both = 0;
+  for (const std::array<Moments, 3>& side : looks.sides) {
+    for (const Moments& channel : side) {
+      told += channel.SquaresA();
+      seen += channel.SquaresB();
+      both += channel.Products();
+    }
+  }
+  if (told < kLeastVariance * looks.points) return {};
+  const double even = std::max(1.0 * looks.points, seen);  // an image of one colour has no spread
+  return both / std::sqrt(told * even) + 1 / std::sqrt(looks.points / kPointsPerLook);
+}
+
+}  // namespace
+
+SurfacePrint MakeSurfacePrint(const ObjectModel& model, std::span<const Eigen::Vector3d> points,
+                              std::span<const int> triangles) {
+  const TriangleMesh& mesh = model.mesh_O;
+  const bool textured = !mesh.texture.empty() && !mesh.uvs.empty();
+  SurfacePrint print;
+  if (!textured && mesh.colors.empty()) return print;
+  const double texel_m = textured ? TexelSize_m(mesh) : 0;
+  const double pixel_m = kPixelDiameters * model.diameter_m;
+  const int reach = texel_m > 0 ? static_cast<int>(std::lround(0.5 * pixel_m / texel_m)) : 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3i& t = mesh.triangles[triangles[i]];
+    const Eigen::Vector3d w = Barycentric(mesh, t, points[i]);
+    if (textured) {
+      const Eigen::Vector2d uv =
+          w.x() * mesh.uvs[t.x()] + w.y() * mesh.uvs[t.y()] + w.z() * mesh.uvs[t.z()];
+      print.colors.push_back(TextureMean(mesh.texture, uv, reach));
+    } else {
+      const Eigen::Vector3f weights = w.cast<float>();
+      print.colors.push_back(weights.x() * ToVector(mesh.colors[t.x()]) +
+                             weights.y() * ToVector(mesh.colors[t.y()]) +
+                             weights.z() * ToVector(mesh.colors[t.z()]));
+    }
+  }
+  print.symmetries_O = SymmetryTransforms(model.symmetries_O, kContinuousSteps);
+  return print;
+}
+
+std::optional<double> PrintCorrelation(const OrganizedCloud& cloud, const ModelPoints& model,
+                                       const Pose& X_CO) {
+  if (model.print.colors.empty() || cloud.color.empty()) return {};
+  double best = -1;
+  for (const Pose& S_O : model.print.symmetries_O) {
+    const std::optional<double> correlation = CorrelationOf(LookAt(cloud, model, X_CO * S_O));
+    if (!correlation) return {};
+    best = std::max(best, *correlation);
+  }
+  return best;
+}
+
+double ScoreWithPrint(double score, std::optional<double> print_correlation) {
+  constexpr double kFound = 0.5;    // from it on the pattern is there
+  constexpr double kUnsure = 1e-6;  // at least, so that the log odds are finite
+  constexpr double kMissing = 12;   // nats that a pattern speaks against a pose where none is found
+  if (!print_correlation || *print_correlation >= kFound) return score;
+  const double missing = std::min(1.0, (kFound - *print_correlation) / kFound);
+  const double sure = std::clamp(score, kUnsure, 1 - kUnsure);
+  return std::min(score, Logistic(std::log(sure / (1 - sure)) - kMissing * missing));
+}
+
+}  // namespace pickbed
