@@ -41,7 +41,7 @@ class Explainer {
                    const std::string& caption);
 
   static std::string Percent(double share);
-  static std::string FitText(const FitReport& fit);
+  std::string FitText(int object, const Pose& X_CO, const FitReport& fit) const;
   Eigen::Vector2d Pixel(int index) const {
     const int width = in_.frame.intrinsics.width;
     return {index % width, index / width};

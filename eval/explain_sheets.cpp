@@ -49,9 +49,12 @@ Rgb8 FateColor(LostAt lost) {
 
 std::string Explainer::Percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
-std::string Explainer::FitText(const FitReport& fit) {
-  return fmt::format("agree {}, hidden {}, violate {}", Percent(fit.inlier_share),
-                     Percent(fit.hidden_share), Percent(fit.violated_share));
+std::string Explainer::FitText(int object, const Pose& X_CO, const FitReport& fit) const {
+  std::string text = fmt::format("agree {}, hidden {}, violate {}", Percent(fit.inlier_share),
+                                 Percent(fit.hidden_share), Percent(fit.violated_share));
+  const auto print = PrintCorrelation(in_.trace.cloud, models_[object], X_CO);
+  if (print) text += fmt::format(", print {:.2f}", *print);
+  return text;
 }
 
 QueryTile Explainer::QueryOf(int index, int first_vote, int votes) const {
@@ -127,10 +130,13 @@ PoseTile Explainer::TileOf(int object, const Pose& X_CO, std::string title,
 }
 
 void Explainer::Accepted() {
-  Stage(
-      "6. What the verifier sees",
-      "Each dot is a point of the model that faces the camera. A right pose is green but for what "
-      "is hidden (blue); red speaks against it: the camera saw through where it should be.");
+  Stage("6. What the verifier sees",
+        fmt::format(
+            "Each dot is a point of the model that faces the camera. A right pose is green but for "
+            "what is hidden (blue); red speaks against it: the camera saw through where it should "
+            "be. Print: how well the colours of a printed part are found, up to 1; under {:g} it "
+            "lowers the score.",
+            kPrintFound));
   std::vector<PoseTile> tiles;
   const std::vector<Verdict> verdicts =
       judge_ ? JudgeSet(*judge_, in_.trace.accepted) : std::vector<Verdict>();
@@ -141,7 +147,7 @@ void Explainer::Accepted() {
     tiles.push_back(TileOf(
         h.object, h.X_CO,
         fmt::format("{}{:.2f}  {}", PartName(h.object), h.score, TruthText(h.object, h.X_CO)),
-        FitText(h.fit)));
+        FitText(h.object, h.X_CO, h.fit)));
   }
   if (tiles.empty()) {
     page_.Paragraph("No pose was accepted.");
@@ -191,7 +197,7 @@ void Explainer::Rejected() {
     tiles.push_back(TileOf(h.object, h.X_CO,
                            fmt::format("{}{:.2f} {}  {}", PartName(h.object), h.score,
                                        WhyRejected(h), TruthText(h.object, h.X_CO)),
-                           FitText(h.fit)));
+                           FitText(h.object, h.X_CO, h.fit)));
   }
   if (tiles.empty()) return;
   ShowGallery("6_rejected", tiles,
@@ -218,7 +224,7 @@ void Explainer::Missed() {
                                        Percent(part.visible_fraction), TextOf(fates_[i].lost).name),
                            "");
     const FitReport fit = MeasureFit(in_.trace.cloud, models_[part.object], part.X_CO);
-    tile.caption = FitText(fit);
+    tile.caption = FitText(part.object, part.X_CO, fit);
     tile.color = kUnknown;
     tiles.push_back(std::move(tile));
   }

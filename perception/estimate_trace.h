@@ -38,7 +38,7 @@ struct TracedRefinement {
 };
 
 struct TracedCandidate {
-  PoseHypothesis hypothesis;  // score = the verifier's
+  PoseHypothesis hypothesis;  // score as in the final set, see CandidateScore
   VerifyFeatures features{};
 };
 

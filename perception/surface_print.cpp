@@ -177,11 +177,10 @@ std::optional<double> PrintCorrelation(const OrganizedCloud& cloud, const ModelP
 }
 
 double ScoreWithPrint(double score, std::optional<double> print_correlation) {
-  constexpr double kFound = 0.5;    // from it on the pattern is there
   constexpr double kUnsure = 1e-6;  // at least, so that the log odds are finite
   constexpr double kMissing = 12;   // nats that a pattern speaks against a pose where none is found
-  if (!print_correlation || *print_correlation >= kFound) return score;
-  const double missing = std::min(1.0, (kFound - *print_correlation) / kFound);
+  if (!print_correlation || *print_correlation >= kPrintFound) return score;
+  const double missing = std::min(1.0, (kPrintFound - *print_correlation) / kPrintFound);
   const double sure = std::clamp(score, kUnsure, 1 - kUnsure);
   return std::min(score, Logistic(std::log(sure / (1 - sure)) - kMissing * missing));
 }

@@ -35,6 +35,9 @@ SurfacePrint MakeSurfacePrint(const ObjectModel& model, std::span<const Eigen::V
 std::optional<double> PrintCorrelation(const OrganizedCloud& cloud, const ModelPoints& model,
                                        const Pose& X_CO);
 
+// From it on the pattern is there.
+inline constexpr double kPrintFound = 0.5;
+
 // The score of a pose, less what its correlation speaks against it. A pattern that is found as told
 // adds nothing: the verifier's score already holds for parts.
 double ScoreWithPrint(double score, std::optional<double> print_correlation);
