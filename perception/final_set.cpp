@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "perception/odd_colors.h"
+
 namespace pickbed {
 namespace {
 
@@ -49,7 +51,10 @@ std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
     });
     if (!known) kept.push_back(hypothesis);
   }
-  return SuppressDuplicates(cloud, models, std::move(kept), options.suppress, instances);
+  kept = SuppressDuplicates(cloud, models, std::move(kept), options.suppress, instances);
+  LowerOddColors(cloud, models, kept);
+  std::erase_if(kept, [&](const PoseHypothesis& h) { return h.score < options.min_score; });
+  return kept;
 }
 
 }  // namespace pickbed

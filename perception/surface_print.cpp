@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "perception/model_points.h"
-#include "perception/projector.h"
+#include "perception/seen_points.h"
 #include "scenes/logistic.h"
 
 namespace pickbed {
@@ -91,26 +91,11 @@ struct Looks {
 };
 
 Looks LookAt(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO) {
-  constexpr int kMaxPoints = 400;
-  constexpr float kSeen_m = 0.004f;       // of a point and its reading, along the normal, at 1 m
-  constexpr float kMinFacingCos = 0.35f;  // beyond it a pixel sees much of the surface
-  const Projector project(cloud.intrinsics);
-  const Eigen::Isometry3f X = X_CO.cast<float>();
-  const float z_m = (X * model.center_O).z();
-  const float seen_m = kSeen_m * std::max(1.0f, z_m * z_m);
   Looks looks;
-  for (const uint16_t index : model.VisibleFrom(X_CO)) {
-    if (looks.points == kMaxPoints) break;
-    const Eigen::Vector3f& normal_O = model.normals_O[index];
-    const Eigen::Vector3f p = X * model.points_O[index];
-    const Eigen::Vector3f n = X.linear() * normal_O;
-    if (-n.dot(p.normalized()) < kMinFacingCos) continue;
-    const int pixel = project(p);
-    if (pixel < 0 || !(cloud.depth_m.data()[pixel] > 0)) continue;
-    if (std::abs(n.dot(cloud.points_C[pixel] - p)) > seen_m) continue;
-    const Eigen::Vector3f& told = model.print.colors[index];
+  for (const auto& [point, pixel] : SeenPoints(cloud, model, X_CO)) {
+    const Eigen::Vector3f& told = model.print.colors[point];
     const Eigen::Vector3f seen = ToVector(cloud.color.data()[pixel]);
-    std::array<Moments, 3>& side = looks.sides[SideOf(normal_O)];
+    std::array<Moments, 3>& side = looks.sides[SideOf(model.normals_O[point])];
     for (int k = 0; k < 3; ++k) side[k].Add(told[k], seen[k]);
     ++looks.points;
   }
@@ -177,12 +162,10 @@ std::optional<double> PrintCorrelation(const OrganizedCloud& cloud, const ModelP
 }
 
 double ScoreWithPrint(double score, std::optional<double> print_correlation) {
-  constexpr double kUnsure = 1e-6;  // at least, so that the log odds are finite
-  constexpr double kMissing = 12;   // nats that a pattern speaks against a pose where none is found
+  constexpr double kMissing = 12;  // nats that a pattern speaks against a pose where none is found
   if (!print_correlation || *print_correlation >= kPrintFound) return score;
   const double missing = std::min(1.0, (kPrintFound - *print_correlation) / kPrintFound);
-  const double sure = std::clamp(score, kUnsure, 1 - kUnsure);
-  return std::min(score, Logistic(std::log(sure / (1 - sure)) - kMissing * missing));
+  return LessLikely(score, kMissing * missing);
 }
 
 }  // namespace pickbed

@@ -1,0 +1,121 @@
+#include "perception/odd_colors.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed {
+namespace {
+
+using testing::Each;
+
+constexpr double kSide_m = 0.03, kScore = 0.9;
+constexpr int kCubes = 8;
+constexpr Rgb8 kRed{200, 70, 60}, kGrey{140, 140, 144};
+
+// Two rows of cubes that face the camera, each of a colour.
+class RowsOfCubes : public ::testing::Test {
+ protected:
+  RowsOfCubes() {
+    SyntheticDepth scene(SmallCamera());
+    for (int i = 0; i < kCubes; ++i) {
+      PoseHypothesis h;
+      h.X_CO = Translation({(i % 4 - 1.5) * 0.05, (i / 4 - 0.5) * 0.05, 0.4});
+      h.score = kScore;
+      scene.AddMesh(object_->mesh_O, h.X_CO);
+      hypotheses_.push_back(h);
+    }
+    cloud_ = BuildCloud(scene.frame(), std::nullopt, CloudOptions{.min_plane_share = 1});
+    cloud_.color = Image<Rgb8>(cloud_.depth_m.width(), cloud_.depth_m.height());
+  }
+  void Paint(int cube, const Rgb8& color) {
+    for (size_t i = 0; i < cloud_.points_C.size(); ++i) {
+      const Eigen::Vector3d off =
+          cloud_.points_C[i].cast<double>() - hypotheses_[cube].X_CO.translation();
+      if (off.cwiseAbs().maxCoeff() < 0.6 * kSide_m) cloud_.color.data()[i] = color;
+    }
+  }
+  void PaintAll(const Rgb8& color) {
+    for (int i = 0; i < kCubes; ++i) Paint(i, color);
+  }
+  // Scores by cube.
+  std::vector<double> Scores() const {
+    std::vector<PoseHypothesis> lowered = hypotheses_;
+    for (size_t i = 0; i < lowered.size(); ++i) lowered[i].suppressed_X_CO.resize(i);
+    LowerOddColors(cloud_, models_, lowered);
+    EXPECT_TRUE(std::ranges::is_sorted(lowered, std::greater<>(), &PoseHypothesis::score));
+    std::vector<double> scores(lowered.size());
+    for (const PoseHypothesis& h : lowered) scores[h.suppressed_X_CO.size()] = h.score;
+    return scores;
+  }
+
+  std::shared_ptr<const ObjectModel> object_ =
+      ObjectOf(BoxMesh({kSide_m, kSide_m, kSide_m}, Eigen::Vector3d::Zero()));
+  std::vector<ModelPoints> models_{MakeModelPoints(*object_)};
+  std::vector<PoseHypothesis> hypotheses_;
+  OrganizedCloud cloud_;
+};
+
+TEST_F(RowsOfCubes, OneOfAnotherColourScoresLess) {
+  PaintAll(kRed);
+  EXPECT_THAT(Scores(), Each(kScore));
+  Paint(2, kGrey);
+  const std::vector<double> scores = Scores();
+  for (int i = 0; i < kCubes; ++i) EXPECT_EQ(scores[i] == kScore, i != 2) << i;
+  EXPECT_LT(scores[2], 0.2);
+  EXPECT_GT(scores[2], 0);
+}
+
+TEST_F(RowsOfCubes, ShadowAndTintAreNoOtherColour) {
+  for (int i = 0; i < kCubes; ++i) {
+    const double light = 1 - 0.08 * i;
+    Paint(i, {static_cast<uint8_t>(light * kRed.r), static_cast<uint8_t>(light * 0.8 * kRed.g),
+              static_cast<uint8_t>(light * 0.5 * kRed.b)});
+  }
+  EXPECT_THAT(Scores(), Each(kScore));
+}
+
+TEST_F(RowsOfCubes, WhereAllDifferNoneIsOdd) {
+  const Rgb8 toys[kCubes] = {{200, 60, 60},  {60, 200, 60},  {60, 60, 200},   {200, 200, 60},
+                             {60, 200, 200}, {200, 60, 200}, {140, 140, 140}, {220, 130, 50}};
+  for (int i = 0; i < kCubes; ++i) Paint(i, toys[i]);
+  EXPECT_THAT(Scores(), Each(kScore));
+}
+
+TEST_F(RowsOfCubes, DoubtfulPosesDoNotTellWhatIsCommon) {
+  PaintAll(kGrey);
+  for (int i = 0; i < 5; ++i) Paint(i, kRed);
+  for (int i = 0; i < 5; ++i) hypotheses_[i].score = 0.3;
+  EXPECT_EQ(Scores()[0], 0.3) << "three are too few to tell";
+  for (int i = 0; i < 5; ++i) hypotheses_[i].score = kScore;
+  for (int i = 5; i < kCubes; ++i) hypotheses_[i].score = 0.3;
+  EXPECT_EQ(Scores()[0], kScore);
+  EXPECT_LT(Scores()[5], 0.01);
+}
+
+TEST_F(RowsOfCubes, KindsHaveColoursOfTheirOwn) {
+  models_.push_back(models_[0]);
+  for (int i = 0; i < kCubes; ++i) Paint(i, i < 5 ? kRed : kGrey);
+  for (int i = 5; i < kCubes; ++i) hypotheses_[i].object = 1;
+  EXPECT_THAT(Scores(), Each(kScore));
+}
+
+TEST_F(RowsOfCubes, WhatCannotBeToldIsLeftAlone) {
+  PaintAll(kRed);
+  Paint(2, {10, 10, 10});
+  EXPECT_EQ(Scores()[2], kScore) << "too dark";
+  Paint(2, kGrey);
+  models_[0].print.colors.resize(models_[0].points_O.size());
+  EXPECT_EQ(Scores()[2], kScore) << "printed";
+  models_[0].print.colors.clear();
+  EXPECT_LT(Scores()[2], kScore);
+  cloud_.color = {};
+  EXPECT_EQ(Scores()[2], kScore) << "no colours";
+}
+
+}  // namespace
+}  // namespace pickbed
