@@ -51,10 +51,12 @@ std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
     });
     if (!known) kept.push_back(hypothesis);
   }
-  kept = SuppressDuplicates(cloud, models, std::move(kept), options.suppress, instances);
-  LowerOddColors(cloud, models, kept);
+  // What is common among parts is told by poses of one part each.
+  std::vector<PoseHypothesis> accepted = SuppressDuplicates(cloud, models, kept, options.suppress);
+  const bool any_odd = LowerOddColors(cloud, models, accepted, kept);
+  if (!any_odd && instances.empty()) return accepted;
   std::erase_if(kept, [&](const PoseHypothesis& h) { return h.score < options.min_score; });
-  return kept;
+  return SuppressDuplicates(cloud, models, std::move(kept), options.suppress, instances);
 }
 
 }  // namespace pickbed

@@ -1,7 +1,6 @@
 #include "perception/odd_colors.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 
 #include "perception/seen_points.h"
@@ -35,60 +34,67 @@ std::optional<Eigen::Vector2d> ChromaticityAt(const OrganizedCloud& cloud, const
   return Eigen::Vector2d(Median(red), Median(green));
 }
 
-struct Colored {
-  int hypothesis = 0;
-  Eigen::Vector2d chromaticity;
+std::optional<Eigen::Vector2d> ChromaticityOf(const OrganizedCloud& cloud,
+                                              const std::vector<ModelPoints>& models,
+                                              const PoseHypothesis& h) {
+  const ModelPoints& model = models[h.object];
+  if (!model.print.colors.empty()) return {};
+  return ChromaticityAt(cloud, model, h.X_CO);
+}
+
+// What is common in a kind.
+struct CommonColor {
+  Eigen::Vector2d middle;
+  double spread = 0;
 };
 
-// Distance of each from the middle of those that are rather right than not, in units of their
-// spread; empty where there are too few.
-std::vector<double> Oddness(const std::vector<Colored>& colored,
-                            const std::vector<PoseHypothesis>& hypotheses) {
+// Nothing where too few are rather right than not.
+std::optional<CommonColor> CommonColorOf(const OrganizedCloud& cloud,
+                                         const std::vector<ModelPoints>& models,
+                                         std::span<const PoseHypothesis> accepted, int object) {
   constexpr size_t kLeastPoses = 5;
   constexpr double kLeastSpread = 0.01;  // what light from neighbours does
+  std::vector<Eigen::Vector2d> all;
+  for (const PoseHypothesis& h : accepted) {
+    if (h.object != object || h.score < 0.5) continue;
+    if (const auto chromaticity = ChromaticityOf(cloud, models, h)) all.push_back(*chromaticity);
+  }
+  if (all.size() < kLeastPoses) return {};
   std::vector<double> red, green, distances;
-  for (const auto& [i, chromaticity] : colored) {
-    if (hypotheses[i].score < 0.5) continue;
-    red.push_back(chromaticity.x());
-    green.push_back(chromaticity.y());
+  for (const Eigen::Vector2d& one : all) {
+    red.push_back(one.x());
+    green.push_back(one.y());
   }
-  if (red.size() < kLeastPoses) return {};
   const Eigen::Vector2d middle(Median(red), Median(green));
-  for (const auto& [i, chromaticity] : colored) {
-    if (hypotheses[i].score >= 0.5) distances.push_back((chromaticity - middle).norm());
-  }
-  const double spread = std::max(kLeastSpread, Median(distances));
-  std::vector<double> oddness;
-  for (const Colored& one : colored) {
-    oddness.push_back((one.chromaticity - middle).norm() / spread);
-  }
-  return oddness;
+  for (const Eigen::Vector2d& one : all) distances.push_back((one - middle).norm());
+  return CommonColor{middle, std::max(kLeastSpread, Median(distances))};
 }
 
 }  // namespace
 
-void LowerOddColors(const OrganizedCloud& cloud, const std::vector<ModelPoints>& models,
-                    std::vector<PoseHypothesis>& hypotheses) {
+bool LowerOddColors(const OrganizedCloud& cloud, const std::vector<ModelPoints>& models,
+                    std::span<const PoseHypothesis> accepted,
+                    std::span<PoseHypothesis> hypotheses) {
   constexpr double kCommon = 4, kOdd = 8;  // of the spread: up to there, and from there on
   constexpr double kAgainst = 5;           // nats that an odd colour speaks against a pose
-  if (cloud.color.empty()) return;
-  std::map<int, std::vector<Colored>> by_object;
-  for (size_t i = 0; i < hypotheses.size(); ++i) {
-    const PoseHypothesis& h = hypotheses[i];
-    const ModelPoints& model = models[h.object];
-    if (!model.print.colors.empty()) continue;
-    const auto chromaticity = ChromaticityAt(cloud, model, h.X_CO);
-    if (chromaticity) by_object[h.object].push_back({static_cast<int>(i), *chromaticity});
+  if (cloud.color.empty()) return false;
+  std::vector<std::optional<CommonColor>> common;
+  for (size_t object = 0; object < models.size(); ++object) {
+    common.push_back(CommonColorOf(cloud, models, accepted, static_cast<int>(object)));
   }
-  for (const auto& [object, colored] : by_object) {
-    const std::vector<double> oddness = Oddness(colored, hypotheses);
-    for (size_t i = 0; i < oddness.size(); ++i) {
-      const double odd = std::clamp((oddness[i] - kCommon) / (kOdd - kCommon), 0.0, 1.0);
-      double& score = hypotheses[colored[i].hypothesis].score;
-      if (odd > 0) score = LessLikely(score, kAgainst * odd);
-    }
+  bool any = false;
+  for (PoseHypothesis& h : hypotheses) {
+    if (!common[h.object]) continue;
+    const auto chromaticity = ChromaticityOf(cloud, models, h);
+    if (!chromaticity) continue;
+    const auto& [middle, spread] = *common[h.object];
+    const double distance = (*chromaticity - middle).norm() / spread;
+    if (distance <= kCommon) continue;
+    const double odd = std::min(1.0, (distance - kCommon) / (kOdd - kCommon));
+    h.score = LessLikely(h.score, kAgainst * odd);
+    any = true;
   }
-  std::ranges::stable_sort(hypotheses, std::greater<>(), &PoseHypothesis::score);
+  return any;
 }
 
 }  // namespace pickbed

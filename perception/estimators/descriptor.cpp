@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "perception/odd_colors.h"
 #include "perception/torch_model_file.h"
 #include "scenes/cache_lock.h"
 #include "scenes/check.h"
@@ -151,12 +152,17 @@ void LearnedEstimator::Trace(const OrganizedCloud& cloud, const std::vector<Cand
   trace.cloud = cloud;
   trace.neighbors = options_.candidates.neighbors;
   trace.min_score = options_.final_set.min_score;
+  const std::vector<ModelPoints>& models = finder_->assessor().model_points();
+  std::vector<PoseHypothesis> scored;
   for (const Candidate& candidate : candidates) {
-    TracedCandidate traced{candidate.hypothesis, candidate.features};
-    const int part = traced.hypothesis.object;
-    traced.hypothesis.score = CandidateScore(cloud, finder_->assessor().model_points()[part],
-                                             verifiers_[part], candidate, options_.final_set.mode);
-    trace.candidates.push_back(std::move(traced));
+    scored.push_back(candidate.hypothesis);
+    const int part = candidate.hypothesis.object;
+    scored.back().score =
+        CandidateScore(cloud, models[part], verifiers_[part], candidate, options_.final_set.mode);
+  }
+  LowerOddColors(cloud, models, accepted, scored);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    trace.candidates.push_back({std::move(scored[i]), candidates[i].features});
   }
   trace.accepted = accepted;
 }

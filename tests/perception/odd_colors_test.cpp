@@ -3,9 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <functional>
-
+#include "perception/final_set.h"
 #include "tests/support/synthetic_depth.h"
 
 namespace pickbed {
@@ -42,14 +40,11 @@ class RowsOfCubes : public ::testing::Test {
   void PaintAll(const Rgb8& color) {
     for (int i = 0; i < kCubes; ++i) Paint(i, color);
   }
-  // Scores by cube.
   std::vector<double> Scores() const {
     std::vector<PoseHypothesis> lowered = hypotheses_;
-    for (size_t i = 0; i < lowered.size(); ++i) lowered[i].suppressed_X_CO.resize(i);
-    LowerOddColors(cloud_, models_, lowered);
-    EXPECT_TRUE(std::ranges::is_sorted(lowered, std::greater<>(), &PoseHypothesis::score));
-    std::vector<double> scores(lowered.size());
-    for (const PoseHypothesis& h : lowered) scores[h.suppressed_X_CO.size()] = h.score;
+    LowerOddColors(cloud_, models_, hypotheses_, lowered);
+    std::vector<double> scores;
+    for (const PoseHypothesis& h : lowered) scores.push_back(h.score);
     return scores;
   }
 
@@ -68,6 +63,38 @@ TEST_F(RowsOfCubes, OneOfAnotherColourScoresLess) {
   for (int i = 0; i < kCubes; ++i) EXPECT_EQ(scores[i] == kScore, i != 2) << i;
   EXPECT_LT(scores[2], 0.2);
   EXPECT_GT(scores[2], 0);
+}
+
+TEST_F(RowsOfCubes, ManyPosesOfAForeignThingDoNotOutvoteTheParts) {
+  PaintAll(kRed);
+  Paint(2, kGrey);
+  std::vector<PoseHypothesis> all = hypotheses_;
+  all.resize(3 * kCubes, hypotheses_[2]);
+  EXPECT_TRUE(LowerOddColors(cloud_, models_, hypotheses_, all));
+  EXPECT_EQ(all[0].score, kScore);
+  for (int i = kCubes; i < 3 * kCubes; ++i) EXPECT_LT(all[i].score, 0.2);
+}
+
+// It would be of the seven that were told.
+TEST_F(RowsOfCubes, AForeignThingTakesNoPlaceInTheCount) {
+  PaintAll(kRed);
+  Paint(2, kGrey);
+  Verifier even;  // 0.95 for all
+  even.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
+  even.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+  even.w1 = Eigen::MatrixXf::Zero(1, kVerifyFeatures);
+  even.b1 = even.w2 = Eigen::VectorXf::Zero(1);
+  even.b2 = 3;
+  std::vector<Candidate> candidates(kCubes);
+  for (int i = 0; i < kCubes; ++i) candidates[i].hypothesis.X_CO = hypotheses_[i].X_CO;
+  FinalSetOptions options;
+  options.min_score = 0.05;
+  const std::vector<PoseDistance> distances{PoseDistance(*object_)};
+  const int told = kCubes - 1;
+  const auto set =
+      FinalSet(cloud_, models_, distances, {&even, 1}, candidates, options, {&told, 1});
+  ASSERT_EQ(set.size(), static_cast<size_t>(told));
+  for (const PoseHypothesis& h : set) EXPECT_EQ(h.score, even.Score({}));
 }
 
 TEST_F(RowsOfCubes, ShadowAndTintAreNoOtherColour) {
