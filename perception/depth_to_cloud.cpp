@@ -21,6 +21,11 @@ void CheckOptions(const RgbdFrame& frame, const CloudOptions& o) {
              fmt::format("depth image is {}x{} but the intrinsics say {}x{}: give the frame the "
                          "intrinsics of its depth image",
                          frame.depth_m.width(), frame.depth_m.height(), k.width, k.height));
+  CheckInput(
+      frame.color.empty() || (frame.color.width() == k.width && frame.color.height() == k.height),
+      fmt::format("colour image is {}x{} and depth image {}x{}: give the frame colour that "
+                  "is registered to depth",
+                  frame.color.width(), frame.color.height(), k.width, k.height));
   CheckInput(o.normal_window_px % 2 == 1 && o.normal_window_px >= 3 && o.normal_window_px <= 15,
              fmt::format("normal_window_px is {}: use an odd number in 3..15", o.normal_window_px));
 }

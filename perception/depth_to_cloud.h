@@ -52,8 +52,8 @@ struct OrganizedCloud {
   float wall_height_m = std::numeric_limits<float>::infinity();
 };
 
-// Throws InputError when the frame's depth is not of the intrinsics' size or the options are out
-// of range.
+// Throws InputError when the frame's depth, or its colour where it has any, is not of the
+// intrinsics' size or the options are out of range.
 OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
                           const CloudOptions& options = {});
 

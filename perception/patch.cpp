@@ -101,14 +101,9 @@ Pose PatchFrame(const Eigen::Vector3d& point_C, double angle_rad) {
 
 void RequireChannels(const OrganizedCloud& cloud, PatchChannels channels) {
   if (channels != PatchChannels::kDepthColor) return;
-  const int width = cloud.intrinsics.width, height = cloud.intrinsics.height;
   CheckInput(!cloud.color.empty(),
              "the network learned from depth and colour, and the frame has no colour image; give "
              "it one or use a model of network.autoencoder.channels depth_normals");
-  CheckInput(cloud.color.width() == width && cloud.color.height() == height,
-             fmt::format("colour image is {}x{} and depth image {}x{}: give the frame colour that "
-                         "is registered to depth",
-                         cloud.color.width(), cloud.color.height(), width, height));
 }
 
 PatchSet CutPatches(const OrganizedCloud& cloud, std::span<const int> pixels,

@@ -1,5 +1,6 @@
 #include "perception/depth_to_cloud.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -200,6 +201,10 @@ TEST(BuildCloud, WrongSizesAreToldApart) {
   const RgbdFrame frame{k, {}, Image<float>(100, 240)};
   EXPECT_THAT([&] { BuildCloud(frame, std::nullopt); },
               ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("100x240")));
+  const RgbdFrame painted{k, Image<Rgb8>(64, 48), Image<float>(k.width, k.height)};
+  EXPECT_THAT([&] { BuildCloud(painted, std::nullopt); },
+              ::testing::ThrowsMessage<InputError>(::testing::HasSubstr(
+                  fmt::format("colour image is 64x48 and depth image {}x{}", k.width, k.height))));
   const RgbdFrame right{k, {}, Image<float>(k.width, k.height)};
   EXPECT_THAT([&] { BuildCloud(right, std::nullopt, {.normal_window_px = 4}); },
               ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("normal_window_px is 4")));
