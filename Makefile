@@ -1,15 +1,17 @@
 # make demo   install, build and run the demo
 # make test   install, build and run all tests
-# Everything that is installed stands in packages.txt.
+# packages.txt lists everything that is installed.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 PROGRAM := build/release/pickbed
-PARTS := build/release/scenes/pickbed_make_parts
+PARTS := build/release/pickbed_make_parts
+# Real meshes and frames next to the repository. Without them some tests are skipped.
+TEST_DATA := $(or $(wildcard $(abspath ../shared/data)),$(abspath tests/data))
 AS_ROOT := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-# $(call install,groups): installs what is missing of these groups of packages.txt; what another
-# package provides (nodejs of NodeSource has npm) is not missing.
+# $(call install,groups): installs the missing packages of these groups in packages.txt. A package that
+# another one provides is not missing (nodejs from NodeSource provides npm).
 define install
 	@missing=""; \
 	here=" $$(dpkg-query -W -f '$${db:Status-Status} $${Package} $${Provides}\n' | sed -n 's/^installed//; T; s/([^)]*)//g; s/,/ /g; p' | tr '\n' ' ') "; \
@@ -40,15 +42,15 @@ demo: build
 
 test:
 	$(call install,build report test)
-	cmake --preset release -DPICKBED_BUILD_TESTS=ON
+	cmake --preset release -DPICKBED_BUILD_TESTS=ON -DPICKBED_TEST_DATA=$(TEST_DATA)
 	cmake --build --preset release
 	ctest --preset release -j $$(nproc)
 
-# make format  rewrite the sources as clang-format wants them
+# make format  format the sources with clang-format
 format:
 	git ls-files '*.h' '*.cpp' | xargs clang-format-14 -i
 
-# make parts   write assets/objects anew from the part families
+# make parts   regenerate assets/objects from the part families
 parts: build
 	$(PARTS) assets/objects
 

@@ -1,67 +1,80 @@
 #pragma once
 
-// A grasp: where the hand stands when its fingers close. Frame G: z approach, x closing, origin
-// midway between the pads at the finger tips (sim/hand_joints.h).
+// Grasp poses, and the outcome of an executed grasp. A grasp is the pose of the hand when its
+// fingers close.
+//
+// Frame G: origin midway between the pads at the finger tips (sim/hands/jaw_hand.h).
+//
+//     +-----------+
+//     |   palm    |
+//     +-+-------+-+
+//       |       |        fingers
+//       |   G   |
+//       |   o---|---> x  closing direction
+//           |            y points to the reader
+//           v z          approach direction
 
 #include <vector>
 
-#include "grasp/success_rules.h"
-#include "scenes/loss.h"
-#include "scenes/pose.h"
+#include "grasp/outcome.h"
+#include "scenes/geometry/pose.h"
+#include "scenes/scenario/failure_reason.h"
 
-namespace pickbed {
+namespace pickbed::grasp {
 
-// In the frame of the part it was computed on.
+// Grasp on an object, in the frame O of that object.
 struct GraspCandidate {
   Pose X_OG = Pose::Identity();
-  double width_m = 0;  // distance of the two contacts
-  double depth_m = 0;  // of the contact's middle behind the finger tips
-  double quality = 0;  // 0..1
-  // Ferrari and Canny's epsilon (grasp/wrench_space.h): the largest load from any direction that is
-  // held, forces in weights of the part, torques about its centre of mass in weights times half its
-  // diameter.
+  double width_m = 0;  // distance between the two contacts
+  double depth_m = 0;  // distance of the contact center behind the finger tips
+  double quality = 0;  // 0..1, see grasp/candidates/{antipodal,suction}.h
+  // Epsilon of Ferrari and Canny (grasp/candidates/wrench_space.h): the largest load that the grasp
+  // resists in every direction. Forces are in weights of the object. Torques are about its center
+  // of mass, in weights times half its diameter.
   double epsilon = 0;
-  double robust = 0;  // 0..1, share of sampled errors under which the part is lifted
-  // 0..1, how well the hand can lay the part down (grasp/place.h); 1 = straight down on its
-  // likeliest side.
-  double set_down = 1;
+  double robust = 0;  // 0..1, share of sampled errors under which the object is lifted
+  // 0..1, how well the hand can set the object down (grasp/place/placement.h); 1 = the hand points
+  // straight down and the object rests on its most probable side.
+  double place_quality = 1;
 };
 
-// In the world, for one hypothesis of a list.
+// Planned grasp in the world frame, for one hypothesis.
 struct Grasp {
   Pose X_WG = Pose::Identity();
   double width_m = 0;
   double score = 0;
-  int hypothesis = 0;  // index into what was planned for
+  int hypothesis = 0;  // index into PlanInput::poses
 };
 
-// What became of an executed grasp: facts, and what each rule of success makes of them.
+// Outcome of an executed grasp: measured facts, and the verdict of each success rule.
 struct GraspOutcome {
-  bool success = false;              // by the rule that decides, see ExecuteOptions::rule
-  Loss loss = Loss::kPhysicsFailed;  // kNone on success
-  int picked_instance = -1;          // Scene instance that came along, -1 = none
-  int parts_lifted = 0;              // in the hand to the end: after hold, shake and carry
+  bool success = false;                                   // by the rule in ExecuteOptions::rule
+  FailureReason failure = FailureReason::kPhysicsFailed;  // kNone on success
+  int picked_instance = -1;  // instance in the hand at the end, -1 = none
+  int instances_lifted = 0;  // instances in the hand after hold, shake and carry
   double final_opening_m = 0;
-  double slip_m = 0;    // of the part in the hand, lift to end of shake
-  double turn_rad = 0;  // likewise
-  int disturbed = 0;    // neighbours that moved over 1 cm
+  double slip_m = 0;  // of the picked instance in the hand, from the lift to the end of the shake
+  double in_hand_rotation_error_rad = 0;  // rotation in the hand, same interval
+  int neighbors_displaced =
+      0;  // neighbors that moved further than ExecuteOptions::displaced_m (1 cm)
 
-  bool is_target = false;    // the picked part is the one that was meant
-  int parts_touched = 0;     // by the hand once it had closed
-  int parts_risen = 0;       // that hung in the hand at the end of the lift
-  double lift_height_m = 0;  // of the part that rose most, at the end of the lift
-  // Of the parts on the hand, in G about its origin, mean of the hold's second half.
+  bool is_target = false;     // the picked instance is the target
+  int instances_touched = 0;  // instances in contact with the closed hand
+  int instances_risen = 0;    // instances in the hand at the end of the lift
+  double lift_height_m = 0;   // of the instance that rose most, at the end of the lift
+  // Mean load of the instances on the hand over the second half of the hold, in G about its origin.
   Eigen::Vector3d contact_force_n = Eigen::Vector3d::Zero();
   Eigen::Vector3d contact_torque_nm = Eigen::Vector3d::Zero();
-  // After the first 10 cm of the lift, for the loose rule; of a hand that came so far.
+  // State after the first 10 cm of the lift, for the rule vgn_loose. Not set if the lift did not
+  // get so far.
   bool retreat_contact = false;
-  double retreat_opening = 0;  // share of the stroke; a hand without one: 1 while it holds, else 0
-  // Where the part lies against where it was to lie; only where it was set down.
-  bool set_down = false;
-  double place_error_m = 0;   // of the centre of mass
-  double place_turn_rad = 0;  // least over the part's symmetries
+  double retreat_opening = 0;  // share of the stroke; a suction cup: 1 if it holds, else 0
+  // Pose error of the picked instance on the table; valid only if `place_executed`.
+  bool place_executed = false;          // it was set down on the table
+  double place_error_m = 0;             // of the center of mass
+  double place_rotation_error_rad = 0;  // minimum over the symmetries of the object
 
   SuccessVerdicts verdicts{};
 };
 
-}  // namespace pickbed
+}  // namespace pickbed::grasp

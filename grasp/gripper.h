@@ -1,89 +1,124 @@
 #pragma once
 
-// Grippers are data: assets/grippers/NAME.yaml names a mechanism and its numbers.
+// Interface of a gripper. Each mechanism is one class in grasp/grippers/ and one row of the table
+// in grasp/grippers/table.cpp. The numbers of a gripper are in a file, assets/grippers/NAME.yaml.
+//
+// Frame G moves with the hand. Its origin is where the hand touches an object: midway between the
+// tips of a jaw, in the center of the lip of a suction cup.
+//
+//     parallel jaw                    suction cup
+//
+//     +-----------+                    +-------+
+//     |   palm    |                    | palm  |
+//     +-+-------+-+                    +--+-+--+
+//       |       |                         | |     stem
+//       |       |   fingers               / \     bellows
+//       |   G---|---> x  closing         +-G-+---> x  any direction in the plane of the lip
+//           |                              |
+//           v z  approach                  v z  approach
+//
+//     y completes the right-handed frame: it points to the reader.
 
 #include <array>
+#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "scenes/bin.h"
-#include "scenes/object_model.h"
-#include "scenes/random.h"
-#include "scenes/settings.h"
-#include "sim/cup_joint.h"
-#include "sim/hand_joints.h"
-#include "sim/physics_world.h"
+#include "grasp/layer.h"
+#include "scenes/base/random.h"
+#include "scenes/base/settings.h"
+#include "scenes/bin/bin.h"
+#include "scenes/geometry/pose.h"
+#include "scenes/objects/object_model.h"
 
-namespace pickbed {
+namespace pickbed::sim {
+class Hand;          // sim/hands/hand.h
+class PhysicsWorld;  // sim/physics/physics_world.h
+}  // namespace pickbed::sim
+
+namespace pickbed::grasp {
 
 struct GraspCandidate;         // grasp/grasp.h
-struct GraspCandidateOptions;  // grasp/candidates.h
+struct GraspCandidateOptions;  // grasp/candidates/candidates.h
 
-// Only the numbers of its own mechanism count.
-struct GripperSpec {
-  std::string name;
-  std::string mechanism = "parallel_jaw";
-  HandSpec hand;               // parallel_jaw
-  CupSpec cup;                 // suction_cup
+// A gripper: its numbers, its shape, its hand in physics and its grasp candidates. An `opening` is
+// the distance between the fingers; a mechanism without fingers ignores it.
+class Gripper {
+ public:
+  std::string name;            // stem of the file
   double approach_m = 0.12;    // straight-line approach before the grasp
   double clearance_m = 0.003;  // kept between hand and anything else when planning
-  // The keys of its mechanism: a file with another's is refused.
+
+  virtual ~Gripper() = default;
+
+  // Value of the key `mechanism` in the file, for example "parallel_jaw".
+  virtual const char* mechanism() const = 0;
+  // Meaning of x, y and z of G in words, for example "the closing direction".
+  virtual std::array<const char*, 3> axes_G() const = 0;
+  // What an object must have to be held, in words, for example "place that closes its lip".
+  virtual const char* needs() const = 0;
+  // Key numbers in a few words.
+  virtual std::string Summary() const = 0;
+
+  // Visits the numbers of the mechanism, then `approach_m` and `clearance_m`.
   void Visit(SettingsVisitor& v);
+  // Throws InputError if the numbers contradict each other. The message begins with `source`.
+  // Default: no check.
+  virtual void Validate(const std::string& source) const;
+  // Returns all settings as YAML, the mechanism first. Cache keys and the identity of a run contain
+  // this text.
+  std::string SettingsText() const;
+  // Like SettingsText, with the help of each key as a comment. `mechanisms`: the choices of the key
+  // `mechanism`.
+  std::string SettingsHelp(const std::vector<std::string>& mechanisms) const;
+
+  // Returns the opening on the approach to an object with this width between the contacts, or
+  // nullopt if the object is too wide.
+  virtual std::optional<double> ApproachOpening_m(double width_m) const = 0;
+  virtual double MaxOpening_m() const = 0;
+  // Returns the time from an opening until the hand is closed on nothing. Opening takes as long.
+  virtual double TravelTime_s(double opening_m) const = 0;
+
+  // Adds the hand to the world, which owns it. The hand is open by `opening_m` and cannot open
+  // further in this world. Throws std::logic_error if the world has a hand already.
+  virtual Hand& AddTo(PhysicsWorld& world, double opening_m, const Pose& X_WG) const = 0;
+
+  // Returns the solid boxes of the hand in G at an opening, for collision checks. The last one is
+  // the palm.
+  virtual std::vector<AxisAlignedBox> Boxes(double opening_m) const = 0;
+  // Returns compliant boxes in G. They are drawn but not checked for collisions. Default: none.
+  virtual std::vector<AxisAlignedBox> SoftBoxes() const;
+  // Returns the region in G where another object would be grasped together with the target.
+  // Default: nullopt, there is no such region.
+  virtual std::optional<AxisAlignedBox> RegionBetween(double opening_m) const;
+  // Returns the maximum displacement across the closing direction at which the hand still holds the
+  // object. Default: 0.
+  virtual double MaxAside_m() const;
+
+  // Returns the weight in N from which an object with this friction is too heavy.
+  virtual double Capacity_n(double object_friction) const = 0;
+
+  // Samples grasp candidates of an object in its frame O, and sets quality, epsilon and robust.
+  // Returns an empty list if the gripper cannot hold the object. Callers use the free function
+  // MakeCandidates() in grasp/candidates/candidates.h, which also sets `place_quality`.
+  virtual std::vector<GraspCandidate> MakeCandidates(
+      const ObjectModel& model, Rng& rng, const GraspCandidateOptions& options) const = 0;
+
+ protected:
+  // Range of all sizes. A size of zero would make a hand that touches nothing; no real gripper has
+  // a size below a tenth of a millimetre.
+  static constexpr Range kSize{1e-4, 1.0};
+
+  Gripper() = default;
+  Gripper(const Gripper&) = default;
+  Gripper& operator=(const Gripper&) = default;
+
+  // Visits the numbers of the mechanism.
+  virtual void VisitOwn(SettingsVisitor& v) = 0;
+
+ private:
+  std::string WriteText(const std::vector<std::string>& mechanisms, bool with_help) const;
 };
 
-// A way to build a hand: one file in grippers/ and one row in gripper.cpp. Code elsewhere goes
-// through the row and does not ask for the mechanism's name.
-struct MechanismRow {
-  const char* name;
-  const char* help;
-  // What x, y and z of G are, in words.
-  std::array<const char*, 3> axes_G;
-  // Names its own numbers.
-  void (*visit)(GripperSpec& spec, SettingsVisitor& v);
-  // Throws InputError naming `source` when the numbers contradict each other.
-  void (*check)(const GripperSpec& spec, const std::string& source);
-  // How far the hand is open on approach to a part of this width, m; nullopt = it cannot take it.
-  std::optional<double> (*approach_opening_m)(const GripperSpec& spec, double width_m);
-  double (*most_open_m)(const GripperSpec& spec);
-  // From an opening until it is closed on nothing, and back, at its own speed, s.
-  double (*travel_s)(const GripperSpec& spec, double opening_m);
-  // Puts the hand into the world, open by this much, which is also as far as it opens there.
-  Hand& (*add)(PhysicsWorld& world, const GripperSpec& spec, double opening_m, const Pose& X_WG);
-  // The hand's solid boxes in G at an opening, for collision checks; the palm is the last.
-  std::vector<AxisAlignedBox> (*boxes)(const GripperSpec& spec, double opening_m);
-  // Where another part would be grasped along with the one that is meant, in G; nullopt = nowhere.
-  std::optional<AxisAlignedBox> (*between)(const GripperSpec& spec, double opening_m);
-  // How far across the closing direction the hand may stand aside and still hold what it is on, m.
-  double (*aside_m)(const GripperSpec& spec);
-  // What gives way and so stands in no collision check, for pictures.
-  std::vector<AxisAlignedBox> (*soft_boxes)(const GripperSpec& spec);
-  // The most that it can carry of a part of this friction, N: its weight must stay below.
-  double (*capacity_n)(const GripperSpec& spec, double part_friction);
-  // Its key numbers in a few words.
-  std::string (*summary)(const GripperSpec& spec);
-  const char* needs;  // what a part must have to be held so, in words
-  // Grasps of a part with every quality, best first; empty when it cannot hold the part.
-  std::vector<GraspCandidate> (*make_candidates)(const ObjectModel& model, const GripperSpec& spec,
-                                                 Rng& rng, const GraspCandidateOptions& options);
-};
-
-std::span<const MechanismRow> MechanismTable();
-
-// The row of the spec's mechanism; InputError for one that is not known.
-const MechanismRow& MechanismOf(const GripperSpec& spec);
-
-// NAME of assets/grippers or a path ending in .yaml. Throws InputError for an unknown name (with
-// the nearest), a force or size that is not positive, a mechanism that is not known, or a key of
-// another mechanism.
-GripperSpec LoadGripper(const std::string& name_or_path);
-std::vector<std::string> GripperNames();
-
-// Both throw InputError, for use before anything is run. The hand at its narrowest, or as much of
-// it as stands below the bin's rim when it reaches the floor, must fit between the walls.
-void RequireFitsBin(const GripperSpec& gripper, const Bin& bin);
-// The part's weight must be below the capacity.
-void RequireCanCarry(const GripperSpec& gripper, const ObjectModel& part);
-
-}  // namespace pickbed
+}  // namespace pickbed::grasp

@@ -1,33 +1,37 @@
 #pragma once
 
-// What an estimator says: this part stands there, with this much confidence.
+// Result type of every pose estimator: an object pose with a confidence and a depth-fit report.
 
 #include <optional>
 #include <vector>
 
-#include "scenes/object_model.h"
-#include "scenes/pose.h"
+#include "perception/layer.h"
+#include "scenes/geometry/pose.h"
+#include "scenes/objects/object_model.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 
-// How well a pose agrees with the depth image; shares of the model points that face the camera.
+// Agreement of a pose with the depth image. Shares are fractions of the model points that face the
+// camera.
 struct FitReport {
-  double inlier_share = 0;    // seen where the model says
-  double hidden_share = 0;    // something stands before it
-  double violated_share = 0;  // the camera looked through where the model should be
-  double residual_m = 0;      // rms point-to-plane of the inliers
-  double conditioning = 0;    // of the final refiner, see IcpReport; 0 = slides or was not refined
-  bool refinement_kept = true;  // false: the final refiner made it worse and was undone
+  double inlier_share = 0;    // the observed surface agrees with the model point
+  double hidden_share = 0;    // occluded by something in front, or outside the image
+  double violated_share = 0;  // the reading is behind the model point, which contradicts the pose
+  double residual_m = 0;      // rms point-to-plane distance of the inliers
+  // From the final refiner, see IcpResult. 0 = the pose can slide, or it was not refined.
+  double reciprocal_condition_number = 0;
+  bool refinement_kept = true;  // false: the final refiner made the pose worse and was undone
 };
 
+// One estimated object pose. Hypotheses are ranked by their score.
 struct PoseHypothesis {
   int object = 0;  // index into the ObjectSet
   Pose X_CO = Pose::Identity();
-  double score = 0;  // estimate of P(pose right), 0..1; hypotheses are ranked by it
+  double score = 0;  // estimated probability that the pose is right, 0..1
   FitReport fit;
-  // Where it comes from, so that a lost pick can be charged to the stage that lost it.
-  std::optional<Pose> unrefined_X_CO = {};  // before the final refiner changed it
-  std::vector<Pose> suppressed_X_CO = {};   // of weaker ones of the same object that gave way
+  // Provenance: failure attribution uses it to find the stage that lost a pick.
+  std::optional<Pose> unrefined_X_CO = {};  // pose before the final refiner changed it
+  std::vector<Pose> suppressed_X_CO = {};   // weaker poses of this object that this one suppressed
 };
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

@@ -1,26 +1,28 @@
 #pragma once
 
-// A settled snapshot of a bin: plain data from which every picture and every physics world of a
-// trial is rebuilt. This is the truth; perception must not include it.
+// A settled snapshot of a bin as plain data. Every picture and every physics world of a trial is
+// rebuilt from it. It is ground truth, so perception must not include this header.
 
 #include <string>
 #include <vector>
 
-#include "scenes/bin.h"
-#include "scenes/object_model.h"
-#include "scenes/pose.h"
+#include "scenes/bin/bin.h"
+#include "scenes/geometry/pose.h"
+#include "scenes/objects/object_model.h"
 
-namespace pickbed {
+namespace pickbed::scenes {
 
+// One instance in the bin.
 struct PosedObject {
-  int instance = 0;  // id that stays the same while others are picked; id image holds instance + 1
+  int instance = 0;  // id, constant while others are picked; the id image contains instance + 1
   int object = 0;    // index into the ObjectSet
   Pose X_WO = Pose::Identity();
 };
 
+// A bin and the instances in it.
 struct Scene {
   Bin bin;
   std::vector<PosedObject> objects;
 };
 
-}  // namespace pickbed
+}  // namespace pickbed::scenes

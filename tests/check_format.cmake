@@ -1,4 +1,4 @@
-# Fails when a source file is not as clang-format would write it.
+# Fails if clang-format would change a source file.
 file(GLOB_RECURSE files ${ROOT}/scenes/*.h ${ROOT}/scenes/*.cpp ${ROOT}/sim/*.h ${ROOT}/sim/*.cpp
   ${ROOT}/perception/*.h ${ROOT}/perception/*.cpp ${ROOT}/grasp/*.h ${ROOT}/grasp/*.cpp
   ${ROOT}/eval/*.h ${ROOT}/eval/*.cpp ${ROOT}/tests/*.h ${ROOT}/tests/*.cpp)

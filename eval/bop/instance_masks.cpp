@@ -3,17 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/footprint.h"
+#include "scenes/camera/footprint.h"
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 namespace {
 
 constexpr int kMaxCanvas_px = 4096;
 constexpr uint8_t kSet = 255;
 constexpr std::array<int, 4> kNoBox{-1, -1, -1, -1};
 
-// The smallest view that holds all of an instance, its pixels those of the image: pixel (0, 0) of
-// the canvas is (left, top) of the image.
+// Smallest view that contains a whole instance, on the pixel grid of the image. Pixel (0, 0) of the
+// canvas is pixel (left, top) of the image.
 struct Canvas {
   Camera camera;
   int left = 0, top = 0;
@@ -40,7 +40,7 @@ Canvas CanvasOf(const Camera& camera, const Bounds& bounds_O, const Pose& X_CO) 
   return canvas;
 }
 
-// Grows pixel by pixel.
+// Bounding box in px of the pixels added so far.
 struct Box {
   int left = 1 << 30, top = 1 << 30, right = -(1 << 30), bottom = -(1 << 30);
   void Add(int u, int v) {
@@ -64,7 +64,7 @@ InstanceMasks MasksOfOne(const Image<float>& alone_m, const Canvas& canvas, uint
       const int u = x + canvas.left, v = y + canvas.top;
       const bool inside = ids.Contains(u, v);
       const bool visible = inside && ids(u, v) == id;
-      // A pixel on the very edge may round to either side in the two pictures.
+      // A pixel on the silhouette's edge may be set in only one of the two renderings.
       if (alone_m(x, y) <= 0 && !visible) continue;
       ++out.info.px_count_all;
       whole.Add(u, v);
@@ -92,7 +92,7 @@ InstanceMasks MasksOfOne(const Image<float>& alone_m, const Canvas& canvas, uint
 std::vector<InstanceMasks> MasksOf(Renderer& renderer, const Camera& camera,
                                    std::span<const RenderInstance> instances,
                                    const Image<uint16_t>& ids, const Image<uint16_t>& depth) {
-  const Pose X_CW = camera.X_WC.inverse();
+  const Pose X_CW = camera.X_CW();
   std::vector<Canvas> canvases;
   std::vector<Camera> cameras;
   for (const RenderInstance& instance : instances) {
@@ -108,4 +108,4 @@ std::vector<InstanceMasks> MasksOf(Renderer& renderer, const Camera& camera,
   return masks;
 }
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

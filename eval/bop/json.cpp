@@ -1,17 +1,18 @@
+#include "eval/bop/json.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "eval/bop/json_impl.h"
-#include "scenes/check.h"
-#include "scenes/files.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 namespace {
 
-// nlohmann's reason without its own error number.
+// Message of an nlohmann exception without the library's error number.
 std::string Reason(const std::exception& error) {
   const std::string text = error.what();
   const size_t end = text.find("] ");
@@ -68,7 +69,7 @@ std::optional<int> Integer(const Json& object, const char* key, const Place& pla
 }
 
 std::optional<std::vector<double>> ToReals(const Json& array, size_t count, const Place& place) {
-  // Some files hold rows of a matrix, most the numbers alone.
+  // Some files nest the rows of a matrix, most have a flat list of numbers.
   std::vector<double> numbers;
   const std::function<bool(const Json&)> take = [&](const Json& value) {
     if (value.is_array()) return std::all_of(value.begin(), value.end(), take);
@@ -94,4 +95,4 @@ Eigen::Matrix3d ToMatrix3(const std::vector<double>& numbers) {
   return matrix;
 }
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

@@ -6,7 +6,7 @@
 #include <array>
 #include <charconv>
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,4 +82,4 @@ std::optional<fs::path> DepthFile(const fs::path& scene, int image_id) {
   return FirstOf(scene, {"depth"}, {"png", "tif"}, image_id);
 }
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

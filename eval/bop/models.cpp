@@ -5,11 +5,11 @@
 #include <memory>
 #include <utility>
 
-#include "eval/bop/card.h"
+#include "eval/bop/dataset_card.h"
 #include "eval/bop/layout.h"
-#include "scenes/check.h"
+#include "scenes/base/error.h"
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 
 DatasetParts LoadParts(const std::filesystem::path& root, const std::set<int>& wanted,
                        const std::map<int, ModelInfo>& models) {
@@ -39,4 +39,4 @@ DatasetParts LoadParts(const std::filesystem::path& root) {
   return LoadParts(root, all, models);
 }
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

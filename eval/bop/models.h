@@ -1,29 +1,29 @@
 #pragma once
 
-// The models of a BOP data set as parts to be estimated or learned.
+// Loads the models of a BOP data set as objects for estimation or training.
 
 #include <filesystem>
 #include <map>
 #include <set>
 #include <vector>
 
-#include "eval/bop/dataset.h"
-#include "scenes/object_model.h"
+#include "eval/bop/read_dataset.h"
+#include "scenes/objects/object_model.h"
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 
 struct DatasetParts {
   ObjectSet objects;
-  std::vector<int> ids;  // of each
+  std::vector<int> ids;  // BOP obj_id of each object
 };
 
-// Those of `wanted`, in order of their ids. A part has the name and mesh hash that the data set's
-// card gives it, else obj_000001. Throws InputError for an id that is not in `models` and for a
-// broken mesh.
+// Loads the objects `wanted`, in order of their ids. Name and mesh hash come from the data set's
+// card. Without a card, the name is obj_000001 and the hash is computed. Throws InputError for an
+// id that is not in `models` and for a broken mesh.
 DatasetParts LoadParts(const std::filesystem::path& root, const std::set<int>& wanted,
                        const std::map<int, ModelInfo>& models);
 
-// All of the data set. Throws InputError, also when it has none.
+// Loads all objects of the data set. Throws InputError as above, and if it has no object.
 DatasetParts LoadParts(const std::filesystem::path& root);
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

@@ -7,15 +7,15 @@
 #include <map>
 #include <sstream>
 
-#include "eval/bop/dataset.h"
-#include "scenes/check.h"
-#include "scenes/files.h"
+#include "eval/bop/read_dataset.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 namespace {
 
 constexpr const char* kHeader = "scene_id,im_id,obj_id,score,R,t,time";
-constexpr double kSameTime_s = 1e-3;  // of the lines of an image
+constexpr double kSameTime_s = 1e-3;  // maximum difference between the lines of an image
 
 std::vector<std::string> Split(const std::string& text, char separator) {
   std::vector<std::string> parts;
@@ -32,7 +32,7 @@ std::string Trimmed(const std::string& text) {
   return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
 }
 
-// A line of the file, for messages.
+// Parser of the fields of one line. Its messages name the line.
 struct Line {
   std::string place;  // results.csv:3
   [[noreturn]] void Refuse(const std::string& what) const { throw InputError(place + ": " + what); }
@@ -132,4 +132,4 @@ std::vector<Estimate> ReadResults(const std::filesystem::path& file) {
   return estimates;
 }
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

@@ -1,18 +1,20 @@
 #pragma once
 
-// Pose estimates as the BOP challenge exchanges them (docs/bop_challenge_2019_results_format.md of
-// the BOP toolkit): a CSV file with a line an estimate,
+// Pose estimates in the results format of the BOP challenge
+// (docs/bop_challenge_2019_results_format.md of the BOP toolkit): a CSV file, one line per
+// estimate,
 //   scene_id,im_id,obj_id,score,R,t,time
-// R row-wise and t in mm, their numbers separated by spaces; time in seconds is that of the whole
-// image, the same on all its lines, -1 where it is unknown.
+// R is row-wise and t in mm; spaces separate their numbers. The time in seconds is for the whole
+// image and is the same on all its lines; -1 = unknown.
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "scenes/pose.h"
+#include "eval/layer.h"
+#include "scenes/geometry/pose.h"
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 
 struct Estimate {
   int scene_id = 0;
@@ -20,14 +22,16 @@ struct Estimate {
   int object_id = 0;
   double score = 0;
   Pose X_CO = Pose::Identity();
-  double time_s = -1;
-  std::string place = {};  // in a results file, "results.csv:3"
+  double time_s = -1;      // for the whole image; -1 = unknown
+  std::string place = {};  // line in a results file, "results.csv:3"; empty if not from a file
 };
 
+// Returns the text of a results file.
 std::string WriteResults(const std::vector<Estimate>& estimates);
 
-// Throws InputError with the line for another header, another number of columns, what is no finite
-// number, what is no rotation, and times that differ within an image.
+// Reads a results file. Throws InputError, which names the line, for a wrong header or number
+// of columns, a value that is no finite number, and an R that is no rotation. Throws also if times
+// within an image differ by more than 1 ms.
 std::vector<Estimate> ReadResults(const std::filesystem::path& file);
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <numeric>
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 namespace {
 
-// Indices by falling value; equal values keep their order.
+// Indices by descending value. Equal values keep their order.
 std::vector<int> FallingOrder(const std::vector<double>& values) {
   std::vector<int> order(values.size());
   std::iota(order.begin(), order.end(), 0);
@@ -69,7 +69,7 @@ double AveragePrecision(std::vector<Detection> detections, int wanted) {
   std::vector<int> right(detections.size());
   int found = 0;
   for (size_t i = 0; i < detections.size(); ++i) right[i] = found += detections[i].right;
-  // From the end: the highest precision from here on.
+  // From the end: the highest precision at this recall or above.
   std::vector<double> precision(detections.size());
   double best = 0;
   for (size_t i = detections.size(); i-- > 0;) {
@@ -80,7 +80,7 @@ double AveragePrecision(std::vector<Detection> detections, int wanted) {
   double sum = 0;
   size_t i = 0;
   for (int level = 0; level < kLevels; ++level) {
-    // Recall right / wanted reaches level / 100, in whole numbers.
+    // The condition recall = right / wanted >= level / 100, in integers to avoid rounding.
     while (i < right.size() && right[i] * (kLevels - 1) < level * wanted) ++i;
     if (i < right.size()) sum += precision[i];
   }
@@ -107,4 +107,4 @@ std::map<int, double> AveragePrecisions(const std::vector<ErrorTable>& tables, d
   return precisions;
 }
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

@@ -4,9 +4,9 @@
 
 #include "eval/bop/layout.h"
 #include "eval/bop/scores.h"
-#include "scenes/check.h"
+#include "scenes/base/error.h"
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,4 +64,4 @@ SplitTargets TargetsOf(const fs::path& root, const std::string& split) {
   return targets;
 }
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

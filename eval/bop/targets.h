@@ -1,30 +1,30 @@
 #pragma once
 
-// Which images of a split are to be worked on, and what is to be found in them.
+// Target images of a split, and the objects to be found in them.
 
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "eval/bop/dataset.h"
+#include "eval/bop/read_dataset.h"
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 
 struct ImageTargets {
   bool localised = false;     // BOP19 has targets here
-  bool detected = false;      // BOP24 has this image
-  std::map<int, int> counts;  // BOP19: object -> instances to be found
+  bool detected = false;      // BOP24 lists this image
+  std::map<int, int> counts;  // BOP19: obj_id -> number of instances to be found
 };
 
 struct SplitTargets {
   std::map<int, std::map<int, ImageTargets>> scenes;  // scene -> image
-  std::vector<std::string> notes;                     // what stands in for files that are absent
+  std::vector<std::string> notes;                     // what replaces targets files that are absent
 };
 
-// From test_targets_bop19.json and _bop24.json. Without the first: every instance of at least 10 %
-// visible, as BOP chose its targets; without the second: every image. Throws InputError when the
-// split has no scene.
+// Reads the targets from SPLIT_targets_bop19.json and _bop24.json. Without the first file, every
+// instance that is at least 10 % visible is a target, as BOP chose its targets. Without the second
+// file, every image is a target. Throws InputError if the split has no scene, or for a broken file.
 SplitTargets TargetsOf(const std::filesystem::path& root, const std::string& split);
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace pickbed::bop {
+namespace pickbed::eval::bop {
 namespace {
 
 float DistanceAt(const Silhouette& silhouette, int u, int v) {
@@ -63,7 +63,8 @@ std::vector<double> Vsd(const Silhouette& estimated, const Silhouette& truth,
     const float estimated_m = DistanceAt(estimated, u, v), true_m = DistanceAt(truth, u, v);
     const float measured_m = measured_distances_m(u, v);
     const bool true_seen = IsVisible(true_m, measured_m, options.delta_m);
-    // Where the true pose is visible, so is the estimate, even if it lies behind what is measured.
+    // Where the true pose is visible, the estimate is visible too, even behind the measured
+    // surface.
     const bool estimate_seen =
         estimated_m > 0 && (true_seen || IsVisible(estimated_m, measured_m, options.delta_m));
     if (true_seen != estimate_seen) ++seen_in_one;
@@ -89,4 +90,4 @@ std::vector<double> Vsd(const Silhouette& estimated, const Silhouette& truth,
   return errors;
 }
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::eval::bop

@@ -1,15 +1,15 @@
-// Chance that a pick on the estimated pose fails, by the part's tolerance map (grasp/tolerance.h).
+// Pick risk from the tolerance model of an object (grasp/tolerance/tolerance_model.h).
 
 #include <limits>
 
-#include "eval/metrics.h"
-#include "grasp/tolerance.h"
+#include "eval/metrics/pose_errors.h"
+#include "grasp/tolerance/tolerance_model.h"
 
-namespace pickbed {
+namespace pickbed::eval {
 
 double PickRisk(const ToleranceModel* tolerance, const Pose& X_est, const Pose& X_true) {
   if (tolerance == nullptr) return std::numeric_limits<double>::quiet_NaN();
   return 1 - SuccessProbability(*tolerance, X_true.inverse() * X_est);
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::eval

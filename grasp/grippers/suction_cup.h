@@ -1,12 +1,41 @@
 #pragma once
 
-// One bellows with a lip that seals on a part (sim/cup_joint.h). It touches from one side, so that
-// a part has no width for it.
+// Suction cup: one bellows with a lip that seals on an object. The frame and the dimensions are
+// drawn in sim/hands/suction_hand.h. The cup touches an object from one side, so the width of the
+// object does not matter.
 
 #include "grasp/gripper.h"
+#include "sim/hands/suction_hand.h"
 
-namespace pickbed {
+namespace pickbed::grasp {
 
-MechanismRow SuctionCupRow();
+// Suction cup; its candidates are points where the lip seals (grasp/candidates/suction.h).
+class SuctionCup : public Gripper {
+ public:
+  static constexpr const char* kMechanism = "suction_cup";
 
-}  // namespace pickbed
+  CupSpec cup;
+
+  const char* mechanism() const override { return kMechanism; }
+  std::array<const char*, 3> axes_G() const override;
+  const char* needs() const override { return "place that closes its lip"; }
+  std::string Summary() const override;
+  // The bellows must be longer than the press, and the air pressure limits force and moment.
+  void Validate(const std::string& source) const override;
+  // The lip is always open.
+  std::optional<double> ApproachOpening_m(double) const override { return 0; }
+  double MaxOpening_m() const override { return 0; }
+  double TravelTime_s(double) const override { return 0; }
+  Hand& AddTo(PhysicsWorld& world, double opening_m, const Pose& X_WG) const override;
+  std::vector<AxisAlignedBox> Boxes(double opening_m) const override;
+  std::vector<AxisAlignedBox> SoftBoxes() const override;
+  // The pull at which the lip detaches, for an object that hangs straight down.
+  double Capacity_n(double) const override { return cup.vacuum_n; }
+  std::vector<GraspCandidate> MakeCandidates(const ObjectModel& model, Rng& rng,
+                                             const GraspCandidateOptions& options) const override;
+
+ protected:
+  void VisitOwn(SettingsVisitor& v) override;
+};
+
+}  // namespace pickbed::grasp

@@ -7,16 +7,14 @@
 #include <optional>
 #include <utility>
 
-#include "perception/odd_colors.h"
-#include "perception/torch_model_file.h"
-#include "scenes/cache_lock.h"
-#include "scenes/check.h"
-#include "scenes/files.h"
+#include "perception/networks/model_file.h"
+#include "perception/verify/color_consistency.h"
+#include "scenes/base/cache_lock.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 namespace {
-
-constexpr const char* kShippedModel = "shipped";
 
 IsolatedOptions CodeViews(const EstimatorSetup& setup, const DescriptorOptions& options) {
   IsolatedOptions isolated;
@@ -28,13 +26,13 @@ IsolatedOptions CodeViews(const EstimatorSetup& setup, const DescriptorOptions& 
   return isolated;
 }
 
-// All that the entries of a part depend on.
+// Hash of everything that the codebook entries of an object depend on.
 uint64_t CodesKey(const DescriptorModel& model, const ObjectModel& object, double side_m,
                   IsolatedOptions isolated, uint64_t seed, const std::string& views) {
   std::string text = WriteSettings([&](SettingsVisitor& v) { isolated.Visit(v); });
   text += fmt::format("{:016x} {:016x} {} {} {}", model.network_hash, object.mesh_hash, side_m,
                       seed, views);
-  // Weights say nothing of the patches that they learned from.
+  // network_hash does not depend on the channels.
   if (model.network.channels() == PatchChannels::kDepthColor) text += "rgbd";
   return HashBytes(text.data(), text.size());
 }
@@ -78,10 +76,10 @@ class LearnedEstimator : public PoseEstimator {
   std::string refiner_;
   int threads_;
   DescriptorModel model_;
-  std::optional<DescriptorModel> regression_;  // another that regresses
-  std::vector<int> trained_;                   // index into model_.info.objects of each part
-  std::vector<int> regressed_;                 // the same of the one that regresses
-  std::vector<Verifier> verifiers_;            // of each part
+  std::optional<DescriptorModel> regression_;  // second model, which regresses poses
+  std::vector<int> trained_;                   // by object: index into model_.info.objects
+  std::vector<int> regressed_;                 // by object: index into the regressing model
+  std::vector<Verifier> verifiers_;            // by object
   std::unique_ptr<CandidateFinder> finder_;
 };
 
@@ -153,16 +151,13 @@ void LearnedEstimator::Trace(const OrganizedCloud& cloud, const std::vector<Cand
   trace.neighbors = options_.candidates.neighbors;
   trace.min_score = options_.final_set.min_score;
   const std::vector<ModelPoints>& models = finder_->assessor().model_points();
-  std::vector<PoseHypothesis> scored;
+  const CommonColors colors(cloud, models, accepted);
   for (const Candidate& candidate : candidates) {
-    scored.push_back(candidate.hypothesis);
-    const int part = candidate.hypothesis.object;
-    scored.back().score =
-        CandidateScore(cloud, models[part], verifiers_[part], candidate, options_.final_set.mode);
-  }
-  LowerOddColors(cloud, models, accepted, scored);
-  for (size_t i = 0; i < candidates.size(); ++i) {
-    trace.candidates.push_back({std::move(scored[i]), candidates[i].features});
+    PoseHypothesis scored = candidate.hypothesis;
+    scored.score = CandidateScore(cloud, models[scored.object], verifiers_[scored.object],
+                                  candidate, options_.final_set.mode);
+    colors.LowerIfOdd(scored);
+    trace.candidates.push_back({std::move(scored), candidate.features});
   }
   trace.accepted = accepted;
 }
@@ -186,8 +181,8 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
     input.trace->instances = input.instances;
   }
   const StageTimer timer(result.seconds, "refine");
-  PolishPoses(refiner_, cloud, finder_->assessor().model_points(), options_.polish, threads_,
-              result.hypotheses);
+  RefineFinally(refiner_, cloud, finder_->assessor().model_points(), options_.refiner, threads_,
+                result.hypotheses);
   return result;
 }
 
@@ -200,10 +195,6 @@ void DescriptorOptions::Visit(SettingsVisitor& v) {
   v.Seed("code_seed", code_seed, "of the code book's views");
   v.Group(
       "candidates", [&](SettingsVisitor& g) { candidates.Visit(g); }, "how poses are found");
-}
-
-std::filesystem::path DescriptorModelFile(const EstimatorSpec& spec) {
-  return TrainedFile(spec.model.empty() ? kShippedModel : spec.model);
 }
 
 DescriptorOptions OptionsForMode(const std::string& mode) {
@@ -225,11 +216,16 @@ std::unique_ptr<PoseEstimator> MakeLearnedEstimator(const EstimatorSetup& setup,
 
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup,
                                                        const DescriptorOptions& options) {
-  return MakeLearnedEstimator(setup, options, {DescriptorModelFile(setup.spec), "", kTrainCommand});
+  return MakeLearnedEstimator(setup, options,
+                              {ModelFileOr(setup.spec, kShippedModel), "", kTrainCommand});
 }
 
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup) {
   return MakeDescriptorEstimator(setup, OptionsForMode(setup.spec.mode));
 }
 
-}  // namespace pickbed
+std::unique_ptr<EstimatorTraining> MakeDescriptorTraining() {
+  return MakePatchNetworkTraining(kShippedModel, {});
+}
+
+}  // namespace pickbed::perception

@@ -1,58 +1,63 @@
 #pragma once
 
-// The learned estimators: patches described by a network vote through a code book, ICP refines the
-// votes and a learned verifier ranks them. After Wohlhart and Lepetit 2015 and Kehl et al. 2016.
+// Estimators with a learned patch network: patches vote for poses through a codebook, ICP refines
+// the poses, and a learned verifier scores them. Based on Wohlhart and Lepetit 2015 and Kehl et al.
+// 2016.
 
 #include <filesystem>
 #include <memory>
 #include <string>
 
-#include "perception/candidates.h"
-#include "perception/final_set.h"
-#include "perception/polish.h"
-#include "perception/pose_estimator.h"
+#include "perception/candidates/pose_selection.h"
+#include "perception/candidates/vote_candidates.h"
+#include "perception/estimators/estimator_training.h"
+#include "perception/estimators/pose_estimator.h"
+#include "perception/icp/final_refinement.h"
 
-namespace pickbed {
+namespace pickbed::perception {
+
+inline constexpr const char* kShippedModel = "shipped";
 
 struct DescriptorOptions {
-  int code_entries = 40000;           // of each part
-  int code_patches_per_view = 10;     // of an isolated view
-  double code_distance_spread = 0.1;  // relative, about the working distance
+  int code_entries = 40000;           // codebook entries per object
+  int code_patches_per_view = 10;     // patches per isolated view of the codebook
+  double code_distance_spread = 0.1;  // distances are working distance * (1 -+ spread)
   uint64_t code_seed = 0;
   CandidateOptions candidates;
-  FinalSetOptions final_set;  // its least score is the setup's
-  PolishOptions polish;
+  FinalSetOptions final_set;  // min_score is replaced by spec.min_score of the setup
+  RefinerOptions refiner;
   void Visit(SettingsVisitor& v);
 };
 
-// fast: 600 points, 300 candidates, one ICP gate, few look-alikes. hard: 1,200 points, 600
-// candidates, two gates, more look-alikes.
-// Throws InputError for another mode.
+// Returns the options of a mode. "fast": 600 points, 300 candidates, one correspondence distance,
+// few ambiguous poses. "hard": 1,200 points, 600 candidates, two distances, more ambiguous poses,
+// two rounds. Throws InputError for another mode.
 DescriptorOptions OptionsForMode(const std::string& mode);
 
-// spec.model as a file, or as a name under assets/models; empty = the shipped one.
-std::filesystem::path DescriptorModelFile(const EstimatorSpec& spec);
-
-// Loads the model and makes or reads the code books. Throws InputError as LoadModel and
-// TrainedParts do, and when setup.views is null.
+// Loads the model (spec.model, see ModelFileOr(); empty = the shipped one), and makes the codebooks
+// or reads them from the cache. Throws InputError as LoadModel and TrainedParts do, and if
+// setup.views is null.
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup,
                                                        const DescriptorOptions& options);
 
-// The same with the model of another method: `kind` is that of its network, `command` trains it.
-// Throws InputError also for a model of another kind.
+// Model of a learned estimator.
 struct LearnedModel {
   std::filesystem::path file;
-  std::string kind;     // empty = any
-  std::string command;  //
-  // Whose regressed poses are voted for besides, where candidates.votes is both and `file` does not
-  // regress; its patches must be of the same sides. Empty = none.
+  std::string kind;     // required kind of the network; empty = any
+  std::string command;  // command that trains the model, for error messages
+  // Second model, whose network regresses the poses if candidates.votes is "both". It must have the
+  // same patch sides and channels. Empty = none.
   std::filesystem::path regression = {};
 };
+// The same for the model of another method. Throws InputError also for another kind of network, and
+// if the second model does not fit.
 std::unique_ptr<PoseEstimator> MakeLearnedEstimator(const EstimatorSetup& setup,
                                                     const DescriptorOptions& options,
                                                     const LearnedModel& model);
 
-// Row of the table: options by setup.spec.mode.
+// Entries of EstimatorTable(). The options depend on setup.spec.mode. The default model is the
+// shipped one.
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup);
+std::unique_ptr<EstimatorTraining> MakeDescriptorTraining();
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

@@ -1,26 +1,26 @@
 #pragma once
 
-// Local patches of which a network regresses the pose (networks/doumanoglou.cpp): each votes for
-// what it says, without a code book; clustering, ICP, verifier and final set are those of
-// `descriptor`. Doumanoglou et al. 2016. The look-up of its features is estimator descriptor with
-// its model.
+// Estimator whose network regresses the object pose from a local patch (networks/doumanoglou.cpp).
+// Each patch votes for its regressed pose, without a codebook. Clustering, ICP, verifier and pose
+// selection are the same as for estimator descriptor. Doumanoglou et al. 2016. To look up its
+// features in a codebook instead, use estimator descriptor with its model.
 
-#include <filesystem>
 #include <memory>
 
-#include "perception/pose_estimator.h"
+#include "perception/estimators/estimator_training.h"
+#include "perception/estimators/pose_estimator.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 
-// spec.model as a file, or as a name under assets/models; empty = doumanoglou.pt there.
-std::filesystem::path DoumanoglouModelFile(const EstimatorSpec& spec);
-
-// Modes fast and hard as of descriptor. Throws InputError as MakeLearnedEstimator does.
+// Entries of EstimatorTable(). They have the modes of estimator descriptor. Throws InputError as
+// MakeLearnedEstimator does.
 std::unique_ptr<PoseEstimator> MakeDoumanoglouEstimator(const EstimatorSetup& setup);
+std::unique_ptr<EstimatorTraining> MakeDoumanoglouTraining();
 
-// Two sources of hypotheses: estimator descriptor with the shipped model, whose patches vote also
-// for the pose that doumanoglou's model regresses from them. Throws InputError also where the two
-// were trained for patches of other sides.
+// Entries of EstimatorTable(): estimator descriptor with the shipped model and a second source of
+// votes: the poses that the model of doumanoglou regresses from the same patches. Throws InputError
+// also if the models have different patch sides or channels.
 std::unique_ptr<PoseEstimator> MakeUnionEstimator(const EstimatorSetup& setup);
+std::unique_ptr<EstimatorTraining> MakeUnionTraining();
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

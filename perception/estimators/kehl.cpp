@@ -1,19 +1,27 @@
 #include "perception/estimators/kehl.h"
 
 #include "perception/estimators/descriptor.h"
-#include "perception/torch_model_file.h"
 
-namespace pickbed {
+namespace pickbed::perception {
+namespace {
 
-std::filesystem::path KehlModelFile(const EstimatorSpec& spec) {
-  return TrainedFile(spec.model.empty() ? "kehl" : spec.model);
-}
+constexpr const char* kKehlModel = "kehl";
+
+}  // namespace
 
 std::unique_ptr<PoseEstimator> MakeKehlEstimator(const EstimatorSetup& setup) {
   DescriptorOptions options = OptionsForMode(setup.spec.mode);
   options.candidates.votes = "modes";
-  return MakeLearnedEstimator(setup, options,
-                              {KehlModelFile(setup.spec), "autoencoder", "pickbed train kehl"});
+  return MakeLearnedEstimator(
+      setup, options, {ModelFileOr(setup.spec, kKehlModel), "autoencoder", "pickbed train kehl"});
 }
 
-}  // namespace pickbed
+std::unique_ptr<EstimatorTraining> MakeKehlTraining() {
+  TrainingOptions options;
+  options.network.kind = "autoencoder";
+  options.network.descriptor = 64;
+  options.candidates.votes = "modes";
+  return MakePatchNetworkTraining(kKehlModel, options);
+}
+
+}  // namespace pickbed::perception

@@ -1,20 +1,19 @@
 #pragma once
 
-// Local patches described by an auto-encoder (networks/kehl.cpp), which vote through a code book;
-// the votes are filtered to modes (vote_modes.h), and ICP, verifier and final set are those of
-// `descriptor`. Kehl et al., ECCV 2016.
+// Estimator that describes local patches with an autoencoder (networks/kehl.cpp). The patches vote
+// through a codebook, and the votes are filtered to modes (vote_modes.h). ICP, verifier and pose
+// selection are the same as for estimator descriptor. Kehl et al., ECCV 2016.
 
-#include <filesystem>
 #include <memory>
 
-#include "perception/pose_estimator.h"
+#include "perception/estimators/estimator_training.h"
+#include "perception/estimators/pose_estimator.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 
-// spec.model as a file, or as a name under assets/models; empty = kehl.pt there.
-std::filesystem::path KehlModelFile(const EstimatorSpec& spec);
-
-// Modes fast and hard as of descriptor. Throws InputError as MakeLearnedEstimator does.
+// Entries of EstimatorTable(). They have the modes of estimator descriptor. Throws InputError as
+// MakeLearnedEstimator does.
 std::unique_ptr<PoseEstimator> MakeKehlEstimator(const EstimatorSetup& setup);
+std::unique_ptr<EstimatorTraining> MakeKehlTraining();
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

@@ -3,16 +3,15 @@
 #include <algorithm>
 
 #include "perception/estimators/ppf_verified.h"
-#include "perception/polish.h"
-#include "perception/suppress.h"
-#include "perception/verify.h"
-#include "scenes/check.h"
+#include "perception/icp/final_refinement.h"
+#include "perception/verify/non_maximum_suppression.h"
+#include "perception/verify/pose_features.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 namespace {
 
-// Share of what should be seen that is, less what is looked through; a pose that rests on a few
-// points only is worth less.
+// Returns the inlier share minus the violated share, relative to the share that is not hidden. The
+// score is lowered if there are few inliers.
 double ScoreOf(const FitReport& fit, double full_support) {
   const double expected = 1 - fit.hidden_share;
   if (expected <= 0) return 0;
@@ -59,12 +58,12 @@ class PpfEstimator : public PoseEstimator {
       return SuppressDuplicates(cloud, models_, std::move(found), {}, input.instances);
     });
     Timed(result.seconds, "refine",
-          [&] { PolishPoses(refiner_, cloud, models_, {}, threads_, result.hypotheses); });
+          [&] { RefineFinally(refiner_, cloud, models_, {}, threads_, result.hypotheses); });
     return result;
   }
 
  private:
-  // Appends the poses that reach the least score.
+  // Appends the poses that reach the minimum score.
   void Score(int object, const OrganizedCloud& cloud, const std::vector<Pose>& poses,
              std::vector<PoseHypothesis>& found) const {
     for (const Pose& X_CO : poses) {
@@ -94,11 +93,8 @@ std::unique_ptr<PoseEstimator> MakePpfEstimator(const EstimatorSetup& setup,
 }
 
 std::unique_ptr<PoseEstimator> MakePpfEstimator(const EstimatorSetup& setup) {
-  const std::string& mode = setup.spec.mode;
-  if (mode == kVerifiedMode) return MakeVerifiedPpfEstimator(setup, {});
-  CheckInput(mode == "fast" || mode == "hard",
-             UnknownNameMessage("mode of ppf", mode, {"fast", "hard", kVerifiedMode}));
+  if (setup.spec.mode == kVerifiedMode) return MakeVerifiedPpfEstimator(setup, {});
   return MakePpfEstimator(setup, PpfOptions{});
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

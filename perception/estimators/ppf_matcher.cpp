@@ -8,14 +8,14 @@
 #include <opencv2/surface_matching/ppf_helpers.hpp>
 #include <unordered_set>
 
-namespace pickbed {
+namespace pickbed::perception {
 namespace {
 
 using cv::ppf_match_3d::Pose3D;
 using cv::ppf_match_3d::Pose3DPtr;
 
-constexpr int kRow = 6;              // x y z nx ny nz
-constexpr size_t kLeastPoints = 30;  // fewer hold no part, and OpenCV wants some
+constexpr int kRow = 6;            // x y z nx ny nz
+constexpr size_t kMinPoints = 30;  // OpenCV needs some points; fewer do not show an object
 
 void AddRow(const Eigen::Vector3f& p, const Eigen::Vector3f& n, std::vector<float>& rows) {
   rows.insert(rows.end(), {p.x(), p.y(), p.z(), n.x(), n.y(), n.z()});
@@ -52,8 +52,8 @@ cv::Matx44d FromPose(const Pose& X) {
   return m;
 }
 
-// OpenCV samples the scene by a share of its box, axis by axis. The scene is sampled already, so
-// that its cells are made half a voxel at the longest side; fewer cells where that is too many.
+// Returns OpenCV's sampling step, a share of the scene's bounding box per axis. The scene is
+// already sampled, so the step is half a voxel at the longest side, but at least kFinest.
 double OwnSampling(const std::vector<float>& rows, double voxel_m) {
   constexpr double kFinest = 0.008;
   float longest_m = 0;
@@ -68,7 +68,8 @@ double OwnSampling(const std::vector<float>& rows, double voxel_m) {
   return std::clamp(0.5 * voxel_m / std::max<double>(longest_m, voxel_m), kFinest, 0.5);
 }
 
-// Squares over x and y, half a side apart: what is no wider than that lies in one of them whole.
+// Splits the points into square windows in x and y, half a side apart. Anything at most half a side
+// wide is completely inside one window.
 std::vector<std::vector<float>> Windows(const std::vector<float>& rows, double side_m) {
   if (side_m <= 0) return {rows};
   float low[2] = {rows[0], rows[1]}, high[2] = {rows[0], rows[1]};
@@ -134,10 +135,10 @@ std::vector<float> PpfMatcher::SceneRows(const OrganizedCloud& cloud) const {
 
 std::vector<Pose> PpfMatcher::Match(const std::vector<float>& scene_rows) const {
   std::vector<Pose> poses;
-  if (scene_rows.size() < kRow * kLeastPoints) return poses;
+  if (scene_rows.size() < kRow * kMinPoints) return poses;
   const PpfMatchOptions& options = impl_->options;
   for (const auto& window : Windows(scene_rows, options.window_diameters * impl_->diameter_m)) {
-    if (window.size() < kRow * kLeastPoints) continue;
+    if (window.size() < kRow * kMinPoints) continue;
     std::vector<Pose3DPtr> found;
     impl_->detector->match(ToMat(window), found, options.scene_step,
                            OwnSampling(window, options.scene_voxel_diameters * impl_->diameter_m));
@@ -167,4 +168,4 @@ std::vector<Pose> PpfMatcher::Refine(const std::vector<float>& scene_rows,
   return result;
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

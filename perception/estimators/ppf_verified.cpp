@@ -1,13 +1,13 @@
 #include "perception/estimators/ppf_verified.h"
 
-#include "perception/candidates.h"
-#include "perception/estimators/verified_candidates.h"
-#include "perception/torch_verifier_file.h"
+#include "perception/candidates/vote_candidates.h"
+#include "perception/estimators/verified_estimator.h"
+#include "perception/networks/verifier_file.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 namespace {
 
-constexpr const char* kName = "ppf";
+constexpr const char* kPpfName = "ppf";
 
 class PpfCandidates : public CandidateSource {
  public:
@@ -35,7 +35,7 @@ class PpfCandidates : public CandidateSource {
   const CandidateAssessor& assessor() const override { return assessor_; }
 
  private:
-  // Each reference point gives one pose, and so counts as a patch of its own.
+  // Each reference point gives one pose, so each pose counts as a separate patch.
   static std::vector<PoseVote> Votes(const PpfMatcher& matcher, const OrganizedCloud& cloud,
                                      StageSeconds& seconds) {
     const StageTimer timer(seconds, "match");
@@ -50,6 +50,18 @@ class PpfCandidates : public CandidateSource {
   std::vector<std::unique_ptr<PpfMatcher>> matchers_;
 };
 
+class PpfTraining : public EstimatorTraining {
+ public:
+  TrainingKind kind() const override { return TrainingKind::kVerifiers; }
+  std::filesystem::path ModelFile(const EstimatorSpec& spec) const override {
+    if (spec.mode != kVerifiedMode) return {};
+    return ModelFileOr(spec, kPpfName);
+  }
+  std::unique_ptr<CandidateSource> MakeCandidates(const CandidateSetup& setup) const override {
+    return MakePpfCandidates(setup.objects, {});
+  }
+};
+
 }  // namespace
 
 VerifiedPpfOptions::VerifiedPpfOptions() { assessment = HardCandidates(); }
@@ -59,26 +71,19 @@ std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects,
   return std::make_unique<PpfCandidates>(objects, options, threads);
 }
 
-std::unique_ptr<CandidateSource> MakePpfCandidates(const CandidateSetup& setup) {
-  return MakePpfCandidates(setup.objects, {});
-}
-
-std::filesystem::path PpfModelFile(const EstimatorSpec& spec) {
-  if (spec.mode != kVerifiedMode) return {};
-  return TrainedFile(spec.model.empty() ? kName : spec.model);
-}
+std::unique_ptr<EstimatorTraining> MakePpfTraining() { return std::make_unique<PpfTraining>(); }
 
 std::unique_ptr<PoseEstimator> MakeVerifiedPpfEstimator(const EstimatorSetup& setup,
                                                         const VerifiedPpfOptions& options) {
-  const std::filesystem::path file = PpfModelFile(setup.spec);
+  const std::filesystem::path file = PpfTraining().ModelFile(setup.spec);
   VerifiedSetup made{MakePpfCandidates(setup.objects, options, setup.threads),
-                     VerifiersOf(LoadVerifiers(file, kName), setup.objects, file),
+                     VerifiersOf(LoadVerifiers(file, kPpfName), setup.objects, file),
                      options.final_set,
-                     options.polish,
+                     options.refiner,
                      setup.refiner,
                      setup.threads};
   made.final_set.min_score = setup.spec.min_score;
   return MakeVerifiedEstimator(std::move(made));
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

@@ -1,42 +1,42 @@
 #pragma once
 
-// Point pair features with the second half of the learned estimator: OpenCV's raw poses, before any
-// averaging and ICP of its own, go through the same assessment, a verifier that was trained on
-// them, and the same final set. What is left to tell the two apart is who proposes the poses.
+// Point pair features with the later stages of the learned estimators. OpenCV's raw poses, without
+// its averaging and ICP, pass through candidate refinement, a verifier trained on them, and pose
+// selection. The estimators then differ only in how raw poses are proposed.
 
-#include <filesystem>
 #include <memory>
 
-#include "perception/candidate_source.h"
+#include "perception/candidates/candidate_source.h"
+#include "perception/candidates/pose_selection.h"
+#include "perception/estimators/estimator_training.h"
+#include "perception/estimators/pose_estimator.h"
 #include "perception/estimators/ppf_matcher.h"
-#include "perception/final_set.h"
-#include "perception/polish.h"
-#include "perception/pose_estimator.h"
+#include "perception/icp/final_refinement.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 
 inline constexpr const char* kVerifiedMode = "verified";
 
 struct VerifiedPpfOptions {
   PpfMatchOptions match{.window_diameters = 2};
   AssessmentOptions assessment;
-  FinalSetOptions final_set;  // its least score is the setup's
-  PolishOptions polish;
-  VerifiedPpfOptions();  // assessment as thorough as the learned estimator's mode hard
+  FinalSetOptions final_set;  // min_score is replaced by spec.min_score of the setup
+  RefinerOptions refiner;
+  VerifiedPpfOptions();  // assessment as in HardCandidates()
 };
 
-// Seconds are added under "match", and those of CandidateAssessor. Draws no random numbers.
+// Makes the candidate source. Times are added under "match" and the names of CandidateAssessor. It
+// draws no random numbers.
 std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects,
                                                    const VerifiedPpfOptions& options,
                                                    int threads = 1);
-// Of the table: with the options by default.
-std::unique_ptr<CandidateSource> MakePpfCandidates(const CandidateSetup& setup);
 
-// The file of verifiers by spec.model, or assets/models/ppf.pt; empty where the mode needs none.
-std::filesystem::path PpfModelFile(const EstimatorSpec& spec);
+// Entry of EstimatorTable(). Its candidates have default options. The model file has the verifiers
+// and is ppf.pt by default; it is empty for modes without verifier.
+std::unique_ptr<EstimatorTraining> MakePpfTraining();
 
-// Throws InputError as LoadVerifiers and TrainedParts do.
+// Makes the estimator. Throws InputError as LoadVerifiers and TrainedParts do.
 std::unique_ptr<PoseEstimator> MakeVerifiedPpfEstimator(const EstimatorSetup& setup,
                                                         const VerifiedPpfOptions& options);
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

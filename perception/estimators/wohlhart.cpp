@@ -5,22 +5,23 @@
 #include <algorithm>
 #include <utility>
 
-#include "perception/crop_lookup.h"
+#include "perception/crop_methods/crop_lookup.h"
 #include "perception/estimators/descriptor.h"
-#include "perception/estimators/verified_candidates.h"
-#include "perception/patch.h"
-#include "scenes/check.h"
+#include "perception/estimators/verified_estimator.h"
+#include "perception/features/patch.h"
+#include "perception/training/wohlhart_training.h"
+#include "scenes/base/error.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 namespace {
 
-constexpr const char* kName = "wohlhart";
-constexpr uint64_t kTemplateSeed = 0;  // of the sensor's noise on templates
+constexpr const char* kWohlhartName = "wohlhart";
+constexpr uint64_t kTemplateSeed = 0;  // for the sensor noise on templates
 
-// What a learned network's settings hold.
+// Settings text of a trained network.
 struct Record {
-  std::string parts;   // with commas
-  std::string meshes;  // their hashes, likewise
+  std::string parts;   // names, separated by commas
+  std::string meshes;  // mesh hashes, separated by commas
   WohlhartBinOptions options;
   void Visit(SettingsVisitor& v) {
     v.Text("parts", parts, {}, "that it was learned for");
@@ -46,9 +47,9 @@ int IndexIn(const ObjectSet& all, const ObjectModel& part) {
   throw InputError(fmt::format("no views of part '{}'", part.name));
 }
 
-// The look-up of one frame's crops.
+// Templates of all objects with their search index.
 struct Templates {
-  std::vector<std::vector<Pose>> X_PO;  // by part and view
+  std::vector<std::vector<Pose>> X_PO;  // by object and view
   std::unique_ptr<CropMethod> look_up;
 };
 
@@ -107,7 +108,7 @@ class WohlhartCandidates : public CandidateSource {
   const CandidateAssessor& assessor() const override { return assessor_; }
 
  private:
-  // Of crops of this part's size. Neighbours of other parts say that the crop shows none of it.
+  // Casts votes from crops of this object's size. A neighbour of another object casts no vote.
   std::vector<PoseVote> Votes(int part, const OrganizedCloud& cloud, const std::vector<int>& pixels,
                               StageSeconds& seconds) const {
     CropSet crops;
@@ -135,6 +136,49 @@ class WohlhartCandidates : public CandidateSource {
   int threads_;
 };
 
+class WohlhartTraining : public EstimatorTraining {
+ public:
+  explicit WohlhartTraining(const WohlhartBinOptions& options) : options_(options) {}
+
+  TrainingKind kind() const override { return TrainingKind::kNetworkAndVerifiers; }
+  std::filesystem::path ModelFile(const EstimatorSpec& spec) const override {
+    return ModelFileOr(spec, kWohlhartName);
+  }
+  std::unique_ptr<CandidateSource> MakeCandidates(const CandidateSetup& setup) const override {
+    return MakeWohlhartCandidates(setup.objects, setup.views, setup.network, HardCandidates());
+  }
+  void VisitNetworkOptions(SettingsVisitor& v) override { options_.Visit(v); }
+  std::string NetworkSettings(const ObjectSet& objects) const override {
+    Record record = RecordOf(objects, options_);
+    return WriteSettings([&](SettingsVisitor& v) { record.Visit(v); });
+  }
+  std::optional<LearnedNetwork> TrainNetwork(const NetworkTrainingJob& job) const override;
+
+ private:
+  WohlhartBinOptions options_;
+};
+
+std::optional<LearnedNetwork> WohlhartTraining::TrainNetwork(const NetworkTrainingJob& job) const {
+  constexpr double kViewsShare = 0.2;  // approximate share of the time
+  CheckInput(options_.network.input == "depth",
+             "network.input: crops of bins are of depth alone; leave it at depth");
+  bool go_on = true;
+  const auto report = [&](double share) {
+    return go_on = go_on && (!job.on_share || job.on_share(share));
+  };
+  const CropLesson lesson = MakeWholeLesson(job.views, options_.views, job.seed, [&](double share) {
+    return report(kViewsShare * share);
+  });
+  if (!go_on) return std::nullopt;
+  const auto network = TrainWohlhart(
+      {lesson, job.seed, job.checkpoint,
+       [&](double share, double) { return report(kViewsShare + (1 - kViewsShare) * share); },
+       job.threads},
+      options_.network);
+  if (network == nullptr) return std::nullopt;
+  return LearnedNetwork{NetworkSettings(job.views.objects()), network->Weights()};
+}
+
 }  // namespace
 
 void WohlhartBinOptions::Visit(SettingsVisitor& v) {
@@ -161,44 +205,16 @@ std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const ObjectSet& objects
                                               assessment, threads);
 }
 
-std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const CandidateSetup& setup) {
-  return MakeWohlhartCandidates(setup.objects, setup.views, setup.network, HardCandidates());
+std::unique_ptr<EstimatorTraining> MakeWohlhartTraining(const WohlhartBinOptions& options) {
+  return std::make_unique<WohlhartTraining>(options);
 }
 
-std::string WohlhartSettings(const ObjectSet& objects, const WohlhartBinOptions& options) {
-  Record record = RecordOf(objects, options);
-  return WriteSettings([&](SettingsVisitor& v) { record.Visit(v); });
-}
-
-std::optional<LearnedNetwork> LearnWohlhart(const LearnJob& job) {
-  constexpr double kViewsShare = 0.2;  // of the time, about
-  CheckInput(job.options.network.input == "depth",
-             "network.input: crops of bins are of depth alone; leave it at depth");
-  bool go_on = true;
-  const auto tell = [&](double share) {
-    return go_on = go_on && (!job.on_share || job.on_share(share));
-  };
-  const CropLesson lesson =
-      MakeWholeLesson(job.views, job.options.views, job.seed,
-                      [&](double share) { return tell(kViewsShare * share); });
-  if (!go_on) return std::nullopt;
-  const auto network = TrainWohlhart(
-      {lesson, job.seed, job.checkpoint,
-       [&](double share, double) { return tell(kViewsShare + (1 - kViewsShare) * share); },
-       job.threads},
-      job.options.network);
-  if (network == nullptr) return std::nullopt;
-  return LearnedNetwork{WohlhartSettings(job.views.objects(), job.options), network->Weights()};
-}
-
-std::filesystem::path WohlhartModelFile(const EstimatorSpec& spec) {
-  return TrainedFile(spec.model.empty() ? kName : spec.model);
-}
+std::unique_ptr<EstimatorTraining> MakeWohlhartTraining() { return MakeWohlhartTraining({}); }
 
 std::unique_ptr<PoseEstimator> MakeWohlhartEstimator(const EstimatorSetup& setup) {
   CheckInput(setup.views, "the templates of estimator wohlhart need a renderer");
-  const std::filesystem::path file = WohlhartModelFile(setup.spec);
-  const VerifierFile trained = LoadVerifiers(file, kName);
+  const std::filesystem::path file = ModelFileOr(setup.spec, kWohlhartName);
+  const VerifierFile trained = LoadVerifiers(file, kWohlhartName);
   VerifiedSetup made;
   made.verifiers = VerifiersOf(trained, setup.objects, file);
   made.source = MakeWohlhartCandidates(setup.objects, *setup.views, trained.network,
@@ -209,4 +225,4 @@ std::unique_ptr<PoseEstimator> MakeWohlhartEstimator(const EstimatorSetup& setup
   return MakeVerifiedEstimator(std::move(made));
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

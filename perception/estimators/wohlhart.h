@@ -1,59 +1,57 @@
 #pragma once
 
-// The whole-object descriptor of Wohlhart and Lepetit (networks/wohlhart.cpp) in bins: crops around
-// a grid of visible points (whole_crops.h), each of which votes for the poses of its nearest
-// templates; clustering, ICP, verifier and final set are those of `descriptor`. Templates stand all
-// around and at all turns, so the network learns with the dynamic margin of Zakharov et al. 2017.
+// Estimator with the whole-object descriptor of Wohlhart and Lepetit (networks/wohlhart.h). Crops
+// around a grid of visible points (whole_crops.h) vote for the poses of their nearest templates.
+// Clustering, ICP, verifier and pose selection are the same as for estimator descriptor. Templates
+// cover all directions and in-plane angles.
 
-#include <filesystem>
 #include <memory>
-#include <optional>
 
-#include "perception/assessment.h"
+#include "perception/candidates/candidate_refinement.h"
+#include "perception/crops/whole_crops.h"
+#include "perception/estimators/estimator_training.h"
+#include "perception/estimators/pose_estimator.h"
+#include "perception/networks/verifier_file.h"
 #include "perception/networks/wohlhart.h"
-#include "perception/pose_estimator.h"
-#include "perception/torch_verifier_file.h"
-#include "perception/whole_crops.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 
+// Options that are stored with the trained network.
 struct WohlhartBinOptions {
   WholeViewOptions views;
-  // Of one part alone a pair term of full weight draws all descriptors together to a point.
-  // Piles hide enough of their parts themselves, so that fewer crops get something before them.
-  // Crops stand for the depth of a point of the surface, behind which all of the part may lie.
+  // - pair_weight: with a single object, a pair term of full weight contracts all descriptors to
+  //   one point.
+  // - occluded_share: lower than the default, because clutter scenes already contain occlusion.
+  // - depth_reach: the reference depth is a surface point, and the whole object may be behind it.
   WohlhartOptions network{.input = "depth",
                           .depth_reach = 1,
                           .pair_weight = 0.1,
                           .iterations = 1000,
                           .augment = {.occluded_share = 0.4}};
-  int grid_px = 8;    // between two proposals, both ways
-  int neighbors = 4;  // votes of a crop: k of the look-up
+  int grid_px = 8;    // distance of neighbouring proposals along rows and columns
+  int neighbors = 4;  // votes per crop: number of nearest templates
   void Visit(SettingsVisitor& v);
 };
 
-// The candidates of these parts, which `network` was learned for. `views` renders their templates
-// and holds them under the same names. Seconds are added under "crops" and "network", and those of
-// CandidateAssessor. Draws no random numbers. Throws InputError for other parts and settings.
+// Makes the candidate source for objects that `network` was trained for. `views` renders their
+// templates and must have objects with the same names. Times are added under "crops", "network" and
+// the names of CandidateAssessor. It draws no random numbers. Throws InputError for other objects
+// or settings.
 std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const ObjectSet& objects,
                                                         LabelledViewSource& views,
                                                         const LearnedNetwork& network,
                                                         const AssessmentOptions& assessment,
                                                         int threads = 1);
-// Of the table: with the assessment of mode hard.
-std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const CandidateSetup& setup);
 
-// What LearnWohlhart() records of a network: its parts with their meshes, and settings.
-std::string WohlhartSettings(const ObjectSet& objects, const WohlhartBinOptions& options);
+// Returns the training with these network options. NetworkSettings() are the names and mesh hashes
+// of the objects and the options. MakeCandidates() uses the options of HardCandidates().
+// TrainNetwork() throws InputError if the network's input is not depth.
+std::unique_ptr<EstimatorTraining> MakeWohlhartTraining(const WohlhartBinOptions& options);
 
-// Learns all parts of the views; nothing when stopped.
-std::optional<LearnedNetwork> LearnWohlhart(const LearnJob& job);
-
-// spec.model as a file, or as a name under assets/models; empty = wohlhart.pt there.
-std::filesystem::path WohlhartModelFile(const EstimatorSpec& spec);
-
-// Modes fast and hard: how thorough candidates are assessed, as in descriptor. Throws InputError as
-// LoadVerifiers and TrainedParts do, and when setup.views is null.
+// Entries of EstimatorTable(). The default model is wohlhart.pt. The modes select the candidate
+// refinement, as for estimator descriptor. Throws InputError as LoadVerifiers and TrainedParts do,
+// and if setup.views is null.
 std::unique_ptr<PoseEstimator> MakeWohlhartEstimator(const EstimatorSetup& setup);
+std::unique_ptr<EstimatorTraining> MakeWohlhartTraining();
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

@@ -1,5 +1,5 @@
-// The trunk and a full layer to D values of unit length, 80 k weights, taught which patches show
-// one pose (torch_losses.h).
+// Convolutional network: the trunk and a full layer to D values of unit norm, 80 k weights. It is
+// trained with the descriptor losses of losses.h.
 
 #include <torch/nn.h>
 
@@ -7,7 +7,7 @@
 #include "perception/networks/training_tensors.h"
 #include "perception/networks/trunk.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 namespace {
 
 class ConvolutionalNetwork : public PatchNetwork, public torch::nn::Module {
@@ -45,4 +45,4 @@ std::unique_ptr<PatchNetwork> MakeConvolutionalNetwork(const NetworkOptions& opt
   return std::make_unique<ConvolutionalNetwork>(options.descriptor);
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

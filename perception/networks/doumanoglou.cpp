@@ -1,15 +1,14 @@
-// Direct regression of the pose from a local patch, with a siamese term. Doumanoglou et al.,
+// Direct regression of the object pose from a local patch, with a siamese term. Doumanoglou et al.,
 // Siamese Regression Networks with Efficient Mid-level Feature Extraction for 3D Object Pose
-// Estimation, 2016: L = L_regress(q) + lambda | |f_i - f_j| - d(pose_i, pose_j) |, in the form that
-// is known of it second hand. q is the unit quaternion of the part in the patch's frame; beside it
-// stands the offset from the patch to the part's centre of mass, since a patch, unlike a crop of
-// the whole part, does not know where the middle is. q and -q, and all poses that a symmetry makes
-// one, are one pose in both terms: the first takes the nearest of them, and d is the distance of
-// PoseEmbedding.
+// Estimation, 2016: L = L_regress(q) + lambda | |f_i - f_j| - d(pose_i, pose_j) |. The formula is
+// taken from secondary sources. q is the unit quaternion of the object in the patch frame. The
+// network also regresses the offset from the patch to the object's center of mass, because a patch
+// is not centered on the object. Both terms treat q and -q, and all symmetric poses, as one pose.
+// The regression term uses the nearest of them, and d is the distance of PoseEmbedding.
 //
-// The features f have no unit length: their distances shall be those of poses. Several parts share
-// trunk and features; each has its own rows of the last layer, and a softmax tells which part is
-// seen.
+// The features f are not normalised, because their distances shall equal pose distances. All
+// objects share trunk and features. Each object has its own rows of the last layer, and a softmax
+// classifies the object.
 
 #include "perception/networks/doumanoglou.h"
 
@@ -17,19 +16,18 @@
 
 #include <cmath>
 
+#include "perception/features/pose_targets.h"
 #include "perception/networks/patch_network.h"
 #include "perception/networks/training_tensors.h"
 #include "perception/networks/trunk.h"
-#include "perception/pose_targets.h"
-#include "perception/training.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 namespace {
 
-// Roots have infinite slope at zero.
-constexpr double kFloor = 1e-12;
+// Lower bound before a square root, because its slope is infinite at zero.
+constexpr double kRootFloor = 1e-12;
 
-at::Tensor Root(const at::Tensor& squared) { return squared.clamp_min(kFloor).sqrt(); }
+at::Tensor Root(const at::Tensor& squared) { return squared.clamp_min(kRootFloor).sqrt(); }
 
 at::Tensor Unit(const at::Tensor& rows) { return rows / Root(rows.square().sum(-1, true)); }
 
@@ -60,8 +58,8 @@ class SiameseRegression : public PatchNetwork, public torch::nn::Module {
     const at::Tensor out = Regress(rows);
     const at::Tensor of_part =
         out.gather(1, batch.parts.view({-1, 1, 1}).expand({-1, 1, out.size(2)})).squeeze(1);
-    const at::Tensor off = Root((of_part.slice(1, 1, 4) - batch.middles).square().sum(1));
-    at::Tensor loss = RotationDistance(of_part.slice(1, 4), batch.rotations).mean() +
+    const at::Tensor off = Root((of_part.slice(1, 1, 4) - batch.centers).square().sum(1));
+    at::Tensor loss = QuaternionDistance(of_part.slice(1, 4), batch.rotations).mean() +
                       options_.offset_weight * off.mean();
     if (parts_ > 1) {
       loss = loss + options_.part_weight *
@@ -89,7 +87,7 @@ class SiameseRegression : public PatchNetwork, public torch::nn::Module {
 
   int64_t Rotation() const { return options_.rotation == "six_d" ? 6 : 4; }
 
-  // N x parts x (share before the softmax, offset, rotation).
+  // Returns N x parts x (logit of the object, offset, rotation).
   at::Tensor Regress(const at::Tensor& features) {
     const at::Tensor out = last_(torch::relu(hidden_(torch::relu(features))));
     return out.view({-1, parts_, Rotation() + 3 + 1});
@@ -132,7 +130,7 @@ at::Tensor RotationMatrices(const at::Tensor& values) {
   return rows.view(shape);
 }
 
-at::Tensor RotationDistance(const at::Tensor& values, const at::Tensor& rotations) {
+at::Tensor QuaternionDistance(const at::Tensor& values, const at::Tensor& rotations) {
   if (values.size(1) == 4) {
     const at::Tensor cosine = (Unit(values).unsqueeze(1) * rotations).sum(2).abs();
     return Root(2 - 2 * std::get<0>(cosine.max(1)));
@@ -154,13 +152,4 @@ std::unique_ptr<PatchNetwork> MakeSiameseRegression(const NetworkOptions& option
   return std::make_unique<SiameseRegression>(options, parts);
 }
 
-TrainingOptions DoumanoglouTraining() {
-  TrainingOptions options;
-  options.network.kind = "siamese_regression";
-  options.network.descriptor = 64;
-  options.candidates.votes = "regressed";
-  options.held_out.patience = 0;  // how well features are looked up tells little of the regression
-  return options;
-}
-
-}  // namespace pickbed
+}  // namespace pickbed::perception

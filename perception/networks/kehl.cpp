@@ -1,9 +1,9 @@
-// Convolutional auto-encoder of local patches. Kehl et al., Deep Learning of Local RGB-D Patches
-// for 3D Object Detection and 6D Pose Estimation, ECCV 2016, section 3.1: the network learns to
-// give its input back through a narrow layer, whose values describe the patch. The loss is the mean
-// squared difference of patch and reconstruction. Here the trunk of the other networks encodes, a
-// full layer and two transposed convolutions decode, and the narrow layer has unit length, so that
-// its distances have one scale.
+// Convolutional autoencoder of local patches. Kehl et al., Deep Learning of Local RGB-D Patches for
+// 3D Object Detection and 6D Pose Estimation, ECCV 2016, section 3.1. The network reconstructs its
+// input through a narrow layer, whose values are the descriptor. The loss is the mean squared
+// difference of patch and reconstruction. Here the encoder is the trunk of the other networks. The
+// decoder is a full layer and two transposed convolutions. The descriptor has unit norm, so that
+// all distances have the same scale.
 
 #include "perception/networks/kehl.h"
 
@@ -12,9 +12,8 @@
 #include "perception/networks/patch_network.h"
 #include "perception/networks/training_tensors.h"
 #include "perception/networks/trunk.h"
-#include "perception/training.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 namespace {
 
 class Autoencoder : public PatchNetwork, public torch::nn::Module {
@@ -51,12 +50,12 @@ class Autoencoder : public PatchNetwork, public torch::nn::Module {
   }
 
  private:
-  static constexpr int kMaps = 8;                                        // of the decoder
-  static constexpr int kSide = kPatchPixels / 4, kArea = kSide * kSide;  // of its first maps
+  static constexpr int kMaps = 8;                                        // channels of the decoder
+  static constexpr int kSide = kPatchPixels / 4, kArea = kSide * kSide;  // size of its first maps
 
   int64_t Channels() const { return options_.channels == "depth" ? 1 : kPatchChannels; }
 
-  // The trunk has one form; what is not to be seen is 0.
+  // The trunk always has four input channels; unused channels are 0.
   at::Tensor Seen(const at::Tensor& patches) const {
     if (Channels() == kPatchChannels) return patches;
     const at::Tensor depth = patches.slice(1, 0, Channels());
@@ -90,12 +89,4 @@ PatchChannels AutoencoderChannels(const NetworkOptions& options) {
                                                 : PatchChannels::kDepthNormals;
 }
 
-TrainingOptions KehlTraining() {
-  TrainingOptions options;
-  options.network.kind = "autoencoder";
-  options.network.descriptor = 64;
-  options.candidates.votes = "modes";
-  return options;
-}
-
-}  // namespace pickbed
+}  // namespace pickbed::perception

@@ -1,26 +1,22 @@
 #pragma once
 
-// Settings of the auto-encoder of kehl.cpp, and of its training.
+// Settings of the autoencoder network of kehl.cpp.
 
 #include <string>
 
-#include "scenes/settings.h"
+#include "perception/layer.h"
+#include "scenes/base/settings.h"
 
-namespace pickbed {
-
-struct TrainingOptions;  // training.h
+namespace pickbed::perception {
 
 struct AutoencoderOptions {
-  // What the decoder shall give back: the patch itself, as in the paper, or its twin, the same
-  // place of the part seen alone, so that clutter is no part of what is described.
+  // Reconstruction target of the decoder. "itself": the input patch, as in the paper. "twin": the
+  // positive patch of the isolated object, so that the descriptor does not describe clutter.
   std::string target = "twin";
-  // What is seen of a part: rgbd is depth, red, green and blue, as in the paper; depth_normals is
-  // depth and the normal; depth is that alone.
+  // Input channels. "rgbd": depth, red, green and blue, as in the paper. "depth_normals": depth and
+  // normals. "depth": depth only.
   std::string channels = "depth_normals";
   void Visit(SettingsVisitor& v);
 };
 
-// By default for `pickbed train kehl`.
-TrainingOptions KehlTraining();
-
-}  // namespace pickbed
+}  // namespace pickbed::perception

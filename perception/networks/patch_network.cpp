@@ -4,9 +4,9 @@
 
 #include <stdexcept>
 
-#include "scenes/check.h"
+#include "scenes/base/error.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 
 at::Tensor PatchNetwork::Poses(const at::Tensor&) {
   throw std::logic_error("this network regresses no poses");
@@ -33,4 +33,4 @@ const PatchNetworkRow& FindPatchNetwork(const std::string& name) {
   throw InputError(UnknownNameMessage("network", name, known));
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

@@ -1,12 +1,13 @@
 #pragma once
 
-// Networks of local patches: each gives descriptors and knows what it is taught. Adding one is one
-// file here and one row in patch_network.cpp. Only .cpp files see libtorch's headers.
+// Interface of networks for local patches: each computes descriptors and its own training loss. A
+// new network is one file here and one row in patch_network.cpp. libtorch's headers are included
+// only by .cpp files.
 
 #include <memory>
 #include <span>
 
-#include "perception/torch_network.h"
+#include "perception/networks/descriptor_network.h"
 
 namespace at {
 class Tensor;
@@ -15,40 +16,46 @@ namespace torch::nn {
 class Module;
 }
 
-namespace pickbed {
+namespace pickbed::perception {
 
 struct TrainingTensors;  // networks/training_tensors.h
 
+// A network for patches.
 class PatchNetwork {
  public:
   virtual ~PatchNetwork() = default;
-  // patches: count x 4 x 32 x 32 float in [-1, 1]; result: count x length, see the row's unit_rows.
+  // Maps patches, count x 4 x 32 x 32 floats in [-1, 1], to count x length descriptors. They have
+  // unit norm if the row's unit_rows is set.
   virtual at::Tensor Forward(const at::Tensor& patches) = 0;
-  // What a step of training lowers: a scalar with gradient. `options` are those of the loss that
-  // compares descriptors; a network of another loss has its options among NetworkOptions.
+  // Returns the training loss: a scalar with gradient. `options` is for losses that compare
+  // descriptors; the options of other losses are in NetworkOptions.
   virtual at::Tensor Loss(const TrainingTensors& batch, const LossOptions& options) = 0;
-  // Of networks whose row regresses: count x parts x kPoseValues, see pose_targets.h.
+  // Returns poses, count x parts x kPoseValues, see pose_targets.h. Throws std::logic_error if the
+  // network regresses none.
   virtual at::Tensor Poses(const at::Tensor& patches);
-  virtual torch::nn::Module& module() = 0;  // its weights
-  virtual double MultiplyAdds() const = 0;  // to describe one patch
+  virtual torch::nn::Module& module() = 0;  // holds the weights
+  virtual double MultiplyAdds() const = 0;  // number of operations to describe one patch
 };
 
+// One row of the table of networks.
 struct PatchNetworkRow {
   const char* name;
   const char* help;
   std::unique_ptr<PatchNetwork> (*make)(const NetworkOptions& options, int parts);
-  bool unit_rows = true;   // descriptors have unit length
-  bool regresses = false;  // it gives poses too, of as many parts as it was made for
+  bool unit_rows = true;   // descriptors have unit norm
+  bool regresses = false;  // it also regresses poses of the `parts` objects passed to make
   PatchChannels (*channels)(const NetworkOptions& options) = nullptr;  // null: depth and normals
 };
 
+// Returns all networks.
 std::span<const PatchNetworkRow> PatchNetworkTable();
-// Throws InputError with the nearest known name.
+// Throws InputError with the nearest known name if there is no such network.
 const PatchNetworkRow& FindPatchNetwork(const std::string& name);
 
+// Entries of the table; `parts` is the number of objects whose poses a network regresses.
 std::unique_ptr<PatchNetwork> MakeConvolutionalNetwork(const NetworkOptions& options, int parts);
 std::unique_ptr<PatchNetwork> MakeAutoencoder(const NetworkOptions& options, int parts);
 std::unique_ptr<PatchNetwork> MakeSiameseRegression(const NetworkOptions& options, int parts);
 PatchChannels AutoencoderChannels(const NetworkOptions& options);
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

@@ -1,19 +1,21 @@
 #pragma once
 
-// A TrainingBatch (torch_network.h) as the networks see it.
+// A TrainingBatch (see descriptor_network.h) as tensors.
 
 #include <ATen/core/Tensor.h>
 
-namespace pickbed {
+#include "perception/layer.h"
 
-// N = 2 count rows: count anchors, then their codes.
+namespace pickbed::perception {
+
+// N = 2 count rows: the count anchors, then their codes.
 struct TrainingTensors {
   at::Tensor patches;        // N x 4 x 32 x 32
-  at::Tensor pose_distance;  // count x count, of anchor i and code j, in diameters
-  // Of networks that regress:
-  at::Tensor parts;      // N, index of the part
+  at::Tensor pose_distance;  // count x count, anchor i to code j, in diameters
+  // Only for networks that regress poses:
+  at::Tensor parts;      // N, object index
   at::Tensor rotations;  // N x variants x 4, quaternions w x y z of all symmetric poses
-  at::Tensor middles;    // N x 3, the part's centre of mass in the patch's frame, in patch sides
+  at::Tensor centers;    // N x 3, center of mass of the object in the patch frame, in patch sides
 };
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

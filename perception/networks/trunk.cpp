@@ -1,6 +1,6 @@
 #include "perception/networks/trunk.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 
 PatchTrunk::PatchTrunk() {
   using torch::nn::Conv2dOptions;
@@ -30,4 +30,4 @@ at::Tensor UnitRows(const at::Tensor& rows) {
                                           torch::nn::functional::NormalizeFuncOptions().dim(1));
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

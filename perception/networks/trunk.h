@@ -1,30 +1,31 @@
 #pragma once
 
-// conv 5x5/2 12 - conv 3x3 24 - pool - conv 3x3 32 - pool - full 128: the layers that the networks
-// of local patches begin with. A smaller relative of the network of Wohlhart and Lepetit, CVPR
-// 2015, so that methods differ in what they are taught, not in how much they can see.
+// First layers of all networks for local patches: conv 5x5/2 12 - conv 3x3 24 - pool - conv 3x3 32
+// - pool - full 128. It is similar to the network of Wohlhart and Lepetit, CVPR 2015, but smaller.
+// The methods share it, so they differ in their training and not in their capacity.
 
 #include <torch/nn.h>
 
-#include "perception/patch.h"
+#include "perception/features/patch.h"
 
-namespace pickbed {
+namespace pickbed::perception {
 
+// Module with these layers.
 class PatchTrunk : public torch::nn::Module {
  public:
   static constexpr int kFeatures = 128;
 
   PatchTrunk();
-  // count x 4 x 32 x 32 -> count x kFeatures, at least 0.
+  // Maps count x 4 x 32 x 32 to count x kFeatures values >= 0.
   at::Tensor Forward(const at::Tensor& patches);
-  double MultiplyAdds() const;  // to look at one patch
+  double MultiplyAdds() const;  // number of operations for one patch
 
  private:
   torch::nn::Conv2d first_{nullptr}, second_{nullptr}, third_{nullptr};
   torch::nn::Linear hidden_{nullptr};
 };
 
-// Rows of unit length.
+// Normalises each row to unit norm.
 at::Tensor UnitRows(const at::Tensor& rows);
 
-}  // namespace pickbed
+}  // namespace pickbed::perception

@@ -1,25 +1,29 @@
-// Candidates of a part, a plan over a bin of believed poses, and one executed grasp.
+// Benchmarks of grasp candidates of an object, a plan for a bin of estimated poses, and one
+// executed grasp.
 
 #include <benchmark/benchmark.h>
 
-#include "grasp/candidates.h"
-#include "grasp/execute.h"
-#include "grasp/plan.h"
-#include "scenes/object_catalog.h"
-#include "sim/convex_pieces.h"
-#include "sim/drop.h"
+#include "grasp/candidates/candidates.h"
+#include "grasp/execute/execute.h"
+#include "grasp/grippers/parallel_jaw.h"
+#include "grasp/grippers/table.h"
+#include "grasp/plan/plan.h"
+#include "scenes/objects/object_catalog.h"
+#include "sim/convex/convex_pieces.h"
+#include "sim/drop/drop.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
-// A settled bin of brackets with everything that a pick needs; the cloud is what its parts show to
-// the sky, one point a 2 mm column.
+// A settled bin of brackets with all inputs of a pick. The cloud holds the surface samples that
+// face up, without occlusion.
 struct GraspBench {
   ObjectSet objects;
-  GripperSpec gripper = LoadGripper("jaw_8cm");
+  ParallelJaw gripper;  // the defaults are the values of jaw_8cm
   std::vector<std::vector<GraspCandidate>> candidates;
   Scene scene;
-  std::vector<BelievedPose> poses;
+  std::vector<EstimatedPose> poses;
   std::vector<Eigen::Vector3d> cloud_W;
 
   GraspBench(int parts, int candidates_each) {
@@ -27,7 +31,8 @@ struct GraspBench {
     Rng rng(1);
     AntipodalOptions options;
     options.candidates = candidates_each;
-    candidates.push_back(AntipodalGrasps(*objects[0], gripper, rng, options));
+    candidates.push_back(
+        AntipodalGrasps(*objects[0], gripper.hand, gripper.clearance_m, rng, options));
     scene = DropParts(Bin{}, objects, {parts}, rng).scene;
     const SurfaceSamples samples = SampleSurface(objects[0]->mesh_O, 5000, rng);
     for (const PosedObject& part : scene.objects) {
@@ -52,15 +57,15 @@ void PlanBin(benchmark::State& state, int candidates_each) {
 BENCHMARK_CAPTURE(PlanBin, few, 200)->Name("grasp/plan/20x200")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(PlanBin, many, 2000)->Name("grasp/plan/20x2000")->Unit(benchmark::kMillisecond);
 
-// 500 grasps of a new part with all their qualities.
+// 500 grasps of a new object with all their qualities.
 void Candidates(benchmark::State& state, const char* gripper_name) {
   const auto bracket = ObjectCatalog({AssetsDir() / "objects"}).Load("bracket");
-  const GripperSpec gripper = LoadGripper(gripper_name);
+  const auto gripper = LoadGripper(gripper_name);
   GraspCandidateOptions options;
   options.antipodal.candidates = options.suction.candidates = 500;
   for (auto _ : state) {
     Rng rng(1);
-    benchmark::DoNotOptimize(MakeCandidates(*bracket, gripper, rng, options));
+    benchmark::DoNotOptimize(MakeCandidates(*bracket, *gripper, rng, options));
   }
   state.SetItemsProcessed(state.iterations() * 500);
 }
@@ -90,14 +95,14 @@ BENCHMARK(Execute)->Name("grasp/execute/20parts")->Unit(benchmark::kMillisecond)
 
 void Antipodal(benchmark::State& state) {
   const auto bracket = ObjectCatalog({AssetsDir() / "objects"}).Load("bracket");
-  const GripperSpec gripper = LoadGripper("jaw_8cm");
+  const ParallelJaw jaw;  // the defaults are the values of jaw_8cm
   for (auto _ : state) {
     Rng rng(1);
-    benchmark::DoNotOptimize(AntipodalGrasps(*bracket, gripper, rng));
+    benchmark::DoNotOptimize(AntipodalGrasps(*bracket, jaw.hand, jaw.clearance_m, rng));
   }
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(Antipodal)->Name("grasp/antipodal/bracket")->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests

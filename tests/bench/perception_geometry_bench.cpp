@@ -1,5 +1,5 @@
-// Perception without networks, on one simulated pile: what a frame costs, and what a hypothesis
-// costs at each stage.
+// Benchmarks of perception without networks on one simulated clutter scene: time per frame, and
+// time per hypothesis at each stage.
 
 #include <benchmark/benchmark.h>
 
@@ -7,23 +7,24 @@
 #include <numbers>
 #include <vector>
 
-#include "perception/depth_to_cloud.h"
-#include "perception/icp.h"
-#include "perception/model_points.h"
-#include "perception/projective_icp.h"
-#include "perception/suppress.h"
-#include "perception/two_way_icp.h"
-#include "perception/verify.h"
-#include "perception/vote_density.h"
-#include "perception/votes.h"
-#include "scenes/object_catalog.h"
-#include "sim/view_source.h"
+#include "perception/cloud/organized_cloud.h"
+#include "perception/icp/bidirectional_icp.h"
+#include "perception/icp/pcl_icp.h"
+#include "perception/icp/projective_icp.h"
+#include "perception/model/model_points.h"
+#include "perception/verify/non_maximum_suppression.h"
+#include "perception/verify/pose_features.h"
+#include "perception/voting/pose_clustering.h"
+#include "perception/voting/vote_density.h"
+#include "scenes/objects/object_catalog.h"
+#include "sim/training_view_source.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
-// A pile of brackets with rough poses about the true ones, made once.
-struct Pile {
+// A clutter scene of brackets with rough poses near the true ones, computed once.
+struct BracketScene {
   ObjectSet objects;
   LabelledView view;
   std::vector<ModelPoints> models;
@@ -44,9 +45,9 @@ std::vector<Pose> RoughPoses(const LabelledView& view, int count) {
   return poses;
 }
 
-const Pile& BracketPile() {
-  static const Pile pile = [] {
-    Pile p;
+const BracketScene& SharedScene() {
+  static const BracketScene scene = [] {
+    BracketScene p;
     p.objects = {ObjectCatalog({AssetsDir() / "objects"}).Load("bracket")};
     p.view = MakeSimViewSource(p.objects, {})->Pile({1, 1}).front();
     p.models.push_back(MakeModelPoints(*p.objects.front()));
@@ -54,98 +55,95 @@ const Pile& BracketPile() {
     p.rough = RoughPoses(p.view, 1000);
     return p;
   }();
-  return pile;
+  return scene;
 }
 
 void Cloud(benchmark::State& state) {
-  const Pile& pile = BracketPile();
+  const BracketScene& scene = SharedScene();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(BuildCloud(pile.view.frame, pile.view.background));
+    benchmark::DoNotOptimize(BuildCloud(scene.view.frame, scene.view.background));
   }
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(Cloud)->Name("cloud/known_bin/640x480")->Unit(benchmark::kMillisecond);
 
 void ModelOfBracket(benchmark::State& state) {
-  const ObjectModel& object = *BracketPile().objects.front();
+  const ObjectModel& object = *SharedScene().objects.front();
   for (auto _ : state) benchmark::DoNotOptimize(MakeModelPoints(object));
 }
 BENCHMARK(ModelOfBracket)->Name("model_points/bracket/200")->Unit(benchmark::kMillisecond);
 
-// One hypothesis an iteration.
+// Processes one hypothesis per iteration.
 template <typename Work>
 void ForEachPose(benchmark::State& state, Work work) {
-  const Pile& pile = BracketPile();
+  const BracketScene& scene = SharedScene();
   size_t i = 0;
   for (auto _ : state) {
-    work(pile, pile.rough[i]);
-    i = (i + 1) % pile.rough.size();
+    work(scene, scene.rough[i]);
+    i = (i + 1) % scene.rough.size();
   }
   state.SetItemsProcessed(state.iterations());
 }
 
 void Quick(benchmark::State& state) {
-  ForEachPose(state, [](const Pile& pile, const Pose& X_CO) {
-    benchmark::DoNotOptimize(QuickScore(pile.cloud, pile.models[0], X_CO));
+  ForEachPose(state, [](const BracketScene& scene, const Pose& X_CO) {
+    benchmark::DoNotOptimize(QuickScore(scene.cloud, scene.models[0], X_CO));
   });
 }
 BENCHMARK(Quick)->Name("quick_score/bracket/120")->Unit(benchmark::kMicrosecond);
 
 void BulkIcp(benchmark::State& state) {
-  ForEachPose(state, [](const Pile& pile, const Pose& X_CO) {
-    benchmark::DoNotOptimize(ProjectiveIcp(pile.cloud, pile.models[0], X_CO));
+  ForEachPose(state, [](const BracketScene& scene, const Pose& X_CO) {
+    benchmark::DoNotOptimize(ProjectiveIcp(scene.cloud, scene.models[0], X_CO));
   });
 }
 BENCHMARK(BulkIcp)->Name("projective_icp/bracket/150")->Unit(benchmark::kMicrosecond);
 
 void Evidence(benchmark::State& state) {
-  const DepthEvidenceOf evidence(*BracketPile().objects.front());
+  const DepthEvidenceOf evidence(*SharedScene().objects.front());
   EvidenceScratch scratch;
-  ForEachPose(state, [&](const Pile& pile, const Pose& X_CO) {
-    benchmark::DoNotOptimize(evidence(pile.cloud, X_CO, scratch));
+  ForEachPose(state, [&](const BracketScene& scene, const Pose& X_CO) {
+    benchmark::DoNotOptimize(evidence(scene.cloud, X_CO, scratch));
   });
 }
 BENCHMARK(Evidence)->Name("depth_evidence/bracket/1500")->Unit(benchmark::kMicrosecond);
 
 void Verify(benchmark::State& state) {
-  ForEachPose(state, [](const Pile& pile, const Pose& X_CO) {
+  ForEachPose(state, [](const BracketScene& scene, const Pose& X_CO) {
     FitReport fit;
-    benchmark::DoNotOptimize(ComputeVerifyFeatures(pile.cloud, pile.models[0], X_CO, {}, 3, fit));
+    benchmark::DoNotOptimize(ComputeVerifyFeatures(scene.cloud, scene.models[0], X_CO, {}, 3, fit));
   });
 }
 BENCHMARK(Verify)->Name("verify/bracket/600")->Unit(benchmark::kMicrosecond);
 
 void FinalIcp(benchmark::State& state) {
-  const PclRefiner refiner(BracketPile().cloud);
-  ForEachPose(state, [&](const Pile& pile, const Pose& X_CO) {
-    PoseHypothesis h;
-    h.X_CO = X_CO;
-    refiner.Refine(pile.models[0], h);
-    benchmark::DoNotOptimize(h);
+  const PclIcp refiner(SharedScene().cloud);
+  ForEachPose(state, [&](const BracketScene& scene, const Pose& X_CO) {
+    benchmark::DoNotOptimize(refiner.Refine(scene.models[0], X_CO));
   });
 }
 BENCHMARK(FinalIcp)->Name("pcl_icp/bracket/400")->Unit(benchmark::kMicrosecond);
 
-void TwoWay(benchmark::State& state) {
-  ForEachPose(state, [](const Pile& pile, const Pose& X_CO) {
-    benchmark::DoNotOptimize(TwoWayIcp(pile.cloud, pile.models[0], X_CO));
+void Bidirectional(benchmark::State& state) {
+  ForEachPose(state, [](const BracketScene& scene, const Pose& X_CO) {
+    benchmark::DoNotOptimize(BidirectionalIcp(scene.cloud, scene.models[0], X_CO));
   });
 }
-BENCHMARK(TwoWay)->Name("two_way_icp/bracket/600")->Unit(benchmark::kMicrosecond);
+BENCHMARK(Bidirectional)->Name("two_way_icp/bracket/600")->Unit(benchmark::kMicrosecond);
 
 void SearchTree(benchmark::State& state) {
-  const OrganizedCloud& cloud = BracketPile().cloud;
-  for (auto _ : state) benchmark::DoNotOptimize(PclRefiner(cloud));
+  const OrganizedCloud& cloud = SharedScene().cloud;
+  for (auto _ : state) benchmark::DoNotOptimize(PclIcp(cloud));
 }
 BENCHMARK(SearchTree)->Name("pcl_tree/pile/640x480")->Unit(benchmark::kMillisecond);
 
 void Cluster(benchmark::State& state) {
-  const Pile& pile = BracketPile();
-  const std::vector<PoseDistance> distances{PoseDistance(*pile.objects.front())};
+  const BracketScene& scene = SharedScene();
+  const std::vector<PoseDistance> distances{PoseDistance(*scene.objects.front())};
   std::vector<RawHypothesis> raw(state.range(0));
   Rng rng(5);
   for (size_t i = 0; i < raw.size(); ++i) {
-    raw[i].X_CO = pile.rough[i % pile.rough.size()];
+    raw[i].X_CO = scene.rough[i % scene.rough.size()];
     if (rng.Uniform() < 0.5) raw[i].X_CO.linear() = rng.Rotation().toRotationMatrix();
     raw[i].quick_score = static_cast<float>(rng.Uniform());
   }
@@ -155,14 +153,14 @@ void Cluster(benchmark::State& state) {
 BENCHMARK(Cluster)->Name("cluster/votes")->Arg(1200)->Arg(9600)->Unit(benchmark::kMillisecond);
 
 void Suppress(benchmark::State& state) {
-  const Pile& pile = BracketPile();
+  const BracketScene& scene = SharedScene();
   std::vector<PoseHypothesis> hypotheses(state.range(0));
   for (size_t i = 0; i < hypotheses.size(); ++i) {
-    hypotheses[i].X_CO = pile.rough[i];
+    hypotheses[i].X_CO = scene.rough[i];
     hypotheses[i].score = 1.0 / static_cast<double>(i + 1);
   }
   for (auto _ : state) {
-    benchmark::DoNotOptimize(SuppressDuplicates(pile.cloud, pile.models, hypotheses));
+    benchmark::DoNotOptimize(SuppressDuplicates(scene.cloud, scene.models, hypotheses));
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
@@ -172,10 +170,11 @@ BENCHMARK(Suppress)
     ->Arg(1000)
     ->Unit(benchmark::kMillisecond);
 
-// The votes of a frame about each of some of them: a bracket is one pose, a gear 24.
-void Density(benchmark::State& state, const char* part) {
-  constexpr int kVotes = 5000, kPlaces = 20, kAsked = 200;
-  const auto model = ObjectCatalog({AssetsDir() / "objects"}).Load(part);
+// Density of the votes of a frame around some of them. A bracket has one equivalent pose, a gear
+// 24.
+void Density(benchmark::State& state, const char* object_name) {
+  constexpr int kVotes = 5000, kPlaces = 20, kQueries = 200;
+  const auto model = ObjectCatalog({AssetsDir() / "objects"}).Load(object_name);
   LabelledView view;
   Rng rng(3);
   for (int i = 0; i < kPlaces; ++i) {
@@ -191,14 +190,14 @@ void Density(benchmark::State& state, const char* part) {
   const VoteDensity density(embedding, model->mass.com_O, model->diameter_m, 0.2, votes);
   VoteDensity::Scratch scratch;
   for (auto _ : state) {
-    for (int i = 0; i < kAsked; ++i) {
+    for (int i = 0; i < kQueries; ++i) {
       benchmark::DoNotOptimize(density.Around(votes[i].X_CO, votes[i].patch, scratch));
     }
   }
-  state.SetItemsProcessed(state.iterations() * kAsked);
+  state.SetItemsProcessed(state.iterations() * kQueries);
 }
 BENCHMARK_CAPTURE(Density, bracket, "bracket")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Density, gear, "gear")->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests

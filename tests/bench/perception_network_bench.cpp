@@ -1,5 +1,5 @@
-// The learned half of the descriptor estimator: patches, network and index, on one simulated pile.
-// network/describe gives its share of the rate of SGEMM on the same core.
+// Benchmarks of the learned part of the descriptor estimator on one simulated clutter scene:
+// patches, network and index. network/describe reports its rate relative to SGEMM on the same core.
 
 #include <benchmark/benchmark.h>
 
@@ -8,32 +8,33 @@
 #include <numbers>
 #include <vector>
 
-#include "eval/threads.h"
-#include "perception/neighbors.h"
-#include "perception/patch.h"
-#include "perception/torch_model_file.h"
-#include "scenes/files.h"
-#include "scenes/object_catalog.h"
-#include "sim/view_source.h"
+#include "eval/runtime/process.h"
+#include "perception/features/neighbors.h"
+#include "perception/features/patch.h"
+#include "perception/networks/model_file.h"
+#include "scenes/base/files.h"
+#include "scenes/objects/object_catalog.h"
+#include "sim/training_view_source.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
-constexpr int kPatches = 600;  // of a frame in mode fast
+constexpr int kPatches = 600;  // patches per frame in mode fast
 constexpr double kSide_m = 0.08;
 
-// A pile of brackets, and where patches are cut.
-struct Pile {
+// A clutter scene of brackets, and the pixels and angles of the patches.
+struct BracketScene {
   OrganizedCloud cloud;
   std::vector<int> pixels;
   std::vector<double> angles_rad;
 };
 
-const Pile& BracketPile() {
-  static const Pile pile = [] {
+const BracketScene& SharedScene() {
+  static const BracketScene scene = [] {
     const ObjectSet objects{ObjectCatalog({AssetsDir() / "objects"}).Load("bracket")};
     const LabelledView view = MakeSimViewSource(objects, {})->Pile({1, 1}).front();
-    Pile p{BuildCloud(view.frame, view.background), {}, {}};
+    BracketScene p{BuildCloud(view.frame, view.background), {}, {}};
     Rng rng(3);
     while (p.pixels.size() < kPatches) {
       const int pixel =
@@ -44,7 +45,7 @@ const Pile& BracketPile() {
     }
     return p;
   }();
-  return pile;
+  return scene;
 }
 
 const DescriptorModel& Shipped() {
@@ -54,18 +55,18 @@ const DescriptorModel& Shipped() {
 }
 
 void Patches(benchmark::State& state) {
-  const Pile& pile = BracketPile();
+  const BracketScene& scene = SharedScene();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(CutPatches(pile.cloud, pile.pixels, pile.angles_rad, {kSide_m}));
+    benchmark::DoNotOptimize(CutPatches(scene.cloud, scene.pixels, scene.angles_rad, {kSide_m}));
   }
   state.SetItemsProcessed(state.iterations() * kPatches);
 }
 BENCHMARK(Patches)->Name("patches/cut/600")->Unit(benchmark::kMillisecond);
 
 void Describe(benchmark::State& state) {
-  const Pile& pile = BracketPile();
+  const BracketScene& scene = SharedScene();
   const DescriptorNetwork& network = Shipped().network;
-  const PatchSet patches = CutPatches(pile.cloud, pile.pixels, pile.angles_rad, {kSide_m});
+  const PatchSet patches = CutPatches(scene.cloud, scene.pixels, scene.angles_rad, {kSide_m});
   const double sgemm_rate = SgemmRate();
   const auto start = std::chrono::steady_clock::now();
   for (auto _ : state) benchmark::DoNotOptimize(network.Describe(patches.values));
@@ -78,21 +79,22 @@ void Describe(benchmark::State& state) {
 }
 BENCHMARK(Describe)->Name("network/describe/600")->Unit(benchmark::kMillisecond);
 
-// Rows of unit length about as many centres as a part has views: a code book of twelve parts.
+// Rows of unit length around as many centers as an object has views. 600,000 rows are a code book
+// of twelve objects.
 void Search(benchmark::State& state) {
   const auto rows = static_cast<int>(state.range(0));
-  constexpr int kLength = 32, kRowsOfACentre = 20;
+  constexpr int kLength = 32, kRowsPerCenter = 20;
   Rng rng(5);
   const auto fill = [&](int count, std::vector<float>& values) {
-    std::vector<double> centre(kLength);
+    std::vector<double> center(kLength);
     for (int i = 0; i < count; ++i) {
-      if (i % kRowsOfACentre == 0) {
-        for (double& c : centre) c = rng.Normal();
+      if (i % kRowsPerCenter == 0) {
+        for (double& c : center) c = rng.Normal();
       }
       double squared = 0;
       std::vector<double> row(kLength);
       for (int k = 0; k < kLength; ++k) {
-        row[k] = centre[k] + 0.4 * rng.Normal();
+        row[k] = center[k] + 0.4 * rng.Normal();
         squared += row[k] * row[k];
       }
       for (const double value : row) {
@@ -114,4 +116,4 @@ BENCHMARK(Search)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests

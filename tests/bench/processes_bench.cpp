@@ -11,25 +11,24 @@
 
 #include "tests/bench/processes.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
-// Mesa keeps compiled shaders on disk by a thread of its own. A process that is forked from one
-// that has drawn already does not have that thread and would wait for it for ever, so there is to
-// be none.
+// Mesa writes compiled shaders to disk in a separate thread. A process that is forked after drawing
+// lacks this thread and would wait for it forever, so the shader cache is disabled.
 const bool kNoShaderThread = setenv("MESA_SHADER_CACHE_DISABLE", "true", 1) == 0;
 
 struct Worker {
   pid_t pid = -1;
-  int start = -1;  // a byte into it starts the steps; closed, it ends the process
-  int done = -1;   // the CPU seconds they took come out when they are done
+  int start = -1;  // a byte written to it starts the steps; closing it ends the process
+  int done = -1;   // returns the CPU seconds of the steps when they are done
 };
 
 [[noreturn]] void Serve(int start, int done, int steps,
                         const std::function<std::function<void()>()>& make_work) {
   try {
     const std::function<void()> work = make_work();
-    work();  // compiles shaders, makes framebuffers
+    work();  // compiles shaders and creates framebuffers
     char byte = 0;
     double cpu_s = 0;
     do {
@@ -62,7 +61,7 @@ Worker StartWorker(int steps, const std::function<std::function<void()>()>& make
   return worker;
 }
 
-// Adds up their CPU time.
+// Waits for all workers and adds their CPU time to `cpu_s`. Returns false if one failed.
 bool WaitForAll(const std::vector<Worker>& workers, double& cpu_s) {
   bool ok = true;
   for (const Worker& worker : workers) {
@@ -102,4 +101,4 @@ void MeasureInProcesses(benchmark::State& state, int steps,
   state.counters["items_per_cpu_second"] = items / cpu_s;
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -1,16 +1,17 @@
-// Reading, measuring and querying meshes. Balls of 2^(2 level + 3) triangles.
+// Benchmarks of reading, measuring and querying meshes. A ball of one level has 2^(2 level + 3)
+// triangles.
 
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
 
-#include "scenes/files.h"
-#include "scenes/mass_properties.h"
-#include "scenes/mesh_io.h"
-#include "scenes/mesh_query.h"
+#include "scenes/base/files.h"
+#include "scenes/geometry/mass_properties.h"
+#include "scenes/geometry/mesh_query.h"
+#include "scenes/mesh_io/mesh_io.h"
 #include "tests/scenes/shapes.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 void BM_LoadMesh(benchmark::State& state) {
@@ -63,4 +64,4 @@ void BM_Raycast(benchmark::State& state) {
 BENCHMARK(BM_Raycast)->Name("mesh_query/raycast/ball_level")->Arg(3)->Arg(6);
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests

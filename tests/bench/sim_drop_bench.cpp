@@ -3,26 +3,28 @@
 #include <algorithm>
 #include <vector>
 
-#include "scenes/object_catalog.h"
-#include "sim/convex_pieces.h"
-#include "sim/drop.h"
+#include "scenes/objects/object_catalog.h"
+#include "sim/convex/convex_pieces.h"
+#include "sim/drop/drop.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
-ObjectSet ShippedParts() {
+ObjectSet ShippedObjects() {
   const ObjectCatalog catalog({AssetsDir() / "objects"});
   ObjectSet objects;
   for (const std::string& name : catalog.Names()) objects.push_back(catalog.Load(name));
   return WithConvexPieces(objects);
 }
 
-// One pile may take three times as long as another, so a figure is the mean over this many.
-constexpr int kPiles = 8;
+// One scene can take three times as long as another, so each value is a mean over this many scenes.
+constexpr int kScenes = 8;
 
-// As many parts as the range says, spread evenly over all shipped kinds; another seed each time.
-void DropMixedParts(benchmark::State& state) {
-  const ObjectSet objects = ShippedParts();
+// Drops state.range(0) instances, evenly distributed over all shipped objects, with another seed in
+// each iteration.
+void DropMixedInstances(benchmark::State& state) {
+  const ObjectSet objects = ShippedObjects();
   std::vector<int> counts(objects.size(), 0);
   for (int i = 0; i < state.range(0); ++i) ++counts[i % counts.size()];
   uint64_t seed = 0;
@@ -41,19 +43,19 @@ void DropMixedParts(benchmark::State& state) {
   state.counters["deepest_mm"] = worst_mm;
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
-BENCHMARK(DropMixedParts)
+BENCHMARK(DropMixedInstances)
     ->Name("drop/mixed20/1core")
     ->Arg(20)
-    ->Iterations(kPiles)
+    ->Iterations(kScenes)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK(DropMixedParts)
+BENCHMARK(DropMixedInstances)
     ->Name("drop/mixed50/1core")
     ->Arg(50)
-    ->Iterations(kPiles)
+    ->Iterations(kScenes)
     ->Unit(benchmark::kMillisecond);
 
-void DecomposeShippedParts(benchmark::State& state) {
-  const ObjectSet objects = ShippedParts();
+void DecomposeShippedObjects(benchmark::State& state) {
+  const ObjectSet objects = ShippedObjects();
   for (auto _ : state) {
     for (const auto& object : objects) {
       benchmark::DoNotOptimize(DecomposeConvex(object->mesh_O));
@@ -61,7 +63,7 @@ void DecomposeShippedParts(benchmark::State& state) {
   }
   state.SetItemsProcessed(state.iterations() * static_cast<int>(objects.size()));
 }
-BENCHMARK(DecomposeShippedParts)->Name("decompose/shipped/1core")->Unit(benchmark::kMillisecond);
+BENCHMARK(DecomposeShippedObjects)->Name("decompose/shipped/1core")->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -1,5 +1,6 @@
-// Pictures and sensor noise. Names that end in /cores:N are measured on N processes with a context
-// each, as the program's workers are. (Two contexts in one process would share the driver's lock.)
+// Benchmarks of rendering and sensor noise. Names that end in /cores:N are measured on N processes
+// with one context each, as in the program's workers. (Two contexts in one process would share the
+// driver's lock.)
 
 #include <benchmark/benchmark.h>
 
@@ -10,15 +11,15 @@
 #include <numbers>
 #include <vector>
 
-#include "scenes/part_families.h"
-#include "sim/renderer.h"
-#include "sim/sensor_noise.h"
+#include "scenes/part_families/part_families.h"
+#include "sim/render/renderer.h"
+#include "sim/sensor/depth_noise.h"
 #include "tests/bench/processes.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
-ObjectSet AllParts() {
+ObjectSet AllObjects() {
   ObjectSet objects;
   for (const PartRow& row : PartTable()) {
     auto model = std::make_shared<ObjectModel>();
@@ -30,24 +31,25 @@ ObjectSet AllParts() {
 
 Camera CellCamera() {
   Camera camera;
-  camera.X_WC = LookAt({0, -0.12, 0.85}, {0, 0, 0.03}, {0, 0, 1});
+  camera.SetPose(LookAt({0, -0.12, 0.85}, {0, 0, 0.03}, {0, 0, 1}));
   return camera;
 }
 
-// Parts of all kinds in turn, thrown about in the bin without physics: what is drawn is the same.
-Scene Bin30(int kinds) {
+// Returns 30 instances of alternating objects at random poses, without physics. The render time is
+// the same as for a settled scene.
+Scene Bin30(int object_count) {
   Rng rng(3);
   Scene scene;
   for (int i = 0; i < 30; ++i) {
     const Eigen::Vector3d p(rng.Uniform(-0.16, 0.16), rng.Uniform(-0.11, 0.11),
                             rng.Uniform(0.02, 0.10));
-    scene.objects.push_back({i, i % kinds, MakePose(rng.Rotation().toRotationMatrix(), p)});
+    scene.objects.push_back({i, i % object_count, MakePose(rng.Rotation().toRotationMatrix(), p)});
   }
   return scene;
 }
 
 void RenderBin30(benchmark::State& state) {
-  const ObjectSet objects = AllParts();
+  const ObjectSet objects = AllObjects();
   const Scene scene = Bin30(static_cast<int>(objects.size()));
   SceneRenderer renderer(objects, scene.bin);
   const Camera camera = CellCamera();
@@ -58,7 +60,7 @@ void RenderBin30(benchmark::State& state) {
 BENCHMARK(RenderBin30)->Name("render/bin30/640x480");
 
 void VisibleFractionsOfBin30(benchmark::State& state) {
-  const ObjectSet objects = AllParts();
+  const ObjectSet objects = AllObjects();
   const Scene scene = Bin30(static_cast<int>(objects.size()));
   SceneRenderer renderer(objects, scene.bin);
   const Camera camera = CellCamera();
@@ -70,8 +72,8 @@ void VisibleFractionsOfBin30(benchmark::State& state) {
 }
 BENCHMARK(VisibleFractionsOfBin30)->Name("render/visible_fractions/bin30");
 
-// A smooth closed ring of 2 x around x across triangles that is curved everywhere, so that levels
-// of detail gain no more from it than they must.
+// Returns a smooth closed ring of 2 x around x across triangles. It is curved everywhere, so that
+// levels of detail reduce it as little as possible.
 TriangleMesh Ring(double radius_m, double thickness_m, int around, int across) {
   TriangleMesh mesh;
   const auto index = [&](int i, int j) { return (i % around) * across + j % across; };
@@ -97,7 +99,7 @@ ObjectSet RingOf2304() {
   return {model};
 }
 
-// Frames a second of one 2,304-triangle object over a seventh of the image, in steps of 100.
+// Frames per second of one 2,304-triangle object over a seventh of the image, in steps of 100.
 void RenderOne(benchmark::State& state, DetailOptions detail,
                PlainSurfaces surfaces = PlainSurfaces::kOwnRaster) {
   MeasureInProcesses(state, 100, [detail, surfaces] {
@@ -131,7 +133,8 @@ BENCHMARK_CAPTURE(RenderOne, open_gl, DetailOptions{}, PlainSurfaces::kOpenGl)
     ->Arg(2)
     ->UseManualTime();
 
-// 30 parts of 2,304 triangles in a bin: colour, depth and ids, and every visible fraction too.
+// 30 instances of 2,304 triangles in a bin: colour, depth and ids, optionally with every visible
+// fraction.
 void RenderBin30Of2304(benchmark::State& state, bool fractions) {
   MeasureInProcesses(state, 20, [fractions] {
     const Scene scene = Bin30(1);
@@ -158,7 +161,7 @@ BENCHMARK_CAPTURE(RenderBin30Of2304, fractions, true)
     ->Arg(2)
     ->UseManualTime();
 
-// 64x64 views of a 256-triangle mesh, 1024 in a call.
+// 64x64 views of a 256-triangle mesh, 1024 per call.
 void RenderTrainingViews(benchmark::State& state, bool color) {
   constexpr int kViews = 1024;
   MeasureInProcesses(
@@ -197,7 +200,8 @@ BENCHMARK_CAPTURE(RenderTrainingViews, depth, false)
     ->Arg(2)
     ->UseManualTime();
 
-// The number of views at once, of a smooth part of 1,152 triangles or fewer by level of detail.
+// Renders state.range(0) views per call, of a smooth object with 1,152 triangles or fewer by level
+// of detail.
 void RenderViews(benchmark::State& state) {
   const auto views = static_cast<size_t>(state.range(0));
   Renderer renderer;
@@ -215,10 +219,10 @@ void RenderViews(benchmark::State& state) {
 }
 BENCHMARK(RenderViews)->Name("render/views/64x64")->Arg(64)->Arg(1024);
 
-// Every effect of the profile on a full bin in colour.
-void SeeBin30(benchmark::State& state, const char* sensor) {
+// Applies every effect of the profile to an image of a full bin with colour.
+void SenseBin30(benchmark::State& state, const char* sensor) {
   const SensorProfile profile = LoadSensorProfile(sensor);
-  const ObjectSet objects = AllParts();
+  const ObjectSet objects = AllObjects();
   const Scene scene = Bin30(static_cast<int>(objects.size()));
   SceneRenderer renderer(objects, scene.bin);
   const Camera camera = CellCamera();
@@ -228,11 +232,11 @@ void SeeBin30(benchmark::State& state, const char* sensor) {
   for (auto _ : state) benchmark::DoNotOptimize(ApplySensorNoise(view, profile, rng));
   state.SetItemsProcessed(state.iterations());
 }
-BENCHMARK_CAPTURE(SeeBin30, structured_light, "structured_light")
+BENCHMARK_CAPTURE(SenseBin30, structured_light, "structured_light")
     ->Name("sensor/structured_light/640x480");
-BENCHMARK_CAPTURE(SeeBin30, active_stereo, "active_stereo")->Name("sensor/active_stereo/640x480");
-BENCHMARK_CAPTURE(SeeBin30, time_of_flight, "time_of_flight")
+BENCHMARK_CAPTURE(SenseBin30, active_stereo, "active_stereo")->Name("sensor/active_stereo/640x480");
+BENCHMARK_CAPTURE(SenseBin30, time_of_flight, "time_of_flight")
     ->Name("sensor/time_of_flight/640x480");
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -1,12 +1,13 @@
-// A tolerance model fitted to executed grasps, and a pose scored by it.
+// Benchmarks of fitting a tolerance model to executed grasps, and of scoring a pose with it.
 
 #include <benchmark/benchmark.h>
 
-#include "grasp/tolerance.h"
-#include "scenes/object_catalog.h"
-#include "scenes/random.h"
+#include "grasp/tolerance/tolerance_model.h"
+#include "scenes/base/random.h"
+#include "scenes/objects/object_catalog.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 constexpr int kGrasps = 40;
@@ -17,7 +18,7 @@ PoseOffset RandomError(Rng& rng) {
   return error;
 }
 
-// The flange has a continuous axis: 314 poses that look the same.
+// The flange has a continuous axis, which is discretized into 314 ambiguous poses.
 ToleranceModel FlangeModel(Rng& rng) {
   std::vector<Pose> X_OG;
   for (int i = 0; i < kGrasps; ++i) {
@@ -55,4 +56,4 @@ BENCHMARK(Fit)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests

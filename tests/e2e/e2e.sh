@@ -1,8 +1,8 @@
 #!/bin/bash
 # End-to-end checks of the program as a user runs it.
 #   e2e.sh PICKBED CASE
-# CASE is a function of cases/*.sh whose name begins with a letter; each works in a folder of its
-# own and fails loudly.
+# CASE is a function of cases/*.sh whose name begins with a letter. Each case runs in its own temporary
+# folder. A failed case prints a message and exits with 1.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 pickbed=$1

@@ -1,8 +1,8 @@
-// Opens a report in headless Chromium from disk and checks that it works there.
+// Opens a report file in headless Chromium and checks that it works.
 //   node report_check.mjs PAGE.html [--views N] [--pictures DIR]
-// --views: 3D views that the page must have. --pictures: screenshots and a print go there, to be
-// looked at. Chromium is driven through its DevTools protocol over a pipe. Prints what is wrong, a
-// line each, and exits with 1.
+// --views: minimum number of 3D views on the page. --pictures: folder for screenshots and a PDF, for
+// inspection by eye. Controls Chromium through its DevTools protocol over a pipe. Prints one line per
+// fault and then exits with 1.
 
 import {spawn} from 'node:child_process';
 import {mkdtempSync, mkdirSync, rmSync, writeFileSync} from 'node:fs';
@@ -10,7 +10,7 @@ import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
 import {pathToFileURL} from 'node:url';
 
-const wait_ms = 180000;  // for a page under software rendering on a busy machine
+const wait_ms = 180000;  // limit for a page with software rendering on a busy machine
 
 const argument = (name) => {
   const place = process.argv.indexOf(name);
@@ -56,7 +56,7 @@ class Browser {
     const {targetId} = await this.send('Target.createTarget', {url: 'about:blank'});
     this.session = (await this.send('Target.attachToTarget', {targetId, flatten: true})).sessionId;
   }
-  // The value of an expression or promise in the page.
+  // Returns the value of an expression or promise in the page.
   async value(expression) {
     const {result, exceptionDetails} = await this.send('Runtime.evaluate',
       {expression, awaitPromise: true, returnByValue: true});
@@ -66,7 +66,7 @@ class Browser {
   async until(expression, what) {
     const end = Date.now() + wait_ms;
     while (!await this.value(expression)) {
-      if (Date.now() > end) throw new Error(`waited in vain for ${what}`);
+      if (Date.now() > end) throw new Error(`timeout while waiting for ${what}`);
       await new Promise((done) => setTimeout(done, 100));
     }
   }
@@ -85,8 +85,8 @@ class Browser {
   }
   close() {
     this.process.kill('SIGKILL');
-    // Its helpers write into the profile until they notice, and Node's own retries do not cover a
-    // folder that fills again while it is emptied.
+    // Helper processes of Chromium still write into the profile for a moment. The retries of Node do not
+    // cover a folder that fills again while it is emptied.
     const pause = new Int32Array(new SharedArrayBuffer(4));
     for (let tries = 0; ; ++tries) {
       try {
@@ -145,11 +145,11 @@ async function checkGallery(browser) {
   await choose('order', 'confidence down');
   const {confidences} = await state();
   check(confidences.every((value, i) => i === 0 || value <= confidences[i - 1]),
-    'surest first is not sorted');
+    'the order by falling confidence is wrong');
   await choose('order', 'trial');
 }
 
-// Pixels of the view that are not of its most frequent colour.
+// Share of pixels that differ from the most frequent color, number of colors, and checksum of a view.
 const drawn = `(async (viewer) => {
   const image = new Image();
   image.src = viewer.toDataURL('image/png');
@@ -182,7 +182,7 @@ async function checkView(browser, i) {
   await browser.value(`${viewer}.updateComplete.then(() => true)`);
   await settle();
   const turned = await browser.value(`${drawn}(${viewer})`);
-  check(turned.sum !== before.sum, `3D view ${i} does not turn`);
+  check(turned.sum !== before.sum, `3D view ${i} does not rotate`);
   const layers = await browser.value(`${viewer}.closest('.view').querySelectorAll('input').length`);
   check(layers > 2, `3D view ${i} has no layers to choose`);
   await browser.value(`${viewer}.closest('.view').querySelectorAll('input').forEach((box) => {
@@ -195,7 +195,7 @@ async function checkView(browser, i) {
   await settle();
 }
 
-// Nothing on a printed page is cut at its edge.
+// Checks that nothing on a printed page is cut at its edge.
 async function checkPaper(browser) {
   const paper_px = 718;  // A4 without its margins
   await browser.screen(paper_px, 'light');
@@ -206,7 +206,7 @@ async function checkPaper(browser) {
       .filter((one) => one.getBoundingClientRect().right > ${paper_px} + 1)
       .map((one) => one.textContent.trim().slice(0, 60));
   })()`);
-  for (const one of cut) check(false, `on paper this is cut: ${one}`);
+  for (const one of cut) check(false, `cut at the edge of the printed page: ${one}`);
   await browser.send('Emulation.setEmulatedMedia', {media: ''});
 }
 
@@ -217,13 +217,13 @@ async function run(browser) {
       faults.push(`error: ${params.exceptionDetails.exception?.description ?? params.exceptionDetails.text}`);
     } else if (method === 'Runtime.consoleAPICalled' && ['error', 'warning'].includes(params.type)) {
       const text = params.args.map((arg) => arg.value ?? arg.description).join(' ');
-      // A busy machine draws two frames in more than the half second that model-viewer waits for
-      // them; it then goes on, and checkView sees whether the view is drawn.
+      // On a busy machine, two frames take longer than the half second that model-viewer waits. It then
+      // continues, and checkView tests whether the view is drawn.
       if (!text.startsWith('rAF timed out')) faults.push(`console: ${text}`);
     } else if (method === 'Log.entryAdded' && params.entry.level === 'error') {
       faults.push(`log: ${params.entry.text}`);
     } else if (method === 'Network.requestWillBeSent' && /^(https?|wss?):/.test(params.request.url)) {
-      faults.push(`asks the network for ${params.request.url}`);
+      faults.push(`requests ${params.request.url} from the network`);
     }
   });
   for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await browser.send(`${domain}.enable`);
@@ -240,7 +240,7 @@ async function run(browser) {
   await browser.screen(1280, 'dark');
   await browser.shot('dark.png');
   await browser.screen(400, 'light');
-  await new Promise((done) => setTimeout(done, 1000));  // charts follow the new width
+  await new Promise((done) => setTimeout(done, 1000));  // charts adapt to the new width
   const width = await browser.value('document.documentElement.scrollWidth');
   check(width <= 400, `on a phone of 400 px the page is ${width} px wide`);
   await browser.shot('phone.png');

@@ -1,8 +1,9 @@
 #!/bin/bash
-# A sweep on a real Slurm: starts munged, slurmctld and slurmd on loopback, runs 8 shards as a job
-# array, kills one that is half done and requeues it, and compares with the same sweep by two workers.
+# Tests a sweep on a real Slurm cluster. Starts munged, slurmctld and slurmd on loopback and runs 8
+# shards as a job array. Kills one shard halfway and requeues it. The results must be the same as in the
+# same sweep with two local workers.
 #   slurm.sh PICKBED
-# Needs root and the packages slurm-wlm and munge; is skipped (exit 77) without.
+# Needs root and the packages slurm-wlm and munge. Without them it is skipped (exit status 77).
 set -u
 pickbed=$1
 [ "$(id -u)" = 0 ] || { echo "skipped: a cluster can only be started as root"; exit 77; }
@@ -78,10 +79,10 @@ CONF
   fail "the cluster did not start"
 }
 
-# Tasks of the array in a state, as numbers of shards.
+# Prints the shard numbers of the array tasks in a state.
 tasks_in() { squeue --noheader --array --states="$1" --format=%K 2>/dev/null; }
 
-# wait_for SECONDS WHAT COMMAND...: until the command succeeds; fails, saying what was waited for.
+# wait_for SECONDS WHAT COMMAND...: waits until the command succeeds. Fails with the message WHAT.
 wait_for() {
   local seconds=$1 what=$2
   shift 2
@@ -93,21 +94,21 @@ wait_for() {
   fail "after $seconds s: $what"
 }
 
-# Trials that a shard's store holds.
+# Prints the number of trials in the store of a shard.
 done_of() {
   rm -rf peek
   "$pickbed" merge "cluster/shards/shard_$1_of_8" --out peek >/dev/null 2>peek.err || { echo 0; return; }
   echo $(($(wc -l <peek/trials.csv) - 1))
 }
 
-# Stops a task when it has done some of its trials and not all: its shard is then `victim`. Its
-# process is signalled itself, since Slurm takes a task that was stopped through it for suspended.
+# Stops a task that has done some but not all of its trials, and sets `victim` to its shard. The signal
+# goes to the process itself, because Slurm treats a task that it stops as suspended.
 stop_half_done() {
   local shard pid count
   for shard in $(tasks_in RUNNING); do
     pid=$(sed -n 's/^process \([0-9]*\) .*/\1/p' "cluster/shards/shard_${shard}_of_8/lock" 2>/dev/null)
     [ -n "$pid" ] && kill -STOP "$pid" 2>/dev/null || continue
-    sleep 0.3 # its worker ends the trial that it is at
+    sleep 0.3 # its worker finishes the current trial
     count=$(done_of "$shard")
     if [ "$count" -ge 1 ] && [ "$count" -lt 6 ]; then
       victim=$shard
@@ -141,13 +142,14 @@ YAML
 
 "$pickbed" sweep sweep.yaml --jobs 2 --out local >local.log 2>local.err || fail "the sweep of two workers"
 
-# A partition that is not there: refused in one line, before anything runs.
+# An unknown partition is refused in one line before anything runs.
 "$pickbed" sweep sweep.yaml --slurm --partition nowhere --out refused >refused.log 2>refused.err
 [ $? = 1 ] || fail "an unknown partition was not refused"
-grep -q "Slurm refused the job" refused.err || fail "the refusal is not told"
+grep -q "Slurm refused the job" refused.err || fail "the refusal by Slurm is not reported"
 [ "$(grep -c "^pickbed:" refused.err)" = 1 ] || fail "the refusal is not one line"
 
-# The last task is held until the victim is back in the queue: an empty queue ends the following.
+# The last task is held until the victim is back in the queue. An empty queue would end the command
+# that follows the job.
 "$pickbed" sweep sweep.yaml --slurm --out cluster --json-progress >cluster.log 2>cluster.err &
 follower=$!
 wait_for 60 "no job was submitted" test -s cluster/slurm/job_id
@@ -166,22 +168,22 @@ wait $follower
 status=$?
 [ $status = 0 ] || fail "the sweep on Slurm ended with status $status: $(tail -1 cluster.err)"
 for file in trials.csv picks.csv parts.csv points.csv summary.json; do
-  cmp -s "local/$file" "cluster/$file" || fail "$file differs from that of two workers"
+  cmp -s "local/$file" "cluster/$file" || fail "$file differs from the file of two workers"
 done
 [ "$(wc -l <cluster/trials.csv)" = 49 ] || fail "not 48 trials"
 grep -q '"what":"trial","done":' cluster.err || fail "no progress"
 grep -q '"done":48,"total":48,.*"attempts":[1-9].*"success_ci95":' cluster.err ||
-  fail "the last line of progress tells no success rate"
+  fail "the last line of progress has no success rate"
 
-# All is done: the same command finds that out, submits nothing and gives the same.
+# The sweep is finished: the same command submits nothing and gives the same results.
 "$pickbed" sweep sweep.yaml --slurm --out cluster >again.log 2>again.err || fail "the second call"
 [ "$(cat cluster/slurm/job_id)" = "$job" ] || fail "a finished sweep was submitted again"
 cmp -s local/picks.csv cluster/picks.csv || fail "the second call changed the results"
 
-# A time limit ends shards: what they finished is kept and said, and the same command goes on.
+# A time limit ends shards. Their finished trials are kept and reported, and the same command continues.
 "$pickbed" sweep sweep.yaml --slurm --shards 1 --time 0:01 --trials 400 --out limited \
   >limited.log 2>limited.err
 [ $? = 1 ] || fail "a sweep that met its time limit did not end with status 1"
-grep -q "shard 1 of 1: TIMEOUT" limited.err || fail "the time limit is not told"
-[ -s limited/trials.csv ] || fail "what was done before the time limit is not kept"
+grep -q "shard 1 of 1: TIMEOUT" limited.err || fail "the time limit is not reported"
+[ -s limited/trials.csv ] || fail "trials finished before the time limit are not kept"
 echo "passed"

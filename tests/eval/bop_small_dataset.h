@@ -1,14 +1,14 @@
 #pragma once
 
-// The smallest data set: cubes, few pixels, an ideal sensor. No file of the catalog.
+// A minimal BOP data set for tests: cubes, small images, an ideal sensor, no catalog files.
 
 #include <filesystem>
 #include <functional>
 
-#include "eval/bop/make.h"
+#include "eval/bop/make_dataset.h"
 #include "tests/eval/cube_scenario.h"
 
-namespace pickbed::bop {
+namespace pickbed::tests::bop {
 
 inline constexpr int kSmallParts = 3;
 
@@ -33,4 +33,4 @@ inline MakeReport MakeSmall(const std::filesystem::path& out, int scenes, int vi
   return MakeDataset(SmallScenario(), EasyCube(), options, {}, stop);
 }
 
-}  // namespace pickbed::bop
+}  // namespace pickbed::tests::bop

@@ -1,14 +1,15 @@
 #pragma once
 
-// The smallest thing to run: cubes and an oracle, no file of the catalog, no network.
+// A minimal scenario for tests: cubes and the oracle estimator, no catalog files, no network.
 
 #include <memory>
 
-#include "scenes/mass_properties.h"
-#include "scenes/object_model.h"
-#include "scenes/scenario_spec.h"
+#include "scenes/geometry/mass_properties.h"
+#include "scenes/objects/object_model.h"
+#include "scenes/scenario/scenario_spec.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 inline std::shared_ptr<const ObjectModel> Cube(double side_m, double mass_kg, double friction) {
   auto model = std::make_shared<ObjectModel>();
@@ -41,4 +42,4 @@ inline ScenarioSpec CubeScenario(int count) {
 
 inline ObjectSet EasyCube() { return {Cube(0.03, 0.05, 0.6)}; }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -1,38 +1,40 @@
 #pragma once
 
-// Trials for tests of what is stored: no field has its default but the point.
+// Trial records for tests of the results store, and their field-by-field comparison.
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <tuple>
 
-#include "eval/trial.h"
-#include "scenes/random.h"
+#include "eval/trial/trial.h"
+#include "scenes/base/random.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 inline GraspOutcome FullOutcome(Rng& rng) {
-  GraspOutcome outcome{true, Loss::kDropped, 5, 2, rng.Uniform(), rng.Uniform(), rng.Uniform(), 4};
-  outcome.is_target = outcome.retreat_contact = outcome.set_down = true;
-  outcome.parts_touched = 3;
-  outcome.parts_risen = 2;
+  GraspOutcome outcome{true,          FailureReason::kDropped, 5, 2, rng.Uniform(),
+                       rng.Uniform(), rng.Uniform(),           4};
+  outcome.is_target = outcome.retreat_contact = outcome.place_executed = true;
+  outcome.instances_touched = 3;
+  outcome.instances_risen = 2;
   outcome.lift_height_m = rng.Uniform();
   outcome.contact_force_n = rng.UnitVector();
   outcome.contact_torque_nm = rng.UnitVector();
   outcome.retreat_opening = rng.Uniform();
   outcome.place_error_m = rng.Uniform();
-  outcome.place_turn_rad = rng.Uniform();
+  outcome.place_rotation_error_rad = rng.Uniform();
   for (size_t i = 0; i < outcome.verdicts.size(); ++i) outcome.verdicts[i] = i % 2 == 0;
   return outcome;
 }
 
-// A trial in which no field has its default.
+// Returns a trial record in which every field except the configuration has a non-default value.
 inline TrialResult FullTrial(int trial) {
   Rng rng(trial + 1);
   TrialResult result;
   result.trial = trial;
-  result.scene = trial + 100;
+  result.bin_index = trial + 100;
   result.certificate.at_rest = true;
   result.certificate.simulated_s = rng.Uniform();
   result.certificate.max_speed_mps = rng.Uniform();
@@ -41,18 +43,18 @@ inline TrialResult FullTrial(int trial) {
   result.certificate.wake_movement_m = rng.Uniform();
   result.certificate.wake_movement_diameters = rng.Uniform();
   result.refused = {{0, {"not at rest", "overlap"}}, {1, {"fell outside"}}};
-  result.parts_dropped = 7;
-  result.parts_cleared = 3;
-  result.ended_by = Loss::kSlipped;
+  result.instances_dropped = 7;
+  result.instances_cleared = 3;
+  result.ended_by = FailureReason::kSlipped;
   for (int p = 0; p < 3; ++p) {
-    PickRecord& pick = result.picks.emplace_back();
-    pick.pick = p;
+    AttemptRecord& pick = result.attempts.emplace_back();
+    pick.attempt = p;
     pick.target = p + 4;
     pick.band = p + 1;
     for (int i = 0; i < 4; ++i) {
-      pick.instances.push_back({i, i % 2, rng.Uniform(), i % 2 == 0, Loss::kSuppressed});
+      pick.instances.push_back({i, i % 2, rng.Uniform(), i % 2 == 0, FailureReason::kSuppressed});
     }
-    HypothesisScore score;
+    HypothesisRecord score;
     score.object = 1;
     score.instance = 3;
     score.score = rng.Uniform();
@@ -65,14 +67,14 @@ inline TrialResult FullTrial(int trial) {
     score.mssd_diameters = std::numeric_limits<double>::infinity();
     score.correct = true;
     score.X_WO = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
-    score.X_OtrueObelieved = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
-    pick.hypotheses = {score, HypothesisScore()};
-    pick.loss = Loss::kNoGrasp;
+    score.X_OE = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
+    pick.hypotheses = {score, HypothesisRecord()};
+    pick.failure = FailureReason::kNoGrasp;
     pick.grasps_rejected = {{"collision", 12}, {"tilt's", 3}};
     for (uint64_t& hash : pick.hashes.values) hash = rng.Next();
-    if (p == 2) continue;  // a look without a grasp
+    if (p == 2) continue;  // an attempt without a grasp
     pick.chosen = 1;
-    pick.aimed = 3;
+    pick.matched_instance = 3;
     Grasp grasp;
     grasp.X_WG = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
     grasp.width_m = rng.Uniform();
@@ -81,19 +83,20 @@ inline TrialResult FullTrial(int trial) {
     pick.grasp = grasp;
     pick.outcome = FullOutcome(rng);
   }
-  result.fates = {{0, 1, true, true, Loss::kNone, 0}, {1, 0, false, false, Loss::kDisturbed, 2}};
+  result.outcomes = {{0, 1, true, true, FailureReason::kNone, 0},
+                     {1, 0, false, false, FailureReason::kNeighborDisplaced, 2}};
   result.bands = {{true, 1, {15, 2, 3, 4, 6}}, {false, 5, {7, 0, 7, 0, 0}}};
-  result.seconds = {{"drop", rng.Uniform()}, {"see", rng.Uniform()}};
+  result.seconds = {{"drop", rng.Uniform()}, {"capture", rng.Uniform()}};
   return result;
 }
 
-inline void ExpectSamePick(const PickRecord& a, const PickRecord& b) {
-  EXPECT_EQ(a.pick, b.pick);
+inline void ExpectSamePick(const AttemptRecord& a, const AttemptRecord& b) {
+  EXPECT_EQ(a.attempt, b.attempt);
   EXPECT_EQ(a.chosen, b.chosen);
-  EXPECT_EQ(a.aimed, b.aimed);
+  EXPECT_EQ(a.matched_instance, b.matched_instance);
   EXPECT_EQ(a.target, b.target);
   EXPECT_EQ(a.band, b.band);
-  EXPECT_EQ(a.loss, b.loss);
+  EXPECT_EQ(a.failure, b.failure);
   EXPECT_EQ(a.grasps_rejected, b.grasps_rejected);
   EXPECT_EQ(a.hashes, b.hashes);
   ASSERT_EQ(a.grasp.has_value(), b.grasp.has_value());
@@ -104,24 +107,24 @@ inline void ExpectSamePick(const PickRecord& a, const PickRecord& b) {
     EXPECT_EQ(a.grasp->hypothesis, b.grasp->hypothesis);
   }
   EXPECT_EQ(a.outcome.success, b.outcome.success);
-  EXPECT_EQ(a.outcome.loss, b.outcome.loss);
+  EXPECT_EQ(a.outcome.failure, b.outcome.failure);
   EXPECT_EQ(a.outcome.picked_instance, b.outcome.picked_instance);
-  EXPECT_EQ(a.outcome.parts_lifted, b.outcome.parts_lifted);
+  EXPECT_EQ(a.outcome.instances_lifted, b.outcome.instances_lifted);
   EXPECT_EQ(a.outcome.final_opening_m, b.outcome.final_opening_m);
   EXPECT_EQ(a.outcome.slip_m, b.outcome.slip_m);
-  EXPECT_EQ(a.outcome.turn_rad, b.outcome.turn_rad);
-  EXPECT_EQ(a.outcome.disturbed, b.outcome.disturbed);
+  EXPECT_EQ(a.outcome.in_hand_rotation_error_rad, b.outcome.in_hand_rotation_error_rad);
+  EXPECT_EQ(a.outcome.neighbors_displaced, b.outcome.neighbors_displaced);
   EXPECT_EQ(a.outcome.is_target, b.outcome.is_target);
-  EXPECT_EQ(a.outcome.parts_touched, b.outcome.parts_touched);
-  EXPECT_EQ(a.outcome.parts_risen, b.outcome.parts_risen);
+  EXPECT_EQ(a.outcome.instances_touched, b.outcome.instances_touched);
+  EXPECT_EQ(a.outcome.instances_risen, b.outcome.instances_risen);
   EXPECT_EQ(a.outcome.lift_height_m, b.outcome.lift_height_m);
   EXPECT_EQ(a.outcome.contact_force_n, b.outcome.contact_force_n);
   EXPECT_EQ(a.outcome.contact_torque_nm, b.outcome.contact_torque_nm);
   EXPECT_EQ(a.outcome.retreat_contact, b.outcome.retreat_contact);
   EXPECT_EQ(a.outcome.retreat_opening, b.outcome.retreat_opening);
-  EXPECT_EQ(a.outcome.set_down, b.outcome.set_down);
+  EXPECT_EQ(a.outcome.place_executed, b.outcome.place_executed);
   EXPECT_EQ(a.outcome.place_error_m, b.outcome.place_error_m);
-  EXPECT_EQ(a.outcome.place_turn_rad, b.outcome.place_turn_rad);
+  EXPECT_EQ(a.outcome.place_rotation_error_rad, b.outcome.place_rotation_error_rad);
   EXPECT_EQ(a.outcome.verdicts, b.outcome.verdicts);
   ASSERT_EQ(a.instances.size(), b.instances.size());
   for (size_t i = 0; i < a.instances.size(); ++i) {
@@ -133,22 +136,22 @@ inline void ExpectSamePick(const PickRecord& a, const PickRecord& b) {
   }
   ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
   for (size_t i = 0; i < a.hypotheses.size(); ++i) {
-    const HypothesisScore &x = a.hypotheses[i], &y = b.hypotheses[i];
+    const HypothesisRecord &x = a.hypotheses[i], &y = b.hypotheses[i];
     EXPECT_EQ(std::tie(x.object, x.instance, x.score, x.mssd_m, x.mspd_px, x.add_m, x.adi_m),
               std::tie(y.object, y.instance, y.score, y.mssd_m, y.mspd_px, y.add_m, y.adi_m));
     EXPECT_EQ(std::tie(x.rotation_rad, x.translation_m, x.mssd_diameters, x.correct),
               std::tie(y.rotation_rad, y.translation_m, y.mssd_diameters, y.correct));
     EXPECT_EQ(x.X_WO.matrix(), y.X_WO.matrix());
-    EXPECT_EQ(x.X_OtrueObelieved.matrix(), y.X_OtrueObelieved.matrix());
+    EXPECT_EQ(x.X_OE.matrix(), y.X_OE.matrix());
   }
 }
 
 inline void ExpectSameTrial(const TrialResult& a, const TrialResult& b) {
   EXPECT_EQ(a.trial, b.trial);
-  EXPECT_EQ(a.point, b.point);
-  EXPECT_EQ(a.scene, b.scene);
-  EXPECT_EQ(a.parts_dropped, b.parts_dropped);
-  EXPECT_EQ(a.parts_cleared, b.parts_cleared);
+  EXPECT_EQ(a.configuration, b.configuration);
+  EXPECT_EQ(a.bin_index, b.bin_index);
+  EXPECT_EQ(a.instances_dropped, b.instances_dropped);
+  EXPECT_EQ(a.instances_cleared, b.instances_cleared);
   EXPECT_EQ(a.ended_by, b.ended_by);
   EXPECT_EQ(a.certificate.at_rest, b.certificate.at_rest);
   EXPECT_EQ(a.certificate.simulated_s, b.certificate.simulated_s);
@@ -162,16 +165,16 @@ inline void ExpectSameTrial(const TrialResult& a, const TrialResult& b) {
     EXPECT_EQ(a.refused[i].attempt, b.refused[i].attempt);
     EXPECT_EQ(a.refused[i].faults, b.refused[i].faults);
   }
-  ASSERT_EQ(a.fates.size(), b.fates.size());
-  for (size_t i = 0; i < a.fates.size(); ++i) {
-    const InstanceFate &x = a.fates[i], &y = b.fates[i];
-    EXPECT_EQ(std::tie(x.instance, x.object, x.picked, x.asked, x.loss, x.pick),
-              std::tie(y.instance, y.object, y.picked, y.asked, y.loss, y.pick));
+  ASSERT_EQ(a.outcomes.size(), b.outcomes.size());
+  for (size_t i = 0; i < a.outcomes.size(); ++i) {
+    const InstanceOutcome &x = a.outcomes[i], &y = b.outcomes[i];
+    EXPECT_EQ(std::tie(x.instance, x.object, x.picked, x.asked, x.failure, x.attempt),
+              std::tie(y.instance, y.object, y.picked, y.asked, y.failure, y.attempt));
   }
   EXPECT_EQ(a.bands, b.bands);
   EXPECT_EQ(a.seconds, b.seconds);
-  ASSERT_EQ(a.picks.size(), b.picks.size());
-  for (size_t i = 0; i < a.picks.size(); ++i) ExpectSamePick(a.picks[i], b.picks[i]);
+  ASSERT_EQ(a.attempts.size(), b.attempts.size());
+  for (size_t i = 0; i < a.attempts.size(); ++i) ExpectSamePick(a.attempts[i], b.attempts[i]);
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

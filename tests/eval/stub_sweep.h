@@ -1,16 +1,16 @@
 #pragma once
 
-// A sweep without physics: what a trial gives follows from its seed and scene alone.
+// A sweep without physics. The result of a trial depends only on its seed and bin index.
 
 #include <fmt/format.h>
 
 #include <functional>
 #include <string>
 
-#include "eval/sweep.h"
+#include "eval/sweep/sweep.h"
 #include "tests/eval/full_trial.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 inline ScenarioSpec StubScenario(uint64_t seed) {
   ScenarioSpec spec;
@@ -25,23 +25,23 @@ inline Sweep StubSweep(int points, int trials) {
   Sweep sweep;
   sweep.yaml = "scenario: stub\n";
   for (int p = 0; p < points; ++p) {
-    SweepPoint point;
-    point.point = p;
+    Configuration point;
+    point.number = p;
     point.name = fmt::format("seed={}", p + 5);
     point.spec = StubScenario(p + 5);
     point.spec.trials = trials;
     point.identity = fmt::format("seed: {}\n", p + 5);
     point.first_trial = p * trials;
     point.trials = trials;
-    sweep.points.push_back(std::move(point));
+    sweep.configurations.push_back(std::move(point));
   }
   return sweep;
 }
 
-// `before` runs before each trial, in the worker.
-using BeforeTrial = std::function<void(const SweepPoint& point, int scene)>;
-inline MakeDoTrial StubTrials(const BeforeTrial& before = [](const SweepPoint&, int) {}) {
-  return [before](const SweepPoint& point, const WorkerPlan::Say&) -> DoTrial {
+// `before` runs in the worker before each trial.
+using BeforeTrial = std::function<void(const Configuration& point, int scene)>;
+inline MakeDoTrial StubTrials(const BeforeTrial& before = [](const Configuration&, int) {}) {
+  return [before](const Configuration& point, const WorkerPlan::Say&) -> DoTrial {
     return [&point, before](int scene, const PictureOrder&) {
       before(point, scene);
       TrialResult result = FullTrial(static_cast<int>(100 * point.spec.seed) + scene);
@@ -51,4 +51,4 @@ inline MakeDoTrial StubTrials(const BeforeTrial& before = [](const SweepPoint&, 
   };
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -1,13 +1,13 @@
-// Figures of the learned estimator that need more than its results, on validation bins (seed 500),
-// on stdout:
-//   descriptor_figures icp BINS SCENARIO...     instances that refinement loses from the true pose
-//   descriptor_figures index BINS SCENARIO...   recall and seconds of the search in the code book,
-//                                               beside those of an exact one
-//   descriptor_figures ambiguous BINS SCENARIO...   instances whose pose the picture does not tell:
-//                                               turned to a wrong pose they leave it as it is
-//   descriptor_figures fates BINS SCENARIO...   at which stage mode hard loses instances, by their
-//                                               visible fraction
-// KEY=VALUE among the scenarios is a setting of all that follow it.
+// Measurements of the learned estimator that need more than its results, on validation bins (seed
+// 500), printed to stdout:
+//   descriptor_figures icp BINS SCENARIO...         instances lost by refinement from the true pose
+//   descriptor_figures index BINS SCENARIO...       recall and seconds of the search in the code
+//                                                   book, compared with an exact search
+//   descriptor_figures ambiguous BINS SCENARIO...   instances whose image does not determine
+//                                                   the pose: another pose gives the same image
+//   descriptor_figures fates BINS SCENARIO...       stage at which mode hard loses instances, by
+//                                                   visible fraction
+// KEY=VALUE among the scenarios is a setting of all following scenarios.
 
 #include <fmt/format.h>
 
@@ -22,23 +22,24 @@
 #include <string>
 #include <vector>
 
-#include "eval/command_line.h"
-#include "eval/comparison_figures.h"
-#include "eval/estimator_runner.h"
-#include "eval/explain_truth.h"
-#include "eval/oracle.h"
-#include "eval/virtual_cell.h"
+#include "eval/estimate/statistics.h"
+#include "eval/explain/truth.h"
+#include "eval/trial/estimator_runner.h"
+#include "eval/trial/oracle_estimator.h"
+#include "eval/trial/simulated_cell.h"
 #include "perception/estimators/descriptor.h"
-#include "perception/icp.h"
-#include "perception/look_alikes.h"
-#include "perception/projective_icp.h"
-#include "scenes/files.h"
+#include "perception/icp/pcl_icp.h"
+#include "perception/icp/projective_icp.h"
+#include "perception/model/ambiguous_poses.h"
+#include "scenes/base/files.h"
+#include "scenes/scenario/find_scenario.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 constexpr uint64_t kValidationSeed = 500;
-constexpr double kRight = 0.1;  // diameters
+constexpr double kRight = 0.1;  // maximum error of a correct pose, in diameters
 
 struct Bins {
   std::string scenario;
@@ -47,32 +48,33 @@ struct Bins {
 };
 
 LoadedScenario Load(const Bins& bins) {
-  ScenarioArguments arguments;
+  ScenarioRequest arguments;
   arguments.scenario = bins.scenario;
   arguments.settings = bins.settings;
-  LoadedScenario loaded = LoadScenarioArguments(arguments);
+  LoadedScenario loaded = FindScenario(arguments);
   loaded.spec.seed = kValidationSeed;
   return loaded;
 }
 
-void ForEachBin(VirtualCell& cell, int bins,
-                const std::function<void(const Scene&, const View&)>& look) {
+void ForEachBin(SimulatedCell& cell, int bins,
+                const std::function<void(const Scene&, const Observation&)>& visit) {
   for (int trial = 0; trial < bins; ++trial) {
     const Scene scene = cell.MakeScene(trial).scene;
-    look(scene, cell.See(scene, trial, 0));
+    visit(scene, cell.Capture(scene, trial, 0));
   }
 }
 
-KnownBackground BackgroundOf(const VirtualCell& cell) {
-  return {cell.bin(), cell.camera().X_WC.inverse()};
+KnownBackground BackgroundOf(const SimulatedCell& cell) {
+  return {cell.bin(), cell.camera().X_CW()};
 }
 
-// Both refiners, started at the true pose of each clear instance. The estimator also tries half the
-// first gate and keeps the better of the two, so that it loses no more.
+// Runs both refiners from the true pose of each instance that is clearly visible. The estimator
+// also tries half of the first correspondence distance and keeps the better result, so it loses no
+// more.
 void MeasureIcp(const Bins& bins) {
   constexpr double kClear = 0.5;  // visible fraction
   const LoadedScenario loaded = Load(bins);
-  VirtualCell cell(loaded.spec, loaded.objects);
+  SimulatedCell cell(loaded.spec, loaded.objects);
   const AssessmentOptions options = OptionsForMode("hard").candidates;
   std::vector<ModelPoints> models;
   std::vector<PoseDistance> distances;
@@ -82,24 +84,22 @@ void MeasureIcp(const Bins& bins) {
   }
   int clear = 0, lost_in_bulk = 0, lost_at_last = 0;
   std::vector<double> errors;
-  ForEachBin(cell, bins.count, [&](const Scene& scene, const View& view) {
+  ForEachBin(cell, bins.count, [&](const Scene& scene, const Observation& view) {
     const OrganizedCloud cloud = BuildCloud(view.frame, BackgroundOf(cell));
-    const PclRefiner refiner(cloud);
+    const PclIcp refiner(cloud);
     for (size_t i = 0; i < scene.objects.size(); ++i) {
       if (view.visible_fractions[i] < kClear) continue;
-      const int part = scene.objects[i].object;
-      const Pose truth = cell.camera().X_WC.inverse() * scene.objects[i].X_WO;
+      const int object = scene.objects[i].object;
+      const Pose truth = cell.camera().X_CW() * scene.objects[i].X_WO;
       ProjectiveIcpOptions icp = options.icp;
-      icp.gate_m =
-          std::max(icp.gate_end_m, std::clamp(options.gate_diameters * models[part].diameter_m,
-                                              options.gate_min_m, options.gate_max_m));
-      PoseHypothesis pose;
-      pose.object = part;
-      pose.X_CO = ProjectiveIcp(cloud, models[part], truth, icp).X_CO;
+      icp.max_correspondence_distance_m = std::max(
+          icp.final_correspondence_distance_m,
+          std::clamp(options.correspondence_distance_diameters * models[object].diameter_m,
+                     options.min_correspondence_distance_m, options.max_correspondence_distance_m));
+      const Pose refined = ProjectiveIcp(cloud, models[object], truth, icp).X_CO;
       ++clear;
-      lost_in_bulk += distances[part](pose.X_CO, truth) >= kRight;
-      refiner.Refine(models[part], pose);
-      errors.push_back(distances[part](pose.X_CO, truth));
+      lost_in_bulk += distances[object](refined, truth) >= kRight;
+      errors.push_back(distances[object](refiner.Refine(models[object], refined).X_CO, truth));
       lost_at_last += errors.back() >= kRight;
     }
   });
@@ -111,17 +111,17 @@ void MeasureIcp(const Bins& bins) {
   fmt::print("median {:.4f} diameters off\n", errors[errors.size() / 2]);
 }
 
-// Share of the instance's pixels that would read another depth, by more than noise explains, were
-// it turned by S_O; pixels that it would newly cover count, too.
+// Returns the fraction of the instance's pixels whose depth would change by more than noise if the
+// pose were X_WO * S_O. Newly covered pixels count too.
 double ChangedShare(SceneRenderer& renderer, const Camera& camera, const Scene& scene, size_t i,
                     const Pose& S_O, const RenderedImage& before) {
   constexpr float kNoise_m = 0.003f;
   const uint16_t id = static_cast<uint16_t>(scene.objects[i].instance + 1);
-  Scene turned = scene;
-  turned.objects[i].X_WO = turned.objects[i].X_WO * S_O;
+  Scene rotated = scene;
+  rotated.objects[i].X_WO = rotated.objects[i].X_WO * S_O;
   RenderOutputs outputs;
   outputs.color = false;
-  const RenderedImage after = renderer.Render(turned, camera, {}, outputs);
+  const RenderedImage after = renderer.Render(rotated, camera, {}, outputs);
   int seen = 0, changed = 0;
   for (size_t p = 0; p < before.ids.size(); ++p) {
     const bool was = before.ids.data()[p] == id;
@@ -136,27 +136,28 @@ void CountAmbiguous(const Bins& bins) {
   constexpr double kSeen = 0.1;  // visible fraction from which an instance counts
   constexpr std::array<double, 3> kShares{0.01, 0.02, 0.05};
   const LoadedScenario loaded = Load(bins);
-  VirtualCell cell(loaded.spec, loaded.objects);
+  SimulatedCell cell(loaded.spec, loaded.objects);
   SceneRenderer renderer(cell.objects(), cell.bin());
-  std::vector<std::vector<Pose>> turns;
+  std::vector<std::vector<Pose>> ambiguous_poses;
   for (const auto& object : cell.objects()) {
     const PoseDistance distance(*object);
-    turns.push_back(LookAlikes(*object, MakeModelPoints(*object), distance));
+    ambiguous_poses.push_back(AmbiguousPoses(*object, MakeModelPoints(*object), distance));
   }
   int instances = 0;
   std::array<int, kShares.size()> ambiguous{};
-  ForEachBin(cell, bins.count, [&](const Scene& scene, const View& view) {
+  ForEachBin(cell, bins.count, [&](const Scene& scene, const Observation& view) {
     RenderOutputs outputs;
     outputs.color = false;
     const RenderedImage before = renderer.Render(scene, cell.camera(), {}, outputs);
     for (size_t i = 0; i < scene.objects.size(); ++i) {
       if (view.visible_fractions[i] < kSeen) continue;
       ++instances;
-      double least = 1;
-      for (const Pose& S_O : turns[scene.objects[i].object]) {
-        least = std::min(least, ChangedShare(renderer, cell.camera(), scene, i, S_O, before));
+      double min_share = 1;
+      for (const Pose& S_O : ambiguous_poses[scene.objects[i].object]) {
+        min_share =
+            std::min(min_share, ChangedShare(renderer, cell.camera(), scene, i, S_O, before));
       }
-      for (size_t k = 0; k < kShares.size(); ++k) ambiguous[k] += least < kShares[k];
+      for (size_t k = 0; k < kShares.size(); ++k) ambiguous[k] += min_share < kShares[k];
     }
   });
   fmt::print("{:<14} {:>6} instances; another pose changes less than", bins.scenario, instances);
@@ -172,7 +173,7 @@ struct IndexFigures {
 };
 
 IndexFigures MeasureIndex(const LoadedScenario& loaded, int bins, bool exact) {
-  VirtualCell cell(loaded.spec, loaded.objects);
+  SimulatedCell cell(loaded.spec, loaded.objects);
   const auto views = CellViews(cell, cell.objects());
   EstimatorSetup setup;
   setup.objects = cell.objects();
@@ -191,12 +192,12 @@ IndexFigures MeasureIndex(const LoadedScenario& loaded, int bins, bool exact) {
   std::vector<MetricModel> metrics;
   for (const auto& model : cell.objects()) metrics.push_back(MakeMetricModel(*model));
   ComparedRow row;
-  ForEachBin(cell, bins, [&](const Scene& scene, const View& view) {
+  ForEachBin(cell, bins, [&](const Scene& scene, const Observation& view) {
     Rng rng(0);
     EstimateResult found = estimator->Estimate({view.frame, BackgroundOf(cell)}, rng);
     row.looks.push_back(
         {static_cast<int>(row.looks.size()),
-         ScoreLook(scene, view.visible_fractions, metrics, cell.camera(), found.hypotheses),
+         ScoreAgainstTruth(scene, view.visible_fractions, metrics, cell.camera(), found.hypotheses),
          std::move(found.seconds)});
   });
   const ComparisonFigures figures = FiguresOf(row);
@@ -205,7 +206,7 @@ IndexFigures MeasureIndex(const LoadedScenario& loaded, int bins, bool exact) {
 
 void CompareIndex(const Bins& bins) {
   LoadedScenario loaded = Load(bins);
-  loaded.spec.estimator.mode = "fast";  // 600 queries of each part
+  loaded.spec.estimator.mode = "fast";  // 600 queries per object
   const IndexFigures index = MeasureIndex(loaded, bins.count, false);
   const IndexFigures exact = MeasureIndex(loaded, bins.count, true);
   fmt::print("{:<14} recall {:.3f}, exact {:.3f}; {:.1f} ms an image, exact {:.1f}\n",
@@ -213,18 +214,18 @@ void CompareIndex(const Bins& bins) {
              1e3 * exact.seconds);
 }
 
-// Where instances are lost, by band of visible fraction.
-void CountFates(const Bins& bins) {
+// Counts the stage at which instances are lost, by band of visible fraction.
+void CountOutcomes(const Bins& bins) {
   constexpr std::array<double, 6> kBands{0.1, 0.3, 0.5, 0.7, 0.9, 1.01};
   LoadedScenario loaded = Load(bins);
   loaded.spec.estimator.mode = "hard";
-  VirtualCell cell(loaded.spec, loaded.objects);
+  SimulatedCell cell(loaded.spec, loaded.objects);
   EstimatorRunner runner(cell, loaded.spec, 2, {});
   std::vector<ModelPoints> models;
   for (const auto& object : cell.objects()) models.push_back(MakeModelPoints(*object));
-  const Pose X_CW = cell.camera().X_WC.inverse();
+  const Pose X_CW = cell.camera().X_CW();
   std::array<std::map<LostAt, int>, kBands.size() - 1> counts;
-  ForEachBin(cell, bins.count, [&](const Scene& scene, const View& view) {
+  ForEachBin(cell, bins.count, [&](const Scene& scene, const Observation& view) {
     std::vector<TruePart> parts;
     for (size_t i = 0; i < scene.objects.size(); ++i) {
       const PosedObject& posed = scene.objects[i];
@@ -233,16 +234,16 @@ void CountFates(const Bins& bins) {
     const PoseJudge judge(cell.objects(), std::move(parts));
     EstimateTrace trace;
     Rng rng(0);
-    const EstimateResult result = runner.Estimate(scene, view, rng, &trace);
+    const EstimateResult result = EstimateWithOracle(runner, scene, view, rng, &trace);
     std::vector<PoseVerdict> errors;
     for (const TracedVote& vote : trace.votes) {
       errors.push_back(judge(vote.vote.object, vote.vote.X_CO));
     }
-    const auto fates = FatesOf(judge, trace, errors, models, result.hypotheses);
-    for (size_t i = 0; i < fates.size(); ++i) {
+    const auto outcomes = DiagnoseInstances(judge, trace, errors, models, result.hypotheses);
+    for (size_t i = 0; i < outcomes.size(); ++i) {
       for (size_t band = 0; band + 1 < kBands.size(); ++band) {
         const double visible = judge.parts()[i].visible_fraction;
-        counts[band][fates[i].lost] += visible >= kBands[band] && visible < kBands[band + 1];
+        counts[band][outcomes[i].lost] += visible >= kBands[band] && visible < kBands[band + 1];
       }
     }
   });
@@ -257,21 +258,21 @@ void CountFates(const Bins& bins) {
 }
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests
 
 int main(int argc, char** argv) {
-  const std::map<std::string, void (*)(const pickbed::Bins&)> modes = {
-      {"ambiguous", pickbed::CountAmbiguous},
-      {"fates", pickbed::CountFates},
-      {"icp", pickbed::MeasureIcp},
-      {"index", pickbed::CompareIndex}};
+  const std::map<std::string, void (*)(const pickbed::tests::Bins&)> modes = {
+      {"ambiguous", pickbed::tests::CountAmbiguous},
+      {"fates", pickbed::tests::CountOutcomes},
+      {"icp", pickbed::tests::MeasureIcp},
+      {"index", pickbed::tests::CompareIndex}};
   const auto mode = argc > 3 ? modes.find(argv[1]) : modes.end();
   if (mode == modes.end() || std::atoi(argv[2]) < 1) {
     fmt::print(stderr,
                "descriptor_figures ambiguous|fates|icp|index BINS [KEY=VALUE] SCENARIO...\n");
     return 1;
   }
-  pickbed::Bins bins;
+  pickbed::tests::Bins bins;
   bins.count = std::atoi(argv[2]);
   for (int i = 3; i < argc; ++i) {
     bins.scenario = argv[i];

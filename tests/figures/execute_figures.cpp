@@ -1,11 +1,12 @@
-// Long measurements of grasps in full bins, with the figures on stdout:
-//   execute_figures speed ATTEMPTS      CPU seconds from approach to shake, ATTEMPTS of each part
-//   execute_figures agreement ATTEMPTS  verdicts beside those of slower and finer physics, of
-//   grasps
-//                                       as planned
-//   execute_figures fickle ATTEMPTS     the same with pose errors, which make many of them close
+// Long measurements of grasps in full bins, printed to stdout:
+//   execute_figures speed ATTEMPTS      CPU seconds from approach to shake, ATTEMPTS per object
+//   execute_figures agreement ATTEMPTS  verdicts of planned grasps, compared with slower and finer
+//                                       physics
+//   execute_figures fickle ATTEMPTS     the same with pose errors, which make many
+//                                       verdicts uncertain
 //   execute_figures labels GRASPS       labels of two runs over the same grasps
-// A bin holds the part that is picked and 20 neighbours of its kind; poses are the true ones.
+// A bin holds the picked instance and 20 neighbors of the same object. The given poses are the true
+// ones.
 
 #include <fmt/format.h>
 
@@ -19,46 +20,48 @@
 #include <string>
 #include <vector>
 
-#include "grasp/candidates.h"
-#include "grasp/execute.h"
-#include "grasp/plan.h"
-#include "scenes/object_catalog.h"
-#include "sim/convex_pieces.h"
-#include "sim/scene_maker.h"
+#include "grasp/candidates/candidates.h"
+#include "grasp/execute/execute.h"
+#include "grasp/grippers/table.h"
+#include "grasp/plan/plan.h"
+#include "scenes/objects/object_catalog.h"
+#include "sim/convex/convex_pieces.h"
+#include "sim/drop/certified_scene.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 constexpr int kParts = 21;
-constexpr int kEachScene = 7;        // attempts on one bin at most, each on another part
-constexpr int kGraspsPlanned = 300;  // to find as many parts that can be reached
-constexpr double kShift_m = 1e-4;    // of the gripper, to see how fickle verdicts are
+constexpr int kEachScene = 7;        // maximum attempts per bin, each on another instance
+constexpr int kGraspsPlanned = 300;  // enough to find this many reachable instances
+constexpr double kShift_m = 1e-4;    // shift of the gripper, to measure how uncertain verdicts are
 
-// Sigmas of an error added to grasps, as wrong poses do.
+// Sigmas of an error that is added to grasps, like the error of an estimated pose.
 struct GraspError {
   double error_m = 0;
   double error_rad = 0;
 };
 
-// Those planned with true poses succeed nearly all; with these about half do.
+// Grasps planned with true poses nearly all succeed; with these errors about half do.
 constexpr GraspError kFickle{0.004, 0.08};
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// A grasp that a planner with true poses would make, in its bin.
+// A scene with a grasp that was planned with true poses.
 struct Case {
   Scene scene;
   Grasp grasp;
   int target = -1;
 };
 
-struct PartCases {
+struct ObjectCases {
   std::string name;
   ObjectSet objects;
   std::vector<Case> cases;
 };
 
-// What the parts show to the sky.
+// Returns the surface samples of all instances that face up, in W.
 std::vector<Eigen::Vector3d> CloudOf(const Scene& scene, const ObjectModel& model) {
   Rng rng(1);
   const SurfaceSamples samples = SampleSurface(model.mesh_O, 3000, rng);
@@ -72,12 +75,12 @@ std::vector<Eigen::Vector3d> CloudOf(const Scene& scene, const ObjectModel& mode
   return cloud_W;
 }
 
-// One grasp of each part that can be reached, drawn at random of those that were planned: the best
-// ones alone would hardly ever fail.
+// Returns one grasp per reachable instance, drawn at random from the planned ones, because the best
+// grasps would hardly ever fail.
 std::vector<Case> CasesOf(const Scene& scene, const ObjectSet& objects,
-                          const std::vector<GraspCandidate>& candidates, const GripperSpec& gripper,
+                          const std::vector<GraspCandidate>& candidates, const Gripper& gripper,
                           Rng& rng) {
-  std::vector<BelievedPose> poses;
+  std::vector<EstimatedPose> poses;
   for (const PosedObject& part : scene.objects) poses.push_back({part.object, part.X_WO, 1});
   PlanOptions options;
   options.max_grasps = kGraspsPlanned;
@@ -95,10 +98,10 @@ std::vector<Case> CasesOf(const Scene& scene, const ObjectSet& objects,
   return cases;
 }
 
-PartCases MakeCases(const std::string& name, const GripperSpec& gripper, int attempts) {
-  PartCases part{
+ObjectCases MakeCases(const std::string& name, const Gripper& gripper, int attempts) {
+  ObjectCases part{
       name, WithConvexPieces(ObjectSet{ObjectCatalog({AssetsDir() / "objects"}).Load(name)}), {}};
-  Bin bin;  // of the part's size, as those of the presets bin_PART
+  Bin bin;  // scaled to the object, as in the presets bin_PART
   bin.inner_size_m = Eigen::Vector3d(4, 3, 1.5) * part.objects[0]->diameter_m;
   const auto candidates = CachedCandidates(*part.objects[0], gripper);
   for (uint64_t trial = 0; static_cast<int>(part.cases.size()) < attempts; ++trial) {
@@ -107,31 +110,32 @@ PartCases MakeCases(const std::string& name, const GripperSpec& gripper, int att
     for (Case& found : CasesOf(made.scene, part.objects, candidates, gripper, rng)) {
       if (static_cast<int>(part.cases.size()) < attempts) part.cases.push_back(std::move(found));
     }
-    if (trial > static_cast<uint64_t>(attempts)) break;  // a part that is hardly ever reached
+    if (trial > static_cast<uint64_t>(attempts)) break;  // an object that is hardly ever reachable
   }
   return part;
 }
 
-std::vector<PartCases> AllCases(const GripperSpec& gripper, int attempts_each) {
-  std::vector<PartCases> all;
+std::vector<ObjectCases> AllCases(const Gripper& gripper, int attempts_each) {
+  std::vector<ObjectCases> all;
   for (const std::string& name : ObjectCatalog({AssetsDir() / "objects"}).Names()) {
     all.push_back(MakeCases(name, gripper, attempts_each));
   }
   return all;
 }
 
-int EachPart(int attempts) {
+int AttemptsPerObject(int attempts) {
   const int parts = static_cast<int>(ObjectCatalog({AssetsDir() / "objects"}).Names().size());
   return (attempts + parts - 1) / parts;
 }
 
 void MeasureSpeed(int attempts) {
-  const GripperSpec gripper = LoadGripper("jaw_8cm");
+  const auto loaded = LoadGripper("jaw_8cm");
+  const Gripper& gripper = *loaded;
   ExecuteOptions options;
   options.carry = false;
   double mean_of_means_s = 0;
   const auto parts = AllCases(gripper, attempts);
-  for (const PartCases& part : parts) {
+  for (const ObjectCases& part : parts) {
     double sum_s = 0, slowest_s = 0;
     int succeeded = 0;
     for (const Case& one : part.cases) {
@@ -153,16 +157,16 @@ void MeasureSpeed(int attempts) {
              parts.size());
 }
 
-// A way to run all attempts.
+// Options for one run of all attempts.
 struct Variant {
   std::string name;
   ExecuteOptions options;
-  double shift_m = 0;  // of the gripper, in a direction of its own for each attempt
-  int beside = 0;      // the variant whose verdicts are compared with its own
+  double shift_m = 0;  // shift of the gripper, in a random direction per attempt
+  int reference = 0;   // index of the variant with which the verdicts are compared
 };
 
 std::vector<Variant> Variants() {
-  Variant usual{"usual", {}, 0};
+  Variant default_variant{"usual", {}, 0};
   Variant shifted{"gripper shifted by 0.1 mm", {}, kShift_m};
   Variant plain{"nothing spared in a step", {}, 0};
   plain.options.physics = PhysicsOptions();
@@ -177,32 +181,33 @@ std::vector<Variant> Variants() {
   Variant fine_shifted = fine;
   fine_shifted.name = "960 Hz shifted, with 960 Hz";
   fine_shifted.shift_m = kShift_m;
-  fine_shifted.beside = 4;
-  return {usual, shifted, plain, active, fine, fine_shifted};
+  fine_shifted.reference = 4;
+  return {default_variant, shifted, plain, active, fine, fine_shifted};
 }
 
-Grasp Disturbed(Grasp grasp, const GraspError& error, Rng& rng) {
+Grasp WithError(Grasp grasp, const GraspError& error, Rng& rng) {
   const Eigen::Vector3d off_m =
       error.error_m * Eigen::Vector3d(rng.Normal(), rng.Normal(), rng.Normal());
-  const Eigen::AngleAxisd turn(error.error_rad * rng.Normal(), rng.UnitVector());
-  grasp.X_WG = grasp.X_WG * Translation(off_m) * Pose(turn);
+  const Eigen::AngleAxisd rotation(error.error_rad * rng.Normal(), rng.UnitVector());
+  grasp.X_WG = grasp.X_WG * Translation(off_m) * Pose(rotation);
   return grasp;
 }
 
 void MeasureAgreement(int attempts, const GraspError& error) {
-  const GripperSpec gripper = LoadGripper("jaw_8cm");
+  const auto loaded = LoadGripper("jaw_8cm");
+  const Gripper& gripper = *loaded;
   const auto variants = Variants();
   std::vector<int> agree(variants.size(), 0), succeeded(variants.size(), 0);
   std::vector<double> seconds(variants.size(), 0);
   int done = 0;
-  for (const PartCases& part : AllCases(gripper, EachPart(attempts))) {
+  for (const ObjectCases& part : AllCases(gripper, AttemptsPerObject(attempts))) {
     for (const Case& one : part.cases) {
       if (done == attempts) break;
       Rng rng = Rng::Derive(0, done++, "shift");
       const Eigen::Vector3d direction_W = rng.UnitVector();
-      const Grasp planned = Disturbed(one.grasp, error, rng);
+      const Grasp planned = WithError(one.grasp, error, rng);
       std::vector<bool> verdicts;
-      std::vector<std::string> losses;
+      std::vector<std::string> failures;
       for (size_t v = 0; v < variants.size(); ++v) {
         Grasp grasp = planned;
         grasp.X_WG = Translation(variants[v].shift_m * direction_W) * grasp.X_WG;
@@ -211,13 +216,13 @@ void MeasureAgreement(int attempts, const GraspError& error) {
             ExecuteGrasp(one.scene, part.objects, grasp, gripper, one.target, variants[v].options)
                 .outcome;
         verdicts.push_back(outcome.success);
-        losses.emplace_back(LossName(outcome.loss));
+        failures.emplace_back(FailureName(outcome.failure));
         seconds[v] += CpuSeconds() - begin_s;
         succeeded[v] += verdicts[v];
-        agree[v] += verdicts[v] == verdicts[variants[v].beside];
+        agree[v] += verdicts[v] == verdicts[variants[v].reference];
       }
-      if (std::set<std::string>(losses.begin(), losses.end()).size() == 1) continue;
-      fmt::print("{} {}: {}\n", part.name, done - 1, fmt::join(losses, ", "));
+      if (std::set<std::string>(failures.begin(), failures.end()).size() == 1) continue;
+      fmt::print("{} {}: {}\n", part.name, done - 1, fmt::join(failures, ", "));
     }
     fmt::print("{:<10} done, {} attempts so far, agree", part.name, done);
     for (const int count : agree) fmt::print(" {}", count);
@@ -230,11 +235,12 @@ void MeasureAgreement(int attempts, const GraspError& error) {
   }
 }
 
-// All that was found out about a grasp, every number so that it reads back the same.
+// Returns all numbers of an outcome, formatted so that they read back exactly.
 std::string Label(const GraspOutcome& o) {
-  std::string text = fmt::format("{} {} {} {} {} {} {} {} {}", LossName(o.loss), o.picked_instance,
-                                 o.parts_lifted, o.final_opening_m, o.slip_m, o.turn_rad,
-                                 o.disturbed, o.lift_height_m, o.place_error_m);
+  std::string text =
+      fmt::format("{} {} {} {} {} {} {} {} {}", FailureName(o.failure), o.picked_instance,
+                  o.instances_lifted, o.final_opening_m, o.slip_m, o.in_hand_rotation_error_rad,
+                  o.neighbors_displaced, o.lift_height_m, o.place_error_m);
   for (const bool verdict : o.verdicts) text += verdict ? " 1" : " 0";
   for (const double n : o.contact_force_n) text += fmt::format(" {}", n);
   for (const double nm : o.contact_torque_nm) text += fmt::format(" {}", nm);
@@ -242,10 +248,11 @@ std::string Label(const GraspOutcome& o) {
 }
 
 void MeasureLabels(int grasps) {
-  const GripperSpec gripper = LoadGripper("jaw_8cm");
+  const auto loaded = LoadGripper("jaw_8cm");
+  const Gripper& gripper = *loaded;
   int done = 0, same = 0, succeeded = 0;
   uint64_t hash = 0;
-  for (const PartCases& part : AllCases(gripper, EachPart(grasps))) {
+  for (const ObjectCases& part : AllCases(gripper, AttemptsPerObject(grasps))) {
     for (const Case& one : part.cases) {
       if (done == grasps) break;
       ++done;
@@ -280,6 +287,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests
 
-int main(int argc, char** argv) { return pickbed::Main(argc, argv); }
+int main(int argc, char** argv) { return pickbed::tests::Main(argc, argv); }

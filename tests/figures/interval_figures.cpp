@@ -1,10 +1,12 @@
-// How often nominal 95 % intervals hold the truth, over simulated experiments, on stdout:
-//   interval_figures rates EXPERIMENTS    ClusterInterval beside the plain percentile bootstrap
+// Measures how often nominal 95 % intervals contain the truth in simulated experiments, printed to
+// stdout:
+//   interval_figures rates EXPERIMENTS    ClusterInterval compared with the percentile
+//                                         bootstrap
 //   interval_figures pairs EXPERIMENTS    PairedInterval, and false alarms of the paired tests
 //
-// Scenes draw their rates from beta distributions whose correlation within a scene is given; sizes
-// are picks a scene, constant, 1 to 20, geometric up to 40, 1 to 3, and until two failures in a
-// row.
+// Each scene draws its rate from a beta distribution with the given correlation within a scene. The
+// number of picks per scene is constant, 1 to 20, geometric up to 40, 1 to 3, or until two failures
+// in a row.
 
 #include <fmt/format.h>
 
@@ -13,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "eval/paired_tests.h"
+#include "eval/stats/paired_tests.h"
 #include "tests/support/simulated_scenes.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 struct NamedSize {
@@ -34,7 +36,8 @@ std::vector<NamedSize> Sizes() {
 
 constexpr double kLowest = 0.93, kHighest = 0.97;
 
-// Of many scenes, since picks until failures have more of the good ones.
+// Returns the rate over many scenes. It differs from `rate`, because with picks until failures the
+// good scenes have more picks.
 double TrueRate(double rate, double correlation, const SceneSize& size) {
   Rng rng(1);
   return RateOf(DrawScenes(1000000, rate, correlation, size, rng));
@@ -55,19 +58,19 @@ Interval PercentileBootstrap(const std::vector<Cluster>& scenes, Rng& rng) {
 }
 
 struct Tally {
-  int held = 0, tries = 0;
+  int held = 0, samples = 0;
   void Count(const Interval& interval, double truth) {
     held += interval.low <= truth && truth <= interval.high;
-    ++tries;
+    ++samples;
   }
-  double share() const { return tries > 0 ? static_cast<double>(held) / tries : 0; }
+  double share() const { return samples > 0 ? static_cast<double>(held) / samples : 0; }
 };
 
 void MeasureRates(int experiments) {
   fmt::print("{:<16}{:>7}{:>13}{:>7}{:>9}{:>12}\n", "picks", "scenes", "correlation", "rate",
              "covered", "percentile");
   int outside = 0, all = 0;
-  double least = 1, most = 0;
+  double min_coverage = 1, max_coverage = 0;
   for (const NamedSize& size : Sizes()) {
     for (const int scenes : {40, 60, 100}) {
       for (const double correlation : {0.0, 0.1, 0.3, 0.5}) {
@@ -75,12 +78,12 @@ void MeasureRates(int experiments) {
           const bool is_informed = std::string(size.name) == "until_failures";
           const double truth = is_informed ? TrueRate(rate, correlation, size.size) : rate;
           if (truth > 0.9) continue;
-          Rng rng(5), of_bootstrap(6);
+          Rng rng(5), bootstrap_rng(6);
           Tally ours, percentile;
           for (int k = 0; k < experiments; ++k) {
             const auto drawn = DrawScenes(scenes, rate, correlation, size.size, rng);
             ours.Count(ClusterInterval(drawn), truth);
-            if (k % 10 == 0) percentile.Count(PercentileBootstrap(drawn, of_bootstrap), truth);
+            if (k % 10 == 0) percentile.Count(PercentileBootstrap(drawn, bootstrap_rng), truth);
           }
           const bool is_outside = ours.share() < kLowest || ours.share() > kHighest;
           fmt::print("{:<16}{:>7}{:>13.1f}{:>7.2f}{:>9.4f}{:>12.3f}{}\n", size.name, scenes,
@@ -88,14 +91,14 @@ void MeasureRates(int experiments) {
                      is_outside ? "  outside" : "");
           outside += is_outside;
           ++all;
-          least = std::min(least, ours.share());
-          most = std::max(most, ours.share());
+          min_coverage = std::min(min_coverage, ours.share());
+          max_coverage = std::max(max_coverage, ours.share());
         }
       }
     }
   }
   fmt::print("{} of {} outside {} to {}; from {:.4f} to {:.4f}\n", outside, all, kLowest, kHighest,
-             least, most);
+             min_coverage, max_coverage);
 }
 
 void MeasurePairs(int experiments) {
@@ -109,7 +112,7 @@ void MeasurePairs(int experiments) {
         for (const double rate : {0.1, 0.5, 0.8}) {
           for (const double rise : {0.0, 0.1}) {
             Rng rng(7);
-            Tally covered, alarms, of_mcnemar;
+            Tally covered, alarms, mcnemar;
             for (int k = 0; k < experiments; ++k) {
               const ScenePairs pairs =
                   DrawPairs(scenes, rate, correlation, rise, 0.5, size.size, rng);
@@ -123,11 +126,11 @@ void MeasurePairs(int experiments) {
                 d.before_only += pairs.before[i].hits > pairs.after[i].hits;
                 d.after_only += pairs.after[i].hits > pairs.before[i].hits;
               }
-              of_mcnemar.Count({0, 0.05}, McNemarExact(d));
+              mcnemar.Count({0, 0.05}, McNemarExact(d));
             }
             fmt::print("{:<12}{:>7}{:>13.1f}{:>7.1f}{:>6.1f}{:>9.4f}{:>13.4f}{:>9.4f}\n", size.name,
                        scenes, correlation, rate, rise, covered.share(), alarms.share(),
-                       of_mcnemar.share());
+                       mcnemar.share());
           }
         }
       }
@@ -136,7 +139,7 @@ void MeasurePairs(int experiments) {
 }
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests
 
 int main(int argc, char** argv) {
   if (argc != 3) {
@@ -145,9 +148,9 @@ int main(int argc, char** argv) {
   }
   const int experiments = std::atoi(argv[2]);
   if (std::string(argv[1]) == "rates") {
-    pickbed::MeasureRates(experiments);
+    pickbed::tests::MeasureRates(experiments);
   } else {
-    pickbed::MeasurePairs(experiments);
+    pickbed::tests::MeasurePairs(experiments);
   }
   return 0;
 }

@@ -1,8 +1,10 @@
-// Long measurements of piles, with the figures on stdout:
-//   physics_figures certified SCENES   50 parts (bracket, tee, gear) a scene, judged anew by mesh
-//   physics_figures parts100 SCENES    100 parts a scene
-//   physics_figures sizes SCENES       the same parts of 10 cm and of 1 cm
-//   physics_figures memory SCENES      scenes dropped, seen and spoiled by a sensor in one process
+// Long measurements of clutter scenes, printed to stdout:
+//   physics_figures certified SCENES   50 instances (bracket, tee, gear) per scene,
+//                                      checked with meshes
+//   physics_figures parts100 SCENES    100 instances per scene
+//   physics_figures sizes SCENES       the same objects at 10 cm and at 1 cm
+//   physics_figures memory SCENES      scenes dropped, rendered and passed to a sensor
+//                                      in one process
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -15,35 +17,35 @@
 #include <string>
 #include <vector>
 
-#include "scenes/camera.h"
-#include "scenes/object_catalog.h"
-#include "sim/convex_pieces.h"
-#include "sim/renderer.h"
-#include "sim/scene_maker.h"
-#include "sim/sensor_noise.h"
+#include "scenes/camera/camera.h"
+#include "scenes/objects/object_catalog.h"
+#include "sim/convex/convex_pieces.h"
+#include "sim/drop/certified_scene.h"
+#include "sim/render/renderer.h"
+#include "sim/sensor/depth_noise.h"
 #include "tests/support/mesh_overlap.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-ObjectSet ConcaveParts() {
+ObjectSet ConcaveObjects() {
   const ObjectCatalog catalog({AssetsDir() / "objects"});
   ObjectSet objects;
   for (const char* name : {"bracket", "pipe_tee", "gear"}) objects.push_back(catalog.Load(name));
   return WithConvexPieces(objects);
 }
 
-std::vector<int> SpreadEvenly(int parts, size_t kinds) {
-  std::vector<int> counts(kinds, 0);
-  for (int i = 0; i < parts; ++i) ++counts[i % kinds];
+std::vector<int> SpreadEvenly(int parts, size_t object_count) {
+  std::vector<int> counts(object_count, 0);
+  for (int i = 0; i < parts; ++i) ++counts[i % object_count];
   return counts;
 }
 
-// Drops, counts refusals and judges what was accepted by the meshes.
-void MeasurePiles(const std::string& title, const Bin& bin, const ObjectSet& objects, int parts,
-                  int scenes) {
+// Drops scenes, counts refused ones and measures the overlap of accepted ones with meshes.
+void MeasureScenes(const std::string& title, const Bin& bin, const ObjectSet& objects, int parts,
+                   int scenes) {
   double seconds = 0, slowest_s = 0, certificate_m = 0, mesh_m = 0;
   int refused = 0, lost = 0, missing = 0;
   for (int trial = 0; trial < scenes; ++trial) {
@@ -75,7 +77,7 @@ void MeasurePiles(const std::string& title, const Bin& bin, const ObjectSet& obj
       seconds / scenes, slowest_s, 1e3 * certificate_m, 1e3 * mesh_m, lost + missing);
 }
 
-std::shared_ptr<const ObjectModel> OfDiameter(const ObjectModel& model, double diameter_m) {
+std::shared_ptr<const ObjectModel> WithDiameter(const ObjectModel& model, double diameter_m) {
   const double s = diameter_m / model.diameter_m;
   auto scaled = std::make_shared<ObjectModel>(model);
   scaled->mesh_O = Scaled(model.mesh_O, s);
@@ -90,14 +92,15 @@ std::shared_ptr<const ObjectModel> OfDiameter(const ObjectModel& model, double d
   return scaled;
 }
 
-// A bin that is to its parts as the default one is to parts of 10 cm.
+// Scales the bin with the objects; the default bin belongs to objects of 10 cm.
 void MeasureSizes(int scenes) {
   for (const double diameter_m : {0.1, 0.01}) {
     ObjectSet objects;
-    for (const auto& object : ConcaveParts()) objects.push_back(OfDiameter(*object, diameter_m));
+    for (const auto& object : ConcaveObjects())
+      objects.push_back(WithDiameter(*object, diameter_m));
     Bin bin;
     bin.inner_size_m *= diameter_m / 0.1;
-    MeasurePiles(fmt::format("parts of {:.0f} mm", 1e3 * diameter_m), bin, objects, 30, scenes);
+    MeasureScenes(fmt::format("parts of {:.0f} mm", 1e3 * diameter_m), bin, objects, 30, scenes);
   }
 }
 
@@ -112,12 +115,12 @@ double Mean(const std::vector<double>& values, size_t from, size_t to) {
   return std::accumulate(values.begin() + from, values.begin() + to, 0.0) / (to - from);
 }
 
-// The same ten scenes over and over, so that times compare.
+// Repeats the same ten scenes, so that times are comparable.
 void MeasureMemory(int scenes) {
-  const ObjectSet objects = ConcaveParts();
+  const ObjectSet objects = ConcaveObjects();
   Camera camera;
   camera.intrinsics = {320, 240, 340, 340, 159.5, 119.5};
-  camera.X_WC = LookAt({0, -0.12, 0.85}, {0, 0, 0.03}, Eigen::Vector3d::UnitZ());
+  camera.SetPose(LookAt({0, -0.12, 0.85}, {0, 0, 0.03}, Eigen::Vector3d::UnitZ()));
   SceneRenderer renderer(objects, Bin{});
   const SensorProfile sensor = LoadSensorProfile("structured_light");
   std::vector<double> seconds, resident_mib;
@@ -156,14 +159,14 @@ int Main(int argc, char** argv) {
     fmt::print(stderr, "physics_figures certified|parts100|sizes|memory SCENES\n");
     return 1;
   }
-  if (what == "certified") MeasurePiles("certified", Bin{}, ConcaveParts(), 50, scenes);
-  if (what == "parts100") MeasurePiles("parts100", Bin{}, ConcaveParts(), 100, scenes);
+  if (what == "certified") MeasureScenes("certified", Bin{}, ConcaveObjects(), 50, scenes);
+  if (what == "parts100") MeasureScenes("parts100", Bin{}, ConcaveObjects(), 100, scenes);
   if (what == "sizes") MeasureSizes(scenes);
   if (what == "memory") MeasureMemory(scenes);
   return 0;
 }
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests
 
-int main(int argc, char** argv) { return pickbed::Main(argc, argv); }
+int main(int argc, char** argv) { return pickbed::tests::Main(argc, argv); }

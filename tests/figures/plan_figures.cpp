@@ -1,6 +1,7 @@
-// Empties bins of 20 of one part with true poses and says what the plan left and why:
+// Empties bins of 20 instances of one object with true poses, and reports what the plan left and
+// why:
 //   plan_figures PART|all BINS [KEY=VALUE ...]
-// Keys are those of PlanOptions as plan.KEY, of ExecuteOptions as execute.KEY, and gripper.
+// Keys are plan.KEY for PlanOptions, execute.KEY for ExecuteOptions, and gripper.
 
 #include <fmt/format.h>
 
@@ -13,20 +14,22 @@
 #include <string>
 #include <vector>
 
-#include "grasp/candidates.h"
-#include "grasp/execute.h"
-#include "grasp/plan.h"
-#include "scenes/object_catalog.h"
-#include "sim/convex_pieces.h"
-#include "sim/resting_poses.h"
-#include "sim/scene_maker.h"
+#include "grasp/candidates/candidates.h"
+#include "grasp/execute/execute.h"
+#include "grasp/grippers/table.h"
+#include "grasp/plan/plan.h"
+#include "scenes/objects/object_catalog.h"
+#include "sim/convex/convex_pieces.h"
+#include "sim/drop/certified_scene.h"
+#include "sim/drop/resting_poses.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 constexpr int kParts = 20;
-constexpr int kCloudPoints = 3000;  // on each part
-constexpr int kMaxFailures = 2;     // in a row, as the clutter removal protocol has it
+constexpr int kCloudPoints = 3000;  // per instance
+constexpr int kMaxFailures = 2;     // in a row, as in the clutter removal protocol
 
 struct Settings {
   std::string gripper = "jaw_8cm";
@@ -45,13 +48,13 @@ struct Count {
   int dropped = 0, cleared = 0, attempts = 0, placed = 0, second_looks = 0, of_second = 0;
   double plan_s = 0;
   int plans = 0;
-  std::map<std::string, int> losses, rejected;  // rejections of the looks that found nothing
+  std::map<std::string, int> failures, rejected;  // rejections of the plans without any grasp
   std::vector<std::string> misplaced;
 };
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// What the parts show to the sky, without what hides it.
+// Returns the surface samples of all instances that face up, in W, without occlusion.
 std::vector<Eigen::Vector3d> CloudOf(const Scene& scene, const ObjectModel& model) {
   Rng rng(1);
   const SurfaceSamples samples = SampleSurface(model.mesh_O, kCloudPoints, rng);
@@ -65,10 +68,10 @@ std::vector<Eigen::Vector3d> CloudOf(const Scene& scene, const ObjectModel& mode
   return cloud_W;
 }
 
-PlanResult PlanOnce(const Scene& scene, const ObjectSet& objects, const GripperSpec& gripper,
+PlanResult PlanOnce(const Scene& scene, const ObjectSet& objects, const Gripper& gripper,
                     const std::vector<std::vector<GraspCandidate>>& candidates,
                     const Settings& settings, Count& count) {
-  std::vector<BelievedPose> poses;
+  std::vector<EstimatedPose> poses;
   for (const PosedObject& part : scene.objects) poses.push_back({part.object, part.X_WO, 1});
   const auto cloud_W = CloudOf(scene, *objects[0]);
   const double begin_s = CpuSeconds();
@@ -80,29 +83,27 @@ PlanResult PlanOnce(const Scene& scene, const ObjectSet& objects, const GripperS
   return plan;
 }
 
-// Where it came to lie against where it was to, and how it was let go.
+// Describes the final pose relative to the planned one, and the release.
 std::string HowPlaced(const Bin& bin, const ObjectModel& model, const Pose& X_WO,
-                      const Grasp& grasp, const GripperSpec& gripper, const PlaceOptions& options,
+                      const Grasp& grasp, const Gripper& gripper, const PlaceOptions& options,
                       const GraspOutcome& outcome) {
-  const MechanismRow& row = MechanismOf(gripper);
-  const double opening_m = row.approach_opening_m(gripper, grasp.width_m).value_or(0);
-  const PlacePlan plan =
-      PlanPlace(bin, model, X_WO, grasp.X_WG, row.boxes(gripper, opening_m), options);
-  const Pose let_go = plan.X_WG * grasp.X_WG.inverse() * X_WO;
+  const double opening_m = gripper.ApproachOpening_m(grasp.width_m).value_or(0);
+  const PlacePlan plan = PlanPlace(bin, model, X_WO, grasp.X_WG, gripper.Boxes(opening_m), options);
+  const Pose X_WO_release = plan.X_WG * grasp.X_WG.inverse() * X_WO;
   double drop_m = 1;
   for (const Eigen::Vector3d& p_O : model.mesh_O.vertices) {
-    drop_m = std::min(drop_m, (let_go * p_O).z());
+    drop_m = std::min(drop_m, (X_WO_release * p_O).z());
   }
   return fmt::format(
       "{:.0f}mm/{:.0f}deg(in hand {:.0f}mm/{:.0f}deg, dropped {:.0f}mm, inclined "
       "{:.0f}, hand {:.0f})",
-      1e3 * outcome.place_error_m, 57.3 * outcome.place_turn_rad, 1e3 * outcome.slip_m,
-      57.3 * outcome.turn_rad, 1e3 * drop_m,
-      57.3 * RotationAngleRad(let_go.linear(), plan.X_WO.linear()),
+      1e3 * outcome.place_error_m, 57.3 * outcome.place_rotation_error_rad, 1e3 * outcome.slip_m,
+      57.3 * outcome.in_hand_rotation_error_rad, 1e3 * drop_m,
+      57.3 * RotationAngleRad(X_WO_release.linear(), plan.X_WO.linear()),
       57.3 * std::acos(-plan.X_WG.linear()(2, 2)));
 }
 
-void Empty(Scene scene, const ObjectSet& objects, const GripperSpec& gripper,
+void Empty(Scene scene, const ObjectSet& objects, const Gripper& gripper,
            const std::vector<std::vector<GraspCandidate>>& candidates, const Settings& settings,
            Count& count) {
   count.dropped += static_cast<int>(scene.objects.size());
@@ -122,7 +123,7 @@ void Empty(Scene scene, const ObjectSet& objects, const GripperSpec& gripper,
     failures = outcome.success ? 0 : failures + 1;
     count.cleared += outcome.success;
     count.of_second += outcome.success && plan.with_wider_limits;
-    if (!outcome.success) ++count.losses[std::string(LossName(outcome.loss))];
+    if (!outcome.success) ++count.failures[std::string(FailureName(outcome.failure))];
     const bool placed = outcome.verdicts[static_cast<int>(SuccessRule::kPlaced)];
     count.placed += placed;
     if (outcome.success && !placed) {
@@ -136,8 +137,9 @@ void Empty(Scene scene, const ObjectSet& objects, const GripperSpec& gripper,
 void Measure(const std::string& name, int bins, const Settings& settings) {
   const ObjectSet objects = WithRestingDirections(
       WithConvexPieces(ObjectSet{ObjectCatalog({AssetsDir() / "objects"}).Load(name)}));
-  const GripperSpec gripper = LoadGripper(settings.gripper);
-  Bin bin;  // of the part's size, as those of the presets bin_PART
+  const auto loaded = LoadGripper(settings.gripper);
+  const Gripper& gripper = *loaded;
+  Bin bin;  // scaled to the object, as in the presets bin_PART
   bin.inner_size_m = Eigen::Vector3d(4, 3, 1.5) * objects[0]->diameter_m;
   const std::vector<std::vector<GraspCandidate>> candidates{CachedCandidates(*objects[0], gripper)};
   Count count;
@@ -151,7 +153,7 @@ void Measure(const std::string& name, int bins, const Settings& settings) {
       name, candidates[0].size(), count.cleared, count.dropped, count.cleared, count.attempts,
       count.placed, 1e3 * count.plan_s / std::max(1, count.plans), count.second_looks,
       count.of_second);
-  for (const auto& [loss, n] : count.losses) fmt::print(" {} {}", loss, n);
+  for (const auto& [failure, n] : count.failures) fmt::print(" {} {}", failure, n);
   for (const std::string& text : count.misplaced) fmt::print(" {}", text);
   fmt::print("\n   left by");
   for (const auto& [cause, n] : count.rejected) fmt::print(" {} {},", cause, n);
@@ -178,6 +180,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests
 
-int main(int argc, char** argv) { return pickbed::Main(argc, argv); }
+int main(int argc, char** argv) { return pickbed::tests::Main(argc, argv); }

@@ -1,5 +1,5 @@
-// The grid by which the two modes of point pair features were tuned, on validation bins (seed 500),
-// with the figures on stdout:
+// Grid search with which the two modes of point pair features were tuned, on validation bins (seed
+// 500), printed to stdout:
 //   ppf_figures plain BINS PART...      recall at precision 0.95 of ppf
 //   ppf_figures verified BINS PART...   recall of the candidates of ppf:verified, before a verifier
 
@@ -11,39 +11,42 @@
 #include <string>
 #include <vector>
 
-#include "eval/command_line.h"
-#include "eval/comparison_figures.h"
-#include "eval/virtual_cell.h"
+#include "eval/estimate/statistics.h"
+#include "eval/trial/simulated_cell.h"
 #include "perception/estimators/ppf.h"
 #include "perception/estimators/ppf_verified.h"
+#include "scenes/scenario/find_scenario.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 constexpr uint64_t kValidationSeed = 500;
 
-struct Seen {
+struct CapturedBin {
   Scene scene;
-  View view;
+  Observation view;
 };
 
-EstimateResult Plain(const VirtualCell& cell, const View& view, const PpfMatchOptions& match) {
+EstimateResult Plain(const SimulatedCell& cell, const Observation& view,
+                     const PpfMatchOptions& match) {
   EstimatorSetup setup;
   setup.objects = cell.objects();
-  setup.spec.min_score = 0.1;  // the threshold is found on the results
+  setup.spec.min_score = 0.1;  // the threshold is determined from the results
   PpfOptions options;
   options.match.model_sampling = match.model_sampling;
   options.match.scene_voxel_diameters = match.scene_voxel_diameters;
   options.match.scene_step = match.scene_step;
-  const KnownBackground background{cell.bin(), cell.camera().X_WC.inverse()};
+  const KnownBackground background{cell.bin(), cell.camera().X_CW()};
   Rng rng(0);
   return MakePpfEstimator(setup, options)->Estimate({view.frame, background}, rng);
 }
 
-EstimateResult Candidates(const VirtualCell& cell, const View& view, const PpfMatchOptions& match) {
+EstimateResult Candidates(const SimulatedCell& cell, const Observation& view,
+                          const PpfMatchOptions& match) {
   VerifiedPpfOptions options;
   options.match = match;
-  const KnownBackground background{cell.bin(), cell.camera().X_WC.inverse()};
+  const KnownBackground background{cell.bin(), cell.camera().X_CW()};
   Rng rng(0);
   EstimateResult result;
   const auto source = MakePpfCandidates(cell.objects(), options);
@@ -54,35 +57,35 @@ EstimateResult Candidates(const VirtualCell& cell, const View& view, const PpfMa
   return result;
 }
 
-void Measure(bool verified, int bins, const std::string& part,
+void Measure(bool verified, int bins, const std::string& object,
              const std::vector<PpfMatchOptions>& grid) {
-  ScenarioArguments arguments;
-  arguments.scenario = "bin_" + part;
-  LoadedScenario loaded = LoadScenarioArguments(arguments);
+  ScenarioRequest arguments;
+  arguments.scenario = "bin_" + object;
+  LoadedScenario loaded = FindScenario(arguments);
   loaded.spec.seed = kValidationSeed;
-  VirtualCell cell(loaded.spec, loaded.objects);
+  SimulatedCell cell(loaded.spec, loaded.objects);
   std::vector<MetricModel> metrics;
   for (const auto& model : cell.objects()) metrics.push_back(MakeMetricModel(*model));
-  std::vector<Seen> seen;
+  std::vector<CapturedBin> captured;
   for (int trial = 0; trial < bins; ++trial) {
     Scene scene = cell.MakeScene(trial).scene;
-    View view = cell.See(scene, trial, 0);
-    seen.push_back({std::move(scene), std::move(view)});
+    Observation view = cell.Capture(scene, trial, 0);
+    captured.push_back({std::move(scene), std::move(view)});
   }
   for (const PpfMatchOptions& match : grid) {
     ComparedRow row;
-    for (const Seen& bin : seen) {
+    for (const CapturedBin& bin : captured) {
       EstimateResult found =
           verified ? Candidates(cell, bin.view, match) : Plain(cell, bin.view, match);
       row.looks.push_back({static_cast<int>(row.looks.size()),
-                           ScoreLook(bin.scene, bin.view.visible_fractions, metrics, cell.camera(),
-                                     found.hypotheses),
+                           ScoreAgainstTruth(bin.scene, bin.view.visible_fractions, metrics,
+                                             cell.camera(), found.hypotheses),
                            std::move(found.seconds)});
     }
     const ComparisonFigures figures = FiguresOf(row);
     double seconds = 0;
     for (const auto& [stage, value] : figures.stages) seconds += value;
-    fmt::print("{:<10} {:5.2f} {:5.2f} {:5.2f} {:5.1f} {:7.3f} {:7.1f} {:7.1f}\n", part,
+    fmt::print("{:<10} {:5.2f} {:5.2f} {:5.2f} {:5.1f} {:7.3f} {:7.1f} {:7.1f}\n", object,
                match.model_sampling, match.scene_voxel_diameters, match.scene_step,
                match.window_diameters, verified ? figures.recall() : figures.recall_at_95,
                figures.stages.count("match") ? figures.stages.at("match") : 0.0, seconds);
@@ -108,7 +111,7 @@ std::vector<PpfMatchOptions> Grid(double window_diameters) {
 }
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests
 
 int main(int argc, char** argv) {
   const std::string mode = argc > 3 ? argv[1] : "";
@@ -120,9 +123,10 @@ int main(int argc, char** argv) {
   fmt::print("{:<10} {:>5} {:>5} {:>5} {:>5} {:>7} {:>7} {:>7}\n", "part", "model", "voxel", "step",
              "wind", "recall", "match_s", "all_s");
   for (int i = 3; i < argc; ++i) {
-    pickbed::Measure(
+    pickbed::tests::Measure(
         verified, std::atoi(argv[2]), argv[i],
-        pickbed::Grid(verified ? pickbed::VerifiedPpfOptions().match.window_diameters : 0));
+        pickbed::tests::Grid(
+            verified ? pickbed::perception::VerifiedPpfOptions().match.window_diameters : 0));
   }
   return 0;
 }

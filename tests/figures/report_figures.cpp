@@ -1,19 +1,19 @@
-// How long a report of many trials takes, how large its page is and how much memory it needs.
-//   report_figures [TRIALS] [PAGE.html]     10000 made-up trials unless told otherwise
+// Measures time, page size and memory of a report of many trials.
+//   report_figures [TRIALS] [PAGE.html]     10000 stub trials by default
 
 #include <fmt/format.h>
 
 #include <chrono>
 #include <cstdlib>
 
-#include "eval/memory.h"
-#include "eval/report.h"
-#include "eval/results_store.h"
-#include "scenes/files.h"
+#include "eval/report/report.h"
+#include "eval/runtime/process.h"
+#include "eval/store/results_store.h"
+#include "scenes/base/files.h"
 #include "tests/support/stub_trials.h"
 #include "tests/support/temporary_folder.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 constexpr const char* kScenario =
@@ -41,7 +41,7 @@ void Measure(int trials, const std::filesystem::path& page) {
   });
   ReportRun run = Timed("read", [&] { return ReadReportRun(folder.path()); });
   ReportOptions options;
-  options.views = 0;  // made-up trials have no scenes
+  options.views = 0;  // stub trials have no scenes
   const std::string html =
       Timed("report", [&] { return RunReportPage(std::move(run), ObjectCatalog({}), options); });
   fmt::print("the page has {:.2f} MB\n", 1e-6 * html.size());
@@ -49,8 +49,8 @@ void Measure(int trials, const std::filesystem::path& page) {
 }
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests
 
 int main(int argc, char** argv) {
-  pickbed::Measure(argc > 1 ? std::atoi(argv[1]) : 10000, argc > 2 ? argv[2] : "");
+  pickbed::tests::Measure(argc > 1 ? std::atoi(argv[1]) : 10000, argc > 2 ? argv[2] : "");
 }

@@ -1,12 +1,13 @@
-// Measurements of sweeps, run by hand. With a stub in place of the physics:
+// Measurements of sweeps, run by hand. With a stub instead of physics:
 //
 //   sweep_figures store 10000   trials into 8 shards, merged: seconds and peak memory
-//   sweep_figures kills 50      kill -9 of a sweep at random moments, resumed each time: trials
-//                               lost, doubled, damaged stores
+//   sweep_figures kills 50      kill -9 of a sweep at random moments, resumed each time: lost and
+//                               repeated trials, damaged stores
 //
-// Of a real one, by 2 workers:
+// With a real sweep and 2 workers:
 //
-//   sweep_figures share SWEEP.yaml 8   trials a point: what store and statistics take of the time
+//   sweep_figures share SWEEP.yaml 8   trials per configuration: fraction of the time for store and
+//                                      statistics
 
 #include <fmt/format.h>
 #include <signal.h>
@@ -18,16 +19,16 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "eval/merge.h"
-#include "eval/progress.h"
-#include "eval/results_store.h"
-#include "eval/sweep_progress.h"
-#include "eval/sweep_spec.h"
-#include "scenes/files.h"
+#include "eval/cli/run_progress.h"
+#include "eval/runtime/progress.h"
+#include "eval/store/results_store.h"
+#include "eval/sweep/merge_shards.h"
+#include "eval/sweep/sweep_spec.h"
+#include "scenes/base/files.h"
 #include "tests/eval/stub_sweep.h"
 #include "tests/support/temporary_folder.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -43,9 +44,9 @@ double PeakMegabytes(int who) {
 }
 
 void MeasureStore(int trials) {
-  constexpr int kShards = 8, kPoints = 4;
+  constexpr int kShards = 8, kConfigurations = 4;
   const TemporaryFolder temporary;
-  const Sweep sweep = StubSweep(kPoints, trials / kPoints);
+  const Sweep sweep = StubSweep(kConfigurations, trials / kConfigurations);
   SweepOptions options;
   options.out = temporary.path() / "sweep";
   options.jobs = 2;
@@ -67,9 +68,9 @@ void MeasureStore(int trials) {
              PeakMegabytes(RUSAGE_SELF), PeakMegabytes(RUSAGE_CHILDREN));
 }
 
-// The finished trials of a store that must be whole.
+// Returns the finished trials of a store. Throws if the store is damaged.
 std::vector<int> Finished(const std::filesystem::path& folder) {
-  if (!StoredSettings(folder)) return {};  // killed before the tables were there
+  if (!StoredSettings(folder)) return {};  // killed before the tables were created
   const ResultsStore store = ResultsStore::OpenToRead(folder);
   if (store.ReadAll().size() != store.FinishedTrials().size()) {
     throw std::runtime_error("some trials cannot be read");
@@ -84,7 +85,7 @@ void MeasureKills(int kills) {
   options.out = temporary.path() / "killed";
   options.jobs = 2;
   options.resume = true;
-  options.make = StubTrials([](const SweepPoint&, int) { usleep(5000); });
+  options.make = StubTrials([](const Configuration&, int) { usleep(5000); });
   Rng rng(1);
   int lost = 0, early = 0;
   std::vector<int> before;
@@ -142,19 +143,19 @@ void MeasureShare(const std::filesystem::path& file, int trials) {
 }
 
 }  // namespace
-}  // namespace pickbed
+}  // namespace pickbed::tests
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   if (what == "share" && argc > 2) {
-    pickbed::MeasureShare(argv[2], argc > 3 ? std::atoi(argv[3]) : 0);
+    pickbed::tests::MeasureShare(argv[2], argc > 3 ? std::atoi(argv[3]) : 0);
     return 0;
   }
   const int number = argc > 2 ? std::atoi(argv[2]) : 0;
   if (what == "store") {
-    pickbed::MeasureStore(number > 0 ? number : 10000);
+    pickbed::tests::MeasureStore(number > 0 ? number : 10000);
   } else if (what == "kills") {
-    pickbed::MeasureKills(number > 0 ? number : 50);
+    pickbed::tests::MeasureKills(number > 0 ? number : 50);
   } else {
     fmt::print("sweep_figures store 10000 | kills 50 | share SWEEP.yaml 8\n");
     return 1;

@@ -1,25 +1,25 @@
 #pragma once
 
-// Parts, grippers and small scenes with known grasps.
+// Objects, grippers and small scenes with known grasps.
 
 #include <numbers>
 
 #include "grasp/grasp.h"
-#include "grasp/gripper.h"
+#include "grasp/grippers/parallel_jaw.h"
 #include "scenes/scene.h"
 #include "tests/sim/physics_parts.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
-// 80 mm stroke, 40 N, 20 x 50 mm pads of friction 1.
-inline GripperSpec SmallJaw() {
-  GripperSpec gripper;
+// Returns a parallel jaw with 80 mm stroke, 40 N and 20 x 50 mm pads with friction 1.
+inline ParallelJaw SmallJaw() {
+  ParallelJaw gripper;
   gripper.name = "test jaw";
   return gripper;
 }
 
-// A hand that comes straight down on the point where its tips are to be, closing along a direction
-// of the floor plan, measured from x of W.
+// Returns the pose of a hand that points straight down with its tips at `tips_W`. The closing
+// direction is horizontal, at the angle `closing_rad` from x of W.
 inline Pose FromAbove(const Eigen::Vector3d& tips_W, double closing_rad = 0) {
   Eigen::Matrix3d R_WG;
   R_WG.col(0) = Eigen::Vector3d(std::cos(closing_rad), std::sin(closing_rad), 0);
@@ -28,19 +28,19 @@ inline Pose FromAbove(const Eigen::Vector3d& tips_W, double closing_rad = 0) {
   return MakePose(R_WG, tips_W);
 }
 
-// Boxes of one kind that stand on the floor of the default bin, instance ids 10, 11, ...
+// Returns a scene of equal boxes on the floor of the default bin, with instance ids 10, 11, ...
 inline Scene BoxesOnFloor(const std::vector<Eigen::Vector2d>& places_m, double height_m) {
   Scene scene;
   for (const Eigen::Vector2d& place : places_m) {
-    PosedObject part;
-    part.instance = 10 + static_cast<int>(scene.objects.size());
-    part.X_WO = Translation({place.x(), place.y(), 0.5 * height_m + 0.0006});
-    scene.objects.push_back(part);
+    PosedObject instance;
+    instance.instance = 10 + static_cast<int>(scene.objects.size());
+    instance.X_WO = Translation({place.x(), place.y(), 0.5 * height_m + 0.0006});
+    scene.objects.push_back(instance);
   }
   return scene;
 }
 
-// Sphere by rings of latitude, closed.
+// Returns a closed sphere made of rings of latitude.
 inline TriangleMesh SphereMesh(double radius_m, int rings = 24) {
   const double pi = std::numbers::pi;
   const int around = 2 * rings;
@@ -48,9 +48,9 @@ inline TriangleMesh SphereMesh(double radius_m, int rings = 24) {
   mesh.vertices = {{0, 0, radius_m}, {0, 0, -radius_m}};
   for (int i = 1; i < rings; ++i) {
     for (int k = 0; k < around; ++k) {
-      const double polar = pi * i / rings, turn = 2 * pi * k / around;
-      mesh.vertices.push_back(radius_m * Eigen::Vector3d(std::sin(polar) * std::cos(turn),
-                                                         std::sin(polar) * std::sin(turn),
+      const double polar = pi * i / rings, azimuth = 2 * pi * k / around;
+      mesh.vertices.push_back(radius_m * Eigen::Vector3d(std::sin(polar) * std::cos(azimuth),
+                                                         std::sin(polar) * std::sin(azimuth),
                                                          std::cos(polar)));
     }
   }
@@ -66,4 +66,4 @@ inline TriangleMesh SphereMesh(double radius_m, int rings = 24) {
   return mesh;
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -6,18 +6,19 @@
 #include <limits>
 #include <vector>
 
-#include "scenes/mesh_query.h"
-#include "scenes/object_model.h"
+#include "scenes/geometry/mesh_query.h"
+#include "scenes/objects/object_model.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 struct HalfSpace {
   Eigen::Vector3d normal;  // unit, outward
   double offset;           // normal . p <= offset inside
 };
 
-// Every triple of vertices that spans a face of the hull; faces with more corners come several
-// times over, which does no harm here.
+// All triples of vertices that span a face of the hull. A face with more than three corners occurs
+// several times, which is harmless here.
 struct HullFaces {
   std::vector<HalfSpace> planes;
   TriangleMesh mesh;
@@ -31,7 +32,7 @@ inline HullFaces FacesOf(const ConvexPiece& piece) {
   hull.mesh.vertices = v;
   const auto add_if_supporting = [&](int a, int b, int c) {
     const Eigen::Vector3d cross = (v[b] - v[a]).cross(v[c] - v[a]);
-    if (cross.norm() < 1e-9) return;  // m2; a sliver has no sure normal
+    if (cross.norm() < 1e-9) return;  // m2; the normal of a sliver is unreliable
     const HalfSpace plane{cross.normalized(), cross.normalized().dot(v[a])};
     for (const Eigen::Vector3d& p : v) {
       if (plane.normal.dot(p) > plane.offset + kFlat_m) return;
@@ -59,7 +60,7 @@ class ConvexUnion {
     }
   }
 
-  // 0 inside, else the distance to the nearest piece.
+  // Returns 0 inside, else the distance to the nearest piece, in metres.
   double Distance(const Eigen::Vector3d& p) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < hulls_.size(); ++i) {
@@ -79,4 +80,4 @@ class ConvexUnion {
   std::vector<MeshQuery> surfaces_;
 };
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

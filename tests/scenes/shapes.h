@@ -1,6 +1,6 @@
 #pragma once
 
-// Small meshes with closed-form answers.
+// Small meshes whose area, volume and diameter have a closed form.
 
 #include <gtest/gtest.h>
 
@@ -10,13 +10,13 @@
 #include <string>
 #include <utility>
 
-#include "scenes/check.h"
-#include "scenes/triangle_mesh.h"
+#include "scenes/base/error.h"
+#include "scenes/geometry/triangle_mesh.h"
 #include "tests/support/temporary_folder.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
-// Closed box, 8 vertices, 12 triangles, faces outwards.
+// Returns a closed box: 8 vertices, 12 triangles, faces outwards.
 inline TriangleMesh BoxShape(const Eigen::Vector3d& size,
                              const Eigen::Vector3d& center = Eigen::Vector3d::Zero()) {
   TriangleMesh mesh;
@@ -30,23 +30,24 @@ inline TriangleMesh BoxShape(const Eigen::Vector3d& size,
   return mesh;
 }
 
-// Octahedron whose faces are split `levels` times, vertices on the sphere, smooth normals.
+// Returns an octahedron whose faces are split `levels` times, with vertices on the sphere and
+// smooth normals.
 inline TriangleMesh BallShape(double radius, int levels) {
   TriangleMesh mesh;
   mesh.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
                     {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
   for (int level = 0; level < levels; ++level) {
-    std::map<std::pair<int, int>, int> middle_of;
-    const auto middle = [&](int a, int b) {
+    std::map<std::pair<int, int>, int> midpoint_of;
+    const auto midpoint = [&](int a, int b) {
       const auto [place, is_new] =
-          middle_of.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices.size()));
+          midpoint_of.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices.size()));
       if (is_new) mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]).normalized());
       return place->second;
     };
     std::vector<Eigen::Vector3i> finer;
     for (const Eigen::Vector3i& t : mesh.triangles) {
-      const int ab = middle(t[0], t[1]), bc = middle(t[1], t[2]), ca = middle(t[2], t[0]);
+      const int ab = midpoint(t[0], t[1]), bc = midpoint(t[1], t[2]), ca = midpoint(t[2], t[0]);
       finer.insert(finer.end(), {{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}});
     }
     mesh.triangles = finer;
@@ -56,7 +57,7 @@ inline TriangleMesh BallShape(double radius, int levels) {
   return mesh;
 }
 
-// A 2 x 2 image with a colour of its own in each quarter.
+// Returns a 2 x 2 image with a different colour in each pixel.
 inline Image<Rgb8> FourColours() {
   Image<Rgb8> image(2, 2);
   image(0, 0) = {250, 0, 0};
@@ -70,7 +71,7 @@ inline void TurnInsideOut(TriangleMesh& mesh) {
   for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
-// The message of the InputError that `call` throws; fails the test when it throws none.
+// Returns the message of the InputError that `call` throws. Fails the test if it throws none.
 template <typename Call>
 std::string InputErrorOf(const Call& call) {
   try {
@@ -82,4 +83,4 @@ std::string InputErrorOf(const Call& call) {
   return "";
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

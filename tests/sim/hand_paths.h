@@ -1,16 +1,17 @@
 #pragma once
 
-// Paths of a hand in tests of physics.
+// Paths of a hand in physics tests.
 
 #include <algorithm>
 #include <cmath>
 
-#include "sim/hand_joints.h"
-#include "sim/physics_world.h"
+#include "sim/hands/jaw_hand.h"
+#include "sim/physics/physics_world.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
-// A hand that points straight down.
+// Returns the pose of a hand at p_W that points straight down (z of G = -z of W).
 inline Pose HandOver(const Eigen::Vector3d& p_W) {
   return MakePose(Eigen::Vector3d(1, -1, -1).asDiagonal(), p_W);
 }
@@ -23,7 +24,8 @@ inline void Stay(PhysicsWorld& world, Hand& hand, const Pose& X_WG, double durat
   }
 }
 
-// From where it is, with its orientation, along a straight line (Flash and Hogan 1985).
+// Moves the hand from its pose to `to` along a straight line with minimum jerk (Flash and Hogan
+// 1985). The orientation is the orientation of `to`.
 inline void MoveAlongMinimumJerk(PhysicsWorld& world, Hand& hand, const Pose& to,
                                  double duration_s) {
   const Pose from = hand.X_WG();
@@ -38,7 +40,8 @@ inline void MoveAlongMinimumJerk(PhysicsWorld& world, Hand& hand, const Pose& to
   }
 }
 
-// From rest; the acceleration grows over the first 0.1 s, is then held, and the hand flies on.
+// Accelerates the hand from rest. The acceleration rises linearly over the first 0.1 s and is then
+// held for `held_s`.
 inline void AccelerateFor(PhysicsWorld& world, Hand& hand, const Eigen::Vector3d& a_W,
                           double held_s) {
   constexpr double kRamp_s = 0.1;
@@ -54,4 +57,4 @@ inline void AccelerateFor(PhysicsWorld& world, Hand& hand, const Eigen::Vector3d
   }
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -1,17 +1,17 @@
 #pragma once
 
-// A part alone, taken from a table by a parallel jaw, for tests of the mechanics of holding.
+// One instance, picked from a table by a parallel jaw, for tests of the mechanics of holding.
 
 #include <cmath>
 #include <memory>
 
-#include "scenes/gravity.h"
-#include "sim/hand_joints.h"
-#include "sim/physics_world.h"
+#include "scenes/objects/contact.h"
+#include "sim/hands/jaw_hand.h"
+#include "sim/physics/physics_world.h"
 #include "tests/sim/hand_paths.h"
 #include "tests/sim/physics_parts.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 struct HeldPart {
   std::shared_ptr<const ObjectModel> model;
@@ -19,21 +19,22 @@ struct HeldPart {
   Hand* hand = nullptr;
   Pose X_WG;
 
-  // The table's top is z = 0, a bar 3 cm wide between the fingers; the part stands on it at X_WO,
-  // the open hand around it at X_WG.
-  HeldPart(std::shared_ptr<const ObjectModel> part, const Pose& X_WO, const HandSpec& spec,
+  // Closes the hand at `hand_pose` on the instance at X_WO. The table is a bar, 3 cm wide along x,
+  // between the fingers; its top is z = 0.
+  HeldPart(std::shared_ptr<const ObjectModel> object, const Pose& X_WO, const HandSpec& spec,
            const Pose& hand_pose, const PhysicsOptions& options = {})
-      : model(std::move(part)), world(options), X_WG(hand_pose) {
+      : model(std::move(object)), world(options), X_WG(hand_pose) {
     world.AddStaticBox(Translation({0, 0, -0.05}), {0.015, 0.5, 0.05}, 0.5);
     world.AddPart(*model, X_WO);
-    hand = &world.AddHand(spec, X_WG);
+    hand = &AddJawHand(world, spec, X_WG);
     Stay(world, *hand, X_WG, 0.1);
     hand->Close();
     Stay(world, *hand, X_WG, 0.5);
   }
 
   Pose X_GO() const { return hand->X_WG().inverse() * world.X_WO(0); }
-  // Of the centre of mass in the hand, since `before`.
+  // Returns the displacement of the center of mass relative to the hand since `X_GO_before`, in
+  // metres.
   double Slip_m(const Pose& X_GO_before) const {
     const Eigen::Vector3d& com_O = model->mass.com_O;
     return (X_GO() * com_O - X_GO_before * com_O).norm();
@@ -48,7 +49,7 @@ struct HeldPart {
   void Rest(double duration_s) { Stay(world, *hand, X_WG, duration_s); }
 };
 
-// Pointing down, then turned about the closing axis.
+// Returns a hand pose that points down, then is rotated about the closing axis.
 inline Pose TurnedHand(double turn_rad, const Eigen::Vector3d& p_W) {
   const Pose over = HandOver(p_W);
   return MakePose(Eigen::Matrix3d(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitX()).matrix() *
@@ -56,4 +57,4 @@ inline Pose TurnedHand(double turn_rad, const Eigen::Vector3d& p_W) {
                   p_W);
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -1,15 +1,16 @@
 #pragma once
 
-// Parts made of boxes for physics tests, with their mass properties by the parallel-axis theorem.
+// Objects made of boxes for physics tests, with mass properties by the parallel-axis theorem.
 
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "scenes/bin.h"
-#include "scenes/object_model.h"
+#include "scenes/bin/bin.h"
+#include "scenes/objects/object_model.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 inline ConvexPiece BoxPiece(const AxisAlignedBox& box) {
   ConvexPiece piece;
@@ -20,7 +21,7 @@ inline ConvexPiece BoxPiece(const AxisAlignedBox& box) {
   return piece;
 }
 
-// Closed surface of one box.
+// Returns the closed surface of one box.
 inline TriangleMesh BoxMesh(const AxisAlignedBox& box) {
   TriangleMesh mesh;
   mesh.vertices = BoxPiece(box).vertices_O;
@@ -88,4 +89,4 @@ inline ObjectSet MixedParts() {
           BoxPart({0.025, 0.025, 0.025}, 0.04)};
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -1,18 +1,23 @@
 #pragma once
 
-// Closed shapes and cameras for tests of the renderer.
+// Meshes and cameras for tests of the renderer.
 
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <utility>
 
-#include "scenes/camera.h"
-#include "scenes/triangle_mesh.h"
+#include "scenes/camera/camera.h"
+#include "scenes/geometry/triangle_mesh.h"
+#include "sim/render/renderer.h"
+#include "tests/support/layer.h"
 
-namespace pickbed::test {
+namespace pickbed::tests {
 
-// A closed sphere about the origin: an icosahedron divided `levels` times.
+// No levels of detail: the original meshes are drawn.
+inline constexpr DetailOptions kOriginal{0, 0};
+
+// Returns a closed sphere about the origin: an icosahedron divided `levels` times.
 inline TriangleMesh SphereMesh(double radius_m, int levels) {
   const double t = std::numbers::phi;
   TriangleMesh mesh;
@@ -23,17 +28,17 @@ inline TriangleMesh SphereMesh(double radius_m, int levels) {
                     {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
                     {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   for (int level = 0; level < levels; ++level) {
-    std::map<std::pair<int, int>, int> middles;
-    const auto middle = [&](int a, int b) {
+    std::map<std::pair<int, int>, int> midpoints;
+    const auto midpoint = [&](int a, int b) {
       const auto [it, added] =
-          middles.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices.size()));
+          midpoints.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices.size()));
       if (added) mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]).normalized());
       return it->second;
     };
     for (auto& v : mesh.vertices) v.normalize();
     std::vector<Eigen::Vector3i> finer;
     for (const Eigen::Vector3i& f : mesh.triangles) {
-      const int a = middle(f[0], f[1]), b = middle(f[1], f[2]), c = middle(f[2], f[0]);
+      const int a = midpoint(f[0], f[1]), b = midpoint(f[1], f[2]), c = midpoint(f[2], f[0]);
       finer.insert(finer.end(), {{f[0], a, c}, {f[1], b, a}, {f[2], c, b}, {a, b, c}});
     }
     mesh.triangles = std::move(finer);
@@ -42,7 +47,7 @@ inline TriangleMesh SphereMesh(double radius_m, int levels) {
   return mesh;
 }
 
-// A closed box about the origin.
+// Returns a closed box about the origin.
 inline TriangleMesh BoxMesh(const Eigen::Vector3d& size_m) {
   TriangleMesh mesh;
   for (int i = 0; i < 8; ++i) {
@@ -54,8 +59,8 @@ inline TriangleMesh BoxMesh(const Eigen::Vector3d& size_m) {
   return mesh;
 }
 
-// An open rectangle in the plane z = 0 with corners (x0, y0) and (x1, y1), facing -z, so that a
-// camera at the origin of its frame sees it upright. uv (0, 0) is at (x0, y0).
+// Returns an open rectangle in the plane z = 0 with corners (x0, y0) and (x1, y1). It faces -z, so
+// a camera at the origin of its frame sees it upright. uv (0, 0) is at (x0, y0).
 inline TriangleMesh RectangleMesh(double x0, double y0, double x1, double y1) {
   TriangleMesh mesh;
   mesh.vertices = {{x0, y0, 0}, {x1, y0, 0}, {x1, y1, 0}, {x0, y1, 0}};
@@ -70,4 +75,4 @@ inline Camera TestCamera(int width, int height, double focal_px) {
   return camera;
 }
 
-}  // namespace pickbed::test
+}  // namespace pickbed::tests

@@ -1,14 +1,16 @@
 #pragma once
 
-// Exact clouds of simple surfaces, for tests.
+// Exact point clouds of simple surfaces.
 
 #include <cmath>
 
-#include "perception/depth_to_cloud.h"
+#include "perception/cloud/organized_cloud.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
-// surface(ray) gives {distance along the unit-z ray or 0, normal}.
+// Returns the cloud of a surface in C. surface(ray) returns {distance along the ray with z = 1, or
+// 0 for no hit, normal}.
 template <typename Surface>
 OrganizedCloud AnalyticCloud(Surface surface) {
   OrganizedCloud cloud;
@@ -38,14 +40,14 @@ struct SurfacePoint {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
-// Plane through (0, 0, depth_m); the unit normal points to the camera.
+// Returns the plane through (0, 0, depth_m). The unit normal points to the camera.
 inline OrganizedCloud PlaneCloud(double depth_m, const Eigen::Vector3d& normal) {
   return AnalyticCloud([&](const Eigen::Vector3d& ray) {
     return SurfacePoint{normal.z() * depth_m / normal.dot(ray), normal};
   });
 }
 
-// Sphere on the optical axis whose nearest point lies at depth_m.
+// Returns a sphere on the optical axis, with its nearest point at depth_m.
 inline OrganizedCloud SphereCloud(double depth_m, double radius_m) {
   const Eigen::Vector3d center(0, 0, depth_m + radius_m);
   return AnalyticCloud([&](const Eigen::Vector3d& ray) {
@@ -57,10 +59,10 @@ inline OrganizedCloud SphereCloud(double depth_m, double radius_m) {
   });
 }
 
-// Of the pixel right of and below the optical axis.
+// Returns the index of the pixel to the right of and below the optical axis.
 inline int CenterPixel(const OrganizedCloud& cloud) {
   const CameraIntrinsics& k = cloud.intrinsics;
   return static_cast<int>(k.cy + 0.5) * k.width + static_cast<int>(k.cx + 0.5);
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -3,11 +3,12 @@
 #include <functional>
 #include <string>
 
-#include "scenes/check.h"
+#include "scenes/base/error.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
-// The line that `run` ends with, or "no error".
+// Returns the message of the InputError that `run` throws, or "no error".
 inline std::string ErrorOf(const std::function<void()>& run) {
   try {
     run();
@@ -17,4 +18,4 @@ inline std::string ErrorOf(const std::function<void()>& run) {
   return "no error";
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -5,15 +5,15 @@
 #include <map>
 #include <utility>
 
-#include "scenes/mesh_query.h"
+#include "scenes/geometry/mesh_query.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 using Eigen::Vector3d;
 
 constexpr double kSpacing_m = 0.001;
-constexpr double kSharp = 0.9;  // cosine between the faces of an edge
+constexpr double kSharp = 0.9;  // maximum cosine between the face normals of a sharp edge
 
 std::vector<Vector3d> ProbesOf(const TriangleMesh& mesh, int samples) {
   Rng rng(1);
@@ -47,7 +47,7 @@ bool IsInside(const MeshQuery& mesh, const Vector3d& p) {
   return true;
 }
 
-// Of a point under the floor or in a wall, below the rim.
+// Returns the depth of a point below the floor, or inside a wall below its rim, in metres.
 double DepthInBin(const Bin& bin, const Vector3d& p_W) {
   const Vector3d half = 0.5 * bin.inner_size_m;
   double depth_m = std::max(0.0, -p_W.z());
@@ -70,9 +70,9 @@ MeshOverlap MeasureMeshOverlap(const Scene& scene, const ObjectSet& objects, int
   MeshOverlap overlap;
   const Eigen::Vector2d half = 0.5 * scene.bin.inner_size_m.head<2>();
   for (const PosedObject& a : scene.objects) {
-    const Vector3d middle_W = a.X_WO * bounds[a.object].center();
-    const bool is_in = (middle_W.head<2>().cwiseAbs().array() <= half.array()).all() &&
-                       middle_W.z() > 0 && a.X_WO.matrix().allFinite();
+    const Vector3d center_W = a.X_WO * bounds[a.object].center();
+    const bool is_in = (center_W.head<2>().cwiseAbs().array() <= half.array()).all() &&
+                       center_W.z() > 0 && a.X_WO.matrix().allFinite();
     overlap.lost += !is_in;
     for (const Vector3d& p_O : probes_O[a.object]) {
       overlap.deepest_m = std::max(overlap.deepest_m, DepthInBin(scene.bin, a.X_WO * p_O));
@@ -95,4 +95,4 @@ MeshOverlap MeasureMeshOverlap(const Scene& scene, const ObjectSet& objects, int
   return overlap;
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

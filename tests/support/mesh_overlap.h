@@ -1,20 +1,21 @@
 #pragma once
 
-// Whether parts are in each other or in the bin, judged by their own meshes alone: no convex
-// pieces, no separating axes, nothing of sim/.
+// Overlap of instances with each other and with the bin. It uses only the meshes: no convex pieces,
+// no separating axes, nothing from sim/.
 
 #include "scenes/scene.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 struct MeshOverlap {
-  double deepest_m = 0;  // of a surface point of one body under the surface of another
-  int lost = 0;          // parts whose middle is not over the floor, or whose pose is not finite
+  double deepest_m = 0;  // of a surface point of one body below the surface of another
+  int lost = 0;  // instances whose center is not above the floor, or whose pose is not finite
 };
 
-// `samples` points a part, spread over its surface, beside its corners and points 1 mm apart along
-// its sharp edges. A point counts as inside a mesh when rays in two directions both cross its
-// surface an odd number of times; it is then as deep as the surface is far. Box bins only.
+// Measures with `samples` random points on the surface of each object, its vertices, and points 1
+// mm apart on its sharp edges. A point is inside a mesh if rays in two directions both cross the
+// surface an odd number of times; its depth is the distance to the surface. Only for box bins.
 MeshOverlap MeasureMeshOverlap(const Scene& scene, const ObjectSet& objects, int samples = 2000);
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

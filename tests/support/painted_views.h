@@ -4,7 +4,7 @@
 
 #include "tests/support/ray_cast_views.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 class PaintedViews : public RayCastViews {
  public:
@@ -34,4 +34,4 @@ class PaintedViews : public RayCastViews {
   }
 };
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -2,15 +2,15 @@
 
 #include "tests/support/synthetic_depth.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
-LabelledView RayCastViews::View(const CameraIntrinsics& camera,
-                                std::vector<LabelledInstance> instances, Rng& rng) const {
+LabelledView RayCastViews::Observation(const CameraIntrinsics& camera,
+                                       std::vector<LabelledInstance> instances, Rng& rng) const {
   LabelledView view;
   view.ids = Image<uint16_t>(camera.width, camera.height);
   SyntheticDepth all(camera);
   for (size_t i = 0; i < instances.size(); ++i) {
-    // What the part changes belongs to it.
+    // Pixels that change belong to this instance.
     const Image<float> before = all.frame().depth_m;
     all.AddMesh(objects_[instances[i].object]->mesh_O, instances[i].X_CO);
     for (size_t p = 0; p < before.size(); ++p) {
@@ -30,7 +30,7 @@ std::vector<LabelledView> RayCastViews::Isolated(int object, const std::vector<P
   std::vector<LabelledView> views;
   for (size_t i = 0; i < X_CO.size(); ++i) {
     Rng rng = Rng::Derive(seed, i, "isolated");
-    views.push_back(View(camera, {{object, X_CO[i], 1.0}}, rng));
+    views.push_back(Observation(camera, {{object, X_CO[i], 1.0}}, rng));
   }
   return views;
 }
@@ -41,12 +41,12 @@ std::vector<LabelledView> RayCastViews::Pile(const PileRequest& request) {
   for (int i = 0; i < request.views; ++i) {
     std::vector<LabelledInstance> instances;
     for (int k = 0; k < 3; ++k) {
-      // Side by side, so that no part is hidden by another.
-      const Eigen::Vector3d place(0.08 * (k - 1), rng.Uniform(-0.03, 0.03), kDistanceM);
-      const Pose X_CO = MakePose(rng.Rotation().toRotationMatrix(), place);
+      // Side by side, so that no instance occludes another.
+      const Eigen::Vector3d p_C(0.08 * (k - 1), rng.Uniform(-0.03, 0.03), kDistanceM);
+      const Pose X_CO = MakePose(rng.Rotation().toRotationMatrix(), p_C);
       instances.push_back({rng.Index(static_cast<int>(objects_.size())), X_CO, 1.0});
     }
-    result.push_back(View(SmallCamera(), std::move(instances), rng));
+    result.push_back(Observation(SmallCamera(), std::move(instances), rng));
     result.back().background = OutOfSightBin();
   }
   return result;
@@ -59,4 +59,4 @@ KnownBackground OutOfSightBin() {
   return background;
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

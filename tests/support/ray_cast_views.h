@@ -1,16 +1,17 @@
 #pragma once
 
-// A view source for tests of learning: ray-cast views of parts, without renderer and physics. A
-// "pile" is three parts side by side in a bin that is out of sight.
+// View source for tests of training: ray-cast views of objects, without renderer and physics. A
+// "pile" is three instances side by side in a bin that is out of view.
 
+#include "scenes/base/random.h"
 #include "scenes/labelled_view.h"
-#include "scenes/random.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 class RayCastViews : public LabelledViewSource {
  public:
-  static constexpr double kDistanceM = 0.5;  // camera to the parts of a pile
+  static constexpr double kDistanceM = 0.5;  // from the camera to the instances of a pile
 
   explicit RayCastViews(ObjectSet objects, double noise_sigma_m = 0.0005)
       : objects_(std::move(objects)), noise_sigma_m_(noise_sigma_m) {}
@@ -27,15 +28,15 @@ class RayCastViews : public LabelledViewSource {
   int isolated_calls() const { return isolated_calls_; }
 
  private:
-  LabelledView View(const CameraIntrinsics& camera, std::vector<LabelledInstance> instances,
-                    Rng& rng) const;
+  LabelledView Observation(const CameraIntrinsics& camera, std::vector<LabelledInstance> instances,
+                           Rng& rng) const;
 
   ObjectSet objects_;
   double noise_sigma_m_;
   int isolated_calls_ = 0;
 };
 
-// A bin far around the parts, which removes no pixel of theirs.
+// Returns a bin far around the instances, which removes none of their pixels.
 KnownBackground OutOfSightBin();
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -1,16 +1,17 @@
 #pragma once
 
-// Scenes whose picks are alike within a scene: each draws its own rate from a beta distribution, so
-// that the correlation of two picks of a scene is `correlation`, and its own number of picks.
+// Simulated scenes with correlated picks: each scene draws its rate from a beta distribution, so
+// that two picks of a scene have the correlation `correlation`, and its number of picks.
 
 #include <cmath>
 #include <functional>
 #include <vector>
 
-#include "eval/statistics.h"
-#include "scenes/random.h"
+#include "eval/stats/statistics.h"
+#include "scenes/base/random.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 inline double Gamma(double shape, Rng& rng) {  // Marsaglia and Tsang 2000
   if (shape < 1) {
@@ -32,20 +33,20 @@ inline double SceneRate(double rate, double correlation, Rng& rng) {
   return a + b > 0 ? a / (a + b) : rng.Uniform() < rate;
 }
 
-// How many picks a scene has: a number, or, for kUntilFailures, picks until two fail one after the
-// other or twelve succeed, so that good scenes have more.
+// Draws the number of picks of a scene. kUntilFailures means: picks until two fail in a row or
+// twelve succeed, so that good scenes have more picks.
 using SceneSize = std::function<int(Rng&)>;
 inline constexpr int kUntilFailures = 0;
 inline SceneSize ConstantSize(int size) {
   return [size](Rng&) { return size; };
 }
-inline SceneSize UniformSize(int least, int most) {
-  return [=](Rng& rng) { return least + rng.Index(most - least + 1); };
+inline SceneSize UniformSize(int min_size, int max_size) {
+  return [=](Rng& rng) { return min_size + rng.Index(max_size - min_size + 1); };
 }
-inline SceneSize GeometricSize(double stop, int most) {
+inline SceneSize GeometricSize(double stop, int max_size) {
   return [=](Rng& rng) {
     int size = 1;
-    while (size < most && rng.Uniform() >= stop) ++size;
+    while (size < max_size && rng.Uniform() >= stop) ++size;
     return size;
   };
 }
@@ -74,8 +75,8 @@ inline std::vector<Cluster> DrawScenes(int count, double rate, double correlatio
   return scenes;
 }
 
-// Two configurations on the same scenes: the second's rate in a scene is the first's, raised by
-// `rise` on the average, and mixed with a fresh one by the share `own`.
+// Results of two configurations on the same scenes. The second rate of a scene is the first rate,
+// or a newly drawn rate with probability `own`, raised by `rise` on average.
 struct ScenePairs {
   std::vector<Cluster> before, after;
 };
@@ -87,7 +88,7 @@ inline ScenePairs DrawPairs(int count, double rate, double correlation, double r
     const double second = rng.Uniform() < own ? SceneRate(rate, correlation, rng) : first;
     const int tries = size(rng);
     pairs.before.push_back(DrawScene(first, tries, rng));
-    // So that the mean rises by `rise` whatever the scene's rate.
+    // The mean rate rises by `rise` for any rate of the scene.
     const double share = rise >= 0 ? rise / (1 - rate) : rise / rate;
     const double moved = rise >= 0 ? second + share * (1 - second) : second + share * second;
     pairs.after.push_back(DrawScene(moved, tries, rng));
@@ -95,4 +96,4 @@ inline ScenePairs DrawPairs(int count, double rate, double correlation, double r
   return pairs;
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

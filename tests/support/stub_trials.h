@@ -1,29 +1,29 @@
 #pragma once
 
-// Made-up trials that hang together as those of a run do: parts that are the easier to find and
-// pick the more of them is in view, confidences that are calibrated, losses of every kind, and
-// scenes that are easier or harder as a whole. For tests and measurements of what is made of
-// trials.
+// Stub trials with the correlations of a real run, for tests and measurements of code that
+// processes trials. Instances with a larger visible fraction are easier to find and to pick,
+// confidences are calibrated, all kinds of failures occur, and whole scenes are easier or harder.
 
 #include <algorithm>
 #include <array>
 #include <vector>
 
-#include "eval/trial.h"
-#include "scenes/random.h"
+#include "eval/trial/trial.h"
+#include "scenes/base/random.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 struct StubOptions {
   int parts = 12;
   int looks = 5;
-  double ease = 0;  // added to the probability that a pose is right
+  double ease = 0;  // added to the probability that a pose is correct
 };
 
 namespace stub {
 
-inline HypothesisScore Hypothesis(const InstanceRecord& instance, double p_right, Rng& rng) {
-  HypothesisScore score;
+inline HypothesisRecord Hypothesis(const InstanceRecord& instance, double p_right, Rng& rng) {
+  HypothesisRecord score;
   score.object = instance.object;
   score.instance = instance.instance;
   score.score = p_right;
@@ -36,39 +36,41 @@ inline HypothesisScore Hypothesis(const InstanceRecord& instance, double p_right
   return score;
 }
 
-// The part with the surest pose, if there is one.
-inline void Pick(PickRecord& look, Rng& rng) {
-  static constexpr std::array kAfterRightPose{Loss::kSlipped, Loss::kDropped, Loss::kCollision,
-                                              Loss::kTookTwo};
-  if (look.hypotheses.empty()) {
-    look.loss = Loss::kNoProposal;
+// Simulates the pick of the instance with the most confident pose, if there is one.
+inline void Pick(AttemptRecord& attempt, Rng& rng) {
+  static constexpr std::array kAfterRightPose{FailureReason::kSlipped, FailureReason::kDropped,
+                                              FailureReason::kCollision,
+                                              FailureReason::kDoublePick};
+  if (attempt.hypotheses.empty()) {
+    attempt.failure = FailureReason::kNoProposal;
     return;
   }
   if (rng.Uniform() < 0.05) {
-    look.loss = Loss::kNoGrasp;
+    attempt.failure = FailureReason::kNoGrasp;
     return;
   }
-  const HypothesisScore& chosen = look.hypotheses.front();
-  look.chosen = 0;
-  look.aimed = chosen.instance;
-  look.grasp = Grasp();
+  const HypothesisRecord& chosen = attempt.hypotheses.front();
+  attempt.chosen = 0;
+  attempt.matched_instance = chosen.instance;
+  attempt.grasp = Grasp();
   const bool held = rng.Uniform() < 0.92;
-  look.loss = !chosen.correct ? Loss::kPoseWrong
-              : held          ? Loss::kNone
-                     : kAfterRightPose[rng.Index(static_cast<int>(kAfterRightPose.size()))];
-  look.outcome.loss = look.loss;
-  look.outcome.success = look.loss == Loss::kNone;
-  look.outcome.picked_instance = look.loss == Loss::kNone ? look.aimed : -1;
+  attempt.failure = !chosen.correct ? FailureReason::kPoseWrong
+                    : held          ? FailureReason::kNone
+                           : kAfterRightPose[rng.Index(static_cast<int>(kAfterRightPose.size()))];
+  attempt.outcome.failure = attempt.failure;
+  attempt.outcome.success = attempt.failure == FailureReason::kNone;
+  attempt.outcome.picked_instance =
+      attempt.failure == FailureReason::kNone ? attempt.matched_instance : -1;
 }
 
 }  // namespace stub
 
-// The same for the same number.
+// Returns a stub trial that depends only on its number and the options.
 inline TrialResult StubTrial(int trial, const StubOptions& options = {}) {
   Rng rng = Rng::Derive(17, trial, "stub");
   TrialResult result;
   result.trial = trial;
-  result.parts_dropped = options.parts;
+  result.instances_dropped = options.parts;
   const double scene_ease = options.ease + 0.3 * (rng.Uniform() - 0.5);
   std::vector<InstanceRecord> parts;
   for (int i = 0; i < options.parts; ++i) {
@@ -76,29 +78,31 @@ inline TrialResult StubTrial(int trial, const StubOptions& options = {}) {
     part.instance = i;
     part.object = i % 2;
     part.visible_fraction = rng.Uniform();
-    result.fates.push_back({i, part.object, false, true, Loss::kNone, -1});
+    result.outcomes.push_back({i, part.object, false, true, FailureReason::kNone, -1});
   }
   for (int p = 0; p < options.looks && !parts.empty(); ++p) {
-    PickRecord& look = result.picks.emplace_back();
-    look.pick = p;
-    look.instances = parts;
-    for (InstanceRecord& instance : look.instances) {
+    AttemptRecord& attempt = result.attempts.emplace_back();
+    attempt.attempt = p;
+    attempt.instances = parts;
+    for (InstanceRecord& instance : attempt.instances) {
       const double p_right =
           std::clamp(0.35 + 0.6 * instance.visible_fraction + scene_ease, 0.02, 0.98);
       if (rng.Uniform() > 0.3 + 0.7 * instance.visible_fraction) continue;
-      look.hypotheses.push_back(stub::Hypothesis(instance, p_right, rng));
-      instance.recalled = look.hypotheses.back().correct;
+      attempt.hypotheses.push_back(stub::Hypothesis(instance, p_right, rng));
+      instance.recalled = attempt.hypotheses.back().correct;
     }
-    std::stable_sort(look.hypotheses.begin(), look.hypotheses.end(),
+    std::stable_sort(attempt.hypotheses.begin(), attempt.hypotheses.end(),
                      [](auto& a, auto& b) { return a.score > b.score; });
-    stub::Pick(look, rng);
-    if (look.loss != Loss::kNone) continue;
-    ++result.parts_cleared;
-    result.fates[look.aimed].picked = true;
-    result.fates[look.aimed].pick = p;
-    std::erase_if(parts, [&](const InstanceRecord& part) { return part.instance == look.aimed; });
+    stub::Pick(attempt, rng);
+    if (attempt.failure != FailureReason::kNone) continue;
+    ++result.instances_cleared;
+    result.outcomes[attempt.matched_instance].picked = true;
+    result.outcomes[attempt.matched_instance].attempt = p;
+    std::erase_if(parts, [&](const InstanceRecord& part) {
+      return part.instance == attempt.matched_instance;
+    });
   }
-  for (const InstanceRecord& part : parts) result.fates[part.instance].asked = false;
+  for (const InstanceRecord& part : parts) result.outcomes[part.instance].asked = false;
   result.seconds = {{"drop", 0.2 + 0.1 * rng.Uniform()},
                     {"estimate", 2 + rng.Uniform()},
                     {"estimate/icp", 1 + 0.5 * rng.Uniform()},
@@ -112,4 +116,4 @@ inline std::vector<TrialResult> StubTrials(int count, const StubOptions& options
   return trials;
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

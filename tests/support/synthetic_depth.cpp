@@ -5,14 +5,14 @@
 #include <limits>
 #include <numbers>
 
-#include "scenes/mesh_query.h"
+#include "scenes/geometry/mesh_query.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 namespace {
 
 Eigen::Vector3d Ray(const CameraIntrinsics& k, int x, int y) { return BackProject(k, x, y, 1.0); }
 
-// Columns and rows that a mesh in front of the camera can reach.
+// Columns and rows that the projection of a mesh can cover.
 struct Box {
   int x0, y0, x1, y1;
 };
@@ -57,7 +57,7 @@ void SyntheticDepth::AddSphere(const Eigen::Vector3d& center_C, double radius_m)
   const CameraIntrinsics& k = frame_.intrinsics;
   for (int y = 0; y < k.height; ++y) {
     for (int x = 0; x < k.width; ++x) {
-      // |z * ray - center| = radius, nearer root.
+      // The nearer root of |z * ray - center| = radius.
       const Eigen::Vector3d ray = Ray(k, x, y);
       const double a = ray.squaredNorm(), b = ray.dot(center_C);
       const double root = b * b - a * (center_C.squaredNorm() - radius_m * radius_m);
@@ -147,4 +147,4 @@ PoseGap GapBetween(const Pose& X_CA, const Pose& X_CB) {
           (X_CA.translation() - X_CB.translation()).norm()};
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

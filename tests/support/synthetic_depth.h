@@ -1,15 +1,16 @@
 #pragma once
 
 // Depth images of planes, spheres and meshes by ray casting: an independent, exact camera for tests
-// of perception. Nothing here uses the renderer.
+// of perception. It does not use the renderer.
 
 #include <vector>
 
-#include "scenes/object_model.h"
-#include "scenes/random.h"
-#include "scenes/rgbd_frame.h"
+#include "scenes/base/random.h"
+#include "scenes/camera/rgbd_frame.h"
+#include "scenes/objects/object_model.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 class SyntheticDepth {
  public:
@@ -19,7 +20,7 @@ class SyntheticDepth {
   void AddSphere(const Eigen::Vector3d& center_C, double radius_m);
   void AddMesh(const TriangleMesh& mesh_O, const Pose& X_CO);
 
-  // Colourless; 0 where nothing was hit.
+  // Depth without colour; 0 where nothing was hit.
   const RgbdFrame& frame() const { return frame_; }
 
  private:
@@ -28,31 +29,32 @@ class SyntheticDepth {
   RgbdFrame frame_;
 };
 
-// 320x240 pixels at half the focal length of pickbed's usual camera.
+// Returns a camera with 320x240 pixels and half the focal length of the default camera.
 CameraIntrinsics SmallCamera();
 
-// Adds axial noise of sigma_m * z^2 to every reading.
+// Adds axial noise with sigma = sigma_m * z^2 to every reading.
 RgbdFrame WithNoise(RgbdFrame frame, double sigma_m, Rng& rng);
 
 TriangleMesh BoxMesh(const Eigen::Vector3d& size_m, const Eigen::Vector3d& center_O);
 
-// An L with a boss off its middle, 60 x 24 x 40 mm: no symmetry, and every pose is held by its
-// faces.
+// Returns an L with a boss beside its center, 60 x 24 x 40 mm. It has no symmetry, and its faces
+// constrain the pose in all directions.
 TriangleMesh BracketMesh();
-// In C, with three of its sides in sight.
+// Returns a pose of the bracket in C that shows three of its sides.
 Pose BracketPose();
 
 std::shared_ptr<const ObjectModel> ObjectOf(const TriangleMesh& mesh,
                                             const SymmetrySet& symmetries = {});
 
-// Pose turned by angle_deg about an axis through the part's origin and moved.
+// Returns the pose rotated by angle_deg about an axis through the object's origin, then translated
+// by shift_m.
 Pose Perturbed(const Pose& X_CO, const Eigen::Vector3d& axis, double angle_deg,
                const Eigen::Vector3d& shift_m);
 
-// Angle and shift of the origin between two poses.
+// Rotation angle and distance of the origins between two poses.
 struct PoseGap {
   double angle_deg, shift_m;
 };
 PoseGap GapBetween(const Pose& X_CA, const Pose& X_CB);
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

@@ -1,19 +1,20 @@
 #pragma once
 
-// Bins that are no boxes.
+// Meshes of bins that are no boxes.
 
 #include <vector>
 
-#include "scenes/triangle_mesh.h"
+#include "scenes/geometry/triangle_mesh.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
 struct RectangleAt {
   double length, width, z;  // m
 };
 
-// Bands between consecutive rectangles about the z axis; going down the inside of a wall after up
-// its outside keeps all faces outwards.
+// Returns the bands between consecutive rectangles about the z axis. Faces point outwards if the
+// rectangles go up the outside of a wall and then down its inside.
 inline TriangleMesh BandsBetween(const std::vector<RectangleAt>& rings, bool closed) {
   TriangleMesh mesh;
   for (const RectangleAt& r : rings) {
@@ -34,7 +35,8 @@ inline TriangleMesh BandsBetween(const std::vector<RectangleAt>& rings, bool clo
   return mesh;
 }
 
-// Sloped walls: inside 0.3 x 0.2 m at the floor, 0.4 x 0.28 m at the rim, 0.12 m high, 4 mm thick.
+// Returns a bin with sloped walls: inside 0.3 x 0.2 m at the floor, 0.4 x 0.28 m at the rim, 0.12 m
+// high, 4 mm thick.
 inline TriangleMesh TaperedBin() {
   TriangleMesh mesh = BandsBetween(
       {{0.308, 0.208, -0.004}, {0.408, 0.288, 0.12}, {0.4, 0.28, 0.12}, {0.3, 0.2, 0}}, false);
@@ -46,4 +48,4 @@ inline TriangleMesh WallsWithoutFloor() {
   return BandsBetween({{0.41, 0.31, 0}, {0.41, 0.31, 0.15}, {0.4, 0.3, 0.15}, {0.4, 0.3, 0}}, true);
 }
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

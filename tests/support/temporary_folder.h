@@ -5,11 +5,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "scenes/files.h"
+#include "scenes/base/files.h"
+#include "tests/support/layer.h"
 
-namespace pickbed {
+namespace pickbed::tests {
 
-// A folder of this test's own under the system's temporary folder.
+// A unique folder in the system's temporary folder, deleted at the end of the scope.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -32,4 +33,4 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace pickbed
+}  // namespace pickbed::tests

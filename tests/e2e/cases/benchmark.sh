@@ -1,6 +1,6 @@
 # Cases of pickbed benchmark.
 
-a_small_crop_table_repeats() {
+crop_benchmark_is_repeatable() {
   local few=(bracket mug --small --method wohlhart,hog,random --condition clean,noisy
     --set tests=4 --set icp_starts=1 --set views.template_level=1 --set views.train_level=2
     --set methods.wohlhart.iterations=6 --set methods.wohlhart.mine_every=6
@@ -10,21 +10,21 @@ a_small_crop_table_repeats() {
   for file in crops.csv views.csv differences.csv settings.yaml; do
     same once/$file twice/$file
   done
-  # What was learned is kept: the same again in no time, and the same table.
+  # Trained models are kept: a second call is quick and gives the same table.
   cp once/views.csv before.csv
   expect 0 "$pickbed" benchmark crops "${few[@]}" --out once
   same once/views.csv before.csv
-  grep -q "wohlhart" once/crops.html || fail "no row of wohlhart on the page"
+  page once/crops.html wohlhart
   expect 0 "$pickbed" benchmark crops "${few[@]}" --set seed=1 --out other
-  cmp -s once/views.csv other/views.csv && fail "another seed gives the same answers"
+  cmp -s once/views.csv other/views.csv && fail "another seed gives the same results"
   refused "unknown crop method 'hogg'" "$pickbed" benchmark crops --small --method hogg
   refused "methods.wohlhart.descriptor" \
     "$pickbed" benchmark crops --small --set methods.wohlhart.descriptor=1
 }
 
-a_small_bin_table_trains_what_is_missing() {
+bin_benchmark_trains_missing_models() {
   local few=(rods.yaml --small --scenes 1 --estimator "wohlhart;oracle" --out bins)
-  # In place of --small's training, which takes minutes.
+  # This replaces the training of --small, which takes minutes.
   expect 0 "$pickbed" train wohlhart rod --out bins/models/wohlhart.pt --set piles=2 \
     --set wohlhart.views.templates.template_level=1 --set wohlhart.views.templates.in_plane=12 \
     --set wohlhart.views.alone=100 --set wohlhart.views.piles=2 \
@@ -32,9 +32,9 @@ a_small_bin_table_trains_what_is_missing() {
   expect 0 "$pickbed" benchmark bins "${few[@]}"
   grep -q '^all,"wohlhart",1,' bins/bins.csv || fail "no row of wohlhart for all"
   grep -q '^all,"oracle",1,' bins/bins.csv || fail "no row of the oracle for all"
-  [ -s bins/bins.html ] || fail "no page"
+  page bins/bins.html wohlhart
   cp bins/bins.csv before.csv
-  # What was measured is kept: the same table, without looking again.
+  # Results are kept: a second call gives the same table without new images.
   expect 0 "$pickbed" benchmark bins "${few[@]}"
   same bins/bins.csv before.csv
   refused "unknown estimator 'wohlhat'" "$pickbed" benchmark bins rods.yaml --estimator wohlhat
@@ -43,9 +43,9 @@ a_small_bin_table_trains_what_is_missing() {
   refused "leave it at depth" "$pickbed" train wohlhart rod --set wohlhart.network.input=rgb
 }
 
-both_tables_stop_together_and_check_first() {
+benchmark_all_checks_its_input_and_stops_on_interrupt() {
   refused "'nix.obj'" "$pickbed" benchmark all --mesh nix.obj --out both
-  [ ! -e both ] || fail "the bins were begun before the meshes of the crops were looked at"
+  [ ! -e both ] || fail "the bin benchmark started before the meshes were checked"
   refused "--unit requires --mesh" "$pickbed" benchmark all --unit mm --out both
   refused "--small excludes --mesh" "$pickbed" benchmark all --small --mesh nix.obj
   "$pickbed" benchmark all --small --out both >stopped.out 2>stopped.err &
@@ -53,8 +53,8 @@ both_tables_stop_together_and_check_first() {
   while kill -0 $pid 2>/dev/null && ! grep -q "^network" stopped.err; do sleep 0.1; done
   kill -INT $pid
   wait $pid
-  [ $? = 130 ] || fail "exit was not 130"
-  grep -q "the same benchmark goes on" stopped.err || fail "it is not said how to go on"
+  [ $? = 130 ] || fail "the exit status is not 130"
+  grep -q "the same benchmark goes on" stopped.err || fail "no message how to continue"
   [ -n "$(ls both/bins/models/kehl-*.pt.checkpoint)" ] || fail "no checkpoint of the training"
-  [ ! -e both/crops ] || fail "the crops were begun after the stop"
+  [ ! -e both/crops ] || fail "the crop benchmark started after the interrupt"
 }

@@ -1,10 +1,10 @@
 # Cases of pickbed budget.
 
-budget_sums_and_jobs_do_not_matter() {
+budget_shares_sum_for_any_number_of_jobs() {
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
   cp -r one two
   expect 0 "$pickbed" budget one --jobs 1
-  grep -q pose_wrong last.out || fail "no loss in the table"
+  grep -q pose_wrong last.out || fail "no failure reason in the table"
   grep -q "^  everything" last.out || fail "no gain in the table"
   expect 0 "$pickbed" budget two --jobs 2 --json
   same last.out two/budget/budget.json
@@ -16,15 +16,15 @@ budget_sums_and_jobs_do_not_matter() {
     same "one/budget/$row/picks.csv" "two/budget/$row/picks.csv"
     same "one/budget/$row/parts.csv" "two/budget/$row/parts.csv"
   done
-  # Of each row and column, all = picked + not asked + lost.
+  # In each row and column: all = picked + not asked + failed.
   awk -F, 'NR > 1 { for (i = 4; i <= 5; ++i) sum[$1, i] += $3 == "all" ? $i : -$i; rows[$1] }
     END { for (row in rows) for (i = 4; i <= 5; ++i) if (sum[row, i] != 0) exit 1 }' \
-    one/budget/budget.csv || fail "the parts do not sum to all"
+    one/budget/budget.csv || fail "the shares do not sum to all"
   [ "$(grep -c ",all," one/budget/budget.csv)" = 7 ] || fail "not seven rows"
 }
 
-budget_stops_and_goes_on() {
-  # Enough bins for it to be at work when it is told to stop, at its first line.
+budget_resumes_after_an_interrupt() {
+  # Enough bins that the command is still at work when the interrupt comes, at its first line.
   expect 0 "$pickbed" run small.yaml "${noisy[@]:0:4}" --trials 30 --pictures 0 --out here
   cp -r here whole
   "$pickbed" budget here --stages pose --jobs 1 2>stopped.err >/dev/null &
@@ -35,20 +35,20 @@ budget_stops_and_goes_on() {
   done
   kill -INT $pid
   wait $pid
-  [ $? = 130 ] || fail "exit was not 130"
-  grep -q "goes on" stopped.err || fail "nothing was said"
-  [ ! -e here/budget/budget.json ] || fail "half a budget was written"
+  [ $? = 130 ] || fail "the exit status is not 130"
+  grep -q "goes on" stopped.err || fail "no message how to continue"
+  [ ! -e here/budget/budget.json ] || fail "an unfinished budget was written"
   expect 0 "$pickbed" budget here --stages pose
   expect 0 "$pickbed" budget whole --stages pose
   same here/budget/budget.json whole/budget/budget.json
 }
 
-bad_budgets_are_refused() {
+invalid_budget_requests_are_refused() {
   refused "holds no scenario.yaml" "$pickbed" budget nowhere
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out here
   refused "did you mean 'pose'?" "$pickbed" budget here --stages poes
   expect 0 "$pickbed" budget here --stages none
-  [ ! -e here/budget/pose ] || fail "a rerun was not wanted"
+  [ ! -e here/budget/pose ] || fail "an unrequested rerun was made"
   sed -i 's/^seed: .*/seed: 99/' here/scenario.yaml
   refused "repeat the run" "$pickbed" budget here
   rm here/results.sqlite
@@ -57,7 +57,7 @@ bad_budgets_are_refused() {
     "$pickbed" run small.yaml --set policy.stop=never --out no
   refused "unknown ranking 'best'; known: quality, epsilon, robust, random" \
     "$pickbed" run small.yaml --set policy.ranking=best --out no
-  refused "so it cannot decide a pick; choose right_part or placed" \
+  refused "so it cannot decide a pick; choose right_instance or placed" \
     "$pickbed" run small.yaml --set policy.success=contact --out no
   [ ! -e no ] || fail "a refused run left a folder"
 }

@@ -1,21 +1,21 @@
-# Cases of pickbed dataset and what reads its sets.
+# Cases of pickbed dataset and of the commands that read its data sets.
 
-# Of three rods two are said to be there.
-bop_tasks_tell_what_is_to_be_found() {
+# The images show three rods, but the targets ask for two.
+bop_task_decides_whether_instance_counts_are_given() {
   echo "camera: {width: 160, height: 120, focal_px: 170}" >>rods.yaml
   expect 0 "$pickbed" dataset make rods.yaml --scenes 1 --views 1 --jobs 1 --out set
   sed -i 's/"inst_count": *[0-9]*/"inst_count": 2/' set/test_targets_bop19.json
   local all="--set estimator.min_score=0 --set estimator.mode=hard"
   expect 0 "$pickbed" estimate --bop set $all --out told
-  [ "$(wc -l <told/descriptor_set-test.csv)" = 3 ] || fail "not the two rods that are asked for"
+  [ "$(wc -l <told/descriptor_set-test.csv)" = 3 ] || fail "not the two requested rods"
   expect 0 "$pickbed" estimate --bop set $all --task detection --out untold
   head -3 untold/descriptor_set-test.csv | cut -d, -f1-6 >best
   cut -d, -f1-6 told/descriptor_set-test.csv | diff - best >&2 || fail "they are not the best two"
-  [ "$(wc -l <untold/descriptor_set-test.csv)" -gt 3 ] || fail "detection was told how many"
+  [ "$(wc -l <untold/descriptor_set-test.csv)" -gt 3 ] || fail "detection was given the number of instances"
   expect 0 "$pickbed" estimate --bop set $all
-  grep -q "AP is comparable only after --task detection" last.out || fail "what AP is of is not said"
+  grep -q "AP is comparable only after --task detection" last.out || fail "the note about AP is missing"
   expect 0 "$pickbed" estimate --bop set $all --task detection
-  grep -q "AP is comparable" last.out && fail "said of detection too"
+  grep -q "AP is comparable" last.out && fail "the note about AP also appears for detection"
   local task
   for task in told/set-estimate untold/set-estimate-detection; do
     cut -d, -f1-6 "${task%/*}/descriptor_set-test.csv" >expected
@@ -23,34 +23,34 @@ bop_tasks_tell_what_is_to_be_found() {
       fail "the poses of ${task%/*} are not in results/${task#*/}"
   done
   expect 0 "$pickbed" estimate --bop set --explain 0
-  grep -q "told how many of each object to find, 2 in all" results/set-explain/explain.html ||
-    fail "the page does not say what was told"
+  page results/set-explain/explain.html "told how many of each object to find, 2 in all"
   expect 0 "$pickbed" estimate --bop set --explain 0 --task detection
-  grep -q "told how many" results/set-explain-detection/explain.html &&
-    fail "detection is said to have been told"
+  page results/set-explain-detection/explain.html
+  has_template && grep -q "told how many" results/set-explain-detection/explain.html &&
+    fail "the page of detection shows a given number of instances"
   refused "segmentation" "$pickbed" estimate --bop set --task segmentation --out no
 }
 
-bad_bop_data_is_refused() {
+invalid_bop_data_is_refused() {
   echo "camera: {width: 96, height: 72, focal_px: 100}" >>small.yaml
   expect 0 "$pickbed" dataset make small.yaml --scenes 1 --views 2 --jobs 1 --out set
   expect 0 "$pickbed" dataset check set
-  grep -q "no fault" last.out || fail "a fault is seen where none is"
+  grep -q "no fault" last.out || fail "a fault is reported in a sound set"
   local gt=set/test/000001/scene_gt.json
   cp -r set sound
 
   sed -i 's/"cam_R_m2c":\[[^,]*,/"cam_R_m2c":[2.0,/g' $gt
   refused "faults, listed above" "$pickbed" dataset check set
   grep -q "scene_gt.json: image 1: instance 4: 'cam_R_m2c': is no rotation" last.out ||
-    fail "the last of the matrices is not named"
+    fail "the last wrong matrix is not named"
   refused "scene_gt.json: image 0: instance 0: 'cam_R_m2c': is no rotation" \
     "$pickbed" estimate --bop set --set estimator.name=ppf --out look
   cp sound/test/000001/scene_gt.json $gt
 
-  # 8 bits: a mask in the place of the last depth image.
+  # An 8-bit mask replaces the last depth image.
   cp set/test/000001/mask/000001_000000.png set/test/000001/depth/000001.png
   refused "faults, listed above" "$pickbed" dataset check set
-  grep -q "depth/000001.png' as depth: it is not 16 bits" last.out || fail "8 bits are not named"
+  grep -q "depth/000001.png' as depth: it is not 16 bits" last.out || fail "the 8-bit image is not named"
   refused "depth/000001.png' as depth: it is not 16 bits" \
     "$pickbed" estimate --bop set --set estimator.name=ppf --out look
   rm set/test/000001/depth/000001.png

@@ -13,12 +13,12 @@ grasps_are_written_and_drawn() {
     same $gripper/grasps.png again/grasps.png
   done
 
-  # 100 mm at its narrowest.
+  # Its narrowest side is 100 mm.
   brick 5 >big.obj
   expect 0 "$pickbed" object add big.obj --name big --unit mm --mass 0.5 --drops 5
   refused "part 'big' has no antipodal pair that fits its stroke for gripper 'jaw_8cm', but" \
     "$pickbed" grasps big jaw_8cm "${quick[@]}" --out none
-  grep -q "cup_30mm has 20" last.err || fail "suction is not offered"
+  grep -q "cup_30mm has 20" last.err || fail "the suction cup is not suggested"
   [ ! -e none ] || fail "a refused command left a folder"
   refused "did you mean 'carton'" "$pickbed" grasps cartn jaw_8cm
   refused "unknown gripper 'claw'" "$pickbed" grasps carton claw
@@ -30,7 +30,7 @@ grippers_are_drawn() {
     expect 0 "$pickbed" gripper show "$gripper"
     [ -s "results/gripper_$gripper.png" ] || fail "no picture of $gripper"
   done
-  grep -q "vacuum_n: 45" last.out || fail "the cup's force is not told"
+  grep -q "vacuum_n: 45" last.out || fail "the force of the cup is not printed"
   printf 'mechanism: suction_cup\nvacuum_n: 0\n' >weak.yaml
   expect 1 "$pickbed" gripper show weak.yaml
   grep -q "weak.yaml:2: vacuum_n = 0" last.err || fail "a cup without force is not refused"

@@ -1,17 +1,17 @@
-# Cases of pickbed object, drop and render: parts and scenes.
+# Cases of pickbed object, drop and render.
 
 drop_and_render_write_their_files() {
   expect 0 "$pickbed" drop small.yaml --out drop
-  [ "$(grep -c '"instance"' drop/scene.json)" = 5 ] || fail "scene.json does not hold 5 parts"
+  [ "$(grep -c '"instance"' drop/scene.json)" = 5 ] || fail "scene.json does not have 5 instances"
   [ -s drop/color.png ] || fail "no picture"
   expect 0 "$pickbed" render small.yaml --out render
   for file in color.png depth.png depth_color.png ids.png ids_color.png visible.csv; do
     [ -s "render/$file" ] || fail "no $file"
   done
-  [ "$(wc -l <render/visible.csv)" = 6 ] || fail "visible.csv does not hold 5 parts"
+  [ "$(wc -l <render/visible.csv)" = 6 ] || fail "visible.csv does not have 5 instances"
 }
 
-an_added_object_is_dropped() {
+an_added_object_can_be_dropped_and_picked() {
   cat >brick.obj <<'OBJ'
 v -30 -20 -10
 v 30 -20 -10
@@ -34,18 +34,18 @@ OBJ
     [ -s "objects/brick/$file" ] || fail "no $file"
   done
   expect 0 "$pickbed" object add brick.obj --name brick --mass 0.05
-  grep -q "nothing to do" last.out || fail "it was made twice"
+  grep -q "nothing to do" last.out || fail "the object was made twice"
   refused "--name ''" "$pickbed" object add brick.obj --name ''
   refused "is no file" "$pickbed" object add /dev/zero --name zero
   refused "--mass nan" "$pickbed" object add brick.obj --name heavy --mass nan
   expect 1 "$pickbed" object add brick.obj --name brick --mass 0.06
-  grep -q -- "--replace" last.err || fail "an existing part was not explained"
+  grep -q -- "--replace" last.err || fail "an existing object is not reported"
   echo "objects: [{name: brick, count: 4}]" >bricks.yaml
   expect 0 "$pickbed" run bricks.yaml "${small[@]}" --trials 1 --out bricks
-  grep -q '"parts_cleared": 4' bricks/summary.json || fail "the bricks were not picked"
+  grep -q '"instances_cleared": 4' bricks/summary.json || fail "the bricks were not picked"
 }
 
-bad_meshes_are_refused() {
+invalid_meshes_are_refused() {
   local add=("$pickbed" object add) name=(--name x --drops 5)
   brick 1 | sed 's/^v 30 20 10$/v nan 20 10/' >nan.obj
   refused "nan.obj' has vertices that are not numbers" "${add[@]}" nan.obj "${name[@]}"
@@ -58,15 +58,15 @@ bad_meshes_are_refused() {
   brick 1 >brick.stl
   refused "its extension says what it is" "${add[@]}" brick.stl "${name[@]}"
   refused "nowhere.obj" "${add[@]}" nowhere.obj "${name[@]}"
-  { # 5 million faces by its header; nothing else of it is read
+  { # The header declares 5 million faces; the rest of the file is not read.
     printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n'
     printf 'property float z\nelement face 5000000\nproperty list uchar int vertex_indices\n'
     printf 'end_header\n'
   } >many.ply
   refused "many.ply' has 5000000 faces; reduce it to 1000000" "${add[@]}" many.ply "${name[@]}"
-  [ ! -e objects/x ] || fail "a refused mesh left a part"
+  [ ! -e objects/x ] || fail "a refused mesh left an object"
 
-  # What is missing beside a mesh is said, and the part is made.
+  # Files that are missing next to a mesh are reported, and the object is made.
   { echo "mtllib gone.mtl"; brick 1; } >plain.obj
   expect 0 "${add[@]}" plain.obj --name plain --drops 5
   grep -q "'gone.mtl' is missing" last.out || fail "the missing .mtl is not named"
@@ -76,7 +76,7 @@ bad_meshes_are_refused() {
   grep -q "'gone.png' is missing" last.out || fail "the missing texture is not named"
 }
 
-bad_scenes_are_refused() {
+invalid_scenes_are_refused() {
   brick 1 >brick.obj
   cat >bricks.yaml <<'YAML'
 bin: {inner_size_m: [0.4, 0.3, 0.15]}

@@ -1,14 +1,14 @@
 # Cases of pickbed replay.
 
-a_replay_is_the_same() {
+replay_reproduces_every_stage() {
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
   expect 0 "$pickbed" replay one#1
-  grep -q "^all that is recorded is the same" last.out || fail "it is not said that all is the same"
-  [ "$(grep -c " same$" last.out)" -ge 5 ] || fail "not all stages of a look are named"
+  grep -q "^all that is recorded is the same" last.out || fail "the replay does not report that all is the same"
+  [ "$(grep -c " same$" last.out)" -ge 5 ] || fail "not all stages of an attempt are named"
   for file in color.png depth.png ids.png overlay.png after.png cloud.ply hypotheses.ply scene.glb; do
     [ -s "one/replay/trial_0001/look_00_$file" ] || fail "no $file"
   done
-  # A look of an occlusion trial, at the second point of a sweep.
+  # An occlusion trial, at the second configuration of a sweep.
   cat >occlusion.yaml <<'YAML'
 scenario: small.yaml
 trials: 2
@@ -18,29 +18,29 @@ grid: {noise: {none: {estimator.noise_mm: 0}, much: {estimator.noise_mm: 9}}}
 YAML
   expect 0 "$pickbed" sweep occlusion.yaml --out hidden
   expect 0 "$pickbed" replay hidden#3
-  [ "$(grep -c "^[01] .* same$" last.out)" = 10 ] || fail "not five stages of two looks"
-  [ -s hidden/replay/trial_0003/look_01_scene.glb ] || fail "no second look"
-  # From another place, and a trial that was fed with truth.
+  [ "$(grep -c "^[01] .* same$" last.out)" = 10 ] || fail "not five stages of two attempts"
+  [ -s hidden/replay/trial_0003/look_01_scene.glb ] || fail "no second attempt"
+  # From another working folder, and a trial with ground truth substituted.
   expect 0 "$pickbed" budget one --stages pose
-  cd / || fail "cannot go elsewhere"
-  "$pickbed" replay "$work/one#0" --out "$work/elsewhere" >"$work/last.out" || fail "not the same elsewhere"
+  cd / || fail "cannot change the folder"
+  "$pickbed" replay "$work/one#0" --out "$work/elsewhere" >"$work/last.out" || fail "the replay from another folder differs"
   [ -s "$work/elsewhere/stages.csv" ] || fail "no stages.csv"
   "$pickbed" replay "$work/one/budget/pose#1" >"$work/last.out" 2>"$work/last.err" ||
-    fail "a rerun of the budget is not the same"
+    fail "the replay of a budget rerun differs"
   [ "$(grep -c " same$" "$work/last.out")" -ge 5 ] || fail "not all stages of the rerun are named"
 }
 
-a_replay_names_what_changed() {
+replay_names_the_changed_setting() {
   cp "$here/../../assets/grippers/jaw_8cm.yaml" jaw.yaml
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --set gripper=jaw.yaml --out one
   sed -i 's/^clearance_m: .*/clearance_m: 0.006/' jaw.yaml
   expect 1 "$pickbed" replay one#1
   grep -q "^changed since the trial ran: was 'clearance_m: 0.003', is 'clearance_m: 0.006'" last.out ||
-    fail "the changed file is not told"
+    fail "the changed setting is not named"
   grep -q "^first difference: look 0, stage grasp" last.out || fail "the stage is not named"
 }
 
-bad_replays_are_refused() {
+invalid_replay_requests_are_refused() {
   refused "one: which trial? name it as RUN#TRIAL, for instance one#0" "$pickbed" replay one
   refused "there is no folder nowhere" "$pickbed" replay nowhere#1
   mkdir empty

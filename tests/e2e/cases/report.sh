@@ -1,12 +1,11 @@
 # Cases of pickbed report and pickbed compare, in a browser.
 
-# Without npm's registry the program is built without the page of its reports, and says so.
+# Skips a case if the program was built without its report page, as without access to the npm registry.
 _needs_report_page() {
-  [ -s "$(dirname "$pickbed")/report/page.html" ] ||
-    { echo "skipped: the page of reports was not built, see the build's output"; exit 77; }
+  has_template || { echo "skipped: the report page was not built, see the output of the build"; exit 77; }
 }
 
-# _browser PAGE VIEWS: the page works in Chromium and has that many 3D views.
+# _browser PAGE VIEWS: fails unless the page works in Chromium and has that many 3D views.
 _browser() {
   node "$here/report_check.mjs" "$1" --views "$2" >browser.out 2>browser.err ||
     fail "$1 does not work in a browser"
@@ -21,12 +20,12 @@ reports_work_in_a_browser() {
   expect 0 "$pickbed" report one
   grep -q "one/report.html" last.out || fail "the page is not named"
   _browser one/report.html 2
-  grep -q "data:image/jpeg" one/report.html || fail "no picture of a lost pick"
-  grep -q "have no picture here" one/report.html && fail "a lost pick has no picture"
+  grep -q "data:image/jpeg" one/report.html || fail "no picture of a failed pick"
+  grep -q "have no picture here" one/report.html && fail "a failed pick has no picture"
   expect 0 "$pickbed" report one --out again.html
   same one/report.html again.html
   expect 0 "$pickbed" compare one two --out both.html --json both.json
-  grep -q "^A is one, B is two; 12 scenes that both have" last.out || fail "the scenes are not told"
+  grep -q "^A is one, B is two; 12 scenes that both have" last.out || fail "the shared bins are not reported"
   grep -q "^  pick success, % .*\[.*\]" last.out || fail "the differences are not printed"
   grep -q '"first": "one"' both.json && grep -q '"odds_ratio_ci95"' both.json &&
     grep -q '"scenes_needed"' both.json || fail "the differences are not in the JSON file"
@@ -36,7 +35,7 @@ reports_work_in_a_browser() {
   [ "$(stat -c %s flat.html)" -lt 1200000 ] || fail "a page without 3D views holds their library"
 }
 
-bad_reports_are_refused() {
+invalid_report_requests_are_refused() {
   _needs_report_page
   refused "nowhere" "$pickbed" report nowhere
   mkdir empty

@@ -1,35 +1,35 @@
 # Cases of pickbed run.
 
-jobs_do_not_matter() {
+run_results_do_not_depend_on_jobs() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 1 --out one --pictures 0 --lost-pictures 0
   expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 2 --out two --pictures 1
   same one/trials.csv two/trials.csv
   same one/picks.csv two/picks.csv
   same one/summary.json two/summary.json
   [ -s one/summary.json ] || fail "summary.json is empty"
-  [ "$(wc -l <one/trials.csv)" = 5 ] || fail "trials.csv has not one line a trial"
-  for rule in contact lifted held right_part single_part placed vgn_loose; do
+  [ "$(wc -l <one/trials.csv)" = 5 ] || fail "trials.csv does not have one line per trial"
+  for rule in contact lifted held right_instance single_instance placed vgn_loose; do
     head -1 one/picks.csv | grep -q ",$rule," || fail "picks.csv has no column $rule"
     grep -q "\"$rule\": {" one/summary.json || fail "summary.json has no rate by $rule"
   done
-  [ ! -e one/pictures ] || fail "pictures were not wanted"
+  [ ! -e one/pictures ] || fail "unrequested pictures were written"
   for picture in color depth overlay after; do
     [ -s "two/pictures/trial_0000/pick_00_$picture.png" ] || fail "no picture $picture"
   done
 }
 
-lost_picks_have_a_small_picture() {
+failed_picks_have_a_small_picture() {
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --jobs 1 --out one
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --jobs 2 --out two
   local lost=$(awk -F, 'NR > 1 { for (i = 1; i <= NF; ++i) if ($i == "pose_wrong") ++n } END { print n + 0 }' one/picks.csv)
-  [ "$lost" -ge 1 ] || fail "no pick was lost"
+  [ "$lost" -ge 1 ] || fail "no pick failed"
   local shown=$(find one/pictures -name "pick_*_lost.jpg" | wc -l)
-  [ "$shown" -ge "$lost" ] || fail "$shown pictures of $lost lost picks"
-  [ "$(find one/pictures -type f | wc -l)" = "$shown" ] || fail "other pictures than wanted"
+  [ "$shown" -ge "$lost" ] || fail "$shown pictures of $lost failed picks"
+  [ "$(find one/pictures -type f | wc -l)" = "$shown" ] || fail "unrequested pictures were written"
   diff -r one/pictures two/pictures >&2 || fail "pictures depend on the number of workers"
 }
 
-foreign_parts_are_not_wanted() {
+distractors_do_not_count() {
   cat >foreign.yaml <<'YAML'
 trials: 1
 objects:
@@ -37,9 +37,9 @@ objects:
   - {name: rod, count: 3}
 YAML
   expect 0 "$pickbed" run foreign.yaml "${small[@]}" --out one --pictures 0
-  grep -q "^0,0,0,finished,3," one/trials.csv || fail "foreign parts count as dropped ones"
+  grep -q "^0,0,0,finished,3," one/trials.csv || fail "distractors count as dropped instances"
   expect 1 "$pickbed" run foreign.yaml --set objects.1.foreign=true --out two
-  grep -q "all parts are foreign" last.err || fail "nothing is wanted, and it runs"
+  grep -q "all parts are foreign" last.err || fail "a scenario with only distractors is not refused"
 }
 
 another_seed_gives_other_results() {
@@ -49,12 +49,12 @@ another_seed_gives_other_results() {
   return 0
 }
 
-json_alone_on_stdout() {
+stdout_has_only_json() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --json --out json
   same last.out json/summary.json
 }
 
-interrupt_and_resume() {
+run_resumes_after_an_interrupt() {
   "$pickbed" run small.yaml "${small[@]}" --trials 200 --jobs 2 --out long 2>stopped.err >/dev/null &
   local pid=$!
   for _ in $(seq 600); do
@@ -63,12 +63,12 @@ interrupt_and_resume() {
   done
   kill -INT $pid
   wait $pid
-  [ $? = 130 ] || fail "exit was not 130"
-  grep -q -- "--resume" stopped.err || fail "--resume was not offered"
+  [ $? = 130 ] || fail "the exit status is not 130"
+  grep -q -- "--resume" stopped.err || fail "--resume is not suggested"
   local kept=$(($(wc -l <long/trials.csv) - 1))
   [ "$kept" -ge 1 ] && [ "$kept" -lt 200 ] || fail "$kept trials were kept"
   expect 1 "$pickbed" run small.yaml "${small[@]}" --trials 200 --out long
-  grep -q -- "--resume" last.err || fail "a folder with results was not explained"
+  grep -q -- "--resume" last.err || fail "a folder with results is not reported"
 
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials $((kept + 2)) --out long --resume
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials $((kept + 2)) --out whole
@@ -85,7 +85,7 @@ a_killed_worker_loses_nothing() {
   done
   kill -KILL "$(ps -o pid= --ppid $pid | tail -1)"
   wait $pid
-  [ $? = 0 ] || fail "exit was not 0"
+  [ $? = 0 ] || fail "the exit status is not 0"
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 12 --out whole
   same killed/trials.csv whole/trials.csv
   same killed/picks.csv whole/picks.csv
@@ -93,24 +93,24 @@ a_killed_worker_loses_nothing() {
 
 a_full_disk_keeps_finished_trials() {
   (
-    trap '' XFSZ # a write beyond the limit then fails instead of killing
+    trap '' XFSZ # a write beyond the limit then fails and does not kill
     ulimit -f 200
     "$pickbed" run small.yaml "${small[@]}" --trials 100 --out full --pictures 0 2>full.err
   )
-  [ $? = 1 ] || fail "exit was not 1"
+  [ $? = 1 ] || fail "the exit status is not 1"
   grep -q "results.sqlite" full.err || fail "the file is not named"
   expect 1 "$pickbed" run small.yaml "${small[@]}" --trials 100 --out full
   grep -q "finished trials" last.err || fail "no trial was kept"
 }
 
-other_settings_are_refused() {
+resume_with_other_settings_is_refused() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out here
   expect 1 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out here --resume --set seed=9
-  grep -q "other settings" last.err || fail "not explained"
+  grep -q "other settings" last.err || fail "the other settings are not reported"
   [ "$(wc -l <last.err)" = 1 ] || fail "more than one line"
 }
 
-written_scenario_runs_again() {
+written_scenario_reproduces_the_run() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out first
   expect 0 "$pickbed" run first/scenario.yaml --out second
   same first/picks.csv second/picks.csv

@@ -9,7 +9,7 @@ grid:
   objects.0.count: [2, 3]
 YAML
 
-a_sweep_is_the_same_by_shards() {
+sweep_results_do_not_depend_on_jobs_or_shards() {
   expect 0 "$pickbed" sweep sweep.yaml --jobs 1 --out one
   expect 0 "$pickbed" sweep sweep.yaml --jobs 2 --out two --json-progress
   grep -q '^{"what":"trial","done":12,"total":12,.*"success_ci95":\[' last.err || fail "no progress"
@@ -21,19 +21,19 @@ a_sweep_is_the_same_by_shards() {
     same "one/$file" "joined/$file"
   done
   [ "$(wc -l <one/trials.csv)" = 13 ] || fail "not 12 trials"
-  # A point is the run that its file says.
+  # A configuration gives the same results as a run of its file.
   expect 0 "$pickbed" run one/points/03_*.yaml --out point
   cut -d, -f5- point/picks.csv >run.picks
   grep -E "^(trial|9|10|11)," one/picks.csv | cut -d, -f5- >sweep.picks
   same run.picks sweep.picks
-  # Unlike settings stand side by side when they are asked to.
+  # Different settings are merged side by side with --compare.
   expect 1 "$pickbed" merge one point --out both
-  grep -q -- "--compare" last.err || fail "--compare was not offered"
+  grep -q -- "--compare" last.err || fail "--compare is not suggested"
   expect 0 "$pickbed" merge one point --out both --compare
-  [ "$(wc -l <both/points.csv)" = 6 ] || fail "not five points side by side"
+  [ "$(wc -l <both/points.csv)" = 6 ] || fail "not five configurations side by side"
 }
 
-a_sweep_stops_and_goes_on() {
+a_killed_sweep_resumes() {
   "$pickbed" sweep sweep.yaml --trials 20 --jobs 2 --out long 2>stopped.err >/dev/null &
   local pid=$!
   for _ in $(seq 600); do
@@ -50,10 +50,10 @@ a_sweep_stops_and_goes_on() {
   same long/picks.csv whole/picks.csv
 }
 
-a_sweep_ends_when_it_is_sure() {
+sweep_stops_at_the_requested_interval_width() {
   local wide=(--trials 30 --set stop_width=0.9)
   expect 0 "$pickbed" sweep sweep.yaml "${wide[@]}" --jobs 1 --out one
-  grep -q "estimator.noise_mm=1,objects.0.count=2: stops after [0-9]* bins" last.out || fail "the end is not told"
+  grep -q "estimator.noise_mm=1,objects.0.count=2: stops after [0-9]* bins" last.out || fail "the early stop is not reported"
   local bins=$(($(wc -l <one/trials.csv) - 1))
   [ "$bins" -ge 8 ] && [ "$bins" -lt 120 ] || fail "$bins bins"
   expect 0 "$pickbed" sweep sweep.yaml "${wide[@]}" --jobs 3 --out three
@@ -65,7 +65,7 @@ a_sweep_ends_when_it_is_sure() {
   grep -q "stop_width" last.err || fail "a width of 2 is not refused"
 }
 
-an_occlusion_sweep_sees_the_same_scenes_at_all_points() {
+occlusion_sweep_uses_the_same_scenes_in_all_configurations() {
   cat >occlusion.yaml <<'YAML'
 scenario: small.yaml
 trials: 3
@@ -77,14 +77,14 @@ YAML
   expect 0 "$pickbed" sweep occlusion.yaml --jobs 2 --out two
   for file in trials.csv picks.csv parts.csv curve.csv summary.json; do same one/$file two/$file; done
   [ -s one/pictures/occlusion.png ] || fail "no picture of the series"
-  [ "$(grep -c noise one/curve.csv)" = 6 ] || fail "not a line a point and band"
-  # Equal counts, and visible fractions that do not depend on the point.
-  [ "$(grep noise one/curve.csv | cut -d, -f4 | sort -u)" = 3 ] || fail "bands differ in looks"
+  [ "$(grep -c noise one/curve.csv)" = 6 ] || fail "not one line per configuration and band"
+  # Counts are equal, and visible fractions do not depend on the configuration.
+  [ "$(grep noise one/curve.csv | cut -d, -f4 | sort -u)" = 3 ] || fail "bands differ in their number of attempts"
   [ "$(grep noise one/curve.csv | cut -d, -f2-5 | sort -u | wc -l)" = 3 ] || fail "scenes differ"
   expect 1 "$pickbed" sweep occlusion.yaml --set occlusion.bands.1.least=0.5 --out bad
   grep -q "occlusion.bands.1.least = 0.5: must not be under bands.0.most = 0.6" last.err ||
-    fail "bands that overlap are not told"
-  # A band that nothing fills is named, with what was tried, and the others have their looks.
+    fail "overlapping bands are not refused"
+  # A band that cannot be filled is named with its rejected blockers. The other bands keep their attempts.
   expect 0 "$pickbed" run small.yaml --set estimator.name=oracle --set occlusion.enabled=true \
     --set "occlusion.bands=[{least: 0.3, most: 0.3001}, {least: 0.9, most: 1}]" \
     --set occlusion.margin=0 --set occlusion.tries=2 --trials 2 --jobs 1 --out thin
@@ -92,16 +92,16 @@ YAML
     fail "a band without scenes is not named"
 }
 
-# _refused_sweep TEXT YAML-LINE...: a sweep with this grid ends with one line that says TEXT.
+# _refused_sweep TEXT YAML: fails unless a sweep with this YAML is refused in one line with TEXT.
 _refused_sweep() {
   local wanted=$1
   printf 'scenario: small.yaml\n%s\n' "$2" >bad.yaml
   expect 1 "$pickbed" sweep bad.yaml --out bad
-  grep -q -- "$wanted" last.err || fail "not told: $wanted"
+  grep -q -- "$wanted" last.err || fail "no error with: $wanted"
   [ "$(wc -l <last.err)" = 1 ] || fail "more than one line"
 }
 
-bad_sweeps_are_refused() {
+invalid_sweeps_are_refused() {
   _refused_sweep "bad.yaml:2.*did you mean 'sensor'" "grid: {sensr: [ideal]}"
   _refused_sweep "bad.yaml:2.*the grid is empty" "grid: {}"
   _refused_sweep "bad.yaml:2.*gripper.*did you mean" "grid: {gripper: [jaw_9cm]}"
@@ -112,5 +112,5 @@ bad_sweeps_are_refused() {
   refused "with --slurm, --cpus says" "$pickbed" sweep sweep.yaml --slurm --jobs 4 --out here
   refused "--slurm submits all of them" "$pickbed" sweep sweep.yaml --slurm --shard 1/2 --out here
   expect 1 env PATH=/nowhere "$pickbed" sweep sweep.yaml --slurm --out here
-  grep -q "there is no sbatch" last.err || fail "that Slurm is absent is not told"
+  grep -q "there is no sbatch" last.err || fail "missing Slurm is not reported"
 }

@@ -1,6 +1,6 @@
 # Cases of pickbed tolerance.
 
-a_tolerance_map_stops_and_resumes() {
+tolerance_map_resumes() {
   local few=(--set grasps=3 --set steps=2 --set step_mm=4 --set fit_tries=30 --set test_tries=30)
   local map=("$pickbed" tolerance rod jaw_8cm --pairs gx:gry "${few[@]}")
   expect 0 "${map[@]}" --jobs 1 --out one
@@ -26,7 +26,7 @@ a_tolerance_map_stops_and_resumes() {
   refused "did you mean 'rod'" "$pickbed" tolerance rodd jaw_8cm
 }
 
-tolerance_maps_score_the_poses_of_runs() {
+tolerance_maps_forecast_the_picks_of_a_run() {
   expect 0 "$pickbed" tolerance rod jaw_8cm --set grasps=3 --set steps=2 --set step_mm=4 \
     --set fit_tries=30 --set test_tries=30 --out maps/rod
   cp small.yaml here.yaml
@@ -35,12 +35,12 @@ tolerance_maps_score_the_poses_of_runs() {
   grep -q '"pick_forecasts"' one/summary.json || fail "no forecast in summary.json"
   head -1 one/picks.csv | grep -q ",p_pick," || fail "picks.csv has no p_pick"
   [ "$(grep -c "^[01],[0-9]*,[0-9]*,rod,[0-9-]*,[01]\.[0-9]*$" one/pick_chances.csv)" -gt 3 ] ||
-    fail "hypotheses have no chance"
+    fail "hypotheses have no pick probability"
   expect 0 "$pickbed" run here.yaml "${noisy[@]}" --tolerance maps/rod/model.yaml --out two --jobs 1
   for file in picks.csv pick_chances.csv summary.json; do same "one/$file" "two/$file"; done
   expect 0 "$pickbed" budget one --stages none --tolerance maps
-  grep -q "What pose errors foretell" one/budget/index.html || fail "the page tells no forecast"
-  grep -q "bins are few" one/budget/index.html || fail "two bins are not said to be few"
+  page one/budget/index.html "What pose errors foretell"
+  page one/budget/index.html "bins are few"
   expect 0 "$pickbed" estimate here.yaml "${noisy[@]:0:4}" --trials 1 --tolerance maps --out poses
   head -1 poses/hypotheses.csv | grep -q ",p_pick$" || fail "hypotheses.csv has no p_pick"
   refused "is of rod with jaw_8cm; the parts are rod, flange, the gripper is jaw_14cm" \

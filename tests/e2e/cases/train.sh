@@ -1,6 +1,6 @@
 # Cases of pickbed train.
 
-train_stops_and_resumes() {
+training_resumes_after_an_interrupt() {
   local quick=(--set piles=2 --set iterations=80 --set checkpoint_every=5 --set held_out.piles=1
     --set held_out.book_views=50 --set held_out.every=20
     --set verifier_piles=2 --set verifier_entries=2000 --set verifier.iterations=100)
@@ -11,12 +11,12 @@ train_stops_and_resumes() {
   kill -INT $pid 2>/dev/null
   wait $pid
   local rc=$?
-  [ $rc = 130 ] || fail "exit was $rc and not 130"
+  [ $rc = 130 ] || fail "the exit status is $rc, not 130"
   [ -s rod.pt.checkpoint ] || fail "no checkpoint"
   [ ! -e rod.pt ] || fail "an unfinished model was written"
   cp rod.pt.checkpoint good.checkpoint
   (
-    trap '' XFSZ # a write beyond the limit then fails instead of killing
+    trap '' XFSZ # a write beyond the limit then fails and does not kill
     ulimit -f 100
     "$pickbed" train "${short[@]}" --out rod.pt --resume 2>last.err
   )
@@ -24,7 +24,8 @@ train_stops_and_resumes() {
   grep -q "^pickbed: .*rod.pt.checkpoint" last.err || fail "the checkpoint on a full disk is not named"
   same rod.pt.checkpoint good.checkpoint
   expect 0 "$pickbed" train "${short[@]}" --out rod.pt --resume
-  for file in index.html embedding.png answers.png pairs.png curves.csv timings.csv; do
+  page rod_report/index.html Held-out
+  for file in embedding.png answers.png pairs.png curves.csv timings.csv; do
     [ -s "rod_report/$file" ] || fail "no $file in the report"
   done
   expect 0 "$pickbed" train "${short[@]}" --out unstopped.pt
@@ -34,16 +35,16 @@ train_stops_and_resumes() {
   refused "rod.pt: not trained for part 'flange' (knows rod)" \
     "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/rod.pt"
 
-  # Another part beside the one that is known.
+  # Adds an object to the known one.
   expect 0 "$pickbed" train flange --from rod.pt "${quick[@]}" --out both.pt --report page \
     --sensor structured_light,time_of_flight
-  grep -q "structured_light, time_of_flight" page/index.html || fail "the sensors are not named"
-  grep -q "rod, known before: recall@1" last.out || fail "nothing is said of the part known before"
-  [ -s page/index.html ] || fail "no report where it was asked for"
+  page page/index.html "structured_light, time_of_flight"
+  grep -q "rod, known before: recall@1" last.out || fail "the object known before is not reported"
+  [ -s page/curves.csv ] || fail "no report in the requested folder"
   [ ! -e both.pt.checkpoint ] || fail "the checkpoint of a finished training is left over"
   expect 0 "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/both.pt"
 
-  # The same name, another mesh.
+  # The same name with another mesh.
   brick 1 >brick.obj
   expect 0 "$pickbed" object add brick.obj --name rod --mass 0.1 --drops 5
   refused "rod.pt: the mesh of part 'rod' has changed since training" \
@@ -52,7 +53,7 @@ train_stops_and_resumes() {
     "$pickbed" train flange --from rod.pt "${quick[@]}" --out both.pt
 }
 
-bad_training_is_refused() {
+invalid_training_requests_are_refused() {
   refused "nothing to learn" "$pickbed" train
   refused "takes neither --minutes nor --from" "$pickbed" train wohlhart rod --minutes 3
   refused "--verifier-for ppf trains the verifiers of another estimator" \
@@ -64,7 +65,7 @@ bad_training_is_refused() {
   refused "did you mean 'rod'" "$pickbed" train rodd
   refused "unknown sensor 'sonar'" "$pickbed" train rod --sensor sonar
   refused "no new.pt.checkpoint to resume" "$pickbed" train rod --out new.pt --resume
-  echo checkpoint >new.pt.checkpoint # of a network: none that verifiers of ppf would have
+  echo checkpoint >new.pt.checkpoint # of a network; the verifiers of ppf have none
   refused "no new.pt.part to resume" \
     "$pickbed" train rod --verifier-for ppf --out new.pt --resume
   [ -s new.pt.checkpoint ] || fail "the checkpoint of another training was removed"
@@ -74,8 +75,8 @@ bad_training_is_refused() {
   brick 1 | awk '/^v/ {print "v", $2 / 10, $3 / 10, $4 / 10; next} {print}' >speck.obj
   echo "objects: [{name: speck, mesh: speck.obj, unit: mm, mass_kg: 0.01, count: 3}]" >specks.yaml
   refused "part 'speck' is" "$pickbed" train --scenario specks.yaml --out specks.pt
-  grep -q "10 px are the least" last.err || fail "the least size is not said"
-  grep -q "^views" last.err && fail "it was said only after views were rendered"
+  grep -q "10 px are the least" last.err || fail "the minimum size is not reported"
+  grep -q "^views" last.err && fail "it was reported only after views were rendered"
   echo "objects: []" >none.yaml
   refused "none.yaml" "$pickbed" train --scenario none.yaml
 }

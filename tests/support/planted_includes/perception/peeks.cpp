@@ -1,2 +1,2 @@
-// A planted fault for the include test: perception must not see sim.
-#include "sim/drop.h"
+// A planted fault for the include test: perception must not include sim.
+#include "sim/drop/drop.h"

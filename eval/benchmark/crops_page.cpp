@@ -1,0 +1,141 @@
+#include <fmt/format.h>
+
+#include "eval/benchmark/crops_report.h"
+#include "eval/page/vega.h"
+
+namespace pickbed::eval {
+namespace {
+
+// Selects the statistic that a chart or table shows.
+using FigureOf = const std::vector<Cluster>& (*)(const CropFigures& figures);
+
+const std::vector<Cluster>& PartRight(const CropFigures& f) { return f.part_right; }
+const std::vector<Cluster>& WithinTen(const CropFigures& f) { return f.within[1]; }
+
+std::vector<CropCell> RowsOf(const CropBenchmark& benchmark, CropStage stage) {
+  std::vector<CropCell> rows = CropRows(benchmark);
+  std::erase_if(rows, [&](const CropCell& row) {
+    return row.stage != stage && row.stage != CropStage::kIcpAlone;
+  });
+  // ICP from random starts is not a look-up of orientations, so it is left out here.
+  if (stage == CropStage::kNearest) {
+    std::erase_if(rows, [](const CropCell& r) { return r.stage == CropStage::kIcpAlone; });
+  }
+  return rows;
+}
+
+ReportChart ByCondition(const CropBenchmark& benchmark, ReportChart chart, CropStage stage,
+                        const std::string& y_title, FigureOf figure) {
+  std::vector<std::string> names;
+  for (const int condition : CropConditionsOf(benchmark)) {
+    names.push_back(CropConditionTable()[condition].name);
+  }
+  std::vector<RateCurve> curves;
+  for (CropCell row : RowsOf(benchmark, stage)) {
+    RateCurve& curve = curves.emplace_back(RateCurve{row.method, {}});
+    for (const int condition : CropConditionsOf(benchmark)) {
+      row.condition = condition;
+      curve.rates.push_back(ClusterRate(figure(FiguresOf(benchmark, row))));
+    }
+  }
+  return RateCurves(std::move(chart), "condition", y_title, names, curves);
+}
+
+ReportChart ByAngle(const CropBenchmark& benchmark, int condition) {
+  std::vector<std::string> names;
+  for (const double angle_deg : kCropAngles_deg) names.push_back(fmt::format("{:.0f}", angle_deg));
+  std::vector<RateCurve> curves;
+  for (CropCell row : RowsOf(benchmark, CropStage::kNearest)) {
+    row.condition = condition;
+    RateCurve& curve = curves.emplace_back(RateCurve{row.method, {}});
+    for (const std::vector<Cluster>& within : FiguresOf(benchmark, row).within) {
+      curve.rates.push_back(ClusterRate(within));
+    }
+  }
+  const char* name = CropConditionTable()[condition].name;
+  return RateCurves(
+      {fmt::format("angles-{}", condition), fmt::format("Share within an angle: {}", name),
+       fmt::format("Nearest neighbour alone; {}.", CropConditionTable()[condition].help), ""},
+      "within, degrees", "share", names, curves);
+}
+
+TableCells FiguresTable(const CropBenchmark& benchmark, int condition) {
+  TableCells cells{{"method", "stage", "part right [95 %]", "within 5 deg", "10 deg [95 %]",
+                    "20 deg", "40 deg", "median, deg [95 %]", "over 15 deg"}};
+  for (CropCell row : CropRows(benchmark)) {
+    row.condition = condition;
+    const CropFigures f = FiguresOf(benchmark, row);
+    const auto percent = [](const std::vector<Cluster>& c) { return PercentText(RateOf(c)); };
+    const Interval median = MedianInterval(f.angles_deg);
+    cells.push_back(
+        {row.method, CropStageName(row.stage),
+         row.stage == CropStage::kIcpAlone ? "given" : RateText(ClusterRate(f.part_right)),
+         percent(f.within[0]), RateText(ClusterRate(f.within[1])), percent(f.within[2]),
+         percent(f.within[3]),
+         fmt::format("{:.2f} [{:.2f}, {:.2f}]", MedianOf(f.angles_deg), median.low, median.high),
+         percent(f.over_15_deg)});
+  }
+  return cells;
+}
+
+// Share within 10 degrees for each object under one condition, for the nearest neighbour without
+// ICP.
+TableCells PartsTable(const CropBenchmark& benchmark, const ObjectSet& objects, int condition) {
+  const std::vector<CropCell> rows = RowsOf(benchmark, CropStage::kNearest);
+  TableCells cells{{"part"}};
+  for (const CropCell& row : rows) cells[0].push_back(row.method);
+  for (size_t i = 0; i < objects.size(); ++i) {
+    cells.push_back({objects[i]->name});
+    for (CropCell row : rows) {
+      row.condition = condition;
+      row.object = static_cast<int>(i);
+      cells.back().push_back(PercentText(RateOf(FiguresOf(benchmark, row).within[1])));
+    }
+  }
+  return cells;
+}
+
+constexpr const char* kAbout =
+    "Each test view shows one part, whose centre and scale are known to all methods: what is asked "
+    "is which part it is and how it is turned. No view is a template or was learned from. Crops "
+    "are scaled to the part's size, so that size tells nothing. Angles are the least over the "
+    "part's symmetries; where the wrong part is named, the pose is wrong. Intervals are 95 % over "
+    "test views; the parts are the ones named here. oracle is the template nearest to the truth, "
+    "the ceiling of any look-up; random_starts is ICP alone, told the part, from random "
+    "orientations, of which the best result by its own measure is kept.";
+
+}  // namespace
+
+HtmlPage CropPage(const CropBenchmark& benchmark, const ObjectSet& objects,
+                  const std::string& settings) {
+  HtmlPage page("Whole-object crops");
+  page.Paragraph(kAbout);
+  std::vector<ReportChart> charts{
+      ByCondition(benchmark,
+                  {"part-right", "Right part by condition", "Nearest neighbour alone.", ""},
+                  CropStage::kNearest, "right part", PartRight),
+      ByCondition(benchmark,
+                  {"nearest", "Within 10 degrees by condition", "Nearest neighbour alone.", ""},
+                  CropStage::kNearest, "within 10 degrees", WithinTen),
+      ByCondition(benchmark,
+                  {"refined", "Within 10 degrees after ICP",
+                   "ICP from the nearest neighbours, and from random starts.", ""},
+                  CropStage::kNearestIcp, "within 10 degrees", WithinTen)};
+  for (const int condition : CropConditionsOf(benchmark)) {
+    charts.push_back(ByAngle(benchmark, condition));
+  }
+  page.Charts(charts);
+  for (const int condition : CropConditionsOf(benchmark)) {
+    const CropCondition& row = CropConditionTable()[condition];
+    page.Heading(row.name);
+    page.Paragraph(row.help);
+    page.Table(FiguresTable(benchmark, condition));
+    page.Subheading("Within 10 degrees, part by part");
+    page.Table(PartsTable(benchmark, objects, condition));
+  }
+  page.Heading("Settings");
+  page.Preformatted(settings);
+  return page;
+}
+
+}  // namespace pickbed::eval

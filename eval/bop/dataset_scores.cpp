@@ -1,0 +1,137 @@
+#include "eval/bop/dataset_scores.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "eval/bop/layout.h"
+#include "eval/bop/read_dataset.h"
+#include "eval/bop/targets.h"
+#include "eval/tolerance/maps.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::eval::bop {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Mean time per image in seconds, -1 if the time of any estimate is unknown.
+double MeanTime(const std::vector<Estimate>& estimates) {
+  std::map<std::pair<int, int>, double> times_s;
+  for (const Estimate& estimate : estimates) {
+    if (estimate.time_s < 0) return -1;
+    times_s[{estimate.scene_id, estimate.image_id}] = estimate.time_s;
+  }
+  double sum = 0;
+  for (const auto& [image, seconds] : times_s) sum += seconds;
+  return times_s.empty() ? -1 : sum / times_s.size();
+}
+
+using EstimatesByImage = std::map<std::pair<int, int>, std::vector<const Estimate*>>;
+
+// Throws InputError for an object that models_info.json in `folder` does not have.
+EstimatesByImage ByImage(const std::vector<Estimate>& estimates,
+                         const std::map<int, ModelInfo>& models, const fs::path& folder) {
+  EstimatesByImage by_image;
+  for (const Estimate& estimate : estimates) {
+    CheckInput(
+        models.contains(estimate.object_id),
+        fmt::format("{}: obj_id {}: {} has no such object",
+                    estimate.place.empty() ? fmt::format("estimate of scene {} image {}",
+                                                         estimate.scene_id, estimate.image_id)
+                                           : estimate.place,
+                    estimate.object_id, (folder / "models_info.json").string()));
+    by_image[{estimate.scene_id, estimate.image_id}].push_back(&estimate);
+  }
+  return by_image;
+}
+
+TrueImage TruthOf(const ImageTruth& image, const RgbdFrame& frame) {
+  TrueImage truth{frame.intrinsics, frame.depth_m, {}};
+  for (size_t i = 0; i < image.instances.size(); ++i) {
+    const Instance& instance = image.instances[i];
+    truth.instances.push_back({instance.object_id, instance.X_CO, image.infos[i].visib_fract});
+  }
+  return truth;
+}
+
+}  // namespace
+
+TolerancesById ReadTolerances(const std::vector<std::string>& texts) {
+  TolerancesById tolerances;
+  for (const std::string& text : texts) {
+    const size_t equals = text.find('=');
+    int id = -1;
+    const char* end = text.data() + (equals == std::string::npos ? 0 : equals);
+    const auto [stop, error] = std::from_chars(text.data(), end, id);
+    CheckInput(
+        error == std::errc() && stop == end,
+        fmt::format("--tolerance {}: write ID=PLACE, an obj_id of the data set and the folder "
+                    "of its map",
+                    text));
+    const std::vector<fs::path> files = ToleranceFiles(text.substr(equals + 1));
+    CheckInput(files.size() == 1,
+               fmt::format("--tolerance {}: holds {} maps; name one", text, files.size()));
+    const bool is_new =
+        tolerances.insert({id, {files.front(), ReadToleranceModel(files.front())}}).second;
+    CheckInput(is_new, fmt::format("--tolerance {}: object {} has one already", text, id));
+  }
+  return tolerances;
+}
+
+Scores Evaluate(const fs::path& root, const std::string& split,
+                const std::vector<Estimate>& estimates, const VsdOptions& options,
+                const TolerancesById& tolerances,
+                const std::function<void(const std::string&)>& on_scene) {
+  const SplitTargets targets = TargetsOf(root, split);
+  const fs::path folder = EvalModelsFolder(root);
+  const std::map<int, ModelInfo> models = ReadModelsInfo(folder, ThrowFault);
+  Evaluator evaluator(
+      [&](int object_id) {
+        const auto info = models.find(object_id);
+        CheckInput(info != models.end(),
+                   fmt::format("{}: has no object {}, which is true in a scene",
+                               (folder / "models_info.json").string(), object_id));
+        auto model = LoadModel(folder, object_id, info->second, ModelName(object_id));
+        if (const auto named = tolerances.find(object_id); named != tolerances.end()) {
+          RequireModelOf(named->second.model, *model, named->second.file);
+        }
+        return model;
+      },
+      options,
+      [&](int object_id) -> const ToleranceModel* {
+        const auto named = tolerances.find(object_id);
+        return named == tolerances.end() ? nullptr : &named->second.model;
+      });
+  for (const auto& [id, named] : tolerances) {
+    CheckInput(models.contains(id),
+               fmt::format("--tolerance {}={}: {} has no such object", id, named.file.string(),
+                           (folder / "models_info.json").string()));
+  }
+  EstimatesByImage by_image = ByImage(estimates, models, folder);
+  Scores scores;
+  scores.notes = targets.notes;
+  scores.seconds_an_image = MeanTime(estimates);
+  for (const auto& [scene_id, images] : targets.scenes) {
+    const fs::path scene_folder = root / split / SceneFolderName(scene_id);
+    if (on_scene) on_scene(scene_folder.string());
+    const SceneTruth scene = ReadSceneTruth(scene_folder, scene_id, ThrowFault);
+    for (const auto& [image_id, image_targets] : images) {
+      const auto truth = scene.images.find(image_id);
+      CheckInput(truth != scene.images.end(),
+                 fmt::format("{}: has no image {}, which is a target",
+                             (scene_folder / "scene_camera.json").string(), image_id));
+      auto found = by_image.extract({scene_id, image_id});
+      const RgbdFrame frame = ReadDepthFrame(scene, truth->second);
+      evaluator.AddImage(TruthOf(truth->second, frame), image_targets,
+                         found ? std::move(found.mapped()) : std::vector<const Estimate*>());
+    }
+  }
+  for (const auto& [image, left] : by_image) {
+    scores.estimates_elsewhere += static_cast<int>(left.size());
+  }
+  evaluator.Finish(scores);
+  return scores;
+}
+
+}  // namespace pickbed::eval::bop

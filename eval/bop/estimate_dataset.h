@@ -1,0 +1,54 @@
+#pragma once
+
+// Runs a pose estimator on the target images of a BOP data set, real or simulated.
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "eval/bop/results_csv.h"
+#include "scenes/scenario/scenario_spec.h"
+
+namespace pickbed::eval::bop {
+
+// Prior knowledge about a BOP19 target image that the estimator gets. Localisation: the objects in
+// the image and the number of instances of each. Without a targets file, the instances are counted
+// from the ground truth. Detection: none.
+enum class Task { kLocalisation, kDetection };
+
+struct EstimateOptions {
+  EstimatorSpec estimator;
+  std::string refiner = "pcl_icp";
+  uint64_t seed = 0;
+  int threads = 1;  // upper limit; the results are the same for any number
+  Task task = Task::kLocalisation;
+};
+
+struct EstimateProgress {
+  std::string what;  // scene and image, or the codebook being built
+  double share = 0;  // 0..1
+};
+
+// Estimates poses in every target image. In localisation on a BOP19 image, it returns poses of the
+// target objects only, at most as many of each as are to be found. In detection, or if only BOP24
+// names the image, it returns all poses of any object of the data set. The estimator gets images,
+// cameras, meshes and, in localisation, these counts. It gets no other ground truth, and no
+// background because BOP has no bin. `on_progress` is called while codebooks are built and after
+// each image. Throws InputError for an unknown estimator, the oracle (it would need ground truth)
+// and a broken data set, always before the first image is processed.
+std::vector<Estimate> EstimateDataset(
+    const std::filesystem::path& root, const std::string& split, const EstimateOptions& options,
+    const std::function<void(const EstimateProgress&)>& on_progress = {});
+
+// Writes a page (eval/explain/explain.h) into `folder` that shows the stages by which
+// EstimateDataset finds the poses of one target image. `image` is "SCENE/IMAGE", for example
+// "48/12", or the index of the image among the targets, from 0. Returns the result of
+// WriteExplanation. Throws InputError as EstimateDataset does, for an image that is no target, and
+// for an estimator without a trace.
+[[nodiscard]] std::string ExplainTarget(
+    const std::filesystem::path& root, const std::string& split, const EstimateOptions& options,
+    const std::string& image, const std::filesystem::path& folder,
+    const std::function<void(const EstimateProgress&)>& on_progress = {});
+
+}  // namespace pickbed::eval::bop

@@ -1,0 +1,48 @@
+#pragma once
+
+// Checked access to the fields of a JSON file. A fault names the place in the file. Only the .cpp
+// files of this folder include this header.
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eval/bop/read_dataset.h"
+
+namespace pickbed::eval::bop {
+
+using Json = nlohmann::json;
+
+// Place in a file for messages, for example "scene_gt.json: image 3: instance 0".
+class Place {
+ public:
+  Place(std::string text, const OnFault& fault) : text_(std::move(text)), fault_(fault) {}
+  Place operator/(const std::string& part) const { return {text_ + ": " + part, fault_}; }
+  void Fault(const std::string& what) const { fault_(text_ + ": " + what); }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+  const OnFault& fault_;
+};
+
+// Parses a JSON file. Reports a fault and returns nullopt if the file is missing or not JSON. NaN
+// is not JSON.
+std::optional<Json> ReadJson(const std::filesystem::path& file, const OnFault& fault);
+
+// Return the value of a key. They report a fault and return nullopt if it is absent or has the
+// wrong type. Reals expects `count` finite numbers.
+std::optional<double> Real(const Json& object, const char* key, const Place& place);
+std::optional<int> Integer(const Json& object, const char* key, const Place& place);
+std::optional<std::vector<double>> Reals(const Json& object, const char* key, size_t count,
+                                         const Place& place);
+// Converts an array, flat or nested, to `count` finite numbers. Reports a fault and returns nullopt
+// for anything else.
+std::optional<std::vector<double>> ToReals(const Json& array, size_t count, const Place& place);
+
+// Converts nine numbers, row by row.
+Eigen::Matrix3d ToMatrix3(const std::vector<double>& numbers);
+
+}  // namespace pickbed::eval::bop

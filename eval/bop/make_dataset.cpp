@@ -1,0 +1,173 @@
+#include "eval/bop/make_dataset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "eval/bop/dataset_card.h"
+#include "eval/bop/layout.h"
+#include "eval/bop/write_scene.h"
+#include "eval/trial/simulated_cell.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+#include "sim/render/renderer.h"
+#include "sim/sensor/depth_noise.h"
+
+namespace pickbed::eval::bop {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A hidden name, so that no reader takes it for a scene.
+fs::path UnfinishedFolder(const fs::path& split, int scene_id) {
+  return split / fmt::format(".{}.unfinished", SceneFolderName(scene_id));
+}
+
+// State of a worker: the cell, and a separate renderer because the views differ from the cell's.
+class SceneMaker {
+ public:
+  SceneMaker(const ScenarioSpec& spec, const ObjectSet& objects, const MakeOptions& options)
+      : spec_(spec),
+        options_(options),
+        cell_(spec, objects),
+        renderer_(cell_.objects(), cell_.bin()) {}
+
+  void Make(int scene_id) {
+    const int trial = scene_id - 1;
+    const fs::path split = options_.out / options_.split;
+    const fs::path unfinished = UnfinishedFolder(split, scene_id);
+    fs::remove_all(unfinished);
+    SceneWriter writer(unfinished, static_cast<int>(cell_.objects().size()));
+    const Scene scene = cell_.MakeScene(trial).scene;
+    for (int view = 0; view < options_.views; ++view) writer.Add(See(scene, trial, view));
+    writer.Finish();
+    std::error_code error;
+    fs::rename(unfinished, split / SceneFolderName(scene_id), error);
+    CheckInput(!error, fmt::format("cannot name the folder {}: {}",
+                                   (split / SceneFolderName(scene_id)).string(), error.message()));
+  }
+
+ private:
+  LabelledImage See(const Scene& scene, int trial, int view) {
+    Camera camera = cell_.camera();
+    if (view > 0) {
+      Rng rng = Rng::Derive(spec_.seed, trial, fmt::format("bop/view/{}", view));
+      camera = RandomView(spec_, {}, rng);
+    }
+    const RenderedImage image = cell_.Render(renderer_, scene, camera, trial, view);
+    Rng rng = Rng::Derive(spec_.seed, trial, fmt::format("bop/sensor/{}", view));
+    LabelledImage labelled;
+    labelled.color = image.color;
+    const IdealView ideal{image.depth_m, camera.intrinsics, &image.color};
+    labelled.depth = DepthUnits(ApplySensorNoise(ideal, cell_.sensor(), rng), kDepthScale_mm);
+    ImageTruth& truth = labelled.truth;
+    truth.image_id = view;
+    truth.intrinsics = camera.intrinsics;
+    truth.depth_scale_mm = kDepthScale_mm;
+    truth.X_CW = camera.X_CW();
+    std::vector<RenderInstance> instances;
+    for (const PosedObject& posed : scene.objects) {
+      instances.push_back({renderer_.ObjectMesh(posed.object), posed.X_WO,
+                           static_cast<uint16_t>(posed.instance + 1)});
+      truth.instances.push_back({posed.object + 1, *truth.X_CW * posed.X_WO});
+    }
+    labelled.masks = MasksOf(renderer_.renderer(), camera, instances, image.ids, labelled.depth);
+    return labelled;
+  }
+
+  ScenarioSpec spec_;
+  MakeOptions options_;
+  SimulatedCell cell_;
+  SceneRenderer renderer_;
+};
+
+// Returns the scenes already on disk. Throws InputError if they cannot be resumed.
+std::vector<int> ScenesBefore(const MakeOptions& options, const std::string& identity) {
+  const std::vector<int> before = ScenesOf(options.out, options.split);
+  if (before.empty()) return before;
+  CheckInput(options.resume,
+             fmt::format("{} already holds {} scenes; pass --resume to go on with them, or choose "
+                         "another folder with --out",
+                         (options.out / options.split).string(), before.size()));
+  CheckInput(ReadIdentity(options.out) == identity,
+             fmt::format("{} holds scenes of other settings than these; choose another folder with "
+                         "--out",
+                         (options.out / options.split).string()));
+  return before;
+}
+
+}  // namespace
+
+Camera RandomView(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng) {
+  using Eigen::AngleAxisd;
+  constexpr int kTries = 100;
+  const Camera nominal = CameraOf(spec);
+  const double distance_m = (spec.camera.target_m - spec.camera.eye_m).norm();
+  const double least_z_m = spec.bin.inner_size_m.z() + spread.above_walls_m;
+  for (int i = 0; i < kTries; ++i) {
+    const double turn = rng.Uniform(-std::numbers::pi, std::numbers::pi);
+    const double tilt = rng.Uniform(-spread.tilt_rad, spread.tilt_rad);
+    const double roll = rng.Uniform(-spread.roll_rad, spread.roll_rad);
+    const double share = rng.Uniform(spread.distance_min, spread.distance_max);
+    const double x_m = rng.Uniform(-spread.target_m, spread.target_m);
+    const double y_m = rng.Uniform(-spread.target_m, spread.target_m);
+    const Eigen::Matrix3d R_WC =
+        AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix() * nominal.X_WC().linear() *
+        (AngleAxisd(tilt, Eigen::Vector3d::UnitX()) * AngleAxisd(roll, Eigen::Vector3d::UnitZ()))
+            .toRotationMatrix();
+    const Eigen::Vector3d target_W = spec.camera.target_m + Eigen::Vector3d(x_m, y_m, 0);
+    const Eigen::Vector3d eye_W = target_W - share * distance_m * R_WC.col(2);
+    if (eye_W.z() < least_z_m) continue;
+    return {nominal.intrinsics, MakePose(Orthonormalized(R_WC), eye_W)};
+  }
+  return nominal;  // it is so low that no sampled view is high enough above the walls
+}
+
+MakeReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
+                       const MakeOptions& options,
+                       const std::function<void(const MakeReport&)>& on_scene,
+                       const std::function<bool()>& stop) {
+  const std::string identity = IdentityOf(spec, objects, options);
+  const std::vector<int> before = ScenesBefore(options, identity);
+  const std::array<fs::path, 2> models{options.out / "models", options.out / "models_eval"};
+  for (const fs::path& folder : models) MakeFolder(folder);
+  MakeFolder(options.out / options.split);
+  WriteIdentity(options.out, identity);
+  // The BOP toolkit needs meshes for rendering and for scoring. These are small enough for both.
+  for (const fs::path& folder : models) WriteModels(folder, objects);
+  WriteDatasetCamera(options.out / "camera.json", CameraOf(spec).intrinsics);
+
+  MakeReport report;
+  report.done = report.done_before = static_cast<int>(before.size());
+  WorkerPlan plan;
+  for (int id = 1; id <= options.scenes; ++id) {
+    if (!std::binary_search(before.begin(), before.end(), id)) plan.items.push_back(id);
+  }
+  plan.jobs = options.jobs;
+  plan.stop = stop;
+  plan.start = [&](const WorkerPlan::Say&) -> WorkerPlan::DoItem {
+    auto maker = std::make_shared<SceneMaker>(spec, objects, options);
+    return [maker](int scene_id) {
+      maker->Make(scene_id);
+      return std::string();
+    };
+  };
+  plan.on_done = [&](int, const std::string&) {
+    ++report.done;
+    if (on_scene) on_scene(report);
+  };
+  WorkReport work = RunInWorkers(plan);
+  report.stopped = work.stopped;
+  report.lost = std::move(work.lost);
+  if (report.stopped || !report.lost.empty()) return report;
+  WriteTargets(options.out, options.split);
+  WriteCards(spec, objects, options, identity);
+  return report;
+}
+
+}  // namespace pickbed::eval::bop

@@ -1,0 +1,321 @@
+#include "eval/bop/read_dataset.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "eval/bop/json.h"
+#include "eval/bop/layout.h"
+#include "scenes/base/error.h"
+#include "scenes/image/image_io.h"
+#include "scenes/objects/object_catalog.h"
+
+namespace pickbed::eval::bop {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMm = 1e-3;
+
+// Visits every member of a JSON object whose keys are ids, such as `{"3": ...}`.
+template <typename Take>
+void ForEachId(const Json& object, const Place& place, const char* what, Take take) {
+  if (!object.is_object()) {
+    place.Fault("is not an object with an entry for each " + std::string(what));
+    return;
+  }
+  for (const auto& [key, value] : object.items()) {
+    if (const std::optional<int> id = ParseId(key)) {
+      take(*id, value, place / fmt::format("{} {}", what, *id));
+    } else {
+      place.Fault(fmt::format("'{}' is no number of an {}", key, what));
+    }
+  }
+}
+
+std::optional<Pose> ToPose(const Eigen::Matrix3d& R, const std::vector<double>& t_mm,
+                           const Place& place) {
+  if (const std::string wrong = RotationFault(R); !wrong.empty()) {
+    place.Fault(wrong);
+    return std::nullopt;
+  }
+  return MakePose(R, kMm * Eigen::Vector3d(t_mm[0], t_mm[1], t_mm[2]));
+}
+
+// Reads a rotation and a translation in mm under two keys.
+std::optional<Pose> ReadPose(const Json& object, const char* R_key, const char* t_key,
+                             const Place& place) {
+  const auto R = Reals(object, R_key, 9, place);
+  const auto t_mm = Reals(object, t_key, 3, place);
+  if (!R || !t_mm) return std::nullopt;
+  return ToPose(ToMatrix3(*R), *t_mm, place / fmt::format("'{}'", R_key));
+}
+
+void ReadSymmetries(const Json& entry, const Place& place, SymmetrySet& symmetries_O) {
+  for (const Json& matrix : entry.value("symmetries_discrete", Json::array())) {
+    const Place where = place / "'symmetries_discrete'";
+    const auto n = ToReals(matrix, 16, where);
+    if (!n) continue;
+    const std::vector<double>& m = *n;
+    if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) {
+      where.Fault("the last row of a 4x4 matrix is not 0 0 0 1");
+      continue;
+    }
+    const Eigen::Matrix3d R = ToMatrix3({m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]});
+    if (const auto X = ToPose(R, {m[3], m[7], m[11]}, where)) symmetries_O.discrete_O.push_back(*X);
+  }
+  for (const Json& axis : entry.value("symmetries_continuous", Json::array())) {
+    const Place where = place / "'symmetries_continuous'";
+    const auto direction = Reals(axis, "axis", 3, where);
+    const auto offset_mm = Reals(axis, "offset", 3, where);
+    if (!direction || !offset_mm) continue;
+    const Eigen::Vector3d along_O = Eigen::Vector3d::Map(direction->data());
+    if (along_O.norm() < 1e-9) {
+      where.Fault("an axis has no length");
+      continue;
+    }
+    symmetries_O.continuous_O.push_back(
+        {along_O.normalized(), kMm * Eigen::Vector3d::Map(offset_mm->data())});
+  }
+}
+
+std::optional<ModelInfo> ReadModelInfo(const Json& entry, const Place& place) {
+  ModelInfo info;
+  const auto diameter_mm = Real(entry, "diameter", place);
+  if (!diameter_mm) return std::nullopt;
+  if (*diameter_mm <= 0) place.Fault(fmt::format("'diameter' is {}, not positive", *diameter_mm));
+  info.diameter_m = kMm * *diameter_mm;
+  constexpr const char* kMin[] = {"min_x", "min_y", "min_z"};
+  constexpr const char* kSize[] = {"size_x", "size_y", "size_z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto low_mm = Real(entry, kMin[axis], place), size_mm = Real(entry, kSize[axis], place);
+    if (!low_mm || !size_mm) continue;
+    info.bounds_O.min[axis] = kMm * *low_mm;
+    info.bounds_O.max[axis] = kMm * (*low_mm + *size_mm);
+  }
+  ReadSymmetries(entry, place, info.symmetries_O);
+  return info;
+}
+
+void ReadCamera(const Json& entry, const Place& place, ImageTruth& image) {
+  const auto K = Reals(entry, "cam_K", 9, place);
+  if (K) {
+    const std::vector<double>& k = *K;
+    image.intrinsics = {0, 0, k[0], k[4], k[2], k[5]};
+    if (k[0] <= 0 || k[4] <= 0) place.Fault("'cam_K' has a focal length that is not positive");
+    if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
+      place.Fault("'cam_K' is not fx 0 cx 0 fy cy 0 0 1");
+    }
+  }
+  if (entry.is_object() && entry.contains("depth_scale")) {
+    image.depth_scale_mm = Real(entry, "depth_scale", place).value_or(1);
+    if (image.depth_scale_mm <= 0) place.Fault("'depth_scale' is not positive");
+  }
+  if (entry.is_object() && entry.contains("cam_R_w2c")) {
+    image.X_CW = ReadPose(entry, "cam_R_w2c", "cam_t_w2c", place);
+  }
+}
+
+std::optional<std::array<int, 4>> ReadBox(const Json& entry, const char* key, const Place& place) {
+  if (!entry.is_object() || !entry.contains(key)) return std::nullopt;
+  const auto numbers = Reals(entry, key, 4, place);
+  if (!numbers) return std::nullopt;
+  std::array<int, 4> box;
+  for (int i = 0; i < 4; ++i) box[i] = static_cast<int>(std::lround((*numbers)[i]));
+  return box;
+}
+
+InstanceInfo ReadInfo(const Json& entry, const Place& place) {
+  InstanceInfo info;
+  info.px_count_all = Integer(entry, "px_count_all", place).value_or(0);
+  info.px_count_visib = Integer(entry, "px_count_visib", place).value_or(0);
+  info.visib_fract = Real(entry, "visib_fract", place).value_or(0);
+  if (entry.is_object() && entry.contains("px_count_valid")) {
+    info.px_count_valid = Integer(entry, "px_count_valid", place);
+  }
+  info.bbox_obj = ReadBox(entry, "bbox_obj", place);
+  info.bbox_visib = ReadBox(entry, "bbox_visib", place);
+  return info;
+}
+
+void ReadInstances(const Json& list, const Place& place, ImageTruth& image) {
+  if (!list.is_array()) return place.Fault("is not a list of instances");
+  for (size_t i = 0; i < list.size(); ++i) {
+    const Place where = place / fmt::format("instance {}", i);
+    Instance instance;
+    instance.object_id = Integer(list[i], "obj_id", where).value_or(0);
+    const auto X_CO = ReadPose(list[i], "cam_R_m2c", "cam_t_m2c", where);
+    if (X_CO) instance.X_CO = *X_CO;
+    if (X_CO && instance.X_CO.translation().z() <= 0) where.Fault("stands behind the camera");
+    image.instances.push_back(instance);
+  }
+}
+
+// Visits the entry of each image in a file. An entry without an image in the scene is a fault, and
+// an image without an entry too.
+template <typename Take>
+void ForEachImage(const fs::path& file, SceneTruth& scene, const OnFault& fault, Take take) {
+  const std::optional<Json> json = ReadJson(file, fault);
+  if (!json) return;
+  const Place place(file.string(), fault);
+  ForEachId(*json, place, "image", [&](int id, const Json& entry, const Place& where) {
+    const auto image = scene.images.find(id);
+    if (image == scene.images.end()) return where.Fault("scene_camera.json has no such image");
+    take(image->second, entry, where);
+  });
+  for (const auto& [id, image] : scene.images) {
+    if (json->is_object() && !json->contains(std::to_string(id))) {
+      place.Fault(fmt::format("has no entry for image {}", id));
+    }
+  }
+}
+
+}  // namespace
+
+std::string RotationFault(const Eigen::Matrix3d& R) {
+  constexpr double kRounding = 5e-3;
+  const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (off > kRounding)
+    return fmt::format("is no rotation: R^T R is off the identity by {:.2g}", off);
+  if (R.determinant() < 0) return "is no rotation but a reflection: its determinant is -1";
+  return "";
+}
+
+std::map<int, ModelInfo> ReadModelsInfo(const fs::path& folder, const OnFault& fault) {
+  std::map<int, ModelInfo> models;
+  const fs::path file = folder / "models_info.json";
+  const std::optional<Json> json = ReadJson(file, fault);
+  if (!json) return models;
+  ForEachId(*json, Place(file.string(), fault), "object",
+            [&](int id, const Json& entry, const Place& place) {
+              if (const auto info = ReadModelInfo(entry, place)) models[id] = *info;
+            });
+  if (models.empty()) fault(file.string() + ": names no object");
+  return models;
+}
+
+std::optional<DatasetCamera> ReadDatasetCamera(const fs::path& file, const OnFault& fault) {
+  const std::optional<Json> json = ReadJson(file, fault);
+  if (!json) return std::nullopt;
+  const Place place(file.string(), fault);
+  DatasetCamera camera;
+  CameraIntrinsics& k = camera.intrinsics;
+  k.width = Integer(*json, "width", place).value_or(0);
+  k.height = Integer(*json, "height", place).value_or(0);
+  k.fx = Real(*json, "fx", place).value_or(0);
+  k.fy = Real(*json, "fy", place).value_or(0);
+  k.cx = Real(*json, "cx", place).value_or(0);
+  k.cy = Real(*json, "cy", place).value_or(0);
+  camera.depth_scale_mm = Real(*json, "depth_scale", place).value_or(0);
+  if (k.width <= 0 || k.height <= 0 || k.fx <= 0 || k.fy <= 0 || camera.depth_scale_mm <= 0) {
+    place.Fault("width, height, fx, fy and depth_scale must be positive");
+  }
+  return camera;
+}
+
+SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& fault) {
+  SceneTruth scene{scene_id, folder, {}};
+  const fs::path cameras = folder / "scene_camera.json";
+  if (const std::optional<Json> json = ReadJson(cameras, fault)) {
+    ForEachId(*json, Place(cameras.string(), fault), "image",
+              [&](int id, const Json& entry, const Place& place) {
+                scene.images[id].image_id = id;
+                ReadCamera(entry, place, scene.images[id]);
+              });
+  }
+  if (scene.images.empty()) return scene;
+  ForEachImage(folder / "scene_gt.json", scene, fault,
+               [&](ImageTruth& image, const Json& entry, const Place& place) {
+                 ReadInstances(entry, place, image);
+               });
+  ForEachImage(folder / "scene_gt_info.json", scene, fault,
+               [&](ImageTruth& image, const Json& entry, const Place& place) {
+                 if (!entry.is_array()) return place.Fault("is not a list of instances");
+                 for (size_t i = 0; i < entry.size(); ++i) {
+                   image.infos.push_back(ReadInfo(entry[i], place / fmt::format("instance {}", i)));
+                 }
+                 if (image.infos.size() == image.instances.size()) return;
+                 place.Fault(fmt::format("tells of {} instances, scene_gt.json of {}",
+                                         image.infos.size(), image.instances.size()));
+                 image.infos.resize(image.instances.size());
+               });
+  return scene;
+}
+
+std::vector<Target> ReadTargets(const fs::path& file, const OnFault& fault) {
+  std::vector<Target> targets;
+  const std::optional<Json> json = ReadJson(file, fault);
+  if (!json) return targets;
+  const Place place(file.string(), fault);
+  if (!json->is_array()) {
+    place.Fault("is not a list of targets");
+    return targets;
+  }
+  for (size_t i = 0; i < json->size(); ++i) {
+    const Json& entry = (*json)[i];
+    const Place where = place / fmt::format("target {}", i);
+    const auto scene_id = Integer(entry, "scene_id", where);
+    const auto image_id = Integer(entry, "im_id", where);
+    if (!scene_id || !image_id) continue;
+    Target target{*scene_id, *image_id, std::nullopt, std::nullopt};
+    if (entry.contains("obj_id")) target.object_id = Integer(entry, "obj_id", where);
+    if (entry.contains("inst_count")) target.count = Integer(entry, "inst_count", where);
+    if (target.count.value_or(1) < 1) where.Fault("'inst_count' is less than 1");
+    targets.push_back(target);
+  }
+  return targets;
+}
+
+}  // namespace pickbed::eval::bop
+
+namespace pickbed::eval::bop {
+
+namespace fs = std::filesystem;
+
+std::shared_ptr<const ObjectModel> LoadModel(const fs::path& folder, int object_id,
+                                             const ModelInfo& info, const std::string& name) {
+  constexpr double kAnyMass_kg = 0.1;  // arbitrary: no pose depends on it
+  MeshPartSpec spec;
+  spec.mesh = folder / ModelFileName(object_id);
+  spec.unit = "mm";
+  spec.mass_kg = kAnyMass_kg;
+  spec.symmetries_O = info.symmetries_O;
+  auto model = std::make_shared<ObjectModel>(*LoadMeshPart(name, spec));
+  model->diameter_m = info.diameter_m;  // BOP's thresholds refer to the published diameter
+  return model;
+}
+
+RgbdFrame ReadDepthFrame(const SceneTruth& scene, const ImageTruth& image) {
+  const auto file = DepthFile(scene.folder, image.image_id);
+  CheckInput(file.has_value(),
+             fmt::format("{}: is missing",
+                         (scene.folder / "depth" / ImageFileName(image.image_id)).string()));
+  const Image<uint16_t> units = ReadPng16(*file);
+  RgbdFrame frame;
+  frame.intrinsics = image.intrinsics;
+  frame.intrinsics.width = units.width();
+  frame.intrinsics.height = units.height();
+  frame.depth_m = Image<float>(units.width(), units.height());
+  const double unit_m = 1e-3 * image.depth_scale_mm;
+  for (size_t i = 0; i < units.size(); ++i) {
+    frame.depth_m.data()[i] = static_cast<float>(unit_m * units.data()[i]);
+  }
+  return frame;
+}
+
+RgbdFrame ReadFrame(const SceneTruth& scene, const ImageTruth& image) {
+  RgbdFrame frame = ReadDepthFrame(scene, image);
+  const auto file = ColorFile(scene.folder, image.image_id);
+  CheckInput(file.has_value(),
+             fmt::format("{}: is missing",
+                         (scene.folder / "rgb" / ImageFileName(image.image_id)).string()));
+  frame.color = ReadPng(*file);
+  CheckInput(frame.color.width() == frame.depth_m.width() &&
+                 frame.color.height() == frame.depth_m.height(),
+             fmt::format("{}: is {} x {} pixels, its depth image {} x {}", file->string(),
+                         frame.color.width(), frame.color.height(), frame.depth_m.width(),
+                         frame.depth_m.height()));
+  return frame;
+}
+
+}  // namespace pickbed::eval::bop

@@ -1,0 +1,105 @@
+#pragma once
+
+// Values of a BOP data set and their readers. The readers convert BOP's millimetres to metres.
+// Definitions: the BOP toolkit's docs/bop_datasets_format.md and Hodan et al. 2018.
+//
+// Each reader takes a handler for faults. ThrowFault throws InputError at the first fault. A
+// handler that collects faults lets the reader continue with what it could read; CheckDataset uses
+// this.
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eval/layer.h"
+#include "scenes/camera/camera.h"
+#include "scenes/camera/rgbd_frame.h"
+#include "scenes/geometry/triangle_mesh.h"
+#include "scenes/objects/object_model.h"
+
+namespace pickbed::eval::bop {
+
+// Receives one line that names the file and the fault in it.
+using OnFault = std::function<void(const std::string& line)>;
+[[noreturn]] void ThrowFault(const std::string& line);
+
+// An entry of models_info.json.
+struct ModelInfo {
+  double diameter_m = 0;
+  Bounds bounds_O;  // m
+  SymmetrySet symmetries_O;
+};
+
+// camera.json: the nominal camera of the data set. Each image has its own camera as well.
+struct DatasetCamera {
+  CameraIntrinsics intrinsics;
+  double depth_scale_mm = 1;  // mm per unit of a depth image
+};
+
+// An entry of scene_gt_info.json. Boxes are x, y, width, height in px. Values that the file does
+// not have are nullopt.
+struct InstanceInfo {
+  int px_count_all = 0;               // silhouette, also outside the image
+  std::optional<int> px_count_valid;  // silhouette inside the image, with a depth reading
+  int px_count_visib = 0;
+  double visib_fract = 0;  // px_count_visib / px_count_all
+  std::optional<std::array<int, 4>> bbox_obj, bbox_visib;
+};
+
+// An entry of scene_gt.json.
+struct Instance {
+  int object_id = 0;
+  Pose X_CO = Pose::Identity();  // as published: orthonormal only to the digits in the file
+};
+
+struct ImageTruth {
+  int image_id = 0;
+  CameraIntrinsics intrinsics;  // width and height are 0; the image file defines them
+  double depth_scale_mm = 1;
+  std::optional<Pose> X_CW;
+  std::vector<Instance> instances;
+  std::vector<InstanceInfo> infos;  // one per instance; empty without scene_gt_info.json
+};
+
+struct SceneTruth {
+  int scene_id = 0;
+  std::filesystem::path folder;
+  std::map<int, ImageTruth> images;
+};
+
+// An entry of a targets file. BOP24 entries name only the image.
+struct Target {
+  int scene_id = 0;
+  int image_id = 0;
+  std::optional<int> object_id;
+  std::optional<int> count;
+};
+
+// Reads models_info.json in `folder`, by obj_id. The readers below report every fault to `fault`.
+std::map<int, ModelInfo> ReadModelsInfo(const std::filesystem::path& folder, const OnFault& fault);
+std::optional<DatasetCamera> ReadDatasetCamera(const std::filesystem::path& file,
+                                               const OnFault& fault);
+// Reads scene_camera.json, scene_gt.json and scene_gt_info.json of a scene folder.
+SceneTruth ReadSceneTruth(const std::filesystem::path& folder, int scene_id, const OnFault& fault);
+std::vector<Target> ReadTargets(const std::filesystem::path& file, const OnFault& fault);
+
+// Loads an object with its mesh in `folder`. BOP states no mass and friction, so mass (0.1 kg) and
+// friction have fixed values. Throws InputError.
+std::shared_ptr<const ObjectModel> LoadModel(const std::filesystem::path& folder, int object_id,
+                                             const ModelInfo& info, const std::string& name);
+
+// Reads colour and depth of an image. The intrinsics get the size of the depth image. Throws
+// InputError if a file is missing, depth is not 16 bits, or the sizes differ.
+RgbdFrame ReadFrame(const SceneTruth& scene, const ImageTruth& image);
+// Same as ReadFrame, without colour.
+RgbdFrame ReadDepthFrame(const SceneTruth& scene, const ImageTruth& image);
+
+// Returns why a matrix is not a rotation; empty if it is one. Published matrices are rounded, so
+// entries of R^T R may deviate from the identity by up to 0.005.
+std::string RotationFault(const Eigen::Matrix3d& R);
+
+}  // namespace pickbed::eval::bop

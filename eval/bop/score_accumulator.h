@@ -1,0 +1,88 @@
+#pragma once
+
+// Accumulates scores of pose estimates over images. Images and ground truth come from a BOP data
+// set (eval/bop/dataset_scores.h) or from simulated bins (eval/estimate/estimator_comparison.h).
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eval/bop/results_csv.h"
+#include "eval/bop/targets.h"
+#include "eval/bop/vsd.h"
+#include "scenes/objects/object_model.h"
+
+namespace pickbed::grasp {
+struct ToleranceModel;
+}
+
+namespace pickbed::eval {}
+
+namespace pickbed::eval::bop {
+
+struct ObjectScores {
+  int wanted = 0;  // instances to be found, BOP19
+  double ar_vsd = 0, ar_mssd = 0, ar_mspd = 0;
+  double adi_recall = 0;  // share found with ADI < 0.1 diameter
+  // Success probability of a pick on the estimate matched to an instance (MSSD < 0.5 diameter).
+  // Mean over the instances to be found; an instance without a match counts as 0. nullopt without a
+  // tolerance model of the object.
+  std::optional<double> pick_chance = std::nullopt;
+  bool detectable = false;  // has an instance that counts in BOP24
+  double ap_mssd = 0, ap_mspd = 0;
+};
+
+struct Scores {
+  double ar_vsd = 0, ar_mssd = 0, ar_mspd = 0;  // BOP19, over all instances
+  double ap_mssd = 0, ap_mspd = 0;              // BOP24, mean over objects
+  double adi_recall = 0;                        // share of BOP19's instances, ADI < 0.1 diameter
+  double ar() const { return (ar_vsd + ar_mssd + ar_mspd) / 3; }
+  double ap() const { return (ap_mssd + ap_mspd) / 2; }
+  int wanted = 0;                  // instances to be found, BOP19
+  int images = 0;                  // images with a target
+  int estimates_elsewhere = 0;     // estimates in images that are no target; they do not count
+  double seconds_an_image = -1;    // -1 unless every estimate states its time
+  std::vector<std::string> notes;  // assumptions made, for example for missing targets files
+  std::map<int, ObjectScores> objects;
+};
+
+struct TrueInstance {
+  int object_id = 0;
+  Pose X_CO = Pose::Identity();
+  double visible_fraction = 0;
+};
+
+struct TrueImage {
+  const CameraIntrinsics& intrinsics;
+  const Image<float>& depth_m;  // as measured; 0 = no reading
+  std::vector<TrueInstance> instances;
+};
+
+// Computes VSD, MSSD, MSPD and ADI of all estimates of an image and accumulates recall and average
+// precision. The rules are in eval/bop/scores.h. VSD renders the objects.
+class Evaluator {
+ public:
+  // Called once per object. VSD, MSSD and MSPD use all vertices of the mesh, ADI at most 2000.
+  using ModelOf = std::function<std::shared_ptr<const ObjectModel>(int object_id)>;
+  // Returns null for an object without a tolerance model.
+  using ToleranceOf = std::function<const ToleranceModel*(int object_id)>;
+  explicit Evaluator(ModelOf model_of, const VsdOptions& options = {},
+                     ToleranceOf tolerance_of = {});
+  ~Evaluator();
+
+  // Adds one image with all its estimates, of any object.
+  void AddImage(const TrueImage& truth, const ImageTargets& targets,
+                const std::vector<const Estimate*>& estimates);
+
+  // Fills the AR, AP and ADI values, `wanted`, `images` and `objects` of `scores`.
+  void Finish(Scores& scores) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pickbed::eval::bop

@@ -1,0 +1,100 @@
+#include "eval/budget/oracle_reruns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "eval/store/results_store.h"
+#include "eval/summary/failure_budget.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::eval {
+namespace {
+
+Gain GainBetween(const std::vector<Cluster>& before, const std::vector<Cluster>& after) {
+  return {RateOf(before), RateOf(after), PairedInterval(before, after)};
+}
+
+// Keeps the trials whose number is in `wanted`, which is sorted.
+std::vector<TrialResult> Only(std::vector<TrialResult> all, const std::vector<int>& wanted) {
+  std::erase_if(all, [&](const TrialResult& trial) {
+    return !std::binary_search(wanted.begin(), wanted.end(), trial.trial);
+  });
+  return all;
+}
+
+void RequireSums(const OracleRerun& fed) {
+  const FailureBudget attempts = BudgetOfAttempts(fed.trials);
+  const FailureBudget instances = BudgetOfInstances(fed.trials);
+  if (!fed.row.truth.AllOfPerception()) return;
+  RequireGraspFailuresOnly(attempts);
+  RequireGraspFailuresOnly(instances);
+}
+
+}  // namespace
+
+std::vector<TrialResult> TrialsOfRun(const BudgetJob& job) {
+  const std::string where = job.run.string();
+  const std::optional<std::string> stored = StoredSettings(job.run);
+  CheckInput(
+      stored.has_value(),
+      fmt::format("{} holds no results.sqlite; name the results folder of a `pickbed run`", where));
+  const std::string identity = RunIdentity(job.spec, job.objects);
+  CheckInput(*stored == identity,
+             fmt::format("{} was made with another model, gripper, sensor, part or scenario than "
+                         "there is now; repeat the run",
+                         where));
+  std::vector<TrialResult> trials = ResultsStore::OpenToRead(job.run).ReadAll();
+  CheckInput(!trials.empty(),
+             fmt::format("{} holds no finished trial; finish the run with --resume", where));
+  return trials;
+}
+
+BudgetRuns RerunWithTruth(const BudgetJob& job, const BudgetListener& listener) {
+  BudgetRuns runs;
+  runs.as_run = TrialsOfRun(job);
+  BudgetOfAttempts(runs.as_run);
+  BudgetOfInstances(runs.as_run);
+  runs.forecasts = ForecastsOf(runs.as_run, job.objects, job.tolerance);
+  RunOptions options;
+  options.jobs = job.jobs;
+  options.resume = true;
+  options.retry_crashed = true;
+  options.picture_trials = options.lost_picture_trials = 0;
+  for (const TrialResult& trial : runs.as_run) options.only_trials.push_back(trial.trial);
+  for (const OracleRow& row : job.rows) {
+    options.out = job.run / "budget" / row.name;
+    options.truth = row.truth;
+    RunListener of_row;
+    of_row.on_trial = [&](const RunState& state) {
+      if (listener.on_trial) listener.on_trial(row, state);
+    };
+    of_row.on_message = [&](const std::string& line) {
+      if (listener.on_message) listener.on_message(row, line);
+    };
+    of_row.stop = listener.stop;
+    RunReport report = RunScenario(job.spec, job.objects, options, of_row);
+    runs.interrupted = report.interrupted;
+    if (runs.interrupted) return runs;
+    if (!report.crashed.empty()) {
+      const CrashedTrial& first = report.crashed.front();
+      throw std::runtime_error(fmt::format(
+          "{}: {} trials crashed twice, the first is trial {}: {}; the same command tries them "
+          "again",
+          row.name, report.crashed.size(), first.trial, first.why));
+    }
+    runs.fed.push_back({row, Only(std::move(report.trials), options.only_trials)});
+    RequireSums(runs.fed.back());
+  }
+  return runs;
+}
+
+StageGain GainOf(std::span<const TrialResult> as_run, std::span<const TrialResult> fed) {
+  const bool same = std::ranges::equal(as_run, fed, {}, &TrialResult::trial, &TrialResult::trial);
+  if (!same) throw std::logic_error("only equal trials can be compared");
+  return {GainBetween(AttemptsByTrial(as_run), AttemptsByTrial(fed)),
+          GainBetween(InstancesByTrial(as_run), InstancesByTrial(fed))};
+}
+
+}  // namespace pickbed::eval

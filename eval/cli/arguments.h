@@ -1,0 +1,51 @@
+#pragma once
+
+// Command-line arguments shared by the commands, and the handling of parse errors.
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "eval/layer.h"
+#include "scenes/scenario/find_scenario.h"
+
+namespace pickbed::eval {
+
+struct ReportOptions;
+
+// Parses the command line; every command gets --json-progress. Returns true if the command shall
+// run, false if help was requested and printed. Throws InputError with one line if parsing fails.
+// (The exit codes of CLI11 are over 100, and its messages have several lines.)
+bool ParseArguments(CLI::App& app, int argc, char** argv);
+
+// Runs a command as a part of another one and prints its command line, `name` and `words`. Returns
+// its exit status.
+int RunWords(int (*command)(int argc, char** argv), const std::string& name,
+             std::vector<std::string> words);
+
+// Adds SCENARIO, --set and --catalog. If not `required`, the scenario is the option --scenario.
+void AddScenarioArguments(CLI::App& app, ScenarioRequest& request, bool required = true);
+// Adds --trials: number of bins, instead of the number in the scenario.
+void AddTrialsArgument(CLI::App& app, ScenarioRequest& request);
+// Adds --out; the help shows the default results/<scenario><suffix>.
+void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix = "");
+
+// Adds --tolerance: the places of tolerance models, see eval/tolerance/maps.h.
+void AddToleranceArgument(CLI::App& app, std::vector<std::string>& places);
+
+// Prints the reason why a page is missing (the result of WritePage, eval/page/html.h), if there is
+// one, as one line on stderr. Returns whether the page was written.
+bool SayIfUnwritten(const std::string& reason);
+
+// Adds --lost-pictures, see eval/sweep/sweep.h.
+void AddLostPicturesArgument(CLI::App& app, int& trials);
+
+// Adds --failures, --views and --catalog for a report page.
+void AddReportOptions(CLI::App& app, ReportOptions& options, std::string& catalog);
+
+// Returns `out`, or results/<name><suffix> if `out` is empty.
+std::filesystem::path OutFolder(const std::string& out, const std::string& name,
+                                const std::string& suffix = "");
+
+}  // namespace pickbed::eval

@@ -1,0 +1,135 @@
+#include "eval/cli/cmd_benchmark.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/runtime/progress.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr CommandRow kTables[] = {
+    {"crops", "whole-object crops: part and orientation by each method, under each condition",
+     &BenchmarkCropsCommand},
+    {"bins", "every pose estimator on filled bins: recall, top-ranked pose, AP, time, memory",
+     &BenchmarkBinsCommand},
+    {"all", "both, one after the other", &BenchmarkAllCommand},
+};
+
+std::string BenchmarkUsage() {
+  std::string text =
+      "Methods side by side, from training to page.\n\nUsage: pickbed benchmark TABLE [OPTIONS]\n\n"
+      "Tables:\n";
+  for (const CommandRow& row : kTables) text += fmt::format("  {:<8}{}\n", row.name, row.help);
+  return text +
+         "\n`pickbed benchmark TABLE --help` shows a table's options.\n"
+         "Example: pickbed benchmark all --small\n";
+}
+
+}  // namespace
+
+int BenchmarkCommand(int argc, char** argv) {
+  const std::string name = argc > 1 ? argv[1] : "";
+  if (name == "--help" || name == "-h") {
+    fmt::print("{}", BenchmarkUsage());
+    return 0;
+  }
+  CheckInput(!name.empty(), "which table? see pickbed benchmark --help");
+  std::vector<std::string> names;
+  for (const CommandRow& row : kTables) {
+    if (row.name == name) return row.run(argc - 1, argv + 1);
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("table", name, names));
+}
+
+namespace {
+
+struct AllArguments {
+  std::vector<std::string> meshes;
+  std::string unit = "m";
+  std::string catalog = "objects";
+  std::string out;
+  bool small = false;
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+};
+
+std::vector<std::string> SharedWords(const AllArguments& arguments,
+                                     const std::filesystem::path& folder) {
+  std::vector<std::string> words{"--catalog", arguments.catalog,
+                                 "--threads", std::to_string(arguments.threads),
+                                 "--out",     folder.string()};
+  if (arguments.small) words.emplace_back("--small");
+  return words;
+}
+
+std::vector<std::string> CropWords(const AllArguments& arguments,
+                                   const std::filesystem::path& folder) {
+  std::vector<std::string> words;
+  // If meshes are given, `benchmark crops` only uses objects that are named.
+  if (!arguments.meshes.empty()) words = OpenCatalog(arguments.catalog).Names();
+  const std::vector<std::string> shared = SharedWords(arguments, folder);
+  words.insert(words.end(), shared.begin(), shared.end());
+  if (!arguments.meshes.empty()) words.insert(words.end(), {"--unit", arguments.unit});
+  for (const std::string& mesh : arguments.meshes) words.insert(words.end(), {"--mesh", mesh});
+  return words;
+}
+
+int RunAll(const AllArguments& arguments) {
+  // Report invalid meshes now, not after the bins.
+  LoadMeshFiles(arguments.meshes, arguments.unit);
+  const std::filesystem::path folder =
+      OutFolder(arguments.out, "benchmark", arguments.small ? "-small" : "");
+  const auto start = std::chrono::steady_clock::now();
+  // The bins run first. Their results are stored scenario by scenario, so an interrupt during the
+  // crops does not lose them.
+  if (const int status = RunWords(&BenchmarkBinsCommand, "benchmark bins",
+                                  SharedWords(arguments, folder / "bins"))) {
+    return status;
+  }
+  if (const int status = RunWords(&BenchmarkCropsCommand, "benchmark crops",
+                                  CropWords(arguments, folder / "crops"))) {
+    return status;
+  }
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  fmt::print("both tables in {}\n", FormatDuration(taken.count()));
+  return 0;
+}
+
+}  // namespace
+
+int BenchmarkAllCommand(int argc, char** argv) {
+  CLI::App app(
+      "The bin table and the crop table, from training to page. Stopped, the same command goes on.",
+      "pickbed benchmark all");
+  AllArguments arguments;
+  CLI::Option* small = app.add_flag("--small", arguments.small,
+                                    "3 parts, few bins and views, short training: minutes");
+  CLI::Option* mesh = app.add_option("--mesh", arguments.meshes,
+                                     "a mesh file as a further part of the crop table; repeatable")
+                          ->excludes(small);
+  app.add_option("--unit", arguments.unit, "of the meshes: m, cm, mm, in")
+      ->needs(mesh)
+      ->capture_default_str();
+  app.add_option("--catalog", arguments.catalog, "your own parts")->capture_default_str();
+  app.add_option("--threads", arguments.threads, "at most; results do not depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--out", arguments.out, "folder, with bins and crops in it [results/benchmark]");
+  app.footer(
+      "Example: pickbed benchmark all --small\n"
+      "         pickbed benchmark all --mesh drill.obj --mesh mustard.obj");
+  if (!ParseArguments(app, argc, argv)) return 0;
+  return RunAll(arguments);
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+
+#include <thread>
+
+#include "eval/budget/report.h"
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/cli/run_progress.h"
+#include "eval/runtime/process.h"
+#include "eval/runtime/progress.h"
+
+namespace pickbed::eval {
+namespace {
+
+BudgetRuns RerunWithProgress(const BudgetJob& job) {
+  ProgressLine progress;
+  size_t row_index = 0;
+  std::string state_text;
+  const auto enter = [&](const OracleRow& row) {
+    if (row_index > 0 && job.rows[row_index - 1].name == std::string(row.name)) return;
+    ++row_index;
+    state_text = fmt::format("{} ({}/{})", row.name, row_index, job.rows.size());
+    progress.Restart();
+  };
+  BudgetListener listener;
+  listener.on_trial = [&](const OracleRow& row, const RunState& state) {
+    enter(row);
+    ProgressState shown = ProgressOf(state);
+    shown.note = state_text;
+    progress.Show(shown);
+  };
+  listener.on_message = [&](const OracleRow& row, const std::string& line) {
+    enter(row);
+    progress.Show(fmt::format("{}  {}", state_text, line));
+  };
+  listener.stop = Interrupted;
+  return RerunWithTruth(job, listener);
+}
+
+std::vector<OracleRow> RowsNamed(const std::vector<std::string>& names) {
+  std::vector<OracleRow> rows;
+  if (names.empty()) rows.assign(OracleTable().begin(), OracleTable().end());
+  for (const std::string& name : names) {
+    if (name != "none") rows.push_back(OracleNamed(name));
+  }
+  return rows;
+}
+
+std::string StagesHelp() {
+  std::string text = "\nTruth in place of:\n";
+  for (const OracleRow& row : OracleTable()) {
+    text += fmt::format("  {:<12} {}\n", row.name, row.help);
+  }
+  return text;
+}
+
+}  // namespace
+
+int BudgetCommand(int argc, char** argv) {
+  CLI::App app(
+      "Says where the picks of a run were lost, by stage and reason, and runs its trials again "
+      "with truth in place of one stage at a time: what perfecting that stage would gain.",
+      "pickbed budget");
+  std::string run, catalog = "objects";
+  std::vector<std::string> stages, tolerance;
+  bool json = false;
+  BudgetJob job;
+  job.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  app.add_option("RUN", run, "results folder of a `pickbed run`")->required();
+  app.add_option("--stages", stages, "only these, comma-separated; none = no rerun")
+      ->delimiter(',');
+  app.add_option("--jobs", job.jobs, "worker processes; results do not depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
+  AddToleranceArgument(app, tolerance);
+  app.add_flag("--json", json, "print the budget as JSON on stdout, and nothing else");
+  app.footer(StagesHelp() +
+             "\nReruns lie in RUN/budget; a second call goes on where the first was stopped.\n"
+             "Example: pickbed budget results/demo --jobs 2");
+  if (!ParseArguments(app, argc, argv)) return 0;
+
+  job.rows = RowsNamed(stages);
+  job.run = run;
+  const std::filesystem::path scenario = job.run / "scenario.yaml";
+  CheckInput(
+      std::filesystem::is_regular_file(scenario),
+      fmt::format("{} holds no scenario.yaml; name the results folder of a `pickbed run`", run));
+  CatchInterrupts();
+  LoadedScenario loaded = FindScenario({scenario.string(), {}, catalog, {}});
+  job.spec = std::move(loaded.spec);
+  job.objects = std::move(loaded.objects);
+  job.tolerance = MapsFor(job.spec, job.objects, tolerance);
+  const BudgetRuns runs = RerunWithProgress(job);
+  if (runs.interrupted) {
+    fmt::print(stderr, "pickbed: stopped; the same command goes on\n");
+    return kExitInterrupted;
+  }
+  const std::filesystem::path folder = job.run / "budget";
+  const bool has_page = SayIfUnwritten(WriteBudget(
+      folder, std::filesystem::absolute(job.run / ".").parent_path().filename().string(), runs));
+  if (json) {
+    fmt::print("{}", BudgetJson(runs));
+  } else if (has_page) {
+    fmt::print("{}\na page with charts in {}\n", BudgetTable(runs),
+               (folder / "index.html").string());
+  } else {
+    fmt::print("{}\ncharts and tables in {}\n", BudgetTable(runs), folder.string());
+  }
+  return 0;
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,127 @@
+#include <fmt/format.h>
+
+#include <thread>
+
+#include "eval/bop/check_dataset.h"
+#include "eval/bop/make_dataset.h"
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/runtime/process.h"
+#include "eval/runtime/progress.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::eval {
+namespace {
+
+struct MakeArguments {
+  ScenarioRequest scenario;
+  std::string format = "bop";
+  std::string out;
+  bop::MakeOptions options;
+};
+
+int Make(const MakeArguments& arguments) {
+  CatchInterrupts();
+  const LoadedScenario scenario = FindScenario(arguments.scenario);
+  bop::MakeOptions options = arguments.options;
+  options.out = OutFolder(arguments.out, scenario.name, "-bop");
+  MakeFolder(options.out);
+  bop::MakeReport report;
+  double seconds = 0;
+  {
+    ProgressLine progress;
+    const auto on_scene = [&](const bop::MakeReport& state) {
+      ProgressState shown;
+      shown.what = "scene";
+      shown.done = state.done;
+      shown.total = options.scenes;
+      shown.done_before = state.done_before;
+      shown.note = fmt::format("{} images each", options.views);
+      progress.Show(shown);
+    };
+    report = bop::MakeDataset(scenario.spec, scenario.objects, options, on_scene, Interrupted);
+    seconds = progress.elapsed_s();
+  }
+  if (report.stopped) {
+    fmt::print(stderr, "pickbed: stopped after {} scenes; the same command with --resume goes on\n",
+               report.done);
+    return kExitInterrupted;
+  }
+  if (!report.lost.empty()) {
+    throw std::runtime_error(
+        fmt::format("{} scenes were lost, the first is scene {}: {}; --resume tries them again",
+                    report.lost.size(), report.lost.front().item, report.lost.front().why));
+  }
+  fmt::print("{} scenes of {} views in {} ({} images made in {:.1f} s)\n", report.done,
+             options.views, options.out.string(),
+             (report.done - report.done_before) * options.views, seconds);
+  return 0;
+}
+
+int Check(const std::string& path) {
+  bop::CheckReport report;
+  {
+    ProgressLine progress;
+    report = bop::CheckDataset(
+        path, [&](const std::string& scene) { progress.Show("looking at " + scene); });
+  }
+  for (const std::string& fault : report.faults) fmt::print("{}\n", fault);
+  fmt::print("{} objects, {} scenes, {} images, {} instances: {}\n", report.objects, report.scenes,
+             report.images, report.instances,
+             report.faults.empty() ? "no fault" : fmt::format("{} faults", report.faults.size()));
+  CheckInput(report.faults.empty(),
+             fmt::format("{}: {} faults, listed above", path, report.faults.size()));
+  return 0;
+}
+
+void AddMakeArguments(CLI::App& make, MakeArguments& arguments) {
+  bop::MakeOptions& options = arguments.options;
+  options.jobs = std::max(1u, std::thread::hardware_concurrency());
+  AddScenarioArguments(make, arguments.scenario);
+  AddOutArgument(make, arguments.out, "-bop");
+  make.add_option("--format", arguments.format, "layout of the data set")
+      ->check(CLI::IsMember({"bop"}))
+      ->capture_default_str();
+  make.add_option("--split", options.split,
+                  "folder of the scenes: train, val or test, or one of "
+                  "them with an underscore and a word")
+      ->check([](const std::string& name) {
+        const std::string kind = name.substr(0, name.find('_'));
+        const bool known = kind == "train" || kind == "val" || kind == "test";
+        const bool plain = name.find('/') == std::string::npos;
+        return known && plain ? std::string() : "'" + name + "' is no split";
+      })
+      ->capture_default_str();
+  make.add_option("--scenes", options.scenes, "scenes to have in all")
+      ->check(CLI::Range(1, 999999))
+      ->capture_default_str();
+  make.add_option("--views", options.views, "images of each scene")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  make.add_option("--jobs", options.jobs, "worker processes; the bytes do not depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  make.add_flag("--resume", options.resume, "go on with a data set that was stopped");
+  make.footer("Example: pickbed dataset make demo --scenes 200 --views 5 --out bop/demo");
+}
+
+}  // namespace
+
+int DatasetCommand(int argc, char** argv) {
+  CLI::App app("Checks data sets in BOP's layout.", "pickbed dataset");
+  app.require_subcommand(1);
+  app.footer("Example: pickbed dataset make demo --scenes 20 --views 5 --out bop/demo");
+  MakeArguments arguments;
+  CLI::App* make = app.add_subcommand("make", "settled scenes with images, masks and poses");
+  AddMakeArguments(*make, arguments);
+  CLI::App* check = app.add_subcommand("check", "lists what is wrong with any BOP data set");
+  std::string path;
+  check->add_option("PATH", path, "folder with models/, camera.json and test/ or train*/")
+      ->required();
+  check->footer("Example: pickbed dataset check bop/ycbv");
+  if (!ParseArguments(app, argc, argv)) return 0;
+  return make->parsed() ? Make(arguments) : Check(path);
+}
+
+}  // namespace pickbed::eval

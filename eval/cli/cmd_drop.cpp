@@ -1,0 +1,41 @@
+#include <fmt/format.h>
+
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/cli/scene_json.h"
+#include "eval/trial/simulated_cell.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+
+namespace pickbed::eval {
+
+int DropCommand(int argc, char** argv) {
+  CLI::App app(
+      "Fills one bin and writes how it came to rest: scene.json, certificate.json, "
+      "color.png.",
+      "pickbed drop");
+  ScenarioRequest arguments;
+  std::string out;
+  int trial = 0;
+  AddScenarioArguments(app, arguments);
+  AddOutArgument(app, out, "-drop");
+  app.add_option("--trial", trial, "which of the scenario's trials, from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.footer("Example: pickbed drop demo --set objects.0.count=30 --trial 2");
+  if (!ParseArguments(app, argc, argv)) return 0;
+
+  const LoadedScenario scenario = FindScenario(arguments);
+  const std::filesystem::path folder = OutFolder(out, scenario.name, "-drop");
+  MakeFolder(folder);
+  SimulatedCell cell(scenario.spec, scenario.objects);
+  const CertifiedScene made = cell.MakeScene(trial);
+  WriteFileAtomically(folder / "scene.json", SceneJson(made.scene, cell.objects()));
+  WritePng(folder / "color.png", cell.ColorPicture(made.scene, trial));
+  WriteFileAtomically(folder / "certificate.json", CertificateJson(made));
+  fmt::print("{}wrote {}, certificate.json and color.png\n", CertificateText(made),
+             (folder / "scene.json").string());
+  return 0;
+}
+
+}  // namespace pickbed::eval

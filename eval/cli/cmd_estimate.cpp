@@ -1,0 +1,309 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "eval/bop/estimate_dataset.h"
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/estimate/report.h"
+#include "eval/explain/explain.h"
+#include "eval/runtime/process.h"
+#include "eval/runtime/progress.h"
+#include "eval/tolerance/maps.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr int kPicturedBins = 5;
+constexpr const char* kLocalisation = "localisation";
+constexpr const char* kDetection = "detection";
+
+std::vector<ComparedRow> LookAtBins(const ComparisonJob& job) {
+  ProgressLine progress;
+  ComparisonJob shown = job;
+  shown.stop = Interrupted;
+  shown.on_progress = [&](std::string_view what, int done, int total) {
+    if (what != "bin") {
+      progress.Show(fmt::format("{}: {} %", what, done));
+      progress.Restart();
+      return;
+    }
+    ProgressState state;
+    state.what = "bin";
+    state.done = done;
+    state.total = total;
+    progress.Show(state);
+  };
+  return CompareEstimators(shown);
+}
+
+// Returns the overlays of the first bins, relative to the page. Overlays older than `start` are
+// from an earlier run in the same folder and are left out.
+std::vector<std::string> Overlays(const std::filesystem::path& folder,
+                                  std::filesystem::file_time_type start) {
+  std::vector<std::string> found;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "pictures")) {
+    const std::filesystem::path& path = entry.path();
+    if (path.filename() != "pick_00_overlay.png" || entry.last_write_time() < start) continue;
+    found.push_back(path.lexically_relative(folder).string());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+// Returns the estimators named by --estimator, or the one of the settings. Throws if no estimator
+// uses the given model, because the comparison would not be the intended one.
+std::vector<ComparedEstimator> NamedEstimators(const ScenarioRequest& arguments,
+                                               const std::vector<std::string>& labels,
+                                               const EstimatorSpec& base) {
+  const std::vector<ComparedEstimator> rows =
+      ParseEstimators(labels.empty() ? std::vector{base.name} : labels, base);
+  for (const std::string& setting : arguments.settings) {
+    const bool taken = std::any_of(rows.begin(), rows.end(), [&](const ComparedEstimator& row) {
+      return row.spec.model == base.model;
+    });
+    CheckInput(taken || !setting.starts_with("estimator.model="),
+               fmt::format("--set {}: it is a model of '{}', which --estimator does not name; say "
+                           "--estimator NAME={} with the estimator that it is of",
+                           setting, base.name, base.model));
+  }
+  return rows;
+}
+
+int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::string>& estimators,
+                     const std::vector<std::string>& tolerance, const std::string& out,
+                     int threads) {
+  const LoadedScenario scenario = FindScenario(arguments);
+  const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");
+  const std::vector<ComparedEstimator> compared =
+      NamedEstimators(arguments, estimators, scenario.spec.estimator);
+  const ToleranceMaps maps = MapsFor(scenario.spec, scenario.objects, tolerance);
+  MakeFolder(folder / "pictures");
+  constexpr std::chrono::seconds kClockSlack{1};  // resolution of file times
+  const auto start = std::filesystem::file_time_type::clock::now() - kClockSlack;
+  CatchInterrupts();
+  const ComparisonJob job{scenario.spec, scenario.objects, compared, folder / "pictures",
+                          kPicturedBins, threads,          {},       {}};
+  std::vector<ComparedRow> rows = LookAtBins(job);
+  if (!maps.empty()) AddPickChances(maps, rows);
+  WriteFileAtomically(folder / "hypotheses.csv", HypothesesCsv(rows, scenario.objects));
+  WriteFileAtomically(folder / "comparison.csv", ComparisonCsv(rows, scenario.objects));
+  const bool has_page = SayIfUnwritten(WritePage(
+      folder / "comparison.html", ComparisonPage("Poses in bins: " + scenario.name, rows,
+                                                 scenario.objects, Overlays(folder, start))));
+  fmt::print("{}{}comparison.csv, hypotheses.csv and overlays in {}\n", ComparisonTable(rows),
+             has_page ? "comparison.html, " : "", folder.string());
+  if (!Interrupted()) return 0;
+  fmt::print(stderr, "pickbed: interrupted after {} of {} bins\n", rows.front().looks.size(),
+             scenario.spec.trials);
+  return kExitInterrupted;
+}
+
+// Returns the estimator whose stages are shown.
+EstimatorSpec ExplainedEstimator(const ScenarioRequest& arguments,
+                                 const std::vector<std::string>& labels,
+                                 const EstimatorSpec& spec) {
+  CheckInput(labels.size() < 2, "--explain shows the stages of one estimator; name one alone");
+  const EstimatorSpec chosen = NamedEstimators(arguments, labels, spec).front().spec;
+  RequireExplains(chosen.name);
+  return chosen;
+}
+
+// `unwritten` is the result of WriteExplanation.
+void SayWhereExplained(const std::filesystem::path& folder, const std::string& unwritten) {
+  if (SayIfUnwritten(unwritten)) {
+    fmt::print("the stages, as a page with pictures, in {}\n", (folder / "explain.html").string());
+  } else {
+    fmt::print("pictures of the stages in {}\n", (folder / "pictures").string());
+  }
+}
+
+// Parses the trial number of --explain.
+int ExplainedTrial(const std::string& image) {
+  int trial = -1;
+  const auto [end, error] = std::from_chars(image.data(), image.data() + image.size(), trial);
+  CheckInput(
+      error == std::errc() && end == image.data() + image.size() && trial >= 0,
+      fmt::format("--explain {}: with a SCENARIO it takes the number of a trial, from 0", image));
+  return trial;
+}
+
+int ExplainScenario(const ScenarioRequest& arguments, const std::vector<std::string>& estimators,
+                    const std::string& image, const std::string& out) {
+  CheckInput(!arguments.trials, "--explain looks at one image; leave --trials out");
+  const int trial = ExplainedTrial(image);
+  LoadedScenario scenario = FindScenario(arguments);
+  scenario.spec.estimator = ExplainedEstimator(arguments, estimators, scenario.spec.estimator);
+  const std::filesystem::path folder = OutFolder(out, scenario.name, "-explain");
+  std::string unwritten;
+  {
+    ProgressLine progress;
+    unwritten = ExplainTrial(
+        scenario.spec, scenario.objects,
+        fmt::format("{} on {}, trial {}", scenario.spec.estimator.name, scenario.name, trial),
+        trial, folder, [&](std::string_view what, double share) {
+          progress.Show(fmt::format("{}: {:.0f} %", what, 100 * share));
+        });
+  }
+  SayWhereExplained(folder, unwritten);
+  return 0;
+}
+
+std::string DataSetName(const std::string& path) {
+  return (std::filesystem::absolute(path) / ".")
+      .lexically_normal()
+      .parent_path()
+      .filename()
+      .string();
+}
+
+struct BopArguments {
+  std::string path;
+  std::string split = "test";
+  std::string task = kLocalisation;
+};
+
+bop::Task TaskOf(const BopArguments& bop) {
+  return bop.task == kDetection ? bop::Task::kDetection : bop::Task::kLocalisation;
+}
+
+// Each task has its own default folder, because the information given to the estimator changes the
+// poses.
+std::filesystem::path BopFolder(const BopArguments& bop, const std::string& out,
+                                const std::string& what) {
+  const std::string task = TaskOf(bop) == bop::Task::kDetection ? "-detection" : "";
+  return OutFolder(out, DataSetName(bop.path), what + task);
+}
+
+// Returns the scenario settings that apply to existing images: estimator, refiner and seed.
+// `min_score` is the default of that setting.
+ScenarioSpec BopSettings(const BopArguments& bop, const ScenarioRequest& arguments,
+                         double min_score) {
+  CheckInput(arguments.scenario.empty() && !arguments.trials,
+             "--bop takes the place of SCENARIO and --trials; name one or the other");
+  CheckInput(
+      std::filesystem::is_directory(bop.path),
+      fmt::format("--bop {}: is no folder; name one with models/ and {}/", bop.path, bop.split));
+  ScenarioSpec spec;
+  spec.estimator.min_score = min_score;
+  for (const std::string& setting : arguments.settings) {
+    ApplySetting(setting, [&](SettingsVisitor& v) { spec.Visit(v); });
+  }
+  return spec;
+}
+
+int ExplainBop(const BopArguments& bop, const ScenarioRequest& arguments,
+               const std::vector<std::string>& estimators, const std::string& image,
+               const std::string& out) {
+  ScenarioSpec spec = BopSettings(bop, arguments, EstimatorSpec().min_score);
+  spec.estimator = ExplainedEstimator(arguments, estimators, spec.estimator);
+  const std::filesystem::path folder = BopFolder(bop, out, "-explain");
+  std::string unwritten;
+  {
+    constexpr int kThreads = 1;
+    ProgressLine progress;
+    unwritten = bop::ExplainTarget(
+        bop.path, bop.split, {spec.estimator, spec.refiner, spec.seed, kThreads, TaskOf(bop)},
+        image, folder, [&](const bop::EstimateProgress& state) {
+          progress.Show(fmt::format("{}: {:.0f} %", state.what, 100 * state.share));
+        });
+  }
+  SayWhereExplained(folder, unwritten);
+  return 0;
+}
+
+int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
+                const std::vector<std::string>& estimators, const std::string& out, int threads) {
+  // BOP ranks poses by score; a pose with a low score costs nothing.
+  constexpr double kEvenDoubtful = 0;
+  ScenarioSpec spec = BopSettings(bop, arguments, kEvenDoubtful);
+  CheckInput(estimators.size() < 2,
+             "--bop writes the estimates of one estimator; name one alone with --estimator");
+  spec.estimator = NamedEstimators(arguments, estimators, spec.estimator).front().spec;
+  const std::string data_set = DataSetName(bop.path);
+  const std::filesystem::path folder = BopFolder(bop, out, "-estimate");
+  MakeFolder(folder);
+  std::vector<bop::Estimate> estimates;
+  {
+    ProgressLine progress;
+    estimates = bop::EstimateDataset(
+        bop.path, bop.split, {spec.estimator, spec.refiner, spec.seed, threads, TaskOf(bop)},
+        [&](const bop::EstimateProgress& state) {
+          progress.Show(fmt::format("{}: {:.0f} %", state.what, 100 * state.share));
+        });
+  }
+  const std::filesystem::path csv =
+      folder / fmt::format("{}_{}-{}.csv", spec.estimator.name, data_set, bop.split);
+  WriteFileAtomically(csv, bop::WriteResults(estimates));
+  fmt::print("{} estimates in {}\nscore them with pickbed score --bop {} --split {} {}\n{}",
+             estimates.size(), csv.string(), bop.path, bop.split, csv.string(),
+             TaskOf(bop) == bop::Task::kLocalisation
+                 ? "of its figures, AP is comparable only after --task detection\n"
+                 : "");
+  return 0;
+}
+
+}  // namespace
+
+int EstimateCommand(int argc, char** argv) {
+  CLI::App app(
+      "Fills bins, guesses poses and scores them against the truth, without picking; compares "
+      "several estimators on the same bins. With --bop, "
+      "guesses poses in the images of a BOP data set and writes them as BOP's results CSV.",
+      "pickbed estimate");
+  ScenarioRequest arguments;
+  std::vector<std::string> estimators, tolerance;
+  BopArguments bop;
+  std::string out, explained;
+  AddScenarioArguments(app, arguments);
+  app.get_option("SCENARIO")->required(false);
+  auto* bop_option = app.add_option("--bop", bop.path, "a BOP data set, instead of SCENARIO");
+  app.add_option("--split", bop.split, "of the BOP data set")
+      ->capture_default_str()
+      ->needs(bop_option);
+  app.add_option("--task", bop.task,
+                 "what is told of a BOP image: which objects and how many of each are to be found "
+                 "(localisation), or nothing (detection, with -detection after the default folder)")
+      ->check(CLI::IsMember({kLocalisation, kDetection}))
+      ->capture_default_str()
+      ->needs(bop_option);
+  app.add_option("--estimator", estimators,
+                 "one or several to compare on the same bins, each NAME, NAME:MODE, NAME=MODEL or "
+                 "NAME:MODE=MODEL, of which MODEL is a file that was trained for it")
+      ->delimiter(',');
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  app.add_option("--threads", threads, "at most; results do not depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option(
+      "--explain", explained,
+      "instead of scores, a page that shows each stage of the estimate of one image: the "
+      "number of a trial, or, with --bop, SCENE/IMAGE; in results/NAME-explain");
+  AddTrialsArgument(app, arguments);
+  AddToleranceArgument(app, tolerance);
+  AddOutArgument(app, out, "-estimate");
+  app.footer(
+      "Example: pickbed estimate bin_rod --trials 20 --estimator descriptor:hard,ppf,kehl=kehl.pt\n"
+      "         pickbed estimate bin_rod --explain 3\n"
+      "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf");
+  if (!ParseArguments(app, argc, argv)) return 0;
+  const bool explain = app.count("--explain") > 0;
+  CheckInput(tolerance.empty() || (bop.path.empty() && !explain),
+             "--tolerance scores poses of a SCENARIO; with --bop, pass it to pickbed score");
+  if (!bop.path.empty()) {
+    return explain ? ExplainBop(bop, arguments, estimators, explained, out)
+                   : EstimateBop(bop, arguments, estimators, out, threads);
+  }
+  CheckInput(!arguments.scenario.empty(),
+             "SCENARIO is required (or --bop PATH); see pickbed estimate --help");
+  if (explain) return ExplainScenario(arguments, estimators, explained, out);
+  return EstimateScenario(arguments, estimators, tolerance, out, threads);
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/cli/grasps_csv.h"
+#include "eval/draw/grasp_sheet.h"
+#include "grasp/grippers/requirements.h"
+#include "grasp/grippers/table.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+#include "sim/convex/convex_pieces.h"
+#include "sim/drop/resting_poses.h"
+
+namespace pickbed::eval {
+namespace {
+
+struct GraspsArguments {
+  std::string object, gripper, out;
+  std::string catalog = "objects";
+  int count = 0;  // 0 = all
+  std::vector<std::string> settings;
+};
+
+void WriteGrasps(const GraspsArguments& arguments) {
+  const ObjectSet parts{OpenCatalog(arguments.catalog).Load(arguments.object)};
+  const auto gripper = LoadGripper(arguments.gripper);
+  RequireCanCarry(*gripper, *parts[0]);
+  const auto model = WithRestingDirections(WithConvexPieces(parts))[0];
+  GraspCandidateOptions options;
+  if (arguments.count > 0) {
+    options.antipodal.candidates = options.suction.candidates = arguments.count;
+    options.antipodal.resting_candidates = 0;
+  }
+  for (const std::string& setting : arguments.settings) {
+    ApplySetting(setting, [&](SettingsVisitor& v) { options.Visit(v); });
+  }
+  auto candidates = RequireCandidates(*model, *gripper, options);
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return std::make_pair(a.robust, a.epsilon) > std::make_pair(b.robust, b.epsilon);
+  });
+
+  const std::filesystem::path folder =
+      arguments.out.empty() ? std::filesystem::path("results") /
+                                  fmt::format("grasps_{}_{}", model->name, gripper->name)
+                            : std::filesystem::path(arguments.out);
+  MakeFolder(folder);
+  WriteFileAtomically(folder / "grasps.csv", GraspsCsv(candidates));
+  WritePng(folder / "grasps.png", GraspSheet(*model, *gripper, candidates));
+  const GraspCandidate& best = candidates.front();
+  fmt::print(
+      "{} grasps of {} with {}; the best survives {:.0f} % of sampled errors and holds {:.1f} "
+      "times the weight from any direction\n{}\n",
+      candidates.size(), model->name, gripper->name, 100 * best.robust, best.epsilon,
+      (folder / "grasps.csv").string());
+  fmt::print("look at {}\n", (folder / "grasps.png").string());
+}
+
+}  // namespace
+
+int GraspsCommand(int argc, char** argv) {
+  CLI::App app(
+      "Finds how a gripper may hold a part and writes the grasps, best first, as grasps.csv, and a "
+      "picture of the best, grasps.png.",
+      "pickbed grasps");
+  GraspsArguments a;
+  app.add_option("OBJECT", a.object, "a name of `pickbed list objects`")->required();
+  app.add_option("GRIPPER", a.gripper, "a name of `pickbed list grippers`, or a .yaml file")
+      ->required();
+  app.add_option("--count", a.count,
+                 "grasps wanted, wherever the part lies (default: all that runs choose from)")
+      ->check(CLI::Range(1, 100000));
+  app.add_option("--set", a.settings, "KEY=VALUE, such as robust.position_m=0.003; repeatable");
+  app.add_option("--catalog", a.catalog, "folder of your own objects")->capture_default_str();
+  app.add_option("--out", a.out, "folder (default: results/grasps_OBJECT_GRIPPER)");
+  GraspCandidateOptions defaults;
+  app.footer(
+      fmt::format("Settings and their defaults:\n{}Columns of grasps.csv: see README.md.\n"
+                  "Example: pickbed grasps bracket jaw_8cm --count 200",
+                  WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true)));
+  if (!ParseArguments(app, argc, argv)) return 0;
+  WriteGrasps(a);
+  return 0;
+}
+
+}  // namespace pickbed::eval

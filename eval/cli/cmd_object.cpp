@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/draw/object_sheet.h"
+#include "eval/runtime/progress.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr int kMakerVersion = 1;  // increase it when the same mesh gives another object
+
+struct AddArguments {
+  ObjectRequest request;
+  std::string catalog = "objects";
+  bool replace = false;
+};
+
+// Returns a key of everything that the result depends on.
+std::string KeyOf(const ObjectRequest& request) {
+  const std::string bytes = ReadFileBytes(request.mesh);
+  return fmt::format("v{} {:016x} {} {} {} {} {} {} {}", kMakerVersion,
+                     HashBytes(bytes.data(), bytes.size()), request.unit, request.density_kgpm3,
+                     request.mass_kg, request.friction, request.symmetry_tolerance, request.drops,
+                     request.center);
+}
+
+std::string ReportJson(const std::string& key, const MadeObject& made) {
+  nlohmann::ordered_json json;
+  json["key"] = key;
+  json["unit"] = made.inspected.unit;
+  json["watertight"] = made.inspected.watertight;
+  json["shells"] = made.inspected.shells;
+  json["put_right"] = made.inspected.fixed;
+  json["notes"] = made.inspected.notes;
+  json["mass_from_hull"] = made.mass_from_hull;
+  json["volume_m3"] = made.model.mass.volume_m3;
+  json["pieces"] = {{"count", made.quality.pieces},
+                    {"vertices", made.quality.vertices},
+                    {"bulge_m", made.quality.bulge_m},
+                    {"missed_m", made.quality.missed_m},
+                    {"volume_error", made.quality.volume_error}};
+  for (const MakeStageTime& stage : made.seconds) json["seconds"][stage.stage] = stage.seconds;
+  return json.dump(1) + "\n";
+}
+
+bool IsMadeAlready(const std::filesystem::path& folder, const std::string& key) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder / "object.yaml", error)) return false;
+  if (!std::filesystem::exists(folder / "made.json", error)) return false;
+  const auto json = nlohmann::json::parse(ReadFileBytes(folder / "made.json"), nullptr, false);
+  return json.is_object() && json.value("key", "") == key;
+}
+
+void Add(const AddArguments& arguments) {
+  const ObjectRequest& request = arguments.request;
+  CheckInput(
+      !request.name.empty() && request.name.find_first_of("/\\ .") == std::string::npos,
+      fmt::format("--name '{}': a part's name is not empty and has no '/', '\\', '.' or space",
+                  request.name));
+  std::error_code error;
+  CheckInput(std::filesystem::is_regular_file(request.mesh, error),
+             fmt::format("mesh '{}' is no file; check the path", request.mesh.string()));
+  CheckInput(request.mass_kg == 0 || (request.mass_kg >= 1e-6 && request.mass_kg <= 100),
+             fmt::format("--mass {}: give 1e-6 to 100 kg", request.mass_kg));
+  const std::filesystem::path folder = std::filesystem::path(arguments.catalog) / request.name;
+  const std::string key = KeyOf(request);
+  if (IsMadeAlready(folder, key)) {
+    fmt::print("{} was made from this mesh with these options: nothing to do\n", folder.string());
+    return;
+  }
+  CheckInput(arguments.replace || !std::filesystem::exists(folder / "object.yaml"),
+             fmt::format("{} exists and was made otherwise; pass --replace or another --name",
+                         folder.string()));
+  ProgressLine progress;
+  const MadeObject made =
+      MakeObject(request, [&](const std::string& stage) { progress.Show(stage + " ..."); });
+  progress.Show("draw ...");
+  WriteObject(made.record, folder);
+  WritePng(folder / "sheet.png", ObjectSheet(made));
+  WriteFileAtomically(folder / "made.json", ReportJson(key, made));
+  progress.Show("done", true);
+  if (std::filesystem::exists(AssetsDir() / "objects" / request.name / "object.yaml", error)) {
+    fmt::print(stderr,
+               "pickbed: a part '{}' comes with the program; scenarios that look into {} now take "
+               "yours instead\n",
+               request.name, arguments.catalog);
+  }
+  fmt::print("{}\n{}look at {}\n", request.name, ObjectText(made), (folder / "sheet.png").string());
+}
+
+}  // namespace
+
+int ObjectCommand(int argc, char** argv) {
+  CLI::App app(
+      "Makes a part of the catalog from a mesh: units, mass, convex pieces, symmetries and "
+      "resting poses.",
+      "pickbed object");
+  app.require_subcommand(1);
+  CLI::App* add = app.add_subcommand("add", "inspect a mesh and write the part");
+  AddArguments a;
+  ObjectRequest& request = a.request;
+  add->add_option("MESH", request.mesh, "OBJ, PLY, STL, DAE or glTF")->required();
+  add->add_option("--name", request.name, "of the part and its folder")->required();
+  add->add_option("--unit", request.unit, "of the mesh's numbers; guessed where it is not given")
+      ->check(CLI::IsMember({"m", "cm", "mm", "in"}));
+  add->add_option("--catalog", a.catalog, "folder of parts")->capture_default_str();
+  add->add_option("--density", request.density_kgpm3, "kg/m3")
+      ->check(CLI::Range(1.0, 25000.0))
+      ->capture_default_str();
+  add->add_option("--mass", request.mass_kg, "kg; in place of the density")
+      ->check(CLI::Range(1e-6, 100.0));
+  add->add_option("--friction", request.friction, "against a gripper pad")
+      ->check(CLI::Range(0.01, 2.0))
+      ->capture_default_str();
+  add->add_option("--symmetry-tolerance", request.symmetry_tolerance, "share of the diameter")
+      ->check(CLI::Range(0.001, 0.1))
+      ->capture_default_str();
+  add->add_option("--drops", request.drops, "for the resting poses")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  add->add_flag("--center", request.center, "move the origin to the middle of the part");
+  add->add_flag("--replace", a.replace, "overwrite a part of that name");
+  app.footer("Example: pickbed object add drill.stl --name drill --unit mm --mass 0.9");
+  if (!ParseArguments(app, argc, argv)) return 0;
+  Add(a);
+  return 0;
+}
+
+}  // namespace pickbed::eval

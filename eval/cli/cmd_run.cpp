@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include <thread>
+
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/cli/run_progress.h"
+#include "eval/runtime/process.h"
+#include "eval/runtime/progress.h"
+#include "eval/sweep/run.h"
+
+namespace pickbed::eval {
+namespace {
+
+RunReport RunWithProgress(const LoadedScenario& scenario, const RunOptions& options) {
+  ProgressLine progress;
+  return RunScenario(scenario.spec, scenario.objects, options, ShowOn(progress, Interrupted));
+}
+
+}  // namespace
+
+int RunCommand(int argc, char** argv) {
+  CLI::App app("Drops parts into a bin, looks, estimates poses and picks, trial after trial.",
+               "pickbed run");
+  ScenarioRequest arguments;
+  RunOptions options;
+  options.jobs = std::max(1u, std::thread::hardware_concurrency());
+  std::string out;
+  std::vector<std::string> tolerance;
+  bool json = false;
+  AddScenarioArguments(app, arguments);
+  AddTrialsArgument(app, arguments);
+  AddOutArgument(app, out);
+  app.add_option("--jobs", options.jobs, "worker processes; results do not depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_flag("--resume", options.resume, "go on with a run that was stopped");
+  app.add_flag("--retry-crashed", options.retry_crashed,
+               "with --resume: try those again that ended their worker");
+  app.add_option("--pictures", options.picture_trials, "trials that get pictures, 0 = none")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  AddLostPicturesArgument(app, options.lost_picture_trials);
+  AddToleranceArgument(app, tolerance);
+  app.add_flag("--json", json, "print the summary as JSON on stdout, and nothing else");
+  app.footer("Example: pickbed run demo --trials 10 --set estimator.name=oracle --jobs 2");
+  if (!ParseArguments(app, argc, argv)) return 0;
+
+  CatchInterrupts();
+  const LoadedScenario scenario = FindScenario(arguments);
+  options.out = OutFolder(out, scenario.name);
+  options.tolerance = MapsFor(scenario.spec, scenario.objects, tolerance);
+  const RunReport report = RunWithProgress(scenario, options);
+
+  if (json) {
+    fmt::print("{}", SummaryJson(report.summary));
+  } else {
+    fmt::print("{}", SummaryTable(report.summary));
+    fmt::print("\nresults in {}\n", options.out.string());
+  }
+  if (report.interrupted) {
+    fmt::print(stderr, "pickbed: stopped after {} trials; the same command with --resume goes on\n",
+               report.summary.trials);
+    return kExitInterrupted;
+  }
+  RequireNoCrash(report.crashed);
+  return 0;
+}
+
+}  // namespace pickbed::eval

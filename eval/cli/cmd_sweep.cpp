@@ -1,0 +1,190 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <thread>
+
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/cli/run_progress.h"
+#include "eval/runtime/process.h"
+#include "eval/sweep/merge_shards.h"
+#include "eval/sweep/slurm.h"
+#include "eval/sweep/sweep_spec.h"
+
+namespace pickbed::eval {
+namespace {
+
+struct SweepArguments {
+  std::string file, out, shard, catalog = "objects";
+  std::vector<std::string> settings;
+  std::optional<int> trials;
+  SweepOptions options;
+  bool json = false, slurm = false;
+  std::optional<int> shards, cpus;
+  std::optional<std::string> partition, time, memory;
+  std::vector<std::string> sbatch_options;
+};
+
+void AddSlurmArguments(CLI::App& app, SweepArguments& a) {
+  auto* slurm = app.add_flag("--slurm", a.slurm, "submit the shards to Slurm, follow, and merge");
+  app.add_option("--shards", a.shards, "tasks of the job array [8]")
+      ->check(CLI::Range(1, 10000))
+      ->needs(slurm);
+  app.add_option("--partition", a.partition, "of the cluster")->needs(slurm);
+  app.add_option("--time", a.time, "limit of a shard, such as 2:00:00")->needs(slurm);
+  app.add_option("--mem", a.memory, "memory of a shard, such as 4G")->needs(slurm);
+  app.add_option("--cpus", a.cpus, "worker processes of a shard [1]")
+      ->check(CLI::Range(1, 1024))
+      ->needs(slurm);
+  app.add_option("--sbatch-option", a.sbatch_options,
+                 "a further option of sbatch, such as --sbatch-option=--account=lab; may be "
+                 "repeated")
+      ->allow_extra_args(false)
+      ->needs(slurm);
+}
+
+bool ParseSweepArguments(int argc, char** argv, SweepArguments& a) {
+  CLI::App app("Runs a scenario with every combination of a grid of settings.", "pickbed sweep");
+  a.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  a.options.picture_trials = 0;
+  app.add_option("SWEEP", a.file, "sweep file: scenario, trials, set, grid (see the README)")
+      ->required();
+  app.add_option("--set", a.settings, "change a setting of all points, key=value; may be repeated")
+      ->allow_extra_args(false);
+  app.add_option("--trials", a.trials, "bins a point, instead of the file's number")
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--catalog", a.catalog, "folder of your own objects")->capture_default_str();
+  AddOutArgument(app, a.out);
+  const auto* jobs =
+      app.add_option("--jobs", a.options.jobs, "worker processes; results do not depend on it")
+          ->check(CLI::Range(1, 1024))
+          ->capture_default_str();
+  const auto* shard = app.add_option(
+      "--shard", a.shard, "only part I of N of the trials, I/N; pickbed merge joins them");
+  app.add_flag("--resume", a.options.resume, "go on with a sweep that was stopped");
+  app.add_flag("--retry-crashed", a.options.retry_crashed,
+               "with --resume: try those trials again that ended their worker");
+  app.add_option("--pictures", a.options.picture_trials, "scenes of each point that get pictures")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  AddLostPicturesArgument(app, a.options.lost_picture_trials);
+  app.add_flag("--json", a.json, "print the summary as JSON on stdout, and nothing else");
+  AddSlurmArguments(app, a);
+  app.footer(
+      "Example: pickbed sweep sensors.yaml --jobs 2\n"
+      "         pickbed sweep sensors.yaml --slurm --shards 16 --partition short");
+  const bool goes_on = ParseArguments(app, argc, argv);
+  CheckInput(
+      !a.slurm || jobs->count() == 0,
+      "--jobs: says how many workers run on this machine; with --slurm, --cpus says how many "
+      "a shard has");
+  CheckInput(!a.slurm || shard->count() == 0,
+             "--shard: does one shard on this machine; --slurm submits all of them, leave out one "
+             "of the two");
+  return goes_on;
+}
+
+// Returns the settings of the file, modified by the command line.
+SweepSpec SpecOf(const SweepArguments& a) {
+  SweepSpec spec = LoadSweepSpec(a.file);
+  if (a.trials) spec.trials = a.trials;
+  for (const std::string& setting : a.settings) SetForAll(setting, spec);
+  SlurmOptions& slurm = spec.slurm;
+  slurm.shards = a.shards.value_or(slurm.shards);
+  slurm.cpus = a.cpus.value_or(slurm.cpus);
+  slurm.partition = a.partition.value_or(slurm.partition);
+  slurm.time = a.time.value_or(slurm.time);
+  slurm.memory = a.memory.value_or(slurm.memory);
+  for (const std::string& option : a.sbatch_options) {
+    slurm.options += (slurm.options.empty() ? "" : " ") + option;
+  }
+  return spec;
+}
+
+void Print(const SweepArguments& a, const std::vector<ConfigurationSummary>& configurations,
+           const std::filesystem::path& out) {
+  if (a.json) {
+    fmt::print("{}", SweepJson(configurations));
+  } else {
+    fmt::print("{}\nresults in {}\n", SweepTable(configurations), out.string());
+  }
+}
+
+SlurmReport FollowSlurm(const Sweep& sweep, const SlurmJob& job) {
+  ProgressLine progress;
+  std::string queue;
+  SlurmListener listener;
+  listener.on_message = [&](const std::string& line) { queue = line; };
+  listener.on_state = [&](const RunState& state) {
+    ProgressState shown = ProgressOf(state);
+    shown.note = queue + (shown.note.empty() ? "" : ", " + shown.note);
+    progress.Show(shown);
+  };
+  listener.stop = Interrupted;
+  return RunOnSlurm(sweep, job, listener);
+}
+
+int SweepOnSlurm(const SweepArguments& a, const SweepSpec& spec, const std::filesystem::path& out) {
+  SlurmJob job;
+  job.options = spec.slurm;
+  job.program = std::filesystem::read_symlink("/proc/self/exe");
+  job.out = out;
+  job.working_folder = std::filesystem::current_path();
+  job.catalog = a.catalog;
+  job.retry_crashed = a.options.retry_crashed;
+  job.picture_trials = a.options.picture_trials;
+  job.lost_picture_trials = a.options.lost_picture_trials;
+  const Sweep sweep = MakeSweep(spec, out, a.catalog);
+  const SlurmReport report = FollowSlurm(sweep, job);
+  if (report.stopped) {
+    fmt::print(stderr,
+               "pickbed: job {0} goes on; the same command follows it again, scancel {0} ends it\n",
+               report.job_id);
+    return kExitInterrupted;
+  }
+  std::vector<std::filesystem::path> shards;
+  for (const ShardState& shard : ShardStates(sweep, out, spec.slurm.shards)) {
+    if (shard.done > 0) shards.push_back(ShardFolder(out, shard.shard));
+  }
+  CheckInput(!shards.empty(),
+             fmt::format("job {} ended without a finished trial, see {}: {}", report.job_id,
+                         (out / "slurm").string(), fmt::join(report.unfinished, "; ")));
+  const MergeReport merged = MergeStores(shards, out);
+  Print(a, merged.configurations, out);
+  CheckInput(report.unfinished.empty(),
+             fmt::format("job {} left shards unfinished ({}); what is done is kept, the same "
+                         "command submits the rest again",
+                         report.job_id, fmt::join(report.unfinished, "; ")));
+  return 0;
+}
+
+}  // namespace
+
+int SweepCommand(int argc, char** argv) {
+  SweepArguments a;
+  if (!ParseSweepArguments(argc, argv, a)) return 0;
+  CatchInterrupts();
+  const SweepSpec spec = SpecOf(a);
+  SweepOptions& options = a.options;
+  options.out = std::filesystem::absolute(OutFolder(a.out, spec.name));
+  if (!a.shard.empty()) options.shard = ParseShard(a.shard);
+  if (a.slurm) return SweepOnSlurm(a, spec, options.out);
+
+  SweepReport report;
+  {
+    ProgressLine progress;
+    report =
+        RunSweep(MakeSweep(spec, options.out, a.catalog), options, ShowOn(progress, Interrupted));
+  }
+  if (!report.configurations.empty()) Print(a, report.configurations, options.out);
+  if (report.interrupted) {
+    fmt::print(stderr,
+               "pickbed: stopped after {} of {} trials; the same command with --resume goes on\n",
+               report.finished, report.total);
+    return kExitInterrupted;
+  }
+  RequireNoCrash(report.crashed);
+  return 0;
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,300 @@
+#include <fmt/format.h>
+
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/runtime/process.h"
+#include "eval/runtime/progress.h"
+#include "eval/train/job.h"
+#include "eval/train/page.h"
+#include "perception/estimators/estimator_training.h"
+#include "perception/estimators/pose_estimator.h"
+#include "perception/training/training.h"
+#include "perception/training/verifier_library.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::eval {
+namespace {
+
+// Any laptop has two cores. The result does not depend on the number of threads.
+constexpr int kThreads = 2;
+
+struct TrainArguments {
+  LessonChoice lesson;              // its first object may be the name of the method
+  std::vector<std::string> listed;  // from --objects
+  std::string method = "descriptor";
+  std::string model_file;
+  std::string report_folder;
+  bool resume = false;
+  uint64_t seed = 0;
+  double max_minutes = 0;
+  TrainingOptions training;
+  std::string verifier_for;  // estimator of which only the verifiers are trained
+  VerifierTrainingOptions verifier;
+  std::unique_ptr<EstimatorTraining> verifier_training;  // of this estimator
+};
+
+std::string ProgressText(const TrainingProgress& state) {
+  std::string text = fmt::format("{} {}/{}", state.phase, state.done, state.total);
+  if (state.loss > 0) text += fmt::format("  loss {:.4f}", state.loss);
+  if (state.recall_at_1 >= 0) {
+    text += fmt::format("  recall@1 {:.3f} @8 {:.3f}", state.recall_at_1, state.recall_at_8);
+  }
+  return text + fmt::format("  left {}", FormatDuration(state.seconds_left));
+}
+
+void PrintReport(const TrainingReport& report, const ObjectSet& objects) {
+  const HeldOutRecall &first = report.recall_history.front(), &last = report.recall_history.back();
+  if (report.plateau_iteration >= 0) {
+    fmt::print("held-out recall stayed on a plateau at step {}: the schedule was cut short\n",
+               report.plateau_iteration);
+  }
+  fmt::print("held-out recall@1 {:.3f}, @8 {:.3f}; verifiers' area under the curve {:.3f}\n",
+             last.at_1, last.at_8, report.verifier_auc);
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (!report.rehearsed[i]) continue;
+    fmt::print("  {}, known before: recall@1 {:.3f} before, {:.3f} after\n", objects[i]->name,
+               first.part_at_1[i], last.part_at_1[i]);
+  }
+}
+
+// Adds --set and the options with a name of their own.
+void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
+                       std::vector<std::string>& training_settings) {
+  app.add_option("OBJECT", arguments.lesson.objects,
+                 "parts of the catalog (pickbed list objects); before them may stand the estimator "
+                 "that learns: descriptor (by default), kehl, doumanoglou, wohlhart");
+  app.add_option("--objects", arguments.listed, "the parts, with commas")->delimiter(',');
+  app.add_option("--scenario", arguments.lesson.scenario.scenario,
+                 "learn the parts of this scenario, for its camera, bin, sensor and looks");
+  app.add_option("--bop", arguments.lesson.bop_path,
+                 "learn the models of this BOP data set, for its camera");
+  app.add_option(
+         "--sensor", arguments.lesson.sensors,
+         "profiles, one of which sees each view of a pile, instead of the scenario's alone; "
+         "a code book stays that of the scenario's sensor")
+      ->delimiter(',');
+  app.add_option("--foreign", arguments.lesson.foreign_share,
+                 "share of the piles in which shapes lie that are no parts")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--catalog", arguments.lesson.scenario.catalog, "folder of your own objects")
+      ->capture_default_str();
+  app.add_option("--out", arguments.model_file, "model file [models/<objects>.pt]");
+  app.add_option("--from", arguments.lesson.start_from,
+                 "model to begin with; the parts that it knows are kept beside those named");
+  app.add_option("--report", arguments.report_folder,
+                 "folder of the report page [beside the model file, <model>_report]");
+  app.add_flag("--resume", arguments.resume, "go on from the checkpoint of a stopped training");
+  app.add_option("--minutes", arguments.max_minutes, "time limit in minutes, 0 = none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--seed", arguments.seed, "same seed, same model")->capture_default_str();
+  app.add_option("--set", training_settings, "change a setting of training, key=value")
+      ->allow_extra_args(false);
+  app.add_option(
+         "--verifier-for", arguments.verifier_for,
+         "train the verifiers of this estimator alone, e.g. ppf, on its own candidates; its "
+         "settings are seed, piles, views_per_pile, calibration_share and verifier.*, and for "
+         "wohlhart, whose network is learned before them, wohlhart.*")
+      ->excludes("--minutes")
+      ->excludes("--from");
+  TrainingOptions defaults;
+  app.footer("Settings of training and their defaults:\n" +
+             WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true) +
+             "\nExample: pickbed train rod elbow --minutes 5 --set network.descriptor=64\n"
+             "         pickbed train kehl --objects bracket");
+}
+
+std::unique_ptr<EstimatorTraining> TrainingOf(const EstimatorRow& row) {
+  return row.make_training ? row.make_training() : nullptr;
+}
+
+// Removes the method from the names and sets its default settings.
+void ChooseMethod(TrainArguments& arguments) {
+  std::vector<std::string>& names = arguments.lesson.objects;
+  for (const EstimatorRow& row : EstimatorTable()) {
+    const auto training = TrainingOf(row);
+    if (names.empty() || names.front() != row.name || !training) continue;
+    if (training->kind() == TrainingKind::kNone || training->kind() == TrainingKind::kVerifiers) {
+      continue;
+    }
+    arguments.method = row.name;
+    CheckInput(arguments.verifier_for.empty() || arguments.verifier_for == row.name,
+               fmt::format("train {}: --verifier-for {} trains the verifiers of another estimator; "
+                           "name one or the other",
+                           row.name, arguments.verifier_for));
+    if (training->kind() == TrainingKind::kNetworkAndVerifiers) {
+      arguments.verifier_for = row.name;
+      CheckInput(
+          arguments.max_minutes <= 0 && arguments.lesson.start_from.empty(),
+          fmt::format("train {}: takes neither --minutes nor --from; leave them out", row.name));
+    }
+    names.erase(names.begin());
+    break;
+  }
+  names.insert(names.end(), arguments.listed.begin(), arguments.listed.end());
+  const auto training = TrainingOf(EstimatorNamed(arguments.method));
+  if (training->kind() == TrainingKind::kPatchNetwork) {
+    arguments.training = training->PatchNetworkOptions();
+  }
+  arguments.training.seed = arguments.verifier.seed = arguments.seed;
+  arguments.training.max_minutes = arguments.max_minutes;
+}
+
+std::unique_ptr<EstimatorTraining> VerifierTrainingOf(const std::string& name) {
+  std::vector<std::string> names;
+  for (const EstimatorRow& row : EstimatorTable()) {
+    auto training = TrainingOf(row);
+    if (!training || !training->has_verifier_file()) continue;
+    if (row.name == name) return training;
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("--verifier-for", name, names));
+}
+
+std::string NothingToResume(const std::filesystem::path& file) {
+  return fmt::format("no {} to resume from; leave out --resume to start anew", file.string());
+}
+
+// `written` is the checkpoint from which a stopped training continues; it may not exist yet.
+void SayStopped(const std::filesystem::path& written) {
+  if (std::filesystem::exists(written)) {
+    fmt::print(stderr, "pickbed: stopped; {} is written, the same command with --resume goes on\n",
+               written.string());
+  } else {
+    fmt::print(stderr, "pickbed: stopped before anything was learned that could be kept\n");
+  }
+}
+
+int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson,
+                   const std::filesystem::path& file) {
+  const EstimatorTraining& training = *arguments.verifier_training;
+  const bool has_network = training.kind() == TrainingKind::kNetworkAndVerifiers;
+  CheckInput(arguments.report_folder.empty(),
+             fmt::format("--report: verifiers of {} have no report page; leave it out",
+                         arguments.verifier_for));
+  const std::filesystem::path checkpoint = file.string() + ".checkpoint";
+  const bool has_checkpoint = has_network && std::filesystem::exists(checkpoint);
+  CheckInput(!arguments.resume || has_checkpoint || std::filesystem::exists(file) ||
+                 std::filesystem::exists(UnfinishedLibrary(file)),
+             NothingToResume(UnfinishedLibrary(file)));
+  if (!arguments.resume && has_checkpoint) std::filesystem::remove(checkpoint);
+  const auto views = MakeTrainingViews(lesson);
+  CatchInterrupts();
+  VerifierReport report;
+  {
+    ProgressLine progress;
+    VerifierJob job{*views,
+                    arguments.verifier_for,
+                    [&](const ObjectSet& objects, const LearnedNetwork& network) {
+                      return training.MakeCandidates({objects, *views, network});
+                    },
+                    file,
+                    arguments.resume,
+                    SensorNames(lesson),
+                    [&](std::string_view part, double share) {
+                      progress.Show(fmt::format("{}: {:.0f} %", part, 100 * share));
+                      return !Interrupted();
+                    }};
+    if (has_network) {
+      job.checkpoint = checkpoint;
+      job.network_settings = training.NetworkSettings(lesson.objects);
+      job.learn = [&](const std::function<bool(double)>& on_share) {
+        return training.TrainNetwork(
+            {*views, arguments.verifier.seed, checkpoint, on_share, kThreads});
+      };
+    }
+    report = TrainVerifierLibrary(job, arguments.verifier);
+  }
+  if (!report.finished) {
+    SayStopped(report.saved.empty() && has_network ? checkpoint : report.saved);
+    return kExitInterrupted;
+  }
+  if (has_network) std::filesystem::remove(checkpoint);
+  fmt::print("wrote {}; area under the curve {:.3f}\nuse it with --set estimator.model={}\n",
+             file.string(), report.mean_auc, file.string());
+  return 0;
+}
+
+int TrainModel(TrainArguments& arguments, const TrainingLesson& lesson,
+               const std::filesystem::path& model_file) {
+  const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
+  CheckInput(!arguments.resume || std::filesystem::exists(checkpoint), NothingToResume(checkpoint));
+  const auto views = MakeTrainingViews(lesson);
+  CatchInterrupts();
+  TrainingReport report;
+  {
+    ProgressLine progress;
+    const TrainingJob job{*views,
+                          model_file,
+                          checkpoint,
+                          arguments.resume,
+                          arguments.lesson.start_from,
+                          SensorNames(lesson),
+                          [&](const TrainingProgress& state) {
+                            progress.Show(ProgressText(state));
+                            return !Interrupted();
+                          }};
+    report = TrainDescriptor(job, arguments.training);
+  }
+  if (!report.finished) {
+    SayStopped(report.has_checkpoint ? checkpoint : "");
+    return kExitInterrupted;
+  }
+  PrintReport(report, lesson.objects);
+  std::filesystem::path folder = arguments.report_folder;
+  if (folder.empty()) {
+    folder = model_file.parent_path() / (model_file.stem().string() + "_report");
+  }
+  const std::string in_force =
+      WriteSettings([&](SettingsVisitor& v) { arguments.training.Visit(v); });
+  const bool has_page = SayIfUnwritten(WriteTrainingPage(
+      folder, {model_file.stem().string(), SensorNames(lesson), in_force, report, lesson.objects}));
+  std::filesystem::remove(checkpoint);
+  fmt::print("report: {}\n", (has_page ? folder / "index.html" : folder).string());
+  fmt::print("wrote {} after {}\nuse it with --set estimator.name={} --set estimator.model={}\n",
+             model_file.string(), FormatDuration(report.seconds), arguments.method,
+             model_file.string());
+  return 0;
+}
+
+}  // namespace
+
+int TrainCommand(int argc, char** argv) {
+  CLI::App app("Learns parts from views that are rendered on the fly; Ctrl-C keeps a checkpoint.",
+               "pickbed train");
+  TrainArguments arguments;
+  std::vector<std::string> settings;
+  AddTrainArguments(app, arguments, settings);
+  if (!ParseArguments(app, argc, argv)) return 0;
+  ChooseMethod(arguments);
+  if (!arguments.verifier_for.empty()) {
+    arguments.verifier_training = VerifierTrainingOf(arguments.verifier_for);
+  }
+  for (const std::string& assignment : settings) {
+    ApplySetting(assignment, [&](SettingsVisitor& v) {
+      if (arguments.verifier_for.empty()) return arguments.training.Visit(v);
+      arguments.verifier.Visit(v);
+      EstimatorTraining& training = *arguments.verifier_training;
+      if (training.kind() != TrainingKind::kNetworkAndVerifiers) return;
+      v.Group(
+          arguments.verifier_for.c_str(),
+          [&](SettingsVisitor& g) { training.VisitNetworkOptions(g); }, "of its network");
+    });
+  }
+
+  const TrainingLesson lesson = PlanTrainingLesson(arguments.lesson);
+  std::filesystem::path model_file = arguments.model_file;
+  if (model_file.empty()) {
+    const bool usual = arguments.method == "descriptor";
+    const std::string name = usual ? lesson.name : arguments.method + "-" + lesson.name;
+    model_file = std::filesystem::path("models") / (name + ".pt");
+  }
+  if (model_file.has_parent_path()) MakeFolder(model_file.parent_path());
+  RequireWritable(model_file);
+  if (!arguments.verifier_for.empty()) return TrainVerifiers(arguments, lesson, model_file);
+  return TrainModel(arguments, lesson, model_file);
+}
+
+}  // namespace pickbed::eval

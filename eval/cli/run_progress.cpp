@@ -1,0 +1,50 @@
+#include "eval/cli/run_progress.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <stdexcept>
+
+namespace pickbed::eval {
+
+ProgressState ProgressOf(const RunState& state) {
+  ProgressState shown;
+  shown.done = state.done;
+  shown.total = state.total;
+  shown.done_before = state.done_before;
+  shown.counts_successes = true;
+  shown.outcomes = state.trials;
+  shown.note = state.stop;
+  if (state.crashed > 0) {
+    shown.note += fmt::format("{}{} crashed", shown.note.empty() ? "" : ", ", state.crashed);
+  }
+  return shown;
+}
+
+RunListener ShowOn(ProgressLine& progress, const std::function<bool()>& stop) {
+  auto last = std::make_shared<ProgressState>();
+  RunListener listener;
+  listener.on_trial = [&progress, last](const RunState& state) {
+    *last = ProgressOf(state);
+    progress.Show(*last);
+  };
+  listener.on_message = [&progress, last](const std::string& line) {
+    if (last->total == 0) return progress.Show(line);
+    ProgressState noted = *last;
+    noted.note = line;
+    progress.Show(noted);
+  };
+  listener.stop = stop;
+  return listener;
+}
+
+void RequireNoCrash(const std::vector<CrashedTrial>& crashed) {
+  if (crashed.empty()) return;
+  const CrashedTrial& first = crashed.front();
+  throw std::runtime_error(fmt::format(
+      "{} trials crashed twice and are recorded as that, the first is trial {} (seed {}, scene "
+      "{}): {}; --resume --retry-crashed tries them again",
+      crashed.size(), first.trial, first.seed, first.bin_index, first.why));
+}
+
+}  // namespace pickbed::eval

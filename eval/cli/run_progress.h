@@ -1,0 +1,23 @@
+#pragma once
+
+// Progress and crash messages of the commands run, sweep and budget.
+
+#include <functional>
+#include <vector>
+
+#include "eval/runtime/progress.h"
+#include "eval/sweep/sweep.h"
+
+namespace pickbed::eval {
+
+// Converts the progress of a run for the progress line.
+ProgressState ProgressOf(const RunState& state);
+
+// Returns a listener that shows finished trials and the messages of workers. `progress` must
+// outlive it.
+RunListener ShowOn(ProgressLine& progress, const std::function<bool()>& stop);
+
+// Throws std::runtime_error if trials crashed. The message names the first one.
+void RequireNoCrash(const std::vector<CrashedTrial>& crashed);
+
+}  // namespace pickbed::eval

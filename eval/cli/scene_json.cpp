@@ -1,0 +1,79 @@
+#include "eval/cli/scene_json.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <nlohmann/json.hpp>
+
+namespace pickbed::eval {
+namespace {
+
+nlohmann::json Numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace
+
+std::string SceneJson(const Scene& scene, const ObjectSet& objects) {
+  nlohmann::ordered_json json;
+  json["bin"]["inner_size_m"] = Numbers(scene.bin.inner_size_m);
+  json["bin"]["wall_m"] = scene.bin.wall_m;
+  json["bin"]["friction"] = scene.bin.friction;
+  json["objects"] = nlohmann::ordered_json::array();
+  for (const PosedObject& posed : scene.objects) {
+    const Eigen::Quaterniond q(posed.X_WO.linear());
+    nlohmann::ordered_json item;
+    item["instance"] = posed.instance;
+    item["name"] = objects[posed.object]->name;
+    item["position_m"] = Numbers(posed.X_WO.translation());
+    item["quaternion_wxyz"] = {q.w(), q.x(), q.y(), q.z()};
+    json["objects"].push_back(std::move(item));
+  }
+  return json.dump(2) + "\n";
+}
+
+std::string CertificateJson(const CertifiedScene& made) {
+  const SceneCertificate& c = made.certificate;
+  nlohmann::ordered_json json;
+  json["at_rest"] = c.at_rest;
+  json["simulated_s"] = c.simulated_s;
+  json["parts"] = made.scene.objects.size();
+  json["parts_outside"] = c.parts_outside;
+  json["max_speed_mps"] = c.max_speed_mps;
+  json["max_spin_radps"] = c.max_spin_radps;
+  json["deepest_penetration_m"] = c.deepest_penetration_m;
+  json["wake_movement_m"] = c.wake_movement_m;
+  json["wake_movement_diameters"] = c.wake_movement_diameters;
+  json["refused"] = nlohmann::ordered_json::array();
+  for (const RefusedScene& refused : made.refused) {
+    json["refused"].push_back({{"attempt", refused.attempt}, {"faults", refused.faults}});
+  }
+  json["energy"] = nlohmann::ordered_json::array();
+  for (const EnergySample& sample : c.energy) {
+    json["energy"].push_back({{"time_s", sample.time_s},
+                              {"kinetic_j", sample.kinetic_j},
+                              {"potential_j", sample.potential_j}});
+  }
+  return json.dump(1) + "\n";
+}
+
+std::string CertificateText(const CertifiedScene& made) {
+  const SceneCertificate& c = made.certificate;
+  std::string text;
+  const auto line = [&text](const char* name, const std::string& value) {
+    text += fmt::format("  {:<26}{}\n", name, value);
+  };
+  for (const RefusedScene& refused : made.refused) {
+    line(fmt::format("refused attempt {}", refused.attempt).c_str(),
+         fmt::format("{}", fmt::join(refused.faults, ", ")));
+  }
+  line("parts in the bin", std::to_string(made.scene.objects.size()));
+  line("simulated", fmt::format("{:.2f} s", c.simulated_s));
+  line("moved in an awake second",
+       fmt::format("{:.2f} mm, {:.2f} % of that part's diameter", 1e3 * c.wake_movement_m,
+                   100 * c.wake_movement_diameters));
+  line("fastest part",
+       fmt::format("{:.2f} mm/s, {:.3f} rad/s", 1e3 * c.max_speed_mps, c.max_spin_radps));
+  line("deepest overlap", fmt::format("{:.2f} mm", 1e3 * c.deepest_penetration_m));
+  return text;
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,210 @@
+#include "eval/estimate/estimator_comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <set>
+
+#include "eval/runtime/process.h"
+#include "eval/sweep/attempt_pictures.h"
+#include "eval/tolerance/maps.h"
+#include "eval/trial/estimator_runner.h"
+#include "eval/trial/oracle_estimator.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr double kMebibyte = 1024.0 * 1024.0;
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// State of a row during the comparison.
+struct LiveRow {
+  std::unique_ptr<EstimatorRunner> runner;
+  std::unique_ptr<bop::Evaluator> evaluator;
+  double held_mib = 0;  // memory held after loading
+  ComparedRow result;
+};
+
+// Ground truth of a bin for the BOP scores.
+struct TrueBin {
+  bop::TrueImage image;
+  bop::ImageTargets targets;
+};
+
+TrueBin TruthFor(const Scene& scene, const Observation& view, const Camera& camera) {
+  TrueBin truth{{view.frame.intrinsics, view.frame.depth_m, {}}, {true, true, {}}};
+  const Pose X_CW = camera.X_CW();
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    const PosedObject& posed = scene.objects[i];
+    const double visible = view.visible_fractions[i];
+    truth.image.instances.push_back({posed.object + 1, X_CW * posed.X_WO, visible});
+    if (visible >= kCountedVisibility) ++truth.targets.counts[posed.object + 1];
+  }
+  return truth;
+}
+
+void AddToScores(const TrueBin& truth, const std::vector<PoseHypothesis>& hypotheses,
+                 bop::Evaluator& evaluator) {
+  std::vector<bop::Estimate> estimates;
+  for (const PoseHypothesis& hypothesis : hypotheses) {
+    bop::Estimate& estimate = estimates.emplace_back();
+    estimate.object_id = hypothesis.object + 1;
+    estimate.score = hypothesis.score;
+    estimate.X_CO = hypothesis.X_CO;
+  }
+  std::vector<const bop::Estimate*> pointers;
+  for (const bop::Estimate& estimate : estimates) pointers.push_back(&estimate);
+  evaluator.AddImage(truth.image, truth.targets, pointers);
+}
+
+std::string FolderName(std::string label) {
+  for (const char separator : {':', '=', '/'}) {
+    std::replace(label.begin(), label.end(), separator, '_');
+  }
+  return label;
+}
+
+// Parses a label such as "kehl:hard=kehl.pt": name, mode and model file.
+EstimatorSpec Labelled(const std::string& label, const EstimatorSpec& base) {
+  const size_t equals = label.find('=');
+  const std::string method = label.substr(0, equals);
+  const size_t colon = method.find(':');
+  EstimatorSpec spec = base;
+  spec.name = method.substr(0, colon);
+  if (colon != std::string::npos) spec.mode = method.substr(colon + 1);
+  if (spec.name != base.name) spec.model.clear();  // a model belongs to one estimator
+  if (equals != std::string::npos) {
+    spec.model = label.substr(equals + 1);
+    CheckInput(!spec.model.empty(), fmt::format("estimator '{}' names no model after '='", label));
+  }
+  RequireEstimator(spec.name);
+  return spec;
+}
+
+class Comparison {
+ public:
+  explicit Comparison(const ComparisonJob& job) : job_(job), cell_(job.spec, job.objects) {
+    for (const auto& model : cell_.objects()) metrics_.push_back(MakeMetricModel(*model));
+    for (const ComparedEstimator& estimator : job.estimators) rows_.push_back(Load(estimator));
+  }
+
+  void LookAt(int trial) {
+    const Scene scene = cell_.MakeScene(trial).scene;
+    if (scene.objects.empty()) return;
+    const Observation view = cell_.Capture(scene, trial, 0);
+    const TrueBin truth = TruthFor(scene, view, cell_.camera());
+    for (LiveRow& row : rows_) {
+      // Only before the first image. Getting the pages back from the system costs time, and the
+      // first image takes longer than the others anyway.
+      if (row.result.looks.empty()) ReleaseFreedMemory();
+      const size_t before = ResetPeakMemory();
+      Rng rng = Rng::Derive(job_.spec.seed, trial, "estimate/0");
+      EstimateResult found = EstimateWithOracle(*row.runner, scene, view, rng);
+      Grow(row, before);
+      AddToScores(truth, found.hypotheses, *row.evaluator);
+      row.result.looks.push_back({trial,
+                                  ScoreAgainstTruth(scene, view.visible_fractions, metrics_,
+                                                    cell_.camera(), found.hypotheses),
+                                  std::move(found.seconds)});
+      Draw(row, trial, scene, view, found.hypotheses);
+    }
+  }
+
+  std::vector<ComparedRow> Finish() {
+    std::vector<ComparedRow> done;
+    for (LiveRow& row : rows_) {
+      row.evaluator->Finish(row.result.bop);
+      done.push_back(std::move(row.result));
+    }
+    return done;
+  }
+
+ private:
+  LiveRow Load(const ComparedEstimator& estimator) {
+    LiveRow row;
+    row.result.label = estimator.label;
+    ScenarioSpec spec = job_.spec;
+    spec.estimator = estimator.spec;
+    ReleaseFreedMemory();
+    const size_t before = ResetPeakMemory();
+    const auto start = Clock::now();
+    row.runner = std::make_unique<EstimatorRunner>(
+        cell_, spec, job_.threads, [&](std::string_view what, double share) {
+          if (job_.on_progress) job_.on_progress(what, static_cast<int>(100 * share), 100);
+        });
+    row.result.setup_s = SecondsSince(start);
+    Grow(row, before);
+    ReleaseFreedMemory();
+    const size_t held = ResetPeakMemory();
+    row.held_mib = held > before ? static_cast<double>(held - before) / kMebibyte : 0;
+    row.evaluator = std::make_unique<bop::Evaluator>(
+        [this](int object_id) { return cell_.objects()[object_id - 1]; });
+    return row;
+  }
+
+  // Updates the peak: memory held after loading plus the growth above `before` (bytes).
+  static void Grow(LiveRow& row, size_t before) {
+    const size_t peak = PeakMemory();
+    const double grown_mib = peak > before ? static_cast<double>(peak - before) / kMebibyte : 0;
+    row.result.peak_memory_mib = std::max(row.result.peak_memory_mib, row.held_mib + grown_mib);
+  }
+
+  void Draw(const LiveRow& row, int trial, const Scene& scene, const Observation& view,
+            const std::vector<PoseHypothesis>& hypotheses) const {
+    if (job_.pictures.empty() || trial >= job_.pictured_bins) return;
+    const auto folder =
+        job_.pictures / fmt::format("trial_{:04}", trial) / FolderName(row.result.label);
+    WriteAttemptPictures(folder, 0,
+                         {view.frame, cell_.camera(), cell_.objects(), scene, hypotheses, nullptr,
+                          nullptr, &view.ids});
+  }
+
+  const ComparisonJob& job_;
+  SimulatedCell cell_;
+  std::vector<MetricModel> metrics_;
+  std::vector<LiveRow> rows_;
+};
+
+}  // namespace
+
+std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& labels,
+                                               const EstimatorSpec& base) {
+  std::vector<ComparedEstimator> rows;
+  std::set<std::string> seen;
+  for (const std::string& label : labels) {
+    CheckInput(seen.insert(label).second, fmt::format("estimator '{}' is named twice", label));
+    rows.push_back({label, Labelled(label, base)});
+  }
+  return rows;
+}
+
+std::vector<ComparedRow> CompareEstimators(const ComparisonJob& job) {
+  Comparison comparison(job);
+  for (int trial = 0; trial < job.spec.trials; ++trial) {
+    if (job.stop && job.stop()) break;
+    comparison.LookAt(trial);
+    if (job.on_progress) job.on_progress("bin", trial + 1, job.spec.trials);
+  }
+  return comparison.Finish();
+}
+
+void AddPickChances(const ToleranceMaps& maps, std::vector<ComparedRow>& rows) {
+  for (ComparedRow& row : rows) {
+    for (ComparedLook& look : row.looks) {
+      look.pick_chances.clear();
+      for (const HypothesisRecord& h : look.score.hypotheses) {
+        look.pick_chances.push_back(maps.PickChance(h));
+      }
+    }
+  }
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,252 @@
+#include "eval/estimate/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "eval/estimate/statistics.h"
+#include "eval/page/vega.h"
+
+namespace pickbed::eval {
+namespace {
+
+std::string BandName(const RecallBand& band) {
+  return VisibleBand{band.visible_min, band.visible_max}.name() + " %";
+}
+
+std::string RecallOf(const RecallBand& band) {
+  if (band.instances == 0) return "-";
+  return PercentNumber(static_cast<double>(band.recalled) / band.instances);
+}
+
+// Name and formatted value of a statistic.
+struct Figure {
+  std::string name, value;
+};
+
+std::vector<Figure> FigureList(const ComparedRow& row, const ComparisonFigures& f) {
+  std::vector<Figure> list{
+      {"top-ranked pose right, %",
+       fmt::format("{} ({} of {})", PercentNumber(f.bins > 0 ? 1.0 * f.top_right / f.bins : 0),
+                   f.top_right, f.bins)},
+      {"recall, %",
+       fmt::format("{} ({} of {})", PercentNumber(f.recall()), f.recalled, f.instances)}};
+  if (f.top_pick_chance) {
+    list.insert(list.begin() + 1,
+                {"chance to pick it, mean, %", PercentNumber(*f.top_pick_chance)});
+  }
+  for (const RecallBand& band : f.bands) {
+    list.push_back({"  recall, " + BandName(band) + " visible", RecallOf(band)});
+  }
+  const std::vector<Figure> rest{
+      {"precision, %",
+       fmt::format("{} ({} of {})", PercentNumber(f.precision()), f.right, f.poses)},
+      {"recall at precision 0.95, %", PercentNumber(f.recall_at_95)},
+      {"kind of part right, %", PercentNumber(f.poses > 0 ? 1.0 * f.identity_right / f.poses : 0)},
+      {"median rotation error, deg", MedianText(f.median_rotation_deg, 2)},
+      {"median MSSD, diameters", MedianText(f.median_mssd_diameters, 4)},
+      {"over 15 deg, %", PercentNumber(f.share_over_15_deg)},
+      {"calibration error (ECE)", fmt::format("{:.3f}", f.calibration_error)},
+      {"AR (VSD, MSSD, MSPD)", fmt::format("{:.3f}", row.bop.ar())},
+      {"  AR VSD", fmt::format("{:.3f}", row.bop.ar_vsd)},
+      {"  AR MSSD", fmt::format("{:.3f}", row.bop.ar_mssd)},
+      {"  AR MSPD", fmt::format("{:.3f}", row.bop.ar_mspd)},
+      {"AP (MSSD, MSPD)", fmt::format("{:.3f}", row.bop.ap())},
+      {"seconds an image", fmt::format("{:.3f}", f.seconds)},
+      {"memory at most, MiB", fmt::format("{:.0f}", row.peak_memory_mib)},
+      {"seconds to load", fmt::format("{:.1f}", row.setup_s)}};
+  list.insert(list.end(), rest.begin(), rest.end());
+  return list;
+}
+
+// Header, then one line per statistic. One column per estimator.
+std::vector<std::vector<std::string>> FigureTable(const std::vector<ComparedRow>& rows) {
+  std::vector<std::vector<std::string>> table{{""}};
+  for (const ComparedRow& row : rows) {
+    table.front().push_back(row.label);
+    const std::vector<Figure> list = FigureList(row, FiguresOf(row));
+    for (size_t i = 0; i < list.size(); ++i) {
+      if (table.size() <= i + 1) table.push_back({list[i].name});
+      table[i + 1].push_back(list[i].value);
+    }
+  }
+  return table;
+}
+
+std::vector<std::vector<std::string>> PartTable(const std::vector<ComparedRow>& rows,
+                                                const ObjectSet& objects) {
+  std::vector<std::vector<std::string>> table{{"part"}};
+  for (const auto& object : objects) table.push_back({object->name});
+  for (const ComparedRow& row : rows) {
+    table.front().push_back(row.label);
+    for (size_t i = 0; i < objects.size(); ++i) {
+      table[i + 1].push_back(PercentNumber(FiguresOf(row, static_cast<int>(i)).recall()));
+    }
+  }
+  return table;
+}
+
+std::vector<std::vector<std::string>> StageTable(const std::vector<ComparedRow>& rows) {
+  constexpr std::string_view kPrefix = "estimate/";
+  std::vector<std::vector<std::string>> table{
+      {"estimator", "stage", "seconds an image", "share, %"}};
+  for (const ComparedRow& row : rows) {
+    const ComparisonFigures figures = FiguresOf(row);
+    for (const auto& [stage, seconds] : figures.stages) {
+      if (!stage.starts_with(kPrefix)) continue;
+      table.push_back({row.label, stage.substr(kPrefix.size()), fmt::format("{:.4f}", seconds),
+                       PercentNumber(seconds / figures.seconds)});
+    }
+  }
+  return table;
+}
+
+// Recall in each visible-fraction band, with its 95 % interval over bins.
+RateCurve RecallCurve(const ComparedRow& row) {
+  std::vector<std::vector<Cluster>> bins(EmptyRecallBands().size());  // by band
+  for (const ComparedLook& look : row.looks) {
+    std::vector<RecallBand> here = EmptyRecallBands();
+    for (const InstanceRecord& instance : look.score.instances) CountRecall(instance, here);
+    for (size_t b = 0; b < here.size(); ++b)
+      bins[b].push_back({here[b].recalled, here[b].instances});
+  }
+  RateCurve curve{row.label, {}};
+  for (const std::vector<Cluster>& band : bins) curve.rates.push_back(ClusterRate(band));
+  return curve;
+}
+
+CalibrationCurve ReliabilityCurve(const ComparedRow& row) {
+  const std::vector<ReliabilityBin> reliability = FiguresOf(row).reliability;
+  std::vector<std::vector<Cluster>> by_look(reliability.size());
+  for (const ComparedLook& look : row.looks) {
+    ComparedRow one_look;
+    one_look.looks = {look};
+    const std::vector<ReliabilityBin> here = FiguresOf(one_look).reliability;
+    for (size_t b = 0; b < here.size(); ++b) by_look[b].push_back({here[b].right, here[b].count});
+  }
+  CalibrationCurve curve{row.label, {}};
+  for (size_t b = 0; b < reliability.size(); ++b) {
+    if (reliability[b].count == 0) continue;
+    curve.points.push_back(
+        {reliability[b].score_sum / reliability[b].count, ClusterRate(by_look[b])});
+  }
+  return curve;
+}
+
+ReportChart RecallChart(const std::vector<ComparedRow>& rows) {
+  std::vector<std::string> bands;
+  for (const RecallBand& band : EmptyRecallBands()) bands.push_back(BandName(band));
+  std::vector<RateCurve> curves;
+  for (const ComparedRow& row : rows) curves.push_back(RecallCurve(row));
+  return RateCurves(
+      {"recall", "Recall by visible fraction", "Shaded: 95 % intervals over bins.", ""},
+      "visible fraction of the part", "recall", bands, curves);
+}
+
+ReportChart ReliabilityChart(const std::vector<ComparedRow>& rows) {
+  std::vector<CalibrationCurve> curves;
+  for (const ComparedRow& row : rows) curves.push_back(ReliabilityCurve(row));
+  ReportChart chart{"reliability", "What a score is worth",
+                    "Share of right poses among those with about the same score. On the dotted "
+                    "line it equals the score. Bars: 95 % intervals over bins.",
+                    ""};
+  chart.table = {{"estimator", "mean score", "right [95 %]", "poses"}};
+  return CalibrationCurves(std::move(chart), "score", "share right", curves);
+}
+
+}  // namespace
+
+std::string ComparisonTable(const std::vector<ComparedRow>& rows) {
+  constexpr size_t kLeastWidth = 26;
+  const std::vector<std::vector<std::string>> table = FigureTable(rows);
+  std::string text;
+  for (const std::vector<std::string>& line : table) {
+    text += fmt::format("{:<32}", line.front());
+    for (size_t i = 1; i < line.size(); ++i) {
+      const size_t width = std::max(kLeastWidth, table.front()[i].size() + 1);
+      text += fmt::format("{:>{}}", line[i], width);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
+  std::string csv =
+      "estimator,object,bins,top_right,instances,recalled,poses,right,identity_right,recall_at_95,"
+      "median_rotation_deg,median_rotation_low,median_rotation_high,median_mssd_diameters,"
+      "median_mssd_low,median_mssd_high,share_over_15_deg,calibration_error";
+  for (const RecallBand& band : EmptyRecallBands()) {
+    const int low = static_cast<int>(100 * band.visible_min + 0.5);
+    const int high = static_cast<int>(100 * band.visible_max + 0.5);
+    csv += fmt::format(",instances_{0}_{1},recalled_{0}_{1}", low, high);
+  }
+  csv += ",ar_vsd,ar_mssd,ar_mspd,ap_mssd,ap_mspd,top_pick_chance\n";
+  for (const ComparedRow& row : rows) {
+    for (int object = -1; object < static_cast<int>(objects.size()); ++object) {
+      const bool all = object < 0;
+      const ComparisonFigures f = all ? FiguresOf(row) : FiguresOf(row, object);
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}", row.label,
+                         all ? "all" : objects[object]->name, f.bins, f.top_right, f.instances,
+                         f.recalled, f.poses, f.right, f.identity_right, f.recall_at_95,
+                         MedianCells(f.median_rotation_deg), MedianCells(f.median_mssd_diameters),
+                         f.share_over_15_deg, f.calibration_error);
+      for (const RecallBand& band : f.bands) {
+        csv += fmt::format(",{},{}", band.instances, band.recalled);
+      }
+      const auto known = row.bop.objects.find(object + 1);
+      const bop::ObjectScores of_part =
+          known != row.bop.objects.end() ? known->second : bop::ObjectScores();
+      csv += fmt::format(
+          ",{},{},{},{},{},{}\n", all ? row.bop.ar_vsd : of_part.ar_vsd,
+          all ? row.bop.ar_mssd : of_part.ar_mssd, all ? row.bop.ar_mspd : of_part.ar_mspd,
+          all ? row.bop.ap_mssd : of_part.ap_mssd, all ? row.bop.ap_mspd : of_part.ap_mspd,
+          f.top_pick_chance ? fmt::format("{:.4f}", *f.top_pick_chance) : "");
+    }
+  }
+  return csv;
+}
+
+std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
+  std::string csv =
+      "estimator,trial,hypothesis,object,instance,score,mssd_m,mssd_diameters,mspd_px,add_m,adi_m,"
+      "rotation_rad,translation_m,correct,p_pick\n";
+  for (const ComparedRow& row : rows) {
+    for (const ComparedLook& look : row.looks) {
+      for (size_t i = 0; i < look.score.hypotheses.size(); ++i) {
+        const HypothesisRecord& h = look.score.hypotheses[i];
+        const bool known = !look.pick_chances.empty() && look.pick_chances[i].has_value();
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.label, look.trial,
+                           i, objects[h.object]->name, h.instance, h.score, h.mssd_m,
+                           h.mssd_diameters, h.mspd_px, h.add_m, h.adi_m, h.rotation_rad,
+                           h.translation_m, h.correct ? 1 : 0,
+                           known ? fmt::format("{:.4f}", *look.pick_chances[i]) : "");
+      }
+    }
+  }
+  return csv;
+}
+
+HtmlPage ComparisonPage(const std::string& title, const std::vector<ComparedRow>& rows,
+                        const ObjectSet& objects, const std::vector<std::string>& pictures) {
+  HtmlPage page(title);
+  page.Paragraph(
+      "Each estimator saw the same images. A pose is right when its MSSD is under a tenth of the "
+      "part's diameter; instances of at least 10 % visible are to be found, and a second pose of "
+      "an instance is a wrong one. Bands, and brackets behind medians, are 95 % intervals over "
+      "bins, since what one image shows is not independent.");
+  page.Table(FigureTable(rows));
+  page.Heading("Curves");
+  page.Charts({RecallChart(rows), ReliabilityChart(rows)});
+  if (objects.size() > 1) {
+    page.Heading("Recall by part, %");
+    page.Table(PartTable(rows, objects));
+  }
+  page.Heading("Where the time goes");
+  page.Table(StageTable(rows));
+  if (!pictures.empty()) page.Heading("The first bins");
+  for (const std::string& picture : pictures) page.Picture(picture, picture);
+  return page;
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,23 @@
+#pragma once
+
+// Output of an estimator comparison as text, CSV and HTML page.
+
+#include <string>
+#include <vector>
+
+#include "eval/estimate/estimator_comparison.h"
+#include "eval/page/html.h"
+
+namespace pickbed::eval {
+
+// Text table for the console, one column per estimator.
+std::string ComparisonTable(const std::vector<ComparedRow>& rows);
+// One line per estimator for all objects, and one per estimator and object.
+std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects);
+// One line per reported pose.
+std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects);
+// HTML page. `pictures` are paths of overlay images, relative to the page.
+HtmlPage ComparisonPage(const std::string& title, const std::vector<ComparedRow>& rows,
+                        const ObjectSet& objects, const std::vector<std::string>& pictures);
+
+}  // namespace pickbed::eval

@@ -1,0 +1,128 @@
+#include "eval/estimate/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "eval/trial/simulated_cell.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr double kFarOff_deg = 15;
+constexpr double kWantedPrecision = 0.95;
+constexpr int kReliabilityBins = 10;
+
+// A reported pose.
+struct Claim {
+  double score = 0;
+  bool right = false;   // correct, and the first pose of its instance
+  bool counts = false;  // its instance is to be found
+};
+
+// Recall counts only instances to be found. Precision counts all poses.
+double RecallAtPrecision(std::vector<Claim> claims, int wanted) {
+  std::stable_sort(claims.begin(), claims.end(),
+                   [](const Claim& a, const Claim& b) { return a.score > b.score; });
+  int right = 0, found = 0;
+  double best = 0;
+  for (size_t i = 0; i < claims.size(); ++i) {
+    right += claims[i].right;
+    found += claims[i].counts;
+    // A threshold cannot separate equal scores.
+    if (i + 1 < claims.size() && claims[i + 1].score == claims[i].score) continue;
+    if (right >= kWantedPrecision * static_cast<double>(i + 1)) best = found;
+  }
+  return wanted > 0 ? best / wanted : 0;
+}
+
+// Expected calibration error (Naeini, Cooper and Hauskrecht 2015).
+void Calibrate(const std::vector<Claim>& claims, ComparisonFigures& figures) {
+  figures.reliability.resize(kReliabilityBins);
+  for (const Claim& claim : claims) {
+    const int bin =
+        std::clamp(static_cast<int>(claim.score * kReliabilityBins), 0, kReliabilityBins - 1);
+    figures.reliability[bin].score_sum += claim.score;
+    ++figures.reliability[bin].count;
+    figures.reliability[bin].right += claim.right;
+  }
+  for (const ReliabilityBin& bin : figures.reliability) {
+    if (claims.empty()) break;
+    figures.calibration_error += std::abs(bin.score_sum - bin.right) / claims.size();
+  }
+}
+
+void CountInstances(const AttemptScore& look, std::optional<int> object,
+                    ComparisonFigures& figures) {
+  for (const InstanceRecord& instance : look.instances) {
+    if (object && instance.object != *object) continue;
+    if (instance.visible_fraction < kCountedVisibility) continue;
+    ++figures.instances;
+    figures.recalled += instance.recalled;
+    CountRecall(instance, figures.bands);
+  }
+}
+
+std::optional<double> TopPickChance(const ComparedRow& row) {
+  double sum = 0;
+  int known = 0, mapped = 0;
+  for (const ComparedLook& look : row.looks) {
+    const bool blind = look.score.hypotheses.empty();
+    if (!blind && (look.pick_chances.empty() || !look.pick_chances.front())) continue;
+    ++known;
+    if (blind) continue;
+    ++mapped;
+    sum += *look.pick_chances.front();
+  }
+  if (mapped == 0) return std::nullopt;
+  return sum / known;
+}
+
+}  // namespace
+
+ComparisonFigures FiguresOf(const ComparedRow& row, std::optional<int> object) {
+  ComparisonFigures figures;
+  figures.bands = EmptyRecallBands();
+  std::vector<Claim> claims;
+  ValueClusters rotations_deg, mssds;  // by bin
+  int far_off = 0, standing = 0;
+  for (const ComparedLook& compared : row.looks) {
+    const AttemptScore& look = compared.score;
+    ++figures.bins;
+    std::vector<double>& rotations_here_deg = rotations_deg.emplace_back();
+    std::vector<double>& mssds_here = mssds.emplace_back();
+    figures.top_right += !look.hypotheses.empty() && look.hypotheses.front().correct;
+    CountInstances(look, object, figures);
+    for (size_t i = 0; i < look.hypotheses.size(); ++i) {
+      const HypothesisRecord& pose = look.hypotheses[i];
+      if (object && pose.object != *object) continue;
+      const int taken = look.taken[i];
+      const bool counts =
+          taken >= 0 && look.instances[taken].visible_fraction >= kCountedVisibility;
+      claims.push_back({pose.score, taken >= 0, counts});
+      ++figures.poses;
+      figures.right += taken >= 0;
+      figures.identity_right += look.nearest_object[i] == pose.object;
+      if (pose.mssd_diameters >= kMatchDiameters) continue;
+      rotations_here_deg.push_back(pose.rotation_rad * 180 / std::numbers::pi);
+      mssds_here.push_back(pose.mssd_diameters);
+      far_off += rotations_here_deg.back() > kFarOff_deg;
+      ++standing;
+    }
+    for (const auto& [stage, seconds] : compared.seconds) {
+      figures.stages[stage] += seconds / static_cast<double>(row.looks.size());
+    }
+  }
+  figures.recall_at_95 = RecallAtPrecision(claims, figures.instances);
+  Calibrate(claims, figures);
+  figures.top_pick_chance = TopPickChance(row);
+  figures.share_over_15_deg = standing > 0 ? static_cast<double>(far_off) / standing : 0;
+  figures.median_rotation_deg = MedianWithin(rotations_deg);
+  figures.median_mssd_diameters = MedianWithin(mssds);
+  if (const auto all = figures.stages.find("estimate"); all != figures.stages.end()) {
+    figures.seconds = all->second;
+  }
+  return figures;
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,48 @@
+#pragma once
+
+// Writes an HTML page that shows how an estimator processed one image, with a picture of each
+// stage.
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "eval/explain/truth.h"
+#include "scenes/labelled_view.h"
+#include "scenes/scenario/scenario_spec.h"
+
+namespace pickbed::eval {
+
+// Input of the page: one image, the trace of its estimate, and optionally the ground truth.
+struct Explained {
+  std::string title;
+  const RgbdFrame& frame;
+  const ObjectSet& objects;
+  const EstimateTrace& trace;
+  const std::vector<PoseHypothesis>& hypotheses;  // reported poses, highest score first
+  std::optional<std::vector<TruePart>> truth;     // without it, no pose is called right or wrong
+  LabelledViewSource& views;                      // renders the codebook entries
+  double working_distance_m = 0.85;
+};
+
+// Writes explain.html and pictures/*.png into `folder`. Returns an empty string, or the reason why
+// the page is missing (WritePage in eval/page/html.h). Throws InputError if a file cannot be
+// written.
+[[nodiscard]] std::string WriteExplanation(const Explained& explained,
+                                           const std::filesystem::path& folder);
+
+// Throws InputError for an estimator that does not record a trace.
+void RequireExplains(const std::string& estimator);
+
+// Explains the first image of a trial. Image and random numbers are the same as in an estimator
+// comparison. Returns the result of WriteExplanation. Throws InputError for an estimator without a
+// trace.
+[[nodiscard]] std::string ExplainTrial(
+    const ScenarioSpec& spec, const ObjectSet& objects, const std::string& title, int trial,
+    const std::filesystem::path& folder,
+    const std::function<void(std::string_view what, double share)>& on_progress);
+
+}  // namespace pickbed::eval

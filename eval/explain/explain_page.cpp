@@ -1,0 +1,253 @@
+#include "eval/explain/explain_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "eval/draw/overlay.h"
+#include "eval/trial/simulated_cell.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+
+namespace pickbed::eval {
+
+using namespace explain;
+
+namespace {
+
+constexpr int kFollowed = 30;  // number of poses shown before and after ICP
+
+}  // namespace
+
+Explainer::Explainer(const Explained& in, const std::filesystem::path& folder)
+    : in_(in), folder_(folder), page_(in.title), board_(in.frame), outlines_(in.objects) {
+  for (const auto& object : in.objects) {
+    models_.push_back(MakeModelPoints(*object));
+    distances_.emplace_back(*object);
+  }
+  if (!in.truth) return;
+  judge_.emplace(in.objects, *in.truth);
+  for (const TracedVote& vote : in.trace.votes) {
+    vote_errors_.push_back((*judge_)(vote.vote.object, vote.vote.X_CO));
+  }
+  verdicts_ = JudgeSet(*judge_, in.hypotheses);
+  fates_ = DiagnoseInstances(*judge_, in.trace, vote_errors_, models_, in.hypotheses);
+}
+
+std::string Explainer::Write() {
+  MakeFolder(folder_ / "pictures");
+  Summary();
+  Input();
+  Points();
+  Patches();
+  Votes();
+  Hypotheses();
+  Accepted();
+  Rejected();
+  Missed();
+  Final();
+  Fates();
+  return WritePage(folder_ / "explain.html", page_);
+}
+
+void Explainer::Stage(const std::string& heading, const std::string& how_to_read) {
+  page_.Heading(heading);
+  page_.Paragraph(how_to_read);
+}
+
+void Explainer::Show(const std::string& name, const Image<Rgb8>& picture,
+                     const std::string& caption, bool wide) {
+  const std::string path = "pictures/" + name + ".png";
+  WritePng(folder_ / path, picture);
+  if (wide) {
+    page_.WidePicture(path, caption);
+  } else {
+    page_.Picture(path, caption);
+  }
+}
+
+void Explainer::ShowGallery(const std::string& name, const std::vector<PoseTile>& tiles,
+                            const std::string& caption) {
+  Show(name, PoseGallery(board_, outlines_, in_.objects, models_, tiles), caption);
+}
+
+std::vector<LegendEntry> Explainer::TruthLegend(const std::string& right, const std::string& near,
+                                                const std::string& wrong) const {
+  if (!judge_) return {{kUnknown, "the truth is not known here"}};
+  return {{kRight, right}, {kNear, near}, {kWrong, wrong}};
+}
+
+std::string Explainer::TruthText(int object, const Pose& X_CO) const {
+  if (!judge_) return "";
+  const PoseVerdict error = (*judge_)(object, X_CO);
+  if (error.part < 0) return "no such part";
+  if (error.right()) return "right";
+  return error.diameters < 9.95 ? fmt::format("off {:.2f} d", error.diameters) : "far off";
+}
+
+void Explainer::Summary() {
+  std::string text = fmt::format(
+      "{} patches cast {} votes; {} poses were refined, {} judged by the verifier and {} reported.",
+      in_.trace.patches.size(), in_.trace.votes.size(), in_.trace.refinements.size(),
+      in_.trace.candidates.size(), in_.hypotheses.size());
+  const std::vector<int>& told = in_.trace.instances;
+  if (!told.empty()) {
+    text += fmt::format(" It was told how many of each object to find, {} in all.",
+                        std::accumulate(told.begin(), told.end(), 0));
+  }
+  if (judge_) {
+    const auto right = std::ranges::count(verdicts_, Verdict::kRight);
+    size_t wanted = 0, found = 0;
+    for (size_t i = 0; i < fates_.size(); ++i) {
+      if (judge_->parts()[i].visible_fraction < kCountedVisibility) continue;
+      ++wanted;
+      found += fates_[i].lost == LostAt::kFound;
+    }
+    text += fmt::format(
+        " By the truth {} of the {} reported poses are right, and {} of the {} parts at least {} "
+        "visible were found. Right is an error (MSSD) under {:g} diameters; d below is diameters.",
+        right, in_.hypotheses.size(), found, wanted, Percent(kCountedVisibility),
+        kCorrectDiameters);
+  } else {
+    text += " The truth is not known here, so that nothing is called right or wrong.";
+  }
+  page_.Paragraph(text);
+}
+
+void Explainer::Input() {
+  Stage("1. What the camera sees",
+        "Only what is foreground can be sampled; a part without depth cannot be found.");
+  std::vector<float> known;
+  for (const float z : in_.frame.depth_m.pixels()) {
+    if (z > 0) known.push_back(z);
+  }
+  std::ranges::sort(known);
+  const double holes =
+      1 - static_cast<double>(known.size()) / std::max<size_t>(1, in_.frame.depth_m.size());
+  const auto at = [&](double share) {
+    return known.empty() ? 0.f : known[static_cast<size_t>(share * (known.size() - 1))];
+  };
+  if (!in_.frame.color.empty()) Show("1_color", in_.frame.color, "Colour", false);
+  Show("1_depth", ColorizeDepth(in_.frame.depth_m),
+       fmt::format("Depth: near is warm, {:.3f} to {:.3f} m; black has no reading ({:.1f} %)",
+                   at(0.01), at(0.99), 100 * holes),
+       false);
+  Show("1_foreground", DrawForeground(in_.frame, in_.trace.cloud),
+       "Foreground in its colours; background dimmed, violet has no reading", false);
+}
+
+void Explainer::Points() {
+  const size_t count = in_.trace.patches.size();
+  Stage("2. Sampled points",
+        "A patch is cut around each and votes for poses of parts. Where many points have no right "
+        "vote, the descriptors do not know what they see: too hidden, too plain, or not learned.");
+  std::map<int, int> right_by_pixel;
+  for (const TracedPatch& patch : in_.trace.patches) right_by_pixel[patch.pixel] += 0;
+  for (size_t i = 0; i < vote_errors_.size(); ++i) {
+    const int pixel = in_.trace.patches[in_.trace.votes[i].patch].pixel;
+    right_by_pixel[pixel] += vote_errors_[i].right();
+  }
+  std::vector<ColoredDot> dots;
+  int none = 0;
+  for (const auto& [pixel, right] : right_by_pixel) {
+    const Rgb8 by_truth = right == 0 ? kWrong : right == 1 ? kNear : kRight;
+    dots.push_back({Pixel(pixel), judge_ ? by_truth : kUnknown});
+    none += right == 0;
+  }
+  std::string caption = fmt::format("{} points, {} patches", dots.size(), count);
+  if (judge_) {
+    caption += fmt::format("; {} of the points have no right vote",
+                           Percent(static_cast<double>(none) / std::max<size_t>(1, dots.size())));
+  }
+  Show("2_points",
+       DrawDots(board_, dots, 2.6,
+                TruthLegend("two or more of its votes are right", "one is", "none is")),
+       caption);
+}
+
+void Explainer::Votes() {
+  Stage("4. Votes",
+        "Each vote puts the middle of a part somewhere. Bright spots on rings are parts that many "
+        "patches agree on; bright spots beside them are look-alikes, dark rings went unseen.");
+  std::vector<Eigen::Vector2d> centers;
+  std::vector<ColoredDot> dots[3];  // wrong, near, right: right ones are drawn on top
+  for (size_t i = 0; i < in_.trace.votes.size(); ++i) {
+    const RawHypothesis& vote = in_.trace.votes[i].vote;
+    if (!((vote.X_CO * in_.objects[vote.object]->mass.com_O).z() > 0)) continue;
+    centers.push_back(MiddlePixel(vote.object, vote.X_CO));
+    if (!judge_) continue;
+    const Rgb8 color = ColorOf(vote_errors_[i]);
+    dots[color == kRight ? 2 : color == kNear ? 1 : 0].push_back({centers.back(), color});
+  }
+  double diameter_m = 0;
+  for (const auto& object : in_.objects) diameter_m += object->diameter_m / in_.objects.size();
+  const double sigma_px =
+      std::max(1.0, 0.03 * diameter_m * in_.frame.intrinsics.fx / in_.working_distance_m);
+  std::vector<ColoredDot> rings;
+  for (size_t i = 0; i < fates_.size(); ++i) {
+    const TruePart& part = judge_->parts()[i];
+    const bool found = fates_[i].lost == LostAt::kFound;
+    const Rgb8 lost = fates_[i].lost == LostAt::kHardlyVisible ? kPale : kUnknown;
+    rings.push_back({MiddlePixel(part.object, part.X_CO), found ? kRight : lost});
+  }
+  std::vector<LegendEntry> legend;
+  if (judge_) {
+    legend = {{kRight, "a part that was found"},
+              {kUnknown, "one that was not"},
+              {kPale, "one that is hardly visible"}};
+  }
+  Show("4_votes", DrawVoteMap(board_, centers, sigma_px, rings, legend),
+       fmt::format("{} votes, {} of each patch: density of the middles that they vote for",
+                   in_.trace.votes.size(), in_.trace.neighbors));
+  if (!judge_) return;
+  std::vector<ColoredDot> all;
+  for (const auto& of_color : dots) all.insert(all.end(), of_color.begin(), of_color.end());
+  const auto share = [&](const std::vector<ColoredDot>& some) {
+    return Percent(static_cast<double>(some.size()) / std::max<size_t>(1, all.size()));
+  };
+  Show("4_votes_by_truth",
+       DrawDots(board_, all, 1.6,
+                TruthLegend("right: " + share(dots[2]), "in ICP's reach: " + share(dots[1]),
+                            "wrong: " + share(dots[0]))),
+       "The same middles one by one; right means the whole pose, so that a wrong one may lie on a "
+       "part's middle");
+}
+
+void Explainer::Hypotheses() {
+  Stage("5. Hypotheses before and after ICP",
+        "The votes that rank best, and where ICP took them. Amber before should be green after; "
+        "what is red before stays wrong, and amber that turned red slid into clutter.");
+  std::vector<const TracedRefinement*> followed;
+  for (const TracedRefinement& refinement : in_.trace.refinements) {
+    if (!refinement.look_alike) followed.push_back(&refinement);
+  }
+  std::ranges::stable_sort(followed, [](const TracedRefinement* a, const TracedRefinement* b) {
+    return a->before.quick_score > b->before.quick_score;
+  });
+  if (followed.size() > kFollowed) followed.resize(kFollowed);
+  const auto legend = TruthLegend("right", "within 0.25 d: in ICP's reach", "wrong");
+  const auto draw = [&](const char* name, const std::string& when,
+                        RawHypothesis TracedRefinement::*which) {
+    std::vector<DrawnPose> poses;
+    int right = 0;
+    for (const TracedRefinement* refinement : followed) {
+      const RawHypothesis& pose = refinement->*which;
+      poses.push_back({pose.object, pose.X_CO, ColorOfPose(pose.object, pose.X_CO)});
+      right += poses.back().color == kRight;
+    }
+    const std::string how_many = judge_ ? fmt::format(": {} right", right) : "";
+    Show(name, DrawPoses(board_, outlines_, in_.objects, poses, legend),
+         fmt::format("The best {} {} ICP{}", followed.size(), when, how_many));
+  };
+  draw("5_before_icp", "before", &TracedRefinement::before);
+  draw("5_after_icp", "after", &TracedRefinement::after);
+}
+
+std::string WriteExplanation(const Explained& explained, const std::filesystem::path& folder) {
+  return Explainer(explained, folder).Write();
+}
+
+}  // namespace pickbed::eval

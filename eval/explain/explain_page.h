@@ -1,0 +1,92 @@
+#pragma once
+
+// Class behind WriteExplanation() in explain.h: writes the page of an explained image and its
+// pictures.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eval/explain/draw_tiles.h"
+#include "eval/explain/explain.h"
+#include "eval/page/html.h"
+
+namespace pickbed::eval {
+
+// Writes the page section by section. Each private function without arguments writes one section.
+class Explainer {
+ public:
+  // Compares all poses with the ground truth, if it is known.
+  Explainer(const Explained& in, const std::filesystem::path& folder);
+
+  // Writes all pictures and then the page. Returns the result of WritePage.
+  std::string Write();
+
+ private:
+  void Summary();
+  void Input();
+  void Points();
+  void Patches();
+  void Votes();
+  void Hypotheses();
+  void Accepted();
+  void Rejected();
+  void Missed();
+  void Final();
+  void Fates();
+
+  void Stage(const std::string& heading, const std::string& how_to_read);
+  // Writes the picture to a file and adds it to the page.
+  void Show(const std::string& name, const Image<Rgb8>& picture, const std::string& caption,
+            bool wide = true);
+  void ShowGallery(const std::string& name, const std::vector<explain::PoseTile>& tiles,
+                   const std::string& caption);
+
+  static std::string Percent(double share);
+  std::string FitText(int object, const Pose& X_CO, const FitReport& fit) const;
+  Eigen::Vector2d Pixel(int index) const {
+    const int width = in_.frame.intrinsics.width;
+    return {index % width, index / width};
+  }
+  Eigen::Vector2d MiddlePixel(int object, const Pose& X_CO) const {
+    return Project(in_.frame.intrinsics, X_CO * in_.objects[object]->mass.com_O);
+  }
+  Rgb8 ColorOf(const PoseVerdict& error) const {
+    if (error.right()) return explain::kRight;
+    return error.diameters < kReachDiameters ? explain::kNear : explain::kWrong;
+  }
+  // Colour by the error against ground truth; kUnknown without ground truth.
+  Rgb8 ColorOfPose(int object, const Pose& X_CO) const {
+    return judge_ ? ColorOf((*judge_)(object, X_CO)) : explain::kUnknown;
+  }
+  std::string PartName(int object) const {
+    return in_.objects.size() > 1 ? in_.objects[object]->name + "  " : "";
+  }
+  std::string TruthText(int object, const Pose& X_CO) const;
+  std::vector<LegendEntry> TruthLegend(const std::string& right, const std::string& near,
+                                       const std::string& wrong) const;
+  explain::PoseTile TileOf(int object, const Pose& X_CO, std::string title,
+                           std::string caption) const;
+  explain::QueryTile QueryOf(int patch, int first_vote, int votes) const;
+  // Header, then one row for each of `parts`, in this order.
+  std::vector<std::vector<std::string>> FateTable(const std::vector<int>& parts) const;
+  // Rejected candidates, best first, at most ten. A candidate is left out if its pose equals an
+  // accepted pose or an earlier candidate (distance under 0.1 diameter).
+  std::vector<int> WhollyRejected() const;
+  std::string WhyRejected(const PoseHypothesis& hypothesis) const;
+
+  const Explained& in_;
+  std::filesystem::path folder_;
+  HtmlPage page_;
+  explain::Board board_;
+  PartOutlines outlines_;
+  std::vector<ModelPoints> models_;
+  std::vector<PoseDistance> distances_;
+  std::optional<PoseJudge> judge_;
+  std::vector<PoseVerdict> vote_errors_;  // one per entry of trace.votes
+  std::vector<Verdict> verdicts_;         // one per hypothesis
+  std::vector<InstanceDiagnosis> fates_;  // one per ground-truth instance
+};
+
+}  // namespace pickbed::eval

@@ -1,0 +1,306 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "eval/explain/codebook_patches.h"
+#include "eval/explain/explain_page.h"
+
+namespace pickbed::eval {
+
+using namespace explain;
+
+namespace {
+
+constexpr int kQueries = 12, kQueryNeighbors = 5;
+constexpr size_t kGalleryTiles = 15, kBestTiles = 10;
+constexpr double kSamePoseDiameters = 0.1;
+
+Rgb8 FateColor(LostAt lost) {
+  switch (lost) {
+    case LostAt::kFound:
+      return kRight;
+    case LostAt::kHardlyVisible:
+      return kPale;
+    case LostAt::kPoints:
+      return {150, 110, 70};
+    case LostAt::kVotes:
+      return {235, 62, 52};
+    case LostAt::kSelection:
+      return {250, 130, 40};
+    case LostAt::kIcp:
+      return {250, 210, 60};
+    case LostAt::kMerging:
+      return {240, 240, 180};
+    case LostAt::kVerifier:
+      return {200, 90, 240};
+    case LostAt::kFinalSet:
+      return {85, 165, 255};
+    case LostAt::kCount:
+      return {40, 90, 170};
+    case LostAt::kRefiner:
+      return {60, 220, 230};
+  }
+  return kPale;
+}
+
+}  // namespace
+
+std::string Explainer::Percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
+std::string Explainer::FitText(int object, const Pose& X_CO, const FitReport& fit) const {
+  std::string text = fmt::format("agree {}, hidden {}, violate {}", Percent(fit.inlier_share),
+                                 Percent(fit.hidden_share), Percent(fit.violated_share));
+  const auto print = PrintCorrelation(in_.trace.cloud, models_[object], X_CO);
+  if (print) text += fmt::format(", print {:.2f}", *print);
+  return text;
+}
+
+QueryTile Explainer::QueryOf(int index, int first_vote, int votes) const {
+  const TracedPatch& patch = in_.trace.patches[index];
+  QueryTile query;
+  query.patch = &patch;
+  query.pixel = Pixel(patch.pixel);
+  const double px_per_m = in_.frame.intrinsics.fx / patch.X_CP.translation().z();
+  query.side_px = patch.side_m * px_per_m;
+  double diameter_m = 0;
+  for (int i = 0; i < std::min(votes, kQueryNeighbors); ++i) {
+    const RawHypothesis& vote = in_.trace.votes[first_vote + i].vote;
+    diameter_m = std::max(diameter_m, in_.objects[vote.object]->diameter_m);
+    query.neighbors.push_back(
+        {std::nullopt, vote.object, vote.X_CO, ColorOfPose(vote.object, vote.X_CO),
+         fmt::format("{:.2f}  {}{}", in_.trace.votes[first_vote + i].distance,
+                     PartName(vote.object), TruthText(vote.object, vote.X_CO))});
+  }
+  query.view_px = std::max(1.5 * query.side_px, 1.5 * diameter_m * px_per_m);
+  return query;
+}
+
+void Explainer::Patches() {
+  const EstimateTrace& trace = in_.trace;
+  if (trace.votes.empty()) return;
+  Stage("3. Patches and their nearest code-book entries",
+        "Right neighbours look like the query because they are the same place of the part; wrong "
+        "ones that look alike all the same are what the votes must sort out.");
+  std::map<int, std::pair<int, int>> votes_of;  // patch -> index of first vote, number of votes
+  for (size_t i = 0; i < trace.votes.size(); ++i) {
+    ++votes_of.try_emplace(trace.votes[i].patch, static_cast<int>(i), 0).first->second.second;
+  }
+  std::vector<QueryTile> queries;
+  std::vector<EntryPose> entries;
+  const int count = static_cast<int>(trace.patches.size());
+  for (int q = 0; q < std::min(kQueries, count); ++q) {
+    const int patch = (2 * q + 1) * count / (2 * std::min(kQueries, count));
+    const auto votes = votes_of.find(patch);
+    if (votes == votes_of.end()) continue;
+    queries.push_back(QueryOf(patch, votes->second.first, votes->second.second));
+    for (const NeighborTile& neighbor : queries.back().neighbors) {
+      entries.push_back({neighbor.object,
+                         {trace.patches[patch].side_m, trace.channels},
+                         trace.patches[patch].X_CP.inverse() * neighbor.X_CO});
+    }
+  }
+  const auto patches =
+      EntryPatches(in_.views, entries, in_.working_distance_m, in_.frame.intrinsics.fx);
+  size_t next = 0;
+  for (QueryTile& query : queries) {
+    for (NeighborTile& neighbor : query.neighbors) neighbor.patch = patches[next++];
+  }
+  Show("3_patches",
+       PatchSheet(board_, outlines_, queries, trace.channels,
+                  TruthLegend("votes for the right pose", "within 0.25 d: in ICP's reach",
+                              "votes for a wrong pose")),
+       std::string("Each block: the query patch ") +
+           (trace.channels == PatchChannels::kDepthColor
+                ? "(its colours; the network sees its depth, too)"
+                : "(depth, near is warm, shaded by its normals)") +
+           " and the nearest entries, rendered anew; below, the patch's place and the pose that "
+           "each entry votes for. Numbers are distances of the descriptors.");
+}
+
+PoseTile Explainer::TileOf(int object, const Pose& X_CO, std::string title,
+                           std::string caption) const {
+  return {object,
+          X_CO,
+          ColorOfPose(object, X_CO),
+          JudgePoints(in_.trace.cloud, models_[object], X_CO),
+          std::move(title),
+          std::move(caption)};
+}
+
+void Explainer::Accepted() {
+  Stage("6. What the verifier sees",
+        fmt::format(
+            "Each dot is a point of the model that faces the camera. A right pose is green but for "
+            "what is hidden (blue); red speaks against it: the camera saw through where it should "
+            "be. Print: how well the colours of a printed part are found, up to 1; under {:g} it "
+            "lowers the score.",
+            kPrintFound));
+  std::vector<PoseTile> tiles;
+  const std::vector<Verdict> verdicts =
+      judge_ ? JudgeSet(*judge_, in_.trace.accepted) : std::vector<Verdict>();
+  for (size_t i = 0; i < in_.trace.accepted.size() && tiles.size() < kGalleryTiles; ++i) {
+    const PoseHypothesis& h = in_.trace.accepted[i];
+    // Shows the best poses. Further ones are shown only if they are not right.
+    if (i >= kBestTiles && (!judge_ || verdicts[i] == Verdict::kRight)) continue;
+    tiles.push_back(TileOf(
+        h.object, h.X_CO,
+        fmt::format("{}{:.2f}  {}", PartName(h.object), h.score, TruthText(h.object, h.X_CO)),
+        FitText(h.object, h.X_CO, h.fit)));
+  }
+  if (tiles.empty()) {
+    page_.Paragraph("No pose was accepted.");
+    return;
+  }
+  ShowGallery("6_accepted", tiles,
+              "Accepted, with the verifier's score: the best, and those of the others that are "
+              "wrong; before the final refiner");
+}
+
+std::vector<int> Explainer::WhollyRejected() const {
+  std::vector<int> order(in_.trace.candidates.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto& candidates = in_.trace.candidates;
+  std::ranges::stable_sort(order, [&](int a, int b) {
+    return candidates[a].hypothesis.score > candidates[b].hypothesis.score;
+  });
+  std::vector<int> rejected;
+  for (const int i : order) {
+    const PoseHypothesis& h = candidates[i].hypothesis;
+    const auto same = [&](const PoseHypothesis& other) {
+      return other.object == h.object &&
+             distances_[h.object](other.X_CO, h.X_CO) < kSamePoseDiameters;
+    };
+    if (std::ranges::any_of(in_.trace.accepted, same)) continue;
+    if (std::ranges::any_of(rejected, [&](int r) { return same(candidates[r].hypothesis); })) {
+      continue;
+    }
+    rejected.push_back(i);
+    if (rejected.size() == kBestTiles) break;
+  }
+  return rejected;
+}
+
+std::string Explainer::WhyRejected(const PoseHypothesis& hypothesis) const {
+  if (hypothesis.score < in_.trace.min_score) {
+    return fmt::format("under {:g}", in_.trace.min_score);
+  }
+  return CountUsedUp(in_.trace, hypothesis.object, hypothesis.score) ? "over the count"
+                                                                     : "gave way";
+}
+
+void Explainer::Rejected() {
+  std::vector<PoseTile> tiles;
+  for (const int i : WhollyRejected()) {
+    const PoseHypothesis& h = in_.trace.candidates[i].hypothesis;
+    tiles.push_back(TileOf(h.object, h.X_CO,
+                           fmt::format("{}{:.2f} {}  {}", PartName(h.object), h.score,
+                                       WhyRejected(h), TruthText(h.object, h.X_CO)),
+                           FitText(h.object, h.X_CO, h.fit)));
+  }
+  if (tiles.empty()) return;
+  ShowGallery("6_rejected", tiles,
+              "The best of the rejected: their score is under the threshold, they gave way to a "
+              "better pose that claims the same pixels, or as many of their kind as the image was "
+              "said to hold scored higher");
+}
+
+void Explainer::Missed() {
+  std::vector<int> missed;
+  for (size_t i = 0; i < fates_.size(); ++i) {
+    if (fates_[i].lost == LostAt::kFound || fates_[i].lost == LostAt::kHardlyVisible) continue;
+    missed.push_back(static_cast<int>(i));
+  }
+  std::ranges::stable_sort(missed, [&](int a, int b) {
+    return judge_->parts()[a].visible_fraction > judge_->parts()[b].visible_fraction;
+  });
+  if (missed.size() > kGalleryTiles) missed.resize(kGalleryTiles);
+  std::vector<PoseTile> tiles;
+  for (const int i : missed) {
+    const TruePart& part = judge_->parts()[i];
+    PoseTile tile = TileOf(part.object, part.X_CO,
+                           fmt::format("{}{} visible, lost at {}", PartName(part.object),
+                                       Percent(part.visible_fraction), TextOf(fates_[i].lost).name),
+                           "");
+    const FitReport fit = MeasureFit(in_.trace.cloud, models_[part.object], part.X_CO);
+    tile.caption = FitText(part.object, part.X_CO, fit);
+    tile.color = kUnknown;
+    tiles.push_back(std::move(tile));
+  }
+  if (tiles.empty()) return;
+  ShowGallery("6_missed", tiles,
+              "Parts that were missed, at their true poses: what the verifier would have seen");
+}
+
+void Explainer::Final() {
+  Stage("7. The answer",
+        "Poses after the final refiner with their scores, the verifier's estimate of the chance "
+        "that they are right.");
+  std::vector<DrawnPose> poses;
+  for (size_t i = 0; i < in_.hypotheses.size(); ++i) {
+    const PoseHypothesis& h = in_.hypotheses[i];
+    DrawnPose pose{h.object, h.X_CO, ScoreColor(h.score), fmt::format("{:.2f}", h.score)};
+    if (judge_) pose.crossed = verdicts_[i] == Verdict::kWrong || verdicts_[i] == Verdict::kSecond;
+    poses.push_back(std::move(pose));
+  }
+  std::vector<LegendEntry> legend{{ScoreColor(1), "sure (score 1)"},
+                                  {ScoreColor(0.5), "doubtful (0.5)"}};
+  if (judge_) legend.push_back({kWrong, "crossed: wrong, or the second pose of a part"});
+  Show("7_final", DrawPoses(board_, outlines_, in_.objects, poses, legend),
+       fmt::format("{} poses of score {:g} or more", poses.size(), in_.trace.min_score));
+}
+
+// Writes the number of instances lost at each stage, then a table of all instances.
+void Explainer::Fates() {
+  if (fates_.empty()) return;
+  Stage("8. Where each part was lost",
+        "The first stage after which nothing was left that would have found the part: the one to "
+        "work on.");
+  std::vector<int> order(fates_.size());
+  std::iota(order.begin(), order.end(), 0);
+  const std::vector<TruePart>& parts = judge_->parts();
+  std::ranges::stable_sort(
+      order, [&](int a, int b) { return parts[a].visible_fraction > parts[b].visible_fraction; });
+  std::map<LostAt, int> lost;
+  std::vector<DrawnPose> poses;
+  for (const int i : order) {
+    ++lost[fates_[i].lost];
+    const TruePart& part = parts[i];
+    poses.push_back({part.object, part.X_CO, FateColor(fates_[i].lost), std::to_string(i + 1)});
+  }
+  std::vector<LegendEntry> legend;
+  std::vector<std::vector<std::string>> counts{{"lost at", "parts", "meaning"}};
+  for (const auto& [at, count] : lost) {
+    const LostAtText text = TextOf(at);
+    legend.push_back({FateColor(at), text.name});
+    counts.push_back({text.name, std::to_string(count), text.help});
+  }
+  page_.Table(counts);
+  Show("8_parts", DrawPoses(board_, outlines_, in_.objects, poses, legend),
+       "The true poses, numbered as below");
+  page_.Table(FateTable(order));
+}
+
+std::vector<std::vector<std::string>> Explainer::FateTable(const std::vector<int>& parts) const {
+  std::vector<std::vector<std::string>> rows{{"part", "kind", "visible", "patches",
+                                              "votes in reach", "votes right", "best start, d",
+                                              "after ICP, d", "best right score", "lost at"}};
+  const auto number = [](double value) {
+    return value < 9.995 ? fmt::format("{:.2f}", value) : std::string("-");
+  };
+  for (const int i : parts) {
+    const InstanceDiagnosis& instance_outcome = fates_[i];
+    const TruePart& part = judge_->parts()[i];
+    rows.push_back(
+        {std::to_string(i + 1), in_.objects[part.object]->name, Percent(part.visible_fraction),
+         std::to_string(instance_outcome.points), std::to_string(instance_outcome.votes_near),
+         std::to_string(instance_outcome.votes_right), number(instance_outcome.best_start),
+         number(instance_outcome.best_refined),
+         instance_outcome.best_score < 0 ? "-" : fmt::format("{:.2f}", instance_outcome.best_score),
+         TextOf(instance_outcome.lost).name});
+  }
+  return rows;
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,96 @@
+#pragma once
+
+// Compares the poses of an explained image with ground truth, and finds the stage at which each
+// instance was lost.
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "eval/metrics/pose_errors.h"
+#include "eval/trial/pose_matching.h"
+#include "perception/candidates/estimate_trace.h"
+
+namespace pickbed::eval {
+
+// A ground-truth instance in the image.
+struct TruePart {
+  int object = 0;
+  Pose X_CO = Pose::Identity();
+  double visible_fraction = 1;
+};
+
+struct PoseVerdict {
+  int part = -1;  // index of the nearest instance of the same object; -1 = none
+  double diameters = std::numeric_limits<double>::infinity();  // MSSD, in diameters
+  bool right() const { return diameters < kCorrectDiameters; }
+};
+
+// Computes the errors of many thousand poses. For speed, MSSD uses only the 300 vertices that are
+// farthest out.
+class PoseJudge {
+ public:
+  PoseJudge(const ObjectSet& objects, std::vector<TruePart> parts);
+
+  PoseVerdict operator()(int object, const Pose& X_CO) const;
+  const std::vector<TruePart>& parts() const { return parts_; }
+
+ private:
+  std::vector<MetricModel> models_;
+  std::vector<Eigen::Vector3d> means_O_;
+  std::vector<TruePart> parts_;
+};
+
+// Correctness of a reported pose. Each correct pose takes an instance; a further correct pose of
+// the same instance is kSecond.
+enum class Verdict { kUnknown, kRight, kSecond, kWrong };
+// Judges poses, which must be sorted by descending score.
+std::vector<Verdict> JudgeSet(const PoseJudge& judge,
+                              const std::vector<PoseHypothesis>& hypotheses);
+
+// First stage after which no data was left that leads to a correct pose of the instance.
+enum class LostAt {
+  kFound,
+  kHardlyVisible,  // under 10 % visible: it need not be found
+  kPoints,         // no patch was cut on it
+  kVotes,          // no vote within ICP's reach
+  kSelection,      // votes within reach, but none was selected for refinement
+  kIcp,            // refined, but to a wrong pose
+  kMerging,        // refined to the correct pose, but merged into another candidate
+  kVerifier,       // the correct candidate scored too low
+  kFinalSet,       // the correct candidate was suppressed by another one
+  kCount,          // as many poses of the object as the given count scored higher
+  kRefiner,        // the final refinement moved the pose away
+};
+// Name of the stage, and a sentence of explanation.
+struct LostAtText {
+  const char* name;
+  const char* help;
+};
+LostAtText TextOf(LostAt lost);
+
+// Returns whether the number of instances of the object was given to the estimator, and at least
+// that many of its poses were accepted with at least this score.
+bool CountUsedUp(const EstimateTrace& trace, int object, double score);
+
+// A vote is within ICP's reach if its MSSD to the true pose is below this many diameters.
+inline constexpr double kReachDiameters = 0.25;
+
+// Evidence for one instance at each stage. Errors are MSSD in diameters.
+struct InstanceDiagnosis {
+  int points = 0;                       // patches on its surface
+  int votes_near = 0, votes_right = 0;  // votes within ICP's reach; correct votes
+  double best_start = std::numeric_limits<double>::infinity();    // smallest error before ICP
+  double best_refined = std::numeric_limits<double>::infinity();  // smallest error after ICP
+  double best_score = -1;  // highest score of a correct candidate; -1 = none
+  LostAt lost = LostAt::kFound;
+};
+
+// Returns one entry per instance of `judge`. `vote_errors` has one entry per trace.votes; `models`
+// has one entry per object; `hypotheses` are the reported poses.
+std::vector<InstanceDiagnosis> DiagnoseInstances(const PoseJudge& judge, const EstimateTrace& trace,
+                                                 const std::vector<PoseVerdict>& vote_errors,
+                                                 const std::vector<ModelPoints>& models,
+                                                 const std::vector<PoseHypothesis>& hypotheses);
+
+}  // namespace pickbed::eval

@@ -1,0 +1,193 @@
+#include "eval/metrics/pose_errors.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace pickbed::eval {
+namespace {
+
+constexpr int kExtremeDirections = 512;
+
+// Directions with uniform density on the sphere (Fibonacci lattice).
+Eigen::Vector3d SphereDirection(int i, int count) {
+  const double z = 1 - (2 * i + 1.0) / count;
+  const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+  const double r = std::sqrt(1 - z * z);
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+std::vector<Eigen::Vector3d> ReducedVertices(const std::vector<Eigen::Vector3d>& vertices,
+                                             size_t wanted) {
+  std::vector<bool> taken(vertices.size(), false);
+  std::vector<Eigen::Vector3d> reduced;
+  const auto take = [&](size_t i) {
+    if (!taken[i]) reduced.push_back(vertices[i]);
+    taken[i] = true;
+  };
+  for (int d = 0; d < kExtremeDirections; ++d) {
+    const Eigen::Vector3d direction = SphereDirection(d, kExtremeDirections);
+    size_t best = 0;
+    for (size_t i = 1; i < vertices.size(); ++i) {
+      if (vertices[i].dot(direction) > vertices[best].dot(direction)) best = i;
+    }
+    take(best);
+  }
+  const size_t stride = std::max<size_t>(1, vertices.size() / wanted);
+  for (size_t i = 0; i < vertices.size() && reduced.size() < wanted; i += stride) take(i);
+  return reduced;
+}
+
+constexpr std::array kMetrics{
+    MetricRow{"mssd", "m", "maximum symmetry-aware surface distance",
+              [](const MetricInput& in) { return Mssd(in.model, in.X_est, in.X_true); }},
+    MetricRow{"mspd", "px", "maximum symmetry-aware projection distance",
+              [](const MetricInput& in) { return Mspd(in.model, in.camera, in.X_est, in.X_true); },
+              true},
+    MetricRow{"add", "m", "mean distance of equal model points",
+              [](const MetricInput& in) { return Add(in.model, in.X_est, in.X_true); }},
+    MetricRow{"adi", "m", "mean distance to the closest model point",
+              [](const MetricInput& in) { return Adi(in.model, in.X_est, in.X_true); }},
+    MetricRow{"rotation", "rad", "angle of the rotation error, least over the symmetries",
+              [](const MetricInput& in) { return RotationError(in.model, in.X_est, in.X_true); }},
+    MetricRow{
+        "translation", "m", "distance of the origins, least over the symmetries",
+        [](const MetricInput& in) { return TranslationError(in.model, in.X_est, in.X_true); }},
+    MetricRow{kPickRiskMetric, "0..1", "chance that the pick fails, by the part's tolerance map",
+              [](const MetricInput& in) { return PickRisk(in.tolerance, in.X_est, in.X_true); }},
+};
+
+}  // namespace
+
+MetricModel MakeMetricModel(const ObjectModel& model, int max_vertices) {
+  MetricModel metric;
+  const auto& vertices = model.mesh_O.vertices;
+  const bool all = max_vertices <= 0 || vertices.size() <= static_cast<size_t>(max_vertices);
+  metric.vertices_O = all ? vertices : ReducedVertices(vertices, max_vertices);
+  metric.symmetries_O = SymmetryTransforms(model.symmetries_O);
+  metric.diameter_m = model.diameter_m;
+  return metric;
+}
+
+Eigen::Vector3d MeanVertex(const MetricModel& model) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& vertex : model.vertices_O) sum += vertex;
+  return sum / std::max<size_t>(1, model.vertices_O.size());
+}
+
+std::span<const MetricRow> MetricTable() { return kMetrics; }
+
+// Average Distance of model points (Hinterstoisser et al. 2012), for objects without symmetry.
+
+double Add(const MetricModel& model, const Pose& X_est, const Pose& X_true) {
+  double sum = 0;
+  for (const Eigen::Vector3d& v : model.vertices_O) sum += (X_est * v - X_true * v).norm();
+  return sum / static_cast<double>(model.vertices_O.size());
+}
+
+// Average Distance to the closest model point (Hinterstoisser et al. 2012). For each vertex at the
+// true pose it takes the nearest vertex at the estimated pose, like the BOP toolkit.
+namespace {
+
+// Distance to the nearest point; sweeps outwards in x from the query over points sorted by x.
+double NearestDistance(const std::vector<Eigen::Vector3d>& sorted, const Eigen::Vector3d& p) {
+  const auto by_x = [](const Eigen::Vector3d& a, double x) { return a.x() < x; };
+  const auto start = std::lower_bound(sorted.begin(), sorted.end(), p.x(), by_x);
+  double best = std::numeric_limits<double>::infinity();
+  for (auto it = start; it != sorted.end(); ++it) {
+    const double dx = it->x() - p.x();
+    if (dx * dx >= best) break;
+    best = std::min(best, (*it - p).squaredNorm());
+  }
+  for (auto it = start; it != sorted.begin();) {
+    --it;
+    const double dx = it->x() - p.x();
+    if (dx * dx >= best) break;
+    best = std::min(best, (*it - p).squaredNorm());
+  }
+  return std::sqrt(best);
+}
+
+}  // namespace
+
+double Adi(const MetricModel& model, const Pose& X_est, const Pose& X_true) {
+  std::vector<Eigen::Vector3d> estimate;
+  estimate.reserve(model.vertices_O.size());
+  for (const Eigen::Vector3d& v : model.vertices_O) estimate.push_back(X_est * v);
+  std::sort(estimate.begin(), estimate.end(),
+            [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.x() < b.x(); });
+  double sum = 0;
+  for (const Eigen::Vector3d& v : model.vertices_O) sum += NearestDistance(estimate, X_true * v);
+  return sum / static_cast<double>(model.vertices_O.size());
+}
+
+// Maximum Symmetry-Aware Surface Distance: minimum over symmetries S of the largest
+// X_est v - X_true S v| over the vertices v (Drost et al. 2017; BOP 2020, eq. 3).
+
+double Mssd(const MetricModel& model, const Pose& X_est, const Pose& X_true) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const Pose& symmetry : model.symmetries_O) {
+    // One matrix per vertex. No inverse, because published ground truth is not always orthonormal.
+    const Pose X_sym = X_true * symmetry;
+    const Eigen::Matrix3d M = X_est.linear() - X_sym.linear();
+    const Eigen::Vector3d t = X_est.translation() - X_sym.translation();
+    double worst = 0;
+    for (const Eigen::Vector3d& v : model.vertices_O) {
+      worst = std::max(worst, (M * v + t).squaredNorm());
+      if (worst >= best) break;  // this symmetry cannot be the minimum
+    }
+    best = std::min(best, worst);
+  }
+  return std::sqrt(best);
+}
+
+// Maximum Symmetry-Aware Projection Distance: like MSSD, with distances between projections in
+// pixels (BOP 2020, eq. 4).
+
+double Mspd(const MetricModel& model, const CameraIntrinsics& camera, const Pose& X_est,
+            const Pose& X_true) {
+  std::vector<Eigen::Vector2d> estimated_px;
+  estimated_px.reserve(model.vertices_O.size());
+  for (const Eigen::Vector3d& v : model.vertices_O) {
+    estimated_px.push_back(Project(camera, X_est * v));
+  }
+  double best = std::numeric_limits<double>::infinity();
+  for (const Pose& symmetry : model.symmetries_O) {
+    const Pose X = X_true * symmetry;
+    double worst = 0;
+    for (size_t i = 0; i < estimated_px.size() && worst < best; ++i) {
+      const Eigen::Vector2d true_px = Project(camera, X * model.vertices_O[i]);
+      worst = std::max(worst, (estimated_px[i] - true_px).squaredNorm());
+    }
+    best = std::min(best, worst);
+  }
+  return std::sqrt(best);
+}
+
+// Rotation and translation error, each the minimum over the symmetries. Without symmetries these
+// are re and te of the BOP toolkit.
+
+double RotationError(const MetricModel& model, const Pose& X_est, const Pose& X_true) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const Pose& symmetry : model.symmetries_O) {
+    const Eigen::Matrix3d R_true = (X_true * symmetry).linear();
+    // Formula of the BOP toolkit. It matters when published ground truth is not orthonormal.
+    const double cosine = 0.5 * ((X_est.linear() * R_true.inverse()).trace() - 1);
+    best = std::min(best, std::acos(std::clamp(cosine, -1.0, 1.0)));
+  }
+  return best;
+}
+
+double TranslationError(const MetricModel& model, const Pose& X_est, const Pose& X_true) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const Pose& symmetry : model.symmetries_O) {
+    const Eigen::Vector3d truth = X_true * symmetry.translation();
+    best = std::min(best, (X_est.translation() - truth).norm());
+  }
+  return best;
+}
+
+}  // namespace pickbed::eval

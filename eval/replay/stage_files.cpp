@@ -1,0 +1,70 @@
+#include "eval/replay/stage_files.h"
+
+#include <fmt/format.h>
+
+#include "eval/report/scene_glb.h"
+#include "eval/sweep/attempt_pictures.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+#include "scenes/mesh_io/scene_export.h"
+
+namespace pickbed::eval {
+namespace {
+
+void WritePly(const std::filesystem::path& path, const GlbCloud& cloud) {
+  WriteFileAtomically(path, PlyCloudBytes(cloud.points_W, cloud.rgb));
+}
+
+}  // namespace
+
+StageFiles::StageFiles(const std::filesystem::path& folder, const StageFilesOptions& options)
+    : folder_(folder), options_(options) {
+  MakeFolder(folder);
+}
+
+std::filesystem::path StageFiles::PathOf(const AttemptState& attempt, const char* what) const {
+  return folder_ / fmt::format("look_{:02}_{}", attempt.record.attempt, what);
+}
+
+void StageFiles::OnStage(TrialStage stage, const AttemptState& attempt) {
+  switch (stage) {
+    case TrialStage::kScene:
+      return;  // the GLB of a later stage shows it together with the estimated poses
+    case TrialStage::kImage:
+      return WriteView(attempt);
+    case TrialStage::kHypotheses:
+      return WriteHypotheses(attempt);
+    case TrialStage::kGrasp:
+      return WriteGrasp(attempt);
+    case TrialStage::kOutcome:
+      WritePng(PathOf(attempt, "after.png"),
+               attempt.cell.ColorPicture(attempt.scene, attempt.scene_number));
+  }
+}
+
+void StageFiles::WriteView(const AttemptState& attempt) const {
+  const RgbdFrame& frame = attempt.view->frame;
+  WritePng(PathOf(attempt, "color.png"), frame.color);
+  WritePng(PathOf(attempt, "depth.png"), ColorizeDepth(frame.depth_m));
+  WriteDepthPng(PathOf(attempt, "depth_16bit.png"), frame.depth_m);
+  WritePng(PathOf(attempt, "ids.png"), ColorizeIds(attempt.view->ids));
+  WritePly(PathOf(attempt, "cloud.ply"), ObservedCloud(frame, attempt.cell.camera().X_WC(), 1));
+}
+
+void StageFiles::WriteHypotheses(const AttemptState& attempt) const {
+  WritePly(
+      PathOf(attempt, "hypotheses.ply"),
+      EstimatedCloud(attempt.cell.objects(), attempt.record.hypotheses, options_.points_per_part));
+}
+
+void StageFiles::WriteGrasp(const AttemptState& attempt) const {
+  WritePng(PathOf(attempt, "overlay.png"), DrawOverlay(OverlayOf(attempt)));
+  const GlbCloud cloud =
+      ObservedCloud(attempt.view->frame, attempt.cell.camera().X_WC(), options_.glb_stride_px);
+  const Grasp* grasp = attempt.record.grasp ? &*attempt.record.grasp : nullptr;
+  WriteFileAtomically(PathOf(attempt, "scene.glb"),
+                      SceneGlb({attempt.scene, attempt.cell.objects(), attempt.record.hypotheses,
+                                grasp, &attempt.gripper, &cloud}));
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,176 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "eval/page/vega.h"
+#include "eval/report/charts.h"
+
+namespace pickbed::eval {
+ReportChart CalibrationChart(std::span<const ConfigurationReport> configurations) {
+  ReportChart chart{"calibration", "Is the confidence to be believed?",
+                    "Reported poses in bins of their confidence against the share of them that is "
+                    "right. On the dotted line 90 % sure means right nine times in ten; below it "
+                    "the estimator is too sure. Bars: 95 % intervals, with scenes as units. "
+                    "Expected calibration error:",
+                    ""};
+  chart.table = {{"settings", "mean confidence", "right [95 %]", "poses"}};
+  std::vector<CalibrationCurve> curves;
+  bool some = false;
+  for (const ConfigurationReport& configuration : configurations) {
+    CalibrationCurve& curve = curves.emplace_back(CalibrationCurve{configuration.name, {}});
+    const Calibration& calibration = configuration.calibration;
+    if (calibration.poses == 0) continue;
+    chart.caption += fmt::format("{} {}{:.3f} of {} poses", some ? ";" : "",
+                                 configurations.size() > 1 ? configuration.name + " " : "",
+                                 calibration.expected_error, calibration.poses);
+    some = true;
+    for (const ConfidenceBin& bin : calibration.bins) {
+      curve.points.push_back({bin.mean_confidence, bin.right});
+    }
+  }
+  if (!some) {
+    chart.caption = "No pose was reported.";
+    return chart;
+  }
+  chart.caption += ".";
+  return CalibrationCurves(std::move(chart), "stated confidence", "share of right poses", curves);
+}
+
+ReportChart SuccessChart(std::span<const ConfigurationReport> configurations) {
+  ReportChart chart{"success", "Pick success of all settings",
+                    "Share of the executed grasps that brought their part, with 95 % intervals.",
+                    ""};
+  chart.table = {{"settings", "success [95 %]", "attempts"}};
+  Json values = Json::array();
+  for (const ConfigurationReport& configuration : configurations) {
+    const RunSummary& s = configuration.summary;
+    const ReportRate rate{s.successes, s.executed_grasps, s.success_ci95};
+    chart.table.push_back({configuration.name, RateText(rate), std::to_string(rate.tries)});
+    if (rate.tries == 0) continue;
+    values.push_back({{"series", configuration.name},
+                      {"rate", rate.rate()},
+                      {"low", rate.ci95.low},
+                      {"high", rate.ci95.high},
+                      {"text", fmt::format("{} of {}", RateText(rate), rate.tries)}});
+  }
+  if (values.empty()) {
+    chart.caption = "No grasp was executed.";
+    return chart;
+  }
+  Json y = Field("series", "nominal", "");
+  y["sort"] = NamesOf(configurations);
+  y["title"] = nullptr;
+  const Json x = PercentField("rate", "pick success");
+  Json low = x;
+  low["field"] = "low";
+  Json spec = EmptySpec(values);
+  spec["height"] = BarsHeight_px(values.size(), 1);
+  spec["layer"] = {{{"mark", {{"type", "rule"}, {"color", "currentColor"}}},
+                    {"encoding", {{"y", y}, {"x", low}, {"x2", {{"field", "high"}}}}}},
+                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 80}}},
+                    {"encoding",
+                     {{"y", y},
+                      {"x", x},
+                      {"tooltip",
+                       {{{"field", "series"}, {"type", "nominal"}},
+                        {{"field", "text"}, {"type", "nominal"}}}}}}}};
+  chart.spec = spec.dump();
+  return chart;
+}
+
+namespace {
+
+struct VisibilityCurve {
+  std::string series;
+  const ConfigurationReport* configuration;
+  ReportRate BandRates::*rate;
+};
+
+// Returns each band once, the least visible first. The configurations in one chart may have
+// different bands.
+std::vector<VisibleBand> BandsOfAll(const std::vector<VisibilityCurve>& curves) {
+  std::vector<VisibleBand> bands;
+  for (const VisibilityCurve& curve : curves) {
+    for (const BandRates& of_band : curve.configuration->bands) bands.push_back(of_band.band);
+  }
+  const auto ends = [](const VisibleBand& band) { return std::pair(band.least, band.most); };
+  std::sort(bands.begin(), bands.end(),
+            [&](const VisibleBand& a, const VisibleBand& b) { return ends(a) < ends(b); });
+  bands.erase(std::unique(bands.begin(), bands.end()), bands.end());
+  return bands;
+}
+
+ReportChart CurvesOf(ReportChart chart, const std::string& y_title,
+                     const std::vector<VisibilityCurve>& curves) {
+  const std::vector<VisibleBand> bands = BandsOfAll(curves);
+  std::vector<std::string> names;
+  for (const VisibleBand& band : bands) names.push_back(band.name());
+  std::vector<RateCurve> rates;
+  for (const VisibilityCurve& curve : curves) {
+    RateCurve& of_series = rates.emplace_back(RateCurve{curve.series, {}});
+    of_series.rates.resize(bands.size());
+    for (const BandRates& of_band : curve.configuration->bands) {
+      const auto place = std::find(bands.begin(), bands.end(), of_band.band) - bands.begin();
+      of_series.rates[place] = of_band.*curve.rate;
+    }
+  }
+  return RateCurves(std::move(chart), "visible fraction of the part, %", y_title, names, rates);
+}
+
+constexpr const char* kRecallCaption =
+    "Recall: share of the parts in view of which a pose was reported that is right (MSSD below a "
+    "tenth of the diameter).";
+constexpr const char* kPickCaption =
+    "Pick success: share of the executed grasps that brought their part, by how much of it was in "
+    "view.";
+constexpr const char* kTargetCaption =
+    "Share of the looks about a target that brought it; one that found no grasp did not.";
+constexpr const char* kBandCaption = "Shaded: 95 % intervals, with scenes as units.";
+
+std::vector<VisibilityCurve> OfEach(std::span<const ConfigurationReport> configurations,
+                                    ReportRate BandRates::*rate) {
+  std::vector<VisibilityCurve> curves;
+  for (const ConfigurationReport& configuration : configurations)
+    curves.push_back({configuration.name, &configuration, rate});
+  return curves;
+}
+
+bool HasTargets(std::span<const ConfigurationReport> configurations) {
+  for (const ConfigurationReport& configuration : configurations) {
+    for (const BandRates& band : configuration.bands) {
+      if (band.targets.tries > 0) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<ReportChart> VisibilityCharts(std::span<const ConfigurationReport> configurations) {
+  std::vector<ReportChart> charts;
+  if (configurations.size() == 1) {
+    const ConfigurationReport* configuration = configurations.data();
+    charts.push_back(
+        CurvesOf({"visibility", "Recall and pick success by visible fraction",
+                  fmt::format("{} {} {}", kRecallCaption, kPickCaption, kBandCaption), ""},
+                 "share",
+                 {{"recall", configuration, &BandRates::recall},
+                  {"pick success", configuration, &BandRates::picks}}));
+  } else {
+    charts.push_back(CurvesOf({"recall", "Recall by visible fraction",
+                               fmt::format("{} {}", kRecallCaption, kBandCaption), ""},
+                              "recall", OfEach(configurations, &BandRates::recall)));
+    charts.push_back(CurvesOf({"pick-success", "Pick success by visible fraction",
+                               fmt::format("{} {}", kPickCaption, kBandCaption), ""},
+                              "pick success", OfEach(configurations, &BandRates::picks)));
+  }
+  if (HasTargets(configurations)) {
+    charts.push_back(CurvesOf({"target-picked", "Targets picked by visible fraction",
+                               fmt::format("{} {}", kTargetCaption, kBandCaption), ""},
+                              "targets picked", OfEach(configurations, &BandRates::targets)));
+  }
+  return charts;
+}
+
+}  // namespace pickbed::eval

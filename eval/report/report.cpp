@@ -1,0 +1,276 @@
+#include "eval/report/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "eval/compare/paired_comparison.h"
+#include "eval/report/views_3d.h"
+#include "eval/store/results_store.h"
+#include "eval/sweep/attempt_pictures.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+
+namespace pickbed::eval {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMegabyte = 1e6;
+constexpr double kBase64 = 4.0 / 3;  // size increase by Base64
+
+std::string AddressOf(const ReportRun& run, int trial) {
+  return fmt::format("{}#{}", run.name, trial);
+}
+
+// Returns the JPEG bytes; empty if the run has no picture of this attempt.
+std::string PictureOf(const ReportRun& run, const LostPick& pick, const ReportOptions& options) {
+  const fs::path folder = run.folder / "pictures" / fmt::format("trial_{:04}", pick.trial);
+  const fs::path small = folder / LostPictureName(pick.attempt);
+  if (fs::is_regular_file(small)) return ReadFileBytes(small);
+  const fs::path file = folder / fmt::format("pick_{:02}_overlay.png", pick.attempt);
+  if (!fs::is_regular_file(file)) return "";
+  return EncodeJpeg(Narrowed(ReadPng(file), options.picture.width_px), options.picture.quality);
+}
+
+// Configurations of all runs in one list, with unique names.
+struct Contestants {
+  std::vector<const ReportRun*> runs;
+  std::vector<const ReportConfiguration*> configurations;
+  std::vector<ConfigurationTrials> trials;  // moved out of the runs, because they can be large
+};
+
+Contestants ContestantsOf(const std::vector<ReportRun*>& runs) {
+  Contestants all;
+  for (ReportRun* run : runs) {
+    for (ReportConfiguration& configuration : run->configurations) {
+      all.runs.push_back(run);
+      all.configurations.push_back(&configuration);
+      ConfigurationTrials& trials = all.trials.emplace_back(std::move(configuration.trials));
+      if (runs.size() > 1 || trials.name.empty()) {
+        trials.name = run->configurations.size() > 1 ? fmt::format("{}: {}", run->name, trials.name)
+                                                     : run->name;
+      }
+    }
+  }
+  return all;
+}
+
+void AddGallery(const Contestants& all, const ReportOptions& options, ReportContents& contents) {
+  const std::vector<LostPick> lost = LostPicksOf(all.trials);
+  contents.lost = static_cast<int>(lost.size());
+  double bytes = 0;
+  int without = 0;
+  for (const LostPick& pick : SpreadOverReasons(lost, options.failures)) {
+    const ReportRun& run = *all.runs[pick.configuration];
+    GalleryEntry& entry = contents.gallery.emplace_back();
+    entry.pick = pick;
+    entry.address = AddressOf(run, pick.trial);
+    if (bytes < options.pictures_mb * kMegabyte) entry.jpeg = PictureOf(run, pick, options);
+    bytes += kBase64 * entry.jpeg.size();
+    without += entry.jpeg.empty();
+  }
+  const size_t shown = contents.gallery.size();
+  if (shown < lost.size()) {
+    contents.gallery_note = fmt::format(
+        "{} of {} lost picks, spread over the reasons; picks.csv lists all.", shown, lost.size());
+  }
+  if (without > 0) {
+    contents.gallery_note += fmt::format(
+        "{}{} have no picture here: a run draws them up to a number of trials (`pickbed run "
+        "--lost-pictures N`), and a page holds {:.0f} MB of them.",
+        contents.gallery_note.empty() ? "" : " ",
+        without == static_cast<int>(shown) ? "They" : fmt::format("{}", without),
+        options.pictures_mb);
+  }
+}
+
+std::string ViewTitle(const Contestants& all, const ViewChoice& choice) {
+  const ConfigurationTrials& configuration = all.trials[choice.configuration];
+  const AttemptRecord& pick = configuration.trials[choice.trial].attempts[choice.look];
+  const std::string outcome = pick.failure == FailureReason::kNone
+                                  ? "picked"
+                                  : fmt::format("lost: {}", FailureName(pick.failure));
+  const std::vector<VisibleBand>& bands =
+      all.configurations[choice.configuration]->spec.occlusion.bands;
+  const std::string title =
+      pick.band >= 0 ? fmt::format("{} % in view, {}", bands.at(pick.band).name(), outcome)
+                     : fmt::format("look {}, {}", pick.attempt, outcome);
+  return all.trials.size() > 1 ? fmt::format("{}, {}", configuration.name, title) : title;
+}
+
+void AddViews(const Contestants& all, const ObjectCatalog& catalog, const ReportOptions& options,
+              ReportContents& contents) {
+  std::map<size_t, std::unique_ptr<ViewMaker>> makers;  // by configuration
+  double bytes = 0;
+  try {
+    for (const ViewChoice& choice : ChooseViews(all.trials, options.views)) {
+      const ScenarioSpec& spec = all.configurations[choice.configuration]->spec;
+      std::unique_ptr<ViewMaker>& maker = makers[choice.configuration];
+      if (!maker) {
+        maker = std::make_unique<ViewMaker>(spec, LoadObjects(spec, catalog), options);
+      }
+      const TrialResult& trial = all.trials[choice.configuration].trials[choice.trial];
+      ReportView view{ViewTitle(all, choice),
+                      AddressOf(*all.runs[choice.configuration], trial.trial),
+                      maker->Glb(trial, choice.look)};
+      bytes += kBase64 * view.glb.size();
+      if (bytes > options.views_mb * kMegabyte) {
+        contents.views_note +=
+            fmt::format(" More are left out: a page holds {:.0f} MB of them.", options.views_mb);
+        return;
+      }
+      contents.views.push_back(std::move(view));
+      contents.views_note = "Some looks: drag to turn, wheel or two fingers to come near.";
+    }
+  } catch (const InputError& error) {
+    contents.views_note = fmt::format("Views in 3D are left out: {}.", error.what());
+  }
+}
+
+std::string PageOf(const Contestants& all, ReportContents contents, const ObjectCatalog& catalog,
+                   const ReportOptions& options) {
+  contents.configurations = ReportOn(all.trials, options);
+  AddGallery(all, options, contents);
+  AddViews(all, catalog, options, contents);
+  return ReportPage(contents);
+}
+
+std::string SettingsText(const ScenarioSpec& spec) {
+  std::string parts;
+  for (const PartSpec& part : spec.objects) {
+    parts += fmt::format("{}{} {}", parts.empty() ? "" : ", ", part.count, part.name);
+  }
+  return fmt::format("Bins of {}; sensor {}, estimator {} ({}), refiner {}, gripper {}, seed {}.",
+                     parts, spec.sensor, spec.estimator.name, spec.estimator.mode, spec.refiner,
+                     spec.gripper, spec.seed);
+}
+
+// A plain run has its scenario file next to its store. The user may have changed settings there
+// that do not affect the results.
+ScenarioSpec SpecOf(const StoredConfiguration& configuration, size_t configurations,
+                    const fs::path& folder) {
+  const fs::path file = folder / "scenario.yaml";
+  if (configurations == 1 && fs::is_regular_file(file)) return LoadScenario(file);
+  return LoadScenarioText(configuration.settings, folder, (folder / "results.sqlite").string());
+}
+
+std::vector<PairedConfiguration> PairedConfigurationsOf(const Contestants& all) {
+  std::vector<PairedConfiguration> configurations;
+  for (size_t i = 0; i < all.trials.size(); ++i) {
+    configurations.push_back({&all.trials[i], all.configurations[i]->identity});
+  }
+  return configurations;
+}
+
+// Indices of two configurations to be compared.
+struct PointPair {
+  size_t a = 0, b = 0;
+};
+
+std::vector<PointPair> PairsOf(const ReportRun& a, const ReportRun& b) {
+  if (a.configurations.size() == 1 && b.configurations.size() == 1) return {{0, 0}};
+  std::vector<PointPair> pairs;
+  for (size_t i = 0; i < a.configurations.size(); ++i) {
+    for (size_t k = 0; k < b.configurations.size(); ++k) {
+      if (a.configurations[i].trials.name == b.configurations[k].trials.name)
+        pairs.push_back({i, k});
+    }
+  }
+  CheckInput(!pairs.empty(),
+             fmt::format("{} and {} have no settings in common (points of their sweeps, by name), "
+                         "so nothing is compared",
+                         a.name, b.name));
+  return pairs;
+}
+
+// Crashed trials are not part of any rate.
+std::string CrashedText(const ReportRun& run) {
+  if (run.crashed.empty()) return "";
+  return fmt::format("{}: {} trials crashed and count nowhere, the first is {}.", run.name,
+                     run.crashed.size(), AddressOf(run, run.crashed.front()));
+}
+
+}  // namespace
+
+ReportRun ReadReportRun(const fs::path& folder) {
+  const ResultsStore store = ResultsStore::OpenToRead(folder);
+  ReportRun run{(folder / "").parent_path().string(), folder, {}, {}, {}};
+  const std::vector<CrashedTrial> all_crashed = store.Crashed();
+  for (const StoredConfiguration& stored : store.head().configurations) {
+    ReportConfiguration configuration;
+    configuration.trials.trials =
+        store.Read(stored.first_trial, stored.first_trial + stored.trials);
+    if (configuration.trials.trials.empty()) continue;
+    configuration.spec = SpecOf(stored, store.head().configurations.size(), folder);
+    configuration.identity = stored.identity;
+    configuration.trials.name = stored.name;
+    configuration.trials.cycle = configuration.spec.cycle;
+    configuration.trials.bands = ReportedBands(configuration.spec.occlusion);
+    for (const PartSpec& part : configuration.spec.objects)
+      configuration.trials.objects.push_back(part.name);
+    std::vector<int> crashed_scenes;
+    for (const CrashedTrial& crashed : all_crashed) {
+      if (crashed.configuration == stored.number) crashed_scenes.push_back(crashed.bin_index);
+    }
+    const auto stop =
+        StopOf(configuration.trials.trials, crashed_scenes, configuration.spec.stop_width);
+    if (stop) {
+      run.stops.push_back(
+          fmt::format("{} {}.", stored.name.empty() ? run.name : stored.name, StopText(*stop)));
+    }
+    run.configurations.push_back(std::move(configuration));
+  }
+  CheckInput(
+      !run.configurations.empty(),
+      fmt::format("{} holds no finished trial; finish the run with --resume", folder.string()));
+  for (const CrashedTrial& crashed : all_crashed) run.crashed.push_back(crashed.trial);
+  return run;
+}
+
+std::string RunReportPage(ReportRun run, const ObjectCatalog& catalog,
+                          const ReportOptions& options) {
+  const Contestants all = ContestantsOf({&run});
+  ReportContents contents;
+  contents.title = fmt::format("Pick report: {}", run.name);
+  if (run.configurations.size() == 1)
+    contents.about.push_back(SettingsText(run.configurations[0].spec));
+  contents.about.push_back(CrashedText(run));
+  contents.about.insert(contents.about.end(), run.stops.begin(), run.stops.end());
+  for (const ConfigurationComparison& comparison : CompareWithFirst(PairedConfigurationsOf(all))) {
+    contents.comparisons.push_back(PairedReport(comparison));
+  }
+  return PageOf(all, std::move(contents), catalog, options);
+}
+
+RunComparison CompareRuns(ReportRun a, ReportRun b, const ObjectCatalog& catalog,
+                          const ReportOptions& options) {
+  CheckInput(a.name != b.name, fmt::format("{} is named twice; name two runs", a.name));
+  const std::vector<PointPair> pairs = PairsOf(a, b);
+  const Contestants all = ContestantsOf({&a, &b});
+  const std::vector<PairedConfiguration> configurations = PairedConfigurationsOf(all);
+  ReportContents contents;
+  contents.title = fmt::format("{} against {}", b.name, a.name);
+  for (const ReportRun* run : {&a, &b}) {
+    if (run->configurations.size() == 1) {
+      contents.about.push_back(
+          fmt::format("{}: {}", run->name, SettingsText(run->configurations[0].spec)));
+    }
+    contents.about.push_back(CrashedText(*run));
+    contents.about.insert(contents.about.end(), run->stops.begin(), run->stops.end());
+  }
+  RunComparison result;
+  for (const PointPair& pair : pairs) {
+    const PairedConfiguration &before = configurations[pair.a],
+                              &after = configurations[a.configurations.size() + pair.b];
+    RequireSameScenes(before.identity, after.identity, before.trials->name, after.trials->name);
+    result.configurations.push_back(CompareConfigurations(before, after));
+    contents.comparisons.push_back(PairedReport(result.configurations.back()));
+  }
+  result.page = PageOf(all, std::move(contents), catalog, options);
+  return result;
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,235 @@
+#include "eval/report/run_page.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "eval/page/html.h"
+#include "eval/report/views_3d.h"
+
+namespace pickbed::eval {
+namespace {
+
+struct HeadlineFigure {
+  std::string name, value, note;
+};
+
+std::vector<HeadlineFigure> HeadlineOf(const ConfigurationReport& configuration) {
+  const RunSummary& s = configuration.summary;
+  const ReportRate& recall = configuration.recall;
+  const auto share = [](int part, double rate) { return part > 0 ? PercentText(rate) : "-"; };
+  return {
+      {"pick success", share(s.executed_grasps, s.success_rate),
+       fmt::format("{} {} of {} attempts", IntervalText(s.success_ci95), s.successes,
+                   s.executed_grasps)},
+      {"parts cleared", share(s.instances_dropped, s.cleared_rate),
+       fmt::format("{} {} of {}", IntervalText(s.cleared_ci95), s.instances_cleared,
+                   s.instances_dropped)},
+      {"recall", share(recall.tries, recall.rate()),
+       fmt::format("{} {} of {} parts in view", IntervalText(recall.ci95), recall.hits,
+                   recall.tries)},
+      {"top-ranked pose right", share(s.frames, s.top1_precision),
+       fmt::format("{} {} of {} images", IntervalText(s.top1_ci95), s.top1_correct, s.frames)},
+      {"picks an hour",
+       s.cycle.picks_per_hour() > 0 ? fmt::format("{:.0f}", s.cycle.picks_per_hour()) : "-",
+       s.cycle.measured ? "compute time measured" : ""},
+      {"bins", std::to_string(s.trials),
+       s.refused.empty() ? "" : fmt::format("{} scenes refused and built anew", s.refused.size())}};
+}
+
+std::string HeadlineHtml(const ConfigurationReport& configuration) {
+  std::string html = "<div class=\"headline\">\n";
+  for (const HeadlineFigure& figure : HeadlineOf(configuration)) {
+    html += fmt::format("<div><b>{1}</b>{0}<span>{2}</span></div>\n", EscapeHtml(figure.name),
+                        EscapeHtml(figure.value), EscapeHtml(figure.note));
+  }
+  html += "</div>\n";
+  const RunSummary& s = configuration.summary;
+  if (s.executed_grasps == 0) return html;
+  TableCells cells{{"rule", "success", "95 %", "passes when"}};
+  for (const RuleRate& rate : s.by_rule) {
+    const SuccessRuleRow& row = SuccessRuleTable()[static_cast<size_t>(rate.rule)];
+    cells.push_back({row.name, PercentText(rate.rate()), IntervalText(rate.ci95), row.help});
+  }
+  return html + "<details><summary>Success by each rule</summary>" + TableHtml(cells) +
+         "</details>\n";
+}
+
+// Few configurations get one column each, to compare them. Many get one row each.
+TableCells ConfigurationsTable(const std::vector<ConfigurationReport>& configurations) {
+  constexpr size_t kFewPoints = 4;
+  TableCells by_point{{""}};
+  for (const HeadlineFigure& figure : HeadlineOf(configurations[0]))
+    by_point[0].push_back(figure.name);
+  for (const ConfigurationReport& configuration : configurations) {
+    by_point.push_back({configuration.name});
+    for (const HeadlineFigure& figure : HeadlineOf(configuration)) {
+      by_point.back().push_back(
+          figure.note.empty() ? figure.value : fmt::format("{}  {}", figure.value, figure.note));
+    }
+  }
+  if (configurations.size() > kFewPoints) return by_point;
+  TableCells turned(by_point[0].size());
+  for (const auto& row : by_point) {
+    for (size_t i = 0; i < row.size(); ++i) turned[i].push_back(row[i]);
+  }
+  return turned;
+}
+
+TableCells ObjectsTable(const ConfigurationReport& configuration) {
+  TableCells cells{{"part", "dropped", "picked", "recall [95 %]", "pick success [95 %]", "attempts",
+                    "median MSSD, diameters [95 %]", "most often lost by"}};
+  for (const ObjectReport& object : configuration.objects) {
+    cells.push_back(
+        {object.name, std::to_string(object.dropped), std::to_string(object.picked),
+         RateText(object.recall), RateText(object.picks), std::to_string(object.picks.tries),
+         MedianText(object.median_mssd_diameters, 3),
+         object.commonest == FailureReason::kNone ? ""
+                                                  : std::string(FailureName(object.commonest))});
+  }
+  return cells;
+}
+
+// Adds all charts that show these configurations together.
+void AddCharts(std::span<const ConfigurationReport> configurations, HtmlPage& page) {
+  page.Chart(FailureChart(configurations));
+  std::vector<ReportChart> curves = VisibilityCharts(configurations);
+  if (configurations.size() == 1) curves.push_back(CalibrationChart(configurations));
+  page.Charts(curves);
+  page.Charts(ErrorCharts(configurations));
+  if (configurations.size() > 1) page.Chart(CalibrationChart(configurations));
+  page.Chart(SecondsChart(configurations));
+}
+
+void AddPoint(const ConfigurationReport& configuration, HtmlPage& page) {
+  page.Html(HeadlineHtml(configuration));
+  AddCharts({&configuration, 1}, page);
+  page.Subheading("Part by part");
+  page.Table(ObjectsTable(configuration));
+}
+
+std::string OptionHtml(const std::string& value, const std::string& text) {
+  return fmt::format("<option value=\"{}\">{}</option>", EscapeHtml(value), EscapeHtml(text));
+}
+
+std::string CardHtml(const GalleryEntry& entry, const std::string& configuration) {
+  const LostPick& pick = entry.pick;
+  const std::string reason(FailureName(pick.failure)), stage(StageName(StageOf(pick.failure)));
+  std::string data = fmt::format(" data-reason=\"{}\" data-trial=\"{}\"", reason, pick.trial);
+  std::string facts;
+  const auto fact = [&](const char* name, const std::string& value) {
+    facts += fmt::format("<dt>{}</dt><dd>{}</dd>", name, EscapeHtml(value));
+  };
+  if (!configuration.empty()) fact("settings", configuration);
+  if (!pick.object.empty()) fact("part", pick.object);
+  if (pick.confidence >= 0) {
+    data += fmt::format(" data-confidence=\"{:.4f}\"", pick.confidence);
+    fact("confidence", fmt::format("{:.2f}", pick.confidence));
+  }
+  if (pick.mssd_diameters >= 0) {
+    data += fmt::format(" data-error=\"{:.5f}\"", pick.mssd_diameters);
+    fact("MSSD", fmt::format("{:.3f} diameters", pick.mssd_diameters));
+  }
+  if (pick.visible_fraction >= 0) {
+    data += fmt::format(" data-visible=\"{:.4f}\"", pick.visible_fraction);
+    fact("visible", fmt::format("{:.0f} %", 100 * pick.visible_fraction));
+  }
+  std::string picture;
+  if (!entry.jpeg.empty()) {
+    picture = fmt::format(
+        "<img loading=\"lazy\" alt=\"overlay of {}, pick {}\" src=\"data:image/jpeg;base64,{}\">",
+        EscapeHtml(entry.address), pick.attempt, Base64(entry.jpeg));
+  }
+  return fmt::format(
+      "<article class=\"failure\"{}>{}<b>{}</b>{} stage<br><code>{}</code> pick {}<dl>{}</dl>"
+      "</article>\n",
+      data, picture, reason, stage, EscapeHtml(entry.address), pick.attempt, facts);
+}
+
+void AddGallery(const ReportContents& contents, HtmlPage& page) {
+  page.Heading("Lost picks", "lost-picks");
+  if (contents.gallery.empty()) {
+    page.Paragraph(contents.lost == 0 ? "No pick was lost." : contents.gallery_note);
+    return;
+  }
+  page.Note(contents.gallery_note);
+  std::set<FailureReason> reasons;
+  for (const GalleryEntry& entry : contents.gallery) reasons.insert(entry.pick.failure);
+  std::string reason_options = OptionHtml("", "all reasons");
+  for (const FailureReason failure : reasons) {
+    const std::string name(FailureName(failure));
+    reason_options += OptionHtml(name, fmt::format("{} ({})", name, StageName(StageOf(failure))));
+  }
+  std::string html = fmt::format(
+      "<div class=\"failures\"><div class=\"controls\">"
+      "<label>Reason <select name=\"reason\">{}</select></label>"
+      "<label>Order <select name=\"order\">{}{}{}{}{}</select></label>"
+      "<span class=\"note shown\" role=\"status\"></span></div>\n<div class=\"gallery\">\n",
+      reason_options, OptionHtml("trial", "by trial"), OptionHtml("reason", "by reason"),
+      OptionHtml("confidence down", "surest first"),
+      OptionHtml("error down", "largest error first"), OptionHtml("visible", "most hidden first"));
+  const bool many = contents.configurations.size() > 1;
+  for (const GalleryEntry& entry : contents.gallery) {
+    html += CardHtml(entry, many ? contents.configurations.at(entry.pick.configuration).name : "");
+  }
+  page.Html(html + "</div></div>\n");
+}
+
+std::string LayerHtml(const ViewLayer& layer) {
+  return fmt::format(
+      "<label><input type=\"checkbox\" value=\"{}\" checked><span class=\"swatch\" "
+      "style=\"background:{}\"></span>{}</label>",
+      layer.prefix, layer.color, layer.name);
+}
+
+void AddViews(const ReportContents& contents, HtmlPage& page) {
+  if (contents.views.empty() && contents.views_note.empty()) return;
+  page.Heading("In 3D", "views");
+  page.Note(contents.views_note);
+  if (contents.views.empty()) return;
+  std::string html = "<div class=\"views screen\">\n";
+  for (const ReportView& view : contents.views) {
+    html += fmt::format(
+        "<div class=\"view\"><h3>{0} <code>{1}</code></h3>"
+        "<model-viewer camera-controls touch-action=\"pan-y\" interaction-prompt=\"none\" "
+        "shadow-intensity=\"0\" exposure=\"0.75\" camera-orbit=\"25deg 50deg auto\" alt=\"{0}, "
+        "{1}\" "
+        "src=\"data:model/gltf-binary;base64,{2}\"></model-viewer><div class=\"controls\">",
+        EscapeHtml(view.title), EscapeHtml(view.address), Base64(view.glb));
+    for (const ViewLayer& layer : ViewLayers()) html += LayerHtml(layer);
+    html += "</div></div>\n";
+  }
+  page.Html(html + "</div>\n");
+}
+
+}  // namespace
+
+std::string ReportPage(const ReportContents& contents) {
+  HtmlPage page(contents.title);
+  for (const std::string& text : contents.about) page.Paragraph(text);
+  const std::vector<ConfigurationReport>& configurations = contents.configurations;
+  if (configurations.size() == 1) {
+    AddPoint(configurations[0], page);
+  } else {
+    page.Table(ConfigurationsTable(configurations));
+    for (const ReportTable& table : contents.comparisons) {
+      page.Heading(table.title);
+      page.Paragraph(table.text);
+      page.Table(table.cells);
+    }
+    page.Heading("Side by side");
+    page.Chart(SuccessChart(configurations));
+    AddCharts(configurations, page);
+  }
+  AddGallery(contents, page);
+  AddViews(contents, page);
+  if (configurations.size() > 1) {
+    for (const ConfigurationReport& configuration : configurations) {
+      page.Heading(configuration.name);
+      AddPoint(configuration, page);
+    }
+  }
+  return page.Finish();
+}
+
+}  // namespace pickbed::eval

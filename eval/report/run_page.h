@@ -1,0 +1,44 @@
+#pragma once
+
+// HTML page of a report. It holds its charts, pictures and 3D views in one file and loads nothing
+// from other files. eval/page/web creates the fixed part of the page during the build.
+
+#include <string>
+#include <vector>
+
+#include "eval/report/charts.h"
+#include "eval/report/run_statistics.h"
+
+namespace pickbed::eval {
+
+// A failed pick in the gallery.
+struct GalleryEntry {
+  LostPick pick;
+  std::string address;  // such as "results/demo#3"
+  std::string jpeg;     // empty = no picture
+};
+
+// A 3D view.
+struct ReportView {
+  std::string title;  // such as "picked" or "lost: slipped"
+  std::string address;
+  std::string glb;  // GLB bytes from eval/report/views_3d.h
+};
+
+// Content of the page.
+struct ReportContents {
+  std::string title;
+  std::vector<std::string> about;  // paragraphs
+  std::vector<ConfigurationReport> configurations;
+  std::vector<ReportTable> comparisons;  // paired differences
+  std::vector<GalleryEntry> gallery;
+  int lost = 0;              // number of all failed picks
+  std::string gallery_note;  // says what the gallery leaves out
+  std::vector<ReportView> views;
+  std::string views_note;
+};
+
+// Returns the HTML page. Throws InputError if this build has no page template.
+std::string ReportPage(const ReportContents& contents);
+
+}  // namespace pickbed::eval

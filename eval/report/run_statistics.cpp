@@ -1,0 +1,333 @@
+#include "eval/report/run_statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+
+#include "eval/page/ticks.h"
+#include "eval/trial/counts_by_bin.h"
+#include "eval/trial/simulated_cell.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr double kDegrees = 180 / 3.14159265358979323846;
+constexpr double kLowShare = 0.1, kHighShare = 0.9;  // percentiles of StageTime
+
+// Counts one cluster per trial, for the rate and its interval.
+class RateByScene {
+ public:
+  explicit RateByScene(size_t trials) : clusters_(trials) {}
+  void Count(size_t trial, bool hit) {
+    clusters_[trial].hits += hit;
+    ++clusters_[trial].tries;
+  }
+  ReportRate Finish() const { return ClusterRate(clusters_); }
+
+ private:
+  std::vector<Cluster> clusters_;
+};
+
+// Returns the nearest value of a sorted list.
+double Quantile(const std::vector<double>& sorted, double share) {
+  if (sorted.empty()) return 0;
+  return sorted[static_cast<size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)))];
+}
+
+const InstanceRecord* InstanceIn(const AttemptRecord& pick, int instance) {
+  const auto found = std::find_if(pick.instances.begin(), pick.instances.end(),
+                                  [&](const InstanceRecord& r) { return r.instance == instance; });
+  return found == pick.instances.end() ? nullptr : &*found;
+}
+
+bool StandsOnSomething(const HypothesisRecord& score) {
+  return score.instance >= 0 && std::isfinite(score.mssd_diameters);
+}
+
+ReportRate RateOfScenes(const ConfigurationTrials& configuration, const TrialCount& count) {
+  return ClusterRate(CountByScene(configuration.trials, count));
+}
+
+std::vector<BandRates> BandsOf(const ConfigurationTrials& configuration) {
+  std::vector<BandRates> rates;
+  for (const VisibleBand& band : configuration.bands) {
+    rates.push_back({band, RateOfScenes(configuration, InstancesRecalled(band.least, band.most)),
+                     RateOfScenes(configuration, SuccessByVisibility(band.least, band.most)),
+                     RateOfScenes(configuration, TargetsPicked(band.least, band.most))});
+  }
+  return rates;
+}
+
+template <typename Use>
+void ForEachPose(const ConfigurationTrials& configuration, Use use) {
+  for (size_t t = 0; t < configuration.trials.size(); ++t) {
+    for (const AttemptRecord& pick : configuration.trials[t].attempts) {
+      for (const HypothesisRecord& score : pick.hypotheses) use(t, score);
+    }
+  }
+}
+
+std::vector<double> ErrorsOf(std::span<const ConfigurationTrials> configurations,
+                             const PoseErrorRow& row) {
+  std::vector<double> errors;
+  for (const ConfigurationTrials& configuration : configurations) {
+    ForEachPose(configuration, [&](size_t, const HypothesisRecord& score) {
+      if (StandsOnSomething(score)) errors.push_back(row.of(score));
+    });
+  }
+  std::sort(errors.begin(), errors.end());
+  return errors;
+}
+
+// Returns a round upper limit that `error_share` of the errors do not exceed.
+double RangeOf(std::span<const ConfigurationTrials> configurations, const PoseErrorRow& row,
+               const ReportOptions& options) {
+  const double reach = Quantile(ErrorsOf(configurations, row), options.error_share);
+  if (!(reach > 0)) return 1;
+  const std::vector<double> ticks = RoundTicks(0, reach);
+  const double step = ticks.size() > 1 ? ticks[1] : reach;
+  return std::max(step, step * std::ceil(reach / step));
+}
+
+ErrorHistogram HistogramOf(const ConfigurationTrials& configuration, const PoseErrorRow& row,
+                           double range, const ReportOptions& options) {
+  ErrorHistogram histogram;
+  const int count = options.error_bins;
+  for (int i = 0; i < count; ++i) {
+    histogram.bins.push_back({range * i / count, range * (i + 1) / count, 0, 0});
+  }
+  ValueClusters errors(configuration.trials.size());
+  ForEachPose(configuration, [&](size_t trial, const HypothesisRecord& score) {
+    if (!StandsOnSomething(score)) return;
+    const double error = row.of(score);
+    errors[trial].push_back(error);
+    ++histogram.total;
+    if (error >= range) {
+      ++histogram.beyond;
+      return;
+    }
+    ErrorBin& bin = histogram.bins[static_cast<size_t>(error / range * count)];
+    ++(score.correct ? bin.right : bin.wrong);
+  });
+  histogram.median = MedianWithin(errors);
+  return histogram;
+}
+
+Calibration CalibrationOf(const ConfigurationTrials& configuration, const ReportOptions& options) {
+  const int count = options.confidence_bins;
+  std::vector<RateByScene> right(count, RateByScene(configuration.trials.size()));
+  std::vector<double> confidence(count, 0.0);
+  Calibration calibration;
+  ForEachPose(configuration, [&](size_t trial, const HypothesisRecord& score) {
+    const int bin = std::clamp(static_cast<int>(score.score * count), 0, count - 1);
+    right[bin].Count(trial, score.correct);
+    confidence[bin] += score.score;
+    ++calibration.poses;
+  });
+  for (int i = 0; i < count; ++i) {
+    ConfidenceBin bin{0, right[i].Finish()};
+    if (bin.right.tries == 0) continue;
+    bin.mean_confidence = confidence[i] / bin.right.tries;
+    calibration.expected_error +=
+        std::abs(bin.mean_confidence - bin.right.rate()) * bin.right.tries / calibration.poses;
+    calibration.bins.push_back(bin);
+  }
+  return calibration;
+}
+
+std::vector<StageTime> SecondsOf(const ConfigurationTrials& configuration) {
+  std::map<std::string, std::vector<double>> of_stage;
+  for (const TrialResult& trial : configuration.trials) {
+    for (const auto& [stage, seconds] : trial.seconds) of_stage[stage].push_back(seconds);
+  }
+  std::vector<StageTime> times;
+  for (auto& [stage, seconds] : of_stage) {
+    const double mean =
+        std::accumulate(seconds.begin(), seconds.end(), 0.0) / configuration.trials.size();
+    seconds.resize(configuration.trials.size(),
+                   0.0);  // trials that did not reach the stage count as 0
+    std::sort(seconds.begin(), seconds.end());
+    times.push_back({stage, mean, Quantile(seconds, kLowShare), Quantile(seconds, kHighShare)});
+  }
+  // Mean seconds and name of the top-level stage.
+  const auto whole = [&](const std::string& stage) {
+    const std::string name = stage.substr(0, stage.find('/'));
+    const auto found = std::find_if(times.begin(), times.end(),
+                                    [&](const StageTime& time) { return time.stage == name; });
+    return std::pair(found == times.end() ? 0 : found->mean_s, name);
+  };
+  std::map<std::string, std::pair<double, std::string>> wholes;
+  for (const StageTime& time : times) wholes[time.stage] = whole(time.stage);
+  std::sort(times.begin(), times.end(), [&](const StageTime& a, const StageTime& b) {
+    const auto &whole_a = wholes[a.stage], &whole_b = wholes[b.stage];
+    if (whole_a != whole_b) return whole_a > whole_b;
+    const bool part_a = a.stage != whole_a.second, part_b = b.stage != whole_b.second;
+    return part_a != part_b ? part_b : a.mean_s > b.mean_s;
+  });
+  return times;
+}
+
+struct ObjectCounts {
+  explicit ObjectCounts(size_t trials) : recall(trials), picks(trials), mssd(trials) {}
+  ObjectReport report;
+  RateByScene recall, picks;
+  ValueClusters mssd;
+  std::map<FailureReason, int> failures;
+};
+
+void CountLook(size_t trial, const AttemptRecord& pick, std::vector<ObjectCounts>& counts) {
+  for (const InstanceRecord& instance : pick.instances) {
+    // In an occlusion trial only the target counts, as in InstancesRecalled.
+    if (pick.target >= 0 && instance.instance != pick.target) continue;
+    if (instance.visible_fraction < kCountedVisibility) continue;
+    counts.at(instance.object).recall.Count(trial, instance.recalled);
+  }
+  for (const HypothesisRecord& score : pick.hypotheses) {
+    if (StandsOnSomething(score))
+      counts.at(score.object).mssd[trial].push_back(score.mssd_diameters);
+  }
+  const InstanceRecord* aim = pick.grasp ? InstanceIn(pick, pick.matched_instance) : nullptr;
+  if (aim != nullptr)
+    counts.at(aim->object).picks.Count(trial, pick.failure == FailureReason::kNone);
+}
+
+std::vector<ObjectReport> ObjectsOf(const ConfigurationTrials& configuration) {
+  std::vector<ObjectCounts> counts(configuration.objects.size(),
+                                   ObjectCounts(configuration.trials.size()));
+  for (size_t t = 0; t < configuration.trials.size(); ++t) {
+    for (const AttemptRecord& pick : configuration.trials[t].attempts) CountLook(t, pick, counts);
+    for (const InstanceOutcome& instance_outcome : configuration.trials[t].outcomes) {
+      ObjectCounts& count = counts.at(instance_outcome.object);
+      ++count.report.dropped;
+      count.report.picked += instance_outcome.picked;
+      if (instance_outcome.failure != FailureReason::kNone)
+        ++count.failures[instance_outcome.failure];
+    }
+  }
+  std::vector<ObjectReport> objects;
+  for (size_t i = 0; i < counts.size(); ++i) {
+    ObjectCounts& count = counts[i];
+    ObjectReport& report = count.report;
+    report.name = configuration.objects[i];
+    report.recall = count.recall.Finish();
+    report.picks = count.picks.Finish();
+    report.median_mssd_diameters = MedianWithin(count.mssd);
+    const auto most =
+        std::max_element(count.failures.begin(), count.failures.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most != count.failures.end()) report.commonest = most->first;
+    // Distractors have neither instances to recall nor dropped wanted instances.
+    if (report.recall.tries + report.dropped > 0) objects.push_back(report);
+  }
+  return objects;
+}
+
+}  // namespace
+
+void ReportOptions::Validate() const {
+  const auto within = [](const char* name, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    throw std::logic_error(fmt::format("ReportOptions::{} is {}", name, value));
+  };
+  within("confidence_bins", confidence_bins, 2, 100);
+  within("error_bins", error_bins, 2, 200);
+  within("error_share", error_share, 0.5, 1);
+  within("failures", failures, 0, 5000);
+  within("picture.width_px", picture.width_px, 64, 4096);
+  within("picture.quality", picture.quality, 1, 100);
+  within("pictures_mb", pictures_mb, 0, 100);
+  within("views", views, 0, 20);
+  within("views_mb", views_mb, 0, 100);
+  within("cloud_points", cloud_points, 0, 1000000);
+  within("view_triangles", view_triangles, 100, 1000000);
+}
+
+std::span<const PoseErrorRow> PoseErrorTable() {
+  static constexpr std::array<PoseErrorRow, kPoseErrors> kRows{{
+      {PoseError::kMssd, "MSSD", "diameters", 4,
+       [](const HypothesisRecord& score) { return score.mssd_diameters; }},
+      {PoseError::kTranslation, "translation", "mm", 2,
+       [](const HypothesisRecord& score) { return 1e3 * score.translation_m; }},
+      {PoseError::kRotation, "rotation", "deg", 2,
+       [](const HypothesisRecord& score) { return kDegrees * score.rotation_rad; }},
+  }};
+  return kRows;
+}
+
+std::vector<ConfigurationReport> ReportOn(std::span<const ConfigurationTrials> configurations,
+                                          const ReportOptions& options) {
+  options.Validate();
+  std::vector<double> ranges;
+  for (const PoseErrorRow& row : PoseErrorTable())
+    ranges.push_back(RangeOf(configurations, row, options));
+  std::vector<ConfigurationReport> reports;
+  for (const ConfigurationTrials& configuration : configurations) {
+    ConfigurationReport& report = reports.emplace_back();
+    report.name = configuration.name;
+    report.summary = Summarize(configuration.trials, configuration.cycle, configuration.bands);
+    report.attempts = SharesOfAttempts(configuration.trials);
+    report.recall = RateOfScenes(configuration, InstancesRecalled(kCountedVisibility, 1));
+    report.bands = BandsOf(configuration);
+    for (const PoseErrorRow& row : PoseErrorTable()) {
+      report.errors.push_back(
+          HistogramOf(configuration, row, ranges[static_cast<size_t>(row.error)], options));
+    }
+    report.calibration = CalibrationOf(configuration, options);
+    report.seconds = SecondsOf(configuration);
+    report.objects = ObjectsOf(configuration);
+  }
+  return reports;
+}
+
+std::vector<LostPick> LostPicksOf(std::span<const ConfigurationTrials> configurations) {
+  std::vector<LostPick> lost;
+  for (size_t p = 0; p < configurations.size(); ++p) {
+    for (const TrialResult& trial : configurations[p].trials) {
+      for (const AttemptRecord& pick : trial.attempts) {
+        if (pick.failure == FailureReason::kNone) continue;
+        LostPick& entry = lost.emplace_back();
+        entry.configuration = static_cast<int>(p);
+        entry.trial = trial.trial;
+        entry.attempt = pick.attempt;
+        entry.failure = pick.failure;
+        const InstanceRecord* part =
+            InstanceIn(pick, pick.target >= 0 ? pick.target : pick.matched_instance);
+        if (part != nullptr && (pick.grasp || pick.target >= 0)) {
+          entry.visible_fraction = part->visible_fraction;
+        }
+        if (!pick.grasp || pick.chosen < 0) continue;
+        const HypothesisRecord& chosen = pick.hypotheses.at(pick.chosen);
+        entry.object = configurations[p].objects.at(chosen.object);
+        entry.confidence = chosen.score;
+        if (StandsOnSomething(chosen)) entry.mssd_diameters = chosen.mssd_diameters;
+      }
+    }
+  }
+  return lost;
+}
+
+std::vector<LostPick> SpreadOverReasons(const std::vector<LostPick>& picks, int most) {
+  std::map<FailureReason, int> seen;
+  // Number of earlier failures of the same reason, and index.
+  std::vector<std::pair<int, size_t>> turns;
+  for (size_t i = 0; i < picks.size(); ++i) turns.push_back({seen[picks[i].failure]++, i});
+  std::sort(turns.begin(), turns.end());
+  if (turns.size() > static_cast<size_t>(most)) turns.resize(most);
+  std::sort(turns.begin(), turns.end(), [](auto& a, auto& b) { return a.second < b.second; });
+  std::vector<LostPick> spread;
+  for (const auto& [turn, place] : turns) spread.push_back(picks[place]);
+  return spread;
+}
+
+std::vector<std::string> NamesOf(std::span<const ConfigurationReport> configurations) {
+  std::vector<std::string> names;
+  for (const ConfigurationReport& configuration : configurations)
+    names.push_back(configuration.name);
+  return names;
+}
+
+}  // namespace pickbed::eval

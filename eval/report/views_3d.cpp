@@ -1,0 +1,92 @@
+#include "eval/report/views_3d.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "eval/report/scene_glb.h"
+#include "eval/trial/recorded_scene.h"
+#include "eval/trial/simulated_cell.h"
+#include "grasp/grippers/table.h"
+
+namespace pickbed::eval {
+std::span<const ViewLayer> ViewLayers() {
+  static constexpr std::array<ViewLayer, 5> kLayers{{
+      {"truth", "true parts", "#cdcdd2"},
+      {"hypothesis", "poses, doubtful to sure",
+       "linear-gradient(90deg, #ff2828, #ffff28, #28ff28)"},
+      {"hand", "hand", "#46a0ff"},
+      {"cloud", "what the camera saw", "repeating-radial-gradient(#888 0 1px, #fff 1px 3px)"},
+      {"bin", "bin", "#8c96a5"},
+  }};
+  return kLayers;
+}
+
+std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configurations, int most) {
+  std::vector<ViewChoice> lost, picked;
+  std::vector<int> turns;  // number of earlier failures with the same reason
+  std::map<FailureReason, int> seen;
+  for (size_t p = 0; p < configurations.size(); ++p) {
+    for (size_t t = 0; t < configurations[p].trials.size(); ++t) {
+      const std::vector<AttemptRecord>& picks = configurations[p].trials[t].attempts;
+      for (size_t look = 0; look < picks.size(); ++look) {
+        if (!picks[look].grasp) continue;
+        const FailureReason failure = picks[look].failure;
+        if (failure == FailureReason::kNone) {
+          picked.push_back({p, t, look});
+        } else {
+          lost.push_back({p, t, look});
+          turns.push_back(seen[failure]++);
+        }
+      }
+    }
+  }
+  std::vector<size_t> order(lost.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return turns[a] < turns[b]; });
+  std::vector<ViewChoice> choices;
+  const size_t for_lost = static_cast<size_t>(most) - (picked.empty() || most == 0 ? 0 : 1);
+  for (size_t i = 0; i < std::min(order.size(), for_lost); ++i) choices.push_back(lost[order[i]]);
+  if (most > 0 && !picked.empty()) choices.push_back(picked.front());
+  return choices;
+}
+
+struct ViewMaker::Impl {
+  std::shared_ptr<const Gripper> gripper;
+  std::string success_rule;
+  SimulatedCell cell;
+  ReportOptions options;
+};
+
+ViewMaker::ViewMaker(const ScenarioSpec& spec, const ObjectSet& objects,
+                     const ReportOptions& options)
+    : impl_(new Impl{LoadGripper(spec.gripper), spec.policy.success, SimulatedCell(spec, objects),
+                     options}) {}
+
+ViewMaker::~ViewMaker() = default;
+
+std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
+  SimulatedCell& cell = impl_->cell;
+  const Scene scene = SceneOfLook(trial, number, {cell, *impl_->gripper, impl_->success_rule});
+  const AttemptRecord& look = trial.attempts[number];
+  const Observation view = cell.Capture(scene, trial.bin_index, look.attempt);
+  const Image<float>& depth_m = view.frame.depth_m;
+  const double pixels = static_cast<double>(depth_m.width()) * depth_m.height();
+  const int stride_px = std::max(
+      1, static_cast<int>(std::ceil(std::sqrt(pixels / std::max(1, impl_->options.cloud_points)))));
+  const GlbCloud cloud = ObservedCloud(view.frame, cell.camera().X_WC(), stride_px);
+  SceneGlbOptions options;
+  options.most_faces = impl_->options.view_triangles;
+  return SceneGlb({.scene = scene,
+                   .objects = cell.objects(),
+                   .hypotheses = look.hypotheses,
+                   .grasp = look.grasp ? &*look.grasp : nullptr,
+                   .gripper = impl_->gripper.get(),
+                   .cloud = impl_->options.cloud_points > 0 ? &cloud : nullptr},
+                  options);
+}
+
+}  // namespace pickbed::eval

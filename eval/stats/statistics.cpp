@@ -1,0 +1,291 @@
+#include "eval/stats/statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace pickbed::eval {
+namespace {
+
+// Fourth moments of few units are too low on average, because large residuals are rare. With this
+// factor on Satterthwaite's degrees of freedom, 95 % intervals of 40 units cover at least 93 % if
+// few units hold most of the hits (tests/figures/interval_figures.cpp).
+constexpr double kTrustInMoments = 0.7;
+
+double Square(double x) { return x * x; }
+
+double Clamped(double x) { return std::clamp(x, 0.0, 1.0); }
+
+// Wilson interval of a rate p with the precision of `tries` independent samples.
+Interval WilsonForm(double p, double tries, double z) {
+  const double center = (p + z * z / (2 * tries)) / (1 + z * z / tries);
+  const double half =
+      z / (1 + z * z / tries) * std::sqrt(p * (1 - p) / tries + z * z / (4 * tries * tries));
+  // The ends are exact at the extremes; rounding would give 0.9999999999999999.
+  return {p <= 0 ? 0.0 : Clamped(center - half), p >= 1 ? 1.0 : Clamped(center + half)};
+}
+
+// Contribution of a unit to a ratio sum(total) / sum(weight).
+struct Share {
+  double total = 0, weight = 0;
+};
+
+struct Spread {
+  double variance = 0;  // of an estimate
+  double degrees = 0;   // degrees of freedom of the variance
+};
+
+// Jackknife variance from the change when each unit is left out, with Satterthwaite's degrees of
+// freedom. The variance of a sum of squares is about the spread of its terms; twice its square
+// divided by that variance gives the degrees (Satterthwaite 1946).
+Spread SpreadOf(const std::vector<double>& left_out, double trust) {
+  double squares = 0, fourths = 0;
+  for (const double change : left_out) {
+    squares += Square(change);
+    fourths += Square(Square(change));
+  }
+  const double units = static_cast<double>(left_out.size());
+  const double spread_of_squares = fourths - Square(squares) / units;
+  const double degrees = trust * 2 * Square(squares) / spread_of_squares;
+  return {squares, spread_of_squares > 0 ? std::clamp(degrees, 1.0, units - 1) : units - 1};
+}
+
+// Ratio of sums over units, with its spread.
+struct RatioSpread {
+  int units = 0;  // with a weight
+  double ratio = 0;
+  double weight = 0;  // of all units
+  Spread spread;
+};
+
+// Leaving out a unit changes the ratio by its residual (total - ratio weight) divided by the weight
+// of the other units (Tukey's jackknife; CR3 of Bell and McCaffrey 2002).
+RatioSpread SpreadOf(const std::vector<Share>& units) {
+  RatioSpread result;
+  double total = 0;
+  for (const Share& unit : units) {
+    result.units += unit.weight > 0;
+    total += unit.total;
+    result.weight += unit.weight;
+  }
+  if (result.units == 0) return result;
+  result.ratio = total / result.weight;
+  if (result.units < 2) return result;
+  std::vector<double> left_out;
+  for (const Share& unit : units) {
+    if (unit.weight <= 0) continue;
+    left_out.push_back((unit.total - result.ratio * unit.weight) / (result.weight - unit.weight));
+  }
+  result.spread = SpreadOf(left_out, kTrustInMoments);
+  return result;
+}
+
+// True if rates correlate with cluster sizes, for example if a trial ends when picks fail. Compares
+// the sum of residual times size with its standard error.
+bool RatesGoWithSizes(std::span<const Cluster> clusters, const RatioSpread& spread) {
+  const double mean = spread.weight / spread.units;
+  double sum = 0, squares = 0;
+  for (const Cluster& cluster : clusters) {
+    if (cluster.tries == 0) continue;
+    const double term = (cluster.tries - mean) * (cluster.hits - spread.ratio * cluster.tries);
+    sum += term;
+    squares += Square(term);
+  }
+  return Square(sum) > squares;
+}
+
+// Minimum degrees of freedom, from the sizes of the clusters. The design effect is between 1
+// (samples of a cluster are independent) and sum(t^2) / sum(t) (all equal). If that range is
+// narrow, the variance is known regardless of the moments. The logarithm is taken as uniform in the
+// range, with variance length^2 / 12. The degrees are 2 divided by the variance of the logarithm.
+// This does not hold if rates correlate with sizes, which widens the range.
+double LeastDegrees(std::span<const Cluster> clusters, const RatioSpread& spread) {
+  if (RatesGoWithSizes(clusters, spread)) return 1;
+  double squares = 0;
+  for (const Cluster& cluster : clusters) squares += Square(cluster.tries);
+  const double length = std::log(squares / spread.weight);
+  return length > 0 ? 24 / Square(length) : kInfinity;
+}
+
+bool TryOnce(std::span<const Cluster> clusters) {
+  return std::all_of(clusters.begin(), clusters.end(),
+                     [](const Cluster& cluster) { return cluster.tries <= 1; });
+}
+
+std::vector<Share> SharesOf(std::span<const Cluster> clusters) {
+  std::vector<Share> shares;
+  shares.reserve(clusters.size());
+  for (const Cluster& cluster : clusters) {
+    shares.push_back({static_cast<double>(cluster.hits), static_cast<double>(cluster.tries)});
+  }
+  return shares;
+}
+
+std::vector<double> Sorted(const ValueClusters& clusters) {
+  std::vector<double> values;
+  for (const auto& cluster : clusters) values.insert(values.end(), cluster.begin(), cluster.end());
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+double AtShare(const std::vector<double>& sorted, double share) {
+  const double place = std::ceil(share * static_cast<double>(sorted.size())) - 1;
+  const double last = static_cast<double>(sorted.size()) - 1;
+  return sorted[static_cast<size_t>(std::clamp(place, 0.0, last))];
+}
+
+// Sign-test interval of the median of independent values: a value is below the median with
+// probability 1/2. With fewer than six values, even the full range has a coverage below 95 %.
+Interval OrderStatistics(const std::vector<double>& sorted, double confidence) {
+  const boost::math::binomial below(static_cast<double>(sorted.size()), 0.5);
+  size_t rank = 0;  // at most this many values below it have a too small probability
+  while (2 * cdf(below, static_cast<double>(rank)) <= 1 - confidence) ++rank;
+  if (rank == 0) return {-kInfinity, kInfinity};
+  return {sorted[rank - 1], sorted[sorted.size() - rank]};
+}
+
+}  // namespace
+
+double TwoSidedZ(double confidence) {
+  return boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * confidence);
+}
+
+double TwoSidedT(double confidence, double degrees) {
+  // Above this, t and normal agree to five digits, and the series in Boost is slow.
+  constexpr double kNormalFrom = 1e5;
+  if (degrees > kNormalFrom) return TwoSidedZ(confidence);
+  return boost::math::quantile(boost::math::students_t(degrees), 0.5 + 0.5 * confidence);
+}
+
+Cluster SumOf(std::span<const Cluster> clusters) {
+  Cluster sum;
+  for (const Cluster& cluster : clusters) {
+    sum.hits += cluster.hits;
+    sum.tries += cluster.tries;
+  }
+  return sum;
+}
+
+double RateOf(std::span<const Cluster> clusters) {
+  const Cluster sum = SumOf(clusters);
+  return sum.tries > 0 ? static_cast<double>(sum.hits) / sum.tries : 0;
+}
+
+Interval WilsonInterval(int successes, int attempts, double confidence) {
+  if (attempts <= 0) return {0, 1};
+  return WilsonForm(static_cast<double>(successes) / attempts, attempts, TwoSidedZ(confidence));
+}
+
+Interval ClusterInterval(std::span<const Cluster> clusters, double confidence) {
+  const RatioSpread spread = SpreadOf(SharesOf(clusters));
+  if (spread.units == 0) return {};
+  const double p = spread.ratio;
+  if (TryOnce(clusters) || p <= 0 || p >= 1 || spread.units < 2) {
+    return WilsonForm(p, spread.units, TwoSidedZ(confidence));
+  }
+  // Equal rates in all clusters do not make the rate certain.
+  const double variance =
+      spread.spread.variance > 0 ? spread.spread.variance : p * (1 - p) / spread.weight;
+  const double degrees = std::max(spread.spread.degrees, LeastDegrees(clusters, spread));
+  return WilsonForm(p, p * (1 - p) / variance, TwoSidedT(confidence, degrees));
+}
+
+Interval PairedInterval(std::span<const Cluster> before, std::span<const Cluster> after,
+                        double confidence) {
+  if (before.size() != after.size()) throw std::logic_error("pairs differ in number");
+  if (SumOf(before).tries == 0 || SumOf(after).tries == 0) return {-1, 1};
+  std::vector<Cluster> a, b;
+  bool differ = false;
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (before[i].tries + after[i].tries == 0) continue;
+    differ |= before[i].hits * after[i].tries != after[i].hits * before[i].tries;
+    a.push_back(before[i]);
+    b.push_back(after[i]);
+  }
+  if (!differ) {
+    for (size_t i = 0; i < a.size(); ++i) a[i] = b[i] = {1, 1};
+  }
+  a.insert(a.end(), {{1, 1}, {0, 1}});
+  b.insert(b.end(), {{0, 1}, {1, 1}});
+  const double rate_a = RateOf(a), rate_b = RateOf(b);
+  const Cluster sum_a = SumOf(a), sum_b = SumOf(b);
+  std::vector<double> left_out;
+  for (size_t i = 0; i < a.size(); ++i) {
+    left_out.push_back((b[i].hits - rate_b * b[i].tries) / (sum_b.tries - b[i].tries) -
+                       (a[i].hits - rate_a * a[i].tries) / (sum_a.tries - a[i].tries));
+  }
+  const Spread spread = SpreadOf(left_out, 1);
+  const bool single = TryOnce(a) && TryOnce(b);
+  const double half = std::sqrt(spread.variance) *
+                      (single ? TwoSidedZ(confidence) : TwoSidedT(confidence, spread.degrees));
+  const double rise = rate_b - rate_a;
+  return {std::max(-1.0, rise - half), std::min(1.0, rise + half)};
+}
+
+double MedianOf(const ValueClusters& clusters) {
+  const std::vector<double> values = Sorted(clusters);
+  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : AtShare(values, 0.5);
+}
+
+Interval MedianInterval(const ValueClusters& clusters, double confidence) {
+  const std::vector<double> values = Sorted(clusters);
+  if (values.empty()) return {-kInfinity, kInfinity};
+  const bool independent = std::all_of(clusters.begin(), clusters.end(),
+                                       [](const auto& cluster) { return cluster.size() <= 1; });
+  if (independent) return OrderStatistics(values, confidence);
+  const double median = AtShare(values, 0.5);
+  std::vector<Cluster> below;
+  for (const auto& cluster : clusters) {
+    const auto hits = std::count_if(cluster.begin(), cluster.end(),
+                                    [&](double value) { return value <= median; });
+    below.push_back({static_cast<int>(hits), static_cast<int>(cluster.size())});
+  }
+  const Interval shares = ClusterInterval(below, confidence);
+  return {AtShare(values, shares.low), AtShare(values, shares.high)};
+}
+
+std::string FewBinsText(int bins) {
+  if (bins >= kFewBins) return "";
+  return fmt::format("{} {} few: the intervals are wide and rough; take {} or more.", bins,
+                     bins == 1 ? "bin is" : "bins are", kFewBins);
+}
+
+ReportRate ClusterRate(std::span<const Cluster> clusters) {
+  const Cluster sum = SumOf(clusters);
+  return {sum.hits, sum.tries, ClusterInterval(clusters)};
+}
+
+std::string PercentNumber(double share) { return fmt::format("{:.1f}", 100 * share); }
+
+std::string PercentText(double share) { return PercentNumber(share) + " %"; }
+
+// Multiplies first, so that ties such as 23 of 80 = 28.75 % are exact and round to even.
+std::string PercentText(int hits, int tries) {
+  return tries == 0 ? "-" : fmt::format("{:.1f} %", 100.0 * hits / tries);
+}
+
+std::string IntervalText(const Interval& interval) {
+  return fmt::format("[{}, {}]", PercentNumber(interval.low), PercentNumber(interval.high));
+}
+
+std::string RateText(const ReportRate& rate) {
+  if (rate.tries == 0) return "-";
+  return fmt::format("{} {}", PercentText(rate.rate()), IntervalText(rate.ci95));
+}
+
+std::string PointsText(double difference) {
+  return std::isfinite(difference) ? fmt::format("{:+.1f}", 100 * difference) : "-";
+}
+
+std::string PointsText(double difference, const Interval& interval) {
+  return fmt::format("{} [{}, {}]", PointsText(difference), PointsText(interval.low),
+                     PointsText(interval.high));
+}
+
+}  // namespace pickbed::eval

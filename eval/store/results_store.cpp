@@ -1,0 +1,337 @@
+#include "eval/store/results_store.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "eval/store/schema_internal.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr char kFileName[] = "results.sqlite";
+constexpr int kTrialsAtATime = 256;  // block size of ForEach
+
+std::filesystem::path FileIn(const std::filesystem::path& folder) {
+  MakeFolder(folder);
+  return folder / kFileName;
+}
+
+bool HoldsTrials(const Database& db) { return Statement(db, "SELECT 1 FROM trials").Step(); }
+
+// Keeps the journal file between transactions, with a zeroed header. No program takes such a
+// journal for a transaction to roll back. Creating and removing the file for each transaction costs
+// more syncs of the folder than the rows of a trial. It is as safe, since the same data is synced
+// before a commit.
+void KeepJournal(const Database& db) { db.Execute("PRAGMA journal_mode = PERSIST"); }
+
+// SQLite removes the file only when a connection leaves PERSIST, and only while no other process
+// writes. Other writers may continue, since they create the file again.
+void RemoveJournal(const Database& db) {
+  KeepJournal(db);
+  db.Execute("PRAGMA journal_mode = DELETE");
+}
+
+// Replaces the head. Called only if the store has no trial yet, for example after a run that failed
+// before the end of its first trial.
+void WriteHead(const Database& db, const StoreHead& head) {
+  db.Execute("DELETE FROM configurations");
+  std::vector<ConfigurationRow> rows;
+  for (const StoredConfiguration& configuration : head.configurations)
+    rows.push_back({configuration});
+  Insert(db, "configurations", std::move(rows));
+  Statement insert(db, "INSERT OR REPLACE INTO settings VALUES ('scenario', ?)");
+  insert.Bind(1, head.identity);
+  insert.Step();
+}
+
+// Updates values that may change on resume: a larger number of trials, and settings that are not
+// part of the identity.
+void UpdateConfigurations(const Database& db, const StoreHead& head) {
+  Statement update(
+      db,
+      "UPDATE configurations SET trials = max(trials, ?), settings = ? WHERE configuration = ?");
+  for (const StoredConfiguration& configuration : head.configurations) {
+    update.Bind(1, configuration.trials);
+    update.Bind(2, configuration.settings);
+    update.Bind(3, configuration.number);
+    update.Step();
+  }
+}
+
+StoreHead ReadHead(const Database& db) {
+  StoreHead head;
+  head.identity = db.Setting("scenario");
+  for (ConfigurationRow& row :
+       Select<ConfigurationRow>(db, "configurations", "ORDER BY configuration")) {
+    head.configurations.push_back(std::move(row.configuration));
+  }
+  return head;
+}
+
+StoreHead OneConfiguration(const std::string& settings) {
+  StoredConfiguration configuration;
+  configuration.identity = configuration.settings = settings;
+  configuration.seed = SeedIn(settings);
+  return {settings, {configuration}};
+}
+
+}  // namespace
+
+struct ResultsStore::Impl {
+  Database db;
+  StoreHead head;
+  bool writes = false;
+
+  ~Impl() {
+    if (!writes) return;
+    try {
+      RemoveJournal(db);
+    } catch (const std::exception&) {  // a remaining journal does no harm
+    }
+  }
+
+  // Throws std::logic_error for a configuration that the store does not have.
+  uint64_t SeedOf(int configuration) const { return head.configurations.at(configuration).seed; }
+};
+
+uint64_t SeedIn(const std::string& settings) {
+  constexpr std::string_view kKey = "seed: ";
+  const std::string text = "\n" + settings;
+  const size_t at = text.find("\n" + std::string(kKey));
+  return at == std::string::npos ? 0 : std::strtoull(&text[at + 1 + kKey.size()], nullptr, 10);
+}
+
+std::optional<std::string> StoredSettings(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / kFileName;
+  if (!std::filesystem::is_regular_file(file)) return std::nullopt;
+  const Database db(file, Database::Mode::kExisting);
+  const bool is_new = !Statement(db, "SELECT 1 FROM sqlite_master").Step();
+  if (is_new) return std::nullopt;  // another process is just creating the tables
+  return ResultsStore::OpenToRead(folder).head().identity;
+}
+
+ResultsStore::ResultsStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ResultsStore::ResultsStore(ResultsStore&&) noexcept = default;
+ResultsStore::~ResultsStore() = default;
+
+ResultsStore::ResultsStore(const std::filesystem::path& folder, const std::string& settings)
+    : ResultsStore(folder, OneConfiguration(settings)) {}
+
+ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead& head) {
+  Database db(FileIn(folder), Database::Mode::kCreate);
+  // Rollback journal instead of WAL. Switching a new file to WAL fails if several workers do it at
+  // the same time (the busy timeout does not cover this). WAL also needs shared memory, which the
+  // machines of a cluster do not have.
+  KeepJournal(db);
+  Transaction transaction(db);
+  RequireKnownVersion(db);
+  if (!IsOfThisVersion(db)) Migrate(db);
+  if (!HoldsTrials(db)) WriteHead(db, head);
+  CheckInput(db.Setting("scenario") == head.identity,
+             fmt::format("{} already holds results of another scenario or of other settings; "
+                         "choose another folder with --out or remove this one",
+                         folder.string()));
+  UpdateConfigurations(db, head);
+  transaction.Commit();
+  StoreHead stored = ReadHead(db);
+  impl_ = std::make_unique<Impl>(std::move(db), std::move(stored), /*writes=*/true);
+}
+
+ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / kFileName;
+  CheckInput(std::filesystem::is_regular_file(file),
+             fmt::format("{} holds no {}; name the results folder of a `pickbed run` or `pickbed "
+                         "sweep`",
+                         folder.string(), kFileName));
+  Database db(file, Database::Mode::kExisting);
+  RequireKnownVersion(db);
+  CheckInput(db.HasTable("trials") && db.HasTable("settings"),
+             fmt::format("{} is no results store of pickbed", file.string()));
+  if (IsOfThisVersion(db)) {
+    StoreHead head = ReadHead(db);
+    return ResultsStore(std::make_unique<Impl>(std::move(db), std::move(head)));
+  }
+  Database copy = db.CopyInMemory();
+  Migrate(copy);
+  StoreHead head = ReadHead(copy);
+  return ResultsStore(std::make_unique<Impl>(std::move(copy), std::move(head)));
+}
+
+void ResultsStore::Tidy(const std::filesystem::path& folder) {
+  RemoveJournal(Database(folder / kFileName, Database::Mode::kExisting));
+}
+
+const StoreHead& ResultsStore::head() const { return impl_->head; }
+
+void ResultsStore::Write(const TrialResult& result) {
+  std::vector<AttemptRow> attempts;
+  std::vector<HypothesisRow> hypotheses;
+  std::vector<InstanceRow> instances;
+  std::vector<InstanceOutcomeRow> outcomes;
+  std::vector<RejectionRow> rejections;
+  std::vector<RefusalRow> refusals;
+  std::vector<BandRow> bands;
+  std::vector<TimingRow> timings;
+  const int trial = result.trial;
+  for (const AttemptRecord& record : result.attempts) {
+    attempts.push_back({trial, record, record.grasp.has_value(), record.grasp.value_or(Grasp())});
+    for (size_t i = 0; i < record.hypotheses.size(); ++i) {
+      hypotheses.push_back({trial, record.attempt, static_cast<int>(i), record.hypotheses[i]});
+    }
+    for (const InstanceRecord& instance : record.instances) {
+      instances.push_back({trial, record.attempt, instance});
+    }
+    for (const auto& [cause, grasps] : record.grasps_rejected) {
+      rejections.push_back({trial, record.attempt, cause, grasps});
+    }
+  }
+  for (const InstanceOutcome& instance_outcome : result.outcomes)
+    outcomes.push_back({trial, instance_outcome});
+  for (const RefusedScene& refused : result.refused) {
+    for (const std::string& fault : refused.faults) {
+      refusals.push_back({trial, refused.attempt, fault});
+    }
+  }
+  for (size_t i = 0; i < result.bands.size(); ++i) {
+    bands.push_back({trial, static_cast<int>(i), result.bands[i]});
+  }
+  for (const auto& [stage, seconds] : result.seconds) timings.push_back({trial, stage, seconds});
+
+  const Database& db = impl_->db;
+  Transaction transaction(db);
+  Insert<TrialRow>(db, "trials",
+                   {{trial, result, impl_->SeedOf(result.configuration), kFinished, /*crash=*/""}});
+  Insert(db, "attempts", std::move(attempts));
+  Insert(db, "hypotheses", std::move(hypotheses));
+  Insert(db, "instances", std::move(instances));
+  Insert(db, "instance_outcomes", std::move(outcomes));
+  Insert(db, "rejections", std::move(rejections));
+  Insert(db, "refusals", std::move(refusals));
+  Insert(db, "bands", std::move(bands));
+  Insert(db, "timings", std::move(timings));
+  transaction.Commit();
+}
+
+void ResultsStore::WriteCrashed(const CrashedTrial& crashed) {
+  TrialRow row;
+  row.trial = crashed.trial;
+  row.result.configuration = crashed.configuration;
+  row.result.bin_index = crashed.bin_index;
+  row.seed = impl_->SeedOf(crashed.configuration);
+  row.status = kCrashed;
+  row.crash = crashed.why;
+  Transaction transaction(impl_->db);
+  Insert<TrialRow>(impl_->db, "trials", {row});
+  transaction.Commit();
+}
+
+void ResultsStore::ForgetCrashed() {
+  impl_->db.Execute(fmt::format("DELETE FROM trials WHERE status = '{}'", kCrashed));
+}
+
+void ResultsStore::Forget(const std::vector<int>& trials) {
+  const std::string clause = fmt::format("WHERE trial IN ({})", fmt::join(trials, ","));
+  Transaction transaction(impl_->db);
+  ForEachTrialTable([&]<typename Row>(const char* table) {
+    impl_->db.Execute(fmt::format("DELETE FROM {} {}", table, clause));
+  });
+  transaction.Commit();
+}
+
+std::vector<int> ResultsStore::FinishedTrials() const {
+  std::vector<int> trials;
+  Statement statement(impl_->db, "SELECT trial FROM trials ORDER BY trial");
+  while (statement.Step()) statement.Read(0, trials.emplace_back());
+  return trials;
+}
+
+std::vector<CrashedTrial> ResultsStore::Crashed() const {
+  std::vector<CrashedTrial> crashed;
+  const std::string clause = fmt::format("WHERE status = '{}' ORDER BY trial", kCrashed);
+  for (TrialRow& row : Select<TrialRow>(impl_->db, "trials", clause)) {
+    crashed.push_back({row.trial, row.result.configuration, row.result.bin_index, row.seed,
+                       std::move(row.crash)});
+  }
+  return crashed;
+}
+
+std::map<int, Cluster> ResultsStore::Outcomes() const {
+  Statement statement(
+      impl_->db,
+      "SELECT trial, sum(executed AND failure = ?), sum(executed) FROM attempts GROUP BY "
+      "trial ORDER BY trial");
+  statement.Bind(1, FailureReason::kNone);
+  std::map<int, Cluster> outcomes;
+  while (statement.Step()) {
+    int trial = 0;
+    statement.Read(0, trial);
+    Cluster& outcome = outcomes[trial];
+    statement.Read(1, outcome.hits);
+    statement.Read(2, outcome.tries);
+  }
+  return outcomes;
+}
+
+std::vector<TrialResult> ResultsStore::ReadAll() const {
+  return Read(0, std::numeric_limits<int>::max());
+}
+
+void ResultsStore::ForEach(const std::function<void(const TrialResult&)>& visit) const {
+  const std::vector<int> trials = FinishedTrials();
+  for (size_t from = 0; from < trials.size(); from += kTrialsAtATime) {
+    const size_t last = std::min(from + kTrialsAtATime, trials.size()) - 1;
+    for (const TrialResult& result : Read(trials[from], trials[last] + 1)) visit(result);
+  }
+}
+
+std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
+  const Database& db = impl_->db;
+  // The rows of a trial were written in order in one transaction, so rowid restores their order.
+  const std::string range =
+      fmt::format("WHERE trial >= {} AND trial < {} ORDER BY trial, rowid", first, end);
+  std::vector<TrialResult> results;
+  std::map<int, size_t> index;
+  for (TrialRow& row : Select<TrialRow>(db, "trials", range)) {
+    if (row.status == kCrashed) continue;
+    index[row.trial] = results.size();
+    results.push_back(std::move(row.result));
+    results.back().trial = row.trial;
+  }
+  const auto of = [&](int trial) -> TrialResult& { return results[index.at(trial)]; };
+  for (AttemptRow& row : Select<AttemptRow>(db, "attempts", range)) {
+    if (row.executed) row.record.grasp = row.grasp;
+    of(row.trial).attempts.push_back(std::move(row.record));
+  }
+  for (HypothesisRow& row : Select<HypothesisRow>(db, "hypotheses", range)) {
+    of(row.trial).attempts[row.attempt].hypotheses.push_back(row.score);
+  }
+  for (InstanceRow& row : Select<InstanceRow>(db, "instances", range)) {
+    of(row.trial).attempts[row.attempt].instances.push_back(row.record);
+  }
+  for (const InstanceOutcomeRow& row : Select<InstanceOutcomeRow>(db, "instance_outcomes", range))
+    of(row.trial).outcomes.push_back(row.instance_outcome);
+  for (const RejectionRow& row : Select<RejectionRow>(db, "rejections", range)) {
+    of(row.trial).attempts[row.attempt].grasps_rejected[row.cause] = row.grasps;
+  }
+  for (const RefusalRow& row : Select<RefusalRow>(db, "refusals", range)) {
+    std::vector<RefusedScene>& refused = of(row.trial).refused;
+    if (refused.empty() || refused.back().attempt != row.attempt) {
+      refused.push_back({row.attempt, {}});
+    }
+    refused.back().faults.push_back(row.fault);
+  }
+  for (const BandRow& row : Select<BandRow>(db, "bands", range)) {
+    of(row.trial).bands.push_back(row.account);
+  }
+  for (const TimingRow& row : Select<TimingRow>(db, "timings", range)) {
+    of(row.trial).seconds[row.stage] = row.seconds;
+  }
+  return results;
+}
+
+}  // namespace pickbed::eval

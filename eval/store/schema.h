@@ -1,0 +1,222 @@
+#pragma once
+
+// Rows of the tables of the results store. The Visit() of a row names its columns for CREATE,
+// INSERT and SELECT.
+
+#include <string>
+
+#include "eval/store/results_store.h"
+
+namespace pickbed::eval {
+
+inline constexpr char kFinished[] = "finished";
+inline constexpr char kCrashed[] = "crashed";
+
+struct ConfigurationRow {
+  StoredConfiguration configuration;
+  template <typename V>
+  void Visit(V&& v) {
+    v("configuration", configuration.number);
+    v("name", configuration.name);
+    v("first_trial", configuration.first_trial);
+    v("trials", configuration.trials);
+    v("seed", configuration.seed);
+    v("identity", configuration.identity);
+    v("settings", configuration.settings);
+  }
+};
+
+// A trial that crashed has no rows in the other tables.
+struct TrialRow {
+  int trial = 0;
+  TrialResult result;
+  uint64_t seed = 0;
+  std::string status = kFinished;
+  std::string crash;  // reason of the crash
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("configuration", result.configuration);
+    v("bin_index", result.bin_index);
+    v("seed", seed);
+    v("status", status);
+    v("crash", crash);
+    v("instances_dropped", result.instances_dropped);
+    v("instances_cleared", result.instances_cleared);
+    v("ended_by", result.ended_by);
+    SceneCertificate& certificate = result.certificate;
+    v("at_rest", certificate.at_rest);
+    v("simulated_s", certificate.simulated_s);
+    v("max_speed_mps", certificate.max_speed_mps);
+    v("max_spin_radps", certificate.max_spin_radps);
+    v("deepest_penetration_m", certificate.deepest_penetration_m);
+    v("wake_movement_m", certificate.wake_movement_m);
+    v("wake_movement_diameters", certificate.wake_movement_diameters);
+  }
+};
+
+struct AttemptRow {
+  int trial = 0;
+  AttemptRecord record;
+  bool executed = false;
+  Grasp grasp;
+  template <typename V>
+  void Visit(V&& v) {
+    GraspOutcome& outcome = record.outcome;
+    v("trial", trial);
+    v("attempt", record.attempt);
+    v("failure", record.failure);
+    v("executed", executed);
+    v("chosen_hypothesis", record.chosen);
+    v("matched_instance", record.matched_instance);
+    v("target", record.target);
+    v("band", record.band);
+    v("grasp_hypothesis", grasp.hypothesis);
+    v("grasp_x_wg", grasp.X_WG);
+    v("grasp_width_m", grasp.width_m);
+    v("grasp_score", grasp.score);
+    v("success", outcome.success);
+    v("physical_failure", outcome.failure);
+    v("picked_instance", outcome.picked_instance);
+    v("instances_lifted", outcome.instances_lifted);
+    v("final_opening_m", outcome.final_opening_m);
+    v("slip_m", outcome.slip_m);
+    v("in_hand_rotation_error_rad", outcome.in_hand_rotation_error_rad);
+    v("neighbors_displaced", outcome.neighbors_displaced);
+    v("is_target", outcome.is_target);
+    v("instances_touched", outcome.instances_touched);
+    v("instances_risen", outcome.instances_risen);
+    v("lift_height_m", outcome.lift_height_m);
+    v("contact_force_x_n", outcome.contact_force_n.x());
+    v("contact_force_y_n", outcome.contact_force_n.y());
+    v("contact_force_z_n", outcome.contact_force_n.z());
+    v("contact_torque_x_nm", outcome.contact_torque_nm.x());
+    v("contact_torque_y_nm", outcome.contact_torque_nm.y());
+    v("contact_torque_z_nm", outcome.contact_torque_nm.z());
+    v("retreat_contact", outcome.retreat_contact);
+    v("retreat_opening", outcome.retreat_opening);
+    v("place_executed", outcome.place_executed);
+    v("place_error_m", outcome.place_error_m);
+    v("place_rotation_error_rad", outcome.place_rotation_error_rad);
+    for (const SuccessRuleRow& row : SuccessRuleTable()) {
+      v(row.name, outcome.verdicts[static_cast<int>(row.rule)]);
+    }
+    v("hash_scene", record.hashes[TrialStage::kScene]);
+    v("hash_image", record.hashes[TrialStage::kImage]);
+    v("hash_hypotheses", record.hashes[TrialStage::kHypotheses]);
+    v("hash_grasp", record.hashes[TrialStage::kGrasp]);
+    v("hash_outcome", record.hashes[TrialStage::kOutcome]);
+  }
+};
+
+struct HypothesisRow {
+  int trial = 0, attempt = 0, hypothesis = 0;
+  HypothesisRecord score;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("attempt", attempt);
+    v("hypothesis", hypothesis);
+    v("object", score.object);
+    v("instance", score.instance);
+    v("score", score.score);
+    v("mssd_m", score.mssd_m);
+    v("mspd_px", score.mspd_px);
+    v("add_m", score.add_m);
+    v("adi_m", score.adi_m);
+    v("rotation_rad", score.rotation_rad);
+    v("translation_m", score.translation_m);
+    v("mssd_diameters", score.mssd_diameters);
+    v("correct", score.correct);
+    v("x_wo", score.X_WO);
+    v("x_oe", score.X_OE);
+  }
+};
+
+struct InstanceRow {
+  int trial = 0, attempt = 0;
+  InstanceRecord record;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("attempt", attempt);
+    v("instance", record.instance);
+    v("object", record.object);
+    v("visible_fraction", record.visible_fraction);
+    v("recalled", record.recalled);
+    v("missed", record.missed);
+  }
+};
+
+struct InstanceOutcomeRow {
+  int trial = 0;
+  InstanceOutcome instance_outcome;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("instance", instance_outcome.instance);
+    v("object", instance_outcome.object);
+    v("picked", instance_outcome.picked);
+    v("asked", instance_outcome.asked);
+    v("failure", instance_outcome.failure);
+    v("attempt", instance_outcome.attempt);
+  }
+};
+
+struct RejectionRow {
+  int trial = 0, attempt = 0;
+  std::string cause;
+  int grasps = 0;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("attempt", attempt);
+    v("cause", cause);
+    v("grasps", grasps);
+  }
+};
+
+// One fault of a scene that failed certification and was not used.
+struct RefusalRow {
+  int trial = 0, attempt = 0;
+  std::string fault;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("attempt", attempt);
+    v("fault", fault);
+  }
+};
+
+// How one visible-fraction band of an occlusion trial was filled.
+struct BandRow {
+  int trial = 0, band = 0;
+  BandAccount account;
+  template <typename V>
+  void Visit(V&& v) {
+    BlockerCounts& blockers = account.blockers;
+    v("trial", trial);
+    v("band", band);
+    v("filled", account.filled);
+    v("targets_given_up", account.given_up);
+    v("blockers", blockers.dropped);
+    v("blockers_kept", blockers.kept);
+    v("blockers_refused", blockers.refused);
+    v("blockers_jumped", blockers.jumped);
+    v("blockers_useless", blockers.useless);
+  }
+};
+
+struct TimingRow {
+  int trial = 0;
+  std::string stage;
+  double seconds = 0;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("stage", stage);
+    v("seconds", seconds);
+  }
+};
+
+}  // namespace pickbed::eval

@@ -1,0 +1,38 @@
+#pragma once
+
+// Tables of the results store, and migration of files of earlier versions.
+//
+// A new version that only adds tables or columns needs new rows (eval/store/schema.h) and a higher
+// number here. A version that computes new contents from old ones also needs a step in Migrate().
+
+#include "eval/store/schema.h"
+#include "eval/store/sqlite.h"
+
+namespace pickbed::eval {
+
+inline constexpr int kSchemaVersion = 6;
+inline constexpr int kOldestSchemaVersion = 4;  // oldest version that can be migrated
+
+// Calls visit.template operator()<Row>("table") for each table whose rows belong to a trial.
+template <typename Visitor>
+void ForEachTrialTable(Visitor&& visit) {
+  visit.template operator()<TrialRow>("trials");
+  visit.template operator()<AttemptRow>("attempts");
+  visit.template operator()<HypothesisRow>("hypotheses");
+  visit.template operator()<InstanceRow>("instances");
+  visit.template operator()<InstanceOutcomeRow>("instance_outcomes");
+  visit.template operator()<RejectionRow>("rejections");
+  visit.template operator()<RefusalRow>("refusals");
+  visit.template operator()<BandRow>("bands");
+  visit.template operator()<TimingRow>("timings");
+}
+
+// Throws InputError for a store of a later version, or of a version that is too old.
+void RequireKnownVersion(const Database& db);
+bool IsOfThisVersion(const Database& db);
+
+// Creates all tables and missing columns in a file that is new or of an earlier version. The caller
+// opens the transaction.
+void Migrate(const Database& db);
+
+}  // namespace pickbed::eval

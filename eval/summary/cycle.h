@@ -1,0 +1,28 @@
+#pragma once
+
+// Cycle time and picks per hour of a cell that captures, computes and moves in sequence. Each
+// attempt costs capture and computation time. Each executed grasp costs a motion, whether it
+// delivers an instance or not.
+
+#include <span>
+
+#include "eval/trial/trial.h"
+#include "scenes/scenario/policy.h"
+
+namespace pickbed::eval {
+
+// Mean times per picked instance. The times of failed attempts are distributed over the picks.
+struct CycleTime {
+  double sense_s = 0, compute_s = 0, move_s = 0;
+  bool measured =
+      // True if compute_s was measured on this machine. It must not go into a results file then.
+      false;
+  double part_s() const { return sense_s + compute_s + move_s; }
+  double picks_per_hour() const { return part_s() > 0 ? 3600 / part_s() : 0; }
+};
+
+// Computes the cycle time of a run; all times are zero if nothing was picked. If spec.compute_s is
+// 0, uses the times of the stages "estimate" and "plan" of the trials.
+CycleTime CycleTimeOf(std::span<const TrialResult> trials, const CycleSpec& spec);
+
+}  // namespace pickbed::eval

@@ -1,0 +1,186 @@
+#include "eval/summary/occlusion_curve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace pickbed::eval {
+namespace {
+
+constexpr double kDegrees = 180 / 3.14159265358979323846;
+
+// Sums over the attempts of one band, by scene number.
+struct BandAttempts {
+  int attempts = 0;
+  std::map<int, Cluster> recalled, picked;
+  std::map<int, std::vector<double>> mssd, translation_m, rotation_rad;  // errors of the best pose
+  double visible = 0;
+};
+
+const InstanceRecord* TargetOf(const AttemptRecord& attempt) {
+  for (const InstanceRecord& instance : attempt.instances) {
+    if (instance.instance == attempt.target) return &instance;
+  }
+  return nullptr;
+}
+
+void Count(bool hit, Cluster& cluster) {
+  cluster.hits += hit;
+  ++cluster.tries;
+}
+
+ShareOfAttempts ShareOf(const std::map<int, Cluster>& by_scene) {
+  std::vector<Cluster> clusters;
+  for (const auto& [scene, cluster] : by_scene) clusters.push_back(cluster);
+  return {SumOf(clusters).hits, ClusterInterval(clusters)};
+}
+
+// A hypothesis with a larger MSSD is not matched to any instance.
+constexpr double kMatchDiameters = 0.5;
+
+const HypothesisRecord* BestOnTarget(const AttemptRecord& attempt) {
+  const HypothesisRecord* best = nullptr;
+  for (const HypothesisRecord& h : attempt.hypotheses) {
+    if (h.instance != attempt.target || h.mssd_diameters >= kMatchDiameters) continue;
+    if (best == nullptr || h.score > best->score) best = &h;
+  }
+  return best;
+}
+
+ErrorMedian MedianOfScenes(const std::map<int, std::vector<double>>& by_scene) {
+  ValueClusters clusters;
+  for (const auto& [scene, values] : by_scene) clusters.push_back(values);
+  return MedianWithin(clusters);
+}
+
+void CountErrors(int scene, const AttemptRecord& attempt, BandAttempts& band,
+                 ErrorMedians& errors) {
+  const HypothesisRecord* best = BestOnTarget(attempt);
+  if (best == nullptr) return;
+  ++errors.attempts;
+  band.mssd[scene].push_back(best->mssd_diameters);
+  band.translation_m[scene].push_back(best->translation_m);
+  band.rotation_rad[scene].push_back(best->rotation_rad);
+}
+
+std::string ShareText(const ShareOfAttempts& share, const BandStatistics& band) {
+  if (band.attempts == 0) return "-";
+  return fmt::format("{} {}", PercentText(share.hits, band.attempts), IntervalText(share.ci95));
+}
+
+// True if no trial found a possible target. A target that fills only some bands is given up or has
+// attempts.
+bool NoTargetFound(const std::vector<BandStatistics>& bands) {
+  return std::all_of(bands.begin(), bands.end(), [](const BandStatistics& band) {
+    return band.attempts == 0 && band.trials_without > 0 && band.account.given_up == 0;
+  });
+}
+
+std::string CsvLine(const std::string& configuration, const BandStatistics& band) {
+  std::string line = fmt::format("\"{}\",{},{},{},", configuration, band.band.least, band.band.most,
+                                 band.attempts);
+  if (band.attempts > 0) {
+    line += fmt::format("{},{},{},{},{},{},{},{},{},", band.mean_visible, band.recalled.hits,
+                        static_cast<double>(band.recalled.hits) / band.attempts,
+                        band.recalled.ci95.low, band.recalled.ci95.high, band.picked.hits,
+                        static_cast<double>(band.picked.hits) / band.attempts, band.picked.ci95.low,
+                        band.picked.ci95.high);
+  } else {
+    line += ",,,,,,,,,";
+  }
+  line += fmt::format("{},{},{},{},", band.errors.attempts, MedianCells(band.errors.mssd_diameters),
+                      MedianCells(band.errors.translation_m.Times(1e3)),
+                      MedianCells(band.errors.rotation_rad.Times(kDegrees)));
+  const BlockerCounts& blockers = band.account.blockers;
+  return line + fmt::format("{},{},{},{},{},{},{}\n", band.trials_without, band.account.given_up,
+                            blockers.dropped, blockers.kept, blockers.refused, blockers.jumped,
+                            blockers.useless);
+}
+
+}  // namespace
+
+std::vector<BandStatistics> StatisticsByBand(std::span<const TrialResult> trials,
+                                             const OcclusionSpec& spec) {
+  std::vector<BandAttempts> attempts(spec.bands.size());
+  std::vector<BandStatistics> figures(spec.bands.size());
+  for (const TrialResult& trial : trials) {
+    for (const AttemptRecord& attempt : trial.attempts) {
+      if (attempt.target < 0 || attempt.band < 0 ||
+          attempt.band >= static_cast<int>(attempts.size()))
+        continue;
+      const InstanceRecord* target = TargetOf(attempt);
+      BandAttempts& band = attempts[attempt.band];
+      ++band.attempts;
+      band.visible += target ? target->visible_fraction : 0;
+      Count(target && target->recalled, band.recalled[trial.bin_index]);
+      Count(attempt.failure == FailureReason::kNone, band.picked[trial.bin_index]);
+      CountErrors(trial.bin_index, attempt, band, figures[attempt.band].errors);
+      if (attempt.failure != FailureReason::kNone) {
+        ++figures[attempt.band].failures[std::string(FailureName(attempt.failure))];
+      }
+    }
+    for (size_t i = 0; i < std::min(trial.bands.size(), figures.size()); ++i) {
+      figures[i].trials_without += !trial.bands[i].filled;
+      figures[i].account.given_up += trial.bands[i].given_up;
+      figures[i].account.blockers.Add(trial.bands[i].blockers);
+    }
+  }
+  for (size_t i = 0; i < figures.size(); ++i) {
+    BandStatistics& band = figures[i];
+    band.band = spec.bands[i];
+    band.attempts = attempts[i].attempts;
+    if (band.attempts > 0) band.mean_visible = attempts[i].visible / band.attempts;
+    band.recalled = ShareOf(attempts[i].recalled);
+    band.picked = ShareOf(attempts[i].picked);
+    band.errors.mssd_diameters = MedianOfScenes(attempts[i].mssd);
+    band.errors.translation_m = MedianOfScenes(attempts[i].translation_m);
+    band.errors.rotation_rad = MedianOfScenes(attempts[i].rotation_rad);
+  }
+  return figures;
+}
+
+std::string CurveCsv(std::span<const NamedCurve> curves) {
+  std::string csv =
+      "point,visible_least,visible_most,looks,visible_mean,recalled,recall,recall_low,recall_high,"
+      "picked,pick_rate,pick_low,pick_high,posed,mssd_diameters,mssd_low,mssd_high,"
+      "translation_mm,translation_low,translation_high,rotation_deg,rotation_low,rotation_high,"
+      "trials_without,targets_given_up,blockers,blockers_kept,blockers_refused,blockers_jumped,"
+      "blockers_useless\n";
+  for (const NamedCurve& curve : curves) {
+    for (const BandStatistics& band : curve.bands) csv += CsvLine(curve.configuration, band);
+  }
+  return csv;
+}
+
+std::string CurveTable(const std::vector<BandStatistics>& bands) {
+  std::string text =
+      "Targets by visible fraction\n"
+      "  band, %   looks  found                   picked                  median error of the best "
+      "pose\n";
+  for (const BandStatistics& band : bands) {
+    const std::string error =
+        band.errors.attempts == 0
+            ? "-"
+            : fmt::format("{} mm, {} deg", MedianText(band.errors.translation_m.Times(1e3), 1),
+                          MedianText(band.errors.rotation_rad.Times(kDegrees), 1));
+    text += fmt::format("  {:<10}{:<7}{:<24}{:<24}{}\n", band.band.name(), band.attempts,
+                        ShareText(band.recalled, band), ShareText(band.picked, band), error);
+  }
+  for (const BandStatistics& band : bands) {
+    if (band.trials_without == 0) continue;
+    const BlockerCounts& b = band.account.blockers;
+    text += fmt::format(
+        "  {} %: trials without a scene: {}; targets given up: {}; of {} blockers {} hid too much, "
+        "{} too little, {} disturbed the scene\n",
+        band.band.name(), band.trials_without, band.account.given_up, b.dropped, b.jumped,
+        b.useless, b.refused);
+  }
+  if (NoTargetFound(bands)) {
+    text +=
+        "  no scene came to rest with a part enough in view to be a target: look from higher up, "
+        "drop fewer parts or end the bands lower\n";
+  }
+  return text;
+}
+
+}  // namespace pickbed::eval

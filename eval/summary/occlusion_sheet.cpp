@@ -1,0 +1,88 @@
+#include "eval/summary/occlusion_sheet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "eval/draw/canvas.h"
+#include "scenes/image/image_io.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr int kTile_px = 200, kGap_px = 6, kCaption_px = 20;
+constexpr double kSideDiameters = 2.2;  // side of a tile, in diameters of the target
+constexpr Rgb8 kPaper{250, 250, 250}, kInk{20, 20, 20}, kTarget{255, 140, 0};
+
+// Colors the pixels of the target that border on other ids.
+void OutlineTarget(const Image<uint16_t>& ids, uint16_t id, Image<Rgb8>& color) {
+  for (int y = 1; y + 1 < ids.height(); ++y) {
+    for (int x = 1; x + 1 < ids.width(); ++x) {
+      if (ids(x, y) != id) continue;
+      const bool inside =
+          ids(x - 1, y) == id && ids(x + 1, y) == id && ids(x, y - 1) == id && ids(x, y + 1) == id;
+      if (!inside) color(x, y) = kTarget;
+    }
+  }
+}
+
+Image<Rgb8> ViewOfTarget(const AttemptState& attempt, size_t index) {
+  Image<Rgb8> color = attempt.view->frame.color;
+  const PosedObject& target = attempt.scene.objects[index];
+  OutlineTarget(attempt.view->ids, static_cast<uint16_t>(target.instance + 1), color);
+  const ObjectModel& model = *attempt.cell.objects()[target.object];
+  const Camera& camera = attempt.cell.camera();
+  const Eigen::Vector3d center_C = camera.X_CW() * (target.X_WO * model.mass.com_O);
+  const double side_px = kSideDiameters * model.diameter_m * camera.intrinsics.fx / center_C.z();
+  return SquareCrop(color, Project(camera.intrinsics, center_C), side_px, kTile_px);
+}
+
+}  // namespace
+
+std::string BandTileName(int band) { return fmt::format("band_{}.png", band); }
+
+Image<Rgb8> BandTile(const AttemptState& attempt) {
+  const std::vector<PosedObject>& objects = attempt.scene.objects;
+  const auto target = std::find_if(objects.begin(), objects.end(), [&](const PosedObject& posed) {
+    return posed.instance == attempt.record.target;
+  });
+  const size_t index = target - objects.begin();
+  Canvas canvas(kTile_px, kTile_px + kCaption_px, kPaper);
+  canvas.Text(fmt::format("{:.1f} % in view, {} parts",
+                          100 * attempt.view->visible_fractions[index], objects.size()),
+              2, kCaption_px - 5, kInk, 0.4);
+  canvas.Paste(ViewOfTarget(attempt, index), 0, kCaption_px);
+  return canvas.Take();
+}
+
+void WriteSeriesSheet(const std::filesystem::path& pictures,
+                      const std::vector<BandStatistics>& bands) {
+  std::vector<std::filesystem::path> rows;  // trial folders
+  if (!std::filesystem::is_directory(pictures)) return;
+  const int columns = static_cast<int>(bands.size());
+  for (const auto& entry : std::filesystem::directory_iterator(pictures)) {
+    for (int band = 0; band < columns; ++band) {
+      if (!std::filesystem::exists(entry.path() / BandTileName(band))) continue;
+      rows.push_back(entry.path());
+      break;
+    }
+  }
+  if (rows.empty()) return;
+  std::sort(rows.begin(), rows.end());
+  constexpr int kAcross_px = kTile_px + kGap_px, kDown_px = kTile_px + kCaption_px + kGap_px;
+  Canvas canvas(columns * kAcross_px + kGap_px,
+                kCaption_px + static_cast<int>(rows.size()) * kDown_px, kPaper);
+  for (int band = 0; band < columns; ++band) {
+    const int x = kGap_px + band * kAcross_px;
+    canvas.Text(bands[band].band.name() + " %", x + 2, kCaption_px - 5, kInk, 0.5);
+    for (size_t row = 0; row < rows.size(); ++row) {
+      const std::filesystem::path file = rows[row] / BandTileName(band);
+      if (!std::filesystem::exists(file)) continue;
+      canvas.Paste(ReadPng(file), x, kCaption_px + static_cast<int>(row) * kDown_px);
+    }
+  }
+  WritePng(pictures / "occlusion.png", canvas.Take());
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,25 @@
+#pragma once
+
+// Overview image of occlusion trials: one row per target, one column per band.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "eval/summary/occlusion_curve.h"
+#include "eval/trial/observer.h"
+
+namespace pickbed::eval {
+
+// Returns the camera image around the target of an attempt, with the outline of its visible region.
+// Valid from TrialStage::kGrasp on, until the pick changes the scene.
+Image<Rgb8> BandTile(const AttemptState& attempt);
+std::string BandTileName(int band);  // such as "band_0.png"
+
+// Writes PICTURES/occlusion.png from the tiles PICTURES/trial_*/band_*.png, the least visible band
+// on the left. Does nothing if there are no tiles. Throws InputError if an image cannot be read or
+// written.
+void WriteSeriesSheet(const std::filesystem::path& pictures,
+                      const std::vector<BandStatistics>& bands);
+
+}  // namespace pickbed::eval

@@ -1,0 +1,102 @@
+#pragma once
+
+// Aggregate statistics of a run, computed only from its stored trials. So they do not depend on the
+// number of workers.
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eval/stats/statistics.h"
+#include "eval/store/results_store.h"
+#include "eval/summary/cycle.h"
+#include "eval/summary/early_stop.h"
+#include "eval/summary/occlusion_curve.h"
+#include "eval/summary/success_rates.h"
+#include "eval/tolerance/pick_forecast.h"
+#include "eval/trial/trial.h"
+
+namespace pickbed::eval {
+
+// Recall of the instances of one band of visible fractions.
+struct RecallBand {
+  double visible_min = 0, visible_max = 1;
+  int instances = 0, recalled = 0;
+};
+
+// Returns the bands of visible fractions for the report of a run: the bands of `spec` if it is
+// enabled, else 10-30, 30-50, 50-70, 70-90 and 90-100 %.
+std::vector<VisibleBand> ReportedBands(const OcclusionSpec& spec = {});
+
+// Returns the bands with zero counts.
+std::vector<RecallBand> EmptyRecallBands(const std::vector<VisibleBand>& bands = ReportedBands());
+// Counts an instance in its band. An instance that is in no band is ignored.
+void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands);
+
+// A scene that failed its certificate, with its trial.
+struct TrialRefusal {
+  int trial = 0;
+  RefusedScene scene;
+};
+
+// Statistics of a run. Scenes are the units of the intervals (see ClusterInterval), because picks
+// of one bin are not independent.
+struct RunSummary {
+  int trials = 0, executed_grasps = 0, successes = 0;
+  double success_rate = 0;
+  Interval success_ci95;
+  std::array<RuleRate, kSuccessRules> by_rule;  // the same executed grasps, judged by each rule
+  int instances_dropped = 0, instances_cleared = 0;
+  double cleared_rate = 0;
+  Interval cleared_ci95;
+  int frames = 0, top1_correct = 0;
+  double top1_precision = 0;
+  Interval top1_ci95;
+  std::vector<RecallBand> recall_by_visibility;
+  std::vector<Interval> recall_ci95;  // one per band
+  std::vector<TrialRefusal> refused;
+  std::vector<CrashedTrial> crashed;    // not part of any other count
+  std::optional<StopState> stop;        // set if the run may stop early
+  std::vector<BandStatistics> bands;    // only for occlusion trials, else empty
+  std::map<std::string, int> failures;  // failure reason -> number of attempts
+  std::vector<PickForecast> forecasts;  // empty without tolerance models
+  CycleTime cycle;
+  StageSeconds seconds;  // mean per trial, by stage
+};
+
+// Trials of one configuration.
+struct ConfigurationTrials {
+  std::string name;
+  std::vector<std::string> objects;  // object names
+  std::vector<TrialResult> trials;   // ordered by trial number
+  CycleSpec cycle;
+  std::vector<VisibleBand> bands = ReportedBands();  // bands of the reported rates
+};
+
+// Computes the statistics of a run. The members crashed, stop, bands and forecasts are left empty.
+RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle = {},
+                     const std::vector<VisibleBand>& bands = ReportedBands());
+
+// Returns the content of summary.json, without times. Picks per hour are null if they depend on a
+// measured time or nothing was picked.
+std::string SummaryJson(const RunSummary& summary);
+std::string SummaryTable(const RunSummary& summary);  // text for the console
+// Returns trials.csv: one line per trial. Crashed trials have empty cells.
+std::string TrialsCsv(const std::vector<TrialResult>& trials,
+                      const std::vector<CrashedTrial>& crashed = {});
+// Returns picks.csv: one line per attempt. p_pick is the success probability of the executed pose,
+// averaged over the grasps of its tolerance model. p_grasp is the probability with the executed
+// grasp. Both are empty without a model. `parts` are the names of the dropped objects.
+std::string AttemptsCsv(const std::vector<TrialResult>& trials,
+                        const std::vector<std::string>& parts, const ToleranceMaps& maps = {});
+// Returns parts.csv: one line per wanted instance that was dropped.
+std::string InstanceOutcomesCsv(const std::vector<TrialResult>& trials,
+                                const std::vector<std::string>& parts);
+// Returns timings.csv: seconds by trial and stage. The last lines have the trial "all" and hold the
+// cycle time per picked instance.
+std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle = {});
+
+}  // namespace pickbed::eval

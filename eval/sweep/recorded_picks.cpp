@@ -1,0 +1,38 @@
+#include "eval/sweep/recorded_picks.h"
+
+#include <fmt/format.h>
+
+#include "eval/store/results_store.h"
+#include "eval/sweep/run.h"
+#include "eval/tolerance/pick_forecast.h"
+#include "grasp/grippers/table.h"
+#include "scenes/base/error.h"
+#include "scenes/scenario/find_scenario.h"
+
+namespace pickbed::eval {
+
+std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const std::string& catalog,
+                                   const std::string& object, const std::string& gripper) {
+  const ResultsStore store = ResultsStore::OpenToRead(folder);
+  ScenarioRequest arguments;
+  arguments.scenario = (folder / "scenario.yaml").string();
+  arguments.catalog = catalog;
+  const LoadedScenario scenario = FindScenario(arguments);
+  const std::string of_run = LoadGripper(scenario.spec.gripper)->name;
+  CheckInput(of_run == gripper, fmt::format("{}: picked with gripper {}, the map is of {}",
+                                            folder.string(), of_run, gripper));
+  CheckInput(store.head().identity == RunIdentity(scenario.spec, scenario.objects),
+             fmt::format("{} was made with another model, gripper, sensor or part than there is "
+                         "now; repeat the run",
+                         folder.string()));
+  const std::vector<TrialResult> trials = store.ReadAll();
+  std::vector<JudgedPick> picks;
+  for (size_t i = 0; i < scenario.objects.size(); ++i) {
+    if (scenario.objects[i]->name == object) picks = JudgedPicksOf(trials, static_cast<int>(i));
+  }
+  CheckInput(!picks.empty(), fmt::format("{}: none of its picks was of a pose that stood on a {}",
+                                         folder.string(), object));
+  return picks;
+}
+
+}  // namespace pickbed::eval

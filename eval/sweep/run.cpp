@@ -1,0 +1,148 @@
+#include "eval/sweep/run.h"
+
+#include <fmt/format.h>
+
+#include "eval/store/results_store.h"
+#include "eval/trial/oracle_estimator.h"
+#include "grasp/grippers/requirements.h"
+#include "grasp/grippers/table.h"
+#include "grasp/outcome.h"
+#include "grasp/plan/plan.h"
+#include "perception/estimators/estimator_training.h"
+#include "perception/estimators/pose_estimator.h"
+#include "perception/icp/final_refinement.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/base/random.h"
+#include "sim/sensor/sensor_profile.h"
+
+namespace pickbed::eval {
+namespace {
+
+std::string SettingsText(ScenarioSpec spec) {
+  return WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); });
+}
+
+// Adds the predictions of the tolerance models to the files of a run.
+void WriteForecasts(const ObjectSet& objects, const RunOptions& options, RunReport& report) {
+  std::vector<std::string> names;
+  for (const auto& object : objects) names.push_back(object->name);
+  report.summary.forecasts = ForecastsOf(report.trials, objects, options.tolerance);
+  WriteFileAtomically(options.out / "summary.json", SummaryJson(report.summary));
+  WriteFileAtomically(options.out / "picks.csv",
+                      AttemptsCsv(report.trials, names, options.tolerance));
+  WriteFileAtomically(options.out / "pick_chances.csv",
+                      PickChancesCsv(report.trials, objects, options.tolerance));
+}
+
+// Hash of all properties of an object that affect a trial.
+uint64_t PartHash(const ObjectModel& part) {
+  std::vector<double> numbers{part.mass.mass_kg, part.friction};
+  const auto add = [&](const auto& values) {
+    numbers.insert(numbers.end(), values.data(), values.data() + values.size());
+  };
+  add(part.mass.com_O);
+  add(part.mass.inertia_com_O);
+  for (const Pose& X_OO : part.symmetries_O.discrete_O) add(X_OO.matrix());
+  for (const ContinuousSymmetry& axis : part.symmetries_O.continuous_O) {
+    add(axis.axis_O);
+    add(axis.offset_O);
+  }
+  for (const ConvexPiece& piece : part.convex_parts_O) {
+    for (const Eigen::Vector3d& p_O : piece.vertices_O) add(p_O);
+  }
+  return HashBytes(numbers.data(), numbers.size() * sizeof(double), part.mesh_hash);
+}
+
+std::string FedText(const OracleStages& truth) {
+  return fmt::format("# truth for: sense {}, detection {}, pose {}, refinement {}, grasp {}\n",
+                     truth.sense, truth.detection, truth.pose, truth.refinement, truth.grasp);
+}
+
+}  // namespace
+
+std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
+                        const OracleStages& truth) {
+  ScenarioSpec same_for_all = spec;
+  same_for_all.trials = 1;
+  same_for_all.stop_width = 0;
+  same_for_all.cycle = {};
+  // Mesh files are identified by content (below), not by path.
+  same_for_all.bin.mesh.clear();
+  for (PartSpec& part : same_for_all.objects) part.mesh.clear();
+  std::string text = SettingsText(same_for_all);
+  WithSettingsKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
+  WithSettingsKey(spec, "refiner", [&] { RefinerNamed(spec.refiner); });
+  WithSettingsKey(spec, "policy.ranking", [&] { RankingNamed(spec.policy.ranking); });
+  WithSettingsKey(spec, "policy.success", [&] { DecidingRule(spec.policy.success); });
+  // Contents of files that the settings refer to by name.
+  const auto gripper = WithSettingsKey(spec, "gripper", [&] { return LoadGripper(spec.gripper); });
+  WithSettingsKey(spec, "gripper", [&] {
+    RequireFitsBin(*gripper, BinOf(spec));
+    for (size_t i = 0; i < objects.size(); ++i) {
+      if (!spec.objects[i].foreign) RequireCanCarry(*gripper, *objects[i]);
+    }
+  });
+  SensorProfile sensor =
+      WithSettingsKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); });
+  text += gripper->SettingsText();
+  text += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
+  for (const auto& object : objects) {
+    text += fmt::format("# part {} is {:016x}\n", object->name, PartHash(*object));
+  }
+  if (!spec.bin.mesh.empty()) {
+    const std::string bytes = ReadFileBytes(spec.folder / spec.bin.mesh);
+    text += fmt::format("# bin {:016x}\n", HashBytes(bytes.data(), bytes.size()));
+  }
+  for (const EstimatorRow& row : EstimatorTable()) {
+    if (spec.estimator.name != row.name || row.make_training == nullptr) continue;
+    const std::filesystem::path file = row.make_training()->ModelFile(spec.estimator);
+    if (!std::filesystem::exists(file)) continue;  // the estimator reports this with a remedy
+    const std::string bytes = ReadFileBytes(file);
+    text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
+  }
+  if (truth != OracleStages()) text += FedText(truth);
+  return text;
+}
+
+OracleStages TruthIn(const std::string& identity) {
+  for (const OracleRow& row : OracleTable()) {
+    if (identity.ends_with(FedText(row.truth))) return row.truth;
+  }
+  return {};
+}
+
+Sweep SweepOfOne(const ScenarioSpec& spec, const ObjectSet& objects, const OracleStages& truth) {
+  Configuration configuration;
+  configuration.spec = spec;
+  configuration.objects = objects;
+  configuration.identity = RunIdentity(spec, objects, truth);
+  configuration.trials = spec.trials;
+  return {{configuration}, ""};
+}
+
+RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
+                      const RunListener& listener) {
+  SweepOptions sweep_options;
+  sweep_options.out = options.out;
+  sweep_options.jobs = options.jobs;
+  sweep_options.resume = options.resume;
+  sweep_options.retry_crashed = options.retry_crashed;
+  sweep_options.picture_trials = options.picture_trials;
+  sweep_options.lost_picture_trials = options.lost_picture_trials;
+  sweep_options.only_trials = options.only_trials;
+  TrialOptions trial_options;
+  trial_options.truth = options.truth;
+  sweep_options.make = PickingTrials(trial_options);
+  SweepReport swept = RunSweep(SweepOfOne(spec, objects, options.truth), sweep_options, listener);
+
+  RunReport report;
+  report.trials = ResultsStore::OpenToRead(options.out).ReadAll();
+  report.summary = std::move(swept.configurations.front().summary);
+  report.interrupted = swept.interrupted;
+  report.crashed = std::move(swept.crashed);
+  if (!options.tolerance.empty()) WriteForecasts(objects, options, report);
+  return report;
+}
+
+}  // namespace pickbed::eval

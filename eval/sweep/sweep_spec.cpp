@@ -1,0 +1,283 @@
+#include "eval/sweep/sweep_spec.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <map>
+
+#include "eval/sweep/run.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/scenario/find_scenario.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr size_t kLongestName = 60;  // characters of a setting in a name; longer ones are shortened
+constexpr int kMaxConfigurations = 10000;
+
+using Kind = SettingsTree::Kind;
+
+[[noreturn]] void Fail(const SettingsTree& entry, const std::string& what) {
+  throw InputError(fmt::format("{}: {} = {}: {}", entry.place, entry.key, entry.text, what));
+}
+
+std::string ShortName(const std::string& assignment) {
+  return assignment.size() <= kLongestName ? assignment
+                                           : assignment.substr(0, kLongestName - 3) + "...";
+}
+
+// Expands "1..3" to 1, 2, 3; empty if the text is not a range.
+std::vector<std::string> RangeOf(const SettingsTree& entry) {
+  long long from = 0, to = 0;
+  int used = 0;
+  const int read = std::sscanf(entry.text.c_str(), "%lld..%lld%n", &from, &to, &used);
+  if (read != 2 || used != static_cast<int>(entry.text.size())) return {};
+  if (from > to || to - from >= kMaxConfigurations) Fail(entry, "must run upwards, such as 1..10");
+  std::vector<std::string> numbers;
+  for (long long number = from; number <= to; ++number) numbers.push_back(std::to_string(number));
+  return numbers;
+}
+
+GridValue ValueOf(const std::string& key, const SettingsTree& item) {
+  GridValue value;
+  if (item.kind == Kind::kMap) {
+    value.settings = SettingsIn(item);
+  } else {
+    value.settings = {{fmt::format("{}={}", key, item.text), item.place}};
+  }
+  for (const PlacedSetting& setting : value.settings) {
+    if (!value.name.empty()) value.name += ',';
+    value.name += ShortName(setting.assignment);
+  }
+  return value;
+}
+
+// Axis whose values have user-defined labels.
+GridAxis LabelledAxis(const SettingsTree& entry) {
+  if (entry.items.empty()) Fail(entry, "names no value; write LABEL: {KEY: VALUE}");
+  GridAxis axis{entry.key, {}};
+  for (const SettingsTree& item : entry.items) {
+    if (item.kind != Kind::kMap || item.items.empty()) {
+      Fail(item, "a label stands for settings, such as ppf: {estimator.name: ppf}");
+    }
+    axis.values.push_back({entry.key + "=" + item.key, SettingsIn(item)});
+  }
+  return axis;
+}
+
+GridAxis AxisOf(const SettingsTree& entry) {
+  GridAxis axis{entry.key, {}};
+  for (const std::string& number : RangeOf(entry)) {
+    const std::string assignment = entry.key + "=" + number;
+    axis.values.push_back({assignment, {{assignment, entry.place}}});
+  }
+  if (!axis.values.empty()) return axis;
+  if (entry.kind == Kind::kMap) return LabelledAxis(entry);
+  if (entry.kind != Kind::kList) {
+    Fail(entry, "must be a list of values, such as [a, b], or a range of whole numbers, 1..10");
+  }
+  if (entry.items.empty()) Fail(entry, "the list is empty; name a value at least, or remove it");
+  for (const SettingsTree& item : entry.items) {
+    if (item.kind == Kind::kMap && item.items.empty()) Fail(item, "changes nothing");
+    GridValue value = ValueOf(entry.key, item);
+    for (const GridValue& other : axis.values) {
+      CheckInput(
+          other.name != value.name,
+          fmt::format("{}: {}: stands in the grid twice; remove one", item.place, value.name));
+    }
+    axis.values.push_back(std::move(value));
+  }
+  return axis;
+}
+
+std::string KeyOf(const PlacedSetting& setting) {
+  return setting.assignment.substr(0, setting.assignment.find('='));
+}
+
+// Returns whether the two keys set a common setting, such as "policy" and "policy.stop".
+bool Overlap(const std::string& a, const std::string& b) {
+  return a == b || a.starts_with(b + ".") || b.starts_with(a + ".");
+}
+
+// Returns the first setting of the axis that overlaps with `key`, or null.
+const PlacedSetting* SettingOf(const GridAxis& axis, const std::string& key) {
+  for (const GridValue& value : axis.values) {
+    for (const PlacedSetting& setting : value.settings) {
+      if (Overlap(KeyOf(setting), key)) return &setting;
+    }
+  }
+  return nullptr;
+}
+
+// Otherwise the later axis would win, and the names of configurations would be wrong.
+void RequireApart(const GridAxis& axis, const std::vector<GridAxis>& others) {
+  for (const GridAxis& other : others) {
+    for (const GridValue& value : axis.values) {
+      for (const PlacedSetting& setting : value.settings) {
+        const PlacedSetting* twin = SettingOf(other, KeyOf(setting));
+        CheckInput(twin == nullptr,
+                   fmt::format("{}: {}: {} sets {}, too; leave it to one of them", setting.place,
+                               setting.assignment, other.key, twin ? KeyOf(*twin) : ""));
+      }
+    }
+  }
+}
+
+std::vector<GridAxis> GridOf(const SettingsTree& grid) {
+  if (grid.kind != Kind::kMap || grid.items.empty()) {
+    Fail(grid,
+         "the grid is empty; name a setting and its values, such as sensor: [ideal, "
+         "time_of_flight]");
+  }
+  std::vector<GridAxis> axes;
+  size_t configurations = 1;
+  for (const SettingsTree& entry : grid.items) {
+    GridAxis axis = AxisOf(entry);
+    RequireApart(axis, axes);
+    axes.push_back(std::move(axis));
+    configurations *= axes.back().values.size();
+    if (configurations > kMaxConfigurations)
+      Fail(entry, fmt::format("makes over {} points", kMaxConfigurations));
+  }
+  return axes;
+}
+
+int TrialsOf(const SettingsTree& entry) {
+  int trials = 0, used = 0;
+  const int read = std::sscanf(entry.text.c_str(), "%d%n", &trials, &used);
+  const bool ok = read == 1 && used == static_cast<int>(entry.text.size()) && trials >= 1;
+  if (!ok) Fail(entry, "must be a whole number from 1 on (bins a point)");
+  return trials;
+}
+
+// A file next to the sweep file takes precedence over a preset.
+std::string ScenarioOf(const SettingsTree& entry, const std::filesystem::path& file) {
+  const std::filesystem::path beside =
+      std::filesystem::absolute(file).parent_path() / std::filesystem::path(entry.text);
+  if (entry.kind == Kind::kValue && std::filesystem::is_regular_file(beside)) {
+    return beside.lexically_normal().string();
+  }
+  const std::vector<std::string> presets = PresetNames();
+  if (std::find(presets.begin(), presets.end(), entry.text) == presets.end()) {
+    throw InputError(fmt::format("{}: {} (nor is there a file {})", entry.place,
+                                 UnknownNameMessage("scenario", entry.text, presets),
+                                 beside.string()));
+  }
+  return entry.text;
+}
+
+std::string Joined(const std::vector<PlacedSetting>& settings) {
+  std::string text;
+  for (const PlacedSetting& setting : settings) {
+    const size_t equals = setting.assignment.find('=');
+    text += fmt::format("  {}: {}\n", setting.assignment.substr(0, equals),
+                        setting.assignment.substr(equals + 1));
+  }
+  return text;
+}
+
+}  // namespace
+
+SweepSpec LoadSweepSpec(const std::filesystem::path& file) {
+  static const std::vector<std::string> kKeys = {"scenario", "trials",    "set",
+                                                 "grid",     "occlusion", "slurm"};
+  const SettingsTree tree = ReadSettingsTree(file);
+  for (const SettingsTree& entry : tree.items) {
+    CheckInput(std::find(kKeys.begin(), kKeys.end(), entry.key) != kKeys.end(),
+               fmt::format("{}: {}", entry.place, UnknownNameMessage("key", entry.key, kKeys)));
+  }
+  SweepSpec spec;
+  spec.name = file.stem().string();
+  const SettingsTree* scenario = tree.Find("scenario");
+  CheckInput(scenario != nullptr,
+             fmt::format("{}: names no scenario; add 'scenario: demo'", file.string()));
+  spec.scenario = ScenarioOf(*scenario, file);
+  if (const SettingsTree* trials = tree.Find("trials")) spec.trials = TrialsOf(*trials);
+  if (const SettingsTree* set = tree.Find("set")) spec.set = SettingsIn(*set);
+  if (const SettingsTree* occlusion = tree.Find("occlusion")) {
+    for (const PlacedSetting& setting : SettingsIn(*occlusion)) {
+      spec.set.push_back({"occlusion." + setting.assignment, setting.place});
+    }
+  }
+  if (const SettingsTree* slurm = tree.Find("slurm")) {
+    ReadSettingsBlock(*slurm, [&](SettingsVisitor& v) { spec.slurm.Visit(v); });
+  }
+  const SettingsTree* grid = tree.Find("grid");
+  CheckInput(grid != nullptr,
+             fmt::format("{}: has no grid; name a setting and its values, such as 'grid: {{sensor: "
+                         "[ideal, time_of_flight]}}', or use pickbed run",
+                         file.string()));
+  spec.grid = GridOf(*grid);
+  spec.grid_text = grid->text;
+  return spec;
+}
+
+void SetForAll(const std::string& assignment, SweepSpec& spec) {
+  const PlacedSetting setting{assignment, "--set " + assignment};
+  for (const GridAxis& axis : spec.grid) {
+    const PlacedSetting* twin = SettingOf(axis, KeyOf(setting));
+    CheckInput(twin == nullptr,
+               fmt::format("{}: the grid sets {}, too ({}); change it there", setting.place,
+                           twin ? KeyOf(*twin) : "", twin ? twin->place : ""));
+  }
+  std::erase_if(spec.set, [&](const PlacedSetting& old) { return KeyOf(old) == KeyOf(setting); });
+  spec.set.push_back(setting);
+}
+
+std::vector<GridValue> GridConfigurations(const SweepSpec& spec) {
+  std::vector<GridValue> configurations{{"", spec.set}};
+  for (const GridAxis& axis : spec.grid) {
+    std::vector<GridValue> longer;
+    for (const GridValue& configuration : configurations) {
+      for (const GridValue& value : axis.values) {
+        GridValue& made = longer.emplace_back(configuration);
+        made.name += (made.name.empty() ? "" : ",") + value.name;
+        made.settings.insert(made.settings.end(), value.settings.begin(), value.settings.end());
+      }
+    }
+    configurations = std::move(longer);
+  }
+  return configurations;
+}
+
+Sweep MakeSweep(const SweepSpec& spec, const std::filesystem::path& out,
+                const std::string& catalog) {
+  Sweep sweep;
+  sweep.yaml = SweepText(spec, out);
+  int next_trial = 0;
+  for (const GridValue& value : GridConfigurations(spec)) {
+    Configuration& configuration = sweep.configurations.emplace_back();
+    configuration.number = static_cast<int>(sweep.configurations.size()) - 1;
+    configuration.name = value.name;
+    ApplyPlaced(value.settings, [&](const std::vector<std::string>& assignments) {
+      LoadedScenario loaded = FindScenario({spec.scenario, assignments, catalog, spec.trials});
+      configuration.spec = std::move(loaded.spec);
+      configuration.objects = std::move(loaded.objects);
+      configuration.identity = RunIdentity(configuration.spec, configuration.objects);
+      return true;
+    });
+    configuration.first_trial = next_trial;
+    configuration.trials = configuration.spec.trials;
+    next_trial += configuration.trials;
+  }
+  return sweep;
+}
+
+std::string SweepText(const SweepSpec& spec, const std::filesystem::path& out) {
+  const std::filesystem::path scenario = spec.scenario;
+  std::string text = fmt::format(
+      "scenario: {}\n",
+      scenario.is_absolute() ? std::filesystem::relative(scenario, out).string() : spec.scenario);
+  if (spec.trials) text += fmt::format("trials: {}\n", *spec.trials);
+  if (!spec.set.empty()) text += "set:\n" + Joined(spec.set);
+  text += fmt::format("grid: {}\n", spec.grid_text);
+  SlurmOptions slurm = spec.slurm;
+  const std::string block = WriteSettings([&](SettingsVisitor& v) {
+    v.Group(
+        "slurm", [&](SettingsVisitor& group) { slurm.Visit(group); }, "");
+  });
+  return text + block;
+}
+
+}  // namespace pickbed::eval

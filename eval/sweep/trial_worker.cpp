@@ -1,0 +1,131 @@
+#include "eval/sweep/trial_worker.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "eval/sweep/attempt_pictures.h"
+#include "eval/trial/counts_by_bin.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr std::chrono::seconds kSayEvery{2};
+
+// State of a worker: its store, and the data of its current configuration.
+struct Bench {
+  ResultsStore store;
+  StageSeconds seconds;  // since the last reply
+  const Configuration* configuration = nullptr;
+  DoTrial do_trial = nullptr;
+};
+
+// Reply line of a finished trial: executed grasps, successes, seconds.
+std::string ReplyOf(const TrialResult& result, StageSeconds& seconds) {
+  Cluster outcome;
+  SuccessOfAttempts()(result, outcome);
+  return fmt::format("{} {} {} {} {}", outcome.tries, outcome.hits, seconds["start"],
+                     seconds["trials"], seconds["store"]);
+}
+
+void GoTo(const Configuration& configuration, const SweepOptions& options,
+          const WorkerPlan::Say& say, Bench& bench) {
+  if (bench.configuration == &configuration) return;
+  const StageTimer timer(bench.seconds, "start");
+  bench.do_trial = nullptr;  // frees the meshes and networks of the previous configuration first
+  bench.do_trial = options.make(configuration, say);
+  bench.configuration = &configuration;
+}
+
+std::string DoItem(Bench& bench, const Configuration& configuration, const SweepOptions& options,
+                   int trial, const WorkerPlan::Say& say) {
+  GoTo(configuration, options, say, bench);
+  const int scene = trial - configuration.first_trial;
+  PictureOrder pictures{PicturesWanted::kNone, PicturesOf(options.out, trial)};
+  if (scene < options.picture_trials) {
+    pictures.wanted = PicturesWanted::kAll;
+  } else if (scene < options.lost_picture_trials) {
+    pictures.wanted = PicturesWanted::kOfLostPicks;
+  }
+  TrialResult result;
+  {
+    const StageTimer timer(bench.seconds, "trials");
+    result = bench.do_trial(scene, pictures);
+  }
+  result.trial = trial;
+  result.bin_index = scene;
+  result.configuration = configuration.number;
+  {
+    const StageTimer timer(bench.seconds, "store");
+    bench.store.Write(result);
+  }
+  StageSeconds seconds;
+  std::swap(seconds, bench.seconds);
+  return ReplyOf(result, seconds);
+}
+
+}  // namespace
+
+std::filesystem::path PicturesOf(const std::filesystem::path& out, int trial) {
+  return out / "pictures" / fmt::format("trial_{:04}", trial);
+}
+
+Cluster TakeReply(const std::string& reply, StageSeconds& seconds) {
+  Cluster outcome;
+  double start_s = 0, trial_s = 0, store_s = 0;
+  std::sscanf(reply.c_str(), "%d %d %lf %lf %lf", &outcome.tries, &outcome.hits, &start_s, &trial_s,
+              &store_s);
+  seconds["start"] += start_s;
+  seconds["trials"] += trial_s;
+  seconds["store"] += store_s;
+  return outcome;
+}
+
+WorkerPlan::DoItem StartWorker(const Sweep& sweep, const SweepOptions& options,
+                               const StoreHead& head, const std::filesystem::path& folder,
+                               const WorkerPlan::Say& say) {
+  StageSeconds seconds;
+  const auto open = [&] {
+    const StageTimer timer(seconds, "store");
+    return ResultsStore(folder, head);
+  };
+  auto bench = std::make_shared<Bench>(Bench{open(), {}});
+  bench->seconds = seconds;
+  // With several configurations, the first trial decides which one is prepared.
+  if (sweep.configurations.size() == 1) GoTo(sweep.configurations.front(), options, say, *bench);
+  return [bench, &sweep, &options, say](int trial) {
+    return DoItem(*bench, ConfigurationOf(sweep, trial), options, trial, say);
+  };
+}
+
+MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
+  return
+      [trial_options](const Configuration& configuration, const WorkerPlan::Say& say) -> DoTrial {
+        using Clock = std::chrono::steady_clock;
+        const auto on_progress = [say, said = Clock::time_point()](std::string_view what,
+                                                                   double share) mutable {
+          if (Clock::now() - said < kSayEvery) return;
+          said = Clock::now();
+          say(fmt::format("{}: {:.0f} %", what, 100 * share));
+        };
+        auto runner = std::make_shared<TrialRunner>(configuration.spec, configuration.objects,
+                                                    on_progress, trial_options);
+        return [runner](int scene, const PictureOrder& order) {
+          PickPictures all(order.folder);
+          LostPickPictures lost(order.folder);
+          switch (order.wanted) {
+            case PicturesWanted::kAll:
+              return runner->Run(scene, &all);
+            case PicturesWanted::kOfLostPicks:
+              return runner->Run(scene, &lost);
+            case PicturesWanted::kNone:
+              break;
+          }
+          return runner->Run(scene);
+        };
+      };
+}
+
+}  // namespace pickbed::eval

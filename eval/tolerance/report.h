@@ -1,0 +1,37 @@
+#pragma once
+
+// Tables and files of a tolerance map.
+//
+//   FOLDER/tolerance.yaml   the settings
+//   FOLDER/tries.csv        every execution, see eval/tolerance/samples.h
+//   FOLDER/axes.csv         success by error along each axis, with intervals
+//   FOLDER/pairs.csv        success by errors along pairs of axes, if requested
+//   FOLDER/predictors.csv   AUC of each score, with intervals
+//   FOLDER/model.yaml       the fitted model, see grasp/tolerance/tolerance_model.h
+//   FOLDER/map.png          the curves; FOLDER/pairs.png the heat maps of pairs
+
+#include <filesystem>
+#include <string>
+
+#include "eval/tolerance/statistics.h"
+
+namespace pickbed::eval {
+
+// Console text: tolerated regions of the axes, and AUC of the scores.
+std::string ToleranceText(const ToleranceFigures& figures);
+// Console table of predictors; `picks` describes the picks they are evaluated on.
+std::string PredictorText(const std::vector<Predictor>& predictors, const std::string& picks);
+
+// The same table as cells, header first.
+std::vector<std::vector<std::string>> PredictorCells(const std::vector<Predictor>& predictors);
+
+// Contents of the CSV files above.
+std::string AxesCsv(const ToleranceFigures& figures);
+std::string PairsCsv(const ToleranceFigures& figures);
+std::string PredictorsCsv(const std::vector<Predictor>& predictors);
+
+// Writes all files above except tries.csv.
+void WriteToleranceFiles(const ToleranceStudy& study, const ToleranceFigures& figures,
+                         const std::filesystem::path& folder);
+
+}  // namespace pickbed::eval

@@ -1,0 +1,170 @@
+// Executes a tolerance study over several processes and reads and writes the file of its outcomes.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "eval/tolerance/samples.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr int kChunk = 16;  // samples per work item
+constexpr const char* kVersion = "pickbed tolerance 1";
+constexpr const char* kColumns =
+    "try,kind,axis,level,axis_2,level_2,place,grasp,dx_mm,dy_mm,dz_mm,rx_deg,ry_deg,rz_deg,"
+    "success,loss\n";
+
+// Header line that identifies a study. Files with another line belong to another study.
+std::string IdentityLine(const ToleranceStudy& study) {
+  const ObjectModel& part = *study.table.objects[0];
+  ToleranceOptions options = study.options;
+  const Gripper& gripper = *study.table.gripper;
+  std::string text =
+      fmt::format("{:016x} {} {}\n", part.mesh_hash, part.mass.mass_kg, part.friction);
+  text += gripper.SettingsText();
+  text += WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+  for (const ToleranceTry& t : study.tries) {
+    const Pose X_WG = study.table.places[study.grasps[t.grasp].place].scene.objects[0].X_WO *
+                      t.X_OO * study.grasps[t.grasp].candidate.X_OG;
+    text.append(reinterpret_cast<const char*>(X_WG.data()), 16 * sizeof(double));
+  }
+  return fmt::format("# {}: {} {} {:016x}\n", kVersion, part.name, gripper.name,
+                     HashBytes(text.data(), text.size()));
+}
+
+std::string Row(const ToleranceStudy& study, int index, const TryOutcome& outcome) {
+  const ToleranceTry& t = study.tries[index];
+  const auto axis = [&](int i) { return t.axis[i] < 0 ? "" : ErrorAxisTable()[t.axis[i]].name; };
+  const PoseOffset e = ToPoseOffset(t.X_OO);
+  const double mm = 1e3, deg = 180 / std::numbers::pi;
+  return fmt::format("{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n",
+                     index, TryKindName(t.kind), axis(0), t.level[0], axis(1), t.level[1],
+                     study.grasps[t.grasp].place, t.grasp, mm * e[0], mm * e[1], mm * e[2],
+                     deg * e[3], deg * e[4], deg * e[5], outcome.success ? 1 : 0,
+                     FailureName(outcome.failure));
+}
+
+// Outcomes of all complete lines. A line that was cut off by a kill has no line end and is ignored.
+std::vector<std::optional<TryOutcome>> ReadOutcomes(const ToleranceStudy& study,
+                                                    const std::filesystem::path& file) {
+  std::vector<std::optional<TryOutcome>> outcomes(study.tries.size());
+  std::istringstream in(ReadFileBytes(file));
+  std::string line;
+  while (std::getline(in, line) && !in.eof()) {
+    int index = -1;
+    if (std::sscanf(line.c_str(), "%d,", &index) != 1) continue;
+    const size_t last = line.rfind(',');
+    if (last == std::string::npos || last < 2 || index < 0 ||
+        index >= static_cast<int>(outcomes.size())) {
+      continue;
+    }
+    const auto failure = FailureFromName(line.substr(last + 1));
+    if (!failure) continue;
+    outcomes[index] = TryOutcome{line[last - 1] == '1', *failure};
+  }
+  return outcomes;
+}
+
+std::string WholeFile(const ToleranceStudy& study,
+                      const std::vector<std::optional<TryOutcome>>& outcomes) {
+  std::string text = IdentityLine(study) + kColumns;
+  for (size_t i = 0; i < outcomes.size(); ++i) {
+    if (outcomes[i]) text += Row(study, static_cast<int>(i), *outcomes[i]);
+  }
+  return text;
+}
+
+std::vector<std::optional<TryOutcome>> KeptOutcomes(const ToleranceStudy& study,
+                                                    const std::filesystem::path& file,
+                                                    bool resume) {
+  if (!std::filesystem::exists(file))
+    return std::vector<std::optional<TryOutcome>>(study.tries.size());
+  std::ifstream in(file);
+  std::string first;
+  std::getline(in, first);
+  CheckInput(first + "\n" == IdentityLine(study),
+             fmt::format("{}: holds another tolerance map, or one made with other settings; choose "
+                         "another folder with --out",
+                         file.string()));
+  CheckInput(resume, fmt::format("{}: already holds outcomes of this tolerance map; pass --resume "
+                                 "to go on with it, or choose another folder with --out",
+                                 file.string()));
+  return ReadOutcomes(study, file);
+}
+
+// Reply of a worker: one line "index success failure" per sample.
+std::string ReplyOf(const ToleranceStudy& study, const std::vector<int>& tries) {
+  std::string reply;
+  for (const int index : tries) {
+    const ToleranceTry& t = study.tries[index];
+    const GraspOutcome outcome =
+        ExecuteWithError(study.table, study.grasps[t.grasp], t.X_OO, study.options.execute);
+    reply +=
+        fmt::format("{} {} {}\n", index, outcome.success ? 1 : 0, FailureName(outcome.failure));
+  }
+  return reply;
+}
+
+}  // namespace
+
+StudyOutcomes ExecuteStudy(const ToleranceStudy& study, const std::filesystem::path& folder,
+                           int jobs, bool resume, const StudyListener& listener) {
+  const std::filesystem::path file = folder / "tries.csv";
+  std::vector<std::optional<TryOutcome>> known = KeptOutcomes(study, file, resume);
+  std::vector<std::vector<int>> chunks;
+  for (size_t i = 0; i < known.size(); ++i) {
+    if (known[i]) continue;
+    if (chunks.empty() || chunks.back().size() == kChunk) chunks.emplace_back();
+    chunks.back().push_back(static_cast<int>(i));
+  }
+  WriteFileAtomically(file, WholeFile(study, known));
+
+  const int total = static_cast<int>(known.size());
+  const int before = static_cast<int>(
+      std::count_if(known.begin(), known.end(), [](const auto& o) { return o.has_value(); }));
+  int done = before;
+  std::ofstream out(file, std::ios::app);
+  WorkerPlan plan;
+  plan.jobs = jobs;
+  for (size_t i = 0; i < chunks.size(); ++i) plan.items.push_back(static_cast<int>(i));
+  plan.start = [&](const WorkerPlan::Say&) {
+    return [&](int chunk) { return ReplyOf(study, chunks[chunk]); };
+  };
+  plan.on_done = [&](int, const std::string& reply) {
+    std::istringstream lines(reply);
+    int index = 0, success = 0;
+    std::string failure;
+    while (lines >> index >> success >> failure) {
+      known[index] = TryOutcome{success == 1,
+                                FailureFromName(failure).value_or(FailureReason::kPhysicsFailed)};
+      out << Row(study, index, *known[index]);
+      ++done;
+    }
+    out.flush();
+    CheckInput(out.good(), fmt::format("{}: cannot be written; is the disk full? What is done is "
+                                       "kept, see --resume",
+                                       file.string()));
+    if (listener.on_progress) listener.on_progress(done, total, before);
+  };
+  plan.stop = listener.stop;
+  WorkReport work = RunInWorkers(plan);
+  out.close();
+
+  StudyOutcomes result;
+  result.interrupted = work.stopped;
+  result.lost = std::move(work.lost);
+  if (done == total) {
+    WriteFileAtomically(file, WholeFile(study, known));
+    for (const auto& outcome : known) result.outcomes.push_back(*outcome);
+  }
+  return result;
+}
+
+}  // namespace pickbed::eval

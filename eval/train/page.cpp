@@ -1,0 +1,160 @@
+#include "eval/train/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "eval/page/vega.h"
+#include "eval/train/draw.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr int kPairTiles = 36, kAnswerTiles = 24;
+constexpr int kEmbeddingWidth_px = 900, kEmbeddingHeight_px = 640;
+
+std::string Share(double share) { return share < 0 ? "-" : fmt::format("{:.3f}", share); }
+
+TableCells PartTable(const TrainingReport& report, const ObjectSet& objects) {
+  TableCells table{{"part", "recall@1 before", "recall@1", "recall@8",
+                    "verifier's area under the curve", "known before"}};
+  const HeldOutRecall &first = report.recall_history.front(), &last = report.recall_history.back();
+  for (size_t i = 0; i < objects.size(); ++i) {
+    table.push_back({objects[i]->name, Share(first.part_at_1[i]), Share(last.part_at_1[i]),
+                     Share(last.part_at_8[i]), Share(report.part_auc[i]),
+                     report.rehearsed[i] ? "yes" : "no"});
+  }
+  return table;
+}
+
+ReportChart LossChart(const TrainingReport& report) {
+  constexpr int kPoints = 50;
+  ValueCurve curve{"loss", {}};
+  for (const Stretch& s : Stretches(report.loss_history, kPoints)) {
+    curve.points.push_back({s.x, s.mean, s.least, s.greatest});
+  }
+  return ValueCurves({"loss", "Loss", "Mean of each stretch of steps; shaded: its range.", ""},
+                     "step", "loss", {curve});
+}
+
+ReportChart RecallChart(const TrainingReport& report) {
+  ValueCurve first{"recall@1", {}}, eight{"recall@8", {}};
+  for (const HeldOutRecall& recall : report.recall_history) {
+    const double x = recall.iteration;
+    first.points.push_back({x, recall.at_1, recall.at_1, recall.at_1});
+    eight.points.push_back({x, recall.at_8, recall.at_8, recall.at_8});
+  }
+  return ValueCurves(
+      {"recall", "Held-out recall",
+       "Share of the held-out queries with a right answer among the nearest one or eight.", ""},
+      "step", "recall", {first, eight}, /*y_max=*/1);
+}
+
+std::string CurvesCsv(const TrainingReport& report, const ObjectSet& objects) {
+  std::string csv = "step,loss,recall_at_1,recall_at_8";
+  for (const auto& object : objects) csv += "," + object->name;
+  csv += "\n";
+  for (const HeldOutRecall& recall : report.recall_history) {
+    const int step = recall.iteration;
+    const std::string loss =
+        step > 0 ? fmt::format("{:.6f}", report.loss_history[step - 1]) : std::string();
+    csv += fmt::format("{},{},{:.6f},{:.6f}", step, loss, recall.at_1, recall.at_8);
+    for (const double share : recall.part_at_1) csv += fmt::format(",{:.6f}", share);
+    csv += "\n";
+  }
+  return csv;
+}
+
+TableCells TimeTable(const TrainingReport& report) {
+  TableCells table{{"what", "seconds"}};
+  for (const auto& phase : report.phases) {
+    table.push_back({phase.name, fmt::format("{:.1f}", phase.seconds)});
+  }
+  table.push_back({"all", fmt::format("{:.1f}", report.seconds)});
+  return table;
+}
+
+std::string TimingsCsv(const TrainingReport& report) {
+  std::string csv;
+  for (const auto& row : TimeTable(report)) csv += row[0] + "," + row[1] + "\n";
+  return csv;
+}
+
+std::string Summary(const TrainingPage& page) {
+  const TrainingReport& report = page.report;
+  std::string text =
+      fmt::format("{} steps on views of sensor {}.", report.loss_history.size(), page.sensor);
+  if (report.plateau_iteration >= 0) {
+    text += fmt::format(
+        " Held-out recall stayed on a plateau at step {}, where the schedule was "
+        "cut short.",
+        report.plateau_iteration);
+  }
+  return text +
+         " Held-out queries are patches of piles that the network never learned from; the code "
+         "book holds a near twin of each beside patches at random poses. An answer is right when "
+         "its pose is within 0.1 diameter, symmetric poses counting as one.";
+}
+
+}  // namespace
+
+std::vector<Stretch> Stretches(const std::vector<double>& values, int most) {
+  std::vector<Stretch> stretches;
+  const size_t count = std::min<size_t>(most, values.size());
+  for (size_t i = 0; i < count; ++i) {
+    const auto begin = values.begin() + i * values.size() / count;
+    const auto end = values.begin() + (i + 1) * values.size() / count;
+    const double size = static_cast<double>(end - begin);
+    const auto [least, greatest] = std::minmax_element(begin, end);
+    stretches.push_back({static_cast<double>(begin - values.begin()) + 0.5 * size,
+                         std::accumulate(begin, end, 0.0) / size, *least, *greatest});
+  }
+  return stretches;
+}
+
+std::string WriteTrainingPage(const std::filesystem::path& folder, const TrainingPage& page) {
+  MakeFolder(folder);
+  const TrainingReport& report = page.report;
+  HtmlPage html("Training of " + page.name);
+  html.Paragraph(Summary(page));
+  html.Table(PartTable(report, page.objects));
+  html.Heading("Curves");
+  html.Charts({LossChart(report), RecallChart(report)});
+
+  const auto picture = [&](const std::string& file, const Image<Rgb8>& image,
+                           const std::string& caption) {
+    if (image.empty()) return;
+    WritePng(folder / file, image);
+    html.WidePicture(file, caption);
+  };
+  html.Heading("Descriptors of held-out queries");
+  picture("embedding.png",
+          DrawEmbedding(report.answers, page.objects, kEmbeddingWidth_px, kEmbeddingHeight_px),
+          page.objects.size() == 1 ? "first two principal axes; colour: the side that is seen "
+                                     "(viewing direction x, y, z as red, green, blue)"
+                                   : "first two principal axes; colour: the part");
+  html.Heading("Nearest neighbours");
+  picture("answers.png",
+          DrawAnswers(report.answers, report.held_out, report.channels, page.objects, kAnswerTiles),
+          "query, found in the code book, true: wrong answers first");
+  html.Heading("Pairs to learn from");
+  const int per_part = std::max(1, kPairTiles / static_cast<int>(page.objects.size()));
+  picture("pairs.png", DrawPairs(report.pairs, report.channels, page.objects, per_part),
+          std::string("a patch of a pile and its twin of the part alone: sensor noise, clutter and "
+                      "holes, a little turned and shifted. ") +
+              (report.channels == PatchChannels::kDepthColor
+                   ? "Colours are those of the image; depth is seen, too"
+                   : "Colours are normals, darker is farther"));
+  html.Heading("Seconds");
+  html.Table(TimeTable(report));
+  html.Heading("Settings");
+  html.Preformatted(page.settings);
+  WriteFileAtomically(folder / "curves.csv", CurvesCsv(report, page.objects));
+  WriteFileAtomically(folder / "timings.csv", TimingsCsv(report));
+  return WritePage(folder / "index.html", html);
+}
+
+}  // namespace pickbed::eval

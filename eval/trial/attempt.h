@@ -1,0 +1,35 @@
+#pragma once
+
+// One attempt of a trial: capture, estimate, score against ground truth, choose a grasp, execute
+// it, and attribute a failure to a stage.
+
+#include "eval/trial/grasp_choice.h"
+#include "eval/trial/trial_records.h"
+#include "eval/trial/trial_setup.h"
+#include "scenes/scene.h"
+
+namespace pickbed::eval {
+
+class TrialObserver;
+
+// State of a running trial. Every attempt reads the scene and replaces it by the scene after it.
+struct LiveTrial {
+  int bin_index = 0;  // random streams derive from it
+  Scene scene;
+  GraspMemory failed;
+  StageSeconds seconds;
+  TrialObserver* observer = nullptr;  // may be null
+};
+
+// Number of an attempt and, in an occlusion trial, the only instance that it may pick.
+struct AttemptTask {
+  int attempt = 0;
+  int target = -1;  // instance, -1 = any
+  int band = -1;    // band of the target's visible fraction, -1 = none
+};
+
+// Runs one attempt on trial.scene and replaces the scene by the one after the pick. Adds the stage
+// times to trial.seconds, remembers a failed grasp in trial.failed and notifies trial.observer.
+AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& trial);
+
+}  // namespace pickbed::eval

@@ -1,0 +1,45 @@
+#pragma once
+
+// Attributes a failed pick, and each instance that was not recalled, to one stage.
+//
+// A wrong estimate comes before the grasp: the result of a grasp at a wrong pose has no meaning,
+// unless the physics failed. The estimate is attributed to the last stage that had a correct pose:
+// final refinement, then non-maximum suppression, then the search. If no stage had one, the reason
+// is kWrongObject if an instance of another object is nearest, else kPoseWrong.
+
+#include <vector>
+
+#include "eval/metrics/pose_errors.h"
+#include "eval/trial/pose_matching.h"
+#include "eval/trial/trial_records.h"
+#include "perception/pose_hypothesis.h"
+
+namespace pickbed::eval {
+
+// Ground truth of one attempt.
+struct GroundTruth {
+  const Scene& scene;  // before the pick
+  const std::vector<MetricModel>& models;
+  const Camera& camera;
+};
+
+// The failure reason of an attempt; kNone if the pick succeeded.
+// - With an executed grasp: kDoublePick if another instance came although the pose was correct.
+// - Without a grasp and without hypotheses: kNotVisible, or kNoProposal if an instance is visible.
+// - Without a grasp: kNoGrasp if a hypothesis is correct, else the reason why the best one is
+// wrong.
+// - Without a grasp, but with a target: only the hypotheses that match the target (within
+//   `match_diameters`) count. Without any, the reason why the target is not recalled.
+FailureReason AttributeFailure(const AttemptRecord& record,
+                               const std::vector<PoseHypothesis>& hypotheses,
+                               double match_diameters, const GroundTruth& truth);
+
+// For each instance, why no hypothesis recalls it: kNone if one does; kNotVisible below
+// kCountedVisibility; kRefinementWorse or kSuppressed if a correct pose existed before that stage;
+// kPoseWrong or kWrongObject if a hypothesis of the same or of another object is nearest to it;
+// else kNoProposal.
+std::vector<FailureReason> MissReasons(const AttemptScore& score,
+                                       const std::vector<PoseHypothesis>& hypotheses,
+                                       const GroundTruth& truth);
+
+}  // namespace pickbed::eval

@@ -1,0 +1,160 @@
+#include "eval/trial/grasp_choice.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+namespace pickbed::eval {
+namespace {
+
+std::vector<Eigen::Vector3d> ObservedPoints(const RgbdFrame& frame, const Pose& X_WC, int stride) {
+  std::vector<Eigen::Vector3d> points_W;
+  for (int v = 0; v < frame.depth_m.height(); v += stride) {
+    for (int u = 0; u < frame.depth_m.width(); u += stride) {
+      const float depth_m = frame.depth_m(u, v);
+      if (depth_m <= 0) continue;
+      points_W.push_back(X_WC * BackProject(frame.intrinsics, u, v, depth_m));
+    }
+  }
+  return points_W;
+}
+
+PlanOptions RankedOptions(const TrialSetup& setup, uint64_t rng_seed) {
+  PlanOptions plan;
+  plan.ranking = setup.spec.policy.ranking;
+  plan.seed = rng_seed;
+  return plan;
+}
+
+// Returns the planned grasps, best first, without repetitions of failures.
+std::vector<Grasp> PlanOnEstimate(const TrialSetup& setup, const Observation& view,
+                                  const std::vector<EstimatedPose>& poses,
+                                  const GraspMemory& failed, uint64_t rng_seed,
+                                  AttemptRecord& record) {
+  const auto cloud_W =
+      ObservedPoints(view.frame, setup.cell.camera().X_WC(), setup.options.cloud_stride_px);
+  PlanOptions options = RankedOptions(setup, rng_seed);
+  if (setup.options.truth.grasp) options.max_grasps = setup.options.true_grasps;
+  if (!failed.empty()) options.max_grasps = setup.options.retry_grasps;
+  const std::vector<int> graspable = GraspableHypotheses(record, setup.options.match_diameters);
+  PlanResult plan = PlanGrasps({setup.cell.bin(), poses, setup.candidates, cloud_W,
+                                setup.cell.objects(), *setup.gripper, graspable},
+                               options);
+  record.grasps_rejected = std::move(plan.rejected);
+  std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, poses, setup.options);
+  if (fresh.size() < plan.grasps.size()) {
+    record.grasps_rejected["failed before"] = static_cast<int>(plan.grasps.size() - fresh.size());
+  }
+  return fresh;
+}
+
+// Constraints are relaxed, since trying in the true scene shows what is free: no observed point and
+// no other pose is an obstacle, and no approach is too flat.
+std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const std::vector<EstimatedPose>& poses,
+                               const GraspMemory& failed, uint64_t rng_seed,
+                               const AttemptRecord& record) {
+  PlanOptions relaxed = RankedOptions(setup, rng_seed);
+  relaxed.max_grasps = setup.options.true_grasps;
+  relaxed.max_tilt_rad = 0.5 * std::numbers::pi;
+  relaxed.min_quality = 0;
+  relaxed.bin_clearance_m = 0;
+  relaxed.neighbor_confidence = std::numeric_limits<double>::infinity();
+  const std::vector<int> graspable = GraspableHypotheses(record, setup.options.match_diameters);
+  const PlanResult plan = PlanGrasps({setup.cell.bin(),
+                                      poses,
+                                      setup.candidates,
+                                      {},
+                                      setup.cell.objects(),
+                                      *setup.gripper,
+                                      graspable},
+                                     relaxed);
+  return failed.WithoutRepetitions(plan.grasps, poses, setup.options);
+}
+
+std::optional<Grasp> FirstThatSucceeds(const TrialSetup& setup, const Scene& scene,
+                                       const std::vector<Grasp>& grasps,
+                                       const std::vector<EstimatedPose>& poses,
+                                       const AttemptRecord& record) {
+  const size_t tried = std::min<size_t>(grasps.size(), setup.options.true_grasps);
+  for (size_t i = 0; i < tried; ++i) {
+    const EstimatedPose& pose = poses[grasps[i].hypothesis];
+    if (TryGrasp(setup, scene, grasps[i], pose, record).outcome.success) return grasps[i];
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void GraspMemory::Remember(const Grasp& grasp, const EstimatedPose& pose,
+                           const GraspOutcome& outcome) {
+  if (outcome.success) {
+    for (FailedGrasp& old : failed_) old.picked_since = true;
+  } else {
+    failed_.push_back({pose.object, pose.X_WO.translation(), grasp.X_WG.linear().col(2)});
+  }
+}
+
+std::vector<Grasp> GraspMemory::WithoutRepetitions(const std::vector<Grasp>& grasps,
+                                                   const std::vector<EstimatedPose>& poses,
+                                                   const TrialOptions& options) const {
+  const auto repeats = [&](const Grasp& grasp, bool only_since_last_pick) {
+    const EstimatedPose& pose = poses[grasp.hypothesis];
+    return std::any_of(failed_.begin(), failed_.end(), [&](const FailedGrasp& old) {
+      const double cosine = old.approach_W.dot(grasp.X_WG.linear().col(2));
+      return !(only_since_last_pick && old.picked_since) && old.object == pose.object &&
+             (old.position_W - pose.X_WO.translation()).norm() < options.retry_radius_m &&
+             std::acos(std::clamp(cosine, -1.0, 1.0)) < options.retry_angle_rad;
+    });
+  };
+  const auto fresh_of = [&](bool only_since_last_pick) {
+    std::vector<Grasp> fresh;
+    for (const Grasp& grasp : grasps) {
+      if (!repeats(grasp, only_since_last_pick)) fresh.push_back(grasp);
+    }
+    return fresh;
+  };
+  std::vector<Grasp> fresh = fresh_of(false);
+  return fresh.empty() ? fresh_of(true) : fresh;
+}
+
+int MatchedInstance(const HypothesisRecord& hypothesis, double match_diameters) {
+  return hypothesis.mssd_diameters < match_diameters ? hypothesis.instance : -1;
+}
+
+std::vector<int> GraspableHypotheses(const AttemptRecord& record, double match_diameters) {
+  std::vector<int> graspable;
+  for (size_t i = 0; i < record.hypotheses.size(); ++i) {
+    const int matched = MatchedInstance(record.hypotheses[i], match_diameters);
+    if (record.target < 0 || matched == record.target) graspable.push_back(static_cast<int>(i));
+  }
+  return graspable;
+}
+
+ExecuteResult TryGrasp(const TrialSetup& setup, const Scene& scene, const Grasp& grasp,
+                       const EstimatedPose& pose, const AttemptRecord& record) {
+  const int matched =
+      MatchedInstance(record.hypotheses[grasp.hypothesis], setup.options.match_diameters);
+  return ExecuteGrasp(scene, setup.cell.objects(), grasp, *setup.gripper,
+                      {matched, pose.object, pose.X_WO}, setup.execute);
+}
+
+std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const Scene& scene,
+                                 const Observation& view, const std::vector<EstimatedPose>& poses,
+                                 const GraspMemory& failed, uint64_t rng_seed,
+                                 AttemptRecord& record, StageSeconds& seconds) {
+  if (GraspableHypotheses(record, setup.options.match_diameters).empty()) return std::nullopt;
+  std::vector<Grasp> planned;
+  {
+    const StageTimer timer(seconds, "plan");
+    planned = PlanOnEstimate(setup, view, poses, failed, rng_seed, record);
+  }
+  if (setup.options.truth.grasp) {
+    const StageTimer timer(seconds, "try");
+    if (const auto grasp = FirstThatSucceeds(setup, scene, planned, poses, record)) return grasp;
+    const std::vector<Grasp> relaxed = PlanRelaxed(setup, poses, failed, rng_seed, record);
+    if (const auto grasp = FirstThatSucceeds(setup, scene, relaxed, poses, record)) return grasp;
+  }
+  return planned.empty() ? std::nullopt : std::optional(planned.front());
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,58 @@
+#pragma once
+
+// Chooses the grasp of an attempt: plans on the estimated poses, leaves out grasps that failed
+// before, and tries grasps in the true scene where the stage oracle asks for it.
+
+#include <optional>
+#include <vector>
+
+#include "eval/trial/trial_records.h"
+#include "eval/trial/trial_setup.h"
+#include "grasp/plan/plan.h"
+
+namespace pickbed::eval {
+
+// The failed grasps of a trial, so that they are not repeated in an unchanged bin.
+class GraspMemory {
+ public:
+  // Remembers a failed grasp. After a successful one, older failures become a last choice, since
+  // the way may be clear now.
+  void Remember(const Grasp& grasp, const EstimatedPose& pose, const GraspOutcome& outcome);
+  // Returns the grasps that do not repeat a failure, in the given order. If all of them repeat one,
+  // returns the grasps that repeat only failures from before a later successful pick.
+  std::vector<Grasp> WithoutRepetitions(const std::vector<Grasp>& grasps,
+                                        const std::vector<EstimatedPose>& poses,
+                                        const TrialOptions& options) const;
+  bool empty() const { return failed_.empty(); }
+  void Clear() { failed_.clear(); }
+
+ private:
+  struct FailedGrasp {
+    int object = 0;
+    Eigen::Vector3d position_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d approach_W = Eigen::Vector3d::UnitZ();
+    bool picked_since = false;  // another instance was picked after the failure
+  };
+  std::vector<FailedGrasp> failed_;
+};
+
+// Returns the instance that a hypothesis matches (MSSD < match_diameters diameters), -1 = none.
+int MatchedInstance(const HypothesisRecord& hypothesis, double match_diameters);
+
+// Returns the indices of the hypotheses that may be grasped. If the record has a target, only the
+// hypotheses that match it, else all.
+std::vector<int> GraspableHypotheses(const AttemptRecord& record, double match_diameters);
+
+// Executes a grasp in the true scene `scene`, which does not change, and returns the scene after
+// it.
+ExecuteResult TryGrasp(const TrialSetup& setup, const Scene& scene, const Grasp& grasp,
+                       const EstimatedPose& pose, const AttemptRecord& record);
+
+// Returns the grasp to execute, or nullopt if there is none. Fills record.grasps_rejected and adds
+// the times to `seconds`. `rng_seed` is the planner's seed.
+std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const Scene& scene,
+                                 const Observation& view, const std::vector<EstimatedPose>& poses,
+                                 const GraspMemory& failed, uint64_t rng_seed,
+                                 AttemptRecord& record, StageSeconds& seconds);
+
+}  // namespace pickbed::eval

@@ -1,0 +1,39 @@
+#pragma once
+
+// Interface notified after each stage of a trial, for images and replays.
+
+#include <vector>
+
+#include "eval/trial/simulated_cell.h"
+#include "eval/trial/stage_hash.h"
+#include "eval/trial/trial.h"
+#include "grasp/gripper.h"
+#include "perception/pose_hypothesis.h"
+
+namespace pickbed::eval {
+
+// Data of an attempt up to the current stage.
+struct AttemptState {
+  int scene_number = 0;  // random streams of the trial derive from it
+  SimulatedCell& cell;
+  const Gripper& gripper;
+  const Scene& scene;                                       // from kOutcome on: after the pick
+  const AttemptRecord& record;                              // with the hashes of the stages so far
+  const Observation* view = nullptr;                        // from kImage on
+  const std::vector<PoseHypothesis>* hypotheses = nullptr;  // from kHypotheses on
+};
+
+class TrialObserver {
+ public:
+  virtual ~TrialObserver() = default;
+  // Called after each stage of each attempt, in order. kGrasp is also reported if no grasp was
+  // found. An exception ends the trial.
+  virtual void OnStage(TrialStage stage, const AttemptState& attempt) = 0;
+};
+
+// Ends a stage of an attempt: stores its hash in `record` and notifies `observer`, if not null.
+// `record` must be the record that attempt.record refers to.
+void ReachStage(TrialStage stage, const AttemptState& attempt, AttemptRecord& record,
+                TrialObserver* observer);
+
+}  // namespace pickbed::eval

@@ -1,0 +1,93 @@
+#include "eval/trial/simulated_cell.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenes/base/error.h"
+#include "sim/convex/convex_pieces.h"
+#include "sim/drop/resting_poses.h"
+#include "sim/render/appearance.h"
+#include "sim/sensor/depth_noise.h"
+
+namespace pickbed::eval {
+namespace {
+
+SensorProfile SensorThatSees(const ScenarioSpec& spec, const Camera& camera) {
+  return WithSettingsKey(spec, "sensor", [&] {
+    SensorProfile sensor = LoadSensorProfile(spec.sensor);
+    RequireInRange(sensor, camera.X_CW().translation().z());  // depth of W's origin
+    return sensor;
+  });
+}
+
+}  // namespace
+
+SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
+    : seed_(spec.seed),
+      camera_(CameraOf(spec)),
+      bin_(BinOf(spec)),
+      occlusion_(spec.occlusion),
+      appearance_(spec.appearance),
+      sensor_(SensorThatSees(spec, camera_)),
+      objects_(WithRestingDirections(WithConvexPieces(objects))) {
+  drop_.arrangement = ArrangementFromName(spec.arrangement);
+  for (const PartSpec& part : spec.objects) {
+    if (!part.foreign) wanted_.push_back(static_cast<int>(counts_.size()));
+    counts_.push_back(part.count);
+  }
+}
+
+bool SimulatedCell::IsWanted(int object) const {
+  return std::find(wanted_.begin(), wanted_.end(), object) != wanted_.end();
+}
+
+int SimulatedCell::WantedIn(const Scene& scene) const {
+  return static_cast<int>(
+      std::count_if(scene.objects.begin(), scene.objects.end(),
+                    [&](const PosedObject& posed) { return IsWanted(posed.object); }));
+}
+
+SceneRenderer& SimulatedCell::renderer() {
+  if (!renderer_) renderer_ = std::make_unique<SceneRenderer>(objects_, bin_);
+  return *renderer_;
+}
+
+CertifiedScene SimulatedCell::MakeScene(int trial) const {
+  return pickbed::sim::MakeScene({bin_, objects_, counts_, seed_, static_cast<uint64_t>(trial)},
+                                 drop_);
+}
+
+MadeSeries SimulatedCell::MakeSeries(int trial) {
+  const SceneRequest request{bin_, objects_, counts_, seed_, static_cast<uint64_t>(trial)};
+  return MakeOcclusionSeries(renderer(), request, wanted_,
+                             {objects_, counts_, camera_, drop_, occlusion_});
+}
+
+Observation SimulatedCell::Capture(const Scene& scene, int trial, int look) {
+  RenderedImage image = Render(renderer(), scene, camera_, trial, look);
+  Observation view;
+  view.visible_fractions = renderer().VisibleFractions(scene, camera_, image.ids);
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    if (!IsWanted(scene.objects[i].object)) view.visible_fractions[i] = 0;
+  }
+  // Every attempt has its own random stream, so a second image of an unchanged bin is a new sample.
+  Rng rng = Rng::Derive(seed_, trial, fmt::format("sensor/{}", look));
+  view.frame.intrinsics = camera_.intrinsics;
+  view.frame.depth_m =
+      ApplySensorNoise({image.depth_m, camera_.intrinsics, &image.color}, sensor_, rng);
+  view.frame.color = std::move(image.color);
+  view.ids = std::move(image.ids);
+  return view;
+}
+
+Image<Rgb8> SimulatedCell::ColorPicture(const Scene& scene, int trial) {
+  return Render(renderer(), scene, camera_, trial, 0).color;
+}
+
+RenderedImage SimulatedCell::Render(SceneRenderer& renderer, const Scene& scene,
+                                    const Camera& camera, int trial, int picture) const {
+  return RenderWithAppearance(renderer, scene, camera, appearance_, seed_, trial, picture);
+}
+
+}  // namespace pickbed::eval

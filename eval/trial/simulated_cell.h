@@ -1,0 +1,84 @@
+#pragma once
+
+// The simulated robot cell of a scenario: a bin that is filled, and a camera that looks into it.
+// Images come with their ground truth.
+//
+//        C  x right, y down in the image, z forward (into the bin)
+//   |    :    |     W z up
+//   |    v z  |       ^
+//   |____W____|       +--> x      W: center of the bin floor
+
+#include <memory>
+#include <vector>
+
+#include "eval/layer.h"
+#include "scenes/camera/rgbd_frame.h"
+#include "scenes/scenario/scenario_spec.h"
+#include "scenes/scene.h"
+#include "sim/drop/certified_scene.h"
+#include "sim/drop/occlusion_series.h"
+#include "sim/render/renderer.h"
+#include "sim/sensor/sensor_profile.h"
+
+namespace pickbed::eval {
+
+// Minimum visible fraction of an instance that counts, as in BOP (Hodan et al. 2018).
+inline constexpr double kCountedVisibility = 0.1;
+
+// One image of the cell with its ground truth.
+struct Observation {
+  RgbdFrame frame;      // with the noise of the sensor
+  Image<uint16_t> ids;  // ground truth: instance + 1, 0 = background
+  // Ground truth, by scene.objects[i]; 0 for distractors, which do not count.
+  std::vector<double> visible_fractions;
+};
+
+class SimulatedCell {
+ public:
+  // Loads the sensor and decomposes the objects into convex pieces. The renderer is made on first
+  // use. Throws InputError for an unknown sensor, or if the bin floor is outside the sensor's
+  // range.
+  SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects);
+
+  // The results of these functions depend only on the arguments, the scenario and its seed.
+
+  // Drops the bin until it is at rest. Throws InputError, see sim/drop/certified_scene.h.
+  CertifiedScene MakeScene(int trial) const;
+  // Builds the scenes of an occlusion trial with the scenario's occlusion settings. Throws as
+  // described in sim/drop/occlusion_series.h.
+  MadeSeries MakeSeries(int trial);
+  // Captures one image with sensor noise. Each `look` of a trial has its own random stream.
+  Observation Capture(const Scene& scene, int trial, int look);
+
+  // Renders the color image of `scene` with the random appearance of its trial.
+  Image<Rgb8> ColorPicture(const Scene& scene, int trial);
+  // Renders with a renderer of the cell's objects and bin, for cameras other than the cell's own.
+  // `picture` distinguishes the images of one scene; their background depends on it.
+  RenderedImage Render(SceneRenderer& renderer, const Scene& scene, const Camera& camera, int trial,
+                       int picture) const;
+
+  const ObjectSet& objects() const { return objects_; }       // with convex pieces
+  const std::vector<int>& wanted() const { return wanted_; }  // objects that are no distractors
+  bool IsWanted(int object) const;
+  int WantedIn(const Scene& scene) const;  // number of instances that are no distractors
+  const Camera& camera() const { return camera_; }
+  const Bin& bin() const { return bin_; }
+  const SensorProfile& sensor() const { return sensor_; }
+
+ private:
+  SceneRenderer& renderer();
+
+  uint64_t seed_;
+  std::vector<int> counts_;
+  std::vector<int> wanted_;
+  Camera camera_;
+  Bin bin_;
+  DropOptions drop_;
+  OcclusionSpec occlusion_;
+  AppearanceRanges appearance_;
+  SensorProfile sensor_;
+  ObjectSet objects_;
+  std::unique_ptr<SceneRenderer> renderer_;
+};
+
+}  // namespace pickbed::eval

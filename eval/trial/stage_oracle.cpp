@@ -1,0 +1,181 @@
+#include "eval/trial/stage_oracle.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+
+#include "eval/trial/pose_matching.h"
+#include "perception/cloud/organized_cloud.h"
+#include "perception/icp/final_refinement.h"
+#include "perception/model/model_points.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr OracleStages kPerception{true, true, true, true, false};
+constexpr OracleStages kAll{true, true, true, true, true};
+constexpr std::array<OracleRow, 6> kRows{{
+    {"detection", "all parts in view are proposed, and nothing else", {.detection = true}},
+    {"pose", "poses start true before they are refined", {.pose = true}},
+    {"refinement", "a right pose in hand is kept and made exact", {.refinement = true}},
+    {"grasp", "grasps are tried in the true scene first", {.grasp = true}},
+    {"perception", "all parts are known as they stand", kPerception},
+    {"everything", "all parts are known, and grasps are tried in the true scene first", kAll},
+}};
+
+class Feed {
+ public:
+  Feed(std::vector<PoseHypothesis> estimated, const std::vector<TrueInstance>& parts,
+       const std::vector<MetricModel>& models)
+      : believed_(std::move(estimated)), parts_(parts), models_(models) {
+    for (const MetricModel& model : models) means_O_.push_back(MeanVertex(model));
+    Sort();
+  }
+
+  void Detection() {
+    const std::vector<int> stands_on = StandsOn();
+    std::vector<bool> covered(parts_.size(), false);
+    std::vector<PoseHypothesis> kept;
+    for (size_t i = 0; i < believed_.size(); ++i) {
+      if (stands_on[i] < 0) continue;
+      covered[stands_on[i]] = true;
+      kept.push_back(std::move(believed_[i]));
+    }
+    believed_ = std::move(kept);
+    for (size_t p = 0; p < parts_.size(); ++p) {
+      if (covered[p]) continue;
+      PoseHypothesis proposed;
+      proposed.object = parts_[p].object;
+      proposed.X_CO = parts_[p].X_CO;
+      proposed.score = 0.5 + 0.5 * parts_[p].visible_fraction;
+      proposed.fit.inlier_share = parts_[p].visible_fraction;
+      proposed.fit.hidden_share = 1 - parts_[p].visible_fraction;
+      believed_.push_back(std::move(proposed));
+    }
+    Sort();
+  }
+
+  void Poses() {
+    const std::vector<int> stands_on = StandsOn();
+    for (size_t i = 0; i < believed_.size(); ++i) {
+      if (stands_on[i] >= 0) SetTrue(stands_on[i], believed_[i]);
+    }
+  }
+
+  void Refinement() {
+    std::vector<bool> taken(parts_.size(), false);
+    for (PoseHypothesis& h : believed_) {
+      std::vector<Pose> in_hand{h.X_CO};
+      if (h.unrefined_X_CO) in_hand.push_back(*h.unrefined_X_CO);
+      in_hand.insert(in_hand.end(), h.suppressed_X_CO.begin(), h.suppressed_X_CO.end());
+      for (const Pose& X_CO : in_hand) {
+        const int part = RightFor(h.object, X_CO, taken);
+        if (part < 0) continue;
+        taken[part] = true;
+        SetTrue(part, h);
+        break;
+      }
+    }
+  }
+
+  std::vector<PoseHypothesis> Take() { return std::move(believed_); }
+
+ private:
+  void Sort() {
+    std::stable_sort(believed_.begin(), believed_.end(),
+                     [](const auto& a, const auto& b) { return a.score > b.score; });
+  }
+
+  void SetTrue(int part, PoseHypothesis& h) const {
+    h.X_CO = parts_[part].X_CO;
+    h.unrefined_X_CO.reset();
+    h.suppressed_X_CO.clear();
+  }
+
+  // Returns the index of the matched instance for each hypothesis, -1 = none.
+  std::vector<int> StandsOn() const {
+    std::vector<bool> taken(parts_.size(), false);
+    std::vector<int> stands_on;
+    for (const PoseHypothesis& h : believed_) {
+      const Eigen::Vector3d& mean_O = means_O_[h.object];
+      double least_m = kMatchDiameters * models_[h.object].diameter_m;
+      int nearest = -1;
+      for (size_t p = 0; p < parts_.size(); ++p) {
+        if (taken[p] || parts_[p].object != h.object) continue;
+        const double distance_m = (h.X_CO * mean_O - parts_[p].X_CO * mean_O).norm();
+        if (distance_m >= least_m) continue;
+        least_m = distance_m;
+        nearest = static_cast<int>(p);
+      }
+      if (nearest >= 0) taken[nearest] = true;
+      stands_on.push_back(nearest);
+    }
+    return stands_on;
+  }
+
+  int RightFor(int object, const Pose& X_CO, const std::vector<bool>& taken) const {
+    const MetricModel& model = models_[object];
+    double least_m = kCorrectDiameters * model.diameter_m;
+    int right = -1;
+    for (size_t p = 0; p < parts_.size(); ++p) {
+      if (taken[p] || parts_[p].object != object) continue;
+      const double mssd_m = Mssd(model, X_CO, parts_[p].X_CO);
+      if (mssd_m >= least_m) continue;
+      least_m = mssd_m;
+      right = static_cast<int>(p);
+    }
+    return right;
+  }
+
+  std::vector<PoseHypothesis> believed_;
+  const std::vector<TrueInstance>& parts_;
+  const std::vector<MetricModel>& models_;
+  std::vector<Eigen::Vector3d> means_O_;
+};
+
+}  // namespace
+
+std::span<const OracleRow> OracleTable() { return kRows; }
+
+const OracleRow& OracleNamed(const std::string& name) {
+  std::vector<std::string> names;
+  for (const OracleRow& row : kRows) {
+    if (name == row.name) return row;
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("stage", name, names));
+}
+
+std::vector<PoseHypothesis> SubstituteTruth(std::vector<PoseHypothesis> estimated,
+                                            const std::vector<TrueInstance>& parts,
+                                            const std::vector<MetricModel>& models,
+                                            const OracleStages& truth) {
+  Feed feed(std::move(estimated), parts, models);
+  if (truth.detection) feed.Detection();
+  if (truth.pose) feed.Poses();
+  if (truth.refinement) feed.Refinement();
+  return feed.Take();
+}
+
+struct OracleRefiner::Impl {
+  std::vector<ModelPoints> models;
+  std::string refiner;
+};
+
+OracleRefiner::OracleRefiner(const ObjectSet& objects, const std::string& refiner)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->refiner = RefinerNamed(refiner).name;
+  for (const auto& object : objects) impl_->models.push_back(MakeModelPoints(*object));
+}
+
+OracleRefiner::~OracleRefiner() = default;
+
+void OracleRefiner::Refine(const RgbdFrame& frame, const KnownBackground& background,
+                           std::vector<PoseHypothesis>& hypotheses) const {
+  const OrganizedCloud cloud = BuildCloud(frame, background);
+  RefineFinally(impl_->refiner, cloud, impl_->models, {}, 1, hypotheses);
+}
+
+}  // namespace pickbed::eval

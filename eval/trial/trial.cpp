@@ -1,0 +1,66 @@
+#include "eval/trial/trial.h"
+
+#include <fmt/format.h>
+
+#include "eval/trial/attempt.h"
+#include "scenes/scenario/policy.h"
+
+namespace pickbed::eval {
+namespace {
+
+TrialResult DropBin(const TrialSetup& setup, LiveTrial& trial) {
+  const StageTimer timer(trial.seconds, "drop");
+  TrialResult result;
+  result.trial = result.bin_index = trial.bin_index;
+  CertifiedScene made = setup.cell.MakeScene(trial.bin_index);
+  result.certificate = std::move(made.certificate);
+  result.refused = std::move(made.refused);
+  result.instances_dropped = setup.cell.WantedIn(made.scene);
+  for (const PosedObject& posed : made.scene.objects) {
+    if (!setup.cell.IsWanted(posed.object)) continue;
+    InstanceOutcome& outcome = result.outcomes.emplace_back();
+    outcome.instance = posed.instance;
+    outcome.object = posed.object;
+  }
+  trial.scene = std::move(made.scene);
+  return result;
+}
+
+void ReportProgress(const TrialSetup& setup, const TrialResult& result) {
+  if (!setup.on_progress) return;
+  setup.on_progress(fmt::format("trial {}", result.trial),
+                    static_cast<double>(result.instances_cleared) / result.instances_dropped);
+}
+
+}  // namespace
+
+TrialResult RunTrial(TrialSetup& setup, int bin_index, TrialObserver* observer) {
+  LiveTrial trial;
+  trial.bin_index = bin_index;
+  trial.observer = observer;
+  TrialResult result = DropBin(setup, trial);
+  const PolicySpec& policy = setup.spec.policy;
+  const PolicyRow& row = PolicyNamed(policy.stop);
+  const int max_attempts = row.max_attempts > 0 ? row.max_attempts : policy.max_picks;
+  PolicyState state;
+  while (result.ended_by == FailureReason::kNone && setup.cell.WantedIn(trial.scene) > 0 &&
+         (max_attempts == 0 || state.attempts < max_attempts)) {
+    result.attempts.push_back(RunAttempt(setup, {state.attempts}, trial));
+    const AttemptRecord& attempt = result.attempts.back();
+    const bool picked = attempt.failure == FailureReason::kNone;
+    result.instances_cleared += picked;
+    ReportProgress(setup, result);
+    ++state.attempts;
+    state.grasp_found = attempt.grasp.has_value();
+    state.failures_in_row = picked ? 0 : state.failures_in_row + 1;
+    if (row.gives_up(state, policy)) result.ended_by = attempt.failure;
+  }
+  TrialEnd end;
+  end.gave_up = result.ended_by != FailureReason::kNone;
+  for (const PosedObject& posed : trial.scene.objects) end.remaining.push_back(posed.instance);
+  result.outcomes = DecideOutcomes(std::move(result.outcomes), result.attempts, end);
+  result.seconds = std::move(trial.seconds);
+  return result;
+}
+
+}  // namespace pickbed::eval

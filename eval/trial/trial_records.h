@@ -1,0 +1,77 @@
+#pragma once
+
+// Records of a trial: plain data, filled by the stages of eval/trial/attempt.h and stored by
+// eval/store. A trial is one bin, from the drop to the end of picking. An attempt is one image and
+// what follows.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eval/trial/instance_outcomes.h"
+#include "eval/trial/stage_hash.h"
+#include "grasp/grasp.h"
+#include "scenes/base/stage_timer.h"
+#include "scenes/scenario/failure_reason.h"
+#include "sim/drop/certified_scene.h"
+#include "sim/drop/occlusion_series.h"
+
+namespace pickbed::eval {
+
+// A hypothesis compared with ground truth.
+struct HypothesisRecord {
+  int object = 0;
+  int instance = -1;  // matched true instance, -1 = none
+  double score = 0;
+  double mssd_m = 0, mspd_px = 0, add_m = 0, adi_m = 0, rotation_rad = 0, translation_m = 0;
+  double mssd_diameters = 0;
+  bool correct = false;          // MSSD < kCorrectDiameters
+  Pose X_WO = Pose::Identity();  // estimated pose in the world
+  Pose X_OE = Pose::Identity();  // estimated object frame E in the frame of the matched instance
+};
+
+// A true instance in the image.
+struct InstanceRecord {
+  int instance = 0;
+  int object = 0;
+  double visible_fraction = 0;
+  bool recalled = false;                        // some hypothesis is correct for it
+  FailureReason missed = FailureReason::kNone;  // why it is not recalled; see MissReasons
+};
+
+// One image and the pick that followed. Without an executed grasp `grasp` is empty, and `failure`
+// is the reason (kNone if no grasp was requested).
+struct AttemptRecord {
+  int attempt = 0;  // number in its trial
+  std::vector<InstanceRecord> instances;
+  std::vector<HypothesisRecord> hypotheses;
+  int chosen = -1;            // hypothesis of the executed grasp
+  int matched_instance = -1;  // of the chosen hypothesis, -1 = none
+  int target = -1;            // target instance of an occlusion trial, -1 = none
+  int band = -1;              // band of the target's visible fraction, -1 = none
+  std::optional<Grasp> grasp;
+  GraspOutcome outcome;
+  FailureReason failure = FailureReason::kNone;
+  std::map<std::string, int> grasps_rejected;  // reason -> number of candidates
+  StageHashes hashes;
+};
+
+struct TrialResult {
+  int trial = 0;          // number in its results store
+  int configuration = 0;  // of the sweep, 0 in a plain run
+  int bin_index = 0;      // equal for the paired trials of several configurations
+  SceneCertificate certificate;
+  std::vector<RefusedScene> refused;  // before the certified one
+  int instances_dropped = 0;
+  int instances_cleared =
+      0;  // by successful picks; an instance pushed out of the bin does not count
+  std::vector<InstanceOutcome> outcomes;  // of each dropped instance that is not a distractor
+  std::vector<AttemptRecord> attempts;
+  std::vector<BandAccount> bands;  // of an occlusion trial, else empty
+  // kNone if the bin is empty or the number of picks is reached, else what ended the trial.
+  FailureReason ended_by = FailureReason::kNone;
+  StageSeconds seconds;  // never part of a results file
+};
+
+}  // namespace pickbed::eval

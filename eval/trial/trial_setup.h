@@ -1,0 +1,57 @@
+#pragma once
+
+// Cell, gripper, estimator and grasp candidates that a worker uses for all trials of one scenario.
+
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "eval/metrics/pose_errors.h"
+#include "eval/trial/estimator_runner.h"
+#include "eval/trial/simulated_cell.h"
+#include "eval/trial/stage_oracle.h"
+#include "grasp/execute/execute.h"
+#include "grasp/grasp.h"
+#include "grasp/gripper.h"
+#include "scenes/scenario/scenario_spec.h"
+
+namespace pickbed::eval {
+
+// How the runner chooses among planned grasps.
+struct TrialOptions {
+  // After a failed pick, a grasp of the same object is not repeated if the estimated position is
+  // within `retry_radius_m` of the failed one and the approach within `retry_angle_rad`: an
+  // unchanged bin gives the same failure. Such a grasp becomes the last choice once another
+  // instance was picked.
+  double retry_radius_m = 0.02;
+  double retry_angle_rad = 0.35;
+  int retry_grasps = 200;   // grasps planned after a failure, to choose from
+  int cloud_stride_px = 2;  // step of the observed points that the planner keeps clear of
+  double match_diameters = kMatchDiameters;  // MSSD within which a hypothesis matches an instance
+  OracleStages truth;                        // stages with ground truth substituted
+  int true_grasps = 10;                      // grasps tried in the true scene if truth.grasp is set
+};
+
+struct TrialSetup {
+  // Called while codebooks are made and after each attempt, with the work and the share done.
+  using Progress = std::function<void(std::string_view what, double share)>;
+
+  // Makes the estimator and the grasp candidates, from caches where possible. Throws InputError for
+  // an unknown estimator, gripper, sensor or policy and for a broken model file.
+  TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects, const Progress& on_progress,
+             const TrialOptions& trial_options);
+
+  ScenarioSpec spec;
+  TrialOptions options;
+  Progress on_progress;
+  SimulatedCell cell;
+  std::shared_ptr<const Gripper> gripper;
+  ExecuteOptions execute;
+  std::vector<MetricModel> metric_models;               // by object
+  std::vector<std::vector<GraspCandidate>> candidates;  // by object; none for distractors
+  std::unique_ptr<EstimatorRunner> estimator;           // null if all of perception is substituted
+  std::unique_ptr<OracleRefiner> refiner;               // refines substituted poses; may be null
+};
+
+}  // namespace pickbed::eval

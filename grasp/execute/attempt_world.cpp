@@ -1,0 +1,102 @@
+#include "grasp/execute/attempt_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pickbed::grasp {
+
+using Eigen::Vector3d;
+
+void AttemptWorldOptions::Visit(SettingsVisitor& v) {
+  v.Real("near_m", near_m, {0, 10}, "parts beyond the target's diameter plus this are static, m");
+  v.Bool("all_active", all_active, "all parts move and start awake: slow");
+  v.Real("lost_below_m", lost_below_m, {0.01, 100}, "parts so far under the floor are gone, m");
+}
+
+AttemptWorld::AttemptWorld(const Scene& scene, const ObjectSet& objects, const Vector3d& grasp_W,
+                           int instance, const AttemptWorldOptions& options,
+                           const PhysicsOptions& physics)
+    : scene_(scene), objects_(objects), lost_below_m_(options.lost_below_m), physics_(physics) {
+  physics_.AddBin(scene.bin);
+  const int reference = ReferencePart(grasp_W, instance);
+  if (reference >= 0) reference_diameter_m_ = ModelOf(reference).diameter_m;
+  const Vector3d reference_center =
+      reference < 0 ? grasp_W : Center(reference, scene.objects[reference].X_WO);
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    const PosedObject& part = scene.objects[i];
+    const ObjectModel& model = *objects.at(part.object);
+    const Vector3d center = part.X_WO * model.mass.com_O;
+    const double radius = 0.5 * model.diameter_m + options.near_m;
+    const bool near = options.all_active ||
+                      (center - reference_center).norm() < radius + 0.5 * reference_diameter_m_ ||
+                      (center - grasp_W).norm() < radius;
+    const BodyMode moving = options.all_active ? BodyMode::kDynamic : BodyMode::kAsleep;
+    physics_.AddPart(model, part.X_WO, near ? moving : BodyMode::kStatic);
+    is_static_.push_back(!near);
+    is_lost_.push_back(false);
+  }
+}
+
+// The target, or the instance nearest to the grasp.
+int AttemptWorld::ReferencePart(const Vector3d& grasp_W, int instance) const {
+  int nearest = -1;
+  double nearest_distance = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < scene_.objects.size(); ++i) {
+    if (scene_.objects[i].instance == instance) return static_cast<int>(i);
+    const double distance = (Center(static_cast<int>(i), scene_.objects[i].X_WO) - grasp_W).norm();
+    if (distance < nearest_distance) {
+      nearest_distance = distance;
+      nearest = static_cast<int>(i);
+    }
+  }
+  return nearest;
+}
+
+// An instance that falls past the floor is removed before its speed looks like a physics failure.
+void AttemptWorld::Step() {
+  physics_.Step();
+  for (int i = 0; i < part_count(); ++i) {
+    if (is_lost_[i] || physics_.X_WO(i).translation().z() > -lost_below_m_) continue;
+    physics_.RemovePart(i);
+    is_lost_[i] = true;
+  }
+}
+
+int AttemptWorld::Steps(double seconds) const {
+  return static_cast<int>(std::lround(seconds / physics_.step_s()));
+}
+
+Vector3d AttemptWorld::Center(int part, const Pose& X_WO) const {
+  return X_WO * ModelOf(part).mass.com_O;
+}
+
+// For a static instance the snapshot is exact; the pose in Bullet went through a frame conversion.
+Pose AttemptWorld::X_WO_now(int part) const {
+  return is_static_[part] ? scene_.objects[part].X_WO : physics_.X_WO(part);
+}
+
+Scene AttemptWorld::Remaining(const std::vector<int>& gone) const {
+  Scene remaining;
+  remaining.bin = scene_.bin;
+  for (int i = 0; i < part_count(); ++i) {
+    if (std::find(gone.begin(), gone.end(), i) != gone.end()) continue;
+    PosedObject part = scene_.objects[i];
+    part.X_WO = X_WO_now(i);
+    if (scene_.bin.Holds(Center(i, part.X_WO))) remaining.objects.push_back(part);
+  }
+  return remaining;
+}
+
+int AttemptWorld::Displaced(double distance_m, const std::vector<int>& gone, int instance) const {
+  int displaced = 0;
+  for (int i = 0; i < part_count(); ++i) {
+    if (std::find(gone.begin(), gone.end(), i) != gone.end()) continue;
+    const PosedObject& before = scene_.objects[i];
+    if (before.instance == instance) continue;
+    displaced += (Center(i, X_WO_now(i)) - Center(i, before.X_WO)).norm() > distance_m;
+  }
+  return displaced;
+}
+
+}  // namespace pickbed::grasp

@@ -1,0 +1,64 @@
+#pragma once
+
+// Physics world of one grasp attempt, built from a snapshot of the bin. Instances that neither the
+// target nor the hand can move are static.
+
+#include <vector>
+
+#include "grasp/layer.h"
+#include "scenes/base/settings.h"
+#include "scenes/scene.h"
+#include "sim/physics/physics_world.h"
+
+namespace pickbed::grasp {
+
+// Options of AttemptWorld.
+struct AttemptWorldOptions {
+  double near_m = 0.02;       // instances further than this from target and grasp are static
+  bool all_active = false;    // all instances are dynamic and awake: slow, as a reference
+  double lost_below_m = 0.5;  // instances this far under the floor are removed
+  void Visit(SettingsVisitor& v);
+};
+
+// Physics world of one attempt.
+class AttemptWorld {
+ public:
+  // `instance`: the target, -1 = the instance nearest to `grasp_W`. Keeps references to scene and
+  // objects. Indices named `part` are positions in scene.objects.
+  AttemptWorld(const Scene& scene, const ObjectSet& objects, const Eigen::Vector3d& grasp_W,
+               int instance, const AttemptWorldOptions& options, const PhysicsOptions& physics);
+
+  const Scene& snapshot() const { return scene_; }
+  PhysicsWorld& physics() { return physics_; }
+  const PhysicsWorld& physics() const { return physics_; }
+  void Step();
+  int Steps(double seconds) const;  // number of steps with this duration, rounded
+
+  int part_count() const { return physics_.part_count(); }
+  bool IsStatic(int part) const { return is_static_[part]; }
+  const PosedObject& Posed(int part) const { return scene_.objects[part]; }  // pose in the snapshot
+  const ObjectModel& ModelOf(int part) const { return *objects_[scene_.objects[part].object]; }
+  Eigen::Vector3d Center(int part, const Pose& X_WO) const;  // center of mass in W
+  // Diameter of the target, or of the instance nearest to the grasp; 0 if the bin is empty.
+  double reference_diameter_m() const { return reference_diameter_m_; }
+
+  // Scene with the present poses, without the instances with an index in `gone` and those outside
+  // the bin.
+  Scene Remaining(const std::vector<int>& gone) const;
+  // Number of instances that moved further than this, without those in `gone` and `instance`.
+  int Displaced(double distance_m, const std::vector<int>& gone, int instance) const;
+
+ private:
+  int ReferencePart(const Eigen::Vector3d& grasp_W, int instance) const;
+  Pose X_WO_now(int part) const;
+
+  const Scene& scene_;
+  const ObjectSet& objects_;
+  const double lost_below_m_;
+  PhysicsWorld physics_;
+  std::vector<bool> is_static_;
+  std::vector<bool> is_lost_;  // fell past the floor and was removed
+  double reference_diameter_m_ = 0;
+};
+
+}  // namespace pickbed::grasp

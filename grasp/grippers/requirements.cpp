@@ -1,0 +1,69 @@
+#include "grasp/grippers/requirements.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include "grasp/grippers/table.h"
+#include "scenes/base/error.h"
+#include "scenes/objects/contact.h"
+
+namespace pickbed::grasp {
+namespace {
+
+// Example: "cup_30mm has 12, jaw_14cm has 200". Empty if no other gripper has candidates.
+std::string Offers(const ObjectModel& part, const std::string& without,
+                   const GraspCandidateOptions& options) {
+  std::string offers;
+  for (const std::string& name : GripperNames()) {
+    if (name == without) continue;
+    const size_t count = CachedCandidates(part, *LoadGripper(name), options).size();
+    if (count > 0) offers += fmt::format("{}{} has {}", offers.empty() ? "" : ", ", name, count);
+  }
+  return offers;
+}
+
+}  // namespace
+
+void RequireFitsBin(const Gripper& gripper, const Bin& bin) {
+  if (bin.inner_size_m.z() <= 0) return;
+  Eigen::AlignedBox2d inside;
+  for (const AxisAlignedBox& box : gripper.Boxes(0)) {
+    const double above_floor_m = -(box.center.z() + box.half_size.z());
+    if (above_floor_m >= bin.inner_size_m.z()) continue;
+    inside.extend(Eigen::Vector2d((box.center - box.half_size).head<2>()));
+    inside.extend(Eigen::Vector2d((box.center + box.half_size).head<2>()));
+  }
+  const Eigen::Vector2d hand = inside.sizes(), room = bin.inner_size_m.head<2>();
+  const bool fits =
+      (hand.array() <= room.array()).all() || (hand.reverse().array() <= room.array()).all();
+  CheckInput(fits, fmt::format("gripper '{}' is wider than the bin: {:.0f} x {:.0f} mm of it must "
+                               "go between walls {:.0f} x {:.0f} mm apart; take a smaller gripper "
+                               "or a larger bin",
+                               gripper.name, 1e3 * hand.x(), 1e3 * hand.y(), 1e3 * room.x(),
+                               1e3 * room.y()));
+}
+
+void RequireCanCarry(const Gripper& gripper, const ObjectModel& part) {
+  const double capacity_n = gripper.Capacity_n(part.friction);
+  const double weight_n = part.mass.mass_kg * kGravity_mps2;
+  CheckInput(weight_n < capacity_n,
+             fmt::format("part '{}' is too heavy for gripper '{}': it weighs {:.3g} kg, {:.3g} N, "
+                         "and the gripper carries at most {:.3g} N of it ({}, friction {:g}); take "
+                         "a stronger gripper",
+                         part.name, gripper.name, part.mass.mass_kg, weight_n, capacity_n,
+                         gripper.Summary(), part.friction));
+}
+
+std::vector<GraspCandidate> RequireCandidates(const ObjectModel& part, const Gripper& gripper,
+                                              const GraspCandidateOptions& options) {
+  auto candidates = CachedCandidates(part, gripper, options);
+  if (!candidates.empty()) return candidates;
+  const std::string offers = Offers(part, gripper.name, options);
+  throw InputError(fmt::format(
+      "part '{}' has no {} for gripper '{}', {}", part.name, gripper.needs(), gripper.name,
+      offers.empty() ? "and no other gripper that comes with the program can hold it"
+                     : fmt::format("but {}: pickbed grasps {} GRIPPER", offers, part.name)));
+}
+
+}  // namespace pickbed::grasp

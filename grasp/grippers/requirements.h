@@ -1,0 +1,25 @@
+#pragma once
+
+// Checks that a gripper can work with a bin and an object. Commands call them before a run.
+
+#include <vector>
+
+#include "grasp/candidates/candidates.h"
+#include "grasp/gripper.h"
+
+namespace pickbed::grasp {
+
+// The hand at its narrowest must fit between the walls. Only the boxes below the rim count when the
+// hand reaches the floor. Throws InputError with both sizes.
+void RequireFitsBin(const Gripper& gripper, const Bin& bin);
+
+// The weight of the object must be below the capacity of the gripper. Throws InputError with both
+// numbers.
+void RequireCanCarry(const Gripper& gripper, const ObjectModel& part);
+
+// Returns the candidates of CachedCandidates, at least one. Throws InputError if there is none; the
+// message says what the object lacks and which built-in grippers can hold it.
+std::vector<GraspCandidate> RequireCandidates(const ObjectModel& part, const Gripper& gripper,
+                                              const GraspCandidateOptions& options = {});
+
+}  // namespace pickbed::grasp

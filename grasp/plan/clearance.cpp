@@ -1,0 +1,221 @@
+#include "grasp/plan/clearance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace pickbed::grasp {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+
+// Separating-axis test of two boxes, one axis-aligned in W and one at X_WG.
+bool BoxesApart(const AxisAlignedBox& box_W, const AxisAlignedBox& box_G, const Pose& X_WG) {
+  const Eigen::Matrix3d R = X_WG.linear();
+  const Eigen::Matrix3d abs_R = R.cwiseAbs();
+  const Vector3d t = X_WG * box_G.center - box_W.center;
+  const Vector3d a = box_W.half_size;
+  const Vector3d b = box_G.half_size;
+  if (((t.cwiseAbs() - a - abs_R * b).array() > 0).any()) return true;
+  const Vector3d t_G = R.transpose() * t;
+  if (((t_G.cwiseAbs() - b - abs_R.transpose() * a).array() > 0).any()) return true;
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (int j = 0; j < 3; ++j) {
+      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      const double distance = std::abs(t[i2] * R(i1, j) - t[i1] * R(i2, j));
+      const double reach =
+          a[i1] * abs_R(i2, j) + a[i2] * abs_R(i1, j) + b[j1] * abs_R(i, j2) + b[j2] * abs_R(i, j1);
+      if (distance > reach) return true;
+    }
+  }
+  return false;
+}
+
+// Largest of the distances to the three slabs of the box: negative inside, a lower bound outside.
+double SlabDistance(const AxisAlignedBox& box, const Vector3d& p) {
+  return ((p - box.center).cwiseAbs() - box.half_size).maxCoeff();
+}
+
+}  // namespace
+
+std::vector<AxisAlignedBox> HandSweep(const Gripper& gripper, double opening_m) {
+  std::vector<AxisAlignedBox> sweep = gripper.Boxes(opening_m);
+  for (AxisAlignedBox& box : sweep) {
+    box.center.z() -= 0.5 * gripper.approach_m;
+    box.half_size.z() += 0.5 * gripper.approach_m;
+  }
+  return sweep;
+}
+
+std::optional<BinContact> FindBinContact(std::span<const AxisAlignedBox> boxes_G, const Pose& X_WG,
+                                         std::span<const AxisAlignedBox> bin_boxes,
+                                         double clearance_m) {
+  for (size_t k = 0; k < bin_boxes.size(); ++k) {
+    // Grows along the normals of floor and walls; a tilted hand needs no larger distance.
+    AxisAlignedBox grown = bin_boxes[k];
+    grown.half_size.array() += clearance_m;
+    for (size_t i = 0; i < boxes_G.size(); ++i) {
+      if (!BoxesApart(grown, boxes_G[i], X_WG)) {
+        return BinContact{static_cast<int>(i), static_cast<int>(k)};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+SurfaceBand::SurfaceBand(const Eigen::Matrix3Xd& points_O, double band_m) : voxel_m_(0.5 * band_m) {
+  const double pad = band_m + voxel_m_;
+  corner_ = points_O.rowwise().minCoeff().array() - pad;
+  const Vector3d top = points_O.rowwise().maxCoeff().array() + pad;
+  size_ = ((top - corner_) / voxel_m_).array().ceil().cast<int>() + 1;
+  inside_.assign(static_cast<size_t>(size_.x()) * size_.y() * size_.z(), 0);
+  for (int i = 0; i < points_O.cols(); ++i) {
+    const Vector3d p = (points_O.col(i) - corner_) / voxel_m_;
+    const Vector3i home = p.array().floor().cast<int>();
+    for (int dx = -2; dx <= 2; ++dx) {
+      for (int dy = -2; dy <= 2; ++dy) {
+        for (int dz = -2; dz <= 2; ++dz) {
+          const Vector3i cell = home + Vector3i(dx, dy, dz);
+          const double distance = (cell.cast<double>() + Vector3d::Constant(0.5) - p).norm();
+          if (distance <= 2) inside_[Index(cell)] = 1;
+        }
+      }
+    }
+  }
+}
+
+int SurfaceBand::Index(const Vector3i& cell) const {
+  return (cell.z() * size_.y() + cell.y()) * size_.x() + cell.x();
+}
+
+bool SurfaceBand::Contains(const Vector3d& p_O) const {
+  const Vector3i cell = ((p_O - corner_) / voxel_m_).array().floor().cast<int>();
+  if ((cell.array() < 0).any() || (cell.array() >= size_.array()).any()) return false;
+  return inside_[Index(cell)] != 0;
+}
+
+std::vector<Vector3d> ThinnedCloud(std::span<const Vector3d> cloud_W, const Bin& bin,
+                                   double voxel_m, double bin_band_m, double height_m) {
+  const Vector3d half(0.5 * bin.inner_size_m.x() + bin.wall_m,
+                      0.5 * bin.inner_size_m.y() + bin.wall_m, 0);
+  const Vector3d low(-half.x(), -half.y(), -bin.wall_m);
+  const Vector3d high(half.x(), half.y(), bin.inner_size_m.z() + height_m);
+  const Vector3i size = ((high - low) / voxel_m).array().ceil().cast<int>() + 1;
+  std::vector<uint8_t> taken(static_cast<size_t>(size.x()) * size.y() * size.z(), 0);
+  const std::vector<AxisAlignedBox> bin_boxes = BinBoxes(bin);
+
+  std::vector<Vector3d> thinned;
+  for (const Vector3d& p : cloud_W) {
+    // Written so that a point with NaN fails the test.
+    if (!((p.array() >= low.array()).all() && (p.array() <= high.array()).all())) continue;
+    const Vector3i cell = ((p - low) / voxel_m).cast<int>();
+    uint8_t& voxel =
+        taken[(static_cast<size_t>(cell.z()) * size.y() + cell.y()) * size.x() + cell.x()];
+    if (voxel) continue;
+    voxel = 1;
+    const bool of_bin = std::any_of(bin_boxes.begin(), bin_boxes.end(), [&](const auto& box) {
+      return SlabDistance(box, p) < bin_band_m;
+    });
+    if (!of_bin) thinned.push_back(p);
+  }
+  return thinned;
+}
+
+ObstacleField::ObstacleField(std::vector<Vector3d> points_W, std::vector<int> sources,
+                             double cell_m)
+    : corner_(Vector2d::Zero()), cell_m_(cell_m) {
+  if (!points_W.empty()) {
+    Vector2d low = points_W[0].head<2>(), high = low;
+    for (const Vector3d& p : points_W) {
+      low = low.cwiseMin(p.head<2>());
+      high = high.cwiseMax(p.head<2>());
+    }
+    corner_ = low;
+    columns_ = static_cast<int>((high.x() - low.x()) / cell_m) + 1;
+    rows_ = static_cast<int>((high.y() - low.y()) / cell_m) + 1;
+  }
+  begin_.assign(static_cast<size_t>(columns_) * rows_ + 1, 0);
+  for (const Vector3d& p : points_W) ++begin_[Column(p.x(), p.y()) + 1];
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  std::vector<int> next(begin_.begin(), begin_.end() - 1);
+  points_W_.resize(points_W.size());
+  sources_.resize(points_W.size());
+  for (size_t i = 0; i < points_W.size(); ++i) {
+    const int slot = next[Column(points_W[i].x(), points_W[i].y())]++;
+    points_W_[slot] = points_W[i];
+    sources_[slot] = sources[i];
+  }
+}
+
+int ObstacleField::Column(double x, double y) const {
+  const int column = std::clamp(int(std::floor((x - corner_.x()) / cell_m_)), 0, columns_ - 1);
+  const int row = std::clamp(int(std::floor((y - corner_.y()) / cell_m_)), 0, rows_ - 1);
+  return row * columns_ + column;
+}
+
+ObstacleField::Answer ObstacleField::Look(const Pose& X_WG, std::span<const AxisAlignedBox> sweep_G,
+                                          const std::optional<AxisAlignedBox>& between_box,
+                                          const std::vector<uint8_t>& ignored,
+                                          double limit_m) const {
+  Answer answer;
+  const size_t boxes = sweep_G.size();
+  answer.distance_m.assign(boxes, limit_m);
+  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const AxisAlignedBox& box : sweep_G) {
+    const Vector3d center = X_WG * box.center;
+    const Vector3d reach = X_WG.linear().cwiseAbs() * (box.half_size.array() + limit_m).matrix();
+    low = low.cwiseMin(center - reach);
+    high = high.cwiseMax(center + reach);
+  }
+  const int first_row = Column(low.x(), low.y()) / columns_;
+  const int last_row = Column(high.x(), high.y()) / columns_;
+  const int first_column = Column(low.x(), low.y()) % columns_;
+  const int last_column = Column(high.x(), high.y()) % columns_;
+  const Eigen::Matrix3d R_GW = X_WG.linear().transpose();
+  for (int row = first_row; row <= last_row; ++row) {
+    const int end = begin_[row * columns_ + last_column + 1];
+    for (int i = begin_[row * columns_ + first_column]; i < end; ++i) {
+      const Vector3d& p = points_W_[i];
+      if (ignored[i] || (p.array() < low.array()).any() || (p.array() > high.array()).any()) {
+        continue;
+      }
+      const Vector3d p_G = R_GW * (p - X_WG.translation());
+      for (size_t k = 0; k < boxes; ++k) {
+        answer.distance_m[k] = std::min(answer.distance_m[k], SlabDistance(sweep_G[k], p_G));
+      }
+      answer.between += between_box && SlabDistance(*between_box, p_G) < 0;
+    }
+  }
+  return answer;
+}
+
+double ObstacleField::CoveredShare(const Eigen::Matrix3Xd& surface_W,
+                                   const std::vector<uint8_t>& ignored, double above_m) const {
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  std::vector<double> top(begin_.size() - 1, kNone);
+  std::vector<int> plan;
+  for (int i = 0; i < surface_W.cols(); ++i) {
+    const Vector2d p = surface_W.col(i).head<2>() - corner_;
+    if (p.minCoeff() < 0 || p.x() >= columns_ * cell_m_ || p.y() >= rows_ * cell_m_) continue;
+    const int column = Column(surface_W(0, i), surface_W(1, i));
+    if (top[column] == kNone) plan.push_back(column);
+    top[column] = std::max(top[column], surface_W(2, i));
+  }
+  if (plan.empty()) return 0;
+  int covered = 0;
+  for (const int column : plan) {
+    for (int i = begin_[column]; i < begin_[column + 1]; ++i) {
+      if (!ignored[i] && points_W_[i].z() > top[column] + above_m) {
+        ++covered;
+        break;
+      }
+    }
+  }
+  return static_cast<double>(covered) / plan.size();
+}
+
+}  // namespace pickbed::grasp

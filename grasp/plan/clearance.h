@@ -1,0 +1,89 @@
+#pragma once
+
+// Obstacles of a hand: the boxes of the bin, and points on other instances. The points are observed
+// or come from estimated poses, never from the ground truth.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "grasp/gripper.h"
+#include "scenes/bin/bin.h"
+#include "scenes/geometry/pose.h"
+
+namespace pickbed::grasp {
+
+// Volume that the open hand sweeps on its straight approach, as boxes in G: the boxes of its
+// hand (fingers or stem, the palm last), each extended backwards by `approach_m`.
+std::vector<AxisAlignedBox> HandSweep(const Gripper& gripper, double opening_m);
+
+// First collision of the boxes (in G) with the boxes of the bin; `bin_box` is an index of BinBoxes.
+// The bin boxes are grown by `clearance_m` along the axes of W. Uses separating axes of oriented
+// boxes (Gottschalk et al. 1996). Returns nullopt if there is no collision.
+struct BinContact {
+  int hand_box = 0;
+  int bin_box = 0;
+};
+std::optional<BinContact> FindBinContact(std::span<const AxisAlignedBox> boxes_G, const Pose& X_WG,
+                                         std::span<const AxisAlignedBox> bin_boxes,
+                                         double clearance_m);
+
+// Set of the points within `band_m` of the surface points of an object, at a resolution of half of
+// `band_m`.
+class SurfaceBand {
+ public:
+  SurfaceBand(const Eigen::Matrix3Xd& points_O, double band_m);
+  bool Contains(const Eigen::Vector3d& p_O) const;
+
+ private:
+  int Index(const Eigen::Vector3i& cell) const;
+  Eigen::Vector3d corner_;
+  Eigen::Vector3i size_;
+  double voxel_m_;
+  std::vector<uint8_t> inside_;
+};
+
+// Voxel filter that keeps the first point of each voxel. It only keeps points in the box around the
+// bin, up to `height_m` above its rim. It drops points within `bin_band_m` of floor and walls,
+// because FindBinContact checks those.
+std::vector<Eigen::Vector3d> ThinnedCloud(std::span<const Eigen::Vector3d> cloud_W, const Bin& bin,
+                                          double voxel_m, double bin_band_m, double height_m);
+
+// Obstacle points, sorted into a grid of square cells (columns) on the floor plan.
+class ObstacleField {
+ public:
+  // `sources`: -1 for an observed point, else the index of the estimated pose that produced it.
+  ObstacleField(std::vector<Eigen::Vector3d> points_W, std::vector<int> sources, double cell_m);
+
+  const std::vector<Eigen::Vector3d>& points_W() const { return points_W_; }
+  const std::vector<int>& sources() const { return sources_; }
+
+  // Distance of the nearest point to each hand box (in G) at X_WG, up to `limit_m`. The distance is
+  // the largest of the distances to the slabs of the box; it is negative inside. `ignored` has one
+  // flag per point. `between` counts points in `between_box` (in G), if there is one.
+  struct Answer {
+    std::vector<double> distance_m;  // by box
+    int between = 0;
+  };
+  Answer Look(const Pose& X_WG, std::span<const AxisAlignedBox> sweep_G,
+              const std::optional<AxisAlignedBox>& between_box, const std::vector<uint8_t>& ignored,
+              double limit_m) const;
+
+  // Share of the floor plan of `surface_W` with a point that is not ignored and more than `above_m`
+  // above the surface.
+  double CoveredShare(const Eigen::Matrix3Xd& surface_W, const std::vector<uint8_t>& ignored,
+                      double above_m) const;
+
+ private:
+  int Column(double x, double y) const;
+  Eigen::Vector2d corner_;
+  double cell_m_;
+  int columns_ = 1, rows_ = 1;
+  std::vector<int> begin_;  // first point of each column, and the total at the end
+  std::vector<Eigen::Vector3d> points_W_;
+  std::vector<int> sources_;
+};
+
+}  // namespace pickbed::grasp

@@ -1,0 +1,125 @@
+#pragma once
+
+// Grasp planner. It moves the candidates of every estimated pose into the world, checks them for
+// collisions and ranks them. It uses the bin and the observed cloud, never the ground truth.
+//
+// Other estimated poses represent the sides of neighbors that the camera cannot see. Their surfaces
+// are obstacles like observed points.
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "grasp/grasp.h"
+#include "grasp/gripper.h"
+#include "scenes/base/settings.h"
+#include "scenes/bin/bin.h"
+#include "scenes/objects/object_model.h"
+
+namespace pickbed::grasp {
+
+// Estimated pose of an instance, from any source (ground truth, oracle, network, file).
+struct EstimatedPose {
+  int object = 0;
+  Pose X_WO = Pose::Identity();
+  double confidence = 1;
+};
+
+// Input of the planner. References must outlive the call.
+struct PlanInput {
+  const Bin& bin;
+  std::span<const EstimatedPose> poses;
+  std::span<const std::vector<GraspCandidate>> candidates;  // by object
+  std::span<const Eigen::Vector3d> cloud_W;  // observed points, with or without the bin
+  const ObjectSet& objects;
+  const Gripper& gripper;
+  std::span<const int> aims = {};  // indices of poses that may be grasped; empty = all
+};
+
+// Candidate measure by which grasps are ranked, in addition to pose confidence, height and free
+// space.
+struct RankingRow {
+  const char* name;
+  const char* help;
+  double (*value)(const GraspCandidate& candidate);  // null = random order
+};
+std::span<const RankingRow> RankingTable();
+// Returns the row with this name. Throws InputError that lists the known names.
+const RankingRow& RankingNamed(const std::string& name);
+
+// Relaxed constraints for a second pass if the first pass finds no grasp.
+struct RelaxedConstraints {
+  bool look = true;
+  double max_tilt_rad = 1.3;
+  double min_quality = 0.15;
+  double clearance_share = 0.3;  // share of the clearance of the gripper
+  double bin_clearance_m = 0.001;
+  void Visit(SettingsVisitor& v);
+};
+
+// Constraints and score weights of the planner.
+struct PlanOptions {
+  int max_grasps = 5;               // maximum number of reported grasps
+  std::string ranking = "quality";  // name of a row of RankingTable()
+  uint64_t seed = 0;                // for the ranking "random"
+  double max_tilt_rad = 1.05;       // of the approach from straight down
+  double own_points_m = 0.006;  // cloud points this close to the surface of the target belong to it
+
+  double clearance_share = 1;  // share of the gripper clearance that is kept from other instances
+  // Distance between hand and bin. The pose of the bin is known better than instance poses.
+  double bin_clearance_m = 0.002;
+  // A hand that would meet the floor retracts, but the contact stays this far behind the tips.
+  double min_depth_m = 0.002;
+  double good_depth_m = 0.008;  // contact this far behind the tips: no loss
+  // Worse candidates are ignored. With true poses, a third of the instances they held slipped out.
+  double min_quality = 0.15;
+  double voxel_m = 0.003;             // voxel size of the cloud
+  double bin_band_m = 0.004;          // points this close to floor and walls belong to the bin
+  double neighbor_confidence = 0.5;   // estimated poses with at least this confidence are obstacles
+  double neighbor_spacing_m = 0.004;  // spacing of the points on these poses
+  // Two poses claim the same instance if they are closer than both limits: this share of the
+  // diameter, and this share of the minimum extent. Instances that cross each other are further
+  // apart than the second limit.
+  double same_share = 0.25;
+  double same_thickness_share = 0.8;
+
+  // Maximum share of the score that each term can remove: lowest of all instances, approach at
+  // max_tilt_rad, no free space around the hand, floor plan fully covered by others, a grasp from
+  // which the object cannot be set down, others between the fingers.
+  double height_share = 0.4;
+  double tilt_share = 0.4;
+  double room_share = 0.4;
+  double cover_share = 0.8;
+  double place_share = 0.2;
+  double between_share = 0.5;
+  double aside_share = 0.3;      // hand moved aside from a wall by the maximum distance
+  double good_room_m = 0.010;    // distance from others from which there is no loss
+  int many_between = 20;         // points of others between the fingers at full loss
+  double cover_above_m = 0.004;  // points this much higher are on top of the target
+
+  // Sampling density of estimated poses and the cloud; finer is slower.
+  double column_m = 0.010;  // cell size of the floor-plan grid of the points
+  int min_part_points = 200;
+  int max_part_points = 2000;
+  RelaxedConstraints wide = {};
+  void Visit(SettingsVisitor& v);
+};
+
+// Planned grasps and the reasons of rejection.
+struct PlanResult {
+  std::vector<Grasp> grasps;       // best first
+  bool with_wider_limits = false;  // the second pass ran, whether or not it found a grasp
+  // Cause -> count in the last pass. Counts and `grasps` sum to the candidates of all poses.
+  // Causes: tilt, quality, opening, bin floor, bin wall, fingers meet a part (also the stem of a
+  // cup), palm meets a part. The last two are checked from the best candidate on, until no other
+  // can be among the reported grasps. "not tried" counts the candidates not checked; "outranked"
+  // counts free grasps that are not among the best.
+  std::map<std::string, int> rejected;
+};
+
+// Plans grasps for the estimated poses; an empty list is a result. Throws std::logic_error if a
+// pose names an object outside `candidates` or `objects`, and InputError for an unknown ranking.
+PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options = {});
+
+}  // namespace pickbed::grasp

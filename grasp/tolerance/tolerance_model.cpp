@@ -1,0 +1,291 @@
+#include "grasp/tolerance/tolerance_model.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/base/math.h"
+
+namespace pickbed::grasp {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr const char* kKind = "pickbed tolerance model 1";
+constexpr int kTerms = 1 + 2 * 6 + 2 + 15;
+using Terms = Eigen::Matrix<double, kTerms, 1>;
+constexpr double kConstantRidge = 1e-6;  // keeps the constant finite if all samples succeed
+
+PoseOffset Scaled(const PoseOffset& error_G, const ToleranceModel& model) {
+  PoseOffset u;
+  u << error_G.head<3>() / model.length_scale_m, error_G.tail<3>() / model.angle_scale_rad;
+  return u;
+}
+
+// Terms: 1; |u| and u^2 of each coordinate; u and u|u| of the approach z; |u_i u_j| of each pair.
+Terms TermsOf(const PoseOffset& u) {
+  Terms terms;
+  int k = 0;
+  terms[k++] = 1;
+  for (int i = 0; i < 6; ++i) {
+    terms[k++] = std::abs(u[i]);
+    terms[k++] = u[i] * u[i];
+  }
+  terms[k++] = u[2];
+  terms[k++] = u[2] * std::abs(u[2]);
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i + 1; j < 6; ++j) terms[k++] = std::abs(u[i] * u[j]);
+  }
+  return terms;
+}
+
+double Probability(const ToleranceModel& model, const PoseOffset& error_G) {
+  const Eigen::Map<const Terms> weights(model.weights.data());
+  return Logistic(weights.dot(TermsOf(Scaled(error_G, model))));
+}
+
+// Terms and outcomes (1 or 0) of the samples, one row per sample.
+struct DesignRows {
+  Eigen::MatrixXd terms;
+  Eigen::VectorXd outcomes;
+};
+
+DesignRows RowsOf(const std::vector<ToleranceSample>& samples, const ToleranceModel& model) {
+  DesignRows rows{Eigen::MatrixXd(samples.size(), kTerms), Eigen::VectorXd(samples.size())};
+  for (size_t i = 0; i < samples.size(); ++i) {
+    rows.terms.row(i) = TermsOf(Scaled(samples[i].error_G, model)).transpose();
+    rows.outcomes[i] = samples[i].success ? 1 : 0;
+  }
+  return rows;
+}
+
+// log sigmoid(x) = -log(1 + exp(-x)), without overflow.
+double LogLikelihood(const DesignRows& rows, const Terms& w) {
+  const Eigen::ArrayXd margin = (rows.terms * w).array() * (2 * rows.outcomes.array() - 1);
+  return (margin.min(0.0) - (-margin.abs()).exp().log1p()).sum();
+}
+
+// Newton's method on the log likelihood minus `ridge` times half the squared coefficients (without
+// the constant). The objective is concave, so halving a step until the value grows is safe.
+Terms Fit(const DesignRows& rows, double ridge, const ToleranceFitOptions& options) {
+  Terms penalty = Terms::Constant(ridge);
+  penalty[0] = kConstantRidge;
+  const auto value = [&](const Terms& w) {
+    return LogLikelihood(rows, w) - 0.5 * w.dot(penalty.cwiseProduct(w));
+  };
+  Terms w = Terms::Zero();
+  for (int step = 0; step < options.max_steps; ++step) {
+    const Eigen::VectorXd p = (rows.terms * w).unaryExpr(&Logistic);
+    const Eigen::VectorXd gradient =
+        rows.terms.transpose() * (rows.outcomes - p) - penalty.cwiseProduct(w);
+    const Eigen::VectorXd variance = p.array() * (1 - p.array());
+    Eigen::MatrixXd hessian = rows.terms.transpose() * variance.asDiagonal() * rows.terms;
+    hessian.diagonal() += penalty;
+    Terms change = hessian.ldlt().solve(gradient);
+    const double before = value(w);
+    while (value(w + change) < before && change.cwiseAbs().maxCoeff() > options.converged) {
+      change *= 0.5;
+    }
+    w += change;
+    if (change.cwiseAbs().maxCoeff() < options.converged) break;
+  }
+  return w;
+}
+
+// First and second moments of the surface by area. A triangle (a, b, c) with center m has the
+// second moment (a a' + b b' + c c' + 9 m m') / 12.
+void SurfaceMoments(const TriangleMesh& mesh, Vector3d& mean, Matrix3d& covariance) {
+  double area = 0;
+  Vector3d first = Vector3d::Zero();
+  Matrix3d second = Matrix3d::Zero();
+  for (const auto& triangle : mesh.triangles) {
+    const Vector3d a = mesh.vertices[triangle[0]];
+    const Vector3d b = mesh.vertices[triangle[1]], c = mesh.vertices[triangle[2]];
+    const double weight = 0.5 * (b - a).cross(c - a).norm();
+    const Vector3d middle = (a + b + c) / 3;
+    area += weight;
+    first += weight * middle;
+    second += weight / 12 *
+              (a * a.transpose() + b * b.transpose() + c * c.transpose() +
+               9 * middle * middle.transpose());
+  }
+  mean = first / area;
+  covariance = second / area - mean * mean.transpose();
+}
+
+// Mean squared displacement of the surface.
+double SquaredMotion(const ToleranceModel& model, const Pose& X) {
+  const Matrix3d D = X.linear() - Matrix3d::Identity();
+  return (D * model.surface_covariance_O * D.transpose()).trace() +
+         (D * model.surface_mean_O + X.translation()).squaredNorm();
+}
+
+void VisitPose(SettingsVisitor& v, Pose& X) {
+  const Range any{-1e6, 1e6};
+  Vector3d x = X.linear().col(0), z = X.linear().col(2), p = X.translation();
+  v.Vector3("x", x, any, "x axis of G in O");
+  v.Vector3("z", z, any, "z axis of G in O");
+  v.Vector3("p_m", p, any, "origin of G in O, m");
+  Matrix3d R;
+  R << x, z.cross(x), z;
+  X = MakePose(R, p);
+}
+
+}  // namespace
+
+Pose ToPose(const PoseOffset& error) {
+  const double angle = error.tail<3>().norm();
+  Matrix3d R = Matrix3d::Identity();
+  if (angle > 0) R = Eigen::AngleAxisd(angle, error.tail<3>() / angle).toRotationMatrix();
+  return MakePose(R, error.head<3>());
+}
+
+PoseOffset ToPoseOffset(const Pose& X) {
+  const Eigen::AngleAxisd turn(X.linear());
+  PoseOffset error;
+  error << X.translation(), turn.angle() * turn.axis();
+  return error;
+}
+
+void ToleranceFitOptions::Visit(SettingsVisitor& v) {
+  v.Real("length_scale_m", length_scale_m, {1e-4, 1}, "an error that is a coordinate of 1, m");
+  v.Real("angle_scale_rad", angle_scale_rad, {1e-3, 3}, "likewise, rad");
+  v.Real("least_ridge", least_ridge, {1e-6, 1e6}, "least weight of the squared coefficients");
+  v.Real("ridge_factor", ridge_factor, {1, 1000}, "from one weight that is tried to the next");
+  v.Integer("ridges", ridges, {1, 100}, "weights that are tried");
+  v.Integer("folds", folds, {2, 1000}, "of the grasps, that weights are tried on");
+  v.Integer("max_steps", max_steps, {1, 10000}, "of Newton's method");
+  v.Real("converged", converged, {1e-15, 1}, "largest change of a coefficient at the end");
+}
+
+ToleranceModel EmptyToleranceModel(const ObjectModel& model, const std::string& gripper,
+                                   std::vector<Pose> X_OG, const ToleranceFitOptions& options) {
+  ToleranceModel tolerance;
+  tolerance.object = model.name;
+  tolerance.gripper = gripper;
+  tolerance.length_scale_m = options.length_scale_m;
+  tolerance.angle_scale_rad = options.angle_scale_rad;
+  tolerance.X_OG = std::move(X_OG);
+  tolerance.symmetries_O = model.symmetries_O;
+  tolerance.symmetry_poses_O = SymmetryTransforms(model.symmetries_O);
+  SurfaceMoments(model.mesh_O, tolerance.surface_mean_O, tolerance.surface_covariance_O);
+  tolerance.weights.assign(kTerms, 0);
+  return tolerance;
+}
+
+// Selects the ridge with the best prediction of left-out grasps (Hastie et al. 2009, sec. 7.10).
+void FitTolerance(const std::vector<ToleranceSample>& samples, const ToleranceFitOptions& options,
+                  ToleranceModel& model) {
+  CheckInput(!samples.empty(), "no executed grasps to fit a tolerance model to");
+  double best_ridge = options.least_ridge;
+  double best_value = -std::numeric_limits<double>::infinity();
+  double ridge = options.least_ridge;
+  for (int i = 0; i < options.ridges; ++i, ridge *= options.ridge_factor) {
+    double value = 0;
+    for (int fold = 0; fold < options.folds; ++fold) {
+      std::vector<ToleranceSample> seen, left_out;
+      for (const ToleranceSample& sample : samples) {
+        (sample.grasp % options.folds == fold ? left_out : seen).push_back(sample);
+      }
+      const DesignRows rows = RowsOf(left_out, model);
+      value += LogLikelihood(rows, Fit(RowsOf(seen, model), ridge, options));
+    }
+    if (value > best_value) {
+      best_value = value;
+      best_ridge = ridge;
+    }
+  }
+  const Terms w = Fit(RowsOf(samples, model), best_ridge, options);
+  model.weights.assign(w.data(), w.data() + kTerms);
+}
+
+Pose NearestError(const ToleranceModel& model, const Pose& X_OE) {
+  Pose nearest = X_OE;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Pose& S : model.symmetry_poses_O) {
+    const Pose X = S.inverse() * X_OE;
+    const double motion = SquaredMotion(model, X);
+    if (motion >= least) continue;
+    least = motion;
+    nearest = X;
+  }
+  return nearest;
+}
+
+double SuccessProbability(const ToleranceModel& model, const Pose& X_OE, const Pose& X_OG) {
+  const Pose X = NearestError(model, X_OE);
+  return Probability(model, ToPoseOffset(X_OG.inverse() * X * X_OG));
+}
+
+double SuccessProbability(const ToleranceModel& model, const Pose& X_OE) {
+  const Pose X = NearestError(model, X_OE);
+  double sum = 0;
+  for (const Pose& X_OG : model.X_OG) {
+    sum += Probability(model, ToPoseOffset(X_OG.inverse() * X * X_OG));
+  }
+  return sum / static_cast<double>(model.X_OG.size());
+}
+
+void ToleranceModel::Visit(SettingsVisitor& v) {
+  std::string kind = kKind;
+  v.Text("kind", kind, {kKind}, "of file");
+  v.Text("object", object, {}, "the part");
+  v.Text("gripper", gripper, {}, "that picked it");
+  v.Real("length_scale_m", length_scale_m, {1e-4, 1}, "an error that is a coordinate of 1, m");
+  v.Real("angle_scale_rad", angle_scale_rad, {1e-3, 3}, "likewise, rad");
+  const Range any{-1e6, 1e6};
+  v.List(
+      "weights", weights.size(), [&](size_t size) { weights.resize(size); },
+      [&](size_t i, SettingsVisitor& w) {
+        w.Real("w", weights[i], {-1e9, 1e9}, "of a term");
+      },
+      "of the logistic regression");
+  v.Vector3("surface_mean_m", surface_mean_O, any, "middle of the surface in O, m");
+  for (int i = 0; i < 3; ++i) {
+    Vector3d column = surface_covariance_O.col(i);
+    const char* keys[] = {"surface_covariance_x_m2", "surface_covariance_y_m2",
+                          "surface_covariance_z_m2"};
+    v.Vector3(keys[i], column, any, "column of the covariance of the surface in O, m^2");
+    surface_covariance_O.col(i) = column;
+  }
+  v.List(
+      "symmetry_turns", symmetries_O.discrete_O.size(),
+      [&](size_t size) { symmetries_O.discrete_O.resize(size, Pose::Identity()); },
+      [&](size_t i, SettingsVisitor& w) { VisitPose(w, symmetries_O.discrete_O[i]); },
+      "poses of O in O that look the same");
+  v.List(
+      "symmetry_axes", symmetries_O.continuous_O.size(),
+      [&](size_t size) { symmetries_O.continuous_O.resize(size); },
+      [&](size_t i, SettingsVisitor& w) {
+        w.Vector3("axis", symmetries_O.continuous_O[i].axis_O, any, "in O");
+        w.Vector3("offset_m", symmetries_O.continuous_O[i].offset_O, any, "a point on it, m");
+      },
+      "axes about which every turn looks the same");
+  v.List(
+      "grasps", X_OG.size(), [&](size_t size) { X_OG.resize(size, Pose::Identity()); },
+      [&](size_t i, SettingsVisitor& w) { VisitPose(w, X_OG[i]); },
+      "that a hypothesis is scored by");
+}
+
+void WriteToleranceModel(const std::filesystem::path& file, const ToleranceModel& model) {
+  ToleranceModel copy = model;
+  WriteFileAtomically(file, WriteSettings([&](SettingsVisitor& v) { copy.Visit(v); }));
+}
+
+ToleranceModel ReadToleranceModel(const std::filesystem::path& file) {
+  ToleranceModel model;
+  ReadSettingsFile(file, [&](SettingsVisitor& v) { model.Visit(v); });
+  CheckInput(model.weights.size() == kTerms && !model.X_OG.empty(),
+             fmt::format("{}: is no tolerance model: it has {} weights of {} and {} grasps; make "
+                         "one with pickbed tolerance OBJECT GRIPPER",
+                         file.string(), model.weights.size(), kTerms, model.X_OG.size()));
+  model.symmetry_poses_O = SymmetryTransforms(model.symmetries_O);
+  return model;
+}
+
+}  // namespace pickbed::grasp

@@ -1,0 +1,322 @@
+#include "perception/candidates/candidate_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "perception/model/ambiguous_poses.h"
+#include "scenes/base/parallel.h"
+
+namespace pickbed::perception {
+namespace {
+
+struct ScoredPose {
+  double score = 0;
+  Pose X_CO = Pose::Identity();
+};
+
+// Sorts by decreasing score, stable, and keeps the first `max_count`.
+void KeepBest(size_t max_count, std::vector<ScoredPose>& scored) {
+  std::stable_sort(scored.begin(), scored.end(),
+                   [](const ScoredPose& a, const ScoredPose& b) { return a.score > b.score; });
+  if (scored.size() > max_count) scored.resize(max_count);
+}
+
+}  // namespace
+
+void AssessmentOptions::Visit(SettingsVisitor& v) {
+  v.Integer("candidates", candidates, {1, 100000}, "poses refined, all parts together");
+  v.Integer("min_candidates", min_candidates, {1, 100000}, "poses refined for each part at least");
+  v.Real("quick_tau_m", quick_tau_m, {1e-4, 0.1}, "band of the quick score, m");
+  v.Real("density_weight", density_weight, {0, 10}, "of the votes' density in their rank");
+  v.Real("density_diameters", density_diameters, {1e-3, 1}, "votes within it count");
+  v.Real("cluster_diameters", cluster_diameters, {1e-4, 1}, "raw poses within it are one");
+  v.Real("gate_diameters", correspondence_distance_diameters, {1e-3, 1},
+         "first gate of ICP, diameters");
+  v.Real("gate_min_m", min_correspondence_distance_m, {1e-4, 1}, "least gate, m");
+  v.Real("gate_max_m", max_correspondence_distance_m, {1e-4, 1}, "largest gate, m");
+  v.Bool("two_gates", two_correspondence_distances, "also try half the gate and keep the better");
+  v.Integer("turned", turned, {0, 100000},
+            "best poses, of all parts together, whose look-alikes are tried");
+  v.Integer("look_alikes", look_alikes, {1, 1000}, "look-alikes of a pose that are refined");
+  v.Integer("drawn", drawn, {1, 1000}, "look-alikes of a pose whose evidence is measured");
+  v.Real("least_quick_score", min_quick_score, {-1, 1}, "of a refined pose");
+  v.Integer("fine_points", fine_points, {6, 512}, "points of the last steps of ICP");
+  v.Integer("fine_steps", fine_steps, {0, 100}, "last steps of ICP, by more points");
+  v.Integer("evidence_pixels", evidence_pixels, {1, 1000000}, "of a candidate looked at, about");
+  v.Real("merge_diameters", merge_diameters, {1e-4, 1}, "refined poses within it are one");
+}
+
+CandidateAssessor::CandidateAssessor(const ObjectSet& objects, const AssessmentOptions& options,
+                                     int threads)
+    : objects_(objects), options_(options), threads_(threads) {
+  for (const auto& object : objects_) {
+    models_.push_back(MakeModelPoints(*object));
+    evidence_.emplace_back(*object);
+    distances_.emplace_back(*object);
+    embeddings_.emplace_back(*object);
+    look_alikes_.push_back(AmbiguousPoses(*object, models_.back(), distances_.back()));
+  }
+}
+
+std::vector<RawHypothesis> CandidateAssessor::QuickScored(
+    const OrganizedCloud& cloud, int part, const std::vector<PoseVote>& votes) const {
+  std::vector<RawHypothesis> scored(votes.size());
+  ForRanges(static_cast<int>(votes.size()), threads_, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const Pose& X_CO = votes[i].X_CO;
+      const double score = QuickScore(cloud, models_[part], X_CO, options_.quick_tau_m);
+      scored[i] = {.object = part,
+                   .X_CO = X_CO,
+                   .quick_score = static_cast<float>(score),
+                   .patch = votes[i].patch};
+    }
+  });
+  return scored;
+}
+
+VoteDensity CandidateAssessor::Density(int part, const std::vector<PoseVote>& votes) const {
+  const ObjectModel& model = *objects_[part];
+  return VoteDensity(embeddings_[part], model.mass.com_O, model.diameter_m,
+                     options_.density_diameters, votes);
+}
+
+int CandidateAssessor::Kept(double share) const {
+  const int all =
+      std::max(options_.min_candidates, options_.candidates / static_cast<int>(objects_.size()));
+  return std::max(1, static_cast<int>(share * all));
+}
+
+// Objects in the same bin share the number of tried poses in the same ratio as the candidates.
+int CandidateAssessor::Turned() const {
+  const double of_all = static_cast<double>(Kept(1)) / options_.candidates;
+  return static_cast<int>(std::ceil(options_.turned * std::min(1.0, of_all)));
+}
+
+// Votes of the same patch do not add to the density.
+std::vector<RawHypothesis> CandidateAssessor::Selected(std::vector<RawHypothesis> scored,
+                                                       const VoteDensity& density, int kept) const {
+  ForRanges(static_cast<int>(scored.size()), threads_, [&](int begin, int end) {
+    VoteDensity::Scratch scratch;
+    for (int i = begin; i < end; ++i) {
+      RawHypothesis& pose = scored[i];
+      const double agreeing = density.Around(pose.X_CO, pose.patch, scratch);
+      pose.quick_score += static_cast<float>(options_.density_weight * std::log1p(agreeing));
+    }
+  });
+  return ClusterVotes(std::move(scored), distances_, options_.cluster_diameters, kept);
+}
+
+// The new quick score uses the final correspondence distance as band. If ICP lowers it, the start
+// pose is kept.
+RawHypothesis CandidateAssessor::Refined(const OrganizedCloud& cloud,
+                                         const RawHypothesis& start) const {
+  const ModelPoints& model = models_[start.object];
+  ProjectiveIcpOptions icp = options_.icp;
+  const double final_m = icp.final_correspondence_distance_m;
+  const double first_m =
+      std::clamp(options_.correspondence_distance_diameters * model.diameter_m,
+                 options_.min_correspondence_distance_m, options_.max_correspondence_distance_m);
+  RawHypothesis best = start;
+  best.quick_score = static_cast<float>(QuickScore(cloud, model, start.X_CO, final_m));
+  for (int run = 0; run < (options_.two_correspondence_distances ? 2 : 1); ++run) {
+    icp.max_correspondence_distance_m = std::max(run == 0 ? first_m : 0.5 * first_m, final_m);
+    const Pose X_CO = ProjectiveIcp(cloud, model, start.X_CO, icp).X_CO;
+    const float score = static_cast<float>(QuickScore(cloud, model, X_CO, final_m));
+    if (score < best.quick_score || (run > 0 && score == best.quick_score)) continue;
+    best.X_CO = X_CO;
+    best.quick_score = score;
+  }
+  if (best.quick_score >= options_.min_quick_score) RefineFinely(cloud, best);
+  return best;
+}
+
+// With the few points of the first iterations, an ambiguous pose sometimes scores higher than the
+// true pose.
+void CandidateAssessor::RefineFinely(const OrganizedCloud& cloud, RawHypothesis& pose) const {
+  constexpr float kMaxLoss = 0.05f;  // tolerated loss; the quick score counts whole points
+  const ModelPoints& model = models_[pose.object];
+  ProjectiveIcpOptions icp = options_.icp;
+  icp.coarse_iterations = 0;
+  icp.fine_iterations = options_.fine_steps;
+  icp.max_points = options_.fine_points;
+  const Pose X_CO = ProjectiveIcp(cloud, model, pose.X_CO, icp).X_CO;
+  const float score =
+      static_cast<float>(QuickScore(cloud, model, X_CO, icp.final_correspondence_distance_m));
+  if (score < pose.quick_score - kMaxLoss) return;
+  pose.X_CO = X_CO;
+  pose.quick_score = score;
+}
+
+std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& cloud,
+                                                         const std::vector<RawHypothesis>& starts,
+                                                         bool look_alikes,
+                                                         EstimateTrace* trace) const {
+  std::vector<RawHypothesis> refined(starts.size());
+  ForRanges(static_cast<int>(starts.size()), threads_, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) refined[i] = Refined(cloud, starts[i]);
+  });
+  for (size_t i = 0; trace && i < starts.size(); ++i) {
+    trace->refinements.push_back({starts[i], refined[i], look_alikes});
+  }
+  return refined;
+}
+
+// Drops poses with a low quick score and merges nearly equal ones.
+std::vector<RawHypothesis> CandidateAssessor::Merged(std::vector<RawHypothesis> poses,
+                                                     size_t max_count) const {
+  std::erase_if(poses, [&](const RawHypothesis& pose) {
+    return pose.quick_score < options_.min_quick_score;
+  });
+  return ClusterVotes(std::move(poses), distances_, options_.merge_diameters,
+                      static_cast<int>(max_count));
+}
+
+// Returns the ambiguous poses with most evidence, best first. The quick score preselects them,
+// because it costs a tenth of the evidence.
+std::vector<RawHypothesis> CandidateAssessor::BestAmbiguousPoses(const OrganizedCloud& cloud,
+                                                                 const RawHypothesis& start,
+                                                                 EvidenceScratch& scratch) const {
+  const double band_m = options_.icp.final_correspondence_distance_m;
+  std::vector<ScoredPose> rotated;  // the score is the quick score, later the evidence in nats
+  for (const Pose& S_O : look_alikes_[start.object]) {
+    const Pose X_CO = start.X_CO * S_O;
+    rotated.push_back({QuickScore(cloud, models_[start.object], X_CO, band_m), X_CO});
+  }
+  KeepBest(std::max(options_.drawn, options_.look_alikes), rotated);
+  for (ScoredPose& pose : rotated) {
+    pose.score = evidence_[start.object](cloud, pose.X_CO, scratch).log_ratio;
+  }
+  KeepBest(options_.look_alikes, rotated);
+  std::vector<RawHypothesis> best;
+  for (const ScoredPose& pose : rotated) best.push_back({start.object, pose.X_CO});
+  return best;
+}
+
+// `poses` are of one object, best first.
+void CandidateAssessor::AddAmbiguousPoses(const OrganizedCloud& cloud, EstimateTrace* trace,
+                                          std::vector<RawHypothesis>& poses) const {
+  constexpr int kStartsAtPlace = 2;
+  const size_t max_starts = Turned();
+  if (poses.empty()) return;
+  const ModelPoints& model = models_[poses.front().object];
+  Crowding places(kSamePlaceDiameters * model.diameter_m);
+  std::vector<RawHypothesis> starts;
+  for (const RawHypothesis& pose : poses) {
+    if (starts.size() == max_starts) break;
+    const Eigen::Vector3d center_C = pose.X_CO * model.center_O.cast<double>();
+    if (places.Admit(center_C, kStartsAtPlace)) starts.push_back(pose);
+  }
+  std::vector<std::vector<RawHypothesis>> found(starts.size());
+  ForRanges(static_cast<int>(starts.size()), threads_, [&](int begin, int end) {
+    EvidenceScratch scratch;
+    for (int i = begin; i < end; ++i) found[i] = BestAmbiguousPoses(cloud, starts[i], scratch);
+  });
+  std::vector<RawHypothesis> rotated;
+  for (const std::vector<RawHypothesis>& of_start : found) {
+    rotated.insert(rotated.end(), of_start.begin(), of_start.end());
+  }
+  for (const RawHypothesis& pose : AllRefined(cloud, rotated, true, trace)) poses.push_back(pose);
+}
+
+std::vector<Candidate> CandidateAssessor::WithFeatures(const OrganizedCloud& cloud,
+                                                       const std::vector<RawHypothesis>& poses,
+                                                       const VoteDensity& density,
+                                                       int patches) const {
+  // The density grows with the number of patches; the verifier gets it scaled to this number.
+  constexpr double kUsualPatches = 600;
+  const double per_patch = kUsualPatches / static_cast<double>(patches);
+  std::vector<Candidate> candidates(poses.size());
+  ForRanges(static_cast<int>(poses.size()), threads_, [&](int begin, int end) {
+    EvidenceScratch scratch;
+    VoteDensity::Scratch density_scratch;
+    for (int i = begin; i < end; ++i) {
+      const int part = poses[i].object;
+      const Pose& X_CO = poses[i].X_CO;
+      Candidate& candidate = candidates[i];
+      candidate.hypothesis = {part, X_CO, poses[i].quick_score, {}};
+      const DepthEvidence evidence =
+          evidence_[part](cloud, X_CO, scratch, options_.evidence_pixels);
+      candidate.evidence = evidence.log_ratio;
+      candidate.features = ComputeVerifyFeatures(
+          cloud, models_[part], X_CO, evidence,
+          per_patch * density.Around(X_CO, kNoPatch, density_scratch), candidate.hypothesis.fit);
+    }
+  });
+  return candidates;
+}
+
+std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, int part,
+                                                 const std::vector<PoseVote>& votes, int patches,
+                                                 double share, StageSeconds& seconds,
+                                                 EstimateTrace* trace) const {
+  return Assess(cloud, part, votes, votes, patches, share, seconds, trace);
+}
+
+std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, int part,
+                                                 const std::vector<PoseVote>& votes,
+                                                 const std::vector<PoseVote>& cast, int patches,
+                                                 double share, StageSeconds& seconds,
+                                                 EstimateTrace* trace) const {
+  const int kept = Kept(share);
+  std::vector<RawHypothesis> poses;
+  {
+    const StageTimer timer(seconds, "quick");
+    poses = QuickScored(cloud, part, votes);
+  }
+  std::optional<VoteDensity> density;
+  {
+    const StageTimer timer(seconds, "select");
+    density.emplace(Density(part, cast));
+    poses = Selected(std::move(poses), *density, kept);
+  }
+  {
+    const StageTimer timer(seconds, "icp");
+    poses = AllRefined(cloud, poses, false, trace);
+    poses = Merged(std::move(poses), kept);
+  }
+  {
+    const StageTimer timer(seconds, "look_alikes");
+    AddAmbiguousPoses(cloud, trace, poses);
+    const size_t all = poses.size();
+    poses = Merged(std::move(poses), all);
+  }
+  const StageTimer timer(seconds, "verify");
+  return WithFeatures(cloud, poses, *density, patches);
+}
+
+std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
+                                                const std::vector<Candidate>& candidates,
+                                                const std::vector<int>& pixels) const {
+  std::vector<uint8_t> explained(cloud.points_C.size());
+  for (const Candidate* candidate : EvidentCandidates(candidates, models_)) {
+    MarkExplained(cloud, models_[candidate->hypothesis.object], candidate->hypothesis.X_CO,
+                  explained);
+  }
+  std::vector<int> left;
+  for (const int pixel : pixels) {
+    if (!explained[pixel]) left.push_back(pixel);
+  }
+  return left;
+}
+
+void CandidateAssessor::Compare(std::vector<Candidate>& candidates, StageSeconds& seconds) const {
+  const StageTimer timer(seconds, "verify");
+  std::vector<std::vector<Candidate*>> by_part(objects_.size());
+  for (Candidate& candidate : candidates) {
+    by_part[candidate.hypothesis.object].push_back(&candidate);
+  }
+  for (size_t part = 0; part < by_part.size(); ++part) {
+    FillMargins(distances_[part], models_[part], by_part[part]);
+  }
+  const std::vector<const Candidate*> evident = EvidentCandidates(candidates, models_);
+  ForRanges(static_cast<int>(candidates.size()), threads_, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      candidates[i].features[kOverlapFeature] =
+          static_cast<float>(OverlapWith(evident, candidates[i], models_));
+    }
+  });
+}
+
+}  // namespace pickbed::perception

@@ -1,0 +1,24 @@
+#pragma once
+
+// Interface of pose proposal methods, with learned descriptors or point pairs. They pass their raw
+// poses to a CandidateAssessor. A verifier is trained on the candidates of the source whose
+// candidates it will score.
+
+#include "perception/candidates/candidate_refinement.h"
+#include "scenes/base/random.h"
+
+namespace pickbed::perception {
+
+// Finds the candidates of all objects in a cloud.
+class CandidateSource {
+ public:
+  virtual ~CandidateSource() = default;
+
+  // Returns the candidates of all objects; hypothesis.object is the object index. Adds the time of
+  // each stage to `seconds`, and the intermediate results to `trace` if given.
+  virtual std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds,
+                                      EstimateTrace* trace = nullptr) const = 0;
+  virtual const CandidateAssessor& assessor() const = 0;
+};
+
+}  // namespace pickbed::perception

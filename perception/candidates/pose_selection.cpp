@@ -1,0 +1,64 @@
+#include "perception/candidates/pose_selection.h"
+
+#include <algorithm>
+
+#include "perception/verify/color_consistency.h"
+
+namespace pickbed::perception {
+namespace {
+
+std::vector<PoseHypothesis> Scored(const OrganizedCloud& cloud,
+                                   const std::vector<ModelPoints>& models,
+                                   std::span<const Verifier> verifiers,
+                                   const std::vector<Candidate>& candidates,
+                                   const FinalSetOptions& options) {
+  std::vector<PoseHypothesis> scored;
+  for (const Candidate& candidate : candidates) {
+    PoseHypothesis hypothesis = candidate.hypothesis;
+    const int part = hypothesis.object;
+    hypothesis.score = CandidateScore(cloud, models[part], verifiers[part], candidate, options.mode,
+                                      options.min_score);
+    if (hypothesis.score >= options.min_score) scored.push_back(hypothesis);
+  }
+  std::stable_sort(
+      scored.begin(), scored.end(),
+      [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.score > b.score; });
+  return scored;
+}
+
+}  // namespace
+
+double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
+                      const Verifier& verifier, const Candidate& candidate, CandidateMode mode,
+                      double min_score) {
+  const double score = verifier.Score(candidate.features, mode);
+  if (score < min_score) return score;
+  return ScoreWithPrint(score, PrintCorrelation(cloud, model, candidate.hypothesis.X_CO));
+}
+
+std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
+                                     const std::vector<ModelPoints>& models,
+                                     const std::vector<PoseDistance>& distances,
+                                     std::span<const Verifier> verifiers,
+                                     const std::vector<Candidate>& candidates,
+                                     const FinalSetOptions& options,
+                                     std::span<const int> instances) {
+  std::vector<PoseHypothesis> kept;
+  for (const PoseHypothesis& hypothesis : Scored(cloud, models, verifiers, candidates, options)) {
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const PoseHypothesis& better) {
+      return better.object == hypothesis.object &&
+             distances[hypothesis.object](better.X_CO, hypothesis.X_CO) < options.merge_diameters;
+    });
+    if (!known) kept.push_back(hypothesis);
+  }
+  // The common colour of an object is estimated from poses of different instances.
+  std::vector<PoseHypothesis> accepted = SuppressDuplicates(cloud, models, kept, options.suppress);
+  const CommonColors colors(cloud, models, accepted);
+  bool any_odd = false;
+  for (PoseHypothesis& hypothesis : kept) any_odd |= colors.LowerIfOdd(hypothesis);
+  if (!any_odd && instances.empty()) return accepted;
+  std::erase_if(kept, [&](const PoseHypothesis& h) { return h.score < options.min_score; });
+  return SuppressDuplicates(cloud, models, std::move(kept), options.suppress, instances);
+}
+
+}  // namespace pickbed::perception

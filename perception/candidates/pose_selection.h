@@ -1,0 +1,39 @@
+#pragma once
+
+// Pose selection, from refined candidates to reported hypotheses: the verifier of the object scores
+// them, equal poses are merged, and non-maximum suppression removes conflicting ones. The
+// estimators and the calibration of their scores share it.
+
+#include <span>
+#include <vector>
+
+#include "perception/candidates/candidate_refinement.h"
+#include "perception/verify/non_maximum_suppression.h"
+#include "perception/voting/pose_clustering.h"
+
+namespace pickbed::perception {
+
+struct FinalSetOptions {
+  double min_score = 0.5;        // poses with a lower score are not reported
+  double merge_diameters = 0.1;  // poses of one object within this pose distance are merged
+  CandidateMode mode = CandidateMode::kHard;
+  SuppressOptions suppress;
+};
+
+// Returns the verifier's score, lowered if the surface texture contradicts the pose. The texture is
+// compared only for scores of at least `min_score`.
+double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
+                      const Verifier& verifier, const Candidate& candidate, CandidateMode mode,
+                      double min_score = 0);
+
+// Returns the selected hypotheses by decreasing score. `models`, `distances`, `verifiers` and, if
+// not empty, `instances` (see EstimatorInput) are by object index.
+std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
+                                     const std::vector<ModelPoints>& models,
+                                     const std::vector<PoseDistance>& distances,
+                                     std::span<const Verifier> verifiers,
+                                     const std::vector<Candidate>& candidates,
+                                     const FinalSetOptions& options,
+                                     std::span<const int> instances = {});
+
+}  // namespace pickbed::perception

@@ -1,0 +1,300 @@
+#include "perception/candidates/vote_candidates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string_view>
+
+#include "scenes/base/error.h"
+
+namespace pickbed::perception {
+namespace {
+
+constexpr std::string_view kModes = "modes", kRegressed = "regressed", kBoth = "both";
+
+// Objects with equal patch side. They share the patches of a query and one index.
+struct SideGroup {
+  struct Entry {
+    int part = 0;
+    int code = 0;
+  };
+  double side_m = 0;
+  std::vector<int> parts;
+  std::vector<Entry> entries;            // by row of the index
+  std::unique_ptr<NeighborIndex> index;  // null: poses are only regressed
+};
+
+// The vote of one patch with its descriptor distance.
+struct PatchVote {
+  int part = 0;
+  PoseVote vote;
+  float distance = 0;
+};
+
+// Returns one random pixel from each of `count` equal intervals of the foreground list, so that the
+// samples are random but evenly spread.
+std::vector<int> SpreadPixels(const std::vector<int>& foreground, int count, Rng& rng) {
+  const size_t total = foreground.size();
+  const size_t wanted = std::min<size_t>(total, count);
+  std::vector<int> pixels(wanted);
+  for (size_t i = 0; i < wanted; ++i) {
+    const size_t first = i * total / wanted, last = (i + 1) * total / wanted;
+    pixels[i] = foreground[first + rng.Index(static_cast<int>(last - first))];
+  }
+  return pixels;
+}
+
+ObjectSet ModelsOf(const std::vector<CandidatePart>& parts) {
+  ObjectSet models;
+  for (const CandidatePart& part : parts) models.push_back(part.model);
+  return models;
+}
+
+}  // namespace
+
+void CandidateOptions::Visit(SettingsVisitor& v) {
+  v.Integer("points", points, {1, 100000}, "patches cut from a frame, of all sizes together");
+  v.Integer("min_points", min_points, {1, 100000},
+            "patches of each size at least, unless points is less");
+  v.Integer("neighbors", neighbors, {1, 1000}, "votes of a patch");
+  v.Text("votes", votes, {"neighbors", "modes", "regressed", "both"},
+         "what is taken for a raw pose");
+  v.Real("least_share", min_share, {0, 1}, "how sure a network must be of a part to vote for it");
+  v.Integer("rounds", rounds, {1, 10}, "of votes; later ones are cast where nothing is explained");
+  AssessmentOptions::Visit(v);
+  v.Group(
+      "modes", [&](SettingsVisitor& g) { modes.Visit(g); }, "how votes are filtered to modes");
+  v.Group(
+      "index", [&](SettingsVisitor& g) { index.Visit(g); }, "neighbour index");
+}
+
+CandidateOptions HardCandidates() {
+  CandidateOptions options;
+  options.points = 1200;
+  options.min_points = 600;
+  options.candidates = 600;
+  options.two_correspondence_distances = true;
+  options.turned = 40;
+  options.look_alikes = 6;
+  options.rounds = 2;
+  return options;
+}
+
+struct CandidateFinder::Impl {
+  std::vector<CandidatePart> parts;
+  PatchVoter voter;
+  CandidateOptions options;
+  int threads;
+  CandidateAssessor assessor;
+  std::vector<PartRotations> rotations;  // by object
+  std::vector<PoseTargets> targets;      // by object
+  std::vector<SideGroup> groups;
+
+  void BuildGroups();
+  // Appends the votes of the patches at the pixels; `votes` is by object.
+  void Vote(const SideGroup& group, const OrganizedCloud& cloud, const std::vector<int>& pixels,
+            Rng& rng, StageSeconds& seconds, std::vector<std::vector<PatchVote>>& votes,
+            EstimateTrace* trace) const;
+  std::vector<PatchVote> LookUp(const SideGroup& group, const PatchSet& patches,
+                                StageSeconds& seconds) const;
+  std::vector<PatchVote> Regress(const SideGroup& group, const PatchSet& patches,
+                                 StageSeconds& seconds) const;
+  // Votes according to options.votes, grouped by patch.
+  std::vector<PatchVote> Cast(const SideGroup& group, const PatchSet& patches,
+                              StageSeconds& seconds) const;
+  std::vector<PoseVote> ModesOf(int part, const std::vector<PatchVote>& votes) const;
+  // Samples the pixels `looked_at` and returns candidates from the votes of their patches.
+  std::vector<Candidate> Round(const OrganizedCloud& cloud, const std::vector<int>& looked_at,
+                               double share, Rng& rng, StageSeconds& seconds,
+                               EstimateTrace* trace) const;
+};
+
+void CandidateFinder::Impl::BuildGroups() {
+  std::map<long, std::vector<int>> by_side;  // micrometres
+  for (size_t p = 0; p < parts.size(); ++p) {
+    by_side[std::lround(parts[p].side_m * 1e6)].push_back(static_cast<int>(p));
+  }
+  for (const auto& [side_um, members] : by_side) {
+    SideGroup group;
+    group.side_m = parts[members.front()].side_m;
+    group.parts = members;
+    if (options.votes == kRegressed) {
+      groups.push_back(std::move(group));
+      continue;
+    }
+    std::vector<float> rows;
+    for (const int p : members) {
+      ObjectCodes& codes = parts[p].codes;
+      rows.insert(rows.end(), codes.descriptors.begin(), codes.descriptors.end());
+      for (size_t i = 0; i < codes.size(); ++i) group.entries.push_back({p, static_cast<int>(i)});
+      codes.descriptors = {};  // saves memory; the index has a copy
+    }
+    group.index = std::make_unique<NeighborIndex>(
+        std::move(rows), parts[members.front()].codes.length, options.index);
+    groups.push_back(std::move(group));
+  }
+}
+
+std::vector<PatchVote> CandidateFinder::Impl::LookUp(const SideGroup& group,
+                                                     const PatchSet& patches,
+                                                     StageSeconds& seconds) const {
+  std::vector<float> descriptors;
+  {
+    const StageTimer timer(seconds, "network");
+    descriptors = voter.describe(patches.values);
+  }
+  const StageTimer timer(seconds, "neighbors");
+  const Neighbors found = group.index->Search(descriptors, options.neighbors, threads);
+  std::vector<PatchVote> votes;
+  for (size_t i = 0; i < found.rows.size(); ++i) {
+    if (found.rows[i] < 0) continue;
+    const SideGroup::Entry& entry = group.entries[found.rows[i]];
+    const int patch = static_cast<int>(i) / options.neighbors;
+    const Pose X_CO = patches.X_CP[patch] * CodePose(parts[entry.part].codes, entry.code);
+    votes.push_back({entry.part, {X_CO, patch}, std::sqrt(found.squared[i])});
+  }
+  return votes;
+}
+
+// Regressed poses get descriptor distance 0.
+std::vector<PatchVote> CandidateFinder::Impl::Regress(const SideGroup& group,
+                                                      const PatchSet& patches,
+                                                      StageSeconds& seconds) const {
+  const StageTimer timer(seconds, "network");
+  const std::vector<float> values = voter.regress(patches.values);
+  std::vector<PatchVote> votes;
+  for (size_t patch = 0; patch < patches.size(); ++patch) {
+    for (const int part : group.parts) {
+      const size_t row = patch * voter.parts + parts[part].trained;
+      const std::span<const float> said(values.data() + row * kPoseValues, kPoseValues);
+      if (said[0] < options.min_share) continue;
+      votes.push_back(
+          {part, {patches.X_CP[patch] * targets[part].PoseOf(said), static_cast<int>(patch)}});
+    }
+  }
+  return votes;
+}
+
+std::vector<PatchVote> CandidateFinder::Impl::Cast(const SideGroup& group, const PatchSet& patches,
+                                                   StageSeconds& seconds) const {
+  if (options.votes == kRegressed) return Regress(group, patches, seconds);
+  std::vector<PatchVote> votes = LookUp(group, patches, seconds);
+  if (options.votes != kBoth) return votes;
+  const std::vector<PatchVote> regressed = Regress(group, patches, seconds);
+  votes.insert(votes.end(), regressed.begin(), regressed.end());
+  std::stable_sort(votes.begin(), votes.end(), [](const PatchVote& a, const PatchVote& b) {
+    return a.vote.patch < b.vote.patch;
+  });
+  return votes;
+}
+
+void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& cloud,
+                                 const std::vector<int>& pixels, Rng& rng, StageSeconds& seconds,
+                                 std::vector<std::vector<PatchVote>>& votes,
+                                 EstimateTrace* trace) const {
+  PatchSet patches;
+  {
+    const StageTimer timer(seconds, "patches");
+    std::vector<double> angles(pixels.size());
+    for (double& angle : angles) angle = rng.Uniform(0, 2 * std::numbers::pi);
+    patches = CutPatches(cloud, pixels, angles, {group.side_m, voter.channels});
+  }
+  const int first_patch = trace ? TracePatches(pixels, patches, group.side_m, *trace) : 0;
+  for (const PatchVote& cast : Cast(group, patches, seconds)) {
+    votes[cast.part].push_back(cast);
+    if (!trace) continue;
+    trace->votes.push_back(
+        {first_patch + cast.vote.patch, {cast.part, cast.vote.X_CO}, cast.distance});
+  }
+}
+
+std::vector<PoseVote> CandidateFinder::Impl::ModesOf(int part,
+                                                     const std::vector<PatchVote>& votes) const {
+  std::vector<CastVote> cast;
+  for (const PatchVote& vote : votes) cast.push_back({vote.vote.X_CO, vote.distance});
+  std::vector<PoseVote> modes;
+  for (const VoteMode& mode :
+       FindVoteModes(*parts[part].model, rotations[part], cast, options.modes)) {
+    modes.push_back({mode.X_CO, kNoPatch});
+  }
+  return modes;
+}
+
+std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
+                                                    const std::vector<int>& looked_at, double share,
+                                                    Rng& rng, StageSeconds& seconds,
+                                                    EstimateTrace* trace) const {
+  const int of_all = std::max(options.min_points, options.points / static_cast<int>(groups.size()));
+  const std::vector<int> pixels = SpreadPixels(
+      looked_at, static_cast<int>(std::ceil(share * std::min(options.points, of_all))), rng);
+  if (pixels.empty()) return {};
+  std::vector<std::vector<PatchVote>> votes(parts.size());
+  for (const SideGroup& group : groups) Vote(group, cloud, pixels, rng, seconds, votes, trace);
+  std::vector<Candidate> candidates;
+  for (size_t p = 0; p < votes.size(); ++p) {
+    const int part = static_cast<int>(p), patches = static_cast<int>(pixels.size());
+    std::vector<PoseVote> cast, poses;
+    for (const PatchVote& vote : votes[p]) cast.push_back(vote.vote);
+    if (options.votes == kModes) {
+      const StageTimer timer(seconds, "modes");
+      poses = ModesOf(part, votes[p]);
+    }
+    const std::vector<Candidate> of_part = assessor.Assess(
+        cloud, part, options.votes == kModes ? poses : cast, cast, patches, share, seconds, trace);
+    candidates.insert(candidates.end(), of_part.begin(), of_part.end());
+  }
+  return candidates;
+}
+
+CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, PatchVoter voter,
+                                 const CandidateOptions& options, int threads) {
+  const bool regresses = options.votes == kRegressed || options.votes == kBoth;
+  CheckInput(!regresses || voter.regress,
+             "candidates.votes: the network regresses no poses; set it to neighbors or modes");
+  CandidateAssessor assessor(ModelsOf(parts), options, threads);
+  std::vector<PartRotations> rotations;
+  std::vector<PoseTargets> targets;
+  for (const CandidatePart& part : parts) {
+    rotations.emplace_back(part.model->symmetries_O);
+    targets.emplace_back(*part.model, part.side_m);
+  }
+  impl_ = std::make_unique<Impl>(Impl{std::move(parts),
+                                      std::move(voter),
+                                      options,
+                                      threads,
+                                      std::move(assessor),
+                                      std::move(rotations),
+                                      std::move(targets),
+                                      {}});
+  impl_->BuildGroups();
+}
+
+CandidateFinder::~CandidateFinder() = default;
+
+const CandidateAssessor& CandidateFinder::assessor() const { return impl_->assessor; }
+
+std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& rng,
+                                             StageSeconds& seconds, EstimateTrace* trace) const {
+  RequireChannels(cloud, impl_->voter.channels);  // throws even if no patch is cut
+  if (trace) trace->channels = impl_->voter.channels;
+  std::vector<Candidate> candidates;
+  std::vector<int> unexplained = cloud.foreground_pixels;
+  double share = 1;  // share of the configured numbers of patches and candidates
+  for (int round = 0; round < impl_->options.rounds && !unexplained.empty(); ++round) {
+    if (round > 0) {
+      // The remaining pixels are few and difficult, so they get twice the patch density.
+      constexpr double kDenser = 2;
+      unexplained = impl_->assessor.Unexplained(cloud, candidates, unexplained);
+      share = std::min(1.0, kDenser * static_cast<double>(unexplained.size()) /
+                                static_cast<double>(cloud.foreground_pixels.size()));
+    }
+    for (Candidate& candidate : impl_->Round(cloud, unexplained, share, rng, seconds, trace)) {
+      candidates.push_back(candidate);
+    }
+  }
+  impl_->assessor.Compare(candidates, seconds);
+  return candidates;
+}
+
+}  // namespace pickbed::perception

@@ -1,0 +1,67 @@
+#pragma once
+
+// From a cloud to pose candidates: sample points, cut patches, cast votes, refine (see
+// candidate_refinement.h). A patch votes for the poses of its nearest codebook entries, or for the
+// pose that a network regresses. The learned estimators and the training of their verifiers share
+// it, so that a verifier is trained on the same candidates that it will score.
+
+#include <memory>
+#include <vector>
+
+#include "perception/candidates/candidate_source.h"
+#include "perception/candidates/estimate_trace.h"
+#include "perception/features/codebook.h"
+#include "perception/features/neighbors.h"
+#include "perception/voting/vote_modes.h"
+
+namespace pickbed::perception {
+
+// Options of pose voting and candidate refinement.
+struct CandidateOptions : AssessmentOptions {
+  int points = 600;      // patches per frame, all patch sides together
+  int min_points = 450;  // minimum number per patch side, but not more than `points`
+  int neighbors = 8;     // codebook votes per patch
+  int rounds = 1;        // later rounds sample only the pixels that no candidate explains
+  // Raw poses: codebook votes ("neighbors"), modes of these votes ("modes", see vote_modes.h),
+  // poses regressed by the network ("regressed"), or codebook votes and regressed poses ("both").
+  std::string votes = "neighbors";
+  // Minimum regressed probability that a patch shows the object, for its vote to count.
+  double min_share = 0.2;
+  ModeOptions modes;
+  NeighborOptions index;
+  void Visit(SettingsVisitor& v);
+};
+
+// Options of the accurate mode: finds more occluded instances in about three times the time.
+CandidateOptions HardCandidates();
+
+// An object with its patch size and codebook.
+struct CandidatePart {
+  std::shared_ptr<const ObjectModel> model;
+  double side_m = 0;  // patch side
+  ObjectCodes codes;  // empty if poses are only regressed
+  int trained = 0;    // index of the object in the outputs of the regressing network
+};
+
+// Finds candidates with votes of local patches.
+class CandidateFinder : public CandidateSource {
+ public:
+  // Results do not depend on the number of threads. Throws InputError if the options ask for
+  // regressed poses and the network regresses none.
+  CandidateFinder(std::vector<CandidatePart> parts, PatchVoter voter,
+                  const CandidateOptions& options, int threads = 1);
+  ~CandidateFinder() override;
+
+  // Adds times under "patches", "network", "neighbors", "modes" and the names of CandidateAssessor.
+  // The trace gets patches, votes and refinements. Throws InputError as RequireChannels() does.
+  std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds,
+                              EstimateTrace* trace = nullptr) const override;
+
+  const CandidateAssessor& assessor() const override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pickbed::perception

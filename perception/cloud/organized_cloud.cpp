@@ -1,0 +1,176 @@
+#include "perception/cloud/organized_cloud.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "perception/cloud/normals.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::perception {
+namespace {
+
+void CheckOptions(const RgbdFrame& frame, const CloudOptions& o) {
+  const CameraIntrinsics& k = frame.intrinsics;
+  CheckInput(!frame.depth_m.empty(),
+             "the frame has no depth image; poses are found in depth, give it one");
+  CheckInput(frame.depth_m.width() == k.width && frame.depth_m.height() == k.height &&
+                 k.width > 0 && k.height > 0,
+             fmt::format("depth image is {}x{} but the intrinsics say {}x{}: give the frame the "
+                         "intrinsics of its depth image",
+                         frame.depth_m.width(), frame.depth_m.height(), k.width, k.height));
+  CheckInput(
+      frame.color.empty() || (frame.color.width() == k.width && frame.color.height() == k.height),
+      fmt::format("colour image is {}x{} and depth image {}x{}: give the frame colour that "
+                  "is registered to depth",
+                  frame.color.width(), frame.color.height(), k.width, k.height));
+  CheckInput(o.normal_window_px % 2 == 1 && o.normal_window_px >= 3 && o.normal_window_px <= 15,
+             fmt::format("normal_window_px is {}: use an odd number in 3..15", o.normal_window_px));
+}
+
+std::vector<Eigen::Vector3f> SparsePoints(const CameraIntrinsics& k, const Image<float>& depth_m) {
+  constexpr int kColumns = 80;  // gives some thousands of points, enough to fit planes
+  const int stride = std::max(1, k.width / kColumns);
+  std::vector<Eigen::Vector3f> points;
+  for (int y = stride / 2; y < k.height; y += stride) {
+    for (int x = stride / 2; x < k.width; x += stride) {
+      if (depth_m(x, y) > 0 && std::isfinite(depth_m(x, y))) {
+        points.push_back(BackProject(k, x, y, depth_m(x, y)).cast<float>());
+      }
+    }
+  }
+  return points;
+}
+
+// Whether a point is above the floor and between the inner walls. Above the rim the limit is the
+// outer side of the walls, because objects may lean over them.
+bool InsideBin(const Bin& bin, const Eigen::Vector3f& p_B, float margin_m) {
+  const Eigen::Vector3f size = bin.inner_size_m.cast<float>();
+  const bool above_rim = p_B.z() > size.z() + margin_m;
+  const float inset = above_rim ? -static_cast<float>(bin.wall_m) : margin_m;
+  return p_B.z() > margin_m && std::abs(p_B.x()) < 0.5f * size.x() - inset &&
+         std::abs(p_B.y()) < 0.5f * size.y() - inset;
+}
+
+// Sets the pixels with depth for which keep(p_A, margin_m) is true.
+template <typename Keep>
+Image<uint8_t> MarkForeground(const CameraIntrinsics& k, const Image<float>& depth_m,
+                              const Eigen::Isometry3f& X_AC, double margin_at_1m, Keep keep) {
+  Image<uint8_t> mask(k.width, k.height);
+  const Eigen::Matrix3f R = X_AC.linear();
+  const Eigen::Vector3f t = X_AC.translation();
+  const float margin = static_cast<float>(margin_at_1m);
+  for (int y = 0; y < k.height; ++y) {
+    const Eigen::Vector3f row = R.col(1) * static_cast<float>((y - k.cy) / k.fy) + R.col(2);
+    for (int x = 0; x < k.width; ++x) {
+      const float z = depth_m(x, y);
+      if (!(z > 0) || !std::isfinite(z)) continue;
+      const Eigen::Vector3f p = z * (R.col(0) * static_cast<float>((x - k.cx) / k.fx) + row) + t;
+      mask(x, y) = keep(p, margin * z * z);
+    }
+  }
+  return mask;
+}
+
+// Inner sides of the walls, then the floor. Empty for bins that are not boxes.
+std::vector<BackgroundPlane> PlanesOf(const KnownBackground& background) {
+  const Bin& bin = background.bin;
+  std::vector<BackgroundPlane> planes;
+  if (bin.shape != nullptr) return planes;
+  const auto add = [&](const Eigen::Vector3d& normal_B, double offset_m) {
+    const Eigen::Vector3f normal_C = (background.X_CB.linear() * normal_B).cast<float>();
+    const auto origin_C = background.X_CB.translation().cast<float>();
+    planes.push_back({normal_C, static_cast<float>(offset_m) + normal_C.dot(origin_C)});
+  };
+  for (int axis = 0; axis < 2 && bin.inner_size_m.z() > 0; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      add(side * Eigen::Vector3d::Unit(axis), -0.5 * bin.inner_size_m[axis]);
+    }
+  }
+  add(Eigen::Vector3d::UnitZ(), 0);
+  return planes;
+}
+
+// Fills cloud.foreground, cloud.planes and cloud.wall_height_m.
+void TellBackground(const std::optional<KnownBackground>& background, const CloudOptions& options,
+                    OrganizedCloud& cloud) {
+  const CameraIntrinsics& k = cloud.intrinsics;
+  const double margin = options.background_margin_m;
+  if (background) {
+    const Bin& bin = background->bin;
+    cloud.planes = PlanesOf(*background);
+    cloud.wall_height_m = static_cast<float>(bin.inner_size_m.z());
+    cloud.foreground =
+        MarkForeground(k, cloud.depth_m, background->X_CB.inverse().cast<float>(), margin,
+                       [&](const Eigen::Vector3f& p_B, float m) { return InsideBin(bin, p_B, m); });
+    return;
+  }
+  if (options.min_plane_share < 1) {
+    cloud.planes = FitBackground(SparsePoints(k, cloud.depth_m),
+                                 {.margin_m = margin, .min_plane_share = options.min_plane_share});
+  }
+  cloud.foreground = MarkForeground(
+      k, cloud.depth_m, Eigen::Isometry3f::Identity(), margin,
+      [&](const Eigen::Vector3f& p_C, float m) {
+        return std::all_of(cloud.planes.begin(), cloud.planes.end(),
+                           [&](const auto& plane) { return plane.SignedDistance(p_C) > m; });
+      });
+}
+
+void FillPoints(OrganizedCloud& cloud) {
+  const CameraIntrinsics& k = cloud.intrinsics;
+  cloud.points_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
+  for (int y = 0; y < k.height; ++y) {
+    const float ray_y = static_cast<float>((y - k.cy) / k.fy);
+    for (int x = 0; x < k.width; ++x) {
+      const float z = cloud.depth_m(x, y);
+      const int pixel = y * k.width + x;
+      if (z > 0) cloud.points_C[pixel] = {z * static_cast<float>((x - k.cx) / k.fx), z * ray_y, z};
+      if (cloud.foreground(x, y)) cloud.foreground_pixels.push_back(pixel);
+    }
+  }
+}
+
+}  // namespace
+
+Image<float> FillSinglePixelHoles(const Image<float>& depth_m) {
+  constexpr int kMinNeighbors = 6;  // fewer: an edge or a larger hole
+  Image<float> filled = depth_m;
+  for (int y = 0; y < depth_m.height(); ++y) {
+    for (int x = 0; x < depth_m.width(); ++x) {
+      if (depth_m(x, y) > 0) continue;
+      filled(x, y) = 0;  // NaN and negative values also become holes
+      std::array<float, 8> values{};
+      int n = 0;
+      for (int v = std::max(0, y - 1); v <= std::min(depth_m.height() - 1, y + 1); ++v) {
+        for (int u = std::max(0, x - 1); u <= std::min(depth_m.width() - 1, x + 1); ++u) {
+          if (depth_m(u, v) > 0) values[n++] = depth_m(u, v);
+        }
+      }
+      if (n < kMinNeighbors) continue;
+      // The lower median is a value that occurs, never the mean across a step.
+      std::nth_element(values.begin(), values.begin() + (n - 1) / 2, values.begin() + n);
+      filled(x, y) = values[(n - 1) / 2];
+    }
+  }
+  return filled;
+}
+
+OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
+                          const CloudOptions& options) {
+  CheckOptions(frame, options);
+  OrganizedCloud cloud;
+  cloud.intrinsics = frame.intrinsics;
+  cloud.color = frame.color;
+  cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
+  TellBackground(background, options, cloud);
+  cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
+  const PlaneFitOptions fit{.window_px = options.normal_window_px, .band_m = options.fit_band_m};
+  FitPlanes(cloud.intrinsics, cloud.foreground, fit, cloud.depth_m, cloud.normals_C);
+  FillPoints(cloud);
+  return cloud;
+}
+
+}  // namespace pickbed::perception

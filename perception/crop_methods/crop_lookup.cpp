@@ -1,0 +1,72 @@
+#include "perception/crop_methods/crop_lookup.h"
+
+#include <limits>
+
+#include "perception/features/neighbors.h"
+
+namespace pickbed::perception {
+namespace {
+
+class CropLookUp : public CropMethod {
+ public:
+  CropLookUp(std::shared_ptr<const CropLesson> lesson, DescribeCrops describe, int length,
+             int threads)
+      : lesson_(std::move(lesson)),
+        describe_(std::move(describe)),
+        index_(TemplateRows(threads), length, Exact()) {}
+
+  std::vector<std::vector<CropAnswer>> Answer(const CropSet& crops, int k,
+                                              int threads) const override {
+    const Neighbors found = index_.Search(describe_(crops, threads), k, threads);
+    std::vector<std::vector<CropAnswer>> answers(crops.size());
+    for (size_t i = 0; i < crops.size(); ++i) {
+      for (int n = 0; n < k; ++n) {
+        const int row = found.rows[i * k + n];
+        if (row < 0) break;
+        const Entry& entry = entries_[row];
+        answers[i].push_back({entry.object, lesson_->templates[entry.object].R_CO[entry.view],
+                              found.squared[i * k + n], entry.view});
+      }
+    }
+    return answers;
+  }
+
+ private:
+  struct Entry {
+    int object = 0;
+    int view = 0;
+  };
+
+  // There are only some thousands of templates, so exact search is fast enough.
+  static NeighborOptions Exact() {
+    NeighborOptions options;
+    options.linear_below = std::numeric_limits<int>::max();
+    return options;
+  }
+
+  std::vector<float> TemplateRows(int threads) {
+    std::vector<float> rows;
+    for (const ObjectCrops& of_part : lesson_->templates) {
+      const std::vector<float> described = describe_(of_part.crops, threads);
+      rows.insert(rows.end(), described.begin(), described.end());
+      for (size_t i = 0; i < of_part.crops.size(); ++i) {
+        entries_.push_back({of_part.object, static_cast<int>(i)});
+      }
+    }
+    return rows;
+  }
+
+  std::shared_ptr<const CropLesson> lesson_;
+  DescribeCrops describe_;
+  std::vector<Entry> entries_;  // by row of the index
+  NeighborIndex index_;
+};
+
+}  // namespace
+
+std::unique_ptr<CropMethod> MakeCropLookUp(std::shared_ptr<const CropLesson> lesson,
+                                           DescribeCrops describe, int length, int threads) {
+  return std::make_unique<CropLookUp>(std::move(lesson), std::move(describe), length, threads);
+}
+
+}  // namespace pickbed::perception

@@ -1,0 +1,91 @@
+#include "perception/estimators/pose_estimator.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "perception/estimators/descriptor.h"
+#include "perception/estimators/doumanoglou.h"
+#include "perception/estimators/estimator_training.h"
+#include "perception/estimators/kehl.h"
+#include "perception/estimators/ppf.h"
+#include "perception/estimators/ppf_verified.h"
+#include "perception/estimators/wohlhart.h"
+#include "perception/icp/final_refinement.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::perception {
+namespace {
+
+constexpr const char* kSearchModes[] = {"fast", "hard"};
+constexpr const char* kPpfModes[] = {"fast", "hard", kVerifiedMode};
+
+constexpr EstimatorRow kEstimators[] = {
+    {.name = "descriptor",
+     .help = "learned patch descriptors that vote through a code book, ICP and verifier",
+     .modes = kSearchModes,
+     .make = &MakeDescriptorEstimator,
+     .explains = true,
+     .renders = true,
+     .make_training = &MakeDescriptorTraining},
+    {.name = "kehl",
+     .help = "patches described by an auto-encoder; their votes filtered to modes, then "
+             "descriptor's ICP and verifier",
+     .modes = kSearchModes,
+     .make = &MakeKehlEstimator,
+     .renders = true,
+     .make_training = &MakeKehlTraining},
+    {.name = "doumanoglou",
+     .help = "poses regressed from patches by a siamese network, then descriptor's ICP and "
+             "verifier",
+     .modes = kSearchModes,
+     .make = &MakeDoumanoglouEstimator,
+     .make_training = &MakeDoumanoglouTraining},
+    {.name = "union",
+     .help = "descriptor's votes and those that doumanoglou's network regresses, together",
+     .modes = kSearchModes,
+     .make = &MakeUnionEstimator,
+     .renders = true,
+     .make_training = &MakeUnionTraining},
+    {.name = "wohlhart",
+     .help = "whole parts described at once and looked up among templates, then descriptor's ICP "
+             "and verifier",
+     .modes = kSearchModes,
+     .make = &MakeWohlhartEstimator,
+     .renders = true,
+     .make_training = &MakeWohlhartTraining},
+    {.name = "ppf",
+     .help = "point pair features with ICP, OpenCV's surface matching; mode verified: its poses "
+             "with descriptor's ICP and a verifier",
+     .modes = kPpfModes,
+     .make = &MakePpfEstimator,
+     .make_training = &MakePpfTraining},
+};
+
+void RequireMode(const EstimatorRow& row, const std::string& mode) {
+  if (std::ranges::find(row.modes, mode) != row.modes.end()) return;
+  throw InputError(UnknownNameMessage(fmt::format("mode of estimator {}", row.name), mode,
+                                      {row.modes.begin(), row.modes.end()}));
+}
+
+}  // namespace
+
+std::span<const EstimatorRow> EstimatorTable() { return kEstimators; }
+
+const EstimatorRow& EstimatorNamed(const std::string& name) {
+  std::vector<std::string> names;
+  for (const EstimatorRow& row : kEstimators) {
+    if (row.name == name) return row;
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("estimator", name, names));
+}
+
+std::unique_ptr<PoseEstimator> MakeEstimator(const EstimatorSetup& setup) {
+  const EstimatorRow& row = EstimatorNamed(setup.spec.name);
+  RequireMode(row, setup.spec.mode);
+  RefinerNamed(setup.refiner);
+  return row.make(setup);
+}
+
+}  // namespace pickbed::perception

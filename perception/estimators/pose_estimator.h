@@ -1,0 +1,94 @@
+#pragma once
+
+// Plug-in interface of perception: an estimator maps an RGB-D frame to ranked pose hypotheses. It
+// never gets ground truth. A new estimator is one file in estimators/ and one row in
+// pose_estimator.cpp.
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "perception/pose_hypothesis.h"
+#include "scenes/base/random.h"
+#include "scenes/base/stage_timer.h"
+#include "scenes/bin/bin.h"
+#include "scenes/camera/rgbd_frame.h"
+#include "scenes/labelled_view.h"
+#include "scenes/scenario/scenario_spec.h"
+
+namespace pickbed::perception {
+
+struct EstimateTrace;     // candidates/estimate_trace.h
+class EstimatorTraining;  // estimators/estimator_training.h
+
+// Input of one estimate.
+struct EstimatorInput {
+  const RgbdFrame& frame;
+  std::optional<KnownBackground> background;  // none: the background planes are fitted and removed
+  // Filled by estimators whose table row has `explains`; null = no trace. It does not change the
+  // result.
+  EstimateTrace* trace = nullptr;
+  // Known number of instances by object index, as in BOP's 6D localisation task; empty = unknown.
+  // The result has at most this many hypotheses per object. InputError if the size is not the
+  // number of objects.
+  std::vector<int> instances = {};
+};
+
+// Result of one estimate.
+struct EstimateResult {
+  std::vector<PoseHypothesis> hypotheses;  // highest score first
+  StageSeconds seconds;
+};
+
+// Interface of an estimator.
+class PoseEstimator {
+ public:
+  virtual ~PoseEstimator() = default;
+  // Estimates the poses of all instances in the frame. The same input and state of `rng` give the
+  // same hypotheses.
+  virtual EstimateResult Estimate(const EstimatorInput& input, Rng& rng) = 0;
+};
+
+// Inputs for making an estimator.
+struct EstimatorSetup {
+  ObjectSet objects;  // objects that may be in the bin
+  EstimatorSpec spec;
+  std::string refiner = "pcl_icp";  // a row of RefinerTable(), see icp/final_refinement.h
+  CameraIntrinsics intrinsics;
+  double working_distance_m = 0.85;  // camera to objects, for codebooks
+  LabelledViewSource* views =
+      nullptr;                      // of the same objects; needed if the table row has `renders`
+  std::filesystem::path cache_dir;  // for codebooks; empty = no cache
+  int threads = 1;                  // maximum number; results do not depend on it
+  std::function<void(std::string_view what, double share)> on_progress;  // may be empty
+};
+
+// One row of the table of estimators.
+struct EstimatorRow {
+  const char* name;
+  const char* help;
+  std::span<const char* const> modes;  // allowed values of EstimatorSpec::mode
+  std::unique_ptr<PoseEstimator> (*make)(const EstimatorSetup& setup);
+  bool explains = false;  // fills EstimatorInput::trace
+  bool renders = false;   // uses EstimatorSetup::views
+  // Makes the access to its model file and training, see estimator_training.h. Null: it has
+  // neither.
+  std::unique_ptr<EstimatorTraining> (*make_training)() = nullptr;
+};
+
+// Returns all estimators.
+std::span<const EstimatorRow> EstimatorTable();
+
+// Returns the row with this name. Throws InputError with the known names if there is none.
+const EstimatorRow& EstimatorNamed(const std::string& name);
+
+// Makes the estimator setup.spec.name. Throws InputError for an unknown name, mode or refiner, and
+// as the estimator does.
+std::unique_ptr<PoseEstimator> MakeEstimator(const EstimatorSetup& setup);
+
+}  // namespace pickbed::perception

@@ -1,0 +1,227 @@
+#include "perception/training/held_out.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "perception/features/neighbors.h"
+#include "perception/voting/pose_clustering.h"
+
+namespace pickbed::perception {
+namespace {
+
+constexpr int kFound = 8;  // nearest entries for recall@8
+constexpr int kViewsPerPile = 1;
+
+// Positive patches so near that nearly all are right answers; Choose() drops the others.
+TwinOptions NearTwins() {
+  TwinOptions twins;
+  twins.twins_per_instance = 1;
+  twins.turn_rad = 0.03;
+  twins.in_plane_rad = 0.03;
+  twins.shift_px = 0.5;
+  return twins;
+}
+
+// Returns at most `count` random pairs whose positive patch is a right answer.
+PatchPairs Choose(const PatchPairs& pairs, const PoseDistance& distance, int count, Rng& rng) {
+  std::vector<int> rows;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    if (distance(pairs.anchors.X_PO[i], pairs.codes.X_PO[i]) < kCorrectDiameters) {
+      rows.push_back(static_cast<int>(i));
+    }
+  }
+  for (int i = static_cast<int>(rows.size()) - 1; i > 0; --i) {
+    std::swap(rows[i], rows[rng.Index(i + 1)]);
+  }
+  rows.resize(std::min<size_t>(rows.size(), count));
+  PatchPairs chosen;
+  for (const int row : rows) {
+    AppendPatch(pairs.anchors, row, chosen.anchors);
+    AppendPatch(pairs.codes, row, chosen.codes);
+  }
+  return chosen;
+}
+
+// Isolated views with the same range of distances as the object has in the clutter scene.
+IsolatedOptions BookViews(const std::vector<LabelledView>& pile, int part, int views) {
+  IsolatedOptions options;
+  options.views = views;
+  options.patches_per_view = 4;
+  options.focal_px = pile.front().frame.intrinsics.fx;
+  double near_m = 0, far_m = 0;
+  for (const LabelledView& view : pile) {
+    for (const LabelledInstance& instance : view.instances) {
+      if (instance.object != part) continue;
+      const double distance_m = instance.X_CO.translation().norm();
+      near_m = near_m > 0 ? std::min(near_m, distance_m) : distance_m;
+      far_m = std::max(far_m, distance_m);
+    }
+  }
+  if (far_m > 0) {
+    options.distance_m = 0.5 * (near_m + far_m);
+    options.distance_spread = std::clamp((far_m - near_m) / (far_m + near_m), 0.02, 0.5);
+  }
+  return options;
+}
+
+// Codebook of all objects: positive patches of object 0, its other patches, positive patches of
+// object 1, and so on.
+struct Book {
+  struct Entry {
+    int part = 0;
+    const LabelledPatches* patches = nullptr;
+    int row = 0;
+    const Pose& X_PO() const { return patches->X_PO[row]; }
+  };
+  std::vector<Entry> entries;
+  std::vector<float> descriptors;
+};
+
+Book MakeBook(const HeldOutSet& set, const DescribePatches& describe) {
+  Book book;
+  for (size_t part = 0; part < set.queries.size(); ++part) {
+    for (const LabelledPatches* patches : {&set.queries[part].codes, &set.distract[part]}) {
+      for (size_t row = 0; row < patches->size(); ++row) {
+        book.entries.push_back({static_cast<int>(part), patches, static_cast<int>(row)});
+      }
+      const std::vector<float> rows = describe(patches->values);
+      book.descriptors.insert(book.descriptors.end(), rows.begin(), rows.end());
+    }
+  }
+  return book;
+}
+
+bool IsRight(const Book::Entry& entry, int part, const Pose& X_PO, const PoseDistance& distance) {
+  return entry.part == part && distance(entry.X_PO(), X_PO) < kCorrectDiameters;
+}
+
+double MeanOfKnown(const std::vector<double>& shares) {
+  double sum = 0;
+  int count = 0;
+  for (const double share : shares) {
+    if (share < 0) continue;
+    sum += share;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace
+
+void HeldOutOptions::Visit(SettingsVisitor& v) {
+  v.Integer("piles", piles, {1, 1000}, "held-out piles per part");
+  v.Integer("queries", queries, {1, 100000}, "held-out patches per part at most");
+  v.Integer("book_views", book_views, {0, 100000}, "isolated views per part in the code book");
+  v.Integer("every", every, {1, 1000000}, "steps per part between two measurements");
+  v.Integer("patience", patience, {0, 10000},
+            "measurements without a gain before the schedule is cut short; 0 = never");
+  v.Real("gain", gain, {0, 1}, "of recall, to count as one");
+  v.Real("cooling", cooling, {0, 1}, "share of the steps in which the rest is then run through");
+}
+
+HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<PatchForm>& forms,
+                       const HeldOutOptions& options, uint64_t seed,
+                       const std::function<bool(double)>& on_share) {
+  const ObjectSet& objects = views.objects();
+  HeldOutSet set;
+  set.queries.resize(objects.size());
+  set.distract.resize(objects.size());
+  std::vector<PatchPairs> pairs(objects.size());
+  const int parts = static_cast<int>(objects.size()), piles = options.piles * parts;
+  for (int part = 0; part < parts; ++part) {
+    std::vector<LabelledView> seen;
+    for (int i = 0; i < options.piles; ++i) {
+      const int index = part * options.piles + i;
+      Rng rng = Rng::Derive(seed, index, "training/held_out_pile");
+      std::vector<LabelledView> pile =
+          views.Pile({rng.Next(), kViewsPerPile, part, /*typical=*/true});
+      AppendTwinPatches(views, pile, forms, NearTwins(), rng, pairs);
+      std::move(pile.begin(), pile.end(), std::back_inserter(seen));
+      if (!on_share(static_cast<double>(index + 1) / piles)) return set;
+    }
+    if (options.book_views == 0) continue;
+    ForEachIsolatedBlock(views, part, forms[part], BookViews(seen, part, options.book_views), seed,
+                         [&](const LabelledPatches& patches, double) {
+                           AppendAll(patches, set.distract[part]);
+                           return true;
+                         });
+  }
+  for (int part = 0; part < parts; ++part) {
+    Rng rng = Rng::Derive(seed, part, "training/held_out_choice");
+    set.queries[part] = Choose(pairs[part], PoseDistance(*objects[part]), options.queries, rng);
+  }
+  return set;
+}
+
+HeldOutRecall MeasureRecall(const HeldOutSet& set, const ObjectSet& objects,
+                            const DescribePatches& describe, int length) {
+  const Book book = MakeBook(set, describe);
+  HeldOutRecall recall;
+  for (size_t part = 0; part < objects.size(); ++part) {
+    const LabelledPatches& queries = set.queries[part].anchors;
+    const PoseDistance distance(*objects[part]);
+    const Neighbors found =
+        SearchExactly(book.descriptors, describe(queries.values), length, kFound);
+    int first = 0, any = 0;
+    for (size_t q = 0; q < queries.size(); ++q) {
+      for (int k = 0; k < kFound; ++k) {
+        const int row = found.rows[q * kFound + k];
+        const bool right = row >= 0 && IsRight(book.entries[row], static_cast<int>(part),
+                                               queries.X_PO[q], distance);
+        if (!right) continue;
+        first += k == 0;
+        ++any;
+        break;
+      }
+    }
+    const double count = static_cast<double>(queries.size());
+    recall.part_at_1.push_back(count > 0 ? first / count : -1);
+    recall.part_at_8.push_back(count > 0 ? any / count : -1);
+  }
+  recall.at_1 = MeanOfKnown(recall.part_at_1);
+  recall.at_8 = MeanOfKnown(recall.part_at_8);
+  return recall;
+}
+
+std::vector<HeldOutAnswer> AnswersOf(const HeldOutSet& set, const ObjectSet& objects,
+                                     const DescribePatches& describe, int length, int per_part) {
+  const Book book = MakeBook(set, describe);
+  std::vector<HeldOutAnswer> answers;
+  for (size_t part = 0; part < objects.size(); ++part) {
+    const LabelledPatches& queries = set.queries[part].anchors;
+    const PoseDistance distance(*objects[part]);
+    const std::vector<float> rows = describe(queries.values);
+    const Neighbors found = SearchExactly(book.descriptors, rows, length, 1);
+    for (size_t q = 0; q < queries.size() && static_cast<int>(q) < per_part; ++q) {
+      HeldOutAnswer& answer = answers.emplace_back();
+      answer.part = static_cast<int>(part);
+      answer.query = static_cast<int>(q);
+      // The z axis of the patch frame points away from the camera.
+      answer.view_O = -queries.X_PO[q].linear().transpose().col(2);
+      answer.descriptor = Eigen::Map<const Eigen::VectorXf>(rows.data() + q * length, length);
+      const Book::Entry& entry = book.entries.at(found.rows[q]);
+      const auto patch = entry.patches->patch(entry.row);
+      answer.found_part = entry.part;
+      answer.found.assign(patch.begin(), patch.end());
+      answer.right = IsRight(entry, answer.part, queries.X_PO[q], distance);
+    }
+  }
+  return answers;
+}
+
+int PlateauOf(const std::vector<HeldOutRecall>& history, const HeldOutOptions& options) {
+  if (options.patience == 0) return -1;
+  double best = -1;
+  int without = 0;
+  for (size_t i = 0; i < history.size(); ++i) {
+    if (history[i].at_1 >= best + options.gain) {
+      best = history[i].at_1;
+      without = 0;
+    } else if (++without == options.patience) {
+      return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
+}  // namespace pickbed::perception

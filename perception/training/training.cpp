@@ -1,0 +1,398 @@
+#include "perception/training/training.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "perception/networks/model_file.h"
+#include "perception/training/checkpoint.h"
+#include "perception/training/training_data.h"
+#include "perception/training/training_schedule.h"
+#include "perception/training/training_views.h"
+#include "perception/training/verifier_training.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::perception {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Interval of checks for a stop request while waiting for views.
+constexpr std::chrono::milliseconds kLookEvery{100};
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Runs `work` and prefixes the message of an InputError with the object's name.
+template <typename Work>
+auto BlamePart(const ObjectModel& part, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    throw InputError("part '" + part.name + "': " + error.what());
+  }
+}
+
+// Adds the seconds of its lifetime to a phase of the report.
+class PhaseTimer {
+ public:
+  PhaseTimer(TrainingReport& report, const std::string& name) : report_(report), name_(name) {}
+  ~PhaseTimer() {
+    for (TrainingReport::PhaseSeconds& phase : report_.phases) {
+      if (phase.name != name_) continue;
+      phase.seconds += SecondsSince(start_);
+      return;
+    }
+    report_.phases.push_back({name_, SecondsSince(start_)});
+  }
+  PhaseTimer(const PhaseTimer&) = delete;
+  PhaseTimer& operator=(const PhaseTimer&) = delete;
+
+ private:
+  TrainingReport& report_;
+  std::string name_;
+  Clock::time_point start_ = Clock::now();
+};
+
+// One training, from views to model file.
+class Trainer {
+ public:
+  Trainer(const TrainingJob& job, const TrainingOptions& options);
+  TrainingReport Run();
+
+ private:
+  bool Report(const char* phase, double share, int total, double shown_from = 0);
+  void BeginPhase() { phase_start_ = Clock::now(); }
+  TrainingViewsPlan Plan() const;
+  std::vector<int> NewParts() const;
+  VerifierTrainingOptions VerifierPlan() const;
+  bool AwaitHeldOut();
+  bool AwaitPiles(double share, const char* phase, double shown_from);
+  bool TrainNetwork();
+  void Step(double share);
+  void Measure();
+  double Share() const;
+  void SaveCheckpoint();
+  bool TrainVerifiers();
+  std::vector<TrainedVerifier> AllVerifiers() const;
+  double RecentLoss() const;
+  void Save();
+  void FillPictures();
+  DescribePatches Describe() const {
+    return [this](std::span<const int8_t> patches) { return network_.Describe(patches); };
+  }
+
+  const TrainingJob& job_;
+  const TrainingOptions& options_;
+  const ObjectSet& objects_;
+  TrainingStart from_;
+  std::vector<double> sides_;
+  TrainingSchedule schedule_;
+  std::string key_;
+  DescriptorNetwork network_;
+  TrainingData data_;
+  HeldOutSet held_out_;
+  std::vector<TrainedVerifier> trained_;  // finished verifiers, in the order of NewParts()
+  std::unique_ptr<TrainingViews> views_;
+  int iteration_ = 0;  // steps done
+  TrainingReport report_;
+  Clock::time_point start_ = Clock::now(), phase_start_ = start_;
+};
+
+Trainer::Trainer(const TrainingJob& job, const TrainingOptions& options)
+    : job_(job),
+      options_(options),
+      objects_(job.views.objects()),
+      from_(LoadTrainingStart(job, options)),
+      sides_(StartSides(objects_, from_, options)),
+      schedule_(PartWeights(from_, options), options),
+      key_(CheckpointKey(job.views, options, job.sensor_profile,
+                         from_.model ? from_.model->network_hash : 0)),
+      network_(options.network, options.seed, static_cast<int>(objects_.size())),
+      data_(objects_, schedule_.main_parts(), sides_, network_.regresses(), options) {
+  for (size_t part = 0; part < objects_.size(); ++part) {
+    report_.rehearsed.push_back(from_.IsRehearsed(part));
+  }
+}
+
+// shown_from: the share at which this session started; it is needed for the remaining time.
+bool Trainer::Report(const char* phase, double share, int total, double shown_from) {
+  if (!job_.on_progress) return true;
+  TrainingProgress progress;
+  progress.phase = phase;
+  progress.done = static_cast<int>(std::lround(share * total));
+  progress.total = total;
+  progress.loss = RecentLoss();
+  if (!report_.recall_history.empty()) {
+    progress.recall_at_1 = report_.recall_history.back().at_1;
+    progress.recall_at_8 = report_.recall_history.back().at_8;
+  }
+  if (share > shown_from) {
+    progress.seconds_left = SecondsSince(phase_start_) * (1 - share) / (share - shown_from);
+  }
+  return job_.on_progress(progress);
+}
+
+double Trainer::RecentLoss() const {
+  const std::vector<double>& losses = report_.loss_history;
+  const size_t count = std::min<size_t>(100, losses.size());
+  return count == 0 ? 0 : std::accumulate(losses.end() - count, losses.end(), 0.0) / count;
+}
+
+VerifierTrainingOptions Trainer::VerifierPlan() const {
+  VerifierTrainingOptions options;
+  options.seed = options_.seed;
+  options.piles = options_.verifier_piles;
+  options.views_per_pile = options_.views_per_pile;
+  options.entries = options_.candidates.votes == "regressed" ? 0 : options_.verifier_entries;
+  options.candidates = {options_.candidates, options_.fast_candidates};
+  options.candidates.back().votes = options_.candidates.votes;
+  options.verifier = options_.verifier;
+  return options;
+}
+
+// Objects that are not rehearsed; each gets a verifier.
+std::vector<int> Trainer::NewParts() const {
+  std::vector<int> parts;
+  for (size_t part = 0; part < objects_.size(); ++part) {
+    if (!from_.IsRehearsed(part)) parts.push_back(static_cast<int>(part));
+  }
+  return parts;
+}
+
+TrainingViewsPlan Trainer::Plan() const {
+  TrainingViewsPlan plan;
+  plan.seed = options_.seed;
+  for (const double side_m : sides_) plan.forms.push_back({side_m, network_.channels()});
+  if (Share() < 1) plan.pile_parts = schedule_.pile_parts();
+  plan.verifiers = NewParts();
+  plan.verifiers.erase(plan.verifiers.begin(), plan.verifiers.begin() + trained_.size());
+  plan.views_per_pile = options_.views_per_pile;
+  plan.twins = options_.twins;
+  plan.held_out = options_.held_out;
+  plan.verifier = VerifierPlan();
+  return plan;
+}
+
+bool Trainer::AwaitHeldOut() {
+  const PhaseTimer timer(report_, "waiting for views");
+  while (true) {
+    if (!Report("views", 0, schedule_.FirstPiles())) return false;
+    if (std::optional<HeldOutSet> set = views_->TakeHeldOut(kLookEvery)) {
+      held_out_ = std::move(*set);
+      return true;
+    }
+  }
+}
+
+// Waits for the clutter scenes that the schedule requires. With a time limit it does not wait if
+// there is at least one, because the result depends on the time anyway.
+bool Trainer::AwaitPiles(double share, const char* phase, double shown_from) {
+  const int wanted = schedule_.WantedPiles(share);
+  if (data_.piles() >= wanted) return true;
+  const PhaseTimer timer(report_, "waiting for views");
+  const bool limited = options_.max_minutes > 0;
+  while (data_.piles() < wanted) {
+    const bool enough = limited && data_.piles() > 0;
+    const std::optional<PilePairs> pile =
+        views_->TakePile(enough ? std::chrono::milliseconds(0) : kLookEvery);
+    if (pile) data_.Add(*pile);
+    if (!pile && enough) return true;
+    const bool first = iteration_ == 0;
+    const double shown = first ? std::min(1.0, 1.0 * data_.piles() / wanted) : share;
+    const int total = first ? wanted : schedule_.iterations();
+    if (!Report(first ? "views" : phase, shown, total, first ? 0 : shown_from)) return false;
+  }
+  if (data_.piles() == schedule_.piles()) data_.RequireAllParts();
+  return true;
+}
+
+double Trainer::Share() const {
+  const double by_count = schedule_.Share(iteration_);
+  const double limit_s = 60 * options_.max_minutes;
+  return limit_s > 0 ? std::max(by_count, SecondsSince(start_) / limit_s) : by_count;
+}
+
+void Trainer::SaveCheckpoint() {
+  if (job_.checkpoint.empty()) return;
+  WriteCheckpoint(job_.checkpoint, {key_, iteration_, report_.loss_history, report_.recall_history,
+                                    network_.TrainingState(), trained_});
+  report_.has_checkpoint = true;
+}
+
+void Trainer::Step(double share) {
+  const double rate = 0.5 * options_.learning_rate * (1 + std::cos(std::numbers::pi * share));
+  const double loss = network_.TrainStep(data_.Batch(iteration_), options_.loss, rate);
+  CheckInput(std::isfinite(loss), fmt::format("training diverged at step {}; lower "
+                                              "learning_rate ({})",
+                                              iteration_, options_.learning_rate));
+  report_.loss_history.push_back(loss);
+  ++iteration_;
+}
+
+void Trainer::Measure() {
+  const PhaseTimer timer(report_, "held-out recall");
+  HeldOutRecall recall = MeasureRecall(held_out_, objects_, Describe(), network_.length());
+  recall.iteration = iteration_;
+  report_.recall_history.push_back(std::move(recall));
+  schedule_.Watch(report_.recall_history);
+}
+
+bool Trainer::TrainNetwork() {
+  if (report_.recall_history.empty()) Measure();
+  BeginPhase();
+  const double first_share = Share();
+  for (double share = first_share; share < 1; share = Share()) {
+    if (!AwaitPiles(share, "network", first_share)) {
+      SaveCheckpoint();
+      return false;
+    }
+    if (iteration_ == 0) BeginPhase();
+    {
+      const PhaseTimer timer(report_, "network");
+      Step(share);
+    }
+    if (iteration_ % schedule_.measure_every() == 0) Measure();
+    if (iteration_ % options_.checkpoint_every == 0) SaveCheckpoint();
+    if (!Report("network", Share(), schedule_.iterations(), first_share)) {
+      SaveCheckpoint();
+      return false;
+    }
+  }
+  views_->SkipPiles();
+  if (report_.recall_history.back().iteration != iteration_) Measure();
+  SaveCheckpoint();
+  if (data_.piles() > 0) data_.RequireAllParts();
+  return true;
+}
+
+// Trains one verifier per new object. Returns false if stopped on request.
+bool Trainer::TrainVerifiers() {
+  BeginPhase();
+  const std::vector<int> parts = NewParts();
+  const int piles = options_.verifier_piles * static_cast<int>(parts.size());
+  const auto share_of = [&](size_t done, double share) {
+    return (static_cast<double>(done) + share) / static_cast<double>(parts.size());
+  };
+  for (size_t n = trained_.size(); n < parts.size(); ++n) {
+    std::optional<VerifierLesson> lesson;
+    while (!lesson) {
+      const PhaseTimer timer(report_, "waiting for verifier views");
+      if (!Report("verifier", share_of(n, 0), piles)) return false;
+      lesson = BlamePart(*objects_[parts[n]], [&] { return views_->TakeLesson(kLookEvery); });
+    }
+    const PhaseTimer timer(report_, "verifier");
+    const int i = parts[n];
+    const VerifierPart part{i, sides_[i], network_.length(), VoterOf(network_)};
+    bool go_on = true;
+    const TrainedVerifier trained = BlamePart(*objects_[i], [&] {
+      return TrainPartVerifier(*lesson, objects_[i], part, VerifierPlan(), [&](double share) {
+        return go_on = Report("verifier", share_of(n, share), piles);
+      });
+    });
+    if (!go_on) return false;
+    trained_.push_back(trained);
+    SaveCheckpoint();
+  }
+  Report("verifier", 1, piles);
+  return true;
+}
+
+// By object; rehearsed objects keep the verifier of the initial model.
+std::vector<TrainedVerifier> Trainer::AllVerifiers() const {
+  std::vector<TrainedVerifier> all;
+  size_t next = 0;
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    if (from_.IsRehearsed(i)) {
+      const int known = from_.known[i];
+      all.push_back({from_.model->verifiers[known], from_.model->info.objects[known].verifier_auc});
+    } else {
+      all.push_back(trained_[next++]);
+    }
+  }
+  return all;
+}
+
+void Trainer::Save() {
+  ModelInfo info;
+  std::vector<Verifier> verifiers;
+  const std::vector<TrainedVerifier> trained = AllVerifiers();
+  const HeldOutRecall& recall = report_.recall_history.back();
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    ModelObject object{objects_[i]->name, objects_[i]->mesh_hash, objects_[i]->diameter_m,
+                       sides_[i], trained[i].auc};
+    object.recall_at_1 = recall.part_at_1[i];
+    object.recall_at_8 = recall.part_at_8[i];
+    info.objects.push_back(object);
+    verifiers.push_back(trained[i].verifier);
+    report_.part_auc.push_back(trained[i].auc);
+    report_.verifier_auc += trained[i].auc / static_cast<double>(objects_.size());
+  }
+  info.sensor = job_.sensor_profile;
+  info.network = options_.network;
+  TrainingOptions options = options_;
+  info.training = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+  info.iterations = iteration_;
+  info.loss = RecentLoss();
+  info.recall_at_1 = recall.at_1;
+  info.recall_at_8 = recall.at_8;
+  SaveModel(job_.model_file, info, network_, verifiers);
+}
+
+void Trainer::FillPictures() {
+  report_.answers =
+      AnswersOf(held_out_, objects_, Describe(), network_.length(), options_.held_out.queries);
+  report_.held_out = std::move(held_out_);
+  report_.channels = network_.channels();
+  constexpr size_t kPairs = 12;  // per object
+  for (const PatchPairs& all : data_.pairs()) {
+    PatchPairs& some = report_.pairs.emplace_back();
+    const size_t count = std::min(kPairs, all.size());
+    for (size_t i = 0; i < count; ++i) {
+      const size_t row = i * all.size() / count;
+      AppendPatch(all.anchors, row, some.anchors);
+      AppendPatch(all.codes, row, some.codes);
+    }
+  }
+}
+
+TrainingReport Trainer::Run() {
+  // The checkpoint is read first, so that an unusable one is reported before views are rendered.
+  if (job_.resume) {
+    const Checkpoint checkpoint = ReadCheckpoint(job_.checkpoint, key_);
+    iteration_ = checkpoint.iteration;
+    report_.loss_history = checkpoint.loss_history;
+    report_.recall_history = checkpoint.recall_history;
+    report_.has_checkpoint = true;
+    schedule_.Watch(report_.recall_history);
+    network_.RestoreTrainingState(checkpoint.training_state);
+    trained_ = checkpoint.verifiers;
+  } else if (from_.model) {
+    network_.SetWeights(from_.model->network.Weights());
+  }
+  views_ = std::make_unique<TrainingViews>(job_.views, Plan());
+  report_.finished = AwaitHeldOut() && TrainNetwork() && TrainVerifiers();
+  views_.reset();
+  report_.plateau_iteration = schedule_.plateau_iteration();
+  if (report_.finished) {
+    Save();
+    FillPictures();
+  }
+  report_.seconds = SecondsSince(start_);
+  return std::move(report_);
+}
+
+}  // namespace
+
+TrainingReport TrainDescriptor(const TrainingJob& job, const TrainingOptions& options) {
+  CheckInput(!job.views.objects().empty(), "training needs at least one part");
+  CheckInput(!job.resume || !job.checkpoint.empty(), "resuming needs a checkpoint file");
+  return Trainer(job, options).Run();
+}
+
+}  // namespace pickbed::perception

@@ -1,0 +1,56 @@
+#pragma once
+
+// Renders all views of a training in a separate thread while the network trains. The order is: the
+// held-out set, the clutter scenes, the training set of each verifier. Each item depends only on
+// its index, so the result does not depend on time.
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "perception/training/held_out.h"
+#include "perception/training/verifier_training.h"
+
+namespace pickbed::perception {
+
+// Views to be rendered.
+struct TrainingViewsPlan {
+  uint64_t seed = 0;
+  std::vector<PatchForm> forms;  // patch form by object
+  std::vector<int> pile_parts;   // required object of each clutter scene
+  std::vector<int> verifiers;    // objects whose verifiers are trained, in this order
+  int views_per_pile = 3;
+  TwinOptions twins;
+  HeldOutOptions held_out;
+  VerifierTrainingOptions verifier;
+};
+
+// Training pairs of one clutter scene, by object.
+using PilePairs = std::vector<PatchPairs>;
+
+// Thread that renders the plan.
+class TrainingViews {
+ public:
+  // Starts the thread. Only the thread may use `source` until this object is destroyed.
+  TrainingViews(LabelledViewSource& source, TrainingViewsPlan plan);
+  // Stops the thread; waits for the view in progress.
+  ~TrainingViews();
+
+  // Return the next item of each kind, or nothing if it is not ready within `wait`. Rethrow an
+  // exception of the thread.
+  using Wait = std::chrono::milliseconds;
+  std::optional<HeldOutSet> TakeHeldOut(Wait wait);
+  std::optional<PilePairs> TakePile(Wait wait);
+  std::optional<VerifierLesson> TakeLesson(Wait wait);
+
+  // Skips the remaining clutter scenes.
+  void SkipPiles();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pickbed::perception

@@ -1,0 +1,126 @@
+#include "perception/training/verifier_fit.h"
+
+#include <torch/torch.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "scenes/base/error.h"
+
+namespace pickbed::perception {
+namespace {
+
+at::Tensor FeatureTensor(const VerifierExamples& examples) {
+  const int64_t count = static_cast<int64_t>(examples.features.size());
+  at::Tensor x = torch::empty({count, kVerifyFeatures});
+  std::copy_n(examples.features.data()->data(), count * kVerifyFeatures, x.data_ptr<float>());
+  return x;
+}
+
+Eigen::VectorXf ToVector(const at::Tensor& tensor) {
+  const at::Tensor values = tensor.detach().contiguous();
+  return Eigen::Map<const Eigen::VectorXf>(values.data_ptr<float>(), values.numel());
+}
+
+Eigen::MatrixXf ToMatrix(const at::Tensor& tensor) {
+  const at::Tensor values = tensor.detach().contiguous();
+  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  return Eigen::Map<const RowMajor>(values.data_ptr<float>(), values.size(0), values.size(1));
+}
+
+struct Perceptron : torch::nn::Module {
+  explicit Perceptron(int hidden) {
+    first = register_module("first", torch::nn::Linear(kVerifyFeatures, hidden));
+    last = register_module("last", torch::nn::Linear(hidden, 1));
+  }
+  at::Tensor forward(const at::Tensor& x) { return last(torch::tanh(first(x))).squeeze(1); }
+  torch::nn::Linear first{nullptr}, last{nullptr};
+};
+
+void Fit(Perceptron& net, const at::Tensor& x, const at::Tensor& y,
+         const VerifierOptions& options) {
+  torch::optim::Adam adam(
+      net.parameters(),
+      torch::optim::AdamOptions(options.learning_rate).weight_decay(options.weight_decay));
+  for (int i = 0; i < options.iterations; ++i) {
+    // The learning rate decays linearly to zero over the second half.
+    const double share = static_cast<double>(i) / options.iterations;
+    for (torch::optim::OptimizerParamGroup& group : adam.param_groups()) {
+      static_cast<torch::optim::AdamOptions&>(group.options())
+          .lr(options.learning_rate * std::min(1.0, 2.0 * (1.0 - share)));
+    }
+    const at::Tensor rows =
+        torch::randint(x.size(0), {std::min<int64_t>(options.batch, x.size(0))}, torch::kLong);
+    adam.zero_grad();
+    torch::binary_cross_entropy_with_logits(net.forward(x.index_select(0, rows)),
+                                            y.index_select(0, rows))
+        .backward();
+    adam.step();
+  }
+}
+
+}  // namespace
+
+void VerifierOptions::Visit(SettingsVisitor& v) {
+  v.Integer("hidden", hidden, {1, 1024}, "hidden units");
+  v.Integer("iterations", iterations, {1, 1000000}, "steps");
+  v.Integer("batch", batch, {1, 1000000}, "examples in a step");
+  v.Real("learning_rate", learning_rate, {1e-6, 1}, "of Adam");
+  v.Real("weight_decay", weight_decay, {0, 1}, "of Adam");
+}
+
+TrainedVerifier TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
+                              uint64_t seed) {
+  const int64_t count = static_cast<int64_t>(examples.features.size());
+  const int64_t kept =
+      examples.held_out_from > 0 ? static_cast<int64_t>(examples.held_out_from) : count;
+  const auto right = std::count(examples.right.begin(), examples.right.begin() + kept, 1);
+  CheckInput(right > 0 && right < kept,
+             "the verifier needs right and wrong poses to learn from, but has " +
+                 std::to_string(right) + " right of " + std::to_string(kept) +
+                 "; raise piles, or train longer what proposes them");
+  at::set_num_threads(1);
+  torch::manual_seed(seed);
+  const at::Tensor all = FeatureTensor(examples);
+  const at::Tensor x = all.slice(0, 0, kept);
+  const at::Tensor mean = x.mean(0), scale = x.std(0, false).clamp_min(1e-3);
+  const at::Tensor y = torch::tensor(at::ArrayRef<uint8_t>(examples.right)).to(torch::kFloat);
+  Perceptron net(options.hidden);
+  Fit(net, (x - mean) / scale, y.slice(0, 0, kept), options);
+
+  TrainedVerifier trained;
+  Verifier& verifier = trained.verifier;
+  verifier.mean = ToVector(mean);
+  verifier.scale = ToVector(scale);
+  verifier.w1 = ToMatrix(net.first->weight);
+  verifier.b1 = ToVector(net.first->bias);
+  verifier.w2 = ToVector(net.last->weight.flatten());
+  verifier.b2 = net.last->bias.item<float>();
+  std::vector<double> scores;
+  for (int64_t i = kept; i < count; ++i) {
+    scores.push_back(verifier.Score(examples.features[i]));
+  }
+  trained.auc = AreaUnderRoc(scores, {examples.right.begin() + kept, examples.right.end()});
+  return trained;
+}
+
+double AreaUnderRoc(const std::vector<double>& scores, const std::vector<uint8_t>& right) {
+  std::vector<size_t> order(scores.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return scores[a] < scores[b]; });
+  double pairs = 0, wrong_below = 0;
+  for (size_t first = 0; first < order.size();) {
+    size_t last = first;
+    double ties_right = 0, ties_wrong = 0;
+    for (; last < order.size() && scores[order[last]] == scores[order[first]]; ++last) {
+      (right[order[last]] ? ties_right : ties_wrong) += 1;
+    }
+    pairs += ties_right * (wrong_below + 0.5 * ties_wrong);
+    wrong_below += ties_wrong;
+    first = last;
+  }
+  const double all_right = static_cast<double>(std::count(right.begin(), right.end(), 1));
+  return all_right > 0 && wrong_below > 0 ? pairs / (all_right * wrong_below) : 0.5;
+}
+
+}  // namespace pickbed::perception

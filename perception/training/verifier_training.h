@@ -1,0 +1,83 @@
+#pragma once
+
+// Trains the verifier of one object on the estimator's own candidates, in all modes, from clutter
+// scenes that contain the object. Ground truth labels the candidates right or wrong. Then the score
+// is calibrated for each mode on the poses that remain after pose selection: logistic calibration
+// (Platt 1999).
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "perception/candidates/pose_selection.h"
+#include "perception/candidates/vote_candidates.h"
+#include "perception/features/labelled_patches.h"
+#include "perception/training/verifier_fit.h"
+#include "scenes/labelled_view.h"
+
+namespace pickbed::perception {
+
+struct VerifierTrainingOptions {
+  uint64_t seed = 0;
+  int piles = 24;
+  int views_per_pile = 3;
+  double calibration_share = 0.3;  // last share of the views, used for AUC and calibration
+  VerifierOptions verifier;
+  // Only for learned descriptors:
+  int entries = 24000;                           // codebook entries of the object
+  std::vector<CandidateOptions> candidates{{}};  // one per mode
+  void Visit(SettingsVisitor& v);                // all except the last two
+};
+
+// An object and the network that describes its patches.
+struct VerifierPart {
+  int object = 0;  // index into the objects of the view source
+  double side_m = 0;
+  int descriptor_length = 0;
+  PatchVoter voter;
+};
+
+// Training set of a verifier, as far as it can be made without the network.
+struct VerifierLesson {
+  std::vector<LabelledView> piles;  // views of clutter scenes that contain the object
+  LabelledPatches codes;            // patches of the object's codebook
+};
+
+// Makes the training set of one object. on_share receives the progress, 0..1, and returns false to
+// stop; the result is then incomplete. Throws InputError if no clutter scene shows the object.
+VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, const PatchForm& form,
+                                  const VerifierTrainingOptions& options,
+                                  const std::function<bool(double share)>& on_share);
+
+// Returns views of clutter scenes that contain the object, without colour images unless `color` is
+// set. on_share receives the progress, 0..1, and returns false to stop; there are then fewer views.
+std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, bool color,
+                                        const VerifierTrainingOptions& options,
+                                        const std::function<bool(double share)>& on_share);
+
+// Trains and calibrates the verifier of `object`, an index into the objects of the view source.
+// `sources` has one source per mode, in the order of CandidateMode. They look only for this object,
+// so their candidates have object index 0. Modes without a source get the calibration of the first.
+// on_share receives the progress, 0..1, and returns false to stop; the result is then incomplete.
+// Throws InputError if all candidates are right or all are wrong.
+TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int object,
+                                  std::span<const CandidateSource* const> sources,
+                                  const VerifierTrainingOptions& options,
+                                  const std::function<bool(double share)>& on_share);
+
+// The same with candidates from learned descriptors.
+TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
+                                  const std::shared_ptr<const ObjectModel>& model,
+                                  const VerifierPart& part, const VerifierTrainingOptions& options,
+                                  const std::function<bool(double share)>& on_share);
+
+// Score of a reported pose, and whether the pose is right.
+struct ScoredPose {
+  double logit = 0;
+  bool right = false;
+};
+// Returns the calibration that maps scores of an uncalibrated verifier to the shares of right
+// poses. A prior towards the identity limits the change if there are few poses.
+Calibration Calibrate(const std::vector<ScoredPose>& poses);
+
+}  // namespace pickbed::perception

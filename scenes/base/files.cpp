@@ -1,0 +1,158 @@
+#include "scenes/base/files.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include "scenes/base/error.h"
+
+namespace pickbed::scenes {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path EnvironmentPath(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? fs::path() : fs::path(value);
+}
+
+// The folder of the running program; empty where /proc is absent.
+fs::path ExecutableDir() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+const char* WhatToDo(int error) {
+  if (error == ENOSPC || error == EDQUOT) return "; make room and repeat the command";
+  if (error == EROFS || error == EACCES || error == EPERM) return "; choose another folder";
+  return "";
+}
+
+// A temporary file beside the target, removed unless it was renamed away.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const fs::path& target) : target_(target) {
+    // The process id and a counter make the name unique over workers and threads.
+    static std::atomic<unsigned> counter{0};
+    path_ = target.string() + "." + std::to_string(getpid()) + "." + std::to_string(counter++);
+    descriptor_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) Fail();
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    if (descriptor_ >= 0) close(descriptor_);
+    if (!path_.empty()) unlink(path_.c_str());
+  }
+
+  void Write(const std::string& bytes) {
+    size_t done = 0;
+    while (done < bytes.size()) {
+      const ssize_t written = write(descriptor_, bytes.data() + done, bytes.size() - done);
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) Fail();
+      done += static_cast<size_t>(written);
+    }
+    if (fsync(descriptor_) != 0 && errno != EINVAL) Fail();  // EINVAL: not a disk file
+  }
+
+  void RenameToTarget() {
+    const int descriptor = descriptor_;
+    descriptor_ = -1;
+    if (close(descriptor) != 0 || rename(path_.c_str(), target_.c_str()) != 0) Fail();
+    path_.clear();
+  }
+
+ private:
+  [[noreturn]] void Fail() const {
+    const int error = errno;
+    throw InputError("cannot write '" + target_.string() + "': " + std::strerror(error) +
+                     WhatToDo(error));
+  }
+
+  fs::path target_;
+  fs::path path_;
+  int descriptor_ = -1;
+};
+
+}  // namespace
+
+fs::path AssetsDir() {
+  const fs::path from_environment = EnvironmentPath("PICKBED_ASSETS");
+  if (!from_environment.empty()) {
+    CheckInput(fs::is_directory(from_environment),
+               "PICKBED_ASSETS names '" + from_environment.string() + "', which is not a folder");
+    return from_environment;
+  }
+  const fs::path installed = (ExecutableDir() / PICKBED_INSTALL_ASSETS).lexically_normal();
+  if (fs::is_directory(installed)) return installed;
+  const fs::path source = PICKBED_SOURCE_ASSETS;
+  CheckInput(fs::is_directory(source), "found no assets at '" + installed.string() + "' nor '" +
+                                           source.string() +
+                                           "'; set PICKBED_ASSETS to the assets folder");
+  return source;
+}
+
+fs::path CacheDir() {
+  // The XDG specification requires that a relative XDG_CACHE_HOME is ignored.
+  fs::path base = EnvironmentPath("XDG_CACHE_HOME");
+  if (!base.is_absolute()) {
+    const fs::path home = EnvironmentPath("HOME");
+    CheckInput(!home.empty(), "there is no place for a cache: set HOME or XDG_CACHE_HOME");
+    base = home / ".cache";
+  }
+  const fs::path folder = base / "pickbed";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  CheckInput(!error, "cannot make the cache folder '" + folder.string() + "': " + error.message());
+  return folder;
+}
+
+std::vector<std::string> StemsIn(const std::filesystem::path& folder,
+                                 const std::string& extension) {
+  std::vector<std::string> stems;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().extension() == extension) stems.push_back(entry.path().stem().string());
+  }
+  std::sort(stems.begin(), stems.end());
+  return stems;
+}
+
+void MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  CheckInput(!error, "cannot make the folder " + folder.string() + ": " + error.message() +
+                         "; choose another folder");
+}
+
+std::string ReadFileBytes(const fs::path& path) {
+  CheckInput(!fs::is_directory(path), "cannot read '" + path.string() + "': it is a folder");
+  std::ifstream file(path, std::ios::binary);
+  CheckInput(file.good(), "cannot read '" + path.string() + "': " + std::strerror(errno));
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  return std::move(bytes).str();
+}
+
+void RequireWritable(const fs::path& path) {
+  CheckInput(!fs::is_directory(path), "cannot write '" + path.string() + "': it is a folder");
+  const TemporaryFile probe(path);
+}
+
+void WriteFileAtomically(const fs::path& path, const std::string& bytes) {
+  TemporaryFile file(path);
+  file.Write(bytes);
+  file.RenameToTarget();
+}
+
+}  // namespace pickbed::scenes

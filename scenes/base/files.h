@@ -1,0 +1,39 @@
+#pragma once
+
+// Locations of the program's assets and cache, and reading and writing of complete files.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pickbed::scenes {
+
+// Returns the assets/ folder of the installed program, found relative to the executable, else the
+// assets/ folder of the source tree. The environment variable PICKBED_ASSETS overrides both. Throws
+// InputError when the folder does not exist.
+std::filesystem::path AssetsDir();
+
+// Returns XDG_CACHE_HOME/pickbed (or ~/.cache/pickbed) and creates it if needed. Throws InputError
+// when it cannot be created.
+std::filesystem::path CacheDir();
+
+// Returns the sorted stems of the files in `folder` with this extension (such as ".yaml"). The
+// result is empty when the folder does not exist.
+std::vector<std::string> StemsIn(const std::filesystem::path& folder, const std::string& extension);
+
+// Creates a folder with all its parents, if needed. Throws InputError with the path and the
+// system's reason.
+void MakeFolder(const std::filesystem::path& folder);
+
+// Returns all bytes of a file. Throws InputError with the path and the system's reason.
+std::string ReadFileBytes(const std::filesystem::path& path);
+
+// Writes bytes to `path` through a temporary file and an atomic rename. Throws InputError with the
+// path and the system's reason (no space left, no permission). The old file then stays unchanged.
+void WriteFileAtomically(const std::filesystem::path& path, const std::string& bytes);
+
+// Throws InputError when no file can be created at `path`. Call it before long work whose result is
+// written there.
+void RequireWritable(const std::filesystem::path& path);
+
+}  // namespace pickbed::scenes

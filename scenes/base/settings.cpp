@@ -1,0 +1,344 @@
+#include "scenes/base/settings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "scenes/base/error.h"
+
+namespace pickbed::scenes {
+namespace {
+
+std::string RangeText(Range range) { return fmt::format("from {} to {}", range.min, range.max); }
+
+// Reads one YAML map into the visited fields, then rejects keys that no field has.
+class Reader : public SettingsVisitor {
+ public:
+  // `has_lines`: the source is a file, so errors give the line number.
+  Reader(YAML::Node map, std::string source, bool has_lines)
+      : map_(std::move(map)), source_(std::move(source)), has_lines_(has_lines) {}
+
+  const KeyPlaces& places() const { return places_; }
+
+  void Real(const char* key, double& value, Range range, const char* help) override {
+    if (auto node = Find(key)) value = Number(*node, Path(key), range, help);
+  }
+
+  void Integer(const char* key, int& value, Range range, const char* help) override {
+    auto node = Find(key);
+    if (!node) return;
+    const double number = Number(*node, Path(key), range, help);
+    if (number != std::floor(number)) {
+      Fail(*node, Path(key), fmt::format("must be a whole number ({})", help));
+    }
+    value = static_cast<int>(number);
+  }
+
+  void Seed(const char* key, uint64_t& value, const char* help) override {
+    auto node = Find(key);
+    if (!node) return;
+    // as<uint64_t> would read "-1" as a large number.
+    const std::string text = node->IsScalar() ? node->Scalar() : "";
+    const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+    try {
+      if (!digits) throw std::out_of_range("seed");
+      value = std::stoull(text);
+    } catch (const std::out_of_range&) {
+      Fail(*node, Path(key),
+           fmt::format("must be a whole number from 0 to 18446744073709551615 ({})", help));
+    }
+  }
+
+  void Bool(const char* key, bool& value, const char* help) override {
+    auto node = Find(key);
+    if (node && !(node->IsScalar() && YAML::convert<bool>::decode(*node, value))) {
+      Fail(*node, Path(key), fmt::format("must be true or false ({})", help));
+    }
+  }
+
+  void Text(const char* key, std::string& value, const std::vector<std::string>& choices,
+            const char* help) override {
+    auto node = Find(key);
+    if (!node) return;
+    if (!node->IsScalar()) Fail(*node, Path(key), fmt::format("must be one text ({})", help));
+    value = node->Scalar();
+    if (choices.empty()) return;
+    for (const std::string& choice : choices) {
+      if (choice == value) return;
+    }
+    throw InputError(
+        fmt::format("{}: {}", Where(*node), UnknownNameMessage(Path(key), value, choices)));
+  }
+
+  void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
+    if (auto node = Find(key)) ReadVector(*node, Path(key), value, range, help);
+  }
+
+  void Vector3(const char* key, Eigen::Vector3d& value, Range range, const char* help) override {
+    if (auto node = Find(key)) ReadVector(*node, Path(key), value, range, help);
+  }
+
+  void Group(const char* key, const VisitFunction& visit, const char*) override {
+    const auto node = Find(key);
+    if (!node) return;
+    ReadChild(*node, Path(key), visit);
+  }
+
+  void List(const char* key, size_t size, const std::function<void(size_t)>& resize,
+            const std::function<void(size_t, SettingsVisitor&)>& visit, const char* help) override {
+    const auto node = Find(key);
+    if (!node) return;
+    if (node->IsMap()) return ReadListItems(*node, Path(key), size, visit);
+    if (!node->IsSequence()) Fail(*node, Path(key), fmt::format("must be a list ({})", help));
+    resize(node->size());
+    for (size_t i = 0; i < node->size(); ++i) {
+      ReadChild((*node)[i], fmt::format("{}.{}", Path(key), i),
+                [&](SettingsVisitor& item) { visit(i, item); });
+    }
+  }
+
+  // Throws for repeated keys and for keys that were not visited. Call it after the visit.
+  void RejectUnknownKeys() const {
+    if (!map_.IsDefined() || map_.IsNull()) return;
+    if (!map_.IsMap()) {
+      Fail(map_, prefix_,
+           fmt::format("expected 'key: value' lines, with keys {}", fmt::join(known_, ", ")));
+    }
+    std::map<std::string, YAML::Node> seen;
+    for (const auto& entry : map_) {
+      const std::string key = entry.first.as<std::string>("?");
+      const auto [first, is_new] = seen.try_emplace(key, entry.second);
+      if (!is_new) {
+        throw InputError(fmt::format("{}: {} = {}: is given twice, before as {} at {}; remove one",
+                                     Where(entry.first), Path(key), Flat(entry.second),
+                                     Flat(first->second), Where(first->second)));
+      }
+      bool known = false;
+      for (const std::string& name : known_) known |= name == key;
+      if (known) continue;
+      const std::string kind = prefix_.empty() ? "key" : fmt::format("key in {}", prefix_);
+      throw InputError(fmt::format("{}: {} (value: {})", Where(entry.first),
+                                   UnknownNameMessage(kind, key, known_), Flat(entry.second)));
+    }
+  }
+
+ private:
+  std::optional<YAML::Node> Find(const char* key) {
+    known_.push_back(key);
+    if (!map_.IsDefined() || !map_.IsMap()) return std::nullopt;
+    const YAML::Node node = static_cast<const YAML::Node&>(map_)[key];
+    if (!node.IsDefined()) return std::nullopt;
+    places_[Path(key)] = Where(node);
+    return node;
+  }
+
+  void ReadChild(const YAML::Node& node, const std::string& path, const VisitFunction& visit) {
+    Reader child(node, source_, has_lines_);
+    child.prefix_ = path;
+    visit(child);
+    child.RejectUnknownKeys();
+    places_.merge(child.places_);
+  }
+
+  std::string Path(const std::string& key) const {
+    return prefix_.empty() ? key : prefix_ + "." + key;
+  }
+
+  std::string Where(const YAML::Node& node) const {
+    const YAML::Mark mark = node.Mark();
+    if (mark.is_null() || !has_lines_) return source_;
+    return fmt::format("{}:{}", source_, mark.line + 1);
+  }
+
+  static std::string Flat(const YAML::Node& node) {
+    YAML::Emitter out;
+    out << YAML::Flow << node;
+    std::string text = out.c_str();
+    if (text.size() > 60) text = text.substr(0, 57) + "...";
+    return text;
+  }
+
+  [[noreturn]] void Fail(const YAML::Node& node, const std::string& key,
+                         const std::string& allowed) const {
+    throw InputError(fmt::format("{}: {} = {}: {}", Where(node), key, Flat(node), allowed));
+  }
+
+  double Number(const YAML::Node& node, const std::string& key, Range range,
+                const char* help) const {
+    double number = 0;
+    const bool ok = node.IsScalar() && YAML::convert<double>::decode(node, number);
+    if (!ok || !(number >= range.min && number <= range.max)) {
+      Fail(node, key, fmt::format("must be a number {} ({})", RangeText(range), help));
+    }
+    return number;
+  }
+
+  template <typename Vector>
+  void ReadVector(const YAML::Node& node, const std::string& key, Vector& value, Range range,
+                  const char* help) const {
+    if (!node.IsSequence() || node.size() != static_cast<size_t>(value.size())) {
+      Fail(node, key, fmt::format("must be a list of {} numbers ({})", value.size(), help));
+    }
+    for (int i = 0; i < value.size(); ++i) value[i] = Number(node[i], key, range, help);
+  }
+
+  // "objects.0.count=3" from --set arrives as a map from index to fields.
+  void ReadListItems(const YAML::Node& node, const std::string& key, size_t size,
+                     const std::function<void(size_t, SettingsVisitor&)>& visit) {
+    for (const auto& entry : node) {
+      size_t index = size;
+      try {
+        index = entry.first.as<size_t>();
+      } catch (const YAML::Exception&) {
+      }
+      if (index >= size) {
+        Fail(entry.first, key,
+             fmt::format("must be the index of an item, 0 to {}", static_cast<long>(size) - 1));
+      }
+      ReadChild(entry.second, fmt::format("{}.{}", key, index),
+                [&](SettingsVisitor& item) { visit(index, item); });
+    }
+  }
+
+  YAML::Node map_;
+  std::string source_;
+  bool has_lines_;
+  std::string prefix_;  // path of this map, such as "objects.0"; empty for the outermost map
+  KeyPlaces places_;
+  std::vector<std::string> known_;
+};
+
+// Writes every visited field. Reading the text gives the same values again.
+class Writer : public SettingsVisitor {
+ public:
+  explicit Writer(bool with_help) : with_help_(with_help) {}
+
+  void Real(const char* key, double& value, Range range, const char* help) override {
+    Line(key, fmt::format("{}", value), fmt::format("{}; {}", help, RangeText(range)));
+  }
+  void Integer(const char* key, int& value, Range range, const char* help) override {
+    Line(key, fmt::format("{}", value), fmt::format("{}; {}", help, RangeText(range)));
+  }
+  void Seed(const char* key, uint64_t& value, const char* help) override {
+    Line(key, fmt::format("{}", value), help);
+  }
+  void Bool(const char* key, bool& value, const char* help) override {
+    Line(key, value ? "true" : "false", help);
+  }
+  void Text(const char* key, std::string& value, const std::vector<std::string>& choices,
+            const char* help) override {
+    std::string text = help;
+    if (!choices.empty()) text += fmt::format("; {}", fmt::join(choices, " | "));
+    Line(key, Quoted(value), text);
+  }
+  void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
+    Line(key, fmt::format("[{}, {}]", value[0], value[1]),
+         fmt::format("{}; each {}", help, RangeText(range)));
+  }
+  void Vector3(const char* key, Eigen::Vector3d& value, Range range, const char* help) override {
+    Line(key, fmt::format("[{}, {}, {}]", value[0], value[1], value[2]),
+         fmt::format("{}; each {}", help, RangeText(range)));
+  }
+  void Group(const char* key, const VisitFunction& visit, const char* help) override {
+    Line(key, "", help);
+    ++depth_;
+    visit(*this);
+    --depth_;
+  }
+  void List(const char* key, size_t size, const std::function<void(size_t)>&,
+            const std::function<void(size_t, SettingsVisitor&)>& visit, const char* help) override {
+    Line(key, size == 0 ? "[]" : "", help);
+    for (size_t i = 0; i < size; ++i) {
+      depth_ += 2;
+      starts_item_ = true;
+      visit(i, *this);
+      depth_ -= 2;
+    }
+  }
+
+  std::string text() const { return text_; }
+
+ private:
+  static std::string Quoted(const std::string& value) {
+    YAML::Emitter out;
+    out << YAML::DoubleQuoted << value;
+    return out.c_str();
+  }
+
+  void Line(const char* key, const std::string& value, const std::string& help) {
+    std::string indent(2 * depth_, ' ');
+    if (starts_item_) indent.replace(indent.size() - 2, 2, "- ");
+    starts_item_ = false;
+    text_ += indent + key + ":" + (value.empty() ? "" : " " + value);
+    if (with_help_) text_ += "  # " + help;
+    text_ += "\n";
+  }
+
+  bool with_help_;
+  int depth_ = 0;
+  bool starts_item_ = false;
+  std::string text_;
+};
+
+YAML::Node Parse(const std::string& yaml, const std::string& source) {
+  try {
+    return YAML::Load(yaml);
+  } catch (const YAML::ParserException& error) {
+    throw InputError(
+        fmt::format("{}:{}: not valid YAML: {}", source, error.mark.line + 1, error.msg));
+  }
+}
+
+}  // namespace
+
+KeyPlaces ReadSettingsText(const std::string& yaml, const std::string& name_for_errors,
+                           const VisitFunction& visit) {
+  Reader reader(Parse(yaml, name_for_errors), name_for_errors, true);
+  visit(reader);
+  reader.RejectUnknownKeys();
+  return reader.places();
+}
+
+KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunction& visit) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file)) {
+    throw InputError(fmt::format("{}: cannot be read; check the path", file.string()));
+  }
+  std::ostringstream text;
+  text << in.rdbuf();
+  return ReadSettingsText(text.str(), file.string(), visit);
+}
+
+KeyPlaces ApplySetting(const std::string& assignment, const VisitFunction& visit) {
+  const std::string source = fmt::format("--set {}", assignment);
+  const size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw InputError(fmt::format("{}: expected key=value, such as bin.wall_m=0.004", source));
+  }
+  YAML::Node value = Parse(assignment.substr(equals + 1), source);
+  std::vector<std::string> keys;
+  std::stringstream path(assignment.substr(0, equals));
+  for (std::string key; std::getline(path, key, '.');) keys.push_back(key);
+  for (auto key = keys.rbegin(); key != keys.rend(); ++key) {
+    YAML::Node parent(YAML::NodeType::Map);
+    parent[*key] = value;
+    value = parent;
+  }
+  Reader reader(value, source, false);
+  visit(reader);
+  reader.RejectUnknownKeys();
+  return reader.places();
+}
+
+std::string WriteSettings(const VisitFunction& visit, bool with_help) {
+  Writer writer(with_help);
+  visit(writer);
+  return writer.text();
+}
+
+}  // namespace pickbed::scenes

@@ -1,0 +1,77 @@
+#pragma once
+
+// Settings structs and their text form. A settings struct has one Visit() that names each field
+// with its range, unit and help. The file reader, --set, the writer of effective settings and the
+// help text all use this function, so they always agree.
+//
+//   struct BinSettings {
+//     double wall_m = 0.006;
+//     void Visit(SettingsVisitor& v) {
+//       v.Real("wall_m", wall_m, {0.001, 0.05}, "thickness of the walls, m");
+//     }
+//   };
+//
+// Errors are InputError with one line: file:line, key, value, allowed values, nearest known key.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace pickbed::scenes {
+
+// Closed interval of allowed values.
+struct Range {
+  double min;
+  double max;
+};
+
+// Interface that a settings struct's Visit() calls once for each field. A reader changes the value;
+// a writer only reads it. `help` is one sentence with the unit.
+class SettingsVisitor {
+ public:
+  virtual ~SettingsVisitor() = default;
+  virtual void Real(const char* key, double& value, Range range, const char* help) = 0;
+  virtual void Integer(const char* key, int& value, Range range, const char* help) = 0;
+  virtual void Seed(const char* key, uint64_t& value, const char* help) = 0;
+  virtual void Bool(const char* key, bool& value, const char* help) = 0;
+  // Any text is allowed if `choices` is empty.
+  virtual void Text(const char* key, std::string& value, const std::vector<std::string>& choices,
+                    const char* help) = 0;
+  virtual void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) = 0;
+  virtual void Vector3(const char* key, Eigen::Vector3d& value, Range range, const char* help) = 0;
+  // A nested map.
+  virtual void Group(const char* key, const std::function<void(SettingsVisitor&)>& visit,
+                     const char* help) = 0;
+  // A list of maps with `size` items. A reader first calls `resize` with the number of items in the
+  // file. `visit` is called for each item.
+  virtual void List(const char* key, size_t size, const std::function<void(size_t)>& resize,
+                    const std::function<void(size_t, SettingsVisitor&)>& visit,
+                    const char* help) = 0;
+};
+
+using VisitFunction = std::function<void(SettingsVisitor&)>;
+
+// Place of each given key, such as "objects.0.name" -> "demo.yaml:7". It is for errors that are
+// detected after reading.
+using KeyPlaces = std::map<std::string, std::string>;
+
+// Reads a YAML file into the fields that `visit` names; fields without a key in the file keep their
+// values. Returns the place of each key. Throws InputError for a file that cannot be read, invalid
+// YAML, unknown or repeated keys and values that are not allowed.
+KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunction& visit);
+// Same as ReadSettingsFile() for a YAML text; errors use `name_for_errors` as the file name.
+KeyPlaces ReadSettingsText(const std::string& yaml, const std::string& name_for_errors,
+                           const VisitFunction& visit);
+
+// Applies one assignment "a.b.c=value", with the value in YAML and list items by index, such as
+// "objects.0.count=3". Returns and throws the same as ReadSettingsFile().
+KeyPlaces ApplySetting(const std::string& assignment, const VisitFunction& visit);
+
+// Returns the effective settings as YAML with every key. `with_help` adds the help as comments.
+std::string WriteSettings(const VisitFunction& visit, bool with_help = false);
+
+}  // namespace pickbed::scenes

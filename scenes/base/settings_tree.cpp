@@ -1,0 +1,105 @@
+#include "scenes/base/settings_tree.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::scenes {
+namespace {
+
+// Sets every level explicitly, because a node that was read from several lines keeps that style.
+void SetFlowStyle(YAML::Node node) {
+  if (!node.IsMap() && !node.IsSequence()) return;
+  node.SetStyle(YAML::EmitterStyle::Flow);
+  for (const auto& entry : node) SetFlowStyle(node.IsMap() ? entry.second : entry);
+}
+
+std::string FlowText(const YAML::Node& node) {
+  SetFlowStyle(node);
+  YAML::Emitter out;
+  out << node;
+  return out.c_str();
+}
+
+SettingsTree ToTree(const YAML::Node& node, const std::string& source, const std::string& key) {
+  SettingsTree tree;
+  tree.key = key;
+  tree.text = FlowText(node);
+  tree.place = fmt::format("{}:{}", source, node.Mark().line + 1);
+  if (node.IsSequence()) {
+    tree.kind = SettingsTree::Kind::kList;
+    for (const YAML::Node& item : node) tree.items.push_back(ToTree(item, source, ""));
+  } else if (node.IsMap()) {
+    tree.kind = SettingsTree::Kind::kMap;
+    for (const auto& entry : node) {
+      const std::string name = entry.first.as<std::string>("?");
+      const SettingsTree* before = tree.Find(name);
+      SettingsTree item = ToTree(entry.second, source, name);
+      CheckInput(before == nullptr,
+                 fmt::format("{}: {} = {}: is given twice, before as {}; remove one", item.place,
+                             name, item.text, before ? before->text : ""));
+      tree.items.push_back(std::move(item));
+    }
+  }
+  return tree;
+}
+
+}  // namespace
+
+const SettingsTree* SettingsTree::Find(const std::string& name) const {
+  for (const SettingsTree& item : items) {
+    if (item.key == name) return &item;
+  }
+  return nullptr;
+}
+
+SettingsTree ReadSettingsTreeText(const std::string& yaml, const std::string& name_for_errors) {
+  YAML::Node node;
+  try {
+    node = YAML::Load(yaml);
+  } catch (const YAML::ParserException& error) {
+    throw InputError(
+        fmt::format("{}:{}: not valid YAML: {}", name_for_errors, error.mark.line + 1, error.msg));
+  }
+  CheckInput(node.IsMap(), fmt::format("{}: expected 'key: value' lines", name_for_errors));
+  return ToTree(node, name_for_errors, "");
+}
+
+SettingsTree ReadSettingsTree(const std::filesystem::path& file) {
+  CheckInput(std::filesystem::is_regular_file(file),
+             fmt::format("{}: cannot be read; check the path", file.string()));
+  return ReadSettingsTreeText(ReadFileBytes(file), file.string());
+}
+
+std::vector<PlacedSetting> SettingsIn(const SettingsTree& map) {
+  CheckInput(map.kind == SettingsTree::Kind::kMap,
+             fmt::format("{}: {} = {}: must be 'key: value' pairs", map.place, map.key, map.text));
+  std::vector<PlacedSetting> settings;
+  for (const SettingsTree& item : map.items) {
+    settings.push_back({item.key + "=" + item.text, item.place});
+  }
+  return settings;
+}
+
+void ThrowPlaced(const std::vector<PlacedSetting>& settings, const std::exception& error) {
+  if (dynamic_cast<const InputError*>(&error) == nullptr) throw;
+  std::string message = error.what();
+  for (const PlacedSetting& setting : settings) {
+    const std::string blamed = "--set " + setting.assignment;
+    const size_t at = message.find(blamed);
+    if (at != std::string::npos) message.replace(at, blamed.size(), setting.place);
+  }
+  throw InputError(message);
+}
+
+void ReadSettingsBlock(const SettingsTree& map, const VisitFunction& visit) {
+  for (const PlacedSetting& setting : SettingsIn(map)) {
+    ApplyPlaced({setting}, [&](const std::vector<std::string>& assignments) {
+      return ApplySetting(assignments.front(), visit);
+    });
+  }
+}
+
+}  // namespace pickbed::scenes

@@ -1,0 +1,255 @@
+#include "scenes/objects/object_catalog.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <system_error>
+
+#include "scenes/base/error.h"
+#include "scenes/base/settings.h"
+#include "scenes/mesh_io/mesh_checks.h"
+#include "scenes/mesh_io/mesh_io.h"
+#include "scenes/objects/convex_file.h"
+
+namespace pickbed::scenes {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kObjectFile[] = "object.yaml";
+
+// ---- object.yaml ----
+
+struct AxisSettings {
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
+  double angle_deg = 0;  // only for a discrete symmetry
+
+  void Visit(SettingsVisitor& v, bool discrete) {
+    v.Vector3("axis", axis, {-1e3, 1e3}, "direction of the axis in O, of any length");
+    v.Vector3("offset_m", offset_m, {-10, 10}, "a point on the axis in O, m");
+    if (discrete) v.Real("angle_deg", angle_deg, {-360, 360}, "angle of the turn, degrees");
+  }
+};
+
+struct RestingSettings {
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  double probability = 0;
+
+  void Visit(SettingsVisitor& v) {
+    v.Vector3("up", up, {-1, 1}, "the world's up in O");
+    v.Real("probability", probability, {0, 1}, "share of drops that end so");
+  }
+};
+
+struct ObjectSettings {
+  std::string mesh = "mesh.obj";
+  std::string unit = "m";
+  double mass_kg = 0;
+  double density_kgpm3 = 0;
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d inertia_diagonal_kgm2 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d inertia_products_kgm2 = Eigen::Vector3d::Zero();
+  double friction = 0.5;
+  std::string convex;
+  std::vector<AxisSettings> discrete;
+  std::vector<AxisSettings> continuous;
+  std::vector<RestingSettings> resting;
+
+  void Visit(SettingsVisitor& v) {
+    v.Text("mesh", mesh, {}, "mesh file beside object.yaml");
+    v.Text("unit", unit, {"m", "cm", "mm", "in"}, "unit of the mesh and convex files");
+    v.Real("mass_kg", mass_kg, {0, 100}, "mass, kg; or else density_kgpm3");
+    v.Real("density_kgpm3", density_kgpm3, {0, 25000}, "density, kg/m3; or else mass_kg");
+    v.Vector3("com_m", com_m, {-10, 10}, "centre of mass in O, m; with inertia_diagonal_kgm2");
+    v.Vector3("inertia_diagonal_kgm2", inertia_diagonal_kgm2, {0, 1e3}, "xx, yy, zz about it");
+    v.Vector3("inertia_products_kgm2", inertia_products_kgm2, {-1e3, 1e3}, "xy, xz, yz about it");
+    v.Real("friction", friction, {0.01, 2}, "against a gripper pad");
+    v.Text("convex", convex, {}, "OBJ file with one 'o' group for each convex piece");
+    v.Group(
+        "symmetries", [this](SettingsVisitor& group) { VisitSymmetries(group); },
+        "turns that map the part onto itself");
+    v.List(
+        "resting_poses", resting.size(), [this](size_t n) { resting.resize(n); },
+        [this](size_t i, SettingsVisitor& item) { resting[i].Visit(item); },
+        "ways to lie on a plane");
+  }
+
+ private:
+  void VisitSymmetries(SettingsVisitor& v) {
+    v.List(
+        "discrete", discrete.size(), [this](size_t n) { discrete.resize(n); },
+        [this](size_t i, SettingsVisitor& item) { discrete[i].Visit(item, true); },
+        "single turns, every one but the identity");
+    v.List(
+        "continuous", continuous.size(), [this](size_t n) { continuous.resize(n); },
+        [this](size_t i, SettingsVisitor& item) { continuous[i].Visit(item, false); },
+        "axes about which every turn does");
+  }
+};
+
+SymmetrySet ToSymmetrySet(const ObjectSettings& settings) {
+  SymmetrySet symmetries;
+  for (const AxisSettings& a : settings.discrete) {
+    const double angle_rad = a.angle_deg * std::numbers::pi / 180;
+    symmetries.discrete_O.push_back(TurnAbout({a.axis.normalized(), a.offset_m}, angle_rad));
+  }
+  for (const AxisSettings& a : settings.continuous) {
+    symmetries.continuous_O.push_back({a.axis.normalized(), a.offset_m});
+  }
+  return symmetries;
+}
+
+void ApplyInertia(const ObjectSettings& settings, MassProperties& mass) {
+  mass.com_O = settings.com_m;
+  mass.inertia_com_O = settings.inertia_diagonal_kgm2.asDiagonal();
+  const Eigen::Vector3d& products = settings.inertia_products_kgm2;
+  mass.inertia_com_O(0, 1) = mass.inertia_com_O(1, 0) = products.x();
+  mass.inertia_com_O(0, 2) = mass.inertia_com_O(2, 0) = products.y();
+  mass.inertia_com_O(1, 2) = mass.inertia_com_O(2, 1) = products.z();
+}
+
+ObjectSettings ReadObjectFile(const fs::path& file) {
+  ObjectSettings settings;
+  ReadSettingsFile(file, [&](SettingsVisitor& v) { settings.Visit(v); });
+  const std::string name = file.string();
+  CheckInput((settings.mass_kg > 0) != (settings.density_kgpm3 > 0),
+             name + ": give exactly one of mass_kg and density_kgpm3, above 0");
+  CheckInput(settings.inertia_diagonal_kgm2.norm() == 0 || settings.mass_kg > 0,
+             name + ": inertia_diagonal_kgm2 goes with mass_kg, not with density_kgpm3");
+  CheckInput(
+      settings.inertia_diagonal_kgm2.norm() == 0 || settings.inertia_diagonal_kgm2.minCoeff() > 0,
+      name + ": inertia_diagonal_kgm2 must be positive");
+  for (const RestingSettings& resting : settings.resting) {
+    CheckInput(resting.up.norm() > 0, name + ": resting_poses: up must not be [0, 0, 0]");
+  }
+  for (const AxisSettings& a : settings.discrete) {
+    CheckInput(a.axis.norm() > 0, name + ": symmetries.discrete: axis must not be [0, 0, 0]");
+    CheckInput(a.angle_deg != 0, name + ": symmetries.discrete: angle_deg must not be 0");
+  }
+  for (const AxisSettings& a : settings.continuous) {
+    CheckInput(a.axis.norm() > 0, name + ": symmetries.continuous: axis must not be [0, 0, 0]");
+  }
+  return settings;
+}
+
+// ---- Mass of scanned meshes ----
+
+TriangleMesh BoxMesh(const Bounds& bounds) {
+  TriangleMesh box;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [&](int k) { return (corner >> k & 1) ? bounds.max[k] : bounds.min[k]; };
+    box.vertices.emplace_back(side(0), side(1), side(2));
+  }
+  box.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                   {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return box;
+}
+
+// Returns whether a solid within the bounds can have these properties. Holes and repeated faces can
+// make them impossible. The volume limit has a tolerance for rounding, because a box fills its
+// bounds.
+bool Plausible(const MassProperties& mass, const Bounds& bounds) {
+  const Eigen::Vector3d beyond = (bounds.min - mass.com_O).cwiseMax(mass.com_O - bounds.max);
+  const Eigen::Matrix3d second = 0.5 * mass.inertia_com_O.trace() * Eigen::Matrix3d::Identity() -
+                                 mass.inertia_com_O;  // integral of x x^T: positive definite
+  return beyond.maxCoeff() <= 0 && mass.volume_m3 <= (1 + 1e-6) * bounds.size().prod() &&
+         second.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff() > 0;
+}
+
+// The sum over tetrahedra is also a good approximation for an open mesh with small holes. If its
+// result is impossible, the mass properties of the bounding box are used.
+MassProperties SolidProperties(const TriangleMesh& mesh, double density_kgpm3) {
+  const MassProperties mass = UniformDensityProperties(mesh, density_kgpm3);
+  const Bounds bounds = MeshBounds(mesh);
+  return Plausible(mass, bounds) ? mass : UniformDensityProperties(BoxMesh(bounds), density_kgpm3);
+}
+
+// Contacts in the physics are a few tenths of a millimetre thick, so smaller objects are refused.
+constexpr double kSmallestDiameter_m = 0.003;
+
+struct Weight {
+  double mass_kg = 0;        // > 0, or else
+  double density_kgpm3 = 0;  // > 0
+};
+
+std::shared_ptr<ObjectModel> MakeModel(const std::string& name, const fs::path& mesh_file,
+                                       const std::string& unit, const Weight& weight) {
+  auto model = std::make_shared<ObjectModel>();
+  model->name = name;
+  model->mesh_O = LoadMesh(mesh_file, unit);
+  RequireUsableMesh(model->mesh_O, mesh_file.string());
+  model->mesh_O = TurnedOutwards(std::move(model->mesh_O));
+  model->mass = SolidProperties(model->mesh_O, weight.mass_kg > 0 ? 1.0 : weight.density_kgpm3);
+  if (weight.mass_kg > 0) {
+    model->mass.inertia_com_O *= weight.mass_kg / model->mass.mass_kg;
+    model->mass.mass_kg = weight.mass_kg;
+  }
+  model->diameter_m = Diameter(model->mesh_O);
+  CheckInput(
+      model->diameter_m >= kSmallestDiameter_m,
+      fmt::format("{}: is {:.3g} mm large when read in '{}'; parts under {:g} mm are beyond "
+                  "the physics here; check its unit",
+                  mesh_file.string(), 1e3 * model->diameter_m, unit, 1e3 * kSmallestDiameter_m));
+  model->mesh_hash = MeshHash(model->mesh_O);
+  return model;
+}
+
+}  // namespace
+
+std::shared_ptr<const ObjectModel> LoadMeshPart(const std::string& name, const MeshPartSpec& spec) {
+  CheckInput(std::isfinite(spec.mass_kg) && spec.mass_kg > 0,
+             "part '" + name + "': mass_kg = " + std::to_string(spec.mass_kg) +
+                 " is not positive; give the part's mass in kilograms");
+  CheckInput(std::isfinite(spec.friction) && spec.friction > 0,
+             "part '" + name + "': friction = " + std::to_string(spec.friction) +
+                 " is not positive; 0.5 suits most parts");
+  std::shared_ptr<ObjectModel> model = MakeModel(name, spec.mesh, spec.unit, {spec.mass_kg, 0});
+  model->friction = spec.friction;
+  model->symmetries_O = spec.symmetries_O;
+  return model;
+}
+
+ObjectCatalog::ObjectCatalog(std::vector<fs::path> roots) : roots_(std::move(roots)) {}
+
+std::vector<std::string> ObjectCatalog::Names() const {
+  std::set<std::string> names;
+  for (const fs::path& root : roots_) {
+    std::error_code error;  // a missing root has no objects
+    for (const fs::directory_entry& entry : fs::directory_iterator(root, error)) {
+      if (fs::is_regular_file(entry.path() / kObjectFile, error)) {
+        names.insert(entry.path().filename().string());
+      }
+    }
+  }
+  return {names.begin(), names.end()};
+}
+
+std::shared_ptr<const ObjectModel> ObjectCatalog::Load(const std::string& name) const {
+  const std::vector<std::string> names = Names();
+  CheckInput(std::binary_search(names.begin(), names.end(), name),
+             UnknownNameMessage("part", name, names));
+  const auto root = std::find_if(roots_.begin(), roots_.end(), [&](const fs::path& candidate) {
+    return fs::is_regular_file(candidate / name / kObjectFile);
+  });
+  const fs::path folder = *root / name;
+  const ObjectSettings settings = ReadObjectFile(folder / kObjectFile);
+  std::shared_ptr<ObjectModel> model = MakeModel(name, folder / settings.mesh, settings.unit,
+                                                 {settings.mass_kg, settings.density_kgpm3});
+  if (settings.inertia_diagonal_kgm2.norm() > 0) ApplyInertia(settings, model->mass);
+  model->friction = settings.friction;
+  model->symmetries_O = ToSymmetrySet(settings);
+  for (const RestingSettings& resting : settings.resting) {
+    model->resting_O.push_back({resting.up.normalized(), resting.probability});
+  }
+  if (!settings.convex.empty()) {
+    model->convex_parts_O = LoadConvexPieces(folder / settings.convex, settings.unit);
+  }
+  return model;
+}
+
+}  // namespace pickbed::scenes

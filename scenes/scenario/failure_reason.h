@@ -1,0 +1,52 @@
+#pragma once
+
+// The list of failure reasons of a pick, used by console, JSON, store and report. Every failed pick
+// has one reason, and every reason belongs to one stage.
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace pickbed::scenes {
+
+// Stage of an attempt; kDone means success.
+enum class Stage { kDone, kSense, kDetect, kPose, kRefine, kPlan, kApproach, kGrasp, kSimulate };
+
+// Failure reason of a pick.
+enum class FailureReason {
+  kNone,               // the pick succeeded
+  kNotVisible,         // the visible fraction of every instance was too small
+  kNoProposal,         // instances were visible, but no hypothesis was reported
+  kWrongObject,        // the hypothesis names another object than the one at this place
+  kPoseWrong,          // the pose was wrong, and no stage had a correct one for it
+  kRefinementWorse,    // refinement made a correct pose wrong
+  kSuppressed,         // a correct pose was suppressed
+  kNoGrasp,            // no hypothesis had a collision-free grasp
+  kCollision,          // the gripper hit something on the approach
+  kClosedOnNothing,    // the fingers met, or a cup did not seal
+  kSlipped,            // the instance left the fingers while lifting
+  kDropped,            // the instance was lost while holding or shaking
+  kMisplaced,          // delivered in a wrong pose; only where the success rule requires the pose
+  kDoublePick,         // another instance came with the target, or instead of it
+  kNeighborDisplaced,  // an instance left the bin in a pick of another one
+  kPhysicsFailed,      // bodies exploded or the solver gave NaN
+};
+
+// A row of the table of failure reasons.
+struct FailureRow {
+  FailureReason failure;
+  Stage stage;
+  std::string_view name;              // stable key in JSON, CSV and the store
+  std::string_view help;              // one line
+  std::string_view former_name = {};  // in files of earlier versions; empty if unchanged
+};
+
+std::span<const FailureRow> FailureTable();
+std::string_view FailureName(FailureReason failure);
+std::string_view StageName(Stage stage);
+Stage StageOf(FailureReason failure);
+// Returns the failure reason with this name or former name in FailureTable(), or nullopt if there
+// is none.
+std::optional<FailureReason> FailureFromName(std::string_view name);
+
+}  // namespace pickbed::scenes

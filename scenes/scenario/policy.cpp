@@ -1,0 +1,60 @@
+#include "scenes/scenario/policy.h"
+
+#include <vector>
+
+#include "scenes/base/error.h"
+
+namespace pickbed::scenes {
+namespace {
+
+bool FailedTooOften(const PolicyState& state, const PolicySpec& policy) {
+  return state.failures_in_row >= policy.max_failures_in_row;
+}
+
+bool NoGraspOrFailedTooOften(const PolicyState& state, const PolicySpec& policy) {
+  return !state.grasp_found || FailedTooOften(state, policy);
+}
+
+bool Never(const PolicyState&, const PolicySpec&) { return false; }
+
+constexpr PolicyRow kPolicies[] = {
+    // Clutter removal as in the VGN paper (Breyer et al. 2020), with two failures in a row.
+    {"until_empty", "until the bin is empty, no grasp is found, or max_failures_in_row picks fail",
+     NoGraspOrFailedTooOften},
+    {"look_again", "as until_empty, but a look that finds no grasp only counts as a failure",
+     FailedTooOften},
+    {"one_pick", "one pick in each bin", Never, 1},
+};
+
+std::vector<std::string> Names() {
+  std::vector<std::string> names;
+  for (const PolicyRow& row : kPolicies) names.push_back(row.name);
+  return names;
+}
+
+}  // namespace
+
+void PolicySpec::Visit(SettingsVisitor& v) {
+  v.Text("stop", stop, Names(), "when a trial ends, see pickbed list policies");
+  v.Integer("max_failures_in_row", max_failures_in_row, {1, 1000}, "failed picks in a row");
+  v.Integer("max_picks", max_picks, {0, 100000}, "picks a trial, 0 = no limit");
+  v.Text("ranking", ranking, {}, "of grasps without collision, see pickbed list rankings");
+  v.Text("success", success, {}, "what counts as a pick, see pickbed list rules");
+}
+
+void CycleSpec::Visit(SettingsVisitor& v) {
+  v.Real("sense_s", sense_s, {0, 3600}, "one look of the camera, s");
+  v.Real("compute_s", compute_s, {0, 3600}, "estimate and plan after a look, s; 0 = as measured");
+  v.Real("move_s", move_s, {0, 3600}, "a pick's way there, to where it places, and back, s");
+}
+
+std::span<const PolicyRow> PolicyTable() { return kPolicies; }
+
+const PolicyRow& PolicyNamed(const std::string& name) {
+  for (const PolicyRow& row : kPolicies) {
+    if (name == row.name) return row;
+  }
+  throw InputError(UnknownNameMessage("policy", name, Names()));
+}
+
+}  // namespace pickbed::scenes

@@ -1,0 +1,368 @@
+#include "scenes/scenario/scenario_spec.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::scenes {
+namespace {
+
+// Returns whether a point is in the walls, in the floor or in the space between them.
+bool InsideBin(const BinSpec& bin, const Eigen::Vector3d& p_W) {
+  const Eigen::Vector2d outer = 0.5 * bin.inner_size_m.head<2>().array() + bin.wall_m;
+  return (p_W.head<2>().cwiseAbs().array() <= outer.array()).all() && p_W.z() >= -bin.wall_m &&
+         p_W.z() <= bin.inner_size_m.z();
+}
+
+void ValidateCamera(const ScenarioSpec& spec) {
+  const CameraSpec& camera = spec.camera;
+  if (InsideBin(spec.bin, camera.eye_m)) {
+    throw InputError(
+        fmt::format("{} = [{}, {}, {}]: the camera stands inside the bin or its wall; raise it",
+                    spec.At("camera.eye_m"), camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
+  }
+  if (camera.eye_m.z() < -spec.bin.wall_m) {
+    throw InputError(fmt::format(
+        "{} = [{}, {}, {}]: the camera stands under the bin's floor and sees nothing of the parts; "
+        "raise it",
+        spec.At("camera.eye_m"), camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
+  }
+  if ((camera.target_m - camera.eye_m).norm() < 1e-3) {
+    throw InputError(fmt::format("{}: equals camera.eye_m; aim the camera at the bin's floor",
+                                 spec.At("camera.target_m")));
+  }
+  const Camera view = CameraOf(spec);
+  const Eigen::Vector3d middle_W(0, 0, 0.5 * spec.bin.inner_size_m.z());
+  const Eigen::Vector3d middle_C = view.X_CW() * middle_W;
+  const Eigen::Array2d middle_px = Project(view.intrinsics, middle_C).array();
+  const Eigen::Array2d last_px(camera.width - 1, camera.height - 1);
+  if (middle_C.z() <= 0 || (middle_px < 0).any() || (middle_px > last_px).any()) {
+    throw InputError(fmt::format(
+        "{} = [{}, {}, {}]: the camera looks away from the bin; aim it at [0, 0, 0]",
+        spec.At("camera.target_m"), camera.target_m.x(), camera.target_m.y(), camera.target_m.z()));
+  }
+}
+
+constexpr double kSmallestFloor_m = 0.02;
+
+// Uses the measures of the mesh for keys that are not given.
+void TakeMeasures(const std::function<bool(const std::string&)>& is_given, BinSpec& bin) {
+  const BinShape& shape = *bin.shape;
+  if (!is_given("inner_size_m")) bin.inner_size_m = shape.inner_size_m;
+  if (!is_given("wall_m")) bin.wall_m = shape.wall_m;
+  // The tolerance accepts a measured size that was written with fewer digits.
+  const bool fits = (bin.inner_size_m.head<2>().array() <= shape.opening_m.array() + 1e-4).all();
+  CheckInput(fits,
+             fmt::format("inner_size_m = [{}, {}, {}] is larger than the opening of {}, which "
+                         "is {:.4f} x {:.4f} m; leave it out to have it measured",
+                         bin.inner_size_m.x(), bin.inner_size_m.y(), bin.inner_size_m.z(), bin.mesh,
+                         shape.opening_m.x(), shape.opening_m.y()));
+}
+
+void LoadShape(const std::filesystem::path& folder, BinSpec& bin) {
+  bin.shape = std::make_shared<const BinShape>(LoadBinShape(folder / bin.mesh, bin.unit));
+}
+
+// Takes the keys of the bin that the scenario does not give from the bin's file. If --set gives the
+// name, the bin keys of the scenario file are ignored.
+void FillInBin(ScenarioSpec& spec) {
+  const auto is_set = [&](const std::string& key) {
+    const auto place = spec.places.find(key);
+    return place != spec.places.end() && place->second.starts_with("--set");
+  };
+  const auto is_given = [&](const std::string& key) {
+    return is_set("bin.name") ? is_set("bin." + key) : spec.places.contains("bin." + key);
+  };
+  const BinSpec given = spec.bin;
+  if (!given.name.empty()) {
+    spec.bin = WithSettingsKey(spec, "bin.name", [&] { return LoadBin(given.name); });
+    spec.bin.name = given.name;
+  }
+  if (is_given("friction")) spec.bin.friction = given.friction;
+  const bool own_mesh = !given.mesh.empty() && (given.name.empty() || is_given("mesh"));
+  if (own_mesh) {
+    spec.bin.mesh = given.mesh;
+    spec.bin.unit = given.unit;
+    WithSettingsKey(spec, "bin.mesh", [&] { LoadShape(spec.folder, spec.bin); });
+  }
+  if (is_given("inner_size_m")) spec.bin.inner_size_m = given.inner_size_m;
+  if (is_given("wall_m")) spec.bin.wall_m = given.wall_m;
+  if (!spec.bin.shape) return;
+  const auto is_known = [&](const std::string& key) { return !own_mesh || is_given(key); };
+  WithSettingsKey(spec, is_given("inner_size_m") ? "bin.inner_size_m" : "bin.mesh",
+                  [&] { TakeMeasures(is_known, spec.bin); });
+}
+
+// Adds the bin's file and mesh to the settings that were read from `name`, and validates them.
+ScenarioSpec Completed(ScenarioSpec spec, const std::filesystem::path& folder,
+                       const std::string& name) {
+  spec.folder = folder;
+  FillInBin(spec);
+  try {
+    spec.Validate();
+  } catch (const InputError& error) {
+    // An error about a key that was not given has no place at its beginning.
+    const std::string message = error.what();
+    const bool has_place = message.starts_with(name) || message.starts_with("--set ");
+    throw InputError(has_place ? message : fmt::format("{}: {}", name, message));
+  }
+  return spec;
+}
+
+}  // namespace
+
+void PartSpec::Visit(SettingsVisitor& v) {
+  v.Text("name", name, {}, "a part of the catalog, or a name of your own with mesh and mass_kg");
+  v.Integer("count", count, {1, 1000}, "how many are dropped");
+  v.Text("mesh", mesh, {}, "mesh file, relative to this file; empty = from the catalog");
+  v.Text("unit", unit, {"m", "cm", "mm", "in"}, "of the mesh's coordinates");
+  v.Real("mass_kg", mass_kg, {0, 100}, "mass of the part, kg; only with mesh");
+  v.Real("friction", friction, {0.01, 2}, "against a gripper pad; only with mesh");
+  v.Bool("foreign", foreign, "in the bin, but neither known to the estimator nor wanted");
+}
+
+void CameraSpec::Visit(SettingsVisitor& v) {
+  v.Integer("width", width, {32, 4096}, "image width, px");
+  v.Integer("height", height, {32, 4096}, "image height, px");
+  v.Real("focal_px", focal_px, {20, 20000}, "focal length, px");
+  v.Real("focal_y_px", focal_y_px, {0, 20000}, "vertical focal length, px; 0 = as focal_px");
+  v.Vector2("principal_px", principal_px, {-1, 4096}, "principal point, px; -1 = the middle");
+  v.Vector3("eye_m", eye_m, {-10, 10}, "where the camera stands, world, m");
+  v.Vector3("target_m", target_m, {-10, 10}, "what it looks at, world, m");
+}
+
+void EstimatorSpec::Visit(SettingsVisitor& v) {
+  v.Text("name", name, {}, "a row of `pickbed list estimators`");
+  v.Text("model", model, {}, "trained model: a file, or a name in assets/models; empty = shipped");
+  v.Text("mode", mode, {"fast", "hard", "verified"},
+         "fast or thorough search; ppf alone: verified, see the README");
+  v.Real("min_score", min_score, {0, 1}, "poses less sure than this are not reported");
+  v.Real("noise_mm", noise_mm, {0, 1000}, "oracle only: sigma of the position, each axis, mm");
+  v.Real("noise_deg", noise_deg, {0, 180}, "oracle only: sigma of the rotation, degrees");
+}
+
+void BinSpec::Visit(SettingsVisitor& v) {
+  v.Text("name", name, {}, "a row of `pickbed list bins`, or a file; its own keys may be left out");
+  v.Text("mesh", mesh, {}, "mesh file of a bin of any shape, z up, relative to this file");
+  v.Text("unit", unit, {"m", "cm", "mm", "in"}, "of the mesh's coordinates");
+  v.Vector3("inner_size_m", inner_size_m, {0, 5},
+            "inner length x, width y, height z, m; 0 = table; a mesh is measured");
+  v.Real("wall_m", wall_m, {0.001, 0.1}, "thickness of walls and floor, m");
+  v.Real("friction", friction, {0, 2}, "own value of the pair rule");
+}
+
+void ScenarioSpec::Visit(SettingsVisitor& v) {
+  v.Seed("seed", seed, "same seed, same results");
+  v.Integer("trials", trials, {1, 1000000}, "bins to fill");
+  v.Real("stop_width", stop_width, {0, 1},
+         "ends before that once the interval of pick success is no wider; 0 = never");
+  v.Group(
+      "bin", [this](SettingsVisitor& g) { bin.Visit(g); }, "the bin");
+  v.List(
+      "objects", objects.size(), [this](size_t n) { objects.assign(n, PartSpec{}); },
+      [this](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what is dropped");
+  v.Text("arrangement", arrangement, {"pile", "packed", "heap"},
+         "poured in, stood apart and upright, or heaped in the middle");
+  v.Group(
+      "camera", [this](SettingsVisitor& g) { camera.Visit(g); }, "the depth camera");
+  v.Text("sensor", sensor, {}, "a row of `pickbed list sensors`, or a file");
+  v.Group(
+      "appearance", [this](SettingsVisitor& g) { appearance.Visit(g); },
+      "ranges that lamp, materials and background are drawn from: [least, most]");
+  v.Group(
+      "estimator", [this](SettingsVisitor& g) { estimator.Visit(g); }, "who guesses poses");
+  v.Text("refiner", refiner, {}, "a row of `pickbed list refiners`: refines the reported poses");
+  v.Text("gripper", gripper, {}, "a row of `pickbed list grippers`, or a file");
+  v.Group(
+      "policy", [this](SettingsVisitor& g) { policy.Visit(g); }, "how picking goes on");
+  v.Group(
+      "occlusion", [this](SettingsVisitor& g) { occlusion.Visit(g); },
+      "a target seen with ever more parts before it, in place of bins that are picked empty");
+  v.Group(
+      "cycle", [this](SettingsVisitor& g) { cycle.Visit(g); },
+      "what a pick costs, for picks an hour");
+}
+
+std::vector<std::string> BinNames() { return StemsIn(AssetsDir() / "bins", ".yaml"); }
+
+BinSpec LoadBin(const std::string& name_or_path) {
+  const std::filesystem::path path = name_or_path;
+  const bool is_file = path.extension() == ".yaml";
+  if (!is_file) {
+    const std::vector<std::string> names = BinNames();
+    CheckInput(std::find(names.begin(), names.end(), name_or_path) != names.end(),
+               UnknownNameMessage("bin", name_or_path, names));
+  }
+  BinSpec bin;
+  const std::filesystem::path file =
+      is_file ? path : AssetsDir() / "bins" / (name_or_path + ".yaml");
+  const KeyPlaces places = ReadSettingsFile(file, [&bin](SettingsVisitor& v) { bin.Visit(v); });
+  if (bin.mesh.empty()) return bin;
+  try {
+    bin.mesh = (std::filesystem::absolute(file).parent_path() / bin.mesh).string();
+    LoadShape({}, bin);
+    TakeMeasures([&](const std::string& key) { return places.contains(key); }, bin);
+  } catch (const InputError& error) {
+    throw InputError(places.at("mesh") + ": mesh: " + error.what());
+  }
+  return bin;
+}
+
+std::string ScenarioSpec::At(const std::string& key) const {
+  const auto place = places.find(key);
+  return place == places.end() ? key : place->second + ": " + key;
+}
+
+void ScenarioSpec::Validate() const {
+  CheckInput(bin.inner_size_m.head<2>().minCoeff() >= kSmallestFloor_m,
+             fmt::format("{} = [{}, {}, {}]: length and width must be {} m at least",
+                         At("bin.inner_size_m"), bin.inner_size_m.x(), bin.inner_size_m.y(),
+                         bin.inner_size_m.z(), kSmallestFloor_m));
+  CheckInput(!objects.empty(),
+             At("objects") + ": the scenario drops nothing; add '- {name: rod, count: 5}'");
+  CheckInput(!std::all_of(objects.begin(), objects.end(),
+                          [](const PartSpec& part) { return part.foreign; }),
+             At("objects") + ": all parts are foreign; one at least must be wanted");
+  std::set<std::string> names;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const PartSpec& part = objects[i];
+    const std::string key = fmt::format("objects.{}.", i);
+    CheckInput(!part.name.empty(), fmt::format("{}name: is missing; name the part", key));
+    CheckInput(names.insert(part.name).second,
+               fmt::format("{} = {}: is listed twice; raise its count instead", At(key + "name"),
+                           part.name));
+    const std::string mass = fmt::format("{} = {}", At(key + "mass_kg"), part.mass_kg);
+    CheckInput(part.mesh.empty() || part.mass_kg > 0,
+               mass + ": must be over 0 for a part given by mesh");
+    CheckInput(!part.mesh.empty() || part.mass_kg == 0,
+               fmt::format("{}: '{}' comes from the catalog, which has its mass; remove it or give "
+                           "a mesh",
+                           mass, part.name));
+  }
+  ValidateCamera(*this);
+  appearance.Validate([this](const std::string& key) { return At("appearance." + key); });
+  if (occlusion.enabled) {
+    occlusion.Validate([this](const std::string& key) { return At("occlusion." + key); });
+  }
+}
+
+ScenarioSpec LoadScenario(const std::filesystem::path& file,
+                          const std::vector<std::string>& overrides) {
+  ScenarioSpec spec;
+  const VisitFunction visit = [&spec](SettingsVisitor& v) { spec.Visit(v); };
+  spec.places = ReadSettingsFile(file, visit);
+  for (const std::string& assignment : overrides) {
+    for (const auto& [key, place] : ApplySetting(assignment, visit)) spec.places[key] = place;
+  }
+  return Completed(std::move(spec), std::filesystem::absolute(file).parent_path(), file.string());
+}
+
+ScenarioSpec LoadScenarioText(const std::string& yaml, const std::filesystem::path& folder,
+                              const std::string& name) {
+  ScenarioSpec spec;
+  spec.places = ReadSettingsText(yaml, name, [&spec](SettingsVisitor& v) { spec.Visit(v); });
+  return Completed(std::move(spec), std::filesystem::absolute(folder), name);
+}
+
+namespace {
+
+std::shared_ptr<const ObjectModel> LoadPart(const ScenarioSpec& spec, const PartSpec& part,
+                                            const ObjectCatalog& catalog) {
+  if (part.mesh.empty()) return catalog.Load(part.name);
+  MeshPartSpec mesh_part;
+  mesh_part.mesh = spec.folder / part.mesh;
+  mesh_part.unit = part.unit;
+  mesh_part.mass_kg = part.mass_kg;
+  mesh_part.friction = part.friction;
+  return LoadMeshPart(part.name, mesh_part);
+}
+
+// The two smallest sides of the object's bounding box must fit between the walls. The largest one
+// must fit on the diagonal.
+void RequireFits(const ObjectModel& model, const BinSpec& bin) {
+  Eigen::Vector3d size = MeshBounds(model.mesh_O).size();
+  std::sort(size.data(), size.data() + 3);
+  const Eigen::Vector2d inner = bin.inner_size_m.head<2>();
+  if (size[1] <= inner.minCoeff() && size[2] <= inner.norm()) return;
+  throw InputError(fmt::format(
+      "part '{}' of {:.0f} x {:.0f} x {:.0f} mm is larger than the bin of {:.0f} x {:.0f} mm; "
+      "check its unit or choose a larger bin.inner_size_m",
+      model.name, 1e3 * size[0], 1e3 * size[1], 1e3 * size[2], 1e3 * inner[0], 1e3 * inner[1]));
+}
+
+// Returns the volume of the bin and of a heap above its rim. The heap has sides of 45 degrees, so
+// it is a hipped roof.
+double RoomOf_m3(const BinSpec& bin) {
+  const double length_m = bin.inner_size_m.head<2>().maxCoeff();
+  const double width_m = bin.inner_size_m.head<2>().minCoeff();
+  const double roof_m3 = width_m * width_m * (3 * length_m - width_m) / 12;
+  return bin.inner_size_m.prod() + roof_m3;
+}
+
+// Poured objects leave gaps. Cubes and ellipsoids have the densest random packings and fill less
+// than 0.8 (Donev et al., Science 2004: 0.735; Jiao and Torquato 2011: 0.78). A drop of more fails
+// for every seed, after minutes.
+void RequireRoom(const ScenarioSpec& spec, const ObjectSet& objects) {
+  constexpr double kDensestPile = 0.8;
+  double parts_m3 = 0;
+  size_t largest = 0;
+  const auto volume_m3 = [&](size_t i) {
+    return spec.objects[i].count * objects[i]->mass.volume_m3;
+  };
+  for (size_t i = 0; i < objects.size(); ++i) {
+    parts_m3 += volume_m3(i);
+    if (volume_m3(i) > volume_m3(largest)) largest = i;
+  }
+  const double room_m3 = kDensestPile * RoomOf_m3(spec.bin);
+  if (parts_m3 <= room_m3) return;
+  throw InputError(fmt::format(
+      "{} = {}: all parts together are {:.3g} l, a heap in this bin holds {:.3g} l at most; lower "
+      "the count, check the parts' unit or choose a larger bin",
+      spec.At(fmt::format("objects.{}.count", largest)), spec.objects[largest].count,
+      1e3 * parts_m3, 1e3 * room_m3));
+}
+
+}  // namespace
+
+ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
+  ObjectSet objects;
+  for (size_t i = 0; i < spec.objects.size(); ++i) {
+    const PartSpec& part = spec.objects[i];
+    const char* key = part.mesh.empty() ? "name" : "mesh";
+    WithSettingsKey(spec, fmt::format("objects.{}.{}", i, key), [&] {
+      objects.push_back(LoadPart(spec, part, catalog));
+      RequireFits(*objects.back(), spec.bin);
+    });
+  }
+  RequireRoom(spec, objects);
+  return objects;
+}
+
+Bin BinOf(const ScenarioSpec& spec) {
+  return {spec.bin.inner_size_m, spec.bin.wall_m, spec.bin.friction, spec.bin.shape};
+}
+
+Camera CameraOf(const ScenarioSpec& spec) {
+  const CameraSpec& c = spec.camera;
+  Camera camera;
+  camera.intrinsics = {c.width,
+                       c.height,
+                       c.focal_px,
+                       c.focal_y_px > 0 ? c.focal_y_px : c.focal_px,
+                       c.principal_px.x() < 0 ? 0.5 * (c.width - 1) : c.principal_px.x(),
+                       c.principal_px.y() < 0 ? 0.5 * (c.height - 1) : c.principal_px.y()};
+  const Eigen::Vector3d sight = (c.target_m - c.eye_m).normalized();
+  // A camera that looks straight down cannot use z as its up direction. The image's top is then +y.
+  const bool vertical = std::abs(sight.z()) > 0.999;
+  camera.SetPose(
+      LookAt(c.eye_m, c.target_m, vertical ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ()));
+  return camera;
+}
+
+}  // namespace pickbed::scenes

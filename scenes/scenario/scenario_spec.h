@@ -1,0 +1,140 @@
+#pragma once
+
+// The scenario: the text file in which a user describes what to build and run. See scenes/presets
+// for examples.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scenes/base/error.h"
+#include "scenes/base/settings.h"
+#include "scenes/bin/bin.h"
+#include "scenes/camera/camera.h"
+#include "scenes/objects/object_catalog.h"
+#include "scenes/scenario/appearance_ranges.h"
+#include "scenes/scenario/occlusion_spec.h"
+#include "scenes/scenario/policy.h"
+
+namespace pickbed::scenes {
+
+// An object and its number of instances. It is either a name of the catalog, or an own name with
+// `mesh`, `unit` and `mass_kg`.
+struct PartSpec {
+  std::string name;
+  int count = 1;
+  std::string mesh;        // path, relative to the scenario file; empty = from the catalog
+  std::string unit = "m";  // of the mesh
+  double mass_kg = 0;      // only with a mesh
+  double friction = 0.5;   // against a gripper pad; only with a mesh
+  bool foreign = false;    // distractor: in the bin, but unknown to the estimator and not wanted
+  void Visit(SettingsVisitor& v);
+};
+
+// The depth camera: image size, focal length, position and viewing target.
+struct CameraSpec {
+  int width = 640;
+  int height = 480;
+  double focal_px = 680;
+  double focal_y_px = 0;                  // 0 = same as focal_px
+  Eigen::Vector2d principal_px{-1, -1};   // pixel centers are integers; negative = image center
+  Eigen::Vector3d eye_m{0, -0.12, 0.85};  // in W
+  Eigen::Vector3d target_m{0, 0, 0.03};   // in W
+  void Visit(SettingsVisitor& v);
+};
+
+// The pose estimator and its settings.
+struct EstimatorSpec {
+  std::string name = "descriptor";
+  std::string model;          // name in assets/models or a path; empty = the shipped model
+  std::string mode = "fast";  // fast | hard; ppf also has verified
+  double min_score = 0.5;     // hypotheses with a lower score are not reported
+  double noise_mm = 0;        // oracle only: standard deviation of the position, each axis
+  double noise_deg = 0;       // oracle only: standard deviation of the rotation angle
+  void Visit(SettingsVisitor& v);
+};
+
+// The bin: a box with dimensions, a mesh, or a file that gives them.
+struct BinSpec {
+  // assets/bins/NAME.yaml or a path. Keys given in the scenario override the keys of this file.
+  std::string name;
+  // Mesh of any shape, see scenes/bin/bin_shape.h; relative to the file that names it.
+  std::string mesh;
+  std::string unit = "m";                          // of the mesh
+  Eigen::Vector3d inner_size_m{0.40, 0.30, 0.15};  // measured if only a mesh is given
+  double wall_m = 0.006;                           // measured if only a mesh is given
+  double friction = 0.5;                           // the bin's factor in PairFriction()
+  std::shared_ptr<const BinShape> shape;           // of the mesh; not a setting
+  void Visit(SettingsVisitor& v);
+};
+
+// All settings of a scenario.
+struct ScenarioSpec {
+  uint64_t seed = 0;
+  int trials = 1;  // number of bins
+  // A run, or a configuration of a sweep, ends early when the confidence interval of its pick
+  // success is at most this wide, 0 to 1; 0 = never. See eval/stats/sequential_stop.h.
+  double stop_width = 0;
+  BinSpec bin;
+  std::vector<PartSpec> objects;
+  std::string arrangement = "pile";  // pile | packed | heap, see sim/drop/drop.h
+  CameraSpec camera;
+  std::string sensor = "structured_light";  // assets/sensors/NAME.yaml or a path
+  AppearanceRanges appearance = FixedAppearance();
+  EstimatorSpec estimator;
+  std::string refiner = "pcl_icp";  // a row of RefinerTable(), see perception/icp
+  std::string gripper = "jaw_8cm";  // assets/grippers/NAME.yaml or a path
+  PolicySpec policy;
+  OcclusionSpec occlusion;
+  CycleSpec cycle;
+  std::filesystem::path folder;  // of the scenario file, for relative paths; not a setting
+  KeyPlaces places;              // file and line of each given key; not a setting
+
+  void Visit(SettingsVisitor& v);
+
+  // Returns the beginning of an error about a key, such as "demo.yaml:12: gripper". It is only the
+  // key if the key was not given.
+  std::string At(const std::string& key) const;
+
+  // Checks that combine several fields and need no mesh. At least one object must be wanted (not
+  // `foreign`). Object names must be unique, and a mass is given exactly for meshes. The camera
+  // must be outside the bin's walls, above its floor and look at it. The ranges of appearance and
+  // occlusion must be valid. Throws InputError.
+  void Validate() const;
+};
+
+// Calls `work` and returns its result. An InputError of it, such as an unknown name, is rethrown
+// with the place where the key was given at its beginning.
+template <typename Work>
+auto WithSettingsKey(const ScenarioSpec& spec, const std::string& key, Work work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    throw InputError(spec.At(key) + ": " + error.what());
+  }
+}
+
+// Reads a scenario file, applies the "key=value" overrides in order, adds the bin's file and mesh,
+// and validates the result. Throws InputError.
+ScenarioSpec LoadScenario(const std::filesystem::path& file,
+                          const std::vector<std::string>& overrides = {});
+// Same for the text of a file in `folder`; errors use `name` as the file name.
+ScenarioSpec LoadScenarioText(const std::string& yaml, const std::filesystem::path& folder,
+                              const std::string& name);
+
+// Loads each object. Throws InputError when an object is unknown, broken or larger than the bin, or
+// when the volume of all instances exceeds the volume of a heap in the bin.
+ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog);
+
+std::vector<std::string> BinNames();  // names in assets/bins, sorted
+
+// Loads a bin by its NAME in assets/bins or a path that ends in .yaml, with the shape of its mesh.
+// Throws InputError for an unknown name, a bad value or a mesh that is not a bin.
+BinSpec LoadBin(const std::string& name_or_path);
+
+Bin BinOf(const ScenarioSpec& spec);
+Camera CameraOf(const ScenarioSpec& spec);
+
+}  // namespace pickbed::scenes

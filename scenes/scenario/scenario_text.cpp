@@ -1,0 +1,27 @@
+#include "scenes/scenario/scenario_text.h"
+
+#include "scenes/base/settings.h"
+
+namespace pickbed::scenes {
+
+std::string ScenarioText(ScenarioSpec spec, const std::filesystem::path& folder) {
+  if (!spec.bin.mesh.empty()) {
+    spec.bin.mesh = std::filesystem::relative(spec.folder / spec.bin.mesh, folder).string();
+  }
+  for (PartSpec& part : spec.objects) {
+    if (!part.mesh.empty()) {
+      part.mesh = std::filesystem::relative(spec.folder / part.mesh, folder).string();
+    }
+  }
+  return WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); });
+}
+
+ScenarioSpec ScenarioOfText(const std::string& text, const std::filesystem::path& folder,
+                            const std::string& name) {
+  ScenarioSpec spec;
+  ReadSettingsText(text, name, [&](SettingsVisitor& v) { spec.Visit(v); });
+  spec.folder = std::filesystem::absolute(folder);
+  return spec;
+}
+
+}  // namespace pickbed::scenes

@@ -1,0 +1,282 @@
+#include "sim/drop/drop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "scenes/base/error.h"
+#include "sim/drop/certificate.h"
+#include "sim/drop/drop_layout.h"
+#include "sim/drop/penetration.h"
+
+namespace pickbed::sim {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+class Pouring {
+ public:
+  Pouring(const Bin& bin, const ObjectSet& objects, const DropOptions& options, Rng& rng);
+  DropResult Run(const std::vector<int>& counts);
+
+ private:
+  void Pour(const std::vector<int>& kinds);
+  void PlaceApart(const std::vector<int>& kinds);
+  void PourLayers(const std::vector<TurnedPart>& parts);
+  void AddLayer(const std::vector<Cell>& cells);
+  void Settle();
+  void StepFor(double duration_s);  // also removes bodies that fell beside the bin
+  double Top_m() const;             // of the highest instance
+  bool InBin(int part) const;
+  bool StepUntilStill(double window_s, double limit_diameters, double deadline_s);
+  Movement LargestMovement(const std::vector<Pose>& since_X_WO) const;
+  EnergySample Energy() const;
+  DropResult Result() const;
+
+  const Bin& bin_;
+  Bin shaft_;  // pouring region: the bin, or a shaft over its center
+  const ObjectSet& objects_;
+  const DropOptions& options_;
+  Rng& rng_;
+  PhysicsWorld world_;
+  std::vector<Eigen::AlignedBox3d> boxes_O_;  // indexed by object
+  std::vector<int> object_of_part_;
+  std::vector<EnergySample> energy_;
+  Movement movement_;  // since a body last moved by more than the limit
+  bool at_rest_ = false;
+  int without_place_ = 0;  // instances without room (Arrangement::kPacked)
+};
+
+// The shaft is wide enough for each object, in any rotation about the vertical.
+Bin ShaftOver(const Bin& bin, const ObjectSet& objects, const DropOptions& options) {
+  Bin shaft = bin;
+  if (options.arrangement != Arrangement::kHeap) return shaft;
+  double widest_m = 0;
+  for (const auto& object : objects) widest_m = std::max(widest_m, object->diameter_m);
+  const double least_m = widest_m + 2 * options.clearance_m;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double size_m = bin.inner_size_m[axis];
+    shaft.inner_size_m[axis] = std::min(size_m, std::max(options.shaft_share * size_m, least_m));
+  }
+  return shaft;
+}
+
+Pouring::Pouring(const Bin& bin, const ObjectSet& objects, const DropOptions& options, Rng& rng)
+    : bin_(bin),
+      shaft_(ShaftOver(bin, objects, options)),
+      objects_(objects),
+      options_(options),
+      rng_(rng),
+      world_(PhysicsFor(objects, options.physics)) {
+  world_.AddBin(bin);
+  for (const auto& object : objects) {
+    boxes_O_.push_back(TurnedBox(*object, Eigen::Matrix3d::Identity()));
+  }
+}
+
+DropResult Pouring::Run(const std::vector<int>& counts) {
+  std::vector<int> kinds;
+  for (size_t i = 0; i < counts.size(); ++i) {
+    kinds.insert(kinds.end(), counts[i], static_cast<int>(i));
+  }
+  for (size_t i = kinds.size(); i > 1; --i) {  // Fisher-Yates shuffle
+    std::swap(kinds[i - 1], kinds[rng_.Index(static_cast<int>(i))]);
+  }
+  if (options_.arrangement == Arrangement::kPacked) {
+    PlaceApart(kinds);
+  } else {
+    Pour(kinds);
+  }
+  Settle();
+  return Result();
+}
+
+void Pouring::Pour(const std::vector<int>& kinds) {
+  world_.AddFunnel(shaft_, options_.funnel_m);
+  std::vector<TurnedPart> parts;
+  for (const int kind : kinds) {
+    parts.push_back(
+        TurnAtRandom(objects_, kind, shaft_, options_.clearance_m, options_.turn_attempts, rng_));
+  }
+  PourLayers(parts);
+}
+
+void Pouring::PlaceApart(const std::vector<int>& kinds) {
+  const std::vector<PlacedPart> placed =
+      PlaceUpright(objects_, kinds, bin_, options_.clearance_m, options_.place_attempts, rng_);
+  for (const PlacedPart& part : placed) {
+    world_.AddPart(*objects_[part.object], part.X_WO);
+    object_of_part_.push_back(part.object);
+  }
+  without_place_ = static_cast<int>(kinds.size() - placed.size());
+}
+
+void Pouring::PourLayers(const std::vector<TurnedPart>& parts) {
+  for (size_t poured = 0; poured < parts.size();) {
+    const std::vector<Cell> cells = PackLayer(parts, poured, shaft_, options_.clearance_m);
+    AddLayer(cells);
+    poured += cells.size();
+    StepFor(options_.layer_interval_s);
+  }
+}
+
+// The whole layer is mirrored and shifted at random, so that no corner of the bin is preferred.
+void Pouring::AddLayer(const std::vector<Cell>& cells) {
+  const Vector2d inner = shaft_.inner_size_m.head<2>();
+  Vector2d used = Vector2d::Zero();
+  for (const Cell& cell : cells) {
+    used = used.cwiseMax(cell.low + cell.part->box.sizes().head<2>());
+  }
+  const Vector2d slack = (inner - used).cwiseMax(0) - Vector2d::Constant(options_.clearance_m);
+  const Vector2d shift(rng_.Uniform() * std::max(0.0, slack.x()),
+                       rng_.Uniform() * std::max(0.0, slack.y()));
+  const bool mirror_x = rng_.Index(2) == 1, mirror_y = rng_.Index(2) == 1;
+  const double bottom_m = Top_m() + options_.clearance_m;
+  for (const Cell& cell : cells) {
+    const Eigen::AlignedBox3d& box = cell.part->box;
+    Vector2d low = cell.low + shift;
+    if (mirror_x) low.x() = inner.x() - low.x() - box.sizes().x();
+    if (mirror_y) low.y() = inner.y() - low.y() - box.sizes().y();
+    low -= 0.5 * inner;
+    const Vector3d p_WO = Vector3d(low.x(), low.y(), bottom_m) - box.min();
+    world_.AddPart(*objects_[cell.part->object], MakePose(cell.part->R_WO, p_WO));
+    object_of_part_.push_back(cell.part->object);
+  }
+}
+
+// The funnel is removed when all instances are calm for the first time. Instances that leaned on it
+// wake up and settle again or fall out. Then contacts are forgotten, and the scene must come to
+// rest again while it is kept awake, as in a world rebuilt from its poses. Each stage has its share
+// of max_s.
+void Pouring::Settle() {
+  const double start_s = world_.time_s();
+  const auto deadline_s = [&](double share) { return start_s + share * options_.max_s; };
+  at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s(0.5));
+  if (world_.RemoveFunnel() > 0) {
+    at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s(0.75));
+  }
+  if (options_.wake_s == 0) return;
+  world_.ForgetContacts();
+  world_.ForbidSleep();
+  at_rest_ = StepUntilStill(options_.wake_s, options_.wake_diameters, deadline_s(1));
+}
+
+// Steps until all instances sleep, or until none moves by more than `limit_diameters` for
+// `window_s`. Returns whether this happened before the deadline.
+bool Pouring::StepUntilStill(double window_s, double limit_diameters, double deadline_s) {
+  std::vector<Pose> since_X_WO;
+  double since_s = 0;
+  while (!world_.BlewUp()) {
+    movement_ = LargestMovement(since_X_WO);
+    if (since_X_WO.empty() || movement_.diameters > limit_diameters) {
+      since_s = world_.time_s();
+      since_X_WO.clear();
+      for (int i = 0; i < world_.part_count(); ++i) since_X_WO.push_back(world_.X_WO(i));
+    }
+    if (world_.AllAsleep() || world_.time_s() >= since_s + window_s) return true;
+    if (world_.time_s() >= deadline_s) return false;
+    StepFor(options_.check_interval_s);
+  }
+  return false;
+}
+
+Movement Pouring::LargestMovement(const std::vector<Pose>& since_X_WO) const {
+  Movement largest;
+  for (size_t i = 0; i < since_X_WO.size(); ++i) {
+    const int object = object_of_part_[i];
+    largest.Include(boxes_O_[object], objects_[object]->diameter_m, since_X_WO[i],
+                    world_.X_WO(static_cast<int>(i)));
+  }
+  return largest;
+}
+
+void Pouring::StepFor(double duration_s) {
+  const double end_s = world_.time_s() + duration_s;
+  while (world_.time_s() < end_s) world_.Step();
+  for (int i = 0; i < world_.part_count(); ++i) {
+    const ObjectModel& model = *objects_[object_of_part_[i]];
+    if ((world_.X_WO(i) * model.mass.com_O).z() < -options_.fallen_m) world_.RemovePart(i);
+  }
+  energy_.push_back(Energy());
+}
+
+EnergySample Pouring::Energy() const {
+  EnergySample sample{world_.time_s(), 0, 0};
+  for (int i = 0; i < world_.part_count(); ++i) {
+    const MassProperties& mass = objects_[object_of_part_[i]]->mass;
+    const Pose X_WO = world_.X_WO(i);
+    const Twist V_WO = world_.V_WO(i);
+    const Vector3d spin_O = X_WO.linear().transpose() * V_WO.angular_W;
+    sample.kinetic_j += 0.5 * mass.mass_kg * V_WO.linear_W.squaredNorm() +
+                        0.5 * spin_O.dot(mass.inertia_com_O * spin_O);
+    sample.potential_j -=
+        mass.mass_kg * options_.physics.gravity_W.dot(Vector3d(X_WO * mass.com_O));
+  }
+  return sample;
+}
+
+double Pouring::Top_m() const {
+  double top_m = 0;
+  for (int i = 0; i < world_.part_count(); ++i) {
+    const Pose X_WO = world_.X_WO(i);
+    const ObjectModel& model = *objects_[object_of_part_[i]];
+    top_m = std::max(top_m, X_WO.translation().z() + TurnedBox(model, X_WO.linear()).max().z());
+  }
+  return top_m;
+}
+
+bool Pouring::InBin(int part) const {
+  const ObjectModel& model = *objects_[object_of_part_[part]];
+  return bin_.Holds(world_.X_WO(part) * model.mass.com_O);
+}
+
+DropResult Pouring::Result() const {
+  DropResult result;
+  result.scene.bin = bin_;
+  SceneCertificate& certificate = result.certificate;
+  certificate.at_rest = at_rest_;
+  certificate.simulated_s = world_.time_s();
+  certificate.blew_up = world_.BlewUp();
+  certificate.wake_movement_m = movement_.m;
+  certificate.wake_movement_diameters = movement_.diameters;
+  certificate.energy = energy_;
+  certificate.parts_outside = without_place_;
+  for (int i = 0; i < world_.part_count(); ++i) {
+    if (!InBin(i)) {
+      ++certificate.parts_outside;
+      continue;
+    }
+    const Twist V_WO = world_.V_WO(i);
+    certificate.max_speed_mps = std::max(certificate.max_speed_mps, V_WO.linear_W.norm());
+    certificate.max_spin_radps = std::max(certificate.max_spin_radps, V_WO.angular_W.norm());
+    const int instance = static_cast<int>(result.scene.objects.size());
+    result.scene.objects.push_back({instance, object_of_part_[i], world_.X_WO(i)});
+  }
+  certificate.deepest_penetration_m = DeepestPenetration(result.scene, objects_);
+  return result;
+}
+
+}  // namespace
+
+Arrangement ArrangementFromName(const std::string& name) {
+  if (name == "pile") return Arrangement::kPile;
+  if (name == "packed") return Arrangement::kPacked;
+  if (name == "heap") return Arrangement::kHeap;
+  throw InputError(UnknownNameMessage("arrangement", name, {"pile", "packed", "heap"}));
+}
+
+DropResult DropParts(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
+                     Rng& rng, const DropOptions& options) {
+  if (counts.size() != objects.size()) throw std::logic_error("one count for each object");
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (counts[i] == 0) continue;
+    if (objects[i]->convex_parts_O.empty()) {
+      throw std::logic_error("part '" + objects[i]->name + "' has no convex pieces");
+    }
+    RequireFits(*objects[i], bin);
+  }
+  return Pouring(bin, objects, options, rng).Run(counts);
+}
+
+}  // namespace pickbed::sim

@@ -1,0 +1,94 @@
+#include "sim/drop/object_maker.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "scenes/base/error.h"
+#include "scenes/geometry/symmetry_finder.h"
+#include "sim/convex/convex_hull.h"
+
+namespace pickbed::sim {
+namespace {
+
+class StageClock {
+ public:
+  StageClock(const std::function<void(const std::string&)>& on_stage,
+             std::vector<MakeStageTime>& seconds)
+      : on_stage_(on_stage), seconds_(seconds) {}
+
+  template <typename Work>
+  auto Time(const std::string& stage, Work work) {
+    using Clock = std::chrono::steady_clock;
+    if (on_stage_) on_stage_(stage);
+    const auto begin = Clock::now();
+    auto result = work();
+    seconds_.push_back({stage, std::chrono::duration<double>(Clock::now() - begin).count()});
+    return result;
+  }
+
+ private:
+  const std::function<void(const std::string&)>& on_stage_;
+  std::vector<MakeStageTime>& seconds_;
+};
+
+TriangleMesh HullOf(const TriangleMesh& mesh) {
+  const ConvexHull hull = MakeConvexHull(mesh.vertices);
+  TriangleMesh solid;
+  solid.vertices = hull.vertices;
+  solid.triangles = hull.triangles;
+  return solid;
+}
+
+MassProperties MassOf(const ObjectRequest& request, const InspectedMesh& inspected) {
+  const TriangleMesh solid = inspected.watertight ? inspected.mesh_O : HullOf(inspected.mesh_O);
+  return request.mass_kg > 0 ? UniformMassProperties(solid, request.mass_kg)
+                             : UniformDensityProperties(solid, request.density_kgpm3);
+}
+
+}  // namespace
+
+MadeObject MakeObject(const ObjectRequest& request,
+                      const std::function<void(const std::string&)>& on_stage) {
+  MadeObject made;
+  StageClock clock(on_stage, made.seconds);
+  made.inspected = clock.Time("inspect the mesh", [&] {
+    return InspectMeshFile(request.mesh, request.unit, request.center);
+  });
+  const TriangleMesh& mesh_O = made.inspected.mesh_O;
+  made.mass_from_hull = !made.inspected.watertight;
+
+  ObjectModel& model = made.model;
+  model.name = request.name;
+  model.mesh_O = mesh_O;
+  model.friction = request.friction;
+  model.diameter_m = Diameter(mesh_O);
+  model.mesh_hash = MeshHash(mesh_O);
+  model.mass = clock.Time("weigh", [&] { return MassOf(request, made.inspected); });
+  FittedPieces fitted =
+      clock.Time("cut into convex pieces", [&] { return FitConvexPieces(mesh_O); });
+  CheckInput(!fitted.pieces.empty(),
+             fmt::format("mesh '{}' is too flat to collide with; give it a thickness",
+                         request.mesh.string()));
+  made.quality = fitted.quality;
+  model.convex_parts_O = std::move(fitted.pieces);
+  model.symmetries_O = clock.Time("find symmetries", [&] {
+    return FindSymmetries(mesh_O, {.tolerance_diameters = request.symmetry_tolerance});
+  });
+  made.resting = clock.Time("drop it", [&] { return FindRestingPoses(model, request.drops); });
+  for (const RestingPose& pose : made.resting) {
+    model.resting_O.push_back({pose.up_O, pose.probability});
+  }
+
+  ObjectRecord& record = made.record;
+  record.help = fmt::format("made from {}", request.mesh.filename().string());
+  record.mesh_O = mesh_O;
+  record.convex_parts_O = model.convex_parts_O;
+  record.symmetries_O = model.symmetries_O;
+  record.mass = model.mass;
+  record.friction = model.friction;
+  record.resting_O = model.resting_O;
+  return made;
+}
+
+}  // namespace pickbed::sim

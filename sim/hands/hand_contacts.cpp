@@ -1,0 +1,40 @@
+#include "sim/hands/hand_contacts.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include "sim/physics/bullet_types.h"
+
+namespace pickbed::sim {
+
+const btCollisionObject* OtherBody(const btPersistentManifold& manifold,
+                                   const btCollisionObject& body) {
+  if (manifold.getBody0() == &body) return manifold.getBody1();
+  return manifold.getBody1() == &body ? manifold.getBody0() : nullptr;
+}
+
+double NormalForce_n(const btPersistentManifold& manifold, double step_s) {
+  double impulse = 0;
+  for (int k = 0; k < manifold.getNumContacts(); ++k) {
+    impulse += manifold.getContactPoint(k).getAppliedImpulse();
+  }
+  return impulse / (step_s * kUnitsPerMeter);
+}
+
+// Bullet's impulses act on the first body, along the normal and two friction directions.
+void AddContactForces(const btPersistentManifold& manifold, bool hand_is_first, const Pose& X_WG,
+                      double step_s, HandLoad& load) {
+  const double sign = hand_is_first ? 1 : -1;
+  const Eigen::Matrix3d R_GW = X_WG.linear().transpose();
+  for (int k = 0; k < manifold.getNumContacts(); ++k) {
+    const btManifoldPoint& point = manifold.getContactPoint(k);
+    const btVector3 impulse = point.m_appliedImpulse * point.m_normalWorldOnB +
+                              point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
+                              point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2;
+    const Eigen::Vector3d force_n = R_GW * FromBullet(sign / step_s * impulse);
+    const Eigen::Vector3d at_G = X_WG.inverse() * FromBullet(point.getPositionWorldOnB());
+    load.force_n += force_n;
+    load.torque_nm += at_G.cross(force_n);
+  }
+}
+
+}  // namespace pickbed::sim

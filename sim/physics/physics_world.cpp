@@ -1,0 +1,386 @@
+#include "sim/physics/physics_world.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/physics/body_shapes.h"
+#include "sim/physics/bullet_types.h"
+#include "sim/physics/contact_reuse.h"
+#include "sim/physics/patch_friction.h"
+#include "sim/physics/warm_contact.h"
+
+namespace pickbed::sim {
+namespace {
+
+// A thinner floor is extended downward to this thickness. An instance may fall 8 mm in a step,
+// which is more than the thickness of sheet metal, and would pass through.
+constexpr double kSolidFloor_m = 0.05;
+// The funnel is this much inside the bin's walls, so that nothing catches on the seam.
+constexpr double kFunnelInset_m = 0.0005;
+constexpr double kFunnelWall_m = 0.05;
+constexpr double kTooFast_mps = 50;
+// A jaw is heavier than the objects it touches. A fixed number of iterations then leaves large
+// force errors, and more so with longer steps. At 240 Hz and 20 iterations, a finger pressed on
+// instances in clutter with 30 N where 60 N should have stopped it. Closing pads sank 2 mm into a
+// tee. So steps with a jaw iterate until no relative velocity at a contact or joint changes by more
+// than this. For angular velocities the limit is 0.05 rad/s.
+constexpr double kSolved_mps = 0.005;
+constexpr int kMostIterations = 200;
+
+struct Part {
+  std::unique_ptr<btRigidBody> body;
+  const ObjectModel* model = nullptr;
+  Pose X_BO;
+  double radius = 0;        // of the object about its center, in Bullet's units
+  btTransform still_pose;   // pose at the last noticeable movement
+  double still_s = 0;       // time since that movement
+  btTransform looked_pose;  // pose at the last contact search
+
+  void Wake() {
+    body->activate(true);
+    still_s = 0;
+  }
+};
+
+}  // namespace
+
+struct PhysicsWorld::Impl {
+  explicit Impl(const PhysicsOptions& physics_options);
+  ~Impl();
+
+  btRigidBody* AddStatic(std::unique_ptr<btCollisionShape> shape, const Pose& X_WB, double friction,
+                         int group);
+  btRigidBody* AddBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m, double friction,
+                      int group);
+  void AddPieces(const std::vector<std::vector<Eigen::Vector3d>>& pieces_W, double friction);
+  void LetTheStillFallAsleep();
+  void TellWhichMoved();
+  int WakeTouching(const btCollisionObject* body);  // returns how many
+
+  const PhysicsOptions options;
+  WarmContactConfiguration configuration;
+  ReusingDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  PatchFrictionSolver solver{options.pad};
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+  std::vector<std::unique_ptr<btCollisionShape>> shapes;
+  PartShapes part_shapes{options.hull_margin_m};
+  std::vector<std::unique_ptr<btRigidBody>> statics;
+  std::vector<btRigidBody*> funnel;  // also in `statics`, which owns them
+  std::vector<Part> parts;
+  std::unique_ptr<AttachedHand> hand;
+  long steps = 0;
+  bool may_sleep = true;
+  bool contacts_forgotten = false;
+};
+
+PhysicsWorld::Impl::Impl(const PhysicsOptions& physics_options) : options(physics_options) {
+  world.setGravity(ToBullet(options.gravity_W));
+  world.setForceUpdateAllAabbs(!options.awake_boxes_only);
+  btContactSolverInfo& info = world.getSolverInfo();
+  info.m_numIterations = options.solver_iterations;
+  info.m_erp = info.m_erp2 = info.m_frictionERP = options.recover_share;
+  // With one direction, a gripped box slides out at eight times the force it should need.
+  info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+  if (options.contact_reuse_m > 0) {
+    dispatcher.StartReuse(options.contact_reuse_m * kUnitsPerMeter);
+  }
+}
+
+PhysicsWorld::Impl::~Impl() {
+  hand.reset();
+  for (int i = world.getNumCollisionObjects() - 1; i >= 0; --i) {
+    world.removeCollisionObject(world.getCollisionObjectArray()[i]);
+  }
+}
+
+btRigidBody* PhysicsWorld::Impl::AddStatic(std::unique_ptr<btCollisionShape> shape,
+                                           const Pose& X_WB, double friction, int group) {
+  shapes.push_back(std::move(shape));
+  btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, shapes.back().get());
+  info.m_startWorldTransform = ToBullet(X_WB);
+  info.m_friction = friction;
+  statics.push_back(std::make_unique<btRigidBody>(info));
+  world.addRigidBody(statics.back().get(), group, kPartGroup | kFingerGroup | kPalmGroup);
+  return statics.back().get();
+}
+
+btRigidBody* PhysicsWorld::Impl::AddBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m,
+                                        double friction, int group) {
+  return AddStatic(std::make_unique<btBoxShape>(ToBullet(half_size_m)), X_WB, friction, group);
+}
+
+// The pieces have no margin, so that their surface is the mesh's surface. Instances have margins.
+void PhysicsWorld::Impl::AddPieces(const std::vector<std::vector<Eigen::Vector3d>>& pieces_W,
+                                   double friction) {
+  auto compound = std::make_unique<btCompoundShape>(true, static_cast<int>(pieces_W.size()));
+  compound->setMargin(0);
+  for (const std::vector<Eigen::Vector3d>& corners : pieces_W) {
+    auto hull = std::make_unique<btConvexHullShape>();
+    for (const Eigen::Vector3d& p_W : corners) hull->addPoint(ToBullet(p_W), false);
+    hull->setMargin(0);
+    hull->recalcLocalAabb();
+    compound->addChildShape(btTransform::getIdentity(), hull.get());
+    shapes.push_back(std::move(hull));
+  }
+  AddStatic(std::move(compound), Pose::Identity(), friction, kStaticGroup);
+}
+
+// Bullet's waiting time before sleep is a process-wide variable of 2 s. It is not changed, so that
+// worlds do not affect each other. Instead, a body that was slow or still for sleep_after_s gets a
+// larger deactivation time.
+void PhysicsWorld::Impl::LetTheStillFallAsleep() {
+  constexpr double kLongerThanBulletWaits_s = 1e3;
+  // A vibrating body may exceed the sleep speeds by these factors.
+  constexpr double kLinearTremble = 4;
+  constexpr double kAngularTremble = 20;
+  // Less than the speed gained in one step of free fall, so that an instance that loses its support
+  // counts as moving.
+  const double falling_mps = 0.99 * options.gravity_W.norm() / options.rate_hz;
+  const double tremble_mps = std::min(kLinearTremble * options.sleep_linear_mps,
+                                      std::max(options.sleep_linear_mps, falling_mps));
+  for (Part& part : parts) {
+    if (part.body->isStaticObject()) continue;
+    const btTransform& pose = part.body->getWorldTransform();
+    part.still_s += 1 / options.rate_hz;
+    if (!part.body->isActive() ||
+        Movement(part.still_pose, pose, part.radius) > options.still_m * kUnitsPerMeter) {
+      part.still_pose = pose;
+      part.still_s = 0;
+    }
+    if (!part.body->isActive()) continue;
+    const bool still = part.still_s >= options.sleep_after_s;
+    part.body->setSleepingThresholds(
+        (still ? tremble_mps : options.sleep_linear_mps) * kUnitsPerMeter,
+        (still ? kAngularTremble : 1) * options.sleep_angular_radps);
+    if (still || part.body->getDeactivationTime() >= options.sleep_after_s) {
+      part.body->setDeactivationTime(kLongerThanBulletWaits_s);
+    }
+  }
+}
+
+void PhysicsWorld::Impl::TellWhichMoved() {
+  dispatcher.moved.assign(parts.size(), false);
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const btTransform& pose = parts[i].body->getWorldTransform();
+    const double moved = Movement(parts[i].looked_pose, pose, parts[i].radius);
+    if (!contacts_forgotten && moved <= options.contact_reuse_m * kUnitsPerMeter) continue;
+    parts[i].looked_pose = pose;
+    dispatcher.moved[i] = true;
+  }
+  contacts_forgotten = false;
+}
+
+// Called before a body is removed, so that the bodies that lean on it wake up.
+int PhysicsWorld::Impl::WakeTouching(const btCollisionObject* body) {
+  int woken = 0;
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
+    const bool is_first = manifold->getBody0() == body;
+    if (manifold->getNumContacts() == 0 || !(is_first || manifold->getBody1() == body)) continue;
+    const int other = (is_first ? manifold->getBody1() : manifold->getBody0())->getUserIndex();
+    if (other < 0 || parts[other].body->isStaticObject()) continue;
+    parts[other].Wake();
+    ++woken;
+  }
+  return woken;
+}
+
+PhysicsWorld::PhysicsWorld(const PhysicsOptions& options)
+    : impl_(std::make_unique<Impl>(options)) {}
+PhysicsWorld::~PhysicsWorld() = default;
+
+void PhysicsWorld::AddBin(const Bin& bin) {
+  if (bin.shape) {
+    impl_->AddPieces(bin.shape->pieces_B, bin.friction);
+    return;
+  }
+  const double grow_m = std::max(0.0, kSolidFloor_m - bin.wall_m);
+  bool is_floor = true;
+  for (AxisAlignedBox box : BinBoxes(bin)) {
+    if (is_floor) {
+      box.center.z() -= 0.5 * grow_m;
+      box.half_size.z() += 0.5 * grow_m;
+    }
+    is_floor = false;
+    AddStaticBox(Translation(box.center), box.half_size, bin.friction);
+  }
+}
+
+void PhysicsWorld::AddStaticBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m,
+                                double friction) {
+  impl_->AddBox(X_WB, half_size_m, friction, kStaticGroup);
+}
+
+int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode mode,
+                          const Twist& V_WO) {
+  if (model.convex_parts_O.empty()) {
+    throw std::logic_error("part '" + model.name + "' has no convex pieces");
+  }
+  const PartShape& shape = impl_->part_shapes.Of(model);
+  const bool is_static = mode == BodyMode::kStatic;
+  btRigidBody::btRigidBodyConstructionInfo info(is_static ? 0 : model.mass.mass_kg, nullptr,
+                                                shape.shape);
+  if (!is_static) {
+    info.m_localInertia = kUnitsPerMeter * ToBullet(shape.frame.principal_inertia);
+  }
+  info.m_startWorldTransform = ToBullet(Pose(X_WO * shape.frame.X_OB));
+  info.m_friction = model.friction;
+  info.m_angularDamping = impl_->options.angular_damping;
+  auto body = std::make_unique<btRigidBody>(info);
+  body->setUserIndex(part_count());
+  body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR);
+  body->setLinearVelocity(ToBullet(V_WO.linear_W));
+  body->setAngularVelocity(btVector3(V_WO.angular_W.x(), V_WO.angular_W.y(), V_WO.angular_W.z()));
+  if (is_static) {
+    impl_->world.addRigidBody(body.get(), kStaticGroup, kPartGroup | kFingerGroup | kPalmGroup);
+  } else {
+    impl_->world.addRigidBody(body.get(), kPartGroup,
+                              kStaticGroup | kFunnelGroup | kPartGroup | kFingerGroup | kPalmGroup);
+    if (!impl_->may_sleep) body->setActivationState(DISABLE_DEACTIVATION);
+  }
+  if (mode == BodyMode::kAsleep) body->forceActivationState(ISLAND_SLEEPING);
+  const btTransform X_WB = body->getWorldTransform();
+  impl_->dispatcher.radius.push_back(0.5 * model.diameter_m * kUnitsPerMeter);
+  impl_->parts.push_back({std::move(body), &model, shape.frame.X_OB.inverse(),
+                          0.5 * model.diameter_m * kUnitsPerMeter, X_WB, 0, X_WB});
+  return part_count() - 1;
+}
+
+void PhysicsWorld::RemovePart(int part) {
+  Part& entry = impl_->parts.at(part);
+  if (!entry.body->isInWorld()) return;
+  if (impl_->hand != nullptr) impl_->hand->LetGoOf(part);
+  impl_->WakeTouching(entry.body.get());
+  impl_->world.removeRigidBody(entry.body.get());
+  entry.body->forceActivationState(ISLAND_SLEEPING);
+}
+
+void PhysicsWorld::AddFunnel(const Bin& bin, double height_m) {
+  const Eigen::Vector2d inner =
+      0.5 * bin.inner_size_m.head<2>() - Eigen::Vector2d::Constant(kFunnelInset_m);
+  const double half_wall = 0.5 * kFunnelWall_m;
+  const double z = bin.inner_size_m.z() + 0.5 * height_m;
+  for (const double side : {-1.0, 1.0}) {
+    impl_->funnel.push_back(impl_->AddBox(Translation({side * (inner.x() + half_wall), 0, z}),
+                                          {half_wall, inner.y() + kFunnelWall_m, 0.5 * height_m},
+                                          bin.friction, kFunnelGroup));
+    impl_->funnel.push_back(impl_->AddBox(Translation({0, side * (inner.y() + half_wall), z}),
+                                          {inner.x() + kFunnelWall_m, half_wall, 0.5 * height_m},
+                                          bin.friction, kFunnelGroup));
+  }
+}
+
+int PhysicsWorld::RemoveFunnel() {
+  int woken = 0;
+  for (btRigidBody* wall : impl_->funnel) {
+    woken += impl_->WakeTouching(wall);
+    impl_->world.removeRigidBody(wall);
+  }
+  impl_->funnel.clear();
+  return woken;
+}
+
+void PhysicsWorld::Attach(std::unique_ptr<AttachedHand> hand) {
+  if (impl_->hand != nullptr) throw std::logic_error("the world has a hand already");
+  impl_->hand = std::move(hand);
+  impl_->solver.pads = impl_->hand->Pads();
+  if (impl_->solver.pads.empty()) return;
+  btContactSolverInfo& info = impl_->world.getSolverInfo();
+  impl_->solver.least_iterations = info.m_numIterations;
+  info.m_numIterations = std::max(info.m_numIterations, kMostIterations);
+  // Bullet compares the square of the largest change, in its own units.
+  info.m_leastSquaresResidualThreshold = std::pow(kSolved_mps * kUnitsPerMeter, 2);
+}
+
+btDiscreteDynamicsWorld& PhysicsWorld::bullet() { return impl_->world; }
+
+PartBody PhysicsWorld::body(int part) const {
+  const Part& entry = impl_->parts.at(part);
+  return {entry.body->isInWorld() ? entry.body.get() : nullptr, entry.model, entry.X_BO};
+}
+
+void PhysicsWorld::Step() {
+  if (impl_->may_sleep) impl_->LetTheStillFallAsleep();
+  if (impl_->options.contact_reuse_m > 0) impl_->TellWhichMoved();
+  impl_->solver.BeginStep();
+  impl_->world.stepSimulation(step_s(), 0);
+  if (impl_->hand != nullptr) impl_->hand->AfterStep(impl_->solver.frictions());
+  ++impl_->steps;
+}
+
+double PhysicsWorld::time_s() const { return static_cast<double>(impl_->steps) * step_s(); }
+double PhysicsWorld::step_s() const { return 1.0 / impl_->options.rate_hz; }
+int PhysicsWorld::part_count() const { return static_cast<int>(impl_->parts.size()); }
+
+Pose PhysicsWorld::X_WO(int part) const {
+  const Part& entry = impl_->parts.at(part);
+  return FromBullet(entry.body->getWorldTransform()) * entry.X_BO;
+}
+
+Twist PhysicsWorld::V_WO(int part) const {
+  const btRigidBody& body = *impl_->parts.at(part).body;
+  const btVector3& w = body.getAngularVelocity();
+  return {FromBullet(body.getLinearVelocity()), {w.x(), w.y(), w.z()}};
+}
+
+bool PhysicsWorld::AllAsleep() const {
+  return std::none_of(impl_->parts.begin(), impl_->parts.end(), [](const Part& part) {
+    return !part.body->isStaticObject() && part.body->isActive();
+  });
+}
+
+void PhysicsWorld::WakeAll() {
+  for (Part& part : impl_->parts) {
+    if (!part.body->isStaticObject() && part.body->isInWorld()) part.Wake();
+  }
+}
+
+void PhysicsWorld::ForgetContacts() {
+  impl_->dispatcher.ForgetContacts();
+  impl_->contacts_forgotten = true;
+  WakeAll();
+}
+
+void PhysicsWorld::ForbidSleep() {
+  impl_->may_sleep = false;
+  for (const Part& part : impl_->parts) {
+    if (part.body->isStaticObject() || !part.body->isInWorld()) continue;
+    part.body->forceActivationState(DISABLE_DEACTIVATION);
+  }
+}
+
+bool PhysicsWorld::BlewUp() const {
+  for (int i = 0; i < part_count(); ++i) {
+    if (!impl_->parts[i].body->isInWorld()) continue;
+    const double speed = V_WO(i).linear_W.norm();
+    if (!X_WO(i).matrix().allFinite() || !(speed < kTooFast_mps)) return true;
+  }
+  return false;
+}
+
+std::vector<int> PhysicsWorld::PartsTouchingHand() const {
+  return impl_->hand == nullptr ? std::vector<int>{} : impl_->hand->TouchedParts();
+}
+
+bool PhysicsWorld::PalmIsInside(double depth_m) const {
+  const auto group = [](const btCollisionObject* body) {
+    return body->getBroadphaseHandle()->m_collisionFilterGroup;
+  };
+  for (int i = 0; i < impl_->dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold* manifold = impl_->dispatcher.getManifoldByIndexInternal(i);
+    if ((group(manifold->getBody0()) | group(manifold->getBody1())) !=
+        (kPalmGroup | kStaticGroup)) {
+      continue;
+    }
+    for (int k = 0; k < manifold->getNumContacts(); ++k) {
+      if (manifold->getContactPoint(k).getDistance() < -depth_m * kUnitsPerMeter) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace pickbed::sim

@@ -1,0 +1,145 @@
+#pragma once
+
+// A live Bullet world. It is built from plain data, stepped, read and destroyed within one
+// function. Its state is never restored in place, because only a rebuilt world is reproducible bit
+// by bit.
+//
+// Lengths inside are decimetres (sim/physics/bullet_types.h gives the reason). This interface uses
+// SI units and frame W. The default settings were chosen by measurement: 240 Hz, 20 iterations, two
+// friction directions, friction anchors, hull margin 0.5 mm (less for small objects).
+
+#include <memory>
+#include <vector>
+
+#include "scenes/bin/bin.h"
+#include "scenes/geometry/pose.h"
+#include "scenes/objects/contact.h"
+#include "scenes/objects/object_model.h"
+#include "sim/layer.h"
+#include "sim/physics/attached_hand.h"
+
+class btDiscreteDynamicsWorld;
+class btRigidBody;
+
+namespace pickbed::sim {
+
+// Contact settings of finger pads, see sim/physics/patch_friction.h.
+struct PadOptions {
+  double gives_m = 0.00025;  // compliance of the rubber: a surface this near touches; 0..0.001
+  double look_again_s = 1.0 / 30;  // interval after which a sticking patch's outline is updated
+  // An object lighter than this share of a finger's mass keeps its contact impulses of the last
+  // step in full. For heavier objects this would only make the normal force oscillate at its limit.
+  double light_share = 0.5;
+};
+
+// Simulation settings.
+struct PhysicsOptions {
+  double rate_hz = 240;
+  int solver_iterations = 20;
+  Eigen::Vector3d gravity_W{0, 0, -kGravity_mps2};  // m/s^2
+  // Share of overlaps, friction drift and joint errors that is corrected per step; 0..1. Its
+  // product with rate_hz is the correction speed per metre, 48/s. Change both to keep the same law.
+  double recover_share = 0.2;
+  double hull_margin_m = 0.0005;  // hulls grow outward by this; less for objects under 4 cm
+  double angular_damping = 0;     // share of the angular velocity lost per second, 0..1
+  double sleep_linear_mps = 0.01;
+  double sleep_angular_radps = 0.1;
+  double sleep_after_s = 0.5;  // time below both speeds before a body sleeps; at most 2 s
+  // A body also sleeps if its surface stayed within this distance for sleep_after_s. Flat faces can
+  // vibrate permanently by micrometres at more than the speeds above.
+  double still_m = 0.0002;
+  // Above 0: a pair of bodies keeps its contacts while both stay within this distance since the
+  // last contact search, see sim/physics/contact_reuse.h. Friction and torsion were measured
+  // without it. Outcomes of whole grasps are the same with it (tests/figures/execute_figures).
+  double contact_reuse_m = 0;
+  // Does not update the bounding boxes of sleeping and static bodies. This changes the order of
+  // pairs, so the same seed gives other clutter scenes.
+  bool awake_boxes_only = false;
+  PadOptions pad{};
+};
+
+enum class BodyMode { kDynamic, kAsleep, kStatic };
+
+// Velocity of a body in frame W.
+struct Twist {
+  Eigen::Vector3d linear_W = Eigen::Vector3d::Zero();   // m/s, of the center of mass
+  Eigen::Vector3d angular_W = Eigen::Vector3d::Zero();  // rad/s
+};
+
+// An instance's body, for hands.
+struct PartBody {
+  btRigidBody* body = nullptr;         // null after the instance was removed
+  const ObjectModel* model = nullptr;  // valid as long as AddPart()'s argument
+  Pose X_BO = Pose::Identity();        // B = frame of the Bullet body
+};
+
+// A bin, object instances and at most one hand, simulated in Bullet.
+class PhysicsWorld {
+ public:
+  explicit PhysicsWorld(const PhysicsOptions& options = {});
+  ~PhysicsWorld();
+  PhysicsWorld(const PhysicsWorld&) = delete;
+  PhysicsWorld& operator=(const PhysicsWorld&) = delete;
+
+  // Adds the bin as a static body at the world's origin: boxes, or the convex pieces of its shape.
+  void AddBin(const Bin& bin);
+
+  // Adds a static box, for slopes and tables. It cannot be moved or read.
+  void AddStaticBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m, double friction);
+
+  // Adds an instance. Returns its index 0, 1, 2, ... in the order of adding; this order is part of
+  // the state. `model` must outlive the world. Throws std::logic_error if model.convex_parts_O is
+  // empty.
+  int AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode mode = BodyMode::kDynamic,
+              const Twist& V_WO = {});
+
+  // Removes an instance. It keeps its index, last pose and velocity, and counts as asleep. Bodies
+  // that touched it wake up.
+  void RemovePart(int part);
+
+  // Adds static walls that keep falling instances above the bin's opening, `height_m` above the
+  // rim.
+  void AddFunnel(const Bin& bin, double height_m);
+  int RemoveFunnel();  // returns how many instances leaned on it; they wake up
+
+  // Attaches a hand, which the world then owns. With a hand that has pads, the solver iterates
+  // until contacts and joints are solved. Throws std::logic_error if there is a hand already.
+  void Attach(std::unique_ptr<AttachedHand> hand);
+  // For hands, which add their bodies and joints themselves and remove them in their destructors.
+  btDiscreteDynamicsWorld& bullet();
+  PartBody body(int part) const;
+
+  void Step();
+  double time_s() const;
+  double step_s() const;
+  int part_count() const;
+  Pose X_WO(int part) const;
+  Twist V_WO(int part) const;
+  // Returns whether all dynamic bodies sleep.
+  bool AllAsleep() const;
+  void WakeAll();
+
+  // Deletes all contacts, as in a world rebuilt from the poses, and wakes all bodies. Bodies that
+  // were held only by friction anchors slip then.
+  void ForgetContacts();
+  void ForbidSleep();
+
+  // Returns true if a body's state is not finite or a body is faster than 50 m/s.
+  bool BlewUp() const;
+
+  // Returns the indices of the instances that touch the fingers, ascending. Touching means a force
+  // above 0.01 N in the last step. For a suction cup: the instance on the lip and the instances
+  // that touch stem and palm.
+  std::vector<int> PartsTouchingHand() const;
+
+  // Returns whether the palm, or a cup's stem, was deeper than `depth_m` in a fixed body (bin, box
+  // or static instance) in the last step. The palm is moved kinematically, so it feels no force
+  // from them.
+  bool PalmIsInside(double depth_m) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pickbed::sim

@@ -1,0 +1,337 @@
+#include "sim/training_view_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "scenes/base/error.h"
+#include "sim/drop/distractors.h"
+#include "sim/sensor/depth_noise.h"
+
+namespace pickbed::sim {
+namespace {
+
+constexpr int kIsolatedBatch = 1024;  // views per batch; bounds the memory
+constexpr int kPileAttempts = 3;      // attempts per seed before Pile() throws
+
+// Light beside the camera for isolated views. Their world frame is the camera frame.
+const Light kLampByCamera{{0.25, -0.30, -0.10}, 0.35, 0.65};
+
+double BoundingVolume_m3(const ObjectModel& object) {
+  return MeshBounds(object.mesh_O).size().prod();
+}
+
+// Returns X_WC of a camera that looks down at a target near the center of the bin floor. The roll
+// about its optical axis is random.
+Pose RandomCamera(const ViewSourceOptions& options, double scale, Rng& rng) {
+  const double jitter = scale * options.target_jitter_m;
+  const Eigen::Vector3d target_W(rng.Uniform(-jitter, jitter), rng.Uniform(-jitter, jitter), 0);
+  const double distance_m = scale * rng.Uniform(options.distance_min_m, options.distance_max_m);
+  const double tilt = rng.Uniform(0, options.tilt_max_rad);
+  const double azimuth = rng.Uniform(-std::numbers::pi, std::numbers::pi);
+  const double roll = rng.Uniform(-std::numbers::pi, std::numbers::pi);
+  using Eigen::AngleAxisd;
+  const Eigen::Matrix3d R_WC =
+      (AngleAxisd(azimuth, Eigen::Vector3d::UnitZ()) * AngleAxisd(tilt, Eigen::Vector3d::UnitY()) *
+       AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
+       AngleAxisd(roll, Eigen::Vector3d::UnitZ()))
+          .toRotationMatrix();
+  return MakePose(R_WC, target_W - distance_m * R_WC.col(2));
+}
+
+ObjectSet WithForeignParts(const ObjectSet& objects, const ViewSourceOptions& options) {
+  ObjectSet all = objects;
+  if (options.foreign_share > 0) {
+    const ObjectSet foreign = MakeForeignParts(objects);
+    all.insert(all.end(), foreign.begin(), foreign.end());
+  }
+  return all;
+}
+
+class SimViewSource : public LabelledViewSource {
+ public:
+  SimViewSource(const ObjectSet& objects, const ViewSourceOptions& options)
+      : objects_(objects),
+        options_(options),
+        in_piles_(WithForeignParts(objects, options)),
+        scene_renderer_(in_piles_, options.bin, options.gl) {}
+
+  const ObjectSet& objects() const override { return objects_; }
+
+  std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
+                                     const CameraIntrinsics& camera, uint64_t seed) override;
+  std::vector<LabelledView> Pile(const PileRequest& request) override;
+  std::string IsolatedSettings() const override;
+  std::string PileSettings() const override;
+
+ private:
+  std::vector<RenderedImage> RenderIsolated(std::span<const Camera> cameras,
+                                            std::span<const RenderInstance> instances,
+                                            uint64_t seed, size_t first);
+  // A settled clutter scene. Bin size and camera distances are the options' values times `scale`.
+  struct ScaledPile {
+    Scene scene;
+    double scale = 1;
+  };
+  std::vector<int> RandomKinds(const PileRequest& request, Rng& rng) const;
+  std::vector<int> RandomForeign(const PileRequest& request, const std::vector<int>& kinds) const;
+  std::vector<int> RandomCounts(const std::vector<int>& kinds, const std::vector<int>& foreign,
+                                const Bin& bin, Rng& rng) const;
+  double RandomScale(const PileRequest& request, const std::vector<int>& kinds, Rng& rng) const;
+  ScaledPile DropPile(const PileRequest& request) const;
+  const SensorProfile& PileSensor(uint64_t seed, int view) const;
+  LabelledView PileView(const ScaledPile& pile, uint64_t seed, int view);
+
+  bool IsForeign(int object) const { return object >= static_cast<int>(objects_.size()); }
+
+  ObjectSet objects_;
+  ViewSourceOptions options_;
+  ObjectSet in_piles_;  // objects_, then distractors
+  SceneRenderer scene_renderer_;
+};
+
+// Renders one image per instance. `first` is the index of the first view; it selects the random
+// streams.
+std::vector<RenderedImage> SimViewSource::RenderIsolated(std::span<const Camera> cameras,
+                                                         std::span<const RenderInstance> instances,
+                                                         uint64_t seed, size_t first) {
+  Renderer& renderer = scene_renderer_.renderer();
+  if (!options_.color) return renderer.RenderEachDepth(cameras, instances);
+  if (!options_.isolated_lamps) return renderer.RenderEach(cameras, instances, kLampByCamera);
+  std::vector<RenderedImage> images;
+  for (size_t i = 0; i < instances.size(); ++i) {
+    Rng rng = Rng::Derive(seed, first + i, "isolated view lamp");
+    Light light = RandomLight(options_.looks, rng);
+    light.position_W.z() = instances[i].X_WO.translation().z() - light.position_W.z();
+    images.push_back(
+        std::move(renderer.RenderEach(cameras.subspan(i, 1), instances.subspan(i, 1), light)[0]));
+  }
+  return images;
+}
+
+std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<Pose>& X_CO,
+                                                  const CameraIntrinsics& camera, uint64_t seed) {
+  CheckInput(object >= 0 && object < static_cast<int>(objects_.size()),
+             fmt::format("object {} of {}: no such part", object, objects_.size()));
+  std::vector<LabelledView> views(X_CO.size());
+  for (size_t begin = 0; begin < X_CO.size(); begin += kIsolatedBatch) {
+    const size_t end = std::min(X_CO.size(), begin + kIsolatedBatch);
+    const std::vector<Camera> cameras(end - begin, Camera{camera, Pose::Identity()});
+    std::vector<RenderInstance> instances;
+    for (size_t i = begin; i < end; ++i) {
+      instances.push_back({scene_renderer_.ObjectMesh(object), X_CO[i], 1});
+      Rng looks = Rng::Derive(seed, i, "isolated view looks");
+      instances.back().material = RandomMaterial(options_.looks, looks);
+    }
+    std::vector<RenderedImage> images = RenderIsolated(cameras, instances, seed, begin);
+    for (size_t i = begin; i < end; ++i) {
+      RenderedImage& image = images[i - begin];
+      Rng background = Rng::Derive(seed, i, "isolated view background");
+      PaintBackground(options_.looks, background, image);
+      Rng rng = Rng::Derive(seed, i, "isolated view noise");
+      Image<float> depth_m =
+          ApplySensorNoise({image.depth_m, camera, &image.color}, options_.sensor, rng);
+      views[i].frame = {camera, std::move(image.color), std::move(depth_m)};
+      views[i].ids = std::move(image.ids);
+      views[i].instances = {{object, X_CO[i], 1.0}};
+    }
+  }
+  return views;
+}
+
+std::string SimViewSource::IsolatedSettings() const {
+  SensorProfile sensor = options_.sensor;
+  AppearanceRanges looks = options_.looks;
+  return WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); }) +
+         WriteSettings([&](SettingsVisitor& v) { looks.Visit(v); }) +
+         fmt::format("color {}\n", options_.color) +
+         (options_.isolated_lamps ? "isolated lamps\n" : "");
+}
+
+std::string SimViewSource::PileSettings() const {
+  const ViewSourceOptions& o = options_;
+  const CameraIntrinsics& k = o.camera;
+  const Eigen::Vector3d& size = o.bin.inner_size_m;
+  std::string sensors;
+  for (SensorProfile sensor : o.pile_sensors) {
+    sensors += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
+  }
+  return IsolatedSettings() + sensors +
+         fmt::format("camera {}x{} {} {} {} {}\n", k.width, k.height, k.fx, k.fy, k.cx, k.cy) +
+         fmt::format("distance {}..{} tilt {} jitter {}\n", o.distance_min_m, o.distance_max_m,
+                     o.tilt_max_rad, o.target_jitter_m) +
+         fmt::format("bin {} x {} x {} wall {} friction {} mesh {:016x}\n", size.x(), size.y(),
+                     size.z(), o.bin.wall_m, o.bin.friction,
+                     o.bin.shape ? MeshHash(o.bin.shape->mesh_B) : 0) +
+         fmt::format("for {} scaled {} parts {}..{} fill {} mixed {} kinds {}\n", o.for_diameter_m,
+                     o.scaled_share, o.parts_min, o.parts_max, o.fill_max, o.mixed_share,
+                     o.mixed_kinds_max) +
+         (o.foreign_share > 0 ? fmt::format("foreign {} {}\n", o.foreign_share, o.foreign_max)
+                              : "");
+}
+
+// Returns indices into objects_: one kind, or several for a mixed scene. The requested kind is
+// first.
+std::vector<int> SimViewSource::RandomKinds(const PileRequest& request, Rng& rng) const {
+  const int kinds = static_cast<int>(objects_.size());
+  std::vector<int> order(kinds);
+  std::iota(order.begin(), order.end(), 0);
+  for (int i = kinds - 1; i > 0; --i) std::swap(order[i], order[rng.Index(i + 1)]);
+  if (request.object >= 0) {
+    std::swap(order.front(), *std::find(order.begin(), order.end(), request.object));
+  }
+  const int mixed_max = std::min(kinds, options_.mixed_kinds_max);
+  const bool mixed = rng.Uniform() < options_.mixed_share && mixed_max > 1;
+  order.resize(mixed ? 2 + rng.Index(mixed_max - 1) : 1);
+  return order;
+}
+
+// Returns distractors of about the size of these kinds, as indices into in_piles_. They use a
+// random stream of their own, so a scene without distractors does not depend on `foreign_share`.
+std::vector<int> SimViewSource::RandomForeign(const PileRequest& request,
+                                              const std::vector<int>& kinds) const {
+  std::vector<int> shapes;
+  Rng rng = Rng::Derive(request.seed, 0, "pile foreign");
+  if (rng.Uniform() >= options_.foreign_share) return shapes;
+  const int own = static_cast<int>(objects_.size());
+  const int per_object = static_cast<int>(in_piles_.size()) / own - 1;
+  const int count = 1 + rng.Index(options_.foreign_max);
+  for (int i = 0; i < count; ++i) {
+    const int kind = kinds[rng.Index(static_cast<int>(kinds.size()))];
+    shapes.push_back(own + kind * per_object + rng.Index(per_object));
+  }
+  return shapes;
+}
+
+// Returns the number of instances of each object. The first kind gets at least one.
+std::vector<int> SimViewSource::RandomCounts(const std::vector<int>& kinds,
+                                             const std::vector<int>& foreign, const Bin& bin,
+                                             Rng& rng) const {
+  const int wanted = options_.parts_min + rng.Index(options_.parts_max - options_.parts_min + 1);
+  double room_m3 = options_.fill_max * bin.inner_size_m.prod();
+  std::vector<int> counts(foreign.empty() ? objects_.size() : in_piles_.size(), 0);
+  for (const int shape : foreign) {
+    room_m3 -= BoundingVolume_m3(*in_piles_[shape]);
+    ++counts[shape];
+  }
+  for (int i = 0; i < wanted; ++i) {
+    const int kind = i == 0 ? kinds.front() : kinds[rng.Index(static_cast<int>(kinds.size()))];
+    room_m3 -= BoundingVolume_m3(*objects_[kind]);
+    if (i > 0 && room_m3 < 0) break;
+    ++counts[kind];
+  }
+  return counts;
+}
+
+double SimViewSource::RandomScale(const PileRequest& request, const std::vector<int>& kinds,
+                                  Rng& rng) const {
+  const bool scaled = rng.Uniform() < options_.scaled_share || request.typical;
+  if (options_.for_diameter_m <= 0 || !scaled) return 1;
+  double sum_m = 0;
+  for (const int kind : kinds) sum_m += objects_[kind]->diameter_m;
+  return sum_m / static_cast<double>(kinds.size()) / options_.for_diameter_m;
+}
+
+SimViewSource::ScaledPile SimViewSource::DropPile(const PileRequest& request) const {
+  for (int attempt = 0; attempt < kPileAttempts; ++attempt) {
+    Rng rng = Rng::Derive(request.seed, attempt, "pile");
+    const std::vector<int> kinds = RandomKinds(request, rng);
+    const double scale = RandomScale(request, kinds, rng);
+    Bin bin = options_.bin;
+    bin.inner_size_m *= scale;
+    const std::vector<int> foreign = RandomForeign(request, kinds);
+    const std::vector<int> counts = RandomCounts(kinds, foreign, bin, rng);
+    DropResult result =
+        DropParts(bin, foreign.empty() ? objects_ : in_piles_, counts, rng, options_.drop);
+    if (!result.certificate.blew_up && !result.scene.objects.empty()) {
+      return {std::move(result.scene), scale};
+    }
+  }
+  throw std::runtime_error(
+      fmt::format("no settled pile for seed {} in {} attempts", request.seed, kPileAttempts));
+}
+
+const SensorProfile& SimViewSource::PileSensor(uint64_t seed, int view) const {
+  if (options_.pile_sensors.empty()) return options_.sensor;
+  Rng rng = Rng::Derive(seed, view, "pile view sensor");
+  return options_.pile_sensors[rng.Index(static_cast<int>(options_.pile_sensors.size()))];
+}
+
+LabelledView SimViewSource::PileView(const ScaledPile& pile, uint64_t seed, int view) {
+  const Scene& scene = pile.scene;
+  Rng rng = Rng::Derive(seed, view, "pile camera");
+  const Camera camera{options_.camera, RandomCamera(options_, pile.scale, rng)};
+  const Light light = RandomLight(options_.looks, rng);
+  std::vector<RenderInstance> instances = scene_renderer_.InstancesOf(scene);
+  // The material depends on the clutter scene only, so an instance looks the same in all its views.
+  for (size_t i = 0; i < instances.size(); ++i) {
+    Rng looks = Rng::Derive(seed, i, "pile looks");
+    instances[i].material = RandomMaterial(options_.looks, looks);
+  }
+  RenderOutputs outputs;
+  outputs.color = options_.color;
+  RenderedImage image = scene_renderer_.renderer().Render(camera, instances, light, outputs);
+  Rng background = Rng::Derive(seed, view, "pile background");
+  PaintBackground(options_.looks, background, image);
+  const std::vector<double> fractions = scene_renderer_.VisibleFractions(scene, camera, image.ids);
+
+  LabelledView out;
+  const Pose X_CW = camera.X_CW();
+  int largest = 0;
+  for (const PosedObject& object : scene.objects) largest = std::max(largest, object.instance);
+  std::vector<uint16_t> new_id(largest + 2, 0);
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    const PosedObject& object = scene.objects[i];
+    if (fractions[i] == 0 || IsForeign(object.object)) continue;
+    out.instances.push_back({object.object, X_CW * object.X_WO, fractions[i]});
+    new_id[object.instance + 1] = static_cast<uint16_t>(out.instances.size());
+  }
+  for (uint16_t& id : image.ids.pixels()) id = new_id[id];
+  Rng noise = Rng::Derive(seed, view, "pile view noise");
+  Image<float> depth_m = ApplySensorNoise({image.depth_m, camera.intrinsics, &image.color},
+                                          PileSensor(seed, view), noise);
+  out.frame = {camera.intrinsics, std::move(image.color), std::move(depth_m)};
+  out.ids = std::move(image.ids);
+  out.background = KnownBackground{scene.bin, X_CW};  // the bin's frame is the world frame
+  return out;
+}
+
+std::vector<LabelledView> SimViewSource::Pile(const PileRequest& request) {
+  CheckInput(request.object < static_cast<int>(objects_.size()),
+             fmt::format("object {} of {}: no such part", request.object, objects_.size()));
+  const ScaledPile pile = DropPile(request);
+  std::vector<LabelledView> out;
+  out.reserve(request.views);
+  for (int view = 0; view < request.views; ++view) {
+    out.push_back(PileView(pile, request.seed, view));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
+                                                      const ViewSourceOptions& options) {
+  CheckInput(!objects.empty(), "no objects to make views of: name at least one");
+  CheckInput(options.parts_min >= 1 && options.parts_max >= options.parts_min,
+             fmt::format("parts of a pile {} to {}: need 1 <= parts_min <= parts_max",
+                         options.parts_min, options.parts_max));
+  CheckInput(options.distance_min_m > 0 && options.distance_max_m >= options.distance_min_m,
+             fmt::format("camera distance {} to {} m: need 0 < distance_min_m <= distance_max_m",
+                         options.distance_min_m, options.distance_max_m));
+  CheckInput(
+      options.foreign_share >= 0 && options.foreign_share <= 1 && options.foreign_max >= 1,
+      fmt::format("foreign shapes in {} of the piles, at most {}: need a share of 0 to 1 and "
+                  "1 shape or more",
+                  options.foreign_share, options.foreign_max));
+  options.looks.Validate();
+  return std::make_unique<SimViewSource>(objects, options);
+}
+
+}  // namespace pickbed::sim

@@ -1,0 +1,256 @@
+#include "eval/bop/check_dataset.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "eval/bop/dataset_scores.h"
+#include "eval/bop/results_csv.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+#include "tests/eval/bop_small_dataset.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed::tests::bop {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+// A dataset that is made once, and a copy in which a test plants a fault.
+class BopCheck : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    whole_ = new TemporaryFolder;
+    MakeSmall(whole_->path(), 1, 2);
+  }
+  static void TearDownTestSuite() { delete whole_; }
+
+  void Copy() {
+    fs::remove_all(root());
+    fs::copy(whole_->path(), root(), fs::copy_options::recursive);
+  }
+  fs::path root() const { return folder_.path() / "set"; }
+  fs::path scene() const { return root() / "test" / "000001"; }
+
+  static Json Read(const fs::path& file) { return Json::parse(ReadFileBytes(file)); }
+  static void Change(const fs::path& file, const std::function<void(Json&)>& change) {
+    Json json = Read(file);
+    change(json);
+    WriteFileAtomically(file, json.dump());
+  }
+
+  static TemporaryFolder* whole_;
+  const TemporaryFolder folder_;
+};
+TemporaryFolder* BopCheck::whole_ = nullptr;
+
+TEST_F(BopCheck, IntactDatasetHasNoFault) {
+  const CheckReport report = CheckDataset(whole_->path());
+  EXPECT_EQ(report.faults, std::vector<std::string>());
+  EXPECT_EQ(report.objects, 1);
+  EXPECT_EQ(report.scenes, 1);
+  EXPECT_EQ(report.images, 2);
+  EXPECT_EQ(report.instances, 2 * kSmallParts);
+}
+
+TEST_F(BopCheck, MissingFolderIsRefused) {
+  EXPECT_THROW(CheckDataset(folder_.path() / "none"), InputError);
+}
+
+TEST_F(BopCheck, MissingAndExtraFilesAreReported) {
+  const struct {
+    const char* file;
+    const char* fault;
+  } missing[] = {
+      {"camera.json", "camera.json: is missing"},
+      {"models/models_info.json", "models_info.json: is missing"},
+      {"models/obj_000001.ply", "obj_000001.ply' does not exist"},
+      {"test/000001/scene_camera.json", "scene_camera.json: is missing"},
+      {"test/000001/scene_gt.json", "scene_gt.json: is missing"},
+      {"test/000001/scene_gt_info.json", "scene_gt_info.json: is missing"},
+      {"test/000001/rgb/000001.png", "rgb/000001.png: is missing"},
+      {"test/000001/depth/000001.png", "depth/000001.png: is missing"},
+      {"test/000001/mask/000000_000002.png", "mask/000000_000002.png: is missing"},
+      {"test/000001/mask_visib/000001_000000.png", "mask_visib/000001_000000.png: is missing"},
+      {"test", "has no folder train*, val* or test*"},
+      {"test/000001", "test: has no scene folder such as 000001"},
+  };
+  for (const auto& c : missing) {
+    Copy();
+    ASSERT_TRUE(fs::exists(root() / c.file)) << c.file;
+    fs::remove_all(root() / c.file);
+    const std::vector<std::string> faults = CheckDataset(root()).faults;
+    EXPECT_THAT(faults, ::testing::Contains(HasSubstr(c.fault))) << c.file;
+  }
+  const struct {
+    const char* from;
+    const char* to;
+    const char* fault;
+  } extra[] = {
+      {"rgb/000000.png", "rgb/000007.png", "000007.png: scene_camera.json has no such image"},
+      {"mask/000000_000000.png", "mask/000000_000003.png", "has only 3 instances in this image"},
+  };
+  for (const auto& c : extra) {
+    Copy();
+    fs::copy(scene() / c.from, scene() / c.to);
+    const std::vector<std::string> faults = CheckDataset(root()).faults;
+    ASSERT_EQ(faults.size(), 1u) << c.to;
+    EXPECT_THAT(faults[0], HasSubstr(c.fault));
+  }
+}
+
+TEST_F(BopCheck, WrongJsonValuesAreReported) {
+  const struct {
+    const char* file;
+    std::function<void(Json&)> plant;
+    const char* fault;
+  } cases[] = {
+      {"test/000001/scene_gt.json", [](Json& j) { j["1"][2]["cam_R_m2c"][0] = 2.0; },
+       "scene_gt.json: image 1: instance 2: 'cam_R_m2c': is no rotation"},
+      {"test/000001/scene_gt.json",
+       [](Json& j) {
+         for (int i = 0; i < 3; ++i) {
+           double& entry = j["0"][0]["cam_R_m2c"][i].get_ref<double&>();
+           entry = -entry;
+         }
+       },
+       "image 0: instance 0: 'cam_R_m2c': is no rotation but a reflection"},
+      {"test/000001/scene_gt.json", [](Json& j) { j["0"][1]["cam_R_m2c"].erase(8); },
+       "'cam_R_m2c': is not 9 numbers"},
+      {"test/000001/scene_gt.json", [](Json& j) { j["0"][1]["cam_t_m2c"][2] = -500; },
+       "instance 1: stands behind the camera"},
+      {"test/000001/scene_gt.json", [](Json& j) { j["0"][1].erase("cam_t_m2c"); },
+       "instance 1: has no 'cam_t_m2c'"},
+      {"test/000001/scene_gt.json", [](Json& j) { j["0"][1]["obj_id"] = 9; },
+       "image 0: instance 1: models_info.json has no object 9"},
+      {"test/000001/scene_gt.json", [](Json& j) { j.erase("1"); },
+       "scene_gt.json: has no entry for image 1"},
+      {"test/000001/scene_gt.json", [](Json& j) { j["5"] = j["1"]; },
+       "image 5: scene_camera.json has no such image"},
+      {"test/000001/scene_gt.json", [](Json& j) { j["x"] = j["1"]; }, "'x' is no number"},
+      {"test/000001/scene_gt_info.json", [](Json& j) { j["0"].erase(1); },
+       "tells of 2 instances, scene_gt.json of 3"},
+      {"test/000001/scene_gt_info.json",
+       [](Json& j) { j["0"][0]["visib_fract"] = 0.5 * j["0"][0]["visib_fract"].get<double>(); },
+       "image 0: instance 0: visib_fract is"},
+      {"test/000001/scene_gt_info.json",
+       [](Json& j) { j["0"][0]["px_count_visib"] = j["0"][0]["px_count_all"].get<int>() + 1; },
+       "px_count_visib is"},
+      {"test/000001/scene_gt_info.json", [](Json& j) { j["0"][0]["px_count_valid"] = 1000000; },
+       "more than the image has pixels"},
+      {"test/000001/scene_camera.json", [](Json& j) { j["0"].erase("cam_K"); },
+       "scene_camera.json: image 0: has no 'cam_K'"},
+      {"test/000001/scene_camera.json", [](Json& j) { j["0"]["cam_K"][0] = 0; },
+       "focal length that is not positive"},
+      {"test/000001/scene_camera.json", [](Json& j) { j["0"]["depth_scale"] = 0; },
+       "'depth_scale' is not positive"},
+      {"test/000001/scene_camera.json", [](Json& j) { j["0"]["cam_R_w2c"][4] = 7; },
+       "'cam_R_w2c': is no rotation"},
+      {"models/models_info.json",
+       [](Json& j) { j["1"]["diameter"] = 2 * j["1"]["diameter"].get<double>(); },
+       "obj_000001.ply: its diameter is 51.962 mm, models_info.json says 103.923"},
+      {"models/models_info.json", [](Json& j) { j["1"]["min_x"] = -99; }, "its bounding box is"},
+      {"models/models_info.json", [](Json& j) { j["1"]["diameter"] = "52"; },
+       "'diameter' is \"52\", not a number"},
+      {"models/models_info.json",
+       [](Json& j) {
+         j["1"]["symmetries_discrete"] = Json::array({Json(std::vector<double>(16, 1.0))});
+       },
+       "'symmetries_discrete': the last row"},
+      {"models/models_info.json",
+       [](Json& j) {
+         j["1"]["symmetries_continuous"] =
+             Json::array({Json{{"axis", {0, 0, 0}}, {"offset", {0, 0, 0}}}});
+       },
+       "an axis has no length"},
+      {"camera.json", [](Json& j) { j["fx"] = -1; }, "must be positive"},
+      {"test_targets_bop19.json", [](Json& j) { j[0]["inst_count"] = 50; },
+       "target 0: wants 50 of object 1, scene 1 image 0 has 3"},
+      {"test_targets_bop19.json", [](Json& j) { j[0].erase("obj_id"); }, "has no 'obj_id'"},
+      {"test_targets_bop24.json", [](Json& j) { j[0]["im_id"] = 8; },
+       "target 0: there is no truth of scene 1 image 8"},
+  };
+  for (const auto& c : cases) {
+    Copy();
+    Change(root() / c.file, c.plant);
+    const std::vector<std::string> faults = CheckDataset(root()).faults;
+    EXPECT_THAT(faults, ::testing::Contains(HasSubstr(c.fault)));
+    for (const std::string& line : faults) {
+      EXPECT_THAT(line, HasSubstr(root().string())) << "the message names no file";
+      EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    }
+  }
+  Copy();
+  WriteFileAtomically(scene() / "scene_gt.json", "{\"0\": [NaN]}");
+  EXPECT_THAT(CheckDataset(root()).faults,
+              ::testing::Contains(HasSubstr("scene_gt.json: is no JSON")));
+}
+
+TEST_F(BopCheck, WrongImagesAreReported) {
+  const fs::path depth = scene() / "depth" / "000000.png";
+  const fs::path rgb = scene() / "rgb" / "000000.png";
+  const fs::path mask = scene() / "mask_visib" / "000000_000000.png";
+  const auto only_fault = [&] {
+    const std::vector<std::string> faults = CheckDataset(root()).faults;
+    return faults.size() == 1 ? faults[0] : std::to_string(faults.size()) + " faults";
+  };
+  Copy();
+  WriteFileAtomically(depth, EncodePng(Image<uint8_t>(96, 72, uint8_t{9}), 1));
+  EXPECT_THAT(only_fault(), HasSubstr("000000.png' as depth: it is not 16 bits"));
+  Copy();
+  WritePng16(depth, Image<uint16_t>(96, 72));
+  EXPECT_THAT(only_fault(), HasSubstr("000000.png: has no reading at all"));
+  Copy();
+  WritePng(rgb, Image<Rgb8>(48, 36));
+  EXPECT_THAT(only_fault(), HasSubstr("is 48 x 36 pixels, its depth image 96 x 72"));
+  Copy();
+  WriteFileAtomically(rgb, "no picture");
+  EXPECT_THAT(only_fault(), HasSubstr("it is no image"));
+  Copy();
+  WritePng16(mask, Image<uint16_t>(96, 72));
+  EXPECT_THAT(only_fault(), HasSubstr("as a mask: it is not 8 bits"));
+  Copy();
+  WriteFileAtomically(mask, EncodePng(Image<uint8_t>(90, 72), 1));
+  EXPECT_THAT(only_fault(), HasSubstr("is 90 x 72 pixels, its depth image 96 x 72"));
+  Copy();
+  Image<uint8_t> pixels = ReadPng8(mask);
+  *std::find(pixels.pixels().begin(), pixels.pixels().end(), 255) = 0;
+  WriteFileAtomically(mask, EncodePng(pixels, 1));
+  EXPECT_THAT(only_fault(), HasSubstr("scene_gt_info.json says px_count_visib"));
+  Copy();
+  pixels = ReadPng8(mask);
+  *std::find(pixels.pixels().begin(), pixels.pixels().end(), 0) = 128;
+  WriteFileAtomically(mask, EncodePng(pixels, 1));
+  EXPECT_THAT(only_fault(), HasSubstr("1 pixels are neither 0 nor 255"));
+}
+
+// A command that reads a broken dataset throws at the first fault and does not use the rest of it.
+TEST_F(BopCheck, EvaluationThrowsAtTheFirstFault) {
+  Copy();
+  Change(scene() / "scene_gt.json", [](Json& j) { j["1"][2]["cam_R_m2c"][0] = 2.0; });
+  try {
+    Evaluate(root(), "test", {});
+    ADD_FAILURE() << "a matrix that is not a rotation was accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("image 1: instance 2: 'cam_R_m2c': is no rotation"));
+  }
+  Copy();
+  Estimate stranger;
+  stranger.scene_id = 1;
+  stranger.object_id = 77;
+  try {
+    Evaluate(root(), "test", {stranger});
+    ADD_FAILURE() << "an estimate of an unknown object was accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("estimate of scene 1 image 0: obj_id 77"));
+  }
+  EXPECT_THROW(Evaluate(root(), "tset", {}), InputError);
+}
+
+}  // namespace
+}  // namespace pickbed::tests::bop

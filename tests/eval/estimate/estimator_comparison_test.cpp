@@ -1,0 +1,210 @@
+#include "eval/estimate/estimator_comparison.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "eval/estimate/report.h"
+#include "eval/estimate/statistics.h"
+#include "eval/page/html.h"
+#include "eval/runtime/process.h"
+#include "scenes/base/error.h"
+#include "tests/eval/cube_scenario.h"
+
+namespace pickbed::tests {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+HypothesisRecord Pose(double score, double mssd_diameters, double rotation_rad = 0) {
+  HypothesisRecord pose;
+  pose.score = score;
+  pose.mssd_diameters = mssd_diameters;
+  pose.rotation_rad = rotation_rad;
+  pose.correct = mssd_diameters < kCorrectDiameters;
+  return pose;
+}
+
+// Three instances, the last one barely visible. The poses by score: a right one, a second pose of
+// the same instance, one at the place of another object. The last one is right, for the barely
+// visible instance.
+ComparedRow HandWorked() {
+  ComparedLook look;
+  look.score.instances = {{0, 0, 1.0, true}, {1, 0, 0.6, false}, {2, 0, 0.05, true}};
+  look.score.hypotheses = {Pose(0.9, 0.01, 0.01), Pose(0.8, 0.02, 0.02), Pose(0.7, 0.3, 0.5),
+                           Pose(0.6, 0.03, 0.03)};
+  look.score.taken = {0, -1, -1, 2};
+  look.score.nearest_object = {0, 0, 1, 0};
+  look.seconds = {{"estimate", 0.5}, {"estimate/icp", 0.2}};
+  ComparedRow row;
+  row.label = "by hand";
+  row.looks = {look};
+  return row;
+}
+
+TEST(ComparisonStatistics, EqualHandComputedValues) {
+  const ComparisonFigures f = FiguresOf(HandWorked());
+  EXPECT_EQ(f.top_right, 1);
+  EXPECT_EQ(f.instances, 2) << "instances below 10 % visible need not be found";
+  EXPECT_EQ(f.recalled, 1);
+  EXPECT_EQ(f.poses, 4);
+  EXPECT_EQ(f.right, 2) << "the second pose of an instance is wrong";
+  EXPECT_EQ(f.identity_right, 3);
+  EXPECT_EQ(f.recall_at_95, 0.5) << "with only the first pose";
+  EXPECT_EQ(f.bands.back().instances, 1);
+  EXPECT_EQ(f.bands.back().recalled, 1);
+  EXPECT_EQ(f.share_over_15_deg, 0.25);
+  EXPECT_EQ(f.median_mssd_diameters.value, 0.02);
+  EXPECT_TRUE(std::isinf(f.median_mssd_diameters.ci95.high)) << "four poses are too few";
+  // Each score has a bin of its own: (|1 - .9| + |0 - .8| + |0 - .7| + |1 - .6|) / 4.
+  EXPECT_NEAR(f.calibration_error, (0.1 + 0.8 + 0.7 + 0.4) / 4, 1e-12);
+  EXPECT_EQ(f.seconds, 0.5);
+  EXPECT_EQ(FiguresOf(HandWorked(), 1).instances, 0) << "there is no other object";
+}
+
+TEST(ComparisonTable, LongLabelsKeepColumnsAligned) {
+  ComparedRow first = HandWorked(), second = HandWorked();
+  first.label = "kehl:hard=/home/somebody/models/of/kehl.pt";
+  second.label = "doumanoglou:hard=/home/somebody/models/of/doumanoglou.pt";
+  const std::string table = ComparisonTable({first, second});
+  EXPECT_THAT(table, HasSubstr(' ' + first.label + ' ' + second.label + '\n'));
+  const size_t width = table.find('\n');
+  for (size_t at = 0; at < table.size(); at += width + 1) {
+    ASSERT_EQ(table.find('\n', at), at + width) << table;
+  }
+}
+
+// A threshold cannot separate equal scores, so the right pose is not counted without the wrong
+// ones.
+TEST(ComparisonStatistics, ThresholdsDoNotSeparateEqualScores) {
+  ComparedRow row = HandWorked();
+  for (HypothesisRecord& pose : row.looks[0].score.hypotheses) pose.score = 0.5;
+  EXPECT_EQ(FiguresOf(row).recall_at_95, 0);
+}
+
+TEST(Comparison, OracleIsPerfectAndNoisyOracleIsNot) {
+  ScenarioSpec spec = CubeScenario(3);
+  spec.trials = 2;
+  ComparedEstimator far{"far", spec.estimator};
+  far.spec.noise_mm = 30;
+  const ComparisonJob job{spec, EasyCube(), {{"oracle", spec.estimator}, far}, {}, 0, 1, {}, {}};
+  const std::vector<ComparedRow> rows = CompareEstimators(job);
+  ASSERT_EQ(rows.size(), 2u);
+  const ComparisonFigures right = FiguresOf(rows[0]), wrong = FiguresOf(rows[1]);
+  EXPECT_EQ(right.recall(), 1);
+  EXPECT_EQ(right.precision(), 1);
+  EXPECT_EQ(right.top_right, 2);
+  EXPECT_NEAR(rows[0].bop.ar(), 1, 1e-9);
+  EXPECT_NEAR(rows[0].bop.ap(), 1, 1e-9);
+  EXPECT_EQ(wrong.instances, right.instances) << "the same bins";
+  EXPECT_LT(wrong.recall(), 0.5);
+  EXPECT_LT(rows[1].bop.ar(), 0.5);
+  EXPECT_EQ(ComparisonCsv(rows, job.objects), ComparisonCsv(CompareEstimators(job), job.objects));
+}
+
+// Identical cubes, half of them distractors. Distractors are neither required nor counted.
+TEST(Comparison, DistractorsDoNotCount) {
+  ScenarioSpec spec = CubeScenario(3);
+  spec.trials = 2;
+  spec.objects.insert(spec.objects.begin(), spec.objects.front());
+  spec.objects[0].name = "other";
+  spec.objects[0].foreign = true;
+  const ObjectSet objects{EasyCube()[0], EasyCube()[0]};
+  const ComparisonJob job{spec, objects, {{"oracle", spec.estimator}}, {}, 0, 1, {}, {}};
+  const std::vector<ComparedRow> rows = CompareEstimators(job);
+  for (const ComparedLook& look : rows[0].looks) {
+    for (const HypothesisRecord& pose : look.score.hypotheses) EXPECT_EQ(pose.object, 1);
+  }
+  const ComparisonFigures f = FiguresOf(rows[0]);
+  EXPECT_EQ(f.recall(), 1);
+  EXPECT_EQ(f.precision(), 1);
+  EXPECT_LE(f.instances, 6);
+  EXPECT_GT(f.instances, 3);
+  EXPECT_EQ(FiguresOf(rows[0], 0).instances, 0);
+}
+
+TEST(Comparison, LabelsNameEstimatorAndMode) {
+  const auto rows = ParseEstimators({"descriptor:hard", "ppf"}, EstimatorSpec());
+  EXPECT_EQ(rows[0].spec.name, "descriptor");
+  EXPECT_EQ(rows[0].spec.mode, "hard");
+  EXPECT_EQ(rows[1].spec.mode, EstimatorSpec().mode);
+  EXPECT_THROW(ParseEstimators({"ppf", "ppf"}, EstimatorSpec()), InputError);
+  EXPECT_THROW(ParseEstimators({"pfp"}, EstimatorSpec()), InputError);
+}
+
+TEST(Comparison, LabelsSelectTheModelFile) {
+  EstimatorSpec base;
+  base.model = "mine.pt";
+  const auto rows =
+      ParseEstimators({"descriptor", "descriptor=models/b:1.pt", "kehl:hard=kehl.pt", "ppf"}, base);
+  EXPECT_EQ(rows[0].spec.model, "mine.pt");
+  EXPECT_EQ(rows[1].spec.name, "descriptor");
+  EXPECT_EQ(rows[1].spec.mode, base.mode);
+  EXPECT_EQ(rows[1].spec.model, "models/b:1.pt");
+  EXPECT_EQ(rows[2].spec.name, "kehl");
+  EXPECT_EQ(rows[2].spec.mode, "hard");
+  EXPECT_EQ(rows[2].spec.model, "kehl.pt");
+  EXPECT_EQ(rows[3].spec.model, "");  // the scenario's model is for the descriptor estimator
+  EXPECT_THROW(ParseEstimators({"kehl="}, base), InputError);
+}
+
+// Chart of the page with this id.
+std::string ChartOf(const HtmlPage& page, const std::string& id) {
+  const size_t begin = page.body().find("data-chart=\"" + id + "\"");
+  return page.body().substr(begin, page.body().find("</figure>", begin) - begin);
+}
+
+TEST(ComparisonPage, ChartsHaveTheHandComputedStatistics) {
+  ComparedRow other = HandWorked();
+  other.label = "other";
+  const HtmlPage page = ComparisonPage("a < b", {HandWorked(), other}, EasyCube(), {"x.png"});
+  const std::string recall = ChartOf(page, "recall");
+  EXPECT_THAT(recall, HasSubstr("\"x\":\"90-100 %\",\"series\":\"by hand\",\"rate\":1.0"));
+  EXPECT_THAT(recall, HasSubstr("\"x\":\"50-70 %\",\"series\":\"other\",\"rate\":0.0"));
+  EXPECT_THAT(recall, Not(HasSubstr("\"x\":\"10-30 %\",\"series\"")));
+  // One pose per score: 0.9 and 0.6 are right, 0.8 and 0.7 are not.
+  const std::string reliability = ChartOf(page, "reliability");
+  EXPECT_THAT(reliability, HasSubstr("\"confidence\":0.9,\"rate\":1.0"));
+  EXPECT_THAT(reliability, HasSubstr("\"confidence\":0.7,\"rate\":0.0"));
+  EXPECT_THAT(page.body(), HasSubstr("src=\"x.png\""));
+}
+
+TEST(Memory, PeakMemoryIncludesTouchedBlocks) {
+  constexpr size_t kBlock = 64 << 20;
+  ReleaseFreedMemory();  // memory of earlier tests
+  const size_t before = ResetPeakMemory();
+  {
+    std::vector<char> block(kBlock);
+    std::memset(block.data(), 1, kBlock);
+    EXPECT_EQ(block[kBlock / 2], 1);
+  }
+  EXPECT_GE(PeakMemory(), before + kBlock * 9 / 10);
+}
+
+// Blocks that are too small for a mapping of their own stay with the process after they are freed.
+// They stay because a later block is still held.
+TEST(Memory, FreedMemoryIsReleasedForTheNextMeasurement) {
+  constexpr size_t kBlock = 16 << 10, kBlocks = 4096, kAll = kBlock * kBlocks;
+  const auto fill = [=](std::vector<std::vector<char>>& blocks) {
+    for (size_t i = 0; i < kBlocks; ++i) blocks.emplace_back(kBlock, 'x');
+  };
+  ReleaseFreedMemory();
+  const size_t before = ResetPeakMemory();
+  std::vector<std::vector<char>> blocks;
+  fill(blocks);
+  const std::vector<char> last(kBlock, 'y');
+  blocks = {};
+  if (ResetPeakMemory() < before + kAll / 2) GTEST_SKIP() << "this allocator keeps no freed memory";
+  ReleaseFreedMemory();
+  const size_t released = ResetPeakMemory();
+  EXPECT_LT(released, before + kAll / 10);
+  fill(blocks);
+  EXPECT_GE(PeakMemory(), released + kAll * 9 / 10);
+  EXPECT_EQ(last.back(), 'y');
+}
+
+}  // namespace
+}  // namespace pickbed::tests

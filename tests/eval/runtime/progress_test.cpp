@@ -1,0 +1,53 @@
+#include "eval/runtime/progress.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/layer.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+ProgressState SomeTrials() {
+  ProgressState state;
+  state.done = 30;
+  state.total = 40;
+  state.done_before = 20;
+  state.counts_successes = true;
+  for (int i = 0; i < 10; ++i) state.outcomes.push_back({i % 2 == 0 ? 3 : 1, 3});
+  return state;
+}
+
+TEST(Progress, TextHasRateTimeLeftAndSuccessInterval) {
+  const std::string text = ProgressText(SomeTrials(), 20.0);
+  EXPECT_THAT(text, HasSubstr("trial 30/40  0.50 trials/s  left 0:20"));
+  EXPECT_THAT(text, HasSubstr("picked 20/30 = 66.7 % ["));
+}
+
+TEST(Progress, JsonHasTheSameNumbers) {
+  const auto json = nlohmann::json::parse(ProgressJson(SomeTrials(), 20.0));
+  EXPECT_EQ(json["done"], 30);
+  EXPECT_EQ(json["total"], 40);
+  EXPECT_EQ(json["per_s"], 0.5);
+  EXPECT_EQ(json["left_s"], 20.0);
+  EXPECT_EQ(json["attempts"], 30);
+  EXPECT_EQ(json["successes"], 20);
+  EXPECT_LT(json["success_ci95"][0], json["success_rate"]);
+  EXPECT_GT(json["success_ci95"][1], json["success_rate"]);
+}
+
+TEST(Progress, TimeLeftIsUnknownAtTheStart) {
+  ProgressState state;
+  state.total = 40;
+  EXPECT_THAT(ProgressText(state, 3.0), HasSubstr("left ?"));
+  EXPECT_THAT(ProgressText(state, 3.0), Not(HasSubstr("picked")));
+  EXPECT_TRUE(nlohmann::json::parse(ProgressJson(state, 3.0))["left_s"].is_null());
+}
+
+}  // namespace
+}  // namespace pickbed::tests

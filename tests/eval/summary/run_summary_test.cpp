@@ -1,0 +1,257 @@
+#include "eval/summary/run_summary.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/layer.h"
+
+namespace pickbed::tests {
+namespace {
+
+AttemptRecord Pick(FailureReason failure, bool top_correct) {
+  AttemptRecord pick;
+  pick.instances = {{0, 0, 0.95, true}, {1, 0, 0.4, false}, {2, 0, 0.05, false}};
+  HypothesisRecord top;
+  top.correct = top_correct;
+  pick.hypotheses = {top};
+  pick.chosen = 0;
+  pick.grasp = Grasp{};
+  pick.failure = failure;
+  return pick;
+}
+
+// Two bins. The first has three attempts, one of which fails. The second ends without a proposal.
+// (A trial that ends by a failed attempt has its failure twice, also as ended_by. It counts once.)
+std::vector<TrialResult> TwoTrials() {
+  TrialResult a;
+  a.trial = 0;
+  a.instances_dropped = 5;
+  a.instances_cleared = 2;
+  a.attempts = {Pick(FailureReason::kNone, true), Pick(FailureReason::kSlipped, true),
+                Pick(FailureReason::kNone, false)};
+  a.seconds = {{"drop", 2.0}, {"icp", 1.0}};
+  TrialResult b;
+  b.trial = b.bin_index = 1;
+  b.instances_dropped = 5;
+  b.ended_by = FailureReason::kNoProposal;
+  AttemptRecord empty;
+  empty.instances = {{3, 0, 1.0, false}};
+  empty.failure = FailureReason::kNoProposal;
+  b.attempts = {empty};
+  b.seconds = {{"drop", 4.0}};
+  return {a, b};
+}
+
+TEST(Summarize, AgreesWithCountsByHand) {
+  const RunSummary s = Summarize(TwoTrials());
+  EXPECT_EQ(s.trials, 2);
+  EXPECT_EQ(s.executed_grasps, 3);
+  EXPECT_EQ(s.successes, 2);
+  EXPECT_DOUBLE_EQ(s.success_rate, 2.0 / 3);
+  EXPECT_DOUBLE_EQ(s.cleared_rate, 0.2);
+  EXPECT_EQ(s.frames, 3);
+  EXPECT_DOUBLE_EQ(s.top1_precision, 2.0 / 3);
+  EXPECT_EQ(s.failures, (std::map<std::string, int>{{"slipped", 1}, {"no_proposal", 1}}));
+  EXPECT_DOUBLE_EQ(s.seconds.at("drop"), 3.0);
+  EXPECT_DOUBLE_EQ(s.seconds.at("icp"), 0.5);
+}
+
+// Three attempts. The second holds a wrong instance, and the third only touches its instance.
+TEST(Summarize, ReportsTheRateOfEverySuccessRule) {
+  auto trials = TwoTrials();
+  const auto pass = [&](int pick, std::initializer_list<SuccessRule> rules) {
+    for (const SuccessRule rule : rules) {
+      trials[0].attempts[pick].outcome.verdicts[static_cast<int>(rule)] = true;
+    }
+  };
+  pass(0, {SuccessRule::kContact, SuccessRule::kHeld, SuccessRule::kRightInstance});
+  pass(1, {SuccessRule::kContact, SuccessRule::kHeld});
+  pass(2, {SuccessRule::kContact});
+  // The verdict of an attempt without a grasp does not count.
+  trials[1].attempts[0].outcome.verdicts[static_cast<int>(SuccessRule::kHeld)] = true;
+  const RunSummary summary = Summarize(trials);
+  const auto json = nlohmann::json::parse(SummaryJson(summary))["success_by_rule"];
+  ASSERT_EQ(json.size(), static_cast<size_t>(kSuccessRules));
+  EXPECT_EQ(json["contact"]["successes"], 3);
+  EXPECT_EQ(json["held"]["successes"], 2);
+  EXPECT_EQ(json["right_instance"]["successes"], 1);
+  EXPECT_EQ(json["placed"]["successes"], 0);
+  EXPECT_DOUBLE_EQ(json["held"]["rate"], 2.0 / 3);
+  // All three attempts are in one bin and carry the information of one.
+  const Interval expected = WilsonInterval(2, 3);
+  EXPECT_LT(json["held"]["ci95"][0], expected.low);
+  EXPECT_GT(json["held"]["ci95"][1], expected.high);
+  const std::string table = SummaryTable(summary);
+  EXPECT_NE(table.find("Success of 3 attempts by rule"), std::string::npos);
+  EXPECT_NE(table.find("vgn_loose"), std::string::npos);
+}
+
+// Forty bins in which either every pick succeeds or none. More picks per bin add no information.
+TEST(Summarize, RateIntervalsAreOverBins) {
+  std::vector<TrialResult> trials;
+  for (int i = 0; i < 40; ++i) {
+    TrialResult& trial = trials.emplace_back();
+    trial.trial = trial.bin_index = i;
+    trial.instances_dropped = 10;
+    trial.instances_cleared = i % 2 ? 10 : 0;
+    trial.attempts.assign(10, Pick(i % 2 ? FailureReason::kNone : FailureReason::kSlipped, i % 2));
+  }
+  const RunSummary summary = Summarize(trials);
+  const Interval of_bins = WilsonInterval(20, 40);
+  for (const Interval& interval : {summary.success_ci95, summary.cleared_ci95, summary.top1_ci95}) {
+    EXPECT_NEAR(interval.low, of_bins.low, 0.01);
+    EXPECT_NEAR(interval.high, of_bins.high, 0.01);
+  }
+  // All are recalled in every image. The 40 bins count, not the 400 images.
+  EXPECT_NEAR(summary.recall_ci95[4].low, WilsonInterval(40, 40).low, 1e-12);
+  EXPECT_EQ(summary.recall_ci95[0].high, 1) << "there is no instance to recall";
+}
+
+TEST(Summarize, RefusedScenesAreListedWithTheirReasons) {
+  TrialResult trial;
+  trial.trial = 7;
+  trial.refused = {{0, {"not at rest"}}, {1, {"overlap", "2 parts fell outside the bin"}}};
+  const RunSummary summary = Summarize({trial, TrialResult()});
+  ASSERT_EQ(summary.refused.size(), 2u);
+  EXPECT_EQ(summary.refused[1].trial, 7);
+  const std::string table = SummaryTable(summary);
+  EXPECT_NE(table.find("Scenes refused and built anew: 2 of 4"), std::string::npos);
+  EXPECT_NE(table.find("trial 7, attempt 1: overlap, 2 parts fell outside"), std::string::npos);
+  EXPECT_EQ(SummaryTable(Summarize({TrialResult()})).find("refused"), std::string::npos);
+}
+
+TEST(Summarize, InstancesBelowTenPercentVisibleCountInNoBand) {
+  const RunSummary s = Summarize(TwoTrials());
+  int instances = 0;
+  for (const RecallBand& band : s.recall_by_visibility) instances += band.instances;
+  EXPECT_EQ(instances, 7);
+  EXPECT_EQ(s.recall_by_visibility[1].instances, 3);
+  EXPECT_EQ(s.recall_by_visibility[1].recalled, 0);
+  EXPECT_EQ(s.recall_by_visibility[4].instances, 4);  // 100 % visible belongs to the last band
+  EXPECT_EQ(s.recall_by_visibility[4].recalled, 3);
+}
+
+// 4 images, 3 grasps, 2 picked instances: (4 * 1 + 4 * 2 + 3 * 6) / 2 = 15 s per instance.
+TEST(Summarize, PicksPerHourFollowFromGivenTimes) {
+  const RunSummary stated = Summarize(TwoTrials(), {1, 2, 6});
+  EXPECT_DOUBLE_EQ(stated.cycle.sense_s, 2);
+  EXPECT_DOUBLE_EQ(stated.cycle.compute_s, 4);
+  EXPECT_DOUBLE_EQ(stated.cycle.move_s, 9);
+  EXPECT_DOUBLE_EQ(stated.cycle.picks_per_hour(), 240);
+  EXPECT_EQ(nlohmann::json::parse(SummaryJson(stated))["picks_per_hour"], 240);
+  EXPECT_NE(SummaryTable(stated).find("240"), std::string::npos);
+}
+
+TEST(Summarize, MeasuredComputeTimeIsOnlyInTheTimings) {
+  auto trials = TwoTrials();
+  trials[0].seconds["estimate"] = 5;
+  trials[0].seconds["estimate/icp"] = 3;  // included in estimate
+  trials[1].seconds["plan"] = 1;
+  const RunSummary measured = Summarize(trials, {1, 0, 6});
+  EXPECT_DOUBLE_EQ(measured.cycle.compute_s, 3);
+  EXPECT_TRUE(measured.cycle.measured);
+  EXPECT_TRUE(nlohmann::json::parse(SummaryJson(measured))["picks_per_hour"].is_null());
+  EXPECT_NE(TimingsCsv(trials, measured.cycle).find("all,cycle/part,14.000000"), std::string::npos);
+}
+
+TEST(Summarize, EmptyRunHasOnlyFiniteNumbers) {
+  const auto json = nlohmann::json::parse(SummaryJson(Summarize({})));
+  EXPECT_EQ(json["attempts"], 0);
+  EXPECT_EQ(json["success_rate"], 0.0);
+  EXPECT_EQ(json["success_ci95"], (std::vector<double>{0, 1}));
+}
+
+TEST(SummaryJson, HasTheKeysThatScriptsRead) {
+  const auto json = nlohmann::json::parse(SummaryJson(Summarize(TwoTrials())));
+  for (const char* key : {"trials", "attempts", "successes", "success_rate", "success_ci95",
+                          "cleared_rate", "top1_precision", "recall_by_visibility", "losses"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_FALSE(json.contains("seconds")) << "times are in a separate file";
+  EXPECT_EQ(json["losses"]["slipped"], 1);
+}
+
+TEST(Csv, HasOneLinePerTrialAndPerAttempt) {
+  const auto count = [](const std::string& text) {
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  EXPECT_EQ(count(TrialsCsv(TwoTrials())), 1 + 2);
+  const std::string picks = AttemptsCsv(TwoTrials(), {"rod"});
+  EXPECT_EQ(count(picks), 1 + 4);
+  // Every line has as many cells as the header.
+  std::istringstream lines(picks);
+  std::string header, line;
+  std::getline(lines, header);
+  while (std::getline(lines, line)) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','),
+              std::count(header.begin(), header.end(), ','));
+  }
+}
+
+TEST(Csv, CrashedTrialsAreSortedInWithEmptyCells) {
+  auto trials = TwoTrials();
+  trials[0].trial = 1;
+  trials[1].trial = 4;
+  const std::string csv =
+      TrialsCsv(trials, {{0, 0, 0, 7, "a"}, {3, 1, 2, 7, "b"}, {9, 1, 8, 7, "c"}});
+  std::istringstream lines(csv);
+  std::vector<std::string> firsts;
+  std::string header, line;
+  std::getline(lines, header);
+  while (std::getline(lines, line)) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','),
+              std::count(header.begin(), header.end(), ','));
+    firsts.push_back(line.substr(0, line.find(',')));
+  }
+  EXPECT_EQ(firsts, (std::vector<std::string>{"0", "1", "3", "4", "9"}));
+  EXPECT_NE(csv.find("3,1,2,crashed,"), std::string::npos);
+}
+
+TEST(InstanceOutcomesCsv, ListsTheOutcomeOfEachInstance) {
+  auto trials = TwoTrials();
+  trials[0].outcomes = {{0, 0, true, true, FailureReason::kNone, 0},
+                        {1, 0, false, true, FailureReason::kSlipped, 1},
+                        {2, 0, false, false, FailureReason::kNone, -1}};
+  EXPECT_EQ(InstanceOutcomesCsv(trials, {"rod"}),
+            "trial,point,instance,object,became,loss,stage,pick\n0,0,0,rod,picked,none,done,0\n"
+            "0,0,1,rod,lost,slipped,grasp,1\n0,0,2,rod,not_asked,none,done,-1\n");
+}
+
+TEST(Csv, OutcomeCellsAreEmptyWithoutAGrasp) {
+  auto trials = TwoTrials();
+  GraspOutcome& outcome = trials[0].attempts[0].outcome;
+  outcome.verdicts[static_cast<int>(SuccessRule::kLifted)] = true;
+  outcome.contact_force_n = {0.25, 0.5, 1.75};
+  outcome.lift_height_m = 0.125;
+  const std::string csv = AttemptsCsv(trials, {"rod"});
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream cells(line + ",");
+    rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  const auto cell = [&](size_t row, const std::string& column) {
+    const auto at = std::find(rows[0].begin(), rows[0].end(), column);
+    return at == rows[0].end() ? "no such column" : rows.at(row).at(at - rows[0].begin());
+  };
+  EXPECT_EQ(cell(1, "contact"), "0");
+  EXPECT_EQ(cell(1, "lifted"), "1");
+  EXPECT_EQ(cell(1, "force_z_n"), "1.75");
+  EXPECT_EQ(cell(1, "lift_height_mm"), "125");
+  EXPECT_EQ(cell(1, "place_error_mm"), "") << "it was not set down";
+  EXPECT_EQ(cell(4, "lifted"), "") << "an attempt without a grasp";
+  EXPECT_EQ(cell(4, "picked_instance"), "");
+}
+
+TEST(TrialsCsv, ContainsNoTimes) {
+  auto trials = TwoTrials();
+  const std::string before = TrialsCsv(trials) + AttemptsCsv(trials, {"rod"});
+  for (auto& trial : trials) trial.seconds["drop"] = 99;
+  EXPECT_EQ(TrialsCsv(trials) + AttemptsCsv(trials, {"rod"}), before);
+}
+
+}  // namespace
+}  // namespace pickbed::tests

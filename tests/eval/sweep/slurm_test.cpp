@@ -1,0 +1,95 @@
+#include "eval/sweep/slurm.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "eval/trial/counts_by_bin.h"
+#include "scenes/base/files.h"
+#include "tests/eval/stub_sweep.h"
+#include "tests/support/error_of.h"
+#include "tests/support/temporary_folder.h"
+
+// Checks that need no cluster. tests/e2e/slurm.sh starts one.
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+SlurmJob SomeJob() {
+  SlurmJob job;
+  job.program = "/opt/my tools/pickbed";
+  job.out = "/shared/it's here";
+  job.working_folder = "/home/me";
+  job.catalog = "objects";
+  return job;
+}
+
+TEST(SlurmScript, ContainsOnlyTheOptionsThatAreSet) {
+  SlurmJob job = SomeJob();
+  job.options.shards = 16;
+  job.options.partition = "short";
+  job.options.time = "2:00:00";
+  job.options.cpus = 4;
+  job.options.options = "--account=lab  --qos=low";
+  const std::string script = JobScript(job);
+  EXPECT_THAT(script, HasSubstr("#SBATCH --partition=short\n"));
+  EXPECT_THAT(script, HasSubstr("#SBATCH --time=2:00:00\n"));
+  EXPECT_THAT(script, HasSubstr("#SBATCH --cpus-per-task=4\n"));
+  EXPECT_THAT(script, HasSubstr("#SBATCH --account=lab\n#SBATCH --qos=low\n"));
+  EXPECT_THAT(script, Not(HasSubstr("--mem")));
+  EXPECT_THAT(script, HasSubstr("--shard \"$SLURM_ARRAY_TASK_ID/16\" --jobs 4 --resume\n"));
+}
+
+TEST(SlurmScript, PassesThePictureOptionsToShards) {
+  SlurmJob job = SomeJob();
+  job.picture_trials = 7;
+  job.lost_picture_trials = 30;
+  EXPECT_THAT(JobScript(job), HasSubstr(" --pictures 7 --lost-pictures 30 "));
+}
+
+TEST(SlurmScript, QuotesPathsForTheShell) {
+  const std::string script = JobScript(SomeJob());
+  EXPECT_THAT(script,
+              HasSubstr("exec '/opt/my tools/pickbed' sweep "
+                        "'/shared/it'\\''s here/sweep.yaml' --out '/shared/it'\\''s here'"));
+}
+
+TEST(Slurm, CountsTrialsOfShards) {
+  const TemporaryFolder temporary;
+  const Sweep sweep = StubSweep(2, 6);
+  SweepOptions options;
+  options.out = temporary.path();
+  options.make = StubTrials();
+  options.shard = {2, 3};
+  RunSweep(sweep, options, {});
+  const auto states = ShardStates(sweep, options.out, 3);
+  ASSERT_EQ(states.size(), 3u);
+  for (const ShardState& state : states) EXPECT_EQ(state.total, 4);
+  EXPECT_EQ(states[0].done, 0);
+  EXPECT_TRUE(states[1].finished());
+  const ResultsStore store = ResultsStore::OpenToRead(ShardFolder(options.out, options.shard));
+  Cluster stored;
+  for (const TrialResult& trial : store.ReadAll()) SuccessOfAttempts()(trial, stored);
+  EXPECT_GT(stored.tries, 0);
+  EXPECT_EQ(SumOf(states[1].outcomes).tries, stored.tries);
+  EXPECT_EQ(SumOf(states[1].outcomes).hits, stored.hits);
+  EXPECT_THAT(ErrorOf([&] { ShardStates(StubSweep(2, 7), options.out, 3); }),
+              HasSubstr("results of other settings"));
+}
+
+TEST(Slurm, MissingSlurmIsReported) {
+  const TemporaryFolder temporary;
+  const char* path = std::getenv("PATH");
+  const std::string before = path == nullptr ? "" : path;
+  setenv("PATH", temporary.path().c_str(), 1);
+  SlurmJob job = SomeJob();
+  job.out = temporary.path();
+  const std::string error = ErrorOf([&] { RunOnSlurm(StubSweep(1, 1), job, {}); });
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_THAT(error, HasSubstr("there is no sbatch"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests

@@ -1,0 +1,35 @@
+#include "eval/trial/estimator_runner.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/eval/cube_scenario.h"
+
+namespace pickbed::tests {
+namespace {
+
+// A reported pose must be above the bin floor and between the walls.
+TEST(KeepThoseInBin, RemovesPosesBesideOrBelowTheBin) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.bin.inner_size_m = {0.4, 0.3, 0.15};
+  const SimulatedCell cell(spec, EasyCube());
+  const auto at = [&](const Eigen::Vector3d& p_W) {
+    return PoseHypothesis{0, cell.camera().X_CW() * Translation(p_W), 0.9, {}};
+  };
+  const std::vector<Eigen::Vector3d> inside{{0, 0, 0.015}, {0.185, 0.135, 0.015}, {-0.185, 0, 0.3}};
+  const std::vector<Eigen::Vector3d> outside{
+      {0.26, 0, 0.1}, {0, -0.18, 0.15}, {-0.21, 0.16, 0.015}, {0, 0, -0.02}};
+  std::vector<PoseHypothesis> hypotheses;
+  for (size_t i = 0; i < outside.size(); ++i) {
+    hypotheses.push_back(at(outside[i]));
+    if (i < inside.size()) hypotheses.push_back(at(inside[i]));
+  }
+  KeepThoseInBin(cell, hypotheses);
+  ASSERT_EQ(hypotheses.size(), inside.size());
+  for (size_t i = 0; i < inside.size(); ++i) {
+    EXPECT_TRUE(
+        (cell.camera().X_WC() * hypotheses[i].X_CO).translation().isApprox(inside[i], 1e-9));
+  }
+}
+
+}  // namespace
+}  // namespace pickbed::tests

@@ -1,0 +1,280 @@
+#include "eval/trial/trial.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "eval/summary/failure_budget.h"
+#include "eval/summary/run_summary.h"
+#include "eval/trial/simulated_cell.h"
+#include "scenes/base/error.h"
+#include "tests/eval/cube_scenario.h"
+#include "tests/sim/physics_parts.h"
+#include "tests/support/error_of.h"
+
+namespace pickbed::tests {
+namespace {
+
+TrialResult RunOne(const ScenarioSpec& spec, const ObjectSet& objects, int trial = 0) {
+  return TrialRunner(spec, objects).Run(trial);
+}
+
+// Only its edge could be held, which rests on the floor.
+ObjectSet WidePlate() { return {BoxPart({0.12, 0.11, 0.006}, 0.2)}; }
+
+// All measured values as text.
+std::string Record(const TrialResult& result, const ObjectSet& objects) {
+  std::vector<std::string> names;
+  for (const auto& object : objects) names.push_back(object->name);
+  return TrialsCsv({result}) + AttemptsCsv({result}, names);
+}
+
+TEST(Trial, GroundTruthPosesOfEasyObjectsEmptyTheBin) {
+  const TrialResult result = RunOne(CubeScenario(4), EasyCube());
+  EXPECT_EQ(result.instances_dropped, 4);
+  EXPECT_EQ(result.instances_cleared, 4);
+  EXPECT_EQ(result.ended_by, FailureReason::kNone);
+  ASSERT_EQ(result.attempts.size(), 4u);
+  std::set<int> picked;
+  for (const AttemptRecord& attempt : result.attempts) {
+    EXPECT_EQ(attempt.failure, FailureReason::kNone);
+    ASSERT_TRUE(attempt.grasp.has_value());
+    EXPECT_EQ(attempt.outcome.picked_instance, attempt.hypotheses.at(attempt.chosen).instance);
+    EXPECT_EQ(attempt.instances.size(), 4u - attempt.attempt)
+        << "one instance fewer in each attempt";
+    picked.insert(attempt.outcome.picked_instance);
+  }
+  EXPECT_EQ(picked.size(), 4u) << "each instance once";
+}
+
+TEST(Trial, DependsOnlyOnSeedAndTrialNumber) {
+  ScenarioSpec spec = CubeScenario(3);
+  spec.estimator.noise_mm = 2;
+  spec.estimator.noise_deg = 3;
+  const ObjectSet objects = EasyCube();
+  TrialRunner runner(spec, objects);
+  const std::string zero = Record(runner.Run(0), objects);
+  const std::string one = Record(runner.Run(1), objects);
+  EXPECT_NE(zero, one);
+  EXPECT_EQ(Record(runner.Run(0), objects), zero) << "earlier trials have no effect";
+  EXPECT_EQ(Record(RunOne(spec, objects, 1), objects), one) << "the runner keeps no state";
+  spec.seed = 12;
+  EXPECT_NE(Record(RunOne(spec, objects), objects), zero);
+}
+
+TEST(Trial, PolicyLimitsThePicks) {
+  ScenarioSpec spec = CubeScenario(3);
+  spec.policy.stop = "one_pick";
+  const TrialResult one = RunOne(spec, EasyCube());
+  EXPECT_EQ(one.attempts.size(), 1u);
+  EXPECT_EQ(BudgetOfInstances({&one, 1}).not_asked, 2);
+  // A bin without a grasp also requests one instance.
+  const TrialResult none = RunOne(spec, WidePlate());
+  EXPECT_EQ(BudgetOfInstances({&none, 1})[FailureReason::kNoGrasp], 1);
+  EXPECT_EQ(BudgetOfInstances({&none, 1}).asked(), 1);
+  spec.policy.stop = "until_empty";
+  spec.policy.max_picks = 2;
+  const TrialResult result = RunOne(spec, EasyCube());
+  EXPECT_EQ(result.attempts.size(), 2u);
+  EXPECT_EQ(result.ended_by, FailureReason::kNone);
+  EXPECT_EQ(result.instances_cleared, 2);
+}
+
+TEST(Trial, InstanceOutOfReachEndsTheTrialWithoutAGrasp) {
+  const TrialResult result = RunOne(CubeScenario(1), WidePlate());
+  EXPECT_EQ(result.ended_by, FailureReason::kNoGrasp);
+  ASSERT_EQ(result.attempts.size(), 1u);
+  EXPECT_FALSE(result.attempts[0].grasp.has_value());
+  EXPECT_EQ(result.attempts[0].failure, FailureReason::kNoGrasp);
+  EXPECT_EQ(result.instances_cleared, 0);
+}
+
+TEST(Trial, InstancesWithoutAPixelAreNotVisible) {
+  // From low outside the bin, a wall occludes everything on the floor.
+  ScenarioSpec spec = CubeScenario(2);
+  spec.bin.inner_size_m = {0.3, 0.3, 0.25};
+  spec.camera.eye_m = {0, -0.8, 0.15};
+  spec.camera.target_m = {0, 0, 0.1};
+  const TrialResult result = RunOne(spec, EasyCube());
+  EXPECT_EQ(result.ended_by, FailureReason::kNotVisible);
+  ASSERT_EQ(result.attempts.size(), 1u);
+  for (const InstanceRecord& instance : result.attempts[0].instances) {
+    EXPECT_EQ(instance.visible_fraction, 0);
+  }
+}
+
+TEST(Trial, FailureAtAWrongPoseIsAttributedToThePose) {
+  ScenarioSpec spec = CubeScenario(2);
+  spec.estimator.noise_mm = 60;
+  int wrong = 0;
+  const ObjectSet objects = EasyCube();
+  TrialRunner runner(spec, objects);
+  for (int trial = 0; trial < 4; ++trial) {
+    for (const AttemptRecord& attempt : runner.Run(trial).attempts) {
+      if (!attempt.grasp || attempt.outcome.success) continue;
+      if (attempt.hypotheses.at(attempt.chosen).correct) continue;
+      EXPECT_EQ(attempt.failure, FailureReason::kPoseWrong);
+      ++wrong;
+    }
+  }
+  EXPECT_GE(wrong, 2) << "the case did not occur";
+}
+
+TEST(Trial, TooHeavyInstanceSlipsAndItsGraspIsNotRepeated) {
+  // Friction holds 2 * 0.2 * 40 N = 16 N. The cube weighs 49 N.
+  ScenarioSpec spec = CubeScenario(1);
+  spec.policy.max_failures_in_row = 4;
+  const TrialOptions options;
+  const TrialResult result = RunOne(spec, {Cube(0.05, 5, 0.2)});
+  EXPECT_EQ(result.instances_cleared, 0);
+  ASSERT_GE(result.attempts.size(), 2u);
+  EXPECT_EQ(result.ended_by, result.attempts.back().failure);
+  EXPECT_EQ(result.attempts[0].failure, FailureReason::kSlipped);
+  for (size_t a = 0; a < result.attempts.size(); ++a) {
+    for (size_t b = a + 1; b < result.attempts.size(); ++b) {
+      if (!result.attempts[b].grasp) continue;
+      const Pose& first = result.attempts[a].grasp->X_WG;
+      const Pose& later = result.attempts[b].grasp->X_WG;
+      const double angle = std::acos(first.linear().col(2).dot(later.linear().col(2)));
+      const double moved_m = (first.translation() - later.translation()).norm();
+      EXPECT_TRUE(angle > options.retry_angle_rad || moved_m > options.retry_radius_m / 2);
+    }
+  }
+}
+
+// A failed grasp stays last in the order even after another instance was picked.
+TEST(Trial, FailedGraspIsRepeatedOnlyWhenNoOtherIsLeft) {
+  ScenarioSpec spec = CubeScenario(4);
+  spec.objects.push_back(spec.objects[0]);
+  spec.objects[1].count = 1;
+  spec.policy.max_failures_in_row = 3;
+  const ObjectSet objects{Cube(0.03, 0.05, 0.6), Cube(0.05, 5, 0.2)};
+  const TrialOptions options;
+  const auto is_near = [&](const AttemptRecord& a, const AttemptRecord& b) {
+    const Pose &first = a.grasp->X_WG, &later = b.grasp->X_WG;
+    const double angle = std::acos(first.linear().col(2).dot(later.linear().col(2)));
+    const double moved_m = (first.translation() - later.translation()).norm();
+    return angle < options.retry_angle_rad && moved_m < options.retry_radius_m / 2;
+  };
+  TrialRunner runner(spec, objects);
+  int chances = 0;  // attempts after a failure and a later pick, with light cubes left
+  for (int trial = 0; trial < 6; ++trial) {
+    const TrialResult result = runner.Run(trial);
+    std::vector<AttemptRecord> failed;
+    int picked = 0, picked_since = 0;
+    for (const AttemptRecord& attempt : result.attempts) {
+      if (!attempt.grasp) continue;
+      for (const AttemptRecord& old : failed) {
+        EXPECT_TRUE(!is_near(old, attempt) || picked == 4) << "trial " << trial;
+      }
+      chances += picked_since > 0 && picked < 4;
+      picked += attempt.outcome.success;
+      picked_since += attempt.outcome.success && !failed.empty();
+      if (!attempt.outcome.success) failed.push_back(attempt);
+    }
+  }
+  EXPECT_GT(chances, 2) << "the case did not occur";
+}
+
+// All sides are wider than the jaw stroke, but a suction cup can hold the cube. It is accepted as a
+// distractor.
+TEST(Trial, ObjectWithoutAnyGraspIsRefusedBeforeTheFirstTrial) {
+  ScenarioSpec spec = CubeScenario(1);
+  const ObjectSet wide{Cube(0.09, 0.2, 0.6)};
+  EXPECT_THAT(ErrorOf([&] { TrialRunner(spec, wide); }),
+              testing::AllOf(testing::HasSubstr("gripper: part 'cube' has no"),
+                             testing::HasSubstr("cup_30mm has")));
+  spec.objects.push_back(spec.objects[0]);
+  spec.objects[0].foreign = true;
+  EXPECT_NO_THROW(TrialRunner(spec, {wide[0], EasyCube()[0]}));
+}
+
+TEST(Trial, UnknownNamesAreRefused) {
+  for (const auto& spoil : std::vector<std::function<void(ScenarioSpec&)>>{
+           [](ScenarioSpec& s) { s.estimator.name = "orcale"; },
+           [](ScenarioSpec& s) { s.gripper = "jaw_9cm"; },
+           [](ScenarioSpec& s) { s.sensor = "eye"; },
+           [](ScenarioSpec& s) { s.policy.stop = "never"; }}) {
+    ScenarioSpec spec = CubeScenario(1);
+    spoil(spec);
+    EXPECT_THROW(TrialRunner(spec, EasyCube()), InputError);
+  }
+}
+
+// Attempts without a grasp are failures, and the third in a row ends the trial.
+TEST(Trial, LookAgainPolicyCountsAttemptsWithoutAGrasp) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.policy.stop = "look_again";
+  spec.policy.max_failures_in_row = 3;
+  const TrialResult result = RunOne(spec, WidePlate());
+  EXPECT_EQ(result.attempts.size(), 3u);
+  EXPECT_EQ(result.ended_by, FailureReason::kNoGrasp);
+}
+
+FailureBudget Both(const TrialResult& trial) {
+  FailureBudget sum = BudgetOfAttempts({&trial, 1});
+  const FailureBudget instances = BudgetOfInstances({&trial, 1});
+  for (size_t i = 0; i < sum.lost.size(); ++i) sum.lost[i] += instances.lost[i];
+  return sum;
+}
+
+// The pose error of the oracle is between a tenth and half of the diameter. Ground truth is then
+// substituted for single stages.
+TEST(Trial, GroundTruthForAStageRemovesItsFailures) {
+  ScenarioSpec spec = CubeScenario(4);
+  spec.estimator.noise_mm = 8;
+  const ObjectSet objects = EasyCube();
+  const auto run = [&](const OracleStages& truth) {
+    TrialOptions options;
+    options.truth = truth;
+    TrialRunner runner(spec, objects, {}, options);
+    FailureBudget sum;
+    for (int trial = 0; trial < 3; ++trial) {
+      const FailureBudget one = Both(runner.Run(trial));
+      sum.total += one.total;
+      sum.picked += one.picked;
+      for (size_t i = 0; i < sum.lost.size(); ++i) sum.lost[i] += one.lost[i];
+    }
+    return sum;
+  };
+  const FailureBudget as_run = run({});
+  EXPECT_GT(as_run[FailureReason::kPoseWrong], 0) << "the case did not occur";
+  const FailureBudget pose = run({.pose = true});
+  EXPECT_EQ(pose[FailureReason::kPoseWrong], 0);
+  EXPECT_EQ(pose.picked, 12);
+  EXPECT_EQ(run({.detection = true})[FailureReason::kNoProposal], 0);
+  EXPECT_NO_THROW(RequireGraspFailuresOnly(run({true, true, true, true, false})));
+}
+
+// From low outside the bin, a wall occludes the floor. With ground truth in all stages, the
+// instances are still known.
+TEST(Trial, GroundTruthInAllStagesCoversInvisibleInstances) {
+  ScenarioSpec spec = CubeScenario(2);
+  spec.seed = 12;  // no instance is in a corner
+  spec.camera.eye_m = {0, -0.8, 0.1};
+  spec.camera.target_m = {0, 0, 0.075};
+  EXPECT_EQ(RunOne(spec, EasyCube()).ended_by, FailureReason::kNotVisible);
+  TrialOptions options;
+  options.truth = OracleNamed("everything").truth;
+  const TrialResult result = TrialRunner(spec, EasyCube(), {}, options).Run(0);
+  EXPECT_NO_THROW(RequireGraspFailuresOnly(Both(result)));
+  EXPECT_EQ(result.instances_cleared, 2);
+}
+
+TEST(SimulatedCell, EachAttemptHasNewNoiseAndTheSameGroundTruth) {
+  SimulatedCell cell(CubeScenario(3), EasyCube());
+  const Scene scene = cell.MakeScene(0).scene;
+  const Observation first = cell.Capture(scene, 0, 0), again = cell.Capture(scene, 0, 0);
+  const Observation second = cell.Capture(scene, 0, 1);
+  EXPECT_EQ(first.frame.depth_m, again.frame.depth_m);
+  EXPECT_NE(first.frame.depth_m, second.frame.depth_m);
+  EXPECT_EQ(first.ids, second.ids);
+  EXPECT_EQ(first.visible_fractions, second.visible_fractions);
+  const std::set<uint16_t> ids(first.ids.pixels().begin(), first.ids.pixels().end());
+  EXPECT_EQ(ids, (std::set<uint16_t>{0, 1, 2, 3}));
+}
+
+}  // namespace
+}  // namespace pickbed::tests

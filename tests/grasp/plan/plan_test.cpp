@@ -1,0 +1,424 @@
+#include "grasp/plan/plan.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+
+#include "grasp/candidates/antipodal.h"
+#include "grasp/grippers/suction_cup.h"
+#include "grasp/plan/clearance.h"
+#include "scenes/base/error.h"
+#include "tests/grasp/grasp_scenes.h"
+
+namespace pickbed::tests {
+namespace {
+
+using Eigen::Vector3d;
+
+class Plan : public testing::Test {
+ protected:
+  Plan() : candidates_{BoxGrasps()} {}
+
+  // Computed once, because they take longer than all plans.
+  static const std::vector<GraspCandidate>& BoxGrasps() {
+    static const auto grasps = [] {
+      Rng rng(1);
+      const ParallelJaw jaw = SmallJaw();
+      return AntipodalGrasps(*BoxPart({0.05, 0.05, 0.05}, 0.2), jaw.hand, jaw.clearance_m, rng,
+                             {.candidates = 400, .max_pairs = 200});
+    }();
+    return grasps;
+  }
+
+  void AddPose(const Vector3d& p_W, double confidence = 1) {
+    poses_.push_back({0, Translation(p_W), confidence});
+  }
+
+  PlanResult Run(const PlanOptions& options = {}) const {
+    return PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, *selected_gripper_}, options);
+  }
+
+  int Rejected(const PlanResult& result) const {
+    return std::accumulate(result.rejected.begin(), result.rejected.end(), 0,
+                           [](int sum, const auto& entry) { return sum + entry.second; });
+  }
+
+  // Adds points of an upright cylinder around the origin.
+  void AddRing(double radius_m, double height_m) {
+    for (int step = 0; step < 180; ++step) {
+      const double angle = step * std::numbers::pi / 90;
+      for (double z = 0.01; z < height_m; z += 0.002) {
+        cloud_.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle), z);
+      }
+    }
+  }
+
+  Bin bin_;
+  ParallelJaw gripper_ = SmallJaw();
+  const Gripper* selected_gripper_ = &gripper_;
+  ObjectSet objects_{BoxPart({0.05, 0.05, 0.05}, 0.2)};
+  std::vector<std::vector<GraspCandidate>> candidates_;
+  std::vector<EstimatedPose> poses_;
+  std::vector<Vector3d> cloud_;
+};
+
+// A pose that is not a target is still an obstacle.
+TEST_F(Plan, OnlyTargetsAreGraspedAndOthersAreObstacles) {
+  AddPose({0, 0, 0.025});
+  AddPose({0.06, 0, 0.025});
+  PlanOptions options;
+  options.max_grasps = 1000;
+  const PlanResult all = Run(options);
+  const std::vector<int> targets{1};
+  const PlanResult one =
+      PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, gripper_, targets}, options);
+  ASSERT_FALSE(one.grasps.empty());
+  size_t for_one = 0;
+  for (const Grasp& grasp : all.grasps) for_one += grasp.hypothesis == 1;
+  EXPECT_LT(for_one, all.grasps.size());
+  EXPECT_EQ(one.grasps.size(), for_one);
+  for (const Grasp& grasp : one.grasps) EXPECT_EQ(grasp.hypothesis, 1);
+}
+
+TEST_F(Plan, SingleBoxHasGraspsInOrderOfScore) {
+  AddPose({0, 0, 0.025});
+  PlanOptions options;
+  options.max_grasps = 1000;
+  const PlanResult result = Run(options);
+  ASSERT_GT(result.grasps.size(), 20u);
+  EXPECT_EQ(result.grasps.size() + Rejected(result), candidates_[0].size());
+  const auto floor = BinBoxes(bin_);
+  for (size_t i = 0; i < result.grasps.size(); ++i) {
+    const Grasp& grasp = result.grasps[i];
+    EXPECT_EQ(grasp.hypothesis, 0);
+    if (i > 0) {
+      EXPECT_LE(grasp.score, result.grasps[i - 1].score);
+    }
+    const auto sweep = HandSweep(gripper_, grasp.width_m + 0.006);
+    EXPECT_FALSE(FindBinContact(sweep, grasp.X_WG, floor, options.bin_clearance_m));
+    EXPECT_LE(std::acos(-grasp.X_WG.linear()(2, 2)), PlanOptions{}.max_tilt_rad);
+  }
+}
+
+TEST_F(Plan, ReturnsAtMostMaxGrasps) {
+  AddPose({0, 0, 0.025});
+  EXPECT_EQ(Run().grasps.size(), 5u);
+}
+
+// Returned, rejected and untried candidates add up to all candidates of all poses.
+TEST_F(Plan, EveryCandidateIsCounted) {
+  AddPose({0, 0, 0.025});
+  AddPose({0.07, 0.01, 0.025}, 0.9);
+  AddRing(0.13, 0.04);
+  const int all = 2 * static_cast<int>(candidates_[0].size());
+  for (const int max_grasps : {1, 5, 100000}) {
+    const PlanResult result = Run({.max_grasps = max_grasps});
+    EXPECT_EQ(static_cast<int>(result.grasps.size()) + Rejected(result), all) << max_grasps;
+    EXPECT_EQ(result.rejected.contains("not tried"), max_grasps < 100000);
+  }
+  const PlanResult random = Run({.max_grasps = 5, .ranking = "random"});
+  EXPECT_EQ(static_cast<int>(random.grasps.size()) + Rejected(random), all);
+}
+
+TEST_F(Plan, FewGraspsAreTheFirstOfMany) {
+  AddPose({0, 0, 0.025});
+  AddPose({0.07, 0.01, 0.025}, 0.9);
+  AddPose({-0.06, 0.05, 0.060}, 0.7);
+  AddRing(0.13, 0.04);
+  const auto few = Run().grasps, many = Run({.max_grasps = 100000}).grasps;
+  ASSERT_EQ(few.size(), 5u);
+  ASSERT_GT(many.size(), 50u);
+  for (size_t i = 0; i < few.size(); ++i) {
+    EXPECT_EQ(few[i].X_WG.matrix(), many[i].X_WG.matrix());
+    EXPECT_EQ(few[i].score, many[i].score);
+  }
+}
+
+// Tips 14 mm past a contact 6 mm above the floor would be below the floor.
+TEST_F(Plan, HandIsRetractedFromTheFloor) {
+  AddPose({0, 0, 0.006});
+  GraspCandidate deep;
+  deep.X_OG = FromAbove({0, 0, -0.014});
+  deep.width_m = 0.05;
+  deep.depth_m = 0.014;
+  deep.quality = 1;
+  candidates_ = {{deep}};
+  const PlanResult result = Run();
+  ASSERT_EQ(result.grasps.size(), 1u);
+  const double tips = result.grasps[0].X_WG.translation().z();
+  EXPECT_NEAR(tips, PlanOptions{}.bin_clearance_m, 1e-5);
+  PlanOptions keep_depth;
+  keep_depth.min_depth_m = 0.006;
+  EXPECT_TRUE(Run(keep_depth).grasps.empty());
+}
+
+// Pads of 20 mm centered on an object 9 mm from the wall would extend into the wall.
+TEST_F(Plan, HandIsShiftedAwayFromAWall) {
+  const double wall_m = 0.5 * bin_.inner_size_m.y();
+  gripper_.hand.palm_size_m.y() = 0.02;
+  GraspCandidate center;
+  center.X_OG = FromAbove({0, 0, -0.010});
+  center.width_m = 0.05;
+  center.depth_m = 0.010;
+  center.quality = 1;
+  candidates_ = {{center}};
+  AddPose({0, wall_m - 0.009, 0.025});
+  const PlanResult result = Run();
+  ASSERT_EQ(result.grasps.size(), 1u);
+  const double edge_m = result.grasps[0].X_WG.translation().y() + 0.010;
+  EXPECT_NEAR(edge_m, wall_m - PlanOptions{}.bin_clearance_m, 1e-5);
+  poses_.clear();
+  AddPose({0, wall_m - 0.004, 0.025});  // a shift of 8 mm is more than a quarter of the pads
+  EXPECT_EQ(Run().rejected.at("bin wall"), 1);
+}
+
+TEST_F(Plan, PointsOfTheTargetAreNoObstacle) {
+  AddPose({0, 0, 0.025});
+  const size_t without = Run({.max_grasps = 1000}).grasps.size();
+  Rng rng(1);
+  for (const Vector3d& p : SampleSurface(objects_[0]->mesh_O, 5000, rng).points) {
+    cloud_.push_back(poses_[0].X_WO * p);
+  }
+  EXPECT_EQ(Run({.max_grasps = 1000}).grasps.size(), without);
+}
+
+TEST_F(Plan, EnclosingPointsRejectAllGrasps) {
+  AddPose({0, 0, 0.025});
+  AddRing(0.045, 0.12);
+  const PlanResult result = Run();
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_GT(result.rejected.at("fingers meet a part"), 0);
+}
+
+TEST_F(Plan, NarrowWallsRejectAllGrasps) {
+  AddPose({0, 0, 0.025});
+  bin_.inner_size_m = {0.06, 0.06, 0.15};
+  const PlanResult result = Run();
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_GT(result.rejected.at("bin wall"), 0);
+}
+
+TEST_F(Plan, PoseBelowTheFloorIsRejected) {
+  AddPose({0, 0, -0.05});
+  const PlanResult result = Run();
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_GT(result.rejected.at("bin floor"), 0);
+}
+
+TEST_F(Plan, SmallerStrokeRejectsByOpening) {
+  AddPose({0, 0, 0.025});
+  gripper_.hand.stroke_m = 0.05;
+  const PlanResult result = Run();
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_GT(result.rejected.at("opening"), 0);
+}
+
+TEST_F(Plan, PointsAboveTheTargetStopThePalm) {
+  AddPose({0, 0, 0.025});
+  for (double x = -0.01; x <= 0.01; x += 0.002) {
+    for (double y = -0.01; y <= 0.01; y += 0.002) cloud_.emplace_back(x, y, 0.080);
+  }
+  EXPECT_GT(Run().rejected.at("palm meets a part"), 0);
+}
+
+TEST_F(Plan, EstimatedNeighborIsAnObstacleWithoutPoints) {
+  AddPose({0, 0, 0.025});
+  const size_t single = Run({.max_grasps = 1000}).grasps.size();
+  AddPose({0.053, 0, 0.025});
+  int for_first = 0;
+  for (const Grasp& grasp : Run({.max_grasps = 10000}).grasps) for_first += grasp.hypothesis == 0;
+  EXPECT_LT(for_first, 0.8 * single);
+  EXPECT_GT(for_first, 0);
+}
+
+TEST_F(Plan, NeighborOfLowConfidenceIsNoObstacle) {
+  AddPose({0, 0, 0.025});
+  const size_t single = Run({.max_grasps = 1000}).grasps.size();
+  AddPose({0.053, 0, 0.025}, 0.1);
+  size_t for_first = 0;
+  for (const Grasp& grasp : Run({.max_grasps = 10000}).grasps) for_first += grasp.hypothesis == 0;
+  EXPECT_EQ(for_first, single);
+}
+
+TEST_F(Plan, SecondPoseOfTheSameInstanceIsNoObstacle) {
+  AddPose({0, 0, 0.025});
+  AddPose({0.004, 0, 0.025});
+  EXPECT_FALSE(Run().grasps.empty());
+}
+
+// Bars across each other have centers nearer than a quarter of their length, but they are two
+// instances. Fingers that extend past the upper bar would hit the lower one.
+TEST_F(Plan, FlatBarsAcrossEachOtherAreTwoInstances) {
+  objects_[0] = BoxPart({0.10, 0.03, 0.016}, 0.2);
+  GraspCandidate candidate;
+  candidate.X_OG = FromAbove({0, 0, -0.006}, 0.5 * std::numbers::pi);
+  candidate.width_m = 0.03;
+  candidate.depth_m = 0.010;
+  candidate.quality = 0.8;
+  candidates_ = {{candidate}};
+  AddPose({0, 0, 0.024});
+  ASSERT_EQ(Run().grasps.size(), 1u);
+  const std::vector<int> upper{0};
+  const auto planned = [&] {
+    PlanOptions options;
+    options.wide.look = false;
+    return PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, gripper_, upper}, options);
+  };
+  poses_.push_back({0,
+                    Translation({0, 0, 0.008}) *
+                        Pose(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitZ())),
+                    1});
+  EXPECT_TRUE(planned().grasps.empty());
+  EXPECT_EQ(planned().rejected.at("fingers meet a part"), 1);
+  poses_[1].X_WO = poses_[0].X_WO * Translation({0.004, 0.002, 0.002});
+  EXPECT_EQ(planned().grasps.size(), 1u) << "two estimated poses of the same instance";
+}
+
+TEST_F(Plan, HigherAndMoreConfidentPosesComeFirst) {
+  AddPose({-0.1, 0, 0.025});
+  AddPose({0.1, 0, 0.075});
+  EXPECT_EQ(Run().grasps.at(0).hypothesis, 1);
+  poses_[1].confidence = 0.2;
+  EXPECT_EQ(Run().grasps.at(0).hypothesis, 0);
+}
+
+TEST_F(Plan, CoveredInstanceComesLast) {
+  AddPose({-0.1, 0, 0.025});
+  AddPose({0.1, 0, 0.025});
+  for (double x = 0.08; x <= 0.09; x += 0.002) {
+    for (double y = -0.02; y <= 0.02; y += 0.002) cloud_.emplace_back(x, y, 0.06);
+  }
+  EXPECT_EQ(Run().grasps.at(0).hypothesis, 0);
+}
+
+// The first grasp is the best according to the selected ranking.
+TEST_F(Plan, RankingSelectsTheQuality) {
+  AddPose({0, 0, 0.025});
+  GraspCandidate candidate = {};
+  candidate.X_OG = FromAbove({0, 0, -0.010});
+  candidate.width_m = 0.05;
+  candidate.depth_m = 0.010;
+  candidate.quality = 0.5;
+  std::vector<GraspCandidate> candidates(3, candidate);
+  const double positions_m[] = {-0.006, 0, 0.006};
+  for (int i = 0; i < 3; ++i) candidates[i].X_OG.translation().y() = positions_m[i];
+  candidates[0].quality = 0.6;
+  candidates[1].epsilon = 0.8;
+  candidates[2].robust = 0.9;
+  candidates_ = {candidates};
+  EXPECT_NEAR(Run({.ranking = "quality"}).grasps.at(0).X_WG.translation().y(), -0.006, 1e-12);
+  EXPECT_NEAR(Run({.ranking = "epsilon"}).grasps.at(0).X_WG.translation().y(), 0, 1e-12);
+  EXPECT_NEAR(Run({.ranking = "robust"}).grasps.at(0).X_WG.translation().y(), 0.006, 1e-12);
+}
+
+TEST_F(Plan, EqualGraspsAreRankedBySetDown) {
+  AddPose({0, 0, 0.025});
+  GraspCandidate candidate = {};
+  candidate.X_OG = FromAbove({0, -0.006, -0.010});
+  candidate.width_m = 0.05;
+  candidate.depth_m = 0.010;
+  candidate.quality = 0.5;
+  std::vector<GraspCandidate> candidates(2, candidate);
+  candidates[1].X_OG.translation().y() = 0.006;
+  for (const int good : {0, 1}) {
+    candidates[good].place_quality = 1;
+    candidates[1 - good].place_quality = 0.1;
+    candidates_ = {candidates};
+    EXPECT_NEAR(Run().grasps.at(0).X_WG.translation().y(), good == 0 ? -0.006 : 0.006, 1e-12);
+  }
+}
+
+TEST_F(Plan, UnknownRankingIsRefused) {
+  AddPose({0, 0, 0.025});
+  EXPECT_THROW(Run({.ranking = "randm"}), InputError);
+}
+
+// Any ranking finds the same free grasps. With the random ranking, the seed selects among them with
+// equal probability.
+TEST_F(Plan, RandomRankingSelectsAnyFreeGrasp) {
+  AddPose({0, 0, 0.025});
+  AddPose({0.1, 0, 0.025}, 0.1);
+  const PlanResult all = Run({.max_grasps = 100000, .ranking = "random", .min_quality = 0});
+  const PlanResult ranked = Run({.max_grasps = 100000, .min_quality = 0});
+  EXPECT_EQ(all.grasps.size(), ranked.grasps.size());
+  EXPECT_EQ(all.rejected, ranked.rejected);
+
+  const int runs = 400;
+  int uncertain = 0, free_uncertain = 0;
+  for (const Grasp& grasp : all.grasps) free_uncertain += grasp.hypothesis;
+  ASSERT_GT(free_uncertain, 20);
+  for (int seed = 0; seed < runs; ++seed) {
+    PlanOptions options;
+    options.ranking = "random";
+    options.seed = seed;
+    options.max_grasps = 1;
+    const PlanResult result = Run(options), again = Run(options);
+    ASSERT_EQ(result.grasps.size(), 1u);
+    EXPECT_EQ(result.grasps[0].X_WG.matrix(), again.grasps[0].X_WG.matrix());
+    uncertain += result.grasps[0].hypothesis;
+  }
+  // The fraction among the free grasps, to five standard deviations.
+  EXPECT_NEAR(uncertain, runs * free_uncertain / static_cast<double>(all.grasps.size()), 50);
+}
+
+// The same planner with another mechanism: the boxes of the cup are kept clear of wall and points.
+class PlanCup : public Plan {
+ protected:
+  PlanCup() {
+    selected_gripper_ = &cup_;
+    GraspCandidate from_above;
+    from_above.X_OG = FromAbove({0, 0, 0.025 - cup_.cup.press_m});
+    from_above.quality = 1;
+    candidates_ = {{from_above}};
+    AddPose({0, 0, 0.025});
+  }
+
+  const SuctionCup cup_;
+};
+
+TEST_F(PlanCup, SingleBoxIsGraspedAtTheCandidate) {
+  const PlanResult result = Run();
+  ASSERT_EQ(result.grasps.size(), 1u);
+  EXPECT_TRUE(result.grasps[0].X_WG.isApprox(poses_[0].X_WO * candidates_[0][0].X_OG));
+}
+
+TEST_F(PlanCup, PointsBesideTheStemRejectTheGrasp) {
+  AddRing(cup_.cup.stem_radius_m + 0.002, 0.12);
+  EXPECT_EQ(Run().rejected.at("fingers meet a part"), 1);
+}
+
+TEST_F(PlanCup, PointsUnderThePalmRejectTheGrasp) {
+  const double reach_m = 0.5 * cup_.cup.palm_size_m.x() - 0.002;
+  ASSERT_GT(reach_m, cup_.cup.stem_radius_m + 0.006);
+  AddRing(reach_m, 0.20);
+  EXPECT_EQ(Run().rejected.at("palm meets a part"), 1);
+}
+
+TEST_F(PlanCup, NarrowWallsRejectTheGrasp) {
+  bin_.inner_size_m = {0.052, 0.052, 0.25};
+  EXPECT_EQ(Run().rejected.at("bin wall"), 1);
+}
+
+TEST_F(Plan, NoPosesGiveNoGrasps) { EXPECT_TRUE(Run().grasps.empty()); }
+
+TEST_F(Plan, PoseWithoutCandidatesIsALogicError) {
+  poses_.push_back({1, Pose::Identity(), 1});
+  EXPECT_THROW(Run(), std::logic_error);
+}
+
+TEST_F(Plan, SameInputsGiveSameBytes) {
+  AddPose({0, 0, 0.025});
+  AddPose({0.1, 0.05, 0.025});
+  AddRing(0.07, 0.04);
+  const PlanResult a = Run(), b = Run();
+  ASSERT_EQ(a.grasps.size(), b.grasps.size());
+  for (size_t i = 0; i < a.grasps.size(); ++i) {
+    EXPECT_EQ(a.grasps[i].X_WG.matrix(), b.grasps[i].X_WG.matrix());
+    EXPECT_EQ(a.grasps[i].score, b.grasps[i].score);
+  }
+}
+
+}  // namespace
+}  // namespace pickbed::tests

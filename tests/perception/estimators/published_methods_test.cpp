@@ -1,0 +1,176 @@
+// Estimators kehl and doumanoglou, trained for seconds on unoccluded instances.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "perception/candidates/estimate_trace.h"
+#include "perception/estimators/descriptor.h"
+#include "perception/estimators/estimator_training.h"
+#include "perception/networks/model_file.h"
+#include "perception/training/training.h"
+#include "scenes/base/files.h"
+#include "tests/support/error_of.h"
+#include "tests/support/ray_cast_views.h"
+#include "tests/support/share_found.h"
+#include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+
+TrainingOptions Quick(const std::string& method) {
+  TrainingOptions options = EstimatorNamed(method).make_training()->PatchNetworkOptions();
+  options.piles = 24;
+  options.views_per_pile = 1;
+  options.twins.patches_per_view = 120;
+  options.verifier_entries = 3000;
+  options.iterations = 240;
+  options.batch = 64;
+  options.verifier_piles = 6;
+  options.network.descriptor = 16;
+  options.candidates.points = 150;
+  options.candidates.candidates = 120;
+  options.fast_candidates = options.candidates;
+  options.held_out.piles = 2;
+  options.held_out.queries = 40;
+  options.held_out.book_views = 20;
+  return options;
+}
+
+class PublishedMethod : public testing::TestWithParam<const char*> {
+ protected:
+  TrainingReport Train(const std::string& name, const TrainingOptions& options) {
+    return TrainDescriptor({views_, folder_ / name, {}, false, {}, "test", {}}, options);
+  }
+  EstimatorSetup Setup(const std::string& model) {
+    EstimatorSetup setup;
+    setup.objects = views_.objects();
+    setup.spec.name = GetParam();
+    setup.spec.model = folder_ / model;
+    setup.spec.min_score = 0;
+    setup.intrinsics = SmallCamera();
+    setup.working_distance_m = RayCastViews::kDistanceM;
+    setup.views = &views_;
+    setup.cache_dir = folder_;
+    return setup;
+  }
+  RayCastViews views_{{ObjectOf(BracketMesh())}};
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
+};
+
+TEST_P(PublishedMethod, LearnsAndFindsUnoccludedInstances) {
+  const TrainingReport report = Train("model.pt", Quick(GetParam()));
+  ASSERT_TRUE(report.finished);
+  const std::vector<double>& losses = report.loss_history;
+  const auto mean = [&](size_t first) {
+    return std::accumulate(losses.begin() + first, losses.begin() + first + 20, 0.0) / 20;
+  };
+  EXPECT_LT(mean(losses.size() - 20), 0.8 * mean(0));
+  EXPECT_EQ(LoadModel(folder_ / "model.pt").info.network.kind, Quick(GetParam()).network.kind);
+
+  const auto estimator = MakeEstimator(Setup("model.pt"));
+  EXPECT_GE(ShareFound(*estimator, views_), 0.5);
+
+  // An unreadable file and another mesh are reported with the command that repairs them.
+  const std::string bytes = ReadFileBytes(folder_ / "model.pt");
+  WriteFileAtomically(folder_ / "cut.pt", bytes.substr(0, bytes.size() / 2));
+  const std::string command = std::string("pickbed train ") + GetParam();
+  EXPECT_THAT(ErrorOf([&] { MakeEstimator(Setup("cut.pt")); }),
+              testing::AllOf(HasSubstr("cut.pt"), HasSubstr(command)));
+  EstimatorSetup changed = Setup("model.pt");
+  auto object = std::make_shared<ObjectModel>(*changed.objects[0]);
+  object->mesh_hash += 1;
+  changed.objects = {object};
+  EXPECT_THAT(
+      ErrorOf([&] { MakeEstimator(changed); }),
+      testing::AllOf(HasSubstr("the mesh of part 'test part' has changed"), HasSubstr(command)));
+}
+
+TEST_P(PublishedMethod, SameSeedSameFileAndOtherMethodIsRefused) {
+  TrainingOptions options = Quick(GetParam());
+  options.iterations = 6;
+  options.piles = 3;
+  options.verifier_piles = 2;
+  Train("a.pt", options);
+  Train("b.pt", options);
+  EXPECT_EQ(ReadFileBytes(folder_ / "a.pt"), ReadFileBytes(folder_ / "b.pt"));
+  options.network.kind = "convolutional";
+  options.candidates.votes = "neighbors";
+  Train("other.pt", options);
+  EXPECT_THAT(ErrorOf([&] { MakeEstimator(Setup("other.pt")); }),
+              testing::AllOf(HasSubstr("other.pt"), HasSubstr("kind convolutional")));
+  options.candidates.votes = "regressed";
+  EXPECT_THAT(ErrorOf([&] { Train("none.pt", options); }), HasSubstr("regresses no poses"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, PublishedMethod, testing::Values("kehl", "doumanoglou"));
+
+// Two networks use the same patches: one for the codebook look-up, the other for regression.
+TEST(UnionOfVotes, EachPatchCastsVotesOfBothNetworks) {
+  const TemporaryFolder temporary;
+  RayCastViews views({ObjectOf(BracketMesh())});
+  const auto train = [&](const std::string& method, const std::string& name, double diameters) {
+    TrainingOptions options = Quick(method);
+    options.iterations = 6;
+    options.piles = 3;
+    options.verifier_piles = 2;
+    options.patch_diameters = diameters;
+    TrainDescriptor({views, temporary.path() / name, {}, false, {}, "test", {}}, options);
+  };
+  const double side = TrainingOptions().patch_diameters;
+  train("descriptor", "look_up.pt", side);
+  train("doumanoglou", "regression.pt", side);
+  train("doumanoglou", "narrow.pt", 0.5 * side);
+  EstimatorSetup setup;
+  setup.objects = views.objects();
+  setup.intrinsics = SmallCamera();
+  setup.working_distance_m = RayCastViews::kDistanceM;
+  setup.views = &views;
+  DescriptorOptions options = OptionsForMode("fast");
+  options.code_entries = 500;
+  options.candidates.votes = "both";
+  options.candidates.min_share = 0;
+  options.candidates.points = 60;
+  const auto make = [&](const std::filesystem::path& regression) {
+    return MakeLearnedEstimator(setup, options,
+                                {temporary.path() / "look_up.pt", "", kTrainCommand, regression});
+  };
+  const LabelledView view = views.Pile({5000, 1}).front();
+  EstimateTrace trace;
+  Rng rng(1);
+  make(temporary.path() / "regression.pt")->Estimate({view.frame, OutOfSightBin(), &trace}, rng);
+  ASSERT_FALSE(trace.patches.empty());
+  const size_t votes_per_patch = options.candidates.neighbors + 1;
+  ASSERT_EQ(trace.votes.size(), trace.patches.size() * votes_per_patch);
+  for (size_t i = 0; i < trace.votes.size(); ++i) {
+    EXPECT_EQ(trace.votes[i].patch, static_cast<int>(i / votes_per_patch));
+  }
+  EXPECT_THAT(ErrorOf([&] { make({}); }), HasSubstr("regresses no poses"));
+  EXPECT_THAT(ErrorOf([&] { make(temporary.path() / "narrow.pt"); }),
+              testing::AllOf(HasSubstr("narrow.pt"), HasSubstr("patch_diameters of the other")));
+}
+
+TEST(PublishedSettings, OutOfRangeSettingsReportTheRange) {
+  TrainingOptions options;
+  const auto error_of = [&](const char* assignment) {
+    return ErrorOf(
+        [&] { ApplySetting(assignment, [&](SettingsVisitor& v) { options.Visit(v); }); });
+  };
+  EXPECT_THAT(error_of("network.descriptor=1"),
+              testing::AllOf(HasSubstr("network.descriptor"), HasSubstr("2"), HasSubstr("1024")));
+  EXPECT_THAT(error_of("candidates.neighbors=0"),
+              testing::AllOf(HasSubstr("candidates.neighbors"), HasSubstr("1000")));
+  EXPECT_THAT(error_of("patch_diameters=9"),
+              testing::AllOf(HasSubstr("patch_diameters"), HasSubstr("0.05"), HasSubstr("4")));
+  EXPECT_THAT(error_of("network.regression.siamese_weight=-1"), HasSubstr("siamese_weight"));
+  EXPECT_THAT(error_of("network.regression.rotation=euler"), HasSubstr("six_d"));
+  EXPECT_THAT(error_of("network.autoencoder.target=twni"), HasSubstr("did you mean 'twin'"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests

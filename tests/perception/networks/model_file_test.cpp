@@ -1,0 +1,147 @@
+#include "perception/networks/model_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+
+#include "perception/networks/verifier_file.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "tests/support/error_of.h"
+#include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+
+class ModelFile : public testing::Test {
+ protected:
+  // Saves a model without training and returns its file.
+  std::filesystem::path Untrained() {
+    const std::filesystem::path file = folder_ / "model.pt";
+    ModelInfo info;
+    info.objects = {{"test part", objects_[0]->mesh_hash, 0.08, 0.064}};
+    info.network.descriptor = 8;
+    Verifier verifier;
+    verifier.mean = Eigen::VectorXf::LinSpaced(kVerifyFeatures, 0, 1);
+    verifier.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+    verifier.w1 = Eigen::MatrixXf::Random(24, kVerifyFeatures);
+    verifier.b1 = Eigen::VectorXf::LinSpaced(24, -1, 1);
+    verifier.w2 = Eigen::VectorXf::LinSpaced(24, 1, -1);
+    verifier.b2 = 0.25f;
+    SaveModel(file, info, DescriptorNetwork(info.network, 3), {verifier});
+    verifier_ = verifier;
+    return file;
+  }
+
+  Verifier verifier_;
+  const ObjectSet objects_{ObjectOf(BracketMesh())};
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
+};
+
+TEST_F(ModelFile, RoundTripKeepsVerifierAndWeights) {
+  const DescriptorModel model = LoadModel(Untrained());
+  EXPECT_EQ(model.network.Weights(), DescriptorNetwork({"convolutional", 8}, 3).Weights());
+  VerifyFeatures features{};
+  features[3] = 0.7f;
+  EXPECT_EQ(model.verifiers.at(0).Score(features), verifier_.Score(features));
+}
+
+TEST_F(ModelFile, RoundTripKeepsAColourNetwork) {
+  Untrained();
+  ModelInfo info;
+  info.objects = {{"test part", objects_[0]->mesh_hash, 0.08, 0.064}};
+  info.network = {"autoencoder", 8};
+  info.network.autoencoder.channels = "rgbd";
+  const DescriptorNetwork network(info.network, 3);
+  SaveModel(folder_ / "rgbd.pt", info, network, {verifier_});
+  const DescriptorModel model = LoadModel(folder_ / "rgbd.pt");
+  std::vector<int8_t> patches(3 * kPatchValues);
+  for (size_t i = 0; i < patches.size(); ++i) patches[i] = static_cast<int8_t>(i * 37 % 251 - 125);
+  EXPECT_EQ(model.network.Describe(patches), network.Describe(patches));
+  EXPECT_EQ(model.network.channels(), PatchChannels::kDepthColor);
+}
+
+TEST_F(ModelFile, DamagedFilesAreRefusedByName) {
+  const std::filesystem::path file = Untrained();
+  const std::string bytes = ReadFileBytes(file);
+  for (const double share : {0.0, 0.1, 0.5, 0.9, 0.999}) {
+    WriteFileAtomically(file, bytes.substr(0, static_cast<size_t>(share * bytes.size())));
+    const std::string error = ErrorOf([&] { LoadModel(file); });
+    EXPECT_THAT(error, HasSubstr("model.pt")) << "cut to " << share;
+    EXPECT_THAT(error, HasSubstr("pickbed train"));
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  }
+  int refused = 0;
+  for (size_t place = bytes.size() / 4; place < bytes.size() * 3 / 4; place += bytes.size() / 20) {
+    std::string damaged = bytes;
+    damaged[place] ^= 0x10;
+    WriteFileAtomically(file, damaged);
+    refused += ErrorOf([&] { LoadModel(file); }) != "no error";
+  }
+  EXPECT_GE(refused, 10) << "flipped bits among the weights are not detected";
+  WriteFileAtomically(file, "hello");
+  EXPECT_THAT(ErrorOf([&] { LoadModel(file); }), HasSubstr("no model"));
+  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "absent.pt"); }), HasSubstr("absent.pt"));
+}
+
+TEST_F(ModelFile, NewerVersionIsReportedAsSuch) {
+  const std::filesystem::path file = Untrained();
+  std::string bytes = ReadFileBytes(file);
+  // In the archive's pickle, the version follows its name: K (one byte follows), then the number.
+  const size_t name = bytes.find("version", bytes.find("data.pkl"));
+  ASSERT_NE(name, std::string::npos);
+  const size_t number = bytes.find('K', name);
+  ASSERT_LT(number, name + 16);
+  ASSERT_EQ(bytes[number + 1], 8);
+  bytes[number + 1] = 99;
+  WriteFileAtomically(file, bytes);
+  EXPECT_THAT(ErrorOf([&] { LoadModel(file); }),
+              HasSubstr("model.pt: it is of version 99, newer than this program"));
+}
+
+// One hidden unit that uses only the first two features.
+TEST(VerifierValues, FewerFeaturesMeanTheFirstOnes) {
+  const std::vector<float> values{0.5f, 1, 2, 4, 3, -1, 0.1f, 2, 0.25f, 1, 0};
+  const Verifier verifier = VerifiersFrom(values, 1, {2, 1}).at(0);
+  VerifyFeatures features{};
+  features[0] = 0.7f;
+  features[1] = 2;
+  const double unit = std::tanh(3 * (0.7 - 0.5) / 2 - (2.0 - 1) / 4 + 0.1);
+  const double expected = 1 / (1 + std::exp(-(2 * unit + 0.25)));
+  EXPECT_NEAR(verifier.Score(features), expected, 1e-6);
+  features[kOutsideFeature] = 100;
+  EXPECT_NEAR(verifier.Score(features), expected, 1e-6);
+  EXPECT_NEAR(verifier.Score(features, CandidateMode::kFast), expected, 1e-6)
+      << "a single calibration applies to all modes";
+  EXPECT_THAT(ErrorOf([&] { VerifiersFrom(values, 1, {3, 1}); }), HasSubstr("another shape"));
+}
+
+TEST(ShippedModel, CanBeLoaded) {
+  const DescriptorModel model =
+      LoadModel(std::filesystem::path(PICKBED_SOURCE_DIR) / "assets/models/shipped.pt");
+  EXPECT_GE(model.info.objects.size(), 12u);
+  EXPECT_EQ(model.verifiers.size(), model.info.objects.size());
+}
+
+TEST_F(ModelFile, UnknownObjectsAndChangedMeshesAreNamed) {
+  const DescriptorModel model = LoadModel(Untrained());
+  const ObjectSet& known = objects_;
+  EXPECT_EQ(TrainedParts(model.info.objects, known, "m.pt"), std::vector{0});
+  auto changed = std::make_shared<ObjectModel>(*known[0]);
+  changed->mesh_hash += 1;
+  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info.objects, {changed}, "m.pt"); }),
+              HasSubstr("m.pt: the mesh of part 'test part' has changed"));
+  changed->name = "widget";
+  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info.objects, {changed}, "m.pt"); }),
+              HasSubstr("m.pt: not trained for part 'widget' (knows test part)"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests

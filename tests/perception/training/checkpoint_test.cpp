@@ -1,0 +1,57 @@
+#include "perception/training/checkpoint.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed::tests {
+namespace {
+
+TrainedVerifier AVerifier(float bias, double auc) {
+  constexpr int kHidden = 3;
+  Verifier v;
+  v.mean = Eigen::VectorXf::LinSpaced(kVerifyFeatures, 0, 1);
+  v.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+  v.w1 = Eigen::MatrixXf::Constant(kHidden, kVerifyFeatures, 0.1f);
+  v.b1 = Eigen::VectorXf::LinSpaced(kHidden, -1, 1);
+  v.w2 = Eigen::VectorXf::LinSpaced(kHidden, 1, 2);
+  v.b2 = bias;
+  v.calibrations = {{{1.5f, 0.5f}, {0.5f, -0.5f}}};
+  return {v, auc};
+}
+
+TEST(Checkpoint, RoundTripKeepsAllFields) {
+  const std::vector<HeldOutRecall> recalls{{0, 0.1, 0.4, {0.2, -1}, {0.5, -1}},
+                                           {5, 0.3, 0.6, {0.4, 0.2}, {0.7, 0.5}}};
+  const Checkpoint saved{"key",
+                         7,
+                         {0.5, 0.25},
+                         recalls,
+                         std::string("\0state\xff", 7),
+                         {AVerifier(0.25f, 0.9), AVerifier(-0.5f, 0.8)}};
+  const TemporaryFolder folder;
+  WriteCheckpoint(folder.path() / "c", saved);
+  const Checkpoint read = ReadCheckpoint(folder.path() / "c", "key");
+  EXPECT_EQ(read.iteration, saved.iteration);
+  EXPECT_EQ(read.loss_history, saved.loss_history);
+  EXPECT_EQ(read.training_state, saved.training_state);
+  ASSERT_EQ(read.recall_history.size(), 2u);
+  EXPECT_EQ(read.recall_history[0].part_at_1, recalls[0].part_at_1);
+  EXPECT_EQ(read.recall_history[1].iteration, 5);
+  EXPECT_EQ(read.recall_history[1].at_1, 0.3);
+  EXPECT_EQ(read.recall_history[1].at_8, 0.6);
+  EXPECT_EQ(read.recall_history[1].part_at_8, recalls[1].part_at_8);
+  ASSERT_EQ(read.verifiers.size(), 2u);
+  VerifyFeatures features{};
+  features[3] = 0.7f;
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.verifiers[i].auc, saved.verifiers[i].auc);
+    for (const CandidateMode mode : {CandidateMode::kHard, CandidateMode::kFast}) {
+      EXPECT_EQ(read.verifiers[i].verifier.Score(features, mode),
+                saved.verifiers[i].verifier.Score(features, mode));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pickbed::tests

@@ -1,0 +1,140 @@
+#include "perception/training/verifier_training.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scenes/base/error.h"
+#include "tests/support/ray_cast_views.h"
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed::tests {
+namespace {
+
+TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
+  Rng rng(1);
+  VerifierExamples examples;
+  for (int i = 0; i < 1500; ++i) {
+    VerifyFeatures features;
+    for (float& feature : features) feature = static_cast<float>(rng.Normal());
+    examples.right.push_back(features[0] * features[1] > 0.1f);  // not linear
+    examples.features.push_back(features);
+  }
+  examples.held_out_from = 1200;
+  VerifierOptions options;
+  options.iterations = 400;
+  const TrainedVerifier trained = TrainVerifier(examples, options, 0);
+  EXPECT_GT(trained.auc, 0.95);
+  VerifyFeatures right{};
+  right[0] = right[1] = 1.5f;
+  EXPECT_GT(trained.verifier.Score(right), 0.8);
+  right[1] = -1.5f;
+  EXPECT_LT(trained.verifier.Score(right), 0.2);
+  examples.right.assign(examples.right.size(), 1);
+  EXPECT_THROW(TrainVerifier(examples, options, 0), InputError);
+}
+
+// Finds the true pose of each instance, or a shifted pose for a share of the instances.
+class Shifted : public CandidateSource {
+ public:
+  Shifted(const ObjectSet& objects, const std::vector<LabelledView>& piles, double shift_m,
+          double share = 1, float cue = 5)
+      : assessor_(objects, {}), piles_(piles), shift_m_(shift_m), share_(share), cue_(cue) {}
+
+  std::vector<Candidate> Find(const OrganizedCloud&, Rng& rng, StageSeconds&,
+                              EstimateTrace*) const override {
+    std::vector<Candidate> found;
+    for (const LabelledInstance& instance : piles_[next_++ % piles_.size()].instances) {
+      Candidate& candidate = found.emplace_back();
+      const double shift_m = rng.Uniform() < share_ ? shift_m_ : 0;
+      candidate.hypothesis.X_CO = Translation({shift_m, 0, 0}) * instance.X_CO;
+      for (float& feature : candidate.features) feature = static_cast<float>(rng.Normal());
+      candidate.features[0] += shift_m > 0 ? -cue_ : cue_;
+    }
+    return found;
+  }
+  const CandidateAssessor& assessor() const override { return assessor_; }
+
+ private:
+  CandidateAssessor assessor_;
+  const std::vector<LabelledView>& piles_;
+  double shift_m_, share_;
+  float cue_;  // how strongly feature 0 separates right from wrong
+  mutable size_t next_ = 0;
+};
+
+// A source of only right poses cannot train a verifier, and neither can a source of only wrong
+// poses.
+TEST(TrainPartVerifier, LearnsFromTheCandidatesOfAllSources) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  VerifierTrainingOptions options;
+  options.piles = 6;
+  options.verifier.iterations = 200;
+  const auto go_on = [](double) { return true; };
+  const auto piles = VerifierPiles(views, 0, /*color=*/false, options, go_on);
+  const Shifted right(views.objects(), piles, 0), wrong(views.objects(), piles, 0.05);
+  const auto train = [&](std::vector<const CandidateSource*> sources) {
+    return TrainPartVerifier(piles, 0, sources, options, go_on);
+  };
+  EXPECT_THROW(train({&right}), InputError);
+  EXPECT_THROW(train({&wrong}), InputError);
+  EXPECT_GT(train({&right, &wrong}).auc, 0.99);
+}
+
+// For equal features, a mode that is seldom right has lower scores than one that is often right.
+TEST(TrainPartVerifier, CalibratesEachModeByItsOwnCandidates) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  VerifierTrainingOptions options;
+  options.piles = 20;
+  options.verifier.iterations = 200;
+  const auto go_on = [](double) { return true; };
+  const auto piles = VerifierPiles(views, 0, /*color=*/false, options, go_on);
+  const Shifted often(views.objects(), piles, 0.05, 0.2, 0.5f);
+  const Shifted seldom(views.objects(), piles, 0.05, 0.8, 0.5f);
+  const std::vector<const CandidateSource*> sources{&often, &seldom};
+  const Verifier verifier = TrainPartVerifier(piles, 0, sources, options, go_on).verifier;
+  const VerifyFeatures features{};
+  EXPECT_GT(verifier.Score(features, CandidateMode::kHard), 0.6);
+  EXPECT_LT(verifier.Score(features, CandidateMode::kFast), 0.4);
+}
+
+// An overconfident verifier: Newton's whole steps would diverge to scales of thousands.
+TEST(Calibrate, EqualLogitsGetTheirShareOfRightPoses) {
+  std::vector<ScoredPose> poses;
+  for (int i = 0; i < 1030; ++i) poses.push_back({6.0, i < 1000});
+  for (int i = 0; i < 2000; ++i) poses.push_back({-6.0, false});
+  const Calibration calibration = Calibrate(poses);
+  const auto probability = [&](double logit) {
+    return 1 / (1 + std::exp(-calibration.scale * logit - calibration.shift));
+  };
+  EXPECT_NEAR(probability(6), 1000.0 / 1030, 0.003);
+  EXPECT_LT(probability(-6), 0.005);
+  EXPECT_LT(calibration.scale, 3);
+}
+
+// Poses are right with P = 1 / (1 + exp(-(2 logit + 1))), while the score claims 1 / (1 +
+// exp(-logit)).
+TEST(Calibrate, FindsAPlantedRule) {
+  Rng rng(3);
+  std::vector<ScoredPose> poses(4000);
+  for (ScoredPose& pose : poses) {
+    pose.logit = rng.Uniform(-3, 3);
+    pose.right = rng.Uniform() < 1 / (1 + std::exp(-(2 * pose.logit + 1)));
+  }
+  const Calibration found = Calibrate(poses), untouched = Calibrate({});
+  EXPECT_NEAR(found.scale, 2, 0.2);
+  EXPECT_NEAR(found.shift, 1, 0.2);
+  EXPECT_EQ(untouched.scale, 1);
+  EXPECT_EQ(untouched.shift, 0);
+}
+
+TEST(AreaUnderRoc, CountsOrderedPairs) {
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({0.1, 0.2, 0.8, 0.9}, {0, 0, 1, 1}), 1.0);
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({0.1, 0.2, 0.8, 0.9}, {1, 1, 0, 0}), 0.0);
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({0.5, 0.5, 0.5}, {0, 1, 0}), 0.5);
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({0.1, 0.4, 0.3, 0.8}, {0, 0, 1, 1}), 0.75);
+  EXPECT_DOUBLE_EQ(AreaUnderRoc({0.1, 0.2}, {1, 1}), 0.5);
+}
+
+}  // namespace
+}  // namespace pickbed::tests

@@ -1,0 +1,159 @@
+#include "scenes/base/settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/base/error.h"
+#include "tests/support/layer.h"
+
+namespace pickbed::tests {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Item {
+  int count = 1;
+  void Visit(SettingsVisitor& v) { v.Integer("count", count, {1, 10}, "how many"); }
+};
+
+struct Sample {
+  uint64_t seed = 7;
+  double wall_m = 0.006;
+  bool deep = false;
+  std::string mode = "fast";
+  Eigen::Vector3d size_m{1, 2, 3};
+  std::vector<Item> items;
+  void Visit(SettingsVisitor& v) {
+    v.Seed("seed", seed, "seed");
+    v.Group(
+        "bin",
+        [this](SettingsVisitor& g) {
+          g.Real("wall_m", wall_m, {0.001, 0.05}, "wall, m");
+        },
+        "bin");
+    v.Bool("deep", deep, "deep");
+    v.Text("mode", mode, {"fast", "hard"}, "mode");
+    v.Vector3("size_m", size_m, {0, 10}, "size, m");
+    v.List(
+        "items", items.size(), [this](size_t n) { items.assign(n, {}); },
+        [this](size_t i, SettingsVisitor& item) { items[i].Visit(item); }, "items");
+  }
+};
+
+VisitFunction Visiting(Sample& sample) {
+  return [&sample](SettingsVisitor& v) { sample.Visit(v); };
+}
+
+std::string ErrorOfYaml(const std::string& yaml) {
+  Sample sample;
+  try {
+    ReadSettingsText(yaml, "cell.yaml", Visiting(sample));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Settings, ReadsEveryKindOfField) {
+  Sample sample;
+  ReadSettingsText(
+      "seed: 18446744073709551615\nbin: {wall_m: 0.02}\ndeep: true\nmode: hard\n"
+      "size_m: [4, 5, 6]\nitems:\n  - {count: 3}\n  - {}\n",
+      "cell.yaml", Visiting(sample));
+  EXPECT_EQ(sample.seed, UINT64_MAX);
+  EXPECT_EQ(sample.wall_m, 0.02);
+  EXPECT_TRUE(sample.deep);
+  EXPECT_EQ(sample.mode, "hard");
+  EXPECT_EQ(sample.size_m, Eigen::Vector3d(4, 5, 6));
+  ASSERT_EQ(sample.items.size(), 2u);
+  EXPECT_EQ(sample.items[0].count, 3);
+  EXPECT_EQ(sample.items[1].count, 1);
+}
+
+TEST(Settings, MissingKeysKeepTheirValues) {
+  Sample sample;
+  ReadSettingsText("", "cell.yaml", Visiting(sample));
+  EXPECT_EQ(sample.seed, 7u);
+  EXPECT_EQ(sample.mode, "fast");
+}
+
+TEST(Settings, WrittenSettingsReadBackUnchanged) {
+  Sample sample;
+  sample.seed = 0;
+  sample.wall_m = 0.1 / 3 / 10;
+  sample.mode = "hard";
+  sample.size_m = {0.1, 1e-9, 9.999};
+  sample.items = {{4}, {5}};
+  for (const bool with_help : {false, true}) {
+    const std::string text = WriteSettings(Visiting(sample), with_help);
+    Sample copy;
+    ReadSettingsText(text, "copy", Visiting(copy));
+    EXPECT_EQ(WriteSettings(Visiting(copy), with_help), text);
+    EXPECT_EQ(copy.wall_m, sample.wall_m);
+    EXPECT_EQ(copy.size_m, sample.size_m);
+    ASSERT_EQ(copy.items.size(), 2u);
+    EXPECT_EQ(copy.items[1].count, 5);
+  }
+}
+
+TEST(Settings, ErrorsHoldFileLineKeyValueAndAllowedValues) {
+  const struct {
+    const char* yaml;
+    std::vector<const char*> parts;
+  } cases[] = {
+      {"seed: 1\nbin:\n  wall_m: 3\n", {"cell.yaml:3:", "bin.wall_m = 3", "from 0.001 to 0.05"}},
+      {"seed: 1\nbin:\n  wal_m: 0.01\n", {"cell.yaml:3:", "wal_m", "wall_m", "0.01"}},
+      {"mode: medium\n", {"cell.yaml:1:", "mode", "medium", "fast", "hard"}},
+      {"deep: 3.5\n", {"cell.yaml:1:", "deep = 3.5", "true or false"}},
+      {"seed: -1\n", {"cell.yaml:1:", "seed = -1", "whole number from 0"}},
+      {"seed: 99999999999999999999\n", {"cell.yaml:1:", "seed", "whole number"}},
+      {"items:\n - {count: 2.5}\n", {"cell.yaml:2:", "items.0.count = 2.5", "whole number"}},
+      {"items:\n - {count: 0}\n", {"cell.yaml:2:", "items.0.count = 0", "from 1 to 10"}},
+      {"items: 4\n", {"cell.yaml:1:", "items = 4", "list"}},
+      {"size_m: [1, 2]\n", {"cell.yaml:1:", "size_m = [1, 2]", "3 numbers"}},
+      {"size_m: [1, 2, .nan]\n", {"cell.yaml:1:", "size_m", "from 0 to 10"}},
+      {"bin: [1]\n", {"cell.yaml:1:", "bin", "key: value"}},
+      {"deep: true\ndeep: false\n",
+       {"cell.yaml:2: deep = false: is given twice, before as true at cell.yaml:1"}},
+      {"seed: [\n", {"cell.yaml:", "not valid YAML"}},
+  };
+  for (const auto& c : cases) {
+    const std::string error = ErrorOfYaml(c.yaml);
+    for (const char* part : c.parts) EXPECT_THAT(error, HasSubstr(part)) << c.yaml;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  }
+}
+
+TEST(Settings, AssignmentsReachGroupsAndListItems) {
+  Sample sample;
+  sample.items = {{1}, {2}};
+  ApplySetting("bin.wall_m=0.01", Visiting(sample));
+  ApplySetting("items.1.count=9", Visiting(sample));
+  ApplySetting("size_m=[7, 8, 9]", Visiting(sample));
+  EXPECT_EQ(sample.wall_m, 0.01);
+  EXPECT_EQ(sample.items[0].count, 1);
+  EXPECT_EQ(sample.items[1].count, 9);
+  EXPECT_EQ(sample.size_m, Eigen::Vector3d(7, 8, 9));
+}
+
+TEST(Settings, InvalidAssignmentsAreRefused) {
+  Sample sample;
+  sample.items = {{1}};
+  for (const char* assignment : {"bin.wal_m=0.01", "bin.wall_m=9", "items.3.count=1",
+                                 "items.x.count=1", "seed", "=3", "bin=3"}) {
+    EXPECT_THROW(ApplySetting(assignment, Visiting(sample)), InputError) << assignment;
+  }
+}
+
+TEST(Settings, MissingFileErrorHoldsThePath) {
+  Sample sample;
+  try {
+    ReadSettingsFile("/nowhere/cell.yaml", Visiting(sample));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/nowhere/cell.yaml"));
+  }
+}
+
+}  // namespace
+}  // namespace pickbed::tests

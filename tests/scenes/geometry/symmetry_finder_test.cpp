@@ -1,0 +1,108 @@
+#include "scenes/geometry/symmetry_finder.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "scenes/objects/object_catalog.h"
+#include "tests/scenes/shapes.h"
+
+namespace pickbed::tests {
+namespace {
+
+using Eigen::Vector3d;
+
+size_t DiscreteCount(const TriangleMesh& mesh) { return FindSymmetries(mesh).discrete_O.size(); }
+
+// Returns a prism along z, or a cylinder if it has many sides.
+TriangleMesh Prism(int sides, double radius, double height) {
+  TriangleMesh mesh;
+  for (const double z : {-height / 2, height / 2}) {
+    for (int i = 0; i < sides; ++i) {
+      const double angle = 2 * std::numbers::pi * i / sides;
+      mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+    }
+  }
+  for (int i = 0; i < sides; ++i) {
+    const int j = (i + 1) % sides;
+    mesh.triangles.emplace_back(i, j, sides + j);
+    mesh.triangles.emplace_back(i, sides + j, sides + i);
+    if (i == 0 || j == 0) continue;
+    mesh.triangles.emplace_back(0, j, i);
+    mesh.triangles.emplace_back(sides, sides + i, sides + j);
+  }
+  return mesh;
+}
+
+TEST(FindSymmetries, FindsTheOrderOfTheRotationGroup) {
+  EXPECT_EQ(DiscreteCount(BoxShape({0.1, 0.07, 0.04})), 3u);  // D2
+  EXPECT_EQ(DiscreteCount(BoxShape({0.1, 0.1, 0.04})), 7u);   // D4
+  EXPECT_EQ(DiscreteCount(BoxShape({0.1, 0.1, 0.1})), 23u);   // O
+  EXPECT_EQ(DiscreteCount(BallShape(0.05, 0)), 23u);          // O (octahedron)
+  EXPECT_EQ(DiscreteCount(Prism(3, 0.05, 0.03)), 5u);         // D3
+  EXPECT_EQ(DiscreteCount(Prism(7, 0.05, 0.03)), 13u);        // D7
+}
+
+TEST(FindSymmetries, FindsOneAxisOfACylinderAndTwoOfABall) {
+  const SymmetrySet cylinder = FindSymmetries(Prism(64, 0.03, 0.1));
+  ASSERT_EQ(cylinder.continuous_O.size(), 1u);
+  EXPECT_GT(std::abs(cylinder.continuous_O[0].axis_O.z()), 0.9999);
+  EXPECT_EQ(cylinder.discrete_O.size(), 1u);
+  TriangleMesh cone = Prism(64, 0.03, 0.1);
+  for (int i = 64; i < 128; ++i) cone.vertices[i].head<2>() *= 0.5;
+  EXPECT_EQ(FindSymmetries(cone).continuous_O.size(), 1u);
+  EXPECT_TRUE(FindSymmetries(cone).discrete_O.empty());
+  EXPECT_EQ(FindSymmetries(BallShape(0.05, 4)).continuous_O.size(), 2u);
+}
+
+TEST(FindSymmetries, FindsNoneForAnIrregularBox) {
+  TriangleMesh box = BoxShape({0.1, 0.1, 0.1});
+  box.vertices[7] += Vector3d(0.02, 0.01, 0.015);
+  EXPECT_TRUE(FindSymmetries(box).trivial());
+}
+
+// A feature breaks a symmetry only if it is larger than the tolerance.
+TEST(FindSymmetries, ToleranceIsRelativeToTheDiameter) {
+  TriangleMesh box = BoxShape({0.1, 0.08, 0.06});
+  Append(BoxShape({0.03, 0.03, 0.004}, {0.02, 0.01, 0.03}), box);  // 2 mm, 1.4 % of the diameter
+  EXPECT_TRUE(FindSymmetries(box, {.tolerance_diameters = 0.01}).trivial());
+  EXPECT_EQ(FindSymmetries(box, {.tolerance_diameters = 0.02}).discrete_O.size(), 3u);
+}
+
+TEST(FindSymmetries, TransformWithTheMesh) {
+  const Pose X_AB = MakePose(
+      Eigen::Quaterniond(0.3, 0.5, -0.2, 0.7).normalized().toRotationMatrix(), {0.2, -0.3, 0.1});
+  const TriangleMesh moved = Transformed(Prism(64, 0.03, 0.1), X_AB);
+  const SymmetrySet found = FindSymmetries(moved);
+  ASSERT_EQ(found.continuous_O.size(), 1u);
+  const Vector3d axis_A = X_AB.linear().col(2);
+  EXPECT_LT(found.continuous_O[0].axis_O.cross(axis_A).norm(), 1e-3);
+  const Vector3d off = found.continuous_O[0].offset_O - X_AB.translation();
+  EXPECT_LT(off.cross(axis_A).norm(), 1e-4);
+}
+
+// The symmetries that the part families declare are found from the meshes.
+class ShippedSymmetries : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ShippedSymmetries, AreFoundFromTheMesh) {
+  const auto object = ObjectCatalog({AssetsDir() / "objects"}).Load(GetParam());
+  const SymmetrySet found = FindSymmetries(object->mesh_O);
+  const SymmetrySet& declared = object->symmetries_O;
+  EXPECT_EQ(found.continuous_O.size(), declared.continuous_O.size());
+  EXPECT_EQ(found.discrete_O.size(), declared.discrete_O.size());
+  for (const Pose& S : declared.continuous_O.empty() ? declared.discrete_O : std::vector<Pose>()) {
+    const bool known =
+        std::any_of(found.discrete_O.begin(), found.discrete_O.end(), [&](const Pose& other) {
+          return RotationAngleRad(S.linear(), other.linear()) < 0.02 &&
+                 (S.translation() - other.translation()).norm() < 0.01 * object->diameter_m;
+        });
+    EXPECT_TRUE(known) << S.matrix();
+  }
+}
+INSTANTIATE_TEST_SUITE_P(All, ShippedSymmetries,
+                         ::testing::Values("bottle", "bracket", "carton", "elbow", "flange", "gear",
+                                           "hex_bolt", "mug", "pipe_tee", "ring", "rod", "u_clip"),
+                         [](const auto& info) { return info.param; });
+
+}  // namespace
+}  // namespace pickbed::tests

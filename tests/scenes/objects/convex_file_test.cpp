@@ -1,0 +1,49 @@
+#include "scenes/objects/convex_file.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/scenes/shapes.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr char kTwoPieces[] =
+    "# comment\no first\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n"
+    "o second\nv 2 0 0\nv 3 0 0\r\nv 2 1 0\nv 2 0 1\nv 3 1 1e0\n";
+
+TEST(LoadConvexPieces, ReadsEachGroupInItsUnit) {
+  const TemporaryFolder folder;
+  const auto path = folder.Write("convex.obj", kTwoPieces);
+  const std::vector<ConvexPiece> pieces = LoadConvexPieces(path, "mm");
+  ASSERT_EQ(pieces.size(), 2u);
+  EXPECT_EQ(pieces[0].vertices_O.size(), 4u);
+  ASSERT_EQ(pieces[1].vertices_O.size(), 5u);
+  EXPECT_TRUE(pieces[1].vertices_O[4].isApprox(Eigen::Vector3d(0.003, 0.001, 0.001)));
+}
+
+TEST(LoadConvexPieces, ErrorsHoldTheFaultyLine) {
+  const TemporaryFolder folder;
+  struct {
+    const char* text;
+    const char* message;
+  } cases[] = {
+      {"o a\nv 0 0 0\nv 1 0 x\n", "c.obj:3: 'v' needs three numbers"},
+      {"o a\nv 0 0 0\nv 1 0\n", "c.obj:3: 'v' needs three numbers"},
+      {"o a\nv nan 0 0\n", "c.obj:2: 'v' needs three numbers"},
+      {"v 0 0 0\n", "c.obj:1: a vertex stands before"},
+      {"o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\no b\n", "c.obj:5: a convex piece needs at least 4"},
+      {"o a\n", "a convex piece needs at least 4"},
+      {"# nothing\n", "has no 'o' group"},
+  };
+  for (const auto& c : cases) {
+    const auto path = folder.Write("c.obj", c.text);
+    EXPECT_THAT(InputErrorOf([&] { LoadConvexPieces(path); }), HasSubstr(c.message)) << c.text;
+  }
+  EXPECT_THAT(InputErrorOf([&] { LoadConvexPieces(folder.path() / "none.obj"); }),
+              HasSubstr("none.obj"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests

@@ -1,0 +1,203 @@
+#include "sim/drop/drop.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "scenes/base/error.h"
+#include "sim/drop/penetration.h"
+#include "tests/sim/physics_parts.h"
+
+namespace pickbed::tests {
+namespace {
+
+DropResult DropMixed(uint64_t seed, int each) {
+  Rng rng(seed);
+  return DropParts(Bin{}, MixedParts(), {each, each, each, each}, rng);
+}
+
+bool SameBits(const Scene& a, const Scene& b) {
+  if (a.objects.size() != b.objects.size()) return false;
+  for (size_t i = 0; i < a.objects.size(); ++i) {
+    if (a.objects[i].object != b.objects[i].object) return false;
+    if (a.objects[i].X_WO.matrix() != b.objects[i].X_WO.matrix()) return false;
+  }
+  return true;
+}
+
+TEST(DropParts, MixedInstancesComeToRestInsideWithoutOverlap) {
+  for (const uint64_t seed : {0, 1, 2}) {
+    const DropResult drop = DropMixed(seed, 5);
+    EXPECT_TRUE(drop.certificate.at_rest) << "seed " << seed;
+    EXPECT_FALSE(drop.certificate.blew_up) << "seed " << seed;
+    EXPECT_EQ(drop.certificate.parts_outside, 0) << "seed " << seed;
+    EXPECT_EQ(drop.scene.objects.size(), 20u) << "seed " << seed;
+    EXPECT_LT(drop.certificate.deepest_penetration_m, 0.0005) << "seed " << seed;
+    EXPECT_LT(drop.certificate.max_speed_mps, 0.01) << "seed " << seed;
+  }
+}
+
+TEST(DropParts, SettledSceneStaysAtRestWhenAwake) {
+  const ObjectSet objects = MixedParts();
+  for (const uint64_t seed : {0, 1, 2}) {
+    const DropResult drop = DropMixed(seed, 5);
+    PhysicsWorld world;
+    world.AddBin(drop.scene.bin);
+    for (const PosedObject& object : drop.scene.objects) {
+      world.AddPart(*objects[object.object], object.X_WO);
+    }
+    world.ForbidSleep();
+    while (world.time_s() < 1) world.Step();
+    for (size_t i = 0; i < drop.scene.objects.size(); ++i) {
+      const Eigen::Vector3d before = drop.scene.objects[i].X_WO.translation();
+      EXPECT_LT((world.X_WO(static_cast<int>(i)).translation() - before).norm(), 0.001)
+          << "seed " << seed << " instance " << i;
+    }
+  }
+}
+
+TEST(DropParts, SameSeedGivesSameBitsBesideAnotherWorld) {
+  const DropResult first = DropMixed(7, 4);
+  EXPECT_TRUE(SameBits(first.scene, DropMixed(7, 4).scene));
+
+  PhysicsWorld other;
+  const auto cube = BoxPart({0.04, 0.04, 0.04}, 0.1);
+  other.AddBin(Bin{});
+  other.AddPart(*cube, Translation({0, 0, 0.5}));
+  other.Step();
+  EXPECT_TRUE(SameBits(first.scene, DropMixed(7, 4).scene));
+
+  EXPECT_FALSE(SameBits(first.scene, DropMixed(8, 4).scene));
+}
+
+TEST(DropParts, InstancesAreNumberedAndObjectCountsKept) {
+  Rng rng(3);
+  const DropResult drop = DropParts(Bin{}, MixedParts(), {3, 0, 2, 4}, rng);
+  std::vector<int> of_object(4, 0);
+  for (size_t i = 0; i < drop.scene.objects.size(); ++i) {
+    EXPECT_EQ(drop.scene.objects[i].instance, static_cast<int>(i));
+    ++of_object[drop.scene.objects[i].object];
+  }
+  EXPECT_EQ(of_object, (std::vector<int>{3, 0, 2, 4}));
+}
+
+TEST(DropParts, InstancesOutsideAreCountedAndNotInTheScene) {
+  Bin tray;
+  tray.inner_size_m = {0.16, 0.12, 0.03};
+  Rng rng(1);
+  const DropResult drop = DropParts(tray, {BoxPart({0.05, 0.05, 0.05}, 0.1)}, {30}, rng);
+  EXPECT_GT(drop.certificate.parts_outside, 0);
+  EXPECT_EQ(drop.certificate.parts_outside + static_cast<int>(drop.scene.objects.size()), 30);
+  EXPECT_FALSE(drop.certificate.blew_up);
+  for (const PosedObject& object : drop.scene.objects) {
+    EXPECT_LT(std::abs(object.X_WO.translation().x()), 0.08);
+    EXPECT_LT(std::abs(object.X_WO.translation().y()), 0.06);
+    EXPECT_GT(object.X_WO.translation().z(), 0);
+  }
+}
+
+TEST(DropParts, RodAsLongAsTheBinComesToRest) {
+  for (const uint64_t seed : {0, 1, 2}) {
+    Rng rng(seed);
+    const DropResult drop = DropParts(Bin{}, {BoxPart({0.02, 0.39, 0.02}, 0.3)}, {4}, rng);
+    EXPECT_EQ(drop.certificate.parts_outside, 0);
+    EXPECT_TRUE(drop.certificate.at_rest);
+  }
+}
+
+TEST(DropParts, EmptyBinStaysEmpty) {
+  Rng rng(0);
+  const DropResult drop = DropParts(Bin{}, MixedParts(), {0, 0, 0, 0}, rng);
+  EXPECT_TRUE(drop.certificate.at_rest);
+  EXPECT_TRUE(drop.scene.objects.empty());
+}
+
+TEST(DropParts, RefusesAnObjectLargerThanTheBin) {
+  Rng rng(0);
+  const ObjectSet objects{BoxPart({0.1, 0.1, 0.1}, 1),
+                          PartOfBoxes("girder", {{{0, 0, 0}, {0.02, 0.25, 0.01}}}, 1)};
+  EXPECT_NO_THROW(DropParts(Bin{}, objects, {1, 0}, rng));
+  try {
+    DropParts(Bin{}, objects, {1, 1}, rng);
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "part 'girder' is 0.500 x 0.040 x 0.020 m and does not fit into the bin's 0.400 x "
+                 "0.300 m floor: take a larger bin or check the mesh's unit");
+  }
+}
+
+TEST(DropParts, ObjectWithoutPiecesIsALogicError) {
+  Rng rng(0);
+  auto bare = std::make_shared<ObjectModel>(*BracketPart());
+  bare->convex_parts_O.clear();
+  EXPECT_THROW(DropParts(Bin{}, {bare}, {1}, rng), std::logic_error);
+}
+
+TEST(Arrangements, PackedInstancesAreUprightAndSeparate) {
+  ObjectSet objects = MixedParts();
+  for (auto& object : objects) {
+    auto copy = std::make_shared<ObjectModel>(*object);
+    copy->resting_O = {{Eigen::Vector3d::UnitX(), 0.7}, {Eigen::Vector3d::UnitZ(), 0.3}};
+    object = copy;
+  }
+  DropOptions options;
+  options.arrangement = Arrangement::kPacked;
+  Rng rng(1);
+  const DropResult drop = DropParts(Bin{}, objects, {2, 2, 2, 2}, rng, options);
+  EXPECT_TRUE(Faults(drop.certificate).empty());
+  ASSERT_EQ(drop.scene.objects.size(), 8u);
+  for (const PosedObject& a : drop.scene.objects) {
+    EXPECT_GT(a.X_WO.linear()(2, 2), 0.99) << "not upright";
+    for (const PosedObject& b : drop.scene.objects) {
+      if (a.instance >= b.instance) continue;
+      Scene grown;  // moved together by less than the clearance, they do not touch
+      const Eigen::Vector3d towards = b.X_WO.translation() - a.X_WO.translation();
+      const Pose nearer = Translation(0.002 * towards.normalized()) * a.X_WO;
+      grown.bin.inner_size_m = {2, 2, 0};
+      grown.objects = {{0, a.object, Translation({0, 0, 0.01}) * nearer},
+                       {1, b.object, Translation({0, 0, 0.01}) * b.X_WO}};
+      EXPECT_EQ(DeepestPenetration(grown, objects), 0);
+    }
+  }
+}
+
+TEST(Arrangements, PackedInstancesWithoutRoomAreCounted) {
+  DropOptions options;
+  options.arrangement = Arrangement::kPacked;
+  Bin tray;
+  tray.inner_size_m = {0.12, 0.12, 0.1};
+  Rng rng(1);
+  const DropResult drop = DropParts(tray, {BoxPart({0.05, 0.05, 0.05}, 0.1)}, {9}, rng, options);
+  EXPECT_GE(drop.certificate.parts_outside, 5);
+  EXPECT_EQ(drop.certificate.parts_outside + drop.scene.objects.size(), 9u);
+}
+
+// Without walls the instances stay near the center and form a heap higher than one cube.
+TEST(Arrangements, HeapOnATableStaysTogether) {
+  DropOptions options;
+  options.arrangement = Arrangement::kHeap;
+  Bin table;
+  table.inner_size_m = {0.6, 0.6, 0};
+  const ObjectSet cubes{BoxPart({0.04, 0.04, 0.04}, 0.1)};
+  Rng rng(2);
+  const DropResult drop = DropParts(table, cubes, {40}, rng, options);
+  EXPECT_TRUE(Faults(drop.certificate).empty());
+  double highest_m = 0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const PosedObject& object : drop.scene.objects) {
+    highest_m = std::max(highest_m, object.X_WO.translation().z());
+    center += object.X_WO.translation() / 40;
+  }
+  EXPECT_GT(highest_m, 0.05);
+  EXPECT_LT(center.head<2>().norm(), 0.05);
+}
+
+TEST(Arrangements, AreFoundByName) {
+  EXPECT_EQ(ArrangementFromName("heap"), Arrangement::kHeap);
+  EXPECT_THROW(ArrangementFromName("tower"), InputError);
+}
+
+}  // namespace
+}  // namespace pickbed::tests

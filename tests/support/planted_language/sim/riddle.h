@@ -1,0 +1,1 @@
+// Of a planted fault for the language test.

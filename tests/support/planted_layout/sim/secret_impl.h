@@ -1,0 +1,1 @@
+// A planted fault for the layout test: a file with a forbidden name.
