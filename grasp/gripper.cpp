@@ -10,6 +10,13 @@ void Gripper::Visit(SettingsVisitor& v) {
 
 void Gripper::Validate(const std::string&) const {}
 
+void Gripper::Check() const {
+  // Visit() is not const because readers set the values. The check only reads them.
+  CheckSettings("gripper " + name,
+                [this](SettingsVisitor& v) { const_cast<Gripper*>(this)->Visit(v); });
+  Validate("gripper " + name);
+}
+
 std::string Gripper::SettingsText() const { return WriteText({}, false); }
 
 std::string Gripper::SettingsHelp(const std::vector<std::string>& mechanisms) const {

@@ -66,6 +66,8 @@ class Gripper {
   // Throws InputError if the numbers contradict each other. The message begins with `source`.
   // Default: no check.
   virtual void Validate(const std::string& source) const;
+  // Throws InputError if a number is out of range, or as Validate().
+  void Check() const;
   // Returns all settings as YAML, the mechanism first. Cache keys and the identity of a run contain
   // this text.
   std::string SettingsText() const;

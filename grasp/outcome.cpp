@@ -77,6 +77,7 @@ SuccessRule DecidingRule(const std::string& name) {
 }
 
 SuccessVerdicts JudgeByAllRules(const GraspOutcome& outcome, const RuleOptions& options) {
+  CheckSettings("RuleOptions", options);
   SuccessVerdicts verdicts{};
   for (const SuccessRuleRow& row : SuccessRuleTable()) {
     verdicts[static_cast<int>(row.rule)] = row.judge(outcome, options);

@@ -47,7 +47,7 @@ Pose RandomCamera(const ViewSourceOptions& options, double scale, Rng& rng) {
 
 ObjectSet WithForeignParts(const ObjectSet& objects, const ViewSourceOptions& options) {
   ObjectSet all = objects;
-  if (options.foreign_share > 0) {
+  if (options.distractor_share > 0) {
     const ObjectSet foreign = MakeForeignParts(objects);
     all.insert(all.end(), foreign.begin(), foreign.end());
   }
@@ -163,7 +163,8 @@ std::string SimViewSource::PileSettings() const {
     sensors += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
   }
   return IsolatedSettings() + sensors +
-         fmt::format("camera {}x{} {} {} {} {}\n", k.width, k.height, k.fx, k.fy, k.cx, k.cy) +
+         fmt::format("camera {}x{} {} {} {} {}\n", k.width(), k.height(), k.fx(), k.fy(), k.cx(),
+                     k.cy()) +
          fmt::format("distance {}..{} tilt {} jitter {}\n", o.distance_min_m, o.distance_max_m,
                      o.tilt_max_rad, o.target_jitter_m) +
          fmt::format("bin {} x {} x {} wall {} friction {} mesh {:016x}\n", size.x(), size.y(),
@@ -172,8 +173,9 @@ std::string SimViewSource::PileSettings() const {
          fmt::format("for {} scaled {} parts {}..{} fill {} mixed {} kinds {}\n", o.for_diameter_m,
                      o.scaled_share, o.parts_min, o.parts_max, o.fill_max, o.mixed_share,
                      o.mixed_kinds_max) +
-         (o.foreign_share > 0 ? fmt::format("foreign {} {}\n", o.foreign_share, o.foreign_max)
-                              : "");
+         (o.distractor_share > 0
+              ? fmt::format("foreign {} {}\n", o.distractor_share, o.distractor_max)
+              : "");
 }
 
 // Returns indices into objects_: one kind, or several for a mixed scene. The requested kind is
@@ -193,15 +195,15 @@ std::vector<int> SimViewSource::RandomKinds(const PileRequest& request, Rng& rng
 }
 
 // Returns distractors of about the size of these kinds, as indices into in_piles_. They use a
-// random stream of their own, so a scene without distractors does not depend on `foreign_share`.
+// random stream of their own, so a scene without distractors does not depend on `distractor_share`.
 std::vector<int> SimViewSource::RandomForeign(const PileRequest& request,
                                               const std::vector<int>& kinds) const {
   std::vector<int> shapes;
   Rng rng = Rng::Derive(request.seed, 0, "pile foreign");
-  if (rng.Uniform() >= options_.foreign_share) return shapes;
+  if (rng.Uniform() >= options_.distractor_share) return shapes;
   const int own = static_cast<int>(objects_.size());
   const int per_object = static_cast<int>(in_piles_.size()) / own - 1;
-  const int count = 1 + rng.Index(options_.foreign_max);
+  const int count = 1 + rng.Index(options_.distractor_max);
   for (int i = 0; i < count; ++i) {
     const int kind = kinds[rng.Index(static_cast<int>(kinds.size()))];
     shapes.push_back(own + kind * per_object + rng.Index(per_object));
@@ -326,11 +328,14 @@ std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
              fmt::format("camera distance {} to {} m: need 0 < distance_min_m <= distance_max_m",
                          options.distance_min_m, options.distance_max_m));
   CheckInput(
-      options.foreign_share >= 0 && options.foreign_share <= 1 && options.foreign_max >= 1,
+      options.distractor_share >= 0 && options.distractor_share <= 1 && options.distractor_max >= 1,
       fmt::format("foreign shapes in {} of the piles, at most {}: need a share of 0 to 1 and "
                   "1 shape or more",
-                  options.foreign_share, options.foreign_max));
+                  options.distractor_share, options.distractor_max));
   options.looks.Validate();
+  CheckSettings("SensorProfile", options.sensor);
+  for (const SensorProfile& sensor : options.pile_sensors) CheckSettings("SensorProfile", sensor);
+  CheckSettings("DropOptions", options.drop);
   return std::make_unique<SimViewSource>(objects, options);
 }
 

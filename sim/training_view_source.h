@@ -37,8 +37,8 @@ struct ViewSourceOptions {
   // Share of clutter scenes that contain distractors: shapes that are no object of the source
   // (distractors.h). They train an estimator to reject unknown shapes. They are background in
   // `ids`.
-  double foreign_share = 0;
-  int foreign_max = 6;     // distractors per clutter scene
+  double distractor_share = 0;
+  int distractor_max = 6;  // distractors per clutter scene
   bool color = true;       // render color; isolated views are faster without it
   AppearanceRanges looks;  // lights, materials and backgrounds of color images
   // true = each isolated view gets a random light from `looks`, placed in a frame at the object

@@ -78,21 +78,27 @@ const std::vector<BinMethod>& BinMethods() {
     for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
     return words;
   };
-  const auto few = set({}, {"piles=6", "iterations=120", "verifier_piles=2", "held_out.piles=1"});
-  const auto few_wholes = set({}, {"piles=2", "wohlhart.views.piles=6", "wohlhart.views.alone=300",
-                                   "wohlhart.network.iterations=100"});
+  const auto few = set({}, {"clutter_scenes=6", "iterations=120", "verifier_clutter_scenes=2",
+                            "held_out.clutter_scenes=1"});
+  const auto few_wholes =
+      set({}, {"clutter_scenes=2", "wohlhart.views.clutter_scenes=6", "wohlhart.views.isolated=300",
+               "wohlhart.network.iterations=100"});
   static const std::vector<BinMethod> methods{
       {"descriptor:fast", "descriptor", "fast", "", {}},
-      {"descriptor:hard", "descriptor", "hard", "", {}},
+      {"descriptor:accurate", "descriptor", "accurate", "", {}},
       {"ppf", "ppf", "fast", "", {}},
-      {"ppf:verified", "ppf", "verified", "ppf", {"--verifier-for", "ppf", "--set", "piles=24"}},
-      {"kehl", "kehl", "hard", "kehl", {"kehl"}, few},
-      {"doumanoglou", "doumanoglou", "hard", "doumanoglou", {"doumanoglou"}, few},
-      {"doumanoglou, no siamese term", "doumanoglou", "hard", "regression",
+      {"ppf:verified",
+       "ppf",
+       "verified",
+       "ppf",
+       {"--verifier-for", "ppf", "--set", "clutter_scenes=24"}},
+      {"kehl", "kehl", "accurate", "kehl", {"kehl"}, few},
+      {"doumanoglou", "doumanoglou", "accurate", "doumanoglou", {"doumanoglou"}, few},
+      {"doumanoglou, no siamese term", "doumanoglou", "accurate", "regression",
        set({"doumanoglou"}, {"network.regression.siamese_weight=0"}), few},
-      {"doumanoglou, look-up", "descriptor", "hard", "doumanoglou", {"doumanoglou"}, few},
-      {"union", "union", "hard", "doumanoglou", {"doumanoglou"}, few},
-      {"wohlhart", "wohlhart", "hard", "wohlhart", {"wohlhart"}, few_wholes},
+      {"doumanoglou, look-up", "descriptor", "accurate", "doumanoglou", {"doumanoglou"}, few},
+      {"union", "union", "accurate", "doumanoglou", {"doumanoglou"}, few},
+      {"wohlhart", "wohlhart", "accurate", "wohlhart", {"wohlhart"}, few_wholes},
       {"oracle", "oracle", "fast", "", {}},
   };
   return methods;

@@ -13,7 +13,7 @@ namespace pickbed::eval {
 namespace {
 
 // Reference curve behind all others: the default estimator in its accurate mode.
-constexpr const char* kReference = "descriptor:hard";
+constexpr const char* kReference = "descriptor:accurate";
 constexpr int kSmallChart_px = 160;  // height
 
 // Statistics of one estimator over one or more scenarios.

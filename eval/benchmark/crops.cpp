@@ -301,6 +301,7 @@ const char* CropStageName(CropStage stage) {
 }
 
 CropBenchmark RunCropBenchmark(const CropBenchmarkJob& job) {
+  CheckSettings("CropBenchmarkOptions", job.options);
   CheckInput(!job.objects.empty(), "the crop table needs at least one part");
   return Benchmark(job).Run();
 }

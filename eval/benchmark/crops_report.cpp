@@ -53,7 +53,8 @@ std::string CropTableText(const CropBenchmark& benchmark) {
 }
 
 std::string CropTableCsv(const CropBenchmark& benchmark, const ObjectSet& objects) {
-  std::string csv = "method,stage,condition,part,views,part_right,part_right_low,part_right_high";
+  std::string csv =
+      "method,stage,condition,object,views,object_right,object_right_low,object_right_high";
   for (const double angle_deg : kCropAngles_deg) {
     csv += fmt::format(",within_{0:.0f},within_{0:.0f}_low,within_{0:.0f}_high", angle_deg);
   }
@@ -81,7 +82,7 @@ std::string CropTableCsv(const CropBenchmark& benchmark, const ObjectSet& object
 }
 
 std::string CropViewsCsv(const CropBenchmark& benchmark, const ObjectSet& objects) {
-  std::string csv = "method,stage,condition,part,view,found_part,angle_deg,occluded\n";
+  std::string csv = "method,stage,condition,object,view,found_object,angle_deg,occluded\n";
   for (const CropRecord& r : benchmark.records) {
     csv += fmt::format("{},{},{},{},{},{},{:.4f},{:.4f}\n", r.method, CropStageName(r.stage),
                        CropConditionTable()[r.condition].name, objects[r.object]->name, r.test,
@@ -107,7 +108,7 @@ std::string CropTimingsCsv(const CropBenchmark& benchmark) {
 }
 
 std::string CropDifferencesCsv(const CropBenchmark& benchmark) {
-  std::string csv = "method,other,stage,condition,figure,difference,low,high\n";
+  std::string csv = "method,other,stage,condition,statistic,difference,low,high\n";
   const std::vector<CropCell> rows = CropRows(benchmark);
   for (size_t first = 0; first < rows.size(); ++first) {
     for (size_t second = first + 1; second < rows.size(); ++second) {
@@ -121,7 +122,7 @@ std::string CropDifferencesCsv(const CropBenchmark& benchmark) {
                              CropStageName(cell.stage), CropConditionTable()[condition].name,
                              figure, d.by, d.ci95.low, d.ci95.high);
         };
-        line("part_right", DifferenceOf(ours.part_right, theirs.part_right));
+        line("object_right", DifferenceOf(ours.part_right, theirs.part_right));
         line("within_10", DifferenceOf(ours.within[kTenDegrees], theirs.within[kTenDegrees]));
       }
     }

@@ -22,7 +22,7 @@ struct Canvas {
 Canvas CanvasOf(const Camera& camera, const Bounds& bounds_O, const Pose& X_CO) {
   const CameraIntrinsics& k = camera.intrinsics;
   const Footprint footprint = FootprintOf(bounds_O, X_CO, k);
-  const Eigen::Vector2d middle(0.5 * k.width, 0.5 * k.height);
+  const Eigen::Vector2d middle(0.5 * k.width(), 0.5 * k.height());
   const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * kMaxCanvas_px);
   Eigen::Vector2d first = middle - half, last = middle + half;
   if (footprint.in_front) {
@@ -32,11 +32,9 @@ Canvas CanvasOf(const Camera& camera, const Bounds& bounds_O, const Pose& X_CO) 
   }
   Canvas canvas{camera, static_cast<int>(std::floor(first.x())),
                 static_cast<int>(std::floor(first.y()))};
-  CameraIntrinsics& cut = canvas.camera.intrinsics;
-  cut.cx -= canvas.left;
-  cut.cy -= canvas.top;
-  cut.width = std::max(1, static_cast<int>(std::ceil(last.x())) - canvas.left + 1);
-  cut.height = std::max(1, static_cast<int>(std::ceil(last.y())) - canvas.top + 1);
+  const int width = std::max(1, static_cast<int>(std::ceil(last.x())) - canvas.left + 1);
+  const int height = std::max(1, static_cast<int>(std::ceil(last.y())) - canvas.top + 1);
+  canvas.camera.intrinsics = k.Window(canvas.left, canvas.top, width, height);
   return canvas;
 }
 

@@ -67,7 +67,8 @@ class SceneMaker {
     labelled.depth = DepthUnits(ApplySensorNoise(ideal, cell_.sensor(), rng), kDepthScale_mm);
     ImageTruth& truth = labelled.truth;
     truth.image_id = view;
-    truth.intrinsics = camera.intrinsics;
+    const CameraIntrinsics& k = camera.intrinsics;
+    truth.projection = {k.fx(), k.fy(), k.cx(), k.cy()};
     truth.depth_scale_mm = kDepthScale_mm;
     truth.X_CW = camera.X_CW();
     std::vector<RenderInstance> instances;

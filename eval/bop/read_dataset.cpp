@@ -101,8 +101,12 @@ void ReadCamera(const Json& entry, const Place& place, ImageTruth& image) {
   const auto K = Reals(entry, "cam_K", 9, place);
   if (K) {
     const std::vector<double>& k = *K;
-    image.intrinsics = {0, 0, k[0], k[4], k[2], k[5]};
-    if (k[0] <= 0 || k[4] <= 0) place.Fault("'cam_K' has a focal length that is not positive");
+    const std::string faults = CameraIntrinsics::FaultsOf(1, 1, k[0], k[4], k[2], k[5]);
+    if (faults.empty()) {
+      image.projection = {k[0], k[4], k[2], k[5]};
+    } else {
+      place.Fault("'cam_K': " + faults);
+    }
     if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
       place.Fault("'cam_K' is not fx 0 cx 0 fy cy 0 0 1");
     }
@@ -198,19 +202,20 @@ std::optional<DatasetCamera> ReadDatasetCamera(const fs::path& file, const OnFau
   const std::optional<Json> json = ReadJson(file, fault);
   if (!json) return std::nullopt;
   const Place place(file.string(), fault);
-  DatasetCamera camera;
-  CameraIntrinsics& k = camera.intrinsics;
-  k.width = Integer(*json, "width", place).value_or(0);
-  k.height = Integer(*json, "height", place).value_or(0);
-  k.fx = Real(*json, "fx", place).value_or(0);
-  k.fy = Real(*json, "fy", place).value_or(0);
-  k.cx = Real(*json, "cx", place).value_or(0);
-  k.cy = Real(*json, "cy", place).value_or(0);
-  camera.depth_scale_mm = Real(*json, "depth_scale", place).value_or(0);
-  if (k.width <= 0 || k.height <= 0 || k.fx <= 0 || k.fy <= 0 || camera.depth_scale_mm <= 0) {
-    place.Fault("width, height, fx, fy and depth_scale must be positive");
+  const auto width = Integer(*json, "width", place), height = Integer(*json, "height", place);
+  const auto fx = Real(*json, "fx", place), fy = Real(*json, "fy", place);
+  const auto cx = Real(*json, "cx", place), cy = Real(*json, "cy", place);
+  const auto depth_scale_mm = Real(*json, "depth_scale", place);
+  if (depth_scale_mm && *depth_scale_mm <= 0) {
+    place.Fault(fmt::format("depth_scale = {}: must be positive", *depth_scale_mm));
   }
-  return camera;
+  if (!width || !height || !fx || !fy || !cx || !cy || !depth_scale_mm) return std::nullopt;
+  const std::string faults = CameraIntrinsics::FaultsOf(*width, *height, *fx, *fy, *cx, *cy);
+  if (!faults.empty()) {
+    place.Fault(faults);
+    return std::nullopt;
+  }
+  return DatasetCamera{{*width, *height, *fx, *fy, *cx, *cy}, *depth_scale_mm};
 }
 
 SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& fault) {
@@ -292,9 +297,7 @@ RgbdFrame ReadDepthFrame(const SceneTruth& scene, const ImageTruth& image) {
                          (scene.folder / "depth" / ImageFileName(image.image_id)).string()));
   const Image<uint16_t> units = ReadPng16(*file);
   RgbdFrame frame;
-  frame.intrinsics = image.intrinsics;
-  frame.intrinsics.width = units.width();
-  frame.intrinsics.height = units.height();
+  frame.intrinsics = image.projection.ForSize(units.width(), units.height());
   frame.depth_m = Image<float>(units.width(), units.height());
   const double unit_m = 1e-3 * image.depth_scale_mm;
   for (size_t i = 0; i < units.size(); ++i) {

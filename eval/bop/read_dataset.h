@@ -56,9 +56,15 @@ struct Instance {
   Pose X_CO = Pose::Identity();  // as published: orthonormal only to the digits in the file
 };
 
+// Projection of an image, from an entry of scene_camera.json. The image file defines the size.
+struct ImageProjection {
+  double fx = 1, fy = 1, cx = 0, cy = 0;  // px
+  CameraIntrinsics ForSize(int width, int height) const { return {width, height, fx, fy, cx, cy}; }
+};
+
 struct ImageTruth {
   int image_id = 0;
-  CameraIntrinsics intrinsics;  // width and height are 0; the image file defines them
+  ImageProjection projection;
   double depth_scale_mm = 1;
   std::optional<Pose> X_CW;
   std::vector<Instance> instances;

@@ -226,7 +226,7 @@ struct Evaluator::Impl {
   ErrorTable MspdTable(const Group& group, const CameraIntrinsics& camera) {
     const MetricModel& model = parts_.Of(group.object_id).metric;
     return group.Table([&](const Pose& X_est, const Pose& X_true) {
-      return Mspd(model, camera, X_est, X_true) * kMspdWidth_px / camera.width;
+      return Mspd(model, camera, X_est, X_true) * kMspdWidth_px / camera.width();
     });
   }
 

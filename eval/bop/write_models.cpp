@@ -111,12 +111,12 @@ void WriteModels(const fs::path& folder, const ObjectSet& objects) {
 }
 
 void WriteDatasetCamera(const fs::path& file, const CameraIntrinsics& k) {
-  const Json camera{{"cx", k.cx},
-                    {"cy", k.cy},
-                    {"fx", k.fx},
-                    {"fy", k.fy},
-                    {"width", k.width},
-                    {"height", k.height},
+  const Json camera{{"cx", k.cx()},
+                    {"cy", k.cy()},
+                    {"fx", k.fx()},
+                    {"fy", k.fy()},
+                    {"width", k.width()},
+                    {"height", k.height()},
                     {"depth_scale", kDepthScale_mm}};
   WriteFileAtomically(file, camera.dump(2) + "\n");
 }

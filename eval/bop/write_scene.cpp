@@ -41,7 +41,7 @@ Json Millimetres(const Eigen::Vector3d& p_m) {
 }
 
 Json CameraJson(const ImageTruth& image) {
-  const CameraIntrinsics& k = image.intrinsics;
+  const ImageProjection& k = image.projection;
   Json camera{{"cam_K", {k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0}},
               {"depth_scale", image.depth_scale_mm}};
   if (image.X_CW) {

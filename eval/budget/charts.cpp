@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kAllColor = "#66737f";
 constexpr const char* kLeftColor = "#007a5a";
 // The bars end at 1. The texts are in a column behind them.
-constexpr double kTextAt = 1.02, kEndOfText = 1.2;
+constexpr double kTextAt = 1.02, kEndOfText = 1.28;
 
 // A bar of the waterfall in shares: its ends, the interval of the end that its count decides, and
 // the text beside it.
@@ -49,7 +49,7 @@ std::vector<Bar> BarsOf(const Waterfall& waterfall) {
   return bars;
 }
 
-// Colors and patterns of the stages, of the first bar and of the last bar.
+// Colors and patterns of the stages, and colors of the first and the last bar.
 Json FillOf(const Waterfall& waterfall) {
   std::vector<std::string> stages;
   for (const WaterfallStep& step : waterfall.steps) {
@@ -99,6 +99,7 @@ ReportChart WaterfallChart(const std::string& id, const Waterfall& waterfall) {
   const Json y = NamesOnY(names);
   Json x = PercentField("from", "share of " + waterfall.whole);
   x["axis"]["values"] = {0, 0.2, 0.4, 0.6, 0.8, 1};
+  x["axis"]["tickCount"] = 6;  // Vega leaves out values beyond this number
   x["scale"] = {{"domain", {0, kEndOfText}}};
   Json low = x, text = x;
   low["field"] = "low";

@@ -7,6 +7,7 @@
 
 #include "eval/store/results_store.h"
 #include "eval/summary/failure_budget.h"
+#include "eval/summary/result_files.h"
 #include "scenes/base/error.h"
 
 namespace pickbed::eval {
@@ -39,7 +40,7 @@ std::vector<TrialResult> TrialsOfRun(const BudgetJob& job) {
   const std::optional<std::string> stored = StoredSettings(job.run);
   CheckInput(
       stored.has_value(),
-      fmt::format("{} holds no results.sqlite; name the results folder of a `pickbed run`", where));
+      fmt::format("{} holds no {}; name the results folder of a `pickbed run`", where, kStoreFile));
   const std::string identity = RunIdentity(job.spec, job.objects);
   CheckInput(*stored == identity,
              fmt::format("{} was made with another model, gripper, sensor, part or scenario than "
@@ -64,7 +65,7 @@ BudgetRuns RerunWithTruth(const BudgetJob& job, const BudgetListener& listener) 
   options.picture_trials = options.lost_picture_trials = 0;
   for (const TrialResult& trial : runs.as_run) options.only_trials.push_back(trial.trial);
   for (const OracleRow& row : job.rows) {
-    options.out = job.run / "budget" / row.name;
+    options.out = job.run / kBudgetFolder / row.name;
     options.truth = row.truth;
     RunListener of_row;
     of_row.on_trial = [&](const RunState& state) {

@@ -82,13 +82,13 @@ nlohmann::ordered_json BudgetObject(const BudgetShares& shares) {
   json["asked"] = budget.asked();
   json["picked"] = budget.picked;
   json["picked_ci95"] = {shares.picked.low, shares.picked.high};
-  json["lost"] = nlohmann::ordered_json::object();
-  json["lost_ci95"] = nlohmann::ordered_json::object();
+  json["failures"] = nlohmann::ordered_json::object();
+  json["failures_ci95"] = nlohmann::ordered_json::object();
   for (const FailureRow& row : FailureTable()) {
     if (row.failure == FailureReason::kNone) continue;
     const Interval& ci95 = shares[row.failure];
-    json["lost"][std::string(row.name)] = budget[row.failure];
-    json["lost_ci95"][std::string(row.name)] = {ci95.low, ci95.high};
+    json["failures"][std::string(row.name)] = budget[row.failure];
+    json["failures_ci95"][std::string(row.name)] = {ci95.low, ci95.high};
   }
   return json;
 }

@@ -43,7 +43,8 @@ std::vector<std::string> AllBins() {
 std::vector<BinMethod> ChosenMethods(const std::vector<std::string>& labels) {
   if (labels.empty()) return BinMethods();
   std::vector<BinMethod> chosen;
-  for (const std::string& label : labels) {
+  for (const std::string& given : labels) {
+    const std::string label = CurrentLabel(given);
     std::vector<std::string> known;
     const size_t before = chosen.size();
     for (const BinMethod& method : BinMethods()) {
@@ -80,7 +81,7 @@ ObjectSet WantedParts(const std::vector<LoadedScenario>& scenarios) {
     for (size_t i = 0; i < scenario.objects.size(); ++i) {
       const auto& object = scenario.objects[i];
       const auto is_it = [&](const auto& part) { return part->name == object->name; };
-      if (scenario.spec.objects[i].foreign || std::any_of(parts.begin(), parts.end(), is_it)) {
+      if (scenario.spec.objects[i].distractor || std::any_of(parts.begin(), parts.end(), is_it)) {
         continue;
       }
       parts.push_back(object);
@@ -243,7 +244,7 @@ int BenchmarkBinsCommand(int argc, char** argv) {
   app.footer("Rows of the table:\n" + rows +
              "\nExample: pickbed benchmark bins --small\n"
              "         pickbed benchmark bins bin_gear bin_mug --scenes 5 --estimator "
-             "'kehl;descriptor:hard'");
+             "'kehl;descriptor:accurate'");
   if (!ParseArguments(app, argc, argv)) return 0;
   return RunBins(arguments);
 }

@@ -8,6 +8,7 @@
 #include "eval/cli/run_progress.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
+#include "eval/summary/result_files.h"
 
 namespace pickbed::eval {
 namespace {
@@ -82,10 +83,10 @@ int BudgetCommand(int argc, char** argv) {
 
   job.rows = RowsNamed(stages);
   job.run = run;
-  const std::filesystem::path scenario = job.run / "scenario.yaml";
-  CheckInput(
-      std::filesystem::is_regular_file(scenario),
-      fmt::format("{} holds no scenario.yaml; name the results folder of a `pickbed run`", run));
+  const std::filesystem::path scenario = job.run / kScenarioFile;
+  CheckInput(std::filesystem::is_regular_file(scenario),
+             fmt::format("{} holds no {}; name the results folder of a `pickbed run`", run,
+                         kScenarioFile));
   CatchInterrupts();
   LoadedScenario loaded = FindScenario({scenario.string(), {}, catalog, {}});
   job.spec = std::move(loaded.spec);
@@ -96,7 +97,7 @@ int BudgetCommand(int argc, char** argv) {
     fmt::print(stderr, "pickbed: stopped; the same command goes on\n");
     return kExitInterrupted;
   }
-  const std::filesystem::path folder = job.run / "budget";
+  const std::filesystem::path folder = job.run / kBudgetFolder;
   const bool has_page = SayIfUnwritten(WriteBudget(
       folder, std::filesystem::absolute(job.run / ".").parent_path().filename().string(), runs));
   if (json) {

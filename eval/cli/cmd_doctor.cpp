@@ -68,8 +68,9 @@ std::string Render() {
   int pixels = 0;
   for (const uint16_t id : image.ids.pixels()) pixels += id == 1;
   const double expected_m = kCameraHeight_m - kCubeSide_m;
-  const double side_px = camera.intrinsics.fx * kCubeSide_m / expected_m;
-  const double depth_m = image.depth_m(camera.intrinsics.width / 2, camera.intrinsics.height / 2);
+  const double side_px = camera.intrinsics.fx() * kCubeSide_m / expected_m;
+  const double depth_m =
+      image.depth_m(camera.intrinsics.width() / 2, camera.intrinsics.height() / 2);
   const std::string found = fmt::format("{}; cube at {:.4f} m over {} pixels",
                                         renderer.renderer().ContextName(), depth_m, pixels);
   if (std::abs(depth_m - expected_m) > kDepthTolerance_m ||

@@ -13,6 +13,7 @@
 #include "eval/explain/explain.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
+#include "eval/summary/result_files.h"
 #include "eval/tolerance/maps.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -48,9 +49,11 @@ std::vector<ComparedRow> LookAtBins(const ComparisonJob& job) {
 std::vector<std::string> Overlays(const std::filesystem::path& folder,
                                   std::filesystem::file_time_type start) {
   std::vector<std::string> found;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "pictures")) {
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(folder / kPicturesFolder)) {
     const std::filesystem::path& path = entry.path();
-    if (path.filename() != "pick_00_overlay.png" || entry.last_write_time() < start) continue;
+    if (path.filename() != AttemptPicture(0, "overlay") || entry.last_write_time() < start)
+      continue;
     found.push_back(path.lexically_relative(folder).string());
   }
   std::sort(found.begin(), found.end());
@@ -84,11 +87,11 @@ int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::st
   const std::vector<ComparedEstimator> compared =
       NamedEstimators(arguments, estimators, scenario.spec.estimator);
   const ToleranceMaps maps = MapsFor(scenario.spec, scenario.objects, tolerance);
-  MakeFolder(folder / "pictures");
+  MakeFolder(folder / kPicturesFolder);
   constexpr std::chrono::seconds kClockSlack{1};  // resolution of file times
   const auto start = std::filesystem::file_time_type::clock::now() - kClockSlack;
   CatchInterrupts();
-  const ComparisonJob job{scenario.spec, scenario.objects, compared, folder / "pictures",
+  const ComparisonJob job{scenario.spec, scenario.objects, compared, folder,
                           kPicturedBins, threads,          {},       {}};
   std::vector<ComparedRow> rows = LookAtBins(job);
   if (!maps.empty()) AddPickChances(maps, rows);
@@ -120,7 +123,7 @@ void SayWhereExplained(const std::filesystem::path& folder, const std::string& u
   if (SayIfUnwritten(unwritten)) {
     fmt::print("the stages, as a page with pictures, in {}\n", (folder / "explain.html").string());
   } else {
-    fmt::print("pictures of the stages in {}\n", (folder / "pictures").string());
+    fmt::print("pictures of the stages in {}\n", (folder / kPicturesFolder).string());
   }
 }
 
@@ -289,7 +292,8 @@ int EstimateCommand(int argc, char** argv) {
   AddToleranceArgument(app, tolerance);
   AddOutArgument(app, out, "-estimate");
   app.footer(
-      "Example: pickbed estimate bin_rod --trials 20 --estimator descriptor:hard,ppf,kehl=kehl.pt\n"
+      "Example: pickbed estimate bin_rod --trials 20 --estimator "
+      "descriptor:accurate,ppf,kehl=kehl.pt\n"
       "         pickbed estimate bin_rod --explain 3\n"
       "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf");
   if (!ParseArguments(app, argc, argv)) return 0;

@@ -5,7 +5,8 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
-#include "eval/metrics/pose_errors.h"
+#include "eval/metrics/metric_table.h"
+#include "eval/stats/statistics.h"
 #include "eval/trial/oracle_estimator.h"
 #include "grasp/grippers/table.h"
 #include "grasp/outcome.h"
@@ -52,14 +53,14 @@ void ListGrippers(const std::string&) {
 }
 
 void ListSensors(const std::string&) {
-  const double focal_px = CameraIntrinsics().fx;  // for profiles that have no focal length
+  const double focal_px = CameraIntrinsics().fx();  // for profiles that have no focal length
   for (const std::string& name : SensorProfileNames()) {
     const SensorProfile s = LoadSensorProfile(name);
-    Row(name,
-        fmt::format("noise {:.1f} mm and steps of {:.1f} mm at 1 m, holes {:.1f} % and "
-                    "{:.0f} % at edges, from {:g} to {:g} m",
-                    1e3 * AxialSigma_m(s, 1, 0), 1e3 * ReadingStep_m(s, 1, focal_px),
-                    100 * s.random_dropout, 100 * s.edge_dropout, s.min_range_m, s.max_range_m));
+    Row(name, fmt::format("noise {:.1f} mm and steps of {:.1f} mm at 1 m, holes {} and "
+                          "{:.0f} % at edges, from {:g} to {:g} m",
+                          1e3 * AxialSigma_m(s, 1, 0), 1e3 * ReadingStep_m(s, 1, focal_px),
+                          PercentText(s.random_dropout), 100 * s.edge_dropout, s.min_range_m,
+                          s.max_range_m));
   }
 }
 
@@ -74,7 +75,7 @@ void ListBins(const std::string&) {
 }
 
 void ListMetrics(const std::string&) {
-  for (const MetricRow& row : MetricTable())
+  for (const MetricRow& row : MetricsIn(kListed))
     Row(row.name, fmt::format("{} ({})", row.help, row.unit));
 }
 
@@ -129,7 +130,7 @@ constexpr std::array<Topic, 13> kTopics{{
     {"metrics", "Pose errors", ListMetrics},
     {"policies", "When the picking of a bin ends", ListPolicies},
     {"rankings", "By what planned grasps are ranked", ListRankings},
-    {"losses", "What becomes of a pick: reason, stage", ListFailures},
+    {"failures", "Failure reasons of a pick, with their stages", ListFailures},
     {"rules", "What counts as a successful grasp", ListRules},
     {"settings", "Keys of a scenario file with their defaults", ListSettings},
 }};
@@ -147,6 +148,10 @@ int ListCommand(int argc, char** argv) {
   app.footer(fmt::format("Topics: {}\nExample: pickbed list grippers", fmt::join(names, ", ")));
   if (!ParseArguments(app, argc, argv)) return 0;
 
+  if (wanted == "losses") {
+    fmt::print(stderr, "pickbed: 'list losses' is deprecated, write 'list failures'\n");
+    wanted = "failures";
+  }
   CheckInput(wanted.empty() || std::find(names.begin(), names.end(), wanted) != names.end(),
              UnknownNameMessage("topic", wanted, names));
   for (const Topic& topic : kTopics) {

@@ -5,6 +5,7 @@
 #include "eval/replay/replay.h"
 #include "eval/replay/stage_files.h"
 #include "eval/runtime/progress.h"
+#include "eval/summary/result_files.h"
 #include "scenes/base/files.h"
 
 namespace pickbed::eval {
@@ -41,7 +42,7 @@ int ReplayCommand(int argc, char** argv) {
   const RecordedTrial recorded = ReadRecordedTrial(address, catalog);
   SayWhatChanged(recorded);
   const std::filesystem::path folder =
-      out.empty() ? address.run / "replay" / fmt::format("trial_{:04}", address.trial)
+      out.empty() ? address.run / kReplayFolder / fmt::format("trial_{:04}", address.trial)
                   : std::filesystem::path(out);
   StageFiles files(folder);
   ReplayReport report;

@@ -3,6 +3,7 @@
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/report/report.h"
+#include "eval/summary/result_files.h"
 #include "scenes/base/files.h"
 
 namespace pickbed::eval {
@@ -21,7 +22,7 @@ int ReportCommand(int argc, char** argv) {
 
   ReportRun read = ReadReportRun(run);
   const std::filesystem::path page =
-      out.empty() ? std::filesystem::path(run) / "report.html" : std::filesystem::path(out);
+      out.empty() ? std::filesystem::path(run) / kReportFile : std::filesystem::path(out);
   RequireWritable(page);
   WriteFileAtomically(page, RunReportPage(std::move(read), OpenCatalog(catalog), options));
   fmt::print("report in {}\n", page.string());

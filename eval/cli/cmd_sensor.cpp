@@ -8,6 +8,7 @@
 #include "eval/cli/commands.h"
 #include "eval/draw/overlay.h"
 #include "eval/draw/plot.h"
+#include "eval/stats/statistics.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 #include "sim/sensor/depth_noise.h"
@@ -46,7 +47,7 @@ Image<Rgb8> FailureChart(const std::vector<NoiseSample>& samples) {
 std::vector<std::string> KeyFigures(const SensorProfile& p, const SensorScene& scene,
                                     const Image<float>& seen_m) {
   const auto mm = [](double m) { return fmt::format("{:.2f} mm", 1e3 * m); };
-  const double focal_px = scene.camera.fx, steep = std::numbers::pi / 3;
+  const double focal_px = scene.camera.fx(), steep = std::numbers::pi / 3;
   // A projector or camera away from the depth image (offset not 0) causes a shadow on one side of
   // an object.
   std::vector<std::string> shades_px;
@@ -69,7 +70,7 @@ std::vector<std::string> KeyFigures(const SensorProfile& p, const SensorScene& s
                   WindowWidth_px(p, focal_px)),
       fmt::format("baseline\t{:g} mm: a step from 1 to 0.8 m", 1e3 * TriangulationBaseline_m(p)),
       fmt::format("\tshades {} px here", fmt::join(shades_px, " and ")),
-      fmt::format("lost anywhere\t{:.1f} %", 100 * p.random_dropout),
+      fmt::format("lost anywhere\t{}", PercentText(p.random_dropout)),
       fmt::format("lost at edges\t{:.0f} %, flying {:.0f} % of the rest", 100 * p.edge_dropout,
                   100 * p.flying_share),
       fmt::format("lost at grazing\t{:.0f} % at 90 deg, none to {:.0f} deg",
@@ -78,8 +79,8 @@ std::vector<std::string> KeyFigures(const SensorProfile& p, const SensorScene& s
                   p.dark_luma),
       fmt::format("lost on white\t{:.0f} %, none under luma {:g}", 100 * p.shiny_dropout,
                   p.shiny_luma),
-      fmt::format("lost in this scene\t{:.1f} %",
-                  100.0 * static_cast<double>(holes) / static_cast<double>(seen_m.size())),
+      fmt::format("lost in this scene\t{}",
+                  PercentText(static_cast<int>(holes), static_cast<int>(seen_m.size()))),
   };
 }
 
@@ -90,7 +91,7 @@ Image<Rgb8> DrawSensorSheet(const SensorProfile& p) {
   const Image<float> seen_m = ApplySensorNoise({scene.depth_m, scene.camera, &scene.color}, p, rng);
   const double full_m =
       kErrorScale * std::max({AxialSigma_m(p, distance_m, 0),
-                              ReadingStep_m(p, distance_m, scene.camera.fx) / 2, 1e-4});
+                              ReadingStep_m(p, distance_m, scene.camera.fx()) / 2, 1e-4});
   const std::vector<NoiseSample> by_slant = NoiseBySlant(p, distance_m);
   return ContactSheet(
       {scene.color, ColorizeDepth(scene.depth_m), ColorizeDepth(seen_m),

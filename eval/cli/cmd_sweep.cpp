@@ -148,7 +148,7 @@ int SweepOnSlurm(const SweepArguments& a, const SweepSpec& spec, const std::file
   }
   CheckInput(!shards.empty(),
              fmt::format("job {} ended without a finished trial, see {}: {}", report.job_id,
-                         (out / "slurm").string(), fmt::join(report.unfinished, "; ")));
+                         (out / kSlurmFolder).string(), fmt::join(report.unfinished, "; ")));
   const MergeReport merged = MergeStores(shards, out);
   Print(a, merged.configurations, out);
   CheckInput(report.unfinished.empty(),

@@ -74,8 +74,8 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
          "profiles, one of which sees each view of a pile, instead of the scenario's alone; "
          "a code book stays that of the scenario's sensor")
       ->delimiter(',');
-  app.add_option("--foreign", arguments.lesson.foreign_share,
-                 "share of the piles in which shapes lie that are no parts")
+  app.add_option("--distractors,--foreign", arguments.lesson.distractor_share,
+                 "share of the clutter scenes with distractors; --foreign is its former name")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--catalog", arguments.lesson.scenario.catalog, "folder of your own objects")

@@ -4,10 +4,12 @@
 
 #include <array>
 #include <exception>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "scenes/base/error.h"
+#include "scenes/base/settings_names.h"
 
 namespace pickbed::eval {
 namespace {
@@ -68,11 +70,18 @@ const CommandRow& FindCommand(const std::string& name) {
   throw InputError(UnknownNameMessage("command", name, names));
 }
 
+// A file is often read several times, for example once per configuration of a sweep.
+void PrintOnce(const std::string& line) {
+  static std::set<std::string> printed;
+  if (printed.insert(line).second) fmt::print(stderr, "pickbed: {}\n", line);
+}
+
 }  // namespace
 
 std::span<const CommandRow> CommandTable() { return kCommands; }
 
 int Dispatch(int argc, char** argv) {
+  SetDeprecationListener(PrintOnce);
   try {
     const std::string name = argc > 1 ? argv[1] : "";
     if (name == "--help" || name == "-h" || name == "help") {

@@ -35,8 +35,8 @@ std::string CertificateJson(const CertifiedScene& made) {
   nlohmann::ordered_json json;
   json["at_rest"] = c.at_rest;
   json["simulated_s"] = c.simulated_s;
-  json["parts"] = made.scene.objects.size();
-  json["parts_outside"] = c.parts_outside;
+  json["instances"] = made.scene.objects.size();
+  json["instances_outside"] = c.instances_outside;
   json["max_speed_mps"] = c.max_speed_mps;
   json["max_spin_radps"] = c.max_spin_radps;
   json["deepest_penetration_m"] = c.deepest_penetration_m;

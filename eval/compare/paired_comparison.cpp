@@ -8,9 +8,9 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <sstream>
 
+#include "eval/metrics/metric_table.h"
 #include "eval/trial/counts_by_bin.h"
 #include "eval/trial/simulated_cell.h"
 #include "scenes/base/error.h"
@@ -99,6 +99,12 @@ PairedFigure PairedMedian(const std::string& key, const std::string& name,
   return figure;
 }
 
+ErrorOfPose ShownErrorOf(const MetricRow& row) {
+  return [key = MetricKey(row), unit = ShownUnitOf(row)](const HypothesisRecord& pose) {
+    return pose.metrics.Get(key) * unit.numerator / unit.denominator;
+  };
+}
+
 struct NamedRate {
   std::string key, name;
   TrialCount count;
@@ -115,7 +121,7 @@ std::vector<NamedRate> Rates(const std::vector<VisibleBand>& bands) {
       std::replace(ends.begin(), ends.end(), '-', '_');
       rates.push_back({fmt::format("{}_{}", key, ends),
                        fmt::format("{}, {} % visible", name, band.name()),
-                       count(band.least, band.most)});
+                       count(band.min, band.max)});
     }
   };
   add_bands("recall", "recall", InstancesRecalled);
@@ -177,16 +183,12 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
     if (SumOf(a).tries == 0 || SumOf(b).tries == 0) continue;
     comparison.figures.push_back(PairedRate(rate.key, rate.name, a, b));
   }
-  const auto add_median = [&](const char* key, const char* name, const ErrorOfPose& error) {
-    const PairedErrors errors = PairedErrorsByScene(before, after, shared, error);
-    if (std::isnan(MedianOf(errors.before))) return;
-    comparison.figures.push_back(PairedMedian(key, name, errors.before, errors.after));
-  };
-  add_median("median_mssd_diameters", "median MSSD, diameters",
-             [](const HypothesisRecord& pose) { return pose.mssd_diameters; });
-  add_median("median_rotation_deg", "median rotation error, deg", [](const HypothesisRecord& pose) {
-    return pose.rotation_rad * 180 / std::numbers::pi;
-  });
+  for (const MetricRow& row : MetricsIn(kCompared)) {
+    const PairedErrors errors = PairedErrorsByScene(before, after, shared, ShownErrorOf(row));
+    if (std::isnan(MedianOf(errors.before))) continue;
+    comparison.figures.push_back(PairedMedian("median_" + ShownKey(row), "median " + ShownName(row),
+                                              errors.before, errors.after));
+  }
   return comparison;
 }
 
@@ -255,9 +257,9 @@ std::string PairedJson(const PairedComparison& comparison) {
   json["scenes"] = comparison.scenes;
   json["scenes_of_first_only"] = comparison.before_only;
   json["scenes_of_second_only"] = comparison.after_only;
-  json["figures"] = nlohmann::ordered_json::array();
+  json["statistics"] = nlohmann::ordered_json::array();
   for (const PairedFigure& figure : comparison.figures) {
-    auto& row = json["figures"].emplace_back();
+    auto& row = json["statistics"].emplace_back();
     row["key"] = figure.key;
     row["name"] = figure.name;
     row["before"] = Number(figure.before);

@@ -46,7 +46,8 @@ struct PairedComparison {
 // - pick success, instances cleared, targets picked by visible fraction,
 // - recall of all instances with a visible fraction of at least 0.1, and by visible fraction,
 // - share of correct top-ranked poses,
-// - median MSSD and rotation error on the instances found by both (PairedErrorsByScene).
+// - median of each compared metric (MetricTable), such as MSSD and rotation error, on the instances
+//   found by both (PairedErrorsByScene).
 // Statistics without data in a run are left out. `bands` must be the bands of both configurations.
 // Throws InputError if no scene is shared.
 PairedComparison ComparePaired(std::span<const TrialResult> before,

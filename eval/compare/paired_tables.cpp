@@ -25,7 +25,7 @@ std::string DifferenceText(const PairedFigure& figure) {
 
 TableCells CellsOf(const PairedComparison& comparison, const std::string& before,
                    const std::string& after) {
-  TableCells cells{{"figure", before, after, "difference [95 %]", "p", "scenes", "that differ",
+  TableCells cells{{"statistic", before, after, "difference [95 %]", "p", "scenes", "that differ",
                     "scenes needed"}};
   for (const PairedFigure& figure : comparison.figures) {
     cells.push_back({figure.name, ValueText(figure, figure.before), ValueText(figure, figure.after),

@@ -8,11 +8,13 @@
 #include <set>
 
 #include "eval/runtime/process.h"
+#include "eval/summary/result_files.h"
 #include "eval/sweep/attempt_pictures.h"
 #include "eval/tolerance/maps.h"
 #include "eval/trial/estimator_runner.h"
 #include "eval/trial/oracle_estimator.h"
 #include "scenes/base/error.h"
+#include "scenes/base/settings_names.h"
 
 namespace pickbed::eval {
 namespace {
@@ -72,7 +74,7 @@ std::string FolderName(std::string label) {
   return label;
 }
 
-// Parses a label such as "kehl:hard=kehl.pt": name, mode and model file.
+// Parses a label such as "kehl:accurate=kehl.pt": name, mode and model file.
 EstimatorSpec Labelled(const std::string& label, const EstimatorSpec& base) {
   const size_t equals = label.find('=');
   const std::string method = label.substr(0, equals);
@@ -159,9 +161,8 @@ class Comparison {
 
   void Draw(const LiveRow& row, int trial, const Scene& scene, const Observation& view,
             const std::vector<PoseHypothesis>& hypotheses) const {
-    if (job_.pictures.empty() || trial >= job_.pictured_bins) return;
-    const auto folder =
-        job_.pictures / fmt::format("trial_{:04}", trial) / FolderName(row.result.label);
+    if (job_.out.empty() || trial >= job_.pictured_bins) return;
+    const auto folder = PicturesOf(job_.out, trial) / FolderName(row.result.label);
     WriteAttemptPictures(folder, 0,
                          {view.frame, cell_.camera(), cell_.objects(), scene, hypotheses, nullptr,
                           nullptr, &view.ids});
@@ -175,11 +176,27 @@ class Comparison {
 
 }  // namespace
 
+std::string CurrentLabel(const std::string& label) {
+  const size_t colon = label.find(':'), equals = label.find('=');
+  if (colon == std::string::npos || colon > equals) return label;
+  EstimatorSpec spec;
+  constexpr std::string_view kKey = "mode=";
+  const CurrentText mode =
+      AssignmentWithCurrentNames(std::string(kKey) + label.substr(colon + 1, equals - colon - 1),
+                                 [&](SettingsVisitor& v) { spec.Visit(v); });
+  if (mode.replaced.empty()) return label;
+  const std::string current = label.substr(0, colon + 1) + mode.text.substr(kKey.size()) +
+                              (equals == std::string::npos ? "" : label.substr(equals));
+  ReportDeprecation(fmt::format("estimator '{}' is deprecated, write '{}'", label, current));
+  return current;
+}
+
 std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& labels,
                                                const EstimatorSpec& base) {
   std::vector<ComparedEstimator> rows;
   std::set<std::string> seen;
-  for (const std::string& label : labels) {
+  for (const std::string& given : labels) {
+    const std::string label = CurrentLabel(given);
     CheckInput(seen.insert(label).second, fmt::format("estimator '{}' is named twice", label));
     rows.push_back({label, Labelled(label, base)});
   }

@@ -15,11 +15,16 @@
 
 namespace pickbed::eval {
 
-// The label has the form NAME[:MODE][=MODEL]: "ppf", "descriptor:hard" or "kehl:hard=kehl.pt".
+// The label has the form NAME[:MODE][=MODEL]: "ppf", "descriptor:accurate" or
+// "kehl:accurate=kehl.pt".
 struct ComparedEstimator {
   std::string label;
   EstimatorSpec spec;
 };
+// Returns the label with the current name of its mode, and reports a former one
+// (SetDeprecationListener()).
+std::string CurrentLabel(const std::string& label);
+
 // Parses the labels. Each result is `base` with the name, mode and model of the label. A label
 // without a model uses the model of `base` if the names are equal, else the shipped model. Throws
 // InputError for unknown names, for a label that occurs twice, and for '=' without a model.
@@ -51,7 +56,8 @@ struct ComparisonJob {
   ScenarioSpec spec;
   ObjectSet objects;
   std::vector<ComparedEstimator> estimators;
-  std::filesystem::path pictures;  // folder for trial_0000/LABEL/ of the first bins; empty = none
+  // Results folder; gets pictures/trial_0000/LABEL/ of the first bins. Empty = no pictures.
+  std::filesystem::path out;
   int pictured_bins = 0;
   int threads = 1;  // upper limit; the results are the same for any number
   std::function<void(std::string_view what, int done, int total)> on_progress;  // may be empty

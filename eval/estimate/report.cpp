@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "eval/estimate/statistics.h"
+#include "eval/metrics/metric_columns.h"
 #include "eval/page/vega.h"
 
 namespace pickbed::eval {
@@ -208,19 +209,19 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
 }
 
 std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
-  std::string csv =
-      "estimator,trial,hypothesis,object,instance,score,mssd_m,mssd_diameters,mspd_px,add_m,adi_m,"
-      "rotation_rad,translation_m,correct,p_pick\n";
+  const MetricColumns placed = MetricColumns::Placed(MetricUnits::kStored, {kMssd_m});
+  const MetricColumns at_end = MetricColumns::AtEnd(MetricUnits::kStored);
+  std::string csv = "estimator,trial,hypothesis,object,instance,score" + placed.Header() +
+                    ",correct,p_pick" + at_end.Header() + "\n";
   for (const ComparedRow& row : rows) {
     for (const ComparedLook& look : row.looks) {
       for (size_t i = 0; i < look.score.hypotheses.size(); ++i) {
         const HypothesisRecord& h = look.score.hypotheses[i];
         const bool known = !look.pick_chances.empty() && look.pick_chances[i].has_value();
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.label, look.trial,
-                           i, objects[h.object]->name, h.instance, h.score, h.mssd_m,
-                           h.mssd_diameters, h.mspd_px, h.add_m, h.adi_m, h.rotation_rad,
-                           h.translation_m, h.correct ? 1 : 0,
-                           known ? fmt::format("{:.4f}", *look.pick_chances[i]) : "");
+        csv += fmt::format(
+            "{},{},{},{},{},{}{},{},{}{}\n", row.label, look.trial, i, objects[h.object]->name,
+            h.instance, h.score, placed.Cells(h.metrics), h.correct ? 1 : 0,
+            known ? fmt::format("{:.4f}", *look.pick_chances[i]) : "", at_end.Cells(h.metrics));
       }
     }
   }

@@ -103,9 +103,9 @@ ComparisonFigures FiguresOf(const ComparedRow& row, std::optional<int> object) {
       ++figures.poses;
       figures.right += taken >= 0;
       figures.identity_right += look.nearest_object[i] == pose.object;
-      if (pose.mssd_diameters >= kMatchDiameters) continue;
-      rotations_here_deg.push_back(pose.rotation_rad * 180 / std::numbers::pi);
-      mssds_here.push_back(pose.mssd_diameters);
+      if (pose.mssd_diameters() >= kMatchDiameters) continue;
+      rotations_here_deg.push_back(pose.rotation_rad() * 180 / std::numbers::pi);
+      mssds_here.push_back(pose.mssd_diameters());
       far_off += rotations_here_deg.back() > kFarOff_deg;
       ++standing;
     }

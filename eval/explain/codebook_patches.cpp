@@ -17,11 +17,9 @@ CameraIntrinsics PatchCamera(double side_m, double distance_m, double focal_px) 
   constexpr int kBorder_px = 6;
   const double half_px = 0.5 * kRoom * side_m * focal_px / std::max(1e-3, distance_m - side_m);
   const int half = static_cast<int>(std::ceil(half_px)) + kBorder_px;
-  CameraIntrinsics k;
-  k.width = k.height = 2 * half + 1;
-  k.fx = k.fy = focal_px;
-  k.cx = k.cy = half;
-  return k;
+  const int size = 2 * half + 1;
+  const double center_px = half;
+  return {size, size, focal_px, focal_px, center_px, center_px};
 }
 
 }  // namespace
@@ -43,7 +41,7 @@ std::vector<std::optional<std::array<int8_t, kPatchValues>>> EntryPatches(
     std::vector<Pose> X_CO;
     for (const size_t i : members) X_CO.push_back(X_CP * entries[i].X_PO);
     const std::vector<LabelledView> seen = views.Isolated(object, X_CO, camera, 0);
-    const int middle = camera.height / 2 * camera.width + camera.width / 2;
+    const int middle = camera.height() / 2 * camera.width() + camera.width() / 2;
     for (size_t m = 0; m < members.size(); ++m) {
       const OrganizedCloud cloud = IsolatedCloud(seen[m]);
       if (!(cloud.depth_m.data()[middle] > 0)) continue;

@@ -22,14 +22,9 @@ Rgb8 Blend(Rgb8 under, Rgb8 over, double share) {
 }
 
 // Intrinsics of the enlarged image. Pixel centers have integer coordinates in both images.
-CameraIntrinsics ZoomedBy(CameraIntrinsics k, int zoom) {
-  k.width *= zoom;
-  k.height *= zoom;
-  k.fx *= zoom;
-  k.fy *= zoom;
-  k.cx = (k.cx + 0.5) * zoom - 0.5;
-  k.cy = (k.cy + 0.5) * zoom - 0.5;
-  return k;
+CameraIntrinsics ZoomedBy(const CameraIntrinsics& k, int zoom) {
+  return {k.width() * zoom, k.height() * zoom,           k.fx() * zoom,
+          k.fy() * zoom,    (k.cx() + 0.5) * zoom - 0.5, (k.cy() + 0.5) * zoom - 0.5};
 }
 
 void DrawCross(Canvas& canvas, const Eigen::Vector2d& center, double half_px) {
@@ -44,7 +39,7 @@ void DrawCross(Canvas& canvas, const Eigen::Vector2d& center, double half_px) {
 }  // namespace
 
 Board::Board(const RgbdFrame& frame)
-    : zoom(std::clamp(kBoardWidth_px / std::max(1, frame.intrinsics.width), 1, 4)),
+    : zoom(std::clamp(kBoardWidth_px / std::max(1, frame.intrinsics.width()), 1, 4)),
       camera(ZoomedBy(frame.intrinsics, zoom)),
       color(Enlarged(frame.color.empty() ? ColorizeDepth(frame.depth_m) : frame.color, zoom, true)),
       faded(Faded(color)) {}
@@ -76,7 +71,7 @@ Image<Rgb8> DrawDots(const Board& board, const std::vector<ColoredDot>& dots, do
 Image<Rgb8> DrawVoteMap(const Board& board, const std::vector<Eigen::Vector2d>& centers,
                         double sigma_px, const std::vector<ColoredDot>& rings,
                         const std::vector<LegendEntry>& legend) {
-  Image<float> votes(board.camera.width, board.camera.height);
+  Image<float> votes(board.camera.width(), board.camera.height());
   for (const Eigen::Vector2d& center : centers) {
     const Eigen::Vector2d at = board.At(center);
     const long x = std::lround(at.x()), y = std::lround(at.y());

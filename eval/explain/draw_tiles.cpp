@@ -14,13 +14,15 @@ constexpr Rgb8 kPaper{250, 250, 250}, kInk{30, 34, 40}, kFaint{110, 118, 128};
 // A square crop of the image, scaled to a tile, with the matching camera.
 struct Cutout {
   Cutout(const Board& board, const Eigen::Vector2d& center, double side_px, int tile_px)
-      : image(SquareCrop(board.color, center, side_px, tile_px)), camera(board.camera) {
-    const double scale = tile_px / side_px;
-    camera.width = camera.height = tile_px;
-    camera.fx *= scale;
-    camera.fy *= scale;
-    camera.cx = scale * (camera.cx - center.x()) + 0.5 * (tile_px - 1);
-    camera.cy = scale * (camera.cy - center.y()) + 0.5 * (tile_px - 1);
+      : image(SquareCrop(board.color, center, side_px, tile_px)) {
+    const CameraIntrinsics& k = board.camera;
+    const double scale = tile_px / side_px, middle_px = 0.5 * (tile_px - 1);
+    camera = {tile_px,
+              tile_px,
+              scale * k.fx(),
+              scale * k.fy(),
+              scale * (k.cx() - center.x()) + middle_px,
+              scale * (k.cy() - center.y()) + middle_px};
   }
   Image<Rgb8> image;
   CameraIntrinsics camera;
@@ -87,7 +89,7 @@ Image<Rgb8> PoseCrop(const Board& board, PartOutlines& outlines, const ObjectMod
   constexpr double kViewDiameters = 1.3;
   const Eigen::Vector3d middle_C = pose.X_CO * model.center_O.cast<double>();
   const Eigen::Vector2d center = Project(board.camera, middle_C);
-  const double side_px = kViewDiameters * object.diameter_m * board.camera.fx / middle_C.z();
+  const double side_px = kViewDiameters * object.diameter_m * board.camera.fx() / middle_C.z();
   Cutout cutout(board, center, side_px, kPoseTile_px);
   Canvas tile(Faded(cutout.image));
   for (const PixelLine& line : outlines.At(pose.object, pose.X_CO, cutout.camera)) {

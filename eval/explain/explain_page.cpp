@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "eval/draw/overlay.h"
+#include "eval/stats/statistics.h"
 #include "eval/trial/simulated_cell.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -132,8 +133,8 @@ void Explainer::Input() {
   };
   if (!in_.frame.color.empty()) Show("1_color", in_.frame.color, "Colour", false);
   Show("1_depth", ColorizeDepth(in_.frame.depth_m),
-       fmt::format("Depth: near is warm, {:.3f} to {:.3f} m; black has no reading ({:.1f} %)",
-                   at(0.01), at(0.99), 100 * holes),
+       fmt::format("Depth: near is warm, {:.3f} to {:.3f} m; black has no reading ({})", at(0.01),
+                   at(0.99), PercentText(holes)),
        false);
   Show("1_foreground", DrawForeground(in_.frame, in_.trace.cloud),
        "Foreground in its colours; background dimmed, violet has no reading", false);
@@ -185,7 +186,7 @@ void Explainer::Votes() {
   double diameter_m = 0;
   for (const auto& object : in_.objects) diameter_m += object->diameter_m / in_.objects.size();
   const double sigma_px =
-      std::max(1.0, 0.03 * diameter_m * in_.frame.intrinsics.fx / in_.working_distance_m);
+      std::max(1.0, 0.03 * diameter_m * in_.frame.intrinsics.fx() / in_.working_distance_m);
   std::vector<ColoredDot> rings;
   for (size_t i = 0; i < fates_.size(); ++i) {
     const TruePart& part = judge_->parts()[i];

@@ -46,7 +46,7 @@ class Explainer {
   static std::string Percent(double share);
   std::string FitText(int object, const Pose& X_CO, const FitReport& fit) const;
   Eigen::Vector2d Pixel(int index) const {
-    const int width = in_.frame.intrinsics.width;
+    const int width = in_.frame.intrinsics.width();
     return {index % width, index / width};
   }
   Eigen::Vector2d MiddlePixel(int object, const Pose& X_CO) const {

@@ -62,7 +62,7 @@ QueryTile Explainer::QueryOf(int index, int first_vote, int votes) const {
   QueryTile query;
   query.patch = &patch;
   query.pixel = Pixel(patch.pixel);
-  const double px_per_m = in_.frame.intrinsics.fx / patch.X_CP.translation().z();
+  const double px_per_m = in_.frame.intrinsics.fx() / patch.X_CP.translation().z();
   query.side_px = patch.side_m * px_per_m;
   double diameter_m = 0;
   for (int i = 0; i < std::min(votes, kQueryNeighbors); ++i) {
@@ -102,7 +102,7 @@ void Explainer::Patches() {
     }
   }
   const auto patches =
-      EntryPatches(in_.views, entries, in_.working_distance_m, in_.frame.intrinsics.fx);
+      EntryPatches(in_.views, entries, in_.working_distance_m, in_.frame.intrinsics.fx());
   size_t next = 0;
   for (QueryTile& query : queries) {
     for (NeighborTile& neighbor : query.neighbors) neighbor.patch = patches[next++];

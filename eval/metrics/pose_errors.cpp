@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -41,25 +40,6 @@ std::vector<Eigen::Vector3d> ReducedVertices(const std::vector<Eigen::Vector3d>&
   return reduced;
 }
 
-constexpr std::array kMetrics{
-    MetricRow{"mssd", "m", "maximum symmetry-aware surface distance",
-              [](const MetricInput& in) { return Mssd(in.model, in.X_est, in.X_true); }},
-    MetricRow{"mspd", "px", "maximum symmetry-aware projection distance",
-              [](const MetricInput& in) { return Mspd(in.model, in.camera, in.X_est, in.X_true); },
-              true},
-    MetricRow{"add", "m", "mean distance of equal model points",
-              [](const MetricInput& in) { return Add(in.model, in.X_est, in.X_true); }},
-    MetricRow{"adi", "m", "mean distance to the closest model point",
-              [](const MetricInput& in) { return Adi(in.model, in.X_est, in.X_true); }},
-    MetricRow{"rotation", "rad", "angle of the rotation error, least over the symmetries",
-              [](const MetricInput& in) { return RotationError(in.model, in.X_est, in.X_true); }},
-    MetricRow{
-        "translation", "m", "distance of the origins, least over the symmetries",
-        [](const MetricInput& in) { return TranslationError(in.model, in.X_est, in.X_true); }},
-    MetricRow{kPickRiskMetric, "0..1", "chance that the pick fails, by the part's tolerance map",
-              [](const MetricInput& in) { return PickRisk(in.tolerance, in.X_est, in.X_true); }},
-};
-
 }  // namespace
 
 MetricModel MakeMetricModel(const ObjectModel& model, int max_vertices) {
@@ -77,8 +57,6 @@ Eigen::Vector3d MeanVertex(const MetricModel& model) {
   for (const Eigen::Vector3d& vertex : model.vertices_O) sum += vertex;
   return sum / std::max<size_t>(1, model.vertices_O.size());
 }
-
-std::span<const MetricRow> MetricTable() { return kMetrics; }
 
 // Average Distance of model points (Hinterstoisser et al. 2012), for objects without symmetry.
 

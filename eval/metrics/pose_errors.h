@@ -3,8 +3,6 @@
 // Pose errors between an estimate and the ground truth, as defined by the BOP toolkit (Hodan et al.
 // 2018, 2020). Poses are in the camera frame. Units are m, px and rad.
 
-#include <span>
-#include <string_view>
 #include <vector>
 
 #include "eval/layer.h"
@@ -50,24 +48,5 @@ double TranslationError(const MetricModel& model, const Pose& X_est, const Pose&
 inline constexpr char kPickRiskMetric[] = "pick_risk";
 // Probability that a pick on the estimated pose fails, from the tolerance model; NaN without one.
 double PickRisk(const ToleranceModel* tolerance, const Pose& X_est, const Pose& X_true);
-
-// Input of all metrics. Poses map O to the camera frame.
-struct MetricInput {
-  const MetricModel& model;
-  const CameraIntrinsics& camera;
-  const Pose& X_est;
-  const Pose& X_true;
-  const ToleranceModel* tolerance = nullptr;  // of the object, if it has one
-};
-// Metric with its name, unit and function.
-struct MetricRow {
-  const char* name;
-  const char* unit;
-  const char* help;
-  double (*compute)(const MetricInput& input);
-  bool needs_camera = false;
-};
-// All metrics. A new metric is one file in metrics/ and one row in pose_errors.cpp.
-std::span<const MetricRow> MetricTable();
 
 }  // namespace pickbed::eval

@@ -77,12 +77,12 @@ std::string InstancesDiffer(const AttemptRecord& recorded, const AttemptRecord& 
   };
   for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
     const std::string found =
-        FirstUnequal(fmt::format("parts[{}].", i), CellsOf(InstanceRow{0, 0, a[i]}, wanted),
+        FirstUnequal(fmt::format("instances[{}].", i), CellsOf(InstanceRow{0, 0, a[i]}, wanted),
                      CellsOf(InstanceRow{0, 0, b[i]}, wanted));
     if (!found.empty()) return found;
   }
   if (a.size() != b.size()) {
-    return fmt::format("parts: {} recorded, {} replayed", a.size(), b.size());
+    return fmt::format("instances: {} recorded, {} replayed", a.size(), b.size());
   }
   return fmt::format("the hash alone: the record holds no number of {}", rest);
 }

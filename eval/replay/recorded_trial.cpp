@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "eval/replay/replay.h"
+#include "eval/summary/result_files.h"
 #include "eval/sweep/run.h"
 #include "scenes/base/error.h"
 #include "scenes/scenario/find_scenario.h"
@@ -37,7 +38,7 @@ ScenarioSpec SpecOf(const StoredConfiguration& configuration, const TrialAddress
     return LoadScenarioText(configuration.settings, address.run,
                             fmt::format("settings of {}", Named(address)));
   }
-  const std::filesystem::path file = address.run / "scenario.yaml";
+  const std::filesystem::path file = address.run / kScenarioFile;
   CheckInput(std::filesystem::exists(file),
              fmt::format("{} is missing, and the store is of a version that does not hold the "
                          "settings; put it back",

@@ -145,9 +145,9 @@ ReplayReport ReplayTrial(
 
 std::string ReplayTable(const ReplayReport& report) {
   std::string text =
-      fmt::format("{:<6}{:<12}{:<18}{:<18}\n", "look", "stage", "recorded", "replayed");
+      fmt::format("{:<9}{:<12}{:<18}{:<18}\n", "attempt", "stage", "recorded", "replayed");
   for (const StageReplay& row : report.stages) {
-    text += fmt::format("{:<6}{:<12}{:<18}{:<18}{}\n", row.attempt, StageName(row.stage),
+    text += fmt::format("{:<9}{:<12}{:<18}{:<18}{}\n", row.attempt, StageName(row.stage),
                         HashText(row.recorded), HashText(row.replayed), VerdictName(row.verdict));
   }
   const StageReplay* first = report.FirstDifference();
@@ -158,14 +158,14 @@ std::string ReplayTable(const ReplayReport& report) {
     return text + (compared ? "all that is recorded is the same\n"
                             : "no stage is on record to compare with\n");
   }
-  text += fmt::format("first difference: look {}, stage {} ({})\n", first->attempt,
+  text += fmt::format("first difference: attempt {}, stage {} ({})\n", first->attempt,
                       StageName(first->stage), VerdictName(first->verdict));
   if (!first->what.empty()) text += fmt::format("  {}\n", first->what);
   return text;
 }
 
 std::string ReplayCsv(const ReplayReport& report) {
-  std::string text = "look,stage,recorded,replayed,verdict\n";
+  std::string text = "attempt,stage,recorded,replayed,verdict\n";
   for (const StageReplay& row : report.stages) {
     text += fmt::format("{},{},{},{},{}\n", row.attempt, StageName(row.stage),
                         HashText(row.recorded), HashText(row.replayed), VerdictName(row.verdict));

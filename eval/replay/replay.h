@@ -79,7 +79,7 @@ std::vector<StageReplay> CompareStages(const std::vector<AttemptRecord>& recorde
 
 // Returns one line per stage and the first difference, for the console.
 std::string ReplayTable(const ReplayReport& report);
-// Returns a CSV table with the columns look, stage, recorded, replayed, verdict.
+// Returns a CSV table with the columns attempt, stage, recorded, replayed, verdict.
 std::string ReplayCsv(const ReplayReport& report);
 
 }  // namespace pickbed::eval

@@ -23,7 +23,7 @@ StageFiles::StageFiles(const std::filesystem::path& folder, const StageFilesOpti
 }
 
 std::filesystem::path StageFiles::PathOf(const AttemptState& attempt, const char* what) const {
-  return folder_ / fmt::format("look_{:02}_{}", attempt.record.attempt, what);
+  return folder_ / fmt::format("attempt_{:02}_{}", attempt.record.attempt, what);
 }
 
 void StageFiles::OnStage(TrialStage stage, const AttemptState& attempt) {

@@ -2,11 +2,11 @@
 
 // Writes all stages of a trial as files, for inspection.
 //
-//   look_00_{color,depth,ids,overlay,after}.png   depth and ids in false colors
-//   look_00_depth_16bit.png                       depth along camera z in 0.1 mm
-//   look_00_cloud.ply                             observed points in W
-//   look_00_hypotheses.ply                        surface points of the estimated poses in W
-//   look_00_scene.glb                             true poses, hypotheses, hand and cloud
+//   attempt_00_{color,depth,ids,overlay,after}.png   depth and ids in false colors
+//   attempt_00_depth_16bit.png                       depth along camera z in 0.1 mm
+//   attempt_00_cloud.ply                             observed points in W
+//   attempt_00_hypotheses.ply                        surface points of the estimated poses in W
+//   attempt_00_scene.glb                             true poses, hypotheses, hand and cloud
 
 #include <filesystem>
 

@@ -20,7 +20,7 @@ namespace pickbed::eval {
 ReportChart FailureChart(std::span<const ConfigurationReport> configurations);
 // One configuration: recall and pick success in one chart. Several: one chart each.
 std::vector<ReportChart> VisibilityCharts(std::span<const ConfigurationReport> configurations);
-// One histogram per pose error (PoseErrorTable).
+// One histogram per pose error (ConfigurationReport::errors).
 std::vector<ReportChart> ErrorCharts(std::span<const ConfigurationReport> configurations);
 // Share of correct poses against confidence.
 ReportChart CalibrationChart(std::span<const ConfigurationReport> configurations);

@@ -13,8 +13,7 @@ std::string BinText(const ErrorBin& bin) {
   return fmt::format("{:.4g} to {:.4g}", bin.low, bin.high);
 }
 
-std::string CaptionOf(std::span<const ConfigurationReport> configurations, size_t error,
-                      const PoseErrorRow& row) {
+std::string CaptionOf(std::span<const ConfigurationReport> configurations, size_t error) {
   std::string caption;
   for (const ConfigurationReport& configuration : configurations) {
     const ErrorHistogram& histogram = configuration.errors[error];
@@ -24,8 +23,8 @@ std::string CaptionOf(std::span<const ConfigurationReport> configurations, size_
       continue;
     }
     caption += fmt::format(
-        "{}median {} {} of {} poses{}. ", name, MedianText(histogram.median, row.digits), row.unit,
-        histogram.total,
+        "{}median {} {} of {} poses{}. ", name, MedianText(histogram.median, histogram.digits),
+        histogram.unit, histogram.total,
         histogram.beyond > 0
             ? fmt::format("; {} lie beyond", PercentText(histogram.beyond, histogram.total))
             : "");
@@ -99,9 +98,8 @@ Json StepSpec(std::span<const ConfigurationReport> configurations, size_t error,
   return spec;
 }
 
-TableCells CellsOf(std::span<const ConfigurationReport> configurations, size_t error,
-                   const PoseErrorRow& row) {
-  TableCells cells{{row.unit}};
+TableCells CellsOf(std::span<const ConfigurationReport> configurations, size_t error) {
+  TableCells cells{{configurations[0].errors[error].unit}};
   for (const ConfigurationReport& configuration : configurations) {
     const std::string prefix = configurations.size() > 1 ? configuration.name + ": " : "";
     cells[0].push_back(prefix + kRight);
@@ -121,11 +119,11 @@ TableCells CellsOf(std::span<const ConfigurationReport> configurations, size_t e
 
 std::vector<ReportChart> ErrorCharts(std::span<const ConfigurationReport> configurations) {
   std::vector<ReportChart> charts;
-  for (const PoseErrorRow& row : PoseErrorTable()) {
-    const auto error = static_cast<size_t>(row.error);
+  for (size_t error = 0; error < configurations[0].errors.size(); ++error) {
+    const ErrorHistogram& first = configurations[0].errors[error];
     ReportChart& chart = charts.emplace_back();
     chart.id = fmt::format("error-{}", error);
-    chart.title = fmt::format("Pose error: {}", row.name);
+    chart.title = fmt::format("Pose error: {}", first.title);
     int poses = 0;
     for (const ConfigurationReport& configuration : configurations)
       poses += configuration.errors[error].total;
@@ -133,9 +131,10 @@ std::vector<ReportChart> ErrorCharts(std::span<const ConfigurationReport> config
       chart.caption = "No pose was reported.";
       continue;
     }
-    const std::string x_title = fmt::format("{}, {}", row.name, row.unit);
-    chart.caption = CaptionOf(configurations, error, row);
-    chart.table = CellsOf(configurations, error, row);
+    const std::string x_title =
+        fmt::format("{}{}{}", first.title, first.unit.empty() ? "" : ", ", first.unit);
+    chart.caption = CaptionOf(configurations, error);
+    chart.table = CellsOf(configurations, error);
     chart.spec = (configurations.size() == 1 ? BarSpec(configurations[0].errors[error], x_title)
                                              : StepSpec(configurations, error, x_title))
                      .dump();

@@ -94,7 +94,7 @@ std::vector<VisibleBand> BandsOfAll(const std::vector<VisibilityCurve>& curves) 
   for (const VisibilityCurve& curve : curves) {
     for (const BandRates& of_band : curve.configuration->bands) bands.push_back(of_band.band);
   }
-  const auto ends = [](const VisibleBand& band) { return std::pair(band.least, band.most); };
+  const auto ends = [](const VisibleBand& band) { return std::pair(band.min, band.max); };
   std::sort(bands.begin(), bands.end(),
             [&](const VisibleBand& a, const VisibleBand& b) { return ends(a) < ends(b); });
   bands.erase(std::unique(bands.begin(), bands.end()), bands.end());

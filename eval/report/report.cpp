@@ -8,6 +8,7 @@
 #include "eval/compare/paired_comparison.h"
 #include "eval/report/views_3d.h"
 #include "eval/store/results_store.h"
+#include "eval/summary/result_files.h"
 #include "eval/sweep/attempt_pictures.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -27,11 +28,11 @@ std::string AddressOf(const ReportRun& run, int trial) {
 
 // Returns the JPEG bytes; empty if the run has no picture of this attempt.
 std::string PictureOf(const ReportRun& run, const LostPick& pick, const ReportOptions& options) {
-  const fs::path folder = run.folder / "pictures" / fmt::format("trial_{:04}", pick.trial);
-  const fs::path small = folder / LostPictureName(pick.attempt);
-  if (fs::is_regular_file(small)) return ReadFileBytes(small);
-  const fs::path file = folder / fmt::format("pick_{:02}_overlay.png", pick.attempt);
-  if (!fs::is_regular_file(file)) return "";
+  const fs::path folder = PicturesOf(run.folder, pick.trial);
+  const fs::path small = FindPicture(folder, FailurePicture(pick.attempt));
+  if (!small.empty()) return ReadFileBytes(small);
+  const fs::path file = FindPicture(folder, AttemptPicture(pick.attempt, "overlay"));
+  if (file.empty()) return "";
   return EncodeJpeg(Narrowed(ReadPng(file), options.picture.width_px), options.picture.quality);
 }
 
@@ -74,8 +75,9 @@ void AddGallery(const Contestants& all, const ReportOptions& options, ReportCont
   }
   const size_t shown = contents.gallery.size();
   if (shown < lost.size()) {
-    contents.gallery_note = fmt::format(
-        "{} of {} lost picks, spread over the reasons; picks.csv lists all.", shown, lost.size());
+    contents.gallery_note =
+        fmt::format("{} of {} lost picks, spread over the reasons; {} lists all.", shown,
+                    lost.size(), kAttemptsFile);
   }
   if (without > 0) {
     contents.gallery_note += fmt::format(
@@ -152,9 +154,9 @@ std::string SettingsText(const ScenarioSpec& spec) {
 // that do not affect the results.
 ScenarioSpec SpecOf(const StoredConfiguration& configuration, size_t configurations,
                     const fs::path& folder) {
-  const fs::path file = folder / "scenario.yaml";
+  const fs::path file = folder / kScenarioFile;
   if (configurations == 1 && fs::is_regular_file(file)) return LoadScenario(file);
-  return LoadScenarioText(configuration.settings, folder, (folder / "results.sqlite").string());
+  return LoadScenarioText(configuration.settings, folder, (folder / kStoreFile).string());
 }
 
 std::vector<PairedConfiguration> PairedConfigurationsOf(const Contestants& all) {

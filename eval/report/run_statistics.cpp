@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "eval/metrics/metric_table.h"
 #include "eval/page/ticks.h"
 #include "eval/trial/counts_by_bin.h"
 #include "eval/trial/simulated_cell.h"
@@ -15,7 +16,6 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr double kDegrees = 180 / 3.14159265358979323846;
 constexpr double kLowShare = 0.1, kHighShare = 0.9;  // percentiles of StageTime
 
 // Counts one cluster per trial, for the rate and its interval.
@@ -45,7 +45,7 @@ const InstanceRecord* InstanceIn(const AttemptRecord& pick, int instance) {
 }
 
 bool StandsOnSomething(const HypothesisRecord& score) {
-  return score.instance >= 0 && std::isfinite(score.mssd_diameters);
+  return score.instance >= 0 && std::isfinite(score.mssd_diameters());
 }
 
 ReportRate RateOfScenes(const ConfigurationTrials& configuration, const TrialCount& count) {
@@ -55,9 +55,9 @@ ReportRate RateOfScenes(const ConfigurationTrials& configuration, const TrialCou
 std::vector<BandRates> BandsOf(const ConfigurationTrials& configuration) {
   std::vector<BandRates> rates;
   for (const VisibleBand& band : configuration.bands) {
-    rates.push_back({band, RateOfScenes(configuration, InstancesRecalled(band.least, band.most)),
-                     RateOfScenes(configuration, SuccessByVisibility(band.least, band.most)),
-                     RateOfScenes(configuration, TargetsPicked(band.least, band.most))});
+    rates.push_back({band, RateOfScenes(configuration, InstancesRecalled(band.min, band.max)),
+                     RateOfScenes(configuration, SuccessByVisibility(band.min, band.max)),
+                     RateOfScenes(configuration, TargetsPicked(band.min, band.max))});
   }
   return rates;
 }
@@ -71,12 +71,57 @@ void ForEachPose(const ConfigurationTrials& configuration, Use use) {
   }
 }
 
+// A pose error in the unit of its histogram.
+struct ReportedError {
+  ErrorHistogram empty;  // with key, title and unit
+  double factor = 1;
+
+  double Of(const HypothesisRecord& score) const {
+    return factor * score.metrics.Get(empty.metric);
+  }
+};
+
+// The title of a histogram says "Pose error".
+std::string WithoutError(const std::string& title) {
+  constexpr std::string_view kError = " error";
+  return title.ends_with(kError) ? title.substr(0, title.size() - kError.size()) : title;
+}
+
+// True if there are hypotheses, but none has a value of the metric.
+bool IsUnrecorded(std::span<const ConfigurationTrials> configurations, const std::string& metric) {
+  bool any_pose = false, any_value = false;
+  for (const ConfigurationTrials& configuration : configurations) {
+    ForEachPose(configuration, [&](size_t, const HypothesisRecord& score) {
+      any_pose = true;
+      any_value = any_value || !std::isnan(score.metrics.Get(metric));
+    });
+  }
+  return any_pose && !any_value;
+}
+
+std::vector<ReportedError> ReportedErrors(std::span<const ConfigurationTrials> configurations) {
+  std::vector<ReportedError> errors;
+  for (const MetricRow& row : MetricsIn(kReported, {kMssdDiameters, kTranslation_m})) {
+    const ShownUnit unit = ShownUnitOf(row);
+    ReportedError error;
+    error.empty.metric = MetricKey(row);
+    error.empty.title = WithoutError(row.title);
+    error.empty.unit = unit.name;
+    error.empty.digits = unit.digits;
+    error.factor = unit.Factor();
+    if (!IsUnrecorded(configurations, error.empty.metric)) errors.push_back(error);
+  }
+  return errors;
+}
+
 std::vector<double> ErrorsOf(std::span<const ConfigurationTrials> configurations,
-                             const PoseErrorRow& row) {
+                             const ReportedError& error) {
   std::vector<double> errors;
   for (const ConfigurationTrials& configuration : configurations) {
     ForEachPose(configuration, [&](size_t, const HypothesisRecord& score) {
-      if (StandsOnSomething(score)) errors.push_back(row.of(score));
+      if (StandsOnSomething(score) && std::isfinite(error.Of(score))) {
+        errors.push_back(error.Of(score));
+      }
     });
   }
   std::sort(errors.begin(), errors.end());
@@ -84,26 +129,26 @@ std::vector<double> ErrorsOf(std::span<const ConfigurationTrials> configurations
 }
 
 // Returns a round upper limit that `error_share` of the errors do not exceed.
-double RangeOf(std::span<const ConfigurationTrials> configurations, const PoseErrorRow& row,
+double RangeOf(std::span<const ConfigurationTrials> configurations, const ReportedError& error,
                const ReportOptions& options) {
-  const double reach = Quantile(ErrorsOf(configurations, row), options.error_share);
+  const double reach = Quantile(ErrorsOf(configurations, error), options.error_share);
   if (!(reach > 0)) return 1;
   const std::vector<double> ticks = RoundTicks(0, reach);
   const double step = ticks.size() > 1 ? ticks[1] : reach;
   return std::max(step, step * std::ceil(reach / step));
 }
 
-ErrorHistogram HistogramOf(const ConfigurationTrials& configuration, const PoseErrorRow& row,
+ErrorHistogram HistogramOf(const ConfigurationTrials& configuration, const ReportedError& reported,
                            double range, const ReportOptions& options) {
-  ErrorHistogram histogram;
+  ErrorHistogram histogram = reported.empty;
   const int count = options.error_bins;
   for (int i = 0; i < count; ++i) {
     histogram.bins.push_back({range * i / count, range * (i + 1) / count, 0, 0});
   }
   ValueClusters errors(configuration.trials.size());
   ForEachPose(configuration, [&](size_t trial, const HypothesisRecord& score) {
-    if (!StandsOnSomething(score)) return;
-    const double error = row.of(score);
+    const double error = reported.Of(score);
+    if (!StandsOnSomething(score) || !std::isfinite(error)) return;
     errors[trial].push_back(error);
     ++histogram.total;
     if (error >= range) {
@@ -188,7 +233,7 @@ void CountLook(size_t trial, const AttemptRecord& pick, std::vector<ObjectCounts
   }
   for (const HypothesisRecord& score : pick.hypotheses) {
     if (StandsOnSomething(score))
-      counts.at(score.object).mssd[trial].push_back(score.mssd_diameters);
+      counts.at(score.object).mssd[trial].push_back(score.mssd_diameters());
   }
   const InstanceRecord* aim = pick.grasp ? InstanceIn(pick, pick.matched_instance) : nullptr;
   if (aim != nullptr)
@@ -246,24 +291,13 @@ void ReportOptions::Validate() const {
   within("view_triangles", view_triangles, 100, 1000000);
 }
 
-std::span<const PoseErrorRow> PoseErrorTable() {
-  static constexpr std::array<PoseErrorRow, kPoseErrors> kRows{{
-      {PoseError::kMssd, "MSSD", "diameters", 4,
-       [](const HypothesisRecord& score) { return score.mssd_diameters; }},
-      {PoseError::kTranslation, "translation", "mm", 2,
-       [](const HypothesisRecord& score) { return 1e3 * score.translation_m; }},
-      {PoseError::kRotation, "rotation", "deg", 2,
-       [](const HypothesisRecord& score) { return kDegrees * score.rotation_rad; }},
-  }};
-  return kRows;
-}
-
 std::vector<ConfigurationReport> ReportOn(std::span<const ConfigurationTrials> configurations,
                                           const ReportOptions& options) {
   options.Validate();
   std::vector<double> ranges;
-  for (const PoseErrorRow& row : PoseErrorTable())
-    ranges.push_back(RangeOf(configurations, row, options));
+  const std::vector<ReportedError> errors = ReportedErrors(configurations);
+  for (const ReportedError& error : errors)
+    ranges.push_back(RangeOf(configurations, error, options));
   std::vector<ConfigurationReport> reports;
   for (const ConfigurationTrials& configuration : configurations) {
     ConfigurationReport& report = reports.emplace_back();
@@ -272,9 +306,8 @@ std::vector<ConfigurationReport> ReportOn(std::span<const ConfigurationTrials> c
     report.attempts = SharesOfAttempts(configuration.trials);
     report.recall = RateOfScenes(configuration, InstancesRecalled(kCountedVisibility, 1));
     report.bands = BandsOf(configuration);
-    for (const PoseErrorRow& row : PoseErrorTable()) {
-      report.errors.push_back(
-          HistogramOf(configuration, row, ranges[static_cast<size_t>(row.error)], options));
+    for (size_t i = 0; i < errors.size(); ++i) {
+      report.errors.push_back(HistogramOf(configuration, errors[i], ranges[i], options));
     }
     report.calibration = CalibrationOf(configuration, options);
     report.seconds = SecondsOf(configuration);
@@ -303,7 +336,7 @@ std::vector<LostPick> LostPicksOf(std::span<const ConfigurationTrials> configura
         const HypothesisRecord& chosen = pick.hypotheses.at(pick.chosen);
         entry.object = configurations[p].objects.at(chosen.object);
         entry.confidence = chosen.score;
-        if (StandsOnSomething(chosen)) entry.mssd_diameters = chosen.mssd_diameters;
+        if (StandsOnSomething(chosen)) entry.mssd_diameters = chosen.mssd_diameters();
       }
     }
   }

@@ -41,26 +41,17 @@ struct BandRates {
   ReportRate targets;
 };
 
-enum class PoseError { kMssd, kTranslation, kRotation };
-inline constexpr int kPoseErrors = 3;
-// A pose error shown in the report.
-struct PoseErrorRow {
-  PoseError error;
-  const char* name;                             // such as "MSSD"
-  const char* unit;                             // such as "diameters"
-  int digits;                                   // decimals shown
-  double (*of)(const HypothesisRecord& score);  // returns the error in `unit`
-};
-// Returns all errors, in the order of PoseError.
-std::span<const PoseErrorRow> PoseErrorTable();
-
 // A histogram bin [low, high).
 struct ErrorBin {
   double low = 0, high = 0;
   int right = 0, wrong = 0;  // poses with MSSD below / not below 0.1 diameter
 };
-// Histogram of one pose error.
+// Histogram of one reported metric (MetricTable).
 struct ErrorHistogram {
+  std::string metric;  // key, such as "translation_m"
+  std::string title;   // such as "translation"
+  std::string unit;    // of the bins, such as "mm"
+  int digits = 0;      // decimals of the median
   std::vector<ErrorBin> bins;
   int beyond = 0;  // poses with an error above the last bin
   int total = 0;   // including `beyond`
@@ -106,7 +97,9 @@ struct ConfigurationReport {
   BudgetShares attempts;
   ReportRate recall;  // of all instances with a counted visible fraction
   std::vector<BandRates> bands;
-  std::vector<ErrorHistogram> errors;  // indexed by PoseError
+  // MSSD, translation, rotation, then other reported metrics that the trials have. The same for all
+  // configurations of a report.
+  std::vector<ErrorHistogram> errors;
   Calibration calibration;
   std::vector<StageTime> seconds;  // longest first, each followed by its sub-stages
   std::vector<ObjectReport> objects;

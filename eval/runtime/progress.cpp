@@ -28,15 +28,17 @@ Rate RateOf(const ProgressState& state, double elapsed_s) {
 }
 
 struct Success {
-  int attempts = 0, successes = 0;
+  int executed_grasps = 0, successes = 0;
   Interval ci95;
-  double rate() const { return attempts > 0 ? static_cast<double>(successes) / attempts : 0; }
+  double rate() const {
+    return executed_grasps > 0 ? static_cast<double>(successes) / executed_grasps : 0;
+  }
 };
 
 Success SuccessOf(const std::vector<Cluster>& outcomes) {
   Success success;
   for (const Cluster& trial : outcomes) {
-    success.attempts += trial.tries;
+    success.executed_grasps += trial.tries;
     success.successes += trial.hits;
   }
   success.ci95 = ClusterInterval(outcomes);
@@ -94,7 +96,7 @@ std::string ProgressText(const ProgressState& state, double elapsed_s) {
                                  state.total, rate.per_s, state.what, FormatDuration(rate.left_s));
   if (state.counts_successes) {
     const Success success = SuccessOf(state.outcomes);
-    text += fmt::format("  picked {}/{} = {} {}", success.successes, success.attempts,
+    text += fmt::format("  picked {}/{} = {} {}", success.successes, success.executed_grasps,
                         PercentText(success.rate()), IntervalText(success.ci95));
   }
   if (!state.note.empty()) text += fmt::format("  ({})", state.note);
@@ -111,7 +113,7 @@ std::string ProgressJson(const ProgressState& state, double elapsed_s) {
   if (std::isfinite(rate.left_s)) json["left_s"] = rate.left_s;
   if (state.counts_successes) {
     const Success success = SuccessOf(state.outcomes);
-    json["attempts"] = success.attempts;
+    json["executed_grasps"] = success.executed_grasps;
     json["successes"] = success.successes;
     json["success_rate"] = success.rate();
     json["success_ci95"] = {success.ci95.low, success.ci95.high};

@@ -13,7 +13,7 @@ namespace pickbed::eval {
 
 // Switches every ProgressLine to JSON: {"message": "..."}, or for a ProgressState
 //   {"what": "trial", "done": 12, "total": 40, "per_s": 0.5, "left_s": 56.0, "note": "...",
-//    "attempts": 30, "successes": 27, "success_rate": 0.9, "success_ci95": [0.76, 0.97]}
+//    "executed_grasps": 30, "successes": 27, "success_rate": 0.9, "success_ci95": [0.76, 0.97]}
 // The fields from `note` on are optional. `left_s` is null while it is unknown.
 void WriteProgressAsJson();
 
@@ -23,7 +23,7 @@ struct ProgressState {
   int done = 0, total = 0;
   int done_before = 0;  // done by an earlier run; not counted in the rate
   bool counts_successes = false;
-  std::vector<Cluster> outcomes;  // successes and attempts, one cluster per trial
+  std::vector<Cluster> outcomes;  // successes and executed grasps, one cluster per trial
   std::string note;               // further text
 };
 

@@ -64,19 +64,4 @@ FolderLock::FolderLock(const std::filesystem::path& folder) {
 // Workers that are still ending hold the descriptor and so keep the lock.
 FolderLock::~FolderLock() { close(file_); }
 
-namespace {
-
-// SweepText in eval/sweep/sweep_spec.h writes the Slurm block last.
-std::string WithoutSlurm(const std::string& yaml) { return yaml.substr(0, yaml.find("\nslurm:")); }
-
-}  // namespace
-
-void RequireNoOtherSweep(const std::filesystem::path& out, const std::string& yaml) {
-  const std::filesystem::path file = out / "sweep.yaml";
-  if (!std::filesystem::is_regular_file(file)) return;
-  CheckInput(WithoutSlurm(ReadFileBytes(file)) == WithoutSlurm(yaml),
-             fmt::format("{} is of a sweep with other settings; choose another folder with --out",
-                         file.string()));
-}
-
 }  // namespace pickbed::eval

@@ -1,6 +1,6 @@
 #pragma once
 
-// Protects a results folder against two concurrent runs and against a run of another sweep.
+// Protects a results folder against two concurrent runs.
 
 #include <filesystem>
 #include <string>
@@ -24,9 +24,5 @@ class FolderLock {
  private:
   int file_ = -1;
 };
-
-// Throws InputError if `out` contains a sweep.yaml with other settings than `yaml`. The Slurm
-// settings are not compared.
-void RequireNoOtherSweep(const std::filesystem::path& out, const std::string& yaml);
 
 }  // namespace pickbed::eval

@@ -4,21 +4,22 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "eval/store/schema_internal.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/random.h"
 
 namespace pickbed::eval {
 namespace {
 
-constexpr char kFileName[] = "results.sqlite";
 constexpr int kTrialsAtATime = 256;  // block size of ForEach
 
 std::filesystem::path FileIn(const std::filesystem::path& folder) {
   MakeFolder(folder);
-  return folder / kFileName;
+  return folder / kStoreFile;
 }
 
 bool HoldsTrials(const Database& db) { return Statement(db, "SELECT 1 FROM trials").Step(); }
@@ -36,19 +37,6 @@ void RemoveJournal(const Database& db) {
   db.Execute("PRAGMA journal_mode = DELETE");
 }
 
-// Replaces the head. Called only if the store has no trial yet, for example after a run that failed
-// before the end of its first trial.
-void WriteHead(const Database& db, const StoreHead& head) {
-  db.Execute("DELETE FROM configurations");
-  std::vector<ConfigurationRow> rows;
-  for (const StoredConfiguration& configuration : head.configurations)
-    rows.push_back({configuration});
-  Insert(db, "configurations", std::move(rows));
-  Statement insert(db, "INSERT OR REPLACE INTO settings VALUES ('scenario', ?)");
-  insert.Bind(1, head.identity);
-  insert.Step();
-}
-
 // Updates values that may change on resume: a larger number of trials, and settings that are not
 // part of the identity.
 void UpdateConfigurations(const Database& db, const StoreHead& head) {
@@ -61,16 +49,6 @@ void UpdateConfigurations(const Database& db, const StoreHead& head) {
     update.Bind(3, configuration.number);
     update.Step();
   }
-}
-
-StoreHead ReadHead(const Database& db) {
-  StoreHead head;
-  head.identity = db.Setting("scenario");
-  for (ConfigurationRow& row :
-       Select<ConfigurationRow>(db, "configurations", "ORDER BY configuration")) {
-    head.configurations.push_back(std::move(row.configuration));
-  }
-  return head;
 }
 
 StoreHead OneConfiguration(const std::string& settings) {
@@ -106,8 +84,23 @@ uint64_t SeedIn(const std::string& settings) {
   return at == std::string::npos ? 0 : std::strtoull(&text[at + 1 + kKey.size()], nullptr, 10);
 }
 
+std::string ConfigurationIdentity(int number, int trials, const std::string& identity_hash,
+                                  const std::string& name) {
+  return fmt::format("configuration {} has {} trials {}: {}\n", number, trials, identity_hash,
+                     name);
+}
+
+std::string SweepIdentity(const std::vector<StoredConfiguration>& configurations) {
+  std::string text;
+  for (const StoredConfiguration& c : configurations) {
+    const uint64_t hash = HashBytes(c.identity.data(), c.identity.size());
+    text += ConfigurationIdentity(c.number, c.trials, fmt::format("{:016x}", hash), c.name);
+  }
+  return text;
+}
+
 std::optional<std::string> StoredSettings(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / kFileName;
+  const std::filesystem::path file = folder / kStoreFile;
   if (!std::filesystem::is_regular_file(file)) return std::nullopt;
   const Database db(file, Database::Mode::kExisting);
   const bool is_new = !Statement(db, "SELECT 1 FROM sqlite_master").Step();
@@ -131,6 +124,8 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
   Transaction transaction(db);
   RequireKnownVersion(db);
   if (!IsOfThisVersion(db)) Migrate(db);
+  // Without a trial, for example after a run that failed before the end of its first one, the
+  // settings may change.
   if (!HoldsTrials(db)) WriteHead(db, head);
   CheckInput(db.Setting("scenario") == head.identity,
              fmt::format("{} already holds results of another scenario or of other settings; "
@@ -143,11 +138,11 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
 }
 
 ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / kFileName;
+  const std::filesystem::path file = folder / kStoreFile;
   CheckInput(std::filesystem::is_regular_file(file),
              fmt::format("{} holds no {}; name the results folder of a `pickbed run` or `pickbed "
                          "sweep`",
-                         folder.string(), kFileName));
+                         folder.string(), kStoreFile));
   Database db(file, Database::Mode::kExisting);
   RequireKnownVersion(db);
   CheckInput(db.HasTable("trials") && db.HasTable("settings"),
@@ -163,7 +158,7 @@ ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder) {
 }
 
 void ResultsStore::Tidy(const std::filesystem::path& folder) {
-  RemoveJournal(Database(folder / kFileName, Database::Mode::kExisting));
+  RemoveJournal(Database(folder / kStoreFile, Database::Mode::kExisting));
 }
 
 const StoreHead& ResultsStore::head() const { return impl_->head; }
@@ -171,6 +166,7 @@ const StoreHead& ResultsStore::head() const { return impl_->head; }
 void ResultsStore::Write(const TrialResult& result) {
   std::vector<AttemptRow> attempts;
   std::vector<HypothesisRow> hypotheses;
+  std::vector<HypothesisMetricRow> metrics;
   std::vector<InstanceRow> instances;
   std::vector<InstanceOutcomeRow> outcomes;
   std::vector<RejectionRow> rejections;
@@ -181,7 +177,12 @@ void ResultsStore::Write(const TrialResult& result) {
   for (const AttemptRecord& record : result.attempts) {
     attempts.push_back({trial, record, record.grasp.has_value(), record.grasp.value_or(Grasp())});
     for (size_t i = 0; i < record.hypotheses.size(); ++i) {
-      hypotheses.push_back({trial, record.attempt, static_cast<int>(i), record.hypotheses[i]});
+      const int hypothesis = static_cast<int>(i);
+      hypotheses.push_back({trial, record.attempt, hypothesis, record.hypotheses[i]});
+      for (const MetricValue& value : record.hypotheses[i].metrics) {
+        // SQLite has no NaN. Without a row, Get() returns NaN.
+        if (!std::isnan(value.value)) metrics.push_back({trial, record.attempt, hypothesis, value});
+      }
     }
     for (const InstanceRecord& instance : record.instances) {
       instances.push_back({trial, record.attempt, instance});
@@ -208,6 +209,7 @@ void ResultsStore::Write(const TrialResult& result) {
                    {{trial, result, impl_->SeedOf(result.configuration), kFinished, /*crash=*/""}});
   Insert(db, "attempts", std::move(attempts));
   Insert(db, "hypotheses", std::move(hypotheses));
+  Insert(db, "hypothesis_metrics", std::move(metrics));
   Insert(db, "instances", std::move(instances));
   Insert(db, "instance_outcomes", std::move(outcomes));
   Insert(db, "rejections", std::move(rejections));
@@ -310,6 +312,10 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
   for (HypothesisRow& row : Select<HypothesisRow>(db, "hypotheses", range)) {
     of(row.trial).attempts[row.attempt].hypotheses.push_back(row.score);
   }
+  ForEachRow<HypothesisMetricRow>(db, "hypothesis_metrics", range, [&](HypothesisMetricRow& row) {
+    HypothesisRecord& score = of(row.trial).attempts[row.attempt].hypotheses.at(row.hypothesis);
+    score.metrics.Set(row.value.metric, row.value.value);
+  });
   for (InstanceRow& row : Select<InstanceRow>(db, "instances", range)) {
     of(row.trial).attempts[row.attempt].instances.push_back(row.record);
   }

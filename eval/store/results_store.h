@@ -22,6 +22,8 @@
 
 namespace pickbed::eval {
 
+inline constexpr char kStoreFile[] = "results.sqlite";  // in a results folder
+
 struct StoredConfiguration {
   int number = 0;
   std::string name;  // "estimator.name=ppf,sensor=time_of_flight"; empty for a plain run
@@ -45,6 +47,11 @@ struct CrashedTrial {
   uint64_t seed = 0;
   std::string why;
 };
+
+// Returns StoreHead::identity of a sweep: one ConfigurationIdentity() per configuration.
+std::string SweepIdentity(const std::vector<StoredConfiguration>& configurations);
+std::string ConfigurationIdentity(int number, int trials, const std::string& identity_hash,
+                                  const std::string& name);
 
 // Returns the settings with which FOLDER/results.sqlite was written (StoreHead::identity), or
 // nullopt if the file does not exist or is still empty. Throws InputError if it is no results

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "eval/store/former_names.h"
 #include "eval/store/schema_internal.h"
 #include "scenes/base/error.h"
 
@@ -96,7 +97,25 @@ void RenameToSchema6(const Database& db) {
       ReplaceValue(db, column.table, column.column, row.former_name, row.name);
     }
   }
-  if (db.HasTable("timings")) ReplaceValue(db, "timings", "stage", "see", "capture");
+  if (!db.HasTable("timings")) return;
+  ReplaceValue(db, "timings", "stage", "see", "capture");
+  ReplaceValue(db, "timings", "stage", "estimate/look_alikes", "estimate/ambiguous_poses");
+}
+
+// Columns of schema 4 and 5, whose names are the keys of metrics now.
+constexpr const char* kMetricColumns[] = {"mssd_m",       "mspd_px",       "add_m",         "adi_m",
+                                          "rotation_rad", "translation_m", "mssd_diameters"};
+
+// Moves the metrics of schema 4 or 5 into their own table.
+void MoveMetrics(const Database& db) {
+  for (const std::string column : kMetricColumns) {
+    if (!HasColumn(db, "hypotheses", column.c_str())) continue;
+    db.Execute(fmt::format(
+        "INSERT INTO hypothesis_metrics (trial, attempt, hypothesis, metric, value) SELECT trial, "
+        "attempt, hypothesis, '{0}', {0} FROM hypotheses WHERE {0} IS NOT NULL ORDER BY rowid",
+        column));
+    db.Execute(fmt::format("ALTER TABLE hypotheses DROP COLUMN {}", column));
+  }
 }
 
 // Version 4 held a single set of settings. It becomes one configuration in which the bin index
@@ -136,8 +155,29 @@ bool IsOfThisVersion(const Database& db) {
   return db.Setting("schema_version") == std::to_string(kSchemaVersion);
 }
 
+StoreHead ReadHead(const Database& db) {
+  StoreHead head;
+  head.identity = db.Setting("scenario");
+  for (ConfigurationRow& row :
+       Select<ConfigurationRow>(db, "configurations", "ORDER BY configuration")) {
+    head.configurations.push_back(std::move(row.configuration));
+  }
+  return head;
+}
+
+void WriteHead(const Database& db, const StoreHead& head) {
+  db.Execute("DELETE FROM configurations");
+  std::vector<ConfigurationRow> rows;
+  for (const StoredConfiguration& configuration : head.configurations)
+    rows.push_back({configuration});
+  Insert(db, "configurations", std::move(rows));
+  Statement insert(db, "INSERT OR REPLACE INTO settings VALUES ('scenario', ?)");
+  insert.Bind(1, head.identity);
+  insert.Step();
+}
+
 void Migrate(const Database& db) {
-  const bool from_version_4 = db.Setting("schema_version") == "4";
+  const std::string version = db.Setting("schema_version");
   db.Execute("CREATE TABLE IF NOT EXISTS settings (key TEXT PRIMARY KEY, value TEXT)");
   RenameToSchema6(db);
   RequireTable<ConfigurationRow>(db, "configurations");
@@ -148,7 +188,9 @@ void Migrate(const Database& db) {
                            one_row ? "UNIQUE" : "",
                            one_row ? "one_row_a_trial" : fmt::format("{}_by_trial", table), table));
   });
-  if (from_version_4) FillConfigurationOfVersion4(db);
+  MoveMetrics(db);
+  if (version == "4") FillConfigurationOfVersion4(db);
+  if (!version.empty()) WriteHead(db, WithCurrentNames(ReadHead(db)));
   Statement insert(db, "INSERT OR REPLACE INTO settings VALUES ('schema_version', ?)");
   insert.Bind(1, std::to_string(kSchemaVersion));
   insert.Step();

@@ -120,16 +120,24 @@ struct HypothesisRow {
     v("object", score.object);
     v("instance", score.instance);
     v("score", score.score);
-    v("mssd_m", score.mssd_m);
-    v("mspd_px", score.mspd_px);
-    v("add_m", score.add_m);
-    v("adi_m", score.adi_m);
-    v("rotation_rad", score.rotation_rad);
-    v("translation_m", score.translation_m);
-    v("mssd_diameters", score.mssd_diameters);
     v("correct", score.correct);
     v("x_wo", score.X_WO);
     v("x_oe", score.X_OE);
+  }
+};
+
+// One metric of a hypothesis. The key is stored, so that a store can hold metrics that the program
+// does not know.
+struct HypothesisMetricRow {
+  int trial = 0, attempt = 0, hypothesis = 0;
+  MetricValue value;
+  template <typename V>
+  void Visit(V&& v) {
+    v("trial", trial);
+    v("attempt", attempt);
+    v("hypothesis", hypothesis);
+    v("metric", value.metric);
+    v("value", value.value);
   }
 };
 

@@ -10,7 +10,7 @@
 
 namespace pickbed::eval {
 
-inline constexpr int kSchemaVersion = 6;
+inline constexpr int kSchemaVersion = 6;        // 6: field terms; a table of metrics
 inline constexpr int kOldestSchemaVersion = 4;  // oldest version that can be migrated
 
 // Calls visit.template operator()<Row>("table") for each table whose rows belong to a trial.
@@ -19,6 +19,7 @@ void ForEachTrialTable(Visitor&& visit) {
   visit.template operator()<TrialRow>("trials");
   visit.template operator()<AttemptRow>("attempts");
   visit.template operator()<HypothesisRow>("hypotheses");
+  visit.template operator()<HypothesisMetricRow>("hypothesis_metrics");
   visit.template operator()<InstanceRow>("instances");
   visit.template operator()<InstanceOutcomeRow>("instance_outcomes");
   visit.template operator()<RejectionRow>("rejections");
@@ -30,6 +31,10 @@ void ForEachTrialTable(Visitor&& visit) {
 // Throws InputError for a store of a later version, or of a version that is too old.
 void RequireKnownVersion(const Database& db);
 bool IsOfThisVersion(const Database& db);
+
+StoreHead ReadHead(const Database& db);
+// Replaces the head.
+void WriteHead(const Database& db, const StoreHead& head);
 
 // Creates all tables and missing columns in a file that is new or of an earlier version. The caller
 // opens the transaction.

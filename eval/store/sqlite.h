@@ -146,19 +146,26 @@ void Insert(const Database& db, const char* table, std::vector<Row> rows) {
 }
 
 // Reads rows in the order of the result. `clause` is the SQL text after the table name.
-template <typename Row>
-std::vector<Row> Select(const Database& db, const char* table, const std::string& clause) {
+template <typename Row, typename Use>
+void ForEachRow(const Database& db, const char* table, const std::string& clause, Use use) {
   std::string columns;
   for (const std::string& name : ColumnsOf<Row>()) {
     columns += columns.empty() ? name : ", " + name;
   }
   Statement statement(db, fmt::format("SELECT {} FROM {} {}", columns, table, clause));
-  std::vector<Row> rows;
   while (statement.Step()) {
-    Row& row = rows.emplace_back();
+    Row row;
     int column = 0;
     row.Visit([&](const char*, auto& value) { statement.Read(column++, value); });
+    use(row);
   }
+}
+
+// Same, into a vector.
+template <typename Row>
+std::vector<Row> Select(const Database& db, const char* table, const std::string& clause) {
+  std::vector<Row> rows;
+  ForEachRow<Row>(db, table, clause, [&](Row& row) { rows.push_back(std::move(row)); });
   return rows;
 }
 

@@ -41,7 +41,7 @@ constexpr double kMatchDiameters = 0.5;
 const HypothesisRecord* BestOnTarget(const AttemptRecord& attempt) {
   const HypothesisRecord* best = nullptr;
   for (const HypothesisRecord& h : attempt.hypotheses) {
-    if (h.instance != attempt.target || h.mssd_diameters >= kMatchDiameters) continue;
+    if (h.instance != attempt.target || h.mssd_diameters() >= kMatchDiameters) continue;
     if (best == nullptr || h.score > best->score) best = &h;
   }
   return best;
@@ -58,9 +58,9 @@ void CountErrors(int scene, const AttemptRecord& attempt, BandAttempts& band,
   const HypothesisRecord* best = BestOnTarget(attempt);
   if (best == nullptr) return;
   ++errors.attempts;
-  band.mssd[scene].push_back(best->mssd_diameters);
-  band.translation_m[scene].push_back(best->translation_m);
-  band.rotation_rad[scene].push_back(best->rotation_rad);
+  band.mssd[scene].push_back(best->mssd_diameters());
+  band.translation_m[scene].push_back(best->translation_m());
+  band.rotation_rad[scene].push_back(best->rotation_rad());
 }
 
 std::string ShareText(const ShareOfAttempts& share, const BandStatistics& band) {
@@ -77,8 +77,8 @@ bool NoTargetFound(const std::vector<BandStatistics>& bands) {
 }
 
 std::string CsvLine(const std::string& configuration, const BandStatistics& band) {
-  std::string line = fmt::format("\"{}\",{},{},{},", configuration, band.band.least, band.band.most,
-                                 band.attempts);
+  std::string line =
+      fmt::format("\"{}\",{},{},{},", configuration, band.band.min, band.band.max, band.attempts);
   if (band.attempts > 0) {
     line += fmt::format("{},{},{},{},{},{},{},{},{},", band.mean_visible, band.recalled.hits,
                         static_cast<double>(band.recalled.hits) / band.attempts,
@@ -141,7 +141,8 @@ std::vector<BandStatistics> StatisticsByBand(std::span<const TrialResult> trials
 
 std::string CurveCsv(std::span<const NamedCurve> curves) {
   std::string csv =
-      "point,visible_least,visible_most,looks,visible_mean,recalled,recall,recall_low,recall_high,"
+      "configuration,visible_min,visible_max,attempts,visible_mean,recalled,recall,recall_low,"
+      "recall_high,"
       "picked,pick_rate,pick_low,pick_high,posed,mssd_diameters,mssd_low,mssd_high,"
       "translation_mm,translation_low,translation_high,rotation_deg,rotation_low,rotation_high,"
       "trials_without,targets_given_up,blockers,blockers_kept,blockers_refused,blockers_jumped,"

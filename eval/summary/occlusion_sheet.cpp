@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "eval/draw/canvas.h"
+#include "eval/stats/statistics.h"
 #include "scenes/image/image_io.h"
 
 namespace pickbed::eval {
@@ -34,7 +35,7 @@ Image<Rgb8> ViewOfTarget(const AttemptState& attempt, size_t index) {
   const ObjectModel& model = *attempt.cell.objects()[target.object];
   const Camera& camera = attempt.cell.camera();
   const Eigen::Vector3d center_C = camera.X_CW() * (target.X_WO * model.mass.com_O);
-  const double side_px = kSideDiameters * model.diameter_m * camera.intrinsics.fx / center_C.z();
+  const double side_px = kSideDiameters * model.diameter_m * camera.intrinsics.fx() / center_C.z();
   return SquareCrop(color, Project(camera.intrinsics, center_C), side_px, kTile_px);
 }
 
@@ -49,15 +50,16 @@ Image<Rgb8> BandTile(const AttemptState& attempt) {
   });
   const size_t index = target - objects.begin();
   Canvas canvas(kTile_px, kTile_px + kCaption_px, kPaper);
-  canvas.Text(fmt::format("{:.1f} % in view, {} parts",
-                          100 * attempt.view->visible_fractions[index], objects.size()),
+  canvas.Text(fmt::format("{} visible, {} instances",
+                          PercentText(attempt.view->visible_fractions[index]), objects.size()),
               2, kCaption_px - 5, kInk, 0.4);
   canvas.Paste(ViewOfTarget(attempt, index), 0, kCaption_px);
   return canvas.Take();
 }
 
-void WriteSeriesSheet(const std::filesystem::path& pictures,
+void WriteSeriesSheet(const std::filesystem::path& sheet,
                       const std::vector<BandStatistics>& bands) {
+  const std::filesystem::path pictures = sheet.parent_path();
   std::vector<std::filesystem::path> rows;  // trial folders
   if (!std::filesystem::is_directory(pictures)) return;
   const int columns = static_cast<int>(bands.size());
@@ -82,7 +84,7 @@ void WriteSeriesSheet(const std::filesystem::path& pictures,
       canvas.Paste(ReadPng(file), x, kCaption_px + static_cast<int>(row) * kDown_px);
     }
   }
-  WritePng(pictures / "occlusion.png", canvas.Take());
+  WritePng(sheet, canvas.Take());
 }
 
 }  // namespace pickbed::eval

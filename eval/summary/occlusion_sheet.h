@@ -16,10 +16,9 @@ namespace pickbed::eval {
 Image<Rgb8> BandTile(const AttemptState& attempt);
 std::string BandTileName(int band);  // such as "band_0.png"
 
-// Writes PICTURES/occlusion.png from the tiles PICTURES/trial_*/band_*.png, the least visible band
-// on the left. Does nothing if there are no tiles. Throws InputError if an image cannot be read or
+// Writes `sheet` from the tiles trial_*/band_*.png in its folder, the least visible band on the
+// left. Does nothing if there are no tiles. Throws InputError if an image cannot be read or
 // written.
-void WriteSeriesSheet(const std::filesystem::path& pictures,
-                      const std::vector<BandStatistics>& bands);
+void WriteSeriesSheet(const std::filesystem::path& sheet, const std::vector<BandStatistics>& bands);
 
 }  // namespace pickbed::eval

@@ -17,7 +17,7 @@ namespace {
 constexpr size_t kLongestFileName = 120;
 
 struct Csv {
-  std::string trials, attempts, parts, timings;
+  std::string trials, attempts, instance_outcomes, timings;
 };
 
 // Appends a CSV table. Only the first table keeps its header line.
@@ -36,7 +36,7 @@ ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfigura
                                 const std::filesystem::path& out, Csv& csv) {
   const bool alone = store.head().configurations.size() == 1;
   const ScenarioSpec spec =
-      ScenarioOfText(configuration.settings, out, (out / "results.sqlite").string());
+      ScenarioOfText(configuration.settings, out, (out / kStoreFile).string());
   const std::vector<std::string> names = PartNames(spec);
   const std::vector<TrialResult> trials =
       alone
@@ -54,7 +54,7 @@ ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfigura
   result.summary.stop = StopOf(trials, crashed_bins, spec.stop_width);
   Append(TrialsCsv(trials, crashed), csv.trials);
   Append(AttemptsCsv(trials, names), csv.attempts);
-  Append(InstanceOutcomesCsv(trials, names), csv.parts);
+  Append(InstanceOutcomesCsv(trials, names), csv.instance_outcomes);
   Append(TimingsCsv(trials, alone ? result.summary.cycle : CycleTime()), csv.timings);
   return result;
 }
@@ -69,7 +69,8 @@ std::string Cell(const std::string& text) {
 
 std::string ConfigurationsCsv(const std::vector<ConfigurationSummary>& configurations) {
   std::string csv =
-      "point,name,seed,first_trial,trials,finished,crashed,attempts,successes,success_rate,"
+      "configuration,name,seed,first_trial,trials,finished,crashed,executed_grasps,successes,"
+      "success_rate,"
       "success_low,success_high,instances_dropped,instances_cleared,frames,top1_correct\n";
   for (const auto& [configuration, s] : configurations) {
     csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", configuration.number,
@@ -88,11 +89,51 @@ void WriteCurve(const std::vector<ConfigurationSummary>& configurations,
     if (!summary.bands.empty()) curves.push_back({configuration.name, summary.bands});
   }
   if (curves.empty()) return;
-  WriteFileAtomically(out / "curve.csv", CurveCsv(curves));
-  WriteSeriesSheet(out / "pictures", curves.front().bands);
+  WriteFileAtomically(out / kCurveFile, CurveCsv(curves));
+  WriteSeriesSheet(out / kPicturesFolder / kOcclusionSheet, curves.front().bands);
 }
 
+// Names of an earlier version.
+constexpr const char* kFormerTables[] = {"picks.csv", "parts.csv", "points.csv"};
+constexpr char kFormerConfigurationsFolder[] = "points";
+constexpr std::pair<std::string_view, std::string_view> kFormerPictureWords[] = {
+    {"attempt_", "pick_"}, {"_failed", "_lost"}};
+
 }  // namespace
+
+std::filesystem::path PicturesOf(const std::filesystem::path& out, int trial) {
+  return out / kPicturesFolder / fmt::format("trial_{:04}", trial);
+}
+
+std::string AttemptPicture(int attempt, std::string_view what) {
+  return fmt::format("attempt_{:02}_{}.png", attempt, what);
+}
+
+std::string FailurePicture(int attempt) { return fmt::format("attempt_{:02}_failed.jpg", attempt); }
+
+std::filesystem::path FindPicture(const std::filesystem::path& folder, const std::string& name) {
+  std::string former = name;
+  for (const auto& [now, was] : kFormerPictureWords) {
+    if (const size_t at = former.find(now); at != std::string::npos) {
+      former.replace(at, now.size(), was);
+    }
+  }
+  for (const std::string& file : {name, former}) {
+    if (std::filesystem::is_regular_file(folder / file)) return folder / file;
+  }
+  return {};
+}
+
+std::filesystem::path MakeConfigurationsFolder(const std::filesystem::path& out) {
+  const std::filesystem::path former = out / kFormerConfigurationsFolder;
+  std::error_code error;  // another shard may do the same at the same time
+  for (const auto& entry : std::filesystem::directory_iterator(former, error)) {
+    if (entry.path().extension() == ".yaml") std::filesystem::remove(entry.path(), error);
+  }
+  std::filesystem::remove(former, error);  // only if it is empty
+  std::filesystem::create_directories(out / kConfigurationsFolder);
+  return out / kConfigurationsFolder;
+}
 
 std::string ConfigurationFileName(int configuration, const std::string& name) {
   std::string file = fmt::format("{:02}_{}", configuration, name);
@@ -108,11 +149,11 @@ std::string SweepTable(const std::vector<ConfigurationSummary>& configurations) 
     const ConfigurationSummary& run = configurations.front();
     return SummaryTable(run.summary);
   }
-  size_t width = 5;
+  size_t width = 13;
   for (const ConfigurationSummary& configuration : configurations)
     width = std::max(width, configuration.configuration.name.size());
-  std::string text = fmt::format("{:<{}}  {:>11}  {:>23}  {:>9}  {:>11}\n", "Point", width, "bins",
-                                 "picks that succeed", "cleared", "top-1 right");
+  std::string text = fmt::format("{:<{}}  {:>11}  {:>23}  {:>9}  {:>11}\n", "Configuration", width,
+                                 "bins", "picks that succeed", "cleared", "top-1 right");
   for (const auto& [configuration, s] : configurations) {
     const std::string rate =
         fmt::format("{} {}", PercentText(s.success_rate), IntervalText(s.success_ci95));
@@ -136,13 +177,13 @@ std::string SweepJson(const std::vector<ConfigurationSummary>& configurations) {
     return SummaryJson(configurations.front().summary);
   }
   nlohmann::ordered_json json;
-  json["points"] = nlohmann::ordered_json::array();
+  json["configurations"] = nlohmann::ordered_json::array();
   for (const auto& [configuration, summary] : configurations) {
     nlohmann::ordered_json entry;
-    entry["point"] = configuration.number;
+    entry["configuration"] = configuration.number;
     entry["name"] = configuration.name;
     entry.update(nlohmann::ordered_json::parse(SummaryJson(summary)));
-    json["points"].push_back(std::move(entry));
+    json["configurations"].push_back(std::move(entry));
   }
   return json.dump(2) + "\n";
 }
@@ -155,12 +196,13 @@ std::vector<ConfigurationSummary> WriteSweepFiles(const std::filesystem::path& o
   for (const StoredConfiguration& configuration : store.head().configurations) {
     configurations.push_back(Summarized(store, configuration, crashed, out, csv));
   }
-  WriteFileAtomically(out / "summary.json", SweepJson(configurations));
-  WriteFileAtomically(out / "trials.csv", csv.trials);
-  WriteFileAtomically(out / "picks.csv", csv.attempts);
-  WriteFileAtomically(out / "parts.csv", csv.parts);
-  WriteFileAtomically(out / "points.csv", ConfigurationsCsv(configurations));
-  WriteFileAtomically(out / "timings.csv", csv.timings);
+  for (const char* table : kFormerTables) std::filesystem::remove(out / table);
+  WriteFileAtomically(out / kSummaryFile, SweepJson(configurations));
+  WriteFileAtomically(out / kTrialsFile, csv.trials);
+  WriteFileAtomically(out / kAttemptsFile, csv.attempts);
+  WriteFileAtomically(out / kInstanceOutcomesFile, csv.instance_outcomes);
+  WriteFileAtomically(out / kConfigurationsFile, ConfigurationsCsv(configurations));
+  WriteFileAtomically(out / kTimingsFile, csv.timings);
   WriteCurve(configurations, out);
   return configurations;
 }

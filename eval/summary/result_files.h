@@ -1,19 +1,60 @@
 #pragma once
 
-// Result files of a finished run or sweep, computed only from its results store.
+// Files of a results folder: their names, and the files of a finished run or sweep that are
+// computed only from its results store.
 //
-//   OUT/summary.json                        one entry per configuration; of a run: the run itself
-//   OUT/{trials,picks,parts,points}.csv     one line per trial, attempt, instance, configuration
-//   OUT/timings.csv                         seconds by trial and stage, the only file with times
-//   OUT/{curve.csv,pictures/occlusion.png}  occlusion trials, by band of the visible fraction
+//   OUT/results.sqlite                     all results, see eval/store/results_store.h
+//   OUT/summary.json                       one entry per configuration; of a run: the run itself
+//   OUT/trials.csv                         one line per trial
+//   OUT/attempts.csv                       one line per attempt
+//   OUT/instance_outcomes.csv              one line per dropped instance
+//   OUT/configurations.csv                 one line per configuration
+//   OUT/timings.csv                        seconds by trial and stage, the only file with times
+//   OUT/{curve.csv,pictures/occlusion.png} occlusion trials, by band of the visible fraction
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "eval/summary/run_summary.h"
 
 namespace pickbed::eval {
+
+// File and folder names in a results folder. kStoreFile is in eval/store/results_store.h.
+inline constexpr char kSummaryFile[] = "summary.json";
+inline constexpr char kTrialsFile[] = "trials.csv";
+inline constexpr char kAttemptsFile[] = "attempts.csv";
+inline constexpr char kInstanceOutcomesFile[] = "instance_outcomes.csv";
+inline constexpr char kConfigurationsFile[] = "configurations.csv";
+inline constexpr char kTimingsFile[] = "timings.csv";
+inline constexpr char kCurveFile[] = "curve.csv";
+inline constexpr char kPickChancesFile[] = "pick_chances.csv";     // with tolerance models
+inline constexpr char kScenarioFile[] = "scenario.yaml";           // settings of a run
+inline constexpr char kSweepFile[] = "sweep.yaml";                 // settings of a sweep
+inline constexpr char kConfigurationsFolder[] = "configurations";  // settings of each configuration
+inline constexpr char kPicturesFolder[] = "pictures";
+inline constexpr char kOcclusionSheet[] = "occlusion.png";  // in kPicturesFolder
+inline constexpr char kShardsFolder[] = "shards";
+inline constexpr char kSlurmFolder[] = "slurm";
+inline constexpr char kBudgetFolder[] = "budget";
+inline constexpr char kReplayFolder[] = "replay";
+inline constexpr char kReportFile[] = "report.html";
+
+// Returns the picture folder of a trial: OUT/pictures/trial_0008.
+std::filesystem::path PicturesOf(const std::filesystem::path& out, int trial);
+// Returns the file name of a picture of an attempt: "attempt_02_overlay.png". `what` is color,
+// depth, overlay or after.
+std::string AttemptPicture(int attempt, std::string_view what);
+// Returns the file name of the small picture of a failed attempt: "attempt_02_failed.jpg".
+std::string FailurePicture(int attempt);
+// Returns the picture of an attempt by its name of now or of an earlier version; an empty path if
+// the folder has none. `name` is the result of one of the functions above.
+std::filesystem::path FindPicture(const std::filesystem::path& folder, const std::string& name);
+
+// Creates and returns OUT/configurations. Removes the settings files of an earlier version, which
+// are in another folder.
+std::filesystem::path MakeConfigurationsFolder(const std::filesystem::path& out);
 
 // Summary of one configuration.
 struct ConfigurationSummary {
@@ -21,8 +62,9 @@ struct ConfigurationSummary {
   RunSummary summary;
 };
 
-// Reads OUT/results.sqlite, writes the files beside it, and returns one summary per configuration.
-// Throws InputError if the store cannot be read or the folder cannot be written.
+// Reads the store, writes the files beside it, removes the tables of earlier versions, and returns
+// one summary per configuration. Throws InputError if the store cannot be read or the folder cannot
+// be written.
 std::vector<ConfigurationSummary> WriteSweepFiles(const std::filesystem::path& out);
 
 // Returns the file name of the settings of a configuration: its number and name, without characters

@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "eval/metrics/metric_columns.h"
 #include "eval/trial/counts_by_bin.h"
 
 namespace pickbed::eval {
@@ -81,11 +82,11 @@ nlohmann::ordered_json FiniteOrNull(double value) {
 
 nlohmann::ordered_json JsonOf(const BandStatistics& band) {
   nlohmann::ordered_json json;
-  json["least"] = band.band.least;
-  json["most"] = band.band.most;
-  json["looks"] = band.attempts;
+  json["visible_min"] = band.band.min;
+  json["visible_max"] = band.band.max;
+  json["attempts"] = band.attempts;
   json["trials_without"] = band.trials_without;
-  json["losses"] = band.failures;
+  json["failures"] = band.failures;
   if (band.attempts == 0) return json;
   const auto share = [&](const ShareOfAttempts& of) {
     return nlohmann::ordered_json{
@@ -109,7 +110,8 @@ nlohmann::ordered_json JsonOf(const BandStatistics& band) {
 const SuccessRuleRow& RowOf(SuccessRule rule) { return SuccessRuleTable()[static_cast<int>(rule)]; }
 
 std::string RulesText(const RunSummary& summary) {
-  std::string text = fmt::format("Success of {} attempts by rule\n", summary.executed_grasps);
+  std::string text =
+      fmt::format("Success of {} executed grasps by rule\n", summary.executed_grasps);
   for (const RuleRate& rule : summary.by_rule) {
     const SuccessRuleRow& row = RowOf(rule.rule);
     text += fmt::format("  {:<26}{:<28}{}\n", row.name, PercentWithin(rule.rate(), rule.ci95),
@@ -131,7 +133,7 @@ std::vector<VisibleBand> ReportedBands(const OcclusionSpec& spec) {
 
 std::vector<RecallBand> EmptyRecallBands(const std::vector<VisibleBand>& bands) {
   std::vector<RecallBand> empty;
-  for (const VisibleBand& band : bands) empty.push_back({band.least, band.most, 0, 0});
+  for (const VisibleBand& band : bands) empty.push_back({band.min, band.max, 0, 0});
   return empty;
 }
 
@@ -173,7 +175,7 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
 std::string SummaryJson(const RunSummary& s) {
   nlohmann::ordered_json json;
   json["trials"] = s.trials;
-  json["attempts"] = s.executed_grasps;
+  json["executed_grasps"] = s.executed_grasps;
   json["successes"] = s.successes;
   json["success_rate"] = s.success_rate;
   json["success_ci95"] = EndsOf(s.success_ci95);
@@ -213,12 +215,12 @@ std::string SummaryJson(const RunSummary& s) {
   json["trials_crashed"] = nlohmann::ordered_json::array();
   for (const CrashedTrial& trial : s.crashed) {
     json["trials_crashed"].push_back({{"trial", trial.trial},
-                                      {"scene", trial.bin_index},
+                                      {"bin_index", trial.bin_index},
                                       {"seed", trial.seed},
                                       {"why", trial.why}});
   }
-  json["losses"] = nlohmann::ordered_json::object();
-  for (const auto& [reason, count] : s.failures) json["losses"][reason] = count;
+  json["failures"] = nlohmann::ordered_json::object();
+  for (const auto& [reason, count] : s.failures) json["failures"][reason] = count;
   if (!s.forecasts.empty()) {
     json["pick_forecasts"] = nlohmann::ordered_json::parse(ForecastJson(s.forecasts));
   }
@@ -234,7 +236,7 @@ std::string SummaryTable(const RunSummary& s) {
   };
   text += "Picks\n";
   line("success rate",
-       fmt::format("{}  {} of {} attempts", PercentWithin(s.success_rate, s.success_ci95),
+       fmt::format("{}  {} of {} executed grasps", PercentWithin(s.success_rate, s.success_ci95),
                    s.successes, s.executed_grasps));
   if (s.stop) line("early end", StopText(*s.stop));
   line("parts cleared",
@@ -273,10 +275,8 @@ std::string SummaryTable(const RunSummary& s) {
 std::string TrialsCsv(const std::vector<TrialResult>& trials,
                       const std::vector<CrashedTrial>& crashed) {
   std::string csv =
-      "trial,point,scene,status,instances_dropped,instances_cleared,attempts,successes,ended_by,"
-      "settled_s,"
-      "wake_movement_mm,"
-      "penetration_mm,scenes_refused\n";
+      "trial,configuration,bin_index,status,instances_dropped,instances_cleared,executed_grasps,"
+      "successes,ended_by,settled_s,wake_movement_mm,penetration_mm,scenes_refused\n";
   auto next_crashed = crashed.begin();
   const auto add_crashed_before = [&](int trial) {
     for (; next_crashed != crashed.end() && next_crashed->trial < trial; ++next_crashed) {
@@ -285,15 +285,15 @@ std::string TrialsCsv(const std::vector<TrialResult>& trials,
     }
   };
   for (const TrialResult& t : trials) {
-    int attempts = 0, successes = 0;
+    int executed_grasps = 0, successes = 0;
     for (const AttemptRecord& attempt : t.attempts) {
-      attempts += attempt.grasp.has_value();
+      executed_grasps += attempt.grasp.has_value();
       successes += attempt.grasp && attempt.failure == FailureReason::kNone;
     }
     add_crashed_before(t.trial);
     csv += fmt::format("{},{},{},finished,{},{},{},{},{},{},{},{},{}\n", t.trial, t.configuration,
-                       t.bin_index, t.instances_dropped, t.instances_cleared, attempts, successes,
-                       FailureName(t.ended_by), t.certificate.simulated_s,
+                       t.bin_index, t.instances_dropped, t.instances_cleared, executed_grasps,
+                       successes, FailureName(t.ended_by), t.certificate.simulated_s,
                        1e3 * t.certificate.wake_movement_m,
                        1e3 * t.certificate.deepest_penetration_m, t.refused.size());
   }
@@ -303,32 +303,34 @@ std::string TrialsCsv(const std::vector<TrialResult>& trials,
 
 std::string AttemptsCsv(const std::vector<TrialResult>& trials,
                         const std::vector<std::string>& parts, const ToleranceMaps& maps) {
+  const MetricColumns placed = MetricColumns::Placed(MetricUnits::kShown);
+  const MetricColumns at_end = MetricColumns::AtEnd(MetricUnits::kShown);
   std::string csv =
-      std::string() +
-      "trial,point,pick,target,band,parts_in_view,hypotheses,object,instance,confidence,"
-      "mssd_diameters,mssd_mm,mspd_px,add_mm,adi_mm,rotation_deg,translation_mm,p_pick,p_grasp,"
-      "success,loss,slip_mm,turn_deg,disturbed" +
-      OutcomeHeader() + "\n";
+      "trial,configuration,attempt,target,band,instances_in_view,hypotheses,object,instance,"
+      "confidence" +
+      placed.Header() +
+      ",p_pick,p_grasp,success,failure,slip_mm,in_hand_rotation_error_deg,neighbors_displaced" +
+      OutcomeHeader() + at_end.Header() + "\n";
   constexpr double kDegrees = 180 / 3.14159265358979323846;
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& attempt : trial.attempts) {
       csv += fmt::format("{},{},{},{},{},{},{},", trial.trial, trial.configuration, attempt.attempt,
                          attempt.target, attempt.band, attempt.instances.size(),
                          attempt.hypotheses.size());
+      std::string cells_at_end = at_end.EmptyCells();
       if (attempt.chosen >= 0) {
         const HypothesisRecord& h = attempt.hypotheses.at(attempt.chosen);
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},", parts.at(h.object), h.instance,
-                           h.score, h.mssd_diameters, 1e3 * h.mssd_m, h.mspd_px, 1e3 * h.add_m,
-                           1e3 * h.adi_m, kDegrees * h.rotation_rad, 1e3 * h.translation_m,
-                           ChanceCell(maps.PickChance(h)),
+        csv += fmt::format("{},{},{}{},{},{},", parts.at(h.object), h.instance, h.score,
+                           placed.Cells(h.metrics), ChanceCell(maps.PickChance(h)),
                            ChanceCell(maps.PickChance(h, *attempt.grasp)));
+        cells_at_end = at_end.Cells(h.metrics);
       } else {
-        csv += ",,,,,,,,,,,,";
+        csv += ",,," + placed.EmptyCells() + ",,";
       }
-      csv += fmt::format("{},{},{},{},{}{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
+      csv += fmt::format("{},{},{},{},{}{}{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
                          FailureName(attempt.failure), 1e3 * attempt.outcome.slip_m,
                          kDegrees * attempt.outcome.in_hand_rotation_error_rad,
-                         attempt.outcome.neighbors_displaced, OutcomeCells(attempt));
+                         attempt.outcome.neighbors_displaced, OutcomeCells(attempt), cells_at_end);
     }
   }
   return csv;
@@ -336,13 +338,13 @@ std::string AttemptsCsv(const std::vector<TrialResult>& trials,
 
 std::string InstanceOutcomesCsv(const std::vector<TrialResult>& trials,
                                 const std::vector<std::string>& parts) {
-  std::string csv = "trial,point,instance,object,became,loss,stage,pick\n";
+  std::string csv = "trial,configuration,instance,object,outcome,failure,stage,attempt\n";
   for (const TrialResult& trial : trials) {
     for (const InstanceOutcome& instance_outcome : trial.outcomes) {
       csv += fmt::format("{},{},{},{},{},{},{},{}\n", trial.trial, trial.configuration,
                          instance_outcome.instance, parts.at(instance_outcome.object),
                          instance_outcome.picked  ? "picked"
-                         : instance_outcome.asked ? "lost"
+                         : instance_outcome.asked ? "failed"
                                                   : "not_asked",
                          FailureName(instance_outcome.failure),
                          StageName(StageOf(instance_outcome.failure)), instance_outcome.attempt);

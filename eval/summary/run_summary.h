@@ -87,12 +87,12 @@ std::string SummaryTable(const RunSummary& summary);  // text for the console
 // Returns trials.csv: one line per trial. Crashed trials have empty cells.
 std::string TrialsCsv(const std::vector<TrialResult>& trials,
                       const std::vector<CrashedTrial>& crashed = {});
-// Returns picks.csv: one line per attempt. p_pick is the success probability of the executed pose,
-// averaged over the grasps of its tolerance model. p_grasp is the probability with the executed
-// grasp. Both are empty without a model. `parts` are the names of the dropped objects.
+// Returns attempts.csv: one line per attempt. p_pick is the success probability of the executed
+// pose, averaged over the grasps of its tolerance model. p_grasp is the probability with the
+// executed grasp. Both are empty without a model. `parts` are the names of the dropped objects.
 std::string AttemptsCsv(const std::vector<TrialResult>& trials,
                         const std::vector<std::string>& parts, const ToleranceMaps& maps = {});
-// Returns parts.csv: one line per wanted instance that was dropped.
+// Returns instance_outcomes.csv: one line per wanted instance that was dropped.
 std::string InstanceOutcomesCsv(const std::vector<TrialResult>& trials,
                                 const std::vector<std::string>& parts);
 // Returns timings.csv: seconds by trial and stage. The last lines have the trial "all" and hold the

@@ -28,7 +28,7 @@ void VisitCells(const GraspOutcome& o, V&& v) {
   v("torque_y_nm", o.contact_torque_nm.y());
   v("torque_z_nm", o.contact_torque_nm.z());
   v("place_error_mm", 1e3 * o.place_error_m);
-  v("place_turn_deg", kDegrees * o.place_rotation_error_rad);
+  v("place_rotation_error_deg", kDegrees * o.place_rotation_error_rad);
 }
 
 }  // namespace

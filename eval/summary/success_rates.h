@@ -1,6 +1,6 @@
 #pragma once
 
-// Outcomes of grasps as cells of picks.csv, and the success rates of all success rules.
+// Outcomes of grasps as cells of attempts.csv, and the success rates of all success rules.
 
 #include <array>
 #include <string>

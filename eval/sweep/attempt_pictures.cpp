@@ -3,25 +3,19 @@
 #include <fmt/format.h>
 
 #include "eval/summary/occlusion_sheet.h"
+#include "eval/summary/result_files.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 
 namespace pickbed::eval {
-namespace {
-
-std::filesystem::path PathOf(const std::filesystem::path& folder, int attempt, const char* what) {
-  return folder / fmt::format("pick_{:02}_{}.png", attempt, what);
-}
-
-}  // namespace
 
 void WriteAttemptPictures(const std::filesystem::path& folder, int attempt,
                           const OverlayInput& input) {
   MakeFolder(folder);
-  WritePng(PathOf(folder, attempt, "color"), input.frame.color);
-  WritePng(PathOf(folder, attempt, "depth"), ColorizeDepth(input.frame.depth_m));
-  WritePng(PathOf(folder, attempt, "overlay"), DrawOverlay(input));
+  WritePng(folder / AttemptPicture(attempt, "color"), input.frame.color);
+  WritePng(folder / AttemptPicture(attempt, "depth"), ColorizeDepth(input.frame.depth_m));
+  WritePng(folder / AttemptPicture(attempt, "overlay"), DrawOverlay(input));
 }
 
 OverlayInput OverlayOf(const AttemptState& attempt) {
@@ -38,12 +32,10 @@ void PickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
     WritePng(folder_ / BandTileName(attempt.record.band), BandTile(attempt));
   }
   if (stage == TrialStage::kOutcome) {
-    WritePng(PathOf(folder_, number, "after"),
+    WritePng(folder_ / AttemptPicture(number, "after"),
              attempt.cell.ColorPicture(attempt.scene, attempt.scene_number));
   }
 }
-
-std::string LostPictureName(int attempt) { return fmt::format("pick_{:02}_lost.jpg", attempt); }
 
 void LostPickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
   if (stage == TrialStage::kGrasp) before_ = attempt.scene;
@@ -52,7 +44,7 @@ void LostPickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
                                         before_, attempt.record, attempt.view, attempt.hypotheses});
   const Image<Rgb8> overlay = Narrowed(DrawOverlay(input), size_.width_px);
   MakeFolder(folder_);
-  WriteFileAtomically(folder_ / LostPictureName(attempt.record.attempt),
+  WriteFileAtomically(folder_ / FailurePicture(attempt.record.attempt),
                       EncodeJpeg(overlay, size_.quality));
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Pictures of attempts: pick_00_color.png, _depth.png, _overlay.png and _after.png. If only
-// failures are wanted, pick_00_lost.jpg. Occlusion trials also have band_0.png, ...
+// Pictures of attempts: attempt_00_color.png, _depth.png, _overlay.png and _after.png. If only
+// failures are wanted, attempt_00_failed.jpg. Occlusion trials also have band_0.png, ...
 // (eval/summary/occlusion_sheet.h).
 
 #include <filesystem>
@@ -40,11 +40,9 @@ class LostPickPictures : public TrialObserver {
   PictureSize size_;
   Scene before_;  // before the pick
 };
-// Name of this file in the picture folder of a trial.
-std::string LostPictureName(int attempt);
 
 // Returns the input of the overlay of an attempt; valid from TrialStage::kGrasp on. It holds
-// references into `look`.
+// references into `attempt`.
 OverlayInput OverlayOf(const AttemptState& attempt);
 
 }  // namespace pickbed::eval

@@ -17,8 +17,6 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr char kFileName[] = "results.sqlite";
-
 // An input store and the offset of its numbers in the merged store.
 struct Source {
   std::filesystem::path folder;
@@ -165,13 +163,13 @@ class Plan {
 // Returns the file of the store, or an upgraded copy if the store has an earlier version.
 std::filesystem::path FileOfThisVersion(const Source& source,
                                         const std::filesystem::path& scratch) {
-  const std::filesystem::path file = source.folder / kFileName;
+  const std::filesystem::path file = source.folder / kStoreFile;
   if (IsOfThisVersion(Database(file, Database::Mode::kExisting))) return file;
   std::filesystem::create_directories(scratch);
-  std::filesystem::copy_file(file, scratch / kFileName,
+  std::filesystem::copy_file(file, scratch / kStoreFile,
                              std::filesystem::copy_options::overwrite_existing);
   ResultsStore(scratch, source.head);
-  return scratch / kFileName;
+  return scratch / kStoreFile;
 }
 
 int JoinAll(const std::vector<Source>& sources, const std::filesystem::path& file) {
@@ -217,13 +215,13 @@ void MergeInto(const std::filesystem::path& out, const Plan& plan, const StoreHe
                MergeReport& report) {
   const ScratchFolder scratch(out / "merging");
   { const ResultsStore store(scratch.path(), head); }
-  report.doubled = JoinAll(plan.sources(), scratch.path() / kFileName);
+  report.doubled = JoinAll(plan.sources(), scratch.path() / kStoreFile);
   // Keep the trials of an earlier merge; its shards may no longer exist.
-  if (std::filesystem::exists(out / kFileName)) {
-    JoinAll({{out, head, {}}}, scratch.path() / kFileName);
+  if (std::filesystem::exists(out / kStoreFile)) {
+    JoinAll({{out, head, {}}}, scratch.path() / kStoreFile);
   }
-  WriteThrough(scratch.path() / kFileName);
-  std::filesystem::rename(scratch.path() / kFileName, out / kFileName);
+  WriteThrough(scratch.path() / kStoreFile);
+  std::filesystem::rename(scratch.path() / kStoreFile, out / kStoreFile);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "eval/store/results_store.h"
+#include "eval/summary/result_files.h"
 #include "eval/sweep/run.h"
 #include "eval/tolerance/pick_forecast.h"
 #include "grasp/grippers/table.h"
@@ -15,7 +16,7 @@ std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const st
                                    const std::string& object, const std::string& gripper) {
   const ResultsStore store = ResultsStore::OpenToRead(folder);
   ScenarioRequest arguments;
-  arguments.scenario = (folder / "scenario.yaml").string();
+  arguments.scenario = (folder / kScenarioFile).string();
   arguments.catalog = catalog;
   const LoadedScenario scenario = FindScenario(arguments);
   const std::string of_run = LoadGripper(scenario.spec.gripper)->name;

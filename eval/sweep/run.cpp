@@ -28,10 +28,10 @@ void WriteForecasts(const ObjectSet& objects, const RunOptions& options, RunRepo
   std::vector<std::string> names;
   for (const auto& object : objects) names.push_back(object->name);
   report.summary.forecasts = ForecastsOf(report.trials, objects, options.tolerance);
-  WriteFileAtomically(options.out / "summary.json", SummaryJson(report.summary));
-  WriteFileAtomically(options.out / "picks.csv",
+  WriteFileAtomically(options.out / kSummaryFile, SummaryJson(report.summary));
+  WriteFileAtomically(options.out / kAttemptsFile,
                       AttemptsCsv(report.trials, names, options.tolerance));
-  WriteFileAtomically(options.out / "pick_chances.csv",
+  WriteFileAtomically(options.out / kPickChancesFile,
                       PickChancesCsv(report.trials, objects, options.tolerance));
 }
 
@@ -80,7 +80,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
   WithSettingsKey(spec, "gripper", [&] {
     RequireFitsBin(*gripper, BinOf(spec));
     for (size_t i = 0; i < objects.size(); ++i) {
-      if (!spec.objects[i].foreign) RequireCanCarry(*gripper, *objects[i]);
+      if (!spec.objects[i].distractor) RequireCanCarry(*gripper, *objects[i]);
     }
   });
   SensorProfile sensor =

@@ -4,8 +4,8 @@
 // with one configuration (see eval/sweep/sweep.h). It also writes
 //
 //   OUT/pick_chances.csv  success probability of each hypothesis, if tolerance models are given
-//   OUT/pictures/trial_0000/pick_00_{color,depth,overlay,after}.png  of the first trials
-//   OUT/pictures/trial_0008/pick_02_lost.jpg                         of failed picks of the others
+//   OUT/pictures/trial_0000/attempt_00_{color,depth,overlay,after}.png  of the first trials
+//   OUT/pictures/trial_0008/attempt_02_failed.jpg                    of failed picks of the others
 //
 // All files are identical, byte by byte, for any number of workers. Only the times in the store and
 // timings.csv differ.

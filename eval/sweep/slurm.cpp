@@ -11,6 +11,8 @@
 
 #include "eval/runtime/process.h"
 #include "eval/runtime/results_folder.h"
+#include "eval/summary/result_files.h"
+#include "eval/sweep/sweep_spec.h"
 #include "eval/sweep/sweep_stop.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -89,10 +91,10 @@ void RequireSlurm() {
 }
 
 std::string Submit(const Sweep& sweep, const SlurmJob& job, const std::vector<int>& shards) {
-  const std::filesystem::path folder = job.out / "slurm";
+  const std::filesystem::path folder = job.out / kSlurmFolder;
   const std::filesystem::path script = folder / "job.sh";
   MakeFolder(folder);
-  WriteFileAtomically(job.out / "sweep.yaml", sweep.yaml);
+  WriteFileAtomically(job.out / kSweepFile, sweep.yaml);
   WriteFileAtomically(script, JobScript(job));
   const ProgramOutput output = RunProgram(
       {"sbatch", "--parsable", fmt::format("--array={}", fmt::join(shards, ",")), script.string()});
@@ -109,7 +111,7 @@ std::string Submit(const Sweep& sweep, const SlurmJob& job, const std::vector<in
 
 // Returns the id of the last submitted array if it has unfinished tasks.
 std::optional<std::string> RunningJob(const SlurmJob& job) {
-  const std::filesystem::path file = job.out / "slurm" / "job_id";
+  const std::filesystem::path file = job.out / kSlurmFolder / "job_id";
   if (!std::filesystem::is_regular_file(file)) return std::nullopt;
   const std::string id = Trimmed(ReadFileBytes(file));
   const auto states = StatesInQueue(id);
@@ -157,9 +159,10 @@ void SlurmOptions::Visit(SettingsVisitor& v) {
 }
 
 std::string JobScript(const SlurmJob& job) {
+  CheckSettings("SlurmOptions", job.options);
   const SlurmOptions& o = job.options;
   const std::string log =
-      (job.out / "slurm" / fmt::format("shard_%a_of_{}.log", o.shards)).string();
+      (job.out / kSlurmFolder / fmt::format("shard_%a_of_{}.log", o.shards)).string();
   std::string text = "#!/bin/sh\n#SBATCH --job-name=pickbed\n#SBATCH --requeue\n";
   const auto option = [&](const std::string& name, const std::string& value) {
     if (!value.empty()) text += fmt::format("#SBATCH --{}={}\n", name, value);
@@ -176,7 +179,7 @@ std::string JobScript(const SlurmJob& job) {
       "cd {} || exit 1\nexec {} sweep {} --out {} --catalog {} \\\n  --pictures {} "
       "--lost-pictures {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --jobs {} --resume{}\n",
       Quoted(job.working_folder.string()), Quoted(job.program.string()),
-      Quoted((job.out / "sweep.yaml").string()), Quoted(job.out.string()), Quoted(job.catalog),
+      Quoted((job.out / kSweepFile).string()), Quoted(job.out.string()), Quoted(job.catalog),
       job.picture_trials, job.lost_picture_trials, o.shards, o.cpus,
       job.retry_crashed ? " --retry-crashed" : "");
   return text;
@@ -204,6 +207,7 @@ std::vector<ShardState> ShardStates(const Sweep& sweep, const std::filesystem::p
 }
 
 SlurmReport RunOnSlurm(const Sweep& sweep, const SlurmJob& job, const SlurmListener& listener) {
+  CheckSettings("SlurmOptions", job.options);
   if (job.options.shards > 1) RequireNoStop(sweep);
   RequireSlurm();
   RequireNoOtherSweep(job.out, sweep.yaml);

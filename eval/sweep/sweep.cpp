@@ -10,6 +10,7 @@
 #include <set>
 
 #include "eval/runtime/results_folder.h"
+#include "eval/sweep/sweep_spec.h"
 #include "eval/sweep/sweep_stop.h"
 #include "eval/sweep/trial_worker.h"
 #include "scenes/base/error.h"
@@ -39,12 +40,11 @@ std::vector<int> FinishedTrials(const SweepOptions& options, const std::filesyst
 void WriteSettingsFiles(const Sweep& sweep, const StoreHead& head,
                         const std::filesystem::path& out) {
   if (sweep.yaml.empty()) {
-    WriteFileAtomically(out / "scenario.yaml", head.configurations.front().settings);
+    WriteFileAtomically(out / kScenarioFile, head.configurations.front().settings);
     return;
   }
-  WriteFileAtomically(out / "sweep.yaml", sweep.yaml);
-  const std::filesystem::path folder = out / "points";
-  std::filesystem::create_directories(folder);
+  WriteFileAtomically(out / kSweepFile, sweep.yaml);
+  const std::filesystem::path folder = MakeConfigurationsFolder(out);
   for (const Configuration& configuration : sweep.configurations) {
     WriteFileAtomically(folder / ConfigurationFileName(configuration.number, configuration.name),
                         ScenarioText(configuration.spec, folder));
@@ -252,7 +252,7 @@ Shard ParseShard(const std::string& text) {
 
 std::filesystem::path ShardFolder(const std::filesystem::path& out, const Shard& shard) {
   if (shard.count == 1) return out;
-  return out / "shards" / fmt::format("shard_{}_of_{}", shard.index, shard.count);
+  return out / kShardsFolder / fmt::format("shard_{}_of_{}", shard.index, shard.count);
 }
 
 std::vector<int> TrialsOfShard(const Sweep& sweep, const Shard& shard) {
@@ -284,11 +284,8 @@ StoreHead HeadOf(const Sweep& sweep, const std::filesystem::path& folder) {
                                    configuration.first_trial, configuration.trials,
                                    configuration.spec.seed, configuration.identity,
                                    ScenarioText(configuration.spec, folder)});
-    head.identity += fmt::format(
-        "point {} has {} trials {:016x}: {}\n", configuration.number, configuration.trials,
-        HashBytes(configuration.identity.data(), configuration.identity.size()),
-        configuration.name);
   }
+  head.identity = SweepIdentity(head.configurations);
   // The number of trials of a run may be increased, and runs of an earlier version can be
   // continued.
   if (sweep.yaml.empty()) head.identity = sweep.configurations.front().identity;

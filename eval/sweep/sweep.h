@@ -6,7 +6,7 @@
 //   OUT/results.sqlite      all results, see eval/store/results_store.h
 //   OUT/shards/shard_1_of_8/results.sqlite    of a shard, instead; `pickbed merge` joins them
 //   OUT/scenario.yaml       effective settings of a run
-//   OUT/sweep.yaml, OUT/points/00_NAME.yaml   of a sweep and of each of its configurations
+//   OUT/sweep.yaml, OUT/configurations/00_NAME.yaml   of a sweep and of each of its configurations
 //   OUT/lock                held while a process writes to the folder
 //   and the files of eval/summary/result_files.h, computed from the store at the end
 //

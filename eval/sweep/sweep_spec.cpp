@@ -8,6 +8,7 @@
 #include "eval/sweep/run.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/settings_names.h"
 #include "scenes/scenario/find_scenario.h"
 
 namespace pickbed::eval {
@@ -167,6 +168,80 @@ std::string ScenarioOf(const SettingsTree& entry, const std::filesystem::path& f
   return entry.text;
 }
 
+// Replaces former names in a tree of scenario settings such as a sweep file.
+class NameUpdate {
+ public:
+  // Names found so far, with their lines in the file.
+  const std::vector<ReplacedName>& replaced() const { return replaced_; }
+
+  // Updates the keys and values of a map of settings; `prefix` is the group that they belong to.
+  void UpdateSettings(const std::string& prefix, SettingsTree& map) {
+    for (SettingsTree& entry : map.items) {
+      const auto [key, value] = Update(prefix + entry.key, entry);
+      entry.key = key.substr(prefix.size());
+      entry.text = value;
+    }
+    UpdateText(map);
+  }
+
+  void UpdateGrid(SettingsTree& grid) {
+    for (SettingsTree& axis : grid.items) {
+      std::string key = axis.key;
+      for (SettingsTree& item : axis.items) {
+        if (item.kind == Kind::kMap) {  // settings of a label, or settings that are their own label
+          UpdateSettings("", item);
+        } else {
+          std::tie(key, item.text) = Update(axis.key, item);
+        }
+      }
+      if (axis.kind == Kind::kValue) std::tie(key, axis.text) = Update(axis.key, axis);
+      axis.key = key;
+      UpdateText(axis);
+    }
+    UpdateText(grid);
+  }
+
+ private:
+  // Returns key and value of a setting with the names of now.
+  std::pair<std::string, std::string> Update(const std::string& key, const SettingsTree& value) {
+    ScenarioSpec spec;
+    const CurrentText current = AssignmentWithCurrentNames(
+        key + "=" + value.text, [&](SettingsVisitor& v) { spec.Visit(v); });
+    for (ReplacedName name : current.replaced) {
+      name.line = std::atoi(value.place.substr(value.place.rfind(':') + 1).c_str());
+      const bool known = std::any_of(
+          replaced_.begin(), replaced_.end(),
+          [&](const ReplacedName& other) { return other.was == name.was && other.is == name.is; });
+      if (!known) replaced_.push_back(name);
+    }
+    const size_t equals = current.text.find('=');
+    return {current.text.substr(0, equals), current.text.substr(equals + 1)};
+  }
+
+  // Makes the text of a map or list again after its items were updated.
+  void UpdateText(SettingsTree& tree) const {
+    if (replaced_.empty() || tree.kind == Kind::kValue) return;
+    std::string text;
+    for (const SettingsTree& item : tree.items) {
+      text += (text.empty() ? "" : ", ") + (item.key.empty() ? "" : item.key + ": ") + item.text;
+    }
+    tree.text = tree.kind == Kind::kMap ? "{" + text + "}" : "[" + text + "]";
+  }
+
+  std::vector<ReplacedName> replaced_;
+};
+
+// Updates a whole sweep file.
+std::vector<ReplacedName> UpdateNames(SettingsTree& file) {
+  NameUpdate update;
+  for (SettingsTree& entry : file.items) {
+    if (entry.key == "set") update.UpdateSettings("", entry);
+    if (entry.key == "occlusion") update.UpdateSettings("occlusion.", entry);
+    if (entry.key == "grid") update.UpdateGrid(entry);
+  }
+  return update.replaced();
+}
+
 std::string Joined(const std::vector<PlacedSetting>& settings) {
   std::string text;
   for (const PlacedSetting& setting : settings) {
@@ -177,12 +252,29 @@ std::string Joined(const std::vector<PlacedSetting>& settings) {
   return text;
 }
 
+// SweepText writes the Slurm block last.
+std::string WithoutSlurm(const std::string& yaml) { return yaml.substr(0, yaml.find("\nslurm:")); }
+
+// Updates the result of a SweepText() of an earlier version.
+std::string WithCurrentNames(const std::string& yaml) {
+  SettingsTree tree = ReadSettingsTreeText(yaml, kSweepFile);
+  if (UpdateNames(tree).empty()) return yaml;
+  std::string text;
+  for (const SettingsTree& entry : tree.items) {
+    text += entry.key == "set" ? "set:\n" + Joined(SettingsIn(entry))
+                               : fmt::format("{}: {}\n", entry.key, entry.text);
+  }
+  return text;
+}
+
 }  // namespace
 
 SweepSpec LoadSweepSpec(const std::filesystem::path& file) {
   static const std::vector<std::string> kKeys = {"scenario", "trials",    "set",
                                                  "grid",     "occlusion", "slurm"};
-  const SettingsTree tree = ReadSettingsTree(file);
+  SettingsTree tree = ReadSettingsTree(file);
+  const std::vector<ReplacedName> replaced = UpdateNames(tree);
+  if (!replaced.empty()) ReportDeprecation(DeprecationLine(file.string(), replaced));
   for (const SettingsTree& entry : tree.items) {
     CheckInput(std::find(kKeys.begin(), kKeys.end(), entry.key) != kKeys.end(),
                fmt::format("{}: {}", entry.place, UnknownNameMessage("key", entry.key, kKeys)));
@@ -214,7 +306,14 @@ SweepSpec LoadSweepSpec(const std::filesystem::path& file) {
 }
 
 void SetForAll(const std::string& assignment, SweepSpec& spec) {
-  const PlacedSetting setting{assignment, "--set " + assignment};
+  ScenarioSpec scenario;
+  const CurrentText current =
+      AssignmentWithCurrentNames(assignment, [&](SettingsVisitor& v) { scenario.Visit(v); });
+  const PlacedSetting setting{current.text, "--set " + assignment};
+  if (!current.replaced.empty()) {
+    ReportDeprecation(
+        fmt::format("'{}' is deprecated, write '--set {}'", setting.place, current.text));
+  }
   for (const GridAxis& axis : spec.grid) {
     const PlacedSetting* twin = SettingOf(axis, KeyOf(setting));
     CheckInput(twin == nullptr,
@@ -278,6 +377,14 @@ std::string SweepText(const SweepSpec& spec, const std::filesystem::path& out) {
         "slurm", [&](SettingsVisitor& group) { slurm.Visit(group); }, "");
   });
   return text + block;
+}
+
+void RequireNoOtherSweep(const std::filesystem::path& out, const std::string& yaml) {
+  const std::filesystem::path file = out / kSweepFile;
+  if (!std::filesystem::is_regular_file(file)) return;
+  CheckInput(WithoutSlurm(WithCurrentNames(ReadFileBytes(file))) == WithoutSlurm(yaml),
+             fmt::format("{} is of a sweep with other settings; choose another folder with --out",
+                         file.string()));
 }
 
 }  // namespace pickbed::eval

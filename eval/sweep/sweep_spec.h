@@ -71,4 +71,8 @@ Sweep MakeSweep(const SweepSpec& spec, const std::filesystem::path& out,
 // Returns the text of an equivalent sweep file located in `out`.
 std::string SweepText(const SweepSpec& spec, const std::filesystem::path& out);
 
+// Throws InputError if `out` contains a sweep file with other settings than `yaml`. The Slurm
+// settings are not compared. The file may be from an earlier version.
+void RequireNoOtherSweep(const std::filesystem::path& out, const std::string& yaml);
+
 }  // namespace pickbed::eval

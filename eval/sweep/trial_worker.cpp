@@ -42,20 +42,20 @@ void GoTo(const Configuration& configuration, const SweepOptions& options,
 std::string DoItem(Bench& bench, const Configuration& configuration, const SweepOptions& options,
                    int trial, const WorkerPlan::Say& say) {
   GoTo(configuration, options, say, bench);
-  const int scene = trial - configuration.first_trial;
+  const int bin_index = trial - configuration.first_trial;
   PictureOrder pictures{PicturesWanted::kNone, PicturesOf(options.out, trial)};
-  if (scene < options.picture_trials) {
+  if (bin_index < options.picture_trials) {
     pictures.wanted = PicturesWanted::kAll;
-  } else if (scene < options.lost_picture_trials) {
+  } else if (bin_index < options.lost_picture_trials) {
     pictures.wanted = PicturesWanted::kOfLostPicks;
   }
   TrialResult result;
   {
     const StageTimer timer(bench.seconds, "trials");
-    result = bench.do_trial(scene, pictures);
+    result = bench.do_trial(bin_index, pictures);
   }
   result.trial = trial;
-  result.bin_index = scene;
+  result.bin_index = bin_index;
   result.configuration = configuration.number;
   {
     const StageTimer timer(bench.seconds, "store");
@@ -67,10 +67,6 @@ std::string DoItem(Bench& bench, const Configuration& configuration, const Sweep
 }
 
 }  // namespace
-
-std::filesystem::path PicturesOf(const std::filesystem::path& out, int trial) {
-  return out / "pictures" / fmt::format("trial_{:04}", trial);
-}
 
 Cluster TakeReply(const std::string& reply, StageSeconds& seconds) {
   Cluster outcome;
@@ -112,18 +108,18 @@ MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
         };
         auto runner = std::make_shared<TrialRunner>(configuration.spec, configuration.objects,
                                                     on_progress, trial_options);
-        return [runner](int scene, const PictureOrder& order) {
+        return [runner](int bin_index, const PictureOrder& order) {
           PickPictures all(order.folder);
           LostPickPictures lost(order.folder);
           switch (order.wanted) {
             case PicturesWanted::kAll:
-              return runner->Run(scene, &all);
+              return runner->Run(bin_index, &all);
             case PicturesWanted::kOfLostPicks:
-              return runner->Run(scene, &lost);
+              return runner->Run(bin_index, &lost);
             case PicturesWanted::kNone:
               break;
           }
-          return runner->Run(scene);
+          return runner->Run(bin_index);
         };
       };
 }

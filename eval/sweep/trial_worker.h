@@ -10,9 +10,6 @@
 
 namespace pickbed::eval {
 
-// Returns the picture folder of a trial.
-std::filesystem::path PicturesOf(const std::filesystem::path& out, int trial);
-
 // Opens the store in `folder` for a worker. Returns a function that runs one trial and returns its
 // reply line. `sweep` and `options` must outlive it.
 WorkerPlan::DoItem StartWorker(const Sweep& sweep, const SweepOptions& options,

@@ -35,7 +35,7 @@ bool IsOne(const fs::path& place) {
 }
 
 bool StandsOnAPart(const HypothesisRecord& hypothesis) {
-  return hypothesis.instance >= 0 && hypothesis.mssd_diameters < kMatchDiameters;
+  return hypothesis.instance >= 0 && hypothesis.mssd_diameters() < kMatchDiameters;
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ std::string ForecastJson(const std::vector<PickForecast>& forecasts) {
   auto json = nlohmann::ordered_json::array();
   for (const PickForecast& f : forecasts) {
     nlohmann::ordered_json object;
-    object["part"] = f.part;
+    object["object"] = f.part;
     object["bins"] = f.bins;
     object["picks"] = f.picks;
     object["successes"] = f.successes;
@@ -115,7 +115,7 @@ std::string ForecastJson(const std::vector<PickForecast>& forecasts) {
 
 std::string PickChancesCsv(std::span<const TrialResult> trials, const ObjectSet& objects,
                            const ToleranceMaps& maps) {
-  std::string csv = "trial,pick,hypothesis,object,instance,p_pick\n";
+  std::string csv = "trial,attempt,hypothesis,object,instance,p_pick\n";
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& pick : trial.attempts) {
       for (size_t i = 0; i < pick.hypotheses.size(); ++i) {

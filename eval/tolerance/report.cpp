@@ -65,7 +65,7 @@ std::string ToleranceText(const ToleranceFigures& figures) {
 }
 
 std::string AxesCsv(const ToleranceFigures& figures) {
-  std::string csv = "axis,unit,error,successes,tries,share,low,high,kept_from,kept_to\n";
+  std::string csv = "axis,unit,error,successes,samples,share,low,high,kept_from,kept_to\n";
   for (const AxisCurve& curve : figures.axes) {
     const ErrorAxis& axis = ErrorAxisTable()[curve.axis];
     for (const LevelShare& level : curve.levels) {
@@ -79,7 +79,7 @@ std::string AxesCsv(const ToleranceFigures& figures) {
 }
 
 std::string PairsCsv(const ToleranceFigures& figures) {
-  std::string csv = "axis_a,axis_b,error_a,error_b,successes,tries,share,low,high\n";
+  std::string csv = "axis_a,axis_b,error_a,error_b,successes,samples,share,low,high\n";
   for (const PairMap& map : figures.pairs) {
     for (size_t i = 0; i < map.cells.size(); ++i) {
       const LevelShare& cell = map.cells[i];

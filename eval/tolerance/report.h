@@ -3,7 +3,7 @@
 // Tables and files of a tolerance map.
 //
 //   FOLDER/tolerance.yaml   the settings
-//   FOLDER/tries.csv        every execution, see eval/tolerance/samples.h
+//   FOLDER/samples.csv        every execution, see eval/tolerance/samples.h
 //   FOLDER/axes.csv         success by error along each axis, with intervals
 //   FOLDER/pairs.csv        success by errors along pairs of axes, if requested
 //   FOLDER/predictors.csv   AUC of each score, with intervals
@@ -30,7 +30,7 @@ std::string AxesCsv(const ToleranceFigures& figures);
 std::string PairsCsv(const ToleranceFigures& figures);
 std::string PredictorsCsv(const std::vector<Predictor>& predictors);
 
-// Writes all files above except tries.csv.
+// Writes all files above except samples.csv.
 void WriteToleranceFiles(const ToleranceStudy& study, const ToleranceFigures& figures,
                          const std::filesystem::path& folder);
 

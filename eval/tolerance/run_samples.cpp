@@ -16,10 +16,12 @@ namespace pickbed::eval {
 namespace {
 
 constexpr int kChunk = 16;  // samples per work item
+constexpr const char* kSamplesFile = "samples.csv";
+constexpr const char* kFormerSamplesFile = "tries.csv";  // of earlier versions
 constexpr const char* kVersion = "pickbed tolerance 1";
 constexpr const char* kColumns =
-    "try,kind,axis,level,axis_2,level_2,place,grasp,dx_mm,dy_mm,dz_mm,rx_deg,ry_deg,rz_deg,"
-    "success,loss\n";
+    "sample,kind,axis,level,axis_2,level_2,place,grasp,dx_mm,dy_mm,dz_mm,rx_deg,ry_deg,rz_deg,"
+    "success,failure\n";
 
 // Header line that identifies a study. Files with another line belong to another study.
 std::string IdentityLine(const ToleranceStudy& study) {
@@ -29,7 +31,7 @@ std::string IdentityLine(const ToleranceStudy& study) {
   std::string text =
       fmt::format("{:016x} {} {}\n", part.mesh_hash, part.mass.mass_kg, part.friction);
   text += gripper.SettingsText();
-  text += WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+  text += WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); });
   for (const ToleranceTry& t : study.tries) {
     const Pose X_WG = study.table.places[study.grasps[t.grasp].place].scene.objects[0].X_WO *
                       t.X_OO * study.grasps[t.grasp].candidate.X_OG;
@@ -116,8 +118,9 @@ std::string ReplyOf(const ToleranceStudy& study, const std::vector<int>& tries) 
 
 StudyOutcomes ExecuteStudy(const ToleranceStudy& study, const std::filesystem::path& folder,
                            int jobs, bool resume, const StudyListener& listener) {
-  const std::filesystem::path file = folder / "tries.csv";
-  std::vector<std::optional<TryOutcome>> known = KeptOutcomes(study, file, resume);
+  const std::filesystem::path file = folder / kSamplesFile, former = folder / kFormerSamplesFile;
+  std::vector<std::optional<TryOutcome>> known =
+      KeptOutcomes(study, std::filesystem::exists(file) ? file : former, resume);
   std::vector<std::vector<int>> chunks;
   for (size_t i = 0; i < known.size(); ++i) {
     if (known[i]) continue;
@@ -125,6 +128,7 @@ StudyOutcomes ExecuteStudy(const ToleranceStudy& study, const std::filesystem::p
     chunks.back().push_back(static_cast<int>(i));
   }
   WriteFileAtomically(file, WholeFile(study, known));
+  std::filesystem::remove(former);
 
   const int total = static_cast<int>(known.size());
   const int before = static_cast<int>(

@@ -136,8 +136,10 @@ void ToleranceOptions::Visit(SettingsVisitor& v) {
   v.Integer("pair_grasps", pair_grasps, {1, 100000}, "that an error of a pair is executed with");
   v.Integer("pair_stride", pair_stride, {1, 100}, "steps between the errors of a pair");
   v.Integer("fit_grasps", fit_grasps, {1, 100000}, "that the model is fitted to");
-  v.Integer("fit_tries", fit_tries, {0, 10000000}, "random errors that the model is fitted to");
-  v.Integer("test_tries", test_tries, {0, 10000000}, "random errors that scores are judged by");
+  v.RenamedKey("fit_tries", "fit_samples");
+  v.Integer("fit_samples", fit_samples, {0, 10000000}, "random errors that the model is fitted to");
+  v.RenamedKey("test_tries", "test_samples");
+  v.Integer("test_samples", test_samples, {0, 10000000}, "random errors that scores are judged by");
   v.Real("random_steps", random_steps, {0.1, 1000}, "greatest length of a random error, steps");
   v.Real("keep_share", keep_share, {0.01, 1}, "of the success at no error that a region keeps");
   v.Seed("seed", seed, "of grasps and random errors");
@@ -152,6 +154,7 @@ void ToleranceOptions::Visit(SettingsVisitor& v) {
 ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part,
                          std::shared_ptr<const Gripper> gripper,
                          std::vector<GraspCandidate> candidates, const ToleranceOptions& options) {
+  CheckSettings("ToleranceOptions", options);
   ToleranceStudy study;
   study.options = options;
   study.table = MakeTable(part, gripper, std::move(candidates), options.table);
@@ -166,9 +169,9 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part,
   };
   const int of_map = study.options.grasps = draw(options.grasps, "tolerance grasps");
   const int of_fit = draw(options.fit_grasps, "tolerance fit grasps");
-  const int of_test = draw(options.test_tries, "tolerance test grasps");
+  const int of_test = draw(options.test_samples, "tolerance test grasps");
   CheckInput(
-      of_map > 0 && of_fit > 0 && (of_test > 0 || options.test_tries == 0),
+      of_map > 0 && of_fit > 0 && (of_test > 0 || options.test_samples == 0),
       fmt::format("{}: no grasp with {} was found in table.max_draws = {} draws; raise it, or "
                   "lower table.min_choice",
                   part->name, gripper->name, options.table.max_draws));
@@ -179,7 +182,7 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part,
   Planner planner(study);
   planner.AddAxes();
   planner.AddPairs();
-  planner.AddRandom(TryKind::kFit, options.fit_tries, of_map, of_fit, "tolerance fit errors");
+  planner.AddRandom(TryKind::kFit, options.fit_samples, of_map, of_fit, "tolerance fit errors");
   planner.AddRandom(TryKind::kTest, of_test, of_map + of_fit, of_test, "tolerance test errors");
   return study;
 }

@@ -35,15 +35,15 @@ int ErrorAxisNamed(const std::string& name);
 
 // Settings of a tolerance study.
 struct ToleranceOptions {
-  int grasps = 40;        // grasps per error
-  double step_mm = 1;     // between errors along an axis
-  double step_deg = 3;    // between errors about an axis
-  int steps = 10;         // to each side
-  int pair_grasps = 12;   // grasps per cell of the map of a pair
-  int pair_stride = 2;    // steps between the errors of the map of a pair
-  int fit_grasps = 200;   // grasps to which the model is fitted and by which hypotheses are scored
-  int fit_tries = 1500;   // random errors on all axes at once, with those grasps in turn
-  int test_tries = 1500;  // random errors with separate grasps, to evaluate scores
+  int grasps = 40;         // grasps per error
+  double step_mm = 1;      // between errors along an axis
+  double step_deg = 3;     // between errors about an axis
+  int steps = 10;          // to each side
+  int pair_grasps = 12;    // grasps per cell of the map of a pair
+  int pair_stride = 2;     // steps between the errors of the map of a pair
+  int fit_grasps = 200;    // grasps to which the model is fitted and by which hypotheses are scored
+  int fit_samples = 1500;  // random errors on all axes at once, with those grasps in turn
+  int test_samples = 1500;  // random errors with separate grasps, to evaluate scores
   // Maximum length of a random error, in steps of the axes.
   double random_steps = 15;
   double keep_share = 0.9;  // share of the success without error that defines the tolerated region
@@ -104,8 +104,8 @@ struct StudyOutcomes {
   bool interrupted = false;
   std::vector<LostItem> lost;
 };
-// Executes the samples that are missing in FOLDER/tries.csv with `jobs` processes, and appends each
-// outcome to that file. At the end the file is sorted; it does not depend on `jobs`. Throws
+// Executes the samples that are missing in FOLDER/samples.csv with `jobs` processes, and appends
+// each outcome to that file. At the end the file is sorted; it does not depend on `jobs`. Throws
 // InputError if the file holds another study, or this study and `resume` is not set.
 StudyOutcomes ExecuteStudy(const ToleranceStudy& study, const std::filesystem::path& folder,
                            int jobs, bool resume, const StudyListener& listener);

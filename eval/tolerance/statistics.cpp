@@ -7,6 +7,8 @@
 #include <set>
 #include <string_view>
 
+#include "eval/metrics/metric_table.h"
+
 namespace pickbed::eval {
 namespace {
 
@@ -175,8 +177,8 @@ std::vector<ScoreColumn> ScoreColumns(const std::vector<JudgedPart>& parts) {
   std::vector<MetricModel> metric_models;
   for (const JudgedPart& part : parts) metric_models.push_back(MakeMetricModel(part.part));
   std::vector<ScoreColumn> columns;
-  for (const MetricRow& row : MetricTable()) {
-    if (!row.needs_camera) columns.push_back(MetricColumn(row, parts, metric_models));
+  for (const MetricRow& row : MetricsIn(kPredictor)) {
+    columns.push_back(MetricColumn(row, parts, metric_models));
   }
   if (auto column = GraspColumn(parts)) columns.push_back(std::move(*column));
   // The score of the tolerance model is first; the others are compared with it.

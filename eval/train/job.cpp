@@ -49,7 +49,7 @@ void RequireVisibleParts(const TrainingLesson& lesson) {
   const double distance_m = lesson.spec.camera.eye_m.norm();
   for (const auto& object : lesson.objects) {
     const double pixels =
-        CameraOf(lesson.spec).intrinsics.fx * object->diameter_m / (kFarthest * distance_m);
+        CameraOf(lesson.spec).intrinsics.fx() * object->diameter_m / (kFarthest * distance_m);
     CheckInput(pixels >= kLeastPixels,
                fmt::format("part '{}' is {:.1f} px large at {:.2f} m, and {} px are the least to "
                            "learn from; bring the camera nearer (camera.eye_m), raise "
@@ -87,7 +87,7 @@ TrainingLesson PlanTrainingLesson(const LessonChoice& choice) {
     LoadedScenario loaded = FindScenario(choice.scenario);
     ObjectSet learned;
     for (size_t i = 0; i < loaded.objects.size(); ++i) {
-      if (!loaded.spec.objects[i].foreign) learned.push_back(loaded.objects[i]);
+      if (!loaded.spec.objects[i].distractor) learned.push_back(loaded.objects[i]);
     }
     lesson = {loaded.name, std::move(loaded.spec), true, {}, 0, std::move(learned), {}};
   }
@@ -118,7 +118,7 @@ TrainingLesson PlanTrainingLesson(const LessonChoice& choice) {
   for (const std::string& name : choice.sensors) {
     lesson.sensors.push_back(LoadSensorProfile(name));
   }
-  lesson.foreign_share = choice.foreign_share;
+  lesson.distractor_share = choice.distractor_share;
   if (!choice.start_from.empty()) AddKnownParts(choice, lesson);
   if (lesson.has_cell) {
     RequireVisibleParts(lesson);
@@ -132,7 +132,7 @@ std::unique_ptr<LabelledViewSource> MakeTrainingViews(const TrainingLesson& less
   options.sensor =
       WithSettingsKey(lesson.spec, "sensor", [&] { return LoadSensorProfile(lesson.spec.sensor); });
   options.pile_sensors = lesson.sensors;
-  options.foreign_share = lesson.foreign_share;
+  options.distractor_share = lesson.distractor_share;
   options.looks = LearnedLooks(lesson.spec.appearance);
   options.camera = lesson.camera.value_or(CameraOf(lesson.spec).intrinsics);
   options.bin = BinOf(lesson.spec);

@@ -20,7 +20,7 @@ struct LessonChoice {
   std::string bop_path;              // a BOP data set: all of its models, with its camera
   ScenarioRequest scenario;          // optional: camera, bin, sensor, appearance and objects
   std::vector<std::string> sensors;  // for clutter scenes; empty = sensor of the scenario
-  double foreign_share = 0.3;        // share of clutter scenes with distractors
+  double distractor_share = 0.3;     // share of clutter scenes with distractors
   std::string start_from;            // model file; its objects are trained again with the others
 };
 
@@ -30,7 +30,7 @@ struct TrainingLesson {
   ScenarioSpec spec;
   bool has_cell = false;  // true: cell of a scenario; else the cell size fits each object
   std::vector<SensorProfile> sensors;  // for clutter scenes; empty = sensor of the scenario
-  double foreign_share = 0;            // share of clutter scenes with distractors
+  double distractor_share = 0;         // share of clutter scenes with distractors
   ObjectSet objects;
   std::optional<CameraIntrinsics> camera;  // of a BOP data set; replaces the camera of the scenario
 };

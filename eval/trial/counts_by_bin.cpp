@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 namespace pickbed::eval {
@@ -41,7 +42,7 @@ std::map<Sighting, const HypothesisRecord*> BestOfEach(std::span<const TrialResu
     const int nth = trials_of[place]++;
     for (const AttemptRecord& attempt : trial.attempts) {
       for (const HypothesisRecord& pose : attempt.hypotheses) {
-        if (pose.instance < 0 || !(pose.mssd_diameters < kMatchDiameters)) continue;
+        if (pose.instance < 0 || !(pose.mssd_diameters() < kMatchDiameters)) continue;
         if (attempt.target >= 0 && pose.instance != attempt.target) continue;
         const HypothesisRecord*& chosen = best[{place, nth, attempt.attempt, pose.instance}];
         if (chosen == nullptr || pose.score > chosen->score) chosen = &pose;
@@ -154,8 +155,10 @@ PairedErrors PairedErrorsByScene(std::span<const TrialResult> before,
   for (const auto& [sighting, pose] : BestOfEach(before, scenes)) {
     const auto same = best_after.find(sighting);
     if (same == best_after.end()) continue;
-    errors.before[sighting[0]].push_back(error(*pose));
-    errors.after[sighting[0]].push_back(error(*same->second));
+    const double error_before = error(*pose), error_after = error(*same->second);
+    if (!std::isfinite(error_before) || !std::isfinite(error_after)) continue;
+    errors.before[sighting[0]].push_back(error_before);
+    errors.after[sighting[0]].push_back(error_after);
   }
   return errors;
 }

@@ -47,7 +47,8 @@ struct PairedErrors {
 // Returns the errors of two runs on the instances that both runs found. Otherwise a run that finds
 // only easy instances would seem more accurate. Pairs have the same bin, attempt and instance. Each
 // run contributes its highest-scored hypothesis that matches the instance (MSSD < 0.5 diameter). If
-// an attempt has a target, only the target counts.
+// an attempt has a target, only the target counts. A pair is left out if an error is not finite,
+// for example a metric that one run did not record.
 PairedErrors PairedErrorsByScene(std::span<const TrialResult> before,
                                  std::span<const TrialResult> after, const std::vector<int>& scenes,
                                  const ErrorOfPose& error);

@@ -1,7 +1,6 @@
 #include "eval/trial/grasp_choice.h"
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 
 namespace pickbed::eval {
@@ -58,7 +57,7 @@ std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const std::vector<Estima
   relaxed.max_tilt_rad = 0.5 * std::numbers::pi;
   relaxed.min_quality = 0;
   relaxed.bin_clearance_m = 0;
-  relaxed.neighbor_confidence = std::numeric_limits<double>::infinity();
+  relaxed.neighbor_confidence = PlanOptions::kNoNeighbors;
   const std::vector<int> graspable = GraspableHypotheses(record, setup.options.match_diameters);
   const PlanResult plan = PlanGrasps({setup.cell.bin(),
                                       poses,
@@ -118,7 +117,7 @@ std::vector<Grasp> GraspMemory::WithoutRepetitions(const std::vector<Grasp>& gra
 }
 
 int MatchedInstance(const HypothesisRecord& hypothesis, double match_diameters) {
-  return hypothesis.mssd_diameters < match_diameters ? hypothesis.instance : -1;
+  return hypothesis.mssd_diameters() < match_diameters ? hypothesis.instance : -1;
 }
 
 std::vector<int> GraspableHypotheses(const AttemptRecord& record, double match_diameters) {

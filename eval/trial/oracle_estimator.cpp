@@ -46,11 +46,8 @@ EstimateResult EstimateWithOracle(EstimatorRunner& estimator, const Scene& scene
                                   const Observation& view, Rng& rng, EstimateTrace* trace) {
   if (!estimator.is_oracle()) return estimator.Estimate(view.frame, rng, trace);
   EstimateResult result;
-  {
-    const StageTimer timer(result.seconds, "estimate");
-    result.hypotheses =
-        OracleEstimate(scene, view, estimator.cell().camera(), estimator.spec(), rng);
-  }
+  const StageTimer timer(result.seconds, "estimate");
+  result.hypotheses = OracleEstimate(scene, view, estimator.cell().camera(), estimator.spec(), rng);
   return result;
 }
 

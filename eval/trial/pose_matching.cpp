@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "eval/metrics/metric_table.h"
 #include "eval/stats/statistics.h"
 
 namespace pickbed::eval {
@@ -64,20 +65,14 @@ HypothesisRecord Compare(const Scene& truth, const std::vector<Pose>& X_CO_true,
   score.object = hypothesis.object;
   score.score = hypothesis.score;
   if (near.empty()) {
-    score.mssd_m = score.mspd_px = score.add_m = score.adi_m = kInfinity;
-    score.rotation_rad = score.translation_m = score.mssd_diameters = kInfinity;
+    score.metrics = InfiniteMetrics();
     return score;
   }
   const Pose& X_CO = X_CO_true[near.front().index];
   score.instance = truth.objects[near.front().index].instance;
-  score.mssd_m = near.front().mssd_m;
-  score.mspd_px = Mspd(model, camera, hypothesis.X_CO, X_CO);
-  score.add_m = Add(model, hypothesis.X_CO, X_CO);
-  score.adi_m = Adi(model, hypothesis.X_CO, X_CO);
-  score.rotation_rad = RotationError(model, hypothesis.X_CO, X_CO);
-  score.translation_m = TranslationError(model, hypothesis.X_CO, X_CO);
-  score.mssd_diameters = score.mssd_m / model.diameter_m;
-  score.correct = score.mssd_diameters < kCorrectDiameters;
+  score.metrics = RecordedMetrics(
+      {model, camera, hypothesis.X_CO, X_CO, /*tolerance=*/nullptr, near.front().mssd_m});
+  score.correct = score.mssd_diameters() < kCorrectDiameters;
   score.X_OE = X_CO.inverse() * hypothesis.X_CO;
   return score;
 }

@@ -31,9 +31,10 @@ SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
       appearance_(spec.appearance),
       sensor_(SensorThatSees(spec, camera_)),
       objects_(WithRestingDirections(WithConvexPieces(objects))) {
+  CheckSettings("ScenarioSpec", spec);
   drop_.arrangement = ArrangementFromName(spec.arrangement);
   for (const PartSpec& part : spec.objects) {
-    if (!part.foreign) wanted_.push_back(static_cast<int>(counts_.size()));
+    if (!part.distractor) wanted_.push_back(static_cast<int>(counts_.size()));
     counts_.push_back(part.count);
   }
 }

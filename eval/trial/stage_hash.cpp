@@ -57,7 +57,7 @@ uint64_t HashOf(const Scene& scene) {
 uint64_t HashOf(const Observation& view) {
   StateHash hash;
   const CameraIntrinsics& k = view.frame.intrinsics;
-  hash.Add(k.fx).Add(k.fy).Add(k.cx).Add(k.cy);
+  hash.Add(k.fx()).Add(k.fy()).Add(k.cx()).Add(k.cy());
   hash.Add(view.frame.depth_m).Add(view.frame.color).Add(view.ids);
   for (const double fraction : view.visible_fractions) hash.Add(fraction);
   return hash.value();

@@ -41,7 +41,7 @@ TrialResult RunTrial(TrialSetup& setup, int bin_index, TrialObserver* observer) 
   TrialResult result = DropBin(setup, trial);
   const PolicySpec& policy = setup.spec.policy;
   const PolicyRow& row = PolicyNamed(policy.stop);
-  const int max_attempts = row.max_attempts > 0 ? row.max_attempts : policy.max_picks;
+  const int max_attempts = row.max_attempts > 0 ? row.max_attempts : policy.max_attempts;
   PolicyState state;
   while (result.ended_by == FailureReason::kNone && setup.cell.WantedIn(trial.scene) > 0 &&
          (max_attempts == 0 || state.attempts < max_attempts)) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/metrics/metric_values.h"
 #include "eval/trial/instance_outcomes.h"
 #include "eval/trial/stage_hash.h"
 #include "grasp/grasp.h"
@@ -24,11 +25,15 @@ struct HypothesisRecord {
   int object = 0;
   int instance = -1;  // matched true instance, -1 = none
   double score = 0;
-  double mssd_m = 0, mspd_px = 0, add_m = 0, adi_m = 0, rotation_rad = 0, translation_m = 0;
-  double mssd_diameters = 0;
+  MetricValues metrics;          // pose errors, infinite without a matched instance
   bool correct = false;          // MSSD < kCorrectDiameters
   Pose X_WO = Pose::Identity();  // estimated pose in the world
   Pose X_OE = Pose::Identity();  // estimated object frame E in the frame of the matched instance
+
+  double mssd_m() const { return metrics.Get(kMssd_m); }
+  double mssd_diameters() const { return metrics.Get(kMssdDiameters); }
+  double rotation_rad() const { return metrics.Get(kRotation_rad); }
+  double translation_m() const { return metrics.Get(kTranslation_m); }
 };
 
 // A true instance in the image.

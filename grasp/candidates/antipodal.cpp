@@ -139,7 +139,7 @@ bool SameGrasp(const GraspCandidate& a, const GraspCandidate& b, double spacing_
 
 // Up directions in which the object rests, and their images under its symmetries.
 std::vector<Vector3d> RestingUps(const ObjectModel& model, const AntipodalOptions& options) {
-  const auto symmetries = SymmetryTransforms(model.symmetries_O, options.resting_turns);
+  const auto symmetries = SymmetryTransforms(model.symmetries_O, options.resting_rotations);
   const double same = std::cos(options.resting_spacing_rad);
   std::vector<Vector3d> ups_O;
   for (const RestingDirection& resting : model.resting_O) {
@@ -214,7 +214,8 @@ void AntipodalOptions::Visit(SettingsVisitor& v) {
             "on the ways that the part rests, besides");
   v.Real("resting_lean_rad", resting_lean_rad, {0, 0.7}, "between their leans, rad");
   v.Integer("resting_leans", resting_leans, {0, 2}, "of them to each side");
-  v.Integer("resting_turns", resting_turns, {1, 1000}, "of a continuous symmetry");
+  v.RenamedKey("resting_turns", "resting_rotations");
+  v.Integer("resting_rotations", resting_rotations, {1, 1000}, "of a continuous symmetry");
   v.Real("resting_level_rad", resting_level_rad, {0, 1}, "level pairs for them, rad");
   v.Real("floor_gap_m", floor_gap_m, {0, 0.1}, "of their tips over the floor, m");
   v.Real("resting_spacing_rad", resting_spacing_rad, {0, 3.2}, "nearer ones are one, rad");
@@ -232,6 +233,7 @@ void AntipodalOptions::Visit(SettingsVisitor& v) {
 std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const HandSpec& hand,
                                             double clearance_m, Rng& rng,
                                             const AntipodalOptions& options) {
+  CheckSettings("AntipodalOptions", options);
   const double friction = PairFriction(model.friction, hand.pad_friction);
   const double cone_rad = options.cone_share * std::atan(friction);
   const double max_width = hand.stroke_m - 2 * clearance_m;

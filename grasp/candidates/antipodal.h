@@ -39,7 +39,7 @@ struct AntipodalOptions {
   int resting_candidates = 1500;      // maximum number of resting candidates
   double resting_lean_rad = 0.25;     // angle between leans
   int resting_leans = 2;              // leans to each side
-  int resting_turns = 24;             // sampled rotations of a continuous symmetry
+  int resting_rotations = 24;         // sampled rotations of a continuous symmetry
   double resting_level_rad = 0.1;     // pairs within this angle of horizontal are made horizontal
   double floor_gap_m = 0.0025;        // distance of the tips from the floor
   double resting_spacing_rad = 0.05;  // like spacing_rad, for resting candidates

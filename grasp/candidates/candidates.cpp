@@ -50,7 +50,7 @@ uint64_t Key(const ObjectModel& model, const Gripper& gripper, GraspCandidateOpt
     text += '\n';
   }
   text += gripper.SettingsText();
-  text += WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+  text += WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); });
   return HashBytes(text.data(), text.size());
 }
 
@@ -111,6 +111,8 @@ void GraspCandidateOptions::Visit(SettingsVisitor& v) {
 
 std::vector<GraspCandidate> MakeCandidates(const ObjectModel& model, const Gripper& gripper,
                                            Rng& rng, const GraspCandidateOptions& options) {
+  gripper.Check();
+  CheckSettings("GraspCandidateOptions", options);
   auto candidates = gripper.MakeCandidates(model, rng, options);
   std::vector<Pose> X_OG;
   std::vector<std::vector<AxisAlignedBox>> boxes;
@@ -126,6 +128,8 @@ std::vector<GraspCandidate> MakeCandidates(const ObjectModel& model, const Gripp
 
 std::vector<GraspCandidate> CachedCandidates(const ObjectModel& model, const Gripper& gripper,
                                              const GraspCandidateOptions& options) {
+  gripper.Check();
+  CheckSettings("GraspCandidateOptions", options);
   const uint64_t key = Key(model, gripper, options);
   const std::filesystem::path file = CacheDir() / "grasps" / fmt::format("{:016x}", key);
   if (auto candidates = ReadCandidates(file)) return *std::move(candidates);

@@ -36,7 +36,8 @@ void RobustOptions::Visit(SettingsVisitor& v) {
   v.Real("tilt_rad", tilt_rad, {0, 3.2}, "of the lifting hand from straight down, at most, rad");
   v.Real("lift_mps2", lift_mps2, {0, 100}, "acceleration upwards, m/s2");
   v.Real("touch_band_m", touch_band_m, {1e-5, 0.02}, "depth that counts as contact, m");
-  v.Real("least_factor", least_factor, {0.001, 1}, "of friction and mass, however far out");
+  v.RenamedKey("least_factor", "min_factor");
+  v.Real("min_factor", min_factor, {0.001, 1}, "of friction and mass, however far out");
   v.Integer("cone_edges", cone_edges, {3, 64}, "of a friction cone made a pyramid");
 }
 
@@ -52,9 +53,8 @@ double RobustShare(const ObjectModel& model, const Pose& X_OG, const HoldFunctio
     X_OS.translate(NormalVector(options.position_m, rng));
     const Vector3d axis = rng.UnitVector();
     X_OS.rotate(Eigen::AngleAxisd(options.rotation_rad * rng.Normal(), axis));
-    const double friction =
-        std::max(options.least_factor, 1 + options.friction_share * rng.Normal());
-    const double mass = std::max(options.least_factor, 1 + options.mass_share * rng.Normal());
+    const double friction = std::max(options.min_factor, 1 + options.friction_share * rng.Normal());
+    const double mass = std::max(options.min_factor, 1 + options.mass_share * rng.Normal());
     const Vector3d com_shift_O = NormalVector(options.com_share * model.diameter_m, rng);
     const Vector3d down_O = X_OS.linear() * DownInHand(options.tilt_rad, rng);
     const std::optional<WrenchSet> set = hold(X_OS, friction);

@@ -79,6 +79,8 @@ WrenchSet CupWrenches(const ObjectModel& model, const CupSpec& cup, const Pose& 
 std::vector<GraspCandidate> SuctionGrasps(const ObjectModel& model, const CupSpec& cup, Rng& rng,
                                           const SuctionOptions& options,
                                           const RobustOptions& robust) {
+  CheckSettings("SuctionOptions", options);
+  CheckSettings("RobustOptions", robust);
   const MeshQuery mesh(model.mesh_O);
   const auto boxes = CupBoxes(cup);
   const SurfacePoints surface = SpreadPoints(model.mesh_O, options.point_spacing_m,

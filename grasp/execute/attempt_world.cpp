@@ -9,7 +9,7 @@ namespace pickbed::grasp {
 using Eigen::Vector3d;
 
 void AttemptWorldOptions::Visit(SettingsVisitor& v) {
-  v.Real("near_m", near_m, {0, 10}, "parts beyond the target's diameter plus this are static, m");
+  v.Real("near_m", near_m, {-1, 10}, "parts beyond the target's diameter plus this are static, m");
   v.Bool("all_active", all_active, "all parts move and start awake: slow");
   v.Real("lost_below_m", lost_below_m, {0.01, 100}, "parts so far under the floor are gone, m");
 }
@@ -18,6 +18,7 @@ AttemptWorld::AttemptWorld(const Scene& scene, const ObjectSet& objects, const V
                            int instance, const AttemptWorldOptions& options,
                            const PhysicsOptions& physics)
     : scene_(scene), objects_(objects), lost_below_m_(options.lost_below_m), physics_(physics) {
+  CheckSettings("AttemptWorldOptions", options);
   physics_.AddBin(scene.bin);
   const int reference = ReferencePart(grasp_W, instance);
   if (reference >= 0) reference_diameter_m_ = ModelOf(reference).diameter_m;

@@ -363,7 +363,8 @@ void ExecuteOptions::Visit(SettingsVisitor& v) {
   v.Bool("carry", carry, "out of the bin to the table; else it ends with the shake");
   v.Real("carry_mps", carry_mps, speed, "largest speed on the way to the table, m/s");
   v.Real("settle_s", settle_s, seconds, "at most until parts sleep again, s");
-  v.Real("disturbed_m", displaced_m, length, "a neighbour that moved further is disturbed, m");
+  v.RenamedKey("disturbed_m", "displaced_m");
+  v.Real("displaced_m", displaced_m, length, "a neighbour that moved further is disturbed, m");
   v.Group(
       "world", [this](SettingsVisitor& g) { world.Visit(g); }, "what moves");
   v.Group(
@@ -375,6 +376,7 @@ void ExecuteOptions::Visit(SettingsVisitor& v) {
 ExecuteResult ExecuteGrasp(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
                            const Gripper& gripper, const GraspTarget& target,
                            const ExecuteOptions& options) {
+  CheckSettings("ExecuteOptions", options);
   return Attempt(scene, objects, grasp, gripper, target, options).Run();
 }
 

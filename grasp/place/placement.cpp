@@ -138,6 +138,7 @@ void PlaceOptions::Visit(SettingsVisitor& v) {
 
 PlacePlan PlanPlace(const Bin& bin, const ObjectModel& model, const Pose& X_WO, const Pose& X_WG,
                     std::span<const AxisAlignedBox> hand_boxes, const PlaceOptions& options) {
+  CheckSettings("PlaceOptions", options);
   const double half_table_m = 2 * model.diameter_m;
   const double edge_m = 0.5 * bin.inner_size_m.x() + bin.wall_m + options.gap_m;
   PlacePlan plan;
@@ -184,6 +185,7 @@ double CarryHeight_m(const Bin& bin, const ObjectModel& model, const Pose& X_GO,
 std::vector<double> SetDownWorths(const ObjectModel& model, std::span<const Pose> X_OG,
                                   std::span<const std::vector<AxisAlignedBox>> hand_boxes,
                                   const PlaceOptions& options) {
+  CheckSettings("PlaceOptions", options);
   const std::vector<Vector3d> corners_O = CornersOf(model);
   std::vector<double> worths(X_OG.size(), 0);
   double most = 0;

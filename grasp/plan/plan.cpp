@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "grasp/candidates/pad_contact.h"
@@ -54,7 +55,7 @@ PartShape MakeShape(const PlanInput& input, int object, const PlanOptions& optio
   const ObjectModel& model = *input.objects[object];
   Rng rng(model.mesh_hash);
   SurfacePoints surface = SpreadPoints(model.mesh_O, options.neighbor_spacing_m,
-                                       options.min_part_points, options.max_part_points, rng);
+                                       options.min_object_points, options.max_object_points, rng);
   const Eigen::Matrix3Xd points_O = surface.points_O.matrix().transpose().cast<double>();
   const Vector3d extent_m = points_O.rowwise().maxCoeff() - points_O.rowwise().minCoeff();
   const Eigen::Matrix3Xd edges_O = SharpEdgePoints(model.mesh_O, options.neighbor_spacing_m);
@@ -349,13 +350,14 @@ class Planner {
 }  // namespace
 
 PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
+  CheckSettings("PlanOptions", options);
   PlanResult result = Planner(input, options).Run();
-  if (!result.grasps.empty() || !options.wide.look) return result;
+  if (!result.grasps.empty() || !options.relaxed.enabled) return result;
   PlanOptions wide = options;
-  wide.max_tilt_rad = std::max(options.max_tilt_rad, options.wide.max_tilt_rad);
-  wide.min_quality = std::min(options.min_quality, options.wide.min_quality);
-  wide.clearance_share = std::min(options.clearance_share, options.wide.clearance_share);
-  wide.bin_clearance_m = std::min(options.bin_clearance_m, options.wide.bin_clearance_m);
+  wide.max_tilt_rad = std::max(options.max_tilt_rad, options.relaxed.max_tilt_rad);
+  wide.min_quality = std::min(options.min_quality, options.relaxed.min_quality);
+  wide.clearance_share = std::min(options.clearance_share, options.relaxed.clearance_share);
+  wide.bin_clearance_m = std::min(options.bin_clearance_m, options.relaxed.bin_clearance_m);
   result = Planner(input, wide).Run();
   result.with_wider_limits = true;
   return result;
@@ -377,8 +379,10 @@ constexpr std::array<RankingRow, 4> kRankings{{
 }  // namespace
 
 void RelaxedConstraints::Visit(SettingsVisitor& v) {
-  v.Bool("look", look, "look again where nothing was found");
-  v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.6}, "of the approach from straight down, rad");
+  v.RenamedKey("look", "enabled");
+  v.Bool("enabled", enabled, "look again where nothing was found");
+  v.Real("max_tilt_rad", max_tilt_rad, {0.01, std::numbers::pi},
+         "of the approach from straight down, rad");
   v.Real("min_quality", min_quality, {0, 1}, "worse candidates are left alone");
   v.Real("clearance_share", clearance_share, {-2, 1}, "of the gripper's clearance");
   v.Real("bin_clearance_m", bin_clearance_m, {0, 0.1}, "kept between hand and bin, m");
@@ -387,12 +391,13 @@ void RelaxedConstraints::Visit(SettingsVisitor& v) {
 void PlanOptions::Visit(SettingsVisitor& v) {
   const Range share{0, 1};
   const Range length{0, 0.1};
-  v.Integer("max_grasps", max_grasps, {1, 1000}, "reported");
+  v.Integer("max_grasps", max_grasps, {1, 100000}, "reported");
   std::vector<std::string> rankings;
   for (const RankingRow& row : kRankings) rankings.push_back(row.name);
   v.Text("ranking", ranking, rankings, "by what of a candidate grasps are ranked");
   v.Seed("seed", seed, "of the ranking by chance");
-  v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.6}, "of the approach from straight down, rad");
+  v.Real("max_tilt_rad", max_tilt_rad, {0.01, std::numbers::pi},
+         "of the approach from straight down, rad");
   v.Real("own_points_m", own_points_m, {0.001, 0.1}, "points this near are the target's own, m");
   v.Real("clearance_share", clearance_share, {-2, 1}, "of the gripper's clearance");
   v.Real("bin_clearance_m", bin_clearance_m, length, "kept between hand and bin, m");
@@ -401,7 +406,8 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.Real("min_quality", min_quality, share, "worse candidates are left alone");
   v.Real("voxel_m", voxel_m, {0.0005, 0.1}, "the cloud is thinned to, m");
   v.Real("bin_band_m", bin_band_m, length, "points this near to floor and walls are the bin's, m");
-  v.Real("neighbor_confidence", neighbor_confidence, {0, 1e9}, "poses from here on are obstacles");
+  v.Real("neighbor_confidence", neighbor_confidence, {0, kNoNeighbors},
+         "poses from here on are obstacles");
   v.Real("neighbor_spacing_m", neighbor_spacing_m, {0.001, 0.1}, "of the points on them, m");
   v.Real("same_share", same_share, share, "of the diameter; nearer poses are rivals");
   v.Real("same_thickness_share", same_thickness_share, share,
@@ -411,15 +417,19 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.Real("room_share", room_share, share, "lost when others touch the hand");
   v.Real("cover_share", cover_share, share, "lost when others lie all over the target");
   v.Real("aside_share", aside_share, share, "lost by a hand that stands aside for a wall");
-  v.Real("set_down_share", place_share, share, "lost when the part cannot be laid down so held");
+  v.RenamedKey("set_down_share", "place_share");
+  v.Real("place_share", place_share, share, "lost when the part cannot be laid down so held");
   v.Real("between_share", between_share, share, "lost when others are between the fingers");
   v.Real("good_room_m", good_room_m, {0.001, 0.1}, "distance from others without loss, m");
   v.Integer("many_between", many_between, {1, 100000}, "points between fingers at full loss");
   v.Real("column_m", column_m, {0.001, 0.1}, "of the floor plan that sorts the points, m");
-  v.Integer("min_part_points", min_part_points, {10, 100000}, "on a believed pose, at least");
-  v.Integer("max_part_points", max_part_points, {10, 100000}, "on a believed pose, at most");
+  v.RenamedKey("min_part_points", "min_object_points");
+  v.Integer("min_object_points", min_object_points, {10, 100000}, "on a believed pose, at least");
+  v.RenamedKey("max_part_points", "max_object_points");
+  v.Integer("max_object_points", max_object_points, {10, 100000}, "on a believed pose, at most");
+  v.RenamedKey("wide", "relaxed");
   v.Group(
-      "wide", [this](SettingsVisitor& g) { wide.Visit(g); }, "where nothing was found");
+      "relaxed", [this](SettingsVisitor& g) { relaxed.Visit(g); }, "where nothing was found");
   v.Real("cover_above_m", cover_above_m, length, "points this much higher lie on the target, m");
 }
 

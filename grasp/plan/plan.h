@@ -50,7 +50,7 @@ const RankingRow& RankingNamed(const std::string& name);
 
 // Relaxed constraints for a second pass if the first pass finds no grasp.
 struct RelaxedConstraints {
-  bool look = true;
+  bool enabled = true;
   double max_tilt_rad = 1.3;
   double min_quality = 0.15;
   double clearance_share = 0.3;  // share of the clearance of the gripper
@@ -74,9 +74,11 @@ struct PlanOptions {
   double good_depth_m = 0.008;  // contact this far behind the tips: no loss
   // Worse candidates are ignored. With true poses, a third of the instances they held slipped out.
   double min_quality = 0.15;
-  double voxel_m = 0.003;             // voxel size of the cloud
-  double bin_band_m = 0.004;          // points this close to floor and walls belong to the bin
-  double neighbor_confidence = 0.5;   // estimated poses with at least this confidence are obstacles
+  double voxel_m = 0.003;            // voxel size of the cloud
+  double bin_band_m = 0.004;         // points this close to floor and walls belong to the bin
+  double neighbor_confidence = 0.5;  // estimated poses with at least this confidence are obstacles
+  static constexpr double kNoNeighbors =
+      1e9;                            // confidence above every pose: no pose is an obstacle
   double neighbor_spacing_m = 0.004;  // spacing of the points on these poses
   // Two poses claim the same instance if they are closer than both limits: this share of the
   // diameter, and this share of the minimum extent. Instances that cross each other are further
@@ -100,9 +102,9 @@ struct PlanOptions {
 
   // Sampling density of estimated poses and the cloud; finer is slower.
   double column_m = 0.010;  // cell size of the floor-plan grid of the points
-  int min_part_points = 200;
-  int max_part_points = 2000;
-  RelaxedConstraints wide = {};
+  int min_object_points = 200;
+  int max_object_points = 2000;
+  RelaxedConstraints relaxed = {};
   void Visit(SettingsVisitor& v);
 };
 

@@ -155,7 +155,8 @@ PoseOffset ToPoseOffset(const Pose& X) {
 void ToleranceFitOptions::Visit(SettingsVisitor& v) {
   v.Real("length_scale_m", length_scale_m, {1e-4, 1}, "an error that is a coordinate of 1, m");
   v.Real("angle_scale_rad", angle_scale_rad, {1e-3, 3}, "likewise, rad");
-  v.Real("least_ridge", least_ridge, {1e-6, 1e6}, "least weight of the squared coefficients");
+  v.RenamedKey("least_ridge", "min_ridge");
+  v.Real("min_ridge", min_ridge, {1e-6, 1e6}, "least weight of the squared coefficients");
   v.Real("ridge_factor", ridge_factor, {1, 1000}, "from one weight that is tried to the next");
   v.Integer("ridges", ridges, {1, 100}, "weights that are tried");
   v.Integer("folds", folds, {2, 1000}, "of the grasps, that weights are tried on");
@@ -165,6 +166,7 @@ void ToleranceFitOptions::Visit(SettingsVisitor& v) {
 
 ToleranceModel EmptyToleranceModel(const ObjectModel& model, const std::string& gripper,
                                    std::vector<Pose> X_OG, const ToleranceFitOptions& options) {
+  CheckSettings("ToleranceFitOptions", options);
   ToleranceModel tolerance;
   tolerance.object = model.name;
   tolerance.gripper = gripper;
@@ -181,10 +183,11 @@ ToleranceModel EmptyToleranceModel(const ObjectModel& model, const std::string& 
 // Selects the ridge with the best prediction of left-out grasps (Hastie et al. 2009, sec. 7.10).
 void FitTolerance(const std::vector<ToleranceSample>& samples, const ToleranceFitOptions& options,
                   ToleranceModel& model) {
+  CheckSettings("ToleranceFitOptions", options);
   CheckInput(!samples.empty(), "no executed grasps to fit a tolerance model to");
-  double best_ridge = options.least_ridge;
+  double best_ridge = options.min_ridge;
   double best_value = -std::numeric_limits<double>::infinity();
-  double ridge = options.least_ridge;
+  double ridge = options.min_ridge;
   for (int i = 0; i < options.ridges; ++i, ridge *= options.ridge_factor) {
     double value = 0;
     for (int fold = 0; fold < options.folds; ++fold) {

@@ -40,7 +40,7 @@ struct ToleranceFitOptions {
   // Weight of the squared coefficients (ridge) in the penalized log likelihood. `ridges` values are
   // tried, each `ridge_factor` times the previous one. Cross-validation over the grasps with
   // `folds` folds selects the best.
-  double least_ridge = 0.3;
+  double min_ridge = 0.3;
   double ridge_factor = 3;
   int ridges = 6;
   int folds = 5;

@@ -95,6 +95,7 @@ void TableOptions::Visit(SettingsVisitor& v) {
 
 Table MakeTable(std::shared_ptr<const ObjectModel> part, std::shared_ptr<const Gripper> gripper,
                 std::vector<GraspCandidate> candidates, const TableOptions& options) {
+  CheckSettings("TableOptions", options);
   const std::string who = fmt::format("{} with {}", part->name, gripper->name);
   CheckInput(!candidates.empty(), who + ": the part has no grasp that fits this gripper");
   Table table{{part}, std::move(gripper), std::move(candidates), {}};
@@ -119,6 +120,7 @@ Table MakeTable(std::shared_ptr<const ObjectModel> part, std::shared_ptr<const G
 
 std::vector<TableGrasp> DrawTableGrasps(const Table& table, int count, Rng& rng,
                                         const TableOptions& options) {
+  CheckSettings("TableOptions", options);
   const int all = static_cast<int>(table.candidates.size());
   std::vector<TableGrasp> grasps;
   for (int i = 0; i < count; ++i) {

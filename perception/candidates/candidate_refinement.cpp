@@ -32,16 +32,27 @@ void AssessmentOptions::Visit(SettingsVisitor& v) {
   v.Real("density_weight", density_weight, {0, 10}, "of the votes' density in their rank");
   v.Real("density_diameters", density_diameters, {1e-3, 1}, "votes within it count");
   v.Real("cluster_diameters", cluster_diameters, {1e-4, 1}, "raw poses within it are one");
-  v.Real("gate_diameters", correspondence_distance_diameters, {1e-3, 1},
+  v.RenamedKey("gate_diameters", "correspondence_distance_diameters");
+  v.Real("correspondence_distance_diameters", correspondence_distance_diameters, {1e-3, 1},
          "first gate of ICP, diameters");
-  v.Real("gate_min_m", min_correspondence_distance_m, {1e-4, 1}, "least gate, m");
-  v.Real("gate_max_m", max_correspondence_distance_m, {1e-4, 1}, "largest gate, m");
-  v.Bool("two_gates", two_correspondence_distances, "also try half the gate and keep the better");
-  v.Integer("turned", turned, {0, 100000},
+  v.RenamedKey("gate_min_m", "min_correspondence_distance_m");
+  v.Real("min_correspondence_distance_m", min_correspondence_distance_m, {1e-4, 1},
+         "least gate, m");
+  v.RenamedKey("gate_max_m", "max_correspondence_distance_m");
+  v.Real("max_correspondence_distance_m", max_correspondence_distance_m, {1e-4, 1},
+         "largest gate, m");
+  v.RenamedKey("two_gates", "two_correspondence_distances");
+  v.Bool("two_correspondence_distances", two_correspondence_distances,
+         "also try half the gate and keep the better");
+  v.RenamedKey("turned", "ambiguous_candidates");
+  v.Integer("ambiguous_candidates", ambiguous_candidates, {0, 100000},
             "best poses, of all parts together, whose look-alikes are tried");
-  v.Integer("look_alikes", look_alikes, {1, 1000}, "look-alikes of a pose that are refined");
+  v.RenamedKey("look_alikes", "ambiguous_poses");
+  v.Integer("ambiguous_poses", ambiguous_poses, {1, 1000},
+            "look-alikes of a pose that are refined");
   v.Integer("drawn", drawn, {1, 1000}, "look-alikes of a pose whose evidence is measured");
-  v.Real("least_quick_score", min_quick_score, {-1, 1}, "of a refined pose");
+  v.RenamedKey("least_quick_score", "min_quick_score");
+  v.Real("min_quick_score", min_quick_score, {-1, 1}, "of a refined pose");
   v.Integer("fine_points", fine_points, {6, 512}, "points of the last steps of ICP");
   v.Integer("fine_steps", fine_steps, {0, 100}, "last steps of ICP, by more points");
   v.Integer("evidence_pixels", evidence_pixels, {1, 1000000}, "of a candidate looked at, about");
@@ -51,6 +62,8 @@ void AssessmentOptions::Visit(SettingsVisitor& v) {
 CandidateAssessor::CandidateAssessor(const ObjectSet& objects, const AssessmentOptions& options,
                                      int threads)
     : objects_(objects), options_(options), threads_(threads) {
+  CheckSettings("AssessmentOptions", options);
+  CheckSettings("ProjectiveIcpOptions", options.icp);
   for (const auto& object : objects_) {
     models_.push_back(MakeModelPoints(*object));
     evidence_.emplace_back(*object);
@@ -91,7 +104,7 @@ int CandidateAssessor::Kept(double share) const {
 // Objects in the same bin share the number of tried poses in the same ratio as the candidates.
 int CandidateAssessor::Turned() const {
   const double of_all = static_cast<double>(Kept(1)) / options_.candidates;
-  return static_cast<int>(std::ceil(options_.turned * std::min(1.0, of_all)));
+  return static_cast<int>(std::ceil(options_.ambiguous_candidates * std::min(1.0, of_all)));
 }
 
 // Votes of the same patch do not add to the density.
@@ -151,14 +164,14 @@ void CandidateAssessor::RefineFinely(const OrganizedCloud& cloud, RawHypothesis&
 
 std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& cloud,
                                                          const std::vector<RawHypothesis>& starts,
-                                                         bool look_alikes,
+                                                         bool ambiguous_poses,
                                                          EstimateTrace* trace) const {
   std::vector<RawHypothesis> refined(starts.size());
   ForRanges(static_cast<int>(starts.size()), threads_, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) refined[i] = Refined(cloud, starts[i]);
   });
   for (size_t i = 0; trace && i < starts.size(); ++i) {
-    trace->refinements.push_back({starts[i], refined[i], look_alikes});
+    trace->refinements.push_back({starts[i], refined[i], ambiguous_poses});
   }
   return refined;
 }
@@ -184,11 +197,11 @@ std::vector<RawHypothesis> CandidateAssessor::BestAmbiguousPoses(const Organized
     const Pose X_CO = start.X_CO * S_O;
     rotated.push_back({QuickScore(cloud, models_[start.object], X_CO, band_m), X_CO});
   }
-  KeepBest(std::max(options_.drawn, options_.look_alikes), rotated);
+  KeepBest(std::max(options_.drawn, options_.ambiguous_poses), rotated);
   for (ScoredPose& pose : rotated) {
     pose.score = evidence_[start.object](cloud, pose.X_CO, scratch).log_ratio;
   }
-  KeepBest(options_.look_alikes, rotated);
+  KeepBest(options_.ambiguous_poses, rotated);
   std::vector<RawHypothesis> best;
   for (const ScoredPose& pose : rotated) best.push_back({start.object, pose.X_CO});
   return best;
@@ -277,7 +290,7 @@ std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, in
     poses = Merged(std::move(poses), kept);
   }
   {
-    const StageTimer timer(seconds, "look_alikes");
+    const StageTimer timer(seconds, "ambiguous_poses");
     AddAmbiguousPoses(cloud, trace, poses);
     const size_t all = poses.size();
     poses = Merged(std::move(poses), all);

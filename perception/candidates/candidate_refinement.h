@@ -38,9 +38,9 @@ struct AssessmentOptions {
   bool two_correspondence_distances = false;  // also try half of it and keep the better result
   // Number of refined poses, best first, whose ambiguous poses are tried; all objects together, at
   // most two poses per place.
-  int turned = 12;
-  int look_alikes = 3;  // ambiguous poses refined per pose, by decreasing evidence
-  int drawn = 12;       // ambiguous poses per pose whose evidence is measured, by quick score
+  int ambiguous_candidates = 12;
+  int ambiguous_poses = 3;  // ambiguous poses refined per pose, by decreasing evidence
+  int drawn = 12;           // ambiguous poses per pose whose evidence is measured, by quick score
   // Refined poses with a lower quick score are dropped. The others are refined again with more
   // points.
   double min_quick_score = 0.05;
@@ -61,7 +61,7 @@ class CandidateAssessor {
   // Returns candidates from the raw poses `votes` of objects[part]; hypothesis.object = part.
   // - patches: number of patches or reference points that voted; normalises the vote density
   // - share: share of the configured number of candidates that is refined, 0..1
-  // - seconds: times are added under "quick", "select", "icp", "look_alikes" and "verify"
+  // - seconds: times are added under "quick", "select", "icp", "ambiguous_poses" and "verify"
   // - trace: if given, the refinements are appended
   std::vector<Candidate> Assess(const OrganizedCloud& cloud, int part,
                                 const std::vector<PoseVote>& votes, int patches, double share,
@@ -93,8 +93,8 @@ class CandidateAssessor {
   RawHypothesis Refined(const OrganizedCloud& cloud, const RawHypothesis& start) const;
   void RefineFinely(const OrganizedCloud& cloud, RawHypothesis& pose) const;
   std::vector<RawHypothesis> AllRefined(const OrganizedCloud& cloud,
-                                        const std::vector<RawHypothesis>& starts, bool look_alikes,
-                                        EstimateTrace* trace) const;
+                                        const std::vector<RawHypothesis>& starts,
+                                        bool ambiguous_poses, EstimateTrace* trace) const;
   std::vector<RawHypothesis> Merged(std::vector<RawHypothesis> poses, size_t max_count) const;
   void AddAmbiguousPoses(const OrganizedCloud& cloud, EstimateTrace* trace,
                          std::vector<RawHypothesis>& poses) const;

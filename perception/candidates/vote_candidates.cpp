@@ -60,7 +60,8 @@ void CandidateOptions::Visit(SettingsVisitor& v) {
   v.Integer("neighbors", neighbors, {1, 1000}, "votes of a patch");
   v.Text("votes", votes, {"neighbors", "modes", "regressed", "both"},
          "what is taken for a raw pose");
-  v.Real("least_share", min_share, {0, 1}, "how sure a network must be of a part to vote for it");
+  v.RenamedKey("least_share", "min_share");
+  v.Real("min_share", min_share, {0, 1}, "how sure a network must be of a part to vote for it");
   v.Integer("rounds", rounds, {1, 10}, "of votes; later ones are cast where nothing is explained");
   AssessmentOptions::Visit(v);
   v.Group(
@@ -75,8 +76,8 @@ CandidateOptions HardCandidates() {
   options.min_points = 600;
   options.candidates = 600;
   options.two_correspondence_distances = true;
-  options.turned = 40;
-  options.look_alikes = 6;
+  options.ambiguous_candidates = 40;
+  options.ambiguous_poses = 6;
   options.rounds = 2;
   return options;
 }
@@ -249,6 +250,7 @@ std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
 
 CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, PatchVoter voter,
                                  const CandidateOptions& options, int threads) {
+  CheckSettings("CandidateOptions", options);
   const bool regresses = options.votes == kRegressed || options.votes == kBoth;
   CheckInput(!regresses || voter.regress,
              "candidates.votes: the network regresses no poses; set it to neighbors or modes");

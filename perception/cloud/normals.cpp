@@ -191,15 +191,16 @@ void FitPlanes(const CameraIntrinsics& k, const Image<uint8_t>& mask,
   const float min_cos = static_cast<float>(options.min_incidence_cos);
   const PlaneFits fits(depth_m, mask, options);
   for (int y = 0; y < mask.height(); ++y) {
-    const float ray_y = static_cast<float>((y - k.cy) / k.fy);
+    const float ray_y = static_cast<float>((y - k.cy()) / k.fy());
     for (int x = 0; x < mask.width(); ++x) {
       const float q0 = fits.InverseDepth(x, y);
       if (!(q0 > 0)) continue;
       const Fit fit = fits.Choose(x, y);
       if (fit.variance < 0 || std::abs(fit.q - q0) > band * q0) continue;
       // A plane g . p = 1 has 1/z = g . ray, ray = ((u - cx) / fx, (v - cy) / fy, 1).
-      const float ray_x = static_cast<float>((x - k.cx) / k.fx);
-      const float gx = fit.du * static_cast<float>(k.fx), gy = fit.dv * static_cast<float>(k.fy);
+      const float ray_x = static_cast<float>((x - k.cx()) / k.fx());
+      const float gx = fit.du * static_cast<float>(k.fx()),
+                  gy = fit.dv * static_cast<float>(k.fy());
       const Eigen::Vector3f g(gx, gy, fit.q - gx * ray_x - gy * ray_y);
       const float g_norm = g.norm();
       const float ray_norm = std::sqrt(ray_x * ray_x + ray_y * ray_y + 1);

@@ -16,26 +16,26 @@ void CheckOptions(const RgbdFrame& frame, const CloudOptions& o) {
   const CameraIntrinsics& k = frame.intrinsics;
   CheckInput(!frame.depth_m.empty(),
              "the frame has no depth image; poses are found in depth, give it one");
-  CheckInput(frame.depth_m.width() == k.width && frame.depth_m.height() == k.height &&
-                 k.width > 0 && k.height > 0,
+  CheckInput(frame.depth_m.width() == k.width() && frame.depth_m.height() == k.height() &&
+                 k.width() > 0 && k.height() > 0,
              fmt::format("depth image is {}x{} but the intrinsics say {}x{}: give the frame the "
                          "intrinsics of its depth image",
-                         frame.depth_m.width(), frame.depth_m.height(), k.width, k.height));
-  CheckInput(
-      frame.color.empty() || (frame.color.width() == k.width && frame.color.height() == k.height),
-      fmt::format("colour image is {}x{} and depth image {}x{}: give the frame colour that "
-                  "is registered to depth",
-                  frame.color.width(), frame.color.height(), k.width, k.height));
+                         frame.depth_m.width(), frame.depth_m.height(), k.width(), k.height()));
+  CheckInput(frame.color.empty() ||
+                 (frame.color.width() == k.width() && frame.color.height() == k.height()),
+             fmt::format("colour image is {}x{} and depth image {}x{}: give the frame colour that "
+                         "is registered to depth",
+                         frame.color.width(), frame.color.height(), k.width(), k.height()));
   CheckInput(o.normal_window_px % 2 == 1 && o.normal_window_px >= 3 && o.normal_window_px <= 15,
              fmt::format("normal_window_px is {}: use an odd number in 3..15", o.normal_window_px));
 }
 
 std::vector<Eigen::Vector3f> SparsePoints(const CameraIntrinsics& k, const Image<float>& depth_m) {
   constexpr int kColumns = 80;  // gives some thousands of points, enough to fit planes
-  const int stride = std::max(1, k.width / kColumns);
+  const int stride = std::max(1, k.width() / kColumns);
   std::vector<Eigen::Vector3f> points;
-  for (int y = stride / 2; y < k.height; y += stride) {
-    for (int x = stride / 2; x < k.width; x += stride) {
+  for (int y = stride / 2; y < k.height(); y += stride) {
+    for (int x = stride / 2; x < k.width(); x += stride) {
       if (depth_m(x, y) > 0 && std::isfinite(depth_m(x, y))) {
         points.push_back(BackProject(k, x, y, depth_m(x, y)).cast<float>());
       }
@@ -58,16 +58,17 @@ bool InsideBin(const Bin& bin, const Eigen::Vector3f& p_B, float margin_m) {
 template <typename Keep>
 Image<uint8_t> MarkForeground(const CameraIntrinsics& k, const Image<float>& depth_m,
                               const Eigen::Isometry3f& X_AC, double margin_at_1m, Keep keep) {
-  Image<uint8_t> mask(k.width, k.height);
+  Image<uint8_t> mask(k.width(), k.height());
   const Eigen::Matrix3f R = X_AC.linear();
   const Eigen::Vector3f t = X_AC.translation();
   const float margin = static_cast<float>(margin_at_1m);
-  for (int y = 0; y < k.height; ++y) {
-    const Eigen::Vector3f row = R.col(1) * static_cast<float>((y - k.cy) / k.fy) + R.col(2);
-    for (int x = 0; x < k.width; ++x) {
+  for (int y = 0; y < k.height(); ++y) {
+    const Eigen::Vector3f row = R.col(1) * static_cast<float>((y - k.cy()) / k.fy()) + R.col(2);
+    for (int x = 0; x < k.width(); ++x) {
       const float z = depth_m(x, y);
       if (!(z > 0) || !std::isfinite(z)) continue;
-      const Eigen::Vector3f p = z * (R.col(0) * static_cast<float>((x - k.cx) / k.fx) + row) + t;
+      const Eigen::Vector3f p =
+          z * (R.col(0) * static_cast<float>((x - k.cx()) / k.fx()) + row) + t;
       mask(x, y) = keep(p, margin * z * z);
     }
   }
@@ -122,12 +123,13 @@ void TellBackground(const std::optional<KnownBackground>& background, const Clou
 void FillPoints(OrganizedCloud& cloud) {
   const CameraIntrinsics& k = cloud.intrinsics;
   cloud.points_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
-  for (int y = 0; y < k.height; ++y) {
-    const float ray_y = static_cast<float>((y - k.cy) / k.fy);
-    for (int x = 0; x < k.width; ++x) {
+  for (int y = 0; y < k.height(); ++y) {
+    const float ray_y = static_cast<float>((y - k.cy()) / k.fy());
+    for (int x = 0; x < k.width(); ++x) {
       const float z = cloud.depth_m(x, y);
-      const int pixel = y * k.width + x;
-      if (z > 0) cloud.points_C[pixel] = {z * static_cast<float>((x - k.cx) / k.fx), z * ray_y, z};
+      const int pixel = y * k.width() + x;
+      if (z > 0)
+        cloud.points_C[pixel] = {z * static_cast<float>((x - k.cx()) / k.fx()), z * ray_y, z};
       if (cloud.foreground(x, y)) cloud.foreground_pixels.push_back(pixel);
     }
   }

@@ -13,13 +13,13 @@ namespace pickbed::perception {
 class Projector {
  public:
   explicit Projector(const CameraIntrinsics& k)
-      : fx_(static_cast<float>(k.fx)),
-        fy_(static_cast<float>(k.fy)),
+      : fx_(static_cast<float>(k.fx())),
+        fy_(static_cast<float>(k.fy())),
         // The half pixel makes truncation round to the nearest pixel center.
-        cx_(static_cast<float>(k.cx + 0.5)),
-        cy_(static_cast<float>(k.cy + 0.5)),
-        width_(k.width),
-        height_(k.height) {}
+        cx_(static_cast<float>(k.cx() + 0.5)),
+        cy_(static_cast<float>(k.cy() + 0.5)),
+        width_(k.width()),
+        height_(k.height()) {}
 
   // Returns the row-major index of the nearest pixel; -1 outside the image or behind the camera.
   int operator()(const Eigen::Vector3f& p_C) const {

@@ -130,12 +130,12 @@ void DrawWall(double z_m, Rng& rng, LabelledView& view) {
   const double slope_y = rng.Uniform(-kSteepest, kSteepest);
   const Eigen::Vector3d color(rng.Uniform(40, 220), rng.Uniform(40, 220), rng.Uniform(40, 220));
   const CameraIntrinsics& k = view.frame.intrinsics;
-  for (int y = 0; y < k.height; ++y) {
-    for (int x = 0; x < k.width; ++x) {
+  for (int y = 0; y < k.height(); ++y) {
+    for (int x = 0; x < k.width(); ++x) {
       if (view.frame.depth_m(x, y) > 0) continue;
-      const double u = (x - k.cx) / k.fx, v = (y - k.cy) / k.fy;
+      const double u = (x - k.cx()) / k.fx(), v = (y - k.cy()) / k.fy();
       view.frame.depth_m(x, y) = static_cast<float>(z_m / (1 - slope_x * u - slope_y * v));
-      const Eigen::Vector3d shade = color * (1 + slope_x * x / k.width);
+      const Eigen::Vector3d shade = color * (1 + slope_x * x / k.width());
       const auto byte = [](double c) { return static_cast<uint8_t>(std::clamp(c, 0.0, 255.0)); };
       if (!view.frame.color.empty()) {
         view.frame.color(x, y) = {byte(shade.x()), byte(shade.y()), byte(shade.z())};

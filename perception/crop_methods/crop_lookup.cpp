@@ -40,7 +40,7 @@ class CropLookUp : public CropMethod {
   // There are only some thousands of templates, so exact search is fast enough.
   static NeighborOptions Exact() {
     NeighborOptions options;
-    options.linear_below = std::numeric_limits<int>::max();
+    options.linear_below = NeighborOptions::kAlwaysLinear;
     return options;
   }
 

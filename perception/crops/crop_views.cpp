@@ -136,12 +136,10 @@ Eigen::Vector3d CropCenter_O(const ObjectModel& object) {
 }
 
 CameraIntrinsics CropCamera(const CropViewOptions& options, double wider) {
-  CameraIntrinsics camera;
   const double side_px = options.focal_px * options.side_diameters / options.distance_diameters;
-  camera.width = camera.height = 2 * static_cast<int>(std::ceil(0.5 * kMargin * wider * side_px));
-  camera.fx = camera.fy = options.focal_px;
-  camera.cx = camera.cy = 0.5 * (camera.width - 1);
-  return camera;
+  const int size = 2 * static_cast<int>(std::ceil(0.5 * kMargin * wider * side_px));
+  const double center_px = 0.5 * (size - 1);
+  return {size, size, options.focal_px, options.focal_px, center_px, center_px};
 }
 
 Pose CropPose(const ObjectModel& object, const Eigen::Matrix3d& R_CO,
@@ -153,6 +151,7 @@ Pose CropPose(const ObjectModel& object, const Eigen::Matrix3d& R_CO,
 void ForEachCropView(LabelledViewSource& views, int object, const Rotations& R_CO,
                      const CropViewOptions& options, uint64_t seed,
                      const std::function<void(const LabelledView& view)>& take) {
+  CheckSettings("CropViewOptions", options);
   constexpr size_t kBatch = 512;  // frames held at once
   const CameraIntrinsics camera = CropCamera(options);
   for (size_t begin = 0; begin < R_CO.size(); begin += kBatch) {
@@ -166,6 +165,7 @@ void ForEachCropView(LabelledViewSource& views, int object, const Rotations& R_C
 
 ObjectCrops RenderCrops(LabelledViewSource& views, int object, const Rotations& R_CO,
                         const CropViewOptions& options, uint64_t seed) {
+  CheckSettings("CropViewOptions", options);
   const ObjectModel& part = *views.objects()[object];
   ObjectCrops out{object, R_CO, {}};
   ForEachCropView(views, object, R_CO, options, seed, [&](const LabelledView& view) {
@@ -188,6 +188,7 @@ void AppendAll(const ObjectCrops& from, ObjectCrops& to) {
 CropLesson MakeCropLesson(LabelledViewSource& clean, LabelledViewSource& varied,
                           const CropViewOptions& options, uint64_t seed,
                           const std::function<bool(double share)>& on_share) {
+  CheckSettings("CropViewOptions", options);
   CropLesson lesson{clean.objects(), {}, {}};
   const Rotations templates = TemplateRotations(options), further = TrainingRotations(options);
   Rotations all = templates;

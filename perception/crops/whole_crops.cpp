@@ -20,7 +20,7 @@ std::vector<CenterPixel> PixelsByDistance(const Image<float>& depth_m, const Ima
                                           uint16_t id, const CameraIntrinsics& camera,
                                           const Eigen::Vector3d& center_C, double diameter_m) {
   const Eigen::Vector2d center = Project(camera, center_C);
-  const double diameter_px = camera.fx * diameter_m / center_C.z();
+  const double diameter_px = camera.fx() * diameter_m / center_C.z();
   std::vector<CenterPixel> pixels;
   for (int y = 0; y < ids.height(); ++y) {
     for (int x = 0; x < ids.width(); ++x) {
@@ -65,7 +65,7 @@ Pose AppendNearCenter(const RgbdFrame& frame, const Image<uint16_t>& ids,
 void AppendAlone(LabelledViewSource& views, int object, const WholeViewOptions& options, Rng& rng,
                  ObjectCrops& out) {
   const ObjectModel& part = *views.objects()[object];
-  Rotations R_CO(options.alone);
+  Rotations R_CO(options.isolated);
   for (Eigen::Matrix3d& R : R_CO) R = rng.Rotation().toRotationMatrix();
   ForEachCropView(views, object, R_CO, options.templates, rng.Next(), [&](const LabelledView& v) {
     const Pose& X_CO = v.instances.front().X_CO;
@@ -80,7 +80,7 @@ void AppendAlone(LabelledViewSource& views, int object, const WholeViewOptions& 
 void AppendPile(LabelledViewSource& views, int object, const WholeViewOptions& options, Rng& rng,
                 ObjectCrops& out) {
   const ObjectModel& part = *views.objects()[object];
-  for (const LabelledView& view : views.Pile({rng.Next(), options.views_per_pile, object, true})) {
+  for (const LabelledView& view : views.Pile({rng.Next(), options.views_per_scene, object, true})) {
     const OrganizedCloud cloud = BuildCloud(view.frame, view.background);
     const RgbdFrame frame = ForegroundFrame(cloud);
     for (size_t k = 0; k < view.instances.size(); ++k) {
@@ -101,9 +101,12 @@ void AppendPile(LabelledViewSource& views, int object, const WholeViewOptions& o
 void WholeViewOptions::Visit(SettingsVisitor& v) {
   v.Group(
       "templates", [&](SettingsVisitor& g) { templates.Visit(g); }, "views that are looked up");
-  v.Integer("alone", alone, {0, 1000000}, "views of a part alone to learn from");
-  v.Integer("piles", piles, {0, 100000}, "piles of a part to learn from");
-  v.Integer("views_per_pile", views_per_pile, {1, 100}, "views of each");
+  v.RenamedKey("alone", "isolated");
+  v.Integer("isolated", isolated, {0, 1000000}, "views of a part alone to learn from");
+  v.RenamedKey("piles", "clutter_scenes");
+  v.Integer("clutter_scenes", clutter_scenes, {0, 100000}, "piles of a part to learn from");
+  v.RenamedKey("views_per_pile", "views_per_scene");
+  v.Integer("views_per_scene", views_per_scene, {1, 100}, "views of each");
   v.Real("min_visible", min_visible, {0, 1}, "visible fraction of an instance to learn from");
   v.Real("off_center", off_center, {0, 1}, "of a crop's point from the centre's ray, diameters");
 }
@@ -131,6 +134,7 @@ WholeTemplates MakeWholeTemplates(LabelledViewSource& views, int object,
 
 CropLesson MakeWholeLesson(LabelledViewSource& views, const WholeViewOptions& options,
                            uint64_t seed, const std::function<bool(double share)>& on_share) {
+  CheckSettings("WholeViewOptions", options);
   CropLesson lesson{views.objects(), {}, {}};
   const int parts = static_cast<int>(lesson.objects.size());
   const auto goes_on = [&](double done) { return !on_share || on_share(done / parts); };
@@ -140,8 +144,8 @@ CropLesson MakeWholeLesson(LabelledViewSource& views, const WholeViewOptions& op
     training.object = part;
     Rng rng = Rng::Derive(seed, part, "whole lesson");
     AppendAlone(views, part, options, rng, training);
-    for (int pile = 0; pile < options.piles; ++pile) {
-      if (!goes_on(part + static_cast<double>(pile) / options.piles)) return lesson;
+    for (int pile = 0; pile < options.clutter_scenes; ++pile) {
+      if (!goes_on(part + static_cast<double>(pile) / options.clutter_scenes)) return lesson;
       AppendPile(views, part, options, rng, training);
     }
   }

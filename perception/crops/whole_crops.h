@@ -22,9 +22,9 @@ struct WholeViewOptions {
   // last one is one step before the first.
   CropViewOptions templates{
       .template_level = 2, .full_sphere = true, .in_plane = 24, .in_plane_max_rad = 3.0107};
-  int alone = 1500;          // training views of an isolated object, at random orientations
-  int piles = 60;            // training clutter scenes per object
-  int views_per_pile = 3;    // views of each clutter scene
+  int isolated = 1500;       // training views of an isolated object, at random orientations
+  int clutter_scenes = 60;   // for training, per object
+  int views_per_scene = 3;   // views of each clutter scene
   double min_visible = 0.5;  // minimum visible fraction of a training instance
   // Maximum distance of a training crop's point from the ray through the object center, in
   // diameters.

@@ -22,14 +22,14 @@ IsolatedOptions CodeViews(const EstimatorSetup& setup, const DescriptorOptions& 
   isolated.views = std::max(1, options.code_entries / options.code_patches_per_view);
   isolated.distance_m = setup.working_distance_m;
   isolated.distance_spread = options.code_distance_spread;
-  isolated.focal_px = setup.intrinsics.fx;
+  isolated.focal_px = setup.intrinsics.fx();
   return isolated;
 }
 
 // Hash of everything that the codebook entries of an object depend on.
 uint64_t CodesKey(const DescriptorModel& model, const ObjectModel& object, double side_m,
                   IsolatedOptions isolated, uint64_t seed, const std::string& views) {
-  std::string text = WriteSettings([&](SettingsVisitor& v) { isolated.Visit(v); });
+  std::string text = WriteSettingsKey([&](SettingsVisitor& v) { isolated.Visit(v); });
   text += fmt::format("{:016x} {:016x} {} {} {}", model.network_hash, object.mesh_hash, side_m,
                       seed, views);
   // network_hash does not depend on the channels.
@@ -203,7 +203,7 @@ DescriptorOptions OptionsForMode(const std::string& mode) {
     options.final_set.mode = CandidateMode::kFast;
     return options;
   }
-  CheckInput(mode == "hard", UnknownNameMessage("estimator mode", mode, {"fast", "hard"}));
+  CheckInput(mode == "accurate", UnknownNameMessage("estimator mode", mode, {"fast", "accurate"}));
   options.candidates = HardCandidates();
   return options;
 }
@@ -211,6 +211,7 @@ DescriptorOptions OptionsForMode(const std::string& mode) {
 std::unique_ptr<PoseEstimator> MakeLearnedEstimator(const EstimatorSetup& setup,
                                                     const DescriptorOptions& options,
                                                     const LearnedModel& model) {
+  CheckSettings("DescriptorOptions", options);
   return std::make_unique<LearnedEstimator>(setup, options, model);
 }
 

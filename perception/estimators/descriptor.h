@@ -30,8 +30,8 @@ struct DescriptorOptions {
 };
 
 // Returns the options of a mode. "fast": 600 points, 300 candidates, one correspondence distance,
-// few ambiguous poses. "hard": 1,200 points, 600 candidates, two distances, more ambiguous poses,
-// two rounds. Throws InputError for another mode.
+// few ambiguous poses. "accurate": 1,200 points, 600 candidates, two distances, more ambiguous
+// poses, two rounds. Throws InputError for another mode.
 DescriptorOptions OptionsForMode(const std::string& mode);
 
 // Loads the model (spec.model, see ModelFileOr(); empty = the shipped one), and makes the codebooks

@@ -11,7 +11,7 @@
 
 namespace pickbed::perception {
 
-// Entries of EstimatorTable(). They have the modes of estimator descriptor. Throws InputError as
+// Entries of EstimatorTable(), with the same modes as estimator descriptor. Throws InputError as
 // MakeLearnedEstimator does.
 std::unique_ptr<PoseEstimator> MakeKehlEstimator(const EstimatorSetup& setup);
 std::unique_ptr<EstimatorTraining> MakeKehlTraining();

@@ -17,8 +17,8 @@
 namespace pickbed::perception {
 namespace {
 
-constexpr const char* kSearchModes[] = {"fast", "hard"};
-constexpr const char* kPpfModes[] = {"fast", "hard", kVerifiedMode};
+constexpr const char* kSearchModes[] = {"fast", "accurate"};
+constexpr const char* kPpfModes[] = {"fast", "accurate", kVerifiedMode};
 
 constexpr EstimatorRow kEstimators[] = {
     {.name = "descriptor",
@@ -84,6 +84,7 @@ const EstimatorRow& EstimatorNamed(const std::string& name) {
 std::unique_ptr<PoseEstimator> MakeEstimator(const EstimatorSetup& setup) {
   const EstimatorRow& row = EstimatorNamed(setup.spec.name);
   RequireMode(row, setup.spec.mode);
+  CheckSettings("EstimatorSpec", setup.spec);
   RefinerNamed(setup.refiner);
   return row.make(setup);
 }

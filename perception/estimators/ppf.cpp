@@ -87,8 +87,18 @@ class PpfEstimator : public PoseEstimator {
 
 }  // namespace
 
+void PpfOptions::Visit(SettingsVisitor& v) {
+  v.Group(
+      "match", [this](SettingsVisitor& g) { match.Visit(g); }, "matching of point pairs");
+  v.Group(
+      "icp", [this](SettingsVisitor& g) { icp.Visit(g); }, "refinement of the matches");
+  v.Integer("max_poses", max_poses, {1, 1000000}, "maximum number of refined poses per object");
+  v.Real("full_support", full_support, {0, 1}, "inlier share below which the score is lowered");
+}
+
 std::unique_ptr<PoseEstimator> MakePpfEstimator(const EstimatorSetup& setup,
                                                 const PpfOptions& options) {
+  CheckSettings("PpfOptions", options);
   return std::make_unique<PpfEstimator>(setup, options);
 }
 

@@ -16,6 +16,7 @@ struct PpfOptions {
   PpfIcpOptions icp;
   int max_poses = 60;         // poses refined and scored, per frame and object
   double full_support = 0.3;  // inlier share below which the score is lowered
+  void Visit(SettingsVisitor& v);
 };
 
 // Makes the estimator without verifier.
@@ -23,7 +24,7 @@ std::unique_ptr<PoseEstimator> MakePpfEstimator(const EstimatorSetup& setup,
                                                 const PpfOptions& options);
 
 // Entry of EstimatorTable(). Mode "verified" is MakeVerifiedPpfEstimator. The modes "fast" and
-// "hard" of the learned estimators both give the estimator without verifier.
+// "accurate" of the learned estimators both give the estimator without verifier.
 std::unique_ptr<PoseEstimator> MakePpfEstimator(const EstimatorSetup& setup);
 
 }  // namespace pickbed::perception

@@ -103,8 +103,28 @@ struct PpfMatcher::Impl {
   std::unique_ptr<cv::ppf_match_3d::PPF3DDetector> detector;
 };
 
+void PpfMatchOptions::Visit(SettingsVisitor& v) {
+  v.Real("model_sampling", model_sampling, {0.001, 1}, "sampling step over the model's extent");
+  v.Real("scene_voxel_diameters", scene_voxel_diameters, {1e-4, 10}, "voxel side, diameters");
+  v.Real("scene_step", scene_step, {1e-4, 1}, "share of scene points that are reference points");
+  v.Real("window_diameters", window_diameters, {0, 1000}, "side of a window; 0 = the whole scene");
+  v.Real("cluster_m", cluster_m, {0, 10}, "poses nearer than this are averaged, m; 0 = none");
+  v.Real("cluster_deg", cluster_deg, {0, 180}, "rotation within which poses are averaged, degrees");
+}
+
+void PpfIcpOptions::Visit(SettingsVisitor& v) {
+  double tolerance_value = tolerance, rejection_value = rejection;
+  v.Integer("iterations", iterations, {1, 10000}, "maximum number of steps per level");
+  v.Real("tolerance", tolerance_value, {0, 1}, "change at which the iteration stops");
+  v.Real("rejection", rejection_value, {0, 1000}, "limit of a correspondence, in sigmas");
+  v.Integer("levels", levels, {1, 20}, "number of resolutions");
+  tolerance = static_cast<float>(tolerance_value);
+  rejection = static_cast<float>(rejection_value);
+}
+
 PpfMatcher::PpfMatcher(const ModelPoints& model, const PpfMatchOptions& options)
     : impl_(std::make_unique<Impl>()) {
+  CheckSettings("PpfMatchOptions", options);
   impl_->options = options;
   impl_->diameter_m = model.diameter_m;
   impl_->model = ModelMat(model);

@@ -8,6 +8,7 @@
 
 #include "perception/cloud/organized_cloud.h"
 #include "perception/model/model_points.h"
+#include "scenes/base/settings.h"
 #include "scenes/geometry/pose.h"
 
 namespace pickbed::perception {
@@ -24,6 +25,7 @@ struct PpfMatchOptions {
   // sampling step as metres, which merges all poses. Both values are therefore always set.
   double cluster_m = 0;
   double cluster_deg = 15;
+  void Visit(SettingsVisitor& v);
 };
 
 struct PpfIcpOptions {
@@ -31,6 +33,7 @@ struct PpfIcpOptions {
   float tolerance = 0.005f;
   float rejection = 2.5f;  // limit of a correspondence, in sigmas of the residual
   int levels = 4;
+  void Visit(SettingsVisitor& v);
 };
 
 // Proposes and refines poses of one object.

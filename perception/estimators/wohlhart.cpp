@@ -20,12 +20,13 @@ constexpr uint64_t kTemplateSeed = 0;  // for the sensor noise on templates
 
 // Settings text of a trained network.
 struct Record {
-  std::string parts;   // names, separated by commas
-  std::string meshes;  // mesh hashes, separated by commas
+  std::string objects;  // names, separated by commas
+  std::string meshes;   // mesh hashes, separated by commas
   WohlhartBinOptions options;
   void Visit(SettingsVisitor& v) {
-    v.Text("parts", parts, {}, "that it was learned for");
-    v.Text("meshes", meshes, {}, "of these parts, as hashes");
+    v.RenamedKey("parts", "objects");
+    v.Text("objects", objects, {}, "names of the objects that it was trained for");
+    v.Text("meshes", meshes, {}, "hashes of their meshes");
     options.Visit(v);
   }
 };
@@ -55,7 +56,7 @@ struct Templates {
 
 Templates MakeTemplates(const ObjectSet& objects, LabelledViewSource& views, const Record& record,
                         std::shared_ptr<const WohlhartNetwork> network, int threads) {
-  const std::string known = "," + record.parts + ",";
+  const std::string known = "," + record.objects + ",";
   CropLesson lesson{objects, {}, {}};
   Templates templates;
   for (size_t part = 0; part < objects.size(); ++part) {
@@ -63,7 +64,7 @@ Templates MakeTemplates(const ObjectSet& objects, LabelledViewSource& views, con
     CheckInput(known.find("," + object.name + ",") != std::string::npos,
                fmt::format("the network was learned for {} and not for part '{}'; train anew with "
                            "all of them",
-                           record.parts, object.name));
+                           record.objects, object.name));
     WholeTemplates made = MakeWholeTemplates(views, IndexIn(views.objects(), object),
                                              record.options.views.templates, kTemplateSeed);
     made.crops.object = static_cast<int>(part);
@@ -150,7 +151,7 @@ class WohlhartTraining : public EstimatorTraining {
   void VisitNetworkOptions(SettingsVisitor& v) override { options_.Visit(v); }
   std::string NetworkSettings(const ObjectSet& objects) const override {
     Record record = RecordOf(objects, options_);
-    return WriteSettings([&](SettingsVisitor& v) { record.Visit(v); });
+    return WriteSettingsKey([&](SettingsVisitor& v) { record.Visit(v); });
   }
   std::optional<LearnedNetwork> TrainNetwork(const NetworkTrainingJob& job) const override;
 
@@ -206,6 +207,7 @@ std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const ObjectSet& objects
 }
 
 std::unique_ptr<EstimatorTraining> MakeWohlhartTraining(const WohlhartBinOptions& options) {
+  CheckSettings("WohlhartBinOptions", options);
   return std::make_unique<WohlhartTraining>(options);
 }
 

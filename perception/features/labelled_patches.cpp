@@ -53,16 +53,14 @@ CameraIntrinsics CropCamera(double diameter_m, const IsolatedOptions& options) {
   const double nearest = options.distance_m * (1 - options.distance_spread) - 0.5 * diameter_m;
   const double radius_px = options.focal_px * 0.5 * diameter_m / std::max(nearest, 1e-3);
   const int size = 2 * (static_cast<int>(std::ceil(radius_px)) + kBorder);
-  CameraIntrinsics k;
-  k.width = k.height = size;
-  k.fx = k.fy = options.focal_px;
-  k.cx = k.cy = 0.5 * (size - 1);
-  return k;
+  const double center_px = 0.5 * (size - 1);
+  return {size, size, options.focal_px, options.focal_px, center_px, center_px};
 }
 
 void ForEachIsolatedBlock(LabelledViewSource& views, int object, const PatchForm& form,
                           const IsolatedOptions& options, uint64_t seed,
                           const std::function<bool(LabelledPatches, double)>& take) {
+  CheckSettings("IsolatedOptions", options);
   const ObjectModel& model = *views.objects()[object];
   // The object rotates about the center of its bounding box.
   const CameraIntrinsics camera = CropCamera(MeshBounds(model.mesh_O).size().norm(), options);

@@ -48,7 +48,7 @@ void NeighborOptions::Visit(SettingsVisitor& v) {
   v.Integer("branching", branching, {2, 1000}, "clusters that a node of the index is divided into");
   v.Integer("iterations", iterations, {0, 1000}, "of k-means at a node");
   v.Integer("checks", checks, {1, 100000}, "rows looked at for one query");
-  v.Integer("linear_below", linear_below, {0, 1000000}, "smaller sets are searched exactly");
+  v.Integer("linear_below", linear_below, {0, kAlwaysLinear}, "smaller sets are searched exactly");
 }
 
 struct NeighborIndex::Impl {
@@ -62,6 +62,7 @@ struct NeighborIndex::Impl {
 NeighborIndex::NeighborIndex(std::vector<float> rows, int dimensions,
                              const NeighborOptions& options)
     : impl_(std::make_unique<Impl>()) {
+  CheckSettings("NeighborOptions", options);
   CheckInput(dimensions > 0 && rows.size() % dimensions == 0,
              "a neighbour index needs whole rows of descriptors");
   impl_->rows = std::move(rows);

@@ -16,9 +16,10 @@
 namespace pickbed::perception {
 
 struct NeighborOptions {
-  int branching = 48;     // clusters per node
-  int iterations = 2;     // k-means iterations per node; more = better recall, slower building
-  int checks = 256;       // rows compared per query, approximately
+  int branching = 48;  // clusters per node
+  int iterations = 2;  // k-means iterations per node; more = better recall, slower building
+  int checks = 256;    // rows compared per query, approximately
+  static constexpr int kAlwaysLinear = 1000000;
   int linear_below = 64;  // sets with fewer rows are searched exactly
   void Visit(SettingsVisitor& v);
 };

@@ -24,10 +24,10 @@ void ProjectGrid(const CameraIntrinsics& k, const Eigen::Matrix3f& R_CP, const E
   const float step = side / kPatchPixels;
   const float first = -0.5f * side + 0.5f * step;
   const Eigen::Vector3f ex = R_CP.col(0) * step;
-  const float fx = static_cast<float>(k.fx), fy = static_cast<float>(k.fy);
+  const float fx = static_cast<float>(k.fx()), fy = static_cast<float>(k.fy());
   // + 1.5 here and - 1 below: rounds to nearest and separates -1 from 0 under truncation.
-  const float cx = static_cast<float>(k.cx) + 1.5f, cy = static_cast<float>(k.cy) + 1.5f;
-  const float width = static_cast<float>(k.width), height = static_cast<float>(k.height);
+  const float cx = static_cast<float>(k.cx()) + 1.5f, cy = static_cast<float>(k.cy()) + 1.5f;
+  const float width = static_cast<float>(k.width()), height = static_cast<float>(k.height());
   for (int row = 0; row < kPatchPixels; ++row) {
     const Eigen::Vector3f start =
         p_C + R_CP.col(0) * first + R_CP.col(1) * (first + static_cast<float>(row) * step);
@@ -39,7 +39,7 @@ void ProjectGrid(const CameraIntrinsics& k, const Eigen::Matrix3f& R_CP, const E
       const float v = fy * (start.y() + t * ex.y()) * inverse_z + cy;
       const bool inside = u >= 1.0f && u < width + 1.0f && v >= 1.0f && v < height + 1.0f;
       const float column = inside ? u : 1.0f, line = inside ? v : 1.0f;
-      const int index = (static_cast<int>(line) - 1) * k.width + static_cast<int>(column) - 1;
+      const int index = (static_cast<int>(line) - 1) * k.width() + static_cast<int>(column) - 1;
       out[col] = inside ? index : -1;
     }
   }

@@ -86,7 +86,7 @@ class BidirectionalProblem {
     for (int y = box.y0 + stride / 2; y < box.y1; y += stride) {
       for (int x = box.x0 + stride / 2; x < box.x1; x += stride) {
         if (!cloud_.foreground(x, y)) continue;
-        const Eigen::Vector3f arm = cloud_.points_C[y * cloud_.intrinsics.width + x] - center;
+        const Eigen::Vector3f arm = cloud_.points_C[y * cloud_.intrinsics.width() + x] - center;
         if (arm.squaredNorm() > reach_m * reach_m) continue;
         const Eigen::Vector3f q_O = R.transpose() * arm + model_.center_O;
         const float off = model_.distance.At(q_O);
@@ -122,8 +122,8 @@ class BidirectionalProblem {
   // Returns the way to the nearest pixel, in eight directions, that is not Behind().
   std::optional<Sideways> ToNearestFront(int pixel, float z_m, float max_distance_m) const {
     const CameraIntrinsics& k = cloud_.intrinsics;
-    const int x0 = pixel % k.width, y0 = pixel / k.width;
-    const float m_per_px = z_m / static_cast<float>(k.fx);
+    const int x0 = pixel % k.width(), y0 = pixel / k.width();
+    const float m_per_px = z_m / static_cast<float>(k.fx());
     std::optional<Sideways> best;
     for (int direction = 0; direction < 9; ++direction) {
       const int dx = direction % 3 - 1, dy = direction / 3 - 1;
@@ -132,8 +132,8 @@ class BidirectionalProblem {
       const float limit_m = best ? best->distance_m : max_distance_m;
       for (int step = 1; step * length * m_per_px < limit_m; ++step) {
         const int x = x0 + step * dx, y = y0 + step * dy;
-        if (x < 0 || y < 0 || x >= k.width || y >= k.height) break;
-        if (Behind(y * k.width + x, z_m, max_distance_m)) continue;
+        if (x < 0 || y < 0 || x >= k.width() || y >= k.height()) break;
+        if (Behind(y * k.width() + x, z_m, max_distance_m)) continue;
         best = Sideways{Eigen::Vector3f(dx, dy, 0) / length, step * length * m_per_px};
         break;
       }
@@ -204,8 +204,26 @@ std::vector<CenteredPose> Starts(const CenteredPose& start, double turn_rad) {
 
 }  // namespace
 
+void BidirectionalIcpOptions::Visit(SettingsVisitor& v) {
+  v.Real("max_correspondence_distance_m", max_correspondence_distance_m, {1e-5, 1},
+         "maximum distance of a residual in the first iteration, m");
+  v.Real("final_correspondence_distance_m", final_correspondence_distance_m, {1e-5, 1},
+         "maximum distance of a residual in the last iteration, m");
+  v.Real("max_correspondence_distance_diameters", max_correspondence_distance_diameters, {1e-3, 10},
+         "upper limit of both distances, diameters");
+  v.Integer("iterations", iterations, {0, 10000}, "maximum number of steps");
+  v.Real("min_normal_cos", min_normal_cos, {-1, 1}, "minimum cosine between the normals of a pair");
+  v.Real("outline_weight", outline_weight, {0, 1000}, "weight of outline residuals");
+  v.Real("cover_weight", cover_weight, {0, 1000}, "weight of cover residuals");
+  v.Real("damping", damping, {0, 10}, "share of the mean diagonal that is added to it");
+  v.Integer("max_points", max_points, {6, 100000}, "maximum number of model points");
+  v.Integer("max_scene_pixels", max_scene_pixels, {1, 10000000}, "maximum number of pixels");
+  v.Real("restart_rad", restart_rad, {0, 3.2}, "rotation of additional starts, rad; 0 = none");
+}
+
 IcpResult BidirectionalIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                            const BidirectionalIcpOptions& options) {
+  CheckSettings("BidirectionalIcpOptions", options);
   const BidirectionalProblem problem(cloud, model, options);
   const DistanceLimits limits = LimitsFor(model, options);
   const CenteredPose start = ToCentered(X_CO, model);

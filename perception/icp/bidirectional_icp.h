@@ -15,6 +15,7 @@
 #include "perception/cloud/organized_cloud.h"
 #include "perception/icp/icp_result.h"
 #include "perception/model/model_points.h"
+#include "scenes/base/settings.h"
 
 namespace pickbed::perception {
 
@@ -34,6 +35,7 @@ struct BidirectionalIcpOptions {
   // Additional starts: the start rotated by plus and minus this angle about each camera axis. The
   // result that agrees best with the image is returned. 0 = one start.
   double restart_rad = 0.2;
+  void Visit(SettingsVisitor& v);
 };
 
 // Refines X_CO. A start ends early at its last valid pose if fewer than six residuals are found or

@@ -54,9 +54,18 @@ const RefinerRow& RefinerNamed(const std::string& name) {
   throw InputError(UnknownNameMessage("refiner", name, names));
 }
 
+void RefinerOptions::Visit(SettingsVisitor& v) {
+  v.Group(
+      "pcl_icp", [this](SettingsVisitor& g) { pcl_icp.Visit(g); }, "options of refiner pcl_icp");
+  v.Group(
+      "bidirectional_icp", [this](SettingsVisitor& g) { bidirectional_icp.Visit(g); },
+      "options of refiner bidirectional_icp");
+}
+
 void RefineFinally(const std::string& refiner, const OrganizedCloud& cloud,
                    std::span<const ModelPoints> models, const RefinerOptions& options, int threads,
                    std::vector<PoseHypothesis>& hypotheses) {
+  CheckSettings("RefinerOptions", options);
   const RefinerRow& row = RefinerNamed(refiner);
   if (hypotheses.empty()) return;
   const RefinePose refine = row.make(cloud, options);

@@ -20,6 +20,7 @@ namespace pickbed::perception {
 struct RefinerOptions {
   PclIcpOptions pcl_icp;
   BidirectionalIcpOptions bidirectional_icp;
+  void Visit(SettingsVisitor& v);
 };
 
 // Refines one pose in the frame for which the function was made. It may be called from several
@@ -42,7 +43,8 @@ const RefinerRow& RefinerNamed(const std::string& name);
 
 // Refines each hypothesis in place with `models[hypothesis.object]`: sets its X_CO, unrefined_X_CO
 // and fit. A pose changes only if the refiner returns kRefined. The result does not depend on the
-// number of threads. Throws InputError as RefinerNamed() does.
+// number of threads. Throws InputError as RefinerNamed() does, and for options out of
+// range.
 void RefineFinally(const std::string& refiner, const OrganizedCloud& cloud,
                    std::span<const ModelPoints> models, const RefinerOptions& options, int threads,
                    std::vector<PoseHypothesis>& hypotheses);

@@ -37,7 +37,7 @@ pcl::PointNormal ToPcl(const Eigen::Vector3f& p, const Eigen::Vector3f& n) {
 
 Cloud::Ptr TargetCloud(const OrganizedCloud& cloud, int stride) {
   const Cloud::Ptr target(new Cloud);
-  const int width = cloud.intrinsics.width;
+  const int width = cloud.intrinsics.width();
   for (const int pixel : cloud.foreground_pixels) {
     if ((pixel % width) % stride != 0 || (pixel / width) % stride != 0) continue;
     const Eigen::Vector3f& normal = cloud.normals_C[pixel];
@@ -83,7 +83,17 @@ struct PclIcp::Impl {
   SearchTree::Ptr tree;
 };
 
+void PclIcpOptions::Visit(SettingsVisitor& v) {
+  v.Real("max_correspondence_distance_m", max_correspondence_distance_m, {1e-5, 1},
+         "maximum distance of a correspondence, m");
+  v.Integer("iterations", iterations, {0, 10000}, "maximum number of steps");
+  v.Integer("max_points", max_points, {6, 100000}, "maximum number of model points");
+  v.Integer("target_stride", target_stride, {1, 1000}, "rows and columns per searched one");
+  v.Real("epsilon_m2", epsilon_m2, {0, 1}, "squared shift at which the iteration stops, m^2");
+}
+
 PclIcp::PclIcp(const OrganizedCloud& cloud, const PclIcpOptions& options) {
+  CheckSettings("PclIcpOptions", options);
   // PCL prints an error if too few points correspond, which is an expected result here.
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   impl_ = std::make_unique<Impl>(Impl{cloud, options, nullptr, nullptr});

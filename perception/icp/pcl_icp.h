@@ -8,6 +8,7 @@
 #include "perception/cloud/organized_cloud.h"
 #include "perception/icp/icp_result.h"
 #include "perception/model/model_points.h"
+#include "scenes/base/settings.h"
 
 namespace pickbed::perception {
 
@@ -17,6 +18,7 @@ struct PclIcpOptions {
   int max_points = 300;      // the first of the visible model points are used
   int target_stride = 2;     // only every target_stride-th row and column of the frame is searched
   double epsilon_m2 = 1e-9;  // squared shift of a step at which the iteration stops
+  void Visit(SettingsVisitor& v);
 };
 
 // ICP with the search tree of one frame, shared by all poses. `cloud` must outlive it.
@@ -29,7 +31,7 @@ class PclIcp {
   // Aligns the visible model points to the frame. The agreement is computed from MeasureFit():
   // inliers, reduced by their residual, minus violations. The result is the start pose if the
   // agreement would decrease (kWorse), or if fewer than six points have a correspondence
-  // (kTooFewCorrespondences). Inliers, residual and reciprocal condition number belong to
+  // (kTooFewCorrespondences). Inliers, residual and reciprocal condition number come from
   // ProjectiveIcp at the resulting pose, because PCL does not expose its normal equations.
   IcpResult Refine(const ModelPoints& model, const Pose& X_CO) const;
 

@@ -76,9 +76,9 @@ class PlaneProblem {
   // the image border some of them are in the next row; their distance rejects them.
   std::array<int, 5> Offsets(double max_distance_m, double z_m) const {
     const CameraIntrinsics& k = cloud_.intrinsics;
-    const double reach_px = 0.5 * max_distance_m * k.fx / z_m;
-    const int reach = std::clamp(static_cast<int>(reach_px), 1, k.width);
-    return {0, -reach, reach, -reach * k.width, reach * k.width};
+    const double reach_px = 0.5 * max_distance_m * k.fx() / z_m;
+    const int reach = std::clamp(static_cast<int>(reach_px), 1, k.width());
+    return {0, -reach, reach, -reach * k.width(), reach * k.width()};
   }
 
   const OrganizedCloud& cloud_;
@@ -88,6 +88,18 @@ class PlaneProblem {
 };
 
 }  // namespace
+
+void ProjectiveIcpOptions::Visit(SettingsVisitor& v) {
+  v.Real("max_correspondence_distance_m", max_correspondence_distance_m, {1e-5, 1},
+         "maximum distance of a correspondence in the first iteration, m");
+  v.Real("final_correspondence_distance_m", final_correspondence_distance_m, {1e-5, 1},
+         "maximum distance of a correspondence in the last iteration, m");
+  v.Integer("coarse_iterations", coarse_iterations, {0, 10000}, "steps with decreasing distance");
+  v.Integer("fine_iterations", fine_iterations, {0, 10000}, "steps with the final distance");
+  v.Real("min_normal_cos", min_normal_cos, {-1, 1}, "minimum cosine between the normals of a pair");
+  v.Integer("max_points", max_points, {6, 512}, "maximum number of model points");
+  v.Real("damping", damping, {0, 10}, "share of the mean diagonal that is added to it");
+}
 
 IcpResult ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                         const ProjectiveIcpOptions& options) {

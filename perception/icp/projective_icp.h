@@ -9,6 +9,7 @@
 #include "perception/cloud/organized_cloud.h"
 #include "perception/icp/icp_result.h"
 #include "perception/model/model_points.h"
+#include "scenes/base/settings.h"
 
 namespace pickbed::perception {
 
@@ -24,6 +25,7 @@ struct ProjectiveIcpOptions {
   // clutter, 0.05 converges from 95 % of starts with errors of 10 degrees and 5 mm, 0.001 from 85
   // %. Above 0.1 the result is less accurate.
   double damping = 0.05;
+  void Visit(SettingsVisitor& v);
 };
 
 // Refines X_CO. Stops early at the last valid pose if fewer than six points have a correspondence

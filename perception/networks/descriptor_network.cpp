@@ -124,8 +124,10 @@ std::vector<float> DescriptorNetwork::Impl::ForAll(std::span<const int8_t> patch
   return values;
 }
 
-DescriptorNetwork::DescriptorNetwork(const NetworkOptions& options, uint64_t seed, int parts)
-    : impl_(std::make_unique<Impl>(options, seed, parts)) {}
+DescriptorNetwork::DescriptorNetwork(const NetworkOptions& options, uint64_t seed, int parts) {
+  CheckSettings("NetworkOptions", options);
+  impl_ = std::make_unique<Impl>(options, seed, parts);
+}
 DescriptorNetwork::~DescriptorNetwork() = default;
 DescriptorNetwork::DescriptorNetwork(DescriptorNetwork&&) noexcept = default;
 DescriptorNetwork& DescriptorNetwork::operator=(DescriptorNetwork&&) noexcept = default;

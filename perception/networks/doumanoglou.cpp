@@ -62,7 +62,7 @@ class SiameseRegression : public PatchNetwork, public torch::nn::Module {
     at::Tensor loss = QuaternionDistance(of_part.slice(1, 4), batch.rotations).mean() +
                       options_.offset_weight * off.mean();
     if (parts_ > 1) {
-      loss = loss + options_.part_weight *
+      loss = loss + options_.object_weight *
                         torch::nn::functional::cross_entropy(out.select(2, 0), batch.parts);
     }
     if (options_.siamese_weight == 0) return loss;
@@ -105,7 +105,8 @@ void RegressionOptions::Visit(SettingsVisitor& v) {
   v.Text("rotation", rotation, {"quaternion", "six_d"}, "form of the regressed rotation");
   v.Real("siamese_weight", siamese_weight, {0, 1000}, "of the siamese term; 0 = plain regression");
   v.Real("offset_weight", offset_weight, {0, 1000}, "of the offset to the part's middle");
-  v.Real("part_weight", part_weight, {0, 1000}, "of telling parts apart");
+  v.RenamedKey("part_weight", "object_weight");
+  v.Real("object_weight", object_weight, {0, 1000}, "of telling parts apart");
 }
 
 at::Tensor RotationMatrices(const at::Tensor& values) {

@@ -17,7 +17,7 @@ struct RegressionOptions {
   std::string rotation = "quaternion";  // quaternion (as in the paper) | six_d (Zhou et al. 2019)
   double siamese_weight = 0.5;          // lambda; 0 = only regression
   double offset_weight = 2;             // weight of the offset in L_regress, over the rotation's
-  double part_weight = 0.2;  // weight of the object classification, if there are several objects
+  double object_weight = 0.2;  // weight of the object classification, if there are several objects
   void Visit(SettingsVisitor& v);
 };
 

@@ -39,7 +39,7 @@ class Autoencoder : public PatchNetwork, public torch::nn::Module {
     const int64_t count = batch.pose_distance.size(0);
     const at::Tensor codes = batch.patches.slice(0, count);
     const at::Tensor wanted =
-        options_.target == "twin" ? torch::cat({codes, codes}) : batch.patches;
+        options_.target == "positive" ? torch::cat({codes, codes}) : batch.patches;
     return (Decode(Forward(batch.patches)) - wanted.slice(1, 0, Channels())).square().mean();
   }
 
@@ -76,7 +76,8 @@ class Autoencoder : public PatchNetwork, public torch::nn::Module {
 }  // namespace
 
 void AutoencoderOptions::Visit(SettingsVisitor& v) {
-  v.Text("target", target, {"itself", "twin"}, "what the decoder gives back");
+  v.RenamedValue("target", "twin", "positive");
+  v.Text("target", target, {"itself", "positive"}, "what the decoder gives back");
   v.Text("channels", channels, {"depth", "depth_normals", "rgbd"}, "of the patch that are seen");
 }
 

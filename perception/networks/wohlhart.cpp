@@ -57,7 +57,8 @@ void WohlhartOptions::Visit(SettingsVisitor& v) {
   v.Real("margin", margin, {1e-6, 10}, "m of the triplet term");
   v.Bool("dynamic_margin", dynamic_margin, "m by the angle between the poses (Zakharov 2017)");
   v.Real("class_margin", class_margin, {std::numbers::pi, 100}, "of another part then");
-  v.Real("least_turn_rad", min_rotation_rad, {0, std::numbers::pi}, "pusher beyond puller, rad");
+  v.RenamedKey("least_turn_rad", "min_rotation_rad");
+  v.Real("min_rotation_rad", min_rotation_rad, {0, std::numbers::pi}, "pusher beyond puller, rad");
   v.Integer("pushers", pushers, {1, 10000}, "hardest templates of the batch for one anchor");
   v.Real("pair_weight", pair_weight, {0, 100}, "of the pair term");
   v.Real("weight_decay", weight_decay, {0, 1}, "lambda of |w|^2");
@@ -90,8 +91,10 @@ at::Tensor WohlhartLoss(const at::Tensor& anchors, const at::Tensor& templates,
   return std::get<0>(hinge.topk(kept, 1)).mean() + options.pair_weight * near.mean();
 }
 
-WohlhartNetwork::WohlhartNetwork(const WohlhartOptions& options, uint64_t seed)
-    : impl_(std::make_unique<Impl>(options, seed)) {}
+WohlhartNetwork::WohlhartNetwork(const WohlhartOptions& options, uint64_t seed) {
+  CheckSettings("WohlhartOptions", options);
+  impl_ = std::make_unique<Impl>(options, seed);
+}
 WohlhartNetwork::~WohlhartNetwork() = default;
 WohlhartNetwork::WohlhartNetwork(WohlhartNetwork&&) noexcept = default;
 

@@ -15,8 +15,8 @@ constexpr int kViewsPerPile = 1;
 // Positive patches so near that nearly all are right answers; Choose() drops the others.
 TwinOptions NearTwins() {
   TwinOptions twins;
-  twins.twins_per_instance = 1;
-  twins.turn_rad = 0.03;
+  twins.pairs_per_instance = 1;
+  twins.rotation_rad = 0.03;
   twins.in_plane_rad = 0.03;
   twins.shift_px = 0.5;
   return twins;
@@ -47,7 +47,7 @@ IsolatedOptions BookViews(const std::vector<LabelledView>& pile, int part, int v
   IsolatedOptions options;
   options.views = views;
   options.patches_per_view = 4;
-  options.focal_px = pile.front().frame.intrinsics.fx;
+  options.focal_px = pile.front().frame.intrinsics.fx();
   double near_m = 0, far_m = 0;
   for (const LabelledView& view : pile) {
     for (const LabelledInstance& instance : view.instances) {
@@ -109,7 +109,8 @@ double MeanOfKnown(const std::vector<double>& shares) {
 }  // namespace
 
 void HeldOutOptions::Visit(SettingsVisitor& v) {
-  v.Integer("piles", piles, {1, 1000}, "held-out piles per part");
+  v.RenamedKey("piles", "clutter_scenes");
+  v.Integer("clutter_scenes", clutter_scenes, {1, 1000}, "held-out piles per part");
   v.Integer("queries", queries, {1, 100000}, "held-out patches per part at most");
   v.Integer("book_views", book_views, {0, 100000}, "isolated views per part in the code book");
   v.Integer("every", every, {1, 1000000}, "steps per part between two measurements");
@@ -122,16 +123,17 @@ void HeldOutOptions::Visit(SettingsVisitor& v) {
 HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<PatchForm>& forms,
                        const HeldOutOptions& options, uint64_t seed,
                        const std::function<bool(double)>& on_share) {
+  CheckSettings("HeldOutOptions", options);
   const ObjectSet& objects = views.objects();
   HeldOutSet set;
   set.queries.resize(objects.size());
   set.distract.resize(objects.size());
   std::vector<PatchPairs> pairs(objects.size());
-  const int parts = static_cast<int>(objects.size()), piles = options.piles * parts;
+  const int parts = static_cast<int>(objects.size()), piles = options.clutter_scenes * parts;
   for (int part = 0; part < parts; ++part) {
     std::vector<LabelledView> seen;
-    for (int i = 0; i < options.piles; ++i) {
-      const int index = part * options.piles + i;
+    for (int i = 0; i < options.clutter_scenes; ++i) {
+      const int index = part * options.clutter_scenes + i;
       Rng rng = Rng::Derive(seed, index, "training/held_out_pile");
       std::vector<LabelledView> pile =
           views.Pile({rng.Next(), kViewsPerPile, part, /*typical=*/true});

@@ -16,10 +16,10 @@
 namespace pickbed::perception {
 
 struct HeldOutOptions {
-  int piles = 3;         // clutter scenes per object
-  int queries = 150;     // maximum number of queries per object
-  int book_views = 300;  // isolated views per object in the codebook
-  int every = 100;       // training steps per object between two measurements
+  int clutter_scenes = 3;  // per object
+  int queries = 150;       // maximum number of queries per object
+  int book_views = 300;    // isolated views per object in the codebook
+  int every = 100;         // training steps per object between two measurements
   // Measurements without a gain before the schedule is shortened; 0 = never.
   int patience = 6;
   double gain = 0.005;    // minimum increase of recall@1 that counts as a gain

@@ -51,7 +51,7 @@ int TwinPixel(const OrganizedCloud& cloud, const Eigen::Vector3d& point_T, doubl
   const int x = static_cast<int>(std::lround(at.x() + shift_px * rng.Normal()));
   const int y = static_cast<int>(std::lround(at.y() + shift_px * rng.Normal()));
   if (!cloud.foreground.Contains(x, y) || !cloud.foreground(x, y)) return -1;
-  const int pixel = y * cloud.intrinsics.width + x;
+  const int pixel = y * cloud.intrinsics.width() + x;
   const double off_m = (cloud.points_C[pixel].cast<double>() - point_T).norm();
   return off_m < tolerance_m ? pixel : -1;
 }
@@ -68,11 +68,11 @@ void PlanTwins(const ObjectSet& objects, const LabelledView& view, int view_inde
   }
   for (const int i : usable) {
     const LabelledInstance& instance = view.instances[i];
-    const int parts = static_cast<int>(usable.size()) * options.twins_per_instance;
+    const int parts = static_cast<int>(usable.size()) * options.pairs_per_instance;
     const int share = std::max(1, options.patches_per_view / parts);
-    for (int k = 0; k < options.twins_per_instance; ++k) {
+    for (int k = 0; k < options.pairs_per_instance; ++k) {
       TwinView twin{view_index, i, Pose::Identity(), 0, {}};
-      twin.X_TO = TwinPose(*objects[instance.object], instance.X_CO, options.turn_rad, rng);
+      twin.X_TO = TwinPose(*objects[instance.object], instance.X_CO, options.rotation_rad, rng);
       twin.distance_m = (twin.X_TO * MeshBounds(objects[instance.object]->mesh_O).center()).norm();
       for (int a = 0; a < share; ++a) {
         const int pixel = pixels[i][rng.Index(static_cast<int>(pixels[i].size()))];
@@ -113,8 +113,10 @@ void AppendPairs(const OrganizedCloud& pile_cloud, const Pose& X_CO, const Organ
 void TwinOptions::Visit(SettingsVisitor& v) {
   v.Integer("patches_per_view", patches_per_view, {1, 100000}, "pairs from a pile view");
   v.Real("min_visible", min_visible, {0, 1}, "visible fraction of an instance to learn from");
-  v.Integer("twins_per_instance", twins_per_instance, {1, 100}, "isolated views of an instance");
-  v.Real("turn_rad", turn_rad, {0, 1}, "sigma of the twin's turn, rad");
+  v.RenamedKey("twins_per_instance", "pairs_per_instance");
+  v.Integer("pairs_per_instance", pairs_per_instance, {1, 100}, "isolated views of an instance");
+  v.RenamedKey("turn_rad", "rotation_rad");
+  v.Real("rotation_rad", rotation_rad, {0, 1}, "sigma of the twin's turn, rad");
   v.Real("in_plane_rad", in_plane_rad, {0, 1}, "sigma of the twin's in-plane angle, rad");
   v.Real("shift_px", shift_px, {0, 100}, "sigma of the twin's pixel, px");
 }
@@ -122,6 +124,7 @@ void TwinOptions::Visit(SettingsVisitor& v) {
 void AppendTwinPatches(LabelledViewSource& source, const std::vector<LabelledView>& pile,
                        const std::vector<PatchForm>& forms, const TwinOptions& options, Rng& rng,
                        std::vector<PatchPairs>& by_object) {
+  CheckSettings("TwinOptions", options);
   const ObjectSet& objects = source.objects();
   std::vector<OrganizedCloud> clouds;
   std::vector<std::vector<TwinView>> twins(objects.size());
@@ -132,7 +135,7 @@ void AppendTwinPatches(LabelledViewSource& source, const std::vector<LabelledVie
   for (size_t o = 0; o < objects.size(); ++o) {
     if (twins[o].empty()) continue;
     IsolatedOptions nearest;
-    nearest.focal_px = pile.front().frame.intrinsics.fx;
+    nearest.focal_px = pile.front().frame.intrinsics.fx();
     nearest.distance_spread = 0;
     nearest.distance_m = twins[o].front().distance_m;
     std::vector<Pose> poses;

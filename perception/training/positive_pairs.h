@@ -13,12 +13,12 @@ namespace pickbed::perception {
 struct TwinOptions {
   int patches_per_view = 200;  // approximate number of pairs per view of a clutter scene
   double min_visible = 0.1;    // minimum visible fraction of a training instance
-  int twins_per_instance = 3;  // isolated views per instance in a view
+  int pairs_per_instance = 3;  // isolated views per instance in a view
   // Standard deviations of the pose difference of a pair. They simulate the distance to the nearest
   // codebook entry.
-  double turn_rad = 0.08;     // rotation of the object about a random axis
-  double in_plane_rad = 0.1;  // rotation of the patch about the viewing ray
-  double shift_px = 1.5;      // shift of the patch's pixel along each axis
+  double rotation_rad = 0.08;  // rotation of the object about a random axis
+  double in_plane_rad = 0.1;   // rotation of the patch about the viewing ray
+  double shift_px = 1.5;       // shift of the patch's pixel along each axis
   void Visit(SettingsVisitor& v);
 };
 

@@ -147,8 +147,8 @@ double Trainer::RecentLoss() const {
 VerifierTrainingOptions Trainer::VerifierPlan() const {
   VerifierTrainingOptions options;
   options.seed = options_.seed;
-  options.piles = options_.verifier_piles;
-  options.views_per_pile = options_.views_per_pile;
+  options.clutter_scenes = options_.verifier_clutter_scenes;
+  options.views_per_scene = options_.views_per_scene;
   options.entries = options_.candidates.votes == "regressed" ? 0 : options_.verifier_entries;
   options.candidates = {options_.candidates, options_.fast_candidates};
   options.candidates.back().votes = options_.candidates.votes;
@@ -172,8 +172,8 @@ TrainingViewsPlan Trainer::Plan() const {
   if (Share() < 1) plan.pile_parts = schedule_.pile_parts();
   plan.verifiers = NewParts();
   plan.verifiers.erase(plan.verifiers.begin(), plan.verifiers.begin() + trained_.size());
-  plan.views_per_pile = options_.views_per_pile;
-  plan.twins = options_.twins;
+  plan.views_per_scene = options_.views_per_scene;
+  plan.positive_pairs = options_.positive_pairs;
   plan.held_out = options_.held_out;
   plan.verifier = VerifierPlan();
   return plan;
@@ -275,7 +275,7 @@ bool Trainer::TrainNetwork() {
 bool Trainer::TrainVerifiers() {
   BeginPhase();
   const std::vector<int> parts = NewParts();
-  const int piles = options_.verifier_piles * static_cast<int>(parts.size());
+  const int piles = options_.verifier_clutter_scenes * static_cast<int>(parts.size());
   const auto share_of = [&](size_t done, double share) {
     return (static_cast<double>(done) + share) / static_cast<double>(parts.size());
   };
@@ -390,6 +390,7 @@ TrainingReport Trainer::Run() {
 }  // namespace
 
 TrainingReport TrainDescriptor(const TrainingJob& job, const TrainingOptions& options) {
+  CheckSettings("TrainingOptions", options);
   CheckInput(!job.views.objects().empty(), "training needs at least one part");
   CheckInput(!job.resume || !job.checkpoint.empty(), "resuming needs a checkpoint file");
   return Trainer(job, options).Run();

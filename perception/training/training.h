@@ -29,9 +29,9 @@ namespace pickbed::perception {
 
 struct TrainingOptions {
   uint64_t seed = 0;
-  int piles = 100;                // clutter scenes per object
-  int views_per_pile = 3;         // views per clutter scene
-  TwinOptions twins;              // positive pairs
+  int clutter_scenes = 100;  // per object
+  int views_per_scene = 3;   // views per clutter scene
+  TwinOptions positive_pairs;
   int iterations = 1500;          // training steps per object
   int batch = 160;                // pairs per training step
   double main_share = 0.5;        // share of a batch from one main object; the objects alternate
@@ -39,10 +39,10 @@ struct TrainingOptions {
   double learning_rate = 1.5e-3;  // of Adam; decays to zero along a cosine
   double views_share = 0.75;      // share of the steps after which all clutter scenes are in use
   double rehearsal = 0.1;         // scenes and steps of a rehearsed object, relative to a new one
-  int verifier_piles = 24;        // clutter scenes per object for its verifier
-  int verifier_entries = 24000;   // codebook entries per object while its verifier is trained
-  int checkpoint_every = 200;     // iterations
-  double max_minutes = 0;         // limit for views and network, shortens the schedule; 0 = none
+  int verifier_clutter_scenes = 24;  // clutter scenes per object for its verifier
+  int verifier_entries = 24000;      // codebook entries per object while its verifier is trained
+  int checkpoint_every = 200;        // iterations
+  double max_minutes = 0;            // limit for views and network, shortens the schedule; 0 = none
   NetworkOptions network;
   LossOptions loss;
   VerifierOptions verifier;

@@ -4,10 +4,14 @@ namespace pickbed::perception {
 
 void TrainingOptions::Visit(SettingsVisitor& v) {
   v.Seed("seed", seed, "of weights, views and batches");
-  v.Integer("piles", piles, {1, 100000}, "training piles per part");
-  v.Integer("views_per_pile", views_per_pile, {1, 100}, "views of each");
+  v.RenamedKey("piles", "clutter_scenes");
+  v.Integer("clutter_scenes", clutter_scenes, {1, 100000}, "training piles per part");
+  v.RenamedKey("views_per_pile", "views_per_scene");
+  v.Integer("views_per_scene", views_per_scene, {1, 100}, "views of each");
+  v.RenamedKey("twins", "positive_pairs");
   v.Group(
-      "twins", [&](SettingsVisitor& g) { twins.Visit(g); }, "the pairs to learn from");
+      "positive_pairs", [&](SettingsVisitor& g) { positive_pairs.Visit(g); },
+      "the pairs to learn from");
   v.Integer("iterations", iterations, {0, 10000000}, "steps per part; 0 = verifiers alone");
   v.Integer("batch", batch, {2, 100000}, "pairs of patches in a step");
   v.Real("main_share", main_share, {0, 1}, "share of a batch that is of one part");
@@ -16,7 +20,9 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
   v.Real("views_share", views_share, {0.01, 1}, "of the steps, by which all piles are in");
   v.Real("rehearsal", rehearsal, {0.001, 1},
          "piles and steps of a part that the model begun with knows, over another's");
-  v.Integer("verifier_piles", verifier_piles, {1, 100000}, "piles per part for the verifier");
+  v.RenamedKey("verifier_piles", "verifier_clutter_scenes");
+  v.Integer("verifier_clutter_scenes", verifier_clutter_scenes, {1, 100000},
+            "piles per part for the verifier");
   v.Integer("verifier_entries", verifier_entries, {1, 10000000},
             "code book entries per part while the verifier learns");
   v.Integer("checkpoint_every", checkpoint_every, {1, 1000000}, "steps");

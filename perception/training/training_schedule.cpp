@@ -51,7 +51,8 @@ TrainingSchedule::TrainingSchedule(const std::vector<double>& weights,
   main_parts_ = TakeTurns(weights, iterations_);
   // Each object is in at least one clutter scene, even if its weight is low.
   std::vector<double> piles;
-  for (const double weight : weights) piles.push_back(std::max(1, Rounded(options.piles * weight)));
+  for (const double weight : weights)
+    piles.push_back(std::max(1, Rounded(options.clutter_scenes * weight)));
   pile_parts_ = TakeTurns(piles, Rounded(std::accumulate(piles.begin(), piles.end(), 0.0)));
 }
 
@@ -141,7 +142,7 @@ std::string CheckpointKey(const LabelledViewSource& views, TrainingOptions optio
                           const std::string& sensor, uint64_t start_hash) {
   options.max_minutes = 0;
   options.checkpoint_every = TrainingOptions{}.checkpoint_every;
-  std::string key = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+  std::string key = WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); });
   key += fmt::format("sensor {}\nfrom {:016x}", sensor, start_hash);
   key += fmt::format("\n{}", views.PileSettings());
   for (const auto& object : views.objects()) {

@@ -67,9 +67,9 @@ std::optional<Item> TrainingViews::Impl::Take(std::deque<Item>& from, Wait wait)
 PilePairs TrainingViews::Impl::MakePile(int index) {
   Rng rng = Rng::Derive(plan.seed, index, "training/pile");
   const std::vector<LabelledView> pile =
-      source.Pile({rng.Next(), plan.views_per_pile, plan.pile_parts[index]});
+      source.Pile({rng.Next(), plan.views_per_scene, plan.pile_parts[index]});
   PilePairs pairs(source.objects().size());
-  AppendTwinPatches(source, pile, plan.forms, plan.twins, rng, pairs);
+  AppendTwinPatches(source, pile, plan.forms, plan.positive_pairs, rng, pairs);
   return pairs;
 }
 

@@ -21,8 +21,8 @@ struct TrainingViewsPlan {
   std::vector<PatchForm> forms;  // patch form by object
   std::vector<int> pile_parts;   // required object of each clutter scene
   std::vector<int> verifiers;    // objects whose verifiers are trained, in this order
-  int views_per_pile = 3;
-  TwinOptions twins;
+  int views_per_scene = 3;
+  TwinOptions positive_pairs;
   HeldOutOptions held_out;
   VerifierTrainingOptions verifier;
 };

@@ -71,6 +71,7 @@ void VerifierOptions::Visit(SettingsVisitor& v) {
 
 TrainedVerifier TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
                               uint64_t seed) {
+  CheckSettings("VerifierOptions", options);
   const int64_t count = static_cast<int64_t>(examples.features.size());
   const int64_t kept =
       examples.held_out_from > 0 ? static_cast<int64_t>(examples.held_out_from) : count;

@@ -62,11 +62,12 @@ std::filesystem::path UnfinishedLibrary(const std::filesystem::path& file) {
 }
 
 std::string VerifierTrainingText(const LabelledViewSource& views, VerifierTrainingOptions options) {
-  return WriteSettings([&](SettingsVisitor& v) { options.Visit(v); }) + views.PileSettings();
+  return WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); }) + views.PileSettings();
 }
 
 VerifierReport TrainVerifierLibrary(const VerifierJob& job,
                                     const VerifierTrainingOptions& options) {
+  CheckSettings("VerifierTrainingOptions", options);
   const ObjectSet& objects = job.views.objects();
   CheckInput(!objects.empty(), "training needs at least one part");
   const std::filesystem::path unfinished = UnfinishedLibrary(job.file);

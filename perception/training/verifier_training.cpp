@@ -26,7 +26,7 @@ IsolatedOptions CodeViews(const std::vector<LabelledView>& views, int object, in
   const double high_m = distances_m[distances_m.size() - 1 - distances_m.size() / 20];
   IsolatedOptions options;
   options.views = std::max(1, entries / options.patches_per_view);
-  options.focal_px = views.front().frame.intrinsics.fx;
+  options.focal_px = views.front().frame.intrinsics.fx();
   options.distance_m = 0.5 * (low_m + high_m);
   options.distance_spread = std::clamp((high_m - low_m) / (high_m + low_m), 0.02, 0.5);
   return options;
@@ -62,8 +62,10 @@ bool IsRight(const Pose& X_CO, const LabelledView& view, int object, const PoseD
 
 void VerifierTrainingOptions::Visit(SettingsVisitor& v) {
   v.Seed("seed", seed, "of piles and weights");
-  v.Integer("piles", piles, {1, 100000}, "per part");
-  v.Integer("views_per_pile", views_per_pile, {1, 100}, "views of each");
+  v.RenamedKey("piles", "clutter_scenes");
+  v.Integer("clutter_scenes", clutter_scenes, {1, 100000}, "per part");
+  v.RenamedKey("views_per_pile", "views_per_scene");
+  v.Integer("views_per_scene", views_per_scene, {1, 100}, "views of each");
   v.Real("calibration_share", calibration_share, {0, 0.9}, "last share of the views, to calibrate");
   v.Group(
       "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "the verifier's training");
@@ -106,16 +108,17 @@ Calibration Calibrate(const std::vector<ScoredPose>& poses) {
 std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, bool color,
                                         const VerifierTrainingOptions& options,
                                         const std::function<bool(double)>& on_share) {
+  CheckSettings("VerifierTrainingOptions", options);
   std::vector<LabelledView> all;
-  for (int i = 0; i < options.piles; ++i) {
+  for (int i = 0; i < options.clutter_scenes; ++i) {
     Rng rng = Rng::Derive(options.seed, i, "training/verifier_pile");
-    PileRequest request{rng.Next(), options.views_per_pile, object, true};
+    PileRequest request{rng.Next(), options.views_per_scene, object, true};
     for (LabelledView& view : views.Pile(request)) {
       // The colour image takes a third of the memory.
       if (!color) view.frame.color = {};
       all.push_back(std::move(view));
     }
-    if (!on_share(static_cast<double>(i + 1) / options.piles)) break;
+    if (!on_share(static_cast<double>(i + 1) / options.clutter_scenes)) break;
   }
   return all;
 }
@@ -123,6 +126,7 @@ std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, b
 VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, const PatchForm& form,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double)>& on_share) {
+  CheckSettings("VerifierTrainingOptions", options);
   constexpr double kPilesShare = 0.8;  // approximate share of the time
   VerifierLesson lesson;
   bool go_on = true;
@@ -158,6 +162,7 @@ TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int ob
                                   std::span<const CandidateSource* const> sources,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double)>& on_share) {
+  CheckSettings("VerifierTrainingOptions", options);
   const CandidateAssessor& assessor = sources.front()->assessor();
   const std::vector<PoseDistance>& distances = assessor.distances();
   const size_t learned =

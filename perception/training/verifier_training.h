@@ -19,8 +19,8 @@ namespace pickbed::perception {
 
 struct VerifierTrainingOptions {
   uint64_t seed = 0;
-  int piles = 24;
-  int views_per_pile = 3;
+  int clutter_scenes = 24;
+  int views_per_scene = 3;
   double calibration_share = 0.3;  // last share of the views, used for AUC and calibration
   VerifierOptions verifier;
   // Only for learned descriptors:

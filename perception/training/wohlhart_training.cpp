@@ -260,7 +260,7 @@ double WohlhartTrainer::Descend(const CropSet& crops, int64_t count,
 std::string WohlhartTrainer::Key() const {
   WohlhartOptions options = options_;
   std::string key = fmt::format("wohlhart {}\n", job_.seed) +
-                    WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
+                    WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); });
   for (size_t part = 0; part < first_.size(); ++part) {
     const CropSet& crops = job_.lesson.training[part].crops;
     key += fmt::format("{} {} {:016x}\n", job_.lesson.objects[part]->name, crops.size(),
@@ -307,6 +307,7 @@ std::unique_ptr<WohlhartNetwork> WohlhartTrainer::Run() {
 
 std::unique_ptr<WohlhartNetwork> TrainWohlhart(const WohlhartJob& job,
                                                const WohlhartOptions& options) {
+  CheckSettings("WohlhartOptions", options);
   CheckInput(!job.lesson.templates.empty(), "learning crops needs at least one part");
   for (size_t part = 0; part < job.lesson.templates.size(); ++part) {
     CheckInput(

@@ -85,8 +85,8 @@ class OutlineLook {
     if (IsDrawn(x, y)) return;
     const int column = drawn_.box().x + x, row = drawn_.box().y + y;
     const CameraIntrinsics& k = cloud_.intrinsics;
-    if (column < 0 || row < 0 || column >= k.width || row >= k.height) return;
-    const size_t pixel = static_cast<size_t>(k.width) * row + column;
+    if (column < 0 || row < 0 || column >= k.width() || row >= k.height()) return;
+    const size_t pixel = static_cast<size_t>(k.width()) * row + column;
     const float seen_m = cloud_.depth_m.data()[pixel];
     const float inverse = face.at_origin[0] + static_cast<float>(x) * face.by_column[0] +
                           static_cast<float>(y) * face.by_row[0];
@@ -165,14 +165,14 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
     const auto [begin, end] = scratch.Touched(y);
     const float* inverse = scratch.InverseDepths(y);
     const int* face_at = scratch.FacesAt(y);
-    const size_t row = static_cast<size_t>(k.width) * (box.y + y) + box.x;
-    const float ray_y = static_cast<float>((box.y + y - k.cy) / k.fy);
+    const size_t row = static_cast<size_t>(k.width()) * (box.y + y) + box.x;
+    const float ray_y = static_cast<float>((box.y + y - k.cy()) / k.fy());
     for (int x = begin + (stride / 2 + stride - begin % stride) % stride; x < end; x += stride) {
       if (!(inverse[x] > 0)) continue;
       ++e.covered;
       const float seen_m = cloud.depth_m.data()[row + x];
       if (!(seen_m > 0)) continue;
-      const Eigen::Vector3f ray(static_cast<float>((box.x + x - k.cx) / k.fx), ray_y, 1);
+      const Eigen::Vector3f ray(static_cast<float>((box.x + x - k.cx()) / k.fx()), ray_y, 1);
       const RasterFace& face = scratch.faces()[face_at[x]];
       const Surface at = SurfaceAt(face, x, y, inverse[x], ray);
       const float behind_m = seen_m - at.z_m;

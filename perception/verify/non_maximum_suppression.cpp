@@ -26,7 +26,7 @@ void FindClaims(const OrganizedCloud& cloud, const ModelPoints& model, const Pos
   for (int y = first(box.y0); y < box.y1; y += stride) {
     for (int x = first(box.x0); x < box.x1; x += stride) {
       if (!cloud.foreground(x, y)) continue;
-      const int pixel = y * cloud.intrinsics.width + x;
+      const int pixel = y * cloud.intrinsics.width() + x;
       const Eigen::Vector3f& q = cloud.points_C[pixel];
       if ((q - center_C).squaredNorm() > reach_m * reach_m) continue;
       if (model.distance.At(X_OC * q) <= claim_m) pixels.push_back(pixel);
@@ -59,7 +59,8 @@ std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
   std::stable_sort(
       hypotheses.begin(), hypotheses.end(),
       [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.score > b.score; });
-  Image<uint16_t> claimed_by(cloud.intrinsics.width, cloud.intrinsics.height);  // kept index + 1
+  Image<uint16_t> claimed_by(cloud.intrinsics.width(),
+                             cloud.intrinsics.height());  // kept index + 1
   std::vector<PoseHypothesis> kept;
   std::vector<int> pixels, shared_with;
   const auto all_found = [&](int object) {

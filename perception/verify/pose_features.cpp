@@ -109,7 +109,7 @@ SceneCounts CountScene(const OrganizedCloud& cloud, const ModelPoints& model, co
   for (int y = box.y0 + stride / 2; y < box.y1; y += stride) {
     for (int x = box.x0 + stride / 2; x < box.x1; x += stride) {
       if (!cloud.foreground(x, y)) continue;
-      const Eigen::Vector3f& q = cloud.points_C[y * cloud.intrinsics.width + x];
+      const Eigen::Vector3f& q = cloud.points_C[y * cloud.intrinsics.width() + x];
       if ((q - center_C).squaredNorm() > reach_m * reach_m) continue;
       const float d = model.distance.At(X_OC * q);
       counts.explained += d < explained_m;
@@ -128,7 +128,7 @@ double ExpectedPixels(const OrganizedCloud& cloud, const ModelPoints& model, con
   const double z = (X_CO * model.center_O.cast<double>()).z();
   const double visible = static_cast<double>(model.VisibleFrom(X_CO).size());
   const double area_m2 = model.area_per_point_m2 * visible * c.cos_sum / c.points;
-  return area_m2 * cloud.intrinsics.fx * cloud.intrinsics.fy / (z * z);
+  return area_m2 * cloud.intrinsics.fx() * cloud.intrinsics.fy() / (z * z);
 }
 
 }  // namespace
@@ -221,7 +221,7 @@ void MarkExplained(const OrganizedCloud& cloud, const ModelPoints& model, const 
   const PixelBox box = BallPixels(cloud.intrinsics, center_C, model.radius_m + explained_m);
   for (int y = box.y0; y < box.y1; ++y) {
     for (int x = box.x0; x < box.x1; ++x) {
-      const size_t pixel = static_cast<size_t>(y) * cloud.intrinsics.width + x;
+      const size_t pixel = static_cast<size_t>(y) * cloud.intrinsics.width() + x;
       if (!cloud.foreground.data()[pixel]) continue;
       if (model.distance.At(X_OC * cloud.points_C[pixel]) < explained_m) explained[pixel] = 1;
     }

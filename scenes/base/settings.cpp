@@ -4,17 +4,30 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <optional>
 #include <sstream>
 
 #include "scenes/base/error.h"
+#include "scenes/base/settings_names.h"
 
 namespace pickbed::scenes {
 namespace {
 
 std::string RangeText(Range range) { return fmt::format("from {} to {}", range.min, range.max); }
+
+// NaN is in no range.
+bool IsIn(Range range, double number) { return number >= range.min && number <= range.max; }
+
+std::string NumberRule(Range range, const char* help) {
+  return fmt::format("must be a number {} ({})", RangeText(range), help);
+}
+
+bool IsChoice(const std::string& value, const std::vector<std::string>& choices) {
+  return choices.empty() || std::find(choices.begin(), choices.end(), value) != choices.end();
+}
 
 // Reads one YAML map into the visited fields, then rejects keys that no field has.
 class Reader : public SettingsVisitor {
@@ -67,10 +80,7 @@ class Reader : public SettingsVisitor {
     if (!node) return;
     if (!node->IsScalar()) Fail(*node, Path(key), fmt::format("must be one text ({})", help));
     value = node->Scalar();
-    if (choices.empty()) return;
-    for (const std::string& choice : choices) {
-      if (choice == value) return;
-    }
+    if (IsChoice(value, choices)) return;
     throw InputError(
         fmt::format("{}: {}", Where(*node), UnknownNameMessage(Path(key), value, choices)));
   }
@@ -172,9 +182,7 @@ class Reader : public SettingsVisitor {
                 const char* help) const {
     double number = 0;
     const bool ok = node.IsScalar() && YAML::convert<double>::decode(node, number);
-    if (!ok || !(number >= range.min && number <= range.max)) {
-      Fail(node, key, fmt::format("must be a number {} ({})", RangeText(range), help));
-    }
+    if (!ok || !IsIn(range, number)) Fail(node, key, NumberRule(range, help));
     return number;
   }
 
@@ -213,10 +221,72 @@ class Reader : public SettingsVisitor {
   std::vector<std::string> known_;
 };
 
+// Collects the values that are not allowed.
+class Checker : public SettingsVisitor {
+ public:
+  using KeyName = std::function<std::string(const std::string& key)>;
+  explicit Checker(const KeyName& at) : at_(at) {}
+  std::vector<std::string> TakeFaults() { return std::move(faults_); }
+
+  void Real(const char* key, double& value, Range range, const char* help) override {
+    if (!IsIn(range, value)) Add(key, fmt::format("= {}: {}", value, NumberRule(range, help)));
+  }
+  void Integer(const char* key, int& value, Range range, const char* help) override {
+    if (!IsIn(range, value)) Add(key, fmt::format("= {}: {}", value, NumberRule(range, help)));
+  }
+  void Seed(const char*, uint64_t&, const char*) override {}
+  void Bool(const char*, bool&, const char*) override {}
+  void Text(const char* key, std::string& value, const std::vector<std::string>& choices,
+            const char*) override {
+    if (IsChoice(value, choices)) return;
+    faults_.push_back(UnknownNameMessage(NameOf(key), value, choices));
+  }
+  void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
+    for (double number : value) Real(key, number, range, help);
+  }
+  void Vector3(const char* key, Eigen::Vector3d& value, Range range, const char* help) override {
+    for (double number : value) Real(key, number, range, help);
+  }
+  void Group(const char* key, const VisitFunction& visit, const char*) override {
+    Enter(key, visit);
+  }
+  void List(const char* key, size_t size, const std::function<void(size_t)>&,
+            const std::function<void(size_t, SettingsVisitor&)>& visit, const char*) override {
+    for (size_t i = 0; i < size; ++i) {
+      Enter(fmt::format("{}.{}", key, i), [&](SettingsVisitor& item) { visit(i, item); });
+    }
+  }
+
+ private:
+  std::string NameOf(const char* key) const { return at_ ? at_(prefix_ + key) : prefix_ + key; }
+  void Add(const char* key, const std::string& fault) {
+    faults_.push_back(fmt::format("{} {}", NameOf(key), fault));
+  }
+  void Enter(const std::string& key, const VisitFunction& visit) {
+    const size_t length = prefix_.size();
+    prefix_ += key + ".";
+    visit(*this);
+    prefix_.resize(length);
+  }
+
+  const KeyName& at_;
+  std::string prefix_;  // path of the map under way, such as "objects.0."
+  std::vector<std::string> faults_;
+};
+
 // Writes every visited field. Reading the text gives the same values again.
 class Writer : public SettingsVisitor {
  public:
-  explicit Writer(bool with_help) : with_help_(with_help) {}
+  enum class Names { kCurrent, kFormer };
+  explicit Writer(bool with_help, Names names = Names::kCurrent)
+      : with_help_(with_help), former_(names == Names::kFormer) {}
+
+  void RenamedKey(const char* was, const char* key) override {
+    if (former_) former_keys_.back().emplace(key, was);
+  }
+  void RenamedValue(const char* key, const char* was, const char* value) override {
+    if (former_) former_values_.back().emplace(std::pair(key, value), was);
+  }
 
   void Real(const char* key, double& value, Range range, const char* help) override {
     Line(key, fmt::format("{}", value), fmt::format("{}; {}", help, RangeText(range)));
@@ -234,7 +304,8 @@ class Writer : public SettingsVisitor {
             const char* help) override {
     std::string text = help;
     if (!choices.empty()) text += fmt::format("; {}", fmt::join(choices, " | "));
-    Line(key, Quoted(value), text);
+    const auto former = former_values_.back().find({key, value});
+    Line(key, Quoted(former == former_values_.back().end() ? value : former->second), text);
   }
   void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
     Line(key, fmt::format("[{}, {}]", value[0], value[1]),
@@ -247,7 +318,9 @@ class Writer : public SettingsVisitor {
   void Group(const char* key, const VisitFunction& visit, const char* help) override {
     Line(key, "", help);
     ++depth_;
+    Enter();
     visit(*this);
+    Leave();
     --depth_;
   }
   void List(const char* key, size_t size, const std::function<void(size_t)>&,
@@ -256,7 +329,9 @@ class Writer : public SettingsVisitor {
     for (size_t i = 0; i < size; ++i) {
       depth_ += 2;
       starts_item_ = true;
+      Enter();
       visit(i, *this);
+      Leave();
       depth_ -= 2;
     }
   }
@@ -264,6 +339,15 @@ class Writer : public SettingsVisitor {
   std::string text() const { return text_; }
 
  private:
+  void Enter() {
+    former_keys_.emplace_back();
+    former_values_.emplace_back();
+  }
+  void Leave() {
+    former_keys_.pop_back();
+    former_values_.pop_back();
+  }
+
   static std::string Quoted(const std::string& value) {
     YAML::Emitter out;
     out << YAML::DoubleQuoted << value;
@@ -274,12 +358,18 @@ class Writer : public SettingsVisitor {
     std::string indent(2 * depth_, ' ');
     if (starts_item_) indent.replace(indent.size() - 2, 2, "- ");
     starts_item_ = false;
-    text_ += indent + key + ":" + (value.empty() ? "" : " " + value);
+    const auto former = former_keys_.back().find(key);
+    text_ += indent + (former == former_keys_.back().end() ? key : former->second) + ":" +
+             (value.empty() ? "" : " " + value);
     if (with_help_) text_ += "  # " + help;
     text_ += "\n";
   }
 
   bool with_help_;
+  bool former_;
+  // Names of earlier versions in the map under way and in the maps around it.
+  std::vector<std::map<std::string, std::string>> former_keys_{1};
+  std::vector<std::map<std::pair<std::string, std::string>, std::string>> former_values_{1};
   int depth_ = 0;
   bool starts_item_ = false;
   std::string text_;
@@ -294,14 +384,19 @@ YAML::Node Parse(const std::string& yaml, const std::string& source) {
   }
 }
 
+KeyPlaces Read(const CurrentText& yaml, const std::string& name_for_errors,
+               const VisitFunction& visit) {
+  Reader reader(Parse(yaml.text, name_for_errors), name_for_errors, true);
+  visit(reader);
+  reader.RejectUnknownKeys();
+  return reader.places();
+}
+
 }  // namespace
 
 KeyPlaces ReadSettingsText(const std::string& yaml, const std::string& name_for_errors,
                            const VisitFunction& visit) {
-  Reader reader(Parse(yaml, name_for_errors), name_for_errors, true);
-  visit(reader);
-  reader.RejectUnknownKeys();
-  return reader.places();
+  return Read(WithCurrentNames(yaml, visit), name_for_errors, visit);
 }
 
 KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunction& visit) {
@@ -311,11 +406,16 @@ KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunctio
   }
   std::ostringstream text;
   text << in.rdbuf();
-  return ReadSettingsText(text.str(), file.string(), visit);
+  const CurrentText yaml = WithCurrentNames(text.str(), visit);
+  KeyPlaces places = Read(yaml, file.string(), visit);
+  if (!yaml.replaced.empty()) ReportDeprecation(DeprecationLine(file.string(), yaml.replaced));
+  return places;
 }
 
-KeyPlaces ApplySetting(const std::string& assignment, const VisitFunction& visit) {
-  const std::string source = fmt::format("--set {}", assignment);
+KeyPlaces ApplySetting(const std::string& given, const VisitFunction& visit) {
+  const std::string source = fmt::format("--set {}", given);
+  const CurrentText current = AssignmentWithCurrentNames(given, visit);
+  const std::string& assignment = current.text;
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
     throw InputError(fmt::format("{}: expected key=value, such as bin.wall_m=0.004", source));
@@ -332,11 +432,32 @@ KeyPlaces ApplySetting(const std::string& assignment, const VisitFunction& visit
   Reader reader(value, source, false);
   visit(reader);
   reader.RejectUnknownKeys();
+  if (!current.replaced.empty()) {
+    ReportDeprecation(fmt::format("'{}' is deprecated, write '--set {}'", source, assignment));
+  }
   return reader.places();
+}
+
+std::vector<std::string> SettingFaults(
+    const VisitFunction& visit, const std::function<std::string(const std::string& key)>& at) {
+  Checker checker(at);
+  visit(checker);
+  return checker.TakeFaults();
+}
+
+void CheckSettings(const std::string& name, const VisitFunction& visit) {
+  const std::vector<std::string> faults = SettingFaults(visit);
+  if (!faults.empty()) throw InputError(fmt::format("{}: {}", name, fmt::join(faults, "; ")));
 }
 
 std::string WriteSettings(const VisitFunction& visit, bool with_help) {
   Writer writer(with_help);
+  visit(writer);
+  return writer.text();
+}
+
+std::string WriteSettingsKey(const VisitFunction& visit) {
+  Writer writer(/*with_help=*/false, Writer::Names::kFormer);
   visit(writer);
   return writer.text();
 }

@@ -51,6 +51,10 @@ class SettingsVisitor {
   virtual void List(const char* key, size_t size, const std::function<void(size_t)>& resize,
                     const std::function<void(size_t, SettingsVisitor&)>& visit,
                     const char* help) = 0;
+  // Declare a name of an earlier version of a key in this map, or of a value of a text. Call them
+  // before the key. Readers accept both names (scenes/base/settings_names.h).
+  virtual void RenamedKey(const char* /*was*/, const char* /*key*/) {}
+  virtual void RenamedValue(const char* /*key*/, const char* /*was*/, const char* /*value*/) {}
 };
 
 using VisitFunction = std::function<void(SettingsVisitor&)>;
@@ -60,18 +64,40 @@ using VisitFunction = std::function<void(SettingsVisitor&)>;
 using KeyPlaces = std::map<std::string, std::string>;
 
 // Reads a YAML file into the fields that `visit` names; fields without a key in the file keep their
-// values. Returns the place of each key. Throws InputError for a file that cannot be read, invalid
-// YAML, unknown or repeated keys and values that are not allowed.
+// values. Names of earlier versions are accepted and reported (SetDeprecationListener()). Returns
+// the place of each key. Throws InputError for a file that cannot be read, invalid YAML, unknown or
+// repeated keys and values that are not allowed.
 KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunction& visit);
-// Same as ReadSettingsFile() for a YAML text; errors use `name_for_errors` as the file name.
+// Same as ReadSettingsFile() for a YAML text that pickbed wrote, so names of earlier versions are
+// not reported. Errors use `name_for_errors` as the file name.
 KeyPlaces ReadSettingsText(const std::string& yaml, const std::string& name_for_errors,
                            const VisitFunction& visit);
 
 // Applies one assignment "a.b.c=value", with the value in YAML and list items by index, such as
-// "objects.0.count=3". Returns and throws the same as ReadSettingsFile().
+// "objects.0.count=3". Accepts and reports names of earlier versions. Returns and throws the same
+// as ReadSettingsFile().
 KeyPlaces ApplySetting(const std::string& assignment, const VisitFunction& visit);
+
+// Values that are not allowed, for settings that were filled in C++ and not read. Returns "key =
+// value: what is allowed" for each, in the words of the readers. `at` converts a key such as
+// "objects.0.count" into its name in the message; empty = the key.
+std::vector<std::string> SettingFaults(
+    const VisitFunction& visit, const std::function<std::string(const std::string& key)>& at = {});
+
+// Throws InputError that names every value that is not allowed, in one line that starts with
+// `name`. Entry points of the libraries call it for their options. Not for inner loops.
+void CheckSettings(const std::string& name, const VisitFunction& visit);
+template <typename Settings>
+requires requires(Settings& settings, SettingsVisitor& v) { settings.Visit(v); }
+void CheckSettings(const std::string& name, const Settings& settings) {
+  Settings copy = settings;  // Visit() is not const, because readers set the values
+  CheckSettings(name, VisitFunction([&copy](SettingsVisitor& v) { copy.Visit(v); }));
+}
 
 // Returns the effective settings as YAML with every key. `with_help` adds the help as comments.
 std::string WriteSettings(const VisitFunction& visit, bool with_help = false);
+// Returns the same settings with the names that they first had. For texts that are hashed or
+// compared with stored ones: a new name of a key then keeps caches and checkpoints valid.
+std::string WriteSettingsKey(const VisitFunction& visit);
 
 }  // namespace pickbed::scenes

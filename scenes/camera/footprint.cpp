@@ -7,17 +7,17 @@ namespace pickbed::scenes {
 
 bool Footprint::Overlaps(const CameraIntrinsics& k) const {
   return far_m > kNearestDrawn_m &&
-         (!in_front || (max_px.x() > -0.5 && max_px.y() > -0.5 && min_px.x() < k.width - 0.5 &&
-                        min_px.y() < k.height - 0.5));
+         (!in_front || (max_px.x() > -0.5 && max_px.y() > -0.5 && min_px.x() < k.width() - 0.5 &&
+                        min_px.y() < k.height() - 0.5));
 }
 
 bool Footprint::IsInside(const CameraIntrinsics& k) const {
-  return in_front && min_px.x() > -0.5 && min_px.y() > -0.5 && max_px.x() < k.width - 0.5 &&
-         max_px.y() < k.height - 0.5;
+  return in_front && min_px.x() > -0.5 && min_px.y() > -0.5 && max_px.x() < k.width() - 0.5 &&
+         max_px.y() < k.height() - 0.5;
 }
 
 void DrawnBox::Include(const Footprint& footprint) {
-  const Eigen::Vector2d last(k_.width - 1, k_.height - 1);
+  const Eigen::Vector2d last(k_.width() - 1, k_.height() - 1);
   Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = last;
   if (footprint.in_front) {
     low = (footprint.min_px.array() - 1).max(0.0).min(last.array()).floor();

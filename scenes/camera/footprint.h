@@ -28,7 +28,7 @@ struct Footprint {
 // The rectangle of an image that the included footprints may touch, grown by a pixel for rounding.
 class DrawnBox {
  public:
-  explicit DrawnBox(const CameraIntrinsics& k) : k_(k), min_(k.width, k.height), max_(-1, -1) {}
+  explicit DrawnBox(const CameraIntrinsics& k) : k_(k), min_(k.width(), k.height()), max_(-1, -1) {}
   void Include(const Footprint& footprint);
   // Only valid after a call of Include().
   ImageBox box() const {

@@ -82,10 +82,10 @@ void FaceRaster::Begin(const CameraIntrinsics& camera, const ImageBox& box) {
 void FaceRaster::Project(const RasterMesh& mesh, const Pose& X_CO) {
   Projection p;
   for (int i = 0; i < 12; ++i) p.X_CO_rows[i] = static_cast<float>(X_CO(i / 4, i % 4));
-  p.fx = static_cast<float>(camera_.fx);
-  p.fy = static_cast<float>(camera_.fy);
-  p.cx = static_cast<float>(camera_.cx - box_.x);
-  p.cy = static_cast<float>(camera_.cy - box_.y);
+  p.fx = static_cast<float>(camera_.fx());
+  p.fy = static_cast<float>(camera_.fy());
+  p.cx = static_cast<float>(camera_.cx() - box_.x);
+  p.cy = static_cast<float>(camera_.cy() - box_.y);
   const size_t count = mesh.position_O[0].size();
   if (screen_x_.size() < count) {
     screen_x_.resize(count);

@@ -13,8 +13,8 @@ namespace pickbed::scenes {
 
 // Interval of visible fractions: `least` is included, `most` is excluded unless it is 1.
 struct VisibleBand {
-  double least = 0;
-  double most = 1;
+  double min = 0;
+  double max = 1;
   bool Holds(double fraction) const;
   std::string name() const;  // in percent, such as "10-30"
   void Visit(SettingsVisitor& v);
@@ -30,23 +30,23 @@ struct OcclusionSpec {
   double margin = 0.005;
   // Blockers dropped after the target is in a band, to come closer to a fraction that is drawn
   // uniformly over the band. 0 = keep the first scene of the band, usually near its upper end.
-  int level_tries = 6;
-  int max_blockers = 16;  // largest number of blockers in a scene
-  int tries = 60;         // largest number of blockers dropped for one band of one target
-  int targets = 3;        // largest number of targets in one scene until one fills all bands
-  int scenes = 3;         // largest number of scenes dropped for one trial
+  int level_samples = 6;
+  int max_blockers = 16;     // largest number of blockers in a scene
+  int blocker_samples = 60;  // largest number of blockers dropped for one band of one target
+  int targets = 3;           // largest number of targets in one scene until one fills all bands
+  int scenes = 3;            // largest number of scenes dropped for one trial
   // Largest distance from the line of sight at which a blocker is dropped, in its diameters.
   double scatter_diameters = 0.5;
-  double least_hidden = 0.02;  // share of the target; a blocker that hides less is removed again
+  double min_hidden = 0.02;  // share of the target; a blocker that hides less is removed again
   // Largest movement of a surface while all bodies are awake for a second, in diameters; see
   // SceneCertificate.
   double movement_diameters = 0.02;
 
   void Visit(SettingsVisitor& v);
 
-  // Throws InputError unless there is a band, each band is wider than twice the margin, and the
-  // bands are ordered from the least visible one without overlap. `at` converts a key such as
-  // "bands.0.least" into its name in the message.
+  // Throws InputError for values out of range, and unless there is a band, each band is wider than
+  // twice the margin, and the bands are ordered from the least visible one without overlap. `at`
+  // converts a key such as "bands.0.min" into its name in the message.
   void Validate(const std::function<std::string(const std::string& key)>& at = {}) const;
 
   // Returns a band without the margins at its ends; the ends 0 and 1 have no margin.

@@ -21,7 +21,7 @@ constexpr PolicyRow kPolicies[] = {
     // Clutter removal as in the VGN paper (Breyer et al. 2020), with two failures in a row.
     {"until_empty", "until the bin is empty, no grasp is found, or max_failures_in_row picks fail",
      NoGraspOrFailedTooOften},
-    {"look_again", "as until_empty, but a look that finds no grasp only counts as a failure",
+    {"capture_again", "as until_empty, but an attempt that finds no grasp only counts as a failure",
      FailedTooOften},
     {"one_pick", "one pick in each bin", Never, 1},
 };
@@ -35,10 +35,14 @@ std::vector<std::string> Names() {
 }  // namespace
 
 void PolicySpec::Visit(SettingsVisitor& v) {
+  v.RenamedValue("stop", "look_again", "capture_again");
   v.Text("stop", stop, Names(), "when a trial ends, see pickbed list policies");
   v.Integer("max_failures_in_row", max_failures_in_row, {1, 1000}, "failed picks in a row");
-  v.Integer("max_picks", max_picks, {0, 100000}, "picks a trial, 0 = no limit");
+  v.RenamedKey("max_picks", "max_attempts");
+  v.Integer("max_attempts", max_attempts, {0, 100000},
+            "maximum number of attempts in a trial, 0 = no limit");
   v.Text("ranking", ranking, {}, "of grasps without collision, see pickbed list rankings");
+  v.RenamedValue("success", "right_part", "right_instance");
   v.Text("success", success, {}, "what counts as a pick, see pickbed list rules");
 }
 

@@ -14,7 +14,7 @@ namespace pickbed::scenes {
 struct PolicySpec {
   std::string stop = "until_empty";  // a row of PolicyTable()
   int max_failures_in_row = 2;
-  int max_picks = 0;                // 0 = no limit
+  int max_attempts = 0;             // 0 = no limit
   std::string ranking = "quality";  // order of planned grasps: a row of grasp/plan/plan.h's table
   std::string success = "right_instance";  // success rule: a row of grasp/outcome.h's table
   void Visit(SettingsVisitor& v);
@@ -44,7 +44,7 @@ struct PolicyRow {
   // Returns whether the trial ends although wanted instances are left in the bin. The failure
   // reason of the last attempt is then the reason for the end.
   bool (*gives_up)(const PolicyState& state, const PolicySpec& policy);
-  int max_attempts = 0;  // 0 = PolicySpec::max_picks applies
+  int max_attempts = 0;  // 0 = PolicySpec::max_attempts applies
 };
 std::span<const PolicyRow> PolicyTable();
 

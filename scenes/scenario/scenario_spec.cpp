@@ -1,6 +1,7 @@
 #include "scenes/scenario/scenario_spec.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -124,7 +125,8 @@ void PartSpec::Visit(SettingsVisitor& v) {
   v.Text("unit", unit, {"m", "cm", "mm", "in"}, "of the mesh's coordinates");
   v.Real("mass_kg", mass_kg, {0, 100}, "mass of the part, kg; only with mesh");
   v.Real("friction", friction, {0.01, 2}, "against a gripper pad; only with mesh");
-  v.Bool("foreign", foreign, "in the bin, but neither known to the estimator nor wanted");
+  v.RenamedKey("foreign", "distractor");
+  v.Bool("distractor", distractor, "in the bin, but not known to the estimator and not wanted");
 }
 
 void CameraSpec::Visit(SettingsVisitor& v) {
@@ -140,8 +142,9 @@ void CameraSpec::Visit(SettingsVisitor& v) {
 void EstimatorSpec::Visit(SettingsVisitor& v) {
   v.Text("name", name, {}, "a row of `pickbed list estimators`");
   v.Text("model", model, {}, "trained model: a file, or a name in assets/models; empty = shipped");
-  v.Text("mode", mode, {"fast", "hard", "verified"},
-         "fast or thorough search; ppf alone: verified, see the README");
+  v.RenamedValue("mode", "hard", "accurate");
+  v.Text("mode", mode, {"fast", "accurate", "verified"},
+         "fast or accurate search; verified is only for ppf, see the README");
   v.Real("min_score", min_score, {0, 1}, "poses less sure than this are not reported");
   v.Real("noise_mm", noise_mm, {0, 1000}, "oracle only: sigma of the position, each axis, mm");
   v.Real("noise_deg", noise_deg, {0, 180}, "oracle only: sigma of the rotation, degrees");
@@ -220,6 +223,11 @@ std::string ScenarioSpec::At(const std::string& key) const {
 }
 
 void ScenarioSpec::Validate() const {
+  ScenarioSpec copy = *this;
+  const std::vector<std::string> faults =
+      SettingFaults([&copy](SettingsVisitor& v) { copy.Visit(v); },
+                    [this](const std::string& key) { return At(key); });
+  CheckInput(faults.empty(), fmt::format("{}", fmt::join(faults, "; ")));
   CheckInput(bin.inner_size_m.head<2>().minCoeff() >= kSmallestFloor_m,
              fmt::format("{} = [{}, {}, {}]: length and width must be {} m at least",
                          At("bin.inner_size_m"), bin.inner_size_m.x(), bin.inner_size_m.y(),
@@ -227,7 +235,7 @@ void ScenarioSpec::Validate() const {
   CheckInput(!objects.empty(),
              At("objects") + ": the scenario drops nothing; add '- {name: rod, count: 5}'");
   CheckInput(!std::all_of(objects.begin(), objects.end(),
-                          [](const PartSpec& part) { return part.foreign; }),
+                          [](const PartSpec& part) { return part.distractor; }),
              At("objects") + ": all parts are foreign; one at least must be wanted");
   std::set<std::string> names;
   for (size_t i = 0; i < objects.size(); ++i) {

@@ -25,11 +25,11 @@ namespace pickbed::scenes {
 struct PartSpec {
   std::string name;
   int count = 1;
-  std::string mesh;        // path, relative to the scenario file; empty = from the catalog
-  std::string unit = "m";  // of the mesh
-  double mass_kg = 0;      // only with a mesh
-  double friction = 0.5;   // against a gripper pad; only with a mesh
-  bool foreign = false;    // distractor: in the bin, but unknown to the estimator and not wanted
+  std::string mesh;         // path, relative to the scenario file; empty = from the catalog
+  std::string unit = "m";   // of the mesh
+  double mass_kg = 0;       // only with a mesh
+  double friction = 0.5;    // against a gripper pad; only with a mesh
+  bool distractor = false;  // in the bin, but unknown to the estimator and not wanted
   void Visit(SettingsVisitor& v);
 };
 
@@ -49,7 +49,7 @@ struct CameraSpec {
 struct EstimatorSpec {
   std::string name = "descriptor";
   std::string model;          // name in assets/models or a path; empty = the shipped model
-  std::string mode = "fast";  // fast | hard; ppf also has verified
+  std::string mode = "fast";  // fast | accurate; ppf also has verified
   double min_score = 0.5;     // hypotheses with a lower score are not reported
   double noise_mm = 0;        // oracle only: standard deviation of the position, each axis
   double noise_deg = 0;       // oracle only: standard deviation of the rotation angle
@@ -98,10 +98,10 @@ struct ScenarioSpec {
   // key if the key was not given.
   std::string At(const std::string& key) const;
 
-  // Checks that combine several fields and need no mesh. At least one object must be wanted (not
-  // `foreign`). Object names must be unique, and a mass is given exactly for meshes. The camera
-  // must be outside the bin's walls, above its floor and look at it. The ranges of appearance and
-  // occlusion must be valid. Throws InputError.
+  // Checks every value against its range, and what needs several fields but no mesh. At least one
+  // object must be wanted (not `distractor`). Object names must be unique, and a mass is given
+  // exactly for meshes. The camera must be outside the bin's walls, above its floor and look at it.
+  // The ranges of appearance and occlusion must be valid. Throws InputError.
   void Validate() const;
 };
 

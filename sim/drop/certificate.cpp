@@ -14,9 +14,9 @@ std::vector<std::string> Faults(const SceneCertificate& certificate,
   if (!certificate.at_rest) {
     faults.push_back(fmt::format("not at rest after {:.1f} s", certificate.simulated_s));
   }
-  if (certificate.parts_outside > 0) {
-    faults.push_back(fmt::format("{} part{} fell outside the bin", certificate.parts_outside,
-                                 certificate.parts_outside == 1 ? "" : "s"));
+  if (certificate.instances_outside > 0) {
+    faults.push_back(fmt::format("{} part{} fell outside the bin", certificate.instances_outside,
+                                 certificate.instances_outside == 1 ? "" : "s"));
   }
   if (certificate.deepest_penetration_m > limits.penetration_m) {
     faults.push_back(

@@ -21,7 +21,7 @@ struct SceneCertificate {
   double simulated_s = 0;  // includes the pouring
   bool blew_up = false;    // a body's state was not finite, or a body was faster than 50 m/s
   // Instances whose center of mass ended outside the bin. They are not in the scene.
-  int parts_outside = 0;
+  int instances_outside = 0;
   double max_speed_mps = 0;   // largest final speed of a center of mass
   double max_spin_radps = 0;  // largest final angular speed
   // Deepest final overlap of two bodies' convex pieces, by an exact separating-axis test. Collision

@@ -82,7 +82,7 @@ SceneCertificate CertifyRest(const Scene& scene, const ObjectSet& objects,
     certificate.max_speed_mps = std::max(certificate.max_speed_mps, V_WO.linear_W.norm());
     certificate.max_spin_radps = std::max(certificate.max_spin_radps, V_WO.angular_W.norm());
     const Eigen::Vector3d center_W = posed.X_WO * objects[posed.object]->mass.com_O;
-    certificate.parts_outside += !scene.bin.Holds(center_W);
+    certificate.instances_outside += !scene.bin.Holds(center_W);
   }
   certificate.deepest_penetration_m = DeepestPenetration(scene, objects);
   return certificate;

@@ -241,10 +241,10 @@ DropResult Pouring::Result() const {
   certificate.wake_movement_m = movement_.m;
   certificate.wake_movement_diameters = movement_.diameters;
   certificate.energy = energy_;
-  certificate.parts_outside = without_place_;
+  certificate.instances_outside = without_place_;
   for (int i = 0; i < world_.part_count(); ++i) {
     if (!InBin(i)) {
-      ++certificate.parts_outside;
+      ++certificate.instances_outside;
       continue;
     }
     const Twist V_WO = world_.V_WO(i);
@@ -266,8 +266,26 @@ Arrangement ArrangementFromName(const std::string& name) {
   throw InputError(UnknownNameMessage("arrangement", name, {"pile", "packed", "heap"}));
 }
 
+void DropOptions::Visit(SettingsVisitor& v) {
+  const Range seconds{0, 1000}, length{0, 1000}, diameters{0, 10};
+  v.Real("shaft_share", shaft_share, {0.01, 1}, "shaft width over floor width");
+  v.Integer("place_attempts", place_attempts, {1, 1000000}, "positions tried for an instance");
+  v.Real("layer_interval_s", layer_interval_s, {0.001, 1000}, "time between two layers, s");
+  v.Real("max_s", max_s, seconds, "maximum simulated time after the last layer, s");
+  v.Real("clearance_m", clearance_m, {0, 1}, "distance between instances of a layer, m");
+  v.Real("funnel_m", funnel_m, length, "height of the walls while the bin is filled, m");
+  v.Real("check_interval_s", check_interval_s, {0.001, 100}, "time between checks for rest, s");
+  v.Real("fallen_m", fallen_m, length, "depth below the floor at which bodies are removed, m");
+  v.Integer("turn_attempts", turn_attempts, {1, 1000000}, "orientations tried for an instance");
+  v.Real("calm_s", calm_s, seconds, "time without movement of a calm scene, s");
+  v.Real("calm_diameters", calm_diameters, diameters, "maximum movement in that time, diameters");
+  v.Real("wake_s", wake_s, seconds, "time awake without movement of a scene at rest, s");
+  v.Real("wake_diameters", wake_diameters, diameters, "maximum movement in that time, diameters");
+}
+
 DropResult DropParts(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
                      Rng& rng, const DropOptions& options) {
+  CheckSettings("DropOptions", options);
   if (counts.size() != objects.size()) throw std::logic_error("one count for each object");
   for (size_t i = 0; i < objects.size(); ++i) {
     if (counts[i] == 0) continue;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scenes/base/random.h"
+#include "scenes/base/settings.h"
 #include "scenes/scene.h"
 #include "sim/drop/certificate.h"
 #include "sim/physics/physics_world.h"
@@ -45,6 +46,8 @@ struct DropOptions {
   // 0.9, none did. Without contact reuse, 50 mixed instances take three times as long and creep for
   // seconds.
   PhysicsOptions physics{.angular_damping = 0.9, .contact_reuse_m = 0.0001};
+  // Visits all options except `arrangement` and `physics`.
+  void Visit(SettingsVisitor& v);
 };
 
 struct DropResult {
@@ -60,8 +63,8 @@ Arrangement ArrangementFromName(const std::string& name);
 // cells above the scene, between walls that keep all instances over the bin until they rest. Packed
 // instances have a random yaw. Their up direction is the entry of ObjectModel::resting_O nearest to
 // O's z, or z itself if there is none. Instances without a free place count as outside. Throws
-// InputError if an object does not fit on the bin floor. Throws std::logic_error if an object has
-// no convex pieces, or if `counts` and `objects` differ in size.
+// InputError if an object does not fit on the bin floor, and for options out of range. Throws
+// std::logic_error if an object has no convex pieces, or if `counts` and `objects` differ in size.
 DropResult DropParts(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
                      Rng& rng, const DropOptions& options = {});
 

@@ -70,8 +70,9 @@ class Occluder {
   OcclusionSeries Run() {
     while (next_ >= 0) {
       BlockerCounts& counts = series_.blockers[next_];
-      const bool may_go_on = blockers_ < spec_.max_blockers && counts.dropped < spec_.tries;
-      const bool may_improve = view_.fraction > level_ && level_tries_ < spec_.level_tries;
+      const bool may_go_on =
+          blockers_ < spec_.max_blockers && counts.dropped < spec_.blocker_samples;
+      const bool may_improve = view_.fraction > level_ && level_tries_ < spec_.level_samples;
       if (held_ && !(may_go_on && may_improve)) {
         Settle();
         continue;
@@ -119,11 +120,11 @@ void Occluder::TryBlocker(BlockerCounts& counts) {
   Scene scene = scene_;
   scene.objects.push_back(*blocker);
   TargetView view = Look(scene);
-  if (view.fraction < spec_.Inner(next_).least) {
+  if (view.fraction < spec_.Inner(next_).min) {
     ++counts.jumped;
     return;
   }
-  if (view.fraction > view_.fraction - spec_.least_hidden) {
+  if (view.fraction > view_.fraction - spec_.min_hidden) {
     ++counts.useless;
     return;
   }
@@ -144,7 +145,7 @@ void Occluder::TryBlocker(BlockerCounts& counts) {
 // The level of the most visible band cannot exceed the initial visible fraction.
 void Occluder::DrawLevel() {
   const VisibleBand band = spec_.Inner(next_);
-  level_ = rng_.Uniform(band.least, std::max(band.least, std::min(band.most, view_.fraction)));
+  level_ = rng_.Uniform(band.min, std::max(band.min, std::min(band.max, view_.fraction)));
 }
 
 void Occluder::Keep(const SceneCertificate& certificate) {
@@ -264,7 +265,7 @@ std::vector<double> VisibleFractionsIn(SceneRenderer& renderer, const Scene& sce
 std::vector<int> PossibleTargets(SceneRenderer& renderer, const Scene& scene,
                                  const std::vector<int>& wanted, const OcclusionSetup& setup) {
   const std::vector<double> fractions = VisibleFractionsIn(renderer, scene, setup.camera);
-  const double least = setup.spec.Inner(static_cast<int>(setup.spec.bands.size()) - 1).least;
+  const double least = setup.spec.Inner(static_cast<int>(setup.spec.bands.size()) - 1).min;
   std::vector<int> targets;
   for (size_t i = 0; i < fractions.size(); ++i) {
     const PosedObject& posed = scene.objects[i];
@@ -278,6 +279,7 @@ std::vector<int> PossibleTargets(SceneRenderer& renderer, const Scene& scene,
 
 OcclusionSeries OccludeTarget(SceneRenderer& renderer, const SettledScene& start, int target,
                               const OcclusionSetup& setup, Rng& rng) {
+  setup.spec.Validate();
   return Occluder(renderer, start, target, setup, rng).Run();
 }
 
@@ -308,6 +310,7 @@ bool DropsAny(const std::vector<int>& wanted, const std::vector<int>& counts) {
 
 MadeSeries MakeOcclusionSeries(SceneRenderer& renderer, const SceneRequest& request,
                                const std::vector<int>& wanted, const OcclusionSetup& setup) {
+  setup.spec.Validate();
   CheckInput(DropsAny(wanted, request.counts),
              "a trial on occlusion has no part that could be its target; raise the count of one "
              "that is not foreign");

@@ -34,7 +34,7 @@ struct BlockerCounts {
   int kept = 0;
   int refused = 0;  // the scene failed its certificate, or the blocker did not settle in the bin
   int jumped = 0;   // hid so much that the band was skipped
-  int useless = 0;  // hid less than OcclusionSpec::least_hidden
+  int useless = 0;  // hid less than OcclusionSpec::min_hidden
   void Add(const BlockerCounts& other);
   friend bool operator==(const BlockerCounts&, const BlockerCounts&) = default;
 };

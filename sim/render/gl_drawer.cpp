@@ -123,10 +123,10 @@ InstanceAttributes AttributesOf(const Pose& X_CO, const RenderInstance& instance
       out.X_CO_rows[4 * row + column] = static_cast<float>(X_CO(row, column));
     }
   }
-  out.xy_projection = {static_cast<float>(2 * k.fx / viewport_width),
-                       static_cast<float>(2 * (k.cx + corner.x() + 0.5) / viewport_width - 1),
-                       static_cast<float>(2 * k.fy / viewport_height),
-                       static_cast<float>(2 * (k.cy + corner.y() + 0.5) / viewport_height - 1)};
+  out.xy_projection = {static_cast<float>(2 * k.fx() / viewport_width),
+                       static_cast<float>(2 * (k.cx() + corner.x() + 0.5) / viewport_width - 1),
+                       static_cast<float>(2 * k.fy() / viewport_height),
+                       static_cast<float>(2 * (k.cy() + corner.y() + 0.5) / viewport_height - 1)};
   const double depth = range.far_m - range.near_m;
   out.z_projection = {static_cast<float>((range.far_m + range.near_m) / depth),
                       static_cast<float>(-2 * range.far_m * range.near_m / depth)};

@@ -95,7 +95,7 @@ struct Renderer::Impl {
 
   // Returns the level of detail of a mesh whose nearest point is at depth `near_m`.
   int LevelOf(const GlMesh& mesh, double near_m, const CameraIntrinsics& k) const {
-    const double pixel_m = std::max(near_m, kNearestDrawn_m) / std::max(k.fx, k.fy);
+    const double pixel_m = std::max(near_m, kNearestDrawn_m) / std::max(k.fx(), k.fy());
     const double allowed_m = std::max(detail.deviation_m, detail.deviation_px * pixel_m);
     int level = 0;
     while (level + 1 < static_cast<int>(mesh.levels.size()) &&
@@ -140,7 +140,7 @@ struct Renderer::Impl {
   bool FindSeen(const Camera& camera, std::span<const RenderInstance> instances, DrawnBox& drawn,
                 std::vector<Seen>& seen) const {
     const CameraIntrinsics& k = camera.intrinsics;
-    CheckImageSize(k.width, k.height);
+    CheckImageSize(k.width(), k.height());
     const Pose X_CW = camera.X_CW();
     bool in_front = true;
     for (const RenderInstance& instance : instances) {
@@ -162,10 +162,10 @@ struct Renderer::Impl {
     DrawnBox drawn(k);
     std::vector<Seen> seen;
     const bool in_front = FindSeen(camera, instances, drawn, seen);
-    if (seen.empty()) return Readback::EmptyImage(outputs, k.width, k.height);
+    if (seen.empty()) return Readback::EmptyImage(outputs, k.width(), k.height());
     const Eigen::Vector3d light_C = camera.X_CW() * light.position_W;
     if (!plain || !in_front) return DrawByGl(k, seen, drawn.box(), light_C, outputs, setup);
-    RenderedImage image = Readback::EmptyImage(outputs, k.width, k.height);
+    RenderedImage image = Readback::EmptyImage(outputs, k.width(), k.height());
     DrawPlain(k, seen, drawn.box());
     plain_drawer.raster().Write(light, light_C, image);
     return image;
@@ -185,10 +185,10 @@ struct Renderer::Impl {
     std::vector<Draw> draws;
     draws.reserve(seen.size());
     for (const Seen& s : seen) {
-      draws.push_back(
-          {s.instance->mesh, s.level, s.footprint.near_m,
-           AttributesOf(s.X_CO, *s.instance, k, range, Eigen::Vector2i::Zero(), k.width, k.height),
-           ToFloats(light_C)});
+      draws.push_back({s.instance->mesh, s.level, s.footprint.near_m,
+                       AttributesOf(s.X_CO, *s.instance, k, range, Eigen::Vector2i::Zero(),
+                                    k.width(), k.height()),
+                       ToFloats(light_C)});
     }
     SortNearFirst(draws);
     // If a single instance is in view, its id is set at each pixel with a depth and is not drawn.
@@ -198,16 +198,16 @@ struct Renderer::Impl {
       setup.switches &= ~kIdsSwitch;
     }
     const bool extras = outputs & (OutputBit(kNormalOutput) | OutputBit(kCoordinateOutput));
-    BeginTarget(
-        gl,
-        targets.Of(gl, extras ? GlTargetKind::kImageAndExtras : GlTargetKind::kImage,
-                   std::min(k.width, RoundUp(box.width)), std::min(k.height, RoundUp(box.height))),
-        outputs);
+    BeginTarget(gl,
+                targets.Of(gl, extras ? GlTargetKind::kImageAndExtras : GlTargetKind::kImage,
+                           std::min(k.width(), RoundUp(box.width)),
+                           std::min(k.height(), RoundUp(box.height))),
+                outputs);
     // The viewport is the whole image, shifted by whole pixels. So the result does not depend on
     // the box.
-    gl.Viewport(-box.x, -box.y, k.width, k.height);
+    gl.Viewport(-box.x, -box.y, k.width(), k.height());
     drawer.DrawAll(draws, setup);
-    RenderedImage image = readback.ReadImage(gl, outputs, k.width, k.height, box);
+    RenderedImage image = readback.ReadImage(gl, outputs, k.width(), k.height(), box);
     if (one_id) Readback::FillIds(image, box, seen[0].instance->id);
     return image;
   }
@@ -246,7 +246,7 @@ struct Renderer::Impl {
           instances[i].mesh, LevelOf(mesh, footprint.near_m, k), footprint.near_m,
           AttributesOf(X_CO, instances[i], k, range, {tile.x, tile.y}, target.width, target.height),
           ToFloats(X_CW * light.position_W)};
-      if (!footprint.IsInside(k)) draw.scissor = {tile.x, tile.y, k.width, k.height};
+      if (!footprint.IsInside(k)) draw.scissor = {tile.x, tile.y, k.width(), k.height()};
       draws.push_back(draw);
     }
     std::stable_sort(draws.begin(), draws.end(), [](const Draw& a, const Draw& b) {
@@ -271,14 +271,14 @@ struct Renderer::Impl {
     sizes.reserve(cameras.size());
     for (const Camera& camera : cameras) {
       const CameraIntrinsics& k = camera.intrinsics;
-      CheckImageSize(k.width, k.height);
-      sizes.push_back({k.width, k.height});
+      CheckImageSize(k.width(), k.height());
+      sizes.push_back({k.width(), k.height()});
     }
     return LayOutAtlas(sizes, kAtlasSide);
   }
 
   static ImageBox BoxOf(const AtlasTile& tile, const CameraIntrinsics& k) {
-    return {tile.x, tile.y, k.width, k.height};
+    return {tile.x, tile.y, k.width(), k.height()};
   }
 
   // Ids are not drawn. Each pixel with a depth belongs to the view's only instance.

@@ -70,8 +70,8 @@ bool ShadowMap::Draw(const GlFunctions& gl, GlDrawer& drawer,
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture_, 0);
   }
-  CameraIntrinsics k{kSide_px, kSide_px, 0, 0, 0.5 * (kSide_px - 1), 0.5 * (kSide_px - 1)};
-  k.fx = k.fy = 0.5 * kSide_px * focal_;
+  const double focal_px = 0.5 * kSide_px * focal_, center_px = 0.5 * (kSide_px - 1);
+  const CameraIntrinsics k{kSide_px, kSide_px, focal_px, focal_px, center_px, center_px};
   const Pose X_LW = X_WL_.inverse();
   std::vector<sim::Draw> draws;
   for (const RenderInstance& instance : instances) {

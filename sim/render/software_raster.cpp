@@ -91,8 +91,8 @@ void CpuRaster::Write(const Light& light, const Eigen::Vector3d& light_C, Render
   const Eigen::Vector3f at = light_C.cast<float>();
   RowLight row{at.x(), at.y(), at.z(), static_cast<float>(light.ambient),
                static_cast<float>(light.diffuse)};
-  row.ray_x0 = static_cast<float>((box.x - camera_.cx) / camera_.fx);
-  row.ray_x = static_cast<float>(1 / camera_.fx);
+  row.ray_x0 = static_cast<float>((box.x - camera_.cx()) / camera_.fx());
+  row.ray_x = static_cast<float>(1 / camera_.fx());
   for (int y = 0; y < box.height; ++y) {
     const auto [begin, end] = raster_.Touched(y);
     if (begin >= end) continue;
@@ -106,7 +106,7 @@ void CpuRaster::Write(const Light& light, const Eigen::Vector3d& light_C, Render
       IdRow(begin, end, inverse, looks_.data(), out.ids.row(box.y + y) + box.x);
     }
     if (out.color.empty()) continue;
-    row.ray_y = static_cast<float>((box.y + y - camera_.cy) / camera_.fy);
+    row.ray_y = static_cast<float>((box.y + y - camera_.cy()) / camera_.fy());
     // Whole vectors are shaded, because the row's padding has no faces.
     const int padded = begin + RoundUpToVector(end - begin);
     ShadeRow(row, begin, padded, inverse, normals_.data(), looks_.data(), rgba_.data());

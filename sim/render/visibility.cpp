@@ -17,7 +17,7 @@ constexpr int kMaxCanvas_px = 4096;
 Camera CanvasFor(const Camera& camera, const Bounds& bounds_O, const Pose& X_CO) {
   const CameraIntrinsics& k = camera.intrinsics;
   const Footprint footprint = FootprintOf(bounds_O, X_CO, k);
-  const Eigen::Vector2d middle(0.5 * k.width, 0.5 * k.height);
+  const Eigen::Vector2d middle(0.5 * k.width(), 0.5 * k.height());
   const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * kMaxCanvas_px);
   Eigen::Vector2d min_px = middle - half, max_px = middle + half;
   if (footprint.in_front) {
@@ -27,10 +27,9 @@ Camera CanvasFor(const Camera& camera, const Bounds& bounds_O, const Pose& X_CO)
   Camera canvas = camera;
   const int left = static_cast<int>(std::floor(min_px.x()));
   const int top = static_cast<int>(std::floor(min_px.y()));
-  canvas.intrinsics.cx -= left;
-  canvas.intrinsics.cy -= top;
-  canvas.intrinsics.width = std::max(1, static_cast<int>(std::ceil(max_px.x())) - left + 1);
-  canvas.intrinsics.height = std::max(1, static_cast<int>(std::ceil(max_px.y())) - top + 1);
+  const int width = std::max(1, static_cast<int>(std::ceil(max_px.x())) - left + 1);
+  const int height = std::max(1, static_cast<int>(std::ceil(max_px.y())) - top + 1);
+  canvas.intrinsics = k.Window(left, top, width, height);
   return canvas;
 }
 

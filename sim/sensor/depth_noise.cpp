@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "scenes/base/error.h"
+#include "scenes/base/settings.h"
 #include "scenes/camera/mesh_raster_rows.h"
 #include "sim/sensor/image_geometry.h"
 #include "sim/sensor/noise_streams.h"
@@ -278,12 +279,12 @@ NoiseMaker::NoiseMaker(const IdealView& view, const SensorProfile& p, uint64_t k
       needs_shadow_(p.baseline_m != 0),
       needs_jitter_((p.lateral_sigma_px > 0 || p.lateral_slant_px > 0) && depth_m_.width() > 1 &&
                     depth_m_.height() > 1),
-      constants_(p, view.intrinsics.fx),
+      constants_(p, view.intrinsics.fx()),
       row_(depth_m_.width()),
       numbers_(depth_m_.width()),
       slants_(depth_m_, view.intrinsics),
-      shadows_(depth_m_.width(), view.intrinsics.fx, p.baseline_m, constants_.edge_step_m) {
-  const double spacing_px = ErrorSpacing_px(p, view.intrinsics.fx);
+      shadows_(depth_m_.width(), view.intrinsics.fx(), p.baseline_m, constants_.edge_step_m) {
+  const double spacing_px = ErrorSpacing_px(p, view.intrinsics.fx());
   if (spacing_px > 0) correlated_.emplace(key, depth_m_.width(), spacing_px);
   if (constants_.window_reach_px > 1 && p.edge_dropout > 0) {
     edge_distance_px_ =
@@ -291,7 +292,7 @@ NoiseMaker::NoiseMaker(const IdealView& view, const SensorProfile& p, uint64_t k
                          static_cast<uint8_t>(std::ceil(constants_.window_reach_px)));
   }
   if (p.sensor_x_m != 0) {
-    sensor_shadows_.emplace(depth_m_.width(), view.intrinsics.fx, p.sensor_x_m,
+    sensor_shadows_.emplace(depth_m_.width(), view.intrinsics.fx(), p.sensor_x_m,
                             constants_.edge_step_m);
     is_sensor_shadow_.resize(depth_m_.width());
   }
@@ -371,8 +372,9 @@ std::string SizeText(int width, int height) { return fmt::format("{} x {}", widt
 }  // namespace
 
 Image<float> ApplySensorNoise(const IdealView& view, const SensorProfile& profile, Rng& rng) {
+  CheckSettings("SensorProfile", profile);
   const std::string size = SizeText(view.depth_m.width(), view.depth_m.height());
-  const std::string of_camera = SizeText(view.intrinsics.width, view.intrinsics.height);
+  const std::string of_camera = SizeText(view.intrinsics.width(), view.intrinsics.height());
   CheckInput(size == of_camera,
              fmt::format("a depth image of {} px, but a camera of {} px", size, of_camera));
   if (view.color && !view.color->empty()) {

@@ -25,7 +25,8 @@ struct IdealView {
 // interpolated depth. Probabilities of a reading multiply. The order of effects is: failure,
 // displacement (or flying pixel), noise, quantization, range limits.
 //
-// Throws InputError if the sizes of depth, intrinsics and color differ.
+// Throws InputError if the sizes of depth, intrinsics and color differ, and for a profile with
+// values out of range.
 Image<float> ApplySensorNoise(const IdealView& view, const SensorProfile& profile, Rng& rng);
 
 }  // namespace pickbed::sim

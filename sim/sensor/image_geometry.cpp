@@ -121,7 +121,7 @@ SlantRows::SlantRows(const Image<float>& depth_m, const CameraIntrinsics& intrin
   slant_rad_.resize(width);
   ray_x_.resize(width);
   for (int x = 0; x < width; ++x) {
-    ray_x_[x] = static_cast<float>((x - intrinsics.cx) / intrinsics.fx);
+    ray_x_[x] = static_cast<float>((x - intrinsics.cx()) / intrinsics.fx());
   }
   if (depth_m.height() > 0) LoadInverseDepth(0);
 }
@@ -148,9 +148,9 @@ const float* SlantRows::Row(int y) {
     (above ? below : above) = outside_.data() + 1;
     if (!below) below = row;  // an image of one row
   }
-  const auto ray_y = static_cast<float>((y - intrinsics_.cy) / intrinsics_.fy);
-  Slants(above, row, below, ray_x_.data(), ray_y, static_cast<float>(intrinsics_.fx),
-         static_cast<float>(intrinsics_.fy), width, slant_rad_.data());
+  const auto ray_y = static_cast<float>((y - intrinsics_.cy()) / intrinsics_.fy());
+  Slants(above, row, below, ray_x_.data(), ray_y, static_cast<float>(intrinsics_.fx()),
+         static_cast<float>(intrinsics_.fy()), width, slant_rad_.data());
   return slant_rad_.data();
 }
 

@@ -69,10 +69,10 @@ Hit Cast(double u, double v) {
 // the projector's side.
 Image<float> TurnedPlane(const SensorProfile& p, double z_m, double slant_rad) {
   const double tangent = (p.baseline_m < 0 ? -1 : 1) * std::tan(slant_rad);
-  Image<float> depth_m(kNarrow.width, kNarrow.height);
-  for (int y = 0; y < kNarrow.height; ++y) {
-    for (int x = 0; x < kNarrow.width; ++x) {
-      const double u = (x - kNarrow.cx) / kNarrow.fx;
+  Image<float> depth_m(kNarrow.width(), kNarrow.height());
+  for (int y = 0; y < kNarrow.height(); ++y) {
+    for (int x = 0; x < kNarrow.width(); ++x) {
+      const double u = (x - kNarrow.cx()) / kNarrow.fx();
       depth_m(x, y) = static_cast<float>(std::max(0.0, z_m / (1 - u * tangent)));
     }
   }
@@ -85,8 +85,8 @@ NoiseSample Measure(const SensorProfile& p, double z_m, double slant_rad, Rng& r
   int read = 0, lost = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
     const Image<float> seen = ApplySensorNoise({ideal, kNarrow}, p, rng);
-    for (int y = 0; y < kNarrow.height; ++y) {
-      for (int x = kMargin_px; x < kNarrow.width - kMargin_px; ++x) {
+    for (int y = 0; y < kNarrow.height(); ++y) {
+      for (int x = kMargin_px; x < kNarrow.width() - kMargin_px; ++x) {
         if (seen(x, y) == 0) {
           ++lost;
           continue;
@@ -123,12 +123,12 @@ double TrialDistance_m(const SensorProfile& profile) {
 SensorScene MakeSensorScene(double distance_m) {
   SensorScene scene;
   scene.camera = {480, 360, 510, 510, 239.5, 179.5};
-  scene.color = Image<Rgb8>(scene.camera.width, scene.camera.height);
-  scene.depth_m = Image<float>(scene.camera.width, scene.camera.height);
-  for (int y = 0; y < scene.camera.height; ++y) {
-    for (int x = 0; x < scene.camera.width; ++x) {
-      const Hit hit =
-          Cast((x - scene.camera.cx) / scene.camera.fx, (y - scene.camera.cy) / scene.camera.fy);
+  scene.color = Image<Rgb8>(scene.camera.width(), scene.camera.height());
+  scene.depth_m = Image<float>(scene.camera.width(), scene.camera.height());
+  for (int y = 0; y < scene.camera.height(); ++y) {
+    for (int x = 0; x < scene.camera.width(); ++x) {
+      const Hit hit = Cast((x - scene.camera.cx()) / scene.camera.fx(),
+                           (y - scene.camera.cy()) / scene.camera.fy());
       const auto shade = [&](uint8_t c) {
         return static_cast<uint8_t>(c * (0.35 + 0.65 * std::min(1.0, hit.cosine)));
       };

@@ -167,18 +167,18 @@ scontrol release "${job}_$held" || fail "cannot release the last task"
 wait $follower
 status=$?
 [ $status = 0 ] || fail "the sweep on Slurm ended with status $status: $(tail -1 cluster.err)"
-for file in trials.csv picks.csv parts.csv points.csv summary.json; do
+for file in trials.csv attempts.csv instance_outcomes.csv configurations.csv summary.json; do
   cmp -s "local/$file" "cluster/$file" || fail "$file differs from the file of two workers"
 done
 [ "$(wc -l <cluster/trials.csv)" = 49 ] || fail "not 48 trials"
 grep -q '"what":"trial","done":' cluster.err || fail "no progress"
-grep -q '"done":48,"total":48,.*"attempts":[1-9].*"success_ci95":' cluster.err ||
+grep -q '"done":48,"total":48,.*"executed_grasps":[1-9].*"success_ci95":' cluster.err ||
   fail "the last line of progress has no success rate"
 
 # The sweep is finished: the same command submits nothing and gives the same results.
 "$pickbed" sweep sweep.yaml --slurm --out cluster >again.log 2>again.err || fail "the second call"
 [ "$(cat cluster/slurm/job_id)" = "$job" ] || fail "a finished sweep was submitted again"
-cmp -s local/picks.csv cluster/picks.csv || fail "the second call changed the results"
+cmp -s local/attempts.csv cluster/attempts.csv || fail "the second call changed the results"
 
 # A time limit ends shards. Their finished trials are kept and reported, and the same command continues.
 "$pickbed" sweep sweep.yaml --slurm --shards 1 --time 0:01 --trials 400 --out limited \

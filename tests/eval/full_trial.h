@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
 #include <tuple>
 
 #include "eval/trial/trial.h"
@@ -58,13 +59,14 @@ inline TrialResult FullTrial(int trial) {
     score.object = 1;
     score.instance = 3;
     score.score = rng.Uniform();
-    score.mssd_m = rng.Uniform();
-    score.mspd_px = rng.Uniform();
-    score.add_m = rng.Uniform();
-    score.adi_m = rng.Uniform();
-    score.rotation_rad = rng.Uniform();
-    score.translation_m = rng.Uniform();
-    score.mssd_diameters = std::numeric_limits<double>::infinity();
+    score.metrics.Set(kMssd_m, rng.Uniform());
+    score.metrics.Set("mspd_px", rng.Uniform());
+    score.metrics.Set("add_m", rng.Uniform());
+    score.metrics.Set("adi_m", rng.Uniform());
+    score.metrics.Set(kRotation_rad, rng.Uniform());
+    score.metrics.Set(kTranslation_m, rng.Uniform());
+    score.metrics.Set("of_another_version", rng.Uniform());
+    score.metrics.Set(kMssdDiameters, std::numeric_limits<double>::infinity());
     score.correct = true;
     score.X_WO = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
     score.X_OE = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
@@ -137,10 +139,14 @@ inline void ExpectSamePick(const AttemptRecord& a, const AttemptRecord& b) {
   ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
   for (size_t i = 0; i < a.hypotheses.size(); ++i) {
     const HypothesisRecord &x = a.hypotheses[i], &y = b.hypotheses[i];
-    EXPECT_EQ(std::tie(x.object, x.instance, x.score, x.mssd_m, x.mspd_px, x.add_m, x.adi_m),
-              std::tie(y.object, y.instance, y.score, y.mssd_m, y.mspd_px, y.add_m, y.adi_m));
-    EXPECT_EQ(std::tie(x.rotation_rad, x.translation_m, x.mssd_diameters, x.correct),
-              std::tie(y.rotation_rad, y.translation_m, y.mssd_diameters, y.correct));
+    EXPECT_EQ(std::tie(x.object, x.instance, x.score, x.correct),
+              std::tie(y.object, y.instance, y.score, y.correct));
+    const auto values = [](const HypothesisRecord& record) {
+      std::map<std::string, double> by_metric;
+      for (const MetricValue& value : record.metrics) by_metric[value.metric] = value.value;
+      return by_metric;
+    };
+    EXPECT_EQ(values(x), values(y));
     EXPECT_EQ(x.X_WO.matrix(), y.X_WO.matrix());
     EXPECT_EQ(x.X_OE.matrix(), y.X_OE.matrix());
   }

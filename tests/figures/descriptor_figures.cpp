@@ -5,7 +5,8 @@
 //                                                   book, compared with an exact search
 //   descriptor_figures ambiguous BINS SCENARIO...   instances whose image does not determine
 //                                                   the pose: another pose gives the same image
-//   descriptor_figures fates BINS SCENARIO...       stage at which mode hard loses instances, by
+//   descriptor_figures fates BINS SCENARIO...       stage at which mode accurate loses instances,
+//   by
 //                                                   visible fraction
 // KEY=VALUE among the scenarios is a setting of all following scenarios.
 
@@ -75,7 +76,7 @@ void MeasureIcp(const Bins& bins) {
   constexpr double kClear = 0.5;  // visible fraction
   const LoadedScenario loaded = Load(bins);
   SimulatedCell cell(loaded.spec, loaded.objects);
-  const AssessmentOptions options = OptionsForMode("hard").candidates;
+  const AssessmentOptions options = OptionsForMode("accurate").candidates;
   std::vector<ModelPoints> models;
   std::vector<PoseDistance> distances;
   for (const auto& object : cell.objects()) {
@@ -187,7 +188,7 @@ IndexFigures MeasureIndex(const LoadedScenario& loaded, int bins, bool exact) {
   setup.cache_dir = CacheDir();
   DescriptorOptions options = OptionsForMode(loaded.spec.estimator.mode);
   options.candidates.min_points = options.candidates.points;
-  if (exact) options.candidates.index.linear_below = INT_MAX;
+  if (exact) options.candidates.index.linear_below = NeighborOptions::kAlwaysLinear;
   const auto estimator = MakeDescriptorEstimator(setup, options);
   std::vector<MetricModel> metrics;
   for (const auto& model : cell.objects()) metrics.push_back(MakeMetricModel(*model));
@@ -218,7 +219,7 @@ void CompareIndex(const Bins& bins) {
 void CountOutcomes(const Bins& bins) {
   constexpr std::array<double, 6> kBands{0.1, 0.3, 0.5, 0.7, 0.9, 1.01};
   LoadedScenario loaded = Load(bins);
-  loaded.spec.estimator.mode = "hard";
+  loaded.spec.estimator.mode = "accurate";
   SimulatedCell cell(loaded.spec, loaded.objects);
   EstimatorRunner runner(cell, loaded.spec, 2, {});
   std::vector<ModelPoints> models;

@@ -110,7 +110,7 @@ void MeasureKills(int kills) {
   SweepOptions whole = options;
   whole.out = temporary.path() / "whole";
   RunSweep(sweep, whole, {});
-  for (const char* file : {"trials.csv", "picks.csv", "parts.csv"}) {
+  for (const char* file : {"trials.csv", "attempts.csv", "instance_outcomes.csv"}) {
     const bool same = ReadFileBytes(options.out / file) == ReadFileBytes(whole.out / file);
     fmt::print("{}: {} as without kills\n", file, same ? "the same" : "NOT the same");
   }

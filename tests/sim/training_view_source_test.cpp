@@ -72,8 +72,8 @@ TEST(ViewSource, IsolatedViewsMatchTheMeshAtTheGivenPoses) {
     EXPECT_TRUE(view.instances[0].X_CO.isApprox(X_CO[i]));
     EXPECT_EQ(view.instances[0].visible_fraction, 1.0);
     int covered = 0;
-    for (int v = 0; v < crop.height; ++v) {
-      for (int u = 0; u < crop.width; ++u) {
+    for (int v = 0; v < crop.height(); ++v) {
+      for (int u = 0; u < crop.width(); ++u) {
         const double z = view.frame.depth_m(u, v);
         ASSERT_EQ(view.ids(u, v), z > 0 ? 1 : 0);
         if (z == 0) continue;
@@ -291,7 +291,7 @@ TEST(ViewSource, DistractorsAreInScenesAndAreBackground) {
   ViewSourceOptions options = SmallOptions();
   options.sensor = SensorProfile();
   const auto none = MakeSimViewSource(objects, options);
-  options.foreign_share = 0.5;
+  options.distractor_share = 0.5;
   const auto half = MakeSimViewSource(objects, options);
   EXPECT_NE(none->PileSettings(), half->PileSettings());
   EXPECT_EQ(none->IsolatedSettings(), half->IsolatedSettings());
@@ -364,7 +364,7 @@ TEST(ViewSource, InvalidInputIsRefused) {
   options.distance_min_m = 2;
   EXPECT_THROW(MakeSimViewSource(FirstObjects(1), options), InputError);
   options = SmallOptions();
-  options.foreign_share = 1.5;
+  options.distractor_share = 1.5;
   EXPECT_THROW(MakeSimViewSource(FirstObjects(1), options), InputError);
   const auto source = MakeSimViewSource(FirstObjects(1), SmallOptions());
   EXPECT_THROW(source->Isolated(1, SomePoses(1), {}, 0), InputError);

@@ -15,16 +15,16 @@ template <typename Surface>
 OrganizedCloud AnalyticCloud(Surface surface) {
   OrganizedCloud cloud;
   const CameraIntrinsics& k = cloud.intrinsics;
-  cloud.depth_m = Image<float>(k.width, k.height);
-  cloud.foreground = Image<uint8_t>(k.width, k.height);
+  cloud.depth_m = Image<float>(k.width(), k.height());
+  cloud.foreground = Image<uint8_t>(k.width(), k.height());
   cloud.points_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
   cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
-  for (int y = 0; y < k.height; ++y) {
-    for (int x = 0; x < k.width; ++x) {
+  for (int y = 0; y < k.height(); ++y) {
+    for (int x = 0; x < k.width(); ++x) {
       const Eigen::Vector3d ray = BackProject(k, x, y, 1.0);
       const auto [t, normal] = surface(ray);
       if (!(t > 0)) continue;
-      const int pixel = y * k.width + x;
+      const int pixel = y * k.width() + x;
       cloud.depth_m(x, y) = static_cast<float>(t);
       cloud.points_C[pixel] = (t * ray).template cast<float>();
       cloud.normals_C[pixel] = normal.template cast<float>();
@@ -62,7 +62,7 @@ inline OrganizedCloud SphereCloud(double depth_m, double radius_m) {
 // Returns the index of the pixel to the right of and below the optical axis.
 inline int CenterPixel(const OrganizedCloud& cloud) {
   const CameraIntrinsics& k = cloud.intrinsics;
-  return static_cast<int>(k.cy + 0.5) * k.width + static_cast<int>(k.cx + 0.5);
+  return static_cast<int>(k.cy() + 0.5) * k.width() + static_cast<int>(k.cx() + 0.5);
 }
 
 }  // namespace pickbed::tests

@@ -7,7 +7,7 @@ namespace pickbed::tests {
 LabelledView RayCastViews::Observation(const CameraIntrinsics& camera,
                                        std::vector<LabelledInstance> instances, Rng& rng) const {
   LabelledView view;
-  view.ids = Image<uint16_t>(camera.width, camera.height);
+  view.ids = Image<uint16_t>(camera.width(), camera.height());
   SyntheticDepth all(camera);
   for (size_t i = 0; i < instances.size(); ++i) {
     // Pixels that change belong to this instance.

@@ -28,10 +28,10 @@ inline HypothesisRecord Hypothesis(const InstanceRecord& instance, double p_righ
   score.instance = instance.instance;
   score.score = p_right;
   score.correct = rng.Uniform() < p_right;
-  score.mssd_diameters = (score.correct ? 0.0 : 0.1) + 0.09 * rng.Uniform();
-  score.mssd_m = 0.08 * score.mssd_diameters;
-  score.translation_m = 0.5 * score.mssd_m;
-  score.rotation_rad = 2 * score.mssd_diameters;
+  score.metrics.Set(kMssdDiameters, (score.correct ? 0.0 : 0.1) + 0.09 * rng.Uniform());
+  score.metrics.Set(kMssd_m, 0.08 * score.mssd_diameters());
+  score.metrics.Set(kTranslation_m, 0.5 * score.mssd_m());
+  score.metrics.Set(kRotation_rad, 2 * score.mssd_diameters());
   score.X_WO.translation() = 0.1 * rng.UnitVector();
   return score;
 }

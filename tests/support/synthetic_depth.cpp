@@ -21,22 +21,22 @@ Box PixelsOf(const CameraIntrinsics& k, const TriangleMesh& mesh_C) {
   constexpr double kFarOff = 1e6;
   Eigen::Vector2d low(kFarOff, kFarOff), high = -low;
   for (const Eigen::Vector3d& p : mesh_C.vertices) {
-    if (p.z() <= 0) return {0, 0, k.width, k.height};
+    if (p.z() <= 0) return {0, 0, k.width(), k.height()};
     low = low.cwiseMin(Project(k, p));
     high = high.cwiseMax(Project(k, p));
   }
   const auto cut = [](double value, int limit) {
     return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(limit)));
   };
-  return {cut(std::floor(low.x()), k.width), cut(std::floor(low.y()), k.height),
-          cut(std::ceil(high.x()) + 1, k.width), cut(std::ceil(high.y()) + 1, k.height)};
+  return {cut(std::floor(low.x()), k.width()), cut(std::floor(low.y()), k.height()),
+          cut(std::ceil(high.x()) + 1, k.width()), cut(std::ceil(high.y()) + 1, k.height())};
 }
 
 }  // namespace
 
 SyntheticDepth::SyntheticDepth(const CameraIntrinsics& intrinsics) {
   frame_.intrinsics = intrinsics;
-  frame_.depth_m = Image<float>(intrinsics.width, intrinsics.height);
+  frame_.depth_m = Image<float>(intrinsics.width(), intrinsics.height());
 }
 
 void SyntheticDepth::Offer(int x, int y, double depth_m) {
@@ -46,8 +46,8 @@ void SyntheticDepth::Offer(int x, int y, double depth_m) {
 
 void SyntheticDepth::AddPlane(const Eigen::Vector3d& normal_C, const Eigen::Vector3d& point_C) {
   const CameraIntrinsics& k = frame_.intrinsics;
-  for (int y = 0; y < k.height; ++y) {
-    for (int x = 0; x < k.width; ++x) {
+  for (int y = 0; y < k.height(); ++y) {
+    for (int x = 0; x < k.width(); ++x) {
       Offer(x, y, normal_C.dot(point_C) / normal_C.dot(Ray(k, x, y)));
     }
   }
@@ -55,8 +55,8 @@ void SyntheticDepth::AddPlane(const Eigen::Vector3d& normal_C, const Eigen::Vect
 
 void SyntheticDepth::AddSphere(const Eigen::Vector3d& center_C, double radius_m) {
   const CameraIntrinsics& k = frame_.intrinsics;
-  for (int y = 0; y < k.height; ++y) {
-    for (int x = 0; x < k.width; ++x) {
+  for (int y = 0; y < k.height(); ++y) {
+    for (int x = 0; x < k.width(); ++x) {
       // The nearer root of |z * ray - center| = radius.
       const Eigen::Vector3d ray = Ray(k, x, y);
       const double a = ray.squaredNorm(), b = ray.dot(center_C);
@@ -80,9 +80,7 @@ void SyntheticDepth::AddMesh(const TriangleMesh& mesh_O, const Pose& X_CO) {
   }
 }
 
-CameraIntrinsics SmallCamera() {
-  return {.width = 320, .height = 240, .fx = 340, .fy = 340, .cx = 159.5, .cy = 119.5};
-}
+CameraIntrinsics SmallCamera() { return {320, 240, 340, 340, 159.5, 119.5}; }
 
 RgbdFrame WithNoise(RgbdFrame frame, double sigma_m, Rng& rng) {
   for (float& z : frame.depth_m.pixels()) {

@@ -25,9 +25,9 @@ crop_benchmark_is_repeatable() {
 bin_benchmark_trains_missing_models() {
   local few=(rods.yaml --small --scenes 1 --estimator "wohlhart;oracle" --out bins)
   # This replaces the training of --small, which takes minutes.
-  expect 0 "$pickbed" train wohlhart rod --out bins/models/wohlhart.pt --set piles=2 \
+  expect 0 "$pickbed" train wohlhart rod --out bins/models/wohlhart.pt --set clutter_scenes=2 \
     --set wohlhart.views.templates.template_level=1 --set wohlhart.views.templates.in_plane=12 \
-    --set wohlhart.views.alone=100 --set wohlhart.views.piles=2 \
+    --set wohlhart.views.isolated=100 --set wohlhart.views.clutter_scenes=2 \
     --set wohlhart.network.iterations=4 --set wohlhart.network.mine_every=4
   expect 0 "$pickbed" benchmark bins "${few[@]}"
   grep -q '^all,"wohlhart",1,' bins/bins.csv || fail "no row of wohlhart for all"

@@ -13,8 +13,8 @@ budget_shares_sum_for_any_number_of_jobs() {
     same "one/budget/$file" "two/budget/$file"
   done
   for row in detection pose refinement grasp perception everything; do
-    same "one/budget/$row/picks.csv" "two/budget/$row/picks.csv"
-    same "one/budget/$row/parts.csv" "two/budget/$row/parts.csv"
+    same "one/budget/$row/attempts.csv" "two/budget/$row/attempts.csv"
+    same "one/budget/$row/instance_outcomes.csv" "two/budget/$row/instance_outcomes.csv"
   done
   # In each row and column: all = picked + not asked + failed.
   awk -F, 'NR > 1 { for (i = 4; i <= 5; ++i) sum[$1, i] += $3 == "all" ? $i : -$i; rows[$1] }
@@ -53,7 +53,7 @@ invalid_budget_requests_are_refused() {
   refused "repeat the run" "$pickbed" budget here
   rm here/results.sqlite
   refused "holds no results.sqlite" "$pickbed" budget here
-  refused "unknown policy.stop 'never'; known: until_empty, look_again, one_pick" \
+  refused "unknown policy.stop 'never'; known: until_empty, capture_again, one_pick" \
     "$pickbed" run small.yaml --set policy.stop=never --out no
   refused "unknown ranking 'best'; known: quality, epsilon, robust, random" \
     "$pickbed" run small.yaml --set policy.ranking=best --out no

@@ -5,7 +5,7 @@ bop_task_decides_whether_instance_counts_are_given() {
   echo "camera: {width: 160, height: 120, focal_px: 170}" >>rods.yaml
   expect 0 "$pickbed" dataset make rods.yaml --scenes 1 --views 1 --jobs 1 --out set
   sed -i 's/"inst_count": *[0-9]*/"inst_count": 2/' set/test_targets_bop19.json
-  local all="--set estimator.min_score=0 --set estimator.mode=hard"
+  local all="--set estimator.min_score=0 --set estimator.mode=accurate"
   expect 0 "$pickbed" estimate --bop set $all --out told
   [ "$(wc -l <told/descriptor_set-test.csv)" = 3 ] || fail "not the two requested rods"
   expect 0 "$pickbed" estimate --bop set $all --task detection --out untold

@@ -19,7 +19,7 @@ estimate_scores_ground_truth_poses_as_correct() {
   local wrong=$(tail -n +2 look/hypotheses.csv | grep -vc ',1,$')
   [ "$wrong" = 0 ] || fail "$wrong ground truth poses were scored as wrong"
   [ "$(wc -l <look/hypotheses.csv)" -gt 5 ] || fail "too few hypotheses"
-  [ -s look/pictures/trial_0001/oracle/pick_00_overlay.png ] || fail "no overlay"
+  [ -s look/pictures/trial_0001/oracle/attempt_00_overlay.png ] || fail "no overlay"
 }
 
 # _check_pictures FOLDER: every image that the explain page names exists, and every image is on the page.

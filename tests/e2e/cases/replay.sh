@@ -6,20 +6,20 @@ replay_reproduces_every_stage() {
   grep -q "^all that is recorded is the same" last.out || fail "the replay does not report that all is the same"
   [ "$(grep -c " same$" last.out)" -ge 5 ] || fail "not all stages of an attempt are named"
   for file in color.png depth.png ids.png overlay.png after.png cloud.ply hypotheses.ply scene.glb; do
-    [ -s "one/replay/trial_0001/look_00_$file" ] || fail "no $file"
+    [ -s "one/replay/trial_0001/attempt_00_$file" ] || fail "no $file"
   done
   # An occlusion trial, at the second configuration of a sweep.
   cat >occlusion.yaml <<'YAML'
 scenario: small.yaml
 trials: 2
 set: {estimator.name: oracle}
-occlusion: {enabled: true, bands: [{least: 0.3, most: 0.6}, {least: 0.9, most: 1}]}
+occlusion: {enabled: true, bands: [{min: 0.3, max: 0.6}, {min: 0.9, max: 1}]}
 grid: {noise: {none: {estimator.noise_mm: 0}, much: {estimator.noise_mm: 9}}}
 YAML
   expect 0 "$pickbed" sweep occlusion.yaml --out hidden
   expect 0 "$pickbed" replay hidden#3
   [ "$(grep -c "^[01] .* same$" last.out)" = 10 ] || fail "not five stages of two attempts"
-  [ -s hidden/replay/trial_0003/look_01_scene.glb ] || fail "no second attempt"
+  [ -s hidden/replay/trial_0003/attempt_01_scene.glb ] || fail "no second attempt"
   # From another working folder, and a trial with ground truth substituted.
   expect 0 "$pickbed" budget one --stages pose
   cd / || fail "cannot change the folder"
@@ -37,7 +37,7 @@ replay_names_the_changed_setting() {
   expect 1 "$pickbed" replay one#1
   grep -q "^changed since the trial ran: was 'clearance_m: 0.003', is 'clearance_m: 0.006'" last.out ||
     fail "the changed setting is not named"
-  grep -q "^first difference: look 0, stage grasp" last.out || fail "the stage is not named"
+  grep -q "^first difference: attempt 0, stage grasp" last.out || fail "the stage is not named"
 }
 
 invalid_replay_requests_are_refused() {

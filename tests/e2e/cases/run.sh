@@ -4,48 +4,48 @@ run_results_do_not_depend_on_jobs() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 1 --out one --pictures 0 --lost-pictures 0
   expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 2 --out two --pictures 1
   same one/trials.csv two/trials.csv
-  same one/picks.csv two/picks.csv
+  same one/attempts.csv two/attempts.csv
   same one/summary.json two/summary.json
   [ -s one/summary.json ] || fail "summary.json is empty"
   [ "$(wc -l <one/trials.csv)" = 5 ] || fail "trials.csv does not have one line per trial"
   for rule in contact lifted held right_instance single_instance placed vgn_loose; do
-    head -1 one/picks.csv | grep -q ",$rule," || fail "picks.csv has no column $rule"
+    head -1 one/attempts.csv | grep -q ",$rule," || fail "attempts.csv has no column $rule"
     grep -q "\"$rule\": {" one/summary.json || fail "summary.json has no rate by $rule"
   done
   [ ! -e one/pictures ] || fail "unrequested pictures were written"
   for picture in color depth overlay after; do
-    [ -s "two/pictures/trial_0000/pick_00_$picture.png" ] || fail "no picture $picture"
+    [ -s "two/pictures/trial_0000/attempt_00_$picture.png" ] || fail "no picture $picture"
   done
 }
 
 failed_picks_have_a_small_picture() {
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --jobs 1 --out one
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --jobs 2 --out two
-  local lost=$(awk -F, 'NR > 1 { for (i = 1; i <= NF; ++i) if ($i == "pose_wrong") ++n } END { print n + 0 }' one/picks.csv)
+  local lost=$(awk -F, 'NR > 1 { for (i = 1; i <= NF; ++i) if ($i == "pose_wrong") ++n } END { print n + 0 }' one/attempts.csv)
   [ "$lost" -ge 1 ] || fail "no pick failed"
-  local shown=$(find one/pictures -name "pick_*_lost.jpg" | wc -l)
+  local shown=$(find one/pictures -name "attempt_*_failed.jpg" | wc -l)
   [ "$shown" -ge "$lost" ] || fail "$shown pictures of $lost failed picks"
   [ "$(find one/pictures -type f | wc -l)" = "$shown" ] || fail "unrequested pictures were written"
   diff -r one/pictures two/pictures >&2 || fail "pictures depend on the number of workers"
 }
 
 distractors_do_not_count() {
-  cat >foreign.yaml <<'YAML'
+  cat >distractor.yaml <<'YAML'
 trials: 1
 objects:
-  - {name: flange, count: 2, foreign: true}
+  - {name: flange, count: 2, distractor: true}
   - {name: rod, count: 3}
 YAML
-  expect 0 "$pickbed" run foreign.yaml "${small[@]}" --out one --pictures 0
+  expect 0 "$pickbed" run distractor.yaml "${small[@]}" --out one --pictures 0
   grep -q "^0,0,0,finished,3," one/trials.csv || fail "distractors count as dropped instances"
-  expect 1 "$pickbed" run foreign.yaml --set objects.1.foreign=true --out two
+  expect 1 "$pickbed" run distractor.yaml --set objects.1.distractor=true --out two
   grep -q "all parts are foreign" last.err || fail "a scenario with only distractors is not refused"
 }
 
 another_seed_gives_other_results() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out one
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out two --set seed=8
-  cmp -s one/picks.csv two/picks.csv && fail "seeds 7 and 8 gave the same picks"
+  cmp -s one/attempts.csv two/attempts.csv && fail "seeds 7 and 8 gave the same picks"
   return 0
 }
 
@@ -73,7 +73,7 @@ run_resumes_after_an_interrupt() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials $((kept + 2)) --out long --resume
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials $((kept + 2)) --out whole
   same long/trials.csv whole/trials.csv
-  same long/picks.csv whole/picks.csv
+  same long/attempts.csv whole/attempts.csv
 }
 
 a_killed_worker_loses_nothing() {
@@ -88,7 +88,7 @@ a_killed_worker_loses_nothing() {
   [ $? = 0 ] || fail "the exit status is not 0"
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 12 --out whole
   same killed/trials.csv whole/trials.csv
-  same killed/picks.csv whole/picks.csv
+  same killed/attempts.csv whole/attempts.csv
 }
 
 a_full_disk_keeps_finished_trials() {
@@ -113,5 +113,5 @@ resume_with_other_settings_is_refused() {
 written_scenario_reproduces_the_run() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out first
   expect 0 "$pickbed" run first/scenario.yaml --out second
-  same first/picks.csv second/picks.csv
+  same first/attempts.csv second/attempts.csv
 }

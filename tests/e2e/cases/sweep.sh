@@ -16,21 +16,21 @@ sweep_results_do_not_depend_on_jobs_or_shards() {
   grep -qv '^{' last.err && fail "not every line of progress is JSON"
   for i in 2 3 1; do expect 0 "$pickbed" sweep sweep.yaml --shard $i/3 --jobs 2 --out parts; done
   expect 0 "$pickbed" merge parts/shards/* --out joined
-  for file in trials.csv picks.csv parts.csv points.csv summary.json; do
+  for file in trials.csv attempts.csv instance_outcomes.csv configurations.csv summary.json; do
     same "one/$file" "two/$file"
     same "one/$file" "joined/$file"
   done
   [ "$(wc -l <one/trials.csv)" = 13 ] || fail "not 12 trials"
   # A configuration gives the same results as a run of its file.
-  expect 0 "$pickbed" run one/points/03_*.yaml --out point
-  cut -d, -f5- point/picks.csv >run.picks
-  grep -E "^(trial|9|10|11)," one/picks.csv | cut -d, -f5- >sweep.picks
+  expect 0 "$pickbed" run one/configurations/03_*.yaml --out point
+  cut -d, -f5- point/attempts.csv >run.picks
+  grep -E "^(trial|9|10|11)," one/attempts.csv | cut -d, -f5- >sweep.picks
   same run.picks sweep.picks
   # Different settings are merged side by side with --compare.
   expect 1 "$pickbed" merge one point --out both
   grep -q -- "--compare" last.err || fail "--compare is not suggested"
   expect 0 "$pickbed" merge one point --out both --compare
-  [ "$(wc -l <both/points.csv)" = 6 ] || fail "not five configurations side by side"
+  [ "$(wc -l <both/configurations.csv)" = 6 ] || fail "not five configurations side by side"
 }
 
 a_killed_sweep_resumes() {
@@ -47,7 +47,7 @@ a_killed_sweep_resumes() {
   expect 0 "$pickbed" sweep sweep.yaml --trials 20 --jobs 2 --out long --resume
   expect 0 "$pickbed" sweep sweep.yaml --trials 20 --jobs 2 --out whole
   same long/trials.csv whole/trials.csv
-  same long/picks.csv whole/picks.csv
+  same long/attempts.csv whole/attempts.csv
 }
 
 sweep_stops_at_the_requested_interval_width() {
@@ -57,7 +57,7 @@ sweep_stops_at_the_requested_interval_width() {
   local bins=$(($(wc -l <one/trials.csv) - 1))
   [ "$bins" -ge 8 ] && [ "$bins" -lt 120 ] || fail "$bins bins"
   expect 0 "$pickbed" sweep sweep.yaml "${wide[@]}" --jobs 3 --out three
-  for file in trials.csv picks.csv points.csv summary.json; do same "one/$file" "three/$file"; done
+  for file in trials.csv attempts.csv configurations.csv summary.json; do same "one/$file" "three/$file"; done
   expect 1 "$pickbed" sweep sweep.yaml "${wide[@]}" --shard 1/2 --out parts
   grep -q "stop_width = 0.9: a shard sees no other's scenes" last.err || fail "a shard is not refused"
   [ ! -e parts ] || fail "a refused shard left a folder"
@@ -69,25 +69,25 @@ occlusion_sweep_uses_the_same_scenes_in_all_configurations() {
   cat >occlusion.yaml <<'YAML'
 scenario: small.yaml
 trials: 3
-occlusion: {enabled: true, bands: [{least: 0.3, most: 0.6}, {least: 0.6, most: 0.9}, {least: 0.9, most: 1}]}
+occlusion: {enabled: true, bands: [{min: 0.3, max: 0.6}, {min: 0.6, max: 0.9}, {min: 0.9, max: 1}]}
 grid: {estimator.noise_mm: [0, 3]}
 set: {estimator.name: oracle}
 YAML
   expect 0 "$pickbed" sweep occlusion.yaml --jobs 1 --pictures 2 --out one
   expect 0 "$pickbed" sweep occlusion.yaml --jobs 2 --out two
-  for file in trials.csv picks.csv parts.csv curve.csv summary.json; do same one/$file two/$file; done
+  for file in trials.csv attempts.csv instance_outcomes.csv curve.csv summary.json; do same one/$file two/$file; done
   [ -s one/pictures/occlusion.png ] || fail "no picture of the series"
   [ "$(grep -c noise one/curve.csv)" = 6 ] || fail "not one line per configuration and band"
   # Counts are equal, and visible fractions do not depend on the configuration.
   [ "$(grep noise one/curve.csv | cut -d, -f4 | sort -u)" = 3 ] || fail "bands differ in their number of attempts"
   [ "$(grep noise one/curve.csv | cut -d, -f2-5 | sort -u | wc -l)" = 3 ] || fail "scenes differ"
-  expect 1 "$pickbed" sweep occlusion.yaml --set occlusion.bands.1.least=0.5 --out bad
-  grep -q "occlusion.bands.1.least = 0.5: must not be under bands.0.most = 0.6" last.err ||
+  expect 1 "$pickbed" sweep occlusion.yaml --set occlusion.bands.1.min=0.5 --out bad
+  grep -q "occlusion.bands.1.min = 0.5: must not be under bands.0.max = 0.6" last.err ||
     fail "overlapping bands are not refused"
   # A band that cannot be filled is named with its rejected blockers. The other bands keep their attempts.
   expect 0 "$pickbed" run small.yaml --set estimator.name=oracle --set occlusion.enabled=true \
-    --set "occlusion.bands=[{least: 0.3, most: 0.3001}, {least: 0.9, most: 1}]" \
-    --set occlusion.margin=0 --set occlusion.tries=2 --trials 2 --jobs 1 --out thin
+    --set "occlusion.bands=[{min: 0.3, max: 0.3001}, {min: 0.9, max: 1}]" \
+    --set occlusion.margin=0 --set occlusion.blocker_samples=2 --trials 2 --jobs 1 --out thin
   grep -q "30-30.01 %: trials without a scene: 2; targets given up: .*; of .* blockers" last.out ||
     fail "a band without scenes is not named"
 }

@@ -1,7 +1,7 @@
 # Cases of pickbed tolerance.
 
 tolerance_map_resumes() {
-  local few=(--set grasps=3 --set steps=2 --set step_mm=4 --set fit_tries=30 --set test_tries=30)
+  local few=(--set grasps=3 --set steps=2 --set step_mm=4 --set fit_samples=30 --set test_samples=30)
   local map=("$pickbed" tolerance rod jaw_8cm --pairs gx:gry "${few[@]}")
   expect 0 "${map[@]}" --jobs 1 --out one
   grep -q "along the closing direction" last.out || fail "no table of the axes"
@@ -12,9 +12,9 @@ tolerance_map_resumes() {
   refused "pass --resume" "${map[@]}" --out one
   refused "other settings" "${map[@]}" --out one --resume --set seed=3
   mkdir two
-  head -60 one/tries.csv >two/tries.csv
+  head -60 one/samples.csv >two/samples.csv
   expect 0 "${map[@]}" --jobs 2 --out two --resume
-  for file in tries.csv axes.csv pairs.csv predictors.csv model.yaml; do
+  for file in samples.csv axes.csv pairs.csv predictors.csv model.yaml; do
     same "one/$file" "two/$file"
   done
   brick 10 >wide.obj
@@ -28,16 +28,16 @@ tolerance_map_resumes() {
 
 tolerance_maps_forecast_the_picks_of_a_run() {
   expect 0 "$pickbed" tolerance rod jaw_8cm --set grasps=3 --set steps=2 --set step_mm=4 \
-    --set fit_tries=30 --set test_tries=30 --out maps/rod
+    --set fit_samples=30 --set test_samples=30 --out maps/rod
   cp small.yaml here.yaml
   expect 0 "$pickbed" run here.yaml "${noisy[@]}" --tolerance maps --out one
   grep -q "^Picks of rod by their pose errors" last.out || fail "no forecast"
   grep -q '"pick_forecasts"' one/summary.json || fail "no forecast in summary.json"
-  head -1 one/picks.csv | grep -q ",p_pick," || fail "picks.csv has no p_pick"
+  head -1 one/attempts.csv | grep -q ",p_pick," || fail "attempts.csv has no p_pick"
   [ "$(grep -c "^[01],[0-9]*,[0-9]*,rod,[0-9-]*,[01]\.[0-9]*$" one/pick_chances.csv)" -gt 3 ] ||
     fail "hypotheses have no pick probability"
   expect 0 "$pickbed" run here.yaml "${noisy[@]}" --tolerance maps/rod/model.yaml --out two --jobs 1
-  for file in picks.csv pick_chances.csv summary.json; do same "one/$file" "two/$file"; done
+  for file in attempts.csv pick_chances.csv summary.json; do same "one/$file" "two/$file"; done
   expect 0 "$pickbed" budget one --stages none --tolerance maps
   page one/budget/index.html "What pose errors foretell"
   page one/budget/index.html "bins are few"

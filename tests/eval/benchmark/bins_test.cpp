@@ -82,13 +82,13 @@ TEST(BinTable, EachChartShowsOneEstimatorAndTheReference) {
   EXPECT_THAT(BinTablePage(scenarios).body(), Not(HasSubstr("Grey")));
   for (BinScenario& scenario : scenarios) {
     scenario.rows.push_back(scenario.rows.front());
-    scenario.rows.back().label = "descriptor:hard";
+    scenario.rows.back().label = "descriptor:accurate";
   }
   const Drawn with = DrawnOn(BinTablePage(scenarios));
   EXPECT_EQ(with.charts, 3);
   EXPECT_EQ(with.bands, 3);
   EXPECT_EQ(with.references, 2);
-  EXPECT_THAT(BinTablePage(scenarios).body(), HasSubstr("Grey: descriptor:hard"));
+  EXPECT_THAT(BinTablePage(scenarios).body(), HasSubstr("Grey: descriptor:accurate"));
 }
 
 TEST(BinTable, NoteAppearsInTextAndPage) {

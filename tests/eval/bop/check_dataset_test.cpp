@@ -146,7 +146,7 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
       {"test/000001/scene_camera.json", [](Json& j) { j["0"].erase("cam_K"); },
        "scene_camera.json: image 0: has no 'cam_K'"},
       {"test/000001/scene_camera.json", [](Json& j) { j["0"]["cam_K"][0] = 0; },
-       "focal length that is not positive"},
+       "must be positive"},
       {"test/000001/scene_camera.json", [](Json& j) { j["0"]["depth_scale"] = 0; },
        "'depth_scale' is not positive"},
       {"test/000001/scene_camera.json", [](Json& j) { j["0"]["cam_R_w2c"][4] = 7; },

@@ -85,10 +85,8 @@ class BopTruth : public ::testing::Test {
   }
   // Camera of an image, with its pose in the world frame.
   static Camera CameraOfImage(const ImageTruth& image) {
-    Camera camera{image.intrinsics, image.X_CW->inverse()};
-    camera.intrinsics.width = SmallScenario().camera.width;
-    camera.intrinsics.height = SmallScenario().camera.height;
-    return camera;
+    const CameraSpec size = SmallScenario().camera;
+    return {image.projection.ForSize(size.width, size.height), image.X_CW->inverse()};
   }
 
   static TemporaryFolder* set_;

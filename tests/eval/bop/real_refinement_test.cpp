@@ -286,8 +286,8 @@ TEST_F(RealRefinement, DrillConvergesToItsPlaceInTheColourImage) {
   EXPECT_GT(outline.Contrast(move_px.x(), move_px.y()), 1.3 * outline.Contrast(0, 0));
   const double z_m = (drill->published_X_CO * drill->points.center_O.cast<double>()).z();
   Pose truth = drill->published_X_CO;
-  truth.translation().x() += move_px.x() * z_m / frame_.intrinsics.fx;
-  truth.translation().y() += move_px.y() * z_m / frame_.intrinsics.fy;
+  truth.translation().x() += move_px.x() * z_m / frame_.intrinsics.fx();
+  truth.translation().y() += move_px.y() * z_m / frame_.intrinsics.fy();
   const PoseError published = drill->Error(drill->published_X_CO, truth);
   RecordProperty("published_off_across_mm", fmt::format("{:.1f}", 1e3 * published.across_m));
   EXPECT_GT(published.across_m, 0.003) << "the published pose is right: require it";

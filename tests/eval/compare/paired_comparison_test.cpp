@@ -27,7 +27,7 @@ AttemptRecord Attempt(const std::vector<double>& visible, int recalled, bool pic
   HypothesisRecord top;
   top.instance = 0;
   top.correct = recalled > 0;
-  top.mssd_diameters = recalled > 0 ? 0.02 : 0.3;
+  top.metrics.Set(kMssdDiameters, recalled > 0 ? 0.02 : 0.3);
   pick.hypotheses = {top};
   pick.chosen = 0;
   pick.matched_instance = 0;
@@ -162,10 +162,10 @@ TEST(ComparePaired, BinsArePairedByIndexAndOnlySharedOnesCount) {
 TEST(ComparePaired, ErrorsAreComparedByTheirMedian) {
   auto before = OnePickRun({}), after = OnePickRun({});
   for (int i = 0; i < 20; ++i) {
-    before[i].attempts[0].hypotheses[0].mssd_diameters = 0.02 + 0.001 * i;
-    after[i].attempts[0].hypotheses[0].mssd_diameters = 0.01 + 0.001 * i;
+    before[i].attempts[0].hypotheses[0].metrics.Set(kMssdDiameters, 0.02 + 0.001 * i);
+    after[i].attempts[0].hypotheses[0].metrics.Set(kMssdDiameters, 0.01 + 0.001 * i);
   }
-  before[3].attempts[0].hypotheses[0].mssd_diameters = 2;  // on no instance
+  before[3].attempts[0].hypotheses[0].metrics.Set(kMssdDiameters, 2);  // on no instance
   const PairedFigure& median = FigureOf(ComparePaired(before, after), "median_mssd_diameters");
   EXPECT_FALSE(median.is_rate);
   EXPECT_NEAR(median.difference(), -0.01, 1.1e-3);
@@ -176,7 +176,7 @@ TEST(ComparePaired, ErrorsAreComparedByTheirMedian) {
 // Five bins that all have the same sign still give p > 0.05, so no interval may exclude 0.
 TEST(ComparePaired, MedianOverTooFewBinsHasNoInterval) {
   auto before = OnePickRun({}), after = OnePickRun({});
-  for (int i = 0; i < 20; ++i) after[i].attempts[0].hypotheses[0].mssd_diameters = 0.01;
+  for (int i = 0; i < 20; ++i) after[i].attempts[0].hypotheses[0].metrics.Set(kMssdDiameters, 0.01);
   const auto median = [&](int scenes) {
     before.resize(scenes);
     after.resize(scenes);
@@ -196,11 +196,12 @@ TEST(ComparePaired, ErrorsUseOnlyInstancesThatBothRunsFound) {
   for (int i = 0; i < 20; ++i) {
     std::vector<HypothesisRecord>& a = before[i].attempts[0].hypotheses;
     std::vector<HypothesisRecord>& b = after[i].attempts[0].hypotheses;
-    a[0].mssd_diameters = b[0].mssd_diameters = 0.02;
+    a[0].metrics.Set(kMssdDiameters, 0.02);
+    b[0].metrics.Set(kMssdDiameters, 0.02);
     a[0].score = b[0].score = 0.9;
     b.push_back(b[0]);  // on the same instance with a lower score
     b.back().score = 0.3;
-    b.back().mssd_diameters = 0.4;
+    b.back().metrics.Set(kMssdDiameters, 0.4);
     b.push_back(b.back());
     b.back().instance = 2;
     b.back().score = 0.8;
@@ -263,7 +264,7 @@ TEST(SceneKey, DependsOnlyOnSettingsOfTheDrop) {
 }
 
 std::string Occluded(const std::string& settings, const std::string& least = "0.1") {
-  return settings + "occlusion:\n  enabled: true\n  bands:\n    - least: " + least + "\n";
+  return settings + "occlusion:\n  enabled: true\n  bands:\n    - min: " + least + "\n";
 }
 
 // Blockers are dropped along the line of sight until the bands are filled.
@@ -283,7 +284,7 @@ TEST(RequireSameScenes, NamesTheDifferingOcclusionSetting) {
     return ErrorOf([&] { RequireSameScenes(a, b, "A", "B"); });
   };
   EXPECT_THAT(error(Occluded(kSettings), Occluded(kSettings, "0.2")),
-              HasSubstr("differ in occlusion: 'least: 0.1' in one, 'least: 0.2' in the other"));
+              HasSubstr("differ in occlusion: 'min: 0.1' in one, 'min: 0.2' in the other"));
   EXPECT_THAT(error(Occluded(kSettings), Occluded(With("width: 640", "width: 320"))),
               HasSubstr("differ in camera: 'width: 640' in one"));
   EXPECT_THAT(error(Occluded(kSettings), kSettings),
@@ -308,10 +309,10 @@ TEST(PairedTable, AgreesWithTheJson) {
   EXPECT_THAT(table, HasSubstr("11/20"));
   const auto json = nlohmann::json::parse(PairedJson(comparison));
   EXPECT_EQ(json["scenes"], 20);
-  EXPECT_EQ(json["figures"][0]["key"], "pick_success");
-  EXPECT_NEAR(json["figures"][0]["difference"], 0.35, 1e-12);
-  EXPECT_EQ(json["figures"][0]["odds_ratio"], 4.5);
-  EXPECT_TRUE(json["figures"].back()["scenes_needed"].is_null());
+  EXPECT_EQ(json["statistics"][0]["key"], "pick_success");
+  EXPECT_NEAR(json["statistics"][0]["difference"], 0.35, 1e-12);
+  EXPECT_EQ(json["statistics"][0]["odds_ratio"], 4.5);
+  EXPECT_TRUE(json["statistics"].back()["scenes_needed"].is_null());
 }
 
 TEST(CompareConfigurations, ReportsNamesAndUsesTheBandsOfTheRun) {
@@ -325,7 +326,7 @@ TEST(CompareConfigurations, ReportsNamesAndUsesTheBandsOfTheRun) {
   const auto json = nlohmann::json::parse(ComparisonJson(compared))["comparisons"][0];
   EXPECT_EQ(json["first"], "runs/a");
   EXPECT_EQ(json["second"], "runs/b");
-  EXPECT_EQ(json["figures"][0]["discordant_scenes"], 5);
+  EXPECT_EQ(json["statistics"][0]["discordant_scenes"], 5);
   const ReportTable table = PairedReport(compared[0]);
   EXPECT_THAT(table.text, HasSubstr("of rates, not of medians"));
   std::vector<std::string> names;

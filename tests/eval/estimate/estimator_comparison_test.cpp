@@ -22,8 +22,8 @@ using ::testing::Not;
 HypothesisRecord Pose(double score, double mssd_diameters, double rotation_rad = 0) {
   HypothesisRecord pose;
   pose.score = score;
-  pose.mssd_diameters = mssd_diameters;
-  pose.rotation_rad = rotation_rad;
+  pose.metrics.Set(kMssdDiameters, mssd_diameters);
+  pose.metrics.Set(kRotation_rad, rotation_rad);
   pose.correct = mssd_diameters < kCorrectDiameters;
   return pose;
 }
@@ -67,8 +67,8 @@ TEST(ComparisonStatistics, EqualHandComputedValues) {
 
 TEST(ComparisonTable, LongLabelsKeepColumnsAligned) {
   ComparedRow first = HandWorked(), second = HandWorked();
-  first.label = "kehl:hard=/home/somebody/models/of/kehl.pt";
-  second.label = "doumanoglou:hard=/home/somebody/models/of/doumanoglou.pt";
+  first.label = "kehl:accurate=/home/somebody/models/of/kehl.pt";
+  second.label = "doumanoglou:accurate=/home/somebody/models/of/doumanoglou.pt";
   const std::string table = ComparisonTable({first, second});
   EXPECT_THAT(table, HasSubstr(' ' + first.label + ' ' + second.label + '\n'));
   const size_t width = table.find('\n');
@@ -111,7 +111,7 @@ TEST(Comparison, DistractorsDoNotCount) {
   spec.trials = 2;
   spec.objects.insert(spec.objects.begin(), spec.objects.front());
   spec.objects[0].name = "other";
-  spec.objects[0].foreign = true;
+  spec.objects[0].distractor = true;
   const ObjectSet objects{EasyCube()[0], EasyCube()[0]};
   const ComparisonJob job{spec, objects, {{"oracle", spec.estimator}}, {}, 0, 1, {}, {}};
   const std::vector<ComparedRow> rows = CompareEstimators(job);
@@ -127,9 +127,9 @@ TEST(Comparison, DistractorsDoNotCount) {
 }
 
 TEST(Comparison, LabelsNameEstimatorAndMode) {
-  const auto rows = ParseEstimators({"descriptor:hard", "ppf"}, EstimatorSpec());
+  const auto rows = ParseEstimators({"descriptor:accurate", "ppf"}, EstimatorSpec());
   EXPECT_EQ(rows[0].spec.name, "descriptor");
-  EXPECT_EQ(rows[0].spec.mode, "hard");
+  EXPECT_EQ(rows[0].spec.mode, "accurate");
   EXPECT_EQ(rows[1].spec.mode, EstimatorSpec().mode);
   EXPECT_THROW(ParseEstimators({"ppf", "ppf"}, EstimatorSpec()), InputError);
   EXPECT_THROW(ParseEstimators({"pfp"}, EstimatorSpec()), InputError);
@@ -138,14 +138,14 @@ TEST(Comparison, LabelsNameEstimatorAndMode) {
 TEST(Comparison, LabelsSelectTheModelFile) {
   EstimatorSpec base;
   base.model = "mine.pt";
-  const auto rows =
-      ParseEstimators({"descriptor", "descriptor=models/b:1.pt", "kehl:hard=kehl.pt", "ppf"}, base);
+  const auto rows = ParseEstimators(
+      {"descriptor", "descriptor=models/b:1.pt", "kehl:accurate=kehl.pt", "ppf"}, base);
   EXPECT_EQ(rows[0].spec.model, "mine.pt");
   EXPECT_EQ(rows[1].spec.name, "descriptor");
   EXPECT_EQ(rows[1].spec.mode, base.mode);
   EXPECT_EQ(rows[1].spec.model, "models/b:1.pt");
   EXPECT_EQ(rows[2].spec.name, "kehl");
-  EXPECT_EQ(rows[2].spec.mode, "hard");
+  EXPECT_EQ(rows[2].spec.mode, "accurate");
   EXPECT_EQ(rows[2].spec.model, "kehl.pt");
   EXPECT_EQ(rows[3].spec.model, "");  // the scenario's model is for the descriptor estimator
   EXPECT_THROW(ParseEstimators({"kehl="}, base), InputError);

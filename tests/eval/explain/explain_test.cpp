@@ -150,7 +150,7 @@ TEST(EntryPatches, RenderedPatchEqualsTheOriginal) {
     entries.push_back({0, {side_m}, cut.X_CP[0].inverse() * X_CO});
     originals.push_back(cut.values);
   }
-  const auto anew = EntryPatches(views, entries, distance_m, SmallCamera().fx);
+  const auto anew = EntryPatches(views, entries, distance_m, SmallCamera().fx());
   const auto mean_gap = [&](size_t a, size_t b) {
     double sum = 0;
     for (int i = 0; i < kPatchArea; ++i) sum += std::abs((*anew[a])[i] - originals[b][i]);

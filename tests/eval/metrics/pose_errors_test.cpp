@@ -8,6 +8,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "eval/metrics/metric_table.h"
 #include "scenes/base/random.h"
 #include "scenes/mesh_io/mesh_io.h"
 #include "tests/support/layer.h"

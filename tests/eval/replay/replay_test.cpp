@@ -136,10 +136,11 @@ TEST(WhatDiffers, NamesTheFirstDifferingInstance) {
   replayed.instances[0].recalled = false;  // belongs to a later stage
   for (const TrialStage stage : {TrialStage::kScene, TrialStage::kImage}) {
     EXPECT_EQ(WhatDiffers(stage, recorded, replayed),
-              "parts[1].visible_fraction: 0.25 recorded, 0.125 replayed");
+              "instances[1].visible_fraction: 0.25 recorded, 0.125 replayed");
   }
   replayed.instances = {recorded.instances[0]};
-  EXPECT_EQ(WhatDiffers(TrialStage::kScene, recorded, replayed), "parts: 2 recorded, 1 replayed");
+  EXPECT_EQ(WhatDiffers(TrialStage::kScene, recorded, replayed),
+            "instances: 2 recorded, 1 replayed");
 }
 
 TEST_F(ReplayTest, NamesAnAlteredRecord) {
@@ -242,19 +243,19 @@ TEST_F(ReplayTest, WritesTheFilesOfAllStages) {
   for (size_t attempt = 0; attempt < record.result.attempts.size(); ++attempt) {
     for (const char* what : {"color.png", "depth.png", "depth_16bit.png", "ids.png", "overlay.png",
                              "after.png", "cloud.ply", "hypotheses.ply", "scene.glb"}) {
-      EXPECT_TRUE(std::filesystem::exists(out / fmt::format("look_{:02}_{}", attempt, what)))
+      EXPECT_TRUE(std::filesystem::exists(out / fmt::format("attempt_{:02}_{}", attempt, what)))
           << attempt << what;
     }
   }
   // The cubes are in the bin. The hypotheses and nearly all observed points must be there, too.
-  const auto estimated = PointsOf(out / "look_00_hypotheses.ply");
+  const auto estimated = PointsOf(out / "attempt_00_hypotheses.ply");
   EXPECT_EQ(estimated.size(), 2u * StageFilesOptions().points_per_part);
   for (const Eigen::Vector3f& p_W : estimated) {
     EXPECT_LT(std::abs(p_W.x()), 0.23f);
     EXPECT_GT(p_W.z(), -0.02f);
     EXPECT_LT(p_W.z(), 0.1f);
   }
-  const auto seen = PointsOf(out / "look_00_cloud.ply");
+  const auto seen = PointsOf(out / "attempt_00_cloud.ply");
   EXPECT_GT(seen.size(), 10000u);
   const auto low = std::count_if(seen.begin(), seen.end(), [](const Eigen::Vector3f& p_W) {
     return p_W.z() > -0.05f && p_W.z() < 0.2f;

@@ -92,7 +92,7 @@ TEST(RunStatistics, EveryPoseIsInOneSharedHistogramBinOrBeyond) {
   const std::vector<ConfigurationTrials> points{Point(StubTrials(20)),
                                                 Point(StubTrials(20, {.ease = 0.4}))};
   const std::vector<ConfigurationReport> reports = ReportOn(points);
-  for (size_t error = 0; error < kPoseErrors; ++error) {
+  for (size_t error = 0; error < reports[0].errors.size(); ++error) {
     for (const ConfigurationReport& report : reports) {
       const ErrorHistogram& histogram = report.errors[error];
       int sum = histogram.beyond;

@@ -35,7 +35,7 @@ TEST(Progress, JsonHasTheSameNumbers) {
   EXPECT_EQ(json["total"], 40);
   EXPECT_EQ(json["per_s"], 0.5);
   EXPECT_EQ(json["left_s"], 20.0);
-  EXPECT_EQ(json["attempts"], 30);
+  EXPECT_EQ(json["executed_grasps"], 30);
   EXPECT_EQ(json["successes"], 20);
   EXPECT_LT(json["success_ci95"][0], json["success_rate"]);
   EXPECT_GT(json["success_ci95"][1], json["success_rate"]);

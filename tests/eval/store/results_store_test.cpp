@@ -62,7 +62,7 @@ TEST_F(ResultsStoreTest, RefusesResultsOfOtherSettings) {
   ResultsStore(folder_, "seed: 1").Write(FullTrial(0));
   const std::string error = ErrorOf([&] { ResultsStore(folder_, "seed: 2"); });
   EXPECT_THAT(error, HasSubstr(folder_.string()));
-  EXPECT_THAT(error, HasSubstr("--out"));
+  EXPECT_THAT(error, HasSubstr("choose another folder"));
 }
 
 TEST_F(ResultsStoreTest, KeepsConfigurationsWithTheirSeeds) {

@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
+#include <map>
 
 #include "eval/store/results_store.h"
 #include "scenes/base/error.h"
@@ -27,6 +29,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
+using testing::Pair;
 
 // The tables of schema 4.
 constexpr char kSchema4[] =
@@ -70,6 +73,10 @@ const std::string kRows4 =
     "grasp_x_wg, grasp_width_m, success, slip_m, right_part) VALUES "
     "(2, 0, 'none', 1, 0, 3, 0, '[1,0,0,0.25,0,1,0,0.5,0,0,1,0.75]', 0.0625, 1, 0.5, 1);"
     "INSERT INTO instances VALUES (2, 0, 3, 0, 0.875, 1, 'none');"
+    "INSERT INTO hypotheses VALUES (2, 0, 0, 1, 3, 0.5, 0.001, 2.5, 0.002, 9e999, 0.25, 0.003, "
+    "0.0625, 1, '[1,0,0,0.25,0,1,0,0.5,0,0,1,0.75]', '[1,0,0,0,0,1,0,0,0,0,1,0]');"
+    "INSERT INTO hypotheses VALUES (2, 0, 1, 1, -1, 0.25, 0.004, 3, 4, 5, 6, 7, 8, 0, "
+    "'[1,0,0,0,0,1,0,0,0,0,1,0]', '[1,0,0,0,0,1,0,0,0,0,1,0]');"
     "INSERT INTO timings VALUES (2, 'drop', 1.5);";
 
 void RunSql(const std::filesystem::path& folder, const std::string& sql) {
@@ -101,6 +108,16 @@ void ExpectTrialsOfSchema4(const ResultsStore& store) {
   EXPECT_EQ(pick.outcome.slip_m, 0.5);
   ASSERT_EQ(pick.instances.size(), 1u);
   EXPECT_EQ(pick.instances[0].visible_fraction, 0.875);
+  ASSERT_EQ(pick.hypotheses.size(), 2u);
+  std::map<std::string, double> metrics;
+  for (const MetricValue& value : pick.hypotheses[0].metrics) metrics[value.metric] = value.value;
+  EXPECT_THAT(
+      metrics,
+      ElementsAre(Pair("add_m", 0.002), Pair("adi_m", std::numeric_limits<double>::infinity()),
+                  Pair("mspd_px", 2.5), Pair("mssd_diameters", 0.0625), Pair("mssd_m", 0.001),
+                  Pair("rotation_rad", 0.25), Pair("translation_m", 0.003)));
+  EXPECT_EQ(pick.hypotheses[0].X_WO.translation(), Eigen::Vector3d(0.25, 0.5, 0.75));
+  EXPECT_EQ(pick.hypotheses[1].translation_m(), 7);
   ASSERT_EQ(store.head().configurations.size(), 1u);
   EXPECT_EQ(store.head().configurations[0].seed, 42u);
   EXPECT_EQ(store.head().configurations[0].trials, 3);

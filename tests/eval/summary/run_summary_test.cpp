@@ -84,7 +84,7 @@ TEST(Summarize, ReportsTheRateOfEverySuccessRule) {
   EXPECT_LT(json["held"]["ci95"][0], expected.low);
   EXPECT_GT(json["held"]["ci95"][1], expected.high);
   const std::string table = SummaryTable(summary);
-  EXPECT_NE(table.find("Success of 3 attempts by rule"), std::string::npos);
+  EXPECT_NE(table.find("Success of 3 executed grasps by rule"), std::string::npos);
   EXPECT_NE(table.find("vgn_loose"), std::string::npos);
 }
 
@@ -158,19 +158,19 @@ TEST(Summarize, MeasuredComputeTimeIsOnlyInTheTimings) {
 
 TEST(Summarize, EmptyRunHasOnlyFiniteNumbers) {
   const auto json = nlohmann::json::parse(SummaryJson(Summarize({})));
-  EXPECT_EQ(json["attempts"], 0);
+  EXPECT_EQ(json["executed_grasps"], 0);
   EXPECT_EQ(json["success_rate"], 0.0);
   EXPECT_EQ(json["success_ci95"], (std::vector<double>{0, 1}));
 }
 
 TEST(SummaryJson, HasTheKeysThatScriptsRead) {
   const auto json = nlohmann::json::parse(SummaryJson(Summarize(TwoTrials())));
-  for (const char* key : {"trials", "attempts", "successes", "success_rate", "success_ci95",
-                          "cleared_rate", "top1_precision", "recall_by_visibility", "losses"}) {
+  for (const char* key : {"trials", "executed_grasps", "successes", "success_rate", "success_ci95",
+                          "cleared_rate", "top1_precision", "recall_by_visibility", "failures"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_FALSE(json.contains("seconds")) << "times are in a separate file";
-  EXPECT_EQ(json["losses"]["slipped"], 1);
+  EXPECT_EQ(json["failures"]["slipped"], 1);
 }
 
 TEST(Csv, HasOneLinePerTrialAndPerAttempt) {
@@ -215,8 +215,9 @@ TEST(InstanceOutcomesCsv, ListsTheOutcomeOfEachInstance) {
                         {1, 0, false, true, FailureReason::kSlipped, 1},
                         {2, 0, false, false, FailureReason::kNone, -1}};
   EXPECT_EQ(InstanceOutcomesCsv(trials, {"rod"}),
-            "trial,point,instance,object,became,loss,stage,pick\n0,0,0,rod,picked,none,done,0\n"
-            "0,0,1,rod,lost,slipped,grasp,1\n0,0,2,rod,not_asked,none,done,-1\n");
+            "trial,configuration,instance,object,outcome,failure,stage,attempt\n0,0,0,rod,picked,"
+            "none,done,0\n"
+            "0,0,1,rod,failed,slipped,grasp,1\n0,0,2,rod,not_asked,none,done,-1\n");
 }
 
 TEST(Csv, OutcomeCellsAreEmptyWithoutAGrasp) {

@@ -78,7 +78,8 @@ TEST_F(MergeTest, RepeatedMergeChangesNothingAndNewTrialsAreAdded) {
   const MergeReport report = MergeStores({b}, folder_ / "out");
   EXPECT_EQ(report.trials, 6) << "trials of earlier merges are kept";
   MergeStores({a, b}, folder_ / "at_once");
-  EXPECT_EQ(ReadFileBytes(folder_ / "out/picks.csv"), ReadFileBytes(folder_ / "at_once/picks.csv"));
+  EXPECT_EQ(ReadFileBytes(folder_ / "out/attempts.csv"),
+            ReadFileBytes(folder_ / "at_once/attempts.csv"));
 }
 
 TEST_F(MergeTest, DifferentSettingsRequireCompare) {
@@ -124,9 +125,9 @@ TEST_F(MergeTest, ComparedRunsWithEqualNamesAreDistinguished) {
 
 TEST_F(MergeTest, FolderWithOtherResultsIsLeftUnchanged) {
   const auto a = Store("a", StubSweep(1, 2), {0}), b = Store("b", StubSweep(2, 2), {0});
-  const std::string before = ReadFileBytes(b / "picks.csv");
+  const std::string before = ReadFileBytes(b / "attempts.csv");
   EXPECT_THAT(ErrorOf([&] { MergeStores({a}, b); }), HasSubstr("other settings"));
-  EXPECT_EQ(ReadFileBytes(b / "picks.csv"), before);
+  EXPECT_EQ(ReadFileBytes(b / "attempts.csv"), before);
   EXPECT_THAT(ErrorOf([&] { MergeStores({folder_ / "nothing"}, folder_ / "out"); }),
               HasSubstr("results.sqlite"));
 }

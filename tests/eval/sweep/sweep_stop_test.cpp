@@ -81,7 +81,7 @@ class SweepStopTest : public testing::Test {
     return ResultsStore::OpenToRead(folder_ / name).FinishedTrials();
   }
   void ExpectSameFiles(const std::string& a, const std::string& b) const {
-    for (const char* file : {"summary.json", "trials.csv", "picks.csv", "points.csv"}) {
+    for (const char* file : {"summary.json", "trials.csv", "attempts.csv", "configurations.csv"}) {
       EXPECT_EQ(Read(a + "/" + file), Read(b + "/" + file)) << file;
     }
   }

@@ -46,8 +46,9 @@ class SweepTest : public testing::Test {
   const std::filesystem::path folder_ = temporary_.path();
 };
 
-constexpr const char* kFilesWithoutTimes[] = {"summary.json", "trials.csv", "picks.csv",
-                                              "parts.csv",    "points.csv", "sweep.yaml"};
+constexpr const char* kFilesWithoutTimes[] = {"summary.json",       "trials.csv",
+                                              "attempts.csv",       "instance_outcomes.csv",
+                                              "configurations.csv", "sweep.yaml"};
 
 TEST_F(SweepTest, ResultsDoNotDependOnJobsOrShards) {
   const Sweep sweep = StubSweep(3, 7);
@@ -124,7 +125,7 @@ TEST_F(SweepTest, TrialsAreNumberedByConfigurationAndPairedByBin) {
     EXPECT_EQ(trials[i].certificate.simulated_s, expected.certificate.simulated_s);
   }
   EXPECT_EQ(store.head().configurations[1].seed, 6u);
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "s/points/01_seed=6.yaml"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "s/configurations/01_seed=6.yaml"));
 }
 
 TEST_F(SweepTest, TrialThatCrashesOnceIsRepeated) {
@@ -138,7 +139,7 @@ TEST_F(SweepTest, TrialThatCrashesOnceIsRepeated) {
   EXPECT_THAT(report.crashed, IsEmpty());
   EXPECT_EQ(Count("tries"), 2);
   RunSweep(StubSweep(2, 4), Options("whole"), {});
-  EXPECT_EQ(Read("s/picks.csv"), Read("whole/picks.csv"));
+  EXPECT_EQ(Read("s/attempts.csv"), Read("whole/attempts.csv"));
 }
 
 TEST_F(SweepTest, TrialThatCrashesTwiceIsRecordedAndCountsInNoRate) {
@@ -272,7 +273,7 @@ TEST_F(SweepTest, KilledSweepResumesWithoutLossOrDuplicates) {
   RunSweep(sweep, options, {});
   RunSweep(sweep, Options("whole"), {});
   EXPECT_EQ(Read("s/trials.csv"), Read("whole/trials.csv"));
-  EXPECT_EQ(Read("s/picks.csv"), Read("whole/picks.csv"));
+  EXPECT_EQ(Read("s/attempts.csv"), Read("whole/attempts.csv"));
 }
 
 TEST(Shards, AreDisjointBalancedAndKeepBinsTogether) {

@@ -53,7 +53,7 @@ std::vector<TrialResult> Bins(int bins, int objects, double max_error_m) {
       HypothesisRecord& h = pick.hypotheses.emplace_back();
       h.object = (t + i) % objects;
       h.instance = 0;
-      h.mssd_diameters = 0.1;
+      h.metrics.Set(kMssdDiameters, 0.1);
       h.X_OE = Translation(
           {rng.Uniform(-max_error_m, max_error_m), rng.Uniform(-max_error_m, max_error_m), 0});
       const bool is_tolerated = std::abs(h.X_OE.translation().x()) < kTolerated_m;
@@ -108,14 +108,15 @@ TEST_F(PickForecasts, EveryHypothesisHasAPickChance) {
   const ToleranceMaps maps({Map("one", *objects_[0])}, objects_, "jaw");
   HypothesisRecord h;
   h.instance = 4;
+  h.metrics.Set(kMssdDiameters, 0);
   EXPECT_GT(maps.PickChance(h).value(), 0.9);
   h.X_OE = Translation({0.008, 0, 0});
   EXPECT_LT(maps.PickChance(h).value(), 0.1);
   h.X_OE = Translation({0, 0.008, 0});
   EXPECT_GT(maps.PickChance(h).value(), 0.9);
-  h.mssd_diameters = 0.6;
+  h.metrics.Set(kMssdDiameters, 0.6);
   EXPECT_EQ(maps.PickChance(h).value(), 0) << "no instance is at that place";
-  h.mssd_diameters = 0;
+  h.metrics.Set(kMssdDiameters, 0);
   h.instance = -1;
   EXPECT_EQ(maps.PickChance(h).value(), 0);
   h.object = 1;

@@ -32,8 +32,8 @@ ToleranceOptions Small() {
   options.steps = 3;
   options.step_mm = 1.2;  // no level at which a finger lands exactly on the object's edge
   options.step_deg = 5;
-  options.fit_tries = 10;
-  options.test_tries = 10;
+  options.fit_samples = 10;
+  options.test_samples = 10;
   return options;
 }
 
@@ -114,13 +114,13 @@ TEST(ToleranceStudy, FilesAreEqualForAnyJobCountAndAfterResume) {
   const StudyOutcomes single = ExecuteStudy(study, one.path(), 1, false, {});
   const StudyOutcomes both = ExecuteStudy(study, two.path(), 2, false, {});
   ASSERT_EQ(single.outcomes.size(), study.tries.size());
-  const std::string bytes = ReadFileBytes(one.path() / "tries.csv");
-  EXPECT_EQ(bytes, ReadFileBytes(two.path() / "tries.csv"));
+  const std::string bytes = ReadFileBytes(one.path() / "samples.csv");
+  EXPECT_EQ(bytes, ReadFileBytes(two.path() / "samples.csv"));
 
   // A killed run leaves lines in any order and a partial line at the end.
   const size_t header = bytes.find('\n', bytes.find('\n') + 1) + 1;
   const size_t half = bytes.find('\n', bytes.size() / 2) + 1;
-  std::ofstream(stopped.path() / "tries.csv", std::ios::binary)
+  std::ofstream(stopped.path() / "samples.csv", std::ios::binary)
       << bytes.substr(0, header) << bytes.substr(half, 300);
   EXPECT_THAT(ErrorOf([&] { ExecuteStudy(study, stopped.path(), 1, false, {}); }),
               testing::HasSubstr("--resume"));
@@ -131,7 +131,7 @@ TEST(ToleranceStudy, FilesAreEqualForAnyJobCountAndAfterResume) {
     first_before = before;
   };
   ExecuteStudy(study, stopped.path(), 2, true, listener);
-  EXPECT_EQ(bytes, ReadFileBytes(stopped.path() / "tries.csv"));
+  EXPECT_EQ(bytes, ReadFileBytes(stopped.path() / "samples.csv"));
   EXPECT_EQ(first_total, static_cast<int>(study.tries.size()));
   EXPECT_GT(first_before, 0);
 

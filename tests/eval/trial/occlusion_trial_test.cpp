@@ -135,7 +135,7 @@ TEST(OcclusionTrial, TrialWithoutASceneIsRecorded) {
   ScenarioSpec spec = OccludedCubes(2);
   spec.occlusion.bands = {{0.500, 0.502}};
   spec.occlusion.margin = 0;
-  spec.occlusion.tries = spec.occlusion.targets = spec.occlusion.scenes = 1;
+  spec.occlusion.blocker_samples = spec.occlusion.targets = spec.occlusion.scenes = 1;
   const TrialResult result = TrialRunner(spec, EasyCube()).Run(3);
   EXPECT_TRUE(result.attempts.empty());
   EXPECT_EQ(result.instances_dropped, 0);
@@ -163,8 +163,8 @@ AttemptRecord AttemptAt(bool recalled, bool picked, double error_diameters) {
   other.instance = 3;
   near.instance = 7;
   near.score = 0.4;
-  near.mssd_diameters = error_diameters;
-  near.translation_m = 0.01 * error_diameters;
+  near.metrics.Set(kMssdDiameters, error_diameters);
+  near.metrics.Set(kTranslation_m, 0.01 * error_diameters);
   attempt.hypotheses = {other, near};
   attempt.failure = picked ? FailureReason::kNone : FailureReason::kSlipped;
   return attempt;

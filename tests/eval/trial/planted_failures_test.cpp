@@ -120,7 +120,7 @@ class PlantedFailure : public ::testing::Test {
       record.grasp = Grasp();
       record.chosen = 0;
       const HypothesisRecord& chosen = record.hypotheses[0];
-      record.matched_instance = chosen.mssd_diameters < kMatchDiameters ? chosen.instance : -1;
+      record.matched_instance = chosen.mssd_diameters() < kMatchDiameters ? chosen.instance : -1;
     }
     record.failure = AttributeFailure(record, attempt.hypotheses, kMatchDiameters, truth);
     TrialResult trial;

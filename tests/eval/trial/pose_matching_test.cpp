@@ -77,8 +77,8 @@ TEST(PoseMatching, GroundTruthPosesAreCorrectWithZeroError) {
   EXPECT_EQ(score.hypotheses[1].instance, 7);
   for (const HypothesisRecord& h : score.hypotheses) {
     EXPECT_TRUE(h.correct);
-    EXPECT_NEAR(h.mssd_m, 0, 1e-12);
-    EXPECT_NEAR(h.translation_m, 0, 1e-12);
+    EXPECT_NEAR(h.mssd_m(), 0, 1e-12);
+    EXPECT_NEAR(h.translation_m(), 0, 1e-12);
   }
   for (const InstanceRecord& instance : score.instances) EXPECT_TRUE(instance.recalled);
 }
@@ -121,7 +121,7 @@ TEST(PoseMatching, CorrectnessThresholdIsATenthOfTheDiameter) {
     const AttemptScore score = matching.Score({box});
     EXPECT_EQ(score.hypotheses[0].correct, correct) << share;
     EXPECT_EQ(score.instances[0].recalled, correct) << share;
-    EXPECT_NEAR(score.hypotheses[0].mssd_diameters, share, 1e-9);
+    EXPECT_NEAR(score.hypotheses[0].mssd_diameters(), share, 1e-9);
   }
 }
 
@@ -132,7 +132,7 @@ TEST(PoseMatching, AnotherObjectAtTheSamePoseIsNoMatch) {
   const AttemptScore score = matching.Score({Box(false), Box(false)});
   EXPECT_EQ(score.hypotheses[0].instance, -1);
   EXPECT_FALSE(score.hypotheses[0].correct);
-  EXPECT_TRUE(std::isinf(score.hypotheses[0].mssd_m));
+  EXPECT_TRUE(std::isinf(score.hypotheses[0].mssd_m()));
   EXPECT_FALSE(score.instances[0].recalled);
 }
 
@@ -170,7 +170,7 @@ TEST(PoseMatching, NearestInstanceAgreesWithExhaustiveSearch) {
     }
     const HypothesisRecord score = matching.Score({model}).hypotheses[0];
     EXPECT_EQ(score.instance, nearest);
-    EXPECT_NEAR(score.mssd_m, least_m, 1e-12);
+    EXPECT_NEAR(score.mssd_m(), least_m, 1e-12);
   }
 }
 

@@ -103,7 +103,7 @@ TEST_F(RecordedOcclusionSceneTest, ReplayIsIdenticalAndWritesAllAttempts) {
   for (const AttemptRecord& attempt : recorded.result.attempts) {
     for (const char* what : {"color.png", "overlay.png", "after.png", "scene.glb", "cloud.ply"}) {
       EXPECT_TRUE(std::filesystem::exists(folder.path() /
-                                          fmt::format("look_{:02}_{}", attempt.attempt, what)));
+                                          fmt::format("attempt_{:02}_{}", attempt.attempt, what)));
     }
   }
   recorded.spec.occlusion.scatter_diameters = 0.1;

@@ -25,8 +25,7 @@ Scene TwoInstances() {
 
 Observation SmallView() {
   Observation view;
-  view.frame.intrinsics.width = 3;
-  view.frame.intrinsics.height = 2;
+  view.frame.intrinsics = {3, 2, 680, 680, 319.5, 239.5};
   view.frame.depth_m = Image<float>(3, 2, 0.5f);
   view.frame.color = Image<Rgb8>(3, 2, {1, 2, 3});
   view.ids = Image<uint16_t>(3, 2, 1);

@@ -75,7 +75,7 @@ TEST(Trial, PolicyLimitsThePicks) {
   EXPECT_EQ(BudgetOfInstances({&none, 1})[FailureReason::kNoGrasp], 1);
   EXPECT_EQ(BudgetOfInstances({&none, 1}).asked(), 1);
   spec.policy.stop = "until_empty";
-  spec.policy.max_picks = 2;
+  spec.policy.max_attempts = 2;
   const TrialResult result = RunOne(spec, EasyCube());
   EXPECT_EQ(result.attempts.size(), 2u);
   EXPECT_EQ(result.ended_by, FailureReason::kNone);
@@ -187,7 +187,7 @@ TEST(Trial, ObjectWithoutAnyGraspIsRefusedBeforeTheFirstTrial) {
               testing::AllOf(testing::HasSubstr("gripper: part 'cube' has no"),
                              testing::HasSubstr("cup_30mm has")));
   spec.objects.push_back(spec.objects[0]);
-  spec.objects[0].foreign = true;
+  spec.objects[0].distractor = true;
   EXPECT_NO_THROW(TrialRunner(spec, {wide[0], EasyCube()[0]}));
 }
 
@@ -206,7 +206,7 @@ TEST(Trial, UnknownNamesAreRefused) {
 // Attempts without a grasp are failures, and the third in a row ends the trial.
 TEST(Trial, LookAgainPolicyCountsAttemptsWithoutAGrasp) {
   ScenarioSpec spec = CubeScenario(1);
-  spec.policy.stop = "look_again";
+  spec.policy.stop = "capture_again";
   spec.policy.max_failures_in_row = 3;
   const TrialResult result = RunOne(spec, WidePlate());
   EXPECT_EQ(result.attempts.size(), 3u);

@@ -263,7 +263,7 @@ TEST_F(Plan, FlatBarsAcrossEachOtherAreTwoInstances) {
   const std::vector<int> upper{0};
   const auto planned = [&] {
     PlanOptions options;
-    options.wide.look = false;
+    options.relaxed.enabled = false;
     return PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, gripper_, upper}, options);
   };
   poses_.push_back({0,

@@ -100,7 +100,7 @@ TEST(Tolerance, SmallRandomSamplesAreRegularized) {
   }
   ToleranceFitOptions none;
   none.ridges = 1;
-  none.least_ridge = 1e-3;
+  none.min_ridge = 1e-3;
   const auto spread = [&](const ToleranceFitOptions& options) {
     ToleranceModel model = EmptyToleranceModel(*Box(), "", {Pose::Identity()});
     FitTolerance(samples, options, model);

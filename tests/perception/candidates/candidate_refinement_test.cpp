@@ -83,7 +83,7 @@ TEST_F(RefinedCandidates, RightPosesHaveMoreEvidenceThanRivals) {
 TEST_F(RefinedCandidates, PoseWithoutRivalHasTheLargestMargin) {
   votes_.resize(1);
   AssessmentOptions options;
-  options.turned = 0;
+  options.ambiguous_candidates = 0;
   const std::vector<Candidate> candidates = Assess(options);
   ASSERT_EQ(candidates.size(), 1u);
   EXPECT_EQ(candidates[0].features[kMarginFeature], 1);
@@ -120,7 +120,7 @@ TEST_F(RefinedCandidates, PoseInsideAnEvidentCandidateOverlaps) {
 
 TEST_F(RefinedCandidates, ShareLimitsTheRefinedCandidates) {
   AssessmentOptions options;
-  options.turned = 0;
+  options.ambiguous_candidates = 0;
   options.min_quick_score = -1;
   options.candidates = options.min_candidates = 8;
   EXPECT_LE(Assess(options, 1, 0.5).size(), 4u);
@@ -156,7 +156,7 @@ TEST_F(RefinedCandidates, FineIcpStepsImproveThePose) {
   const auto error = [&](int fine_steps) {
     AssessmentOptions options;
     options.fine_steps = fine_steps;
-    options.turned = 0;
+    options.ambiguous_candidates = 0;
     options.two_correspondence_distances = false;
     const CandidateAssessor assessor(noisy.objects(), options);
     double sum = 0;
@@ -182,8 +182,8 @@ TEST_F(RefinedCandidates, ObjectsShareTheBudgetOfAmbiguousPoses) {
   AssessmentOptions options;
   options.candidates = 40;
   options.min_candidates = 10;
-  options.turned = 8;
-  options.look_alikes = 1;
+  options.ambiguous_candidates = 8;
+  options.ambiguous_poses = 1;
   options.min_quick_score = -1;
   const auto tried = [&](const ObjectSet& objects) {
     const CandidateAssessor assessor(objects, options);

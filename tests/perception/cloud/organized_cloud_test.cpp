@@ -16,7 +16,7 @@ namespace {
 
 int BorderPixels(const OrganizedCloud& cloud, int border, const auto& visit) {
   int visited = 0;
-  const int width = cloud.intrinsics.width, height = cloud.intrinsics.height;
+  const int width = cloud.intrinsics.width(), height = cloud.intrinsics.height();
   for (int y = border; y < height - border; ++y) {
     for (int x = border; x < width - border; ++x, ++visited) visit(x, y, y * width + x);
   }
@@ -77,19 +77,19 @@ TEST(BuildCloud, SmoothingReducesNoise) {
 
 TEST(BuildCloud, DepthStepsStaySharp) {
   const CameraIntrinsics k = SmallCamera();
-  RgbdFrame frame{k, {}, Image<float>(k.width, k.height, 0.80f)};
-  for (int y = 0; y < k.height; ++y) {
-    for (int x = 160; x < k.width; ++x) frame.depth_m(x, y) = 0.85f;
+  RgbdFrame frame{k, {}, Image<float>(k.width(), k.height(), 0.80f)};
+  for (int y = 0; y < k.height(); ++y) {
+    for (int x = 160; x < k.width(); ++x) frame.depth_m(x, y) = 0.85f;
   }
   const OrganizedCloud cloud = BuildCloud(frame, std::nullopt, kKeepAll);
   EXPECT_NEAR(cloud.depth_m(159, 120), 0.80, 1e-5);
   EXPECT_NEAR(cloud.depth_m(160, 120), 0.85, 1e-5);
-  EXPECT_LT(cloud.normals_C[120 * k.width + 159].z(), -0.999);
+  EXPECT_LT(cloud.normals_C[120 * k.width() + 159].z(), -0.999);
 }
 
 TEST(BuildCloud, SingleHolesAreFilledAndLargeOnesStayUnknown) {
   const CameraIntrinsics k = SmallCamera();
-  RgbdFrame frame{k, {}, Image<float>(k.width, k.height, 0.8f)};
+  RgbdFrame frame{k, {}, Image<float>(k.width(), k.height(), 0.8f)};
   frame.depth_m(50, 60) = 0;
   for (int y = 100; y < 104; ++y) {
     for (int x = 100; x < 104; ++x) frame.depth_m(x, y) = 0;
@@ -100,7 +100,7 @@ TEST(BuildCloud, SingleHolesAreFilledAndLargeOnesStayUnknown) {
   EXPECT_NEAR(cloud.depth_m(200, 50), 0.8, 1e-6);
   for (int y = 100; y < 104; ++y) {
     for (int x = 100; x < 104; ++x) {
-      const int i = y * k.width + x;
+      const int i = y * k.width() + x;
       EXPECT_EQ(cloud.depth_m(x, y), 0);
       EXPECT_EQ(cloud.foreground(x, y), 0);
       EXPECT_TRUE(cloud.points_C[i].isZero(0));
@@ -200,11 +200,11 @@ TEST(BuildCloud, WrongSizesAreReportedSeparately) {
   const RgbdFrame frame{k, {}, Image<float>(100, 240)};
   EXPECT_THAT([&] { BuildCloud(frame, std::nullopt); },
               ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("100x240")));
-  const RgbdFrame painted{k, Image<Rgb8>(64, 48), Image<float>(k.width, k.height)};
+  const RgbdFrame painted{k, Image<Rgb8>(64, 48), Image<float>(k.width(), k.height())};
   EXPECT_THAT([&] { BuildCloud(painted, std::nullopt); },
-              ::testing::ThrowsMessage<InputError>(::testing::HasSubstr(
-                  fmt::format("colour image is 64x48 and depth image {}x{}", k.width, k.height))));
-  const RgbdFrame right{k, {}, Image<float>(k.width, k.height)};
+              ::testing::ThrowsMessage<InputError>(::testing::HasSubstr(fmt::format(
+                  "colour image is 64x48 and depth image {}x{}", k.width(), k.height()))));
+  const RgbdFrame right{k, {}, Image<float>(k.width(), k.height())};
   EXPECT_THAT([&] { BuildCloud(right, std::nullopt, {.normal_window_px = 4}); },
               ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("normal_window_px is 4")));
 }

@@ -25,7 +25,8 @@ RgbdFrame PlaneFrame(double z0_m, double slope) {
   RgbdFrame frame{camera, Image<Rgb8>(200, 200, {10, 20, 30}), Image<float>(200, 200)};
   for (int y = 0; y < 200; ++y) {
     for (int x = 0; x < 200; ++x) {
-      frame.depth_m(x, y) = static_cast<float>(z0_m / (1 - slope * (x - camera.cx) / camera.fx));
+      frame.depth_m(x, y) =
+          static_cast<float>(z0_m / (1 - slope * (x - camera.cx()) / camera.fx()));
     }
   }
   return frame;

@@ -29,13 +29,13 @@ class Descriptor : public testing::Test {
     std::filesystem::create_directories(folder_ / "cache");
     views_ = new RayCastViews({ObjectOf(BracketMesh())});
     TrainingOptions options;
-    options.piles = 24;
-    options.views_per_pile = 1;
-    options.twins.patches_per_view = 120;
+    options.clutter_scenes = 24;
+    options.views_per_scene = 1;
+    options.positive_pairs.patches_per_view = 120;
     options.verifier_entries = 4000;
     options.iterations = 220;
     options.batch = 64;
-    options.verifier_piles = 6;
+    options.verifier_clutter_scenes = 6;
     options.network.descriptor = 16;
     options.loss.kind = "infonce";
     options.candidates.points = 150;
@@ -130,7 +130,7 @@ TEST_F(Descriptor, HypothesesAreRankedScoredAndTimed) {
     }
   }
   for (const char* stage : {"cloud", "patches", "network", "neighbors", "quick", "icp",
-                            "look_alikes", "verify", "suppress", "refine"}) {
+                            "ambiguous_poses", "verify", "suppress", "refine"}) {
     EXPECT_TRUE(result.seconds.contains(stage)) << stage;
   }
 }
@@ -277,7 +277,7 @@ TEST_F(Descriptor, EmptyFrameGivesNoHypothesis) {
   const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
   LabelledView empty;
   empty.frame.intrinsics = SmallCamera();
-  empty.frame.depth_m = Image<float>(SmallCamera().width, SmallCamera().height);
+  empty.frame.depth_m = Image<float>(SmallCamera().width(), SmallCamera().height());
   EXPECT_TRUE(Run(*estimator, empty).hypotheses.empty());
 }
 
@@ -296,10 +296,11 @@ TEST_F(Descriptor, BadSetupsAreRefused) {
 }
 
 TEST(OptionsForMode, AccurateModeDoesMoreWorkThanFast) {
-  const DescriptorOptions fast = OptionsForMode("fast"), hard = OptionsForMode("hard");
-  EXPECT_GT(hard.candidates.points, fast.candidates.points);
-  EXPECT_GT(hard.candidates.candidates, fast.candidates.candidates);
-  EXPECT_TRUE(hard.candidates.two_correspondence_distances);
+  const DescriptorOptions fast = OptionsForMode("fast");
+  const DescriptorOptions accurate = OptionsForMode("accurate");
+  EXPECT_GT(accurate.candidates.points, fast.candidates.points);
+  EXPECT_GT(accurate.candidates.candidates, fast.candidates.candidates);
+  EXPECT_TRUE(accurate.candidates.two_correspondence_distances);
 }
 
 }  // namespace

@@ -68,8 +68,9 @@ TEST(MakeEstimator, UnknownNamesAreRefusedAndKnownOnesAreListed) {
   for (const EstimatorRow& row : EstimatorTable()) {
     setup.spec.name = row.name;
     setup.spec.mode = "fsat";
-    EXPECT_THAT(ErrorOf([&] { MakeEstimator(setup); }),
-                AllOf(HasSubstr(row.name), HasSubstr("did you mean 'fast'"), HasSubstr("hard")));
+    EXPECT_THAT(
+        ErrorOf([&] { MakeEstimator(setup); }),
+        AllOf(HasSubstr(row.name), HasSubstr("did you mean 'fast'"), HasSubstr("accurate")));
     setup.spec.mode = row.modes.front();
     setup.refiner = "icp";
     EXPECT_THAT(ErrorOf([&] { MakeEstimator(setup); }),

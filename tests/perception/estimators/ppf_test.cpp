@@ -39,8 +39,7 @@ class BracketsOnATable : public ::testing::Test {
   }
 
   EstimateResult Run(const std::vector<Pose>& poses, std::vector<int> instances = {}) const {
-    const CameraIntrinsics k{
-        .width = 480, .height = 360, .fx = 600, .fy = 600, .cx = 239.5, .cy = 179.5};
+    const CameraIntrinsics k(480, 360, 600, 600, 239.5, 179.5);
     SyntheticDepth scene(k);
     scene.AddPlane(background_.X_CB.linear().col(2), background_.X_CB.translation());
     for (const Pose& X_CO : poses) scene.AddMesh(object_->mesh_O, X_CO);

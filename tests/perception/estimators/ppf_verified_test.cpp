@@ -28,14 +28,14 @@ VerifiedPpfOptions Options() {
   options.match.scene_voxel_diameters = 0.06;
   options.assessment.candidates = 60;
   options.assessment.min_candidates = 20;
-  options.assessment.turned = 3;
+  options.assessment.ambiguous_candidates = 3;
   return options;
 }
 
 VerifierTrainingOptions TinyTraining() {
   VerifierTrainingOptions options;
-  options.piles = 3;
-  options.views_per_pile = 1;
+  options.clutter_scenes = 3;
+  options.views_per_scene = 1;
   options.verifier.iterations = 300;
   return options;
 }
@@ -277,7 +277,7 @@ TEST_F(VerifiedPpf, StoppedTrainingKeepsFinishedVerifiers) {
             VerifierValues(LoadVerifiers(straight_file, "ppf").verifiers));
 
   VerifierTrainingOptions other = TinyTraining();
-  other.piles += 1;
+  other.clutter_scenes += 1;
   EXPECT_THAT(ErrorOf([&] { TrainVerifierLibrary(job, other); }),
               testing::AllOf(HasSubstr("stopped.pt"), HasSubstr("other settings")));
   FloatingInstances noisier({views_->objects()[0], second}, 0.001);
@@ -311,7 +311,7 @@ TEST_F(VerifiedPpf, UnknownModeIsRefused) {
   EstimatorSetup setup = MakeSetup();
   setup.spec.mode = "verifed";
   EXPECT_THAT(ErrorOf([&] { MakeEstimator(setup); }), HasSubstr("did you mean 'verified'"));
-  setup.spec.mode = "hard";
+  setup.spec.mode = "accurate";
   EXPECT_TRUE(MakePpfTraining()->ModelFile(setup.spec).empty()) << "this mode reads no model";
 }
 

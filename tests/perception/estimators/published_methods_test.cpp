@@ -24,18 +24,18 @@ using testing::HasSubstr;
 
 TrainingOptions Quick(const std::string& method) {
   TrainingOptions options = EstimatorNamed(method).make_training()->PatchNetworkOptions();
-  options.piles = 24;
-  options.views_per_pile = 1;
-  options.twins.patches_per_view = 120;
+  options.clutter_scenes = 24;
+  options.views_per_scene = 1;
+  options.positive_pairs.patches_per_view = 120;
   options.verifier_entries = 3000;
   options.iterations = 240;
   options.batch = 64;
-  options.verifier_piles = 6;
+  options.verifier_clutter_scenes = 6;
   options.network.descriptor = 16;
   options.candidates.points = 150;
   options.candidates.candidates = 120;
   options.fast_candidates = options.candidates;
-  options.held_out.piles = 2;
+  options.held_out.clutter_scenes = 2;
   options.held_out.queries = 40;
   options.held_out.book_views = 20;
   return options;
@@ -94,8 +94,8 @@ TEST_P(PublishedMethod, LearnsAndFindsUnoccludedInstances) {
 TEST_P(PublishedMethod, SameSeedSameFileAndOtherMethodIsRefused) {
   TrainingOptions options = Quick(GetParam());
   options.iterations = 6;
-  options.piles = 3;
-  options.verifier_piles = 2;
+  options.clutter_scenes = 3;
+  options.verifier_clutter_scenes = 2;
   Train("a.pt", options);
   Train("b.pt", options);
   EXPECT_EQ(ReadFileBytes(folder_ / "a.pt"), ReadFileBytes(folder_ / "b.pt"));
@@ -117,8 +117,8 @@ TEST(UnionOfVotes, EachPatchCastsVotesOfBothNetworks) {
   const auto train = [&](const std::string& method, const std::string& name, double diameters) {
     TrainingOptions options = Quick(method);
     options.iterations = 6;
-    options.piles = 3;
-    options.verifier_piles = 2;
+    options.clutter_scenes = 3;
+    options.verifier_clutter_scenes = 2;
     options.patch_diameters = diameters;
     TrainDescriptor({views, temporary.path() / name, {}, false, {}, "test", {}}, options);
   };
@@ -169,7 +169,7 @@ TEST(PublishedSettings, OutOfRangeSettingsReportTheRange) {
               testing::AllOf(HasSubstr("patch_diameters"), HasSubstr("0.05"), HasSubstr("4")));
   EXPECT_THAT(error_of("network.regression.siamese_weight=-1"), HasSubstr("siamese_weight"));
   EXPECT_THAT(error_of("network.regression.rotation=euler"), HasSubstr("six_d"));
-  EXPECT_THAT(error_of("network.autoencoder.target=twni"), HasSubstr("did you mean 'twin'"));
+  EXPECT_THAT(error_of("network.autoencoder.target=positve"), HasSubstr("did you mean 'positive'"));
 }
 
 }  // namespace

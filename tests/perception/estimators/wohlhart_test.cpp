@@ -28,9 +28,9 @@ WholeViewOptions FewViews() {
   options.templates.template_level = 1;
   options.templates.in_plane = 12;
   options.templates.in_plane_max_rad = 2.88;
-  options.alone = 150;
-  options.piles = 12;
-  options.views_per_pile = 1;
+  options.isolated = 150;
+  options.clutter_scenes = 12;
+  options.views_per_scene = 1;
   return options;
 }
 
@@ -48,8 +48,8 @@ WohlhartBinOptions Quick() {
 
 VerifierTrainingOptions FewPiles() {
   VerifierTrainingOptions options;
-  options.piles = 6;
-  options.views_per_pile = 1;
+  options.clutter_scenes = 6;
+  options.views_per_scene = 1;
   options.verifier.iterations = 300;
   return options;
 }
@@ -113,7 +113,7 @@ TEST_F(WohlhartInBins, LearnsAndFindsUnoccludedInstances) {
 TEST_F(WohlhartInBins, SameSeedSameFile) {
   WohlhartBinOptions options = Quick();
   options.network.iterations = 150;
-  options.views.piles = 2;
+  options.views.clutter_scenes = 2;
   Train("a.pt", options);
   Train("b.pt", options);
   EXPECT_EQ(ReadFileBytes(folder_ / "a.pt"), ReadFileBytes(folder_ / "b.pt"));
@@ -126,7 +126,7 @@ TEST_F(WohlhartInBins, SameSeedSameFile) {
 TEST_F(WohlhartInBins, ResumeWithOtherSettingsIsRefused) {
   WohlhartBinOptions options = Quick();
   options.network.iterations = 2;
-  options.views.piles = 2;
+  options.views.clutter_scenes = 2;
   VerifierFile begun{"wohlhart", "test sensor", "", {}, {}, {}};
   begun.training = VerifierTrainingText(views_, FewPiles());
   auto changed = std::make_shared<ObjectModel>(*views_.objects()[0]);
@@ -177,7 +177,7 @@ TEST_F(WohlhartInBins, TemplatePoseIsValidAnywhereInTheImage) {
     const LabelledView view = views_.Isolated(0, {X_CP * templates.X_PO[i]}, camera, 0).front();
     const OrganizedCloud cloud = IsolatedCloud(view);
     const auto off_px = [&](int index) {
-      const Eigen::Vector2d at(index % camera.width, index / camera.width);
+      const Eigen::Vector2d at(index % camera.width(), index / camera.width());
       return (at - Project(camera, X_CP.translation())).norm();
     };
     // The point may be on the object's outline.

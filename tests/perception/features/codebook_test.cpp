@@ -38,7 +38,7 @@ IsolatedOptions FewViews(int views) {
   options.views = views;
   options.patches_per_view = 4;
   options.distance_m = RayCastViews::kDistanceM;
-  options.focal_px = SmallCamera().fx;
+  options.focal_px = SmallCamera().fx();
   return options;
 }
 

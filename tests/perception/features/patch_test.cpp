@@ -145,7 +145,7 @@ TEST(CutPatches, PatchIsIndependentOfDistance) {
 
 TEST(CutPatches, PixelsOutsideTheImageAndBackgroundAreFar) {
   OrganizedCloud cloud = PlaneCloud(0.8, Eigen::Vector3d(0, 0, -1));
-  const int corner = 5 * cloud.intrinsics.width + 5;
+  const int corner = 5 * cloud.intrinsics.width() + 5;
   const PatchSet cut = CutPatches(cloud, std::vector{corner}, std::vector{0.0}, {0.08});
   EXPECT_EQ(Value(cut, 0, 0, 0, 0), 1.0);
   // The other corner sees the plane, which is slanted against the ray to the image's corner.
@@ -154,7 +154,7 @@ TEST(CutPatches, PixelsOutsideTheImageAndBackgroundAreFar) {
   const Eigen::Vector3d grid_C = X_CP * Eigen::Vector3d(half_m, half_m, 0);
   const Eigen::Vector3d hit_C = grid_C * (0.8 / grid_C.z());
   EXPECT_NEAR(Value(cut, 0, 0, 31, 31), (X_CP.inverse() * hit_C).z() / half_m, 0.05);
-  cloud.foreground = Image<uint8_t>(cloud.intrinsics.width, cloud.intrinsics.height, 0);
+  cloud.foreground = Image<uint8_t>(cloud.intrinsics.width(), cloud.intrinsics.height(), 0);
   const PatchSet none = CutPatches(cloud, std::vector{corner}, std::vector{0.0}, {0.08});
   EXPECT_EQ(Value(none, 0, 0, 31, 31), 1.0);
   EXPECT_EQ(Value(none, 0, 3, 31, 31), 0.0);
@@ -163,15 +163,15 @@ TEST(CutPatches, PixelsOutsideTheImageAndBackgroundAreFar) {
 // Red increases to the right of the image and green downwards, by 2.2 per pixel.
 Rgb8 Paint(const CameraIntrinsics& k, double x, double y) {
   const auto byte = [](double v) { return static_cast<uint8_t>(std::clamp(v, 0.0, 255.0)); };
-  return {byte(128 + 2.2 * (x - k.cx)), byte(128 + 2.2 * (y - k.cy)), 40};
+  return {byte(128 + 2.2 * (x - k.cx())), byte(128 + 2.2 * (y - k.cy())), 40};
 }
 
 OrganizedCloud PaintedPlane() {
   OrganizedCloud cloud = PlaneCloud(0.8, Eigen::Vector3d(0, 0, -1));
   const CameraIntrinsics& k = cloud.intrinsics;
-  cloud.color = Image<Rgb8>(k.width, k.height);
-  for (int y = 0; y < k.height; ++y) {
-    for (int x = 0; x < k.width; ++x) cloud.color(x, y) = Paint(k, x, y);
+  cloud.color = Image<Rgb8>(k.width(), k.height());
+  for (int y = 0; y < k.height(); ++y) {
+    for (int x = 0; x < k.width(); ++x) cloud.color(x, y) = Paint(k, x, y);
   }
   return cloud;
 }
@@ -217,13 +217,13 @@ TEST(ColorPatches, ValuesSpanTheRangeAndDepthIsUnchanged) {
 
 TEST(ColorPatches, BackgroundAndOutsideAreNeutral) {
   OrganizedCloud cloud = PaintedPlane();
-  const std::vector<int> corner{5 * cloud.intrinsics.width + 5};
+  const std::vector<int> corner{5 * cloud.intrinsics.width() + 5};
   const std::vector<double> angle{0.0};
   const PatchForm form{0.08, PatchChannels::kDepthColor};
   const PatchSet cut = CutPatches(cloud, corner, angle, form);
   EXPECT_TRUE(IsUnknownAt(cut.patch(0), 0));
   EXPECT_FALSE(IsUnknownAt(cut.patch(0), kPatchArea - 1));
-  cloud.foreground = Image<uint8_t>(cloud.intrinsics.width, cloud.intrinsics.height, 0);
+  cloud.foreground = Image<uint8_t>(cloud.intrinsics.width(), cloud.intrinsics.height(), 0);
   const PatchSet none = CutPatches(cloud, corner, angle, form);
   for (int i = 0; i < kPatchArea; ++i) {
     EXPECT_EQ(none.values[i], 127);

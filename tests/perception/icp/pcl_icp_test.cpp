@@ -88,7 +88,8 @@ TEST_F(BracketPclIcp, NoCorrespondencesLeaveThePoseUnchanged) {
   EXPECT_EQ(result.X_CO.matrix(), far_away.matrix());
 
   const CameraIntrinsics k = SmallCamera();
-  const OrganizedCloud empty = BuildCloud({k, {}, Image<float>(k.width, k.height)}, std::nullopt);
+  const OrganizedCloud empty =
+      BuildCloud({k, {}, Image<float>(k.width(), k.height())}, std::nullopt);
   EXPECT_EQ(PclIcp(empty).Refine(model_, far_away).status, IcpStatus::kTooFewCorrespondences);
 }
 
@@ -138,11 +139,11 @@ Scan ReadAsciiPcd(const std::filesystem::path& file) {
 
 // The scan at 0.6 m from a camera whose pixel spacing equals the point spacing.
 OrganizedCloud AsCloud(const Scan& scan) {
-  const CameraIntrinsics k{.width = 64, .height = 64, .fx = 130, .fy = 130, .cx = 32, .cy = 8};
+  const CameraIntrinsics k(64, 64, 130, 130, 32, 8);
   OrganizedCloud cloud;
   cloud.intrinsics = k;
-  cloud.depth_m = Image<float>(k.width, k.height);
-  cloud.foreground = Image<uint8_t>(k.width, k.height);
+  cloud.depth_m = Image<float>(k.width(), k.height());
+  cloud.foreground = Image<uint8_t>(k.width(), k.height());
   cloud.points_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
   cloud.normals_C = cloud.points_C;
   for (size_t i = 0; i < scan.points.size(); ++i) {
@@ -152,10 +153,10 @@ OrganizedCloud AsCloud(const Scan& scan) {
     const int y = static_cast<int>(std::lround(pixel.y()));
     cloud.depth_m(x, y) = p.z();
     cloud.foreground(x, y) = 1;
-    cloud.points_C[y * k.width + x] = p;
-    cloud.normals_C[y * k.width + x] = scan.normals[i];
+    cloud.points_C[y * k.width() + x] = p;
+    cloud.normals_C[y * k.width() + x] = scan.normals[i];
   }
-  for (int i = 0; i < k.width * k.height; ++i) {
+  for (int i = 0; i < k.width() * k.height(); ++i) {
     if (cloud.foreground.data()[i]) cloud.foreground_pixels.push_back(i);
   }
   return cloud;

@@ -68,7 +68,7 @@ TEST_F(BracketIcp, ResultIsARotationMatrix) {
 
 TEST_F(BracketIcp, EmptyImageLeavesThePoseUnchanged) {
   const CameraIntrinsics k = SmallCamera();
-  const RgbdFrame empty{k, {}, Image<float>(k.width, k.height)};
+  const RgbdFrame empty{k, {}, Image<float>(k.width(), k.height())};
   const IcpResult result = ProjectiveIcp(BuildCloud(empty, std::nullopt), model_, truth_);
   EXPECT_EQ(result.status, IcpStatus::kTooFewCorrespondences);
   EXPECT_EQ(result.iterations, 0);

@@ -14,7 +14,7 @@ constexpr double kSide_m = 0.064;
 
 HeldOutOptions Few() {
   HeldOutOptions options;
-  options.piles = 2;
+  options.clutter_scenes = 2;
   options.queries = 25;
   options.book_views = 10;
   return options;

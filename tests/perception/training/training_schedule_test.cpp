@@ -29,7 +29,7 @@ TEST(TakeTurns, FrequencyIsProportionalToTheWeightAndEven) {
 
 TrainingOptions Options() {
   TrainingOptions options;
-  options.piles = 100;
+  options.clutter_scenes = 100;
   options.iterations = 1000;
   options.views_share = 0.5;
   options.held_out.every = 100;
@@ -52,7 +52,7 @@ TEST(TrainingSchedule, RehearsedObjectsGetTheirShareOfScenesAndSteps) {
 
 TEST(TrainingSchedule, EveryObjectIsInAScene) {
   TrainingOptions options = Options();
-  options.piles = 2;
+  options.clutter_scenes = 2;
   const std::vector<int> piles = TrainingSchedule({1, 0.01, 0.01}, options).pile_parts();
   EXPECT_EQ(piles.size(), 4u);
   for (int object = 0; object < 3; ++object) {

@@ -28,13 +28,13 @@ using testing::HasSubstr;
 // Seconds of training: enough to learn something, not enough to be good.
 TrainingOptions TinyOptions() {
   TrainingOptions options;
-  options.piles = 4;
-  options.views_per_pile = 1;
-  options.twins.patches_per_view = 60;
+  options.clutter_scenes = 4;
+  options.views_per_scene = 1;
+  options.positive_pairs.patches_per_view = 60;
   options.verifier_entries = 480;
   options.iterations = 24;
   options.batch = 24;
-  options.verifier_piles = 2;
+  options.verifier_clutter_scenes = 2;
   options.checkpoint_every = 8;
   options.network.descriptor = 8;
   options.verifier.iterations = 50;
@@ -42,7 +42,7 @@ TrainingOptions TinyOptions() {
   options.candidates.candidates = 30;
   options.candidates.min_candidates = 10;
   options.fast_candidates = options.candidates;
-  options.held_out.piles = 2;
+  options.held_out.clutter_scenes = 2;
   options.held_out.queries = 40;
   options.held_out.book_views = 20;
   options.held_out.every = 8;
@@ -206,7 +206,7 @@ class SlowViews : public RayCastViews {
 
 TEST_F(Training, WeightsDoNotDependOnTheSpeedOfRendering) {
   TrainingOptions options = TinyOptions();
-  options.piles = 6;
+  options.clutter_scenes = 6;
   const TrainingReport quick = TrainDescriptor(Job("quick"), options);
   SlowViews slow_views(views_.objects(), std::chrono::milliseconds(150));
   const TrainingJob slow{slow_views, folder_ / "slow.pt", {}, false, {}, "test sensor", {}};
@@ -372,8 +372,8 @@ TEST_F(AddedObject, ChangedMeshIsLearnedAsANewObject) {
 
 TEST_F(Training, ObjectThatIsNeverVisibleIsNamed) {
   TrainingOptions options = TinyOptions();
-  options.twins.min_visible = 1;
-  options.piles = 1;
+  options.positive_pairs.min_visible = 1;
+  options.clutter_scenes = 1;
   class Unseen : public RayCastViews {
    public:
     using RayCastViews::RayCastViews;

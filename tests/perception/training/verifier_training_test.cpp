@@ -68,7 +68,7 @@ class Shifted : public CandidateSource {
 TEST(TrainPartVerifier, LearnsFromTheCandidatesOfAllSources) {
   RayCastViews views({ObjectOf(BracketMesh())});
   VerifierTrainingOptions options;
-  options.piles = 6;
+  options.clutter_scenes = 6;
   options.verifier.iterations = 200;
   const auto go_on = [](double) { return true; };
   const auto piles = VerifierPiles(views, 0, /*color=*/false, options, go_on);
@@ -85,7 +85,7 @@ TEST(TrainPartVerifier, LearnsFromTheCandidatesOfAllSources) {
 TEST(TrainPartVerifier, CalibratesEachModeByItsOwnCandidates) {
   RayCastViews views({ObjectOf(BracketMesh())});
   VerifierTrainingOptions options;
-  options.piles = 20;
+  options.clutter_scenes = 20;
   options.verifier.iterations = 200;
   const auto go_on = [](double) { return true; };
   const auto piles = VerifierPiles(views, 0, /*color=*/false, options, go_on);

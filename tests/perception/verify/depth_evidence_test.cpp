@@ -94,7 +94,7 @@ TEST(OutlineEvidence, ContinuingSurfaceLowersTheEvidence) {
   const DepthEvidence of_wall = evidence(flush);
   EXPECT_GT(of_wall.agreeing, 0.95 * of_wall.covered);
   // On each side, three pixels at the rim of the face are compared with the surface beyond it.
-  const double rim_px = 2 * (0.061 + 0.041) / 0.4 * SmallCamera().fx;
+  const double rim_px = 2 * (0.061 + 0.041) / 0.4 * SmallCamera().fx();
   EXPECT_NEAR(of_wall.beyond, 3 * rim_px, 0.1 * 3 * rim_px);
   EXPECT_EQ(of_wall.continuing, of_wall.beyond);
 

@@ -166,8 +166,8 @@ TEST_F(VoteModes, NearerNeighborsHaveMoreWeight) {
 TEST(ModeOptions, OutOfRangeSettingsReportTheRange) {
   ModeOptions options;
   const std::string error = ErrorOf(
-      [&] { ApplySetting("middle_diameters=0", [&](SettingsVisitor& v) { options.Visit(v); }); });
-  EXPECT_THAT(error, testing::HasSubstr("middle_diameters"));
+      [&] { ApplySetting("center_diameters=0", [&](SettingsVisitor& v) { options.Visit(v); }); });
+  EXPECT_THAT(error, testing::HasSubstr("center_diameters"));
   EXPECT_THAT(error, testing::HasSubstr("0.001"));
 }
 

@@ -44,10 +44,10 @@ TEST(OcclusionSpec, InvalidBandsAreRefusedWithAReason) {
   };
   EXPECT_EQ(error_of({{0.1, 0.3}, {0.3, 1}}), "no error");
   EXPECT_THAT(error_of({}), HasSubstr("here.bands: is empty"));
-  EXPECT_THAT(error_of({{0.5, 0.3}}), HasSubstr("here.bands.0.most = 0.3"));
+  EXPECT_THAT(error_of({{0.5, 0.3}}), HasSubstr("here.bands.0.max = 0.3"));
   EXPECT_THAT(error_of({{0.5, 0.505}}), HasSubstr("margin of 0.005"));
   EXPECT_THAT(error_of({{0.1, 0.3}, {0.2, 0.5}}),
-              HasSubstr("here.bands.1.least = 0.2: must not be under bands.0.most = 0.3"));
+              HasSubstr("here.bands.1.min = 0.2: must not be under bands.0.max = 0.3"));
   EXPECT_THAT(error_of({{0.5, 0.7}, {0.1, 0.3}}), HasSubstr("from the least visible on"));
 }
 
@@ -59,12 +59,12 @@ TEST(OcclusionSpec, ScenarioErrorHoldsTheLineOfTheBand) {
                                                   "occlusion:\n"
                                                   "  enabled: true\n"
                                                   "  bands:\n"
-                                                  "    - {least: 0.4, most: 0.8}\n"
-                                                  "    - {least: 0.7, most: 1}\n");
+                                                  "    - {min: 0.4, max: 0.8}\n"
+                                                  "    - {min: 0.7, max: 1}\n");
   EXPECT_THAT(ErrorOf([&] { LoadScenario(file); }),
-              HasSubstr("bands.yaml:7: occlusion.bands.1.least = 0.7"));
+              HasSubstr("bands.yaml:7: occlusion.bands.1.min = 0.7"));
   EXPECT_EQ(ErrorOf([&] { LoadScenario(file, {"occlusion.enabled=false"}); }), "no error");
-  EXPECT_EQ(ErrorOf([&] { LoadScenario(file, {"occlusion.bands.1.least=0.8"}); }), "no error");
+  EXPECT_EQ(ErrorOf([&] { LoadScenario(file, {"occlusion.bands.1.min=0.8"}); }), "no error");
 }
 
 }  // namespace

@@ -123,25 +123,25 @@ TEST(CameraOf, PointsAtItsTargetWithAnUprightImage) {
     // The bin's far side (+y) is in the upper half of the image.
     const Eigen::Vector2d far_px =
         Project(camera.intrinsics, camera.X_CW() * Eigen::Vector3d(0, 0.1, 0));
-    EXPECT_LT(far_px.y(), camera.intrinsics.cy);
-    EXPECT_NEAR(far_px.x(), camera.intrinsics.cx, 1e-9);
+    EXPECT_LT(far_px.y(), camera.intrinsics.cy());
+    EXPECT_NEAR(far_px.x(), camera.intrinsics.cx(), 1e-9);
   }
 }
 
 TEST(CameraOf, IntrinsicsAreGivenOrDefault) {
   ScenarioSpec spec;
   const CameraIntrinsics default_values = CameraOf(spec).intrinsics;
-  EXPECT_EQ(default_values.fy, default_values.fx);
-  EXPECT_EQ(default_values.cx, 319.5);
-  EXPECT_EQ(default_values.cy, 239.5);
+  EXPECT_EQ(default_values.fy(), default_values.fx());
+  EXPECT_EQ(default_values.cx(), 319.5);
+  EXPECT_EQ(default_values.cy(), 239.5);
   spec.camera.focal_px = 570;
   spec.camera.focal_y_px = 571;
   spec.camera.principal_px = {0, 242};
   const CameraIntrinsics given = CameraOf(spec).intrinsics;
-  EXPECT_EQ(given.fx, 570);
-  EXPECT_EQ(given.fy, 571);
-  EXPECT_EQ(given.cx, 0);
-  EXPECT_EQ(given.cy, 242);
+  EXPECT_EQ(given.fx(), 570);
+  EXPECT_EQ(given.fy(), 571);
+  EXPECT_EQ(given.cx(), 0);
+  EXPECT_EQ(given.cy(), 242);
 }
 
 TEST(LoadScenario, NamedBinIsLoadedAndGivenKeysOverrideIt) {

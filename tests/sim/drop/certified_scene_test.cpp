@@ -25,7 +25,7 @@ TEST(SceneCertificate, EachFaultHasItsMessage) {
   certificate.simulated_s = 8.5;
   EXPECT_EQ(only_fault(certificate), "not at rest after 8.5 s");
   certificate = ValidCertificate();
-  certificate.parts_outside = 1;
+  certificate.instances_outside = 1;
   EXPECT_EQ(only_fault(certificate), "1 part fell outside the bin");
   certificate = ValidCertificate();
   certificate.deepest_penetration_m = 0.0006;

@@ -31,7 +31,7 @@ TEST(DropParts, MixedInstancesComeToRestInsideWithoutOverlap) {
     const DropResult drop = DropMixed(seed, 5);
     EXPECT_TRUE(drop.certificate.at_rest) << "seed " << seed;
     EXPECT_FALSE(drop.certificate.blew_up) << "seed " << seed;
-    EXPECT_EQ(drop.certificate.parts_outside, 0) << "seed " << seed;
+    EXPECT_EQ(drop.certificate.instances_outside, 0) << "seed " << seed;
     EXPECT_EQ(drop.scene.objects.size(), 20u) << "seed " << seed;
     EXPECT_LT(drop.certificate.deepest_penetration_m, 0.0005) << "seed " << seed;
     EXPECT_LT(drop.certificate.max_speed_mps, 0.01) << "seed " << seed;
@@ -87,8 +87,8 @@ TEST(DropParts, InstancesOutsideAreCountedAndNotInTheScene) {
   tray.inner_size_m = {0.16, 0.12, 0.03};
   Rng rng(1);
   const DropResult drop = DropParts(tray, {BoxPart({0.05, 0.05, 0.05}, 0.1)}, {30}, rng);
-  EXPECT_GT(drop.certificate.parts_outside, 0);
-  EXPECT_EQ(drop.certificate.parts_outside + static_cast<int>(drop.scene.objects.size()), 30);
+  EXPECT_GT(drop.certificate.instances_outside, 0);
+  EXPECT_EQ(drop.certificate.instances_outside + static_cast<int>(drop.scene.objects.size()), 30);
   EXPECT_FALSE(drop.certificate.blew_up);
   for (const PosedObject& object : drop.scene.objects) {
     EXPECT_LT(std::abs(object.X_WO.translation().x()), 0.08);
@@ -101,7 +101,7 @@ TEST(DropParts, RodAsLongAsTheBinComesToRest) {
   for (const uint64_t seed : {0, 1, 2}) {
     Rng rng(seed);
     const DropResult drop = DropParts(Bin{}, {BoxPart({0.02, 0.39, 0.02}, 0.3)}, {4}, rng);
-    EXPECT_EQ(drop.certificate.parts_outside, 0);
+    EXPECT_EQ(drop.certificate.instances_outside, 0);
     EXPECT_TRUE(drop.certificate.at_rest);
   }
 }
@@ -170,8 +170,8 @@ TEST(Arrangements, PackedInstancesWithoutRoomAreCounted) {
   tray.inner_size_m = {0.12, 0.12, 0.1};
   Rng rng(1);
   const DropResult drop = DropParts(tray, {BoxPart({0.05, 0.05, 0.05}, 0.1)}, {9}, rng, options);
-  EXPECT_GE(drop.certificate.parts_outside, 5);
-  EXPECT_EQ(drop.certificate.parts_outside + drop.scene.objects.size(), 9u);
+  EXPECT_GE(drop.certificate.instances_outside, 5);
+  EXPECT_EQ(drop.certificate.instances_outside + drop.scene.objects.size(), 9u);
 }
 
 // Without walls the instances stay near the center and form a heap higher than one cube.

@@ -76,15 +76,15 @@ TEST_F(OcclusionSeriesTest, VisibleFractionIsInTheBandOfEachScene) {
 // Mean position of the fractions in their bands: 0 at the lower limit, 1 at the upper. In the start
 // scene of a series the target is mostly visible.
 TEST_F(OcclusionSeriesTest, FractionsAreDistributedOverTheBands) {
-  const auto mean_position = [&](int level_tries, int from_band) {
-    spec_.level_tries = level_tries;
+  const auto mean_position = [&](int level_samples, int from_band) {
+    spec_.level_samples = level_samples;
     double sum = 0;
     int scenes = 0;
     for (uint64_t trial = 0; trial < 8; ++trial) {
       for (const OccludedScene& scene : Make({3, 3, 3, 3}, trial).series.scenes) {
         if (scene.band < from_band) continue;
         const VisibleBand band = spec_.Inner(scene.band);
-        const double position = (scene.visible_fraction - band.least) / (band.most - band.least);
+        const double position = (scene.visible_fraction - band.min) / (band.max - band.min);
         EXPECT_GE(position, 0);
         EXPECT_LE(position, 1);
         sum += position;
@@ -170,7 +170,7 @@ TEST(OccludeTarget, BlockerThatOverturnsTheTargetIsRemoved) {
   ASSERT_THAT(Faults(standing), testing::IsEmpty()) << "the plate does not stay upright";
   OcclusionSetup setup{objects, {0, 1}, {}, {}, {}};
   setup.camera.SetPose(LookAt({0, -0.6, 0.6}, {0, 0, 0.04}, {0, 0, 1}));
-  setup.spec.tries = 40;
+  setup.spec.blocker_samples = 40;
   SceneRenderer renderer(objects, scene.bin);
   Rng rng(5);
   const OcclusionSeries series = OccludeTarget(renderer, {scene, standing}, 0, setup, rng);
@@ -190,7 +190,7 @@ TEST(OccludeTarget, BlockerThatSkipsABandIsRemoved) {
   scene.objects = {{0, 0, Translation({0, 0, 0.015})}};
   OcclusionSetup setup{objects, {0, 1}, OverTheBin(), {}, {}};
   setup.spec.bands = {{0.45, 0.47}, {0.9, 1}};
-  setup.spec.tries = 12;
+  setup.spec.blocker_samples = 12;
   setup.spec.scatter_diameters = 0;
   SceneRenderer renderer(objects, scene.bin);
   Rng rng(5);
@@ -207,7 +207,7 @@ TEST(OccludeTarget, BlockerThatSkipsABandIsRemoved) {
 TEST_F(OcclusionSeriesTest, UnfillableBandDoesNotAffectTheOthers) {
   spec_.bands = {{0.300, 0.302}, {0.5, 0.7}, {0.9, 1}};
   spec_.margin = 0;
-  spec_.tries = 3;
+  spec_.blocker_samples = 3;
   spec_.targets = 2;
   spec_.scenes = 2;
   const MadeSeries made = Make({1, 1, 1, 1});
@@ -226,7 +226,7 @@ TEST_F(OcclusionSeriesTest, SingleInstanceIsHiddenByItsOwnObject) {
 TEST_F(OcclusionSeriesTest, CountsAreKeptIfNoBandIsFilled) {
   spec_.bands = {{0.500, 0.502}};
   spec_.margin = 0;
-  spec_.tries = 2;
+  spec_.blocker_samples = 2;
   spec_.targets = spec_.scenes = 1;
   const MadeSeries made = Make({1, 1, 0, 0}, 7);
   EXPECT_THAT(made.series.scenes, testing::IsEmpty());

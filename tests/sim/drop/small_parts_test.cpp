@@ -37,7 +37,7 @@ TEST(DropParts, SmallObjectsOverlapAsLittleAsLargeObjects) {
       Rng rng(seed);
       const DropResult drop = DropParts(bin, objects, {10, 10, 10}, rng);
       EXPECT_TRUE(drop.certificate.at_rest) << diameter_m << " m, seed " << seed;
-      EXPECT_EQ(drop.certificate.parts_outside, 0) << diameter_m << " m, seed " << seed;
+      EXPECT_EQ(drop.certificate.instances_outside, 0) << diameter_m << " m, seed " << seed;
       EXPECT_LT(drop.certificate.deepest_penetration_m, 0.01 * diameter_m) << "seed " << seed;
     }
   }

@@ -30,9 +30,7 @@ TEST(Renderer, TiltedPlaneDepthMatchesTheFormula) {
   Renderer renderer;
   const int mesh = renderer.AddMesh(RectangleMesh(-3, -3, 3, 3));
   Camera camera = TestCamera(160, 120, 150);
-  camera.intrinsics.fx = 140;
-  camera.intrinsics.cx = 70.25;
-  camera.intrinsics.cy = 66.5;
+  camera.intrinsics = {160, 120, 140, 150, 70.25, 66.5};
   const Pose X_CO = Translation({0.1, -0.05, 0.9}) *
                     Pose(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 0.5, 0.2).normalized()));
   const Eigen::Vector3d n = X_CO.linear().col(2);
@@ -92,8 +90,7 @@ TEST(Renderer, SphereDepthAndOutlineMatchTheFormula) {
 TEST(Renderer, RectangleCoversExactlyItsPixels) {
   Renderer renderer;
   Camera camera = TestCamera(64, 48, 100);
-  camera.intrinsics.cx = 30;
-  camera.intrinsics.cy = 20;
+  camera.intrinsics = {64, 48, 100, 100, 30, 20};
   const double z = 0.5, m_per_px = z / 100;
   // u from 9.5 to 19.5, v from 4.6 to 9.4.
   const int mesh = renderer.AddMesh(RectangleMesh((9.6 - 30) * m_per_px, (4.6 - 20) * m_per_px,
@@ -324,7 +321,7 @@ TEST(Renderer, InvalidInputIsRefused) {
     renderer.Render(TestCamera(0, 480, 600), {});
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("0 x 480"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("width = 0"));
   }
   EXPECT_THROW(renderer.RenderEach(views.cameras, One(box, Pose::Identity())), InputError);
   EXPECT_THROW(renderer.Render(TestCamera(8, 8, 8), One(box + 1, Pose::Identity())),

@@ -90,7 +90,7 @@ TEST(SceneRenderer, IdsAndFractionsAreAssignedToInstances) {
   SceneRenderer renderer({cube, plate}, scene.bin);
   Camera camera;
   camera.SetPose(LookAt({0, 0, 5}, {0, 0, 0}, {0, 1, 0}));
-  camera.intrinsics.fx = camera.intrinsics.fy = 4000;
+  camera.intrinsics = {640, 480, 4000, 4000, 319.5, 239.5};
   const RenderedImage image = renderer.Render(scene, camera);
   std::vector<int> ids(image.ids.pixels().begin(), image.ids.pixels().end());
   std::sort(ids.begin(), ids.end());

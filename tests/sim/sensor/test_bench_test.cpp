@@ -49,7 +49,7 @@ TEST(SensorTestBench, SceneHasBoxBoardsAndColouredAreas) {
   EXPECT_GT(white, 3000);
   // Slants of the boards, from two neighboring points of each.
   for (const auto& [row, degrees] : {std::pair{52, 30.0}, {134, 50.0}, {215, 70.0}, {297, 80.0}}) {
-    int x = scene.camera.width - 1;
+    int x = scene.camera.width() - 1;
     while (scene.depth_m(x, row) == 2) --x;
     const auto point = [&](int column) {
       return BackProject(scene.camera, column, row, scene.depth_m(column, row));

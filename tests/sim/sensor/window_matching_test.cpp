@@ -172,7 +172,7 @@ TEST(SensorWindows, DropoutFallsLinearlyWithTheDistanceToAnEdge) {
   SensorProfile for_these_pixels, for_coarser_pixels;
   for_these_pixels.edge_dropout = for_coarser_pixels.edge_dropout = 0.6;
   for_these_pixels.window_px = 8;
-  for_coarser_pixels.window_px = 4, for_coarser_pixels.lateral_focal_px = kWindowCamera.fx / 2;
+  for_coarser_pixels.window_px = 4, for_coarser_pixels.lateral_focal_px = kWindowCamera.fx() / 2;
   for (const SensorProfile& profile : {for_these_pixels, for_coarser_pixels}) {
     const Image<float> sensed = Sensed(Board(0.8f, 1.0f), profile, 4);
     for (int distance = 0; distance < 8; ++distance) {
@@ -192,7 +192,7 @@ TEST(SensorWindows, DropoutFallsLinearlyWithTheDistanceToAnEdge) {
 TEST(SensorWindows, WindowsCauseNoDropoutWithoutAnEdge) {
   SensorProfile profile;
   profile.edge_dropout = 1, profile.window_px = 100, profile.lateral_focal_px = 50;
-  EXPECT_EQ(WindowWidth_px(profile, kWindowCamera.fx), 510);
+  EXPECT_EQ(WindowWidth_px(profile, kWindowCamera.fx()), 510);
   const Image<float> wall(kWindowWidth, kWindowHeight, 1.0f);
   EXPECT_TRUE(std::ranges::equal(Sensed(wall, profile, 2).pixels(), wall.pixels()));
 }
@@ -200,9 +200,9 @@ TEST(SensorWindows, WindowsCauseNoDropoutWithoutAnEdge) {
 TEST(SensorWindows, CorrelationDoesNotChangeSigmaAndDropout) {
   SensorProfile profile;
   profile.axial_sigma_m = 0.002, profile.random_dropout = 0.05;
-  profile.correlation_px = 2.5, profile.lateral_focal_px = kWindowCamera.fx / 2;
-  EXPECT_EQ(ErrorSpacing_px(profile, kWindowCamera.fx), 5);
-  EXPECT_EQ(ErrorSpacing_px(profile, kWindowCamera.fx / 5), 0)
+  profile.correlation_px = 2.5, profile.lateral_focal_px = kWindowCamera.fx() / 2;
+  EXPECT_EQ(ErrorSpacing_px(profile, kWindowCamera.fx()), 5);
+  EXPECT_EQ(ErrorSpacing_px(profile, kWindowCamera.fx() / 5), 0)
       << "errors of single pixels are independent";
   const Image<float> wall(kWindowWidth, kWindowHeight, 1.0f);
   double sum2 = 0, neighbors = 0;
@@ -238,7 +238,7 @@ TEST(SensorWindows, SensorOffsetShadowsStayInTheirRow) {
   const auto lost = [&](int y) {
     return std::count(sensed.row(y), sensed.row(y) + kWindowWidth, 0.0f);
   };
-  EXPECT_NEAR(lost(0), 0.05 * kWindowCamera.fx * (1 / 0.8 - 1), 1);
+  EXPECT_NEAR(lost(0), 0.05 * kWindowCamera.fx() * (1 / 0.8 - 1), 1);
   EXPECT_EQ(lost(kWindowHeight / 2 - 1), lost(0));
   EXPECT_EQ(lost(kWindowHeight / 2), 0);
   EXPECT_EQ(lost(kWindowHeight - 1), 0);
@@ -257,7 +257,7 @@ TEST(SensorWindows, DepthAlignedToAnotherImageHasShadowsOnBothSides) {
       EXPECT_EQ(sensed(x, 100), 0.8f);
     }
   }
-  const double per_m = kWindowCamera.fx * (1 / 0.8 - 1);
+  const double per_m = kWindowCamera.fx() * (1 / 0.8 - 1);
   EXPECT_NEAR(left, 0.05 * per_m, 1);
   EXPECT_NEAR(right, 0.025 * per_m, 1);
   // Depth is triangulated over the full 75 mm.
