@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "grasp/outcome.h"
+#include "scenes/base/ids.h"
 #include "scenes/geometry/pose.h"
 #include "scenes/scenario/failure_reason.h"
 
@@ -50,8 +51,8 @@ struct Grasp {
 struct GraspOutcome {
   bool success = false;                                   // by the rule in ExecuteOptions::rule
   FailureReason failure = FailureReason::kPhysicsFailed;  // kNone on success
-  int picked_instance = -1;  // instance in the hand at the end, -1 = none
-  int instances_lifted = 0;  // instances in the hand after hold, shake and carry
+  InstanceId picked_instance = kNoInstance;  // instance in the hand at the end, -1 = none
+  int instances_lifted = 0;                  // instances in the hand after hold, shake and carry
   double final_opening_m = 0;
   double slip_m = 0;  // of the picked instance in the hand, from the lift to the end of the shake
   double in_hand_rotation_error_rad = 0;  // rotation in the hand, same interval

@@ -4,8 +4,10 @@ namespace pickbed::grasp {
 
 void Gripper::Visit(SettingsVisitor& v) {
   VisitOwn(v);
-  v.Real("approach_m", approach_m, {0.01, 1}, "straight-line approach before the grasp, m");
-  v.Real("clearance_m", clearance_m, {0, 0.05}, "kept between hand and anything else, m");
+  v.Real("approach_m", approach_m, {0.01, 1},
+         "length of the straight approach before the grasp, m");
+  v.Real("clearance_m", clearance_m, {0, 0.05},
+         "distance between the hand and all other bodies, m");
 }
 
 void Gripper::Validate(const std::string&) const {}
@@ -26,7 +28,7 @@ std::string Gripper::SettingsHelp(const std::vector<std::string>& mechanisms) co
 std::string Gripper::WriteText(const std::vector<std::string>& mechanisms, bool with_help) const {
   const auto visit = [&](SettingsVisitor& v) {
     std::string own = mechanism();
-    v.Text("mechanism", own, mechanisms, "how the hand holds");
+    v.Text("mechanism", own, mechanisms, "mechanism of the hand");
     // Visit() is not const because readers set the values. A writer only reads them.
     const_cast<Gripper*>(this)->Visit(v);
   };

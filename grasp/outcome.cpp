@@ -31,24 +31,26 @@ bool VgnLoose(const GraspOutcome& o, const RuleOptions& options) {
 }  // namespace
 
 void RuleOptions::Visit(SettingsVisitor& v) {
-  v.Real("place_tolerance_m", place_tolerance_m, {0, 1}, "of the centre of mass, for placed, m");
-  v.Real("place_tolerance_rad", place_tolerance_rad, {0, 3.2}, "of the orientation, rad");
-  v.Real("loose_opening", loose_opening, {0, 1}, "share of the stroke, for vgn_loose");
+  v.Real("place_tolerance_m", place_tolerance_m, {0, 1},
+         "maximum distance of the center of mass from its planned position for placed, m");
+  v.Real("place_tolerance_rad", place_tolerance_rad, {0, 3.2},
+         "maximum rotation from the planned orientation for placed, rad");
+  v.Real("loose_opening", loose_opening, {0, 1},
+         "minimum share of the stroke that stays open for vgn_loose");
 }
 
 std::span<const SuccessRuleRow> SuccessRuleTable() {
   static constexpr std::array<SuccessRuleRow, kSuccessRules> kTable{{
-      {SuccessRule::kContact, "contact", "the closed hand touched a part", Contact, false},
-      {SuccessRule::kLifted, "lifted", "a part hung in the hand at the end of the lift", Lifted,
+      {SuccessRule::kContact, "contact", "the closed hand touched an instance", Contact, false},
+      {SuccessRule::kLifted, "lifted", "an instance was in the hand at the end of the lift", Lifted,
        false},
-      {SuccessRule::kHeld, "held", "a part stayed in the hand: hold, shake, carried out", Held,
-       false},
-      {SuccessRule::kRightInstance, "right_instance", "held, the part that was meant and no other",
-       RightInstance, true},
-      {SuccessRule::kSingleInstance, "single_instance", "held, exactly one part, whichever",
-       SingleInstance, false},
-      {SuccessRule::kPlaced, "placed", "the right part lies where it was to be set down", Placed,
-       true},
+      {SuccessRule::kHeld, "held", "an instance was still in the hand after hold, shake and carry",
+       Held, false},
+      {SuccessRule::kRightInstance, "right_instance",
+       "like held, and only the target was in the hand", RightInstance, true},
+      {SuccessRule::kSingleInstance, "single_instance",
+       "like held, and exactly one instance was in the hand", SingleInstance, false},
+      {SuccessRule::kPlaced, "placed", "the target was set down at its planned pose", Placed, true},
       {SuccessRule::kVgnLoose, "vgn_loose",
        "any contact and fingers over 10 % open after 10 cm of retreat (VGN)", VgnLoose, false},
   }};
@@ -72,8 +74,8 @@ SuccessRule DecidingRule(const std::string& name) {
     if (row.rule == rule) return rule;
     others += (others.empty() ? "" : " or ") + std::string(row.name);
   }
-  throw InputError("'" + name + "' is judged beside the others, but a part that stays or another " +
-                   "that comes passes it, so it cannot decide a pick; choose " + others);
+  throw InputError("'" + name + "' does not require that exactly the target leaves the bin, " +
+                   "so it cannot decide a pick; choose " + others);
 }
 
 SuccessVerdicts JudgeByAllRules(const GraspOutcome& outcome, const RuleOptions& options) {

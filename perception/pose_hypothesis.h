@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "perception/layer.h"
+#include "scenes/base/ids.h"
 #include "scenes/geometry/pose.h"
 #include "scenes/objects/object_model.h"
 
@@ -25,7 +26,7 @@ struct FitReport {
 
 // One estimated object pose. Hypotheses are ranked by their score.
 struct PoseHypothesis {
-  int object = 0;  // index into the ObjectSet
+  ObjectId object{0};  // index into the ObjectSet
   Pose X_CO = Pose::Identity();
   double score = 0;  // estimated probability that the pose is right, 0..1
   FitReport fit;

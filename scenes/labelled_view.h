@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/base/ids.h"
 #include "scenes/bin/bin.h"
 #include "scenes/camera/rgbd_frame.h"
 #include "scenes/objects/object_model.h"
@@ -16,7 +17,7 @@ namespace pickbed::scenes {
 
 // Ground truth of one instance in a view.
 struct LabelledInstance {
-  int object = 0;  // index into the source's ObjectSet
+  ObjectId object{0};  // index into the source's ObjectSet
   Pose X_CO = Pose::Identity();
   double visible_fraction = 1;
 };
@@ -30,10 +31,10 @@ struct LabelledView {
 };
 
 // Request for a clutter scene.
-struct PileRequest {
+struct ClutterSceneRequest {
   uint64_t seed = 0;
-  int views = 1;         // number of viewpoints
-  int object = -1;       // index of an object that must be in the scene; -1 = any
+  int views = 1;                 // number of viewpoints
+  ObjectId object = kAnyObject;  // index of an object that must be in the scene; -1 = any
   bool typical = false;  // always use the source's usual bin and distances for objects of this size
 };
 
@@ -47,7 +48,7 @@ class LabelledViewSource {
   // Returns a view of a single instance on an empty background for each of X_CO, seen by `camera`.
   // Sensor noise is drawn from `seed`. View i uses stream i, so the result does not depend on
   // batching.
-  virtual std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
+  virtual std::vector<LabelledView> Isolated(ObjectId object, const std::vector<Pose>& X_CO,
                                              const CameraIntrinsics& camera, uint64_t seed) = 0;
 
   // Returns, as text, all settings besides the arguments that these views depend on. Data computed
@@ -57,10 +58,10 @@ class LabelledViewSource {
   // Returns views of a random settled clutter scene with these objects in a bin, from random
   // viewpoints. The same request gives the same scene. Some scenes have one kind of object, others
   // are mixed.
-  virtual std::vector<LabelledView> Pile(const PileRequest& request) = 0;
+  virtual std::vector<LabelledView> ClutterScene(const ClutterSceneRequest& request) = 0;
 
-  // Same as IsolatedSettings(), for Pile().
-  virtual std::string PileSettings() const = 0;
+  // Same as IsolatedSettings(), for ClutterScene().
+  virtual std::string ClutterSceneSettings() const = 0;
 };
 
 }  // namespace pickbed::scenes

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/base/ids.h"
 #include "scenes/bin/bin.h"
 #include "scenes/geometry/pose.h"
 #include "scenes/objects/object_model.h"
@@ -14,8 +15,8 @@ namespace pickbed::scenes {
 
 // One instance in the bin.
 struct PosedObject {
-  int instance = 0;  // id, constant while others are picked; the id image contains instance + 1
-  int object = 0;    // index into the ObjectSet
+  InstanceId instance{0};  // the id image contains instance + 1
+  ObjectId object{0};
   Pose X_WO = Pose::Identity();
 };
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -18,7 +17,7 @@ namespace pickbed::sim {
 namespace {
 
 constexpr int kIsolatedBatch = 1024;  // views per batch; bounds the memory
-constexpr int kPileAttempts = 3;      // attempts per seed before Pile() throws
+constexpr int kSceneAttempts = 3;     // attempts per seed before ClutterScene() throws
 
 // Light beside the camera for isolated views. Their world frame is the camera frame.
 const Light kLampByCamera{{0.25, -0.30, -0.10}, 0.35, 0.65};
@@ -45,10 +44,10 @@ Pose RandomCamera(const ViewSourceOptions& options, double scale, Rng& rng) {
   return MakePose(R_WC, target_W - distance_m * R_WC.col(2));
 }
 
-ObjectSet WithForeignParts(const ObjectSet& objects, const ViewSourceOptions& options) {
+ObjectSet WithDistractors(const ObjectSet& objects, const ViewSourceOptions& options) {
   ObjectSet all = objects;
   if (options.distractor_share > 0) {
-    const ObjectSet foreign = MakeForeignParts(objects);
+    const ObjectSet foreign = MakeDistractors(objects);
     all.insert(all.end(), foreign.begin(), foreign.end());
   }
   return all;
@@ -59,40 +58,43 @@ class SimViewSource : public LabelledViewSource {
   SimViewSource(const ObjectSet& objects, const ViewSourceOptions& options)
       : objects_(objects),
         options_(options),
-        in_piles_(WithForeignParts(objects, options)),
-        scene_renderer_(in_piles_, options.bin, options.gl) {}
+        in_scenes_(WithDistractors(objects, options)),
+        scene_renderer_(in_scenes_, options.bin, options.gl) {}
 
   const ObjectSet& objects() const override { return objects_; }
 
-  std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
+  std::vector<LabelledView> Isolated(ObjectId object, const std::vector<Pose>& X_CO,
                                      const CameraIntrinsics& camera, uint64_t seed) override;
-  std::vector<LabelledView> Pile(const PileRequest& request) override;
+  std::vector<LabelledView> ClutterScene(const ClutterSceneRequest& request) override;
   std::string IsolatedSettings() const override;
-  std::string PileSettings() const override;
+  std::string ClutterSceneSettings() const override;
 
  private:
   std::vector<RenderedImage> RenderIsolated(std::span<const Camera> cameras,
                                             std::span<const RenderInstance> instances,
                                             uint64_t seed, size_t first);
   // A settled clutter scene. Bin size and camera distances are the options' values times `scale`.
-  struct ScaledPile {
+  struct ScaledScene {
     Scene scene;
     double scale = 1;
   };
-  std::vector<int> RandomKinds(const PileRequest& request, Rng& rng) const;
-  std::vector<int> RandomForeign(const PileRequest& request, const std::vector<int>& kinds) const;
-  std::vector<int> RandomCounts(const std::vector<int>& kinds, const std::vector<int>& foreign,
-                                const Bin& bin, Rng& rng) const;
-  double RandomScale(const PileRequest& request, const std::vector<int>& kinds, Rng& rng) const;
-  ScaledPile DropPile(const PileRequest& request) const;
-  const SensorProfile& PileSensor(uint64_t seed, int view) const;
-  LabelledView PileView(const ScaledPile& pile, uint64_t seed, int view);
+  std::vector<ObjectId> RandomKinds(const ClutterSceneRequest& request, Rng& rng) const;
+  std::vector<ObjectId> RandomDistractor(const ClutterSceneRequest& request,
+                                         const std::vector<ObjectId>& kinds) const;
+  std::vector<int> RandomCounts(const std::vector<ObjectId>& kinds,
+                                const std::vector<ObjectId>& foreign, const Bin& bin,
+                                Rng& rng) const;
+  double RandomScale(const ClutterSceneRequest& request, const std::vector<ObjectId>& kinds,
+                     Rng& rng) const;
+  ScaledScene DropScene(const ClutterSceneRequest& request) const;
+  const SensorProfile& SceneSensor(uint64_t seed, int view) const;
+  LabelledView SceneView(const ScaledScene& clutter_scene, uint64_t seed, int view);
 
-  bool IsForeign(int object) const { return object >= static_cast<int>(objects_.size()); }
+  bool IsDistractor(ObjectId object) const { return object >= static_cast<int>(objects_.size()); }
 
   ObjectSet objects_;
   ViewSourceOptions options_;
-  ObjectSet in_piles_;  // objects_, then distractors
+  ObjectSet in_scenes_;  // objects_, then distractors
   SceneRenderer scene_renderer_;
 };
 
@@ -115,10 +117,10 @@ std::vector<RenderedImage> SimViewSource::RenderIsolated(std::span<const Camera>
   return images;
 }
 
-std::vector<LabelledView> SimViewSource::Isolated(int object, const std::vector<Pose>& X_CO,
+std::vector<LabelledView> SimViewSource::Isolated(ObjectId object, const std::vector<Pose>& X_CO,
                                                   const CameraIntrinsics& camera, uint64_t seed) {
   CheckInput(object >= 0 && object < static_cast<int>(objects_.size()),
-             fmt::format("object {} of {}: no such part", object, objects_.size()));
+             fmt::format("object {} of {} does not exist", object, objects_.size()));
   std::vector<LabelledView> views(X_CO.size());
   for (size_t begin = 0; begin < X_CO.size(); begin += kIsolatedBatch) {
     const size_t end = std::min(X_CO.size(), begin + kIsolatedBatch);
@@ -154,12 +156,12 @@ std::string SimViewSource::IsolatedSettings() const {
          (options_.isolated_lamps ? "isolated lamps\n" : "");
 }
 
-std::string SimViewSource::PileSettings() const {
+std::string SimViewSource::ClutterSceneSettings() const {
   const ViewSourceOptions& o = options_;
   const CameraIntrinsics& k = o.camera;
   const Eigen::Vector3d& size = o.bin.inner_size_m;
   std::string sensors;
-  for (SensorProfile sensor : o.pile_sensors) {
+  for (SensorProfile sensor : o.scene_sensors) {
     sensors += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
   }
   return IsolatedSettings() + sensors +
@@ -180,50 +182,51 @@ std::string SimViewSource::PileSettings() const {
 
 // Returns indices into objects_: one kind, or several for a mixed scene. The requested kind is
 // first.
-std::vector<int> SimViewSource::RandomKinds(const PileRequest& request, Rng& rng) const {
+std::vector<ObjectId> SimViewSource::RandomKinds(const ClutterSceneRequest& request,
+                                                 Rng& rng) const {
   const int kinds = static_cast<int>(objects_.size());
-  std::vector<int> order(kinds);
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<ObjectId> order;
+  for (ObjectId object{0}; object < kinds; ++object) order.push_back(object);
   for (int i = kinds - 1; i > 0; --i) std::swap(order[i], order[rng.Index(i + 1)]);
   if (request.object >= 0) {
     std::swap(order.front(), *std::find(order.begin(), order.end(), request.object));
   }
   const int mixed_max = std::min(kinds, options_.mixed_kinds_max);
   const bool mixed = rng.Uniform() < options_.mixed_share && mixed_max > 1;
-  order.resize(mixed ? 2 + rng.Index(mixed_max - 1) : 1);
+  order.erase(order.begin() + (mixed ? 2 + rng.Index(mixed_max - 1) : 1), order.end());
   return order;
 }
 
-// Returns distractors of about the size of these kinds, as indices into in_piles_. They use a
+// Returns distractors of about the size of these kinds, as indices into in_scenes_. They use a
 // random stream of their own, so a scene without distractors does not depend on `distractor_share`.
-std::vector<int> SimViewSource::RandomForeign(const PileRequest& request,
-                                              const std::vector<int>& kinds) const {
-  std::vector<int> shapes;
+std::vector<ObjectId> SimViewSource::RandomDistractor(const ClutterSceneRequest& request,
+                                                      const std::vector<ObjectId>& kinds) const {
+  std::vector<ObjectId> shapes;
   Rng rng = Rng::Derive(request.seed, 0, "pile foreign");
   if (rng.Uniform() >= options_.distractor_share) return shapes;
   const int own = static_cast<int>(objects_.size());
-  const int per_object = static_cast<int>(in_piles_.size()) / own - 1;
+  const int per_object = static_cast<int>(in_scenes_.size()) / own - 1;
   const int count = 1 + rng.Index(options_.distractor_max);
   for (int i = 0; i < count; ++i) {
-    const int kind = kinds[rng.Index(static_cast<int>(kinds.size()))];
-    shapes.push_back(own + kind * per_object + rng.Index(per_object));
+    const ObjectId kind = kinds[rng.Index(static_cast<int>(kinds.size()))];
+    shapes.push_back(ObjectId(own + kind * per_object + rng.Index(per_object)));
   }
   return shapes;
 }
 
 // Returns the number of instances of each object. The first kind gets at least one.
-std::vector<int> SimViewSource::RandomCounts(const std::vector<int>& kinds,
-                                             const std::vector<int>& foreign, const Bin& bin,
+std::vector<int> SimViewSource::RandomCounts(const std::vector<ObjectId>& kinds,
+                                             const std::vector<ObjectId>& foreign, const Bin& bin,
                                              Rng& rng) const {
   const int wanted = options_.parts_min + rng.Index(options_.parts_max - options_.parts_min + 1);
   double room_m3 = options_.fill_max * bin.inner_size_m.prod();
-  std::vector<int> counts(foreign.empty() ? objects_.size() : in_piles_.size(), 0);
-  for (const int shape : foreign) {
-    room_m3 -= BoundingVolume_m3(*in_piles_[shape]);
+  std::vector<int> counts(foreign.empty() ? objects_.size() : in_scenes_.size(), 0);
+  for (const ObjectId shape : foreign) {
+    room_m3 -= BoundingVolume_m3(*in_scenes_[shape]);
     ++counts[shape];
   }
   for (int i = 0; i < wanted; ++i) {
-    const int kind = i == 0 ? kinds.front() : kinds[rng.Index(static_cast<int>(kinds.size()))];
+    const ObjectId kind = i == 0 ? kinds.front() : kinds[rng.Index(static_cast<int>(kinds.size()))];
     room_m3 -= BoundingVolume_m3(*objects_[kind]);
     if (i > 0 && room_m3 < 0) break;
     ++counts[kind];
@@ -231,44 +234,44 @@ std::vector<int> SimViewSource::RandomCounts(const std::vector<int>& kinds,
   return counts;
 }
 
-double SimViewSource::RandomScale(const PileRequest& request, const std::vector<int>& kinds,
-                                  Rng& rng) const {
+double SimViewSource::RandomScale(const ClutterSceneRequest& request,
+                                  const std::vector<ObjectId>& kinds, Rng& rng) const {
   const bool scaled = rng.Uniform() < options_.scaled_share || request.typical;
   if (options_.for_diameter_m <= 0 || !scaled) return 1;
   double sum_m = 0;
-  for (const int kind : kinds) sum_m += objects_[kind]->diameter_m;
+  for (const ObjectId kind : kinds) sum_m += objects_[kind]->diameter_m;
   return sum_m / static_cast<double>(kinds.size()) / options_.for_diameter_m;
 }
 
-SimViewSource::ScaledPile SimViewSource::DropPile(const PileRequest& request) const {
-  for (int attempt = 0; attempt < kPileAttempts; ++attempt) {
+SimViewSource::ScaledScene SimViewSource::DropScene(const ClutterSceneRequest& request) const {
+  for (int attempt = 0; attempt < kSceneAttempts; ++attempt) {
     Rng rng = Rng::Derive(request.seed, attempt, "pile");
-    const std::vector<int> kinds = RandomKinds(request, rng);
+    const std::vector<ObjectId> kinds = RandomKinds(request, rng);
     const double scale = RandomScale(request, kinds, rng);
     Bin bin = options_.bin;
     bin.inner_size_m *= scale;
-    const std::vector<int> foreign = RandomForeign(request, kinds);
+    const std::vector<ObjectId> foreign = RandomDistractor(request, kinds);
     const std::vector<int> counts = RandomCounts(kinds, foreign, bin, rng);
     DropResult result =
-        DropParts(bin, foreign.empty() ? objects_ : in_piles_, counts, rng, options_.drop);
+        DropParts(bin, foreign.empty() ? objects_ : in_scenes_, counts, rng, options_.drop);
     if (!result.certificate.blew_up && !result.scene.objects.empty()) {
       return {std::move(result.scene), scale};
     }
   }
-  throw std::runtime_error(
-      fmt::format("no settled pile for seed {} in {} attempts", request.seed, kPileAttempts));
+  throw std::runtime_error(fmt::format("no settled clutter scene for seed {} in {} attempts",
+                                       request.seed, kSceneAttempts));
 }
 
-const SensorProfile& SimViewSource::PileSensor(uint64_t seed, int view) const {
-  if (options_.pile_sensors.empty()) return options_.sensor;
+const SensorProfile& SimViewSource::SceneSensor(uint64_t seed, int view) const {
+  if (options_.scene_sensors.empty()) return options_.sensor;
   Rng rng = Rng::Derive(seed, view, "pile view sensor");
-  return options_.pile_sensors[rng.Index(static_cast<int>(options_.pile_sensors.size()))];
+  return options_.scene_sensors[rng.Index(static_cast<int>(options_.scene_sensors.size()))];
 }
 
-LabelledView SimViewSource::PileView(const ScaledPile& pile, uint64_t seed, int view) {
-  const Scene& scene = pile.scene;
+LabelledView SimViewSource::SceneView(const ScaledScene& clutter_scene, uint64_t seed, int view) {
+  const Scene& scene = clutter_scene.scene;
   Rng rng = Rng::Derive(seed, view, "pile camera");
-  const Camera camera{options_.camera, RandomCamera(options_, pile.scale, rng)};
+  const Camera camera{options_.camera, RandomCamera(options_, clutter_scene.scale, rng)};
   const Light light = RandomLight(options_.looks, rng);
   std::vector<RenderInstance> instances = scene_renderer_.InstancesOf(scene);
   // The material depends on the clutter scene only, so an instance looks the same in all its views.
@@ -286,32 +289,32 @@ LabelledView SimViewSource::PileView(const ScaledPile& pile, uint64_t seed, int 
   LabelledView out;
   const Pose X_CW = camera.X_CW();
   int largest = 0;
-  for (const PosedObject& object : scene.objects) largest = std::max(largest, object.instance);
+  for (const PosedObject& object : scene.objects) largest = std::max<int>(largest, object.instance);
   std::vector<uint16_t> new_id(largest + 2, 0);
   for (size_t i = 0; i < scene.objects.size(); ++i) {
     const PosedObject& object = scene.objects[i];
-    if (fractions[i] == 0 || IsForeign(object.object)) continue;
+    if (fractions[i] == 0 || IsDistractor(object.object)) continue;
     out.instances.push_back({object.object, X_CW * object.X_WO, fractions[i]});
     new_id[object.instance + 1] = static_cast<uint16_t>(out.instances.size());
   }
   for (uint16_t& id : image.ids.pixels()) id = new_id[id];
   Rng noise = Rng::Derive(seed, view, "pile view noise");
   Image<float> depth_m = ApplySensorNoise({image.depth_m, camera.intrinsics, &image.color},
-                                          PileSensor(seed, view), noise);
+                                          SceneSensor(seed, view), noise);
   out.frame = {camera.intrinsics, std::move(image.color), std::move(depth_m)};
   out.ids = std::move(image.ids);
   out.background = KnownBackground{scene.bin, X_CW};  // the bin's frame is the world frame
   return out;
 }
 
-std::vector<LabelledView> SimViewSource::Pile(const PileRequest& request) {
-  CheckInput(request.object < static_cast<int>(objects_.size()),
-             fmt::format("object {} of {}: no such part", request.object, objects_.size()));
-  const ScaledPile pile = DropPile(request);
+std::vector<LabelledView> SimViewSource::ClutterScene(const ClutterSceneRequest& request) {
+  CheckInput(request.object >= kAnyObject && request.object < static_cast<int>(objects_.size()),
+             fmt::format("object {} of {} does not exist", request.object, objects_.size()));
+  const ScaledScene clutter_scene = DropScene(request);
   std::vector<LabelledView> out;
   out.reserve(request.views);
   for (int view = 0; view < request.views; ++view) {
-    out.push_back(PileView(pile, request.seed, view));
+    out.push_back(SceneView(clutter_scene, request.seed, view));
   }
   return out;
 }
@@ -320,21 +323,32 @@ std::vector<LabelledView> SimViewSource::Pile(const PileRequest& request) {
 
 std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
                                                       const ViewSourceOptions& options) {
-  CheckInput(!objects.empty(), "no objects to make views of: name at least one");
+  CheckInput(!objects.empty(), "no objects for the views; name at least one");
   CheckInput(options.parts_min >= 1 && options.parts_max >= options.parts_min,
-             fmt::format("parts of a pile {} to {}: need 1 <= parts_min <= parts_max",
+             fmt::format("{} to {} instances in a clutter scene: need 1 <= parts_min <= parts_max",
                          options.parts_min, options.parts_max));
   CheckInput(options.distance_min_m > 0 && options.distance_max_m >= options.distance_min_m,
              fmt::format("camera distance {} to {} m: need 0 < distance_min_m <= distance_max_m",
                          options.distance_min_m, options.distance_max_m));
   CheckInput(
       options.distractor_share >= 0 && options.distractor_share <= 1 && options.distractor_max >= 1,
-      fmt::format("foreign shapes in {} of the piles, at most {}: need a share of 0 to 1 and "
-                  "1 shape or more",
+      fmt::format("distractors in {} of the clutter scenes, at most {}: need a share of 0 to 1 and "
+                  "at least 1 distractor",
                   options.distractor_share, options.distractor_max));
+  const bool shares_are_valid = options.mixed_share >= 0 && options.mixed_share <= 1 &&
+                                options.scaled_share >= 0 && options.scaled_share <= 1;
+  CheckInput(shares_are_valid,
+             fmt::format("mixed_share {} and scaled_share {}: both must be from 0 to 1",
+                         options.mixed_share, options.scaled_share));
+  CheckInput(options.mixed_kinds_max >= 1 && options.fill_max > 0,
+             fmt::format("mixed_kinds_max {} and fill_max {}: need mixed_kinds_max >= 1 and "
+                         "fill_max > 0",
+                         options.mixed_kinds_max, options.fill_max));
+  CheckInput(options.for_diameter_m <= 0 || options.bin.shape == nullptr,
+             "a bin from a mesh cannot be scaled; set for_diameter_m to 0");
   options.looks.Validate();
   CheckSettings("SensorProfile", options.sensor);
-  for (const SensorProfile& sensor : options.pile_sensors) CheckSettings("SensorProfile", sensor);
+  for (const SensorProfile& sensor : options.scene_sensors) CheckSettings("SensorProfile", sensor);
   CheckSettings("DropOptions", options.drop);
   return std::make_unique<SimViewSource>(objects, options);
 }

@@ -17,7 +17,7 @@ namespace pickbed::sim {
 struct ViewSourceOptions {
   SensorProfile sensor;
   // Sensor profiles for views of clutter scenes. Each view draws one at random. Empty = `sensor`.
-  std::vector<SensorProfile> pile_sensors;
+  std::vector<SensorProfile> scene_sensors;
   CameraIntrinsics camera;       // used for clutter scenes
   double distance_min_m = 0.75;  // distance of the camera to its target on the bin floor
   double distance_max_m = 1.00;
@@ -50,7 +50,7 @@ struct ViewSourceOptions {
 
 // Creates a source that renders the objects and drops them into the bin of the options. Each object
 // must have convex pieces. Throws InputError for an empty `objects` or invalid ranges in `options`.
-// The source's Pile() throws std::runtime_error if physics fails three times for one seed.
+// The source's ClutterScene() throws std::runtime_error if physics fails three times for one seed.
 std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
                                                       const ViewSourceOptions& options);
 

@@ -28,7 +28,7 @@ bool Knows(const std::vector<ModelObject>& trained, const ObjectSet& objects) {
 }
 
 // Whether the model file of this method contains only verifiers.
-bool HasVerifiersAlone(const BinMethod& method) {
+bool HasOnlyVerifiers(const BinMethod& method) {
   return std::ranges::any_of(EstimatorTable(), [&](const EstimatorRow& row) {
     return std::string(method.estimator) == row.name && row.make_training &&
            row.make_training()->has_verifier_file();
@@ -38,8 +38,8 @@ bool HasVerifiersAlone(const BinMethod& method) {
 // Objects for which the file was trained. Empty if the file cannot be read.
 std::vector<ModelObject> TrainedFor(const BinMethod& method, const std::filesystem::path& file) {
   try {
-    return HasVerifiersAlone(method) ? LoadVerifiers(file, method.estimator).objects
-                                     : LoadModel(file).info.objects;
+    return HasOnlyVerifiers(method) ? LoadVerifiers(file, method.estimator).objects
+                                    : LoadModel(file).info.objects;
   } catch (const InputError&) {
     return {};
   }
@@ -56,19 +56,19 @@ std::vector<std::string> HowTrained(const BinMethod& method, bool small) {
   return words;
 }
 
-json ToJson(const BinLook& look) {
+json ToJson(const BinStatistics& bin) {
   json bands = json::array();
-  for (const Cluster& band : look.bands) bands.push_back({band.hits, band.tries});
-  return {{"trial", look.trial},
-          {"top_right", look.top_right},
-          {"seconds", look.seconds},
+  for (const Cluster& band : bin.bands) bands.push_back({band.hits, band.samples});
+  return {{"trial", bin.trial},
+          {"top_right", bin.top_right},
+          {"seconds", bin.seconds},
           {"bands", std::move(bands)}};
 }
 
-BinLook LookFrom(const json& value) {
-  BinLook look{value.at("trial"), value.at("top_right"), value.at("seconds"), {}};
-  for (const json& band : value.at("bands")) look.bands.push_back({band.at(0), band.at(1)});
-  return look;
+BinStatistics BinStatisticsFrom(const json& value) {
+  BinStatistics bin{value.at("trial"), value.at("top_right"), value.at("seconds"), {}};
+  for (const json& band : value.at("bands")) bin.bands.push_back({band.at(0), band.at(1)});
+  return bin;
 }
 
 }  // namespace
@@ -106,14 +106,14 @@ const std::vector<BinMethod>& BinMethods() {
 
 BinRow BinRowOf(const ComparedRow& row) {
   BinRow result{row.label, {}, row.bop.ap(), row.bop.ar(), row.peak_memory_mib, row.setup_s};
-  for (const ComparedLook& compared : row.looks) {
+  for (const ComparedImage& compared : row.images) {
     ComparedRow one{row.label, {compared}, {}, 0, 0};
-    const ComparisonFigures figures = FiguresOf(one);
-    BinLook look{compared.trial, figures.top_right > 0, figures.seconds, {}};
-    for (const RecallBand& band : figures.bands) {
-      look.bands.push_back({band.recalled, band.instances});
+    const ComparisonStatistics statistics = StatisticsOf(one);
+    BinStatistics bin{compared.trial, statistics.top_right > 0, statistics.seconds, {}};
+    for (const RecallBand& band : statistics.bands) {
+      bin.bands.push_back({band.recalled, band.instances});
     }
-    result.looks.push_back(std::move(look));
+    result.bins.push_back(std::move(bin));
   }
   return result;
 }
@@ -122,14 +122,14 @@ void WriteBinScenario(const std::filesystem::path& file, const BinScenario& scen
                       const std::string& key) {
   json rows = json::array();
   for (const BinRow& row : scenario.rows) {
-    json looks = json::array();
-    for (const BinLook& look : row.looks) looks.push_back(ToJson(look));
+    json bins = json::array();
+    for (const BinStatistics& bin : row.bins) bins.push_back(ToJson(bin));
     rows.push_back({{"label", row.label},
                     {"ap", row.ap},
                     {"ar", row.ar},
                     {"memory_mib", row.memory_mib},
                     {"setup_s", row.setup_s},
-                    {"looks", std::move(looks)}});
+                    {"looks", std::move(bins)}});
   }
   const json all{{"key", key}, {"name", scenario.name}, {"rows", std::move(rows)}};
   WriteFileAtomically(file, all.dump(1) + "\n");
@@ -145,7 +145,7 @@ std::optional<BinScenario> ReadBinScenario(const std::filesystem::path& file,
     for (const json& value : all.at("rows")) {
       BinRow row{value.at("label"),  {}, value.at("ap"), value.at("ar"), value.at("memory_mib"),
                  value.at("setup_s")};
-      for (const json& look : value.at("looks")) row.looks.push_back(LookFrom(look));
+      for (const json& bin : value.at("looks")) row.bins.push_back(BinStatisticsFrom(bin));
       scenario.rows.push_back(std::move(row));
     }
     return scenario;

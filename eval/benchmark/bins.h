@@ -32,7 +32,7 @@ struct BinMethod {
 const std::vector<BinMethod>& BinMethods();
 
 // Result of one estimator in one bin.
-struct BinLook {
+struct BinStatistics {
   int trial = 0;
   bool top_right = false;  // the highest-ranked pose is correct
   double seconds = 0;      // duration of the estimate
@@ -43,7 +43,7 @@ struct BinLook {
 // Results of one estimator in the bins of one scenario.
 struct BinRow {
   std::string label;
-  std::vector<BinLook> looks;
+  std::vector<BinStatistics> bins;
   double ap = 0, ar = 0;  // BOP24 AP and BOP19 AR over the scenario
   double memory_mib = 0;  // peak
   double setup_s = 0;     // time to load the estimator

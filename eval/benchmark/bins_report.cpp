@@ -17,22 +17,22 @@ constexpr const char* kReference = "descriptor:accurate";
 constexpr int kSmallChart_px = 160;  // height
 
 // Statistics of one estimator over one or more scenarios.
-struct Figures {
+struct MethodStatistics {
   std::vector<Cluster> recalls, tops;       // one per bin
   std::vector<std::vector<Cluster>> bands;  // [band][bin]
   double seconds = 0, ap = 0, ar = 0;       // means
   double memory_mib = 0, setup_s = 0;       // maximum, mean
 };
 
-Figures FiguresOf(const std::vector<const BinRow*>& rows) {
-  Figures f;
+MethodStatistics StatisticsOf(const std::vector<const BinRow*>& rows) {
+  MethodStatistics f;
   f.bands.resize(EmptyRecallBands().size());
   for (const BinRow* row : rows) {
-    for (const BinLook& look : row->looks) {
-      f.recalls.push_back(SumOf(look.bands));
-      f.tops.push_back({look.top_right, 1});
-      for (size_t b = 0; b < f.bands.size(); ++b) f.bands[b].push_back(look.bands[b]);
-      f.seconds += look.seconds;
+    for (const BinStatistics& bin : row->bins) {
+      f.recalls.push_back(SumOf(bin.bands));
+      f.tops.push_back({bin.top_right, 1});
+      for (size_t b = 0; b < f.bands.size(); ++b) f.bands[b].push_back(bin.bands[b]);
+      f.seconds += bin.seconds;
     }
     f.ap += row->ap / static_cast<double>(rows.size());
     f.ar += row->ar / static_cast<double>(rows.size());
@@ -65,7 +65,7 @@ std::vector<const BinRow*> RowsOf(const std::vector<BinScenario>& scenarios,
 
 std::string Rate(const std::vector<Cluster>& clusters) {
   const ReportRate rate = ClusterRate(clusters);
-  if (rate.tries == 0) return "-";
+  if (rate.samples == 0) return "-";
   return fmt::format("{} {}", PercentNumber(rate.rate()), IntervalText(rate.ci95));
 }
 
@@ -75,10 +75,10 @@ std::string BandName(const RecallBand& band) {
 
 // Header, then one line per estimator.
 TableCells MainTable(const std::vector<BinScenario>& scenarios) {
-  TableCells table{{"estimator", "recall, %", "top-ranked pose right, %", "AP", "AR", "s an image",
+  TableCells table{{"estimator", "recall, %", "top-ranked pose right, %", "AP", "AR", "s per image",
                     "memory, MiB", "s to load"}};
   for (const std::string& label : Labels(scenarios)) {
-    const Figures f = FiguresOf(RowsOf(scenarios, label));
+    const MethodStatistics f = StatisticsOf(RowsOf(scenarios, label));
     table.push_back({label, Rate(f.recalls), Rate(f.tops), fmt::format("{:.3f}", f.ap),
                      fmt::format("{:.3f}", f.ar), fmt::format("{:.2f}", f.seconds),
                      fmt::format("{:.0f}", f.memory_mib), fmt::format("{:.1f}", f.setup_s)});
@@ -91,7 +91,7 @@ TableCells BandTable(const std::vector<BinScenario>& scenarios) {
   for (const RecallBand& band : EmptyRecallBands())
     table.front().push_back(BandName(band) + " % visible");
   for (const std::string& label : Labels(scenarios)) {
-    const Figures f = FiguresOf(RowsOf(scenarios, label));
+    const MethodStatistics f = StatisticsOf(RowsOf(scenarios, label));
     table.push_back({label});
     for (const auto& band : f.bands) table.back().push_back(Rate(band));
   }
@@ -111,7 +111,7 @@ TableCells ScenarioTable(const std::vector<BinScenario>& scenarios) {
   for (const std::string& label : Labels(scenarios)) {
     table.push_back({label});
     for (const BinScenario& scenario : scenarios) {
-      const Figures f = FiguresOf(RowsOf(scenarios, label, scenario.name));
+      const MethodStatistics f = StatisticsOf(RowsOf(scenarios, label, scenario.name));
       table.back().push_back(PercentNumber(RateOf(f.recalls)));
     }
   }
@@ -124,7 +124,7 @@ bool HasReference(const std::vector<BinScenario>& scenarios) {
 
 RateCurve RecallCurve(const std::vector<BinScenario>& scenarios, const std::string& label) {
   RateCurve curve{label, {}};
-  const Figures f = FiguresOf(RowsOf(scenarios, label));
+  const MethodStatistics f = StatisticsOf(RowsOf(scenarios, label));
   for (const std::vector<Cluster>& band : f.bands) curve.rates.push_back(ClusterRate(band));
   return curve;
 }
@@ -149,19 +149,19 @@ std::vector<ReportChart> RecallCharts(const std::vector<BinScenario>& scenarios)
 // Recall gain of the siamese term over plain regression on the same bins. Empty if either estimator
 // is missing.
 std::string SiameseGain(const std::vector<BinScenario>& scenarios) {
-  const Figures with = FiguresOf(RowsOf(scenarios, "doumanoglou"));
-  const Figures without = FiguresOf(RowsOf(scenarios, "doumanoglou, no siamese term"));
+  const MethodStatistics with = StatisticsOf(RowsOf(scenarios, "doumanoglou"));
+  const MethodStatistics without = StatisticsOf(RowsOf(scenarios, "doumanoglou, no siamese term"));
   if (with.recalls.empty() || with.recalls.size() != without.recalls.size()) return "";
   const Interval interval = PairedInterval(without.recalls, with.recalls);
   const double gain = RateOf(with.recalls) - RateOf(without.recalls);
   return fmt::format(
-      "The siamese term raises the recall of regression by {} points, 95 % interval [{}, {}] over "
-      "{} bins.",
+      "The siamese term raises the recall of regression by {} percentage points, 95 % interval "
+      "[{}, {}] over {} bins.",
       PointsText(gain), PointsText(interval.low), PointsText(interval.high), with.recalls.size());
 }
 
 int BinsOf(const std::vector<BinScenario>& scenarios) {
-  return static_cast<int>(FiguresOf(RowsOf(scenarios, Labels(scenarios).front())).tops.size());
+  return static_cast<int>(StatisticsOf(RowsOf(scenarios, Labels(scenarios).front())).tops.size());
 }
 
 }  // namespace
@@ -173,21 +173,22 @@ std::string BinTableCsv(const std::vector<BinScenario>& scenarios) {
                        100 * band.visible_min, 100 * band.visible_max);
   }
   csv += "\n";
-  const auto line = [&](const std::string& scenario, const std::string& label, const Figures& f) {
+  const auto line = [&](const std::string& scenario, const std::string& label,
+                        const MethodStatistics& f) {
     const Cluster all = SumOf(f.recalls);
     csv += fmt::format("{},\"{}\",{},{},{},{},{:.4f},{:.4f},{:.4f},{:.1f}", scenario, label,
-                       f.tops.size(), SumOf(f.tops).hits, all.hits, all.tries, f.ap, f.ar,
+                       f.tops.size(), SumOf(f.tops).hits, all.hits, all.samples, f.ap, f.ar,
                        f.seconds, f.memory_mib);
     for (const auto& band : f.bands) {
-      csv += fmt::format(",{},{}", SumOf(band).hits, SumOf(band).tries);
+      csv += fmt::format(",{},{}", SumOf(band).hits, SumOf(band).samples);
     }
     csv += "\n";
   };
   for (const std::string& label : Labels(scenarios)) {
-    line("all", label, FiguresOf(RowsOf(scenarios, label)));
+    line("all", label, StatisticsOf(RowsOf(scenarios, label)));
   }
   for (const BinScenario& scenario : scenarios) {
-    for (const BinRow& row : scenario.rows) line(scenario.name, row.label, FiguresOf({&row}));
+    for (const BinRow& row : scenario.rows) line(scenario.name, row.label, StatisticsOf({&row}));
   }
   return csv;
 }
@@ -208,10 +209,11 @@ std::string BinTableText(const std::vector<BinScenario>& scenarios, const std::s
 HtmlPage BinTablePage(const std::vector<BinScenario>& scenarios, const std::string& note) {
   HtmlPage page("Pose estimators in bins");
   page.Paragraph(
-      "All estimators saw the same images. A pose is right when its MSSD is under a tenth of the "
-      "part's diameter; instances of at least 10 % visible are to be found. In brackets: 95 % "
+      "All estimators got the same images. A pose is right if its MSSD is under a tenth of the "
+      "object's diameter; instances at least 10 % visible are to be found. In brackets: 95 % "
       "intervals over bins. Kehl, Doumanoglou and the verified point pair features share sampling, "
-      "ICP, verifier and final set with the descriptors; what differs is who proposes poses.");
+      "ICP, verifier and pose selection with the descriptors; they differ in the proposal of "
+      "poses.");
   page.Paragraph(note);
   page.Paragraph(FewBinsText(BinsOf(scenarios)));
   page.Table(MainTable(scenarios));

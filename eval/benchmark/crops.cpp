@@ -68,19 +68,20 @@ class Benchmark {
  private:
   void MakeSources();
   bool MakeMethods();
-  void TestCell(int object, int condition);
-  std::vector<TestScene> Scenes(int object, int condition, CropSet& crops);
-  void Score(const std::string& method, CropStage stage, int object, int condition,
+  void TestCell(ObjectId object, int condition);
+  std::vector<TestScene> Scenes(ObjectId object, int condition, CropSet& crops);
+  void Score(const std::string& method, CropStage stage, ObjectId object, int condition,
              const std::vector<TestScene>& scenes,
              const std::vector<std::vector<CropAnswer>>& answers, double seconds);
-  Pose StartPose(const TestScene& scene, int object, const Eigen::Matrix3d& R_CO) const;
+  Pose StartPose(const TestScene& scene, ObjectId object, const Eigen::Matrix3d& R_CO) const;
   CropAnswer BestByIcp(const TestScene& scene, const std::vector<CropAnswer>& starts) const;
   std::vector<std::vector<CropAnswer>> AllByIcp(
       const std::vector<TestScene>& scenes,
       const std::vector<std::vector<CropAnswer>>& starts) const;
-  std::vector<std::vector<CropAnswer>> NearestToTruth(int object,
+  std::vector<std::vector<CropAnswer>> NearestToTruth(ObjectId object,
                                                       const std::vector<TestScene>& scenes) const;
-  std::vector<std::vector<CropAnswer>> RandomStarts(int object, int condition, size_t count) const;
+  std::vector<std::vector<CropAnswer>> RandomStarts(ObjectId object, int condition,
+                                                    size_t count) const;
   bool Report(const std::string& what, double share) {
     go_on_ = go_on_ && (!job_.on_progress || job_.on_progress(what, share));
     return go_on_;
@@ -93,7 +94,7 @@ class Benchmark {
   std::vector<ModelPoints> models_;
   std::vector<RotationDistance> distances_;
   std::unique_ptr<LabelledViewSource> clean_, noisy_, relit_, varied_;
-  std::shared_ptr<const CropLesson> lesson_;
+  std::shared_ptr<const CropTrainingSet> training_set_;
   std::vector<std::unique_ptr<CropMethod>> methods_;
   CropBenchmark result_;
   bool go_on_ = true;
@@ -115,14 +116,15 @@ void Benchmark::MakeSources() {
 }
 
 bool Benchmark::MakeMethods() {
-  auto lesson = MakeCropLesson(*clean_, *varied_, options_.views, options_.seed,
-                               [&](double share) { return Report("views", kViewsShare * share); });
+  auto training_set =
+      MakeCropTrainingSet(*clean_, *varied_, options_.views, options_.seed,
+                          [&](double share) { return Report("views", kViewsShare * share); });
   if (!go_on_) return false;
-  lesson_ = std::make_shared<const CropLesson>(std::move(lesson));
+  training_set_ = std::make_shared<const CropTrainingSet>(std::move(training_set));
   varied_.reset();
   for (const CropMethodRow* row : rows_) {
     const auto start = Clock::now();
-    CropMethodSetup setup{lesson_, options_.methods, job_.models, job_.threads, {}};
+    CropMethodSetup setup{training_set_, options_.methods, job_.models, job_.threads, {}};
     setup.options.seed = options_.seed;
     setup.on_progress = [&](double share) {
       return Report(fmt::format("making {}", row->name),
@@ -137,7 +139,7 @@ bool Benchmark::MakeMethods() {
   return true;
 }
 
-std::vector<TestScene> Benchmark::Scenes(int object, int condition, CropSet& crops) {
+std::vector<TestScene> Benchmark::Scenes(ObjectId object, int condition, CropSet& crops) {
   CloudOptions all_is_foreground;
   all_is_foreground.min_plane_share = 1;
   // The same views under every condition, which allows paired comparisons.
@@ -162,14 +164,15 @@ std::vector<TestScene> Benchmark::Scenes(int object, int condition, CropSet& cro
 }
 
 // Start pose for an orientation. The object center is known, as for all crop methods.
-Pose Benchmark::StartPose(const TestScene& scene, int object, const Eigen::Matrix3d& R_CO) const {
+Pose Benchmark::StartPose(const TestScene& scene, ObjectId object,
+                          const Eigen::Matrix3d& R_CO) const {
   return MakePose(R_CO, scene.spot.center_C - R_CO * CropCenter_O(*job_.objects[object]));
 }
 
 CropAnswer Benchmark::BestByIcp(const TestScene& scene,
                                 const std::vector<CropAnswer>& starts) const {
   CropAnswer best;
-  best.object = -1;
+  best.object = ObjectId{-1};
   for (const CropAnswer& start : starts) {
     const IcpResult result = BidirectionalIcp(scene.cloud, models_[start.object],
                                               StartPose(scene, start.object, start.R_CO));
@@ -192,11 +195,11 @@ std::vector<std::vector<CropAnswer>> Benchmark::AllByIcp(
 }
 
 std::vector<std::vector<CropAnswer>> Benchmark::NearestToTruth(
-    int object, const std::vector<TestScene>& scenes) const {
+    ObjectId object, const std::vector<TestScene>& scenes) const {
   std::vector<std::vector<CropAnswer>> answers;
   for (const TestScene& scene : scenes) {
     CropAnswer nearest{object, {}, std::numeric_limits<double>::infinity()};
-    for (const Eigen::Matrix3d& R_CO : lesson_->templates[object].R_CO) {
+    for (const Eigen::Matrix3d& R_CO : training_set_->templates[object].R_CO) {
       const double distance = distances_[object](scene.X_CO.linear(), R_CO);
       if (distance < nearest.distance) nearest = {object, R_CO, distance};
     }
@@ -205,7 +208,7 @@ std::vector<std::vector<CropAnswer>> Benchmark::NearestToTruth(
   return answers;
 }
 
-std::vector<std::vector<CropAnswer>> Benchmark::RandomStarts(int object, int condition,
+std::vector<std::vector<CropAnswer>> Benchmark::RandomStarts(ObjectId object, int condition,
                                                              size_t count) const {
   Rng rng = Rng::Derive(options_.seed, object, fmt::format("crop random starts {}", condition));
   std::vector<std::vector<CropAnswer>> starts(count);
@@ -217,7 +220,7 @@ std::vector<std::vector<CropAnswer>> Benchmark::RandomStarts(int object, int con
   return starts;
 }
 
-void Benchmark::Score(const std::string& method, CropStage stage, int object, int condition,
+void Benchmark::Score(const std::string& method, CropStage stage, ObjectId object, int condition,
                       const std::vector<TestScene>& scenes,
                       const std::vector<std::vector<CropAnswer>>& answers, double seconds) {
   for (size_t i = 0; i < scenes.size(); ++i) {
@@ -232,7 +235,7 @@ void Benchmark::Score(const std::string& method, CropStage stage, int object, in
   }
 }
 
-void Benchmark::TestCell(int object, int condition) {
+void Benchmark::TestCell(ObjectId object, int condition) {
   CropSet crops;
   const std::vector<TestScene> scenes = Scenes(object, condition, crops);
   const auto with_icp = [&](const std::string& method,
@@ -251,14 +254,14 @@ void Benchmark::TestCell(int object, int condition) {
   const auto oracle = NearestToTruth(object, scenes);
   Score(kOracleMethod, CropStage::kNearest, object, condition, scenes, oracle, 0);
   with_icp(kOracleMethod, oracle, CropStage::kNearestIcp);
-  with_icp(kRandomStarts, RandomStarts(object, condition, scenes.size()), CropStage::kIcpAlone);
+  with_icp(kRandomStarts, RandomStarts(object, condition, scenes.size()), CropStage::kIcpOnly);
 }
 
 CropBenchmark Benchmark::Run() {
   if (!MakeMethods()) return std::move(result_);
   const size_t cells = job_.objects.size() * conditions_.size();
   size_t done = 0;
-  for (int object = 0; object < static_cast<int>(job_.objects.size()); ++object) {
+  for (ObjectId object{0}; object < static_cast<int>(job_.objects.size()); ++object) {
     for (const int condition : conditions_) {
       const double before = kViewsShare + kTrainingShare;
       if (!Report(
@@ -277,15 +280,17 @@ CropBenchmark Benchmark::Run() {
 }  // namespace
 
 void CropBenchmarkOptions::Visit(SettingsVisitor& v) {
-  v.Seed("seed", seed, "of views, weights and chance");
-  v.Integer("tests", tests, {1, 100000}, "views a part and condition");
-  v.Integer("k", k, {1, 100}, "nearest answers that ICP starts from");
-  v.Integer("icp_starts", icp_starts, {1, 1000}, "random orientations that ICP alone starts from");
-  v.Text("sensor", sensor, {}, "whose noise the noisy condition and training have");
+  v.Seed("seed", seed, "random seed of views, weights and random poses");
+  v.Integer("tests", tests, {1, 100000}, "number of test views per object and condition");
+  v.Integer("k", k, {1, 100}, "number of nearest answers that ICP starts from");
+  v.Integer("icp_starts", icp_starts, {1, 1000},
+            "number of random orientations that the ICP baseline starts from");
+  v.Text("sensor", sensor, {},
+         "sensor profile whose noise the noisy condition and the training have");
   v.Group(
       "views", [&](SettingsVisitor& g) { views.Visit(g); }, "templates, crops and test views");
   v.Group(
-      "methods", [&](SettingsVisitor& g) { methods.Visit(g); }, "what the methods take");
+      "methods", [&](SettingsVisitor& g) { methods.Visit(g); }, "settings of the methods");
 }
 
 const char* CropStageName(CropStage stage) {
@@ -294,7 +299,7 @@ const char* CropStageName(CropStage stage) {
       return "nearest";
     case CropStage::kNearestIcp:
       return "nearest+icp";
-    case CropStage::kIcpAlone:
+    case CropStage::kIcpOnly:
       return "icp_alone";
   }
   throw std::logic_error("unknown stage of the crop table");
@@ -302,7 +307,7 @@ const char* CropStageName(CropStage stage) {
 
 CropBenchmark RunCropBenchmark(const CropBenchmarkJob& job) {
   CheckSettings("CropBenchmarkOptions", job.options);
-  CheckInput(!job.objects.empty(), "the crop table needs at least one part");
+  CheckInput(!job.objects.empty(), "the crop table needs at least one object");
   return Benchmark(job).Run();
 }
 

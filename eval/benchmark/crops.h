@@ -12,6 +12,7 @@
 #include "eval/stats/statistics.h"
 #include "perception/crop_methods/crop_conditions.h"
 #include "perception/crop_methods/crop_method.h"
+#include "scenes/base/ids.h"
 #include "sim/sensor/sensor_profile.h"
 
 namespace pickbed::eval {
@@ -20,7 +21,7 @@ struct CropBenchmarkOptions {
   uint64_t seed = 0;
   int tests = 60;      // views per object and condition
   int k = 1;           // number of nearest templates from which ICP starts; the best result is kept
-  int icp_starts = 8;  // kIcpAlone: number of random orientations; the best result is kept
+  int icp_starts = 8;  // kIcpOnly: number of random orientations; the best result is kept
   std::string sensor = "structured_light";  // sensor of the noisy condition and of training
   CropViewOptions views;
   CropMethodOptions methods;
@@ -28,22 +29,22 @@ struct CropBenchmarkOptions {
 };
 
 // Processing of a method's answers: none, ICP from the answers, or ICP without a method.
-enum class CropStage { kNearest, kNearestIcp, kIcpAlone };
+enum class CropStage { kNearest, kNearestIcp, kIcpOnly };
 const char* CropStageName(CropStage stage);
 
 // Upper bound and baseline. They are no methods because they know the object.
 inline constexpr const char* kOracleMethod = "oracle";         // template nearest to ground truth
-inline constexpr const char* kRandomStarts = "random_starts";  // with kIcpAlone
+inline constexpr const char* kRandomStarts = "random_starts";  // with kIcpOnly
 
 // Result of one method and stage on one test view.
 struct CropRecord {
   std::string method;
   CropStage stage = CropStage::kNearest;
-  int object = 0;
+  ObjectId object{0};
   int condition = 0;  // row of CropConditionTable()
   int test = 0;
-  int found_object = -1;  // -1 = no answer
-  double occluded = 0;    // occluded fraction, 0..1
+  ObjectId found_object{-1};  // -1 = no answer
+  double occluded = 0;        // occluded fraction, 0..1
   // Rotation error, minimum over the symmetries. Infinite if the object is wrong.
   double angle_rad = std::numeric_limits<double>::infinity();
   double seconds = 0;  // mean time of this stage per crop

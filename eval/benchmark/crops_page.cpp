@@ -7,25 +7,25 @@ namespace pickbed::eval {
 namespace {
 
 // Selects the statistic that a chart or table shows.
-using FigureOf = const std::vector<Cluster>& (*)(const CropFigures& figures);
+using StatisticOf = const std::vector<Cluster>& (*)(const CropStatistics& statistics);
 
-const std::vector<Cluster>& PartRight(const CropFigures& f) { return f.part_right; }
-const std::vector<Cluster>& WithinTen(const CropFigures& f) { return f.within[1]; }
+const std::vector<Cluster>& PartRight(const CropStatistics& f) { return f.part_right; }
+const std::vector<Cluster>& WithinTen(const CropStatistics& f) { return f.within[1]; }
 
 std::vector<CropCell> RowsOf(const CropBenchmark& benchmark, CropStage stage) {
   std::vector<CropCell> rows = CropRows(benchmark);
   std::erase_if(rows, [&](const CropCell& row) {
-    return row.stage != stage && row.stage != CropStage::kIcpAlone;
+    return row.stage != stage && row.stage != CropStage::kIcpOnly;
   });
   // ICP from random starts is not a look-up of orientations, so it is left out here.
   if (stage == CropStage::kNearest) {
-    std::erase_if(rows, [](const CropCell& r) { return r.stage == CropStage::kIcpAlone; });
+    std::erase_if(rows, [](const CropCell& r) { return r.stage == CropStage::kIcpOnly; });
   }
   return rows;
 }
 
 ReportChart ByCondition(const CropBenchmark& benchmark, ReportChart chart, CropStage stage,
-                        const std::string& y_title, FigureOf figure) {
+                        const std::string& y_title, StatisticOf statistic) {
   std::vector<std::string> names;
   for (const int condition : CropConditionsOf(benchmark)) {
     names.push_back(CropConditionTable()[condition].name);
@@ -35,7 +35,7 @@ ReportChart ByCondition(const CropBenchmark& benchmark, ReportChart chart, CropS
     RateCurve& curve = curves.emplace_back(RateCurve{row.method, {}});
     for (const int condition : CropConditionsOf(benchmark)) {
       row.condition = condition;
-      curve.rates.push_back(ClusterRate(figure(FiguresOf(benchmark, row))));
+      curve.rates.push_back(ClusterRate(statistic(StatisticsOf(benchmark, row))));
     }
   }
   return RateCurves(std::move(chart), "condition", y_title, names, curves);
@@ -48,28 +48,28 @@ ReportChart ByAngle(const CropBenchmark& benchmark, int condition) {
   for (CropCell row : RowsOf(benchmark, CropStage::kNearest)) {
     row.condition = condition;
     RateCurve& curve = curves.emplace_back(RateCurve{row.method, {}});
-    for (const std::vector<Cluster>& within : FiguresOf(benchmark, row).within) {
+    for (const std::vector<Cluster>& within : StatisticsOf(benchmark, row).within) {
       curve.rates.push_back(ClusterRate(within));
     }
   }
   const char* name = CropConditionTable()[condition].name;
   return RateCurves(
       {fmt::format("angles-{}", condition), fmt::format("Share within an angle: {}", name),
-       fmt::format("Nearest neighbour alone; {}.", CropConditionTable()[condition].help), ""},
+       fmt::format("Nearest neighbour without ICP; {}.", CropConditionTable()[condition].help), ""},
       "within, degrees", "share", names, curves);
 }
 
-TableCells FiguresTable(const CropBenchmark& benchmark, int condition) {
-  TableCells cells{{"method", "stage", "part right [95 %]", "within 5 deg", "10 deg [95 %]",
+TableCells StatisticsTable(const CropBenchmark& benchmark, int condition) {
+  TableCells cells{{"method", "stage", "object right [95 %]", "within 5 deg", "10 deg [95 %]",
                     "20 deg", "40 deg", "median, deg [95 %]", "over 15 deg"}};
   for (CropCell row : CropRows(benchmark)) {
     row.condition = condition;
-    const CropFigures f = FiguresOf(benchmark, row);
+    const CropStatistics f = StatisticsOf(benchmark, row);
     const auto percent = [](const std::vector<Cluster>& c) { return PercentText(RateOf(c)); };
     const Interval median = MedianInterval(f.angles_deg);
     cells.push_back(
         {row.method, CropStageName(row.stage),
-         row.stage == CropStage::kIcpAlone ? "given" : RateText(ClusterRate(f.part_right)),
+         row.stage == CropStage::kIcpOnly ? "given" : RateText(ClusterRate(f.part_right)),
          percent(f.within[0]), RateText(ClusterRate(f.within[1])), percent(f.within[2]),
          percent(f.within[3]),
          fmt::format("{:.2f} [{:.2f}, {:.2f}]", MedianOf(f.angles_deg), median.low, median.high),
@@ -82,27 +82,28 @@ TableCells FiguresTable(const CropBenchmark& benchmark, int condition) {
 // ICP.
 TableCells PartsTable(const CropBenchmark& benchmark, const ObjectSet& objects, int condition) {
   const std::vector<CropCell> rows = RowsOf(benchmark, CropStage::kNearest);
-  TableCells cells{{"part"}};
+  TableCells cells{{"object"}};
   for (const CropCell& row : rows) cells[0].push_back(row.method);
   for (size_t i = 0; i < objects.size(); ++i) {
     cells.push_back({objects[i]->name});
     for (CropCell row : rows) {
       row.condition = condition;
-      row.object = static_cast<int>(i);
-      cells.back().push_back(PercentText(RateOf(FiguresOf(benchmark, row).within[1])));
+      row.object = ObjectId(i);
+      cells.back().push_back(PercentText(RateOf(StatisticsOf(benchmark, row).within[1])));
     }
   }
   return cells;
 }
 
 constexpr const char* kAbout =
-    "Each test view shows one part, whose centre and scale are known to all methods: what is asked "
-    "is which part it is and how it is turned. No view is a template or was learned from. Crops "
-    "are scaled to the part's size, so that size tells nothing. Angles are the least over the "
-    "part's symmetries; where the wrong part is named, the pose is wrong. Intervals are 95 % over "
-    "test views; the parts are the ones named here. oracle is the template nearest to the truth, "
-    "the ceiling of any look-up; random_starts is ICP alone, told the part, from random "
-    "orientations, of which the best result by its own measure is kept.";
+    "Each test view shows one object, whose center and scale are known to all methods. Each method "
+    "estimates the object and its orientation. No test view is a template or was used for "
+    "training. Crops are scaled to the size of the object, so the size gives no information. "
+    "Angles are the minimum over the symmetries of the object; a pose of a wrong object is wrong. "
+    "Intervals are 95 % over test views of the objects named here. oracle is the template nearest "
+    "to ground truth: the upper bound of any look-up. random_starts is ICP from random "
+    "orientations of the given object, without any descriptor; it keeps the result with the "
+    "smallest residual.";
 
 }  // namespace
 
@@ -112,14 +113,15 @@ HtmlPage CropPage(const CropBenchmark& benchmark, const ObjectSet& objects,
   page.Paragraph(kAbout);
   std::vector<ReportChart> charts{
       ByCondition(benchmark,
-                  {"part-right", "Right part by condition", "Nearest neighbour alone.", ""},
-                  CropStage::kNearest, "right part", PartRight),
-      ByCondition(benchmark,
-                  {"nearest", "Within 10 degrees by condition", "Nearest neighbour alone.", ""},
-                  CropStage::kNearest, "within 10 degrees", WithinTen),
+                  {"part-right", "Right object by condition", "Nearest neighbour without ICP.", ""},
+                  CropStage::kNearest, "right object", PartRight),
+      ByCondition(
+          benchmark,
+          {"nearest", "Within 10 degrees by condition", "Nearest neighbour without ICP.", ""},
+          CropStage::kNearest, "within 10 degrees", WithinTen),
       ByCondition(benchmark,
                   {"refined", "Within 10 degrees after ICP",
-                   "ICP from the nearest neighbours, and from random starts.", ""},
+                   "ICP from the nearest neighbours, and from random orientations.", ""},
                   CropStage::kNearestIcp, "within 10 degrees", WithinTen)};
   for (const int condition : CropConditionsOf(benchmark)) {
     charts.push_back(ByAngle(benchmark, condition));
@@ -129,8 +131,8 @@ HtmlPage CropPage(const CropBenchmark& benchmark, const ObjectSet& objects,
     const CropCondition& row = CropConditionTable()[condition];
     page.Heading(row.name);
     page.Paragraph(row.help);
-    page.Table(FiguresTable(benchmark, condition));
-    page.Subheading("Within 10 degrees, part by part");
+    page.Table(StatisticsTable(benchmark, condition));
+    page.Subheading("Within 10 degrees, by object");
     page.Table(PartsTable(benchmark, objects, condition));
   }
   page.Heading("Settings");

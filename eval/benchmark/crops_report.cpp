@@ -36,11 +36,11 @@ std::string CropTableText(const CropBenchmark& benchmark) {
   std::string text;
   for (const int condition : CropConditionsOf(benchmark)) {
     text += fmt::format("{}\n  {:<30}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>9}\n",
-                        CropConditionTable()[condition].name, "", "part %", "<5 deg", "<10", "<20",
-                        "<40", "median", ">15 %");
+                        CropConditionTable()[condition].name, "", "object %", "<5 deg", "<10",
+                        "<20", "<40", "median", ">15 %");
     for (CropCell cell : CropRows(benchmark)) {
       cell.condition = condition;
-      const CropFigures f = FiguresOf(benchmark, cell);
+      const CropStatistics f = StatisticsOf(benchmark, cell);
       text += fmt::format("  {:<30}{:>8}", NameOf(cell), PercentNumber(RateOf(f.part_right)));
       for (const std::vector<Cluster>& within : f.within) {
         text += fmt::format("{:>8}", PercentNumber(RateOf(within)));
@@ -61,10 +61,10 @@ std::string CropTableCsv(const CropBenchmark& benchmark, const ObjectSet& object
   csv += ",over_15,over_15_low,over_15_high,median_deg,median_deg_low,median_deg_high\n";
   for (CropCell cell : CropRows(benchmark)) {
     for (const int condition : CropConditionsOf(benchmark)) {
-      for (int object = -1; object < static_cast<int>(objects.size()); ++object) {
+      for (ObjectId object = kAnyObject; object < static_cast<int>(objects.size()); ++object) {
         cell.condition = condition;
         cell.object = object < 0 ? std::nullopt : std::optional(object);
-        const CropFigures f = FiguresOf(benchmark, cell);
+        const CropStatistics f = StatisticsOf(benchmark, cell);
         if (f.tests() == 0) continue;
         csv += fmt::format("{},{},{},{},{}", cell.method, CropStageName(cell.stage),
                            CropConditionTable()[condition].name,
@@ -97,8 +97,9 @@ std::string CropTimingsCsv(const CropBenchmark& benchmark) {
   for (CropCell cell : CropRows(benchmark)) {
     for (const int condition : CropConditionsOf(benchmark)) {
       cell.condition = condition;
-      csv += fmt::format("{},{},{},{:.6f}\n", cell.method, CropStageName(cell.stage),
-                         CropConditionTable()[condition].name, FiguresOf(benchmark, cell).seconds);
+      csv +=
+          fmt::format("{},{},{},{:.6f}\n", cell.method, CropStageName(cell.stage),
+                      CropConditionTable()[condition].name, StatisticsOf(benchmark, cell).seconds);
     }
   }
   for (const CropBenchmark::Training& training : benchmark.training) {
@@ -116,11 +117,12 @@ std::string CropDifferencesCsv(const CropBenchmark& benchmark) {
       if (cell.stage != other.stage) continue;
       for (const int condition : CropConditionsOf(benchmark)) {
         cell.condition = other.condition = condition;
-        const CropFigures ours = FiguresOf(benchmark, cell), theirs = FiguresOf(benchmark, other);
-        const auto line = [&](const char* figure, const Difference& d) {
+        const CropStatistics ours = StatisticsOf(benchmark, cell),
+                             theirs = StatisticsOf(benchmark, other);
+        const auto line = [&](const char* statistic, const Difference& d) {
           csv += fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.4f}\n", cell.method, other.method,
                              CropStageName(cell.stage), CropConditionTable()[condition].name,
-                             figure, d.by, d.ci95.low, d.ci95.high);
+                             statistic, d.by, d.ci95.low, d.ci95.high);
         };
         line("object_right", DifferenceOf(ours.part_right, theirs.part_right));
         line("within_10", DifferenceOf(ours.within[kTenDegrees], theirs.within[kTenDegrees]));

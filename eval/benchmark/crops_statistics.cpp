@@ -7,26 +7,26 @@
 
 namespace pickbed::eval {
 
-CropFigures FiguresOf(const CropBenchmark& benchmark, const CropCell& cell) {
+CropStatistics StatisticsOf(const CropBenchmark& benchmark, const CropCell& cell) {
   constexpr double kOver_deg = 15;
-  CropFigures figures;
-  figures.within.resize(std::size(kCropAngles_deg));
+  CropStatistics statistics;
+  statistics.within.resize(std::size(kCropAngles_deg));
   for (const CropRecord& record : benchmark.records) {
     if (record.method != cell.method || record.stage != cell.stage ||
         record.condition != cell.condition || (cell.object && record.object != *cell.object)) {
       continue;
     }
     const double angle_deg = record.angle_rad * 180 / std::numbers::pi;
-    figures.part_right.push_back({record.found_object == record.object ? 1 : 0, 1});
-    for (size_t i = 0; i < figures.within.size(); ++i) {
-      figures.within[i].push_back({angle_deg <= kCropAngles_deg[i] ? 1 : 0, 1});
+    statistics.part_right.push_back({record.found_object == record.object ? 1 : 0, 1});
+    for (size_t i = 0; i < statistics.within.size(); ++i) {
+      statistics.within[i].push_back({angle_deg <= kCropAngles_deg[i] ? 1 : 0, 1});
     }
-    figures.over_15_deg.push_back({angle_deg > kOver_deg ? 1 : 0, 1});
-    figures.angles_deg.push_back({angle_deg});
-    figures.seconds += record.seconds;
+    statistics.over_15_deg.push_back({angle_deg > kOver_deg ? 1 : 0, 1});
+    statistics.angles_deg.push_back({angle_deg});
+    statistics.seconds += record.seconds;
   }
-  if (figures.tests() > 0) figures.seconds /= figures.tests();
-  return figures;
+  if (statistics.tests() > 0) statistics.seconds /= statistics.tests();
+  return statistics;
 }
 
 std::vector<CropCell> CropRows(const CropBenchmark& benchmark) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "eval/benchmark/crops.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
@@ -17,13 +18,13 @@ inline constexpr double kCropAngles_deg[] = {5, 10, 20, 40};
 struct CropCell {
   std::string method;
   CropStage stage = CropStage::kNearest;
-  int condition = 0;          // row of CropConditionTable()
-  std::optional<int> object;  // nullopt = all objects
+  int condition = 0;               // row of CropConditionTable()
+  std::optional<ObjectId> object;  // nullopt = all objects
 };
 
 // Statistics of one cell. A wrong object has an infinite angle: it is within no threshold, it is
 // over 15 degrees, and it counts in the median.
-struct CropFigures {
+struct CropStatistics {
   std::vector<Cluster> part_right;           // one per test view, as all vectors below
   std::vector<std::vector<Cluster>> within;  // [index in kCropAngles_deg][test view]
   std::vector<Cluster> over_15_deg;
@@ -32,7 +33,7 @@ struct CropFigures {
   int tests() const { return static_cast<int>(part_right.size()); }
 };
 
-CropFigures FiguresOf(const CropBenchmark& benchmark, const CropCell& cell);
+CropStatistics StatisticsOf(const CropBenchmark& benchmark, const CropCell& cell);
 
 // Returns each pair of method and stage once, in order of first appearance.
 std::vector<CropCell> CropRows(const CropBenchmark& benchmark);

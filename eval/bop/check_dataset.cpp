@@ -86,7 +86,7 @@ class Checker {
     const double off_m = std::max((bounds.min - info.bounds_O.min).cwiseAbs().maxCoeff(),
                                   (bounds.max - info.bounds_O.max).cwiseAbs().maxCoeff());
     if (off_m > allowed_m) {
-      Fault(fmt::format("{}: its bounding box is {:.3f} mm off that of models_info.json",
+      Fault(fmt::format("{}: its bounding box differs by {:.3f} mm from models_info.json",
                         file.string(), 1e3 * off_m));
     }
   }
@@ -126,7 +126,7 @@ class Checker {
     if (!frame) return;
     const auto& depth = frame->depth_m.pixels();
     if (std::none_of(depth.begin(), depth.end(), [](float d) { return d > 0; })) {
-      Fault(fmt::format("{}: has no reading at all",
+      Fault(fmt::format("{}: has no depth reading",
                         DepthFile(scene.folder, image.image_id)->string()));
     }
     CheckInfos(scene, image, frame->depth_m);
@@ -196,10 +196,10 @@ class Checker {
       Fault(fmt::format("{}: {} pixels are neither 0 nor 255", file.string(), between));
     }
     if (!visible || instance >= visible->infos.size()) return;
-    const int told = visible->infos[instance].px_count_visib;
-    if (told != set) {
+    const int given = visible->infos[instance].px_count_visib;
+    if (given != set) {
       Fault(fmt::format("{}: has {} pixels, scene_gt_info.json says px_count_visib {}",
-                        file.string(), set, told));
+                        file.string(), set, given));
     }
   }
 
@@ -230,7 +230,7 @@ class Checker {
       };
       const auto image = instances_.find({target.scene_id, target.image_id});
       if (image == instances_.end()) {
-        fault(fmt::format("there is no truth of scene {} image {}", target.scene_id,
+        fault(fmt::format("there is no ground truth for scene {} image {}", target.scene_id,
                           target.image_id));
         continue;
       }
@@ -241,7 +241,7 @@ class Checker {
       const auto found = image->second.find(*target.object_id);
       const int there = found == image->second.end() ? 0 : found->second;
       if (target.count.value_or(1) > there) {
-        fault(fmt::format("wants {} of object {}, scene {} image {} has {}",
+        fault(fmt::format("requests {} of object {}, but scene {} image {} has {}",
                           target.count.value_or(1), *target.object_id, target.scene_id,
                           target.image_id, there));
       }

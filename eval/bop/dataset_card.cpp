@@ -48,10 +48,10 @@ std::string CardText(const Json& card) {
                         object["name"].get<std::string>(), object["mesh"].get<std::string>());
   }
   text += fmt::format(
-      "\nDefinitions: visibility is exact, from the image of instance ids; silhouettes count "
-      "where they leave the image; `depth` has the sensor's noise, {} mm a unit. Scenes are "
-      "settled and certified: no part inside another by more than 0.5 mm.\n\nHash of all scenes: "
-      "{}\n\n```yaml\n{}```\n",
+      "\nDefinitions: visibility is exact, computed from the image of instance ids; silhouettes "
+      "count beyond the image border; `depth` has the sensor's noise, {} mm per unit. Scenes are "
+      "settled and certified: no object is inside another by more than 0.5 mm.\n\nHash of all "
+      "scenes: {}\n\n```yaml\n{}```\n",
       kDepthScale_mm, card["hash"].get<std::string>(), card["settings"].get<std::string>());
   return text;
 }
@@ -125,10 +125,9 @@ std::map<int, CardPart> PartsOfCard(const fs::path& root) {
           std::stoull(object.at("mesh").get<std::string>(), nullptr, 16)};
     }
   } catch (const std::exception& error) {
-    throw InputError(
-        fmt::format("{}: is no card of pickbed's ({}); `pickbed dataset make` with "
-                    "--resume writes it anew",
-                    file.string(), error.what()));
+    throw InputError(fmt::format(
+        "{}: was not written by pickbed ({}); resume `pickbed dataset make` to write it again",
+        file.string(), error.what()));
   }
   return parts;
 }

@@ -66,15 +66,15 @@ TolerancesById ReadTolerances(const std::vector<std::string>& texts) {
     const auto [stop, error] = std::from_chars(text.data(), end, id);
     CheckInput(
         error == std::errc() && stop == end,
-        fmt::format("--tolerance {}: write ID=PLACE, an obj_id of the data set and the folder "
-                    "of its map",
-                    text));
+        fmt::format(
+            "tolerance map {}: write ID=PLACE, an obj_id of the dataset and the folder of its map",
+            text));
     const std::vector<fs::path> files = ToleranceFiles(text.substr(equals + 1));
     CheckInput(files.size() == 1,
-               fmt::format("--tolerance {}: holds {} maps; name one", text, files.size()));
+               fmt::format("tolerance map {}: has {} maps; name one", text, files.size()));
     const bool is_new =
         tolerances.insert({id, {files.front(), ReadToleranceModel(files.front())}}).second;
-    CheckInput(is_new, fmt::format("--tolerance {}: object {} has one already", text, id));
+    CheckInput(is_new, fmt::format("tolerance map {}: object {} already has one", text, id));
   }
   return tolerances;
 }
@@ -90,7 +90,7 @@ Scores Evaluate(const fs::path& root, const std::string& split,
       [&](int object_id) {
         const auto info = models.find(object_id);
         CheckInput(info != models.end(),
-                   fmt::format("{}: has no object {}, which is true in a scene",
+                   fmt::format("{}: has no object {}, which is in the ground truth of a scene",
                                (folder / "models_info.json").string(), object_id));
         auto model = LoadModel(folder, object_id, info->second, ModelName(object_id));
         if (const auto named = tolerances.find(object_id); named != tolerances.end()) {
@@ -105,7 +105,7 @@ Scores Evaluate(const fs::path& root, const std::string& split,
       });
   for (const auto& [id, named] : tolerances) {
     CheckInput(models.contains(id),
-               fmt::format("--tolerance {}={}: {} has no such object", id, named.file.string(),
+               fmt::format("tolerance map {}={}: {} has no such object", id, named.file.string(),
                            (folder / "models_info.json").string()));
   }
   EstimatesByImage by_image = ByImage(estimates, models, folder);

@@ -47,7 +47,7 @@ bool HasReadings(const Image<float>& depth_m) {
 
 // Median depth in metres. The image must have at least one reading. Used as a working distance
 // because it needs no ground truth.
-double MiddleDepth(const Image<float>& depth_m) {
+double MedianDepth(const Image<float>& depth_m) {
   std::vector<float> readings;
   for (const float d : depth_m.pixels()) {
     if (d > 0) readings.push_back(d);
@@ -72,7 +72,7 @@ class Runner {
     setup.spec = options.estimator;
     setup.refiner = options.refiner;
     setup.intrinsics = first.intrinsics;
-    setup.working_distance_m = MiddleDepth(first.depth_m);
+    setup.working_distance_m = MedianDepth(first.depth_m);
     if (row.renders) {
       setup.objects = WithConvexPieces(setup.objects);
       ViewSourceOptions view_options;
@@ -190,11 +190,11 @@ Estimate NamedTarget(const SplitTargets& targets, const std::string& name) {
       if (name == std::to_string(places.size() - 1)) return place;
     }
   }
-  CheckInput(!places.empty(), "--explain: the split has no target image");
-  throw InputError(fmt::format(
-      "--explain {}: is no target image; name one as SCENE/IMAGE, such as {}/{}, or by its number "
-      "among the targets, 0 to {}",
-      name, places.front().scene_id, places.front().image_id, places.size() - 1));
+  CheckInput(!places.empty(), "the split has no target image to explain");
+  throw InputError(
+      fmt::format("image {}: is no target image; write SCENE/IMAGE, for example {}/{}, or its "
+                  "number among the targets, 0 to {}",
+                  name, places.front().scene_id, places.front().image_id, places.size() - 1));
 }
 
 // Ground truth of the objects that the estimator searches; nullopt if the image has none.
@@ -206,7 +206,7 @@ std::optional<std::vector<TruePart>> TruthOf(const ImageTruth& image,
     const auto id = std::ranges::find(object_ids, image.instances[i].object_id);
     if (id == object_ids.end()) continue;
     const double visible = i < image.infos.size() ? image.infos[i].visib_fract : 1;
-    parts.push_back({static_cast<int>(id - object_ids.begin()), image.instances[i].X_CO, visible});
+    parts.push_back({ObjectId(id - object_ids.begin()), image.instances[i].X_CO, visible});
   }
   return parts;
 }

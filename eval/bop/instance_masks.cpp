@@ -22,9 +22,9 @@ struct Canvas {
 Canvas CanvasOf(const Camera& camera, const Bounds& bounds_O, const Pose& X_CO) {
   const CameraIntrinsics& k = camera.intrinsics;
   const Footprint footprint = FootprintOf(bounds_O, X_CO, k);
-  const Eigen::Vector2d middle(0.5 * k.width(), 0.5 * k.height());
+  const Eigen::Vector2d center(0.5 * k.width(), 0.5 * k.height());
   const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * kMaxCanvas_px);
-  Eigen::Vector2d first = middle - half, last = middle + half;
+  Eigen::Vector2d first = center - half, last = center + half;
   if (footprint.in_front) {
     const Eigen::Vector2d low = first, high = last;
     first = footprint.min_px.cwiseMax(low).cwiseMin(high);
@@ -50,20 +50,20 @@ struct Box {
   std::array<int, 4> ToBop() const { return {left, top, right - left, bottom - top}; }
 };
 
-InstanceMasks MasksOfOne(const Image<float>& alone_m, const Canvas& canvas, uint16_t id,
+InstanceMasks MasksOfOne(const Image<float>& unoccluded_m, const Canvas& canvas, uint16_t id,
                          const Image<uint16_t>& ids, const Image<uint16_t>& depth) {
   InstanceMasks out;
   out.mask = Image<uint8_t>(ids.width(), ids.height());
   out.mask_visib = Image<uint8_t>(ids.width(), ids.height());
   Box whole, seen;
   int valid = 0;
-  for (int y = 0; y < alone_m.height(); ++y) {
-    for (int x = 0; x < alone_m.width(); ++x) {
+  for (int y = 0; y < unoccluded_m.height(); ++y) {
+    for (int x = 0; x < unoccluded_m.width(); ++x) {
       const int u = x + canvas.left, v = y + canvas.top;
       const bool inside = ids.Contains(u, v);
       const bool visible = inside && ids(u, v) == id;
       // A pixel on the silhouette's edge may be set in only one of the two renderings.
-      if (alone_m(x, y) <= 0 && !visible) continue;
+      if (unoccluded_m(x, y) <= 0 && !visible) continue;
       ++out.info.px_count_all;
       whole.Add(u, v);
       if (!inside) continue;
@@ -98,10 +98,10 @@ std::vector<InstanceMasks> MasksOf(Renderer& renderer, const Camera& camera,
         CanvasOf(camera, renderer.MeshBoundsOf(instance.mesh), X_CW * instance.X_WO));
     cameras.push_back(canvases.back().camera);
   }
-  const std::vector<RenderedImage> alone = renderer.RenderEachDepth(cameras, instances);
+  const std::vector<RenderedImage> unoccluded = renderer.RenderEachDepth(cameras, instances);
   std::vector<InstanceMasks> masks;
   for (size_t i = 0; i < instances.size(); ++i) {
-    masks.push_back(MasksOfOne(alone[i].depth_m, canvases[i], instances[i].id, ids, depth));
+    masks.push_back(MasksOfOne(unoccluded[i].depth_m, canvases[i], instances[i].id, ids, depth));
   }
   return masks;
 }

@@ -27,8 +27,8 @@ std::optional<fs::path> FirstOf(const fs::path& scene, std::initializer_list<con
 
 std::string SceneFolderName(int scene_id) { return fmt::format("{:06}", scene_id); }
 std::string ImageFileName(int image_id) { return fmt::format("{:06}.png", image_id); }
-std::string MaskFileName(int image_id, int instance) {
-  return fmt::format("{:06}_{:06}.png", image_id, instance);
+std::string MaskFileName(int image_id, int position) {
+  return fmt::format("{:06}_{:06}.png", image_id, position);
 }
 std::string ModelName(int object_id) { return fmt::format("obj_{:06}", object_id); }
 std::string ModelFileName(int object_id) { return ModelName(object_id) + ".ply"; }

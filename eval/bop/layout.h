@@ -14,7 +14,7 @@ namespace pickbed::eval::bop {
 
 std::string SceneFolderName(int scene_id);                        // 000001
 std::string ImageFileName(int image_id);                          // 000001.png
-std::string MaskFileName(int image_id, int instance);             // 000001_000000.png
+std::string MaskFileName(int image_id, int position);             // 000001_000000.png
 std::string ModelName(int object_id);                             // obj_000001
 std::string ModelFileName(int object_id);                         // obj_000001.ply
 std::string TargetsFileName(const std::string& split, int year);  // test_targets_bop19.json

@@ -38,29 +38,29 @@ class SceneMaker {
         renderer_(cell_.objects(), cell_.bin()) {}
 
   void Make(int scene_id) {
-    const int trial = scene_id - 1;
+    const BinIndex bin_index(scene_id - 1);
     const fs::path split = options_.out / options_.split;
     const fs::path unfinished = UnfinishedFolder(split, scene_id);
     fs::remove_all(unfinished);
     SceneWriter writer(unfinished, static_cast<int>(cell_.objects().size()));
-    const Scene scene = cell_.MakeScene(trial).scene;
-    for (int view = 0; view < options_.views; ++view) writer.Add(See(scene, trial, view));
+    const Scene scene = cell_.MakeScene(bin_index).scene;
+    for (int view = 0; view < options_.views; ++view) writer.Add(See(scene, bin_index, view));
     writer.Finish();
     std::error_code error;
     fs::rename(unfinished, split / SceneFolderName(scene_id), error);
-    CheckInput(!error, fmt::format("cannot name the folder {}: {}",
+    CheckInput(!error, fmt::format("cannot create the folder {}: {}",
                                    (split / SceneFolderName(scene_id)).string(), error.message()));
   }
 
  private:
-  LabelledImage See(const Scene& scene, int trial, int view) {
+  LabelledImage See(const Scene& scene, BinIndex bin_index, int view) {
     Camera camera = cell_.camera();
     if (view > 0) {
-      Rng rng = Rng::Derive(spec_.seed, trial, fmt::format("bop/view/{}", view));
+      Rng rng = Rng::Derive(spec_.seed, bin_index, fmt::format("bop/view/{}", view));
       camera = RandomView(spec_, {}, rng);
     }
-    const RenderedImage image = cell_.Render(renderer_, scene, camera, trial, view);
-    Rng rng = Rng::Derive(spec_.seed, trial, fmt::format("bop/sensor/{}", view));
+    const RenderedImage image = cell_.Render(renderer_, scene, camera, bin_index, view);
+    Rng rng = Rng::Derive(spec_.seed, bin_index, fmt::format("bop/sensor/{}", view));
     LabelledImage labelled;
     labelled.color = image.color;
     const IdealView ideal{image.depth_m, camera.intrinsics, &image.color};
@@ -92,13 +92,12 @@ std::vector<int> ScenesBefore(const MakeOptions& options, const std::string& ide
   const std::vector<int> before = ScenesOf(options.out, options.split);
   if (before.empty()) return before;
   CheckInput(options.resume,
-             fmt::format("{} already holds {} scenes; pass --resume to go on with them, or choose "
-                         "another folder with --out",
+             fmt::format("{} already has {} scenes; resume it, or choose another results folder",
                          (options.out / options.split).string(), before.size()));
-  CheckInput(ReadIdentity(options.out) == identity,
-             fmt::format("{} holds scenes of other settings than these; choose another folder with "
-                         "--out",
-                         (options.out / options.split).string()));
+  CheckInput(
+      ReadIdentity(options.out) == identity,
+      fmt::format("{} has scenes of other settings than these; choose another results folder",
+                  (options.out / options.split).string()));
   return before;
 }
 
@@ -106,11 +105,11 @@ std::vector<int> ScenesBefore(const MakeOptions& options, const std::string& ide
 
 Camera RandomView(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng) {
   using Eigen::AngleAxisd;
-  constexpr int kTries = 100;
+  constexpr int kMaxSamples = 100;
   const Camera nominal = CameraOf(spec);
   const double distance_m = (spec.camera.target_m - spec.camera.eye_m).norm();
   const double least_z_m = spec.bin.inner_size_m.z() + spread.above_walls_m;
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kMaxSamples; ++i) {
     const double turn = rng.Uniform(-std::numbers::pi, std::numbers::pi);
     const double tilt = rng.Uniform(-spread.tilt_rad, spread.tilt_rad);
     const double roll = rng.Uniform(-spread.roll_rad, spread.roll_rad);
@@ -144,7 +143,8 @@ MakeReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
   WriteDatasetCamera(options.out / "camera.json", CameraOf(spec).intrinsics);
 
   MakeReport report;
-  report.done = report.done_before = static_cast<int>(before.size());
+  report.done = report.done_before = static_cast<int>(std::count_if(
+      before.begin(), before.end(), [&](int id) { return id >= 1 && id <= options.scenes; }));
   WorkerPlan plan;
   for (int id = 1; id <= options.scenes; ++id) {
     if (!std::binary_search(before.begin(), before.end(), id)) plan.items.push_back(id);

@@ -42,8 +42,8 @@ struct ViewSpread {
 Camera RandomView(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng);
 
 struct MakeReport {
-  int done = 0;         // scenes on disk
-  int done_before = 0;  // scenes already on disk when the run was resumed
+  int done = 0;         // requested scenes that are on disk
+  int done_before = 0;  // requested scenes that were on disk before the run
   bool stopped = false;
   std::vector<LostItem> lost;  // by scene id
 };

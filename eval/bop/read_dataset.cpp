@@ -28,7 +28,7 @@ void ForEachId(const Json& object, const Place& place, const char* what, Take ta
     if (const std::optional<int> id = ParseId(key)) {
       take(*id, value, place / fmt::format("{} {}", what, *id));
     } else {
-      place.Fault(fmt::format("'{}' is no number of an {}", key, what));
+      place.Fault(fmt::format("'{}' is not the number of an {}", key, what));
     }
   }
 }
@@ -150,7 +150,7 @@ void ReadInstances(const Json& list, const Place& place, ImageTruth& image) {
     instance.object_id = Integer(list[i], "obj_id", where).value_or(0);
     const auto X_CO = ReadPose(list[i], "cam_R_m2c", "cam_t_m2c", where);
     if (X_CO) instance.X_CO = *X_CO;
-    if (X_CO && instance.X_CO.translation().z() <= 0) where.Fault("stands behind the camera");
+    if (X_CO && instance.X_CO.translation().z() <= 0) where.Fault("is behind the camera");
     image.instances.push_back(instance);
   }
 }
@@ -180,7 +180,7 @@ std::string RotationFault(const Eigen::Matrix3d& R) {
   constexpr double kRounding = 5e-3;
   const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (off > kRounding)
-    return fmt::format("is no rotation: R^T R is off the identity by {:.2g}", off);
+    return fmt::format("is no rotation: R^T R differs from the identity by {:.2g}", off);
   if (R.determinant() < 0) return "is no rotation but a reflection: its determinant is -1";
   return "";
 }
@@ -240,7 +240,7 @@ SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& f
                    image.infos.push_back(ReadInfo(entry[i], place / fmt::format("instance {}", i)));
                  }
                  if (image.infos.size() == image.instances.size()) return;
-                 place.Fault(fmt::format("tells of {} instances, scene_gt.json of {}",
+                 place.Fault(fmt::format("has {} instances, scene_gt.json has {}",
                                          image.infos.size(), image.instances.size()));
                  image.infos.resize(image.instances.size());
                });
@@ -270,12 +270,6 @@ std::vector<Target> ReadTargets(const fs::path& file, const OnFault& fault) {
   }
   return targets;
 }
-
-}  // namespace pickbed::eval::bop
-
-namespace pickbed::eval::bop {
-
-namespace fs = std::filesystem;
 
 std::shared_ptr<const ObjectModel> LoadModel(const fs::path& folder, int object_id,
                                              const ModelInfo& info, const std::string& name) {

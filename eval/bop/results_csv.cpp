@@ -50,7 +50,7 @@ struct Line {
   int Id(const std::string& field, const char* column) const {
     const double value = Number(field, column);
     if (value < 0 || value > 1e9 || value != std::floor(value)) {
-      Refuse(fmt::format("{} '{}' is no number of a {}", column, Trimmed(field), column));
+      Refuse(fmt::format("{} '{}' is not a whole number from 0", column, Trimmed(field)));
     }
     return static_cast<int>(value);
   }
@@ -123,12 +123,13 @@ std::vector<Estimate> ReadResults(const std::filesystem::path& file) {
     const auto [known, is_new] = times_s.try_emplace({e.scene_id, e.image_id}, e.time_s);
     if (std::abs(known->second - e.time_s) > kSameTime_s) {
       line.Refuse(
-          fmt::format("time is {} s, an earlier line of scene {} image {} says {}; it is "
-                      "that of the whole image",
+          fmt::format("time is {} s, but an earlier line of scene {} image {} has {}; it must be "
+                      "the time of the whole image",
                       e.time_s, e.scene_id, e.image_id, known->second));
     }
   }
-  CheckInput(number > 0, fmt::format("{}: is empty; it begins with {}", file.string(), kHeader));
+  CheckInput(number > 0,
+             fmt::format("{}: is empty; it must begin with {}", file.string(), kHeader));
   return estimates;
 }
 

@@ -79,8 +79,8 @@ std::string GainText(const Gain& gain) { return PointsText(gain.after - gain.bef
 
 ReportChart WaterfallChart(const std::string& id, const Waterfall& waterfall) {
   ReportChart chart{id, waterfall.title,
-                    "Each bar begins where the one above it ends. Lines: 95 % intervals of "
-                    "its end, over bins.",
+                    "Each bar begins where the one above it ends. Lines: 95 % intervals of the "
+                    "bar's end, over bins.",
                     ""};
   chart.table = {{"", "stage", "number", "share [95 %]"},
                  {waterfall.all, "", std::to_string(waterfall.total), ""}};
@@ -124,7 +124,7 @@ ReportChart WaterfallChart(const std::string& id, const Waterfall& waterfall) {
 }
 
 ReportChart GainsChart(const std::string& id, const GainRows& gains) {
-  ReportChart chart{id, gains.title, "Lines: 95 % intervals over bins, which are paired.", ""};
+  ReportChart chart{id, gains.title, "Lines: paired 95 % intervals over bins.", ""};
   chart.table = {{"", gains.first + " [95 %]", gains.second + " [95 %]"}};
   Json values = Json::array();
   std::vector<std::string> names;

@@ -25,10 +25,10 @@ std::vector<TrialResult> Only(std::vector<TrialResult> all, const std::vector<in
   return all;
 }
 
-void RequireSums(const OracleRerun& fed) {
-  const FailureBudget attempts = BudgetOfAttempts(fed.trials);
-  const FailureBudget instances = BudgetOfInstances(fed.trials);
-  if (!fed.row.truth.AllOfPerception()) return;
+void RequireSums(const OracleRerun& rerun) {
+  const FailureBudget attempts = BudgetOfAttempts(rerun.trials);
+  const FailureBudget instances = BudgetOfInstances(rerun.trials);
+  if (!rerun.row.truth.AllOfPerception()) return;
   RequireGraspFailuresOnly(attempts);
   RequireGraspFailuresOnly(instances);
 }
@@ -40,15 +40,15 @@ std::vector<TrialResult> TrialsOfRun(const BudgetJob& job) {
   const std::optional<std::string> stored = StoredSettings(job.run);
   CheckInput(
       stored.has_value(),
-      fmt::format("{} holds no {}; name the results folder of a `pickbed run`", where, kStoreFile));
+      fmt::format("{} has no {}; name the results folder of a `pickbed run`", where, kStoreFile));
   const std::string identity = RunIdentity(job.spec, job.objects);
   CheckInput(*stored == identity,
-             fmt::format("{} was made with another model, gripper, sensor, part or scenario than "
+             fmt::format("{} was made with another model, gripper, sensor, object or scenario than "
                          "there is now; repeat the run",
                          where));
   std::vector<TrialResult> trials = ResultsStore::OpenToRead(job.run).ReadAll();
   CheckInput(!trials.empty(),
-             fmt::format("{} holds no finished trial; finish the run with --resume", where));
+             fmt::format("{} has no finished trial; resume the run to finish it", where));
   return trials;
 }
 
@@ -81,21 +81,20 @@ BudgetRuns RerunWithTruth(const BudgetJob& job, const BudgetListener& listener) 
     if (!report.crashed.empty()) {
       const CrashedTrial& first = report.crashed.front();
       throw std::runtime_error(fmt::format(
-          "{}: {} trials crashed twice, the first is trial {}: {}; the same command tries them "
-          "again",
+          "{}: {} trials crashed twice, the first is trial {}: {}; the same command repeats them",
           row.name, report.crashed.size(), first.trial, first.why));
     }
-    runs.fed.push_back({row, Only(std::move(report.trials), options.only_trials)});
-    RequireSums(runs.fed.back());
+    runs.reruns.push_back({row, Only(std::move(report.trials), options.only_trials)});
+    RequireSums(runs.reruns.back());
   }
   return runs;
 }
 
-StageGain GainOf(std::span<const TrialResult> as_run, std::span<const TrialResult> fed) {
-  const bool same = std::ranges::equal(as_run, fed, {}, &TrialResult::trial, &TrialResult::trial);
+StageGain GainOf(std::span<const TrialResult> as_run, std::span<const TrialResult> rerun) {
+  const bool same = std::ranges::equal(as_run, rerun, {}, &TrialResult::trial, &TrialResult::trial);
   if (!same) throw std::logic_error("only equal trials can be compared");
-  return {GainBetween(AttemptsByTrial(as_run), AttemptsByTrial(fed)),
-          GainBetween(InstancesByTrial(as_run), InstancesByTrial(fed))};
+  return {GainBetween(AttemptsByTrial(as_run), AttemptsByTrial(rerun)),
+          GainBetween(InstancesByTrial(as_run), InstancesByTrial(rerun))};
 }
 
 }  // namespace pickbed::eval

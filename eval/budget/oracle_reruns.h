@@ -35,9 +35,9 @@ struct OracleRerun {
 
 struct BudgetRuns {
   std::vector<TrialResult> as_run;      // by trial
-  std::vector<OracleRerun> fed;         // each with the same trials as `as_run`
+  std::vector<OracleRerun> reruns;      // each with the same trials as `as_run`
   std::vector<PickForecast> forecasts;  // for the picks of `as_run`
-  bool interrupted = false;             // if true, `fed` is not complete
+  bool interrupted = false;             // if true, `reruns` is not complete
 };
 
 // Callbacks of a rerun. `stop` returns true to end it.
@@ -67,8 +67,8 @@ struct StageGain {
   Gain attempts;   // successful attempts / all attempts
   Gain instances;  // picked instances / instances that the policy asked for
 };
-// Computes the gain of `fed` over `as_run`. Throws std::logic_error unless both have the same
+// Computes the gain of `rerun` over `as_run`. Throws std::logic_error unless both have the same
 // trials in the same order.
-StageGain GainOf(std::span<const TrialResult> as_run, std::span<const TrialResult> fed);
+StageGain GainOf(std::span<const TrialResult> as_run, std::span<const TrialResult> rerun);
 
 }  // namespace pickbed::eval

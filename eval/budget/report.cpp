@@ -28,21 +28,23 @@ std::string ShareText(int count, int of, const Interval& ci95) {
 TableCells FailureCells(const BudgetRuns& runs) {
   const BudgetShares attempts = SharesOfAttempts(runs.as_run);
   const BudgetShares instances = SharesOfInstances(runs.as_run);
-  const FailureBudget &looks = attempts.budget, &parts = instances.budget;
+  const FailureBudget &attempt_budget = attempts.budget, &parts = instances.budget;
   TableCells rows{{"reason", "stage", "attempts", "instances"}};
   if (parts.not_asked > 0) {
     rows.push_back({"dropped", "", "", std::to_string(parts.total)});
-    rows.push_back({"not asked for", "policy", "", std::to_string(parts.not_asked)});
+    rows.push_back({"not requested", "policy", "", std::to_string(parts.not_asked)});
   }
-  rows.push_back({"asked for", "", std::to_string(looks.asked()), std::to_string(parts.asked())});
+  rows.push_back(
+      {"requested", "", std::to_string(attempt_budget.asked()), std::to_string(parts.asked())});
   for (const FailureRow& row : FailureTable()) {
-    const int of_looks = looks[row.failure], of_parts = parts[row.failure];
-    if (of_looks + of_parts == 0) continue;
+    const int of_attempts = attempt_budget[row.failure], of_parts = parts[row.failure];
+    if (of_attempts + of_parts == 0) continue;
     rows.push_back({std::string(row.name), std::string(StageName(row.stage)),
-                    ShareText(of_looks, looks.asked(), attempts[row.failure]),
+                    ShareText(of_attempts, attempt_budget.asked(), attempts[row.failure]),
                     ShareText(of_parts, parts.asked(), instances[row.failure])});
   }
-  rows.push_back({"picked", "", ShareText(looks.picked, looks.asked(), attempts.picked),
+  rows.push_back({"picked", "",
+                  ShareText(attempt_budget.picked, attempt_budget.asked(), attempts.picked),
                   ShareText(parts.picked, parts.asked(), instances.picked)});
   return rows;
 }
@@ -50,11 +52,11 @@ TableCells FailureCells(const BudgetRuns& runs) {
 TableCells GainCells(const BudgetRuns& runs) {
   const StageGain none = GainOf(runs.as_run, runs.as_run);
   TableCells rows{
-      {"truth in place of", "attempts that succeed", "gain", "instances picked", "gain"},
+      {"ground truth for", "successful attempts", "gain", "instances picked", "gain"},
       {"nothing", PercentText(none.attempts.before), "", PercentText(none.instances.before), ""}};
-  for (const OracleRerun& fed : runs.fed) {
-    const StageGain gain = GainOf(runs.as_run, fed.trials);
-    rows.push_back({fed.row.name, PercentText(gain.attempts.after), GainText(gain.attempts),
+  for (const OracleRerun& rerun : runs.reruns) {
+    const StageGain gain = GainOf(runs.as_run, rerun.trials);
+    rows.push_back({rerun.row.name, PercentText(gain.attempts.after), GainText(gain.attempts),
                     PercentText(gain.instances.after), GainText(gain.instances)});
   }
   return rows;
@@ -112,20 +114,20 @@ nlohmann::ordered_json RowObject(const std::string& name, const std::vector<Tria
 
 std::string CsvOf(const std::string& name, const std::vector<TrialResult>& trials) {
   const BudgetShares attempts = SharesOfAttempts(trials), instances = SharesOfInstances(trials);
-  const FailureBudget &looks = attempts.budget, &parts = instances.budget;
-  const auto intervals = [](const Interval& of_looks, const Interval& of_parts) {
-    return fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}", of_looks.low, of_looks.high, of_parts.low,
-                       of_parts.high);
+  const FailureBudget &attempt_budget = attempts.budget, &parts = instances.budget;
+  const auto intervals = [](const Interval& of_attempts, const Interval& of_parts) {
+    return fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}", of_attempts.low, of_attempts.high,
+                       of_parts.low, of_parts.high);
   };
-  std::string csv = fmt::format("{},,all,{},{},,,,\n", name, looks.total, parts.total);
-  csv += fmt::format("{},done,picked,{},{},{}\n", name, looks.picked, parts.picked,
+  std::string csv = fmt::format("{},,all,{},{},,,,\n", name, attempt_budget.total, parts.total);
+  csv += fmt::format("{},done,picked,{},{},{}\n", name, attempt_budget.picked, parts.picked,
                      intervals(attempts.picked, instances.picked));
   csv += fmt::format("{},policy,not_asked,0,{},,,,\n", name, parts.not_asked);
   for (const FailureRow& row : FailureTable()) {
     if (row.failure == FailureReason::kNone) continue;
-    csv +=
-        fmt::format("{},{},{},{},{},{}\n", name, StageName(row.stage), row.name, looks[row.failure],
-                    parts[row.failure], intervals(attempts[row.failure], instances[row.failure]));
+    csv += fmt::format("{},{},{},{},{},{}\n", name, StageName(row.stage), row.name,
+                       attempt_budget[row.failure], parts[row.failure],
+                       intervals(attempts[row.failure], instances[row.failure]));
   }
   return csv;
 }
@@ -133,9 +135,9 @@ std::string CsvOf(const std::string& name, const std::vector<TrialResult>& trial
 Waterfall WaterfallOf(const BudgetShares& shares, const std::string& things) {
   const FailureBudget& budget = shares.budget;
   const bool some = budget.not_asked > 0;
-  Waterfall waterfall{"Where picks are lost: " + things + (some ? " asked for" : ""),
-                      some ? "those asked for" : "all " + things,
-                      some ? "asked for" : "all " + things,
+  Waterfall waterfall{"Failed picks by reason: " + things + (some ? " requested" : ""),
+                      (some ? "requested " : "all ") + things,
+                      some ? "requested" : "all " + things,
                       {"picked", "", budget.picked, shares.picked},
                       budget.asked(),
                       {}};
@@ -156,13 +158,13 @@ Waterfall InstancesWaterfall(const BudgetRuns& runs) {
 }
 
 GainRows GainsOf(const BudgetRuns& runs) {
-  GainRows gains{"What truth in place of a stage would gain",
-                 "attempts that succeed",
-                 "instances picked, of those asked for",
+  GainRows gains{"Gain if a stage is replaced by ground truth",
+                 "successful attempts",
+                 "picked instances, among the requested ones",
                  {}};
-  for (const OracleRerun& fed : runs.fed) {
-    const StageGain gain = GainOf(runs.as_run, fed.trials);
-    gains.rows.push_back({fed.row.name, gain.attempts, gain.instances});
+  for (const OracleRerun& rerun : runs.reruns) {
+    const StageGain gain = GainOf(runs.as_run, rerun.trials);
+    gains.rows.push_back({rerun.row.name, gain.attempts, gain.instances});
   }
   return gains;
 }
@@ -171,52 +173,52 @@ std::string AskedText(const BudgetRuns& runs) {
   const FailureBudget parts = BudgetOfInstances(runs.as_run);
   if (parts.not_asked == 0) return "Shares are of all.";
   return fmt::format(
-      "The policy limits the looks at a bin: of {} parts that were dropped, {} were asked for, one "
-      "by each look (and those that a pick cost the bin by the way). Shares, intervals and gains "
-      "are of these.",
+      "The policy limits the attempts per bin: of {} dropped instances, {} were requested, one by "
+      "each attempt (plus instances that an attempt removed by accident). Shares, intervals "
+      "and gains refer to the requested ones.",
       parts.total, parts.asked());
 }
 
 void AddGains(const BudgetRuns& runs, HtmlPage& page) {
-  page.Heading("What perfecting a stage would gain");
+  page.Heading("Gain if a stage is replaced by ground truth");
   page.Paragraph(
-      "The same bins, seeds and policy, with truth in place of a stage; in percentage points, with "
-      "95 % intervals over bins, which are paired. Later looks of a bin differ once a pick does.");
+      "The same bins, seeds and policy, with ground truth in place of a stage. Gains are in "
+      "percentage points, with paired 95 % intervals over bins. Later attempts in a bin differ as "
+      "soon as one pick differs.");
   page.Table(GainCells(runs));
   page.Chart(GainsChart("gains", GainsOf(runs)));
-  TableCells rows{{"truth in place of", "which means"}};
-  for (const OracleRerun& fed : runs.fed) rows.push_back({fed.row.name, fed.row.help});
+  TableCells rows{{"ground truth for", "meaning"}};
+  for (const OracleRerun& rerun : runs.reruns) rows.push_back({rerun.row.name, rerun.row.help});
   page.Table(rows);
 }
 
 void AddForecasts(const BudgetRuns& runs, HtmlPage& page) {
-  page.Heading("What pose errors foretell");
+  page.Heading("Prediction of picks from pose errors");
   page.Paragraph(
-      "Picks whose pose stood on a part of its kind; of the others no error is known. AUC is the "
-      "chance that a score puts a pick that succeeded before one that failed (0.5 is guessing), "
-      "with 95 % intervals over bins.");
+      "Only picks at a pose that matches an instance of its object; the error of other poses is "
+      "unknown. AUC is the probability that a score ranks a successful pick above a failed one "
+      "(0.5 is chance), with 95 % intervals over bins.");
   for (const PickForecast& f : runs.forecasts) {
     page.Paragraph(fmt::format(
-        "{}: {} of {} picks succeeded; by its pose errors, each on the part alone, the "
-        "tolerance map foretells {:.1f}, knowing the grasps {:.1f}. {}",
+        "{}: {} of {} picks succeeded; the tolerance map predicts {:.1f} from the pose errors of "
+        "single objects, and {:.1f} if the grasps are known. {}",
         f.part, f.successes, f.picks, f.expected, f.expected_with_grasp, FewBinsText(f.bins)));
     page.Table(PredictorCells(f.predictors));
   }
 }
 
 HtmlPage PageOf(const std::string& name, const BudgetRuns& runs) {
-  HtmlPage page("Where picks are lost: " + name);
+  HtmlPage page("Failed picks by reason: " + name);
   page.Paragraph(fmt::format(
-      "{} bins. An attempt is a look at a bin that held parts: it brings one, or is lost for one "
-      "reason. An instance is a part that was dropped: it is picked, or lost for one reason, or "
-      "was not asked for. The parts of both budgets sum to all. {} Brackets are 95 % intervals "
-      "over "
-      "bins. {}",
+      "{} bins. An attempt is one image of a bin with instances in it: it picks an instance, or "
+      "fails for one reason. An instance is one dropped object: it is picked, or fails for one "
+      "reason, or was not requested. Each budget sums to its total. {} Brackets are 95 % intervals "
+      "over bins. {}",
       runs.as_run.size(), AskedText(runs), FewBinsText(static_cast<int>(runs.as_run.size()))));
   page.Table(FailureCells(runs));
   page.Chart(WaterfallChart("attempts", AttemptsWaterfall(runs)));
   page.Chart(WaterfallChart("instances", InstancesWaterfall(runs)));
-  if (!runs.fed.empty()) AddGains(runs, page);
+  if (!runs.reruns.empty()) AddGains(runs, page);
   if (!runs.forecasts.empty()) AddForecasts(runs, page);
   return page;
 }
@@ -224,10 +226,10 @@ HtmlPage PageOf(const std::string& name, const BudgetRuns& runs) {
 }  // namespace
 
 std::string BudgetTable(const BudgetRuns& runs) {
-  std::string text = fmt::format("Where picks are lost, {} bins [95 % over bins]\n{}",
+  std::string text = fmt::format("Failed picks by reason, {} bins [95 % over bins]\n{}",
                                  runs.as_run.size(), Aligned(FailureCells(runs)));
-  if (!runs.fed.empty()) {
-    text += "What truth in place of a stage would gain, percentage points [95 % over bins]\n" +
+  if (!runs.reruns.empty()) {
+    text += "Gain if a stage is replaced by ground truth, percentage points [95 % over bins]\n" +
             Aligned(GainCells(runs));
   }
   const std::string few = FewBinsText(static_cast<int>(runs.as_run.size()));
@@ -240,9 +242,9 @@ std::string BudgetJson(const BudgetRuns& runs) {
   json["trials"] = runs.as_run.size();
   json["rows"] = nlohmann::ordered_json::array();
   json["rows"].push_back(RowObject(kAsRun, runs.as_run));
-  for (const OracleRerun& fed : runs.fed) {
-    nlohmann::ordered_json row = RowObject(fed.row.name, fed.trials);
-    const StageGain gain = GainOf(runs.as_run, fed.trials);
+  for (const OracleRerun& rerun : runs.reruns) {
+    nlohmann::ordered_json row = RowObject(rerun.row.name, rerun.trials);
+    const StageGain gain = GainOf(runs.as_run, rerun.trials);
     row["success"] = GainObject(gain.attempts);
     row["cleared"] = GainObject(gain.instances);
     json["rows"].push_back(std::move(row));
@@ -258,7 +260,7 @@ std::string BudgetCsv(const BudgetRuns& runs) {
       "truth_for,stage,reason,attempts,instances,attempts_low,attempts_high,instances_low,"
       "instances_high\n" +
       CsvOf(kAsRun, runs.as_run);
-  for (const OracleRerun& fed : runs.fed) csv += CsvOf(fed.row.name, fed.trials);
+  for (const OracleRerun& rerun : runs.reruns) csv += CsvOf(rerun.row.name, rerun.trials);
   return csv;
 }
 
@@ -269,7 +271,7 @@ std::string WriteBudget(const std::filesystem::path& folder, const std::string& 
   WriteFileAtomically(folder / "budget.csv", BudgetCsv(runs));
   WritePng(folder / "attempts.png", DrawWaterfall(AttemptsWaterfall(runs)));
   WritePng(folder / "instances.png", DrawWaterfall(InstancesWaterfall(runs)));
-  if (!runs.fed.empty()) WritePng(folder / "gains.png", DrawGains(GainsOf(runs)));
+  if (!runs.reruns.empty()) WritePng(folder / "gains.png", DrawGains(GainsOf(runs)));
   return WritePage(folder / "index.html", PageOf(name, runs));
 }
 

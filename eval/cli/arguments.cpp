@@ -12,7 +12,7 @@ namespace pickbed::eval {
 
 bool ParseArguments(CLI::App& app, int argc, char** argv) {
   app.add_flag_callback("--json-progress", WriteProgressAsJson,
-                        "progress for machines: one JSON object a line on stderr");
+                        "progress for programs: one JSON object per line on stderr");
   for (CLI::App* subcommand : app.get_subcommands({})) subcommand->fallthrough();
   try {
     app.parse(argc, argv);
@@ -29,17 +29,20 @@ bool ParseArguments(CLI::App& app, int argc, char** argv) {
 }
 
 void AddScenarioArguments(CLI::App& app, ScenarioRequest& request, bool required) {
-  auto* scenario = app.add_option(required ? "SCENARIO" : "--scenario", request.scenario,
-                                  "scenario file, or the name of a preset (pickbed list presets)");
+  auto* scenario =
+      app.add_option(required ? "SCENARIO" : "--scenario", request.scenario,
+                     "scenario file, or the name of a preset (see pickbed list presets)");
   if (required) scenario->required();
   app.add_option("--set", request.settings,
-                 "change a setting, key=value, e.g. objects.0.count=5; may be repeated")
+                 "change a setting: KEY=VALUE, for example objects.0.count=5; may be repeated")
       ->allow_extra_args(false);
-  app.add_option("--catalog", request.catalog, "folder of your own objects")->capture_default_str();
+  app.add_option("--catalog", request.catalog, "folder with your own objects")
+      ->capture_default_str();
 }
 
 void AddTrialsArgument(CLI::App& app, ScenarioRequest& request) {
-  app.add_option("--trials", request.trials, "bins to fill, instead of the scenario's number")
+  app.add_option("--trials", request.trials,
+                 "number of bins to fill; replaces the value of the scenario file")
       ->check(CLI::Range(1, 1000000));
 }
 
@@ -48,10 +51,10 @@ void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix) 
 }
 
 void AddToleranceArgument(CLI::App& app, std::vector<std::string>& places) {
-  app.add_option(
-         "--tolerance", places,
-         "maps of `pickbed tolerance` for the parts with this gripper: folders, or a folder "
-         "of such, comma-separated; poses get their chance that a pick on them succeeds")
+  app.add_option("--tolerance", places,
+                 "tolerance maps written by `pickbed tolerance` for these objects and this "
+                 "gripper: one or several folders, separated by commas; adds to every estimated "
+                 "pose the predicted probability that a pick at it succeeds")
       ->delimiter(',');
 }
 
@@ -62,19 +65,20 @@ bool SayIfUnwritten(const std::string& reason) {
 
 void AddLostPicturesArgument(CLI::App& app, int& trials) {
   app.add_option("--lost-pictures", trials,
-                 "bins of which each lost pick gets a small picture for the report")
+                 "number of bins for which every failed pick gets a small picture for the report")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
 }
 
 void AddReportOptions(CLI::App& app, ReportOptions& options, std::string& catalog) {
-  app.add_option("--failures", options.failures, "lost picks in the gallery at most")
+  app.add_option("--failures", options.failures,
+                 "maximum number of failed picks shown in the gallery")
       ->check(CLI::Range(0, 5000))
       ->capture_default_str();
-  app.add_option("--views", options.views, "picks in 3D at most")
+  app.add_option("--views", options.views, "maximum number of picks shown in 3D")
       ->check(CLI::Range(0, 20))
       ->capture_default_str();
-  app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
+  app.add_option("--catalog", catalog, "folder with your own objects")->capture_default_str();
 }
 
 int RunWords(int (*command)(int argc, char** argv), const std::string& name,

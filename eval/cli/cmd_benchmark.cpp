@@ -18,21 +18,21 @@ namespace pickbed::eval {
 namespace {
 
 constexpr CommandRow kTables[] = {
-    {"crops", "whole-object crops: part and orientation by each method, under each condition",
+    {"crops", "crop methods on whole-object crops: object and orientation under each condition",
      &BenchmarkCropsCommand},
-    {"bins", "every pose estimator on filled bins: recall, top-ranked pose, AP, time, memory",
+    {"bins", "all pose estimators on the same bins: recall, top-ranked pose, AP, time, memory",
      &BenchmarkBinsCommand},
-    {"all", "both, one after the other", &BenchmarkAllCommand},
+    {"all", "both tables, one after the other", &BenchmarkAllCommand},
 };
 
 std::string BenchmarkUsage() {
   std::string text =
-      "Methods side by side, from training to page.\n\nUsage: pickbed benchmark TABLE [OPTIONS]\n\n"
-      "Tables:\n";
+      "Compares published methods: trains what is missing, runs all methods on the same data, "
+      "writes tables and a page.\n\nUsage: pickbed benchmark TABLE [OPTIONS]\n\nTables:\n";
   for (const CommandRow& row : kTables) text += fmt::format("  {:<8}{}\n", row.name, row.help);
   return text +
-         "\n`pickbed benchmark TABLE --help` shows a table's options.\n"
-         "Example: pickbed benchmark all --small\n";
+         "\n`pickbed benchmark TABLE --help` shows the options of a table.\nExample: pickbed "
+         "benchmark all --small\n";
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ int BenchmarkCommand(int argc, char** argv) {
     fmt::print("{}", BenchmarkUsage());
     return 0;
   }
-  CheckInput(!name.empty(), "which table? see pickbed benchmark --help");
+  CheckInput(!name.empty(), "no table given; see pickbed benchmark --help");
   std::vector<std::string> names;
   for (const CommandRow& row : kTables) {
     if (row.name == name) return row.run(argc - 1, argv + 1);
@@ -101,7 +101,7 @@ int RunAll(const AllArguments& arguments) {
     return status;
   }
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-  fmt::print("both tables in {}\n", FormatDuration(taken.count()));
+  fmt::print("both tables were made in {}\n", FormatDuration(taken.count()));
   return 0;
 }
 
@@ -109,22 +109,28 @@ int RunAll(const AllArguments& arguments) {
 
 int BenchmarkAllCommand(int argc, char** argv) {
   CLI::App app(
-      "The bin table and the crop table, from training to page. Stopped, the same command goes on.",
+      "Makes the bin table and the crop table, including the training of missing models. After an "
+      "interrupt, the same command continues.",
       "pickbed benchmark all");
   AllArguments arguments;
-  CLI::Option* small = app.add_flag("--small", arguments.small,
-                                    "3 parts, few bins and views, short training: minutes");
-  CLI::Option* mesh = app.add_option("--mesh", arguments.meshes,
-                                     "a mesh file as a further part of the crop table; repeatable")
-                          ->excludes(small);
-  app.add_option("--unit", arguments.unit, "of the meshes: m, cm, mm, in")
+  CLI::Option* small =
+      app.add_flag("--small", arguments.small,
+                   "small variant: 3 objects, few bins and views, short training; takes minutes");
+  CLI::Option* mesh =
+      app.add_option("--mesh", arguments.meshes,
+                     "mesh file to add as an object of the crop table; may be repeated")
+          ->excludes(small);
+  app.add_option("--unit", arguments.unit, "unit of length of the meshes: m, cm, mm or in")
       ->needs(mesh)
       ->capture_default_str();
-  app.add_option("--catalog", arguments.catalog, "your own parts")->capture_default_str();
-  app.add_option("--threads", arguments.threads, "at most; results do not depend on it")
+  app.add_option("--catalog", arguments.catalog, "folder with your own objects")
+      ->capture_default_str();
+  app.add_option("--threads", arguments.threads,
+                 "maximum number of threads; results do not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_option("--out", arguments.out, "folder, with bins and crops in it [results/benchmark]");
+  app.add_option("--out", arguments.out,
+                 "results folder; gets the sub-folders bins and crops [results/benchmark]");
   app.footer(
       "Example: pickbed benchmark all --small\n"
       "         pickbed benchmark all --mesh drill.obj --mesh mustard.obj");

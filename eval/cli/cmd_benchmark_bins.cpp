@@ -20,8 +20,9 @@ constexpr int kScenes = 10;       // bins per scenario
 constexpr int kSmallScenes = 10;  // all bins of --small together
 const std::vector<std::string> kSmallScenarios{"bin_bracket", "bin_pipe_tee", "bin_rod"};
 constexpr const char* kSmallNote =
-    "Small form: kehl, doumanoglou, union and wohlhart are trained for a minute or so, unless a "
-    "model was put there, and find less than after a full training.";
+    "Small variant: kehl, doumanoglou, union and wohlhart are trained for about a minute each, "
+    "unless a trained model is in the models folder, and find fewer poses than after a full "
+    "training.";
 
 struct BinsArguments {
   std::vector<std::string> scenarios, estimators;
@@ -96,8 +97,8 @@ void RequireInCatalog(const ObjectSet& parts, const std::string& catalog, const 
   const std::vector<std::string> known = OpenCatalog(catalog).Names();
   for (const auto& part : parts) {
     CheckInput(std::find(known.begin(), known.end(), part->name) != known.end(),
-               fmt::format("part '{}' is in no catalog, so that {} cannot be trained for it here; "
-                           "add it with --catalog, or put a model that knows it at {}",
+               fmt::format("object '{}' is in no catalog, so {} cannot be trained for it; add the "
+                           "object with --catalog, or put a model trained for it at {}",
                            part->name, method.label,
                            (folder / (std::string(method.model) + ".pt")).string()));
   }
@@ -178,7 +179,7 @@ int RunBins(const BinsArguments& arguments) {
   if (const int status =
           FindModels(methods, folder / "models", WantedParts(scenarios), arguments, estimators)) {
     if (status == kExitInterrupted) {
-      fmt::print(stderr, "pickbed: the same benchmark goes on with this training\n");
+      fmt::print(stderr, "pickbed: repeat the same command to continue with this training\n");
     }
     return status;
   }
@@ -211,7 +212,8 @@ int RunBins(const BinsArguments& arguments) {
                folder.string());
   }
   if (!Interrupted()) return 0;
-  fmt::print(stderr, "pickbed: stopped after {} of {} scenarios; the same command goes on\n",
+  fmt::print(stderr,
+             "pickbed: stopped after {} of {} scenarios; repeat the same command to continue\n",
              done.size(), scenarios.size());
   return kExitInterrupted;
 }
@@ -220,25 +222,32 @@ int RunBins(const BinsArguments& arguments) {
 
 int BenchmarkBinsCommand(int argc, char** argv) {
   CLI::App app(
-      "Every pose estimator on the same bins. Trains what no model knows yet, goes on where it was "
-      "stopped, and makes bins.csv and bins.html.",
+      "Runs every pose estimator on the same bins and writes bins.csv and bins.html. Trains the "
+      "models that are missing. After an interrupt, the same command continues.",
       "pickbed benchmark bins");
   BinsArguments arguments;
-  app.add_option("SCENARIO", arguments.scenarios, "bins to fill [all presets bin_*]");
-  app.add_flag("--small", arguments.small,
-               fmt::format("{}, {} bins in all, short training: minutes, and worse poses",
-                           fmt::join(kSmallScenarios, ", "), kSmallScenes));
-  app.add_option("--scenes", arguments.scenes, fmt::format("bins of each scenario [{}]", kScenes))
+  app.add_option("SCENARIO", arguments.scenarios,
+                 "scenarios whose bins are filled [all presets bin_*]");
+  app.add_flag(
+      "--small", arguments.small,
+      fmt::format(
+          "small variant: {}, {} bins in all, short training; takes minutes and gives worse poses",
+          fmt::join(kSmallScenarios, ", "), kSmallScenes));
+  app.add_option("--scenes", arguments.scenes,
+                 fmt::format("number of bins per scenario [{}]", kScenes))
       ->check(CLI::Range(1, 100000));
-  app.add_option("--estimator", arguments.estimators, "only these rows of the table")
+  app.add_option(
+         "--estimator", arguments.estimators,
+         "rows of the table to compute, separated by semicolons (listed below); default: all")
       ->delimiter(';');
-  app.add_option("--catalog", arguments.catalog, "folder of your own objects")
+  app.add_option("--catalog", arguments.catalog, "folder with your own objects")
       ->capture_default_str();
   arguments.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  app.add_option("--threads", arguments.threads, "at most; results do not depend on it")
+  app.add_option("--threads", arguments.threads,
+                 "maximum number of threads; results do not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_option("--out", arguments.out, "folder of results [results/benchmark-bins]");
+  app.add_option("--out", arguments.out, "results folder [results/benchmark-bins]");
   std::string rows;
   for (const BinMethod& method : BinMethods()) rows += fmt::format("  {}\n", method.label);
   app.footer("Rows of the table:\n" + rows +

@@ -8,6 +8,7 @@
 #include "eval/cli/cmd_benchmark.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
+#include "eval/summary/result_files.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/geometry/symmetry_finder.h"
@@ -74,7 +75,7 @@ bool WriteAll(const CropBenchmark& benchmark, const ObjectSet& objects,
   const std::string settings = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
   WriteFileAtomically(folder / "crops.csv", CropTableCsv(benchmark, objects));
   WriteFileAtomically(folder / "views.csv", CropViewsCsv(benchmark, objects));
-  WriteFileAtomically(folder / "timings.csv", CropTimingsCsv(benchmark));
+  WriteFileAtomically(folder / kTimingsFile, CropTimingsCsv(benchmark));
   WriteFileAtomically(folder / "differences.csv", CropDifferencesCsv(benchmark));
   WriteFileAtomically(folder / "settings.yaml", settings);
   return SayIfUnwritten(WritePage(folder / "crops.html", CropPage(benchmark, objects, settings)));
@@ -108,23 +109,31 @@ ObjectSet LoadMeshFiles(const std::vector<std::string>& meshes, const std::strin
 }
 
 int BenchmarkCropsCommand(int argc, char** argv) {
-  CLI::App app("Every crop method on the same views of every part, under every condition.",
+  CLI::App app("Runs every crop method on the same views of every object, under every condition.",
                "pickbed benchmark crops");
   CropArguments arguments;
-  app.add_option("PART", arguments.parts, "of the catalog; none = all of it");
+  app.add_option("PART", arguments.parts, "names of objects in the catalog; default: all objects");
   CLI::Option* mesh =
-      app.add_option("--mesh", arguments.meshes, "a mesh file as a further part; repeatable");
-  app.add_option("--unit", arguments.unit, "of the meshes: m, cm, mm, in")
+      app.add_option("--mesh", arguments.meshes, "mesh file to add as an object; may be repeated");
+  app.add_option("--unit", arguments.unit, "unit of length of the meshes: m, cm, mm or in")
       ->needs(mesh)
       ->capture_default_str();
-  app.add_option("--method", arguments.methods, "some of the rows; none = all")->delimiter(',');
-  app.add_option("--condition", arguments.conditions, "some of them; none = all")->delimiter(',');
-  app.add_option("--set", arguments.settings, "KEY=VALUE, repeatable");
-  app.add_option("--catalog", arguments.catalog, "your own parts")->capture_default_str();
+  app.add_option("--method", arguments.methods,
+                 "crop methods to run, separated by commas; default: all")
+      ->delimiter(',');
+  app.add_option("--condition", arguments.conditions,
+                 "conditions to test, separated by commas; default: all")
+      ->delimiter(',');
+  app.add_option("--set", arguments.settings,
+                 "change a setting: KEY=VALUE, from the list below; may be repeated");
+  app.add_option("--catalog", arguments.catalog, "folder with your own objects")
+      ->capture_default_str();
   app.add_option("--out", arguments.out,
-                 "folder; default results/crops, with --small results/crops-small");
-  app.add_flag("--small", arguments.small, "3 parts, few views, short training: some minutes");
-  app.add_option("--threads", arguments.threads, "at most; results do not depend on it")
+                 "results folder [results/crops, with --small results/crops-small]");
+  app.add_flag("--small", arguments.small,
+               "small variant: 3 objects, few views, short training; takes some minutes");
+  app.add_option("--threads", arguments.threads,
+                 "maximum number of threads; results do not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   CropBenchmarkOptions options;
@@ -155,7 +164,9 @@ int BenchmarkCropsCommand(int argc, char** argv) {
   bool has_page = false;
   if (!benchmark.records.empty()) has_page = WriteAll(benchmark, job.objects, options, folder);
   if (!benchmark.finished) {
-    fmt::print(stderr, "pickbed: interrupted; the same command goes on with what was learned\n");
+    fmt::print(stderr,
+               "pickbed: interrupted; repeat the same command to continue with the networks "
+               "trained so far\n");
     return kExitInterrupted;
   }
   fmt::print("{}{}crops.csv, differences.csv and views.csv in {}\n", CropTableText(benchmark),

@@ -48,7 +48,7 @@ std::vector<OracleRow> RowsNamed(const std::vector<std::string>& names) {
 }
 
 std::string StagesHelp() {
-  std::string text = "\nTruth in place of:\n";
+  std::string text = "\nStages whose output can be replaced by ground truth:\n";
   for (const OracleRow& row : OracleTable()) {
     text += fmt::format("  {:<12} {}\n", row.name, row.help);
   }
@@ -59,8 +59,8 @@ std::string StagesHelp() {
 
 int BudgetCommand(int argc, char** argv) {
   CLI::App app(
-      "Says where the picks of a run were lost, by stage and reason, and runs its trials again "
-      "with truth in place of one stage at a time: what perfecting that stage would gain.",
+      "Counts the failed picks of a run by stage and reason. Then repeats its trials with ground "
+      "truth in place of one stage at a time, and reports how much more is picked.",
       "pickbed budget");
   std::string run, catalog = "objects";
   std::vector<std::string> stages, tolerance;
@@ -68,25 +68,27 @@ int BudgetCommand(int argc, char** argv) {
   BudgetJob job;
   job.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   app.add_option("RUN", run, "results folder of a `pickbed run`")->required();
-  app.add_option("--stages", stages, "only these, comma-separated; none = no rerun")
+  app.add_option(
+         "--stages", stages,
+         "stages to replace by ground truth, separated by commas; none = no rerun; default: all")
       ->delimiter(',');
-  app.add_option("--jobs", job.jobs, "worker processes; results do not depend on it")
+  app.add_option("--jobs", job.jobs, "number of worker processes; results do not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
+  app.add_option("--catalog", catalog, "folder with your own objects")->capture_default_str();
   AddToleranceArgument(app, tolerance);
   app.add_flag("--json", json, "print the budget as JSON on stdout, and nothing else");
   app.footer(StagesHelp() +
-             "\nReruns lie in RUN/budget; a second call goes on where the first was stopped.\n"
-             "Example: pickbed budget results/demo --jobs 2");
+             "\nReruns are written to RUN/budget; after an interrupt, the same command "
+             "continues.\nExample: pickbed budget results/demo --jobs 2");
   if (!ParseArguments(app, argc, argv)) return 0;
 
   job.rows = RowsNamed(stages);
   job.run = run;
   const std::filesystem::path scenario = job.run / kScenarioFile;
-  CheckInput(std::filesystem::is_regular_file(scenario),
-             fmt::format("{} holds no {}; name the results folder of a `pickbed run`", run,
-                         kScenarioFile));
+  CheckInput(
+      std::filesystem::is_regular_file(scenario),
+      fmt::format("{} has no {}; name the results folder of a `pickbed run`", run, kScenarioFile));
   CatchInterrupts();
   LoadedScenario loaded = FindScenario({scenario.string(), {}, catalog, {}});
   job.spec = std::move(loaded.spec);
@@ -94,7 +96,7 @@ int BudgetCommand(int argc, char** argv) {
   job.tolerance = MapsFor(job.spec, job.objects, tolerance);
   const BudgetRuns runs = RerunWithProgress(job);
   if (runs.interrupted) {
-    fmt::print(stderr, "pickbed: stopped; the same command goes on\n");
+    fmt::print(stderr, "pickbed: stopped; repeat the same command to continue\n");
     return kExitInterrupted;
   }
   const std::filesystem::path folder = job.run / kBudgetFolder;
@@ -103,8 +105,7 @@ int BudgetCommand(int argc, char** argv) {
   if (json) {
     fmt::print("{}", BudgetJson(runs));
   } else if (has_page) {
-    fmt::print("{}\na page with charts in {}\n", BudgetTable(runs),
-               (folder / "index.html").string());
+    fmt::print("{}\npage with charts: {}\n", BudgetTable(runs), (folder / "index.html").string());
   } else {
     fmt::print("{}\ncharts and tables in {}\n", BudgetTable(runs), folder.string());
   }

@@ -9,20 +9,21 @@ namespace pickbed::eval {
 
 int CompareCommand(int argc, char** argv) {
   CLI::App app(
-      "Tells by how much two runs differ on the scenes that both have, figure by figure, with "
-      "intervals and p values, and writes both side by side as one HTML page.",
+      "Compares two runs on the scenes that both have: difference of every statistic with interval "
+      "and p value. Writes both runs side by side as one HTML page.",
       "pickbed compare");
   std::string run_a, run_b, out = "comparison.html", json, catalog = "objects";
   ReportOptions options;
   app.add_option("RUN_A", run_a, "results folder of a `pickbed run` or `pickbed sweep`")
       ->required();
-  app.add_option("RUN_B", run_b, "another; differences are B - A")->required();
-  app.add_option("--out", out, "the page")->capture_default_str();
+  app.add_option("RUN_B", run_b, "results folder of the second run; differences are RUN_B - RUN_A")
+      ->required();
+  app.add_option("--out", out, "file name of the HTML page")->capture_default_str();
   app.add_option(
       "--json", json,
-      "file that gets the differences as JSON: value of each run, difference and its 95 "
-      "% interval, p value and test, scenes, those that differ, odds ratio where a scene "
-      "gives one outcome, and of rates the scenes needed");
+      "write the differences to this JSON file: value of each run, difference with 95 % interval, "
+      "p value and test, number of scenes, scenes with a different outcome, odds ratio if a scene "
+      "has one outcome, and the number of scenes needed for rates");
   AddReportOptions(app, options, catalog);
   app.footer(
       "Example: pickbed compare results/descriptor results/ppf --out ppf.html --json ppf.json");

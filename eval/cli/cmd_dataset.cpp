@@ -44,16 +44,18 @@ int Make(const MakeArguments& arguments) {
     seconds = progress.elapsed_s();
   }
   if (report.stopped) {
-    fmt::print(stderr, "pickbed: stopped after {} scenes; the same command with --resume goes on\n",
-               report.done);
+    fmt::print(
+        stderr,
+        "pickbed: stopped after {} scenes; repeat the same command with --resume to continue\n",
+        report.done);
     return kExitInterrupted;
   }
   if (!report.lost.empty()) {
     throw std::runtime_error(
-        fmt::format("{} scenes were lost, the first is scene {}: {}; --resume tries them again",
+        fmt::format("{} scenes failed, the first is scene {}: {}; --resume repeats them",
                     report.lost.size(), report.lost.front().item, report.lost.front().why));
   }
-  fmt::print("{} scenes of {} views in {} ({} images made in {:.1f} s)\n", report.done,
+  fmt::print("{} scenes with {} views each in {} ({} images made in {:.1f} s)\n", report.done,
              options.views, options.out.string(),
              (report.done - report.done_before) * options.views, seconds);
   return 0;
@@ -64,7 +66,7 @@ int Check(const std::string& path) {
   {
     ProgressLine progress;
     report = bop::CheckDataset(
-        path, [&](const std::string& scene) { progress.Show("looking at " + scene); });
+        path, [&](const std::string& scene) { progress.Show("checking " + scene); });
   }
   for (const std::string& fault : report.faults) fmt::print("{}\n", fault);
   fmt::print("{} objects, {} scenes, {} images, {} instances: {}\n", report.objects, report.scenes,
@@ -80,44 +82,47 @@ void AddMakeArguments(CLI::App& make, MakeArguments& arguments) {
   options.jobs = std::max(1u, std::thread::hardware_concurrency());
   AddScenarioArguments(make, arguments.scenario);
   AddOutArgument(make, arguments.out, "-bop");
-  make.add_option("--format", arguments.format, "layout of the data set")
+  make.add_option("--format", arguments.format, "layout of the dataset")
       ->check(CLI::IsMember({"bop"}))
       ->capture_default_str();
   make.add_option("--split", options.split,
-                  "folder of the scenes: train, val or test, or one of "
-                  "them with an underscore and a word")
+                  "name of the folder for the scenes: train, val or test, or one of these with an "
+                  "underscore and a word")
       ->check([](const std::string& name) {
         const std::string kind = name.substr(0, name.find('_'));
         const bool known = kind == "train" || kind == "val" || kind == "test";
         const bool plain = name.find('/') == std::string::npos;
-        return known && plain ? std::string() : "'" + name + "' is no split";
+        return known && plain ? std::string() : "'" + name + "' is no name of a split";
       })
       ->capture_default_str();
-  make.add_option("--scenes", options.scenes, "scenes to have in all")
+  make.add_option("--scenes", options.scenes, "total number of scenes")
       ->check(CLI::Range(1, 999999))
       ->capture_default_str();
-  make.add_option("--views", options.views, "images of each scene")
+  make.add_option("--views", options.views, "number of images per scene")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  make.add_option("--jobs", options.jobs, "worker processes; the bytes do not depend on it")
+  make.add_option("--jobs", options.jobs,
+                  "number of worker processes; the written files do not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  make.add_flag("--resume", options.resume, "go on with a data set that was stopped");
+  make.add_flag("--resume", options.resume, "continue a dataset whose making was interrupted");
   make.footer("Example: pickbed dataset make demo --scenes 200 --views 5 --out bop/demo");
 }
 
 }  // namespace
 
 int DatasetCommand(int argc, char** argv) {
-  CLI::App app("Checks data sets in BOP's layout.", "pickbed dataset");
+  CLI::App app("Makes or checks a dataset in BOP's layout.", "pickbed dataset");
   app.require_subcommand(1);
   app.footer("Example: pickbed dataset make demo --scenes 20 --views 5 --out bop/demo");
   MakeArguments arguments;
-  CLI::App* make = app.add_subcommand("make", "settled scenes with images, masks and poses");
+  CLI::App* make = app.add_subcommand("make", "make settled scenes with images, masks and poses");
   AddMakeArguments(*make, arguments);
-  CLI::App* check = app.add_subcommand("check", "lists what is wrong with any BOP data set");
+  CLI::App* check = app.add_subcommand("check", "list the faults of a BOP dataset");
   std::string path;
-  check->add_option("PATH", path, "folder with models/, camera.json and test/ or train*/")
+  check
+      ->add_option("PATH", path,
+                   "folder of the dataset, with models/, camera.json and test/ or train*/")
       ->required();
   check->footer("Example: pickbed dataset check bop/ycbv");
   if (!ParseArguments(app, argc, argv)) return 0;

@@ -62,7 +62,7 @@ std::string Render() {
   const ObjectSet objects{Cube()};
   const Bin bin;
   const Camera camera = CameraAbove();
-  const Scene scene{bin, {{0, 0, Translation({0, 0, kCubeSide_m / 2})}}};
+  const Scene scene{bin, {{InstanceId{0}, ObjectId{0}, Translation({0, 0, kCubeSide_m / 2})}}};
   SceneRenderer renderer(objects, bin);
   const RenderedImage image = renderer.Render(scene, camera);
   int pixels = 0;
@@ -75,7 +75,7 @@ std::string Render() {
                                         renderer.renderer().ContextName(), depth_m, pixels);
   if (std::abs(depth_m - expected_m) > kDepthTolerance_m ||
       std::abs(std::sqrt(pixels) - side_px) > kSideTolerance_px) {
-    throw std::runtime_error(fmt::format("{}, but {:.4f} m over {:.0f} pixels was expected", found,
+    throw std::runtime_error(fmt::format("{}; expected {:.4f} m over {:.0f} pixels", found,
                                          expected_m, side_px * side_px));
   }
   return found;
@@ -100,9 +100,11 @@ std::string Network() {
   const PartSpec& part = spec.objects[0];
   SimulatedCell cell(spec, LoadObjects(spec, ObjectCatalog({AssetsDir() / "objects"})));
   EstimatorRunner runner(cell, spec, 1, {});
-  const Scene scene = cell.MakeScene(0).scene;
+  const BinIndex bin_index{0};
+  const Scene scene = cell.MakeScene(bin_index).scene;
   Rng rng(0);
-  const EstimateResult found = EstimateWithOracle(runner, scene, cell.Capture(scene, 0, 0), rng);
+  const EstimateResult found =
+      EstimateWithOracle(runner, scene, cell.Capture(scene, bin_index, 0), rng);
   return fmt::format("estimator {} gave {} poses of {} x {} in {:.2f} s", spec.estimator.name,
                      found.hypotheses.size(), part.count, part.name, found.seconds.at("estimate"));
 }
@@ -119,9 +121,10 @@ std::string Store() {
   }
   std::filesystem::remove_all(folder);
   if (read.size() != 1 || read[0].instances_dropped != result.instances_dropped) {
-    throw std::runtime_error("what was written to " + folder.string() + " did not read back");
+    throw std::runtime_error("the result written to " + folder.string() +
+                             " could not be read back");
   }
-  return "wrote and read a result in " + folder.parent_path().string();
+  return "wrote and read a test result in " + folder.parent_path().string();
 }
 
 std::string Files() {
@@ -143,13 +146,13 @@ Checkup Examine(const char* name, const std::function<std::string()>& check, con
 
 std::vector<Checkup> ExamineMachine() {
   return {
-      Examine("files", Files, "run from the installed program, or set PICKBED_ASSETS"),
+      Examine("files", Files, "start the installed program, or set PICKBED_ASSETS"),
       Examine("render", Render, "install libosmesa6 (or libegl1 with libegl-mesa0)"),
       Examine("settle", Settle, "install libbullet3.24 with double precision (bullet-float64)"),
       Examine("network", Network,
-              "install libtorch1.13 and libopenblas0-pthread; retrain with `pickbed train` when "
-              "the model is missing"),
-      Examine("store", Store, "set TMPDIR to a folder with room that you may write to"),
+              "install libtorch1.13 and libopenblas0-pthread; if the model is missing, train it "
+              "again with `pickbed train`"),
+      Examine("store", Store, "set TMPDIR to a writable folder with free space"),
   };
 }
 
@@ -157,7 +160,7 @@ std::vector<Checkup> ExamineMachine() {
 
 int DoctorCommand(int argc, char** argv) {
   CLI::App app(
-      "Checks that this machine can render, settle a drop, run a network and store results.",
+      "Checks that this machine can render, simulate a drop, run a network and store results.",
       "pickbed doctor");
   app.footer("Example: pickbed doctor");
   if (!ParseArguments(app, argc, argv)) return 0;
@@ -169,7 +172,8 @@ int DoctorCommand(int argc, char** argv) {
     fmt::print("       {}\n", checkup.remedy);
     ++broken;
   }
-  CheckInput(broken == 0, fmt::format("{} checks are not ok; see above what to do", broken));
+  CheckInput(broken == 0,
+             fmt::format("{} checks failed; each remedy is printed below its check", broken));
   return 0;
 }
 

@@ -11,15 +11,15 @@ namespace pickbed::eval {
 
 int DropCommand(int argc, char** argv) {
   CLI::App app(
-      "Fills one bin and writes how it came to rest: scene.json, certificate.json, "
-      "color.png.",
+      "Fills one bin, simulates until all objects are at rest, and writes scene.json, "
+      "certificate.json and color.png.",
       "pickbed drop");
   ScenarioRequest arguments;
   std::string out;
   int trial = 0;
   AddScenarioArguments(app, arguments);
   AddOutArgument(app, out, "-drop");
-  app.add_option("--trial", trial, "which of the scenario's trials, from 0")
+  app.add_option("--trial", trial, "number of the trial of the scenario, from 0")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.footer("Example: pickbed drop demo --set objects.0.count=30 --trial 2");
@@ -29,9 +29,9 @@ int DropCommand(int argc, char** argv) {
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-drop");
   MakeFolder(folder);
   SimulatedCell cell(scenario.spec, scenario.objects);
-  const CertifiedScene made = cell.MakeScene(trial);
+  const CertifiedScene made = cell.MakeScene(BinIndex(trial));
   WriteFileAtomically(folder / "scene.json", SceneJson(made.scene, cell.objects()));
-  WritePng(folder / "color.png", cell.ColorPicture(made.scene, trial));
+  WritePng(folder / "color.png", cell.ColorPicture(made.scene, BinIndex(trial)));
   WriteFileAtomically(folder / "certificate.json", CertificateJson(made));
   fmt::print("{}wrote {}, certificate.json and color.png\n", CertificateText(made),
              (folder / "scene.json").string());

@@ -25,7 +25,7 @@ constexpr int kPicturedBins = 5;
 constexpr const char* kLocalisation = "localisation";
 constexpr const char* kDetection = "detection";
 
-std::vector<ComparedRow> LookAtBins(const ComparisonJob& job) {
+std::vector<ComparedRow> EstimateBins(const ComparisonJob& job) {
   ProgressLine progress;
   ComparisonJob shown = job;
   shown.stop = Interrupted;
@@ -71,10 +71,11 @@ std::vector<ComparedEstimator> NamedEstimators(const ScenarioRequest& arguments,
     const bool taken = std::any_of(rows.begin(), rows.end(), [&](const ComparedEstimator& row) {
       return row.spec.model == base.model;
     });
-    CheckInput(taken || !setting.starts_with("estimator.model="),
-               fmt::format("--set {}: it is a model of '{}', which --estimator does not name; say "
-                           "--estimator NAME={} with the estimator that it is of",
-                           setting, base.name, base.model));
+    CheckInput(
+        taken || !setting.starts_with("estimator.model="),
+        fmt::format("--set {}: this model belongs to '{}', which --estimator does not name; write "
+                    "--estimator NAME={} with the estimator that the model was trained for",
+                    setting, base.name, base.model));
   }
   return rows;
 }
@@ -93,7 +94,7 @@ int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::st
   CatchInterrupts();
   const ComparisonJob job{scenario.spec, scenario.objects, compared, folder,
                           kPicturedBins, threads,          {},       {}};
-  std::vector<ComparedRow> rows = LookAtBins(job);
+  std::vector<ComparedRow> rows = EstimateBins(job);
   if (!maps.empty()) AddPickChances(maps, rows);
   WriteFileAtomically(folder / "hypotheses.csv", HypothesesCsv(rows, scenario.objects));
   WriteFileAtomically(folder / "comparison.csv", ComparisonCsv(rows, scenario.objects));
@@ -103,7 +104,7 @@ int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::st
   fmt::print("{}{}comparison.csv, hypotheses.csv and overlays in {}\n", ComparisonTable(rows),
              has_page ? "comparison.html, " : "", folder.string());
   if (!Interrupted()) return 0;
-  fmt::print(stderr, "pickbed: interrupted after {} of {} bins\n", rows.front().looks.size(),
+  fmt::print(stderr, "pickbed: interrupted after {} of {} bins\n", rows.front().images.size(),
              scenario.spec.trials);
   return kExitInterrupted;
 }
@@ -112,7 +113,7 @@ int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::st
 EstimatorSpec ExplainedEstimator(const ScenarioRequest& arguments,
                                  const std::vector<std::string>& labels,
                                  const EstimatorSpec& spec) {
-  CheckInput(labels.size() < 2, "--explain shows the stages of one estimator; name one alone");
+  CheckInput(labels.size() < 2, "--explain shows the stages of one estimator; name only one");
   const EstimatorSpec chosen = NamedEstimators(arguments, labels, spec).front().spec;
   RequireExplains(chosen.name);
   return chosen;
@@ -121,7 +122,7 @@ EstimatorSpec ExplainedEstimator(const ScenarioRequest& arguments,
 // `unwritten` is the result of WriteExplanation.
 void SayWhereExplained(const std::filesystem::path& folder, const std::string& unwritten) {
   if (SayIfUnwritten(unwritten)) {
-    fmt::print("the stages, as a page with pictures, in {}\n", (folder / "explain.html").string());
+    fmt::print("page with pictures of the stages: {}\n", (folder / "explain.html").string());
   } else {
     fmt::print("pictures of the stages in {}\n", (folder / kPicturesFolder).string());
   }
@@ -133,13 +134,13 @@ int ExplainedTrial(const std::string& image) {
   const auto [end, error] = std::from_chars(image.data(), image.data() + image.size(), trial);
   CheckInput(
       error == std::errc() && end == image.data() + image.size() && trial >= 0,
-      fmt::format("--explain {}: with a SCENARIO it takes the number of a trial, from 0", image));
+      fmt::format("--explain {}: with a SCENARIO, give the number of a trial, from 0", image));
   return trial;
 }
 
 int ExplainScenario(const ScenarioRequest& arguments, const std::vector<std::string>& estimators,
                     const std::string& image, const std::string& out) {
-  CheckInput(!arguments.trials, "--explain looks at one image; leave --trials out");
+  CheckInput(!arguments.trials, "--explain shows one image; remove --trials");
   const int trial = ExplainedTrial(image);
   LoadedScenario scenario = FindScenario(arguments);
   scenario.spec.estimator = ExplainedEstimator(arguments, estimators, scenario.spec.estimator);
@@ -189,10 +190,10 @@ std::filesystem::path BopFolder(const BopArguments& bop, const std::string& out,
 ScenarioSpec BopSettings(const BopArguments& bop, const ScenarioRequest& arguments,
                          double min_score) {
   CheckInput(arguments.scenario.empty() && !arguments.trials,
-             "--bop takes the place of SCENARIO and --trials; name one or the other");
-  CheckInput(
-      std::filesystem::is_directory(bop.path),
-      fmt::format("--bop {}: is no folder; name one with models/ and {}/", bop.path, bop.split));
+             "--bop replaces SCENARIO and --trials; give one or the other");
+  CheckInput(std::filesystem::is_directory(bop.path),
+             fmt::format("--bop {}: is no folder; give a folder with models/ and {}/", bop.path,
+                         bop.split));
   ScenarioSpec spec;
   spec.estimator.min_score = min_score;
   for (const std::string& setting : arguments.settings) {
@@ -227,7 +228,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   constexpr double kEvenDoubtful = 0;
   ScenarioSpec spec = BopSettings(bop, arguments, kEvenDoubtful);
   CheckInput(estimators.size() < 2,
-             "--bop writes the estimates of one estimator; name one alone with --estimator");
+             "--bop writes the estimates of one estimator; name only one with --estimator");
   spec.estimator = NamedEstimators(arguments, estimators, spec.estimator).front().spec;
   const std::string data_set = DataSetName(bop.path);
   const std::filesystem::path folder = BopFolder(bop, out, "-estimate");
@@ -247,7 +248,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   fmt::print("{} estimates in {}\nscore them with pickbed score --bop {} --split {} {}\n{}",
              estimates.size(), csv.string(), bop.path, bop.split, csv.string(),
              TaskOf(bop) == bop::Task::kLocalisation
-                 ? "of its figures, AP is comparable only after --task detection\n"
+                 ? "of its scores, AP is comparable only after --task detection\n"
                  : "");
   return 0;
 }
@@ -256,9 +257,9 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
 
 int EstimateCommand(int argc, char** argv) {
   CLI::App app(
-      "Fills bins, guesses poses and scores them against the truth, without picking; compares "
-      "several estimators on the same bins. With --bop, "
-      "guesses poses in the images of a BOP data set and writes them as BOP's results CSV.",
+      "Fills bins, estimates poses and scores them against ground truth, without picking. Compares "
+      "several estimators on the same bins. With --bop, estimates poses in the images of a BOP "
+      "dataset and writes them as a BOP results file.",
       "pickbed estimate");
   ScenarioRequest arguments;
   std::vector<std::string> estimators, tolerance;
@@ -266,28 +267,31 @@ int EstimateCommand(int argc, char** argv) {
   std::string out, explained;
   AddScenarioArguments(app, arguments);
   app.get_option("SCENARIO")->required(false);
-  auto* bop_option = app.add_option("--bop", bop.path, "a BOP data set, instead of SCENARIO");
-  app.add_option("--split", bop.split, "of the BOP data set")
+  auto* bop_option =
+      app.add_option("--bop", bop.path, "folder of a BOP dataset; replaces SCENARIO");
+  app.add_option("--split", bop.split, "scene folder of the BOP dataset")
       ->capture_default_str()
       ->needs(bop_option);
   app.add_option("--task", bop.task,
-                 "what is told of a BOP image: which objects and how many of each are to be found "
-                 "(localisation), or nothing (detection, with -detection after the default folder)")
+                 "information given to the estimator for each BOP image: which objects to find and "
+                 "how many of each (localisation), or none (detection; the default results folder "
+                 "then ends in -detection)")
       ->check(CLI::IsMember({kLocalisation, kDetection}))
       ->capture_default_str()
       ->needs(bop_option);
   app.add_option("--estimator", estimators,
-                 "one or several to compare on the same bins, each NAME, NAME:MODE, NAME=MODEL or "
-                 "NAME:MODE=MODEL, of which MODEL is a file that was trained for it")
+                 "one or several estimators to compare on the same bins, separated by commas; each "
+                 "is NAME, NAME:MODE, NAME=MODEL or NAME:MODE=MODEL, where MODEL is a file trained "
+                 "for this estimator")
       ->delimiter(',');
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  app.add_option("--threads", threads, "at most; results do not depend on it")
+  app.add_option("--threads", threads, "maximum number of threads; results do not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_option(
       "--explain", explained,
-      "instead of scores, a page that shows each stage of the estimate of one image: the "
-      "number of a trial, or, with --bop, SCENE/IMAGE; in results/NAME-explain");
+      "write a page with each stage of the estimate for one image instead of scores: number of a "
+      "trial, or SCENE/IMAGE with --bop; results folder is results/NAME-explain");
   AddTrialsArgument(app, arguments);
   AddToleranceArgument(app, tolerance);
   AddOutArgument(app, out, "-estimate");
@@ -299,13 +303,13 @@ int EstimateCommand(int argc, char** argv) {
   if (!ParseArguments(app, argc, argv)) return 0;
   const bool explain = app.count("--explain") > 0;
   CheckInput(tolerance.empty() || (bop.path.empty() && !explain),
-             "--tolerance scores poses of a SCENARIO; with --bop, pass it to pickbed score");
+             "--tolerance applies to poses of a SCENARIO; with --bop, pass it to pickbed score");
   if (!bop.path.empty()) {
     return explain ? ExplainBop(bop, arguments, estimators, explained, out)
                    : EstimateBop(bop, arguments, estimators, out, threads);
   }
   CheckInput(!arguments.scenario.empty(),
-             "SCENARIO is required (or --bop PATH); see pickbed estimate --help");
+             "give a SCENARIO or --bop PATH; see pickbed estimate --help");
   if (explain) return ExplainScenario(arguments, estimators, explained, out);
   return EstimateScenario(arguments, estimators, tolerance, out, threads);
 }

@@ -51,34 +51,38 @@ void WriteGrasps(const GraspsArguments& arguments) {
   WritePng(folder / "grasps.png", GraspSheet(*model, *gripper, candidates));
   const GraspCandidate& best = candidates.front();
   fmt::print(
-      "{} grasps of {} with {}; the best survives {:.0f} % of sampled errors and holds {:.1f} "
-      "times the weight from any direction\n{}\n",
+      "{} grasps of {} with {}; the best one succeeds for {:.0f} % of the sampled errors and "
+      "resists {:.1f} times the weight from any direction\n{}\n",
       candidates.size(), model->name, gripper->name, 100 * best.robust, best.epsilon,
       (folder / "grasps.csv").string());
-  fmt::print("look at {}\n", (folder / "grasps.png").string());
+  fmt::print("picture: {}\n", (folder / "grasps.png").string());
 }
 
 }  // namespace
 
 int GraspsCommand(int argc, char** argv) {
   CLI::App app(
-      "Finds how a gripper may hold a part and writes the grasps, best first, as grasps.csv, and a "
-      "picture of the best, grasps.png.",
+      "Plans grasps of an object with a gripper. Writes them to grasps.csv, best first, and a "
+      "picture of the best ones to grasps.png.",
       "pickbed grasps");
   GraspsArguments a;
-  app.add_option("OBJECT", a.object, "a name of `pickbed list objects`")->required();
-  app.add_option("GRIPPER", a.gripper, "a name of `pickbed list grippers`, or a .yaml file")
+  app.add_option("OBJECT", a.object, "name of an object (see pickbed list objects)")->required();
+  app.add_option("GRIPPER", a.gripper,
+                 "name of a gripper (see pickbed list grippers), or a .yaml file")
       ->required();
   app.add_option("--count", a.count,
-                 "grasps wanted, wherever the part lies (default: all that runs choose from)")
+                 "maximum number of grasps, for any orientation of the object (default: all grasps "
+                 "that a run can choose from)")
       ->check(CLI::Range(1, 100000));
-  app.add_option("--set", a.settings, "KEY=VALUE, such as robust.position_m=0.003; repeatable");
-  app.add_option("--catalog", a.catalog, "folder of your own objects")->capture_default_str();
-  app.add_option("--out", a.out, "folder (default: results/grasps_OBJECT_GRIPPER)");
+  app.add_option(
+      "--set", a.settings,
+      "change a setting: KEY=VALUE, for example robust.position_m=0.003; may be repeated");
+  app.add_option("--catalog", a.catalog, "folder with your own objects")->capture_default_str();
+  app.add_option("--out", a.out, "results folder [results/grasps_OBJECT_GRIPPER]");
   GraspCandidateOptions defaults;
   app.footer(
-      fmt::format("Settings and their defaults:\n{}Columns of grasps.csv: see README.md.\n"
-                  "Example: pickbed grasps bracket jaw_8cm --count 200",
+      fmt::format("Settings and their defaults:\n{}The columns of grasps.csv are described in "
+                  "README.md.\nExample: pickbed grasps bracket jaw_8cm --count 200",
                   WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true)));
   if (!ParseArguments(app, argc, argv)) return 0;
   WriteGrasps(a);

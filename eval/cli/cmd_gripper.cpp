@@ -13,13 +13,13 @@ namespace pickbed::eval {
 
 int GripperCommand(int argc, char** argv) {
   CLI::App app(
-      "`gripper show` draws a gripper with its frame and sizes, and prints all its numbers.",
+      "`gripper show` draws a gripper with its frame and dimensions, and prints its settings.",
       "pickbed gripper");
   std::string action, name, out;
   app.add_option("ACTION", action, "show")->required()->check(CLI::IsMember({"show"}));
-  app.add_option("GRIPPER", name, "a name of `pickbed list grippers`, or a file ending in .yaml")
+  app.add_option("GRIPPER", name, "name of a gripper (see pickbed list grippers), or a .yaml file")
       ->required();
-  app.add_option("--out", out, "the picture (default: results/gripper_NAME.png)");
+  app.add_option("--out", out, "file name of the picture [results/gripper_NAME.png]");
   app.footer("Example: pickbed gripper show cup_30mm --out cup.png");
   if (!ParseArguments(app, argc, argv)) return 0;
 
@@ -29,7 +29,7 @@ int GripperCommand(int argc, char** argv) {
                   : std::filesystem::path(out);
   if (path.has_parent_path()) MakeFolder(path.parent_path());
   WritePng(path, GripperSheet(*gripper));
-  fmt::print("{}: {}, {}\n{}drawn in {}\n", gripper->name, gripper->mechanism(), gripper->Summary(),
+  fmt::print("{}: {}, {}\n{}picture: {}\n", gripper->name, gripper->mechanism(), gripper->Summary(),
              GripperText(*gripper), path.string());
   return 0;
 }

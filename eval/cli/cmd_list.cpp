@@ -120,31 +120,32 @@ struct Topic {
   void (*print)(const std::string& catalog_folder);
 };
 constexpr std::array<Topic, 13> kTopics{{
-    {"presets", "Scenarios that come with the program", ListPresets},
-    {"objects", "Parts", ListObjects},
+    {"presets", "Preset scenarios", ListPresets},
+    {"objects", "Objects", ListObjects},
     {"estimators", "Pose estimators", ListEstimators},
-    {"refiners", "What polishes reported poses", ListRefiners},
+    {"refiners", "Refiners of reported poses", ListRefiners},
     {"bins", "Bins", ListBins},
     {"grippers", "Grippers", ListGrippers},
     {"sensors", "Depth sensors", ListSensors},
     {"metrics", "Pose errors", ListMetrics},
-    {"policies", "When the picking of a bin ends", ListPolicies},
-    {"rankings", "By what planned grasps are ranked", ListRankings},
-    {"failures", "Failure reasons of a pick, with their stages", ListFailures},
-    {"rules", "What counts as a successful grasp", ListRules},
+    {"policies", "Policies that end the picking of a bin", ListPolicies},
+    {"rankings", "Rankings of planned grasps", ListRankings},
+    {"failures", "Failure reasons, with the responsible stage", ListFailures},
+    {"rules", "Rules for a successful grasp", ListRules},
     {"settings", "Keys of a scenario file with their defaults", ListSettings},
 }};
 
 }  // namespace
 
 int ListCommand(int argc, char** argv) {
-  CLI::App app("Shows what there is to choose from.", "pickbed list");
+  CLI::App app("Lists the available objects, estimators, grippers, sensors and other choices.",
+               "pickbed list");
   std::string wanted;
   std::string catalog = "objects";
   std::vector<std::string> names;
   for (const Topic& topic : kTopics) names.push_back(topic.name);
-  app.add_option("TOPIC", wanted, "one of them; without it all but settings");
-  app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
+  app.add_option("TOPIC", wanted, "one topic from the list below; default: all except settings");
+  app.add_option("--catalog", catalog, "folder with your own objects")->capture_default_str();
   app.footer(fmt::format("Topics: {}\nExample: pickbed list grippers", fmt::join(names, ", ")));
   if (!ParseArguments(app, argc, argv)) return 0;
 

@@ -59,23 +59,25 @@ bool IsMadeAlready(const std::filesystem::path& folder, const std::string& key) 
 
 void Add(const AddArguments& arguments) {
   const ObjectRequest& request = arguments.request;
-  CheckInput(
-      !request.name.empty() && request.name.find_first_of("/\\ .") == std::string::npos,
-      fmt::format("--name '{}': a part's name is not empty and has no '/', '\\', '.' or space",
-                  request.name));
+  CheckInput(!request.name.empty() && request.name.find_first_of("/\\ .") == std::string::npos,
+             fmt::format("--name '{}': the name of an object must not be empty or contain '/', "
+                         "'\\', '.' or a space",
+                         request.name));
   std::error_code error;
   CheckInput(std::filesystem::is_regular_file(request.mesh, error),
              fmt::format("mesh '{}' is no file; check the path", request.mesh.string()));
   CheckInput(request.mass_kg == 0 || (request.mass_kg >= 1e-6 && request.mass_kg <= 100),
-             fmt::format("--mass {}: give 1e-6 to 100 kg", request.mass_kg));
+             fmt::format("--mass {}: must be from 1e-6 to 100 kg", request.mass_kg));
   const std::filesystem::path folder = std::filesystem::path(arguments.catalog) / request.name;
   const std::string key = KeyOf(request);
   if (IsMadeAlready(folder, key)) {
-    fmt::print("{} was made from this mesh with these options: nothing to do\n", folder.string());
+    fmt::print("{} was already made from this mesh with these options: nothing to do\n",
+               folder.string());
     return;
   }
   CheckInput(arguments.replace || !std::filesystem::exists(folder / "object.yaml"),
-             fmt::format("{} exists and was made otherwise; pass --replace or another --name",
+             fmt::format("{} exists and was made from another mesh or with other options; pass "
+                         "--replace or another --name",
                          folder.string()));
   ProgressLine progress;
   const MadeObject made =
@@ -87,45 +89,48 @@ void Add(const AddArguments& arguments) {
   progress.Show("done", true);
   if (std::filesystem::exists(AssetsDir() / "objects" / request.name / "object.yaml", error)) {
     fmt::print(stderr,
-               "pickbed: a part '{}' comes with the program; scenarios that look into {} now take "
-               "yours instead\n",
+               "pickbed: the program has an object '{}', too; scenarios that use the catalog {} "
+               "now get yours\n",
                request.name, arguments.catalog);
   }
-  fmt::print("{}\n{}look at {}\n", request.name, ObjectText(made), (folder / "sheet.png").string());
+  fmt::print("{}\n{}picture: {}\n", request.name, ObjectText(made),
+             (folder / "sheet.png").string());
 }
 
 }  // namespace
 
 int ObjectCommand(int argc, char** argv) {
   CLI::App app(
-      "Makes a part of the catalog from a mesh: units, mass, convex pieces, symmetries and "
+      "Adds an object to the catalog from a mesh: unit, mass, convex pieces, symmetries and "
       "resting poses.",
       "pickbed object");
   app.require_subcommand(1);
-  CLI::App* add = app.add_subcommand("add", "inspect a mesh and write the part");
+  CLI::App* add = app.add_subcommand("add", "inspect a mesh and add it to the catalog");
   AddArguments a;
   ObjectRequest& request = a.request;
-  add->add_option("MESH", request.mesh, "OBJ, PLY, STL, DAE or glTF")->required();
-  add->add_option("--name", request.name, "of the part and its folder")->required();
-  add->add_option("--unit", request.unit, "of the mesh's numbers; guessed where it is not given")
+  add->add_option("MESH", request.mesh, "mesh file: OBJ, PLY, STL, DAE or glTF")->required();
+  add->add_option("--name", request.name, "name of the object and of its folder")->required();
+  add->add_option("--unit", request.unit,
+                  "unit of length of the mesh; default: guessed from its size")
       ->check(CLI::IsMember({"m", "cm", "mm", "in"}));
-  add->add_option("--catalog", a.catalog, "folder of parts")->capture_default_str();
-  add->add_option("--density", request.density_kgpm3, "kg/m3")
+  add->add_option("--catalog", a.catalog, "folder of the catalog")->capture_default_str();
+  add->add_option("--density", request.density_kgpm3, "density, kg/m3")
       ->check(CLI::Range(1.0, 25000.0))
       ->capture_default_str();
-  add->add_option("--mass", request.mass_kg, "kg; in place of the density")
+  add->add_option("--mass", request.mass_kg, "mass, kg; replaces the density")
       ->check(CLI::Range(1e-6, 100.0));
-  add->add_option("--friction", request.friction, "against a gripper pad")
+  add->add_option("--friction", request.friction, "friction coefficient against a gripper pad")
       ->check(CLI::Range(0.01, 2.0))
       ->capture_default_str();
-  add->add_option("--symmetry-tolerance", request.symmetry_tolerance, "share of the diameter")
+  add->add_option("--symmetry-tolerance", request.symmetry_tolerance,
+                  "largest deviation from a symmetry, as a share of the diameter")
       ->check(CLI::Range(0.001, 0.1))
       ->capture_default_str();
-  add->add_option("--drops", request.drops, "for the resting poses")
+  add->add_option("--drops", request.drops, "number of simulated drops to find the resting poses")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  add->add_flag("--center", request.center, "move the origin to the middle of the part");
-  add->add_flag("--replace", a.replace, "overwrite a part of that name");
+  add->add_flag("--center", request.center, "move the origin to the center of the object");
+  add->add_flag("--replace", a.replace, "overwrite an object with the same name");
   app.footer("Example: pickbed object add drill.stl --name drill --unit mm --mass 0.9");
   if (!ParseArguments(app, argc, argv)) return 0;
   Add(a);

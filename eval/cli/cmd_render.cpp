@@ -7,6 +7,7 @@
 #include "eval/draw/overlay.h"
 #include "eval/trial/simulated_cell.h"
 #include "scenes/base/files.h"
+#include "scenes/base/ids_format.h"
 #include "scenes/image/image_io.h"
 
 namespace pickbed::eval {
@@ -26,16 +27,16 @@ std::string VisibilityCsv(const Scene& scene, const Observation& view, const Obj
 
 int RenderCommand(int argc, char** argv) {
   CLI::App app(
-      "Fills one bin and writes what the camera sees: color.png, depth.png (16 bit, 0.1 mm, 0 = no "
-      "reading, with the sensor's noise), ids.png (16 bit, instance + 1), pictures of both, and "
-      "visible.csv.",
+      "Fills one bin and writes the camera image: color.png, depth.png (16 bit, 0.1 mm per unit, 0 "
+      "= no reading, with sensor noise), ids.png (16 bit, instance + 1), pictures of depth and "
+      "ids, and visible.csv.",
       "pickbed render");
   ScenarioRequest arguments;
   std::string out;
   int trial = 0;
   AddScenarioArguments(app, arguments);
   AddOutArgument(app, out, "-render");
-  app.add_option("--trial", trial, "which of the scenario's trials, from 0")
+  app.add_option("--trial", trial, "number of the trial of the scenario, from 0")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.footer("Example: pickbed render demo --set camera.width=1280 --set camera.height=960");
@@ -45,8 +46,8 @@ int RenderCommand(int argc, char** argv) {
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-render");
   MakeFolder(folder);
   SimulatedCell cell(scenario.spec, scenario.objects);
-  const Scene scene = cell.MakeScene(trial).scene;
-  const Observation view = cell.Capture(scene, trial, 0);
+  const Scene scene = cell.MakeScene(BinIndex(trial)).scene;
+  const Observation view = cell.Capture(scene, BinIndex(trial), 0);
   WritePng(folder / "color.png", view.frame.color);
   WriteDepthPng(folder / "depth.png", view.frame.depth_m);
   WritePng(folder / "depth_color.png", ColorizeDepth(view.frame.depth_m));
@@ -55,7 +56,7 @@ int RenderCommand(int argc, char** argv) {
   WriteFileAtomically(folder / "visible.csv", VisibilityCsv(scene, view, cell.objects()));
   const auto in_view = std::count_if(view.visible_fractions.begin(), view.visible_fractions.end(),
                                      [](double fraction) { return fraction > 0; });
-  fmt::print("{} of {} parts in view of the camera; pictures in {}\n", in_view,
+  fmt::print("{} of {} instances are visible to the camera; pictures in {}\n", in_view,
              scene.objects.size(), folder.string());
   return 0;
 }

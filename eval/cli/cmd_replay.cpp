@@ -18,7 +18,7 @@ void SayWhatChanged(const RecordedTrial& recorded) {
     fmt::print("changed since the trial ran: {}\n", change);
   }
   if (recorded.crashed) {
-    fmt::print("the trial ended its worker when it ran, so that no stage was recorded: {}\n",
+    fmt::print("no stage was recorded because the worker process of this trial crashed: {}\n",
                recorded.crashed->why);
   }
 }
@@ -27,14 +27,16 @@ void SayWhatChanged(const RecordedTrial& recorded) {
 
 int ReplayCommand(int argc, char** argv) {
   CLI::App app(
-      "Runs one trial again from its record alone, compares the hash of each stage of each look, "
-      "names the first that differs, and writes all stages: pictures, clouds (PLY) and the scene "
-      "(GLB). Ends with status 1 where a stage differs.",
+      "Repeats one trial from its record, compares the hash of each stage of each attempt, and "
+      "names the first stage that differs. Writes all stages: pictures, point clouds (PLY) and the "
+      "scene (GLB). The exit status is 1 if a stage differs.",
       "pickbed replay");
   std::string address_text, out, catalog = "objects";
-  app.add_option("RUN#TRIAL", address_text, "results folder and number of a trial")->required();
-  app.add_option("--out", out, "folder of the files [RUN/replay/trial_NNNN]");
-  app.add_option("--catalog", catalog, "folder of your own objects")->capture_default_str();
+  app.add_option("RUN#TRIAL", address_text,
+                 "results folder and number of the trial, for example results/demo#2")
+      ->required();
+  app.add_option("--out", out, "folder for the files [RUN/replay/trial_NNNN]");
+  app.add_option("--catalog", catalog, "folder with your own objects")->capture_default_str();
   app.footer("Example: pickbed replay results/demo#2");
   if (!ParseArguments(app, argc, argv)) return 0;
 

@@ -9,13 +9,12 @@
 namespace pickbed::eval {
 
 int ReportCommand(int argc, char** argv) {
-  CLI::App app(
-      "Writes what a run found as one HTML page that opens from disk and needs no network.",
-      "pickbed report");
+  CLI::App app("Writes the statistics of a run or sweep as one HTML page that needs no network.",
+               "pickbed report");
   std::string run, out, catalog = "objects";
   ReportOptions options;
   app.add_option("RUN", run, "results folder of a `pickbed run` or `pickbed sweep`")->required();
-  app.add_option("--out", out, "the page [RUN/report.html]");
+  app.add_option("--out", out, fmt::format("file name of the HTML page [RUN/{}]", kReportFile));
   AddReportOptions(app, options, catalog);
   app.footer("Example: pickbed report results/demo");
   if (!ParseArguments(app, argc, argv)) return 0;
@@ -25,7 +24,7 @@ int ReportCommand(int argc, char** argv) {
       out.empty() ? std::filesystem::path(run) / kReportFile : std::filesystem::path(out);
   RequireWritable(page);
   WriteFileAtomically(page, RunReportPage(std::move(read), OpenCatalog(catalog), options));
-  fmt::print("report in {}\n", page.string());
+  fmt::print("page: {}\n", page.string());
   return 0;
 }
 

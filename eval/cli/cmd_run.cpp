@@ -20,7 +20,7 @@ RunReport RunWithProgress(const LoadedScenario& scenario, const RunOptions& opti
 }  // namespace
 
 int RunCommand(int argc, char** argv) {
-  CLI::App app("Drops parts into a bin, looks, estimates poses and picks, trial after trial.",
+  CLI::App app("Runs trials: drops objects into a bin, captures images, estimates poses and picks.",
                "pickbed run");
   ScenarioRequest arguments;
   RunOptions options;
@@ -31,13 +31,14 @@ int RunCommand(int argc, char** argv) {
   AddScenarioArguments(app, arguments);
   AddTrialsArgument(app, arguments);
   AddOutArgument(app, out);
-  app.add_option("--jobs", options.jobs, "worker processes; results do not depend on it")
+  app.add_option("--jobs", options.jobs, "number of worker processes; results do not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_flag("--resume", options.resume, "go on with a run that was stopped");
+  app.add_flag("--resume", options.resume, "continue an interrupted run");
   app.add_flag("--retry-crashed", options.retry_crashed,
-               "with --resume: try those again that ended their worker");
-  app.add_option("--pictures", options.picture_trials, "trials that get pictures, 0 = none")
+               "with --resume: repeat the trials whose worker process crashed");
+  app.add_option("--pictures", options.picture_trials,
+                 "number of trials with pictures of each attempt; 0 = none")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   AddLostPicturesArgument(app, options.lost_picture_trials);
@@ -59,8 +60,10 @@ int RunCommand(int argc, char** argv) {
     fmt::print("\nresults in {}\n", options.out.string());
   }
   if (report.interrupted) {
-    fmt::print(stderr, "pickbed: stopped after {} trials; the same command with --resume goes on\n",
-               report.summary.trials);
+    fmt::print(
+        stderr,
+        "pickbed: stopped after {} trials; repeat the same command with --resume to continue\n",
+        report.summary.trials);
     return kExitInterrupted;
   }
   RequireNoCrash(report.crashed);

@@ -10,11 +10,10 @@ namespace {
 
 std::string ScoreTable(const bop::Scores& scores) {
   std::string text = fmt::format(
-      "BOP19, 6D localisation: {} instances to be found in {} images\n"
-      "  AR         {:.3f}\n  AR VSD     {:.3f}\n  AR MSSD    {:.3f}\n  AR MSPD    {:.3f}\n"
-      "  ADI        {:.3f}  share of them with ADI < 0.1 diameter\n"
-      "BOP24, 6D detection\n"
-      "  AP         {:.3f}\n  AP MSSD    {:.3f}\n  AP MSPD    {:.3f}\n",
+      "BOP19, 6D localisation: {} target instances in {} images\n  AR         {:.3f}\n  AR VSD     "
+      "{:.3f}\n  AR MSSD    {:.3f}\n  AR MSPD    {:.3f}\n  ADI        {:.3f}  share with ADI < 0.1 "
+      "diameter\nBOP24, 6D detection\n  AP         {:.3f}\n  AP MSSD    {:.3f}\n  AP MSPD    "
+      "{:.3f}\n",
       scores.wanted, scores.images, scores.ar(), scores.ar_vsd, scores.ar_mssd, scores.ar_mspd,
       scores.adi_recall, scores.ap(), scores.ap_mssd, scores.ap_mspd);
   text += "object  targets  AR VSD  AR MSSD  AR MSPD    ADI  AP MSSD  AP MSPD\n";
@@ -28,15 +27,15 @@ std::string ScoreTable(const bop::Scores& scores) {
   for (const auto& [id, object] : scores.objects) {
     if (!object.pick_chance) continue;
     text += fmt::format(
-        "object {}: a pick on the estimate of an instance to be found succeeds by "
-        "{:.3f} in the mean\n",
+        "object {}: mean predicted probability that a pick at the estimate of a target instance "
+        "succeeds: {:.3f}\n",
         id, *object.pick_chance);
   }
   if (scores.seconds_an_image >= 0) {
-    text += fmt::format("seconds an image  {:.2f}\n", scores.seconds_an_image);
+    text += fmt::format("seconds per image  {:.2f}\n", scores.seconds_an_image);
   }
   if (scores.estimates_elsewhere > 0) {
-    text += fmt::format("{} estimates are of images that are no target and do not count\n",
+    text += fmt::format("{} estimates are for images that are no target and do not count\n",
                         scores.estimates_elsewhere);
   }
   for (const std::string& note : scores.notes) text += note + "\n";
@@ -47,26 +46,25 @@ std::string ScoreTable(const bop::Scores& scores) {
 
 int ScoreCommand(int argc, char** argv) {
   CLI::App app(
-      "Scores pose estimates on a BOP data set: VSD, MSSD, MSPD and AR by the rules of BOP19, AP "
-      "by those of BOP24.",
+      "Scores pose estimates on a BOP dataset: VSD, MSSD, MSPD and AR as in BOP19, AP as in BOP24.",
       "pickbed score");
   std::string path, csv, split = "test";
   std::vector<std::string> tolerances;
   bop::VsdOptions vsd;
   double delta_mm = 1e3 * vsd.delta_m;
-  app.add_option("--bop", path, "the data set's folder")->required();
-  app.add_option("RESULTS", csv, "CSV of estimates: scene_id,im_id,obj_id,score,R,t,time")
+  app.add_option("--bop", path, "folder of the dataset")->required();
+  app.add_option("RESULTS", csv, "results file in BOP format: scene_id,im_id,obj_id,score,R,t,time")
       ->required();
-  app.add_option("--split", split, "its folder of scenes")->capture_default_str();
+  app.add_option("--split", split, "scene folder of the dataset")->capture_default_str();
   app.add_option("--vsd-delta", delta_mm,
-                 "mm behind the measured depth that VSD takes as visible; "
-                 "BOP has 5 for itodd")
+                 "VSD: distance behind the measured depth up to which a pixel counts as visible, "
+                 "mm; BOP uses 5 for itodd")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option(
          "--tolerance", tolerances,
-         "ID=PLACE, comma-separated: an obj_id and its map of `pickbed tolerance`; says the "
-         "mean chance that a pick on an estimate succeeds")
+         "ID=PLACE, separated by commas: an obj_id and the folder of its map from `pickbed "
+         "tolerance`; prints the mean predicted probability that a pick at an estimate succeeds")
       ->delimiter(',');
   app.footer("Example: pickbed score --bop bop/ycbv results/ppf_ycbv-test.csv");
   if (!ParseArguments(app, argc, argv)) return 0;

@@ -44,7 +44,7 @@ Image<Rgb8> FailureChart(const std::vector<NoiseSample>& samples) {
   return DrawChart({"slant, degrees", "%", {formula, measured}}, kTileWidth, kTileHeight, 1);
 }
 
-std::vector<std::string> KeyFigures(const SensorProfile& p, const SensorScene& scene,
+std::vector<std::string> KeyNumbers(const SensorProfile& p, const SensorScene& scene,
                                     const Image<float>& seen_m) {
   const auto mm = [](double m) { return fmt::format("{:.2f} mm", 1e3 * m); };
   const double focal_px = scene.camera.fx(), steep = std::numbers::pi / 3;
@@ -66,20 +66,20 @@ std::vector<std::string> KeyFigures(const SensorProfile& p, const SensorScene& s
                   LateralSigma_px(p, steep, focal_px)),
       fmt::format("steps at 1 m\t{} ({:.4g} px of disparity)", mm(ReadingStep_m(p, 1, focal_px)),
                   p.disparity_step_px),
-      fmt::format("alike within\t{:.1f} px; windows {:.1f} px", 2 * ErrorSpacing_px(p, focal_px),
-                  WindowWidth_px(p, focal_px)),
+      fmt::format("correlated within\t{:.1f} px; windows {:.1f} px",
+                  2 * ErrorSpacing_px(p, focal_px), WindowWidth_px(p, focal_px)),
       fmt::format("baseline\t{:g} mm: a step from 1 to 0.8 m", 1e3 * TriangulationBaseline_m(p)),
-      fmt::format("\tshades {} px here", fmt::join(shades_px, " and ")),
-      fmt::format("lost anywhere\t{}", PercentText(p.random_dropout)),
-      fmt::format("lost at edges\t{:.0f} %, flying {:.0f} % of the rest", 100 * p.edge_dropout,
+      fmt::format("\tshadow of {} px here", fmt::join(shades_px, " and ")),
+      fmt::format("missing anywhere\t{}", PercentText(p.random_dropout)),
+      fmt::format("missing at edges\t{:.0f} %, flying {:.0f} % of the rest", 100 * p.edge_dropout,
                   100 * p.flying_share),
-      fmt::format("lost at grazing\t{:.0f} % at 90 deg, none to {:.0f} deg",
+      fmt::format("missing at grazing angles\t{:.0f} % at 90 deg, none to {:.0f} deg",
                   100 * p.grazing_dropout, p.grazing_start_rad * 180 / std::numbers::pi),
-      fmt::format("lost on black\t{:.0f} %, none over luma {:g}", 100 * p.dark_dropout,
+      fmt::format("missing on black\t{:.0f} %, none over luma {:g}", 100 * p.dark_dropout,
                   p.dark_luma),
-      fmt::format("lost on white\t{:.0f} %, none under luma {:g}", 100 * p.shiny_dropout,
+      fmt::format("missing on white\t{:.0f} %, none under luma {:g}", 100 * p.shiny_dropout,
                   p.shiny_luma),
-      fmt::format("lost in this scene\t{}",
+      fmt::format("missing in this scene\t{}",
                   PercentText(static_cast<int>(holes), static_cast<int>(seen_m.size()))),
   };
 }
@@ -98,13 +98,13 @@ Image<Rgb8> DrawSensorSheet(const SensorProfile& p) {
        DrawDepthError(scene.depth_m, seen_m, full_m),
        NoiseChart(NoiseByDistance(p), "distance, m", 1),
        NoiseChart(by_slant, "slant, degrees", 180 / std::numbers::pi), FailureChart(by_slant),
-       DrawTable(KeyFigures(p, scene, seen_m), kTileWidth, kTileHeight)},
+       DrawTable(KeyNumbers(p, scene, seen_m), kTileWidth, kTileHeight)},
       {fmt::format("Scene: wall at {:.2g} m; boards at 30, 50, 70, 80 degrees", distance_m),
-       "Ideal depth (near is warm)", "Depth as the sensor reads it (black: none)",
+       "Ideal depth (near is warm)", "Depth as measured by the sensor (black: none)",
        fmt::format("Error: blue nearer, red farther, full at {:.1f} mm", 1e3 * full_m),
-       "Noise against distance, square on",
-       fmt::format("Noise against slant at {:.2g} m", distance_m), "Readings lost against slant",
-       "Key figures"},
+       "Noise against distance, surface facing the camera",
+       fmt::format("Noise against slant at {:.2g} m", distance_m), "Missing readings against slant",
+       "Key numbers"},
       4);
 }
 
@@ -112,14 +112,15 @@ Image<Rgb8> DrawSensorSheet(const SensorProfile& p) {
 
 int SensorCommand(int argc, char** argv) {
   CLI::App app(
-      "`sensor show` draws what a depth sensor's profile does: a test scene as ideal depth and as "
-      "the sensor reads it, the errors, and its noise and losses measured beside its formulas.",
+      "`sensor show` draws the behaviour of a depth sensor profile: a test scene as ideal and as "
+      "measured depth, the errors, and the measured noise and missing readings next to the "
+      "formulas of the profile.",
       "pickbed sensor");
   std::string action, sensor, out;
   app.add_option("ACTION", action, "show")->required()->check(CLI::IsMember({"show"}));
-  app.add_option("SENSOR", sensor, "a name of `pickbed list sensors`, or a file ending in .yaml")
+  app.add_option("SENSOR", sensor, "name of a sensor (see pickbed list sensors), or a .yaml file")
       ->required();
-  app.add_option("--out", out, "the picture (default: results/sensor_NAME.png)");
+  app.add_option("--out", out, "file name of the picture [results/sensor_NAME.png]");
   app.footer("Example: pickbed sensor show active_stereo --out active_stereo.png");
   if (!ParseArguments(app, argc, argv)) return 0;
 

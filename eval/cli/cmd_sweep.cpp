@@ -26,19 +26,21 @@ struct SweepArguments {
 };
 
 void AddSlurmArguments(CLI::App& app, SweepArguments& a) {
-  auto* slurm = app.add_flag("--slurm", a.slurm, "submit the shards to Slurm, follow, and merge");
-  app.add_option("--shards", a.shards, "tasks of the job array [8]")
+  auto* slurm = app.add_flag(
+      "--slurm", a.slurm, "submit the shards to Slurm, show their progress and merge the results");
+  app.add_option("--shards", a.shards, "number of shards, one per task of the job array [8]")
       ->check(CLI::Range(1, 10000))
       ->needs(slurm);
-  app.add_option("--partition", a.partition, "of the cluster")->needs(slurm);
-  app.add_option("--time", a.time, "limit of a shard, such as 2:00:00")->needs(slurm);
-  app.add_option("--mem", a.memory, "memory of a shard, such as 4G")->needs(slurm);
-  app.add_option("--cpus", a.cpus, "worker processes of a shard [1]")
+  app.add_option("--partition", a.partition, "partition of the cluster; default: the cluster's")
+      ->needs(slurm);
+  app.add_option("--time", a.time, "time limit of a shard, for example 2:00:00")->needs(slurm);
+  app.add_option("--mem", a.memory, "memory of a shard, for example 4G")->needs(slurm);
+  app.add_option("--cpus", a.cpus, "number of worker processes of a shard [1]")
       ->check(CLI::Range(1, 1024))
       ->needs(slurm);
-  app.add_option("--sbatch-option", a.sbatch_options,
-                 "a further option of sbatch, such as --sbatch-option=--account=lab; may be "
-                 "repeated")
+  app.add_option(
+         "--sbatch-option", a.sbatch_options,
+         "further option of sbatch, for example --sbatch-option=--account=lab; may be repeated")
       ->allow_extra_args(false)
       ->needs(slurm);
 }
@@ -47,24 +49,27 @@ bool ParseSweepArguments(int argc, char** argv, SweepArguments& a) {
   CLI::App app("Runs a scenario with every combination of a grid of settings.", "pickbed sweep");
   a.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   a.options.picture_trials = 0;
-  app.add_option("SWEEP", a.file, "sweep file: scenario, trials, set, grid (see the README)")
+  app.add_option("SWEEP", a.file, "sweep file with scenario, trials, set and grid (see README.md)")
       ->required();
-  app.add_option("--set", a.settings, "change a setting of all points, key=value; may be repeated")
+  app.add_option("--set", a.settings,
+                 "change a setting of all configurations: KEY=VALUE; may be repeated")
       ->allow_extra_args(false);
-  app.add_option("--trials", a.trials, "bins a point, instead of the file's number")
+  app.add_option("--trials", a.trials,
+                 "number of bins per configuration; replaces the value of the sweep file")
       ->check(CLI::Range(1, 1000000));
-  app.add_option("--catalog", a.catalog, "folder of your own objects")->capture_default_str();
+  app.add_option("--catalog", a.catalog, "folder with your own objects")->capture_default_str();
   AddOutArgument(app, a.out);
-  const auto* jobs =
-      app.add_option("--jobs", a.options.jobs, "worker processes; results do not depend on it")
-          ->check(CLI::Range(1, 1024))
-          ->capture_default_str();
+  const auto* jobs = app.add_option("--jobs", a.options.jobs,
+                                    "number of worker processes; results do not depend on it")
+                         ->check(CLI::Range(1, 1024))
+                         ->capture_default_str();
   const auto* shard = app.add_option(
-      "--shard", a.shard, "only part I of N of the trials, I/N; pickbed merge joins them");
-  app.add_flag("--resume", a.options.resume, "go on with a sweep that was stopped");
+      "--shard", a.shard, "run only shard I of N, written I/N; pickbed merge merges the shards");
+  app.add_flag("--resume", a.options.resume, "continue an interrupted sweep");
   app.add_flag("--retry-crashed", a.options.retry_crashed,
-               "with --resume: try those trials again that ended their worker");
-  app.add_option("--pictures", a.options.picture_trials, "scenes of each point that get pictures")
+               "with --resume: repeat the trials whose worker process crashed");
+  app.add_option("--pictures", a.options.picture_trials,
+                 "number of bins of each configuration with pictures of each attempt; 0 = none")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   AddLostPicturesArgument(app, a.options.lost_picture_trials);
@@ -76,11 +81,10 @@ bool ParseSweepArguments(int argc, char** argv, SweepArguments& a) {
   const bool goes_on = ParseArguments(app, argc, argv);
   CheckInput(
       !a.slurm || jobs->count() == 0,
-      "--jobs: says how many workers run on this machine; with --slurm, --cpus says how many "
-      "a shard has");
+      "--jobs sets the workers on this machine; with --slurm, --cpus sets the workers of a shard");
   CheckInput(!a.slurm || shard->count() == 0,
-             "--shard: does one shard on this machine; --slurm submits all of them, leave out one "
-             "of the two");
+             "--shard runs one shard on this machine and --slurm submits all of them; remove one "
+             "of the two options");
   return goes_on;
 }
 
@@ -137,9 +141,10 @@ int SweepOnSlurm(const SweepArguments& a, const SweepSpec& spec, const std::file
   const Sweep sweep = MakeSweep(spec, out, a.catalog);
   const SlurmReport report = FollowSlurm(sweep, job);
   if (report.stopped) {
-    fmt::print(stderr,
-               "pickbed: job {0} goes on; the same command follows it again, scancel {0} ends it\n",
-               report.job_id);
+    fmt::print(
+        stderr,
+        "pickbed: job {0} continues; repeat the same command to follow it, scancel {0} ends it\n",
+        report.job_id);
     return kExitInterrupted;
   }
   std::vector<std::filesystem::path> shards;
@@ -152,8 +157,8 @@ int SweepOnSlurm(const SweepArguments& a, const SweepSpec& spec, const std::file
   const MergeReport merged = MergeStores(shards, out);
   Print(a, merged.configurations, out);
   CheckInput(report.unfinished.empty(),
-             fmt::format("job {} left shards unfinished ({}); what is done is kept, the same "
-                         "command submits the rest again",
+             fmt::format("job {} left shards unfinished ({}); finished trials are kept, repeat the "
+                         "same command to submit the rest",
                          report.job_id, fmt::join(report.unfinished, "; ")));
   return 0;
 }
@@ -179,7 +184,8 @@ int SweepCommand(int argc, char** argv) {
   if (!report.configurations.empty()) Print(a, report.configurations, options.out);
   if (report.interrupted) {
     fmt::print(stderr,
-               "pickbed: stopped after {} of {} trials; the same command with --resume goes on\n",
+               "pickbed: stopped after {} of {} trials; repeat the same command with --resume to "
+               "continue\n",
                report.finished, report.total);
     return kExitInterrupted;
   }

@@ -32,33 +32,37 @@ struct ToleranceArguments {
 
 bool ParseToleranceArguments(int argc, char** argv, ToleranceArguments& arguments) {
   CLI::App app(
-      "How wrong may a pose be and the pick still succeed? Pushes the pose of a part alone on a "
-      "table along and about each axis of the part and of the hand, executes many grasps in "
-      "physics, and draws the share that succeeds. A model of P(pick succeeds | pose error) is "
-      "fitted to the outcomes and held against MSSD, ADD and ADI as a forecast of picks.",
+      "Measures how large a pose error may be before the pick fails. Shifts and rotates the "
+      "estimated pose of a single object on a table along each axis of the object and of the "
+      "gripper, executes many grasps in simulation, and draws the success rates. Fits a model of "
+      "P(pick succeeds | pose error) and compares it with MSSD, ADD and ADI as predictors of "
+      "success.",
       "pickbed tolerance");
-  app.add_option("OBJECT", arguments.object, "a name of `pickbed list objects`")->required();
-  app.add_option("GRIPPER", arguments.gripper, "a name of `pickbed list grippers`, or a file")
+  app.add_option("OBJECT", arguments.object, "name of an object (see pickbed list objects)")
       ->required();
-  app.add_option("--pairs", arguments.pairs,
-                 "pairs of axes to push along together, as x:rz or gx:gry, or all: those of one "
-                 "frame; axes x y z rx ry rz of the part, gx gy gz grx gry grz of the hand")
-      ->delimiter(',');
-  app.add_option("--run", arguments.run,
-                 "results folder of `pickbed run`: judge the scores by its picks of this part, too")
-      ->check(CLI::ExistingDirectory);
+  app.add_option("GRIPPER", arguments.gripper,
+                 "name of a gripper (see pickbed list grippers), or a .yaml file")
+      ->required();
   app.add_option(
-      "--set", arguments.settings,
-      "KEY=VALUE of the map's settings, as grasps=80 or step_mm=1; tolerance.yaml in the "
-      "results folder shows all");
-  app.add_option("--catalog", arguments.catalog, "folder of your own objects")
+         "--pairs", arguments.pairs,
+         "pairs of axes to vary together, for example x:rz or gx:gry, or all for every pair of one "
+         "frame; axes x y z rx ry rz of the object, gx gy gz grx gry grz of the gripper")
+      ->delimiter(',');
+  app.add_option(
+         "--run", arguments.run,
+         "results folder of a `pickbed run`: also test the predictors on its picks of this object")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--set", arguments.settings,
+                 "change a setting of the map: KEY=VALUE, for example grasps=80 or step_mm=1; "
+                 "tolerance.yaml in the results folder lists all");
+  app.add_option("--catalog", arguments.catalog, "folder with your own objects")
       ->capture_default_str();
-  app.add_option("--out", arguments.out,
-                 "results folder (default: results/tolerance_OBJECT_GRIPPER)");
-  app.add_option("--jobs", arguments.jobs, "worker processes; results do not depend on it")
+  app.add_option("--out", arguments.out, "results folder [results/tolerance_OBJECT_GRIPPER]");
+  app.add_option("--jobs", arguments.jobs,
+                 "number of worker processes; results do not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_flag("--resume", arguments.resume, "go on with a map that was stopped");
+  app.add_flag("--resume", arguments.resume, "continue an interrupted map");
   app.footer("Example: pickbed tolerance flange jaw_8cm --pairs gx:gry --jobs 2");
   return ParseArguments(app, argc, argv);
 }
@@ -76,13 +80,15 @@ std::vector<std::array<int, 2>> AxisPairs(const std::vector<std::string>& texts)
       continue;
     }
     const size_t colon = text.find(':');
-    CheckInput(colon != std::string::npos,
-               fmt::format("--pairs {}: write two axes with a colon, as x:rz, or all", text));
+    CheckInput(
+        colon != std::string::npos,
+        fmt::format("--pairs {}: write two axes separated by a colon, for example x:rz, or all",
+                    text));
     const int a = ErrorAxisNamed(text.substr(0, colon));
     const int b = ErrorAxisNamed(text.substr(colon + 1));
     CheckInput(a != b && axes[a].of_grasp == axes[b].of_grasp,
-               fmt::format("--pairs {}: takes two different axes of one frame: both of the part "
-                           "(x y z rx ry rz) or both of the hand (gx gy gz grx gry grz)",
+               fmt::format("--pairs {}: takes two different axes of one frame: both of the object "
+                           "(x y z rx ry rz) or both of the gripper (gx gy gz grx gry grz)",
                            text));
     pairs.push_back({a, b});
   }
@@ -96,8 +102,8 @@ ToleranceOptions OptionsOf(const ToleranceArguments& arguments) {
   }
   options.pairs = AxisPairs(arguments.pairs);
   CheckInput(options.pairs.empty() || options.pair_stride <= options.steps,
-             fmt::format("pair_stride = {}: must not be over steps = {}", options.pair_stride,
-                         options.steps));
+             fmt::format("pair_stride = {}: must not be larger than steps = {}",
+                         options.pair_stride, options.steps));
   return options;
 }
 
@@ -107,7 +113,7 @@ ToleranceStudy MakeStudy(const ToleranceArguments& arguments) {
   const auto loaded = OpenCatalog(arguments.catalog).Load(arguments.object);
   RequireCanCarry(*gripper, *loaded);
   const auto part = WithRestingDirections({WithConvexPieces(loaded)})[0];
-  fmt::print(stderr, "grasps and resting poses of {}\n", part->name);
+  fmt::print(stderr, "planning grasps and resting poses of {}\n", part->name);
   return PlanStudy(part, gripper, RequireCandidates(*part, *gripper), options);
 }
 
@@ -152,19 +158,19 @@ int ToleranceCommand(int argc, char** argv) {
   MakeFolder(out);
   const StudyOutcomes executed = ExecuteWithProgress(study, out, arguments);
   if (executed.interrupted) {
-    fmt::print(stderr, "pickbed: stopped; the same command with --resume goes on\n");
+    fmt::print(stderr, "pickbed: stopped; repeat the same command with --resume to continue\n");
     return kExitInterrupted;
   }
   if (!executed.lost.empty()) {
     throw std::runtime_error(
-        fmt::format("{} groups of grasps were lost, the first: {}; --resume tries them again",
+        fmt::format("{} groups of grasps failed, the first: {}; --resume repeats them",
                     executed.lost.size(), executed.lost.front().why));
   }
-  const ToleranceFigures figures = FiguresOf(study, executed.outcomes);
-  WriteToleranceFiles(study, figures, out);
-  fmt::print("{}", ToleranceText(figures));
+  const ToleranceStatistics statistics = StatisticsOf(study, executed.outcomes);
+  WriteToleranceFiles(study, statistics, out);
+  fmt::print("{}", ToleranceText(statistics));
   if (!arguments.run.empty()) {
-    const auto predictors = JudgePredictors({{figures.model, part, picks}});
+    const auto predictors = JudgePredictors({{statistics.model, part, picks}});
     WriteFileAtomically(out / "run_predictors.csv", PredictorsCsv(predictors));
     fmt::print("{}{}", PredictorText(predictors, "picks of " + arguments.run), FewBinsLine(picks));
   }

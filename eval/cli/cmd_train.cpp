@@ -20,7 +20,7 @@ namespace {
 constexpr int kThreads = 2;
 
 struct TrainArguments {
-  LessonChoice lesson;              // its first object may be the name of the method
+  TrainingSetChoice training_set;   // its first object may be the name of the method
   std::vector<std::string> listed;  // from --objects
   std::string method = "descriptor";
   std::string model_file;
@@ -46,61 +46,67 @@ std::string ProgressText(const TrainingProgress& state) {
 void PrintReport(const TrainingReport& report, const ObjectSet& objects) {
   const HeldOutRecall &first = report.recall_history.front(), &last = report.recall_history.back();
   if (report.plateau_iteration >= 0) {
-    fmt::print("held-out recall stayed on a plateau at step {}: the schedule was cut short\n",
-               report.plateau_iteration);
+    fmt::print(
+        "held-out recall reached a plateau at step {}: the training schedule was shortened\n",
+        report.plateau_iteration);
   }
   fmt::print("held-out recall@1 {:.3f}, @8 {:.3f}; verifiers' area under the curve {:.3f}\n",
              last.at_1, last.at_8, report.verifier_auc);
   for (size_t i = 0; i < objects.size(); ++i) {
     if (!report.rehearsed[i]) continue;
-    fmt::print("  {}, known before: recall@1 {:.3f} before, {:.3f} after\n", objects[i]->name,
-               first.part_at_1[i], last.part_at_1[i]);
+    fmt::print("  {}, known from the start model: recall@1 {:.3f} before, {:.3f} after\n",
+               objects[i]->name, first.part_at_1[i], last.part_at_1[i]);
   }
 }
 
 // Adds --set and the options with a name of their own.
 void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
                        std::vector<std::string>& training_settings) {
-  app.add_option("OBJECT", arguments.lesson.objects,
-                 "parts of the catalog (pickbed list objects); before them may stand the estimator "
-                 "that learns: descriptor (by default), kehl, doumanoglou, wohlhart");
-  app.add_option("--objects", arguments.listed, "the parts, with commas")->delimiter(',');
-  app.add_option("--scenario", arguments.lesson.scenario.scenario,
-                 "learn the parts of this scenario, for its camera, bin, sensor and looks");
-  app.add_option("--bop", arguments.lesson.bop_path,
-                 "learn the models of this BOP data set, for its camera");
-  app.add_option(
-         "--sensor", arguments.lesson.sensors,
-         "profiles, one of which sees each view of a pile, instead of the scenario's alone; "
-         "a code book stays that of the scenario's sensor")
+  app.add_option("OBJECT", arguments.training_set.objects,
+                 "objects of the catalog (see pickbed list objects); the first word may be the "
+                 "estimator to train: descriptor (default), kehl, doumanoglou or wohlhart");
+  app.add_option("--objects", arguments.listed, "objects to train for, separated by commas")
       ->delimiter(',');
-  app.add_option("--distractors,--foreign", arguments.lesson.distractor_share,
-                 "share of the clutter scenes with distractors; --foreign is its former name")
+  app.add_option(
+      "--scenario", arguments.training_set.scenario.scenario,
+      "train for the objects of this scenario, with its camera, bin, sensor and appearance");
+  app.add_option("--bop", arguments.training_set.bop_path,
+                 "train for the models of this BOP dataset, with its camera");
+  app.add_option(
+         "--sensor", arguments.training_set.sensors,
+         "sensor profiles for the views of clutter scenes, separated by commas; each view uses one "
+         "of them instead of the scenario's sensor; the code book uses the scenario's sensor")
+      ->delimiter(',');
+  app.add_option("--distractors,--foreign", arguments.training_set.distractor_share,
+                 "share of the clutter scenes with distractors; --foreign is the former name")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--catalog", arguments.lesson.scenario.catalog, "folder of your own objects")
+  app.add_option("--catalog", arguments.training_set.scenario.catalog,
+                 "folder with your own objects")
       ->capture_default_str();
-  app.add_option("--out", arguments.model_file, "model file [models/<objects>.pt]");
-  app.add_option("--from", arguments.lesson.start_from,
-                 "model to begin with; the parts that it knows are kept beside those named");
+  app.add_option("--out", arguments.model_file, "model file to write [models/<objects>.pt]");
+  app.add_option("--from", arguments.training_set.start_from,
+                 "model file to start from; its objects are kept in addition to the named ones");
   app.add_option("--report", arguments.report_folder,
                  "folder of the report page [beside the model file, <model>_report]");
-  app.add_flag("--resume", arguments.resume, "go on from the checkpoint of a stopped training");
-  app.add_option("--minutes", arguments.max_minutes, "time limit in minutes, 0 = none")
+  app.add_flag("--resume", arguments.resume,
+               "continue from the checkpoint of an interrupted training");
+  app.add_option("--minutes", arguments.max_minutes, "time limit, minutes; 0 = none")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--seed", arguments.seed, "same seed, same model")->capture_default_str();
-  app.add_option("--set", training_settings, "change a setting of training, key=value")
+  app.add_option("--seed", arguments.seed, "random seed; the same seed gives the same model")
+      ->capture_default_str();
+  app.add_option("--set", training_settings,
+                 "change a training setting: KEY=VALUE, from the list below")
       ->allow_extra_args(false);
-  app.add_option(
-         "--verifier-for", arguments.verifier_for,
-         "train the verifiers of this estimator alone, e.g. ppf, on its own candidates; its "
-         "settings are seed, piles, views_per_pile, calibration_share and verifier.*, and for "
-         "wohlhart, whose network is learned before them, wohlhart.*")
+  app.add_option("--verifier-for", arguments.verifier_for,
+                 "train only the verifiers of this estimator (for example ppf) on its own "
+                 "candidates; settings: seed, clutter_scenes, views_per_scene, calibration_share "
+                 "and verifier.*, for wohlhart, whose network is trained first, also wohlhart.*")
       ->excludes("--minutes")
       ->excludes("--from");
   TrainingOptions defaults;
-  app.footer("Settings of training and their defaults:\n" +
+  app.footer("Training settings and their defaults:\n" +
              WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true) +
              "\nExample: pickbed train rod elbow --minutes 5 --set network.descriptor=64\n"
              "         pickbed train kehl --objects bracket");
@@ -112,7 +118,7 @@ std::unique_ptr<EstimatorTraining> TrainingOf(const EstimatorRow& row) {
 
 // Removes the method from the names and sets its default settings.
 void ChooseMethod(TrainArguments& arguments) {
-  std::vector<std::string>& names = arguments.lesson.objects;
+  std::vector<std::string>& names = arguments.training_set.objects;
   for (const EstimatorRow& row : EstimatorTable()) {
     const auto training = TrainingOf(row);
     if (names.empty() || names.front() != row.name || !training) continue;
@@ -122,13 +128,13 @@ void ChooseMethod(TrainArguments& arguments) {
     arguments.method = row.name;
     CheckInput(arguments.verifier_for.empty() || arguments.verifier_for == row.name,
                fmt::format("train {}: --verifier-for {} trains the verifiers of another estimator; "
-                           "name one or the other",
+                           "give one or the other",
                            row.name, arguments.verifier_for));
     if (training->kind() == TrainingKind::kNetworkAndVerifiers) {
       arguments.verifier_for = row.name;
       CheckInput(
-          arguments.max_minutes <= 0 && arguments.lesson.start_from.empty(),
-          fmt::format("train {}: takes neither --minutes nor --from; leave them out", row.name));
+          arguments.max_minutes <= 0 && arguments.training_set.start_from.empty(),
+          fmt::format("train {}: takes neither --minutes nor --from; remove them", row.name));
     }
     names.erase(names.begin());
     break;
@@ -154,25 +160,27 @@ std::unique_ptr<EstimatorTraining> VerifierTrainingOf(const std::string& name) {
 }
 
 std::string NothingToResume(const std::filesystem::path& file) {
-  return fmt::format("no {} to resume from; leave out --resume to start anew", file.string());
+  return fmt::format("no {} to resume from; remove --resume to start anew", file.string());
 }
 
 // `written` is the checkpoint from which a stopped training continues; it may not exist yet.
 void SayStopped(const std::filesystem::path& written) {
   if (std::filesystem::exists(written)) {
-    fmt::print(stderr, "pickbed: stopped; {} is written, the same command with --resume goes on\n",
-               written.string());
+    fmt::print(
+        stderr,
+        "pickbed: stopped; {} is written, repeat the same command with --resume to continue\n",
+        written.string());
   } else {
-    fmt::print(stderr, "pickbed: stopped before anything was learned that could be kept\n");
+    fmt::print(stderr, "pickbed: stopped before anything was trained that could be kept\n");
   }
 }
 
-int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson,
+int TrainVerifiers(const TrainArguments& arguments, const TrainingSet& training_set,
                    const std::filesystem::path& file) {
   const EstimatorTraining& training = *arguments.verifier_training;
   const bool has_network = training.kind() == TrainingKind::kNetworkAndVerifiers;
   CheckInput(arguments.report_folder.empty(),
-             fmt::format("--report: verifiers of {} have no report page; leave it out",
+             fmt::format("--report: the verifiers of {} have no report page; remove it",
                          arguments.verifier_for));
   const std::filesystem::path checkpoint = file.string() + ".checkpoint";
   const bool has_checkpoint = has_network && std::filesystem::exists(checkpoint);
@@ -180,7 +188,7 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson
                  std::filesystem::exists(UnfinishedLibrary(file)),
              NothingToResume(UnfinishedLibrary(file)));
   if (!arguments.resume && has_checkpoint) std::filesystem::remove(checkpoint);
-  const auto views = MakeTrainingViews(lesson);
+  const auto views = MakeTrainingViews(training_set);
   CatchInterrupts();
   VerifierReport report;
   {
@@ -192,14 +200,14 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson
                     },
                     file,
                     arguments.resume,
-                    SensorNames(lesson),
+                    SensorNames(training_set),
                     [&](std::string_view part, double share) {
                       progress.Show(fmt::format("{}: {:.0f} %", part, 100 * share));
                       return !Interrupted();
                     }};
     if (has_network) {
       job.checkpoint = checkpoint;
-      job.network_settings = training.NetworkSettings(lesson.objects);
+      job.network_settings = training.NetworkSettings(training_set.objects);
       job.learn = [&](const std::function<bool(double)>& on_share) {
         return training.TrainNetwork(
             {*views, arguments.verifier.seed, checkpoint, on_share, kThreads});
@@ -217,11 +225,11 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingLesson& lesson
   return 0;
 }
 
-int TrainModel(TrainArguments& arguments, const TrainingLesson& lesson,
+int TrainModel(TrainArguments& arguments, const TrainingSet& training_set,
                const std::filesystem::path& model_file) {
   const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
   CheckInput(!arguments.resume || std::filesystem::exists(checkpoint), NothingToResume(checkpoint));
-  const auto views = MakeTrainingViews(lesson);
+  const auto views = MakeTrainingViews(training_set);
   CatchInterrupts();
   TrainingReport report;
   {
@@ -230,8 +238,8 @@ int TrainModel(TrainArguments& arguments, const TrainingLesson& lesson,
                           model_file,
                           checkpoint,
                           arguments.resume,
-                          arguments.lesson.start_from,
-                          SensorNames(lesson),
+                          arguments.training_set.start_from,
+                          SensorNames(training_set),
                           [&](const TrainingProgress& state) {
                             progress.Show(ProgressText(state));
                             return !Interrupted();
@@ -242,15 +250,16 @@ int TrainModel(TrainArguments& arguments, const TrainingLesson& lesson,
     SayStopped(report.has_checkpoint ? checkpoint : "");
     return kExitInterrupted;
   }
-  PrintReport(report, lesson.objects);
+  PrintReport(report, training_set.objects);
   std::filesystem::path folder = arguments.report_folder;
   if (folder.empty()) {
     folder = model_file.parent_path() / (model_file.stem().string() + "_report");
   }
   const std::string in_force =
       WriteSettings([&](SettingsVisitor& v) { arguments.training.Visit(v); });
-  const bool has_page = SayIfUnwritten(WriteTrainingPage(
-      folder, {model_file.stem().string(), SensorNames(lesson), in_force, report, lesson.objects}));
+  const bool has_page = SayIfUnwritten(
+      WriteTrainingPage(folder, {model_file.stem().string(), SensorNames(training_set), in_force,
+                                 report, training_set.objects}));
   std::filesystem::remove(checkpoint);
   fmt::print("report: {}\n", (has_page ? folder / "index.html" : folder).string());
   fmt::print("wrote {} after {}\nuse it with --set estimator.name={} --set estimator.model={}\n",
@@ -262,8 +271,9 @@ int TrainModel(TrainArguments& arguments, const TrainingLesson& lesson,
 }  // namespace
 
 int TrainCommand(int argc, char** argv) {
-  CLI::App app("Learns parts from views that are rendered on the fly; Ctrl-C keeps a checkpoint.",
-               "pickbed train");
+  CLI::App app(
+      "Trains models on views that are rendered during training. Ctrl-C writes a checkpoint.",
+      "pickbed train");
   TrainArguments arguments;
   std::vector<std::string> settings;
   AddTrainArguments(app, arguments, settings);
@@ -284,17 +294,17 @@ int TrainCommand(int argc, char** argv) {
     });
   }
 
-  const TrainingLesson lesson = PlanTrainingLesson(arguments.lesson);
+  const TrainingSet training_set = PlanTrainingSet(arguments.training_set);
   std::filesystem::path model_file = arguments.model_file;
   if (model_file.empty()) {
     const bool usual = arguments.method == "descriptor";
-    const std::string name = usual ? lesson.name : arguments.method + "-" + lesson.name;
+    const std::string name = usual ? training_set.name : arguments.method + "-" + training_set.name;
     model_file = std::filesystem::path("models") / (name + ".pt");
   }
   if (model_file.has_parent_path()) MakeFolder(model_file.parent_path());
   RequireWritable(model_file);
-  if (!arguments.verifier_for.empty()) return TrainVerifiers(arguments, lesson, model_file);
-  return TrainModel(arguments, lesson, model_file);
+  if (!arguments.verifier_for.empty()) return TrainVerifiers(arguments, training_set, model_file);
+  return TrainModel(arguments, training_set, model_file);
 }
 
 }  // namespace pickbed::eval

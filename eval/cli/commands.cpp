@@ -6,6 +6,7 @@
 #include <exception>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scenes/base/error.h"
@@ -19,45 +20,43 @@ constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
 constexpr std::array<CommandRow, 21> kCommands{{
-    {"run", "drop, look, estimate and pick, trial after trial; measure how often it works",
+    {"run", "drop, capture, estimate and pick in many trials; measure the success rate",
      RunCommand},
-    {"sweep", "run a grid of settings, over processes, shards or a Slurm cluster", SweepCommand},
-    {"merge", "join the shards of a sweep, or put several runs side by side", MergeCommand},
-    {"budget", "where the picks of a run were lost, and what perfecting a stage would gain",
+    {"sweep", "run a grid of settings in processes, shards or on a Slurm cluster", SweepCommand},
+    {"merge", "merge the shards of a sweep, or put several runs side by side", MergeCommand},
+    {"budget", "count failed picks by stage and reason; measure the gain of perfect stages",
      BudgetCommand},
-    {"replay", "run one trial of a run again, and name the first stage that went another way",
-     ReplayCommand},
-    {"report", "what a run found, as one HTML page with charts, lost picks and 3D views",
+    {"replay", "repeat one trial of a run and name the first stage that differs", ReplayCommand},
+    {"report", "write a run as one HTML page with charts, failed picks and 3D views",
      ReportCommand},
-    {"compare", "two runs side by side as one HTML page, with paired differences", CompareCommand},
-    {"drop", "fill one bin and show how it came to rest", DropCommand},
-    {"render", "fill one bin and write what the camera sees", RenderCommand},
-    {"estimate", "guess poses in filled bins and score them against the truth, without picking",
+    {"compare", "compare two runs on one HTML page, with paired differences", CompareCommand},
+    {"drop", "fill one bin and write the settled scene", DropCommand},
+    {"render", "fill one bin and write the camera image", RenderCommand},
+    {"estimate", "estimate poses in filled bins and score them against ground truth",
      EstimateCommand},
-    {"benchmark", "published methods side by side, on crops of parts", BenchmarkCommand},
-    {"train", "learn parts from views rendered on the fly", TrainCommand},
-    {"object", "make a part of the catalog from a mesh", ObjectCommand},
-    {"sensor", "draw what a depth sensor's profile does", SensorCommand},
-    {"grasps", "how a gripper may hold a part: grasps with their qualities, and a picture",
+    {"benchmark", "compare published methods on crops of objects and on bins", BenchmarkCommand},
+    {"train", "train models on views rendered during training", TrainCommand},
+    {"object", "add an object to the catalog from a mesh", ObjectCommand},
+    {"sensor", "draw the behaviour of a depth sensor profile", SensorCommand},
+    {"grasps", "plan grasps of an object with a gripper; write a table and a picture",
      GraspsCommand},
-    {"gripper", "draw a gripper with its frame and sizes", GripperCommand},
-    {"dataset", "make a data set in BOP's layout, or check one", DatasetCommand},
-    {"score", "score pose estimates on a BOP data set by BOP's rules", ScoreCommand},
-    {"tolerance", "how wrong a pose may be and the pick still succeed", ToleranceCommand},
-    {"list", "what there is to choose from: objects, estimators, grippers, sensors, ...",
-     ListCommand},
-    {"doctor", "check that this machine can do all that a run needs", DoctorCommand},
+    {"gripper", "draw a gripper with its frame and dimensions", GripperCommand},
+    {"dataset", "make a dataset in BOP's layout, or check one", DatasetCommand},
+    {"score", "score pose estimates on a BOP dataset with the BOP metrics", ScoreCommand},
+    {"tolerance", "measure how large a pose error may be before a pick fails", ToleranceCommand},
+    {"list", "list the available objects, estimators, grippers, sensors, ...", ListCommand},
+    {"doctor", "check that this machine can run pickbed", DoctorCommand},
 }};
 
 std::string Usage() {
   std::string text =
-      "pickbed: drops parts into a bin, looks at them with a depth camera, guesses their poses,\n"
-      "picks them in physics, and says how often that works.\n\n"
-      "Usage: pickbed COMMAND [OPTIONS]\n\nCommands:\n";
+      "pickbed: drops parts into a bin, captures an RGB-D image, estimates object poses, executes "
+      "grasps\nin physics, and reports how often picking works and which stage fails.\n\nUsage: "
+      "pickbed COMMAND [OPTIONS]\n\nCommands:\n";
   for (const CommandRow& row : kCommands) text += fmt::format("  {:<10} {}\n", row.name, row.help);
   text +=
-      "\n`pickbed COMMAND --help` shows a command's options with an example.\n"
-      "A first run: pickbed run demo\n";
+      "\n`pickbed COMMAND --help` shows the options of a command with an example.\nFirst run: "
+      "pickbed run demo\n";
   return text;
 }
 
@@ -76,6 +75,27 @@ void PrintOnce(const std::string& line) {
   if (printed.insert(line).second) fmt::print(stderr, "pickbed: {}\n", line);
 }
 
+struct RemedyFlag {
+  std::string_view remedy, flag;
+};
+constexpr std::array<RemedyFlag, 5> kRemedyFlags{{
+    {"choose another folder", "--out"},
+    {"another results folder", "--out"},
+    {"resume it", "--resume"},
+    {"resume the run", "--resume"},
+    {"put them side by side", "--compare"},
+}};
+
+// Adds the flag behind each remedy, because the libraries do not know the flags.
+std::string WithFlags(std::string message) {
+  for (const auto& [remedy, flag] : kRemedyFlags) {
+    const size_t place = message.find(remedy);
+    if (place == std::string::npos) continue;
+    message.insert(place + remedy.size(), fmt::format(" ({})", flag));
+  }
+  return message;
+}
+
 }  // namespace
 
 std::span<const CommandRow> CommandTable() { return kCommands; }
@@ -92,10 +112,10 @@ int Dispatch(int argc, char** argv) {
       fmt::print("pickbed {}\n", PICKBED_VERSION);
       return kDone;
     }
-    CheckInput(!name.empty(), "which command? see pickbed --help");
+    CheckInput(!name.empty(), "no command given; see pickbed --help");
     return FindCommand(name).run(argc - 1, argv + 1);
   } catch (const InputError& error) {
-    fmt::print(stderr, "pickbed: {}\n", error.what());
+    fmt::print(stderr, "pickbed: {}\n", WithFlags(error.what()));
     return kBadInput;
   } catch (const std::exception& error) {
     fmt::print(stderr, "pickbed: internal error: {}\n", error.what());

@@ -5,6 +5,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "scenes/base/ids_format.h"
+
 namespace pickbed::eval {
 
 ProgressState ProgressOf(const RunState& state) {
@@ -41,10 +43,10 @@ RunListener ShowOn(ProgressLine& progress, const std::function<bool()>& stop) {
 void RequireNoCrash(const std::vector<CrashedTrial>& crashed) {
   if (crashed.empty()) return;
   const CrashedTrial& first = crashed.front();
-  throw std::runtime_error(fmt::format(
-      "{} trials crashed twice and are recorded as that, the first is trial {} (seed {}, scene "
-      "{}): {}; --resume --retry-crashed tries them again",
-      crashed.size(), first.trial, first.seed, first.bin_index, first.why));
+  throw std::runtime_error(
+      fmt::format("{} trials crashed twice and are recorded as crashed, the first is trial {} "
+                  "(seed {}, scene {}): {}; --resume --retry-crashed repeats them",
+                  crashed.size(), first.trial, first.seed, first.bin_index, first.why));
 }
 
 }  // namespace pickbed::eval

@@ -21,7 +21,7 @@ std::string SceneJson(const Scene& scene, const ObjectSet& objects) {
   for (const PosedObject& posed : scene.objects) {
     const Eigen::Quaterniond q(posed.X_WO.linear());
     nlohmann::ordered_json item;
-    item["instance"] = posed.instance;
+    item["instance"] = int{posed.instance};
     item["name"] = objects[posed.object]->name;
     item["position_m"] = Numbers(posed.X_WO.translation());
     item["quaternion_wxyz"] = {q.w(), q.x(), q.y(), q.z()};
@@ -62,15 +62,15 @@ std::string CertificateText(const CertifiedScene& made) {
     text += fmt::format("  {:<26}{}\n", name, value);
   };
   for (const RefusedScene& refused : made.refused) {
-    line(fmt::format("refused attempt {}", refused.attempt).c_str(),
+    line(fmt::format("rejected drop {}", refused.attempt).c_str(),
          fmt::format("{}", fmt::join(refused.faults, ", ")));
   }
-  line("parts in the bin", std::to_string(made.scene.objects.size()));
+  line("instances in the bin", std::to_string(made.scene.objects.size()));
   line("simulated", fmt::format("{:.2f} s", c.simulated_s));
-  line("moved in an awake second",
-       fmt::format("{:.2f} mm, {:.2f} % of that part's diameter", 1e3 * c.wake_movement_m,
+  line("movement in one more second",
+       fmt::format("{:.2f} mm, {:.2f} % of the instance's diameter", 1e3 * c.wake_movement_m,
                    100 * c.wake_movement_diameters));
-  line("fastest part",
+  line("fastest instance",
        fmt::format("{:.2f} mm/s, {:.3f} rad/s", 1e3 * c.max_speed_mps, c.max_spin_radps));
   line("deepest overlap", fmt::format("{:.2f} mm", 1e3 * c.deepest_penetration_m));
   return text;

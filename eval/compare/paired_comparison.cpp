@@ -50,13 +50,14 @@ bool IsOccluded(const std::string& settings) {
 // rod is 0123"; empty inside a group.
 std::string GroupOf(const std::string& line) {
   if (line.empty() || line[0] == ' ' || line[0] == '-') return "";
-  if (line[0] == '#') return line.starts_with("# bin") ? "the bin's mesh" : "the parts' meshes";
+  if (line[0] == '#')
+    return line.starts_with("# bin") ? "the mesh of the bin" : "the meshes of the objects";
   return line.substr(0, line.find(':'));
 }
 
 bool OnceEach(const std::vector<Cluster>& clusters) {
   return std::all_of(clusters.begin(), clusters.end(),
-                     [](const Cluster& cluster) { return cluster.tries <= 1; });
+                     [](const Cluster& cluster) { return cluster.samples <= 1; });
 }
 
 // Outcomes if each scene has one outcome in both runs. A scene without data in one run is not a
@@ -68,7 +69,7 @@ struct OneOutcome {
 OneOutcome OutcomesOf(const std::vector<Cluster>& before, const std::vector<Cluster>& after) {
   OneOutcome outcome;
   for (size_t i = 0; i < before.size(); ++i) {
-    if (before[i].tries == 0 || after[i].tries == 0) continue;
+    if (before[i].samples == 0 || after[i].samples == 0) continue;
     ++outcome.pairs;
     outcome.discordance.before_only += before[i].hits > after[i].hits;
     outcome.discordance.after_only += after[i].hits > before[i].hits;
@@ -76,27 +77,28 @@ OneOutcome OutcomesOf(const std::vector<Cluster>& before, const std::vector<Clus
   return outcome;
 }
 
-void TestOneOutcome(const OneOutcome& outcome, PairedFigure& figure) {
-  figure.test = "mcnemar";
-  figure.p_value = McNemarExact(outcome.discordance);
-  figure.odds_ratio = MatchedOddsRatio(outcome.discordance);
-  const double discordant = static_cast<double>(figure.discordant_scenes) / outcome.pairs;
-  figure.scenes_needed = ScenesNeededForMcNemar(figure.difference(), discordant);
+void TestOneOutcome(const OneOutcome& outcome, PairedStatistic& statistic) {
+  statistic.test = "mcnemar";
+  statistic.p_value = McNemarExact(outcome.discordance);
+  statistic.odds_ratio = MatchedOddsRatio(outcome.discordance);
+  const double discordant = static_cast<double>(statistic.discordant_scenes) / outcome.pairs;
+  statistic.scenes_needed = ScenesNeededForMcNemar(statistic.difference(), discordant);
 }
 
-PairedFigure PairedMedian(const std::string& key, const std::string& name,
-                          const ValueClusters& before, const ValueClusters& after) {
-  PairedFigure figure{key, name, false, MedianOf(before), MedianOf(after)};
+PairedStatistic PairedMedian(const std::string& key, const std::string& name,
+                             const ValueClusters& before, const ValueClusters& after) {
+  PairedStatistic statistic{key, name, false, MedianOf(before), MedianOf(after)};
   for (size_t i = 0; i < before.size(); ++i) {
-    figure.scenes += !before[i].empty() || !after[i].empty();
-    figure.discordant_scenes += before[i] != after[i];
+    statistic.scenes += !before[i].empty() || !after[i].empty();
+    statistic.discordant_scenes += before[i] != after[i];
   }
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  figure.difference_ci95 = figure.scenes < kFewestScenes ? Interval{-kInfinity, kInfinity}
-                                                         : PairedMedianInterval(before, after);
-  figure.p_value = PairedMedianTest(before, after);
-  figure.test = "sign_flip";
-  return figure;
+  statistic.difference_ci95 = statistic.scenes < kFewestScenes
+                                  ? Interval{-kInfinity, kInfinity}
+                                  : PairedMedianInterval(before, after);
+  statistic.p_value = PairedMedianTest(before, after);
+  statistic.test = "sign_flip";
+  return statistic;
 }
 
 ErrorOfPose ShownErrorOf(const MetricRow& row) {
@@ -112,7 +114,7 @@ struct NamedRate {
 
 std::vector<NamedRate> Rates(const std::vector<VisibleBand>& bands) {
   std::vector<NamedRate> rates{{"pick_success", "pick success", SuccessOfAttempts()},
-                               {"cleared", "parts cleared", InstancesCleared()},
+                               {"cleared", "instances cleared", InstancesCleared()},
                                {"top1", "top-ranked pose right", TopRankedRight()}};
   rates.push_back({"recall", "recall", InstancesRecalled(kCountedVisibility, 1)});
   const auto add_bands = [&](const char* key, const char* name, auto count) {
@@ -130,12 +132,12 @@ std::vector<NamedRate> Rates(const std::vector<VisibleBand>& bands) {
 }
 
 // Formats rates in percent, errors in their unit.
-std::string Valued(const PairedFigure& figure, double value) {
-  return figure.is_rate ? PercentNumber(value) : fmt::format("{:.4f}", value);
+std::string Valued(const PairedStatistic& statistic, double value) {
+  return statistic.is_rate ? PercentNumber(value) : fmt::format("{:.4f}", value);
 }
 
-std::string Signed(const PairedFigure& figure, double value) {
-  if (figure.is_rate) return PointsText(value);
+std::string Signed(const PairedStatistic& statistic, double value) {
+  if (statistic.is_rate) return PointsText(value);
   return std::isfinite(value) ? fmt::format("{:+.4f}", value) : "-";
 }
 
@@ -145,23 +147,24 @@ nlohmann::ordered_json Number(double value) {
 
 }  // namespace
 
-PairedFigure PairedRate(const std::string& key, const std::string& name,
-                        const std::vector<Cluster>& before, const std::vector<Cluster>& after) {
-  PairedFigure figure{key, name, true, RateOf(before), RateOf(after)};
+PairedStatistic PairedRate(const std::string& key, const std::string& name,
+                           const std::vector<Cluster>& before, const std::vector<Cluster>& after) {
+  PairedStatistic statistic{key, name, true, RateOf(before), RateOf(after)};
   for (size_t i = 0; i < before.size(); ++i) {
-    figure.scenes += before[i].tries > 0 || after[i].tries > 0;
-    figure.discordant_scenes += before[i].hits * after[i].tries != after[i].hits * before[i].tries;
+    statistic.scenes += before[i].samples > 0 || after[i].samples > 0;
+    statistic.discordant_scenes +=
+        before[i].hits * after[i].samples != after[i].hits * before[i].samples;
   }
-  figure.difference_ci95 = PairedInterval(before, after);
+  statistic.difference_ci95 = PairedInterval(before, after);
   const OneOutcome outcome = OutcomesOf(before, after);
-  if (OnceEach(before) && OnceEach(after) && outcome.pairs == figure.scenes) {
-    TestOneOutcome(outcome, figure);
-    return figure;
+  if (OnceEach(before) && OnceEach(after) && outcome.pairs == statistic.scenes) {
+    TestOneOutcome(outcome, statistic);
+    return statistic;
   }
-  figure.test = "sign_flip";
-  figure.p_value = PairedRateTest(before, after);
-  figure.scenes_needed = ScenesNeeded(figure.difference(), DeviationOfRise(before, after));
-  return figure;
+  statistic.test = "sign_flip";
+  statistic.p_value = PairedRateTest(before, after);
+  statistic.scenes_needed = ScenesNeeded(statistic.difference(), DeviationOfRise(before, after));
+  return statistic;
 }
 
 PairedComparison ComparePaired(std::span<const TrialResult> before,
@@ -172,7 +175,7 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
   std::set_intersection(scenes_before.begin(), scenes_before.end(), scenes_after.begin(),
                         scenes_after.end(), std::back_inserter(shared));
   CheckInput(!shared.empty(),
-             "the runs share no scenes: none of their finished trials is about the same one");
+             "the runs share no scenes: none of their finished trials has the same scene");
   PairedComparison comparison;
   comparison.scenes = static_cast<int>(shared.size());
   comparison.before_only = static_cast<int>(scenes_before.size() - shared.size());
@@ -180,14 +183,14 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
   for (const NamedRate& rate : Rates(bands)) {
     const auto a = CountByScene(before, shared, rate.count);
     const auto b = CountByScene(after, shared, rate.count);
-    if (SumOf(a).tries == 0 || SumOf(b).tries == 0) continue;
-    comparison.figures.push_back(PairedRate(rate.key, rate.name, a, b));
+    if (SumOf(a).samples == 0 || SumOf(b).samples == 0) continue;
+    comparison.statistics.push_back(PairedRate(rate.key, rate.name, a, b));
   }
   for (const MetricRow& row : MetricsIn(kCompared)) {
     const PairedErrors errors = PairedErrorsByScene(before, after, shared, ShownErrorOf(row));
     if (std::isnan(MedianOf(errors.before))) continue;
-    comparison.figures.push_back(PairedMedian("median_" + ShownKey(row), "median " + ShownName(row),
-                                              errors.before, errors.after));
+    comparison.statistics.push_back(PairedMedian(
+        "median_" + ShownKey(row), "median " + ShownName(row), errors.before, errors.after));
   }
   return comparison;
 }
@@ -235,19 +238,21 @@ void RequireSameScenes(const std::string& settings_before, const std::string& se
 
 std::string PairedTable(const PairedComparison& comparison) {
   std::string text = fmt::format(
-      "{} scenes that both have\n"
-      "Differences with 95 % intervals over scenes; needed: scenes that show such a difference of\n"
-      "rates four times in five\n  {:<28}{:>9}{:>9}  {:<28}{:>8}{:>11}{:>9}\n",
+      "{} scenes that both have\nDifferences with 95 % intervals over scenes; needed: number of "
+      "scenes to detect such a\ndifference of rates with a power of 0.8\n  {:<28}{:>9}{:>9}  "
+      "{:<28}{:>8}{:>11}{:>9}\n",
       comparison.scenes, "", "A", "B", "B - A", "p", "differ in", "needed");
-  for (const PairedFigure& figure : comparison.figures) {
-    const std::string difference = fmt::format("{} [{}, {}]", Signed(figure, figure.difference()),
-                                               Signed(figure, figure.difference_ci95.low),
-                                               Signed(figure, figure.difference_ci95.high));
+  for (const PairedStatistic& statistic : comparison.statistics) {
+    const std::string difference =
+        fmt::format("{} [{}, {}]", Signed(statistic, statistic.difference()),
+                    Signed(statistic, statistic.difference_ci95.low),
+                    Signed(statistic, statistic.difference_ci95.high));
     text += fmt::format("  {:<28}{:>9}{:>9}  {:<28}{:>8.4f}{:>11}{:>9}\n",
-                        figure.name + (figure.is_rate ? ", %" : ""), Valued(figure, figure.before),
-                        Valued(figure, figure.after), difference, figure.p_value,
-                        fmt::format("{}/{}", figure.discordant_scenes, figure.scenes),
-                        figure.scenes_needed ? std::to_string(*figure.scenes_needed) : "-");
+                        statistic.name + (statistic.is_rate ? ", %" : ""),
+                        Valued(statistic, statistic.before), Valued(statistic, statistic.after),
+                        difference, statistic.p_value,
+                        fmt::format("{}/{}", statistic.discordant_scenes, statistic.scenes),
+                        statistic.scenes_needed ? std::to_string(*statistic.scenes_needed) : "-");
   }
   return text;
 }
@@ -258,25 +263,25 @@ std::string PairedJson(const PairedComparison& comparison) {
   json["scenes_of_first_only"] = comparison.before_only;
   json["scenes_of_second_only"] = comparison.after_only;
   json["statistics"] = nlohmann::ordered_json::array();
-  for (const PairedFigure& figure : comparison.figures) {
+  for (const PairedStatistic& statistic : comparison.statistics) {
     auto& row = json["statistics"].emplace_back();
-    row["key"] = figure.key;
-    row["name"] = figure.name;
-    row["before"] = Number(figure.before);
-    row["after"] = Number(figure.after);
-    row["difference"] = Number(figure.difference());
-    row["difference_ci95"] = {Number(figure.difference_ci95.low),
-                              Number(figure.difference_ci95.high)};
-    row["p_value"] = figure.p_value;
-    row["test"] = figure.test;
-    row["scenes"] = figure.scenes;
-    row["discordant_scenes"] = figure.discordant_scenes;
+    row["key"] = statistic.key;
+    row["name"] = statistic.name;
+    row["before"] = Number(statistic.before);
+    row["after"] = Number(statistic.after);
+    row["difference"] = Number(statistic.difference());
+    row["difference_ci95"] = {Number(statistic.difference_ci95.low),
+                              Number(statistic.difference_ci95.high)};
+    row["p_value"] = statistic.p_value;
+    row["test"] = statistic.test;
+    row["scenes"] = statistic.scenes;
+    row["discordant_scenes"] = statistic.discordant_scenes;
     auto& needed = row["scenes_needed"];
-    if (figure.scenes_needed) needed = *figure.scenes_needed;
-    if (!figure.odds_ratio) continue;
-    row["odds_ratio"] = Number(figure.odds_ratio->ratio);
-    row["odds_ratio_ci95"] = {Number(figure.odds_ratio->interval.low),
-                              Number(figure.odds_ratio->interval.high)};
+    if (statistic.scenes_needed) needed = *statistic.scenes_needed;
+    if (!statistic.odds_ratio) continue;
+    row["odds_ratio"] = Number(statistic.odds_ratio->ratio);
+    row["odds_ratio_ci95"] = {Number(statistic.odds_ratio->interval.low),
+                              Number(statistic.odds_ratio->interval.high)};
   }
   return json.dump(2) + "\n";
 }

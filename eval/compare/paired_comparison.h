@@ -15,7 +15,7 @@
 namespace pickbed::eval {
 
 // One statistic of both runs.
-struct PairedFigure {
+struct PairedStatistic {
   std::string key;      // such as "recall_30_50"
   std::string name;     // such as "recall, 30-50 % visible"
   bool is_rate = true;  // rate in 0..1; else an error, smaller is better
@@ -38,7 +38,7 @@ struct PairedComparison {
   int scenes = 0;       // shared
   int before_only = 0;  // scenes that only one of the runs has
   int after_only = 0;
-  std::vector<PairedFigure> figures;
+  std::vector<PairedStatistic> statistics;
 };
 
 // Compares the trials of two runs, one configuration each. Trials are paired by scene number. The
@@ -55,8 +55,8 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
                                const std::vector<VisibleBand>& bands = ReportedBands());
 
 // Compares two rates as clusters by scene; one row of the table.
-PairedFigure PairedRate(const std::string& key, const std::string& name,
-                        const std::vector<Cluster>& before, const std::vector<Cluster>& after);
+PairedStatistic PairedRate(const std::string& key, const std::string& name,
+                           const std::vector<Cluster>& before, const std::vector<Cluster>& after);
 
 // Returns the part of the settings or identity of a run (eval/sweep/run.h) that determines its
 // scenes. It holds seed, bin, objects and arrangement, and the mesh hashes if the text has them.

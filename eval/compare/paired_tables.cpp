@@ -9,29 +9,30 @@ namespace pickbed::eval {
 namespace {
 
 // Formats rates in percent, errors in their unit.
-std::string ValueText(const PairedFigure& figure, double value) {
-  return figure.is_rate ? PercentText(value) : fmt::format("{:.3g}", value);
+std::string ValueText(const PairedStatistic& statistic, double value) {
+  return statistic.is_rate ? PercentText(value) : fmt::format("{:.3g}", value);
 }
 
-std::string DifferenceText(const PairedFigure& figure) {
+std::string DifferenceText(const PairedStatistic& statistic) {
   const auto signed_text = [&](double value) {
     return std::isfinite(value) ? fmt::format("{:+.3g}", value) : std::string("-");
   };
-  const Interval& ci95 = figure.difference_ci95;
-  if (figure.is_rate) return PointsText(figure.difference(), ci95);
-  return fmt::format("{} [{}, {}]", signed_text(figure.difference()), signed_text(ci95.low),
+  const Interval& ci95 = statistic.difference_ci95;
+  if (statistic.is_rate) return PointsText(statistic.difference(), ci95);
+  return fmt::format("{} [{}, {}]", signed_text(statistic.difference()), signed_text(ci95.low),
                      signed_text(ci95.high));
 }
 
 TableCells CellsOf(const PairedComparison& comparison, const std::string& before,
                    const std::string& after) {
-  TableCells cells{{"statistic", before, after, "difference [95 %]", "p", "scenes", "that differ",
-                    "scenes needed"}};
-  for (const PairedFigure& figure : comparison.figures) {
-    cells.push_back({figure.name, ValueText(figure, figure.before), ValueText(figure, figure.after),
-                     DifferenceText(figure), fmt::format("{:.3g}", figure.p_value),
-                     std::to_string(figure.scenes), std::to_string(figure.discordant_scenes),
-                     figure.scenes_needed ? std::to_string(*figure.scenes_needed) : ""});
+  TableCells cells{{"statistic", before, after, "difference [95 %]", "p", "scenes",
+                    "different scenes", "scenes needed"}};
+  for (const PairedStatistic& statistic : comparison.statistics) {
+    cells.push_back({statistic.name, ValueText(statistic, statistic.before),
+                     ValueText(statistic, statistic.after), DifferenceText(statistic),
+                     fmt::format("{:.3g}", statistic.p_value), std::to_string(statistic.scenes),
+                     std::to_string(statistic.discordant_scenes),
+                     statistic.scenes_needed ? std::to_string(*statistic.scenes_needed) : ""});
   }
   return cells;
 }
@@ -48,14 +49,16 @@ ReportTable PairedReport(const ConfigurationComparison& compared) {
   const std::string &first = compared.before, &second = compared.after;
   const PairedComparison& comparison = compared.paired;
   std::string text = fmt::format(
-      "{} minus {}, on the {} scenes that both have; rates in percentage points, errors on the "
-      "parts that both found, of the surest pose on each. p: McNemar's exact test where a scene "
-      "gives one outcome, else signs flipped by scene. Scenes needed: to show a difference of "
-      "this size with power .8 at the level .05; told of rates, not of medians.",
+      "{} minus {}, on the {} scenes that both have. Rates are in percentage points. Errors are "
+      "for the instances that both found, of the most confident pose on each. p: McNemar's exact "
+      "test if a scene has one outcome, otherwise a sign-flip test over scenes. Scenes needed: to "
+      "detect a difference of this size with a power of 0.8 at the level 0.05; only for rates, not "
+      "for medians.",
       second, first, comparison.scenes);
   if (comparison.before_only + comparison.after_only > 0) {
-    text += fmt::format(" Left out are {} scenes that only the first has and {} of the second.",
-                        comparison.before_only, comparison.after_only);
+    text +=
+        fmt::format(" Not included: {} scenes that only the first run has and {} of the second.",
+                    comparison.before_only, comparison.after_only);
   }
   return {fmt::format("Paired differences: {} against {}", second, first), text,
           CellsOf(comparison, first, second)};

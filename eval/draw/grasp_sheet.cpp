@@ -106,12 +106,12 @@ class GraspStudio {
       all.min = all.min.cwiseMin(bounds.min);
       all.max = all.max.cwiseMax(bounds.max);
     }
-    middle_ = all.center();
+    center_ = all.center();
     distance_m_ = kFill * all.size().norm() * kGraspFocal_px / kGraspTileHeight;
   }
 
   Image<Rgb8> Observation(const Vector3d& from) {
-    const Camera camera = GraspCamera(middle_, from, distance_m_);
+    const Camera camera = GraspCamera(center_, from, distance_m_);
     Light light;
     light.ambient = 0.55;
     light.diffuse = 0.45;
@@ -126,7 +126,7 @@ class GraspStudio {
  private:
   Renderer renderer_;
   std::vector<RenderInstance> instances_;
-  Vector3d middle_;
+  Vector3d center_;
   double distance_m_ = 0;
 };
 
@@ -146,9 +146,9 @@ Image<Rgb8> Histogram(const std::vector<double>& values, double top, const char*
 }
 
 double Median(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto median = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), median, values.end());
+  return *median;
 }
 
 }  // namespace
@@ -197,10 +197,10 @@ Image<Rgb8> GraspSheet(const ObjectModel& model, const Gripper& gripper,
       {studio.Observation({1, -1.3, 0.9}), studio.Observation({-1.2, 1, 0.5}),
        studio_of_all.Observation({1, -1.3, 0.9}),
        Histogram(robust, 1, "robust: share of sampled errors survived"),
-       Histogram(epsilon, top, "epsilon: least load that is too much, part weights"),
+       Histogram(epsilon, top, "epsilon: smallest wrench that breaks the grasp, in object weights"),
        Histogram(quality, 1, "quality of the contacts")},
-      {fmt::format("{} and {}: the best of {} grasps", model.name, gripper.name, candidates.size()),
-       "the same from behind", fmt::format("{} of all grasps, good and bad", of_all.size()),
+      {fmt::format("{} and {}: the best {} grasps", model.name, gripper.name, candidates.size()),
+       "the same grasps from behind", fmt::format("{} of all grasps, good and bad", of_all.size()),
        fmt::format("median {:.2f}", Median(robust)), fmt::format("median {:.2f}", Median(epsilon)),
        fmt::format("median {:.2f}", Median(quality))},
       kGraspColumns);

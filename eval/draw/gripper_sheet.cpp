@@ -115,7 +115,7 @@ Image<Rgb8> GripperSheet(const Gripper& gripper) {
     }
     for (const AxisAlignedBox& box : gripper.SoftBoxes()) {
       DrawHeight(canvas, view, box.center.z() - box.half_size.z(),
-                 box.center.z() + box.half_size.z(), right_px + 24, ", gives way");
+                 box.center.z() + box.half_size.z(), right_px + 24, ", compliant");
     }
     const double opening_m = gripper.MaxOpening_m();
     if (across == 0 && opening_m > 0) {

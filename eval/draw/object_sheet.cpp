@@ -36,7 +36,7 @@ Rgb8 PieceColor(int i) {
 class ObjectStudio {
  public:
   explicit ObjectStudio(const MadeObject& made) : made_(made), model_(made.model) {
-    middle_O_ = MeshBounds(model_.mesh_O).center();
+    center_O_ = MeshBounds(model_.mesh_O).center();
     distance_m_ = kDistance * model_.diameter_m;
     part_ = renderer_.AddMesh(model_.mesh_O);
   }
@@ -66,7 +66,7 @@ class ObjectStudio {
   const ObjectModel& model_;
   Renderer renderer_;
   int part_ = 0;
-  Vector3d middle_O_;
+  Vector3d center_O_;
   double distance_m_ = 0;
   std::vector<Image<Rgb8>> tiles_;
   std::vector<std::string> captions_;
@@ -80,21 +80,21 @@ void ObjectStudio::AddViews() {
        {{0, 0, 1}, "along -z"},
        {{0, -1, 0}, "along y"}}};
   for (const auto& [from, caption] : views) {
-    Add(Picture(ObjectCamera(middle_O_, from, distance_m_), {{part_, Pose::Identity(), 1}}),
+    Add(Picture(ObjectCamera(center_O_, from, distance_m_), {{part_, Pose::Identity(), 1}}),
         caption);
   }
 }
 
 // Continuous symmetry axes are red, axes of discrete rotations blue.
 void ObjectStudio::AddSymmetries() {
-  const Camera camera = ObjectCamera(middle_O_, {1, -1.3, 0.9}, distance_m_);
+  const Camera camera = ObjectCamera(center_O_, {1, -1.3, 0.9}, distance_m_);
   Image<Rgb8> tile = Picture(camera, {{part_, Pose::Identity(), 1}});
   cv::Mat canvas(tile.height(), tile.width(), CV_8UC3, tile.data());
   const Pose X_CO = camera.X_CW();
   const auto line = [&](const Vector3d& point_O, const Vector3d& axis_O, const cv::Scalar& color) {
-    const Vector3d near_middle_O = point_O + axis_O * axis_O.dot(middle_O_ - point_O);
+    const Vector3d near_center_O = point_O + axis_O * axis_O.dot(center_O_ - point_O);
     const auto pixel = [&](double along) {
-      const Vector3d p_O = near_middle_O + along * model_.diameter_m * axis_O;
+      const Vector3d p_O = near_center_O + along * model_.diameter_m * axis_O;
       const Eigen::Vector2d p = Project(camera.intrinsics, X_CO * p_O);
       return cv::Point(static_cast<int>(p.x()), static_cast<int>(p.y()));
     };
@@ -118,14 +118,14 @@ void ObjectStudio::AddPieces() {
     mesh.triangles = hull.triangles;
     mesh.base_color = PieceColor(static_cast<int>(i));
     const int handle = renderer_.AddMesh(mesh);
-    const Vector3d away = kExplode * (MeshBounds(mesh).center() - middle_O_);
+    const Vector3d away = kExplode * (MeshBounds(mesh).center() - center_O_);
     together.push_back({handle, Pose::Identity(), 1});
     apart.push_back({handle, Translation(away), 1});
   }
   const Vector3d from(1, -1.3, 0.9);
-  Add(Picture(ObjectCamera(middle_O_, from, distance_m_), together),
+  Add(Picture(ObjectCamera(center_O_, from, distance_m_), together),
       fmt::format("{} convex pieces", model_.convex_parts_O.size()));
-  Add(Picture(ObjectCamera(middle_O_, from, (1 + kExplode) * distance_m_), apart),
+  Add(Picture(ObjectCamera(center_O_, from, (1 + kExplode) * distance_m_), apart),
       fmt::format("bulge {:.2f} mm, volume {:+.1f} %", 1e3 * made_.quality.bulge_m,
                   100 * made_.quality.volume_error));
 }
@@ -137,9 +137,9 @@ void ObjectStudio::AddResting() {
   const size_t shown = std::min<size_t>(kRestingTiles, made_.resting.size());
   for (size_t i = 0; i < shown; ++i) {
     const RestingPose& pose = made_.resting[i];
-    const Camera camera = ObjectCamera(pose.X_WO * middle_O_, {1, -1.3, 0.9}, distance_m_);
+    const Camera camera = ObjectCamera(pose.X_WO * center_O_, {1, -1.3, 0.9}, distance_m_);
     Add(Picture(camera, {{part_, pose.X_WO, 1}, {table_mesh, Pose::Identity(), 0}}),
-        fmt::format("comes to rest so: {:.0f} %", 100 * pose.probability));
+        fmt::format("probability of this resting pose: {:.0f} %", 100 * pose.probability));
   }
 }
 
@@ -161,15 +161,15 @@ Image<Rgb8> ObjectSheet(const MadeObject& made) {
 
 std::string SymmetryText(const SymmetrySet& symmetries) {
   if (symmetries.trivial()) return "no symmetry";
-  if (symmetries.continuous_O.size() > 1) return "all turns (a ball)";
+  if (symmetries.continuous_O.size() > 1) return "all rotations (a sphere)";
   std::string text;
   for (const ContinuousSymmetry& s : symmetries.continuous_O) {
-    text = fmt::format("any turn about {}", List(s.axis_O));
+    text = fmt::format("any rotation about {}", List(s.axis_O));
   }
   const size_t turns = symmetries.discrete_O.size();
   if (turns == 0) return text;
   if (!text.empty()) return text + " and upside down";
-  return fmt::format("{} turn{}", turns, turns == 1 ? "" : "s");
+  return fmt::format("{} rotation{}", turns, turns == 1 ? "" : "s");
 }
 
 std::string ObjectText(const MadeObject& made) {
@@ -178,7 +178,7 @@ std::string ObjectText(const MadeObject& made) {
   const auto line = [&text](const char* name, const std::string& value) {
     text += fmt::format("  {:<16}{}\n", name, value);
   };
-  for (const std::string& fixed : made.inspected.fixed) line("put right", fixed);
+  for (const std::string& fixed : made.inspected.fixed) line("corrected", fixed);
   for (const std::string& note : made.inspected.notes) line("note", note);
   const Vector3d size_mm = 1e3 * MeshBounds(model.mesh_O).size();
   line("size",
@@ -197,7 +197,7 @@ std::string ObjectText(const MadeObject& made) {
            100 * made.quality.volume_error, 1e3 * made.quality.missed_m));
   line("symmetries", SymmetryText(model.symmetries_O));
   for (const RestingPose& pose : made.resting) {
-    line("comes to rest",
+    line("resting poses",
          fmt::format("{:>3.0f} % with {} up", 100 * pose.probability, List(pose.up_O)));
   }
   std::string seconds;

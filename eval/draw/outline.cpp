@@ -43,7 +43,7 @@ std::vector<PartOutlines::Edge> PartOutlines::EdgesOf(const TriangleMesh& mesh) 
   return list;
 }
 
-std::vector<PixelLine> PartOutlines::At(int object, const Pose& X_CO,
+std::vector<PixelLine> PartOutlines::At(ObjectId object, const Pose& X_CO,
                                         const CameraIntrinsics& camera) {
   auto [edges, is_new] = edges_.try_emplace(object);
   if (is_new) edges->second = EdgesOf(objects_.at(object)->mesh_O);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "eval/layer.h"
+#include "scenes/base/ids.h"
 #include "scenes/camera/camera.h"
 #include "scenes/objects/object_model.h"
 
@@ -25,7 +26,7 @@ class PartOutlines {
   // Silhouette and crease edges of the object at X_CO that face the camera, in px. Edges
   // hidden by the object itself are included. Edges closer than 2 cm to the camera plane are
   // omitted.
-  std::vector<PixelLine> At(int object, const Pose& X_CO, const CameraIntrinsics& camera);
+  std::vector<PixelLine> At(ObjectId object, const Pose& X_CO, const CameraIntrinsics& camera);
 
  private:
   // Edge of a mesh with the normals of its two faces.

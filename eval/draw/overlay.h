@@ -11,7 +11,7 @@
 #include "perception/pose_hypothesis.h"
 #include "scenes/camera/camera.h"
 #include "scenes/camera/rgbd_frame.h"
-#include "scenes/scene.h"
+#include "scenes/objects/object_model.h"
 
 namespace pickbed::eval {
 
@@ -20,7 +20,6 @@ struct OverlayInput {
   const RgbdFrame& frame;
   const Camera& camera;
   const ObjectSet& objects;
-  const Scene& truth;
   const std::vector<PoseHypothesis>& hypotheses;
   const Grasp* grasp = nullptr;  // in W; may be null
   const Gripper* gripper = nullptr;

@@ -130,8 +130,8 @@ void DrawXAxis(Canvas& canvas, const PlotAxis& axis, int top_px, int bottom_px,
     const std::string text = fmt::format("{:.6g}", value);
     Write(canvas, text, x - WidthOf(text) / 2, bottom_px + 16);
   }
-  const int middle_px = Rounded(0.5 * (axis.At(axis.min()) + axis.At(axis.max())));
-  Write(canvas, label, middle_px - WidthOf(label) / 2, bottom_px + 36);
+  const int center_px = Rounded(0.5 * (axis.At(axis.min()) + axis.At(axis.max())));
+  Write(canvas, label, center_px - WidthOf(label) / 2, bottom_px + 36);
 }
 
 void DrawYAxis(Canvas& canvas, const PlotAxis& axis, int left_px, int right_px, bool percent) {

@@ -85,7 +85,7 @@ EstimatorSpec Labelled(const std::string& label, const EstimatorSpec& base) {
   if (spec.name != base.name) spec.model.clear();  // a model belongs to one estimator
   if (equals != std::string::npos) {
     spec.model = label.substr(equals + 1);
-    CheckInput(!spec.model.empty(), fmt::format("estimator '{}' names no model after '='", label));
+    CheckInput(!spec.model.empty(), fmt::format("estimator '{}' has no model after '='", label));
   }
   RequireEstimator(spec.name);
   return spec;
@@ -98,25 +98,25 @@ class Comparison {
     for (const ComparedEstimator& estimator : job.estimators) rows_.push_back(Load(estimator));
   }
 
-  void LookAt(int trial) {
-    const Scene scene = cell_.MakeScene(trial).scene;
+  void LookAt(BinIndex bin_index) {
+    const Scene scene = cell_.MakeScene(bin_index).scene;
     if (scene.objects.empty()) return;
-    const Observation view = cell_.Capture(scene, trial, 0);
+    const Observation view = cell_.Capture(scene, bin_index, 0);
     const TrueBin truth = TruthFor(scene, view, cell_.camera());
     for (LiveRow& row : rows_) {
       // Only before the first image. Getting the pages back from the system costs time, and the
       // first image takes longer than the others anyway.
-      if (row.result.looks.empty()) ReleaseFreedMemory();
+      if (row.result.images.empty()) ReleaseFreedMemory();
       const size_t before = ResetPeakMemory();
-      Rng rng = Rng::Derive(job_.spec.seed, trial, "estimate/0");
+      Rng rng = Rng::Derive(job_.spec.seed, bin_index, "estimate/0");
       EstimateResult found = EstimateWithOracle(*row.runner, scene, view, rng);
       Grow(row, before);
       AddToScores(truth, found.hypotheses, *row.evaluator);
-      row.result.looks.push_back({trial,
-                                  ScoreAgainstTruth(scene, view.visible_fractions, metrics_,
-                                                    cell_.camera(), found.hypotheses),
-                                  std::move(found.seconds)});
-      Draw(row, trial, scene, view, found.hypotheses);
+      row.result.images.push_back({bin_index,
+                                   ScoreAgainstTruth(scene, view.visible_fractions, metrics_,
+                                                     cell_.camera(), found.hypotheses),
+                                   std::move(found.seconds)});
+      Draw(row, bin_index, view, found.hypotheses);
     }
   }
 
@@ -159,13 +159,13 @@ class Comparison {
     row.result.peak_memory_mib = std::max(row.result.peak_memory_mib, row.held_mib + grown_mib);
   }
 
-  void Draw(const LiveRow& row, int trial, const Scene& scene, const Observation& view,
+  void Draw(const LiveRow& row, int trial, const Observation& view,
             const std::vector<PoseHypothesis>& hypotheses) const {
     if (job_.out.empty() || trial >= job_.pictured_bins) return;
     const auto folder = PicturesOf(job_.out, trial) / FolderName(row.result.label);
-    WriteAttemptPictures(folder, 0,
-                         {view.frame, cell_.camera(), cell_.objects(), scene, hypotheses, nullptr,
-                          nullptr, &view.ids});
+    WriteAttemptPictures(
+        folder, 0,
+        {view.frame, cell_.camera(), cell_.objects(), hypotheses, nullptr, nullptr, &view.ids});
   }
 
   const ComparisonJob& job_;
@@ -207,7 +207,7 @@ std::vector<ComparedRow> CompareEstimators(const ComparisonJob& job) {
   Comparison comparison(job);
   for (int trial = 0; trial < job.spec.trials; ++trial) {
     if (job.stop && job.stop()) break;
-    comparison.LookAt(trial);
+    comparison.LookAt(BinIndex(trial));
     if (job.on_progress) job.on_progress("bin", trial + 1, job.spec.trials);
   }
   return comparison.Finish();
@@ -215,10 +215,10 @@ std::vector<ComparedRow> CompareEstimators(const ComparisonJob& job) {
 
 void AddPickChances(const ToleranceMaps& maps, std::vector<ComparedRow>& rows) {
   for (ComparedRow& row : rows) {
-    for (ComparedLook& look : row.looks) {
-      look.pick_chances.clear();
-      for (const HypothesisRecord& h : look.score.hypotheses) {
-        look.pick_chances.push_back(maps.PickChance(h));
+    for (ComparedImage& image : row.images) {
+      image.pick_chances.clear();
+      for (const HypothesisRecord& h : image.score.hypotheses) {
+        image.pick_chances.push_back(maps.PickChance(h));
       }
     }
   }

@@ -32,7 +32,7 @@ std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& l
                                                const EstimatorSpec& base);
 
 // Result of one estimator on the image of one bin.
-struct ComparedLook {
+struct ComparedImage {
   int trial = 0;
   AttemptScore score;
   StageSeconds seconds;  // see EstimatorRunner
@@ -44,9 +44,9 @@ struct ComparedLook {
 // Results of one estimator on all bins.
 struct ComparedRow {
   std::string label;
-  std::vector<ComparedLook> looks;  // by trial
-  bop::Scores bop;                  // AR and AP over all bins; object ids are index + 1
-  double setup_s = 0;               // time to load; includes codebooks that were not in the cache
+  std::vector<ComparedImage> images;  // by trial
+  bop::Scores bop;                    // AR and AP over all bins; object ids are index + 1
+  double setup_s = 0;                 // time to load; includes codebooks that were not in the cache
   // Peak memory above what the process held before. For images after the first, memory that other
   // rows freed and this row reused is not counted.
   double peak_memory_mib = 0;

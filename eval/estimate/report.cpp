@@ -21,12 +21,12 @@ std::string RecallOf(const RecallBand& band) {
 }
 
 // Name and formatted value of a statistic.
-struct Figure {
+struct NamedStatistic {
   std::string name, value;
 };
 
-std::vector<Figure> FigureList(const ComparedRow& row, const ComparisonFigures& f) {
-  std::vector<Figure> list{
+std::vector<NamedStatistic> StatisticList(const ComparedRow& row, const ComparisonStatistics& f) {
+  std::vector<NamedStatistic> list{
       {"top-ranked pose right, %",
        fmt::format("{} ({} of {})", PercentNumber(f.bins > 0 ? 1.0 * f.top_right / f.bins : 0),
                    f.top_right, f.bins)},
@@ -34,38 +34,38 @@ std::vector<Figure> FigureList(const ComparedRow& row, const ComparisonFigures& 
        fmt::format("{} ({} of {})", PercentNumber(f.recall()), f.recalled, f.instances)}};
   if (f.top_pick_chance) {
     list.insert(list.begin() + 1,
-                {"chance to pick it, mean, %", PercentNumber(*f.top_pick_chance)});
+                {"mean predicted pick probability, %", PercentNumber(*f.top_pick_chance)});
   }
   for (const RecallBand& band : f.bands) {
     list.push_back({"  recall, " + BandName(band) + " visible", RecallOf(band)});
   }
-  const std::vector<Figure> rest{
+  const std::vector<NamedStatistic> rest{
       {"precision, %",
        fmt::format("{} ({} of {})", PercentNumber(f.precision()), f.right, f.poses)},
       {"recall at precision 0.95, %", PercentNumber(f.recall_at_95)},
-      {"kind of part right, %", PercentNumber(f.poses > 0 ? 1.0 * f.identity_right / f.poses : 0)},
+      {"right object, %", PercentNumber(f.poses > 0 ? 1.0 * f.identity_right / f.poses : 0)},
       {"median rotation error, deg", MedianText(f.median_rotation_deg, 2)},
       {"median MSSD, diameters", MedianText(f.median_mssd_diameters, 4)},
-      {"over 15 deg, %", PercentNumber(f.share_over_15_deg)},
+      {"rotation error over 15 deg, %", PercentNumber(f.share_over_15_deg)},
       {"calibration error (ECE)", fmt::format("{:.3f}", f.calibration_error)},
       {"AR (VSD, MSSD, MSPD)", fmt::format("{:.3f}", row.bop.ar())},
       {"  AR VSD", fmt::format("{:.3f}", row.bop.ar_vsd)},
       {"  AR MSSD", fmt::format("{:.3f}", row.bop.ar_mssd)},
       {"  AR MSPD", fmt::format("{:.3f}", row.bop.ar_mspd)},
       {"AP (MSSD, MSPD)", fmt::format("{:.3f}", row.bop.ap())},
-      {"seconds an image", fmt::format("{:.3f}", f.seconds)},
-      {"memory at most, MiB", fmt::format("{:.0f}", row.peak_memory_mib)},
+      {"seconds per image", fmt::format("{:.3f}", f.seconds)},
+      {"maximum memory, MiB", fmt::format("{:.0f}", row.peak_memory_mib)},
       {"seconds to load", fmt::format("{:.1f}", row.setup_s)}};
   list.insert(list.end(), rest.begin(), rest.end());
   return list;
 }
 
 // Header, then one line per statistic. One column per estimator.
-std::vector<std::vector<std::string>> FigureTable(const std::vector<ComparedRow>& rows) {
+std::vector<std::vector<std::string>> StatisticTable(const std::vector<ComparedRow>& rows) {
   std::vector<std::vector<std::string>> table{{""}};
   for (const ComparedRow& row : rows) {
     table.front().push_back(row.label);
-    const std::vector<Figure> list = FigureList(row, FiguresOf(row));
+    const std::vector<NamedStatistic> list = StatisticList(row, StatisticsOf(row));
     for (size_t i = 0; i < list.size(); ++i) {
       if (table.size() <= i + 1) table.push_back({list[i].name});
       table[i + 1].push_back(list[i].value);
@@ -76,12 +76,12 @@ std::vector<std::vector<std::string>> FigureTable(const std::vector<ComparedRow>
 
 std::vector<std::vector<std::string>> PartTable(const std::vector<ComparedRow>& rows,
                                                 const ObjectSet& objects) {
-  std::vector<std::vector<std::string>> table{{"part"}};
+  std::vector<std::vector<std::string>> table{{"object"}};
   for (const auto& object : objects) table.push_back({object->name});
   for (const ComparedRow& row : rows) {
     table.front().push_back(row.label);
     for (size_t i = 0; i < objects.size(); ++i) {
-      table[i + 1].push_back(PercentNumber(FiguresOf(row, static_cast<int>(i)).recall()));
+      table[i + 1].push_back(PercentNumber(StatisticsOf(row, ObjectId(i)).recall()));
     }
   }
   return table;
@@ -90,13 +90,13 @@ std::vector<std::vector<std::string>> PartTable(const std::vector<ComparedRow>& 
 std::vector<std::vector<std::string>> StageTable(const std::vector<ComparedRow>& rows) {
   constexpr std::string_view kPrefix = "estimate/";
   std::vector<std::vector<std::string>> table{
-      {"estimator", "stage", "seconds an image", "share, %"}};
+      {"estimator", "stage", "seconds per image", "share, %"}};
   for (const ComparedRow& row : rows) {
-    const ComparisonFigures figures = FiguresOf(row);
-    for (const auto& [stage, seconds] : figures.stages) {
+    const ComparisonStatistics statistics = StatisticsOf(row);
+    for (const auto& [stage, seconds] : statistics.stages) {
       if (!stage.starts_with(kPrefix)) continue;
       table.push_back({row.label, stage.substr(kPrefix.size()), fmt::format("{:.4f}", seconds),
-                       PercentNumber(seconds / figures.seconds)});
+                       PercentNumber(seconds / statistics.seconds)});
     }
   }
   return table;
@@ -105,9 +105,9 @@ std::vector<std::vector<std::string>> StageTable(const std::vector<ComparedRow>&
 // Recall in each visible-fraction band, with its 95 % interval over bins.
 RateCurve RecallCurve(const ComparedRow& row) {
   std::vector<std::vector<Cluster>> bins(EmptyRecallBands().size());  // by band
-  for (const ComparedLook& look : row.looks) {
+  for (const ComparedImage& image : row.images) {
     std::vector<RecallBand> here = EmptyRecallBands();
-    for (const InstanceRecord& instance : look.score.instances) CountRecall(instance, here);
+    for (const InstanceRecord& instance : image.score.instances) CountRecall(instance, here);
     for (size_t b = 0; b < here.size(); ++b)
       bins[b].push_back({here[b].recalled, here[b].instances});
   }
@@ -117,19 +117,19 @@ RateCurve RecallCurve(const ComparedRow& row) {
 }
 
 CalibrationCurve ReliabilityCurve(const ComparedRow& row) {
-  const std::vector<ReliabilityBin> reliability = FiguresOf(row).reliability;
-  std::vector<std::vector<Cluster>> by_look(reliability.size());
-  for (const ComparedLook& look : row.looks) {
-    ComparedRow one_look;
-    one_look.looks = {look};
-    const std::vector<ReliabilityBin> here = FiguresOf(one_look).reliability;
-    for (size_t b = 0; b < here.size(); ++b) by_look[b].push_back({here[b].right, here[b].count});
+  const std::vector<ReliabilityBin> reliability = StatisticsOf(row).reliability;
+  std::vector<std::vector<Cluster>> by_image(reliability.size());
+  for (const ComparedImage& image : row.images) {
+    ComparedRow one_image;
+    one_image.images = {image};
+    const std::vector<ReliabilityBin> here = StatisticsOf(one_image).reliability;
+    for (size_t b = 0; b < here.size(); ++b) by_image[b].push_back({here[b].right, here[b].count});
   }
   CalibrationCurve curve{row.label, {}};
   for (size_t b = 0; b < reliability.size(); ++b) {
     if (reliability[b].count == 0) continue;
     curve.points.push_back(
-        {reliability[b].score_sum / reliability[b].count, ClusterRate(by_look[b])});
+        {reliability[b].score_sum / reliability[b].count, ClusterRate(by_image[b])});
   }
   return curve;
 }
@@ -141,13 +141,13 @@ ReportChart RecallChart(const std::vector<ComparedRow>& rows) {
   for (const ComparedRow& row : rows) curves.push_back(RecallCurve(row));
   return RateCurves(
       {"recall", "Recall by visible fraction", "Shaded: 95 % intervals over bins.", ""},
-      "visible fraction of the part", "recall", bands, curves);
+      "visible fraction of the instance", "recall", bands, curves);
 }
 
 ReportChart ReliabilityChart(const std::vector<ComparedRow>& rows) {
   std::vector<CalibrationCurve> curves;
   for (const ComparedRow& row : rows) curves.push_back(ReliabilityCurve(row));
-  ReportChart chart{"reliability", "What a score is worth",
+  ReportChart chart{"reliability", "Calibration of the score",
                     "Share of right poses among those with about the same score. On the dotted "
                     "line it equals the score. Bars: 95 % intervals over bins.",
                     ""};
@@ -159,7 +159,7 @@ ReportChart ReliabilityChart(const std::vector<ComparedRow>& rows) {
 
 std::string ComparisonTable(const std::vector<ComparedRow>& rows) {
   constexpr size_t kLeastWidth = 26;
-  const std::vector<std::vector<std::string>> table = FigureTable(rows);
+  const std::vector<std::vector<std::string>> table = StatisticTable(rows);
   std::string text;
   for (const std::vector<std::string>& line : table) {
     text += fmt::format("{:<32}", line.front());
@@ -184,9 +184,9 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
   }
   csv += ",ar_vsd,ar_mssd,ar_mspd,ap_mssd,ap_mspd,top_pick_chance\n";
   for (const ComparedRow& row : rows) {
-    for (int object = -1; object < static_cast<int>(objects.size()); ++object) {
+    for (ObjectId object = kAnyObject; object < static_cast<int>(objects.size()); ++object) {
       const bool all = object < 0;
-      const ComparisonFigures f = all ? FiguresOf(row) : FiguresOf(row, object);
+      const ComparisonStatistics f = all ? StatisticsOf(row) : StatisticsOf(row, object);
       csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}", row.label,
                          all ? "all" : objects[object]->name, f.bins, f.top_right, f.instances,
                          f.recalled, f.poses, f.right, f.identity_right, f.recall_at_95,
@@ -214,14 +214,14 @@ std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
   std::string csv = "estimator,trial,hypothesis,object,instance,score" + placed.Header() +
                     ",correct,p_pick" + at_end.Header() + "\n";
   for (const ComparedRow& row : rows) {
-    for (const ComparedLook& look : row.looks) {
-      for (size_t i = 0; i < look.score.hypotheses.size(); ++i) {
-        const HypothesisRecord& h = look.score.hypotheses[i];
-        const bool known = !look.pick_chances.empty() && look.pick_chances[i].has_value();
+    for (const ComparedImage& image : row.images) {
+      for (size_t i = 0; i < image.score.hypotheses.size(); ++i) {
+        const HypothesisRecord& h = image.score.hypotheses[i];
+        const bool known = !image.pick_chances.empty() && image.pick_chances[i].has_value();
         csv += fmt::format(
-            "{},{},{},{},{},{}{},{},{}{}\n", row.label, look.trial, i, objects[h.object]->name,
+            "{},{},{},{},{},{}{},{},{}{}\n", row.label, image.trial, i, objects[h.object]->name,
             h.instance, h.score, placed.Cells(h.metrics), h.correct ? 1 : 0,
-            known ? fmt::format("{:.4f}", *look.pick_chances[i]) : "", at_end.Cells(h.metrics));
+            known ? fmt::format("{:.4f}", *image.pick_chances[i]) : "", at_end.Cells(h.metrics));
       }
     }
   }
@@ -232,18 +232,18 @@ HtmlPage ComparisonPage(const std::string& title, const std::vector<ComparedRow>
                         const ObjectSet& objects, const std::vector<std::string>& pictures) {
   HtmlPage page(title);
   page.Paragraph(
-      "Each estimator saw the same images. A pose is right when its MSSD is under a tenth of the "
-      "part's diameter; instances of at least 10 % visible are to be found, and a second pose of "
-      "an instance is a wrong one. Bands, and brackets behind medians, are 95 % intervals over "
-      "bins, since what one image shows is not independent.");
-  page.Table(FigureTable(rows));
+      "Each estimator got the same images. A pose is right if its MSSD is under a tenth of the "
+      "object's diameter. Instances at least 10 % visible are to be found; a second pose of an "
+      "instance is wrong. Bands, and brackets after medians, are 95 % intervals over bins, because "
+      "the poses in one image are not independent.");
+  page.Table(StatisticTable(rows));
   page.Heading("Curves");
   page.Charts({RecallChart(rows), ReliabilityChart(rows)});
   if (objects.size() > 1) {
-    page.Heading("Recall by part, %");
+    page.Heading("Recall by object, %");
     page.Table(PartTable(rows, objects));
   }
-  page.Heading("Where the time goes");
+  page.Heading("Time per stage");
   page.Table(StageTable(rows));
   if (!pictures.empty()) page.Heading("The first bins");
   for (const std::string& picture : pictures) page.Picture(picture, picture);

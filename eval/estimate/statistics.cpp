@@ -37,42 +37,42 @@ double RecallAtPrecision(std::vector<Claim> claims, int wanted) {
 }
 
 // Expected calibration error (Naeini, Cooper and Hauskrecht 2015).
-void Calibrate(const std::vector<Claim>& claims, ComparisonFigures& figures) {
-  figures.reliability.resize(kReliabilityBins);
+void Calibrate(const std::vector<Claim>& claims, ComparisonStatistics& statistics) {
+  statistics.reliability.resize(kReliabilityBins);
   for (const Claim& claim : claims) {
     const int bin =
         std::clamp(static_cast<int>(claim.score * kReliabilityBins), 0, kReliabilityBins - 1);
-    figures.reliability[bin].score_sum += claim.score;
-    ++figures.reliability[bin].count;
-    figures.reliability[bin].right += claim.right;
+    statistics.reliability[bin].score_sum += claim.score;
+    ++statistics.reliability[bin].count;
+    statistics.reliability[bin].right += claim.right;
   }
-  for (const ReliabilityBin& bin : figures.reliability) {
+  for (const ReliabilityBin& bin : statistics.reliability) {
     if (claims.empty()) break;
-    figures.calibration_error += std::abs(bin.score_sum - bin.right) / claims.size();
+    statistics.calibration_error += std::abs(bin.score_sum - bin.right) / claims.size();
   }
 }
 
-void CountInstances(const AttemptScore& look, std::optional<int> object,
-                    ComparisonFigures& figures) {
-  for (const InstanceRecord& instance : look.instances) {
+void CountInstances(const AttemptScore& image, std::optional<ObjectId> object,
+                    ComparisonStatistics& statistics) {
+  for (const InstanceRecord& instance : image.instances) {
     if (object && instance.object != *object) continue;
     if (instance.visible_fraction < kCountedVisibility) continue;
-    ++figures.instances;
-    figures.recalled += instance.recalled;
-    CountRecall(instance, figures.bands);
+    ++statistics.instances;
+    statistics.recalled += instance.recalled;
+    CountRecall(instance, statistics.bands);
   }
 }
 
 std::optional<double> TopPickChance(const ComparedRow& row) {
   double sum = 0;
   int known = 0, mapped = 0;
-  for (const ComparedLook& look : row.looks) {
-    const bool blind = look.score.hypotheses.empty();
-    if (!blind && (look.pick_chances.empty() || !look.pick_chances.front())) continue;
+  for (const ComparedImage& image : row.images) {
+    const bool no_pose = image.score.hypotheses.empty();
+    if (!no_pose && (image.pick_chances.empty() || !image.pick_chances.front())) continue;
     ++known;
-    if (blind) continue;
+    if (no_pose) continue;
     ++mapped;
-    sum += *look.pick_chances.front();
+    sum += *image.pick_chances.front();
   }
   if (mapped == 0) return std::nullopt;
   return sum / known;
@@ -80,29 +80,29 @@ std::optional<double> TopPickChance(const ComparedRow& row) {
 
 }  // namespace
 
-ComparisonFigures FiguresOf(const ComparedRow& row, std::optional<int> object) {
-  ComparisonFigures figures;
-  figures.bands = EmptyRecallBands();
+ComparisonStatistics StatisticsOf(const ComparedRow& row, std::optional<ObjectId> object) {
+  ComparisonStatistics statistics;
+  statistics.bands = EmptyRecallBands();
   std::vector<Claim> claims;
   ValueClusters rotations_deg, mssds;  // by bin
   int far_off = 0, standing = 0;
-  for (const ComparedLook& compared : row.looks) {
-    const AttemptScore& look = compared.score;
-    ++figures.bins;
+  for (const ComparedImage& compared : row.images) {
+    const AttemptScore& image = compared.score;
+    ++statistics.bins;
     std::vector<double>& rotations_here_deg = rotations_deg.emplace_back();
     std::vector<double>& mssds_here = mssds.emplace_back();
-    figures.top_right += !look.hypotheses.empty() && look.hypotheses.front().correct;
-    CountInstances(look, object, figures);
-    for (size_t i = 0; i < look.hypotheses.size(); ++i) {
-      const HypothesisRecord& pose = look.hypotheses[i];
+    statistics.top_right += !image.hypotheses.empty() && image.hypotheses.front().correct;
+    CountInstances(image, object, statistics);
+    for (size_t i = 0; i < image.hypotheses.size(); ++i) {
+      const HypothesisRecord& pose = image.hypotheses[i];
       if (object && pose.object != *object) continue;
-      const int taken = look.taken[i];
+      const int taken = image.taken[i];
       const bool counts =
-          taken >= 0 && look.instances[taken].visible_fraction >= kCountedVisibility;
+          taken >= 0 && image.instances[taken].visible_fraction >= kCountedVisibility;
       claims.push_back({pose.score, taken >= 0, counts});
-      ++figures.poses;
-      figures.right += taken >= 0;
-      figures.identity_right += look.nearest_object[i] == pose.object;
+      ++statistics.poses;
+      statistics.right += taken >= 0;
+      statistics.identity_right += image.nearest_object[i] == pose.object;
       if (pose.mssd_diameters() >= kMatchDiameters) continue;
       rotations_here_deg.push_back(pose.rotation_rad() * 180 / std::numbers::pi);
       mssds_here.push_back(pose.mssd_diameters());
@@ -110,19 +110,19 @@ ComparisonFigures FiguresOf(const ComparedRow& row, std::optional<int> object) {
       ++standing;
     }
     for (const auto& [stage, seconds] : compared.seconds) {
-      figures.stages[stage] += seconds / static_cast<double>(row.looks.size());
+      statistics.stages[stage] += seconds / static_cast<double>(row.images.size());
     }
   }
-  figures.recall_at_95 = RecallAtPrecision(claims, figures.instances);
-  Calibrate(claims, figures);
-  figures.top_pick_chance = TopPickChance(row);
-  figures.share_over_15_deg = standing > 0 ? static_cast<double>(far_off) / standing : 0;
-  figures.median_rotation_deg = MedianWithin(rotations_deg);
-  figures.median_mssd_diameters = MedianWithin(mssds);
-  if (const auto all = figures.stages.find("estimate"); all != figures.stages.end()) {
-    figures.seconds = all->second;
+  statistics.recall_at_95 = RecallAtPrecision(claims, statistics.instances);
+  Calibrate(claims, statistics);
+  statistics.top_pick_chance = TopPickChance(row);
+  statistics.share_over_15_deg = standing > 0 ? static_cast<double>(far_off) / standing : 0;
+  statistics.median_rotation_deg = MedianWithin(rotations_deg);
+  statistics.median_mssd_diameters = MedianWithin(mssds);
+  if (const auto all = statistics.stages.find("estimate"); all != statistics.stages.end()) {
+    statistics.seconds = all->second;
   }
-  return figures;
+  return statistics;
 }
 
 }  // namespace pickbed::eval

@@ -8,6 +8,7 @@
 #include "eval/estimate/estimator_comparison.h"
 #include "eval/stats/median_error.h"
 #include "eval/summary/run_summary.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
@@ -17,7 +18,7 @@ struct ReliabilityBin {
   int count = 0, right = 0;
 };
 
-struct ComparisonFigures {
+struct ComparisonStatistics {
   int bins = 0,
       top_right = 0;  // bins whose highest-ranked pose is correct; a bin without a pose is not
   int instances = 0, recalled = 0;  // instances at least 10 % visible
@@ -42,6 +43,7 @@ struct ComparisonFigures {
 
 // Computes the statistics of one object, or of all. Times and highest-ranked poses always refer to
 // whole images.
-ComparisonFigures FiguresOf(const ComparedRow& row, std::optional<int> object = std::nullopt);
+ComparisonStatistics StatisticsOf(const ComparedRow& row,
+                                  std::optional<ObjectId> object = std::nullopt);
 
 }  // namespace pickbed::eval

@@ -28,7 +28,7 @@ std::vector<std::optional<std::array<int8_t, kPatchValues>>> EntryPatches(
     LabelledViewSource& views, const std::vector<EntryPose>& entries, double distance_m,
     double focal_px) {
   const Pose X_CP = PatchFrame({0, 0, distance_m}, 0);
-  using Kind = std::tuple<int, double, PatchChannels>;  // object and form
+  using Kind = std::tuple<ObjectId, double, PatchChannels>;  // object and form
   std::map<Kind, std::vector<size_t>> by_kind;
   for (size_t i = 0; i < entries.size(); ++i) {
     const PatchForm& form = entries[i].form;
@@ -41,12 +41,12 @@ std::vector<std::optional<std::array<int8_t, kPatchValues>>> EntryPatches(
     std::vector<Pose> X_CO;
     for (const size_t i : members) X_CO.push_back(X_CP * entries[i].X_PO);
     const std::vector<LabelledView> seen = views.Isolated(object, X_CO, camera, 0);
-    const int middle = camera.height() / 2 * camera.width() + camera.width() / 2;
+    const int center_pixel = camera.height() / 2 * camera.width() + camera.width() / 2;
     for (size_t m = 0; m < members.size(); ++m) {
       const OrganizedCloud cloud = IsolatedCloud(seen[m]);
-      if (!(cloud.depth_m.data()[middle] > 0)) continue;
+      if (!(cloud.depth_m.data()[center_pixel] > 0)) continue;
       const double angle = 0;
-      const PatchSet patch = CutPatches(cloud, {&middle, 1}, {&angle, 1}, {side_m, channels});
+      const PatchSet patch = CutPatches(cloud, {&center_pixel, 1}, {&angle, 1}, {side_m, channels});
       std::ranges::copy(patch.patch(0), patches[members[m]].emplace().begin());
     }
   }

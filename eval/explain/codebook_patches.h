@@ -8,13 +8,14 @@
 
 #include "eval/layer.h"
 #include "perception/features/patch.h"
+#include "scenes/base/ids.h"
 #include "scenes/labelled_view.h"
 
 namespace pickbed::eval {
 
 // Codebook entry: an object, and its pose in the patch frame P.
 struct EntryPose {
-  int object = 0;
+  ObjectId object{0};
   PatchForm form;
   Pose X_PO = Pose::Identity();
 };

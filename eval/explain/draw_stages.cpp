@@ -94,7 +94,7 @@ Image<Rgb8> DrawVoteMap(const Board& board, const std::vector<Eigen::Vector2d>& 
   }
   std::vector<LegendEntry> all{
       {HeatColor(1),
-       fmt::format("brightest: some {:.0f} votes within {:.1f} px (brightness is the square root)",
+       fmt::format("brightest: about {:.0f} votes within {:.1f} px (brightness is the square root)",
                    2 * std::numbers::pi * sigma * sigma * most, sigma_px)}};
   all.insert(all.end(), legend.begin(), legend.end());
   return WithLegend(canvas.Take(), all);
@@ -110,9 +110,9 @@ Image<Rgb8> DrawPoses(const Board& board, PartOutlines& outlines, const ObjectSe
   }
   // Marks are drawn last, so that no outline covers them.
   for (auto pose = poses.rbegin(); pose != poses.rend(); ++pose) {
-    const Eigen::Vector3d middle_C = pose->X_CO * objects[pose->object]->mass.com_O;
-    if (!(middle_C.z() > 0)) continue;
-    const Eigen::Vector2d at = Project(board.camera, middle_C);
+    const Eigen::Vector3d center_C = pose->X_CO * objects[pose->object]->mass.com_O;
+    if (!(center_C.z() > 0)) continue;
+    const Eigen::Vector2d at = Project(board.camera, center_C);
     if (pose->crossed) DrawCross(canvas, at, 9);
     if (pose->label.empty()) continue;
     canvas.Label(pose->label, pose->crossed ? at + Eigen::Vector2d(0, 22) : at, 0.5);

@@ -8,6 +8,7 @@
 #include "eval/draw/canvas.h"
 #include "eval/draw/outline.h"
 #include "perception/candidates/estimate_trace.h"
+#include "scenes/base/ids.h"
 #include "scenes/camera/rgbd_frame.h"
 
 namespace pickbed::eval::explain {
@@ -43,7 +44,7 @@ Image<Rgb8> DrawVoteMap(const Board& board, const std::vector<Eigen::Vector2d>& 
                         const std::vector<LegendEntry>& legend);
 
 struct DrawnPose {
-  int object = 0;
+  ObjectId object{0};
   Pose X_CO = Pose::Identity();
   Rgb8 color;
   std::string label = {};  // drawn at its center of mass

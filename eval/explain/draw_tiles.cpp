@@ -16,13 +16,13 @@ struct Cutout {
   Cutout(const Board& board, const Eigen::Vector2d& center, double side_px, int tile_px)
       : image(SquareCrop(board.color, center, side_px, tile_px)) {
     const CameraIntrinsics& k = board.camera;
-    const double scale = tile_px / side_px, middle_px = 0.5 * (tile_px - 1);
+    const double scale = tile_px / side_px, center_px = 0.5 * (tile_px - 1);
     camera = {tile_px,
               tile_px,
               scale * k.fx(),
               scale * k.fy(),
-              scale * (k.cx() - center.x()) + middle_px,
-              scale * (k.cy() - center.y()) + middle_px};
+              scale * (k.cx() - center.x()) + center_px,
+              scale * (k.cy() - center.y()) + center_px};
   }
   Image<Rgb8> image;
   CameraIntrinsics camera;
@@ -87,9 +87,9 @@ void DrawQuery(Canvas& sheet, int x, int y, const Board& board, PartOutlines& ou
 Image<Rgb8> PoseCrop(const Board& board, PartOutlines& outlines, const ObjectModel& object,
                      const ModelPoints& model, const PoseTile& pose) {
   constexpr double kViewDiameters = 1.3;
-  const Eigen::Vector3d middle_C = pose.X_CO * model.center_O.cast<double>();
-  const Eigen::Vector2d center = Project(board.camera, middle_C);
-  const double side_px = kViewDiameters * object.diameter_m * board.camera.fx() / middle_C.z();
+  const Eigen::Vector3d center_C = pose.X_CO * model.center_O.cast<double>();
+  const Eigen::Vector2d center = Project(board.camera, center_C);
+  const double side_px = kViewDiameters * object.diameter_m * board.camera.fx() / center_C.z();
   Cutout cutout(board, center, side_px, kPoseTile_px);
   Canvas tile(Faded(cutout.image));
   for (const PixelLine& line : outlines.At(pose.object, pose.X_CO, cutout.camera)) {
@@ -172,10 +172,10 @@ Rgb8 FitColor(PointFit fit) {
 }
 
 std::vector<LegendEntry> FitLegend() {
-  return {{FitColor(PointFit::kAgrees), "agrees: seen where the model says"},
-          {FitColor(PointFit::kWrongNormal), "seen there, but the surface faces another way"},
+  return {{FitColor(PointFit::kAgrees), "agrees: measured where the model is"},
+          {FitColor(PointFit::kWrongNormal), "measured there, but the surface normal differs"},
           {FitColor(PointFit::kHidden), "hidden behind something nearer"},
-          {FitColor(PointFit::kViolates), "violates: the camera looked through it"},
+          {FitColor(PointFit::kViolates), "violates: the camera measured a surface behind it"},
           {FitColor(PointFit::kUnknown), "unknown: no reading, or background there"}};
 }
 

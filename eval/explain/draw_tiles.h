@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eval/explain/draw_stages.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval::explain {
 
@@ -16,7 +17,7 @@ using PatchValues = std::array<int8_t, kPatchValues>;
 
 struct NeighborTile {
   std::optional<PatchValues> patch;  // of the codebook entry; nullopt = could not be rendered
-  int object = 0;
+  ObjectId object{0};
   Pose X_CO = Pose::Identity();  // pose for which it votes
   Rgb8 color;                    // border colour of the tile
   std::string caption;
@@ -39,7 +40,7 @@ Image<Rgb8> PatchSheet(const Board& board, PartOutlines& outlines,
 Image<Rgb8> PatchPicture(const PatchValues& values, PatchChannels channels);
 
 struct PoseTile {
-  int object = 0;
+  ObjectId object{0};
   Pose X_CO = Pose::Identity();
   Rgb8 color;  // border colour of the tile
   std::vector<JudgedPoint> points;

@@ -16,10 +16,9 @@ void RequireExplains(const std::string& estimator) {
     if (estimator == row.name) return;
     able += fmt::format("{}{}", able.empty() ? "" : ", ", row.name);
   }
-  throw InputError(
-      fmt::format("--explain: estimator '{}' does not tell how it came to its answer; "
-                  "name one that does with --estimator: {}",
-                  estimator, able));
+  throw InputError(fmt::format(
+      "estimator '{}' does not report the stages of its estimate; name one that does: {}",
+      estimator, able));
 }
 
 std::string ExplainTrial(const ScenarioSpec& spec, const ObjectSet& objects,
@@ -28,8 +27,8 @@ std::string ExplainTrial(const ScenarioSpec& spec, const ObjectSet& objects,
   RequireExplains(spec.estimator.name);
   SimulatedCell cell(spec, objects);
   EstimatorRunner runner(cell, spec, 1, on_progress);
-  const Scene scene = cell.MakeScene(trial).scene;
-  const Observation view = cell.Capture(scene, trial, 0);
+  const Scene scene = cell.MakeScene(BinIndex(trial)).scene;
+  const Observation view = cell.Capture(scene, BinIndex(trial), 0);
   std::vector<TruePart> truth;
   const Pose X_CW = cell.camera().X_CW();
   for (size_t i = 0; i < scene.objects.size(); ++i) {

@@ -35,7 +35,7 @@ Explainer::Explainer(const Explained& in, const std::filesystem::path& folder)
     vote_errors_.push_back((*judge_)(vote.vote.object, vote.vote.X_CO));
   }
   verdicts_ = JudgeSet(*judge_, in.hypotheses);
-  fates_ = DiagnoseInstances(*judge_, in.trace, vote_errors_, models_, in.hypotheses);
+  outcomes_ = DiagnoseInstances(*judge_, in.trace, vote_errors_, models_, in.hypotheses);
 }
 
 std::string Explainer::Write() {
@@ -50,7 +50,7 @@ std::string Explainer::Write() {
   Rejected();
   Missed();
   Final();
-  Fates();
+  Outcomes();
   return WritePage(folder_ / "explain.html", page_);
 }
 
@@ -77,50 +77,51 @@ void Explainer::ShowGallery(const std::string& name, const std::vector<PoseTile>
 
 std::vector<LegendEntry> Explainer::TruthLegend(const std::string& right, const std::string& near,
                                                 const std::string& wrong) const {
-  if (!judge_) return {{kUnknown, "the truth is not known here"}};
+  if (!judge_) return {{kUnknown, "ground truth is not known here"}};
   return {{kRight, right}, {kNear, near}, {kWrong, wrong}};
 }
 
-std::string Explainer::TruthText(int object, const Pose& X_CO) const {
+std::string Explainer::TruthText(ObjectId object, const Pose& X_CO) const {
   if (!judge_) return "";
   const PoseVerdict error = (*judge_)(object, X_CO);
-  if (error.part < 0) return "no such part";
+  if (error.position < 0) return "no such instance";
   if (error.right()) return "right";
-  return error.diameters < 9.95 ? fmt::format("off {:.2f} d", error.diameters) : "far off";
+  return error.diameters < 9.95 ? fmt::format("error {:.2f} d", error.diameters) : "large error";
 }
 
 void Explainer::Summary() {
   std::string text = fmt::format(
-      "{} patches cast {} votes; {} poses were refined, {} judged by the verifier and {} reported.",
+      "{} patches cast {} votes; {} poses were refined, {} scored by the verifier and {} reported.",
       in_.trace.patches.size(), in_.trace.votes.size(), in_.trace.refinements.size(),
       in_.trace.candidates.size(), in_.hypotheses.size());
-  const std::vector<int>& told = in_.trace.instances;
-  if (!told.empty()) {
-    text += fmt::format(" It was told how many of each object to find, {} in all.",
-                        std::accumulate(told.begin(), told.end(), 0));
+  const std::vector<int>& counts = in_.trace.instances;
+  if (!counts.empty()) {
+    text += fmt::format(" The number of instances of each object was given, {} in all.",
+                        std::accumulate(counts.begin(), counts.end(), 0));
   }
   if (judge_) {
     const auto right = std::ranges::count(verdicts_, Verdict::kRight);
     size_t wanted = 0, found = 0;
-    for (size_t i = 0; i < fates_.size(); ++i) {
+    for (size_t i = 0; i < outcomes_.size(); ++i) {
       if (judge_->parts()[i].visible_fraction < kCountedVisibility) continue;
       ++wanted;
-      found += fates_[i].lost == LostAt::kFound;
+      found += outcomes_[i].lost == LostAt::kFound;
     }
     text += fmt::format(
-        " By the truth {} of the {} reported poses are right, and {} of the {} parts at least {} "
-        "visible were found. Right is an error (MSSD) under {:g} diameters; d below is diameters.",
+        " According to ground truth, {} of the {} reported poses are right, and {} of the {} "
+        "instances at least {} visible were found. A pose is right if its error (MSSD) is under "
+        "{:g} diameters; d below is diameters.",
         right, in_.hypotheses.size(), found, wanted, Percent(kCountedVisibility),
         kCorrectDiameters);
   } else {
-    text += " The truth is not known here, so that nothing is called right or wrong.";
+    text += " Ground truth is not known here, so no pose is marked as right or wrong.";
   }
   page_.Paragraph(text);
 }
 
 void Explainer::Input() {
-  Stage("1. What the camera sees",
-        "Only what is foreground can be sampled; a part without depth cannot be found.");
+  Stage("1. Camera image",
+        "Only foreground pixels can be sampled; an instance without depth cannot be found.");
   std::vector<float> known;
   for (const float z : in_.frame.depth_m.pixels()) {
     if (z > 0) known.push_back(z);
@@ -137,14 +138,15 @@ void Explainer::Input() {
                    at(0.99), PercentText(holes)),
        false);
   Show("1_foreground", DrawForeground(in_.frame, in_.trace.cloud),
-       "Foreground in its colours; background dimmed, violet has no reading", false);
+       "Foreground in its colours; background is dimmed, violet has no reading", false);
 }
 
 void Explainer::Points() {
   const size_t count = in_.trace.patches.size();
   Stage("2. Sampled points",
-        "A patch is cut around each and votes for poses of parts. Where many points have no right "
-        "vote, the descriptors do not know what they see: too hidden, too plain, or not learned.");
+        "A patch is cut around each point and votes for object poses. Where many points have no "
+        "right vote, the descriptors do not recognise the surface: it is too hidden, too plain, or "
+        "was not trained.");
   std::map<int, int> right_by_pixel;
   for (const TracedPatch& patch : in_.trace.patches) right_by_pixel[patch.pixel] += 0;
   for (size_t i = 0; i < vote_errors_.size(); ++i) {
@@ -165,20 +167,22 @@ void Explainer::Points() {
   }
   Show("2_points",
        DrawDots(board_, dots, 2.6,
-                TruthLegend("two or more of its votes are right", "one is", "none is")),
+                TruthLegend("two or more of its votes are right", "one vote is right",
+                            "no vote is right")),
        caption);
 }
 
 void Explainer::Votes() {
   Stage("4. Votes",
-        "Each vote puts the middle of a part somewhere. Bright spots on rings are parts that many "
-        "patches agree on; bright spots beside them are look-alikes, dark rings went unseen.");
+        "Each vote gives a position of an object center. Bright spots on rings are instances that "
+        "many patches agree on; bright spots elsewhere are ambiguous poses, and dark rings got no "
+        "votes.");
   std::vector<Eigen::Vector2d> centers;
   std::vector<ColoredDot> dots[3];  // wrong, near, right: right ones are drawn on top
   for (size_t i = 0; i < in_.trace.votes.size(); ++i) {
     const RawHypothesis& vote = in_.trace.votes[i].vote;
     if (!((vote.X_CO * in_.objects[vote.object]->mass.com_O).z() > 0)) continue;
-    centers.push_back(MiddlePixel(vote.object, vote.X_CO));
+    centers.push_back(CenterPixel(vote.object, vote.X_CO));
     if (!judge_) continue;
     const Rgb8 color = ColorOf(vote_errors_[i]);
     dots[color == kRight ? 2 : color == kNear ? 1 : 0].push_back({centers.back(), color});
@@ -188,20 +192,20 @@ void Explainer::Votes() {
   const double sigma_px =
       std::max(1.0, 0.03 * diameter_m * in_.frame.intrinsics.fx() / in_.working_distance_m);
   std::vector<ColoredDot> rings;
-  for (size_t i = 0; i < fates_.size(); ++i) {
+  for (size_t i = 0; i < outcomes_.size(); ++i) {
     const TruePart& part = judge_->parts()[i];
-    const bool found = fates_[i].lost == LostAt::kFound;
-    const Rgb8 lost = fates_[i].lost == LostAt::kHardlyVisible ? kPale : kUnknown;
-    rings.push_back({MiddlePixel(part.object, part.X_CO), found ? kRight : lost});
+    const bool found = outcomes_[i].lost == LostAt::kFound;
+    const Rgb8 lost = outcomes_[i].lost == LostAt::kHardlyVisible ? kPale : kUnknown;
+    rings.push_back({CenterPixel(part.object, part.X_CO), found ? kRight : lost});
   }
   std::vector<LegendEntry> legend;
   if (judge_) {
-    legend = {{kRight, "a part that was found"},
-              {kUnknown, "one that was not"},
-              {kPale, "one that is hardly visible"}};
+    legend = {{kRight, "an instance that was found"},
+              {kUnknown, "an instance that was not found"},
+              {kPale, "an instance that is barely visible"}};
   }
   Show("4_votes", DrawVoteMap(board_, centers, sigma_px, rings, legend),
-       fmt::format("{} votes, {} of each patch: density of the middles that they vote for",
+       fmt::format("{} votes, {} of each patch: density of the voted object centers",
                    in_.trace.votes.size(), in_.trace.neighbors));
   if (!judge_) return;
   std::vector<ColoredDot> all;
@@ -211,19 +215,19 @@ void Explainer::Votes() {
   };
   Show("4_votes_by_truth",
        DrawDots(board_, all, 1.6,
-                TruthLegend("right: " + share(dots[2]), "in ICP's reach: " + share(dots[1]),
+                TruthLegend("right: " + share(dots[2]), "within ICP's reach: " + share(dots[1]),
                             "wrong: " + share(dots[0]))),
-       "The same middles one by one; right means the whole pose, so that a wrong one may lie on a "
-       "part's middle");
+       "The same object centers one by one. Right means that the whole pose is right, so a wrong "
+       "vote can be on the center of an instance");
 }
 
 void Explainer::Hypotheses() {
   Stage("5. Hypotheses before and after ICP",
-        "The votes that rank best, and where ICP took them. Amber before should be green after; "
-        "what is red before stays wrong, and amber that turned red slid into clutter.");
+        "The votes with the best ranks, and their poses after ICP. Amber before should be green "
+        "after; red before stays wrong, and amber that turned red converged to clutter.");
   std::vector<const TracedRefinement*> followed;
   for (const TracedRefinement& refinement : in_.trace.refinements) {
-    if (!refinement.look_alike) followed.push_back(&refinement);
+    if (!refinement.ambiguous_pose) followed.push_back(&refinement);
   }
   std::ranges::stable_sort(followed, [](const TracedRefinement* a, const TracedRefinement* b) {
     return a->before.quick_score > b->before.quick_score;

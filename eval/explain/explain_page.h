@@ -11,6 +11,7 @@
 #include "eval/explain/draw_tiles.h"
 #include "eval/explain/explain.h"
 #include "eval/page/html.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
@@ -34,7 +35,7 @@ class Explainer {
   void Rejected();
   void Missed();
   void Final();
-  void Fates();
+  void Outcomes();
 
   void Stage(const std::string& heading, const std::string& how_to_read);
   // Writes the picture to a file and adds it to the page.
@@ -44,12 +45,12 @@ class Explainer {
                    const std::string& caption);
 
   static std::string Percent(double share);
-  std::string FitText(int object, const Pose& X_CO, const FitReport& fit) const;
+  std::string FitText(ObjectId object, const Pose& X_CO, const FitReport& fit) const;
   Eigen::Vector2d Pixel(int index) const {
     const int width = in_.frame.intrinsics.width();
     return {index % width, index / width};
   }
-  Eigen::Vector2d MiddlePixel(int object, const Pose& X_CO) const {
+  Eigen::Vector2d CenterPixel(ObjectId object, const Pose& X_CO) const {
     return Project(in_.frame.intrinsics, X_CO * in_.objects[object]->mass.com_O);
   }
   Rgb8 ColorOf(const PoseVerdict& error) const {
@@ -57,20 +58,20 @@ class Explainer {
     return error.diameters < kReachDiameters ? explain::kNear : explain::kWrong;
   }
   // Colour by the error against ground truth; kUnknown without ground truth.
-  Rgb8 ColorOfPose(int object, const Pose& X_CO) const {
+  Rgb8 ColorOfPose(ObjectId object, const Pose& X_CO) const {
     return judge_ ? ColorOf((*judge_)(object, X_CO)) : explain::kUnknown;
   }
-  std::string PartName(int object) const {
+  std::string PartName(ObjectId object) const {
     return in_.objects.size() > 1 ? in_.objects[object]->name + "  " : "";
   }
-  std::string TruthText(int object, const Pose& X_CO) const;
+  std::string TruthText(ObjectId object, const Pose& X_CO) const;
   std::vector<LegendEntry> TruthLegend(const std::string& right, const std::string& near,
                                        const std::string& wrong) const;
-  explain::PoseTile TileOf(int object, const Pose& X_CO, std::string title,
+  explain::PoseTile TileOf(ObjectId object, const Pose& X_CO, std::string title,
                            std::string caption) const;
   explain::QueryTile QueryOf(int patch, int first_vote, int votes) const;
   // Header, then one row for each of `parts`, in this order.
-  std::vector<std::vector<std::string>> FateTable(const std::vector<int>& parts) const;
+  std::vector<std::vector<std::string>> OutcomeTable(const std::vector<int>& parts) const;
   // Rejected candidates, best first, at most ten. A candidate is left out if its pose equals an
   // accepted pose or an earlier candidate (distance under 0.1 diameter).
   std::vector<int> WhollyRejected() const;
@@ -84,9 +85,9 @@ class Explainer {
   std::vector<ModelPoints> models_;
   std::vector<PoseDistance> distances_;
   std::optional<PoseJudge> judge_;
-  std::vector<PoseVerdict> vote_errors_;  // one per entry of trace.votes
-  std::vector<Verdict> verdicts_;         // one per hypothesis
-  std::vector<InstanceDiagnosis> fates_;  // one per ground-truth instance
+  std::vector<PoseVerdict> vote_errors_;     // one per entry of trace.votes
+  std::vector<Verdict> verdicts_;            // one per hypothesis
+  std::vector<InstanceDiagnosis> outcomes_;  // one per ground-truth instance
 };
 
 }  // namespace pickbed::eval

@@ -17,7 +17,7 @@ constexpr int kQueries = 12, kQueryNeighbors = 5;
 constexpr size_t kGalleryTiles = 15, kBestTiles = 10;
 constexpr double kSamePoseDiameters = 0.1;
 
-Rgb8 FateColor(LostAt lost) {
+Rgb8 OutcomeColor(LostAt lost) {
   switch (lost) {
     case LostAt::kFound:
       return kRight;
@@ -35,7 +35,7 @@ Rgb8 FateColor(LostAt lost) {
       return {240, 240, 180};
     case LostAt::kVerifier:
       return {200, 90, 240};
-    case LostAt::kFinalSet:
+    case LostAt::kPoseSelection:
       return {85, 165, 255};
     case LostAt::kCount:
       return {40, 90, 170};
@@ -49,11 +49,11 @@ Rgb8 FateColor(LostAt lost) {
 
 std::string Explainer::Percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
-std::string Explainer::FitText(int object, const Pose& X_CO, const FitReport& fit) const {
+std::string Explainer::FitText(ObjectId object, const Pose& X_CO, const FitReport& fit) const {
   std::string text = fmt::format("agree {}, hidden {}, violate {}", Percent(fit.inlier_share),
                                  Percent(fit.hidden_share), Percent(fit.violated_share));
   const auto print = PrintCorrelation(in_.trace.cloud, models_[object], X_CO);
-  if (print) text += fmt::format(", print {:.2f}", *print);
+  if (print) text += fmt::format(", texture {:.2f}", *print);
   return text;
 }
 
@@ -80,9 +80,9 @@ QueryTile Explainer::QueryOf(int index, int first_vote, int votes) const {
 void Explainer::Patches() {
   const EstimateTrace& trace = in_.trace;
   if (trace.votes.empty()) return;
-  Stage("3. Patches and their nearest code-book entries",
-        "Right neighbours look like the query because they are the same place of the part; wrong "
-        "ones that look alike all the same are what the votes must sort out.");
+  Stage("3. Patches and their nearest code book entries",
+        "Right neighbours are similar to the query because they show the same place of the object. "
+        "Wrong neighbours that are equally similar must be outvoted.");
   std::map<int, std::pair<int, int>> votes_of;  // patch -> index of first vote, number of votes
   for (size_t i = 0; i < trace.votes.size(); ++i) {
     ++votes_of.try_emplace(trace.votes[i].patch, static_cast<int>(i), 0).first->second.second;
@@ -115,11 +115,11 @@ void Explainer::Patches() {
            (trace.channels == PatchChannels::kDepthColor
                 ? "(its colours; the network sees its depth, too)"
                 : "(depth, near is warm, shaded by its normals)") +
-           " and the nearest entries, rendered anew; below, the patch's place and the pose that "
-           "each entry votes for. Numbers are distances of the descriptors.");
+           " and the nearest entries, rendered anew; below, the place of the patch and the pose "
+           "that each entry votes for. Numbers are descriptor distances.");
 }
 
-PoseTile Explainer::TileOf(int object, const Pose& X_CO, std::string title,
+PoseTile Explainer::TileOf(ObjectId object, const Pose& X_CO, std::string title,
                            std::string caption) const {
   return {object,
           X_CO,
@@ -130,13 +130,12 @@ PoseTile Explainer::TileOf(int object, const Pose& X_CO, std::string title,
 }
 
 void Explainer::Accepted() {
-  Stage("6. What the verifier sees",
-        fmt::format(
-            "Each dot is a point of the model that faces the camera. A right pose is green but for "
-            "what is hidden (blue); red speaks against it: the camera saw through where it should "
-            "be. Print: how well the colours of a printed part are found, up to 1; under {:g} it "
-            "lowers the score.",
-            kPrintFound));
+  Stage("6. Input of the verifier",
+        fmt::format("Each dot is a model point that faces the camera. A right pose is green except "
+                    "where it is hidden (blue). Red is evidence against it: the camera measured a "
+                    "surface behind the model point. Texture: how well the colours of a printed "
+                    "object match, up to 1; below {:g} it lowers the score.",
+                    kPrintFound));
   std::vector<PoseTile> tiles;
   const std::vector<Verdict> verdicts =
       judge_ ? JudgeSet(*judge_, in_.trace.accepted) : std::vector<Verdict>();
@@ -154,8 +153,8 @@ void Explainer::Accepted() {
     return;
   }
   ShowGallery("6_accepted", tiles,
-              "Accepted, with the verifier's score: the best, and those of the others that are "
-              "wrong; before the final refiner");
+              "Accepted poses with the score of the verifier: the best one, and the wrong ones; "
+              "before the final refiner");
 }
 
 std::vector<int> Explainer::WhollyRejected() const {
@@ -186,8 +185,8 @@ std::string Explainer::WhyRejected(const PoseHypothesis& hypothesis) const {
   if (hypothesis.score < in_.trace.min_score) {
     return fmt::format("under {:g}", in_.trace.min_score);
   }
-  return CountUsedUp(in_.trace, hypothesis.object, hypothesis.score) ? "over the count"
-                                                                     : "gave way";
+  return CountUsedUp(in_.trace, hypothesis.object, hypothesis.score) ? "over the instance count"
+                                                                     : "suppressed";
 }
 
 void Explainer::Rejected() {
@@ -201,15 +200,16 @@ void Explainer::Rejected() {
   }
   if (tiles.empty()) return;
   ShowGallery("6_rejected", tiles,
-              "The best of the rejected: their score is under the threshold, they gave way to a "
-              "better pose that claims the same pixels, or as many of their kind as the image was "
-              "said to hold scored higher");
+              "The best rejected poses: their score is under the threshold, a better pose explains "
+              "the same pixels, or the given number of instances of this object was reached with "
+              "higher scores");
 }
 
 void Explainer::Missed() {
   std::vector<int> missed;
-  for (size_t i = 0; i < fates_.size(); ++i) {
-    if (fates_[i].lost == LostAt::kFound || fates_[i].lost == LostAt::kHardlyVisible) continue;
+  for (size_t i = 0; i < outcomes_.size(); ++i) {
+    if (outcomes_[i].lost == LostAt::kFound || outcomes_[i].lost == LostAt::kHardlyVisible)
+      continue;
     missed.push_back(static_cast<int>(i));
   }
   std::ranges::stable_sort(missed, [&](int a, int b) {
@@ -219,10 +219,11 @@ void Explainer::Missed() {
   std::vector<PoseTile> tiles;
   for (const int i : missed) {
     const TruePart& part = judge_->parts()[i];
-    PoseTile tile = TileOf(part.object, part.X_CO,
-                           fmt::format("{}{} visible, lost at {}", PartName(part.object),
-                                       Percent(part.visible_fraction), TextOf(fates_[i].lost).name),
-                           "");
+    PoseTile tile =
+        TileOf(part.object, part.X_CO,
+               fmt::format("{}{} visible, lost at {}", PartName(part.object),
+                           Percent(part.visible_fraction), TextOf(outcomes_[i].lost).name),
+               "");
     const FitReport fit = MeasureFit(in_.trace.cloud, models_[part.object], part.X_CO);
     tile.caption = FitText(part.object, part.X_CO, fit);
     tile.color = kUnknown;
@@ -230,13 +231,13 @@ void Explainer::Missed() {
   }
   if (tiles.empty()) return;
   ShowGallery("6_missed", tiles,
-              "Parts that were missed, at their true poses: what the verifier would have seen");
+              "Missed instances at their true poses, as the verifier would have scored them");
 }
 
 void Explainer::Final() {
-  Stage("7. The answer",
-        "Poses after the final refiner with their scores, the verifier's estimate of the chance "
-        "that they are right.");
+  Stage("7. Result",
+        "Poses after the final refiner with their scores: the verifier's estimate of the "
+        "probability that they are right.");
   std::vector<DrawnPose> poses;
   for (size_t i = 0; i < in_.hypotheses.size(); ++i) {
     const PoseHypothesis& h = in_.hypotheses[i];
@@ -246,18 +247,18 @@ void Explainer::Final() {
   }
   std::vector<LegendEntry> legend{{ScoreColor(1), "sure (score 1)"},
                                   {ScoreColor(0.5), "doubtful (0.5)"}};
-  if (judge_) legend.push_back({kWrong, "crossed: wrong, or the second pose of a part"});
+  if (judge_) legend.push_back({kWrong, "crossed: wrong, or the second pose of an instance"});
   Show("7_final", DrawPoses(board_, outlines_, in_.objects, poses, legend),
-       fmt::format("{} poses of score {:g} or more", poses.size(), in_.trace.min_score));
+       fmt::format("{} poses with a score of {:g} or more", poses.size(), in_.trace.min_score));
 }
 
 // Writes the number of instances lost at each stage, then a table of all instances.
-void Explainer::Fates() {
-  if (fates_.empty()) return;
-  Stage("8. Where each part was lost",
-        "The first stage after which nothing was left that would have found the part: the one to "
-        "work on.");
-  std::vector<int> order(fates_.size());
+void Explainer::Outcomes() {
+  if (outcomes_.empty()) return;
+  Stage("8. Stage at which each instance was lost",
+        "The first stage after which no candidate was left that would have found the instance. "
+        "Improve this stage first.");
+  std::vector<int> order(outcomes_.size());
   std::iota(order.begin(), order.end(), 0);
   const std::vector<TruePart>& parts = judge_->parts();
   std::ranges::stable_sort(
@@ -265,32 +266,33 @@ void Explainer::Fates() {
   std::map<LostAt, int> lost;
   std::vector<DrawnPose> poses;
   for (const int i : order) {
-    ++lost[fates_[i].lost];
+    ++lost[outcomes_[i].lost];
     const TruePart& part = parts[i];
-    poses.push_back({part.object, part.X_CO, FateColor(fates_[i].lost), std::to_string(i + 1)});
+    poses.push_back(
+        {part.object, part.X_CO, OutcomeColor(outcomes_[i].lost), std::to_string(i + 1)});
   }
   std::vector<LegendEntry> legend;
-  std::vector<std::vector<std::string>> counts{{"lost at", "parts", "meaning"}};
+  std::vector<std::vector<std::string>> counts{{"lost at", "instances", "meaning"}};
   for (const auto& [at, count] : lost) {
     const LostAtText text = TextOf(at);
-    legend.push_back({FateColor(at), text.name});
+    legend.push_back({OutcomeColor(at), text.name});
     counts.push_back({text.name, std::to_string(count), text.help});
   }
   page_.Table(counts);
   Show("8_parts", DrawPoses(board_, outlines_, in_.objects, poses, legend),
        "The true poses, numbered as below");
-  page_.Table(FateTable(order));
+  page_.Table(OutcomeTable(order));
 }
 
-std::vector<std::vector<std::string>> Explainer::FateTable(const std::vector<int>& parts) const {
-  std::vector<std::vector<std::string>> rows{{"part", "kind", "visible", "patches",
-                                              "votes in reach", "votes right", "best start, d",
+std::vector<std::vector<std::string>> Explainer::OutcomeTable(const std::vector<int>& parts) const {
+  std::vector<std::vector<std::string>> rows{{"instance", "object", "visible", "patches",
+                                              "votes within reach", "votes right", "best start, d",
                                               "after ICP, d", "best right score", "lost at"}};
   const auto number = [](double value) {
     return value < 9.995 ? fmt::format("{:.2f}", value) : std::string("-");
   };
   for (const int i : parts) {
-    const InstanceDiagnosis& instance_outcome = fates_[i];
+    const InstanceDiagnosis& instance_outcome = outcomes_[i];
     const TruePart& part = judge_->parts()[i];
     rows.push_back(
         {std::to_string(i + 1), in_.objects[part.object]->name, Percent(part.visible_fraction),

@@ -28,8 +28,8 @@ int PartUnder(const Eigen::Vector3f& p_C, const std::vector<TruePart>& parts,
 void CountPoints(const PoseJudge& judge, const EstimateTrace& trace,
                  const std::vector<ModelPoints>& models, std::vector<InstanceDiagnosis>& outcomes) {
   for (const TracedPatch& patch : trace.patches) {
-    const int part = PartUnder(trace.cloud.points_C[patch.pixel], judge.parts(), models);
-    if (part >= 0) ++outcomes[part].points;
+    const int position = PartUnder(trace.cloud.points_C[patch.pixel], judge.parts(), models);
+    if (position >= 0) ++outcomes[position].points;
   }
 }
 
@@ -37,8 +37,8 @@ void FollowIcp(const PoseJudge& judge, const EstimateTrace& trace,
                std::vector<InstanceDiagnosis>& outcomes) {
   const auto note = [&](const RawHypothesis& pose, double InstanceDiagnosis::*best) {
     const PoseVerdict error = judge(pose.object, pose.X_CO);
-    if (error.part < 0) return;
-    double& least = outcomes[error.part].*best;
+    if (error.position < 0) return;
+    double& least = outcomes[error.position].*best;
     least = std::min(least, error.diameters);
   };
   for (const TracedRefinement& refinement : trace.refinements) {
@@ -52,7 +52,7 @@ std::vector<bool> Covered(const PoseJudge& judge, const std::vector<PoseHypothes
   std::vector<bool> covered(judge.parts().size(), false);
   for (const PoseHypothesis& pose : poses) {
     const PoseVerdict error = judge(pose.object, pose.X_CO);
-    if (error.right()) covered[error.part] = true;
+    if (error.right()) covered[error.position] = true;
   }
   return covered;
 }
@@ -64,7 +64,7 @@ LostAt LostStageOf(const InstanceDiagnosis& instance_outcome, const TruePart& pa
   if (accepted) return LostAt::kRefiner;
   if (instance_outcome.best_score >= trace.min_score) {
     return CountUsedUp(trace, part.object, instance_outcome.best_score) ? LostAt::kCount
-                                                                        : LostAt::kFinalSet;
+                                                                        : LostAt::kPoseSelection;
   }
   if (instance_outcome.best_score >= 0) return LostAt::kVerifier;
   if (instance_outcome.best_refined < kCorrectDiameters) return LostAt::kMerging;
@@ -75,7 +75,7 @@ LostAt LostStageOf(const InstanceDiagnosis& instance_outcome, const TruePart& pa
 
 }  // namespace
 
-bool CountUsedUp(const EstimateTrace& trace, int object, double score) {
+bool CountUsedUp(const EstimateTrace& trace, ObjectId object, double score) {
   if (trace.instances.empty()) return false;
   return std::ranges::count_if(trace.accepted, [&](const PoseHypothesis& pose) {
            return pose.object == object && pose.score >= score;
@@ -90,12 +90,12 @@ PoseJudge::PoseJudge(const ObjectSet& objects, std::vector<TruePart> parts)
   }
 }
 
-PoseVerdict PoseJudge::operator()(int object, const Pose& X_CO) const {
+PoseVerdict PoseJudge::operator()(ObjectId object, const Pose& X_CO) const {
   const MetricModel& model = models_.at(object);
   const Eigen::Vector3d mean_C = X_CO * means_O_[object];
   // The displacement of the mean vertex is a lower bound of MSSD. It allows skipping instances that
   // are too far away.
-  std::vector<std::pair<double, int>> bounds;  // diameters, part
+  std::vector<std::pair<double, int>> bounds;  // diameters, position
   for (size_t i = 0; i < parts_.size(); ++i) {
     if (parts_[i].object != object) continue;
     double bound_m = std::numeric_limits<double>::infinity();
@@ -106,10 +106,10 @@ PoseVerdict PoseJudge::operator()(int object, const Pose& X_CO) const {
   }
   std::ranges::sort(bounds);
   PoseVerdict best;
-  for (const auto& [bound, part] : bounds) {
+  for (const auto& [bound, position] : bounds) {
     if (bound >= best.diameters) break;
-    const double error = Mssd(model, X_CO, parts_[part].X_CO) / model.diameter_m;
-    if (error < best.diameters) best = {part, error};
+    const double error = Mssd(model, X_CO, parts_[position].X_CO) / model.diameter_m;
+    if (error < best.diameters) best = {position, error};
   }
   return best;
 }
@@ -124,8 +124,8 @@ std::vector<Verdict> JudgeSet(const PoseJudge& judge,
       verdicts.push_back(Verdict::kWrong);
       continue;
     }
-    verdicts.push_back(taken[error.part] ? Verdict::kSecond : Verdict::kRight);
-    taken[error.part] = true;
+    verdicts.push_back(taken[error.position] ? Verdict::kSecond : Verdict::kRight);
+    taken[error.position] = true;
   }
   return verdicts;
 }
@@ -135,23 +135,24 @@ LostAtText TextOf(LostAt lost) {
     case LostAt::kFound:
       return {"found", "a reported pose is right for it"};
     case LostAt::kHardlyVisible:
-      return {"hardly visible", "under 10 % in view: it need not be found"};
+      return {"barely visible", "less than 10 % visible: it need not be found"};
     case LostAt::kPoints:
-      return {"points", "no sampled point lies on it: raise the number of points"};
+      return {"points", "no sampled point is on it: raise the number of points"};
     case LostAt::kVotes:
-      return {"votes", "patches on it, but none voted for a pose in ICP's reach: descriptors"};
+      return {"votes", "patches on it, but none voted for a pose within ICP's reach: descriptors"};
     case LostAt::kSelection:
-      return {"selection", "votes in ICP's reach, but none was among those refined"};
+      return {"selection", "votes within ICP's reach, but none was selected for refinement"};
     case LostAt::kIcp:
-      return {"ICP", "a start in reach was refined to a wrong pose"};
+      return {"ICP", "ICP refined a start within reach to a wrong pose"};
     case LostAt::kMerging:
       return {"merging", "ICP reached the right pose, but it was merged into a wrong one"};
     case LostAt::kVerifier:
       return {"verifier", "the right candidate scored too low"};
-    case LostAt::kFinalSet:
-      return {"final set", "the right candidate gave way to one that claims the same pixels"};
+    case LostAt::kPoseSelection:
+      return {"pose selection",
+              "the right candidate was suppressed by one that explains the same pixels"};
     case LostAt::kCount:
-      return {"count", "as many of its kind as the image was said to hold scored higher"};
+      return {"count", "the given number of instances was reached with higher scores"};
     case LostAt::kRefiner:
       return {"refiner", "the final refiner moved the right pose away"};
   }
@@ -165,15 +166,15 @@ std::vector<InstanceDiagnosis> DiagnoseInstances(const PoseJudge& judge, const E
   std::vector<InstanceDiagnosis> outcomes(judge.parts().size());
   CountPoints(judge, trace, models, outcomes);
   for (const PoseVerdict& error : vote_errors) {
-    if (error.part < 0) continue;
-    outcomes[error.part].votes_near += error.diameters < kReachDiameters;
-    outcomes[error.part].votes_right += error.right();
+    if (error.position < 0) continue;
+    outcomes[error.position].votes_near += error.diameters < kReachDiameters;
+    outcomes[error.position].votes_right += error.right();
   }
   FollowIcp(judge, trace, outcomes);
   for (const TracedCandidate& candidate : trace.candidates) {
     const PoseVerdict error = judge(candidate.hypothesis.object, candidate.hypothesis.X_CO);
     if (!error.right()) continue;
-    double& best = outcomes[error.part].best_score;
+    double& best = outcomes[error.position].best_score;
     best = std::max(best, candidate.hypothesis.score);
   }
   const std::vector<bool> accepted = Covered(judge, trace.accepted);

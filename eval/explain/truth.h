@@ -10,18 +10,19 @@
 #include "eval/metrics/pose_errors.h"
 #include "eval/trial/pose_matching.h"
 #include "perception/candidates/estimate_trace.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
 // A ground-truth instance in the image.
 struct TruePart {
-  int object = 0;
+  ObjectId object{0};
   Pose X_CO = Pose::Identity();
   double visible_fraction = 1;
 };
 
 struct PoseVerdict {
-  int part = -1;  // index of the nearest instance of the same object; -1 = none
+  int position = -1;  // index of the nearest instance of the same object; -1 = none
   double diameters = std::numeric_limits<double>::infinity();  // MSSD, in diameters
   bool right() const { return diameters < kCorrectDiameters; }
 };
@@ -32,7 +33,7 @@ class PoseJudge {
  public:
   PoseJudge(const ObjectSet& objects, std::vector<TruePart> parts);
 
-  PoseVerdict operator()(int object, const Pose& X_CO) const;
+  PoseVerdict operator()(ObjectId object, const Pose& X_CO) const;
   const std::vector<TruePart>& parts() const { return parts_; }
 
  private:
@@ -58,7 +59,7 @@ enum class LostAt {
   kIcp,            // refined, but to a wrong pose
   kMerging,        // refined to the correct pose, but merged into another candidate
   kVerifier,       // the correct candidate scored too low
-  kFinalSet,       // the correct candidate was suppressed by another one
+  kPoseSelection,  // the correct candidate was suppressed by another one
   kCount,          // as many poses of the object as the given count scored higher
   kRefiner,        // the final refinement moved the pose away
 };
@@ -71,7 +72,7 @@ LostAtText TextOf(LostAt lost);
 
 // Returns whether the number of instances of the object was given to the estimator, and at least
 // that many of its poses were accepted with at least this score.
-bool CountUsedUp(const EstimateTrace& trace, int object, double score);
+bool CountUsedUp(const EstimateTrace& trace, ObjectId object, double score);
 
 // A vote is within ICP's reach if its MSSD to the true pose is below this many diameters.
 inline constexpr double kReachDiameters = 0.25;

@@ -26,7 +26,7 @@ std::string NoTemplateText(const std::vector<std::filesystem::path>& places) {
   std::string text;
   for (const auto& file : places) text += (text.empty() ? "" : " or ") + file.string();
   return fmt::format(
-      "there is no page template at {}, because pickbed was built without npm or its registry; "
+      "there is no page template at {} because pickbed was built without npm or its registry; "
       "build it again with both (packages.txt, group report)",
       text);
 }
@@ -103,17 +103,18 @@ std::string ElementHtml(const char* tag, const std::string& text, const std::str
   return fmt::format("<{0}{1}>{2}</{0}>\n", tag, attributes, EscapeHtml(text));
 }
 
-std::string GridHtml(const std::vector<ReportChart>& charts, const char* look) {
-  std::string html = fmt::format("<div class=\"{}\">\n", look);
+std::string GridHtml(const std::vector<ReportChart>& charts, const char* css_class) {
+  std::string html = fmt::format("<div class=\"{}\">\n", css_class);
   for (const ReportChart& chart : charts) html += ChartHtml(chart);
   return html + "</div>\n";
 }
 
-std::string PictureHtml(const std::string& path, const std::string& caption, const char* look) {
+std::string PictureHtml(const std::string& path, const std::string& caption,
+                        const char* css_class) {
   return fmt::format(
       "<figure class=\"{2}\"><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\"></a><figcaption>{1}"
       "</figcaption></figure>\n",
-      EscapeHtml(path), EscapeHtml(caption), look);
+      EscapeHtml(path), EscapeHtml(caption), css_class);
 }
 
 }  // namespace

@@ -135,13 +135,13 @@ Json NamesAxis(const std::vector<std::string>& names, int height_px) {
 void AddValues(const RateCurve& curve, const std::vector<std::string>& x_names, Json& values) {
   for (size_t i = 0; i < x_names.size(); ++i) {
     const ReportRate& rate = curve.rates[i];
-    if (rate.tries == 0) continue;
+    if (rate.samples == 0) continue;
     values.push_back({{"x", x_names[i]},
                       {"series", curve.series},
                       {"rate", rate.rate()},
                       {"low", rate.ci95.low},
                       {"high", rate.ci95.high},
-                      {"text", fmt::format("{} of {}", RateText(rate), rate.tries)}});
+                      {"text", fmt::format("{} of {}", RateText(rate), rate.samples)}});
   }
 }
 
@@ -149,7 +149,7 @@ void AddColumns(const RateCurve& curve, TableCells& table) {
   table[0].insert(table[0].end(), {curve.series + " [95 %]", "of"});
   for (size_t i = 0; i + 1 < table.size(); ++i) {
     const ReportRate& rate = curve.rates[i];
-    table[i + 1].insert(table[i + 1].end(), {RateText(rate), std::to_string(rate.tries)});
+    table[i + 1].insert(table[i + 1].end(), {RateText(rate), std::to_string(rate.samples)});
   }
 }
 
@@ -177,7 +177,7 @@ Json DiagonalLayer(const Json& x, const Json& y) {
 
 ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std::string& y_title,
                        const std::vector<std::string>& x_names,
-                       const std::vector<RateCurve>& curves, const RateCurvesLook& look) {
+                       const std::vector<RateCurve>& curves, const RateCurvesStyle& style) {
   Json values = Json::array();
   std::vector<std::string> names;
   chart.table = {{x_title}};
@@ -195,16 +195,16 @@ ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std:
   Json x = Field("x", "ordinal", x_title);
   x["sort"] = x_names;
   x["scale"] = {{"domain", x_names}};
-  x["axis"] = NamesAxis(x_names, look.height_px);
+  x["axis"] = NamesAxis(x_names, style.height_px);
   const Json y = PercentField("rate", y_title);
   Json layers = CurveLayers(x, y, names);
-  if (look.reference != nullptr) {
-    AddColumns(*look.reference, chart.table);
+  if (style.reference != nullptr) {
+    AddColumns(*style.reference, chart.table);
     Json reference = Json::array();
-    AddValues(*look.reference, x_names, reference);
+    AddValues(*style.reference, x_names, reference);
     layers.insert(layers.begin(), ReferenceLayer(x, y, reference));
   }
-  spec["height"] = look.height_px;
+  spec["height"] = style.height_px;
   spec["layer"] = std::move(layers);
   chart.spec = spec.dump();
   return chart;
@@ -218,7 +218,7 @@ ReportChart CalibrationCurves(ReportChart chart, const std::string& x_title,
   for (const CalibrationCurve& curve : curves) {
     names.push_back(curve.series);
     for (const auto& [confidence, right] : curve.points) {
-      const std::string rate = RateText(right), poses = std::to_string(right.tries);
+      const std::string rate = RateText(right), poses = std::to_string(right.samples);
       chart.table.push_back({curve.series, PercentText(confidence), rate, poses});
       values.push_back({{"confidence", confidence},
                         {"rate", right.rate()},

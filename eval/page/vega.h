@@ -44,7 +44,7 @@ struct RateCurve {
   std::vector<ReportRate> rates;
 };
 // Appearance of RateCurves.
-struct RateCurvesLook {
+struct RateCurvesStyle {
   int height_px = 260;
   const RateCurve* reference = nullptr;  // drawn in gray behind the others, without intervals
 };
@@ -52,7 +52,7 @@ struct RateCurvesLook {
 // their numbers. Id, title and caption are kept.
 ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std::string& y_title,
                        const std::vector<std::string>& x_names,
-                       const std::vector<RateCurve>& curves, const RateCurvesLook& look = {});
+                       const std::vector<RateCurve>& curves, const RateCurvesStyle& style = {});
 
 // Rate of correct poses among the poses with about the same confidence.
 struct CalibrationPoint {

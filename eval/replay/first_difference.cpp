@@ -84,7 +84,7 @@ std::string InstancesDiffer(const AttemptRecord& recorded, const AttemptRecord& 
   if (a.size() != b.size()) {
     return fmt::format("instances: {} recorded, {} replayed", a.size(), b.size());
   }
-  return fmt::format("the hash alone: the record holds no number of {}", rest);
+  return fmt::format("only the hash: the record has no number of {}", rest);
 }
 
 std::string AttemptDiffers(const AttemptRecord& recorded, const AttemptRecord& replayed,
@@ -118,7 +118,7 @@ std::string WhatDiffers(TrialStage stage, const AttemptRecord& recorded,
                         const AttemptRecord& replayed) {
   switch (stage) {
     case TrialStage::kScene:
-      return InstancesDiffer(recorded, replayed, "the bin and of where the parts lie");
+      return InstancesDiffer(recorded, replayed, "the bin and of the poses of the instances");
     case TrialStage::kImage:
       return InstancesDiffer(recorded, replayed, "pixels");
     case TrialStage::kHypotheses:

@@ -40,8 +40,8 @@ ScenarioSpec SpecOf(const StoredConfiguration& configuration, const TrialAddress
   }
   const std::filesystem::path file = address.run / kScenarioFile;
   CheckInput(std::filesystem::exists(file),
-             fmt::format("{} is missing, and the store is of a version that does not hold the "
-                         "settings; put it back",
+             fmt::format("{} is missing, and the store has an older version without the settings; "
+                         "put the file back",
                          file.string()));
   return LoadScenario(file);
 }
@@ -81,9 +81,9 @@ std::string KeyOf(const std::string& line) {
 
 std::string ChangeOf(const std::string& was, const std::string& is) {
   const std::string key = KeyOf(was.empty() ? is : was);
-  if (key.starts_with("# part ")) return key.substr(2) + ": mesh or physical values";
-  if (key == "# bin") return "the bin's mesh";
-  if (key == "# model") return is.empty() ? "the model is missing" : "the estimator's model";
+  if (key.starts_with("# part ")) return key.substr(2) + ": mesh or physical properties";
+  if (key == "# bin") return "the mesh of the bin";
+  if (key == "# model") return is.empty() ? "the model is missing" : "the model of the estimator";
   if (was.empty()) return fmt::format("'{}' is new", is);
   return is.empty() ? fmt::format("'{}' is gone", was) : fmt::format("was '{}', is '{}'", was, is);
 }
@@ -127,9 +127,9 @@ RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& 
     recorded.result.bin_index = crashed.bin_index;
   }
   const StoredConfiguration& configuration = ConfigurationOf(store, address, number);
-  CheckInput(number.has_value(),
-             fmt::format("{}: this trial is not finished; --resume of the run goes on with it",
-                         Named(address)));
+  CheckInput(
+      number.has_value(),
+      fmt::format("{}: this trial is not finished; resume the run to finish it", Named(address)));
   try {
     recorded.spec = SpecOf(configuration, address);
     recorded.objects = LoadObjects(recorded.spec, OpenCatalog(catalog));

@@ -81,13 +81,14 @@ bool IsDifference(const StageReplay& row) {
 TrialAddress ParseTrialAddress(const std::string& text) {
   const size_t hash = text.rfind('#');
   CheckInput(hash != std::string::npos && hash > 0,
-             fmt::format("{}: which trial? name it as RUN#TRIAL, for instance {}#0", text, text));
+             fmt::format("{}: the trial number is missing; write RUN#TRIAL, for instance {}#0",
+                         text, text));
   TrialAddress address;
   address.run = text.substr(0, hash);
   const char *begin = text.data() + hash + 1, *end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(begin, end, address.trial);
   CheckInput(error == std::errc() && stop == end && address.trial >= 0,
-             fmt::format("{}: '{}' is no number of a trial; after '#' stands one, from 0", text,
+             fmt::format("{}: '{}' is no trial number; write a number from 0 after '#'", text,
                          text.substr(hash + 1)));
   return address;
 }
@@ -155,8 +156,8 @@ std::string ReplayTable(const ReplayReport& report) {
     const bool compared = std::any_of(report.stages.begin(), report.stages.end(), [](auto& row) {
       return row.verdict == ReplayVerdict::kSame;
     });
-    return text + (compared ? "all that is recorded is the same\n"
-                            : "no stage is on record to compare with\n");
+    return text + (compared ? "all recorded stages are the same\n"
+                            : "no stage was recorded to compare with\n");
   }
   text += fmt::format("first difference: attempt {}, stage {} ({})\n", first->attempt,
                       StageName(first->stage), VerdictName(first->verdict));

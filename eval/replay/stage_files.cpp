@@ -38,7 +38,7 @@ void StageFiles::OnStage(TrialStage stage, const AttemptState& attempt) {
       return WriteGrasp(attempt);
     case TrialStage::kOutcome:
       WritePng(PathOf(attempt, "after.png"),
-               attempt.cell.ColorPicture(attempt.scene, attempt.scene_number));
+               attempt.cell.ColorPicture(attempt.scene, attempt.bin_index));
   }
 }
 

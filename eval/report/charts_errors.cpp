@@ -25,13 +25,13 @@ std::string CaptionOf(std::span<const ConfigurationReport> configurations, size_
     caption += fmt::format(
         "{}median {} {} of {} poses{}. ", name, MedianText(histogram.median, histogram.digits),
         histogram.unit, histogram.total,
-        histogram.beyond > 0
-            ? fmt::format("; {} lie beyond", PercentText(histogram.beyond, histogram.total))
-            : "");
+        histogram.beyond > 0 ? fmt::format("; {} are beyond the last bin",
+                                           PercentText(histogram.beyond, histogram.total))
+                             : "");
   }
   if (configurations.size() == 1)
     caption.front() = static_cast<char>(std::toupper(caption.front()));
-  return caption + "In brackets: 95 % intervals, with scenes as units.";
+  return caption + "In brackets: 95 % intervals over scenes.";
 }
 
 // One configuration: bars, correct poses below wrong ones.

@@ -27,9 +27,9 @@ bool AnyLost(std::span<const ConfigurationReport> configurations, FailureReason 
 }
 
 TableCells FailureTableCells(std::span<const ConfigurationReport> configurations) {
-  TableCells cells{{"stage", "reason", "means"}};
+  TableCells cells{{"stage", "reason", "meaning"}};
   for (const ConfigurationReport& configuration : configurations) {
-    cells[0].push_back(configurations.size() > 1 ? configuration.name : "looks");
+    cells[0].push_back(configurations.size() > 1 ? configuration.name : "attempts");
     cells[0].push_back("share [95 %]");
   }
   const auto add = [&](std::vector<std::string> row, auto rate_of) {
@@ -45,7 +45,7 @@ TableCells FailureTableCells(std::span<const ConfigurationReport> configurations
     add({std::string(StageName(row.stage)), std::string(row.name), std::string(row.help)},
         [&](const BudgetShares& shares) { return RateOf(shares, row.failure); });
   }
-  add({"done", "picked", "the look brought its part"}, [](const BudgetShares& shares) {
+  add({"done", "picked", "an instance was picked"}, [](const BudgetShares& shares) {
     return ReportRate{shares.budget.picked, shares.budget.asked(), shares.picked};
   });
   return cells;
@@ -82,15 +82,15 @@ FailureBars BarsOf(std::span<const ConfigurationReport> configurations) {
 }  // namespace
 
 ReportChart FailureChart(std::span<const ConfigurationReport> configurations) {
-  ReportChart chart{"losses", "Where picks were lost",
-                    "Each look at a bin that holds parts asks for one. It brings it or is lost "
-                    "for one reason, which belongs to one stage; looks that found no grasp are "
-                    "among the lost. Lines: 95 % intervals, with scenes as units.",
+  ReportChart chart{"losses", "Failed picks by reason",
+                    "Each attempt at a bin with instances requests one instance. It picks the "
+                    "instance or fails for one reason, which belongs to one stage. Attempts "
+                    "without a grasp count as failed. Lines: 95 % intervals over scenes.",
                     ""};
   chart.table = FailureTableCells(configurations);
   const FailureBars bars = BarsOf(configurations);
   if (bars.labels.empty()) {
-    chart.caption += " No pick was lost.";
+    chart.caption += " No pick failed.";
     return chart;
   }
   Json spec = EmptySpec(bars.values);
@@ -98,7 +98,7 @@ ReportChart FailureChart(std::span<const ConfigurationReport> configurations) {
   Json y = Field("reason", "nominal", "");
   y["sort"] = bars.labels;
   y["title"] = nullptr;
-  Json encoding{{"y", y}, {"x", PercentField("share", "share of looks", false)}};
+  Json encoding{{"y", y}, {"x", PercentField("share", "share of attempts", false)}};
   encoding["x"]["scale"] = {{"domain", {0, kRoomForText * bars.longest}}};
   Json text_encoding = encoding, line_encoding = encoding;
   text_encoding["x"]["field"] = "high";
@@ -107,7 +107,7 @@ ReportChart FailureChart(std::span<const ConfigurationReport> configurations) {
   encoding["fill"] = SeriesFill("series", names);
   encoding["tooltip"] = {{{"field", "reason"}, {"type", "nominal"}},
                          {{"field", "means"}, {"type", "nominal"}},
-                         {{"field", "text"}, {"type", "nominal"}, {"title", "looks"}}};
+                         {{"field", "text"}, {"type", "nominal"}, {"title", "attempts"}}};
   text_encoding["text"] = {{"field", "text"}, {"type", "nominal"}};
   if (configurations.size() > 1) {
     const Json offset{{"field", "series"}, {"type", "nominal"}, {"sort", names}};

@@ -8,12 +8,12 @@
 
 namespace pickbed::eval {
 ReportChart CalibrationChart(std::span<const ConfigurationReport> configurations) {
-  ReportChart chart{"calibration", "Is the confidence to be believed?",
-                    "Reported poses in bins of their confidence against the share of them that is "
-                    "right. On the dotted line 90 % sure means right nine times in ten; below it "
-                    "the estimator is too sure. Bars: 95 % intervals, with scenes as units. "
-                    "Expected calibration error:",
-                    ""};
+  ReportChart chart{
+      "calibration", "Calibration of the confidence",
+      "Reported poses grouped by confidence, against the share of right poses in each group. On "
+      "the dotted line, a confidence of 90 % is right nine times in ten; below it the estimator is "
+      "overconfident. Bars: 95 % intervals over scenes. Expected calibration error:",
+      ""};
   chart.table = {{"settings", "mean confidence", "right [95 %]", "poses"}};
   std::vector<CalibrationCurve> curves;
   bool some = false;
@@ -34,25 +34,25 @@ ReportChart CalibrationChart(std::span<const ConfigurationReport> configurations
     return chart;
   }
   chart.caption += ".";
-  return CalibrationCurves(std::move(chart), "stated confidence", "share of right poses", curves);
+  return CalibrationCurves(std::move(chart), "reported confidence", "share of right poses", curves);
 }
 
 ReportChart SuccessChart(std::span<const ConfigurationReport> configurations) {
   ReportChart chart{"success", "Pick success of all settings",
-                    "Share of the executed grasps that brought their part, with 95 % intervals.",
+                    "Share of the executed grasps that picked the instance, with 95 % intervals.",
                     ""};
   chart.table = {{"settings", "success [95 %]", "attempts"}};
   Json values = Json::array();
   for (const ConfigurationReport& configuration : configurations) {
     const RunSummary& s = configuration.summary;
     const ReportRate rate{s.successes, s.executed_grasps, s.success_ci95};
-    chart.table.push_back({configuration.name, RateText(rate), std::to_string(rate.tries)});
-    if (rate.tries == 0) continue;
+    chart.table.push_back({configuration.name, RateText(rate), std::to_string(rate.samples)});
+    if (rate.samples == 0) continue;
     values.push_back({{"series", configuration.name},
                       {"rate", rate.rate()},
                       {"low", rate.ci95.low},
                       {"high", rate.ci95.high},
-                      {"text", fmt::format("{} of {}", RateText(rate), rate.tries)}});
+                      {"text", fmt::format("{} of {}", RateText(rate), rate.samples)}});
   }
   if (values.empty()) {
     chart.caption = "No grasp was executed.";
@@ -115,18 +115,17 @@ ReportChart CurvesOf(ReportChart chart, const std::string& y_title,
       of_series.rates[place] = of_band.*curve.rate;
     }
   }
-  return RateCurves(std::move(chart), "visible fraction of the part, %", y_title, names, rates);
+  return RateCurves(std::move(chart), "visible fraction of the instance, %", y_title, names, rates);
 }
 
 constexpr const char* kRecallCaption =
-    "Recall: share of the parts in view of which a pose was reported that is right (MSSD below a "
-    "tenth of the diameter).";
+    "Recall: share of the visible instances with a right reported pose (MSSD below a tenth of the "
+    "diameter).";
 constexpr const char* kPickCaption =
-    "Pick success: share of the executed grasps that brought their part, by how much of it was in "
-    "view.";
+    "Pick success: share of the executed grasps that picked the instance, by its visible fraction.";
 constexpr const char* kTargetCaption =
-    "Share of the looks about a target that brought it; one that found no grasp did not.";
-constexpr const char* kBandCaption = "Shaded: 95 % intervals, with scenes as units.";
+    "Share of the attempts at a target that picked it; an attempt without a grasp did not.";
+constexpr const char* kBandCaption = "Shaded: 95 % intervals over scenes.";
 
 std::vector<VisibilityCurve> OfEach(std::span<const ConfigurationReport> configurations,
                                     ReportRate BandRates::*rate) {
@@ -139,7 +138,7 @@ std::vector<VisibilityCurve> OfEach(std::span<const ConfigurationReport> configu
 bool HasTargets(std::span<const ConfigurationReport> configurations) {
   for (const ConfigurationReport& configuration : configurations) {
     for (const BandRates& band : configuration.bands) {
-      if (band.targets.tries > 0) return true;
+      if (band.targets.samples > 0) return true;
     }
   }
   return false;

@@ -31,9 +31,9 @@ std::vector<std::string> StagesOf(std::span<const ConfigurationReport> configura
 
 ReportChart SecondsChart(std::span<const ConfigurationReport> configurations) {
   ReportChart chart{"seconds", "Time of each stage",
-                    "Seconds of computing a trial, mean; the line reaches from the 10th to the "
-                    "90th percentile over trials. \"estimate/icp\" is a part of \"estimate\". "
-                    "Times are of the machine that ran the trials and differ from run to run.",
+                    "Mean computing time of a trial; the line is from the 10th to the 90th "
+                    "percentile over trials. \"estimate/icp\" is included in \"estimate\". Times "
+                    "depend on the machine and differ from run to run.",
                     ""};
   chart.table = {{"stage"}};
   for (const ConfigurationReport& configuration : configurations) {
@@ -62,13 +62,13 @@ ReportChart SecondsChart(std::span<const ConfigurationReport> configurations) {
     }
   }
   if (values.empty()) {
-    chart.caption = "The run holds no times.";
+    chart.caption = "The run has no times.";
     return chart;
   }
   Json y = Field("stage", "nominal", "");
   y["sort"] = stages;
   y["title"] = nullptr;
-  Json x = Field("mean", "quantitative", "seconds a trial");
+  Json x = Field("mean", "quantitative", "seconds per trial");
   x["axis"] = {{"tickCount", 8}};
   Json bar{{"y", y}, {"x", x}};
   if (configurations.size() > 1) {

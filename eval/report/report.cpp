@@ -76,13 +76,13 @@ void AddGallery(const Contestants& all, const ReportOptions& options, ReportCont
   const size_t shown = contents.gallery.size();
   if (shown < lost.size()) {
     contents.gallery_note =
-        fmt::format("{} of {} lost picks, spread over the reasons; {} lists all.", shown,
+        fmt::format("{} of {} failed picks, spread over the reasons; {} lists all.", shown,
                     lost.size(), kAttemptsFile);
   }
   if (without > 0) {
     contents.gallery_note += fmt::format(
-        "{}{} have no picture here: a run draws them up to a number of trials (`pickbed run "
-        "--lost-pictures N`), and a page holds {:.0f} MB of them.",
+        "{}{} have no picture here: a run draws pictures only for a limited number of bins (an "
+        "option of `pickbed run`), and a page holds at most {:.0f} MB of them.",
         contents.gallery_note.empty() ? "" : " ",
         without == static_cast<int>(shown) ? "They" : fmt::format("{}", without),
         options.pictures_mb);
@@ -91,15 +91,15 @@ void AddGallery(const Contestants& all, const ReportOptions& options, ReportCont
 
 std::string ViewTitle(const Contestants& all, const ViewChoice& choice) {
   const ConfigurationTrials& configuration = all.trials[choice.configuration];
-  const AttemptRecord& pick = configuration.trials[choice.trial].attempts[choice.look];
+  const AttemptRecord& pick = configuration.trials[choice.trial].attempts[choice.attempt];
   const std::string outcome = pick.failure == FailureReason::kNone
                                   ? "picked"
-                                  : fmt::format("lost: {}", FailureName(pick.failure));
+                                  : fmt::format("failed: {}", FailureName(pick.failure));
   const std::vector<VisibleBand>& bands =
       all.configurations[choice.configuration]->spec.occlusion.bands;
   const std::string title =
       pick.band >= 0 ? fmt::format("{} % in view, {}", bands.at(pick.band).name(), outcome)
-                     : fmt::format("look {}, {}", pick.attempt, outcome);
+                     : fmt::format("attempt {}, {}", pick.attempt, outcome);
   return all.trials.size() > 1 ? fmt::format("{}, {}", configuration.name, title) : title;
 }
 
@@ -117,18 +117,18 @@ void AddViews(const Contestants& all, const ObjectCatalog& catalog, const Report
       const TrialResult& trial = all.trials[choice.configuration].trials[choice.trial];
       ReportView view{ViewTitle(all, choice),
                       AddressOf(*all.runs[choice.configuration], trial.trial),
-                      maker->Glb(trial, choice.look)};
+                      maker->Glb(trial, choice.attempt)};
       bytes += kBase64 * view.glb.size();
       if (bytes > options.views_mb * kMegabyte) {
-        contents.views_note +=
-            fmt::format(" More are left out: a page holds {:.0f} MB of them.", options.views_mb);
+        contents.views_note += fmt::format(
+            " More views are left out: a page holds at most {:.0f} MB of them.", options.views_mb);
         return;
       }
       contents.views.push_back(std::move(view));
-      contents.views_note = "Some looks: drag to turn, wheel or two fingers to come near.";
+      contents.views_note = "Some attempts: drag to rotate, use the wheel or two fingers to zoom.";
     }
   } catch (const InputError& error) {
-    contents.views_note = fmt::format("Views in 3D are left out: {}.", error.what());
+    contents.views_note = fmt::format("3D views are left out: {}.", error.what());
   }
 }
 
@@ -181,17 +181,18 @@ std::vector<PointPair> PairsOf(const ReportRun& a, const ReportRun& b) {
         pairs.push_back({i, k});
     }
   }
-  CheckInput(!pairs.empty(),
-             fmt::format("{} and {} have no settings in common (points of their sweeps, by name), "
-                         "so nothing is compared",
-                         a.name, b.name));
+  CheckInput(
+      !pairs.empty(),
+      fmt::format(
+          "{} and {} have no configuration in common (compared by name), so nothing is compared",
+          a.name, b.name));
   return pairs;
 }
 
 // Crashed trials are not part of any rate.
 std::string CrashedText(const ReportRun& run) {
   if (run.crashed.empty()) return "";
-  return fmt::format("{}: {} trials crashed and count nowhere, the first is {}.", run.name,
+  return fmt::format("{}: {} trials crashed and are not counted, the first is {}.", run.name,
                      run.crashed.size(), AddressOf(run, run.crashed.front()));
 }
 
@@ -213,21 +214,20 @@ ReportRun ReadReportRun(const fs::path& folder) {
     configuration.trials.bands = ReportedBands(configuration.spec.occlusion);
     for (const PartSpec& part : configuration.spec.objects)
       configuration.trials.objects.push_back(part.name);
-    std::vector<int> crashed_scenes;
+    std::vector<BinIndex> crashed_bins;
     for (const CrashedTrial& crashed : all_crashed) {
-      if (crashed.configuration == stored.number) crashed_scenes.push_back(crashed.bin_index);
+      if (crashed.configuration == stored.number) crashed_bins.push_back(crashed.bin_index);
     }
     const auto stop =
-        StopOf(configuration.trials.trials, crashed_scenes, configuration.spec.stop_width);
+        StopOf(configuration.trials.trials, crashed_bins, configuration.spec.stop_width);
     if (stop) {
       run.stops.push_back(
           fmt::format("{} {}.", stored.name.empty() ? run.name : stored.name, StopText(*stop)));
     }
     run.configurations.push_back(std::move(configuration));
   }
-  CheckInput(
-      !run.configurations.empty(),
-      fmt::format("{} holds no finished trial; finish the run with --resume", folder.string()));
+  CheckInput(!run.configurations.empty(),
+             fmt::format("{} has no finished trial; resume the run to finish it", folder.string()));
   for (const CrashedTrial& crashed : all_crashed) run.crashed.push_back(crashed.trial);
   return run;
 }
@@ -254,7 +254,7 @@ RunComparison CompareRuns(ReportRun a, ReportRun b, const ObjectCatalog& catalog
   const Contestants all = ContestantsOf({&a, &b});
   const std::vector<PairedConfiguration> configurations = PairedConfigurationsOf(all);
   ReportContents contents;
-  contents.title = fmt::format("{} against {}", b.name, a.name);
+  contents.title = fmt::format("{} compared with {}", b.name, a.name);
   for (const ReportRun* run : {&a, &b}) {
     if (run->configurations.size() == 1) {
       contents.about.push_back(

@@ -10,11 +10,11 @@
 namespace pickbed::eval {
 namespace {
 
-struct HeadlineFigure {
+struct HeadlineStatistic {
   std::string name, value, note;
 };
 
-std::vector<HeadlineFigure> HeadlineOf(const ConfigurationReport& configuration) {
+std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configuration) {
   const RunSummary& s = configuration.summary;
   const ReportRate& recall = configuration.recall;
   const auto share = [](int part, double rate) { return part > 0 ? PercentText(rate) : "-"; };
@@ -22,26 +22,27 @@ std::vector<HeadlineFigure> HeadlineOf(const ConfigurationReport& configuration)
       {"pick success", share(s.executed_grasps, s.success_rate),
        fmt::format("{} {} of {} attempts", IntervalText(s.success_ci95), s.successes,
                    s.executed_grasps)},
-      {"parts cleared", share(s.instances_dropped, s.cleared_rate),
+      {"instances cleared", share(s.instances_dropped, s.cleared_rate),
        fmt::format("{} {} of {}", IntervalText(s.cleared_ci95), s.instances_cleared,
                    s.instances_dropped)},
-      {"recall", share(recall.tries, recall.rate()),
-       fmt::format("{} {} of {} parts in view", IntervalText(recall.ci95), recall.hits,
-                   recall.tries)},
+      {"recall", share(recall.samples, recall.rate()),
+       fmt::format("{} {} of {} visible instances", IntervalText(recall.ci95), recall.hits,
+                   recall.samples)},
       {"top-ranked pose right", share(s.frames, s.top1_precision),
        fmt::format("{} {} of {} images", IntervalText(s.top1_ci95), s.top1_correct, s.frames)},
-      {"picks an hour",
+      {"picks per hour",
        s.cycle.picks_per_hour() > 0 ? fmt::format("{:.0f}", s.cycle.picks_per_hour()) : "-",
-       s.cycle.measured ? "compute time measured" : ""},
+       s.cycle.measured ? "with measured computing time" : ""},
       {"bins", std::to_string(s.trials),
-       s.refused.empty() ? "" : fmt::format("{} scenes refused and built anew", s.refused.size())}};
+       s.refused.empty() ? ""
+                         : fmt::format("{} scenes rejected and dropped again", s.refused.size())}};
 }
 
 std::string HeadlineHtml(const ConfigurationReport& configuration) {
   std::string html = "<div class=\"headline\">\n";
-  for (const HeadlineFigure& figure : HeadlineOf(configuration)) {
-    html += fmt::format("<div><b>{1}</b>{0}<span>{2}</span></div>\n", EscapeHtml(figure.name),
-                        EscapeHtml(figure.value), EscapeHtml(figure.note));
+  for (const HeadlineStatistic& statistic : HeadlineOf(configuration)) {
+    html += fmt::format("<div><b>{1}</b>{0}<span>{2}</span></div>\n", EscapeHtml(statistic.name),
+                        EscapeHtml(statistic.value), EscapeHtml(statistic.note));
   }
   html += "</div>\n";
   const RunSummary& s = configuration.summary;
@@ -57,32 +58,33 @@ std::string HeadlineHtml(const ConfigurationReport& configuration) {
 
 // Few configurations get one column each, to compare them. Many get one row each.
 TableCells ConfigurationsTable(const std::vector<ConfigurationReport>& configurations) {
-  constexpr size_t kFewPoints = 4;
-  TableCells by_point{{""}};
-  for (const HeadlineFigure& figure : HeadlineOf(configurations[0]))
-    by_point[0].push_back(figure.name);
+  constexpr size_t kFewConfigurations = 4;
+  TableCells by_configuration{{""}};
+  for (const HeadlineStatistic& statistic : HeadlineOf(configurations[0]))
+    by_configuration[0].push_back(statistic.name);
   for (const ConfigurationReport& configuration : configurations) {
-    by_point.push_back({configuration.name});
-    for (const HeadlineFigure& figure : HeadlineOf(configuration)) {
-      by_point.back().push_back(
-          figure.note.empty() ? figure.value : fmt::format("{}  {}", figure.value, figure.note));
+    by_configuration.push_back({configuration.name});
+    for (const HeadlineStatistic& statistic : HeadlineOf(configuration)) {
+      by_configuration.back().push_back(
+          statistic.note.empty() ? statistic.value
+                                 : fmt::format("{}  {}", statistic.value, statistic.note));
     }
   }
-  if (configurations.size() > kFewPoints) return by_point;
-  TableCells turned(by_point[0].size());
-  for (const auto& row : by_point) {
-    for (size_t i = 0; i < row.size(); ++i) turned[i].push_back(row[i]);
+  if (configurations.size() > kFewConfigurations) return by_configuration;
+  TableCells transposed(by_configuration[0].size());
+  for (const auto& row : by_configuration) {
+    for (size_t i = 0; i < row.size(); ++i) transposed[i].push_back(row[i]);
   }
-  return turned;
+  return transposed;
 }
 
 TableCells ObjectsTable(const ConfigurationReport& configuration) {
-  TableCells cells{{"part", "dropped", "picked", "recall [95 %]", "pick success [95 %]", "attempts",
-                    "median MSSD, diameters [95 %]", "most often lost by"}};
+  TableCells cells{{"object", "dropped", "picked", "recall [95 %]", "pick success [95 %]",
+                    "attempts", "median MSSD, diameters [95 %]", "most frequent failure"}};
   for (const ObjectReport& object : configuration.objects) {
     cells.push_back(
         {object.name, std::to_string(object.dropped), std::to_string(object.picked),
-         RateText(object.recall), RateText(object.picks), std::to_string(object.picks.tries),
+         RateText(object.recall), RateText(object.picks), std::to_string(object.picks.samples),
          MedianText(object.median_mssd_diameters, 3),
          object.commonest == FailureReason::kNone ? ""
                                                   : std::string(FailureName(object.commonest))});
@@ -104,7 +106,7 @@ void AddCharts(std::span<const ConfigurationReport> configurations, HtmlPage& pa
 void AddPoint(const ConfigurationReport& configuration, HtmlPage& page) {
   page.Html(HeadlineHtml(configuration));
   AddCharts({&configuration, 1}, page);
-  page.Subheading("Part by part");
+  page.Subheading("By object");
   page.Table(ObjectsTable(configuration));
 }
 
@@ -121,7 +123,7 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
     facts += fmt::format("<dt>{}</dt><dd>{}</dd>", name, EscapeHtml(value));
   };
   if (!configuration.empty()) fact("settings", configuration);
-  if (!pick.object.empty()) fact("part", pick.object);
+  if (!pick.object.empty()) fact("object", pick.object);
   if (pick.confidence >= 0) {
     data += fmt::format(" data-confidence=\"{:.4f}\"", pick.confidence);
     fact("confidence", fmt::format("{:.2f}", pick.confidence));
@@ -147,9 +149,9 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
 }
 
 void AddGallery(const ReportContents& contents, HtmlPage& page) {
-  page.Heading("Lost picks", "lost-picks");
+  page.Heading("Failed picks", "lost-picks");
   if (contents.gallery.empty()) {
-    page.Paragraph(contents.lost == 0 ? "No pick was lost." : contents.gallery_note);
+    page.Paragraph(contents.lost == 0 ? "No pick failed." : contents.gallery_note);
     return;
   }
   page.Note(contents.gallery_note);
@@ -166,7 +168,7 @@ void AddGallery(const ReportContents& contents, HtmlPage& page) {
       "<label>Order <select name=\"order\">{}{}{}{}{}</select></label>"
       "<span class=\"note shown\" role=\"status\"></span></div>\n<div class=\"gallery\">\n",
       reason_options, OptionHtml("trial", "by trial"), OptionHtml("reason", "by reason"),
-      OptionHtml("confidence down", "surest first"),
+      OptionHtml("confidence down", "highest confidence first"),
       OptionHtml("error down", "largest error first"), OptionHtml("visible", "most hidden first"));
   const bool many = contents.configurations.size() > 1;
   for (const GalleryEntry& entry : contents.gallery) {

@@ -24,7 +24,7 @@ class RateByScene {
   explicit RateByScene(size_t trials) : clusters_(trials) {}
   void Count(size_t trial, bool hit) {
     clusters_[trial].hits += hit;
-    ++clusters_[trial].tries;
+    ++clusters_[trial].samples;
   }
   ReportRate Finish() const { return ClusterRate(clusters_); }
 
@@ -38,13 +38,13 @@ double Quantile(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)))];
 }
 
-const InstanceRecord* InstanceIn(const AttemptRecord& pick, int instance) {
+const InstanceRecord* InstanceIn(const AttemptRecord& pick, InstanceId instance) {
   const auto found = std::find_if(pick.instances.begin(), pick.instances.end(),
                                   [&](const InstanceRecord& r) { return r.instance == instance; });
   return found == pick.instances.end() ? nullptr : &*found;
 }
 
-bool StandsOnSomething(const HypothesisRecord& score) {
+bool MatchesAnInstance(const HypothesisRecord& score) {
   return score.instance >= 0 && std::isfinite(score.mssd_diameters());
 }
 
@@ -119,7 +119,7 @@ std::vector<double> ErrorsOf(std::span<const ConfigurationTrials> configurations
   std::vector<double> errors;
   for (const ConfigurationTrials& configuration : configurations) {
     ForEachPose(configuration, [&](size_t, const HypothesisRecord& score) {
-      if (StandsOnSomething(score) && std::isfinite(error.Of(score))) {
+      if (MatchesAnInstance(score) && std::isfinite(error.Of(score))) {
         errors.push_back(error.Of(score));
       }
     });
@@ -148,7 +148,7 @@ ErrorHistogram HistogramOf(const ConfigurationTrials& configuration, const Repor
   ValueClusters errors(configuration.trials.size());
   ForEachPose(configuration, [&](size_t trial, const HypothesisRecord& score) {
     const double error = reported.Of(score);
-    if (!StandsOnSomething(score) || !std::isfinite(error)) return;
+    if (!MatchesAnInstance(score) || !std::isfinite(error)) return;
     errors[trial].push_back(error);
     ++histogram.total;
     if (error >= range) {
@@ -175,10 +175,10 @@ Calibration CalibrationOf(const ConfigurationTrials& configuration, const Report
   });
   for (int i = 0; i < count; ++i) {
     ConfidenceBin bin{0, right[i].Finish()};
-    if (bin.right.tries == 0) continue;
-    bin.mean_confidence = confidence[i] / bin.right.tries;
+    if (bin.right.samples == 0) continue;
+    bin.mean_confidence = confidence[i] / bin.right.samples;
     calibration.expected_error +=
-        std::abs(bin.mean_confidence - bin.right.rate()) * bin.right.tries / calibration.poses;
+        std::abs(bin.mean_confidence - bin.right.rate()) * bin.right.samples / calibration.poses;
     calibration.bins.push_back(bin);
   }
   return calibration;
@@ -224,7 +224,7 @@ struct ObjectCounts {
   std::map<FailureReason, int> failures;
 };
 
-void CountLook(size_t trial, const AttemptRecord& pick, std::vector<ObjectCounts>& counts) {
+void CountAttempt(size_t trial, const AttemptRecord& pick, std::vector<ObjectCounts>& counts) {
   for (const InstanceRecord& instance : pick.instances) {
     // In an occlusion trial only the target counts, as in InstancesRecalled.
     if (pick.target >= 0 && instance.instance != pick.target) continue;
@@ -232,19 +232,20 @@ void CountLook(size_t trial, const AttemptRecord& pick, std::vector<ObjectCounts
     counts.at(instance.object).recall.Count(trial, instance.recalled);
   }
   for (const HypothesisRecord& score : pick.hypotheses) {
-    if (StandsOnSomething(score))
+    if (MatchesAnInstance(score))
       counts.at(score.object).mssd[trial].push_back(score.mssd_diameters());
   }
-  const InstanceRecord* aim = pick.grasp ? InstanceIn(pick, pick.matched_instance) : nullptr;
-  if (aim != nullptr)
-    counts.at(aim->object).picks.Count(trial, pick.failure == FailureReason::kNone);
+  const InstanceRecord* target = pick.grasp ? InstanceIn(pick, pick.matched_instance) : nullptr;
+  if (target != nullptr)
+    counts.at(target->object).picks.Count(trial, pick.failure == FailureReason::kNone);
 }
 
 std::vector<ObjectReport> ObjectsOf(const ConfigurationTrials& configuration) {
   std::vector<ObjectCounts> counts(configuration.objects.size(),
                                    ObjectCounts(configuration.trials.size()));
   for (size_t t = 0; t < configuration.trials.size(); ++t) {
-    for (const AttemptRecord& pick : configuration.trials[t].attempts) CountLook(t, pick, counts);
+    for (const AttemptRecord& pick : configuration.trials[t].attempts)
+      CountAttempt(t, pick, counts);
     for (const InstanceOutcome& instance_outcome : configuration.trials[t].outcomes) {
       ObjectCounts& count = counts.at(instance_outcome.object);
       ++count.report.dropped;
@@ -266,7 +267,7 @@ std::vector<ObjectReport> ObjectsOf(const ConfigurationTrials& configuration) {
                          [](const auto& a, const auto& b) { return a.second < b.second; });
     if (most != count.failures.end()) report.commonest = most->first;
     // Distractors have neither instances to recall nor dropped wanted instances.
-    if (report.recall.tries + report.dropped > 0) objects.push_back(report);
+    if (report.recall.samples + report.dropped > 0) objects.push_back(report);
   }
   return objects;
 }
@@ -336,7 +337,7 @@ std::vector<LostPick> LostPicksOf(std::span<const ConfigurationTrials> configura
         const HypothesisRecord& chosen = pick.hypotheses.at(pick.chosen);
         entry.object = configurations[p].objects.at(chosen.object);
         entry.confidence = chosen.score;
-        if (StandsOnSomething(chosen)) entry.mssd_diameters = chosen.mssd_diameters();
+        if (MatchesAnInstance(chosen)) entry.mssd_diameters = chosen.mssd_diameters();
       }
     }
   }
@@ -346,13 +347,13 @@ std::vector<LostPick> LostPicksOf(std::span<const ConfigurationTrials> configura
 std::vector<LostPick> SpreadOverReasons(const std::vector<LostPick>& picks, int most) {
   std::map<FailureReason, int> seen;
   // Number of earlier failures of the same reason, and index.
-  std::vector<std::pair<int, size_t>> turns;
-  for (size_t i = 0; i < picks.size(); ++i) turns.push_back({seen[picks[i].failure]++, i});
-  std::sort(turns.begin(), turns.end());
-  if (turns.size() > static_cast<size_t>(most)) turns.resize(most);
-  std::sort(turns.begin(), turns.end(), [](auto& a, auto& b) { return a.second < b.second; });
+  std::vector<std::pair<int, size_t>> order;
+  for (size_t i = 0; i < picks.size(); ++i) order.push_back({seen[picks[i].failure]++, i});
+  std::sort(order.begin(), order.end());
+  if (order.size() > static_cast<size_t>(most)) order.resize(most);
+  std::sort(order.begin(), order.end(), [](auto& a, auto& b) { return a.second < b.second; });
   std::vector<LostPick> spread;
-  for (const auto& [turn, place] : turns) spread.push_back(picks[place]);
+  for (const auto& [rank, place] : order) spread.push_back(picks[place]);
   return spread;
 }
 

@@ -37,7 +37,7 @@ struct ReportOptions {
 struct BandRates {
   VisibleBand band;
   ReportRate recall, picks;
-  // Attempts with a target that delivered it; tries is 0 without targets.
+  // Attempts with a target that delivered it; samples is 0 without targets.
   ReportRate targets;
 };
 

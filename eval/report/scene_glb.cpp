@@ -5,6 +5,7 @@
 #include <map>
 
 #include "eval/draw/overlay.h"
+#include "scenes/base/ids_format.h"
 #include "scenes/geometry/mesh_levels.h"
 
 namespace pickbed::eval {
@@ -50,7 +51,7 @@ class ShownMeshes {
   ShownMeshes(const ObjectSet& objects, int most_faces)
       : objects_(objects), most_faces_(most_faces) {}
 
-  const TriangleMesh& Of(int object) {
+  const TriangleMesh& Of(ObjectId object) {
     const TriangleMesh& whole = objects_[object]->mesh_O;
     if (most_faces_ == 0 || static_cast<int>(whole.triangles.size()) <= most_faces_) return whole;
     const auto [known, is_new] = coarse_.try_emplace(object);

@@ -14,11 +14,11 @@
 namespace pickbed::eval {
 std::span<const ViewLayer> ViewLayers() {
   static constexpr std::array<ViewLayer, 5> kLayers{{
-      {"truth", "true parts", "#cdcdd2"},
-      {"hypothesis", "poses, doubtful to sure",
+      {"truth", "true poses", "#cdcdd2"},
+      {"hypothesis", "estimated poses, low to high confidence",
        "linear-gradient(90deg, #ff2828, #ffff28, #28ff28)"},
       {"hand", "hand", "#46a0ff"},
-      {"cloud", "what the camera saw", "repeating-radial-gradient(#888 0 1px, #fff 1px 3px)"},
+      {"cloud", "measured points", "repeating-radial-gradient(#888 0 1px, #fff 1px 3px)"},
       {"bin", "bin", "#8c96a5"},
   }};
   return kLayers;
@@ -26,19 +26,19 @@ std::span<const ViewLayer> ViewLayers() {
 
 std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configurations, int most) {
   std::vector<ViewChoice> lost, picked;
-  std::vector<int> turns;  // number of earlier failures with the same reason
+  std::vector<int> earlier_failures;  // number of earlier failures with the same reason
   std::map<FailureReason, int> seen;
   for (size_t p = 0; p < configurations.size(); ++p) {
     for (size_t t = 0; t < configurations[p].trials.size(); ++t) {
       const std::vector<AttemptRecord>& picks = configurations[p].trials[t].attempts;
-      for (size_t look = 0; look < picks.size(); ++look) {
-        if (!picks[look].grasp) continue;
-        const FailureReason failure = picks[look].failure;
+      for (size_t attempt = 0; attempt < picks.size(); ++attempt) {
+        if (!picks[attempt].grasp) continue;
+        const FailureReason failure = picks[attempt].failure;
         if (failure == FailureReason::kNone) {
-          picked.push_back({p, t, look});
+          picked.push_back({p, t, attempt});
         } else {
-          lost.push_back({p, t, look});
-          turns.push_back(seen[failure]++);
+          lost.push_back({p, t, attempt});
+          earlier_failures.push_back(seen[failure]++);
         }
       }
     }
@@ -46,7 +46,7 @@ std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configu
   std::vector<size_t> order(lost.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(),
-                   [&](size_t a, size_t b) { return turns[a] < turns[b]; });
+                   [&](size_t a, size_t b) { return earlier_failures[a] < earlier_failures[b]; });
   std::vector<ViewChoice> choices;
   const size_t for_lost = static_cast<size_t>(most) - (picked.empty() || most == 0 ? 0 : 1);
   for (size_t i = 0; i < std::min(order.size(), for_lost); ++i) choices.push_back(lost[order[i]]);
@@ -70,9 +70,9 @@ ViewMaker::~ViewMaker() = default;
 
 std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
   SimulatedCell& cell = impl_->cell;
-  const Scene scene = SceneOfLook(trial, number, {cell, *impl_->gripper, impl_->success_rule});
-  const AttemptRecord& look = trial.attempts[number];
-  const Observation view = cell.Capture(scene, trial.bin_index, look.attempt);
+  const Scene scene = SceneOfAttempt(trial, number, {cell, *impl_->gripper, impl_->success_rule});
+  const AttemptRecord& attempt = trial.attempts[number];
+  const Observation view = cell.Capture(scene, trial.bin_index, attempt.attempt);
   const Image<float>& depth_m = view.frame.depth_m;
   const double pixels = static_cast<double>(depth_m.width()) * depth_m.height();
   const int stride_px = std::max(
@@ -82,8 +82,8 @@ std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
   options.most_faces = impl_->options.view_triangles;
   return SceneGlb({.scene = scene,
                    .objects = cell.objects(),
-                   .hypotheses = look.hypotheses,
-                   .grasp = look.grasp ? &*look.grasp : nullptr,
+                   .hypotheses = attempt.hypotheses,
+                   .grasp = attempt.grasp ? &*attempt.grasp : nullptr,
                    .gripper = impl_->gripper.get(),
                    .cloud = impl_->options.cloud_points > 0 ? &cloud : nullptr},
                   options);

@@ -25,7 +25,7 @@ std::span<const ViewLayer> ViewLayers();
 // An attempt to be shown.
 struct ViewChoice {
   size_t configuration = 0, trial = 0,
-         look = 0;  // indices of configuration, its trial, its attempt
+         attempt = 0;  // indices of configuration, its trial, its attempt
 };
 // Returns at most `most` attempts to be shown. They are failures, one of each reason before a
 // second of any, followed by one success.
@@ -38,8 +38,8 @@ class ViewMaker {
   ViewMaker(const ScenarioSpec& spec, const ObjectSet& objects, const ReportOptions& options);
   ~ViewMaker();
 
-  // Returns the bytes of a GLB file of one attempt. Throws like SceneOfLook.
-  std::string Glb(const TrialResult& trial, size_t look);
+  // Returns the bytes of a GLB file of one attempt. Throws like SceneOfAttempt.
+  std::string Glb(const TrialResult& trial, size_t attempt);
 
  private:
   struct Impl;

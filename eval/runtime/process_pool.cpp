@@ -296,7 +296,7 @@ class Foreman {
     const bool was_ready = workers_[index]->ready();
     const std::string why = workers_[index]->Reap();
     workers_.erase(workers_.begin() + index);
-    if (!was_ready) throw std::runtime_error("while a worker started, " + why);
+    if (!was_ready) throw std::runtime_error("while starting a worker, " + why);
     if (item != kNothing) Retry(item, why);
   }
 

@@ -38,7 +38,7 @@ struct Success {
 Success SuccessOf(const std::vector<Cluster>& outcomes) {
   Success success;
   for (const Cluster& trial : outcomes) {
-    success.executed_grasps += trial.tries;
+    success.executed_grasps += trial.samples;
     success.successes += trial.hits;
   }
   success.ci95 = ClusterInterval(outcomes);

@@ -44,14 +44,13 @@ FolderLock::FolderLock(const std::filesystem::path& folder) {
   MakeFolder(folder);
   const std::string path = (folder / "lock").string();
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  CheckInput(file_ >= 0, fmt::format("cannot write to {}: {}; choose another folder with --out",
-                                     path, strerror(errno)));
+  CheckInput(file_ >= 0, fmt::format("cannot write to {}: {}; choose another results folder", path,
+                                     strerror(errno)));
   if (!TryLock(file_)) {
     const std::string holder = HolderIn(file_);
     close(file_);
     throw InputError(
-        fmt::format("{} is in use by {}; wait for it, or choose another folder with "
-                    "--out",
+        fmt::format("{} is in use by {}; wait for it, or choose another results folder",
                     folder.string(), holder));
   }
   std::array<char, 256> host{};

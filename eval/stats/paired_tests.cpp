@@ -35,17 +35,17 @@ struct PairSums {
   void Add(const Cluster& zero, const Cluster& one) {
     const Cluster* of[2] = {&zero, &one};
     for (int k = 0; k < 2; ++k) {
-      const double hits = of[k]->hits, tries = of[k]->tries;
+      const double hits = of[k]->hits, samples = of[k]->samples;
       h[k] += hits;
-      t[k] += tries;
+      t[k] += samples;
       hh[k] += hits * hits;
-      ht[k] += hits * tries;
-      tt[k] += tries * tries;
+      ht[k] += hits * samples;
+      tt[k] += samples * samples;
     }
     h0h1 += static_cast<double>(zero.hits) * one.hits;
-    h0t1 += static_cast<double>(zero.hits) * one.tries;
-    t0h1 += static_cast<double>(zero.tries) * one.hits;
-    t0t1 += static_cast<double>(zero.tries) * one.tries;
+    h0t1 += static_cast<double>(zero.hits) * one.samples;
+    t0h1 += static_cast<double>(zero.samples) * one.hits;
+    t0t1 += static_cast<double>(zero.samples) * one.samples;
   }
 
   void Add(const PairSums& other, double sign) {
@@ -191,7 +191,7 @@ double PairedRateTest(std::span<const Cluster> before, std::span<const Cluster> 
   for (size_t i = 0; i < before.size(); ++i) {
     found.Add(before[i], after[i]);
     // Scenes with equal results do not depend on their labels.
-    if (before[i].hits == after[i].hits && before[i].tries == after[i].tries) continue;
+    if (before[i].hits == after[i].hits && before[i].samples == after[i].samples) continue;
     PairSums as_is, changed;
     as_is.Add(before[i], after[i]);
     changed.Add(after[i], before[i]);

@@ -176,9 +176,9 @@ Interval ClusterBootstrapAuc(const OutcomeClusters& clusters, double confidence,
       Bootstrap(static_cast<int>(clusters.size()), confidence, resamples, seed,
                 [&](const std::vector<int>& drawn) { return AucOf(clusters, drawn); });
   if (!drawn_interval) return {0, 1};
-  const bool told_all = drawn_interval->low == drawn_interval->high &&
-                        (drawn_interval->low <= 0 || drawn_interval->low >= 1);
-  if (!told_all) return *drawn_interval;
+  const bool no_spread = drawn_interval->low == drawn_interval->high &&
+                         (drawn_interval->low <= 0 || drawn_interval->low >= 1);
+  if (!no_spread) return *drawn_interval;
   const int pairs = ClustersWithEither(clusters);
   return WilsonInterval(drawn_interval->low > 0.5 ? pairs : 0, pairs, confidence);
 }

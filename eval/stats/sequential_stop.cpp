@@ -12,11 +12,11 @@ SequentialStop::SequentialStop(double width, const SequentialOptions& options)
       log_above_(options.candidates + 1, 0.0),
       log_below_(options.candidates + 1, 0.0),
       high_(options.candidates) {
-  if (!(width >= 0 && width <= 1)) throw std::logic_error("a width is from 0 to 1");
+  if (!(width >= 0 && width <= 1)) throw std::logic_error("a width must be from 0 to 1");
 }
 
 void SequentialStop::Add(const Cluster& scene) {
-  if (scene.tries > 0) Add(static_cast<double>(scene.hits) / scene.tries);
+  if (scene.samples > 0) Add(static_cast<double>(scene.hits) / scene.samples);
 }
 
 void SequentialStop::Add(double scene_mean) {

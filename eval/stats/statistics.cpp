@@ -23,10 +23,10 @@ double Square(double x) { return x * x; }
 double Clamped(double x) { return std::clamp(x, 0.0, 1.0); }
 
 // Wilson interval of a rate p with the precision of `tries` independent samples.
-Interval WilsonForm(double p, double tries, double z) {
-  const double center = (p + z * z / (2 * tries)) / (1 + z * z / tries);
-  const double half =
-      z / (1 + z * z / tries) * std::sqrt(p * (1 - p) / tries + z * z / (4 * tries * tries));
+Interval WilsonForm(double p, double samples, double z) {
+  const double center = (p + z * z / (2 * samples)) / (1 + z * z / samples);
+  const double half = z / (1 + z * z / samples) *
+                      std::sqrt(p * (1 - p) / samples + z * z / (4 * samples * samples));
   // The ends are exact at the extremes; rounding would give 0.9999999999999999.
   return {p <= 0 ? 0.0 : Clamped(center - half), p >= 1 ? 1.0 : Clamped(center + half)};
 }
@@ -92,8 +92,8 @@ bool RatesGoWithSizes(std::span<const Cluster> clusters, const RatioSpread& spre
   const double mean = spread.weight / spread.units;
   double sum = 0, squares = 0;
   for (const Cluster& cluster : clusters) {
-    if (cluster.tries == 0) continue;
-    const double term = (cluster.tries - mean) * (cluster.hits - spread.ratio * cluster.tries);
+    if (cluster.samples == 0) continue;
+    const double term = (cluster.samples - mean) * (cluster.hits - spread.ratio * cluster.samples);
     sum += term;
     squares += Square(term);
   }
@@ -108,21 +108,21 @@ bool RatesGoWithSizes(std::span<const Cluster> clusters, const RatioSpread& spre
 double LeastDegrees(std::span<const Cluster> clusters, const RatioSpread& spread) {
   if (RatesGoWithSizes(clusters, spread)) return 1;
   double squares = 0;
-  for (const Cluster& cluster : clusters) squares += Square(cluster.tries);
+  for (const Cluster& cluster : clusters) squares += Square(cluster.samples);
   const double length = std::log(squares / spread.weight);
   return length > 0 ? 24 / Square(length) : kInfinity;
 }
 
 bool TryOnce(std::span<const Cluster> clusters) {
   return std::all_of(clusters.begin(), clusters.end(),
-                     [](const Cluster& cluster) { return cluster.tries <= 1; });
+                     [](const Cluster& cluster) { return cluster.samples <= 1; });
 }
 
 std::vector<Share> SharesOf(std::span<const Cluster> clusters) {
   std::vector<Share> shares;
   shares.reserve(clusters.size());
   for (const Cluster& cluster : clusters) {
-    shares.push_back({static_cast<double>(cluster.hits), static_cast<double>(cluster.tries)});
+    shares.push_back({static_cast<double>(cluster.hits), static_cast<double>(cluster.samples)});
   }
   return shares;
 }
@@ -167,14 +167,14 @@ Cluster SumOf(std::span<const Cluster> clusters) {
   Cluster sum;
   for (const Cluster& cluster : clusters) {
     sum.hits += cluster.hits;
-    sum.tries += cluster.tries;
+    sum.samples += cluster.samples;
   }
   return sum;
 }
 
 double RateOf(std::span<const Cluster> clusters) {
   const Cluster sum = SumOf(clusters);
-  return sum.tries > 0 ? static_cast<double>(sum.hits) / sum.tries : 0;
+  return sum.samples > 0 ? static_cast<double>(sum.hits) / sum.samples : 0;
 }
 
 Interval WilsonInterval(int successes, int attempts, double confidence) {
@@ -199,12 +199,12 @@ Interval ClusterInterval(std::span<const Cluster> clusters, double confidence) {
 Interval PairedInterval(std::span<const Cluster> before, std::span<const Cluster> after,
                         double confidence) {
   if (before.size() != after.size()) throw std::logic_error("pairs differ in number");
-  if (SumOf(before).tries == 0 || SumOf(after).tries == 0) return {-1, 1};
+  if (SumOf(before).samples == 0 || SumOf(after).samples == 0) return {-1, 1};
   std::vector<Cluster> a, b;
   bool differ = false;
   for (size_t i = 0; i < before.size(); ++i) {
-    if (before[i].tries + after[i].tries == 0) continue;
-    differ |= before[i].hits * after[i].tries != after[i].hits * before[i].tries;
+    if (before[i].samples + after[i].samples == 0) continue;
+    differ |= before[i].hits * after[i].samples != after[i].hits * before[i].samples;
     a.push_back(before[i]);
     b.push_back(after[i]);
   }
@@ -217,8 +217,8 @@ Interval PairedInterval(std::span<const Cluster> before, std::span<const Cluster
   const Cluster sum_a = SumOf(a), sum_b = SumOf(b);
   std::vector<double> left_out;
   for (size_t i = 0; i < a.size(); ++i) {
-    left_out.push_back((b[i].hits - rate_b * b[i].tries) / (sum_b.tries - b[i].tries) -
-                       (a[i].hits - rate_a * a[i].tries) / (sum_a.tries - a[i].tries));
+    left_out.push_back((b[i].hits - rate_b * b[i].samples) / (sum_b.samples - b[i].samples) -
+                       (a[i].hits - rate_a * a[i].samples) / (sum_a.samples - a[i].samples));
   }
   const Spread spread = SpreadOf(left_out, 1);
   const bool single = TryOnce(a) && TryOnce(b);
@@ -252,13 +252,20 @@ Interval MedianInterval(const ValueClusters& clusters, double confidence) {
 
 std::string FewBinsText(int bins) {
   if (bins >= kFewBins) return "";
-  return fmt::format("{} {} few: the intervals are wide and rough; take {} or more.", bins,
+  return fmt::format("{} {} few: the intervals are wide and approximate; use {} or more.", bins,
                      bins == 1 ? "bin is" : "bins are", kFewBins);
 }
 
 ReportRate ClusterRate(std::span<const Cluster> clusters) {
   const Cluster sum = SumOf(clusters);
-  return {sum.hits, sum.tries, ClusterInterval(clusters)};
+  return {sum.hits, sum.samples, ClusterInterval(clusters)};
+}
+
+std::string CsvCell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
 }
 
 std::string PercentNumber(double share) { return fmt::format("{:.1f}", 100 * share); }
@@ -266,8 +273,8 @@ std::string PercentNumber(double share) { return fmt::format("{:.1f}", 100 * sha
 std::string PercentText(double share) { return PercentNumber(share) + " %"; }
 
 // Multiplies first, so that ties such as 23 of 80 = 28.75 % are exact and round to even.
-std::string PercentText(int hits, int tries) {
-  return tries == 0 ? "-" : fmt::format("{:.1f} %", 100.0 * hits / tries);
+std::string PercentText(int hits, int samples) {
+  return samples == 0 ? "-" : fmt::format("{:.1f} %", 100.0 * hits / samples);
 }
 
 std::string IntervalText(const Interval& interval) {
@@ -275,7 +282,7 @@ std::string IntervalText(const Interval& interval) {
 }
 
 std::string RateText(const ReportRate& rate) {
-  if (rate.tries == 0) return "-";
+  if (rate.samples == 0) return "-";
   return fmt::format("{} {}", PercentText(rate.rate()), IntervalText(rate.ci95));
 }
 

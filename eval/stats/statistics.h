@@ -32,19 +32,19 @@ double TwoSidedZ(double confidence);
 // normal.
 double TwoSidedT(double confidence, double degrees);
 
-// Contribution of one independent unit (a scene) to a rate: `hits` of `tries`.
+// Contribution of one independent unit (a scene) to a rate: `hits` of `samples`.
 struct Cluster {
   int hits = 0;
-  int tries = 0;
+  int samples = 0;
 };
 // Sum of hits and of samples.
 Cluster SumOf(std::span<const Cluster> clusters);
-// sum(hits) / sum(tries); 0 without samples.
+// sum(hits) / sum(samples); 0 without samples.
 double RateOf(std::span<const Cluster> clusters);
 
-// Interval of sum(hits) / sum(tries) if the samples of one cluster are not independent and clusters
-// differ in size. It has Wilson's form with an effective number of samples p q / v (Korn and
-// Graubard 1998; Dean and Pagano 2015), where v is the cluster jackknife variance of the ratio.
+// Interval of sum(hits) / sum(samples) if the samples of one cluster are not independent and
+// clusters differ in size. It has Wilson's form with an effective number of samples p q / v (Korn
+// and Graubard 1998; Dean and Pagano 2015), where v is the cluster jackknife variance of the ratio.
 // Student's t has Satterthwaite's degrees of freedom, from the fourth moment of the residuals
 // (statistics.cpp). 95 % intervals cover 93 to 97 % for at least 40 clusters and rates of 0.1 to
 // 0.9 (tests/figures/interval_figures.cpp). Percentile bootstraps do not reach this. With one
@@ -81,13 +81,16 @@ std::string FewBinsText(int bins);
 
 // Rate with its 95 % interval, as shown in reports.
 struct ReportRate {
-  int hits = 0, tries = 0;
+  int hits = 0, samples = 0;
   Interval ci95;
-  double rate() const { return tries > 0 ? static_cast<double>(hits) / tries : 0; }
+  double rate() const { return samples > 0 ? static_cast<double>(hits) / samples : 0; }
 };
 
 // Rate over clusters, with its ClusterInterval.
 ReportRate ClusterRate(std::span<const Cluster> clusters);
+
+// Returns a CSV cell, in quotes if the text holds a comma, a quote or a line break.
+std::string CsvCell(const std::string& text);
 
 // The formatters of shares and rates; all numbers are in percent with one decimal.
 //
@@ -95,8 +98,8 @@ ReportRate ClusterRate(std::span<const Cluster> clusters);
 std::string PercentNumber(double share);
 // "12.5 %".
 std::string PercentText(double share);
-// Same for hits / tries, or "-" without tries.
-std::string PercentText(int hits, int tries);
+// Same for hits / samples, or "-" without samples.
+std::string PercentText(int hits, int samples);
 // "[8.1, 18.4]".
 std::string IntervalText(const Interval& interval);
 // "12.5 % [8.1, 18.4]", or "-" without samples.

@@ -58,10 +58,9 @@ int JoinRows(const Database& db, const std::filesystem::path& file, const RowShi
     ForEachTrialTable([&]<typename Row>(const char* table) {
       if (doubled == 0 || std::is_same_v<Row, TimingRow>) return;
       const int trial = Contradicted<Row>(db, table, shift);
-      CheckInput(trial < 0,
-                 fmt::format("{}: trial {} stands in another store with other {}; both say that "
-                             "they have the same settings: remove one",
-                             file.string(), trial - shift.trial, table));
+      CheckInput(trial < 0, fmt::format("{}: trial {} is in another store with different {}, "
+                                        "although both have the same settings: remove one",
+                                        file.string(), trial - shift.trial, table));
     });
     ForEachTrialTable([&]<typename Row>(const char* table) {
       db.Execute(fmt::format(

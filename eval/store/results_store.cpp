@@ -128,8 +128,8 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
   // settings may change.
   if (!HoldsTrials(db)) WriteHead(db, head);
   CheckInput(db.Setting("scenario") == head.identity,
-             fmt::format("{} already holds results of another scenario or of other settings; "
-                         "choose another folder with --out or remove this one",
+             fmt::format("{} already has results of another scenario or of other settings; choose "
+                         "another results folder or remove this one",
                          folder.string()));
   UpdateConfigurations(db, head);
   transaction.Commit();
@@ -139,10 +139,10 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
 
 ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kStoreFile;
-  CheckInput(std::filesystem::is_regular_file(file),
-             fmt::format("{} holds no {}; name the results folder of a `pickbed run` or `pickbed "
-                         "sweep`",
-                         folder.string(), kStoreFile));
+  CheckInput(
+      std::filesystem::is_regular_file(file),
+      fmt::format("{} has no {}; name the results folder of a `pickbed run` or `pickbed sweep`",
+                  folder.string(), kStoreFile));
   Database db(file, Database::Mode::kExisting);
   RequireKnownVersion(db);
   CheckInput(db.HasTable("trials") && db.HasTable("settings"),
@@ -274,7 +274,7 @@ std::map<int, Cluster> ResultsStore::Outcomes() const {
     statement.Read(0, trial);
     Cluster& outcome = outcomes[trial];
     statement.Read(1, outcome.hits);
-    statement.Read(2, outcome.tries);
+    statement.Read(2, outcome.samples);
   }
   return outcomes;
 }

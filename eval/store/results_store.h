@@ -19,6 +19,7 @@
 
 #include "eval/stats/statistics.h"
 #include "eval/trial/trial.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
@@ -43,7 +44,7 @@ struct StoreHead {
 struct CrashedTrial {
   int trial = 0;
   int configuration = 0;
-  int bin_index = 0;
+  BinIndex bin_index{0};
   uint64_t seed = 0;
   std::string why;
 };

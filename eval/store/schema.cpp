@@ -142,12 +142,11 @@ void RequireKnownVersion(const Database& db) {
   const int version = std::atoi(text.c_str());
   CheckInput(version <= kSchemaVersion,
              fmt::format("{} was written by a later version of pickbed (schema {}, here {}); use "
-                         "that one, or choose another folder with --out",
+                         "that version, or choose another results folder",
                          db.file(), text, kSchemaVersion));
   CheckInput(version >= kOldestSchemaVersion,
              fmt::format("{} was written by a version of pickbed that is too old to be read "
-                         "(schema {}, here {} to {}); repeat the run into another folder with "
-                         "--out",
+                         "(schema {}, here {} to {}); repeat the run into another results folder",
                          db.file(), text, kOldestSchemaVersion, kSchemaVersion));
 }
 

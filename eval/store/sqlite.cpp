@@ -16,9 +16,9 @@ void RequireWhole(const Database& db) {
   statement.Step();
   double bytes = 0;
   statement.Read(0, bytes);
-  CheckInput(
-      std::filesystem::file_size(db.file()) >= bytes,
-      fmt::format("{}: is cut short; remove the folder, or choose another with --out", db.file()));
+  CheckInput(std::filesystem::file_size(db.file()) >= bytes,
+             fmt::format("{}: is truncated; remove the folder, or choose another results folder",
+                         db.file()));
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ Database::Database(const std::filesystem::path& file, Mode mode) : file_(file.st
     sqlite3_close(std::exchange(db_, nullptr));
     throw InputError(
         mode == Mode::kCreate
-            ? fmt::format("cannot write to {}: {}; choose another folder with --out", file_, reason)
+            ? fmt::format("cannot write to {}: {}; choose another results folder", file_, reason)
             : fmt::format("cannot read {}: {}", file_, reason));
   }
   sqlite3_busy_timeout(db_, kBusyTimeoutMs);
@@ -79,21 +79,21 @@ void CheckSql(const Database& db, int code) {
   switch (code & 0xff) {  // without the extended code
     case SQLITE_NOTADB:
     case SQLITE_CORRUPT:
-      throw InputError(message + "; remove the folder, or choose another with --out");
+      throw InputError(message + "; remove the folder, or choose another results folder");
     case SQLITE_FULL:
     case SQLITE_IOERR:
       throw InputError(message +
-                       "; is the disk full? finished trials are kept: make room and repeat the "
-                       "command, a run or sweep with --resume");
+                       "; is the disk full? finished trials are kept: free some space and repeat "
+                       "the command, or resume the run or sweep");
     case SQLITE_READONLY:
     case SQLITE_CANTOPEN:
     case SQLITE_PERM:
-      throw InputError(message +
-                       "; finished trials are kept; make the folder writable, or choose "
-                       "another with --out");
+      throw InputError(
+          message +
+          "; finished trials are kept; make the folder writable, or choose another results folder");
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      throw InputError(message + "; another program holds the file, close it");
+      throw InputError(message + "; another program has the file open, close it");
     default:
       throw std::runtime_error(message);
   }

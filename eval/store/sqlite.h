@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "eval/layer.h"
+#include "scenes/base/ids.h"
 #include "scenes/geometry/pose.h"
 #include "scenes/scenario/failure_reason.h"
 
@@ -91,6 +92,12 @@ class Statement {
   void Read(int column, std::string& value) const;
   void Read(int column, FailureReason& value) const;
   void Read(int column, Pose& value) const;
+  template <typename Kind>
+  void Read(int column, Id<Kind>& value) const {
+    int number = 0;
+    Read(column, number);
+    value = Id<Kind>(number);
+  }
 
  private:
   const Database& db_;
@@ -114,7 +121,7 @@ void RequireTable(const Database& db, const std::string& table) {
   std::string all;
   std::map<std::string, std::string> missing;  // column -> type
   Row().Visit([&]<typename T>(const char* name, const T&) {
-    constexpr bool kInteger = std::is_same_v<T, int> || std::is_same_v<T, bool>;
+    constexpr bool kInteger = std::is_same_v<T, int> || std::is_same_v<T, bool> || kIsId<T>;
     const char* type = kInteger ? "INTEGER" : std::is_same_v<T, double> ? "REAL" : "TEXT";
     all += fmt::format("{}{} {}", all.empty() ? "" : ", ", name, type);
     if (std::find(present.begin(), present.end(), name) == present.end()) missing[name] = type;

@@ -12,7 +12,7 @@ Cluster AttemptOutcomes(const TrialResult& trial) {
   return outcome;
 }
 
-void ConfigurationStop::Add(int bin_index, const Cluster& outcome) {
+void ConfigurationStop::Add(BinIndex bin_index, const Cluster& outcome) {
   later_.emplace(bin_index, outcome);
   for (auto next = later_.find(bins_); next != later_.end() && !stop_.Reached();
        next = later_.find(bins_)) {
@@ -27,10 +27,10 @@ StopState ConfigurationStop::state() const {
 }
 
 std::optional<StopState> StopOf(const std::vector<TrialResult>& trials,
-                                const std::vector<int>& crashed_bins, double width) {
+                                const std::vector<BinIndex>& crashed_bins, double width) {
   if (width == 0) return std::nullopt;
   ConfigurationStop stop(width);
-  for (const int bin_index : crashed_bins) stop.Add(bin_index, {});
+  for (const BinIndex bin_index : crashed_bins) stop.Add(bin_index, {});
   for (const TrialResult& trial : trials) stop.Add(trial.bin_index, AttemptOutcomes(trial));
   return stop.state();
 }
@@ -39,8 +39,8 @@ std::string StopText(const StopState& state) {
   const std::string interval = fmt::format("{:.3f} in [{:.3f}, {:.3f}]", state.mean,
                                            state.interval.low, state.interval.high);
   if (!state.reached) {
-    return fmt::format("not yet narrow enough after {} bins: {}, to be no wider than {:.3f}",
-                       state.bins, interval, state.width);
+    return fmt::format("not narrow enough after {} bins: {}, requested width {:.3f}", state.bins,
+                       interval, state.width);
   }
   return fmt::format("stops after {} bins: {}, no wider than {:.3f}", state.bins, interval,
                      state.width);

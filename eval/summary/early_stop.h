@@ -12,6 +12,7 @@
 
 #include "eval/stats/sequential_stop.h"
 #include "eval/trial/trial.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
@@ -32,9 +33,9 @@ class ConfigurationStop {
  public:
   explicit ConfigurationStop(double width) : stop_(width), width_(width) {}
   // Adds the outcomes of the executed grasps in a scene; an empty cluster for a crashed trial.
-  void Add(int bin_index, const Cluster& outcome);
+  void Add(BinIndex bin_index, const Cluster& outcome);
   // Returns whether the trial of this bin is part of the result.
-  bool Counts(int bin_index) const { return !stop_.Reached() || bin_index < bins_; }
+  bool Counts(BinIndex bin_index) const { return !stop_.Reached() || bin_index < bins_; }
   StopState state() const;
 
  private:
@@ -47,7 +48,7 @@ class ConfigurationStop {
 // Returns the stop state of one configuration from its trials and its crashed bins; nullopt if
 // `width` is 0 (no early stop).
 std::optional<StopState> StopOf(const std::vector<TrialResult>& trials,
-                                const std::vector<int>& crashed_bins, double width);
+                                const std::vector<BinIndex>& crashed_bins, double width);
 
 // Formats as "stops after 23 bins: 0.912 in [0.871, 0.950], no wider than 0.080".
 std::string StopText(const StopState& state);

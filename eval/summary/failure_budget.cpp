@@ -107,8 +107,7 @@ void RequireGraspFailuresOnly(const FailureBudget& budget) {
   for (const Stage stage : {Stage::kSense, Stage::kDetect, Stage::kPose, Stage::kRefine}) {
     if (budget.Of(stage) == 0) continue;
     throw std::logic_error(
-        fmt::format("{} losses are charged to the stage '{}', which was fed "
-                    "with truth",
+        fmt::format("{} failures are attributed to the stage '{}', which used ground truth",
                     budget.Of(stage), StageName(stage)));
   }
 }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "eval/trial/stage_oracle.h"
+
 namespace pickbed::eval {
 namespace {
 
@@ -26,7 +28,7 @@ const InstanceRecord* TargetOf(const AttemptRecord& attempt) {
 
 void Count(bool hit, Cluster& cluster) {
   cluster.hits += hit;
-  ++cluster.tries;
+  ++cluster.samples;
 }
 
 ShareOfAttempts ShareOf(const std::map<int, Cluster>& by_scene) {
@@ -34,9 +36,6 @@ ShareOfAttempts ShareOf(const std::map<int, Cluster>& by_scene) {
   for (const auto& [scene, cluster] : by_scene) clusters.push_back(cluster);
   return {SumOf(clusters).hits, ClusterInterval(clusters)};
 }
-
-// A hypothesis with a larger MSSD is not matched to any instance.
-constexpr double kMatchDiameters = 0.5;
 
 const HypothesisRecord* BestOnTarget(const AttemptRecord& attempt) {
   const HypothesisRecord* best = nullptr;
@@ -77,8 +76,8 @@ bool NoTargetFound(const std::vector<BandStatistics>& bands) {
 }
 
 std::string CsvLine(const std::string& configuration, const BandStatistics& band) {
-  std::string line =
-      fmt::format("\"{}\",{},{},{},", configuration, band.band.min, band.band.max, band.attempts);
+  std::string line = fmt::format("{},{},{},{},", CsvCell(configuration), band.band.min,
+                                 band.band.max, band.attempts);
   if (band.attempts > 0) {
     line += fmt::format("{},{},{},{},{},{},{},{},{},", band.mean_visible, band.recalled.hits,
                         static_cast<double>(band.recalled.hits) / band.attempts,
@@ -102,7 +101,7 @@ std::string CsvLine(const std::string& configuration, const BandStatistics& band
 std::vector<BandStatistics> StatisticsByBand(std::span<const TrialResult> trials,
                                              const OcclusionSpec& spec) {
   std::vector<BandAttempts> attempts(spec.bands.size());
-  std::vector<BandStatistics> figures(spec.bands.size());
+  std::vector<BandStatistics> statistics(spec.bands.size());
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& attempt : trial.attempts) {
       if (attempt.target < 0 || attempt.band < 0 ||
@@ -114,19 +113,19 @@ std::vector<BandStatistics> StatisticsByBand(std::span<const TrialResult> trials
       band.visible += target ? target->visible_fraction : 0;
       Count(target && target->recalled, band.recalled[trial.bin_index]);
       Count(attempt.failure == FailureReason::kNone, band.picked[trial.bin_index]);
-      CountErrors(trial.bin_index, attempt, band, figures[attempt.band].errors);
+      CountErrors(trial.bin_index, attempt, band, statistics[attempt.band].errors);
       if (attempt.failure != FailureReason::kNone) {
-        ++figures[attempt.band].failures[std::string(FailureName(attempt.failure))];
+        ++statistics[attempt.band].failures[std::string(FailureName(attempt.failure))];
       }
     }
-    for (size_t i = 0; i < std::min(trial.bands.size(), figures.size()); ++i) {
-      figures[i].trials_without += !trial.bands[i].filled;
-      figures[i].account.given_up += trial.bands[i].given_up;
-      figures[i].account.blockers.Add(trial.bands[i].blockers);
+    for (size_t i = 0; i < std::min(trial.bands.size(), statistics.size()); ++i) {
+      statistics[i].trials_without += !trial.bands[i].filled;
+      statistics[i].account.given_up += trial.bands[i].given_up;
+      statistics[i].account.blockers.Add(trial.bands[i].blockers);
     }
   }
-  for (size_t i = 0; i < figures.size(); ++i) {
-    BandStatistics& band = figures[i];
+  for (size_t i = 0; i < statistics.size(); ++i) {
+    BandStatistics& band = statistics[i];
     band.band = spec.bands[i];
     band.attempts = attempts[i].attempts;
     if (band.attempts > 0) band.mean_visible = attempts[i].visible / band.attempts;
@@ -136,7 +135,7 @@ std::vector<BandStatistics> StatisticsByBand(std::span<const TrialResult> trials
     band.errors.translation_m = MedianOfScenes(attempts[i].translation_m);
     band.errors.rotation_rad = MedianOfScenes(attempts[i].rotation_rad);
   }
-  return figures;
+  return statistics;
 }
 
 std::string CurveCsv(std::span<const NamedCurve> curves) {
@@ -155,9 +154,8 @@ std::string CurveCsv(std::span<const NamedCurve> curves) {
 
 std::string CurveTable(const std::vector<BandStatistics>& bands) {
   std::string text =
-      "Targets by visible fraction\n"
-      "  band, %   looks  found                   picked                  median error of the best "
-      "pose\n";
+      "Targets by visible fraction\n  band, %   att.   found                   picked              "
+      "    median error of the best pose\n";
   for (const BandStatistics& band : bands) {
     const std::string error =
         band.errors.attempts == 0
@@ -171,15 +169,15 @@ std::string CurveTable(const std::vector<BandStatistics>& bands) {
     if (band.trials_without == 0) continue;
     const BlockerCounts& b = band.account.blockers;
     text += fmt::format(
-        "  {} %: trials without a scene: {}; targets given up: {}; of {} blockers {} hid too much, "
-        "{} too little, {} disturbed the scene\n",
+        "  {} %: trials without a scene: {}; rejected targets: {}; of {} blockers {} hid too much, "
+        "{} too little, {} moved the other instances\n",
         band.band.name(), band.trials_without, band.account.given_up, b.dropped, b.jumped,
         b.useless, b.refused);
   }
   if (NoTargetFound(bands)) {
     text +=
-        "  no scene came to rest with a part enough in view to be a target: look from higher up, "
-        "drop fewer parts or end the bands lower\n";
+        "  no settled scene had an instance with a visible fraction that makes it a target: raise "
+        "the camera, drop fewer objects or lower the bands\n";
   }
   return text;
 }

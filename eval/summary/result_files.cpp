@@ -34,12 +34,12 @@ std::vector<std::string> PartNames(const ScenarioSpec& spec) {
 ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfiguration& configuration,
                                 const std::vector<CrashedTrial>& all_crashed,
                                 const std::filesystem::path& out, Csv& csv) {
-  const bool alone = store.head().configurations.size() == 1;
+  const bool single = store.head().configurations.size() == 1;
   const ScenarioSpec spec =
       ScenarioOfText(configuration.settings, out, (out / kStoreFile).string());
   const std::vector<std::string> names = PartNames(spec);
   const std::vector<TrialResult> trials =
-      alone
+      single
           ? store.ReadAll()
           : store.Read(configuration.first_trial, configuration.first_trial + configuration.trials);
   ConfigurationSummary result{configuration,
@@ -49,22 +49,14 @@ ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfigura
   std::copy_if(
       all_crashed.begin(), all_crashed.end(), std::back_inserter(crashed),
       [&](const CrashedTrial& trial) { return trial.configuration == configuration.number; });
-  std::vector<int> crashed_bins;
+  std::vector<BinIndex> crashed_bins;
   for (const CrashedTrial& trial : crashed) crashed_bins.push_back(trial.bin_index);
   result.summary.stop = StopOf(trials, crashed_bins, spec.stop_width);
   Append(TrialsCsv(trials, crashed), csv.trials);
   Append(AttemptsCsv(trials, names), csv.attempts);
   Append(InstanceOutcomesCsv(trials, names), csv.instance_outcomes);
-  Append(TimingsCsv(trials, alone ? result.summary.cycle : CycleTime()), csv.timings);
+  Append(TimingsCsv(trials, single ? result.summary.cycle : CycleTime()), csv.timings);
   return result;
-}
-
-// Returns a CSV cell, in quotes if the text holds a comma, a quote or a line break.
-std::string Cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
 }
 
 std::string ConfigurationsCsv(const std::vector<ConfigurationSummary>& configurations) {
@@ -74,7 +66,7 @@ std::string ConfigurationsCsv(const std::vector<ConfigurationSummary>& configura
       "success_low,success_high,instances_dropped,instances_cleared,frames,top1_correct\n";
   for (const auto& [configuration, s] : configurations) {
     csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", configuration.number,
-                       Cell(configuration.name), configuration.seed, configuration.first_trial,
+                       CsvCell(configuration.name), configuration.seed, configuration.first_trial,
                        configuration.trials, s.trials, s.crashed.size(), s.executed_grasps,
                        s.successes, s.success_rate, s.success_ci95.low, s.success_ci95.high,
                        s.instances_dropped, s.instances_cleared, s.frames, s.top1_correct);

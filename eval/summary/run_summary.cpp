@@ -10,6 +10,7 @@
 
 #include "eval/metrics/metric_columns.h"
 #include "eval/trial/counts_by_bin.h"
+#include "scenes/base/ids_format.h"
 
 namespace pickbed::eval {
 namespace {
@@ -57,14 +58,14 @@ std::string PercentWithin(double share, const Interval& ci95) {
 }
 
 std::string CycleText(const CycleTime& cycle) {
-  return fmt::format("{:.0f}  a part: sense {:.1f} s, compute {:.1f} s{}, move {:.1f} s",
+  return fmt::format("{:.0f}  per instance: sense {:.1f} s, compute {:.1f} s{}, move {:.1f} s",
                      cycle.picks_per_hour(), cycle.sense_s, cycle.compute_s,
                      cycle.measured ? " (measured)" : "", cycle.move_s);
 }
 
 std::string RefusedText(const RunSummary& summary) {
   std::string text =
-      fmt::format("Scenes refused and built anew: {} of {}\n", summary.refused.size(),
+      fmt::format("Scenes rejected and dropped again: {} of {}\n", summary.refused.size(),
                   summary.trials + static_cast<int>(summary.refused.size()));
   for (const auto& [trial, refused] : summary.refused) {
     text += fmt::format("  trial {}, attempt {}: {}\n", trial, refused.attempt,
@@ -215,7 +216,7 @@ std::string SummaryJson(const RunSummary& s) {
   json["trials_crashed"] = nlohmann::ordered_json::array();
   for (const CrashedTrial& trial : s.crashed) {
     json["trials_crashed"].push_back({{"trial", trial.trial},
-                                      {"bin_index", trial.bin_index},
+                                      {"bin_index", int{trial.bin_index}},
                                       {"seed", trial.seed},
                                       {"why", trial.why}});
   }
@@ -238,14 +239,14 @@ std::string SummaryTable(const RunSummary& s) {
   line("success rate",
        fmt::format("{}  {} of {} executed grasps", PercentWithin(s.success_rate, s.success_ci95),
                    s.successes, s.executed_grasps));
-  if (s.stop) line("early end", StopText(*s.stop));
-  line("parts cleared",
+  if (s.stop) line("early stop", StopText(*s.stop));
+  line("instances cleared",
        fmt::format("{}  {} of {} in {} bins", PercentWithin(s.cleared_rate, s.cleared_ci95),
                    s.instances_cleared, s.instances_dropped, s.trials));
   line("top-ranked pose right",
        fmt::format("{}  {} of {} images", PercentWithin(s.top1_precision, s.top1_ci95),
                    s.top1_correct, s.frames));
-  if (s.cycle.picks_per_hour() > 0) line("picks an hour", CycleText(s.cycle));
+  if (s.cycle.picks_per_hour() > 0) line("picks per hour", CycleText(s.cycle));
   if (!s.refused.empty()) text += RefusedText(s);
   for (const CrashedTrial& trial : s.crashed) {
     line("crashed", fmt::format("trial {} (seed {}, scene {}): {}", trial.trial, trial.seed,
@@ -261,13 +262,13 @@ std::string SummaryTable(const RunSummary& s) {
     line(BandName(band) + " %", fmt::format("{}  {} of {}", recall, band.recalled, band.instances));
   }
   if (!s.bands.empty()) text += CurveTable(s.bands);
-  text += "Why picks were lost\n";
+  text += "Failed picks by reason\n";
   if (s.failures.empty()) line("none", "0");
   for (const auto& [reason, count] : s.failures) {
     line(reason, fmt::format("{:<6}{}", count, StageName(StageOf(*FailureFromName(reason)))));
   }
   text += ForecastText(s.forecasts);
-  text += "Seconds a bin\n";
+  text += "Seconds per bin\n";
   for (const auto& [stage, seconds] : s.seconds) line(stage, fmt::format("{:.2f}", seconds));
   return text;
 }

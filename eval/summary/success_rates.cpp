@@ -41,7 +41,7 @@ std::array<RuleRate, kSuccessRules> RatesByRule(const std::vector<TrialResult>& 
     const std::vector<Cluster> scenes = CountByScene(trials, SuccessByRule(row.rule));
     const Cluster sum = SumOf(scenes);
     rate.successes = sum.hits;
-    rate.executed_grasps = sum.tries;
+    rate.executed_grasps = sum.samples;
     rate.ci95 = ClusterInterval(scenes);
   }
   return rates;

@@ -19,10 +19,13 @@ void WriteAttemptPictures(const std::filesystem::path& folder, int attempt,
 }
 
 OverlayInput OverlayOf(const AttemptState& attempt) {
-  return {attempt.view->frame,    attempt.cell.camera(),
-          attempt.cell.objects(), attempt.scene,
-          *attempt.hypotheses,    attempt.record.grasp ? &*attempt.record.grasp : nullptr,
-          &attempt.gripper,       &attempt.view->ids};
+  return {attempt.view->frame,
+          attempt.cell.camera(),
+          attempt.cell.objects(),
+          *attempt.hypotheses,
+          attempt.record.grasp ? &*attempt.record.grasp : nullptr,
+          &attempt.gripper,
+          &attempt.view->ids};
 }
 
 void PickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
@@ -33,16 +36,13 @@ void PickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
   }
   if (stage == TrialStage::kOutcome) {
     WritePng(folder_ / AttemptPicture(number, "after"),
-             attempt.cell.ColorPicture(attempt.scene, attempt.scene_number));
+             attempt.cell.ColorPicture(attempt.scene, attempt.bin_index));
   }
 }
 
 void LostPickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
-  if (stage == TrialStage::kGrasp) before_ = attempt.scene;
   if (stage != TrialStage::kOutcome || attempt.record.failure == FailureReason::kNone) return;
-  const OverlayInput input = OverlayOf({attempt.scene_number, attempt.cell, attempt.gripper,
-                                        before_, attempt.record, attempt.view, attempt.hypotheses});
-  const Image<Rgb8> overlay = Narrowed(DrawOverlay(input), size_.width_px);
+  const Image<Rgb8> overlay = Narrowed(DrawOverlay(OverlayOf(attempt)), size_.width_px);
   MakeFolder(folder_);
   WriteFileAtomically(folder_ / FailurePicture(attempt.record.attempt),
                       EncodeJpeg(overlay, size_.quality));

@@ -38,7 +38,6 @@ class LostPickPictures : public TrialObserver {
  private:
   std::filesystem::path folder_;
   PictureSize size_;
-  Scene before_;  // before the pick
 };
 
 // Returns the input of the overlay of an attempt; valid from TrialStage::kGrasp on. It holds

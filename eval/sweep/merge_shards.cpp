@@ -45,7 +45,8 @@ std::string FirstDifference(const std::string& a, const std::string& b) {
 // Describes the first difference between two heads, in settings known to the user.
 std::string Unlike(const StoreHead& a, const StoreHead& b) {
   if (a.configurations.size() != b.configurations.size()) {
-    return fmt::format("{} and {} points", a.configurations.size(), b.configurations.size());
+    return fmt::format("{} and {} configurations", a.configurations.size(),
+                       b.configurations.size());
   }
   for (size_t i = 0; i < a.configurations.size(); ++i) {
     if (a.configurations[i].identity == b.configurations[i].identity) continue;
@@ -113,7 +114,8 @@ class Plan {
     if (group == groups_.end()) {
       CheckInput(
           compare_ || groups_.empty(),
-          fmt::format("{} and {} have unlike settings: {}; --compare puts them side by side",
+          fmt::format("{} and {} have different settings: {}; merge them as a comparison to put "
+                      "them side by side",
                       sources_.empty() ? "" : sources_.front().folder.string(), folder.string(),
                       groups_.empty() ? "" : Unlike(groups_.front().head, source.head)));
       group = groups_.insert(groups_.end(), {source.head, {}, 0});
@@ -233,10 +235,10 @@ MergeReport MergeStores(const std::vector<std::filesystem::path>& folders,
   for (const std::filesystem::path& folder : folders) plan.Add(folder);
   const StoreHead head = plan.Settle();
   if (const auto stored = StoredSettings(out)) {
-    CheckInput(*stored == head.identity,
-               fmt::format("{} holds results of other settings already; choose another folder with "
-                           "--out",
-                           out.string()));
+    CheckInput(
+        *stored == head.identity,
+        fmt::format("{} already has results of other settings; choose another results folder",
+                    out.string()));
   }
   MergeReport report;
   MergeInto(out, plan, head, report);

@@ -20,19 +20,20 @@ std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const st
   arguments.catalog = catalog;
   const LoadedScenario scenario = FindScenario(arguments);
   const std::string of_run = LoadGripper(scenario.spec.gripper)->name;
-  CheckInput(of_run == gripper, fmt::format("{}: picked with gripper {}, the map is of {}",
+  CheckInput(of_run == gripper, fmt::format("{}: picked with gripper {}, but the map is for {}",
                                             folder.string(), of_run, gripper));
   CheckInput(store.head().identity == RunIdentity(scenario.spec, scenario.objects),
-             fmt::format("{} was made with another model, gripper, sensor or part than there is "
+             fmt::format("{} was made with another model, gripper, sensor or object than there is "
                          "now; repeat the run",
                          folder.string()));
   const std::vector<TrialResult> trials = store.ReadAll();
   std::vector<JudgedPick> picks;
   for (size_t i = 0; i < scenario.objects.size(); ++i) {
-    if (scenario.objects[i]->name == object) picks = JudgedPicksOf(trials, static_cast<int>(i));
+    if (scenario.objects[i]->name == object) picks = JudgedPicksOf(trials, ObjectId(i));
   }
-  CheckInput(!picks.empty(), fmt::format("{}: none of its picks was of a pose that stood on a {}",
-                                         folder.string(), object));
+  CheckInput(!picks.empty(),
+             fmt::format("{}: none of its picks used a pose that matches an instance of {}",
+                         folder.string(), object));
   return picks;
 }
 

@@ -54,7 +54,7 @@ uint64_t PartHash(const ObjectModel& part) {
   return HashBytes(numbers.data(), numbers.size() * sizeof(double), part.mesh_hash);
 }
 
-std::string FedText(const OracleStages& truth) {
+std::string GroundTruthText(const OracleStages& truth) {
   return fmt::format("# truth for: sense {}, detection {}, pose {}, refinement {}, grasp {}\n",
                      truth.sense, truth.detection, truth.pose, truth.refinement, truth.grasp);
 }
@@ -101,13 +101,13 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
     const std::string bytes = ReadFileBytes(file);
     text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
-  if (truth != OracleStages()) text += FedText(truth);
+  if (truth != OracleStages()) text += GroundTruthText(truth);
   return text;
 }
 
 OracleStages TruthIn(const std::string& identity) {
   for (const OracleRow& row : OracleTable()) {
-    if (identity.ends_with(FedText(row.truth))) return row.truth;
+    if (identity.ends_with(GroundTruthText(row.truth))) return row.truth;
   }
   return {};
 }

@@ -21,7 +21,7 @@ namespace pickbed::eval {
 namespace {
 
 constexpr std::chrono::milliseconds kAskEvery{2000};
-constexpr std::chrono::milliseconds kLookForStopEvery{100};
+constexpr std::chrono::milliseconds kCheckForStopEvery{100};
 // Consecutive squeue failures; tolerates a restart of the controller.
 constexpr int kMostFailures = 30;
 
@@ -84,8 +84,8 @@ std::string EndOf(const std::string& job_id, int shard) {
 void RequireSlurm() {
   for (const char* program : {"sbatch", "squeue", "scontrol"}) {
     CheckInput(HasProgram(program),
-               fmt::format("--slurm: there is no {} on this machine; log in to a node of the "
-                           "cluster, or leave out --slurm to run here",
+               fmt::format("there is no {} on this machine; log in to a node of the cluster, or "
+                           "run the sweep here without Slurm",
                            program));
   }
 }
@@ -115,7 +115,7 @@ std::optional<std::string> RunningJob(const SlurmJob& job) {
   if (!std::filesystem::is_regular_file(file)) return std::nullopt;
   const std::string id = Trimmed(ReadFileBytes(file));
   const auto states = StatesInQueue(id);
-  CheckInput(states.has_value(), "--slurm: squeue does not answer; is the controller up?");
+  CheckInput(states.has_value(), "squeue does not answer; is the Slurm controller running?");
   return states->empty() ? std::nullopt : std::optional(id);
 }
 
@@ -140,9 +140,9 @@ std::string QueueText(const std::string& job_id, const std::map<int, std::string
 
 // Sleeps; returns true if the user requested a stop.
 bool WaitOrStop(const SlurmListener& listener) {
-  for (auto slept = kLookForStopEvery; slept < kAskEvery; slept += kLookForStopEvery) {
+  for (auto slept = kCheckForStopEvery; slept < kAskEvery; slept += kCheckForStopEvery) {
     if (listener.stop && listener.stop()) return true;
-    std::this_thread::sleep_for(kLookForStopEvery);
+    std::this_thread::sleep_for(kCheckForStopEvery);
   }
   return false;
 }
@@ -150,11 +150,12 @@ bool WaitOrStop(const SlurmListener& listener) {
 }  // namespace
 
 void SlurmOptions::Visit(SettingsVisitor& v) {
-  v.Integer("shards", shards, {1, 10000}, "tasks of the job array");
-  v.Text("partition", partition, {}, "of the cluster; empty = its default");
-  v.Text("time", time, {}, "limit of a shard, such as 2:00:00; empty = the partition's");
-  v.Text("mem", memory, {}, "memory of a shard, such as 4G; empty = the partition's");
-  v.Integer("cpus", cpus, {1, 1024}, "worker processes of a shard");
+  v.Integer("shards", shards, {1, 10000}, "number of shards, one per task of the job array");
+  v.Text("partition", partition, {}, "partition of the cluster; empty = its default");
+  v.Text("time", time, {},
+         "time limit of a shard, for example 2:00:00; empty = default of the partition");
+  v.Text("mem", memory, {}, "memory of a shard, for example 4G; empty = default of the partition");
+  v.Integer("cpus", cpus, {1, 1024}, "number of worker processes of a shard");
   v.Text("options", options, {}, "further options of sbatch, separated by spaces");
 }
 
@@ -196,7 +197,7 @@ std::vector<ShardState> ShardStates(const Sweep& sweep, const std::filesystem::p
     const std::optional<std::string> stored = StoredSettings(folder);
     if (!stored) continue;
     CheckInput(*stored == HeadOf(sweep, folder).identity || stored->empty(),
-               fmt::format("{} holds results of other settings; choose another folder with --out",
+               fmt::format("{} has results of other settings; choose another results folder",
                            folder.string()));
     const ResultsStore store = ResultsStore::OpenToRead(folder);
     state.done = static_cast<int>(store.FinishedTrials().size());
@@ -228,10 +229,11 @@ SlurmReport RunOnSlurm(const Sweep& sweep, const SlurmJob& job, const SlurmListe
   for (int failures = 0;;) {
     const auto queue = StatesInQueue(report.job_id);
     failures = queue ? 0 : failures + 1;
-    CheckInput(failures < kMostFailures,
-               fmt::format("squeue does not answer; job {} may go on, the same command follows it "
-                           "again",
-                           report.job_id));
+    CheckInput(
+        failures < kMostFailures,
+        fmt::format(
+            "squeue does not answer; job {} may still run, repeat the same command to follow it",
+            report.job_id));
     // A store may be locked while its shard writes, or after a task was killed. It is read again
     // later, and once more when all tasks have ended.
     try {

@@ -21,7 +21,7 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr int kTriesAfterACrash = 1;
+constexpr int kRetriesAfterCrash = 1;
 
 // Opens the store and closes it again, because workers must not be forked while it is open.
 std::vector<int> FinishedTrials(const SweepOptions& options, const std::filesystem::path& folder,
@@ -30,8 +30,8 @@ std::vector<int> FinishedTrials(const SweepOptions& options, const std::filesyst
   if (options.retry_crashed) store.ForgetCrashed();
   std::vector<int> finished = store.FinishedTrials();
   CheckInput(finished.empty() || options.resume,
-             fmt::format("{} already holds {} finished trials of this {}; pass --resume to go on "
-                         "with it, or choose another folder with --out",
+             fmt::format("{} already has {} finished trials of this {}; resume it, or choose "
+                         "another results folder",
                          folder.string(), finished.size(),
                          head.configurations.size() > 1 ? "sweep" : "scenario"));
   return finished;
@@ -55,8 +55,9 @@ void WriteSettingsFiles(const Sweep& sweep, const StoreHead& head,
 CrashedTrial NoteCrash(const Sweep& sweep, const StoreHead& head,
                        const std::filesystem::path& folder, int trial, const std::string& why) {
   const Configuration& configuration = ConfigurationOf(sweep, trial);
-  const CrashedTrial crashed{trial, configuration.number, trial - configuration.first_trial,
-                             configuration.spec.seed, why};
+  const CrashedTrial crashed{trial, configuration.number,
+                             BinIndex(trial - configuration.first_trial), configuration.spec.seed,
+                             why};
   ResultsStore(folder, head).WriteCrashed(crashed);
   return crashed;
 }
@@ -129,10 +130,11 @@ void SweepCall::ReadEarlier() {
   store.ForEach([&](const TrialResult& result) { stop_->Add(result); });
   const auto lost =
       std::count_if(finished.begin(), finished.end(), [&](int t) { return !stop_->Counts(t); });
-  CheckInput(!other_stops || lost == 0,
-             fmt::format("{} holds {} finished trials beyond where its points would stop with this "
-                         "stop_width; choose another folder with --out, or the width it had",
-                         folder_.string(), lost));
+  CheckInput(
+      !other_stops || lost == 0,
+      fmt::format("{} has {} finished trials beyond the bin at which its configurations stop with "
+                  "this stop_width; choose another results folder, or the former width",
+                  folder_.string(), lost));
 }
 
 void SweepCall::Count() {
@@ -146,9 +148,10 @@ void SweepCall::CountEarlier() {
   state_.done_before = state_.done;
   if (finished_.empty()) return;
   const ResultsStore store = ResultsStore::OpenToRead(folder_);
-  state_.crashed = static_cast<int>(store.Crashed().size());
+  const auto counts = [&](int trial) { return !stop_ || stop_->Counts(trial); };
+  for (const CrashedTrial& crashed : store.Crashed()) state_.crashed += counts(crashed.trial);
   for (const auto& [trial, outcome] : store.Outcomes()) {
-    if (!stop_ || stop_->Counts(trial)) state_.trials.push_back(outcome);
+    if (counts(trial)) state_.trials.push_back(outcome);
   }
 }
 
@@ -170,7 +173,7 @@ WorkerPlan SweepCall::PlanOf(const StoreHead& head) {
     if (!finished_.contains(trial) && (!stop_ || stop_->Counts(trial))) plan.items.push_back(trial);
   }
   plan.jobs = options_.jobs;
-  plan.retries = kTriesAfterACrash;
+  plan.retries = kRetriesAfterCrash;
   plan.group = [this](int trial) { return ConfigurationOf(sweep_, trial).number; };
   if (stop_) plan.needless = [this](int trial) { return !stop_->Counts(trial); };
   plan.start = [this, &head](const WorkerPlan::Say& say) {
@@ -246,7 +249,7 @@ Shard ParseShard(const std::string& text) {
   const int read = std::sscanf(text.c_str(), "%d/%d%n", &shard.index, &shard.count, &used);
   const bool ok = read == 2 && used == static_cast<int>(text.size()) && shard.index >= 1 &&
                   shard.index <= shard.count;
-  CheckInput(ok, fmt::format("--shard {}: must be I/N with I from 1 to N, such as 3/8", text));
+  CheckInput(ok, fmt::format("shard '{}': must be I/N with I from 1 to N, for example 3/8", text));
   return shard;
 }
 

@@ -20,6 +20,7 @@
 #include "eval/runtime/process_pool.h"
 #include "eval/store/results_store.h"
 #include "eval/summary/result_files.h"
+#include "scenes/base/ids.h"
 #include "scenes/scenario/scenario_spec.h"
 
 namespace pickbed::eval {
@@ -51,9 +52,9 @@ struct PictureOrder {
   PicturesWanted wanted = PicturesWanted::kNone;
   std::filesystem::path folder;
 };
-// Runs one trial of a configuration in a worker. `scene` is the scene number. The sweep fills in
-// the trial number and the configuration.
-using DoTrial = std::function<TrialResult(int scene, const PictureOrder& pictures)>;
+// Runs one trial of a configuration in a worker. The sweep fills in the trial number and the
+// configuration.
+using DoTrial = std::function<TrialResult(BinIndex bin_index, const PictureOrder& pictures)>;
 // Creates a DoTrial in a worker, which uses it for many trials of the configuration. Throws
 // InputError if a file named by the settings does not exist.
 using MakeDoTrial =

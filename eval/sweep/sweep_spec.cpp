@@ -34,7 +34,8 @@ std::vector<std::string> RangeOf(const SettingsTree& entry) {
   int used = 0;
   const int read = std::sscanf(entry.text.c_str(), "%lld..%lld%n", &from, &to, &used);
   if (read != 2 || used != static_cast<int>(entry.text.size())) return {};
-  if (from > to || to - from >= kMaxConfigurations) Fail(entry, "must run upwards, such as 1..10");
+  if (from > to || to - from >= kMaxConfigurations)
+    Fail(entry, "must be ascending, for example 1..10");
   std::vector<std::string> numbers;
   for (long long number = from; number <= to; ++number) numbers.push_back(std::to_string(number));
   return numbers;
@@ -56,11 +57,11 @@ GridValue ValueOf(const std::string& key, const SettingsTree& item) {
 
 // Axis whose values have user-defined labels.
 GridAxis LabelledAxis(const SettingsTree& entry) {
-  if (entry.items.empty()) Fail(entry, "names no value; write LABEL: {KEY: VALUE}");
+  if (entry.items.empty()) Fail(entry, "has no value; write LABEL: {KEY: VALUE}");
   GridAxis axis{entry.key, {}};
   for (const SettingsTree& item : entry.items) {
     if (item.kind != Kind::kMap || item.items.empty()) {
-      Fail(item, "a label stands for settings, such as ppf: {estimator.name: ppf}");
+      Fail(item, "a label needs settings, for example ppf: {estimator.name: ppf}");
     }
     axis.values.push_back({entry.key + "=" + item.key, SettingsIn(item)});
   }
@@ -76,16 +77,15 @@ GridAxis AxisOf(const SettingsTree& entry) {
   if (!axis.values.empty()) return axis;
   if (entry.kind == Kind::kMap) return LabelledAxis(entry);
   if (entry.kind != Kind::kList) {
-    Fail(entry, "must be a list of values, such as [a, b], or a range of whole numbers, 1..10");
+    Fail(entry, "must be a list of values, for example [a, b], or a range of whole numbers, 1..10");
   }
-  if (entry.items.empty()) Fail(entry, "the list is empty; name a value at least, or remove it");
+  if (entry.items.empty()) Fail(entry, "the list is empty; add at least one value, or remove it");
   for (const SettingsTree& item : entry.items) {
-    if (item.kind == Kind::kMap && item.items.empty()) Fail(item, "changes nothing");
+    if (item.kind == Kind::kMap && item.items.empty()) Fail(item, "has no settings");
     GridValue value = ValueOf(entry.key, item);
     for (const GridValue& other : axis.values) {
-      CheckInput(
-          other.name != value.name,
-          fmt::format("{}: {}: stands in the grid twice; remove one", item.place, value.name));
+      CheckInput(other.name != value.name,
+                 fmt::format("{}: {}: is in the grid twice; remove one", item.place, value.name));
     }
     axis.values.push_back(std::move(value));
   }
@@ -116,10 +116,10 @@ void RequireApart(const GridAxis& axis, const std::vector<GridAxis>& others) {
   for (const GridAxis& other : others) {
     for (const GridValue& value : axis.values) {
       for (const PlacedSetting& setting : value.settings) {
-        const PlacedSetting* twin = SettingOf(other, KeyOf(setting));
-        CheckInput(twin == nullptr,
-                   fmt::format("{}: {}: {} sets {}, too; leave it to one of them", setting.place,
-                               setting.assignment, other.key, twin ? KeyOf(*twin) : ""));
+        const PlacedSetting* duplicate = SettingOf(other, KeyOf(setting));
+        CheckInput(duplicate == nullptr,
+                   fmt::format("{}: {}: {} also sets {}; keep only one of them", setting.place,
+                               setting.assignment, other.key, duplicate ? KeyOf(*duplicate) : ""));
       }
     }
   }
@@ -128,7 +128,7 @@ void RequireApart(const GridAxis& axis, const std::vector<GridAxis>& others) {
 std::vector<GridAxis> GridOf(const SettingsTree& grid) {
   if (grid.kind != Kind::kMap || grid.items.empty()) {
     Fail(grid,
-         "the grid is empty; name a setting and its values, such as sensor: [ideal, "
+         "the grid is empty; add a setting and its values, for example sensor: [ideal, "
          "time_of_flight]");
   }
   std::vector<GridAxis> axes;
@@ -139,7 +139,7 @@ std::vector<GridAxis> GridOf(const SettingsTree& grid) {
     axes.push_back(std::move(axis));
     configurations *= axes.back().values.size();
     if (configurations > kMaxConfigurations)
-      Fail(entry, fmt::format("makes over {} points", kMaxConfigurations));
+      Fail(entry, fmt::format("gives over {} configurations", kMaxConfigurations));
   }
   return axes;
 }
@@ -148,7 +148,7 @@ int TrialsOf(const SettingsTree& entry) {
   int trials = 0, used = 0;
   const int read = std::sscanf(entry.text.c_str(), "%d%n", &trials, &used);
   const bool ok = read == 1 && used == static_cast<int>(entry.text.size()) && trials >= 1;
-  if (!ok) Fail(entry, "must be a whole number from 1 on (bins a point)");
+  if (!ok) Fail(entry, "must be a whole number from 1 (bins per configuration)");
   return trials;
 }
 
@@ -161,7 +161,7 @@ std::string ScenarioOf(const SettingsTree& entry, const std::filesystem::path& f
   }
   const std::vector<std::string> presets = PresetNames();
   if (std::find(presets.begin(), presets.end(), entry.text) == presets.end()) {
-    throw InputError(fmt::format("{}: {} (nor is there a file {})", entry.place,
+    throw InputError(fmt::format("{}: {} (there is no such file either: {})", entry.place,
                                  UnknownNameMessage("scenario", entry.text, presets),
                                  beside.string()));
   }
@@ -283,7 +283,7 @@ SweepSpec LoadSweepSpec(const std::filesystem::path& file) {
   spec.name = file.stem().string();
   const SettingsTree* scenario = tree.Find("scenario");
   CheckInput(scenario != nullptr,
-             fmt::format("{}: names no scenario; add 'scenario: demo'", file.string()));
+             fmt::format("{}: has no scenario; add 'scenario: demo'", file.string()));
   spec.scenario = ScenarioOf(*scenario, file);
   if (const SettingsTree* trials = tree.Find("trials")) spec.trials = TrialsOf(*trials);
   if (const SettingsTree* set = tree.Find("set")) spec.set = SettingsIn(*set);
@@ -297,8 +297,8 @@ SweepSpec LoadSweepSpec(const std::filesystem::path& file) {
   }
   const SettingsTree* grid = tree.Find("grid");
   CheckInput(grid != nullptr,
-             fmt::format("{}: has no grid; name a setting and its values, such as 'grid: {{sensor: "
-                         "[ideal, time_of_flight]}}', or use pickbed run",
+             fmt::format("{}: has no grid; add a setting and its values, for example 'grid: "
+                         "{{sensor: [ideal, time_of_flight]}}', or use pickbed run",
                          file.string()));
   spec.grid = GridOf(*grid);
   spec.grid_text = grid->text;
@@ -309,16 +309,16 @@ void SetForAll(const std::string& assignment, SweepSpec& spec) {
   ScenarioSpec scenario;
   const CurrentText current =
       AssignmentWithCurrentNames(assignment, [&](SettingsVisitor& v) { scenario.Visit(v); });
-  const PlacedSetting setting{current.text, "--set " + assignment};
+  const PlacedSetting setting{current.text, kAssignmentPlace + assignment};
   if (!current.replaced.empty()) {
     ReportDeprecation(
-        fmt::format("'{}' is deprecated, write '--set {}'", setting.place, current.text));
+        fmt::format("setting '{}' is deprecated, write '{}'", assignment, current.text));
   }
   for (const GridAxis& axis : spec.grid) {
-    const PlacedSetting* twin = SettingOf(axis, KeyOf(setting));
-    CheckInput(twin == nullptr,
-               fmt::format("{}: the grid sets {}, too ({}); change it there", setting.place,
-                           twin ? KeyOf(*twin) : "", twin ? twin->place : ""));
+    const PlacedSetting* duplicate = SettingOf(axis, KeyOf(setting));
+    CheckInput(duplicate == nullptr,
+               fmt::format("{}: the grid also sets {} ({}); change it there", setting.place,
+                           duplicate ? KeyOf(*duplicate) : "", duplicate ? duplicate->place : ""));
   }
   std::erase_if(spec.set, [&](const PlacedSetting& old) { return KeyOf(old) == KeyOf(setting); });
   spec.set.push_back(setting);
@@ -383,7 +383,7 @@ void RequireNoOtherSweep(const std::filesystem::path& out, const std::string& ya
   const std::filesystem::path file = out / kSweepFile;
   if (!std::filesystem::is_regular_file(file)) return;
   CheckInput(WithoutSlurm(WithCurrentNames(ReadFileBytes(file))) == WithoutSlurm(yaml),
-             fmt::format("{} is of a sweep with other settings; choose another folder with --out",
+             fmt::format("{} belongs to a sweep with other settings; choose another results folder",
                          file.string()));
 }
 

@@ -27,7 +27,7 @@ bool SweepStop::Add(int trial, const Cluster& outcome) {
   const Configuration& owner = ConfigurationOf(sweep_, trial);
   const auto configuration = configurations_.find(owner.number);
   if (configuration == configurations_.end() || configuration->second.state().reached) return false;
-  configuration->second.Add(trial - owner.first_trial, outcome);
+  configuration->second.Add(BinIndex(trial - owner.first_trial), outcome);
   return configuration->second.state().reached;
 }
 
@@ -35,7 +35,7 @@ bool SweepStop::Counts(int trial) const {
   const Configuration& owner = ConfigurationOf(sweep_, trial);
   const auto configuration = configurations_.find(owner.number);
   return configuration == configurations_.end() ||
-         configuration->second.Counts(trial - owner.first_trial);
+         configuration->second.Counts(BinIndex(trial - owner.first_trial));
 }
 
 std::string SweepStop::Note() const {
@@ -48,15 +48,15 @@ std::string SweepStop::Note() const {
   const auto reached =
       std::count_if(configurations_.begin(), configurations_.end(),
                     [](const auto& configuration) { return configuration.second.state().reached; });
-  return fmt::format("{} of {} points are narrow enough", reached, configurations_.size());
+  return fmt::format("{} of {} configurations are narrow enough", reached, configurations_.size());
 }
 
 void RequireNoStop(const Sweep& sweep) {
   for (const Configuration& configuration : sweep.configurations) {
     const ScenarioSpec& spec = configuration.spec;
     CheckInput(spec.stop_width == 0,
-               fmt::format("{} = {}: a shard sees no other's scenes, so that none can tell when to "
-                           "stop; leave out the shards, or set it to 0",
+               fmt::format("{} = {}: a shard does not have the scenes of the other shards, so it "
+                           "cannot decide when to stop; run without shards, or set it to 0",
                            spec.At("stop_width"), spec.stop_width));
   }
 }

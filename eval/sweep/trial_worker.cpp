@@ -26,7 +26,7 @@ struct Bench {
 std::string ReplyOf(const TrialResult& result, StageSeconds& seconds) {
   Cluster outcome;
   SuccessOfAttempts()(result, outcome);
-  return fmt::format("{} {} {} {} {}", outcome.tries, outcome.hits, seconds["start"],
+  return fmt::format("{} {} {} {} {}", outcome.samples, outcome.hits, seconds["start"],
                      seconds["trials"], seconds["store"]);
 }
 
@@ -42,7 +42,7 @@ void GoTo(const Configuration& configuration, const SweepOptions& options,
 std::string DoItem(Bench& bench, const Configuration& configuration, const SweepOptions& options,
                    int trial, const WorkerPlan::Say& say) {
   GoTo(configuration, options, say, bench);
-  const int bin_index = trial - configuration.first_trial;
+  const BinIndex bin_index(trial - configuration.first_trial);
   PictureOrder pictures{PicturesWanted::kNone, PicturesOf(options.out, trial)};
   if (bin_index < options.picture_trials) {
     pictures.wanted = PicturesWanted::kAll;
@@ -71,8 +71,8 @@ std::string DoItem(Bench& bench, const Configuration& configuration, const Sweep
 Cluster TakeReply(const std::string& reply, StageSeconds& seconds) {
   Cluster outcome;
   double start_s = 0, trial_s = 0, store_s = 0;
-  std::sscanf(reply.c_str(), "%d %d %lf %lf %lf", &outcome.tries, &outcome.hits, &start_s, &trial_s,
-              &store_s);
+  std::sscanf(reply.c_str(), "%d %d %lf %lf %lf", &outcome.samples, &outcome.hits, &start_s,
+              &trial_s, &store_s);
   seconds["start"] += start_s;
   seconds["trials"] += trial_s;
   seconds["store"] += store_s;
@@ -108,7 +108,7 @@ MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
         };
         auto runner = std::make_shared<TrialRunner>(configuration.spec, configuration.objects,
                                                     on_progress, trial_options);
-        return [runner](int bin_index, const PictureOrder& order) {
+        return [runner](BinIndex bin_index, const PictureOrder& order) {
           PickPictures all(order.folder);
           LostPickPictures lost(order.folder);
           switch (order.wanted) {

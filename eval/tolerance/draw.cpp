@@ -30,7 +30,7 @@ Image<Rgb8> DrawCurve(const AxisCurve& curve) {
   ChartSeries share{"", {}, axis.of_grasp ? kGraspLine : kObjectLine};
   for (const LevelShare& level : curve.levels) {
     share.points.emplace_back(level.offset, level.share());
-    share.band.push_back(WilsonInterval(level.successes, level.tries));
+    share.band.push_back(level.band());
   }
   ChartSeries dots{"", share.points, share.color, true};
   Chart chart{fmt::format("error {}, {}", curve.help, axis.unit), "", {share, dots}, true};
@@ -38,12 +38,12 @@ Image<Rgb8> DrawCurve(const AxisCurve& curve) {
   return DrawChart(chart, kTileWidth, kTileHeight);
 }
 
-Camera TowardsMiddle(const Vector3d& middle_W, const Vector3d& from_W, double distance_m) {
+Camera TowardsCenter(const Vector3d& center_W, const Vector3d& from_W, double distance_m) {
   Camera camera;
   const double focal_px = 560;
   camera.intrinsics = {
       kTileWidth, kTileHeight, focal_px, focal_px, 0.5 * (kTileWidth - 1), 0.5 * (kTileHeight - 1)};
-  camera.SetPose(LookAt(middle_W + distance_m * from_W.normalized(), middle_W, Vector3d::UnitZ()));
+  camera.SetPose(LookAt(center_W + distance_m * from_W.normalized(), center_W, Vector3d::UnitZ()));
   return camera;
 }
 
@@ -76,14 +76,14 @@ class Studio {
     mesh_ = renderer_.AddMesh(part_.mesh_O);
   }
 
-  Image<Rgb8> PartTile(const Vector3d& middle_O) {
-    const Camera camera = TowardsMiddle(middle_O, {1, -1.3, 0.9}, 2.6 * part_.diameter_m);
+  Image<Rgb8> PartTile(const Vector3d& center_O) {
+    const Camera camera = TowardsCenter(center_O, {1, -1.3, 0.9}, 2.6 * part_.diameter_m);
     Canvas canvas(Picture(camera, Pose::Identity()));
-    DrawAxes(canvas, camera, Translation(middle_O), 0.62 * part_.diameter_m);
+    DrawAxes(canvas, camera, Translation(center_O), 0.62 * part_.diameter_m);
     return canvas.Take();
   }
 
-  Image<Rgb8> HandTile(const TableGrasp& held, const Vector3d& middle_O) {
+  Image<Rgb8> HandTile(const TableGrasp& held, const Vector3d& center_O) {
     const Pose& X_WO = table_.places[held.place].scene.objects[0].X_WO;
     Grasp grasp;
     grasp.X_WG = X_WO * held.candidate.X_OG;
@@ -93,12 +93,11 @@ class Studio {
     Vector3d from = grasp.X_WG.linear().col(1);
     from.z() = 0;
     from = from.normalized() + Vector3d(0, 0, 0.45) + 0.5 * grasp.X_WG.linear().col(0);
-    const Vector3d middle_W = 0.5 * (X_WO * middle_O + grasp.X_WG * Vector3d(0, 0, -0.7 * reach_m));
-    const Camera camera = TowardsMiddle(middle_W, from, 2.4 * (part_.diameter_m + reach_m));
+    const Vector3d center_W = 0.5 * (X_WO * center_O + grasp.X_WG * Vector3d(0, 0, -0.7 * reach_m));
+    const Camera camera = TowardsCenter(center_W, from, 2.4 * (part_.diameter_m + reach_m));
     RgbdFrame frame;
     frame.color = Picture(camera, X_WO);
-    Canvas canvas(
-        DrawOverlay({frame, camera, table_.objects, {}, {}, &grasp, table_.gripper.get()}));
+    Canvas canvas(DrawOverlay({frame, camera, table_.objects, {}, &grasp, table_.gripper.get()}));
     DrawAxes(canvas, camera, grasp.X_WG, 0.5 * reach_m);
     return canvas.Take();
   }
@@ -121,20 +120,21 @@ class Studio {
   int mesh_ = 0;
 };
 
-std::vector<std::string> KeyFigures(const ToleranceStudy& study, const ToleranceFigures& figures) {
-  const Interval at_truth = WilsonInterval(figures.at_truth.successes, figures.at_truth.tries);
+std::vector<std::string> KeyNumbers(const ToleranceStudy& study,
+                                    const ToleranceStatistics& statistics) {
+  const Interval at_truth = statistics.at_truth.band();
   const auto graspable = std::count_if(study.table.places.begin(), study.table.places.end(),
                                        [](const RestingPlace& place) { return place.graspable; });
   std::vector<std::string> lines{
-      fmt::format("{} with {}", figures.object, figures.gripper),
+      fmt::format("{} with {}", statistics.object, statistics.gripper),
       fmt::format("grasps\t{} of {} candidates", study.options.grasps,
                   study.table.candidates.size()),
       fmt::format("resting poses\t{}, {} with grasps", study.table.places.size(), graspable),
-      fmt::format("without an error\t{} {}", PercentText(figures.at_truth.share()),
+      fmt::format("without error\t{} {}", PercentText(statistics.at_truth.share()),
                   IntervalText(at_truth)),
-      fmt::format("green\terrors that keep {:.0f} % of that", 100 * study.options.keep_share),
-      fmt::format("AUC of {} held-out picks", figures.test_picks)};
-  for (const Predictor& p : figures.predictors) {
+      fmt::format("green\terrors that keep {:.0f} % of this rate", 100 * study.options.keep_share),
+      fmt::format("AUC of {} held-out picks", statistics.test_picks)};
+  for (const Predictor& p : statistics.predictors) {
     if (!p.auc.is_known()) continue;  // all picks had the same outcome
     lines.push_back(fmt::format("  {}\t{}", p.name, AucText(p.auc)));
   }
@@ -187,35 +187,35 @@ Image<Rgb8> DrawPair(const PairMap& map, const std::vector<AxisCurve>& axes) {
 }  // namespace
 
 std::string RegionText(const ToleranceRegion& region, const char* unit) {
-  return fmt::format("{:+.1f}{} .. {:+.1f}{} {}", region.low, region.low_open ? " or less" : "",
+  return fmt::format("{:+.1f}{} to {:+.1f}{} {}", region.low, region.low_open ? " or less" : "",
                      region.high, region.high_open ? " or more" : "", unit);
 }
 
-Image<Rgb8> DrawToleranceSheet(const ToleranceStudy& study, const ToleranceFigures& figures) {
+Image<Rgb8> DrawToleranceSheet(const ToleranceStudy& study, const ToleranceStatistics& statistics) {
   Studio studio(study);
-  const Vector3d& middle_O = figures.model.surface_mean_O;
-  std::vector<Image<Rgb8>> tiles{studio.PartTile(middle_O),
-                                 studio.HandTile(study.grasps[study.options.grasps / 2], middle_O),
-                                 DrawTable(KeyFigures(study, figures), kTileWidth, kTileHeight)};
-  std::vector<std::string> captions{"Axes of the part, at the middle of its surface",
-                                    "Axes of the hand, at one of the grasps", "Key figures"};
-  for (const AxisCurve& curve : figures.axes) {
+  const Vector3d& center_O = statistics.model.surface_mean_O;
+  std::vector<Image<Rgb8>> tiles{studio.PartTile(center_O),
+                                 studio.HandTile(study.grasps[study.options.grasps / 2], center_O),
+                                 DrawTable(KeyNumbers(study, statistics), kTileWidth, kTileHeight)};
+  std::vector<std::string> captions{"Axes of the object, at the center of its surface",
+                                    "Axes of the gripper, at one of the grasps", "Key numbers"};
+  for (const AxisCurve& curve : statistics.axes) {
     const ErrorAxis& axis = ErrorAxisTable()[curve.axis];
     tiles.push_back(DrawCurve(curve));
     captions.push_back(
-        fmt::format("{}: picks succeed from {}", axis.name, RegionText(curve.region, axis.unit)));
+        fmt::format("{}: region of success {}", axis.name, RegionText(curve.region, axis.unit)));
   }
   return ContactSheet(tiles, captions, kSheetColumns);
 }
 
-Image<Rgb8> DrawPairSheet(const ToleranceFigures& figures) {
+Image<Rgb8> DrawPairSheet(const ToleranceStatistics& statistics) {
   std::vector<Image<Rgb8>> tiles;
   std::vector<std::string> captions;
-  for (const PairMap& map : figures.pairs) {
+  for (const PairMap& map : statistics.pairs) {
     const ErrorAxis& a = ErrorAxisTable()[map.axis[0]];
     const ErrorAxis& b = ErrorAxisTable()[map.axis[1]];
-    tiles.push_back(DrawPair(map, figures.axes));
-    captions.push_back(fmt::format("{} and {}: percent of picks that succeed", a.name, b.name));
+    tiles.push_back(DrawPair(map, statistics.axes));
+    captions.push_back(fmt::format("{} and {}: percentage of picks that succeed", a.name, b.name));
   }
   return ContactSheet(tiles, captions, std::min<int>(kMaxPairColumns, int(tiles.size())));
 }

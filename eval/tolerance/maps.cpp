@@ -16,11 +16,11 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFile = "model.yaml";
 
-int IndexOf(const std::string& name, const ObjectSet& objects) {
+ObjectId IndexOf(const std::string& name, const ObjectSet& objects) {
   for (size_t i = 0; i < objects.size(); ++i) {
-    if (objects[i]->name == name) return static_cast<int>(i);
+    if (objects[i]->name == name) return ObjectId(i);
   }
-  return -1;
+  return kAnyObject;
 }
 
 std::string NamesOf(const ObjectSet& objects) {
@@ -34,7 +34,7 @@ bool IsOne(const fs::path& place) {
   return !fs::is_directory(place) || fs::is_regular_file(place / kFile);
 }
 
-bool StandsOnAPart(const HypothesisRecord& hypothesis) {
+bool MatchesAnInstance(const HypothesisRecord& hypothesis) {
   return hypothesis.instance >= 0 && hypothesis.mssd_diameters() < kMatchDiameters;
 }
 
@@ -42,7 +42,7 @@ bool StandsOnAPart(const HypothesisRecord& hypothesis) {
 
 std::vector<fs::path> ToleranceFiles(const fs::path& place) {
   CheckInput(fs::exists(place),
-             fmt::format("--tolerance {}: there is no such file or folder", place.string()));
+             fmt::format("tolerance map {}: there is no such file or folder", place.string()));
   if (!fs::is_directory(place)) return {place};
   if (fs::is_regular_file(place / kFile)) return {place / kFile};
   std::vector<fs::path> files;
@@ -51,8 +51,8 @@ std::vector<fs::path> ToleranceFiles(const fs::path& place) {
   }
   std::sort(files.begin(), files.end());
   CheckInput(!files.empty(),
-             fmt::format("--tolerance {}: neither it nor a folder in it holds a {}; make one with "
-                         "pickbed tolerance OBJECT GRIPPER",
+             fmt::format("tolerance map {}: neither this folder nor its sub-folders have a {}; "
+                         "make one with pickbed tolerance OBJECT GRIPPER",
                          place.string(), kFile));
   return files;
 }
@@ -64,9 +64,11 @@ void RequireModelOf(const ToleranceModel& model, const ObjectModel& part, const 
   const bool same =
       (model.surface_mean_O - wanted.surface_mean_O).squaredNorm() < kSame * extent_m2 &&
       (model.surface_covariance_O - wanted.surface_covariance_O).norm() < kSame * extent_m2;
-  CheckInput(same, fmt::format("{}: was made with another mesh of '{}'; make it anew with pickbed "
-                               "tolerance {} {}",
-                               file.string(), part.name, part.name, model.gripper));
+  CheckInput(
+      same,
+      fmt::format(
+          "{}: was made with another mesh of '{}'; make it again with pickbed tolerance {} {}",
+          file.string(), part.name, part.name, model.gripper));
 }
 
 ToleranceMaps::ToleranceMaps(const std::vector<std::string>& places, const ObjectSet& objects,
@@ -78,28 +80,28 @@ ToleranceMaps::ToleranceMaps(const std::vector<std::string>& places, const Objec
     bool any = false;
     for (const fs::path& file : ToleranceFiles(place)) {
       ToleranceModel model = ReadToleranceModel(file);
-      const int object = IndexOf(model.object, objects);
+      const ObjectId object = IndexOf(model.object, objects);
       const bool fits = object >= 0 && model.gripper == gripper;
       CheckInput(
           fits || !IsOne(place),
-          fmt::format("{}: is of {} with {}; the parts are {}, the gripper is {}", file.string(),
-                      model.object, model.gripper, NamesOf(objects), gripper));
+          fmt::format("{}: is a map of {} with {}; the objects are {}, the gripper is {}",
+                      file.string(), model.object, model.gripper, NamesOf(objects), gripper));
       if (!fits) continue;
       RequireModelOf(model, *objects[object], file);
       CheckInput(files_of[object].empty(),
-                 fmt::format("{} and {} are both of {} with {}; name one of them", files_of[object],
-                             file.string(), model.object, gripper));
+                 fmt::format("{} and {} are both maps of {} with {}; name one of them",
+                             files_of[object], file.string(), model.object, gripper));
       files_of[object] = file.string();
       by_object_[object] = std::move(model);
       any = true;
     }
-    CheckInput(any, fmt::format("--tolerance {}: holds no map of {} with {}; make one with pickbed "
-                                "tolerance OBJECT GRIPPER",
+    CheckInput(any, fmt::format("tolerance map {}: there is no map of {} with {}; make one with "
+                                "pickbed tolerance OBJECT GRIPPER",
                                 place, NamesOf(objects), gripper));
   }
 }
 
-const ToleranceModel* ToleranceMaps::Of(int object) const {
+const ToleranceModel* ToleranceMaps::Of(ObjectId object) const {
   if (empty()) return nullptr;
   const auto& model = by_object_.at(object);
   return model ? &*model : nullptr;
@@ -108,7 +110,7 @@ const ToleranceModel* ToleranceMaps::Of(int object) const {
 std::optional<double> ToleranceMaps::PickChance(const HypothesisRecord& hypothesis) const {
   const ToleranceModel* model = Of(hypothesis.object);
   if (model == nullptr) return std::nullopt;
-  if (!StandsOnAPart(hypothesis)) return 0;
+  if (!MatchesAnInstance(hypothesis)) return 0;
   return SuccessProbability(*model, hypothesis.X_OE);
 }
 
@@ -116,7 +118,7 @@ std::optional<double> ToleranceMaps::PickChance(const HypothesisRecord& hypothes
                                                 const Grasp& grasp) const {
   const ToleranceModel* model = Of(hypothesis.object);
   if (model == nullptr) return std::nullopt;
-  if (!StandsOnAPart(hypothesis)) return 0;
+  if (!MatchesAnInstance(hypothesis)) return 0;
   return SuccessProbability(*model, hypothesis.X_OE, hypothesis.X_WO.inverse() * grasp.X_WG);
 }
 

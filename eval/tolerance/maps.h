@@ -10,6 +10,7 @@
 
 #include "eval/trial/trial.h"
 #include "grasp/tolerance/tolerance_model.h"
+#include "scenes/base/ids.h"
 #include "scenes/objects/object_model.h"
 
 namespace pickbed::eval {
@@ -28,7 +29,7 @@ class ToleranceMaps {
 
   bool empty() const { return by_object_.empty(); }
   // Model of an object; null if it has none.
-  const ToleranceModel* Of(int object) const;
+  const ToleranceModel* Of(ObjectId object) const;
   // Success probability of a pick on the hypothesis. nullopt if the object has no model. 0 if the
   // pose matches no instance of its object, because the model does not cover that case.
   std::optional<double> PickChance(const HypothesisRecord& hypothesis) const;

@@ -19,7 +19,7 @@ PickForecast ForecastOf(const std::string& name, const std::vector<JudgedPart>& 
   for (const JudgedPart& part : parts) {
     for (const JudgedPick& pick : part.picks) {
       Cluster& bin = bins[pick.cluster];
-      ++bin.tries;
+      ++bin.samples;
       bin.hits += pick.success;
       ++forecast.picks;
       forecast.successes += pick.success;
@@ -49,7 +49,7 @@ nlohmann::ordered_json PredictorObject(const Predictor& predictor) {
 
 }  // namespace
 
-std::vector<JudgedPick> JudgedPicksOf(std::span<const TrialResult> trials, int object) {
+std::vector<JudgedPick> JudgedPicksOf(std::span<const TrialResult> trials, ObjectId object) {
   std::vector<JudgedPick> picks;
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& pick : trial.attempts) {
@@ -69,14 +69,14 @@ std::vector<PickForecast> ForecastsOf(std::span<const TrialResult> trials, const
   std::vector<PickForecast> forecasts;
   std::vector<JudgedPart> parts;
   for (size_t i = 0; i < objects.size(); ++i) {
-    const ToleranceModel* model = maps.Of(static_cast<int>(i));
+    const ToleranceModel* model = maps.Of(ObjectId(i));
     if (model == nullptr) continue;
-    JudgedPart part{*model, *objects[i], JudgedPicksOf(trials, static_cast<int>(i))};
+    JudgedPart part{*model, *objects[i], JudgedPicksOf(trials, ObjectId(i))};
     if (part.picks.empty()) continue;
     forecasts.push_back(ForecastOf(objects[i]->name, {part}));
     parts.push_back(std::move(part));
   }
-  if (parts.size() > 1) forecasts.push_back(ForecastOf("all parts", parts));
+  if (parts.size() > 1) forecasts.push_back(ForecastOf("all objects", parts));
   return forecasts;
 }
 
@@ -84,8 +84,8 @@ std::string ForecastText(const std::vector<PickForecast>& forecasts) {
   std::string text;
   for (const PickForecast& f : forecasts) {
     text += fmt::format(
-        "Picks of {} by their pose errors: {} of {} succeeded = {} {}, the tolerance map foretells "
-        "{}, knowing the grasps {}\n",
+        "Picks of {} by their pose errors: {} of {} succeeded = {} {}; the tolerance map predicts "
+        "{}, or {} if the grasps are known\n",
         f.part, f.successes, f.picks, PercentText(f.successes, f.picks), IntervalText(f.rate_ci95),
         PercentText(f.expected / f.picks), PercentText(f.expected_with_grasp / f.picks));
     text += PredictorText(f.predictors, fmt::format("{} bins", f.bins));

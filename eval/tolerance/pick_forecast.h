@@ -11,6 +11,7 @@
 #include "eval/stats/statistics.h"
 #include "eval/tolerance/maps.h"
 #include "eval/tolerance/statistics.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
@@ -27,7 +28,7 @@ struct PickForecast {
 };
 
 // Executed picks of an object whose pose is matched to an instance of it; clusters are the trials.
-std::vector<JudgedPick> JudgedPicksOf(std::span<const TrialResult> trials, int object);
+std::vector<JudgedPick> JudgedPicksOf(std::span<const TrialResult> trials, ObjectId object);
 
 // One forecast per object with a model and picks, followed by one for all if there are several.
 std::vector<PickForecast> ForecastsOf(std::span<const TrialResult> trials, const ObjectSet& objects,

@@ -17,13 +17,13 @@ std::string Signed(const AucDifference& d) {
 
 std::vector<std::vector<std::string>> PredictorCells(const std::vector<Predictor>& predictors) {
   std::vector<std::vector<std::string>> rows{{"score", "AUC"}};
-  if (!predictors.empty()) rows.front().push_back("less " + predictors.front().name);
+  if (!predictors.empty()) rows.front().push_back("minus " + predictors.front().name);
   for (const Predictor& p : predictors) {
     const bool first = &p == &predictors.front();
     if (p.auc.is_known()) {
       rows.push_back({p.name, AucText(p.auc), first ? "" : Signed(p.to_first)});
     } else {
-      rows.push_back({p.name, "all picks had one outcome", ""});
+      rows.push_back({p.name, "all picks had the same outcome", ""});
     }
   }
   return rows;
@@ -33,13 +33,13 @@ std::string PredictorText(const std::vector<Predictor>& predictors, const std::s
   if (predictors.empty()) return "";
   const AucResult& first = predictors.front().auc;
   if (!first.is_known()) {
-    return fmt::format("  all {} picks {} ({}): no score can be judged by them\n",
+    return fmt::format("  all {} picks {} ({}): scores cannot be compared\n",
                        first.successes + first.failures,
                        first.failures == 0 ? "succeeded" : "failed", picks);
   }
   std::string text = fmt::format(
-      "How well a score tells picks that succeed from those that fail ({}: {} succeeded, "
-      "{} failed)\n  {:<14}{:<24}less {}\n",
+      "How well each score separates successful from failed picks ({}: {} succeeded, {} failed)\n  "
+      "{:<14}{:<24}minus {}\n",
       picks, first.successes, first.failures, "", "AUC [95 %]", predictors.front().name);
   for (const Predictor& p : predictors) {
     text += fmt::format("  {:<14}{:<24}{}\n", p.name, AucText(p.auc),
@@ -48,46 +48,46 @@ std::string PredictorText(const std::vector<Predictor>& predictors, const std::s
   return text;
 }
 
-std::string ToleranceText(const ToleranceFigures& figures) {
+std::string ToleranceText(const ToleranceStatistics& statistics) {
   std::string text = fmt::format(
-      "{} with {}: {} {} of {} grasps succeed where the pose is true\n"
-      "Errors that keep picks going\n",
-      figures.object, figures.gripper, PercentText(figures.at_truth.share()),
-      IntervalText(figures.at_truth.band()), figures.at_truth.tries);
-  for (const AxisCurve& curve : figures.axes) {
+      "{} with {}: {} {} of {} grasps succeed at the true pose\nPose errors that still allow a "
+      "pick\n",
+      statistics.object, statistics.gripper, PercentText(statistics.at_truth.share()),
+      IntervalText(statistics.at_truth.band()), statistics.at_truth.samples);
+  for (const AxisCurve& curve : statistics.axes) {
     const ErrorAxis& axis = ErrorAxisTable()[curve.axis];
     text += fmt::format("  {:<5}{:<32}{}\n", axis.name, curve.help,
                         RegionText(curve.region, axis.unit));
   }
-  text += PredictorText(figures.predictors, "held-out errors");
-  text += fmt::format("Brier score of the probability: {:.3f}\n", figures.brier);
+  text += PredictorText(statistics.predictors, "held-out errors");
+  text += fmt::format("Brier score of the probability: {:.3f}\n", statistics.brier);
   return text;
 }
 
-std::string AxesCsv(const ToleranceFigures& figures) {
+std::string AxesCsv(const ToleranceStatistics& statistics) {
   std::string csv = "axis,unit,error,successes,samples,share,low,high,kept_from,kept_to\n";
-  for (const AxisCurve& curve : figures.axes) {
+  for (const AxisCurve& curve : statistics.axes) {
     const ErrorAxis& axis = ErrorAxisTable()[curve.axis];
     for (const LevelShare& level : curve.levels) {
       const Interval band = level.band();
       csv += fmt::format("{},{},{:g},{},{},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f}\n", axis.name,
-                         axis.unit, level.offset, level.successes, level.tries, level.share(),
+                         axis.unit, level.offset, level.successes, level.samples, level.share(),
                          band.low, band.high, curve.region.low, curve.region.high);
     }
   }
   return csv;
 }
 
-std::string PairsCsv(const ToleranceFigures& figures) {
+std::string PairsCsv(const ToleranceStatistics& statistics) {
   std::string csv = "axis_a,axis_b,error_a,error_b,successes,samples,share,low,high\n";
-  for (const PairMap& map : figures.pairs) {
+  for (const PairMap& map : statistics.pairs) {
     for (size_t i = 0; i < map.cells.size(); ++i) {
       const LevelShare& cell = map.cells[i];
       const Interval band = cell.band();
       csv += fmt::format("{},{},{:g},{:g},{},{},{:.4f},{:.4f},{:.4f}\n",
                          ErrorAxisTable()[map.axis[0]].name, ErrorAxisTable()[map.axis[1]].name,
                          map.offsets_a[i % map.offsets_a.size()],
-                         map.offsets_b[i / map.offsets_a.size()], cell.successes, cell.tries,
+                         map.offsets_b[i / map.offsets_a.size()], cell.successes, cell.samples,
                          cell.share(), band.low, band.high);
     }
   }
@@ -109,18 +109,18 @@ std::string PredictorsCsv(const std::vector<Predictor>& predictors) {
   return csv;
 }
 
-void WriteToleranceFiles(const ToleranceStudy& study, const ToleranceFigures& figures,
+void WriteToleranceFiles(const ToleranceStudy& study, const ToleranceStatistics& statistics,
                          const std::filesystem::path& folder) {
   ToleranceOptions options = study.options;
   WriteFileAtomically(folder / "tolerance.yaml",
                       WriteSettings([&](SettingsVisitor& v) { options.Visit(v); }));
-  WriteFileAtomically(folder / "axes.csv", AxesCsv(figures));
-  WriteFileAtomically(folder / "predictors.csv", PredictorsCsv(figures.predictors));
-  WriteToleranceModel(folder / "model.yaml", figures.model);
-  WritePng(folder / "map.png", DrawToleranceSheet(study, figures));
-  if (figures.pairs.empty()) return;
-  WriteFileAtomically(folder / "pairs.csv", PairsCsv(figures));
-  WritePng(folder / "pairs.png", DrawPairSheet(figures));
+  WriteFileAtomically(folder / "axes.csv", AxesCsv(statistics));
+  WriteFileAtomically(folder / "predictors.csv", PredictorsCsv(statistics.predictors));
+  WriteToleranceModel(folder / "model.yaml", statistics.model);
+  WritePng(folder / "map.png", DrawToleranceSheet(study, statistics));
+  if (statistics.pairs.empty()) return;
+  WriteFileAtomically(folder / "pairs.csv", PairsCsv(statistics));
+  WritePng(folder / "pairs.png", DrawPairSheet(statistics));
 }
 
 }  // namespace pickbed::eval

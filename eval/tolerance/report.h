@@ -18,7 +18,7 @@
 namespace pickbed::eval {
 
 // Console text: tolerated regions of the axes, and AUC of the scores.
-std::string ToleranceText(const ToleranceFigures& figures);
+std::string ToleranceText(const ToleranceStatistics& statistics);
 // Console table of predictors; `picks` describes the picks they are evaluated on.
 std::string PredictorText(const std::vector<Predictor>& predictors, const std::string& picks);
 
@@ -26,12 +26,12 @@ std::string PredictorText(const std::vector<Predictor>& predictors, const std::s
 std::vector<std::vector<std::string>> PredictorCells(const std::vector<Predictor>& predictors);
 
 // Contents of the CSV files above.
-std::string AxesCsv(const ToleranceFigures& figures);
-std::string PairsCsv(const ToleranceFigures& figures);
+std::string AxesCsv(const ToleranceStatistics& statistics);
+std::string PairsCsv(const ToleranceStatistics& statistics);
 std::string PredictorsCsv(const std::vector<Predictor>& predictors);
 
 // Writes all files above except samples.csv.
-void WriteToleranceFiles(const ToleranceStudy& study, const ToleranceFigures& figures,
+void WriteToleranceFiles(const ToleranceStudy& study, const ToleranceStatistics& statistics,
                          const std::filesystem::path& folder);
 
 }  // namespace pickbed::eval

@@ -32,7 +32,7 @@ std::string IdentityLine(const ToleranceStudy& study) {
       fmt::format("{:016x} {} {}\n", part.mesh_hash, part.mass.mass_kg, part.friction);
   text += gripper.SettingsText();
   text += WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); });
-  for (const ToleranceTry& t : study.tries) {
+  for (const PlannedSample& t : study.samples) {
     const Pose X_WG = study.table.places[study.grasps[t.grasp].place].scene.objects[0].X_WO *
                       t.X_OO * study.grasps[t.grasp].candidate.X_OG;
     text.append(reinterpret_cast<const char*>(X_WG.data()), 16 * sizeof(double));
@@ -41,8 +41,8 @@ std::string IdentityLine(const ToleranceStudy& study) {
                      HashBytes(text.data(), text.size()));
 }
 
-std::string Row(const ToleranceStudy& study, int index, const TryOutcome& outcome) {
-  const ToleranceTry& t = study.tries[index];
+std::string Row(const ToleranceStudy& study, int index, const SampleOutcome& outcome) {
+  const PlannedSample& t = study.samples[index];
   const auto axis = [&](int i) { return t.axis[i] < 0 ? "" : ErrorAxisTable()[t.axis[i]].name; };
   const PoseOffset e = ToPoseOffset(t.X_OO);
   const double mm = 1e3, deg = 180 / std::numbers::pi;
@@ -54,9 +54,9 @@ std::string Row(const ToleranceStudy& study, int index, const TryOutcome& outcom
 }
 
 // Outcomes of all complete lines. A line that was cut off by a kill has no line end and is ignored.
-std::vector<std::optional<TryOutcome>> ReadOutcomes(const ToleranceStudy& study,
-                                                    const std::filesystem::path& file) {
-  std::vector<std::optional<TryOutcome>> outcomes(study.tries.size());
+std::vector<std::optional<SampleOutcome>> ReadOutcomes(const ToleranceStudy& study,
+                                                       const std::filesystem::path& file) {
+  std::vector<std::optional<SampleOutcome>> outcomes(study.samples.size());
   std::istringstream in(ReadFileBytes(file));
   std::string line;
   while (std::getline(in, line) && !in.eof()) {
@@ -69,13 +69,13 @@ std::vector<std::optional<TryOutcome>> ReadOutcomes(const ToleranceStudy& study,
     }
     const auto failure = FailureFromName(line.substr(last + 1));
     if (!failure) continue;
-    outcomes[index] = TryOutcome{line[last - 1] == '1', *failure};
+    outcomes[index] = SampleOutcome{line[last - 1] == '1', *failure};
   }
   return outcomes;
 }
 
 std::string WholeFile(const ToleranceStudy& study,
-                      const std::vector<std::optional<TryOutcome>>& outcomes) {
+                      const std::vector<std::optional<SampleOutcome>>& outcomes) {
   std::string text = IdentityLine(study) + kColumns;
   for (size_t i = 0; i < outcomes.size(); ++i) {
     if (outcomes[i]) text += Row(study, static_cast<int>(i), *outcomes[i]);
@@ -83,29 +83,29 @@ std::string WholeFile(const ToleranceStudy& study,
   return text;
 }
 
-std::vector<std::optional<TryOutcome>> KeptOutcomes(const ToleranceStudy& study,
-                                                    const std::filesystem::path& file,
-                                                    bool resume) {
+std::vector<std::optional<SampleOutcome>> KeptOutcomes(const ToleranceStudy& study,
+                                                       const std::filesystem::path& file,
+                                                       bool resume) {
   if (!std::filesystem::exists(file))
-    return std::vector<std::optional<TryOutcome>>(study.tries.size());
+    return std::vector<std::optional<SampleOutcome>>(study.samples.size());
   std::ifstream in(file);
   std::string first;
   std::getline(in, first);
   CheckInput(first + "\n" == IdentityLine(study),
-             fmt::format("{}: holds another tolerance map, or one made with other settings; choose "
-                         "another folder with --out",
+             fmt::format("{}: has another tolerance map, or one with other settings; choose "
+                         "another results folder",
                          file.string()));
-  CheckInput(resume, fmt::format("{}: already holds outcomes of this tolerance map; pass --resume "
-                                 "to go on with it, or choose another folder with --out",
+  CheckInput(resume, fmt::format("{}: already has outcomes of this tolerance map; resume it, or "
+                                 "choose another results folder",
                                  file.string()));
   return ReadOutcomes(study, file);
 }
 
 // Reply of a worker: one line "index success failure" per sample.
-std::string ReplyOf(const ToleranceStudy& study, const std::vector<int>& tries) {
+std::string ReplyOf(const ToleranceStudy& study, const std::vector<int>& samples) {
   std::string reply;
-  for (const int index : tries) {
-    const ToleranceTry& t = study.tries[index];
+  for (const int index : samples) {
+    const PlannedSample& t = study.samples[index];
     const GraspOutcome outcome =
         ExecuteWithError(study.table, study.grasps[t.grasp], t.X_OO, study.options.execute);
     reply +=
@@ -119,7 +119,7 @@ std::string ReplyOf(const ToleranceStudy& study, const std::vector<int>& tries) 
 StudyOutcomes ExecuteStudy(const ToleranceStudy& study, const std::filesystem::path& folder,
                            int jobs, bool resume, const StudyListener& listener) {
   const std::filesystem::path file = folder / kSamplesFile, former = folder / kFormerSamplesFile;
-  std::vector<std::optional<TryOutcome>> known =
+  std::vector<std::optional<SampleOutcome>> known =
       KeptOutcomes(study, std::filesystem::exists(file) ? file : former, resume);
   std::vector<std::vector<int>> chunks;
   for (size_t i = 0; i < known.size(); ++i) {
@@ -146,14 +146,14 @@ StudyOutcomes ExecuteStudy(const ToleranceStudy& study, const std::filesystem::p
     int index = 0, success = 0;
     std::string failure;
     while (lines >> index >> success >> failure) {
-      known[index] = TryOutcome{success == 1,
-                                FailureFromName(failure).value_or(FailureReason::kPhysicsFailed)};
+      known[index] = SampleOutcome{
+          success == 1, FailureFromName(failure).value_or(FailureReason::kPhysicsFailed)};
       out << Row(study, index, *known[index]);
       ++done;
     }
     out.flush();
-    CheckInput(out.good(), fmt::format("{}: cannot be written; is the disk full? What is done is "
-                                       "kept, see --resume",
+    CheckInput(out.good(), fmt::format("{}: cannot be written; is the disk full? Finished outcomes "
+                                       "are kept, resume the map later",
                                        file.string()));
     if (listener.on_progress) listener.on_progress(done, total, before);
   };

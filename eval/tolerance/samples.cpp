@@ -43,7 +43,7 @@ class Planner {
         // Without an error all axes are the same.
         if (level == 0 && axis > 0) continue;
         for (int grasp = 0; grasp < options_.grasps; ++grasp) {
-          Add(TryKind::kAxis, {axis, -1}, {level, 0}, grasp);
+          Add(SampleKind::kAxis, {axis, -1}, {level, 0}, grasp);
         }
       }
     }
@@ -59,7 +59,8 @@ class Planner {
             // The grasps of the map are in the order of the resting poses, so the subset is spread
             // over them.
             const int spread = grasp * options_.grasps / grasps;
-            Add(TryKind::kPair, pair, {a * options_.pair_stride, b * options_.pair_stride}, spread);
+            Add(SampleKind::kPair, pair, {a * options_.pair_stride, b * options_.pair_stride},
+                spread);
           }
         }
       }
@@ -67,7 +68,7 @@ class Planner {
   }
 
   // Adds errors in random directions of the six axes, with length uniform up to the limit.
-  void AddRandom(TryKind kind, int count, int first_grasp, int grasps, std::string_view stream) {
+  void AddRandom(SampleKind kind, int count, int first_grasp, int grasps, std::string_view stream) {
     Rng rng = Rng::Derive(options_.seed, 0, stream);
     for (int i = 0; i < count; ++i) {
       PoseOffset direction;
@@ -76,17 +77,17 @@ class Planner {
       PoseOffset error;
       error << steps * options_.step_mm * kMm * direction.head<3>(),
           steps * options_.step_deg * kDegree * direction.tail<3>();
-      ToleranceTry t;
+      PlannedSample t;
       t.kind = kind;
       t.grasp = first_grasp + i % grasps;
       t.X_OO = TurnedAbout(study_.model.surface_mean_O, error);
-      study_.tries.push_back(t);
+      study_.samples.push_back(t);
     }
   }
 
  private:
-  void Add(TryKind kind, std::array<int, 2> axis, std::array<int, 2> level, int grasp) {
-    ToleranceTry t{kind, axis, level, grasp, Pose::Identity()};
+  void Add(SampleKind kind, std::array<int, 2> axis, std::array<int, 2> level, int grasp) {
+    PlannedSample t{kind, axis, level, grasp, Pose::Identity()};
     PoseOffset error = PoseOffset::Zero();
     for (int i = 0; i < 2; ++i) {
       if (axis[i] < 0) continue;
@@ -97,7 +98,7 @@ class Planner {
     const Pose& X_OG = study_.grasps[grasp].candidate.X_OG;
     t.X_OO = kAxes[axis[0]].of_grasp ? X_OG * ToPose(error) * X_OG.inverse()
                                      : TurnedAbout(study_.model.surface_mean_O, error);
-    study_.tries.push_back(t);
+    study_.samples.push_back(t);
   }
 
   ToleranceStudy& study_;
@@ -111,7 +112,7 @@ std::span<const ErrorAxis> ErrorAxisTable() { return kAxes; }
 std::string AxisHelp(const ErrorAxis& axis, const Gripper& gripper) {
   const int xyz = axis.coordinate % 3;
   if (axis.of_grasp) return fmt::format("{} {}", axis.way, gripper.axes_G()[xyz]);
-  return fmt::format("{} {} of the part", axis.way, std::array{"x", "y", "z"}[xyz]);
+  return fmt::format("{} {} of the object", axis.way, std::array{"x", "y", "z"}[xyz]);
 }
 
 int ErrorAxisNamed(const std::string& name) {
@@ -123,32 +124,37 @@ int ErrorAxisNamed(const std::string& name) {
   throw InputError(UnknownNameMessage("error axis", name, names));
 }
 
-const char* TryKindName(TryKind kind) {
+const char* TryKindName(SampleKind kind) {
   constexpr const char* kNames[] = {"axis", "pair", "fit", "test"};
   return kNames[static_cast<int>(kind)];
 }
 
 void ToleranceOptions::Visit(SettingsVisitor& v) {
-  v.Integer("grasps", grasps, {1, 100000}, "that each error is executed with");
-  v.Real("step_mm", step_mm, {0.01, 100}, "of the errors along an axis, mm");
-  v.Real("step_deg", step_deg, {0.01, 60}, "of the errors about an axis, deg");
-  v.Integer("steps", steps, {1, 100}, "to each side");
-  v.Integer("pair_grasps", pair_grasps, {1, 100000}, "that an error of a pair is executed with");
-  v.Integer("pair_stride", pair_stride, {1, 100}, "steps between the errors of a pair");
-  v.Integer("fit_grasps", fit_grasps, {1, 100000}, "that the model is fitted to");
+  v.Integer("grasps", grasps, {1, 100000}, "number of grasps that are executed with each error");
+  v.Real("step_mm", step_mm, {0.01, 100}, "step of the translation errors along an axis, mm");
+  v.Real("step_deg", step_deg, {0.01, 60}, "step of the rotation errors about an axis, deg");
+  v.Integer("steps", steps, {1, 100}, "number of steps to each side of zero error");
+  v.Integer("pair_grasps", pair_grasps, {1, 100000},
+            "number of grasps that are executed with each error of an axis pair");
+  v.Integer("pair_stride", pair_stride, {1, 100},
+            "number of steps between the errors of an axis pair");
+  v.Integer("fit_grasps", fit_grasps, {1, 100000}, "number of grasps that the model is fitted to");
   v.RenamedKey("fit_tries", "fit_samples");
-  v.Integer("fit_samples", fit_samples, {0, 10000000}, "random errors that the model is fitted to");
+  v.Integer("fit_samples", fit_samples, {0, 10000000},
+            "number of random errors that the model is fitted to");
   v.RenamedKey("test_tries", "test_samples");
-  v.Integer("test_samples", test_samples, {0, 10000000}, "random errors that scores are judged by");
-  v.Real("random_steps", random_steps, {0.1, 1000}, "greatest length of a random error, steps");
-  v.Real("keep_share", keep_share, {0.01, 1}, "of the success at no error that a region keeps");
-  v.Seed("seed", seed, "of grasps and random errors");
+  v.Integer("test_samples", test_samples, {0, 10000000},
+            "number of random errors that the predictors are tested on");
+  v.Real("random_steps", random_steps, {0.1, 1000}, "largest length of a random error, steps");
+  v.Real("keep_share", keep_share, {0.01, 1},
+         "share of the success rate without error that a region must keep");
+  v.Seed("seed", seed, "random seed of grasps and random errors");
   v.Group(
-      "table", [&](SettingsVisitor& g) { table.Visit(g); }, "that the part lies on");
+      "table", [&](SettingsVisitor& g) { table.Visit(g); }, "table that the object is on");
   v.Group(
-      "execute", [&](SettingsVisitor& g) { execute.Visit(g); }, "each grasp");
+      "execute", [&](SettingsVisitor& g) { execute.Visit(g); }, "execution of each grasp");
   v.Group(
-      "fit", [&](SettingsVisitor& g) { fit.Visit(g); }, "of the model");
+      "fit", [&](SettingsVisitor& g) { fit.Visit(g); }, "fit of the model");
 }
 
 ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part,
@@ -170,11 +176,10 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part,
   const int of_map = study.options.grasps = draw(options.grasps, "tolerance grasps");
   const int of_fit = draw(options.fit_grasps, "tolerance fit grasps");
   const int of_test = draw(options.test_samples, "tolerance test grasps");
-  CheckInput(
-      of_map > 0 && of_fit > 0 && (of_test > 0 || options.test_samples == 0),
-      fmt::format("{}: no grasp with {} was found in table.max_draws = {} draws; raise it, or "
-                  "lower table.min_choice",
-                  part->name, gripper->name, options.table.max_draws));
+  CheckInput(of_map > 0 && of_fit > 0 && (of_test > 0 || options.test_samples == 0),
+             fmt::format("{}: no grasp with {} was found in table.max_draws = {} draws; raise it, "
+                         "or lower table.min_choice",
+                         part->name, gripper->name, options.table.max_draws));
 
   std::vector<Pose> X_OG;
   for (int i = of_map; i < of_map + of_fit; ++i) X_OG.push_back(study.grasps[i].candidate.X_OG);
@@ -182,12 +187,12 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part,
   Planner planner(study);
   planner.AddAxes();
   planner.AddPairs();
-  planner.AddRandom(TryKind::kFit, options.fit_samples, of_map, of_fit, "tolerance fit errors");
-  planner.AddRandom(TryKind::kTest, of_test, of_map + of_fit, of_test, "tolerance test errors");
+  planner.AddRandom(SampleKind::kFit, options.fit_samples, of_map, of_fit, "tolerance fit errors");
+  planner.AddRandom(SampleKind::kTest, of_test, of_map + of_fit, of_test, "tolerance test errors");
   return study;
 }
 
-PoseOffset ErrorInG(const ToleranceStudy& study, const ToleranceTry& t) {
+PoseOffset ErrorInG(const ToleranceStudy& study, const PlannedSample& t) {
   const Pose& X_OG = study.grasps[t.grasp].candidate.X_OG;
   return ToPoseOffset(X_OG.inverse() * NearestError(study.model, t.X_OO) * X_OG);
 }

@@ -57,12 +57,12 @@ struct ToleranceOptions {
 };
 
 // Purpose of a sample: curve of an axis, map of a pair, fit of the model, test of scores.
-enum class TryKind { kAxis, kPair, kFit, kTest };
-const char* TryKindName(TryKind kind);
+enum class SampleKind { kAxis, kPair, kFit, kTest };
+const char* TryKindName(SampleKind kind);
 
 // One execution.
-struct ToleranceTry {
-  TryKind kind = TryKind::kAxis;
+struct PlannedSample {
+  SampleKind kind = SampleKind::kAxis;
   std::array<int, 2> axis{-1, -1};  // indices of ErrorAxisTable(); -1 = none
   std::array<int, 2> level{0, 0};   // steps along each axis
   int grasp = 0;
@@ -70,7 +70,7 @@ struct ToleranceTry {
 };
 
 // Result of one execution.
-struct TryOutcome {
+struct SampleOutcome {
   bool success = false;
   FailureReason failure = FailureReason::kPhysicsFailed;
 };
@@ -81,7 +81,7 @@ struct ToleranceStudy {
   Table table;
   std::vector<TableGrasp> grasps;  // for the map, for the fit, then one for each test sample
   ToleranceModel model;            // surface and symmetries, without weights
-  std::vector<ToleranceTry> tries;
+  std::vector<PlannedSample> samples;
 };
 
 // Draws grasps and errors. Throws InputError like MakeTable, and if no grasp is found in
@@ -91,7 +91,7 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part,
                          std::vector<GraspCandidate> candidates, const ToleranceOptions& options);
 
 // Pose error of a sample in G, relative to the nearest symmetric pose.
-PoseOffset ErrorInG(const ToleranceStudy& study, const ToleranceTry& t);
+PoseOffset ErrorInG(const ToleranceStudy& study, const PlannedSample& t);
 
 // Callbacks of ExecuteStudy. `before` is the number of samples from earlier runs.
 struct StudyListener {
@@ -100,7 +100,7 @@ struct StudyListener {
 };
 // Result of ExecuteStudy.
 struct StudyOutcomes {
-  std::vector<TryOutcome> outcomes;  // by sample; empty unless all were executed
+  std::vector<SampleOutcome> outcomes;  // by sample; empty unless all were executed
   bool interrupted = false;
   std::vector<LostItem> lost;
 };

@@ -17,9 +17,9 @@ double UnitsOf(const ToleranceOptions& options, int axis, int level) {
 }
 
 // Finds where the share falls below `least`, from the center to one side.
-void Reach(const std::vector<LevelShare>& levels, int middle, int direction, double least,
+void Reach(const std::vector<LevelShare>& levels, int center, int direction, double least,
            double& end, bool& open) {
-  int at = middle;
+  int at = center;
   const int last = direction < 0 ? 0 : static_cast<int>(levels.size()) - 1;
   while (at != last && levels[at + direction].share() >= least) at += direction;
   open = at == last;
@@ -44,7 +44,7 @@ std::vector<int> FirstAlike(const std::vector<TableGrasp>& grasps) {
 
 class Reader {
  public:
-  Reader(const ToleranceStudy& study, const std::vector<TryOutcome>& outcomes)
+  Reader(const ToleranceStudy& study, const std::vector<SampleOutcome>& outcomes)
       : study_(study),
         outcomes_(outcomes),
         options_(study.options),
@@ -52,9 +52,9 @@ class Reader {
 
   LevelShare AtTruth() const {
     LevelShare share;
-    for (size_t i = 0; i < study_.tries.size(); ++i) {
-      const ToleranceTry& t = study_.tries[i];
-      if (t.kind == TryKind::kAxis && t.level[0] == 0) Count(i, share);
+    for (size_t i = 0; i < study_.samples.size(); ++i) {
+      const PlannedSample& t = study_.samples[i];
+      if (t.kind == SampleKind::kAxis && t.level[0] == 0) Count(i, share);
     }
     return share;
   }
@@ -68,9 +68,9 @@ class Reader {
       curve.levels[level + options_.steps].offset = UnitsOf(options_, axis, level);
     }
     curve.levels[options_.steps] = at_truth;
-    for (size_t i = 0; i < study_.tries.size(); ++i) {
-      const ToleranceTry& t = study_.tries[i];
-      if (t.kind != TryKind::kAxis || t.axis[0] != axis || t.level[0] == 0) continue;
+    for (size_t i = 0; i < study_.samples.size(); ++i) {
+      const PlannedSample& t = study_.samples[i];
+      if (t.kind != SampleKind::kAxis || t.axis[0] != axis || t.level[0] == 0) continue;
       Count(i, curve.levels[t.level[0] + options_.steps]);
     }
     curve.region = RegionOf(curve.levels, options_.keep_share * at_truth.share());
@@ -86,9 +86,9 @@ class Reader {
       map.offsets_b.push_back(UnitsOf(options_, pair[1], level * options_.pair_stride));
     }
     map.cells.resize(map.offsets_a.size() * map.offsets_b.size());
-    for (size_t i = 0; i < study_.tries.size(); ++i) {
-      const ToleranceTry& t = study_.tries[i];
-      if (t.kind != TryKind::kPair || t.axis != pair) continue;
+    for (size_t i = 0; i < study_.samples.size(); ++i) {
+      const PlannedSample& t = study_.samples[i];
+      if (t.kind != SampleKind::kPair || t.axis != pair) continue;
       const int a = t.level[0] / options_.pair_stride + side;
       const int b = t.level[1] / options_.pair_stride + side;
       Count(i, map.cells[b * map.offsets_a.size() + a]);
@@ -99,12 +99,12 @@ class Reader {
   ToleranceModel Fitted() const {
     ToleranceModel model = study_.model;
     std::vector<ToleranceSample> samples;
-    for (size_t i = 0; i < study_.tries.size(); ++i) {
-      const TryKind kind = study_.tries[i].kind;
-      if (kind == TryKind::kTest || kind == TryKind::kPair)
+    for (size_t i = 0; i < study_.samples.size(); ++i) {
+      const SampleKind kind = study_.samples[i].kind;
+      if (kind == SampleKind::kTest || kind == SampleKind::kPair)
         continue;  // used only for the maps of pairs and the test
       samples.push_back(
-          {ErrorInG(study_, study_.tries[i]), outcomes_[i].success, study_.tries[i].grasp});
+          {ErrorInG(study_, study_.samples[i]), outcomes_[i].success, study_.samples[i].grasp});
     }
     FitTolerance(samples, options_.fit, model);
     return model;
@@ -113,9 +113,9 @@ class Reader {
   // Samples with the same grasp form one cluster.
   std::vector<JudgedPick> TestPicks() const {
     std::vector<JudgedPick> picks;
-    for (size_t i = 0; i < study_.tries.size(); ++i) {
-      if (study_.tries[i].kind != TryKind::kTest) continue;
-      const ToleranceTry& t = study_.tries[i];
+    for (size_t i = 0; i < study_.samples.size(); ++i) {
+      if (study_.samples[i].kind != SampleKind::kTest) continue;
+      const PlannedSample& t = study_.samples[i];
       picks.push_back({t.X_OO, outcomes_[i].success, first_alike_[t.grasp],
                        study_.grasps[t.grasp].candidate.X_OG});
     }
@@ -125,15 +125,15 @@ class Reader {
  private:
   void Count(size_t i, LevelShare& share) const {
     const bool success = outcomes_[i].success;
-    ++share.tries;
+    ++share.samples;
     share.successes += success;
-    Cluster& grasp = share.of_grasp[first_alike_[study_.tries[i].grasp]];
-    ++grasp.tries;
+    Cluster& grasp = share.of_grasp[first_alike_[study_.samples[i].grasp]];
+    ++grasp.samples;
     grasp.hits += success;
   }
 
   const ToleranceStudy& study_;
-  const std::vector<TryOutcome>& outcomes_;
+  const std::vector<SampleOutcome>& outcomes_;
   const ToleranceOptions& options_;
   const std::vector<int> first_alike_;
 };
@@ -162,7 +162,8 @@ ScoreColumn MetricColumn(const MetricRow& row, const std::vector<JudgedPart>& pa
 
 // nullopt if the grasp of some pick is unknown.
 std::optional<ScoreColumn> GraspColumn(const std::vector<JudgedPart>& parts) {
-  ScoreColumn column{kGraspRisk, "chance that the pick fails with the grasp that is executed", {}};
+  ScoreColumn column{
+      kGraspRisk, "predicted probability that the pick fails with the executed grasp", {}};
   for (const JudgedPart& part : parts) {
     for (const JudgedPick& pick : part.picks) {
       if (!pick.X_OG) return std::nullopt;
@@ -207,33 +208,34 @@ Interval LevelShare::band() const {
 
 ToleranceRegion RegionOf(const std::vector<LevelShare>& levels, double least) {
   ToleranceRegion region;
-  const int middle = static_cast<int>(levels.size()) / 2;
-  if (levels[middle].successes == 0 || levels[middle].share() < least) return region;
-  Reach(levels, middle, -1, least, region.low, region.low_open);
-  Reach(levels, middle, 1, least, region.high, region.high_open);
+  const int center = static_cast<int>(levels.size()) / 2;
+  if (levels[center].successes == 0 || levels[center].share() < least) return region;
+  Reach(levels, center, -1, least, region.low, region.low_open);
+  Reach(levels, center, 1, least, region.high, region.high_open);
   return region;
 }
 
-ToleranceFigures FiguresOf(const ToleranceStudy& study, const std::vector<TryOutcome>& outcomes) {
+ToleranceStatistics StatisticsOf(const ToleranceStudy& study,
+                                 const std::vector<SampleOutcome>& outcomes) {
   const Reader reader(study, outcomes);
   const ObjectModel& part = *study.table.objects[0];
-  ToleranceFigures figures;
-  figures.object = part.name;
-  figures.gripper = study.table.gripper->name;
-  figures.at_truth = reader.AtTruth();
+  ToleranceStatistics statistics;
+  statistics.object = part.name;
+  statistics.gripper = study.table.gripper->name;
+  statistics.at_truth = reader.AtTruth();
   for (size_t axis = 0; axis < ErrorAxisTable().size(); ++axis) {
-    figures.axes.push_back(reader.Curve(static_cast<int>(axis), figures.at_truth));
+    statistics.axes.push_back(reader.Curve(static_cast<int>(axis), statistics.at_truth));
   }
-  for (const auto& pair : study.options.pairs) figures.pairs.push_back(reader.Map(pair));
-  figures.model = reader.Fitted();
+  for (const auto& pair : study.options.pairs) statistics.pairs.push_back(reader.Map(pair));
+  statistics.model = reader.Fitted();
   const std::vector<JudgedPick> picks = reader.TestPicks();
-  figures.test_picks = static_cast<int>(picks.size());
-  figures.predictors = JudgePredictors({{figures.model, part, picks}});
+  statistics.test_picks = static_cast<int>(picks.size());
+  statistics.predictors = JudgePredictors({{statistics.model, part, picks}});
   for (const JudgedPick& pick : picks) {
-    const double p = SuccessProbability(figures.model, pick.X_OE);
-    figures.brier += (p - pick.success) * (p - pick.success) / double(picks.size());
+    const double p = SuccessProbability(statistics.model, pick.X_OE);
+    statistics.brier += (p - pick.success) * (p - pick.success) / double(picks.size());
   }
-  return figures;
+  return statistics;
 }
 
 std::vector<Predictor> JudgePredictors(const std::vector<JudgedPart>& parts) {

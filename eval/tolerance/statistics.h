@@ -18,11 +18,11 @@ namespace pickbed::eval {
 // Success at one error level.
 struct LevelShare {
   double offset = 0;  // in the unit of the axis
-  int successes = 0, tries = 0;
+  int successes = 0, samples = 0;
   // By the index of the first identical grasp: a grasp that was drawn twice gives its outcome
   // twice.
   std::map<int, Cluster> of_grasp;
-  double share() const { return tries > 0 ? double(successes) / tries : 0; }
+  double share() const { return samples > 0 ? double(successes) / samples : 0; }
   Interval band() const;  // 95 % interval; grasps are the units
 };
 
@@ -56,7 +56,7 @@ struct Predictor {
 };
 
 // All statistics of a tolerance study.
-struct ToleranceFigures {
+struct ToleranceStatistics {
   std::string object, gripper;
   LevelShare at_truth;  // without an error
   std::vector<AxisCurve> axes;
@@ -72,7 +72,8 @@ struct ToleranceFigures {
 ToleranceRegion RegionOf(const std::vector<LevelShare>& levels, double least);
 
 // Computes the statistics. `outcomes`: one per sample of the study, complete.
-ToleranceFigures FiguresOf(const ToleranceStudy& study, const std::vector<TryOutcome>& outcomes);
+ToleranceStatistics StatisticsOf(const ToleranceStudy& study,
+                                 const std::vector<SampleOutcome>& outcomes);
 
 // Outcome of a pick with pose error `X_OE`, from any source.
 struct JudgedPick {

@@ -65,8 +65,8 @@ std::vector<size_t> Spread(const std::vector<HeldOutAnswer>& answers, bool right
     if (answers[i].right == right) rows.push_back(i);
   }
   std::stable_sort(rows.begin(), rows.end(), [&](size_t a, size_t b) {
-    return std::pair(answers[a].query, answers[a].part) <
-           std::pair(answers[b].query, answers[b].part);
+    return std::pair(answers[a].query, answers[a].object) <
+           std::pair(answers[b].query, answers[b].object);
   });
   return rows;
 }
@@ -111,12 +111,13 @@ Image<Rgb8> DrawAnswers(const std::vector<HeldOutAnswer>& answers, const HeldOut
   std::vector<std::string> captions;
   for (const size_t row : wrong) {
     const HeldOutAnswer& answer = answers[row];
-    const PatchPairs& pairs = set.queries[answer.part];
+    const PatchPairs& pairs = set.queries[answer.object];
     tiles.push_back(SideBySide({DrawPatch(pairs.anchors.patch(answer.query), channels, 3),
                                 DrawPatch(answer.found, channels, 3),
                                 DrawPatch(pairs.codes.patch(answer.query), channels, 3)}));
-    std::string caption = objects[answer.part]->name;
-    if (answer.found_part != answer.part) caption += " as " + objects[answer.found_part]->name;
+    std::string caption = objects[answer.object]->name;
+    if (answer.found_object != answer.object)
+      caption += " as " + objects[answer.found_object]->name;
     captions.push_back(caption + (answer.right ? ": right" : ": wrong"));
   }
   return ContactSheet(tiles, captions, 4);
@@ -138,7 +139,7 @@ Image<Rgb8> DrawEmbedding(const std::vector<HeldOutAnswer>& answers, const Objec
   // The y axis of the chart begins at 0.
   places.rowwise() -= places.colwise().minCoeff().eval();
   const bool one_part = objects.size() == 1;
-  Chart chart{"first principal axis", "second", {}};
+  Chart chart{"first principal axis", "second principal axis", {}};
   if (!one_part) {
     for (size_t part = 0; part < objects.size(); ++part) {
       chart.series.push_back(
@@ -151,7 +152,7 @@ Image<Rgb8> DrawEmbedding(const std::vector<HeldOutAnswer>& answers, const Objec
     if (one_part) {
       chart.series.push_back({"", {place}, {Byte(side.x()), Byte(side.y()), Byte(side.z())}, true});
     } else {
-      chart.series[answers[i].part].points.push_back(place);
+      chart.series[answers[i].object].points.push_back(place);
     }
   }
   return DrawChart(chart, width, height);

@@ -24,131 +24,131 @@ constexpr double kUsualDiameter_m = 0.095;
 constexpr int kLeastPixels = 10;
 
 // Objects known to the initial model are trained again, so that the model does not forget them.
-void AddKnownParts(const LessonChoice& choice, TrainingLesson& lesson) {
+void AddKnownParts(const TrainingSetChoice& choice, TrainingSet& training_set) {
   const ObjectCatalog catalog = OpenCatalog(choice.scenario.catalog);
   const std::filesystem::path file = choice.start_from;
   for (const ModelObject& known : LoadModel(file).info.objects) {
     const auto is_known = [&](const auto& object) { return object->name == known.name; };
-    if (std::any_of(lesson.objects.begin(), lesson.objects.end(), is_known)) continue;
+    if (std::any_of(training_set.objects.begin(), training_set.objects.end(), is_known)) continue;
     const std::vector<std::string> names = catalog.Names();
     CheckInput(std::find(names.begin(), names.end(), known.name) != names.end(),
-               fmt::format("{}: it knows part '{}', which is in no catalog, so that it would be "
-                           "forgotten; pass --catalog or a scenario that has it",
+               fmt::format("{}: it was trained for object '{}', which is in no catalog, so it "
+                           "would be lost; add its catalog or name a scenario that has it",
                            file.string(), known.name));
     const auto object = catalog.Load(known.name);
     CheckInput(object->mesh_hash == known.mesh_hash,
-               fmt::format("{}: the mesh of part '{}' has changed since training; name the part "
-                           "to learn it anew",
+               fmt::format("{}: the mesh of object '{}' has changed since training; name the "
+                           "object to train it again",
                            file.string(), known.name));
-    lesson.objects.push_back(object);
+    training_set.objects.push_back(object);
   }
 }
 
 // Checked before minutes of rendering: an object of few pixels cannot be learned.
-void RequireVisibleParts(const TrainingLesson& lesson) {
-  const double distance_m = lesson.spec.camera.eye_m.norm();
-  for (const auto& object : lesson.objects) {
+void RequireVisibleParts(const TrainingSet& training_set) {
+  const double distance_m = training_set.spec.camera.eye_m.norm();
+  for (const auto& object : training_set.objects) {
     const double pixels =
-        CameraOf(lesson.spec).intrinsics.fx() * object->diameter_m / (kFarthest * distance_m);
+        CameraOf(training_set.spec).intrinsics.fx() * object->diameter_m / (kFarthest * distance_m);
     CheckInput(pixels >= kLeastPixels,
-               fmt::format("part '{}' is {:.1f} px large at {:.2f} m, and {} px are the least to "
-                           "learn from; bring the camera nearer (camera.eye_m), raise "
-                           "camera.focal_px or check the mesh's unit",
+               fmt::format("object '{}' is only {:.1f} px large at {:.2f} m, but training needs at "
+                           "least {} px; move the camera nearer (camera.eye_m), raise "
+                           "camera.focal_px or check the unit of the mesh",
                            object->name, pixels, kFarthest * distance_m, kLeastPixels));
   }
 }
 
 // Checks the sensor of the scenario, or the sensors used for clutter scenes instead.
-void RequireFloorInRange(const TrainingLesson& lesson) {
-  const double floor_m = CameraOf(lesson.spec).X_CW().translation().z();
-  for (const SensorProfile& sensor : lesson.sensors) RequireInRange(sensor, floor_m);
-  if (!lesson.sensors.empty()) return;
-  WithSettingsKey(lesson.spec, "sensor",
-                  [&] { RequireInRange(LoadSensorProfile(lesson.spec.sensor), floor_m); });
+void RequireFloorInRange(const TrainingSet& training_set) {
+  const double floor_m = CameraOf(training_set.spec).X_CW().translation().z();
+  for (const SensorProfile& sensor : training_set.sensors) RequireInRange(sensor, floor_m);
+  if (!training_set.sensors.empty()) return;
+  WithSettingsKey(training_set.spec, "sensor",
+                  [&] { RequireInRange(LoadSensorProfile(training_set.spec.sensor), floor_m); });
 }
 
 // Returns the appearance ranges of the scenario. Light settings that the scenario leaves at their
 // default are varied nevertheless.
-AppearanceRanges LearnedLooks(const AppearanceRanges& of_scenario) {
+AppearanceRanges TrainingAppearance(const AppearanceRanges& of_scenario) {
   const AppearanceRanges fixed = FixedAppearance(), varied;
-  AppearanceRanges looks = of_scenario;
+  AppearanceRanges appearance = of_scenario;
   for (Span AppearanceRanges::*span : {&AppearanceRanges::lamp_x_m, &AppearanceRanges::lamp_y_m,
                                        &AppearanceRanges::lamp_z_m, &AppearanceRanges::ambient}) {
-    if (looks.*span == fixed.*span) looks.*span = varied.*span;
+    if (appearance.*span == fixed.*span) appearance.*span = varied.*span;
   }
-  return looks;
+  return appearance;
 }
 
 }  // namespace
 
-TrainingLesson PlanTrainingLesson(const LessonChoice& choice) {
-  TrainingLesson lesson;
+TrainingSet PlanTrainingSet(const TrainingSetChoice& choice) {
+  TrainingSet training_set;
   if (!choice.scenario.scenario.empty()) {
     LoadedScenario loaded = FindScenario(choice.scenario);
     ObjectSet learned;
     for (size_t i = 0; i < loaded.objects.size(); ++i) {
       if (!loaded.spec.objects[i].distractor) learned.push_back(loaded.objects[i]);
     }
-    lesson = {loaded.name, std::move(loaded.spec), true, {}, 0, std::move(learned), {}};
+    training_set = {loaded.name, std::move(loaded.spec), true, {}, 0, std::move(learned), {}};
   }
   if (!choice.bop_path.empty()) {
-    CheckInput(choice.objects.empty() && lesson.objects.empty(),
-               "--bop takes the place of OBJECT and --scenario; name one or the other");
+    CheckInput(choice.objects.empty() && training_set.objects.empty(),
+               "a BOP dataset replaces objects and scenario; give one or the other");
     const std::filesystem::path root = choice.bop_path;
-    lesson.name = (std::filesystem::absolute(root) / ".")
-                      .lexically_normal()
-                      .parent_path()
-                      .filename()
-                      .string();
-    lesson.objects = bop::LoadParts(root).objects;
+    training_set.name = (std::filesystem::absolute(root) / ".")
+                            .lexically_normal()
+                            .parent_path()
+                            .filename()
+                            .string();
+    training_set.objects = bop::LoadParts(root).objects;
     const auto camera = bop::ReadDatasetCamera(root / "camera.json", bop::ThrowFault);
-    if (camera) lesson.camera = camera->intrinsics;
+    if (camera) training_set.camera = camera->intrinsics;
   }
   if (!choice.objects.empty()) {
     const ObjectCatalog catalog = OpenCatalog(choice.scenario.catalog);
-    lesson.objects.clear();
-    lesson.name.clear();
+    training_set.objects.clear();
+    training_set.name.clear();
     for (const std::string& name : choice.objects) {
-      lesson.objects.push_back(catalog.Load(name));
-      lesson.name += lesson.name.empty() ? name : "-" + name;
+      training_set.objects.push_back(catalog.Load(name));
+      training_set.name += training_set.name.empty() ? name : "-" + name;
     }
   }
-  CheckInput(!lesson.objects.empty(),
-             "nothing to learn: name objects of the catalog or pass --scenario FILE");
+  CheckInput(!training_set.objects.empty(),
+             "no objects to train for: name objects of the catalog or a scenario");
   for (const std::string& name : choice.sensors) {
-    lesson.sensors.push_back(LoadSensorProfile(name));
+    training_set.sensors.push_back(LoadSensorProfile(name));
   }
-  lesson.distractor_share = choice.distractor_share;
-  if (!choice.start_from.empty()) AddKnownParts(choice, lesson);
-  if (lesson.has_cell) {
-    RequireVisibleParts(lesson);
-    RequireFloorInRange(lesson);
+  training_set.distractor_share = choice.distractor_share;
+  if (!choice.start_from.empty()) AddKnownParts(choice, training_set);
+  if (training_set.has_cell) {
+    RequireVisibleParts(training_set);
+    RequireFloorInRange(training_set);
   }
-  return lesson;
+  return training_set;
 }
 
-std::unique_ptr<LabelledViewSource> MakeTrainingViews(const TrainingLesson& lesson) {
+std::unique_ptr<LabelledViewSource> MakeTrainingViews(const TrainingSet& training_set) {
   ViewSourceOptions options;
-  options.sensor =
-      WithSettingsKey(lesson.spec, "sensor", [&] { return LoadSensorProfile(lesson.spec.sensor); });
-  options.pile_sensors = lesson.sensors;
-  options.distractor_share = lesson.distractor_share;
-  options.looks = LearnedLooks(lesson.spec.appearance);
-  options.camera = lesson.camera.value_or(CameraOf(lesson.spec).intrinsics);
-  options.bin = BinOf(lesson.spec);
+  options.sensor = WithSettingsKey(training_set.spec, "sensor",
+                                   [&] { return LoadSensorProfile(training_set.spec.sensor); });
+  options.scene_sensors = training_set.sensors;
+  options.distractor_share = training_set.distractor_share;
+  options.looks = TrainingAppearance(training_set.spec.appearance);
+  options.camera = training_set.camera.value_or(CameraOf(training_set.spec).intrinsics);
+  options.bin = BinOf(training_set.spec);
   // The camera of a cell is fixed. But objects are at different heights, and the mounting height
   // varies by about 10 cm.
-  const double distance_m = lesson.spec.camera.eye_m.norm();
+  const double distance_m = training_set.spec.camera.eye_m.norm();
   options.distance_min_m = kNearest * distance_m;
   options.distance_max_m = kFarthest * distance_m;
-  if (!lesson.has_cell) options.for_diameter_m = kUsualDiameter_m;
-  return MakeSimViewSource(WithConvexPieces(lesson.objects), options);
+  if (!training_set.has_cell) options.for_diameter_m = kUsualDiameter_m;
+  return MakeSimViewSource(WithConvexPieces(training_set.objects), options);
 }
 
-std::string SensorNames(const TrainingLesson& lesson) {
-  if (lesson.sensors.empty()) return lesson.spec.sensor;
+std::string SensorNames(const TrainingSet& training_set) {
+  if (training_set.sensors.empty()) return training_set.spec.sensor;
   std::vector<std::string> names;
-  for (const SensorProfile& sensor : lesson.sensors) names.push_back(sensor.name);
+  for (const SensorProfile& sensor : training_set.sensors) names.push_back(sensor.name);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/layer.h"
 #include "scenes/labelled_view.h"
 #include "scenes/scenario/find_scenario.h"
 #include "sim/sensor/sensor_profile.h"
@@ -15,7 +16,7 @@
 namespace pickbed::eval {
 
 // Selection on the command line.
-struct LessonChoice {
+struct TrainingSetChoice {
   std::vector<std::string> objects;  // names in the catalog
   std::string bop_path;              // a BOP data set: all of its models, with its camera
   ScenarioRequest scenario;          // optional: camera, bin, sensor, appearance and objects
@@ -25,7 +26,7 @@ struct LessonChoice {
 };
 
 // The training job: objects, and the cell that they are trained for.
-struct TrainingLesson {
+struct TrainingSet {
   std::string name;
   ScenarioSpec spec;
   bool has_cell = false;  // true: cell of a scenario; else the cell size fits each object
@@ -38,12 +39,12 @@ struct TrainingLesson {
 // Plans the training. Throws InputError if no object is named, for an unknown object, and for one
 // that is too small in the scenario camera. Also throws it if an object of `start_from` is in no
 // catalog or has another mesh there.
-TrainingLesson PlanTrainingLesson(const LessonChoice& choice);
+TrainingSet PlanTrainingSet(const TrainingSetChoice& choice);
 
 // Returns a source that renders training views of the objects on demand.
-std::unique_ptr<LabelledViewSource> MakeTrainingViews(const TrainingLesson& lesson);
+std::unique_ptr<LabelledViewSource> MakeTrainingViews(const TrainingSet& training_set);
 
 // Returns the names of the sensors, as recorded in the model file.
-std::string SensorNames(const TrainingLesson& lesson);
+std::string SensorNames(const TrainingSet& training_set);
 
 }  // namespace pickbed::eval

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "eval/page/vega.h"
+#include "eval/summary/result_files.h"
 #include "eval/train/draw.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
@@ -19,8 +20,8 @@ constexpr int kEmbeddingWidth_px = 900, kEmbeddingHeight_px = 640;
 std::string Share(double share) { return share < 0 ? "-" : fmt::format("{:.3f}", share); }
 
 TableCells PartTable(const TrainingReport& report, const ObjectSet& objects) {
-  TableCells table{{"part", "recall@1 before", "recall@1", "recall@8",
-                    "verifier's area under the curve", "known before"}};
+  TableCells table{{"object", "recall@1 before", "recall@1", "recall@8",
+                    "verifier's area under the curve", "in the start model"}};
   const HeldOutRecall &first = report.recall_history.front(), &last = report.recall_history.back();
   for (size_t i = 0; i < objects.size(); ++i) {
     table.push_back({objects[i]->name, Share(first.part_at_1[i]), Share(last.part_at_1[i]),
@@ -36,7 +37,7 @@ ReportChart LossChart(const TrainingReport& report) {
   for (const Stretch& s : Stretches(report.loss_history, kPoints)) {
     curve.points.push_back({s.x, s.mean, s.least, s.greatest});
   }
-  return ValueCurves({"loss", "Loss", "Mean of each stretch of steps; shaded: its range.", ""},
+  return ValueCurves({"loss", "Loss", "Mean of each interval of steps; shaded: its range.", ""},
                      "step", "loss", {curve});
 }
 
@@ -47,10 +48,11 @@ ReportChart RecallChart(const TrainingReport& report) {
     first.points.push_back({x, recall.at_1, recall.at_1, recall.at_1});
     eight.points.push_back({x, recall.at_8, recall.at_8, recall.at_8});
   }
-  return ValueCurves(
-      {"recall", "Held-out recall",
-       "Share of the held-out queries with a right answer among the nearest one or eight.", ""},
-      "step", "recall", {first, eight}, /*y_max=*/1);
+  return ValueCurves({"recall", "Held-out recall",
+                      "Share of the held-out queries with a right answer among the nearest one or "
+                      "eight neighbours.",
+                      ""},
+                     "step", "recall", {first, eight}, /*y_max=*/1);
 }
 
 std::string CurvesCsv(const TrainingReport& report, const ObjectSet& objects) {
@@ -89,14 +91,13 @@ std::string Summary(const TrainingPage& page) {
       fmt::format("{} steps on views of sensor {}.", report.loss_history.size(), page.sensor);
   if (report.plateau_iteration >= 0) {
     text += fmt::format(
-        " Held-out recall stayed on a plateau at step {}, where the schedule was "
-        "cut short.",
+        " Held-out recall reached a plateau at step {}, where the training schedule was shortened.",
         report.plateau_iteration);
   }
   return text +
-         " Held-out queries are patches of piles that the network never learned from; the code "
-         "book holds a near twin of each beside patches at random poses. An answer is right when "
-         "its pose is within 0.1 diameter, symmetric poses counting as one.";
+         " Held-out queries are patches of clutter scenes that were not used for training. The "
+         "code book has a similar patch for each of them, and patches at random poses. An answer "
+         "is right if its pose is within 0.1 diameter; symmetric poses count as equal.";
 }
 
 }  // namespace
@@ -133,27 +134,28 @@ std::string WriteTrainingPage(const std::filesystem::path& folder, const Trainin
   html.Heading("Descriptors of held-out queries");
   picture("embedding.png",
           DrawEmbedding(report.answers, page.objects, kEmbeddingWidth_px, kEmbeddingHeight_px),
-          page.objects.size() == 1 ? "first two principal axes; colour: the side that is seen "
-                                     "(viewing direction x, y, z as red, green, blue)"
-                                   : "first two principal axes; colour: the part");
+          page.objects.size() == 1 ? "first two principal axes; colour: viewing direction in the "
+                                     "object frame (x, y, z as red, green, blue)"
+                                   : "first two principal axes; colour: object");
   html.Heading("Nearest neighbours");
   picture("answers.png",
           DrawAnswers(report.answers, report.held_out, report.channels, page.objects, kAnswerTiles),
-          "query, found in the code book, true: wrong answers first");
-  html.Heading("Pairs to learn from");
+          "query, nearest code book entry, true entry: wrong answers first");
+  html.Heading("Training pairs");
   const int per_part = std::max(1, kPairTiles / static_cast<int>(page.objects.size()));
-  picture("pairs.png", DrawPairs(report.pairs, report.channels, page.objects, per_part),
-          std::string("a patch of a pile and its twin of the part alone: sensor noise, clutter and "
-                      "holes, a little turned and shifted. ") +
-              (report.channels == PatchChannels::kDepthColor
-                   ? "Colours are those of the image; depth is seen, too"
-                   : "Colours are normals, darker is farther"));
+  picture(
+      "pairs.png", DrawPairs(report.pairs, report.channels, page.objects, per_part),
+      std::string("a patch of a clutter scene and the same patch of the object without clutter: it "
+                  "differs by sensor noise, clutter, holes, and a small rotation and shift. ") +
+          (report.channels == PatchChannels::kDepthColor
+               ? "Colours of the image; the network also gets depth"
+               : "Colours show normals, darker is farther"));
   html.Heading("Seconds");
   html.Table(TimeTable(report));
   html.Heading("Settings");
   html.Preformatted(page.settings);
   WriteFileAtomically(folder / "curves.csv", CurvesCsv(report, page.objects));
-  WriteFileAtomically(folder / "timings.csv", TimingsCsv(report));
+  WriteFileAtomically(folder / kTimingsFile, TimingsCsv(report));
   return WritePage(folder / "index.html", html);
 }
 

@@ -6,6 +6,7 @@
 #include "eval/trial/grasp_choice.h"
 #include "eval/trial/trial_records.h"
 #include "eval/trial/trial_setup.h"
+#include "scenes/base/ids.h"
 #include "scenes/scene.h"
 
 namespace pickbed::eval {
@@ -14,7 +15,7 @@ class TrialObserver;
 
 // State of a running trial. Every attempt reads the scene and replaces it by the scene after it.
 struct LiveTrial {
-  int bin_index = 0;  // random streams derive from it
+  BinIndex bin_index{0};  // random streams derive from it
   Scene scene;
   GraspMemory failed;
   StageSeconds seconds;
@@ -24,8 +25,8 @@ struct LiveTrial {
 // Number of an attempt and, in an occlusion trial, the only instance that it may pick.
 struct AttemptTask {
   int attempt = 0;
-  int target = -1;  // instance, -1 = any
-  int band = -1;    // band of the target's visible fraction, -1 = none
+  InstanceId target = kNoInstance;  // instance, -1 = any
+  int band = -1;                    // band of the target's visible fraction, -1 = none
 };
 
 // Runs one attempt on trial.scene and replaces the scene by the one after the pick. Adds the stage

@@ -5,17 +5,17 @@
 #include <cmath>
 #include <map>
 
+#include "eval/trial/stage_oracle.h"
+
 namespace pickbed::eval {
 namespace {
-
-constexpr double kMatchDiameters = 0.5;
 
 bool InBand(double visible, double min, double max) {
   return visible >= min && (visible < max || max >= 1);
 }
 
 // Visible fraction of an instance in an attempt, -1 if the attempt has no record of it.
-double VisibleFraction(const AttemptRecord& attempt, int instance) {
+double VisibleFraction(const AttemptRecord& attempt, InstanceId instance) {
   for (const InstanceRecord& record : attempt.instances) {
     if (record.instance == instance) return record.visible_fraction;
   }
@@ -65,7 +65,7 @@ std::vector<int> ScenesOf(std::span<const TrialResult> trials) {
 TrialCount SuccessOfAttempts() {
   return [](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
-      scene.tries += attempt.grasp.has_value();
+      scene.samples += attempt.grasp.has_value();
       scene.hits += attempt.grasp && attempt.failure == FailureReason::kNone;
     }
   };
@@ -74,7 +74,7 @@ TrialCount SuccessOfAttempts() {
 TrialCount SuccessByRule(SuccessRule rule) {
   return [rule](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
-      scene.tries += attempt.grasp.has_value();
+      scene.samples += attempt.grasp.has_value();
       scene.hits += attempt.grasp && attempt.outcome.verdicts[static_cast<int>(rule)];
     }
   };
@@ -83,7 +83,7 @@ TrialCount SuccessByRule(SuccessRule rule) {
 TrialCount InstancesCleared() {
   return [](const TrialResult& trial, Cluster& scene) {
     scene.hits += trial.instances_cleared;
-    scene.tries += trial.instances_dropped;
+    scene.samples += trial.instances_dropped;
   };
 }
 
@@ -91,7 +91,7 @@ TrialCount TopRankedRight() {
   return [](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
       if (attempt.hypotheses.empty()) continue;
-      ++scene.tries;
+      ++scene.samples;
       scene.hits += attempt.hypotheses.front().correct;
     }
   };
@@ -103,7 +103,7 @@ TrialCount InstancesRecalled(double visible_min, double visible_max) {
       for (const InstanceRecord& instance : attempt.instances) {
         if (attempt.target >= 0 && instance.instance != attempt.target) continue;
         if (!InBand(instance.visible_fraction, visible_min, visible_max)) continue;
-        ++scene.tries;
+        ++scene.samples;
         scene.hits += instance.recalled;
       }
     }
@@ -114,9 +114,9 @@ TrialCount SuccessByVisibility(double visible_min, double visible_max) {
   return [=](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
       if (!attempt.grasp) continue;
-      const int aim = attempt.target >= 0 ? attempt.target : attempt.matched_instance;
-      if (!InBand(VisibleFraction(attempt, aim), visible_min, visible_max)) continue;
-      ++scene.tries;
+      const InstanceId target = attempt.target >= 0 ? attempt.target : attempt.matched_instance;
+      if (!InBand(VisibleFraction(attempt, target), visible_min, visible_max)) continue;
+      ++scene.samples;
       scene.hits += attempt.failure == FailureReason::kNone;
     }
   };
@@ -127,7 +127,7 @@ TrialCount TargetsPicked(double visible_min, double visible_max) {
     for (const AttemptRecord& attempt : trial.attempts) {
       if (attempt.target < 0) continue;
       if (!InBand(VisibleFraction(attempt, attempt.target), visible_min, visible_max)) continue;
-      ++scene.tries;
+      ++scene.samples;
       scene.hits += attempt.failure == FailureReason::kNone;
     }
   };

@@ -12,7 +12,7 @@ namespace pickbed::eval {
 namespace {
 
 // Replaces the object indices of the estimator by the indices into cell.objects().
-void Renumber(const std::vector<int>& wanted, EstimateTrace& trace) {
+void Renumber(const std::vector<ObjectId>& wanted, EstimateTrace& trace) {
   for (TracedVote& vote : trace.votes) vote.vote.object = wanted[vote.vote.object];
   for (TracedRefinement& refinement : trace.refinements) {
     refinement.before.object = refinement.after.object = wanted[refinement.before.object];
@@ -48,7 +48,7 @@ EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& 
   WithSettingsKey(spec, "refiner", [&] { RefinerNamed(spec.refiner); });
   if (spec_.name == kOracleName) return;
   EstimatorSetup setup;
-  for (const int object : cell.wanted()) setup.objects.push_back(cell.objects()[object]);
+  for (const ObjectId object : cell.wanted()) setup.objects.push_back(cell.objects()[object]);
   setup.spec = spec_;
   setup.refiner = spec.refiner;
   setup.intrinsics = cell.camera().intrinsics;
@@ -64,8 +64,8 @@ EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& 
 EstimatorRunner::~EstimatorRunner() = default;
 
 double EstimatorRunner::working_distance_m() const {
-  const Eigen::Vector3d middle_W(0, 0, cell_.bin().inner_size_m.z() / 4);
-  return (cell_.camera().X_CW() * middle_W).z();
+  const Eigen::Vector3d center_W(0, 0, cell_.bin().inner_size_m.z() / 4);
+  return (cell_.camera().X_CW() * center_W).z();
 }
 
 EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, Rng& rng, EstimateTrace* trace) {

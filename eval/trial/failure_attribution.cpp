@@ -18,8 +18,8 @@ class Judge {
     for (const PosedObject& posed : truth.scene.objects) X_CO_.push_back(X_CW * posed.X_WO);
   }
 
-  bool IsRightFor(size_t instance, int object, const Pose& X_CO) const {
-    if (truth_.scene.objects[instance].object != object) return false;
+  bool IsRightFor(size_t position, ObjectId object, const Pose& X_CO) const {
+    if (truth_.scene.objects[position].object != object) return false;
     const MetricModel& model = truth_.models[object];
     const double limit_m = kCorrectDiameters * model.diameter_m;
     // The largest vertex displacement is at least the displacement of the mean vertex. This test
@@ -27,12 +27,12 @@ class Judge {
     const Eigen::Vector3d mean_C = X_CO * means_O_[object];
     const bool near =
         std::any_of(model.symmetries_O.begin(), model.symmetries_O.end(), [&](const Pose& S_O) {
-          return (mean_C - X_CO_[instance] * (S_O * means_O_[object])).norm() < limit_m;
+          return (mean_C - X_CO_[position] * (S_O * means_O_[object])).norm() < limit_m;
         });
-    return near && Mssd(model, X_CO, X_CO_[instance]) < limit_m;
+    return near && Mssd(model, X_CO, X_CO_[position]) < limit_m;
   }
 
-  bool IsRight(int object, const Pose& X_CO) const {
+  bool IsRight(ObjectId object, const Pose& X_CO) const {
     for (size_t i = 0; i < X_CO_.size(); ++i) {
       if (IsRightFor(i, object, X_CO)) return true;
     }
@@ -45,7 +45,7 @@ class Judge {
     int nearest = -1;
     double least_m = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < X_CO_.size(); ++i) {
-      const int object = truth_.scene.objects[i].object;
+      const ObjectId object = truth_.scene.objects[i].object;
       const double distance_m = (X_CO_[i] * means_O_[object] - mean_C).norm();
       if (distance_m >= least_m) continue;
       least_m = distance_m;
@@ -72,11 +72,11 @@ class Judge {
   std::vector<Pose> X_CO_;                // by instance
 };
 
-FailureReason MissReason(const Judge& judge, const GroundTruth& truth, size_t instance,
+FailureReason MissReason(const Judge& judge, const GroundTruth& truth, size_t position,
                          const std::vector<PoseHypothesis>& hypotheses,
                          const std::vector<int>& nearest) {
-  const auto right = [&](int object, const Pose& X_CO) {
-    return judge.IsRightFor(instance, object, X_CO);
+  const auto right = [&](ObjectId object, const Pose& X_CO) {
+    return judge.IsRightFor(position, object, X_CO);
   };
   for (const PoseHypothesis& h : hypotheses) {
     if (h.unrefined_X_CO && right(h.object, *h.unrefined_X_CO))
@@ -88,8 +88,8 @@ FailureReason MissReason(const Judge& judge, const GroundTruth& truth, size_t in
     for (const Pose& X_CO : h.suppressed_X_CO) {
       if (right(h.object, X_CO)) return FailureReason::kSuppressed;
     }
-    if (nearest[i] != static_cast<int>(instance)) continue;
-    const bool own_kind = h.object == truth.scene.objects[instance].object;
+    if (nearest[i] != static_cast<int>(position)) continue;
+    const bool own_kind = h.object == truth.scene.objects[position].object;
     if (own_kind) missed = FailureReason::kPoseWrong;
     if (!own_kind && missed == FailureReason::kNoProposal) missed = FailureReason::kWrongObject;
   }
@@ -120,18 +120,20 @@ FailureReason FailureWithoutGrasp(const AttemptRecord& record,
   return any_right ? FailureReason::kNoGrasp : Judge(truth).MakerOf(hypotheses.front());
 }
 
-FailureReason FailureWithoutGraspOnTarget(const AttemptRecord& record, const std::vector<int>& aims,
+FailureReason FailureWithoutGraspOnTarget(const AttemptRecord& record,
+                                          const std::vector<int>& target_poses,
                                           const std::vector<PoseHypothesis>& hypotheses,
                                           const GroundTruth& truth) {
-  if (aims.empty()) {
+  if (target_poses.empty()) {
     for (const InstanceRecord& instance : record.instances) {
       if (instance.instance == record.target && !instance.recalled) return instance.missed;
     }
     return FailureReason::kNoGrasp;
   }
-  const bool any_right = std::any_of(aims.begin(), aims.end(),
-                                     [&](int aim) { return record.hypotheses[aim].correct; });
-  return any_right ? FailureReason::kNoGrasp : Judge(truth).MakerOf(hypotheses[aims.front()]);
+  const bool any_right = std::any_of(target_poses.begin(), target_poses.end(),
+                                     [&](int pose) { return record.hypotheses[pose].correct; });
+  return any_right ? FailureReason::kNoGrasp
+                   : Judge(truth).MakerOf(hypotheses[target_poses.front()]);
 }
 
 }  // namespace

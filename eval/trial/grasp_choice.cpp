@@ -1,6 +1,7 @@
 #include "eval/trial/grasp_choice.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace pickbed::eval {
@@ -116,14 +117,14 @@ std::vector<Grasp> GraspMemory::WithoutRepetitions(const std::vector<Grasp>& gra
   return fresh.empty() ? fresh_of(true) : fresh;
 }
 
-int MatchedInstance(const HypothesisRecord& hypothesis, double match_diameters) {
-  return hypothesis.mssd_diameters() < match_diameters ? hypothesis.instance : -1;
+InstanceId MatchedInstance(const HypothesisRecord& hypothesis, double match_diameters) {
+  return hypothesis.mssd_diameters() < match_diameters ? hypothesis.instance : kNoInstance;
 }
 
 std::vector<int> GraspableHypotheses(const AttemptRecord& record, double match_diameters) {
   std::vector<int> graspable;
   for (size_t i = 0; i < record.hypotheses.size(); ++i) {
-    const int matched = MatchedInstance(record.hypotheses[i], match_diameters);
+    const InstanceId matched = MatchedInstance(record.hypotheses[i], match_diameters);
     if (record.target < 0 || matched == record.target) graspable.push_back(static_cast<int>(i));
   }
   return graspable;
@@ -131,7 +132,7 @@ std::vector<int> GraspableHypotheses(const AttemptRecord& record, double match_d
 
 ExecuteResult TryGrasp(const TrialSetup& setup, const Scene& scene, const Grasp& grasp,
                        const EstimatedPose& pose, const AttemptRecord& record) {
-  const int matched =
+  const InstanceId matched =
       MatchedInstance(record.hypotheses[grasp.hypothesis], setup.options.match_diameters);
   return ExecuteGrasp(scene, setup.cell.objects(), grasp, *setup.gripper,
                       {matched, pose.object, pose.X_WO}, setup.execute);

@@ -9,6 +9,7 @@
 #include "eval/trial/trial_records.h"
 #include "eval/trial/trial_setup.h"
 #include "grasp/plan/plan.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
@@ -28,7 +29,7 @@ class GraspMemory {
 
  private:
   struct FailedGrasp {
-    int object = 0;
+    ObjectId object{0};
     Eigen::Vector3d position_W = Eigen::Vector3d::Zero();
     Eigen::Vector3d approach_W = Eigen::Vector3d::UnitZ();
     bool picked_since = false;  // another instance was picked after the failure
@@ -37,7 +38,7 @@ class GraspMemory {
 };
 
 // Returns the instance that a hypothesis matches (MSSD < match_diameters diameters), -1 = none.
-int MatchedInstance(const HypothesisRecord& hypothesis, double match_diameters);
+InstanceId MatchedInstance(const HypothesisRecord& hypothesis, double match_diameters);
 
 // Returns the indices of the hypotheses that may be grasped. If the record has a target, only the
 // hypotheses that match it, else all.

@@ -8,7 +8,7 @@
 namespace pickbed::eval {
 namespace {
 
-const InstanceRecord* SeenIn(const AttemptRecord& attempt, int instance) {
+const InstanceRecord* SeenIn(const AttemptRecord& attempt, InstanceId instance) {
   const auto found = std::find_if(
       attempt.instances.begin(), attempt.instances.end(),
       [instance](const InstanceRecord& record) { return record.instance == instance; });
@@ -23,17 +23,17 @@ void LeaveBy(const AttemptRecord& attempt, InstanceOutcome& instance_outcome) {
   instance_outcome.picked = attempt.failure == FailureReason::kNone && brought;
   if (instance_outcome.picked) return;
   const bool in_hand = outcome.failure == FailureReason::kDoublePick || brought;
-  const bool aim = attempt.matched_instance == instance_outcome.instance &&
-                   attempt.failure != FailureReason::kNone;
-  instance_outcome.failure = aim       ? attempt.failure
+  const bool is_target = attempt.matched_instance == instance_outcome.instance &&
+                         attempt.failure != FailureReason::kNone;
+  instance_outcome.failure = is_target ? attempt.failure
                              : in_hand ? FailureReason::kDoublePick
                                        : FailureReason::kNeighborDisplaced;
 }
 
 // A failed attempt without an attributed instance also requested one. Otherwise a bin whose poses
 // match nothing would request fewer instances than a bin with correct poses.
-void ChargeAimlessLooks(const std::vector<AttemptRecord>& attempts,
-                        std::vector<InstanceOutcome>& outcomes) {
+void AttributeAttemptsWithoutTarget(const std::vector<AttemptRecord>& attempts,
+                                    std::vector<InstanceOutcome>& outcomes) {
   for (const AttemptRecord& attempt : attempts) {
     if (attempt.failure == FailureReason::kNone || attempt.matched_instance >= 0) continue;
     const bool is_charged =
@@ -93,7 +93,7 @@ std::vector<InstanceOutcome> DecideOutcomes(std::vector<InstanceOutcome> outcome
           return SeenIn(attempt, instance_outcome.instance) != nullptr;
         });
     if (last == attempts.rend() || (remains && last != attempts.rbegin())) {
-      throw std::logic_error("a part lies in the bin that no look could see");
+      throw std::logic_error("an instance is in the bin that no attempt recorded");
     }
     if (remains) {
       Remain(attempts, end.gave_up, instance_outcome);
@@ -101,7 +101,7 @@ std::vector<InstanceOutcome> DecideOutcomes(std::vector<InstanceOutcome> outcome
       LeaveBy(*last, instance_outcome);
     }
   }
-  if (!end.gave_up) ChargeAimlessLooks(attempts, outcomes);
+  if (!end.gave_up) AttributeAttemptsWithoutTarget(attempts, outcomes);
   return outcomes;
 }
 

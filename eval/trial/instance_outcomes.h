@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "eval/layer.h"
+#include "scenes/base/ids.h"
 #include "scenes/scenario/failure_reason.h"
 
 namespace pickbed::eval {
@@ -14,8 +15,8 @@ struct AttemptRecord;
 
 // Outcome of one instance that is not a distractor.
 struct InstanceOutcome {
-  int instance = 0;
-  int object = 0;
+  InstanceId instance{0};
+  ObjectId object{0};
   bool picked = false;
   bool asked = true;  // false: it was left when the policy's number of picks was reached
   FailureReason failure = FailureReason::kNone;  // if requested and not picked
@@ -24,7 +25,7 @@ struct InstanceOutcome {
 
 // How a trial ended; decides the outcome of the remaining instances.
 struct TrialEnd {
-  std::vector<int> remaining;  // instances in the bin
+  std::vector<InstanceId> remaining;  // instances in the bin
   bool gave_up = false;  // the last attempt's failure ended the trial, not the number of picks
 };
 

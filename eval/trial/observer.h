@@ -9,12 +9,13 @@
 #include "eval/trial/trial.h"
 #include "grasp/gripper.h"
 #include "perception/pose_hypothesis.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
 // Data of an attempt up to the current stage.
 struct AttemptState {
-  int scene_number = 0;  // random streams of the trial derive from it
+  BinIndex bin_index{0};  // random streams of the trial derive from it
   SimulatedCell& cell;
   const Gripper& gripper;
   const Scene& scene;                                       // from kOutcome on: after the pick

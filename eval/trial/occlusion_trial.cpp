@@ -40,7 +40,7 @@ void CountTarget(const Scene& scene, TrialResult& result) {
 
 }  // namespace
 
-TrialResult RunOcclusionTrial(TrialSetup& setup, int bin_index, TrialObserver* observer) {
+TrialResult RunOcclusionTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* observer) {
   LiveTrial trial;
   trial.bin_index = bin_index;
   trial.observer = observer;

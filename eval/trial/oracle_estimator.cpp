@@ -14,8 +14,8 @@ Pose WithNoise(const Pose& X_CO, const EstimatorSpec& spec, Rng& rng) {
   const double sigma_m = spec.noise_mm * 1e-3;
   for (int axis = 0; axis < 3; ++axis) noisy.translation()[axis] += sigma_m * rng.Normal();
   const double angle_rad = spec.noise_deg * std::numbers::pi / 180 * rng.Normal();
-  const Eigen::Vector3d turn_axis = rng.UnitVector();
-  noisy.linear() = Eigen::AngleAxisd(angle_rad, turn_axis).toRotationMatrix() * X_CO.linear();
+  const Eigen::Vector3d rotation_axis = rng.UnitVector();
+  noisy.linear() = Eigen::AngleAxisd(angle_rad, rotation_axis).toRotationMatrix() * X_CO.linear();
   return noisy;
 }
 
@@ -46,15 +46,19 @@ EstimateResult EstimateWithOracle(EstimatorRunner& estimator, const Scene& scene
                                   const Observation& view, Rng& rng, EstimateTrace* trace) {
   if (!estimator.is_oracle()) return estimator.Estimate(view.frame, rng, trace);
   EstimateResult result;
-  const StageTimer timer(result.seconds, "estimate");
-  result.hypotheses = OracleEstimate(scene, view, estimator.cell().camera(), estimator.spec(), rng);
+  {
+    const StageTimer timer(result.seconds, "estimate");
+    result.hypotheses =
+        OracleEstimate(scene, view, estimator.cell().camera(), estimator.spec(), rng);
+  }
   return result;
 }
 
 std::vector<EstimatorName> EstimatorNames() {
   std::vector<EstimatorName> names;
   for (const EstimatorRow& row : EstimatorTable()) names.push_back({row.name, row.help});
-  names.push_back({kOracleName, "true poses with noise_mm and noise_deg added: an upper bound"});
+  names.push_back(
+      {kOracleName, "true poses with noise_mm and noise_deg added: an upper bound for estimators"});
   return names;
 }
 

@@ -77,13 +77,13 @@ HypothesisRecord Compare(const Scene& truth, const std::vector<Pose>& X_CO_true,
   return score;
 }
 
-int NearestObject(const Scene& truth, const std::vector<Pose>& X_CO_true,
-                  const std::vector<MetricModel>& models, const PoseHypothesis& hypothesis) {
+ObjectId NearestObject(const Scene& truth, const std::vector<Pose>& X_CO_true,
+                       const std::vector<MetricModel>& models, const PoseHypothesis& hypothesis) {
   const Eigen::Vector3d estimated = hypothesis.X_CO * MeanVertex(models[hypothesis.object]);
-  int nearest = -1;
+  ObjectId nearest = kAnyObject;
   double least_m = kInfinity;
   for (size_t i = 0; i < truth.objects.size(); ++i) {
-    const int object = truth.objects[i].object;
+    const ObjectId object = truth.objects[i].object;
     const double distance_m = (X_CO_true[i] * MeanVertex(models[object]) - estimated).norm();
     if (distance_m >= least_m) continue;
     least_m = distance_m;
@@ -99,39 +99,39 @@ AttemptScore ScoreAgainstTruth(const Scene& truth, const std::vector<double>& vi
                                const std::vector<PoseHypothesis>& hypotheses) {
   const Pose& X_CW = camera.X_CW();
   std::vector<Pose> X_CO_true;
-  AttemptScore look;
+  AttemptScore score;
   for (size_t i = 0; i < truth.objects.size(); ++i) {
     const PosedObject& posed = truth.objects[i];
     X_CO_true.push_back(X_CW * posed.X_WO);
-    look.instances.push_back({posed.instance, posed.object, visible_fractions[i], false});
+    score.instances.push_back({posed.instance, posed.object, visible_fractions[i], false});
   }
 
   std::vector<int> order(hypotheses.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return hypotheses[a].score > hypotheses[b].score; });
-  look.hypotheses.resize(hypotheses.size());
-  look.taken.resize(hypotheses.size(), -1);
+  score.hypotheses.resize(hypotheses.size());
+  score.taken.resize(hypotheses.size(), -1);
   for (int index : order) {
     const PoseHypothesis& hypothesis = hypotheses[index];
     const MetricModel& model = models[hypothesis.object];
     const double correct_m = kCorrectDiameters * model.diameter_m;
     const auto near = NearInstances(truth, X_CO_true, model, hypothesis, correct_m);
-    look.hypotheses[index] = Compare(truth, X_CO_true, model, camera.intrinsics, hypothesis, near);
-    look.hypotheses[index].X_WO = camera.X_WC() * hypothesis.X_CO;
+    score.hypotheses[index] = Compare(truth, X_CO_true, model, camera.intrinsics, hypothesis, near);
+    score.hypotheses[index].X_WO = camera.X_WC() * hypothesis.X_CO;
     for (const Candidate& candidate : near) {
       if (candidate.mssd_m >= correct_m) break;
-      InstanceRecord& record = look.instances[candidate.index];
+      InstanceRecord& record = score.instances[candidate.index];
       if (record.recalled) continue;
       record.recalled = true;
-      look.taken[index] = candidate.index;
+      score.taken[index] = candidate.index;
       break;
     }
   }
   for (const PoseHypothesis& hypothesis : hypotheses) {
-    look.nearest_object.push_back(NearestObject(truth, X_CO_true, models, hypothesis));
+    score.nearest_object.push_back(NearestObject(truth, X_CO_true, models, hypothesis));
   }
-  return look;
+  return score;
 }
 
 }  // namespace pickbed::eval

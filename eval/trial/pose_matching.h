@@ -7,6 +7,7 @@
 #include "eval/metrics/pose_errors.h"
 #include "eval/trial/trial_records.h"
 #include "perception/pose_hypothesis.h"
+#include "scenes/base/ids.h"
 #include "scenes/camera/camera.h"
 #include "scenes/scene.h"
 
@@ -16,10 +17,10 @@ namespace pickbed::eval {
 struct AttemptScore {
   std::vector<HypothesisRecord> hypotheses;  // in the order given
   std::vector<InstanceRecord> instances;     // in the order of the scene
-  std::vector<int> taken;           // by hypothesis: index of the instance that it recalls,
-                                    // -1 = none
-  std::vector<int> nearest_object;  // by hypothesis: object of the instance whose mean
-                                    // vertex is nearest, whatever its object
+  std::vector<int> taken;                // by hypothesis: index of the instance that it recalls,
+                                         // -1 = none
+  std::vector<ObjectId> nearest_object;  // by hypothesis: object of the instance whose mean
+                                         // vertex is nearest, whatever its object
 };
 
 // Compares each hypothesis with the nearest instance (MSSD) of its own object. If the scene has

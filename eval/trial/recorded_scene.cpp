@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSamePose = 1e-6;  // relative tolerance of pose matrices: rounding of products
 
-const PosedObject* PosedIn(const Scene& scene, int instance) {
+const PosedObject* PosedIn(const Scene& scene, InstanceId instance) {
   const auto found = std::find_if(scene.objects.begin(), scene.objects.end(),
                                   [&](const PosedObject& p) { return p.instance == instance; });
   return found == scene.objects.end() ? nullptr : &*found;
@@ -36,11 +36,11 @@ Scene AfterThePicksBefore(const TrialResult& trial, size_t attempt, const Attemp
   options.rule = DecidingRule(setup.success_rule);
   Scene scene = setup.cell.MakeScene(trial.bin_index).scene;
   for (size_t i = 0; i < attempt; ++i) {
-    const AttemptRecord& attempt = trial.attempts[i];
-    if (!attempt.grasp) continue;
-    const HypothesisRecord& estimated = attempt.hypotheses.at(attempt.chosen);
-    scene = ExecuteGrasp(scene, setup.cell.objects(), *attempt.grasp, setup.gripper,
-                         {attempt.matched_instance, estimated.object, estimated.X_WO}, options)
+    const AttemptRecord& earlier = trial.attempts[i];
+    if (!earlier.grasp) continue;
+    const HypothesisRecord& estimated = earlier.hypotheses.at(earlier.chosen);
+    scene = ExecuteGrasp(scene, setup.cell.objects(), *earlier.grasp, setup.gripper,
+                         {earlier.matched_instance, estimated.object, estimated.X_WO}, options)
                 .after;
   }
   return scene;
@@ -51,18 +51,22 @@ Scene OfTheSeries(const TrialResult& trial, int band, const AttemptSetup& setup)
   for (const OccludedScene& occluded : made.series.scenes) {
     if (occluded.band == band) return occluded.scene;
   }
-  return {};
+  throw InputError(
+      fmt::format("the scene of trial {} for band {} cannot be reproduced: its series has no scene "
+                  "for this band",
+                  trial.trial, band));
 }
 
 }  // namespace
 
-Scene SceneOfLook(const TrialResult& trial, size_t attempt, const AttemptSetup& setup) {
+Scene SceneOfAttempt(const TrialResult& trial, size_t attempt, const AttemptSetup& setup) {
   const AttemptRecord& record = trial.attempts.at(attempt);
   Scene scene = record.band >= 0 ? OfTheSeries(trial, record.band, setup)
                                  : AfterThePicksBefore(trial, attempt, setup);
-  CheckInput(IsSceneOf(record, scene),
-             fmt::format("the scene of trial {}, look {} cannot be made again as it was in the run",
-                         trial.trial, record.attempt));
+  CheckInput(
+      IsSceneOf(record, scene),
+      fmt::format("the scene of trial {}, attempt {} cannot be reproduced as it was in the run",
+                  trial.trial, record.attempt));
   return scene;
 }
 

@@ -21,6 +21,6 @@ struct AttemptSetup {
 
 // Returns the scene before trial.attempts[attempt]. Throws InputError if it differs from the
 // recorded one, because of other meshes, another program version or another kind of CPU.
-Scene SceneOfLook(const TrialResult& trial, size_t attempt, const AttemptSetup& setup);
+Scene SceneOfAttempt(const TrialResult& trial, size_t attempt, const AttemptSetup& setup);
 
 }  // namespace pickbed::eval

@@ -34,12 +34,12 @@ SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
   CheckSettings("ScenarioSpec", spec);
   drop_.arrangement = ArrangementFromName(spec.arrangement);
   for (const PartSpec& part : spec.objects) {
-    if (!part.distractor) wanted_.push_back(static_cast<int>(counts_.size()));
+    if (!part.distractor) wanted_.push_back(ObjectId(counts_.size()));
     counts_.push_back(part.count);
   }
 }
 
-bool SimulatedCell::IsWanted(int object) const {
+bool SimulatedCell::IsWanted(ObjectId object) const {
   return std::find(wanted_.begin(), wanted_.end(), object) != wanted_.end();
 }
 
@@ -54,26 +54,26 @@ SceneRenderer& SimulatedCell::renderer() {
   return *renderer_;
 }
 
-CertifiedScene SimulatedCell::MakeScene(int trial) const {
-  return pickbed::sim::MakeScene({bin_, objects_, counts_, seed_, static_cast<uint64_t>(trial)},
+CertifiedScene SimulatedCell::MakeScene(BinIndex bin_index) const {
+  return pickbed::sim::MakeScene({bin_, objects_, counts_, seed_, static_cast<uint64_t>(bin_index)},
                                  drop_);
 }
 
-MadeSeries SimulatedCell::MakeSeries(int trial) {
-  const SceneRequest request{bin_, objects_, counts_, seed_, static_cast<uint64_t>(trial)};
+MadeSeries SimulatedCell::MakeSeries(BinIndex bin_index) {
+  const SceneRequest request{bin_, objects_, counts_, seed_, static_cast<uint64_t>(bin_index)};
   return MakeOcclusionSeries(renderer(), request, wanted_,
                              {objects_, counts_, camera_, drop_, occlusion_});
 }
 
-Observation SimulatedCell::Capture(const Scene& scene, int trial, int look) {
-  RenderedImage image = Render(renderer(), scene, camera_, trial, look);
+Observation SimulatedCell::Capture(const Scene& scene, BinIndex bin_index, int attempt) {
+  RenderedImage image = Render(renderer(), scene, camera_, bin_index, attempt);
   Observation view;
   view.visible_fractions = renderer().VisibleFractions(scene, camera_, image.ids);
   for (size_t i = 0; i < scene.objects.size(); ++i) {
     if (!IsWanted(scene.objects[i].object)) view.visible_fractions[i] = 0;
   }
   // Every attempt has its own random stream, so a second image of an unchanged bin is a new sample.
-  Rng rng = Rng::Derive(seed_, trial, fmt::format("sensor/{}", look));
+  Rng rng = Rng::Derive(seed_, bin_index, fmt::format("sensor/{}", attempt));
   view.frame.intrinsics = camera_.intrinsics;
   view.frame.depth_m =
       ApplySensorNoise({image.depth_m, camera_.intrinsics, &image.color}, sensor_, rng);
@@ -82,13 +82,13 @@ Observation SimulatedCell::Capture(const Scene& scene, int trial, int look) {
   return view;
 }
 
-Image<Rgb8> SimulatedCell::ColorPicture(const Scene& scene, int trial) {
-  return Render(renderer(), scene, camera_, trial, 0).color;
+Image<Rgb8> SimulatedCell::ColorPicture(const Scene& scene, BinIndex bin_index) {
+  return Render(renderer(), scene, camera_, bin_index, 0).color;
 }
 
 RenderedImage SimulatedCell::Render(SceneRenderer& renderer, const Scene& scene,
-                                    const Camera& camera, int trial, int picture) const {
-  return RenderWithAppearance(renderer, scene, camera, appearance_, seed_, trial, picture);
+                                    const Camera& camera, BinIndex bin_index, int picture) const {
+  return RenderWithAppearance(renderer, scene, camera, appearance_, seed_, bin_index, picture);
 }
 
 }  // namespace pickbed::eval

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "eval/layer.h"
+#include "scenes/base/ids.h"
 #include "scenes/camera/rgbd_frame.h"
 #include "scenes/scenario/scenario_spec.h"
 #include "scenes/scene.h"
@@ -43,23 +44,24 @@ class SimulatedCell {
   // The results of these functions depend only on the arguments, the scenario and its seed.
 
   // Drops the bin until it is at rest. Throws InputError, see sim/drop/certified_scene.h.
-  CertifiedScene MakeScene(int trial) const;
+  CertifiedScene MakeScene(BinIndex bin_index) const;
   // Builds the scenes of an occlusion trial with the scenario's occlusion settings. Throws as
   // described in sim/drop/occlusion_series.h.
-  MadeSeries MakeSeries(int trial);
-  // Captures one image with sensor noise. Each `look` of a trial has its own random stream.
-  Observation Capture(const Scene& scene, int trial, int look);
+  MadeSeries MakeSeries(BinIndex bin_index);
+  // Captures one image with sensor noise. Each `attempt` of a trial has its own random stream.
+  Observation Capture(const Scene& scene, BinIndex bin_index, int attempt);
 
   // Renders the color image of `scene` with the random appearance of its trial.
-  Image<Rgb8> ColorPicture(const Scene& scene, int trial);
+  Image<Rgb8> ColorPicture(const Scene& scene, BinIndex bin_index);
   // Renders with a renderer of the cell's objects and bin, for cameras other than the cell's own.
   // `picture` distinguishes the images of one scene; their background depends on it.
-  RenderedImage Render(SceneRenderer& renderer, const Scene& scene, const Camera& camera, int trial,
-                       int picture) const;
+  RenderedImage Render(SceneRenderer& renderer, const Scene& scene, const Camera& camera,
+                       BinIndex bin_index, int picture) const;
 
-  const ObjectSet& objects() const { return objects_; }       // with convex pieces
-  const std::vector<int>& wanted() const { return wanted_; }  // objects that are no distractors
-  bool IsWanted(int object) const;
+  const ObjectSet& objects() const { return objects_; }  // with convex pieces
+  // Objects that are no distractors.
+  const std::vector<ObjectId>& wanted() const { return wanted_; }
+  bool IsWanted(ObjectId object) const;
   int WantedIn(const Scene& scene) const;  // number of instances that are no distractors
   const Camera& camera() const { return camera_; }
   const Bin& bin() const { return bin_; }
@@ -70,7 +72,7 @@ class SimulatedCell {
 
   uint64_t seed_;
   std::vector<int> counts_;
-  std::vector<int> wanted_;
+  std::vector<ObjectId> wanted_;
   Camera camera_;
   Bin bin_;
   DropOptions drop_;

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "eval/layer.h"
+#include "scenes/base/ids.h"
 #include "scenes/geometry/pose.h"
 #include "scenes/image/image.h"
 
@@ -52,6 +53,10 @@ class StateHash {
     } else {
       return AddWord(static_cast<uint64_t>(number));
     }
+  }
+  template <typename Kind>
+  StateHash& Add(Id<Kind> id) {
+    return Add(int{id});
   }
   StateHash& Add(const Eigen::Vector3d& v) { return Add(v.x()).Add(v.y()).Add(v.z()); }
   StateHash& Add(const Pose& X);

@@ -17,33 +17,34 @@ namespace {
 constexpr OracleStages kPerception{true, true, true, true, false};
 constexpr OracleStages kAll{true, true, true, true, true};
 constexpr std::array<OracleRow, 6> kRows{{
-    {"detection", "all parts in view are proposed, and nothing else", {.detection = true}},
-    {"pose", "poses start true before they are refined", {.pose = true}},
-    {"refinement", "a right pose in hand is kept and made exact", {.refinement = true}},
-    {"grasp", "grasps are tried in the true scene first", {.grasp = true}},
-    {"perception", "all parts are known as they stand", kPerception},
-    {"everything", "all parts are known, and grasps are tried in the true scene first", kAll},
+    {"detection", "exactly the visible instances are proposed", {.detection = true}},
+    {"pose", "poses are true before refinement", {.pose = true}},
+    {"refinement", "a right pose is kept and made exact by the refinement", {.refinement = true}},
+    {"grasp", "grasps are planned and checked in the true scene", {.grasp = true}},
+    {"perception", "the poses of all instances are known", kPerception},
+    {"everything", "the poses of all instances are known, and grasps are planned in the true scene",
+     kAll},
 }};
 
 class Feed {
  public:
   Feed(std::vector<PoseHypothesis> estimated, const std::vector<TrueInstance>& parts,
        const std::vector<MetricModel>& models)
-      : believed_(std::move(estimated)), parts_(parts), models_(models) {
+      : estimated_(std::move(estimated)), parts_(parts), models_(models) {
     for (const MetricModel& model : models) means_O_.push_back(MeanVertex(model));
     Sort();
   }
 
   void Detection() {
-    const std::vector<int> stands_on = StandsOn();
+    const std::vector<int> matched = MatchedInstances();
     std::vector<bool> covered(parts_.size(), false);
     std::vector<PoseHypothesis> kept;
-    for (size_t i = 0; i < believed_.size(); ++i) {
-      if (stands_on[i] < 0) continue;
-      covered[stands_on[i]] = true;
-      kept.push_back(std::move(believed_[i]));
+    for (size_t i = 0; i < estimated_.size(); ++i) {
+      if (matched[i] < 0) continue;
+      covered[matched[i]] = true;
+      kept.push_back(std::move(estimated_[i]));
     }
-    believed_ = std::move(kept);
+    estimated_ = std::move(kept);
     for (size_t p = 0; p < parts_.size(); ++p) {
       if (covered[p]) continue;
       PoseHypothesis proposed;
@@ -52,53 +53,53 @@ class Feed {
       proposed.score = 0.5 + 0.5 * parts_[p].visible_fraction;
       proposed.fit.inlier_share = parts_[p].visible_fraction;
       proposed.fit.hidden_share = 1 - parts_[p].visible_fraction;
-      believed_.push_back(std::move(proposed));
+      estimated_.push_back(std::move(proposed));
     }
     Sort();
   }
 
   void Poses() {
-    const std::vector<int> stands_on = StandsOn();
-    for (size_t i = 0; i < believed_.size(); ++i) {
-      if (stands_on[i] >= 0) SetTrue(stands_on[i], believed_[i]);
+    const std::vector<int> matched = MatchedInstances();
+    for (size_t i = 0; i < estimated_.size(); ++i) {
+      if (matched[i] >= 0) SetTrue(matched[i], estimated_[i]);
     }
   }
 
   void Refinement() {
     std::vector<bool> taken(parts_.size(), false);
-    for (PoseHypothesis& h : believed_) {
+    for (PoseHypothesis& h : estimated_) {
       std::vector<Pose> in_hand{h.X_CO};
       if (h.unrefined_X_CO) in_hand.push_back(*h.unrefined_X_CO);
       in_hand.insert(in_hand.end(), h.suppressed_X_CO.begin(), h.suppressed_X_CO.end());
       for (const Pose& X_CO : in_hand) {
-        const int part = RightFor(h.object, X_CO, taken);
-        if (part < 0) continue;
-        taken[part] = true;
-        SetTrue(part, h);
+        const int position = RightFor(h.object, X_CO, taken);
+        if (position < 0) continue;
+        taken[position] = true;
+        SetTrue(position, h);
         break;
       }
     }
   }
 
-  std::vector<PoseHypothesis> Take() { return std::move(believed_); }
+  std::vector<PoseHypothesis> Take() { return std::move(estimated_); }
 
  private:
   void Sort() {
-    std::stable_sort(believed_.begin(), believed_.end(),
+    std::stable_sort(estimated_.begin(), estimated_.end(),
                      [](const auto& a, const auto& b) { return a.score > b.score; });
   }
 
-  void SetTrue(int part, PoseHypothesis& h) const {
-    h.X_CO = parts_[part].X_CO;
+  void SetTrue(int position, PoseHypothesis& h) const {
+    h.X_CO = parts_[position].X_CO;
     h.unrefined_X_CO.reset();
     h.suppressed_X_CO.clear();
   }
 
   // Returns the index of the matched instance for each hypothesis, -1 = none.
-  std::vector<int> StandsOn() const {
+  std::vector<int> MatchedInstances() const {
     std::vector<bool> taken(parts_.size(), false);
-    std::vector<int> stands_on;
-    for (const PoseHypothesis& h : believed_) {
+    std::vector<int> matched;
+    for (const PoseHypothesis& h : estimated_) {
       const Eigen::Vector3d& mean_O = means_O_[h.object];
       double least_m = kMatchDiameters * models_[h.object].diameter_m;
       int nearest = -1;
@@ -110,12 +111,12 @@ class Feed {
         nearest = static_cast<int>(p);
       }
       if (nearest >= 0) taken[nearest] = true;
-      stands_on.push_back(nearest);
+      matched.push_back(nearest);
     }
-    return stands_on;
+    return matched;
   }
 
-  int RightFor(int object, const Pose& X_CO, const std::vector<bool>& taken) const {
+  int RightFor(ObjectId object, const Pose& X_CO, const std::vector<bool>& taken) const {
     const MetricModel& model = models_[object];
     double least_m = kCorrectDiameters * model.diameter_m;
     int right = -1;
@@ -129,7 +130,7 @@ class Feed {
     return right;
   }
 
-  std::vector<PoseHypothesis> believed_;
+  std::vector<PoseHypothesis> estimated_;
   const std::vector<TrueInstance>& parts_;
   const std::vector<MetricModel>& models_;
   std::vector<Eigen::Vector3d> means_O_;

@@ -28,6 +28,7 @@
 
 #include "eval/metrics/pose_errors.h"
 #include "perception/pose_hypothesis.h"
+#include "scenes/base/ids.h"
 #include "scenes/bin/bin.h"
 #include "scenes/camera/rgbd_frame.h"
 
@@ -61,7 +62,7 @@ const OracleRow& OracleNamed(const std::string& name);
 
 // Ground truth of one instance in the camera frame.
 struct TrueInstance {
-  int object = 0;
+  ObjectId object{0};
   Pose X_CO = Pose::Identity();
   double visible_fraction = 1;
 };

@@ -34,7 +34,7 @@ void ReportProgress(const TrialSetup& setup, const TrialResult& result) {
 
 }  // namespace
 
-TrialResult RunTrial(TrialSetup& setup, int bin_index, TrialObserver* observer) {
+TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* observer) {
   LiveTrial trial;
   trial.bin_index = bin_index;
   trial.observer = observer;

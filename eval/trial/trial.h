@@ -6,17 +6,19 @@
 
 #include "eval/trial/trial_records.h"
 #include "eval/trial/trial_setup.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
 class TrialObserver;
 
 // Runs the trial of one bin. `observer`, if not null, is notified after each stage of each attempt.
-TrialResult RunTrial(TrialSetup& setup, int bin_index, TrialObserver* observer = nullptr);
+TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* observer = nullptr);
 
 // Runs an occlusion trial. Each attempt starts from the scene of its band and does not depend on
 // the attempt before. It counts as one dropped and requested instance that is picked or lost.
-TrialResult RunOcclusionTrial(TrialSetup& setup, int bin_index, TrialObserver* observer = nullptr);
+TrialResult RunOcclusionTrial(TrialSetup& setup, BinIndex bin_index,
+                              TrialObserver* observer = nullptr);
 
 // Runs the kind of trial that the scenario requires, with one setup for all trials.
 class TrialRunner {
@@ -28,7 +30,7 @@ class TrialRunner {
               const TrialOptions& options = {})
       : setup_(spec, objects, on_progress, options) {}
 
-  TrialResult Run(int bin_index, TrialObserver* observer = nullptr) {
+  TrialResult Run(BinIndex bin_index, TrialObserver* observer = nullptr) {
     return setup_.spec.occlusion.enabled ? RunOcclusionTrial(setup_, bin_index, observer)
                                          : RunTrial(setup_, bin_index, observer);
   }

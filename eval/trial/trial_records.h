@@ -13,6 +13,7 @@
 #include "eval/trial/instance_outcomes.h"
 #include "eval/trial/stage_hash.h"
 #include "grasp/grasp.h"
+#include "scenes/base/ids.h"
 #include "scenes/base/stage_timer.h"
 #include "scenes/scenario/failure_reason.h"
 #include "sim/drop/certified_scene.h"
@@ -22,8 +23,8 @@ namespace pickbed::eval {
 
 // A hypothesis compared with ground truth.
 struct HypothesisRecord {
-  int object = 0;
-  int instance = -1;  // matched true instance, -1 = none
+  ObjectId object{0};
+  InstanceId instance = kNoInstance;  // matched true instance, -1 = none
   double score = 0;
   MetricValues metrics;          // pose errors, infinite without a matched instance
   bool correct = false;          // MSSD < kCorrectDiameters
@@ -38,8 +39,8 @@ struct HypothesisRecord {
 
 // A true instance in the image.
 struct InstanceRecord {
-  int instance = 0;
-  int object = 0;
+  InstanceId instance{0};
+  ObjectId object{0};
   double visible_fraction = 0;
   bool recalled = false;                        // some hypothesis is correct for it
   FailureReason missed = FailureReason::kNone;  // why it is not recalled; see MissReasons
@@ -51,10 +52,10 @@ struct AttemptRecord {
   int attempt = 0;  // number in its trial
   std::vector<InstanceRecord> instances;
   std::vector<HypothesisRecord> hypotheses;
-  int chosen = -1;            // hypothesis of the executed grasp
-  int matched_instance = -1;  // of the chosen hypothesis, -1 = none
-  int target = -1;            // target instance of an occlusion trial, -1 = none
-  int band = -1;              // band of the target's visible fraction, -1 = none
+  int chosen = -1;                            // hypothesis of the executed grasp
+  InstanceId matched_instance = kNoInstance;  // of the chosen hypothesis, -1 = none
+  InstanceId target = kNoInstance;            // target instance of an occlusion trial, -1 = none
+  int band = -1;                              // band of the target's visible fraction, -1 = none
   std::optional<Grasp> grasp;
   GraspOutcome outcome;
   FailureReason failure = FailureReason::kNone;
@@ -65,7 +66,7 @@ struct AttemptRecord {
 struct TrialResult {
   int trial = 0;          // number in its results store
   int configuration = 0;  // of the sweep, 0 in a plain run
-  int bin_index = 0;      // equal for the paired trials of several configurations
+  BinIndex bin_index{0};  // equal for the paired trials of several configurations
   SceneCertificate certificate;
   std::vector<RefusedScene> refused;  // before the certified one
   int instances_dropped = 0;

@@ -31,7 +31,7 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
     const ObjectModel& model = *cell.objects()[i];
     metric_models.push_back(MakeMetricModel(model));
     candidates.emplace_back();
-    if (!cell.IsWanted(static_cast<int>(i))) continue;
+    if (!cell.IsWanted(ObjectId(i))) continue;
     WithSettingsKey(scenario, "gripper",
                     [&] { candidates.back() = RequireCandidates(model, *gripper); });
   }

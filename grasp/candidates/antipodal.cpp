@@ -156,13 +156,13 @@ std::vector<Vector3d> RestingUps(const ObjectModel& model, const AntipodalOption
 // Adds the candidates of one lean about the closing axis. The tips are as deep as `tips_beyond_m`
 // wants and the floor permits.
 void AddLeaning(const Judge& judge, const ContactPair& pair, const Vector3d& up_O,
-                const Eigen::Matrix3d& R_OG, double middle_m, std::vector<GraspCandidate>& all) {
+                const Eigen::Matrix3d& R_OG, double center_m, std::vector<GraspCandidate>& all) {
   const AntipodalOptions& options = judge.options;
   const double down = -up_O.dot(R_OG.col(2));
   const double half_width_m = 0.5 * judge.hand.finger_size_m.y();
   const double corner_m = half_width_m * std::abs(up_O.dot(R_OG.col(1)));
-  const double most_m = (middle_m - options.floor_gap_m - corner_m) / down;
-  const PointColumns turned = Turned(judge.surface.points_O, R_OG);
+  const double most_m = (center_m - options.floor_gap_m - corner_m) / down;
+  const PointColumns turned = Rotated(judge.surface.points_O, R_OG);
   double last_m = -1;
   for (const double wanted_m : options.tips_beyond_m) {
     const double beyond_m = std::min(wanted_m, most_m);
@@ -189,10 +189,10 @@ void AddRestingGrasps(const Judge& judge, const std::vector<ContactPair>& pairs,
     R_OG.col(0) = (pair.axis_O - slope * up_O).normalized();
     R_OG.col(2) = -up_O;
     R_OG.col(1) = R_OG.col(2).cross(R_OG.col(0));
-    const double middle_m = up_O.dot(pair.center_O) - floor_m;
+    const double center_m = up_O.dot(pair.center_O) - floor_m;
     for (int lean = -options.resting_leans; lean <= options.resting_leans; ++lean) {
       const Eigen::AngleAxisd turn(lean * options.resting_lean_rad, Vector3d::UnitX());
-      AddLeaning(judge, pair, up_O, R_OG * turn.toRotationMatrix(), middle_m, all);
+      AddLeaning(judge, pair, up_O, R_OG * turn.toRotationMatrix(), center_m, all);
     }
   }
 }
@@ -200,34 +200,45 @@ void AddRestingGrasps(const Judge& judge, const std::vector<ContactPair>& pairs,
 }  // namespace
 
 void AntipodalOptions::Visit(SettingsVisitor& v) {
-  v.Integer("candidates", candidates, {1, 100000}, "grasps wanted of each part");
-  v.Integer("max_samples", max_samples, {1, 1e7}, "surface points tried at most");
-  v.Integer("max_pairs", max_pairs, {1, 1e6}, "antipodal pairs looked at");
+  v.Integer("candidates", candidates, {1, 100000}, "maximum number of candidates per object");
+  v.Integer("max_samples", max_samples, {1, 1e7}, "maximum number of sampled surface points");
+  v.Integer("max_pairs", max_pairs, {1, 1e6}, "maximum number of antipodal pairs");
   v.Integer("approaches", approaches, {1, 360}, "approach directions around the closing axis");
-  v.Real("cone_share", cone_share, {0.01, 1}, "of the friction cone's half angle that is used");
-  v.Real("straight_share", straight_share, {0, 1}, "of the rays along the normal");
-  v.Vector3("tips_beyond_m", tips_beyond_m, {0, 0.05}, "tips past the contact, m");
-  v.Real("point_spacing_m", point_spacing_m, {1e-4, 0.02}, "of the tested surface points, m");
-  v.Integer("min_points", min_points, {100, 1e6}, "of the tested surface, at least");
-  v.Integer("max_points", max_points, {100, 1e6}, "of the tested surface, at most");
+  v.Real("cone_share", cone_share, {0.01, 1},
+         "share of the friction cone's half angle that is used");
+  v.Real("straight_share", straight_share, {0, 1}, "share of the rays along the surface normal");
+  v.Vector3("tips_beyond_m", tips_beyond_m, {0, 0.05},
+            "distances of the fingertips beyond the contact, m");
+  v.Real("point_spacing_m", point_spacing_m, {1e-4, 0.02},
+         "spacing of the tested surface points, m");
+  v.Integer("min_points", min_points, {100, 1e6}, "minimum number of tested surface points");
+  v.Integer("max_points", max_points, {100, 1e6}, "maximum number of tested surface points");
   v.Integer("resting_candidates", resting_candidates, {0, 100000},
-            "on the ways that the part rests, besides");
-  v.Real("resting_lean_rad", resting_lean_rad, {0, 0.7}, "between their leans, rad");
-  v.Integer("resting_leans", resting_leans, {0, 2}, "of them to each side");
+            "maximum number of additional candidates for objects at rest");
+  v.Real("resting_lean_rad", resting_lean_rad, {0, 0.7}, "angle between leans of the hand, rad");
+  v.Integer("resting_leans", resting_leans, {0, 2}, "number of leans of the hand to each side");
   v.RenamedKey("resting_turns", "resting_rotations");
-  v.Integer("resting_rotations", resting_rotations, {1, 1000}, "of a continuous symmetry");
-  v.Real("resting_level_rad", resting_level_rad, {0, 1}, "level pairs for them, rad");
-  v.Real("floor_gap_m", floor_gap_m, {0, 0.1}, "of their tips over the floor, m");
-  v.Real("resting_spacing_rad", resting_spacing_rad, {0, 3.2}, "nearer ones are one, rad");
-  v.Real("min_width_m", min_width_m, {1e-4, 0.1}, "thinner walls are left alone, m");
-  v.Real("touch_band_m", touch_band_m, {1e-5, 0.01}, "depth that counts as contact, m");
-  v.Real("full_pad_share", full_pad_share, {0.01, 1}, "of a pad that is as good as all of it");
-  v.Real("thin_pad_factor", thin_pad_factor, {0, 1}, "quality of a contact without area");
-  v.Real("off_center_share", off_center_share, {0, 1}, "lost half a diameter off the centre");
-  v.Real("good_depth_m", good_depth_m, {1e-4, 0.1}, "contact behind the tips, m");
-  v.Real("own_margin_m", own_margin_m, {0, 0.02}, "between open hand and part, m");
-  v.Real("spacing_m", spacing_m, {0, 0.1}, "nearer candidates count as one, m");
-  v.Real("spacing_rad", spacing_rad, {0, 3.2}, "nearer candidates count as one, rad");
+  v.Integer("resting_rotations", resting_rotations, {1, 1000},
+            "sampled rotations of a continuous symmetry");
+  v.Real("resting_level_rad", resting_level_rad, {0, 1},
+         "angle from horizontal within which pairs are made horizontal, rad");
+  v.Real("floor_gap_m", floor_gap_m, {0, 0.1}, "distance of the fingertips from the floor, m");
+  v.Real("resting_spacing_rad", resting_spacing_rad, {0, 3.2},
+         "rotation within which resting candidates are duplicates, rad");
+  v.Real("min_width_m", min_width_m, {1e-4, 0.1}, "minimum thickness of a grasped wall, m");
+  v.Real("touch_band_m", touch_band_m, {1e-5, 0.01},
+         "depth of the surface band that counts as contact, m");
+  v.Real("full_pad_share", full_pad_share, {0.01, 1},
+         "share of a pad in contact from which quality is full");
+  v.Real("thin_pad_factor", thin_pad_factor, {0, 1}, "quality factor of a contact without area");
+  v.Real("off_center_share", off_center_share, {0, 1},
+         "share of quality lost at half a diameter from the center of mass");
+  v.Real("good_depth_m", good_depth_m, {1e-4, 0.1},
+         "depth of the contact behind the tips from which quality is full, m");
+  v.Real("own_margin_m", own_margin_m, {0, 0.02}, "distance between open hand and object, m");
+  v.Real("spacing_m", spacing_m, {0, 0.1}, "distance within which candidates are duplicates, m");
+  v.Real("spacing_rad", spacing_rad, {0, 3.2},
+         "rotation within which candidates are duplicates, rad");
 }
 
 std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const HandSpec& hand,
@@ -248,7 +259,7 @@ std::vector<GraspCandidate> AntipodalGrasps(const ObjectModel& model, const Hand
     const double first_turn = rng.Uniform(0, 2 * std::numbers::pi);
     for (int k = 0; k < options.approaches; ++k) {
       const double turn = first_turn + 2 * std::numbers::pi * k / options.approaches;
-      const PointColumns turned = Turned(surface.points_O, GraspFrame(pair, turn, 0).linear());
+      const PointColumns turned = Rotated(surface.points_O, GraspFrame(pair, turn, 0).linear());
       for (const double tips_beyond : options.tips_beyond_m) {
         const GraspCandidate candidate =
             judge.Evaluate(GraspFrame(pair, turn, tips_beyond), turned);

@@ -100,13 +100,14 @@ std::optional<std::vector<GraspCandidate>> ReadCandidates(const std::filesystem:
 
 void GraspCandidateOptions::Visit(SettingsVisitor& v) {
   v.Group(
-      "antipodal", [this](SettingsVisitor& g) { antipodal.Visit(g); }, "pairs for jaws");
+      "antipodal", [this](SettingsVisitor& g) { antipodal.Visit(g); },
+      "antipodal candidates for jaws");
   v.Group(
-      "suction", [this](SettingsVisitor& g) { suction.Visit(g); }, "places for cups");
+      "suction", [this](SettingsVisitor& g) { suction.Visit(g); }, "suction candidates for cups");
   v.Group(
-      "robust", [this](SettingsVisitor& g) { robust.Visit(g); }, "sampled errors");
+      "robust", [this](SettingsVisitor& g) { robust.Visit(g); }, "robustness under sampled errors");
   v.Group(
-      "place", [this](SettingsVisitor& g) { place.Visit(g); }, "how a part is set down");
+      "place", [this](SettingsVisitor& g) { place.Visit(g); }, "placement of a picked object");
 }
 
 std::vector<GraspCandidate> MakeCandidates(const ObjectModel& model, const Gripper& gripper,

@@ -43,7 +43,7 @@ std::vector<Vector3d> RimPoints(const PadPatch& patch) {
 
 std::optional<WrenchSet> JawHold::At(const Pose& X_OG, double opening_m,
                                      double friction_factor) const {
-  const PointColumns turned = Turned(surface.points_O, X_OG.linear());
+  const PointColumns turned = Rotated(surface.points_O, X_OG.linear());
   const auto boxes = HandBoxes(hand, opening_m);
   if (!HandClearsPart(turned, X_OG, boxes, 0)) return std::nullopt;
   const PadContact contact = ClosePads(surface, turned, X_OG, hand, options.touch_band_m);

@@ -49,7 +49,7 @@ SurfacePoints SpreadPoints(const TriangleMesh& mesh, double spacing_m, int min_c
   return surface;
 }
 
-PointColumns Turned(const PointColumns& points_O, const Eigen::Matrix3d& R_OG) {
+PointColumns Rotated(const PointColumns& points_O, const Eigen::Matrix3d& R_OG) {
   const Eigen::Matrix3f R = R_OG.cast<float>();
   PointColumns turned(points_O.rows(), 3);
   for (int axis = 0; axis < 3; ++axis) {

@@ -33,7 +33,7 @@ SurfacePoints SpreadPoints(const TriangleMesh& mesh, double spacing_m, int min_c
 
 // Rotates the points into the axes of G; the origin stays at O. All hands with the same orientation
 // can share the result.
-PointColumns Turned(const PointColumns& points_O, const Eigen::Matrix3d& R_OG);
+PointColumns Rotated(const PointColumns& points_O, const Eigen::Matrix3d& R_OG);
 
 // Result of closing the pads; distances and positions are in G.
 struct PadContact {

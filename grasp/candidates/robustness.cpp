@@ -27,18 +27,24 @@ Vector3d DownInHand(double tilt_rad, Rng& rng) {
 }  // namespace
 
 void RobustOptions::Visit(SettingsVisitor& v) {
-  v.Integer("samples", samples, {1, 100000}, "sampled errors of each candidate");
-  v.Real("position_m", position_m, {0, 0.1}, "sigma of each axis, hand against part, m");
-  v.Real("rotation_rad", rotation_rad, {0, 1}, "sigma of the turn, rad");
-  v.Real("friction_share", friction_share, {0, 1}, "sigma, of the friction");
-  v.Real("mass_share", mass_share, {0, 1}, "sigma, of the mass");
-  v.Real("com_share", com_share, {0, 0.5}, "sigma of the centre of mass, of the diameter");
-  v.Real("tilt_rad", tilt_rad, {0, 3.2}, "of the lifting hand from straight down, at most, rad");
-  v.Real("lift_mps2", lift_mps2, {0, 100}, "acceleration upwards, m/s2");
-  v.Real("touch_band_m", touch_band_m, {1e-5, 0.02}, "depth that counts as contact, m");
+  v.Integer("samples", samples, {1, 100000}, "number of sampled errors per candidate");
+  v.Real("position_m", position_m, {0, 0.1},
+         "standard deviation of the hand position relative to the object per axis, m");
+  v.Real("rotation_rad", rotation_rad, {0, 1}, "standard deviation of the rotation, rad");
+  v.Real("friction_share", friction_share, {0, 1}, "relative standard deviation of the friction");
+  v.Real("mass_share", mass_share, {0, 1}, "relative standard deviation of the mass");
+  v.Real("com_share", com_share, {0, 0.5},
+         "standard deviation of the center of mass per axis, object diameters");
+  v.Real("tilt_rad", tilt_rad, {0, 3.2},
+         "maximum angle of the hand from straight down during the lift, rad");
+  v.Real("lift_mps2", lift_mps2, {0, 100}, "upward acceleration of the lift, m/s2");
+  v.Real("touch_band_m", touch_band_m, {1e-5, 0.02},
+         "depth of the surface band that counts as contact, m");
   v.RenamedKey("least_factor", "min_factor");
-  v.Real("min_factor", min_factor, {0.001, 1}, "of friction and mass, however far out");
-  v.Integer("cone_edges", cone_edges, {3, 64}, "of a friction cone made a pyramid");
+  v.Real("min_factor", min_factor, {0.001, 1},
+         "lower limit of the sampled factors of friction and mass");
+  v.Integer("cone_edges", cone_edges, {3, 64},
+            "edges of the pyramid that approximates a friction cone");
 }
 
 double WrenchForce_n(const ObjectModel& model) { return model.mass.mass_kg * kGravity_mps2; }

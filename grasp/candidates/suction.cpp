@@ -44,15 +44,18 @@ bool SameGrasp(const GraspCandidate& a, const GraspCandidate& b, const SuctionOp
 }  // namespace
 
 void SuctionOptions::Visit(SettingsVisitor& v) {
-  v.Integer("candidates", candidates, {1, 100000}, "grasps wanted of each part");
-  v.Integer("max_samples", max_samples, {1, 1e7}, "surface points tried");
-  v.Real("point_spacing_m", point_spacing_m, {1e-4, 0.02}, "of the tested surface points, m");
-  v.Integer("min_points", min_points, {100, 1e6}, "of the tested surface, at least");
-  v.Integer("max_points", max_points, {100, 1e6}, "of the tested surface, at most");
-  v.Real("own_margin_m", own_margin_m, {0, 0.02}, "between stem and part, m");
-  v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.5}, "of the lip's plane, at most, rad");
-  v.Real("spacing_m", spacing_m, {0, 0.1}, "nearer candidates count as one, m");
-  v.Real("spacing_rad", spacing_rad, {0, 3.2}, "nearer candidates count as one, rad");
+  v.Integer("candidates", candidates, {1, 100000}, "maximum number of candidates per object");
+  v.Integer("max_samples", max_samples, {1, 1e7}, "number of sampled surface points");
+  v.Real("point_spacing_m", point_spacing_m, {1e-4, 0.02},
+         "spacing of the tested surface points, m");
+  v.Integer("min_points", min_points, {100, 1e6}, "minimum number of tested surface points");
+  v.Integer("max_points", max_points, {100, 1e6}, "maximum number of tested surface points");
+  v.Real("own_margin_m", own_margin_m, {0, 0.02}, "distance between stem and object, m");
+  v.Real("max_tilt_rad", max_tilt_rad, {0.01, 1.5},
+         "tilt of the lip's plane at which the quality is 0, rad");
+  v.Real("spacing_m", spacing_m, {0, 0.1}, "distance within which candidates are duplicates, m");
+  v.Real("spacing_rad", spacing_rad, {0, 3.2},
+         "rotation within which candidates are duplicates, rad");
 }
 
 WrenchSet CupWrenches(const ObjectModel& model, const CupSpec& cup, const Pose& X_OG,
@@ -86,7 +89,7 @@ std::vector<GraspCandidate> SuctionGrasps(const ObjectModel& model, const CupSpe
   const SurfacePoints surface = SpreadPoints(model.mesh_O, options.point_spacing_m,
                                              options.min_points, options.max_points, rng);
   const auto clears = [&](const Pose& X_OG, double margin_m) {
-    return HandClearsPart(Turned(surface.points_O, X_OG.linear()), X_OG, boxes, margin_m);
+    return HandClearsPart(Rotated(surface.points_O, X_OG.linear()), X_OG, boxes, margin_m);
   };
   const SurfaceSamples samples = SampleSurface(model.mesh_O, options.max_samples, rng);
   std::vector<GraspCandidate> all;

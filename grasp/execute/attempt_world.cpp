@@ -9,13 +9,15 @@ namespace pickbed::grasp {
 using Eigen::Vector3d;
 
 void AttemptWorldOptions::Visit(SettingsVisitor& v) {
-  v.Real("near_m", near_m, {-1, 10}, "parts beyond the target's diameter plus this are static, m");
-  v.Bool("all_active", all_active, "all parts move and start awake: slow");
-  v.Real("lost_below_m", lost_below_m, {0.01, 100}, "parts so far under the floor are gone, m");
+  v.Real("near_m", near_m, {-1, 10},
+         "distance beyond the target's diameter from which instances are static, m");
+  v.Bool("all_active", all_active, "whether all instances move and start awake; slow");
+  v.Real("lost_below_m", lost_below_m, {0.01, 100},
+         "depth below the floor at which instances are removed, m");
 }
 
 AttemptWorld::AttemptWorld(const Scene& scene, const ObjectSet& objects, const Vector3d& grasp_W,
-                           int instance, const AttemptWorldOptions& options,
+                           InstanceId instance, const AttemptWorldOptions& options,
                            const PhysicsOptions& physics)
     : scene_(scene), objects_(objects), lost_below_m_(options.lost_below_m), physics_(physics) {
   CheckSettings("AttemptWorldOptions", options);
@@ -40,7 +42,7 @@ AttemptWorld::AttemptWorld(const Scene& scene, const ObjectSet& objects, const V
 }
 
 // The target, or the instance nearest to the grasp.
-int AttemptWorld::ReferencePart(const Vector3d& grasp_W, int instance) const {
+int AttemptWorld::ReferencePart(const Vector3d& grasp_W, InstanceId instance) const {
   int nearest = -1;
   double nearest_distance = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < scene_.objects.size(); ++i) {
@@ -68,13 +70,13 @@ int AttemptWorld::Steps(double seconds) const {
   return static_cast<int>(std::lround(seconds / physics_.step_s()));
 }
 
-Vector3d AttemptWorld::Center(int part, const Pose& X_WO) const {
-  return X_WO * ModelOf(part).mass.com_O;
+Vector3d AttemptWorld::Center(int position, const Pose& X_WO) const {
+  return X_WO * ModelOf(position).mass.com_O;
 }
 
 // For a static instance the snapshot is exact; the pose in Bullet went through a frame conversion.
-Pose AttemptWorld::X_WO_now(int part) const {
-  return is_static_[part] ? scene_.objects[part].X_WO : physics_.X_WO(part);
+Pose AttemptWorld::X_WO_now(int position) const {
+  return is_static_[position] ? scene_.objects[position].X_WO : physics_.X_WO(position);
 }
 
 Scene AttemptWorld::Remaining(const std::vector<int>& gone) const {
@@ -89,7 +91,8 @@ Scene AttemptWorld::Remaining(const std::vector<int>& gone) const {
   return remaining;
 }
 
-int AttemptWorld::Displaced(double distance_m, const std::vector<int>& gone, int instance) const {
+int AttemptWorld::Displaced(double distance_m, const std::vector<int>& gone,
+                            InstanceId instance) const {
   int displaced = 0;
   for (int i = 0; i < part_count(); ++i) {
     if (std::find(gone.begin(), gone.end(), i) != gone.end()) continue;

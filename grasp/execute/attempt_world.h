@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "grasp/layer.h"
+#include "scenes/base/ids.h"
 #include "scenes/base/settings.h"
 #include "scenes/scene.h"
 #include "sim/physics/physics_world.h"
@@ -24,9 +25,10 @@ struct AttemptWorldOptions {
 class AttemptWorld {
  public:
   // `instance`: the target, -1 = the instance nearest to `grasp_W`. Keeps references to scene and
-  // objects. Indices named `part` are positions in scene.objects.
+  // objects. A `position` is an index into scene.objects.
   AttemptWorld(const Scene& scene, const ObjectSet& objects, const Eigen::Vector3d& grasp_W,
-               int instance, const AttemptWorldOptions& options, const PhysicsOptions& physics);
+               InstanceId instance, const AttemptWorldOptions& options,
+               const PhysicsOptions& physics);
 
   const Scene& snapshot() const { return scene_; }
   PhysicsWorld& physics() { return physics_; }
@@ -35,10 +37,13 @@ class AttemptWorld {
   int Steps(double seconds) const;  // number of steps with this duration, rounded
 
   int part_count() const { return physics_.part_count(); }
-  bool IsStatic(int part) const { return is_static_[part]; }
-  const PosedObject& Posed(int part) const { return scene_.objects[part]; }  // pose in the snapshot
-  const ObjectModel& ModelOf(int part) const { return *objects_[scene_.objects[part].object]; }
-  Eigen::Vector3d Center(int part, const Pose& X_WO) const;  // center of mass in W
+  bool IsStatic(int position) const { return is_static_[position]; }
+  // Pose in the snapshot.
+  const PosedObject& Posed(int position) const { return scene_.objects[position]; }
+  const ObjectModel& ModelOf(int position) const {
+    return *objects_[scene_.objects[position].object];
+  }
+  Eigen::Vector3d Center(int position, const Pose& X_WO) const;  // center of mass in W
   // Diameter of the target, or of the instance nearest to the grasp; 0 if the bin is empty.
   double reference_diameter_m() const { return reference_diameter_m_; }
 
@@ -46,11 +51,11 @@ class AttemptWorld {
   // the bin.
   Scene Remaining(const std::vector<int>& gone) const;
   // Number of instances that moved further than this, without those in `gone` and `instance`.
-  int Displaced(double distance_m, const std::vector<int>& gone, int instance) const;
+  int Displaced(double distance_m, const std::vector<int>& gone, InstanceId instance) const;
 
  private:
-  int ReferencePart(const Eigen::Vector3d& grasp_W, int instance) const;
-  Pose X_WO_now(int part) const;
+  int ReferencePart(const Eigen::Vector3d& grasp_W, InstanceId instance) const;
+  Pose X_WO_now(int position) const;
 
   const Scene& scene_;
   const ObjectSet& objects_;

@@ -48,7 +48,9 @@ class Attempt {
   }
 
  private:
-  Vector3d Center(int part) const { return world_.Center(part, world_.physics().X_WO(part)); }
+  Vector3d Center(int position) const {
+    return world_.Center(position, world_.physics().X_WO(position));
+  }
 
   // Start of the straight approach to a pose.
   Pose Behind(const Pose& X_WG) const { return X_WG * Translation({0, 0, -gripper_.approach_m}); }
@@ -180,14 +182,14 @@ class Attempt {
   }
 
   // Rise of the center of mass since the start of the lift.
-  double Rise(int part) const {
-    return Center(part).z() - world_.Center(part, X_WO_lift_[part]).z();
+  double Rise(int position) const {
+    return Center(position).z() - world_.Center(position, X_WO_lift_[position]).z();
   }
 
   // Motion of the center of mass in G since the start of the lift.
-  double ShiftInHand_m(int part) const {
-    const Vector3d now_G = hand_.X_WG().inverse() * Center(part);
-    return (now_G - X_WG_lift_.inverse() * world_.Center(part, X_WO_lift_[part])).norm();
+  double ShiftInHand_m(int position) const {
+    const Vector3d now_G = hand_.X_WG().inverse() * Center(position);
+    return (now_G - X_WG_lift_.inverse() * world_.Center(position, X_WO_lift_[position])).norm();
   }
 
   // Indices of instances that moved with the hand: they shifted in G by less than half of the lift.
@@ -202,14 +204,14 @@ class Attempt {
 
   // The target if it is in the hand, else the first; -1 = none.
   int PickedOf(const std::vector<int>& held) const {
-    for (const int part : held) {
-      if (IsTarget(part)) return part;
+    for (const int position : held) {
+      if (IsTarget(position)) return position;
     }
     return held.empty() ? -1 : held.front();
   }
 
-  bool IsTarget(int part) const {
-    const PosedObject& posed = world_.Posed(part);
+  bool IsTarget(int position) const {
+    const PosedObject& posed = world_.Posed(position);
     if (target_.instance >= 0) return posed.instance == target_.instance;
     return target_.object < 0 || posed.object == target_.object;
   }
@@ -344,33 +346,43 @@ class Attempt {
 
 void ExecuteOptions::Visit(SettingsVisitor& v) {
   const Range seconds{0, 100}, speed{0.001, 10}, length{0, 10};
-  v.Real("approach_mps", approach_mps, speed, "largest speed of approach and of drawing back, m/s");
-  v.Real("stop_yield_m", stop_yield_m, {1e-5, 0.05}, "of a finger that is pushed back, m");
-  v.Real("stop_force_n", stop_force_n, {0.1, 1e5}, "of parts on palm or stem: collision, N");
-  v.Real("stop_window_s", stop_window_s, {0.0001, 10}, "of the mean of that force, s");
-  v.Real("stop_depth_m", stop_depth_m, {0, 0.1}, "of the palm in what cannot give way, m");
-  v.Real("close_s", close_s, seconds, "waited at most for the fingers to come to rest, s");
-  v.Real("stalled_mps", stalled_mps, speed, "fingers slower than this have met the part, m/s");
-  v.Real("stalled_window_s", stalled_window_s, {0.001, 10}, "that their speed is taken over, s");
-  v.Real("lift_m", lift_m, length, "more where the bin's rim is higher, m");
-  v.Real("lift_s", lift_s, {0.01, 100}, "longer where that is faster than lift_mps, s");
-  v.Real("lift_mps", lift_mps, speed, "largest speed of the lift, m/s");
-  v.Real("retreat_m", retreat_m, length, "of the lift, for the loose rule, m");
-  v.Real("hold_s", hold_s, seconds, "standing still in the air, s");
-  v.Real("shake_m", shake_m, {0, 1}, "amplitude, m");
-  v.Real("shake_hz", shake_hz, {0.1, 100}, "of the shake, Hz");
-  v.Real("shake_s", shake_s, seconds, "of the shake, s");
-  v.Bool("carry", carry, "out of the bin to the table; else it ends with the shake");
-  v.Real("carry_mps", carry_mps, speed, "largest speed on the way to the table, m/s");
-  v.Real("settle_s", settle_s, seconds, "at most until parts sleep again, s");
+  v.Real("approach_mps", approach_mps, speed, "peak speed of the approach and the retreat, m/s");
+  v.Real("stop_yield_m", stop_yield_m, {1e-5, 0.05},
+         "movement of a pushed finger that counts as a collision, m");
+  v.Real("stop_force_n", stop_force_n, {0.1, 1e5},
+         "force of instances on palm or stem that counts as a collision, N");
+  v.Real("stop_window_s", stop_window_s, {0.0001, 10},
+         "time over which stop_force_n is averaged, s");
+  v.Real("stop_depth_m", stop_depth_m, {0, 0.1},
+         "depth of the palm in the bin or a static instance that counts as a collision, m");
+  v.Real("close_s", close_s, seconds, "maximum wait until the fingers come to rest, s");
+  v.Real("stalled_mps", stalled_mps, speed, "speed below which a finger has met the instance, m/s");
+  v.Real("stalled_window_s", stalled_window_s, {0.001, 10},
+         "time over which the speed of a finger is averaged, s");
+  v.Real("lift_m", lift_m, length, "height of the lift, m; higher if the bin's rim requires it");
+  v.Real("lift_s", lift_s, {0.01, 100},
+         "duration of the lift, s; longer if the speed would exceed lift_mps");
+  v.Real("lift_mps", lift_mps, speed, "peak speed of the lift, m/s");
+  v.Real("retreat_m", retreat_m, length,
+         "height of the lift at which rule vgn_loose is evaluated, m");
+  v.Real("hold_s", hold_s, seconds, "duration of the hold in the air, s");
+  v.Real("shake_m", shake_m, {0, 1}, "amplitude of the shake, m");
+  v.Real("shake_hz", shake_hz, {0.1, 100}, "frequency of the shake, Hz");
+  v.Real("shake_s", shake_s, seconds, "duration of the shake, s");
+  v.Bool("carry", carry,
+         "whether the instance is carried to the table; else the attempt ends after the shake");
+  v.Real("carry_mps", carry_mps, speed, "peak speed of the carry to the table, m/s");
+  v.Real("settle_s", settle_s, seconds, "maximum time until the instances sleep again, s");
   v.RenamedKey("disturbed_m", "displaced_m");
-  v.Real("displaced_m", displaced_m, length, "a neighbour that moved further is disturbed, m");
+  v.Real("displaced_m", displaced_m, length,
+         "movement above which a neighbor counts as displaced, m");
   v.Group(
-      "world", [this](SettingsVisitor& g) { world.Visit(g); }, "what moves");
+      "world", [this](SettingsVisitor& g) { world.Visit(g); },
+      "bodies that move during an attempt");
   v.Group(
-      "place", [this](SettingsVisitor& g) { place.Visit(g); }, "how it is set down");
+      "place", [this](SettingsVisitor& g) { place.Visit(g); }, "placement of the picked object");
   v.Group(
-      "rules", [this](SettingsVisitor& g) { rules.Visit(g); }, "of success");
+      "rules", [this](SettingsVisitor& g) { rules.Visit(g); }, "thresholds of the success rules");
 }
 
 ExecuteResult ExecuteGrasp(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,

@@ -9,6 +9,7 @@
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
 #include "grasp/place/placement.h"
+#include "scenes/base/ids.h"
 #include "scenes/scene.h"
 #include "sim/physics/physics_world.h"
 
@@ -53,16 +54,16 @@ struct ExecuteOptions {
 
 // Target of the grasp.
 struct GraspTarget {
-  int instance = -1;  // true instance nearest to the hypothesis, -1 = none
-  int object = -1;    // without an instance: required object, -1 = any
+  InstanceId instance = kNoInstance;  // true instance nearest to the hypothesis, -1 = none
+  ObjectId object = kAnyObject;       // without an instance: required object, -1 = any
   // Estimated pose, from which the placement is planned and evaluated. Without it, the true pose is
   // used.
   std::optional<Pose> X_WO;
 
   // Implicit, so that an instance can be passed directly.
-  GraspTarget(int target_instance = -1, int target_object = -1,
-              const std::optional<Pose>& believed_X_WO = std::nullopt)
-      : instance(target_instance), object(target_object), X_WO(believed_X_WO) {}
+  GraspTarget(InstanceId target_instance = kNoInstance, ObjectId target_object = kAnyObject,
+              const std::optional<Pose>& estimated_X_WO = std::nullopt)
+      : instance(target_instance), object(target_object), X_WO(estimated_X_WO) {}
 };
 
 // Outcome of a grasp and the scene after it.

@@ -11,20 +11,21 @@ namespace pickbed::grasp {
 
 void ParallelJaw::VisitOwn(SettingsVisitor& v) {
   v.Vector3("finger_size_m", hand.finger_size_m, kSize,
-            "x thickness, y width, z length of a finger");
-  v.Vector3("palm_size_m", hand.palm_size_m, kSize, "box behind the fingers");
-  v.Real("stroke_m", hand.stroke_m, kSize, "largest opening between the pads, m");
-  v.Real("finger_mass_kg", hand.finger_mass_kg, {0.001, 10}, "of each finger, kg");
-  v.Real("force_n", hand.force_n, {0.1, 2000}, "of each finger on the part, N");
-  v.Real("close_speed_mps", hand.close_speed_mps, {0.001, 1}, "of each finger, m/s");
+            "size of a finger: thickness x, width y, length z, m");
+  v.Vector3("palm_size_m", hand.palm_size_m, kSize, "size of the box behind the fingers, m");
+  v.Real("stroke_m", hand.stroke_m, kSize, "maximum opening between the pads, m");
+  v.Real("finger_mass_kg", hand.finger_mass_kg, {0.001, 10}, "mass of each finger, kg");
+  v.Real("force_n", hand.force_n, {0.1, 2000}, "force of each finger on the object, N");
+  v.Real("close_speed_mps", hand.close_speed_mps, {0.001, 1}, "closing speed of each finger, m/s");
   v.Real("yield_n", hand.yield_n, {0.1, 2000},
-         "push against the approach at which a finger gives way, N");
-  v.Real("pad_friction", hand.pad_friction, {0.01, 3}, "of a pad; multiplies the part's own value");
+         "push against the approach at which a finger yields, N");
+  v.Real("pad_friction", hand.pad_friction, {0.01, 3},
+         "friction factor of a pad; multiplies the object's friction");
 }
 
 void ParallelJaw::Validate(const std::string& source) const {
   CheckInput(2 * clearance_m < hand.stroke_m,
-             fmt::format("{}: clearance_m = {}: twice that must stay below the stroke_m of {}",
+             fmt::format("{}: clearance_m = {}: twice this value must be below the stroke_m of {}",
                          source, clearance_m, hand.stroke_m));
   CheckInput(hand.palm_size_m.x() >= hand.stroke_m,
              fmt::format("{}: palm_size_m = [{}, {}, {}]: its x must be at least the stroke_m of "

@@ -37,22 +37,23 @@ void RequireFitsBin(const Gripper& gripper, const Bin& bin) {
   const Eigen::Vector2d hand = inside.sizes(), room = bin.inner_size_m.head<2>();
   const bool fits =
       (hand.array() <= room.array()).all() || (hand.reverse().array() <= room.array()).all();
-  CheckInput(fits, fmt::format("gripper '{}' is wider than the bin: {:.0f} x {:.0f} mm of it must "
-                               "go between walls {:.0f} x {:.0f} mm apart; take a smaller gripper "
-                               "or a larger bin",
-                               gripper.name, 1e3 * hand.x(), 1e3 * hand.y(), 1e3 * room.x(),
-                               1e3 * room.y()));
+  CheckInput(
+      fits,
+      fmt::format("gripper '{}' is wider than the bin: {:.0f} x {:.0f} mm of it must fit between "
+                  "walls {:.0f} x {:.0f} mm apart; use a smaller gripper or a larger bin",
+                  gripper.name, 1e3 * hand.x(), 1e3 * hand.y(), 1e3 * room.x(), 1e3 * room.y()));
 }
 
 void RequireCanCarry(const Gripper& gripper, const ObjectModel& part) {
   const double capacity_n = gripper.Capacity_n(part.friction);
   const double weight_n = part.mass.mass_kg * kGravity_mps2;
-  CheckInput(weight_n < capacity_n,
-             fmt::format("part '{}' is too heavy for gripper '{}': it weighs {:.3g} kg, {:.3g} N, "
-                         "and the gripper carries at most {:.3g} N of it ({}, friction {:g}); take "
-                         "a stronger gripper",
-                         part.name, gripper.name, part.mass.mass_kg, weight_n, capacity_n,
-                         gripper.Summary(), part.friction));
+  CheckInput(
+      weight_n < capacity_n,
+      fmt::format(
+          "object '{}' is too heavy for gripper '{}': it weighs {:.3g} kg, {:.3g} N, and the "
+          "gripper carries at most {:.3g} N of it ({}, friction {:g}); use a stronger gripper",
+          part.name, gripper.name, part.mass.mass_kg, weight_n, capacity_n, gripper.Summary(),
+          part.friction));
 }
 
 std::vector<GraspCandidate> RequireCandidates(const ObjectModel& part, const Gripper& gripper,
@@ -61,9 +62,10 @@ std::vector<GraspCandidate> RequireCandidates(const ObjectModel& part, const Gri
   if (!candidates.empty()) return candidates;
   const std::string offers = Offers(part, gripper.name, options);
   throw InputError(fmt::format(
-      "part '{}' has no {} for gripper '{}', {}", part.name, gripper.needs(), gripper.name,
-      offers.empty() ? "and no other gripper that comes with the program can hold it"
-                     : fmt::format("but {}: pickbed grasps {} GRIPPER", offers, part.name)));
+      "object '{}' has no {} for gripper '{}', {}", part.name, gripper.needs(), gripper.name,
+      offers.empty() ? "and no other shipped gripper can hold it"
+                     : fmt::format("but {}; compare them with `pickbed grasps {} GRIPPER`", offers,
+                                   part.name)));
 }
 
 }  // namespace pickbed::grasp

@@ -15,37 +15,39 @@ constexpr double kAirPressure_pa = 101325;
 }  // namespace
 
 void SuctionCup::VisitOwn(SettingsVisitor& v) {
-  v.Real("radius_m", cup.radius_m, kSize, "of the lip, m");
+  v.Real("radius_m", cup.radius_m, kSize, "radius of the lip, m");
   v.Real("bellows_travel_m", cup.bellows_travel_m, kSize,
-         "from the uncompressed lip to the stem's end, m");
-  v.Real("press_m", cup.press_m, {0, 1}, "compression that a grasp aims at, m");
+         "travel of the bellows from the uncompressed lip to the stem's end, m");
+  v.Real("press_m", cup.press_m, {0, 1}, "compression of the bellows at the planned grasp, m");
   v.Real("bellows_npm", cup.bellows_npm, {1, 1e5}, "stiffness of the bellows until it seals, N/m");
   v.Real("lip_conform_m", cup.lip_conform_m, {0, 0.05},
-         "unevenness along the rim that the lip still closes, m");
-  v.Real("vacuum_n", cup.vacuum_n, {0.1, 5000}, "pull at which it comes off, N");
+         "maximum unevenness along the rim that the lip seals, m");
+  v.Real("vacuum_n", cup.vacuum_n, {0.1, 5000}, "pull that breaks the seal, N");
   v.Real("moment_limit_nm", cup.moment_limit_nm, {0.001, 500},
-         "bending moment at which it comes off, Nm");
-  v.Real("friction", cup.friction, {0.01, 3}, "of the lip; multiplies the part's own value");
+         "bending moment that breaks the seal, Nm");
+  v.Real("friction", cup.friction, {0.01, 3},
+         "friction factor of the lip; multiplies the object's friction");
   v.Real("break_after_s", cup.break_after_s, {0.001, 1},
-         "limits are judged on the mean load over this time, s");
-  v.Real("stem_radius_m", cup.stem_radius_m, kSize, "of the stem, m");
-  v.Real("stem_length_m", cup.stem_length_m, kSize, "from the bellows to the palm, m");
-  v.Vector3("palm_size_m", cup.palm_size_m, kSize, "box behind the stem");
+         "time over which the load is averaged before it can break the seal, s");
+  v.Real("stem_radius_m", cup.stem_radius_m, kSize, "radius of the stem, m");
+  v.Real("stem_length_m", cup.stem_length_m, kSize,
+         "length of the stem from the bellows to the palm, m");
+  v.Vector3("palm_size_m", cup.palm_size_m, kSize, "size of the box behind the stem, m");
 }
 
 void SuctionCup::Validate(const std::string& source) const {
   CheckInput(cup.press_m < cup.bellows_travel_m,
-             fmt::format("{}: press_m = {}: it must stay below the bellows_travel_m of {}", source,
+             fmt::format("{}: press_m = {}: must be below the bellows_travel_m of {}", source,
                          cup.press_m, cup.bellows_travel_m));
   const double most_n = kAirPressure_pa * std::numbers::pi * cup.radius_m * cup.radius_m;
   CheckInput(cup.vacuum_n <= most_n,
-             fmt::format("{}: vacuum_n = {}: the air presses a cup of radius_m = {} on with {:.3g} "
-                         "N at most",
+             fmt::format("{}: vacuum_n = {}: air pressure holds a cup of radius_m = {} with {:.3g} "
+                         "N at most; lower it or raise radius_m",
                          source, cup.vacuum_n, cup.radius_m, most_n));
   const double most_nm = cup.vacuum_n * cup.radius_m;
   CheckInput(cup.moment_limit_nm <= most_nm,
              fmt::format("{}: moment_limit_nm = {}: a lip tips over its rim at vacuum_n times "
-                         "radius_m, which is {:.3g} Nm",
+                         "radius_m, {:.3g} Nm; lower it",
                          source, cup.moment_limit_nm, most_nm));
 }
 

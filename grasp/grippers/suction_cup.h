@@ -18,7 +18,7 @@ class SuctionCup : public Gripper {
 
   const char* mechanism() const override { return kMechanism; }
   std::array<const char*, 3> axes_G() const override;
-  const char* needs() const override { return "place that closes its lip"; }
+  const char* needs() const override { return "surface that seals its lip"; }
   std::string Summary() const override;
   // The bellows must be longer than the press, and the air pressure limits force and moment.
   void Validate(const std::string& source) const override;

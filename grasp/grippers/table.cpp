@@ -21,7 +21,8 @@ constexpr std::array<GripperRow, 2> kGrippers{{
     {ParallelJaw::kMechanism, "two coupled fingers on a slider with a force limit",
      Make<ParallelJaw>},
     {SuctionCup::kMechanism,
-     "a bellows whose lip seals on a part, until pull or moment break it off", Make<SuctionCup>},
+     "a bellows whose lip seals on an object until pull or moment breaks the seal",
+     Make<SuctionCup>},
 }};
 
 std::filesystem::path GripperFile(const std::string& name_or_path) {
@@ -48,7 +49,7 @@ std::shared_ptr<const Gripper> LoadGripper(const std::string& name_or_path,
   std::unique_ptr<Gripper> gripper;
   ReadSettingsFile(file, [&](SettingsVisitor& v) {
     std::string mechanism = rows.front().name;
-    v.Text("mechanism", mechanism, MechanismNames(rows), "how the hand holds");
+    v.Text("mechanism", mechanism, MechanismNames(rows), "mechanism of the hand");
     const auto row = std::find_if(rows.begin(), rows.end(),
                                   [&](const GripperRow& known) { return mechanism == known.name; });
     gripper = row->make();

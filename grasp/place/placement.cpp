@@ -120,20 +120,24 @@ Laying BestLaying(std::span<const RestingDirection> ways, std::span<const Vector
 
 void PlaceOptions::Visit(SettingsVisitor& v) {
   const Range length{0, 1}, share{0, 1}, speed{0.001, 10};
-  v.Real("gap_m", gap_m, length, "between bin and table, m");
-  v.Real("rim_clearance_m", rim_clearance_m, length, "over the bin's rim on the way, m");
-  v.Real("clearance_m", clearance_m, length, "of the hand above the table when it opens, m");
-  v.Real("tilt_share", tilt_share, share, "of a way's worth lost by a hand that points aside");
-  v.Real("tip_rad", tip_rad, {0.01, 1.5}, "inclination at which a way is worth nothing, rad");
-  v.Real("good_drop_m", good_drop_m, {0.0001, 1}, "height of letting go that halves worth, m");
-  v.Integer("tip_steps", tip_steps, {1, 1000}, "inclinations that are looked at");
-  v.Real("lower_mps", lower_mps, speed, "largest speed down to the table, m/s");
-  v.Real("slow_m", slow_m, length, "over the table it is lowered slowly from here on, m");
-  v.Real("slow_mps", slow_mps, speed, "so fast, m/s");
-  v.Real("steady_s", steady_s, {0, 10}, "the hand stands still to feel the weight, s");
-  v.Real("touch_n", touch_n, {0.01, 1000}, "that the table takes from the hand when it stops, N");
-  v.Real("overtravel_m", overtravel_m, length, "below where the table should be felt, m");
-  v.Real("release_mps", release_mps, speed, "of each finger while it lets go, m/s");
+  v.Real("gap_m", gap_m, length, "gap between bin and table, m");
+  v.Real("rim_clearance_m", rim_clearance_m, length,
+         "distance of hand and object above the bin's rim during the carry, m");
+  v.Real("clearance_m", clearance_m, length, "distance of the hand above the table at release, m");
+  v.Real("tilt_share", tilt_share, share,
+         "share of a resting direction's worth that is lost if the hand points sideways");
+  v.Real("tip_rad", tip_rad, {0.01, 1.5}, "inclination at release at which the worth is 0, rad");
+  v.Real("good_drop_m", good_drop_m, {0.0001, 1},
+         "drop height at release that halves the worth, m");
+  v.Integer("tip_steps", tip_steps, {1, 1000}, "number of inclinations tried");
+  v.Real("lower_mps", lower_mps, speed, "peak speed of the descent to the table, m/s");
+  v.Real("slow_m", slow_m, length, "height above the table from which the descent is slow, m");
+  v.Real("slow_mps", slow_mps, speed, "speed of the slow descent, m/s");
+  v.Real("steady_s", steady_s, {0, 10}, "pause before the slow descent to measure the weight, s");
+  v.Real("touch_n", touch_n, {0.01, 1000}, "load taken by the table at which the descent stops, N");
+  v.Real("overtravel_m", overtravel_m, length,
+         "maximum descent below the expected height of the table, m");
+  v.Real("release_mps", release_mps, speed, "speed of each finger at release, m/s");
 }
 
 PlacePlan PlanPlace(const Bin& bin, const ObjectModel& model, const Pose& X_WO, const Pose& X_WG,
@@ -148,10 +152,10 @@ PlacePlan PlanPlace(const Bin& bin, const ObjectModel& model, const Pose& X_WO, 
   const Laying laying = BestLaying(WaysToRest(model), corners_O, X_WO, X_WG, hand_boxes, options);
 
   plan.X_WO = MakePose(laying.R_WO_flat, Vector3d::Zero());
-  Vector3d to_middle = -(plan.X_WO * model.mass.com_O);
-  to_middle.x() += plan.table_W.center.x();
-  to_middle.z() = -(plan.X_WO * LowestOf(corners_O, plan.X_WO)).z();
-  plan.X_WO.translation() = to_middle;
+  Vector3d to_center = -(plan.X_WO * model.mass.com_O);
+  to_center.x() += plan.table_W.center.x();
+  to_center.z() = -(plan.X_WO * LowestOf(corners_O, plan.X_WO)).z();
+  plan.X_WO.translation() = to_center;
 
   // An inclined object tips about its lowest corner, which stays in place.
   Pose X_WO_let_go = MakePose(laying.R_WO, Vector3d::Zero());

@@ -13,6 +13,7 @@
 
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
+#include "scenes/base/ids.h"
 #include "scenes/base/settings.h"
 #include "scenes/bin/bin.h"
 #include "scenes/objects/object_model.h"
@@ -21,7 +22,7 @@ namespace pickbed::grasp {
 
 // Estimated pose of an instance, from any source (ground truth, oracle, network, file).
 struct EstimatedPose {
-  int object = 0;
+  ObjectId object{0};
   Pose X_WO = Pose::Identity();
   double confidence = 1;
 };
@@ -110,8 +111,8 @@ struct PlanOptions {
 
 // Planned grasps and the reasons of rejection.
 struct PlanResult {
-  std::vector<Grasp> grasps;       // best first
-  bool with_wider_limits = false;  // the second pass ran, whether or not it found a grasp
+  std::vector<Grasp> grasps;              // best first
+  bool with_relaxed_constraints = false;  // the second pass ran, whether or not it found a grasp
   // Cause -> count in the last pass. Counts and `grasps` sum to the candidates of all poses.
   // Causes: tilt, quality, opening, bin floor, bin wall, fingers meet a part (also the stem of a
   // cup), palm meets a part. The last two are checked from the best candidate on, until no other

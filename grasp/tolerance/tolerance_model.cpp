@@ -153,15 +153,17 @@ PoseOffset ToPoseOffset(const Pose& X) {
 }
 
 void ToleranceFitOptions::Visit(SettingsVisitor& v) {
-  v.Real("length_scale_m", length_scale_m, {1e-4, 1}, "an error that is a coordinate of 1, m");
-  v.Real("angle_scale_rad", angle_scale_rad, {1e-3, 3}, "likewise, rad");
+  v.Real("length_scale_m", length_scale_m, {1e-4, 1},
+         "position error with a scaled coordinate of 1, m");
+  v.Real("angle_scale_rad", angle_scale_rad, {1e-3, 3},
+         "rotation error with a scaled coordinate of 1, rad");
   v.RenamedKey("least_ridge", "min_ridge");
-  v.Real("min_ridge", min_ridge, {1e-6, 1e6}, "least weight of the squared coefficients");
-  v.Real("ridge_factor", ridge_factor, {1, 1000}, "from one weight that is tried to the next");
-  v.Integer("ridges", ridges, {1, 100}, "weights that are tried");
-  v.Integer("folds", folds, {2, 1000}, "of the grasps, that weights are tried on");
-  v.Integer("max_steps", max_steps, {1, 10000}, "of Newton's method");
-  v.Real("converged", converged, {1e-15, 1}, "largest change of a coefficient at the end");
+  v.Real("min_ridge", min_ridge, {1e-6, 1e6}, "smallest weight of the squared coefficients");
+  v.Real("ridge_factor", ridge_factor, {1, 1000}, "factor between two tried weights");
+  v.Integer("ridges", ridges, {1, 100}, "number of tried weights");
+  v.Integer("folds", folds, {2, 1000}, "number of cross-validation folds of the grasps");
+  v.Integer("max_steps", max_steps, {1, 10000}, "maximum number of steps of Newton's method");
+  v.Real("converged", converged, {1e-15, 1}, "largest change of a coefficient at convergence");
 }
 
 ToleranceModel EmptyToleranceModel(const ObjectModel& model, const std::string& gripper,
@@ -236,43 +238,48 @@ double SuccessProbability(const ToleranceModel& model, const Pose& X_OE) {
 
 void ToleranceModel::Visit(SettingsVisitor& v) {
   std::string kind = kKind;
-  v.Text("kind", kind, {kKind}, "of file");
-  v.Text("object", object, {}, "the part");
-  v.Text("gripper", gripper, {}, "that picked it");
-  v.Real("length_scale_m", length_scale_m, {1e-4, 1}, "an error that is a coordinate of 1, m");
-  v.Real("angle_scale_rad", angle_scale_rad, {1e-3, 3}, "likewise, rad");
+  v.Text("kind", kind, {kKind}, "kind of the file");
+  v.Text("object", object, {}, "name of the object");
+  v.Text("gripper", gripper, {}, "name of the gripper");
+  v.Real("length_scale_m", length_scale_m, {1e-4, 1},
+         "position error with a scaled coordinate of 1, m");
+  v.Real("angle_scale_rad", angle_scale_rad, {1e-3, 3},
+         "rotation error with a scaled coordinate of 1, rad");
   const Range any{-1e6, 1e6};
   v.List(
       "weights", weights.size(), [&](size_t size) { weights.resize(size); },
       [&](size_t i, SettingsVisitor& w) {
-        w.Real("w", weights[i], {-1e9, 1e9}, "of a term");
+        w.Real("w", weights[i], {-1e9, 1e9}, "weight of a term");
       },
-      "of the logistic regression");
-  v.Vector3("surface_mean_m", surface_mean_O, any, "middle of the surface in O, m");
+      "weights of the logistic regression");
+  v.Vector3("surface_mean_m", surface_mean_O, any, "center of the surface in the object frame, m");
   for (int i = 0; i < 3; ++i) {
     Vector3d column = surface_covariance_O.col(i);
     const char* keys[] = {"surface_covariance_x_m2", "surface_covariance_y_m2",
                           "surface_covariance_z_m2"};
-    v.Vector3(keys[i], column, any, "column of the covariance of the surface in O, m^2");
+    v.Vector3(keys[i], column, any,
+              "column of the covariance of the surface in the object frame, m^2");
     surface_covariance_O.col(i) = column;
   }
   v.List(
       "symmetry_turns", symmetries_O.discrete_O.size(),
       [&](size_t size) { symmetries_O.discrete_O.resize(size, Pose::Identity()); },
       [&](size_t i, SettingsVisitor& w) { VisitPose(w, symmetries_O.discrete_O[i]); },
-      "poses of O in O that look the same");
+      "symmetric equivalents of the object pose, in the object frame");
   v.List(
       "symmetry_axes", symmetries_O.continuous_O.size(),
       [&](size_t size) { symmetries_O.continuous_O.resize(size); },
       [&](size_t i, SettingsVisitor& w) {
-        w.Vector3("axis", symmetries_O.continuous_O[i].axis_O, any, "in O");
-        w.Vector3("offset_m", symmetries_O.continuous_O[i].offset_O, any, "a point on it, m");
+        w.Vector3("axis", symmetries_O.continuous_O[i].axis_O, any,
+                  "direction of the axis in the object frame");
+        w.Vector3("offset_m", symmetries_O.continuous_O[i].offset_O, any,
+                  "point on the axis in the object frame, m");
       },
-      "axes about which every turn looks the same");
+      "axes of continuous rotational symmetry");
   v.List(
       "grasps", X_OG.size(), [&](size_t size) { X_OG.resize(size, Pose::Identity()); },
       [&](size_t i, SettingsVisitor& w) { VisitPose(w, X_OG[i]); },
-      "that a hypothesis is scored by");
+      "grasps over which the probability of a hypothesis is averaged");
 }
 
 void WriteToleranceModel(const std::filesystem::path& file, const ToleranceModel& model) {
@@ -284,8 +291,8 @@ ToleranceModel ReadToleranceModel(const std::filesystem::path& file) {
   ToleranceModel model;
   ReadSettingsFile(file, [&](SettingsVisitor& v) { model.Visit(v); });
   CheckInput(model.weights.size() == kTerms && !model.X_OG.empty(),
-             fmt::format("{}: is no tolerance model: it has {} weights of {} and {} grasps; make "
-                         "one with pickbed tolerance OBJECT GRIPPER",
+             fmt::format("{}: is not a tolerance model: it has {} weights of {} and {} grasps; "
+                         "make one with `pickbed tolerance OBJECT GRIPPER`",
                          file.string(), model.weights.size(), kTerms, model.X_OG.size()));
   model.symmetry_poses_O = SymmetryTransforms(model.symmetries_O);
   return model;

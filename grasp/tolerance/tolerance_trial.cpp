@@ -18,7 +18,7 @@ namespace {
 // Best grasp of the planner among `candidates` for an object with estimated pose X_WO.
 std::optional<Grasp> BestGrasp(const Table& table, const Bin& bin, const Pose& X_WO,
                                std::vector<GraspCandidate> candidates, const PlanOptions& options) {
-  const std::vector<EstimatedPose> poses{{0, X_WO, 1}};
+  const std::vector<EstimatedPose> poses{{ObjectId{0}, X_WO, 1}};
   const std::vector<std::vector<GraspCandidate>> by_object{std::move(candidates)};
   const PlanInput input{bin, poses, by_object, {}, table.objects, *table.gripper};
   const PlanResult plan = PlanGrasps(input, options);
@@ -82,22 +82,25 @@ std::optional<GraspCandidate> ChosenCandidate(const Table& table, int place,
 }  // namespace
 
 void TableOptions::Visit(SettingsVisitor& v) {
-  v.Vector3("size_m", size_m, {0, 10}, "of the table: a bin without walls, m");
-  v.Real("friction", friction, {0, 10}, "of the table's top");
-  v.Integer("drops", drops, {1, 10000}, "that the resting poses are found by");
-  v.Real("min_probability", min_probability, {0, 1}, "rarer resting poses are left alone");
-  v.Real("drop_m", drop_m, {0, 0.1}, "height from which the part comes to rest, m");
-  v.Real("settle_s", settle_s, {0, 100}, "for it, at most, s");
-  v.Real("choice_share", choice_share, {0, 1}, "of the candidates that a grasp is the best of");
-  v.Integer("min_choice", min_choice, {1, 1000000}, "candidates in it at least");
-  v.Integer("max_draws", max_draws, {1, 100}, "of such a choice until the planner finds a grasp");
+  v.Vector3("size_m", size_m, {0, 10}, "size of the table, a bin without walls, m");
+  v.Real("friction", friction, {0, 10}, "coefficient of friction of the table top");
+  v.Integer("drops", drops, {1, 10000}, "number of drops from which the resting poses are found");
+  v.Real("min_probability", min_probability, {0, 1}, "minimum probability of a resting pose");
+  v.Real("drop_m", drop_m, {0, 0.1}, "height from which the object settles in its resting pose, m");
+  v.Real("settle_s", settle_s, {0, 100}, "maximum time to settle, s");
+  v.Real("choice_share", choice_share, {0, 1},
+         "share of the candidates from which a grasp is chosen");
+  v.Integer("min_choice", min_choice, {1, 1000000},
+            "minimum number of candidates from which a grasp is chosen");
+  v.Integer("max_draws", max_draws, {1, 100},
+            "maximum number of choices until the planner finds a grasp");
 }
 
 Table MakeTable(std::shared_ptr<const ObjectModel> part, std::shared_ptr<const Gripper> gripper,
                 std::vector<GraspCandidate> candidates, const TableOptions& options) {
   CheckSettings("TableOptions", options);
   const std::string who = fmt::format("{} with {}", part->name, gripper->name);
-  CheckInput(!candidates.empty(), who + ": the part has no grasp that fits this gripper");
+  CheckInput(!candidates.empty(), who + ": the object has no grasp that fits this gripper");
   Table table{{part}, std::move(gripper), std::move(candidates), {}};
   Bin bin;
   bin.inner_size_m = options.size_m;
@@ -105,16 +108,17 @@ Table MakeTable(std::shared_ptr<const ObjectModel> part, std::shared_ptr<const G
   bool any = false;
   for (const RestingPose& pose : FindRestingPoses(*part, options.drops)) {
     if (pose.probability < options.min_probability) continue;
-    RestingPlace place{{bin, {{0, 0, SettledPose(*part, bin, pose.X_WO, options)}}},
-                       pose.probability};
+    RestingPlace place{
+        {bin, {{InstanceId{0}, ObjectId{0}, SettledPose(*part, bin, pose.X_WO, options)}}},
+        pose.probability};
     place.graspable =
         BestGrasp(table, bin, place.scene.objects[0].X_WO, table.candidates, {}).has_value();
     any = any || place.graspable;
     table.places.push_back(std::move(place));
   }
-  CheckInput(any, fmt::format("{}: in none of its {} resting poses does the table leave room for a "
-                              "grasp",
-                              who, table.places.size()));
+  CheckInput(any,
+             fmt::format("{}: the table leaves no room for a grasp in any of the {} resting poses",
+                         who, table.places.size()));
   return table;
 }
 
@@ -145,14 +149,15 @@ GraspOutcome ExecuteWithError(const Table& table, const TableGrasp& grasp, const
   plan.max_grasps = 1;
   plan.max_tilt_rad = std::numbers::pi;  // the grasp is given: only the table may reject it
   plan.min_quality = 0;
-  const Pose X_WO_believed = scene.objects[0].X_WO * X_OE;
-  const auto planned = BestGrasp(table, scene.bin, X_WO_believed, {grasp.candidate}, plan);
+  const Pose X_WO_estimated = scene.objects[0].X_WO * X_OE;
+  const auto planned = BestGrasp(table, scene.bin, X_WO_estimated, {grasp.candidate}, plan);
   if (!planned) {
     GraspOutcome outcome;
     outcome.failure = FailureReason::kNoGrasp;
     return outcome;
   }
-  return ExecuteGrasp(scene, table.objects, *planned, *table.gripper, 0, options).outcome;
+  return ExecuteGrasp(scene, table.objects, *planned, *table.gripper, InstanceId{0}, options)
+      .outcome;
 }
 
 }  // namespace pickbed::grasp

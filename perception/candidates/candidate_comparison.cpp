@@ -65,8 +65,8 @@ std::vector<const Candidate*> EvidentCandidates(const std::vector<Candidate>& ca
   }
   std::vector<const Candidate*> evident;
   for (const Candidate* candidate : explaining) {
-    const int part = candidate->hypothesis.object;
-    if (places[part].Admit(CenterOf(*candidate, models[part]), 1)) evident.push_back(candidate);
+    const ObjectId object = candidate->hypothesis.object;
+    if (places[object].Admit(CenterOf(*candidate, models[object]), 1)) evident.push_back(candidate);
   }
   return evident;
 }
@@ -74,12 +74,12 @@ std::vector<const Candidate*> EvidentCandidates(const std::vector<Candidate>& ca
 double OverlapWith(const std::vector<const Candidate*>& evident, const Candidate& candidate,
                    const std::vector<ModelPoints>& models) {
   constexpr double kMaxOverlap = 0.25;
-  const int part = candidate.hypothesis.object;
-  const ModelPoints& model = models[part];
+  const ObjectId object = candidate.hypothesis.object;
+  const ModelPoints& model = models[object];
   const Eigen::Vector3d center_C = CenterOf(candidate, model);
   double deepest = 0;
   for (const Candidate* other : evident) {
-    const bool same_part = other->hypothesis.object == part;
+    const bool same_part = other->hypothesis.object == object;
     if (!same_part && other->evidence <= candidate.evidence) continue;
     const ModelPoints& theirs = models[other->hypothesis.object];
     const double apart_m = (CenterOf(*other, theirs) - center_C).norm();

@@ -25,42 +25,50 @@ void KeepBest(size_t max_count, std::vector<ScoredPose>& scored) {
 
 }  // namespace
 
-void AssessmentOptions::Visit(SettingsVisitor& v) {
-  v.Integer("candidates", candidates, {1, 100000}, "poses refined, all parts together");
-  v.Integer("min_candidates", min_candidates, {1, 100000}, "poses refined for each part at least");
-  v.Real("quick_tau_m", quick_tau_m, {1e-4, 0.1}, "band of the quick score, m");
-  v.Real("density_weight", density_weight, {0, 10}, "of the votes' density in their rank");
-  v.Real("density_diameters", density_diameters, {1e-3, 1}, "votes within it count");
-  v.Real("cluster_diameters", cluster_diameters, {1e-4, 1}, "raw poses within it are one");
+void CandidateRefinementOptions::Visit(SettingsVisitor& v) {
+  v.Integer("candidates", candidates, {1, 100000},
+            "maximum number of refined poses, all objects together");
+  v.Integer("min_candidates", min_candidates, {1, 100000},
+            "minimum number of refined poses per object");
+  v.Real("quick_tau_m", quick_tau_m, {1e-4, 0.1}, "depth band of the quick score, m");
+  v.Real("density_weight", density_weight, {0, 10},
+         "weight of the vote density in the rank of a vote");
+  v.Real("density_diameters", density_diameters, {1e-3, 1},
+         "kernel radius of the vote density, diameters");
+  v.Real("cluster_diameters", cluster_diameters, {1e-4, 1},
+         "pose distance within which raw poses are merged, diameters");
   v.RenamedKey("gate_diameters", "correspondence_distance_diameters");
   v.Real("correspondence_distance_diameters", correspondence_distance_diameters, {1e-3, 1},
-         "first gate of ICP, diameters");
+         "maximum correspondence distance at the start of ICP, diameters");
   v.RenamedKey("gate_min_m", "min_correspondence_distance_m");
   v.Real("min_correspondence_distance_m", min_correspondence_distance_m, {1e-4, 1},
-         "least gate, m");
+         "lower limit of the correspondence distance, m");
   v.RenamedKey("gate_max_m", "max_correspondence_distance_m");
   v.Real("max_correspondence_distance_m", max_correspondence_distance_m, {1e-4, 1},
-         "largest gate, m");
+         "upper limit of the correspondence distance, m");
   v.RenamedKey("two_gates", "two_correspondence_distances");
   v.Bool("two_correspondence_distances", two_correspondence_distances,
-         "also try half the gate and keep the better");
+         "whether half the correspondence distance is also tried and the better result kept");
   v.RenamedKey("turned", "ambiguous_candidates");
   v.Integer("ambiguous_candidates", ambiguous_candidates, {0, 100000},
-            "best poses, of all parts together, whose look-alikes are tried");
+            "number of best poses, all objects together, whose ambiguous poses are tried");
   v.RenamedKey("look_alikes", "ambiguous_poses");
   v.Integer("ambiguous_poses", ambiguous_poses, {1, 1000},
-            "look-alikes of a pose that are refined");
-  v.Integer("drawn", drawn, {1, 1000}, "look-alikes of a pose whose evidence is measured");
+            "number of ambiguous poses refined per pose");
+  v.Integer("drawn", drawn, {1, 1000},
+            "number of ambiguous poses per pose whose evidence is measured");
   v.RenamedKey("least_quick_score", "min_quick_score");
-  v.Real("min_quick_score", min_quick_score, {-1, 1}, "of a refined pose");
-  v.Integer("fine_points", fine_points, {6, 512}, "points of the last steps of ICP");
-  v.Integer("fine_steps", fine_steps, {0, 100}, "last steps of ICP, by more points");
-  v.Integer("evidence_pixels", evidence_pixels, {1, 1000000}, "of a candidate looked at, about");
-  v.Real("merge_diameters", merge_diameters, {1e-4, 1}, "refined poses within it are one");
+  v.Real("min_quick_score", min_quick_score, {-1, 1}, "minimum quick score of a refined pose");
+  v.Integer("fine_points", fine_points, {6, 512}, "number of points in the second refinement");
+  v.Integer("fine_steps", fine_steps, {0, 100}, "number of iterations in the second refinement");
+  v.Integer("evidence_pixels", evidence_pixels, {1, 1000000},
+            "approximate number of pixels evaluated per candidate");
+  v.Real("merge_diameters", merge_diameters, {1e-4, 1},
+         "pose distance within which refined poses are merged, diameters");
 }
 
-CandidateAssessor::CandidateAssessor(const ObjectSet& objects, const AssessmentOptions& options,
-                                     int threads)
+CandidateRefiner::CandidateRefiner(const ObjectSet& objects,
+                                   const CandidateRefinementOptions& options, int threads)
     : objects_(objects), options_(options), threads_(threads) {
   CheckSettings("AssessmentOptions", options);
   CheckSettings("ProjectiveIcpOptions", options.icp);
@@ -69,18 +77,19 @@ CandidateAssessor::CandidateAssessor(const ObjectSet& objects, const AssessmentO
     evidence_.emplace_back(*object);
     distances_.emplace_back(*object);
     embeddings_.emplace_back(*object);
-    look_alikes_.push_back(AmbiguousPoses(*object, models_.back(), distances_.back()));
+    ambiguous_poses_.push_back(AmbiguousPoses(*object, models_.back(), distances_.back()));
   }
 }
 
-std::vector<RawHypothesis> CandidateAssessor::QuickScored(
-    const OrganizedCloud& cloud, int part, const std::vector<PoseVote>& votes) const {
+std::vector<RawHypothesis> CandidateRefiner::QuickScored(const OrganizedCloud& cloud,
+                                                         ObjectId object,
+                                                         const std::vector<PoseVote>& votes) const {
   std::vector<RawHypothesis> scored(votes.size());
   ForRanges(static_cast<int>(votes.size()), threads_, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const Pose& X_CO = votes[i].X_CO;
-      const double score = QuickScore(cloud, models_[part], X_CO, options_.quick_tau_m);
-      scored[i] = {.object = part,
+      const double score = QuickScore(cloud, models_[object], X_CO, options_.quick_tau_m);
+      scored[i] = {.object = object,
                    .X_CO = X_CO,
                    .quick_score = static_cast<float>(score),
                    .patch = votes[i].patch};
@@ -89,27 +98,27 @@ std::vector<RawHypothesis> CandidateAssessor::QuickScored(
   return scored;
 }
 
-VoteDensity CandidateAssessor::Density(int part, const std::vector<PoseVote>& votes) const {
-  const ObjectModel& model = *objects_[part];
-  return VoteDensity(embeddings_[part], model.mass.com_O, model.diameter_m,
+VoteDensity CandidateRefiner::Density(ObjectId object, const std::vector<PoseVote>& votes) const {
+  const ObjectModel& model = *objects_[object];
+  return VoteDensity(embeddings_[object], model.mass.com_O, model.diameter_m,
                      options_.density_diameters, votes);
 }
 
-int CandidateAssessor::Kept(double share) const {
+int CandidateRefiner::Kept(double share) const {
   const int all =
       std::max(options_.min_candidates, options_.candidates / static_cast<int>(objects_.size()));
   return std::max(1, static_cast<int>(share * all));
 }
 
 // Objects in the same bin share the number of tried poses in the same ratio as the candidates.
-int CandidateAssessor::Turned() const {
+int CandidateRefiner::AmbiguousStarts() const {
   const double of_all = static_cast<double>(Kept(1)) / options_.candidates;
   return static_cast<int>(std::ceil(options_.ambiguous_candidates * std::min(1.0, of_all)));
 }
 
 // Votes of the same patch do not add to the density.
-std::vector<RawHypothesis> CandidateAssessor::Selected(std::vector<RawHypothesis> scored,
-                                                       const VoteDensity& density, int kept) const {
+std::vector<RawHypothesis> CandidateRefiner::Selected(std::vector<RawHypothesis> scored,
+                                                      const VoteDensity& density, int kept) const {
   ForRanges(static_cast<int>(scored.size()), threads_, [&](int begin, int end) {
     VoteDensity::Scratch scratch;
     for (int i = begin; i < end; ++i) {
@@ -123,8 +132,8 @@ std::vector<RawHypothesis> CandidateAssessor::Selected(std::vector<RawHypothesis
 
 // The new quick score uses the final correspondence distance as band. If ICP lowers it, the start
 // pose is kept.
-RawHypothesis CandidateAssessor::Refined(const OrganizedCloud& cloud,
-                                         const RawHypothesis& start) const {
+RawHypothesis CandidateRefiner::Refined(const OrganizedCloud& cloud,
+                                        const RawHypothesis& start) const {
   const ModelPoints& model = models_[start.object];
   ProjectiveIcpOptions icp = options_.icp;
   const double final_m = icp.final_correspondence_distance_m;
@@ -147,7 +156,7 @@ RawHypothesis CandidateAssessor::Refined(const OrganizedCloud& cloud,
 
 // With the few points of the first iterations, an ambiguous pose sometimes scores higher than the
 // true pose.
-void CandidateAssessor::RefineFinely(const OrganizedCloud& cloud, RawHypothesis& pose) const {
+void CandidateRefiner::RefineFinely(const OrganizedCloud& cloud, RawHypothesis& pose) const {
   constexpr float kMaxLoss = 0.05f;  // tolerated loss; the quick score counts whole points
   const ModelPoints& model = models_[pose.object];
   ProjectiveIcpOptions icp = options_.icp;
@@ -162,10 +171,10 @@ void CandidateAssessor::RefineFinely(const OrganizedCloud& cloud, RawHypothesis&
   pose.quick_score = score;
 }
 
-std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& cloud,
-                                                         const std::vector<RawHypothesis>& starts,
-                                                         bool ambiguous_poses,
-                                                         EstimateTrace* trace) const {
+std::vector<RawHypothesis> CandidateRefiner::AllRefined(const OrganizedCloud& cloud,
+                                                        const std::vector<RawHypothesis>& starts,
+                                                        bool ambiguous_poses,
+                                                        EstimateTrace* trace) const {
   std::vector<RawHypothesis> refined(starts.size());
   ForRanges(static_cast<int>(starts.size()), threads_, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) refined[i] = Refined(cloud, starts[i]);
@@ -177,8 +186,8 @@ std::vector<RawHypothesis> CandidateAssessor::AllRefined(const OrganizedCloud& c
 }
 
 // Drops poses with a low quick score and merges nearly equal ones.
-std::vector<RawHypothesis> CandidateAssessor::Merged(std::vector<RawHypothesis> poses,
-                                                     size_t max_count) const {
+std::vector<RawHypothesis> CandidateRefiner::Merged(std::vector<RawHypothesis> poses,
+                                                    size_t max_count) const {
   std::erase_if(poses, [&](const RawHypothesis& pose) {
     return pose.quick_score < options_.min_quick_score;
   });
@@ -188,12 +197,12 @@ std::vector<RawHypothesis> CandidateAssessor::Merged(std::vector<RawHypothesis> 
 
 // Returns the ambiguous poses with most evidence, best first. The quick score preselects them,
 // because it costs a tenth of the evidence.
-std::vector<RawHypothesis> CandidateAssessor::BestAmbiguousPoses(const OrganizedCloud& cloud,
-                                                                 const RawHypothesis& start,
-                                                                 EvidenceScratch& scratch) const {
+std::vector<RawHypothesis> CandidateRefiner::BestAmbiguousPoses(const OrganizedCloud& cloud,
+                                                                const RawHypothesis& start,
+                                                                EvidenceScratch& scratch) const {
   const double band_m = options_.icp.final_correspondence_distance_m;
   std::vector<ScoredPose> rotated;  // the score is the quick score, later the evidence in nats
-  for (const Pose& S_O : look_alikes_[start.object]) {
+  for (const Pose& S_O : ambiguous_poses_[start.object]) {
     const Pose X_CO = start.X_CO * S_O;
     rotated.push_back({QuickScore(cloud, models_[start.object], X_CO, band_m), X_CO});
   }
@@ -208,10 +217,10 @@ std::vector<RawHypothesis> CandidateAssessor::BestAmbiguousPoses(const Organized
 }
 
 // `poses` are of one object, best first.
-void CandidateAssessor::AddAmbiguousPoses(const OrganizedCloud& cloud, EstimateTrace* trace,
-                                          std::vector<RawHypothesis>& poses) const {
+void CandidateRefiner::AddAmbiguousPoses(const OrganizedCloud& cloud, EstimateTrace* trace,
+                                         std::vector<RawHypothesis>& poses) const {
   constexpr int kStartsAtPlace = 2;
-  const size_t max_starts = Turned();
+  const size_t max_starts = AmbiguousStarts();
   if (poses.empty()) return;
   const ModelPoints& model = models_[poses.front().object];
   Crowding places(kSamePlaceDiameters * model.diameter_m);
@@ -233,10 +242,10 @@ void CandidateAssessor::AddAmbiguousPoses(const OrganizedCloud& cloud, EstimateT
   for (const RawHypothesis& pose : AllRefined(cloud, rotated, true, trace)) poses.push_back(pose);
 }
 
-std::vector<Candidate> CandidateAssessor::WithFeatures(const OrganizedCloud& cloud,
-                                                       const std::vector<RawHypothesis>& poses,
-                                                       const VoteDensity& density,
-                                                       int patches) const {
+std::vector<Candidate> CandidateRefiner::WithFeatures(const OrganizedCloud& cloud,
+                                                      const std::vector<RawHypothesis>& poses,
+                                                      const VoteDensity& density,
+                                                      int patches) const {
   // The density grows with the number of patches; the verifier gets it scaled to this number.
   constexpr double kUsualPatches = 600;
   const double per_patch = kUsualPatches / static_cast<double>(patches);
@@ -245,43 +254,41 @@ std::vector<Candidate> CandidateAssessor::WithFeatures(const OrganizedCloud& clo
     EvidenceScratch scratch;
     VoteDensity::Scratch density_scratch;
     for (int i = begin; i < end; ++i) {
-      const int part = poses[i].object;
+      const ObjectId object = poses[i].object;
       const Pose& X_CO = poses[i].X_CO;
       Candidate& candidate = candidates[i];
-      candidate.hypothesis = {part, X_CO, poses[i].quick_score, {}};
+      candidate.hypothesis = {object, X_CO, poses[i].quick_score, {}};
       const DepthEvidence evidence =
-          evidence_[part](cloud, X_CO, scratch, options_.evidence_pixels);
+          evidence_[object](cloud, X_CO, scratch, options_.evidence_pixels);
       candidate.evidence = evidence.log_ratio;
       candidate.features = ComputeVerifyFeatures(
-          cloud, models_[part], X_CO, evidence,
+          cloud, models_[object], X_CO, evidence,
           per_patch * density.Around(X_CO, kNoPatch, density_scratch), candidate.hypothesis.fit);
     }
   });
   return candidates;
 }
 
-std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, int part,
-                                                 const std::vector<PoseVote>& votes, int patches,
-                                                 double share, StageSeconds& seconds,
-                                                 EstimateTrace* trace) const {
-  return Assess(cloud, part, votes, votes, patches, share, seconds, trace);
+std::vector<Candidate> CandidateRefiner::RefineCandidates(
+    const OrganizedCloud& cloud, ObjectId object, const std::vector<PoseVote>& votes, int patches,
+    double share, StageSeconds& seconds, EstimateTrace* trace) const {
+  return RefineCandidates(cloud, object, votes, votes, patches, share, seconds, trace);
 }
 
-std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, int part,
-                                                 const std::vector<PoseVote>& votes,
-                                                 const std::vector<PoseVote>& cast, int patches,
-                                                 double share, StageSeconds& seconds,
-                                                 EstimateTrace* trace) const {
+std::vector<Candidate> CandidateRefiner::RefineCandidates(
+    const OrganizedCloud& cloud, ObjectId object, const std::vector<PoseVote>& votes,
+    const std::vector<PoseVote>& cast, int patches, double share, StageSeconds& seconds,
+    EstimateTrace* trace) const {
   const int kept = Kept(share);
   std::vector<RawHypothesis> poses;
   {
     const StageTimer timer(seconds, "quick");
-    poses = QuickScored(cloud, part, votes);
+    poses = QuickScored(cloud, object, votes);
   }
   std::optional<VoteDensity> density;
   {
     const StageTimer timer(seconds, "select");
-    density.emplace(Density(part, cast));
+    density.emplace(Density(object, cast));
     poses = Selected(std::move(poses), *density, kept);
   }
   {
@@ -299,9 +306,9 @@ std::vector<Candidate> CandidateAssessor::Assess(const OrganizedCloud& cloud, in
   return WithFeatures(cloud, poses, *density, patches);
 }
 
-std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
-                                                const std::vector<Candidate>& candidates,
-                                                const std::vector<int>& pixels) const {
+std::vector<int> CandidateRefiner::Unexplained(const OrganizedCloud& cloud,
+                                               const std::vector<Candidate>& candidates,
+                                               const std::vector<int>& pixels) const {
   std::vector<uint8_t> explained(cloud.points_C.size());
   for (const Candidate* candidate : EvidentCandidates(candidates, models_)) {
     MarkExplained(cloud, models_[candidate->hypothesis.object], candidate->hypothesis.X_CO,
@@ -314,7 +321,7 @@ std::vector<int> CandidateAssessor::Unexplained(const OrganizedCloud& cloud,
   return left;
 }
 
-void CandidateAssessor::Compare(std::vector<Candidate>& candidates, StageSeconds& seconds) const {
+void CandidateRefiner::Compare(std::vector<Candidate>& candidates, StageSeconds& seconds) const {
   const StageTimer timer(seconds, "verify");
   std::vector<std::vector<Candidate*>> by_part(objects_.size());
   for (Candidate& candidate : candidates) {

@@ -12,13 +12,14 @@
 #include "perception/model/pose_distance.h"
 #include "perception/voting/pose_clustering.h"
 #include "perception/voting/vote_density.h"
+#include "scenes/base/ids.h"
 #include "scenes/base/settings.h"
 #include "scenes/base/stage_timer.h"
 
 namespace pickbed::perception {
 
 // Options of candidate refinement.
-struct AssessmentOptions {
+struct CandidateRefinementOptions {
   int candidates = 300;        // poses refined by ICP, all objects together
   int min_candidates = 100;    // minimum number per object
   double quick_tau_m = 0.008;  // depth band of the quick score
@@ -53,24 +54,27 @@ struct AssessmentOptions {
 };
 
 // Refines raw poses to candidates and compares the candidates of a frame.
-class CandidateAssessor {
+class CandidateRefiner {
  public:
   // Results do not depend on the number of threads.
-  CandidateAssessor(const ObjectSet& objects, const AssessmentOptions& options, int threads = 1);
+  CandidateRefiner(const ObjectSet& objects, const CandidateRefinementOptions& options,
+                   int threads = 1);
 
-  // Returns candidates from the raw poses `votes` of objects[part]; hypothesis.object = part.
+  // Returns candidates from the raw poses `votes` of objects[object]; hypothesis.object = object.
   // - patches: number of patches or reference points that voted; normalises the vote density
   // - share: share of the configured number of candidates that is refined, 0..1
   // - seconds: times are added under "quick", "select", "icp", "ambiguous_poses" and "verify"
   // - trace: if given, the refinements are appended
-  std::vector<Candidate> Assess(const OrganizedCloud& cloud, int part,
-                                const std::vector<PoseVote>& votes, int patches, double share,
-                                StageSeconds& seconds, EstimateTrace* trace = nullptr) const;
+  std::vector<Candidate> RefineCandidates(const OrganizedCloud& cloud, ObjectId object,
+                                          const std::vector<PoseVote>& votes, int patches,
+                                          double share, StageSeconds& seconds,
+                                          EstimateTrace* trace = nullptr) const;
   // The same for raw poses that are modes of votes; the density is computed from the votes `cast`.
-  std::vector<Candidate> Assess(const OrganizedCloud& cloud, int part,
-                                const std::vector<PoseVote>& votes,
-                                const std::vector<PoseVote>& cast, int patches, double share,
-                                StageSeconds& seconds, EstimateTrace* trace = nullptr) const;
+  std::vector<Candidate> RefineCandidates(const OrganizedCloud& cloud, ObjectId object,
+                                          const std::vector<PoseVote>& votes,
+                                          const std::vector<PoseVote>& cast, int patches,
+                                          double share, StageSeconds& seconds,
+                                          EstimateTrace* trace = nullptr) const;
 
   // Returns the pixels that no evident candidate explains.
   std::vector<int> Unexplained(const OrganizedCloud& cloud,
@@ -85,9 +89,9 @@ class CandidateAssessor {
   const std::vector<PoseDistance>& distances() const { return distances_; }
 
  private:
-  std::vector<RawHypothesis> QuickScored(const OrganizedCloud& cloud, int part,
+  std::vector<RawHypothesis> QuickScored(const OrganizedCloud& cloud, ObjectId object,
                                          const std::vector<PoseVote>& votes) const;
-  VoteDensity Density(int part, const std::vector<PoseVote>& votes) const;
+  VoteDensity Density(ObjectId object, const std::vector<PoseVote>& votes) const;
   std::vector<RawHypothesis> Selected(std::vector<RawHypothesis> scored, const VoteDensity& density,
                                       int kept) const;
   RawHypothesis Refined(const OrganizedCloud& cloud, const RawHypothesis& start) const;
@@ -105,16 +109,16 @@ class CandidateAssessor {
                                       const std::vector<RawHypothesis>& poses,
                                       const VoteDensity& density, int patches) const;
   int Kept(double share) const;
-  int Turned() const;  // number of poses of one object whose ambiguous poses are tried
+  int AmbiguousStarts() const;  // number of poses of one object whose ambiguous poses are tried
 
   ObjectSet objects_;
-  AssessmentOptions options_;
+  CandidateRefinementOptions options_;
   int threads_;
   std::vector<ModelPoints> models_;
   std::vector<DepthEvidenceOf> evidence_;
   std::vector<PoseDistance> distances_;
   std::vector<PoseEmbedding> embeddings_;
-  std::vector<std::vector<Pose>> look_alikes_;  // transforms S_O, by object
+  std::vector<std::vector<Pose>> ambiguous_poses_;  // transforms S_O, by object
 };
 
 }  // namespace pickbed::perception

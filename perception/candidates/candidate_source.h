@@ -1,7 +1,7 @@
 #pragma once
 
 // Interface of pose proposal methods, with learned descriptors or point pairs. They pass their raw
-// poses to a CandidateAssessor. A verifier is trained on the candidates of the source whose
+// poses to a CandidateRefiner. A verifier is trained on the candidates of the source whose
 // candidates it will score.
 
 #include "perception/candidates/candidate_refinement.h"
@@ -18,7 +18,7 @@ class CandidateSource {
   // each stage to `seconds`, and the intermediate results to `trace` if given.
   virtual std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds,
                                       EstimateTrace* trace = nullptr) const = 0;
-  virtual const CandidateAssessor& assessor() const = 0;
+  virtual const CandidateRefiner& candidate_refiner() const = 0;
 };
 
 }  // namespace pickbed::perception

@@ -35,7 +35,7 @@ struct TracedVote {
 // score of `after` uses the final correspondence distance as band.
 struct TracedRefinement {
   RawHypothesis before, after;
-  bool look_alike = false;  // starts from an ambiguous pose, not from a vote
+  bool ambiguous_pose = false;  // starts from an ambiguous pose, not from a vote
 };
 
 // A scored candidate.

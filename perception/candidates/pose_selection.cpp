@@ -11,13 +11,13 @@ std::vector<PoseHypothesis> Scored(const OrganizedCloud& cloud,
                                    const std::vector<ModelPoints>& models,
                                    std::span<const Verifier> verifiers,
                                    const std::vector<Candidate>& candidates,
-                                   const FinalSetOptions& options) {
+                                   const PoseSelectionOptions& options) {
   std::vector<PoseHypothesis> scored;
   for (const Candidate& candidate : candidates) {
     PoseHypothesis hypothesis = candidate.hypothesis;
-    const int part = hypothesis.object;
-    hypothesis.score = CandidateScore(cloud, models[part], verifiers[part], candidate, options.mode,
-                                      options.min_score);
+    const ObjectId object = hypothesis.object;
+    hypothesis.score = CandidateScore(cloud, models[object], verifiers[object], candidate,
+                                      options.mode, options.min_score);
     if (hypothesis.score >= options.min_score) scored.push_back(hypothesis);
   }
   std::stable_sort(
@@ -36,13 +36,13 @@ double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
   return ScoreWithPrint(score, PrintCorrelation(cloud, model, candidate.hypothesis.X_CO));
 }
 
-std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
-                                     const std::vector<ModelPoints>& models,
-                                     const std::vector<PoseDistance>& distances,
-                                     std::span<const Verifier> verifiers,
-                                     const std::vector<Candidate>& candidates,
-                                     const FinalSetOptions& options,
-                                     std::span<const int> instances) {
+std::vector<PoseHypothesis> SelectPoses(const OrganizedCloud& cloud,
+                                        const std::vector<ModelPoints>& models,
+                                        const std::vector<PoseDistance>& distances,
+                                        std::span<const Verifier> verifiers,
+                                        const std::vector<Candidate>& candidates,
+                                        const PoseSelectionOptions& options,
+                                        std::span<const int> instances) {
   std::vector<PoseHypothesis> kept;
   for (const PoseHypothesis& hypothesis : Scored(cloud, models, verifiers, candidates, options)) {
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const PoseHypothesis& better) {
@@ -52,13 +52,13 @@ std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
     if (!known) kept.push_back(hypothesis);
   }
   // The common colour of an object is estimated from poses of different instances.
-  std::vector<PoseHypothesis> accepted = SuppressDuplicates(cloud, models, kept, options.suppress);
+  std::vector<PoseHypothesis> accepted = SuppressNonMaxima(cloud, models, kept, options.suppress);
   const CommonColors colors(cloud, models, accepted);
   bool any_odd = false;
   for (PoseHypothesis& hypothesis : kept) any_odd |= colors.LowerIfOdd(hypothesis);
   if (!any_odd && instances.empty()) return accepted;
   std::erase_if(kept, [&](const PoseHypothesis& h) { return h.score < options.min_score; });
-  return SuppressDuplicates(cloud, models, std::move(kept), options.suppress, instances);
+  return SuppressNonMaxima(cloud, models, std::move(kept), options.suppress, instances);
 }
 
 }  // namespace pickbed::perception

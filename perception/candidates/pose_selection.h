@@ -13,11 +13,11 @@
 
 namespace pickbed::perception {
 
-struct FinalSetOptions {
+struct PoseSelectionOptions {
   double min_score = 0.5;        // poses with a lower score are not reported
   double merge_diameters = 0.1;  // poses of one object within this pose distance are merged
-  CandidateMode mode = CandidateMode::kHard;
-  SuppressOptions suppress;
+  CandidateMode mode = CandidateMode::kAccurate;
+  NonMaximumSuppressionOptions suppress;
 };
 
 // Returns the verifier's score, lowered if the surface texture contradicts the pose. The texture is
@@ -28,12 +28,12 @@ double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
 
 // Returns the selected hypotheses by decreasing score. `models`, `distances`, `verifiers` and, if
 // not empty, `instances` (see EstimatorInput) are by object index.
-std::vector<PoseHypothesis> FinalSet(const OrganizedCloud& cloud,
-                                     const std::vector<ModelPoints>& models,
-                                     const std::vector<PoseDistance>& distances,
-                                     std::span<const Verifier> verifiers,
-                                     const std::vector<Candidate>& candidates,
-                                     const FinalSetOptions& options,
-                                     std::span<const int> instances = {});
+std::vector<PoseHypothesis> SelectPoses(const OrganizedCloud& cloud,
+                                        const std::vector<ModelPoints>& models,
+                                        const std::vector<PoseDistance>& distances,
+                                        std::span<const Verifier> verifiers,
+                                        const std::vector<Candidate>& candidates,
+                                        const PoseSelectionOptions& options,
+                                        std::span<const int> instances = {});
 
 }  // namespace pickbed::perception

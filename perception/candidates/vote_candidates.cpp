@@ -16,18 +16,18 @@ constexpr std::string_view kModes = "modes", kRegressed = "regressed", kBoth = "
 // Objects with equal patch side. They share the patches of a query and one index.
 struct SideGroup {
   struct Entry {
-    int part = 0;
+    ObjectId object{0};
     int code = 0;
   };
   double side_m = 0;
-  std::vector<int> parts;
+  std::vector<ObjectId> objects;
   std::vector<Entry> entries;            // by row of the index
   std::unique_ptr<NeighborIndex> index;  // null: poses are only regressed
 };
 
 // The vote of one patch with its descriptor distance.
 struct PatchVote {
-  int part = 0;
+  ObjectId object{0};
   PoseVote vote;
   float distance = 0;
 };
@@ -54,23 +54,24 @@ ObjectSet ModelsOf(const std::vector<CandidatePart>& parts) {
 }  // namespace
 
 void CandidateOptions::Visit(SettingsVisitor& v) {
-  v.Integer("points", points, {1, 100000}, "patches cut from a frame, of all sizes together");
+  v.Integer("points", points, {1, 100000}, "number of patches per image, all patch sizes together");
   v.Integer("min_points", min_points, {1, 100000},
-            "patches of each size at least, unless points is less");
-  v.Integer("neighbors", neighbors, {1, 1000}, "votes of a patch");
-  v.Text("votes", votes, {"neighbors", "modes", "regressed", "both"},
-         "what is taken for a raw pose");
+            "minimum number of patches per patch size, limited by points");
+  v.Integer("neighbors", neighbors, {1, 1000}, "number of codebook votes per patch");
+  v.Text("votes", votes, {"neighbors", "modes", "regressed", "both"}, "source of the raw poses");
   v.RenamedKey("least_share", "min_share");
-  v.Real("min_share", min_share, {0, 1}, "how sure a network must be of a part to vote for it");
-  v.Integer("rounds", rounds, {1, 10}, "of votes; later ones are cast where nothing is explained");
-  AssessmentOptions::Visit(v);
+  v.Real("min_share", min_share, {0, 1},
+         "minimum probability that a patch shows the object, for its vote to count");
+  v.Integer("rounds", rounds, {1, 10},
+            "rounds of voting; later rounds sample only pixels that are not explained");
+  CandidateRefinementOptions::Visit(v);
   v.Group(
-      "modes", [&](SettingsVisitor& g) { modes.Visit(g); }, "how votes are filtered to modes");
+      "modes", [&](SettingsVisitor& g) { modes.Visit(g); }, "settings that filter votes to modes");
   v.Group(
-      "index", [&](SettingsVisitor& g) { index.Visit(g); }, "neighbour index");
+      "index", [&](SettingsVisitor& g) { index.Visit(g); }, "settings of the neighbor index");
 }
 
-CandidateOptions HardCandidates() {
+CandidateOptions AccurateCandidates() {
   CandidateOptions options;
   options.points = 1200;
   options.min_points = 600;
@@ -87,7 +88,7 @@ struct CandidateFinder::Impl {
   PatchVoter voter;
   CandidateOptions options;
   int threads;
-  CandidateAssessor assessor;
+  CandidateRefiner candidate_refiner;
   std::vector<PartRotations> rotations;  // by object
   std::vector<PoseTargets> targets;      // by object
   std::vector<SideGroup> groups;
@@ -104,7 +105,7 @@ struct CandidateFinder::Impl {
   // Votes according to options.votes, grouped by patch.
   std::vector<PatchVote> Cast(const SideGroup& group, const PatchSet& patches,
                               StageSeconds& seconds) const;
-  std::vector<PoseVote> ModesOf(int part, const std::vector<PatchVote>& votes) const;
+  std::vector<PoseVote> ModesOf(ObjectId object, const std::vector<PatchVote>& votes) const;
   // Samples the pixels `looked_at` and returns candidates from the votes of their patches.
   std::vector<Candidate> Round(const OrganizedCloud& cloud, const std::vector<int>& looked_at,
                                double share, Rng& rng, StageSeconds& seconds,
@@ -112,20 +113,20 @@ struct CandidateFinder::Impl {
 };
 
 void CandidateFinder::Impl::BuildGroups() {
-  std::map<long, std::vector<int>> by_side;  // micrometres
+  std::map<long, std::vector<ObjectId>> by_side;  // micrometres
   for (size_t p = 0; p < parts.size(); ++p) {
-    by_side[std::lround(parts[p].side_m * 1e6)].push_back(static_cast<int>(p));
+    by_side[std::lround(parts[p].side_m * 1e6)].push_back(ObjectId(p));
   }
   for (const auto& [side_um, members] : by_side) {
     SideGroup group;
     group.side_m = parts[members.front()].side_m;
-    group.parts = members;
+    group.objects = members;
     if (options.votes == kRegressed) {
       groups.push_back(std::move(group));
       continue;
     }
     std::vector<float> rows;
-    for (const int p : members) {
+    for (const ObjectId p : members) {
       ObjectCodes& codes = parts[p].codes;
       rows.insert(rows.end(), codes.descriptors.begin(), codes.descriptors.end());
       for (size_t i = 0; i < codes.size(); ++i) group.entries.push_back({p, static_cast<int>(i)});
@@ -152,8 +153,8 @@ std::vector<PatchVote> CandidateFinder::Impl::LookUp(const SideGroup& group,
     if (found.rows[i] < 0) continue;
     const SideGroup::Entry& entry = group.entries[found.rows[i]];
     const int patch = static_cast<int>(i) / options.neighbors;
-    const Pose X_CO = patches.X_CP[patch] * CodePose(parts[entry.part].codes, entry.code);
-    votes.push_back({entry.part, {X_CO, patch}, std::sqrt(found.squared[i])});
+    const Pose X_CO = patches.X_CP[patch] * CodePose(parts[entry.object].codes, entry.code);
+    votes.push_back({entry.object, {X_CO, patch}, std::sqrt(found.squared[i])});
   }
   return votes;
 }
@@ -166,12 +167,12 @@ std::vector<PatchVote> CandidateFinder::Impl::Regress(const SideGroup& group,
   const std::vector<float> values = voter.regress(patches.values);
   std::vector<PatchVote> votes;
   for (size_t patch = 0; patch < patches.size(); ++patch) {
-    for (const int part : group.parts) {
-      const size_t row = patch * voter.parts + parts[part].trained;
+    for (const ObjectId object : group.objects) {
+      const size_t row = patch * voter.parts + parts[object].trained;
       const std::span<const float> said(values.data() + row * kPoseValues, kPoseValues);
       if (said[0] < options.min_share) continue;
       votes.push_back(
-          {part, {patches.X_CP[patch] * targets[part].PoseOf(said), static_cast<int>(patch)}});
+          {object, {patches.X_CP[patch] * targets[object].PoseOf(said), static_cast<int>(patch)}});
     }
   }
   return votes;
@@ -203,20 +204,20 @@ void CandidateFinder::Impl::Vote(const SideGroup& group, const OrganizedCloud& c
   }
   const int first_patch = trace ? TracePatches(pixels, patches, group.side_m, *trace) : 0;
   for (const PatchVote& cast : Cast(group, patches, seconds)) {
-    votes[cast.part].push_back(cast);
+    votes[cast.object].push_back(cast);
     if (!trace) continue;
     trace->votes.push_back(
-        {first_patch + cast.vote.patch, {cast.part, cast.vote.X_CO}, cast.distance});
+        {first_patch + cast.vote.patch, {cast.object, cast.vote.X_CO}, cast.distance});
   }
 }
 
-std::vector<PoseVote> CandidateFinder::Impl::ModesOf(int part,
+std::vector<PoseVote> CandidateFinder::Impl::ModesOf(ObjectId object,
                                                      const std::vector<PatchVote>& votes) const {
   std::vector<CastVote> cast;
   for (const PatchVote& vote : votes) cast.push_back({vote.vote.X_CO, vote.distance});
   std::vector<PoseVote> modes;
   for (const VoteMode& mode :
-       FindVoteModes(*parts[part].model, rotations[part], cast, options.modes)) {
+       FindVoteModes(*parts[object].model, rotations[object], cast, options.modes)) {
     modes.push_back({mode.X_CO, kNoPatch});
   }
   return modes;
@@ -234,15 +235,17 @@ std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
   for (const SideGroup& group : groups) Vote(group, cloud, pixels, rng, seconds, votes, trace);
   std::vector<Candidate> candidates;
   for (size_t p = 0; p < votes.size(); ++p) {
-    const int part = static_cast<int>(p), patches = static_cast<int>(pixels.size());
+    const ObjectId object(p);
+    const int patches = static_cast<int>(pixels.size());
     std::vector<PoseVote> cast, poses;
     for (const PatchVote& vote : votes[p]) cast.push_back(vote.vote);
     if (options.votes == kModes) {
       const StageTimer timer(seconds, "modes");
-      poses = ModesOf(part, votes[p]);
+      poses = ModesOf(object, votes[p]);
     }
-    const std::vector<Candidate> of_part = assessor.Assess(
-        cloud, part, options.votes == kModes ? poses : cast, cast, patches, share, seconds, trace);
+    const std::vector<Candidate> of_part =
+        candidate_refiner.RefineCandidates(cloud, object, options.votes == kModes ? poses : cast,
+                                           cast, patches, share, seconds, trace);
     candidates.insert(candidates.end(), of_part.begin(), of_part.end());
   }
   return candidates;
@@ -253,8 +256,9 @@ CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, PatchVoter vo
   CheckSettings("CandidateOptions", options);
   const bool regresses = options.votes == kRegressed || options.votes == kBoth;
   CheckInput(!regresses || voter.regress,
-             "candidates.votes: the network regresses no poses; set it to neighbors or modes");
-  CandidateAssessor assessor(ModelsOf(parts), options, threads);
+             "candidates.votes: the network regresses no poses; set candidates.votes to neighbors "
+             "or modes");
+  CandidateRefiner candidate_refiner(ModelsOf(parts), options, threads);
   std::vector<PartRotations> rotations;
   std::vector<PoseTargets> targets;
   for (const CandidatePart& part : parts) {
@@ -265,7 +269,7 @@ CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, PatchVoter vo
                                       std::move(voter),
                                       options,
                                       threads,
-                                      std::move(assessor),
+                                      std::move(candidate_refiner),
                                       std::move(rotations),
                                       std::move(targets),
                                       {}});
@@ -274,7 +278,9 @@ CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, PatchVoter vo
 
 CandidateFinder::~CandidateFinder() = default;
 
-const CandidateAssessor& CandidateFinder::assessor() const { return impl_->assessor; }
+const CandidateRefiner& CandidateFinder::candidate_refiner() const {
+  return impl_->candidate_refiner;
+}
 
 std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& rng,
                                              StageSeconds& seconds, EstimateTrace* trace) const {
@@ -287,7 +293,7 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
     if (round > 0) {
       // The remaining pixels are few and difficult, so they get twice the patch density.
       constexpr double kDenser = 2;
-      unexplained = impl_->assessor.Unexplained(cloud, candidates, unexplained);
+      unexplained = impl_->candidate_refiner.Unexplained(cloud, candidates, unexplained);
       share = std::min(1.0, kDenser * static_cast<double>(unexplained.size()) /
                                 static_cast<double>(cloud.foreground_pixels.size()));
     }
@@ -295,7 +301,7 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
       candidates.push_back(candidate);
     }
   }
-  impl_->assessor.Compare(candidates, seconds);
+  impl_->candidate_refiner.Compare(candidates, seconds);
   return candidates;
 }
 

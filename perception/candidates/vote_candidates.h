@@ -17,7 +17,7 @@
 namespace pickbed::perception {
 
 // Options of pose voting and candidate refinement.
-struct CandidateOptions : AssessmentOptions {
+struct CandidateOptions : CandidateRefinementOptions {
   int points = 600;      // patches per frame, all patch sides together
   int min_points = 450;  // minimum number per patch side, but not more than `points`
   int neighbors = 8;     // codebook votes per patch
@@ -33,7 +33,7 @@ struct CandidateOptions : AssessmentOptions {
 };
 
 // Options of the accurate mode: finds more occluded instances in about three times the time.
-CandidateOptions HardCandidates();
+CandidateOptions AccurateCandidates();
 
 // An object with its patch size and codebook.
 struct CandidatePart {
@@ -52,12 +52,12 @@ class CandidateFinder : public CandidateSource {
                   const CandidateOptions& options, int threads = 1);
   ~CandidateFinder() override;
 
-  // Adds times under "patches", "network", "neighbors", "modes" and the names of CandidateAssessor.
+  // Adds times under "patches", "network", "neighbors", "modes" and the names of CandidateRefiner.
   // The trace gets patches, votes and refinements. Throws InputError as RequireChannels() does.
   std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds,
                               EstimateTrace* trace = nullptr) const override;
 
-  const CandidateAssessor& assessor() const override;
+  const CandidateRefiner& candidate_refiner() const override;
 
  private:
   struct Impl;

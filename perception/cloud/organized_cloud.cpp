@@ -15,11 +15,11 @@ namespace {
 void CheckOptions(const RgbdFrame& frame, const CloudOptions& o) {
   const CameraIntrinsics& k = frame.intrinsics;
   CheckInput(!frame.depth_m.empty(),
-             "the frame has no depth image; poses are found in depth, give it one");
+             "the frame has no depth image; give it one, because poses are found in depth");
   CheckInput(frame.depth_m.width() == k.width() && frame.depth_m.height() == k.height() &&
                  k.width() > 0 && k.height() > 0,
-             fmt::format("depth image is {}x{} but the intrinsics say {}x{}: give the frame the "
-                         "intrinsics of its depth image",
+             fmt::format("depth image is {}x{} but the intrinsics are for {}x{}: give the frame "
+                         "the intrinsics of its depth image",
                          frame.depth_m.width(), frame.depth_m.height(), k.width(), k.height()));
   CheckInput(frame.color.empty() ||
                  (frame.color.width() == k.width() && frame.color.height() == k.height()),
@@ -95,7 +95,7 @@ std::vector<BackgroundPlane> PlanesOf(const KnownBackground& background) {
 }
 
 // Fills cloud.foreground, cloud.planes and cloud.wall_height_m.
-void TellBackground(const std::optional<KnownBackground>& background, const CloudOptions& options,
+void MarkBackground(const std::optional<KnownBackground>& background, const CloudOptions& options,
                     OrganizedCloud& cloud) {
   const CameraIntrinsics& k = cloud.intrinsics;
   const double margin = options.background_margin_m;
@@ -167,7 +167,7 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
   cloud.intrinsics = frame.intrinsics;
   cloud.color = frame.color;
   cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
-  TellBackground(background, options, cloud);
+  MarkBackground(background, options, cloud);
   cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
   const PlaneFitOptions fit{.window_px = options.normal_window_px, .band_m = options.fit_band_m};
   FitPlanes(cloud.intrinsics, cloud.foreground, fit, cloud.depth_m, cloud.normals_C);

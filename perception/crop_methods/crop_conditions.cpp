@@ -8,11 +8,11 @@ namespace pickbed::perception {
 namespace {
 
 constexpr CropCondition kConditions[] = {
-    {"clean", "an ideal sensor, the part alone"},
+    {"clean", "an ideal sensor and an isolated object"},
     {"noisy", "the noise, holes and edges of a real sensor", true},
     {"relit", "other lamps and materials", false, true},
-    {"background", "other parts beside and behind, and a wall", false, false, true},
-    {"occluded_10", "a tenth hidden by another part", false, false, false, 0.1},
+    {"background", "other instances beside and behind, and a wall", false, false, true},
+    {"occluded_10", "a tenth hidden by another instance", false, false, false, 0.1},
     {"occluded_20", "a fifth hidden", false, false, false, 0.2},
     {"occluded_30", "three tenths hidden", false, false, false, 0.3},
     {"occluded_50", "half hidden", false, false, false, 0.5},
@@ -27,26 +27,27 @@ constexpr int kNeighbours = 3;        // in the background of a view
 // nor a wall.
 constexpr double kSimilarSize = 1.7;
 
-int SimilarPart(const ObjectSet& objects, int object, Rng& rng) {
-  std::vector<int> similar;
-  for (int i = 0; i < static_cast<int>(objects.size()); ++i) {
-    const double ratio = objects[i]->diameter_m / objects[object]->diameter_m;
-    if (i != object && ratio < kSimilarSize && ratio > 1 / kSimilarSize) similar.push_back(i);
+ObjectId SimilarPart(const ObjectSet& objects, ObjectId object, Rng& rng) {
+  std::vector<ObjectId> similar;
+  for (ObjectId other{0}; other < static_cast<int>(objects.size()); ++other) {
+    const double ratio = objects[other]->diameter_m / objects[object]->diameter_m;
+    if (other != object && ratio < kSimilarSize && ratio > 1 / kSimilarSize)
+      similar.push_back(other);
   }
   return similar.empty() ? object : similar[rng.Index(static_cast<int>(similar.size()))];
 }
 
 // Renders another object on the optical axis, just before `object` (side -1) or behind it (side 1).
-LabelledView Neighbour(const CropSources& sources, int object, double side,
+LabelledView Neighbour(const CropSources& sources, ObjectId object, double side,
                        const CropViewOptions& options, Rng& rng) {
   const ObjectSet& objects = sources.clean->objects();
-  const int part = SimilarPart(objects, object, rng);
-  const double apart_m = 0.5 * (objects[object]->diameter_m + objects[part]->diameter_m);
+  const ObjectId other = SimilarPart(objects, object, rng);
+  const double apart_m = 0.5 * (objects[object]->diameter_m + objects[other]->diameter_m);
   const double z_m = options.distance_diameters * objects[object]->diameter_m + side * apart_m;
   const Eigen::Matrix3d R_CO = rng.Rotation().toRotationMatrix();
   const Pose X_CO =
-      MakePose(R_CO, Eigen::Vector3d(0, 0, z_m) - R_CO * CropCenter_O(*objects[part]));
-  return sources.clean->Isolated(part, {X_CO}, CropCamera(options, kWider), rng.Next())[0];
+      MakePose(R_CO, Eigen::Vector3d(0, 0, z_m) - R_CO * CropCenter_O(*objects[other]));
+  return sources.clean->Isolated(other, {X_CO}, CropCamera(options, kWider), rng.Next())[0];
 }
 
 // Calls visit(x, y, from_x, from_y) for the pixels of `view` that the shifted neighbour covers.
@@ -110,8 +111,8 @@ Cover SlideIn(const LabelledView& view, LabelledView blocker, double share, Rng&
   return cover;
 }
 
-double Occlude(const CropSources& sources, int object, double share, const CropViewOptions& options,
-               Rng& rng, LabelledView& view) {
+double Occlude(const CropSources& sources, ObjectId object, double share,
+               const CropViewOptions& options, Rng& rng, LabelledView& view) {
   Cover best;
   for (int i = 0; i < kTries; ++i) {
     Cover cover = SlideIn(view, Neighbour(sources, object, -1, options, rng), share, rng);
@@ -144,7 +145,7 @@ void DrawWall(double z_m, Rng& rng, LabelledView& view) {
   }
 }
 
-void DrawBackground(const CropSources& sources, int object, const CropViewOptions& options,
+void DrawBackground(const CropSources& sources, ObjectId object, const CropViewOptions& options,
                     Rng& rng, LabelledView& view) {
   const double diameter_m = sources.clean->objects()[object]->diameter_m;
   for (int i = 0; i < kNeighbours; ++i) {
@@ -160,7 +161,7 @@ void DrawBackground(const CropSources& sources, int object, const CropViewOption
 
 std::span<const CropCondition> CropConditionTable() { return kConditions; }
 
-std::vector<CropTest> MakeCropTests(const CropSources& sources, int object,
+std::vector<CropTest> MakeCropTests(const CropSources& sources, ObjectId object,
                                     const CropCondition& condition, const Rotations& R_CO,
                                     const CropViewOptions& options, uint64_t seed) {
   LabelledViewSource& source = condition.noisy   ? *sources.noisy

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "perception/crops/crop_views.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::perception {
 
@@ -43,7 +44,7 @@ struct CropTest {
 // - occluded: another object of similar size is moved across the image, from a random direction,
 //   until it hides the share. The best of several samples is used.
 // No sensor noise is added at the seams of composed views.
-std::vector<CropTest> MakeCropTests(const CropSources& sources, int object,
+std::vector<CropTest> MakeCropTests(const CropSources& sources, ObjectId object,
                                     const CropCondition& condition, const Rotations& R_CO,
                                     const CropViewOptions& options, uint64_t seed);
 

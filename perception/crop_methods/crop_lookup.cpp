@@ -9,9 +9,9 @@ namespace {
 
 class CropLookUp : public CropMethod {
  public:
-  CropLookUp(std::shared_ptr<const CropLesson> lesson, DescribeCrops describe, int length,
-             int threads)
-      : lesson_(std::move(lesson)),
+  CropLookUp(std::shared_ptr<const CropTrainingSet> training_set, DescribeCrops describe,
+             int length, int threads)
+      : training_set_(std::move(training_set)),
         describe_(std::move(describe)),
         index_(TemplateRows(threads), length, Exact()) {}
 
@@ -24,7 +24,7 @@ class CropLookUp : public CropMethod {
         const int row = found.rows[i * k + n];
         if (row < 0) break;
         const Entry& entry = entries_[row];
-        answers[i].push_back({entry.object, lesson_->templates[entry.object].R_CO[entry.view],
+        answers[i].push_back({entry.object, training_set_->templates[entry.object].R_CO[entry.view],
                               found.squared[i * k + n], entry.view});
       }
     }
@@ -33,7 +33,7 @@ class CropLookUp : public CropMethod {
 
  private:
   struct Entry {
-    int object = 0;
+    ObjectId object{0};
     int view = 0;
   };
 
@@ -46,7 +46,7 @@ class CropLookUp : public CropMethod {
 
   std::vector<float> TemplateRows(int threads) {
     std::vector<float> rows;
-    for (const ObjectCrops& of_part : lesson_->templates) {
+    for (const ObjectCrops& of_part : training_set_->templates) {
       const std::vector<float> described = describe_(of_part.crops, threads);
       rows.insert(rows.end(), described.begin(), described.end());
       for (size_t i = 0; i < of_part.crops.size(); ++i) {
@@ -56,7 +56,7 @@ class CropLookUp : public CropMethod {
     return rows;
   }
 
-  std::shared_ptr<const CropLesson> lesson_;
+  std::shared_ptr<const CropTrainingSet> training_set_;
   DescribeCrops describe_;
   std::vector<Entry> entries_;  // by row of the index
   NeighborIndex index_;
@@ -64,9 +64,10 @@ class CropLookUp : public CropMethod {
 
 }  // namespace
 
-std::unique_ptr<CropMethod> MakeCropLookUp(std::shared_ptr<const CropLesson> lesson,
+std::unique_ptr<CropMethod> MakeCropLookUp(std::shared_ptr<const CropTrainingSet> training_set,
                                            DescribeCrops describe, int length, int threads) {
-  return std::make_unique<CropLookUp>(std::move(lesson), std::move(describe), length, threads);
+  return std::make_unique<CropLookUp>(std::move(training_set), std::move(describe), length,
+                                      threads);
 }
 
 }  // namespace pickbed::perception

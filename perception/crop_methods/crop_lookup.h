@@ -14,7 +14,7 @@ using DescribeCrops = std::function<std::vector<float>(const CropSet& crops, int
 
 // Makes a method that describes all templates of `lesson` and searches them exactly. `length` is
 // the number of values in a row.
-std::unique_ptr<CropMethod> MakeCropLookUp(std::shared_ptr<const CropLesson> lesson,
+std::unique_ptr<CropMethod> MakeCropLookUp(std::shared_ptr<const CropTrainingSet> training_set,
                                            DescribeCrops describe, int length, int threads);
 
 }  // namespace pickbed::perception

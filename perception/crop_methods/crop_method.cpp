@@ -10,7 +10,7 @@ namespace {
 
 std::unique_ptr<CropMethod> MakeWohlhart(const CropMethodSetup& setup,
                                          const WohlhartOptions& options, const char* name) {
-  WohlhartJob job{*setup.lesson, setup.options.seed, {}, {}, setup.threads};
+  WohlhartJob job{*setup.training_set, setup.options.seed, {}, {}, setup.threads};
   if (!setup.folder.empty()) job.checkpoint = setup.folder / (std::string(name) + ".checkpoint");
   if (setup.on_progress) {
     job.on_progress = [&](double share, double) { return setup.on_progress(share); };
@@ -18,7 +18,7 @@ std::unique_ptr<CropMethod> MakeWohlhart(const CropMethodSetup& setup,
   const std::shared_ptr<const WohlhartNetwork> network = TrainWohlhart(job, options);
   if (network == nullptr) return nullptr;
   return MakeCropLookUp(
-      setup.lesson,
+      setup.training_set,
       [network](const CropSet& crops, int threads) { return network->Describe(crops, threads); },
       network->length(), setup.threads);
 }
@@ -46,14 +46,14 @@ std::unique_ptr<CropMethod> MakeColorWohlhart(const CropMethodSetup& setup) {
 }
 
 std::unique_ptr<CropMethod> MakeHog(const CropMethodSetup& setup) {
-  return MakeCropLookUp(setup.lesson, DescribeByHog, kHogLength, setup.threads);
+  return MakeCropLookUp(setup.training_set, DescribeByHog, kHogLength, setup.threads);
 }
 
 // Returns random templates: the lower bound for any method.
 class RandomMethod : public CropMethod {
  public:
   explicit RandomMethod(const CropMethodSetup& setup)
-      : lesson_(setup.lesson), seed_(setup.options.seed) {}
+      : training_set_(setup.training_set), seed_(setup.options.seed) {}
 
   std::vector<std::vector<CropAnswer>> Answer(const CropSet& crops, int k, int) const override {
     std::vector<std::vector<CropAnswer>> answers(crops.size());
@@ -62,7 +62,7 @@ class RandomMethod : public CropMethod {
       Rng rng(HashBytes(crops.depth_of(i).data(), crops.depth_of(i).size_bytes(), seed_));
       for (int n = 0; n < k; ++n) {
         const ObjectCrops& of_part =
-            lesson_->templates[rng.Index(static_cast<int>(lesson_->templates.size()))];
+            training_set_->templates[rng.Index(static_cast<int>(training_set_->templates.size()))];
         answers[i].push_back({of_part.object,
                               of_part.R_CO[rng.Index(static_cast<int>(of_part.R_CO.size()))],
                               static_cast<double>(n)});
@@ -72,7 +72,7 @@ class RandomMethod : public CropMethod {
   }
 
  private:
-  std::shared_ptr<const CropLesson> lesson_;
+  std::shared_ptr<const CropTrainingSet> training_set_;
   uint64_t seed_;
 };
 
@@ -84,18 +84,18 @@ constexpr CropMethodRow kRows[] = {
     {"wohlhart", "learned descriptor of the whole crop, Wohlhart and Lepetit 2015",
      &MakeDefaultWohlhart},
     {"wohlhart_16", "the same with a descriptor of 16 values", &MakeShortWohlhart},
-    {"wohlhart_depth", "the same from depth alone", &MakeDepthWohlhart},
-    {"wohlhart_rgb", "the same from colour alone", &MakeColorWohlhart},
+    {"wohlhart_depth", "the same from depth only", &MakeDepthWohlhart},
+    {"wohlhart_rgb", "the same from colour only", &MakeColorWohlhart},
     {"hog", "histograms of oriented gradients of depth and grey, OpenCV", &MakeHog},
     {"linemod", "templates of colour gradients and surface normals, Hinterstoisser 2012, OpenCV",
      &MakeLinemodMethod},
-    {"random", "any template: the floor", &MakeRandom},
+    {"random", "a random template, as the lower limit", &MakeRandom},
 };
 
 }  // namespace
 
 void CropMethodOptions::Visit(SettingsVisitor& v) {
-  v.Seed("seed", seed, "of weights, batches and chance");
+  v.Seed("seed", seed, "random seed of weights and batches");
   v.Group(
       "wohlhart", [&](SettingsVisitor& g) { wohlhart.Visit(g); }, "the learned descriptor");
 }

@@ -14,12 +14,13 @@
 
 #include "perception/crops/crop_views.h"
 #include "perception/networks/wohlhart.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::perception {
 
 // One object and orientation that a crop may show.
 struct CropAnswer {
-  int object = 0;  // index into the ObjectSet
+  ObjectId object{0};  // index into the ObjectSet
   Eigen::Matrix3d R_CO = Eigen::Matrix3d::Identity();
   double distance = 0;  // in the method's own measure; lower is better
   int view = -1;        // index of the matched template of the object; -1 = not reported
@@ -45,7 +46,8 @@ struct CropMethodOptions {
 
 // Inputs for making a method.
 struct CropMethodSetup {
-  std::shared_ptr<const CropLesson> lesson;  // kept by methods that look up its templates
+  std::shared_ptr<const CropTrainingSet>
+      training_set;  // kept by methods that look up its templates
   CropMethodOptions options;
   // Checkpoint folder of methods that are trained; training resumes from it. Empty = none.
   std::filesystem::path folder;

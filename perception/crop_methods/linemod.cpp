@@ -63,21 +63,21 @@ cv::Mat MaskOf(const CropSet& crops, size_t i) {
 class LinemodMethod : public CropMethod {
  public:
   explicit LinemodMethod(const CropMethodSetup& setup)
-      : lesson_(setup.lesson),
+      : training_set_(setup.training_set),
         detector_({cv::makePtr<linemod::ColorGradient>(), cv::makePtr<linemod::DepthNormal>()},
                   {std::begin(kLevels), std::end(kLevels)}) {
     cv::setNumThreads(1);
-    views_.resize(lesson_->templates.size());
+    views_.resize(training_set_->templates.size());
     for (size_t part = 0; part < views_.size(); ++part) {
-      const CropSet& crops = lesson_->templates[part].crops;
+      const CropSet& crops = training_set_->templates[part].crops;
       for (size_t i = 0; i < crops.size(); ++i) {
         const int added =
             detector_.addTemplate(Sources(crops, i), std::to_string(part), MaskOf(crops, i));
         if (added >= 0) views_[part].push_back(static_cast<int>(i));
       }
       CheckInput(!views_[part].empty(),
-                 fmt::format("part '{}' has too few gradients and normals for LINEMOD",
-                             lesson_->objects[part]->name));
+                 fmt::format("object '{}' has too few gradients and normals for LINEMOD",
+                             training_set_->objects[part]->name));
     }
   }
 
@@ -102,8 +102,9 @@ class LinemodMethod : public CropMethod {
     std::vector<CropAnswer> answers;
     for (const auto& [key, similarity] : best) {
       const auto [part, added] = key;
-      answers.push_back({lesson_->templates[part].object,
-                         lesson_->templates[part].R_CO[views_[part][added]], 100.0 - similarity});
+      answers.push_back({training_set_->templates[part].object,
+                         training_set_->templates[part].R_CO[views_[part][added]],
+                         100.0 - similarity});
     }
     const size_t kept = std::min<size_t>(k, answers.size());
     std::stable_sort(answers.begin(), answers.end(), [](const CropAnswer& a, const CropAnswer& b) {
@@ -113,7 +114,7 @@ class LinemodMethod : public CropMethod {
     return answers;
   }
 
-  std::shared_ptr<const CropLesson> lesson_;
+  std::shared_ptr<const CropTrainingSet> training_set_;
   linemod::Detector detector_;
   std::vector<std::vector<int>> views_;  // by object: crop index of each added template
 };

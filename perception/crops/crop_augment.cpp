@@ -115,11 +115,13 @@ void Occlude(const CropSet& blockers, size_t j, double share, Canvas& canvas, Rn
 }  // namespace
 
 void CropAugmentOptions::Visit(SettingsVisitor& v) {
-  v.Real("background_share", background_share, {0, 1}, "of crops that get a noise background");
-  v.Real("occluded_share", occluded_share, {0, 1}, "of crops that get something before the part");
-  v.Real("occluded_max", occluded_max, {0, 0.9}, "of the part that it hides at most");
-  v.Integer("shift_px", shift_px, {0, 32}, "of the centre, both ways");
-  v.Real("shift_depth", shift_depth, {0, 1}, "of the centre's depth, over the crop's side");
+  v.Real("background_share", background_share, {0, 1}, "share of crops with a noise background");
+  v.Real("occluded_share", occluded_share, {0, 1}, "share of crops with an occluder");
+  v.Real("occluded_max", occluded_max, {0, 0.9},
+         "maximum share of the object that an occluder hides");
+  v.Integer("shift_px", shift_px, {0, 32}, "maximum shift of the crop center along x and y, px");
+  v.Real("shift_depth", shift_depth, {0, 1},
+         "maximum shift of the crop center in depth, over the crop's side");
 }
 
 void AppendAugmented(const CropSet& pool, size_t i, const CropSet& blockers,

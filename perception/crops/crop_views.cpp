@@ -53,15 +53,22 @@ Rotations RotationsFrom(const std::vector<Eigen::Vector3d>& directions, size_t f
 }  // namespace
 
 void CropViewOptions::Visit(SettingsVisitor& v) {
-  v.Integer("template_level", template_level, {0, 5}, "subdivisions of the template directions");
-  v.Integer("train_level", train_level, {0, 5}, "subdivisions of the directions learned from");
-  v.Bool("full_sphere", full_sphere, "directions all around, not only from above the part's z = 0");
-  v.Integer("in_plane", in_plane, {1, 72}, "turns of the camera about its axis a direction");
-  v.Real("in_plane_max_rad", in_plane_max_rad, {0, std::numbers::pi}, "largest of these, rad");
-  v.Real("side_diameters", side_diameters, {0.3, 5}, "side of a crop over the part's diameter");
-  v.Real("distance_diameters", distance_diameters, {2, 100}, "camera to part, diameters");
+  v.Integer("template_level", template_level, {0, 5},
+            "icosahedron subdivisions that give the template directions");
+  v.Integer("train_level", train_level, {0, 5},
+            "icosahedron subdivisions that give the training directions");
+  v.Bool("full_sphere", full_sphere,
+         "whether the directions are all around the object, not only above its z = 0");
+  v.Integer("in_plane", in_plane, {1, 72},
+            "number of camera rotations about the optical axis per direction");
+  v.Real("in_plane_max_rad", in_plane_max_rad, {0, std::numbers::pi},
+         "maximum camera rotation about the optical axis, rad");
+  v.Real("side_diameters", side_diameters, {0.3, 5}, "side of a crop, object diameters");
+  v.Real("distance_diameters", distance_diameters, {2, 100},
+         "distance from the camera to the object center, object diameters");
   v.Real("focal_px", focal_px, {50, 10000}, "focal length, px");
-  v.Real("apart_rad", apart_rad, {0, 0.02}, "least angle from a test view to all others, rad");
+  v.Real("apart_rad", apart_rad, {0, 0.02},
+         "minimum angle from a test view to all other views, rad");
 }
 
 std::vector<Eigen::Vector3d> IcosahedronDirections(int level) {
@@ -148,7 +155,7 @@ Pose CropPose(const ObjectModel& object, const Eigen::Matrix3d& R_CO,
   return MakePose(R_CO, center_C - R_CO * CropCenter_O(object));
 }
 
-void ForEachCropView(LabelledViewSource& views, int object, const Rotations& R_CO,
+void ForEachCropView(LabelledViewSource& views, ObjectId object, const Rotations& R_CO,
                      const CropViewOptions& options, uint64_t seed,
                      const std::function<void(const LabelledView& view)>& take) {
   CheckSettings("CropViewOptions", options);
@@ -163,7 +170,7 @@ void ForEachCropView(LabelledViewSource& views, int object, const Rotations& R_C
   }
 }
 
-ObjectCrops RenderCrops(LabelledViewSource& views, int object, const Rotations& R_CO,
+ObjectCrops RenderCrops(LabelledViewSource& views, ObjectId object, const Rotations& R_CO,
                         const CropViewOptions& options, uint64_t seed) {
   CheckSettings("CropViewOptions", options);
   const ObjectModel& part = *views.objects()[object];
@@ -185,23 +192,26 @@ void AppendAll(const ObjectCrops& from, ObjectCrops& to) {
 
 }  // namespace
 
-CropLesson MakeCropLesson(LabelledViewSource& clean, LabelledViewSource& varied,
-                          const CropViewOptions& options, uint64_t seed,
-                          const std::function<bool(double share)>& on_share) {
+CropTrainingSet MakeCropTrainingSet(LabelledViewSource& clean, LabelledViewSource& varied,
+                                    const CropViewOptions& options, uint64_t seed,
+                                    const std::function<bool(double share)>& on_share) {
   CheckSettings("CropViewOptions", options);
-  CropLesson lesson{clean.objects(), {}, {}};
+  CropTrainingSet training_set{clean.objects(), {}, {}};
   const Rotations templates = TemplateRotations(options), further = TrainingRotations(options);
   Rotations all = templates;
   all.insert(all.end(), further.begin(), further.end());
-  const int parts = static_cast<int>(lesson.objects.size());
-  for (int part = 0; part < parts; ++part) {
-    if (on_share && !on_share(1.0 * part / parts)) break;
-    const auto stream = [&](const char* name) { return Rng::Derive(seed, part, name).Next(); };
-    lesson.templates.push_back(RenderCrops(clean, part, templates, options, stream("templates")));
-    lesson.training.push_back(RenderCrops(clean, part, further, options, stream("further")));
-    AppendAll(RenderCrops(varied, part, all, options, stream("varied")), lesson.training.back());
+  const int parts = static_cast<int>(training_set.objects.size());
+  for (ObjectId object{0}; object < parts; ++object) {
+    if (on_share && !on_share(1.0 * object / parts)) break;
+    const auto stream = [&](const char* name) { return Rng::Derive(seed, object, name).Next(); };
+    training_set.templates.push_back(
+        RenderCrops(clean, object, templates, options, stream("templates")));
+    training_set.training.push_back(
+        RenderCrops(clean, object, further, options, stream("further")));
+    AppendAll(RenderCrops(varied, object, all, options, stream("varied")),
+              training_set.training.back());
   }
-  return lesson;
+  return training_set;
 }
 
 }  // namespace pickbed::perception

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "perception/crops/crop.h"
+#include "scenes/base/ids.h"
 #include "scenes/base/random.h"
 #include "scenes/base/settings.h"
 #include "scenes/labelled_view.h"
@@ -61,22 +62,22 @@ Pose CropPose(const ObjectModel& object, const Eigen::Matrix3d& R_CO,
 
 // Crops of one object and its orientation in each.
 struct ObjectCrops {
-  int object = 0;  // index into the source's ObjectSet
+  ObjectId object{0};  // index into the source's ObjectSet
   Rotations R_CO;
   CropSet crops;  // with masks
 };
 
 // Renders the isolated object at each orientation, see CropPose(), and calls take(view) in order.
-void ForEachCropView(LabelledViewSource& views, int object, const Rotations& R_CO,
+void ForEachCropView(LabelledViewSource& views, ObjectId object, const Rotations& R_CO,
                      const CropViewOptions& options, uint64_t seed,
                      const std::function<void(const LabelledView& view)>& take);
 
 // Renders the same views and cuts one crop per view, with its mask.
-ObjectCrops RenderCrops(LabelledViewSource& views, int object, const Rotations& R_CO,
+ObjectCrops RenderCrops(LabelledViewSource& views, ObjectId object, const Rotations& R_CO,
                         const CropViewOptions& options, uint64_t seed);
 
 // Training set of a method for whole-object crops: objects, their templates and additional views.
-struct CropLesson {
+struct CropTrainingSet {
   ObjectSet objects;
   std::vector<ObjectCrops> templates;  // per object, from an ideal sensor
   std::vector<ObjectCrops> training;   // per object: additional views, and noisy and relit ones
@@ -86,8 +87,8 @@ struct CropLesson {
 // `varied` renders all of these views again as training views, for example with sensor noise and
 // other lamps. Both sources must have the same objects. `on_share` receives the progress, 0..1; it
 // may be empty, and returns false to stop. The result is then incomplete.
-CropLesson MakeCropLesson(LabelledViewSource& clean, LabelledViewSource& varied,
-                          const CropViewOptions& options, uint64_t seed,
-                          const std::function<bool(double share)>& on_share = {});
+CropTrainingSet MakeCropTrainingSet(LabelledViewSource& clean, LabelledViewSource& varied,
+                                    const CropViewOptions& options, uint64_t seed,
+                                    const std::function<bool(double share)>& on_share = {});
 
 }  // namespace pickbed::perception

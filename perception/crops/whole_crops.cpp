@@ -62,8 +62,8 @@ Pose AppendNearCenter(const RgbdFrame& frame, const Image<uint16_t>& ids,
   return X_PO;
 }
 
-void AppendAlone(LabelledViewSource& views, int object, const WholeViewOptions& options, Rng& rng,
-                 ObjectCrops& out) {
+void AppendIsolated(LabelledViewSource& views, ObjectId object, const WholeViewOptions& options,
+                    Rng& rng, ObjectCrops& out) {
   const ObjectModel& part = *views.objects()[object];
   Rotations R_CO(options.isolated);
   for (Eigen::Matrix3d& R : R_CO) R = rng.Rotation().toRotationMatrix();
@@ -77,10 +77,11 @@ void AppendAlone(LabelledViewSource& views, int object, const WholeViewOptions& 
   });
 }
 
-void AppendPile(LabelledViewSource& views, int object, const WholeViewOptions& options, Rng& rng,
-                ObjectCrops& out) {
+void AppendScene(LabelledViewSource& views, ObjectId object, const WholeViewOptions& options,
+                 Rng& rng, ObjectCrops& out) {
   const ObjectModel& part = *views.objects()[object];
-  for (const LabelledView& view : views.Pile({rng.Next(), options.views_per_scene, object, true})) {
+  for (const LabelledView& view :
+       views.ClutterScene({rng.Next(), options.views_per_scene, object, true})) {
     const OrganizedCloud cloud = BuildCloud(view.frame, view.background);
     const RgbdFrame frame = ForegroundFrame(cloud);
     for (size_t k = 0; k < view.instances.size(); ++k) {
@@ -100,20 +101,23 @@ void AppendPile(LabelledViewSource& views, int object, const WholeViewOptions& o
 
 void WholeViewOptions::Visit(SettingsVisitor& v) {
   v.Group(
-      "templates", [&](SettingsVisitor& g) { templates.Visit(g); }, "views that are looked up");
+      "templates", [&](SettingsVisitor& g) { templates.Visit(g); }, "views of the templates");
   v.RenamedKey("alone", "isolated");
-  v.Integer("isolated", isolated, {0, 1000000}, "views of a part alone to learn from");
+  v.Integer("isolated", isolated, {0, 1000000}, "number of training views of an isolated object");
   v.RenamedKey("piles", "clutter_scenes");
-  v.Integer("clutter_scenes", clutter_scenes, {0, 100000}, "piles of a part to learn from");
+  v.Integer("clutter_scenes", clutter_scenes, {0, 100000},
+            "number of clutter scenes for training, per object");
   v.RenamedKey("views_per_pile", "views_per_scene");
-  v.Integer("views_per_scene", views_per_scene, {1, 100}, "views of each");
-  v.Real("min_visible", min_visible, {0, 1}, "visible fraction of an instance to learn from");
-  v.Real("off_center", off_center, {0, 1}, "of a crop's point from the centre's ray, diameters");
+  v.Integer("views_per_scene", views_per_scene, {1, 100}, "number of views of each clutter scene");
+  v.Real("min_visible", min_visible, {0, 1}, "minimum visible fraction of a training instance");
+  v.Real("off_center", off_center, {0, 1},
+         "maximum distance of a training crop's point from the ray through the object center, "
+         "diameters");
 }
 
-WholeTemplates MakeWholeTemplates(LabelledViewSource& views, int object,
+WholeTemplates MakeWholeTemplates(LabelledViewSource& views, ObjectId object,
                                   const CropViewOptions& options, uint64_t seed) {
-  constexpr double kNearestAlone = 0;
+  constexpr double kNearestOnly = 0;
   const ObjectModel& part = *views.objects()[object];
   Rng rng = Rng::Derive(seed, object, "whole templates");
   WholeTemplates templates;
@@ -124,32 +128,35 @@ WholeTemplates MakeWholeTemplates(LabelledViewSource& views, int object,
     const auto pixels = PixelsByDistance(view.frame.depth_m, view.ids, 1, view.frame.intrinsics,
                                          X_CO * CropCenter_O(part), part.diameter_m);
     CheckInput(!pixels.empty(),
-               fmt::format("a view of part '{}' shows nothing of it; check its mesh", part.name));
-    templates.X_PO.push_back(AppendNearCenter(view.frame, view.ids, pixels, kNearestAlone,
+               fmt::format("a view of object '{}' shows nothing of it; check its mesh", part.name));
+    templates.X_PO.push_back(AppendNearCenter(view.frame, view.ids, pixels, kNearestOnly,
                                               CropSide_m(part, options), X_CO, rng,
                                               templates.crops));
   });
   return templates;
 }
 
-CropLesson MakeWholeLesson(LabelledViewSource& views, const WholeViewOptions& options,
-                           uint64_t seed, const std::function<bool(double share)>& on_share) {
+CropTrainingSet MakeWholeTrainingSet(LabelledViewSource& views, const WholeViewOptions& options,
+                                     uint64_t seed,
+                                     const std::function<bool(double share)>& on_share) {
   CheckSettings("WholeViewOptions", options);
-  CropLesson lesson{views.objects(), {}, {}};
-  const int parts = static_cast<int>(lesson.objects.size());
+  CropTrainingSet training_set{views.objects(), {}, {}};
+  const int parts = static_cast<int>(training_set.objects.size());
   const auto goes_on = [&](double done) { return !on_share || on_share(done / parts); };
-  for (int part = 0; part < parts; ++part) {
-    lesson.templates.push_back(MakeWholeTemplates(views, part, options.templates, seed).crops);
-    ObjectCrops& training = lesson.training.emplace_back();
-    training.object = part;
-    Rng rng = Rng::Derive(seed, part, "whole lesson");
-    AppendAlone(views, part, options, rng, training);
-    for (int pile = 0; pile < options.clutter_scenes; ++pile) {
-      if (!goes_on(part + static_cast<double>(pile) / options.clutter_scenes)) return lesson;
-      AppendPile(views, part, options, rng, training);
+  for (ObjectId object{0}; object < parts; ++object) {
+    training_set.templates.push_back(
+        MakeWholeTemplates(views, object, options.templates, seed).crops);
+    ObjectCrops& training = training_set.training.emplace_back();
+    training.object = object;
+    Rng rng = Rng::Derive(seed, object, "whole lesson");
+    AppendIsolated(views, object, options, rng, training);
+    for (int clutter_scene = 0; clutter_scene < options.clutter_scenes; ++clutter_scene) {
+      if (!goes_on(object + static_cast<double>(clutter_scene) / options.clutter_scenes))
+        return training_set;
+      AppendScene(views, object, options, rng, training);
     }
   }
-  return lesson;
+  return training_set;
 }
 
 RgbdFrame ForegroundFrame(const OrganizedCloud& cloud) {

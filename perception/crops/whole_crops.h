@@ -14,6 +14,7 @@
 
 #include "perception/cloud/organized_cloud.h"
 #include "perception/crops/crop_views.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::perception {
 
@@ -39,14 +40,15 @@ struct WholeTemplates {
 };
 
 // Renders the templates of one object. Throws InputError if a view does not show the object.
-WholeTemplates MakeWholeTemplates(LabelledViewSource& views, int object,
+WholeTemplates MakeWholeTemplates(LabelledViewSource& views, ObjectId object,
                                   const CropViewOptions& options, uint64_t seed);
 
 // Makes a training set for all objects: templates, and training views of the isolated object and of
 // clutter scenes, with distractors and noise. on_share receives the progress, 0..1; it may be
 // empty, and returns false to stop. The result is then incomplete.
-CropLesson MakeWholeLesson(LabelledViewSource& views, const WholeViewOptions& options,
-                           uint64_t seed, const std::function<bool(double share)>& on_share);
+CropTrainingSet MakeWholeTrainingSet(LabelledViewSource& views, const WholeViewOptions& options,
+                                     uint64_t seed,
+                                     const std::function<bool(double share)>& on_share);
 
 // Returns a depth-only frame of the foreground; depth is 0 elsewhere.
 RgbdFrame ForegroundFrame(const OrganizedCloud& cloud);

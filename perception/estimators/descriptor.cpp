@@ -39,7 +39,7 @@ uint64_t CodesKey(const DescriptorModel& model, const ObjectModel& object, doubl
 
 void RequireKind(const std::string& kind, const LearnedModel& model) {
   CheckInput(model.kind.empty() || kind == model.kind,
-             fmt::format("{}: holds a network of kind {}, and {} is needed; make one with `{}`",
+             fmt::format("{}: holds a network of kind {}, but {} is needed; make one with {}",
                          model.file.string(), kind, model.kind, model.command));
 }
 
@@ -52,10 +52,10 @@ class LearnedEstimator : public PoseEstimator {
         threads_(setup.threads),
         model_(LoadModel(model.file, model.command)) {
     RequireKind(model_.info.network.kind, model);
-    options_.final_set.min_score = setup.spec.min_score;
+    options_.pose_selection.min_score = setup.spec.min_score;
     trained_ = regressed_ =
         TrainedParts(model_.info.objects, setup.objects, model.file, model.command);
-    for (const int part : trained_) verifiers_.push_back(model_.verifiers[part]);
+    for (const int index : trained_) verifiers_.push_back(model_.verifiers[index]);
     PatchVoter voter = VoterOf(model_.network, threads_);
     if (!model.regression.empty()) AddRegression(setup, model.regression, voter);
     finder_ = std::make_unique<CandidateFinder>(Parts(setup), std::move(voter), options.candidates,
@@ -68,7 +68,7 @@ class LearnedEstimator : public PoseEstimator {
   void AddRegression(const EstimatorSetup& setup, const std::filesystem::path& file,
                      PatchVoter& voter);
   std::vector<CandidatePart> Parts(const EstimatorSetup& setup) const;
-  ObjectCodes Codes(const EstimatorSetup& setup, int object, double side_m) const;
+  ObjectCodes Codes(const EstimatorSetup& setup, ObjectId object, double side_m) const;
   void Trace(const OrganizedCloud& cloud, const std::vector<Candidate>& candidates,
              const std::vector<PoseHypothesis>& accepted, EstimateTrace& trace) const;
 
@@ -86,21 +86,20 @@ class LearnedEstimator : public PoseEstimator {
 void LearnedEstimator::AddRegression(const EstimatorSetup& setup, const std::filesystem::path& file,
                                      PatchVoter& voter) {
   constexpr double kSameSide_m = 1e-6;
-  constexpr const char* kCommand = "pickbed train doumanoglou";
+  constexpr const char* kCommand = "`pickbed train doumanoglou`";
   regression_.emplace(LoadModel(file, kCommand));
   regressed_ = TrainedParts(regression_->info.objects, setup.objects, file, kCommand);
-  CheckInput(
-      regression_->network.channels() == model_.network.channels(),
-      fmt::format("{}: its network learned from {} and that which looks patches up from {}; both "
-                  "must see the same",
-                  file.string(), NameOf(regression_->network.channels()),
-                  NameOf(model_.network.channels())));
+  CheckInput(regression_->network.channels() == model_.network.channels(),
+             fmt::format("{}: its regression network was trained on {}, but the descriptor network "
+                         "on {}; train both on the same input",
+                         file.string(), NameOf(regression_->network.channels()),
+                         NameOf(model_.network.channels())));
   for (size_t i = 0; i < regressed_.size(); ++i) {
     const double side_m = regression_->info.objects[regressed_[i]].side_m;
     const double wanted_m = model_.info.objects[trained_[i]].side_m;
     CheckInput(std::abs(side_m - wanted_m) < kSameSide_m,
-               fmt::format("{}: its patches of part '{}' are {} m large and those that are looked "
-                           "up {} m; train it with the patch_diameters of the other",
+               fmt::format("{}: its patches of object '{}' are {} m large, but the "
+                           "descriptor model uses {} m; train it with the same patch_diameters",
                            file.string(), setup.objects[i]->name, side_m, wanted_m));
   }
   const PatchVoter regressing = VoterOf(regression_->network, threads_);
@@ -114,17 +113,18 @@ std::vector<CandidatePart> LearnedEstimator::Parts(const EstimatorSetup& setup) 
     const double side_m = model_.info.objects[trained_[i]].side_m;
     ObjectCodes codes;
     if (options_.candidates.votes != "regressed") {
-      codes = Codes(setup, static_cast<int>(i), side_m);
+      codes = Codes(setup, ObjectId(i), side_m);
     }
     parts.push_back({setup.objects[i], side_m, std::move(codes), regressed_[i]});
   }
   return parts;
 }
 
-ObjectCodes LearnedEstimator::Codes(const EstimatorSetup& setup, int object, double side_m) const {
+ObjectCodes LearnedEstimator::Codes(const EstimatorSetup& setup, ObjectId object,
+                                    double side_m) const {
   const ObjectModel& part = *setup.objects[object];
   const IsolatedOptions isolated = CodeViews(setup, options_);
-  CheckInput(setup.views, fmt::format("the code book of part '{}' needs a renderer", part.name));
+  CheckInput(setup.views, fmt::format("the codebook of object '{}' needs a renderer", part.name));
   const uint64_t key =
       CodesKey(model_, part, side_m, isolated, options_.code_seed, setup.views->IsolatedSettings());
   const std::filesystem::path file = CodesFile(setup.cache_dir, part, key);
@@ -135,7 +135,7 @@ ObjectCodes LearnedEstimator::Codes(const EstimatorSetup& setup, int object, dou
     if (std::optional<ObjectCodes> cached = ReadCodes(file, key)) return *std::move(cached);
   }
   const auto on_share = [&](double share) {
-    if (setup.on_progress) setup.on_progress("code book of " + part.name, share);
+    if (setup.on_progress) setup.on_progress("codebook of " + part.name, share);
   };
   const ObjectCodes codes = MakeObjectCodes(
       *setup.views, object, {side_m, model_.network.channels()}, model_.network.length(),
@@ -149,13 +149,13 @@ void LearnedEstimator::Trace(const OrganizedCloud& cloud, const std::vector<Cand
                              EstimateTrace& trace) const {
   trace.cloud = cloud;
   trace.neighbors = options_.candidates.neighbors;
-  trace.min_score = options_.final_set.min_score;
-  const std::vector<ModelPoints>& models = finder_->assessor().model_points();
+  trace.min_score = options_.pose_selection.min_score;
+  const std::vector<ModelPoints>& models = finder_->candidate_refiner().model_points();
   const CommonColors colors(cloud, models, accepted);
   for (const Candidate& candidate : candidates) {
     PoseHypothesis scored = candidate.hypothesis;
     scored.score = CandidateScore(cloud, models[scored.object], verifiers_[scored.object],
-                                  candidate, options_.final_set.mode);
+                                  candidate, options_.pose_selection.mode);
     colors.LowerIfOdd(scored);
     trace.candidates.push_back({std::move(scored), candidate.features});
   }
@@ -172,39 +172,44 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
   const std::vector<Candidate> candidates = finder_->Find(cloud, rng, result.seconds, input.trace);
   {
     const StageTimer timer(result.seconds, "suppress");
-    result.hypotheses =
-        FinalSet(cloud, finder_->assessor().model_points(), finder_->assessor().distances(),
-                 verifiers_, candidates, options_.final_set, input.instances);
+    result.hypotheses = SelectPoses(cloud, finder_->candidate_refiner().model_points(),
+                                    finder_->candidate_refiner().distances(), verifiers_,
+                                    candidates, options_.pose_selection, input.instances);
   }
   if (input.trace) {
     Trace(cloud, candidates, result.hypotheses, *input.trace);
     input.trace->instances = input.instances;
   }
-  const StageTimer timer(result.seconds, "refine");
-  RefineFinally(refiner_, cloud, finder_->assessor().model_points(), options_.refiner, threads_,
-                result.hypotheses);
+  {
+    const StageTimer timer(result.seconds, "refine");
+    RefineFinally(refiner_, cloud, finder_->candidate_refiner().model_points(), options_.refiner,
+                  threads_, result.hypotheses);
+  }
   return result;
 }
 
 }  // namespace
 
 void DescriptorOptions::Visit(SettingsVisitor& v) {
-  v.Integer("code_entries", code_entries, {1, 10000000}, "code book entries of each part");
-  v.Integer("code_patches_per_view", code_patches_per_view, {1, 1000}, "of an isolated view");
-  v.Real("code_distance_spread", code_distance_spread, {0, 0.9}, "about the working distance");
-  v.Seed("code_seed", code_seed, "of the code book's views");
+  v.Integer("code_entries", code_entries, {1, 10000000}, "number of codebook entries per object");
+  v.Integer("code_patches_per_view", code_patches_per_view, {1, 1000},
+            "number of patches per isolated view");
+  v.Real("code_distance_spread", code_distance_spread, {0, 0.9},
+         "relative spread of the view distances about the working distance");
+  v.Seed("code_seed", code_seed, "random seed of the codebook's views");
   v.Group(
-      "candidates", [&](SettingsVisitor& g) { candidates.Visit(g); }, "how poses are found");
+      "candidates", [&](SettingsVisitor& g) { candidates.Visit(g); },
+      "settings of the candidate search");
 }
 
 DescriptorOptions OptionsForMode(const std::string& mode) {
   DescriptorOptions options;
   if (mode == "fast") {
-    options.final_set.mode = CandidateMode::kFast;
+    options.pose_selection.mode = CandidateMode::kFast;
     return options;
   }
   CheckInput(mode == "accurate", UnknownNameMessage("estimator mode", mode, {"fast", "accurate"}));
-  options.candidates = HardCandidates();
+  options.candidates = AccurateCandidates();
   return options;
 }
 

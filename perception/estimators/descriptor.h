@@ -24,7 +24,7 @@ struct DescriptorOptions {
   double code_distance_spread = 0.1;  // distances are working distance * (1 -+ spread)
   uint64_t code_seed = 0;
   CandidateOptions candidates;
-  FinalSetOptions final_set;  // min_score is replaced by spec.min_score of the setup
+  PoseSelectionOptions pose_selection;  // min_score is replaced by spec.min_score of the setup
   RefinerOptions refiner;
   void Visit(SettingsVisitor& v);
 };

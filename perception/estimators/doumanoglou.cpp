@@ -24,7 +24,7 @@ std::unique_ptr<PoseEstimator> MakeDoumanoglouEstimator(const EstimatorSetup& se
   options.candidates.votes = "regressed";
   return MakeLearnedEstimator(setup, options,
                               {ModelFileOr(setup.spec, kDoumanoglouModel), "siamese_regression",
-                               "pickbed train doumanoglou"});
+                               "`pickbed train doumanoglou`"});
 }
 
 std::unique_ptr<EstimatorTraining> MakeDoumanoglouTraining() {

@@ -13,7 +13,7 @@ std::unique_ptr<PoseEstimator> MakeKehlEstimator(const EstimatorSetup& setup) {
   DescriptorOptions options = OptionsForMode(setup.spec.mode);
   options.candidates.votes = "modes";
   return MakeLearnedEstimator(
-      setup, options, {ModelFileOr(setup.spec, kKehlModel), "autoencoder", "pickbed train kehl"});
+      setup, options, {ModelFileOr(setup.spec, kKehlModel), "autoencoder", "`pickbed train kehl`"});
 }
 
 std::unique_ptr<EstimatorTraining> MakeKehlTraining() {

@@ -51,11 +51,10 @@ class PpfEstimator : public PoseEstimator {
       if (static_cast<int>(poses.size()) > options_.max_poses) poses.resize(options_.max_poses);
       poses =
           Timed(result.seconds, "icp", [&] { return matcher.Refine(scene, poses, options_.icp); });
-      Timed(result.seconds, "verify",
-            [&] { Score(static_cast<int>(object), cloud, poses, found); });
+      Timed(result.seconds, "verify", [&] { Score(ObjectId(object), cloud, poses, found); });
     }
     result.hypotheses = Timed(result.seconds, "suppress", [&] {
-      return SuppressDuplicates(cloud, models_, std::move(found), {}, input.instances);
+      return SuppressNonMaxima(cloud, models_, std::move(found), {}, input.instances);
     });
     Timed(result.seconds, "refine",
           [&] { RefineFinally(refiner_, cloud, models_, {}, threads_, result.hypotheses); });
@@ -64,7 +63,7 @@ class PpfEstimator : public PoseEstimator {
 
  private:
   // Appends the poses that reach the minimum score.
-  void Score(int object, const OrganizedCloud& cloud, const std::vector<Pose>& poses,
+  void Score(ObjectId object, const OrganizedCloud& cloud, const std::vector<Pose>& poses,
              std::vector<PoseHypothesis>& found) const {
     for (const Pose& X_CO : poses) {
       if (!X_CO.matrix().allFinite()) continue;

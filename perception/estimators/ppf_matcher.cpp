@@ -107,7 +107,8 @@ void PpfMatchOptions::Visit(SettingsVisitor& v) {
   v.Real("model_sampling", model_sampling, {0.001, 1}, "sampling step over the model's extent");
   v.Real("scene_voxel_diameters", scene_voxel_diameters, {1e-4, 10}, "voxel side, diameters");
   v.Real("scene_step", scene_step, {1e-4, 1}, "share of scene points that are reference points");
-  v.Real("window_diameters", window_diameters, {0, 1000}, "side of a window; 0 = the whole scene");
+  v.Real("window_diameters", window_diameters, {0, 1000},
+         "side of a window, diameters; 0 = the whole scene");
   v.Real("cluster_m", cluster_m, {0, 10}, "poses nearer than this are averaged, m; 0 = none");
   v.Real("cluster_deg", cluster_deg, {0, 180}, "rotation within which poses are averaged, degrees");
 }

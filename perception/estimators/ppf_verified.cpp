@@ -12,8 +12,8 @@ constexpr const char* kPpfName = "ppf";
 class PpfCandidates : public CandidateSource {
  public:
   PpfCandidates(const ObjectSet& objects, const VerifiedPpfOptions& options, int threads)
-      : assessor_(objects, options.assessment, threads) {
-    for (const ModelPoints& model : assessor_.model_points()) {
+      : candidate_refiner_(objects, options.refinement, threads) {
+    for (const ModelPoints& model : candidate_refiner_.model_points()) {
       matchers_.push_back(std::make_unique<PpfMatcher>(model, options.match));
     }
   }
@@ -24,15 +24,15 @@ class PpfCandidates : public CandidateSource {
     for (size_t part = 0; part < matchers_.size(); ++part) {
       const std::vector<PoseVote> votes = Votes(*matchers_[part], cloud, seconds);
       if (votes.empty()) continue;
-      const std::vector<Candidate> of_part = assessor_.Assess(
-          cloud, static_cast<int>(part), votes, static_cast<int>(votes.size()), 1, seconds, trace);
+      const std::vector<Candidate> of_part = candidate_refiner_.RefineCandidates(
+          cloud, ObjectId(part), votes, static_cast<int>(votes.size()), 1, seconds, trace);
       candidates.insert(candidates.end(), of_part.begin(), of_part.end());
     }
-    assessor_.Compare(candidates, seconds);
+    candidate_refiner_.Compare(candidates, seconds);
     return candidates;
   }
 
-  const CandidateAssessor& assessor() const override { return assessor_; }
+  const CandidateRefiner& candidate_refiner() const override { return candidate_refiner_; }
 
  private:
   // Each reference point gives one pose, so each pose counts as a separate patch.
@@ -46,7 +46,7 @@ class PpfCandidates : public CandidateSource {
     return votes;
   }
 
-  CandidateAssessor assessor_;
+  CandidateRefiner candidate_refiner_;
   std::vector<std::unique_ptr<PpfMatcher>> matchers_;
 };
 
@@ -64,7 +64,7 @@ class PpfTraining : public EstimatorTraining {
 
 }  // namespace
 
-VerifiedPpfOptions::VerifiedPpfOptions() { assessment = HardCandidates(); }
+VerifiedPpfOptions::VerifiedPpfOptions() { refinement = AccurateCandidates(); }
 
 std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects,
                                                    const VerifiedPpfOptions& options, int threads) {
@@ -78,11 +78,11 @@ std::unique_ptr<PoseEstimator> MakeVerifiedPpfEstimator(const EstimatorSetup& se
   const std::filesystem::path file = PpfTraining().ModelFile(setup.spec);
   VerifiedSetup made{MakePpfCandidates(setup.objects, options, setup.threads),
                      VerifiersOf(LoadVerifiers(file, kPpfName), setup.objects, file),
-                     options.final_set,
+                     options.pose_selection,
                      options.refiner,
                      setup.refiner,
                      setup.threads};
-  made.final_set.min_score = setup.spec.min_score;
+  made.pose_selection.min_score = setup.spec.min_score;
   return MakeVerifiedEstimator(std::move(made));
 }
 

@@ -19,13 +19,13 @@ inline constexpr const char* kVerifiedMode = "verified";
 
 struct VerifiedPpfOptions {
   PpfMatchOptions match{.window_diameters = 2};
-  AssessmentOptions assessment;
-  FinalSetOptions final_set;  // min_score is replaced by spec.min_score of the setup
+  CandidateRefinementOptions refinement;
+  PoseSelectionOptions pose_selection;  // min_score is replaced by spec.min_score of the setup
   RefinerOptions refiner;
-  VerifiedPpfOptions();  // assessment as in HardCandidates()
+  VerifiedPpfOptions();  // assessment as in AccurateCandidates()
 };
 
-// Makes the candidate source. Times are added under "match" and the names of CandidateAssessor. It
+// Makes the candidate source. Times are added under "match" and the names of CandidateRefiner. It
 // draws no random numbers.
 std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects,
                                                    const VerifiedPpfOptions& options,

@@ -17,15 +17,18 @@ class VerifiedEstimator : public PoseEstimator {
       cloud = BuildCloud(input.frame, input.background);
     }
     const std::vector<Candidate> candidates = setup_.source->Find(cloud, rng, result.seconds);
-    const CandidateAssessor& assessor = setup_.source->assessor();
+    const CandidateRefiner& candidate_refiner = setup_.source->candidate_refiner();
     {
       const StageTimer timer(result.seconds, "suppress");
-      result.hypotheses = FinalSet(cloud, assessor.model_points(), assessor.distances(),
-                                   setup_.verifiers, candidates, setup_.final_set, input.instances);
+      result.hypotheses =
+          SelectPoses(cloud, candidate_refiner.model_points(), candidate_refiner.distances(),
+                      setup_.verifiers, candidates, setup_.pose_selection, input.instances);
     }
-    const StageTimer timer(result.seconds, "refine");
-    RefineFinally(setup_.refiner, cloud, assessor.model_points(), setup_.refiner_options,
-                  setup_.threads, result.hypotheses);
+    {
+      const StageTimer timer(result.seconds, "refine");
+      RefineFinally(setup_.refiner, cloud, candidate_refiner.model_points(), setup_.refiner_options,
+                    setup_.threads, result.hypotheses);
+    }
     return result;
   }
 
@@ -42,9 +45,9 @@ std::unique_ptr<PoseEstimator> MakeVerifiedEstimator(VerifiedSetup setup) {
 std::vector<Verifier> VerifiersOf(const VerifierFile& trained, const ObjectSet& objects,
                                   const std::filesystem::path& file) {
   std::vector<Verifier> verifiers;
-  for (const int part : TrainedParts(trained.objects, objects, file,
-                                     "pickbed train PART... --verifier-for " + trained.estimator)) {
-    verifiers.push_back(trained.verifiers[part]);
+  for (const int index : TrainedParts(trained.objects, objects, file,
+                                      "`pickbed train` as verifiers of " + trained.estimator)) {
+    verifiers.push_back(trained.verifiers[index]);
   }
   return verifiers;
 }

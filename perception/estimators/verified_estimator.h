@@ -19,7 +19,7 @@ namespace pickbed::perception {
 struct VerifiedSetup {
   std::unique_ptr<CandidateSource> source;
   std::vector<Verifier> verifiers;  // one per object of the source
-  FinalSetOptions final_set;
+  PoseSelectionOptions pose_selection;
   RefinerOptions refiner_options;
   std::string refiner = "none";  // a row of RefinerTable()
   int threads = 1;

@@ -41,11 +41,11 @@ Record RecordOf(const ObjectSet& objects, const WohlhartBinOptions& options) {
           options};
 }
 
-int IndexIn(const ObjectSet& all, const ObjectModel& part) {
+ObjectId IndexIn(const ObjectSet& all, const ObjectModel& part) {
   for (size_t i = 0; i < all.size(); ++i) {
-    if (all[i]->name == part.name) return static_cast<int>(i);
+    if (all[i]->name == part.name) return ObjectId(i);
   }
-  throw InputError(fmt::format("no views of part '{}'", part.name));
+  throw InputError(fmt::format("no views of object '{}'", part.name));
 }
 
 // Templates of all objects with their search index.
@@ -57,23 +57,23 @@ struct Templates {
 Templates MakeTemplates(const ObjectSet& objects, LabelledViewSource& views, const Record& record,
                         std::shared_ptr<const WohlhartNetwork> network, int threads) {
   const std::string known = "," + record.objects + ",";
-  CropLesson lesson{objects, {}, {}};
+  CropTrainingSet training_set{objects, {}, {}};
   Templates templates;
   for (size_t part = 0; part < objects.size(); ++part) {
     const ObjectModel& object = *objects[part];
     CheckInput(known.find("," + object.name + ",") != std::string::npos,
-               fmt::format("the network was learned for {} and not for part '{}'; train anew with "
-                           "all of them",
+               fmt::format("the network was trained for {} and not for object '{}'; train it again "
+                           "with all of them",
                            record.objects, object.name));
     WholeTemplates made = MakeWholeTemplates(views, IndexIn(views.objects(), object),
                                              record.options.views.templates, kTemplateSeed);
-    made.crops.object = static_cast<int>(part);
-    lesson.templates.push_back(std::move(made.crops));
+    made.crops.object = ObjectId(part);
+    training_set.templates.push_back(std::move(made.crops));
     templates.X_PO.push_back(std::move(made.X_PO));
   }
   const int length = network->length();
   templates.look_up = MakeCropLookUp(
-      std::make_shared<const CropLesson>(std::move(lesson)),
+      std::make_shared<const CropTrainingSet>(std::move(training_set)),
       [network = std::move(network)](const CropSet& crops, int threads) {
         return network->Describe(crops, threads);
       },
@@ -84,11 +84,11 @@ Templates MakeTemplates(const ObjectSet& objects, LabelledViewSource& views, con
 class WohlhartCandidates : public CandidateSource {
  public:
   WohlhartCandidates(const ObjectSet& objects, const WohlhartBinOptions& options,
-                     Templates templates, const AssessmentOptions& assessment, int threads)
+                     Templates templates, const CandidateRefinementOptions& refinement, int threads)
       : objects_(objects),
         options_(options),
         templates_(std::move(templates)),
-        assessor_(objects, assessment, threads),
+        candidate_refiner_(objects, refinement, threads),
         threads_(threads) {}
 
   std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng&, StageSeconds& seconds,
@@ -96,26 +96,26 @@ class WohlhartCandidates : public CandidateSource {
     const std::vector<int> pixels = GridProposals(cloud, options_.grid_px);
     std::vector<Candidate> candidates;
     for (size_t part = 0; part < objects_.size(); ++part) {
-      const std::vector<PoseVote> votes = Votes(static_cast<int>(part), cloud, pixels, seconds);
+      const std::vector<PoseVote> votes = Votes(ObjectId(part), cloud, pixels, seconds);
       if (votes.empty()) continue;
-      const std::vector<Candidate> of_part = assessor_.Assess(
-          cloud, static_cast<int>(part), votes, static_cast<int>(pixels.size()), 1, seconds, trace);
+      const std::vector<Candidate> of_part = candidate_refiner_.RefineCandidates(
+          cloud, ObjectId(part), votes, static_cast<int>(pixels.size()), 1, seconds, trace);
       candidates.insert(candidates.end(), of_part.begin(), of_part.end());
     }
-    assessor_.Compare(candidates, seconds);
+    candidate_refiner_.Compare(candidates, seconds);
     return candidates;
   }
 
-  const CandidateAssessor& assessor() const override { return assessor_; }
+  const CandidateRefiner& candidate_refiner() const override { return candidate_refiner_; }
 
  private:
   // Casts votes from crops of this object's size. A neighbour of another object casts no vote.
-  std::vector<PoseVote> Votes(int part, const OrganizedCloud& cloud, const std::vector<int>& pixels,
-                              StageSeconds& seconds) const {
+  std::vector<PoseVote> Votes(ObjectId object, const OrganizedCloud& cloud,
+                              const std::vector<int>& pixels, StageSeconds& seconds) const {
     CropSet crops;
     {
       const StageTimer timer(seconds, "crops");
-      crops = CutWholeCrops(cloud, pixels, CropSide_m(*objects_[part], options_.views.templates));
+      crops = CutWholeCrops(cloud, pixels, CropSide_m(*objects_[object], options_.views.templates));
     }
     const StageTimer timer(seconds, "network");
     const auto answers = templates_.look_up->Answer(crops, options_.neighbors, threads_);
@@ -123,8 +123,8 @@ class WohlhartCandidates : public CandidateSource {
     for (size_t i = 0; i < answers.size(); ++i) {
       const Pose X_CP = PatchFrame(crops.spots[i].center_C, 0);
       for (const CropAnswer& answer : answers[i]) {
-        if (answer.object != part) continue;
-        votes.push_back({X_CP * templates_.X_PO[part][answer.view], static_cast<int>(i)});
+        if (answer.object != object) continue;
+        votes.push_back({X_CP * templates_.X_PO[object][answer.view], static_cast<int>(i)});
       }
     }
     return votes;
@@ -133,7 +133,7 @@ class WohlhartCandidates : public CandidateSource {
   ObjectSet objects_;
   WohlhartBinOptions options_;
   Templates templates_;
-  CandidateAssessor assessor_;
+  CandidateRefiner candidate_refiner_;
   int threads_;
 };
 
@@ -146,7 +146,7 @@ class WohlhartTraining : public EstimatorTraining {
     return ModelFileOr(spec, kWohlhartName);
   }
   std::unique_ptr<CandidateSource> MakeCandidates(const CandidateSetup& setup) const override {
-    return MakeWohlhartCandidates(setup.objects, setup.views, setup.network, HardCandidates());
+    return MakeWohlhartCandidates(setup.objects, setup.views, setup.network, AccurateCandidates());
   }
   void VisitNetworkOptions(SettingsVisitor& v) override { options_.Visit(v); }
   std::string NetworkSettings(const ObjectSet& objects) const override {
@@ -162,17 +162,17 @@ class WohlhartTraining : public EstimatorTraining {
 std::optional<LearnedNetwork> WohlhartTraining::TrainNetwork(const NetworkTrainingJob& job) const {
   constexpr double kViewsShare = 0.2;  // approximate share of the time
   CheckInput(options_.network.input == "depth",
-             "network.input: crops of bins are of depth alone; leave it at depth");
+             "network.input: crops of bins have only depth; leave it at depth");
   bool go_on = true;
   const auto report = [&](double share) {
     return go_on = go_on && (!job.on_share || job.on_share(share));
   };
-  const CropLesson lesson = MakeWholeLesson(job.views, options_.views, job.seed, [&](double share) {
-    return report(kViewsShare * share);
-  });
+  const CropTrainingSet training_set =
+      MakeWholeTrainingSet(job.views, options_.views, job.seed,
+                           [&](double share) { return report(kViewsShare * share); });
   if (!go_on) return std::nullopt;
   const auto network = TrainWohlhart(
-      {lesson, job.seed, job.checkpoint,
+      {training_set, job.seed, job.checkpoint,
        [&](double share, double) { return report(kViewsShare + (1 - kViewsShare) * share); },
        job.threads},
       options_.network);
@@ -184,18 +184,17 @@ std::optional<LearnedNetwork> WohlhartTraining::TrainNetwork(const NetworkTraini
 
 void WohlhartBinOptions::Visit(SettingsVisitor& v) {
   v.Group(
-      "views", [&](SettingsVisitor& g) { views.Visit(g); }, "templates, and what is learned from");
+      "views", [&](SettingsVisitor& g) { views.Visit(g); },
+      "views of the templates and for training");
   v.Group(
       "network", [&](SettingsVisitor& g) { network.Visit(g); }, "the learned descriptor");
-  v.Integer("grid_px", grid_px, {1, 100}, "between two proposals, both ways");
-  v.Integer("neighbors", neighbors, {1, 100}, "votes of a crop: k of the look-up");
+  v.Integer("grid_px", grid_px, {1, 100}, "distance between two proposals along x and y, px");
+  v.Integer("neighbors", neighbors, {1, 100}, "number of nearest templates that vote for a crop");
 }
 
-std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const ObjectSet& objects,
-                                                        LabelledViewSource& views,
-                                                        const LearnedNetwork& network,
-                                                        const AssessmentOptions& assessment,
-                                                        int threads) {
+std::unique_ptr<CandidateSource> MakeWohlhartCandidates(
+    const ObjectSet& objects, LabelledViewSource& views, const LearnedNetwork& network,
+    const CandidateRefinementOptions& refinement, int threads) {
   Record record;
   ReadSettingsText(network.settings, "settings of the network",
                    [&](SettingsVisitor& v) { record.Visit(v); });
@@ -203,7 +202,7 @@ std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const ObjectSet& objects
   weighted->SetWeights(network.weights);
   Templates templates = MakeTemplates(objects, views, record, std::move(weighted), threads);
   return std::make_unique<WohlhartCandidates>(objects, record.options, std::move(templates),
-                                              assessment, threads);
+                                              refinement, threads);
 }
 
 std::unique_ptr<EstimatorTraining> MakeWohlhartTraining(const WohlhartBinOptions& options) {
@@ -221,7 +220,7 @@ std::unique_ptr<PoseEstimator> MakeWohlhartEstimator(const EstimatorSetup& setup
   made.verifiers = VerifiersOf(trained, setup.objects, file);
   made.source = MakeWohlhartCandidates(setup.objects, *setup.views, trained.network,
                                        OptionsForMode(setup.spec.mode).candidates, setup.threads);
-  made.final_set.min_score = setup.spec.min_score;
+  made.pose_selection.min_score = setup.spec.min_score;
   made.refiner = setup.refiner;
   made.threads = setup.threads;
   return MakeVerifiedEstimator(std::move(made));

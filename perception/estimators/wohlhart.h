@@ -35,16 +35,14 @@ struct WohlhartBinOptions {
 
 // Makes the candidate source for objects that `network` was trained for. `views` renders their
 // templates and must have objects with the same names. Times are added under "crops", "network" and
-// the names of CandidateAssessor. It draws no random numbers. Throws InputError for other objects
+// the names of CandidateRefiner. It draws no random numbers. Throws InputError for other objects
 // or settings.
-std::unique_ptr<CandidateSource> MakeWohlhartCandidates(const ObjectSet& objects,
-                                                        LabelledViewSource& views,
-                                                        const LearnedNetwork& network,
-                                                        const AssessmentOptions& assessment,
-                                                        int threads = 1);
+std::unique_ptr<CandidateSource> MakeWohlhartCandidates(
+    const ObjectSet& objects, LabelledViewSource& views, const LearnedNetwork& network,
+    const CandidateRefinementOptions& refinement, int threads = 1);
 
 // Returns the training with these network options. NetworkSettings() are the names and mesh hashes
-// of the objects and the options. MakeCandidates() uses the options of HardCandidates().
+// of the objects and the options. MakeCandidates() uses the options of AccurateCandidates().
 // TrainNetwork() throws InputError if the network's input is not depth.
 std::unique_ptr<EstimatorTraining> MakeWohlhartTraining(const WohlhartBinOptions& options);
 

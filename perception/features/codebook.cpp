@@ -46,7 +46,7 @@ void AppendCodes(const LabelledPatches& patches, const DescribePatches& describe
   }
 }
 
-ObjectCodes MakeObjectCodes(LabelledViewSource& views, int object, const PatchForm& form,
+ObjectCodes MakeObjectCodes(LabelledViewSource& views, ObjectId object, const PatchForm& form,
                             int length, const DescribePatches& describe,
                             const IsolatedOptions& options, uint64_t seed, int threads,
                             const std::function<void(double)>& on_share) {

@@ -12,6 +12,7 @@
 
 #include "perception/features/labelled_patches.h"
 #include "perception/features/pose_targets.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::perception {
 
@@ -35,7 +36,7 @@ void AppendCodes(const LabelledPatches& patches, const DescribePatches& describe
 
 // Renders isolated views of the object and returns its entries. With threads > 1 one block is
 // described while the next is rendered. on_share receives the progress, 0..1; it may be empty.
-ObjectCodes MakeObjectCodes(LabelledViewSource& views, int object, const PatchForm& form,
+ObjectCodes MakeObjectCodes(LabelledViewSource& views, ObjectId object, const PatchForm& form,
                             int length, const DescribePatches& describe,
                             const IsolatedOptions& options, uint64_t seed, int threads,
                             const std::function<void(double share)>& on_share);

@@ -41,10 +41,10 @@ std::vector<Pose> RandomPoses(const ObjectModel& model, const IsolatedOptions& o
 }  // namespace
 
 void IsolatedOptions::Visit(SettingsVisitor& v) {
-  v.Integer("views", views, {1, 1000000}, "isolated views of a part");
-  v.Integer("patches_per_view", patches_per_view, {1, 1000}, "patches cut from each");
-  v.Real("distance_m", distance_m, {0.01, 100}, "camera to part, m");
-  v.Real("distance_spread", distance_spread, {0, 0.9}, "relative spread of that distance");
+  v.Integer("views", views, {1, 1000000}, "number of isolated views per object");
+  v.Integer("patches_per_view", patches_per_view, {1, 1000}, "number of patches per isolated view");
+  v.Real("distance_m", distance_m, {0.01, 100}, "distance from the camera to the object, m");
+  v.Real("distance_spread", distance_spread, {0, 0.9}, "relative spread of the camera distance");
   v.Real("focal_px", focal_px, {1, 1e6}, "focal length, px");
 }
 
@@ -57,7 +57,7 @@ CameraIntrinsics CropCamera(double diameter_m, const IsolatedOptions& options) {
   return {size, size, options.focal_px, options.focal_px, center_px, center_px};
 }
 
-void ForEachIsolatedBlock(LabelledViewSource& views, int object, const PatchForm& form,
+void ForEachIsolatedBlock(LabelledViewSource& views, ObjectId object, const PatchForm& form,
                           const IsolatedOptions& options, uint64_t seed,
                           const std::function<bool(LabelledPatches, double)>& take) {
   CheckSettings("IsolatedOptions", options);

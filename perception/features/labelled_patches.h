@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "perception/features/patch.h"
+#include "scenes/base/ids.h"
 #include "scenes/base/settings.h"
 #include "scenes/labelled_view.h"
 
@@ -39,7 +40,7 @@ CameraIntrinsics CropCamera(double diameter_m, const IsolatedOptions& options);
 // Renders isolated views of the object in blocks and calls `take` with the patches of each block.
 // Rotations, in-plane angles and pixels of the object are uniform. `share` is the progress, 0..1;
 // `take` returns false to stop.
-void ForEachIsolatedBlock(LabelledViewSource& views, int object, const PatchForm& form,
+void ForEachIsolatedBlock(LabelledViewSource& views, ObjectId object, const PatchForm& form,
                           const IsolatedOptions& options, uint64_t seed,
                           const std::function<bool(LabelledPatches patches, double share)>& take);
 

@@ -45,10 +45,11 @@ void RandomCenterChooser<pickbed::perception::RepeatableL2>::operator()(int k, i
 namespace pickbed::perception {
 
 void NeighborOptions::Visit(SettingsVisitor& v) {
-  v.Integer("branching", branching, {2, 1000}, "clusters that a node of the index is divided into");
-  v.Integer("iterations", iterations, {0, 1000}, "of k-means at a node");
-  v.Integer("checks", checks, {1, 100000}, "rows looked at for one query");
-  v.Integer("linear_below", linear_below, {0, kAlwaysLinear}, "smaller sets are searched exactly");
+  v.Integer("branching", branching, {2, 1000}, "number of clusters per node of the index");
+  v.Integer("iterations", iterations, {0, 1000}, "number of k-means iterations per node");
+  v.Integer("checks", checks, {1, 100000}, "number of rows compared per query");
+  v.Integer("linear_below", linear_below, {0, kAlwaysLinear},
+            "sets with fewer rows than this are searched exactly");
 }
 
 struct NeighborIndex::Impl {
@@ -64,7 +65,7 @@ NeighborIndex::NeighborIndex(std::vector<float> rows, int dimensions,
     : impl_(std::make_unique<Impl>()) {
   CheckSettings("NeighborOptions", options);
   CheckInput(dimensions > 0 && rows.size() % dimensions == 0,
-             "a neighbour index needs whole rows of descriptors");
+             "a neighbor index needs complete rows of descriptors");
   impl_->rows = std::move(rows);
   impl_->dimensions = dimensions;
   impl_->count = static_cast<int>(impl_->rows.size() / dimensions);

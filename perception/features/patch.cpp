@@ -84,7 +84,8 @@ const char* NameOf(PatchChannels channels) {
 }
 
 double PatchSide(double diameter_m, double patch_diameters) {
-  CheckInput(diameter_m > 0 && patch_diameters > 0, "a patch needs a part of positive diameter");
+  CheckInput(diameter_m > 0 && patch_diameters > 0,
+             "a patch needs an object with a positive diameter");
   const double steps = std::round(2.0 * std::log2(diameter_m * patch_diameters / 1e-3));
   return 1e-3 * std::exp2(0.5 * steps);
 }
@@ -102,8 +103,8 @@ Pose PatchFrame(const Eigen::Vector3d& point_C, double angle_rad) {
 void RequireChannels(const OrganizedCloud& cloud, PatchChannels channels) {
   if (channels != PatchChannels::kDepthColor) return;
   CheckInput(!cloud.color.empty(),
-             "the network learned from depth and colour, and the frame has no colour image; give "
-             "it one or use a model of network.autoencoder.channels depth_normals");
+             "the network was trained on depth and colour, but the frame has no colour image; give "
+             "it one or use a model with network.autoencoder.channels depth_normals");
 }
 
 PatchSet CutPatches(const OrganizedCloud& cloud, std::span<const int> pixels,

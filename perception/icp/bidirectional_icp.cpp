@@ -215,10 +215,11 @@ void BidirectionalIcpOptions::Visit(SettingsVisitor& v) {
   v.Real("min_normal_cos", min_normal_cos, {-1, 1}, "minimum cosine between the normals of a pair");
   v.Real("outline_weight", outline_weight, {0, 1000}, "weight of outline residuals");
   v.Real("cover_weight", cover_weight, {0, 1000}, "weight of cover residuals");
-  v.Real("damping", damping, {0, 10}, "share of the mean diagonal that is added to it");
+  v.Real("damping", damping, {0, 10},
+         "damping, a share of the mean diagonal that is added to the diagonal");
   v.Integer("max_points", max_points, {6, 100000}, "maximum number of model points");
   v.Integer("max_scene_pixels", max_scene_pixels, {1, 10000000}, "maximum number of pixels");
-  v.Real("restart_rad", restart_rad, {0, 3.2}, "rotation of additional starts, rad; 0 = none");
+  v.Real("restart_rad", restart_rad, {0, 3.2}, "rotation of the additional starts, rad; 0 = none");
 }
 
 IcpResult BidirectionalIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,

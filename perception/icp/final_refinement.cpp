@@ -21,11 +21,12 @@ RefinePose MakeBidirectionalIcp(const OrganizedCloud& cloud, const RefinerOption
 RefinePose MakeNothing(const OrganizedCloud&, const RefinerOptions&) { return {}; }
 
 constexpr RefinerRow kRefiners[] = {
-    {"pcl_icp", "PCL's ICP against the depth image; undone where it makes a pose worse",
+    {"pcl_icp", "PCL's ICP against the depth image; a result with a worse fit is discarded",
      &MakePclIcp},
-    {"two_way_icp", "surface, outline and cover in one ICP with restarts: for real frames",
+    {"two_way_icp",
+     "surface, outline and cover residuals in one ICP with restarts; for real frames",
      &MakeBidirectionalIcp},
-    {"none", "poses are reported as the estimator finds them", &MakeNothing},
+    {"none", "no refinement; poses are reported as the estimator found them", &MakeNothing},
 };
 
 void RefineHypothesis(const RefinePose& refine, const OrganizedCloud& cloud,
@@ -59,7 +60,7 @@ void RefinerOptions::Visit(SettingsVisitor& v) {
       "pcl_icp", [this](SettingsVisitor& g) { pcl_icp.Visit(g); }, "options of refiner pcl_icp");
   v.Group(
       "bidirectional_icp", [this](SettingsVisitor& g) { bidirectional_icp.Visit(g); },
-      "options of refiner bidirectional_icp");
+      "options of refiner two_way_icp");
 }
 
 void RefineFinally(const std::string& refiner, const OrganizedCloud& cloud,

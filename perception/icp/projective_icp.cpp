@@ -98,7 +98,8 @@ void ProjectiveIcpOptions::Visit(SettingsVisitor& v) {
   v.Integer("fine_iterations", fine_iterations, {0, 10000}, "steps with the final distance");
   v.Real("min_normal_cos", min_normal_cos, {-1, 1}, "minimum cosine between the normals of a pair");
   v.Integer("max_points", max_points, {6, 512}, "maximum number of model points");
-  v.Real("damping", damping, {0, 10}, "share of the mean diagonal that is added to it");
+  v.Real("damping", damping, {0, 10},
+         "damping, a share of the mean diagonal that is added to the diagonal");
 }
 
 IcpResult ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,

@@ -64,12 +64,14 @@ TrainingTensors ToTensors(const TrainingBatch& batch, const torch::Device& devic
 void NetworkOptions::Visit(SettingsVisitor& v) {
   std::vector<std::string> kinds;
   for (const PatchNetworkRow& row : PatchNetworkTable()) kinds.push_back(row.name);
-  v.Text("kind", kind, kinds, "the network that describes a patch");
+  v.Text("kind", kind, kinds, "kind of the network that describes a patch");
   v.Integer("descriptor", descriptor, {2, 1024}, "length of the descriptor");
   v.Group(
-      "autoencoder", [&](SettingsVisitor& g) { autoencoder.Visit(g); }, "of kind autoencoder");
+      "autoencoder", [&](SettingsVisitor& g) { autoencoder.Visit(g); },
+      "settings of kind autoencoder");
   v.Group(
-      "regression", [&](SettingsVisitor& g) { regression.Visit(g); }, "of kind siamese_regression");
+      "regression", [&](SettingsVisitor& g) { regression.Visit(g); },
+      "settings of kind siamese_regression");
 }
 
 PatchChannels ChannelsOf(const NetworkOptions& options) {

@@ -103,10 +103,11 @@ class SiameseRegression : public PatchNetwork, public torch::nn::Module {
 
 void RegressionOptions::Visit(SettingsVisitor& v) {
   v.Text("rotation", rotation, {"quaternion", "six_d"}, "form of the regressed rotation");
-  v.Real("siamese_weight", siamese_weight, {0, 1000}, "of the siamese term; 0 = plain regression");
-  v.Real("offset_weight", offset_weight, {0, 1000}, "of the offset to the part's middle");
+  v.Real("siamese_weight", siamese_weight, {0, 1000},
+         "weight of the siamese term; 0 = plain regression");
+  v.Real("offset_weight", offset_weight, {0, 1000}, "weight of the offset to the object center");
   v.RenamedKey("part_weight", "object_weight");
-  v.Real("object_weight", object_weight, {0, 1000}, "of telling parts apart");
+  v.Real("object_weight", object_weight, {0, 1000}, "weight of the classification of objects");
 }
 
 at::Tensor RotationMatrices(const at::Tensor& values) {

@@ -77,8 +77,9 @@ class Autoencoder : public PatchNetwork, public torch::nn::Module {
 
 void AutoencoderOptions::Visit(SettingsVisitor& v) {
   v.RenamedValue("target", "twin", "positive");
-  v.Text("target", target, {"itself", "positive"}, "what the decoder gives back");
-  v.Text("channels", channels, {"depth", "depth_normals", "rgbd"}, "of the patch that are seen");
+  v.Text("target", target, {"itself", "positive"}, "patch that the decoder reconstructs");
+  v.Text("channels", channels, {"depth", "depth_normals", "rgbd"},
+         "channels of the patch that the network sees");
 }
 
 std::unique_ptr<PatchNetwork> MakeAutoencoder(const NetworkOptions& options, int) {

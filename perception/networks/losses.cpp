@@ -17,10 +17,12 @@ at::Tensor SquaredDistances(const at::Tensor& similarity) {
 }  // namespace
 
 void LossOptions::Visit(SettingsVisitor& v) {
-  v.Text("kind", kind, {"triplet", "infonce"}, "triplet and pair terms, or soft InfoNCE");
-  v.Real("margin", margin, {1e-6, 1}, "m of the triplet term");
-  v.Real("dissimilar", dissimilar, {0, 10}, "pose distance of a negative, diameters");
-  v.Integer("negatives", negatives, {1, 10000}, "hardest negatives of the batch for one anchor");
+  v.Text("kind", kind, {"triplet", "infonce"},
+         "form of the loss: triplet and pair terms, or soft InfoNCE");
+  v.Real("margin", margin, {1e-6, 1}, "margin m of the triplet term");
+  v.Real("dissimilar", dissimilar, {0, 10}, "minimum pose distance of a negative, diameters");
+  v.Integer("negatives", negatives, {1, 10000},
+            "number of hardest negatives in the batch per anchor");
   v.Real("pair_weight", pair_weight, {0, 100}, "weight of the pair term");
   v.Real("sigma", sigma, {1e-3, 1}, "width of InfoNCE's soft targets, diameters");
   v.Real("temperature", temperature, {1e-3, 10}, "temperature of InfoNCE");

@@ -41,7 +41,8 @@ DescriptorModel ReadModelArchive(const std::string& bytes, const std::string& na
   archive.load_from(bytes.data(), bytes.size());
   c10::IValue value;
   archive.read("magic", value);
-  CheckInput(value.isString() && value.toStringRef() == kModelMagic, "it is no descriptor model");
+  CheckInput(value.isString() && value.toStringRef() == kModelMagic,
+             "it is not a descriptor model");
   archive.read("version", value);
   const int64_t version = value.toInt();
   CheckInput(version <= kModelVersion,
@@ -81,26 +82,27 @@ DescriptorModel ReadModelArchive(const std::string& bytes, const std::string& na
 }  // namespace
 
 void ModelObject::Visit(SettingsVisitor& v) {
-  v.Text("name", name, {}, "the part");
-  v.Seed("mesh_hash", mesh_hash, "hash of its mesh");
-  v.Real("diameter_m", diameter_m, {0, 100}, "its diameter, m");
-  v.Real("side_m", side_m, {0, 100}, "side of its patches, m");
-  v.Real("verifier_auc", verifier_auc, {0, 1}, "area under ROC on held-out poses");
-  v.Real("recall_at_1", recall_at_1, {-1, 1}, "of held-out patches, -1 = not measured");
-  v.Real("recall_at_8", recall_at_8, {-1, 1}, "among the eight nearest");
+  v.Text("name", name, {}, "name of the object");
+  v.Seed("mesh_hash", mesh_hash, "hash of the object's mesh");
+  v.Real("diameter_m", diameter_m, {0, 100}, "diameter of the object, m");
+  v.Real("side_m", side_m, {0, 100}, "side of the object's patches, m");
+  v.Real("verifier_auc", verifier_auc, {0, 1}, "area under the ROC curve on held-out poses");
+  v.Real("recall_at_1", recall_at_1, {-1, 1}, "recall@1 on held-out patches, -1 = not measured");
+  v.Real("recall_at_8", recall_at_8, {-1, 1}, "recall@8 on held-out patches, -1 = not measured");
 }
 
 void ModelInfo::Visit(SettingsVisitor& v) {
   v.List(
       "objects", objects.size(), [&](size_t size) { objects.resize(size); },
-      [&](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what it is trained for");
+      [&](size_t i, SettingsVisitor& item) { objects[i].Visit(item); },
+      "objects for which the model is trained");
   v.Text("sensor", sensor, {}, "sensor profile of the training views");
   v.Group(
-      "network", [&](SettingsVisitor& g) { network.Visit(g); }, "the network");
-  v.Integer("iterations", iterations, {0, 1e9}, "steps done");
-  v.Real("loss", loss, {-1e9, 1e9}, "mean of the last hundred steps");
-  v.Real("recall_at_1", recall_at_1, {-1, 1}, "of held-out patches, -1 = not measured");
-  v.Real("recall_at_8", recall_at_8, {-1, 1}, "among the eight nearest");
+      "network", [&](SettingsVisitor& g) { network.Visit(g); }, "settings of the network");
+  v.Integer("iterations", iterations, {0, 1e9}, "number of training steps done");
+  v.Real("loss", loss, {-1e9, 1e9}, "mean loss of the last hundred steps");
+  v.Real("recall_at_1", recall_at_1, {-1, 1}, "recall@1 on held-out patches, -1 = not measured");
+  v.Real("recall_at_8", recall_at_8, {-1, 1}, "recall@8 on held-out patches, -1 = not measured");
 }
 
 void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
@@ -125,18 +127,18 @@ void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
 DescriptorModel LoadModel(const std::filesystem::path& file, const std::string& command) {
   CheckInput(
       std::filesystem::exists(file),
-      fmt::format("{}: there is no such trained model; make it with `{}`", file.string(), command));
+      fmt::format("{}: there is no such trained model; make it with {}", file.string(), command));
   const std::string bytes = ReadFileBytes(file);
   const auto fail = [&](const std::string& reason) {
     return InputError(
-        fmt::format("{}: {}; train it again with `{}`", file.string(), reason, command));
+        fmt::format("{}: {}; train it again with {}", file.string(), reason, command));
   };
   try {
     return ReadModelArchive(bytes, file.string());
   } catch (const InputError& error) {
     throw fail(error.what());
   } catch (const c10::Error&) {
-    throw fail("the file is damaged or no model");
+    throw fail("the file is damaged or is not a model");
   }
 }
 
@@ -150,13 +152,13 @@ std::vector<int> TrainedParts(const std::vector<ModelObject>& trained, const Obj
       known += (known.empty() ? "" : ", ") + part.name;
       if (part.name == object->name) found = &part;
     }
-    CheckInput(found, fmt::format("{}: not trained for part '{}' (knows {}); train a model with "
-                                  "`{}`",
-                                  file.string(), object->name, known, command));
-    CheckInput(found->mesh_hash == object->mesh_hash,
-               fmt::format("{}: the mesh of part '{}' has changed since training; train again with "
-                           "`{}`",
-                           file.string(), object->name, command));
+    CheckInput(found,
+               fmt::format("{}: not trained for object '{}' (knows {}); train a model with {}",
+                           file.string(), object->name, known, command));
+    CheckInput(
+        found->mesh_hash == object->mesh_hash,
+        fmt::format("{}: the mesh of object '{}' has changed since training; train again with {}",
+                    file.string(), object->name, command));
     parts.push_back(static_cast<int>(found - trained.data()));
   }
   return parts;

@@ -13,7 +13,7 @@
 
 namespace pickbed::perception {
 
-inline constexpr const char* kTrainCommand = "pickbed train";
+inline constexpr const char* kTrainCommand = "`pickbed train`";
 
 // An object that a model was trained for.
 struct ModelObject {

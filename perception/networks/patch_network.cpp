@@ -14,11 +14,12 @@ at::Tensor PatchNetwork::Poses(const at::Tensor&) {
 
 std::span<const PatchNetworkRow> PatchNetworkTable() {
   static constexpr PatchNetworkRow rows[] = {
-      {"convolutional", "three convolutions and two full layers, 80 k weights",
+      {"convolutional", "three convolutions and two fully connected layers, 80 k weights",
        MakeConvolutionalNetwork},
-      {"autoencoder", "gives the patch back through a narrow layer (kehl)", MakeAutoencoder, true,
+      {"autoencoder", "reconstructs the patch through a narrow layer (kehl)", MakeAutoencoder, true,
        false, AutoencoderChannels},
-      {"siamese_regression", "regresses the pose; features as far apart as poses (doumanoglou)",
+      {"siamese_regression",
+       "regresses the pose; feature distances equal pose distances (doumanoglou)",
        MakeSiameseRegression, false, true},
   };
   return rows;

@@ -21,7 +21,8 @@ std::string ObjectsText(std::vector<ModelObject> objects) {
   return WriteSettings([&](SettingsVisitor& v) {
     v.List(
         "objects", objects.size(), [](size_t) {},
-        [&](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what it is trained for");
+        [&](size_t i, SettingsVisitor& item) { objects[i].Visit(item); },
+        "objects for which the verifiers are trained");
   });
 }
 
@@ -30,7 +31,8 @@ std::vector<ModelObject> ObjectsFrom(const std::string& text, const std::string&
   ReadSettingsText(text, name, [&](SettingsVisitor& v) {
     v.List(
         "objects", objects.size(), [&](size_t size) { objects.resize(size); },
-        [&](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what it is trained for");
+        [&](size_t i, SettingsVisitor& item) { objects[i].Visit(item); },
+        "objects for which the verifiers are trained");
   });
   return objects;
 }
@@ -62,7 +64,7 @@ std::string ReadText(torch::serialize::InputArchive& archive, const char* key) {
 VerifierFile ReadVerifierArchive(const std::string& bytes, const std::string& name) {
   torch::serialize::InputArchive archive;
   archive.load_from(bytes.data(), bytes.size());
-  CheckInput(ReadText(archive, "magic") == kVerifierMagic, "it holds no verifiers alone");
+  CheckInput(ReadText(archive, "magic") == kVerifierMagic, "it is not a file of verifiers");
   c10::IValue value;
   archive.read("version", value);
   const int64_t version = value.toInt();
@@ -121,10 +123,10 @@ void SaveVerifiers(const std::filesystem::path& file, const VerifierFile& conten
 
 VerifierFile LoadVerifiers(const std::filesystem::path& file, const std::string& estimator) {
   const auto fail = [&](const std::string& reason) {
-    return InputError(fmt::format("{}: {}; make it with `pickbed train PART... --verifier-for {}`",
+    return InputError(fmt::format("{}: {}; make it with `pickbed train` as verifiers of {}",
                                   file.string(), reason, estimator));
   };
-  if (!std::filesystem::exists(file)) throw fail("there is no such file of verifiers");
+  if (!std::filesystem::exists(file)) throw fail("the verifier file does not exist");
   const std::string bytes = ReadFileBytes(file);
   VerifierFile content;
   try {

@@ -51,23 +51,29 @@ at::Tensor WohlhartTensor(const CropSet& crops, int64_t begin, int64_t count,
 }
 
 void WohlhartOptions::Visit(SettingsVisitor& v) {
-  v.Text("input", input, {"depth", "rgb", "rgbd"}, "what the network sees");
+  v.Text("input", input, {"depth", "rgb", "rgbd"}, "channels of the crop that the network sees");
   v.Integer("descriptor", descriptor, {2, 1024}, "length of the descriptor");
-  v.Real("depth_reach", depth_reach, {0.1, 1}, "seen about the centre both ways, over the side");
-  v.Real("margin", margin, {1e-6, 10}, "m of the triplet term");
-  v.Bool("dynamic_margin", dynamic_margin, "m by the angle between the poses (Zakharov 2017)");
-  v.Real("class_margin", class_margin, {std::numbers::pi, 100}, "of another part then");
+  v.Real("depth_reach", depth_reach, {0.1, 1},
+         "half of the depth range about the crop center, over the crop's side");
+  v.Real("margin", margin, {1e-6, 10}, "margin m of the triplet term");
+  v.Bool("dynamic_margin", dynamic_margin,
+         "whether the margin is the angle between the poses (Zakharov 2017)");
+  v.Real("class_margin", class_margin, {std::numbers::pi, 100},
+         "dynamic margin for templates of another object");
   v.RenamedKey("least_turn_rad", "min_rotation_rad");
-  v.Real("min_rotation_rad", min_rotation_rad, {0, std::numbers::pi}, "pusher beyond puller, rad");
-  v.Integer("pushers", pushers, {1, 10000}, "hardest templates of the batch for one anchor");
-  v.Real("pair_weight", pair_weight, {0, 100}, "of the pair term");
-  v.Real("weight_decay", weight_decay, {0, 1}, "lambda of |w|^2");
-  v.Integer("anchors", anchors, {2, 10000}, "crops of a batch, with three templates each");
-  v.Integer("iterations", iterations, {1, 1000000}, "steps a part");
-  v.Integer("mine_every", mine_every, {1, 1000000}, "steps between two rounds of mining");
-  v.Real("learning_rate", learning_rate, {1e-7, 1}, "of Adam, at the start of the cosine");
+  v.Real("min_rotation_rad", min_rotation_rad, {0, std::numbers::pi},
+         "minimum angle by which a pusher exceeds the puller, rad");
+  v.Integer("pushers", pushers, {1, 10000}, "number of hardest templates in the batch per anchor");
+  v.Real("pair_weight", pair_weight, {0, 100}, "weight of the pair term");
+  v.Real("weight_decay", weight_decay, {0, 1}, "weight decay, lambda of |w|^2");
+  v.Integer("anchors", anchors, {2, 10000},
+            "number of anchor crops per batch, with three templates each");
+  v.Integer("iterations", iterations, {1, 1000000}, "number of training steps per object");
+  v.Integer("mine_every", mine_every, {1, 1000000}, "number of steps between two rounds of mining");
+  v.Real("learning_rate", learning_rate, {1e-7, 1},
+         "learning rate of Adam at the start of the cosine schedule");
   v.Group(
-      "augment", [&](SettingsVisitor& g) { augment.Visit(g); }, "how crops are varied");
+      "augment", [&](SettingsVisitor& g) { augment.Visit(g); }, "augmentation of the crops");
 }
 
 at::Tensor WohlhartLoss(const at::Tensor& anchors, const at::Tensor& templates,

@@ -142,11 +142,11 @@ Checkpoint ReadCheckpoint(const std::filesystem::path& file, const std::string& 
     checkpoint = Parse(bytes);
   } catch (const InputError& error) {
     throw InputError(
-        fmt::format("{}: {}; delete it and start the training anew", file.string(), error.what()));
+        fmt::format("{}: {}; delete it and start the training again", file.string(), error.what()));
   }
   CheckInput(checkpoint.key == key,
-             fmt::format("{}: belongs to a training with other settings or parts; use those, write "
-                         "elsewhere (--out), or delete it to start anew",
+             fmt::format("{}: belongs to a training with other settings or objects; use the same "
+                         "ones, write to another file, or delete it to start again",
                          file.string()));
   return checkpoint;
 }

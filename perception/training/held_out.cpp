@@ -10,11 +10,11 @@ namespace pickbed::perception {
 namespace {
 
 constexpr int kFound = 8;  // nearest entries for recall@8
-constexpr int kViewsPerPile = 1;
+constexpr int kViewsPerScene = 1;
 
 // Positive patches so near that nearly all are right answers; Choose() drops the others.
-TwinOptions NearTwins() {
-  TwinOptions twins;
+PositivePairOptions NearPositives() {
+  PositivePairOptions twins;
   twins.pairs_per_instance = 1;
   twins.rotation_rad = 0.03;
   twins.in_plane_rad = 0.03;
@@ -43,15 +43,16 @@ PatchPairs Choose(const PatchPairs& pairs, const PoseDistance& distance, int cou
 }
 
 // Isolated views with the same range of distances as the object has in the clutter scene.
-IsolatedOptions BookViews(const std::vector<LabelledView>& pile, int part, int views) {
+IsolatedOptions BookViews(const std::vector<LabelledView>& clutter_scene, ObjectId object,
+                          int views) {
   IsolatedOptions options;
   options.views = views;
   options.patches_per_view = 4;
-  options.focal_px = pile.front().frame.intrinsics.fx();
+  options.focal_px = clutter_scene.front().frame.intrinsics.fx();
   double near_m = 0, far_m = 0;
-  for (const LabelledView& view : pile) {
+  for (const LabelledView& view : clutter_scene) {
     for (const LabelledInstance& instance : view.instances) {
-      if (instance.object != part) continue;
+      if (instance.object != object) continue;
       const double distance_m = instance.X_CO.translation().norm();
       near_m = near_m > 0 ? std::min(near_m, distance_m) : distance_m;
       far_m = std::max(far_m, distance_m);
@@ -68,7 +69,7 @@ IsolatedOptions BookViews(const std::vector<LabelledView>& pile, int part, int v
 // object 1, and so on.
 struct Book {
   struct Entry {
-    int part = 0;
+    ObjectId object{0};
     const LabelledPatches* patches = nullptr;
     int row = 0;
     const Pose& X_PO() const { return patches->X_PO[row]; }
@@ -82,7 +83,7 @@ Book MakeBook(const HeldOutSet& set, const DescribePatches& describe) {
   for (size_t part = 0; part < set.queries.size(); ++part) {
     for (const LabelledPatches* patches : {&set.queries[part].codes, &set.distract[part]}) {
       for (size_t row = 0; row < patches->size(); ++row) {
-        book.entries.push_back({static_cast<int>(part), patches, static_cast<int>(row)});
+        book.entries.push_back({ObjectId(part), patches, static_cast<int>(row)});
       }
       const std::vector<float> rows = describe(patches->values);
       book.descriptors.insert(book.descriptors.end(), rows.begin(), rows.end());
@@ -91,8 +92,9 @@ Book MakeBook(const HeldOutSet& set, const DescribePatches& describe) {
   return book;
 }
 
-bool IsRight(const Book::Entry& entry, int part, const Pose& X_PO, const PoseDistance& distance) {
-  return entry.part == part && distance(entry.X_PO(), X_PO) < kCorrectDiameters;
+bool IsRight(const Book::Entry& entry, ObjectId object, const Pose& X_PO,
+             const PoseDistance& distance) {
+  return entry.object == object && distance(entry.X_PO(), X_PO) < kCorrectDiameters;
 }
 
 double MeanOfKnown(const std::vector<double>& shares) {
@@ -110,14 +112,16 @@ double MeanOfKnown(const std::vector<double>& shares) {
 
 void HeldOutOptions::Visit(SettingsVisitor& v) {
   v.RenamedKey("piles", "clutter_scenes");
-  v.Integer("clutter_scenes", clutter_scenes, {1, 1000}, "held-out piles per part");
-  v.Integer("queries", queries, {1, 100000}, "held-out patches per part at most");
-  v.Integer("book_views", book_views, {0, 100000}, "isolated views per part in the code book");
-  v.Integer("every", every, {1, 1000000}, "steps per part between two measurements");
+  v.Integer("clutter_scenes", clutter_scenes, {1, 1000},
+            "number of held-out clutter scenes per object");
+  v.Integer("queries", queries, {1, 100000}, "maximum number of held-out patches per object");
+  v.Integer("book_views", book_views, {0, 100000},
+            "number of isolated views per object in the held-out codebook");
+  v.Integer("every", every, {1, 1000000}, "training steps per object between two measurements");
   v.Integer("patience", patience, {0, 10000},
-            "measurements without a gain before the schedule is cut short; 0 = never");
-  v.Real("gain", gain, {0, 1}, "of recall, to count as one");
-  v.Real("cooling", cooling, {0, 1}, "share of the steps in which the rest is then run through");
+            "measurements without a gain before the schedule is shortened; 0 = never");
+  v.Real("gain", gain, {0, 1}, "minimum increase of recall@1 that counts as a gain");
+  v.Real("cooling", cooling, {0, 1}, "share of all steps in which a shortened schedule ends");
 }
 
 HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<PatchForm>& forms,
@@ -130,27 +134,30 @@ HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<PatchForm>& 
   set.distract.resize(objects.size());
   std::vector<PatchPairs> pairs(objects.size());
   const int parts = static_cast<int>(objects.size()), piles = options.clutter_scenes * parts;
-  for (int part = 0; part < parts; ++part) {
+  for (ObjectId object{0}; object < parts; ++object) {
     std::vector<LabelledView> seen;
     for (int i = 0; i < options.clutter_scenes; ++i) {
-      const int index = part * options.clutter_scenes + i;
+      const int index = object * options.clutter_scenes + i;
       Rng rng = Rng::Derive(seed, index, "training/held_out_pile");
-      std::vector<LabelledView> pile =
-          views.Pile({rng.Next(), kViewsPerPile, part, /*typical=*/true});
-      AppendTwinPatches(views, pile, forms, NearTwins(), rng, pairs);
-      std::move(pile.begin(), pile.end(), std::back_inserter(seen));
+      std::vector<LabelledView> clutter_scene =
+          views.ClutterScene({rng.Next(), kViewsPerScene, object, /*typical=*/true});
+      AppendPositivePatches(views, clutter_scene, forms, NearPositives(), rng, pairs);
+      std::move(clutter_scene.begin(), clutter_scene.end(), std::back_inserter(seen));
       if (!on_share(static_cast<double>(index + 1) / piles)) return set;
     }
     if (options.book_views == 0) continue;
-    ForEachIsolatedBlock(views, part, forms[part], BookViews(seen, part, options.book_views), seed,
-                         [&](const LabelledPatches& patches, double) {
-                           AppendAll(patches, set.distract[part]);
-                           return true;
+    bool go_on = true;
+    ForEachIsolatedBlock(views, object, forms[object], BookViews(seen, object, options.book_views),
+                         seed, [&](const LabelledPatches& patches, double) {
+                           AppendAll(patches, set.distract[object]);
+                           return go_on = on_share(static_cast<double>(object + 1) / parts);
                          });
+    if (!go_on) return set;
   }
-  for (int part = 0; part < parts; ++part) {
-    Rng rng = Rng::Derive(seed, part, "training/held_out_choice");
-    set.queries[part] = Choose(pairs[part], PoseDistance(*objects[part]), options.queries, rng);
+  for (ObjectId object{0}; object < parts; ++object) {
+    Rng rng = Rng::Derive(seed, object, "training/held_out_choice");
+    set.queries[object] =
+        Choose(pairs[object], PoseDistance(*objects[object]), options.queries, rng);
   }
   return set;
 }
@@ -168,8 +175,8 @@ HeldOutRecall MeasureRecall(const HeldOutSet& set, const ObjectSet& objects,
     for (size_t q = 0; q < queries.size(); ++q) {
       for (int k = 0; k < kFound; ++k) {
         const int row = found.rows[q * kFound + k];
-        const bool right = row >= 0 && IsRight(book.entries[row], static_cast<int>(part),
-                                               queries.X_PO[q], distance);
+        const bool right =
+            row >= 0 && IsRight(book.entries[row], ObjectId(part), queries.X_PO[q], distance);
         if (!right) continue;
         first += k == 0;
         ++any;
@@ -196,16 +203,16 @@ std::vector<HeldOutAnswer> AnswersOf(const HeldOutSet& set, const ObjectSet& obj
     const Neighbors found = SearchExactly(book.descriptors, rows, length, 1);
     for (size_t q = 0; q < queries.size() && static_cast<int>(q) < per_part; ++q) {
       HeldOutAnswer& answer = answers.emplace_back();
-      answer.part = static_cast<int>(part);
+      answer.object = ObjectId(part);
       answer.query = static_cast<int>(q);
       // The z axis of the patch frame points away from the camera.
       answer.view_O = -queries.X_PO[q].linear().transpose().col(2);
       answer.descriptor = Eigen::Map<const Eigen::VectorXf>(rows.data() + q * length, length);
       const Book::Entry& entry = book.entries.at(found.rows[q]);
       const auto patch = entry.patches->patch(entry.row);
-      answer.found_part = entry.part;
+      answer.found_object = entry.object;
       answer.found.assign(patch.begin(), patch.end());
-      answer.right = IsRight(entry, answer.part, queries.X_PO[q], distance);
+      answer.right = IsRight(entry, answer.object, queries.X_PO[q], distance);
     }
   }
   return answers;

@@ -12,6 +12,7 @@
 
 #include "perception/features/codebook.h"
 #include "perception/training/positive_pairs.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::perception {
 
@@ -44,11 +45,11 @@ struct HeldOutRecall {
 
 // One query and its nearest codebook entry, for display.
 struct HeldOutAnswer {
-  int part = 0;
-  int query = 0;           // row of queries[part].anchors
+  ObjectId object{0};
+  int query = 0;           // row of queries[object].anchors
   Eigen::Vector3d view_O;  // unit vector from the object to the camera
   Eigen::VectorXf descriptor;
-  int found_part = 0;
+  ObjectId found_object{0};
   std::vector<int8_t> found;  // patch of the nearest entry
   bool right = false;
 };

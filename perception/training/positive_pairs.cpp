@@ -14,9 +14,9 @@ struct PatchAnchor {
 };
 
 // One isolated view of an instance and the anchors that get their positive patches from it.
-struct TwinView {
-  int view = 0;  // view of the clutter scene
-  int instance = 0;
+struct PositiveView {
+  int view = 0;                  // view of the clutter scene
+  int position = 0;              // index into the instances of the view
   Pose X_TO = Pose::Identity();  // object pose in the camera frame T of the isolated view
   double distance_m = 0;         // camera to the object center
   std::vector<PatchAnchor> anchors;
@@ -24,7 +24,7 @@ struct TwinView {
 
 // Returns X_TO: the object appears as along the ray from C, but on the optical axis, and is rotated
 // by a small random angle.
-Pose TwinPose(const ObjectModel& model, const Pose& X_CO, double turn_rad, Rng& rng) {
+Pose PositivePose(const ObjectModel& model, const Pose& X_CO, double turn_rad, Rng& rng) {
   const Eigen::Vector3d center_O = MeshBounds(model.mesh_O).center();
   const Eigen::Vector3d center_C = X_CO * center_O;
   const Eigen::Quaterniond to_axis =
@@ -45,8 +45,8 @@ double AngleOf(const Eigen::Vector3d& point_C, const Eigen::Vector3d& x_C) {
 
 // Returns the pixel of the isolated view that shows the anchor's surface point, with a small random
 // shift; -1 if another surface point is visible there.
-int TwinPixel(const OrganizedCloud& cloud, const Eigen::Vector3d& point_T, double shift_px,
-              double tolerance_m, Rng& rng) {
+int PositivePixel(const OrganizedCloud& cloud, const Eigen::Vector3d& point_T, double shift_px,
+                  double tolerance_m, Rng& rng) {
   const Eigen::Vector2d at = Project(cloud.intrinsics, point_T);
   const int x = static_cast<int>(std::lround(at.x() + shift_px * rng.Normal()));
   const int y = static_cast<int>(std::lround(at.y() + shift_px * rng.Normal()));
@@ -57,9 +57,9 @@ int TwinPixel(const OrganizedCloud& cloud, const Eigen::Vector3d& point_T, doubl
 }
 
 // Samples the anchors of one view and assigns them to isolated views, by object.
-void PlanTwins(const ObjectSet& objects, const LabelledView& view, int view_index,
-               const OrganizedCloud& cloud, const TwinOptions& options, Rng& rng,
-               std::vector<std::vector<TwinView>>& by_object) {
+void PlanPositives(const ObjectSet& objects, const LabelledView& view, int view_index,
+                   const OrganizedCloud& cloud, const PositivePairOptions& options, Rng& rng,
+                   std::vector<std::vector<PositiveView>>& by_object) {
   const std::vector<std::vector<int>> pixels = PixelsByInstance(view, cloud);
   std::vector<int> usable;
   for (size_t i = 0; i < pixels.size(); ++i) {
@@ -71,8 +71,8 @@ void PlanTwins(const ObjectSet& objects, const LabelledView& view, int view_inde
     const int parts = static_cast<int>(usable.size()) * options.pairs_per_instance;
     const int share = std::max(1, options.patches_per_view / parts);
     for (int k = 0; k < options.pairs_per_instance; ++k) {
-      TwinView twin{view_index, i, Pose::Identity(), 0, {}};
-      twin.X_TO = TwinPose(*objects[instance.object], instance.X_CO, options.rotation_rad, rng);
+      PositiveView twin{view_index, i, Pose::Identity(), 0, {}};
+      twin.X_TO = PositivePose(*objects[instance.object], instance.X_CO, options.rotation_rad, rng);
       twin.distance_m = (twin.X_TO * MeshBounds(objects[instance.object]->mesh_O).center()).norm();
       for (int a = 0; a < share; ++a) {
         const int pixel = pixels[i][rng.Index(static_cast<int>(pixels[i].size()))];
@@ -88,14 +88,14 @@ struct CutList {
   std::vector<double> angles_rad;
 };
 
-void AppendPairs(const OrganizedCloud& pile_cloud, const Pose& X_CO, const OrganizedCloud& alone,
-                 const TwinView& twin, const PatchForm& form, double tolerance_m,
-                 const TwinOptions& options, Rng& rng, PatchPairs& pairs) {
+void AppendPairs(const OrganizedCloud& clutter_cloud, const Pose& X_CO, const OrganizedCloud& alone,
+                 const PositiveView& twin, const PatchForm& form, double tolerance_m,
+                 const PositivePairOptions& options, Rng& rng, PatchPairs& pairs) {
   CutList anchors, codes;
   const Pose X_TC = twin.X_TO * X_CO.inverse();
   for (const PatchAnchor& anchor : twin.anchors) {
-    const Eigen::Vector3d point_C = pile_cloud.points_C[anchor.pixel].cast<double>();
-    const int pixel = TwinPixel(alone, X_TC * point_C, options.shift_px, tolerance_m, rng);
+    const Eigen::Vector3d point_C = clutter_cloud.points_C[anchor.pixel].cast<double>();
+    const int pixel = PositivePixel(alone, X_TC * point_C, options.shift_px, tolerance_m, rng);
     if (pixel < 0) continue;
     const Eigen::Vector3d x_C = PatchFrame(point_C, anchor.angle_rad).linear().col(0);
     const double angle = AngleOf(alone.points_C[pixel].cast<double>(), X_TC.linear() * x_C);
@@ -104,42 +104,48 @@ void AppendPairs(const OrganizedCloud& pile_cloud, const Pose& X_CO, const Organ
     codes.pixels.push_back(pixel);
     codes.angles_rad.push_back(angle + options.in_plane_rad * rng.Normal());
   }
-  AppendPatches(pile_cloud, anchors.pixels, anchors.angles_rad, form, X_CO, pairs.anchors);
+  AppendPatches(clutter_cloud, anchors.pixels, anchors.angles_rad, form, X_CO, pairs.anchors);
   AppendPatches(alone, codes.pixels, codes.angles_rad, form, twin.X_TO, pairs.codes);
 }
 
 }  // namespace
 
-void TwinOptions::Visit(SettingsVisitor& v) {
-  v.Integer("patches_per_view", patches_per_view, {1, 100000}, "pairs from a pile view");
-  v.Real("min_visible", min_visible, {0, 1}, "visible fraction of an instance to learn from");
+void PositivePairOptions::Visit(SettingsVisitor& v) {
+  v.Integer("patches_per_view", patches_per_view, {1, 100000},
+            "approximate number of pairs per view of a clutter scene");
+  v.Real("min_visible", min_visible, {0, 1}, "minimum visible fraction of a training instance");
   v.RenamedKey("twins_per_instance", "pairs_per_instance");
-  v.Integer("pairs_per_instance", pairs_per_instance, {1, 100}, "isolated views of an instance");
+  v.Integer("pairs_per_instance", pairs_per_instance, {1, 100},
+            "number of isolated views per instance");
   v.RenamedKey("turn_rad", "rotation_rad");
-  v.Real("rotation_rad", rotation_rad, {0, 1}, "sigma of the twin's turn, rad");
-  v.Real("in_plane_rad", in_plane_rad, {0, 1}, "sigma of the twin's in-plane angle, rad");
-  v.Real("shift_px", shift_px, {0, 100}, "sigma of the twin's pixel, px");
+  v.Real("rotation_rad", rotation_rad, {0, 1},
+         "standard deviation of the rotation between the poses of a pair, rad");
+  v.Real("in_plane_rad", in_plane_rad, {0, 1},
+         "standard deviation of the in-plane rotation of a pair, rad");
+  v.Real("shift_px", shift_px, {0, 100},
+         "standard deviation of the patch position of a pair along each axis, px");
 }
 
-void AppendTwinPatches(LabelledViewSource& source, const std::vector<LabelledView>& pile,
-                       const std::vector<PatchForm>& forms, const TwinOptions& options, Rng& rng,
-                       std::vector<PatchPairs>& by_object) {
+void AppendPositivePatches(LabelledViewSource& source,
+                           const std::vector<LabelledView>& clutter_scene,
+                           const std::vector<PatchForm>& forms, const PositivePairOptions& options,
+                           Rng& rng, std::vector<PatchPairs>& by_object) {
   CheckSettings("TwinOptions", options);
   const ObjectSet& objects = source.objects();
   std::vector<OrganizedCloud> clouds;
-  std::vector<std::vector<TwinView>> twins(objects.size());
-  for (size_t v = 0; v < pile.size(); ++v) {
-    clouds.push_back(BuildCloud(pile[v].frame, pile[v].background));
-    PlanTwins(objects, pile[v], static_cast<int>(v), clouds[v], options, rng, twins);
+  std::vector<std::vector<PositiveView>> twins(objects.size());
+  for (size_t v = 0; v < clutter_scene.size(); ++v) {
+    clouds.push_back(BuildCloud(clutter_scene[v].frame, clutter_scene[v].background));
+    PlanPositives(objects, clutter_scene[v], static_cast<int>(v), clouds[v], options, rng, twins);
   }
   for (size_t o = 0; o < objects.size(); ++o) {
     if (twins[o].empty()) continue;
     IsolatedOptions nearest;
-    nearest.focal_px = pile.front().frame.intrinsics.fx();
+    nearest.focal_px = clutter_scene.front().frame.intrinsics.fx();
     nearest.distance_spread = 0;
     nearest.distance_m = twins[o].front().distance_m;
     std::vector<Pose> poses;
-    for (const TwinView& twin : twins[o]) {
+    for (const PositiveView& twin : twins[o]) {
       poses.push_back(twin.X_TO);
       nearest.distance_m = std::min(nearest.distance_m, twin.distance_m);
     }
@@ -147,13 +153,12 @@ void AppendTwinPatches(LabelledViewSource& source, const std::vector<LabelledVie
         CropCamera(MeshBounds(objects[o]->mesh_O).size().norm(), nearest);
     // Upper bound of the displacement by rotation, shift and noise.
     const double tolerance_m = 0.1 * objects[o]->diameter_m;
-    const std::vector<LabelledView> views =
-        source.Isolated(static_cast<int>(o), poses, camera, rng.Next());
+    const std::vector<LabelledView> views = source.Isolated(ObjectId(o), poses, camera, rng.Next());
     for (size_t i = 0; i < views.size(); ++i) {
       const OrganizedCloud alone = IsolatedCloud(views[i]);
-      const TwinView& twin = twins[o][i];
-      AppendPairs(clouds[twin.view], pile[twin.view].instances[twin.instance].X_CO, alone, twin,
-                  forms[o], tolerance_m, options, rng, by_object[o]);
+      const PositiveView& twin = twins[o][i];
+      AppendPairs(clouds[twin.view], clutter_scene[twin.view].instances[twin.position].X_CO, alone,
+                  twin, forms[o], tolerance_m, options, rng, by_object[o]);
     }
   }
 }

@@ -10,7 +10,7 @@
 
 namespace pickbed::perception {
 
-struct TwinOptions {
+struct PositivePairOptions {
   int patches_per_view = 200;  // approximate number of pairs per view of a clutter scene
   double min_visible = 0.1;    // minimum visible fraction of a training instance
   int pairs_per_instance = 3;  // isolated views per instance in a view
@@ -32,8 +32,9 @@ struct PatchPairs {
 // Makes pairs from all views of one clutter scene and appends them to by_object[object]. All
 // sufficiently visible instances contribute equally. `forms` is by object. A pair is dropped if the
 // isolated view shows another surface point at the anchor's position.
-void AppendTwinPatches(LabelledViewSource& source, const std::vector<LabelledView>& pile,
-                       const std::vector<PatchForm>& forms, const TwinOptions& options, Rng& rng,
-                       std::vector<PatchPairs>& by_object);
+void AppendPositivePatches(LabelledViewSource& source,
+                           const std::vector<LabelledView>& clutter_scene,
+                           const std::vector<PatchForm>& forms, const PositivePairOptions& options,
+                           Rng& rng, std::vector<PatchPairs>& by_object);
 
 }  // namespace pickbed::perception

@@ -30,11 +30,11 @@ double SecondsSince(Clock::time_point start) {
 
 // Runs `work` and prefixes the message of an InputError with the object's name.
 template <typename Work>
-auto BlamePart(const ObjectModel& part, const Work& work) {
+auto NamingObject(const ObjectModel& part, const Work& work) {
   try {
     return work();
   } catch (const InputError& error) {
-    throw InputError("part '" + part.name + "': " + error.what());
+    throw InputError("object '" + part.name + "': " + error.what());
   }
 }
 
@@ -69,10 +69,10 @@ class Trainer {
   bool Report(const char* phase, double share, int total, double shown_from = 0);
   void BeginPhase() { phase_start_ = Clock::now(); }
   TrainingViewsPlan Plan() const;
-  std::vector<int> NewParts() const;
+  std::vector<ObjectId> NewParts() const;
   VerifierTrainingOptions VerifierPlan() const;
   bool AwaitHeldOut();
-  bool AwaitPiles(double share, const char* phase, double shown_from);
+  bool AwaitScenes(double share, const char* phase, double shown_from);
   bool TrainNetwork();
   void Step(double share);
   void Measure();
@@ -114,7 +114,7 @@ Trainer::Trainer(const TrainingJob& job, const TrainingOptions& options)
       key_(CheckpointKey(job.views, options, job.sensor_profile,
                          from_.model ? from_.model->network_hash : 0)),
       network_(options.network, options.seed, static_cast<int>(objects_.size())),
-      data_(objects_, schedule_.main_parts(), sides_, network_.regresses(), options) {
+      data_(objects_, schedule_.main_objects(), sides_, network_.regresses(), options) {
   for (size_t part = 0; part < objects_.size(); ++part) {
     report_.rehearsed.push_back(from_.IsRehearsed(part));
   }
@@ -157,10 +157,10 @@ VerifierTrainingOptions Trainer::VerifierPlan() const {
 }
 
 // Objects that are not rehearsed; each gets a verifier.
-std::vector<int> Trainer::NewParts() const {
-  std::vector<int> parts;
+std::vector<ObjectId> Trainer::NewParts() const {
+  std::vector<ObjectId> parts;
   for (size_t part = 0; part < objects_.size(); ++part) {
-    if (!from_.IsRehearsed(part)) parts.push_back(static_cast<int>(part));
+    if (!from_.IsRehearsed(part)) parts.push_back(ObjectId(part));
   }
   return parts;
 }
@@ -169,7 +169,7 @@ TrainingViewsPlan Trainer::Plan() const {
   TrainingViewsPlan plan;
   plan.seed = options_.seed;
   for (const double side_m : sides_) plan.forms.push_back({side_m, network_.channels()});
-  if (Share() < 1) plan.pile_parts = schedule_.pile_parts();
+  if (Share() < 1) plan.scene_objects = schedule_.scene_objects();
   plan.verifiers = NewParts();
   plan.verifiers.erase(plan.verifiers.begin(), plan.verifiers.begin() + trained_.size());
   plan.views_per_scene = options_.views_per_scene;
@@ -182,7 +182,7 @@ TrainingViewsPlan Trainer::Plan() const {
 bool Trainer::AwaitHeldOut() {
   const PhaseTimer timer(report_, "waiting for views");
   while (true) {
-    if (!Report("views", 0, schedule_.FirstPiles())) return false;
+    if (!Report("views", 0, schedule_.FirstScenes())) return false;
     if (std::optional<HeldOutSet> set = views_->TakeHeldOut(kLookEvery)) {
       held_out_ = std::move(*set);
       return true;
@@ -192,17 +192,17 @@ bool Trainer::AwaitHeldOut() {
 
 // Waits for the clutter scenes that the schedule requires. With a time limit it does not wait if
 // there is at least one, because the result depends on the time anyway.
-bool Trainer::AwaitPiles(double share, const char* phase, double shown_from) {
-  const int wanted = schedule_.WantedPiles(share);
+bool Trainer::AwaitScenes(double share, const char* phase, double shown_from) {
+  const int wanted = schedule_.WantedScenes(share);
   if (data_.piles() >= wanted) return true;
   const PhaseTimer timer(report_, "waiting for views");
   const bool limited = options_.max_minutes > 0;
   while (data_.piles() < wanted) {
     const bool enough = limited && data_.piles() > 0;
-    const std::optional<PilePairs> pile =
-        views_->TakePile(enough ? std::chrono::milliseconds(0) : kLookEvery);
-    if (pile) data_.Add(*pile);
-    if (!pile && enough) return true;
+    const std::optional<ClutterPairs> clutter_scene =
+        views_->TakeScene(enough ? std::chrono::milliseconds(0) : kLookEvery);
+    if (clutter_scene) data_.Add(*clutter_scene);
+    if (!clutter_scene && enough) return true;
     const bool first = iteration_ == 0;
     const double shown = first ? std::min(1.0, 1.0 * data_.piles() / wanted) : share;
     const int total = first ? wanted : schedule_.iterations();
@@ -248,7 +248,7 @@ bool Trainer::TrainNetwork() {
   BeginPhase();
   const double first_share = Share();
   for (double share = first_share; share < 1; share = Share()) {
-    if (!AwaitPiles(share, "network", first_share)) {
+    if (!AwaitScenes(share, "network", first_share)) {
       SaveCheckpoint();
       return false;
     }
@@ -264,7 +264,7 @@ bool Trainer::TrainNetwork() {
       return false;
     }
   }
-  views_->SkipPiles();
+  views_->SkipScenes();
   if (report_.recall_history.back().iteration != iteration_) Measure();
   SaveCheckpoint();
   if (data_.piles() > 0) data_.RequireAllParts();
@@ -274,24 +274,25 @@ bool Trainer::TrainNetwork() {
 // Trains one verifier per new object. Returns false if stopped on request.
 bool Trainer::TrainVerifiers() {
   BeginPhase();
-  const std::vector<int> parts = NewParts();
+  const std::vector<ObjectId> parts = NewParts();
   const int piles = options_.verifier_clutter_scenes * static_cast<int>(parts.size());
   const auto share_of = [&](size_t done, double share) {
     return (static_cast<double>(done) + share) / static_cast<double>(parts.size());
   };
   for (size_t n = trained_.size(); n < parts.size(); ++n) {
-    std::optional<VerifierLesson> lesson;
-    while (!lesson) {
+    std::optional<VerifierTrainingSet> training_set;
+    while (!training_set) {
       const PhaseTimer timer(report_, "waiting for verifier views");
       if (!Report("verifier", share_of(n, 0), piles)) return false;
-      lesson = BlamePart(*objects_[parts[n]], [&] { return views_->TakeLesson(kLookEvery); });
+      training_set =
+          NamingObject(*objects_[parts[n]], [&] { return views_->TakeTrainingSet(kLookEvery); });
     }
     const PhaseTimer timer(report_, "verifier");
-    const int i = parts[n];
+    const ObjectId i = parts[n];
     const VerifierPart part{i, sides_[i], network_.length(), VoterOf(network_)};
     bool go_on = true;
-    const TrainedVerifier trained = BlamePart(*objects_[i], [&] {
-      return TrainPartVerifier(*lesson, objects_[i], part, VerifierPlan(), [&](double share) {
+    const TrainedVerifier trained = NamingObject(*objects_[i], [&] {
+      return TrainPartVerifier(*training_set, objects_[i], part, VerifierPlan(), [&](double share) {
         return go_on = Report("verifier", share_of(n, share), piles);
       });
     });
@@ -391,7 +392,7 @@ TrainingReport Trainer::Run() {
 
 TrainingReport TrainDescriptor(const TrainingJob& job, const TrainingOptions& options) {
   CheckSettings("TrainingOptions", options);
-  CheckInput(!job.views.objects().empty(), "training needs at least one part");
+  CheckInput(!job.views.objects().empty(), "training needs at least one object");
   CheckInput(!job.resume || !job.checkpoint.empty(), "resuming needs a checkpoint file");
   return Trainer(job, options).Run();
 }

@@ -31,7 +31,7 @@ struct TrainingOptions {
   uint64_t seed = 0;
   int clutter_scenes = 100;  // per object
   int views_per_scene = 3;   // views per clutter scene
-  TwinOptions positive_pairs;
+  PositivePairOptions positive_pairs;
   int iterations = 1500;          // training steps per object
   int batch = 160;                // pairs per training step
   double main_share = 0.5;        // share of a batch from one main object; the objects alternate
@@ -49,7 +49,7 @@ struct TrainingOptions {
   HeldOutOptions held_out;
   // Search options for the candidates of the verifier, for both modes, because mode fast examines
   // fewer rivals. Both modes use candidates.votes.
-  CandidateOptions candidates = HardCandidates();
+  CandidateOptions candidates = AccurateCandidates();
   CandidateOptions fast_candidates;
   void Visit(SettingsVisitor& v);
 };

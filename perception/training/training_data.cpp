@@ -15,11 +15,11 @@ constexpr float kOtherObjectDistance = 10.0f;
 
 }  // namespace
 
-TrainingData::TrainingData(const ObjectSet& objects, std::vector<int> main_parts,
+TrainingData::TrainingData(const ObjectSet& objects, std::vector<ObjectId> main_objects,
                            const std::vector<double>& sides_m, bool targets,
                            const TrainingOptions& options)
     : objects_(objects),
-      main_parts_(std::move(main_parts)),
+      main_objects_(std::move(main_objects)),
       options_(options),
       parts_(objects.size()) {
   for (const auto& object : objects) embeddings_.emplace_back(*object);
@@ -29,10 +29,10 @@ TrainingData::TrainingData(const ObjectSet& objects, std::vector<int> main_parts
   }
 }
 
-void TrainingData::Add(const std::vector<PatchPairs>& pile) {
-  for (size_t part = 0; part < pile.size(); ++part) {
-    AppendAll(pile[part].anchors, parts_[part].anchors);
-    AppendAll(pile[part].codes, parts_[part].codes);
+void TrainingData::Add(const std::vector<PatchPairs>& clutter_scene) {
+  for (size_t part = 0; part < clutter_scene.size(); ++part) {
+    AppendAll(clutter_scene[part].anchors, parts_[part].anchors);
+    AppendAll(clutter_scene[part].codes, parts_[part].codes);
   }
   ++piles_;
 }
@@ -40,27 +40,27 @@ void TrainingData::Add(const std::vector<PatchPairs>& pile) {
 void TrainingData::RequireAllParts() const {
   for (size_t part = 0; part < parts_.size(); ++part) {
     CheckInput(parts_[part].size() > 0,
-               fmt::format("part '{}' was never seen well enough in {} training piles; raise "
-                           "piles (or the time limit) or lower twins.min_visible",
+               fmt::format("object '{}' was never visible enough in {} training scenes; raise "
+                           "clutter_scenes (or the time limit) or lower positive_pairs.min_visible",
                            objects_[part]->name, piles_));
   }
 }
 
 std::vector<TrainingData::Choice> TrainingData::Choose(int iteration) const {
   Rng rng = Rng::Derive(options_.seed, iteration, "training/batch");
-  std::vector<int> seen;
+  std::vector<ObjectId> seen;
   for (size_t part = 0; part < parts_.size(); ++part) {
-    if (parts_[part].size() > 0) seen.push_back(static_cast<int>(part));
+    if (parts_[part].size() > 0) seen.push_back(ObjectId(part));
   }
   if (seen.empty()) RequireAllParts();
   // A main object without pairs is replaced by another object.
-  int main = main_parts_[iteration % main_parts_.size()];
+  ObjectId main = main_objects_[iteration % main_objects_.size()];
   if (parts_[main].size() == 0) main = seen[iteration % seen.size()];
   std::vector<Choice> choices(options_.batch);
   for (int i = 0; i < options_.batch; ++i) {
     const bool of_main = i < options_.main_share * options_.batch;
-    choices[i].part = of_main ? main : seen[rng.Index(static_cast<int>(seen.size()))];
-    choices[i].pair = rng.Index(static_cast<int>(parts_[choices[i].part].size()));
+    choices[i].object = of_main ? main : seen[rng.Index(static_cast<int>(seen.size()))];
+    choices[i].pair = rng.Index(static_cast<int>(parts_[choices[i].object].size()));
   }
   return choices;
 }
@@ -70,14 +70,15 @@ void TrainingData::FillDistances(const std::vector<Choice>& choices, TrainingBat
   PoseEmbedding::Points codes(24, count), twins;
   for (size_t j = 0; j < count; ++j) {
     const Choice& choice = choices[j];
-    codes.col(j) = embeddings_[choice.part].Embed(parts_[choice.part].codes.X_PO[choice.pair]);
+    codes.col(j) = embeddings_[choice.object].Embed(parts_[choice.object].codes.X_PO[choice.pair]);
   }
   batch.pose_distance.assign(count * count, kOtherObjectDistance);
   for (size_t i = 0; i < count; ++i) {
     const Choice& choice = choices[i];
-    embeddings_[choice.part].EmbedVariants(parts_[choice.part].anchors.X_PO[choice.pair], twins);
+    embeddings_[choice.object].EmbedVariants(parts_[choice.object].anchors.X_PO[choice.pair],
+                                             twins);
     for (size_t j = 0; j < count; ++j) {
-      if (choices[j].part != choice.part) continue;
+      if (choices[j].object != choice.object) continue;
       batch.pose_distance[i * count + j] =
           std::sqrt((twins.colwise() - codes.col(j)).colwise().squaredNorm().minCoeff());
     }
@@ -89,10 +90,10 @@ void TrainingData::FillTargets(const std::vector<Choice>& choices, TrainingBatch
   batch.variants = variants_;
   for (const bool codes : {false, true}) {
     for (const Choice& choice : choices) {
-      const PatchPairs& pairs = parts_[choice.part];
+      const PatchPairs& pairs = parts_[choice.object];
       const Pose& X_PO = (codes ? pairs.codes : pairs.anchors).X_PO[choice.pair];
-      const PoseTargets& targets = targets_[choice.part];
-      batch.parts.push_back(choice.part);
+      const PoseTargets& targets = targets_[choice.object];
+      batch.parts.push_back(choice.object);
       const size_t wanted = batch.rotations.size() + 4 * static_cast<size_t>(variants_);
       while (batch.rotations.size() < wanted) targets.AppendRotations(X_PO, batch.rotations);
       batch.rotations.resize(wanted);
@@ -107,8 +108,8 @@ TrainingBatch TrainingData::Batch(int iteration) const {
   TrainingBatch batch;
   batch.count = options_.batch;
   for (const Choice& choice : choices) {
-    const auto anchor = parts_[choice.part].anchors.patch(choice.pair);
-    const auto code = parts_[choice.part].codes.patch(choice.pair);
+    const auto anchor = parts_[choice.object].anchors.patch(choice.pair);
+    const auto code = parts_[choice.object].codes.patch(choice.pair);
     batch.anchors.insert(batch.anchors.end(), anchor.begin(), anchor.end());
     batch.codes.insert(batch.codes.end(), code.begin(), code.end());
   }

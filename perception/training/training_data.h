@@ -9,6 +9,7 @@
 #include "perception/model/pose_distance.h"
 #include "perception/training/positive_pairs.h"
 #include "perception/training/training.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::perception {
 
@@ -16,14 +17,14 @@ namespace pickbed::perception {
 class TrainingData {
  public:
   // Starts without pairs.
-  // - main_parts: main object of each step's batch, see TrainingOptions::main_share
+  // - main_objects: main object of each step's batch, see TrainingOptions::main_share
   // - sides_m: patch side by object
   // - targets: batches contain poses, for a network that regresses
-  TrainingData(const ObjectSet& objects, std::vector<int> main_parts,
+  TrainingData(const ObjectSet& objects, std::vector<ObjectId> main_objects,
                const std::vector<double>& sides_m, bool targets, const TrainingOptions& options);
 
   // Adds the pairs of one clutter scene; `pile` is by object.
-  void Add(const std::vector<PatchPairs>& pile);
+  void Add(const std::vector<PatchPairs>& clutter_scene);
   int piles() const { return piles_; }
 
   // Throws InputError naming the object if an object has no pairs.
@@ -37,7 +38,7 @@ class TrainingData {
 
  private:
   struct Choice {
-    int part = 0;
+    ObjectId object{0};
     int pair = 0;
   };
   std::vector<Choice> Choose(int iteration) const;
@@ -45,7 +46,7 @@ class TrainingData {
   void FillTargets(const std::vector<Choice>& choices, TrainingBatch& batch) const;
 
   const ObjectSet& objects_;
-  std::vector<int> main_parts_;
+  std::vector<ObjectId> main_objects_;
   TrainingOptions options_;
   int piles_ = 0;
   std::vector<PatchPairs> parts_;

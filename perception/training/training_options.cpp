@@ -3,44 +3,50 @@
 namespace pickbed::perception {
 
 void TrainingOptions::Visit(SettingsVisitor& v) {
-  v.Seed("seed", seed, "of weights, views and batches");
+  v.Seed("seed", seed, "random seed of weights, views and batches");
   v.RenamedKey("piles", "clutter_scenes");
-  v.Integer("clutter_scenes", clutter_scenes, {1, 100000}, "training piles per part");
+  v.Integer("clutter_scenes", clutter_scenes, {1, 100000}, "number of clutter scenes per object");
   v.RenamedKey("views_per_pile", "views_per_scene");
-  v.Integer("views_per_scene", views_per_scene, {1, 100}, "views of each");
+  v.Integer("views_per_scene", views_per_scene, {1, 100}, "number of views of each clutter scene");
   v.RenamedKey("twins", "positive_pairs");
   v.Group(
       "positive_pairs", [&](SettingsVisitor& g) { positive_pairs.Visit(g); },
-      "the pairs to learn from");
-  v.Integer("iterations", iterations, {0, 10000000}, "steps per part; 0 = verifiers alone");
-  v.Integer("batch", batch, {2, 100000}, "pairs of patches in a step");
-  v.Real("main_share", main_share, {0, 1}, "share of a batch that is of one part");
-  v.Real("patch_diameters", patch_diameters, {0.05, 4}, "side of a patch over the diameter");
-  v.Real("learning_rate", learning_rate, {1e-7, 1}, "of Adam, at the start of the cosine");
-  v.Real("views_share", views_share, {0.01, 1}, "of the steps, by which all piles are in");
+      "training pairs of patches");
+  v.Integer("iterations", iterations, {0, 10000000},
+            "training steps per object; 0 = only verifiers are trained");
+  v.Integer("batch", batch, {2, 100000}, "pairs of patches per step");
+  v.Real("main_share", main_share, {0, 1}, "share of a batch from one object");
+  v.Real("patch_diameters", patch_diameters, {0.05, 4}, "side of a patch, object diameters");
+  v.Real("learning_rate", learning_rate, {1e-7, 1},
+         "learning rate of Adam at the start of the cosine schedule");
+  v.Real("views_share", views_share, {0.01, 1},
+         "share of the steps after which all clutter scenes are in use");
   v.Real("rehearsal", rehearsal, {0.001, 1},
-         "piles and steps of a part that the model begun with knows, over another's");
+         "scenes and steps of an object that the initial model knows, relative to a new object");
   v.RenamedKey("verifier_piles", "verifier_clutter_scenes");
   v.Integer("verifier_clutter_scenes", verifier_clutter_scenes, {1, 100000},
-            "piles per part for the verifier");
+            "number of clutter scenes per object for its verifier");
   v.Integer("verifier_entries", verifier_entries, {1, 10000000},
-            "code book entries per part while the verifier learns");
-  v.Integer("checkpoint_every", checkpoint_every, {1, 1000000}, "steps");
-  v.Real("max_minutes", max_minutes, {0, 1e6}, "of views and network; 0 = no limit");
+            "number of codebook entries per object while its verifier is trained");
+  v.Integer("checkpoint_every", checkpoint_every, {1, 1000000},
+            "number of steps between two checkpoints");
+  v.Real("max_minutes", max_minutes, {0, 1e6},
+         "time limit of views and network, minutes; 0 = no limit");
   v.Group(
-      "network", [&](SettingsVisitor& g) { network.Visit(g); }, "the network");
+      "network", [&](SettingsVisitor& g) { network.Visit(g); }, "settings of the network");
   v.Group(
-      "loss", [&](SettingsVisitor& g) { loss.Visit(g); }, "what it is taught");
+      "loss", [&](SettingsVisitor& g) { loss.Visit(g); }, "loss of the training");
   v.Group(
-      "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "the verifier's training");
+      "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "training of the verifiers");
   v.Group(
-      "held_out", [&](SettingsVisitor& g) { held_out.Visit(g); }, "recall on patches not learned");
+      "held_out", [&](SettingsVisitor& g) { held_out.Visit(g); },
+      "recall on held-out patches during training");
   v.Group(
       "candidates", [&](SettingsVisitor& g) { candidates.Visit(g); },
-      "how the candidates are found that the verifier learns on");
+      "search for the candidates with which the verifier is trained");
   v.Group(
       "fast_candidates", [&](SettingsVisitor& g) { fast_candidates.Visit(g); },
-      "the same in mode fast; its votes are those of candidates");
+      "the same search in mode fast; it uses the votes of candidates");
 }
 
 }  // namespace pickbed::perception

@@ -22,20 +22,20 @@ int Rounded(double value) { return static_cast<int>(std::lround(value)); }
 
 // Smooth weighted round-robin: in each turn all credits grow by their weight, and the object with
 // the highest credit is chosen and pays the total.
-std::vector<int> TakeTurns(const std::vector<double>& weights, int count) {
+std::vector<ObjectId> TakeTurns(const std::vector<double>& weights, int count) {
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   if (weights.empty() || *std::min_element(weights.begin(), weights.end()) <= 0) {
-    throw std::logic_error("taking turns needs weights above 0");
+    throw std::logic_error("alternation needs weights above 0");
   }
   // Rounding errors must not decide which credit is the highest.
   constexpr double kTie = 1e-9;
   std::vector<double> credit(weights.size(), 0);
-  std::vector<int> turns(count);
-  for (int& turn : turns) {
+  std::vector<ObjectId> turns(count, ObjectId(0));
+  for (ObjectId& turn : turns) {
     for (size_t i = 0; i < weights.size(); ++i) credit[i] += weights[i];
-    turn = 0;
+    turn = ObjectId(0);
     for (size_t i = 1; i < weights.size(); ++i) {
-      if (credit[i] > credit[turn] + kTie * total) turn = static_cast<int>(i);
+      if (credit[i] > credit[turn] + kTie * total) turn = ObjectId(i);
     }
     credit[turn] -= total;
   }
@@ -48,12 +48,12 @@ TrainingSchedule::TrainingSchedule(const std::vector<double>& weights,
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   iterations_ = Rounded(options.iterations * total);
   measure_every_ = std::max(1, Rounded(options.held_out.every * total));
-  main_parts_ = TakeTurns(weights, iterations_);
+  main_objects_ = TakeTurns(weights, iterations_);
   // Each object is in at least one clutter scene, even if its weight is low.
   std::vector<double> piles;
   for (const double weight : weights)
     piles.push_back(std::max(1, Rounded(options.clutter_scenes * weight)));
-  pile_parts_ = TakeTurns(piles, Rounded(std::accumulate(piles.begin(), piles.end(), 0.0)));
+  scene_objects_ = TakeTurns(piles, Rounded(std::accumulate(piles.begin(), piles.end(), 0.0)));
 }
 
 void TrainingSchedule::Watch(const std::vector<HeldOutRecall>& history) {
@@ -72,16 +72,16 @@ double TrainingSchedule::Share(int iteration) const {
   return flat + (1 - flat) * (iteration - plateau_iteration_) / left;
 }
 
-int TrainingSchedule::FirstPiles() const {
+int TrainingSchedule::FirstScenes() const {
   return std::max(1, static_cast<int>(std::ceil(kFirstShare * piles())));
 }
 
-int TrainingSchedule::WantedPiles(double share) const {
+int TrainingSchedule::WantedScenes(double share) const {
   if (plateau_iteration_ >= 0) {
     share = std::min(share, static_cast<double>(plateau_iteration_) / iterations_);
   }
   const int wanted = static_cast<int>(std::ceil(piles() * share / views_share_));
-  return std::clamp(wanted, FirstPiles(), piles());
+  return std::clamp(wanted, FirstScenes(), piles());
 }
 
 TrainingStart LoadTrainingStart(const TrainingJob& job, const TrainingOptions& options) {
@@ -93,19 +93,19 @@ TrainingStart LoadTrainingStart(const TrainingJob& job, const TrainingOptions& o
   const ModelInfo& info = start.model->info;
   CheckInput(info.network.kind == options.network.kind &&
                  info.network.descriptor == options.network.descriptor,
-             fmt::format("{}: its network is {} with descriptors of {}, not {} with {}; set "
-                         "network.kind and network.descriptor to those",
+             fmt::format("{}: its network is {} with descriptors of length {}, not {} with {}; set "
+                         "network.kind and network.descriptor to its values",
                          job.start_from.string(), info.network.kind, info.network.descriptor,
                          options.network.kind, options.network.descriptor));
   CheckInput(start.model->network.channels() == ChannelsOf(options.network),
-             fmt::format("{}: its network learned from {}, not from {}; set "
-                         "network.autoencoder.channels to what it learned from",
+             fmt::format("{}: its network was trained on {}, not on {}; set "
+                         "network.autoencoder.channels to its value",
                          job.start_from.string(), NameOf(start.model->network.channels()),
                          NameOf(ChannelsOf(options.network))));
   // The last layer of a regressing network has one block per object, in the order of training.
   const bool grows = start.model->network.regresses() && info.objects.size() != objects.size();
-  CheckInput(!grows, fmt::format("{}: a network that regresses poses learns no parts later; train "
-                                 "it on all of them at once, without --from",
+  CheckInput(!grows, fmt::format("{}: a network that regresses poses cannot learn further objects; "
+                                 "train a new model on all objects at once",
                                  job.start_from.string()));
   for (size_t part = 0; part < objects.size(); ++part) {
     for (size_t i = 0; i < info.objects.size(); ++i) {
@@ -144,7 +144,7 @@ std::string CheckpointKey(const LabelledViewSource& views, TrainingOptions optio
   options.checkpoint_every = TrainingOptions{}.checkpoint_every;
   std::string key = WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); });
   key += fmt::format("sensor {}\nfrom {:016x}", sensor, start_hash);
-  key += fmt::format("\n{}", views.PileSettings());
+  key += fmt::format("\n{}", views.ClutterSceneSettings());
   for (const auto& object : views.objects()) {
     key += fmt::format("\n{} {:016x}", object->name, object->mesh_hash);
   }

@@ -9,13 +9,14 @@
 
 #include "perception/networks/model_file.h"
 #include "perception/training/training.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::perception {
 
 // Returns a sequence of `count` object indices, each as frequent as its weight and evenly spread.
 // Equal weights give 0, 1, 2, ..., 0, 1, ... Throws std::logic_error unless all weights are above
 // 0.
-std::vector<int> TakeTurns(const std::vector<double>& weights, int count);
+std::vector<ObjectId> TakeTurns(const std::vector<double>& weights, int count);
 
 // Schedule with shortening at a plateau.
 class TrainingSchedule {
@@ -24,10 +25,12 @@ class TrainingSchedule {
   TrainingSchedule(const std::vector<double>& weights, const TrainingOptions& options);
 
   int iterations() const { return iterations_; }
-  int piles() const { return static_cast<int>(pile_parts_.size()); }
-  const std::vector<int>& main_parts() const { return main_parts_; }  // main object per step
-  const std::vector<int>& pile_parts() const { return pile_parts_; }  // required object per scene
-  int measure_every() const { return measure_every_; }                // steps
+  int piles() const { return static_cast<int>(scene_objects_.size()); }
+  // Main object per step.
+  const std::vector<ObjectId>& main_objects() const { return main_objects_; }
+  // Required object per scene.
+  const std::vector<ObjectId>& scene_objects() const { return scene_objects_; }
+  int measure_every() const { return measure_every_; }  // steps
 
   // Checks the recall for a plateau.
   void Watch(const std::vector<HeldOutRecall>& history);
@@ -40,8 +43,8 @@ class TrainingSchedule {
 
   // Returns the number of clutter scenes in use at that share. All are in use early enough that
   // the network trains on each. After a plateau the number does not increase.
-  int WantedPiles(double share) const;
-  int FirstPiles() const;
+  int WantedScenes(double share) const;
+  int FirstScenes() const;
 
  private:
   HeldOutOptions held_out_;
@@ -49,8 +52,8 @@ class TrainingSchedule {
   int iterations_ = 0;
   int measure_every_ = 1;
   int plateau_iteration_ = -1;
-  std::vector<int> main_parts_;
-  std::vector<int> pile_parts_;
+  std::vector<ObjectId> main_objects_;
+  std::vector<ObjectId> scene_objects_;
 };
 
 // Start of a training: new weights, or a model that may know some of the objects.

@@ -10,7 +10,7 @@
 namespace pickbed::perception {
 namespace {
 
-constexpr size_t kLessonsAhead = 1;  // each holds hundreds of megabytes
+constexpr size_t kTrainingSetsAhead = 1;  // each holds hundreds of megabytes
 
 }  // namespace
 
@@ -24,17 +24,17 @@ struct TrainingViews::Impl {
   std::mutex mutex;  // guards the queues and `failure`
   std::condition_variable changed;
   std::deque<HeldOutSet> held_out;
-  std::deque<PilePairs> piles;
-  std::deque<VerifierLesson> lessons;
+  std::deque<ClutterPairs> piles;
+  std::deque<VerifierTrainingSet> training_sets;
   std::exception_ptr failure;
 
   std::atomic<bool> stop = false;
-  std::atomic<bool> skip_piles = false;
+  std::atomic<bool> skip_scenes = false;
   std::thread thread;  // last member, because it uses the others
 
   void Run();
   void MakeAll();
-  PilePairs MakePile(int index);
+  ClutterPairs MakeClutterScene(int index);
   template <typename Item>
   void Hand(std::deque<Item>& to, Item item, size_t ahead);
   template <typename Item>
@@ -64,12 +64,12 @@ std::optional<Item> TrainingViews::Impl::Take(std::deque<Item>& from, Wait wait)
   return item;
 }
 
-PilePairs TrainingViews::Impl::MakePile(int index) {
+ClutterPairs TrainingViews::Impl::MakeClutterScene(int index) {
   Rng rng = Rng::Derive(plan.seed, index, "training/pile");
-  const std::vector<LabelledView> pile =
-      source.Pile({rng.Next(), plan.views_per_scene, plan.pile_parts[index]});
-  PilePairs pairs(source.objects().size());
-  AppendTwinPatches(source, pile, plan.forms, plan.positive_pairs, rng, pairs);
+  const std::vector<LabelledView> clutter_scene =
+      source.ClutterScene({rng.Next(), plan.views_per_scene, plan.scene_objects[index]});
+  ClutterPairs pairs(source.objects().size());
+  AppendPositivePatches(source, clutter_scene, plan.forms, plan.positive_pairs, rng, pairs);
   return pairs;
 }
 
@@ -77,12 +77,13 @@ void TrainingViews::Impl::MakeAll() {
   constexpr size_t kAll = SIZE_MAX;  // no limit, because the trainer keeps all pairs anyway
   const auto go_on = [this](double) { return !stop; };
   Hand(held_out, MakeHeldOut(source, plan.forms, plan.held_out, plan.seed, go_on), kAll);
-  const int count = static_cast<int>(plan.pile_parts.size());
-  for (int i = 0; i < count && !stop && !skip_piles; ++i) Hand(piles, MakePile(i), kAll);
-  for (const int part : plan.verifiers) {
+  const int count = static_cast<int>(plan.scene_objects.size());
+  for (int i = 0; i < count && !stop && !skip_scenes; ++i) Hand(piles, MakeClutterScene(i), kAll);
+  for (const ObjectId object : plan.verifiers) {
     if (stop) return;
-    Hand(lessons, MakeVerifierLesson(source, part, plan.forms[part], plan.verifier, go_on),
-         kLessonsAhead);
+    Hand(training_sets,
+         MakeVerifierTrainingSet(source, object, plan.forms[object], plan.verifier, go_on),
+         kTrainingSetsAhead);
   }
 }
 
@@ -113,13 +114,13 @@ TrainingViews::~TrainingViews() {
 std::optional<HeldOutSet> TrainingViews::TakeHeldOut(Wait wait) {
   return impl_->Take(impl_->held_out, wait);
 }
-std::optional<PilePairs> TrainingViews::TakePile(Wait wait) {
+std::optional<ClutterPairs> TrainingViews::TakeScene(Wait wait) {
   return impl_->Take(impl_->piles, wait);
 }
-std::optional<VerifierLesson> TrainingViews::TakeLesson(Wait wait) {
-  return impl_->Take(impl_->lessons, wait);
+std::optional<VerifierTrainingSet> TrainingViews::TakeTrainingSet(Wait wait) {
+  return impl_->Take(impl_->training_sets, wait);
 }
 
-void TrainingViews::SkipPiles() { impl_->skip_piles = true; }
+void TrainingViews::SkipScenes() { impl_->skip_scenes = true; }
 
 }  // namespace pickbed::perception

@@ -12,23 +12,24 @@
 
 #include "perception/training/held_out.h"
 #include "perception/training/verifier_training.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::perception {
 
 // Views to be rendered.
 struct TrainingViewsPlan {
   uint64_t seed = 0;
-  std::vector<PatchForm> forms;  // patch form by object
-  std::vector<int> pile_parts;   // required object of each clutter scene
-  std::vector<int> verifiers;    // objects whose verifiers are trained, in this order
+  std::vector<PatchForm> forms;         // patch form by object
+  std::vector<ObjectId> scene_objects;  // required object of each clutter scene
+  std::vector<ObjectId> verifiers;      // objects whose verifiers are trained, in this order
   int views_per_scene = 3;
-  TwinOptions positive_pairs;
+  PositivePairOptions positive_pairs;
   HeldOutOptions held_out;
   VerifierTrainingOptions verifier;
 };
 
 // Training pairs of one clutter scene, by object.
-using PilePairs = std::vector<PatchPairs>;
+using ClutterPairs = std::vector<PatchPairs>;
 
 // Thread that renders the plan.
 class TrainingViews {
@@ -42,11 +43,11 @@ class TrainingViews {
   // exception of the thread.
   using Wait = std::chrono::milliseconds;
   std::optional<HeldOutSet> TakeHeldOut(Wait wait);
-  std::optional<PilePairs> TakePile(Wait wait);
-  std::optional<VerifierLesson> TakeLesson(Wait wait);
+  std::optional<ClutterPairs> TakeScene(Wait wait);
+  std::optional<VerifierTrainingSet> TakeTrainingSet(Wait wait);
 
   // Skips the remaining clutter scenes.
-  void SkipPiles();
+  void SkipScenes();
 
  private:
   struct Impl;

@@ -62,11 +62,11 @@ void Fit(Perceptron& net, const at::Tensor& x, const at::Tensor& y,
 }  // namespace
 
 void VerifierOptions::Visit(SettingsVisitor& v) {
-  v.Integer("hidden", hidden, {1, 1024}, "hidden units");
-  v.Integer("iterations", iterations, {1, 1000000}, "steps");
-  v.Integer("batch", batch, {1, 1000000}, "examples in a step");
-  v.Real("learning_rate", learning_rate, {1e-6, 1}, "of Adam");
-  v.Real("weight_decay", weight_decay, {0, 1}, "of Adam");
+  v.Integer("hidden", hidden, {1, 1024}, "number of hidden units");
+  v.Integer("iterations", iterations, {1, 1000000}, "number of steps");
+  v.Integer("batch", batch, {1, 1000000}, "examples per step");
+  v.Real("learning_rate", learning_rate, {1e-6, 1}, "learning rate of Adam");
+  v.Real("weight_decay", weight_decay, {0, 1}, "weight decay of Adam");
 }
 
 TrainedVerifier TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
@@ -77,9 +77,9 @@ TrainedVerifier TrainVerifier(const VerifierExamples& examples, const VerifierOp
       examples.held_out_from > 0 ? static_cast<int64_t>(examples.held_out_from) : count;
   const auto right = std::count(examples.right.begin(), examples.right.begin() + kept, 1);
   CheckInput(right > 0 && right < kept,
-             "the verifier needs right and wrong poses to learn from, but has " +
+             "the verifier needs right and wrong poses for training, but has " +
                  std::to_string(right) + " right of " + std::to_string(kept) +
-                 "; raise piles, or train longer what proposes them");
+                 "; raise clutter_scenes, or train the network that proposes them longer");
   at::set_num_threads(1);
   torch::manual_seed(seed);
   const at::Tensor all = FeatureTensor(examples);

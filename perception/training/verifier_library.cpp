@@ -26,11 +26,11 @@ VerifierFile Begin(const VerifierJob& job, const VerifierTrainingOptions& option
     CheckInput(known.training == training && known.sensor == job.sensor_profile,
                resumed.string() +
                    ": trained with other settings, another sensor, another bin or an older "
-                   "pickbed; leave out --resume to start anew, or name another file");
+                   "pickbed; do not resume it, or name another file");
     CheckInput(known.network.settings.empty() || known.network.settings == job.network_settings,
                resumed.string() +
-                   ": its network was learned of other parts or with other settings; leave out "
-                   "--resume to start anew, or name another file");
+                   ": its network was trained for other objects or with other settings; do not "
+                   "resume it, or name another file");
     return known;
   }
   return {job.estimator, job.sensor_profile, training, {}, {}, {}};
@@ -62,21 +62,22 @@ std::filesystem::path UnfinishedLibrary(const std::filesystem::path& file) {
 }
 
 std::string VerifierTrainingText(const LabelledViewSource& views, VerifierTrainingOptions options) {
-  return WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); }) + views.PileSettings();
+  return WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); }) +
+         views.ClutterSceneSettings();
 }
 
 VerifierReport TrainVerifierLibrary(const VerifierJob& job,
                                     const VerifierTrainingOptions& options) {
   CheckSettings("VerifierTrainingOptions", options);
   const ObjectSet& objects = job.views.objects();
-  CheckInput(!objects.empty(), "training needs at least one part");
+  CheckInput(!objects.empty(), "training needs at least one object");
   const std::filesystem::path unfinished = UnfinishedLibrary(job.file);
   if (!job.resume) std::filesystem::remove(unfinished);
   std::filesystem::path saved = ResumedFile(job);
   VerifierFile file = Begin(job, options, saved);
   if (job.learn && file.network.settings.empty()) {
     std::optional<LearnedNetwork> network = job.learn(
-        [&](double share) { return !job.on_progress || job.on_progress("all parts", share); });
+        [&](double share) { return !job.on_progress || job.on_progress("all objects", share); });
     if (!network) return {false, saved, 0};
     file.network = *std::move(network);
     SaveVerifiers(saved = unfinished, file);
@@ -89,21 +90,21 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
       return go_on = !job.on_progress || job.on_progress(part.name, share);
     };
     try {
-      constexpr double kPilesShare = 0.1;  // approximate share of the time
-      const int object = static_cast<int>(i);
+      constexpr double kScenesShare = 0.1;  // approximate share of the time
+      const ObjectId object(i);
       const std::vector<LabelledView> piles =
-          VerifierPiles(job.views, object, /*color=*/false, options,
-                        [&](double share) { return report(kPilesShare * share); });
+          VerifierScenes(job.views, object, /*color=*/false, options,
+                         [&](double share) { return report(kScenesShare * share); });
       if (!go_on) return {false, saved, 0};
       const std::unique_ptr<CandidateSource> source = job.candidates({objects[i]}, file.network);
       const CandidateSource* const sources[] = {source.get()};
       const TrainedVerifier trained = TrainPartVerifier(
           piles, object, sources, options,
-          [&](double share) { return report(kPilesShare + (1 - kPilesShare) * share); });
+          [&](double share) { return report(kScenesShare + (1 - kScenesShare) * share); });
       if (!go_on) return {false, saved, 0};
       Put(part, trained, file);
     } catch (const InputError& error) {
-      throw InputError("part '" + part.name + "': " + error.what());
+      throw InputError("object '" + part.name + "': " + error.what());
     }
     SaveVerifiers(saved = unfinished, file);
   }

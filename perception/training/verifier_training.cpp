@@ -13,14 +13,14 @@ constexpr double kNoScore = 0;  // calibration uses poses of any score
 
 // Returns the views of a codebook for these clutter scenes. Their distances cover the central 90 %
 // of the object's distances.
-IsolatedOptions CodeViews(const std::vector<LabelledView>& views, int object, int entries) {
+IsolatedOptions CodeViews(const std::vector<LabelledView>& views, ObjectId object, int entries) {
   std::vector<double> distances_m;
   for (const LabelledView& view : views) {
     for (const LabelledInstance& instance : view.instances) {
       if (instance.object == object) distances_m.push_back(instance.X_CO.translation().norm());
     }
   }
-  CheckInput(!distances_m.empty(), "no pile of the verifier's shows the part");
+  CheckInput(!distances_m.empty(), "no clutter scene for the verifier shows the object");
   std::sort(distances_m.begin(), distances_m.end());
   const double low_m = distances_m[distances_m.size() / 20];
   const double high_m = distances_m[distances_m.size() - 1 - distances_m.size() / 20];
@@ -34,7 +34,7 @@ IsolatedOptions CodeViews(const std::vector<LabelledView>& views, int object, in
 
 // Labels poses, given by decreasing score. Each instance makes at most one pose right.
 std::vector<ScoredPose> Judge(const std::vector<PoseHypothesis>& poses, const LabelledView& view,
-                              int object, const PoseDistance& distance) {
+                              ObjectId object, const PoseDistance& distance) {
   std::vector<bool> taken(view.instances.size());
   std::vector<ScoredPose> judged;
   for (const PoseHypothesis& pose : poses) {
@@ -51,7 +51,8 @@ std::vector<ScoredPose> Judge(const std::vector<PoseHypothesis>& poses, const La
   return judged;
 }
 
-bool IsRight(const Pose& X_CO, const LabelledView& view, int object, const PoseDistance& distance) {
+bool IsRight(const Pose& X_CO, const LabelledView& view, ObjectId object,
+             const PoseDistance& distance) {
   return std::any_of(
       view.instances.begin(), view.instances.end(), [&](const LabelledInstance& instance) {
         return instance.object == object && distance(X_CO, instance.X_CO) < kCorrectDiameters;
@@ -61,14 +62,15 @@ bool IsRight(const Pose& X_CO, const LabelledView& view, int object, const PoseD
 }  // namespace
 
 void VerifierTrainingOptions::Visit(SettingsVisitor& v) {
-  v.Seed("seed", seed, "of piles and weights");
+  v.Seed("seed", seed, "random seed of clutter scenes and weights");
   v.RenamedKey("piles", "clutter_scenes");
-  v.Integer("clutter_scenes", clutter_scenes, {1, 100000}, "per part");
+  v.Integer("clutter_scenes", clutter_scenes, {1, 100000}, "number of clutter scenes per object");
   v.RenamedKey("views_per_pile", "views_per_scene");
-  v.Integer("views_per_scene", views_per_scene, {1, 100}, "views of each");
-  v.Real("calibration_share", calibration_share, {0, 0.9}, "last share of the views, to calibrate");
+  v.Integer("views_per_scene", views_per_scene, {1, 100}, "number of views of each clutter scene");
+  v.Real("calibration_share", calibration_share, {0, 0.9},
+         "share of the views, at their end, that is used for calibration");
   v.Group(
-      "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "the verifier's training");
+      "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "fit of the verifier");
 }
 
 Calibration Calibrate(const std::vector<ScoredPose>& poses) {
@@ -105,15 +107,15 @@ Calibration Calibrate(const std::vector<ScoredPose>& poses) {
   return {static_cast<float>(x[0]), static_cast<float>(x[1])};
 }
 
-std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, bool color,
-                                        const VerifierTrainingOptions& options,
-                                        const std::function<bool(double)>& on_share) {
+std::vector<LabelledView> VerifierScenes(LabelledViewSource& views, ObjectId object, bool color,
+                                         const VerifierTrainingOptions& options,
+                                         const std::function<bool(double)>& on_share) {
   CheckSettings("VerifierTrainingOptions", options);
   std::vector<LabelledView> all;
   for (int i = 0; i < options.clutter_scenes; ++i) {
     Rng rng = Rng::Derive(options.seed, i, "training/verifier_pile");
-    PileRequest request{rng.Next(), options.views_per_scene, object, true};
-    for (LabelledView& view : views.Pile(request)) {
+    ClutterSceneRequest request{rng.Next(), options.views_per_scene, object, true};
+    for (LabelledView& view : views.ClutterScene(request)) {
       // The colour image takes a third of the memory.
       if (!color) view.frame.color = {};
       all.push_back(std::move(view));
@@ -123,31 +125,33 @@ std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, b
   return all;
 }
 
-VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, const PatchForm& form,
-                                  const VerifierTrainingOptions& options,
-                                  const std::function<bool(double)>& on_share) {
+VerifierTrainingSet MakeVerifierTrainingSet(LabelledViewSource& views, ObjectId object,
+                                            const PatchForm& form,
+                                            const VerifierTrainingOptions& options,
+                                            const std::function<bool(double)>& on_share) {
   CheckSettings("VerifierTrainingOptions", options);
-  constexpr double kPilesShare = 0.8;  // approximate share of the time
-  VerifierLesson lesson;
+  constexpr double kScenesShare = 0.8;  // approximate share of the time
+  VerifierTrainingSet training_set;
   bool go_on = true;
-  lesson.piles = VerifierPiles(views, object, form.channels == PatchChannels::kDepthColor, options,
-                               [&](double share) { return go_on = on_share(kPilesShare * share); });
-  if (!go_on) return lesson;
-  ForEachIsolatedBlock(views, object, form, CodeViews(lesson.piles, object, options.entries),
+  training_set.piles =
+      VerifierScenes(views, object, form.channels == PatchChannels::kDepthColor, options,
+                     [&](double share) { return go_on = on_share(kScenesShare * share); });
+  if (!go_on) return training_set;
+  ForEachIsolatedBlock(views, object, form, CodeViews(training_set.piles, object, options.entries),
                        options.seed, [&](const LabelledPatches& patches, double share) {
-                         AppendAll(patches, lesson.codes);
-                         return on_share(kPilesShare + (1 - kPilesShare) * share);
+                         AppendAll(patches, training_set.codes);
+                         return on_share(kScenesShare + (1 - kScenesShare) * share);
                        });
-  return lesson;
+  return training_set;
 }
 
-TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
+TrainedVerifier TrainPartVerifier(const VerifierTrainingSet& training_set,
                                   const std::shared_ptr<const ObjectModel>& model,
                                   const VerifierPart& part, const VerifierTrainingOptions& options,
                                   const std::function<bool(double)>& on_share) {
   ObjectCodes codes;
   codes.length = part.descriptor_length;
-  AppendCodes(lesson.codes, part.voter.describe, codes);
+  AppendCodes(training_set.codes, part.voter.describe, codes);
   std::vector<std::unique_ptr<CandidateFinder>> finders;
   std::vector<const CandidateSource*> sources;
   for (const CandidateOptions& mode : options.candidates) {
@@ -155,16 +159,16 @@ TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
         std::vector<CandidatePart>{{model, part.side_m, codes, part.object}}, part.voter, mode));
     sources.push_back(finders.back().get());
   }
-  return TrainPartVerifier(lesson.piles, part.object, sources, options, on_share);
+  return TrainPartVerifier(training_set.piles, part.object, sources, options, on_share);
 }
 
-TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int object,
+TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, ObjectId object,
                                   std::span<const CandidateSource* const> sources,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double)>& on_share) {
   CheckSettings("VerifierTrainingOptions", options);
-  const CandidateAssessor& assessor = sources.front()->assessor();
-  const std::vector<PoseDistance>& distances = assessor.distances();
+  const CandidateRefiner& candidate_refiner = sources.front()->candidate_refiner();
+  const std::vector<PoseDistance>& distances = candidate_refiner.distances();
   const size_t learned =
       piles.size() - static_cast<size_t>(options.calibration_share * piles.size());
 
@@ -189,10 +193,10 @@ TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int ob
   for (size_t i = learned; i < piles.size(); ++i) {
     const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
     for (size_t s = 0; s < sources.size(); ++s) {
-      FinalSetOptions all;
+      PoseSelectionOptions all;
       all.min_score = kNoScore;
-      const auto set = FinalSet(cloud, assessor.model_points(), distances, {&trained.verifier, 1},
-                                found[i][s], all);
+      const auto set = SelectPoses(cloud, candidate_refiner.model_points(), distances,
+                                   {&trained.verifier, 1}, found[i][s], all);
       const auto judged = Judge(set, piles[i], object, distances.front());
       reported[s].insert(reported[s].end(), judged.begin(), judged.end());
     }

@@ -13,6 +13,7 @@
 #include "perception/candidates/vote_candidates.h"
 #include "perception/features/labelled_patches.h"
 #include "perception/training/verifier_fit.h"
+#include "scenes/base/ids.h"
 #include "scenes/labelled_view.h"
 
 namespace pickbed::perception {
@@ -31,42 +32,43 @@ struct VerifierTrainingOptions {
 
 // An object and the network that describes its patches.
 struct VerifierPart {
-  int object = 0;  // index into the objects of the view source
+  ObjectId object{0};  // index into the objects of the view source
   double side_m = 0;
   int descriptor_length = 0;
   PatchVoter voter;
 };
 
 // Training set of a verifier, as far as it can be made without the network.
-struct VerifierLesson {
+struct VerifierTrainingSet {
   std::vector<LabelledView> piles;  // views of clutter scenes that contain the object
   LabelledPatches codes;            // patches of the object's codebook
 };
 
 // Makes the training set of one object. on_share receives the progress, 0..1, and returns false to
 // stop; the result is then incomplete. Throws InputError if no clutter scene shows the object.
-VerifierLesson MakeVerifierLesson(LabelledViewSource& views, int object, const PatchForm& form,
-                                  const VerifierTrainingOptions& options,
-                                  const std::function<bool(double share)>& on_share);
+VerifierTrainingSet MakeVerifierTrainingSet(LabelledViewSource& views, ObjectId object,
+                                            const PatchForm& form,
+                                            const VerifierTrainingOptions& options,
+                                            const std::function<bool(double share)>& on_share);
 
 // Returns views of clutter scenes that contain the object, without colour images unless `color` is
 // set. on_share receives the progress, 0..1, and returns false to stop; there are then fewer views.
-std::vector<LabelledView> VerifierPiles(LabelledViewSource& views, int object, bool color,
-                                        const VerifierTrainingOptions& options,
-                                        const std::function<bool(double share)>& on_share);
+std::vector<LabelledView> VerifierScenes(LabelledViewSource& views, ObjectId object, bool color,
+                                         const VerifierTrainingOptions& options,
+                                         const std::function<bool(double share)>& on_share);
 
 // Trains and calibrates the verifier of `object`, an index into the objects of the view source.
 // `sources` has one source per mode, in the order of CandidateMode. They look only for this object,
 // so their candidates have object index 0. Modes without a source get the calibration of the first.
 // on_share receives the progress, 0..1, and returns false to stop; the result is then incomplete.
 // Throws InputError if all candidates are right or all are wrong.
-TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, int object,
+TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, ObjectId object,
                                   std::span<const CandidateSource* const> sources,
                                   const VerifierTrainingOptions& options,
                                   const std::function<bool(double share)>& on_share);
 
 // The same with candidates from learned descriptors.
-TrainedVerifier TrainPartVerifier(const VerifierLesson& lesson,
+TrainedVerifier TrainPartVerifier(const VerifierTrainingSet& training_set,
                                   const std::shared_ptr<const ObjectModel>& model,
                                   const VerifierPart& part, const VerifierTrainingOptions& options,
                                   const std::function<bool(double share)>& on_share);

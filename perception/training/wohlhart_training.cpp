@@ -33,7 +33,7 @@ uint64_t HashOf(const CropSet& crops) {
 
 // A training crop and the templates with which it is compared.
 struct CropAnchor {
-  int object = 0;
+  ObjectId object{0};
   int row = 0;     // row of lesson.training[object]
   int puller = 0;  // row of the closest template among all templates
   int wrong_pose = 0, wrong_part = 0;
@@ -46,20 +46,20 @@ class WohlhartTrainer {
         options_(options),
         network_(std::make_unique<WohlhartNetwork>(options, job.seed)),
         adam_(network_->impl_->layers->parameters(), torch::optim::AdamOptions()) {
-    for (size_t part = 0; part < job.lesson.templates.size(); ++part) {
-      const ObjectCrops& of_part = job.lesson.templates[part];
+    for (size_t part = 0; part < job.training_set.templates.size(); ++part) {
+      const ObjectCrops& of_part = job.training_set.templates[part];
       first_.push_back(static_cast<int>(templates_.size()));
       for (size_t i = 0; i < of_part.crops.size(); ++i) {
         AppendRow(of_part.crops, i, templates_);
-        part_of_.push_back(static_cast<int>(part));
+        part_of_.push_back(ObjectId(part));
       }
-      distances_.emplace_back(job.lesson.objects[part]->symmetries_O);
+      distances_.emplace_back(job.training_set.objects[part]->symmetries_O);
     }
     iterations_ = options.iterations * static_cast<int>(first_.size());
-    for (int part = 0; part < static_cast<int>(first_.size()); ++part) {
+    for (ObjectId object{0}; object < static_cast<int>(first_.size()); ++object) {
       std::vector<int>& of_part = pullers_.emplace_back();
-      const int rows = static_cast<int>(job.lesson.training[part].crops.size());
-      for (int row = 0; row < rows; ++row) of_part.push_back(NearestTemplate(part, row));
+      const int rows = static_cast<int>(job.training_set.training[object].crops.size());
+      for (int row = 0; row < rows; ++row) of_part.push_back(NearestTemplate(object, row));
     }
   }
 
@@ -67,14 +67,14 @@ class WohlhartTrainer {
 
  private:
   const Eigen::Matrix3d& RotationOf(int row) const {
-    return job_.lesson.templates[part_of_[row]].R_CO[row - first_[part_of_[row]]];
+    return job_.training_set.templates[part_of_[row]].R_CO[row - first_[part_of_[row]]];
   }
   double PoseDistanceOf(const CropAnchor& anchor, int row) const {
     if (part_of_[row] != anchor.object) return kOtherPart;
-    return distances_[anchor.object](job_.lesson.training[anchor.object].R_CO[anchor.row],
+    return distances_[anchor.object](job_.training_set.training[anchor.object].R_CO[anchor.row],
                                      RotationOf(row));
   }
-  int NearestTemplate(int part, int row) const;
+  int NearestTemplate(ObjectId object, int row) const;
   CropAnchor RandomAnchor(Rng& rng) const;
   std::vector<CropAnchor> MineRound(int round) const;
   CropSet Varied(std::span<const CropAnchor> anchors) const;
@@ -92,20 +92,21 @@ class WohlhartTrainer {
   int iteration_ = 0;
   CropSet templates_;                      // of all objects
   std::vector<int> first_;                 // by object: row of its first template
-  std::vector<int> part_of_;               // by template: its object
+  std::vector<ObjectId> part_of_;          // by template: its object
   std::vector<std::vector<int>> pullers_;  // by object and row of its training crops
   std::vector<RotationDistance> distances_;
   std::vector<double> losses_;
 };
 
-int WohlhartTrainer::NearestTemplate(int part, int row) const {
+int WohlhartTrainer::NearestTemplate(ObjectId object, int row) const {
   CropAnchor anchor;
-  anchor.object = part;
+  anchor.object = object;
   anchor.row = row;
-  const int end = first_[part] + static_cast<int>(job_.lesson.templates[part].crops.size());
-  int nearest = first_[part];
+  const int end =
+      first_[object] + static_cast<int>(job_.training_set.templates[object].crops.size());
+  int nearest = first_[object];
   double min_distance = kOtherPart;
-  for (int i = first_[part]; i < end; ++i) {
+  for (int i = first_[object]; i < end; ++i) {
     const double distance = PoseDistanceOf(anchor, i);
     if (distance >= min_distance) continue;
     min_distance = distance;
@@ -118,11 +119,11 @@ int WohlhartTrainer::NearestTemplate(int part, int row) const {
 CropAnchor WohlhartTrainer::RandomAnchor(Rng& rng) const {
   const int parts = static_cast<int>(first_.size()), all = static_cast<int>(templates_.size());
   CropAnchor anchor;
-  anchor.object = rng.Index(parts);
-  anchor.row = rng.Index(static_cast<int>(job_.lesson.training[anchor.object].crops.size()));
+  anchor.object = ObjectId(rng.Index(parts));
+  anchor.row = rng.Index(static_cast<int>(job_.training_set.training[anchor.object].crops.size()));
   anchor.puller = pullers_[anchor.object][anchor.row];
   const int begin = first_[anchor.object];
-  const int count = static_cast<int>(job_.lesson.templates[anchor.object].crops.size());
+  const int count = static_cast<int>(job_.training_set.templates[anchor.object].crops.size());
   anchor.wrong_pose = begin + rng.Index(count);
   anchor.wrong_part = parts > 1 ? (begin + count + rng.Index(all - count)) % all : begin;
   return anchor;
@@ -137,7 +138,7 @@ std::vector<CropAnchor> WohlhartTrainer::MineRound(int round) const {
   CropSet crops;
   for (int i = 0; i < options_.mine_every * options_.anchors; ++i) {
     anchors.push_back(RandomAnchor(rng));
-    AppendRow(job_.lesson.training[anchors.back().object].crops, anchors.back().row, crops);
+    AppendRow(job_.training_set.training[anchors.back().object].crops, anchors.back().row, crops);
   }
   if (round == 0) return anchors;
   const auto as_tensor = [&](std::vector<float>& rows) {
@@ -174,16 +175,16 @@ std::vector<CropAnchor> WohlhartTrainer::MineRound(int round) const {
 
 // Returns the augmented crops of the anchors. Each crop has its own random stream.
 CropSet WohlhartTrainer::Varied(std::span<const CropAnchor> anchors) const {
-  const CropLesson& lesson = job_.lesson;
+  const CropTrainingSet& training_set = job_.training_set;
   std::vector<CropSet> varied(anchors.size());
   ForRanges(static_cast<int>(anchors.size()), job_.threads, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const CropAnchor& anchor = anchors[i];
       Rng rng = Rng::Derive(job_.seed, static_cast<uint64_t>(iteration_) * anchors.size() + i,
                             "wohlhart/crop");
-      const int other = rng.Index(static_cast<int>(lesson.training.size()));
-      AppendAugmented(lesson.training[anchor.object].crops, anchor.row,
-                      lesson.training[other].crops, options_.augment, rng, varied[i]);
+      const int other = rng.Index(static_cast<int>(training_set.training.size()));
+      AppendAugmented(training_set.training[anchor.object].crops, anchor.row,
+                      training_set.training[other].crops, options_.augment, rng, varied[i]);
     }
   });
   CropSet crops;
@@ -262,8 +263,8 @@ std::string WohlhartTrainer::Key() const {
   std::string key = fmt::format("wohlhart {}\n", job_.seed) +
                     WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); });
   for (size_t part = 0; part < first_.size(); ++part) {
-    const CropSet& crops = job_.lesson.training[part].crops;
-    key += fmt::format("{} {} {:016x}\n", job_.lesson.objects[part]->name, crops.size(),
+    const CropSet& crops = job_.training_set.training[part].crops;
+    key += fmt::format("{} {} {:016x}\n", job_.training_set.objects[part]->name, crops.size(),
                        HashOf(crops));
   }
   return key + fmt::format("{:016x}\n", HashOf(templates_));
@@ -308,13 +309,13 @@ std::unique_ptr<WohlhartNetwork> WohlhartTrainer::Run() {
 std::unique_ptr<WohlhartNetwork> TrainWohlhart(const WohlhartJob& job,
                                                const WohlhartOptions& options) {
   CheckSettings("WohlhartOptions", options);
-  CheckInput(!job.lesson.templates.empty(), "learning crops needs at least one part");
-  for (size_t part = 0; part < job.lesson.templates.size(); ++part) {
+  CheckInput(!job.training_set.templates.empty(), "training on crops needs at least one object");
+  for (size_t part = 0; part < job.training_set.templates.size(); ++part) {
     CheckInput(
-        job.lesson.templates[part].crops.size() > 0 && job.lesson.training[part].crops.size() > 0,
-        fmt::format("no views of part '{}' to learn from; raise train_level above "
-                    "template_level",
-                    job.lesson.objects[part]->name));
+        job.training_set.templates[part].crops.size() > 0 &&
+            job.training_set.training[part].crops.size() > 0,
+        fmt::format("no training views of object '{}'; raise train_level above template_level",
+                    job.training_set.objects[part]->name));
   }
   return WohlhartTrainer(job, options).Run();
 }

@@ -15,7 +15,7 @@ namespace pickbed::perception {
 
 // Inputs of a training.
 struct WohlhartJob {
-  const CropLesson& lesson;
+  const CropTrainingSet& training_set;
   uint64_t seed = 0;
   // Checkpoint, written after each round and at the end; empty = none. If the file exists, the
   // training resumes from it.

@@ -46,7 +46,7 @@ std::optional<Eigen::Vector2d> ChromaticityOf(const OrganizedCloud& cloud,
 
 // Returns nothing if too few hypotheses are more likely right than wrong.
 std::optional<CommonColors::CommonColor> CommonColors::Estimate(
-    std::span<const PoseHypothesis> accepted, int object) const {
+    std::span<const PoseHypothesis> accepted, ObjectId object) const {
   constexpr size_t kMinPoses = 5;
   constexpr double kMinSpread = 0.01;  // effect of light reflected by neighbours
   std::vector<Eigen::Vector2d> all;
@@ -70,7 +70,7 @@ CommonColors::CommonColors(const OrganizedCloud& cloud, const std::vector<ModelP
     : cloud_(cloud), models_(models), by_object_(models.size()) {
   if (cloud.color.empty()) return;
   for (size_t object = 0; object < models.size(); ++object) {
-    by_object_[object] = Estimate(accepted, static_cast<int>(object));
+    by_object_[object] = Estimate(accepted, ObjectId(object));
   }
 }
 

@@ -12,6 +12,7 @@
 #include "perception/cloud/organized_cloud.h"
 #include "perception/model/model_points.h"
 #include "perception/pose_hypothesis.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::perception {
 
@@ -37,7 +38,8 @@ class CommonColors {
     Eigen::Vector2d center;
     double spread = 0;
   };
-  std::optional<CommonColor> Estimate(std::span<const PoseHypothesis> accepted, int object) const;
+  std::optional<CommonColor> Estimate(std::span<const PoseHypothesis> accepted,
+                                      ObjectId object) const;
 
   const OrganizedCloud& cloud_;
   const std::vector<ModelPoints>& models_;

@@ -13,7 +13,7 @@ namespace {
 
 // Writes the foreground pixels near the model surface into `pixels`.
 void FindClaims(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
-                const SuppressOptions& options, std::vector<int>& pixels) {
+                const NonMaximumSuppressionOptions& options, std::vector<int>& pixels) {
   pixels.clear();
   const Eigen::Isometry3f X_OC = X_CO.inverse(Eigen::Isometry).cast<float>();
   const Eigen::Vector3f center_C = (X_CO * model.center_O.cast<double>()).cast<float>();
@@ -48,13 +48,14 @@ PoseHypothesis* LiesIn(const std::vector<ModelPoints>& models, const PoseHypothe
 
 }  // namespace
 
-std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
-                                               const std::vector<ModelPoints>& models,
-                                               std::vector<PoseHypothesis> hypotheses,
-                                               const SuppressOptions& options,
-                                               std::span<const int> instances) {
+std::vector<PoseHypothesis> SuppressNonMaxima(const OrganizedCloud& cloud,
+                                              const std::vector<ModelPoints>& models,
+                                              std::vector<PoseHypothesis> hypotheses,
+                                              const NonMaximumSuppressionOptions& options,
+                                              std::span<const int> instances) {
   CheckInput(instances.empty() || instances.size() == models.size(),
-             fmt::format("told how many there are of {} objects, but looking for {}",
+             fmt::format("the number of instances is given for {} objects, but {} objects are "
+                         "searched; give it for each",
                          instances.size(), models.size()));
   std::stable_sort(
       hypotheses.begin(), hypotheses.end(),
@@ -63,7 +64,7 @@ std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
                              cloud.intrinsics.height());  // kept index + 1
   std::vector<PoseHypothesis> kept;
   std::vector<int> pixels, shared_with;
-  const auto all_found = [&](int object) {
+  const auto all_found = [&](ObjectId object) {
     return !instances.empty() &&
            std::ranges::count(kept, object, &PoseHypothesis::object) >= instances[object];
   };

@@ -12,7 +12,7 @@
 
 namespace pickbed::perception {
 
-struct SuppressOptions {
+struct NonMaximumSuppressionOptions {
   double claim_m = 0.004;         // a hypothesis claims the pixels this near to its model surface
   double max_shared_share = 0.4;  // maximum share of a hypothesis's pixels claimed by better ones
   int pixel_stride = 2;           // only every pixel_stride-th row and column is evaluated
@@ -28,10 +28,10 @@ struct SuppressOptions {
 // - If `instances` is given, at most this many hypotheses of each object are kept; surplus ones do
 //   not suppress others.
 // `models` and `instances` are by object index. Throws InputError if their sizes differ.
-std::vector<PoseHypothesis> SuppressDuplicates(const OrganizedCloud& cloud,
-                                               const std::vector<ModelPoints>& models,
-                                               std::vector<PoseHypothesis> hypotheses,
-                                               const SuppressOptions& options = {},
-                                               std::span<const int> instances = {});
+std::vector<PoseHypothesis> SuppressNonMaxima(const OrganizedCloud& cloud,
+                                              const std::vector<ModelPoints>& models,
+                                              std::vector<PoseHypothesis> hypotheses,
+                                              const NonMaximumSuppressionOptions& options = {},
+                                              std::span<const int> instances = {});
 
 }  // namespace pickbed::perception

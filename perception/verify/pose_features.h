@@ -86,8 +86,8 @@ void MarkExplained(const OrganizedCloud& cloud, const ModelPoints& model, const 
 float EvidenceMargin(double log_ratio, double rival_log_ratio);
 
 // Search mode that produced the candidate; selects the calibration. Single-mode estimators use
-// kHard.
-enum class CandidateMode { kHard, kFast };
+// kAccurate.
+enum class CandidateMode { kAccurate, kFast };
 inline constexpr int kCandidateModes = 2;
 
 // Linear correction of a logit.
@@ -105,7 +105,7 @@ struct Verifier {
   // are wrong.
   std::array<Calibration, kCandidateModes> calibrations;
   // Returns the probability that the pose is right.
-  double Score(const VerifyFeatures& features, CandidateMode mode = CandidateMode::kHard) const;
+  double Score(const VerifyFeatures& features, CandidateMode mode = CandidateMode::kAccurate) const;
 };
 
 }  // namespace pickbed::perception

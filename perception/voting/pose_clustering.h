@@ -6,12 +6,13 @@
 
 #include "perception/model/pose_distance.h"
 #include "perception/voting/vote_density.h"
+#include "scenes/base/ids.h"
 
 namespace pickbed::perception {
 
 // An unrefined pose with its quick score.
 struct RawHypothesis {
-  int object = 0;
+  ObjectId object{0};
   Pose X_CO = Pose::Identity();
   float quick_score = 0;  // QuickScore, higher is better
   float votes = 1;        // number of raw hypotheses that agree with it

@@ -144,13 +144,16 @@ RotationMode HeaviestRotation(const PartRotations& rotations, const std::vector<
 }  // namespace
 
 void ModeOptions::Visit(SettingsVisitor& v) {
-  v.Real("max_distance", max_distance, {1e-3, 10}, "of descriptors, beyond it no vote is cast");
-  v.Real("cell_diameters", cell_diameters, {1e-3, 1}, "side of a cell of middles, diameters");
+  v.Real("max_distance", max_distance, {1e-3, 10}, "maximum descriptor distance of a vote");
+  v.Real("cell_diameters", cell_diameters, {1e-3, 1},
+         "side of a cell of object centers, diameters");
   v.RenamedKey("middle_diameters", "center_diameters");
-  v.Real("center_diameters", center_diameters, {1e-3, 1}, "kernel of middles, diameters");
-  v.Real("rotation_rad", rotation_rad, {1e-3, 3.14}, "kernel of rotations, rad");
-  v.Real("min_weight", min_weight, {0, 1e6}, "of a mode's votes together");
-  v.Integer("rotations", rotations, {1, 1000}, "modes of rotation at one middle at most");
+  v.Real("center_diameters", center_diameters, {1e-3, 1},
+         "kernel radius of object centers, diameters");
+  v.Real("rotation_rad", rotation_rad, {1e-3, 3.14}, "kernel radius of rotations, rad");
+  v.Real("min_weight", min_weight, {0, 1e6}, "minimum total weight of the votes of a mode");
+  v.Integer("rotations", rotations, {1, 1000},
+            "maximum number of rotation modes at one object center");
 }
 
 PartRotations::PartRotations(const SymmetrySet& symmetries) {

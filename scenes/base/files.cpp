@@ -107,7 +107,7 @@ fs::path CacheDir() {
   fs::path base = EnvironmentPath("XDG_CACHE_HOME");
   if (!base.is_absolute()) {
     const fs::path home = EnvironmentPath("HOME");
-    CheckInput(!home.empty(), "there is no place for a cache: set HOME or XDG_CACHE_HOME");
+    CheckInput(!home.empty(), "no folder for the cache is known; set HOME or XDG_CACHE_HOME");
     base = home / ".cache";
   }
   const fs::path folder = base / "pickbed";

@@ -195,7 +195,7 @@ class Reader : public SettingsVisitor {
     for (int i = 0; i < value.size(); ++i) value[i] = Number(node[i], key, range, help);
   }
 
-  // "objects.0.count=3" from --set arrives as a map from index to fields.
+  // "objects.0.count=3" as an assignment arrives as a map from index to fields.
   void ReadListItems(const YAML::Node& node, const std::string& key, size_t size,
                      const std::function<void(size_t, SettingsVisitor&)>& visit) {
     for (const auto& entry : node) {
@@ -413,7 +413,7 @@ KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunctio
 }
 
 KeyPlaces ApplySetting(const std::string& given, const VisitFunction& visit) {
-  const std::string source = fmt::format("--set {}", given);
+  const std::string source = kAssignmentPlace + given;
   const CurrentText current = AssignmentWithCurrentNames(given, visit);
   const std::string& assignment = current.text;
   const size_t equals = assignment.find('=');
@@ -433,7 +433,7 @@ KeyPlaces ApplySetting(const std::string& given, const VisitFunction& visit) {
   visit(reader);
   reader.RejectUnknownKeys();
   if (!current.replaced.empty()) {
-    ReportDeprecation(fmt::format("'{}' is deprecated, write '--set {}'", source, assignment));
+    ReportDeprecation(fmt::format("setting '{}' is deprecated, write '{}'", given, assignment));
   }
   return reader.places();
 }

@@ -1,8 +1,8 @@
 #pragma once
 
 // Settings structs and their text form. A settings struct has one Visit() that names each field
-// with its range, unit and help. The file reader, --set, the writer of effective settings and the
-// help text all use this function, so they always agree.
+// with its range, unit and help. The file reader, assignments, the writer of effective settings and
+// the help text all use this function, so they always agree.
 //
 //   struct BinSettings {
 //     double wall_m = 0.006;
@@ -72,6 +72,9 @@ KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunctio
 // not reported. Errors use `name_for_errors` as the file name.
 KeyPlaces ReadSettingsText(const std::string& yaml, const std::string& name_for_errors,
                            const VisitFunction& visit);
+
+// Beginning of the place of a setting that was given as an assignment: "setting a.b.c=value".
+inline constexpr const char* kAssignmentPlace = "setting ";
 
 // Applies one assignment "a.b.c=value", with the value in YAML and list items by index, such as
 // "objects.0.count=3". Accepts and reports names of earlier versions. Returns and throws the same

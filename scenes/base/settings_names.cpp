@@ -79,7 +79,7 @@ class NameWalker : public SettingsVisitor {
     const auto node = Find(key);
     if (!node || !(node->IsSequence() || node->IsMap())) return;
     if (size == 0) resize(1);
-    for (const auto& entry : *node) {  // of a map: items by index, from --set
+    for (const auto& entry : *node) {  // of a map: items by index, from an assignment
       Walk(node->IsMap() ? entry.second : entry, [&](SettingsVisitor& item) { visit(0, item); });
     }
     if (size == 0) resize(0);

@@ -37,7 +37,7 @@ CurrentText AssignmentWithCurrentNames(const std::string& assignment, const Visi
 // not be empty.
 std::string DeprecationLine(const std::string& file, const std::vector<ReplacedName>& replaced);
 
-// Receives one line for each file, or --set, that uses former names.
+// Receives one line for each file or assignment that uses former names.
 using DeprecationListener = std::function<void(const std::string& line)>;
 // Sets the listener of this process and returns the one before. It is called by ReadSettingsFile(),
 // ApplySetting() and ReportDeprecation(). Without a listener, former names are read silently.

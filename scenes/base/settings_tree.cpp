@@ -87,9 +87,9 @@ void ThrowPlaced(const std::vector<PlacedSetting>& settings, const std::exceptio
   if (dynamic_cast<const InputError*>(&error) == nullptr) throw;
   std::string message = error.what();
   for (const PlacedSetting& setting : settings) {
-    const std::string blamed = "--set " + setting.assignment;
-    const size_t at = message.find(blamed);
-    if (at != std::string::npos) message.replace(at, blamed.size(), setting.place);
+    const std::string given = kAssignmentPlace + setting.assignment;
+    const size_t at = message.find(given);
+    if (at != std::string::npos) message.replace(at, given.size(), setting.place);
   }
   throw InputError(message);
 }

@@ -38,13 +38,13 @@ struct PlacedSetting {
 // Returns the entries of a map as settings. Throws InputError if the node is not a map.
 std::vector<PlacedSetting> SettingsIn(const SettingsTree& map);
 
-// Rethrows `error`. In the message of an InputError, each "--set <assignment>" from `settings` is
+// Rethrows `error`. In the message of an InputError, each "setting <assignment>" from `settings` is
 // replaced by the place where that setting was given. Call it only inside a catch block.
 [[noreturn]] void ThrowPlaced(const std::vector<PlacedSetting>& settings,
                               const std::exception& error);
 
 // Calls `apply` with the assignments of `settings` and returns its result. An InputError that names
-// one of them as a --set is rethrown with the place where the setting was given.
+// one of them is rethrown with the place where the setting was given.
 template <typename Apply>
 auto ApplyPlaced(const std::vector<PlacedSetting>& settings, const Apply& apply) {
   std::vector<std::string> assignments;

@@ -11,7 +11,8 @@ namespace pickbed::scenes {
 
 using StageSeconds = std::map<std::string, double>;
 
-// Adds the time between construction and destruction to `seconds[stage]`.
+// Adds the time between construction and destruction to `seconds[stage]`. If `seconds` is part of a
+// result that is returned, the timer must end in a block before the return statement.
 class StageTimer {
  public:
   StageTimer(StageSeconds& seconds, std::string stage)

@@ -107,10 +107,10 @@ std::vector<Vector3d> PieceUnder(const std::vector<Vector3d>& front, const Vecto
                                  const MeshQuery& query) {
   Vector3d middle = Vector3d::Zero();
   for (const Vector3d& p : front) middle += p / static_cast<double>(front.size());
-  const double middle_m = Depth(query, middle, normal);
+  const double center_m = Depth(query, middle, normal);
   std::vector<Vector3d> piece = front;
   for (const Vector3d& p : front) {
-    const double depth_m = std::min(middle_m, Depth(query, p + kInset * (middle - p), normal));
+    const double depth_m = std::min(center_m, Depth(query, p + kInset * (middle - p), normal));
     piece.push_back(p - depth_m * normal);
   }
   return piece;

@@ -47,11 +47,10 @@ class Surveyor {
         if (const auto z = Ground(p.x(), p.y())) heights.push_back(*z);
       }
     }
-    CheckInput(
-        2 * heights.size() >= static_cast<size_t>(rays),
-        fmt::format("{}: the bin has no floor: {:.0f} % of the lines straight down through its "
-                    "middle pass; close it, and stand it with z up",
-                    source_, 100 - 100.0 * heights.size() / rays));
+    CheckInput(2 * heights.size() >= static_cast<size_t>(rays),
+               fmt::format("{}: the bin has no floor: {:.0f} % of the vertical lines through its "
+                           "center pass; close the mesh at the bottom and orient it with z up",
+                           source_, 100 - 100.0 * heights.size() / rays));
     std::nth_element(heights.begin(), heights.begin() + heights.size() / 2, heights.end());
     floor_ = heights[heights.size() / 2];
     return floor_;
@@ -66,7 +65,7 @@ class Surveyor {
     const bool thin = bounds_.size().z() < 2 * kLeastStep_m;
     const double open_below_m = hits.empty() ? 0 : hits.back().point.z() - bounds_.min.z();
     CheckInput(solid || thin || open_below_m < 0.5 * bounds_.size().z(),
-               source_ + ": the bin opens downwards; turn it so that z is up");
+               source_ + ": the bin opens downwards; rotate it so that z is up");
   }
 
   // Returns the extent along `axis` of the places where the ground is at most at `height_m`. For
@@ -81,9 +80,9 @@ class Surveyor {
       all->low = common ? std::max(all->low, one->low) : std::min(all->low, one->low);
       all->high = common ? std::min(all->high, one->high) : std::max(all->high, one->high);
     }
-    CheckInput(
-        all && all->high > all->low,
-        source_ + ": the bin's floor is not in its middle; close it, and stand it with z up");
+    CheckInput(all && all->high > all->low, source_ +
+                                                ": the bin's floor is not at its center; close the "
+                                                "mesh at the bottom and orient it with z up");
     return *all;
   }
 
@@ -144,7 +143,7 @@ class Surveyor {
 BinShape MakeBinShape(const TriangleMesh& mesh, const std::string& source) {
   RequireUsableMesh(mesh, source);
   CheckInput(mesh.triangles.size() <= kMaxFaces,
-             fmt::format("{}: {} faces are more than the {} of a bin; simplify the mesh", source,
+             fmt::format("{}: {} faces exceed the limit of {} for a bin; simplify the mesh", source,
                          mesh.triangles.size(), kMaxFaces));
   const int open_edges = InspectMesh(mesh).open_edges;
   CheckInput(open_edges == 0,
@@ -174,8 +173,8 @@ BinShape MakeBinShape(const TriangleMesh& mesh, const std::string& source) {
   CheckInput(
       shape.inner_size_m.maxCoeff() <= kLargest_m &&
           shape.inner_size_m.head<2>().minCoeff() >= kSmallest_m,
-      fmt::format("{}: the bin is {:.3g} x {:.3g} m inside; bins are {} to {} m: check "
-                  "bin.unit",
+      fmt::format("{}: the bin is {:.3g} x {:.3g} m inside, but the sides must be {} to {} m; "
+                  "check bin.unit",
                   source, shape.inner_size_m.x(), shape.inner_size_m.y(), kSmallest_m, kLargest_m));
   shape.wall_m = std::max(shape.wall_m, kLeastStep_m);
   shape.mesh_B = Transformed(shape.mesh_B, MakePose(Eigen::Matrix3d::Identity(), -middle));

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <utility>
 
-#include "scenes/camera/mesh_raster_rows.h"
-
 namespace pickbed::scenes {
 namespace {
 
@@ -24,7 +22,7 @@ struct Outline {
       bottom;  // columns and rows of pixel centers that it may cover, end excluded
 };
 
-PICKBED_INLINE int FirstMiddleFrom(int v, int end) {
+PICKBED_INLINE int FirstCenterFrom(int v, int end) {
   return std::clamp((v + kSubpixels - 1) >> 8, 0, end);
 }
 
@@ -193,10 +191,10 @@ PICKBED_INLINE bool OutlineOf(const ScreenVertices& v, const std::array<int, 3>&
     std::swap(o.x[1], o.x[2]);
     std::swap(o.y[1], o.y[2]);
   }
-  o.left = FirstMiddleFrom(std::min({o.x[0], o.x[1], o.x[2]}), target.width);
-  o.right = FirstMiddleFrom(std::max({o.x[0], o.x[1], o.x[2]}), target.width);
-  o.top = FirstMiddleFrom(std::min({o.y[0], o.y[1], o.y[2]}), target.height);
-  o.bottom = FirstMiddleFrom(std::max({o.y[0], o.y[1], o.y[2]}), target.height);
+  o.left = FirstCenterFrom(std::min({o.x[0], o.x[1], o.x[2]}), target.width);
+  o.right = FirstCenterFrom(std::max({o.x[0], o.x[1], o.x[2]}), target.width);
+  o.top = FirstCenterFrom(std::min({o.y[0], o.y[1], o.y[2]}), target.height);
+  o.bottom = FirstCenterFrom(std::max({o.y[0], o.y[1], o.y[2]}), target.height);
   return o.left < o.right && o.top < o.bottom;
 }
 

@@ -41,7 +41,7 @@ MassProperties UniformMassProperties(const TriangleMesh& closed_mesh, double mas
   const Eigen::Vector3d middle = bounds.center();
   const Moments moments = SolidMoments(closed_mesh, middle);
   CheckInput(moments.volume > kFlatVolumeRatio * std::pow(bounds.size().norm(), 3),
-             "the mesh encloses no positive volume; close it and turn its faces outwards");
+             "the mesh encloses no positive volume; close it and orient its faces outwards");
   const Eigen::Vector3d com = moments.first / moments.volume;
   const Eigen::Matrix3d covariance = moments.second / moments.volume - com * com.transpose();
   MassProperties properties;

@@ -71,7 +71,7 @@ void RequireSimple(const Ring& outer, const std::vector<Ring>& holes, const Outl
   }
   for (const Ring& hole : holes) {
     if (!Holds(outer, points[hole[0]], points)) {
-      throw std::logic_error("polygon: a hole lies outside of its outline");
+      throw std::logic_error("polygon: a hole is outside of its outline");
     }
   }
 }

@@ -31,11 +31,12 @@ Pose LookAt(const Eigen::Vector3d& eye_W, const Eigen::Vector3d& target_W,
   constexpr double kSmall = 1e-9;  // below this length the direction is rounding noise
   const Eigen::Vector3d view_W = target_W - eye_W;
   CheckInput(view_W.norm() > kSmall,
-             "a camera cannot look at the place where it stands; move the eye or the target");
+             "the camera position and its target are the same point; move the eye or the target");
   const Eigen::Vector3d z_W = view_W.normalized();
   const Eigen::Vector3d down_W = z_W.dot(up_W) * z_W - up_W;
   CheckInput(down_W.norm() > kSmall * up_W.norm(),
-             "a camera's view is parallel to its up direction; choose another up direction");
+             "the camera's viewing direction is parallel to its up direction; choose another up "
+             "direction");
   const Eigen::Vector3d y_W = down_W.normalized();
   Eigen::Matrix3d R_WC;
   R_WC << y_W.cross(z_W), y_W, z_W;

@@ -27,7 +27,8 @@ Eigen::Vector3d MeetingPoint(const ContinuousSymmetry& a, const ContinuousSymmet
   const Eigen::Vector3d between = b.offset_O - a.offset_O;
   const double squared = normal.squaredNorm();
   CheckInput(squared > 1e-12 && std::abs(between.dot(normal)) <= tolerance_m * std::sqrt(squared),
-             "two continuous symmetry axes do not meet in a point; no part can have both");
+             "two continuous symmetry axes do not meet in a point; no object can have both, so "
+             "remove one");
   return a.offset_O + between.cross(b.axis_O).dot(normal) / squared * a.axis_O;
 }
 

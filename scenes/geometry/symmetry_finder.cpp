@@ -26,7 +26,7 @@ constexpr double kOutlierShare = 0.003;
 constexpr size_t kLargestGroup = 120;
 constexpr std::array kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59};
 // Test rotations in rad. No discrete symmetry of an order below 100 contains them.
-constexpr std::array kOddTurns{0.37, 0.91, 1.43, 1.97, 2.39, 2.83};
+constexpr std::array kQuarterRotations{0.37, 0.91, 1.43, 1.97, 2.39, 2.83};
 
 struct Axis {
   Vector3d direction;
@@ -46,7 +46,7 @@ class Finder {
  private:
   std::vector<Vector3d> CandidateDirections() const;
   bool Maps(const Pose& S, double tolerance_m, int stride) const;
-  Pose Polished(Pose S, int stride) const;
+  Pose FinallyRefined(Pose S, int stride) const;
   std::optional<Axis> Accept(const Vector3d& direction, double angle_rad) const;
   bool HasOrder(const Axis& axis, int order) const;
   bool TurnsFreely(const Axis& axis) const;
@@ -128,7 +128,7 @@ bool Finder::Maps(const Pose& S, double tolerance_m, int stride) const {
 }
 
 // Point-to-plane ICP of the rotated surface onto the surface, started near the solution.
-Pose Finder::Polished(Pose S, int stride) const {
+Pose Finder::FinallyRefined(Pose S, int stride) const {
   constexpr int kRounds = 5;
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix<double, 6, 6> A = 1e-9 * Eigen::Matrix<double, 6, 6>::Identity();
@@ -158,14 +158,14 @@ std::optional<Axis> Finder::Accept(const Vector3d& direction, double angle_rad) 
   const Pose first = TurnAbout({direction, centroid_}, angle_rad);
   if (!Maps(first, kLoose * tolerance_m_, kFirstLookStride)) return std::nullopt;
   // Most candidates that pass the first check fail after a cheap refinement.
-  const Pose rough = Polished(first, kRoughStride);
+  const Pose rough = FinallyRefined(first, kRoughStride);
   if (!Maps(rough, 2 * tolerance_m_, kRoughStride)) return std::nullopt;
-  const Pose polished = Polished(rough, kFineStride);
-  const Eigen::AngleAxisd turn(polished.linear());
+  const Pose finally_refined = FinallyRefined(rough, kFineStride);
+  const Eigen::AngleAxisd turn(finally_refined.linear());
   if (std::abs(turn.angle() - angle_rad) > 0.1) return std::nullopt;
   Vector3d axis = turn.axis();
   if (axis.dot(direction) < 0) axis = -axis;
-  const Vector3d on_axis = PointOnAxis(polished);
+  const Vector3d on_axis = PointOnAxis(finally_refined);
   const Axis found{axis, on_axis + axis * axis.dot(centroid_ - on_axis), 0};
   const Pose exact = TurnAbout({found.direction, found.point}, angle_rad);
   if (!Maps(exact, tolerance_m_, 1)) return std::nullopt;
@@ -173,17 +173,17 @@ std::optional<Axis> Finder::Accept(const Vector3d& direction, double angle_rad) 
 }
 
 bool Finder::TurnsFreely(const Axis& axis) const {
-  return std::all_of(kOddTurns.begin(), kOddTurns.end(), [&](double angle_rad) {
+  return std::all_of(kQuarterRotations.begin(), kQuarterRotations.end(), [&](double angle_rad) {
     return Maps(TurnAbout({axis.direction, axis.point}, angle_rad), tolerance_m_, 1);
   });
 }
 
 std::optional<Axis> Finder::Continuous(const Vector3d& direction) const {
-  for (const double angle_rad : {kOddTurns[0], kOddTurns[3]}) {
+  for (const double angle_rad : {kQuarterRotations[0], kQuarterRotations[3]}) {
     const Pose turn = TurnAbout({direction, centroid_}, angle_rad);
     if (!Maps(turn, kLoose * tolerance_m_, kFirstLookStride)) return std::nullopt;
   }
-  const std::optional<Axis> axis = Accept(direction, kOddTurns[3]);
+  const std::optional<Axis> axis = Accept(direction, kQuarterRotations[3]);
   if (!axis || !TurnsFreely(*axis)) return std::nullopt;
   return axis;
 }

@@ -95,8 +95,8 @@ void RequireUsableMesh(const TriangleMesh& mesh, const std::string& source) {
   const double scale_m3 = std::pow(MeshBounds(mesh).size().norm(), 3);
   CheckInput(std::abs(SignedVolume(mesh)) > kFlatVolumeRatio * scale_m3,
              "mesh '" + source +
-                 "' encloses no volume: it is flat or its faces are turned at random; give it a "
-                 "thickness and let all faces look outwards");
+                 "' encloses no volume: it is flat or its faces have random orientations; give it "
+                 "a thickness and orient all faces outwards");
 }
 
 TriangleMesh TurnedOutwards(TriangleMesh mesh) {

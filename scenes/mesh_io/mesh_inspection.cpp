@@ -94,20 +94,22 @@ void DescribeSurface(const TriangleMesh& as_loaded, InspectedMesh& inspected) {
   const MeshReport report = InspectMesh(as_loaded);
   inspected.watertight = report.watertight();
   inspected.shells = CountShells(as_loaded);
-  if (report.volume_m3 < 0) inspected.fixed.push_back("faces looked inwards: turned outwards");
+  if (report.volume_m3 < 0)
+    inspected.fixed.push_back("faces pointed inwards and were flipped outwards");
   if (!report.watertight()) {
-    inspected.notes.push_back(
-        fmt::format("open along {} of its edges: mass and inertia are those of its convex hull",
-                    report.open_edges));
+    inspected.notes.push_back(fmt::format(
+        "open along {} of its edges: mass and inertia are computed from its convex hull",
+        report.open_edges));
   }
   if (report.flipped_edges > 0) {
-    inspected.notes.push_back(fmt::format(
-        "faces disagree about outside along {} edges: they are drawn from both sides or not at all",
-        report.flipped_edges));
+    inspected.notes.push_back(
+        fmt::format("faces disagree about the outside along {} edges: they are drawn from both "
+                    "sides or not at all",
+                    report.flipped_edges));
   }
   if (inspected.shells > 1) {
     inspected.notes.push_back(
-        fmt::format("{} separate shells: they move as one rigid part", inspected.shells));
+        fmt::format("{} separate shells: they move as one rigid object", inspected.shells));
   }
 }
 
@@ -116,16 +118,17 @@ void DescribeOrigin(const std::string& source, bool center, InspectedMesh& inspe
   const double away_m = bounds.center().norm();
   if (center && away_m > 0) {
     inspected.mesh_O = Transformed(inspected.mesh_O, Translation(-bounds.center()));
-    inspected.fixed.push_back(
-        fmt::format("origin was {:.1f} mm from the middle of the part: moved there", 1e3 * away_m));
+    inspected.fixed.push_back(fmt::format(
+        "the origin was {:.1f} mm from the object center and was moved there", 1e3 * away_m));
   } else if (away_m > kTooFarOrigin_diameters * bounds.size().norm()) {
-    throw InputError(fmt::format(
-        "mesh '{}': its origin is {:.3g} m away from the part, too far to turn the part "
-        "about it; pass --center to move it to the middle",
-        source, away_m));
+    throw InputError(
+        fmt::format("mesh '{}': its origin is {:.3g} m away from the object, too far for accurate "
+                    "rotations; enable centering to move it to the object center",
+                    source, away_m));
   } else if (away_m > kFarOrigin_diameters * bounds.size().norm()) {
     inspected.notes.push_back(fmt::format(
-        "origin is {:.3g} m away from the part; --center moves it to the middle", away_m));
+        "the origin is {:.3g} m away from the object; centering moves it to the object center",
+        away_m));
   }
 }
 
@@ -137,9 +140,10 @@ UnitGuess GuessUnit(double diameter_in_file) {
     return size_in(unit) >= kSmallestPick_m && size_in(unit) <= kLargestPick_m;
   };
   const auto guess = [&](const char* unit) {
-    return UnitGuess{unit, fmt::format("its numbers span {:.4g}; in {} that is {:.4g} mm, a part "
-                                       "that one can pick",
-                                       diameter_in_file, unit, 1e3 * size_in(unit))};
+    return UnitGuess{
+        unit, fmt::format(
+                  "its coordinates span {:.4g}; in {} this is {:.4g} mm, a size that can be picked",
+                  diameter_in_file, unit, 1e3 * size_in(unit))};
   };
   const std::array<const char*, 2> usual{"m", "mm"};
   for (const char* unit : usual) {
@@ -191,28 +195,29 @@ InspectedMesh InspectMeshFile(const fs::path& file, const std::string& unit, boo
   mesh = WithoutRepeatedFaces(std::move(mesh));
   if (mesh.triangles.size() < faces) {
     inspected.fixed.push_back(
-        fmt::format("{} faces were there twice: dropped", faces - mesh.triangles.size()));
+        fmt::format("{} duplicate faces were removed", faces - mesh.triangles.size()));
   }
   if (load.degenerate_faces > 0) {
-    inspected.fixed.push_back(
-        fmt::format("{} faces had two corners at one place: dropped", load.degenerate_faces));
+    inspected.fixed.push_back(fmt::format(
+        "{} faces had two corners at one position and were removed", load.degenerate_faces));
   }
   if (load.bad_normals) {
-    inspected.fixed.push_back("some normals were zero or not of unit length: made from the faces");
+    inspected.fixed.push_back(
+        "some normals were zero or not of unit length and were recomputed from the faces");
   }
   const double diameter = Diameter(mesh);
   inspected.unit = unit;
   if (unit.empty()) {
     const UnitGuess guess = GuessUnit(diameter);
     inspected.unit = guess.unit;
-    inspected.notes.push_back(fmt::format("unit guessed: {}, since {}; say --unit if it is not",
-                                          guess.unit, guess.reason));
+    inspected.notes.push_back(fmt::format(
+        "unit guessed: {}, because {}; give the unit if this is wrong", guess.unit, guess.reason));
   }
   const double scale = UnitInMeters(inspected.unit);
   const double diameter_m = scale * diameter;
   CheckInput(diameter_m >= kSmallest_m && diameter_m <= kLargest_m,
-             fmt::format("mesh '{}' is {:.3g} m large when read in {}; parts are between 3 mm and "
-                         "5 m: check --unit",
+             fmt::format("mesh '{}' is {:.3g} m large when read in {}; objects must be between 3 "
+                         "mm and 5 m: check the unit",
                          file.string(), diameter_m, inspected.unit));
   mesh = Scaled(mesh, scale);
   DescribeSurface(mesh, inspected);
@@ -220,7 +225,7 @@ InspectedMesh InspectMeshFile(const fs::path& file, const std::string& unit, boo
   DescribeOrigin(file.string(), center, inspected);
   for (const std::string& name : MissingCompanions(file)) {
     inspected.notes.push_back(
-        fmt::format("'{}' is missing: without it the part is drawn in a plain colour", name));
+        fmt::format("'{}' is missing: without it the object is drawn in a plain colour", name));
   }
   return inspected;
 }

@@ -200,8 +200,8 @@ std::string LowerExtension(const fs::path& path) {
 
 [[noreturn]] void RefuseUnreadable(const fs::path& path, const std::string& reason) {
   throw InputError("cannot read mesh '" + path.string() + "': " + reason +
-                   "; check that the file is whole and its extension says what it is (.obj .ply "
-                   ".stl .dae .gltf .glb)");
+                   "; check that the file is complete and that its extension matches its format "
+                   "(.obj .ply .stl .dae .gltf .glb)");
 }
 
 void CheckFaceCount(const fs::path& path, size_t faces) {

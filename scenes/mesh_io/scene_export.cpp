@@ -95,7 +95,7 @@ std::unique_ptr<aiMesh> MakePoints(const GlbCloud& cloud) {
 void RequireFilled(std::span<const GlbPart> parts, std::span<const GlbCloud> clouds) {
   for (const GlbPart& part : parts) {
     if (part.mesh == nullptr || part.mesh->triangles.empty()) {
-      throw std::logic_error("part '" + part.name + "' of a GLB has no triangles");
+      throw std::logic_error("mesh '" + part.name + "' of a GLB has no triangles");
     }
   }
   for (const GlbCloud& cloud : clouds) {
@@ -103,7 +103,8 @@ void RequireFilled(std::span<const GlbPart> parts, std::span<const GlbCloud> clo
       throw std::logic_error("cloud '" + cloud.name + "' of a GLB has no points or no colours");
     }
   }
-  if (parts.empty() && clouds.empty()) throw std::logic_error("a GLB of nothing");
+  if (parts.empty() && clouds.empty())
+    throw std::logic_error("a GLB needs at least one mesh or cloud");
 }
 
 // Returns a raw array of the items, which the aiScene or aiNode then owns.
@@ -185,7 +186,8 @@ std::string GlbBytes(std::span<const GlbPart> parts, std::span<const GlbCloud> c
   return {static_cast<const char*>(blob->data), blob->size};
 }
 
-static_assert(std::endian::native == std::endian::little, "floats are written as they lie");
+static_assert(std::endian::native == std::endian::little,
+              "floats are written in the byte order of the machine");
 
 std::string PlyCloudBytes(std::span<const Eigen::Vector3f> points,
                           std::span<const Eigen::Vector3f> rgb) {

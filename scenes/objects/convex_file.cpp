@@ -43,12 +43,13 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
       Eigen::Vector3d v;
       words >> v.x() >> v.y() >> v.z();
       check(!words.fail() && v.allFinite(), "'v' needs three numbers");
-      check(!pieces.empty(), "a vertex stands before the first 'o' line");
+      check(!pieces.empty(), "a vertex precedes the first 'o' line");
       pieces.back().vertices_O.push_back(scale * v);
     }
   }
   check_last_piece();
-  CheckInput(!pieces.empty(), fmt::format("'{}' has no 'o' group and so no pieces", path.string()));
+  CheckInput(!pieces.empty(),
+             fmt::format("'{}' has no 'o' group and therefore no pieces", path.string()));
   return pieces;
 }
 

@@ -30,9 +30,10 @@ struct AxisSettings {
   double angle_deg = 0;  // only for a discrete symmetry
 
   void Visit(SettingsVisitor& v, bool discrete) {
-    v.Vector3("axis", axis, {-1e3, 1e3}, "direction of the axis in O, of any length");
-    v.Vector3("offset_m", offset_m, {-10, 10}, "a point on the axis in O, m");
-    if (discrete) v.Real("angle_deg", angle_deg, {-360, 360}, "angle of the turn, degrees");
+    v.Vector3("axis", axis, {-1e3, 1e3},
+              "direction of the axis in the object frame, of any length");
+    v.Vector3("offset_m", offset_m, {-10, 10}, "point on the axis in the object frame, m");
+    if (discrete) v.Real("angle_deg", angle_deg, {-360, 360}, "angle of the rotation, degrees");
   }
 };
 
@@ -41,8 +42,9 @@ struct RestingSettings {
   double probability = 0;
 
   void Visit(SettingsVisitor& v) {
-    v.Vector3("up", up, {-1, 1}, "the world's up in O");
-    v.Real("probability", probability, {0, 1}, "share of drops that end so");
+    v.Vector3("up", up, {-1, 1}, "up direction of the world in the object frame, of any length");
+    v.Real("probability", probability, {0, 1},
+           "probability that a dropped object comes to rest in this pose");
   }
 };
 
@@ -61,22 +63,28 @@ struct ObjectSettings {
   std::vector<RestingSettings> resting;
 
   void Visit(SettingsVisitor& v) {
-    v.Text("mesh", mesh, {}, "mesh file beside object.yaml");
-    v.Text("unit", unit, {"m", "cm", "mm", "in"}, "unit of the mesh and convex files");
-    v.Real("mass_kg", mass_kg, {0, 100}, "mass, kg; or else density_kgpm3");
-    v.Real("density_kgpm3", density_kgpm3, {0, 25000}, "density, kg/m3; or else mass_kg");
-    v.Vector3("com_m", com_m, {-10, 10}, "centre of mass in O, m; with inertia_diagonal_kgm2");
-    v.Vector3("inertia_diagonal_kgm2", inertia_diagonal_kgm2, {0, 1e3}, "xx, yy, zz about it");
-    v.Vector3("inertia_products_kgm2", inertia_products_kgm2, {-1e3, 1e3}, "xy, xz, yz about it");
-    v.Real("friction", friction, {0.01, 2}, "against a gripper pad");
+    v.Text("mesh", mesh, {}, "mesh file in the folder of object.yaml");
+    v.Text("unit", unit, {"m", "cm", "mm", "in"},
+           "unit of the coordinates in the mesh file and the convex file");
+    v.Real("mass_kg", mass_kg, {0, 100},
+           "mass of the object, kg; give either this or density_kgpm3");
+    v.Real("density_kgpm3", density_kgpm3, {0, 25000},
+           "density of the object, kg/m3; give either this or mass_kg");
+    v.Vector3("com_m", com_m, {-10, 10},
+              "center of mass in the object frame, m; only with inertia_diagonal_kgm2");
+    v.Vector3("inertia_diagonal_kgm2", inertia_diagonal_kgm2, {0, 1e3},
+              "moments of inertia xx, yy, zz about the center of mass, kg m2");
+    v.Vector3("inertia_products_kgm2", inertia_products_kgm2, {-1e3, 1e3},
+              "products of inertia xy, xz, yz about the center of mass, kg m2");
+    v.Real("friction", friction, {0.01, 2}, "coefficient of friction against a gripper pad");
     v.Text("convex", convex, {}, "OBJ file with one 'o' group for each convex piece");
     v.Group(
         "symmetries", [this](SettingsVisitor& group) { VisitSymmetries(group); },
-        "turns that map the part onto itself");
+        "rotations that map the object onto itself");
     v.List(
         "resting_poses", resting.size(), [this](size_t n) { resting.resize(n); },
         [this](size_t i, SettingsVisitor& item) { resting[i].Visit(item); },
-        "ways to lie on a plane");
+        "stable poses on a plane");
   }
 
  private:
@@ -84,11 +92,11 @@ struct ObjectSettings {
     v.List(
         "discrete", discrete.size(), [this](size_t n) { discrete.resize(n); },
         [this](size_t i, SettingsVisitor& item) { discrete[i].Visit(item, true); },
-        "single turns, every one but the identity");
+        "discrete symmetry rotations, without the identity");
     v.List(
         "continuous", continuous.size(), [this](size_t n) { continuous.resize(n); },
         [this](size_t i, SettingsVisitor& item) { continuous[i].Visit(item, false); },
-        "axes about which every turn does");
+        "axes of continuous rotational symmetry");
   }
 };
 
@@ -120,7 +128,7 @@ ObjectSettings ReadObjectFile(const fs::path& file) {
   CheckInput((settings.mass_kg > 0) != (settings.density_kgpm3 > 0),
              name + ": give exactly one of mass_kg and density_kgpm3, above 0");
   CheckInput(settings.inertia_diagonal_kgm2.norm() == 0 || settings.mass_kg > 0,
-             name + ": inertia_diagonal_kgm2 goes with mass_kg, not with density_kgpm3");
+             name + ": inertia_diagonal_kgm2 needs mass_kg, not density_kgpm3; give mass_kg");
   CheckInput(
       settings.inertia_diagonal_kgm2.norm() == 0 || settings.inertia_diagonal_kgm2.minCoeff() > 0,
       name + ": inertia_diagonal_kgm2 must be positive");
@@ -192,8 +200,8 @@ std::shared_ptr<ObjectModel> MakeModel(const std::string& name, const fs::path& 
   model->diameter_m = Diameter(model->mesh_O);
   CheckInput(
       model->diameter_m >= kSmallestDiameter_m,
-      fmt::format("{}: is {:.3g} mm large when read in '{}'; parts under {:g} mm are beyond "
-                  "the physics here; check its unit",
+      fmt::format("{}: is {:.3g} mm large when read in '{}'; objects under {:g} mm are too small "
+                  "for the physics; check its unit",
                   mesh_file.string(), 1e3 * model->diameter_m, unit, 1e3 * kSmallestDiameter_m));
   model->mesh_hash = MeshHash(model->mesh_O);
   return model;
@@ -203,11 +211,11 @@ std::shared_ptr<ObjectModel> MakeModel(const std::string& name, const fs::path& 
 
 std::shared_ptr<const ObjectModel> LoadMeshPart(const std::string& name, const MeshPartSpec& spec) {
   CheckInput(std::isfinite(spec.mass_kg) && spec.mass_kg > 0,
-             "part '" + name + "': mass_kg = " + std::to_string(spec.mass_kg) +
-                 " is not positive; give the part's mass in kilograms");
+             "object '" + name + "': mass_kg = " + std::to_string(spec.mass_kg) +
+                 " is not positive; give the object's mass in kilograms");
   CheckInput(std::isfinite(spec.friction) && spec.friction > 0,
-             "part '" + name + "': friction = " + std::to_string(spec.friction) +
-                 " is not positive; 0.5 suits most parts");
+             "object '" + name + "': friction = " + std::to_string(spec.friction) +
+                 " is not positive; 0.5 suits most objects");
   std::shared_ptr<ObjectModel> model = MakeModel(name, spec.mesh, spec.unit, {spec.mass_kg, 0});
   model->friction = spec.friction;
   model->symmetries_O = spec.symmetries_O;
@@ -232,7 +240,7 @@ std::vector<std::string> ObjectCatalog::Names() const {
 std::shared_ptr<const ObjectModel> ObjectCatalog::Load(const std::string& name) const {
   const std::vector<std::string> names = Names();
   CheckInput(std::binary_search(names.begin(), names.end(), name),
-             UnknownNameMessage("part", name, names));
+             UnknownNameMessage("object", name, names));
   const auto root = std::find_if(roots_.begin(), roots_.end(), [&](const fs::path& candidate) {
     return fs::is_regular_file(candidate / name / kObjectFile);
   });

@@ -17,13 +17,10 @@ std::span<const PartRow> PartTable() {
       PartRow{"hex_bolt", "hexagon bolt M12 without threads; C6", MakeHexBolt},
       PartRow{"gear", "spur gear of twelve teeth with bore; D12", MakeGear},
       PartRow{"elbow", "pipe bend of 90 degrees with a collar at one end; no symmetry", MakeElbow},
-      PartRow{
-          "carton",
-          "printed box; D2 of the shape, which is what depth can see, though the print breaks it",
-          MakeCarton},
-      PartRow{"bottle", "closed bottle with cap; any turn about its axis", MakeBottle},
+      PartRow{"carton", "printed box; D2 of the shape, although the print breaks it", MakeCarton},
+      PartRow{"bottle", "closed bottle with cap; rotational symmetry about its axis", MakeBottle},
       PartRow{"mug", "hollow mug with handle; no symmetry", MakeMug},
-      PartRow{"ring", "plain ring; any turn about its axis and the flip", MakeRing},
+      PartRow{"ring", "plain ring; rotational symmetry about its axis and C2 across it", MakeRing},
   };
   return kTable;
 }

@@ -16,17 +16,20 @@ constexpr Range kBackgroundCell_px{1, 1e4};
 // Calls `take` for each range with its key, limits and help. Settings and checks both use it.
 template <typename Ranges, typename Take>
 void ForEachSpan(Ranges& r, Take take) {
-  take("lamp_x_m", r.lamp_x_m, kLamp_m, "where the lamp stands, world x, m");
-  take("lamp_y_m", r.lamp_y_m, kLamp_m, "world y, m");
-  take("lamp_z_m", r.lamp_z_m, kLamp_m, "world z, m");
-  take("ambient", r.ambient, kShare, "share of the light that comes from all around");
-  take("shadow_softness_m", r.shadow_softness_m, kSoftness_m, "half width of a shadow's edge, m");
-  take("tint", r.tint, kShare, "factor of a part's red, green and blue, each drawn by itself");
-  take("gloss", r.gloss, kShare, "strength of a part's white highlight");
-  take("grain", r.grain, kShare, "depth of a dark texture on a part");
-  take("grain_cells_pm", r.grain_cells_pm, kGrainCells_pm, "cells of that texture a metre");
-  take("background", r.background, kShare, "grey of squares behind all, 0 = black");
-  take("background_cell_px", r.background_cell_px, kBackgroundCell_px, "their size, px");
+  take("lamp_x_m", r.lamp_x_m, kLamp_m, "x position of the lamp in the world frame, m");
+  take("lamp_y_m", r.lamp_y_m, kLamp_m, "y position of the lamp in the world frame, m");
+  take("lamp_z_m", r.lamp_z_m, kLamp_m, "z position of the lamp in the world frame, m");
+  take("ambient", r.ambient, kShare, "share of the light that is ambient");
+  take("shadow_softness_m", r.shadow_softness_m, kSoftness_m,
+       "half width of the edge of a shadow, m");
+  take("tint", r.tint, kShare,
+       "factor of an instance's red, green and blue, each drawn separately");
+  take("gloss", r.gloss, kShare, "strength of an instance's white highlight");
+  take("grain", r.grain, kShare, "depth of a dark pattern on an instance");
+  take("grain_cells_pm", r.grain_cells_pm, kGrainCells_pm, "cells of the dark pattern per metre");
+  take("background", r.background, kShare, "grey value of the background squares, 0 = black");
+  take("background_cell_px", r.background_cell_px, kBackgroundCell_px,
+       "size of the background squares, px");
 }
 
 }  // namespace
@@ -37,17 +40,16 @@ void AppearanceRanges::Visit(SettingsVisitor& v) {
     v.Vector2(key, ends, range, help);
     span = {ends[0], ends[1]};
   });
-  v.Real("shadow_share", shadow_share, kShare, "share of scenes that have a shadow");
+  v.Real("shadow_share", shadow_share, kShare, "share of scenes with a shadow");
 }
 
 void AppearanceRanges::Validate(
     const std::function<std::string(const std::string& key)>& at) const {
   const auto check = [&](const std::string& key, const Span& span, Range range) {
-    CheckInput(
-        span.min >= range.min && span.max >= span.min && span.max <= range.max,
-        fmt::format("{} = [{}, {}]: must be the least and the most of a range within {} to {}, the "
-                    "least first",
-                    at ? at(key) : key, span.min, span.max, range.min, range.max));
+    CheckInput(span.min >= range.min && span.max >= span.min && span.max <= range.max,
+               fmt::format("{} = [{}, {}]: must be the minimum and the maximum of a range within "
+                           "{} to {}, the minimum first",
+                           at ? at(key) : key, span.min, span.max, range.min, range.max));
   };
   ForEachSpan(*this, [&](const char* key, const Span& span, Range range, const char*) {
     check(key, span, range);

@@ -20,7 +20,7 @@ std::filesystem::path ScenarioFile(const std::string& scenario) {
   const std::filesystem::path preset = PresetsDir() / (scenario + ".yaml");
   if (!file.has_parent_path() && std::filesystem::exists(preset)) return preset;
   const std::string message = UnknownNameMessage("scenario", scenario, PresetNames());
-  throw InputError(message + " (or the path of a file: there is none of that name)");
+  throw InputError(message + " (or the path of a scenario file; no file has this name)");
 }
 
 // Replaces a file name that is not found from the current folder but exists in the scenario's

@@ -15,33 +15,35 @@ std::string VisibleBand::name() const { return fmt::format("{:.4g}-{:.4g}", 100 
 
 void VisibleBand::Visit(SettingsVisitor& v) {
   v.RenamedKey("least", "min");
-  v.Real("min", min, {0, 1}, "visible fraction from here on");
+  v.Real("min", min, {0, 1}, "lower limit of the visible fraction, inclusive");
   v.RenamedKey("most", "max");
-  v.Real("max", max, {0, 1}, "and below this; 1 is included");
+  v.Real("max", max, {0, 1}, "upper limit of the visible fraction, exclusive except for 1");
 }
 
 void OcclusionSpec::Visit(SettingsVisitor& v) {
-  v.Bool("enabled", enabled, "each trial is one target, seen and picked once in each band");
+  v.Bool("enabled", enabled,
+         "whether a trial shows one target once in each band, instead of emptying the bin");
   v.List(
       "bands", bands.size(), [this](size_t n) { bands.assign(n, VisibleBand{}); },
       [this](size_t i, SettingsVisitor& item) { bands[i].Visit(item); },
-      "of the target's visible fraction, from the least visible on");
-  v.Real("margin", margin, {0, 0.1}, "fractions nearer to a band's end are not taken");
+      "bands of the target's visible fraction, least visible first");
+  v.Real("margin", margin, {0, 0.1},
+         "visible fractions closer than this to an end of a band are rejected");
   v.RenamedKey("level_tries", "level_samples");
   v.Integer("level_samples", level_samples, {0, 100000},
-            "blockers dropped to come nearer to a fraction drawn evenly over the band");
-  v.Integer("max_blockers", max_blockers, {1, 1000}, "parts that may hide a target");
+            "blockers dropped to come closer to the fraction drawn for a band; 0 = none");
+  v.Integer("max_blockers", max_blockers, {1, 1000}, "maximum number of blockers in a scene");
   v.RenamedKey("tries", "blocker_samples");
   v.Integer("blocker_samples", blocker_samples, {1, 100000},
-            "blockers dropped for one band of a target, at most");
-  v.Integer("targets", targets, {1, 1000}, "tried in one scene, at most");
-  v.Integer("scenes", scenes, {1, 1000}, "dropped for one trial, at most");
+            "maximum number of blockers dropped for one band of a target");
+  v.Integer("targets", targets, {1, 1000}, "maximum number of targets tried in one scene");
+  v.Integer("scenes", scenes, {1, 1000}, "maximum number of scenes dropped for one trial");
   v.Real("scatter_diameters", scatter_diameters, {0, 5},
-         "of a blocker from the line of sight, in its diameters");
+         "maximum distance of a dropped blocker from the line of sight, in its diameters");
   v.RenamedKey("least_hidden", "min_hidden");
-  v.Real("min_hidden", min_hidden, {0, 1}, "share of the target that a blocker hides at least");
+  v.Real("min_hidden", min_hidden, {0, 1}, "minimum share of the target that a blocker must hide");
   v.Real("movement_diameters", movement_diameters, {0.0001, 1},
-         "no surface moves further in a second awake");
+         "maximum movement of a surface in one second while all bodies are awake, diameters");
 }
 
 void OcclusionSpec::Validate(const std::function<std::string(const std::string& key)>& at) const {
@@ -53,10 +55,10 @@ void OcclusionSpec::Validate(const std::function<std::string(const std::string& 
   CheckInput(!bands.empty(), name("bands") + ": is empty; add '- {min: 0.5, max: 0.7}'");
   for (size_t i = 0; i < bands.size(); ++i) {
     const VisibleBand& band = bands[i];
-    CheckInput(band.max - band.min > 2 * margin,
-               fmt::format("{} = {}: must be over bands.{}.min = {} by more than twice the "
-                           "margin of {}",
-                           name(fmt::format("bands.{}.max", i)), band.max, i, band.min, margin));
+    CheckInput(
+        band.max - band.min > 2 * margin,
+        fmt::format("{} = {}: must exceed bands.{}.min = {} by more than twice the margin of {}",
+                    name(fmt::format("bands.{}.max", i)), band.max, i, band.min, margin));
     CheckInput(
         i == 0 || band.min >= bands[i - 1].max,
         fmt::format("{} = {}: must not be under bands.{}.max = {}; list the bands from the "

@@ -19,11 +19,13 @@ bool Never(const PolicyState&, const PolicySpec&) { return false; }
 
 constexpr PolicyRow kPolicies[] = {
     // Clutter removal as in the VGN paper (Breyer et al. 2020), with two failures in a row.
-    {"until_empty", "until the bin is empty, no grasp is found, or max_failures_in_row picks fail",
+    {"until_empty",
+     "until the bin is empty, no grasp is found, or max_failures_in_row attempts fail",
      NoGraspOrFailedTooOften},
-    {"capture_again", "as until_empty, but an attempt that finds no grasp only counts as a failure",
+    {"capture_again",
+     "like until_empty, but an attempt that finds no grasp only counts as a failure",
      FailedTooOften},
-    {"one_pick", "one pick in each bin", Never, 1},
+    {"one_pick", "one attempt in each bin", Never, 1},
 };
 
 std::vector<std::string> Names() {
@@ -36,20 +38,25 @@ std::vector<std::string> Names() {
 
 void PolicySpec::Visit(SettingsVisitor& v) {
   v.RenamedValue("stop", "look_again", "capture_again");
-  v.Text("stop", stop, Names(), "when a trial ends, see pickbed list policies");
-  v.Integer("max_failures_in_row", max_failures_in_row, {1, 1000}, "failed picks in a row");
+  v.Text("stop", stop, Names(), "rule that ends a trial, a row of `pickbed list policies`");
+  v.Integer("max_failures_in_row", max_failures_in_row, {1, 1000},
+            "number of consecutive failed attempts that ends a trial");
   v.RenamedKey("max_picks", "max_attempts");
   v.Integer("max_attempts", max_attempts, {0, 100000},
             "maximum number of attempts in a trial, 0 = no limit");
-  v.Text("ranking", ranking, {}, "of grasps without collision, see pickbed list rankings");
+  v.Text("ranking", ranking, {},
+         "criterion that orders the grasps without collision, a row of `pickbed list rankings`");
   v.RenamedValue("success", "right_part", "right_instance");
-  v.Text("success", success, {}, "what counts as a pick, see pickbed list rules");
+  v.Text("success", success, {},
+         "rule that decides whether an attempt succeeds, a row of `pickbed list rules`");
 }
 
 void CycleSpec::Visit(SettingsVisitor& v) {
-  v.Real("sense_s", sense_s, {0, 3600}, "one look of the camera, s");
-  v.Real("compute_s", compute_s, {0, 3600}, "estimate and plan after a look, s; 0 = as measured");
-  v.Real("move_s", move_s, {0, 3600}, "a pick's way there, to where it places, and back, s");
+  v.Real("sense_s", sense_s, {0, 3600}, "time to capture one image, s");
+  v.Real("compute_s", compute_s, {0, 3600},
+         "time to estimate and plan for one image, s; 0 = as measured");
+  v.Real("move_s", move_s, {0, 3600},
+         "time for one pick: approach, transport to the place and return, s");
 }
 
 std::span<const PolicyRow> PolicyTable() { return kPolicies; }

@@ -25,25 +25,25 @@ void ValidateCamera(const ScenarioSpec& spec) {
   const CameraSpec& camera = spec.camera;
   if (InsideBin(spec.bin, camera.eye_m)) {
     throw InputError(
-        fmt::format("{} = [{}, {}, {}]: the camera stands inside the bin or its wall; raise it",
+        fmt::format("{} = [{}, {}, {}]: the camera is inside the bin or its wall; raise it",
                     spec.At("camera.eye_m"), camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
   }
   if (camera.eye_m.z() < -spec.bin.wall_m) {
-    throw InputError(fmt::format(
-        "{} = [{}, {}, {}]: the camera stands under the bin's floor and sees nothing of the parts; "
-        "raise it",
-        spec.At("camera.eye_m"), camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
+    throw InputError(
+        fmt::format("{} = [{}, {}, {}]: the camera is under the bin's floor and cannot see the "
+                    "instances; raise it",
+                    spec.At("camera.eye_m"), camera.eye_m.x(), camera.eye_m.y(), camera.eye_m.z()));
   }
   if ((camera.target_m - camera.eye_m).norm() < 1e-3) {
     throw InputError(fmt::format("{}: equals camera.eye_m; aim the camera at the bin's floor",
                                  spec.At("camera.target_m")));
   }
   const Camera view = CameraOf(spec);
-  const Eigen::Vector3d middle_W(0, 0, 0.5 * spec.bin.inner_size_m.z());
-  const Eigen::Vector3d middle_C = view.X_CW() * middle_W;
-  const Eigen::Array2d middle_px = Project(view.intrinsics, middle_C).array();
+  const Eigen::Vector3d center_W(0, 0, 0.5 * spec.bin.inner_size_m.z());
+  const Eigen::Vector3d center_C = view.X_CW() * center_W;
+  const Eigen::Array2d center_px = Project(view.intrinsics, center_C).array();
   const Eigen::Array2d last_px(camera.width - 1, camera.height - 1);
-  if (middle_C.z() <= 0 || (middle_px < 0).any() || (middle_px > last_px).any()) {
+  if (center_C.z() <= 0 || (center_px < 0).any() || (center_px > last_px).any()) {
     throw InputError(fmt::format(
         "{} = [{}, {}, {}]: the camera looks away from the bin; aim it at [0, 0, 0]",
         spec.At("camera.target_m"), camera.target_m.x(), camera.target_m.y(), camera.target_m.z()));
@@ -70,12 +70,12 @@ void LoadShape(const std::filesystem::path& folder, BinSpec& bin) {
   bin.shape = std::make_shared<const BinShape>(LoadBinShape(folder / bin.mesh, bin.unit));
 }
 
-// Takes the keys of the bin that the scenario does not give from the bin's file. If --set gives the
-// name, the bin keys of the scenario file are ignored.
+// Takes the keys of the bin that the scenario does not give from the bin's file. If an
+// assignment gives the name, the bin keys of the scenario file are ignored.
 void FillInBin(ScenarioSpec& spec) {
   const auto is_set = [&](const std::string& key) {
     const auto place = spec.places.find(key);
-    return place != spec.places.end() && place->second.starts_with("--set");
+    return place != spec.places.end() && place->second.starts_with(kAssignmentPlace);
   };
   const auto is_given = [&](const std::string& key) {
     return is_set("bin.name") ? is_set("bin." + key) : spec.places.contains("bin." + key);
@@ -110,7 +110,7 @@ ScenarioSpec Completed(ScenarioSpec spec, const std::filesystem::path& folder,
   } catch (const InputError& error) {
     // An error about a key that was not given has no place at its beginning.
     const std::string message = error.what();
-    const bool has_place = message.starts_with(name) || message.starts_with("--set ");
+    const bool has_place = message.starts_with(name) || message.starts_with(kAssignmentPlace);
     throw InputError(has_place ? message : fmt::format("{}: {}", name, message));
   }
   return spec;
@@ -119,77 +119,93 @@ ScenarioSpec Completed(ScenarioSpec spec, const std::filesystem::path& folder,
 }  // namespace
 
 void PartSpec::Visit(SettingsVisitor& v) {
-  v.Text("name", name, {}, "a part of the catalog, or a name of your own with mesh and mass_kg");
-  v.Integer("count", count, {1, 1000}, "how many are dropped");
+  v.Text("name", name, {},
+         "name of a catalog object, or a new name together with mesh and mass_kg");
+  v.Integer("count", count, {1, 1000}, "number of dropped instances");
   v.Text("mesh", mesh, {}, "mesh file, relative to this file; empty = from the catalog");
-  v.Text("unit", unit, {"m", "cm", "mm", "in"}, "of the mesh's coordinates");
-  v.Real("mass_kg", mass_kg, {0, 100}, "mass of the part, kg; only with mesh");
-  v.Real("friction", friction, {0.01, 2}, "against a gripper pad; only with mesh");
+  v.Text("unit", unit, {"m", "cm", "mm", "in"}, "unit of the mesh coordinates");
+  v.Real("mass_kg", mass_kg, {0, 100}, "mass of the object, kg; only with mesh");
+  v.Real("friction", friction, {0.01, 2},
+         "coefficient of friction against a gripper pad; only with mesh");
   v.RenamedKey("foreign", "distractor");
-  v.Bool("distractor", distractor, "in the bin, but not known to the estimator and not wanted");
+  v.Bool("distractor", distractor,
+         "whether the instances are distractors: unknown to the estimator and not to be picked");
 }
 
 void CameraSpec::Visit(SettingsVisitor& v) {
   v.Integer("width", width, {32, 4096}, "image width, px");
   v.Integer("height", height, {32, 4096}, "image height, px");
   v.Real("focal_px", focal_px, {20, 20000}, "focal length, px");
-  v.Real("focal_y_px", focal_y_px, {0, 20000}, "vertical focal length, px; 0 = as focal_px");
-  v.Vector2("principal_px", principal_px, {-1, 4096}, "principal point, px; -1 = the middle");
-  v.Vector3("eye_m", eye_m, {-10, 10}, "where the camera stands, world, m");
-  v.Vector3("target_m", target_m, {-10, 10}, "what it looks at, world, m");
+  v.Real("focal_y_px", focal_y_px, {0, 20000}, "vertical focal length, px; 0 = focal_px");
+  v.Vector2("principal_px", principal_px, {-1, 4096}, "principal point, px; -1 = the image center");
+  v.Vector3("eye_m", eye_m, {-10, 10}, "position of the camera in the world frame, m");
+  v.Vector3("target_m", target_m, {-10, 10},
+            "point in the world frame at which the camera looks, m");
 }
 
 void EstimatorSpec::Visit(SettingsVisitor& v) {
-  v.Text("name", name, {}, "a row of `pickbed list estimators`");
-  v.Text("model", model, {}, "trained model: a file, or a name in assets/models; empty = shipped");
+  v.Text("name", name, {}, "name of the estimator, a row of `pickbed list estimators`");
+  v.Text("model", model, {},
+         "trained model: a file, or a name in assets/models; empty = the shipped model");
   v.RenamedValue("mode", "hard", "accurate");
   v.Text("mode", mode, {"fast", "accurate", "verified"},
-         "fast or accurate search; verified is only for ppf, see the README");
-  v.Real("min_score", min_score, {0, 1}, "poses less sure than this are not reported");
-  v.Real("noise_mm", noise_mm, {0, 1000}, "oracle only: sigma of the position, each axis, mm");
-  v.Real("noise_deg", noise_deg, {0, 180}, "oracle only: sigma of the rotation, degrees");
+         "search mode; verified is only for estimator ppf");
+  v.Real("min_score", min_score, {0, 1}, "minimum score of a reported pose");
+  v.Real("noise_mm", noise_mm, {0, 1000},
+         "standard deviation of the position error per axis, mm; only for estimator oracle");
+  v.Real("noise_deg", noise_deg, {0, 180},
+         "standard deviation of the rotation error, degrees; only for estimator oracle");
 }
 
 void BinSpec::Visit(SettingsVisitor& v) {
-  v.Text("name", name, {}, "a row of `pickbed list bins`, or a file; its own keys may be left out");
+  v.Text(
+      "name", name, {},
+      "name of the bin, a row of `pickbed list bins`, or its file; the other keys may be omitted");
   v.Text("mesh", mesh, {}, "mesh file of a bin of any shape, z up, relative to this file");
-  v.Text("unit", unit, {"m", "cm", "mm", "in"}, "of the mesh's coordinates");
-  v.Vector3("inner_size_m", inner_size_m, {0, 5},
-            "inner length x, width y, height z, m; 0 = table; a mesh is measured");
+  v.Text("unit", unit, {"m", "cm", "mm", "in"}, "unit of the mesh coordinates");
+  v.Vector3(
+      "inner_size_m", inner_size_m, {0, 5},
+      "inner length x, width y and height z, m; height 0 = table; measured if a mesh is given");
   v.Real("wall_m", wall_m, {0.001, 0.1}, "thickness of walls and floor, m");
-  v.Real("friction", friction, {0, 2}, "own value of the pair rule");
+  v.Real("friction", friction, {0, 2},
+         "coefficient of friction of the bin; a contact combines it with the other body's");
 }
 
 void ScenarioSpec::Visit(SettingsVisitor& v) {
-  v.Seed("seed", seed, "same seed, same results");
-  v.Integer("trials", trials, {1, 1000000}, "bins to fill");
+  v.Seed("seed", seed, "random seed; equal seeds give equal results");
+  v.Integer("trials", trials, {1, 1000000}, "number of bins to fill");
   v.Real("stop_width", stop_width, {0, 1},
-         "ends before that once the interval of pick success is no wider; 0 = never");
+         "the run ends early once the interval of pick success is no wider than this; 0 = never");
   v.Group(
-      "bin", [this](SettingsVisitor& g) { bin.Visit(g); }, "the bin");
+      "bin", [this](SettingsVisitor& g) { bin.Visit(g); }, "bin that holds the objects");
   v.List(
       "objects", objects.size(), [this](size_t n) { objects.assign(n, PartSpec{}); },
-      [this](size_t i, SettingsVisitor& item) { objects[i].Visit(item); }, "what is dropped");
+      [this](size_t i, SettingsVisitor& item) { objects[i].Visit(item); },
+      "objects that are dropped");
   v.Text("arrangement", arrangement, {"pile", "packed", "heap"},
-         "poured in, stood apart and upright, or heaped in the middle");
+         "whether instances are poured in, placed apart and upright, or heaped in the center");
   v.Group(
-      "camera", [this](SettingsVisitor& g) { camera.Visit(g); }, "the depth camera");
-  v.Text("sensor", sensor, {}, "a row of `pickbed list sensors`, or a file");
+      "camera", [this](SettingsVisitor& g) { camera.Visit(g); }, "depth camera");
+  v.Text("sensor", sensor, {},
+         "name of the sensor profile, a row of `pickbed list sensors`, or its file");
   v.Group(
       "appearance", [this](SettingsVisitor& g) { appearance.Visit(g); },
-      "ranges that lamp, materials and background are drawn from: [least, most]");
+      "ranges from which lamp, materials and background are drawn: [minimum, maximum]");
   v.Group(
-      "estimator", [this](SettingsVisitor& g) { estimator.Visit(g); }, "who guesses poses");
-  v.Text("refiner", refiner, {}, "a row of `pickbed list refiners`: refines the reported poses");
-  v.Text("gripper", gripper, {}, "a row of `pickbed list grippers`, or a file");
+      "estimator", [this](SettingsVisitor& g) { estimator.Visit(g); }, "pose estimator");
+  v.Text("refiner", refiner, {},
+         "refinement of the reported poses, a row of `pickbed list refiners`");
+  v.Text("gripper", gripper, {},
+         "name of the gripper, a row of `pickbed list grippers`, or its file");
   v.Group(
-      "policy", [this](SettingsVisitor& g) { policy.Visit(g); }, "how picking goes on");
+      "policy", [this](SettingsVisitor& g) { policy.Visit(g); },
+      "order of the grasps and end of a trial");
   v.Group(
       "occlusion", [this](SettingsVisitor& g) { occlusion.Visit(g); },
-      "a target seen with ever more parts before it, in place of bins that are picked empty");
+      "series of scenes in which a target is increasingly occluded, instead of emptying bins");
   v.Group(
       "cycle", [this](SettingsVisitor& g) { cycle.Visit(g); },
-      "what a pick costs, for picks an hour");
+      "durations that give the number of picks per hour");
 }
 
 std::vector<std::string> BinNames() { return StemsIn(AssetsDir() / "bins", ".yaml"); }
@@ -229,25 +245,26 @@ void ScenarioSpec::Validate() const {
                     [this](const std::string& key) { return At(key); });
   CheckInput(faults.empty(), fmt::format("{}", fmt::join(faults, "; ")));
   CheckInput(bin.inner_size_m.head<2>().minCoeff() >= kSmallestFloor_m,
-             fmt::format("{} = [{}, {}, {}]: length and width must be {} m at least",
+             fmt::format("{} = [{}, {}, {}]: length and width must be at least {} m",
                          At("bin.inner_size_m"), bin.inner_size_m.x(), bin.inner_size_m.y(),
                          bin.inner_size_m.z(), kSmallestFloor_m));
   CheckInput(!objects.empty(),
              At("objects") + ": the scenario drops nothing; add '- {name: rod, count: 5}'");
-  CheckInput(!std::all_of(objects.begin(), objects.end(),
-                          [](const PartSpec& part) { return part.distractor; }),
-             At("objects") + ": all parts are foreign; one at least must be wanted");
+  CheckInput(
+      !std::all_of(objects.begin(), objects.end(),
+                   [](const PartSpec& part) { return part.distractor; }),
+      At("objects") + ": all objects are distractors; at least one must not be a distractor");
   std::set<std::string> names;
   for (size_t i = 0; i < objects.size(); ++i) {
     const PartSpec& part = objects[i];
     const std::string key = fmt::format("objects.{}.", i);
-    CheckInput(!part.name.empty(), fmt::format("{}name: is missing; name the part", key));
+    CheckInput(!part.name.empty(), fmt::format("{}name: is missing; name the object", key));
     CheckInput(names.insert(part.name).second,
                fmt::format("{} = {}: is listed twice; raise its count instead", At(key + "name"),
                            part.name));
     const std::string mass = fmt::format("{} = {}", At(key + "mass_kg"), part.mass_kg);
     CheckInput(part.mesh.empty() || part.mass_kg > 0,
-               mass + ": must be over 0 for a part given by mesh");
+               mass + ": must be above 0 for an object given by mesh");
     CheckInput(!part.mesh.empty() || part.mass_kg == 0,
                fmt::format("{}: '{}' comes from the catalog, which has its mass; remove it or give "
                            "a mesh",
@@ -299,7 +316,7 @@ void RequireFits(const ObjectModel& model, const BinSpec& bin) {
   const Eigen::Vector2d inner = bin.inner_size_m.head<2>();
   if (size[1] <= inner.minCoeff() && size[2] <= inner.norm()) return;
   throw InputError(fmt::format(
-      "part '{}' of {:.0f} x {:.0f} x {:.0f} mm is larger than the bin of {:.0f} x {:.0f} mm; "
+      "object '{}' of {:.0f} x {:.0f} x {:.0f} mm is larger than the bin of {:.0f} x {:.0f} mm; "
       "check its unit or choose a larger bin.inner_size_m",
       model.name, 1e3 * size[0], 1e3 * size[1], 1e3 * size[2], 1e3 * inner[0], 1e3 * inner[1]));
 }
@@ -317,7 +334,7 @@ double RoomOf_m3(const BinSpec& bin) {
 // than 0.8 (Donev et al., Science 2004: 0.735; Jiao and Torquato 2011: 0.78). A drop of more fails
 // for every seed, after minutes.
 void RequireRoom(const ScenarioSpec& spec, const ObjectSet& objects) {
-  constexpr double kDensestPile = 0.8;
+  constexpr double kDensestScene = 0.8;
   double parts_m3 = 0;
   size_t largest = 0;
   const auto volume_m3 = [&](size_t i) {
@@ -327,13 +344,13 @@ void RequireRoom(const ScenarioSpec& spec, const ObjectSet& objects) {
     parts_m3 += volume_m3(i);
     if (volume_m3(i) > volume_m3(largest)) largest = i;
   }
-  const double room_m3 = kDensestPile * RoomOf_m3(spec.bin);
+  const double room_m3 = kDensestScene * RoomOf_m3(spec.bin);
   if (parts_m3 <= room_m3) return;
-  throw InputError(fmt::format(
-      "{} = {}: all parts together are {:.3g} l, a heap in this bin holds {:.3g} l at most; lower "
-      "the count, check the parts' unit or choose a larger bin",
-      spec.At(fmt::format("objects.{}.count", largest)), spec.objects[largest].count,
-      1e3 * parts_m3, 1e3 * room_m3));
+  throw InputError(
+      fmt::format("{} = {}: all instances together are {:.3g} l, a heap in this bin holds {:.3g} l "
+                  "at most; lower the count, check the objects' unit or choose a larger bin",
+                  spec.At(fmt::format("objects.{}.count", largest)), spec.objects[largest].count,
+                  1e3 * parts_m3, 1e3 * room_m3));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ constexpr int kColumns = 64;        // columns of SolidColumns, for the solid's 
 constexpr double kSnap = 1e-7;      // share of the mesh size; a nearer point is on the plane
 constexpr double kThinnest = 0.02;  // least distance of a cut to a piece's ends, share of extent
 constexpr double kFlat = 0.9995;    // smallest |cosine| of a face perpendicular to an axis
-constexpr double kMiddlePreference = 1e-3;  // penalty of a cut at an end, share of hull volume
+constexpr double kCenterPreference = 1e-3;  // penalty of a cut at an end, share of hull volume
 constexpr double kLittleGain = 0.1;    // share of a piece's air; a cut that saves less looks ahead
 constexpr int kSpreadDirections = 40;  // on a Fibonacci sphere, in addition to the 26 of a cube
 
@@ -247,10 +247,10 @@ void Cutter::Judge(Piece& piece) const {
     Extremes below(directions_);
     for (size_t k = 0; k < offsets.size(); ++k) {
       below.Add(slabs[k]);
-      const double off_middle =
+      const double off_center =
           std::abs(offsets[k] - extent.center()[axis]) / extent.sizes().maxCoeff();
       const double sum =
-          below.HullVolume() + above_m3[k + 1] + kMiddlePreference * hull_m3 * off_middle;
+          below.HullVolume() + above_m3[k + 1] + kCenterPreference * hull_m3 * off_center;
       if (sum >= least) continue;
       least = sum;
       piece.best = {axis, offsets[k]};

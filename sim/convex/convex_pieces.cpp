@@ -147,8 +147,10 @@ std::shared_ptr<const ObjectModel> WithConvexPieces(std::shared_ptr<const Object
     return copy;
   }
   copy->convex_parts_O = DecomposeConvex(model->mesh_O, options);
-  CheckInput(!copy->convex_parts_O.empty(),
-             "part '" + model->name + "' is flat: its mesh encloses no volume to collide with");
+  CheckInput(
+      !copy->convex_parts_O.empty(),
+      "object '" + model->name +
+          "' is flat: its mesh encloses no volume, which collisions need; give it a thickness");
   WriteFileAtomically(path, ToText(copy->convex_parts_O));
   return copy;
 }

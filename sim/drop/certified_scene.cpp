@@ -55,7 +55,7 @@ SceneCertificate CertifyRest(const Scene& scene, const ObjectSet& objects,
   world.ForbidSleep();
   std::vector<Eigen::AlignedBox3d> boxes_O;
   for (const auto& object : objects) {
-    boxes_O.push_back(TurnedBox(*object, Eigen::Matrix3d::Identity()));
+    boxes_O.push_back(RotatedBox(*object, Eigen::Matrix3d::Identity()));
   }
 
   Movement movement;
@@ -109,10 +109,10 @@ CertifiedScene MakeScene(const SceneRequest& request, const DropOptions& options
                          int max_attempts) {
   SceneTries tries = TryScene(request, options, max_attempts);
   if (tries.made) return *std::move(tries.made);
-  throw InputError(fmt::format(
-      "trial {}: {} scenes in a row were refused, the last because {}; drop fewer parts or take a "
-      "larger bin",
-      request.trial, max_attempts, fmt::join(tries.refused.back().faults, ", ")));
+  throw InputError(
+      fmt::format("trial {}: {} scenes in a row were refused, the last because {}; drop fewer "
+                  "objects or use a larger bin",
+                  request.trial, max_attempts, fmt::join(tries.refused.back().faults, ", ")));
 }
 
 }  // namespace pickbed::sim

@@ -12,7 +12,7 @@ namespace {
 
 // Returns points on a sphere that is then scaled along two axes. All of them stay corners of the
 // hull. The shapes are plates, rods, wedges and lumps.
-std::vector<Eigen::Vector3d> RandomCorners(const ForeignPartOptions& options, Rng& rng) {
+std::vector<Eigen::Vector3d> RandomCorners(const DistractorOptions& options, Rng& rng) {
   const int count = options.corners_min + rng.Index(options.corners_max - options.corners_min + 1);
   const Eigen::Vector3d squeeze(1, rng.Uniform(options.flattest, 1),
                                 rng.Uniform(options.flattest, 1));
@@ -21,7 +21,7 @@ std::vector<Eigen::Vector3d> RandomCorners(const ForeignPartOptions& options, Rn
   return corners;
 }
 
-std::shared_ptr<const ObjectModel> RandomShape(double diameter_m, const ForeignPartOptions& options,
+std::shared_ptr<const ObjectModel> RandomShape(double diameter_m, const DistractorOptions& options,
                                                Rng& rng) {
   ConvexHull hull;
   do {
@@ -42,14 +42,14 @@ std::shared_ptr<const ObjectModel> RandomShape(double diameter_m, const ForeignP
 
 }  // namespace
 
-void ForeignPartOptions::Validate() const {
+void DistractorOptions::Validate() const {
   const bool good = per_object >= 1 && corners_min >= 4 && corners_max >= corners_min &&
                     diameter_min > 0 && diameter_max >= diameter_min && flattest > 0 &&
                     flattest <= 1 && density_kgpm3 > 0;
-  if (!good) throw std::logic_error("options of foreign parts out of range");
+  if (!good) throw std::logic_error("distractor options out of range");
 }
 
-ObjectSet MakeForeignParts(const ObjectSet& objects, const ForeignPartOptions& options) {
+ObjectSet MakeDistractors(const ObjectSet& objects, const DistractorOptions& options) {
   options.Validate();
   ObjectSet shapes;
   for (const auto& object : objects) {

@@ -10,7 +10,7 @@
 
 namespace pickbed::sim {
 
-struct ForeignPartOptions {
+struct DistractorOptions {
   int per_object = 4;   // shapes per object, scaled to its diameter
   int corners_min = 4;  // points of a shape's convex hull
   int corners_max = 24;
@@ -26,6 +26,6 @@ struct ForeignPartOptions {
 // Returns convex hulls of random points: `per_object` shapes for each of `objects`, in their order.
 // Each shape depends only on the seed, its number and the object's diameter. Throws
 // std::logic_error for invalid options.
-ObjectSet MakeForeignParts(const ObjectSet& objects, const ForeignPartOptions& options = {});
+ObjectSet MakeDistractors(const ObjectSet& objects, const DistractorOptions& options = {});
 
 }  // namespace pickbed::sim

@@ -21,14 +21,14 @@ class Pouring {
   DropResult Run(const std::vector<int>& counts);
 
  private:
-  void Pour(const std::vector<int>& kinds);
-  void PlaceApart(const std::vector<int>& kinds);
-  void PourLayers(const std::vector<TurnedPart>& parts);
+  void Pour(const std::vector<ObjectId>& kinds);
+  void PlaceApart(const std::vector<ObjectId>& kinds);
+  void PourLayers(const std::vector<RotatedObject>& parts);
   void AddLayer(const std::vector<Cell>& cells);
   void Settle();
   void StepFor(double duration_s);  // also removes bodies that fell beside the bin
   double Top_m() const;             // of the highest instance
-  bool InBin(int part) const;
+  bool InBin(int index) const;
   bool StepUntilStill(double window_s, double limit_diameters, double deadline_s);
   Movement LargestMovement(const std::vector<Pose>& since_X_WO) const;
   EnergySample Energy() const;
@@ -41,7 +41,7 @@ class Pouring {
   Rng& rng_;
   PhysicsWorld world_;
   std::vector<Eigen::AlignedBox3d> boxes_O_;  // indexed by object
-  std::vector<int> object_of_part_;
+  std::vector<ObjectId> object_of_part_;
   std::vector<EnergySample> energy_;
   Movement movement_;  // since a body last moved by more than the limit
   bool at_rest_ = false;
@@ -71,14 +71,14 @@ Pouring::Pouring(const Bin& bin, const ObjectSet& objects, const DropOptions& op
       world_(PhysicsFor(objects, options.physics)) {
   world_.AddBin(bin);
   for (const auto& object : objects) {
-    boxes_O_.push_back(TurnedBox(*object, Eigen::Matrix3d::Identity()));
+    boxes_O_.push_back(RotatedBox(*object, Eigen::Matrix3d::Identity()));
   }
 }
 
 DropResult Pouring::Run(const std::vector<int>& counts) {
-  std::vector<int> kinds;
+  std::vector<ObjectId> kinds;
   for (size_t i = 0; i < counts.size(); ++i) {
-    kinds.insert(kinds.end(), counts[i], static_cast<int>(i));
+    kinds.insert(kinds.end(), counts[i], ObjectId(i));
   }
   for (size_t i = kinds.size(); i > 1; --i) {  // Fisher-Yates shuffle
     std::swap(kinds[i - 1], kinds[rng_.Index(static_cast<int>(i))]);
@@ -92,17 +92,17 @@ DropResult Pouring::Run(const std::vector<int>& counts) {
   return Result();
 }
 
-void Pouring::Pour(const std::vector<int>& kinds) {
+void Pouring::Pour(const std::vector<ObjectId>& kinds) {
   world_.AddFunnel(shaft_, options_.funnel_m);
-  std::vector<TurnedPart> parts;
-  for (const int kind : kinds) {
+  std::vector<RotatedObject> parts;
+  for (const ObjectId kind : kinds) {
     parts.push_back(
         TurnAtRandom(objects_, kind, shaft_, options_.clearance_m, options_.turn_attempts, rng_));
   }
   PourLayers(parts);
 }
 
-void Pouring::PlaceApart(const std::vector<int>& kinds) {
+void Pouring::PlaceApart(const std::vector<ObjectId>& kinds) {
   const std::vector<PlacedPart> placed =
       PlaceUpright(objects_, kinds, bin_, options_.clearance_m, options_.place_attempts, rng_);
   for (const PlacedPart& part : placed) {
@@ -112,7 +112,7 @@ void Pouring::PlaceApart(const std::vector<int>& kinds) {
   without_place_ = static_cast<int>(kinds.size() - placed.size());
 }
 
-void Pouring::PourLayers(const std::vector<TurnedPart>& parts) {
+void Pouring::PourLayers(const std::vector<RotatedObject>& parts) {
   for (size_t poured = 0; poured < parts.size();) {
     const std::vector<Cell> cells = PackLayer(parts, poured, shaft_, options_.clearance_m);
     AddLayer(cells);
@@ -184,7 +184,7 @@ bool Pouring::StepUntilStill(double window_s, double limit_diameters, double dea
 Movement Pouring::LargestMovement(const std::vector<Pose>& since_X_WO) const {
   Movement largest;
   for (size_t i = 0; i < since_X_WO.size(); ++i) {
-    const int object = object_of_part_[i];
+    const ObjectId object = object_of_part_[i];
     largest.Include(boxes_O_[object], objects_[object]->diameter_m, since_X_WO[i],
                     world_.X_WO(static_cast<int>(i)));
   }
@@ -221,14 +221,14 @@ double Pouring::Top_m() const {
   for (int i = 0; i < world_.part_count(); ++i) {
     const Pose X_WO = world_.X_WO(i);
     const ObjectModel& model = *objects_[object_of_part_[i]];
-    top_m = std::max(top_m, X_WO.translation().z() + TurnedBox(model, X_WO.linear()).max().z());
+    top_m = std::max(top_m, X_WO.translation().z() + RotatedBox(model, X_WO.linear()).max().z());
   }
   return top_m;
 }
 
-bool Pouring::InBin(int part) const {
-  const ObjectModel& model = *objects_[object_of_part_[part]];
-  return bin_.Holds(world_.X_WO(part) * model.mass.com_O);
+bool Pouring::InBin(int index) const {
+  const ObjectModel& model = *objects_[object_of_part_[index]];
+  return bin_.Holds(world_.X_WO(index) * model.mass.com_O);
 }
 
 DropResult Pouring::Result() const {
@@ -250,7 +250,7 @@ DropResult Pouring::Result() const {
     const Twist V_WO = world_.V_WO(i);
     certificate.max_speed_mps = std::max(certificate.max_speed_mps, V_WO.linear_W.norm());
     certificate.max_spin_radps = std::max(certificate.max_spin_radps, V_WO.angular_W.norm());
-    const int instance = static_cast<int>(result.scene.objects.size());
+    const InstanceId instance(result.scene.objects.size());
     result.scene.objects.push_back({instance, object_of_part_[i], world_.X_WO(i)});
   }
   certificate.deepest_penetration_m = DeepestPenetration(result.scene, objects_);
@@ -268,19 +268,23 @@ Arrangement ArrangementFromName(const std::string& name) {
 
 void DropOptions::Visit(SettingsVisitor& v) {
   const Range seconds{0, 1000}, length{0, 1000}, diameters{0, 10};
-  v.Real("shaft_share", shaft_share, {0.01, 1}, "shaft width over floor width");
-  v.Integer("place_attempts", place_attempts, {1, 1000000}, "positions tried for an instance");
-  v.Real("layer_interval_s", layer_interval_s, {0.001, 1000}, "time between two layers, s");
+  v.Real("shaft_share", shaft_share, {0.01, 1},
+         "width of the shaft that forms a heap, over the floor width");
+  v.Integer("place_attempts", place_attempts, {1, 1000000},
+            "maximum number of positions tried for an instance");
+  v.Real("layer_interval_s", layer_interval_s, {0.001, 1000}, "time between two dropped layers, s");
   v.Real("max_s", max_s, seconds, "maximum simulated time after the last layer, s");
   v.Real("clearance_m", clearance_m, {0, 1}, "distance between instances of a layer, m");
   v.Real("funnel_m", funnel_m, length, "height of the walls while the bin is filled, m");
   v.Real("check_interval_s", check_interval_s, {0.001, 100}, "time between checks for rest, s");
   v.Real("fallen_m", fallen_m, length, "depth below the floor at which bodies are removed, m");
-  v.Integer("turn_attempts", turn_attempts, {1, 1000000}, "orientations tried for an instance");
-  v.Real("calm_s", calm_s, seconds, "time without movement of a calm scene, s");
-  v.Real("calm_diameters", calm_diameters, diameters, "maximum movement in that time, diameters");
-  v.Real("wake_s", wake_s, seconds, "time awake without movement of a scene at rest, s");
-  v.Real("wake_diameters", wake_diameters, diameters, "maximum movement in that time, diameters");
+  v.Integer("turn_attempts", turn_attempts, {1, 1000000},
+            "maximum number of orientations tried for an instance");
+  v.Real("calm_s", calm_s, seconds, "time without movement after which a scene is calm, s");
+  v.Real("calm_diameters", calm_diameters, diameters, "maximum movement during calm_s, diameters");
+  v.Real("wake_s", wake_s, seconds,
+         "time awake without movement after which a scene is at rest, s; 0 = calm is sufficient");
+  v.Real("wake_diameters", wake_diameters, diameters, "maximum movement during wake_s, diameters");
 }
 
 DropResult DropParts(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
@@ -290,7 +294,7 @@ DropResult DropParts(const Bin& bin, const ObjectSet& objects, const std::vector
   for (size_t i = 0; i < objects.size(); ++i) {
     if (counts[i] == 0) continue;
     if (objects[i]->convex_parts_O.empty()) {
-      throw std::logic_error("part '" + objects[i]->name + "' has no convex pieces");
+      throw std::logic_error("object '" + objects[i]->name + "' has no convex pieces");
     }
     RequireFits(*objects[i], bin);
   }

@@ -24,7 +24,7 @@ std::array<int, 3> AxesByExtent(const Vector3d& size) {
 
 // The longest axis is parallel to the bin's longer side, the second longest to its shorter side.
 Eigen::Matrix3d LyingFlat(const ObjectModel& model, const Bin& bin) {
-  const Vector3d size = TurnedBox(model, Eigen::Matrix3d::Identity()).sizes();
+  const Vector3d size = RotatedBox(model, Eigen::Matrix3d::Identity()).sizes();
   const auto [longest, middle, shortest] = AxesByExtent(size);
   const bool x_is_longer = bin.inner_size_m.x() >= bin.inner_size_m.y();
   const Vector3d along = x_is_longer ? Vector3d::UnitX() : Vector3d::UnitY();
@@ -38,7 +38,7 @@ Eigen::Matrix3d LyingFlat(const ObjectModel& model, const Bin& bin) {
 }
 
 // Rotates the resting direction nearest to O's z up, then applies `yaw_rad` about the vertical.
-TurnedPart Upright(const ObjectModel& model, int object, double yaw_rad) {
+RotatedObject Upright(const ObjectModel& model, ObjectId object, double yaw_rad) {
   Vector3d up_O = Vector3d::UnitZ();
   double most = -2;
   for (const RestingDirection& resting : model.resting_O) {
@@ -49,12 +49,12 @@ TurnedPart Upright(const ObjectModel& model, int object, double yaw_rad) {
   const Eigen::Matrix3d R_up =
       Eigen::Quaterniond::FromTwoVectors(up_O, Vector3d::UnitZ()).toRotationMatrix();
   const Eigen::Matrix3d R_WO = Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()) * R_up;
-  return {object, R_WO, TurnedBox(model, R_WO)};
+  return {object, R_WO, RotatedBox(model, R_WO)};
 }
 
 }  // namespace
 
-Eigen::AlignedBox3d TurnedBox(const ObjectModel& model, const Eigen::Matrix3d& R_WO) {
+Eigen::AlignedBox3d RotatedBox(const ObjectModel& model, const Eigen::Matrix3d& R_WO) {
   Eigen::AlignedBox3d box;
   for (const ConvexPiece& piece : model.convex_parts_O) {
     for (const Vector3d& p_O : piece.vertices_O) box.extend(Vector3d(R_WO * p_O));
@@ -63,30 +63,30 @@ Eigen::AlignedBox3d TurnedBox(const ObjectModel& model, const Eigen::Matrix3d& R
 }
 
 void RequireFits(const ObjectModel& model, const Bin& bin) {
-  const Vector3d size = TurnedBox(model, Eigen::Matrix3d::Identity()).sizes();
+  const Vector3d size = RotatedBox(model, Eigen::Matrix3d::Identity()).sizes();
   const auto [longest, middle, shortest] = AxesByExtent(size);
   const Vector2d inner = bin.inner_size_m.head<2>();
   if (size[longest] <= inner.maxCoeff() && size[middle] <= inner.minCoeff()) return;
-  throw InputError(fmt::format(
-      "part '{}' is {:.3f} x {:.3f} x {:.3f} m and does not fit into the bin's {:.3f} x {:.3f} m "
-      "floor: take a larger bin or check the mesh's unit",
-      model.name, size[longest], size[middle], size[shortest], inner.x(), inner.y()));
+  throw InputError(
+      fmt::format("object '{}' is {:.3f} x {:.3f} x {:.3f} m and does not fit into the bin's "
+                  "{:.3f} x {:.3f} m floor: use a larger bin or check the mesh's unit",
+                  model.name, size[longest], size[middle], size[shortest], inner.x(), inner.y()));
 }
 
-TurnedPart TurnAtRandom(const ObjectSet& objects, int object, const Bin& bin, double clearance_m,
-                        int attempts, Rng& rng) {
+RotatedObject TurnAtRandom(const ObjectSet& objects, ObjectId object, const Bin& bin,
+                           double clearance_m, int attempts, Rng& rng) {
   const ObjectModel& model = *objects[object];
   const Vector2d room = bin.inner_size_m.head<2>() - Vector2d::Constant(2 * clearance_m);
   for (int attempt = 0; attempt < attempts; ++attempt) {
     const Eigen::Matrix3d R_WO = rng.Rotation().toRotationMatrix();
-    const Eigen::AlignedBox3d box = TurnedBox(model, R_WO);
+    const Eigen::AlignedBox3d box = RotatedBox(model, R_WO);
     if ((box.sizes().head<2>().array() <= room.array()).all()) return {object, R_WO, box};
   }
   const Eigen::Matrix3d R_WO = LyingFlat(model, bin);
-  return {object, R_WO, TurnedBox(model, R_WO)};
+  return {object, R_WO, RotatedBox(model, R_WO)};
 }
 
-std::vector<Cell> PackLayer(const std::vector<TurnedPart>& parts, size_t first, const Bin& bin,
+std::vector<Cell> PackLayer(const std::vector<RotatedObject>& parts, size_t first, const Bin& bin,
                             double clearance_m) {
   const Vector2d inner = bin.inner_size_m.head<2>();
   std::vector<Cell> cells;
@@ -106,22 +106,22 @@ std::vector<Cell> PackLayer(const std::vector<TurnedPart>& parts, size_t first, 
   return cells;
 }
 
-std::vector<PlacedPart> PlaceUpright(const ObjectSet& objects, const std::vector<int>& kinds,
+std::vector<PlacedPart> PlaceUpright(const ObjectSet& objects, const std::vector<ObjectId>& kinds,
                                      const Bin& bin, double clearance_m, int attempts, Rng& rng) {
-  std::vector<TurnedPart> parts;
-  for (const int kind : kinds) {
+  std::vector<RotatedObject> parts;
+  for (const ObjectId kind : kinds) {
     parts.push_back(Upright(*objects[kind], kind, 2 * std::numbers::pi * rng.Uniform()));
   }
-  const auto footprint_m2 = [](const TurnedPart& part) {
+  const auto footprint_m2 = [](const RotatedObject& part) {
     return part.box.sizes().head<2>().prod();
   };
-  std::stable_sort(parts.begin(), parts.end(), [&](const TurnedPart& a, const TurnedPart& b) {
+  std::stable_sort(parts.begin(), parts.end(), [&](const RotatedObject& a, const RotatedObject& b) {
     return footprint_m2(a) > footprint_m2(b);
   });
   const Vector2d inner = bin.inner_size_m.head<2>();
   std::vector<Eigen::AlignedBox2d> taken;
   std::vector<PlacedPart> placed;
-  for (const TurnedPart& part : parts) {
+  for (const RotatedObject& part : parts) {
     const Vector2d size = part.box.sizes().head<2>();
     const Vector2d room = inner - size - Vector2d::Constant(2 * clearance_m);
     if ((room.array() < 0).any()) continue;

@@ -68,14 +68,15 @@ MadeObject MakeObject(const ObjectRequest& request,
   FittedPieces fitted =
       clock.Time("cut into convex pieces", [&] { return FitConvexPieces(mesh_O); });
   CheckInput(!fitted.pieces.empty(),
-             fmt::format("mesh '{}' is too flat to collide with; give it a thickness",
+             fmt::format("mesh '{}' is too flat for collisions; give it a thickness",
                          request.mesh.string()));
   made.quality = fitted.quality;
   model.convex_parts_O = std::move(fitted.pieces);
   model.symmetries_O = clock.Time("find symmetries", [&] {
     return FindSymmetries(mesh_O, {.tolerance_diameters = request.symmetry_tolerance});
   });
-  made.resting = clock.Time("drop it", [&] { return FindRestingPoses(model, request.drops); });
+  made.resting =
+      clock.Time("find resting poses", [&] { return FindRestingPoses(model, request.drops); });
   for (const RestingPose& pose : made.resting) {
     model.resting_O.push_back({pose.up_O, pose.probability});
   }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "scenes/base/error.h"
+#include "scenes/base/ids_format.h"
 #include "sim/drop/certified_scene.h"
 #include "sim/drop/drop_layout.h"
 #include "sim/render/visibility.h"
@@ -41,7 +42,7 @@ struct TargetView {
 double TopUnder_m(const Scene& scene, const ObjectSet& objects, const Eigen::AlignedBox2d& box_W) {
   double top_m = 0;
   for (const PosedObject& posed : scene.objects) {
-    Eigen::AlignedBox3d part_W = TurnedBox(*objects[posed.object], posed.X_WO.linear());
+    Eigen::AlignedBox3d part_W = RotatedBox(*objects[posed.object], posed.X_WO.linear());
     part_W.translate(posed.X_WO.translation());
     const Eigen::AlignedBox2d floor_plan(part_W.min().head<2>(), part_W.max().head<2>());
     if (floor_plan.intersects(box_W)) top_m = std::max(top_m, part_W.max().z());
@@ -51,7 +52,7 @@ double TopUnder_m(const Scene& scene, const ObjectSet& objects, const Eigen::Ali
 
 class Occluder {
  public:
-  Occluder(SceneRenderer& renderer, const SettledScene& start, int target,
+  Occluder(SceneRenderer& renderer, const SettledScene& start, InstanceId target,
            const OcclusionSetup& setup, Rng& rng)
       : renderer_(renderer), setup_(setup), spec_(setup.spec), rng_(rng), scene_(start.scene) {
     const auto found =
@@ -88,7 +89,7 @@ class Occluder {
   void TryBlocker(BlockerCounts& counts);
   std::optional<PosedObject> DropBlocker();
   PosedObject AimedBlocker();
-  int RandomKind();
+  ObjectId RandomKind();
   TargetView Look(const Scene& scene);
   void DrawLevel();                                // draws the target fraction of the next band
   void Keep(const SceneCertificate& certificate);  // holds the scene if it fits the band best
@@ -180,10 +181,10 @@ TargetView Occluder::Look(const Scene& scene) {
   return view;
 }
 
-int Occluder::RandomKind() {
+ObjectId Occluder::RandomKind() {
   int left = rng_.Index(std::accumulate(setup_.counts.begin(), setup_.counts.end(), 0));
-  int kind = 0;
-  while (left >= setup_.counts[kind]) left -= setup_.counts[kind++];
+  ObjectId kind{0};
+  for (; left >= setup_.counts[kind]; ++kind) left -= setup_.counts[kind];
   return kind;
 }
 
@@ -192,8 +193,8 @@ int Occluder::RandomKind() {
 PosedObject Occluder::AimedBlocker() {
   const Bin& bin = scene_.bin;
   const double clearance_m = setup_.drop.clearance_m;
-  const int kind = RandomKind();
-  const TurnedPart part =
+  const ObjectId kind = RandomKind();
+  const RotatedObject part =
       TurnAtRandom(setup_.objects, kind, bin, clearance_m, setup_.drop.turn_attempts, rng_);
   const double diameter_m = setup_.objects[kind]->diameter_m;
   const Vector3d seen_W = view_.points_W[rng_.Index(static_cast<int>(view_.points_W.size()))];
@@ -210,9 +211,9 @@ PosedObject Occluder::AimedBlocker() {
   const Eigen::AlignedBox2d floor_plan(place + part.box.min().head<2>(),
                                        place + part.box.max().head<2>());
   const double bottom_m = TopUnder_m(scene_, setup_.objects, floor_plan) + clearance_m;
-  int instance = 0;
-  for (const PosedObject& posed : scene_.objects) instance = std::max(instance, posed.instance + 1);
-  return {instance, kind,
+  int next = 0;
+  for (const PosedObject& posed : scene_.objects) next = std::max(next, posed.instance + 1);
+  return {InstanceId(next), kind,
           MakePose(part.R_WO, {place.x(), place.y(), bottom_m - part.box.min().z()})};
 }
 
@@ -226,14 +227,14 @@ std::optional<PosedObject> Occluder::DropBlocker() {
   for (const PosedObject& posed : scene_.objects) {
     world.AddPart(*setup_.objects[posed.object], posed.X_WO, BodyMode::kStatic);
   }
-  const int part = world.AddPart(model, blocker.X_WO);
-  const Eigen::AlignedBox3d box_O = TurnedBox(model, Eigen::Matrix3d::Identity());
+  const int index = world.AddPart(model, blocker.X_WO);
+  const Eigen::AlignedBox3d box_O = RotatedBox(model, Eigen::Matrix3d::Identity());
   Pose since_X_WO = blocker.X_WO;
   double since_s = 0;
   while (!world.AllAsleep() && world.time_s() < since_s + drop.calm_s) {
     const double next_s = world.time_s() + drop.check_interval_s;
     while (world.time_s() < next_s) world.Step();
-    const Pose X_WO = world.X_WO(part);
+    const Pose X_WO = world.X_WO(index);
     if (world.BlewUp() || world.time_s() > drop.max_s) return std::nullopt;
     if ((X_WO * model.mass.com_O).z() < -drop.fallen_m) return std::nullopt;
     Movement movement;
@@ -242,7 +243,7 @@ std::optional<PosedObject> Occluder::DropBlocker() {
     since_X_WO = X_WO;
     since_s = world.time_s();
   }
-  blocker.X_WO = world.X_WO(part);
+  blocker.X_WO = world.X_WO(index);
   if (!scene_.bin.Holds(blocker.X_WO * model.mass.com_O)) return std::nullopt;
   return blocker;
 }
@@ -262,11 +263,12 @@ std::vector<double> VisibleFractionsIn(SceneRenderer& renderer, const Scene& sce
   return renderer.VisibleFractions(scene, camera, IdsOf(renderer, scene, camera).ids);
 }
 
-std::vector<int> PossibleTargets(SceneRenderer& renderer, const Scene& scene,
-                                 const std::vector<int>& wanted, const OcclusionSetup& setup) {
+std::vector<InstanceId> PossibleTargets(SceneRenderer& renderer, const Scene& scene,
+                                        const std::vector<ObjectId>& wanted,
+                                        const OcclusionSetup& setup) {
   const std::vector<double> fractions = VisibleFractionsIn(renderer, scene, setup.camera);
   const double least = setup.spec.Inner(static_cast<int>(setup.spec.bands.size()) - 1).min;
-  std::vector<int> targets;
+  std::vector<InstanceId> targets;
   for (size_t i = 0; i < fractions.size(); ++i) {
     const PosedObject& posed = scene.objects[i];
     const bool is_wanted = std::find(wanted.begin(), wanted.end(), posed.object) != wanted.end();
@@ -277,7 +279,7 @@ std::vector<int> PossibleTargets(SceneRenderer& renderer, const Scene& scene,
   return targets;
 }
 
-OcclusionSeries OccludeTarget(SceneRenderer& renderer, const SettledScene& start, int target,
+OcclusionSeries OccludeTarget(SceneRenderer& renderer, const SettledScene& start, InstanceId target,
                               const OcclusionSetup& setup, Rng& rng) {
   setup.spec.Validate();
   return Occluder(renderer, start, target, setup, rng).Run();
@@ -286,11 +288,12 @@ OcclusionSeries OccludeTarget(SceneRenderer& renderer, const SettledScene& start
 namespace {
 
 // Returns the first `most` targets of a random order.
-std::vector<int> DrawnTargets(std::vector<int> targets, int most, Rng& rng) {
+std::vector<InstanceId> DrawnTargets(std::vector<InstanceId> targets, int most, Rng& rng) {
   for (size_t i = targets.size(); i > 1; --i) {  // Fisher-Yates shuffle
     std::swap(targets[i - 1], targets[rng.Index(static_cast<int>(i))]);
   }
-  if (targets.size() > static_cast<size_t>(most)) targets.resize(most);
+  const size_t kept = std::min(targets.size(), static_cast<size_t>(most));
+  targets.erase(targets.begin() + kept, targets.end());
   return targets;
 }
 
@@ -302,18 +305,19 @@ void Charge(const OcclusionSeries& series, std::vector<BandAccount>& bands) {
   if (empty > 0) ++bands[empty - 1].given_up;
 }
 
-bool DropsAny(const std::vector<int>& wanted, const std::vector<int>& counts) {
-  return std::any_of(wanted.begin(), wanted.end(), [&](int object) { return counts[object] > 0; });
+bool DropsAny(const std::vector<ObjectId>& wanted, const std::vector<int>& counts) {
+  return std::any_of(wanted.begin(), wanted.end(),
+                     [&](ObjectId object) { return counts[object] > 0; });
 }
 
 }  // namespace
 
 MadeSeries MakeOcclusionSeries(SceneRenderer& renderer, const SceneRequest& request,
-                               const std::vector<int>& wanted, const OcclusionSetup& setup) {
+                               const std::vector<ObjectId>& wanted, const OcclusionSetup& setup) {
   setup.spec.Validate();
   CheckInput(DropsAny(wanted, request.counts),
-             "a trial on occlusion has no part that could be its target; raise the count of one "
-             "that is not foreign");
+             "an occlusion trial has no object that can be its target; raise the count of one that "
+             "is not a distractor");
   const OcclusionSpec& spec = setup.spec;
   MadeSeries made;
   made.bands.resize(spec.bands.size());
@@ -329,7 +333,7 @@ MadeSeries MakeOcclusionSeries(SceneRenderer& renderer, const SceneRequest& requ
     const CertifiedScene& start = *tries.made;
     if (made.start.scene.objects.empty()) made.start = start;
     Rng order = Rng::Derive(request.seed, request.trial, fmt::format("occlude/{}", scene));
-    for (const int target :
+    for (const InstanceId target :
          DrawnTargets(PossibleTargets(renderer, start.scene, wanted, setup), spec.targets, order)) {
       Rng rng =
           Rng::Derive(request.seed, request.trial, fmt::format("occlude/{}/{}", scene, target));

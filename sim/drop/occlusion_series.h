@@ -11,6 +11,7 @@
 
 #include <vector>
 
+#include "scenes/base/ids.h"
 #include "scenes/base/random.h"
 #include "scenes/camera/camera.h"
 #include "scenes/scenario/occlusion_spec.h"
@@ -49,7 +50,7 @@ struct OccludedScene {
 };
 
 struct OcclusionSeries {
-  int target = -1;                      // instance number
+  InstanceId target = kNoInstance;      // instance number
   std::vector<OccludedScene> scenes;    // one per filled band, the most visible first
   std::vector<BlockerCounts> blockers;  // one per band of the settings
 };
@@ -66,13 +67,14 @@ std::vector<double> VisibleFractionsIn(SceneRenderer& renderer, const Scene& sce
 
 // Returns the instances of `wanted` objects that can be targets. Their initial visible fraction is
 // at least the lower end of the most visible band. The order is the scene's order.
-std::vector<int> PossibleTargets(SceneRenderer& renderer, const Scene& scene,
-                                 const std::vector<int>& wanted, const OcclusionSetup& setup);
+std::vector<InstanceId> PossibleTargets(SceneRenderer& renderer, const Scene& scene,
+                                        const std::vector<ObjectId>& wanted,
+                                        const OcclusionSetup& setup);
 
 // Drops blockers until all bands are filled, or until OcclusionSpec::tries or max_blockers is
 // reached. The result depends only on the arguments. Throws std::logic_error if `target` is not in
 // the scene.
-OcclusionSeries OccludeTarget(SceneRenderer& renderer, const SettledScene& start, int target,
+OcclusionSeries OccludeTarget(SceneRenderer& renderer, const SettledScene& start, InstanceId target,
                               const OcclusionSetup& setup, Rng& rng);
 
 // Statistics of one band of the settings in one trial.
@@ -97,6 +99,6 @@ struct MadeSeries {
 // empty if no scene passes or no band can be filled; another trial may succeed. Throws InputError
 // if no `wanted` object is dropped.
 MadeSeries MakeOcclusionSeries(SceneRenderer& renderer, const SceneRequest& request,
-                               const std::vector<int>& wanted, const OcclusionSetup& setup);
+                               const std::vector<ObjectId>& wanted, const OcclusionSetup& setup);
 
 }  // namespace pickbed::sim

@@ -35,11 +35,11 @@ class CupHand : public Hand, public AttachedHand {
   void AfterStep(std::vector<PadFriction> frictions) override;
   std::vector<int> TouchedParts() const override { return touched_; }
   std::vector<const btRigidBody*> Pads() const override { return {}; }
-  void LetGoOf(int part) override;
+  void LetGoOf(int index) override;
 
  private:
   struct Facing {
-    int part = -1;
+    int index = -1;
     CupSeal seal;
   };
   void Drive();
@@ -47,7 +47,7 @@ class CupHand : public Hand, public AttachedHand {
   bool Reaches(const PartBody& part) const;
   bool BlockedByOthers(const PartBody& part) const;
   const MeshQuery& MeshOf(const ObjectModel& model);
-  void TakeHold(int part);
+  void TakeHold(int index);
   void Release();
   void PressBellows();
   LipLoad ReadLoad() const;
@@ -128,8 +128,8 @@ void CupHand::Drive() {
 // The unsealed bellows is a spring along z of G. The force is computed implicitly, so that light
 // objects do not vibrate.
 void CupHand::PressBellows() {
-  if (facing_.part < 0 || facing_.seal.compression_m <= 0) return;
-  btRigidBody* body = physics_.body(facing_.part).body;
+  if (facing_.index < 0 || facing_.seal.compression_m <= 0) return;
+  btRigidBody* body = physics_.body(facing_.index).body;
   if (body == nullptr || body->isStaticObject()) return;
   const double give = spec_.bellows_npm * step_s_ * step_s_ * body->getInvMass();
   const double force_n = spec_.bellows_npm * facing_.seal.compression_m / (1 + give);
@@ -149,10 +149,10 @@ void CupHand::AfterStep(std::vector<PadFriction>) {
     JudgeJoint();
   } else {
     facing_ = LookForPart();
-    compression_m_ = facing_.part < 0 ? 0 : facing_.seal.compression_m;
-    if (vacuum_on_ && !is_lost_ && facing_.part >= 0 && facing_.seal.sealed() &&
-        !BlockedByOthers(physics_.body(facing_.part))) {
-      TakeHold(facing_.part);
+    compression_m_ = facing_.index < 0 ? 0 : facing_.seal.compression_m;
+    if (vacuum_on_ && !is_lost_ && facing_.index >= 0 && facing_.seal.sealed() &&
+        !BlockedByOthers(physics_.body(facing_.index))) {
+      TakeHold(facing_.index);
     }
   }
   ReadContacts();
@@ -178,7 +178,7 @@ CupHand::Facing CupHand::LookForPart() {
     if (!Reaches(part)) continue;
     const Pose X_WO = FromBullet(part.body->getWorldTransform()) * part.X_BO;
     const CupSeal seal = TestSeal(MeshOf(*part.model), X_WO.inverse() * X_WG_, spec_);
-    if (seal.touching > (best.part < 0 ? 0 : best.seal.touching)) best = {i, seal};
+    if (seal.touching > (best.index < 0 ? 0 : best.seal.touching)) best = {i, seal};
   }
   return best;
 }
@@ -233,8 +233,8 @@ void CupHand::Release() {
   compression_m_ = 0;
 }
 
-void CupHand::LetGoOf(int part) {
-  if (facing_.part != part) return;
+void CupHand::LetGoOf(int index) {
+  if (facing_.index != index) return;
   is_lost_ = joint_ != nullptr;
   Release();
   facing_ = {};
@@ -271,23 +271,23 @@ void CupHand::JudgeJoint() {
 
 void CupHand::ReadContacts() {
   touched_.clear();
-  const bool presses = facing_.part >= 0 && facing_.seal.compression_m > 0;
+  const bool presses = facing_.index >= 0 && facing_.seal.compression_m > 0;
   forces_n_ = {0, 0};
   if (joint_ != nullptr) {
     forces_n_[0] = std::max(0.0, spec_.vacuum_n - load_.force_n.z());
   } else if (presses) {
     forces_n_[0] = spec_.bellows_npm * facing_.seal.compression_m;
   }
-  if (forces_n_[0] > kTouch_n) touched_.push_back(facing_.part);
+  if (forces_n_[0] > kTouch_n) touched_.push_back(facing_.index);
   btDispatcher& dispatcher = *world_.getDispatcher();
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
     const btCollisionObject* other = OtherBody(manifold, *body_);
     if (other == nullptr) continue;
-    const int part = other->getUserIndex();
+    const int index = other->getUserIndex();
     const double force_n = NormalForce_n(manifold, step_s_);
     forces_n_[1] += force_n;
-    if (part >= 0 && force_n > kTouch_n) touched_.push_back(part);
+    if (index >= 0 && force_n > kTouch_n) touched_.push_back(index);
   }
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
@@ -300,7 +300,7 @@ HandLoad CupHand::Load() const {
   if (joint_ != nullptr) {
     load.force_n = load_.force_n;
     load.torque_nm = load_.torque_nm;
-  } else if (facing_.part >= 0) {
+  } else if (facing_.index >= 0) {
     const Eigen::Vector2d& at = facing_.seal.press_center_m;
     load.force_n.z() = -forces_n_[0];
     load.torque_nm = Eigen::Vector3d(at.x(), at.y(), 0).cross(load.force_n);

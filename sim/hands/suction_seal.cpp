@@ -40,7 +40,7 @@ const char* SealFaultName(SealFault fault) {
     case SealFault::kMissed:
       return "the rim misses the surface";
     case SealFault::kTooFar:
-      return "the stem would meet the part";
+      return "the stem would hit the object";
     case SealFault::kUneven:
       return "the surface is uneven under the lip";
     case SealFault::kLeaks:

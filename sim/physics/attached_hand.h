@@ -31,7 +31,7 @@ class AttachedHand {
   // Returns the bodies with flat pads, for patch friction. Empty for a hand without pads.
   virtual std::vector<const btRigidBody*> Pads() const = 0;
   // Called before the instance is removed from the world.
-  virtual void LetGoOf(int part) = 0;
+  virtual void LetGoOf(int index) = 0;
 };
 
 }  // namespace pickbed::sim

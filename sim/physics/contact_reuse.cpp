@@ -31,11 +31,11 @@ bool ReusingDispatcher::MustLook(const btCollisionObject& first, const btCollisi
   const bool first_is_hand = first.getUserIndex() < 0 && !first.isStaticObject();
   const bool second_is_hand = second.getUserIndex() < 0 && !second.isStaticObject();
   if (!first_is_hand && !second_is_hand) return HasMoved(first) || HasMoved(second);
-  const int part = first_is_hand ? second.getUserIndex() : first.getUserIndex();
-  if (part < 0) return true;
+  const int index = first_is_hand ? second.getUserIndex() : first.getUserIndex();
+  if (index < 0) return true;
   const btTransform now = first.getWorldTransform().inverseTimes(second.getWorldTransform());
   const auto [entry, is_new] = looked_.try_emplace({&first, &second}, now);
-  if (!is_new && Movement(entry->second, now, radius.at(part)) <= still_) return false;
+  if (!is_new && Movement(entry->second, now, radius.at(index)) <= still_) return false;
   entry->second = now;
   return true;
 }

@@ -57,7 +57,7 @@ struct PhysicsWorld::Impl {
                       int group);
   void AddPieces(const std::vector<std::vector<Eigen::Vector3d>>& pieces_W, double friction);
   void LetTheStillFallAsleep();
-  void TellWhichMoved();
+  void CountMoved();
   int WakeTouching(const btCollisionObject* body);  // returns how many
 
   const PhysicsOptions options;
@@ -162,7 +162,7 @@ void PhysicsWorld::Impl::LetTheStillFallAsleep() {
   }
 }
 
-void PhysicsWorld::Impl::TellWhichMoved() {
+void PhysicsWorld::Impl::CountMoved() {
   dispatcher.moved.assign(parts.size(), false);
   for (size_t i = 0; i < parts.size(); ++i) {
     const btTransform& pose = parts[i].body->getWorldTransform();
@@ -218,7 +218,7 @@ void PhysicsWorld::AddStaticBox(const Pose& X_WB, const Eigen::Vector3d& half_si
 int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode mode,
                           const Twist& V_WO) {
   if (model.convex_parts_O.empty()) {
-    throw std::logic_error("part '" + model.name + "' has no convex pieces");
+    throw std::logic_error("object '" + model.name + "' has no convex pieces");
   }
   const PartShape& shape = impl_->part_shapes.Of(model);
   const bool is_static = mode == BodyMode::kStatic;
@@ -250,10 +250,10 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
   return part_count() - 1;
 }
 
-void PhysicsWorld::RemovePart(int part) {
-  Part& entry = impl_->parts.at(part);
+void PhysicsWorld::RemovePart(int index) {
+  Part& entry = impl_->parts.at(index);
   if (!entry.body->isInWorld()) return;
-  if (impl_->hand != nullptr) impl_->hand->LetGoOf(part);
+  if (impl_->hand != nullptr) impl_->hand->LetGoOf(index);
   impl_->WakeTouching(entry.body.get());
   impl_->world.removeRigidBody(entry.body.get());
   entry.body->forceActivationState(ISLAND_SLEEPING);
@@ -285,7 +285,7 @@ int PhysicsWorld::RemoveFunnel() {
 }
 
 void PhysicsWorld::Attach(std::unique_ptr<AttachedHand> hand) {
-  if (impl_->hand != nullptr) throw std::logic_error("the world has a hand already");
+  if (impl_->hand != nullptr) throw std::logic_error("the world already has a hand");
   impl_->hand = std::move(hand);
   impl_->solver.pads = impl_->hand->Pads();
   if (impl_->solver.pads.empty()) return;
@@ -298,14 +298,14 @@ void PhysicsWorld::Attach(std::unique_ptr<AttachedHand> hand) {
 
 btDiscreteDynamicsWorld& PhysicsWorld::bullet() { return impl_->world; }
 
-PartBody PhysicsWorld::body(int part) const {
-  const Part& entry = impl_->parts.at(part);
+PartBody PhysicsWorld::body(int index) const {
+  const Part& entry = impl_->parts.at(index);
   return {entry.body->isInWorld() ? entry.body.get() : nullptr, entry.model, entry.X_BO};
 }
 
 void PhysicsWorld::Step() {
   if (impl_->may_sleep) impl_->LetTheStillFallAsleep();
-  if (impl_->options.contact_reuse_m > 0) impl_->TellWhichMoved();
+  if (impl_->options.contact_reuse_m > 0) impl_->CountMoved();
   impl_->solver.BeginStep();
   impl_->world.stepSimulation(step_s(), 0);
   if (impl_->hand != nullptr) impl_->hand->AfterStep(impl_->solver.frictions());
@@ -316,13 +316,13 @@ double PhysicsWorld::time_s() const { return static_cast<double>(impl_->steps) *
 double PhysicsWorld::step_s() const { return 1.0 / impl_->options.rate_hz; }
 int PhysicsWorld::part_count() const { return static_cast<int>(impl_->parts.size()); }
 
-Pose PhysicsWorld::X_WO(int part) const {
-  const Part& entry = impl_->parts.at(part);
+Pose PhysicsWorld::X_WO(int index) const {
+  const Part& entry = impl_->parts.at(index);
   return FromBullet(entry.body->getWorldTransform()) * entry.X_BO;
 }
 
-Twist PhysicsWorld::V_WO(int part) const {
-  const btRigidBody& body = *impl_->parts.at(part).body;
+Twist PhysicsWorld::V_WO(int index) const {
+  const btRigidBody& body = *impl_->parts.at(index).body;
   const btVector3& w = body.getAngularVelocity();
   return {FromBullet(body.getLinearVelocity()), {w.x(), w.y(), w.z()}};
 }

@@ -95,7 +95,7 @@ class PhysicsWorld {
 
   // Removes an instance. It keeps its index, last pose and velocity, and counts as asleep. Bodies
   // that touched it wake up.
-  void RemovePart(int part);
+  void RemovePart(int index);
 
   // Adds static walls that keep falling instances above the bin's opening, `height_m` above the
   // rim.
@@ -107,14 +107,14 @@ class PhysicsWorld {
   void Attach(std::unique_ptr<AttachedHand> hand);
   // For hands, which add their bodies and joints themselves and remove them in their destructors.
   btDiscreteDynamicsWorld& bullet();
-  PartBody body(int part) const;
+  PartBody body(int index) const;
 
   void Step();
   double time_s() const;
   double step_s() const;
   int part_count() const;
-  Pose X_WO(int part) const;
-  Twist V_WO(int part) const;
+  Pose X_WO(int index) const;
+  Twist V_WO(int index) const;
   // Returns whether all dynamic bodies sleep.
   bool AllAsleep() const;
   void WakeAll();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/base/ids_format.h"
+
 namespace pickbed::sim {
 namespace {
 
@@ -59,7 +61,8 @@ Light LampOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial) {
   return RandomLight(ranges, rng);
 }
 
-Material MaterialOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial, int instance) {
+Material MaterialOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial,
+                    InstanceId instance) {
   Rng rng = Rng::Derive(seed, trial, fmt::format("looks/part/{}", instance));
   return RandomMaterial(ranges, rng);
 }

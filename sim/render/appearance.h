@@ -3,6 +3,7 @@
 // Random lights, materials and backgrounds, drawn from the ranges of
 // scenes/scenario/appearance_ranges.h. The same Rng state gives the same result.
 
+#include "scenes/base/ids.h"
 #include "scenes/base/random.h"
 #include "scenes/image/image.h"
 #include "scenes/scenario/appearance_ranges.h"
@@ -19,7 +20,8 @@ void PaintBackground(const AppearanceRanges& ranges, Rng& rng, RenderedImage& im
 
 // Light of a trial, and material of each instance in it. Both are constant during the trial.
 Light LampOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial);
-Material MaterialOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial, int instance);
+Material MaterialOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial,
+                    InstanceId instance);
 
 // Renders color, depth and ids with the light and materials of the trial. The background depends on
 // `picture`. The bin has the default material.

@@ -231,7 +231,7 @@ std::unique_ptr<GlContext> MakeGlContext(const GlContextOptions& options) {
     try {
       return std::make_unique<EglGlContext>();
     } catch (const std::runtime_error& egl_error) {
-      throw std::runtime_error(fmt::format("no way to draw without a display: {}; {}",
+      throw std::runtime_error(fmt::format("cannot draw without a display: {}; {}",
                                            osmesa_error.what(), egl_error.what()));
     }
   }

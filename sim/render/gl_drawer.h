@@ -3,7 +3,9 @@
 // Draws lists of instances with one call per run of equal mesh and level of detail. Private to .cpp
 // files of sim, see sim/render/gl_functions.h. The context must be current in every call.
 
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 #include <vector>
 

@@ -261,9 +261,10 @@ struct Renderer::Impl {
 
   static void CheckSameNumber(std::span<const Camera> cameras,
                               std::span<const RenderInstance> instances) {
-    CheckInput(cameras.size() == instances.size(),
-               fmt::format("{} cameras for {} instances: each view needs one of both",
-                           cameras.size(), instances.size()));
+    CheckInput(
+        cameras.size() == instances.size(),
+        fmt::format("{} cameras for {} instances: each view needs one camera and one instance",
+                    cameras.size(), instances.size()));
   }
 
   static AtlasLayout LayOut(std::span<const Camera> cameras) {

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/base/ids.h"
 #include "scenes/camera/camera.h"
 #include "scenes/geometry/triangle_mesh.h"
 #include "scenes/image/image.h"
@@ -150,7 +151,8 @@ class SceneRenderer {
   std::vector<double> VisibleFractions(const Scene& scene, const Camera& camera,
                                        const Image<uint16_t>& ids);
   Renderer& renderer() { return renderer_; }
-  int ObjectMesh(int object) const { return object_meshes_.at(object); }  // handle in renderer()
+  // Handle in renderer().
+  int ObjectMesh(ObjectId object) const { return object_meshes_.at(object); }
 
  private:
   int BinMeshOf(const Bin& bin);

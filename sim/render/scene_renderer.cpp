@@ -12,7 +12,10 @@ SceneRenderer::SceneRenderer(const ObjectSet& objects, const Bin& bin,
 
 int SceneRenderer::BinMeshOf(const Bin& bin) {
   for (const auto& [known, mesh] : bin_meshes_) {
-    if (known.inner_size_m == bin.inner_size_m && known.wall_m == bin.wall_m) return mesh;
+    if (known.inner_size_m == bin.inner_size_m && known.wall_m == bin.wall_m &&
+        known.shape == bin.shape) {
+      return mesh;
+    }
   }
   return bin_meshes_.emplace_back(bin, renderer_.AddMesh(BinMesh(bin))).second;
 }

@@ -224,7 +224,7 @@ PICKBED_WIDTHS void Read(RowConstants c, const float* ideal_m, const RowState& r
   const float* seen_m = row.seen_m.data();
   const float* along = numbers.along.data();
   const float* slant_sigma_m = row.slant_sigma_m.data();
-  const float* failure = numbers.failure.data();
+  const float* dropout = numbers.dropout.data();
   const float* survival = row.survival.data();
   const float quantum_m = c.quantum_m > 0 ? c.quantum_m : 1.0f;
   for (int x = 0; x < n; ++x) {
@@ -237,7 +237,7 @@ PICKBED_WIDTHS void Read(RowConstants c, const float* ideal_m, const RowState& r
     const float rounded = quantum_m * RoundToWhole(std::min(stepped / quantum_m, 4e6f));
     const float z = c.quantum_m > 0 ? rounded : stepped;
     const float in_range = z >= c.min_m ? (z <= c.max_m ? z : 0.0f) : 0.0f;
-    const float kept = failure[x] < survival[x] ? in_range : 0.0f;
+    const float kept = dropout[x] < survival[x] ? in_range : 0.0f;
     out_m[x] = std::min(ideal_m[x], seen) > 0 ? kept : 0.0f;
   }
 }
@@ -375,12 +375,17 @@ Image<float> ApplySensorNoise(const IdealView& view, const SensorProfile& profil
   CheckSettings("SensorProfile", profile);
   const std::string size = SizeText(view.depth_m.width(), view.depth_m.height());
   const std::string of_camera = SizeText(view.intrinsics.width(), view.intrinsics.height());
-  CheckInput(size == of_camera,
-             fmt::format("a depth image of {} px, but a camera of {} px", size, of_camera));
+  CheckInput(
+      size == of_camera,
+      fmt::format("the depth image has {} px but the camera has {} px; give both the same size",
+                  size, of_camera));
   if (view.color && !view.color->empty()) {
     const std::string of_color = SizeText(view.color->width(), view.color->height());
-    CheckInput(size == of_color,
-               fmt::format("a depth image of {} px, but a colour image of {} px", size, of_color));
+    CheckInput(
+        size == of_color,
+        fmt::format(
+            "the depth image has {} px but the colour image has {} px; give both the same size",
+            size, of_color));
   }
   const uint64_t key = rng.Next();
   if (ChangesNothing(profile)) return view.depth_m;

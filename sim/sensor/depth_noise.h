@@ -1,6 +1,6 @@
 #pragma once
 
-// Sensor simulation: adds the noise and failures of a SensorProfile to an ideal depth image.
+// Sensor simulation: adds the noise and dropout of a SensorProfile to an ideal depth image.
 
 #include "scenes/base/random.h"
 #include "scenes/camera/camera.h"
@@ -22,7 +22,7 @@ struct IdealView {
 //
 // A pixel without ideal depth has no reading, and the border of such a hole is an edge. A displaced
 // pixel beyond an edge reads the surface there, which makes outlines ragged; elsewhere it reads
-// interpolated depth. Probabilities of a reading multiply. The order of effects is: failure,
+// interpolated depth. Probabilities of a reading multiply. The order of effects is: dropout,
 // displacement (or flying pixel), noise, quantization, range limits.
 //
 // Throws InputError if the sizes of depth, intrinsics and color differ, and for a profile with

@@ -89,9 +89,9 @@ PICKBED_WIDTHS void Stretches(const float* depth_m, const float* column, const f
                               int* first, int* last) {
   for (int x = 0; x < n; ++x) {
     const float z = depth_m[x], c = column[x];
-    const float middle_left = 0.5f * (column[x - 1] + c), middle_right = 0.5f * (c + column[x + 1]);
-    const float left = is_gap[x - 1] > 0 ? c - 0.5f : middle_left;
-    const float right = is_gap[x] > 0 ? c + 0.5f : middle_right;
+    const float center_left = 0.5f * (column[x - 1] + c), center_right = 0.5f * (c + column[x + 1]);
+    const float left = is_gap[x - 1] > 0 ? c - 0.5f : center_left;
+    const float right = is_gap[x] > 0 ? c + 0.5f : center_right;
     const int a = static_cast<int>(std::max(std::min(left, right), 0.0f));
     const int b = static_cast<int>(std::max(left, right));
     first[x] = a + 1;

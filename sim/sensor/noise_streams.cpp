@@ -67,12 +67,12 @@ PICKBED_WIDTHS void SplitBits(const uint64_t* bits, int n, uint32_t* __restrict 
   }
 }
 
-PICKBED_WIDTHS void Decide(const uint32_t* upper, int n, float* __restrict failure,
+PICKBED_WIDTHS void Decide(const uint32_t* upper, int n, float* __restrict dropout,
                            float* __restrict flying) {
   constexpr uint32_t kMask = (1 << kDecisionBits) - 1;
   constexpr float kUnit = 1.0f / (1 << kDecisionBits);
   for (int x = 0; x < n; ++x) {
-    failure[x] =
+    dropout[x] =
         static_cast<float>(static_cast<int>((upper[x] >> (kLossShift - 32)) & kMask)) * kUnit;
     flying[x] = static_cast<float>(static_cast<int>(upper[x] >> (kFlyingShift - 32))) * kUnit;
   }
@@ -96,7 +96,7 @@ void LookUpGaussians(const uint32_t* lower, const uint32_t* upper, const float* 
 double NormalCdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
 SensorNumbers::SensorNumbers(int width)
-    : failure(width),
+    : dropout(width),
       flying(width),
       aside(width),
       below(width),
@@ -109,7 +109,7 @@ void SensorNumbers::Draw(uint64_t place) {
   const int n = static_cast<int>(bits_.size());
   DrawBits(place, n, bits_.data());
   SplitBits(bits_.data(), n, lower_.data(), upper_.data());
-  Decide(upper_.data(), n, failure.data(), flying.data());
+  Decide(upper_.data(), n, dropout.data(), flying.data());
   LookUpGaussians(lower_.data(), upper_.data(), GaussTable().data(), n, aside.data(), below.data(),
                   along.data());
 }

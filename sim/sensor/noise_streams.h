@@ -20,7 +20,7 @@ struct SensorNumbers {
   // Draws the numbers of `width` consecutive places of a sequence of 2^64, starting at `place`.
   void Draw(uint64_t place);
 
-  std::vector<float> failure, flying;      // uniform in [0, 1), in steps of 2^-14
+  std::vector<float> dropout, flying;      // uniform in [0, 1), in steps of 2^-14
   std::vector<float> aside, below, along;  // normal, unit variance, 4096 equally likely values
 
  private:

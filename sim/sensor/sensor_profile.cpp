@@ -58,9 +58,10 @@ void CheckProfile(const SensorProfile& p, const std::string& file) {
                          p.disparity_step_px, p.baseline_m == 0 ? "0" : "the same as sensor_x_m"));
   for (const auto& [key, focal_px] : {std::pair{"lateral_focal_px", p.lateral_focal_px},
                                       std::pair{"disparity_focal_px", p.disparity_focal_px}}) {
-    CheckInput(focal_px == 0 || focal_px >= 1,
-               fmt::format("{}: {} {} must be at least 1, or 0 for that of the depth image", file,
-                           key, focal_px));
+    CheckInput(
+        focal_px == 0 || focal_px >= 1,
+        fmt::format("{}: {} {} must be at least 1, or 0 for the focal length of the depth image",
+                    file, key, focal_px));
   }
   CheckInput(p.dark_luma < p.shiny_luma,
              fmt::format("{}: dark_luma {} must be less than shiny_luma {}", file, p.dark_luma,
@@ -71,45 +72,54 @@ void CheckProfile(const SensorProfile& p, const std::string& file) {
 
 void SensorProfile::Visit(SettingsVisitor& v) {
   v.Text("name", name, {}, "name of the profile");
-  v.Real("min_range_m", min_range_m, {0, 100}, "nearest reading, m");
-  v.Real("max_range_m", max_range_m, {0, 100}, "farthest reading, m");
-  v.Real("axial_floor_m", axial_floor_m, {0, 0.1}, "noise of depth at any distance, m");
-  v.Real("axial_linear_m", axial_linear_m, {-0.1, 0.1}, "noise of depth at 1 m, m; grows with z");
-  v.Real("axial_sigma_m", axial_sigma_m, {0, 0.1}, "noise of depth at 1 m, m; grows with z^2");
+  v.Real("min_range_m", min_range_m, {0, 100}, "distance of the nearest reading, m");
+  v.Real("max_range_m", max_range_m, {0, 100}, "distance of the farthest reading, m");
+  v.Real("axial_floor_m", axial_floor_m, {0, 0.1},
+         "standard deviation of depth noise at any distance, m");
+  v.Real("axial_linear_m", axial_linear_m, {-0.1, 0.1},
+         "standard deviation of depth noise at 1 m, m; grows with z");
+  v.Real("axial_sigma_m", axial_sigma_m, {0, 0.1},
+         "standard deviation of depth noise at 1 m, m; grows with z^2");
   v.Real("axial_slant_m", axial_slant_m, {0, 0.1},
-         "noise of depth at 1 m by slant a, m; grows with a^2 / (pi/2 - a)^2");
+         "standard deviation of depth noise at 1 m by slant a, m; grows with a^2 / (pi/2 - a)^2");
   v.Real("axial_slant_power", axial_slant_power, {-1, 3},
          "power of z with which axial_slant_m grows, a multiple of 0.5");
-  v.Real("lateral_sigma_px", lateral_sigma_px, {0, 10}, "jitter of where a pixel looks, px");
+  v.Real("lateral_sigma_px", lateral_sigma_px, {0, 10},
+         "standard deviation of a pixel's lateral jitter, px");
   v.Real("lateral_slant_px", lateral_slant_px, {0, 1},
-         "the same by slant a, px; grows with a / (pi/2 - a)");
+         "standard deviation of lateral jitter by slant a, px; grows with a / (pi/2 - a)");
   v.Real("correlation_px", correlation_px, {0, 100},
-         "distance at which errors are still alike by 0.285, px; from twice that on errors and "
-         "losses are independent, and up to one pixel of the depth image all are");
+         "distance at which errors have correlation 0.285, px; errors and dropout are independent "
+         "from twice this distance on, and all are up to one pixel of the depth image");
   v.Real("lateral_focal_px", lateral_focal_px, {0, 1e5},
-         "focal length of the images whose pixels these and window_px are, px; 0 = that of the "
-         "depth image");
-  v.Real("edge_step_m", edge_step_m, {1e-4, 10}, "depth step to a neighbour that is an edge, m");
+         "focal length of the images in which lateral jitter, correlation_px and window_px are "
+         "measured, px; 0 = the depth image's");
+  v.Real("edge_step_m", edge_step_m, {1e-4, 10},
+         "minimum depth step to a neighboring pixel at an edge, m");
   v.Real("edge_dropout", edge_dropout, {0, 1}, "probability of no reading at an edge");
   v.Real("window_px", window_px, {0, 100},
-         "width of the windows that are matched, px: within half of it such losses fall to none; "
-         "0 = the edge's own pixels alone");
+         "width of the matching windows, px; edge dropout falls to 0 at half of it; 0 = only the "
+         "edge's own pixels");
   v.Real("random_dropout", random_dropout, {0, 1}, "probability of no reading anywhere");
-  v.Real("grazing_dropout", grazing_dropout, {0, 1}, "probability of no reading at 90 deg slant");
-  v.Real("grazing_start_rad", grazing_start_rad, {0, 1.5}, "slant where such losses begin, rad");
-  v.Real("dark_dropout", dark_dropout, {0, 1}, "probability of no reading on black");
-  v.Real("dark_luma", dark_luma, {0.001, 1}, "luma 0..1 under which such losses begin");
-  v.Real("shiny_dropout", shiny_dropout, {0, 1}, "probability of no reading on white");
-  v.Real("shiny_luma", shiny_luma, {0, 0.999}, "luma 0..1 over which such losses begin");
-  v.Real("flying_share", flying_share, {0, 1}, "share of edge pixels that read between surfaces");
+  v.Real("grazing_dropout", grazing_dropout, {0, 1},
+         "probability of no reading at 90 degrees slant");
+  v.Real("grazing_start_rad", grazing_start_rad, {0, 1.5},
+         "slant above which grazing dropout begins, rad");
+  v.Real("dark_dropout", dark_dropout, {0, 1}, "probability of no reading on black surfaces");
+  v.Real("dark_luma", dark_luma, {0.001, 1}, "luma, 0 to 1, below which dark dropout begins");
+  v.Real("shiny_dropout", shiny_dropout, {0, 1}, "probability of no reading on white surfaces");
+  v.Real("shiny_luma", shiny_luma, {0, 0.999}, "luma, 0 to 1, above which shiny dropout begins");
+  v.Real("flying_share", flying_share, {0, 1},
+         "share of edge pixels whose reading is between both surfaces");
   v.Real("baseline_m", baseline_m, {-1, 1},
-         "x of the projector or second camera, m; what it cannot see has no reading; 0 = none");
+         "position of the projector or second camera along camera x, m; points that it cannot see "
+         "have no reading; 0 = none");
   v.Real("sensor_x_m", sensor_x_m, {-1, 1},
-         "x of the sensor's own camera, m; not 0 where depth was laid over another's image: what "
-         "it cannot see has no reading");
+         "position of the sensor's own camera along camera x, m; points that it cannot see have no "
+         "reading; not 0 if depth is registered to another image");
   v.Real("disparity_step_px", disparity_step_px, {0, 10}, "step of the disparity, px; 0 = none");
   v.Real("disparity_focal_px", disparity_focal_px, {0, 1e5},
-         "focal length of the sensor's own images, px; 0 = that of the depth image");
+         "focal length of the sensor's own images, px; 0 = the depth image's");
   v.Real("quantization_m", quantization_m, {0, 0.1}, "step of the reading, m; 0 = none");
 }
 
@@ -150,8 +160,8 @@ double ReadingStep_m(const SensorProfile& p, double z_m, double image_focal_px) 
 
 void RequireInRange(const SensorProfile& p, double floor_m) {
   CheckInput(floor_m > p.min_range_m && floor_m < p.max_range_m,
-             fmt::format("{} reads from {} to {} m, and the bin's floor is {:.3f} m before the "
-                         "camera; move the camera (camera.eye_m) or take another sensor",
+             fmt::format("{} reads from {} to {} m, but the bin's floor is {:.3f} m in front of "
+                         "the camera; move the camera (camera.eye_m) or use another sensor",
                          p.name, p.min_range_m, p.max_range_m, floor_m));
 }
 

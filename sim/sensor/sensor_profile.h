@@ -37,7 +37,7 @@ struct SensorProfile {
   double axial_slant_power = 0;  // p, a multiple of 0.5
   double lateral_sigma_px = 0;   // l0, per axis
   double lateral_slant_px = 0;   // l1
-  // Errors at this distance have correlation 0.285. At twice the distance, errors and failures are
+  // Errors at this distance have correlation 0.285. At twice the distance, errors and dropout are
   // independent.
   double correlation_px = 0;
   // Focal length of the image in which l0, l1, correlation_px and window_px are measured. 0 = the

@@ -67,7 +67,7 @@ Hit Cast(double u, double v) {
 
 // Renders a plane that intersects the optical axis at `z_m`. It is rotated about camera y towards
 // the projector's side.
-Image<float> TurnedPlane(const SensorProfile& p, double z_m, double slant_rad) {
+Image<float> RotatedPlane(const SensorProfile& p, double z_m, double slant_rad) {
   const double tangent = (p.baseline_m < 0 ? -1 : 1) * std::tan(slant_rad);
   Image<float> depth_m(kNarrow.width(), kNarrow.height());
   for (int y = 0; y < kNarrow.height(); ++y) {
@@ -80,7 +80,7 @@ Image<float> TurnedPlane(const SensorProfile& p, double z_m, double slant_rad) {
 }
 
 NoiseSample Measure(const SensorProfile& p, double z_m, double slant_rad, Rng& rng) {
-  const Image<float> ideal = TurnedPlane(p, z_m, slant_rad);
+  const Image<float> ideal = RotatedPlane(p, z_m, slant_rad);
   double sum = 0, sum2 = 0;
   int read = 0, lost = 0;
   for (int draw = 0; draw < kDraws; ++draw) {

@@ -11,7 +11,7 @@ namespace pickbed::sim {
 namespace {
 
 // Offsets from the places of single pixels, which start at the key.
-constexpr uint64_t kErrorPlaces = uint64_t{1} << 40, kFailurePlaces = uint64_t{2} << 40;
+constexpr uint64_t kErrorPlaces = uint64_t{1} << 40, kDropoutPlaces = uint64_t{2} << 40;
 
 // Table of the normal distribution function in steps of 1 / kPerUnit from -kReach to kReach.
 constexpr int kPerUnit = 512, kReach = 5;
@@ -72,7 +72,7 @@ CorrelatedNumbers::CorrelatedNumbers(uint64_t key, int width, double spacing_px)
 void CorrelatedNumbers::Draw(int row, Knots& knots) const {
   const uint64_t place = key_ + static_cast<uint64_t>(row) * static_cast<uint64_t>(count_);
   knots.errors.Draw(place + kErrorPlaces);
-  knots.failures.Draw(place + kFailurePlaces);
+  knots.dropout.Draw(place + kDropoutPlaces);
   knots.row = row;
 }
 
@@ -99,8 +99,8 @@ void CorrelatedNumbers::Fill(int y, SensorNumbers& numbers) {
   Blend(upper_.errors.aside, lower_.errors.aside, share, numbers.aside);
   Blend(upper_.errors.below, lower_.errors.below, share, numbers.below);
   Blend(upper_.errors.along, lower_.errors.along, share, numbers.along);
-  Blend(upper_.failures.along, lower_.failures.along, share, numbers.failure);
-  MakeUniform(numbers.failure);
+  Blend(upper_.dropout.along, lower_.dropout.along, share, numbers.dropout);
+  MakeUniform(numbers.dropout);
 }
 
 Image<uint8_t> EdgeDistances_px(const Image<float>& depth_m, float step_m, uint8_t farthest) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Effects of matching windows instead of single pixels: correlated errors and failures of
-// neighboring pixels, and failures around edges.
+// Effects of matching windows instead of single pixels: correlated errors and dropout of
+// neighboring pixels, and dropout around edges.
 
 #include <cstdint>
 #include <vector>
@@ -23,7 +23,7 @@ class CorrelatedNumbers {
 
  private:
   struct Knots {
-    SensorNumbers errors, failures;  // only `along` of failures is used
+    SensorNumbers errors, dropout;  // only `along` of dropout is used
     int row;
   };
   void Draw(int row, Knots& knots) const;

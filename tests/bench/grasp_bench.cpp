@@ -84,7 +84,7 @@ void Execute(benchmark::State& state) {
     return;
   }
   const Grasp& grasp = plan.grasps.front();
-  const int target = bench.scene.objects[grasp.hypothesis].instance;
+  const InstanceId target = bench.scene.objects[grasp.hypothesis].instance;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
         ExecuteGrasp(bench.scene, bench.objects, grasp, bench.gripper, target));

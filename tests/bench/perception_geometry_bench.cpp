@@ -49,7 +49,7 @@ const BracketScene& SharedScene() {
   static const BracketScene scene = [] {
     BracketScene p;
     p.objects = {ObjectCatalog({AssetsDir() / "objects"}).Load("bracket")};
-    p.view = MakeSimViewSource(p.objects, {})->Pile({1, 1}).front();
+    p.view = MakeSimViewSource(p.objects, {})->ClutterScene({1, 1}).front();
     p.models.push_back(MakeModelPoints(*p.objects.front()));
     p.cloud = BuildCloud(p.view.frame, p.view.background);
     p.rough = RoughPoses(p.view, 1000);
@@ -160,7 +160,7 @@ void Suppress(benchmark::State& state) {
     hypotheses[i].score = 1.0 / static_cast<double>(i + 1);
   }
   for (auto _ : state) {
-    benchmark::DoNotOptimize(SuppressDuplicates(scene.cloud, scene.models, hypotheses));
+    benchmark::DoNotOptimize(SuppressNonMaxima(scene.cloud, scene.models, hypotheses));
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }

@@ -33,7 +33,7 @@ struct BracketScene {
 const BracketScene& SharedScene() {
   static const BracketScene scene = [] {
     const ObjectSet objects{ObjectCatalog({AssetsDir() / "objects"}).Load("bracket")};
-    const LabelledView view = MakeSimViewSource(objects, {})->Pile({1, 1}).front();
+    const LabelledView view = MakeSimViewSource(objects, {})->ClutterScene({1, 1}).front();
     BracketScene p{BuildCloud(view.frame, view.background), {}, {}};
     Rng rng(3);
     while (p.pixels.size() < kPatches) {

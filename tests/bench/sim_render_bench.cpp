@@ -43,7 +43,8 @@ Scene Bin30(int object_count) {
   for (int i = 0; i < 30; ++i) {
     const Eigen::Vector3d p(rng.Uniform(-0.16, 0.16), rng.Uniform(-0.11, 0.11),
                             rng.Uniform(0.02, 0.10));
-    scene.objects.push_back({i, i % object_count, MakePose(rng.Rotation().toRotationMatrix(), p)});
+    scene.objects.push_back({InstanceId(i), ObjectId(i % object_count),
+                             MakePose(rng.Rotation().toRotationMatrix(), p)});
   }
   return scene;
 }

@@ -9,14 +9,15 @@
 #include <tuple>
 
 #include "eval/trial/trial.h"
+#include "scenes/base/ids.h"
 #include "scenes/base/random.h"
 #include "tests/support/layer.h"
 
 namespace pickbed::tests {
 
 inline GraspOutcome FullOutcome(Rng& rng) {
-  GraspOutcome outcome{true,          FailureReason::kDropped, 5, 2, rng.Uniform(),
-                       rng.Uniform(), rng.Uniform(),           4};
+  GraspOutcome outcome{true,          FailureReason::kDropped, InstanceId{5}, 2,
+                       rng.Uniform(), rng.Uniform(),           rng.Uniform(), 4};
   outcome.is_target = outcome.retreat_contact = outcome.place_executed = true;
   outcome.instances_touched = 3;
   outcome.instances_risen = 2;
@@ -35,7 +36,7 @@ inline TrialResult FullTrial(int trial) {
   Rng rng(trial + 1);
   TrialResult result;
   result.trial = trial;
-  result.bin_index = trial + 100;
+  result.bin_index = BinIndex(trial + 100);
   result.certificate.at_rest = true;
   result.certificate.simulated_s = rng.Uniform();
   result.certificate.max_speed_mps = rng.Uniform();
@@ -50,14 +51,15 @@ inline TrialResult FullTrial(int trial) {
   for (int p = 0; p < 3; ++p) {
     AttemptRecord& pick = result.attempts.emplace_back();
     pick.attempt = p;
-    pick.target = p + 4;
+    pick.target = InstanceId(p + 4);
     pick.band = p + 1;
     for (int i = 0; i < 4; ++i) {
-      pick.instances.push_back({i, i % 2, rng.Uniform(), i % 2 == 0, FailureReason::kSuppressed});
+      pick.instances.push_back(
+          {InstanceId(i), ObjectId(i % 2), rng.Uniform(), i % 2 == 0, FailureReason::kSuppressed});
     }
     HypothesisRecord score;
-    score.object = 1;
-    score.instance = 3;
+    score.object = ObjectId{1};
+    score.instance = InstanceId{3};
     score.score = rng.Uniform();
     score.metrics.Set(kMssd_m, rng.Uniform());
     score.metrics.Set("mspd_px", rng.Uniform());
@@ -76,7 +78,7 @@ inline TrialResult FullTrial(int trial) {
     for (uint64_t& hash : pick.hashes.values) hash = rng.Next();
     if (p == 2) continue;  // an attempt without a grasp
     pick.chosen = 1;
-    pick.matched_instance = 3;
+    pick.matched_instance = InstanceId{3};
     Grasp grasp;
     grasp.X_WG = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
     grasp.width_m = rng.Uniform();
@@ -85,8 +87,9 @@ inline TrialResult FullTrial(int trial) {
     pick.grasp = grasp;
     pick.outcome = FullOutcome(rng);
   }
-  result.outcomes = {{0, 1, true, true, FailureReason::kNone, 0},
-                     {1, 0, false, false, FailureReason::kNeighborDisplaced, 2}};
+  result.outcomes = {
+      {InstanceId{0}, ObjectId{1}, true, true, FailureReason::kNone, 0},
+      {InstanceId{1}, ObjectId{0}, false, false, FailureReason::kNeighborDisplaced, 2}};
   result.bands = {{true, 1, {15, 2, 3, 4, 6}}, {false, 5, {7, 0, 7, 0, 0}}};
   result.seconds = {{"drop", rng.Uniform()}, {"capture", rng.Uniform()}};
   return result;

@@ -60,8 +60,8 @@ LoadedScenario Load(const Bins& bins) {
 void ForEachBin(SimulatedCell& cell, int bins,
                 const std::function<void(const Scene&, const Observation&)>& visit) {
   for (int trial = 0; trial < bins; ++trial) {
-    const Scene scene = cell.MakeScene(trial).scene;
-    visit(scene, cell.Capture(scene, trial, 0));
+    const Scene scene = cell.MakeScene(BinIndex(trial)).scene;
+    visit(scene, cell.Capture(scene, BinIndex(trial), 0));
   }
 }
 
@@ -76,21 +76,21 @@ void MeasureIcp(const Bins& bins) {
   constexpr double kClear = 0.5;  // visible fraction
   const LoadedScenario loaded = Load(bins);
   SimulatedCell cell(loaded.spec, loaded.objects);
-  const AssessmentOptions options = OptionsForMode("accurate").candidates;
+  const CandidateRefinementOptions options = OptionsForMode("accurate").candidates;
   std::vector<ModelPoints> models;
   std::vector<PoseDistance> distances;
   for (const auto& object : cell.objects()) {
     models.push_back(MakeModelPoints(*object));
     distances.emplace_back(*object);
   }
-  int clear = 0, lost_in_bulk = 0, lost_at_last = 0;
+  int clear = 0, wrong_after_icp = 0, wrong_after_refiner = 0;
   std::vector<double> errors;
   ForEachBin(cell, bins.count, [&](const Scene& scene, const Observation& view) {
     const OrganizedCloud cloud = BuildCloud(view.frame, BackgroundOf(cell));
     const PclIcp refiner(cloud);
     for (size_t i = 0; i < scene.objects.size(); ++i) {
       if (view.visible_fractions[i] < kClear) continue;
-      const int object = scene.objects[i].object;
+      const ObjectId object = scene.objects[i].object;
       const Pose truth = cell.camera().X_CW() * scene.objects[i].X_WO;
       ProjectiveIcpOptions icp = options.icp;
       icp.max_correspondence_distance_m = std::max(
@@ -99,17 +99,19 @@ void MeasureIcp(const Bins& bins) {
                      options.min_correspondence_distance_m, options.max_correspondence_distance_m));
       const Pose refined = ProjectiveIcp(cloud, models[object], truth, icp).X_CO;
       ++clear;
-      lost_in_bulk += distances[object](refined, truth) >= kRight;
+      wrong_after_icp += distances[object](refined, truth) >= kRight;
       errors.push_back(distances[object](refiner.Refine(models[object], refined).X_CO, truth));
-      lost_at_last += errors.back() >= kRight;
+      wrong_after_refiner += errors.back() >= kRight;
     }
   });
   if (errors.empty()) return;
   std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
-  fmt::print("{:<14} {:>6} clear, lost in bulk {:>3} ({:.1f} %), lost at last {:>3} ({:.1f} %), ",
-             bins.scenario, clear, lost_in_bulk, 100.0 * lost_in_bulk / clear, lost_at_last,
-             100.0 * lost_at_last / clear);
-  fmt::print("median {:.4f} diameters off\n", errors[errors.size() / 2]);
+  fmt::print(
+      "{:<14} {:>6} clear instances; wrong after ICP {:>3} ({:.1f} %), wrong after the final "
+      "refiner {:>3} ({:.1f} %), ",
+      bins.scenario, clear, wrong_after_icp, 100.0 * wrong_after_icp / clear, wrong_after_refiner,
+      100.0 * wrong_after_refiner / clear);
+  fmt::print("median error {:.4f} diameters\n", errors[errors.size() / 2]);
 }
 
 // Returns the fraction of the instance's pixels whose depth would change by more than noise if the
@@ -161,7 +163,8 @@ void CountAmbiguous(const Bins& bins) {
       for (size_t k = 0; k < kShares.size(); ++k) ambiguous[k] += min_share < kShares[k];
     }
   });
-  fmt::print("{:<14} {:>6} instances; another pose changes less than", bins.scenario, instances);
+  fmt::print("{:<14} {:>6} instances; share with another pose that changes less than",
+             bins.scenario, instances);
   for (size_t k = 0; k < kShares.size(); ++k) {
     fmt::print("{} {:.0f} % of the pixels of {:.1f} %", k > 0 ? "," : "", 100 * kShares[k],
                100.0 * ambiguous[k] / std::max(1, instances));
@@ -169,11 +172,11 @@ void CountAmbiguous(const Bins& bins) {
   fmt::print("\n");
 }
 
-struct IndexFigures {
+struct IndexResult {
   double recall_at_95 = 0, seconds = 0;
 };
 
-IndexFigures MeasureIndex(const LoadedScenario& loaded, int bins, bool exact) {
+IndexResult MeasureIndex(const LoadedScenario& loaded, int bins, bool exact) {
   SimulatedCell cell(loaded.spec, loaded.objects);
   const auto views = CellViews(cell, cell.objects());
   EstimatorSetup setup;
@@ -196,21 +199,21 @@ IndexFigures MeasureIndex(const LoadedScenario& loaded, int bins, bool exact) {
   ForEachBin(cell, bins, [&](const Scene& scene, const Observation& view) {
     Rng rng(0);
     EstimateResult found = estimator->Estimate({view.frame, BackgroundOf(cell)}, rng);
-    row.looks.push_back(
-        {static_cast<int>(row.looks.size()),
+    row.images.push_back(
+        {static_cast<int>(row.images.size()),
          ScoreAgainstTruth(scene, view.visible_fractions, metrics, cell.camera(), found.hypotheses),
          std::move(found.seconds)});
   });
-  const ComparisonFigures figures = FiguresOf(row);
-  return {figures.recall_at_95, figures.stages.at("neighbors")};
+  const ComparisonStatistics statistics = StatisticsOf(row);
+  return {statistics.recall_at_95, statistics.stages.at("neighbors")};
 }
 
 void CompareIndex(const Bins& bins) {
   LoadedScenario loaded = Load(bins);
   loaded.spec.estimator.mode = "fast";  // 600 queries per object
-  const IndexFigures index = MeasureIndex(loaded, bins.count, false);
-  const IndexFigures exact = MeasureIndex(loaded, bins.count, true);
-  fmt::print("{:<14} recall {:.3f}, exact {:.3f}; {:.1f} ms an image, exact {:.1f}\n",
+  const IndexResult index = MeasureIndex(loaded, bins.count, false);
+  const IndexResult exact = MeasureIndex(loaded, bins.count, true);
+  fmt::print("{:<14} recall {:.3f}, exact {:.3f}; {:.1f} ms per image, exact {:.1f}\n",
              bins.scenario, index.recall_at_95, exact.recall_at_95, 1e3 * index.seconds,
              1e3 * exact.seconds);
 }
@@ -264,13 +267,13 @@ void CountOutcomes(const Bins& bins) {
 int main(int argc, char** argv) {
   const std::map<std::string, void (*)(const pickbed::tests::Bins&)> modes = {
       {"ambiguous", pickbed::tests::CountAmbiguous},
-      {"fates", pickbed::tests::CountOutcomes},
+      {"outcomes", pickbed::tests::CountOutcomes},
       {"icp", pickbed::tests::MeasureIcp},
       {"index", pickbed::tests::CompareIndex}};
   const auto mode = argc > 3 ? modes.find(argv[1]) : modes.end();
   if (mode == modes.end() || std::atoi(argv[2]) < 1) {
     fmt::print(stderr,
-               "descriptor_figures ambiguous|fates|icp|index BINS [KEY=VALUE] SCENARIO...\n");
+               "descriptor_figures ambiguous|outcomes|icp|index BINS [KEY=VALUE] SCENARIO...\n");
     return 1;
   }
   pickbed::tests::Bins bins;

@@ -52,7 +52,7 @@ double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 struct Case {
   Scene scene;
   Grasp grasp;
-  int target = -1;
+  InstanceId target = kNoInstance;
 };
 
 struct ObjectCases {
@@ -149,11 +149,11 @@ void MeasureSpeed(int attempts) {
     }
     const double mean_s = sum_s / static_cast<double>(std::max<size_t>(1, part.cases.size()));
     mean_of_means_s += mean_s / static_cast<double>(parts.size());
-    fmt::print("{:<10} {:.3f} CPU s a full attempt, slowest {:.3f}; {} of {} succeeded\n",
+    fmt::print("{:<10} {:.3f} CPU s per full attempt, slowest {:.3f}; {} of {} succeeded\n",
                part.name, mean_s, slowest_s, succeeded, part.cases.size());
     std::fflush(stdout);
   }
-  fmt::print("speed: {:.4f} CPU s a full attempt, mean of {} parts\n", mean_of_means_s,
+  fmt::print("speed: {:.4f} CPU s per full attempt, mean of {} objects\n", mean_of_means_s,
              parts.size());
 }
 
@@ -168,13 +168,13 @@ struct Variant {
 std::vector<Variant> Variants() {
   Variant default_variant{"usual", {}, 0};
   Variant shifted{"gripper shifted by 0.1 mm", {}, kShift_m};
-  Variant plain{"nothing spared in a step", {}, 0};
+  Variant plain{"no shortcut in a step", {}, 0};
   plain.options.physics = PhysicsOptions();
   Variant active = plain;
-  active.name = "that and all bodies active";
+  active.name = "no shortcut, all bodies active";
   active.options.world.all_active = true;
   Variant fine = plain;
-  fine.name = "that at 960 Hz";
+  fine.name = "no shortcut, all bodies active, 960 Hz";
   PhysicsOptions& physics = fine.options.physics;
   physics.recover_share *= physics.rate_hz / 960;
   physics.rate_hz = 960;
@@ -230,7 +230,7 @@ void MeasureAgreement(int attempts, const GraspError& error) {
     std::fflush(stdout);
   }
   for (size_t v = 0; v < variants.size(); ++v) {
-    fmt::print("{:<26} {} of {} succeeded, {:.1f} % the same verdict, {:.3f} CPU s each\n",
+    fmt::print("{:<40} {} of {} succeeded, {:.1f} % with the same outcome, {:.3f} CPU s each\n",
                variants[v].name, succeeded[v], done, 100.0 * agree[v] / done, seconds[v] / done);
   }
 }

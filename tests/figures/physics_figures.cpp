@@ -57,7 +57,7 @@ void MeasureScenes(const std::string& title, const Bin& bin, const ObjectSet& ob
     slowest_s = std::max(slowest_s, scene_s);
     refused += static_cast<int>(made.refused.size());
     for (const RefusedScene& scene : made.refused) {
-      fmt::print("  trial {} attempt {} refused: {}\n", trial, scene.attempt, scene.faults[0]);
+      fmt::print("  trial {} drop {} rejected: {}\n", trial, scene.attempt, scene.faults[0]);
     }
     missing += parts - static_cast<int>(made.scene.objects.size());
     certificate_m = std::max(certificate_m, made.certificate.deepest_penetration_m);
@@ -70,9 +70,9 @@ void MeasureScenes(const std::string& title, const Bin& bin, const ObjectSet& ob
     std::fflush(stdout);
   }
   fmt::print(
-      "{}: {} scenes of {} parts; {} refused of {} raw ({:.2f} %); {:.2f} CPU s a scene with "
-      "refusals, slowest {:.2f}; deepest overlap {:.3f} mm by the certificate, {:.3f} mm by the "
-      "meshes; {} parts lost\n",
+      "{}: {} scenes of {} instances; {} of {} drops rejected ({:.2f} %); {:.2f} CPU s per scene "
+      "including rejected drops, slowest {:.2f}; deepest overlap {:.3f} mm by the certificate, "
+      "{:.3f} mm by the meshes; {} instances outside the bin\n",
       title, scenes, parts, refused, refused + scenes, 100.0 * refused / (refused + scenes),
       seconds / scenes, slowest_s, 1e3 * certificate_m, 1e3 * mesh_m, lost + missing);
 }
@@ -100,7 +100,7 @@ void MeasureSizes(int scenes) {
       objects.push_back(WithDiameter(*object, diameter_m));
     Bin bin;
     bin.inner_size_m *= diameter_m / 0.1;
-    MeasureScenes(fmt::format("parts of {:.0f} mm", 1e3 * diameter_m), bin, objects, 30, scenes);
+    MeasureScenes(fmt::format("objects of {:.0f} mm", 1e3 * diameter_m), bin, objects, 30, scenes);
   }
 }
 
@@ -135,7 +135,7 @@ void MeasureMemory(int scenes) {
     seconds.push_back(CpuSeconds() - begin_s);
     resident_mib.push_back(ResidentMiB());
     if ((i + 1) % 100 == 0) {
-      fmt::print("  after {:>5}: {:.1f} MiB, {:.4f} CPU s a scene\n", i + 1, resident_mib.back(),
+      fmt::print("  after {:>5}: {:.1f} MiB, {:.4f} CPU s per scene\n", i + 1, resident_mib.back(),
                  Mean(seconds, i - 99, i + 1));
       std::fflush(stdout);
     }

@@ -45,7 +45,8 @@ struct Settings {
 };
 
 struct Count {
-  int dropped = 0, cleared = 0, attempts = 0, placed = 0, second_looks = 0, of_second = 0;
+  int dropped = 0, cleared = 0, attempts = 0, placed = 0, second_attempts = 0,
+      successful_second = 0;
   double plan_s = 0;
   int plans = 0;
   std::map<std::string, int> failures, rejected;  // rejections of the plans without any grasp
@@ -79,7 +80,7 @@ PlanResult PlanOnce(const Scene& scene, const ObjectSet& objects, const Gripper&
       PlanGrasps({scene.bin, poses, candidates, cloud_W, objects, gripper}, settings.plan);
   count.plan_s += CpuSeconds() - begin_s;
   ++count.plans;
-  count.second_looks += plan.with_wider_limits;
+  count.second_attempts += plan.with_relaxed_constraints;
   return plan;
 }
 
@@ -122,7 +123,7 @@ void Empty(Scene scene, const ObjectSet& objects, const Gripper& gripper,
     ++count.attempts;
     failures = outcome.success ? 0 : failures + 1;
     count.cleared += outcome.success;
-    count.of_second += outcome.success && plan.with_wider_limits;
+    count.successful_second += outcome.success && plan.with_relaxed_constraints;
     if (!outcome.success) ++count.failures[std::string(FailureName(outcome.failure))];
     const bool placed = outcome.verdicts[static_cast<int>(SuccessRule::kPlaced)];
     count.placed += placed;
@@ -148,14 +149,14 @@ void Measure(const std::string& name, int bins, const Settings& settings) {
     Empty(made.scene, objects, gripper, candidates, settings, count);
   }
   fmt::print(
-      "{:<9} {} grasps; cleared {}/{}, success {}/{}, placed {}; plan {:.0f} ms; second look {}, "
-      "brought {};",
+      "{:<9} {} grasps; cleared {}/{}, success {}/{}, placed {}; plan {:.0f} ms; second attempts "
+      "{}, successful {};",
       name, candidates[0].size(), count.cleared, count.dropped, count.cleared, count.attempts,
-      count.placed, 1e3 * count.plan_s / std::max(1, count.plans), count.second_looks,
-      count.of_second);
+      count.placed, 1e3 * count.plan_s / std::max(1, count.plans), count.second_attempts,
+      count.successful_second);
   for (const auto& [failure, n] : count.failures) fmt::print(" {} {}", failure, n);
   for (const std::string& text : count.misplaced) fmt::print(" {}", text);
-  fmt::print("\n   left by");
+  fmt::print("\n   remaining because of");
   for (const auto& [cause, n] : count.rejected) fmt::print(" {} {},", cause, n);
   fmt::print("\n");
   std::fflush(stdout);

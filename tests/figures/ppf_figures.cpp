@@ -68,8 +68,8 @@ void Measure(bool verified, int bins, const std::string& object,
   for (const auto& model : cell.objects()) metrics.push_back(MakeMetricModel(*model));
   std::vector<CapturedBin> captured;
   for (int trial = 0; trial < bins; ++trial) {
-    Scene scene = cell.MakeScene(trial).scene;
-    Observation view = cell.Capture(scene, trial, 0);
+    Scene scene = cell.MakeScene(BinIndex(trial)).scene;
+    Observation view = cell.Capture(scene, BinIndex(trial), 0);
     captured.push_back({std::move(scene), std::move(view)});
   }
   for (const PpfMatchOptions& match : grid) {
@@ -77,18 +77,18 @@ void Measure(bool verified, int bins, const std::string& object,
     for (const CapturedBin& bin : captured) {
       EstimateResult found =
           verified ? Candidates(cell, bin.view, match) : Plain(cell, bin.view, match);
-      row.looks.push_back({static_cast<int>(row.looks.size()),
-                           ScoreAgainstTruth(bin.scene, bin.view.visible_fractions, metrics,
-                                             cell.camera(), found.hypotheses),
-                           std::move(found.seconds)});
+      row.images.push_back({static_cast<int>(row.images.size()),
+                            ScoreAgainstTruth(bin.scene, bin.view.visible_fractions, metrics,
+                                              cell.camera(), found.hypotheses),
+                            std::move(found.seconds)});
     }
-    const ComparisonFigures figures = FiguresOf(row);
+    const ComparisonStatistics statistics = StatisticsOf(row);
     double seconds = 0;
-    for (const auto& [stage, value] : figures.stages) seconds += value;
+    for (const auto& [stage, value] : statistics.stages) seconds += value;
     fmt::print("{:<10} {:5.2f} {:5.2f} {:5.2f} {:5.1f} {:7.3f} {:7.1f} {:7.1f}\n", object,
                match.model_sampling, match.scene_voxel_diameters, match.scene_step,
-               match.window_diameters, verified ? figures.recall() : figures.recall_at_95,
-               figures.stages.count("match") ? figures.stages.at("match") : 0.0, seconds);
+               match.window_diameters, verified ? statistics.recall() : statistics.recall_at_95,
+               statistics.stages.count("match") ? statistics.stages.at("match") : 0.0, seconds);
     std::fflush(stdout);
   }
 }

@@ -47,7 +47,7 @@ int Soak(int trials, const ScenarioRequest& arguments) {
   ResourceUse before;
   fmt::print("{:>7} {:>10} {:>6}\n", "trials", "memory MiB", "files");
   for (int trial = 0; trial < trials; ++trial) {
-    store.Write(runner.Run(trial));
+    store.Write(runner.Run(BinIndex(trial)));
     if (trial + 1 == early) before = CurrentUse();
     if ((trial + 1) % early != 0) continue;
     const ResourceUse use = CurrentUse();

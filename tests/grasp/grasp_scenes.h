@@ -6,6 +6,7 @@
 
 #include "grasp/grasp.h"
 #include "grasp/grippers/parallel_jaw.h"
+#include "scenes/base/ids.h"
 #include "scenes/scene.h"
 #include "tests/sim/physics_parts.h"
 
@@ -33,7 +34,7 @@ inline Scene BoxesOnFloor(const std::vector<Eigen::Vector2d>& places_m, double h
   Scene scene;
   for (const Eigen::Vector2d& place : places_m) {
     PosedObject instance;
-    instance.instance = 10 + static_cast<int>(scene.objects.size());
+    instance.instance = InstanceId(10 + static_cast<int>(scene.objects.size()));
     instance.X_WO = Translation({place.x(), place.y(), 0.5 * height_m + 0.0006});
     scene.objects.push_back(instance);
   }

@@ -27,7 +27,7 @@ Options With(Value Options::*member, Value value) {
 }
 
 TEST(GraspOptions, ValuesOutOfRangeAreRefused) {
-  const ObjectSet objects{BoxPart({0.03, 0.03, 0.03}, 0.1, 0.5)};
+  const ObjectSet objects{BoxObject({0.03, 0.03, 0.03}, 0.1, 0.5)};
   const ObjectModel& box = *objects[0];
   const ParallelJaw jaw = SmallJaw();
   const SuctionCup cup;
@@ -37,7 +37,7 @@ TEST(GraspOptions, ValuesOutOfRangeAreRefused) {
   Rng rng(0);
   const auto plan = [&](const PlanOptions& options) { PlanGrasps(input, options); };
   const auto execute = [&](const ExecuteOptions& options) {
-    ExecuteGrasp(scene, objects, {}, jaw, 10, options);
+    ExecuteGrasp(scene, objects, {}, jaw, InstanceId{10}, options);
   };
   const auto make = [&](const GraspCandidateOptions& options) {
     MakeCandidates(box, jaw, rng, options);
@@ -74,7 +74,7 @@ TEST(GraspOptions, ValuesOutOfRangeAreRefused) {
        }},
       {"near_m",
        [&] {
-         AttemptWorld(scene, objects, Eigen::Vector3d::Zero(), -1,
+         AttemptWorld(scene, objects, Eigen::Vector3d::Zero(), kNoInstance,
                       With(&AttemptWorldOptions::near_m, kNotANumber), {});
        }},
       {"loose_opening",

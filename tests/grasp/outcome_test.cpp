@@ -74,29 +74,28 @@ TEST_P(ChangedOutcome, PassesOnlyTheRulesThatIgnoreTheChange) {
 
 INSTANTIATE_TEST_SUITE_P(
     Facts, ChangedOutcome,
-    testing::Values(RuleCase{"two parts came", [](GraspOutcome& o) { o.instances_lifted = 2; },
-                             "contact lifted held vgn_loose "},
-                    RuleCase{"another part came", [](GraspOutcome& o) { o.is_target = false; },
-                             "contact lifted held single_instance vgn_loose "},
-                    RuleCase{"lost while it was held",
-                             [](GraspOutcome& o) { o.instances_lifted = 0; },
-                             "contact lifted vgn_loose "},
-                    RuleCase{"slipped on the way up",
-                             [](GraspOutcome& o) {
-                               o.instances_risen = o.instances_lifted = 0;
-                               o.retreat_contact = false;
-                             },
-                             "contact "},
-                    RuleCase{"fingers nearly met",
-                             [](GraspOutcome& o) { o.retreat_opening = 0.09; },
-                             "contact lifted held right_instance single_instance placed "},
-                    RuleCase{"set down 11 mm off", [](GraspOutcome& o) { o.place_error_m = 0.011; },
-                             "contact lifted held right_instance single_instance vgn_loose "},
-                    RuleCase{"set down turned by 11 degrees",
-                             [](GraspOutcome& o) { o.place_rotation_error_rad = 0.19; },
-                             "contact lifted held right_instance single_instance vgn_loose "},
-                    RuleCase{"not set down", [](GraspOutcome& o) { o.place_executed = false; },
-                             "contact lifted held right_instance single_instance vgn_loose "}));
+    testing::Values(
+        RuleCase{"two instances came out", [](GraspOutcome& o) { o.instances_lifted = 2; },
+                 "contact lifted held vgn_loose "},
+        RuleCase{"another instance came out", [](GraspOutcome& o) { o.is_target = false; },
+                 "contact lifted held single_instance vgn_loose "},
+        RuleCase{"lost while it was held", [](GraspOutcome& o) { o.instances_lifted = 0; },
+                 "contact lifted vgn_loose "},
+        RuleCase{"slipped on the way up",
+                 [](GraspOutcome& o) {
+                   o.instances_risen = o.instances_lifted = 0;
+                   o.retreat_contact = false;
+                 },
+                 "contact "},
+        RuleCase{"fingers nearly met", [](GraspOutcome& o) { o.retreat_opening = 0.09; },
+                 "contact lifted held right_instance single_instance placed "},
+        RuleCase{"set down 11 mm off", [](GraspOutcome& o) { o.place_error_m = 0.011; },
+                 "contact lifted held right_instance single_instance vgn_loose "},
+        RuleCase{"set down turned by 11 degrees",
+                 [](GraspOutcome& o) { o.place_rotation_error_rad = 0.19; },
+                 "contact lifted held right_instance single_instance vgn_loose "},
+        RuleCase{"not set down", [](GraspOutcome& o) { o.place_executed = false; },
+                 "contact lifted held right_instance single_instance vgn_loose "}));
 
 TEST(SuccessRules, TolerancesAreOptions) {
   GraspOutcome outcome = Successful();

@@ -46,22 +46,22 @@ TEST(PerceptionOptions, ValuesOutOfRangeAreRefused) {
     RefineFinally("none", cloud, {}, o, 1, hypotheses);
   };
   const auto find = [&](const CandidateOptions& o) { CandidateFinder({}, {}, o); };
-  const auto assess = [&](const AssessmentOptions& o) { CandidateAssessor({}, o); };
+  const auto assess = [&](const CandidateRefinementOptions& o) { CandidateRefiner({}, o); };
   const auto verify = [&](const VerifierTrainingOptions& o) {
     TrainVerifierLibrary({views, "", {}, {}, false, {}, {}}, o);
   };
   const PlantedOption planted[] = {
       {"branching", Planted<NeighborOptions>([](auto& o) { o.branching = 1; },
                                              [](auto& o) { NeighborIndex({}, 1, o); })},
-      {"views",
-       Planted<IsolatedOptions>([](auto& o) { o.views = 0; },
-                                [&](auto& o) { ForEachIsolatedBlock(views, 0, {}, o, 0, {}); })},
+      {"views", Planted<IsolatedOptions>(
+                    [](auto& o) { o.views = 0; },
+                    [&](auto& o) { ForEachIsolatedBlock(views, ObjectId{0}, {}, o, 0, {}); })},
       {"modes.cell_diameters",
        Planted<CandidateOptions>([](auto& o) { o.modes.cell_diameters = kNotANumber; }, find)},
       {"votes", Planted<CandidateOptions>([](auto& o) { o.votes = "all"; }, find)},
       {"quick_tau_m",
-       Planted<AssessmentOptions>([](auto& o) { o.quick_tau_m = kNotANumber; }, assess)},
-      {"damping", Planted<AssessmentOptions>([](auto& o) { o.icp.damping = -1; }, assess)},
+       Planted<CandidateRefinementOptions>([](auto& o) { o.quick_tau_m = kNotANumber; }, assess)},
+      {"damping", Planted<CandidateRefinementOptions>([](auto& o) { o.icp.damping = -1; }, assess)},
       {"pcl_icp.target_stride",
        Planted<RefinerOptions>([](auto& o) { o.pcl_icp.target_stride = 0; }, refine)},
       {"bidirectional_icp.restart_rad",
@@ -80,30 +80,35 @@ TEST(PerceptionOptions, ValuesOutOfRangeAreRefused) {
        Planted<WohlhartOptions>([](auto& o) { o.augment.occluded_max = 1; }, train_crops)},
       {"template_level",
        Planted<CropViewOptions>([](auto& o) { o.template_level = 9; },
-                                [&](auto& o) { MakeCropLesson(views, views, o, 0); })},
-      {"focal_px", Planted<CropViewOptions>([](auto& o) { o.focal_px = kNotANumber; },
-                                            [&](auto& o) { RenderCrops(views, 0, {}, o, 0); })},
-      {"isolated", Planted<WholeViewOptions>([](auto& o) { o.isolated = -1; },
-                                             [&](auto& o) { MakeWholeLesson(views, o, 0, {}); })},
-      {"min_visible", Planted<TwinOptions>([](auto& o) { o.min_visible = kNotANumber; },
-                                           [&](auto& o) {
-                                             std::vector<PatchPairs> pairs;
-                                             AppendTwinPatches(views, {}, {}, o, rng, pairs);
-                                           })},
+                                [&](auto& o) { MakeCropTrainingSet(views, views, o, 0); })},
+      {"focal_px",
+       Planted<CropViewOptions>([](auto& o) { o.focal_px = kNotANumber; },
+                                [&](auto& o) { RenderCrops(views, ObjectId{0}, {}, o, 0); })},
+      {"isolated",
+       Planted<WholeViewOptions>([](auto& o) { o.isolated = -1; },
+                                 [&](auto& o) { MakeWholeTrainingSet(views, o, 0, {}); })},
+      {"min_visible", Planted<PositivePairOptions>([](auto& o) { o.min_visible = kNotANumber; },
+                                                   [&](auto& o) {
+                                                     std::vector<PatchPairs> pairs;
+                                                     AppendPositivePatches(views, {}, {}, o, rng,
+                                                                           pairs);
+                                                   })},
       {"queries", Planted<HeldOutOptions>([](auto& o) { o.queries = 0; },
                                           [&](auto& o) { MakeHeldOut(views, {}, o, 0, {}); })},
       {"learning_rate", Planted<VerifierOptions>([](auto& o) { o.learning_rate = kNotANumber; },
                                                  [](auto& o) { TrainVerifier({}, o, 0); })},
       {"clutter_scenes",
        Planted<VerifierTrainingOptions>([](auto& o) { o.clutter_scenes = 0; }, verify)},
-      {"verifier.batch",
-       Planted<VerifierTrainingOptions>([](auto& o) { o.verifier.batch = 0; },
-                                        [&](auto& o) { MakeVerifierLesson(views, 0, {}, o, {}); })},
+      {"verifier.batch", Planted<VerifierTrainingOptions>([](auto& o) { o.verifier.batch = 0; },
+                                                          [&](auto& o) {
+                                                            MakeVerifierTrainingSet(
+                                                                views, ObjectId{0}, {}, o, {});
+                                                          })},
       {"calibration_share",
        Planted<VerifierTrainingOptions>([](auto& o) { o.calibration_share = 1; },
                                         [&](auto& o) {
                                           TrainPartVerifier(
-                                              std::vector<LabelledView>(), 0,
+                                              std::vector<LabelledView>(), ObjectId{0},
                                               std::span<const CandidateSource* const>(), o, {});
                                         })},
       {"rehearsal", Planted<TrainingOptions>([](auto& o) { o.rehearsal = kNotANumber; }, train)},

@@ -12,7 +12,7 @@ namespace pickbed::tests {
 namespace {
 
 TEST(SimOptions, ValuesOutOfRangeAreRefused) {
-  const ObjectSet objects{BoxPart({0.03, 0.03, 0.03}, 0.1, 0.5)};
+  const ObjectSet objects{BoxObject({0.03, 0.03, 0.03}, 0.1, 0.5)};
   const CameraIntrinsics camera(4, 3, 100, 100, 2, 1);
   const Image<float> depth_m(4, 3, 1.0f);
   Rng rng(0);
@@ -38,8 +38,8 @@ TEST(SimOptions, ValuesOutOfRangeAreRefused) {
       {"random_dropout",
        [&] {
          ViewSourceOptions options;
-         options.pile_sensors.resize(2);
-         options.pile_sensors[1].random_dropout = 1.5;
+         options.scene_sensors.resize(2);
+         options.scene_sensors[1].random_dropout = 1.5;
          MakeSimViewSource(objects, options);
        }},
       {"axial_sigma_m",
@@ -53,14 +53,14 @@ TEST(SimOptions, ValuesOutOfRangeAreRefused) {
          SceneRenderer renderer(objects, Bin());
          OcclusionSetup setup{objects, {1}, Camera(), {}, {}};
          setup.spec.margin = kNotANumber;
-         OccludeTarget(renderer, {{}, {}}, 0, setup, rng);
+         OccludeTarget(renderer, {{}, {}}, InstanceId{0}, setup, rng);
        }},
       {"bands.1.max",
        [&] {
          SceneRenderer renderer(objects, Bin());
          OcclusionSetup setup{objects, {1}, Camera(), {}, {}};
          setup.spec.bands[1].max = 2;
-         MakeOcclusionSeries(renderer, {Bin(), objects, {1}}, {0}, setup);
+         MakeOcclusionSeries(renderer, {Bin(), objects, {1}}, {ObjectId{0}}, setup);
        }},
   };
   ExpectRefused(planted);

@@ -65,8 +65,8 @@ inline std::shared_ptr<const ObjectModel> PartOfBoxes(const std::string& name,
   return model;
 }
 
-inline std::shared_ptr<const ObjectModel> BoxPart(const Eigen::Vector3d& size_m, double mass_kg,
-                                                  double friction = 0.5) {
+inline std::shared_ptr<const ObjectModel> BoxObject(const Eigen::Vector3d& size_m, double mass_kg,
+                                                    double friction = 0.5) {
   return PartOfBoxes("box", {{Eigen::Vector3d::Zero(), 0.5 * size_m}}, mass_kg, friction);
 }
 
@@ -85,8 +85,8 @@ inline std::shared_ptr<const ObjectModel> TeePart() {
 
 // Brackets, tees, long blocks and small cubes.
 inline ObjectSet MixedParts() {
-  return {BracketPart(), TeePart(), BoxPart({0.10, 0.03, 0.02}, 0.15),
-          BoxPart({0.025, 0.025, 0.025}, 0.04)};
+  return {BracketPart(), TeePart(), BoxObject({0.10, 0.03, 0.02}, 0.15),
+          BoxObject({0.025, 0.025, 0.025}, 0.04)};
 }
 
 }  // namespace pickbed::tests

@@ -11,6 +11,7 @@
 #include "scenes/geometry/mesh_query.h"
 #include "scenes/part_families/part_families.h"
 #include "tests/sim/render_support.h"
+#include "tests/support/tapered_bin.h"
 
 namespace pickbed::tests {
 namespace {
@@ -59,7 +60,7 @@ TEST(ViewSource, IsolatedViewsMatchTheMeshAtTheGivenPoses) {
   // A crop of a larger image: its principal point is not in the center.
   const CameraIntrinsics crop{96, 80, 680, 690, 45.0, 41.0};
   const std::vector<Pose> X_CO = SomePoses(20);
-  const std::vector<LabelledView> views = source->Isolated(1, X_CO, crop, 7);
+  const std::vector<LabelledView> views = source->Isolated(ObjectId{1}, X_CO, crop, 7);
   ASSERT_EQ(views.size(), X_CO.size());
   const MeshQuery query(objects[1]->mesh_O);
   for (size_t i = 0; i < views.size(); ++i) {
@@ -91,15 +92,15 @@ TEST(ViewSource, IsolatedNoiseDependsOnViewAndSeed) {
   const auto source = MakeSimViewSource(FirstObjects(1), SmallOptions());
   const CameraIntrinsics camera{64, 64, 500, 500, 31.5, 31.5};
   const std::vector<Pose> pose = SomePoses(1), poses(3, pose[0]);
-  const auto a = source->Isolated(0, poses, camera, 1);
-  const auto b = source->Isolated(0, poses, camera, 1);
-  const auto c = source->Isolated(0, poses, camera, 2);
+  const auto a = source->Isolated(ObjectId{0}, poses, camera, 1);
+  const auto b = source->Isolated(ObjectId{0}, poses, camera, 1);
+  const auto c = source->Isolated(ObjectId{0}, poses, camera, 2);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(a[i].frame.depth_m, b[i].frame.depth_m);
     EXPECT_NE(a[i].frame.depth_m, c[i].frame.depth_m);
   }
   EXPECT_NE(a[0].frame.depth_m, a[1].frame.depth_m);
-  const auto single = source->Isolated(0, pose, camera, 1);
+  const auto single = source->Isolated(ObjectId{0}, pose, camera, 1);
   for (size_t p = 0; p < single[0].frame.depth_m.size(); ++p) {
     EXPECT_NEAR(single[0].frame.depth_m.data()[p], a[0].frame.depth_m.data()[p], 1e-5);
   }
@@ -109,10 +110,10 @@ TEST(ViewSource, ColourIsOptional) {
   ViewSourceOptions options = SmallOptions();
   options.color = false;
   const auto source = MakeSimViewSource(FirstObjects(1), options);
-  const auto views = source->Isolated(0, SomePoses(2), {64, 64, 500, 500, 31.5, 31.5}, 1);
+  const auto views = source->Isolated(ObjectId{0}, SomePoses(2), {64, 64, 500, 500, 31.5, 31.5}, 1);
   EXPECT_TRUE(views[0].frame.color.empty());
   EXPECT_FALSE(views[0].frame.depth_m.empty());
-  EXPECT_TRUE(source->Pile({1, 1})[0].frame.color.empty());
+  EXPECT_TRUE(source->ClutterScene({1, 1})[0].frame.color.empty());
 }
 
 // Every reading of an instance is on its mesh at its pose, and every background reading is on the
@@ -125,7 +126,7 @@ TEST(ViewSource, SceneLabelsAgreeWithDepth) {
   std::vector<MeshQuery> queries;
   for (const auto& object : objects) queries.emplace_back(object->mesh_O);
   const MeshQuery bin(BinMesh(options.bin));
-  for (const LabelledView& view : source->Pile({3, 2})) {
+  for (const LabelledView& view : source->ClutterScene({3, 2})) {
     EXPECT_EQ(view.frame.intrinsics, options.camera);
     ASSERT_TRUE(view.background.has_value());
     ASSERT_FALSE(view.instances.empty());
@@ -162,14 +163,14 @@ TEST(ViewSource, SceneDependsOnlyOnTheSeed) {
   const ObjectSet objects = FirstObjects(3);
   const auto source = MakeSimViewSource(objects, SmallOptions());
   const auto other_source = MakeSimViewSource(objects, SmallOptions());
-  const auto a = source->Pile({5, 1});
-  source->Pile({6, 1});
-  for (const auto& b : {source->Pile({5, 1}), other_source->Pile({5, 1})}) {
+  const auto a = source->ClutterScene({5, 1});
+  source->ClutterScene({6, 1});
+  for (const auto& b : {source->ClutterScene({5, 1}), other_source->ClutterScene({5, 1})}) {
     EXPECT_EQ(a[0].frame.depth_m, b[0].frame.depth_m);
     EXPECT_EQ(a[0].frame.color, b[0].frame.color);
     EXPECT_EQ(a[0].ids, b[0].ids);
   }
-  EXPECT_NE(a[0].ids, source->Pile({6, 1})[0].ids);
+  EXPECT_NE(a[0].ids, source->ClutterScene({6, 1})[0].ids);
 }
 
 TEST(ViewSource, ScenesOfOneObjectAndMixedScenesOccur) {
@@ -177,7 +178,7 @@ TEST(ViewSource, ScenesOfOneObjectAndMixedScenesOccur) {
   std::map<int, int> by_object_count;
   for (uint64_t seed = 0; seed < 16; ++seed) {
     std::set<int> drawn;
-    const auto views = source->Pile({seed, 1});
+    const auto views = source->ClutterScene({seed, 1});
     for (const LabelledInstance& instance : views[0].instances) drawn.insert(instance.object);
     ++by_object_count[std::min<int>(2, static_cast<int>(drawn.size()))];
   }
@@ -189,7 +190,7 @@ TEST(ViewSource, CameraPosesStayInTheirLimits) {
   const ViewSourceOptions options = SmallOptions();
   const auto source = MakeSimViewSource(FirstObjects(1), options);
   double min_m = 10, max_m = 0;
-  for (const LabelledView& view : source->Pile({1, 40})) {
+  for (const LabelledView& view : source->ClutterScene({1, 40})) {
     const Pose X_BC = view.background->X_CB.inverse();
     const Eigen::Vector3d axis_B = X_BC.linear().col(2);
     EXPECT_GE(-axis_B.z(), std::cos(options.tilt_max_rad) - 1e-9);
@@ -211,16 +212,16 @@ TEST(ViewSource, FillLimitsTheInstanceCount) {
   const ObjectSet objects = FirstObjects(1);
   const double object_m3 = MeshBounds(objects[0]->mesh_O).size().prod();
   options.fill_max = 5.5 * object_m3 / options.bin.inner_size_m.prod();
-  EXPECT_LE(MakeSimViewSource(objects, options)->Pile({1, 1})[0].instances.size(), 5u);
+  EXPECT_LE(MakeSimViewSource(objects, options)->ClutterScene({1, 1})[0].instances.size(), 5u);
 }
 
 TEST(ViewSource, AppearanceChangesColourButNotDepth) {
   const ObjectSet objects = FirstObjects(2);
   ViewSourceOptions options = SmallOptions();
-  const auto plain = MakeSimViewSource(objects, options)->Pile({5, 2});
+  const auto plain = MakeSimViewSource(objects, options)->ClutterScene({5, 2});
   options.looks = WideAppearance();
   const auto wide = MakeSimViewSource(objects, options);
-  const auto a = wide->Pile({5, 2}), b = wide->Pile({5, 2});
+  const auto a = wide->ClutterScene({5, 2}), b = wide->ClutterScene({5, 2});
   for (int view = 0; view < 2; ++view) {
     EXPECT_EQ(a[view].frame.color, b[view].frame.color);
     EXPECT_NE(a[view].frame.color, plain[view].frame.color);
@@ -232,9 +233,9 @@ TEST(ViewSource, AppearanceChangesColourButNotDepth) {
     EXPECT_GE(same, 0.999 * a[view].ids.size());
   }
   const CameraIntrinsics crop{64, 64, 500, 500, 31.5, 31.5};
-  const auto one = wide->Isolated(0, SomePoses(2), crop, 1);
-  const auto other = wide->Isolated(0, SomePoses(2), crop, 2);
-  EXPECT_EQ(one[0].frame.color, wide->Isolated(0, SomePoses(2), crop, 1)[0].frame.color);
+  const auto one = wide->Isolated(ObjectId{0}, SomePoses(2), crop, 1);
+  const auto other = wide->Isolated(ObjectId{0}, SomePoses(2), crop, 2);
+  EXPECT_EQ(one[0].frame.color, wide->Isolated(ObjectId{0}, SomePoses(2), crop, 1)[0].frame.color);
   EXPECT_NE(one[0].frame.color, other[0].frame.color);
   options.looks.tint = {0.9, 0.2};
   try {
@@ -251,12 +252,12 @@ TEST(ViewSource, ScenesAreSeenByAllSceneSensors) {
   ViewSourceOptions options = SmallOptions();
   const auto views_of = [&](const SensorProfile& sensor) {
     options.sensor = sensor;
-    return MakeSimViewSource(objects, options)->Pile({5, 12});
+    return MakeSimViewSource(objects, options)->ClutterScene({5, 12});
   };
   SensorProfile blind;
   blind.random_dropout = 1;
   const auto clear = views_of({}), none = views_of(blind);
-  options.pile_sensors = {{}, blind};
+  options.scene_sensors = {{}, blind};
   const auto mixed = views_of(blind);
   int seen = 0;
   for (size_t i = 0; i < mixed.size(); ++i) {
@@ -293,11 +294,12 @@ TEST(ViewSource, DistractorsAreInScenesAndAreBackground) {
   const auto none = MakeSimViewSource(objects, options);
   options.distractor_share = 0.5;
   const auto half = MakeSimViewSource(objects, options);
-  EXPECT_NE(none->PileSettings(), half->PileSettings());
+  EXPECT_NE(none->ClutterSceneSettings(), half->ClutterSceneSettings());
   EXPECT_EQ(none->IsolatedSettings(), half->IsolatedSettings());
   int scenes_with_distractors = 0;
   for (uint64_t seed = 0; seed < 12; ++seed) {
-    const LabelledView view = half->Pile({seed, 1}).front(), plain = none->Pile({seed, 1}).front();
+    const LabelledView view = half->ClutterScene({seed, 1}).front(),
+                       plain = none->ClutterScene({seed, 1}).front();
     EXPECT_EQ(UnlabelledPixels(plain), 0);
     const int unlabelled = UnlabelledPixels(view);
     EXPECT_EQ(unlabelled == 0, view.frame.depth_m == plain.frame.depth_m);
@@ -318,33 +320,35 @@ TEST(ViewSource, CellScalesWithTheObject) {
   options.for_diameter_m = 2 * objects[1]->diameter_m;
   const auto scaled = MakeSimViewSource(objects, options);
   for (uint64_t seed = 0; seed < 4; ++seed) {
-    const PileRequest request{seed, 1, 1, true};
-    const LabelledView view = scaled->Pile(request).front();
+    const ClutterSceneRequest request{seed, 1, ObjectId{1}, true};
+    const LabelledView view = scaled->ClutterScene(request).front();
     for (const LabelledInstance& instance : view.instances) EXPECT_EQ(instance.object, 1);
     EXPECT_NEAR(view.background->bin.inner_size_m.x(), 0.5 * options.bin.inner_size_m.x(), 1e-12);
     const double distance_m = view.background->X_CB.translation().norm();
     EXPECT_LE(distance_m, 0.5 * (options.distance_max_m + 2 * options.target_jitter_m));
     EXPECT_GE(distance_m, 0.5 * (options.distance_min_m - 2 * options.target_jitter_m));
-    EXPECT_EQ(plain->Pile(request).front().background->bin.inner_size_m, options.bin.inner_size_m);
+    EXPECT_EQ(plain->ClutterScene(request).front().background->bin.inner_size_m,
+              options.bin.inner_size_m);
   }
-  EXPECT_THROW(scaled->Pile({0, 1, 3}), InputError);
+  EXPECT_THROW(scaled->ClutterScene({0, 1, ObjectId{3}}), InputError);
 }
 
 TEST(ViewSource, SettingsDifferForDifferentViews) {
   const ObjectSet objects = FirstObjects(1);
   const ViewSourceOptions options = SmallOptions();
   const auto source = MakeSimViewSource(objects, options);
-  EXPECT_EQ(source->PileSettings(), MakeSimViewSource(objects, options)->PileSettings());
+  EXPECT_EQ(source->ClutterSceneSettings(),
+            MakeSimViewSource(objects, options)->ClutterSceneSettings());
   ViewSourceOptions noisier = options;
   noisier.sensor.axial_sigma_m += 0.001;
   const auto other_sensor = MakeSimViewSource(objects, noisier);
   EXPECT_NE(source->IsolatedSettings(), other_sensor->IsolatedSettings());
-  EXPECT_NE(source->PileSettings(), other_sensor->PileSettings());
+  EXPECT_NE(source->ClutterSceneSettings(), other_sensor->ClutterSceneSettings());
   ViewSourceOptions several = options;
-  several.pile_sensors = {options.sensor, noisier.sensor};
+  several.scene_sensors = {options.sensor, noisier.sensor};
   const auto other_sensors = MakeSimViewSource(objects, several);
   EXPECT_EQ(source->IsolatedSettings(), other_sensors->IsolatedSettings());
-  EXPECT_NE(source->PileSettings(), other_sensors->PileSettings());
+  EXPECT_NE(source->ClutterSceneSettings(), other_sensors->ClutterSceneSettings());
   ViewSourceOptions looks = options;
   looks.looks = WideAppearance();
   EXPECT_NE(source->IsolatedSettings(), MakeSimViewSource(objects, looks)->IsolatedSettings());
@@ -352,7 +356,7 @@ TEST(ViewSource, SettingsDifferForDifferentViews) {
   deeper.bin.inner_size_m.z() += 0.01;
   const auto other_bin = MakeSimViewSource(objects, deeper);
   EXPECT_EQ(source->IsolatedSettings(), other_bin->IsolatedSettings());
-  EXPECT_NE(source->PileSettings(), other_bin->PileSettings());
+  EXPECT_NE(source->ClutterSceneSettings(), other_bin->ClutterSceneSettings());
 }
 
 TEST(ViewSource, InvalidInputIsRefused) {
@@ -366,8 +370,20 @@ TEST(ViewSource, InvalidInputIsRefused) {
   options = SmallOptions();
   options.distractor_share = 1.5;
   EXPECT_THROW(MakeSimViewSource(FirstObjects(1), options), InputError);
+  options = SmallOptions();
+  options.mixed_share = -0.1;
+  EXPECT_THROW(MakeSimViewSource(FirstObjects(1), options), InputError);
+  options = SmallOptions();
+  options.fill_max = 0;
+  EXPECT_THROW(MakeSimViewSource(FirstObjects(1), options), InputError);
+  options = SmallOptions();
+  options.bin.shape = std::make_shared<BinShape>(MakeBinShape(TaperedBin(), "bin"));
+  EXPECT_NO_THROW(MakeSimViewSource(FirstObjects(1), options));
+  options.for_diameter_m = 0.05;
+  EXPECT_THROW(MakeSimViewSource(FirstObjects(1), options), InputError);
   const auto source = MakeSimViewSource(FirstObjects(1), SmallOptions());
-  EXPECT_THROW(source->Isolated(1, SomePoses(1), {}, 0), InputError);
+  EXPECT_THROW(source->ClutterScene({0, 1, ObjectId{-2}}), InputError);
+  EXPECT_THROW(source->Isolated(ObjectId{1}, SomePoses(1), {}, 0), InputError);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 // Ray-cast views with colour: object 0 is red, all others are blue.
 
+#include "scenes/base/ids.h"
 #include "tests/support/ray_cast_views.h"
 
 namespace pickbed::tests {
@@ -10,14 +11,14 @@ class PaintedViews : public RayCastViews {
  public:
   using RayCastViews::RayCastViews;
 
-  std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
+  std::vector<LabelledView> Isolated(ObjectId object, const std::vector<Pose>& X_CO,
                                      const CameraIntrinsics& camera, uint64_t seed) override {
     std::vector<LabelledView> views = RayCastViews::Isolated(object, X_CO, camera, seed);
     for (LabelledView& view : views) Paint(view);
     return views;
   }
-  std::vector<LabelledView> Pile(const PileRequest& request) override {
-    std::vector<LabelledView> views = RayCastViews::Pile(request);
+  std::vector<LabelledView> ClutterScene(const ClutterSceneRequest& request) override {
+    std::vector<LabelledView> views = RayCastViews::ClutterScene(request);
     for (LabelledView& view : views) Paint(view);
     return views;
   }

@@ -24,7 +24,7 @@ LabelledView RayCastViews::Observation(const CameraIntrinsics& camera,
   return view;
 }
 
-std::vector<LabelledView> RayCastViews::Isolated(int object, const std::vector<Pose>& X_CO,
+std::vector<LabelledView> RayCastViews::Isolated(ObjectId object, const std::vector<Pose>& X_CO,
                                                  const CameraIntrinsics& camera, uint64_t seed) {
   ++isolated_calls_;
   std::vector<LabelledView> views;
@@ -35,7 +35,7 @@ std::vector<LabelledView> RayCastViews::Isolated(int object, const std::vector<P
   return views;
 }
 
-std::vector<LabelledView> RayCastViews::Pile(const PileRequest& request) {
+std::vector<LabelledView> RayCastViews::ClutterScene(const ClutterSceneRequest& request) {
   Rng rng(request.seed);
   std::vector<LabelledView> result;
   for (int i = 0; i < request.views; ++i) {
@@ -44,7 +44,7 @@ std::vector<LabelledView> RayCastViews::Pile(const PileRequest& request) {
       // Side by side, so that no instance occludes another.
       const Eigen::Vector3d p_C(0.08 * (k - 1), rng.Uniform(-0.03, 0.03), kDistanceM);
       const Pose X_CO = MakePose(rng.Rotation().toRotationMatrix(), p_C);
-      instances.push_back({rng.Index(static_cast<int>(objects_.size())), X_CO, 1.0});
+      instances.push_back({ObjectId(rng.Index(static_cast<int>(objects_.size()))), X_CO, 1.0});
     }
     result.push_back(Observation(SmallCamera(), std::move(instances), rng));
     result.back().background = OutOfSightBin();

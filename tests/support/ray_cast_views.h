@@ -3,6 +3,7 @@
 // View source for tests of training: ray-cast views of objects, without renderer and physics. A
 // "pile" is three instances side by side in a bin that is out of view.
 
+#include "scenes/base/ids.h"
 #include "scenes/base/random.h"
 #include "scenes/labelled_view.h"
 #include "tests/support/layer.h"
@@ -17,13 +18,13 @@ class RayCastViews : public LabelledViewSource {
       : objects_(std::move(objects)), noise_sigma_m_(noise_sigma_m) {}
 
   const ObjectSet& objects() const override { return objects_; }
-  std::vector<LabelledView> Isolated(int object, const std::vector<Pose>& X_CO,
+  std::vector<LabelledView> Isolated(ObjectId object, const std::vector<Pose>& X_CO,
                                      const CameraIntrinsics& camera, uint64_t seed) override;
-  std::vector<LabelledView> Pile(const PileRequest& request) override;
+  std::vector<LabelledView> ClutterScene(const ClutterSceneRequest& request) override;
   std::string IsolatedSettings() const override {
     return "ray cast, noise " + std::to_string(noise_sigma_m_);
   }
-  std::string PileSettings() const override { return IsolatedSettings(); }
+  std::string ClutterSceneSettings() const override { return IsolatedSettings(); }
 
   int isolated_calls() const { return isolated_calls_; }
 

@@ -16,7 +16,7 @@ inline double ShareFound(PoseEstimator& estimator, RayCastViews& views) {
   const PoseDistance distance(*views.objects()[0]);
   int found = 0, instances = 0;
   for (uint64_t seed = 5000; seed < 5004; ++seed) {
-    const LabelledView view = views.Pile({seed, 1}).front();
+    const LabelledView view = views.ClutterScene({seed, 1}).front();
     Rng rng(1);
     const EstimateResult result = estimator.Estimate({view.frame, OutOfSightBin()}, rng);
     for (const LabelledInstance& instance : view.instances) {

@@ -57,9 +57,9 @@ inline SceneSize UntilFailures() {
 inline Cluster DrawScene(double scene_rate, int size, Rng& rng) {
   Cluster scene;
   int failures_in_row = 0;
-  while (size == kUntilFailures ? failures_in_row < 2 && scene.hits < 12 : scene.tries < size) {
+  while (size == kUntilFailures ? failures_in_row < 2 && scene.hits < 12 : scene.samples < size) {
     const bool hit = rng.Uniform() < scene_rate;
-    ++scene.tries;
+    ++scene.samples;
     scene.hits += hit;
     failures_in_row = hit ? 0 : failures_in_row + 1;
   }
@@ -86,12 +86,12 @@ inline ScenePairs DrawPairs(int count, double rate, double correlation, double r
   for (int i = 0; i < count; ++i) {
     const double first = SceneRate(rate, correlation, rng);
     const double second = rng.Uniform() < own ? SceneRate(rate, correlation, rng) : first;
-    const int tries = size(rng);
-    pairs.before.push_back(DrawScene(first, tries, rng));
+    const int samples = size(rng);
+    pairs.before.push_back(DrawScene(first, samples, rng));
     // The mean rate rises by `rise` for any rate of the scene.
     const double share = rise >= 0 ? rise / (1 - rate) : rise / rate;
     const double moved = rise >= 0 ? second + share * (1 - second) : second + share * second;
-    pairs.after.push_back(DrawScene(moved, tries, rng));
+    pairs.after.push_back(DrawScene(moved, samples, rng));
   }
   return pairs;
 }

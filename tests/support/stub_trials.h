@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eval/trial/trial.h"
+#include "scenes/base/ids.h"
 #include "scenes/base/random.h"
 #include "tests/support/layer.h"
 
@@ -60,7 +61,7 @@ inline void Pick(AttemptRecord& attempt, Rng& rng) {
   attempt.outcome.failure = attempt.failure;
   attempt.outcome.success = attempt.failure == FailureReason::kNone;
   attempt.outcome.picked_instance =
-      attempt.failure == FailureReason::kNone ? attempt.matched_instance : -1;
+      attempt.failure == FailureReason::kNone ? attempt.matched_instance : kNoInstance;
 }
 
 }  // namespace stub
@@ -75,10 +76,10 @@ inline TrialResult StubTrial(int trial, const StubOptions& options = {}) {
   std::vector<InstanceRecord> parts;
   for (int i = 0; i < options.parts; ++i) {
     InstanceRecord& part = parts.emplace_back();
-    part.instance = i;
-    part.object = i % 2;
+    part.instance = InstanceId(i);
+    part.object = ObjectId(i % 2);
     part.visible_fraction = rng.Uniform();
-    result.outcomes.push_back({i, part.object, false, true, FailureReason::kNone, -1});
+    result.outcomes.push_back({part.instance, part.object, false, true, FailureReason::kNone, -1});
   }
   for (int p = 0; p < options.looks && !parts.empty(); ++p) {
     AttemptRecord& attempt = result.attempts.emplace_back();

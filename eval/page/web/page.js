@@ -1,7 +1,7 @@
 // Draws the charts, filters and sorts the gallery, and shows or hides layers of the 3D views.
 'use strict';
 
-// Text and lines take the page's own ink, so that light, dark and paper need no second drawing.
+// Text and lines use the text colour of the page, so one drawing fits light, dark and print.
 const chartStyle = {
   background: null,
   font: 'system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif',
@@ -17,7 +17,7 @@ const chartStyle = {
   point: {color: '#0072b2'},
 };
 
-// Names take no more of a chart than leaves it room, on a phone too.
+// Limits the width of names, so that the chart has room on a phone too.
 function styleFor(width) {
   return {...chartStyle, axisY: {labelLimit: Math.max(80, 0.3 * width)},
     legend: {...chartStyle.legend, labelLimit: Math.max(120, width - 90)}};
@@ -53,7 +53,7 @@ function startGallery(gallery) {
     const compare = (a, b) => {
       const [x, y] = [sortKey(a, key), sortKey(b, key)];
       if (x === y) return place.get(a) - place.get(b);
-      if (x === Infinity || y === Infinity) return x === Infinity ? 1 : -1;  // what has none is last
+      if (x === Infinity || y === Infinity) return x === Infinity ? 1 : -1;  // cards without the value are last
       return (x < y ? -1 : 1) * sign;
     };
     gallery.querySelector('.gallery').append(...[...cards].sort(compare));
@@ -87,7 +87,7 @@ function startView(view) {
 
 document.querySelectorAll('.failures').forEach(startGallery);
 document.querySelectorAll('.view').forEach(startView);
-// Paper gets the tables too, but for long ones, whose charts say the same in less room.
+// Paper gets the tables too, except long ones, whose charts show the same in less space.
 const longTable = 15;
 addEventListener('beforeprint', () => {
   for (const table of document.querySelectorAll('details')) {

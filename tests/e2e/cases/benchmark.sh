@@ -54,7 +54,7 @@ benchmark_all_checks_its_input_and_stops_on_interrupt() {
   kill -INT $pid
   wait $pid
   [ $? = 130 ] || fail "the exit status is not 130"
-  grep -q "the same benchmark goes on" stopped.err || fail "no message how to continue"
+  grep -q "to continue with this training" stopped.err || fail "no message how to continue"
   [ -n "$(ls both/bins/models/kehl-*.pt.checkpoint)" ] || fail "no checkpoint of the training"
   [ ! -e both/crops ] || fail "the crop benchmark started after the interrupt"
 }

@@ -36,7 +36,7 @@ budget_resumes_after_an_interrupt() {
   kill -INT $pid
   wait $pid
   [ $? = 130 ] || fail "the exit status is not 130"
-  grep -q "goes on" stopped.err || fail "no message how to continue"
+  grep -q "to continue" stopped.err || fail "no message how to continue"
   [ ! -e here/budget/budget.json ] || fail "an unfinished budget was written"
   expect 0 "$pickbed" budget here --stages pose
   expect 0 "$pickbed" budget whole --stages pose
@@ -44,7 +44,7 @@ budget_resumes_after_an_interrupt() {
 }
 
 invalid_budget_requests_are_refused() {
-  refused "holds no scenario.yaml" "$pickbed" budget nowhere
+  refused "has no scenario.yaml" "$pickbed" budget nowhere
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out here
   refused "did you mean 'pose'?" "$pickbed" budget here --stages poes
   expect 0 "$pickbed" budget here --stages none
@@ -52,7 +52,7 @@ invalid_budget_requests_are_refused() {
   sed -i 's/^seed: .*/seed: 99/' here/scenario.yaml
   refused "repeat the run" "$pickbed" budget here
   rm here/results.sqlite
-  refused "holds no results.sqlite" "$pickbed" budget here
+  refused "has no results.sqlite" "$pickbed" budget here
   refused "unknown policy.stop 'never'; known: until_empty, capture_again, one_pick" \
     "$pickbed" run small.yaml --set policy.stop=never --out no
   refused "unknown ranking 'best'; known: quality, epsilon, robust, random" \

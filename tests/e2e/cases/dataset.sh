@@ -6,27 +6,27 @@ bop_task_decides_whether_instance_counts_are_given() {
   expect 0 "$pickbed" dataset make rods.yaml --scenes 1 --views 1 --jobs 1 --out set
   sed -i 's/"inst_count": *[0-9]*/"inst_count": 2/' set/test_targets_bop19.json
   local all="--set estimator.min_score=0 --set estimator.mode=accurate"
-  expect 0 "$pickbed" estimate --bop set $all --out told
-  [ "$(wc -l <told/descriptor_set-test.csv)" = 3 ] || fail "not the two requested rods"
-  expect 0 "$pickbed" estimate --bop set $all --task detection --out untold
-  head -3 untold/descriptor_set-test.csv | cut -d, -f1-6 >best
-  cut -d, -f1-6 told/descriptor_set-test.csv | diff - best >&2 || fail "they are not the best two"
-  [ "$(wc -l <untold/descriptor_set-test.csv)" -gt 3 ] || fail "detection was given the number of instances"
+  expect 0 "$pickbed" estimate --bop set $all --out given
+  [ "$(wc -l <given/descriptor_set-test.csv)" = 3 ] || fail "not the two requested rods"
+  expect 0 "$pickbed" estimate --bop set $all --task detection --out free
+  head -3 free/descriptor_set-test.csv | cut -d, -f1-6 >best
+  cut -d, -f1-6 given/descriptor_set-test.csv | diff - best >&2 || fail "they are not the best two"
+  [ "$(wc -l <free/descriptor_set-test.csv)" -gt 3 ] || fail "detection was given the number of instances"
   expect 0 "$pickbed" estimate --bop set $all
   grep -q "AP is comparable only after --task detection" last.out || fail "the note about AP is missing"
   expect 0 "$pickbed" estimate --bop set $all --task detection
   grep -q "AP is comparable" last.out && fail "the note about AP also appears for detection"
   local task
-  for task in told/set-estimate untold/set-estimate-detection; do
+  for task in given/set-estimate free/set-estimate-detection; do
     cut -d, -f1-6 "${task%/*}/descriptor_set-test.csv" >expected
     cut -d, -f1-6 "results/${task#*/}/descriptor_set-test.csv" | diff - expected >&2 ||
       fail "the poses of ${task%/*} are not in results/${task#*/}"
   done
   expect 0 "$pickbed" estimate --bop set --explain 0
-  page results/set-explain/explain.html "told how many of each object to find, 2 in all"
+  page results/set-explain/explain.html "The number of instances of each object was given, 2 in all"
   expect 0 "$pickbed" estimate --bop set --explain 0 --task detection
   page results/set-explain-detection/explain.html
-  has_template && grep -q "told how many" results/set-explain-detection/explain.html &&
+  has_template && grep -q "The number of instances" results/set-explain-detection/explain.html &&
     fail "the page of detection shows a given number of instances"
   refused "segmentation" "$pickbed" estimate --bop set --task segmentation --out no
 }

@@ -55,11 +55,11 @@ explain_page_shows_every_stage() {
   cp set/test/000001/depth/000000.png set/test/000001/depth/000001.png
   refused "set/test: no target image has a depth reading" \
     "$pickbed" estimate --bop set --explain 1/1 --out no
-  refused "--explain 7/0: is no target image; name one as SCENE/IMAGE, such as 1/0" \
+  refused "image 7/0: is no target image; write SCENE/IMAGE, for example 1/0" \
     "$pickbed" estimate --bop set --explain 7/0 --out no
-  refused "'ppf' does not tell" "$pickbed" estimate --bop set --explain 0 --estimator ppf --out no
-  refused "it is a model of 'descriptor', which --estimator does not name" "$pickbed" estimate demo --estimator ppf --set estimator.model=a.pt --out no
-  refused "names no model after '='" "$pickbed" estimate demo --estimator kehl= --out no
+  refused "'ppf' does not report the stages" "$pickbed" estimate --bop set --explain 0 --estimator ppf --out no
+  refused "this model belongs to 'descriptor', which --estimator does not name" "$pickbed" estimate demo --estimator ppf --set estimator.model=a.pt --out no
+  refused "has no model after '='" "$pickbed" estimate demo --estimator kehl= --out no
   [ ! -e no ] || fail "a refused command left a folder"
 }
 

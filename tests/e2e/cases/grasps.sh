@@ -16,7 +16,7 @@ grasps_are_written_and_drawn() {
   # Its narrowest side is 100 mm.
   brick 5 >big.obj
   expect 0 "$pickbed" object add big.obj --name big --unit mm --mass 0.5 --drops 5
-  refused "part 'big' has no antipodal pair that fits its stroke for gripper 'jaw_8cm', but" \
+  refused "object 'big' has no antipodal pair that fits its stroke for gripper 'jaw_8cm', but" \
     "$pickbed" grasps big jaw_8cm "${quick[@]}" --out none
   grep -q "cup_30mm has 20" last.err || fail "the suction cup is not suggested"
   [ ! -e none ] || fail "a refused command left a folder"

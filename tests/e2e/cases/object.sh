@@ -54,9 +54,9 @@ invalid_meshes_are_refused() {
   brick 1 | sed 's/10$/0/' >flat.obj
   refused "flat.obj' encloses no volume" "${add[@]}" flat.obj "${name[@]}"
   brick 20000 >vast.obj
-  refused "check --unit" "${add[@]}" vast.obj "${name[@]}"
+  refused "check the unit" "${add[@]}" vast.obj "${name[@]}"
   brick 1 >brick.stl
-  refused "its extension says what it is" "${add[@]}" brick.stl "${name[@]}"
+  refused "its extension matches its format" "${add[@]}" brick.stl "${name[@]}"
   refused "nowhere.obj" "${add[@]}" nowhere.obj "${name[@]}"
   { # The header declares 5 million faces; the rest of the file is not read.
     printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n'

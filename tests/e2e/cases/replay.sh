@@ -3,7 +3,7 @@
 replay_reproduces_every_stage() {
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
   expect 0 "$pickbed" replay one#1
-  grep -q "^all that is recorded is the same" last.out || fail "the replay does not report that all is the same"
+  grep -q "^all recorded stages are the same" last.out || fail "the replay does not report that all is the same"
   [ "$(grep -c " same$" last.out)" -ge 5 ] || fail "not all stages of an attempt are named"
   for file in color.png depth.png ids.png overlay.png after.png cloud.ply hypotheses.ply scene.glb; do
     [ -s "one/replay/trial_0001/attempt_00_$file" ] || fail "no $file"
@@ -41,13 +41,13 @@ replay_names_the_changed_setting() {
 }
 
 invalid_replay_requests_are_refused() {
-  refused "one: which trial? name it as RUN#TRIAL, for instance one#0" "$pickbed" replay one
+  refused "one: the trial number is missing; write RUN#TRIAL, for instance one#0" "$pickbed" replay one
   refused "there is no folder nowhere" "$pickbed" replay nowhere#1
   mkdir empty
-  refused "empty holds no results.sqlite" "$pickbed" replay empty#1
+  refused "empty has no results.sqlite" "$pickbed" replay empty#1
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
   refused "one#7: the run has no such trial" "$pickbed" replay one#7
-  refused "one#x: 'x' is no number of a trial" "$pickbed" replay one#x
+  refused "one#x: 'x' is no trial number" "$pickbed" replay one#x
   head -c 5000 one/results.sqlite >cut && mv cut one/results.sqlite
   refused "results.sqlite" "$pickbed" replay one#1
 }

@@ -39,7 +39,7 @@ YAML
   expect 0 "$pickbed" run distractor.yaml "${small[@]}" --out one --pictures 0
   grep -q "^0,0,0,finished,3," one/trials.csv || fail "distractors count as dropped instances"
   expect 1 "$pickbed" run distractor.yaml --set objects.1.distractor=true --out two
-  grep -q "all parts are foreign" last.err || fail "a scenario with only distractors is not refused"
+  grep -q "all objects are distractors" last.err || fail "a scenario with only distractors is not refused"
 }
 
 another_seed_gives_other_results() {

@@ -59,7 +59,7 @@ sweep_stops_at_the_requested_interval_width() {
   expect 0 "$pickbed" sweep sweep.yaml "${wide[@]}" --jobs 3 --out three
   for file in trials.csv attempts.csv configurations.csv summary.json; do same "one/$file" "three/$file"; done
   expect 1 "$pickbed" sweep sweep.yaml "${wide[@]}" --shard 1/2 --out parts
-  grep -q "stop_width = 0.9: a shard sees no other's scenes" last.err || fail "a shard is not refused"
+  grep -q "stop_width = 0.9: a shard does not have the scenes of the other shards" last.err || fail "a shard is not refused"
   [ ! -e parts ] || fail "a refused shard left a folder"
   expect 1 "$pickbed" run small.yaml --set stop_width=2 --out no
   grep -q "stop_width" last.err || fail "a width of 2 is not refused"
@@ -88,7 +88,7 @@ YAML
   expect 0 "$pickbed" run small.yaml --set estimator.name=oracle --set occlusion.enabled=true \
     --set "occlusion.bands=[{min: 0.3, max: 0.3001}, {min: 0.9, max: 1}]" \
     --set occlusion.margin=0 --set occlusion.blocker_samples=2 --trials 2 --jobs 1 --out thin
-  grep -q "30-30.01 %: trials without a scene: 2; targets given up: .*; of .* blockers" last.out ||
+  grep -q "30-30.01 %: trials without a scene: 2; rejected targets: .*; of .* blockers" last.out ||
     fail "a band without scenes is not named"
 }
 
@@ -109,7 +109,7 @@ invalid_sweeps_are_refused() {
   expect 1 "$pickbed" sweep nothing.yaml
   expect 1 "$pickbed" sweep sweep.yaml --shard 4/3
   expect 1 "$pickbed" merge sweep.yaml --out joined
-  refused "with --slurm, --cpus says" "$pickbed" sweep sweep.yaml --slurm --jobs 4 --out here
+  refused "with --slurm, --cpus sets" "$pickbed" sweep sweep.yaml --slurm --jobs 4 --out here
   refused "--slurm submits all of them" "$pickbed" sweep sweep.yaml --slurm --shard 1/2 --out here
   expect 1 env PATH=/nowhere "$pickbed" sweep sweep.yaml --slurm --out here
   grep -q "there is no sbatch" last.err || fail "missing Slurm is not reported"

@@ -9,7 +9,7 @@ tolerance_map_resumes() {
   for file in map.png pairs.png model.yaml tolerance.yaml; do
     [ -s "one/$file" ] || fail "no $file"
   done
-  refused "pass --resume" "${map[@]}" --out one
+  refused "--resume" "${map[@]}" --out one
   refused "other settings" "${map[@]}" --out one --resume --set seed=3
   mkdir two
   head -60 one/samples.csv >two/samples.csv
@@ -19,7 +19,7 @@ tolerance_map_resumes() {
   done
   brick 10 >wide.obj
   expect 0 "$pickbed" object add wide.obj --name wide --unit mm --mass 1
-  refused "part 'wide' has no antipodal pair that fits its stroke for gripper 'jaw_8cm', but" "$pickbed" tolerance wide jaw_8cm --out wide
+  refused "object 'wide' has no antipodal pair that fits its stroke for gripper 'jaw_8cm', but" "$pickbed" tolerance wide jaw_8cm --out wide
   [ ! -e wide ] || fail "a refused map left a folder"
   refused "did you mean 'gy'" "${map[@]}" --pairs gx:gyy --out three
   refused "axes of one frame" "${map[@]}" --pairs x:gx --out three
@@ -39,14 +39,14 @@ tolerance_maps_forecast_the_picks_of_a_run() {
   expect 0 "$pickbed" run here.yaml "${noisy[@]}" --tolerance maps/rod/model.yaml --out two --jobs 1
   for file in attempts.csv pick_chances.csv summary.json; do same "one/$file" "two/$file"; done
   expect 0 "$pickbed" budget one --stages none --tolerance maps
-  page one/budget/index.html "What pose errors foretell"
+  page one/budget/index.html "Prediction of picks from pose errors"
   page one/budget/index.html "bins are few"
   expect 0 "$pickbed" estimate here.yaml "${noisy[@]:0:4}" --trials 1 --tolerance maps --out poses
   head -1 poses/hypotheses.csv | grep -q ",p_pick$" || fail "hypotheses.csv has no p_pick"
-  refused "is of rod with jaw_8cm; the parts are rod, flange, the gripper is jaw_14cm" \
+  refused "is a map of rod with jaw_8cm; the objects are rod, flange, the gripper is jaw_14cm" \
     "$pickbed" run here.yaml --set gripper=jaw_14cm --tolerance maps/rod --out no
   cp -r maps/rod maps/again
-  refused "are both of rod with jaw_8cm" "$pickbed" run here.yaml --tolerance maps --out no
+  refused "are both maps of rod with jaw_8cm" "$pickbed" run here.yaml --tolerance maps --out no
   refused "there is no such file" "$pickbed" run here.yaml --tolerance nowhere --out no
   refused "write ID=PLACE" "$pickbed" score --bop none none.csv --tolerance maps
 }

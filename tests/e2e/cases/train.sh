@@ -32,14 +32,14 @@ training_resumes_after_an_interrupt() {
   cmp rod.pt unstopped.pt || fail "a stopped and resumed training gives other weights"
   same rod_report/curves.csv unstopped_report/curves.csv
   expect 0 "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.pt"
-  refused "rod.pt: not trained for part 'flange' (knows rod)" \
+  refused "rod.pt: not trained for object 'flange' (knows rod)" \
     "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/rod.pt"
 
   # Adds an object to the known one.
   expect 0 "$pickbed" train flange --from rod.pt "${quick[@]}" --out both.pt --report page \
     --sensor structured_light,time_of_flight
   page page/index.html "structured_light, time_of_flight"
-  grep -q "rod, known before: recall@1" last.out || fail "the object known before is not reported"
+  grep -q "rod, known from the start model: recall@1" last.out || fail "the object of the start model is not reported"
   [ -s page/curves.csv ] || fail "no report in the requested folder"
   [ ! -e both.pt.checkpoint ] || fail "the checkpoint of a finished training is left over"
   expect 0 "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/both.pt"
@@ -47,14 +47,14 @@ training_resumes_after_an_interrupt() {
   # The same name with another mesh.
   brick 1 >brick.obj
   expect 0 "$pickbed" object add brick.obj --name rod --mass 0.1 --drops 5
-  refused "rod.pt: the mesh of part 'rod' has changed since training" \
+  refused "rod.pt: the mesh of object 'rod' has changed since training" \
     "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.pt"
-  refused "rod.pt: the mesh of part 'rod' has changed since training; name the part" \
+  refused "rod.pt: the mesh of object 'rod' has changed since training; name the object" \
     "$pickbed" train flange --from rod.pt "${quick[@]}" --out both.pt
 }
 
 invalid_training_requests_are_refused() {
-  refused "nothing to learn" "$pickbed" train
+  refused "no objects to train for" "$pickbed" train
   refused "takes neither --minutes nor --from" "$pickbed" train wohlhart rod --minutes 3
   refused "--verifier-for ppf trains the verifiers of another estimator" \
     "$pickbed" train kehl rod --verifier-for ppf
@@ -74,8 +74,8 @@ invalid_training_requests_are_refused() {
   refused "PICKBED_DEVICE is 'gpu'" env PICKBED_DEVICE=gpu "$pickbed" train rod --out new.pt
   brick 1 | awk '/^v/ {print "v", $2 / 10, $3 / 10, $4 / 10; next} {print}' >speck.obj
   echo "objects: [{name: speck, mesh: speck.obj, unit: mm, mass_kg: 0.01, count: 3}]" >specks.yaml
-  refused "part 'speck' is" "$pickbed" train --scenario specks.yaml --out specks.pt
-  grep -q "10 px are the least" last.err || fail "the minimum size is not reported"
+  refused "object 'speck' is" "$pickbed" train --scenario specks.yaml --out specks.pt
+  grep -q "at least 10 px" last.err || fail "the minimum size is not reported"
   grep -q "^views" last.err && fail "it was reported only after views were rendered"
   echo "objects: []" >none.yaml
   refused "none.yaml" "$pickbed" train --scenario none.yaml

@@ -20,19 +20,19 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-BinLook Look(int trial, int recalled, int instances) {
-  BinLook look{trial, recalled > 0, 0.5, std::vector<Cluster>(EmptyRecallBands().size())};
-  look.bands.back() = {recalled, instances};
-  return look;
+BinStatistics OneBin(int trial, int recalled, int instances) {
+  BinStatistics bin{trial, recalled > 0, 0.5, std::vector<Cluster>(EmptyRecallBands().size())};
+  bin.bands.back() = {recalled, instances};
+  return bin;
 }
 
 // Two scenarios with two bins each. With the siamese term one more instance is found in each bin.
 std::vector<BinScenario> HandWorked() {
   std::vector<BinScenario> scenarios;
   for (const char* name : {"bin_a", "bin_b"}) {
-    const BinRow with{"doumanoglou", {Look(0, 8, 10), Look(1, 6, 10)}, 0.5, 0.6, 100, 1};
+    const BinRow with{"doumanoglou", {OneBin(0, 8, 10), OneBin(1, 6, 10)}, 0.5, 0.6, 100, 1};
     const BinRow without{
-        "doumanoglou, no siamese term", {Look(0, 7, 10), Look(1, 5, 10)}, 0.4, 0.5, 90, 1};
+        "doumanoglou, no siamese term", {OneBin(0, 7, 10), OneBin(1, 5, 10)}, 0.4, 0.5, 90, 1};
     scenarios.push_back({name, {with, without}});
   }
   return scenarios;
@@ -44,7 +44,7 @@ TEST(BinTable, StatisticsEqualHandComputedValues) {
   EXPECT_THAT(csv, HasSubstr("bin_b,\"doumanoglou, no siamese term\",2,2,12,20,0.4000"));
   EXPECT_THAT(csv, HasSubstr(",recalled_90_100,instances_90_100\n"));
   EXPECT_THAT(BinTableText(HandWorked()), HasSubstr("70.0 ["));
-  EXPECT_THAT(BinTableText(HandWorked()), HasSubstr("by +10.0 points, 95 % interval ["));
+  EXPECT_THAT(BinTableText(HandWorked()), HasSubstr("by +10.0 percentage points, 95 % interval ["));
   EXPECT_THAT(BinTablePage(HandWorked()).body(), HasSubstr("over 4 bins"));
 }
 
@@ -201,11 +201,11 @@ TEST(BinRowOf, CopiesTheStatisticsOfAComparison) {
   spec.trials = 2;
   const ComparisonJob job{spec, EasyCube(), {{"oracle", spec.estimator}}, {}, 0, 1, {}, {}};
   const BinRow row = BinRowOf(CompareEstimators(job).front());
-  ASSERT_EQ(row.looks.size(), 2u);
-  for (const BinLook& look : row.looks) {
-    EXPECT_TRUE(look.top_right);
-    EXPECT_EQ(SumOf(look.bands).hits, SumOf(look.bands).tries);
-    EXPECT_EQ(SumOf(look.bands).tries, 3);
+  ASSERT_EQ(row.bins.size(), 2u);
+  for (const BinStatistics& bin : row.bins) {
+    EXPECT_TRUE(bin.top_right);
+    EXPECT_EQ(SumOf(bin.bands).hits, SumOf(bin.bands).samples);
+    EXPECT_EQ(SumOf(bin.bands).samples, 3);
   }
   EXPECT_NEAR(row.ap, 1, 1e-9);
 }

@@ -40,16 +40,16 @@ CropBenchmarkJob SmallJob() {
   return job;
 }
 
-CropFigures Clean(const CropBenchmark& benchmark, const std::string& method, CropStage stage) {
-  return FiguresOf(benchmark, {method, stage, 0, {}});
+CropStatistics Clean(const CropBenchmark& benchmark, const std::string& method, CropStage stage) {
+  return StatisticsOf(benchmark, {method, stage, 0, {}});
 }
 
 TEST(CropBenchmark, MethodsScoreBetweenRandomAndNearestTemplate) {
   const CropBenchmarkJob job = SmallJob();
   const CropBenchmark benchmark = RunCropBenchmark(job);
   ASSERT_TRUE(benchmark.finished);
-  const CropFigures oracle = Clean(benchmark, kOracleMethod, CropStage::kNearest);
-  const CropFigures chance = Clean(benchmark, "random", CropStage::kNearest);
+  const CropStatistics oracle = Clean(benchmark, kOracleMethod, CropStage::kNearest);
+  const CropStatistics chance = Clean(benchmark, "random", CropStage::kNearest);
   ASSERT_EQ(oracle.tests(), 24);
   // In each view no look-up is better than the template nearest to the ground truth. That template
   // is at most half the spacing of 162 directions away, about 20 degrees of rotation.
@@ -57,7 +57,7 @@ TEST(CropBenchmark, MethodsScoreBetweenRandomAndNearestTemplate) {
   EXPECT_EQ(RateOf(oracle.part_right), 1);
   for (const char* name : {"hog", "linemod"}) {
     SCOPED_TRACE(name);
-    const CropFigures method = Clean(benchmark, name, CropStage::kNearest);
+    const CropStatistics method = Clean(benchmark, name, CropStage::kNearest);
     for (int i = 0; i < 24; ++i) {
       EXPECT_LE(oracle.angles_deg[i][0], method.angles_deg[i][0] + 1e-9);
     }
@@ -65,7 +65,7 @@ TEST(CropBenchmark, MethodsScoreBetweenRandomAndNearestTemplate) {
     EXPECT_GT(RateOf(method.within[3]), RateOf(chance.within[3]));
   }
   // ICP converges from starts this close.
-  const CropFigures refined = Clean(benchmark, kOracleMethod, CropStage::kNearestIcp);
+  const CropStatistics refined = Clean(benchmark, kOracleMethod, CropStage::kNearestIcp);
   EXPECT_LT(MedianOf(refined.angles_deg), MedianOf(oracle.angles_deg));
 }
 
@@ -109,15 +109,15 @@ TEST(CropBenchmark, OutOfRangeSettingsReportTheRange) {
 // In the planted record the object is wrong, so the pose is wrong too.
 TEST(CropStatistics, WrongObjectIsWithinNoAngle) {
   CropBenchmark benchmark;
-  CropRecord right{"m", CropStage::kNearest, 0, 0, 0};
-  right.found_object = 0;
+  CropRecord right{"m", CropStage::kNearest, ObjectId{0}, 0, 0};
+  right.found_object = ObjectId{0};
   right.angle_rad = 7 * std::numbers::pi / 180;
   CropRecord wrong = right;
   wrong.test = 1;
-  wrong.found_object = 1;
+  wrong.found_object = ObjectId{1};
   wrong.angle_rad = std::numeric_limits<double>::infinity();
   benchmark.records = {right, wrong};
-  const CropFigures f = FiguresOf(benchmark, {"m", CropStage::kNearest, 0, {}});
+  const CropStatistics f = StatisticsOf(benchmark, {"m", CropStage::kNearest, 0, {}});
   EXPECT_EQ(RateOf(f.part_right), 0.5);
   EXPECT_EQ(RateOf(f.within[0]), 0);
   EXPECT_EQ(RateOf(f.within[1]), 0.5);
@@ -141,7 +141,8 @@ class CropConditions : public testing::Test {
       if (row.name != condition) continue;
       Rng rng(4);
       const Rotations R_CO = TestRotations(10, views_, rng);
-      return MakeCropTests({source_.get(), source_.get(), relit_.get()}, 0, row, R_CO, views_, 7);
+      return MakeCropTests({source_.get(), source_.get(), relit_.get()}, ObjectId{0}, row, R_CO,
+                           views_, 7);
     }
     return {};
   }

@@ -123,7 +123,7 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
       {"test/000001/scene_gt.json", [](Json& j) { j["0"][1]["cam_R_m2c"].erase(8); },
        "'cam_R_m2c': is not 9 numbers"},
       {"test/000001/scene_gt.json", [](Json& j) { j["0"][1]["cam_t_m2c"][2] = -500; },
-       "instance 1: stands behind the camera"},
+       "instance 1: is behind the camera"},
       {"test/000001/scene_gt.json", [](Json& j) { j["0"][1].erase("cam_t_m2c"); },
        "instance 1: has no 'cam_t_m2c'"},
       {"test/000001/scene_gt.json", [](Json& j) { j["0"][1]["obj_id"] = 9; },
@@ -132,9 +132,9 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
        "scene_gt.json: has no entry for image 1"},
       {"test/000001/scene_gt.json", [](Json& j) { j["5"] = j["1"]; },
        "image 5: scene_camera.json has no such image"},
-      {"test/000001/scene_gt.json", [](Json& j) { j["x"] = j["1"]; }, "'x' is no number"},
+      {"test/000001/scene_gt.json", [](Json& j) { j["x"] = j["1"]; }, "'x' is not the number"},
       {"test/000001/scene_gt_info.json", [](Json& j) { j["0"].erase(1); },
-       "tells of 2 instances, scene_gt.json of 3"},
+       "has 2 instances, scene_gt.json has 3"},
       {"test/000001/scene_gt_info.json",
        [](Json& j) { j["0"][0]["visib_fract"] = 0.5 * j["0"][0]["visib_fract"].get<double>(); },
        "image 0: instance 0: visib_fract is"},
@@ -154,7 +154,8 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
       {"models/models_info.json",
        [](Json& j) { j["1"]["diameter"] = 2 * j["1"]["diameter"].get<double>(); },
        "obj_000001.ply: its diameter is 51.962 mm, models_info.json says 103.923"},
-      {"models/models_info.json", [](Json& j) { j["1"]["min_x"] = -99; }, "its bounding box is"},
+      {"models/models_info.json", [](Json& j) { j["1"]["min_x"] = -99; },
+       "its bounding box differs"},
       {"models/models_info.json", [](Json& j) { j["1"]["diameter"] = "52"; },
        "'diameter' is \"52\", not a number"},
       {"models/models_info.json",
@@ -170,10 +171,10 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
        "an axis has no length"},
       {"camera.json", [](Json& j) { j["fx"] = -1; }, "must be positive"},
       {"test_targets_bop19.json", [](Json& j) { j[0]["inst_count"] = 50; },
-       "target 0: wants 50 of object 1, scene 1 image 0 has 3"},
+       "target 0: requests 50 of object 1, but scene 1 image 0 has 3"},
       {"test_targets_bop19.json", [](Json& j) { j[0].erase("obj_id"); }, "has no 'obj_id'"},
       {"test_targets_bop24.json", [](Json& j) { j[0]["im_id"] = 8; },
-       "target 0: there is no truth of scene 1 image 8"},
+       "target 0: there is no ground truth for scene 1 image 8"},
   };
   for (const auto& c : cases) {
     Copy();
@@ -204,7 +205,7 @@ TEST_F(BopCheck, WrongImagesAreReported) {
   EXPECT_THAT(only_fault(), HasSubstr("000000.png' as depth: it is not 16 bits"));
   Copy();
   WritePng16(depth, Image<uint16_t>(96, 72));
-  EXPECT_THAT(only_fault(), HasSubstr("000000.png: has no reading at all"));
+  EXPECT_THAT(only_fault(), HasSubstr("000000.png: has no depth reading"));
   Copy();
   WritePng(rgb, Image<Rgb8>(48, 36));
   EXPECT_THAT(only_fault(), HasSubstr("is 48 x 36 pixels, its depth image 96 x 72"));

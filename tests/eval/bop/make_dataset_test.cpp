@@ -57,9 +57,10 @@ TEST(BopMake, SameBytesForAnyJobCountAndAfterResume) {
   const MakeReport resumed = MakeSmall(stopped, 3, 2, 1, true);
   EXPECT_EQ(resumed.done_before, 1);
   EXPECT_EQ(resumed.done, 3);
+  EXPECT_EQ(MakeSmall(stopped, 2, 2, 1, true).done, 2) << "only requested scenes count";
   ExpectSame(one, stopped);
 
-  EXPECT_THROW(MakeSmall(one, 3, 2), InputError) << "without --resume nothing is overwritten";
+  EXPECT_THROW(MakeSmall(one, 3, 2), InputError) << "nothing is overwritten unless resumed";
   EXPECT_THROW(MakeSmall(one, 3, 5, 1, true), InputError) << "other settings";
   ExpectSame(one, two);
 }
@@ -75,8 +76,8 @@ class BopTruth : public ::testing::Test {
   static void TearDownTestSuite() { delete set_; }
   static fs::path folder() { return set_->path() / "test" / "000001"; }
   static SceneTruth Truth() { return ReadSceneTruth(folder(), 1, ThrowFault); }
-  static Image<uint8_t> Mask(const char* kind, int image, int instance) {
-    return ReadPng8(folder() / kind / MaskFileName(image, instance));
+  static Image<uint8_t> Mask(const char* kind, int image, int position) {
+    return ReadPng8(folder() / kind / MaskFileName(image, position));
   }
   static int Pixels(const Image<uint8_t>& mask) {
     int set = 0;
@@ -96,7 +97,7 @@ TemporaryFolder* BopTruth::set_ = nullptr;
 TEST_F(BopTruth, MasksAndDepthEqualTheRenderedScene) {
   SimulatedCell cell(SmallScenario(), EasyCube());
   SceneRenderer renderer(cell.objects(), cell.bin());
-  const Scene scene = cell.MakeScene(0).scene;
+  const Scene scene = cell.MakeScene(BinIndex{0}).scene;
   ASSERT_EQ(scene.objects.size(), static_cast<size_t>(kSmallParts));
   const SceneTruth truth = Truth();
   ASSERT_EQ(truth.images.size(), static_cast<size_t>(kViews));

@@ -73,7 +73,8 @@ TEST(BopVsd, EqualsHandComputedValues) {
   EXPECT_EQ(Vsd(truth, truth, nothing, 0.1, kTaus), (std::vector<double>{0, 0}));
   // Columns 0 and 4 are in only one silhouette. One of the three common columns is off by 0.3
   // diameters.
-  const std::vector<double> shifted = Vsd(Row(1, {1, 1, 1.03f, 1}), truth, nothing, 0.1, kTaus);
+  const std::vector<double> shifted =
+      Vsd(Row(1, {InstanceId{1}, ObjectId{1}, 1.03f, 1}), truth, nothing, 0.1, kTaus);
   EXPECT_NEAR(shifted[0], 3.0 / 5, 1e-12);
   EXPECT_NEAR(shifted[1], 2.0 / 5, 1e-12);
   // No common pixels, and two empty silhouettes.

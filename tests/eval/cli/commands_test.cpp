@@ -131,7 +131,7 @@ TEST_F(CommandsTest, UnknownNamesAreRefusedWithASuggestion) {
   ExpectRefused({"run", Scenario(), "--out", Out(), "--set", "sensor=structured_lite"},
                 "structured_light");
   ExpectRefused({"train", "rodd"}, "rod");
-  ExpectRefused({"train"}, "nothing to learn");
+  ExpectRefused({"train"}, "no objects to train for");
   EXPECT_FALSE(std::filesystem::exists(Out())) << "a refused run leaves no folder";
 }
 
@@ -153,12 +153,12 @@ TEST_F(CommandsTest, UnusableMeshesAreRefused) {
 TEST_F(CommandsTest, RenderPrintsTheNumberOfVisibleInstances) {
   const Outcome whole = Pickbed({"render", Scenario(), "--out", Out()});
   EXPECT_EQ(whole.status, 0) << whole.err;
-  EXPECT_THAT(whole.out, HasSubstr("2 of 2 parts in view"));
+  EXPECT_THAT(whole.out, HasSubstr("2 of 2 instances are visible"));
   // From beside the bin, a wall occludes them.
   const Outcome hidden =
       Pickbed({"render", Scenario(), "--out", Out(), "--set", "camera.eye_m=[0.6, 0, 0.06]"});
   EXPECT_EQ(hidden.status, 0) << hidden.err;
-  EXPECT_THAT(hidden.out, HasSubstr("0 of 2 parts in view"));
+  EXPECT_THAT(hidden.out, HasSubstr("0 of 2 instances are visible"));
 }
 
 TEST_F(CommandsTest, UnusableBopFilesAreRefused) {
@@ -189,7 +189,7 @@ TEST_F(CommandsTest, UnusableOutputFoldersAreRefused) {
     std::vector<std::string> words{command, Scenario(), "--out", under_a_file};
     if (command == std::string("run"))
       words.insert(words.end(), {"--set", "estimator.name=oracle"});
-    ExpectRefused(words, "choose another folder");
+    ExpectRefused(words, "--out");
   }
 }
 

@@ -21,16 +21,16 @@ using ::testing::HasSubstr;
 AttemptRecord Attempt(const std::vector<double>& visible, int recalled, bool picked) {
   AttemptRecord pick;
   for (size_t i = 0; i < visible.size(); ++i) {
-    const int instance = static_cast<int>(i);
-    pick.instances.push_back({instance, 0, visible[i], instance < recalled});
+    const InstanceId instance(i);
+    pick.instances.push_back({instance, ObjectId{0}, visible[i], instance < recalled});
   }
   HypothesisRecord top;
-  top.instance = 0;
+  top.instance = InstanceId{0};
   top.correct = recalled > 0;
   top.metrics.Set(kMssdDiameters, recalled > 0 ? 0.02 : 0.3);
   pick.hypotheses = {top};
   pick.chosen = 0;
-  pick.matched_instance = 0;
+  pick.matched_instance = InstanceId{0};
   pick.grasp = Grasp{};
   pick.failure = picked ? FailureReason::kNone : FailureReason::kSlipped;
   return pick;
@@ -39,7 +39,7 @@ AttemptRecord Attempt(const std::vector<double>& visible, int recalled, bool pic
 TrialResult Trial(int number, int scene, std::vector<AttemptRecord> picks) {
   TrialResult trial;
   trial.trial = number;
-  trial.bin_index = scene;
+  trial.bin_index = BinIndex(scene);
   trial.instances_dropped = 3;
   trial.attempts = std::move(picks);
   for (const AttemptRecord& pick : trial.attempts)
@@ -58,9 +58,9 @@ std::vector<TrialResult> OnePickRun(const std::vector<int>& successes, int first
   return trials;
 }
 
-const PairedFigure& FigureOf(const PairedComparison& comparison, const std::string& key) {
-  for (const PairedFigure& figure : comparison.figures) {
-    if (figure.key == key) return figure;
+const PairedStatistic& StatisticOf(const PairedComparison& comparison, const std::string& key) {
+  for (const PairedStatistic& statistic : comparison.statistics) {
+    if (statistic.key == key) return statistic;
   }
   throw std::logic_error("no figure " + key);
 }
@@ -74,42 +74,42 @@ TEST(CountByScene, TrialsOfOneBinAreOneCluster) {
   ASSERT_EQ(picks.size(), 2u);
   EXPECT_EQ(picks[0].hits, 0);
   EXPECT_EQ(picks[1].hits, 2);
-  EXPECT_EQ(picks[1].tries, 2);
+  EXPECT_EQ(picks[1].samples, 2);
   const auto recall = CountByScene(trials, InstancesRecalled(0.1, 1));
-  EXPECT_EQ(recall[0].tries, 1) << "an instance at 5 % visible does not count";
-  EXPECT_EQ(recall[1].tries, 4);
+  EXPECT_EQ(recall[0].samples, 1) << "an instance at 5 % visible does not count";
+  EXPECT_EQ(recall[1].samples, 4);
   EXPECT_EQ(recall[1].hits, 1);
   const auto of_band = CountByScene(trials, {2, 3, 4}, InstancesRecalled(0.3, 0.5));
-  EXPECT_EQ(of_band[1].tries, 0) << "a bin without trials";
-  EXPECT_EQ(of_band[2].tries, 2) << "0.5 belongs to the next band";
+  EXPECT_EQ(of_band[1].samples, 0) << "a bin without trials";
+  EXPECT_EQ(of_band[2].samples, 2) << "0.5 belongs to the next band";
 }
 
 // An attempt with a target counts only the target, at its visible fraction.
 TEST(CountByScene, OnlyTheTargetCountsIfAnAttemptHasOne) {
   AttemptRecord attempt = Attempt({0.95, 0.4, 0.4}, 2, true);
-  attempt.target = 1;
+  attempt.target = InstanceId{1};
   const std::vector<TrialResult> trials{Trial(0, 0, {attempt})};
   const auto whole = CountByScene(trials, InstancesRecalled(0.1, 1));
-  EXPECT_EQ(whole[0].tries, 1);
+  EXPECT_EQ(whole[0].samples, 1);
   EXPECT_EQ(whole[0].hits, 1);
   EXPECT_EQ(CountByScene(trials, SuccessByVisibility(0.3, 0.5))[0].hits, 1);
-  EXPECT_EQ(CountByScene(trials, SuccessByVisibility(0.9, 1))[0].tries, 0);
+  EXPECT_EQ(CountByScene(trials, SuccessByVisibility(0.9, 1))[0].samples, 0);
 }
 
 // Without a grasp nothing is executed, but the target counts as not picked.
 TEST(CountByScene, TargetWithoutAGraspCountsAsNotPicked) {
   AttemptRecord picked = Attempt({0.95, 0.4, 0.4}, 2, true);
-  picked.target = 1;
+  picked.target = InstanceId{1};
   AttemptRecord none = picked;
   none.grasp.reset();
   none.failure = FailureReason::kNoGrasp;
   AttemptRecord untargeted = Attempt({0.4, 0.4}, 1, true);
   const std::vector<TrialResult> trials{Trial(0, 0, {picked, none, untargeted})};
   const auto of_band = CountByScene(trials, TargetsPicked(0.3, 0.5));
-  EXPECT_EQ(of_band[0].tries, 2);
+  EXPECT_EQ(of_band[0].samples, 2);
   EXPECT_EQ(of_band[0].hits, 1);
-  EXPECT_EQ(CountByScene(trials, SuccessByVisibility(0.3, 0.5))[0].tries, 2);
-  EXPECT_EQ(CountByScene(trials, TargetsPicked(0.9, 1))[0].tries, 0);
+  EXPECT_EQ(CountByScene(trials, SuccessByVisibility(0.3, 0.5))[0].samples, 2);
+  EXPECT_EQ(CountByScene(trials, TargetsPicked(0.9, 1))[0].samples, 0);
 }
 
 // One pick per bin. The discordant counts of McNemar's table are 2 and 9, counted by hand.
@@ -118,7 +118,7 @@ TEST(ComparePaired, OneOutcomePerBinUsesMcNemarsTest) {
   const auto after = OnePickRun({2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14}, 100);
   const PairedComparison comparison = ComparePaired(before, after);
   EXPECT_EQ(comparison.scenes, 20);
-  const PairedFigure& success = FigureOf(comparison, "pick_success");
+  const PairedStatistic& success = StatisticOf(comparison, "pick_success");
   EXPECT_EQ(success.test, "mcnemar");
   EXPECT_DOUBLE_EQ(success.before, 0.3);
   EXPECT_DOUBLE_EQ(success.after, 0.65);
@@ -130,18 +130,18 @@ TEST(ComparePaired, OneOutcomePerBinUsesMcNemarsTest) {
   EXPECT_LT(success.difference_ci95.low, 0.35);
   EXPECT_GT(success.difference_ci95.high, 0.35);
   // Three instances per bin are not one outcome.
-  EXPECT_EQ(FigureOf(comparison, "recall").test, "sign_flip");
-  EXPECT_EQ(FigureOf(comparison, "recall_90_100").test, "mcnemar");
-  EXPECT_EQ(FigureOf(comparison, "recall_90_100").p_value, 1);
+  EXPECT_EQ(StatisticOf(comparison, "recall").test, "sign_flip");
+  EXPECT_EQ(StatisticOf(comparison, "recall_90_100").test, "mcnemar");
+  EXPECT_EQ(StatisticOf(comparison, "recall_90_100").p_value, 1);
 }
 
 TEST(ComparePaired, RatesUseTheBandsOfTheRuns) {
   const auto run = OnePickRun({0, 1});
   const PairedComparison comparison = ComparePaired(run, run, {{0.15, 0.225}, {0.5, 0.7}});
-  EXPECT_EQ(FigureOf(comparison, "recall_15_22.5").name, "recall, 15-22.5 % visible");
-  EXPECT_EQ(FigureOf(comparison, "recall_50_70").scenes, 20);
-  EXPECT_EQ(FigureOf(comparison, "recall").scenes, 20) << "all instances at least 10 % visible";
-  EXPECT_THROW(FigureOf(comparison, "recall_90_100"), std::logic_error);
+  EXPECT_EQ(StatisticOf(comparison, "recall_15_22.5").name, "recall, 15-22.5 % visible");
+  EXPECT_EQ(StatisticOf(comparison, "recall_50_70").scenes, 20);
+  EXPECT_EQ(StatisticOf(comparison, "recall").scenes, 20) << "all instances at least 10 % visible";
+  EXPECT_THROW(StatisticOf(comparison, "recall_90_100"), std::logic_error);
 }
 
 TEST(ComparePaired, BinsArePairedByIndexAndOnlySharedOnesCount) {
@@ -153,7 +153,7 @@ TEST(ComparePaired, BinsArePairedByIndexAndOnlySharedOnesCount) {
   EXPECT_EQ(comparison.scenes, 18);
   EXPECT_EQ(comparison.before_only, 1);
   EXPECT_EQ(comparison.after_only, 1);
-  const PairedFigure& success = FigureOf(comparison, "pick_success");
+  const PairedStatistic& success = StatisticOf(comparison, "pick_success");
   EXPECT_DOUBLE_EQ(success.before, 2 / 18.0);
   EXPECT_DOUBLE_EQ(success.after, 4 / 18.0);
   EXPECT_EQ(success.discordant_scenes, 2);
@@ -166,7 +166,8 @@ TEST(ComparePaired, ErrorsAreComparedByTheirMedian) {
     after[i].attempts[0].hypotheses[0].metrics.Set(kMssdDiameters, 0.01 + 0.001 * i);
   }
   before[3].attempts[0].hypotheses[0].metrics.Set(kMssdDiameters, 2);  // on no instance
-  const PairedFigure& median = FigureOf(ComparePaired(before, after), "median_mssd_diameters");
+  const PairedStatistic& median =
+      StatisticOf(ComparePaired(before, after), "median_mssd_diameters");
   EXPECT_FALSE(median.is_rate);
   EXPECT_NEAR(median.difference(), -0.01, 1.1e-3);
   EXPECT_LE(median.difference_ci95.high, -0.007);
@@ -180,10 +181,10 @@ TEST(ComparePaired, MedianOverTooFewBinsHasNoInterval) {
   const auto median = [&](int scenes) {
     before.resize(scenes);
     after.resize(scenes);
-    return FigureOf(ComparePaired(before, after), "median_mssd_diameters");
+    return StatisticOf(ComparePaired(before, after), "median_mssd_diameters");
   };
   EXPECT_TRUE(std::isfinite(median(6).difference_ci95.high));
-  const PairedFigure few = median(5);
+  const PairedStatistic few = median(5);
   EXPECT_GT(few.p_value, 0.05);
   EXPECT_TRUE(std::isinf(few.difference_ci95.low));
   EXPECT_TRUE(std::isinf(few.difference_ci95.high));
@@ -203,34 +204,35 @@ TEST(ComparePaired, ErrorsUseOnlyInstancesThatBothRunsFound) {
     b.back().score = 0.3;
     b.back().metrics.Set(kMssdDiameters, 0.4);
     b.push_back(b.back());
-    b.back().instance = 2;
+    b.back().instance = InstanceId{2};
     b.back().score = 0.8;
   }
-  const PairedFigure& median = FigureOf(ComparePaired(before, after), "median_mssd_diameters");
+  const PairedStatistic& median =
+      StatisticOf(ComparePaired(before, after), "median_mssd_diameters");
   EXPECT_DOUBLE_EQ(median.before, 0.02);
   EXPECT_DOUBLE_EQ(median.after, 0.02);
   EXPECT_EQ(median.discordant_scenes, 0);
 
-  for (TrialResult& trial : after) trial.attempts[0].target = 2;
-  for (const PairedFigure& figure : ComparePaired(before, after).figures) {
-    EXPECT_TRUE(figure.is_rate) << "no instance was found by both: " << figure.key;
+  for (TrialResult& trial : after) trial.attempts[0].target = InstanceId{2};
+  for (const PairedStatistic& statistic : ComparePaired(before, after).statistics) {
+    EXPECT_TRUE(statistic.is_rate) << "no instance was found by both: " << statistic.key;
   }
 }
 
 TEST(ComparePaired, EqualRunsHaveNoDifference) {
   const auto run = OnePickRun({0, 1, 2, 3});
-  for (const PairedFigure& figure : ComparePaired(run, run).figures) {
-    EXPECT_EQ(figure.difference(), 0) << figure.key;
-    EXPECT_EQ(figure.p_value, 1) << figure.key;
-    EXPECT_FALSE(figure.scenes_needed) << figure.key;
-    if (!figure.is_rate) continue;
-    EXPECT_GT(figure.difference_ci95.high, 0.05) << figure.key;
+  for (const PairedStatistic& statistic : ComparePaired(run, run).statistics) {
+    EXPECT_EQ(statistic.difference(), 0) << statistic.key;
+    EXPECT_EQ(statistic.p_value, 1) << statistic.key;
+    EXPECT_FALSE(statistic.scenes_needed) << statistic.key;
+    if (!statistic.is_rate) continue;
+    EXPECT_GT(statistic.difference_ci95.high, 0.05) << statistic.key;
   }
 }
 
 TEST(ComparePaired, RunsWithoutASharedBinAreRefusedInOneLine) {
   auto other = OnePickRun({});
-  for (TrialResult& trial : other) trial.bin_index += 1000;
+  for (TrialResult& trial : other) trial.bin_index = BinIndex(trial.bin_index + 1000);
   const std::string error = ErrorOf([&] { ComparePaired(OnePickRun({}), other); });
   EXPECT_THAT(error, HasSubstr("share no scenes"));
   EXPECT_EQ(error.find('\n'), std::string::npos);
@@ -328,7 +330,7 @@ TEST(CompareConfigurations, ReportsNamesAndUsesTheBandsOfTheRun) {
   EXPECT_EQ(json["second"], "runs/b");
   EXPECT_EQ(json["statistics"][0]["discordant_scenes"], 5);
   const ReportTable table = PairedReport(compared[0]);
-  EXPECT_THAT(table.text, HasSubstr("of rates, not of medians"));
+  EXPECT_THAT(table.text, HasSubstr("only for rates, not for medians"));
   std::vector<std::string> names;
   for (const auto& row : table.cells) names.push_back(row[0]);
   EXPECT_THAT(names, testing::Contains("recall, 15-25 % visible"));

@@ -44,17 +44,16 @@ TEST(DrawOverlay, PoseIsDrawnOnlyWhereItProjects) {
   const Camera camera{{200, 160, 300, 300, 99.5, 79.5}, Pose::Identity()};
   const RgbdFrame frame{camera.intrinsics, Image<Rgb8>(200, 160), Image<float>(200, 160)};
   const ObjectSet objects = UnitCubes();
-  const Scene truth;
   std::vector<PoseHypothesis> hypotheses(1);
   hypotheses[0].X_CO = Translation({0.05, 0, 0.5});
-  const Image<Rgb8> image = DrawOverlay({frame, camera, objects, truth, hypotheses});
+  const Image<Rgb8> image = DrawOverlay({frame, camera, objects, hypotheses});
   EXPECT_GT(CountPixels(image, Rgb8{}), 60);
   // The cube is 0.05 / 0.5 * 300 = 30 px right of the center and at most 0.04 m wide.
   for (int y = 0; y < 160; ++y) {
     for (int x = 0; x < 100; ++x) EXPECT_EQ(image(x, y), Rgb8{}) << x << " " << y;
   }
   const std::vector<PoseHypothesis> none;
-  EXPECT_EQ(CountPixels(DrawOverlay({frame, camera, objects, truth, none}), Rgb8{}), 0);
+  EXPECT_EQ(CountPixels(DrawOverlay({frame, camera, objects, none}), Rgb8{}), 0);
 }
 
 TEST(Canvas, TextStaysWithinItsWidth) {

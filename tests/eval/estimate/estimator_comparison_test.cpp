@@ -32,21 +32,23 @@ HypothesisRecord Pose(double score, double mssd_diameters, double rotation_rad =
 // the same instance, one at the place of another object. The last one is right, for the barely
 // visible instance.
 ComparedRow HandWorked() {
-  ComparedLook look;
-  look.score.instances = {{0, 0, 1.0, true}, {1, 0, 0.6, false}, {2, 0, 0.05, true}};
-  look.score.hypotheses = {Pose(0.9, 0.01, 0.01), Pose(0.8, 0.02, 0.02), Pose(0.7, 0.3, 0.5),
-                           Pose(0.6, 0.03, 0.03)};
-  look.score.taken = {0, -1, -1, 2};
-  look.score.nearest_object = {0, 0, 1, 0};
-  look.seconds = {{"estimate", 0.5}, {"estimate/icp", 0.2}};
+  ComparedImage image;
+  image.score.instances = {{InstanceId{0}, ObjectId{0}, 1.0, true},
+                           {InstanceId{1}, ObjectId{0}, 0.6, false},
+                           {InstanceId{2}, ObjectId{0}, 0.05, true}};
+  image.score.hypotheses = {Pose(0.9, 0.01, 0.01), Pose(0.8, 0.02, 0.02), Pose(0.7, 0.3, 0.5),
+                            Pose(0.6, 0.03, 0.03)};
+  image.score.taken = {0, -1, -1, 2};
+  image.score.nearest_object = {ObjectId{0}, ObjectId{0}, ObjectId{1}, ObjectId{0}};
+  image.seconds = {{"estimate", 0.5}, {"estimate/icp", 0.2}};
   ComparedRow row;
   row.label = "by hand";
-  row.looks = {look};
+  row.images = {image};
   return row;
 }
 
 TEST(ComparisonStatistics, EqualHandComputedValues) {
-  const ComparisonFigures f = FiguresOf(HandWorked());
+  const ComparisonStatistics f = StatisticsOf(HandWorked());
   EXPECT_EQ(f.top_right, 1);
   EXPECT_EQ(f.instances, 2) << "instances below 10 % visible need not be found";
   EXPECT_EQ(f.recalled, 1);
@@ -62,7 +64,7 @@ TEST(ComparisonStatistics, EqualHandComputedValues) {
   // Each score has a bin of its own: (|1 - .9| + |0 - .8| + |0 - .7| + |1 - .6|) / 4.
   EXPECT_NEAR(f.calibration_error, (0.1 + 0.8 + 0.7 + 0.4) / 4, 1e-12);
   EXPECT_EQ(f.seconds, 0.5);
-  EXPECT_EQ(FiguresOf(HandWorked(), 1).instances, 0) << "there is no other object";
+  EXPECT_EQ(StatisticsOf(HandWorked(), ObjectId{1}).instances, 0) << "there is no other object";
 }
 
 TEST(ComparisonTable, LongLabelsKeepColumnsAligned) {
@@ -81,8 +83,8 @@ TEST(ComparisonTable, LongLabelsKeepColumnsAligned) {
 // ones.
 TEST(ComparisonStatistics, ThresholdsDoNotSeparateEqualScores) {
   ComparedRow row = HandWorked();
-  for (HypothesisRecord& pose : row.looks[0].score.hypotheses) pose.score = 0.5;
-  EXPECT_EQ(FiguresOf(row).recall_at_95, 0);
+  for (HypothesisRecord& pose : row.images[0].score.hypotheses) pose.score = 0.5;
+  EXPECT_EQ(StatisticsOf(row).recall_at_95, 0);
 }
 
 TEST(Comparison, OracleIsPerfectAndNoisyOracleIsNot) {
@@ -93,7 +95,7 @@ TEST(Comparison, OracleIsPerfectAndNoisyOracleIsNot) {
   const ComparisonJob job{spec, EasyCube(), {{"oracle", spec.estimator}, far}, {}, 0, 1, {}, {}};
   const std::vector<ComparedRow> rows = CompareEstimators(job);
   ASSERT_EQ(rows.size(), 2u);
-  const ComparisonFigures right = FiguresOf(rows[0]), wrong = FiguresOf(rows[1]);
+  const ComparisonStatistics right = StatisticsOf(rows[0]), wrong = StatisticsOf(rows[1]);
   EXPECT_EQ(right.recall(), 1);
   EXPECT_EQ(right.precision(), 1);
   EXPECT_EQ(right.top_right, 2);
@@ -115,15 +117,15 @@ TEST(Comparison, DistractorsDoNotCount) {
   const ObjectSet objects{EasyCube()[0], EasyCube()[0]};
   const ComparisonJob job{spec, objects, {{"oracle", spec.estimator}}, {}, 0, 1, {}, {}};
   const std::vector<ComparedRow> rows = CompareEstimators(job);
-  for (const ComparedLook& look : rows[0].looks) {
-    for (const HypothesisRecord& pose : look.score.hypotheses) EXPECT_EQ(pose.object, 1);
+  for (const ComparedImage& image : rows[0].images) {
+    for (const HypothesisRecord& pose : image.score.hypotheses) EXPECT_EQ(pose.object, 1);
   }
-  const ComparisonFigures f = FiguresOf(rows[0]);
+  const ComparisonStatistics f = StatisticsOf(rows[0]);
   EXPECT_EQ(f.recall(), 1);
   EXPECT_EQ(f.precision(), 1);
   EXPECT_LE(f.instances, 6);
   EXPECT_GT(f.instances, 3);
-  EXPECT_EQ(FiguresOf(rows[0], 0).instances, 0);
+  EXPECT_EQ(StatisticsOf(rows[0], ObjectId{0}).instances, 0);
 }
 
 TEST(Comparison, LabelsNameEstimatorAndMode) {

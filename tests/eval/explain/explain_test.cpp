@@ -24,27 +24,28 @@ using testing::HasSubstr;
 constexpr double kSide_m = 0.03;
 
 std::vector<TruePart> TwoCubes() {
-  return {{0, Translation({-0.05, 0, 0.5}), 1}, {0, Translation({0.05, 0, 0.5}), 0.6}};
+  return {{ObjectId{0}, Translation({-0.05, 0, 0.5}), 1},
+          {ObjectId{0}, Translation({0.05, 0, 0.5}), 0.6}};
 }
 
 TEST(PoseJudge, ErrorIsShiftOverDiameterToNearestInstance) {
   const PoseJudge judge(EasyCube(), TwoCubes());
   const double diameter_m = std::sqrt(3) * kSide_m;
-  const PoseVerdict exact = judge(0, Translation({0.05, 0, 0.5}));
-  EXPECT_EQ(exact.part, 1);
+  const PoseVerdict exact = judge(ObjectId{0}, Translation({0.05, 0, 0.5}));
+  EXPECT_EQ(exact.position, 1);
   EXPECT_NEAR(exact.diameters, 0, 1e-12);
-  const PoseVerdict shifted = judge(0, Translation({-0.05, 0, 0.5 + 0.09 * diameter_m}));
-  EXPECT_EQ(shifted.part, 0);
+  const PoseVerdict shifted = judge(ObjectId{0}, Translation({-0.05, 0, 0.5 + 0.09 * diameter_m}));
+  EXPECT_EQ(shifted.position, 0);
   EXPECT_NEAR(shifted.diameters, 0.09, 1e-9);
   EXPECT_TRUE(shifted.right());
-  EXPECT_FALSE(judge(0, Translation({-0.05, 0, 0.5 + 0.11 * diameter_m})).right());
+  EXPECT_FALSE(judge(ObjectId{0}, Translation({-0.05, 0, 0.5 + 0.11 * diameter_m})).right());
 }
 
 TEST(PoseJudge, InstancesOfAnotherObjectDoNotCount) {
   const ObjectSet objects{Cube(0.03, 0.05, 0.6), Cube(0.02, 0.05, 0.6)};
   const PoseJudge judge(objects, TwoCubes());
-  EXPECT_EQ(judge(1, Translation({0.05, 0, 0.5})).part, -1);
-  EXPECT_FALSE(judge(1, Translation({0.05, 0, 0.5})).right());
+  EXPECT_EQ(judge(ObjectId{1}, Translation({0.05, 0, 0.5})).position, -1);
+  EXPECT_FALSE(judge(ObjectId{1}, Translation({0.05, 0, 0.5})).right());
 }
 
 TEST(JudgeSet, SecondPoseOfAnInstanceIsNotRight) {
@@ -61,13 +62,14 @@ TEST(JudgeSet, SecondPoseOfAnInstanceIsNotRight) {
 class ExplainedInstance : public testing::Test {
  protected:
   ExplainedInstance()
-      : judge_(EasyCube(), {{0, kTrue, 1}}), models_{MakeModelPoints(*EasyCube()[0])} {
+      : judge_(EasyCube(), {{ObjectId{0}, kTrue, 1}}), models_{MakeModelPoints(*EasyCube()[0])} {
     trace_.cloud.points_C = {Eigen::Vector3f(0, 0, 0.5f - kSide_m / 2)};
     trace_.min_score = 0.5;
   }
   InstanceDiagnosis Outcome(const std::vector<PoseHypothesis>& answer = {}) const {
     std::vector<PoseVerdict> errors;
-    for (const TracedVote& vote : trace_.votes) errors.push_back(judge_(0, vote.vote.X_CO));
+    for (const TracedVote& vote : trace_.votes)
+      errors.push_back(judge_(ObjectId{0}, vote.vote.X_CO));
     return DiagnoseInstances(judge_, trace_, errors, models_, answer).front();
   }
   static RawHypothesis Raw(double off_diameters) {
@@ -110,7 +112,7 @@ TEST_F(ExplainedInstance, FailureIsAttributedToTheLosingStage) {
   EXPECT_EQ(Outcome().lost, LostAt::kVerifier);
   trace_.candidates.push_back({Scored(0.02, 0.8), {}});
   EXPECT_EQ(Outcome().best_score, 0.8);
-  EXPECT_EQ(Outcome().lost, LostAt::kFinalSet);
+  EXPECT_EQ(Outcome().lost, LostAt::kPoseSelection);
   trace_.accepted = {Scored(0.02, 0.8)};
   EXPECT_EQ(Outcome({Scored(0.3, 0.8)}).lost, LostAt::kRefiner);
   EXPECT_EQ(Outcome({Scored(0.01, 0.8)}).lost, LostAt::kFound);
@@ -119,18 +121,18 @@ TEST_F(ExplainedInstance, FailureIsAttributedToTheLosingStage) {
 TEST_F(ExplainedInstance, CountLimitDiffersFromPoseSelection) {
   trace_.candidates = {{Scored(0.02, 0.8), {}}};
   trace_.accepted = {Scored(0.5, 0.9)};
-  EXPECT_EQ(Outcome().lost, LostAt::kFinalSet) << "no count is given";
+  EXPECT_EQ(Outcome().lost, LostAt::kPoseSelection) << "no count is given";
   trace_.instances = {1};
   EXPECT_EQ(Outcome().lost, LostAt::kCount);
   trace_.instances = {2};
-  EXPECT_EQ(Outcome().lost, LostAt::kFinalSet) << "one more instance was expected";
+  EXPECT_EQ(Outcome().lost, LostAt::kPoseSelection) << "one more instance was expected";
   trace_.instances = {1};
   trace_.accepted = {Scored(0.5, 0.7)};
-  EXPECT_EQ(Outcome().lost, LostAt::kFinalSet) << "the accepted pose has the lower score";
+  EXPECT_EQ(Outcome().lost, LostAt::kPoseSelection) << "the accepted pose has the lower score";
 }
 
 TEST_F(ExplainedInstance, BarelyVisibleInstancesAreNotLost) {
-  judge_ = PoseJudge(EasyCube(), {{0, kTrue, 0.05}});
+  judge_ = PoseJudge(EasyCube(), {{ObjectId{0}, kTrue, 0.05}});
   EXPECT_EQ(Outcome().lost, LostAt::kHardlyVisible);
   EXPECT_EQ(Outcome({Scored(0.01, 0.8)}).lost, LostAt::kFound);
 }
@@ -140,14 +142,14 @@ TEST(EntryPatches, RenderedPatchEqualsTheOriginal) {
   RayCastViews views({ObjectOf(BracketMesh())}, 0);
   const double side_m = 0.03, distance_m = 0.4;
   const Pose X_CO = MakePose(BracketPose().linear(), {0, 0, distance_m});
-  const LabelledView view = views.Isolated(0, {X_CO}, SmallCamera(), 0).front();
+  const LabelledView view = views.Isolated(ObjectId{0}, {X_CO}, SmallCamera(), 0).front();
   const OrganizedCloud cloud = IsolatedCloud(view);
   std::vector<EntryPose> entries;
   std::vector<std::vector<int8_t>> originals;
   for (const double angle : {0.0, 1.1, 4.0}) {
     const int pixel = cloud.foreground_pixels[cloud.foreground_pixels.size() / 2];
     const PatchSet cut = CutPatches(cloud, {&pixel, 1}, {&angle, 1}, {side_m});
-    entries.push_back({0, {side_m}, cut.X_CP[0].inverse() * X_CO});
+    entries.push_back({ObjectId{0}, {side_m}, cut.X_CP[0].inverse() * X_CO});
     originals.push_back(cut.values);
   }
   const auto anew = EntryPatches(views, entries, distance_m, SmallCamera().fx());
@@ -246,7 +248,7 @@ class ExplanationPage : public testing::Test {
   TemporaryFolder folder_;
   std::string unwritten_;  // reason why there is no page
   RayCastViews views_{{ObjectOf(BracketMesh())}};
-  LabelledView view_ = views_.Pile({3, 1}).front();
+  LabelledView view_ = views_.ClutterScene({3, 1}).front();
   RgbdFrame frame_ = view_.frame;
 };
 
@@ -254,8 +256,9 @@ TEST_F(ExplanationPage, EmptyImageGivesAPage) {
   frame_.depth_m = Image<float>(frame_.depth_m.width(), frame_.depth_m.height());
   LabelledView nothing;
   nothing.frame = frame_;
-  for (const auto& truth : {std::optional<std::vector<TruePart>>(),
-                            std::optional(std::vector<TruePart>{{0, BracketPose(), 1}})}) {
+  for (const auto& truth :
+       {std::optional<std::vector<TruePart>>(),
+        std::optional(std::vector<TruePart>{{ObjectId{0}, BracketPose(), 1}})}) {
     const std::string page = Write(Trace(nothing), {}, truth);
     if (!unwritten_.empty()) GTEST_SKIP() << unwritten_;
     ExpectPicturesExist(page);
@@ -280,7 +283,7 @@ TEST_F(ExplanationPage, EveryStageHasAPicture) {
   answer[0].score = 0.9;
   trace.candidates = {{answer[0], {}}};
   trace.accepted = answer;
-  const std::string page = Write(trace, answer, std::vector<TruePart>{{0, part.X_CO, 1}});
+  const std::string page = Write(trace, answer, std::vector<TruePart>{{ObjectId{0}, part.X_CO, 1}});
   if (!unwritten_.empty()) GTEST_SKIP() << unwritten_;
   ExpectPicturesExist(page);
   for (const char* picture :

@@ -35,7 +35,7 @@ constexpr int kBins = 12;
 // `per_bin_m` times the bin's number (from 1) along the optical axis, and by 1 mm across it.
 std::vector<TrialResult> Trials(double per_bin_m) {
   MetricModel box;
-  box.vertices_O = {{-0.02, 0, 0}, {0.02, 0, 0}, {0, 0.02, 0}, {0, 0, 0.02}};
+  box.vertices_O = {{-0.02, 0, 0}, {0.02, 0, 0}, {0, 0.02, 0}, {InstanceId{0}, ObjectId{0}, 0.02}};
   box.symmetries_O = {Pose::Identity()};
   box.diameter_m = 0.04;
   const Camera camera = [] {
@@ -46,18 +46,19 @@ std::vector<TrialResult> Trials(double per_bin_m) {
   std::vector<TrialResult> trials;
   for (int bin = 0; bin < kBins; ++bin) {
     Scene scene;
-    scene.objects.push_back({5, 0, Pose::Identity()});
+    scene.objects.push_back({InstanceId{5}, ObjectId{0}, Pose::Identity()});
     const Pose X_CO = Translation({0.001, 0, per_bin_m * (bin + 1)}) * camera.X_CW();
     TrialResult& trial = trials.emplace_back();
-    trial.trial = trial.bin_index = bin;
+    trial.trial = trial.bin_index = BinIndex(bin);
     trial.instances_dropped = trial.instances_cleared = 1;
-    trial.outcomes = {{5, 0, true, true, FailureReason::kNone, 0}};
+    trial.outcomes = {{InstanceId{5}, ObjectId{0}, true, true, FailureReason::kNone, 0}};
     AttemptRecord& attempt = trial.attempts.emplace_back();
-    const AttemptScore score = ScoreAgainstTruth(scene, {1.0}, {box}, camera, {{0, X_CO, 0.5, {}}});
+    const AttemptScore score =
+        ScoreAgainstTruth(scene, {1.0}, {box}, camera, {{ObjectId{0}, X_CO, 0.5, {}}});
     attempt.hypotheses = score.hypotheses;
     attempt.instances = score.instances;
     attempt.chosen = 0;
-    attempt.matched_instance = 5;
+    attempt.matched_instance = InstanceId{5};
     attempt.grasp = Grasp();
   }
   return trials;
@@ -110,7 +111,7 @@ TEST(AddedMetric, IsTheLastColumnOfTheCsvFiles) {
   ComparedRow row;
   row.label = "one";
   const HypothesisRecord& hypothesis = with[2].attempts[0].hypotheses[0];
-  row.looks.emplace_back().score.hypotheses = {hypothesis};
+  row.images.emplace_back().score.hypotheses = {hypothesis};
   auto object = std::make_shared<ObjectModel>();
   object->name = "box";
   const std::vector<std::string> hypotheses = Lines(HypothesesCsv({row}, {object}));
@@ -142,8 +143,8 @@ TEST(AddedMetric, IsNotReportedForTrialsWithoutIt) {
   const std::vector<TrialResult> without = Trials(0.001);
   const ScopedMetric added(kVerticalError);
   EXPECT_EQ(ReportOf(without).errors.back().metric, kRotation_rad);
-  for (const PairedFigure& figure : ComparePaired(without, Trials(0.001)).figures) {
-    EXPECT_THAT(figure.key, Not(HasSubstr("vertical")));
+  for (const PairedStatistic& statistic : ComparePaired(without, Trials(0.001)).statistics) {
+    EXPECT_THAT(statistic.key, Not(HasSubstr("vertical")));
   }
 }
 
@@ -151,14 +152,14 @@ TEST(AddedMetric, HasAPairedMedian) {
   const ScopedMetric added(kVerticalError);
   const PairedComparison comparison = ComparePaired(Trials(0.001), Trials(0.0005));
   std::vector<std::string> keys;
-  for (const PairedFigure& figure : comparison.figures) keys.push_back(figure.key);
+  for (const PairedStatistic& statistic : comparison.statistics) keys.push_back(statistic.key);
   ASSERT_THAT(keys, testing::Contains("median_vertical_error_mm"));
-  const PairedFigure& figure = comparison.figures.back();
-  EXPECT_EQ(figure.name, "median vertical error, mm");
-  EXPECT_NEAR(figure.before, 6, 1e-9);
-  EXPECT_NEAR(figure.after, 3, 1e-9);
-  EXPECT_NEAR(figure.difference(), -3, 1e-9);
-  EXPECT_LT(figure.p_value, 0.05);
+  const PairedStatistic& statistic = comparison.statistics.back();
+  EXPECT_EQ(statistic.name, "median vertical error, mm");
+  EXPECT_NEAR(statistic.before, 6, 1e-9);
+  EXPECT_NEAR(statistic.after, 3, 1e-9);
+  EXPECT_NEAR(statistic.difference(), -3, 1e-9);
+  EXPECT_LT(statistic.p_value, 0.05);
 }
 
 TEST(MetricTable, KeysAreUnique) {

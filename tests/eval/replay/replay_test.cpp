@@ -47,7 +47,7 @@ class ReplayTest : public testing::Test {
     point.identity = RunIdentity(spec, objects);
     ResultsStore store(run_, StoreHead{point.identity, {point}});
     TrialRunner runner(spec, objects);
-    for (int trial = 0; trial < 2; ++trial) store.Write(runner.Run(trial));
+    for (int trial = 0; trial < 2; ++trial) store.Write(runner.Run(BinIndex(trial)));
   }
 
   void SaveCube(double side_m) const {
@@ -92,7 +92,7 @@ TEST_F(ReplayTest, AllStagesOfAllAttemptsAreIdentical) {
     EXPECT_EQ(row.verdict, ReplayVerdict::kSame);
     EXPECT_NE(row.recorded, 0u);
   }
-  EXPECT_THAT(ReplayTable(report), HasSubstr("all that is recorded is the same"));
+  EXPECT_THAT(ReplayTable(report), HasSubstr("all recorded stages are the same"));
 }
 
 TEST_F(ReplayTest, NamesTheStageThatASettingChanges) {
@@ -119,7 +119,7 @@ TEST_F(ReplayTest, NamesTheStageThatASettingChanges) {
 TEST_F(ReplayTest, NamesAChangedMeshAndTheChangedScene) {
   SaveCube(0.0301);
   const RecordedTrial record = Record();
-  EXPECT_THAT(record.changes, ElementsAre("part cube: mesh or physical values"));
+  EXPECT_THAT(record.changes, ElementsAre("part cube: mesh or physical properties"));
   const ReplayReport report = ReplayTrial(record, nullptr, {});
   EXPECT_EQ(FirstDifference(report), "0 scene");
   EXPECT_FALSE(report.FirstDifference()->what.empty());
@@ -128,9 +128,10 @@ TEST_F(ReplayTest, NamesAChangedMeshAndTheChangedScene) {
 // For scenes and images, the record has only the visible instances and a hash.
 TEST(WhatDiffers, NamesTheFirstDifferingInstance) {
   AttemptRecord recorded;
-  recorded.instances = {{0, 0, 0.5, true}, {1, 0, 0.25, true}};
+  recorded.instances = {{InstanceId{0}, ObjectId{0}, 0.5, true},
+                        {InstanceId{1}, ObjectId{0}, 0.25, true}};
   AttemptRecord replayed = recorded;
-  EXPECT_THAT(WhatDiffers(TrialStage::kScene, recorded, replayed), HasSubstr("the hash alone"));
+  EXPECT_THAT(WhatDiffers(TrialStage::kScene, recorded, replayed), HasSubstr("only the hash"));
   EXPECT_THAT(WhatDiffers(TrialStage::kImage, recorded, replayed), HasSubstr("pixels"));
   replayed.instances[1].visible_fraction = 0.125;
   replayed.instances[0].recalled = false;  // belongs to a later stage
@@ -189,7 +190,7 @@ TEST_F(ReplayTest, RecordWithoutHashesIsComparedByItsValues) {
 
 TEST_F(ReplayTest, CrashedTrialIsReplayedFromItsNumber) {
   const StoreHead head = ResultsStore::OpenToRead(run_).head();
-  ResultsStore(run_, head).WriteCrashed({2, 0, 2, 3, "ended by signal 11"});
+  ResultsStore(run_, head).WriteCrashed({2, 0, BinIndex{2}, 3, "ended by signal 11"});
   Sql("UPDATE configurations SET trials = 3");
   const RecordedTrial record = ReadRecordedTrial({run_, 2}, "no_catalog");
   ASSERT_TRUE(record.crashed.has_value());
@@ -198,7 +199,7 @@ TEST_F(ReplayTest, CrashedTrialIsReplayedFromItsNumber) {
   EXPECT_EQ(FirstDifference(report), "none");
   EXPECT_GE(report.stages.size(), 5u);
   EXPECT_EQ(report.stages[0].verdict, ReplayVerdict::kNotRecorded);
-  EXPECT_THAT(ReplayTable(report), HasSubstr("no stage is on record to compare with"));
+  EXPECT_THAT(ReplayTable(report), HasSubstr("no stage was recorded to compare with"));
 }
 
 TEST_F(ReplayTest, RefusesMissingTrialsAndFiles) {

@@ -23,9 +23,9 @@ ConfigurationReport ReportOf(const ConfigurationTrials& point) {
 
 AttemptRecord Attempt(double visible, bool recalled, FailureReason failure) {
   AttemptRecord attempt;
-  attempt.instances = {{3, 0, visible, recalled}};
+  attempt.instances = {{InstanceId{3}, ObjectId{0}, visible, recalled}};
   attempt.failure = failure;
-  attempt.matched_instance = 3;
+  attempt.matched_instance = InstanceId{3};
   attempt.grasp = Grasp();
   return attempt;
 }
@@ -39,16 +39,16 @@ TEST(RunStatistics, CountsInstancesAndPicksByVisibilityBand) {
   trial.attempts[2].grasp.reset();  // an attempt without a grasp is no pick
   const ConfigurationReport report = ReportOf(Point({trial}));
   std::vector<std::string> names;
-  std::vector<int> recalled, tries, picks;
+  std::vector<int> recalled, samples, picks;
   for (const BandRates& band : report.bands) {
     names.push_back(band.band.name());
     recalled.push_back(band.recall.hits);
-    tries.push_back(band.recall.tries);
-    picks.push_back(band.picks.tries);
+    samples.push_back(band.recall.samples);
+    picks.push_back(band.picks.samples);
   }
   EXPECT_THAT(names, ElementsAre("10-30", "30-50", "50-70", "70-90", "90-100"));
   EXPECT_THAT(recalled, ElementsAre(1, 0, 1, 0, 1));
-  EXPECT_THAT(tries, ElementsAre(1, 0, 2, 0, 1));
+  EXPECT_THAT(samples, ElementsAre(1, 0, 2, 0, 1));
   EXPECT_THAT(picks, ElementsAre(1, 0, 1, 0, 1));
 }
 
@@ -67,13 +67,13 @@ TEST_P(RunStatisticsTables, AgreeWithTheSummary) {
   int recalled = 0, in_view = 0;
   for (const ObjectReport& object : report.objects) {
     recalled += object.recall.hits;
-    in_view += object.recall.tries;
+    in_view += object.recall.samples;
   }
   EXPECT_EQ(recalled, report.recall.hits);
-  EXPECT_EQ(in_view, report.recall.tries);
+  EXPECT_EQ(in_view, report.recall.samples);
   int attempts = 0, successes = 0, dropped = 0, picked = 0;
   for (const ObjectReport& object : report.objects) {
-    attempts += object.picks.tries;
+    attempts += object.picks.samples;
     successes += object.picks.hits;
     dropped += object.dropped;
     picked += object.picked;
@@ -83,7 +83,7 @@ TEST_P(RunStatisticsTables, AgreeWithTheSummary) {
   EXPECT_EQ(dropped, report.summary.instances_dropped);
   EXPECT_EQ(picked, report.summary.instances_cleared);
   for (size_t i = 0; i < report.bands.size(); ++i) {
-    EXPECT_EQ(report.bands[i].recall.tries, report.summary.recall_by_visibility[i].instances);
+    EXPECT_EQ(report.bands[i].recall.samples, report.summary.recall_by_visibility[i].instances);
     EXPECT_EQ(report.bands[i].recall.hits, report.summary.recall_by_visibility[i].recalled);
   }
 }
@@ -146,8 +146,8 @@ TEST(RunStatistics, RatesUseTheBandsOfTheRun) {
   const ConfigurationReport report = ReportOf(point);
   ASSERT_EQ(report.bands.size(), 2u);
   EXPECT_EQ(report.bands[1].band.name(), "40-62.5");
-  EXPECT_EQ(report.bands[0].recall.tries, 1);
-  EXPECT_EQ(report.bands[1].recall.tries, 1);
+  EXPECT_EQ(report.bands[0].recall.samples, 1);
+  EXPECT_EQ(report.bands[1].recall.samples, 1);
   EXPECT_EQ(report.summary.recall_by_visibility[1].instances, 1);
 }
 
@@ -225,14 +225,14 @@ TEST(RunStatistics, FailedPicksHaveTheVisibleFractionOfTheTarget) {
                     Attempt(0.4, true, FailureReason::kSlipped)};
   for (AttemptRecord& attempt : trial.attempts) {
     attempt.target = attempt.instances[0].instance;
-    attempt.matched_instance = -1;
+    attempt.matched_instance = InstanceId{-1};
   }
   trial.attempts[0].grasp.reset();
   ConfigurationTrials point = Point({trial});
   std::vector<LostPick> lost = LostPicksOf({&point, 1});
   EXPECT_EQ(lost.at(0).visible_fraction, 0.3);
   EXPECT_EQ(lost.at(1).visible_fraction, 0.4);
-  for (AttemptRecord& attempt : point.trials[0].attempts) attempt.target = -1;
+  for (AttemptRecord& attempt : point.trials[0].attempts) attempt.target = InstanceId{-1};
   lost = LostPicksOf({&point, 1});
   EXPECT_LT(lost.at(0).visible_fraction, 0) << "the attempt has no target";
 }
@@ -249,7 +249,7 @@ TEST(RunStatistics, ViewsShowOneOfEachReasonAndOneSuccess) {
   const auto places = [&](int most) {
     std::vector<size_t> numbers;
     for (const ViewChoice& choice : ChooseViews({&point, 1}, most)) {
-      numbers.push_back(10 * choice.trial + choice.look);
+      numbers.push_back(10 * choice.trial + choice.attempt);
     }
     return numbers;
   };

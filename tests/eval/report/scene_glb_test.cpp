@@ -27,7 +27,7 @@ std::vector<std::string> NodeNames(const nlohmann::json& json) {
 
 Scene OneCube() {
   Scene scene;
-  scene.objects = {{6, 0, Translation({0.25, 0.5, 0.125})}};
+  scene.objects = {{InstanceId{6}, ObjectId{0}, Translation({0.25, 0.5, 0.125})}};
   return scene;
 }
 

@@ -73,13 +73,13 @@ TEST(PairedRateTest, EqualsEnumeration) {
     for (size_t i = 0; i < pairs.before.size(); ++i) {
       for (int k = 0; k < 2; ++k) {
         h[k] += of(k, i).hits;
-        t[k] += of(k, i).tries;
+        t[k] += of(k, i).samples;
       }
     }
     double variance = 0;
     for (size_t i = 0; i < pairs.before.size(); ++i) {
-      const double a = (of(0, i).hits - h[0] / t[0] * of(0, i).tries) / t[0];
-      const double b = (of(1, i).hits - h[1] / t[1] * of(1, i).tries) / t[1];
+      const double a = (of(0, i).hits - h[0] / t[0] * of(0, i).samples) / t[0];
+      const double b = (of(1, i).hits - h[1] / t[1] * of(1, i).samples) / t[1];
       variance += (b - a) * (b - a);
     }
     return std::abs(h[1] / t[1] - h[0] / t[0]) / std::sqrt(variance);

@@ -104,7 +104,8 @@ TEST(ClusterInterval, WidthIsNeverZero) {
 TEST(ClusterInterval, ExchangeOfHitsAndMissesMirrorsIt) {
   Rng rng(8);
   std::vector<Cluster> scenes = DrawScenes(12, 0.7, 0.3, UniformSize(1, 20), rng), exchanged;
-  for (const Cluster& scene : scenes) exchanged.push_back({scene.tries - scene.hits, scene.tries});
+  for (const Cluster& scene : scenes)
+    exchanged.push_back({scene.samples - scene.hits, scene.samples});
   EXPECT_NEAR(ClusterInterval(scenes).low, 1 - ClusterInterval(exchanged).high, 1e-12);
   EXPECT_NEAR(ClusterInterval(scenes).high, 1 - ClusterInterval(exchanged).low, 1e-12);
 }
@@ -263,7 +264,7 @@ TEST(ClusterRate, EqualsTheSumsAndIntervalOfTheClusters) {
   const std::vector<Cluster> clusters{{1, 4}, {3, 4}, {2, 3}};
   const ReportRate rate = ClusterRate(clusters);
   EXPECT_EQ(rate.hits, 6);
-  EXPECT_EQ(rate.tries, 11);
+  EXPECT_EQ(rate.samples, 11);
   EXPECT_EQ(rate.ci95.low, ClusterInterval(clusters).low);
   EXPECT_EQ(rate.ci95.high, ClusterInterval(clusters).high);
 }

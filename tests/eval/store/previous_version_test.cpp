@@ -4,6 +4,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 
 #include "eval/benchmark/crops.h"
@@ -62,7 +63,9 @@ const std::map<std::string, std::string> kColumns{
 const std::map<std::string, std::string> kValues{
     {"lost", "failed"},
     {"estimator.mode=hard", "estimator.mode=accurate"},
-    {"\"estimator.mode=hard\"", "\"estimator.mode=accurate\""}};
+    // curve.csv had quotes also around names that need none.
+    {"\"\"", ""},
+    {"\"estimator.mode=hard\"", "estimator.mode=accurate"}};
 
 std::string Mapped(const std::string& word, const std::map<std::string, std::string>& names) {
   const auto name = names.find(word);
@@ -317,6 +320,67 @@ TEST(FormerNames, AllSettingsAreReadByTheirFirstNames) {
   ExpectFirstNamesAreRead(VerifierTrainingOptions());
   ExpectFirstNamesAreRead(PlanOptions());
   ExpectFirstNamesAreRead(CropBenchmarkOptions());
+}
+
+// Page for users with all former names.
+class OldToNewPage : public testing::Test {
+ protected:
+  static std::string Source(const fs::path& file) {
+    return ReadFileBytes(fs::path(PICKBED_SOURCE_DIR) / file);
+  }
+  // Expects a table row that begins with these cells. An empty cell matches any text.
+  void ExpectRow(const std::vector<std::string>& cells, const std::string& origin) const {
+    std::string row = "\n\\|";
+    for (const std::string& cell : cells)
+      row += cell.empty() ? "[^|\n]*\\|" : " `" + cell + "` \\|";
+    EXPECT_TRUE(std::regex_search(page_, std::regex(row)))
+        << "docs/old_to_new.md has no row for " << testing::PrintToString(cells) << " of "
+        << origin;
+  }
+
+  const std::string page_ = Source("docs/old_to_new.md");
+};
+
+// Scans the sources, because only they contain the former names of all settings structs.
+TEST_F(OldToNewPage, ListsEveryRenamedSetting) {
+  const std::regex key("RenamedKey\\(\\s*\"(\\w+)\",\\s*\"(\\w+)\"\\)");
+  const std::regex value("RenamedValue\\(\\s*\"\\w+\",\\s*\"(\\w+)\",\\s*\"(\\w+)\"\\)");
+  int found = 0;
+  for (const char* layer : {"scenes", "perception", "grasp", "eval"}) {
+    for (const auto& entry :
+         fs::recursive_directory_iterator(fs::path(PICKBED_SOURCE_DIR) / layer)) {
+      if (entry.path().extension() != ".cpp") continue;
+      const std::string source = ReadFileBytes(entry.path());
+      const std::sregex_iterator end;
+      for (std::sregex_iterator match(source.begin(), source.end(), key); match != end; ++match) {
+        ExpectRow({(*match)[1], (*match)[2]}, entry.path());
+        ++found;
+      }
+      for (std::sregex_iterator match(source.begin(), source.end(), value); match != end; ++match) {
+        ExpectRow({"", (*match)[1], (*match)[2]}, entry.path());
+        ++found;
+      }
+    }
+  }
+  EXPECT_GT(found, 40) << "the sources declare former names in another way";
+}
+
+TEST_F(OldToNewPage, ListsEveryRenamedColumnAndValueOfTheResults) {
+  for (const auto& [was, is] : kColumns) ExpectRow({was, is}, "the result files");
+  ExpectRow({"lost", "failed"}, "the result files");
+  const std::string schema = Source("eval/store/schema.cpp");
+  const std::regex column("\\{\"\\w+\", \"(\\w+)\", \"(\\w+)\"\\}");
+  int found = 0;
+  const std::sregex_iterator end;
+  for (std::sregex_iterator match(schema.begin(), schema.end(), column); match != end; ++match) {
+    ExpectRow({(*match)[1], (*match)[2]}, "eval/store/schema.cpp");
+    ++found;
+  }
+  EXPECT_GT(found, 20) << "the schema declares former names in another way";
+  for (const FailureRow& row : FailureTable()) {
+    if (row.former_name.empty()) continue;
+    ExpectRow({std::string(row.former_name), std::string(row.name)}, "the failure reasons");
+  }
 }
 
 }  // namespace

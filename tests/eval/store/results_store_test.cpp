@@ -62,7 +62,7 @@ TEST_F(ResultsStoreTest, RefusesResultsOfOtherSettings) {
   ResultsStore(folder_, "seed: 1").Write(FullTrial(0));
   const std::string error = ErrorOf([&] { ResultsStore(folder_, "seed: 2"); });
   EXPECT_THAT(error, HasSubstr(folder_.string()));
-  EXPECT_THAT(error, HasSubstr("choose another folder"));
+  EXPECT_THAT(error, HasSubstr("choose another results folder"));
 }
 
 TEST_F(ResultsStoreTest, KeepsConfigurationsWithTheirSeeds) {
@@ -74,7 +74,7 @@ TEST_F(ResultsStoreTest, KeepsConfigurationsWithTheirSeeds) {
     TrialResult result = FullTrial(2);
     result.configuration = 1;
     store.Write(result);
-    store.WriteCrashed({3, 1, 1, 0, "signal 9"});
+    store.WriteCrashed({3, 1, BinIndex{1}, 0, "signal 9"});
   }
   const ResultsStore store = ResultsStore::OpenToRead(folder_);
   ASSERT_EQ(store.head().configurations.size(), 2u);
@@ -98,7 +98,7 @@ TEST_F(ResultsStoreTest, KeepsConfigurationsWithTheirSeeds) {
 TEST_F(ResultsStoreTest, CrashedTrialsCanBeRemoved) {
   ResultsStore store(folder_, "s");
   store.Write(FullTrial(0));
-  store.WriteCrashed({1, 0, 1, 0, "why"});
+  store.WriteCrashed({1, 0, BinIndex{1}, 0, "why"});
   store.ForgetCrashed();
   EXPECT_THAT(store.FinishedTrials(), ElementsAre(0));
 }
@@ -138,10 +138,10 @@ TEST_F(ResultsStoreTest, SecondWriteOfATrialFailsAndKeepsTheFirst) {
   ExpectSameTrial(read[0], FullTrial(0));
 }
 
-TEST_F(ResultsStoreTest, RefusesAnUnusableFolderAndAForeignFile) {
+TEST_F(ResultsStoreTest, RefusesAnUnusableFolderAndAnotherFile) {
   const auto file = folder_ / "file";
   std::ofstream(file) << "no folder";
-  EXPECT_THAT(ErrorOf([&] { ResultsStore(file, "s"); }), HasSubstr("choose another folder"));
+  EXPECT_THAT(ErrorOf([&] { ResultsStore(file, "s"); }), HasSubstr("choose another"));
   std::ofstream(folder_ / "results.sqlite") << std::string(4096, 'x');
   EXPECT_THAT(ErrorOf([&] { ResultsStore(folder_, "s"); }), HasSubstr("results.sqlite"));
 }

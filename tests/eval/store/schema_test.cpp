@@ -230,7 +230,7 @@ TEST_F(ResultsSchemaTest, ReadOnlyStoreCanBeReadButNotWritten) {
   const std::string error =
       ErrorInChild(give_up_root, [&] { ResultsStore(folder_, "s").Write(FullTrial(1)); });
   EXPECT_THAT(error, HasSubstr("results.sqlite"));
-  EXPECT_THAT(error, HasSubstr("--out"));
+  EXPECT_THAT(error, HasSubstr("choose another results folder"));
   EXPECT_THAT(ErrorInChild(give_up_root,
                            [&] {
                              const auto read = ResultsStore::OpenToRead(folder_).ReadAll();
@@ -252,7 +252,7 @@ TEST_F(ResultsSchemaTest, FullDiskKeepsFinishedTrials) {
     for (int trial = 0; trial < 1000; ++trial) store.Write(FullTrial(trial));
   });
   EXPECT_THAT(error, HasSubstr("results.sqlite"));
-  EXPECT_THAT(error, HasSubstr("--resume"));
+  EXPECT_THAT(error, HasSubstr("resume the run or sweep"));
   ResultsStore store(folder_, "s");
   const std::vector<int> kept = store.FinishedTrials();
   ASSERT_GT(kept.size(), 3u);

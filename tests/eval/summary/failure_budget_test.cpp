@@ -10,17 +10,28 @@ namespace pickbed::tests {
 namespace {
 
 AttemptRecord Attempt(int pick, const std::vector<int>& instances, FailureReason failure,
-                      int aimed = -1) {
+                      int matched_instance = -1) {
   AttemptRecord record;
   record.attempt = pick;
-  for (const int instance : instances) record.instances.push_back({instance, 0, 0.9, true});
+  for (const int i : instances) {
+    record.instances.push_back({InstanceId(i), ObjectId{0}, 0.9, true});
+  }
   record.failure = failure;
-  record.matched_instance = aimed;
+  record.matched_instance = InstanceId(matched_instance);
   record.grasp = Grasp();
   record.outcome.failure = failure;
   record.outcome.success = failure == FailureReason::kNone;
-  if (failure == FailureReason::kNone) record.outcome.picked_instance = aimed;
+  if (failure == FailureReason::kNone)
+    record.outcome.picked_instance = InstanceId(matched_instance);
   return record;
+}
+
+// The end of a trial that leaves these instances in the bin.
+TrialEnd End(const std::vector<int>& remaining, bool gave_up) {
+  TrialEnd end;
+  for (const int i : remaining) end.remaining.push_back(InstanceId(i));
+  end.gave_up = gave_up;
+  return end;
 }
 
 TrialResult TrialOf(int parts, const std::vector<AttemptRecord>& picks, const TrialEnd& end) {
@@ -28,7 +39,7 @@ TrialResult TrialOf(int parts, const std::vector<AttemptRecord>& picks, const Tr
   trial.instances_dropped = parts;
   trial.attempts = picks;
   std::vector<InstanceOutcome> outcomes(parts);
-  for (int i = 0; i < parts; ++i) outcomes[i].instance = i;
+  for (int i = 0; i < parts; ++i) outcomes[i].instance = InstanceId(i);
   for (const AttemptRecord& pick : picks)
     trial.instances_cleared += pick.failure == FailureReason::kNone;
   trial.outcomes = DecideOutcomes(outcomes, picks, end);
@@ -54,7 +65,7 @@ TEST(FailureBudget, EveryReasonCountsOnceInBothBudgets) {
     } else {
       picks.push_back(Attempt(1, {1}, row.failure, 1));
     }
-    const TrialResult trial = TrialOf(2, picks, {{1}, true});
+    const TrialResult trial = TrialOf(2, picks, End({1}, true));
     for (const FailureBudget& budget :
          {BudgetOfAttempts({&trial, 1}), BudgetOfInstances({&trial, 1})}) {
       EXPECT_EQ(budget.total, 2) << row.name;
@@ -72,7 +83,7 @@ TEST(FailureBudget, EveryReasonCountsOnceInBothBudgets) {
 TEST(FailureBudget, ThrowsIfTheSharesDoNotSumToTheTotal) {
   const TrialResult fair = TrialOf(
       2, {Attempt(0, {0, 1}, FailureReason::kNone, 0), Attempt(1, {1}, FailureReason::kSlipped, 1)},
-      {{1}, true});
+      End({1}, true));
   EXPECT_NO_THROW(BudgetOfAttempts({&fair, 1}));
   EXPECT_NO_THROW(BudgetOfInstances({&fair, 1}));
   TrialResult bad = fair;
@@ -106,7 +117,7 @@ TEST(FailureBudget, WithGroundTruthOnlyGraspFailuresAreAllowed) {
   }
 }
 
-InstanceOutcome OutcomeOf(const TrialResult& trial, int instance) {
+InstanceOutcome OutcomeOf(const TrialResult& trial, InstanceId instance) {
   return trial.outcomes.at(instance);
 }
 
@@ -116,26 +127,26 @@ TEST(InstanceOutcomes, InstancesThatLeaveTheBinByAFailedPick) {
   AttemptRecord two = Attempt(0, {0, 1, 2, 3}, FailureReason::kDoublePick, 0);
   two.outcome.instances_lifted = 2;
   const TrialResult trial =
-      TrialOf(4, {two, Attempt(1, {2, 3}, FailureReason::kNone, 3)}, {{}, false});
-  EXPECT_EQ(OutcomeOf(trial, 0).failure, FailureReason::kDoublePick);
-  EXPECT_EQ(OutcomeOf(trial, 1).failure, FailureReason::kDoublePick);
-  EXPECT_EQ(OutcomeOf(trial, 2).failure, FailureReason::kNeighborDisplaced);
-  EXPECT_EQ(OutcomeOf(trial, 2).attempt, 1);
-  EXPECT_TRUE(OutcomeOf(trial, 3).picked);
+      TrialOf(4, {two, Attempt(1, {2, 3}, FailureReason::kNone, 3)}, End({}, false));
+  EXPECT_EQ(OutcomeOf(trial, InstanceId{0}).failure, FailureReason::kDoublePick);
+  EXPECT_EQ(OutcomeOf(trial, InstanceId{1}).failure, FailureReason::kDoublePick);
+  EXPECT_EQ(OutcomeOf(trial, InstanceId{2}).failure, FailureReason::kNeighborDisplaced);
+  EXPECT_EQ(OutcomeOf(trial, InstanceId{2}).attempt, 1);
+  EXPECT_TRUE(OutcomeOf(trial, InstanceId{3}).picked);
 
   AttemptRecord dropped = Attempt(0, {0, 1, 2}, FailureReason::kDropped, 0);
   const TrialResult outside =
-      TrialOf(3, {dropped, Attempt(1, {2}, FailureReason::kNone, 2)}, {{}, false});
-  EXPECT_EQ(OutcomeOf(outside, 0).failure, FailureReason::kDropped);
-  EXPECT_EQ(OutcomeOf(outside, 1).failure, FailureReason::kNeighborDisplaced);
+      TrialOf(3, {dropped, Attempt(1, {2}, FailureReason::kNone, 2)}, End({}, false));
+  EXPECT_EQ(OutcomeOf(outside, InstanceId{0}).failure, FailureReason::kDropped);
+  EXPECT_EQ(OutcomeOf(outside, InstanceId{1}).failure, FailureReason::kNeighborDisplaced);
 
   AttemptRecord other_lifted = Attempt(0, {0, 1}, FailureReason::kPoseWrong, 0);
   other_lifted.outcome.failure = FailureReason::kWrongObject;
-  other_lifted.outcome.picked_instance = 1;
+  other_lifted.outcome.picked_instance = InstanceId{1};
   const TrialResult other =
-      TrialOf(2, {other_lifted, Attempt(1, {0}, FailureReason::kNone, 0)}, {{}, false});
-  EXPECT_EQ(OutcomeOf(other, 1).failure, FailureReason::kDoublePick);
-  EXPECT_TRUE(OutcomeOf(other, 0).picked);
+      TrialOf(2, {other_lifted, Attempt(1, {0}, FailureReason::kNone, 0)}, End({}, false));
+  EXPECT_EQ(OutcomeOf(other, InstanceId{1}).failure, FailureReason::kDoublePick);
+  EXPECT_TRUE(OutcomeOf(other, InstanceId{0}).picked);
 }
 
 TEST(InstanceOutcomes, InstancesThatRemainInTheBin) {
@@ -143,28 +154,28 @@ TEST(InstanceOutcomes, InstancesThatRemainInTheBin) {
   // target.
   const std::vector<AttemptRecord> failures{Attempt(0, {0, 1, 2}, FailureReason::kCollision, 0),
                                             Attempt(1, {0, 1, 2}, FailureReason::kSlipped, 1)};
-  const TrialResult given_up = TrialOf(3, failures, {{0, 1, 2}, true});
-  EXPECT_EQ(OutcomeOf(given_up, 0).failure, FailureReason::kCollision);
-  EXPECT_EQ(OutcomeOf(given_up, 1).failure, FailureReason::kSlipped);
-  EXPECT_EQ(OutcomeOf(given_up, 2).failure, FailureReason::kSlipped);
+  const TrialResult given_up = TrialOf(3, failures, End({0, 1, 2}, true));
+  EXPECT_EQ(OutcomeOf(given_up, InstanceId{0}).failure, FailureReason::kCollision);
+  EXPECT_EQ(OutcomeOf(given_up, InstanceId{1}).failure, FailureReason::kSlipped);
+  EXPECT_EQ(OutcomeOf(given_up, InstanceId{2}).failure, FailureReason::kSlipped);
 
   // The same picks, but the trial ends because it reached its number of picks.
-  const TrialResult limited = TrialOf(3, failures, {{0, 1, 2}, false});
-  EXPECT_EQ(OutcomeOf(limited, 0).failure, FailureReason::kCollision);
-  EXPECT_FALSE(OutcomeOf(limited, 2).asked);
-  EXPECT_EQ(OutcomeOf(limited, 2).failure, FailureReason::kNone);
+  const TrialResult limited = TrialOf(3, failures, End({0, 1, 2}, false));
+  EXPECT_EQ(OutcomeOf(limited, InstanceId{0}).failure, FailureReason::kCollision);
+  EXPECT_FALSE(OutcomeOf(limited, InstanceId{2}).asked);
+  EXPECT_EQ(OutcomeOf(limited, InstanceId{2}).failure, FailureReason::kNone);
   EXPECT_EQ(BudgetOfInstances({&limited, 1}).not_asked, 1);
   EXPECT_EQ(BudgetOfInstances({&limited, 1}).asked(), 2);
 
   // An attempt without a grasp: each instance has the reason why the attempt missed it.
-  AttemptRecord blind = Attempt(0, {0, 1, 2}, FailureReason::kNoGrasp);
-  blind.grasp.reset();
-  blind.instances[1].missed = FailureReason::kNotVisible;
-  blind.instances[2].missed = FailureReason::kSuppressed;
-  const TrialResult stuck = TrialOf(3, {blind}, {{0, 1, 2}, true});
-  EXPECT_EQ(OutcomeOf(stuck, 0).failure, FailureReason::kNoGrasp);
-  EXPECT_EQ(OutcomeOf(stuck, 1).failure, FailureReason::kNotVisible);
-  EXPECT_EQ(OutcomeOf(stuck, 2).failure, FailureReason::kSuppressed);
+  AttemptRecord without_grasp = Attempt(0, {0, 1, 2}, FailureReason::kNoGrasp);
+  without_grasp.grasp.reset();
+  without_grasp.instances[1].missed = FailureReason::kNotVisible;
+  without_grasp.instances[2].missed = FailureReason::kSuppressed;
+  const TrialResult stuck = TrialOf(3, {without_grasp}, End({0, 1, 2}, true));
+  EXPECT_EQ(OutcomeOf(stuck, InstanceId{0}).failure, FailureReason::kNoGrasp);
+  EXPECT_EQ(OutcomeOf(stuck, InstanceId{1}).failure, FailureReason::kNotVisible);
+  EXPECT_EQ(OutcomeOf(stuck, InstanceId{2}).failure, FailureReason::kSuppressed);
 }
 
 // An attempt without a target: without a grasp, or with a grasp at a pose on no instance.
@@ -173,7 +184,7 @@ AttemptRecord AttemptWithoutTarget(int pick, const std::vector<double>& visible,
   AttemptRecord record = Attempt(pick, {}, failure);
   for (const double share : visible) {
     record.instances.push_back(
-        {static_cast<int>(record.instances.size()), 0, share, false, failure});
+        {InstanceId(record.instances.size()), ObjectId{0}, share, false, failure});
   }
   if (!executed) record.grasp.reset();
   return record;
@@ -182,11 +193,11 @@ AttemptRecord AttemptWithoutTarget(int pick, const std::vector<double>& visible,
 TEST(InstanceOutcomes, EachAttemptOfALimitedTrialRequestsOneInstance) {
   for (const bool executed : {false, true}) {
     // The camera sees less of instance 0 than of instance 1.
-    const AttemptRecord blind =
+    const AttemptRecord without_grasp =
         AttemptWithoutTarget(0, {0.2, 0.9, 0.5}, FailureReason::kPoseWrong, executed);
-    const TrialResult one = TrialOf(3, {blind}, {{0, 1, 2}, false});
-    EXPECT_EQ(OutcomeOf(one, 1).failure, FailureReason::kPoseWrong);
-    EXPECT_EQ(OutcomeOf(one, 1).attempt, 0);
+    const TrialResult one = TrialOf(3, {without_grasp}, End({0, 1, 2}, false));
+    EXPECT_EQ(OutcomeOf(one, InstanceId{1}).failure, FailureReason::kPoseWrong);
+    EXPECT_EQ(OutcomeOf(one, InstanceId{1}).attempt, 0);
     const FailureBudget parts = BudgetOfInstances({&one, 1}),
                         attempts = BudgetOfAttempts({&one, 1});
     EXPECT_EQ(parts.asked(), attempts.asked()) << "one attempt requests one instance";
@@ -195,18 +206,18 @@ TEST(InstanceOutcomes, EachAttemptOfALimitedTrialRequestsOneInstance) {
     // The second attempt requests another instance. The third has instance 0 as its target.
     AttemptRecord second = AttemptWithoutTarget(1, {0.2, 0.9, 0.5}, FailureReason::kNoGrasp, false);
     AttemptRecord third = Attempt(2, {0, 1, 2}, FailureReason::kSlipped, 0);
-    const TrialResult more = TrialOf(3, {blind, second, third}, {{0, 1, 2}, false});
-    EXPECT_EQ(OutcomeOf(more, 1).failure, FailureReason::kPoseWrong);
-    EXPECT_EQ(OutcomeOf(more, 2).failure, FailureReason::kNoGrasp);
-    EXPECT_EQ(OutcomeOf(more, 0).failure, FailureReason::kSlipped);
+    const TrialResult more = TrialOf(3, {without_grasp, second, third}, End({0, 1, 2}, false));
+    EXPECT_EQ(OutcomeOf(more, InstanceId{1}).failure, FailureReason::kPoseWrong);
+    EXPECT_EQ(OutcomeOf(more, InstanceId{2}).failure, FailureReason::kNoGrasp);
+    EXPECT_EQ(OutcomeOf(more, InstanceId{0}).failure, FailureReason::kSlipped);
     EXPECT_EQ(BudgetOfInstances({&more, 1}).not_asked, 0);
   }
   // A grasp at a pose on no instance that still lifts an instance costs the bin that instance.
   AttemptRecord other_lifted = Attempt(0, {0, 1, 2}, FailureReason::kPoseWrong);
   other_lifted.outcome.failure = FailureReason::kWrongObject;
-  other_lifted.outcome.picked_instance = 2;
-  const TrialResult cost = TrialOf(3, {other_lifted}, {{0, 1}, false});
-  EXPECT_EQ(OutcomeOf(cost, 2).failure, FailureReason::kDoublePick);
+  other_lifted.outcome.picked_instance = InstanceId{2};
+  const TrialResult cost = TrialOf(3, {other_lifted}, End({0, 1}, false));
+  EXPECT_EQ(OutcomeOf(cost, InstanceId{2}).failure, FailureReason::kDoublePick);
   EXPECT_EQ(BudgetOfInstances({&cost, 1}).asked(), 1);
 }
 
@@ -215,13 +226,13 @@ TEST(InstanceOutcomes, EachAttemptOfALimitedTrialRequestsOneInstance) {
 TEST(FailureBudget, BinsWithoutAGraspCountInTheInstanceRate) {
   std::vector<TrialResult> trials{
       TrialOf(2, {AttemptWithoutTarget(0, {0.5, 0.4}, FailureReason::kNoGrasp, false)},
-              {{0, 1}, false}),
-      TrialOf(2, {Attempt(0, {0, 1}, FailureReason::kNone, 0)}, {{1}, false})};
+              End({0, 1}, false)),
+      TrialOf(2, {Attempt(0, {0, 1}, FailureReason::kNone, 0)}, End({1}, false))};
   const FailureBudget parts = BudgetOfInstances(trials);
   EXPECT_EQ(parts.asked(), 2);
   EXPECT_EQ(parts.picked, 1);
   const std::vector<Cluster> clusters = InstancesByTrial(trials);
-  EXPECT_EQ(clusters[0].tries, 1);
+  EXPECT_EQ(clusters[0].samples, 1);
   EXPECT_EQ(clusters[0].hits, 0);
 }
 
@@ -240,7 +251,7 @@ TEST(FailureBudget, ShareIntervalsAreOverBins) {
             Attempt(i, seen, slips ? FailureReason::kSlipped : FailureReason::kNone, i));
         if (slips) remaining.push_back(i);
       }
-      all.push_back(TrialOf(4, picks, {remaining, false}));
+      all.push_back(TrialOf(4, picks, End(remaining, false)));
     }
     return all;
   };
@@ -261,12 +272,12 @@ TEST(FailureBudget, ShareIntervalsAreOverBins) {
 }
 
 TEST(InstanceOutcomes, InstanceThatAppearsFromNowhereIsAnInternalError) {
-  EXPECT_THROW(TrialOf(2, {Attempt(0, {0}, FailureReason::kNone, 0)}, {{}, false}),
+  EXPECT_THROW(TrialOf(2, {Attempt(0, {0}, FailureReason::kNone, 0)}, End({}, false)),
                std::logic_error);
   EXPECT_THROW(
       TrialOf(
           2, {Attempt(0, {0, 1}, FailureReason::kNone, 0), Attempt(1, {}, FailureReason::kSlipped)},
-          {{1}, true}),
+          End({1}, true)),
       std::logic_error);
 }
 

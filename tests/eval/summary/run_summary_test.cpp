@@ -12,7 +12,9 @@ namespace {
 
 AttemptRecord Pick(FailureReason failure, bool top_correct) {
   AttemptRecord pick;
-  pick.instances = {{0, 0, 0.95, true}, {1, 0, 0.4, false}, {2, 0, 0.05, false}};
+  pick.instances = {{InstanceId{0}, ObjectId{0}, 0.95, true},
+                    {InstanceId{1}, ObjectId{0}, 0.4, false},
+                    {InstanceId{2}, ObjectId{0}, 0.05, false}};
   HypothesisRecord top;
   top.correct = top_correct;
   pick.hypotheses = {top};
@@ -33,11 +35,11 @@ std::vector<TrialResult> TwoTrials() {
                 Pick(FailureReason::kNone, false)};
   a.seconds = {{"drop", 2.0}, {"icp", 1.0}};
   TrialResult b;
-  b.trial = b.bin_index = 1;
+  b.trial = b.bin_index = BinIndex{1};
   b.instances_dropped = 5;
   b.ended_by = FailureReason::kNoProposal;
   AttemptRecord empty;
-  empty.instances = {{3, 0, 1.0, false}};
+  empty.instances = {{InstanceId{3}, ObjectId{0}, 1.0, false}};
   empty.failure = FailureReason::kNoProposal;
   b.attempts = {empty};
   b.seconds = {{"drop", 4.0}};
@@ -93,7 +95,7 @@ TEST(Summarize, RateIntervalsAreOverBins) {
   std::vector<TrialResult> trials;
   for (int i = 0; i < 40; ++i) {
     TrialResult& trial = trials.emplace_back();
-    trial.trial = trial.bin_index = i;
+    trial.trial = trial.bin_index = BinIndex(i);
     trial.instances_dropped = 10;
     trial.instances_cleared = i % 2 ? 10 : 0;
     trial.attempts.assign(10, Pick(i % 2 ? FailureReason::kNone : FailureReason::kSlipped, i % 2));
@@ -117,7 +119,7 @@ TEST(Summarize, RefusedScenesAreListedWithTheirReasons) {
   ASSERT_EQ(summary.refused.size(), 2u);
   EXPECT_EQ(summary.refused[1].trial, 7);
   const std::string table = SummaryTable(summary);
-  EXPECT_NE(table.find("Scenes refused and built anew: 2 of 4"), std::string::npos);
+  EXPECT_NE(table.find("Scenes rejected and dropped again: 2 of 4"), std::string::npos);
   EXPECT_NE(table.find("trial 7, attempt 1: overlap, 2 parts fell outside"), std::string::npos);
   EXPECT_EQ(SummaryTable(Summarize({TrialResult()})).find("refused"), std::string::npos);
 }
@@ -194,8 +196,9 @@ TEST(Csv, CrashedTrialsAreSortedInWithEmptyCells) {
   auto trials = TwoTrials();
   trials[0].trial = 1;
   trials[1].trial = 4;
-  const std::string csv =
-      TrialsCsv(trials, {{0, 0, 0, 7, "a"}, {3, 1, 2, 7, "b"}, {9, 1, 8, 7, "c"}});
+  const std::string csv = TrialsCsv(
+      trials,
+      {{0, 0, BinIndex{0}, 7, "a"}, {3, 1, BinIndex{2}, 7, "b"}, {9, 1, BinIndex{8}, 7, "c"}});
   std::istringstream lines(csv);
   std::vector<std::string> firsts;
   std::string header, line;
@@ -211,9 +214,9 @@ TEST(Csv, CrashedTrialsAreSortedInWithEmptyCells) {
 
 TEST(InstanceOutcomesCsv, ListsTheOutcomeOfEachInstance) {
   auto trials = TwoTrials();
-  trials[0].outcomes = {{0, 0, true, true, FailureReason::kNone, 0},
-                        {1, 0, false, true, FailureReason::kSlipped, 1},
-                        {2, 0, false, false, FailureReason::kNone, -1}};
+  trials[0].outcomes = {{InstanceId{0}, ObjectId{0}, true, true, FailureReason::kNone, 0},
+                        {InstanceId{1}, ObjectId{0}, false, true, FailureReason::kSlipped, 1},
+                        {InstanceId{2}, ObjectId{0}, false, false, FailureReason::kNone, -1}};
   EXPECT_EQ(InstanceOutcomesCsv(trials, {"rod"}),
             "trial,configuration,instance,object,outcome,failure,stage,attempt\n0,0,0,rod,picked,"
             "none,done,0\n"

@@ -65,7 +65,7 @@ TEST_F(MergeTest, EqualDuplicatesCountOnceUnequalOnesAreRefused) {
   const std::string error = ErrorOf([&] {
     MergeStores({a, folder_ / "forged"}, folder_ / "other");
   });
-  EXPECT_THAT(error, HasSubstr("trial 1 stands in another store with other hypotheses"));
+  EXPECT_THAT(error, HasSubstr("trial 1 is in another store with different hypotheses"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "other/results.sqlite"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "other/merging")) << "an unfinished store is left";
 }
@@ -92,7 +92,7 @@ TEST_F(MergeTest, DifferentSettingsRequireCompare) {
   const auto a = Store("run_a", one, {0, 1, 2}), b = Store("run_b", other, {0, 2});
   const std::string error = ErrorOf([&] { MergeStores({a, b}, folder_ / "out"); });
   EXPECT_THAT(error, HasSubstr("'seed: 5' and 'seed: 99'"));
-  EXPECT_THAT(error, HasSubstr("--compare"));
+  EXPECT_THAT(error, HasSubstr("merge them as a comparison"));
   const MergeReport report = MergeStores({a, b}, folder_ / "out", {.compare = true});
   ASSERT_EQ(report.configurations.size(), 2u);
   EXPECT_EQ(report.configurations[0].configuration.name, "run_a");

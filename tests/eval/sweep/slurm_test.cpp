@@ -72,8 +72,8 @@ TEST(Slurm, CountsTrialsOfShards) {
   const ResultsStore store = ResultsStore::OpenToRead(ShardFolder(options.out, options.shard));
   Cluster stored;
   for (const TrialResult& trial : store.ReadAll()) SuccessOfAttempts()(trial, stored);
-  EXPECT_GT(stored.tries, 0);
-  EXPECT_EQ(SumOf(states[1].outcomes).tries, stored.tries);
+  EXPECT_GT(stored.samples, 0);
+  EXPECT_EQ(SumOf(states[1].outcomes).samples, stored.samples);
   EXPECT_EQ(SumOf(states[1].outcomes).hits, stored.hits);
   EXPECT_THAT(ErrorOf([&] { ShardStates(StubSweep(2, 7), options.out, 3); }),
               HasSubstr("results of other settings"));

@@ -84,11 +84,11 @@ TEST_F(SweepSpecTest, KeySetByTwoAxesIsRefusedWithItsLine) {
     return ErrorOf([&] { Load("scenario: demo\ngrid:\n" + grid); });
   };
   EXPECT_THAT(error("  sensor: [ideal]\n  pair:\n    - {sensor: ideal, refiner: none}\n"),
-              HasSubstr("sweep.yaml:5: sensor=ideal: sensor sets sensor, too"));
+              HasSubstr("sweep.yaml:5: sensor=ideal: sensor also sets sensor"));
   EXPECT_THAT(error("  method:\n    exact: {estimator.name: oracle}\n  estimator.name: [ppf]\n"),
-              HasSubstr("sweep.yaml:5: estimator.name=ppf: method sets estimator.name, too"));
+              HasSubstr("sweep.yaml:5: estimator.name=ppf: method also sets estimator.name"));
   EXPECT_THAT(error("  method:\n    exact: {estimator: {name: oracle}}\n  estimator.name: [ppf]\n"),
-              HasSubstr("method sets estimator, too"));
+              HasSubstr("method also sets estimator"));
   EXPECT_EQ(Names("scenario: demo\ngrid:\n  estimator.name: [oracle]\n"
                   "  estimator.noise_mm: [1, 2]\n")
                 .size(),
@@ -101,9 +101,10 @@ TEST_F(SweepSpecTest, CommandLineCannotSetAKeyOfTheGrid) {
   SetForAll("gripper=jaw_8cm", spec);
   ASSERT_EQ(spec.set.size(), 1u) << "it replaces the value of the file";
   EXPECT_EQ(spec.set[0].assignment, "gripper=jaw_8cm");
-  EXPECT_THAT(ErrorOf([&] { SetForAll("sensor=time_of_flight", spec); }),
-              testing::AllOf(HasSubstr("--set sensor=time_of_flight: the grid sets sensor, too ("),
-                             HasSubstr("sweep.yaml:5")));
+  EXPECT_THAT(
+      ErrorOf([&] { SetForAll("sensor=time_of_flight", spec); }),
+      testing::AllOf(HasSubstr("setting sensor=time_of_flight: the grid also sets sensor ("),
+                     HasSubstr("sweep.yaml:5")));
 }
 
 TEST_F(SweepSpecTest, ConfigurationsHaveTheirSettingsAndTrials) {
@@ -179,9 +180,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadSweep{"NoList", "scenario: demo\ngrid:\n  sensor: ideal\n", "sweep.yaml:3",
                  "must be a list of values"},
         BadSweep{"LabelWithoutSettings", "scenario: demo\ngrid:\n  method:\n    ppf: ppf\n",
-                 "sweep.yaml:4", "a label stands for settings"},
+                 "sweep.yaml:4", "a label needs settings"},
         BadSweep{"NoLabels", "scenario: demo\ngrid:\n  method: {}\n", "sweep.yaml:3",
-                 "names no value"},
+                 "has no value"},
         BadSweep{"LabelTwice",
                  "scenario: demo\ngrid:\n  method:\n    a: {seed: 1}\n    a: {seed: 2}\n",
                  "sweep.yaml:5", "is given twice"},
@@ -202,11 +203,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadSweep{"UnknownScenario", "scenario: dmeo\ngrid: {seed: [1]}\n", "sweep.yaml:1",
                  "did you mean 'demo'"},
         BadSweep{"ValueTwice", "scenario: demo\ngrid:\n  seed: [1, 2, 1]\n", "sweep.yaml:3",
-                 "stands in the grid twice"},
+                 "is in the grid twice"},
         BadSweep{"KeyTwice", "scenario: demo\ngrid:\n  seed: [1]\n  seed: [2]\n", "sweep.yaml:4",
                  "is given twice"},
         BadSweep{"BackwardRange", "scenario: demo\ngrid:\n  seed: 9..3\n", "sweep.yaml:3",
-                 "upwards"},
+                 "ascending"},
         BadSweep{"Trials", "scenario: demo\ntrials: none\ngrid: {seed: [1]}\n", "sweep.yaml:2",
                  "whole number"},
         BadSweep{"UnknownSlurmKey", "scenario: demo\ngrid: {seed: [1]}\nslurm:\n  queue: x\n",

@@ -39,7 +39,7 @@ MakeDoTrial UnevenTrials() {
       WriteFileAtomically(pictures.folder / "pick.png", "picture");
       TrialResult result;
       const Cluster outcome = OutcomeIn(point.number, scene);
-      for (int i = 0; i < outcome.tries; ++i) {
+      for (int i = 0; i < outcome.samples; ++i) {
         AttemptRecord& pick = result.attempts.emplace_back();
         pick.attempt = i;
         pick.grasp = Grasp();
@@ -162,7 +162,7 @@ TEST_F(SweepStopTest, NarrowerWidthContinuesAndWiderWidthIsRefused) {
   SweepOptions options = Options("s");
   options.resume = true;
   EXPECT_THAT(ErrorOf([&] { RunSweep(StoppingSweep(0.9), options, {}); }),
-              HasSubstr("finished trials beyond where its points would stop"));
+              HasSubstr("finished trials beyond the bin at which its configurations stop"));
   RunSweep(StoppingSweep(0.5), options, {});
   RunSweep(StoppingSweep(0.5), Options("at_once"), {});
   EXPECT_GT(Stored("s").size(), static_cast<size_t>(3 * ScenesNeeded(2)));
@@ -171,27 +171,44 @@ TEST_F(SweepStopTest, NarrowerWidthContinuesAndWiderWidthIsRefused) {
   EXPECT_EQ(Stored("s").size(), 180u);
 }
 
+TEST_F(SweepStopTest, EarlierCrashBeyondTheStopIsNotCounted) {
+  const Sweep sweep = StoppingSweep(kWidth);
+  SweepOptions options = Options("s");
+  RunSweep(sweep, options, {});
+  {
+    ResultsStore store(options.out, HeadOf(sweep, options.out));
+    store.WriteCrashed({59, 0, BinIndex(59), 0, "killed"});
+    store.Forget({121});
+  }
+  options.resume = true;
+  int crashed = -1;
+  RunListener listener;
+  listener.on_trial = [&](const RunState& state) { crashed = state.crashed; };
+  RunSweep(sweep, options, listener);
+  EXPECT_EQ(crashed, 0);
+}
+
 // The shard has bins 30 to 59 and therefore not the first bin.
 TEST_F(SweepStopTest, ShardsAndSlurmAreRefused) {
   SweepOptions options = Options("s");
   options.shard = {2, 2};
   EXPECT_THAT(ErrorOf([&] { RunSweep(StoppingSweep(kWidth), options, {}); }),
-              HasSubstr("stop_width = 0.6: a shard sees no other's scenes"));
+              HasSubstr("stop_width = 0.6: a shard does not have the scenes of the other shards"));
   SlurmJob job;
   job.out = folder_ / "slurm";
   EXPECT_THAT(ErrorOf([&] { RunOnSlurm(StoppingSweep(kWidth), job, {}); }),
-              HasSubstr("stop_width = 0.6: a shard sees no other's scenes"));
+              HasSubstr("stop_width = 0.6: a shard does not have the scenes of the other shards"));
 }
 
 TEST(ConfigurationStop, WaitsForAllEarlierBins) {
   ConfigurationStop stop(kWidth);
-  for (int scene = 59; scene > 0; --scene) stop.Add(scene, OutcomeIn(2, scene));
+  for (int scene = 59; scene > 0; --scene) stop.Add(BinIndex(scene), OutcomeIn(2, scene));
   EXPECT_EQ(stop.state().bins, 0);
-  EXPECT_TRUE(stop.Counts(59));
-  stop.Add(0, OutcomeIn(2, 0));
+  EXPECT_TRUE(stop.Counts(BinIndex(59)));
+  stop.Add(BinIndex{0}, OutcomeIn(2, 0));
   EXPECT_EQ(stop.state().bins, ScenesNeeded(2));
-  EXPECT_TRUE(stop.Counts(ScenesNeeded(2) - 1));
-  EXPECT_FALSE(stop.Counts(ScenesNeeded(2)));
+  EXPECT_TRUE(stop.Counts(BinIndex(ScenesNeeded(2) - 1)));
+  EXPECT_FALSE(stop.Counts(BinIndex(ScenesNeeded(2))));
 }
 
 }  // namespace

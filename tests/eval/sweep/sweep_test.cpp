@@ -94,7 +94,7 @@ TEST_F(SweepTest, ShardOfAnotherSweepIsRefusedAndChangesNothing) {
   other.yaml = "scenario: stub\ngrid: {seed: [6]}\n";
   options.shard = {2, 2};
   EXPECT_THAT(ErrorOf([&] { RunSweep(other, options, {}); }),
-              HasSubstr("sweep.yaml is of a sweep with other settings"));
+              HasSubstr("sweep.yaml belongs to a sweep with other settings"));
   EXPECT_EQ(Read("shared/sweep.yaml"), yaml);
   EXPECT_FALSE(std::filesystem::exists(ShardFolder(options.out, options.shard) / "results.sqlite"));
   sweep.yaml = "scenario: stub\ngrid: {seed: [5]}\nslurm:\n  shards: 8\n";
@@ -192,7 +192,7 @@ TEST_F(SweepTest, WorkerPreparesEachConfigurationOnce) {
 TEST_F(SweepTest, FinishedTrialsRequireResume) {
   RunSweep(StubSweep(2, 2), Options("s"), {});
   EXPECT_THAT(ErrorOf([&] { RunSweep(StubSweep(2, 2), Options("s"), {}); }),
-              HasSubstr("already holds 4 finished trials"));
+              HasSubstr("already has 4 finished trials"));
   SweepOptions options = Options("s");
   options.resume = true;
   EXPECT_THAT(ErrorOf([&] { RunSweep(StubSweep(2, 3), options, {}); }),
@@ -222,10 +222,10 @@ TEST_F(SweepTest, ResumedProgressIncludesStoredTrials) {
   Cluster reported = SumOf(states.back().trials), stored;
   for (const ConfigurationSummary& point : report.configurations) {
     stored.hits += point.summary.successes;
-    stored.tries += point.summary.executed_grasps;
+    stored.samples += point.summary.executed_grasps;
   }
-  EXPECT_GT(stored.tries, 0);
-  EXPECT_EQ(reported.tries, stored.tries);
+  EXPECT_GT(stored.samples, 0);
+  EXPECT_EQ(reported.samples, stored.samples);
   EXPECT_EQ(reported.hits, stored.hits);
 }
 
@@ -248,7 +248,7 @@ TEST_F(SweepTest, SecondSweepInTheFolderIsRefusedWhileTheFirstRuns) {
   EXPECT_EQ(RunSweep(StubSweep(1, 4), Options("s"), {}).finished, 4);
 }
 
-TEST_F(SweepTest, KilledSweepResumesWithoutLossOrDuplicates) {
+TEST_F(SweepTest, KilledSweepResumesWithoutMissingOrDuplicateTrials) {
   const Sweep sweep = StubSweep(3, 30);
   Rng rng(1);
   SweepOptions options = Options("s", 2);

@@ -48,11 +48,11 @@ std::vector<TrialResult> Bins(int bins, int objects, double max_error_m) {
       AttemptRecord& pick = trials[t].attempts.emplace_back();
       pick.attempt = i;
       pick.chosen = 0;
-      pick.matched_instance = 0;
+      pick.matched_instance = InstanceId{0};
       pick.grasp = Grasp();
       HypothesisRecord& h = pick.hypotheses.emplace_back();
-      h.object = (t + i) % objects;
-      h.instance = 0;
+      h.object = ObjectId((t + i) % objects);
+      h.instance = InstanceId{0};
       h.metrics.Set(kMssdDiameters, 0.1);
       h.X_OE = Translation(
           {rng.Uniform(-max_error_m, max_error_m), rng.Uniform(-max_error_m, max_error_m), 0});
@@ -86,17 +86,18 @@ TEST_F(PickForecasts, MapsAreSelectedByObjectAndGripper) {
   Map("three", *objects_[1], "cup");
   EXPECT_TRUE(ToleranceMaps({}, objects_, "jaw").empty());
   const ToleranceMaps both({folder_.path().string()}, objects_, "jaw");
-  EXPECT_EQ(both.Of(0)->object, "small");
-  EXPECT_EQ(both.Of(1)->gripper, "jaw");
+  EXPECT_EQ(both.Of(ObjectId{0})->object, "small");
+  EXPECT_EQ(both.Of(ObjectId{1})->gripper, "jaw");
   const ToleranceMaps one({small + "/model.yaml"}, objects_, "jaw");
-  EXPECT_NE(one.Of(0), nullptr);
-  EXPECT_EQ(one.Of(1), nullptr);
+  EXPECT_NE(one.Of(ObjectId{0}), nullptr);
+  EXPECT_EQ(one.Of(ObjectId{1}), nullptr);
   const auto error = [&](const std::vector<std::string>& places, const std::string& gripper) {
     return ErrorOf([&] { ToleranceMaps(places, objects_, gripper); });
   };
-  EXPECT_THAT(error({small}, "cup"), HasSubstr("is of small with jaw; the parts are small, large"));
-  EXPECT_THAT(error({folder_.path().string()}, "hand"), HasSubstr("holds no map"));
-  EXPECT_THAT(error({small, small}, "jaw"), HasSubstr("are both of small"));
+  EXPECT_THAT(error({small}, "cup"),
+              HasSubstr("is a map of small with jaw; the objects are small, large"));
+  EXPECT_THAT(error({folder_.path().string()}, "hand"), HasSubstr("there is no map"));
+  EXPECT_THAT(error({small, small}, "jaw"), HasSubstr("are both maps of small"));
   EXPECT_THAT(error({"nowhere"}, "jaw"), HasSubstr("no such file"));
   std::filesystem::create_directories(folder_.path() / "empty" / "deep");
   EXPECT_THAT(error({(folder_.path() / "empty").string()}, "jaw"), HasSubstr("pickbed tolerance"));
@@ -107,7 +108,7 @@ TEST_F(PickForecasts, MapsAreSelectedByObjectAndGripper) {
 TEST_F(PickForecasts, EveryHypothesisHasAPickChance) {
   const ToleranceMaps maps({Map("one", *objects_[0])}, objects_, "jaw");
   HypothesisRecord h;
-  h.instance = 4;
+  h.instance = InstanceId{4};
   h.metrics.Set(kMssdDiameters, 0);
   EXPECT_GT(maps.PickChance(h).value(), 0.9);
   h.X_OE = Translation({0.008, 0, 0});
@@ -117,9 +118,9 @@ TEST_F(PickForecasts, EveryHypothesisHasAPickChance) {
   h.metrics.Set(kMssdDiameters, 0.6);
   EXPECT_EQ(maps.PickChance(h).value(), 0) << "no instance is at that place";
   h.metrics.Set(kMssdDiameters, 0);
-  h.instance = -1;
+  h.instance = InstanceId{-1};
   EXPECT_EQ(maps.PickChance(h).value(), 0);
-  h.object = 1;
+  h.object = ObjectId(1);
   EXPECT_FALSE(maps.PickChance(h).has_value());
   const auto trials = Bins(3, 2, 0.01);
   EXPECT_THAT(PickChancesCsv(trials, objects_, maps), Not(HasSubstr("large")));
@@ -132,11 +133,12 @@ TEST_F(PickForecasts, ForecastMatchesThePicksOfTheRun) {
   Map("two", *objects_[1]);
   const ToleranceMaps maps({folder_.path().string()}, objects_, "jaw");
   auto trials = Bins(120, 2, 0.01);
-  trials[0].attempts[0].matched_instance = -1;  // a pick at a phantom has no known pose error
+  trials[0].attempts[0].matched_instance =
+      InstanceId{-1};  // a pick at a phantom has no known pose error
   const auto forecasts = ForecastsOf(trials, objects_, maps);
   ASSERT_EQ(forecasts.size(), 3u);
   EXPECT_EQ(forecasts[0].part, "small");
-  EXPECT_EQ(forecasts[2].part, "all parts");
+  EXPECT_EQ(forecasts[2].part, "all objects");
   EXPECT_EQ(forecasts[2].picks, 239);
   EXPECT_EQ(forecasts[2].bins, 120);
   EXPECT_EQ(forecasts[0].successes + forecasts[1].successes, forecasts[2].successes);
@@ -150,7 +152,7 @@ TEST_F(PickForecasts, ForecastMatchesThePicksOfTheRun) {
     }
   }
   const std::string text = ForecastText(forecasts);
-  EXPECT_THAT(text, HasSubstr("Picks of all parts by their pose errors"));
+  EXPECT_THAT(text, HasSubstr("Picks of all objects by their pose errors"));
   EXPECT_THAT(text, Not(HasSubstr("few")));
   EXPECT_THAT(ForecastText(ForecastsOf(Bins(4, 1, 0.01), objects_, maps)), HasSubstr("few"));
   EXPECT_THAT(ForecastText(ForecastsOf(Bins(4, 1, 0.001), objects_, maps)),

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "eval/tolerance/draw.h"
 #include "eval/tolerance/report.h"
 #include "eval/tolerance/statistics.h"
 #include "grasp/grippers/suction_cup.h"
@@ -38,7 +39,7 @@ ToleranceOptions Small() {
 }
 
 ToleranceStudy Study(const ToleranceOptions& options) {
-  return PlanStudy(BoxPart({0.04, 0.03, 0.06}, 0.1), std::make_shared<ParallelJaw>(SmallJaw()),
+  return PlanStudy(BoxObject({0.04, 0.03, 0.06}, 0.1), std::make_shared<ParallelJaw>(SmallJaw()),
                    {FromTheTop()}, options);
 }
 
@@ -77,8 +78,8 @@ TEST(ToleranceStudy, ErrorsFollowTheirAxes) {
   const ToleranceStudy study = Study(Small());
   const Pose X_OG = study.grasps[0].candidate.X_OG;
   int axis_samples = 0;
-  for (const ToleranceTry& t : study.tries) {
-    if (t.kind != TryKind::kAxis) continue;
+  for (const PlannedSample& t : study.samples) {
+    if (t.kind != SampleKind::kAxis) continue;
     ++axis_samples;
     const ErrorAxis& axis = ErrorAxisTable()[t.axis[0]];
     const PoseOffset error = ToPoseOffset(axis.of_grasp ? X_OG.inverse() * t.X_OO * X_OG : t.X_OO);
@@ -102,7 +103,7 @@ TEST(ErrorAxes, HelpMatchesTheGripper) {
   EXPECT_EQ(of_cup.size(), ErrorAxisTable().size());
   EXPECT_EQ(AxisHelp(ErrorAxisTable()[6], SmallJaw()), "along the closing direction");
   EXPECT_EQ(AxisHelp(ErrorAxisTable()[11], SmallJaw()), "about the approach");
-  EXPECT_EQ(AxisHelp(ErrorAxisTable()[4], SmallJaw()), "about y of the part");
+  EXPECT_EQ(AxisHelp(ErrorAxisTable()[4], SmallJaw()), "about y of the object");
 }
 
 TEST(ToleranceStudy, FilesAreEqualForAnyJobCountAndAfterResume) {
@@ -113,7 +114,7 @@ TEST(ToleranceStudy, FilesAreEqualForAnyJobCountAndAfterResume) {
   TemporaryFolder one, two, stopped;
   const StudyOutcomes single = ExecuteStudy(study, one.path(), 1, false, {});
   const StudyOutcomes both = ExecuteStudy(study, two.path(), 2, false, {});
-  ASSERT_EQ(single.outcomes.size(), study.tries.size());
+  ASSERT_EQ(single.outcomes.size(), study.samples.size());
   const std::string bytes = ReadFileBytes(one.path() / "samples.csv");
   EXPECT_EQ(bytes, ReadFileBytes(two.path() / "samples.csv"));
 
@@ -123,7 +124,7 @@ TEST(ToleranceStudy, FilesAreEqualForAnyJobCountAndAfterResume) {
   std::ofstream(stopped.path() / "samples.csv", std::ios::binary)
       << bytes.substr(0, header) << bytes.substr(half, 300);
   EXPECT_THAT(ErrorOf([&] { ExecuteStudy(study, stopped.path(), 1, false, {}); }),
-              testing::HasSubstr("--resume"));
+              testing::HasSubstr("resume it"));
   int first_total = 0, first_before = 0;
   StudyListener listener;
   listener.on_progress = [&](int, int total, int before) {
@@ -132,25 +133,25 @@ TEST(ToleranceStudy, FilesAreEqualForAnyJobCountAndAfterResume) {
   };
   ExecuteStudy(study, stopped.path(), 2, true, listener);
   EXPECT_EQ(bytes, ReadFileBytes(stopped.path() / "samples.csv"));
-  EXPECT_EQ(first_total, static_cast<int>(study.tries.size()));
+  EXPECT_EQ(first_total, static_cast<int>(study.samples.size()));
   EXPECT_GT(first_before, 0);
 
   options.seed = 1;
   EXPECT_THAT(ErrorOf([&] { ExecuteStudy(Study(options), one.path(), 1, true, {}); }),
               testing::HasSubstr("other settings"));
 
-  const ToleranceFigures figures = FiguresOf(study, single.outcomes);
-  EXPECT_EQ(figures.at_truth.tries, 1);
-  EXPECT_EQ(figures.at_truth.successes, 1);
+  const ToleranceStatistics statistics = StatisticsOf(study, single.outcomes);
+  EXPECT_EQ(statistics.at_truth.samples, 1);
+  EXPECT_EQ(statistics.at_truth.successes, 1);
   // The open fingers are 3 mm away from the object.
-  const ToleranceRegion& closing = figures.axes[6].region;
+  const ToleranceRegion& closing = statistics.axes[6].region;
   EXPECT_GT(closing.high, 2.0);
   EXPECT_LT(closing.high, 3.6);
   EXPECT_NEAR(closing.low, -closing.high, 0.7);
-  ASSERT_EQ(figures.pairs.size(), 1u);
-  EXPECT_EQ(figures.pairs[0].cells.size(), 9u);
-  EXPECT_EQ(figures.pairs[0].cells[4].successes, 1);
-  EXPECT_EQ(AxesCsv(figures), AxesCsv(FiguresOf(study, both.outcomes)));
+  ASSERT_EQ(statistics.pairs.size(), 1u);
+  EXPECT_EQ(statistics.pairs[0].cells.size(), 9u);
+  EXPECT_EQ(statistics.pairs[0].cells[4].successes, 1);
+  EXPECT_EQ(AxesCsv(statistics), AxesCsv(StatisticsOf(study, both.outcomes)));
 }
 
 // Twenty samples of one grasp give no more information than one.
@@ -161,16 +162,24 @@ TEST(ToleranceStatistics, RepeatedGraspsDoNotNarrowTheInterval) {
   std::set<int> places;
   for (int i = 0; i < options.grasps; ++i) places.insert(study.grasps[i].place);
   ASSERT_LT(places.size(), 6u);
-  const std::vector<TryOutcome> good(study.tries.size(), {true, FailureReason::kNone});
-  const LevelShare at_truth = FiguresOf(study, good).at_truth;
-  EXPECT_EQ(at_truth.tries, 20);
+  const std::vector<SampleOutcome> good(study.samples.size(), {true, FailureReason::kNone});
+  const ToleranceStatistics statistics = StatisticsOf(study, good);
+  const LevelShare& at_truth = statistics.at_truth;
+  EXPECT_EQ(at_truth.samples, 20);
   const int distinct = static_cast<int>(places.size());
   EXPECT_EQ(at_truth.band().low, WilsonInterval(distinct, distinct).low);
+  // The sheet shows the same intervals.
+  ToleranceStatistics all_differ = statistics;
+  for (LevelShare& level : all_differ.axes[0].levels) {
+    level.of_grasp.clear();
+    for (int i = 0; i < level.samples; ++i) level.of_grasp[i] = {1, 1};
+  }
+  EXPECT_NE(DrawToleranceSheet(study, statistics), DrawToleranceSheet(study, all_differ));
 }
 
 TEST(TolerancePredictors, MapPredictsAPlantedRuleAndMetricsDoNot) {
   // Picks that tolerate any error across the hand, but only 3 mm along its closing direction.
-  const auto part = BoxPart({0.04, 0.03, 0.06}, 0.1);
+  const auto part = BoxObject({0.04, 0.03, 0.06}, 0.1);
   ToleranceModel model = EmptyToleranceModel(*part, "test jaw", {Pose::Identity()});
   Rng rng(0);
   const auto draw = [&] {
@@ -214,7 +223,7 @@ TEST(TolerancePredictors, MapPredictsAPlantedRuleAndMetricsDoNot) {
 }
 
 TEST(TolerancePredictors, PicksOfOneOutcomeGiveNoAuc) {
-  const auto part = BoxPart({0.04, 0.03, 0.06}, 0.1);
+  const auto part = BoxObject({0.04, 0.03, 0.06}, 0.1);
   const ToleranceModel model = EmptyToleranceModel(*part, "test jaw", {Pose::Identity()});
   std::vector<JudgedPick> picks;
   for (int i = 0; i < 6; ++i) picks.push_back({Translation({1e-4 * i, 0, 0}), true, i / 2});

@@ -13,7 +13,7 @@ TEST(KeepThoseInBin, RemovesPosesBesideOrBelowTheBin) {
   spec.bin.inner_size_m = {0.4, 0.3, 0.15};
   const SimulatedCell cell(spec, EasyCube());
   const auto at = [&](const Eigen::Vector3d& p_W) {
-    return PoseHypothesis{0, cell.camera().X_CW() * Translation(p_W), 0.9, {}};
+    return PoseHypothesis{ObjectId{0}, cell.camera().X_CW() * Translation(p_W), 0.9, {}};
   };
   const std::vector<Eigen::Vector3d> inside{{0, 0, 0.015}, {0.185, 0.135, 0.015}, {-0.185, 0, 0.3}};
   const std::vector<Eigen::Vector3d> outside{

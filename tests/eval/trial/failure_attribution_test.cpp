@@ -13,11 +13,12 @@ class FailureAttribution : public ::testing::Test {
  protected:
   FailureAttribution() {
     MetricModel tripod;
-    tripod.vertices_O = {{0.04, 0, 0}, {0, 0.04, 0}, {0, 0, 0.04}};
+    tripod.vertices_O = {{0.04, 0, 0}, {0, 0.04, 0}, {InstanceId{0}, ObjectId{0}, 0.04}};
     tripod.symmetries_O = {Pose::Identity()};
     tripod.diameter_m = 0.0566;
     models_ = {tripod, tripod};
-    scene_.objects = {{0, 0, Pose::Identity()}, {1, 1, Translation({0.5, 0, 0})}};
+    scene_.objects = {{InstanceId{0}, ObjectId{0}, Pose::Identity()},
+                      {InstanceId{1}, ObjectId{1}, Translation({0.5, 0, 0})}};
     record_.grasp = Grasp();
     record_.chosen = 0;
     record_.hypotheses.resize(1);
@@ -105,7 +106,8 @@ class FailureAttributionWithoutGrasp : public FailureAttribution {
  protected:
   FailureAttributionWithoutGrasp() {
     record_ = {};
-    record_.instances = {{0, 0, 0.8, false}, {1, 1, 0.05, false}};
+    record_.instances = {{InstanceId{0}, ObjectId{0}, 0.8, false},
+                         {InstanceId{1}, ObjectId{1}, 0.05, false}};
   }
   FailureReason Without(const std::vector<PoseHypothesis>& hypotheses, bool correct = false) {
     record_.hypotheses.assign(hypotheses.size(), {});
@@ -123,7 +125,7 @@ TEST_F(FailureAttributionWithoutGrasp, NotVisibleWhenAllInstancesAreBelowTenPerc
 TEST_F(FailureAttributionWithoutGrasp, NoGraspIfAPoseIsCorrectElseReasonOfTheFirstPose) {
   PoseHypothesis right, wrong, of_other_object;
   wrong.X_CO = Wrong();
-  of_other_object.object = 1;
+  of_other_object.object = ObjectId{1};
   EXPECT_EQ(Without({wrong, right}, true), FailureReason::kNoGrasp);
   EXPECT_EQ(Without({wrong}), FailureReason::kPoseWrong);
   EXPECT_EQ(Without({of_other_object, wrong}), FailureReason::kWrongObject);
@@ -135,7 +137,8 @@ TEST_F(FailureAttributionWithoutGrasp, NoGraspIfAPoseIsCorrectElseReasonOfTheFir
 FailureReason MissedBy(const std::vector<PoseHypothesis>& hypotheses, const GroundTruth& truth,
                        double visible = 0.8) {
   AttemptScore score;
-  score.instances = {{0, 0, visible, false}, {1, 1, 0.5, true}};
+  score.instances = {{InstanceId{0}, ObjectId{0}, visible, false},
+                     {InstanceId{1}, ObjectId{1}, 0.5, true}};
   const std::vector<FailureReason> missed = MissReasons(score, hypotheses, truth);
   EXPECT_EQ(missed.at(1), FailureReason::kNone) << "a recalled instance has no reason";
   return missed.at(0);
@@ -145,8 +148,8 @@ TEST_F(FailureAttribution, MissedInstanceHasOneReason) {
   const GroundTruth truth{scene_, models_, camera_};
   PoseHypothesis own, other, far;
   own.X_CO = Wrong();
-  other.object = 1;
-  far.object = 1;
+  other.object = ObjectId{1};
+  far.object = ObjectId{1};
   far.X_CO = Translation({0.5, 0, 0});
   EXPECT_EQ(MissedBy({own}, truth, 0.09), FailureReason::kNotVisible);
   EXPECT_EQ(MissedBy({}, truth), FailureReason::kNoProposal);

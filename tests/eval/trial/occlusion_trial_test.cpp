@@ -37,7 +37,7 @@ TEST(OcclusionTrial, HasOneAttemptPerBandAtTheSameTarget) {
   const ScenarioSpec spec = OccludedCubes(4);
   TrialRunner runner(spec, EasyCube());
   for (const int trial : {0, 1}) {
-    const TrialResult result = runner.Run(trial);
+    const TrialResult result = runner.Run(BinIndex(trial));
     ASSERT_EQ(result.attempts.size(), 3u);
     size_t parts = 0;
     for (const AttemptRecord& attempt : result.attempts) {
@@ -58,7 +58,7 @@ TEST(OcclusionTrial, GraspsAreOnlyOnTheTarget) {
   TrialRunner runner(OccludedCubes(4), EasyCube());
   int picked = 0, attempts = 0;
   for (const int trial : {0, 1, 2}) {
-    for (const AttemptRecord& attempt : runner.Run(trial).attempts) {
+    for (const AttemptRecord& attempt : runner.Run(BinIndex(trial)).attempts) {
       EXPECT_TRUE(TargetOf(attempt).recalled);
       if (!attempt.grasp) {
         EXPECT_EQ(attempt.failure, FailureReason::kNoGrasp);
@@ -78,7 +78,7 @@ TEST(OcclusionTrial, GraspsAreOnlyOnTheTarget) {
 
 TEST(OcclusionTrial, AttemptAndInstanceBudgetsAgree) {
   TrialRunner runner(OccludedCubes(3), EasyCube());
-  const TrialResult result = runner.Run(0);
+  const TrialResult result = runner.Run(BinIndex{0});
   const FailureBudget attempts = BudgetOfAttempts({&result, 1});
   const FailureBudget instances = BudgetOfInstances({&result, 1});
   EXPECT_EQ(attempts.total, 3);
@@ -95,18 +95,18 @@ TEST(OcclusionTrial, DependsOnlyOnSeedAndTrialNumber) {
            CurveCsv(std::vector<NamedCurve>{{"", StatisticsByBand({&result, 1}, spec.occlusion)}});
   };
   TrialRunner runner(spec, objects);
-  const std::string zero = text(runner.Run(0)), one = text(runner.Run(1));
+  const std::string zero = text(runner.Run(BinIndex{0})), one = text(runner.Run(BinIndex{1}));
   EXPECT_NE(zero, one);
-  EXPECT_EQ(text(runner.Run(0)), zero) << "earlier trials have no effect";
-  EXPECT_EQ(text(TrialRunner(spec, objects).Run(1)), one) << "the runner keeps no state";
+  EXPECT_EQ(text(runner.Run(BinIndex{0})), zero) << "earlier trials have no effect";
+  EXPECT_EQ(text(TrialRunner(spec, objects).Run(BinIndex{1})), one) << "the runner keeps no state";
 }
 
 // All estimators see the same scenes, so that comparisons are paired.
 TEST(OcclusionTrial, ScenesDoNotDependOnTheEstimator) {
   ScenarioSpec exact = OccludedCubes(3), noisy = exact;
   noisy.estimator.noise_mm = 40;
-  const TrialResult a = TrialRunner(exact, EasyCube()).Run(0);
-  const TrialResult b = TrialRunner(noisy, EasyCube()).Run(0);
+  const TrialResult a = TrialRunner(exact, EasyCube()).Run(BinIndex{0});
+  const TrialResult b = TrialRunner(noisy, EasyCube()).Run(BinIndex{0});
   ASSERT_EQ(a.attempts.size(), b.attempts.size());
   int missed = 0;
   for (size_t i = 0; i < a.attempts.size(); ++i) {
@@ -124,7 +124,7 @@ TEST(OcclusionTrial, ScenesDoNotDependOnTheEstimator) {
 // floor.
 TEST(OcclusionTrial, TargetWithoutAFeasibleGraspFailsAsNoGrasp) {
   const TrialResult result =
-      TrialRunner(OccludedCubes(1), {BoxPart({0.12, 0.11, 0.006}, 0.2)}).Run(0);
+      TrialRunner(OccludedCubes(1), {BoxObject({0.12, 0.11, 0.006}, 0.2)}).Run(BinIndex{0});
   ASSERT_FALSE(result.attempts.empty());
   for (const AttemptRecord& attempt : result.attempts)
     EXPECT_EQ(attempt.failure, FailureReason::kNoGrasp);
@@ -136,32 +136,33 @@ TEST(OcclusionTrial, TrialWithoutASceneIsRecorded) {
   spec.occlusion.bands = {{0.500, 0.502}};
   spec.occlusion.margin = 0;
   spec.occlusion.blocker_samples = spec.occlusion.targets = spec.occlusion.scenes = 1;
-  const TrialResult result = TrialRunner(spec, EasyCube()).Run(3);
+  const TrialResult result = TrialRunner(spec, EasyCube()).Run(BinIndex{3});
   EXPECT_TRUE(result.attempts.empty());
   EXPECT_EQ(result.instances_dropped, 0);
   ASSERT_EQ(result.bands.size(), 1u);
   EXPECT_FALSE(result.bands[0].filled);
   const std::vector<BandStatistics> bands = StatisticsByBand({&result, 1}, spec.occlusion);
   EXPECT_EQ(bands[0].trials_without, 1);
-  EXPECT_THAT(CurveTable(bands), HasSubstr("trials without a scene: 1; targets given up: 1"));
+  EXPECT_THAT(CurveTable(bands), HasSubstr("trials without a scene: 1; rejected targets: 1"));
 }
 
 TEST(OcclusionCurve, SuggestsARemedyWhenNoTargetWasFound) {
   TrialResult trial;
   trial.bands.resize(5);
   EXPECT_THAT(CurveTable(StatisticsByBand({&trial, 1}, OcclusionSpec{})),
-              HasSubstr("look from higher up, drop fewer parts or end the bands lower"));
+              HasSubstr("raise the camera, drop fewer objects or lower the bands"));
 }
 
 // An attempt at target 7 in band 0 with the given recall, pick result and pose error.
 AttemptRecord AttemptAt(bool recalled, bool picked, double error_diameters) {
   AttemptRecord attempt;
-  attempt.target = 7;
+  attempt.target = InstanceId{7};
   attempt.band = 0;
-  attempt.instances = {{3, 0, 1.0, true}, {7, 0, 0.2, recalled}};
+  attempt.instances = {{InstanceId{3}, ObjectId{0}, 1.0, true},
+                       {InstanceId{7}, ObjectId{0}, 0.2, recalled}};
   HypothesisRecord other, near;
-  other.instance = 3;
-  near.instance = 7;
+  other.instance = InstanceId{3};
+  near.instance = InstanceId{7};
   near.score = 0.4;
   near.metrics.Set(kMssdDiameters, error_diameters);
   near.metrics.Set(kTranslation_m, 0.01 * error_diameters);
@@ -174,7 +175,7 @@ TEST(OcclusionCurve, CountsOnlyTheTarget) {
   OcclusionSpec spec;
   spec.bands = {{0.1, 0.3}, {0.9, 1}};
   std::vector<TrialResult> trials(3);
-  for (int i = 0; i < 3; ++i) trials[i].trial = trials[i].bin_index = i;
+  for (int i = 0; i < 3; ++i) trials[i].trial = trials[i].bin_index = BinIndex(i);
   trials[0].attempts = {AttemptAt(true, true, 0.02)};
   trials[1].attempts = {AttemptAt(true, false, 0.06)};
   trials[2].attempts = {AttemptAt(false, false, 0.7)};  // on no instance
@@ -193,8 +194,9 @@ TEST(OcclusionCurve, CountsOnlyTheTarget) {
   EXPECT_EQ(bands[1].trials_without, 1);
   const std::string table = CurveTable(bands);
   EXPECT_THAT(table, HasSubstr("66.7 % [20.8, 93.9]"));
-  EXPECT_THAT(table, HasSubstr("90-100 %: trials without a scene: 1; targets given up: 2; of 4 "
-                               "blockers 0 hid too much, 0 too little, 4 disturbed the scene"));
+  EXPECT_THAT(table,
+              HasSubstr("90-100 %: trials without a scene: 1; rejected targets: 2; of 4 blockers 0 "
+                        "hid too much, 0 too little, 4 moved the other instances"));
 }
 
 // Returns the cell of the second CSV line in the named column.
@@ -217,7 +219,7 @@ TEST(OcclusionCurve, MedianErrorIntervalsAreOverBins) {
   spec.bands = {{0.1, 0.3}};
   std::vector<TrialResult> trials(40);
   for (int i = 0; i < 40; ++i) {
-    trials[i].trial = trials[i].bin_index = i;
+    trials[i].trial = trials[i].bin_index = BinIndex(i);
     trials[i].attempts = {AttemptAt(true, true, 0.001 * (i + 1))};
   }
   RunSummary summary = Summarize(trials);
@@ -231,6 +233,8 @@ TEST(OcclusionCurve, MedianErrorIntervalsAreOverBins) {
   EXPECT_EQ(CellOf(csv, "mssd_low"), fmt::format("{}", median.ci95.low));
   EXPECT_NEAR(std::stod(CellOf(csv, "translation_high")), 10 * median.ci95.high, 1e-9);
   EXPECT_EQ(CellOf(csv, "blockers_useless"), "0");
+  const std::string quoted = CurveCsv(std::vector<NamedCurve>{{"a \"b\", c", summary.bands}});
+  EXPECT_THAT(quoted, HasSubstr("\n\"a \"\"b\"\", c\",0.1,"));
   EXPECT_THAT(CurveTable(summary.bands), HasSubstr("0.2 [0.1, 0.3] mm"));
   const auto json = nlohmann::json::parse(SummaryJson(summary))["target_by_visibility"][0];
   EXPECT_EQ(json["median_mssd_diameters_ci95"][1], median.ci95.high);

@@ -23,7 +23,7 @@ OracleCase InstancesInView(const std::vector<double>& visible) {
   Rng rng(5);
   for (size_t i = 0; i < visible.size(); ++i) {
     const Pose X_WO = MakePose(rng.Rotation().toRotationMatrix(), 0.1 * rng.UnitVector());
-    truth.scene.objects.push_back({static_cast<int>(i) + 10, static_cast<int>(i) % 2, X_WO});
+    truth.scene.objects.push_back({InstanceId(i + 10), ObjectId(i % 2), X_WO});
   }
   truth.view.visible_fractions = visible;
   return truth;

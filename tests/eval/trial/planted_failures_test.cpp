@@ -19,13 +19,13 @@ struct PlantedAttempt {
   bool is_executed = false;  // whether the grasp of the first hypothesis is executed
   GraspOutcome outcome;
   std::vector<double> visible{0.8, 0.7};
-  std::vector<int> remaining{0, 1};
+  std::vector<InstanceId> remaining{InstanceId{0}, InstanceId{1}};
 };
 
 constexpr double kLeg_m = 0.04;
 constexpr double kFarOff_m = 0.02;  // error of a wrong pose that still matches the instance
 
-PoseHypothesis MakeHypothesis(const Pose& X_CO, int object = 0) {
+PoseHypothesis MakeHypothesis(const Pose& X_CO, ObjectId object = ObjectId{0}) {
   PoseHypothesis h;
   h.object = object;
   h.X_CO = X_CO;
@@ -67,7 +67,7 @@ std::vector<Planted> PlantedFailures() {
   add(FailureReason::kNotVisible, unseen);
   add(FailureReason::kNoProposal, unproposed);
   add(FailureReason::kNoGrasp, no_grasp);
-  add(FailureReason::kWrongObject, ExecutedAt(MakeHypothesis(Pose::Identity(), 1)));
+  add(FailureReason::kWrongObject, ExecutedAt(MakeHypothesis(Pose::Identity(), ObjectId{1})));
   add(FailureReason::kPoseWrong, ExecutedAt(Wrong()));
   PoseHypothesis undone = Wrong(), suppressing = Wrong();
   undone.unrefined_X_CO = Right().X_CO;
@@ -79,9 +79,9 @@ std::vector<Planted> PlantedFailures() {
   add(FailureReason::kDoublePick, other_lifted);
   // A successful pick of instance 1 that throws instance 0 out of the bin.
   PlantedAttempt displaced = Executed(FailureReason::kNone);
-  displaced.hypotheses = {MakeHypothesis(Translation({0.5, 0, 0}), 1)};
+  displaced.hypotheses = {MakeHypothesis(Translation({0.5, 0, 0}), ObjectId{1})};
   displaced.outcome.success = true;
-  displaced.outcome.picked_instance = 1;
+  displaced.outcome.picked_instance = InstanceId{1};
   displaced.remaining = {};
   planted.push_back({FailureReason::kNeighborDisplaced, displaced, FailureReason::kNone});
   // At a correct pose, the physical failure reason is kept.
@@ -102,7 +102,8 @@ class PlantedFailure : public ::testing::Test {
     tripod.symmetries_O = {Pose::Identity()};
     tripod.diameter_m = std::sqrt(2.0) * kLeg_m;
     models_ = {tripod, tripod};
-    scene_.objects = {{0, 0, Pose::Identity()}, {1, 1, Translation({0.5, 0, 0})}};
+    scene_.objects = {{InstanceId{0}, ObjectId{0}, Pose::Identity()},
+                      {InstanceId{1}, ObjectId{1}, Translation({0.5, 0, 0})}};
   }
 
   // Fills the record in the same way as a trial with one attempt.
@@ -120,14 +121,16 @@ class PlantedFailure : public ::testing::Test {
       record.grasp = Grasp();
       record.chosen = 0;
       const HypothesisRecord& chosen = record.hypotheses[0];
-      record.matched_instance = chosen.mssd_diameters() < kMatchDiameters ? chosen.instance : -1;
+      record.matched_instance =
+          chosen.mssd_diameters() < kMatchDiameters ? chosen.instance : kNoInstance;
     }
     record.failure = AttributeFailure(record, attempt.hypotheses, kMatchDiameters, truth);
     TrialResult trial;
     trial.instances_dropped = 2;
     trial.instances_cleared = record.failure == FailureReason::kNone;
     trial.attempts = {record};
-    trial.outcomes = DecideOutcomes({{0, 0}, {1, 1}}, trial.attempts, {attempt.remaining, false});
+    trial.outcomes = DecideOutcomes({{InstanceId{0}, ObjectId{0}}, {InstanceId{1}, ObjectId{1}}},
+                                    trial.attempts, {attempt.remaining, false});
     return trial;
   }
 

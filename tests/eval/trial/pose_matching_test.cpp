@@ -33,11 +33,11 @@ struct MatchingCase {
   std::vector<double> visible;
   std::vector<PoseHypothesis> hypotheses;
 
-  void AddInstance(int instance, int object, const Pose& X_WO) {
+  void AddInstance(InstanceId instance, ObjectId object, const Pose& X_WO) {
     scene.objects.push_back({instance, object, X_WO});
     visible.push_back(0.5);
   }
-  void AddHypothesis(int object, const Pose& X_WO, double score) {
+  void AddHypothesis(ObjectId object, const Pose& X_WO, double score) {
     hypotheses.push_back({object, camera.X_CW() * X_WO, score, {}});
   }
   AttemptScore Score(const std::vector<MetricModel>& models) const {
@@ -58,8 +58,8 @@ TEST(PoseMatching, StoresThePoseInWorldAndInTheTrueObjectFrame) {
   const Pose X_WO = At(0.1, 0.05, 0.02) * Pose(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ()));
   const Pose error =
       At(0.001, -0.002, 0.003) * Pose(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
-  matching.AddInstance(7, 0, X_WO);
-  matching.AddHypothesis(0, X_WO * error, 0.4);
+  matching.AddInstance(InstanceId{7}, ObjectId{0}, X_WO);
+  matching.AddHypothesis(ObjectId{0}, X_WO * error, 0.4);
   const HypothesisRecord score = matching.Score({Box(false)}).hypotheses[0];
   EXPECT_TRUE(score.X_WO.isApprox(X_WO * error, 1e-9));
   EXPECT_TRUE(score.X_OE.isApprox(error, 1e-9));
@@ -67,10 +67,10 @@ TEST(PoseMatching, StoresThePoseInWorldAndInTheTrueObjectFrame) {
 
 TEST(PoseMatching, GroundTruthPosesAreCorrectWithZeroError) {
   MatchingCase matching = EmptyCase();
-  matching.AddInstance(7, 0, At(0.1));
-  matching.AddInstance(3, 0, At(-0.1));
-  matching.AddHypothesis(0, At(-0.1), 0.4);
-  matching.AddHypothesis(0, At(0.1), 0.9);
+  matching.AddInstance(InstanceId{7}, ObjectId{0}, At(0.1));
+  matching.AddInstance(InstanceId{3}, ObjectId{0}, At(-0.1));
+  matching.AddHypothesis(ObjectId{0}, At(-0.1), 0.4);
+  matching.AddHypothesis(ObjectId{0}, At(0.1), 0.9);
   const AttemptScore score = matching.Score({Box(false)});
   ASSERT_EQ(score.hypotheses.size(), 2u);
   EXPECT_EQ(score.hypotheses[0].instance, 3);
@@ -85,10 +85,10 @@ TEST(PoseMatching, GroundTruthPosesAreCorrectWithZeroError) {
 
 TEST(PoseMatching, TwoHypothesesOnOneInstanceRecallOneInstance) {
   MatchingCase matching = EmptyCase();
-  matching.AddInstance(0, 0, At(0));
-  matching.AddInstance(1, 0, At(0.2));
-  matching.AddHypothesis(0, At(0.0005), 0.9);
-  matching.AddHypothesis(0, At(0), 0.8);
+  matching.AddInstance(InstanceId{0}, ObjectId{0}, At(0));
+  matching.AddInstance(InstanceId{1}, ObjectId{0}, At(0.2));
+  matching.AddHypothesis(ObjectId{0}, At(0.0005), 0.9);
+  matching.AddHypothesis(ObjectId{0}, At(0), 0.8);
   const AttemptScore score = matching.Score({Box(false)});
   EXPECT_TRUE(score.hypotheses[0].correct);
   EXPECT_TRUE(score.hypotheses[1].correct);
@@ -102,10 +102,10 @@ TEST(PoseMatching, SecondHypothesisRecallsTheNextInstanceWithinReach) {
   const MetricModel box = Box(false);
   const double reach_m = kCorrectDiameters * box.diameter_m;
   MatchingCase matching = EmptyCase();
-  matching.AddInstance(0, 0, At(0));
-  matching.AddInstance(1, 0, At(0.6 * reach_m));
-  matching.AddHypothesis(0, At(0.1 * reach_m), 0.9);
-  matching.AddHypothesis(0, At(-0.1 * reach_m), 0.8);
+  matching.AddInstance(InstanceId{0}, ObjectId{0}, At(0));
+  matching.AddInstance(InstanceId{1}, ObjectId{0}, At(0.6 * reach_m));
+  matching.AddHypothesis(ObjectId{0}, At(0.1 * reach_m), 0.9);
+  matching.AddHypothesis(ObjectId{0}, At(-0.1 * reach_m), 0.8);
   const AttemptScore score = matching.Score({box});
   EXPECT_EQ(score.hypotheses[1].instance, 0);
   EXPECT_TRUE(score.instances[0].recalled);
@@ -116,8 +116,8 @@ TEST(PoseMatching, CorrectnessThresholdIsATenthOfTheDiameter) {
   const MetricModel box = Box(false);
   for (const auto& [share, correct] : {std::pair{0.099, true}, std::pair{0.101, false}}) {
     MatchingCase matching = EmptyCase();
-    matching.AddInstance(0, 0, At(0));
-    matching.AddHypothesis(0, At(share * box.diameter_m), 1);
+    matching.AddInstance(InstanceId{0}, ObjectId{0}, At(0));
+    matching.AddHypothesis(ObjectId{0}, At(share * box.diameter_m), 1);
     const AttemptScore score = matching.Score({box});
     EXPECT_EQ(score.hypotheses[0].correct, correct) << share;
     EXPECT_EQ(score.instances[0].recalled, correct) << share;
@@ -127,8 +127,8 @@ TEST(PoseMatching, CorrectnessThresholdIsATenthOfTheDiameter) {
 
 TEST(PoseMatching, AnotherObjectAtTheSamePoseIsNoMatch) {
   MatchingCase matching = EmptyCase();
-  matching.AddInstance(0, 1, At(0));
-  matching.AddHypothesis(0, At(0), 0.9);
+  matching.AddInstance(InstanceId{0}, ObjectId{1}, At(0));
+  matching.AddHypothesis(ObjectId{0}, At(0), 0.9);
   const AttemptScore score = matching.Score({Box(false), Box(false)});
   EXPECT_EQ(score.hypotheses[0].instance, -1);
   EXPECT_FALSE(score.hypotheses[0].correct);
@@ -141,8 +141,8 @@ TEST(PoseMatching, RotationBySymmetryIsNoError) {
   rotated.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   for (bool symmetric : {false, true}) {
     MatchingCase matching = EmptyCase();
-    matching.AddInstance(0, 0, At(0.05));
-    matching.AddHypothesis(0, rotated, 1);
+    matching.AddInstance(InstanceId{0}, ObjectId{0}, At(0.05));
+    matching.AddHypothesis(ObjectId{0}, rotated, 1);
     EXPECT_EQ(matching.Score({Box(symmetric)}).hypotheses[0].correct, symmetric);
   }
 }
@@ -156,9 +156,9 @@ TEST(PoseMatching, NearestInstanceAgreesWithExhaustiveSearch) {
     const auto random_pose = [&] {
       return MakePose(rng.Rotation().toRotationMatrix(), 0.05 * rng.UnitVector());
     };
-    for (int i = 0; i < 12; ++i) matching.AddInstance(i, 0, random_pose());
+    for (int i = 0; i < 12; ++i) matching.AddInstance(InstanceId(i), ObjectId{0}, random_pose());
     const Pose estimated = random_pose();
-    matching.AddHypothesis(0, estimated, 1);
+    matching.AddHypothesis(ObjectId{0}, estimated, 1);
     int nearest = -1;
     double least_m = 1e9;
     for (const PosedObject& posed : matching.scene.objects) {

@@ -37,7 +37,7 @@ class RecordedSceneTest : public testing::Test {
  protected:
   explicit RecordedSceneTest(const ScenarioSpec& spec = NoisyCubes(6)) : spec_(spec) {}
   Scene Make(const TrialResult& trial, size_t attempt) {
-    return SceneOfLook(trial, attempt, {cell_, *gripper_, spec_.policy.success});
+    return SceneOfAttempt(trial, attempt, {cell_, *gripper_, spec_.policy.success});
   }
   ScenarioSpec spec_;
   SimulatedCell cell_{spec_, EasyCube()};
@@ -47,7 +47,7 @@ class RecordedSceneTest : public testing::Test {
 TEST_F(RecordedSceneTest, LaterAttemptHasTheSceneLeftByEarlierPicks) {
   int after_failure = 0;
   for (const int number : {0, 1}) {
-    const TrialResult trial = TrialRunner(spec_, EasyCube()).Run(number);
+    const TrialResult trial = TrialRunner(spec_, EasyCube()).Run(BinIndex(number));
     ASSERT_GE(trial.attempts.size(), 3u);
     for (size_t attempt = 0; attempt < trial.attempts.size(); ++attempt) {
       EXPECT_EQ(HashOf(Make(trial, attempt)), trial.attempts[attempt].hashes[TrialStage::kScene])
@@ -59,16 +59,16 @@ TEST_F(RecordedSceneTest, LaterAttemptHasTheSceneLeftByEarlierPicks) {
 }
 
 TEST_F(RecordedSceneTest, SceneThatDiffersFromTheRecordIsRefused) {
-  TrialResult trial = TrialRunner(spec_, EasyCube()).Run(0);
+  TrialResult trial = TrialRunner(spec_, EasyCube()).Run(BinIndex{0});
   trial.attempts[1].hashes[TrialStage::kScene] ^= 1;
   EXPECT_NO_THROW(Make(trial, 0));
   EXPECT_THAT(ErrorOf([&] { Make(trial, 1); }),
-              HasSubstr("the scene of trial 0, look 1 cannot be made again"));
+              HasSubstr("the scene of trial 0, attempt 1 cannot be reproduced"));
   // Without hashes, the recorded hypothesis poses are compared with the scene.
   trial.attempts[1].hashes = {};
   EXPECT_NO_THROW(Make(trial, 1));
   for (HypothesisRecord& score : trial.attempts[1].hypotheses) score.X_WO.translation().x() += 1e-3;
-  EXPECT_THAT(ErrorOf([&] { Make(trial, 1); }), HasSubstr("cannot be made again"));
+  EXPECT_THAT(ErrorOf([&] { Make(trial, 1); }), HasSubstr("cannot be reproduced"));
 }
 
 struct RecordedOcclusionSceneTest : RecordedSceneTest {
@@ -76,7 +76,7 @@ struct RecordedOcclusionSceneTest : RecordedSceneTest {
 };
 
 TEST_F(RecordedOcclusionSceneTest, EachAttemptHasTheSceneOfItsBand) {
-  const TrialResult trial = TrialRunner(spec_, EasyCube()).Run(0);
+  const TrialResult trial = TrialRunner(spec_, EasyCube()).Run(BinIndex{0});
   ASSERT_EQ(trial.attempts.size(), 3u);
   size_t parts = 0;
   for (size_t attempt = 0; attempt < 3; ++attempt) {
@@ -90,11 +90,21 @@ TEST_F(RecordedOcclusionSceneTest, EachAttemptHasTheSceneOfItsBand) {
   EXPECT_NE(views.Glb(trial, 0), views.Glb(trial, 2));
 }
 
+// The record has neither hashes nor hypotheses to compare a scene with.
+TEST_F(RecordedOcclusionSceneTest, BandThatTheSeriesDoesNotHaveIsRefused) {
+  TrialResult trial = TrialRunner(spec_, EasyCube()).Run(BinIndex{0});
+  trial.attempts[0].hashes = {};
+  trial.attempts[0].hypotheses.clear();
+  EXPECT_NO_THROW(Make(trial, 0));
+  trial.attempts[0].band = 7;
+  EXPECT_THAT(ErrorOf([&] { Make(trial, 0); }), HasSubstr("no scene for this band"));
+}
+
 TEST_F(RecordedOcclusionSceneTest, ReplayIsIdenticalAndWritesAllAttempts) {
   RecordedTrial recorded;
   recorded.spec = spec_;
   recorded.objects = EasyCube();
-  recorded.result = TrialRunner(spec_, EasyCube()).Run(1);
+  recorded.result = TrialRunner(spec_, EasyCube()).Run(BinIndex{1});
   const TemporaryFolder folder;
   StageFiles files(folder.path());
   const ReplayReport report = ReplayTrial(recorded, &files, {});

@@ -18,10 +18,10 @@ TEST(SimulatedCell, BinOutsideTheSensorRangeIsRefused) {
   spec.camera.eye_m = {0, -0.3, 0.45};
   EXPECT_NO_THROW(SimulatedCell(spec, EasyCube())) << "0.54 m";
   spec.camera.eye_m = {0, -0.3, 0.39};
-  EXPECT_THAT(
-      ErrorOf([&] { SimulatedCell(spec, EasyCube()); }),
-      testing::AllOf(HasSubstr("sensor: time_of_flight reads from 0.5 to 4.5 m"),
-                     HasSubstr("floor is 0.492 m before the camera"), HasSubstr("camera.eye_m")));
+  EXPECT_THAT(ErrorOf([&] { SimulatedCell(spec, EasyCube()); }),
+              testing::AllOf(HasSubstr("sensor: time_of_flight reads from 0.5 to 4.5 m"),
+                             HasSubstr("floor is 0.492 m in front of the camera"),
+                             HasSubstr("camera.eye_m")));
   spec.camera.eye_m = {0, -0.3, 4.6};
   EXPECT_THAT(ErrorOf([&] { SimulatedCell(spec, EasyCube()); }), HasSubstr("4.610 m"));
 }

@@ -19,7 +19,8 @@ namespace {
 
 Scene TwoInstances() {
   Scene scene;
-  scene.objects = {{0, 0, Translation({0.1, 0.2, 0.3})}, {4, 1, Pose::Identity()}};
+  scene.objects = {{InstanceId{0}, ObjectId{0}, Translation({0.1, 0.2, 0.3})},
+                   {InstanceId{4}, ObjectId{1}, Pose::Identity()}};
   return scene;
 }
 
@@ -51,8 +52,8 @@ TEST(StateHash, DependsOnEveryNumberOfAScene) {
       [](Scene& s) { Nudge(s.bin.friction); },
       [](Scene& s) { Nudge(s.objects[1].X_WO.translation().y()); },
       [](Scene& s) { Nudge(s.objects[0].X_WO.matrix()(2, 0)); },
-      [](Scene& s) { s.objects[1].instance = 5; },
-      [](Scene& s) { s.objects[1].object = 0; },
+      [](Scene& s) { s.objects[1].instance = InstanceId{5}; },
+      [](Scene& s) { s.objects[1].object = ObjectId{0}; },
       [](Scene& s) { std::swap(s.objects[0], s.objects[1]); },
       [](Scene& s) { s.objects.pop_back(); },
   };
@@ -163,7 +164,7 @@ TEST(StateHash, DependsOnEveryHypothesis) {
   AttemptRecord score = SomePick(), pose = SomePick(), object = SomePick(), fewer = SomePick();
   Nudge(score.hypotheses[1].score);
   Nudge(pose.hypotheses[1].X_WO.translation().x());
-  object.hypotheses[0].object = 1;
+  object.hypotheses[0].object = ObjectId{1};
   fewer.hypotheses.pop_back();
   for (const AttemptRecord* changed : {&score, &pose, &object, &fewer}) {
     EXPECT_NE(HashOfHypotheses(*changed), before);
@@ -174,7 +175,7 @@ TEST(StateHash, RecordReadBackHasTheSameHashes) {
   const TemporaryFolder folder;
   ScenarioSpec spec = CubeScenario(2);
   spec.estimator.noise_mm = 3;
-  TrialResult result = TrialRunner(spec, EasyCube()).Run(0);
+  TrialResult result = TrialRunner(spec, EasyCube()).Run(BinIndex{0});
   ASSERT_FALSE(result.attempts.empty());
   result.attempts[0].outcome.slip_m = -0.0;  // SQLite keeps whole numbers as integers
   ResultsStore store(folder.path(), "seed: 1");
@@ -204,7 +205,7 @@ struct Stages : TrialObserver {
 
 TEST(TrialObserver, IsNotifiedOfEachStageOfEachAttemptInOrder) {
   Stages stages;
-  const TrialResult result = TrialRunner(CubeScenario(4), EasyCube()).Run(0, &stages);
+  const TrialResult result = TrialRunner(CubeScenario(4), EasyCube()).Run(BinIndex{0}, &stages);
   ASSERT_GE(result.attempts.size(), 2u);
   ASSERT_EQ(stages.seen.size(), 5 * result.attempts.size());
   for (size_t i = 0; i < stages.seen.size(); ++i) {
@@ -225,7 +226,8 @@ TEST(TrialObserver, HashesDependOnlyOnSeedAndTrialNumber) {
     ScenarioSpec spec = CubeScenario(2);
     spec.seed = seed;
     std::vector<StageHashes> hashes;
-    for (const AttemptRecord& attempt : TrialRunner(spec, EasyCube()).Run(trial).attempts) {
+    for (const AttemptRecord& attempt :
+         TrialRunner(spec, EasyCube()).Run(BinIndex(trial)).attempts) {
       hashes.push_back(attempt.hashes);
     }
     return hashes;

@@ -16,14 +16,14 @@ class StageOracleTest : public ::testing::Test {
  protected:
   StageOracleTest() {
     MetricModel tripod;
-    tripod.vertices_O = {{0.04, 0, 0}, {0, 0.04, 0}, {0, 0, 0.04}};
+    tripod.vertices_O = {{0.04, 0, 0}, {0, 0.04, 0}, {InstanceId{0}, ObjectId{0}, 0.04}};
     tripod.symmetries_O = {Pose::Identity()};
     tripod.diameter_m = 0.0566;
     models_ = {tripod, tripod};
-    parts_ = {{0, At(0), 0.9}, {0, At(0.5), 0.6}, {1, At(1), 0.2}};
+    parts_ = {{ObjectId{0}, At(0), 0.9}, {ObjectId{0}, At(0.5), 0.6}, {ObjectId{1}, At(1), 0.2}};
   }
   static Pose At(double x_m, double y_m = 0) { return Translation({x_m, y_m, 1}); }
-  static PoseHypothesis Hypothesis(int object, const Pose& X_CO, double score) {
+  static PoseHypothesis Hypothesis(ObjectId object, const Pose& X_CO, double score) {
     PoseHypothesis h;
     h.object = object;
     h.X_CO = X_CO;
@@ -43,8 +43,8 @@ class StageOracleTest : public ::testing::Test {
 constexpr double kOff_m = 0.015;
 
 TEST_F(StageOracleTest, WithoutSubstitutionNothingChanges) {
-  const auto poses =
-      Substitute({Hypothesis(0, At(0.2), 0.9), Hypothesis(1, At(1, kOff_m), 0.4)}, {});
+  const auto poses = Substitute(
+      {Hypothesis(ObjectId{0}, At(0.2), 0.9), Hypothesis(ObjectId{1}, At(1, kOff_m), 0.4)}, {});
   ASSERT_EQ(poses.size(), 2u);
   EXPECT_TRUE(poses[0].X_CO.isApprox(At(0.2)));
   EXPECT_TRUE(poses[1].X_CO.isApprox(At(1, kOff_m)));
@@ -52,10 +52,10 @@ TEST_F(StageOracleTest, WithoutSubstitutionNothingChanges) {
 
 TEST_F(StageOracleTest, DetectionRemovesFalseAndAddsMissedInstances) {
   // A wrong pose, its duplicate, a pose on no instance, and a pose with the wrong object.
-  const auto poses =
-      Substitute({Hypothesis(0, At(0, kOff_m), 0.9), Hypothesis(0, At(0, -kOff_m), 0.8),
-                  Hypothesis(0, At(0.25), 0.7), Hypothesis(0, At(1), 0.6)},
-                 {.detection = true});
+  const auto poses = Substitute(
+      {Hypothesis(ObjectId{0}, At(0, kOff_m), 0.9), Hypothesis(ObjectId{0}, At(0, -kOff_m), 0.8),
+       Hypothesis(ObjectId{0}, At(0.25), 0.7), Hypothesis(ObjectId{0}, At(1), 0.6)},
+      {.detection = true});
   ASSERT_EQ(poses.size(), 3u);
   EXPECT_TRUE(poses[0].X_CO.isApprox(At(0, kOff_m))) << "detection does not correct a pose";
   EXPECT_TRUE(poses[1].X_CO.isApprox(At(0.5)));
@@ -67,11 +67,12 @@ TEST_F(StageOracleTest, DetectionRemovesFalseAndAddsMissedInstances) {
 }
 
 TEST_F(StageOracleTest, PoseCorrectsPosesOnInstancesAndAddsNone) {
-  PoseHypothesis off = Hypothesis(0, At(0, kOff_m), 0.9);
+  PoseHypothesis off = Hypothesis(ObjectId{0}, At(0, kOff_m), 0.9);
   off.suppressed_X_CO = {At(0)};
   off.unrefined_X_CO = At(0);
-  const auto poses =
-      Substitute({off, Hypothesis(0, At(0.25), 0.7), Hypothesis(1, At(0.5), 0.6)}, {.pose = true});
+  const auto poses = Substitute(
+      {off, Hypothesis(ObjectId{0}, At(0.25), 0.7), Hypothesis(ObjectId{1}, At(0.5), 0.6)},
+      {.pose = true});
   ASSERT_EQ(poses.size(), 3u);
   EXPECT_TRUE(poses[0].X_CO.isApprox(At(0)));
   EXPECT_FALSE(poses[0].unrefined_X_CO.has_value());
@@ -81,11 +82,11 @@ TEST_F(StageOracleTest, PoseCorrectsPosesOnInstancesAndAddsNone) {
 }
 
 TEST_F(StageOracleTest, RefinementCorrectsOnlyPosesThatWereOnceCorrect) {
-  PoseHypothesis undone = Hypothesis(0, At(0, kOff_m), 0.9);
+  PoseHypothesis undone = Hypothesis(ObjectId{0}, At(0, kOff_m), 0.9);
   undone.unrefined_X_CO = At(0, 0.001);
-  PoseHypothesis suppressing = Hypothesis(1, At(1, kOff_m), 0.8);
+  PoseHypothesis suppressing = Hypothesis(ObjectId{1}, At(1, kOff_m), 0.8);
   suppressing.suppressed_X_CO = {At(0.7), At(1, 0.002)};
-  PoseHypothesis never = Hypothesis(0, At(0.5, kOff_m), 0.7);
+  PoseHypothesis never = Hypothesis(ObjectId{0}, At(0.5, kOff_m), 0.7);
   never.unrefined_X_CO = At(0.5, 1.2 * kOff_m);
   auto poses = Substitute({undone, suppressing, never}, {.refinement = true});
   ASSERT_EQ(poses.size(), 3u);
@@ -93,7 +94,7 @@ TEST_F(StageOracleTest, RefinementCorrectsOnlyPosesThatWereOnceCorrect) {
   EXPECT_TRUE(poses[1].X_CO.isApprox(At(1)));
   EXPECT_TRUE(poses[2].X_CO.isApprox(At(0.5, kOff_m)));
   EXPECT_TRUE(poses[2].unrefined_X_CO.has_value());
-  poses = Substitute({Hypothesis(0, At(0, 0.002), 0.9)}, {.refinement = true});
+  poses = Substitute({Hypothesis(ObjectId{0}, At(0, 0.002), 0.9)}, {.refinement = true});
   EXPECT_EQ(poses[0].X_CO.matrix(), At(0).matrix()) << "a correct pose becomes exact";
 }
 

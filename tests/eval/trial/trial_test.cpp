@@ -18,11 +18,11 @@ namespace pickbed::tests {
 namespace {
 
 TrialResult RunOne(const ScenarioSpec& spec, const ObjectSet& objects, int trial = 0) {
-  return TrialRunner(spec, objects).Run(trial);
+  return TrialRunner(spec, objects).Run(BinIndex(trial));
 }
 
 // Only its edge could be held, which rests on the floor.
-ObjectSet WidePlate() { return {BoxPart({0.12, 0.11, 0.006}, 0.2)}; }
+ObjectSet WidePlate() { return {BoxObject({0.12, 0.11, 0.006}, 0.2)}; }
 
 // All measured values as text.
 std::string Record(const TrialResult& result, const ObjectSet& objects) {
@@ -55,10 +55,10 @@ TEST(Trial, DependsOnlyOnSeedAndTrialNumber) {
   spec.estimator.noise_deg = 3;
   const ObjectSet objects = EasyCube();
   TrialRunner runner(spec, objects);
-  const std::string zero = Record(runner.Run(0), objects);
-  const std::string one = Record(runner.Run(1), objects);
+  const std::string zero = Record(runner.Run(BinIndex{0}), objects);
+  const std::string one = Record(runner.Run(BinIndex{1}), objects);
   EXPECT_NE(zero, one);
-  EXPECT_EQ(Record(runner.Run(0), objects), zero) << "earlier trials have no effect";
+  EXPECT_EQ(Record(runner.Run(BinIndex{0}), objects), zero) << "earlier trials have no effect";
   EXPECT_EQ(Record(RunOne(spec, objects, 1), objects), one) << "the runner keeps no state";
   spec.seed = 12;
   EXPECT_NE(Record(RunOne(spec, objects), objects), zero);
@@ -112,7 +112,7 @@ TEST(Trial, FailureAtAWrongPoseIsAttributedToThePose) {
   const ObjectSet objects = EasyCube();
   TrialRunner runner(spec, objects);
   for (int trial = 0; trial < 4; ++trial) {
-    for (const AttemptRecord& attempt : runner.Run(trial).attempts) {
+    for (const AttemptRecord& attempt : runner.Run(BinIndex(trial)).attempts) {
       if (!attempt.grasp || attempt.outcome.success) continue;
       if (attempt.hypotheses.at(attempt.chosen).correct) continue;
       EXPECT_EQ(attempt.failure, FailureReason::kPoseWrong);
@@ -161,7 +161,7 @@ TEST(Trial, FailedGraspIsRepeatedOnlyWhenNoOtherIsLeft) {
   TrialRunner runner(spec, objects);
   int chances = 0;  // attempts after a failure and a later pick, with light cubes left
   for (int trial = 0; trial < 6; ++trial) {
-    const TrialResult result = runner.Run(trial);
+    const TrialResult result = runner.Run(BinIndex(trial));
     std::vector<AttemptRecord> failed;
     int picked = 0, picked_since = 0;
     for (const AttemptRecord& attempt : result.attempts) {
@@ -184,7 +184,7 @@ TEST(Trial, ObjectWithoutAnyGraspIsRefusedBeforeTheFirstTrial) {
   ScenarioSpec spec = CubeScenario(1);
   const ObjectSet wide{Cube(0.09, 0.2, 0.6)};
   EXPECT_THAT(ErrorOf([&] { TrialRunner(spec, wide); }),
-              testing::AllOf(testing::HasSubstr("gripper: part 'cube' has no"),
+              testing::AllOf(testing::HasSubstr("gripper: object 'cube' has no"),
                              testing::HasSubstr("cup_30mm has")));
   spec.objects.push_back(spec.objects[0]);
   spec.objects[0].distractor = true;
@@ -204,7 +204,7 @@ TEST(Trial, UnknownNamesAreRefused) {
 }
 
 // Attempts without a grasp are failures, and the third in a row ends the trial.
-TEST(Trial, LookAgainPolicyCountsAttemptsWithoutAGrasp) {
+TEST(Trial, CaptureAgainPolicyCountsAttemptsWithoutAGrasp) {
   ScenarioSpec spec = CubeScenario(1);
   spec.policy.stop = "capture_again";
   spec.policy.max_failures_in_row = 3;
@@ -232,7 +232,7 @@ TEST(Trial, GroundTruthForAStageRemovesItsFailures) {
     TrialRunner runner(spec, objects, {}, options);
     FailureBudget sum;
     for (int trial = 0; trial < 3; ++trial) {
-      const FailureBudget one = Both(runner.Run(trial));
+      const FailureBudget one = Both(runner.Run(BinIndex(trial)));
       sum.total += one.total;
       sum.picked += one.picked;
       for (size_t i = 0; i < sum.lost.size(); ++i) sum.lost[i] += one.lost[i];
@@ -258,16 +258,17 @@ TEST(Trial, GroundTruthInAllStagesCoversInvisibleInstances) {
   EXPECT_EQ(RunOne(spec, EasyCube()).ended_by, FailureReason::kNotVisible);
   TrialOptions options;
   options.truth = OracleNamed("everything").truth;
-  const TrialResult result = TrialRunner(spec, EasyCube(), {}, options).Run(0);
+  const TrialResult result = TrialRunner(spec, EasyCube(), {}, options).Run(BinIndex{0});
   EXPECT_NO_THROW(RequireGraspFailuresOnly(Both(result)));
   EXPECT_EQ(result.instances_cleared, 2);
 }
 
 TEST(SimulatedCell, EachAttemptHasNewNoiseAndTheSameGroundTruth) {
   SimulatedCell cell(CubeScenario(3), EasyCube());
-  const Scene scene = cell.MakeScene(0).scene;
-  const Observation first = cell.Capture(scene, 0, 0), again = cell.Capture(scene, 0, 0);
-  const Observation second = cell.Capture(scene, 0, 1);
+  const Scene scene = cell.MakeScene(BinIndex{0}).scene;
+  const Observation first = cell.Capture(scene, BinIndex{0}, 0),
+                    again = cell.Capture(scene, BinIndex{0}, 0);
+  const Observation second = cell.Capture(scene, BinIndex{0}, 1);
   EXPECT_EQ(first.frame.depth_m, again.frame.depth_m);
   EXPECT_NE(first.frame.depth_m, second.frame.depth_m);
   EXPECT_EQ(first.ids, second.ids);

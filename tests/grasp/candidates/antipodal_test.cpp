@@ -30,7 +30,7 @@ std::vector<GraspCandidate> Grasps(const ObjectModel& model, const ParallelJaw& 
 
 TEST(Antipodal, BoxIsGraspedByOppositeFaces) {
   const double friction = 0.5;
-  const auto box = BoxPart({0.05, 0.05, 0.05}, 0.2, friction);
+  const auto box = BoxObject({0.05, 0.05, 0.05}, 0.2, friction);
   const auto grasps = Grasps(*box);
   ASSERT_GT(grasps.size(), 100u);
   for (const GraspCandidate& grasp : grasps) {
@@ -55,7 +55,7 @@ TEST(Antipodal, BoxIsGraspedByOppositeFaces) {
 }
 
 TEST(Antipodal, BestGraspOfABoxIsNormalToItsFaces) {
-  const auto grasps = Grasps(*BoxPart({0.05, 0.05, 0.05}, 0.2));
+  const auto grasps = Grasps(*BoxObject({0.05, 0.05, 0.05}, 0.2));
   const auto best = std::max_element(grasps.begin(), grasps.end(),
                                      [](auto& a, auto& b) { return a.quality < b.quality; });
   EXPECT_GT(best->X_OG.linear().col(0).cwiseAbs().maxCoeff(), 0.9999);
@@ -76,11 +76,11 @@ TEST(Antipodal, ClosingLinePassesThroughTheSphereCenter) {
 }
 
 TEST(Antipodal, NoGraspIfEveryWidthExceedsTheStroke) {
-  EXPECT_TRUE(Grasps(*BoxPart({0.12, 0.13, 0.14}, 0.5)).empty());
+  EXPECT_TRUE(Grasps(*BoxObject({0.12, 0.13, 0.14}, 0.5)).empty());
 }
 
 TEST(Antipodal, PlateIsGraspedOnlyAcrossItsThickness) {
-  const auto grasps = Grasps(*BoxPart({0.12, 0.10, 0.02}, 0.3));
+  const auto grasps = Grasps(*BoxObject({0.12, 0.10, 0.02}, 0.3));
   ASSERT_FALSE(grasps.empty());
   for (const auto& grasp : grasps) EXPECT_GT(std::abs(grasp.X_OG.linear()(2, 0)), 0.9);
 }
@@ -95,21 +95,21 @@ TEST(Antipodal, HandDoesNotIntersectTheObject) {
   ASSERT_GT(grasps.size(), 50u);
   for (const auto& grasp : grasps) {
     const auto boxes = HandBoxes(gripper.hand, grasp.width_m + 2 * gripper.clearance_m);
-    const PointColumns rotated = Turned(surface.points_O, grasp.X_OG.linear());
+    const PointColumns rotated = Rotated(surface.points_O, grasp.X_OG.linear());
     EXPECT_TRUE(HandClearsPart(rotated, grasp.X_OG, boxes, 0));
   }
 }
 
 TEST(Antipodal, LowFrictionNarrowsTheCone) {
   const double friction = 0.1;
-  for (const auto& grasp : Grasps(*BoxPart({0.05, 0.05, 0.05}, 0.2, friction))) {
+  for (const auto& grasp : Grasps(*BoxObject({0.05, 0.05, 0.05}, 0.2, friction))) {
     const double cosine = grasp.X_OG.linear().col(0).cwiseAbs().maxCoeff();
     EXPECT_LE(std::acos(std::min(1.0, cosine)), 0.8 * std::atan(friction) + 1e-9);
   }
 }
 
 TEST(Antipodal, GraspNearTheCenterOfMassIsBetter) {
-  const auto bar = BoxPart({0.15, 0.03, 0.02}, 0.4);
+  const auto bar = BoxObject({0.15, 0.03, 0.02}, 0.4);
   double near_center = 0, near_end = 0;
   for (const auto& grasp : Grasps(*bar)) {
     const double off = std::abs(grasp.X_OG.translation().x());

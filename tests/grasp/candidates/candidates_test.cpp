@@ -20,7 +20,7 @@ const GraspCandidateOptions kFewCandidates{.antipodal = {.candidates = 40, .max_
 // A plate of 12 mm rests on the floor. A hand tilted by more than a few degrees would touch the
 // floor before its contact is deep enough.
 TEST(Candidates, RestingObjectHasVerticalCandidates) {
-  auto plate = std::make_shared<ObjectModel>(*BoxPart({0.06, 0.012, 0.012}, 0.05));
+  auto plate = std::make_shared<ObjectModel>(*BoxObject({0.06, 0.012, 0.012}, 0.05));
   const auto count = [&] {
     Rng rng(1);
     const auto grasps = MakeCandidates(*plate, SmallJaw(), rng, kFewCandidates);
@@ -42,7 +42,7 @@ TEST(Candidates, EachMechanismRatesItsCandidates) {
     Rng rng(1);
     GraspCandidateOptions options = kFewCandidates;
     options.suction.max_samples = 200;
-    const auto grasps = MakeCandidates(*BoxPart({0.08, 0.05, 0.05}, 0.2), *gripper, rng, options);
+    const auto grasps = MakeCandidates(*BoxObject({0.08, 0.05, 0.05}, 0.2), *gripper, rng, options);
     ASSERT_GT(grasps.size(), 10u) << row.name;
     double robust = 0, epsilon = 0;
     for (const GraspCandidate& grasp : grasps) {

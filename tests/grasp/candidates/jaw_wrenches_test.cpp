@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 class JawHolds : public testing::Test {
  protected:
-  explicit JawHolds(double mass_kg = 0.2) : box_(BoxPart({0.05, 0.05, 0.05}, mass_kg, 0.5)) {}
+  explicit JawHolds(double mass_kg = 0.2) : box_(BoxObject({0.05, 0.05, 0.05}, mass_kg, 0.5)) {}
 
   std::optional<WrenchSet> Hold(const Pose& X_OG, double opening_m = 0.056, double factor = 1) {
     return JawHold{*box_, hand_, surface_, options_}.At(X_OG, opening_m, factor);
@@ -68,7 +68,7 @@ TEST_F(JawHolds, NoWrenchSetIfTheHandHitsOrMissesTheBox) {
 // Forces and torques are divided by the weight.
 TEST_F(JawHolds, EpsilonIsInverseToTheMass) {
   const auto light = Hold(at_center_);
-  box_ = BoxPart({0.05, 0.05, 0.05}, 0.4, 0.5);
+  box_ = BoxObject({0.05, 0.05, 0.05}, 0.4, 0.5);
   const auto heavy = Hold(at_center_);
   ASSERT_TRUE(light && heavy);
   const WrenchDepthOptions exact{.tolerance = 1e-7};
@@ -90,7 +90,7 @@ TEST_F(JawHolds, RobustnessFallsWithErrorsAndWeight) {
   EXPECT_EQ(robustness(options), 1);
   options.position_m = 0.01;  // more than the clearance of 3 mm on each side
   EXPECT_LT(robustness(options), 0.5);
-  box_ = BoxPart({0.05, 0.05, 0.05}, 5, 0.5);  // heavier than 2 * mu * F holds
+  box_ = BoxObject({0.05, 0.05, 0.05}, 5, 0.5);  // heavier than 2 * mu * F holds
   options.position_m = 0.0001;
   EXPECT_EQ(robustness(options), 0);
 }
@@ -98,7 +98,7 @@ TEST_F(JawHolds, RobustnessFallsWithErrorsAndWeight) {
 // The pads hold a bar by friction 2 mu F = 40 N. Gripped beside its center, the weight rotates it
 // about the closing axis, against 40 N times the mean lever arm of the patches of 12 to 15 mm.
 TEST_F(JawHolds, RobustnessFallsWithTheLeverArmOfTheWeight) {
-  box_ = BoxPart({0.05, 0.15, 0.05}, 1.5, 0.5);
+  box_ = BoxObject({0.05, 0.15, 0.05}, 1.5, 0.5);
   surface_ = SpreadPoints(box_->mesh_O, 0.001, 2000, 40000, rng_);
   RobustOptions options;
   options.position_m = options.rotation_rad = 0.0001;

@@ -24,7 +24,7 @@ RobustOptions NoErrors() {
 }
 
 double RobustnessOf(const HoldFunction& hold, const RobustOptions& options) {
-  return RobustShare(*BoxPart({0.05, 0.05, 0.05}, 0.2), Pose::Identity(), hold, Rng(1), options);
+  return RobustShare(*BoxObject({0.05, 0.05, 0.05}, 0.2), Pose::Identity(), hold, Rng(1), options);
 }
 
 TEST(Robust, WithoutErrorsWeightAndLiftDecide) {

@@ -26,7 +26,7 @@ std::vector<GraspCandidate> CupGrasps(const ObjectModel& model) {
 TEST(Suction, PlateIsGraspedWhereTheWholeLipTouches) {
   const Vector3d size(0.10, 0.08, 0.01);
   const CupSpec cup;
-  const auto grasps = CupGrasps(*BoxPart(size, 0.2));
+  const auto grasps = CupGrasps(*BoxObject(size, 0.2));
   ASSERT_GT(grasps.size(), 20u);
   for (const GraspCandidate& grasp : grasps) {
     const Vector3d approach = grasp.X_OG.linear().col(2);
@@ -43,7 +43,7 @@ TEST(Suction, PlateIsGraspedWhereTheWholeLipTouches) {
 }
 
 TEST(Suction, GraspNearTheCenterOfMassIsBetter) {
-  const auto grasps = CupGrasps(*BoxPart({0.20, 0.06, 0.01}, 0.8));
+  const auto grasps = CupGrasps(*BoxObject({0.20, 0.06, 0.01}, 0.8));
   GraspCandidate center, end;  // hold the best value of each quality in their region
   for (const GraspCandidate& grasp : grasps) {
     const double off = std::abs(grasp.X_OG.translation().x());
@@ -62,7 +62,7 @@ TEST(Suction, GraspNearTheCenterOfMassIsBetter) {
 }
 
 TEST(Suction, NoGraspOnABoxSmallerThanTheLip) {
-  EXPECT_TRUE(CupGrasps(*BoxPart({0.025, 0.025, 0.08}, 0.1)).empty());
+  EXPECT_TRUE(CupGrasps(*BoxObject({0.025, 0.025, 0.08}, 0.1)).empty());
 }
 
 TEST(Suction, SameSeedGivesSameBytes) {
@@ -87,7 +87,7 @@ class CupHolds : public testing::Test {
   }
 
   const CupSpec cup_;
-  const std::shared_ptr<const ObjectModel> box_ = BoxPart({0.05, 0.05, 0.05}, 0.2, 0.5);
+  const std::shared_ptr<const ObjectModel> box_ = BoxObject({0.05, 0.05, 0.05}, 0.2, 0.5);
 };
 
 TEST_F(CupHolds, HoldsPullUpToTheVacuumForce) {

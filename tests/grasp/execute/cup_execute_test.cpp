@@ -19,10 +19,12 @@ SuctionCup LoadedCup() { return dynamic_cast<const SuctionCup&>(*LoadGripper("cu
 // compression from the cup's file.
 GraspOutcome PickWithCup(double mass_kg, double aside_m) {
   const SuctionCup cup = LoadedCup();
-  const ObjectSet boxes{BoxPart({0.06, 0.06, kHeight_m}, mass_kg)};
+  const ObjectSet boxes{BoxObject({0.06, 0.06, kHeight_m}, mass_kg)};
   Grasp grasp;
   grasp.X_WG = FromAbove({aside_m, 0, kHeight_m + 0.0006 - cup.cup.press_m});
-  return ExecuteGrasp(BoxesOnFloor({{0, 0}, {0.1, 0}}, kHeight_m), boxes, grasp, cup, 10).outcome;
+  return ExecuteGrasp(BoxesOnFloor({{0, 0}, {0.1, 0}}, kHeight_m), boxes, grasp, cup,
+                      InstanceId{10})
+      .outcome;
 }
 
 TEST(CupExecute, HoldsABoxDuringTheShake) {
@@ -42,14 +44,14 @@ TEST(CupExecute, DoesNotSealAcrossTheEdge) {
 // The palm behind the stem extends 3 cm from its center, the lip half of that.
 TEST(CupExecute, PalmAgainstTheWallIsACollision) {
   const SuctionCup cup = LoadedCup();
-  const ObjectSet boxes{BoxPart({0.06, 0.06, kHeight_m}, 0.3)};
+  const ObjectSet boxes{BoxObject({0.06, 0.06, kHeight_m}, 0.3)};
   const auto pick = [&](double from_wall_m) {
     Scene scene = BoxesOnFloor({{0, 0.118}}, kHeight_m);
     scene.bin.inner_size_m.z() = 0.25;
     const double wall_m = 0.5 * scene.bin.inner_size_m.y();
     Grasp grasp;
     grasp.X_WG = FromAbove({0, wall_m - from_wall_m, kHeight_m + 0.0006 - cup.cup.press_m});
-    return ExecuteGrasp(scene, boxes, grasp, cup, 10).outcome.failure;
+    return ExecuteGrasp(scene, boxes, grasp, cup, InstanceId{10}).outcome.failure;
   };
   EXPECT_EQ(FailureName(pick(0.025)), FailureName(FailureReason::kCollision));
   EXPECT_EQ(FailureName(pick(0.035)), FailureName(FailureReason::kNone));
@@ -58,11 +60,12 @@ TEST(CupExecute, PalmAgainstTheWallIsACollision) {
 // Beside the box the stem hits the floor, and the palm stays above it.
 TEST(CupExecute, StemAgainstTheFloorIsACollision) {
   const SuctionCup cup = LoadedCup();
-  const ObjectSet boxes{BoxPart({0.06, 0.06, kHeight_m}, 0.3)};
+  const ObjectSet boxes{BoxObject({0.06, 0.06, kHeight_m}, 0.3)};
   const auto pick = [&](double lip_z_m) {
     Grasp grasp;
     grasp.X_WG = FromAbove({0.1, 0, lip_z_m});
-    return ExecuteGrasp(BoxesOnFloor({{0, 0}}, kHeight_m), boxes, grasp, cup, 10).outcome.failure;
+    return ExecuteGrasp(BoxesOnFloor({{0, 0}}, kHeight_m), boxes, grasp, cup, InstanceId{10})
+        .outcome.failure;
   };
   EXPECT_EQ(FailureName(pick(-cup.cup.bellows_travel_m - 0.003)),
             FailureName(FailureReason::kCollision));

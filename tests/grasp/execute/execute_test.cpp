@@ -19,7 +19,7 @@ constexpr double kBoxHeight_m = 0.050;
 class Execute : public testing::Test {
  protected:
   static ObjectSet Boxes(double mass_kg, double friction = 0.5) {
-    return {BoxPart({kWidth_m, 0.050, kBoxHeight_m}, mass_kg, friction)};
+    return {BoxObject({kWidth_m, 0.050, kBoxHeight_m}, mass_kg, friction)};
   }
 
   static Grasp GraspAt(double x_m, double y_m, double width_m = kWidth_m) {
@@ -29,7 +29,8 @@ class Execute : public testing::Test {
     return grasp;
   }
 
-  ExecuteResult Run(const Scene& scene, const Grasp& grasp, const GraspTarget& target = 10) const {
+  ExecuteResult Run(const Scene& scene, const Grasp& grasp,
+                    const GraspTarget& target = InstanceId{10}) const {
     return ExecuteGrasp(scene, objects_, grasp, gripper_, target, options_);
   }
 
@@ -145,9 +146,9 @@ TEST_F(Execute, PalmAgainstTheFloorIsACollision) {
 
 // Distant instances are static bodies. They have the same collision geometry as moving ones.
 TEST_F(Execute, PalmAgainstAStaticInstanceIsACollision) {
-  objects_.push_back(BoxPart({0.02, 0.02, 0.14}, 0.3));
+  objects_.push_back(BoxObject({0.02, 0.02, 0.14}, 0.3));
   Scene scene = BoxesOnFloor({{0, 0}, {0.056, 0}}, kBoxHeight_m);
-  scene.objects[1].object = 1;
+  scene.objects[1].object = ObjectId{1};
   scene.objects[1].X_WO.translation().z() = 0.0706;
   options_.world.near_m = -0.05;
   EXPECT_EQ(FailureName(Run(scene, GraspAt(0, 0)).outcome.failure),
@@ -161,7 +162,8 @@ TEST_F(Execute, PalmAgainstAStaticInstanceIsACollision) {
 TEST_F(Execute, PlacementErrorIncludesTheEstimationError) {
   const Scene scene = BoxesOnFloor({{0, 0}}, kBoxHeight_m);
   const Pose estimated = Translation({0, 0.02, 0}) * scene.objects[0].X_WO;
-  const GraspOutcome outcome = Run(scene, GraspAt(0, 0), {10, -1, estimated}).outcome;
+  const GraspOutcome outcome =
+      Run(scene, GraspAt(0, 0), {InstanceId{10}, kAnyObject, estimated}).outcome;
   EXPECT_TRUE(outcome.success);
   EXPECT_NEAR(outcome.place_error_m, 0.02, 0.002);
   EXPECT_EQ(Passed(outcome), "contact lifted held right_instance single_instance vgn_loose ");
@@ -170,21 +172,22 @@ TEST_F(Execute, PlacementErrorIncludesTheEstimationError) {
 TEST_F(Execute, SelectedRuleDecidesSuccess) {
   const Scene scene = BoxesOnFloor({{-0.1, 0}, {0.1, 0}}, kBoxHeight_m);
   options_.rule = SuccessRule::kSingleInstance;
-  const GraspOutcome other = Run(scene, GraspAt(0.1, 0), 10).outcome;
+  const GraspOutcome other = Run(scene, GraspAt(0.1, 0), InstanceId{10}).outcome;
   EXPECT_TRUE(other.success);
   EXPECT_EQ(FailureName(other.failure), FailureName(FailureReason::kNone));
   EXPECT_FALSE(other.is_target);
   options_.rule = SuccessRule::kPlaced;
   const Pose estimated = Translation({0, 0.02, 0}) * scene.objects[0].X_WO;
-  const GraspOutcome misplaced = Run(scene, GraspAt(-0.1, 0), {10, -1, estimated}).outcome;
+  const GraspOutcome misplaced =
+      Run(scene, GraspAt(-0.1, 0), {InstanceId{10}, kAnyObject, estimated}).outcome;
   EXPECT_FALSE(misplaced.success);
   EXPECT_EQ(FailureName(misplaced.failure), FailureName(FailureReason::kMisplaced));
 }
 
 TEST_F(Execute, WithoutTargetInstanceTheObjectDecides) {
   const Scene scene = BoxesOnFloor({{0, 0}}, kBoxHeight_m);
-  EXPECT_TRUE(Run(scene, GraspAt(0, 0), {-1, 0}).outcome.success);
-  const GraspOutcome other = Run(scene, GraspAt(0, 0), {-1, 1}).outcome;
+  EXPECT_TRUE(Run(scene, GraspAt(0, 0), {kNoInstance, ObjectId{0}}).outcome.success);
+  const GraspOutcome other = Run(scene, GraspAt(0, 0), {kNoInstance, ObjectId{1}}).outcome;
   EXPECT_FALSE(other.success);
   EXPECT_EQ(FailureName(other.failure), FailureName(FailureReason::kWrongObject));
 }
@@ -258,7 +261,7 @@ TEST_F(Execute, InstanceIsLiftedAboveAHighRim) {
     }
     Grasp grasp = GraspAt(0, 0);
     grasp.X_WG.translation().z() += 3 * kBoxHeight_m;
-    const GraspOutcome outcome = Run(scene, grasp, 13).outcome;
+    const GraspOutcome outcome = Run(scene, grasp, InstanceId{13}).outcome;
     EXPECT_EQ(FailureName(outcome.failure), FailureName(FailureReason::kNone));
     EXPECT_TRUE(outcome.place_executed);
     EXPECT_LT(outcome.place_error_m, 0.002);
@@ -266,7 +269,7 @@ TEST_F(Execute, InstanceIsLiftedAboveAHighRim) {
 }
 
 TEST_F(Execute, TwoBoxesBetweenTheFingersAreADoublePick) {
-  objects_ = {BoxPart({0.030, 0.050, kBoxHeight_m}, 0.1)};
+  objects_ = {BoxObject({0.030, 0.050, kBoxHeight_m}, 0.1)};
   const Scene scene = BoxesOnFloor({{-0.0153, 0}, {0.0153, 0}}, kBoxHeight_m);
   const ExecuteResult result = Run(scene, GraspAt(0, 0, 0.0612));
   EXPECT_EQ(FailureName(result.outcome.failure), FailureName(FailureReason::kDoublePick));
@@ -276,7 +279,7 @@ TEST_F(Execute, TwoBoxesBetweenTheFingersAreADoublePick) {
 
 TEST_F(Execute, OtherInstanceThanTheTargetIsAWrongPick) {
   const Scene scene = BoxesOnFloor({{-0.1, 0}, {0.1, 0}}, kBoxHeight_m);
-  const ExecuteResult result = Run(scene, GraspAt(0.1, 0), 10);
+  const ExecuteResult result = Run(scene, GraspAt(0.1, 0), InstanceId{10});
   EXPECT_EQ(FailureName(result.outcome.failure), FailureName(FailureReason::kWrongObject));
   EXPECT_EQ(result.outcome.picked_instance, 11);
   ASSERT_EQ(result.after.objects.size(), 1u);
@@ -285,7 +288,7 @@ TEST_F(Execute, OtherInstanceThanTheTargetIsAWrongPick) {
 
 TEST_F(Execute, WithoutTargetAnySingleInstanceSucceeds) {
   const Scene scene = BoxesOnFloor({{-0.1, 0}, {0.1, 0}}, kBoxHeight_m);
-  const ExecuteResult result = Run(scene, GraspAt(0.1, 0), -1);
+  const ExecuteResult result = Run(scene, GraspAt(0.1, 0), kNoInstance);
   EXPECT_TRUE(result.outcome.success);
   EXPECT_EQ(result.outcome.picked_instance, 11);
 }
@@ -293,8 +296,8 @@ TEST_F(Execute, WithoutTargetAnySingleInstanceSucceeds) {
 TEST_F(Execute, InstanceOnTopIsDisplacedAndCounted) {
   Scene scene = BoxesOnFloor({{0, 0}, {0.0, 0}}, kBoxHeight_m);
   // It rests on the target beside the path of the palm.
-  objects_.push_back(BoxPart({0.010, 0.040, 0.010}, 0.02));
-  scene.objects[1].object = 1;
+  objects_.push_back(BoxObject({0.010, 0.040, 0.010}, 0.02));
+  scene.objects[1].object = ObjectId{1};
   scene.objects[1].X_WO = Translation({0, 0.035, kBoxHeight_m + 0.0012 + 0.005});
   scene.objects[1].X_WO.translation().y() = 0.027;
   gripper_.hand.finger_size_m.z() = 0.08;
@@ -304,7 +307,7 @@ TEST_F(Execute, InstanceOnTopIsDisplacedAndCounted) {
 }
 
 TEST_F(Execute, HandClosesEmptyInAnEmptyBin) {
-  const ExecuteResult result = Run(Scene{}, GraspAt(0, 0), -1);
+  const ExecuteResult result = Run(Scene{}, GraspAt(0, 0), kNoInstance);
   EXPECT_EQ(FailureName(result.outcome.failure), FailureName(FailureReason::kClosedOnNothing));
 }
 

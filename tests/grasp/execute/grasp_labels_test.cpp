@@ -38,7 +38,7 @@ std::vector<double> Label(const GraspOutcome& o) {
 std::vector<std::vector<double>> LabelsOfSampledGrasps(const Gripper& gripper, double min_z_m,
                                                        double max_z_m, int count) {
   constexpr double kHeight_m = 0.04;
-  const ObjectSet boxes{BoxPart({0.04, 0.05, kHeight_m}, 0.2)};
+  const ObjectSet boxes{BoxObject({0.04, 0.05, kHeight_m}, 0.2)};
   const Scene scene = BoxesOnFloor({{0, 0}, {0.06, 0.01}, {-0.04, 0.06}}, kHeight_m);
   Rng rng(11);
   std::vector<std::vector<double>> labels;
@@ -48,7 +48,7 @@ std::vector<std::vector<double>> LabelsOfSampledGrasps(const Gripper& gripper, d
     const double z = rng.Uniform(min_z_m, max_z_m);
     grasp.X_WG = FromAbove({x, y, z}, rng.Uniform(0, std::numbers::pi));
     grasp.width_m = 0.05;
-    labels.push_back(Label(ExecuteGrasp(scene, boxes, grasp, gripper, 10).outcome));
+    labels.push_back(Label(ExecuteGrasp(scene, boxes, grasp, gripper, InstanceId{10}).outcome));
   }
   return labels;
 }

@@ -140,8 +140,8 @@ class MagnetHand : public Hand, public AttachedHand {
     return held_ < 0 ? std::vector<int>() : std::vector<int>{held_};
   }
   std::vector<const btRigidBody*> Pads() const override { return {}; }
-  void LetGoOf(int part) override {
-    if (held_ == part) Release();
+  void LetGoOf(int index) override {
+    if (held_ == index) Release();
   }
 
  private:
@@ -316,7 +316,7 @@ constexpr std::array<GripperRow, 1> kWithMagnet{
 // A plate of 10 x 8 x 1 cm: 0.63 kg of steel or 0.22 kg of aluminium.
 const Vector3d kPlate_m(0.10, 0.08, 0.01);
 std::shared_ptr<const ObjectModel> Plate(double density_kgpm3) {
-  return BoxPart(kPlate_m, density_kgpm3 * kPlate_m.prod());
+  return BoxObject(kPlate_m, density_kgpm3 * kPlate_m.prod());
 }
 
 std::shared_ptr<const Gripper> LoadMagnet(const std::string& keys = "") {
@@ -349,7 +349,7 @@ GraspOutcome PlanAndPick(const Gripper& gripper, double density_kgpm3) {
     ADD_FAILURE() << "no grasp was planned";
     return {};
   }
-  return ExecuteGrasp(scene, objects, plan.grasps.front(), gripper, 10).outcome;
+  return ExecuteGrasp(scene, objects, plan.grasps.front(), gripper, InstanceId{10}).outcome;
 }
 
 TEST(MagnetGripper, PicksASteelPlateAndSetsItDown) {
@@ -400,7 +400,7 @@ TEST(MagnetGripper, ObjectThatItCannotHoldIsRefused) {
   setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
   EXPECT_THAT(
       ErrorOf([&] { RequireCandidates(*Plate(2700), *LoadMagnet(), FewMagnetCandidates()); }),
-      testing::AllOf(HasSubstr("part 'box' has no steel face as large as the pole for "
+      testing::AllOf(HasSubstr("object 'box' has no steel face as large as the pole for "
                                "gripper 'magnet'"),
                      HasSubstr("cup_30mm has ")));
   unsetenv("XDG_CACHE_HOME");

@@ -47,7 +47,7 @@ TEST(GripperRequirements, TooHeavyObjectsAreRefused) {
     RequireCanCarry(*jaw, object);
     FAIL() << "threw no InputError";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("part 'anvil' is too heavy for gripper 'jaw_8cm'"));
+    EXPECT_THAT(error.what(), HasSubstr("object 'anvil' is too heavy for gripper 'jaw_8cm'"));
     EXPECT_THAT(error.what(), HasSubstr("40 N"));
   }
   EXPECT_NO_THROW(RequireCanCarry(*LoadGripper("cup_30mm"), object));

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 // A plate of 60 x 40 x 10 mm that can rest on its two large sides.
 std::shared_ptr<const ObjectModel> Plate() {
-  auto plate = std::make_shared<ObjectModel>(*BoxPart({0.06, 0.04, 0.01}, 0.1));
+  auto plate = std::make_shared<ObjectModel>(*BoxObject({0.06, 0.04, 0.01}, 0.1));
   plate->resting_O = {{Vector3d::UnitZ(), 0.5}, {-Vector3d::UnitZ(), 0.5}};
   return plate;
 }
@@ -69,7 +69,7 @@ TEST(PlanPlace, SelectsTheFaceThatLetsTheHandPointDown) {
 // The symmetries make all four long sides resting sides, though only one is listed. So a hand that
 // holds the bar from above stays upright.
 TEST(PlanPlace, RestingDirectionIncludesItsSymmetricImages) {
-  auto bar = std::make_shared<ObjectModel>(*BoxPart({0.02, 0.02, 0.08}, 0.1));
+  auto bar = std::make_shared<ObjectModel>(*BoxObject({0.02, 0.02, 0.08}, 0.1));
   bar->resting_O = {{Vector3d::UnitX(), 1}};
   const Pose X_WO = Translation({0, 0, 0.05}) * Pose(AngleAxisd(1.5, Vector3d::UnitX()));
   const Pose X_WG = FromAbove({0, 0, 0.045});
@@ -85,7 +85,7 @@ TEST(PlanPlace, RestingDirectionIncludesItsSymmetricImages) {
 
 // The block is half-way between two sides.
 TEST(PlanPlace, SelectsTheMoreProbableDirection) {
-  auto block = std::make_shared<ObjectModel>(*BoxPart({0.04, 0.05, 0.04}, 0.1));
+  auto block = std::make_shared<ObjectModel>(*BoxObject({0.04, 0.05, 0.04}, 0.1));
   const Pose X_WO = Tilted(0.25 * std::numbers::pi, {0, 0, 0.05});
   const Pose X_WG = FromAbove({0, 0, 0.05}, 0.5 * std::numbers::pi);
   for (const bool z_is_likely : {true, false}) {
@@ -144,7 +144,7 @@ TEST(SetDownWorths, FallWithTiltDropAndProbability) {
 TEST(CarryHeight, ClearsTheRimDuringTheRotation) {
   Bin bin;
   bin.inner_size_m.z() = 0.4;
-  const auto object = BoxPart({0.02, 0.03, 0.2}, 0.1);
+  const auto object = BoxObject({0.02, 0.03, 0.2}, 0.1);
   const auto boxes = HandBoxes({}, 0.03);
   const Pose from = FromAbove({0, 0, 0.1});
   const Pose to =

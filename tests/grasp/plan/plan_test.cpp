@@ -26,14 +26,14 @@ class Plan : public testing::Test {
     static const auto grasps = [] {
       Rng rng(1);
       const ParallelJaw jaw = SmallJaw();
-      return AntipodalGrasps(*BoxPart({0.05, 0.05, 0.05}, 0.2), jaw.hand, jaw.clearance_m, rng,
+      return AntipodalGrasps(*BoxObject({0.05, 0.05, 0.05}, 0.2), jaw.hand, jaw.clearance_m, rng,
                              {.candidates = 400, .max_pairs = 200});
     }();
     return grasps;
   }
 
   void AddPose(const Vector3d& p_W, double confidence = 1) {
-    poses_.push_back({0, Translation(p_W), confidence});
+    poses_.push_back({ObjectId{0}, Translation(p_W), confidence});
   }
 
   PlanResult Run(const PlanOptions& options = {}) const {
@@ -58,7 +58,7 @@ class Plan : public testing::Test {
   Bin bin_;
   ParallelJaw gripper_ = SmallJaw();
   const Gripper* selected_gripper_ = &gripper_;
-  ObjectSet objects_{BoxPart({0.05, 0.05, 0.05}, 0.2)};
+  ObjectSet objects_{BoxObject({0.05, 0.05, 0.05}, 0.2)};
   std::vector<std::vector<GraspCandidate>> candidates_;
   std::vector<EstimatedPose> poses_;
   std::vector<Vector3d> cloud_;
@@ -251,7 +251,7 @@ TEST_F(Plan, SecondPoseOfTheSameInstanceIsNoObstacle) {
 // Bars across each other have centers nearer than a quarter of their length, but they are two
 // instances. Fingers that extend past the upper bar would hit the lower one.
 TEST_F(Plan, FlatBarsAcrossEachOtherAreTwoInstances) {
-  objects_[0] = BoxPart({0.10, 0.03, 0.016}, 0.2);
+  objects_[0] = BoxObject({0.10, 0.03, 0.016}, 0.2);
   GraspCandidate candidate;
   candidate.X_OG = FromAbove({0, 0, -0.006}, 0.5 * std::numbers::pi);
   candidate.width_m = 0.03;
@@ -266,7 +266,7 @@ TEST_F(Plan, FlatBarsAcrossEachOtherAreTwoInstances) {
     options.relaxed.enabled = false;
     return PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, gripper_, upper}, options);
   };
-  poses_.push_back({0,
+  poses_.push_back({ObjectId{0},
                     Translation({0, 0, 0.008}) *
                         Pose(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitZ())),
                     1});
@@ -404,7 +404,7 @@ TEST_F(PlanCup, NarrowWallsRejectTheGrasp) {
 TEST_F(Plan, NoPosesGiveNoGrasps) { EXPECT_TRUE(Run().grasps.empty()); }
 
 TEST_F(Plan, PoseWithoutCandidatesIsALogicError) {
-  poses_.push_back({1, Pose::Identity(), 1});
+  poses_.push_back({ObjectId{1}, Pose::Identity(), 1});
   EXPECT_THROW(Run(), std::logic_error);
 }
 

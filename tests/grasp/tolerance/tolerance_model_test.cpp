@@ -19,7 +19,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 std::shared_ptr<ObjectModel> Box() {
-  return std::make_shared<ObjectModel>(*BoxPart({0.04, 0.03, 0.02}, 0.1));
+  return std::make_shared<ObjectModel>(*BoxObject({0.04, 0.03, 0.02}, 0.1));
 }
 
 PoseOffset Error(double x, double y, double z, double rx = 0, double ry = 0, double rz = 0) {

@@ -26,8 +26,8 @@ GraspCandidate CandidateFromAbove(double depth_m) {
 }
 
 Table BoxOnTable(double depth_m = 0.012) {
-  return MakeTable(BoxPart({0.04, 0.03, 0.06}, 0.1, 0.5), std::make_shared<ParallelJaw>(SmallJaw()),
-                   {CandidateFromAbove(depth_m)});
+  return MakeTable(BoxObject({0.04, 0.03, 0.06}, 0.1, 0.5),
+                   std::make_shared<ParallelJaw>(SmallJaw()), {CandidateFromAbove(depth_m)});
 }
 
 Pose Shift(double x, double y, double z) { return Translation({x, y, z}); }
@@ -97,7 +97,7 @@ TEST(ToleranceTrial, PlacesAreRestingPosesOnTheTable) {
 
 TEST(ToleranceTrial, ObjectWithoutGraspsIsRefused) {
   EXPECT_THAT(ErrorOf([] {
-                MakeTable(BoxPart({0.04, 0.03, 0.06}, 0.1, 0.5),
+                MakeTable(BoxObject({0.04, 0.03, 0.06}, 0.1, 0.5),
                           std::make_shared<ParallelJaw>(SmallJaw()), {});
               }),
               testing::AllOf(testing::HasSubstr("test jaw"), testing::HasSubstr("no grasp")));

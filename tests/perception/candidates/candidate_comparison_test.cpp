@@ -67,7 +67,7 @@ TEST_F(ComparedCandidates, OverlapWithOtherObjectsNeedsMoreEvidence) {
   const std::vector<ModelPoints> two{models_[0], models_[0]};
   const auto of_other = [&](const Pose& X_CO, double evidence) {
     Candidate candidate = At(X_CO, evidence);
-    candidate.hypothesis.object = 1;
+    candidate.hypothesis.object = ObjectId{1};
     return candidate;
   };
   const Pose beside = Translation({0.3 * object_->diameter_m, 0, 0}) * X_CO_;

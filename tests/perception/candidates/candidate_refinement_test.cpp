@@ -15,7 +15,7 @@ class RefinedCandidates : public testing::Test {
  protected:
   RefinedCandidates()
       : views_({ObjectOf(BracketMesh())}),
-        view_(views_.Pile({21, 1}).front()),
+        view_(views_.ClutterScene({21, 1}).front()),
         cloud_(BuildCloud(view_.frame, OutOfSightBin())) {
     Rng rng(5);
     for (const LabelledInstance& instance : view_.instances) {
@@ -30,13 +30,13 @@ class RefinedCandidates : public testing::Test {
     }
   }
 
-  std::vector<Candidate> Assess(const AssessmentOptions& options, int threads = 1,
-                                double share = 1) const {
-    const CandidateAssessor assessor(views_.objects(), options, threads);
+  std::vector<Candidate> RefineCandidates(const CandidateRefinementOptions& options,
+                                          int threads = 1, double share = 1) const {
+    const CandidateRefiner candidate_refiner(views_.objects(), options, threads);
     StageSeconds seconds;
-    auto candidates =
-        assessor.Assess(cloud_, 0, votes_, static_cast<int>(votes_.size()), share, seconds);
-    assessor.Compare(candidates, seconds);
+    auto candidates = candidate_refiner.RefineCandidates(
+        cloud_, ObjectId{0}, votes_, static_cast<int>(votes_.size()), share, seconds);
+    candidate_refiner.Compare(candidates, seconds);
     return candidates;
   }
 
@@ -57,7 +57,7 @@ class RefinedCandidates : public testing::Test {
 
 TEST_F(RefinedCandidates, EveryVisibleInstanceHasACandidate) {
   const PoseDistance distance(*views_.objects()[0]);
-  const std::vector<Candidate> candidates = Assess({});
+  const std::vector<Candidate> candidates = RefineCandidates({});
   for (const LabelledInstance& instance : view_.instances) {
     if (instance.visible_fraction < 0.3) continue;
     const bool found =
@@ -71,7 +71,7 @@ TEST_F(RefinedCandidates, EveryVisibleInstanceHasACandidate) {
 // Without a verifier, evidence already ranks right poses above wrong ones.
 TEST_F(RefinedCandidates, RightPosesHaveMoreEvidenceThanRivals) {
   int right = 0, above = 0;
-  for (const Candidate& candidate : Assess({})) {
+  for (const Candidate& candidate : RefineCandidates({})) {
     if (Error(candidate.hypothesis.X_CO) > 0.05) continue;
     ++right;
     above += candidate.features[kMarginFeature] > 0;
@@ -82,16 +82,16 @@ TEST_F(RefinedCandidates, RightPosesHaveMoreEvidenceThanRivals) {
 
 TEST_F(RefinedCandidates, PoseWithoutRivalHasTheLargestMargin) {
   votes_.resize(1);
-  AssessmentOptions options;
+  CandidateRefinementOptions options;
   options.ambiguous_candidates = 0;
-  const std::vector<Candidate> candidates = Assess(options);
+  const std::vector<Candidate> candidates = RefineCandidates(options);
   ASSERT_EQ(candidates.size(), 1u);
   EXPECT_EQ(candidates[0].features[kMarginFeature], 1);
 }
 
 TEST_F(RefinedCandidates, PoseInsideAnEvidentCandidateOverlaps) {
-  const CandidateAssessor assessor(views_.objects(), {});
-  std::vector<Candidate> candidates = Assess({});
+  const CandidateRefiner candidate_refiner(views_.objects(), {});
+  std::vector<Candidate> candidates = RefineCandidates({});
   const auto evident = std::max_element(
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return a.evidence < b.evidence; });
@@ -107,7 +107,7 @@ TEST_F(RefinedCandidates, PoseInsideAnEvidentCandidateOverlaps) {
                               evident->hypothesis.X_CO;
       std::vector<Candidate> both{*evident, other};
       StageSeconds seconds;
-      assessor.Compare(both, seconds);
+      candidate_refiner.Compare(both, seconds);
       EXPECT_EQ(both[0].features[kOverlapFeature], 0) << "the other one is not evident";
       largest = std::max(largest, both[1].features[kOverlapFeature]);
     }
@@ -119,27 +119,27 @@ TEST_F(RefinedCandidates, PoseInsideAnEvidentCandidateOverlaps) {
 }
 
 TEST_F(RefinedCandidates, ShareLimitsTheRefinedCandidates) {
-  AssessmentOptions options;
+  CandidateRefinementOptions options;
   options.ambiguous_candidates = 0;
   options.min_quick_score = -1;
   options.candidates = options.min_candidates = 8;
-  EXPECT_LE(Assess(options, 1, 0.5).size(), 4u);
-  EXPECT_GT(Assess(options, 1, 1).size(), 4u);
+  EXPECT_LE(RefineCandidates(options, 1, 0.5).size(), 4u);
+  EXPECT_GT(RefineCandidates(options, 1, 1).size(), 4u);
 }
 
 TEST_F(RefinedCandidates, LowQuickScoresAreRejected) {
-  AssessmentOptions options;
+  CandidateRefinementOptions options;
   options.min_quick_score = 0.5;
-  const std::vector<Candidate> candidates = Assess(options);
+  const std::vector<Candidate> candidates = RefineCandidates(options);
   EXPECT_FALSE(candidates.empty());
-  EXPECT_LT(candidates.size(), Assess({}).size());
+  EXPECT_LT(candidates.size(), RefineCandidates({}).size());
   for (const Candidate& candidate : candidates) EXPECT_GE(candidate.hypothesis.score, 0.5);
 }
 
 TEST_F(RefinedCandidates, CandidatesAreDistinctPoses) {
   const PoseDistance distance(*views_.objects()[0]);
-  AssessmentOptions options;
-  const std::vector<Candidate> candidates = Assess(options);
+  CandidateRefinementOptions options;
+  const std::vector<Candidate> candidates = RefineCandidates(options);
   for (size_t i = 0; i < candidates.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {
       EXPECT_GE(distance(candidates[i].hypothesis.X_CO, candidates[j].hypothesis.X_CO),
@@ -154,20 +154,20 @@ TEST_F(RefinedCandidates, FineIcpStepsImproveThePose) {
   RayCastViews noisy(views_.objects(), kNoise_m);
   const PoseDistance distance(*noisy.objects()[0]);
   const auto error = [&](int fine_steps) {
-    AssessmentOptions options;
+    CandidateRefinementOptions options;
     options.fine_steps = fine_steps;
     options.ambiguous_candidates = 0;
     options.two_correspondence_distances = false;
-    const CandidateAssessor assessor(noisy.objects(), options);
+    const CandidateRefiner candidate_refiner(noisy.objects(), options);
     double sum = 0;
     for (uint64_t seed = 0; seed < 8; ++seed) {
-      const LabelledView view = noisy.Pile({seed, 1}).front();
+      const LabelledView view = noisy.ClutterScene({seed, 1}).front();
       Rng rng(seed);
       for (const LabelledInstance& instance : view.instances) {
         const Pose rough = Perturbed(instance.X_CO, rng.UnitVector(), 3, {0, 0, 0});
         StageSeconds seconds;
-        const auto found = assessor.Assess(BuildCloud(view.frame, OutOfSightBin()), 0, {{rough, 0}},
-                                           1, 1, seconds);
+        const auto found = candidate_refiner.RefineCandidates(
+            BuildCloud(view.frame, OutOfSightBin()), ObjectId{0}, {{rough, 0}}, 1, 1, seconds);
         for (const Candidate& candidate : found) {
           sum += distance(candidate.hypothesis.X_CO, instance.X_CO);
         }
@@ -179,19 +179,20 @@ TEST_F(RefinedCandidates, FineIcpStepsImproveThePose) {
 }
 
 TEST_F(RefinedCandidates, ObjectsShareTheBudgetOfAmbiguousPoses) {
-  AssessmentOptions options;
+  CandidateRefinementOptions options;
   options.candidates = 40;
   options.min_candidates = 10;
   options.ambiguous_candidates = 8;
   options.ambiguous_poses = 1;
   options.min_quick_score = -1;
   const auto tried = [&](const ObjectSet& objects) {
-    const CandidateAssessor assessor(objects, options);
+    const CandidateRefiner candidate_refiner(objects, options);
     StageSeconds seconds;
     EstimateTrace trace;
-    assessor.Assess(cloud_, 0, votes_, static_cast<int>(votes_.size()), 1, seconds, &trace);
+    candidate_refiner.RefineCandidates(cloud_, ObjectId{0}, votes_, static_cast<int>(votes_.size()),
+                                       1, seconds, &trace);
     return std::count_if(trace.refinements.begin(), trace.refinements.end(),
-                         [](const auto& refinement) { return refinement.look_alike; });
+                         [](const auto& refinement) { return refinement.ambiguous_pose; });
   };
   const auto& bracket = views_.objects()[0];
   EXPECT_GT(tried({bracket}), 4);
@@ -199,7 +200,7 @@ TEST_F(RefinedCandidates, ObjectsShareTheBudgetOfAmbiguousPoses) {
 }
 
 TEST_F(RefinedCandidates, ResultIsIndependentOfThreads) {
-  const std::vector<Candidate> one = Assess({}, 1), three = Assess({}, 3);
+  const std::vector<Candidate> one = RefineCandidates({}, 1), three = RefineCandidates({}, 3);
   ASSERT_EQ(one.size(), three.size());
   for (size_t i = 0; i < one.size(); ++i) {
     EXPECT_EQ(one[i].hypothesis.X_CO.matrix(), three[i].hypothesis.X_CO.matrix());
@@ -208,17 +209,17 @@ TEST_F(RefinedCandidates, ResultIsIndependentOfThreads) {
 }
 
 TEST_F(RefinedCandidates, TruePosesExplainTheirPixels) {
-  const CandidateAssessor assessor(views_.objects(), {});
+  const CandidateRefiner candidate_refiner(views_.objects(), {});
   const std::vector<int>& all = cloud_.foreground_pixels;
-  EXPECT_EQ(assessor.Unexplained(cloud_, {}, all), all);
-  const std::vector<Candidate> candidates = Assess({});
-  const std::vector<int> left = assessor.Unexplained(cloud_, candidates, all);
+  EXPECT_EQ(candidate_refiner.Unexplained(cloud_, {}, all), all);
+  const std::vector<Candidate> candidates = RefineCandidates({});
+  const std::vector<int> left = candidate_refiner.Unexplained(cloud_, candidates, all);
   EXPECT_LT(left.size(), 0.5 * all.size());
   EXPECT_TRUE(std::includes(all.begin(), all.end(), left.begin(), left.end()));
   // Poses that contradict the depth image explain nothing.
   std::vector<Candidate> lifted = candidates;
   for (Candidate& candidate : lifted) candidate.features[kViolatedFeature] = 0.5f;
-  EXPECT_EQ(assessor.Unexplained(cloud_, lifted, all), all);
+  EXPECT_EQ(candidate_refiner.Unexplained(cloud_, lifted, all), all);
 }
 
 }  // namespace

@@ -35,9 +35,9 @@ class SelectedPosesOfABracket : public ::testing::Test {
   }
   std::vector<PoseHypothesis> Select(const std::vector<Candidate>& candidates,
                                      double min_score) const {
-    FinalSetOptions options;
+    PoseSelectionOptions options;
     options.min_score = min_score;
-    return FinalSet(cloud_, models_, distances_, verifiers_, candidates, options);
+    return SelectPoses(cloud_, models_, distances_, verifiers_, candidates, options);
   }
 
   std::shared_ptr<const ObjectModel> object_ = ObjectOf(BracketMesh());
@@ -58,11 +58,11 @@ TEST_F(SelectedPosesOfABracket, ScoreIsFromTheVerifierAndMinScoreApplies) {
 
 TEST_F(SelectedPosesOfABracket, ScoreUsesTheRequestedMode) {
   verifiers_[0].calibrations[1] = {1, -3};
-  FinalSetOptions options;
+  PoseSelectionOptions options;
   options.mode = CandidateMode::kFast;
   options.min_score = 0;
   const Candidate candidate = At(BracketPose(), 0.2f);
-  const auto kept = FinalSet(cloud_, models_, distances_, verifiers_, {candidate}, options);
+  const auto kept = SelectPoses(cloud_, models_, distances_, verifiers_, {candidate}, options);
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_LT(kept[0].score, 0.3) << "it is 0.69 in mode accurate";
 }

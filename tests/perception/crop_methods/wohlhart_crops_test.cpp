@@ -123,7 +123,7 @@ class WohlhartTraining : public testing::Test {
     RayCastViews clean({ObjectOf(BracketMesh()), ObjectOf(BoxMesh({0.05, 0.04, 0.06}, {0, 0, 0}))},
                        0);
     RayCastViews noisy(clean.objects(), 0.0005);
-    training_set_ = std::make_shared<CropLesson>(MakeCropLesson(clean, noisy, views_, 1));
+    training_set_ = std::make_shared<CropTrainingSet>(MakeCropTrainingSet(clean, noisy, views_, 1));
     options_.input = "depth";
     options_.descriptor = 8;
     options_.iterations = 12;
@@ -139,7 +139,7 @@ class WohlhartTraining : public testing::Test {
         network.length(), 1);
     RayCastViews source(training_set_->objects, 0);
     int right = 0;
-    for (int object = 0; object < 2; ++object) {
+    for (ObjectId object{0}; object < 2; ++object) {
       Rng rng(9);
       const ObjectCrops tests =
           RenderCrops(source, object, TestRotations(20, views_, rng), views_, 5);
@@ -151,7 +151,7 @@ class WohlhartTraining : public testing::Test {
   }
 
   CropViewOptions views_;
-  std::shared_ptr<CropLesson> training_set_;
+  std::shared_ptr<CropTrainingSet> training_set_;
   WohlhartOptions options_;
   const TemporaryFolder folder_;
 };
@@ -175,7 +175,7 @@ TEST_F(WohlhartTraining, SameDescriptorsAfterResumeAndOnTwoThreads) {
   EXPECT_EQ(straight->Describe(crops), resumed->Describe(crops, 2));
   const auto is_refused = [&] {
     EXPECT_THAT(ErrorOf([&] { TrainWohlhart(job, options_); }),
-                HasSubstr("other settings or parts"));
+                HasSubstr("other settings or objects"));
   };
   job.seed = 2;
   is_refused();
@@ -201,7 +201,8 @@ TEST_P(CropMethods, TemplateIsItsOwnNearestNeighbor) {
   views.train_level = 2;
   RayCastViews source({ObjectOf(BracketMesh()), ObjectOf(BoxMesh({0.05, 0.04, 0.06}, {0, 0, 0}))},
                       0);
-  const auto training_set = std::make_shared<CropLesson>(MakeCropLesson(source, source, views, 1));
+  const auto training_set =
+      std::make_shared<CropTrainingSet>(MakeCropTrainingSet(source, source, views, 1));
   const auto rows = CropMethodTable();
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const CropMethodRow& r) {
     return r.name == std::string_view(GetParam());

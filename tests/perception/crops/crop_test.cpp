@@ -175,9 +175,9 @@ class CropAugment : public testing::Test {
     CropViewOptions views;
     views.template_level = 0;
     RayCastViews source({ObjectOf(BracketMesh())}, 0);
-    pool_ = RenderCrops(source, 0, TemplateRotations(views), views, 1).crops;
+    pool_ = RenderCrops(source, ObjectId{0}, TemplateRotations(views), views, 1).crops;
     RayCastViews others({ObjectOf(BoxMesh({0.05, 0.05, 0.05}, Eigen::Vector3d::Zero()))}, 0);
-    blockers_ = RenderCrops(others, 0, TemplateRotations(views), views, 1).crops;
+    blockers_ = RenderCrops(others, ObjectId{0}, TemplateRotations(views), views, 1).crops;
   }
   CropSet pool_, blockers_;
 };

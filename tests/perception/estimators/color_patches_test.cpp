@@ -116,7 +116,7 @@ double ShareOfRightObject(PatchChannels channels) {
   voter.channels = channels;
   voter.describe = ChannelMeans;
   std::vector<CandidatePart> parts;
-  for (const int object : {0, 1}) {
+  for (const ObjectId object : {ObjectId{0}, ObjectId{1}}) {
     ObjectCodes codes =
         MakeObjectCodes(views, object, {kSide_m, channels}, 3, ChannelMeans, isolated, 7, 1, {});
     parts.push_back({views.objects()[object], kSide_m, std::move(codes), object});
@@ -127,7 +127,7 @@ double ShareOfRightObject(PatchChannels channels) {
   const CandidateFinder finder(std::move(parts), voter, options);
   int right = 0, votes = 0;
   for (uint64_t seed = 5000; seed < 5003; ++seed) {
-    const LabelledView view = views.Pile({seed, 1}).front();
+    const LabelledView view = views.ClutterScene({seed, 1}).front();
     EstimateTrace trace;
     StageSeconds seconds;
     Rng rng(1);
@@ -155,7 +155,7 @@ TEST_F(TwoColours, ModelStoresTheChannels) {
 }
 
 TEST_F(TwoColours, FrameWithoutColourIsRefusedByColourChannels) {
-  LabelledView view = views_->Pile({5000, 1}).front();
+  LabelledView view = views_->ClutterScene({5000, 1}).front();
   view.frame.color = {};
   const auto run = [&](const char* model) {
     const auto estimator = Make(model);
@@ -173,10 +173,10 @@ TEST_F(TwoColours, NetworksWithOtherChannelsAreNotMixed) {
   TrainingJob job = Job("mixed");
   job.start_from = File("rgbd");
   EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, Untrained("depth_normals")); }),
-              AllOf(HasSubstr("rgbd.pt"), HasSubstr("depth and colour, not from depth and normals"),
+              AllOf(HasSubstr("rgbd.pt"), HasSubstr("depth and colour, not on depth and normals"),
                     HasSubstr("network.autoencoder.channels")));
   EXPECT_THAT(ErrorOf([&] { Make("rgbd", File("depth_normals")); }),
-              AllOf(HasSubstr("depth_normals.pt"), HasSubstr("both must see the same")));
+              AllOf(HasSubstr("depth_normals.pt"), HasSubstr("train both on the same input")));
 }
 
 // Initial weights depend only on the seed and not on the channels.

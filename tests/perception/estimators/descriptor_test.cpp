@@ -84,7 +84,7 @@ TEST_F(Descriptor, FindsUnoccludedInstances) {
   const PoseDistance distance(*views_->objects()[0]);
   int found = 0, instances = 0, top_right = 0;
   for (uint64_t seed = 5000; seed < 5006; ++seed) {
-    const LabelledView view = views_->Pile({seed, 1}).front();
+    const LabelledView view = views_->ClutterScene({seed, 1}).front();
     const EstimateResult result = Run(*estimator, view);
     for (const LabelledInstance& instance : view.instances) {
       ++instances;
@@ -101,7 +101,7 @@ TEST_F(Descriptor, FindsUnoccludedInstances) {
 }
 
 TEST_F(Descriptor, ThreadsDoNotChangePosesAndRoundsAddPoses) {
-  const LabelledView view = views_->Pile({8, 1}).front();
+  const LabelledView view = views_->ClutterScene({8, 1}).front();
   DescriptorOptions options = Options();
   options.candidates.rounds = 2;
   EstimatorSetup setup = MakeSetup();
@@ -120,7 +120,7 @@ TEST_F(Descriptor, ThreadsDoNotChangePosesAndRoundsAddPoses) {
 
 TEST_F(Descriptor, HypothesesAreRankedScoredAndTimed) {
   const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
-  const EstimateResult result = Run(*estimator, views_->Pile({7, 1}).front());
+  const EstimateResult result = Run(*estimator, views_->ClutterScene({7, 1}).front());
   ASSERT_FALSE(result.hypotheses.empty());
   for (size_t i = 0; i < result.hypotheses.size(); ++i) {
     EXPECT_GE(result.hypotheses[i].score, MakeSetup().spec.min_score);
@@ -136,10 +136,10 @@ TEST_F(Descriptor, HypothesesAreRankedScoredAndTimed) {
 }
 
 TEST_F(Descriptor, SameSeedGivesTheSameResult) {
-  const LabelledView view = views_->Pile({8, 1}).front();
+  const LabelledView view = views_->ClutterScene({8, 1}).front();
   const EstimateResult first = Run(*MakeDescriptorEstimator(MakeSetup(), Options()), view);
   const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
-  Run(*estimator, views_->Pile({9, 1}).front());
+  Run(*estimator, views_->ClutterScene({9, 1}).front());
   const EstimateResult second = Run(*estimator, view);
   ASSERT_FALSE(first.hypotheses.empty());
   ASSERT_EQ(first.hypotheses.size(), second.hypotheses.size());
@@ -162,7 +162,7 @@ EstimateTrace TraceOf(PoseEstimator& estimator, const EstimatorInput& input,
 
 TEST_F(Descriptor, TracingDoesNotChangeTheResult) {
   const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
-  const LabelledView view = views_->Pile({12, 1}).front();
+  const LabelledView view = views_->ClutterScene({12, 1}).front();
   const EstimateResult plain = Run(*estimator, view);
   EstimateResult traced;
   TraceOf(*estimator, {view.frame, OutOfSightBin()}, &traced);
@@ -181,7 +181,7 @@ TEST_F(Descriptor, PatchesNeverExceedThePoints) {
   DescriptorOptions options = Options();
   options.candidates.points = 100;
   options.candidates.min_points = 60;
-  const LabelledView view = views_->Pile({12, 1}).front();
+  const LabelledView view = views_->ClutterScene({12, 1}).front();
   const auto patches = [&] {
     return TraceOf(*MakeDescriptorEstimator(MakeSetup(), options), {view.frame, OutOfSightBin()})
         .patches.size();
@@ -193,7 +193,7 @@ TEST_F(Descriptor, PatchesNeverExceedThePoints) {
 
 TEST_F(Descriptor, StagesOfATraceAreConsistent) {
   const auto estimator = MakeDescriptorEstimator(MakeSetup(), Options());
-  const LabelledView view = views_->Pile({12, 1}).front();
+  const LabelledView view = views_->ClutterScene({12, 1}).front();
   const EstimateTrace trace = TraceOf(*estimator, {view.frame, OutOfSightBin()});
   ASSERT_EQ(trace.patches.size(), static_cast<size_t>(Options().candidates.points));
   EXPECT_EQ(trace.votes.size(), trace.patches.size() * trace.neighbors);
@@ -210,7 +210,8 @@ TEST_F(Descriptor, StagesOfATraceAreConsistent) {
   }
   const auto same = [](const Pose& a, const Pose& b) { return a.matrix() == b.matrix(); };
   for (const TracedRefinement& refinement : trace.refinements) {
-    EXPECT_NE(refinement.look_alike, std::ranges::any_of(trace.votes, [&](const TracedVote& vote) {
+    EXPECT_NE(refinement.ambiguous_pose,
+              std::ranges::any_of(trace.votes, [&](const TracedVote& vote) {
                 return same(vote.vote.X_CO, refinement.before.X_CO);
               }));
   }
@@ -292,7 +293,7 @@ TEST_F(Descriptor, BadSetupsAreRefused) {
   auto stranger = std::make_shared<ObjectModel>(*setup.objects[0]);
   stranger->name = "stranger";
   setup.objects = {stranger};
-  EXPECT_THAT(ErrorOf([&] { MakeDescriptorEstimator(setup); }), HasSubstr("part 'stranger'"));
+  EXPECT_THAT(ErrorOf([&] { MakeDescriptorEstimator(setup); }), HasSubstr("object 'stranger'"));
 }
 
 TEST(OptionsForMode, AccurateModeDoesMoreWorkThanFast) {

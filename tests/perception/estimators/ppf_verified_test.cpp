@@ -26,9 +26,9 @@ VerifiedPpfOptions Options() {
   VerifiedPpfOptions options;
   options.match.model_sampling = 0.08;
   options.match.scene_voxel_diameters = 0.06;
-  options.assessment.candidates = 60;
-  options.assessment.min_candidates = 20;
-  options.assessment.ambiguous_candidates = 3;
+  options.refinement.candidates = 60;
+  options.refinement.min_candidates = 20;
+  options.refinement.ambiguous_candidates = 3;
   return options;
 }
 
@@ -45,8 +45,9 @@ VerifierTrainingOptions TinyTraining() {
 class FloatingInstances : public RayCastViews {
  public:
   using RayCastViews::RayCastViews;
-  std::vector<LabelledView> Pile(const PileRequest& request) override {
-    std::vector<LabelledView> piles = RayCastViews({objects()[request.object]}).Pile(request);
+  std::vector<LabelledView> ClutterScene(const ClutterSceneRequest& request) override {
+    std::vector<LabelledView> piles =
+        RayCastViews({objects()[request.object]}).ClutterScene(request);
     KnownBackground background;
     background.bin.inner_size_m = {5, 5, 5};
     background.X_CB = Translation({0, 0, -1});
@@ -91,7 +92,9 @@ class VerifiedPpf : public testing::Test {
     setup.intrinsics = SmallCamera();
     return setup;
   }
-  static LabelledView Pile(uint64_t seed) { return views_->Pile({seed, 1, 0, true}).front(); }
+  static LabelledView ClutterScene(uint64_t seed) {
+    return views_->ClutterScene({seed, 1, ObjectId{0}, true}).front();
+  }
 
   struct Count {
     int right = 0, wrong = 0;
@@ -124,7 +127,7 @@ TEST_F(VerifiedPpf, FindsMoreThanPlainPpfAtNoLowerPrecision) {
   const auto plain = MakePpfEstimator(MakeSetup(), plain_options);
   Count with, without;
   for (const uint64_t seed : {100, 101, 102}) {
-    const LabelledView view = Pile(seed);
+    const LabelledView view = ClutterScene(seed);
     Rng rng(0);
     const Count a = Judge(verified->Estimate({view.frame, view.background}, rng).hypotheses, view);
     const Count b = Judge(plain->Estimate({view.frame, view.background}, rng).hypotheses, view);
@@ -139,7 +142,7 @@ TEST_F(VerifiedPpf, FindsMoreThanPlainPpfAtNoLowerPrecision) {
 // The features of the verifier describe the refined pose in the image and its margin to its rivals.
 // A proposal without candidate refinement would have neither.
 TEST_F(VerifiedPpf, CandidatesAreRefinedAndMeasured) {
-  const LabelledView view = Pile(100);
+  const LabelledView view = ClutterScene(100);
   const OrganizedCloud cloud = BuildCloud(view.frame, view.background);
   const auto source = MakePpfCandidates(views_->objects(), Options());
   Rng rng(0);
@@ -149,7 +152,7 @@ TEST_F(VerifiedPpf, CandidatesAreRefinedAndMeasured) {
   bool rivals = false;
   for (const Candidate& candidate : candidates) {
     const FitReport fit =
-        MeasureFit(cloud, source->assessor().model_points()[0], candidate.hypothesis.X_CO);
+        MeasureFit(cloud, source->candidate_refiner().model_points()[0], candidate.hypothesis.X_CO);
     EXPECT_EQ(candidate.hypothesis.fit.inlier_share, fit.inlier_share);
     EXPECT_EQ(candidate.features[0], static_cast<float>(fit.inlier_share));
     rivals |= candidate.features[kMarginFeature] < 0;
@@ -162,7 +165,7 @@ TEST_F(VerifiedPpf, CandidatesAreRefinedAndMeasured) {
 
 // A window contains a whole instance, so cutting the scene loses none of its poses.
 TEST_F(VerifiedPpf, WindowsLoseNoInstance) {
-  const LabelledView view = Pile(103);
+  const LabelledView view = ClutterScene(103);
   const OrganizedCloud cloud = BuildCloud(view.frame, view.background);
   const ModelPoints model = MakeModelPoints(*views_->objects()[0]);
   const PoseDistance distance(*views_->objects()[0]);
@@ -189,7 +192,7 @@ TEST_F(VerifiedPpf, WindowsLoseNoInstance) {
 
 TEST_F(VerifiedPpf, ReportsNoMoreThanTheGivenCount) {
   const auto estimator = MakeVerifiedPpfEstimator(MakeSetup(), Options());
-  const LabelledView view = Pile(104);
+  const LabelledView view = ClutterScene(104);
   const auto number_of_poses = [&](std::vector<int> instances) {
     Rng rng(0);
     return estimator->Estimate({view.frame, view.background, nullptr, std::move(instances)}, rng)
@@ -213,7 +216,7 @@ TEST_F(VerifiedPpf, SameSeedSameVerifiersAndPoses) {
   EXPECT_NE(score(other), score(file_));
 
   const auto estimator = MakeVerifiedPpfEstimator(MakeSetup(), Options());
-  const LabelledView view = Pile(104);
+  const LabelledView view = ClutterScene(104);
   Rng one(1), two(2);
   const auto first = estimator->Estimate({view.frame, view.background}, one).hypotheses;
   const auto second = estimator->Estimate({view.frame, view.background}, two).hypotheses;
@@ -231,16 +234,16 @@ TEST_F(VerifiedPpf, UnsuitableFilesAreRefusedWithARemedy) {
   changed->mesh_hash += 1;
   setup.objects = {changed};
   EXPECT_THAT(ErrorOf([&] { MakePpfEstimator(setup); }),
-              testing::AllOf(HasSubstr("ppf.pt: the mesh of part 'test part' has changed"),
-                             HasSubstr("pickbed train PART... --verifier-for ppf")));
+              testing::AllOf(HasSubstr("ppf.pt: the mesh of object 'test part' has changed"),
+                             HasSubstr("`pickbed train` as verifiers of ppf")));
   changed->name = "widget";
   EXPECT_THAT(ErrorOf([&] { MakePpfEstimator(setup); }),
-              HasSubstr("not trained for part 'widget' (knows test part)"));
+              HasSubstr("not trained for object 'widget' (knows test part)"));
   EXPECT_THAT(ErrorOf([&] { LoadVerifiers(file_, "linemod"); }), HasSubstr("are for 'ppf'"));
   EXPECT_THAT(ErrorOf([&] { LoadVerifiers(temporary_->path() / "no.pt", "ppf"); }),
-              HasSubstr("no.pt: there is no such file"));
+              HasSubstr("no.pt: the verifier file does not exist"));
   EXPECT_THAT(ErrorOf([&] { LoadVerifiers(AssetsDir() / "models/shipped.pt", "ppf"); }),
-              HasSubstr("holds no verifiers"));
+              HasSubstr("it is not a file of verifiers"));
   const std::string bytes = ReadFileBytes(file_);
   for (const double share : {0.0, 0.3, 0.9}) {
     const auto cut = temporary_->Write("cut.pt", bytes.substr(0, size_t(share * bytes.size())));

@@ -79,7 +79,7 @@ TEST_P(PublishedMethod, LearnsAndFindsUnoccludedInstances) {
   // An unreadable file and another mesh are reported with the command that repairs them.
   const std::string bytes = ReadFileBytes(folder_ / "model.pt");
   WriteFileAtomically(folder_ / "cut.pt", bytes.substr(0, bytes.size() / 2));
-  const std::string command = std::string("pickbed train ") + GetParam();
+  const std::string command = std::string("`pickbed train ") + GetParam();
   EXPECT_THAT(ErrorOf([&] { MakeEstimator(Setup("cut.pt")); }),
               testing::AllOf(HasSubstr("cut.pt"), HasSubstr(command)));
   EstimatorSetup changed = Setup("model.pt");
@@ -88,7 +88,7 @@ TEST_P(PublishedMethod, LearnsAndFindsUnoccludedInstances) {
   changed.objects = {object};
   EXPECT_THAT(
       ErrorOf([&] { MakeEstimator(changed); }),
-      testing::AllOf(HasSubstr("the mesh of part 'test part' has changed"), HasSubstr(command)));
+      testing::AllOf(HasSubstr("the mesh of object 'test part' has changed"), HasSubstr(command)));
 }
 
 TEST_P(PublishedMethod, SameSeedSameFileAndOtherMethodIsRefused) {
@@ -140,7 +140,7 @@ TEST(UnionOfVotes, EachPatchCastsVotesOfBothNetworks) {
     return MakeLearnedEstimator(setup, options,
                                 {temporary.path() / "look_up.pt", "", kTrainCommand, regression});
   };
-  const LabelledView view = views.Pile({5000, 1}).front();
+  const LabelledView view = views.ClutterScene({5000, 1}).front();
   EstimateTrace trace;
   Rng rng(1);
   make(temporary.path() / "regression.pt")->Estimate({view.frame, OutOfSightBin(), &trace}, rng);
@@ -152,7 +152,7 @@ TEST(UnionOfVotes, EachPatchCastsVotesOfBothNetworks) {
   }
   EXPECT_THAT(ErrorOf([&] { make({}); }), HasSubstr("regresses no poses"));
   EXPECT_THAT(ErrorOf([&] { make(temporary.path() / "narrow.pt"); }),
-              testing::AllOf(HasSubstr("narrow.pt"), HasSubstr("patch_diameters of the other")));
+              testing::AllOf(HasSubstr("narrow.pt"), HasSubstr("same patch_diameters")));
 }
 
 TEST(PublishedSettings, OutOfRangeSettingsReportTheRange) {

@@ -46,7 +46,7 @@ WohlhartBinOptions Quick() {
   return options;
 }
 
-VerifierTrainingOptions FewPiles() {
+VerifierTrainingOptions FewScenes() {
   VerifierTrainingOptions options;
   options.clutter_scenes = 6;
   options.views_per_scene = 1;
@@ -72,10 +72,10 @@ class WohlhartInBins : public testing::Test {
     job.learn = [&](const std::function<bool(double)>& on_share) {
       return training->TrainNetwork({views_, 0, {}, on_share});
     };
-    return TrainVerifierLibrary(job, FewPiles());
+    return TrainVerifierLibrary(job, FewScenes());
   }
-  static AssessmentOptions FewCandidates() {
-    AssessmentOptions options;
+  static CandidateRefinementOptions FewCandidates() {
+    CandidateRefinementOptions options;
     options.candidates = 120;
     return options;
   }
@@ -106,8 +106,8 @@ TEST_F(WohlhartInBins, LearnsAndFindsUnoccludedInstances) {
   object->mesh_hash += 1;
   changed.objects = {object};
   EXPECT_THAT(ErrorOf([&] { MakeWohlhartEstimator(changed); }),
-              testing::AllOf(HasSubstr("the mesh of part 'test part' has changed"),
-                             HasSubstr("pickbed train PART... --verifier-for wohlhart")));
+              testing::AllOf(HasSubstr("the mesh of object 'test part' has changed"),
+                             HasSubstr("`pickbed train` as verifiers of wohlhart")));
 }
 
 TEST_F(WohlhartInBins, SameSeedSameFile) {
@@ -128,7 +128,7 @@ TEST_F(WohlhartInBins, ResumeWithOtherSettingsIsRefused) {
   options.network.iterations = 2;
   options.views.clutter_scenes = 2;
   VerifierFile begun{"wohlhart", "test sensor", "", {}, {}, {}};
-  begun.training = VerifierTrainingText(views_, FewPiles());
+  begun.training = VerifierTrainingText(views_, FewScenes());
   auto changed = std::make_shared<ObjectModel>(*views_.objects()[0]);
   changed->mesh_hash += 1;
   begun.network = {MakeWohlhartTraining(options)->NetworkSettings({changed}), {1.0f}};
@@ -136,9 +136,10 @@ TEST_F(WohlhartInBins, ResumeWithOtherSettingsIsRefused) {
   begun.network.settings = MakeWohlhartTraining(options)->NetworkSettings(views_.objects());
   SaveVerifiers(folder_ / "begun.pt", begun);
   const auto refused = [&](const char* name) {
-    EXPECT_THAT(ErrorOf([&] { Train(name, options, true); }),
-                testing::AllOf(HasSubstr(name), HasSubstr("its network was learned of other parts"),
-                               HasSubstr("--resume")));
+    EXPECT_THAT(
+        ErrorOf([&] { Train(name, options, true); }),
+        testing::AllOf(HasSubstr(name), HasSubstr("its network was trained for other objects"),
+                       HasSubstr("do not resume it")));
   };
   refused("other_mesh.pt");
   options.network.margin = 0.02;
@@ -153,7 +154,7 @@ TEST_F(WohlhartInBins, UntrainedObjectsAreRefused) {
                     {other.settings, WohlhartNetwork({.input = "depth"}, 0).Weights()},
                     FewCandidates());
               }),
-              HasSubstr("learned for mug,rod and not for part 'test part'"));
+              HasSubstr("trained for mug,rod and not for object 'test part'"));
 }
 
 double MeanDifference(const CropSet& a, size_t i, const CropSet& b, size_t j) {
@@ -168,13 +169,14 @@ double MeanDifference(const CropSet& a, size_t i, const CropSet& b, size_t j) {
 TEST_F(WohlhartInBins, TemplatePoseIsValidAnywhereInTheImage) {
   CropViewOptions options = FewViews().templates;
   options.template_level = 0;
-  const WholeTemplates templates = MakeWholeTemplates(views_, 0, options, 0);
+  const WholeTemplates templates = MakeWholeTemplates(views_, ObjectId{0}, options, 0);
   const ObjectModel& object = *views_.objects()[0];
   const double z_m = options.distance_diameters * object.diameter_m;
   CameraIntrinsics camera = CropCamera(options, 6);
   for (size_t i = 0; i < templates.X_PO.size(); i += 17) {
     const Pose X_CP = PatchFrame({0.2 * z_m, -0.1 * z_m, z_m}, 0);
-    const LabelledView view = views_.Isolated(0, {X_CP * templates.X_PO[i]}, camera, 0).front();
+    const LabelledView view =
+        views_.Isolated(ObjectId{0}, {X_CP * templates.X_PO[i]}, camera, 0).front();
     const OrganizedCloud cloud = IsolatedCloud(view);
     const auto off_px = [&](int index) {
       const Eigen::Vector2d at(index % camera.width(), index / camera.width());

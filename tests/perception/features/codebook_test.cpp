@@ -43,7 +43,8 @@ IsolatedOptions FewViews(int views) {
 }
 
 ObjectCodes SmallBook(RayCastViews& views, int count, int threads = 1) {
-  return MakeObjectCodes(views, 0, {kSideM}, kLength, BlockMeans, FewViews(count), 7, threads, {});
+  return MakeObjectCodes(views, ObjectId{0}, {kSideM}, kLength, BlockMeans, FewViews(count), 7,
+                         threads, {});
 }
 
 class CodebookFile : public testing::Test {
@@ -67,7 +68,7 @@ TEST(Codebook, QueryOfAnEntryVotesForItsPose) {
   for (int i = 0; i < 30; ++i) {
     truths.push_back(MakePose(rng.Rotation().toRotationMatrix(), {0, 0, RayCastViews::kDistanceM}));
     angles.push_back(rng.Uniform(0, 2 * std::numbers::pi));
-    const LabelledView view = views.Isolated(0, {truths[i]}, camera, 1).front();
+    const LabelledView view = views.Isolated(ObjectId{0}, {truths[i]}, camera, 1).front();
     clouds.push_back(BuildCloud(view.frame, std::nullopt, keep_planes));
     const int pixel = clouds[i].foreground_pixels[clouds[i].foreground_pixels.size() / 2];
     const PatchSet cut =
@@ -92,23 +93,24 @@ TEST(Codebook, NewViewVotesNearTheTruthMoreThanChance) {
   const ObjectCodes codes = SmallBook(views, 600);
   const PoseEmbedding embedding(*views.objects()[0]);
   int near = 0, chance = 0, queries = 0;
-  ForEachIsolatedBlock(views, 0, {kSideM}, FewViews(40), 99, [&](LabelledPatches patches, double) {
-    const Neighbors found =
-        SearchExactly(codes.descriptors, BlockMeans(patches.values), kLength, 5);
-    for (size_t i = 0; i < patches.size(); ++i, ++queries) {
-      const auto hits = [&](int row) {
-        return embedding.Distance(CodePose(codes, row), patches.X_PO[i]) < 0.3;
-      };
-      bool any = false, any_blind = false;
-      for (int k = 0; k < 5; ++k) {
-        any |= hits(found.rows[i * 5 + k]);
-        any_blind |= hits(static_cast<int>((i * 31 + k * 97) % codes.size()));
-      }
-      near += any;
-      chance += any_blind;
-    }
-    return true;
-  });
+  ForEachIsolatedBlock(
+      views, ObjectId{0}, {kSideM}, FewViews(40), 99, [&](LabelledPatches patches, double) {
+        const Neighbors found =
+            SearchExactly(codes.descriptors, BlockMeans(patches.values), kLength, 5);
+        for (size_t i = 0; i < patches.size(); ++i, ++queries) {
+          const auto hits = [&](int row) {
+            return embedding.Distance(CodePose(codes, row), patches.X_PO[i]) < 0.3;
+          };
+          bool any = false, any_blind = false;
+          for (int k = 0; k < 5; ++k) {
+            any |= hits(found.rows[i * 5 + k]);
+            any_blind |= hits(static_cast<int>((i * 31 + k * 97) % codes.size()));
+          }
+          near += any;
+          chance += any_blind;
+        }
+        return true;
+      });
   EXPECT_GT(near, 0.4 * queries);
   EXPECT_GT(near, 3 * chance);
 }
@@ -136,8 +138,9 @@ TEST(Codebook, ErrorsOfTheDescriptorAreRethrown) {
     throw std::runtime_error("no memory");
   };
   for (const int threads : {1, 2}) {
-    EXPECT_THROW(MakeObjectCodes(views, 0, {kSideM}, kLength, fail, FewViews(600), 7, threads, {}),
-                 std::runtime_error);
+    EXPECT_THROW(
+        MakeObjectCodes(views, ObjectId{0}, {kSideM}, kLength, fail, FewViews(600), 7, threads, {}),
+        std::runtime_error);
   }
 }
 

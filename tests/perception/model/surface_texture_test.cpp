@@ -165,7 +165,8 @@ TEST_F(TexturedSlab, DistractorOfTheSameShapeScoresLess) {
   Candidate candidate;
   candidate.hypothesis.X_CO = X_CO_;
   const auto score = [&](const Painting& painting, double min_score) {
-    return CandidateScore(Seen(painting), model_, sure, candidate, CandidateMode::kHard, min_score);
+    return CandidateScore(Seen(painting), model_, sure, candidate, CandidateMode::kAccurate,
+                          min_score);
   };
   const Painting grey = [](const auto&) { return kGrey; };
   EXPECT_EQ(score(Showing(texture_), 0), sure.Score({}));

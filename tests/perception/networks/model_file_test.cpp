@@ -87,7 +87,7 @@ TEST_F(ModelFile, DamagedFilesAreRefusedByName) {
   }
   EXPECT_GE(refused, 10) << "flipped bits among the weights are not detected";
   WriteFileAtomically(file, "hello");
-  EXPECT_THAT(ErrorOf([&] { LoadModel(file); }), HasSubstr("no model"));
+  EXPECT_THAT(ErrorOf([&] { LoadModel(file); }), HasSubstr("is not a model"));
   EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "absent.pt"); }), HasSubstr("absent.pt"));
 }
 
@@ -137,10 +137,10 @@ TEST_F(ModelFile, UnknownObjectsAndChangedMeshesAreNamed) {
   auto changed = std::make_shared<ObjectModel>(*known[0]);
   changed->mesh_hash += 1;
   EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info.objects, {changed}, "m.pt"); }),
-              HasSubstr("m.pt: the mesh of part 'test part' has changed"));
+              HasSubstr("m.pt: the mesh of object 'test part' has changed"));
   changed->name = "widget";
   EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info.objects, {changed}, "m.pt"); }),
-              HasSubstr("m.pt: not trained for part 'widget' (knows test part)"));
+              HasSubstr("m.pt: not trained for object 'widget' (knows test part)"));
 }
 
 }  // namespace

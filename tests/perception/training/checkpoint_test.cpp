@@ -46,7 +46,7 @@ TEST(Checkpoint, RoundTripKeepsAllFields) {
   features[3] = 0.7f;
   for (size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(read.verifiers[i].auc, saved.verifiers[i].auc);
-    for (const CandidateMode mode : {CandidateMode::kHard, CandidateMode::kFast}) {
+    for (const CandidateMode mode : {CandidateMode::kAccurate, CandidateMode::kFast}) {
       EXPECT_EQ(read.verifiers[i].verifier.Score(features, mode),
                 saved.verifiers[i].verifier.Score(features, mode));
     }

@@ -54,6 +54,12 @@ TEST_F(HeldOut, StopRequestEndsTheWork) {
     return false;
   });
   EXPECT_EQ(calls, 1);
+  // The third call comes while the isolated views are rendered.
+  calls = 0;
+  const HeldOutSet set =
+      MakeHeldOut(views_, {{kSide_m}}, Few(), 5, [&](double) { return ++calls < 3; });
+  EXPECT_EQ(calls, 3);
+  EXPECT_EQ(set.queries[0].size(), 0u);
 }
 
 // Three queries at poses far apart. The descriptor of a patch is its first byte.

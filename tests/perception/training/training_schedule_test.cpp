@@ -12,12 +12,12 @@ namespace pickbed::tests {
 namespace {
 
 TEST(TakeTurns, EqualWeightsAlternate) {
-  EXPECT_EQ(TakeTurns({1, 1, 1}, 7), (std::vector{0, 1, 2, 0, 1, 2, 0}));
-  EXPECT_EQ(TakeTurns({0.1, 0.1, 0.1}, 4), (std::vector{0, 1, 2, 0}));
+  EXPECT_THAT(TakeTurns({1, 1, 1}, 7), testing::ElementsAre(0, 1, 2, 0, 1, 2, 0));
+  EXPECT_THAT(TakeTurns({0.1, 0.1, 0.1}, 4), testing::ElementsAre(0, 1, 2, 0));
 }
 
 TEST(TakeTurns, FrequencyIsProportionalToTheWeightAndEven) {
-  const std::vector<int> turns = TakeTurns({1, 0.25, 0.25}, 600);
+  const std::vector<ObjectId> turns = TakeTurns({1, 0.25, 0.25}, 600);
   EXPECT_EQ(std::count(turns.begin(), turns.end(), 0), 400);
   EXPECT_EQ(std::count(turns.begin(), turns.end(), 1), 100);
   for (size_t i = 0; i + 6 <= turns.size(); i += 6) {
@@ -46,28 +46,28 @@ TEST(TrainingSchedule, RehearsedObjectsGetTheirShareOfScenesAndSteps) {
   EXPECT_EQ(schedule.iterations(), 1200);
   EXPECT_EQ(schedule.piles(), 120);
   EXPECT_EQ(schedule.measure_every(), 120);
-  const std::vector<int>& piles = schedule.pile_parts();
+  const std::vector<ObjectId>& piles = schedule.scene_objects();
   EXPECT_EQ(std::count(piles.begin(), piles.end(), 1), 10);
 }
 
 TEST(TrainingSchedule, EveryObjectIsInAScene) {
   TrainingOptions options = Options();
   options.clutter_scenes = 2;
-  const std::vector<int> piles = TrainingSchedule({1, 0.01, 0.01}, options).pile_parts();
+  const std::vector<ObjectId> piles = TrainingSchedule({1, 0.01, 0.01}, options).scene_objects();
   EXPECT_EQ(piles.size(), 4u);
-  for (int object = 0; object < 3; ++object) {
+  for (ObjectId object{0}; object < 3; ++object) {
     EXPECT_EQ(std::count(piles.begin(), piles.end(), object), object == 0 ? 2 : 1);
   }
 }
 
 TEST(TrainingSchedule, ScenesArriveUntilTheirShareOfTheSteps) {
   const TrainingSchedule schedule({1}, Options());
-  EXPECT_EQ(schedule.WantedPiles(0), 8);
-  EXPECT_EQ(schedule.WantedPiles(0.25), 50);
-  EXPECT_EQ(schedule.WantedPiles(0.5), 100);
-  EXPECT_EQ(schedule.WantedPiles(1), 100);
+  EXPECT_EQ(schedule.WantedScenes(0), 8);
+  EXPECT_EQ(schedule.WantedScenes(0.25), 50);
+  EXPECT_EQ(schedule.WantedScenes(0.5), 100);
+  EXPECT_EQ(schedule.WantedScenes(1), 100);
   for (double share = 0; share < 1; share += 0.01) {
-    EXPECT_LE(schedule.WantedPiles(share), schedule.WantedPiles(share + 0.01));
+    EXPECT_LE(schedule.WantedScenes(share), schedule.WantedScenes(share + 0.01));
   }
 }
 
@@ -82,7 +82,7 @@ TEST(TrainingSchedule, PlateauShortensTheRemainingSchedule) {
   EXPECT_DOUBLE_EQ(schedule.Share(300), 0.3);
   EXPECT_DOUBLE_EQ(schedule.Share(350), 0.65);
   EXPECT_DOUBLE_EQ(schedule.Share(400), 1);
-  EXPECT_EQ(schedule.WantedPiles(0.9), 60) << "no more scenes after the plateau";
+  EXPECT_EQ(schedule.WantedScenes(0.9), 60) << "no more scenes after the plateau";
   // Measurements during cooling do not move the plateau.
   history.push_back(At(400, 0.9));
   schedule.Watch(history);

@@ -195,9 +195,9 @@ class SlowViews : public RayCastViews {
  public:
   SlowViews(ObjectSet objects, std::chrono::milliseconds delay)
       : RayCastViews(std::move(objects)), delay_(delay) {}
-  std::vector<LabelledView> Pile(const PileRequest& request) override {
+  std::vector<LabelledView> ClutterScene(const ClutterSceneRequest& request) override {
     std::this_thread::sleep_for(delay_);
-    return RayCastViews::Pile(request);
+    return RayCastViews::ClutterScene(request);
   }
 
  private:
@@ -274,8 +274,8 @@ TEST_F(Training, FailureOfTheViewsIsRethrown) {
   class Broken : public RayCastViews {
    public:
     using RayCastViews::RayCastViews;
-    std::vector<LabelledView> Pile(const PileRequest&) override {
-      throw std::runtime_error("no settled pile");
+    std::vector<LabelledView> ClutterScene(const ClutterSceneRequest&) override {
+      throw std::runtime_error("no settled clutter scene");
     }
   } broken(views_.objects());
   TrainingJob job{broken, folder_ / "m.pt", {}, false, {}, "", {}};
@@ -377,8 +377,8 @@ TEST_F(Training, ObjectThatIsNeverVisibleIsNamed) {
   class Unseen : public RayCastViews {
    public:
     using RayCastViews::RayCastViews;
-    std::vector<LabelledView> Pile(const PileRequest& request) override {
-      std::vector<LabelledView> result = RayCastViews::Pile(request);
+    std::vector<LabelledView> ClutterScene(const ClutterSceneRequest& request) override {
+      std::vector<LabelledView> result = RayCastViews::ClutterScene(request);
       for (LabelledView& view : result) {
         for (LabelledInstance& instance : view.instances) instance.visible_fraction = 0.5;
       }
@@ -387,7 +387,7 @@ TEST_F(Training, ObjectThatIsNeverVisibleIsNamed) {
   } unseen(views_.objects());
   TrainingJob job{unseen, folder_ / "m.pt", {}, false, {}, "", {}};
   EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, options); }),
-              HasSubstr("part 'test part' was never seen well enough"));
+              HasSubstr("object 'test part' was never visible enough"));
 }
 
 }  // namespace

@@ -39,7 +39,11 @@ class Shifted : public CandidateSource {
  public:
   Shifted(const ObjectSet& objects, const std::vector<LabelledView>& piles, double shift_m,
           double share = 1, float cue = 5)
-      : assessor_(objects, {}), piles_(piles), shift_m_(shift_m), share_(share), cue_(cue) {}
+      : candidate_refiner_(objects, {}),
+        piles_(piles),
+        shift_m_(shift_m),
+        share_(share),
+        cue_(cue) {}
 
   std::vector<Candidate> Find(const OrganizedCloud&, Rng& rng, StageSeconds&,
                               EstimateTrace*) const override {
@@ -53,10 +57,10 @@ class Shifted : public CandidateSource {
     }
     return found;
   }
-  const CandidateAssessor& assessor() const override { return assessor_; }
+  const CandidateRefiner& candidate_refiner() const override { return candidate_refiner_; }
 
  private:
-  CandidateAssessor assessor_;
+  CandidateRefiner candidate_refiner_;
   const std::vector<LabelledView>& piles_;
   double shift_m_, share_;
   float cue_;  // how strongly feature 0 separates right from wrong
@@ -71,10 +75,10 @@ TEST(TrainPartVerifier, LearnsFromTheCandidatesOfAllSources) {
   options.clutter_scenes = 6;
   options.verifier.iterations = 200;
   const auto go_on = [](double) { return true; };
-  const auto piles = VerifierPiles(views, 0, /*color=*/false, options, go_on);
+  const auto piles = VerifierScenes(views, ObjectId{0}, /*color=*/false, options, go_on);
   const Shifted right(views.objects(), piles, 0), wrong(views.objects(), piles, 0.05);
   const auto train = [&](std::vector<const CandidateSource*> sources) {
-    return TrainPartVerifier(piles, 0, sources, options, go_on);
+    return TrainPartVerifier(piles, ObjectId{0}, sources, options, go_on);
   };
   EXPECT_THROW(train({&right}), InputError);
   EXPECT_THROW(train({&wrong}), InputError);
@@ -88,13 +92,13 @@ TEST(TrainPartVerifier, CalibratesEachModeByItsOwnCandidates) {
   options.clutter_scenes = 20;
   options.verifier.iterations = 200;
   const auto go_on = [](double) { return true; };
-  const auto piles = VerifierPiles(views, 0, /*color=*/false, options, go_on);
+  const auto piles = VerifierScenes(views, ObjectId{0}, /*color=*/false, options, go_on);
   const Shifted often(views.objects(), piles, 0.05, 0.2, 0.5f);
   const Shifted seldom(views.objects(), piles, 0.05, 0.8, 0.5f);
   const std::vector<const CandidateSource*> sources{&often, &seldom};
-  const Verifier verifier = TrainPartVerifier(piles, 0, sources, options, go_on).verifier;
+  const Verifier verifier = TrainPartVerifier(piles, ObjectId{0}, sources, options, go_on).verifier;
   const VerifyFeatures features{};
-  EXPECT_GT(verifier.Score(features, CandidateMode::kHard), 0.6);
+  EXPECT_GT(verifier.Score(features, CandidateMode::kAccurate), 0.6);
   EXPECT_LT(verifier.Score(features, CandidateMode::kFast), 0.4);
 }
 

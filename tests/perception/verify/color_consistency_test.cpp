@@ -93,12 +93,12 @@ TEST_F(RowsOfCubes, DistractorTakesNoPlaceInTheCount) {
   even.b2 = 3;
   std::vector<Candidate> candidates(kCubes);
   for (int i = 0; i < kCubes; ++i) candidates[i].hypothesis.X_CO = hypotheses_[i].X_CO;
-  FinalSetOptions options;
+  PoseSelectionOptions options;
   options.min_score = 0.05;
   const std::vector<PoseDistance> distances{PoseDistance(*object_)};
   const int count = kCubes - 1;
   const auto set =
-      FinalSet(cloud_, models_, distances, {&even, 1}, candidates, options, {&count, 1});
+      SelectPoses(cloud_, models_, distances, {&even, 1}, candidates, options, {&count, 1});
   ASSERT_EQ(set.size(), static_cast<size_t>(count));
   for (const PoseHypothesis& h : set) EXPECT_EQ(h.score, even.Score({}));
 }
@@ -133,7 +133,7 @@ TEST_F(RowsOfCubes, LowScoresDoNotDefineTheCommonColour) {
 TEST_F(RowsOfCubes, EachObjectHasItsOwnCommonColour) {
   models_.push_back(models_[0]);
   for (int i = 0; i < kCubes; ++i) Paint(i, i < 5 ? kRed : kGrey);
-  for (int i = 5; i < kCubes; ++i) hypotheses_[i].object = 1;
+  for (int i = 5; i < kCubes; ++i) hypotheses_[i].object = ObjectId{1};
   EXPECT_THAT(Scores(), Each(kScore));
 }
 

@@ -35,14 +35,14 @@ class TwoBrackets : public ::testing::Test {
 TEST_F(TwoBrackets, NeighborIsKeptAndDuplicateIsRemoved) {
   const Pose near_left = Perturbed(Left(), {0, 0, 1}, 4, {0.002, 0, 0});
   const auto kept =
-      SuppressDuplicates(cloud_, models_, {At(near_left, 0.6), At(Right(), 0.7), At(Left(), 0.9)});
+      SuppressNonMaxima(cloud_, models_, {At(near_left, 0.6), At(Right(), 0.7), At(Left(), 0.9)});
   ASSERT_EQ(kept.size(), 2u);
   EXPECT_EQ(kept[0].score, 0.9);
   EXPECT_EQ(kept[1].score, 0.7);
 }
 
 // The cubes are side by side, so they share few pixels.
-TEST(SuppressDuplicates, PosePenetratingABetterOneIsRemoved) {
+TEST(SuppressNonMaxima, PosePenetratingABetterOneIsRemoved) {
   const auto cube = ObjectOf(BoxMesh({0.05, 0.05, 0.05}, Eigen::Vector3d::Zero()));
   const std::vector<ModelPoints> models{MakeModelPoints(*cube)};
   SyntheticDepth scene(SmallCamera());
@@ -54,11 +54,11 @@ TEST(SuppressDuplicates, PosePenetratingABetterOneIsRemoved) {
     all[i].X_CO = Translation({x_m[i], 0, 0.4});
     all[i].score = 0.9 - 0.1 * static_cast<double>(i);
   }
-  SuppressOptions options;
+  NonMaximumSuppressionOptions options;
   options.max_penetration_share = 0.13;  // 11.3 mm
-  EXPECT_EQ(SuppressDuplicates(cloud, models, all, options).size(), 3u);
+  EXPECT_EQ(SuppressNonMaxima(cloud, models, all, options).size(), 3u);
   options.max_penetration_share = 0.08;  // 6.9 mm
-  const auto kept = SuppressDuplicates(cloud, models, all, options);
+  const auto kept = SuppressNonMaxima(cloud, models, all, options);
   ASSERT_EQ(kept.size(), 2u);
   EXPECT_EQ(kept[0].score, all[0].score);
   EXPECT_EQ(kept[1].score, all[2].score);  // near only the one that is suppressed
@@ -67,7 +67,7 @@ TEST(SuppressDuplicates, PosePenetratingABetterOneIsRemoved) {
 
 TEST_F(TwoBrackets, BetterScoreWinsInAnyOrder) {
   const Pose turned = Perturbed(Left(), {0, 0, 1}, 180, Eigen::Vector3d::Zero());
-  const auto kept = SuppressDuplicates(cloud_, models_, {At(Left(), 0.5), At(turned, 0.8)});
+  const auto kept = SuppressNonMaxima(cloud_, models_, {At(Left(), 0.5), At(turned, 0.8)});
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_EQ(kept[0].score, 0.8);
 }
@@ -75,7 +75,7 @@ TEST_F(TwoBrackets, BetterScoreWinsInAnyOrder) {
 TEST_F(TwoBrackets, SuppressedPoseIsRecordedAtTheWinner) {
   const Pose near_left = Perturbed(Left(), {0, 0, 1}, 4, {0.002, 0, 0});
   const auto kept =
-      SuppressDuplicates(cloud_, models_, {At(near_left, 0.6), At(Right(), 0.9), At(Left(), 0.7)});
+      SuppressNonMaxima(cloud_, models_, {At(near_left, 0.6), At(Right(), 0.9), At(Left(), 0.7)});
   ASSERT_EQ(kept.size(), 2u);
   EXPECT_TRUE(kept[0].suppressed_X_CO.empty());
   ASSERT_EQ(kept[1].suppressed_X_CO.size(), 1u);
@@ -85,15 +85,15 @@ TEST_F(TwoBrackets, SuppressedPoseIsRecordedAtTheWinner) {
 TEST_F(TwoBrackets, EqualScoresKeepTheirOrder) {
   PoseHypothesis first = At(Left(), 0.5), second = first;
   second.fit.hidden_share = 1;
-  const auto kept = SuppressDuplicates(cloud_, models_, {first, second});
+  const auto kept = SuppressNonMaxima(cloud_, models_, {first, second});
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_EQ(kept[0].fit.hidden_share, 0);
 }
 
 TEST_F(TwoBrackets, PoseWithoutPixelsIsRemoved) {
-  EXPECT_TRUE(SuppressDuplicates(cloud_, models_, {At(Translation({0, 0.1, 0.4}), 0.9)}).empty());
-  EXPECT_TRUE(SuppressDuplicates(cloud_, models_, {At(Translation({0, 0, -0.4}), 0.9)}).empty());
-  EXPECT_TRUE(SuppressDuplicates(cloud_, models_, {}).empty());
+  EXPECT_TRUE(SuppressNonMaxima(cloud_, models_, {At(Translation({0, 0.1, 0.4}), 0.9)}).empty());
+  EXPECT_TRUE(SuppressNonMaxima(cloud_, models_, {At(Translation({0, 0, -0.4}), 0.9)}).empty());
+  EXPECT_TRUE(SuppressNonMaxima(cloud_, models_, {}).empty());
 }
 
 // The first object claims the left and the right place, and the second object claims only the right
@@ -102,20 +102,20 @@ TEST_F(TwoBrackets, PoseWithoutPixelsIsRemoved) {
 TEST_F(TwoBrackets, SurplusPosesDoNotSuppressOthers) {
   models_.push_back(models_[0]);
   PoseHypothesis other = At(Right(), 0.6);
-  other.object = 1;
+  other.object = ObjectId{1};
   const std::vector<PoseHypothesis> all{At(Left(), 0.9), At(Right(), 0.8), other};
-  const auto unknown = SuppressDuplicates(cloud_, models_, all);
+  const auto unknown = SuppressNonMaxima(cloud_, models_, all);
   ASSERT_EQ(unknown.size(), 2u);
   EXPECT_EQ(unknown[1].object, 0);
   const std::vector<int> one_each{1, 1}, none_of_the_first{0, 1};
-  const auto limited = SuppressDuplicates(cloud_, models_, all, {}, one_each);
+  const auto limited = SuppressNonMaxima(cloud_, models_, all, {}, one_each);
   ASSERT_EQ(limited.size(), 2u);
   EXPECT_EQ(limited[0].score, 0.9);
   EXPECT_EQ(limited[1].object, 1);
-  const auto others = SuppressDuplicates(cloud_, models_, all, {}, none_of_the_first);
+  const auto others = SuppressNonMaxima(cloud_, models_, all, {}, none_of_the_first);
   ASSERT_EQ(others.size(), 1u);
   EXPECT_EQ(others[0].object, 1);
-  EXPECT_THROW(SuppressDuplicates(cloud_, models_, all, {}, std::vector{1}), InputError);
+  EXPECT_THROW(SuppressNonMaxima(cloud_, models_, all, {}, std::vector{1}), InputError);
 }
 
 }  // namespace

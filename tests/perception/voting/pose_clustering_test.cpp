@@ -158,9 +158,9 @@ TEST(ClusterVotes, KeepsAllVotesAndRanksByScore) {
 TEST(ClusterVotes, DifferentObjectsAreNotMerged) {
   const PoseDistance distance(*ObjectOf(BracketMesh()));
   std::vector<RawHypothesis> raw(2);
-  raw[1].object = 1;
+  raw[1].object = ObjectId{1};
   EXPECT_EQ(ClusterVotes(raw, {distance, distance}, 0.1, 10).size(), 2u);
-  raw[1].object = 0;
+  raw[1].object = ObjectId{0};
   EXPECT_EQ(ClusterVotes(raw, {distance, distance}, 0.1, 10).size(), 1u);
   EXPECT_TRUE(ClusterVotes({}, {}, 0.1, 10).empty());
 }

@@ -46,8 +46,8 @@ TEST(NearestName, PrefersTheNearestThenTheFirst) {
 TEST(UnknownNameMessage, HoldsNameSuggestionAndKnownNamesInOneLine) {
   const std::string message = UnknownNameMessage("gripper", "jwa", {"jaw", "cup"});
   EXPECT_EQ(message, "unknown gripper 'jwa'; did you mean 'jaw'? known: jaw, cup");
-  EXPECT_EQ(UnknownNameMessage("part", "spoon", {"rod"}), "unknown part 'spoon'; known: rod");
-  EXPECT_THAT(UnknownNameMessage("part", "spoon", {}), HasSubstr("none is known"));
+  EXPECT_EQ(UnknownNameMessage("object", "spoon", {"rod"}), "unknown object 'spoon'; known: rod");
+  EXPECT_THAT(UnknownNameMessage("object", "spoon", {}), HasSubstr("none is known"));
 }
 
 }  // namespace

@@ -168,11 +168,11 @@ TEST_F(SettingsNames, AssignmentsAreReadAndReported) {
   EXPECT_EQ(sample_.search.mode, "accurate");
   EXPECT_FALSE(sample_.items[0].distractor);
   EXPECT_TRUE(sample_.items[1].distractor);
-  EXPECT_THAT(lines_, ElementsAre("'--set tries=9' is deprecated, write '--set samples=9'",
-                                  "'--set look.mode=hard' is deprecated, write '--set "
-                                  "search.mode=accurate'",
-                                  "'--set items.1.foreign=true' is deprecated, write '--set "
-                                  "items.1.distractor=true'"));
+  EXPECT_THAT(
+      lines_,
+      ElementsAre("setting 'tries=9' is deprecated, write 'samples=9'",
+                  "setting 'look.mode=hard' is deprecated, write 'search.mode=accurate'",
+                  "setting 'items.1.foreign=true' is deprecated, write 'items.1.distractor=true'"));
   ApplySetting("search.mode=accurate", VisitRenamed(sample_));
   EXPECT_THAT(lines_, SizeIs(3));
 }

@@ -48,7 +48,7 @@ TEST_F(MeshInspection, SoundMeshHasNoNotes) {
 TEST_F(MeshInspection, FindsPlantedFaults) {
   TriangleMesh inside_out = BoxShape({0.1, 0.05, 0.02});
   TurnInsideOut(inside_out);
-  EXPECT_THAT(Inspect(inside_out).fixed, ElementsAre(HasSubstr("turned outwards")));
+  EXPECT_THAT(Inspect(inside_out).fixed, ElementsAre(HasSubstr("flipped outwards")));
 
   TriangleMesh open = BoxShape({0.1, 0.05, 0.02});
   open.triangles.pop_back();
@@ -67,7 +67,7 @@ TEST_F(MeshInspection, FindsPlantedFaults) {
   TriangleMesh twice = BoxShape({0.1, 0.05, 0.02});
   Append(BoxShape({0.1, 0.05, 0.02}), twice);
   const InspectedMesh once = Inspect(twice);
-  EXPECT_THAT(once.fixed, ElementsAre(HasSubstr("12 faces were there twice")));
+  EXPECT_THAT(once.fixed, ElementsAre(HasSubstr("12 duplicate faces were removed")));
   EXPECT_NEAR(InspectMesh(once.mesh_O).volume_m3, 0.1 * 0.05 * 0.02, 1e-9);
 
   TriangleMesh odd_normals = BallShape(0.05, 2);
@@ -77,7 +77,7 @@ TEST_F(MeshInspection, FindsPlantedFaults) {
 
 TEST_F(MeshInspection, FarOriginIsReportedAndMovedOnRequest) {
   const TriangleMesh far = BoxShape({0.1, 0.05, 0.02}, {1, 2, 0});
-  EXPECT_THAT(Inspect(far).notes, ElementsAre(HasSubstr("--center")));
+  EXPECT_THAT(Inspect(far).notes, ElementsAre(HasSubstr("centering")));
   const InspectedMesh moved = InspectMeshFile(Save(far), "m", true);
   EXPECT_LT(MeshBounds(moved.mesh_O).center().norm(), 1e-6);
   EXPECT_THAT(moved.fixed, ElementsAre(HasSubstr("moved there")));
@@ -100,7 +100,7 @@ TEST_F(MeshInspection, ListsMissingCompanionFiles) {
 
 TEST_F(MeshInspection, RefusesMeshesThatAreNoObject) {
   const TriangleMesh box = BoxShape({1, 1, 1});
-  EXPECT_THAT(InputErrorOf([&] { Inspect(Scaled(box, 1e6)); }), HasSubstr("check --unit"));
+  EXPECT_THAT(InputErrorOf([&] { Inspect(Scaled(box, 1e6)); }), HasSubstr("check the unit"));
   EXPECT_THAT(InputErrorOf([&] { Inspect(box, "mm"); }), HasSubstr("0.00173 m large"));
   const auto words = folder_.Write("words.stl", "this is not a mesh");
   EXPECT_THAT(InputErrorOf([&] { InspectMeshFile(words, "m", false); }), HasSubstr("words.stl"));

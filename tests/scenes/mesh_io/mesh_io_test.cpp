@@ -354,8 +354,8 @@ TEST(LoadMesh, RefusesFilesThatAreNoMesh) {
       {folder.Write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "without area"},
       {folder.Write("broken.gltf", "{\"asset\": "), "cannot read mesh"},
       {folder.Write("half.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"), "without end"},
-      {folder.Write("obj_in.stl", kCubeObj), "its extension says what it is"},
-      {folder.Write("obj_in.ply", kCubeObj), "its extension says what it is"},
+      {folder.Write("obj_in.stl", kCubeObj), "its extension matches its format"},
+      {folder.Write("obj_in.ply", kCubeObj), "its extension matches its format"},
   };
   for (const auto& c : cases) {
     const std::string message = InputErrorOf([&] { LoadMesh(c.path); });

@@ -32,7 +32,7 @@ TEST(LoadConvexPieces, ErrorsHoldTheFaultyLine) {
       {"o a\nv 0 0 0\nv 1 0 x\n", "c.obj:3: 'v' needs three numbers"},
       {"o a\nv 0 0 0\nv 1 0\n", "c.obj:3: 'v' needs three numbers"},
       {"o a\nv nan 0 0\n", "c.obj:2: 'v' needs three numbers"},
-      {"v 0 0 0\n", "c.obj:1: a vertex stands before"},
+      {"v 0 0 0\n", "c.obj:1: a vertex precedes"},
       {"o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\no b\n", "c.obj:5: a convex piece needs at least 4"},
       {"o a\n", "a convex piece needs at least 4"},
       {"# nothing\n", "has no 'o' group"},

@@ -57,7 +57,7 @@ TEST(ObjectCatalog, EarlierFoldersHavePriorityAndMissingOnesAreEmpty) {
   AddObject(mine, "block", "unit: mm\nmass_kg: 1\n");
   AddObject(shipped, "block", "unit: mm\nmass_kg: 2\n");
   AddObject(shipped, "anvil", "unit: mm\nmass_kg: 3\n");
-  shipped.Write("notes/readme.txt", "no part");
+  shipped.Write("notes/readme.txt", "no object");
   const ObjectCatalog catalog({mine.path() / "none", mine.path(), shipped.path()});
   EXPECT_THAT(catalog.Names(), ElementsAre("anvil", "block"));
   EXPECT_EQ(catalog.Load("block")->mass.mass_kg, 1);
@@ -69,7 +69,7 @@ TEST(ObjectCatalog, SuggestsNamesForUnknownObjects) {
   AddObject(root, "bracket", "unit: mm\nmass_kg: 1\n");
   const ObjectCatalog catalog({root.path()});
   EXPECT_EQ(InputErrorOf([&] { catalog.Load("brakcet"); }),
-            "unknown part 'brakcet'; did you mean 'bracket'? known: bracket");
+            "unknown object 'brakcet'; did you mean 'bracket'? known: bracket");
   InputErrorOf([&] { catalog.Load("../" + root.path().filename().string() + "/bracket"); });
   InputErrorOf([&] { catalog.Load(""); });
 }

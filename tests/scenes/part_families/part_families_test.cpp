@@ -47,7 +47,7 @@ MadePart Make(const std::string& name) {
   for (const PartRow& row : PartTable()) {
     if (name == row.name) return row.make();
   }
-  throw std::logic_error("no part " + name);
+  throw std::logic_error("no object " + name);
 }
 
 Pose RotationAbout(const Vector3d& axis, double angle_deg) {

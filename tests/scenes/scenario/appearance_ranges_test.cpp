@@ -71,9 +71,9 @@ TEST_F(AppearanceSettings, DefaultRangesHaveNoVariation) {
 TEST_F(AppearanceSettings, ReversedRangeErrorHoldsKeyAndPlace) {
   const std::string error = ErrorOf("appearance:\n  gloss: [0.5, 0.2]\n");
   EXPECT_THAT(error, HasSubstr("looks.yaml:3: appearance.gloss = [0.5, 0.2]"));
-  EXPECT_THAT(error, HasSubstr("the least first"));
+  EXPECT_THAT(error, HasSubstr("the minimum first"));
   EXPECT_THAT(ErrorOf("", {"appearance.lamp_z_m=[2, 1]"}),
-              HasSubstr("--set appearance.lamp_z_m=[2, 1]: appearance.lamp_z_m = [2, 1]"));
+              HasSubstr("setting appearance.lamp_z_m=[2, 1]: appearance.lamp_z_m = [2, 1]"));
   EXPECT_THAT(ErrorOf("appearance: {tint: [0, 1.5]}\n"), HasSubstr("from 0 to 1"));
   EXPECT_THAT(ErrorOf("appearance: {gloss: 0.5}\n"), HasSubstr("must be a list of 2 numbers"));
   EXPECT_THAT(ErrorOf("appearance: {glos: [0, 1]}\n"), HasSubstr("did you mean 'gloss'"));

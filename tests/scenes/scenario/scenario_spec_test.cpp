@@ -74,13 +74,13 @@ TEST_F(ScenarioFile, LaterErrorsHoldTheLineOfTheKey) {
       folder_.Write("places.yaml", "seed: 1\nobjects:\n  - name: rod\n  - name: spoon\n");
   const ScenarioSpec spec = LoadScenario(file, {"gripper=tongs"});
   EXPECT_EQ(spec.At("objects.1.name"), file.string() + ":4: objects.1.name");
-  EXPECT_EQ(spec.At("gripper"), "--set gripper=tongs: gripper");
+  EXPECT_EQ(spec.At("gripper"), "setting gripper=tongs: gripper");
   EXPECT_EQ(spec.At("sensor"), "sensor");
   try {
     LoadObjects(spec, ObjectCatalog({AssetsDir() / "objects"}));
     ADD_FAILURE() << "an unknown object was loaded";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr(file.string() + ":4: objects.1.name: unknown part"));
+    EXPECT_THAT(error.what(), HasSubstr(file.string() + ":4: objects.1.name: unknown object"));
   }
 }
 
@@ -108,7 +108,7 @@ TEST_F(ScenarioFile, MoreInstancesThanTheBinHoldsAreRefused) {
 
 TEST_F(ScenarioFile, OverridesApplyAfterTheFile) {
   EXPECT_THAT(ErrorOf("objects: [{name: rod}]\n", {"objects.0.count=0"}),
-              HasSubstr("--set objects.0.count=0"));
+              HasSubstr("setting objects.0.count=0"));
 }
 
 TEST(CameraOf, PointsAtItsTargetWithAnUprightImage) {

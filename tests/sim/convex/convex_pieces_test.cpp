@@ -55,7 +55,7 @@ MadePart Made(const std::string& name) {
   for (const PartRow& row : PartTable()) {
     if (name == row.name) return row.make();
   }
-  throw std::logic_error("no part " + name);
+  throw std::logic_error("no object " + name);
 }
 
 TEST(ConvexHull, IgnoresPointsInsideACube) {

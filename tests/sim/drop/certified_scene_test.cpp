@@ -26,7 +26,7 @@ TEST(SceneCertificate, EachFaultHasItsMessage) {
   EXPECT_EQ(only_fault(certificate), "not at rest after 8.5 s");
   certificate = ValidCertificate();
   certificate.instances_outside = 1;
-  EXPECT_EQ(only_fault(certificate), "1 part fell outside the bin");
+  EXPECT_EQ(only_fault(certificate), "1 instance fell outside the bin");
   certificate = ValidCertificate();
   certificate.deepest_penetration_m = 0.0006;
   EXPECT_EQ(only_fault(certificate), "two bodies overlap by 0.60 mm");
@@ -51,7 +51,7 @@ TEST(MakeScene, SceneIsValidAndRepeats) {
 
 // Free fall converts potential into kinetic energy, and contacts dissipate it.
 TEST(MakeScene, TotalEnergyNeverRises) {
-  const ObjectSet objects{BoxPart({0.04, 0.04, 0.04}, 0.2)};
+  const ObjectSet objects{BoxObject({0.04, 0.04, 0.04}, 0.2)};
   DropOptions options;
   const auto energy = MakeScene({Bin{}, objects, {1}, 0, 0}, options).certificate.energy;
   ASSERT_GT(energy.size(), 10u);
@@ -70,7 +70,7 @@ TEST(MakeScene, TotalEnergyNeverRises) {
 TEST(MakeScene, RefusedScenesAreListedAndFollowedByANewSeed) {
   Bin tray;
   tray.inner_size_m = {0.12, 0.12, 0.05};
-  const ObjectSet cubes{BoxPart({0.03, 0.03, 0.03}, 0.05)};
+  const ObjectSet cubes{BoxObject({0.03, 0.03, 0.03}, 0.05)};
   int refused = 0;
   for (uint64_t trial = 0; trial < 6; ++trial) {
     const CertifiedScene made = MakeScene({tray, cubes, {15}, 0, trial}, {}, 50);
@@ -87,7 +87,7 @@ TEST(MakeScene, RefusedScenesAreListedAndFollowedByANewSeed) {
 TEST(MakeScene, OverfilledBinIsRefusedWithAReason) {
   Bin tray;
   tray.inner_size_m = {0.1, 0.1, 0.02};
-  const ObjectSet cubes{BoxPart({0.04, 0.04, 0.04}, 0.1)};
+  const ObjectSet cubes{BoxObject({0.04, 0.04, 0.04}, 0.1)};
   try {
     MakeScene({tray, cubes, {30}, 0, 3}, {}, 2);
     FAIL() << "no error";
@@ -95,7 +95,7 @@ TEST(MakeScene, OverfilledBinIsRefusedWithAReason) {
     const std::string message = error.what();
     EXPECT_NE(message.find("trial 3: 2 scenes in a row were refused"), std::string::npos);
     EXPECT_NE(message.find("fell outside the bin"), std::string::npos);
-    EXPECT_NE(message.find("fewer parts or take a larger bin"), std::string::npos);
+    EXPECT_NE(message.find("fewer objects or use a larger bin"), std::string::npos);
   }
 }
 

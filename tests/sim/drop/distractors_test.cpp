@@ -33,10 +33,10 @@ bool IsClosed(const TriangleMesh& mesh) {
 }
 
 TEST(Distractors, AreClosedShapesWithTheSizeOfTheObjects) {
-  ForeignPartOptions options;
+  DistractorOptions options;
   options.per_object = 30;
   const std::vector<double> diameters_m = {0.02, 0.3};
-  const ObjectSet shapes = MakeForeignParts(Sizes(diameters_m), options);
+  const ObjectSet shapes = MakeDistractors(Sizes(diameters_m), options);
   ASSERT_EQ(shapes.size(), 60u);
   for (size_t i = 0; i < shapes.size(); ++i) {
     const double object_m = diameters_m[i / 30];
@@ -49,8 +49,8 @@ TEST(Distractors, AreClosedShapesWithTheSizeOfTheObjects) {
 }
 
 TEST(Distractors, DifferFromEachOtherAndRepeat) {
-  const ObjectSet shapes = MakeForeignParts(Sizes({0.1, 0.1}));
-  const ObjectSet again = MakeForeignParts(Sizes({0.1, 0.1}));
+  const ObjectSet shapes = MakeDistractors(Sizes({0.1, 0.1}));
+  const ObjectSet again = MakeDistractors(Sizes({0.1, 0.1}));
   std::set<uint64_t> hashes;
   for (size_t i = 0; i < shapes.size(); ++i) {
     hashes.insert(shapes[i]->mesh_hash);

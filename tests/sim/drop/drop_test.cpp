@@ -62,7 +62,7 @@ TEST(DropParts, SameSeedGivesSameBitsBesideAnotherWorld) {
   EXPECT_TRUE(SameBits(first.scene, DropMixed(7, 4).scene));
 
   PhysicsWorld other;
-  const auto cube = BoxPart({0.04, 0.04, 0.04}, 0.1);
+  const auto cube = BoxObject({0.04, 0.04, 0.04}, 0.1);
   other.AddBin(Bin{});
   other.AddPart(*cube, Translation({0, 0, 0.5}));
   other.Step();
@@ -86,7 +86,7 @@ TEST(DropParts, InstancesOutsideAreCountedAndNotInTheScene) {
   Bin tray;
   tray.inner_size_m = {0.16, 0.12, 0.03};
   Rng rng(1);
-  const DropResult drop = DropParts(tray, {BoxPart({0.05, 0.05, 0.05}, 0.1)}, {30}, rng);
+  const DropResult drop = DropParts(tray, {BoxObject({0.05, 0.05, 0.05}, 0.1)}, {30}, rng);
   EXPECT_GT(drop.certificate.instances_outside, 0);
   EXPECT_EQ(drop.certificate.instances_outside + static_cast<int>(drop.scene.objects.size()), 30);
   EXPECT_FALSE(drop.certificate.blew_up);
@@ -100,7 +100,7 @@ TEST(DropParts, InstancesOutsideAreCountedAndNotInTheScene) {
 TEST(DropParts, RodAsLongAsTheBinComesToRest) {
   for (const uint64_t seed : {0, 1, 2}) {
     Rng rng(seed);
-    const DropResult drop = DropParts(Bin{}, {BoxPart({0.02, 0.39, 0.02}, 0.3)}, {4}, rng);
+    const DropResult drop = DropParts(Bin{}, {BoxObject({0.02, 0.39, 0.02}, 0.3)}, {4}, rng);
     EXPECT_EQ(drop.certificate.instances_outside, 0);
     EXPECT_TRUE(drop.certificate.at_rest);
   }
@@ -115,16 +115,17 @@ TEST(DropParts, EmptyBinStaysEmpty) {
 
 TEST(DropParts, RefusesAnObjectLargerThanTheBin) {
   Rng rng(0);
-  const ObjectSet objects{BoxPart({0.1, 0.1, 0.1}, 1),
+  const ObjectSet objects{BoxObject({0.1, 0.1, 0.1}, 1),
                           PartOfBoxes("girder", {{{0, 0, 0}, {0.02, 0.25, 0.01}}}, 1)};
   EXPECT_NO_THROW(DropParts(Bin{}, objects, {1, 0}, rng));
   try {
     DropParts(Bin{}, objects, {1, 1}, rng);
     FAIL() << "no error";
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "part 'girder' is 0.500 x 0.040 x 0.020 m and does not fit into the bin's 0.400 x "
-                 "0.300 m floor: take a larger bin or check the mesh's unit");
+    EXPECT_STREQ(
+        error.what(),
+        "object 'girder' is 0.500 x 0.040 x 0.020 m and does not fit into the bin's 0.400 x "
+        "0.300 m floor: use a larger bin or check the mesh's unit");
   }
 }
 
@@ -156,8 +157,8 @@ TEST(Arrangements, PackedInstancesAreUprightAndSeparate) {
       const Eigen::Vector3d towards = b.X_WO.translation() - a.X_WO.translation();
       const Pose nearer = Translation(0.002 * towards.normalized()) * a.X_WO;
       grown.bin.inner_size_m = {2, 2, 0};
-      grown.objects = {{0, a.object, Translation({0, 0, 0.01}) * nearer},
-                       {1, b.object, Translation({0, 0, 0.01}) * b.X_WO}};
+      grown.objects = {{InstanceId{0}, a.object, Translation({0, 0, 0.01}) * nearer},
+                       {InstanceId{1}, b.object, Translation({0, 0, 0.01}) * b.X_WO}};
       EXPECT_EQ(DeepestPenetration(grown, objects), 0);
     }
   }
@@ -169,7 +170,7 @@ TEST(Arrangements, PackedInstancesWithoutRoomAreCounted) {
   Bin tray;
   tray.inner_size_m = {0.12, 0.12, 0.1};
   Rng rng(1);
-  const DropResult drop = DropParts(tray, {BoxPart({0.05, 0.05, 0.05}, 0.1)}, {9}, rng, options);
+  const DropResult drop = DropParts(tray, {BoxObject({0.05, 0.05, 0.05}, 0.1)}, {9}, rng, options);
   EXPECT_GE(drop.certificate.instances_outside, 5);
   EXPECT_EQ(drop.certificate.instances_outside + drop.scene.objects.size(), 9u);
 }
@@ -180,7 +181,7 @@ TEST(Arrangements, HeapOnATableStaysTogether) {
   options.arrangement = Arrangement::kHeap;
   Bin table;
   table.inner_size_m = {0.6, 0.6, 0};
-  const ObjectSet cubes{BoxPart({0.04, 0.04, 0.04}, 0.1)};
+  const ObjectSet cubes{BoxObject({0.04, 0.04, 0.04}, 0.1)};
   Rng rng(2);
   const DropResult drop = DropParts(table, cubes, {40}, rng, options);
   EXPECT_TRUE(Faults(drop.certificate).empty());

@@ -42,7 +42,7 @@ TEST(MeshBin, RestingHeightIsOnTheFloor) {
   const Bin bin = BinFrom(TaperedBin());
   PhysicsWorld world;
   world.AddBin(bin);
-  const auto cube = BoxPart(Eigen::Vector3d::Constant(0.04), 0.05);
+  const auto cube = BoxObject(Eigen::Vector3d::Constant(0.04), 0.05);
   world.AddPart(*cube, Translation({0, 0, 0.03}));
   while (world.time_s() < 1) world.Step();
   EXPECT_NEAR(world.X_WO(0).translation().z(), 0.0205, 1e-4);
@@ -54,7 +54,7 @@ TEST(MeshBin, CubeSlidesDownTheSlopedWall) {
   const Bin bin = BinFrom(TaperedBin());
   PhysicsWorld world;
   world.AddBin(bin);
-  const auto cube = BoxPart(Eigen::Vector3d::Constant(0.02), 0.05, 0.05);
+  const auto cube = BoxObject(Eigen::Vector3d::Constant(0.02), 0.05, 0.05);
   world.AddPart(*cube, Translation({0.175, 0, 0.11}));
   while (world.time_s() < 1) world.Step();
   EXPECT_LT(world.X_WO(0).translation().z(), 0.03);
@@ -62,9 +62,9 @@ TEST(MeshBin, CubeSlidesDownTheSlopedWall) {
 }
 
 TEST(MeshBin, OverlapWithFloorAndWallIsMeasured) {
-  const auto cube = BoxPart(Eigen::Vector3d::Constant(0.04), 0.05);
+  const auto cube = BoxObject(Eigen::Vector3d::Constant(0.04), 0.05);
   const auto depth = [&](const Eigen::Vector3d& p) {
-    const Scene scene{BinFrom(TaperedBin()), {{0, 0, Translation(p)}}};
+    const Scene scene{BinFrom(TaperedBin()), {{InstanceId{0}, ObjectId{0}, Translation(p)}}};
     return DeepestPenetration(scene, {cube});
   };
   EXPECT_EQ(depth({0, 0, 0.0201}), 0);

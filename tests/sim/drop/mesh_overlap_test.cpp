@@ -41,7 +41,7 @@ TEST(MeshOverlap, OverlapOfTwoInstancesIsMeasured) {
       const Pose X_WO = Translation({0, 0, 0.5});
       const Pose flipped = MakePose(Eigen::Vector3d(1, -1, -1).asDiagonal().toDenseMatrix(),
                                     {0, 0, 0.5 + 2 * bounds.max.z() + gap_m});
-      scene.objects = {{0, static_cast<int>(i), X_WO}, {1, static_cast<int>(i), flipped}};
+      scene.objects = {{InstanceId{0}, ObjectId(i), X_WO}, {InstanceId{1}, ObjectId(i), flipped}};
       return scene;
     };
     EXPECT_EQ(MeasureMeshOverlap(scene_at(1e-6), objects).deepest_m, 0) << objects[i]->name;
@@ -54,7 +54,7 @@ TEST(MeshOverlap, InstanceInFloorOrWallOrOutsideIsFound) {
   const ObjectSet objects = ConcaveObjects();
   const Bounds bounds = MeshBounds(objects[0]->mesh_O);
   const auto at = [&](const Eigen::Vector3d& p) {
-    return MeasureMeshOverlap({Bin{}, {{0, 0, Translation(p)}}}, objects);
+    return MeasureMeshOverlap({Bin{}, {{InstanceId{0}, ObjectId{0}, Translation(p)}}}, objects);
   };
   const double floor_z = -bounds.min.z(), wall_x = 0.2 - bounds.max.x();
   EXPECT_LT(at({0, 0, floor_z}).deepest_m, 1e-9);

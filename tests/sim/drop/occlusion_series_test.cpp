@@ -25,8 +25,8 @@ class OcclusionSeriesTest : public testing::Test {
   MadeSeries Make(const std::vector<int>& counts, uint64_t trial = 0, uint64_t seed = 3) {
     SceneRenderer renderer(objects_, bin_);
     const OcclusionSetup setup{objects_, counts, OverTheBin(), {}, spec_};
-    return MakeOcclusionSeries(renderer, {bin_, objects_, counts, seed, trial}, {0, 1, 2, 3},
-                               setup);
+    return MakeOcclusionSeries(renderer, {bin_, objects_, counts, seed, trial},
+                               {ObjectId{0}, ObjectId{1}, ObjectId{2}, ObjectId{3}}, setup);
   }
 
   Bin bin_;
@@ -36,7 +36,7 @@ class OcclusionSeriesTest : public testing::Test {
 
 // Measures with another renderer than the one that built the series: OpenGL, without coarser levels
 // of detail.
-double VisibleByOpenGl(const ObjectSet& objects, const Scene& scene, int instance) {
+double VisibleByOpenGl(const ObjectSet& objects, const Scene& scene, InstanceId instance) {
   Renderer renderer({}, {0, 0}, PlainSurfaces::kOpenGl);
   std::vector<RenderInstance> instances;
   size_t target = 0;
@@ -163,9 +163,9 @@ TEST_F(OcclusionSeriesTest, EveryDroppedBlockerIsCounted) {
 // A plate of 60 x 80 mm is upright on its edge of 5 mm. A blocker that leans on the frozen plate
 // overturns it when the plate wakes.
 TEST(OccludeTarget, BlockerThatOverturnsTheTargetIsRemoved) {
-  const ObjectSet objects{BoxPart({0.06, 0.005, 0.08}, 0.05), BoxPart({0.16, 0.02, 0.02}, 0.3)};
+  const ObjectSet objects{BoxObject({0.06, 0.005, 0.08}, 0.05), BoxObject({0.16, 0.02, 0.02}, 0.3)};
   Scene scene;
-  scene.objects = {{0, 0, Translation({0, 0, 0.04})}};
+  scene.objects = {{InstanceId{0}, ObjectId{0}, Translation({0, 0, 0.04})}};
   const SceneCertificate standing = CertifyRest(scene, objects);
   ASSERT_THAT(Faults(standing), testing::IsEmpty()) << "the plate does not stay upright";
   OcclusionSetup setup{objects, {0, 1}, {}, {}, {}};
@@ -173,7 +173,8 @@ TEST(OccludeTarget, BlockerThatOverturnsTheTargetIsRemoved) {
   setup.spec.blocker_samples = 40;
   SceneRenderer renderer(objects, scene.bin);
   Rng rng(5);
-  const OcclusionSeries series = OccludeTarget(renderer, {scene, standing}, 0, setup, rng);
+  const OcclusionSeries series =
+      OccludeTarget(renderer, {scene, standing}, InstanceId{0}, setup, rng);
   BlockerCounts sum;
   for (const BlockerCounts& counts : series.blockers) sum.Add(counts);
   EXPECT_GT(sum.refused, 0);
@@ -185,9 +186,9 @@ TEST(OccludeTarget, BlockerThatOverturnsTheTargetIsRemoved) {
 
 // A plate over a cube hides the cube completely or not at all.
 TEST(OccludeTarget, BlockerThatSkipsABandIsRemoved) {
-  const ObjectSet objects{BoxPart({0.03, 0.03, 0.03}, 0.1), BoxPart({0.2, 0.2, 0.01}, 0.4)};
+  const ObjectSet objects{BoxObject({0.03, 0.03, 0.03}, 0.1), BoxObject({0.2, 0.2, 0.01}, 0.4)};
   Scene scene;
-  scene.objects = {{0, 0, Translation({0, 0, 0.015})}};
+  scene.objects = {{InstanceId{0}, ObjectId{0}, Translation({0, 0, 0.015})}};
   OcclusionSetup setup{objects, {0, 1}, OverTheBin(), {}, {}};
   setup.spec.bands = {{0.45, 0.47}, {0.9, 1}};
   setup.spec.blocker_samples = 12;
@@ -195,7 +196,7 @@ TEST(OccludeTarget, BlockerThatSkipsABandIsRemoved) {
   SceneRenderer renderer(objects, scene.bin);
   Rng rng(5);
   const OcclusionSeries series =
-      OccludeTarget(renderer, {scene, CertifyRest(scene, objects)}, 0, setup, rng);
+      OccludeTarget(renderer, {scene, CertifyRest(scene, objects)}, InstanceId{0}, setup, rng);
   ASSERT_EQ(series.scenes.size(), 1u);
   EXPECT_EQ(series.scenes[0].band, 1);
   EXPECT_EQ(series.scenes[0].blockers, 0);
@@ -241,11 +242,11 @@ TEST_F(OcclusionSeriesTest, NoBandIsFilledIfNoInstanceIsInView) {
   OcclusionSetup setup{objects_, {2, 0, 0, 0}, {}, {}, OcclusionSpec{}};
   setup.camera.SetPose(LookAt({0, -0.8, 0.15}, {0, 0, 0.14}, {0, 0, 1}));  // above the rim
   const SceneRequest request{bin_, objects_, {2, 0, 0, 0}, 1, 2};
-  const MadeSeries made = MakeOcclusionSeries(renderer, request, {0}, setup);
+  const MadeSeries made = MakeOcclusionSeries(renderer, request, {ObjectId{0}}, setup);
   EXPECT_EQ(made.bands, std::vector<BandAccount>(5));
   EXPECT_EQ(made.targets_tried, 0);
-  EXPECT_THAT(ErrorOf([&] { MakeOcclusionSeries(renderer, request, {1}, setup); }),
-              HasSubstr("no part that could be its target"));
+  EXPECT_THAT(ErrorOf([&] { MakeOcclusionSeries(renderer, request, {ObjectId{1}}, setup); }),
+              HasSubstr("no object that can be its target"));
 }
 
 TEST_F(OcclusionSeriesTest, RefusedScenesAreKeptIfNoneComesToRest) {
@@ -260,11 +261,11 @@ TEST_F(OcclusionSeriesTest, RefusedScenesAreKeptIfNoneComesToRest) {
 
 // Overlapping instances and instances in the air do not stay at rest.
 TEST(CertifyRest, FindsInstancesThatDoNotStayAtRest) {
-  const ObjectSet objects{BoxPart({0.04, 0.04, 0.04}, 0.1)};
+  const ObjectSet objects{BoxObject({0.04, 0.04, 0.04}, 0.1)};
   const auto faults = [&](const std::vector<Pose>& poses) {
     Scene scene;
     for (const Pose& X_WO : poses) {
-      scene.objects.push_back({static_cast<int>(scene.objects.size()), 0, X_WO});
+      scene.objects.push_back({InstanceId(scene.objects.size()), ObjectId{0}, X_WO});
     }
     return Faults(CertifyRest(scene, objects));
   };
@@ -278,7 +279,7 @@ TEST(CertifyRest, FindsInstancesThatDoNotStayAtRest) {
               testing::Contains(HasSubstr("not at rest")))
       << "its center of mass is beyond the edge";
   EXPECT_THAT(faults({Translation({0.5, 0, 0.02})}),
-              testing::Contains(HasSubstr("1 part fell outside")));
+              testing::Contains(HasSubstr("1 instance fell outside")));
 }
 
 }  // namespace

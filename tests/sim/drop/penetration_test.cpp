@@ -19,7 +19,7 @@ constexpr double kHigh_m = 0.5;  // above the bin
 double DepthOf(const ObjectSet& objects, const std::vector<Pose>& poses) {
   Scene scene;
   for (size_t i = 0; i < poses.size(); ++i) {
-    scene.objects.push_back({static_cast<int>(i), static_cast<int>(i % objects.size()), poses[i]});
+    scene.objects.push_back({InstanceId(i), ObjectId(i % objects.size()), poses[i]});
   }
   return DeepestPenetration(scene, objects);
 }
@@ -29,12 +29,12 @@ Pose Rotated(double angle_rad, const Vector3d& axis, const Vector3d& p_WO) {
 }
 
 TEST(DeepestPenetration, ZeroForSeparateInstances) {
-  const ObjectSet cube{BoxPart(Vector3d::Constant(0.04), 0.1)};
+  const ObjectSet cube{BoxObject(Vector3d::Constant(0.04), 0.1)};
   EXPECT_EQ(DepthOf(cube, {Translation({0, 0, 0.03}), Translation({0.0401, 0, 0.03})}), 0);
 }
 
 TEST(DeepestPenetration, MatchesTwoCubesFaceToFace) {
-  const ObjectSet cube{BoxPart(Vector3d::Constant(0.04), 0.1)};
+  const ObjectSet cube{BoxObject(Vector3d::Constant(0.04), 0.1)};
   const Pose low = Translation({0, 0, kHigh_m});
   EXPECT_NEAR(DepthOf(cube, {low, Translation({0.037, 0.005, kHigh_m})}), 0.003, 1e-12);
   EXPECT_NEAR(DepthOf(cube, {low, Translation({0.01, 0.005, kHigh_m + 0.0395})}), 0.0005, 1e-12);
@@ -42,7 +42,7 @@ TEST(DeepestPenetration, MatchesTwoCubesFaceToFace) {
 
 // Each cube rests on an edge. The edges cross at right angles, one above the other.
 TEST(DeepestPenetration, MatchesTwoCubesEdgeToEdge) {
-  const ObjectSet cube{BoxPart(Vector3d::Constant(0.04), 0.1)};
+  const ObjectSet cube{BoxObject(Vector3d::Constant(0.04), 0.1)};
   const double quarter = std::numbers::pi / 4, half_diagonal_m = 0.02 * std::sqrt(2.0);
   const double depth_m = 0.002;
   const Pose low = Rotated(quarter, Vector3d::UnitX(), {0, 0, kHigh_m});
@@ -52,7 +52,7 @@ TEST(DeepestPenetration, MatchesTwoCubesEdgeToEdge) {
 }
 
 TEST(DeepestPenetration, MatchesACornerInAFace) {
-  const ObjectSet cube{BoxPart(Vector3d::Constant(0.04), 0.1)};
+  const ObjectSet cube{BoxObject(Vector3d::Constant(0.04), 0.1)};
   const double corner_m = 0.02 * std::sqrt(3.0);
   const Eigen::Quaterniond on_corner =
       Eigen::Quaterniond::FromTwoVectors(Vector3d(1, 1, 1), Vector3d(0, 0, -1));
@@ -62,7 +62,7 @@ TEST(DeepestPenetration, MatchesACornerInAFace) {
 }
 
 TEST(DeepestPenetration, MatchesACubeInTheFloorOrAWall) {
-  const ObjectSet cube{BoxPart(Vector3d::Constant(0.04), 0.1)};
+  const ObjectSet cube{BoxObject(Vector3d::Constant(0.04), 0.1)};
   EXPECT_NEAR(DepthOf(cube, {Translation({0, 0, 0.018})}), 0.002, 1e-12);
   EXPECT_NEAR(DepthOf(cube, {Translation({0.181, 0, 0.05})}), 0.001, 1e-12);
 }
@@ -75,7 +75,7 @@ TEST(DeepestPenetration, IgnoresOverlapOfPiecesOfOneInstance) {
 }
 
 TEST(DeepestPenetration, IsTheMaximumOverAllPairs) {
-  const ObjectSet cube{BoxPart(Vector3d::Constant(0.04), 0.1)};
+  const ObjectSet cube{BoxObject(Vector3d::Constant(0.04), 0.1)};
   EXPECT_NEAR(DepthOf(cube, {Translation({0, 0, kHigh_m}), Translation({0.039, 0, kHigh_m}),
                              Translation({0.075, 0, kHigh_m}), Translation({0.112, 0, kHigh_m})}),
               0.004, 1e-12);

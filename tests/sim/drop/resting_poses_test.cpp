@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 
 TEST(RestingPoses, BoxRestsOnItsFacesMostlyOnTheLargest) {
-  const auto box = BoxPart({0.08, 0.06, 0.02}, 0.2);
+  const auto box = BoxObject({0.08, 0.06, 0.02}, 0.2);
   const auto poses = FindRestingPoses(*box, 120);
   ASSERT_GE(poses.size(), 2u);
   double sum = 0;
@@ -31,7 +31,7 @@ TEST(RestingPoses, BoxRestsOnItsFacesMostlyOnTheLargest) {
 }
 
 TEST(RestingPoses, SymmetriesMergeEquivalentPoses) {
-  auto cube = std::make_shared<ObjectModel>(*BoxPart({0.05, 0.05, 0.05}, 0.2));
+  auto cube = std::make_shared<ObjectModel>(*BoxObject({0.05, 0.05, 0.05}, 0.2));
   EXPECT_EQ(FindRestingPoses(*cube, 100).size(), 6u);
   for (const Vector3d& axis : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 1)}) {
     for (int i = 1; i < 4; ++i) {
@@ -44,7 +44,7 @@ TEST(RestingPoses, SymmetriesMergeEquivalentPoses) {
 }
 
 TEST(RestingPoses, TouchThePlaneAndRepeat) {
-  const auto box = BoxPart({0.08, 0.06, 0.02}, 0.2);
+  const auto box = BoxObject({0.08, 0.06, 0.02}, 0.2);
   const auto first = FindRestingPoses(*box, 40, 3), second = FindRestingPoses(*box, 40, 3);
   ASSERT_EQ(first.size(), second.size());
   for (size_t i = 0; i < first.size(); ++i) {

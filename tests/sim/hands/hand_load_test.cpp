@@ -19,7 +19,7 @@ Pose HandBeside(double y_m, double z_m) {
 
 // A 5 cm box on a table, gripped `off_center_m` beside its center and lifted by 10 cm.
 struct LiftedBox {
-  std::shared_ptr<const ObjectModel> box = BoxPart({0.05, 0.05, 0.05}, kMass_kg, 0.6);
+  std::shared_ptr<const ObjectModel> box = BoxObject({0.05, 0.05, 0.05}, kMass_kg, 0.6);
   PhysicsWorld world;
   Hand* hand = nullptr;
 
@@ -78,7 +78,7 @@ class Overload : public testing::TestWithParam<double> {
     double force_n;
   };
   static Pushed PushOn(bool is_static, double rate_hz) {
-    const auto box = BoxPart({0.05, 0.05, 0.05}, kMass_kg, 0.6);
+    const auto box = BoxObject({0.05, 0.05, 0.05}, kMass_kg, 0.6);
     PhysicsOptions options;
     options.rate_hz = rate_hz;
     PhysicsWorld world(options);

@@ -19,7 +19,7 @@ Pose HandAbove(double z_m) {
 struct HeldBox {
   static constexpr double kMass_kg = 0.2;
   static constexpr double kFriction = 0.6;
-  std::shared_ptr<const ObjectModel> box = BoxPart({0.05, 0.05, 0.05}, kMass_kg, kFriction);
+  std::shared_ptr<const ObjectModel> box = BoxObject({0.05, 0.05, 0.05}, kMass_kg, kFriction);
   PhysicsWorld world;
   Hand* hand = nullptr;
   double hand_z_m = 0.02;
@@ -200,7 +200,7 @@ TEST(Hand, FingersStopAtWalls) {
 TEST(Hand, ColumnOfLightCubesStopsAFinger) {
   constexpr int kCubes = 4;
   constexpr double kCube_m = 0.02, kBeyond_m = 0.004;
-  const auto cube = BoxPart(Eigen::Vector3d::Constant(kCube_m), 0.02, 0.5);
+  const auto cube = BoxObject(Eigen::Vector3d::Constant(kCube_m), 0.02, 0.5);
   for (const double rate_hz : {240.0, 960.0}) {
     PhysicsOptions options;
     options.recover_share *= options.rate_hz / rate_hz;

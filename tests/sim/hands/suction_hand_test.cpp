@@ -23,7 +23,7 @@ struct CupOnBox {
   double hand_z_m = kTop_m + 0.03;
 
   CupOnBox(const CupSpec& spec, double mass_kg, double aside_m = 0)
-      : box(BoxPart({0.08, 0.08, kTop_m}, mass_kg, 0.6)), offset_m(aside_m) {
+      : box(BoxObject({0.08, 0.08, kTop_m}, mass_kg, 0.6)), offset_m(aside_m) {
     world.AddStaticBox(Translation({0, 0, -0.05}), {0.5, 0.5, 0.05}, 0.5);
     world.AddPart(*box, Translation({0, 0, 0.5 * kTop_m + 0.0005}));
     hand = &AddSuctionHand(world, spec, HandPose());

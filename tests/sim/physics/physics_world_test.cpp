@@ -134,7 +134,7 @@ double SlideOnSlope_m(double slope_rad, double part_friction, double table_frict
   options.gravity_W = kGravity_mps2 * Vector3d(std::sin(slope_rad), 0, -std::cos(slope_rad));
   PhysicsWorld world(options);
   AddTable(world, table_friction);
-  const auto block = BoxPart({0.06, 0.06, 0.02}, 0.2, part_friction);
+  const auto block = BoxObject({0.06, 0.06, 0.02}, 0.2, part_friction);
   world.AddPart(*block, Translation({0, 0, 0.0105}));
   world.ForbidSleep();
   StepFor(world, 1);
@@ -154,7 +154,7 @@ TEST(PhysicsWorld, RestingGapIsTheHullMargin) {
   for (const double size_m : {0.06, 0.01}) {
     PhysicsWorld world;
     AddTable(world);
-    const auto cube = BoxPart(Vector3d::Constant(size_m), 0.05);
+    const auto cube = BoxObject(Vector3d::Constant(size_m), 0.05);
     world.AddPart(*cube, Translation({0, 0, size_m}));
     StepFor(world, 2);
     const double gap_m = world.X_WO(0).translation().z() - 0.5 * size_m;
@@ -169,7 +169,7 @@ TEST(PhysicsWorld, FastPlateDoesNotPassThroughAThinFloor) {
   Bin bin;
   bin.wall_m = 0.001;
   world.AddBin(bin);
-  const auto plate = BoxPart({0.05, 0.05, 0.002}, 0.02);
+  const auto plate = BoxObject({0.05, 0.05, 0.002}, 0.02);
   world.AddPart(*plate, Translation({0, 0, 0.1}), BodyMode::kDynamic,
                 {{0, 0, -8}, Vector3d::Zero()});
   StepFor(world, 1);
@@ -178,7 +178,7 @@ TEST(PhysicsWorld, FastPlateDoesNotPassThroughAThinFloor) {
 
 TEST(PhysicsWorld, StaticBodiesStayAndCarry) {
   PhysicsWorld world;
-  const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
+  const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
   world.AddPart(*cube, Pose::Identity(), BodyMode::kStatic);
   world.AddPart(*cube, Translation({0, 0, 0.06}));
   StepFor(world, 1);
@@ -189,7 +189,7 @@ TEST(PhysicsWorld, StaticBodiesStayAndCarry) {
 TEST(PhysicsWorld, SleepingBodiesWakeWhenHit) {
   PhysicsWorld world;
   AddTable(world);
-  const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
+  const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
   world.AddPart(*cube, Translation({0, 0, 0.0255}), BodyMode::kAsleep);
   StepFor(world, 0.2);
   EXPECT_TRUE(world.AllAsleep());
@@ -202,7 +202,7 @@ TEST(PhysicsWorld, SleepingBodiesWakeWhenHit) {
 TEST(PhysicsWorld, SleepingBodiesFallWhenTheirSupportIsRemoved) {
   PhysicsWorld world;
   AddTable(world);
-  const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
+  const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
   world.AddPart(*cube, Translation({0, 0, 0.0255}));
   world.AddPart(*cube, Translation({0, 0, 0.0765}));
   StepFor(world, 2);
@@ -221,7 +221,7 @@ PhysicsOptions ReusingContacts() {
 TEST(PhysicsWorld, ReusedContactsCarryAndRelease) {
   PhysicsWorld world(ReusingContacts());
   AddTable(world);
-  const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
+  const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
   world.AddPart(*cube, Translation({0, 0, 0.03}));
   world.AddPart(*cube, Translation({0, 0, 0.09}));
   world.ForbidSleep();
@@ -238,7 +238,7 @@ TEST(PhysicsWorld, ReusedContactsFindASlowNeighbor) {
   PhysicsOptions options = ReusingContacts();
   options.gravity_W.setZero();
   PhysicsWorld world(options);
-  const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
+  const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
   world.AddPart(*cube, Pose::Identity());
   world.AddPart(*cube, Translation({0.056, 0, 0}), BodyMode::kDynamic,
                 {{-0.01, 0, 0}, Vector3d::Zero()});
@@ -251,7 +251,7 @@ TEST(PhysicsWorld, ReusedContactsFindASlowNeighbor) {
 TEST(PhysicsWorld, ForgetContactsWakesAllWithoutMotion) {
   PhysicsWorld world(ReusingContacts());
   AddTable(world);
-  const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
+  const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
   world.AddPart(*cube, Translation({0, 0, 0.0255}));
   world.AddPart(*cube, Translation({0, 0, 0.0765}));
   StepFor(world, 2);
@@ -268,7 +268,7 @@ TEST(PhysicsWorld, BodyOnTheFunnelFallsWhenTheFunnelIsRemoved) {
   world.AddBin(bin);
   world.AddFunnel(bin, 0.1);
   const double top_m = bin.inner_size_m.z() + 0.1;
-  const auto cube = BoxPart(Vector3d::Constant(0.03), 0.1);
+  const auto cube = BoxObject(Vector3d::Constant(0.03), 0.1);
   world.AddPart(*cube, Translation({0.22, 0, top_m + 0.016}));
   StepFor(world, 2);
   ASSERT_TRUE(world.AllAsleep());
@@ -281,7 +281,7 @@ TEST(PhysicsWorld, BodyOnTheFunnelFallsWhenTheFunnelIsRemoved) {
 TEST(PhysicsWorld, ForbidSleepKeepsBodiesAwake) {
   PhysicsWorld world;
   AddTable(world);
-  world.AddPart(*BoxPart(Vector3d::Constant(0.05), 0.1), Translation({0, 0, 0.0255}));
+  world.AddPart(*BoxObject(Vector3d::Constant(0.05), 0.1), Translation({0, 0, 0.0255}));
   world.ForbidSleep();
   StepFor(world, 3);
   EXPECT_FALSE(world.AllAsleep());
@@ -289,7 +289,7 @@ TEST(PhysicsWorld, ForbidSleepKeepsBodiesAwake) {
 
 TEST(PhysicsWorld, DetectsImplausibleSpeed) {
   PhysicsWorld world;
-  const auto cube = BoxPart(Vector3d::Constant(0.05), 0.1);
+  const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
   world.AddPart(*cube, Pose::Identity(), BodyMode::kDynamic, {{49, 0, 0}, Vector3d::Zero()});
   EXPECT_FALSE(world.BlewUp());
   world.AddPart(*cube, Translation({1, 0, 0}), BodyMode::kDynamic, {{51, 0, 0}, Vector3d::Zero()});

@@ -22,7 +22,9 @@ ObjectSet TwoBoxes() {
 }
 
 Scene BoxesInBin() {
-  return {Bin{}, {{0, 0, Translation({-0.08, 0, 0.02})}, {1, 1, Translation({0.08, 0.02, 0.02})}}};
+  return {Bin{},
+          {{InstanceId{0}, ObjectId{0}, Translation({-0.08, 0, 0.02})},
+           {InstanceId{1}, ObjectId{1}, Translation({0.08, 0.02, 0.02})}}};
 }
 
 // Far enough to see the surroundings of the bin.
@@ -97,7 +99,7 @@ TEST(Appearance, FixedAppearanceEqualsThePlainImage) {
     EXPECT_EQ(light.diffuse, plain.diffuse);
     EXPECT_EQ(light.shadow, plain.shadow);
     EXPECT_EQ(light.shadow_softness_m, plain.shadow_softness_m);
-    EXPECT_EQ(MaterialOf(fixed, 3, trial, 2), Material());
+    EXPECT_EQ(MaterialOf(fixed, 3, trial, InstanceId{2}), Material());
   }
   SceneRenderer renderer(TwoBoxes(), Bin{});
   const RenderedImage plain = renderer.Render(BoxesInBin(), FromAbove());
@@ -123,7 +125,7 @@ TEST(Appearance, RangeOfOneValueGivesThatValue) {
     EXPECT_EQ(light.ambient, 0.25);
     EXPECT_EQ(light.diffuse, 0.75);
     EXPECT_TRUE(light.shadow);
-    const Material material = MaterialOf(ranges, 1, 0, i);
+    const Material material = MaterialOf(ranges, 1, 0, InstanceId(i));
     EXPECT_EQ(material.tint, Eigen::Vector3d::Constant(0.5));
     EXPECT_EQ(material.gloss, 0.75);
     EXPECT_EQ(material.grain, 0.5);

@@ -11,6 +11,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/random.h"
 #include "tests/sim/render_support.h"
+#include "tests/support/tapered_bin.h"
 
 namespace pickbed::tests {
 namespace {
@@ -311,6 +312,20 @@ TEST(Renderer, LevelsOfDetailStayWithinTheirDeviation) {
   }
   EXPECT_GT(both, 0.95 * either);
   EXPECT_LT(equal_depth, both / 10);  // a coarser mesh was used
+}
+
+// A mesh bin has the same inner size and walls as the box that other tests use in its place.
+TEST(SceneRenderer, BinsWithTheSameSizeAndOtherShapeDiffer) {
+  const auto shape = std::make_shared<BinShape>(MakeBinShape(TaperedBin(), "bin"));
+  Scene box;
+  box.bin.inner_size_m = shape->inner_size_m;
+  box.bin.wall_m = shape->wall_m;
+  Scene tapered = box;
+  tapered.bin.shape = shape;
+  Camera camera = TestCamera(160, 120, 150);
+  camera.SetPose(LookAt({0, 0.1, 0.6}, {0, 0, 0}, Eigen::Vector3d::UnitZ()));
+  SceneRenderer renderer({}, box.bin);
+  EXPECT_NE(renderer.Render(box, camera).depth_m, renderer.Render(tapered, camera).depth_m);
 }
 
 TEST(Renderer, InvalidInputIsRefused) {

@@ -84,9 +84,9 @@ TEST(SceneRenderer, IdsAndFractionsAreAssignedToInstances) {
   plate->mesh_O = BoxMesh({0.1, 0.1, 0.01});
   Scene scene;
   // The plate rests on the first cube and hides half of it, seen from straight above.
-  scene.objects = {{4, 0, Translation({0.1, 0, 0.03})},
-                   {2, 1, Translation({0.15, 0, 0.065})},
-                   {7, 0, Translation({-0.1, 0, 0.03})}};
+  scene.objects = {{InstanceId{4}, ObjectId{0}, Translation({0.1, 0, 0.03})},
+                   {InstanceId{2}, ObjectId{1}, Translation({0.15, 0, 0.065})},
+                   {InstanceId{7}, ObjectId{0}, Translation({-0.1, 0, 0.03})}};
   SceneRenderer renderer({cube, plate}, scene.bin);
   Camera camera;
   camera.SetPose(LookAt({0, 0, 5}, {0, 0, 0}, {0, 1, 0}));

@@ -21,7 +21,7 @@ constexpr int kWindowWidth = 320, kWindowHeight = 240;
 // dropout.
 struct Fields {
   Image<float> along{kWindowWidth, kWindowHeight}, aside{kWindowWidth, kWindowHeight},
-      failure{kWindowWidth, kWindowHeight};
+      dropout{kWindowWidth, kWindowHeight};
 };
 
 Fields DrawFields(uint64_t seed, double spacing_px) {
@@ -34,7 +34,7 @@ Fields DrawFields(uint64_t seed, double spacing_px) {
     correlated.Fill(y, numbers);
     std::copy_n(numbers.along.data(), kWindowWidth, fields.along.row(y));
     std::copy_n(numbers.aside.data(), kWindowWidth, fields.aside.row(y));
-    std::copy_n(numbers.failure.data(), kWindowWidth, fields.failure.row(y));
+    std::copy_n(numbers.dropout.data(), kWindowWidth, fields.dropout.row(y));
   }
   return fields;
 }
@@ -97,11 +97,11 @@ TEST(SensorWindows, DropoutNumbersAreUniformAndClustered) {
     const Fields f = DrawFields(77 + i, 5);
     for (int y = 0; y < kWindowHeight; ++y) {
       for (int x = 0; x + 1 < kWindowWidth; ++x) {
-        ASSERT_GE(f.failure(x, y), 0);
-        ASSERT_LT(f.failure(x, y), 1);
-        ++deciles[static_cast<int>(10 * f.failure(x, y))];
-        any += f.failure(x, y) > 0.99f;
-        both += f.failure(x, y) > 0.99f && f.failure(x + 1, y) > 0.99f;
+        ASSERT_GE(f.dropout(x, y), 0);
+        ASSERT_LT(f.dropout(x, y), 1);
+        ++deciles[static_cast<int>(10 * f.dropout(x, y))];
+        any += f.dropout(x, y) > 0.99f;
+        both += f.dropout(x, y) > 0.99f && f.dropout(x + 1, y) > 0.99f;
       }
     }
   }
@@ -117,7 +117,7 @@ TEST(SensorWindows, RowsDoNotDependOnEarlierRows) {
   for (int y = 0; y <= 57; ++y) all.Fill(y, of_all);
   one.Fill(57, of_one);
   EXPECT_EQ(of_all.along, of_one.along);
-  EXPECT_EQ(of_all.failure, of_one.failure);
+  EXPECT_EQ(of_all.dropout, of_one.dropout);
 }
 
 // Compares with the definition: the minimum over all edge pixels.

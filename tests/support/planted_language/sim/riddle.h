@@ -1,1 +1,3 @@
 // Of a planted fault for the language test.
+inline constexpr const char* kForm = "nobody knows the pose";
+inline constexpr const char* kWord = "the believed pose";

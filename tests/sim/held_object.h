@@ -13,7 +13,7 @@
 
 namespace pickbed::tests {
 
-struct HeldPart {
+struct HeldObject {
   std::shared_ptr<const ObjectModel> model;
   PhysicsWorld world;
   Hand* hand = nullptr;
@@ -21,8 +21,8 @@ struct HeldPart {
 
   // Closes the hand at `hand_pose` on the instance at X_WO. The table is a bar, 3 cm wide along x,
   // between the fingers; its top is z = 0.
-  HeldPart(std::shared_ptr<const ObjectModel> object, const Pose& X_WO, const HandSpec& spec,
-           const Pose& hand_pose, const PhysicsOptions& options = {})
+  HeldObject(std::shared_ptr<const ObjectModel> object, const Pose& X_WO, const HandSpec& spec,
+             const Pose& hand_pose, const PhysicsOptions& options = {})
       : model(std::move(object)), world(options), X_WG(hand_pose) {
     world.AddStaticBox(Translation({0, 0, -0.05}), {0.015, 0.5, 0.05}, 0.5);
     world.AddPart(*model, X_WO);
@@ -50,7 +50,7 @@ struct HeldPart {
 };
 
 // Returns a hand pose that points down, then is rotated about the closing axis.
-inline Pose TurnedHand(double turn_rad, const Eigen::Vector3d& p_W) {
+inline Pose RotatedHand(double turn_rad, const Eigen::Vector3d& p_W) {
   const Pose over = HandOver(p_W);
   return MakePose(Eigen::Matrix3d(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitX()).matrix() *
                                   over.linear()),

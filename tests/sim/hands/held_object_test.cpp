@@ -1,7 +1,7 @@
 // Friction limits of a parallel jaw that holds one instance, compared with mechanics. Properties of
 // the object are set by the test.
 
-#include "tests/sim/held_part.h"
+#include "tests/sim/held_object.h"
 
 #include <gtest/gtest.h>
 
@@ -35,10 +35,10 @@ double SlipAtShare_m(const HoldCase& c, double share, const PhysicsOptions& opti
   spec.finger_size_m.z() = 0.08;  // the palm does not touch the rotated cube
   spec.force_n = share * c.mass_kg * (kGravity_mps2 + c.up_mps2) / (2 * c.friction);
   const double center_m = 0.5 * kBox_m + 0.0005;
-  const Pose around = TurnedHand(c.rotation_deg * std::numbers::pi / 180, {0, 0, center_m}) *
+  const Pose around = RotatedHand(c.rotation_deg * std::numbers::pi / 180, {0, 0, center_m}) *
                       Translation({0, 0, 0.04});
-  HeldPart held(BoxPart(Eigen::Vector3d::Constant(kBox_m), c.mass_kg, c.friction),
-                Translation({0, 0, center_m}), spec, around, options);
+  HeldObject held(BoxObject(Eigen::Vector3d::Constant(kBox_m), c.mass_kg, c.friction),
+                  Translation({0, 0, center_m}), spec, around, options);
   const Pose before = held.X_GO();
   AccelerateFor(held.world, *held.hand, {0, 0, c.up_mps2}, 0.4);
   return held.Slip_m(before);
@@ -77,8 +77,8 @@ TEST(HeldObject, DoesNotCreep) {
   for (const double mass_kg : {0.02, 0.2, 2.0}) {
     HandSpec spec;
     spec.force_n = 1.5 * mass_kg * kGravity_mps2 / (2 * 0.6);
-    HeldPart held(BoxPart(Eigen::Vector3d::Constant(kBox_m), mass_kg, 0.6),
-                  Translation({0, 0, 0.0255}), spec, HandOver({0, 0, 0.014}));
+    HeldObject held(BoxObject(Eigen::Vector3d::Constant(kBox_m), mass_kg, 0.6),
+                    Translation({0, 0, 0.0255}), spec, HandOver({0, 0, 0.014}));
     held.Lift(0.1, 1.5);
     held.Rest(0.5);
     const Pose before = held.X_GO();
@@ -126,8 +126,8 @@ bool IsHeld(const TorsionCase& c, double share) {
   HandSpec spec;
   spec.finger_size_m.y() = c.pad_m;
   spec.force_n = share * ForceAtLimit_n(c);
-  HeldPart held(BoxPart({0.05, 0.15, 0.05}, c.mass_kg, kFriction), Translation({0, 0, 0.0255}),
-                spec, HandOver({0, c.aside_m, 0.0505 - c.overlap_m}));
+  HeldObject held(BoxObject({0.05, 0.15, 0.05}, c.mass_kg, kFriction), Translation({0, 0, 0.0255}),
+                  spec, HandOver({0, c.aside_m, 0.0505 - c.overlap_m}));
   const Pose before = held.X_GO();
   held.Lift(0.1, 2.0);
   held.Rest(0.5);
@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, Torsion,
 // is given by the patch of the low wall on both pads. The center of mass is set inside the low
 // wall.
 std::shared_ptr<const ObjectModel> Trough(double mass_kg) {
-  auto model = std::make_shared<ObjectModel>(*BoxPart({0.01, 0.15, 0.03}, mass_kg, kBarFriction));
+  auto model = std::make_shared<ObjectModel>(*BoxObject({0.01, 0.15, 0.03}, mass_kg, kBarFriction));
   model->name = "trough";
   model->mesh_O = {};
   model->convex_parts_O.clear();
@@ -174,8 +174,8 @@ bool TroughIsHeld(double share) {
   spec.finger_size_m.y() = c.pad_m;
   spec.stroke_m = 0.02;
   spec.force_n = share * ForceAtLimit_n(c);
-  HeldPart held(Trough(c.mass_kg), Translation({0, 0, 0.0005}), spec,
-                HandOver({0, c.aside_m, 0.0265 - c.overlap_m}));
+  HeldObject held(Trough(c.mass_kg), Translation({0, 0, 0.0005}), spec,
+                  HandOver({0, c.aside_m, 0.0265 - c.overlap_m}));
   const Pose before = held.X_GO();
   held.Lift(0.1, 2.0);
   held.Rest(0.5);
@@ -226,8 +226,8 @@ TEST(HeldObject, RodGrippedAcrossItsAxisHasTheSameLimit) {
   for (const double share : {0.94, 1.06}) {
     HandSpec spec;
     spec.force_n = share * kMass_kg * (kGravity_mps2 + kUp_mps2) / (2 * kFriction);
-    HeldPart held(Rod(kRadius_m, 0.1, kMass_kg, kFriction),
-                  MakePose(along_y, {0, 0, kRadius_m + 0.0005}), spec, HandOver({0, 0, 0.006}));
+    HeldObject held(Rod(kRadius_m, 0.1, kMass_kg, kFriction),
+                    MakePose(along_y, {0, 0, kRadius_m + 0.0005}), spec, HandOver({0, 0, 0.006}));
     const Pose before = held.X_GO();
     AccelerateFor(held.world, *held.hand, {0, 0, kUp_mps2}, 0.4);
     if (share < 1) {
@@ -244,8 +244,8 @@ TEST(HeldObject, SmallObjectsAreHeld) {
   for (const double force_n : {1.0, 10.0, 40.0}) {
     HandSpec spec;
     spec.force_n = force_n;
-    HeldPart held(BoxPart(Eigen::Vector3d::Constant(kSize_m), kMass_kg, 0.6),
-                  Translation({0, 0, 0.5 * kSize_m + 0.0003}), spec, HandOver({0, 0, 0.003}));
+    HeldObject held(BoxObject(Eigen::Vector3d::Constant(kSize_m), kMass_kg, 0.6),
+                    Translation({0, 0, 0.5 * kSize_m + 0.0003}), spec, HandOver({0, 0, 0.003}));
     const Pose before = held.X_GO();
     held.Lift(0.1, 0.5);
     held.Rest(2.0);

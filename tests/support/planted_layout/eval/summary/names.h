@@ -1,0 +1,7 @@
+#pragma once
+
+namespace pickbed::eval {
+
+inline constexpr char kTrialsFile[] = "trials.csv";
+
+}  // namespace pickbed::eval

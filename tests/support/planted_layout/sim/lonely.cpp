@@ -1,0 +1,1 @@
+// A planted fault for the layout test: no test names this source.
