@@ -25,7 +25,7 @@ define install
 	fi
 endef
 
-.PHONY: help build demo test format parts install clean
+.PHONY: help build demo test docs format parts install clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -45,6 +45,12 @@ test:
 	cmake --preset release -DPICKBED_BUILD_TESTS=ON -DPICKBED_TEST_DATA=$(TEST_DATA)
 	cmake --build --preset release
 	ctest --preset release -j $$(nproc)
+
+# make docs    build the documentation site: build/docs/site/index.html
+docs:
+	-$(call install,docs)
+	@command -v mkdocs >/dev/null || { echo "the package mkdocs is missing; see group docs in packages.txt" >&2; exit 1; }
+	mkdocs build --strict --quiet -f docs/mkdocs.yml
 
 # make format  format the sources with clang-format
 format:

@@ -109,7 +109,7 @@ std::vector<RenderedImage> SimViewSource::RenderIsolated(std::span<const Camera>
   std::vector<RenderedImage> images;
   for (size_t i = 0; i < instances.size(); ++i) {
     Rng rng = Rng::Derive(seed, first + i, "isolated view lamp");
-    Light light = RandomLight(options_.looks, rng);
+    Light light = RandomLight(options_.appearance, rng);
     light.position_W.z() = instances[i].X_WO.translation().z() - light.position_W.z();
     images.push_back(
         std::move(renderer.RenderEach(cameras.subspan(i, 1), instances.subspan(i, 1), light)[0]));
@@ -128,14 +128,14 @@ std::vector<LabelledView> SimViewSource::Isolated(ObjectId object, const std::ve
     std::vector<RenderInstance> instances;
     for (size_t i = begin; i < end; ++i) {
       instances.push_back({scene_renderer_.ObjectMesh(object), X_CO[i], 1});
-      Rng looks = Rng::Derive(seed, i, "isolated view looks");
-      instances.back().material = RandomMaterial(options_.looks, looks);
+      Rng appearance = Rng::Derive(seed, i, "isolated view looks");
+      instances.back().material = RandomMaterial(options_.appearance, appearance);
     }
     std::vector<RenderedImage> images = RenderIsolated(cameras, instances, seed, begin);
     for (size_t i = begin; i < end; ++i) {
       RenderedImage& image = images[i - begin];
       Rng background = Rng::Derive(seed, i, "isolated view background");
-      PaintBackground(options_.looks, background, image);
+      PaintBackground(options_.appearance, background, image);
       Rng rng = Rng::Derive(seed, i, "isolated view noise");
       Image<float> depth_m =
           ApplySensorNoise({image.depth_m, camera, &image.color}, options_.sensor, rng);
@@ -149,9 +149,9 @@ std::vector<LabelledView> SimViewSource::Isolated(ObjectId object, const std::ve
 
 std::string SimViewSource::IsolatedSettings() const {
   SensorProfile sensor = options_.sensor;
-  AppearanceRanges looks = options_.looks;
+  AppearanceRanges appearance = options_.appearance;
   return WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); }) +
-         WriteSettings([&](SettingsVisitor& v) { looks.Visit(v); }) +
+         WriteSettings([&](SettingsVisitor& v) { appearance.Visit(v); }) +
          fmt::format("color {}\n", options_.color) +
          (options_.isolated_lamps ? "isolated lamps\n" : "");
 }
@@ -173,7 +173,7 @@ std::string SimViewSource::ClutterSceneSettings() const {
                      size.z(), o.bin.wall_m, o.bin.friction,
                      o.bin.shape ? MeshHash(o.bin.shape->mesh_B) : 0) +
          fmt::format("for {} scaled {} parts {}..{} fill {} mixed {} kinds {}\n", o.for_diameter_m,
-                     o.scaled_share, o.parts_min, o.parts_max, o.fill_max, o.mixed_share,
+                     o.scaled_share, o.instances_min, o.instances_max, o.fill_max, o.mixed_share,
                      o.mixed_kinds_max) +
          (o.distractor_share > 0
               ? fmt::format("foreign {} {}\n", o.distractor_share, o.distractor_max)
@@ -218,7 +218,8 @@ std::vector<ObjectId> SimViewSource::RandomDistractor(const ClutterSceneRequest&
 std::vector<int> SimViewSource::RandomCounts(const std::vector<ObjectId>& kinds,
                                              const std::vector<ObjectId>& foreign, const Bin& bin,
                                              Rng& rng) const {
-  const int wanted = options_.parts_min + rng.Index(options_.parts_max - options_.parts_min + 1);
+  const int wanted =
+      options_.instances_min + rng.Index(options_.instances_max - options_.instances_min + 1);
   double room_m3 = options_.fill_max * bin.inner_size_m.prod();
   std::vector<int> counts(foreign.empty() ? objects_.size() : in_scenes_.size(), 0);
   for (const ObjectId shape : foreign) {
@@ -253,7 +254,7 @@ SimViewSource::ScaledScene SimViewSource::DropScene(const ClutterSceneRequest& r
     const std::vector<ObjectId> foreign = RandomDistractor(request, kinds);
     const std::vector<int> counts = RandomCounts(kinds, foreign, bin, rng);
     DropResult result =
-        DropParts(bin, foreign.empty() ? objects_ : in_scenes_, counts, rng, options_.drop);
+        DropInstances(bin, foreign.empty() ? objects_ : in_scenes_, counts, rng, options_.drop);
     if (!result.certificate.blew_up && !result.scene.objects.empty()) {
       return {std::move(result.scene), scale};
     }
@@ -272,18 +273,18 @@ LabelledView SimViewSource::SceneView(const ScaledScene& clutter_scene, uint64_t
   const Scene& scene = clutter_scene.scene;
   Rng rng = Rng::Derive(seed, view, "pile camera");
   const Camera camera{options_.camera, RandomCamera(options_, clutter_scene.scale, rng)};
-  const Light light = RandomLight(options_.looks, rng);
+  const Light light = RandomLight(options_.appearance, rng);
   std::vector<RenderInstance> instances = scene_renderer_.InstancesOf(scene);
   // The material depends on the clutter scene only, so an instance looks the same in all its views.
   for (size_t i = 0; i < instances.size(); ++i) {
-    Rng looks = Rng::Derive(seed, i, "pile looks");
-    instances[i].material = RandomMaterial(options_.looks, looks);
+    Rng appearance = Rng::Derive(seed, i, "pile looks");
+    instances[i].material = RandomMaterial(options_.appearance, appearance);
   }
   RenderOutputs outputs;
   outputs.color = options_.color;
   RenderedImage image = scene_renderer_.renderer().Render(camera, instances, light, outputs);
   Rng background = Rng::Derive(seed, view, "pile background");
-  PaintBackground(options_.looks, background, image);
+  PaintBackground(options_.appearance, background, image);
   const std::vector<double> fractions = scene_renderer_.VisibleFractions(scene, camera, image.ids);
 
   LabelledView out;
@@ -324,9 +325,10 @@ std::vector<LabelledView> SimViewSource::ClutterScene(const ClutterSceneRequest&
 std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
                                                       const ViewSourceOptions& options) {
   CheckInput(!objects.empty(), "no objects for the views; name at least one");
-  CheckInput(options.parts_min >= 1 && options.parts_max >= options.parts_min,
-             fmt::format("{} to {} instances in a clutter scene: need 1 <= parts_min <= parts_max",
-                         options.parts_min, options.parts_max));
+  CheckInput(
+      options.instances_min >= 1 && options.instances_max >= options.instances_min,
+      fmt::format("{} to {} instances in a clutter scene: need 1 <= instances_min <= instances_max",
+                  options.instances_min, options.instances_max));
   CheckInput(options.distance_min_m > 0 && options.distance_max_m >= options.distance_min_m,
              fmt::format("camera distance {} to {} m: need 0 < distance_min_m <= distance_max_m",
                          options.distance_min_m, options.distance_max_m));
@@ -346,7 +348,7 @@ std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
                          options.mixed_kinds_max, options.fill_max));
   CheckInput(options.for_diameter_m <= 0 || options.bin.shape == nullptr,
              "a bin from a mesh cannot be scaled; set for_diameter_m to 0");
-  options.looks.Validate();
+  options.appearance.Validate();
   CheckSettings("SensorProfile", options.sensor);
   for (const SensorProfile& sensor : options.scene_sensors) CheckSettings("SensorProfile", sensor);
   CheckSettings("DropOptions", options.drop);

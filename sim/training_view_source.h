@@ -29,8 +29,8 @@ struct ViewSourceOptions {
   // 0 = never scaled.
   double for_diameter_m = 0;
   double scaled_share = 0.7;  // share of clutter scenes that are scaled; else 1
-  int parts_min = 10;         // instances per clutter scene
-  int parts_max = 25;
+  int instances_min = 10;     // instances per clutter scene
+  int instances_max = 25;
   double fill_max = 0.6;     // largest share of the bin's volume filled by bounding boxes
   double mixed_share = 0.5;  // share of clutter scenes with several object kinds
   int mixed_kinds_max = 6;   // object kinds per mixed clutter scene
@@ -38,11 +38,11 @@ struct ViewSourceOptions {
   // (distractors.h). They train an estimator to reject unknown shapes. They are background in
   // `ids`.
   double distractor_share = 0;
-  int distractor_max = 6;  // distractors per clutter scene
-  bool color = true;       // render color; isolated views are faster without it
-  AppearanceRanges looks;  // lights, materials and backgrounds of color images
-  // true = each isolated view gets a random light from `looks`, placed in a frame at the object
-  // with z towards the camera. Otherwise all views share one light beside the camera.
+  int distractor_max = 6;       // distractors per clutter scene
+  bool color = true;            // render color; isolated views are faster without it
+  AppearanceRanges appearance;  // lights, materials and backgrounds of color images
+  // true = each isolated view gets a random light from `appearance`, placed in a frame at the
+  // object with z towards the camera. Otherwise all views share one light beside the camera.
   bool isolated_lamps = false;
   DropOptions drop;
   GlContextOptions gl;

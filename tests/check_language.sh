@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Fails when a comment or a string literal uses one of the forms that the style guide forbids, such as a
-# sentence that begins with "Of". Prints file, line and text of each.
+# Fails when a comment, a string literal or an identifier uses one of the forms that the style guide forbids,
+# such as a sentence that begins with "Of". Prints file, line and text of each.
 #
 #   check_language.sh ROOT
 set -u
@@ -12,10 +12,10 @@ in_comments="(//|\\. )[ ]*Of [a-zA-Z]|$forbidden"
 in_strings="(\"|\\. )Of [a-zA-Z]|$forbidden|\\b([Bb]elieved|[Bb]lamed?|fates?|lessons?|look-alikes?|polish(ed)?)\\b"
 in_strings+='|\bforeign (parts?|objects?|shapes?)\b|\b(a|the|each|every|any|no|of|wanted|all) parts?\b|\bpart '"'"
 # Strings that are stored, hashed, compared or drawn from as they are.
-kept='Rng::Derive|(TABLE|UPDATE) fates|Renamed(Key|Value)|"(fingers|palm) meets? a part"|"estimate/|"(alone|fates?|lessons?|polish)"'
+kept='Rng::Derive|(TABLE|UPDATE) (fates|rejections)|Renamed(Key|Value)|\{"(fingers|palm) meets? a part"|"estimate/|"(alone|fates?|lessons?|polish)"'
 
 sources() {
-  find scenes sim perception grasp eval tests -path tests/support/planted_language -prune -o \
+  find scenes sim perception grasp eval tests -path 'tests/support/planted_*' -prune -o \
     \( -name '*.h' -o -name '*.cpp' \) -print0 2>/dev/null
 }
 comments() {
@@ -37,7 +37,21 @@ strings() {
       if (literals != "") print place literals
     }' | grep -E "^[^:]*:[0-9]+:.*($in_strings)"
 }
-found=$(comments; strings)
+# Prints each line of code that has one of these words as an identifier or within one.
+identifiers() {
+  local words='parts?|piles?|twins?|tells?|told|looks?|looked|aims?|aimed|tries|charge[ds]?|lessons?|middle'
+  local capitals='Parts?|Piles?|Twins?|Tells?|Told|Looks?|Looked|Aims?|Aimed|Tries|Charge[ds]?|Lessons?|Middle'
+  # Names of formats, of libraries and of settings that are stored, and established terms.
+  local allowed='GlbParts?|glb_parts?|[Pp]art_?[Ff]amil[A-Za-z]*|Look(At|Up|Ahead)[A-Za-z]*|kPile|middleCols|m_least[A-Za-z]*'
+  sources | xargs -0 -r grep -nHE '[a-z]' | grep -vE '^[^:]*:[0-9]+: *(//|#include|TEST)' |
+    sed -E "s/\"([^\"\\\\]|\\\\.)*\"//g; s,//.*,,; s/\\<($allowed)\\>//g" |
+    grep -E "^[^:]*:[0-9]+:((.*[^A-Za-z])?($words|least|most)|.*($capitals|kLeast|kMost))([^a-z]|\$)"
+}
+yaml_comments() {
+  find assets scenes -name '*.yaml' -print0 2>/dev/null | xargs -0 -r grep -nHE '#' |
+    grep -E "^[^:]*:[0-9]+:[^#]*#(.*\\.)? *(Of [a-zA-Z]|.*($forbidden|\\bparts?\\b))"
+}
+found=$(comments; strings; identifiers; yaml_comments)
 [ -z "$found" ] && exit 0
 printf '%s\n' "$found" "forbidden forms: $(printf '%s\n' "$found" | wc -l)"
 exit 1

@@ -6,7 +6,7 @@
 # - a source that no test names and that has no reason in tests/untested_sources.txt. A test names it by the
 #   name of the test file, or by an #include of its header.
 # - two types with one qualified name
-# - a file name in a results folder that is written in two places of eval
+# - the name of a file that is written or read, in two places
 # Each line of the two lists has a path, which may be a pattern, and a reason. An entry without a file is an
 # error as well.
 #
@@ -96,10 +96,14 @@ while IFS= read -r line; do say "$line"; done < <(
       else seen[qualified] = FILENAME
     }')
 
+# A name is a constant in a header, or the name of a file in "folder / NAME".
+named=$(grep -rhoE --include='*.cpp' --include='*.h' '(char k[A-Za-z]+\[\] =|[a-z_)] /) "[a-z_]+\.(csv|html|json|md|sqlite|yaml)"' \
+  scenes sim perception grasp eval 2>/dev/null | cut -d'"' -f2 | sort -u)
 while IFS= read -r name; do
-  places=$(grep -rnF --include='*.cpp' --include='*.h' "$name" eval | sed -E 's,//.*,,' | grep -E "\"[^\"]*${name//./\\.}")
+  places=$(grep -rnF --include='*.cpp' --include='*.h' "$name" scenes sim perception grasp eval 2>/dev/null | sed -E 's,//.*,,' |
+    grep -E "\"([^\"]*[^A-Za-z0-9_\"])?${name//./\\.}")
   [ "$(grep -c . <<<"$places")" -le 1 ] || say "$(cut -d: -f1 <<<"$places" | paste -sd' '): each writes \"$name\"; use the constant"
-done < <(grep -rhoE --include='*.h' 'char k[A-Za-z]+\[\] = "[a-z_]+\.[a-z]+"' eval 2>/dev/null | cut -d'"' -f2 | sort -u)
+done <<<"$named"
 
 [ -z "$problems" ] && exit 0
 printf '%s' "$problems"

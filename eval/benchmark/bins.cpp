@@ -174,10 +174,10 @@ std::filesystem::path TrainedModelFile(const BinMethod& method, const std::files
 
 std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& file,
                                        const ObjectSet& objects, bool small) {
-  std::vector<std::string> parts;
-  for (const auto& object : objects) parts.push_back(object->name);
+  std::vector<std::string> names;
+  for (const auto& object : objects) names.push_back(object->name);
   std::vector<std::string> words = HowTrained(method, small);
-  const std::vector<std::string> rest{"--objects", fmt::format("{}", fmt::join(parts, ",")),
+  const std::vector<std::string> rest{"--objects", fmt::format("{}", fmt::join(names, ",")),
                                       "--out", file.string()};
   words.insert(words.end(), rest.begin(), rest.end());
   return words;

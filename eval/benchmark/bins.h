@@ -12,10 +12,14 @@
 #include <vector>
 
 #include "eval/estimate/estimator_comparison.h"
+#include "eval/metrics/result_columns.h"
 #include "eval/page/html.h"
 #include "eval/stats/statistics.h"
 
 namespace pickbed::eval {
+
+inline constexpr char kBinsFile[] = "bins.csv";
+inline constexpr char kBinsPage[] = "bins.html";
 
 // One estimator configuration, a row of the table.
 struct BinMethod {
@@ -29,6 +33,7 @@ struct BinMethod {
   // Additional words for --small. All models then train in minutes, but they are less accurate.
   std::vector<std::string> small_training = {};
 };
+// Returns all rows of the benchmark, in the order of its table.
 const std::vector<BinMethod>& BinMethods();
 
 // Result of one estimator in one bin.
@@ -62,6 +67,7 @@ BinRow BinRowOf(const ComparedRow& row);
 // scenario must then be run again.
 void WriteBinScenario(const std::filesystem::path& file, const BinScenario& scenario,
                       const std::string& key);
+// Reads the results of a scenario; see above.
 std::optional<BinScenario> ReadBinScenario(const std::filesystem::path& file,
                                            const std::string& key);
 
@@ -89,9 +95,12 @@ std::filesystem::path FindBinModel(const BinMethod& method, const std::filesyste
 // Returns a CSV table: one line per estimator over all scenarios, then one per scenario and
 // estimator.
 std::string BinTableCsv(const std::vector<BinScenario>& scenarios);
-// Return the statistics over all scenarios as text for the console and as an HTML page. `note` is a
-// remark on how the numbers were obtained; may be empty.
+// Returns the columns of BinTableCsv().
+ResultColumns BinTableColumns();
+// Returns the statistics over all scenarios as text for the console. `note` is a remark on how the
+// numbers were obtained; may be empty.
 std::string BinTableText(const std::vector<BinScenario>& scenarios, const std::string& note = "");
+// Returns the same statistics as an HTML page.
 HtmlPage BinTablePage(const std::vector<BinScenario>& scenarios, const std::string& note = "");
 
 }  // namespace pickbed::eval

@@ -166,13 +166,32 @@ int BinsOf(const std::vector<BinScenario>& scenarios) {
 
 }  // namespace
 
-std::string BinTableCsv(const std::vector<BinScenario>& scenarios) {
-  std::string csv = "scenario,estimator,bins,top_right,recalled,instances,ap,ar,seconds,memory_mib";
+ResultColumns BinTableColumns() {
+  ResultColumns columns{
+      {"scenario", "name of the scenario, or all"},
+      {"estimator", "row of the table: estimator, mode and model"},
+      {"bins", "number of images, one per bin"},
+      {"top_right", "number of images whose highest-ranked pose is correct"},
+      {"recalled", "number of instances with a correct pose"},
+      {"instances", "number of instances with a visible fraction of at least 0.1"},
+      {"ap", "BOP24 average precision", "0..1"},
+      {"ar", "BOP19 average recall", "0..1"},
+      {"seconds", "mean duration of an estimate"},
+      {"memory_mib", "peak memory of the process"},
+  };
   for (const RecallBand& band : EmptyRecallBands()) {
-    csv += fmt::format(",recalled_{0:.0f}_{1:.0f},instances_{0:.0f}_{1:.0f}",
-                       100 * band.visible_min, 100 * band.visible_max);
+    const double low = 100 * band.visible_min, high = 100 * band.visible_max;
+    AddColumns(
+        {{fmt::format("recalled_{:.0f}_{:.0f}", low, high), "number of these with a correct pose"},
+         {fmt::format("instances_{:.0f}_{:.0f}", low, high),
+          fmt::format("number of instances that are {:.0f} to {:.0f} % visible", low, high)}},
+        columns);
   }
-  csv += "\n";
+  return columns;
+}
+
+std::string BinTableCsv(const std::vector<BinScenario>& scenarios) {
+  std::string csv = HeaderLine(BinTableColumns());
   const auto line = [&](const std::string& scenario, const std::string& label,
                         const MethodStatistics& f) {
     const Cluster all = SumOf(f.recalls);

@@ -102,13 +102,13 @@ class Benchmark {
 
 void Benchmark::MakeSources() {
   ViewSourceOptions options;
-  options.looks = FixedAppearance();
+  options.appearance = FixedAppearance();
   clean_ = MakeSimViewSource(job_.objects, options);
   options.sensor = LoadSensorProfile(options_.sensor);
   noisy_ = MakeSimViewSource(job_.objects, options);
-  options.looks = WideAppearance();
+  options.appearance = WideAppearance();
   // No painted background here: it is a separate condition.
-  options.looks.background = {0, 0};
+  options.appearance.background = {0, 0};
   options.isolated_lamps = true;
   varied_ = MakeSimViewSource(job_.objects, options);
   options.sensor = {};
@@ -148,10 +148,10 @@ std::vector<TestScene> Benchmark::Scenes(ObjectId object, int condition, CropSet
   const std::vector<CropTest> tests = MakeCropTests(
       {clean_.get(), noisy_.get(), relit_.get()}, object, CropConditionTable()[condition], R_CO,
       options_.views, Rng::Derive(options_.seed, object, "crop tests").Next());
-  const ObjectModel& part = *job_.objects[object];
+  const ObjectModel& model = *job_.objects[object];
   std::vector<TestScene> scenes(tests.size());
   for (size_t i = 0; i < tests.size(); ++i) {
-    const CropSpot spot{tests[i].X_CO * CropCenter_O(part), CropSide_m(part, options_.views)};
+    const CropSpot spot{tests[i].X_CO * CropCenter_O(model), CropSide_m(model, options_.views)};
     AppendCrop(tests[i].frame, spot, nullptr, crops);
     scenes[i] = {{}, spot, tests[i].X_CO, tests[i].occluded};
   }

@@ -30,6 +30,7 @@ struct CropBenchmarkOptions {
 
 // Processing of a method's answers: none, ICP from the answers, or ICP without a method.
 enum class CropStage { kNearest, kNearestIcp, kIcpOnly };
+// Returns the name of a stage in tables and files.
 const char* CropStageName(CropStage stage);
 
 // Upper bound and baseline. They are no methods because they know the object.

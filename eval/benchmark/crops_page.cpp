@@ -9,7 +9,7 @@ namespace {
 // Selects the statistic that a chart or table shows.
 using StatisticOf = const std::vector<Cluster>& (*)(const CropStatistics& statistics);
 
-const std::vector<Cluster>& PartRight(const CropStatistics& f) { return f.part_right; }
+const std::vector<Cluster>& ObjectRight(const CropStatistics& f) { return f.object_right; }
 const std::vector<Cluster>& WithinTen(const CropStatistics& f) { return f.within[1]; }
 
 std::vector<CropCell> RowsOf(const CropBenchmark& benchmark, CropStage stage) {
@@ -69,7 +69,7 @@ TableCells StatisticsTable(const CropBenchmark& benchmark, int condition) {
     const Interval median = MedianInterval(f.angles_deg);
     cells.push_back(
         {row.method, CropStageName(row.stage),
-         row.stage == CropStage::kIcpOnly ? "given" : RateText(ClusterRate(f.part_right)),
+         row.stage == CropStage::kIcpOnly ? "given" : RateText(ClusterRate(f.object_right)),
          percent(f.within[0]), RateText(ClusterRate(f.within[1])), percent(f.within[2]),
          percent(f.within[3]),
          fmt::format("{:.2f} [{:.2f}, {:.2f}]", MedianOf(f.angles_deg), median.low, median.high),
@@ -80,7 +80,7 @@ TableCells StatisticsTable(const CropBenchmark& benchmark, int condition) {
 
 // Share within 10 degrees for each object under one condition, for the nearest neighbour without
 // ICP.
-TableCells PartsTable(const CropBenchmark& benchmark, const ObjectSet& objects, int condition) {
+TableCells ObjectsTable(const CropBenchmark& benchmark, const ObjectSet& objects, int condition) {
   const std::vector<CropCell> rows = RowsOf(benchmark, CropStage::kNearest);
   TableCells cells{{"object"}};
   for (const CropCell& row : rows) cells[0].push_back(row.method);
@@ -114,7 +114,7 @@ HtmlPage CropPage(const CropBenchmark& benchmark, const ObjectSet& objects,
   std::vector<ReportChart> charts{
       ByCondition(benchmark,
                   {"part-right", "Right object by condition", "Nearest neighbour without ICP.", ""},
-                  CropStage::kNearest, "right object", PartRight),
+                  CropStage::kNearest, "right object", ObjectRight),
       ByCondition(
           benchmark,
           {"nearest", "Within 10 degrees by condition", "Nearest neighbour without ICP.", ""},
@@ -133,7 +133,7 @@ HtmlPage CropPage(const CropBenchmark& benchmark, const ObjectSet& objects,
     page.Paragraph(row.help);
     page.Table(StatisticsTable(benchmark, condition));
     page.Subheading("Within 10 degrees, by object");
-    page.Table(PartsTable(benchmark, objects, condition));
+    page.Table(ObjectsTable(benchmark, objects, condition));
   }
   page.Heading("Settings");
   page.Preformatted(settings);

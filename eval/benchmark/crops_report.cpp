@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <numbers>
+#include "scenes/base/math.h"
 
 namespace pickbed::eval {
 namespace {
@@ -41,7 +41,7 @@ std::string CropTableText(const CropBenchmark& benchmark) {
     for (CropCell cell : CropRows(benchmark)) {
       cell.condition = condition;
       const CropStatistics f = StatisticsOf(benchmark, cell);
-      text += fmt::format("  {:<30}{:>8}", NameOf(cell), PercentNumber(RateOf(f.part_right)));
+      text += fmt::format("  {:<30}{:>8}", NameOf(cell), PercentNumber(RateOf(f.object_right)));
       for (const std::vector<Cluster>& within : f.within) {
         text += fmt::format("{:>8}", PercentNumber(RateOf(within)));
       }
@@ -52,13 +52,70 @@ std::string CropTableText(const CropBenchmark& benchmark) {
   return text;
 }
 
-std::string CropTableCsv(const CropBenchmark& benchmark, const ObjectSet& objects) {
-  std::string csv =
-      "method,stage,condition,object,views,object_right,object_right_low,object_right_high";
+ResultColumns CropTableColumns() {
+  ResultColumns columns{
+      {"method", "name of the crop method"},
+      {"stage", "nearest template, with ICP, or only ICP"},
+      {"condition", "name of the test condition"},
+      {"object", "name of the object, or all"},
+      {"views", "number of test views"},
+  };
+  const auto add_rate = [&](const std::string& name, const std::string& help) {
+    AddColumns({{name, help, "0..1"},
+                {name + "_low", "lower end of its 95 % interval", "0..1"},
+                {name + "_high", "upper end of its 95 % interval", "0..1"}},
+               columns);
+  };
+  add_rate("object_right", "share of views with the right object");
   for (const double angle_deg : kCropAngles_deg) {
-    csv += fmt::format(",within_{0:.0f},within_{0:.0f}_low,within_{0:.0f}_high", angle_deg);
+    add_rate(fmt::format("within_{:.0f}", angle_deg),
+             fmt::format("share of views with a rotation error up to {:.0f} degrees", angle_deg));
   }
-  csv += ",over_15,over_15_low,over_15_high,median_deg,median_deg_low,median_deg_high\n";
+  add_rate("over_15", "share of views with a rotation error over 15 degrees or a wrong object");
+  AddColumns({{"median_deg", "median rotation error; infinite for a wrong object"},
+              {"median_deg_low", "lower end of its 95 % interval", "deg"},
+              {"median_deg_high", "upper end of its 95 % interval", "deg"}},
+             columns);
+  return columns;
+}
+
+ResultColumns CropViewsColumns() {
+  return {
+      {"method", "name of the crop method"},
+      {"stage", "nearest template, with ICP, or only ICP"},
+      {"condition", "name of the test condition"},
+      {"object", "name of the object in the view"},
+      {"view", "number of the test view"},
+      {"found_object", "name of the object in the answer; empty = no answer"},
+      {"angle_deg", "rotation error, minimum over the symmetries; infinite for a wrong object"},
+      {"occluded", "occluded fraction of the object", "0..1"},
+  };
+}
+
+ResultColumns CropTimingsColumns() {
+  return {
+      {"method", "name of the crop method"},
+      {"stage", "nearest template, with ICP, only ICP, or made (training and templates)"},
+      {"condition", "name of the test condition"},
+      {"seconds_a_crop", "mean time per crop; of the stage made: total time", "s"},
+  };
+}
+
+ResultColumns CropDifferencesColumns() {
+  return {
+      {"method", "name of the first method"},
+      {"other", "name of the second method"},
+      {"stage", "nearest template, with ICP, or only ICP"},
+      {"condition", "name of the test condition"},
+      {"statistic", fmt::format("object_right or within_10, see {}", kCropsFile)},
+      {"difference", "rate of the first method minus rate of the second"},
+      {"low", "lower end of the 95 % interval, paired over views"},
+      {"high", "upper end of the 95 % interval, paired over views"},
+  };
+}
+
+std::string CropTableCsv(const CropBenchmark& benchmark, const ObjectSet& objects) {
+  std::string csv = HeaderLine(CropTableColumns());
   for (CropCell cell : CropRows(benchmark)) {
     for (const int condition : CropConditionsOf(benchmark)) {
       for (ObjectId object = kAnyObject; object < static_cast<int>(objects.size()); ++object) {
@@ -69,7 +126,7 @@ std::string CropTableCsv(const CropBenchmark& benchmark, const ObjectSet& object
         csv += fmt::format("{},{},{},{},{}", cell.method, CropStageName(cell.stage),
                            CropConditionTable()[condition].name,
                            object < 0 ? "all" : objects[object]->name, f.tests());
-        csv += RateCsv(f.part_right);
+        csv += RateCsv(f.object_right);
         for (const std::vector<Cluster>& within : f.within) csv += RateCsv(within);
         const Interval median = MedianInterval(f.angles_deg);
         csv +=
@@ -82,18 +139,18 @@ std::string CropTableCsv(const CropBenchmark& benchmark, const ObjectSet& object
 }
 
 std::string CropViewsCsv(const CropBenchmark& benchmark, const ObjectSet& objects) {
-  std::string csv = "method,stage,condition,object,view,found_object,angle_deg,occluded\n";
+  std::string csv = HeaderLine(CropViewsColumns());
   for (const CropRecord& r : benchmark.records) {
     csv += fmt::format("{},{},{},{},{},{},{:.4f},{:.4f}\n", r.method, CropStageName(r.stage),
                        CropConditionTable()[r.condition].name, objects[r.object]->name, r.test,
                        r.found_object < 0 ? "" : objects[r.found_object]->name,
-                       r.angle_rad * 180 / std::numbers::pi, r.occluded);
+                       Degrees(r.angle_rad), r.occluded);
   }
   return csv;
 }
 
 std::string CropTimingsCsv(const CropBenchmark& benchmark) {
-  std::string csv = "method,stage,condition,seconds_a_crop\n";
+  std::string csv = HeaderLine(CropTimingsColumns());
   for (CropCell cell : CropRows(benchmark)) {
     for (const int condition : CropConditionsOf(benchmark)) {
       cell.condition = condition;
@@ -109,7 +166,7 @@ std::string CropTimingsCsv(const CropBenchmark& benchmark) {
 }
 
 std::string CropDifferencesCsv(const CropBenchmark& benchmark) {
-  std::string csv = "method,other,stage,condition,statistic,difference,low,high\n";
+  std::string csv = HeaderLine(CropDifferencesColumns());
   const std::vector<CropCell> rows = CropRows(benchmark);
   for (size_t first = 0; first < rows.size(); ++first) {
     for (size_t second = first + 1; second < rows.size(); ++second) {
@@ -124,7 +181,7 @@ std::string CropDifferencesCsv(const CropBenchmark& benchmark) {
                              CropStageName(cell.stage), CropConditionTable()[condition].name,
                              statistic, d.by, d.ci95.low, d.ci95.high);
         };
-        line("object_right", DifferenceOf(ours.part_right, theirs.part_right));
+        line("object_right", DifferenceOf(ours.object_right, theirs.object_right));
         line("within_10", DifferenceOf(ours.within[kTenDegrees], theirs.within[kTenDegrees]));
       }
     }

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numbers>
 #include <set>
+
+#include "scenes/base/math.h"
 
 namespace pickbed::eval {
 
@@ -16,8 +17,8 @@ CropStatistics StatisticsOf(const CropBenchmark& benchmark, const CropCell& cell
         record.condition != cell.condition || (cell.object && record.object != *cell.object)) {
       continue;
     }
-    const double angle_deg = record.angle_rad * 180 / std::numbers::pi;
-    statistics.part_right.push_back({record.found_object == record.object ? 1 : 0, 1});
+    const double angle_deg = Degrees(record.angle_rad);
+    statistics.object_right.push_back({record.found_object == record.object ? 1 : 0, 1});
     for (size_t i = 0; i < statistics.within.size(); ++i) {
       statistics.within[i].push_back({angle_deg <= kCropAngles_deg[i] ? 1 : 0, 1});
     }

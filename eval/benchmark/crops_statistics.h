@@ -25,14 +25,15 @@ struct CropCell {
 // Statistics of one cell. A wrong object has an infinite angle: it is within no threshold, it is
 // over 15 degrees, and it counts in the median.
 struct CropStatistics {
-  std::vector<Cluster> part_right;           // one per test view, as all vectors below
+  std::vector<Cluster> object_right;         // one per test view, as all vectors below
   std::vector<std::vector<Cluster>> within;  // [index in kCropAngles_deg][test view]
   std::vector<Cluster> over_15_deg;
   ValueClusters angles_deg;
   double seconds = 0;  // mean time per crop
-  int tests() const { return static_cast<int>(part_right.size()); }
+  int tests() const { return static_cast<int>(object_right.size()); }
 };
 
+// Computes the statistics of the records of one cell.
 CropStatistics StatisticsOf(const CropBenchmark& benchmark, const CropCell& cell);
 
 // Returns each pair of method and stage once, in order of first appearance.

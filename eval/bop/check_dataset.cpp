@@ -79,15 +79,15 @@ class Checker {
     const double allowed_m = (main ? 0.01 : 0.05) * info.diameter_m;
     const double diameter_m = Diameter(mesh);
     if (std::abs(diameter_m - info.diameter_m) > allowed_m) {
-      Fault(fmt::format("{}: its diameter is {:.3f} mm, models_info.json says {:.3f}",
-                        file.string(), 1e3 * diameter_m, 1e3 * info.diameter_m));
+      Fault(fmt::format("{}: its diameter is {:.3f} mm, {} says {:.3f}", file.string(),
+                        1e3 * diameter_m, kModelsInfoFile, 1e3 * info.diameter_m));
     }
     const Bounds bounds = MeshBounds(mesh);
     const double off_m = std::max((bounds.min - info.bounds_O.min).cwiseAbs().maxCoeff(),
                                   (bounds.max - info.bounds_O.max).cwiseAbs().maxCoeff());
     if (off_m > allowed_m) {
-      Fault(fmt::format("{}: its bounding box differs by {:.3f} mm from models_info.json",
-                        file.string(), 1e3 * off_m));
+      Fault(fmt::format("{}: its bounding box differs by {:.3f} mm from {}", file.string(),
+                        1e3 * off_m, kModelsInfoFile));
     }
   }
 
@@ -100,7 +100,7 @@ class Checker {
       any = true;
       ReadDatasetCamera(entry.path(), Collector());
     }
-    if (!any) Fault((root_ / "camera.json").string() + ": is missing");
+    if (!any) Fault((root_ / kDatasetCameraFile).string() + ": is missing");
   }
 
   void CheckScene(const std::string& split, int scene_id) {
@@ -114,13 +114,13 @@ class Checker {
   void CheckImage(const SceneTruth& scene, const ImageTruth& image) {
     ++report_.images;
     report_.instances += static_cast<int>(image.instances.size());
-    const fs::path truth = scene.folder / "scene_gt.json";
+    const fs::path truth = scene.folder / kSceneTruthFile;
     for (size_t i = 0; i < image.instances.size(); ++i) {
       const int object = image.instances[i].object_id;
       ++instances_[{scene.scene_id, image.image_id}][object];
       if (known_objects_.contains(object)) continue;
-      Fault(fmt::format("{}: image {}: instance {}: models_info.json has no object {}",
-                        truth.string(), image.image_id, i, object));
+      Fault(fmt::format("{}: image {}: instance {}: {} has no object {}", truth.string(),
+                        image.image_id, i, kModelsInfoFile, object));
     }
     const auto frame = Try([&] { return ReadFrame(scene, image); });
     if (!frame) return;
@@ -140,7 +140,7 @@ class Checker {
       const InstanceInfo& info = image.infos[i];
       const auto fault = [&](const std::string& what) {
         Fault(fmt::format("{}: image {}: instance {}: {}",
-                          (scene.folder / "scene_gt_info.json").string(), image.image_id, i, what));
+                          (scene.folder / kSceneTruthInfoFile).string(), image.image_id, i, what));
       };
       const double share =
           info.px_count_all > 0 ? static_cast<double>(info.px_count_visib) / info.px_count_all : 0;
@@ -180,8 +180,8 @@ class Checker {
                            MaskFileName(image.image_id, static_cast<int>(image.instances.size()));
     std::error_code error;
     if (fs::exists(extra, error)) {
-      Fault(fmt::format("{}: scene_gt.json has only {} instances in this image", extra.string(),
-                        image.instances.size()));
+      Fault(fmt::format("{}: {} has only {} instances in this image", extra.string(),
+                        kSceneTruthFile, image.instances.size()));
     }
   }
 
@@ -198,8 +198,8 @@ class Checker {
     if (!visible || instance >= visible->infos.size()) return;
     const int given = visible->infos[instance].px_count_visib;
     if (given != set) {
-      Fault(fmt::format("{}: has {} pixels, scene_gt_info.json says px_count_visib {}",
-                        file.string(), set, given));
+      Fault(fmt::format("{}: has {} pixels, {} says px_count_visib {}", file.string(), set,
+                        kSceneTruthInfoFile, given));
     }
   }
 
@@ -213,7 +213,7 @@ class Checker {
         if (!id || !scene.images.contains(*id)) strays.insert(entry.path());
       }
       for (const fs::path& stray : strays) {
-        Fault(stray.string() + ": scene_camera.json has no such image");
+        Fault(fmt::format("{}: {} has no such image", stray.string(), kSceneCameraFile));
       }
     }
   }

@@ -16,9 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kIdentityFile = "dataset_settings.yaml";
-constexpr const char* kCardFile = "dataset_card.json";
-
 uint64_t HashText(const std::string& text, uint64_t seed) {
   return HashBytes(text.data(), text.size(), seed);
 }
@@ -78,11 +75,12 @@ std::string IdentityOf(const ScenarioSpec& spec, const ObjectSet& objects,
 }
 
 std::string ReadIdentity(const fs::path& out) {
-  return fs::exists(out / kIdentityFile) ? ReadFileBytes(out / kIdentityFile) : std::string();
+  return fs::exists(out / kDatasetSettingsFile) ? ReadFileBytes(out / kDatasetSettingsFile)
+                                                : std::string();
 }
 
 void WriteIdentity(const fs::path& out, const std::string& identity) {
-  WriteFileAtomically(out / kIdentityFile, identity);
+  WriteFileAtomically(out / kDatasetSettingsFile, identity);
 }
 
 void WriteCards(const ScenarioSpec& spec, const ObjectSet& objects, const MakeOptions& options,
@@ -109,18 +107,18 @@ void WriteCards(const ScenarioSpec& spec, const ObjectSet& objects, const MakeOp
   card["models"] = HashOfFolder(options.out / "models");
   card["hash"] = fmt::format("{:016x}", HashBytes(all.data(), all.size()));
   WriteFileAtomically(options.out / kCardFile, card.dump(2) + "\n");
-  WriteFileAtomically(options.out / "dataset_card.md", CardText(card));
+  WriteFileAtomically(options.out / kCardTextFile, CardText(card));
 }
 
-std::map<int, CardPart> PartsOfCard(const fs::path& root) {
+std::map<int, CardObject> ObjectsOfCard(const fs::path& root) {
   const fs::path file = root / kCardFile;
-  std::map<int, CardPart> parts;
-  if (!fs::exists(file)) return parts;
+  std::map<int, CardObject> objects;
+  if (!fs::exists(file)) return objects;
   const std::optional<Json> card = ReadJson(file, ThrowFault);
   try {
-    if (card->at("models").get<std::string>() != HashOfFolder(root / "models")) return parts;
+    if (card->at("models").get<std::string>() != HashOfFolder(root / "models")) return objects;
     for (const Json& object : card->at("objects")) {
-      parts[object.at("obj_id").get<int>()] = {
+      objects[object.at("obj_id").get<int>()] = {
           object.at("name").get<std::string>(),
           std::stoull(object.at("mesh").get<std::string>(), nullptr, 16)};
     }
@@ -129,7 +127,7 @@ std::map<int, CardPart> PartsOfCard(const fs::path& root) {
         "{}: was not written by pickbed ({}); resume `pickbed dataset make` to write it again",
         file.string(), error.what()));
   }
-  return parts;
+  return objects;
 }
 
 }  // namespace pickbed::eval::bop

@@ -19,6 +19,7 @@ std::string IdentityOf(const ScenarioSpec& spec, const ObjectSet& objects,
 // Reads and writes the identity of the data set in folder `out` (dataset_settings.yaml). Reading
 // returns an empty text if the file does not exist.
 std::string ReadIdentity(const std::filesystem::path& out);
+// Writes the identity. Throws InputError if the folder cannot be written.
 void WriteIdentity(const std::filesystem::path& out, const std::string& identity);
 
 // Writes dataset_card.json and dataset_card.md into `options.out`. Both hold a hash of all scenes,
@@ -28,12 +29,12 @@ void WriteCards(const ScenarioSpec& spec, const ObjectSet& objects, const MakeOp
 
 // Object of which the data set was made. The mesh hash shows whether a model trained on this object
 // is valid for the data set.
-struct CardPart {
+struct CardObject {
   std::string name;
   uint64_t mesh_hash = 0;
 };
 // Returns the objects of the card by object id. The map is empty if the data set has no card or if
 // models/ no longer matches the hash in the card. Throws InputError for a broken card.
-std::map<int, CardPart> PartsOfCard(const std::filesystem::path& root);
+std::map<int, CardObject> ObjectsOfCard(const std::filesystem::path& root);
 
 }  // namespace pickbed::eval::bop

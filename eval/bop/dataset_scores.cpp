@@ -40,7 +40,7 @@ EstimatesByImage ByImage(const std::vector<Estimate>& estimates,
                     estimate.place.empty() ? fmt::format("estimate of scene {} image {}",
                                                          estimate.scene_id, estimate.image_id)
                                            : estimate.place,
-                    estimate.object_id, (folder / "models_info.json").string()));
+                    estimate.object_id, (folder / kModelsInfoFile).string()));
     by_image[{estimate.scene_id, estimate.image_id}].push_back(&estimate);
   }
   return by_image;
@@ -91,7 +91,7 @@ Scores Evaluate(const fs::path& root, const std::string& split,
         const auto info = models.find(object_id);
         CheckInput(info != models.end(),
                    fmt::format("{}: has no object {}, which is in the ground truth of a scene",
-                               (folder / "models_info.json").string(), object_id));
+                               (folder / kModelsInfoFile).string(), object_id));
         auto model = LoadModel(folder, object_id, info->second, ModelName(object_id));
         if (const auto named = tolerances.find(object_id); named != tolerances.end()) {
           RequireModelOf(named->second.model, *model, named->second.file);
@@ -106,7 +106,7 @@ Scores Evaluate(const fs::path& root, const std::string& split,
   for (const auto& [id, named] : tolerances) {
     CheckInput(models.contains(id),
                fmt::format("tolerance map {}={}: {} has no such object", id, named.file.string(),
-                           (folder / "models_info.json").string()));
+                           (folder / kModelsInfoFile).string()));
   }
   EstimatesByImage by_image = ByImage(estimates, models, folder);
   Scores scores;
@@ -120,7 +120,7 @@ Scores Evaluate(const fs::path& root, const std::string& split,
       const auto truth = scene.images.find(image_id);
       CheckInput(truth != scene.images.end(),
                  fmt::format("{}: has no image {}, which is a target",
-                             (scene_folder / "scene_camera.json").string(), image_id));
+                             (scene_folder / kSceneCameraFile).string(), image_id));
       auto found = by_image.extract({scene_id, image_id});
       const RgbdFrame frame = ReadDepthFrame(scene, truth->second);
       evaluator.AddImage(TruthOf(truth->second, frame), image_targets,

@@ -66,9 +66,9 @@ class Runner {
       : task_(options.task) {
     const EstimatorRow& row = EstimatorNamed(options.estimator.name);
     EstimatorSetup setup;
-    DatasetParts parts = LoadParts(root, wanted, models);
-    setup.objects = std::move(parts.objects);
-    object_ids_ = std::move(parts.ids);
+    DatasetObjects dataset = LoadDatasetObjects(root, wanted, models);
+    setup.objects = std::move(dataset.objects);
+    object_ids_ = std::move(dataset.ids);
     setup.spec = options.estimator;
     setup.refiner = options.refiner;
     setup.intrinsics = first.intrinsics;
@@ -139,7 +139,7 @@ const ImageTruth& TargetImage(const SceneTruth& scene, int image_id) {
   const auto image = scene.images.find(image_id);
   CheckInput(image != scene.images.end(),
              fmt::format("{}: has no image {}, which is a target",
-                         (scene.folder / "scene_camera.json").string(), image_id));
+                         (scene.folder / kSceneCameraFile).string(), image_id));
   return image->second;
 }
 
@@ -198,17 +198,17 @@ Estimate NamedTarget(const SplitTargets& targets, const std::string& name) {
 }
 
 // Ground truth of the objects that the estimator searches; nullopt if the image has none.
-std::optional<std::vector<TruePart>> TruthOf(const ImageTruth& image,
-                                             const std::vector<int>& object_ids) {
+std::optional<std::vector<eval::TrueInstance>> TruthOf(const ImageTruth& image,
+                                                       const std::vector<int>& object_ids) {
   if (image.instances.empty()) return std::nullopt;
-  std::vector<TruePart> parts;
+  std::vector<eval::TrueInstance> instances;
   for (size_t i = 0; i < image.instances.size(); ++i) {
     const auto id = std::ranges::find(object_ids, image.instances[i].object_id);
     if (id == object_ids.end()) continue;
     const double visible = i < image.infos.size() ? image.infos[i].visib_fract : 1;
-    parts.push_back({ObjectId(id - object_ids.begin()), image.instances[i].X_CO, visible});
+    instances.push_back({ObjectId(id - object_ids.begin()), image.instances[i].X_CO, visible});
   }
-  return parts;
+  return instances;
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 class Place {
  public:
   Place(std::string text, const OnFault& fault) : text_(std::move(text)), fault_(fault) {}
-  Place operator/(const std::string& part) const { return {text_ + ": " + part, fault_}; }
+  Place operator/(const std::string& key) const { return {text_ + ": " + key, fault_}; }
   void Fault(const std::string& what) const { fault_(text_ + ": " + what); }
   const std::string& text() const { return text_; }
 
@@ -35,7 +35,9 @@ std::optional<Json> ReadJson(const std::filesystem::path& file, const OnFault& f
 // Return the value of a key. They report a fault and return nullopt if it is absent or has the
 // wrong type. Reals expects `count` finite numbers.
 std::optional<double> Real(const Json& object, const char* key, const Place& place);
+// Same for a whole number.
 std::optional<int> Integer(const Json& object, const char* key, const Place& place);
+// Same for an array of `count` finite numbers.
 std::optional<std::vector<double>> Reals(const Json& object, const char* key, size_t count,
                                          const Place& place);
 // Converts an array, flat or nested, to `count` finite numbers. Reports a fault and returns nullopt

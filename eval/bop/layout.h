@@ -9,8 +9,20 @@
 #include <vector>
 
 #include "eval/layer.h"
+#include "eval/metrics/result_columns.h"
 
 namespace pickbed::eval::bop {
+
+// Files of a data set and, from kSceneCameraFile on, of a scene.
+inline constexpr char kDatasetCameraFile[] = "camera.json";
+inline constexpr char kModelsInfoFile[] = "models_info.json";  // in the folder of the models
+inline constexpr char kCardFile[] = "dataset_card.json";       // only written by pickbed
+inline constexpr char kCardTextFile[] = "dataset_card.md";
+inline constexpr char kDatasetSettingsFile[] = "dataset_settings.yaml";
+inline constexpr char kSceneCameraFile[] = "scene_camera.json";
+inline constexpr char kSceneTruthFile[] = "scene_gt.json";
+inline constexpr char kSceneTruthInfoFile[] = "scene_gt_info.json";
+inline constexpr char kSceneCocoFile[] = "scene_gt_coco.json";
 
 std::string SceneFolderName(int scene_id);                        // 000001
 std::string ImageFileName(int image_id);                          // 000001.png
@@ -18,6 +30,15 @@ std::string MaskFileName(int image_id, int position);             // 000001_0000
 std::string ModelName(int object_id);                             // obj_000001
 std::string ModelFileName(int object_id);                         // obj_000001.ply
 std::string TargetsFileName(const std::string& split, int year);  // test_targets_bop19.json
+
+// A JSON file of a data set that pickbed writes.
+struct DatasetFile {
+  std::string name;  // with SPLIT and SCENE in place of their folders
+  std::string help;
+  ResultColumns keys;
+};
+// Returns all of them. Most keys are defined by BOP.
+std::vector<DatasetFile> DatasetFiles();
 
 // Converts a name that consists only of digits to its number; nullopt for any other name.
 std::optional<int> ParseId(const std::string& name);
@@ -30,9 +51,10 @@ std::vector<int> ScenesOf(const std::filesystem::path& root, const std::string& 
 // Returns the folder of the models for error computation: models_eval if it exists, else models.
 std::filesystem::path EvalModelsFolder(const std::filesystem::path& root);
 
-// Find the image files of a scene folder. Colour is in rgb or gray, as PNG, JPEG or TIFF. Depth is
-// a PNG or TIFF. They return nullopt if no such file exists.
+// Finds the color image in a scene folder: in rgb or gray, as PNG, JPEG or TIFF. Returns nullopt if
+// there is none.
 std::optional<std::filesystem::path> ColorFile(const std::filesystem::path& scene, int image_id);
+// Finds the depth image. Returns nullopt if there is none.
 std::optional<std::filesystem::path> DepthFile(const std::filesystem::path& scene, int image_id);
 
 }  // namespace pickbed::eval::bop

@@ -108,7 +108,7 @@ Camera RandomView(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng) 
   constexpr int kMaxSamples = 100;
   const Camera nominal = CameraOf(spec);
   const double distance_m = (spec.camera.target_m - spec.camera.eye_m).norm();
-  const double least_z_m = spec.bin.inner_size_m.z() + spread.above_walls_m;
+  const double min_z_m = spec.bin.inner_size_m.z() + spread.above_walls_m;
   for (int i = 0; i < kMaxSamples; ++i) {
     const double turn = rng.Uniform(-std::numbers::pi, std::numbers::pi);
     const double tilt = rng.Uniform(-spread.tilt_rad, spread.tilt_rad);
@@ -122,7 +122,7 @@ Camera RandomView(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng) 
             .toRotationMatrix();
     const Eigen::Vector3d target_W = spec.camera.target_m + Eigen::Vector3d(x_m, y_m, 0);
     const Eigen::Vector3d eye_W = target_W - share * distance_m * R_WC.col(2);
-    if (eye_W.z() < least_z_m) continue;
+    if (eye_W.z() < min_z_m) continue;
     return {nominal.intrinsics, MakePose(Orthonormalized(R_WC), eye_W)};
   }
   return nominal;  // it is so low that no sampled view is high enough above the walls
@@ -140,7 +140,7 @@ MakeReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
   WriteIdentity(options.out, identity);
   // The BOP toolkit needs meshes for rendering and for scoring. These are small enough for both.
   for (const fs::path& folder : models) WriteModels(folder, objects);
-  WriteDatasetCamera(options.out / "camera.json", CameraOf(spec).intrinsics);
+  WriteDatasetCamera(options.out / kDatasetCameraFile, CameraOf(spec).intrinsics);
 
   MakeReport report;
   report.done = report.done_before = static_cast<int>(std::count_if(

@@ -11,32 +11,32 @@
 
 namespace pickbed::eval::bop {
 
-DatasetParts LoadParts(const std::filesystem::path& root, const std::set<int>& wanted,
-                       const std::map<int, ModelInfo>& models) {
+DatasetObjects LoadDatasetObjects(const std::filesystem::path& root, const std::set<int>& wanted,
+                                  const std::map<int, ModelInfo>& models) {
   const std::filesystem::path folder = root / "models";
-  const std::map<int, CardPart> known_parts = PartsOfCard(root);
-  DatasetParts parts;
+  const std::map<int, CardObject> known_objects = ObjectsOfCard(root);
+  DatasetObjects dataset;
   for (const int id : wanted) {
     const auto info = models.find(id);
     CheckInput(info != models.end(), fmt::format("{}: has no object {}, which is a target",
-                                                 (folder / "models_info.json").string(), id));
-    const auto known = known_parts.find(id);
-    const std::string name = known != known_parts.end() ? known->second.name : ModelName(id);
+                                                 (folder / kModelsInfoFile).string(), id));
+    const auto known = known_objects.find(id);
+    const std::string name = known != known_objects.end() ? known->second.name : ModelName(id);
     auto model = std::make_shared<ObjectModel>(*LoadModel(folder, id, info->second, name));
-    if (known != known_parts.end()) model->mesh_hash = known->second.mesh_hash;
-    parts.objects.push_back(std::move(model));
-    parts.ids.push_back(id);
+    if (known != known_objects.end()) model->mesh_hash = known->second.mesh_hash;
+    dataset.objects.push_back(std::move(model));
+    dataset.ids.push_back(id);
   }
-  return parts;
+  return dataset;
 }
 
-DatasetParts LoadParts(const std::filesystem::path& root) {
+DatasetObjects LoadDatasetObjects(const std::filesystem::path& root) {
   const std::map<int, ModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
   CheckInput(!models.empty(),
-             (root / "models" / "models_info.json").string() + ": names no object to learn");
+             (root / "models" / kModelsInfoFile).string() + ": names no object to learn");
   std::set<int> all;
   for (const auto& [id, info] : models) all.insert(id);
-  return LoadParts(root, all, models);
+  return LoadDatasetObjects(root, all, models);
 }
 
 }  // namespace pickbed::eval::bop

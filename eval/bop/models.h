@@ -12,7 +12,7 @@
 
 namespace pickbed::eval::bop {
 
-struct DatasetParts {
+struct DatasetObjects {
   ObjectSet objects;
   std::vector<int> ids;  // BOP obj_id of each object
 };
@@ -20,10 +20,10 @@ struct DatasetParts {
 // Loads the objects `wanted`, in order of their ids. Name and mesh hash come from the data set's
 // card. Without a card, the name is obj_000001 and the hash is computed. Throws InputError for an
 // id that is not in `models` and for a broken mesh.
-DatasetParts LoadParts(const std::filesystem::path& root, const std::set<int>& wanted,
-                       const std::map<int, ModelInfo>& models);
+DatasetObjects LoadDatasetObjects(const std::filesystem::path& root, const std::set<int>& wanted,
+                                  const std::map<int, ModelInfo>& models);
 
 // Loads all objects of the data set. Throws InputError as above, and if it has no object.
-DatasetParts LoadParts(const std::filesystem::path& root);
+DatasetObjects LoadDatasetObjects(const std::filesystem::path& root);
 
 }  // namespace pickbed::eval::bop

@@ -164,7 +164,9 @@ void ForEachImage(const fs::path& file, SceneTruth& scene, const OnFault& fault,
   const Place place(file.string(), fault);
   ForEachId(*json, place, "image", [&](int id, const Json& entry, const Place& where) {
     const auto image = scene.images.find(id);
-    if (image == scene.images.end()) return where.Fault("scene_camera.json has no such image");
+    if (image == scene.images.end()) {
+      return where.Fault(fmt::format("{} has no such image", kSceneCameraFile));
+    }
     take(image->second, entry, where);
   });
   for (const auto& [id, image] : scene.images) {
@@ -187,7 +189,7 @@ std::string RotationFault(const Eigen::Matrix3d& R) {
 
 std::map<int, ModelInfo> ReadModelsInfo(const fs::path& folder, const OnFault& fault) {
   std::map<int, ModelInfo> models;
-  const fs::path file = folder / "models_info.json";
+  const fs::path file = folder / kModelsInfoFile;
   const std::optional<Json> json = ReadJson(file, fault);
   if (!json) return models;
   ForEachId(*json, Place(file.string(), fault), "object",
@@ -220,7 +222,7 @@ std::optional<DatasetCamera> ReadDatasetCamera(const fs::path& file, const OnFau
 
 SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& fault) {
   SceneTruth scene{scene_id, folder, {}};
-  const fs::path cameras = folder / "scene_camera.json";
+  const fs::path cameras = folder / kSceneCameraFile;
   if (const std::optional<Json> json = ReadJson(cameras, fault)) {
     ForEachId(*json, Place(cameras.string(), fault), "image",
               [&](int id, const Json& entry, const Place& place) {
@@ -229,19 +231,19 @@ SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& f
               });
   }
   if (scene.images.empty()) return scene;
-  ForEachImage(folder / "scene_gt.json", scene, fault,
+  ForEachImage(folder / kSceneTruthFile, scene, fault,
                [&](ImageTruth& image, const Json& entry, const Place& place) {
                  ReadInstances(entry, place, image);
                });
-  ForEachImage(folder / "scene_gt_info.json", scene, fault,
+  ForEachImage(folder / kSceneTruthInfoFile, scene, fault,
                [&](ImageTruth& image, const Json& entry, const Place& place) {
                  if (!entry.is_array()) return place.Fault("is not a list of instances");
                  for (size_t i = 0; i < entry.size(); ++i) {
                    image.infos.push_back(ReadInfo(entry[i], place / fmt::format("instance {}", i)));
                  }
                  if (image.infos.size() == image.instances.size()) return;
-                 place.Fault(fmt::format("has {} instances, scene_gt.json has {}",
-                                         image.infos.size(), image.instances.size()));
+                 place.Fault(fmt::format("has {} instances, {} has {}", image.infos.size(),
+                                         kSceneTruthFile, image.instances.size()));
                  image.infos.resize(image.instances.size());
                });
   return scene;
@@ -274,12 +276,12 @@ std::vector<Target> ReadTargets(const fs::path& file, const OnFault& fault) {
 std::shared_ptr<const ObjectModel> LoadModel(const fs::path& folder, int object_id,
                                              const ModelInfo& info, const std::string& name) {
   constexpr double kAnyMass_kg = 0.1;  // arbitrary: no pose depends on it
-  MeshPartSpec spec;
+  MeshObjectSpec spec;
   spec.mesh = folder / ModelFileName(object_id);
   spec.unit = "mm";
   spec.mass_kg = kAnyMass_kg;
   spec.symmetries_O = info.symmetries_O;
-  auto model = std::make_shared<ObjectModel>(*LoadMeshPart(name, spec));
+  auto model = std::make_shared<ObjectModel>(*LoadMeshObject(name, spec));
   model->diameter_m = info.diameter_m;  // BOP's thresholds refer to the published diameter
   return model;
 }

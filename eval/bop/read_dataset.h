@@ -87,10 +87,12 @@ struct Target {
 
 // Reads models_info.json in `folder`, by obj_id. The readers below report every fault to `fault`.
 std::map<int, ModelInfo> ReadModelsInfo(const std::filesystem::path& folder, const OnFault& fault);
+// Reads camera.json of a dataset: intrinsics (px) and the scale of depth images (mm).
 std::optional<DatasetCamera> ReadDatasetCamera(const std::filesystem::path& file,
                                                const OnFault& fault);
 // Reads scene_camera.json, scene_gt.json and scene_gt_info.json of a scene folder.
 SceneTruth ReadSceneTruth(const std::filesystem::path& folder, int scene_id, const OnFault& fault);
+// Reads a targets file.
 std::vector<Target> ReadTargets(const std::filesystem::path& file, const OnFault& fault);
 
 // Loads an object with its mesh in `folder`. BOP states no mass and friction, so mass (0.1 kg) and

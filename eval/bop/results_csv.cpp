@@ -14,16 +14,21 @@
 namespace pickbed::eval::bop {
 namespace {
 
-constexpr const char* kHeader = "scene_id,im_id,obj_id,score,R,t,time";
 constexpr double kSameTime_s = 1e-3;  // maximum difference between the lines of an image
 
 std::vector<std::string> Split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
+  std::vector<std::string> words;
   std::stringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) {
-    if (separator != ' ' || !part.empty()) parts.push_back(part);
+  for (std::string word; std::getline(stream, word, separator);) {
+    if (separator != ' ' || !word.empty()) words.push_back(word);
   }
-  return parts;
+  return words;
+}
+
+// First line of the file, without the line end.
+std::string Header() {
+  const std::string line = HeaderLine(EstimateColumns());
+  return line.substr(0, line.size() - 1);
 }
 
 std::string Trimmed(const std::string& text) {
@@ -55,13 +60,13 @@ struct Line {
     return static_cast<int>(value);
   }
   std::vector<double> Numbers(const std::string& field, size_t count, const char* column) const {
-    const std::vector<std::string> parts = Split(Trimmed(field), ' ');
-    if (parts.size() != count) {
-      Refuse(fmt::format("{} has {} numbers separated by spaces, not {}", column, parts.size(),
+    const std::vector<std::string> words = Split(Trimmed(field), ' ');
+    if (words.size() != count) {
+      Refuse(fmt::format("{} has {} numbers separated by spaces, not {}", column, words.size(),
                          count));
     }
     std::vector<double> numbers;
-    for (const std::string& part : parts) numbers.push_back(Number(part, column));
+    for (const std::string& word : words) numbers.push_back(Number(word, column));
     return numbers;
   }
 };
@@ -69,7 +74,7 @@ struct Line {
 Estimate ParseLine(const std::string& text, const Line& line) {
   const std::vector<std::string> fields = Split(text, ',');
   if (fields.size() != 7) {
-    line.Refuse(fmt::format("has {} columns, not the 7 of {}", fields.size(), kHeader));
+    line.Refuse(fmt::format("has {} columns, not the 7 of {}", fields.size(), Header()));
   }
   Estimate estimate;
   estimate.place = line.place;
@@ -89,8 +94,20 @@ Estimate ParseLine(const std::string& text, const Line& line) {
 
 }  // namespace
 
+ResultColumns EstimateColumns() {
+  return {
+      {"scene_id", "number of the scene"},
+      {"im_id", "number of the image in its scene"},
+      {"obj_id", "number of the object"},
+      {"score", "score of the pose; higher is better"},
+      {"R", "rotation matrix from the object frame to the camera frame, row by row"},
+      {"t", "position of the object frame in the camera frame", "mm"},
+      {"time", "time for the whole image, the same on all its lines; -1 = unknown", "s"},
+  };
+}
+
 std::string WriteResults(const std::vector<Estimate>& estimates) {
-  std::string csv = fmt::format("{}\n", kHeader);
+  std::string csv = HeaderLine(EstimateColumns());
   for (const Estimate& estimate : estimates) {
     std::string R;
     for (int i = 0; i < 9; ++i) {
@@ -112,8 +129,8 @@ std::vector<Estimate> ReadResults(const std::filesystem::path& file) {
   for (std::string text; std::getline(stream, text);) {
     const Line line{fmt::format("{}:{}", file.string(), ++number)};
     if (number == 1) {
-      if (Trimmed(text) != kHeader) {
-        line.Refuse(fmt::format("begins with '{}', not with {}", Trimmed(text), kHeader));
+      if (Trimmed(text) != Header()) {
+        line.Refuse(fmt::format("begins with '{}', not with {}", Trimmed(text), Header()));
       }
       continue;
     }
@@ -129,7 +146,7 @@ std::vector<Estimate> ReadResults(const std::filesystem::path& file) {
     }
   }
   CheckInput(number > 0,
-             fmt::format("{}: is empty; it must begin with {}", file.string(), kHeader));
+             fmt::format("{}: is empty; it must begin with {}", file.string(), Header()));
   return estimates;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "eval/layer.h"
+#include "eval/metrics/result_columns.h"
 #include "scenes/geometry/pose.h"
 
 namespace pickbed::eval::bop {
@@ -28,6 +29,8 @@ struct Estimate {
 
 // Returns the text of a results file.
 std::string WriteResults(const std::vector<Estimate>& estimates);
+// Returns the columns of a results file.
+ResultColumns EstimateColumns();
 
 // Reads a results file. Throws InputError, which names the line, for a wrong header or number
 // of columns, a value that is no finite number, and an R that is no rotation. Throws also if times

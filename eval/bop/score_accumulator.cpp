@@ -50,22 +50,22 @@ double AverageRecall(const std::array<int, n>& found, int wanted) {
 }
 
 // Object models for error computation, made on first use.
-class Parts {
+class ObjectModels {
  public:
-  explicit Parts(Evaluator::ModelOf model_of)
+  explicit ObjectModels(Evaluator::ModelOf model_of)
       : model_of_(std::move(model_of)), renderer_({}, {0, 0}) {}
 
-  struct Part {
+  struct Entry {
     MetricModel metric;
     MetricModel sparse;  // for ADI, which compares every vertex with every other vertex
     int mesh = 0;
   };
-  const Part& Of(int object_id) {
-    if (const auto known = parts_.find(object_id); known != parts_.end()) return known->second;
+  const Entry& Of(int object_id) {
+    if (const auto known = models_.find(object_id); known != models_.end()) return known->second;
     const auto model = model_of_(object_id);
-    Part part{MakeMetricModel(*model, 0), MakeMetricModel(*model, kAdiVertices),
-              renderer_.AddMesh(model->mesh_O)};
-    return parts_.emplace(object_id, std::move(part)).first->second;
+    Entry entry{MakeMetricModel(*model, 0), MakeMetricModel(*model, kAdiVertices),
+                renderer_.AddMesh(model->mesh_O)};
+    return models_.emplace(object_id, std::move(entry)).first->second;
   }
 
   Silhouette Draw(int object_id, const Pose& X_CO, const CameraIntrinsics& camera) {
@@ -77,7 +77,7 @@ class Parts {
  private:
   Evaluator::ModelOf model_of_;
   Renderer renderer_;
-  std::map<int, Part> parts_;
+  std::map<int, Entry> models_;
 };
 
 // Estimates and instances of one object in one image.
@@ -110,7 +110,7 @@ struct Group {
 
 struct Evaluator::Impl {
   Impl(ModelOf model_of, const VsdOptions& options, ToleranceOf tolerance_of)
-      : parts_(std::move(model_of)), options_(options), tolerance_of_(std::move(tolerance_of)) {}
+      : models_(std::move(model_of)), options_(options), tolerance_of_(std::move(tolerance_of)) {}
 
   void AddImage(const TrueImage& truth, const ImageTargets& targets,
                 const std::vector<const Estimate*>& estimates) {
@@ -124,11 +124,11 @@ struct Evaluator::Impl {
       }
     }
     if (!targets.detected) return;
-    if (estimates.size() > kMostEstimatesOfImage) {
+    if (estimates.size() > kMaxEstimatesOfImage) {
       std::vector<double> values;
       for (const Estimate* estimate : estimates) values.push_back(estimate->score);
       std::vector<const Estimate*> best;
-      for (const int i : HighestScores(values, kMostEstimatesOfImage)) best.push_back(estimates[i]);
+      for (const int i : HighestScores(values, kMaxEstimatesOfImage)) best.push_back(estimates[i]);
       groups = GroupsOf(truth, best);
     }
     for (const auto& [object_id, group] : groups) {
@@ -193,7 +193,7 @@ struct Evaluator::Impl {
 
   // Errors in diameters.
   ErrorTable MssdTable(const Group& group) {
-    const MetricModel& model = parts_.Of(group.object_id).metric;
+    const MetricModel& model = models_.Of(group.object_id).metric;
     return group.Table([&](const Pose& X_est, const Pose& X_true) {
       return Mssd(model, X_est, X_true) / model.diameter_m;
     });
@@ -203,7 +203,7 @@ struct Evaluator::Impl {
   // upper bound: if it is below the threshold, the table holds MSSD. If the box centers are at
   // least one diameter apart, the table holds their distance.
   ErrorTable AdiTable(const Group& group, const ErrorTable& mssd) {
-    const MetricModel& model = parts_.Of(group.object_id).sparse;
+    const MetricModel& model = models_.Of(group.object_id).sparse;
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d& v : model.vertices_O) box.extend(v);
     ErrorTable table = group.Table([&](const Pose& X_est, const Pose& X_true) {
@@ -224,7 +224,7 @@ struct Evaluator::Impl {
 
   // Errors in px, scaled to an image 640 px wide.
   ErrorTable MspdTable(const Group& group, const CameraIntrinsics& camera) {
-    const MetricModel& model = parts_.Of(group.object_id).metric;
+    const MetricModel& model = models_.Of(group.object_id).metric;
     return group.Table([&](const Pose& X_est, const Pose& X_true) {
       return Mspd(model, camera, X_est, X_true) * kMspdWidth_px / camera.width();
     });
@@ -234,13 +234,13 @@ struct Evaluator::Impl {
   std::vector<ErrorTable> VsdTables(const Group& group, const CameraIntrinsics& camera,
                                     const Image<float>& measured_m) {
     std::vector<ErrorTable> tables(kSteps, group.Table());
-    const double diameter_m = parts_.Of(group.object_id).metric.diameter_m;
+    const double diameter_m = models_.Of(group.object_id).metric.diameter_m;
     std::vector<Silhouette> truths;
     for (const Pose& X_CO : group.X_CO_true) {
-      truths.push_back(parts_.Draw(group.object_id, X_CO, camera));
+      truths.push_back(models_.Draw(group.object_id, X_CO, camera));
     }
     for (size_t e = 0; e < group.estimates.size(); ++e) {
-      const Silhouette estimated = parts_.Draw(group.object_id, group.estimates[e]->X_CO, camera);
+      const Silhouette estimated = models_.Draw(group.object_id, group.estimates[e]->X_CO, camera);
       for (size_t t = 0; t < truths.size(); ++t) {
         const std::vector<double> errors =
             Vsd(estimated, truths[t], measured_m, diameter_m, Steps(), options_);
@@ -291,7 +291,7 @@ struct Evaluator::Impl {
     }
   }
 
-  Parts parts_;
+  ObjectModels models_;
   VsdOptions options_;
   ToleranceOf tolerance_of_;
   int images_ = 0;

@@ -95,10 +95,10 @@ std::map<int, double> AveragePrecisions(const std::vector<ErrorTable>& tables, d
     const std::vector<int> matches = MatchGreedily(table, all, threshold);
     for (size_t i = 0; i < matches.size(); ++i) {
       const bool matched = matches[i] >= 0;
-      if (matched && table.visible[matches[i]] < kLeastVisible) continue;
+      if (matched && table.visible[matches[i]] < kMinVisible) continue;
       detections[table.object_id].push_back({table.scores[i], matched});
     }
-    for (const double visible : table.visible) wanted[table.object_id] += visible >= kLeastVisible;
+    for (const double visible : table.visible) wanted[table.object_id] += visible >= kMinVisible;
   }
   std::map<int, double> precisions;
   for (const auto& [object, count] : wanted) {

@@ -21,8 +21,8 @@
 
 namespace pickbed::eval::bop {
 
-inline constexpr int kMostEstimatesOfImage = 100;  // BOP24
-inline constexpr double kLeastVisible = 0.1;       // BOP24
+inline constexpr int kMaxEstimatesOfImage = 100;  // BOP24
+inline constexpr double kMinVisible = 0.1;        // BOP24
 
 // Errors of all estimates of one object in one image against its instances there.
 struct ErrorTable {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/camera/depth_points.h"
+
 namespace pickbed::eval::bop {
 namespace {
 
@@ -19,12 +21,9 @@ bool IsVisible(float model_m, float measured_m, double delta_m) {
 
 Image<float> DistancesOf(const Image<float>& depth_m, const CameraIntrinsics& camera) {
   Image<float> distances_m(depth_m.width(), depth_m.height());
-  for (int v = 0; v < depth_m.height(); ++v) {
-    for (int u = 0; u < depth_m.width(); ++u) {
-      if (depth_m(u, v) <= 0) continue;
-      distances_m(u, v) = static_cast<float>(BackProject(camera, u, v, depth_m(u, v)).norm());
-    }
-  }
+  ForEachDepthPoint(camera, depth_m, [&](int u, int v, const Eigen::Vector3d& p_C) {
+    distances_m(u, v) = static_cast<float>(p_C.norm());
+  });
   return distances_m;
 }
 

@@ -107,7 +107,7 @@ void WriteModels(const fs::path& folder, const ObjectSet& objects) {
     WriteFileAtomically(file, Ply(mesh, texture_file));
     infos[std::to_string(id)] = InfoOf(*objects[i]);
   }
-  WriteFileAtomically(folder / "models_info.json", infos.dump(2) + "\n");
+  WriteFileAtomically(folder / kModelsInfoFile, infos.dump(2) + "\n");
 }
 
 void WriteDatasetCamera(const fs::path& file, const CameraIntrinsics& k) {

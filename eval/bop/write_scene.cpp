@@ -143,7 +143,7 @@ void SceneWriter::AddCoco(const LabelledImage& image) {
         {"area", masks.info.px_count_visib},
         {"bbox", *masks.info.bbox_obj},
         {"segmentation", segmentation},
-        {"ignore", masks.info.visib_fract < kLeastVisible},
+        {"ignore", masks.info.visib_fract < kMinVisible},
         {"width", image.color.width()},
         {"height",
          image.color.height()}}.dump());
@@ -151,15 +151,15 @@ void SceneWriter::AddCoco(const LabelledImage& image) {
 }
 
 void SceneWriter::Finish() {
-  WriteBytes(folder_ / "scene_camera.json", Lines(cameras_));
-  WriteBytes(folder_ / "scene_gt.json", Lines(truths_));
-  WriteBytes(folder_ / "scene_gt_info.json", Lines(infos_));
+  WriteBytes(folder_ / kSceneCameraFile, Lines(cameras_));
+  WriteBytes(folder_ / kSceneTruthFile, Lines(truths_));
+  WriteBytes(folder_ / kSceneTruthInfoFile, Lines(infos_));
   std::vector<std::string> categories;
   for (int id = 1; id <= objects_; ++id) {
     categories.push_back(
         Json{{"id", id}, {"name", std::to_string(id)}, {"supercategory", "pickbed"}}.dump());
   }
-  WriteBytes(folder_ / "scene_gt_coco.json",
+  WriteBytes(folder_ / kSceneCocoFile,
              fmt::format("{{\n  \"info\": {{\"description\": \"pickbed\"}},\n  \"licenses\": [],\n"
                          "  \"categories\": {},\n  \"images\": {},\n  \"annotations\": {}\n}}\n",
                          List(categories), List(coco_images_), List(coco_annotations_)));
@@ -173,7 +173,7 @@ void WriteTargets(const fs::path& root, const std::string& split) {
     for (const auto& [id, image] : scene.images) {
       std::map<int, int> counts;
       for (size_t i = 0; i < image.infos.size(); ++i) {
-        if (image.infos[i].visib_fract >= kLeastVisible) ++counts[image.instances[i].object_id];
+        if (image.infos[i].visib_fract >= kMinVisible) ++counts[image.instances[i].object_id];
       }
       for (const auto& [object, count] : counts) {
         of19.push_back(

@@ -20,6 +20,7 @@ inline constexpr double kDepthScale_mm = 0.1;  // mm per unit of the depth image
 // has the normal of its face.
 void WriteModels(const std::filesystem::path& folder, const ObjectSet& objects);
 
+// Writes camera.json, with the depth scale kDepthScale_mm.
 void WriteDatasetCamera(const std::filesystem::path& file, const CameraIntrinsics& camera);
 
 // An image with its ground truth.

@@ -40,11 +40,11 @@ Rgb8 ColorOf(const std::string& stage) {
 // Draws a bar from `from` to `to` percent, with its name and value.
 void DrawBar(Canvas& canvas, const PlotAxis& axis, int line, const std::string& name, Rgb8 color,
              double from, double to, const std::string& value) {
-  constexpr int kGap_px = 7, kLeast_px = 3;
+  constexpr int kGap_px = 7, kMin_px = 3;
   const int y = kTop_px + line * kLine_px;
   canvas.Text(name, kNames_px - 12 - TextWidth(name, kText), y + kBar_px - 5, kInk, kText);
   const int right = static_cast<int>(std::lround(axis.At(to)));
-  const int left = std::min(static_cast<int>(std::lround(axis.At(from))), right - kLeast_px);
+  const int left = std::min(static_cast<int>(std::lround(axis.At(from))), right - kMin_px);
   canvas.Fill(left, y, right - left, kBar_px, color);
   const int width = TextWidth(value, kText);
   const bool fits_inside = right - left > width + 2 * kGap_px;

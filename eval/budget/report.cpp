@@ -28,24 +28,25 @@ std::string ShareText(int count, int of, const Interval& ci95) {
 TableCells FailureCells(const BudgetRuns& runs) {
   const BudgetShares attempts = SharesOfAttempts(runs.as_run);
   const BudgetShares instances = SharesOfInstances(runs.as_run);
-  const FailureBudget &attempt_budget = attempts.budget, &parts = instances.budget;
+  const FailureBudget &attempt_budget = attempts.budget, &instance_budget = instances.budget;
   TableCells rows{{"reason", "stage", "attempts", "instances"}};
-  if (parts.not_asked > 0) {
-    rows.push_back({"dropped", "", "", std::to_string(parts.total)});
-    rows.push_back({"not requested", "policy", "", std::to_string(parts.not_asked)});
+  if (instance_budget.not_asked > 0) {
+    rows.push_back({"dropped", "", "", std::to_string(instance_budget.total)});
+    rows.push_back({"not requested", "policy", "", std::to_string(instance_budget.not_asked)});
   }
-  rows.push_back(
-      {"requested", "", std::to_string(attempt_budget.asked()), std::to_string(parts.asked())});
+  rows.push_back({"requested", "", std::to_string(attempt_budget.asked()),
+                  std::to_string(instance_budget.asked())});
   for (const FailureRow& row : FailureTable()) {
-    const int of_attempts = attempt_budget[row.failure], of_parts = parts[row.failure];
-    if (of_attempts + of_parts == 0) continue;
+    const int of_attempts = attempt_budget[row.failure],
+              of_instances = instance_budget[row.failure];
+    if (of_attempts + of_instances == 0) continue;
     rows.push_back({std::string(row.name), std::string(StageName(row.stage)),
                     ShareText(of_attempts, attempt_budget.asked(), attempts[row.failure]),
-                    ShareText(of_parts, parts.asked(), instances[row.failure])});
+                    ShareText(of_instances, instance_budget.asked(), instances[row.failure])});
   }
   rows.push_back({"picked", "",
                   ShareText(attempt_budget.picked, attempt_budget.asked(), attempts.picked),
-                  ShareText(parts.picked, parts.asked(), instances.picked)});
+                  ShareText(instance_budget.picked, instance_budget.asked(), instances.picked)});
   return rows;
 }
 
@@ -114,19 +115,20 @@ nlohmann::ordered_json RowObject(const std::string& name, const std::vector<Tria
 
 std::string CsvOf(const std::string& name, const std::vector<TrialResult>& trials) {
   const BudgetShares attempts = SharesOfAttempts(trials), instances = SharesOfInstances(trials);
-  const FailureBudget &attempt_budget = attempts.budget, &parts = instances.budget;
-  const auto intervals = [](const Interval& of_attempts, const Interval& of_parts) {
+  const FailureBudget &attempt_budget = attempts.budget, &instance_budget = instances.budget;
+  const auto intervals = [](const Interval& of_attempts, const Interval& of_instances) {
     return fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}", of_attempts.low, of_attempts.high,
-                       of_parts.low, of_parts.high);
+                       of_instances.low, of_instances.high);
   };
-  std::string csv = fmt::format("{},,all,{},{},,,,\n", name, attempt_budget.total, parts.total);
-  csv += fmt::format("{},done,picked,{},{},{}\n", name, attempt_budget.picked, parts.picked,
-                     intervals(attempts.picked, instances.picked));
-  csv += fmt::format("{},policy,not_asked,0,{},,,,\n", name, parts.not_asked);
+  std::string csv =
+      fmt::format("{},,all,{},{},,,,\n", name, attempt_budget.total, instance_budget.total);
+  csv += fmt::format("{},done,picked,{},{},{}\n", name, attempt_budget.picked,
+                     instance_budget.picked, intervals(attempts.picked, instances.picked));
+  csv += fmt::format("{},policy,not_asked,0,{},,,,\n", name, instance_budget.not_asked);
   for (const FailureRow& row : FailureTable()) {
     if (row.failure == FailureReason::kNone) continue;
     csv += fmt::format("{},{},{},{},{},{}\n", name, StageName(row.stage), row.name,
-                       attempt_budget[row.failure], parts[row.failure],
+                       attempt_budget[row.failure], instance_budget[row.failure],
                        intervals(attempts[row.failure], instances[row.failure]));
   }
   return csv;
@@ -170,13 +172,13 @@ GainRows GainsOf(const BudgetRuns& runs) {
 }
 
 std::string AskedText(const BudgetRuns& runs) {
-  const FailureBudget parts = BudgetOfInstances(runs.as_run);
-  if (parts.not_asked == 0) return "Shares are of all.";
+  const FailureBudget instance_budget = BudgetOfInstances(runs.as_run);
+  if (instance_budget.not_asked == 0) return "Shares are of all.";
   return fmt::format(
       "The policy limits the attempts per bin: of {} dropped instances, {} were requested, one by "
       "each attempt (plus instances that an attempt removed by accident). Shares, intervals "
       "and gains refer to the requested ones.",
-      parts.total, parts.asked());
+      instance_budget.total, instance_budget.asked());
 }
 
 void AddGains(const BudgetRuns& runs, HtmlPage& page) {
@@ -202,7 +204,7 @@ void AddForecasts(const BudgetRuns& runs, HtmlPage& page) {
     page.Paragraph(fmt::format(
         "{}: {} of {} picks succeeded; the tolerance map predicts {:.1f} from the pose errors of "
         "single objects, and {:.1f} if the grasps are known. {}",
-        f.part, f.successes, f.picks, f.expected, f.expected_with_grasp, FewBinsText(f.bins)));
+        f.object, f.successes, f.picks, f.expected, f.expected_with_grasp, FewBinsText(f.bins)));
     page.Table(PredictorCells(f.predictors));
   }
 }
@@ -255,11 +257,54 @@ std::string BudgetJson(const BudgetRuns& runs) {
   return json.dump(2) + "\n";
 }
 
+ResultColumns BudgetKeys() {
+  ResultColumns keys{
+      {"trials", "number of bins"},
+      {"rows[].name", "as_run, or the stage that ground truth replaced"},
+  };
+  for (const std::string group : {"attempts", "instances"}) {
+    const std::string at = "rows[]." + group + ".";
+    AddColumns({{at + "all", "number of " + group},
+                {at + "not_asked", "number that was not requested"},
+                {at + "asked", "number that was requested: picked or failed"},
+                {at + "picked", "number of picks"},
+                {at + "picked_ci95", "95 % interval of picked / asked; bins are the units"},
+                {at + "failures.REASON", "number of failures with this reason"},
+                {at + "failures_ci95.REASON", "95 % interval of failures / asked"}},
+               keys);
+  }
+  for (const std::string group : {"success", "cleared"}) {
+    const std::string at = "rows[]." + group + ".";
+    const std::string what = group == "success" ? "successful attempts" : "picked instances";
+    AddColumns({{at + "before", "share of " + what + " in the run", "0..1"},
+                {at + "after", "share with ground truth for the stage", "0..1"},
+                {at + "gain", "after - before"},
+                {at + "gain_ci95", "95 % interval of gain, paired over bins"}},
+               keys);
+  }
+  for (ResultColumn key : ForecastKeys()) {
+    key.name = "pick_forecasts[]." + key.name;
+    keys.push_back(std::move(key));
+  }
+  return keys;
+}
+
+ResultColumns BudgetColumns() {
+  return {
+      {"truth_for", "as_run, or the stage that ground truth replaced"},
+      {"stage", "stage that the reason is attributed to"},
+      {"reason", "failure reason, or all, picked, not_asked"},
+      {"attempts", "number of attempts"},
+      {"instances", "number of instances"},
+      {"attempts_low", "lower end of the 95 % interval of the share of attempts", "0..1"},
+      {"attempts_high", "upper end of the 95 % interval of the share of attempts", "0..1"},
+      {"instances_low", "lower end of the 95 % interval of the share of instances", "0..1"},
+      {"instances_high", "upper end of the 95 % interval of the share of instances", "0..1"},
+  };
+}
+
 std::string BudgetCsv(const BudgetRuns& runs) {
-  std::string csv =
-      "truth_for,stage,reason,attempts,instances,attempts_low,attempts_high,instances_low,"
-      "instances_high\n" +
-      CsvOf(kAsRun, runs.as_run);
+  std::string csv = HeaderLine(BudgetColumns()) + CsvOf(kAsRun, runs.as_run);
   for (const OracleRerun& rerun : runs.reruns) csv += CsvOf(rerun.row.name, rerun.trials);
   return csv;
 }
@@ -267,12 +312,12 @@ std::string BudgetCsv(const BudgetRuns& runs) {
 std::string WriteBudget(const std::filesystem::path& folder, const std::string& name,
                         const BudgetRuns& runs) {
   std::filesystem::create_directories(folder);
-  WriteFileAtomically(folder / "budget.json", BudgetJson(runs));
-  WriteFileAtomically(folder / "budget.csv", BudgetCsv(runs));
-  WritePng(folder / "attempts.png", DrawWaterfall(AttemptsWaterfall(runs)));
-  WritePng(folder / "instances.png", DrawWaterfall(InstancesWaterfall(runs)));
-  if (!runs.reruns.empty()) WritePng(folder / "gains.png", DrawGains(GainsOf(runs)));
-  return WritePage(folder / "index.html", PageOf(name, runs));
+  WriteFileAtomically(folder / kBudgetJsonFile, BudgetJson(runs));
+  WriteFileAtomically(folder / kBudgetFile, BudgetCsv(runs));
+  WritePng(folder / kAttemptsSheet, DrawWaterfall(AttemptsWaterfall(runs)));
+  WritePng(folder / kInstancesSheet, DrawWaterfall(InstancesWaterfall(runs)));
+  if (!runs.reruns.empty()) WritePng(folder / kGainsSheet, DrawGains(GainsOf(runs)));
+  return WritePage(folder / kIndexPage, PageOf(name, runs));
 }
 
 }  // namespace pickbed::eval

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "eval/report/run_statistics.h"
 #include "eval/runtime/progress.h"
@@ -10,9 +11,37 @@
 
 namespace pickbed::eval {
 
+namespace {
+
+// CLI11 would show the number of this machine as the default.
+CLI::Option* AddProcessors(CLI::App& app, const std::string& name, int& count,
+                           const std::string& help) {
+  count = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  return app.add_option(name, count, help)
+      ->check(CLI::Range(1, 1024))
+      ->default_str("number of processors");
+}
+
+}  // namespace
+
+CLI::Option* AddCommonOption(CLI::App& app) {
+  return app.add_flag_callback("--json-progress", WriteProgressAsJson,
+                               "progress for programs: one JSON object per line on stderr");
+}
+
+CLI::Option* AddJobsArgument(CLI::App& app, int& jobs, const std::string& unchanged) {
+  return AddProcessors(app, "--jobs", jobs,
+                       "number of worker processes; " + unchanged + " not depend on it");
+}
+
+CLI::Option* AddThreadsArgument(CLI::App& app, int& threads) {
+  return AddProcessors(app, "--threads", threads,
+                       "maximum number of threads; results do not depend on it");
+}
+
 bool ParseArguments(CLI::App& app, int argc, char** argv) {
-  app.add_flag_callback("--json-progress", WriteProgressAsJson,
-                        "progress for programs: one JSON object per line on stderr");
+  if (TakeDescription(app)) return false;
+  AddCommonOption(app);
   for (CLI::App* subcommand : app.get_subcommands({})) subcommand->fallthrough();
   try {
     app.parse(argc, argv);

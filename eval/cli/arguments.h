@@ -14,9 +14,17 @@ namespace pickbed::eval {
 
 struct ReportOptions;
 
+// Adds --json-progress, which every command has. ParseArguments() calls it.
+CLI::Option* AddCommonOption(CLI::App& app);
+
+// Hands the description of the command to DescribeCommand() (eval/cli/command_help.h) if that is
+// running. Returns whether it is.
+bool TakeDescription(CLI::App& app);
+
 // Parses the command line; every command gets --json-progress. Returns true if the command shall
-// run, false if help was requested and printed. Throws InputError with one line if parsing fails.
-// (The exit codes of CLI11 are over 100, and its messages have several lines.)
+// run, false if help was requested and printed, or only its description is wanted. Throws
+// InputError with one line if parsing fails. (The exit codes of CLI11 are over 100, and its
+// messages have several lines.)
 bool ParseArguments(CLI::App& app, int argc, char** argv);
 
 // Runs a command as a part of another one and prints its command line, `name` and `words`. Returns
@@ -28,6 +36,11 @@ int RunWords(int (*command)(int argc, char** argv), const std::string& name,
 void AddScenarioArguments(CLI::App& app, ScenarioRequest& request, bool required = true);
 // Adds --trials: number of bins, instead of the number in the scenario.
 void AddTrialsArgument(CLI::App& app, ScenarioRequest& request);
+// Adds --jobs and sets the number to the number of processors. `unchanged` names what does not
+// depend on it.
+CLI::Option* AddJobsArgument(CLI::App& app, int& jobs, const std::string& unchanged = "results do");
+// Adds --threads and sets the number to the number of processors.
+CLI::Option* AddThreadsArgument(CLI::App& app, int& threads);
 // Adds --out; the help shows the default results/<scenario><suffix>.
 void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix = "");
 

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "eval/cli/arguments.h"
@@ -37,6 +36,8 @@ std::string BenchmarkUsage() {
 
 }  // namespace
 
+std::span<const CommandRow> BenchmarkTables() { return kTables; }
+
 int BenchmarkCommand(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "";
   if (name == "--help" || name == "-h") {
@@ -60,7 +61,7 @@ struct AllArguments {
   std::string catalog = "objects";
   std::string out;
   bool small = false;
-  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  int threads = 1;
 };
 
 std::vector<std::string> SharedWords(const AllArguments& arguments,
@@ -125,10 +126,7 @@ int BenchmarkAllCommand(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--catalog", arguments.catalog, "folder with your own objects")
       ->capture_default_str();
-  app.add_option("--threads", arguments.threads,
-                 "maximum number of threads; results do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  AddThreadsArgument(app, arguments.threads);
   app.add_option("--out", arguments.out,
                  "results folder; gets the sub-folders bins and crops [results/benchmark]");
   app.footer(

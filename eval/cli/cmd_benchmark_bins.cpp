@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 
 #include "eval/benchmark/bins.h"
 #include "eval/cli/arguments.h"
@@ -76,30 +75,31 @@ std::vector<LoadedScenario> LoadBins(const BinsArguments& arguments) {
 }
 
 // Returns the objects to be found in any of the bins, each once.
-ObjectSet WantedParts(const std::vector<LoadedScenario>& scenarios) {
-  ObjectSet parts;
+ObjectSet WantedObjects(const std::vector<LoadedScenario>& scenarios) {
+  ObjectSet objects;
   for (const LoadedScenario& scenario : scenarios) {
     for (size_t i = 0; i < scenario.objects.size(); ++i) {
       const auto& object = scenario.objects[i];
-      const auto is_it = [&](const auto& part) { return part->name == object->name; };
-      if (scenario.spec.objects[i].distractor || std::any_of(parts.begin(), parts.end(), is_it)) {
+      const auto is_it = [&](const auto& wanted) { return wanted->name == object->name; };
+      if (scenario.spec.objects[i].distractor ||
+          std::any_of(objects.begin(), objects.end(), is_it)) {
         continue;
       }
-      parts.push_back(object);
+      objects.push_back(object);
     }
   }
-  return parts;
+  return objects;
 }
 
 // Objects with meshes of a scenario cannot be trained by name.
-void RequireInCatalog(const ObjectSet& parts, const std::string& catalog, const BinMethod& method,
+void RequireInCatalog(const ObjectSet& objects, const std::string& catalog, const BinMethod& method,
                       const std::filesystem::path& folder) {
   const std::vector<std::string> known = OpenCatalog(catalog).Names();
-  for (const auto& part : parts) {
-    CheckInput(std::find(known.begin(), known.end(), part->name) != known.end(),
+  for (const auto& wanted : objects) {
+    CheckInput(std::find(known.begin(), known.end(), wanted->name) != known.end(),
                fmt::format("object '{}' is in no catalog, so {} cannot be trained for it; add the "
                            "object with --catalog, or put a model trained for it at {}",
-                           part->name, method.label,
+                           wanted->name, method.label,
                            (folder / (std::string(method.model) + ".pt")).string()));
   }
 }
@@ -107,7 +107,7 @@ void RequireInCatalog(const ObjectSet& parts, const std::string& catalog, const 
 // Adds the methods with their model files, by label, and trains missing models. Returns the exit
 // status; not 0 if a training stopped.
 int FindModels(const std::vector<BinMethod>& methods, const std::filesystem::path& folder,
-               const ObjectSet& parts, const BinsArguments& arguments,
+               const ObjectSet& objects, const BinsArguments& arguments,
                std::vector<ComparedEstimator>& estimators) {
   MakeFolder(folder);
   for (const BinMethod& method : methods) {
@@ -116,11 +116,11 @@ int FindModels(const std::vector<BinMethod>& methods, const std::filesystem::pat
     estimator.spec.name = method.estimator;
     estimator.spec.mode = method.mode;
     if (std::string(method.model).empty()) continue;
-    std::filesystem::path file = FindBinModel(method, folder, parts, arguments.small);
+    std::filesystem::path file = FindBinModel(method, folder, objects, arguments.small);
     if (file.empty()) {
-      RequireInCatalog(parts, arguments.catalog, method, folder);
-      file = TrainedModelFile(method, folder, parts, arguments.small);
-      std::vector<std::string> words = TrainingWords(method, file, parts, arguments.small);
+      RequireInCatalog(objects, arguments.catalog, method, folder);
+      file = TrainedModelFile(method, folder, objects, arguments.small);
+      std::vector<std::string> words = TrainingWords(method, file, objects, arguments.small);
       words.insert(words.end(), {"--catalog", arguments.catalog});
       if (IsBegun(file)) words.push_back("--resume");
       if (const int status = RunWords(&TrainCommand, "train", words)) return status;
@@ -177,7 +177,7 @@ int RunBins(const BinsArguments& arguments) {
   CatchInterrupts();
   std::vector<ComparedEstimator> estimators;
   if (const int status =
-          FindModels(methods, folder / "models", WantedParts(scenarios), arguments, estimators)) {
+          FindModels(methods, folder / "models", WantedObjects(scenarios), arguments, estimators)) {
     if (status == kExitInterrupted) {
       fmt::print(stderr, "pickbed: repeat the same command to continue with this training\n");
     }
@@ -205,11 +205,11 @@ int RunBins(const BinsArguments& arguments) {
     }
   }
   if (!done.empty()) {
-    WriteFileAtomically(folder / "bins.csv", BinTableCsv(done));
+    WriteFileAtomically(folder / kBinsFile, BinTableCsv(done));
     const std::string note = arguments.small ? kSmallNote : "";
-    const bool has_page = SayIfUnwritten(WritePage(folder / "bins.html", BinTablePage(done, note)));
-    fmt::print("{}{}bins.csv in {}\n", BinTableText(done, note), has_page ? "bins.html and " : "",
-               folder.string());
+    const bool has_page = SayIfUnwritten(WritePage(folder / kBinsPage, BinTablePage(done, note)));
+    fmt::print("{}{}{} in {}\n", BinTableText(done, note),
+               has_page ? fmt::format("{} and ", kBinsPage) : "", kBinsFile, folder.string());
   }
   if (!Interrupted()) return 0;
   fmt::print(stderr,
@@ -222,8 +222,9 @@ int RunBins(const BinsArguments& arguments) {
 
 int BenchmarkBinsCommand(int argc, char** argv) {
   CLI::App app(
-      "Runs every pose estimator on the same bins and writes bins.csv and bins.html. Trains the "
-      "models that are missing. After an interrupt, the same command continues.",
+      fmt::format("Runs every pose estimator on the same bins and writes {} and {}. Trains the "
+                  "models that are missing. After an interrupt, the same command continues.",
+                  kBinsFile, kBinsPage),
       "pickbed benchmark bins");
   BinsArguments arguments;
   app.add_option("SCENARIO", arguments.scenarios,
@@ -242,11 +243,7 @@ int BenchmarkBinsCommand(int argc, char** argv) {
       ->delimiter(';');
   app.add_option("--catalog", arguments.catalog, "folder with your own objects")
       ->capture_default_str();
-  arguments.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  app.add_option("--threads", arguments.threads,
-                 "maximum number of threads; results do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  AddThreadsArgument(app, arguments.threads);
   app.add_option("--out", arguments.out, "results folder [results/benchmark-bins]");
   std::string rows;
   for (const BinMethod& method : BinMethods()) rows += fmt::format("  {}\n", method.label);

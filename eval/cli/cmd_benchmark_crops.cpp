@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 
 #include "eval/benchmark/crops_report.h"
 #include "eval/cli/arguments.h"
@@ -18,7 +17,7 @@ namespace pickbed::eval {
 namespace {
 
 struct CropArguments {
-  std::vector<std::string> parts;       // names in the catalog; empty = all
+  std::vector<std::string> names;       // names in the catalog; empty = all
   std::vector<std::string> meshes;      // paths of mesh files
   std::string unit = "m";               // unit of the meshes
   std::vector<std::string> methods;     // empty = all
@@ -27,11 +26,11 @@ struct CropArguments {
   std::string catalog = "objects";
   std::string out;
   bool small = false;
-  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  int threads = 1;
 };
 
 // Selection of --small: dissimilar objects, few views, one network.
-constexpr const char* kSmallParts[] = {"bracket", "pipe_tee", "mug"};
+constexpr const char* kSmallInstances[] = {"bracket", "pipe_tee", "mug"};
 constexpr const char* kSmallMethods[] = {"wohlhart", "hog", "linemod", "random"};
 constexpr const char* kSmallConditions[] = {"clean", "noisy", "occluded_30"};
 
@@ -39,7 +38,7 @@ void MakeSmall(CropArguments& arguments, CropBenchmarkOptions& options) {
   const auto fill = [](std::vector<std::string>& names, const auto& small) {
     if (names.empty()) names.assign(std::begin(small), std::end(small));
   };
-  if (arguments.meshes.empty()) fill(arguments.parts, kSmallParts);
+  if (arguments.meshes.empty()) fill(arguments.names, kSmallInstances);
   fill(arguments.methods, kSmallMethods);
   fill(arguments.conditions, kSmallConditions);
   options.tests = 20;
@@ -58,12 +57,12 @@ std::vector<std::string> AllNames(const Rows& rows) {
   return names;
 }
 
-ObjectSet LoadParts(const CropArguments& arguments) {
+ObjectSet LoadCropObjects(const CropArguments& arguments) {
   const ObjectCatalog catalog = OpenCatalog(arguments.catalog);
   ObjectSet objects;
-  std::vector<std::string> parts = arguments.parts;
-  if (parts.empty() && arguments.meshes.empty()) parts = catalog.Names();
-  for (const std::string& name : parts) objects.push_back(catalog.Load(name));
+  std::vector<std::string> names = arguments.names;
+  if (names.empty() && arguments.meshes.empty()) names = catalog.Names();
+  for (const std::string& name : names) objects.push_back(catalog.Load(name));
   const ObjectSet more = LoadMeshFiles(arguments.meshes, arguments.unit);
   objects.insert(objects.end(), more.begin(), more.end());
   return objects;
@@ -73,19 +72,20 @@ ObjectSet LoadParts(const CropArguments& arguments) {
 bool WriteAll(const CropBenchmark& benchmark, const ObjectSet& objects,
               CropBenchmarkOptions options, const std::filesystem::path& folder) {
   const std::string settings = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
-  WriteFileAtomically(folder / "crops.csv", CropTableCsv(benchmark, objects));
-  WriteFileAtomically(folder / "views.csv", CropViewsCsv(benchmark, objects));
+  WriteFileAtomically(folder / kCropsFile, CropTableCsv(benchmark, objects));
+  WriteFileAtomically(folder / kCropViewsFile, CropViewsCsv(benchmark, objects));
   WriteFileAtomically(folder / kTimingsFile, CropTimingsCsv(benchmark));
-  WriteFileAtomically(folder / "differences.csv", CropDifferencesCsv(benchmark));
-  WriteFileAtomically(folder / "settings.yaml", settings);
-  return SayIfUnwritten(WritePage(folder / "crops.html", CropPage(benchmark, objects, settings)));
+  WriteFileAtomically(folder / kCropDifferencesFile, CropDifferencesCsv(benchmark));
+  WriteFileAtomically(folder / kCropSettingsFile, settings);
+  return SayIfUnwritten(WritePage(folder / kCropsPage, CropPage(benchmark, objects, settings)));
 }
 
 CropBenchmark RunWithProgress(CropBenchmarkJob job) {
   ProgressLine progress;
   job.on_progress = [&](const std::string& what, double share) {
     const double left_s = share > 0 ? progress.elapsed_s() * (1 - share) / share : -1;
-    progress.Show(fmt::format("{:.0f} %  left {}  {}", 100 * share, FormatDuration(left_s), what));
+    progress.Show(
+        fmt::format("{}  left {}  {}", WholePercentText(share), FormatDuration(left_s), what));
     return !Interrupted();
   };
   return RunCropBenchmark(job);
@@ -97,13 +97,13 @@ ObjectSet LoadMeshFiles(const std::vector<std::string>& meshes, const std::strin
   ObjectSet objects;
   for (const std::string& mesh : meshes) {
     const std::filesystem::path file = mesh;
-    MeshPartSpec spec;
+    MeshObjectSpec spec;
     spec.mesh = file;
     spec.unit = unit;
     spec.mass_kg = 1;
-    auto part = std::make_shared<ObjectModel>(*LoadMeshPart(file.stem().string(), spec));
-    part->symmetries_O = FindSymmetries(part->mesh_O);
-    objects.push_back(std::move(part));
+    auto object = std::make_shared<ObjectModel>(*LoadMeshObject(file.stem().string(), spec));
+    object->symmetries_O = FindSymmetries(object->mesh_O);
+    objects.push_back(std::move(object));
   }
   return objects;
 }
@@ -112,7 +112,7 @@ int BenchmarkCropsCommand(int argc, char** argv) {
   CLI::App app("Runs every crop method on the same views of every object, under every condition.",
                "pickbed benchmark crops");
   CropArguments arguments;
-  app.add_option("PART", arguments.parts, "names of objects in the catalog; default: all objects");
+  app.add_option("PART", arguments.names, "names of objects in the catalog; default: all objects");
   CLI::Option* mesh =
       app.add_option("--mesh", arguments.meshes, "mesh file to add as an object; may be repeated");
   app.add_option("--unit", arguments.unit, "unit of length of the meshes: m, cm, mm or in")
@@ -132,10 +132,7 @@ int BenchmarkCropsCommand(int argc, char** argv) {
                  "results folder [results/crops, with --small results/crops-small]");
   app.add_flag("--small", arguments.small,
                "small variant: 3 objects, few views, short training; takes some minutes");
-  app.add_option("--threads", arguments.threads,
-                 "maximum number of threads; results do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  AddThreadsArgument(app, arguments.threads);
   CropBenchmarkOptions options;
   app.footer("Settings and their defaults:\n" +
              WriteSettings([&](SettingsVisitor& v) { options.Visit(v); }, true) +
@@ -152,7 +149,7 @@ int BenchmarkCropsCommand(int argc, char** argv) {
   const std::filesystem::path folder =
       OutFolder(arguments.out, "crops", arguments.small ? "-small" : "");
   MakeFolder(folder / "models");
-  const CropBenchmarkJob job{LoadParts(arguments),
+  const CropBenchmarkJob job{LoadCropObjects(arguments),
                              arguments.methods,
                              arguments.conditions,
                              options,
@@ -169,8 +166,9 @@ int BenchmarkCropsCommand(int argc, char** argv) {
                "trained so far\n");
     return kExitInterrupted;
   }
-  fmt::print("{}{}crops.csv, differences.csv and views.csv in {}\n", CropTableText(benchmark),
-             has_page ? "crops.html, " : "", folder.string());
+  fmt::print("{}{}{}, {} and {} in {}\n", CropTableText(benchmark),
+             has_page ? fmt::format("{}, ", kCropsPage) : "", kCropsFile, kCropDifferencesFile,
+             kCropViewsFile, folder.string());
   return 0;
 }
 

@@ -1,11 +1,10 @@
 #include <fmt/format.h>
 
-#include <thread>
-
 #include "eval/budget/report.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/cli/run_progress.h"
+#include "eval/page/html.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/summary/result_files.h"
@@ -66,15 +65,12 @@ int BudgetCommand(int argc, char** argv) {
   std::vector<std::string> stages, tolerance;
   bool json = false;
   BudgetJob job;
-  job.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   app.add_option("RUN", run, "results folder of a `pickbed run`")->required();
   app.add_option(
          "--stages", stages,
          "stages to replace by ground truth, separated by commas; none = no rerun; default: all")
       ->delimiter(',');
-  app.add_option("--jobs", job.jobs, "number of worker processes; results do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  AddJobsArgument(app, job.jobs);
   app.add_option("--catalog", catalog, "folder with your own objects")->capture_default_str();
   AddToleranceArgument(app, tolerance);
   app.add_flag("--json", json, "print the budget as JSON on stdout, and nothing else");
@@ -105,7 +101,7 @@ int BudgetCommand(int argc, char** argv) {
   if (json) {
     fmt::print("{}", BudgetJson(runs));
   } else if (has_page) {
-    fmt::print("{}\npage with charts: {}\n", BudgetTable(runs), (folder / "index.html").string());
+    fmt::print("{}\npage with charts: {}\n", BudgetTable(runs), (folder / kIndexPage).string());
   } else {
     fmt::print("{}\ncharts and tables in {}\n", BudgetTable(runs), folder.string());
   }

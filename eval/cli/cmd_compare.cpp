@@ -2,6 +2,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/page/html.h"
 #include "eval/report/report.h"
 #include "scenes/base/files.h"
 
@@ -12,7 +13,7 @@ int CompareCommand(int argc, char** argv) {
       "Compares two runs on the scenes that both have: difference of every statistic with interval "
       "and p value. Writes both runs side by side as one HTML page.",
       "pickbed compare");
-  std::string run_a, run_b, out = "comparison.html", json, catalog = "objects";
+  std::string run_a, run_b, out = kComparisonPage, json, catalog = "objects";
   ReportOptions options;
   app.add_option("RUN_A", run_a, "results folder of a `pickbed run` or `pickbed sweep`")
       ->required();

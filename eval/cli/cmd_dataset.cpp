@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
-#include <thread>
-
 #include "eval/bop/check_dataset.h"
+#include "eval/bop/layout.h"
 #include "eval/bop/make_dataset.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
@@ -79,7 +78,6 @@ int Check(const std::string& path) {
 
 void AddMakeArguments(CLI::App& make, MakeArguments& arguments) {
   bop::MakeOptions& options = arguments.options;
-  options.jobs = std::max(1u, std::thread::hardware_concurrency());
   AddScenarioArguments(make, arguments.scenario);
   AddOutArgument(make, arguments.out, "-bop");
   make.add_option("--format", arguments.format, "layout of the dataset")
@@ -101,10 +99,7 @@ void AddMakeArguments(CLI::App& make, MakeArguments& arguments) {
   make.add_option("--views", options.views, "number of images per scene")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  make.add_option("--jobs", options.jobs,
-                  "number of worker processes; the written files do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  AddJobsArgument(make, options.jobs, "the written files do");
   make.add_flag("--resume", options.resume, "continue a dataset whose making was interrupted");
   make.footer("Example: pickbed dataset make demo --scenes 200 --views 5 --out bop/demo");
 }
@@ -122,7 +117,8 @@ int DatasetCommand(int argc, char** argv) {
   std::string path;
   check
       ->add_option("PATH", path,
-                   "folder of the dataset, with models/, camera.json and test/ or train*/")
+                   fmt::format("folder of the dataset, with models/, {} and test/ or train*/",
+                               bop::kDatasetCameraFile))
       ->required();
   check->footer("Example: pickbed dataset check bop/ycbv");
   if (!ParseArguments(app, argc, argv)) return 0;

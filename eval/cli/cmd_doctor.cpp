@@ -8,7 +8,6 @@
 #include "eval/cli/commands.h"
 #include "eval/store/results_store.h"
 #include "eval/trial/estimator_runner.h"
-#include "eval/trial/oracle_estimator.h"
 #include "eval/trial/simulated_cell.h"
 #include "scenes/base/error.h"
 #include "scenes/geometry/mass_properties.h"
@@ -45,7 +44,7 @@ std::shared_ptr<const ObjectModel> Cube() {
   model->mesh_O.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                              {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   model->mass = UniformMassProperties(model->mesh_O, kCubeMass_kg);
-  model->convex_parts_O = {{model->mesh_O.vertices}};
+  model->convex_pieces_O = {{model->mesh_O.vertices}};
   model->diameter_m = Diameter(model->mesh_O);
   model->mesh_hash = 1;
   return model;
@@ -83,7 +82,7 @@ std::string Render() {
 
 std::string Settle() {
   Rng rng(0);
-  const DropResult drop = DropParts(Bin(), {Cube()}, {3}, rng);
+  const DropResult drop = DropInstances(Bin(), {Cube()}, {3}, rng);
   const std::string found =
       fmt::format("3 cubes at rest after {:.1f} s, overlap {:.2f} mm", drop.certificate.simulated_s,
                   1e3 * drop.certificate.deepest_penetration_m);
@@ -97,16 +96,16 @@ std::string Settle() {
 std::string Network() {
   ScenarioSpec spec = LoadScenario(PresetsDir() / "demo.yaml");
   spec.objects.resize(1);
-  const PartSpec& part = spec.objects[0];
+  const ObjectSpec& object = spec.objects[0];
   SimulatedCell cell(spec, LoadObjects(spec, ObjectCatalog({AssetsDir() / "objects"})));
   EstimatorRunner runner(cell, spec, 1, {});
   const BinIndex bin_index{0};
   const Scene scene = cell.MakeScene(bin_index).scene;
   Rng rng(0);
-  const EstimateResult found =
-      EstimateWithOracle(runner, scene, cell.Capture(scene, bin_index, 0), rng);
+  const EstimateResult found = runner.Estimate(cell.Capture(scene, bin_index, 0).frame, rng);
   return fmt::format("estimator {} gave {} poses of {} x {} in {:.2f} s", spec.estimator.name,
-                     found.hypotheses.size(), part.count, part.name, found.seconds.at("estimate"));
+                     found.hypotheses.size(), object.count, object.name,
+                     found.seconds.at("estimate"));
 }
 
 std::string Store() {

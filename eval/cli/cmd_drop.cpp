@@ -2,7 +2,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
-#include "eval/cli/scene_json.h"
+#include "eval/export/scene_json.h"
 #include "eval/trial/simulated_cell.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
@@ -11,8 +11,9 @@ namespace pickbed::eval {
 
 int DropCommand(int argc, char** argv) {
   CLI::App app(
-      "Fills one bin, simulates until all objects are at rest, and writes scene.json, "
-      "certificate.json and color.png.",
+      fmt::format("Fills one bin, simulates until all objects are at rest, and writes {}, {} and "
+                  "color.png.",
+                  kSceneFile, kCertificateFile),
       "pickbed drop");
   ScenarioRequest arguments;
   std::string out;
@@ -25,16 +26,17 @@ int DropCommand(int argc, char** argv) {
   app.footer("Example: pickbed drop demo --set objects.0.count=30 --trial 2");
   if (!ParseArguments(app, argc, argv)) return 0;
 
+  const BinIndex bin_index(trial);
   const LoadedScenario scenario = FindScenario(arguments);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-drop");
   MakeFolder(folder);
   SimulatedCell cell(scenario.spec, scenario.objects);
-  const CertifiedScene made = cell.MakeScene(BinIndex(trial));
-  WriteFileAtomically(folder / "scene.json", SceneJson(made.scene, cell.objects()));
-  WritePng(folder / "color.png", cell.ColorPicture(made.scene, BinIndex(trial)));
-  WriteFileAtomically(folder / "certificate.json", CertificateJson(made));
-  fmt::print("{}wrote {}, certificate.json and color.png\n", CertificateText(made),
-             (folder / "scene.json").string());
+  const CertifiedScene made = cell.MakeScene(bin_index);
+  WriteFileAtomically(folder / kSceneFile, SceneJson(made.scene, cell.objects()));
+  WritePng(folder / "color.png", cell.ColorPicture(made.scene, bin_index));
+  WriteFileAtomically(folder / kCertificateFile, CertificateJson(made));
+  fmt::print("{}wrote {}, {} and color.png\n", CertificateText(made),
+             (folder / kSceneFile).string(), kCertificateFile);
   return 0;
 }
 

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <chrono>
 #include <filesystem>
-#include <thread>
 
 #include "eval/bop/estimate_dataset.h"
 #include "eval/cli/arguments.h"
@@ -17,6 +16,7 @@
 #include "eval/tolerance/maps.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/ids_format.h"
 
 namespace pickbed::eval {
 namespace {
@@ -96,13 +96,14 @@ int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::st
                           kPicturedBins, threads,          {},       {}};
   std::vector<ComparedRow> rows = EstimateBins(job);
   if (!maps.empty()) AddPickChances(maps, rows);
-  WriteFileAtomically(folder / "hypotheses.csv", HypothesesCsv(rows, scenario.objects));
-  WriteFileAtomically(folder / "comparison.csv", ComparisonCsv(rows, scenario.objects));
+  WriteFileAtomically(folder / kHypothesesFile, HypothesesCsv(rows, scenario.objects));
+  WriteFileAtomically(folder / kComparisonFile, ComparisonCsv(rows, scenario.objects));
   const bool has_page = SayIfUnwritten(WritePage(
-      folder / "comparison.html", ComparisonPage("Poses in bins: " + scenario.name, rows,
-                                                 scenario.objects, Overlays(folder, start))));
-  fmt::print("{}{}comparison.csv, hypotheses.csv and overlays in {}\n", ComparisonTable(rows),
-             has_page ? "comparison.html, " : "", folder.string());
+      folder / kComparisonPage, ComparisonPage("Poses in bins: " + scenario.name, rows,
+                                               scenario.objects, Overlays(folder, start))));
+  fmt::print("{}{}{}, {} and overlays in {}\n", ComparisonTable(rows),
+             has_page ? fmt::format("{}, ", kComparisonPage) : "", kComparisonFile, kHypothesesFile,
+             folder.string());
   if (!Interrupted()) return 0;
   fmt::print(stderr, "pickbed: interrupted after {} of {} bins\n", rows.front().images.size(),
              scenario.spec.trials);
@@ -122,26 +123,26 @@ EstimatorSpec ExplainedEstimator(const ScenarioRequest& arguments,
 // `unwritten` is the result of WriteExplanation.
 void SayWhereExplained(const std::filesystem::path& folder, const std::string& unwritten) {
   if (SayIfUnwritten(unwritten)) {
-    fmt::print("page with pictures of the stages: {}\n", (folder / "explain.html").string());
+    fmt::print("page with pictures of the stages: {}\n", (folder / kExplainPage).string());
   } else {
     fmt::print("pictures of the stages in {}\n", (folder / kPicturesFolder).string());
   }
 }
 
 // Parses the trial number of --explain.
-int ExplainedTrial(const std::string& image) {
+BinIndex ExplainedBin(const std::string& image) {
   int trial = -1;
   const auto [end, error] = std::from_chars(image.data(), image.data() + image.size(), trial);
   CheckInput(
       error == std::errc() && end == image.data() + image.size() && trial >= 0,
       fmt::format("--explain {}: with a SCENARIO, give the number of a trial, from 0", image));
-  return trial;
+  return BinIndex(trial);
 }
 
 int ExplainScenario(const ScenarioRequest& arguments, const std::vector<std::string>& estimators,
                     const std::string& image, const std::string& out) {
   CheckInput(!arguments.trials, "--explain shows one image; remove --trials");
-  const int trial = ExplainedTrial(image);
+  const BinIndex bin_index = ExplainedBin(image);
   LoadedScenario scenario = FindScenario(arguments);
   scenario.spec.estimator = ExplainedEstimator(arguments, estimators, scenario.spec.estimator);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-explain");
@@ -150,9 +151,9 @@ int ExplainScenario(const ScenarioRequest& arguments, const std::vector<std::str
     ProgressLine progress;
     unwritten = ExplainTrial(
         scenario.spec, scenario.objects,
-        fmt::format("{} on {}, trial {}", scenario.spec.estimator.name, scenario.name, trial),
-        trial, folder, [&](std::string_view what, double share) {
-          progress.Show(fmt::format("{}: {:.0f} %", what, 100 * share));
+        fmt::format("{} on {}, trial {}", scenario.spec.estimator.name, scenario.name, bin_index),
+        bin_index, folder, [&](std::string_view what, double share) {
+          progress.Show(fmt::format("{}: {}", what, WholePercentText(share)));
         });
   }
   SayWhereExplained(folder, unwritten);
@@ -215,7 +216,7 @@ int ExplainBop(const BopArguments& bop, const ScenarioRequest& arguments,
     unwritten = bop::ExplainTarget(
         bop.path, bop.split, {spec.estimator, spec.refiner, spec.seed, kThreads, TaskOf(bop)},
         image, folder, [&](const bop::EstimateProgress& state) {
-          progress.Show(fmt::format("{}: {:.0f} %", state.what, 100 * state.share));
+          progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
         });
   }
   SayWhereExplained(folder, unwritten);
@@ -239,7 +240,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
     estimates = bop::EstimateDataset(
         bop.path, bop.split, {spec.estimator, spec.refiner, spec.seed, threads, TaskOf(bop)},
         [&](const bop::EstimateProgress& state) {
-          progress.Show(fmt::format("{}: {:.0f} %", state.what, 100 * state.share));
+          progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
         });
   }
   const std::filesystem::path csv =
@@ -284,10 +285,8 @@ int EstimateCommand(int argc, char** argv) {
                  "is NAME, NAME:MODE, NAME=MODEL or NAME:MODE=MODEL, where MODEL is a file trained "
                  "for this estimator")
       ->delimiter(',');
-  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  app.add_option("--threads", threads, "maximum number of threads; results do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  int threads = 1;
+  AddThreadsArgument(app, threads);
   app.add_option(
       "--explain", explained,
       "write a page with each stage of the estimate for one image instead of scores: number of a "

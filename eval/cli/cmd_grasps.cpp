@@ -5,8 +5,9 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
-#include "eval/cli/grasps_csv.h"
 #include "eval/draw/grasp_sheet.h"
+#include "eval/export/grasps_csv.h"
+#include "eval/stats/statistics.h"
 #include "grasp/grippers/requirements.h"
 #include "grasp/grippers/table.h"
 #include "scenes/base/files.h"
@@ -25,10 +26,10 @@ struct GraspsArguments {
 };
 
 void WriteGrasps(const GraspsArguments& arguments) {
-  const ObjectSet parts{OpenCatalog(arguments.catalog).Load(arguments.object)};
+  const ObjectSet objects{OpenCatalog(arguments.catalog).Load(arguments.object)};
   const auto gripper = LoadGripper(arguments.gripper);
-  RequireCanCarry(*gripper, *parts[0]);
-  const auto model = WithRestingDirections(WithConvexPieces(parts))[0];
+  RequireCanCarry(*gripper, *objects[0]);
+  const auto model = WithRestingDirections(WithConvexPieces(objects))[0];
   GraspCandidateOptions options;
   if (arguments.count > 0) {
     options.antipodal.candidates = options.suction.candidates = arguments.count;
@@ -47,23 +48,24 @@ void WriteGrasps(const GraspsArguments& arguments) {
                                   fmt::format("grasps_{}_{}", model->name, gripper->name)
                             : std::filesystem::path(arguments.out);
   MakeFolder(folder);
-  WriteFileAtomically(folder / "grasps.csv", GraspsCsv(candidates));
-  WritePng(folder / "grasps.png", GraspSheet(*model, *gripper, candidates));
+  WriteFileAtomically(folder / kGraspsFile, GraspsCsv(candidates));
+  WritePng(folder / kGraspSheetFile, GraspSheet(*model, *gripper, candidates));
   const GraspCandidate& best = candidates.front();
   fmt::print(
-      "{} grasps of {} with {}; the best one succeeds for {:.0f} % of the sampled errors and "
+      "{} grasps of {} with {}; the best one succeeds for {} of the sampled errors and "
       "resists {:.1f} times the weight from any direction\n{}\n",
-      candidates.size(), model->name, gripper->name, 100 * best.robust, best.epsilon,
-      (folder / "grasps.csv").string());
-  fmt::print("picture: {}\n", (folder / "grasps.png").string());
+      candidates.size(), model->name, gripper->name, WholePercentText(best.robust), best.epsilon,
+      (folder / kGraspsFile).string());
+  fmt::print("picture: {}\n", (folder / kGraspSheetFile).string());
 }
 
 }  // namespace
 
 int GraspsCommand(int argc, char** argv) {
   CLI::App app(
-      "Plans grasps of an object with a gripper. Writes them to grasps.csv, best first, and a "
-      "picture of the best ones to grasps.png.",
+      fmt::format("Plans grasps of an object with a gripper. Writes them to {}, best first, and a "
+                  "picture of the best ones to {}.",
+                  kGraspsFile, kGraspSheetFile),
       "pickbed grasps");
   GraspsArguments a;
   app.add_option("OBJECT", a.object, "name of an object (see pickbed list objects)")->required();
@@ -80,10 +82,9 @@ int GraspsCommand(int argc, char** argv) {
   app.add_option("--catalog", a.catalog, "folder with your own objects")->capture_default_str();
   app.add_option("--out", a.out, "results folder [results/grasps_OBJECT_GRIPPER]");
   GraspCandidateOptions defaults;
-  app.footer(
-      fmt::format("Settings and their defaults:\n{}The columns of grasps.csv are described in "
-                  "README.md.\nExample: pickbed grasps bracket jaw_8cm --count 200",
-                  WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true)));
+  app.footer(fmt::format(
+      "Settings and their defaults:\n{}\nExample: pickbed grasps bracket jaw_8cm --count 200",
+      WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true)));
   if (!ParseArguments(app, argc, argv)) return 0;
   WriteGrasps(a);
   return 0;

@@ -57,10 +57,10 @@ void ListSensors(const std::string&) {
   for (const std::string& name : SensorProfileNames()) {
     const SensorProfile s = LoadSensorProfile(name);
     Row(name, fmt::format("noise {:.1f} mm and steps of {:.1f} mm at 1 m, holes {} and "
-                          "{:.0f} % at edges, from {:g} to {:g} m",
+                          "{} at edges, from {:g} to {:g} m",
                           1e3 * AxialSigma_m(s, 1, 0), 1e3 * ReadingStep_m(s, 1, focal_px),
-                          PercentText(s.random_dropout), 100 * s.edge_dropout, s.min_range_m,
-                          s.max_range_m));
+                          PercentText(s.random_dropout), WholePercentText(s.edge_dropout),
+                          s.min_range_m, s.max_range_m));
   }
 }
 
@@ -100,11 +100,11 @@ void ListRules(const std::string&) {
 void ListPresets(const std::string&) {
   for (const std::string& name : PresetNames()) {
     const ScenarioSpec spec = LoadScenario(PresetsDir() / (name + ".yaml"));
-    std::string parts;
-    for (const PartSpec& part : spec.objects) {
-      parts += fmt::format("{}{} x {}", parts.empty() ? "" : ", ", part.count, part.name);
+    std::string objects;
+    for (const ObjectSpec& object : spec.objects) {
+      objects += fmt::format("{}{} x {}", objects.empty() ? "" : ", ", object.count, object.name);
     }
-    Row(name, fmt::format("{}; {} trials", parts, spec.trials));
+    Row(name, fmt::format("{}; {} trials", objects, spec.trials));
   }
 }
 
@@ -112,6 +112,13 @@ void ListSettings(const std::string&) {
   ScenarioSpec spec;
   spec.objects.resize(1);
   fmt::print("{}", WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); }, true));
+  SensorProfile sensor;
+  fmt::print("\nKeys of a sensor file with their defaults\n{}",
+             WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); }, true));
+  for (const GripperRow& row : GripperTable()) {
+    fmt::print("\nKeys of a gripper file with their defaults: {}\n{}", row.help,
+               row.make()->SettingsHelp(MechanismNames()));
+  }
 }
 
 struct Topic {

@@ -5,10 +5,12 @@
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/draw/object_sheet.h"
+#include "eval/export/made_object_json.h"
 #include "eval/runtime/progress.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
+#include "scenes/objects/object_catalog.h"
 
 namespace pickbed::eval {
 namespace {
@@ -30,30 +32,11 @@ std::string KeyOf(const ObjectRequest& request) {
                      request.center);
 }
 
-std::string ReportJson(const std::string& key, const MadeObject& made) {
-  nlohmann::ordered_json json;
-  json["key"] = key;
-  json["unit"] = made.inspected.unit;
-  json["watertight"] = made.inspected.watertight;
-  json["shells"] = made.inspected.shells;
-  json["put_right"] = made.inspected.fixed;
-  json["notes"] = made.inspected.notes;
-  json["mass_from_hull"] = made.mass_from_hull;
-  json["volume_m3"] = made.model.mass.volume_m3;
-  json["pieces"] = {{"count", made.quality.pieces},
-                    {"vertices", made.quality.vertices},
-                    {"bulge_m", made.quality.bulge_m},
-                    {"missed_m", made.quality.missed_m},
-                    {"volume_error", made.quality.volume_error}};
-  for (const MakeStageTime& stage : made.seconds) json["seconds"][stage.stage] = stage.seconds;
-  return json.dump(1) + "\n";
-}
-
 bool IsMadeAlready(const std::filesystem::path& folder, const std::string& key) {
   std::error_code error;
-  if (!std::filesystem::exists(folder / "object.yaml", error)) return false;
-  if (!std::filesystem::exists(folder / "made.json", error)) return false;
-  const auto json = nlohmann::json::parse(ReadFileBytes(folder / "made.json"), nullptr, false);
+  if (!std::filesystem::exists(folder / kObjectFile, error)) return false;
+  if (!std::filesystem::exists(folder / kMadeObjectFile, error)) return false;
+  const auto json = nlohmann::json::parse(ReadFileBytes(folder / kMadeObjectFile), nullptr, false);
   return json.is_object() && json.value("key", "") == key;
 }
 
@@ -75,7 +58,7 @@ void Add(const AddArguments& arguments) {
                folder.string());
     return;
   }
-  CheckInput(arguments.replace || !std::filesystem::exists(folder / "object.yaml"),
+  CheckInput(arguments.replace || !std::filesystem::exists(folder / kObjectFile),
              fmt::format("{} exists and was made from another mesh or with other options; pass "
                          "--replace or another --name",
                          folder.string()));
@@ -84,17 +67,17 @@ void Add(const AddArguments& arguments) {
       MakeObject(request, [&](const std::string& stage) { progress.Show(stage + " ..."); });
   progress.Show("draw ...");
   WriteObject(made.record, folder);
-  WritePng(folder / "sheet.png", ObjectSheet(made));
-  WriteFileAtomically(folder / "made.json", ReportJson(key, made));
+  WritePng(folder / kObjectSheetFile, ObjectSheet(made));
+  WriteFileAtomically(folder / kMadeObjectFile, MadeObjectJson(key, made));
   progress.Show("done", true);
-  if (std::filesystem::exists(AssetsDir() / "objects" / request.name / "object.yaml", error)) {
+  if (std::filesystem::exists(AssetsDir() / "objects" / request.name / kObjectFile, error)) {
     fmt::print(stderr,
                "pickbed: the program has an object '{}', too; scenarios that use the catalog {} "
                "now get yours\n",
                request.name, arguments.catalog);
   }
   fmt::print("{}\n{}picture: {}\n", request.name, ObjectText(made),
-             (folder / "sheet.png").string());
+             (folder / kObjectSheetFile).string());
 }
 
 }  // namespace

@@ -5,31 +5,20 @@
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/draw/overlay.h"
+#include "eval/export/visibility_csv.h"
 #include "eval/trial/simulated_cell.h"
 #include "scenes/base/files.h"
-#include "scenes/base/ids_format.h"
 #include "scenes/image/image_io.h"
 
 namespace pickbed::eval {
-namespace {
-
-std::string VisibilityCsv(const Scene& scene, const Observation& view, const ObjectSet& objects) {
-  std::string csv = "id,instance,object,visible_fraction\n";
-  for (size_t i = 0; i < scene.objects.size(); ++i) {
-    const PosedObject& posed = scene.objects[i];
-    csv += fmt::format("{},{},{},{}\n", posed.instance + 1, posed.instance,
-                       objects[posed.object]->name, view.visible_fractions[i]);
-  }
-  return csv;
-}
-
-}  // namespace
 
 int RenderCommand(int argc, char** argv) {
   CLI::App app(
-      "Fills one bin and writes the camera image: color.png, depth.png (16 bit, 0.1 mm per unit, 0 "
-      "= no reading, with sensor noise), ids.png (16 bit, instance + 1), pictures of depth and "
-      "ids, and visible.csv.",
+      fmt::format(
+          "Fills one bin and writes the camera image: color.png, depth.png (16 bit, 0.1 mm per "
+          "unit, 0 = no reading, with sensor noise), ids.png (16 bit, instance + 1), pictures of "
+          "depth and ids, and {}.",
+          kVisibilityFile),
       "pickbed render");
   ScenarioRequest arguments;
   std::string out;
@@ -42,18 +31,19 @@ int RenderCommand(int argc, char** argv) {
   app.footer("Example: pickbed render demo --set camera.width=1280 --set camera.height=960");
   if (!ParseArguments(app, argc, argv)) return 0;
 
+  const BinIndex bin_index(trial);
   const LoadedScenario scenario = FindScenario(arguments);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-render");
   MakeFolder(folder);
   SimulatedCell cell(scenario.spec, scenario.objects);
-  const Scene scene = cell.MakeScene(BinIndex(trial)).scene;
-  const Observation view = cell.Capture(scene, BinIndex(trial), 0);
+  const Scene scene = cell.MakeScene(bin_index).scene;
+  const Observation view = cell.Capture(scene, bin_index, 0);
   WritePng(folder / "color.png", view.frame.color);
   WriteDepthPng(folder / "depth.png", view.frame.depth_m);
   WritePng(folder / "depth_color.png", ColorizeDepth(view.frame.depth_m));
   WritePng16(folder / "ids.png", view.ids);
   WritePng(folder / "ids_color.png", ColorizeIds(view.ids));
-  WriteFileAtomically(folder / "visible.csv", VisibilityCsv(scene, view, cell.objects()));
+  WriteFileAtomically(folder / kVisibilityFile, VisibilityCsv(scene, view, cell.objects()));
   const auto in_view = std::count_if(view.visible_fractions.begin(), view.visible_fractions.end(),
                                      [](double fraction) { return fraction > 0; });
   fmt::print("{} of {} instances are visible to the camera; pictures in {}\n", in_view,

@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/replay/pick_animation.h"
 #include "eval/replay/replay.h"
 #include "eval/replay/stage_files.h"
 #include "eval/runtime/progress.h"
 #include "eval/summary/result_files.h"
+#include "scenes/base/error.h"
 #include "scenes/base/files.h"
 
 namespace pickbed::eval {
@@ -23,6 +27,41 @@ void SayWhatChanged(const RecordedTrial& recorded) {
   }
 }
 
+// Notifies several observers.
+class Observers : public TrialObserver {
+ public:
+  Observers(TrialObserver& files, PickAnimation* animation)
+      : files_(files), animation_(animation) {}
+
+  void OnStage(TrialStage stage, const AttemptState& attempt) override {
+    files_.OnStage(stage, attempt);
+    if (animation_ != nullptr) animation_->OnStage(stage, attempt);
+  }
+  MotionListener ListenToMotion() override {
+    return animation_ != nullptr ? animation_->ListenToMotion() : MotionListener();
+  }
+
+ private:
+  TrialObserver& files_;
+  PickAnimation* animation_;
+};
+
+// Throws InputError if no pick of the trial can be animated.
+void RequirePicks(const RecordedTrial& recorded, const std::string& address, int attempt) {
+  CheckInput(!recorded.crashed,
+             fmt::format("{}: the trial crashed, so there is no pick to animate", address));
+  const auto& attempts = recorded.result.attempts;
+  const auto is_pick = [](const AttemptRecord& record) { return record.grasp.has_value(); };
+  CheckInput(std::any_of(attempts.begin(), attempts.end(), is_pick),
+             fmt::format("{}: no attempt of the trial executed a grasp, so there is no pick to "
+                         "animate; choose another trial",
+                         address));
+  if (attempt < 0) return;
+  CheckInput(static_cast<size_t>(attempt) < attempts.size() && is_pick(attempts[attempt]),
+             fmt::format("{}: attempt {} executed no grasp; choose another of the {} attempts",
+                         address, attempt, attempts.size()));
+}
+
 }  // namespace
 
 int ReplayCommand(int argc, char** argv) {
@@ -33,29 +72,52 @@ int ReplayCommand(int argc, char** argv) {
       "pickbed replay");
   std::string address_text, out, catalog = "objects";
   app.add_option("RUN#TRIAL", address_text,
-                 "results folder and number of the trial, for example results/demo#2")
+                 "results folder and number of the trial, for example results/demo#2; with --list "
+                 "the number is optional")
       ->required();
   app.add_option("--out", out, "folder for the files [RUN/replay/trial_NNNN]");
   app.add_option("--catalog", catalog, "folder with your own objects")->capture_default_str();
-  app.footer("Example: pickbed replay results/demo#2");
+  bool animate = false;
+  int only_attempt = -1;
+  app.add_flag("--animate", animate,
+               "also write an animation of each pick: attempt_NN_pick.glb for 3D viewers and "
+               "attempt_NN_pick.gif");
+  app.add_option("--attempt", only_attempt, "number of the only attempt to animate, from 0 [all]")
+      ->check(CLI::NonNegativeNumber)
+      ->needs("--animate");
+  bool list = false;
+  app.add_flag("--list", list,
+               "only list the trials of the run: number, bin, attempts, successes and status")
+      ->excludes("--animate");
+  app.footer("Example: pickbed replay results/demo#2 --animate --attempt 0");
   if (!ParseArguments(app, argc, argv)) return 0;
 
+  if (list) {
+    const bool numbered = address_text.find('#') != std::string::npos;
+    fmt::print("{}", TrialList(numbered ? ParseTrialAddress(address_text).run
+                                        : std::filesystem::path(address_text)));
+    return 0;
+  }
   const TrialAddress address = ParseTrialAddress(address_text);
   const RecordedTrial recorded = ReadRecordedTrial(address, catalog);
   SayWhatChanged(recorded);
+  if (animate) RequirePicks(recorded, address_text, only_attempt);
   const std::filesystem::path folder =
       out.empty() ? address.run / kReplayFolder / fmt::format("trial_{:04}", address.trial)
                   : std::filesystem::path(out);
   StageFiles files(folder);
+  PickAnimation animation(folder, only_attempt);
+  Observers observers(files, animate ? &animation : nullptr);
   ReplayReport report;
   {
     ProgressLine progress;
-    report = ReplayTrial(recorded, &files, [&](std::string_view what, double share) {
-      progress.Show(fmt::format("{}: {:.0f} %", what, 100 * share));
+    report = ReplayTrial(recorded, &observers, [&](std::string_view what, double share) {
+      progress.Show(fmt::format("{}: {}", what, WholePercentText(share)));
     });
   }
-  WriteFileAtomically(folder / "stages.csv", ReplayCsv(report));
+  WriteFileAtomically(folder / kStagesFile, ReplayCsv(report));
   fmt::print("{}stages in {}\n", ReplayTable(report), folder.string());
+  if (animate) fmt::print("{} animated picks in {}\n", animation.written(), folder.string());
   return report.FirstDifference() == nullptr ? 0 : kDiffers;
 }
 

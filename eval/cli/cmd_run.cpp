@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <thread>
-
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/cli/run_progress.h"
@@ -24,16 +22,13 @@ int RunCommand(int argc, char** argv) {
                "pickbed run");
   ScenarioRequest arguments;
   RunOptions options;
-  options.jobs = std::max(1u, std::thread::hardware_concurrency());
   std::string out;
   std::vector<std::string> tolerance;
   bool json = false;
   AddScenarioArguments(app, arguments);
   AddTrialsArgument(app, arguments);
   AddOutArgument(app, out);
-  app.add_option("--jobs", options.jobs, "number of worker processes; results do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  AddJobsArgument(app, options.jobs);
   app.add_flag("--resume", options.resume, "continue an interrupted run");
   app.add_flag("--retry-crashed", options.retry_crashed,
                "with --resume: repeat the trials whose worker process crashed");

@@ -10,6 +10,7 @@
 #include "eval/draw/plot.h"
 #include "eval/stats/statistics.h"
 #include "scenes/base/files.h"
+#include "scenes/base/math.h"
 #include "scenes/image/image_io.h"
 #include "sim/sensor/depth_noise.h"
 #include "sim/sensor/test_bench.h"
@@ -37,7 +38,7 @@ Image<Rgb8> NoiseChart(const std::vector<NoiseSample>& samples, const char* x_la
 Image<Rgb8> FailureChart(const std::vector<NoiseSample>& samples) {
   ChartSeries measured{"measured", {}, kMeasured, true}, formula{"by the profile", {}, kFormula};
   for (const NoiseSample& s : samples) {
-    const double degrees = s.at * 180 / std::numbers::pi;
+    const double degrees = Degrees(s.at);
     measured.points.emplace_back(degrees, 100 * s.lost_share);
     formula.points.emplace_back(degrees, 100 * s.lost_formula_share);
   }
@@ -71,13 +72,13 @@ std::vector<std::string> KeyNumbers(const SensorProfile& p, const SensorScene& s
       fmt::format("baseline\t{:g} mm: a step from 1 to 0.8 m", 1e3 * TriangulationBaseline_m(p)),
       fmt::format("\tshadow of {} px here", fmt::join(shades_px, " and ")),
       fmt::format("missing anywhere\t{}", PercentText(p.random_dropout)),
-      fmt::format("missing at edges\t{:.0f} %, flying {:.0f} % of the rest", 100 * p.edge_dropout,
-                  100 * p.flying_share),
-      fmt::format("missing at grazing angles\t{:.0f} % at 90 deg, none to {:.0f} deg",
-                  100 * p.grazing_dropout, p.grazing_start_rad * 180 / std::numbers::pi),
-      fmt::format("missing on black\t{:.0f} %, none over luma {:g}", 100 * p.dark_dropout,
+      fmt::format("missing at edges\t{}, flying {} of the rest", WholePercentText(p.edge_dropout),
+                  WholePercentText(p.flying_share)),
+      fmt::format("missing at grazing angles\t{} at 90 deg, none to {:.0f} deg",
+                  WholePercentText(p.grazing_dropout), Degrees(p.grazing_start_rad)),
+      fmt::format("missing on black\t{}, none over luma {:g}", WholePercentText(p.dark_dropout),
                   p.dark_luma),
-      fmt::format("missing on white\t{:.0f} %, none under luma {:g}", 100 * p.shiny_dropout,
+      fmt::format("missing on white\t{}, none under luma {:g}", WholePercentText(p.shiny_dropout),
                   p.shiny_luma),
       fmt::format("missing in this scene\t{}",
                   PercentText(static_cast<int>(holes), static_cast<int>(seen_m.size()))),
@@ -97,7 +98,7 @@ Image<Rgb8> DrawSensorSheet(const SensorProfile& p) {
       {scene.color, ColorizeDepth(scene.depth_m), ColorizeDepth(seen_m),
        DrawDepthError(scene.depth_m, seen_m, full_m),
        NoiseChart(NoiseByDistance(p), "distance, m", 1),
-       NoiseChart(by_slant, "slant, degrees", 180 / std::numbers::pi), FailureChart(by_slant),
+       NoiseChart(by_slant, "slant, degrees", kDegreesPerRadian), FailureChart(by_slant),
        DrawTable(KeyNumbers(p, scene, seen_m), kTileWidth, kTileHeight)},
       {fmt::format("Scene: wall at {:.2g} m; boards at 30, 50, 70, 80 degrees", distance_m),
        "Ideal depth (near is warm)", "Depth as measured by the sensor (black: none)",

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <thread>
-
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/cli/run_progress.h"
@@ -47,7 +45,6 @@ void AddSlurmArguments(CLI::App& app, SweepArguments& a) {
 
 bool ParseSweepArguments(int argc, char** argv, SweepArguments& a) {
   CLI::App app("Runs a scenario with every combination of a grid of settings.", "pickbed sweep");
-  a.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   a.options.picture_trials = 0;
   app.add_option("SWEEP", a.file, "sweep file with scenario, trials, set and grid (see README.md)")
       ->required();
@@ -59,10 +56,7 @@ bool ParseSweepArguments(int argc, char** argv, SweepArguments& a) {
       ->check(CLI::Range(1, 1000000));
   app.add_option("--catalog", a.catalog, "folder with your own objects")->capture_default_str();
   AddOutArgument(app, a.out);
-  const auto* jobs = app.add_option("--jobs", a.options.jobs,
-                                    "number of worker processes; results do not depend on it")
-                         ->check(CLI::Range(1, 1024))
-                         ->capture_default_str();
+  const CLI::Option* jobs = AddJobsArgument(app, a.options.jobs);
   const auto* shard = app.add_option(
       "--shard", a.shard, "run only shard I of N, written I/N; pickbed merge merges the shards");
   app.add_flag("--resume", a.options.resume, "continue an interrupted sweep");

@@ -2,7 +2,6 @@
 
 #include <set>
 #include <sstream>
-#include <thread>
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
@@ -26,7 +25,7 @@ struct ToleranceArguments {
   std::string object, gripper, catalog = "objects", out, run;
   std::vector<std::string> settings;
   std::vector<std::string> pairs;
-  int jobs = std::max(1u, std::thread::hardware_concurrency());
+  int jobs = 1;
   bool resume = false;
 };
 
@@ -53,15 +52,13 @@ bool ParseToleranceArguments(int argc, char** argv, ToleranceArguments& argument
          "results folder of a `pickbed run`: also test the predictors on its picks of this object")
       ->check(CLI::ExistingDirectory);
   app.add_option("--set", arguments.settings,
-                 "change a setting of the map: KEY=VALUE, for example grasps=80 or step_mm=1; "
-                 "tolerance.yaml in the results folder lists all");
+                 fmt::format("change a setting of the map: KEY=VALUE, for example grasps=80 or "
+                             "step_mm=1; {} in the results folder lists all",
+                             kToleranceFile));
   app.add_option("--catalog", arguments.catalog, "folder with your own objects")
       ->capture_default_str();
   app.add_option("--out", arguments.out, "results folder [results/tolerance_OBJECT_GRIPPER]");
-  app.add_option("--jobs", arguments.jobs,
-                 "number of worker processes; results do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  AddJobsArgument(app, arguments.jobs);
   app.add_flag("--resume", arguments.resume, "continue an interrupted map");
   app.footer("Example: pickbed tolerance flange jaw_8cm --pairs gx:gry --jobs 2");
   return ParseArguments(app, argc, argv);
@@ -112,9 +109,9 @@ ToleranceStudy MakeStudy(const ToleranceArguments& arguments) {
   const auto gripper = LoadGripper(arguments.gripper);
   const auto loaded = OpenCatalog(arguments.catalog).Load(arguments.object);
   RequireCanCarry(*gripper, *loaded);
-  const auto part = WithRestingDirections({WithConvexPieces(loaded)})[0];
-  fmt::print(stderr, "planning grasps and resting poses of {}\n", part->name);
-  return PlanStudy(part, gripper, RequireCandidates(*part, *gripper), options);
+  const auto object = WithRestingDirections({WithConvexPieces(loaded)})[0];
+  fmt::print(stderr, "planning grasps and resting poses of {}\n", object->name);
+  return PlanStudy(object, gripper, RequireCandidates(*object, *gripper), options);
 }
 
 StudyOutcomes ExecuteWithProgress(const ToleranceStudy& study, const std::filesystem::path& out,
@@ -148,12 +145,12 @@ int ToleranceCommand(int argc, char** argv) {
   if (!ParseToleranceArguments(argc, argv, arguments)) return 0;
   CatchInterrupts();
   const ToleranceStudy study = MakeStudy(arguments);
-  const ObjectModel& part = *study.table.objects[0];
+  const ObjectModel& object = *study.table.objects[0];
   const std::filesystem::path out = OutFolder(
-      arguments.out, fmt::format("tolerance_{}_{}", part.name, study.table.gripper->name));
+      arguments.out, fmt::format("tolerance_{}_{}", object.name, study.table.gripper->name));
   std::vector<JudgedPick> picks;
   if (!arguments.run.empty()) {
-    picks = PicksOfRun(arguments.run, arguments.catalog, part.name, study.table.gripper->name);
+    picks = PicksOfRun(arguments.run, arguments.catalog, object.name, study.table.gripper->name);
   }
   MakeFolder(out);
   const StudyOutcomes executed = ExecuteWithProgress(study, out, arguments);
@@ -170,8 +167,8 @@ int ToleranceCommand(int argc, char** argv) {
   WriteToleranceFiles(study, statistics, out);
   fmt::print("{}", ToleranceText(statistics));
   if (!arguments.run.empty()) {
-    const auto predictors = JudgePredictors({{statistics.model, part, picks}});
-    WriteFileAtomically(out / "run_predictors.csv", PredictorsCsv(predictors));
+    const auto predictors = JudgePredictors({{statistics.model, object, picks}});
+    WriteFileAtomically(out / kRunPredictorsFile, PredictorsCsv(predictors));
     fmt::print("{}{}", PredictorText(predictors, "picks of " + arguments.run), FewBinsLine(picks));
   }
   fmt::print("results in {}\n", out.string());

@@ -2,6 +2,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/page/html.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/train/job.h"
@@ -55,7 +56,7 @@ void PrintReport(const TrainingReport& report, const ObjectSet& objects) {
   for (size_t i = 0; i < objects.size(); ++i) {
     if (!report.rehearsed[i]) continue;
     fmt::print("  {}, known from the start model: recall@1 {:.3f} before, {:.3f} after\n",
-               objects[i]->name, first.part_at_1[i], last.part_at_1[i]);
+               objects[i]->name, first.object_at_1[i], last.object_at_1[i]);
   }
 }
 
@@ -201,8 +202,8 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingSet& training_
                     file,
                     arguments.resume,
                     SensorNames(training_set),
-                    [&](std::string_view part, double share) {
-                      progress.Show(fmt::format("{}: {:.0f} %", part, 100 * share));
+                    [&](std::string_view object, double share) {
+                      progress.Show(fmt::format("{}: {}", object, WholePercentText(share)));
                       return !Interrupted();
                     }};
     if (has_network) {
@@ -261,7 +262,7 @@ int TrainModel(TrainArguments& arguments, const TrainingSet& training_set,
       WriteTrainingPage(folder, {model_file.stem().string(), SensorNames(training_set), in_force,
                                  report, training_set.objects}));
   std::filesystem::remove(checkpoint);
-  fmt::print("report: {}\n", (has_page ? folder / "index.html" : folder).string());
+  fmt::print("report: {}\n", (has_page ? folder / kIndexPage : folder).string());
   fmt::print("wrote {} after {}\nuse it with --set estimator.name={} --set estimator.model={}\n",
              model_file.string(), FormatDuration(report.seconds), arguments.method,
              model_file.string());

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "eval/cli/cmd_benchmark.h"
 #include "scenes/base/error.h"
 #include "scenes/base/settings_names.h"
 
@@ -19,22 +20,24 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 21> kCommands{{
+constexpr std::array<CommandRow, 22> kCommands{{
     {"run", "drop, capture, estimate and pick in many trials; measure the success rate",
      RunCommand},
+    {"report", "write a run as one HTML page with charts, failed picks and 3D views",
+     ReportCommand},
+    {"compare", "compare two runs on one HTML page, with paired differences", CompareCommand},
     {"sweep", "run a grid of settings in processes, shards or on a Slurm cluster", SweepCommand},
+    {"estimate", "estimate poses in filled bins and score them against ground truth",
+     EstimateCommand},
+    {"doctor", "check that this machine can run pickbed", DoctorCommand},
     {"merge", "merge the shards of a sweep, or put several runs side by side", MergeCommand},
     {"budget", "count failed picks by stage and reason; measure the gain of perfect stages",
      BudgetCommand},
     {"replay", "repeat one trial of a run and name the first stage that differs", ReplayCommand},
-    {"report", "write a run as one HTML page with charts, failed picks and 3D views",
-     ReportCommand},
-    {"compare", "compare two runs on one HTML page, with paired differences", CompareCommand},
     {"drop", "fill one bin and write the settled scene", DropCommand},
     {"render", "fill one bin and write the camera image", RenderCommand},
-    {"estimate", "estimate poses in filled bins and score them against ground truth",
-     EstimateCommand},
-    {"benchmark", "compare published methods on crops of objects and on bins", BenchmarkCommand},
+    {"benchmark", "compare published methods on crops of objects and on bins", BenchmarkCommand,
+     BenchmarkTables},
     {"train", "train models on views rendered during training", TrainCommand},
     {"object", "add an object to the catalog from a mesh", ObjectCommand},
     {"sensor", "draw the behaviour of a depth sensor profile", SensorCommand},
@@ -45,15 +48,18 @@ constexpr std::array<CommandRow, 21> kCommands{{
     {"score", "score pose estimates on a BOP dataset with the BOP metrics", ScoreCommand},
     {"tolerance", "measure how large a pose error may be before a pick fails", ToleranceCommand},
     {"list", "list the available objects, estimators, grippers, sensors, ...", ListCommand},
-    {"doctor", "check that this machine can run pickbed", DoctorCommand},
+    {"completion", "print a script for completion in bash", CompletionCommand},
 }};
 
 std::string Usage() {
   std::string text =
       "pickbed: drops parts into a bin, captures an RGB-D image, estimates object poses, executes "
       "grasps\nin physics, and reports how often picking works and which stage fails.\n\nUsage: "
-      "pickbed COMMAND [OPTIONS]\n\nCommands:\n";
-  for (const CommandRow& row : kCommands) text += fmt::format("  {:<10} {}\n", row.name, row.help);
+      "pickbed COMMAND [OPTIONS]\n\nFirst commands:\n";
+  for (size_t i = 0; i < kCommands.size(); ++i) {
+    if (i == kFirstCommands) text += "\nMore commands:\n";
+    text += fmt::format("  {:<10} {}\n", kCommands[i].name, kCommands[i].help);
+  }
   text +=
       "\n`pickbed COMMAND --help` shows the options of a command with an example.\nFirst run: "
       "pickbed run demo\n";
@@ -104,6 +110,10 @@ int Dispatch(int argc, char** argv) {
   SetDeprecationListener(PrintOnce);
   try {
     const std::string name = argc > 1 ? argv[1] : "";
+    if (argc <= 1) {
+      fmt::print("{}", Usage());
+      return kBadInput;
+    }
     if (name == "--help" || name == "-h" || name == "help") {
       fmt::print("{}", Usage());
       return kDone;
@@ -112,7 +122,6 @@ int Dispatch(int argc, char** argv) {
       fmt::print("pickbed {}\n", PICKBED_VERSION);
       return kDone;
     }
-    CheckInput(!name.empty(), "no command given; see pickbed --help");
     return FindCommand(name).run(argc - 1, argv + 1);
   } catch (const InputError& error) {
     fmt::print(stderr, "pickbed: {}\n", WithFlags(error.what()));

@@ -32,13 +32,18 @@ int ListCommand(int argc, char** argv);
 int DatasetCommand(int argc, char** argv);
 int ScoreCommand(int argc, char** argv);
 int DoctorCommand(int argc, char** argv);
+int CompletionCommand(int argc, char** argv);
 
 // A command with its one line of help.
 struct CommandRow {
   const char* name;
   const char* help;
   int (*run)(int argc, char** argv);
+  // Its own commands, such as `benchmark bins`, if it dispatches them by itself.
+  std::span<const CommandRow> (*subcommands)() = nullptr;
 };
+// Number of commands at the beginning of the table that a first user needs.
+inline constexpr int kFirstCommands = 6;
 // Returns all commands, in the order of the help.
 std::span<const CommandRow> CommandTable();
 

@@ -70,9 +70,9 @@ std::string SceneKey(const std::string& settings);
 void RequireSameScenes(const std::string& settings_before, const std::string& settings_after,
                        const std::string& name_before, const std::string& name_after);
 
-// Return the comparison as a table for the console, and as JSON with null for infinite or unknown
-// numbers.
+// Returns the comparison as a table for the console.
 std::string PairedTable(const PairedComparison& comparison);
+// Returns the comparison as JSON.
 std::string PairedJson(const PairedComparison& comparison);
 
 }  // namespace pickbed::eval

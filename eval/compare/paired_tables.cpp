@@ -83,6 +83,32 @@ std::string ComparisonText(std::span<const ConfigurationComparison> comparisons)
   return text;
 }
 
+ResultColumns ComparisonKeys() {
+  const std::string at = "comparisons[].", row = at + "statistics[].";
+  return {
+      {at + "first", "name of the first configuration"},
+      {at + "second", "name of the second configuration; differences are second - first"},
+      {at + "scenes", "number of scenes that both have"},
+      {at + "scenes_of_first_only", "number of scenes that only the first has"},
+      {at + "scenes_of_second_only", "number of scenes that only the second has"},
+      {row + "key", "key of the statistic, such as recall_30_50"},
+      {row + "name", "statistic in words"},
+      {row + "before", "value of the first; rates are 0..1, errors have the unit in name"},
+      {row + "after", "value of the second"},
+      {row + "difference", "after - before"},
+      {row + "difference_ci95", "95 % interval of difference; null for an unknown end"},
+      {row + "p_value", "probability of such a difference if there is none"},
+      {row + "test", "test that gave p_value: mcnemar or sign_flip"},
+      {row + "scenes", "number of scenes with data in either run"},
+      {row + "discordant_scenes", "number of scenes in which the runs differ"},
+      {row + "scenes_needed",
+       "number of scenes that shows a difference of this size with power 0.8 at level 0.05; null "
+       "if unknown"},
+      {row + "odds_ratio", "odds ratio; only if each scene has one outcome"},
+      {row + "odds_ratio_ci95", "95 % interval of odds_ratio"},
+  };
+}
+
 std::string ComparisonJson(std::span<const ConfigurationComparison> comparisons) {
   nlohmann::ordered_json json;
   json["comparisons"] = nlohmann::ordered_json::array();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "eval/compare/paired_comparison.h"
+#include "eval/metrics/result_columns.h"
 #include "eval/page/html.h"
 #include "eval/summary/run_summary.h"
 
@@ -38,5 +39,7 @@ ReportTable PairedReport(const ConfigurationComparison& comparison);
 std::string ComparisonText(std::span<const ConfigurationComparison> comparisons);
 // Returns {"comparisons": [{"first": NAME, "second": NAME, ... fields of PairedJson}, ...]}.
 std::string ComparisonJson(std::span<const ConfigurationComparison> comparisons);
+// Returns the keys of ComparisonJson().
+ResultColumns ComparisonKeys();
 
 }  // namespace pickbed::eval

@@ -15,10 +15,10 @@ constexpr double kFar_px = 1e5;  // limit of coordinates, so that they fit an in
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 
 cv::Point SubPixel(const Eigen::Vector2d& p) {
-  const auto part = [](double v) {
+  const auto channel = [](double v) {
     return static_cast<int>(std::lround(std::clamp(v, -kFar_px, kFar_px) * (1 << kShift)));
   };
-  return {part(p.x()), part(p.y())};
+  return {channel(p.x()), channel(p.y())};
 }
 
 // Whole OpenCV color map as a table. Calling OpenCV for each pixel takes seconds per picture.
@@ -154,10 +154,10 @@ Image<Rgb8> Faded(const Image<Rgb8>& image) {
   for (size_t i = 0; i < image.size(); ++i) {
     const Rgb8 p = image.data()[i];
     const double luma = 0.299 * p.r + 0.587 * p.g + 0.114 * p.b;
-    const auto part = [luma](uint8_t v) {
+    const auto channel = [luma](uint8_t v) {
       return static_cast<uint8_t>(kLift + kContrast * (kColor * v + (1 - kColor) * luma));
     };
-    faded.data()[i] = {part(p.r), part(p.g), part(p.b)};
+    faded.data()[i] = {channel(p.r), channel(p.g), channel(p.b)};
   }
   return faded;
 }

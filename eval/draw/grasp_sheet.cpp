@@ -94,12 +94,12 @@ class GraspStudio {
  public:
   GraspStudio(const ObjectModel& model, const std::vector<TriangleMesh>& hands) {
     // The object is drawn without its own colors, which would look like qualities.
-    TriangleMesh part;
-    part.vertices = model.mesh_O.vertices;
-    part.triangles = model.mesh_O.triangles;
-    part.normals = model.mesh_O.normals;
-    instances_.push_back({renderer_.AddMesh(part), Pose::Identity(), 1});
-    Bounds all = MeshBounds(part);
+    TriangleMesh object;
+    object.vertices = model.mesh_O.vertices;
+    object.triangles = model.mesh_O.triangles;
+    object.normals = model.mesh_O.normals;
+    instances_.push_back({renderer_.AddMesh(object), Pose::Identity(), 1});
+    Bounds all = MeshBounds(object);
     for (const TriangleMesh& hand : hands) {
       instances_.push_back({renderer_.AddMesh(hand), Pose::Identity(), 2});
       const Bounds bounds = MeshBounds(hand);
@@ -154,7 +154,7 @@ double Median(std::vector<double> values) {
 }  // namespace
 
 std::vector<int> GraspsToDraw(const std::vector<GraspCandidate>& candidates, int wanted,
-                              double part_diameter_m) {
+                              double object_diameter_m) {
   std::vector<int> order(candidates.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
@@ -166,7 +166,7 @@ std::vector<int> GraspsToDraw(const std::vector<GraspCandidate>& candidates, int
     if (static_cast<int>(drawn.size()) == wanted) break;
     const bool alike = std::any_of(drawn.begin(), drawn.end(), [&](int k) {
       const Pose &a = candidates[i].X_OG, &b = candidates[k].X_OG;
-      return (a.translation() - b.translation()).norm() < kApart * part_diameter_m &&
+      return (a.translation() - b.translation()).norm() < kApart * object_diameter_m &&
              a.linear().col(2).dot(b.linear().col(2)) > std::cos(kApart_rad);
     });
     if (!alike) drawn.push_back(i);

@@ -13,6 +13,8 @@
 
 namespace pickbed::eval {
 
+inline constexpr char kGraspSheetFile[] = "grasps.png";
+
 // Draws the sheet. Throws InputError if there are no candidates.
 Image<Rgb8> GraspSheet(const ObjectModel& model, const Gripper& gripper,
                        const std::vector<GraspCandidate>& candidates);
@@ -20,6 +22,6 @@ Image<Rgb8> GraspSheet(const ObjectModel& model, const Gripper& gripper,
 // Indices of up to `wanted` best candidates (by robust, then epsilon), best first, without similar
 // grasps.
 std::vector<int> GraspsToDraw(const std::vector<GraspCandidate>& candidates, int wanted,
-                              double part_diameter_m);
+                              double object_diameter_m);
 
 }  // namespace pickbed::eval

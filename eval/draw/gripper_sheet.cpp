@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kWidth = 1280, kMostHeight = 760;
+constexpr int kWidth = 1280, kMaxHeight = 760;
 constexpr int kPanel = kWidth / 2;
 constexpr double kAxes_px = 60;                        // length of the axes of G
 constexpr int kTop = 110, kBottom = 110, kSide = 150;  // margins for captions and dimensions
@@ -89,7 +89,7 @@ Image<Rgb8> GripperSheet(const Gripper& gripper) {
   const std::vector<AxisAlignedBox> open = gripper.Boxes(gripper.MaxOpening_m());
   const Eigen::AlignedBox3d bounds = BoundsOf(open);
   const double scale = std::min((kPanel - 2.0 * kSide) / bounds.sizes().head<2>().maxCoeff(),
-                                (kMostHeight - kTop - kBottom - 70.0) / bounds.sizes().z());
+                                (kMaxHeight - kTop - kBottom - 70.0) / bounds.sizes().z());
   const int height = kTop + static_cast<int>(scale * bounds.sizes().z()) + kBottom + 40;
   Canvas canvas(kWidth, height, kSheetPaper);
   canvas.Text(fmt::format("{}: {}, {}", gripper.name, gripper.mechanism(), gripper.Summary()), 24,
@@ -99,7 +99,7 @@ Image<Rgb8> GripperSheet(const Gripper& gripper) {
     canvas.Text(across == 0 ? "from the front" : "from the side", kPanel * across + 24, 66,
                 kSheetInk, 0.55);
     for (const AxisAlignedBox& box : open) DrawBox(canvas, view, box, kBody);
-    for (const AxisAlignedBox& part : gripper.SoftBoxes()) DrawBox(canvas, view, part, kOpen);
+    for (const AxisAlignedBox& box : gripper.SoftBoxes()) DrawBox(canvas, view, box, kOpen);
     DrawWidth(canvas, view, bounds.min()[across], bounds.max()[across], kTop - 14, "");
     const double right_px =
         std::max(view.Place(bounds.max()[across], 0).x(), view.origin_px.x() + kAxes_px + 20);

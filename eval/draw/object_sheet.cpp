@@ -7,6 +7,7 @@
 
 #include "eval/draw/outline.h"
 #include "eval/draw/overlay.h"
+#include "eval/stats/statistics.h"
 #include "sim/convex/convex_hull.h"
 #include "sim/render/renderer.h"
 
@@ -38,7 +39,7 @@ class ObjectStudio {
   explicit ObjectStudio(const MadeObject& made) : made_(made), model_(made.model) {
     center_O_ = MeshBounds(model_.mesh_O).center();
     distance_m_ = kDistance * model_.diameter_m;
-    part_ = renderer_.AddMesh(model_.mesh_O);
+    mesh_ = renderer_.AddMesh(model_.mesh_O);
   }
 
   void AddViews();
@@ -65,7 +66,7 @@ class ObjectStudio {
   const MadeObject& made_;
   const ObjectModel& model_;
   Renderer renderer_;
-  int part_ = 0;
+  int mesh_ = 0;
   Vector3d center_O_;
   double distance_m_ = 0;
   std::vector<Image<Rgb8>> tiles_;
@@ -80,7 +81,7 @@ void ObjectStudio::AddViews() {
        {{0, 0, 1}, "along -z"},
        {{0, -1, 0}, "along y"}}};
   for (const auto& [from, caption] : views) {
-    Add(Picture(ObjectCamera(center_O_, from, distance_m_), {{part_, Pose::Identity(), 1}}),
+    Add(Picture(ObjectCamera(center_O_, from, distance_m_), {{mesh_, Pose::Identity(), 1}}),
         caption);
   }
 }
@@ -88,7 +89,7 @@ void ObjectStudio::AddViews() {
 // Continuous symmetry axes are red, axes of discrete rotations blue.
 void ObjectStudio::AddSymmetries() {
   const Camera camera = ObjectCamera(center_O_, {1, -1.3, 0.9}, distance_m_);
-  Image<Rgb8> tile = Picture(camera, {{part_, Pose::Identity(), 1}});
+  Image<Rgb8> tile = Picture(camera, {{mesh_, Pose::Identity(), 1}});
   cv::Mat canvas(tile.height(), tile.width(), CV_8UC3, tile.data());
   const Pose X_CO = camera.X_CW();
   const auto line = [&](const Vector3d& point_O, const Vector3d& axis_O, const cv::Scalar& color) {
@@ -111,8 +112,8 @@ void ObjectStudio::AddSymmetries() {
 
 void ObjectStudio::AddPieces() {
   std::vector<RenderInstance> together, apart;
-  for (size_t i = 0; i < model_.convex_parts_O.size(); ++i) {
-    const ConvexHull hull = MakeConvexHull(model_.convex_parts_O[i].vertices_O);
+  for (size_t i = 0; i < model_.convex_pieces_O.size(); ++i) {
+    const ConvexHull hull = MakeConvexHull(model_.convex_pieces_O[i].vertices_O);
     TriangleMesh mesh;
     mesh.vertices = hull.vertices;
     mesh.triangles = hull.triangles;
@@ -124,7 +125,7 @@ void ObjectStudio::AddPieces() {
   }
   const Vector3d from(1, -1.3, 0.9);
   Add(Picture(ObjectCamera(center_O_, from, distance_m_), together),
-      fmt::format("{} convex pieces", model_.convex_parts_O.size()));
+      fmt::format("{} convex pieces", model_.convex_pieces_O.size()));
   Add(Picture(ObjectCamera(center_O_, from, (1 + kExplode) * distance_m_), apart),
       fmt::format("bulge {:.2f} mm, volume {:+.1f} %", 1e3 * made_.quality.bulge_m,
                   100 * made_.quality.volume_error));
@@ -138,8 +139,8 @@ void ObjectStudio::AddResting() {
   for (size_t i = 0; i < shown; ++i) {
     const RestingPose& pose = made_.resting[i];
     const Camera camera = ObjectCamera(pose.X_WO * center_O_, {1, -1.3, 0.9}, distance_m_);
-    Add(Picture(camera, {{part_, pose.X_WO, 1}, {table_mesh, Pose::Identity(), 0}}),
-        fmt::format("probability of this resting pose: {:.0f} %", 100 * pose.probability));
+    Add(Picture(camera, {{mesh_, pose.X_WO, 1}, {table_mesh, Pose::Identity(), 0}}),
+        "probability of this resting pose: " + WholePercentText(pose.probability));
   }
 }
 

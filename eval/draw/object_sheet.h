@@ -9,6 +9,8 @@
 
 namespace pickbed::eval {
 
+inline constexpr char kObjectSheetFile[] = "sheet.png";  // in the folder of an object
+
 // Draws the sheet.
 Image<Rgb8> ObjectSheet(const MadeObject& made);
 

@@ -18,6 +18,7 @@ inline cv::Mat MatrixOf(const Image<Rgb8>& image) {
   return cv::Mat(image.height(), image.width(), CV_8UC3, const_cast<Rgb8*>(image.data()));
 }
 
+// Converts a color for OpenCV's drawing functions on RGB images.
 inline cv::Scalar ToScalar(const Rgb8& color) { return cv::Scalar(color.r, color.g, color.b); }
 
 }  // namespace pickbed::eval

@@ -22,7 +22,7 @@ PlaceKey KeyOf(const Eigen::Vector3d& p) {
 
 }  // namespace
 
-std::vector<PartOutlines::Edge> PartOutlines::EdgesOf(const TriangleMesh& mesh) {
+std::vector<ObjectOutlines::Edge> ObjectOutlines::EdgesOf(const TriangleMesh& mesh) {
   const std::vector<Eigen::Vector3d> normals = FaceNormals(mesh);
   std::map<std::pair<PlaceKey, PlaceKey>, Edge> edges;
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -43,8 +43,8 @@ std::vector<PartOutlines::Edge> PartOutlines::EdgesOf(const TriangleMesh& mesh) 
   return list;
 }
 
-std::vector<PixelLine> PartOutlines::At(ObjectId object, const Pose& X_CO,
-                                        const CameraIntrinsics& camera) {
+std::vector<PixelLine> ObjectOutlines::At(ObjectId object, const Pose& X_CO,
+                                          const CameraIntrinsics& camera) {
   auto [edges, is_new] = edges_.try_emplace(object);
   if (is_new) edges->second = EdgesOf(objects_.at(object)->mesh_O);
   const Eigen::Vector3d camera_O = X_CO.inverse().translation();

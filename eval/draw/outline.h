@@ -19,9 +19,9 @@ struct PixelLine {
 };
 
 // Outlines of objects; the mesh edges of each object are cached.
-class PartOutlines {
+class ObjectOutlines {
  public:
-  explicit PartOutlines(const ObjectSet& objects) : objects_(objects) {}
+  explicit ObjectOutlines(const ObjectSet& objects) : objects_(objects) {}
 
   // Silhouette and crease edges of the object at X_CO that face the camera, in px. Edges
   // hidden by the object itself are included. Edges closer than 2 cm to the camera plane are

@@ -122,7 +122,7 @@ Image<Rgb8> DrawOverlay(const OverlayInput& input) {
   cv::Mat canvas = MatrixOf(image);
   const CameraIntrinsics& k = input.camera.intrinsics;
   if (input.ids) DrawInstanceOutlines(canvas, *input.ids);
-  PartOutlines outlines(input.objects);
+  ObjectOutlines outlines(input.objects);
   for (auto h = input.hypotheses.rbegin(); h != input.hypotheses.rend(); ++h) {
     for (const PixelLine& line : outlines.At(h->object, h->X_CO, k)) {
       DrawLine(canvas, line, ToScalar(ScoreColor(h->score)), 1);

@@ -20,7 +20,7 @@ struct OverlayInput {
   const RgbdFrame& frame;
   const Camera& camera;
   const ObjectSet& objects;
-  const std::vector<PoseHypothesis>& hypotheses;
+  std::vector<PoseHypothesis> hypotheses;
   const Grasp* grasp = nullptr;  // in W; may be null
   const Gripper* gripper = nullptr;
   const Image<uint16_t>* ids = nullptr;  // true instance ids, for their outlines

@@ -26,18 +26,18 @@ int WidthOf(const std::string& text) { return TextWidth(text, kTextSize); }
 int Rounded(double px) { return static_cast<int>(std::lround(px)); }
 
 Rgb8 Lightened(const Rgb8& color) {
-  const auto part = [](uint8_t value) {
+  const auto channel = [](uint8_t value) {
     return static_cast<uint8_t>(std::lround(value + kBandLightness * (255 - value)));
   };
-  return {part(color.r), part(color.g), part(color.b)};
+  return {channel(color.r), channel(color.g), channel(color.b)};
 }
 
 // Value at `at` of a polyline through (x, y) with ascending x.
 double Between(const std::vector<Eigen::Vector2d>& line, double at) {
   for (size_t i = 1; i < line.size(); ++i) {
     if (at > line[i].x() && i + 1 < line.size()) continue;
-    const double part = (at - line[i - 1].x()) / (line[i].x() - line[i - 1].x());
-    return line[i - 1].y() + std::clamp(part, 0.0, 1.0) * (line[i].y() - line[i - 1].y());
+    const double share = (at - line[i - 1].x()) / (line[i].x() - line[i - 1].x());
+    return line[i - 1].y() + std::clamp(share, 0.0, 1.0) * (line[i].y() - line[i - 1].y());
   }
   return line.front().y();
 }
@@ -138,8 +138,7 @@ void DrawYAxis(Canvas& canvas, const PlotAxis& axis, int left_px, int right_px, 
   for (const double value : RoundTicks(axis.min(), axis.max())) {
     const int y = Rounded(axis.At(value));
     canvas.Line(Eigen::Vector2d(left_px, y), Eigen::Vector2d(right_px, y), kPlotGrid);
-    const std::string text =
-        percent ? fmt::format("{:.0f} %", 100 * value) : fmt::format("{:.6g}", value);
+    const std::string text = percent ? WholePercentText(value) : fmt::format("{:.6g}", value);
     Write(canvas, text, left_px - WidthOf(text) - 6, y + 4);
   }
 }

@@ -29,7 +29,8 @@ double SecondsSince(Clock::time_point start) {
 
 // State of a row during the comparison.
 struct LiveRow {
-  std::unique_ptr<EstimatorRunner> runner;
+  std::unique_ptr<EstimatorRunner> runner;  // null: the oracle
+  EstimatorSpec spec;
   std::unique_ptr<bop::Evaluator> evaluator;
   double held_mib = 0;  // memory held after loading
   ComparedRow result;
@@ -103,18 +104,20 @@ class Comparison {
     if (scene.objects.empty()) return;
     const Observation view = cell_.Capture(scene, bin_index, 0);
     const TrueBin truth = TruthFor(scene, view, cell_.camera());
+    const InstanceMatcher matcher(
+        metrics_, InstancesOf(scene, view.visible_fractions, cell_.camera().X_CW()));
     for (LiveRow& row : rows_) {
       // Only before the first image. Getting the pages back from the system costs time, and the
       // first image takes longer than the others anyway.
       if (row.result.images.empty()) ReleaseFreedMemory();
       const size_t before = ResetPeakMemory();
       Rng rng = Rng::Derive(job_.spec.seed, bin_index, "estimate/0");
-      EstimateResult found = EstimateWithOracle(*row.runner, scene, view, rng);
+      EstimateResult found = row.runner ? row.runner->Estimate(view.frame, rng)
+                                        : OracleEstimate(matcher.instances(), row.spec, rng);
       Grow(row, before);
       AddToScores(truth, found.hypotheses, *row.evaluator);
       row.result.images.push_back({bin_index,
-                                   ScoreAgainstTruth(scene, view.visible_fractions, metrics_,
-                                                     cell_.camera(), found.hypotheses),
+                                   ScoreAgainstTruth(matcher, cell_.camera(), found.hypotheses),
                                    std::move(found.seconds)});
       Draw(row, bin_index, view, found.hypotheses);
     }
@@ -138,8 +141,9 @@ class Comparison {
     ReleaseFreedMemory();
     const size_t before = ResetPeakMemory();
     const auto start = Clock::now();
-    row.runner = std::make_unique<EstimatorRunner>(
-        cell_, spec, job_.threads, [&](std::string_view what, double share) {
+    row.spec = estimator.spec;
+    row.runner =
+        MakeEstimatorRunner(cell_, spec, job_.threads, [&](std::string_view what, double share) {
           if (job_.on_progress) job_.on_progress(what, static_cast<int>(100 * share), 100);
         });
     row.result.setup_s = SecondsSince(start);
@@ -217,8 +221,8 @@ void AddPickChances(const ToleranceMaps& maps, std::vector<ComparedRow>& rows) {
   for (ComparedRow& row : rows) {
     for (ComparedImage& image : row.images) {
       image.pick_chances.clear();
-      for (const HypothesisRecord& h : image.score.hypotheses) {
-        image.pick_chances.push_back(maps.PickChance(h));
+      for (const ScoredHypothesis& h : image.score.hypotheses) {
+        image.pick_chances.push_back(maps.PickChance(h.record));
       }
     }
   }

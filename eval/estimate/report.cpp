@@ -74,8 +74,8 @@ std::vector<std::vector<std::string>> StatisticTable(const std::vector<ComparedR
   return table;
 }
 
-std::vector<std::vector<std::string>> PartTable(const std::vector<ComparedRow>& rows,
-                                                const ObjectSet& objects) {
+std::vector<std::vector<std::string>> FamilyTable(const std::vector<ComparedRow>& rows,
+                                                  const ObjectSet& objects) {
   std::vector<std::vector<std::string>> table{{"object"}};
   for (const auto& object : objects) table.push_back({object->name});
   for (const ComparedRow& row : rows) {
@@ -155,16 +155,80 @@ ReportChart ReliabilityChart(const std::vector<ComparedRow>& rows) {
   return CalibrationCurves(std::move(chart), "score", "share right", curves);
 }
 
+MetricColumns PlacedMetrics() { return MetricColumns::Placed(MetricUnits::kStored, {kMssd_m}); }
+
 }  // namespace
 
+ResultColumns EstimatorComparisonColumns() {
+  ResultColumns columns{
+      {"estimator", "estimator as given on the command line"},
+      {"object", "name of the object, or all"},
+      {"bins", "number of images, one per bin"},
+      {"top_right", "number of images whose highest-ranked pose is correct"},
+      {"instances", "number of instances with a visible fraction of at least 0.1"},
+      {"recalled", "number of these instances with a correct pose"},
+      {"poses", "number of reported poses"},
+      {"right", "number of correct poses, at most one per instance"},
+      {"identity_right", "number of poses whose nearest instance is of the named object"},
+      {"recall_at_95", "largest recall at a score threshold with a precision of 0.95", "0..1"},
+      {"median_rotation_deg", "median rotation error of roughly matched poses"},
+      {"median_rotation_low", "lower end of its 95 % interval", "deg"},
+      {"median_rotation_high", "upper end of its 95 % interval", "deg"},
+      {"median_mssd_diameters", "median MSSD of roughly matched poses"},
+      {"median_mssd_low", "lower end of its 95 % interval", "diameters"},
+      {"median_mssd_high", "upper end of its 95 % interval", "diameters"},
+      {"share_over_15_deg", "share of roughly matched poses with a rotation error over 15 degrees",
+       "0..1"},
+      {"calibration_error", "expected calibration error of the score, ten bins", "0..1"},
+  };
+  for (const RecallBand& band : EmptyRecallBands()) {
+    const int low = static_cast<int>(100 * band.visible_min + 0.5);
+    const int high = static_cast<int>(100 * band.visible_max + 0.5);
+    AddColumns({{fmt::format("instances_{}_{}", low, high),
+                 fmt::format("number of instances that are {} to {} % visible", low, high)},
+                {fmt::format("recalled_{}_{}", low, high), "number of these with a correct pose"}},
+               columns);
+  }
+  AddColumns({{"ar_vsd", "BOP19 average recall by VSD", "0..1"},
+              {"ar_mssd", "BOP19 average recall by MSSD", "0..1"},
+              {"ar_mspd", "BOP19 average recall by MSPD", "0..1"},
+              {"ap_mssd", "BOP24 average precision by MSSD", "0..1"},
+              {"ap_mspd", "BOP24 average precision by MSPD", "0..1"},
+              {"top_pick_chance",
+               "mean predicted probability that a pick at the highest-ranked pose succeeds; empty "
+               "without --tolerance",
+               "0..1"}},
+             columns);
+  return columns;
+}
+
+ResultColumns HypothesesColumns() {
+  ResultColumns columns{
+      {"estimator", "estimator as given on the command line"},
+      {"trial", "number of the trial"},
+      {"hypothesis", "number of the hypothesis in its image, highest score first"},
+      {"object", "name of the object"},
+      {"instance", "matched instance, -1 = none"},
+      {"score", "score of the pose; calibrated estimators: probability that it is correct"},
+  };
+  AddColumns(PlacedMetrics().Columns(), columns);
+  AddColumns({{"correct", "1 if the MSSD is under a tenth of the object's diameter"},
+              {"p_pick",
+               "predicted probability that a pick at this pose succeeds; empty without --tolerance",
+               "0..1"}},
+             columns);
+  AddColumns(MetricColumns::AtEnd(MetricUnits::kStored).Columns(), columns);
+  return columns;
+}
+
 std::string ComparisonTable(const std::vector<ComparedRow>& rows) {
-  constexpr size_t kLeastWidth = 26;
+  constexpr size_t kMinWidth = 26;
   const std::vector<std::vector<std::string>> table = StatisticTable(rows);
   std::string text;
   for (const std::vector<std::string>& line : table) {
     text += fmt::format("{:<32}", line.front());
     for (size_t i = 1; i < line.size(); ++i) {
-      const size_t width = std::max(kLeastWidth, table.front()[i].size() + 1);
+      const size_t width = std::max(kMinWidth, table.front()[i].size() + 1);
       text += fmt::format("{:>{}}", line[i], width);
     }
     text += "\n";
@@ -173,16 +237,7 @@ std::string ComparisonTable(const std::vector<ComparedRow>& rows) {
 }
 
 std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
-  std::string csv =
-      "estimator,object,bins,top_right,instances,recalled,poses,right,identity_right,recall_at_95,"
-      "median_rotation_deg,median_rotation_low,median_rotation_high,median_mssd_diameters,"
-      "median_mssd_low,median_mssd_high,share_over_15_deg,calibration_error";
-  for (const RecallBand& band : EmptyRecallBands()) {
-    const int low = static_cast<int>(100 * band.visible_min + 0.5);
-    const int high = static_cast<int>(100 * band.visible_max + 0.5);
-    csv += fmt::format(",instances_{0}_{1},recalled_{0}_{1}", low, high);
-  }
-  csv += ",ar_vsd,ar_mssd,ar_mspd,ap_mssd,ap_mspd,top_pick_chance\n";
+  std::string csv = HeaderLine(EstimatorComparisonColumns());
   for (const ComparedRow& row : rows) {
     for (ObjectId object = kAnyObject; object < static_cast<int>(objects.size()); ++object) {
       const bool all = object < 0;
@@ -196,12 +251,12 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
         csv += fmt::format(",{},{}", band.instances, band.recalled);
       }
       const auto known = row.bop.objects.find(object + 1);
-      const bop::ObjectScores of_part =
+      const bop::ObjectScores of_object =
           known != row.bop.objects.end() ? known->second : bop::ObjectScores();
       csv += fmt::format(
-          ",{},{},{},{},{},{}\n", all ? row.bop.ar_vsd : of_part.ar_vsd,
-          all ? row.bop.ar_mssd : of_part.ar_mssd, all ? row.bop.ar_mspd : of_part.ar_mspd,
-          all ? row.bop.ap_mssd : of_part.ap_mssd, all ? row.bop.ap_mspd : of_part.ap_mspd,
+          ",{},{},{},{},{},{}\n", all ? row.bop.ar_vsd : of_object.ar_vsd,
+          all ? row.bop.ar_mssd : of_object.ar_mssd, all ? row.bop.ar_mspd : of_object.ar_mspd,
+          all ? row.bop.ap_mssd : of_object.ap_mssd, all ? row.bop.ap_mspd : of_object.ap_mspd,
           f.top_pick_chance ? fmt::format("{:.4f}", *f.top_pick_chance) : "");
     }
   }
@@ -209,14 +264,12 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
 }
 
 std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
-  const MetricColumns placed = MetricColumns::Placed(MetricUnits::kStored, {kMssd_m});
-  const MetricColumns at_end = MetricColumns::AtEnd(MetricUnits::kStored);
-  std::string csv = "estimator,trial,hypothesis,object,instance,score" + placed.Header() +
-                    ",correct,p_pick" + at_end.Header() + "\n";
+  const MetricColumns placed = PlacedMetrics(), at_end = MetricColumns::AtEnd(MetricUnits::kStored);
+  std::string csv = HeaderLine(HypothesesColumns());
   for (const ComparedRow& row : rows) {
     for (const ComparedImage& image : row.images) {
       for (size_t i = 0; i < image.score.hypotheses.size(); ++i) {
-        const HypothesisRecord& h = image.score.hypotheses[i];
+        const HypothesisRecord& h = image.score.hypotheses[i].record;
         const bool known = !image.pick_chances.empty() && image.pick_chances[i].has_value();
         csv += fmt::format(
             "{},{},{},{},{},{}{},{},{}{}\n", row.label, image.trial, i, objects[h.object]->name,
@@ -241,7 +294,7 @@ HtmlPage ComparisonPage(const std::string& title, const std::vector<ComparedRow>
   page.Charts({RecallChart(rows), ReliabilityChart(rows)});
   if (objects.size() > 1) {
     page.Heading("Recall by object, %");
-    page.Table(PartTable(rows, objects));
+    page.Table(FamilyTable(rows, objects));
   }
   page.Heading("Time per stage");
   page.Table(StageTable(rows));

@@ -6,9 +6,13 @@
 #include <vector>
 
 #include "eval/estimate/estimator_comparison.h"
+#include "eval/metrics/result_columns.h"
 #include "eval/page/html.h"
 
 namespace pickbed::eval {
+
+inline constexpr char kComparisonFile[] = "comparison.csv";
+inline constexpr char kHypothesesFile[] = "hypotheses.csv";
 
 // Text table for the console, one column per estimator.
 std::string ComparisonTable(const std::vector<ComparedRow>& rows);
@@ -16,6 +20,10 @@ std::string ComparisonTable(const std::vector<ComparedRow>& rows);
 std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects);
 // One line per reported pose.
 std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects);
+// Returns the columns of ComparisonCsv().
+ResultColumns EstimatorComparisonColumns();
+// Returns the columns of HypothesesCsv().
+ResultColumns HypothesesColumns();
 // HTML page. `pictures` are paths of overlay images, relative to the page.
 HtmlPage ComparisonPage(const std::string& title, const std::vector<ComparedRow>& rows,
                         const ObjectSet& objects, const std::vector<std::string>& pictures);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "eval/trial/simulated_cell.h"
+#include "scenes/base/math.h"
 
 namespace pickbed::eval {
 namespace {
@@ -91,20 +91,21 @@ ComparisonStatistics StatisticsOf(const ComparedRow& row, std::optional<ObjectId
     ++statistics.bins;
     std::vector<double>& rotations_here_deg = rotations_deg.emplace_back();
     std::vector<double>& mssds_here = mssds.emplace_back();
-    statistics.top_right += !image.hypotheses.empty() && image.hypotheses.front().correct;
+    statistics.top_right += !image.hypotheses.empty() && image.hypotheses.front().record.correct;
     CountInstances(image, object, statistics);
-    for (size_t i = 0; i < image.hypotheses.size(); ++i) {
-      const HypothesisRecord& pose = image.hypotheses[i];
+    for (const ScoredHypothesis& hypothesis : image.hypotheses) {
+      const HypothesisRecord& pose = hypothesis.record;
       if (object && pose.object != *object) continue;
-      const int taken = image.taken[i];
+      const int taken = hypothesis.recalled;
       const bool counts =
           taken >= 0 && image.instances[taken].visible_fraction >= kCountedVisibility;
       claims.push_back({pose.score, taken >= 0, counts});
       ++statistics.poses;
       statistics.right += taken >= 0;
-      statistics.identity_right += image.nearest_object[i] == pose.object;
+      statistics.identity_right +=
+          hypothesis.nearest >= 0 && image.instances[hypothesis.nearest].object == pose.object;
       if (pose.mssd_diameters() >= kMatchDiameters) continue;
-      rotations_here_deg.push_back(pose.rotation_rad() * 180 / std::numbers::pi);
+      rotations_here_deg.push_back(Degrees(pose.rotation_rad()));
       mssds_here.push_back(pose.mssd_diameters());
       far_off += rotations_here_deg.back() > kFarOff_deg;
       ++standing;

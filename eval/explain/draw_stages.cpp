@@ -15,10 +15,10 @@ constexpr int kBoardWidth_px = 1280;
 constexpr Rgb8 kNoReading{120, 60, 150};
 
 Rgb8 Blend(Rgb8 under, Rgb8 over, double share) {
-  const auto part = [share](uint8_t a, uint8_t b) {
+  const auto channel = [share](uint8_t a, uint8_t b) {
     return static_cast<uint8_t>(std::lround((1 - share) * a + share * b));
   };
-  return {part(under.r, over.r), part(under.g, over.g), part(under.b, over.b)};
+  return {channel(under.r, over.r), channel(under.g, over.g), channel(under.b, over.b)};
 }
 
 // Intrinsics of the enlarged image. Pixel centers have integer coordinates in both images.
@@ -79,11 +79,11 @@ Image<Rgb8> DrawVoteMap(const Board& board, const std::vector<Eigen::Vector2d>& 
   }
   const double sigma = sigma_px * board.zoom;
   votes = Smoothed(votes, sigma);
-  const float most = std::max(1e-9f, *std::ranges::max_element(votes.pixels()));
+  const float maximum = std::max(1e-9f, *std::ranges::max_element(votes.pixels()));
   Image<Rgb8> heat = board.faded;
   for (size_t i = 0; i < heat.size(); ++i) {
     // The square root makes the few votes of half-hidden instances visible beside the many others.
-    const double share = std::sqrt(std::max(0.f, votes.data()[i]) / most);
+    const double share = std::sqrt(std::max(0.f, votes.data()[i]) / maximum);
     heat.data()[i] = Blend(Blend(heat.data()[i], {0, 0, 0}, 0.45), HeatColor(0.08 + 0.92 * share),
                            std::min(0.95, 1.6 * share));
   }
@@ -95,12 +95,12 @@ Image<Rgb8> DrawVoteMap(const Board& board, const std::vector<Eigen::Vector2d>& 
   std::vector<LegendEntry> all{
       {HeatColor(1),
        fmt::format("brightest: about {:.0f} votes within {:.1f} px (brightness is the square root)",
-                   2 * std::numbers::pi * sigma * sigma * most, sigma_px)}};
+                   2 * std::numbers::pi * sigma * sigma * maximum, sigma_px)}};
   all.insert(all.end(), legend.begin(), legend.end());
   return WithLegend(canvas.Take(), all);
 }
 
-Image<Rgb8> DrawPoses(const Board& board, PartOutlines& outlines, const ObjectSet& objects,
+Image<Rgb8> DrawPoses(const Board& board, ObjectOutlines& outlines, const ObjectSet& objects,
                       const std::vector<DrawnPose>& poses, const std::vector<LegendEntry>& legend) {
   Canvas canvas(board.faded);
   for (auto pose = poses.rbegin(); pose != poses.rend(); ++pose) {

@@ -34,6 +34,7 @@ struct ColoredDot {
   Eigen::Vector2d pixel;  // in the frame
   Rgb8 color;
 };
+// Draws dots of `radius_px` on the faded image of the board, with a legend.
 Image<Rgb8> DrawDots(const Board& board, const std::vector<ColoredDot>& dots, double radius_px,
                      const std::vector<LegendEntry>& legend);
 
@@ -51,7 +52,7 @@ struct DrawnPose {
   bool crossed = false;    // marked as wrong
 };
 // Draws the outlines of the poses. The first pose is on top.
-Image<Rgb8> DrawPoses(const Board& board, PartOutlines& outlines, const ObjectSet& objects,
+Image<Rgb8> DrawPoses(const Board& board, ObjectOutlines& outlines, const ObjectSet& objects,
                       const std::vector<DrawnPose>& poses, const std::vector<LegendEntry>& legend);
 
 }  // namespace pickbed::eval::explain

@@ -42,7 +42,7 @@ Image<Rgb8> PlaceTile(const Board& board, const QueryTile& query) {
   return tile.Take();
 }
 
-Image<Rgb8> VoteTile(const Board& board, PartOutlines& outlines, const QueryTile& query,
+Image<Rgb8> VoteTile(const Board& board, ObjectOutlines& outlines, const QueryTile& query,
                      const NeighborTile& neighbor) {
   const Cutout cutout(board, board.At(query.pixel), query.view_px * board.zoom, kTile_px);
   Canvas tile(cutout.image);
@@ -70,7 +70,7 @@ int BlockWidth(size_t neighbors) {
 }
 constexpr int kBlockHeight_px = kCaption_px + 2 * kTile_px + kGap_px;
 
-void DrawQuery(Canvas& sheet, int x, int y, const Board& board, PartOutlines& outlines,
+void DrawQuery(Canvas& sheet, int x, int y, const Board& board, ObjectOutlines& outlines,
                const QueryTile& query, PatchChannels channels) {
   const int patch_y = y + kCaption_px, place_y = patch_y + kTile_px + kGap_px / 2;
   sheet.Text("query", x, y + 12, kInk, 0.42);
@@ -84,7 +84,7 @@ void DrawQuery(Canvas& sheet, int x, int y, const Board& board, PartOutlines& ou
   }
 }
 
-Image<Rgb8> PoseCrop(const Board& board, PartOutlines& outlines, const ObjectModel& object,
+Image<Rgb8> PoseCrop(const Board& board, ObjectOutlines& outlines, const ObjectModel& object,
                      const ModelPoints& model, const PoseTile& pose) {
   constexpr double kViewDiameters = 1.3;
   const Eigen::Vector3d center_C = pose.X_CO * model.center_O.cast<double>();
@@ -129,20 +129,20 @@ Image<Rgb8> PatchPicture(const PatchValues& values, PatchChannels channels) {
       continue;
     }
     const double shade = has_normal ? 0.35 + 0.65 * std::max(0.0, normal.dot(light)) : 0.6;
-    // Uses only the middle of the Turbo colour map, because its ends are dark.
+    // Uses only the center of the Turbo colour map, because its ends are dark.
     const Rgb8 hue = TurboColor(0.12 + 0.76 * 0.5 * (1 - depth));
-    const auto part = [shade](uint8_t v) { return static_cast<uint8_t>(shade * v); };
-    picture.data()[i] = {part(hue.r), part(hue.g), part(hue.b)};
+    const auto channel = [shade](uint8_t v) { return static_cast<uint8_t>(shade * v); };
+    picture.data()[i] = {channel(hue.r), channel(hue.g), channel(hue.b)};
   }
   return picture;
 }
 
-Image<Rgb8> PatchSheet(const Board& board, PartOutlines& outlines,
+Image<Rgb8> PatchSheet(const Board& board, ObjectOutlines& outlines,
                        const std::vector<QueryTile>& queries, PatchChannels channels,
                        const std::vector<LegendEntry>& legend) {
-  size_t most = 0;
-  for (const QueryTile& query : queries) most = std::max(most, query.neighbors.size());
-  const int block = BlockWidth(most);
+  size_t maximum = 0;
+  for (const QueryTile& query : queries) maximum = std::max(maximum, query.neighbors.size());
+  const int block = BlockWidth(maximum);
   const int rows = (static_cast<int>(queries.size()) + kQueryColumns - 1) / kQueryColumns;
   Canvas sheet(kQueryColumns * block + kBlockGap_px, rows * (kBlockHeight_px + kGap_px) + kGap_px,
                kPaper);
@@ -179,7 +179,7 @@ std::vector<LegendEntry> FitLegend() {
           {FitColor(PointFit::kUnknown), "unknown: no reading, or background there"}};
 }
 
-Image<Rgb8> PoseGallery(const Board& board, PartOutlines& outlines, const ObjectSet& objects,
+Image<Rgb8> PoseGallery(const Board& board, ObjectOutlines& outlines, const ObjectSet& objects,
                         const std::vector<ModelPoints>& models,
                         const std::vector<PoseTile>& tiles) {
   const int count = static_cast<int>(tiles.size());

@@ -31,7 +31,7 @@ struct QueryTile {
 };
 // Draws one block per query. Its first column is the patch above its place in the image. Further
 // columns show each neighbour's patch above the pose for which it votes.
-Image<Rgb8> PatchSheet(const Board& board, PartOutlines& outlines,
+Image<Rgb8> PatchSheet(const Board& board, ObjectOutlines& outlines,
                        const std::vector<QueryTile>& queries, PatchChannels channels,
                        const std::vector<LegendEntry>& legend);
 
@@ -46,11 +46,13 @@ struct PoseTile {
   std::vector<JudgedPoint> points;
   std::string title, caption;
 };
+// Returns the color of a model point by its agreement with the image.
 Rgb8 FitColor(PointFit fit);
+// Returns the legend of these colors.
 std::vector<LegendEntry> FitLegend();
 // Draws one tile per pose: the image around it, its outline, and its model points in the colour of
 // their fit.
-Image<Rgb8> PoseGallery(const Board& board, PartOutlines& outlines, const ObjectSet& objects,
+Image<Rgb8> PoseGallery(const Board& board, ObjectOutlines& outlines, const ObjectSet& objects,
                         const std::vector<ModelPoints>& models, const std::vector<PoseTile>& tiles);
 
 }  // namespace pickbed::eval::explain

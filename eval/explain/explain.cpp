@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "eval/trial/estimator_runner.h"
-#include "eval/trial/oracle_estimator.h"
 #include "perception/estimators/pose_estimator.h"
 #include "scenes/base/error.h"
 
@@ -22,25 +21,22 @@ void RequireExplains(const std::string& estimator) {
 }
 
 std::string ExplainTrial(const ScenarioSpec& spec, const ObjectSet& objects,
-                         const std::string& title, int trial, const std::filesystem::path& folder,
+                         const std::string& title, BinIndex bin_index,
+                         const std::filesystem::path& folder,
                          const std::function<void(std::string_view, double)>& on_progress) {
   RequireExplains(spec.estimator.name);
   SimulatedCell cell(spec, objects);
   EstimatorRunner runner(cell, spec, 1, on_progress);
-  const Scene scene = cell.MakeScene(BinIndex(trial)).scene;
-  const Observation view = cell.Capture(scene, BinIndex(trial), 0);
-  std::vector<TruePart> truth;
-  const Pose X_CW = cell.camera().X_CW();
-  for (size_t i = 0; i < scene.objects.size(); ++i) {
-    const PosedObject& posed = scene.objects[i];
-    truth.push_back({posed.object, X_CW * posed.X_WO, view.visible_fractions[i]});
-  }
+  const Scene scene = cell.MakeScene(bin_index).scene;
+  const Observation view = cell.Capture(scene, bin_index, 0);
+  std::vector<TrueInstance> truth =
+      InstancesOf(scene, view.visible_fractions, cell.camera().X_CW());
   EstimateTrace trace;
-  Rng rng = Rng::Derive(spec.seed, trial, "estimate/0");
-  const EstimateResult result = EstimateWithOracle(runner, scene, view, rng, &trace);
+  Rng rng = Rng::Derive(spec.seed, bin_index, "estimate/0");
+  const EstimateResult result = runner.Estimate(view.frame, rng, &trace);
   const auto views = CellViews(cell, cell.objects());  // the trace has the cell's object indices
   return WriteExplanation({title, view.frame, cell.objects(), trace, result.hypotheses,
-                           std::move(truth), *views, runner.working_distance_m()},
+                           std::move(truth), *views, WorkingDistance_m(cell)},
                           folder);
 }
 

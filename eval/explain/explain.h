@@ -11,10 +11,13 @@
 #include <vector>
 
 #include "eval/explain/truth.h"
+#include "scenes/base/ids.h"
 #include "scenes/labelled_view.h"
 #include "scenes/scenario/scenario_spec.h"
 
 namespace pickbed::eval {
+
+inline constexpr char kExplainPage[] = "explain.html";
 
 // Input of the page: one image, the trace of its estimate, and optionally the ground truth.
 struct Explained {
@@ -22,9 +25,9 @@ struct Explained {
   const RgbdFrame& frame;
   const ObjectSet& objects;
   const EstimateTrace& trace;
-  const std::vector<PoseHypothesis>& hypotheses;  // reported poses, highest score first
-  std::optional<std::vector<TruePart>> truth;     // without it, no pose is called right or wrong
-  LabelledViewSource& views;                      // renders the codebook entries
+  const std::vector<PoseHypothesis>& hypotheses;   // reported poses, highest score first
+  std::optional<std::vector<TrueInstance>> truth;  // without it, no pose is called right or wrong
+  LabelledViewSource& views;                       // renders the codebook entries
   double working_distance_m = 0.85;
 };
 
@@ -37,12 +40,12 @@ struct Explained {
 // Throws InputError for an estimator that does not record a trace.
 void RequireExplains(const std::string& estimator);
 
-// Explains the first image of a trial. Image and random numbers are the same as in an estimator
+// Explains the first image of a bin. Image and random numbers are the same as in an estimator
 // comparison. Returns the result of WriteExplanation. Throws InputError for an estimator without a
 // trace.
 [[nodiscard]] std::string ExplainTrial(
-    const ScenarioSpec& spec, const ObjectSet& objects, const std::string& title, int trial,
-    const std::filesystem::path& folder,
+    const ScenarioSpec& spec, const ObjectSet& objects, const std::string& title,
+    BinIndex bin_index, const std::filesystem::path& folder,
     const std::function<void(std::string_view what, double share)>& on_progress);
 
 }  // namespace pickbed::eval

@@ -51,7 +51,7 @@ std::string Explainer::Write() {
   Missed();
   Final();
   Outcomes();
-  return WritePage(folder_ / "explain.html", page_);
+  return WritePage(folder_ / kExplainPage, page_);
 }
 
 void Explainer::Stage(const std::string& heading, const std::string& how_to_read) {
@@ -83,10 +83,11 @@ std::vector<LegendEntry> Explainer::TruthLegend(const std::string& right, const 
 
 std::string Explainer::TruthText(ObjectId object, const Pose& X_CO) const {
   if (!judge_) return "";
-  const PoseVerdict error = (*judge_)(object, X_CO);
+  const InstanceMatch error = (*judge_)(object, X_CO);
   if (error.position < 0) return "no such instance";
-  if (error.right()) return "right";
-  return error.diameters < 9.95 ? fmt::format("error {:.2f} d", error.diameters) : "large error";
+  if (error.correct) return "right";
+  return error.mssd_diameters < 9.95 ? fmt::format("error {:.2f} d", error.mssd_diameters)
+                                     : "large error";
 }
 
 void Explainer::Summary() {
@@ -103,7 +104,7 @@ void Explainer::Summary() {
     const auto right = std::ranges::count(verdicts_, Verdict::kRight);
     size_t wanted = 0, found = 0;
     for (size_t i = 0; i < outcomes_.size(); ++i) {
-      if (judge_->parts()[i].visible_fraction < kCountedVisibility) continue;
+      if (judge_->instances()[i].visible_fraction < kCountedVisibility) continue;
       ++wanted;
       found += outcomes_[i].lost == LostAt::kFound;
     }
@@ -111,7 +112,7 @@ void Explainer::Summary() {
         " According to ground truth, {} of the {} reported poses are right, and {} of the {} "
         "instances at least {} visible were found. A pose is right if its error (MSSD) is under "
         "{:g} diameters; d below is diameters.",
-        right, in_.hypotheses.size(), found, wanted, Percent(kCountedVisibility),
+        right, in_.hypotheses.size(), found, wanted, WholePercentText(kCountedVisibility),
         kCorrectDiameters);
   } else {
     text += " Ground truth is not known here, so no pose is marked as right or wrong.";
@@ -151,7 +152,7 @@ void Explainer::Points() {
   for (const TracedPatch& patch : in_.trace.patches) right_by_pixel[patch.pixel] += 0;
   for (size_t i = 0; i < vote_errors_.size(); ++i) {
     const int pixel = in_.trace.patches[in_.trace.votes[i].patch].pixel;
-    right_by_pixel[pixel] += vote_errors_[i].right();
+    right_by_pixel[pixel] += vote_errors_[i].correct;
   }
   std::vector<ColoredDot> dots;
   int none = 0;
@@ -162,8 +163,9 @@ void Explainer::Points() {
   }
   std::string caption = fmt::format("{} points, {} patches", dots.size(), count);
   if (judge_) {
-    caption += fmt::format("; {} of the points have no right vote",
-                           Percent(static_cast<double>(none) / std::max<size_t>(1, dots.size())));
+    caption +=
+        fmt::format("; {} of the points have no right vote",
+                    WholePercentText(static_cast<double>(none) / std::max<size_t>(1, dots.size())));
   }
   Show("2_points",
        DrawDots(board_, dots, 2.6,
@@ -193,10 +195,10 @@ void Explainer::Votes() {
       std::max(1.0, 0.03 * diameter_m * in_.frame.intrinsics.fx() / in_.working_distance_m);
   std::vector<ColoredDot> rings;
   for (size_t i = 0; i < outcomes_.size(); ++i) {
-    const TruePart& part = judge_->parts()[i];
+    const TrueInstance& instance = judge_->instances()[i];
     const bool found = outcomes_[i].lost == LostAt::kFound;
     const Rgb8 lost = outcomes_[i].lost == LostAt::kHardlyVisible ? kPale : kUnknown;
-    rings.push_back({CenterPixel(part.object, part.X_CO), found ? kRight : lost});
+    rings.push_back({CenterPixel(instance.object, instance.X_CO), found ? kRight : lost});
   }
   std::vector<LegendEntry> legend;
   if (judge_) {
@@ -211,7 +213,7 @@ void Explainer::Votes() {
   std::vector<ColoredDot> all;
   for (const auto& of_color : dots) all.insert(all.end(), of_color.begin(), of_color.end());
   const auto share = [&](const std::vector<ColoredDot>& some) {
-    return Percent(static_cast<double>(some.size()) / std::max<size_t>(1, all.size()));
+    return WholePercentText(static_cast<double>(some.size()) / std::max<size_t>(1, all.size()));
   };
   Show("4_votes_by_truth",
        DrawDots(board_, all, 1.6,

@@ -44,7 +44,6 @@ class Explainer {
   void ShowGallery(const std::string& name, const std::vector<explain::PoseTile>& tiles,
                    const std::string& caption);
 
-  static std::string Percent(double share);
   std::string FitText(ObjectId object, const Pose& X_CO, const FitReport& fit) const;
   Eigen::Vector2d Pixel(int index) const {
     const int width = in_.frame.intrinsics.width();
@@ -53,15 +52,15 @@ class Explainer {
   Eigen::Vector2d CenterPixel(ObjectId object, const Pose& X_CO) const {
     return Project(in_.frame.intrinsics, X_CO * in_.objects[object]->mass.com_O);
   }
-  Rgb8 ColorOf(const PoseVerdict& error) const {
-    if (error.right()) return explain::kRight;
-    return error.diameters < kReachDiameters ? explain::kNear : explain::kWrong;
+  Rgb8 ColorOf(const InstanceMatch& error) const {
+    if (error.correct) return explain::kRight;
+    return error.mssd_diameters < kReachDiameters ? explain::kNear : explain::kWrong;
   }
   // Colour by the error against ground truth; kUnknown without ground truth.
   Rgb8 ColorOfPose(ObjectId object, const Pose& X_CO) const {
     return judge_ ? ColorOf((*judge_)(object, X_CO)) : explain::kUnknown;
   }
-  std::string PartName(ObjectId object) const {
+  std::string ObjectName(ObjectId object) const {
     return in_.objects.size() > 1 ? in_.objects[object]->name + "  " : "";
   }
   std::string TruthText(ObjectId object, const Pose& X_CO) const;
@@ -70,8 +69,8 @@ class Explainer {
   explain::PoseTile TileOf(ObjectId object, const Pose& X_CO, std::string title,
                            std::string caption) const;
   explain::QueryTile QueryOf(int patch, int first_vote, int votes) const;
-  // Header, then one row for each of `parts`, in this order.
-  std::vector<std::vector<std::string>> OutcomeTable(const std::vector<int>& parts) const;
+  // Header, then one row for each of `instances`, in this order.
+  std::vector<std::vector<std::string>> OutcomeTable(const std::vector<int>& instances) const;
   // Rejected candidates, best first, at most ten. A candidate is left out if its pose equals an
   // accepted pose or an earlier candidate (distance under 0.1 diameter).
   std::vector<int> WhollyRejected() const;
@@ -81,11 +80,11 @@ class Explainer {
   std::filesystem::path folder_;
   HtmlPage page_;
   explain::Board board_;
-  PartOutlines outlines_;
+  ObjectOutlines outlines_;
   std::vector<ModelPoints> models_;
   std::vector<PoseDistance> distances_;
   std::optional<PoseJudge> judge_;
-  std::vector<PoseVerdict> vote_errors_;     // one per entry of trace.votes
+  std::vector<InstanceMatch> vote_errors_;   // one per entry of trace.votes
   std::vector<Verdict> verdicts_;            // one per hypothesis
   std::vector<InstanceDiagnosis> outcomes_;  // one per ground-truth instance
 };

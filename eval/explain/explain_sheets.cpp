@@ -15,7 +15,6 @@ namespace {
 
 constexpr int kQueries = 12, kQueryNeighbors = 5;
 constexpr size_t kGalleryTiles = 15, kBestTiles = 10;
-constexpr double kSamePoseDiameters = 0.1;
 
 Rgb8 OutcomeColor(LostAt lost) {
   switch (lost) {
@@ -47,11 +46,10 @@ Rgb8 OutcomeColor(LostAt lost) {
 
 }  // namespace
 
-std::string Explainer::Percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
-
 std::string Explainer::FitText(ObjectId object, const Pose& X_CO, const FitReport& fit) const {
-  std::string text = fmt::format("agree {}, hidden {}, violate {}", Percent(fit.inlier_share),
-                                 Percent(fit.hidden_share), Percent(fit.violated_share));
+  std::string text =
+      fmt::format("agree {}, hidden {}, violate {}", WholePercentText(fit.inlier_share),
+                  WholePercentText(fit.hidden_share), WholePercentText(fit.violated_share));
   const auto print = PrintCorrelation(in_.trace.cloud, models_[object], X_CO);
   if (print) text += fmt::format(", texture {:.2f}", *print);
   return text;
@@ -71,7 +69,7 @@ QueryTile Explainer::QueryOf(int index, int first_vote, int votes) const {
     query.neighbors.push_back(
         {std::nullopt, vote.object, vote.X_CO, ColorOfPose(vote.object, vote.X_CO),
          fmt::format("{:.2f}  {}{}", in_.trace.votes[first_vote + i].distance,
-                     PartName(vote.object), TruthText(vote.object, vote.X_CO))});
+                     ObjectName(vote.object), TruthText(vote.object, vote.X_CO))});
   }
   query.view_px = std::max(1.5 * query.side_px, 1.5 * diameter_m * px_per_m);
   return query;
@@ -145,7 +143,7 @@ void Explainer::Accepted() {
     if (i >= kBestTiles && (!judge_ || verdicts[i] == Verdict::kRight)) continue;
     tiles.push_back(TileOf(
         h.object, h.X_CO,
-        fmt::format("{}{:.2f}  {}", PartName(h.object), h.score, TruthText(h.object, h.X_CO)),
+        fmt::format("{}{:.2f}  {}", ObjectName(h.object), h.score, TruthText(h.object, h.X_CO)),
         FitText(h.object, h.X_CO, h.fit)));
   }
   if (tiles.empty()) {
@@ -169,7 +167,7 @@ std::vector<int> Explainer::WhollyRejected() const {
     const PoseHypothesis& h = candidates[i].hypothesis;
     const auto same = [&](const PoseHypothesis& other) {
       return other.object == h.object &&
-             distances_[h.object](other.X_CO, h.X_CO) < kSamePoseDiameters;
+             distances_[h.object](other.X_CO, h.X_CO) < kCorrectDiameters;
     };
     if (std::ranges::any_of(in_.trace.accepted, same)) continue;
     if (std::ranges::any_of(rejected, [&](int r) { return same(candidates[r].hypothesis); })) {
@@ -194,7 +192,7 @@ void Explainer::Rejected() {
   for (const int i : WhollyRejected()) {
     const PoseHypothesis& h = in_.trace.candidates[i].hypothesis;
     tiles.push_back(TileOf(h.object, h.X_CO,
-                           fmt::format("{}{:.2f} {}  {}", PartName(h.object), h.score,
+                           fmt::format("{}{:.2f} {}  {}", ObjectName(h.object), h.score,
                                        WhyRejected(h), TruthText(h.object, h.X_CO)),
                            FitText(h.object, h.X_CO, h.fit)));
   }
@@ -213,19 +211,19 @@ void Explainer::Missed() {
     missed.push_back(static_cast<int>(i));
   }
   std::ranges::stable_sort(missed, [&](int a, int b) {
-    return judge_->parts()[a].visible_fraction > judge_->parts()[b].visible_fraction;
+    return judge_->instances()[a].visible_fraction > judge_->instances()[b].visible_fraction;
   });
   if (missed.size() > kGalleryTiles) missed.resize(kGalleryTiles);
   std::vector<PoseTile> tiles;
   for (const int i : missed) {
-    const TruePart& part = judge_->parts()[i];
-    PoseTile tile =
-        TileOf(part.object, part.X_CO,
-               fmt::format("{}{} visible, lost at {}", PartName(part.object),
-                           Percent(part.visible_fraction), TextOf(outcomes_[i].lost).name),
-               "");
-    const FitReport fit = MeasureFit(in_.trace.cloud, models_[part.object], part.X_CO);
-    tile.caption = FitText(part.object, part.X_CO, fit);
+    const TrueInstance& instance = judge_->instances()[i];
+    PoseTile tile = TileOf(
+        instance.object, instance.X_CO,
+        fmt::format("{}{} visible, lost at {}", ObjectName(instance.object),
+                    WholePercentText(instance.visible_fraction), TextOf(outcomes_[i].lost).name),
+        "");
+    const FitReport fit = MeasureFit(in_.trace.cloud, models_[instance.object], instance.X_CO);
+    tile.caption = FitText(instance.object, instance.X_CO, fit);
     tile.color = kUnknown;
     tiles.push_back(std::move(tile));
   }
@@ -260,16 +258,17 @@ void Explainer::Outcomes() {
         "Improve this stage first.");
   std::vector<int> order(outcomes_.size());
   std::iota(order.begin(), order.end(), 0);
-  const std::vector<TruePart>& parts = judge_->parts();
-  std::ranges::stable_sort(
-      order, [&](int a, int b) { return parts[a].visible_fraction > parts[b].visible_fraction; });
+  const std::vector<TrueInstance>& instances = judge_->instances();
+  std::ranges::stable_sort(order, [&](int a, int b) {
+    return instances[a].visible_fraction > instances[b].visible_fraction;
+  });
   std::map<LostAt, int> lost;
   std::vector<DrawnPose> poses;
   for (const int i : order) {
     ++lost[outcomes_[i].lost];
-    const TruePart& part = parts[i];
+    const TrueInstance& instance = instances[i];
     poses.push_back(
-        {part.object, part.X_CO, OutcomeColor(outcomes_[i].lost), std::to_string(i + 1)});
+        {instance.object, instance.X_CO, OutcomeColor(outcomes_[i].lost), std::to_string(i + 1)});
   }
   std::vector<LegendEntry> legend;
   std::vector<std::vector<std::string>> counts{{"lost at", "instances", "meaning"}};
@@ -284,21 +283,22 @@ void Explainer::Outcomes() {
   page_.Table(OutcomeTable(order));
 }
 
-std::vector<std::vector<std::string>> Explainer::OutcomeTable(const std::vector<int>& parts) const {
+std::vector<std::vector<std::string>> Explainer::OutcomeTable(
+    const std::vector<int>& instances) const {
   std::vector<std::vector<std::string>> rows{{"instance", "object", "visible", "patches",
                                               "votes within reach", "votes right", "best start, d",
                                               "after ICP, d", "best right score", "lost at"}};
   const auto number = [](double value) {
     return value < 9.995 ? fmt::format("{:.2f}", value) : std::string("-");
   };
-  for (const int i : parts) {
+  for (const int i : instances) {
     const InstanceDiagnosis& instance_outcome = outcomes_[i];
-    const TruePart& part = judge_->parts()[i];
+    const TrueInstance& instance = judge_->instances()[i];
     rows.push_back(
-        {std::to_string(i + 1), in_.objects[part.object]->name, Percent(part.visible_fraction),
-         std::to_string(instance_outcome.points), std::to_string(instance_outcome.votes_near),
-         std::to_string(instance_outcome.votes_right), number(instance_outcome.best_start),
-         number(instance_outcome.best_refined),
+        {std::to_string(i + 1), in_.objects[instance.object]->name,
+         WholePercentText(instance.visible_fraction), std::to_string(instance_outcome.points),
+         std::to_string(instance_outcome.votes_near), std::to_string(instance_outcome.votes_right),
+         number(instance_outcome.best_start), number(instance_outcome.best_refined),
          instance_outcome.best_score < 0 ? "-" : fmt::format("{:.2f}", instance_outcome.best_score),
          TextOf(instance_outcome.lost).name});
   }

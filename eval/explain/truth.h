@@ -4,42 +4,32 @@
 // instance was lost.
 
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "eval/metrics/pose_errors.h"
-#include "eval/trial/pose_matching.h"
+#include "eval/trial/instance_matcher.h"
 #include "perception/candidates/estimate_trace.h"
 #include "scenes/base/ids.h"
 
 namespace pickbed::eval {
 
-// A ground-truth instance in the image.
-struct TruePart {
-  ObjectId object{0};
-  Pose X_CO = Pose::Identity();
-  double visible_fraction = 1;
-};
-
-struct PoseVerdict {
-  int position = -1;  // index of the nearest instance of the same object; -1 = none
-  double diameters = std::numeric_limits<double>::infinity();  // MSSD, in diameters
-  bool right() const { return diameters < kCorrectDiameters; }
-};
-
 // Computes the errors of many thousand poses. For speed, MSSD uses only the 300 vertices that are
 // farthest out.
 class PoseJudge {
  public:
-  PoseJudge(const ObjectSet& objects, std::vector<TruePart> parts);
+  PoseJudge(const ObjectSet& objects, std::vector<TrueInstance> instances);
 
-  PoseVerdict operator()(ObjectId object, const Pose& X_CO) const;
-  const std::vector<TruePart>& parts() const { return parts_; }
+  // Returns the nearest instance of the object.
+  InstanceMatch operator()(ObjectId object, const Pose& X_CO) const {
+    return matcher_.Nearest(object, X_CO);
+  }
+  const std::vector<TrueInstance>& instances() const { return matcher_.instances(); }
 
  private:
-  std::vector<MetricModel> models_;
-  std::vector<Eigen::Vector3d> means_O_;
-  std::vector<TruePart> parts_;
+  std::shared_ptr<const std::vector<MetricModel>> models_;  // shared by copies of this object
+  InstanceMatcher matcher_;
 };
 
 // Correctness of a reported pose. Each correct pose takes an instance; a further correct pose of
@@ -68,6 +58,7 @@ struct LostAtText {
   const char* name;
   const char* help;
 };
+// Returns the name and the sentence of a stage.
 LostAtText TextOf(LostAt lost);
 
 // Returns whether the number of instances of the object was given to the estimator, and at least
@@ -90,7 +81,7 @@ struct InstanceDiagnosis {
 // Returns one entry per instance of `judge`. `vote_errors` has one entry per trace.votes; `models`
 // has one entry per object; `hypotheses` are the reported poses.
 std::vector<InstanceDiagnosis> DiagnoseInstances(const PoseJudge& judge, const EstimateTrace& trace,
-                                                 const std::vector<PoseVerdict>& vote_errors,
+                                                 const std::vector<InstanceMatch>& vote_errors,
                                                  const std::vector<ModelPoints>& models,
                                                  const std::vector<PoseHypothesis>& hypotheses);
 

@@ -25,15 +25,17 @@ MetricColumns MetricColumns::AtEnd(MetricUnits units) {
 
 void MetricColumns::Add(const MetricRow& row, MetricUnits units) {
   const std::string key = MetricKey(row);
+  const std::string help = std::string(row.title) + ": " + row.help;
+  const ShownUnit shown = ShownUnitOf(row);
   columns_.push_back(units == MetricUnits::kStored
-                         ? Column{key, key, 1}
-                         : Column{key, ShownKey(row), ShownUnitOf(row).Factor()});
+                         ? Column{key, {key, help, row.unit}, 1}
+                         : Column{key, {ShownKey(row), help, shown.name}, shown.Factor()});
 }
 
-std::string MetricColumns::Header() const {
-  std::string header;
-  for (const Column& column : columns_) header += "," + column.name;
-  return header;
+ResultColumns MetricColumns::Columns() const {
+  ResultColumns columns;
+  for (const Column& column : columns_) columns.push_back(column.shown);
+  return columns;
 }
 
 std::string MetricColumns::Cells(const MetricValues& values) const {

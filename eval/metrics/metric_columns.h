@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "eval/metrics/metric_table.h"
+#include "eval/metrics/result_columns.h"
 
 namespace pickbed::eval {
 
@@ -21,14 +22,15 @@ class MetricColumns {
   // Columns of all other recorded metrics, for the end of the line.
   static MetricColumns AtEnd(MetricUnits units);
 
-  // Each column begins with a comma. A metric that was not recorded has an empty cell.
-  std::string Header() const;
+  ResultColumns Columns() const;
+  // Each cell begins with a comma. A metric that was not recorded has an empty cell.
   std::string Cells(const MetricValues& values) const;
   std::string EmptyCells() const { return std::string(columns_.size(), ','); }
 
  private:
   struct Column {
-    std::string key, name;
+    std::string key;
+    ResultColumn shown;
     double factor = 1;
   };
   void Add(const MetricRow& row, MetricUnits units);

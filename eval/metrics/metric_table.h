@@ -50,6 +50,7 @@ struct MetricRow {
 
   bool IsIn(MetricOutput output) const { return (outputs & output) != 0; }
 };
+// Returns all metrics, in the order of the columns.
 std::span<const MetricRow> MetricTable();
 
 // Returns the metrics of an output in table order, except that those with a key in `first` come
@@ -73,6 +74,7 @@ struct ShownUnit {
 
   double Factor() const { return numerator / denominator; }
 };
+// Returns mm for m, deg for rad, and other units unchanged.
 ShownUnit ShownUnitOf(const MetricRow& row);
 // Name and shown unit, such as "mssd_mm".
 std::string ShownKey(const MetricRow& row);

@@ -4,20 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "scenes/geometry/sphere_directions.h"
 
 namespace pickbed::eval {
 namespace {
 
 constexpr int kExtremeDirections = 512;
-
-// Directions with uniform density on the sphere (Fibonacci lattice).
-Eigen::Vector3d SphereDirection(int i, int count) {
-  const double z = 1 - (2 * i + 1.0) / count;
-  const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
-  const double r = std::sqrt(1 - z * z);
-  return {r * std::cos(angle), r * std::sin(angle), z};
-}
 
 std::vector<Eigen::Vector3d> ReducedVertices(const std::vector<Eigen::Vector3d>& vertices,
                                              size_t wanted) {
@@ -27,8 +20,7 @@ std::vector<Eigen::Vector3d> ReducedVertices(const std::vector<Eigen::Vector3d>&
     if (!taken[i]) reduced.push_back(vertices[i]);
     taken[i] = true;
   };
-  for (int d = 0; d < kExtremeDirections; ++d) {
-    const Eigen::Vector3d direction = SphereDirection(d, kExtremeDirections);
+  for (const Eigen::Vector3d& direction : SphereDirections(kExtremeDirections)) {
     size_t best = 0;
     for (size_t i = 1; i < vertices.size(); ++i) {
       if (vertices[i].dot(direction) > vertices[best].dot(direction)) best = i;

@@ -41,8 +41,9 @@ double Mspd(const MetricModel& model, const CameraIntrinsics& camera, const Pose
 double Add(const MetricModel& model, const Pose& X_est, const Pose& X_true);
 // Mean distance to the closest model point, m.
 double Adi(const MetricModel& model, const Pose& X_est, const Pose& X_true);
-// Minimum over the symmetries, rad and m.
+// Minimum rotation error over the symmetries, rad.
 double RotationError(const MetricModel& model, const Pose& X_est, const Pose& X_true);
+// Minimum translation error over the symmetries, m.
 double TranslationError(const MetricModel& model, const Pose& X_est, const Pose& X_true);
 
 inline constexpr char kPickRiskMetric[] = "pick_risk";

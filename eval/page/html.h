@@ -11,6 +11,10 @@
 
 namespace pickbed::eval {
 
+// File names of pages that several commands write.
+inline constexpr char kIndexPage[] = "index.html";            // of a folder
+inline constexpr char kComparisonPage[] = "comparison.html";  // of runs or estimators
+
 using TableCells = std::vector<std::vector<std::string>>;  // the first row is the header
 
 // A chart with its caption and its numbers. eval/page/vega.h makes the specification.

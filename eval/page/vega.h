@@ -27,9 +27,11 @@ Json EmptySpec(const Json& values);
 // be combined with a width that follows the page.)
 int BarsHeight_px(size_t rows, size_t series);
 
-// Encodings of a series by color, shape or dash, with a legend if there are several series.
+// Encoding of a series by color. These three add a legend if there are several series.
 Json SeriesColor(const char* field, const std::vector<std::string>& names);
+// Encoding of a series by the shape of its points.
 Json SeriesShape(const char* field, const std::vector<std::string>& names);
+// Encoding of a series by the dash of its line.
 Json SeriesDash(const char* field, const std::vector<std::string>& names);
 // Fill of bars: a color with a pattern.
 Json SeriesFill(const char* field, const std::vector<std::string>& names);

@@ -3,17 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <sstream>
 
 #include "eval/replay/replay.h"
+#include "eval/store/schema.h"
 #include "eval/summary/result_files.h"
 #include "eval/sweep/run.h"
 #include "scenes/base/error.h"
+#include "scenes/base/ids_format.h"
 #include "scenes/scenario/find_scenario.h"
 
 namespace pickbed::eval {
 namespace {
+
+constexpr char kTrialListRow[] = "{:>6}{:>6}{:>10}{:>11}  {}\n";
 
 std::string Named(const TrialAddress& address) {
   return fmt::format("{}#{}", address.run.string(), address.trial);
@@ -105,6 +110,25 @@ std::vector<std::string> ChangesBetween(const std::string& recorded, const std::
 }
 
 }  // namespace
+
+std::string TrialList(const std::filesystem::path& run) {
+  const ResultsStore store = ResultsStore::OpenToRead(run);
+  std::map<int, std::string> lines;
+  store.ForEach([&](const TrialResult& trial) {
+    const auto successes = std::count_if(
+        trial.attempts.begin(), trial.attempts.end(), [](const AttemptRecord& record) {
+          return record.grasp && record.failure == FailureReason::kNone;
+        });
+    lines[trial.trial] = fmt::format(kTrialListRow, trial.trial, trial.bin_index,
+                                     trial.attempts.size(), successes, kFinished);
+  });
+  for (const CrashedTrial& trial : store.Crashed()) {
+    lines[trial.trial] = fmt::format(kTrialListRow, trial.trial, trial.bin_index, 0, 0, kCrashed);
+  }
+  std::string text = fmt::format(kTrialListRow, "trial", "bin", "attempts", "successes", "status");
+  for (const auto& [trial, line] : lines) text += line;
+  return text;
+}
 
 RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& catalog) {
   CheckInput(std::filesystem::is_directory(address.run),

@@ -165,8 +165,18 @@ std::string ReplayTable(const ReplayReport& report) {
   return text;
 }
 
+ResultColumns ReplayColumns() {
+  return {
+      {"attempt", "number of the attempt"},
+      {"stage", "stage of the attempt: scene, image, hypotheses, grasp or outcome"},
+      {"recorded", "hash of the recorded stage, - = none"},
+      {"replayed", "hash of the repeated stage, - = none"},
+      {"verdict", "same, differs, not recorded, record altered, not replayed or not in record"},
+  };
+}
+
 std::string ReplayCsv(const ReplayReport& report) {
-  std::string text = "attempt,stage,recorded,replayed,verdict\n";
+  std::string text = HeaderLine(ReplayColumns());
   for (const StageReplay& row : report.stages) {
     text += fmt::format("{},{},{},{},{}\n", row.attempt, StageName(row.stage),
                         HashText(row.recorded), HashText(row.replayed), VerdictName(row.verdict));

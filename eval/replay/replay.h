@@ -9,11 +9,14 @@
 #include <string_view>
 #include <vector>
 
+#include "eval/metrics/result_columns.h"
 #include "eval/store/results_store.h"
 #include "eval/trial/observer.h"
 #include "eval/trial/trial.h"
 
 namespace pickbed::eval {
+
+inline constexpr char kStagesFile[] = "stages.csv";
 
 // Address RUN#TRIAL: a results folder and the number of one of its trials.
 struct TrialAddress {
@@ -40,6 +43,11 @@ struct RecordedTrial {
 // the files named there, objects from `catalog`. Throws InputError if the run or trial does not
 // exist, if the store has a later version, or if a file is missing.
 RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& catalog);
+
+// Lists the recorded trials of a run or sweep: a header and one line per trial with its number,
+// bin, attempts, successful picks and status (finished or crashed). Throws InputError if the folder
+// has no results store.
+std::string TrialList(const std::filesystem::path& run);
 
 // Result of the comparison of one stage.
 enum class ReplayVerdict {
@@ -79,7 +87,9 @@ std::vector<StageReplay> CompareStages(const std::vector<AttemptRecord>& recorde
 
 // Returns one line per stage and the first difference, for the console.
 std::string ReplayTable(const ReplayReport& report);
-// Returns a CSV table with the columns attempt, stage, recorded, replayed, verdict.
+// Returns a CSV table with one line per stage.
 std::string ReplayCsv(const ReplayReport& report);
+// Returns the columns of ReplayCsv().
+ResultColumns ReplayColumns();
 
 }  // namespace pickbed::eval

@@ -52,9 +52,9 @@ void StageFiles::WriteView(const AttemptState& attempt) const {
 }
 
 void StageFiles::WriteHypotheses(const AttemptState& attempt) const {
-  WritePly(
-      PathOf(attempt, "hypotheses.ply"),
-      EstimatedCloud(attempt.cell.objects(), attempt.record.hypotheses, options_.points_per_part));
+  WritePly(PathOf(attempt, "hypotheses.ply"),
+           EstimatedCloud(attempt.cell.objects(), attempt.record.hypotheses,
+                          options_.points_per_object));
 }
 
 void StageFiles::WriteGrasp(const AttemptState& attempt) const {

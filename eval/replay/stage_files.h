@@ -16,8 +16,8 @@ namespace pickbed::eval {
 
 // Options of StageFiles.
 struct StageFilesOptions {
-  int points_per_part = 2000;  // per hypothesis in the PLY
-  int glb_stride_px = 2;       // of the cloud in the GLB; the PLY contains every pixel
+  int points_per_object = 2000;  // per hypothesis in the PLY
+  int glb_stride_px = 2;         // of the cloud in the GLB; the PLY contains every pixel
 };
 
 // Writes each file when its stage is reached, so a trial that crashes leaves the files of the

@@ -82,7 +82,7 @@ FailureBars BarsOf(std::span<const ConfigurationReport> configurations) {
 }  // namespace
 
 ReportChart FailureChart(std::span<const ConfigurationReport> configurations) {
-  ReportChart chart{"losses", "Failed picks by reason",
+  ReportChart chart{"failures", "Failed picks by reason",
                     "Each attempt at a bin with instances requests one instance. It picks the "
                     "instance or fails for one reason, which belongs to one stage. Attempts "
                     "without a grasp count as failed. Lines: 95 % intervals over scenes.",

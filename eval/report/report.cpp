@@ -141,12 +141,12 @@ std::string PageOf(const Contestants& all, ReportContents contents, const Object
 }
 
 std::string SettingsText(const ScenarioSpec& spec) {
-  std::string parts;
-  for (const PartSpec& part : spec.objects) {
-    parts += fmt::format("{}{} {}", parts.empty() ? "" : ", ", part.count, part.name);
+  std::string objects;
+  for (const ObjectSpec& object : spec.objects) {
+    objects += fmt::format("{}{} {}", objects.empty() ? "" : ", ", object.count, object.name);
   }
   return fmt::format("Bins of {}; sensor {}, estimator {} ({}), refiner {}, gripper {}, seed {}.",
-                     parts, spec.sensor, spec.estimator.name, spec.estimator.mode, spec.refiner,
+                     objects, spec.sensor, spec.estimator.name, spec.estimator.mode, spec.refiner,
                      spec.gripper, spec.seed);
 }
 
@@ -212,8 +212,8 @@ ReportRun ReadReportRun(const fs::path& folder) {
     configuration.trials.name = stored.name;
     configuration.trials.cycle = configuration.spec.cycle;
     configuration.trials.bands = ReportedBands(configuration.spec.occlusion);
-    for (const PartSpec& part : configuration.spec.objects)
-      configuration.trials.objects.push_back(part.name);
+    for (const ObjectSpec& object : configuration.spec.objects)
+      configuration.trials.objects.push_back(object.name);
     std::vector<BinIndex> crashed_bins;
     for (const CrashedTrial& crashed : all_crashed) {
       if (crashed.configuration == stored.number) crashed_bins.push_back(crashed.bin_index);

@@ -17,7 +17,7 @@ struct HeadlineStatistic {
 std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configuration) {
   const RunSummary& s = configuration.summary;
   const ReportRate& recall = configuration.recall;
-  const auto share = [](int part, double rate) { return part > 0 ? PercentText(rate) : "-"; };
+  const auto share = [](int count, double rate) { return count > 0 ? PercentText(rate) : "-"; };
   return {
       {"pick success", share(s.executed_grasps, s.success_rate),
        fmt::format("{} {} of {} attempts", IntervalText(s.success_ci95), s.successes,
@@ -134,7 +134,7 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
   }
   if (pick.visible_fraction >= 0) {
     data += fmt::format(" data-visible=\"{:.4f}\"", pick.visible_fraction);
-    fact("visible", fmt::format("{:.0f} %", 100 * pick.visible_fraction));
+    fact("visible", WholePercentText(pick.visible_fraction));
   }
   std::string picture;
   if (!entry.jpeg.empty()) {
@@ -149,7 +149,7 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
 }
 
 void AddGallery(const ReportContents& contents, HtmlPage& page) {
-  page.Heading("Failed picks", "lost-picks");
+  page.Heading("Failed picks", "failed-picks");
   if (contents.gallery.empty()) {
     page.Paragraph(contents.lost == 0 ? "No pick failed." : contents.gallery_note);
     return;

@@ -210,8 +210,8 @@ std::vector<StageTime> SecondsOf(const ConfigurationTrials& configuration) {
   std::sort(times.begin(), times.end(), [&](const StageTime& a, const StageTime& b) {
     const auto &whole_a = wholes[a.stage], &whole_b = wholes[b.stage];
     if (whole_a != whole_b) return whole_a > whole_b;
-    const bool part_a = a.stage != whole_a.second, part_b = b.stage != whole_b.second;
-    return part_a != part_b ? part_b : a.mean_s > b.mean_s;
+    const bool is_substage_a = a.stage != whole_a.second, is_substage_b = b.stage != whole_b.second;
+    return is_substage_a != is_substage_b ? is_substage_b : a.mean_s > b.mean_s;
   });
   return times;
 }
@@ -262,10 +262,10 @@ std::vector<ObjectReport> ObjectsOf(const ConfigurationTrials& configuration) {
     report.recall = count.recall.Finish();
     report.picks = count.picks.Finish();
     report.median_mssd_diameters = MedianWithin(count.mssd);
-    const auto most =
+    const auto maximum =
         std::max_element(count.failures.begin(), count.failures.end(),
                          [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (most != count.failures.end()) report.commonest = most->first;
+    if (maximum != count.failures.end()) report.commonest = maximum->first;
     // Distractors have neither instances to recall nor dropped wanted instances.
     if (report.recall.samples + report.dropped > 0) objects.push_back(report);
   }
@@ -328,10 +328,10 @@ std::vector<LostPick> LostPicksOf(std::span<const ConfigurationTrials> configura
         entry.trial = trial.trial;
         entry.attempt = pick.attempt;
         entry.failure = pick.failure;
-        const InstanceRecord* part =
+        const InstanceRecord* instance =
             InstanceIn(pick, pick.target >= 0 ? pick.target : pick.matched_instance);
-        if (part != nullptr && (pick.grasp || pick.target >= 0)) {
-          entry.visible_fraction = part->visible_fraction;
+        if (instance != nullptr && (pick.grasp || pick.target >= 0)) {
+          entry.visible_fraction = instance->visible_fraction;
         }
         if (!pick.grasp || pick.chosen < 0) continue;
         const HypothesisRecord& chosen = pick.hypotheses.at(pick.chosen);
@@ -344,13 +344,13 @@ std::vector<LostPick> LostPicksOf(std::span<const ConfigurationTrials> configura
   return lost;
 }
 
-std::vector<LostPick> SpreadOverReasons(const std::vector<LostPick>& picks, int most) {
+std::vector<LostPick> SpreadOverReasons(const std::vector<LostPick>& picks, int maximum) {
   std::map<FailureReason, int> seen;
   // Number of earlier failures of the same reason, and index.
   std::vector<std::pair<int, size_t>> order;
   for (size_t i = 0; i < picks.size(); ++i) order.push_back({seen[picks[i].failure]++, i});
   std::sort(order.begin(), order.end());
-  if (order.size() > static_cast<size_t>(most)) order.resize(most);
+  if (order.size() > static_cast<size_t>(maximum)) order.resize(maximum);
   std::sort(order.begin(), order.end(), [](auto& a, auto& b) { return a.second < b.second; });
   std::vector<LostPick> spread;
   for (const auto& [rank, place] : order) spread.push_back(picks[place]);

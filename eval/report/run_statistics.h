@@ -33,7 +33,7 @@ struct ReportOptions {
 };
 
 // Rates of the instances in one band of visible fractions: share recalled, and success rate of the
-// grasps aimed at them. In occlusion trials only the target counts.
+// grasps that target them. In occlusion trials only the target counts.
 struct BandRates {
   VisibleBand band;
   ReportRate recall, picks;
@@ -84,7 +84,7 @@ struct ObjectReport {
   std::string name;
   int dropped = 0, picked = 0;
   ReportRate recall;  // of instances with a visible fraction of at least kCountedVisibility
-  ReportRate picks;   // of executed grasps aimed at it
+  ReportRate picks;   // of executed grasps that target it
   ErrorMedian median_mssd_diameters;  // of the hypotheses of this object
   // Most frequent failure reason of its instances; kNone = no failure.
   FailureReason commonest = FailureReason::kNone;
@@ -123,9 +123,9 @@ struct LostPick {
 // Returns all failed attempts, ordered by configuration, trial and pick.
 std::vector<LostPick> LostPicksOf(std::span<const ConfigurationTrials> configurations);
 
-// Selects at most `most` failures so that every reason is shown: the first failure of each reason,
-// then the second of each, and so on. The original order is kept.
-std::vector<LostPick> SpreadOverReasons(const std::vector<LostPick>& picks, int most);
+// Selects at most `maximum` failures so that every reason is shown: the first failure of each
+// reason, then the second of each, and so on. The original order is kept.
+std::vector<LostPick> SpreadOverReasons(const std::vector<LostPick>& picks, int maximum);
 
 // Names of the configurations, in order.
 std::vector<std::string> NamesOf(std::span<const ConfigurationReport> configurations);

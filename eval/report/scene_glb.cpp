@@ -6,6 +6,7 @@
 
 #include "eval/draw/overlay.h"
 #include "scenes/base/ids_format.h"
+#include "scenes/camera/depth_points.h"
 #include "scenes/geometry/mesh_levels.h"
 
 namespace pickbed::eval {
@@ -18,6 +19,37 @@ Eigen::Vector3f ToUnit(const Rgb8& c) { return {c.r / 255.f, c.g / 255.f, c.b / 
 Eigen::Vector4f WithAlpha(const Rgb8& c, double alpha) {
   return {c.r / 255.f, c.g / 255.f, c.b / 255.f, static_cast<float>(alpha)};
 }
+
+// Object meshes with at most `max_faces` faces, if there is such a level.
+class ShownMeshes {
+ public:
+  ShownMeshes(const ObjectSet& objects, int max_faces) : objects_(objects), max_faces_(max_faces) {}
+
+  const TriangleMesh& Of(ObjectId object) {
+    const TriangleMesh& whole = objects_[object]->mesh_O;
+    if (max_faces_ == 0 || static_cast<int>(whole.triangles.size()) <= max_faces_) return whole;
+    const auto [known, is_new] = coarse_.try_emplace(object);
+    if (is_new) known->second = Coarse(whole);
+    return known->second;
+  }
+
+ private:
+  TriangleMesh Coarse(const TriangleMesh& whole) const {
+    std::vector<MeshLevel> levels = MakeMeshLevels(whole);
+    for (MeshLevel& level : levels) {
+      if (static_cast<int>(level.mesh.triangles.size()) <= max_faces_) {
+        return std::move(level.mesh);
+      }
+    }
+    return std::move(levels.back().mesh);
+  }
+
+  const ObjectSet& objects_;
+  int max_faces_;
+  std::map<int, TriangleMesh> coarse_;
+};
+
+}  // namespace
 
 TriangleMesh BoxesMesh(const std::vector<AxisAlignedBox>& boxes) {
   TriangleMesh mesh;
@@ -45,85 +77,51 @@ TriangleMesh BoxesMesh(const std::vector<AxisAlignedBox>& boxes) {
   return mesh;
 }
 
-// Object meshes with at most `most_faces` faces, if there is such a level.
-class ShownMeshes {
- public:
-  ShownMeshes(const ObjectSet& objects, int most_faces)
-      : objects_(objects), most_faces_(most_faces) {}
-
-  const TriangleMesh& Of(ObjectId object) {
-    const TriangleMesh& whole = objects_[object]->mesh_O;
-    if (most_faces_ == 0 || static_cast<int>(whole.triangles.size()) <= most_faces_) return whole;
-    const auto [known, is_new] = coarse_.try_emplace(object);
-    if (is_new) known->second = Coarse(whole);
-    return known->second;
-  }
-
- private:
-  TriangleMesh Coarse(const TriangleMesh& whole) const {
-    std::vector<MeshLevel> levels = MakeMeshLevels(whole);
-    for (MeshLevel& level : levels) {
-      if (static_cast<int>(level.mesh.triangles.size()) <= most_faces_) {
-        return std::move(level.mesh);
-      }
-    }
-    return std::move(levels.back().mesh);
-  }
-
-  const ObjectSet& objects_;
-  int most_faces_;
-  std::map<int, TriangleMesh> coarse_;
-};
-
-}  // namespace
-
 std::string SceneGlb(const SceneGlbInput& input, const SceneGlbOptions& options) {
-  ShownMeshes meshes(input.objects, options.most_faces);
+  ShownMeshes meshes(input.objects, options.max_faces);
   const TriangleMesh bin = BinMesh(input.scene.bin);
-  std::vector<GlbPart> parts;
-  parts.push_back({"bin", &bin, Pose::Identity(), WithAlpha(kBin, options.bin_alpha)});
+  std::vector<GlbPart> glb_parts;
+  glb_parts.push_back({"bin", &bin, Pose::Identity(), WithAlpha(kBin, options.bin_alpha)});
   for (const PosedObject& posed : input.scene.objects) {
-    parts.push_back({fmt::format("truth {} {}", posed.instance, input.objects[posed.object]->name),
-                     &meshes.Of(posed.object), posed.X_WO, WithAlpha(kTruth, 1)});
+    glb_parts.push_back(
+        {fmt::format("truth {} {}", posed.instance, input.objects[posed.object]->name),
+         &meshes.Of(posed.object), posed.X_WO, WithAlpha(kTruth, 1)});
   }
   for (size_t i = 0; i < input.hypotheses.size(); ++i) {
     const HypothesisRecord& estimated = input.hypotheses[i];
-    parts.push_back({fmt::format("hypothesis {} {} {:.2f}", i,
-                                 input.objects[estimated.object]->name, estimated.score),
-                     &meshes.Of(estimated.object), estimated.X_WO,
-                     WithAlpha(ScoreColor(estimated.score), options.hypothesis_alpha)});
+    glb_parts.push_back({fmt::format("hypothesis {} {} {:.2f}", i,
+                                     input.objects[estimated.object]->name, estimated.score),
+                         &meshes.Of(estimated.object), estimated.X_WO,
+                         WithAlpha(ScoreColor(estimated.score), options.hypothesis_alpha)});
   }
   TriangleMesh hand;
   if (input.grasp != nullptr) {
     hand = BoxesMesh(input.gripper->Boxes(input.grasp->width_m));
-    parts.push_back({"hand", &hand, input.grasp->X_WG, WithAlpha(kHand, options.hand_alpha)});
+    glb_parts.push_back({"hand", &hand, input.grasp->X_WG, WithAlpha(kHand, options.hand_alpha)});
   }
   const bool has_cloud = input.cloud != nullptr && !input.cloud->points_W.empty();
-  return GlbBytes(parts, {input.cloud, has_cloud ? 1u : 0u});
+  return GlbBytes(glb_parts, {input.cloud, has_cloud ? 1u : 0u});
 }
 
 GlbCloud ObservedCloud(const RgbdFrame& frame, const Pose& X_WC, int stride_px) {
   constexpr Rgb8 kGrey{170, 170, 170};
   GlbCloud cloud{"cloud", {}, {}};
-  for (int v = 0; v < frame.depth_m.height(); v += stride_px) {
-    for (int u = 0; u < frame.depth_m.width(); u += stride_px) {
-      const float depth_m = frame.depth_m(u, v);
-      if (depth_m <= 0) continue;
-      const Eigen::Vector3d p_W = X_WC * BackProject(frame.intrinsics, u, v, depth_m);
-      cloud.points_W.push_back(p_W.cast<float>());
-      cloud.rgb.push_back(ToUnit(frame.color.empty() ? kGrey : frame.color(u, v)));
-    }
-  }
+  const auto add = [&](int u, int v, const Eigen::Vector3d& p_C) {
+    const Eigen::Vector3d p_W = X_WC * p_C;
+    cloud.points_W.push_back(p_W.cast<float>());
+    cloud.rgb.push_back(ToUnit(frame.color.empty() ? kGrey : frame.color(u, v)));
+  };
+  ForEachDepthPoint(frame.intrinsics, frame.depth_m, add, stride_px);
   return cloud;
 }
 
 GlbCloud EstimatedCloud(const ObjectSet& objects, const std::vector<HypothesisRecord>& hypotheses,
-                        int points_per_part) {
+                        int points_per_object) {
   GlbCloud cloud{"hypotheses", {}, {}};
   for (const HypothesisRecord& estimated : hypotheses) {
     const ObjectModel& model = *objects[estimated.object];
     Rng rng(model.mesh_hash);
-    for (const Eigen::Vector3d& p_O : SampleSurface(model.mesh_O, points_per_part, rng).points) {
+    for (const Eigen::Vector3d& p_O : SampleSurface(model.mesh_O, points_per_object, rng).points) {
       cloud.points_W.push_back((estimated.X_WO * p_O).cast<float>());
       cloud.rgb.push_back(ToUnit(ScoreColor(estimated.score)));
     }

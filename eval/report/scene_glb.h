@@ -29,7 +29,7 @@ struct SceneGlbInput {
 struct SceneGlbOptions {
   // Meshes with more faces are replaced by a coarser level, see scenes/geometry/mesh_levels.h; 0 =
   // never.
-  int most_faces = 0;
+  int max_faces = 0;
   double hypothesis_alpha = 0.5;  // opacity, 0..1
   double bin_alpha = 0.3;
   double hand_alpha = 0.8;
@@ -40,6 +40,9 @@ struct SceneGlbOptions {
 // (score 1), as in overlays.
 std::string SceneGlb(const SceneGlbInput& input, const SceneGlbOptions& options = {});
 
+// Returns one mesh of all boxes, in their frame.
+TriangleMesh BoxesMesh(const std::vector<AxisAlignedBox>& boxes);
+
 // Returns the observed points of every stride_px-th column and row in frame W, with the image
 // colors (gray if the frame has none).
 GlbCloud ObservedCloud(const RgbdFrame& frame, const Pose& X_WC, int stride_px);
@@ -47,6 +50,6 @@ GlbCloud ObservedCloud(const RgbdFrame& frame, const Pose& X_WC, int stride_px);
 // Returns uniform surface samples of each hypothesis at its estimated pose in frame W, colored by
 // score. Deterministic.
 GlbCloud EstimatedCloud(const ObjectSet& objects, const std::vector<HypothesisRecord>& hypotheses,
-                        int points_per_part);
+                        int points_per_object);
 
 }  // namespace pickbed::eval

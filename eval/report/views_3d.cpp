@@ -24,7 +24,8 @@ std::span<const ViewLayer> ViewLayers() {
   return kLayers;
 }
 
-std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configurations, int most) {
+std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configurations,
+                                    int maximum) {
   std::vector<ViewChoice> lost, picked;
   std::vector<int> earlier_failures;  // number of earlier failures with the same reason
   std::map<FailureReason, int> seen;
@@ -48,9 +49,9 @@ std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configu
   std::stable_sort(order.begin(), order.end(),
                    [&](size_t a, size_t b) { return earlier_failures[a] < earlier_failures[b]; });
   std::vector<ViewChoice> choices;
-  const size_t for_lost = static_cast<size_t>(most) - (picked.empty() || most == 0 ? 0 : 1);
+  const size_t for_lost = static_cast<size_t>(maximum) - (picked.empty() || maximum == 0 ? 0 : 1);
   for (size_t i = 0; i < std::min(order.size(), for_lost); ++i) choices.push_back(lost[order[i]]);
-  if (most > 0 && !picked.empty()) choices.push_back(picked.front());
+  if (maximum > 0 && !picked.empty()) choices.push_back(picked.front());
   return choices;
 }
 
@@ -79,7 +80,7 @@ std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
       1, static_cast<int>(std::ceil(std::sqrt(pixels / std::max(1, impl_->options.cloud_points)))));
   const GlbCloud cloud = ObservedCloud(view.frame, cell.camera().X_WC(), stride_px);
   SceneGlbOptions options;
-  options.most_faces = impl_->options.view_triangles;
+  options.max_faces = impl_->options.view_triangles;
   return SceneGlb({.scene = scene,
                    .objects = cell.objects(),
                    .hypotheses = attempt.hypotheses,

@@ -27,9 +27,10 @@ struct ViewChoice {
   size_t configuration = 0, trial = 0,
          attempt = 0;  // indices of configuration, its trial, its attempt
 };
-// Returns at most `most` attempts to be shown. They are failures, one of each reason before a
+// Returns at most `maximum` attempts to be shown. They are failures, one of each reason before a
 // second of any, followed by one success.
-std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configurations, int most);
+std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configurations,
+                                    int maximum);
 
 // Creates the views of one configuration.
 class ViewMaker {

@@ -96,8 +96,8 @@ std::string ProgressText(const ProgressState& state, double elapsed_s) {
                                  state.total, rate.per_s, state.what, FormatDuration(rate.left_s));
   if (state.counts_successes) {
     const Success success = SuccessOf(state.outcomes);
-    text += fmt::format("  picked {}/{} = {} {}", success.successes, success.executed_grasps,
-                        PercentText(success.rate()), IntervalText(success.ci95));
+    text += fmt::format("  picked {}/{} = {}", success.successes, success.executed_grasps,
+                        RateText(success.rate(), success.ci95));
   }
   if (!state.note.empty()) text += fmt::format("  ({})", state.note);
   return text;

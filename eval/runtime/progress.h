@@ -56,6 +56,7 @@ class ProgressLine {
 
 // Example: "trial 12/40  0.50 trials/s  left 0:56  picked 27/30 = 90.0 % [76.0, 97.0]".
 std::string ProgressText(const ProgressState& state, double elapsed_s);
+// Returns the same state as one JSON object, for programs.
 std::string ProgressJson(const ProgressState& state, double elapsed_s);
 
 // Formats as "1:05" or "2:03:04"; "?" if negative or not finite.

@@ -12,7 +12,7 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr double kMostScenes = 1e7;
+constexpr double kMaxScenes = 1e7;
 
 // Differences that are equal except for rounding count as equal. Otherwise the p value would be too
 // small.
@@ -21,11 +21,11 @@ constexpr double kRounding = 1e-9;
 double OneSidedZ(double share) { return boost::math::quantile(boost::math::normal(), share); }
 
 std::optional<int> WholeScenes(double scenes) {
-  if (!(scenes <= kMostScenes)) return std::nullopt;
+  if (!(scenes <= kMaxScenes)) return std::nullopt;
   return std::max(2, static_cast<int>(std::ceil(scenes)));
 }
 
-// Sums over scenes of h (hits) and t (tries) of two configurations, and of their products. The
+// Sums over scenes of h (hits) and t (trials) of two configurations, and of their products. The
 // rates, their difference and its linearized variance follow directly, also after labels change.
 struct PairSums {
   double h[2] = {0, 0}, t[2] = {0, 0};
@@ -126,11 +126,11 @@ double MedianRise(const std::vector<PooledValue>& pool, const std::vector<int>& 
   return medians[1] - medians[0];
 }
 
-// Reduces the number of draws so that all draws together use at most kMostValues; at least 200.
+// Reduces the number of draws so that all draws together use at most kMaxValues; at least 200.
 int FewerDraws(int draws, size_t values) {
-  constexpr double kMostValues = 1e8;
+  constexpr double kMaxValues = 1e8;
   constexpr int kFewestDraws = 200;
-  const double affordable = kMostValues / std::max<double>(1, static_cast<double>(values));
+  const double affordable = kMaxValues / std::max<double>(1, static_cast<double>(values));
   return affordable >= draws ? draws : std::max(kFewestDraws, static_cast<int>(affordable));
 }
 
@@ -160,13 +160,13 @@ std::optional<OddsRatio> MatchedOddsRatio(const Discordance& scenes, double conf
 double SignFlipTest(int scenes, const FlipStatistic& statistic, int flips, uint64_t seed) {
   std::vector<bool> flipped(scenes, false);
   const double found = statistic(flipped);
-  const double least = found - kRounding * std::abs(found);
+  const double minimum = found - kRounding * std::abs(found);
   if (scenes < 31 && (1L << scenes) <= flips) {
     const long all = 1L << scenes;
     long as_large = 0;
     for (long pattern = 0; pattern < all; ++pattern) {
       for (int i = 0; i < scenes; ++i) flipped[i] = pattern >> i & 1;
-      as_large += statistic(flipped) >= least;
+      as_large += statistic(flipped) >= minimum;
     }
     return static_cast<double>(as_large) / static_cast<double>(all);
   }
@@ -178,7 +178,7 @@ double SignFlipTest(int scenes, const FlipStatistic& statistic, int flips, uint6
       if (i % 64 == 0) bits = rng.Next();
       flipped[i] = bits >> i % 64 & 1;
     }
-    as_large += statistic(flipped) >= least;
+    as_large += statistic(flipped) >= minimum;
   }
   return static_cast<double>(as_large) / (flips + 1.0);
 }

@@ -29,6 +29,7 @@ struct OddsRatio {
   double ratio = 1;
   Interval interval;
 };
+// Computes the odds ratio and its interval.
 std::optional<OddsRatio> MatchedOddsRatio(const Discordance& scenes, double confidence = 0.95);
 
 // Sign-flip test: probability of a difference at least as large as observed if the labels `before`
@@ -37,6 +38,7 @@ std::optional<OddsRatio> MatchedOddsRatio(const Discordance& scenes, double conf
 // they are at most `flips`. Otherwise `flips` random ones are used, and the observed one is added
 // (Phipson and Smyth 2010), so that p is never 0.
 using FlipStatistic = std::function<double(const std::vector<bool>& flipped)>;
+// Returns the p value. Equal seeds give equal values.
 double SignFlipTest(int scenes, const FlipStatistic& statistic, int flips = 10000,
                     uint64_t seed = 0);
 

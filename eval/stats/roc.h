@@ -44,6 +44,7 @@ struct AucDifference {
   double difference = 0;
   Interval interval{-1, 1};
 };
+// Computes the difference and its interval.
 AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const ScoredOutcome> b,
                          double confidence = 0.95);
 
@@ -53,6 +54,7 @@ AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const Score
 // Wilson's, with as many pairs as there are clusters with a success, or with a failure if that is
 // smaller. [0, 1] if no draw has both outcomes. Equal seeds give equal intervals.
 using OutcomeClusters = std::vector<std::vector<ScoredOutcome>>;
+// Computes the interval.
 Interval ClusterBootstrapAuc(const OutcomeClusters& clusters, double confidence = 0.95,
                              int resamples = 1000, uint64_t seed = 0);
 // Like ClusterBootstrapAuc, for AUC of `a` minus AUC of `b` with the same outcomes in the same

@@ -5,10 +5,25 @@
 #include <stdexcept>
 
 namespace pickbed::eval {
+namespace {
+
+const SequentialOptions& Checked(const SequentialOptions& options) {
+  CheckSettings("SequentialOptions", options);
+  return options;
+}
+
+}  // namespace
+
+void SequentialOptions::Visit(SettingsVisitor& v) {
+  v.Real("confidence", confidence, {0.01, 0.999999}, "confidence of the interval");
+  v.Integer("candidates", candidates, {2, 10000000}, "number of candidate means between 0 and 1");
+  v.Real("largest_stake", largest_stake, {1e-6, 0.999999},
+         "maximum share of the capital that can be lost in one scene");
+}
 
 SequentialStop::SequentialStop(double width, const SequentialOptions& options)
     : width_(width),
-      options_(options),
+      options_(Checked(options)),
       log_above_(options.candidates + 1, 0.0),
       log_below_(options.candidates + 1, 0.0),
       high_(options.candidates) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "eval/stats/statistics.h"
+#include "scenes/base/settings.h"
 
 namespace pickbed::eval {
 
@@ -21,13 +22,14 @@ struct SequentialOptions {
   int candidates = 2000;
   // Maximum share of the capital that can be lost in one scene (c in the paper).
   double largest_stake = 0.5;
+  void Visit(SettingsVisitor& v);
 };
 
 // Confidence sequence of a mean with a stopping rule.
 class SequentialStop {
  public:
   // Stops when the interval is at most `width` wide; 0 = never. Throws std::logic_error for a width
-  // outside 0..1.
+  // outside 0..1 and InputError for options out of range.
   explicit SequentialStop(double width, const SequentialOptions& options = {});
 
   // Adds the result of a scene, 0..1: its share of hits. All scenes have the same weight. Add

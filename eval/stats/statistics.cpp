@@ -22,7 +22,7 @@ double Square(double x) { return x * x; }
 
 double Clamped(double x) { return std::clamp(x, 0.0, 1.0); }
 
-// Wilson interval of a rate p with the precision of `tries` independent samples.
+// Wilson interval of a rate p with the precision of `samples` independent draws.
 Interval WilsonForm(double p, double samples, double z) {
   const double center = (p + z * z / (2 * samples)) / (1 + z * z / samples);
   const double half = z / (1 + z * z / samples) *
@@ -105,7 +105,7 @@ bool RatesGoWithSizes(std::span<const Cluster> clusters, const RatioSpread& spre
 // narrow, the variance is known regardless of the moments. The logarithm is taken as uniform in the
 // range, with variance length^2 / 12. The degrees are 2 divided by the variance of the logarithm.
 // This does not hold if rates correlate with sizes, which widens the range.
-double LeastDegrees(std::span<const Cluster> clusters, const RatioSpread& spread) {
+double MinDegrees(std::span<const Cluster> clusters, const RatioSpread& spread) {
   if (RatesGoWithSizes(clusters, spread)) return 1;
   double squares = 0;
   for (const Cluster& cluster : clusters) squares += Square(cluster.samples);
@@ -192,7 +192,7 @@ Interval ClusterInterval(std::span<const Cluster> clusters, double confidence) {
   // Equal rates in all clusters do not make the rate certain.
   const double variance =
       spread.spread.variance > 0 ? spread.spread.variance : p * (1 - p) / spread.weight;
-  const double degrees = std::max(spread.spread.degrees, LeastDegrees(clusters, spread));
+  const double degrees = std::max(spread.spread.degrees, MinDegrees(clusters, spread));
   return WilsonForm(p, p * (1 - p) / variance, TwoSidedT(confidence, degrees));
 }
 
@@ -277,13 +277,19 @@ std::string PercentText(int hits, int samples) {
   return samples == 0 ? "-" : fmt::format("{:.1f} %", 100.0 * hits / samples);
 }
 
+std::string WholePercentText(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
 std::string IntervalText(const Interval& interval) {
   return fmt::format("[{}, {}]", PercentNumber(interval.low), PercentNumber(interval.high));
 }
 
 std::string RateText(const ReportRate& rate) {
   if (rate.samples == 0) return "-";
-  return fmt::format("{} {}", PercentText(rate.rate()), IntervalText(rate.ci95));
+  return fmt::format("{} {}", PercentText(rate.hits, rate.samples), IntervalText(rate.ci95));
+}
+
+std::string RateText(double rate, const Interval& ci95) {
+  return fmt::format("{} {}", PercentText(rate), IntervalText(ci95));
 }
 
 std::string PointsText(double difference) {

@@ -92,7 +92,7 @@ ReportRate ClusterRate(std::span<const Cluster> clusters);
 // Returns a CSV cell, in quotes if the text holds a comma, a quote or a line break.
 std::string CsvCell(const std::string& text);
 
-// The formatters of shares and rates; all numbers are in percent with one decimal.
+// The formatters of shares and rates. Except WholePercentText(), all have one decimal.
 //
 // "12.5", for tables with the unit in the header.
 std::string PercentNumber(double share);
@@ -100,10 +100,14 @@ std::string PercentNumber(double share);
 std::string PercentText(double share);
 // Same for hits / samples, or "-" without samples.
 std::string PercentText(int hits, int samples);
+// "12 %", for progress and for settings.
+std::string WholePercentText(double share);
 // "[8.1, 18.4]".
 std::string IntervalText(const Interval& interval);
 // "12.5 % [8.1, 18.4]", or "-" without samples.
 std::string RateText(const ReportRate& rate);
+// Same for a rate whose samples are not known.
+std::string RateText(double rate, const Interval& ci95);
 // "+12.5": difference of two shares in percentage points; "-" if it is not finite.
 std::string PointsText(double difference);
 // "+12.5 [+8.1, +18.4]".

@@ -81,15 +81,15 @@ std::string WithCurrentNames(const std::string& identity) {
 
 std::string NameWithCurrentNames(const std::string& name) {
   std::string text;
-  std::istringstream parts(name);
-  for (std::string part; std::getline(parts, part, ',');) {
+  std::istringstream assignments(name);
+  for (std::string assignment; std::getline(assignments, assignment, ',');) {
     ScenarioSpec spec;
     const auto visit = [&](SettingsVisitor& v) { spec.Visit(v); };
     const size_t colon =
-        part.substr(0, part.find('=')).rfind(':');  // after the name of a merged run
+        assignment.substr(0, assignment.find('=')).rfind(':');  // after the name of a merged run
     const size_t begin = colon == std::string::npos ? 0 : colon + 1;
-    text += (text.empty() ? "" : ",") + part.substr(0, begin) +
-            AssignmentWithCurrentNames(part.substr(begin), visit).text;
+    text += (text.empty() ? "" : ",") + assignment.substr(0, begin) +
+            AssignmentWithCurrentNames(assignment.substr(begin), visit).text;
   }
   return text;
 }

@@ -51,6 +51,7 @@ struct CrashedTrial {
 
 // Returns StoreHead::identity of a sweep: one ConfigurationIdentity() per configuration.
 std::string SweepIdentity(const std::vector<StoredConfiguration>& configurations);
+// Returns the line of one configuration in SweepIdentity().
 std::string ConfigurationIdentity(int number, int trials, const std::string& identity_hash,
                                   const std::string& name);
 

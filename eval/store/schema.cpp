@@ -97,6 +97,11 @@ void RenameToSchema6(const Database& db) {
       ReplaceValue(db, column.table, column.column, row.former_name, row.name);
     }
   }
+  if (db.HasTable("rejections")) {
+    for (const RenamedCause& cause : kRenamedCauses) {
+      ReplaceValue(db, "rejections", "cause", cause.was, cause.is);
+    }
+  }
   if (!db.HasTable("timings")) return;
   ReplaceValue(db, "timings", "stage", "see", "capture");
   ReplaceValue(db, "timings", "stage", "estimate/look_alikes", "estimate/ambiguous_poses");

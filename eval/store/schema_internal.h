@@ -30,8 +30,10 @@ void ForEachTrialTable(Visitor&& visit) {
 
 // Throws InputError for a store of a later version, or of a version that is too old.
 void RequireKnownVersion(const Database& db);
+// Returns whether the store has kSchemaVersion.
 bool IsOfThisVersion(const Database& db);
 
+// Reads identity and configurations of a store of this version.
 StoreHead ReadHead(const Database& db);
 // Replaces the head.
 void WriteHead(const Database& db, const StoreHead& head);

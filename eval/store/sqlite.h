@@ -104,6 +104,7 @@ class Statement {
   sqlite3_stmt* statement_ = nullptr;
 };
 
+// Returns the names of the columns of a row, in the order of its Visit().
 template <typename Row>
 std::vector<std::string> ColumnsOf() {
   std::vector<std::string> columns;
@@ -136,6 +137,7 @@ void RequireTable(const Database& db, const std::string& table) {
   });
 }
 
+// Inserts rows into a table, in their order.
 template <typename Row>
 void Insert(const Database& db, const char* table, std::vector<Row> rows) {
   if (rows.empty()) return;

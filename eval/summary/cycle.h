@@ -17,8 +17,8 @@ struct CycleTime {
   bool measured =
       // True if compute_s was measured on this machine. It must not go into a results file then.
       false;
-  double part_s() const { return sense_s + compute_s + move_s; }
-  double picks_per_hour() const { return part_s() > 0 ? 3600 / part_s() : 0; }
+  double pick_s() const { return sense_s + compute_s + move_s; }
+  double picks_per_hour() const { return pick_s() > 0 ? 3600 / pick_s() : 0; }
 };
 
 // Computes the cycle time of a run; all times are zero if nothing was picked. If spec.compute_s is

@@ -8,7 +8,7 @@
 namespace pickbed::eval {
 namespace {
 
-void Charge(FailureReason failure, FailureBudget& budget) {
+void AddFailure(FailureReason failure, FailureBudget& budget) {
   ++budget.lost.at(static_cast<size_t>(failure));
 }
 
@@ -76,7 +76,7 @@ FailureBudget BudgetOfAttempts(std::span<const TrialResult> trials) {
     budget.total += static_cast<int>(trial.attempts.size());
     for (const AttemptRecord& attempt : trial.attempts) {
       if (attempt.failure != FailureReason::kNone) {
-        Charge(attempt.failure, budget);
+        AddFailure(attempt.failure, budget);
       } else {
         budget.picked += attempt.grasp.has_value();
       }
@@ -95,7 +95,7 @@ FailureBudget BudgetOfInstances(std::span<const TrialResult> trials) {
       budget.picked += instance_outcome.picked;
       budget.not_asked += !instance_outcome.asked;
       if (instance_outcome.failure != FailureReason::kNone)
-        Charge(instance_outcome.failure, budget);
+        AddFailure(instance_outcome.failure, budget);
     }
   }
   RequireSum("instances", budget.picked + budget.not_asked + LostOf(budget), budget.total);

@@ -37,18 +37,20 @@ struct FailureBudget {
   int Of(Stage stage) const;
 };
 
-// Compute the two budgets. They throw std::logic_error if the entries do not sum to the number of
-// attempts or of dropped instances. They also throw it if the picks differ from the instances that
-// the trials count as cleared.
+// Computes the budget of the attempts. Both budgets throw std::logic_error if the entries do not
+// sum to the number of attempts or of dropped instances. They also throw it if the picks differ
+// from the instances that the trials count as cleared.
 FailureBudget BudgetOfAttempts(std::span<const TrialResult> trials);
+// Computes the budget of the dropped instances.
 FailureBudget BudgetOfInstances(std::span<const TrialResult> trials);
 
 // Throws std::logic_error if a stage before planning has failures. With ground truth substituted
 // for all of perception, only plan, approach, grasp and simulation (physics errors) can fail.
 void RequireGraspFailuresOnly(const FailureBudget& budget);
 
-// Picked and requested counts per trial; input of the intervals.
+// Returns picked and requested attempts per trial; input of the intervals.
 std::vector<Cluster> AttemptsByTrial(std::span<const TrialResult> trials);
+// Returns picked and requested instances per trial.
 std::vector<Cluster> InstancesByTrial(std::span<const TrialResult> trials);
 
 // A budget with the 95 % intervals of its shares. Bins are the units of the intervals, because
@@ -62,8 +64,9 @@ struct BudgetShares {
     return lost.at(static_cast<size_t>(failure));
   }
 };
-// Compute a budget and its intervals. They throw like the functions above.
+// Computes the budget of the attempts and its intervals. Throws like BudgetOfAttempts().
 BudgetShares SharesOfAttempts(std::span<const TrialResult> trials);
+// Computes the budget of the instances and its intervals.
 BudgetShares SharesOfInstances(std::span<const TrialResult> trials);
 
 }  // namespace pickbed::eval

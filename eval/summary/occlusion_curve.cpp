@@ -4,12 +4,12 @@
 
 #include <algorithm>
 
+#include "eval/summary/run_columns.h"
 #include "eval/trial/stage_oracle.h"
+#include "scenes/base/math.h"
 
 namespace pickbed::eval {
 namespace {
-
-constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 // Sums over the attempts of one band, by scene number.
 struct BandAttempts {
@@ -63,8 +63,7 @@ void CountErrors(int scene, const AttemptRecord& attempt, BandAttempts& band,
 }
 
 std::string ShareText(const ShareOfAttempts& share, const BandStatistics& band) {
-  if (band.attempts == 0) return "-";
-  return fmt::format("{} {}", PercentText(share.hits, band.attempts), IntervalText(share.ci95));
+  return RateText({share.hits, band.attempts, share.ci95});
 }
 
 // True if no trial found a possible target. A target that fills only some bands is given up or has
@@ -89,7 +88,7 @@ std::string CsvLine(const std::string& configuration, const BandStatistics& band
   }
   line += fmt::format("{},{},{},{},", band.errors.attempts, MedianCells(band.errors.mssd_diameters),
                       MedianCells(band.errors.translation_m.Times(1e3)),
-                      MedianCells(band.errors.rotation_rad.Times(kDegrees)));
+                      MedianCells(band.errors.rotation_rad.Times(kDegreesPerRadian)));
   const BlockerCounts& blockers = band.account.blockers;
   return line + fmt::format("{},{},{},{},{},{},{}\n", band.trials_without, band.account.given_up,
                             blockers.dropped, blockers.kept, blockers.refused, blockers.jumped,
@@ -139,13 +138,7 @@ std::vector<BandStatistics> StatisticsByBand(std::span<const TrialResult> trials
 }
 
 std::string CurveCsv(std::span<const NamedCurve> curves) {
-  std::string csv =
-      "configuration,visible_min,visible_max,attempts,visible_mean,recalled,recall,recall_low,"
-      "recall_high,"
-      "picked,pick_rate,pick_low,pick_high,posed,mssd_diameters,mssd_low,mssd_high,"
-      "translation_mm,translation_low,translation_high,rotation_deg,rotation_low,rotation_high,"
-      "trials_without,targets_given_up,blockers,blockers_kept,blockers_refused,blockers_jumped,"
-      "blockers_useless\n";
+  std::string csv = HeaderLine(CurveColumns());
   for (const NamedCurve& curve : curves) {
     for (const BandStatistics& band : curve.bands) csv += CsvLine(curve.configuration, band);
   }
@@ -161,7 +154,7 @@ std::string CurveTable(const std::vector<BandStatistics>& bands) {
         band.errors.attempts == 0
             ? "-"
             : fmt::format("{} mm, {} deg", MedianText(band.errors.translation_m.Times(1e3), 1),
-                          MedianText(band.errors.rotation_rad.Times(kDegrees), 1));
+                          MedianText(band.errors.rotation_rad.Times(kDegreesPerRadian), 1));
     text += fmt::format("  {:<10}{:<7}{:<24}{:<24}{}\n", band.band.name(), band.attempts,
                         ShareText(band.recalled, band), ShareText(band.picked, band), error);
   }

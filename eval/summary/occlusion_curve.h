@@ -1,7 +1,7 @@
 #pragma once
 
 // Results of occlusion trials by band of the target's visible fraction: recall of the target,
-// errors of its best pose, and success rate of the picks that aimed at it.
+// errors of its best pose, and success rate of the picks that target it.
 //
 // Scenes are the units of the intervals (see ClusterInterval). A band has one attempt per scene, so
 // its intervals are Wilson intervals unless a scene number repeats.

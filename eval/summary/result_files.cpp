@@ -8,6 +8,7 @@
 
 #include "eval/store/results_store.h"
 #include "eval/summary/occlusion_sheet.h"
+#include "eval/summary/run_columns.h"
 #include "scenes/base/files.h"
 #include "scenes/scenario/scenario_text.h"
 
@@ -25,9 +26,9 @@ void Append(const std::string& text, std::string& csv) {
   csv += csv.empty() ? text : text.substr(text.find('\n') + 1);
 }
 
-std::vector<std::string> PartNames(const ScenarioSpec& spec) {
+std::vector<std::string> ObjectNames(const ScenarioSpec& spec) {
   std::vector<std::string> names;
-  for (const PartSpec& part : spec.objects) names.push_back(part.name);
+  for (const ObjectSpec& object : spec.objects) names.push_back(object.name);
   return names;
 }
 
@@ -37,7 +38,7 @@ ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfigura
   const bool single = store.head().configurations.size() == 1;
   const ScenarioSpec spec =
       ScenarioOfText(configuration.settings, out, (out / kStoreFile).string());
-  const std::vector<std::string> names = PartNames(spec);
+  const std::vector<std::string> names = ObjectNames(spec);
   const std::vector<TrialResult> trials =
       single
           ? store.ReadAll()
@@ -60,10 +61,7 @@ ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfigura
 }
 
 std::string ConfigurationsCsv(const std::vector<ConfigurationSummary>& configurations) {
-  std::string csv =
-      "configuration,name,seed,first_trial,trials,finished,crashed,executed_grasps,successes,"
-      "success_rate,"
-      "success_low,success_high,instances_dropped,instances_cleared,frames,top1_correct\n";
+  std::string csv = HeaderLine(ConfigurationsColumns());
   for (const auto& [configuration, s] : configurations) {
     csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", configuration.number,
                        CsvCell(configuration.name), configuration.seed, configuration.first_trial,
@@ -147,8 +145,7 @@ std::string SweepTable(const std::vector<ConfigurationSummary>& configurations) 
   std::string text = fmt::format("{:<{}}  {:>11}  {:>23}  {:>9}  {:>11}\n", "Configuration", width,
                                  "bins", "picks that succeed", "cleared", "top-1 right");
   for (const auto& [configuration, s] : configurations) {
-    const std::string rate =
-        fmt::format("{} {}", PercentText(s.success_rate), IntervalText(s.success_ci95));
+    const std::string rate = RateText(s.success_rate, s.success_ci95);
     text += fmt::format("{:<{}}  {:>5} of {:>2}  {:>23}  {:>9}  {:>11}{}\n", configuration.name,
                         width, s.trials, configuration.trials, rate, PercentText(s.cleared_rate),
                         PercentText(s.top1_precision),

@@ -9,13 +9,15 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/metrics/metric_columns.h"
+#include "eval/summary/run_columns.h"
 #include "eval/trial/counts_by_bin.h"
 #include "scenes/base/ids_format.h"
+#include "scenes/base/math.h"
 
 namespace pickbed::eval {
 namespace {
 
-double Ratio(int part, int whole) { return whole > 0 ? static_cast<double>(part) / whole : 0; }
+double Ratio(int count, int whole) { return whole > 0 ? static_cast<double>(count) / whole : 0; }
 
 void CountAttempt(const AttemptRecord& attempt, RunSummary& summary) {
   for (const InstanceRecord& instance : attempt.instances) {
@@ -49,12 +51,6 @@ void AddIntervals(const std::vector<TrialResult>& trials, RunSummary& summary) {
 
 std::string BandName(const RecallBand& band) {
   return VisibleBand{band.visible_min, band.visible_max}.name();
-}
-
-// Formats as "91.1 %  [80.0 %, 97.5 %]".
-std::string PercentWithin(double share, const Interval& ci95) {
-  return fmt::format("{}  [{}, {}]", PercentText(share), PercentText(ci95.low),
-                     PercentText(ci95.high));
 }
 
 std::string CycleText(const CycleTime& cycle) {
@@ -115,8 +111,7 @@ std::string RulesText(const RunSummary& summary) {
       fmt::format("Success of {} executed grasps by rule\n", summary.executed_grasps);
   for (const RuleRate& rule : summary.by_rule) {
     const SuccessRuleRow& row = RowOf(rule.rule);
-    text += fmt::format("  {:<26}{:<28}{}\n", row.name, PercentWithin(rule.rate(), rule.ci95),
-                        row.help);
+    text += fmt::format("  {:<26}{:<24}{}\n", row.name, RateText(rule.rate(), rule.ci95), row.help);
   }
   return text;
 }
@@ -237,15 +232,15 @@ std::string SummaryTable(const RunSummary& s) {
   };
   text += "Picks\n";
   line("success rate",
-       fmt::format("{}  {} of {} executed grasps", PercentWithin(s.success_rate, s.success_ci95),
+       fmt::format("{}  {} of {} executed grasps", RateText(s.success_rate, s.success_ci95),
                    s.successes, s.executed_grasps));
   if (s.stop) line("early stop", StopText(*s.stop));
   line("instances cleared",
-       fmt::format("{}  {} of {} in {} bins", PercentWithin(s.cleared_rate, s.cleared_ci95),
+       fmt::format("{}  {} of {} in {} bins", RateText(s.cleared_rate, s.cleared_ci95),
                    s.instances_cleared, s.instances_dropped, s.trials));
   line("top-ranked pose right",
-       fmt::format("{}  {} of {} images", PercentWithin(s.top1_precision, s.top1_ci95),
-                   s.top1_correct, s.frames));
+       fmt::format("{}  {} of {} images", RateText(s.top1_precision, s.top1_ci95), s.top1_correct,
+                   s.frames));
   if (s.cycle.picks_per_hour() > 0) line("picks per hour", CycleText(s.cycle));
   if (!s.refused.empty()) text += RefusedText(s);
   for (const CrashedTrial& trial : s.crashed) {
@@ -257,8 +252,7 @@ std::string SummaryTable(const RunSummary& s) {
   for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
     const RecallBand& band = s.recall_by_visibility[i];
     if (band.instances == 0) continue;
-    const std::string recall =
-        PercentWithin(Ratio(band.recalled, band.instances), s.recall_ci95[i]);
+    const std::string recall = RateText(Ratio(band.recalled, band.instances), s.recall_ci95[i]);
     line(BandName(band) + " %", fmt::format("{}  {} of {}", recall, band.recalled, band.instances));
   }
   if (!s.bands.empty()) text += CurveTable(s.bands);
@@ -275,9 +269,7 @@ std::string SummaryTable(const RunSummary& s) {
 
 std::string TrialsCsv(const std::vector<TrialResult>& trials,
                       const std::vector<CrashedTrial>& crashed) {
-  std::string csv =
-      "trial,configuration,bin_index,status,instances_dropped,instances_cleared,executed_grasps,"
-      "successes,ended_by,settled_s,wake_movement_mm,penetration_mm,scenes_refused\n";
+  std::string csv = HeaderLine(TrialsColumns());
   auto next_crashed = crashed.begin();
   const auto add_crashed_before = [&](int trial) {
     for (; next_crashed != crashed.end() && next_crashed->trial < trial; ++next_crashed) {
@@ -303,16 +295,10 @@ std::string TrialsCsv(const std::vector<TrialResult>& trials,
 }
 
 std::string AttemptsCsv(const std::vector<TrialResult>& trials,
-                        const std::vector<std::string>& parts, const ToleranceMaps& maps) {
+                        const std::vector<std::string>& object_names, const ToleranceMaps& maps) {
   const MetricColumns placed = MetricColumns::Placed(MetricUnits::kShown);
   const MetricColumns at_end = MetricColumns::AtEnd(MetricUnits::kShown);
-  std::string csv =
-      "trial,configuration,attempt,target,band,instances_in_view,hypotheses,object,instance,"
-      "confidence" +
-      placed.Header() +
-      ",p_pick,p_grasp,success,failure,slip_mm,in_hand_rotation_error_deg,neighbors_displaced" +
-      OutcomeHeader() + at_end.Header() + "\n";
-  constexpr double kDegrees = 180 / 3.14159265358979323846;
+  std::string csv = HeaderLine(AttemptsColumns());
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& attempt : trial.attempts) {
       csv += fmt::format("{},{},{},{},{},{},{},", trial.trial, trial.configuration, attempt.attempt,
@@ -321,7 +307,7 @@ std::string AttemptsCsv(const std::vector<TrialResult>& trials,
       std::string cells_at_end = at_end.EmptyCells();
       if (attempt.chosen >= 0) {
         const HypothesisRecord& h = attempt.hypotheses.at(attempt.chosen);
-        csv += fmt::format("{},{},{}{},{},{},", parts.at(h.object), h.instance, h.score,
+        csv += fmt::format("{},{},{}{},{},{},", object_names.at(h.object), h.instance, h.score,
                            placed.Cells(h.metrics), ChanceCell(maps.PickChance(h)),
                            ChanceCell(maps.PickChance(h, *attempt.grasp)));
         cells_at_end = at_end.Cells(h.metrics);
@@ -330,7 +316,7 @@ std::string AttemptsCsv(const std::vector<TrialResult>& trials,
       }
       csv += fmt::format("{},{},{},{},{}{}{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
                          FailureName(attempt.failure), 1e3 * attempt.outcome.slip_m,
-                         kDegrees * attempt.outcome.in_hand_rotation_error_rad,
+                         kDegreesPerRadian * attempt.outcome.in_hand_rotation_error_rad,
                          attempt.outcome.neighbors_displaced, OutcomeCells(attempt), cells_at_end);
     }
   }
@@ -338,12 +324,12 @@ std::string AttemptsCsv(const std::vector<TrialResult>& trials,
 }
 
 std::string InstanceOutcomesCsv(const std::vector<TrialResult>& trials,
-                                const std::vector<std::string>& parts) {
-  std::string csv = "trial,configuration,instance,object,outcome,failure,stage,attempt\n";
+                                const std::vector<std::string>& object_names) {
+  std::string csv = HeaderLine(InstanceOutcomesColumns());
   for (const TrialResult& trial : trials) {
     for (const InstanceOutcome& instance_outcome : trial.outcomes) {
       csv += fmt::format("{},{},{},{},{},{},{},{}\n", trial.trial, trial.configuration,
-                         instance_outcome.instance, parts.at(instance_outcome.object),
+                         instance_outcome.instance, object_names.at(instance_outcome.object),
                          instance_outcome.picked  ? "picked"
                          : instance_outcome.asked ? "failed"
                                                   : "not_asked",
@@ -355,16 +341,16 @@ std::string InstanceOutcomesCsv(const std::vector<TrialResult>& trials,
 }
 
 std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle) {
-  std::string csv = "trial,stage,seconds\n";
+  std::string csv = HeaderLine(TimingsColumns());
   for (const TrialResult& trial : trials) {
     for (const auto& [stage, seconds] : trial.seconds) {
       csv += fmt::format("{},{},{:.6f}\n", trial.trial, stage, seconds);
     }
   }
-  if (cycle.part_s() == 0) return csv;
+  if (cycle.pick_s() == 0) return csv;
   csv += fmt::format("all,cycle/sense,{:.6f}\nall,cycle/compute,{:.6f}\nall,cycle/move,{:.6f}\n",
                      cycle.sense_s, cycle.compute_s, cycle.move_s);
-  return csv + fmt::format("all,cycle/part,{:.6f}\n", cycle.part_s());
+  return csv + fmt::format("all,cycle/part,{:.6f}\n", cycle.pick_s());
 }
 
 }  // namespace pickbed::eval

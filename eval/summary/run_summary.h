@@ -89,12 +89,14 @@ std::string TrialsCsv(const std::vector<TrialResult>& trials,
                       const std::vector<CrashedTrial>& crashed = {});
 // Returns attempts.csv: one line per attempt. p_pick is the success probability of the executed
 // pose, averaged over the grasps of its tolerance model. p_grasp is the probability with the
-// executed grasp. Both are empty without a model. `parts` are the names of the dropped objects.
+// executed grasp. Both are empty without a model. `object_names` are the names of the dropped
+// objects.
 std::string AttemptsCsv(const std::vector<TrialResult>& trials,
-                        const std::vector<std::string>& parts, const ToleranceMaps& maps = {});
+                        const std::vector<std::string>& object_names,
+                        const ToleranceMaps& maps = {});
 // Returns instance_outcomes.csv: one line per wanted instance that was dropped.
 std::string InstanceOutcomesCsv(const std::vector<TrialResult>& trials,
-                                const std::vector<std::string>& parts);
+                                const std::vector<std::string>& object_names);
 // Returns timings.csv: seconds by trial and stage. The last lines have the trial "all" and hold the
 // cycle time per picked instance.
 std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle = {});

@@ -2,33 +2,41 @@
 
 #include <fmt/format.h>
 
-#include <numbers>
-
 #include "eval/trial/counts_by_bin.h"
+#include "scenes/base/math.h"
 
 namespace pickbed::eval {
 namespace {
 
-// Visits all columns: name and value. One list serves header and cells.
+// Visits all columns: name, help and value. One list serves header and cells.
 template <typename V>
 void VisitCells(const GraspOutcome& o, V&& v) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
   for (const SuccessRuleRow& row : SuccessRuleTable()) {
-    v(row.name, static_cast<int>(o.verdicts[static_cast<int>(row.rule)]));
+    v(row.name, fmt::format("1 if the grasp succeeds by this rule: {}", row.help),
+      static_cast<int>(o.verdicts[static_cast<int>(row.rule)]));
   }
-  v("picked_instance", o.picked_instance);
-  v("instances_touched", o.instances_touched);
-  v("instances_lifted", o.instances_lifted);
-  v("lift_height_mm", 1e3 * o.lift_height_m);
-  v("opening_mm", 1e3 * o.final_opening_m);
-  v("force_x_n", o.contact_force_n.x());
-  v("force_y_n", o.contact_force_n.y());
-  v("force_z_n", o.contact_force_n.z());
-  v("torque_x_nm", o.contact_torque_nm.x());
-  v("torque_y_nm", o.contact_torque_nm.y());
-  v("torque_z_nm", o.contact_torque_nm.z());
-  v("place_error_mm", 1e3 * o.place_error_m);
-  v("place_rotation_error_deg", kDegrees * o.place_rotation_error_rad);
+  v("picked_instance", "instance in the hand at the end, -1 = none", o.picked_instance);
+  v("instances_touched", "number of instances in contact with the closed hand",
+    o.instances_touched);
+  v("instances_lifted", "number of instances in the hand after hold, shake and carry",
+    o.instances_lifted);
+  v("lift_height_mm", "height of the instance that rose most, at the end of the lift",
+    1e3 * o.lift_height_m);
+  v("opening_mm", "final opening of the hand", 1e3 * o.final_opening_m);
+  v("force_x_n", "mean force on the hand during the hold, x in frame G", o.contact_force_n.x());
+  v("force_y_n", "mean force on the hand during the hold, y in frame G", o.contact_force_n.y());
+  v("force_z_n", "mean force on the hand during the hold, z in frame G", o.contact_force_n.z());
+  v("torque_x_nm", "mean torque on the hand about the origin of G, x in frame G",
+    o.contact_torque_nm.x());
+  v("torque_y_nm", "mean torque on the hand about the origin of G, y in frame G",
+    o.contact_torque_nm.y());
+  v("torque_z_nm", "mean torque on the hand about the origin of G, z in frame G",
+    o.contact_torque_nm.z());
+  v("place_error_mm", "distance of the center of mass from its planned place; empty if not placed",
+    1e3 * o.place_error_m);
+  v("place_rotation_error_deg",
+    "rotation error at the place, minimum over the symmetries; empty if not placed",
+    kDegreesPerRadian * o.place_rotation_error_rad);
 }
 
 }  // namespace
@@ -47,16 +55,18 @@ std::array<RuleRate, kSuccessRules> RatesByRule(const std::vector<TrialResult>& 
   return rates;
 }
 
-std::string OutcomeHeader() {
-  std::string header;
-  VisitCells({}, [&](const char* name, auto) { header += fmt::format(",{}", name); });
-  return header;
+ResultColumns OutcomeColumns() {
+  ResultColumns columns;
+  VisitCells({}, [&](const char* name, const std::string& help, auto) {
+    columns.push_back({name, help});
+  });
+  return columns;
 }
 
 std::string OutcomeCells(const AttemptRecord& attempt) {
   std::string cells;
   const bool is_placing = attempt.outcome.place_executed;
-  VisitCells(attempt.outcome, [&](std::string_view name, auto value) {
+  VisitCells(attempt.outcome, [&](std::string_view name, const std::string&, auto value) {
     const bool is_known = attempt.grasp && (is_placing || !name.starts_with("place_"));
     cells += is_known ? fmt::format(",{}", value) : ",";
   });

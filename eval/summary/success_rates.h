@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/metrics/result_columns.h"
 #include "eval/stats/statistics.h"
 #include "eval/trial/trial.h"
 #include "grasp/outcome.h"
@@ -25,8 +26,8 @@ struct RuleRate {
 // Returns one rate per rule, in the order of SuccessRule.
 std::array<RuleRate, kSuccessRules> RatesByRule(const std::vector<TrialResult>& trials);
 
-// Returns the column names of OutcomeCells, each preceded by a comma.
-std::string OutcomeHeader();
+// Returns the columns of OutcomeCells().
+ResultColumns OutcomeColumns();
 // Returns the outcome of an attempt as cells, each preceded by a comma; all cells are empty without
 // an executed grasp. Force (N) and torque (N m) are in frame G, lengths in mm and angles in
 // degrees.

@@ -19,10 +19,12 @@ void WriteAttemptPictures(const std::filesystem::path& folder, int attempt,
 }
 
 OverlayInput OverlayOf(const AttemptState& attempt) {
+  std::vector<PoseHypothesis> estimates;
+  for (const ScoredHypothesis& h : *attempt.hypotheses) estimates.push_back(h.estimate);
   return {attempt.view->frame,
           attempt.cell.camera(),
           attempt.cell.objects(),
-          *attempt.hypotheses,
+          std::move(estimates),
           attempt.record.grasp ? &*attempt.record.grasp : nullptr,
           &attempt.gripper,
           &attempt.view->ids};

@@ -36,22 +36,22 @@ void WriteForecasts(const ObjectSet& objects, const RunOptions& options, RunRepo
 }
 
 // Hash of all properties of an object that affect a trial.
-uint64_t PartHash(const ObjectModel& part) {
-  std::vector<double> numbers{part.mass.mass_kg, part.friction};
+uint64_t ObjectHash(const ObjectModel& object) {
+  std::vector<double> numbers{object.mass.mass_kg, object.friction};
   const auto add = [&](const auto& values) {
     numbers.insert(numbers.end(), values.data(), values.data() + values.size());
   };
-  add(part.mass.com_O);
-  add(part.mass.inertia_com_O);
-  for (const Pose& X_OO : part.symmetries_O.discrete_O) add(X_OO.matrix());
-  for (const ContinuousSymmetry& axis : part.symmetries_O.continuous_O) {
+  add(object.mass.com_O);
+  add(object.mass.inertia_com_O);
+  for (const Pose& X_OO : object.symmetries_O.discrete_O) add(X_OO.matrix());
+  for (const ContinuousSymmetry& axis : object.symmetries_O.continuous_O) {
     add(axis.axis_O);
     add(axis.offset_O);
   }
-  for (const ConvexPiece& piece : part.convex_parts_O) {
+  for (const ConvexPiece& piece : object.convex_pieces_O) {
     for (const Eigen::Vector3d& p_O : piece.vertices_O) add(p_O);
   }
-  return HashBytes(numbers.data(), numbers.size() * sizeof(double), part.mesh_hash);
+  return HashBytes(numbers.data(), numbers.size() * sizeof(double), object.mesh_hash);
 }
 
 std::string GroundTruthText(const OracleStages& truth) {
@@ -69,7 +69,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
   same_for_all.cycle = {};
   // Mesh files are identified by content (below), not by path.
   same_for_all.bin.mesh.clear();
-  for (PartSpec& part : same_for_all.objects) part.mesh.clear();
+  for (ObjectSpec& object : same_for_all.objects) object.mesh.clear();
   std::string text = SettingsText(same_for_all);
   WithSettingsKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
   WithSettingsKey(spec, "refiner", [&] { RefinerNamed(spec.refiner); });
@@ -88,7 +88,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
   text += gripper->SettingsText();
   text += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
   for (const auto& object : objects) {
-    text += fmt::format("# part {} is {:016x}\n", object->name, PartHash(*object));
+    text += fmt::format("# part {} is {:016x}\n", object->name, ObjectHash(*object));
   }
   if (!spec.bin.mesh.empty()) {
     const std::string bytes = ReadFileBytes(spec.folder / spec.bin.mesh);

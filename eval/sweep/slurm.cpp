@@ -23,7 +23,7 @@ namespace {
 constexpr std::chrono::milliseconds kAskEvery{2000};
 constexpr std::chrono::milliseconds kCheckForStopEvery{100};
 // Consecutive squeue failures; tolerates a restart of the controller.
-constexpr int kMostFailures = 30;
+constexpr int kMaxFailures = 30;
 
 std::string Trimmed(const std::string& text) {
   const size_t from = text.find_first_not_of(" \t\r\n");
@@ -230,7 +230,7 @@ SlurmReport RunOnSlurm(const Sweep& sweep, const SlurmJob& job, const SlurmListe
     const auto queue = StatesInQueue(report.job_id);
     failures = queue ? 0 : failures + 1;
     CheckInput(
-        failures < kMostFailures,
+        failures < kMaxFailures,
         fmt::format(
             "squeue does not answer; job {} may still run, repeat the same command to follow it",
             report.job_id));

@@ -295,7 +295,25 @@ StoreHead HeadOf(const Sweep& sweep, const std::filesystem::path& folder) {
   return head;
 }
 
+void Shard::Visit(SettingsVisitor& v) {
+  v.Integer("count", count, {1, 1000000}, "number of shards");
+  v.Integer("index", index, {1, static_cast<double>(std::max(1, count))}, "number of the shard");
+}
+
+void SweepOptions::Visit(SettingsVisitor& v) {
+  v.Integer("jobs", jobs, {1, 100000}, "number of worker processes");
+  v.Bool("resume", resume, "whether to continue in a folder that holds finished trials");
+  v.Bool("retry_crashed", retry_crashed, "whether to repeat trials that crashed before");
+  v.Integer("picture_trials", picture_trials, {0, 1e9},
+            "number of scenes of each configuration with pictures");
+  v.Integer("lost_picture_trials", lost_picture_trials, {0, 1e9},
+            "scenes below this number get a picture of each failed pick");
+  v.Group(
+      "shard", [this](SettingsVisitor& g) { shard.Visit(g); }, "shard of the trials");
+}
+
 SweepReport RunSweep(const Sweep& given, const SweepOptions& options, const RunListener& listener) {
+  CheckSettings("SweepOptions", options);
   if (options.shard.count > 1) RequireNoStop(given);
   return SweepCall(given, options, listener).Run();
 }

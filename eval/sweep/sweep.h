@@ -21,6 +21,7 @@
 #include "eval/store/results_store.h"
 #include "eval/summary/result_files.h"
 #include "scenes/base/ids.h"
+#include "scenes/base/settings.h"
 #include "scenes/scenario/scenario_spec.h"
 
 namespace pickbed::eval {
@@ -68,6 +69,7 @@ MakeDoTrial PickingTrials(const TrialOptions& options = {});
 struct Shard {
   int index = 1;
   int count = 1;
+  void Visit(SettingsVisitor& v);
 };
 // Parses a text such as "3/8". Throws InputError.
 Shard ParseShard(const std::string& text);
@@ -88,6 +90,8 @@ struct SweepOptions {
   std::vector<int> only_trials;  // ascending; empty = all of the shard
   Shard shard;
   MakeDoTrial make = PickingTrials();
+  // Visits the numbers and switches.
+  void Visit(SettingsVisitor& v);
 };
 
 // Progress of a sweep. All counts but done_before include trials of earlier calls.
@@ -120,10 +124,11 @@ struct SweepReport {
 
 // Runs all trials of a sweep or shard. A configuration with a stop_width ends early
 // (eval/sweep/sweep_stop.h), unless `only_trials` names the trials. It forks worker processes; see
-// RunInWorkers for the restrictions. Throws InputError for unknown names, a broken model file, and
-// a stop_width in a shard. Also throws it for an output folder that cannot be written, is in use,
-// holds other results, or holds finished trials while `resume` is false. With a changed stop_width,
-// it throws if the folder holds trials that the new width would not keep.
+// RunInWorkers for the restrictions. Throws InputError for options out of range, unknown names, a
+// broken model file, and a stop_width in a shard. Also throws it for an output folder that cannot
+// be written, is in use, holds other results, or holds finished trials while `resume` is false.
+// With a changed stop_width, it throws if the folder holds trials that the new width would not
+// keep.
 SweepReport RunSweep(const Sweep& sweep, const SweepOptions& options, const RunListener& listener);
 
 // Returns the store head of a sweep with its results in `folder`.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdio>
 #include <map>
 
@@ -16,6 +17,19 @@ namespace {
 
 constexpr size_t kLongestName = 60;  // characters of a setting in a name; longer ones are shortened
 constexpr int kMaxConfigurations = 10000;
+
+constexpr std::array<SweepKey, 6> kSweepKeys{{
+    {"scenario", "text", "name of a preset, or a scenario file relative to this file; required"},
+    {"trials", "whole number from 1",
+     "number of bins per configuration; default: as in the "
+     "scenario"},
+    {"set", "map of settings", "settings of all configurations, with the keys of a scenario file"},
+    {"grid", "map of lists",
+     "settings that are varied; the sweep runs every combination, and the first key varies "
+     "slowest"},
+    {"occlusion", "map of settings", "settings of the scenario group occlusion"},
+    {"slurm", "map of settings", "settings of `pickbed sweep --slurm`"},
+}};
 
 using Kind = SettingsTree::Kind;
 
@@ -269,15 +283,17 @@ std::string WithCurrentNames(const std::string& yaml) {
 
 }  // namespace
 
+std::span<const SweepKey> SweepKeys() { return kSweepKeys; }
+
 SweepSpec LoadSweepSpec(const std::filesystem::path& file) {
-  static const std::vector<std::string> kKeys = {"scenario", "trials",    "set",
-                                                 "grid",     "occlusion", "slurm"};
+  std::vector<std::string> keys;
+  for (const SweepKey& key : SweepKeys()) keys.push_back(key.name);
   SettingsTree tree = ReadSettingsTree(file);
   const std::vector<ReplacedName> replaced = UpdateNames(tree);
   if (!replaced.empty()) ReportDeprecation(DeprecationLine(file.string(), replaced));
   for (const SettingsTree& entry : tree.items) {
-    CheckInput(std::find(kKeys.begin(), kKeys.end(), entry.key) != kKeys.end(),
-               fmt::format("{}: {}", entry.place, UnknownNameMessage("key", entry.key, kKeys)));
+    CheckInput(std::find(keys.begin(), keys.end(), entry.key) != keys.end(),
+               fmt::format("{}: {}", entry.place, UnknownNameMessage("key", entry.key, keys)));
   }
   SweepSpec spec;
   spec.name = file.stem().string();

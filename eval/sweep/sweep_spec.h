@@ -19,6 +19,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,15 @@ struct SweepSpec {
   SlurmOptions slurm;
   std::string grid_text;  // grid as written in the file, in YAML flow style
 };
+
+// A key of a sweep file.
+struct SweepKey {
+  const char* name;
+  const char* value;  // what to write, in words
+  const char* help;
+};
+// Returns all keys of a sweep file.
+std::span<const SweepKey> SweepKeys();
 
 // Reads a sweep file. Throws InputError with file and line for an unknown key, an empty or
 // malformed grid, and a key that is set by two axes. MakeSweep checks the keys and values of the

@@ -24,8 +24,8 @@ class SweepStop {
   bool Add(int trial, const Cluster& outcome);
   // Returns whether the trial is part of the results.
   bool Counts(int trial) const;
-  // Returns the progress, such as "2 of 3 points are narrow enough". For one configuration, returns
-  // the current and the required interval width.
+  // Returns the progress, such as "2 of 3 configurations are narrow enough". For one configuration,
+  // returns the current and the required interval width.
   std::string Note() const;
 
  private:

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "eval/stats/statistics.h"
 #include "eval/sweep/attempt_pictures.h"
 #include "eval/trial/counts_by_bin.h"
 
@@ -104,7 +105,7 @@ MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
                                                                    double share) mutable {
           if (Clock::now() - said < kSayEvery) return;
           said = Clock::now();
-          say(fmt::format("{}: {:.0f} %", what, 100 * share));
+          say(fmt::format("{}: {}", what, WholePercentText(share)));
         };
         auto runner = std::make_shared<TrialRunner>(configuration.spec, configuration.objects,
                                                     on_progress, trial_options);

@@ -72,14 +72,14 @@ double ReachOf(const Gripper& gripper) {
 class Studio {
  public:
   explicit Studio(const ToleranceStudy& study)
-      : part_(*study.table.objects[0]), table_(study.table) {
-    mesh_ = renderer_.AddMesh(part_.mesh_O);
+      : object_(*study.table.objects[0]), table_(study.table) {
+    mesh_ = renderer_.AddMesh(object_.mesh_O);
   }
 
-  Image<Rgb8> PartTile(const Vector3d& center_O) {
-    const Camera camera = TowardsCenter(center_O, {1, -1.3, 0.9}, 2.6 * part_.diameter_m);
+  Image<Rgb8> ObjectTile(const Vector3d& center_O) {
+    const Camera camera = TowardsCenter(center_O, {1, -1.3, 0.9}, 2.6 * object_.diameter_m);
     Canvas canvas(Picture(camera, Pose::Identity()));
-    DrawAxes(canvas, camera, Translation(center_O), 0.62 * part_.diameter_m);
+    DrawAxes(canvas, camera, Translation(center_O), 0.62 * object_.diameter_m);
     return canvas.Take();
   }
 
@@ -94,7 +94,7 @@ class Studio {
     from.z() = 0;
     from = from.normalized() + Vector3d(0, 0, 0.45) + 0.5 * grasp.X_WG.linear().col(0);
     const Vector3d center_W = 0.5 * (X_WO * center_O + grasp.X_WG * Vector3d(0, 0, -0.7 * reach_m));
-    const Camera camera = TowardsCenter(center_W, from, 2.4 * (part_.diameter_m + reach_m));
+    const Camera camera = TowardsCenter(center_W, from, 2.4 * (object_.diameter_m + reach_m));
     RgbdFrame frame;
     frame.color = Picture(camera, X_WO);
     Canvas canvas(DrawOverlay({frame, camera, table_.objects, {}, &grasp, table_.gripper.get()}));
@@ -114,7 +114,7 @@ class Studio {
     return std::move(image.color);
   }
 
-  const ObjectModel& part_;
+  const ObjectModel& object_;
   const Table& table_;
   Renderer renderer_;
   int mesh_ = 0;
@@ -130,9 +130,9 @@ std::vector<std::string> KeyNumbers(const ToleranceStudy& study,
       fmt::format("grasps\t{} of {} candidates", study.options.grasps,
                   study.table.candidates.size()),
       fmt::format("resting poses\t{}, {} with grasps", study.table.places.size(), graspable),
-      fmt::format("without error\t{} {}", PercentText(statistics.at_truth.share()),
-                  IntervalText(at_truth)),
-      fmt::format("green\terrors that keep {:.0f} % of this rate", 100 * study.options.keep_share),
+      fmt::format("without error\t{}", RateText(statistics.at_truth.share(), at_truth)),
+      fmt::format("green\terrors that keep {} of this rate",
+                  WholePercentText(study.options.keep_share)),
       fmt::format("AUC of {} held-out picks", statistics.test_picks)};
   for (const Predictor& p : statistics.predictors) {
     if (!p.auc.is_known()) continue;  // all picks had the same outcome
@@ -194,7 +194,7 @@ std::string RegionText(const ToleranceRegion& region, const char* unit) {
 Image<Rgb8> DrawToleranceSheet(const ToleranceStudy& study, const ToleranceStatistics& statistics) {
   Studio studio(study);
   const Vector3d& center_O = statistics.model.surface_mean_O;
-  std::vector<Image<Rgb8>> tiles{studio.PartTile(center_O),
+  std::vector<Image<Rgb8>> tiles{studio.ObjectTile(center_O),
                                  studio.HandTile(study.grasps[study.options.grasps / 2], center_O),
                                  DrawTable(KeyNumbers(study, statistics), kTileWidth, kTileHeight)};
   std::vector<std::string> captions{"Axes of the object, at the center of its surface",

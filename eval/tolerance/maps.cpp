@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFile = "model.yaml";
-
 ObjectId IndexOf(const std::string& name, const ObjectSet& objects) {
   for (size_t i = 0; i < objects.size(); ++i) {
     if (objects[i]->name == name) return ObjectId(i);
@@ -31,7 +29,7 @@ std::string NamesOf(const ObjectSet& objects) {
 
 // True if the place is a single model, not a folder with several.
 bool IsOne(const fs::path& place) {
-  return !fs::is_directory(place) || fs::is_regular_file(place / kFile);
+  return !fs::is_directory(place) || fs::is_regular_file(place / kToleranceModelFile);
 }
 
 bool MatchesAnInstance(const HypothesisRecord& hypothesis) {
@@ -44,22 +42,23 @@ std::vector<fs::path> ToleranceFiles(const fs::path& place) {
   CheckInput(fs::exists(place),
              fmt::format("tolerance map {}: there is no such file or folder", place.string()));
   if (!fs::is_directory(place)) return {place};
-  if (fs::is_regular_file(place / kFile)) return {place / kFile};
+  if (fs::is_regular_file(place / kToleranceModelFile)) return {place / kToleranceModelFile};
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(place)) {
-    if (fs::is_regular_file(entry.path() / kFile)) files.push_back(entry.path() / kFile);
+    if (fs::is_regular_file(entry.path() / kToleranceModelFile))
+      files.push_back(entry.path() / kToleranceModelFile);
   }
   std::sort(files.begin(), files.end());
   CheckInput(!files.empty(),
              fmt::format("tolerance map {}: neither this folder nor its sub-folders have a {}; "
                          "make one with pickbed tolerance OBJECT GRIPPER",
-                         place.string(), kFile));
+                         place.string(), kToleranceModelFile));
   return files;
 }
 
-void RequireModelOf(const ToleranceModel& model, const ObjectModel& part, const fs::path& file) {
+void RequireModelOf(const ToleranceModel& model, const ObjectModel& object, const fs::path& file) {
   constexpr double kSame = 1e-3;  // of the extent of the surface
-  const ToleranceModel wanted = EmptyToleranceModel(part, model.gripper, {Pose::Identity()});
+  const ToleranceModel wanted = EmptyToleranceModel(object, model.gripper, {Pose::Identity()});
   const double extent_m2 = wanted.surface_covariance_O.trace();
   const bool same =
       (model.surface_mean_O - wanted.surface_mean_O).squaredNorm() < kSame * extent_m2 &&
@@ -68,7 +67,7 @@ void RequireModelOf(const ToleranceModel& model, const ObjectModel& part, const 
       same,
       fmt::format(
           "{}: was made with another mesh of '{}'; make it again with pickbed tolerance {} {}",
-          file.string(), part.name, part.name, model.gripper));
+          file.string(), object.name, object.name, model.gripper));
 }
 
 ToleranceMaps::ToleranceMaps(const std::vector<std::string>& places, const ObjectSet& objects,

@@ -15,6 +15,8 @@
 
 namespace pickbed::eval {
 
+inline constexpr char kToleranceModelFile[] = "model.yaml";  // in a folder of `pickbed tolerance`
+
 // Tolerance models by object.
 class ToleranceMaps {
  public:
@@ -49,7 +51,7 @@ ToleranceMaps MapsFor(const ScenarioSpec& spec, const ObjectSet& objects,
 std::vector<std::filesystem::path> ToleranceFiles(const std::filesystem::path& place);
 
 // Throws InputError that names the file, unless the model was made from this mesh.
-void RequireModelOf(const ToleranceModel& model, const ObjectModel& part,
+void RequireModelOf(const ToleranceModel& model, const ObjectModel& object,
                     const std::filesystem::path& file);
 
 }  // namespace pickbed::eval

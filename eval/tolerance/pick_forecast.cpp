@@ -12,26 +12,27 @@
 namespace pickbed::eval {
 namespace {
 
-PickForecast ForecastOf(const std::string& name, const std::vector<JudgedPart>& parts) {
+PickForecast ForecastOf(const std::string& name, const std::vector<JudgedObject>& judged_objects) {
   PickForecast forecast;
-  forecast.part = name;
+  forecast.object = name;
   std::map<int, Cluster> bins;
-  for (const JudgedPart& part : parts) {
-    for (const JudgedPick& pick : part.picks) {
+  for (const JudgedObject& object : judged_objects) {
+    for (const JudgedPick& pick : object.picks) {
       Cluster& bin = bins[pick.cluster];
       ++bin.samples;
       bin.hits += pick.success;
       ++forecast.picks;
       forecast.successes += pick.success;
-      forecast.expected += SuccessProbability(part.model, pick.X_OE);
-      forecast.expected_with_grasp += SuccessProbability(part.model, pick.X_OE, pick.X_OG.value());
+      forecast.expected += SuccessProbability(object.model, pick.X_OE);
+      forecast.expected_with_grasp +=
+          SuccessProbability(object.model, pick.X_OE, pick.X_OG.value());
     }
   }
   forecast.bins = static_cast<int>(bins.size());
   std::vector<Cluster> clusters;
   for (const auto& [trial, cluster] : bins) clusters.push_back(cluster);
   forecast.rate_ci95 = ClusterInterval(clusters);
-  forecast.predictors = JudgePredictors(parts);
+  forecast.predictors = JudgePredictors(judged_objects);
   return forecast;
 }
 
@@ -67,16 +68,16 @@ std::vector<JudgedPick> JudgedPicksOf(std::span<const TrialResult> trials, Objec
 std::vector<PickForecast> ForecastsOf(std::span<const TrialResult> trials, const ObjectSet& objects,
                                       const ToleranceMaps& maps) {
   std::vector<PickForecast> forecasts;
-  std::vector<JudgedPart> parts;
+  std::vector<JudgedObject> judged_objects;
   for (size_t i = 0; i < objects.size(); ++i) {
     const ToleranceModel* model = maps.Of(ObjectId(i));
     if (model == nullptr) continue;
-    JudgedPart part{*model, *objects[i], JudgedPicksOf(trials, ObjectId(i))};
-    if (part.picks.empty()) continue;
-    forecasts.push_back(ForecastOf(objects[i]->name, {part}));
-    parts.push_back(std::move(part));
+    JudgedObject object{*model, *objects[i], JudgedPicksOf(trials, ObjectId(i))};
+    if (object.picks.empty()) continue;
+    forecasts.push_back(ForecastOf(objects[i]->name, {object}));
+    judged_objects.push_back(std::move(object));
   }
-  if (parts.size() > 1) forecasts.push_back(ForecastOf("all objects", parts));
+  if (judged_objects.size() > 1) forecasts.push_back(ForecastOf("all objects", judged_objects));
   return forecasts;
 }
 
@@ -84,9 +85,9 @@ std::string ForecastText(const std::vector<PickForecast>& forecasts) {
   std::string text;
   for (const PickForecast& f : forecasts) {
     text += fmt::format(
-        "Picks of {} by their pose errors: {} of {} succeeded = {} {}; the tolerance map predicts "
+        "Picks of {} by their pose errors: {} of {} succeeded = {}; the tolerance map predicts "
         "{}, or {} if the grasps are known\n",
-        f.part, f.successes, f.picks, PercentText(f.successes, f.picks), IntervalText(f.rate_ci95),
+        f.object, f.successes, f.picks, RateText({f.successes, f.picks, f.rate_ci95}),
         PercentText(f.expected / f.picks), PercentText(f.expected_with_grasp / f.picks));
     text += PredictorText(f.predictors, fmt::format("{} bins", f.bins));
     const std::string few = FewBinsText(f.bins);
@@ -99,7 +100,7 @@ std::string ForecastJson(const std::vector<PickForecast>& forecasts) {
   auto json = nlohmann::ordered_json::array();
   for (const PickForecast& f : forecasts) {
     nlohmann::ordered_json object;
-    object["object"] = f.part;
+    object["object"] = f.object;
     object["bins"] = f.bins;
     object["picks"] = f.picks;
     object["successes"] = f.successes;
@@ -113,9 +114,37 @@ std::string ForecastJson(const std::vector<PickForecast>& forecasts) {
   return json.dump(2);
 }
 
+ResultColumns ForecastKeys() {
+  return {
+      {"object", "name of the object, or 'all objects'"},
+      {"bins", "number of bins with such a pick"},
+      {"picks", "number of executed picks at a pose that matches an instance of the object"},
+      {"successes", "number of these picks that delivered the target"},
+      {"success_ci95", "95 % interval of successes / picks; bins are the units"},
+      {"expected_successes", "number of successes predicted by the tolerance map"},
+      {"expected_successes_with_grasp", "the same, if the executed grasps are known"},
+      {"scores[].score", "name of a score that predicts success"},
+      {"scores[].auc",
+       "probability that the score ranks a successful pick above a failed one; null if all picks "
+       "had the same outcome"},
+      {"scores[].auc_ci95", "95 % interval of auc"},
+  };
+}
+
+ResultColumns PickChancesColumns() {
+  return {
+      {"trial", "number of the trial"},
+      {"attempt", "number of the attempt in its trial"},
+      {"hypothesis", "number of the hypothesis in its attempt, highest score first"},
+      {"object", "name of the object"},
+      {"instance", "matched instance, -1 = none"},
+      {"p_pick", "predicted probability that a pick at this pose succeeds", "0..1"},
+  };
+}
+
 std::string PickChancesCsv(std::span<const TrialResult> trials, const ObjectSet& objects,
                            const ToleranceMaps& maps) {
-  std::string csv = "trial,attempt,hypothesis,object,instance,p_pick\n";
+  std::string csv = HeaderLine(PickChancesColumns());
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& pick : trial.attempts) {
       for (size_t i = 0; i < pick.hypotheses.size(); ++i) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/metrics/result_columns.h"
 #include "eval/stats/statistics.h"
 #include "eval/tolerance/maps.h"
 #include "eval/tolerance/statistics.h"
@@ -17,7 +18,7 @@ namespace pickbed::eval {
 
 // Forecast for the picks of one object, or of all objects with a model.
 struct PickForecast {
-  std::string part;
+  std::string object;
   int bins = 0;  // bins with such a pick
   int picks = 0, successes = 0;
   // Number of successes predicted by the model (sum of the probabilities): as mean over all its
@@ -39,5 +40,9 @@ std::string ForecastJson(const std::vector<PickForecast>& forecasts);  // JSON a
 // One CSV line per hypothesis of an object with a model, with its success probability p_pick.
 std::string PickChancesCsv(std::span<const TrialResult> trials, const ObjectSet& objects,
                            const ToleranceMaps& maps);
+// Returns the columns of PickChancesCsv().
+ResultColumns PickChancesColumns();
+// Returns the keys of an entry of ForecastJson().
+ResultColumns ForecastKeys();
 
 }  // namespace pickbed::eval

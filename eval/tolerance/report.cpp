@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "eval/tolerance/draw.h"
+#include "eval/tolerance/maps.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 
@@ -64,8 +65,51 @@ std::string ToleranceText(const ToleranceStatistics& statistics) {
   return text;
 }
 
+ResultColumns AxesColumns() {
+  return {
+      {"axis", "axis of the pose error: x y z rx ry rz of the object, gx ... grz of the gripper"},
+      {"unit", "unit of error, kept_from and kept_to: mm or deg"},
+      {"error", "pose error along or about the axis", "unit"},
+      {"successes", "number of executed grasps that succeeded"},
+      {"samples", "number of executed grasps"},
+      {"share", "successes / samples", "0..1"},
+      {"low", "lower end of the 95 % interval of share", "0..1"},
+      {"high", "upper end of the 95 % interval of share", "0..1"},
+      {"kept_from", "lower end of the tolerated region of the axis", "unit"},
+      {"kept_to", "upper end of the tolerated region of the axis", "unit"},
+  };
+}
+
+ResultColumns PairsColumns() {
+  return {
+      {"axis_a", fmt::format("first axis of the pair, see {}", kAxesFile)},
+      {"axis_b", "second axis of the pair"},
+      {"error_a", "pose error along or about the first axis", "mm or deg"},
+      {"error_b", "pose error along or about the second axis", "mm or deg"},
+      {"successes", "number of executed grasps that succeeded"},
+      {"samples", "number of executed grasps"},
+      {"share", "successes / samples", "0..1"},
+      {"low", "lower end of the 95 % interval of share", "0..1"},
+      {"high", "upper end of the 95 % interval of share", "0..1"},
+  };
+}
+
+ResultColumns PredictorsColumns() {
+  return {
+      {"score", "name of the score that predicts success"},
+      {"auc", "probability that the score ranks a successful pick above a failed one", "0..1"},
+      {"low", "lower end of the 95 % interval of auc", "0..1"},
+      {"high", "upper end of the 95 % interval of auc", "0..1"},
+      {"less_first", "auc minus the auc of the first score"},
+      {"less_low", "lower end of the 95 % interval of less_first"},
+      {"less_high", "upper end of the 95 % interval of less_first"},
+      {"successes", "number of successful picks"},
+      {"failures", "number of failed picks"},
+  };
+}
+
 std::string AxesCsv(const ToleranceStatistics& statistics) {
-  std::string csv = "axis,unit,error,successes,samples,share,low,high,kept_from,kept_to\n";
+  std::string csv = HeaderLine(AxesColumns());
   for (const AxisCurve& curve : statistics.axes) {
     const ErrorAxis& axis = ErrorAxisTable()[curve.axis];
     for (const LevelShare& level : curve.levels) {
@@ -79,7 +123,7 @@ std::string AxesCsv(const ToleranceStatistics& statistics) {
 }
 
 std::string PairsCsv(const ToleranceStatistics& statistics) {
-  std::string csv = "axis_a,axis_b,error_a,error_b,successes,samples,share,low,high\n";
+  std::string csv = HeaderLine(PairsColumns());
   for (const PairMap& map : statistics.pairs) {
     for (size_t i = 0; i < map.cells.size(); ++i) {
       const LevelShare& cell = map.cells[i];
@@ -95,7 +139,7 @@ std::string PairsCsv(const ToleranceStatistics& statistics) {
 }
 
 std::string PredictorsCsv(const std::vector<Predictor>& predictors) {
-  std::string csv = "score,auc,low,high,less_first,less_low,less_high,successes,failures\n";
+  std::string csv = HeaderLine(PredictorsColumns());
   for (const Predictor& p : predictors) {
     if (!p.auc.is_known()) {
       csv += fmt::format("{},,,,,,,{},{}\n", p.name, p.auc.successes, p.auc.failures);
@@ -112,14 +156,14 @@ std::string PredictorsCsv(const std::vector<Predictor>& predictors) {
 void WriteToleranceFiles(const ToleranceStudy& study, const ToleranceStatistics& statistics,
                          const std::filesystem::path& folder) {
   ToleranceOptions options = study.options;
-  WriteFileAtomically(folder / "tolerance.yaml",
+  WriteFileAtomically(folder / kToleranceFile,
                       WriteSettings([&](SettingsVisitor& v) { options.Visit(v); }));
-  WriteFileAtomically(folder / "axes.csv", AxesCsv(statistics));
-  WriteFileAtomically(folder / "predictors.csv", PredictorsCsv(statistics.predictors));
-  WriteToleranceModel(folder / "model.yaml", statistics.model);
+  WriteFileAtomically(folder / kAxesFile, AxesCsv(statistics));
+  WriteFileAtomically(folder / kPredictorsFile, PredictorsCsv(statistics.predictors));
+  WriteToleranceModel(folder / kToleranceModelFile, statistics.model);
   WritePng(folder / "map.png", DrawToleranceSheet(study, statistics));
   if (statistics.pairs.empty()) return;
-  WriteFileAtomically(folder / "pairs.csv", PairsCsv(statistics));
+  WriteFileAtomically(folder / kPairsFile, PairsCsv(statistics));
   WritePng(folder / "pairs.png", DrawPairSheet(statistics));
 }
 

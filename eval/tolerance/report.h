@@ -13,9 +13,16 @@
 #include <filesystem>
 #include <string>
 
+#include "eval/metrics/result_columns.h"
 #include "eval/tolerance/statistics.h"
 
 namespace pickbed::eval {
+
+inline constexpr char kToleranceFile[] = "tolerance.yaml";
+inline constexpr char kAxesFile[] = "axes.csv";
+inline constexpr char kPairsFile[] = "pairs.csv";
+inline constexpr char kPredictorsFile[] = "predictors.csv";
+inline constexpr char kRunPredictorsFile[] = "run_predictors.csv";  // for the picks of a run
 
 // Console text: tolerated regions of the axes, and AUC of the scores.
 std::string ToleranceText(const ToleranceStatistics& statistics);
@@ -25,10 +32,18 @@ std::string PredictorText(const std::vector<Predictor>& predictors, const std::s
 // The same table as cells, header first.
 std::vector<std::vector<std::string>> PredictorCells(const std::vector<Predictor>& predictors);
 
-// Contents of the CSV files above.
+// Returns axes.csv.
 std::string AxesCsv(const ToleranceStatistics& statistics);
+// Returns pairs.csv.
 std::string PairsCsv(const ToleranceStatistics& statistics);
+// Returns predictors.csv.
 std::string PredictorsCsv(const std::vector<Predictor>& predictors);
+// Returns the columns of AxesCsv().
+ResultColumns AxesColumns();
+// Returns the columns of PairsCsv().
+ResultColumns PairsColumns();
+// Returns the columns of PredictorsCsv().
+ResultColumns PredictorsColumns();
 
 // Writes all files above except samples.csv.
 void WriteToleranceFiles(const ToleranceStudy& study, const ToleranceStatistics& statistics,

@@ -5,31 +5,27 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
-#include <numbers>
 #include <sstream>
 
 #include "eval/tolerance/samples.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/math.h"
 
 namespace pickbed::eval {
 namespace {
 
-constexpr int kChunk = 16;  // samples per work item
-constexpr const char* kSamplesFile = "samples.csv";
+constexpr int kChunk = 16;                               // samples per work item
 constexpr const char* kFormerSamplesFile = "tries.csv";  // of earlier versions
 constexpr const char* kVersion = "pickbed tolerance 1";
-constexpr const char* kColumns =
-    "sample,kind,axis,level,axis_2,level_2,place,grasp,dx_mm,dy_mm,dz_mm,rx_deg,ry_deg,rz_deg,"
-    "success,failure\n";
 
 // Header line that identifies a study. Files with another line belong to another study.
 std::string IdentityLine(const ToleranceStudy& study) {
-  const ObjectModel& part = *study.table.objects[0];
+  const ObjectModel& object = *study.table.objects[0];
   ToleranceOptions options = study.options;
   const Gripper& gripper = *study.table.gripper;
   std::string text =
-      fmt::format("{:016x} {} {}\n", part.mesh_hash, part.mass.mass_kg, part.friction);
+      fmt::format("{:016x} {} {}\n", object.mesh_hash, object.mass.mass_kg, object.friction);
   text += gripper.SettingsText();
   text += WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); });
   for (const PlannedSample& t : study.samples) {
@@ -37,7 +33,7 @@ std::string IdentityLine(const ToleranceStudy& study) {
                       t.X_OO * study.grasps[t.grasp].candidate.X_OG;
     text.append(reinterpret_cast<const char*>(X_WG.data()), 16 * sizeof(double));
   }
-  return fmt::format("# {}: {} {} {:016x}\n", kVersion, part.name, gripper.name,
+  return fmt::format("# {}: {} {} {:016x}\n", kVersion, object.name, gripper.name,
                      HashBytes(text.data(), text.size()));
 }
 
@@ -45,7 +41,7 @@ std::string Row(const ToleranceStudy& study, int index, const SampleOutcome& out
   const PlannedSample& t = study.samples[index];
   const auto axis = [&](int i) { return t.axis[i] < 0 ? "" : ErrorAxisTable()[t.axis[i]].name; };
   const PoseOffset e = ToPoseOffset(t.X_OO);
-  const double mm = 1e3, deg = 180 / std::numbers::pi;
+  const double mm = 1e3, deg = kDegreesPerRadian;
   return fmt::format("{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n",
                      index, TryKindName(t.kind), axis(0), t.level[0], axis(1), t.level[1],
                      study.grasps[t.grasp].place, t.grasp, mm * e[0], mm * e[1], mm * e[2],
@@ -76,7 +72,7 @@ std::vector<std::optional<SampleOutcome>> ReadOutcomes(const ToleranceStudy& stu
 
 std::string WholeFile(const ToleranceStudy& study,
                       const std::vector<std::optional<SampleOutcome>>& outcomes) {
-  std::string text = IdentityLine(study) + kColumns;
+  std::string text = IdentityLine(study) + HeaderLine(SamplesColumns());
   for (size_t i = 0; i < outcomes.size(); ++i) {
     if (outcomes[i]) text += Row(study, static_cast<int>(i), *outcomes[i]);
   }
@@ -115,6 +111,27 @@ std::string ReplyOf(const ToleranceStudy& study, const std::vector<int>& samples
 }
 
 }  // namespace
+
+ResultColumns SamplesColumns() {
+  return {
+      {"sample", "number of the sample"},
+      {"kind", "purpose: axis (curve), pair (map of two axes), fit (of the model), test"},
+      {"axis", "axis of the pose error; empty for a random error"},
+      {"level", "error along the axis", "steps"},
+      {"axis_2", "second axis of a pair"},
+      {"level_2", "error along the second axis", "steps"},
+      {"place", "number of the resting pose on the table"},
+      {"grasp", "number of the grasp"},
+      {"dx_mm", "position error in the object frame, x"},
+      {"dy_mm", "position error in the object frame, y"},
+      {"dz_mm", "position error in the object frame, z"},
+      {"rx_deg", "rotation vector of the error in the object frame, x"},
+      {"ry_deg", "rotation vector of the error in the object frame, y"},
+      {"rz_deg", "rotation vector of the error in the object frame, z"},
+      {"success", "1 if the grasp succeeded"},
+      {"failure", "failure reason, see `pickbed list failures`"},
+  };
+}
 
 StudyOutcomes ExecuteStudy(const ToleranceStudy& study, const std::filesystem::path& folder,
                            int jobs, bool resume, const StudyListener& listener) {

@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "scenes/base/error.h"
+#include "scenes/base/math.h"
 
 namespace pickbed::eval {
 namespace {
 
-constexpr double kMm = 1e-3, kDegree = std::numbers::pi / 180;
+constexpr double kMm = 1e-3, kDegree = kRadiansPerDegree;
 
 constexpr std::array<ErrorAxis, 12> kAxes{{
     {"x", "along", "mm", false, 0, kMm},
@@ -157,13 +157,13 @@ void ToleranceOptions::Visit(SettingsVisitor& v) {
       "fit", [&](SettingsVisitor& g) { fit.Visit(g); }, "fit of the model");
 }
 
-ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part,
+ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> object,
                          std::shared_ptr<const Gripper> gripper,
                          std::vector<GraspCandidate> candidates, const ToleranceOptions& options) {
   CheckSettings("ToleranceOptions", options);
   ToleranceStudy study;
   study.options = options;
-  study.table = MakeTable(part, gripper, std::move(candidates), options.table);
+  study.table = MakeTable(object, gripper, std::move(candidates), options.table);
   // Each kind draws its own grasps. The planner selects few of the candidates, so the same grasp
   // may be drawn several times, also in different kinds. The test evaluates errors that the model
   // has not seen, not new grasps.
@@ -179,11 +179,11 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part,
   CheckInput(of_map > 0 && of_fit > 0 && (of_test > 0 || options.test_samples == 0),
              fmt::format("{}: no grasp with {} was found in table.max_draws = {} draws; raise it, "
                          "or lower table.min_choice",
-                         part->name, gripper->name, options.table.max_draws));
+                         object->name, gripper->name, options.table.max_draws));
 
   std::vector<Pose> X_OG;
   for (int i = of_map; i < of_map + of_fit; ++i) X_OG.push_back(study.grasps[i].candidate.X_OG);
-  study.model = EmptyToleranceModel(*part, gripper->name, X_OG, options.fit);
+  study.model = EmptyToleranceModel(*object, gripper->name, X_OG, options.fit);
   Planner planner(study);
   planner.AddAxes();
   planner.AddPairs();

@@ -10,11 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "eval/metrics/result_columns.h"
 #include "eval/runtime/process_pool.h"
 #include "grasp/tolerance/tolerance_model.h"
 #include "grasp/tolerance/tolerance_trial.h"
 
 namespace pickbed::eval {
+
+inline constexpr char kSamplesFile[] = "samples.csv";
 
 // Axis of a pose error: along or about x, y, z of the object frame O or of the grasp frame G.
 // Rotations in O are about the center of the surface, rotations in G about the center of the tips.
@@ -58,6 +61,7 @@ struct ToleranceOptions {
 
 // Purpose of a sample: curve of an axis, map of a pair, fit of the model, test of scores.
 enum class SampleKind { kAxis, kPair, kFit, kTest };
+// Returns the name of a kind in samples.csv.
 const char* TryKindName(SampleKind kind);
 
 // One execution.
@@ -86,7 +90,7 @@ struct ToleranceStudy {
 
 // Draws grasps and errors. Throws InputError like MakeTable, and if no grasp is found in
 // `table.max_draws` draws.
-ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> part,
+ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> object,
                          std::shared_ptr<const Gripper> gripper,
                          std::vector<GraspCandidate> candidates, const ToleranceOptions& options);
 
@@ -104,6 +108,8 @@ struct StudyOutcomes {
   bool interrupted = false;
   std::vector<LostItem> lost;
 };
+// Columns of FOLDER/samples.csv. The first line of the file is a comment that identifies the study.
+ResultColumns SamplesColumns();
 // Executes the samples that are missing in FOLDER/samples.csv with `jobs` processes, and appends
 // each outcome to that file. At the end the file is sorted; it does not depend on `jobs`. Throws
 // InputError if the file holds another study, or this study and `resume` is not set.

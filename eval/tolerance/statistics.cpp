@@ -16,17 +16,17 @@ double UnitsOf(const ToleranceOptions& options, int axis, int level) {
   return level * (ErrorAxisTable()[axis].coordinate < 3 ? options.step_mm : options.step_deg);
 }
 
-// Finds where the share falls below `least`, from the center to one side.
-void Reach(const std::vector<LevelShare>& levels, int center, int direction, double least,
+// Finds where the share falls below `minimum`, from the center to one side.
+void Reach(const std::vector<LevelShare>& levels, int center, int direction, double minimum,
            double& end, bool& open) {
   int at = center;
   const int last = direction < 0 ? 0 : static_cast<int>(levels.size()) - 1;
-  while (at != last && levels[at + direction].share() >= least) at += direction;
+  while (at != last && levels[at + direction].share() >= minimum) at += direction;
   open = at == last;
   end = levels[at].offset;
   if (open) return;
   const double inside = levels[at].share(), outside = levels[at + direction].share();
-  end += (inside - least) / (inside - outside) * (levels[at + direction].offset - end);
+  end += (inside - minimum) / (inside - outside) * (levels[at + direction].offset - end);
 }
 
 // For each grasp, the index of the first identical grasp.
@@ -145,15 +145,15 @@ struct ScoreColumn {
 };
 
 // Scores by one metric over the picks of all objects.
-ScoreColumn MetricColumn(const MetricRow& row, const std::vector<JudgedPart>& parts,
+ScoreColumn MetricColumn(const MetricRow& row, const std::vector<JudgedObject>& objects,
                          const std::vector<MetricModel>& metric_models) {
   const CameraIntrinsics no_camera;
   const Pose X_true = Pose::Identity();
   ScoreColumn column{row.name, row.help, {}};
-  for (size_t i = 0; i < parts.size(); ++i) {
-    for (const JudgedPick& pick : parts[i].picks) {
+  for (size_t i = 0; i < objects.size(); ++i) {
+    for (const JudgedPick& pick : objects[i].picks) {
       const double error =
-          row.compute({metric_models[i], no_camera, pick.X_OE, X_true, &parts[i].model});
+          row.compute({metric_models[i], no_camera, pick.X_OE, X_true, &objects[i].model});
       column.scores.push_back({-error, pick.success});
     }
   }
@@ -161,27 +161,28 @@ ScoreColumn MetricColumn(const MetricRow& row, const std::vector<JudgedPart>& pa
 }
 
 // nullopt if the grasp of some pick is unknown.
-std::optional<ScoreColumn> GraspColumn(const std::vector<JudgedPart>& parts) {
+std::optional<ScoreColumn> GraspColumn(const std::vector<JudgedObject>& objects) {
   ScoreColumn column{
       kGraspRisk, "predicted probability that the pick fails with the executed grasp", {}};
-  for (const JudgedPart& part : parts) {
-    for (const JudgedPick& pick : part.picks) {
+  for (const JudgedObject& object : objects) {
+    for (const JudgedPick& pick : object.picks) {
       if (!pick.X_OG) return std::nullopt;
       column.scores.push_back(
-          {SuccessProbability(part.model, pick.X_OE, *pick.X_OG), pick.success});
+          {SuccessProbability(object.model, pick.X_OE, *pick.X_OG), pick.success});
     }
   }
   return column;
 }
 
-std::vector<ScoreColumn> ScoreColumns(const std::vector<JudgedPart>& parts) {
+std::vector<ScoreColumn> ScoreColumns(const std::vector<JudgedObject>& objects) {
   std::vector<MetricModel> metric_models;
-  for (const JudgedPart& part : parts) metric_models.push_back(MakeMetricModel(part.part));
+  for (const JudgedObject& object : objects)
+    metric_models.push_back(MakeMetricModel(object.object));
   std::vector<ScoreColumn> columns;
   for (const MetricRow& row : MetricsIn(kPredictor)) {
-    columns.push_back(MetricColumn(row, parts, metric_models));
+    columns.push_back(MetricColumn(row, objects, metric_models));
   }
-  if (auto column = GraspColumn(parts)) columns.push_back(std::move(*column));
+  if (auto column = GraspColumn(objects)) columns.push_back(std::move(*column));
   // The score of the tolerance model is first; the others are compared with it.
   std::stable_partition(columns.begin(), columns.end(),
                         [](const ScoreColumn& c) { return c.name == kPickRiskMetric; });
@@ -206,21 +207,21 @@ Interval LevelShare::band() const {
   return ClusterInterval(grasps);
 }
 
-ToleranceRegion RegionOf(const std::vector<LevelShare>& levels, double least) {
+ToleranceRegion RegionOf(const std::vector<LevelShare>& levels, double minimum) {
   ToleranceRegion region;
   const int center = static_cast<int>(levels.size()) / 2;
-  if (levels[center].successes == 0 || levels[center].share() < least) return region;
-  Reach(levels, center, -1, least, region.low, region.low_open);
-  Reach(levels, center, 1, least, region.high, region.high_open);
+  if (levels[center].successes == 0 || levels[center].share() < minimum) return region;
+  Reach(levels, center, -1, minimum, region.low, region.low_open);
+  Reach(levels, center, 1, minimum, region.high, region.high_open);
   return region;
 }
 
 ToleranceStatistics StatisticsOf(const ToleranceStudy& study,
                                  const std::vector<SampleOutcome>& outcomes) {
   const Reader reader(study, outcomes);
-  const ObjectModel& part = *study.table.objects[0];
+  const ObjectModel& object = *study.table.objects[0];
   ToleranceStatistics statistics;
-  statistics.object = part.name;
+  statistics.object = object.name;
   statistics.gripper = study.table.gripper->name;
   statistics.at_truth = reader.AtTruth();
   for (size_t axis = 0; axis < ErrorAxisTable().size(); ++axis) {
@@ -230,7 +231,7 @@ ToleranceStatistics StatisticsOf(const ToleranceStudy& study,
   statistics.model = reader.Fitted();
   const std::vector<JudgedPick> picks = reader.TestPicks();
   statistics.test_picks = static_cast<int>(picks.size());
-  statistics.predictors = JudgePredictors({{statistics.model, part, picks}});
+  statistics.predictors = JudgePredictors({{statistics.model, object, picks}});
   for (const JudgedPick& pick : picks) {
     const double p = SuccessProbability(statistics.model, pick.X_OE);
     statistics.brier += (p - pick.success) * (p - pick.success) / double(picks.size());
@@ -238,14 +239,14 @@ ToleranceStatistics StatisticsOf(const ToleranceStudy& study,
   return statistics;
 }
 
-std::vector<Predictor> JudgePredictors(const std::vector<JudgedPart>& parts) {
+std::vector<Predictor> JudgePredictors(const std::vector<JudgedObject>& objects) {
   std::vector<int> clusters_of;  // by pick
-  for (const JudgedPart& part : parts) {
-    for (const JudgedPick& pick : part.picks) clusters_of.push_back(pick.cluster);
+  for (const JudgedObject& object : objects) {
+    for (const JudgedPick& pick : object.picks) clusters_of.push_back(pick.cluster);
   }
   const std::set<int> seen(clusters_of.begin(), clusters_of.end());
   const bool clustered = seen.size() < clusters_of.size();
-  const std::vector<ScoreColumn> columns = ScoreColumns(parts);
+  const std::vector<ScoreColumn> columns = ScoreColumns(objects);
   const OutcomeClusters of_first = InClusters(columns.front(), clusters_of);
   std::vector<Predictor> predictors;
   for (const ScoreColumn& column : columns) {

@@ -67,9 +67,9 @@ struct ToleranceStatistics {
   double brier = 0;  // mean squared difference between probability and outcome of the test picks
 };
 
-// Largest interval of errors around 0 in which the share is at least `least`, with linear
+// Largest interval of errors around 0 in which the share is at least `minimum`, with linear
 // interpolation between levels. Empty (0, 0) if the share at 0 is lower or there is no success.
-ToleranceRegion RegionOf(const std::vector<LevelShare>& levels, double least);
+ToleranceRegion RegionOf(const std::vector<LevelShare>& levels, double minimum);
 
 // Computes the statistics. `outcomes`: one per sample of the study, complete.
 ToleranceStatistics StatisticsOf(const ToleranceStudy& study,
@@ -86,9 +86,9 @@ struct JudgedPick {
 inline constexpr char kGraspRisk[] = "grasp_risk";
 
 // Picks of one object, with the data for its scores.
-struct JudgedPart {
+struct JudgedObject {
   const ToleranceModel& model;
-  const ObjectModel& part;
+  const ObjectModel& object;
   std::vector<JudgedPick> picks;
 };
 
@@ -96,6 +96,6 @@ struct JudgedPart {
 // that needs no camera and, if all grasps are known, the risk for the executed grasp. The risk of
 // the models is first, then the best. Intervals are DeLong's, or bootstrap intervals over clusters
 // if a cluster has several picks.
-std::vector<Predictor> JudgePredictors(const std::vector<JudgedPart>& parts);
+std::vector<Predictor> JudgePredictors(const std::vector<JudgedObject>& objects);
 
 }  // namespace pickbed::eval

@@ -16,18 +16,18 @@ constexpr Rgb8 kBackground{28, 30, 36}, kPaper{250, 250, 250};
 constexpr int kGap_px = 3;
 
 // Twelve colors that are easy to distinguish; further objects repeat them.
-constexpr std::array<Rgb8, 12> kPartColors{{{0, 114, 178},
-                                            {213, 94, 0},
-                                            {0, 158, 115},
-                                            {204, 121, 167},
-                                            {230, 159, 0},
-                                            {86, 180, 233},
-                                            {20, 20, 20},
-                                            {140, 86, 75},
-                                            {128, 60, 190},
-                                            {120, 140, 20},
-                                            {230, 40, 60},
-                                            {130, 130, 130}}};
+constexpr std::array<Rgb8, 12> kObjectColors{{{0, 114, 178},
+                                              {213, 94, 0},
+                                              {0, 158, 115},
+                                              {204, 121, 167},
+                                              {230, 159, 0},
+                                              {86, 180, 233},
+                                              {20, 20, 20},
+                                              {140, 86, 75},
+                                              {128, 60, 190},
+                                              {120, 140, 20},
+                                              {230, 40, 60},
+                                              {130, 130, 130}}};
 
 uint8_t Byte(double share) {
   return static_cast<uint8_t>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
@@ -84,15 +84,15 @@ Image<Rgb8> DrawPatch(std::span<const int8_t> patch, PatchChannels channels, int
 }
 
 Image<Rgb8> DrawPairs(const std::vector<PatchPairs>& pairs, PatchChannels channels,
-                      const ObjectSet& objects, int per_part) {
+                      const ObjectSet& objects, int per_object) {
   std::vector<Image<Rgb8>> tiles;
   std::vector<std::string> captions;
-  for (size_t part = 0; part < pairs.size(); ++part) {
-    const size_t count = std::min<size_t>(per_part, pairs[part].size());
+  for (size_t object = 0; object < pairs.size(); ++object) {
+    const size_t count = std::min<size_t>(per_object, pairs[object].size());
     for (size_t i = 0; i < count; ++i) {
-      tiles.push_back(SideBySide({DrawPatch(pairs[part].anchors.patch(i), channels, 3),
-                                  DrawPatch(pairs[part].codes.patch(i), channels, 3)}));
-      captions.push_back(objects[part]->name);
+      tiles.push_back(SideBySide({DrawPatch(pairs[object].anchors.patch(i), channels, 3),
+                                  DrawPatch(pairs[object].codes.patch(i), channels, 3)}));
+      captions.push_back(objects[object]->name);
     }
   }
   return ContactSheet(tiles, captions, 6);
@@ -138,18 +138,18 @@ Image<Rgb8> DrawEmbedding(const std::vector<HeldOutAnswer>& answers, const Objec
   Eigen::MatrixX2f places = PrincipalCoordinates(rows);
   // The y axis of the chart begins at 0.
   places.rowwise() -= places.colwise().minCoeff().eval();
-  const bool one_part = objects.size() == 1;
+  const bool one_object = objects.size() == 1;
   Chart chart{"first principal axis", "second principal axis", {}};
-  if (!one_part) {
-    for (size_t part = 0; part < objects.size(); ++part) {
+  if (!one_object) {
+    for (size_t object = 0; object < objects.size(); ++object) {
       chart.series.push_back(
-          {objects[part]->name, {}, kPartColors[part % kPartColors.size()], true});
+          {objects[object]->name, {}, kObjectColors[object % kObjectColors.size()], true});
     }
   }
   for (size_t i = 0; i < answers.size(); ++i) {
     const Eigen::Vector2d place = places.row(i).transpose().cast<double>();
     const Eigen::Vector3d side = 0.45 * (answers[i].view_O + Eigen::Vector3d::Ones());
-    if (one_part) {
+    if (one_object) {
       chart.series.push_back({"", {place}, {Byte(side.x()), Byte(side.y()), Byte(side.z())}, true});
     } else {
       chart.series[answers[i].object].points.push_back(place);

@@ -19,9 +19,9 @@ namespace pickbed::eval {
 Image<Rgb8> DrawPatch(std::span<const int8_t> patch, PatchChannels channels, int zoom);
 
 // Draws positive training pairs side by side: patch of a clutter scene, patch of the isolated view;
-// at most `per_part` per object.
+// at most `per_object` per object.
 Image<Rgb8> DrawPairs(const std::vector<PatchPairs>& pairs, PatchChannels channels,
-                      const ObjectSet& objects, int per_part);
+                      const ObjectSet& objects, int per_object);
 
 // Draws at most `count` answers as query, found and true patch. Half are right and half wrong, if
 // there are enough. They are spread over the objects.

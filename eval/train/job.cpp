@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "eval/bop/layout.h"
 #include "eval/bop/models.h"
 #include "perception/networks/model_file.h"
 #include "scenes/base/error.h"
@@ -21,10 +22,10 @@ constexpr double kFarthest = 1.15;
 constexpr double kUsualDiameter_m = 0.095;
 
 // Minimum diameter of an object in the image for training, px.
-constexpr int kLeastPixels = 10;
+constexpr int kMinPixels = 10;
 
 // Objects known to the initial model are trained again, so that the model does not forget them.
-void AddKnownParts(const TrainingSetChoice& choice, TrainingSet& training_set) {
+void AddKnownObjects(const TrainingSetChoice& choice, TrainingSet& training_set) {
   const ObjectCatalog catalog = OpenCatalog(choice.scenario.catalog);
   const std::filesystem::path file = choice.start_from;
   for (const ModelObject& known : LoadModel(file).info.objects) {
@@ -45,16 +46,16 @@ void AddKnownParts(const TrainingSetChoice& choice, TrainingSet& training_set) {
 }
 
 // Checked before minutes of rendering: an object of few pixels cannot be learned.
-void RequireVisibleParts(const TrainingSet& training_set) {
+void RequireVisibleObjects(const TrainingSet& training_set) {
   const double distance_m = training_set.spec.camera.eye_m.norm();
   for (const auto& object : training_set.objects) {
     const double pixels =
         CameraOf(training_set.spec).intrinsics.fx() * object->diameter_m / (kFarthest * distance_m);
-    CheckInput(pixels >= kLeastPixels,
+    CheckInput(pixels >= kMinPixels,
                fmt::format("object '{}' is only {:.1f} px large at {:.2f} m, but training needs at "
                            "least {} px; move the camera nearer (camera.eye_m), raise "
                            "camera.focal_px or check the unit of the mesh",
-                           object->name, pixels, kFarthest * distance_m, kLeastPixels));
+                           object->name, pixels, kFarthest * distance_m, kMinPixels));
   }
 }
 
@@ -100,8 +101,8 @@ TrainingSet PlanTrainingSet(const TrainingSetChoice& choice) {
                             .parent_path()
                             .filename()
                             .string();
-    training_set.objects = bop::LoadParts(root).objects;
-    const auto camera = bop::ReadDatasetCamera(root / "camera.json", bop::ThrowFault);
+    training_set.objects = bop::LoadDatasetObjects(root).objects;
+    const auto camera = bop::ReadDatasetCamera(root / bop::kDatasetCameraFile, bop::ThrowFault);
     if (camera) training_set.camera = camera->intrinsics;
   }
   if (!choice.objects.empty()) {
@@ -119,9 +120,9 @@ TrainingSet PlanTrainingSet(const TrainingSetChoice& choice) {
     training_set.sensors.push_back(LoadSensorProfile(name));
   }
   training_set.distractor_share = choice.distractor_share;
-  if (!choice.start_from.empty()) AddKnownParts(choice, training_set);
+  if (!choice.start_from.empty()) AddKnownObjects(choice, training_set);
   if (training_set.has_cell) {
-    RequireVisibleParts(training_set);
+    RequireVisibleObjects(training_set);
     RequireFloorInRange(training_set);
   }
   return training_set;
@@ -133,7 +134,7 @@ std::unique_ptr<LabelledViewSource> MakeTrainingViews(const TrainingSet& trainin
                                    [&] { return LoadSensorProfile(training_set.spec.sensor); });
   options.scene_sensors = training_set.sensors;
   options.distractor_share = training_set.distractor_share;
-  options.looks = TrainingAppearance(training_set.spec.appearance);
+  options.appearance = TrainingAppearance(training_set.spec.appearance);
   options.camera = training_set.camera.value_or(CameraOf(training_set.spec).intrinsics);
   options.bin = BinOf(training_set.spec);
   // The camera of a cell is fixed. But objects are at different heights, and the mounting height

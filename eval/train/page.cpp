@@ -19,13 +19,13 @@ constexpr int kEmbeddingWidth_px = 900, kEmbeddingHeight_px = 640;
 
 std::string Share(double share) { return share < 0 ? "-" : fmt::format("{:.3f}", share); }
 
-TableCells PartTable(const TrainingReport& report, const ObjectSet& objects) {
+TableCells FamilyTable(const TrainingReport& report, const ObjectSet& objects) {
   TableCells table{{"object", "recall@1 before", "recall@1", "recall@8",
                     "verifier's area under the curve", "in the start model"}};
   const HeldOutRecall &first = report.recall_history.front(), &last = report.recall_history.back();
   for (size_t i = 0; i < objects.size(); ++i) {
-    table.push_back({objects[i]->name, Share(first.part_at_1[i]), Share(last.part_at_1[i]),
-                     Share(last.part_at_8[i]), Share(report.part_auc[i]),
+    table.push_back({objects[i]->name, Share(first.object_at_1[i]), Share(last.object_at_1[i]),
+                     Share(last.object_at_8[i]), Share(report.object_auc[i]),
                      report.rehearsed[i] ? "yes" : "no"});
   }
   return table;
@@ -35,7 +35,7 @@ ReportChart LossChart(const TrainingReport& report) {
   constexpr int kPoints = 50;
   ValueCurve curve{"loss", {}};
   for (const Stretch& s : Stretches(report.loss_history, kPoints)) {
-    curve.points.push_back({s.x, s.mean, s.least, s.greatest});
+    curve.points.push_back({s.x, s.mean, s.minimum, s.maximum});
   }
   return ValueCurves({"loss", "Loss", "Mean of each interval of steps; shaded: its range.", ""},
                      "step", "loss", {curve});
@@ -56,22 +56,25 @@ ReportChart RecallChart(const TrainingReport& report) {
 }
 
 std::string CurvesCsv(const TrainingReport& report, const ObjectSet& objects) {
-  std::string csv = "step,loss,recall_at_1,recall_at_8";
-  for (const auto& object : objects) csv += "," + object->name;
-  csv += "\n";
+  std::vector<std::string> names;
+  for (const auto& object : objects) names.push_back(object->name);
+  std::string csv = HeaderLine(CurvesColumns(names));
   for (const HeldOutRecall& recall : report.recall_history) {
     const int step = recall.iteration;
     const std::string loss =
         step > 0 ? fmt::format("{:.6f}", report.loss_history[step - 1]) : std::string();
     csv += fmt::format("{},{},{:.6f},{:.6f}", step, loss, recall.at_1, recall.at_8);
-    for (const double share : recall.part_at_1) csv += fmt::format(",{:.6f}", share);
+    for (const double share : recall.object_at_1) csv += fmt::format(",{:.6f}", share);
     csv += "\n";
   }
   return csv;
 }
 
 TableCells TimeTable(const TrainingReport& report) {
-  TableCells table{{"what", "seconds"}};
+  TableCells table{{}};
+  for (const ResultColumn& column : TrainingTimingsColumns()) {
+    table.front().push_back(column.name);
+  }
   for (const auto& phase : report.phases) {
     table.push_back({phase.name, fmt::format("{:.1f}", phase.seconds)});
   }
@@ -102,16 +105,33 @@ std::string Summary(const TrainingPage& page) {
 
 }  // namespace
 
-std::vector<Stretch> Stretches(const std::vector<double>& values, int most) {
+ResultColumns CurvesColumns(const std::vector<std::string>& objects) {
+  ResultColumns columns{
+      {"step", "number of training steps so far"},
+      {"loss", "loss of the last step"},
+      {"recall_at_1", "share of held-out queries whose nearest neighbour is right", "0..1"},
+      {"recall_at_8", "share with a right answer among eight neighbours", "0..1"},
+  };
+  for (const std::string& object : objects) {
+    columns.push_back({object, "recall_at_1 of this object", "0..1"});
+  }
+  return columns;
+}
+
+ResultColumns TrainingTimingsColumns() {
+  return {{"what", "phase of the training, or all"}, {"seconds", "duration"}};
+}
+
+std::vector<Stretch> Stretches(const std::vector<double>& values, int maximum) {
   std::vector<Stretch> stretches;
-  const size_t count = std::min<size_t>(most, values.size());
+  const size_t count = std::min<size_t>(maximum, values.size());
   for (size_t i = 0; i < count; ++i) {
     const auto begin = values.begin() + i * values.size() / count;
     const auto end = values.begin() + (i + 1) * values.size() / count;
     const double size = static_cast<double>(end - begin);
-    const auto [least, greatest] = std::minmax_element(begin, end);
+    const auto [minimum, maximum] = std::minmax_element(begin, end);
     stretches.push_back({static_cast<double>(begin - values.begin()) + 0.5 * size,
-                         std::accumulate(begin, end, 0.0) / size, *least, *greatest});
+                         std::accumulate(begin, end, 0.0) / size, *minimum, *maximum});
   }
   return stretches;
 }
@@ -121,7 +141,7 @@ std::string WriteTrainingPage(const std::filesystem::path& folder, const Trainin
   const TrainingReport& report = page.report;
   HtmlPage html("Training of " + page.name);
   html.Paragraph(Summary(page));
-  html.Table(PartTable(report, page.objects));
+  html.Table(FamilyTable(report, page.objects));
   html.Heading("Curves");
   html.Charts({LossChart(report), RecallChart(report)});
 
@@ -142,9 +162,9 @@ std::string WriteTrainingPage(const std::filesystem::path& folder, const Trainin
           DrawAnswers(report.answers, report.held_out, report.channels, page.objects, kAnswerTiles),
           "query, nearest code book entry, true entry: wrong answers first");
   html.Heading("Training pairs");
-  const int per_part = std::max(1, kPairTiles / static_cast<int>(page.objects.size()));
+  const int per_object = std::max(1, kPairTiles / static_cast<int>(page.objects.size()));
   picture(
-      "pairs.png", DrawPairs(report.pairs, report.channels, page.objects, per_part),
+      "pairs.png", DrawPairs(report.pairs, report.channels, page.objects, per_object),
       std::string("a patch of a clutter scene and the same patch of the object without clutter: it "
                   "differs by sensor noise, clutter, holes, and a small rotation and shift. ") +
           (report.channels == PatchChannels::kDepthColor
@@ -154,9 +174,9 @@ std::string WriteTrainingPage(const std::filesystem::path& folder, const Trainin
   html.Table(TimeTable(report));
   html.Heading("Settings");
   html.Preformatted(page.settings);
-  WriteFileAtomically(folder / "curves.csv", CurvesCsv(report, page.objects));
+  WriteFileAtomically(folder / kCurvesFile, CurvesCsv(report, page.objects));
   WriteFileAtomically(folder / kTimingsFile, TimingsCsv(report));
-  return WritePage(folder / "index.html", html);
+  return WritePage(folder / kIndexPage, html);
 }
 
 }  // namespace pickbed::eval

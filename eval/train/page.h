@@ -6,9 +6,12 @@
 #include <string>
 
 #include "eval/layer.h"
+#include "eval/metrics/result_columns.h"
 #include "perception/training/training.h"
 
 namespace pickbed::eval {
+
+inline constexpr char kCurvesFile[] = "curves.csv";
 
 // Content of the page.
 struct TrainingPage {
@@ -25,11 +28,16 @@ struct TrainingPage {
 [[nodiscard]] std::string WriteTrainingPage(const std::filesystem::path& folder,
                                             const TrainingPage& page);
 
+// Columns of curves.csv and timings.csv. `objects` are the names of the trained objects.
+ResultColumns CurvesColumns(const std::vector<std::string>& objects);
+// Returns the columns of timings.csv.
+ResultColumns TrainingTimingsColumns();
+
 // Mean, minimum and maximum of an interval of a series; x is its center (index).
 struct Stretch {
-  double x = 0, mean = 0, least = 0, greatest = 0;
+  double x = 0, mean = 0, minimum = 0, maximum = 0;
 };
-// Divides a series into at most `most` intervals of equal length.
-std::vector<Stretch> Stretches(const std::vector<double>& values, int most);
+// Divides a series into at most `maximum` intervals of equal length.
+std::vector<Stretch> Stretches(const std::vector<double>& values, int maximum);
 
 }  // namespace pickbed::eval

@@ -19,6 +19,7 @@ std::vector<int> ScenesOf(std::span<const TrialResult> trials);
 // Adds the samples and successes of one trial to the cluster of its bin.
 using TrialCount = std::function<void(const TrialResult& trial, Cluster& scene)>;
 TrialCount SuccessOfAttempts();  // among executed grasps, by the scenario's success rule
+// Counts executed grasps and their successes by `rule`.
 TrialCount SuccessByRule(SuccessRule rule);
 TrialCount InstancesCleared();  // among the dropped instances
 TrialCount TopRankedRight();    // among attempts with a hypothesis

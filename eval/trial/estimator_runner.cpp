@@ -1,7 +1,5 @@
 #include "eval/trial/estimator_runner.h"
 
-#include <stdexcept>
-
 #include "eval/trial/oracle_estimator.h"
 #include "perception/candidates/estimate_trace.h"
 #include "perception/icp/final_refinement.h"
@@ -23,6 +21,11 @@ void Renumber(const std::vector<ObjectId>& wanted, EstimateTrace& trace) {
   for (PoseHypothesis& accepted : trace.accepted) accepted.object = wanted[accepted.object];
 }
 
+void RequireNames(const ScenarioSpec& spec) {
+  WithSettingsKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
+  WithSettingsKey(spec, "refiner", [&] { RefinerNamed(spec.refiner); });
+}
+
 }  // namespace
 
 std::unique_ptr<LabelledViewSource> CellViews(const SimulatedCell& cell, const ObjectSet& objects) {
@@ -41,35 +44,32 @@ void KeepThoseInBin(const SimulatedCell& cell, std::vector<PoseHypothesis>& hypo
   });
 }
 
+double WorkingDistance_m(const SimulatedCell& cell) {
+  const Eigen::Vector3d center_W(0, 0, cell.bin().inner_size_m.z() / 4);
+  return (cell.camera().X_CW() * center_W).z();
+}
+
 EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& spec, int threads,
                                  const Progress& on_progress)
-    : cell_(cell), spec_(spec.estimator) {
-  WithSettingsKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
-  WithSettingsKey(spec, "refiner", [&] { RefinerNamed(spec.refiner); });
-  if (spec_.name == kOracleName) return;
+    : cell_(cell) {
+  RequireNames(spec);
   EstimatorSetup setup;
   for (const ObjectId object : cell.wanted()) setup.objects.push_back(cell.objects()[object]);
-  setup.spec = spec_;
+  setup.spec = spec.estimator;
   setup.refiner = spec.refiner;
   setup.intrinsics = cell.camera().intrinsics;
-  setup.working_distance_m = working_distance_m();
+  setup.working_distance_m = WorkingDistance_m(cell);
   setup.cache_dir = CacheDir();
   setup.threads = threads;
   setup.on_progress = on_progress;
-  if (EstimatorNamed(spec_.name).renders) views_ = CellViews(cell, setup.objects);
+  if (EstimatorNamed(spec.estimator.name).renders) views_ = CellViews(cell, setup.objects);
   setup.views = views_.get();
   estimator_ = WithSettingsKey(spec, "estimator", [&] { return MakeEstimator(setup); });
 }
 
 EstimatorRunner::~EstimatorRunner() = default;
 
-double EstimatorRunner::working_distance_m() const {
-  const Eigen::Vector3d center_W(0, 0, cell_.bin().inner_size_m.z() / 4);
-  return (cell_.camera().X_CW() * center_W).z();
-}
-
 EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, Rng& rng, EstimateTrace* trace) {
-  if (is_oracle()) throw std::logic_error("the oracle does not estimate");
   EstimateResult result;
   StageSeconds seconds;
   {
@@ -88,6 +88,14 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, Rng& rng, Estim
   for (const auto& [stage, value] : result.seconds) seconds["estimate/" + stage] += value;
   result.seconds = std::move(seconds);
   return result;
+}
+
+std::unique_ptr<EstimatorRunner> MakeEstimatorRunner(const SimulatedCell& cell,
+                                                     const ScenarioSpec& spec, int threads,
+                                                     const EstimatorRunner::Progress& on_progress) {
+  RequireNames(spec);
+  if (spec.estimator.name == kOracleName) return nullptr;
+  return std::make_unique<EstimatorRunner>(cell, spec, threads, on_progress);
 }
 
 }  // namespace pickbed::eval

@@ -1,7 +1,7 @@
 #pragma once
 
 // Runs the estimator that a scenario names in the simulated cell. Estimates have the object indices
-// of the cell and are inside its bin. The name may also be the oracle.
+// of the cell and are inside its bin.
 
 #include <functional>
 #include <memory>
@@ -23,7 +23,10 @@ std::unique_ptr<LabelledViewSource> CellViews(const SimulatedCell& cell, const O
 // PoseHypothesis::object is an index into cell.objects().
 void KeepThoseInBin(const SimulatedCell& cell, std::vector<PoseHypothesis>& hypotheses);
 
-// Holds the estimator of a scenario, or none if the scenario names the oracle.
+// Returns the depth along camera z of the objects, at a quarter of the bin height.
+double WorkingDistance_m(const SimulatedCell& cell);
+
+// Holds the estimator of a scenario.
 class EstimatorRunner {
  public:
   using Progress = std::function<void(std::string_view what, double share)>;
@@ -37,21 +40,19 @@ class EstimatorRunner {
   ~EstimatorRunner();
 
   // Returns the poses inside the bin, in the camera frame. Times are under "estimate" and, for each
-  // stage, "estimate/STAGE". Only estimators that support traces fill `trace`. Throws
-  // std::logic_error for the oracle, which does not estimate.
+  // stage, "estimate/STAGE". Only estimators that support traces fill `trace`.
   EstimateResult Estimate(const RgbdFrame& frame, Rng& rng, EstimateTrace* trace = nullptr);
-
-  bool is_oracle() const { return estimator_ == nullptr; }
-  const SimulatedCell& cell() const { return cell_; }
-  const EstimatorSpec& spec() const { return spec_; }
-  double working_distance_m()
-      const;  // depth along camera z, a quarter of the bin height above the floor
 
  private:
   const SimulatedCell& cell_;
-  EstimatorSpec spec_;
   std::unique_ptr<LabelledViewSource> views_;
-  std::unique_ptr<PoseEstimator> estimator_;  // null: the oracle
+  std::unique_ptr<PoseEstimator> estimator_;
 };
+
+// Makes the runner of the scenario's estimator; null if it is the oracle, whose poses are
+// substituted after the estimate (eval/trial/oracle_estimator.h). Throws as EstimatorRunner().
+std::unique_ptr<EstimatorRunner> MakeEstimatorRunner(const SimulatedCell& cell,
+                                                     const ScenarioSpec& spec, int threads,
+                                                     const EstimatorRunner::Progress& on_progress);
 
 }  // namespace pickbed::eval

@@ -9,21 +9,13 @@
 
 #include <vector>
 
-#include "eval/metrics/pose_errors.h"
+#include "eval/trial/instance_matcher.h"
 #include "eval/trial/pose_matching.h"
 #include "eval/trial/trial_records.h"
-#include "perception/pose_hypothesis.h"
 
 namespace pickbed::eval {
 
-// Ground truth of one attempt.
-struct GroundTruth {
-  const Scene& scene;  // before the pick
-  const std::vector<MetricModel>& models;
-  const Camera& camera;
-};
-
-// The failure reason of an attempt; kNone if the pick succeeded.
+// The failure reason of an attempt; `truth` is from before the pick; kNone if the pick succeeded.
 // - With an executed grasp: kDoublePick if another instance came although the pose was correct.
 // - Without a grasp and without hypotheses: kNotVisible, or kNoProposal if an instance is visible.
 // - Without a grasp: kNoGrasp if a hypothesis is correct, else the reason why the best one is
@@ -31,15 +23,13 @@ struct GroundTruth {
 // - Without a grasp, but with a target: only the hypotheses that match the target (within
 //   `match_diameters`) count. Without any, the reason why the target is not recalled.
 FailureReason AttributeFailure(const AttemptRecord& record,
-                               const std::vector<PoseHypothesis>& hypotheses,
-                               double match_diameters, const GroundTruth& truth);
+                               const std::vector<ScoredHypothesis>& hypotheses,
+                               double match_diameters, const InstanceMatcher& truth);
 
 // For each instance, why no hypothesis recalls it: kNone if one does; kNotVisible below
 // kCountedVisibility; kRefinementWorse or kSuppressed if a correct pose existed before that stage;
 // kPoseWrong or kWrongObject if a hypothesis of the same or of another object is nearest to it;
 // else kNoProposal.
-std::vector<FailureReason> MissReasons(const AttemptScore& score,
-                                       const std::vector<PoseHypothesis>& hypotheses,
-                                       const GroundTruth& truth);
+std::vector<FailureReason> MissReasons(const AttemptScore& score, const InstanceMatcher& truth);
 
 }  // namespace pickbed::eval

@@ -4,18 +4,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/camera/depth_points.h"
+
 namespace pickbed::eval {
 namespace {
 
 std::vector<Eigen::Vector3d> ObservedPoints(const RgbdFrame& frame, const Pose& X_WC, int stride) {
   std::vector<Eigen::Vector3d> points_W;
-  for (int v = 0; v < frame.depth_m.height(); v += stride) {
-    for (int u = 0; u < frame.depth_m.width(); u += stride) {
-      const float depth_m = frame.depth_m(u, v);
-      if (depth_m <= 0) continue;
-      points_W.push_back(X_WC * BackProject(frame.intrinsics, u, v, depth_m));
-    }
-  }
+  ForEachDepthPoint(
+      frame.intrinsics, frame.depth_m,
+      [&](int, int, const Eigen::Vector3d& p_C) { points_W.push_back(X_WC * p_C); }, stride);
   return points_W;
 }
 
@@ -26,22 +24,37 @@ PlanOptions RankedOptions(const TrialSetup& setup, uint64_t rng_seed) {
   return plan;
 }
 
+// All estimated poses, and the indices of the poses that may be grasped.
+struct PlannedPoses {
+  std::vector<EstimatedPose> poses;
+  std::vector<int> graspable;
+};
+
+PlannedPoses PosesOf(const AttemptRecord& record, double match_diameters) {
+  PlannedPoses planned;
+  for (const HypothesisRecord& hypothesis : record.hypotheses) {
+    if (IsGraspable(hypothesis, record.target, match_diameters)) {
+      planned.graspable.push_back(static_cast<int>(planned.poses.size()));
+    }
+    planned.poses.push_back(PoseOf(hypothesis));
+  }
+  return planned;
+}
+
 // Returns the planned grasps, best first, without repetitions of failures.
 std::vector<Grasp> PlanOnEstimate(const TrialSetup& setup, const Observation& view,
-                                  const std::vector<EstimatedPose>& poses,
-                                  const GraspMemory& failed, uint64_t rng_seed,
-                                  AttemptRecord& record) {
+                                  const PlannedPoses& on, const GraspMemory& failed,
+                                  uint64_t rng_seed, AttemptRecord& record) {
   const auto cloud_W =
       ObservedPoints(view.frame, setup.cell.camera().X_WC(), setup.options.cloud_stride_px);
   PlanOptions options = RankedOptions(setup, rng_seed);
   if (setup.options.truth.grasp) options.max_grasps = setup.options.true_grasps;
   if (!failed.empty()) options.max_grasps = setup.options.retry_grasps;
-  const std::vector<int> graspable = GraspableHypotheses(record, setup.options.match_diameters);
-  PlanResult plan = PlanGrasps({setup.cell.bin(), poses, setup.candidates, cloud_W,
-                                setup.cell.objects(), *setup.gripper, graspable},
+  PlanResult plan = PlanGrasps({setup.cell.bin(), on.poses, setup.candidates, cloud_W,
+                                setup.cell.objects(), *setup.gripper, on.graspable},
                                options);
   record.grasps_rejected = std::move(plan.rejected);
-  std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, poses, setup.options);
+  std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
   if (fresh.size() < plan.grasps.size()) {
     record.grasps_rejected["failed before"] = static_cast<int>(plan.grasps.size() - fresh.size());
   }
@@ -50,35 +63,32 @@ std::vector<Grasp> PlanOnEstimate(const TrialSetup& setup, const Observation& vi
 
 // Constraints are relaxed, since trying in the true scene shows what is free: no observed point and
 // no other pose is an obstacle, and no approach is too flat.
-std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const std::vector<EstimatedPose>& poses,
-                               const GraspMemory& failed, uint64_t rng_seed,
-                               const AttemptRecord& record) {
+std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const PlannedPoses& on,
+                               const GraspMemory& failed, uint64_t rng_seed) {
   PlanOptions relaxed = RankedOptions(setup, rng_seed);
   relaxed.max_grasps = setup.options.true_grasps;
   relaxed.max_tilt_rad = 0.5 * std::numbers::pi;
   relaxed.min_quality = 0;
   relaxed.bin_clearance_m = 0;
   relaxed.neighbor_confidence = PlanOptions::kNoNeighbors;
-  const std::vector<int> graspable = GraspableHypotheses(record, setup.options.match_diameters);
   const PlanResult plan = PlanGrasps({setup.cell.bin(),
-                                      poses,
+                                      on.poses,
                                       setup.candidates,
                                       {},
                                       setup.cell.objects(),
                                       *setup.gripper,
-                                      graspable},
+                                      on.graspable},
                                      relaxed);
-  return failed.WithoutRepetitions(plan.grasps, poses, setup.options);
+  return failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
 }
 
 std::optional<Grasp> FirstThatSucceeds(const TrialSetup& setup, const Scene& scene,
                                        const std::vector<Grasp>& grasps,
-                                       const std::vector<EstimatedPose>& poses,
                                        const AttemptRecord& record) {
   const size_t tried = std::min<size_t>(grasps.size(), setup.options.true_grasps);
   for (size_t i = 0; i < tried; ++i) {
-    const EstimatedPose& pose = poses[grasps[i].hypothesis];
-    if (TryGrasp(setup, scene, grasps[i], pose, record).outcome.success) return grasps[i];
+    const HypothesisRecord& hypothesis = record.hypotheses[grasps[i].hypothesis];
+    if (TryGrasp(setup, scene, grasps[i], hypothesis).outcome.success) return grasps[i];
   }
   return std::nullopt;
 }
@@ -121,38 +131,36 @@ InstanceId MatchedInstance(const HypothesisRecord& hypothesis, double match_diam
   return hypothesis.mssd_diameters() < match_diameters ? hypothesis.instance : kNoInstance;
 }
 
-std::vector<int> GraspableHypotheses(const AttemptRecord& record, double match_diameters) {
-  std::vector<int> graspable;
-  for (size_t i = 0; i < record.hypotheses.size(); ++i) {
-    const InstanceId matched = MatchedInstance(record.hypotheses[i], match_diameters);
-    if (record.target < 0 || matched == record.target) graspable.push_back(static_cast<int>(i));
-  }
-  return graspable;
+bool IsGraspable(const HypothesisRecord& hypothesis, InstanceId target, double match_diameters) {
+  return target < 0 || MatchedInstance(hypothesis, match_diameters) == target;
+}
+
+EstimatedPose PoseOf(const HypothesisRecord& hypothesis) {
+  return {hypothesis.object, hypothesis.X_WO, hypothesis.score};
 }
 
 ExecuteResult TryGrasp(const TrialSetup& setup, const Scene& scene, const Grasp& grasp,
-                       const EstimatedPose& pose, const AttemptRecord& record) {
-  const InstanceId matched =
-      MatchedInstance(record.hypotheses[grasp.hypothesis], setup.options.match_diameters);
+                       const HypothesisRecord& hypothesis, const MotionListener& on_step) {
+  const InstanceId matched = MatchedInstance(hypothesis, setup.options.match_diameters);
   return ExecuteGrasp(scene, setup.cell.objects(), grasp, *setup.gripper,
-                      {matched, pose.object, pose.X_WO}, setup.execute);
+                      {matched, hypothesis.object, hypothesis.X_WO}, setup.execute, on_step);
 }
 
 std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const Scene& scene,
-                                 const Observation& view, const std::vector<EstimatedPose>& poses,
-                                 const GraspMemory& failed, uint64_t rng_seed,
-                                 AttemptRecord& record, StageSeconds& seconds) {
-  if (GraspableHypotheses(record, setup.options.match_diameters).empty()) return std::nullopt;
+                                 const Observation& view, const GraspMemory& failed,
+                                 uint64_t rng_seed, AttemptRecord& record, StageSeconds& seconds) {
+  const PlannedPoses on = PosesOf(record, setup.options.match_diameters);
+  if (on.graspable.empty()) return std::nullopt;
   std::vector<Grasp> planned;
   {
     const StageTimer timer(seconds, "plan");
-    planned = PlanOnEstimate(setup, view, poses, failed, rng_seed, record);
+    planned = PlanOnEstimate(setup, view, on, failed, rng_seed, record);
   }
   if (setup.options.truth.grasp) {
     const StageTimer timer(seconds, "try");
-    if (const auto grasp = FirstThatSucceeds(setup, scene, planned, poses, record)) return grasp;
-    const std::vector<Grasp> relaxed = PlanRelaxed(setup, poses, failed, rng_seed, record);
-    if (const auto grasp = FirstThatSucceeds(setup, scene, relaxed, poses, record)) return grasp;
+    if (const auto grasp = FirstThatSucceeds(setup, scene, planned, record)) return grasp;
+    const std::vector<Grasp> relaxed = PlanRelaxed(setup, on, failed, rng_seed);
+    if (const auto grasp = FirstThatSucceeds(setup, scene, relaxed, record)) return grasp;
   }
   return planned.empty() ? std::nullopt : std::optional(planned.front());
 }

@@ -40,20 +40,21 @@ class GraspMemory {
 // Returns the instance that a hypothesis matches (MSSD < match_diameters diameters), -1 = none.
 InstanceId MatchedInstance(const HypothesisRecord& hypothesis, double match_diameters);
 
-// Returns the indices of the hypotheses that may be grasped. If the record has a target, only the
-// hypotheses that match it, else all.
-std::vector<int> GraspableHypotheses(const AttemptRecord& record, double match_diameters);
+// Returns whether a hypothesis may be grasped: with a target, only if it matches it.
+bool IsGraspable(const HypothesisRecord& hypothesis, InstanceId target, double match_diameters);
 
-// Executes a grasp in the true scene `scene`, which does not change, and returns the scene after
-// it.
+// Returns the estimated pose in the world.
+EstimatedPose PoseOf(const HypothesisRecord& hypothesis);
+
+// Executes a grasp on a hypothesis in the true scene `scene`, which does not change, and returns
+// the scene after it. `on_step` is called after each step of the physics.
 ExecuteResult TryGrasp(const TrialSetup& setup, const Scene& scene, const Grasp& grasp,
-                       const EstimatedPose& pose, const AttemptRecord& record);
+                       const HypothesisRecord& hypothesis, const MotionListener& on_step = {});
 
-// Returns the grasp to execute, or nullopt if there is none. Fills record.grasps_rejected and adds
-// the times to `seconds`. `rng_seed` is the planner's seed.
+// Returns the grasp to execute on one of record.hypotheses, or nullopt if there is none. Fills
+// record.grasps_rejected and adds the times to `seconds`. `rng_seed` is the planner's seed.
 std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const Scene& scene,
-                                 const Observation& view, const std::vector<EstimatedPose>& poses,
-                                 const GraspMemory& failed, uint64_t rng_seed,
-                                 AttemptRecord& record, StageSeconds& seconds);
+                                 const Observation& view, const GraspMemory& failed,
+                                 uint64_t rng_seed, AttemptRecord& record, StageSeconds& seconds);
 
 }  // namespace pickbed::eval

@@ -36,24 +36,24 @@ void AttributeAttemptsWithoutTarget(const std::vector<AttemptRecord>& attempts,
                                     std::vector<InstanceOutcome>& outcomes) {
   for (const AttemptRecord& attempt : attempts) {
     if (attempt.failure == FailureReason::kNone || attempt.matched_instance >= 0) continue;
-    const bool is_charged =
+    const bool is_attributed =
         std::any_of(outcomes.begin(), outcomes.end(), [&](const InstanceOutcome& instance_outcome) {
           return instance_outcome.attempt == attempt.attempt && !instance_outcome.picked;
         });
-    if (is_charged) continue;
-    InstanceOutcome* most_seen = nullptr;
-    double most = -1;
+    if (is_attributed) continue;
+    InstanceOutcome* best_seen = nullptr;
+    double maximum = -1;
     for (InstanceOutcome& instance_outcome : outcomes) {
       const InstanceRecord* seen =
           instance_outcome.asked ? nullptr : SeenIn(attempt, instance_outcome.instance);
-      if (seen == nullptr || seen->visible_fraction <= most) continue;
-      most = seen->visible_fraction;
-      most_seen = &instance_outcome;
+      if (seen == nullptr || seen->visible_fraction <= maximum) continue;
+      maximum = seen->visible_fraction;
+      best_seen = &instance_outcome;
     }
-    if (most_seen == nullptr) continue;
-    most_seen->asked = true;
-    most_seen->failure = attempt.failure;
-    most_seen->attempt = attempt.attempt;
+    if (best_seen == nullptr) continue;
+    best_seen->asked = true;
+    best_seen->failure = attempt.failure;
+    best_seen->attempt = attempt.attempt;
   }
 }
 

@@ -4,11 +4,12 @@
 
 #include <vector>
 
+#include "eval/trial/pose_matching.h"
 #include "eval/trial/simulated_cell.h"
 #include "eval/trial/stage_hash.h"
 #include "eval/trial/trial.h"
+#include "grasp/execute/motion_listener.h"
 #include "grasp/gripper.h"
-#include "perception/pose_hypothesis.h"
 #include "scenes/base/ids.h"
 
 namespace pickbed::eval {
@@ -18,10 +19,10 @@ struct AttemptState {
   BinIndex bin_index{0};  // random streams of the trial derive from it
   SimulatedCell& cell;
   const Gripper& gripper;
-  const Scene& scene;                                       // from kOutcome on: after the pick
-  const AttemptRecord& record;                              // with the hashes of the stages so far
-  const Observation* view = nullptr;                        // from kImage on
-  const std::vector<PoseHypothesis>* hypotheses = nullptr;  // from kHypotheses on
+  const Scene& scene;                 // from kOutcome on: after the pick
+  const AttemptRecord& record;        // with the hashes of the stages so far
+  const Observation* view = nullptr;  // from kImage on
+  const std::vector<ScoredHypothesis>* hypotheses = nullptr;  // from kHypotheses on
 };
 
 class TrialObserver {
@@ -30,6 +31,9 @@ class TrialObserver {
   // Called after each stage of each attempt, in order. kGrasp is also reported if no grasp was
   // found. An exception ends the trial.
   virtual void OnStage(TrialStage stage, const AttemptState& attempt) = 0;
+  // Returns what to call after each step of the next execution, between kGrasp and kOutcome.
+  // Default: nothing.
+  virtual MotionListener ListenToMotion() { return {}; }
 };
 
 // Ends a stage of an attempt: stores its hash in `record` and notifies `observer`, if not null.

@@ -7,28 +7,22 @@
 #include <string>
 #include <vector>
 
-#include "eval/trial/estimator_runner.h"
-#include "eval/trial/simulated_cell.h"
-#include "perception/pose_hypothesis.h"
+#include "eval/trial/instance_matcher.h"
+#include "perception/estimators/pose_estimator.h"
 #include "scenes/base/random.h"
+#include "scenes/scenario/scenario_spec.h"
 
 namespace pickbed::eval {
 
 inline constexpr char kOracleName[] = "oracle";
 
-// Returns one hypothesis for each instance that is at least 10 % visible, highest score first. The
-// score is the visible fraction. The noise is normal: sigma noise_mm on each axis of the position,
-// and a rotation with sigma noise_deg about a random axis. `min_score` does not apply, because the
-// oracle reports everything that a perfect estimator could.
-std::vector<PoseHypothesis> OracleEstimate(const Scene& truth, const Observation& view,
-                                           const Camera& camera, const EstimatorSpec& spec,
-                                           Rng& rng);
-
-// Returns the poses of the estimator for this observation, or noisy ground truth if the scenario
-// names the oracle. Only the oracle reads `scene`.
-EstimateResult EstimateWithOracle(EstimatorRunner& estimator, const Scene& scene,
-                                  const Observation& view, Rng& rng,
-                                  EstimateTrace* trace = nullptr);
+// Returns one hypothesis for each of `instances` that is at least 10 % visible, highest score
+// first. The score is the visible fraction. The noise is normal: sigma noise_mm on each axis of the
+// position, and a rotation with sigma noise_deg about a random axis. `min_score` does not apply,
+// because the oracle reports everything that a perfect estimator could. The time is under
+// "estimate".
+EstimateResult OracleEstimate(const std::vector<TrueInstance>& instances, const EstimatorSpec& spec,
+                              Rng& rng);
 
 struct EstimatorName {
   std::string name;

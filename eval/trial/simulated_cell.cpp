@@ -33,9 +33,9 @@ SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
       objects_(WithRestingDirections(WithConvexPieces(objects))) {
   CheckSettings("ScenarioSpec", spec);
   drop_.arrangement = ArrangementFromName(spec.arrangement);
-  for (const PartSpec& part : spec.objects) {
-    if (!part.distractor) wanted_.push_back(ObjectId(counts_.size()));
-    counts_.push_back(part.count);
+  for (const ObjectSpec& object : spec.objects) {
+    if (!object.distractor) wanted_.push_back(ObjectId(counts_.size()));
+    counts_.push_back(object.count);
   }
 }
 
@@ -55,12 +55,11 @@ SceneRenderer& SimulatedCell::renderer() {
 }
 
 CertifiedScene SimulatedCell::MakeScene(BinIndex bin_index) const {
-  return pickbed::sim::MakeScene({bin_, objects_, counts_, seed_, static_cast<uint64_t>(bin_index)},
-                                 drop_);
+  return pickbed::sim::MakeScene({bin_, objects_, counts_, seed_, bin_index}, drop_);
 }
 
 MadeSeries SimulatedCell::MakeSeries(BinIndex bin_index) {
-  const SceneRequest request{bin_, objects_, counts_, seed_, static_cast<uint64_t>(bin_index)};
+  const SceneRequest request{bin_, objects_, counts_, seed_, bin_index};
   return MakeOcclusionSeries(renderer(), request, wanted_,
                              {objects_, counts_, camera_, drop_, occlusion_});
 }

@@ -6,6 +6,18 @@
 #include "eval/trial/trial.h"
 
 namespace pickbed::eval {
+namespace {
+
+// Hashes contain the former names of causes, so that a replay can compare them with the hashes of
+// earlier versions.
+std::string_view HashedCause(std::string_view cause) {
+  for (const RenamedCause& renamed : kRenamedCauses) {
+    if (cause == renamed.is) return renamed.was;
+  }
+  return cause;
+}
+
+}  // namespace
 
 const char* StageName(TrialStage stage) {
   switch (stage) {
@@ -80,7 +92,7 @@ uint64_t HashOfGrasp(const AttemptRecord& record) {
     hash.Add(grasp.X_WG).Add(grasp.width_m).Add(grasp.score).Add(grasp.hypothesis);
   }
   for (const auto& [cause, grasps] : record.grasps_rejected) {
-    hash.Add(std::string_view(cause)).Add(grasps);
+    hash.Add(HashedCause(cause)).Add(grasps);
   }
   return hash.value();
 }

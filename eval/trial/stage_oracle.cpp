@@ -2,10 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
-#include <optional>
 
-#include "eval/trial/pose_matching.h"
 #include "perception/cloud/organized_cloud.h"
 #include "perception/icp/final_refinement.h"
 #include "perception/model/model_points.h"
@@ -28,16 +25,14 @@ constexpr std::array<OracleRow, 6> kRows{{
 
 class Feed {
  public:
-  Feed(std::vector<PoseHypothesis> estimated, const std::vector<TrueInstance>& parts,
-       const std::vector<MetricModel>& models)
-      : estimated_(std::move(estimated)), parts_(parts), models_(models) {
-    for (const MetricModel& model : models) means_O_.push_back(MeanVertex(model));
+  Feed(std::vector<PoseHypothesis> estimated, const InstanceMatcher& visible)
+      : estimated_(std::move(estimated)), visible_(visible), instances_(visible.instances()) {
     Sort();
   }
 
   void Detection() {
     const std::vector<int> matched = MatchedInstances();
-    std::vector<bool> covered(parts_.size(), false);
+    std::vector<bool> covered(instances_.size(), false);
     std::vector<PoseHypothesis> kept;
     for (size_t i = 0; i < estimated_.size(); ++i) {
       if (matched[i] < 0) continue;
@@ -45,14 +40,14 @@ class Feed {
       kept.push_back(std::move(estimated_[i]));
     }
     estimated_ = std::move(kept);
-    for (size_t p = 0; p < parts_.size(); ++p) {
+    for (size_t p = 0; p < instances_.size(); ++p) {
       if (covered[p]) continue;
       PoseHypothesis proposed;
-      proposed.object = parts_[p].object;
-      proposed.X_CO = parts_[p].X_CO;
-      proposed.score = 0.5 + 0.5 * parts_[p].visible_fraction;
-      proposed.fit.inlier_share = parts_[p].visible_fraction;
-      proposed.fit.hidden_share = 1 - parts_[p].visible_fraction;
+      proposed.object = instances_[p].object;
+      proposed.X_CO = instances_[p].X_CO;
+      proposed.score = 0.5 + 0.5 * instances_[p].visible_fraction;
+      proposed.fit.inlier_share = instances_[p].visible_fraction;
+      proposed.fit.hidden_share = 1 - instances_[p].visible_fraction;
       estimated_.push_back(std::move(proposed));
     }
     Sort();
@@ -66,13 +61,13 @@ class Feed {
   }
 
   void Refinement() {
-    std::vector<bool> taken(parts_.size(), false);
+    std::vector<bool> taken(instances_.size(), false);
     for (PoseHypothesis& h : estimated_) {
       std::vector<Pose> in_hand{h.X_CO};
       if (h.unrefined_X_CO) in_hand.push_back(*h.unrefined_X_CO);
       in_hand.insert(in_hand.end(), h.suppressed_X_CO.begin(), h.suppressed_X_CO.end());
       for (const Pose& X_CO : in_hand) {
-        const int position = RightFor(h.object, X_CO, taken);
+        const int position = FirstFreeCorrect(visible_.ByDistance(h.object, X_CO), taken);
         if (position < 0) continue;
         taken[position] = true;
         SetTrue(position, h);
@@ -90,50 +85,27 @@ class Feed {
   }
 
   void SetTrue(int position, PoseHypothesis& h) const {
-    h.X_CO = parts_[position].X_CO;
+    h.X_CO = instances_[position].X_CO;
     h.unrefined_X_CO.reset();
     h.suppressed_X_CO.clear();
   }
 
   // Returns the index of the matched instance for each hypothesis, -1 = none.
   std::vector<int> MatchedInstances() const {
-    std::vector<bool> taken(parts_.size(), false);
+    std::vector<bool> taken(instances_.size(), false);
     std::vector<int> matched;
     for (const PoseHypothesis& h : estimated_) {
-      const Eigen::Vector3d& mean_O = means_O_[h.object];
-      double least_m = kMatchDiameters * models_[h.object].diameter_m;
-      int nearest = -1;
-      for (size_t p = 0; p < parts_.size(); ++p) {
-        if (taken[p] || parts_[p].object != h.object) continue;
-        const double distance_m = (h.X_CO * mean_O - parts_[p].X_CO * mean_O).norm();
-        if (distance_m >= least_m) continue;
-        least_m = distance_m;
-        nearest = static_cast<int>(p);
-      }
+      const double limit_m = kMatchDiameters * visible_.model(h.object).diameter_m;
+      const int nearest = visible_.NearestFree(h.object, h.X_CO, limit_m, taken);
       if (nearest >= 0) taken[nearest] = true;
       matched.push_back(nearest);
     }
     return matched;
   }
 
-  int RightFor(ObjectId object, const Pose& X_CO, const std::vector<bool>& taken) const {
-    const MetricModel& model = models_[object];
-    double least_m = kCorrectDiameters * model.diameter_m;
-    int right = -1;
-    for (size_t p = 0; p < parts_.size(); ++p) {
-      if (taken[p] || parts_[p].object != object) continue;
-      const double mssd_m = Mssd(model, X_CO, parts_[p].X_CO);
-      if (mssd_m >= least_m) continue;
-      least_m = mssd_m;
-      right = static_cast<int>(p);
-    }
-    return right;
-  }
-
   std::vector<PoseHypothesis> estimated_;
-  const std::vector<TrueInstance>& parts_;
-  const std::vector<MetricModel>& models_;
-  std::vector<Eigen::Vector3d> means_O_;
+  const InstanceMatcher& visible_;
+  const std::vector<TrueInstance>& instances_;  // of visible_
 };
 
 }  // namespace
@@ -150,10 +122,9 @@ const OracleRow& OracleNamed(const std::string& name) {
 }
 
 std::vector<PoseHypothesis> SubstituteTruth(std::vector<PoseHypothesis> estimated,
-                                            const std::vector<TrueInstance>& parts,
-                                            const std::vector<MetricModel>& models,
+                                            const InstanceMatcher& visible,
                                             const OracleStages& truth) {
-  Feed feed(std::move(estimated), parts, models);
+  Feed feed(std::move(estimated), visible);
   if (truth.detection) feed.Detection();
   if (truth.pose) feed.Poses();
   if (truth.refinement) feed.Refinement();
@@ -176,7 +147,7 @@ OracleRefiner::~OracleRefiner() = default;
 void OracleRefiner::Refine(const RgbdFrame& frame, const KnownBackground& background,
                            std::vector<PoseHypothesis>& hypotheses) const {
   const OrganizedCloud cloud = BuildCloud(frame, background);
-  RefineFinally(impl_->refiner, cloud, impl_->models, {}, 1, hypotheses);
+  RefineFinally(impl_->refiner, cloud, impl_->models, 1, hypotheses);
 }
 
 }  // namespace pickbed::eval

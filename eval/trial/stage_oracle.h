@@ -26,7 +26,7 @@
 #include <string>
 #include <vector>
 
-#include "eval/metrics/pose_errors.h"
+#include "eval/trial/instance_matcher.h"
 #include "perception/pose_hypothesis.h"
 #include "scenes/base/ids.h"
 #include "scenes/bin/bin.h"
@@ -56,23 +56,16 @@ struct OracleRow {
   const char* help;
   OracleStages truth;
 };
+// Returns all oracle reruns, in the order of the help.
 std::span<const OracleRow> OracleTable();
 // Returns the row with this name. Throws InputError with the known names if there is none.
 const OracleRow& OracleNamed(const std::string& name);
 
-// Ground truth of one instance in the camera frame.
-struct TrueInstance {
-  ObjectId object{0};
-  Pose X_CO = Pose::Identity();
-  double visible_fraction = 1;
-};
-
-// Applies detection, pose and refinement as above, in this order. `parts` are the visible
+// Applies detection, pose and refinement as above, in this order. `visible` has the visible
 // instances. The score of a new hypothesis is 0.5 + 0.5 * visible fraction, because its position is
 // certain. Returns the hypotheses in order of falling score.
 std::vector<PoseHypothesis> SubstituteTruth(std::vector<PoseHypothesis> estimated,
-                                            const std::vector<TrueInstance>& parts,
-                                            const std::vector<MetricModel>& models,
+                                            const InstanceMatcher& visible,
                                             const OracleStages& truth);
 
 // The final refinement of a scenario without its estimator, for substituted poses.

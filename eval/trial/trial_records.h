@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "eval/metrics/metric_values.h"
@@ -46,6 +47,14 @@ struct InstanceRecord {
   FailureReason missed = FailureReason::kNone;  // why it is not recalled; see MissReasons
 };
 
+// A cause of rejected grasps (grasp/plan/plan.h) that had another name in earlier versions.
+struct RenamedCause {
+  std::string_view was, is;
+};
+inline constexpr RenamedCause kRenamedCauses[] = {
+    {"fingers meet a part", "fingers meet an instance"},
+    {"palm meets a part", "palm meets an instance"}};
+
 // One image and the pick that followed. Without an executed grasp `grasp` is empty, and `failure`
 // is the reason (kNone if no grasp was requested).
 struct AttemptRecord {
@@ -59,7 +68,7 @@ struct AttemptRecord {
   std::optional<Grasp> grasp;
   GraspOutcome outcome;
   FailureReason failure = FailureReason::kNone;
-  std::map<std::string, int> grasps_rejected;  // reason -> number of candidates
+  std::map<std::string, int> grasps_rejected;  // cause -> number of candidates
   StageHashes hashes;
 };
 

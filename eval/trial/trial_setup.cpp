@@ -9,6 +9,18 @@
 
 namespace pickbed::eval {
 
+void TrialOptions::Visit(SettingsVisitor& v) {
+  v.Real("retry_radius_m", retry_radius_m, {0, 10},
+         "distance of the estimated positions within which a grasp repeats a failure, m");
+  v.Real("retry_angle_rad", retry_angle_rad, {0, 3.2},
+         "angle of the approaches within which a grasp repeats a failure, rad");
+  v.Integer("retry_grasps", retry_grasps, {1, 1000000}, "number of grasps planned after a failure");
+  v.Integer("cloud_stride_px", cloud_stride_px, {1, 1000}, "step of the observed points, px");
+  v.Real("match_diameters", match_diameters, {0, 10},
+         "MSSD within which a hypothesis matches an instance, diameters");
+  v.Integer("true_grasps", true_grasps, {1, 1000000}, "number of grasps tried in the true scene");
+}
+
 TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
                        const Progress& progress, const TrialOptions& trial_options)
     : spec(scenario),
@@ -16,13 +28,14 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
       on_progress(progress),
       cell(scenario, objects),
       gripper(WithSettingsKey(scenario, "gripper", [&] { return LoadGripper(scenario.gripper); })) {
+  CheckSettings("TrialOptions", options);
   WithSettingsKey(scenario, "policy.stop", [&] { PolicyNamed(scenario.policy.stop); });
   WithSettingsKey(scenario, "policy.ranking", [&] { RankingNamed(scenario.policy.ranking); });
   execute.rule = WithSettingsKey(scenario, "policy.success",
                                  [&] { return DecidingRule(scenario.policy.success); });
   const OracleStages& truth = options.truth;
   if (!truth.AllOfPerception()) {
-    estimator = std::make_unique<EstimatorRunner>(cell, scenario, 1, progress);
+    estimator = MakeEstimatorRunner(cell, scenario, 1, progress);
   }
   if (truth.pose && !truth.refinement && scenario.estimator.name != kOracleName) {
     refiner = std::make_unique<OracleRefiner>(cell.objects(), scenario.refiner);

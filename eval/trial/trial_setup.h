@@ -14,6 +14,7 @@
 #include "grasp/execute/execute.h"
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
+#include "scenes/base/settings.h"
 #include "scenes/scenario/scenario_spec.h"
 
 namespace pickbed::eval {
@@ -31,6 +32,8 @@ struct TrialOptions {
   double match_diameters = kMatchDiameters;  // MSSD within which a hypothesis matches an instance
   OracleStages truth;                        // stages with ground truth substituted
   int true_grasps = 10;                      // grasps tried in the true scene if truth.grasp is set
+  // Visits all options except `truth`.
+  void Visit(SettingsVisitor& v);
 };
 
 struct TrialSetup {
@@ -38,7 +41,8 @@ struct TrialSetup {
   using Progress = std::function<void(std::string_view what, double share)>;
 
   // Makes the estimator and the grasp candidates, from caches where possible. Throws InputError for
-  // an unknown estimator, gripper, sensor or policy and for a broken model file.
+  // an unknown estimator, gripper, sensor or policy, for a broken model file and for options out of
+  // range.
   TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects, const Progress& on_progress,
              const TrialOptions& trial_options);
 
@@ -50,8 +54,8 @@ struct TrialSetup {
   ExecuteOptions execute;
   std::vector<MetricModel> metric_models;               // by object
   std::vector<std::vector<GraspCandidate>> candidates;  // by object; none for distractors
-  std::unique_ptr<EstimatorRunner> estimator;           // null if all of perception is substituted
-  std::unique_ptr<OracleRefiner> refiner;               // refines substituted poses; may be null
+  std::unique_ptr<EstimatorRunner> estimator;  // null: the oracle, or all of perception is given
+  std::unique_ptr<OracleRefiner> refiner;      // refines substituted poses; may be null
 };
 
 }  // namespace pickbed::eval

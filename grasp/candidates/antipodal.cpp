@@ -31,8 +31,8 @@ Vector3d DirectionInCone(const Vector3d& axis, double half_angle_rad, Rng& rng) 
 }
 
 // Casts rays from the surface into the object. Every exit point within the stroke and the friction
-// cone gives a pair, also behind a bore. HandClearsPart checks later whether the fingers can reach
-// it.
+// cone gives a pair, also behind a bore. HandClearsObject checks later whether the fingers can
+// reach it.
 std::vector<ContactPair> FindPairs(const ObjectModel& model, double cone_rad, double max_width_m,
                                    const AntipodalOptions& options, Rng& rng) {
   std::vector<ContactPair> pairs;
@@ -117,7 +117,7 @@ struct Judge {
     const auto opening = JawOpening_m(hand, clearance_m, contact.width_m());
     if (!opening) return candidate;
     const auto boxes = HandBoxes(hand, *opening);
-    if (!HandClearsPart(turned, X_OG, boxes, options.own_margin_m)) return candidate;
+    if (!HandClearsObject(turned, X_OG, boxes, options.own_margin_m)) return candidate;
     candidate.X_OG = X_OG;
     candidate.width_m = contact.width_m();
     candidate.depth_m = -contact.shared_center().y();
@@ -161,11 +161,11 @@ void AddLeaning(const Judge& judge, const ContactPair& pair, const Vector3d& up_
   const double down = -up_O.dot(R_OG.col(2));
   const double half_width_m = 0.5 * judge.hand.finger_size_m.y();
   const double corner_m = half_width_m * std::abs(up_O.dot(R_OG.col(1)));
-  const double most_m = (center_m - options.floor_gap_m - corner_m) / down;
+  const double max_m = (center_m - options.floor_gap_m - corner_m) / down;
   const PointColumns turned = Rotated(judge.surface.points_O, R_OG);
   double last_m = -1;
   for (const double wanted_m : options.tips_beyond_m) {
-    const double beyond_m = std::min(wanted_m, most_m);
+    const double beyond_m = std::min(wanted_m, max_m);
     if (beyond_m <= 0 || beyond_m == last_m) continue;
     last_m = beyond_m;
     const GraspCandidate candidate =

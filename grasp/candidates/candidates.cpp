@@ -44,7 +44,7 @@ uint64_t Key(const ObjectModel& model, const Gripper& gripper, GraspCandidateOpt
   for (const ContinuousSymmetry& axis : model.symmetries_O.continuous_O) {
     text += fmt::format("axis {} {}\n", Numbers(axis.axis_O), Numbers(axis.offset_O));
   }
-  for (const ConvexPiece& piece : model.convex_parts_O) {
+  for (const ConvexPiece& piece : model.convex_pieces_O) {
     text += "piece";
     for (const Eigen::Vector3d& vertex : piece.vertices_O) text += ' ' + Numbers(vertex);
     text += '\n';

@@ -17,10 +17,10 @@ constexpr int kRimDirections = 8;
 
 std::vector<Vector3d> RimPoints(const PadPatch& patch) {
   const double count = static_cast<double>(patch.points_G.size());
-  Vector3d middle = Vector3d::Zero();
-  for (const Vector3d& p : patch.points_G) middle += p / count;
+  Vector3d center = Vector3d::Zero();
+  for (const Vector3d& p : patch.points_G) center += p / count;
   double mean_distance = 0;
-  for (const Vector3d& p : patch.points_G) mean_distance += (p - middle).tail<2>().norm() / count;
+  for (const Vector3d& p : patch.points_G) mean_distance += (p - center).tail<2>().norm() / count;
 
   std::vector<const Vector3d*> rim;
   for (int k = 0; k < kRimDirections; ++k) {
@@ -34,10 +34,10 @@ std::vector<Vector3d> RimPoints(const PadPatch& patch) {
     if (std::find(rim.begin(), rim.end(), furthest) == rim.end()) rim.push_back(furthest);
   }
   double rim_distance = 0;
-  for (const Vector3d* p : rim) rim_distance += (*p - middle).tail<2>().norm() / rim.size();
+  for (const Vector3d* p : rim) rim_distance += (*p - center).tail<2>().norm() / rim.size();
   const double share = rim_distance > 0 ? std::min(1.0, mean_distance / rim_distance) : 1;
   std::vector<Vector3d> drawn_in;
-  for (const Vector3d* p : rim) drawn_in.push_back(middle + share * (*p - middle));
+  for (const Vector3d* p : rim) drawn_in.push_back(center + share * (*p - center));
   return drawn_in;
 }
 
@@ -45,7 +45,7 @@ std::optional<WrenchSet> JawHold::At(const Pose& X_OG, double opening_m,
                                      double friction_factor) const {
   const PointColumns turned = Rotated(surface.points_O, X_OG.linear());
   const auto boxes = HandBoxes(hand, opening_m);
-  if (!HandClearsPart(turned, X_OG, boxes, 0)) return std::nullopt;
+  if (!HandClearsObject(turned, X_OG, boxes, 0)) return std::nullopt;
   const PadContact contact = ClosePads(surface, turned, X_OG, hand, options.touch_band_m);
   if (!contact.touches) return std::nullopt;
   const auto patches = TouchedPatches(surface, turned, X_OG, hand, contact, options.touch_band_m);

@@ -145,8 +145,8 @@ std::array<PadPatch, 2> TouchedPatches(const SurfacePoints& surface, const Point
   return patches;
 }
 
-bool HandClearsPart(const PointColumns& turned, const Pose& X_OG,
-                    std::span<const AxisAlignedBox> boxes_G, double margin_m) {
+bool HandClearsObject(const PointColumns& turned, const Pose& X_OG,
+                      std::span<const AxisAlignedBox> boxes_G, double margin_m) {
   const Eigen::Vector3d origin = X_OG.linear().transpose() * X_OG.translation();
   const float* x = turned.col(0).data();
   const float* y = turned.col(1).data();

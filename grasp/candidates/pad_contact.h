@@ -73,7 +73,7 @@ std::array<PadPatch, 2> TouchedPatches(const SurfacePoints& surface, const Point
 
 // Returns true if no point is within `margin_m` of the boxes (in G) or of the volume that they pass
 // on the straight approach along z of G.
-bool HandClearsPart(const PointColumns& turned, const Pose& X_OG,
-                    std::span<const AxisAlignedBox> boxes_G, double margin_m);
+bool HandClearsObject(const PointColumns& turned, const Pose& X_OG,
+                      std::span<const AxisAlignedBox> boxes_G, double margin_m);
 
 }  // namespace pickbed::grasp

@@ -33,9 +33,9 @@ struct RobustOptions {
   void Visit(SettingsVisitor& v);
 };
 
-// Units of the wrenches of a grasp: weight of the object in N, and half its diameter in m as the
-// lever of torques.
+// Returns the unit of the forces of a grasp: the weight of the object, in N.
 double WrenchForce_n(const ObjectModel& model);
+// Returns the lever of torques: half the diameter of the object, in m.
 double WrenchRadius_m(const ObjectModel& model);
 
 // Wrenches that a hand at X_OG can exert on the object, in these units; the pair friction is

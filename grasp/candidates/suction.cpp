@@ -63,19 +63,19 @@ WrenchSet CupWrenches(const ObjectModel& model, const CupSpec& cup, const Pose& 
   const double force = cup.vacuum_n / WrenchForce_n(model);
   const double radius_m = RingRadius_m(cup);
   const Vector3d approach = X_OG.linear().col(2);
-  const Vector3d middle = X_OG * Vector3d(0, 0, -compression_m) - model.mass.com_O;
+  const Vector3d center = X_OG * Vector3d(0, 0, -compression_m) - model.mass.com_O;
   WrenchSet set;
   Wrenches rim(6, kRimPoints * cone_edges);
   for (int k = 0; k < kRimPoints; ++k) {
     const double turn = 2 * std::numbers::pi * k / kRimPoints;
     const Vector3d arm = X_OG.linear() * Vector3d(std::cos(turn), std::sin(turn), 0);
-    const ContactCone cone{middle + radius_m * arm, approach, 2 * force,
+    const ContactCone cone{center + radius_m * arm, approach, 2 * force,
                            friction_factor * PairFriction(model.friction, cup.friction)};
     rim.middleCols(k * cone_edges, cone_edges) = ConeEdges(cone, cone_edges, WrenchRadius_m(model));
   }
   set.regions.push_back(std::move(rim));
   const Vector3d pull = -force * approach;
-  set.offset << pull, middle.cross(pull) / WrenchRadius_m(model);
+  set.offset << pull, center.cross(pull) / WrenchRadius_m(model);
   return set;
 }
 
@@ -89,7 +89,7 @@ std::vector<GraspCandidate> SuctionGrasps(const ObjectModel& model, const CupSpe
   const SurfacePoints surface = SpreadPoints(model.mesh_O, options.point_spacing_m,
                                              options.min_points, options.max_points, rng);
   const auto clears = [&](const Pose& X_OG, double margin_m) {
-    return HandClearsPart(Rotated(surface.points_O, X_OG.linear()), X_OG, boxes, margin_m);
+    return HandClearsObject(Rotated(surface.points_O, X_OG.linear()), X_OG, boxes, margin_m);
   };
   const SurfaceSamples samples = SampleSurface(model.mesh_O, options.max_samples, rng);
   std::vector<GraspCandidate> all;

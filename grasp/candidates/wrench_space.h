@@ -56,6 +56,8 @@ struct WrenchDepth {
   double lower = 0;  // lower bound of the radius
   double upper = 0;  // upper bound of the radius
 };
+// Computes both bounds. Their gap is within the tolerance of `options`, unless the limit of facets
+// is reached.
 WrenchDepth DepthOfZero(const WrenchSet& set, const WrenchDepthOptions& options = {});
 
 // Returns true if the set balances `load`, which means that -load is in the set within `tolerance`.

@@ -22,27 +22,27 @@ AttemptWorld::AttemptWorld(const Scene& scene, const ObjectSet& objects, const V
     : scene_(scene), objects_(objects), lost_below_m_(options.lost_below_m), physics_(physics) {
   CheckSettings("AttemptWorldOptions", options);
   physics_.AddBin(scene.bin);
-  const int reference = ReferencePart(grasp_W, instance);
+  const int reference = ReferenceInstance(grasp_W, instance);
   if (reference >= 0) reference_diameter_m_ = ModelOf(reference).diameter_m;
   const Vector3d reference_center =
       reference < 0 ? grasp_W : Center(reference, scene.objects[reference].X_WO);
   for (size_t i = 0; i < scene.objects.size(); ++i) {
-    const PosedObject& part = scene.objects[i];
-    const ObjectModel& model = *objects.at(part.object);
-    const Vector3d center = part.X_WO * model.mass.com_O;
+    const PosedObject& posed = scene.objects[i];
+    const ObjectModel& model = *objects.at(posed.object);
+    const Vector3d center = posed.X_WO * model.mass.com_O;
     const double radius = 0.5 * model.diameter_m + options.near_m;
     const bool near = options.all_active ||
                       (center - reference_center).norm() < radius + 0.5 * reference_diameter_m_ ||
                       (center - grasp_W).norm() < radius;
     const BodyMode moving = options.all_active ? BodyMode::kDynamic : BodyMode::kAsleep;
-    physics_.AddPart(model, part.X_WO, near ? moving : BodyMode::kStatic);
+    physics_.AddInstance(model, posed.X_WO, near ? moving : BodyMode::kStatic);
     is_static_.push_back(!near);
     is_lost_.push_back(false);
   }
 }
 
 // The target, or the instance nearest to the grasp.
-int AttemptWorld::ReferencePart(const Vector3d& grasp_W, InstanceId instance) const {
+int AttemptWorld::ReferenceInstance(const Vector3d& grasp_W, InstanceId instance) const {
   int nearest = -1;
   double nearest_distance = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < scene_.objects.size(); ++i) {
@@ -59,9 +59,9 @@ int AttemptWorld::ReferencePart(const Vector3d& grasp_W, InstanceId instance) co
 // An instance that falls past the floor is removed before its speed looks like a physics failure.
 void AttemptWorld::Step() {
   physics_.Step();
-  for (int i = 0; i < part_count(); ++i) {
+  for (int i = 0; i < instance_count(); ++i) {
     if (is_lost_[i] || physics_.X_WO(i).translation().z() > -lost_below_m_) continue;
-    physics_.RemovePart(i);
+    physics_.RemoveInstance(i);
     is_lost_[i] = true;
   }
 }
@@ -75,18 +75,18 @@ Vector3d AttemptWorld::Center(int position, const Pose& X_WO) const {
 }
 
 // For a static instance the snapshot is exact; the pose in Bullet went through a frame conversion.
-Pose AttemptWorld::X_WO_now(int position) const {
+Pose AttemptWorld::PoseOf(int position) const {
   return is_static_[position] ? scene_.objects[position].X_WO : physics_.X_WO(position);
 }
 
 Scene AttemptWorld::Remaining(const std::vector<int>& gone) const {
   Scene remaining;
   remaining.bin = scene_.bin;
-  for (int i = 0; i < part_count(); ++i) {
+  for (int i = 0; i < instance_count(); ++i) {
     if (std::find(gone.begin(), gone.end(), i) != gone.end()) continue;
-    PosedObject part = scene_.objects[i];
-    part.X_WO = X_WO_now(i);
-    if (scene_.bin.Holds(Center(i, part.X_WO))) remaining.objects.push_back(part);
+    PosedObject posed = scene_.objects[i];
+    posed.X_WO = PoseOf(i);
+    if (scene_.bin.Holds(Center(i, posed.X_WO))) remaining.objects.push_back(posed);
   }
   return remaining;
 }
@@ -94,11 +94,11 @@ Scene AttemptWorld::Remaining(const std::vector<int>& gone) const {
 int AttemptWorld::Displaced(double distance_m, const std::vector<int>& gone,
                             InstanceId instance) const {
   int displaced = 0;
-  for (int i = 0; i < part_count(); ++i) {
+  for (int i = 0; i < instance_count(); ++i) {
     if (std::find(gone.begin(), gone.end(), i) != gone.end()) continue;
     const PosedObject& before = scene_.objects[i];
     if (before.instance == instance) continue;
-    displaced += (Center(i, X_WO_now(i)) - Center(i, before.X_WO)).norm() > distance_m;
+    displaced += (Center(i, PoseOf(i)) - Center(i, before.X_WO)).norm() > distance_m;
   }
   return displaced;
 }

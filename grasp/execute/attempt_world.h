@@ -36,7 +36,7 @@ class AttemptWorld {
   void Step();
   int Steps(double seconds) const;  // number of steps with this duration, rounded
 
-  int part_count() const { return physics_.part_count(); }
+  int instance_count() const { return physics_.instance_count(); }
   bool IsStatic(int position) const { return is_static_[position]; }
   // Pose in the snapshot.
   const PosedObject& Posed(int position) const { return scene_.objects[position]; }
@@ -44,6 +44,8 @@ class AttemptWorld {
     return *objects_[scene_.objects[position].object];
   }
   Eigen::Vector3d Center(int position, const Pose& X_WO) const;  // center of mass in W
+  // Present pose. A static instance has exactly its pose of the snapshot.
+  Pose PoseOf(int position) const;
   // Diameter of the target, or of the instance nearest to the grasp; 0 if the bin is empty.
   double reference_diameter_m() const { return reference_diameter_m_; }
 
@@ -54,8 +56,7 @@ class AttemptWorld {
   int Displaced(double distance_m, const std::vector<int>& gone, InstanceId instance) const;
 
  private:
-  int ReferencePart(const Eigen::Vector3d& grasp_W, InstanceId instance) const;
-  Pose X_WO_now(int position) const;
+  int ReferenceInstance(const Eigen::Vector3d& grasp_W, InstanceId instance) const;
 
   const Scene& scene_;
   const ObjectSet& objects_;

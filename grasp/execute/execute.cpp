@@ -17,11 +17,12 @@ const Vector3d kShakeDirection_W = Vector3d::Constant(1 / std::sqrt(3.0));
 class Attempt {
  public:
   Attempt(const Scene& scene, const ObjectSet& objects, const Grasp& grasp, const Gripper& gripper,
-          const GraspTarget& target, const ExecuteOptions& options)
+          const GraspTarget& target, const ExecuteOptions& options, const MotionListener& on_step)
       : bin_(scene.bin),
         gripper_(gripper),
         target_(target),
         options_(options),
+        on_step_(on_step),
         X_WG_(grasp.X_WG),
         opening_m_(gripper.ApproachOpening_m(grasp.width_m).value_or(gripper.MaxOpening_m())),
         boxes_(gripper.Boxes(opening_m_)),
@@ -59,9 +60,9 @@ class Attempt {
 
   FailureReason Try(GraspOutcome& outcome) {
     if (!Approach()) return FailureReason::kCollision;
-    const bool closed_on_part = CloseOnPart();
-    outcome.instances_touched = static_cast<int>(world_.physics().PartsTouchingHand().size());
-    if (!closed_on_part) return FailureReason::kClosedOnNothing;
+    const bool closed_on_instance = CloseOnInstance();
+    outcome.instances_touched = static_cast<int>(world_.physics().InstancesTouchingHand().size());
+    if (!closed_on_instance) return FailureReason::kClosedOnNothing;
     MarkLiftStart();
     outcome.final_opening_m = hand_.opening_m();
     Lift(outcome);
@@ -85,7 +86,15 @@ class Attempt {
   // Makes one step towards a pose. Only the palm is driven.
   void Advance(const Pose& X_WG) {
     hand_.MoveTo(X_WG);
+    Step();
+  }
+
+  void Step() {
     world_.Step();
+    if (!on_step_) return;
+    ++steps_;
+    on_step_({steps_ * world_.physics().step_s(), world_, hand_,
+              has_table_ ? &place_.table_W : nullptr});
   }
 
   void Move(const Pose& X_WG_to, double peak_mps) {
@@ -107,18 +116,18 @@ class Attempt {
       Advance(Between(Behind(X_WG_), X_WG_, MinimumJerk(static_cast<double>(i) / steps)));
       felt_n += share * (hand_.Load().stiff_n - felt_n);
       if (felt_n > options_.stop_force_n || hand_.yielded_m() > options_.stop_yield_m) return false;
-      if (world_.physics().PalmIsInside(options_.stop_depth_m)) return false;
+      if (world_.physics().HandIsInside(options_.stop_depth_m)) return false;
     }
     return true;
   }
 
   // Returns false if the fingers met each other, or if a cup did not seal.
-  bool CloseOnPart() {
+  bool CloseOnInstance() {
     hand_.Close();
     const int window = world_.Steps(options_.stalled_window_s);
-    const int most = world_.Steps(gripper_.TravelTime_s(opening_m_) + options_.close_s);
+    const int maximum = world_.Steps(gripper_.TravelTime_s(opening_m_) + options_.close_s);
     double last = hand_.opening_m();
-    for (int i = 1; i <= most; ++i) {
+    for (int i = 1; i <= maximum; ++i) {
       Advance(X_WG_);
       if (i % window != 0) continue;
       const double speed =
@@ -130,7 +139,7 @@ class Attempt {
   }
 
   void MarkLiftStart() {
-    for (int i = 0; i < world_.part_count(); ++i) {
+    for (int i = 0; i < world_.instance_count(); ++i) {
       X_WO_lift_.push_back(world_.physics().X_WO(i));
     }
     X_WG_lift_ = hand_.X_WG();
@@ -149,11 +158,11 @@ class Attempt {
       Advance(Raised(height_m));
       if (is_back || height_m < retreat_m) continue;
       is_back = true;
-      outcome.retreat_contact = !world_.physics().PartsTouchingHand().empty();
-      const double most_m = gripper_.MaxOpening_m();
-      outcome.retreat_opening = most_m > 0 ? hand_.opening_m() / most_m : hand_.Holds();
+      outcome.retreat_contact = !world_.physics().InstancesTouchingHand().empty();
+      const double max_m = gripper_.MaxOpening_m();
+      outcome.retreat_opening = max_m > 0 ? hand_.opening_m() / max_m : hand_.Holds();
     }
-    for (int i = 0; i < world_.part_count(); ++i) {
+    for (int i = 0; i < world_.instance_count(); ++i) {
       if (world_.IsStatic(i)) continue;
       outcome.lift_height_m = std::max(outcome.lift_height_m, Rise(i));
     }
@@ -196,7 +205,7 @@ class Attempt {
   std::vector<int> Held() const {
     std::vector<int> held;
     if (X_WO_lift_.empty()) return held;
-    for (int i = 0; i < world_.part_count(); ++i) {
+    for (int i = 0; i < world_.instance_count(); ++i) {
       if (!world_.IsStatic(i) && ShiftInHand_m(i) < 0.5 * lift_m_) held.push_back(i);
     }
     return held;
@@ -234,6 +243,7 @@ class Attempt {
     place_ = PlanPlace(bin_, model, X_WO, X_WG_, boxes_, options_.place);
     world_.physics().AddStaticBox(Translation(place_.table_W.center), place_.table_W.half_size,
                                   bin_.friction);
+    has_table_ = true;
     Pose up = Raised(lift_m_), over = place_.X_WG;
     const double height_m = std::max(
         up.translation().z(),
@@ -310,8 +320,8 @@ class Attempt {
     const int opening = world_.Steps(gripper_.TravelTime_s(opening_m_ - hand_.opening_m()));
     for (int i = 0; i < opening; ++i) Advance(X_WG);
     Move(Behind(X_WG), options_.approach_mps);
-    const int most = world_.Steps(options_.settle_s);
-    for (int i = 0; i < most && !world_.physics().AllAsleep(); ++i) world_.Step();
+    const int maximum = world_.Steps(options_.settle_s);
+    for (int i = 0; i < maximum && !world_.physics().AllAsleep(); ++i) Step();
   }
 
   // Applies the deciding rule. A failure by other rules may be a success by this one. A held target
@@ -329,6 +339,8 @@ class Attempt {
   const Gripper& gripper_;
   const GraspTarget target_;
   const ExecuteOptions& options_;
+  const MotionListener& on_step_;
+  int steps_ = 0;  // reported to on_step_
   const Pose X_WG_;
   const double opening_m_;
   const std::vector<AxisAlignedBox> boxes_;  // of the hand at opening_m_, in G
@@ -337,6 +349,7 @@ class Attempt {
   double lift_m_ = 0;
   std::vector<int> carried_;  // indices of instances in the hand at the end
   PlacePlan place_;
+  bool has_table_ = false;  // place_ is planned
   // Poses at the start of the lift; empty before.
   std::vector<Pose> X_WO_lift_;
   Pose X_WG_lift_ = Pose::Identity();
@@ -387,9 +400,9 @@ void ExecuteOptions::Visit(SettingsVisitor& v) {
 
 ExecuteResult ExecuteGrasp(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
                            const Gripper& gripper, const GraspTarget& target,
-                           const ExecuteOptions& options) {
+                           const ExecuteOptions& options, const MotionListener& on_step) {
   CheckSettings("ExecuteOptions", options);
-  return Attempt(scene, objects, grasp, gripper, target, options).Run();
+  return Attempt(scene, objects, grasp, gripper, target, options, on_step).Run();
 }
 
 }  // namespace pickbed::grasp

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "grasp/execute/attempt_world.h"
+#include "grasp/execute/motion_listener.h"
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
 #include "grasp/place/placement.h"
@@ -74,10 +75,11 @@ struct ExecuteResult {
 
 // Executes the grasp on the snapshot `scene`. A failed grasp is a result. Displaced neighbors are
 // counted but do not affect success. Instances that left the bin are missing in `after`. Equal
-// inputs give identical bytes. Throws only std::logic_error, for objects without convex pieces (see
+// inputs give identical bytes. Calls `on_step`, if not empty, after each step. Throws only
+// std::logic_error, for objects without convex pieces (see
 // sim/convex/convex_pieces.h).
 ExecuteResult ExecuteGrasp(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
                            const Gripper& gripper, const GraspTarget& target,
-                           const ExecuteOptions& options = {});
+                           const ExecuteOptions& options = {}, const MotionListener& on_step = {});
 
 }  // namespace pickbed::grasp

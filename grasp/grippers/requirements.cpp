@@ -12,12 +12,12 @@ namespace pickbed::grasp {
 namespace {
 
 // Example: "cup_30mm has 12, jaw_14cm has 200". Empty if no other gripper has candidates.
-std::string Offers(const ObjectModel& part, const std::string& without,
+std::string Offers(const ObjectModel& object, const std::string& without,
                    const GraspCandidateOptions& options) {
   std::string offers;
   for (const std::string& name : GripperNames()) {
     if (name == without) continue;
-    const size_t count = CachedCandidates(part, *LoadGripper(name), options).size();
+    const size_t count = CachedCandidates(object, *LoadGripper(name), options).size();
     if (count > 0) offers += fmt::format("{}{} has {}", offers.empty() ? "" : ", ", name, count);
   }
   return offers;
@@ -44,28 +44,28 @@ void RequireFitsBin(const Gripper& gripper, const Bin& bin) {
                   gripper.name, 1e3 * hand.x(), 1e3 * hand.y(), 1e3 * room.x(), 1e3 * room.y()));
 }
 
-void RequireCanCarry(const Gripper& gripper, const ObjectModel& part) {
-  const double capacity_n = gripper.Capacity_n(part.friction);
-  const double weight_n = part.mass.mass_kg * kGravity_mps2;
+void RequireCanCarry(const Gripper& gripper, const ObjectModel& object) {
+  const double capacity_n = gripper.Capacity_n(object.friction);
+  const double weight_n = object.mass.mass_kg * kGravity_mps2;
   CheckInput(
       weight_n < capacity_n,
       fmt::format(
           "object '{}' is too heavy for gripper '{}': it weighs {:.3g} kg, {:.3g} N, and the "
           "gripper carries at most {:.3g} N of it ({}, friction {:g}); use a stronger gripper",
-          part.name, gripper.name, part.mass.mass_kg, weight_n, capacity_n, gripper.Summary(),
-          part.friction));
+          object.name, gripper.name, object.mass.mass_kg, weight_n, capacity_n, gripper.Summary(),
+          object.friction));
 }
 
-std::vector<GraspCandidate> RequireCandidates(const ObjectModel& part, const Gripper& gripper,
+std::vector<GraspCandidate> RequireCandidates(const ObjectModel& object, const Gripper& gripper,
                                               const GraspCandidateOptions& options) {
-  auto candidates = CachedCandidates(part, gripper, options);
+  auto candidates = CachedCandidates(object, gripper, options);
   if (!candidates.empty()) return candidates;
-  const std::string offers = Offers(part, gripper.name, options);
+  const std::string offers = Offers(object, gripper.name, options);
   throw InputError(fmt::format(
-      "object '{}' has no {} for gripper '{}', {}", part.name, gripper.needs(), gripper.name,
+      "object '{}' has no {} for gripper '{}', {}", object.name, gripper.needs(), gripper.name,
       offers.empty() ? "and no other shipped gripper can hold it"
                      : fmt::format("but {}; compare them with `pickbed grasps {} GRIPPER`", offers,
-                                   part.name)));
+                                   object.name)));
 }
 
 }  // namespace pickbed::grasp

@@ -15,11 +15,11 @@ void RequireFitsBin(const Gripper& gripper, const Bin& bin);
 
 // The weight of the object must be below the capacity of the gripper. Throws InputError with both
 // numbers.
-void RequireCanCarry(const Gripper& gripper, const ObjectModel& part);
+void RequireCanCarry(const Gripper& gripper, const ObjectModel& object);
 
 // Returns the candidates of CachedCandidates, at least one. Throws InputError if there is none; the
 // message says what the object lacks and which built-in grippers can hold it.
-std::vector<GraspCandidate> RequireCandidates(const ObjectModel& part, const Gripper& gripper,
+std::vector<GraspCandidate> RequireCandidates(const ObjectModel& object, const Gripper& gripper,
                                               const GraspCandidateOptions& options = {});
 
 }  // namespace pickbed::grasp

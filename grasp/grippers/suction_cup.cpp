@@ -39,16 +39,16 @@ void SuctionCup::Validate(const std::string& source) const {
   CheckInput(cup.press_m < cup.bellows_travel_m,
              fmt::format("{}: press_m = {}: must be below the bellows_travel_m of {}", source,
                          cup.press_m, cup.bellows_travel_m));
-  const double most_n = kAirPressure_pa * std::numbers::pi * cup.radius_m * cup.radius_m;
-  CheckInput(cup.vacuum_n <= most_n,
+  const double max_n = kAirPressure_pa * std::numbers::pi * cup.radius_m * cup.radius_m;
+  CheckInput(cup.vacuum_n <= max_n,
              fmt::format("{}: vacuum_n = {}: air pressure holds a cup of radius_m = {} with {:.3g} "
                          "N at most; lower it or raise radius_m",
-                         source, cup.vacuum_n, cup.radius_m, most_n));
-  const double most_nm = cup.vacuum_n * cup.radius_m;
-  CheckInput(cup.moment_limit_nm <= most_nm,
+                         source, cup.vacuum_n, cup.radius_m, max_n));
+  const double max_nm = cup.vacuum_n * cup.radius_m;
+  CheckInput(cup.moment_limit_nm <= max_nm,
              fmt::format("{}: moment_limit_nm = {}: a lip tips over its rim at vacuum_n times "
                          "radius_m, {:.3g} Nm; lower it",
-                         source, cup.moment_limit_nm, most_nm));
+                         source, cup.moment_limit_nm, max_nm));
 }
 
 std::array<const char*, 3> SuctionCup::axes_G() const {

@@ -37,7 +37,7 @@ std::vector<RestingDirection> WaysToRest(const ObjectModel& model) {
 // Vertices of the collision shape of the object.
 std::vector<Vector3d> CornersOf(const ObjectModel& model) {
   std::vector<Vector3d> corners_O;
-  for (const ConvexPiece& piece : model.convex_parts_O) {
+  for (const ConvexPiece& piece : model.convex_pieces_O) {
     corners_O.insert(corners_O.end(), piece.vertices_O.begin(), piece.vertices_O.end());
   }
   return corners_O.empty() ? model.mesh_O.vertices : corners_O;
@@ -192,9 +192,9 @@ std::vector<double> SetDownWorths(const ObjectModel& model, std::span<const Pose
   CheckSettings("PlaceOptions", options);
   const std::vector<Vector3d> corners_O = CornersOf(model);
   std::vector<double> worths(X_OG.size(), 0);
-  double most = 0;
+  double maximum = 0;
   for (const RestingDirection& way : WaysToRest(model)) {
-    most = std::max(most, way.probability);
+    maximum = std::max(maximum, way.probability);
     const Eigen::Matrix3d R_WO =
         Eigen::Quaterniond::FromTwoVectors(way.up_O, Vector3d::UnitZ()).toRotationMatrix();
     for (size_t i = 0; i < X_OG.size(); ++i) {
@@ -204,7 +204,7 @@ std::vector<double> SetDownWorths(const ObjectModel& model, std::span<const Pose
       worths[i] = std::max(worths[i], upright * DropFactor(lowest_m, options));
     }
   }
-  for (double& worth : worths) worth /= most;
+  for (double& worth : worths) worth /= maximum;
   return worths;
 }
 

@@ -157,10 +157,11 @@ int ObstacleField::Column(double x, double y) const {
   return row * columns_ + column;
 }
 
-ObstacleField::Answer ObstacleField::Look(const Pose& X_WG, std::span<const AxisAlignedBox> sweep_G,
-                                          const std::optional<AxisAlignedBox>& between_box,
-                                          const std::vector<uint8_t>& ignored,
-                                          double limit_m) const {
+ObstacleField::Answer ObstacleField::Query(const Pose& X_WG,
+                                           std::span<const AxisAlignedBox> sweep_G,
+                                           const std::optional<AxisAlignedBox>& between_box,
+                                           const std::vector<uint8_t>& ignored,
+                                           double limit_m) const {
   Answer answer;
   const size_t boxes = sweep_G.size();
   answer.distance_m.assign(boxes, limit_m);

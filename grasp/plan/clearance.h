@@ -26,6 +26,7 @@ struct BinContact {
   int hand_box = 0;
   int bin_box = 0;
 };
+// Returns the first collision, in the order of the boxes of the bin and then of the hand.
 std::optional<BinContact> FindBinContact(std::span<const AxisAlignedBox> boxes_G, const Pose& X_WG,
                                          std::span<const AxisAlignedBox> bin_boxes,
                                          double clearance_m);
@@ -67,9 +68,9 @@ class ObstacleField {
     std::vector<double> distance_m;  // by box
     int between = 0;
   };
-  Answer Look(const Pose& X_WG, std::span<const AxisAlignedBox> sweep_G,
-              const std::optional<AxisAlignedBox>& between_box, const std::vector<uint8_t>& ignored,
-              double limit_m) const;
+  Answer Query(const Pose& X_WG, std::span<const AxisAlignedBox> sweep_G,
+               const std::optional<AxisAlignedBox>& between_box,
+               const std::vector<uint8_t>& ignored, double limit_m) const;
 
   // Share of the floor plan of `surface_W` with a point that is not ignored and more than `above_m`
   // above the surface.

@@ -37,13 +37,13 @@ constexpr const char* kCauseNames[kCauses] = {"tilt",
                                               "opening",
                                               "bin floor",
                                               "bin wall",
-                                              "fingers meet a part",
-                                              "palm meets a part",
+                                              "fingers meet an instance",
+                                              "palm meets an instance",
                                               "outranked",
                                               "not tried"};
 
 // Data shared by all poses of one object.
-struct PartShape {
+struct ObjectShape {
   Eigen::Matrix3Xd points_O;    // uniform density
   Eigen::Matrix3Xd obstacle_O;  // points_O and points along sharp edges
   double thickness_m;           // minimum extent along the axes of O
@@ -51,7 +51,7 @@ struct PartShape {
   std::vector<std::optional<double>> openings_m;  // by candidate; nullopt = beyond the stroke
 };
 
-PartShape MakeShape(const PlanInput& input, ObjectId object, const PlanOptions& options) {
+ObjectShape MakeShape(const PlanInput& input, ObjectId object, const PlanOptions& options) {
   const ObjectModel& model = *input.objects[object];
   Rng rng(model.mesh_hash);
   SurfacePoints surface = SpreadPoints(model.mesh_O, options.neighbor_spacing_m,
@@ -61,11 +61,11 @@ PartShape MakeShape(const PlanInput& input, ObjectId object, const PlanOptions& 
   const Eigen::Matrix3Xd edges_O = SharpEdgePoints(model.mesh_O, options.neighbor_spacing_m);
   Eigen::Matrix3Xd obstacle_O(3, points_O.cols() + edges_O.cols());
   obstacle_O << points_O, edges_O;
-  PartShape shape{points_O,
-                  std::move(obstacle_O),
-                  extent_m.minCoeff(),
-                  SurfaceBand(points_O, options.own_points_m),
-                  {}};
+  ObjectShape shape{points_O,
+                    std::move(obstacle_O),
+                    extent_m.minCoeff(),
+                    SurfaceBand(points_O, options.own_points_m),
+                    {}};
   for (const GraspCandidate& candidate : input.candidates[object]) {
     shape.openings_m.push_back(input.gripper.ApproachOpening_m(candidate.width_m));
   }
@@ -135,8 +135,8 @@ class Planner {
   bool by_chance() const { return ranking_.value == nullptr; }
 
   bool MayGrasp(int pose) const {
-    const auto& aims = input_.aims;
-    return aims.empty() || std::find(aims.begin(), aims.end(), pose) != aims.end();
+    const auto& targets = input_.targets;
+    return targets.empty() || std::find(targets.begin(), targets.end(), pose) != targets.end();
   }
 
   // Clear of the bin; not yet checked against the points.
@@ -145,8 +145,8 @@ class Planner {
     double opening_m;
   };
 
-  std::vector<std::optional<PartShape>> MakeShapes() const {
-    std::vector<std::optional<PartShape>> shapes(input_.objects.size());
+  std::vector<std::optional<ObjectShape>> MakeShapes() const {
+    std::vector<std::optional<ObjectShape>> shapes(input_.objects.size());
     for (const EstimatedPose& pose : input_.poses) {
       const size_t object = static_cast<size_t>(pose.object);
       if (object >= shapes.size() || object >= input_.candidates.size()) {
@@ -196,7 +196,7 @@ class Planner {
 
   std::vector<uint8_t> IgnoredPoints(int target) const {
     const EstimatedPose& pose = input_.poses[target];
-    const PartShape& shape = *shapes_[pose.object];
+    const ObjectShape& shape = *shapes_[pose.object];
     const std::vector<bool> rivals = Rivals(target);
     const Pose X_OW = pose.X_WO.inverse();
     std::vector<uint8_t> ignored(field_.points_W().size());
@@ -209,7 +209,7 @@ class Planner {
 
   void PlanPose(int target) {
     const EstimatedPose& pose = input_.poses[target];
-    const PartShape& shape = *shapes_[pose.object];
+    const ObjectShape& shape = *shapes_[pose.object];
     ignored_[target] = IgnoredPoints(target);
     const double covered =
         field_.CoveredShare(pose.X_WO * shape.points_O, ignored_[target], options_.cover_above_m);
@@ -257,7 +257,7 @@ class Planner {
   // Moves a hand that would meet a wall horizontally, across its closing direction, and lowers the
   // score. Returns false if the required distance is too large.
   bool KeepOffWalls(double opening_m, Grasp& grasp) const {
-    const double most_m = input_.gripper.MaxAside_m();
+    const double max_m = input_.gripper.MaxAside_m();
     const Vector3d across_W = grasp.X_WG.linear().col(0).cross(Vector3d::UnitZ());
     const Eigen::Matrix3d spread = grasp.X_WG.linear().cwiseAbs();
     double move_m = 0;
@@ -270,12 +270,12 @@ class Planner {
         const double over_m = std::abs(center[axis]) + reach[axis] - room_m;
         if (over_m <= 0) continue;
         const double needed_m = over_m / -(std::copysign(1.0, center[axis]) * across_W[axis]);
-        if (!(std::abs(needed_m) <= most_m)) return false;
+        if (!(std::abs(needed_m) <= max_m)) return false;
         if (std::abs(needed_m) > std::abs(move_m)) move_m = needed_m;
       }
     }
     grasp.X_WG = Translation(move_m * across_W) * grasp.X_WG;
-    grasp.score *= 1 - options_.aside_share * std::abs(move_m) / std::max(most_m, kTouching_m);
+    grasp.score *= 1 - options_.aside_share * std::abs(move_m) / std::max(max_m, kTouching_m);
     return true;
   }
 
@@ -320,7 +320,7 @@ class Planner {
     const auto sweep = HandSweep(gripper, pending.opening_m);
     const auto between = gripper.RegionBetween(pending.opening_m);
     const auto seen =
-        field_.Look(grasp.X_WG, sweep, between, ignored_[grasp.hypothesis], options_.good_room_m);
+        field_.Query(grasp.X_WG, sweep, between, ignored_[grasp.hypothesis], options_.good_room_m);
     const auto palm = seen.distance_m.begin() + sweep.size() - 1;
     const double fingers = *std::min_element(seen.distance_m.begin(), palm);
     const double clearance_m = options_.clearance_share * gripper.clearance_m;
@@ -337,7 +337,7 @@ class Planner {
   const PlanOptions& options_;
   const RankingRow& ranking_;
   std::vector<AxisAlignedBox> bin_boxes_;
-  std::vector<std::optional<PartShape>> shapes_;  // by object; set if some pose names the object
+  std::vector<std::optional<ObjectShape>> shapes_;  // by object; set if some pose names the object
   ObstacleField field_;
   double lowest_ = std::numeric_limits<double>::infinity();
   double highest_ = -std::numeric_limits<double>::infinity();

@@ -35,7 +35,7 @@ struct PlanInput {
   std::span<const Eigen::Vector3d> cloud_W;  // observed points, with or without the bin
   const ObjectSet& objects;
   const Gripper& gripper;
-  std::span<const int> aims = {};  // indices of poses that may be grasped; empty = all
+  std::span<const int> targets = {};  // indices of poses that may be grasped; empty = all
 };
 
 // Candidate measure by which grasps are ranked, in addition to pose confidence, height and free
@@ -45,6 +45,7 @@ struct RankingRow {
   const char* help;
   double (*value)(const GraspCandidate& candidate);  // null = random order
 };
+// Returns all rankings, in the order of the help.
 std::span<const RankingRow> RankingTable();
 // Returns the row with this name. Throws InputError that lists the known names.
 const RankingRow& RankingNamed(const std::string& name);
@@ -114,10 +115,10 @@ struct PlanResult {
   std::vector<Grasp> grasps;              // best first
   bool with_relaxed_constraints = false;  // the second pass ran, whether or not it found a grasp
   // Cause -> count in the last pass. Counts and `grasps` sum to the candidates of all poses.
-  // Causes: tilt, quality, opening, bin floor, bin wall, fingers meet a part (also the stem of a
-  // cup), palm meets a part. The last two are checked from the best candidate on, until no other
-  // can be among the reported grasps. "not tried" counts the candidates not checked; "outranked"
-  // counts free grasps that are not among the best.
+  // Causes: tilt, quality, opening, bin floor, bin wall, fingers meet an instance (also the stem of
+  // a cup), palm meets an instance. The last two are checked from the best candidate on, until no
+  // other can be among the reported grasps. "not tried" counts the candidates not checked;
+  // "outranked" counts free grasps that are not among the best.
   std::map<std::string, int> rejected;
 };
 

@@ -107,12 +107,12 @@ void SurfaceMoments(const TriangleMesh& mesh, Vector3d& mean, Matrix3d& covarian
     const Vector3d a = mesh.vertices[triangle[0]];
     const Vector3d b = mesh.vertices[triangle[1]], c = mesh.vertices[triangle[2]];
     const double weight = 0.5 * (b - a).cross(c - a).norm();
-    const Vector3d middle = (a + b + c) / 3;
+    const Vector3d center = (a + b + c) / 3;
     area += weight;
-    first += weight * middle;
+    first += weight * center;
     second += weight / 12 *
               (a * a.transpose() + b * b.transpose() + c * c.transpose() +
-               9 * middle * middle.transpose());
+               9 * center * center.transpose());
   }
   mean = first / area;
   covariance = second / area - mean * mean.transpose();
@@ -211,12 +211,12 @@ void FitTolerance(const std::vector<ToleranceSample>& samples, const ToleranceFi
 
 Pose NearestError(const ToleranceModel& model, const Pose& X_OE) {
   Pose nearest = X_OE;
-  double least = std::numeric_limits<double>::infinity();
+  double minimum = std::numeric_limits<double>::infinity();
   for (const Pose& S : model.symmetry_poses_O) {
     const Pose X = S.inverse() * X_OE;
     const double motion = SquaredMotion(model, X);
-    if (motion >= least) continue;
-    least = motion;
+    if (motion >= minimum) continue;
+    minimum = motion;
     nearest = X;
   }
   return nearest;

@@ -87,9 +87,9 @@ double SuccessProbability(const ToleranceModel& model, const Pose& X_OE);
 // Probability for the grasp at X_OG.
 double SuccessProbability(const ToleranceModel& model, const Pose& X_OE, const Pose& X_OG);
 
-// Reads and writes the model as YAML; values read back unchanged. Throws InputError for an invalid
-// file.
+// Writes the model as YAML; values read back unchanged.
 void WriteToleranceModel(const std::filesystem::path& file, const ToleranceModel& model);
+// Reads a model. Throws InputError for an invalid file.
 ToleranceModel ReadToleranceModel(const std::filesystem::path& file);
 
 }  // namespace pickbed::grasp

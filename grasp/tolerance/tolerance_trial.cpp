@@ -26,11 +26,12 @@ std::optional<Grasp> BestGrasp(const Table& table, const Bin& bin, const Pose& X
   return plan.grasps.front();
 }
 
-Pose SettledPose(const ObjectModel& part, const Bin& bin, Pose X_WO, const TableOptions& options) {
+Pose SettledPose(const ObjectModel& object, const Bin& bin, Pose X_WO,
+                 const TableOptions& options) {
   PhysicsWorld world;
   world.AddBin(bin);
   X_WO.translation().z() += options.drop_m;
-  world.AddPart(part, X_WO);
+  world.AddInstance(object, X_WO);
   while (world.time_s() < options.settle_s && !world.AllAsleep()) world.Step();
   return world.X_WO(0);
 }
@@ -96,20 +97,20 @@ void TableOptions::Visit(SettingsVisitor& v) {
             "maximum number of choices until the planner finds a grasp");
 }
 
-Table MakeTable(std::shared_ptr<const ObjectModel> part, std::shared_ptr<const Gripper> gripper,
+Table MakeTable(std::shared_ptr<const ObjectModel> object, std::shared_ptr<const Gripper> gripper,
                 std::vector<GraspCandidate> candidates, const TableOptions& options) {
   CheckSettings("TableOptions", options);
-  const std::string who = fmt::format("{} with {}", part->name, gripper->name);
+  const std::string who = fmt::format("{} with {}", object->name, gripper->name);
   CheckInput(!candidates.empty(), who + ": the object has no grasp that fits this gripper");
-  Table table{{part}, std::move(gripper), std::move(candidates), {}};
+  Table table{{object}, std::move(gripper), std::move(candidates), {}};
   Bin bin;
   bin.inner_size_m = options.size_m;
   bin.friction = options.friction;
   bool any = false;
-  for (const RestingPose& pose : FindRestingPoses(*part, options.drops)) {
+  for (const RestingPose& pose : FindRestingPoses(*object, options.drops)) {
     if (pose.probability < options.min_probability) continue;
     RestingPlace place{
-        {bin, {{InstanceId{0}, ObjectId{0}, SettledPose(*part, bin, pose.X_WO, options)}}},
+        {bin, {{InstanceId{0}, ObjectId{0}, SettledPose(*object, bin, pose.X_WO, options)}}},
         pose.probability};
     place.graspable =
         BestGrasp(table, bin, place.scene.objects[0].X_WO, table.candidates, {}).has_value();

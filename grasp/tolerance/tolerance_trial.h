@@ -53,7 +53,7 @@ struct Table {
 // Finds the resting poses of an object on a table. Throws InputError if there are no candidates, or
 // if the table leaves none of them free in any resting pose; the message names object and gripper.
 // The object must have convex pieces (std::logic_error).
-Table MakeTable(std::shared_ptr<const ObjectModel> part, std::shared_ptr<const Gripper> gripper,
+Table MakeTable(std::shared_ptr<const ObjectModel> object, std::shared_ptr<const Gripper> gripper,
                 std::vector<GraspCandidate> candidates, const TableOptions& options = {});
 
 // Grasp at the object in one of Table::places.

@@ -79,11 +79,11 @@ double OverlapWith(const std::vector<const Candidate*>& evident, const Candidate
   const Eigen::Vector3d center_C = CenterOf(candidate, model);
   double deepest = 0;
   for (const Candidate* other : evident) {
-    const bool same_part = other->hypothesis.object == object;
-    if (!same_part && other->evidence <= candidate.evidence) continue;
+    const bool same_object = other->hypothesis.object == object;
+    if (!same_object && other->evidence <= candidate.evidence) continue;
     const ModelPoints& theirs = models[other->hypothesis.object];
     const double apart_m = (CenterOf(*other, theirs) - center_C).norm();
-    if (same_part && apart_m < kSamePlaceDiameters * model.diameter_m) continue;
+    if (same_object && apart_m < kSamePlaceDiameters * model.diameter_m) continue;
     const double depth_m =
         PenetrationDepth(model, candidate.hypothesis.X_CO, theirs, other->hypothesis.X_CO);
     deepest = std::max(deepest, depth_m / std::min(model.diameter_m, theirs.diameter_m));

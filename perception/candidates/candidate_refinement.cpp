@@ -70,7 +70,7 @@ void CandidateRefinementOptions::Visit(SettingsVisitor& v) {
 CandidateRefiner::CandidateRefiner(const ObjectSet& objects,
                                    const CandidateRefinementOptions& options, int threads)
     : objects_(objects), options_(options), threads_(threads) {
-  CheckSettings("AssessmentOptions", options);
+  CheckSettings("CandidateRefinementOptions", options);
   CheckSettings("ProjectiveIcpOptions", options.icp);
   for (const auto& object : objects_) {
     models_.push_back(MakeModelPoints(*object));
@@ -144,7 +144,7 @@ RawHypothesis CandidateRefiner::Refined(const OrganizedCloud& cloud,
   best.quick_score = static_cast<float>(QuickScore(cloud, model, start.X_CO, final_m));
   for (int run = 0; run < (options_.two_correspondence_distances ? 2 : 1); ++run) {
     icp.max_correspondence_distance_m = std::max(run == 0 ? first_m : 0.5 * first_m, final_m);
-    const Pose X_CO = ProjectiveIcp(cloud, model, start.X_CO, icp).X_CO;
+    const Pose X_CO = ProjectiveIcpUnchecked(cloud, model, start.X_CO, icp).X_CO;
     const float score = static_cast<float>(QuickScore(cloud, model, X_CO, final_m));
     if (score < best.quick_score || (run > 0 && score == best.quick_score)) continue;
     best.X_CO = X_CO;
@@ -163,7 +163,7 @@ void CandidateRefiner::RefineFinely(const OrganizedCloud& cloud, RawHypothesis& 
   icp.coarse_iterations = 0;
   icp.fine_iterations = options_.fine_steps;
   icp.max_points = options_.fine_points;
-  const Pose X_CO = ProjectiveIcp(cloud, model, pose.X_CO, icp).X_CO;
+  const Pose X_CO = ProjectiveIcpUnchecked(cloud, model, pose.X_CO, icp).X_CO;
   const float score =
       static_cast<float>(QuickScore(cloud, model, X_CO, icp.final_correspondence_distance_m));
   if (score < pose.quick_score - kMaxLoss) return;
@@ -323,12 +323,12 @@ std::vector<int> CandidateRefiner::Unexplained(const OrganizedCloud& cloud,
 
 void CandidateRefiner::Compare(std::vector<Candidate>& candidates, StageSeconds& seconds) const {
   const StageTimer timer(seconds, "verify");
-  std::vector<std::vector<Candidate*>> by_part(objects_.size());
+  std::vector<std::vector<Candidate*>> by_object(objects_.size());
   for (Candidate& candidate : candidates) {
-    by_part[candidate.hypothesis.object].push_back(&candidate);
+    by_object[candidate.hypothesis.object].push_back(&candidate);
   }
-  for (size_t part = 0; part < by_part.size(); ++part) {
-    FillMargins(distances_[part], models_[part], by_part[part]);
+  for (size_t object = 0; object < by_object.size(); ++object) {
+    FillMargins(distances_[object], models_[object], by_object[object]);
   }
   const std::vector<const Candidate*> evident = EvidentCandidates(candidates, models_);
   ForRanges(static_cast<int>(candidates.size()), threads_, [&](int begin, int end) {

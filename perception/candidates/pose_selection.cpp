@@ -28,6 +28,14 @@ std::vector<PoseHypothesis> Scored(const OrganizedCloud& cloud,
 
 }  // namespace
 
+void PoseSelectionOptions::Visit(SettingsVisitor& v) {
+  v.Real("min_score", min_score, {0, 1}, "minimum score of a reported pose");
+  v.Real("merge_diameters", merge_diameters, {0, 10},
+         "pose distance within which poses of one object are merged, diameters");
+  v.Group(
+      "suppress", [this](SettingsVisitor& g) { suppress.Visit(g); }, "non-maximum suppression");
+}
+
 double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
                       const Verifier& verifier, const Candidate& candidate, CandidateMode mode,
                       double min_score) {
@@ -43,6 +51,7 @@ std::vector<PoseHypothesis> SelectPoses(const OrganizedCloud& cloud,
                                         const std::vector<Candidate>& candidates,
                                         const PoseSelectionOptions& options,
                                         std::span<const int> instances) {
+  CheckSettings("PoseSelectionOptions", options);
   std::vector<PoseHypothesis> kept;
   for (const PoseHypothesis& hypothesis : Scored(cloud, models, verifiers, candidates, options)) {
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const PoseHypothesis& better) {

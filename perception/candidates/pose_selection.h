@@ -10,6 +10,7 @@
 #include "perception/candidates/candidate_refinement.h"
 #include "perception/verify/non_maximum_suppression.h"
 #include "perception/voting/pose_clustering.h"
+#include "scenes/base/settings.h"
 
 namespace pickbed::perception {
 
@@ -18,6 +19,8 @@ struct PoseSelectionOptions {
   double merge_diameters = 0.1;  // poses of one object within this pose distance are merged
   CandidateMode mode = CandidateMode::kAccurate;
   NonMaximumSuppressionOptions suppress;
+  // Visits all options except `mode`.
+  void Visit(SettingsVisitor& v);
 };
 
 // Returns the verifier's score, lowered if the surface texture contradicts the pose. The texture is
@@ -27,7 +30,8 @@ double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
                       double min_score = 0);
 
 // Returns the selected hypotheses by decreasing score. `models`, `distances`, `verifiers` and, if
-// not empty, `instances` (see EstimatorInput) are by object index.
+// not empty, `instances` (see EstimatorInput) are by object index. Throws InputError for options
+// out of range.
 std::vector<PoseHypothesis> SelectPoses(const OrganizedCloud& cloud,
                                         const std::vector<ModelPoints>& models,
                                         const std::vector<PoseDistance>& distances,

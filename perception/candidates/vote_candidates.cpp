@@ -45,9 +45,9 @@ std::vector<int> SpreadPixels(const std::vector<int>& foreground, int count, Rng
   return pixels;
 }
 
-ObjectSet ModelsOf(const std::vector<CandidatePart>& parts) {
+ObjectSet ModelsOf(const std::vector<CandidateObject>& objects) {
   ObjectSet models;
-  for (const CandidatePart& part : parts) models.push_back(part.model);
+  for (const CandidateObject& object : objects) models.push_back(object.model);
   return models;
 }
 
@@ -84,13 +84,13 @@ CandidateOptions AccurateCandidates() {
 }
 
 struct CandidateFinder::Impl {
-  std::vector<CandidatePart> parts;
+  std::vector<CandidateObject> objects;
   PatchVoter voter;
   CandidateOptions options;
   int threads;
   CandidateRefiner candidate_refiner;
-  std::vector<PartRotations> rotations;  // by object
-  std::vector<PoseTargets> targets;      // by object
+  std::vector<ObjectRotations> rotations;  // by object
+  std::vector<PoseTargets> targets;        // by object
   std::vector<SideGroup> groups;
 
   void BuildGroups();
@@ -106,20 +106,20 @@ struct CandidateFinder::Impl {
   std::vector<PatchVote> Cast(const SideGroup& group, const PatchSet& patches,
                               StageSeconds& seconds) const;
   std::vector<PoseVote> ModesOf(ObjectId object, const std::vector<PatchVote>& votes) const;
-  // Samples the pixels `looked_at` and returns candidates from the votes of their patches.
-  std::vector<Candidate> Round(const OrganizedCloud& cloud, const std::vector<int>& looked_at,
+  // Samples the pixels `visited` and returns candidates from the votes of their patches.
+  std::vector<Candidate> Round(const OrganizedCloud& cloud, const std::vector<int>& visited,
                                double share, Rng& rng, StageSeconds& seconds,
                                EstimateTrace* trace) const;
 };
 
 void CandidateFinder::Impl::BuildGroups() {
   std::map<long, std::vector<ObjectId>> by_side;  // micrometres
-  for (size_t p = 0; p < parts.size(); ++p) {
-    by_side[std::lround(parts[p].side_m * 1e6)].push_back(ObjectId(p));
+  for (size_t p = 0; p < objects.size(); ++p) {
+    by_side[std::lround(objects[p].side_m * 1e6)].push_back(ObjectId(p));
   }
   for (const auto& [side_um, members] : by_side) {
     SideGroup group;
-    group.side_m = parts[members.front()].side_m;
+    group.side_m = objects[members.front()].side_m;
     group.objects = members;
     if (options.votes == kRegressed) {
       groups.push_back(std::move(group));
@@ -127,13 +127,13 @@ void CandidateFinder::Impl::BuildGroups() {
     }
     std::vector<float> rows;
     for (const ObjectId p : members) {
-      ObjectCodes& codes = parts[p].codes;
+      ObjectCodes& codes = objects[p].codes;
       rows.insert(rows.end(), codes.descriptors.begin(), codes.descriptors.end());
       for (size_t i = 0; i < codes.size(); ++i) group.entries.push_back({p, static_cast<int>(i)});
       codes.descriptors = {};  // saves memory; the index has a copy
     }
     group.index = std::make_unique<NeighborIndex>(
-        std::move(rows), parts[members.front()].codes.length, options.index);
+        std::move(rows), objects[members.front()].codes.length, options.index);
     groups.push_back(std::move(group));
   }
 }
@@ -153,7 +153,7 @@ std::vector<PatchVote> CandidateFinder::Impl::LookUp(const SideGroup& group,
     if (found.rows[i] < 0) continue;
     const SideGroup::Entry& entry = group.entries[found.rows[i]];
     const int patch = static_cast<int>(i) / options.neighbors;
-    const Pose X_CO = patches.X_CP[patch] * CodePose(parts[entry.object].codes, entry.code);
+    const Pose X_CO = patches.X_CP[patch] * CodePose(objects[entry.object].codes, entry.code);
     votes.push_back({entry.object, {X_CO, patch}, std::sqrt(found.squared[i])});
   }
   return votes;
@@ -168,7 +168,7 @@ std::vector<PatchVote> CandidateFinder::Impl::Regress(const SideGroup& group,
   std::vector<PatchVote> votes;
   for (size_t patch = 0; patch < patches.size(); ++patch) {
     for (const ObjectId object : group.objects) {
-      const size_t row = patch * voter.parts + parts[object].trained;
+      const size_t row = patch * voter.object_count + objects[object].trained;
       const std::span<const float> said(values.data() + row * kPoseValues, kPoseValues);
       if (said[0] < options.min_share) continue;
       votes.push_back(
@@ -217,21 +217,21 @@ std::vector<PoseVote> CandidateFinder::Impl::ModesOf(ObjectId object,
   for (const PatchVote& vote : votes) cast.push_back({vote.vote.X_CO, vote.distance});
   std::vector<PoseVote> modes;
   for (const VoteMode& mode :
-       FindVoteModes(*parts[object].model, rotations[object], cast, options.modes)) {
+       FindVoteModes(*objects[object].model, rotations[object], cast, options.modes)) {
     modes.push_back({mode.X_CO, kNoPatch});
   }
   return modes;
 }
 
 std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
-                                                    const std::vector<int>& looked_at, double share,
+                                                    const std::vector<int>& visited, double share,
                                                     Rng& rng, StageSeconds& seconds,
                                                     EstimateTrace* trace) const {
   const int of_all = std::max(options.min_points, options.points / static_cast<int>(groups.size()));
   const std::vector<int> pixels = SpreadPixels(
-      looked_at, static_cast<int>(std::ceil(share * std::min(options.points, of_all))), rng);
+      visited, static_cast<int>(std::ceil(share * std::min(options.points, of_all))), rng);
   if (pixels.empty()) return {};
-  std::vector<std::vector<PatchVote>> votes(parts.size());
+  std::vector<std::vector<PatchVote>> votes(objects.size());
   for (const SideGroup& group : groups) Vote(group, cloud, pixels, rng, seconds, votes, trace);
   std::vector<Candidate> candidates;
   for (size_t p = 0; p < votes.size(); ++p) {
@@ -243,29 +243,29 @@ std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
       const StageTimer timer(seconds, "modes");
       poses = ModesOf(object, votes[p]);
     }
-    const std::vector<Candidate> of_part =
+    const std::vector<Candidate> of_object =
         candidate_refiner.RefineCandidates(cloud, object, options.votes == kModes ? poses : cast,
                                            cast, patches, share, seconds, trace);
-    candidates.insert(candidates.end(), of_part.begin(), of_part.end());
+    candidates.insert(candidates.end(), of_object.begin(), of_object.end());
   }
   return candidates;
 }
 
-CandidateFinder::CandidateFinder(std::vector<CandidatePart> parts, PatchVoter voter,
+CandidateFinder::CandidateFinder(std::vector<CandidateObject> objects, PatchVoter voter,
                                  const CandidateOptions& options, int threads) {
   CheckSettings("CandidateOptions", options);
   const bool regresses = options.votes == kRegressed || options.votes == kBoth;
   CheckInput(!regresses || voter.regress,
              "candidates.votes: the network regresses no poses; set candidates.votes to neighbors "
              "or modes");
-  CandidateRefiner candidate_refiner(ModelsOf(parts), options, threads);
-  std::vector<PartRotations> rotations;
+  CandidateRefiner candidate_refiner(ModelsOf(objects), options, threads);
+  std::vector<ObjectRotations> rotations;
   std::vector<PoseTargets> targets;
-  for (const CandidatePart& part : parts) {
-    rotations.emplace_back(part.model->symmetries_O);
-    targets.emplace_back(*part.model, part.side_m);
+  for (const CandidateObject& object : objects) {
+    rotations.emplace_back(object.model->symmetries_O);
+    targets.emplace_back(*object.model, object.side_m);
   }
-  impl_ = std::make_unique<Impl>(Impl{std::move(parts),
+  impl_ = std::make_unique<Impl>(Impl{std::move(objects),
                                       std::move(voter),
                                       options,
                                       threads,

@@ -36,7 +36,7 @@ struct CandidateOptions : CandidateRefinementOptions {
 CandidateOptions AccurateCandidates();
 
 // An object with its patch size and codebook.
-struct CandidatePart {
+struct CandidateObject {
   std::shared_ptr<const ObjectModel> model;
   double side_m = 0;  // patch side
   ObjectCodes codes;  // empty if poses are only regressed
@@ -48,7 +48,7 @@ class CandidateFinder : public CandidateSource {
  public:
   // Results do not depend on the number of threads. Throws InputError if the options ask for
   // regressed poses and the network regresses none.
-  CandidateFinder(std::vector<CandidatePart> parts, PatchVoter voter,
+  CandidateFinder(std::vector<CandidateObject> objects, PatchVoter voter,
                   const CandidateOptions& options, int threads = 1);
   ~CandidateFinder() override;
 

@@ -324,8 +324,17 @@ std::vector<BackgroundPlane> FitWalls(const Points& points, const BackgroundPlan
 
 }  // namespace
 
+void BackgroundOptions::Visit(SettingsVisitor& v) {
+  v.Real("margin_m", margin_m, {0, 1}, "distance at which a point is on a plane, m, at 1 m");
+  v.Real("min_plane_share", min_plane_share, {0, 1},
+         "minimum share of all points on the table or floor");
+  v.Real("min_hidden_share", min_hidden_share, {0, 1},
+         "minimum share of all points on a plane that has almost no points behind it");
+}
+
 std::vector<BackgroundPlane> FitBackground(const Points& points_C,
                                            const BackgroundOptions& options) {
+  CheckSettings("BackgroundOptions", options);
   if (points_C.size() < 3) return {};
   const std::optional<BackgroundPlane> floor = FitFloor(points_C, options);
   if (!floor) return {};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "perception/layer.h"
+#include "scenes/base/settings.h"
 
 namespace pickbed::perception {
 
@@ -22,6 +23,7 @@ struct BackgroundOptions {
   double margin_m = 0.004;  // points this near to a plane are on it; stated at 1 m, grows with z^2
   double min_plane_share = 0.25;   // minimum share of all points on the table or floor
   double min_hidden_share = 0.03;  // the same for a plane with at most 1 % of the points behind it
+  void Visit(SettingsVisitor& v);
 };
 
 // Finds the background planes from a sparse set of points. A point on or behind any returned plane
@@ -33,7 +35,7 @@ struct BackgroundOptions {
 //   A wall is a line on the floor with many points above it and almost none further out.
 // - The floor of the bin itself, if it hides the table.
 // Returns walls first and the table or floor last; empty if there is no table or floor. The result
-// is deterministic.
+// is deterministic. Throws InputError for options out of range.
 std::vector<BackgroundPlane> FitBackground(const std::vector<Eigen::Vector3f>& points_C,
                                            const BackgroundOptions& options);
 

@@ -8,11 +8,12 @@
 
 #include "perception/cloud/normals.h"
 #include "scenes/base/error.h"
+#include "scenes/camera/depth_points.h"
 
 namespace pickbed::perception {
 namespace {
 
-void CheckOptions(const RgbdFrame& frame, const CloudOptions& o) {
+void CheckArguments(const RgbdFrame& frame, const CloudOptions& o) {
   const CameraIntrinsics& k = frame.intrinsics;
   CheckInput(!frame.depth_m.empty(),
              "the frame has no depth image; give it one, because poses are found in depth");
@@ -26,7 +27,8 @@ void CheckOptions(const RgbdFrame& frame, const CloudOptions& o) {
              fmt::format("colour image is {}x{} and depth image {}x{}: give the frame colour that "
                          "is registered to depth",
                          frame.color.width(), frame.color.height(), k.width(), k.height()));
-  CheckInput(o.normal_window_px % 2 == 1 && o.normal_window_px >= 3 && o.normal_window_px <= 15,
+  CheckSettings("CloudOptions", o);
+  CheckInput(o.normal_window_px % 2 == 1,
              fmt::format("normal_window_px is {}: use an odd number in 3..15", o.normal_window_px));
 }
 
@@ -34,13 +36,10 @@ std::vector<Eigen::Vector3f> SparsePoints(const CameraIntrinsics& k, const Image
   constexpr int kColumns = 80;  // gives some thousands of points, enough to fit planes
   const int stride = std::max(1, k.width() / kColumns);
   std::vector<Eigen::Vector3f> points;
-  for (int y = stride / 2; y < k.height(); y += stride) {
-    for (int x = stride / 2; x < k.width(); x += stride) {
-      if (depth_m(x, y) > 0 && std::isfinite(depth_m(x, y))) {
-        points.push_back(BackProject(k, x, y, depth_m(x, y)).cast<float>());
-      }
-    }
-  }
+  ForEachDepthPoint(
+      k, depth_m,
+      [&](int, int, const Eigen::Vector3d& p_C) { points.push_back(p_C.cast<float>()); }, stride,
+      /*first=*/stride / 2);
   return points;
 }
 
@@ -160,9 +159,19 @@ Image<float> FillSinglePixelHoles(const Image<float>& depth_m) {
   return filled;
 }
 
+void CloudOptions::Visit(SettingsVisitor& v) {
+  v.Real("background_margin_m", background_margin_m, {0, 1},
+         "distance at which a pixel is on floor or walls, m, at 1 m");
+  v.Integer("normal_window_px", normal_window_px, {3, 15}, "side of the plane-fit window, px, odd");
+  v.Real("fit_band_m", fit_band_m, {1e-6, 1},
+         "half width of the depth band of the plane fit, m, at 1 m");
+  v.Real("min_plane_share", min_plane_share, {0, 1},
+         "minimum share of all points on the table or floor; 1 = no background is removed");
+}
+
 OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
                           const CloudOptions& options) {
-  CheckOptions(frame, options);
+  CheckArguments(frame, options);
   OrganizedCloud cloud;
   cloud.intrinsics = frame.intrinsics;
   cloud.color = frame.color;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "perception/cloud/background_fit.h"
+#include "scenes/base/settings.h"
 #include "scenes/bin/bin.h"
 #include "scenes/camera/rgbd_frame.h"
 
@@ -30,9 +31,10 @@ struct CloudOptions {
   double fit_band_m = 0.010;
 
   // Used without a known background: a plane with at least this share of the points is the table or
-  // floor. FitBackground() describes what else is found. At 1 or more, no background is removed
-  // (for views of an isolated object).
+  // floor. FitBackground() describes what else is found. At 1, no background is removed (for views
+  // of an isolated object).
   double min_plane_share = 0.25;
+  void Visit(SettingsVisitor& v);
 };
 
 // Point cloud with the layout of the image; arrays have width * height entries, row by row.
@@ -55,7 +57,7 @@ struct OrganizedCloud {
 
 // Preprocesses a frame. With `background` the foreground is what is inside the bin; without it the
 // background planes are fitted. Throws InputError for a frame without depth, for a depth or colour
-// image whose size differs from the intrinsics, and for a window size out of range.
+// image whose size differs from the intrinsics, and for options out of range.
 OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
                           const CloudOptions& options = {});
 

@@ -19,7 +19,7 @@ constexpr CropCondition kConditions[] = {
 };
 
 constexpr double kWider = 2;          // widens a neighbour's image, so that it shows all of it
-constexpr int kTries = 12;            // maximum number of occluders sampled per view
+constexpr int kMaxSamples = 12;       // maximum number of occluders sampled per view
 constexpr double kNearEnough = 0.02;  // tolerance of the hidden share
 constexpr int kNeighbours = 3;        // in the background of a view
 
@@ -27,7 +27,7 @@ constexpr int kNeighbours = 3;        // in the background of a view
 // nor a wall.
 constexpr double kSimilarSize = 1.7;
 
-ObjectId SimilarPart(const ObjectSet& objects, ObjectId object, Rng& rng) {
+ObjectId SimilarObject(const ObjectSet& objects, ObjectId object, Rng& rng) {
   std::vector<ObjectId> similar;
   for (ObjectId other{0}; other < static_cast<int>(objects.size()); ++other) {
     const double ratio = objects[other]->diameter_m / objects[object]->diameter_m;
@@ -41,7 +41,7 @@ ObjectId SimilarPart(const ObjectSet& objects, ObjectId object, Rng& rng) {
 LabelledView Neighbour(const CropSources& sources, ObjectId object, double side,
                        const CropViewOptions& options, Rng& rng) {
   const ObjectSet& objects = sources.clean->objects();
-  const ObjectId other = SimilarPart(objects, object, rng);
+  const ObjectId other = SimilarObject(objects, object, rng);
   const double apart_m = 0.5 * (objects[object]->diameter_m + objects[other]->diameter_m);
   const double z_m = options.distance_diameters * objects[object]->diameter_m + side * apart_m;
   const Eigen::Matrix3d R_CO = rng.Rotation().toRotationMatrix();
@@ -87,7 +87,7 @@ void Draw(const LabelledView& neighbour, int dx, int dy, LabelledView& view) {
   });
 }
 
-int PartPixels(const LabelledView& view) {
+int ObjectPixels(const LabelledView& view) {
   return static_cast<int>(std::count(view.ids.pixels().begin(), view.ids.pixels().end(), 1));
 }
 
@@ -99,7 +99,7 @@ struct Cover {
 
 // Moves the blocker towards the object from a random direction until it hides the share.
 Cover SlideIn(const LabelledView& view, LabelledView blocker, double share, Rng& rng) {
-  const double pixels = PartPixels(view);
+  const double pixels = ObjectPixels(view);
   const double angle_rad = rng.Uniform(-std::numbers::pi, std::numbers::pi);
   Cover cover{std::move(blocker)};
   for (int distance = view.ids.width() * 3 / 2; distance >= 0; --distance) {
@@ -114,7 +114,7 @@ Cover SlideIn(const LabelledView& view, LabelledView blocker, double share, Rng&
 double Occlude(const CropSources& sources, ObjectId object, double share,
                const CropViewOptions& options, Rng& rng, LabelledView& view) {
   Cover best;
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kMaxSamples; ++i) {
     Cover cover = SlideIn(view, Neighbour(sources, object, -1, options, rng), share, rng);
     const bool is_better = std::abs(cover.hidden - share) < std::abs(best.hidden - share);
     if (i == 0 || is_better) best = std::move(cover);

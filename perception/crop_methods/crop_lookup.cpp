@@ -7,9 +7,9 @@
 namespace pickbed::perception {
 namespace {
 
-class CropLookUp : public CropMethod {
+class CropLookup : public CropMethod {
  public:
-  CropLookUp(std::shared_ptr<const CropTrainingSet> training_set, DescribeCrops describe,
+  CropLookup(std::shared_ptr<const CropTrainingSet> training_set, DescribeCrops describe,
              int length, int threads)
       : training_set_(std::move(training_set)),
         describe_(std::move(describe)),
@@ -46,11 +46,11 @@ class CropLookUp : public CropMethod {
 
   std::vector<float> TemplateRows(int threads) {
     std::vector<float> rows;
-    for (const ObjectCrops& of_part : training_set_->templates) {
-      const std::vector<float> described = describe_(of_part.crops, threads);
+    for (const ObjectCrops& of_object : training_set_->templates) {
+      const std::vector<float> described = describe_(of_object.crops, threads);
       rows.insert(rows.end(), described.begin(), described.end());
-      for (size_t i = 0; i < of_part.crops.size(); ++i) {
-        entries_.push_back({of_part.object, static_cast<int>(i)});
+      for (size_t i = 0; i < of_object.crops.size(); ++i) {
+        entries_.push_back({of_object.object, static_cast<int>(i)});
       }
     }
     return rows;
@@ -64,9 +64,9 @@ class CropLookUp : public CropMethod {
 
 }  // namespace
 
-std::unique_ptr<CropMethod> MakeCropLookUp(std::shared_ptr<const CropTrainingSet> training_set,
+std::unique_ptr<CropMethod> MakeCropLookup(std::shared_ptr<const CropTrainingSet> training_set,
                                            DescribeCrops describe, int length, int threads) {
-  return std::make_unique<CropLookUp>(std::move(training_set), std::move(describe), length,
+  return std::make_unique<CropLookup>(std::move(training_set), std::move(describe), length,
                                       threads);
 }
 

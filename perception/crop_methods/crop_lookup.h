@@ -12,9 +12,9 @@ namespace pickbed::perception {
 // Returns one row of equal length per crop. Uses at most `threads` threads.
 using DescribeCrops = std::function<std::vector<float>(const CropSet& crops, int threads)>;
 
-// Makes a method that describes all templates of `lesson` and searches them exactly. `length` is
-// the number of values in a row.
-std::unique_ptr<CropMethod> MakeCropLookUp(std::shared_ptr<const CropTrainingSet> training_set,
+// Makes a method that describes all templates of `training_set` and searches them exactly. `length`
+// is the number of values in a row.
+std::unique_ptr<CropMethod> MakeCropLookup(std::shared_ptr<const CropTrainingSet> training_set,
                                            DescribeCrops describe, int length, int threads);
 
 }  // namespace pickbed::perception

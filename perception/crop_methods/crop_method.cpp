@@ -17,7 +17,7 @@ std::unique_ptr<CropMethod> MakeWohlhart(const CropMethodSetup& setup,
   }
   const std::shared_ptr<const WohlhartNetwork> network = TrainWohlhart(job, options);
   if (network == nullptr) return nullptr;
-  return MakeCropLookUp(
+  return MakeCropLookup(
       setup.training_set,
       [network](const CropSet& crops, int threads) { return network->Describe(crops, threads); },
       network->length(), setup.threads);
@@ -46,7 +46,7 @@ std::unique_ptr<CropMethod> MakeColorWohlhart(const CropMethodSetup& setup) {
 }
 
 std::unique_ptr<CropMethod> MakeHog(const CropMethodSetup& setup) {
-  return MakeCropLookUp(setup.training_set, DescribeByHog, kHogLength, setup.threads);
+  return MakeCropLookup(setup.training_set, DescribeByHog, kHogLength, setup.threads);
 }
 
 // Returns random templates: the lower bound for any method.
@@ -61,10 +61,10 @@ class RandomMethod : public CropMethod {
       // The seed depends on the crop, so objects and conditions get different answers.
       Rng rng(HashBytes(crops.depth_of(i).data(), crops.depth_of(i).size_bytes(), seed_));
       for (int n = 0; n < k; ++n) {
-        const ObjectCrops& of_part =
+        const ObjectCrops& of_object =
             training_set_->templates[rng.Index(static_cast<int>(training_set_->templates.size()))];
-        answers[i].push_back({of_part.object,
-                              of_part.R_CO[rng.Index(static_cast<int>(of_part.R_CO.size()))],
+        answers[i].push_back({of_object.object,
+                              of_object.R_CO[rng.Index(static_cast<int>(of_object.R_CO.size()))],
                               static_cast<double>(n)});
       }
     }

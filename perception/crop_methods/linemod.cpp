@@ -68,16 +68,16 @@ class LinemodMethod : public CropMethod {
                   {std::begin(kLevels), std::end(kLevels)}) {
     cv::setNumThreads(1);
     views_.resize(training_set_->templates.size());
-    for (size_t part = 0; part < views_.size(); ++part) {
-      const CropSet& crops = training_set_->templates[part].crops;
+    for (size_t object = 0; object < views_.size(); ++object) {
+      const CropSet& crops = training_set_->templates[object].crops;
       for (size_t i = 0; i < crops.size(); ++i) {
         const int added =
-            detector_.addTemplate(Sources(crops, i), std::to_string(part), MaskOf(crops, i));
-        if (added >= 0) views_[part].push_back(static_cast<int>(i));
+            detector_.addTemplate(Sources(crops, i), std::to_string(object), MaskOf(crops, i));
+        if (added >= 0) views_[object].push_back(static_cast<int>(i));
       }
-      CheckInput(!views_[part].empty(),
+      CheckInput(!views_[object].empty(),
                  fmt::format("object '{}' has too few gradients and normals for LINEMOD",
-                             training_set_->objects[part]->name));
+                             training_set_->objects[object]->name));
     }
   }
 
@@ -101,9 +101,9 @@ class LinemodMethod : public CropMethod {
     }
     std::vector<CropAnswer> answers;
     for (const auto& [key, similarity] : best) {
-      const auto [part, added] = key;
-      answers.push_back({training_set_->templates[part].object,
-                         training_set_->templates[part].R_CO[views_[part][added]],
+      const auto [object, added] = key;
+      answers.push_back({training_set_->templates[object].object,
+                         training_set_->templates[object].R_CO[views_[object][added]],
                          100.0 - similarity});
     }
     const size_t kept = std::min<size_t>(k, answers.size());

@@ -173,11 +173,11 @@ void ForEachCropView(LabelledViewSource& views, ObjectId object, const Rotations
 ObjectCrops RenderCrops(LabelledViewSource& views, ObjectId object, const Rotations& R_CO,
                         const CropViewOptions& options, uint64_t seed) {
   CheckSettings("CropViewOptions", options);
-  const ObjectModel& part = *views.objects()[object];
+  const ObjectModel& model = *views.objects()[object];
   ObjectCrops out{object, R_CO, {}};
   ForEachCropView(views, object, R_CO, options, seed, [&](const LabelledView& view) {
-    const CropSpot spot{view.instances.front().X_CO * CropCenter_O(part),
-                        CropSide_m(part, options)};
+    const CropSpot spot{view.instances.front().X_CO * CropCenter_O(model),
+                        CropSide_m(model, options)};
     AppendCrop(view.frame, spot, &view.ids, out.crops);
   });
   return out;
@@ -200,9 +200,9 @@ CropTrainingSet MakeCropTrainingSet(LabelledViewSource& clean, LabelledViewSourc
   const Rotations templates = TemplateRotations(options), further = TrainingRotations(options);
   Rotations all = templates;
   all.insert(all.end(), further.begin(), further.end());
-  const int parts = static_cast<int>(training_set.objects.size());
-  for (ObjectId object{0}; object < parts; ++object) {
-    if (on_share && !on_share(1.0 * object / parts)) break;
+  const int object_count = static_cast<int>(training_set.objects.size());
+  for (ObjectId object{0}; object < object_count; ++object) {
+    if (on_share && !on_share(1.0 * object / object_count)) break;
     const auto stream = [&](const char* name) { return Rng::Derive(seed, object, name).Next(); };
     training_set.templates.push_back(
         RenderCrops(clean, object, templates, options, stream("templates")));

@@ -51,8 +51,9 @@ Rotations TrainingRotations(const CropViewOptions& options);
 // random if in_plane > 1.
 Rotations TestRotations(int count, const CropViewOptions& options, Rng& rng);
 
-// Side of a crop, and center of the object's bounding box.
+// Returns the side of a crop, in m.
 double CropSide_m(const ObjectModel& object, const CropViewOptions& options);
+// Returns the center of the object's bounding box in O, in m.
 Eigen::Vector3d CropCenter_O(const ObjectModel& object);
 // Returns the camera of a crop view; its image is 1.5 * `wider` times as wide as the crop.
 CameraIntrinsics CropCamera(const CropViewOptions& options, double wider = 1);

@@ -64,22 +64,22 @@ Pose AppendNearCenter(const RgbdFrame& frame, const Image<uint16_t>& ids,
 
 void AppendIsolated(LabelledViewSource& views, ObjectId object, const WholeViewOptions& options,
                     Rng& rng, ObjectCrops& out) {
-  const ObjectModel& part = *views.objects()[object];
+  const ObjectModel& model = *views.objects()[object];
   Rotations R_CO(options.isolated);
   for (Eigen::Matrix3d& R : R_CO) R = rng.Rotation().toRotationMatrix();
   ForEachCropView(views, object, R_CO, options.templates, rng.Next(), [&](const LabelledView& v) {
     const Pose& X_CO = v.instances.front().X_CO;
     const auto pixels = PixelsByDistance(v.frame.depth_m, v.ids, 1, v.frame.intrinsics,
-                                         X_CO * CropCenter_O(part), part.diameter_m);
+                                         X_CO * CropCenter_O(model), model.diameter_m);
     if (pixels.empty()) return;
     AppendNearCenter(v.frame, v.ids, pixels, options.off_center,
-                     CropSide_m(part, options.templates), X_CO, rng, out);
+                     CropSide_m(model, options.templates), X_CO, rng, out);
   });
 }
 
 void AppendScene(LabelledViewSource& views, ObjectId object, const WholeViewOptions& options,
                  Rng& rng, ObjectCrops& out) {
-  const ObjectModel& part = *views.objects()[object];
+  const ObjectModel& model = *views.objects()[object];
   for (const LabelledView& view :
        views.ClutterScene({rng.Next(), options.views_per_scene, object, true})) {
     const OrganizedCloud cloud = BuildCloud(view.frame, view.background);
@@ -89,10 +89,10 @@ void AppendScene(LabelledViewSource& views, ObjectId object, const WholeViewOpti
       if (instance.object != object || instance.visible_fraction < options.min_visible) continue;
       const uint16_t id = static_cast<uint16_t>(k + 1);
       const auto pixels = PixelsByDistance(frame.depth_m, view.ids, id, frame.intrinsics,
-                                           instance.X_CO * CropCenter_O(part), part.diameter_m);
+                                           instance.X_CO * CropCenter_O(model), model.diameter_m);
       if (pixels.empty()) continue;
       AppendNearCenter(frame, Only(view.ids, id), pixels, options.off_center,
-                       CropSide_m(part, options.templates), instance.X_CO, rng, out);
+                       CropSide_m(model, options.templates), instance.X_CO, rng, out);
     }
   }
 }
@@ -118,7 +118,7 @@ void WholeViewOptions::Visit(SettingsVisitor& v) {
 WholeTemplates MakeWholeTemplates(LabelledViewSource& views, ObjectId object,
                                   const CropViewOptions& options, uint64_t seed) {
   constexpr double kNearestOnly = 0;
-  const ObjectModel& part = *views.objects()[object];
+  const ObjectModel& model = *views.objects()[object];
   Rng rng = Rng::Derive(seed, object, "whole templates");
   WholeTemplates templates;
   templates.crops.object = object;
@@ -126,11 +126,12 @@ WholeTemplates MakeWholeTemplates(LabelledViewSource& views, ObjectId object,
   ForEachCropView(views, object, R_CO, options, rng.Next(), [&](const LabelledView& view) {
     const Pose& X_CO = view.instances.front().X_CO;
     const auto pixels = PixelsByDistance(view.frame.depth_m, view.ids, 1, view.frame.intrinsics,
-                                         X_CO * CropCenter_O(part), part.diameter_m);
-    CheckInput(!pixels.empty(),
-               fmt::format("a view of object '{}' shows nothing of it; check its mesh", part.name));
+                                         X_CO * CropCenter_O(model), model.diameter_m);
+    CheckInput(
+        !pixels.empty(),
+        fmt::format("a view of object '{}' shows nothing of it; check its mesh", model.name));
     templates.X_PO.push_back(AppendNearCenter(view.frame, view.ids, pixels, kNearestOnly,
-                                              CropSide_m(part, options), X_CO, rng,
+                                              CropSide_m(model, options), X_CO, rng,
                                               templates.crops));
   });
   return templates;
@@ -141,9 +142,9 @@ CropTrainingSet MakeWholeTrainingSet(LabelledViewSource& views, const WholeViewO
                                      const std::function<bool(double share)>& on_share) {
   CheckSettings("WholeViewOptions", options);
   CropTrainingSet training_set{views.objects(), {}, {}};
-  const int parts = static_cast<int>(training_set.objects.size());
-  const auto goes_on = [&](double done) { return !on_share || on_share(done / parts); };
-  for (ObjectId object{0}; object < parts; ++object) {
+  const int object_count = static_cast<int>(training_set.objects.size());
+  const auto goes_on = [&](double done) { return !on_share || on_share(done / object_count); };
+  for (ObjectId object{0}; object < object_count; ++object) {
     training_set.templates.push_back(
         MakeWholeTemplates(views, object, options.templates, seed).crops);
     ObjectCrops& training = training_set.training.emplace_back();

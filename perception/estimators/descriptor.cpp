@@ -54,12 +54,12 @@ class LearnedEstimator : public PoseEstimator {
     RequireKind(model_.info.network.kind, model);
     options_.pose_selection.min_score = setup.spec.min_score;
     trained_ = regressed_ =
-        TrainedParts(model_.info.objects, setup.objects, model.file, model.command);
+        TrainedObjects(model_.info.objects, setup.objects, model.file, model.command);
     for (const int index : trained_) verifiers_.push_back(model_.verifiers[index]);
     PatchVoter voter = VoterOf(model_.network, threads_);
     if (!model.regression.empty()) AddRegression(setup, model.regression, voter);
-    finder_ = std::make_unique<CandidateFinder>(Parts(setup), std::move(voter), options.candidates,
-                                                setup.threads);
+    finder_ = std::make_unique<CandidateFinder>(CandidateObjects(setup), std::move(voter),
+                                                options.candidates, setup.threads);
   }
 
   EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override;
@@ -67,7 +67,7 @@ class LearnedEstimator : public PoseEstimator {
  private:
   void AddRegression(const EstimatorSetup& setup, const std::filesystem::path& file,
                      PatchVoter& voter);
-  std::vector<CandidatePart> Parts(const EstimatorSetup& setup) const;
+  std::vector<CandidateObject> CandidateObjects(const EstimatorSetup& setup) const;
   ObjectCodes Codes(const EstimatorSetup& setup, ObjectId object, double side_m) const;
   void Trace(const OrganizedCloud& cloud, const std::vector<Candidate>& candidates,
              const std::vector<PoseHypothesis>& accepted, EstimateTrace& trace) const;
@@ -88,7 +88,7 @@ void LearnedEstimator::AddRegression(const EstimatorSetup& setup, const std::fil
   constexpr double kSameSide_m = 1e-6;
   constexpr const char* kCommand = "`pickbed train doumanoglou`";
   regression_.emplace(LoadModel(file, kCommand));
-  regressed_ = TrainedParts(regression_->info.objects, setup.objects, file, kCommand);
+  regressed_ = TrainedObjects(regression_->info.objects, setup.objects, file, kCommand);
   CheckInput(regression_->network.channels() == model_.network.channels(),
              fmt::format("{}: its regression network was trained on {}, but the descriptor network "
                          "on {}; train both on the same input",
@@ -104,30 +104,31 @@ void LearnedEstimator::AddRegression(const EstimatorSetup& setup, const std::fil
   }
   const PatchVoter regressing = VoterOf(regression_->network, threads_);
   voter.regress = regressing.regress;
-  voter.parts = regressing.parts;
+  voter.object_count = regressing.object_count;
 }
 
-std::vector<CandidatePart> LearnedEstimator::Parts(const EstimatorSetup& setup) const {
-  std::vector<CandidatePart> parts;
+std::vector<CandidateObject> LearnedEstimator::CandidateObjects(const EstimatorSetup& setup) const {
+  std::vector<CandidateObject> candidate_objects;
   for (size_t i = 0; i < setup.objects.size(); ++i) {
     const double side_m = model_.info.objects[trained_[i]].side_m;
     ObjectCodes codes;
     if (options_.candidates.votes != "regressed") {
       codes = Codes(setup, ObjectId(i), side_m);
     }
-    parts.push_back({setup.objects[i], side_m, std::move(codes), regressed_[i]});
+    candidate_objects.push_back({setup.objects[i], side_m, std::move(codes), regressed_[i]});
   }
-  return parts;
+  return candidate_objects;
 }
 
 ObjectCodes LearnedEstimator::Codes(const EstimatorSetup& setup, ObjectId object,
                                     double side_m) const {
-  const ObjectModel& part = *setup.objects[object];
+  const ObjectModel& object_model = *setup.objects[object];
   const IsolatedOptions isolated = CodeViews(setup, options_);
-  CheckInput(setup.views, fmt::format("the codebook of object '{}' needs a renderer", part.name));
-  const uint64_t key =
-      CodesKey(model_, part, side_m, isolated, options_.code_seed, setup.views->IsolatedSettings());
-  const std::filesystem::path file = CodesFile(setup.cache_dir, part, key);
+  CheckInput(setup.views,
+             fmt::format("the codebook of object '{}' needs a renderer", object_model.name));
+  const uint64_t key = CodesKey(model_, object_model, side_m, isolated, options_.code_seed,
+                                setup.views->IsolatedSettings());
+  const std::filesystem::path file = CodesFile(setup.cache_dir, object_model, key);
   std::optional<CacheLock> lock;
   if (!setup.cache_dir.empty()) {
     if (std::optional<ObjectCodes> cached = ReadCodes(file, key)) return *std::move(cached);
@@ -135,7 +136,7 @@ ObjectCodes LearnedEstimator::Codes(const EstimatorSetup& setup, ObjectId object
     if (std::optional<ObjectCodes> cached = ReadCodes(file, key)) return *std::move(cached);
   }
   const auto on_share = [&](double share) {
-    if (setup.on_progress) setup.on_progress("codebook of " + part.name, share);
+    if (setup.on_progress) setup.on_progress("codebook of " + object_model.name, share);
   };
   const ObjectCodes codes = MakeObjectCodes(
       *setup.views, object, {side_m, model_.network.channels()}, model_.network.length(),
@@ -182,8 +183,8 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
   }
   {
     const StageTimer timer(result.seconds, "refine");
-    RefineFinally(refiner_, cloud, finder_->candidate_refiner().model_points(), options_.refiner,
-                  threads_, result.hypotheses);
+    RefineFinally(refiner_, cloud, finder_->candidate_refiner().model_points(), threads_,
+                  result.hypotheses);
   }
   return result;
 }

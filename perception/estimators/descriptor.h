@@ -25,7 +25,6 @@ struct DescriptorOptions {
   uint64_t code_seed = 0;
   CandidateOptions candidates;
   PoseSelectionOptions pose_selection;  // min_score is replaced by spec.min_score of the setup
-  RefinerOptions refiner;
   void Visit(SettingsVisitor& v);
 };
 
@@ -35,7 +34,7 @@ struct DescriptorOptions {
 DescriptorOptions OptionsForMode(const std::string& mode);
 
 // Loads the model (spec.model, see ModelFileOr(); empty = the shipped one), and makes the codebooks
-// or reads them from the cache. Throws InputError as LoadModel and TrainedParts do, and if
+// or reads them from the cache. Throws InputError as LoadModel and TrainedObjects do, and if
 // setup.views is null.
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup,
                                                        const DescriptorOptions& options);
@@ -58,6 +57,7 @@ std::unique_ptr<PoseEstimator> MakeLearnedEstimator(const EstimatorSetup& setup,
 // Entries of EstimatorTable(). The options depend on setup.spec.mode. The default model is the
 // shipped one.
 std::unique_ptr<PoseEstimator> MakeDescriptorEstimator(const EstimatorSetup& setup);
+// Returns the training of estimator descriptor.
 std::unique_ptr<EstimatorTraining> MakeDescriptorTraining();
 
 }  // namespace pickbed::perception

@@ -15,12 +15,14 @@ namespace pickbed::perception {
 // Entries of EstimatorTable(), with the same modes as estimator descriptor. Throws InputError as
 // MakeLearnedEstimator does.
 std::unique_ptr<PoseEstimator> MakeDoumanoglouEstimator(const EstimatorSetup& setup);
+// Returns the training of estimator doumanoglou.
 std::unique_ptr<EstimatorTraining> MakeDoumanoglouTraining();
 
 // Entries of EstimatorTable(): estimator descriptor with the shipped model and a second source of
 // votes: the poses that the model of doumanoglou regresses from the same patches. Throws InputError
 // also if the models have different patch sides or channels.
 std::unique_ptr<PoseEstimator> MakeUnionEstimator(const EstimatorSetup& setup);
+// Returns the training of the union of both estimators.
 std::unique_ptr<EstimatorTraining> MakeUnionTraining();
 
 }  // namespace pickbed::perception

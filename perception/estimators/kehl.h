@@ -14,6 +14,7 @@ namespace pickbed::perception {
 // Entries of EstimatorTable(), with the same modes as estimator descriptor. Throws InputError as
 // MakeLearnedEstimator does.
 std::unique_ptr<PoseEstimator> MakeKehlEstimator(const EstimatorSetup& setup);
+// Returns the training of estimator kehl.
 std::unique_ptr<EstimatorTraining> MakeKehlTraining();
 
 }  // namespace pickbed::perception

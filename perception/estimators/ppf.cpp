@@ -57,7 +57,7 @@ class PpfEstimator : public PoseEstimator {
       return SuppressNonMaxima(cloud, models_, std::move(found), {}, input.instances);
     });
     Timed(result.seconds, "refine",
-          [&] { RefineFinally(refiner_, cloud, models_, {}, threads_, result.hypotheses); });
+          [&] { RefineFinally(refiner_, cloud, models_, threads_, result.hypotheses); });
     return result;
   }
 

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/surface_matching.hpp>
 #include <opencv2/surface_matching/ppf_helpers.hpp>
 #include <unordered_set>
+
+#include "scenes/base/math.h"
 
 namespace pickbed::perception {
 namespace {
@@ -130,7 +131,7 @@ PpfMatcher::PpfMatcher(const ModelPoints& model, const PpfMatchOptions& options)
   impl_->diameter_m = model.diameter_m;
   impl_->model = ModelMat(model);
   impl_->detector = std::make_unique<cv::ppf_match_3d::PPF3DDetector>(options.model_sampling);
-  impl_->detector->setSearchParams(options.cluster_m, options.cluster_deg * std::numbers::pi / 180);
+  impl_->detector->setSearchParams(options.cluster_m, Radians(options.cluster_deg));
   impl_->detector->trainModel(impl_->model);
 }
 

@@ -21,12 +21,12 @@ class PpfCandidates : public CandidateSource {
   std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng&, StageSeconds& seconds,
                               EstimateTrace* trace = nullptr) const override {
     std::vector<Candidate> candidates;
-    for (size_t part = 0; part < matchers_.size(); ++part) {
-      const std::vector<PoseVote> votes = Votes(*matchers_[part], cloud, seconds);
+    for (size_t object = 0; object < matchers_.size(); ++object) {
+      const std::vector<PoseVote> votes = Votes(*matchers_[object], cloud, seconds);
       if (votes.empty()) continue;
-      const std::vector<Candidate> of_part = candidate_refiner_.RefineCandidates(
-          cloud, ObjectId(part), votes, static_cast<int>(votes.size()), 1, seconds, trace);
-      candidates.insert(candidates.end(), of_part.begin(), of_part.end());
+      const std::vector<Candidate> of_object = candidate_refiner_.RefineCandidates(
+          cloud, ObjectId(object), votes, static_cast<int>(votes.size()), 1, seconds, trace);
+      candidates.insert(candidates.end(), of_object.begin(), of_object.end());
     }
     candidate_refiner_.Compare(candidates, seconds);
     return candidates;
@@ -78,10 +78,7 @@ std::unique_ptr<PoseEstimator> MakeVerifiedPpfEstimator(const EstimatorSetup& se
   const std::filesystem::path file = PpfTraining().ModelFile(setup.spec);
   VerifiedSetup made{MakePpfCandidates(setup.objects, options, setup.threads),
                      VerifiersOf(LoadVerifiers(file, kPpfName), setup.objects, file),
-                     options.pose_selection,
-                     options.refiner,
-                     setup.refiner,
-                     setup.threads};
+                     options.pose_selection, setup.refiner, setup.threads};
   made.pose_selection.min_score = setup.spec.min_score;
   return MakeVerifiedEstimator(std::move(made));
 }

@@ -21,8 +21,7 @@ struct VerifiedPpfOptions {
   PpfMatchOptions match{.window_diameters = 2};
   CandidateRefinementOptions refinement;
   PoseSelectionOptions pose_selection;  // min_score is replaced by spec.min_score of the setup
-  RefinerOptions refiner;
-  VerifiedPpfOptions();  // assessment as in AccurateCandidates()
+  VerifiedPpfOptions();                 // assessment as in AccurateCandidates()
 };
 
 // Makes the candidate source. Times are added under "match" and the names of CandidateRefiner. It
@@ -35,7 +34,7 @@ std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects,
 // and is ppf.pt by default; it is empty for modes without verifier.
 std::unique_ptr<EstimatorTraining> MakePpfTraining();
 
-// Makes the estimator. Throws InputError as LoadVerifiers and TrainedParts do.
+// Makes the estimator. Throws InputError as LoadVerifiers and TrainedObjects do.
 std::unique_ptr<PoseEstimator> MakeVerifiedPpfEstimator(const EstimatorSetup& setup,
                                                         const VerifiedPpfOptions& options);
 

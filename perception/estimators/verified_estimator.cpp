@@ -26,8 +26,8 @@ class VerifiedEstimator : public PoseEstimator {
     }
     {
       const StageTimer timer(result.seconds, "refine");
-      RefineFinally(setup_.refiner, cloud, candidate_refiner.model_points(), setup_.refiner_options,
-                    setup_.threads, result.hypotheses);
+      RefineFinally(setup_.refiner, cloud, candidate_refiner.model_points(), setup_.threads,
+                    result.hypotheses);
     }
     return result;
   }
@@ -45,8 +45,8 @@ std::unique_ptr<PoseEstimator> MakeVerifiedEstimator(VerifiedSetup setup) {
 std::vector<Verifier> VerifiersOf(const VerifierFile& trained, const ObjectSet& objects,
                                   const std::filesystem::path& file) {
   std::vector<Verifier> verifiers;
-  for (const int index : TrainedParts(trained.objects, objects, file,
-                                      "`pickbed train` as verifiers of " + trained.estimator)) {
+  for (const int index : TrainedObjects(trained.objects, objects, file,
+                                        "`pickbed train` as verifiers of " + trained.estimator)) {
     verifiers.push_back(trained.verifiers[index]);
   }
   return verifiers;

@@ -20,7 +20,6 @@ struct VerifiedSetup {
   std::unique_ptr<CandidateSource> source;
   std::vector<Verifier> verifiers;  // one per object of the source
   PoseSelectionOptions pose_selection;
-  RefinerOptions refiner_options;
   std::string refiner = "none";  // a row of RefinerTable()
   int threads = 1;
 };
@@ -29,7 +28,7 @@ struct VerifiedSetup {
 std::unique_ptr<PoseEstimator> MakeVerifiedEstimator(VerifiedSetup setup);
 
 // Returns the verifiers of these objects, in their order, from the loaded content of `file`. Throws
-// InputError as TrainedParts does.
+// InputError as TrainedObjects does.
 std::vector<Verifier> VerifiersOf(const VerifierFile& trained, const ObjectSet& objects,
                                   const std::filesystem::path& file);
 

@@ -41,17 +41,17 @@ Record RecordOf(const ObjectSet& objects, const WohlhartBinOptions& options) {
           options};
 }
 
-ObjectId IndexIn(const ObjectSet& all, const ObjectModel& part) {
+ObjectId IndexIn(const ObjectSet& all, const ObjectModel& object) {
   for (size_t i = 0; i < all.size(); ++i) {
-    if (all[i]->name == part.name) return ObjectId(i);
+    if (all[i]->name == object.name) return ObjectId(i);
   }
-  throw InputError(fmt::format("no views of object '{}'", part.name));
+  throw InputError(fmt::format("no views of object '{}'", object.name));
 }
 
 // Templates of all objects with their search index.
 struct Templates {
   std::vector<std::vector<Pose>> X_PO;  // by object and view
-  std::unique_ptr<CropMethod> look_up;
+  std::unique_ptr<CropMethod> lookup;
 };
 
 Templates MakeTemplates(const ObjectSet& objects, LabelledViewSource& views, const Record& record,
@@ -59,20 +59,20 @@ Templates MakeTemplates(const ObjectSet& objects, LabelledViewSource& views, con
   const std::string known = "," + record.objects + ",";
   CropTrainingSet training_set{objects, {}, {}};
   Templates templates;
-  for (size_t part = 0; part < objects.size(); ++part) {
-    const ObjectModel& object = *objects[part];
+  for (size_t index = 0; index < objects.size(); ++index) {
+    const ObjectModel& object = *objects[index];
     CheckInput(known.find("," + object.name + ",") != std::string::npos,
                fmt::format("the network was trained for {} and not for object '{}'; train it again "
                            "with all of them",
                            record.objects, object.name));
     WholeTemplates made = MakeWholeTemplates(views, IndexIn(views.objects(), object),
                                              record.options.views.templates, kTemplateSeed);
-    made.crops.object = ObjectId(part);
+    made.crops.object = ObjectId(index);
     training_set.templates.push_back(std::move(made.crops));
     templates.X_PO.push_back(std::move(made.X_PO));
   }
   const int length = network->length();
-  templates.look_up = MakeCropLookUp(
+  templates.lookup = MakeCropLookup(
       std::make_shared<const CropTrainingSet>(std::move(training_set)),
       [network = std::move(network)](const CropSet& crops, int threads) {
         return network->Describe(crops, threads);
@@ -95,12 +95,12 @@ class WohlhartCandidates : public CandidateSource {
                               EstimateTrace* trace = nullptr) const override {
     const std::vector<int> pixels = GridProposals(cloud, options_.grid_px);
     std::vector<Candidate> candidates;
-    for (size_t part = 0; part < objects_.size(); ++part) {
-      const std::vector<PoseVote> votes = Votes(ObjectId(part), cloud, pixels, seconds);
+    for (size_t index = 0; index < objects_.size(); ++index) {
+      const std::vector<PoseVote> votes = Votes(ObjectId(index), cloud, pixels, seconds);
       if (votes.empty()) continue;
-      const std::vector<Candidate> of_part = candidate_refiner_.RefineCandidates(
-          cloud, ObjectId(part), votes, static_cast<int>(pixels.size()), 1, seconds, trace);
-      candidates.insert(candidates.end(), of_part.begin(), of_part.end());
+      const std::vector<Candidate> of_object = candidate_refiner_.RefineCandidates(
+          cloud, ObjectId(index), votes, static_cast<int>(pixels.size()), 1, seconds, trace);
+      candidates.insert(candidates.end(), of_object.begin(), of_object.end());
     }
     candidate_refiner_.Compare(candidates, seconds);
     return candidates;
@@ -118,7 +118,7 @@ class WohlhartCandidates : public CandidateSource {
       crops = CutWholeCrops(cloud, pixels, CropSide_m(*objects_[object], options_.views.templates));
     }
     const StageTimer timer(seconds, "network");
-    const auto answers = templates_.look_up->Answer(crops, options_.neighbors, threads_);
+    const auto answers = templates_.lookup->Answer(crops, options_.neighbors, threads_);
     std::vector<PoseVote> votes;
     for (size_t i = 0; i < answers.size(); ++i) {
       const Pose X_CP = PatchFrame(crops.spots[i].center_C, 0);

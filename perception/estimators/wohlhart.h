@@ -47,9 +47,10 @@ std::unique_ptr<CandidateSource> MakeWohlhartCandidates(
 std::unique_ptr<EstimatorTraining> MakeWohlhartTraining(const WohlhartBinOptions& options);
 
 // Entries of EstimatorTable(). The default model is wohlhart.pt. The modes select the candidate
-// refinement, as for estimator descriptor. Throws InputError as LoadVerifiers and TrainedParts do,
-// and if setup.views is null.
+// refinement, as for estimator descriptor. Throws InputError as LoadVerifiers and TrainedObjects
+// do, and if setup.views is null.
 std::unique_ptr<PoseEstimator> MakeWohlhartEstimator(const EstimatorSetup& setup);
+// Returns the training with the default options.
 std::unique_ptr<EstimatorTraining> MakeWohlhartTraining();
 
 }  // namespace pickbed::perception

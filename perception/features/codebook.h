@@ -46,7 +46,9 @@ ObjectCodes MakeObjectCodes(LabelledViewSource& views, ObjectId object, const Pa
 // another key; the caller then makes the entries again.
 std::filesystem::path CodesFile(const std::filesystem::path& cache_dir, const ObjectModel& model,
                                 uint64_t key);
+// Writes the cache file.
 void WriteCodes(const std::filesystem::path& file, const ObjectCodes& codes, uint64_t key);
+// Reads the cache file; see above.
 std::optional<ObjectCodes> ReadCodes(const std::filesystem::path& file, uint64_t key);
 
 // Network functions that pose voting uses, without the network itself.
@@ -54,7 +56,7 @@ struct PatchVoter {
   PatchChannels channels = PatchChannels::kDepthNormals;  // channels of the input patches
   DescribePatches describe;
   RegressPoses regress;  // empty if the network regresses no poses
-  int parts = 1;         // number of objects whose poses it regresses
+  int object_count = 1;  // number of objects whose poses it regresses
 };
 
 }  // namespace pickbed::perception

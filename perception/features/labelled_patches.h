@@ -49,8 +49,9 @@ void AppendPatches(const OrganizedCloud& cloud, std::span<const int> pixels,
                    std::span<const double> angles_rad, const PatchForm& form, const Pose& X_CO,
                    LabelledPatches& patches);
 
-// Append one patch, or all patches, of another set.
+// Appends the patch `row` of another set.
 void AppendPatch(const LabelledPatches& from, size_t row, LabelledPatches& to);
+// Appends all patches of another set.
 void AppendAll(const LabelledPatches& from, LabelledPatches& to);
 
 // Builds the cloud of a view without background; no plane is removed as a table.

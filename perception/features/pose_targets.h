@@ -19,7 +19,7 @@ namespace pickbed::perception {
 // object (sums to 1 over all objects), R_PO row by row, center of mass.
 inline constexpr int kPoseValues = 1 + 9 + 3;
 
-// Maps count patches to count x parts x kPoseValues values.
+// Maps count patches to count x object_count x kPoseValues values.
 using RegressPoses = std::function<std::vector<float>(std::span<const int8_t> patches)>;
 
 // Converts between object poses in P and regression targets for patches with side side_m.

@@ -1,5 +1,8 @@
 #include "perception/icp/final_refinement.h"
 
+#include "perception/icp/bidirectional_icp.h"
+#include "perception/icp/pcl_icp.h"
+#include "perception/icp/projective_icp.h"
 #include "perception/verify/pose_features.h"
 #include "scenes/base/error.h"
 #include "scenes/base/parallel.h"
@@ -7,26 +10,59 @@
 namespace pickbed::perception {
 namespace {
 
-RefinePose MakePclIcp(const OrganizedCloud& cloud, const RefinerOptions& options) {
-  return [icp = std::make_shared<const PclIcp>(cloud, options.pcl_icp)](
+struct NoOptions {
+  void Visit(SettingsVisitor&) {}
+};
+
+// A refiner made from its options and a function that prepares a frame.
+template <typename Options, RefinePose (*kForFrame)(const OrganizedCloud&, const Options&)>
+class RefinerWith : public PoseRefiner {
+ public:
+  void Visit(SettingsVisitor& v) override { options_.Visit(v); }
+  RefinePose ForFrame(const OrganizedCloud& cloud) const override {
+    return kForFrame(cloud, options_);
+  }
+
+ private:
+  Options options_;
+};
+
+template <typename Options, RefinePose (*kForFrame)(const OrganizedCloud&, const Options&)>
+std::unique_ptr<PoseRefiner> Make() {
+  return std::make_unique<RefinerWith<Options, kForFrame>>();
+}
+
+RefinePose PclIcpFor(const OrganizedCloud& cloud, const PclIcpOptions& options) {
+  return [icp = std::make_shared<const PclIcp>(cloud, options)](
              const ModelPoints& model, const Pose& X_CO) { return icp->Refine(model, X_CO); };
 }
 
-RefinePose MakeBidirectionalIcp(const OrganizedCloud& cloud, const RefinerOptions& options) {
-  return [&cloud, icp = options.bidirectional_icp](const ModelPoints& model, const Pose& X_CO) {
-    return BidirectionalIcp(cloud, model, X_CO, icp);
+RefinePose BidirectionalIcpFor(const OrganizedCloud& cloud,
+                               const BidirectionalIcpOptions& options) {
+  return [&cloud, options](const ModelPoints& model, const Pose& X_CO) {
+    return BidirectionalIcp(cloud, model, X_CO, options);
   };
 }
 
-RefinePose MakeNothing(const OrganizedCloud&, const RefinerOptions&) { return {}; }
+RefinePose ProjectiveIcpFor(const OrganizedCloud& cloud, const ProjectiveIcpOptions& options) {
+  return [&cloud, options](const ModelPoints& model, const Pose& X_CO) {
+    return ProjectiveIcp(cloud, model, X_CO, options);
+  };
+}
+
+RefinePose NothingFor(const OrganizedCloud&, const NoOptions&) { return {}; }
 
 constexpr RefinerRow kRefiners[] = {
     {"pcl_icp", "PCL's ICP against the depth image; a result with a worse fit is discarded",
-     &MakePclIcp},
-    {"two_way_icp",
+     &Make<PclIcpOptions, &PclIcpFor>},
+    {"bidirectional_icp",
      "surface, outline and cover residuals in one ICP with restarts; for real frames",
-     &MakeBidirectionalIcp},
-    {"none", "no refinement; poses are reported as the estimator found them", &MakeNothing},
+     &Make<BidirectionalIcpOptions, &BidirectionalIcpFor>},
+    {"projective_icp",
+     "ICP with the pixel at the projection of each model point; the fastest, it may lower the fit",
+     &Make<ProjectiveIcpOptions, &ProjectiveIcpFor>},
+    {"none", "no refinement; poses are reported as the estimator found them",
+     &Make<NoOptions, &NothingFor>},
 };
 
 void RefineHypothesis(const RefinePose& refine, const OrganizedCloud& cloud,
@@ -55,27 +91,23 @@ const RefinerRow& RefinerNamed(const std::string& name) {
   throw InputError(UnknownNameMessage("refiner", name, names));
 }
 
-void RefinerOptions::Visit(SettingsVisitor& v) {
-  v.Group(
-      "pcl_icp", [this](SettingsVisitor& g) { pcl_icp.Visit(g); }, "options of refiner pcl_icp");
-  v.Group(
-      "bidirectional_icp", [this](SettingsVisitor& g) { bidirectional_icp.Visit(g); },
-      "options of refiner two_way_icp");
-}
-
-void RefineFinally(const std::string& refiner, const OrganizedCloud& cloud,
-                   std::span<const ModelPoints> models, const RefinerOptions& options, int threads,
+void RefineFinally(const PoseRefiner& refiner, const OrganizedCloud& cloud,
+                   std::span<const ModelPoints> models, int threads,
                    std::vector<PoseHypothesis>& hypotheses) {
-  CheckSettings("RefinerOptions", options);
-  const RefinerRow& row = RefinerNamed(refiner);
   if (hypotheses.empty()) return;
-  const RefinePose refine = row.make(cloud, options);
+  const RefinePose refine = refiner.ForFrame(cloud);
   if (!refine) return;
   ForRanges(static_cast<int>(hypotheses.size()), threads, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       RefineHypothesis(refine, cloud, models[hypotheses[i].object], hypotheses[i]);
     }
   });
+}
+
+void RefineFinally(const std::string& refiner, const OrganizedCloud& cloud,
+                   std::span<const ModelPoints> models, int threads,
+                   std::vector<PoseHypothesis>& hypotheses) {
+  RefineFinally(*RefinerNamed(refiner).make(), cloud, models, threads, hypotheses);
 }
 
 }  // namespace pickbed::perception

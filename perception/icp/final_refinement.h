@@ -9,30 +9,34 @@
 #include <string>
 #include <vector>
 
-#include "perception/icp/bidirectional_icp.h"
+#include "perception/cloud/organized_cloud.h"
 #include "perception/icp/icp_result.h"
-#include "perception/icp/pcl_icp.h"
+#include "perception/model/model_points.h"
 #include "perception/pose_hypothesis.h"
+#include "scenes/base/settings.h"
 
 namespace pickbed::perception {
-
-// Options of all refiners.
-struct RefinerOptions {
-  PclIcpOptions pcl_icp;
-  BidirectionalIcpOptions bidirectional_icp;
-  void Visit(SettingsVisitor& v);
-};
 
 // Refines one pose in the frame for which the function was made. It may be called from several
 // threads at once.
 using RefinePose = std::function<IcpResult(const ModelPoints& model, const Pose& X_CO)>;
 
+// A refiner with its options.
+class PoseRefiner {
+ public:
+  virtual ~PoseRefiner() = default;
+  // Visits the options of this refiner.
+  virtual void Visit(SettingsVisitor& v) = 0;
+  // Prepares the refinement of poses in one frame; `cloud` must outlive the result. Empty: poses
+  // are not refined.
+  virtual RefinePose ForFrame(const OrganizedCloud& cloud) const = 0;
+};
+
 // One row of the table of refiners.
 struct RefinerRow {
   const char* name;
   const char* help;
-  // Makes the refiner of one frame; `cloud` must outlive it. Empty: poses are not refined.
-  RefinePose (*make)(const OrganizedCloud& cloud, const RefinerOptions& options);
+  std::unique_ptr<PoseRefiner> (*make)();  // with its default options
 };
 
 // Returns all refiners.
@@ -43,10 +47,13 @@ const RefinerRow& RefinerNamed(const std::string& name);
 
 // Refines each hypothesis in place with `models[hypothesis.object]`: sets its X_CO, unrefined_X_CO
 // and fit. A pose changes only if the refiner returns kRefined. The result does not depend on the
-// number of threads. Throws InputError as RefinerNamed() does, and for options out of
-// range.
+// number of threads.
+void RefineFinally(const PoseRefiner& refiner, const OrganizedCloud& cloud,
+                   std::span<const ModelPoints> models, int threads,
+                   std::vector<PoseHypothesis>& hypotheses);
+// Same for the row with this name and its default options. Throws InputError as RefinerNamed().
 void RefineFinally(const std::string& refiner, const OrganizedCloud& cloud,
-                   std::span<const ModelPoints> models, const RefinerOptions& options, int threads,
+                   std::span<const ModelPoints> models, int threads,
                    std::vector<PoseHypothesis>& hypotheses);
 
 }  // namespace pickbed::perception

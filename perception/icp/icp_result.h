@@ -2,6 +2,7 @@
 
 // Result of all ICP variants. ProjectiveIcp and BidirectionalIcp take (cloud, model, X_CO,
 // options). PclIcp holds cloud and options, because all poses of a frame share its search tree.
+// RefinePose in final_refinement.h is the common interface.
 
 #include <cstdint>
 

@@ -23,8 +23,9 @@ struct CenteredPose {
   Eigen::Vector3d center_C = Eigen::Vector3d::Zero();
 };
 
-// Conversions between X_CO and its centered form.
+// Returns the centered form of X_CO.
 CenteredPose ToCentered(const Pose& X_CO, const ModelPoints& model);
+// Returns X_CO of a centered pose.
 Pose ToPose(const CenteredPose& pose, const ModelPoints& model);
 
 // Normal equations of the weighted sum of (direction . (q - p))^2 over the pairs of model point p

@@ -71,7 +71,7 @@ IcpResult EvaluateAt(const OrganizedCloud& cloud, const ModelPoints& model, cons
   ProjectiveIcpOptions evaluate_only;
   evaluate_only.coarse_iterations = 0;
   evaluate_only.fine_iterations = 0;
-  return ProjectiveIcp(cloud, model, X_CO, evaluate_only);
+  return ProjectiveIcpUnchecked(cloud, model, X_CO, evaluate_only);
 }
 
 }  // namespace

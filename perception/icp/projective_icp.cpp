@@ -104,6 +104,12 @@ void ProjectiveIcpOptions::Visit(SettingsVisitor& v) {
 
 IcpResult ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                         const ProjectiveIcpOptions& options) {
+  CheckSettings("ProjectiveIcpOptions", options);
+  return ProjectiveIcpUnchecked(cloud, model, X_CO, options);
+}
+
+IcpResult ProjectiveIcpUnchecked(const OrganizedCloud& cloud, const ModelPoints& model,
+                                 const Pose& X_CO, const ProjectiveIcpOptions& options) {
   const PlaneProblem problem(cloud, model, options.min_normal_cos);
   const double first_m = options.max_correspondence_distance_m;
   const double final_m = options.final_correspondence_distance_m;

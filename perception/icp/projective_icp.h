@@ -30,8 +30,12 @@ struct ProjectiveIcpOptions {
 
 // Refines X_CO. Stops early at the last valid pose if fewer than six points have a correspondence
 // (kTooFewCorrespondences), or if a step exceeds twice the maximum correspondence distance
-// (kStepTooLarge). Inliers and residual are those within the final distance. Does not allocate.
+// (kStepTooLarge). Inliers and residual are those within the final distance. Throws
+// InputError for options out of range.
 IcpResult ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                         const ProjectiveIcpOptions& options = {});
+// The same for inner loops whose options were checked before. Does not allocate.
+IcpResult ProjectiveIcpUnchecked(const OrganizedCloud& cloud, const ModelPoints& model,
+                                 const Pose& X_CO, const ProjectiveIcpOptions& options);
 
 }  // namespace pickbed::perception

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "perception/cloud/projector.h"
 #include "scenes/base/error.h"
+#include "scenes/geometry/sphere_directions.h"
 
 namespace pickbed::perception {
 namespace {
@@ -19,19 +19,6 @@ constexpr float kMinFacingCos = 0.15f;  // steeper points give no usable depth i
 constexpr int kFieldSamples = 20000;    // spacing of about 1 mm on an object of 10 cm
 constexpr int kFieldNodes = 48;
 constexpr double kFieldPadding_m = 0.015;  // covers the widest distance band of verification
-
-// Evenly spread unit directions (Fibonacci lattice on the sphere).
-std::vector<Eigen::Vector3f> SphereDirections(int count) {
-  const double golden_angle = std::numbers::pi * (3.0 - std::sqrt(5.0));
-  std::vector<Eigen::Vector3f> directions;
-  directions.reserve(count);
-  for (int i = 0; i < count; ++i) {
-    const double z = 1.0 - (2.0 * i + 1.0) / count;
-    const double r = std::sqrt(1.0 - z * z), a = golden_angle * i;
-    directions.push_back(Eigen::Vector3d(r * std::cos(a), r * std::sin(a), z).cast<float>());
-  }
-  return directions;
-}
 
 // Orthographic z-buffer: maximum height of the surface along one direction.
 class HeightRaster {
@@ -208,7 +195,9 @@ ModelPoints MakeModelPoints(const ObjectModel& model, int points, int directions
     result.radius_m = std::max(result.radius_m, (vertices.back() - result.center_O).norm());
   }
   result.distance = SurfaceDistance(model.mesh_O, rng);
-  result.directions_O = SphereDirections(directions);
+  for (const Eigen::Vector3d& direction_O : SphereDirections(directions)) {
+    result.directions_O.push_back(direction_O.cast<float>());
+  }
   for (const Eigen::Vector3f& d : result.directions_O) {
     result.visible.push_back(VisiblePoints(result, model.mesh_O, vertices, d));
   }

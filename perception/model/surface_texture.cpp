@@ -84,39 +84,41 @@ int SideOf(const Eigen::Vector3f& normal_O) {
 }
 
 // Model and image colours at the visible points, by side and channel.
-struct Looks {
+struct ColorSamples {
   int points = 0;
   std::array<std::array<Moments, 3>, kSides> sides;
 };
 
-Looks LookAt(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO) {
-  Looks looks;
+ColorSamples ColorSamplesAt(const OrganizedCloud& cloud, const ModelPoints& model,
+                            const Pose& X_CO) {
+  ColorSamples samples;
   for (const auto& [point, pixel] : SeenPoints(cloud, model, X_CO)) {
-    const Eigen::Vector3f& told = model.print.colors[point];
+    const Eigen::Vector3f& expected = model.print.colors[point];
     const Eigen::Vector3f seen = ToVector(cloud.color.data()[pixel]);
-    std::array<Moments, 3>& side = looks.sides[SideOf(model.normals_O[point])];
-    for (int k = 0; k < 3; ++k) side[k].Add(told[k], seen[k]);
-    ++looks.points;
+    std::array<Moments, 3>& side = samples.sides[SideOf(model.normals_O[point])];
+    for (int k = 0; k < 3; ++k) side[k].Add(expected[k], seen[k]);
+    ++samples.points;
   }
-  return looks;
+  return samples;
 }
 
-std::optional<double> CorrelationOf(const Looks& looks) {
+std::optional<double> CorrelationOf(const ColorSamples& samples) {
   constexpr int kMinPoints = 40;
   constexpr double kMinVariance = 3 * 20.0 * 20.0;  // of the model colours, all channels
-  constexpr double kPointsPerLook = 4;              // neighbouring points are correlated
-  if (looks.points < kMinPoints) return {};
-  double told = 0, seen = 0, both = 0;
-  for (const std::array<Moments, 3>& side : looks.sides) {
+  constexpr double kPointsPerSample = 4;            // neighbouring points are correlated
+  if (samples.points < kMinPoints) return {};
+  double expected = 0, seen = 0, both = 0;
+  for (const std::array<Moments, 3>& side : samples.sides) {
     for (const Moments& channel : side) {
-      told += channel.SquaresA();
+      expected += channel.SquaresA();
       seen += channel.SquaresB();
       both += channel.Products();
     }
   }
-  if (told < kMinVariance * looks.points) return {};
-  const double even = std::max(1.0 * looks.points, seen);  // an image of one colour has variance 0
-  return both / std::sqrt(told * even) + 1 / std::sqrt(looks.points / kPointsPerLook);
+  if (expected < kMinVariance * samples.points) return {};
+  const double even =
+      std::max(1.0 * samples.points, seen);  // an image of one colour has variance 0
+  return both / std::sqrt(expected * even) + 1 / std::sqrt(samples.points / kPointsPerSample);
 }
 
 }  // namespace
@@ -153,7 +155,8 @@ std::optional<double> PrintCorrelation(const OrganizedCloud& cloud, const ModelP
   if (model.print.colors.empty() || cloud.color.empty()) return {};
   double best = -1;
   for (const Pose& S_O : model.print.symmetries_O) {
-    const std::optional<double> correlation = CorrelationOf(LookAt(cloud, model, X_CO * S_O));
+    const std::optional<double> correlation =
+        CorrelationOf(ColorSamplesAt(cloud, model, X_CO * S_O));
     if (!correlation) return {};
     best = std::max(best, *correlation);
   }

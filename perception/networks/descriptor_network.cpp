@@ -20,11 +20,12 @@ namespace {
 // Patches per forward pass; more do not fit the CPU caches.
 constexpr int64_t kChunk = 64;
 
-std::unique_ptr<PatchNetwork> MakeNetwork(const NetworkOptions& options, uint64_t seed, int parts) {
+std::unique_ptr<PatchNetwork> MakeNetwork(const NetworkOptions& options, uint64_t seed,
+                                          int object_count) {
   const PatchNetworkRow& row = FindPatchNetwork(options.kind);
   at::set_num_threads(1);
   torch::manual_seed(seed);
-  return row.make(options, parts);
+  return row.make(options, object_count);
 }
 
 at::Tensor ToTensor(std::span<const int8_t> patches, const torch::Device& device) {
@@ -51,9 +52,9 @@ TrainingTensors ToTensors(const TrainingBatch& batch, const torch::Device& devic
   TrainingTensors tensors;
   tensors.patches = torch::cat({ToTensor(batch.anchors, device), ToTensor(batch.codes, device)});
   tensors.pose_distance = ToTensor(batch.pose_distance, {batch.count, batch.count}, device);
-  if (batch.parts.empty()) return tensors;
+  if (batch.objects.empty()) return tensors;
   const int64_t rows = 2 * batch.count;
-  tensors.parts = ToTensor(batch.parts, {rows}, device);
+  tensors.objects = ToTensor(batch.objects, {rows}, device);
   tensors.rotations = ToTensor(batch.rotations, {rows, batch.variants, 4}, device);
   tensors.centers = ToTensor(batch.centers, {rows, 3}, device);
   return tensors;
@@ -80,11 +81,11 @@ PatchChannels ChannelsOf(const NetworkOptions& options) {
 }
 
 struct DescriptorNetwork::Impl {
-  Impl(const NetworkOptions& options, uint64_t seed, int parts)
+  Impl(const NetworkOptions& options, uint64_t seed, int object_count)
       : options(options),
-        parts(parts),
+        object_count(object_count),
         device(NetworkDevice()),
-        network(OnDevice(MakeNetwork(options, seed, parts), device)),
+        network(OnDevice(MakeNetwork(options, seed, object_count), device)),
         adam(network->module().parameters(), torch::optim::AdamOptions()) {}
   // Weights are drawn on the CPU, so that a seed gives the same weights on every device. Adam is
   // made after the move, because it keeps the tensors.
@@ -99,7 +100,7 @@ struct DescriptorNetwork::Impl {
                             const Compute& compute) const;
 
   NetworkOptions options;
-  int parts;
+  int object_count;
   torch::Device device;
   std::unique_ptr<PatchNetwork> network;
   torch::optim::Adam adam;
@@ -126,9 +127,10 @@ std::vector<float> DescriptorNetwork::Impl::ForAll(std::span<const int8_t> patch
   return values;
 }
 
-DescriptorNetwork::DescriptorNetwork(const NetworkOptions& options, uint64_t seed, int parts) {
+DescriptorNetwork::DescriptorNetwork(const NetworkOptions& options, uint64_t seed,
+                                     int object_count) {
   CheckSettings("NetworkOptions", options);
-  impl_ = std::make_unique<Impl>(options, seed, parts);
+  impl_ = std::make_unique<Impl>(options, seed, object_count);
 }
 DescriptorNetwork::~DescriptorNetwork() = default;
 DescriptorNetwork::DescriptorNetwork(DescriptorNetwork&&) noexcept = default;
@@ -138,7 +140,7 @@ const NetworkOptions& DescriptorNetwork::options() const { return impl_->options
 
 double DescriptorNetwork::MultiplyAdds() const { return impl_->network->MultiplyAdds(); }
 
-int DescriptorNetwork::parts() const { return impl_->parts; }
+int DescriptorNetwork::object_count() const { return impl_->object_count; }
 
 bool DescriptorNetwork::regresses() const { return FindPatchNetwork(options().kind).regresses; }
 
@@ -148,7 +150,7 @@ std::vector<float> DescriptorNetwork::Describe(std::span<const int8_t> patches, 
 }
 
 std::vector<float> DescriptorNetwork::Regress(std::span<const int8_t> patches, int threads) const {
-  return impl_->ForAll(patches, static_cast<int64_t>(impl_->parts) * kPoseValues, threads,
+  return impl_->ForAll(patches, static_cast<int64_t>(impl_->object_count) * kPoseValues, threads,
                        [&](const at::Tensor& some) { return impl_->network->Poses(some); });
 }
 
@@ -185,7 +187,7 @@ PatchVoter VoterOf(const DescriptorNetwork& network, int threads) {
     return network.Describe(patches, threads);
   };
   if (!network.regresses()) return voter;
-  voter.parts = network.parts();
+  voter.object_count = network.object_count();
   voter.regress = [&network, threads](std::span<const int8_t> patches) {
     return network.Regress(patches, threads);
   };
@@ -194,11 +196,11 @@ PatchVoter VoterOf(const DescriptorNetwork& network, int threads) {
 
 double SgemmRate() {
   constexpr int64_t kSide = 512;
-  constexpr int kTries = 12;
+  constexpr int kMaxSamples = 12;
   const torch::InferenceMode no_gradients;
   const at::Tensor a = torch::rand({kSide, kSide}), b = torch::rand({kSide, kSide});
   double best_s = std::numeric_limits<double>::max();
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kMaxSamples; ++i) {
     const auto start = std::chrono::steady_clock::now();
     torch::mm(a, b);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

@@ -38,7 +38,7 @@ struct TrainingBatch {
   std::vector<float> pose_distance;  // count x count, anchor i to code j, diameters
   // For networks that regress poses, see pose_targets.h. Rows are the anchors, then the codes.
   int variants = 0;              // symmetric poses per row
-  std::vector<int64_t> parts;    // object index of each row
+  std::vector<int64_t> objects;  // object index of each row
   std::vector<float> rotations;  // rows x variants x 4, quaternions w x y z
   std::vector<float> centers;    // rows x 3, centers of mass in the patch frame, patch sides
 };
@@ -46,9 +46,9 @@ struct TrainingBatch {
 // A network that maps patches to descriptors and, for some kinds, regresses object poses.
 class DescriptorNetwork {
  public:
-  // Draws new weights from `seed`. `parts` is the number of objects whose poses it regresses.
-  // Throws InputError for an unknown kind.
-  DescriptorNetwork(const NetworkOptions& options, uint64_t seed, int parts = 1);
+  // Draws new weights from `seed`. `object_count` is the number of objects whose poses it
+  // regresses. Throws InputError for an unknown kind.
+  DescriptorNetwork(const NetworkOptions& options, uint64_t seed, int object_count = 1);
   ~DescriptorNetwork();
   DescriptorNetwork(DescriptorNetwork&&) noexcept;
   DescriptorNetwork& operator=(DescriptorNetwork&&) noexcept;
@@ -57,14 +57,14 @@ class DescriptorNetwork {
   int length() const { return options().descriptor; }
   double MultiplyAdds() const;  // number of operations to describe one patch
   PatchChannels channels() const { return ChannelsOf(options()); }
-  bool regresses() const;  // true: Regress() may be called
-  int parts() const;       // number of objects whose poses it regresses
+  bool regresses() const;    // true: Regress() may be called
+  int object_count() const;  // number of objects whose poses it regresses
 
   // Describes count patches (see patch.h). Returns count x length values. Rows have unit norm,
   // except for networks that regress.
   std::vector<float> Describe(std::span<const int8_t> patches, int threads = 1) const;
 
-  // Regresses poses. Returns count x parts x kPoseValues values, see pose_targets.h.
+  // Regresses poses. Returns count x object_count x kPoseValues values, see pose_targets.h.
   std::vector<float> Regress(std::span<const int8_t> patches, int threads = 1) const;
 
   // Makes one Adam step on the network's own loss and returns the loss before the step.

@@ -33,13 +33,14 @@ at::Tensor Unit(const at::Tensor& rows) { return rows / Root(rows.square().sum(-
 
 class SiameseRegression : public PatchNetwork, public torch::nn::Module {
  public:
-  SiameseRegression(const NetworkOptions& options, int parts)
-      : options_(options.regression), parts_(parts) {
+  SiameseRegression(const NetworkOptions& options, int object_count)
+      : options_(options.regression), object_count_(object_count) {
     trunk_ = register_module("trunk", std::make_shared<PatchTrunk>());
     features_ =
         register_module("features", torch::nn::Linear(PatchTrunk::kFeatures, options.descriptor));
     hidden_ = register_module("hidden", torch::nn::Linear(options.descriptor, kHidden));
-    last_ = register_module("last", torch::nn::Linear(kHidden, parts * (Rotation() + 3 + 1)));
+    last_ =
+        register_module("last", torch::nn::Linear(kHidden, object_count * (Rotation() + 3 + 1)));
   }
 
   at::Tensor Forward(const at::Tensor& patches) override {
@@ -50,25 +51,25 @@ class SiameseRegression : public PatchNetwork, public torch::nn::Module {
     const at::Tensor out = Regress(Forward(patches));
     const at::Tensor shares = torch::softmax(out.select(2, 0), 1).unsqueeze(2);
     const at::Tensor R_PO = RotationMatrices(out.slice(2, 4).flatten(0, 1));
-    return torch::cat({shares, R_PO.view({-1, parts_, 9}), out.slice(2, 1, 4)}, 2);
+    return torch::cat({shares, R_PO.view({-1, object_count_, 9}), out.slice(2, 1, 4)}, 2);
   }
 
   at::Tensor Loss(const TrainingTensors& batch, const LossOptions&) override {
     const at::Tensor rows = Forward(batch.patches);
     const at::Tensor out = Regress(rows);
-    const at::Tensor of_part =
-        out.gather(1, batch.parts.view({-1, 1, 1}).expand({-1, 1, out.size(2)})).squeeze(1);
-    const at::Tensor off = Root((of_part.slice(1, 1, 4) - batch.centers).square().sum(1));
-    at::Tensor loss = QuaternionDistance(of_part.slice(1, 4), batch.rotations).mean() +
+    const at::Tensor of_object =
+        out.gather(1, batch.objects.view({-1, 1, 1}).expand({-1, 1, out.size(2)})).squeeze(1);
+    const at::Tensor off = Root((of_object.slice(1, 1, 4) - batch.centers).square().sum(1));
+    at::Tensor loss = QuaternionDistance(of_object.slice(1, 4), batch.rotations).mean() +
                       options_.offset_weight * off.mean();
-    if (parts_ > 1) {
+    if (object_count_ > 1) {
       loss = loss + options_.object_weight *
-                        torch::nn::functional::cross_entropy(out.select(2, 0), batch.parts);
+                        torch::nn::functional::cross_entropy(out.select(2, 0), batch.objects);
     }
     if (options_.siamese_weight == 0) return loss;
     const int64_t count = batch.pose_distance.size(0);
     const at::Tensor same =
-        batch.parts.slice(0, 0, count).unsqueeze(1) == batch.parts.slice(0, count).unsqueeze(0);
+        batch.objects.slice(0, 0, count).unsqueeze(1) == batch.objects.slice(0, count).unsqueeze(0);
     return loss + options_.siamese_weight * SiameseLoss(rows.slice(0, 0, count),
                                                         rows.slice(0, count), batch.pose_distance,
                                                         same);
@@ -87,14 +88,14 @@ class SiameseRegression : public PatchNetwork, public torch::nn::Module {
 
   int64_t Rotation() const { return options_.rotation == "six_d" ? 6 : 4; }
 
-  // Returns N x parts x (logit of the object, offset, rotation).
+  // Returns N x object_count x (logit of the object, offset, rotation).
   at::Tensor Regress(const at::Tensor& features) {
     const at::Tensor out = last_(torch::relu(hidden_(torch::relu(features))));
-    return out.view({-1, parts_, Rotation() + 3 + 1});
+    return out.view({-1, object_count_, Rotation() + 3 + 1});
   }
 
   RegressionOptions options_;
-  int64_t parts_;
+  int64_t object_count_;
   std::shared_ptr<PatchTrunk> trunk_;
   torch::nn::Linear features_{nullptr}, hidden_{nullptr}, last_{nullptr};
 };
@@ -142,16 +143,17 @@ at::Tensor QuaternionDistance(const at::Tensor& values, const at::Tensor& rotati
 }
 
 at::Tensor SiameseLoss(const at::Tensor& anchors, const at::Tensor& codes,
-                       const at::Tensor& pose_distance, const at::Tensor& same_part) {
+                       const at::Tensor& pose_distance, const at::Tensor& same_object) {
   const at::Tensor squared = anchors.square().sum(1).unsqueeze(1) +
                              codes.square().sum(1).unsqueeze(0) - 2 * anchors.mm(codes.t());
-  const at::Tensor pairs = same_part.to(anchors.scalar_type());
+  const at::Tensor pairs = same_object.to(anchors.scalar_type());
   const at::Tensor off = (Root(squared) - pose_distance).abs();
   return (pairs * off).sum() / pairs.sum().clamp_min(1);
 }
 
-std::unique_ptr<PatchNetwork> MakeSiameseRegression(const NetworkOptions& options, int parts) {
-  return std::make_unique<SiameseRegression>(options, parts);
+std::unique_ptr<PatchNetwork> MakeSiameseRegression(const NetworkOptions& options,
+                                                    int object_count) {
+  return std::make_unique<SiameseRegression>(options, object_count);
 }
 
 }  // namespace pickbed::perception

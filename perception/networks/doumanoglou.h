@@ -31,8 +31,8 @@ at::Tensor RotationMatrices(const at::Tensor& values);
 at::Tensor QuaternionDistance(const at::Tensor& values, const at::Tensor& rotations);
 
 // Returns the mean of | |f_i - f_j| - d(pose_i, pose_j) | over all pairs of an anchor i and a code
-// j of the same object. pose_distance is d in diameters. Pairs with same_part 0 are ignored.
+// j of the same object. pose_distance is d in diameters. Pairs with same_object 0 are ignored.
 at::Tensor SiameseLoss(const at::Tensor& anchors, const at::Tensor& codes,
-                       const at::Tensor& pose_distance, const at::Tensor& same_part);
+                       const at::Tensor& pose_distance, const at::Tensor& same_object);
 
 }  // namespace pickbed::perception

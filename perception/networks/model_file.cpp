@@ -142,15 +142,15 @@ DescriptorModel LoadModel(const std::filesystem::path& file, const std::string& 
   }
 }
 
-std::vector<int> TrainedParts(const std::vector<ModelObject>& trained, const ObjectSet& objects,
-                              const std::filesystem::path& file, const std::string& command) {
-  std::vector<int> parts;
+std::vector<int> TrainedObjects(const std::vector<ModelObject>& trained, const ObjectSet& objects,
+                                const std::filesystem::path& file, const std::string& command) {
+  std::vector<int> indices;
   for (const auto& object : objects) {
     const ModelObject* found = nullptr;
     std::string known;
-    for (const ModelObject& part : trained) {
-      known += (known.empty() ? "" : ", ") + part.name;
-      if (part.name == object->name) found = &part;
+    for (const ModelObject& trained_object : trained) {
+      known += (known.empty() ? "" : ", ") + trained_object.name;
+      if (trained_object.name == object->name) found = &trained_object;
     }
     CheckInput(found,
                fmt::format("{}: not trained for object '{}' (knows {}); train a model with {}",
@@ -159,9 +159,9 @@ std::vector<int> TrainedParts(const std::vector<ModelObject>& trained, const Obj
         found->mesh_hash == object->mesh_hash,
         fmt::format("{}: the mesh of object '{}' has changed since training; train again with {}",
                     file.string(), object->name, command));
-    parts.push_back(static_cast<int>(found - trained.data()));
+    indices.push_back(static_cast<int>(found - trained.data()));
   }
-  return parts;
+  return indices;
 }
 
 std::filesystem::path TrainedFile(const std::string& name) {

@@ -62,9 +62,9 @@ DescriptorModel LoadModel(const std::filesystem::path& file,
 
 // Returns the index into `trained` of each object. Throws InputError if the model was not trained
 // for an object, or if its mesh has changed since. The message names file, object and `command`.
-std::vector<int> TrainedParts(const std::vector<ModelObject>& trained, const ObjectSet& objects,
-                              const std::filesystem::path& file,
-                              const std::string& command = kTrainCommand);
+std::vector<int> TrainedObjects(const std::vector<ModelObject>& trained, const ObjectSet& objects,
+                                const std::filesystem::path& file,
+                                const std::string& command = kTrainCommand);
 
 // Returns the path of a trained model, given by its path or by its name under assets/models.
 std::filesystem::path TrainedFile(const std::string& name);

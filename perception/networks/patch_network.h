@@ -30,8 +30,8 @@ class PatchNetwork {
   // Returns the training loss: a scalar with gradient. `options` is for losses that compare
   // descriptors; the options of other losses are in NetworkOptions.
   virtual at::Tensor Loss(const TrainingTensors& batch, const LossOptions& options) = 0;
-  // Returns poses, count x parts x kPoseValues, see pose_targets.h. Throws std::logic_error if the
-  // network regresses none.
+  // Returns poses, count x object_count x kPoseValues, see pose_targets.h. Throws std::logic_error
+  // if the network regresses none.
   virtual at::Tensor Poses(const at::Tensor& patches);
   virtual torch::nn::Module& module() = 0;  // holds the weights
   virtual double MultiplyAdds() const = 0;  // number of operations to describe one patch
@@ -41,9 +41,9 @@ class PatchNetwork {
 struct PatchNetworkRow {
   const char* name;
   const char* help;
-  std::unique_ptr<PatchNetwork> (*make)(const NetworkOptions& options, int parts);
+  std::unique_ptr<PatchNetwork> (*make)(const NetworkOptions& options, int object_count);
   bool unit_rows = true;   // descriptors have unit norm
-  bool regresses = false;  // it also regresses poses of the `parts` objects passed to make
+  bool regresses = false;  // it also regresses poses of the `object_count` objects passed to make
   PatchChannels (*channels)(const NetworkOptions& options) = nullptr;  // null: depth and normals
 };
 
@@ -52,10 +52,15 @@ std::span<const PatchNetworkRow> PatchNetworkTable();
 // Throws InputError with the nearest known name if there is no such network.
 const PatchNetworkRow& FindPatchNetwork(const std::string& name);
 
-// Entries of the table; `parts` is the number of objects whose poses a network regresses.
-std::unique_ptr<PatchNetwork> MakeConvolutionalNetwork(const NetworkOptions& options, int parts);
-std::unique_ptr<PatchNetwork> MakeAutoencoder(const NetworkOptions& options, int parts);
-std::unique_ptr<PatchNetwork> MakeSiameseRegression(const NetworkOptions& options, int parts);
+// Entries of the table; `object_count` is the number of objects whose poses a network regresses.
+std::unique_ptr<PatchNetwork> MakeConvolutionalNetwork(const NetworkOptions& options,
+                                                       int object_count);
+// Returns the convolutional autoencoder of estimator kehl.
+std::unique_ptr<PatchNetwork> MakeAutoencoder(const NetworkOptions& options, int object_count);
+// Returns the network that is trained on pairs of patches and regresses poses.
+std::unique_ptr<PatchNetwork> MakeSiameseRegression(const NetworkOptions& options,
+                                                    int object_count);
+// Returns the channels of the patches that the autoencoder reads.
 PatchChannels AutoencoderChannels(const NetworkOptions& options);
 
 }  // namespace pickbed::perception

@@ -20,17 +20,18 @@ namespace pickbed::perception {
 // it: empty or auto, cpu, cuda. Throws InputError for other values, and for cuda without a device.
 torch::Device NetworkDevice();
 
-// Weights as plain values, one parameter after the other in the module's order. SetWeightsOf throws
-// InputError if the number of values does not fit the module.
+// Returns the weights as plain values, one parameter after the other in the module's order.
 std::vector<float> WeightsOf(const torch::nn::Module& module);
+// Sets the weights. Throws InputError if the number of values does not fit the module.
 void SetWeightsOf(torch::nn::Module& module, std::span<const float> weights);
 
-// Weights and Adam state as the bytes of a checkpoint. RestoreTrainingStateOf throws InputError for
-// damaged bytes and for bytes of another network.
+// Returns weights and Adam state as the bytes of a checkpoint.
 std::string TrainingStateOf(const torch::nn::Module& module, const torch::optim::Adam& adam);
+// Restores weights and Adam state on `device`. Throws InputError for damaged bytes.
 void RestoreTrainingStateOf(const std::string& bytes, const torch::Device& device,
                             torch::nn::Module& module, torch::optim::Adam& adam);
 
+// Sets the learning rate of all parameter groups.
 void SetLearningRate(torch::optim::Adam& adam, double learning_rate);
 
 // Returns a tensor with a copy of the values.

@@ -13,7 +13,7 @@ struct TrainingTensors {
   at::Tensor patches;        // N x 4 x 32 x 32
   at::Tensor pose_distance;  // count x count, anchor i to code j, in diameters
   // Only for networks that regress poses:
-  at::Tensor parts;      // N, object index
+  at::Tensor objects;    // N, object index
   at::Tensor rotations;  // N x variants x 4, quaternions w x y z of all symmetric poses
   at::Tensor centers;    // N x 3, center of mass of the object in the patch frame, in patch sides
 };

@@ -84,7 +84,7 @@ at::Tensor WohlhartLoss(const at::Tensor& anchors, const at::Tensor& templates,
   const at::Tensor distance = options.dynamic_margin ? plain.square() : plain;
   const at::Tensor column = puller.unsqueeze(1);
   const at::Tensor near = distance.gather(1, column);
-  const at::Tensor is_other = pose_distance >= kOtherPart;
+  const at::Tensor is_other = pose_distance >= kOtherObject;
   const at::Tensor margin = options.dynamic_margin
                                 ? pose_distance.masked_fill(is_other, options.class_margin)
                                 : torch::full_like(pose_distance, options.margin);

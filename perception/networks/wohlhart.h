@@ -46,13 +46,13 @@ struct WohlhartOptions {
 };
 
 // Pose distance of a template of another object.
-inline constexpr double kOtherPart = 100;
+inline constexpr double kOtherObject = 100;
 
 // Returns L_triplets + pair_weight * L_pairs (eq. 1 to 3) as means over the batch, a scalar with
 // gradient. Distances are squared only with dynamic_margin; the released code does not square them.
 // - anchors: count x length; templates: rows x length
 // - puller: row of the closest template of each anchor
-// - pose_distance: count x rows, rad; kOtherPart for another object
+// - pose_distance: count x rows, rad; kOtherObject for another object
 at::Tensor WohlhartLoss(const at::Tensor& anchors, const at::Tensor& templates,
                         const at::Tensor& puller, const at::Tensor& pose_distance,
                         const WohlhartOptions& options);

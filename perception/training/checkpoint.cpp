@@ -38,21 +38,21 @@ class Reader {
   std::string_view rest_;
 };
 
-// Number of objects, then per measurement: iteration, at_1, at_8, part_at_1, part_at_8.
+// Number of objects, then per measurement: iteration, at_1, at_8, object_at_1, object_at_8.
 std::vector<double> RecallValues(const std::vector<HeldOutRecall>& history) {
   std::vector<double> values;
-  values.push_back(history.empty() ? 0 : static_cast<double>(history.front().part_at_1.size()));
+  values.push_back(history.empty() ? 0 : static_cast<double>(history.front().object_at_1.size()));
   for (const HeldOutRecall& recall : history) {
     values.insert(values.end(), {1.0 * recall.iteration, recall.at_1, recall.at_8});
-    values.insert(values.end(), recall.part_at_1.begin(), recall.part_at_1.end());
-    values.insert(values.end(), recall.part_at_8.begin(), recall.part_at_8.end());
+    values.insert(values.end(), recall.object_at_1.begin(), recall.object_at_1.end());
+    values.insert(values.end(), recall.object_at_8.begin(), recall.object_at_8.end());
   }
   return values;
 }
 
 std::vector<HeldOutRecall> RecallsFrom(const std::vector<double>& values) {
   CheckInput(!values.empty() && values[0] >= 0 && values[0] <= values.size(), "damaged");
-  const size_t parts = static_cast<size_t>(values[0]), row = 3 + 2 * parts;
+  const size_t object_count = static_cast<size_t>(values[0]), row = 3 + 2 * object_count;
   CheckInput((values.size() - 1) % row == 0, "damaged");
   std::vector<HeldOutRecall> history;
   for (size_t first = 1; first < values.size(); first += row) {
@@ -61,8 +61,8 @@ std::vector<HeldOutRecall> RecallsFrom(const std::vector<double>& values) {
     recall.iteration = static_cast<int>(next[0]);
     recall.at_1 = next[1];
     recall.at_8 = next[2];
-    recall.part_at_1.assign(next + 3, next + 3 + parts);
-    recall.part_at_8.assign(next + 3 + parts, next + row);
+    recall.object_at_1.assign(next + 3, next + 3 + object_count);
+    recall.object_at_8.assign(next + 3 + object_count, next + row);
   }
   return history;
 }

@@ -14,12 +14,12 @@ constexpr int kViewsPerScene = 1;
 
 // Positive patches so near that nearly all are right answers; Choose() drops the others.
 PositivePairOptions NearPositives() {
-  PositivePairOptions twins;
-  twins.pairs_per_instance = 1;
-  twins.rotation_rad = 0.03;
-  twins.in_plane_rad = 0.03;
-  twins.shift_px = 0.5;
-  return twins;
+  PositivePairOptions positives;
+  positives.pairs_per_instance = 1;
+  positives.rotation_rad = 0.03;
+  positives.in_plane_rad = 0.03;
+  positives.shift_px = 0.5;
+  return positives;
 }
 
 // Returns at most `count` random pairs whose positive patch is a right answer.
@@ -80,10 +80,10 @@ struct Book {
 
 Book MakeBook(const HeldOutSet& set, const DescribePatches& describe) {
   Book book;
-  for (size_t part = 0; part < set.queries.size(); ++part) {
-    for (const LabelledPatches* patches : {&set.queries[part].codes, &set.distract[part]}) {
+  for (size_t object = 0; object < set.queries.size(); ++object) {
+    for (const LabelledPatches* patches : {&set.queries[object].codes, &set.distract[object]}) {
       for (size_t row = 0; row < patches->size(); ++row) {
-        book.entries.push_back({ObjectId(part), patches, static_cast<int>(row)});
+        book.entries.push_back({ObjectId(object), patches, static_cast<int>(row)});
       }
       const std::vector<float> rows = describe(patches->values);
       book.descriptors.insert(book.descriptors.end(), rows.begin(), rows.end());
@@ -133,8 +133,9 @@ HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<PatchForm>& 
   set.queries.resize(objects.size());
   set.distract.resize(objects.size());
   std::vector<PatchPairs> pairs(objects.size());
-  const int parts = static_cast<int>(objects.size()), piles = options.clutter_scenes * parts;
-  for (ObjectId object{0}; object < parts; ++object) {
+  const int object_count = static_cast<int>(objects.size()),
+            clutter_scenes = options.clutter_scenes * object_count;
+  for (ObjectId object{0}; object < object_count; ++object) {
     std::vector<LabelledView> seen;
     for (int i = 0; i < options.clutter_scenes; ++i) {
       const int index = object * options.clutter_scenes + i;
@@ -143,18 +144,18 @@ HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<PatchForm>& 
           views.ClutterScene({rng.Next(), kViewsPerScene, object, /*typical=*/true});
       AppendPositivePatches(views, clutter_scene, forms, NearPositives(), rng, pairs);
       std::move(clutter_scene.begin(), clutter_scene.end(), std::back_inserter(seen));
-      if (!on_share(static_cast<double>(index + 1) / piles)) return set;
+      if (!on_share(static_cast<double>(index + 1) / clutter_scenes)) return set;
     }
     if (options.book_views == 0) continue;
     bool go_on = true;
     ForEachIsolatedBlock(views, object, forms[object], BookViews(seen, object, options.book_views),
                          seed, [&](const LabelledPatches& patches, double) {
                            AppendAll(patches, set.distract[object]);
-                           return go_on = on_share(static_cast<double>(object + 1) / parts);
+                           return go_on = on_share(static_cast<double>(object + 1) / object_count);
                          });
     if (!go_on) return set;
   }
-  for (ObjectId object{0}; object < parts; ++object) {
+  for (ObjectId object{0}; object < object_count; ++object) {
     Rng rng = Rng::Derive(seed, object, "training/held_out_choice");
     set.queries[object] =
         Choose(pairs[object], PoseDistance(*objects[object]), options.queries, rng);
@@ -166,9 +167,9 @@ HeldOutRecall MeasureRecall(const HeldOutSet& set, const ObjectSet& objects,
                             const DescribePatches& describe, int length) {
   const Book book = MakeBook(set, describe);
   HeldOutRecall recall;
-  for (size_t part = 0; part < objects.size(); ++part) {
-    const LabelledPatches& queries = set.queries[part].anchors;
-    const PoseDistance distance(*objects[part]);
+  for (size_t object = 0; object < objects.size(); ++object) {
+    const LabelledPatches& queries = set.queries[object].anchors;
+    const PoseDistance distance(*objects[object]);
     const Neighbors found =
         SearchExactly(book.descriptors, describe(queries.values), length, kFound);
     int first = 0, any = 0;
@@ -176,7 +177,7 @@ HeldOutRecall MeasureRecall(const HeldOutSet& set, const ObjectSet& objects,
       for (int k = 0; k < kFound; ++k) {
         const int row = found.rows[q * kFound + k];
         const bool right =
-            row >= 0 && IsRight(book.entries[row], ObjectId(part), queries.X_PO[q], distance);
+            row >= 0 && IsRight(book.entries[row], ObjectId(object), queries.X_PO[q], distance);
         if (!right) continue;
         first += k == 0;
         ++any;
@@ -184,26 +185,26 @@ HeldOutRecall MeasureRecall(const HeldOutSet& set, const ObjectSet& objects,
       }
     }
     const double count = static_cast<double>(queries.size());
-    recall.part_at_1.push_back(count > 0 ? first / count : -1);
-    recall.part_at_8.push_back(count > 0 ? any / count : -1);
+    recall.object_at_1.push_back(count > 0 ? first / count : -1);
+    recall.object_at_8.push_back(count > 0 ? any / count : -1);
   }
-  recall.at_1 = MeanOfKnown(recall.part_at_1);
-  recall.at_8 = MeanOfKnown(recall.part_at_8);
+  recall.at_1 = MeanOfKnown(recall.object_at_1);
+  recall.at_8 = MeanOfKnown(recall.object_at_8);
   return recall;
 }
 
 std::vector<HeldOutAnswer> AnswersOf(const HeldOutSet& set, const ObjectSet& objects,
-                                     const DescribePatches& describe, int length, int per_part) {
+                                     const DescribePatches& describe, int length, int per_object) {
   const Book book = MakeBook(set, describe);
   std::vector<HeldOutAnswer> answers;
-  for (size_t part = 0; part < objects.size(); ++part) {
-    const LabelledPatches& queries = set.queries[part].anchors;
-    const PoseDistance distance(*objects[part]);
+  for (size_t object = 0; object < objects.size(); ++object) {
+    const LabelledPatches& queries = set.queries[object].anchors;
+    const PoseDistance distance(*objects[object]);
     const std::vector<float> rows = describe(queries.values);
     const Neighbors found = SearchExactly(book.descriptors, rows, length, 1);
-    for (size_t q = 0; q < queries.size() && static_cast<int>(q) < per_part; ++q) {
+    for (size_t q = 0; q < queries.size() && static_cast<int>(q) < per_object; ++q) {
       HeldOutAnswer& answer = answers.emplace_back();
-      answer.object = ObjectId(part);
+      answer.object = ObjectId(object);
       answer.query = static_cast<int>(q);
       // The z axis of the patch frame points away from the camera.
       answer.view_O = -queries.X_PO[q].linear().transpose().col(2);

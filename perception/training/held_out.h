@@ -39,8 +39,8 @@ struct HeldOutRecall {
   int iteration = 0;
   double at_1 = 0, at_8 = 0;  // means over the objects
   // By object; -1 for an object without queries.
-  std::vector<double> part_at_1;
-  std::vector<double> part_at_8;
+  std::vector<double> object_at_1;
+  std::vector<double> object_at_8;
 };
 
 // One query and its nearest codebook entry, for display.
@@ -65,9 +65,9 @@ HeldOutSet MakeHeldOut(LabelledViewSource& views, const std::vector<PatchForm>& 
 HeldOutRecall MeasureRecall(const HeldOutSet& set, const ObjectSet& objects,
                             const DescribePatches& describe, int length);
 
-// Returns up to `per_part` answers per object, in the order of the queries.
+// Returns up to `per_object` answers per object, in the order of the queries.
 std::vector<HeldOutAnswer> AnswersOf(const HeldOutSet& set, const ObjectSet& objects,
-                                     const DescribePatches& describe, int length, int per_part);
+                                     const DescribePatches& describe, int length, int per_object);
 
 // Returns the index of the first measurement at which recall@1 has not increased by `gain` over its
 // best for `patience` measurements; -1 if there is none.

@@ -68,17 +68,19 @@ void PlanPositives(const ObjectSet& objects, const LabelledView& view, int view_
   }
   for (const int i : usable) {
     const LabelledInstance& instance = view.instances[i];
-    const int parts = static_cast<int>(usable.size()) * options.pairs_per_instance;
-    const int share = std::max(1, options.patches_per_view / parts);
+    const int pair_count = static_cast<int>(usable.size()) * options.pairs_per_instance;
+    const int share = std::max(1, options.patches_per_view / pair_count);
     for (int k = 0; k < options.pairs_per_instance; ++k) {
-      PositiveView twin{view_index, i, Pose::Identity(), 0, {}};
-      twin.X_TO = PositivePose(*objects[instance.object], instance.X_CO, options.rotation_rad, rng);
-      twin.distance_m = (twin.X_TO * MeshBounds(objects[instance.object]->mesh_O).center()).norm();
+      PositiveView positive{view_index, i, Pose::Identity(), 0, {}};
+      positive.X_TO =
+          PositivePose(*objects[instance.object], instance.X_CO, options.rotation_rad, rng);
+      positive.distance_m =
+          (positive.X_TO * MeshBounds(objects[instance.object]->mesh_O).center()).norm();
       for (int a = 0; a < share; ++a) {
         const int pixel = pixels[i][rng.Index(static_cast<int>(pixels[i].size()))];
-        twin.anchors.push_back({pixel, rng.Uniform(0, 2 * std::numbers::pi)});
+        positive.anchors.push_back({pixel, rng.Uniform(0, 2 * std::numbers::pi)});
       }
-      by_object[instance.object].push_back(std::move(twin));
+      by_object[instance.object].push_back(std::move(positive));
     }
   }
 }
@@ -89,11 +91,11 @@ struct CutList {
 };
 
 void AppendPairs(const OrganizedCloud& clutter_cloud, const Pose& X_CO, const OrganizedCloud& alone,
-                 const PositiveView& twin, const PatchForm& form, double tolerance_m,
+                 const PositiveView& positive, const PatchForm& form, double tolerance_m,
                  const PositivePairOptions& options, Rng& rng, PatchPairs& pairs) {
   CutList anchors, codes;
-  const Pose X_TC = twin.X_TO * X_CO.inverse();
-  for (const PatchAnchor& anchor : twin.anchors) {
+  const Pose X_TC = positive.X_TO * X_CO.inverse();
+  for (const PatchAnchor& anchor : positive.anchors) {
     const Eigen::Vector3d point_C = clutter_cloud.points_C[anchor.pixel].cast<double>();
     const int pixel = PositivePixel(alone, X_TC * point_C, options.shift_px, tolerance_m, rng);
     if (pixel < 0) continue;
@@ -105,7 +107,7 @@ void AppendPairs(const OrganizedCloud& clutter_cloud, const Pose& X_CO, const Or
     codes.angles_rad.push_back(angle + options.in_plane_rad * rng.Normal());
   }
   AppendPatches(clutter_cloud, anchors.pixels, anchors.angles_rad, form, X_CO, pairs.anchors);
-  AppendPatches(alone, codes.pixels, codes.angles_rad, form, twin.X_TO, pairs.codes);
+  AppendPatches(alone, codes.pixels, codes.angles_rad, form, positive.X_TO, pairs.codes);
 }
 
 }  // namespace
@@ -130,35 +132,37 @@ void AppendPositivePatches(LabelledViewSource& source,
                            const std::vector<LabelledView>& clutter_scene,
                            const std::vector<PatchForm>& forms, const PositivePairOptions& options,
                            Rng& rng, std::vector<PatchPairs>& by_object) {
-  CheckSettings("TwinOptions", options);
+  CheckSettings("PositivePairOptions", options);
   const ObjectSet& objects = source.objects();
   std::vector<OrganizedCloud> clouds;
-  std::vector<std::vector<PositiveView>> twins(objects.size());
+  std::vector<std::vector<PositiveView>> positives(objects.size());
   for (size_t v = 0; v < clutter_scene.size(); ++v) {
     clouds.push_back(BuildCloud(clutter_scene[v].frame, clutter_scene[v].background));
-    PlanPositives(objects, clutter_scene[v], static_cast<int>(v), clouds[v], options, rng, twins);
+    PlanPositives(objects, clutter_scene[v], static_cast<int>(v), clouds[v], options, rng,
+                  positives);
   }
   for (size_t o = 0; o < objects.size(); ++o) {
-    if (twins[o].empty()) continue;
+    if (positives[o].empty()) continue;
     IsolatedOptions nearest;
     nearest.focal_px = clutter_scene.front().frame.intrinsics.fx();
     nearest.distance_spread = 0;
-    nearest.distance_m = twins[o].front().distance_m;
+    nearest.distance_m = positives[o].front().distance_m;
     std::vector<Pose> poses;
-    for (const PositiveView& twin : twins[o]) {
-      poses.push_back(twin.X_TO);
-      nearest.distance_m = std::min(nearest.distance_m, twin.distance_m);
+    for (const PositiveView& positive : positives[o]) {
+      poses.push_back(positive.X_TO);
+      nearest.distance_m = std::min(nearest.distance_m, positive.distance_m);
     }
     const CameraIntrinsics camera =
         CropCamera(MeshBounds(objects[o]->mesh_O).size().norm(), nearest);
     // Upper bound of the displacement by rotation, shift and noise.
-    const double tolerance_m = 0.1 * objects[o]->diameter_m;
+    const double tolerance_m = kCorrectDiameters * objects[o]->diameter_m;
     const std::vector<LabelledView> views = source.Isolated(ObjectId(o), poses, camera, rng.Next());
     for (size_t i = 0; i < views.size(); ++i) {
       const OrganizedCloud alone = IsolatedCloud(views[i]);
-      const PositiveView& twin = twins[o][i];
-      AppendPairs(clouds[twin.view], clutter_scene[twin.view].instances[twin.position].X_CO, alone,
-                  twin, forms[o], tolerance_m, options, rng, by_object[o]);
+      const PositiveView& positive = positives[o][i];
+      AppendPairs(clouds[positive.view],
+                  clutter_scene[positive.view].instances[positive.position].X_CO, alone, positive,
+                  forms[o], tolerance_m, options, rng, by_object[o]);
     }
   }
 }

@@ -22,7 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Interval of checks for a stop request while waiting for views.
-constexpr std::chrono::milliseconds kLookEvery{100};
+constexpr std::chrono::milliseconds kPollInterval{100};
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -30,11 +30,11 @@ double SecondsSince(Clock::time_point start) {
 
 // Runs `work` and prefixes the message of an InputError with the object's name.
 template <typename Work>
-auto NamingObject(const ObjectModel& part, const Work& work) {
+auto NamingObject(const ObjectModel& object, const Work& work) {
   try {
     return work();
   } catch (const InputError& error) {
-    throw InputError("object '" + part.name + "': " + error.what());
+    throw InputError("object '" + object.name + "': " + error.what());
   }
 }
 
@@ -69,7 +69,7 @@ class Trainer {
   bool Report(const char* phase, double share, int total, double shown_from = 0);
   void BeginPhase() { phase_start_ = Clock::now(); }
   TrainingViewsPlan Plan() const;
-  std::vector<ObjectId> NewParts() const;
+  std::vector<ObjectId> NewObjects() const;
   VerifierTrainingOptions VerifierPlan() const;
   bool AwaitHeldOut();
   bool AwaitScenes(double share, const char* phase, double shown_from);
@@ -97,7 +97,7 @@ class Trainer {
   DescriptorNetwork network_;
   TrainingData data_;
   HeldOutSet held_out_;
-  std::vector<TrainedVerifier> trained_;  // finished verifiers, in the order of NewParts()
+  std::vector<TrainedVerifier> trained_;  // finished verifiers, in the order of NewObjects()
   std::unique_ptr<TrainingViews> views_;
   int iteration_ = 0;  // steps done
   TrainingReport report_;
@@ -110,13 +110,13 @@ Trainer::Trainer(const TrainingJob& job, const TrainingOptions& options)
       objects_(job.views.objects()),
       from_(LoadTrainingStart(job, options)),
       sides_(StartSides(objects_, from_, options)),
-      schedule_(PartWeights(from_, options), options),
+      schedule_(ObjectWeights(from_, options), options),
       key_(CheckpointKey(job.views, options, job.sensor_profile,
                          from_.model ? from_.model->network_hash : 0)),
       network_(options.network, options.seed, static_cast<int>(objects_.size())),
       data_(objects_, schedule_.main_objects(), sides_, network_.regresses(), options) {
-  for (size_t part = 0; part < objects_.size(); ++part) {
-    report_.rehearsed.push_back(from_.IsRehearsed(part));
+  for (size_t object = 0; object < objects_.size(); ++object) {
+    report_.rehearsed.push_back(from_.IsRehearsed(object));
   }
 }
 
@@ -157,12 +157,12 @@ VerifierTrainingOptions Trainer::VerifierPlan() const {
 }
 
 // Objects that are not rehearsed; each gets a verifier.
-std::vector<ObjectId> Trainer::NewParts() const {
-  std::vector<ObjectId> parts;
-  for (size_t part = 0; part < objects_.size(); ++part) {
-    if (!from_.IsRehearsed(part)) parts.push_back(ObjectId(part));
+std::vector<ObjectId> Trainer::NewObjects() const {
+  std::vector<ObjectId> new_objects;
+  for (size_t object = 0; object < objects_.size(); ++object) {
+    if (!from_.IsRehearsed(object)) new_objects.push_back(ObjectId(object));
   }
-  return parts;
+  return new_objects;
 }
 
 TrainingViewsPlan Trainer::Plan() const {
@@ -170,7 +170,7 @@ TrainingViewsPlan Trainer::Plan() const {
   plan.seed = options_.seed;
   for (const double side_m : sides_) plan.forms.push_back({side_m, network_.channels()});
   if (Share() < 1) plan.scene_objects = schedule_.scene_objects();
-  plan.verifiers = NewParts();
+  plan.verifiers = NewObjects();
   plan.verifiers.erase(plan.verifiers.begin(), plan.verifiers.begin() + trained_.size());
   plan.views_per_scene = options_.views_per_scene;
   plan.positive_pairs = options_.positive_pairs;
@@ -183,7 +183,7 @@ bool Trainer::AwaitHeldOut() {
   const PhaseTimer timer(report_, "waiting for views");
   while (true) {
     if (!Report("views", 0, schedule_.FirstScenes())) return false;
-    if (std::optional<HeldOutSet> set = views_->TakeHeldOut(kLookEvery)) {
+    if (std::optional<HeldOutSet> set = views_->TakeHeldOut(kPollInterval)) {
       held_out_ = std::move(*set);
       return true;
     }
@@ -194,21 +194,21 @@ bool Trainer::AwaitHeldOut() {
 // there is at least one, because the result depends on the time anyway.
 bool Trainer::AwaitScenes(double share, const char* phase, double shown_from) {
   const int wanted = schedule_.WantedScenes(share);
-  if (data_.piles() >= wanted) return true;
+  if (data_.clutter_scenes() >= wanted) return true;
   const PhaseTimer timer(report_, "waiting for views");
   const bool limited = options_.max_minutes > 0;
-  while (data_.piles() < wanted) {
-    const bool enough = limited && data_.piles() > 0;
+  while (data_.clutter_scenes() < wanted) {
+    const bool enough = limited && data_.clutter_scenes() > 0;
     const std::optional<ClutterPairs> clutter_scene =
-        views_->TakeScene(enough ? std::chrono::milliseconds(0) : kLookEvery);
+        views_->TakeScene(enough ? std::chrono::milliseconds(0) : kPollInterval);
     if (clutter_scene) data_.Add(*clutter_scene);
     if (!clutter_scene && enough) return true;
     const bool first = iteration_ == 0;
-    const double shown = first ? std::min(1.0, 1.0 * data_.piles() / wanted) : share;
+    const double shown = first ? std::min(1.0, 1.0 * data_.clutter_scenes() / wanted) : share;
     const int total = first ? wanted : schedule_.iterations();
     if (!Report(first ? "views" : phase, shown, total, first ? 0 : shown_from)) return false;
   }
-  if (data_.piles() == schedule_.piles()) data_.RequireAllParts();
+  if (data_.clutter_scenes() == schedule_.clutter_scenes()) data_.RequireAllObjects();
   return true;
 }
 
@@ -267,40 +267,42 @@ bool Trainer::TrainNetwork() {
   views_->SkipScenes();
   if (report_.recall_history.back().iteration != iteration_) Measure();
   SaveCheckpoint();
-  if (data_.piles() > 0) data_.RequireAllParts();
+  if (data_.clutter_scenes() > 0) data_.RequireAllObjects();
   return true;
 }
 
 // Trains one verifier per new object. Returns false if stopped on request.
 bool Trainer::TrainVerifiers() {
   BeginPhase();
-  const std::vector<ObjectId> parts = NewParts();
-  const int piles = options_.verifier_clutter_scenes * static_cast<int>(parts.size());
+  const std::vector<ObjectId> new_objects = NewObjects();
+  const int clutter_scenes =
+      options_.verifier_clutter_scenes * static_cast<int>(new_objects.size());
   const auto share_of = [&](size_t done, double share) {
-    return (static_cast<double>(done) + share) / static_cast<double>(parts.size());
+    return (static_cast<double>(done) + share) / static_cast<double>(new_objects.size());
   };
-  for (size_t n = trained_.size(); n < parts.size(); ++n) {
+  for (size_t n = trained_.size(); n < new_objects.size(); ++n) {
     std::optional<VerifierTrainingSet> training_set;
     while (!training_set) {
       const PhaseTimer timer(report_, "waiting for verifier views");
-      if (!Report("verifier", share_of(n, 0), piles)) return false;
-      training_set =
-          NamingObject(*objects_[parts[n]], [&] { return views_->TakeTrainingSet(kLookEvery); });
+      if (!Report("verifier", share_of(n, 0), clutter_scenes)) return false;
+      training_set = NamingObject(*objects_[new_objects[n]],
+                                  [&] { return views_->TakeTrainingSet(kPollInterval); });
     }
     const PhaseTimer timer(report_, "verifier");
-    const ObjectId i = parts[n];
-    const VerifierPart part{i, sides_[i], network_.length(), VoterOf(network_)};
+    const ObjectId i = new_objects[n];
+    const VerifierObject object{i, sides_[i], network_.length(), VoterOf(network_)};
     bool go_on = true;
     const TrainedVerifier trained = NamingObject(*objects_[i], [&] {
-      return TrainPartVerifier(*training_set, objects_[i], part, VerifierPlan(), [&](double share) {
-        return go_on = Report("verifier", share_of(n, share), piles);
-      });
+      return TrainObjectVerifier(
+          *training_set, objects_[i], object, VerifierPlan(), [&](double share) {
+            return go_on = Report("verifier", share_of(n, share), clutter_scenes);
+          });
     });
     if (!go_on) return false;
     trained_.push_back(trained);
     SaveCheckpoint();
   }
-  Report("verifier", 1, piles);
+  Report("verifier", 1, clutter_scenes);
   return true;
 }
 
@@ -327,11 +329,11 @@ void Trainer::Save() {
   for (size_t i = 0; i < objects_.size(); ++i) {
     ModelObject object{objects_[i]->name, objects_[i]->mesh_hash, objects_[i]->diameter_m,
                        sides_[i], trained[i].auc};
-    object.recall_at_1 = recall.part_at_1[i];
-    object.recall_at_8 = recall.part_at_8[i];
+    object.recall_at_1 = recall.object_at_1[i];
+    object.recall_at_8 = recall.object_at_8[i];
     info.objects.push_back(object);
     verifiers.push_back(trained[i].verifier);
-    report_.part_auc.push_back(trained[i].auc);
+    report_.object_auc.push_back(trained[i].auc);
     report_.verifier_auc += trained[i].auc / static_cast<double>(objects_.size());
   }
   info.sensor = job_.sensor_profile;

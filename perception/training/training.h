@@ -84,7 +84,7 @@ struct TrainingReport {
   std::vector<HeldOutRecall> recall_history;  // first before any step, last at the end
   int plateau_iteration = -1;                 // step of the plateau; -1 = none
   std::vector<uint8_t> rehearsed;             // by object: 1 = start_from knows it
-  std::vector<double> part_auc;               // by object: area under the verifier's ROC curve
+  std::vector<double> object_auc;             // by object: area under the verifier's ROC curve
   double verifier_auc = 0;                    // mean over the objects
   double seconds = 0;
   struct PhaseSeconds {

@@ -21,66 +21,66 @@ TrainingData::TrainingData(const ObjectSet& objects, std::vector<ObjectId> main_
     : objects_(objects),
       main_objects_(std::move(main_objects)),
       options_(options),
-      parts_(objects.size()) {
+      pairs_(objects.size()) {
   for (const auto& object : objects) embeddings_.emplace_back(*object);
-  for (size_t part = 0; targets && part < objects.size(); ++part) {
-    targets_.emplace_back(*objects[part], sides_m[part]);
+  for (size_t object = 0; targets && object < objects.size(); ++object) {
+    targets_.emplace_back(*objects[object], sides_m[object]);
     variants_ = std::max(variants_, targets_.back().variants());
   }
 }
 
 void TrainingData::Add(const std::vector<PatchPairs>& clutter_scene) {
-  for (size_t part = 0; part < clutter_scene.size(); ++part) {
-    AppendAll(clutter_scene[part].anchors, parts_[part].anchors);
-    AppendAll(clutter_scene[part].codes, parts_[part].codes);
+  for (size_t object = 0; object < clutter_scene.size(); ++object) {
+    AppendAll(clutter_scene[object].anchors, pairs_[object].anchors);
+    AppendAll(clutter_scene[object].codes, pairs_[object].codes);
   }
-  ++piles_;
+  ++clutter_scenes_;
 }
 
-void TrainingData::RequireAllParts() const {
-  for (size_t part = 0; part < parts_.size(); ++part) {
-    CheckInput(parts_[part].size() > 0,
+void TrainingData::RequireAllObjects() const {
+  for (size_t object = 0; object < pairs_.size(); ++object) {
+    CheckInput(pairs_[object].size() > 0,
                fmt::format("object '{}' was never visible enough in {} training scenes; raise "
                            "clutter_scenes (or the time limit) or lower positive_pairs.min_visible",
-                           objects_[part]->name, piles_));
+                           objects_[object]->name, clutter_scenes_));
   }
 }
 
 std::vector<TrainingData::Choice> TrainingData::Choose(int iteration) const {
   Rng rng = Rng::Derive(options_.seed, iteration, "training/batch");
   std::vector<ObjectId> seen;
-  for (size_t part = 0; part < parts_.size(); ++part) {
-    if (parts_[part].size() > 0) seen.push_back(ObjectId(part));
+  for (size_t object = 0; object < pairs_.size(); ++object) {
+    if (pairs_[object].size() > 0) seen.push_back(ObjectId(object));
   }
-  if (seen.empty()) RequireAllParts();
+  if (seen.empty()) RequireAllObjects();
   // A main object without pairs is replaced by another object.
   ObjectId main = main_objects_[iteration % main_objects_.size()];
-  if (parts_[main].size() == 0) main = seen[iteration % seen.size()];
+  if (pairs_[main].size() == 0) main = seen[iteration % seen.size()];
   std::vector<Choice> choices(options_.batch);
   for (int i = 0; i < options_.batch; ++i) {
     const bool of_main = i < options_.main_share * options_.batch;
     choices[i].object = of_main ? main : seen[rng.Index(static_cast<int>(seen.size()))];
-    choices[i].pair = rng.Index(static_cast<int>(parts_[choices[i].object].size()));
+    choices[i].pair = rng.Index(static_cast<int>(pairs_[choices[i].object].size()));
   }
   return choices;
 }
 
 void TrainingData::FillDistances(const std::vector<Choice>& choices, TrainingBatch& batch) const {
   const size_t count = choices.size();
-  PoseEmbedding::Points codes(24, count), twins;
+  PoseEmbedding::Points codes(24, count), positives;
   for (size_t j = 0; j < count; ++j) {
     const Choice& choice = choices[j];
-    codes.col(j) = embeddings_[choice.object].Embed(parts_[choice.object].codes.X_PO[choice.pair]);
+    codes.col(j) = embeddings_[choice.object].Embed(pairs_[choice.object].codes.X_PO[choice.pair]);
   }
   batch.pose_distance.assign(count * count, kOtherObjectDistance);
   for (size_t i = 0; i < count; ++i) {
     const Choice& choice = choices[i];
-    embeddings_[choice.object].EmbedVariants(parts_[choice.object].anchors.X_PO[choice.pair],
-                                             twins);
+    embeddings_[choice.object].EmbedVariants(pairs_[choice.object].anchors.X_PO[choice.pair],
+                                             positives);
     for (size_t j = 0; j < count; ++j) {
       if (choices[j].object != choice.object) continue;
       batch.pose_distance[i * count + j] =
-          std::sqrt((twins.colwise() - codes.col(j)).colwise().squaredNorm().minCoeff());
+          std::sqrt((positives.colwise() - codes.col(j)).colwise().squaredNorm().minCoeff());
     }
   }
 }
@@ -90,10 +90,10 @@ void TrainingData::FillTargets(const std::vector<Choice>& choices, TrainingBatch
   batch.variants = variants_;
   for (const bool codes : {false, true}) {
     for (const Choice& choice : choices) {
-      const PatchPairs& pairs = parts_[choice.object];
+      const PatchPairs& pairs = pairs_[choice.object];
       const Pose& X_PO = (codes ? pairs.codes : pairs.anchors).X_PO[choice.pair];
       const PoseTargets& targets = targets_[choice.object];
-      batch.parts.push_back(choice.object);
+      batch.objects.push_back(choice.object);
       const size_t wanted = batch.rotations.size() + 4 * static_cast<size_t>(variants_);
       while (batch.rotations.size() < wanted) targets.AppendRotations(X_PO, batch.rotations);
       batch.rotations.resize(wanted);
@@ -108,8 +108,8 @@ TrainingBatch TrainingData::Batch(int iteration) const {
   TrainingBatch batch;
   batch.count = options_.batch;
   for (const Choice& choice : choices) {
-    const auto anchor = parts_[choice.object].anchors.patch(choice.pair);
-    const auto code = parts_[choice.object].codes.patch(choice.pair);
+    const auto anchor = pairs_[choice.object].anchors.patch(choice.pair);
+    const auto code = pairs_[choice.object].codes.patch(choice.pair);
     batch.anchors.insert(batch.anchors.end(), anchor.begin(), anchor.end());
     batch.codes.insert(batch.codes.end(), code.begin(), code.end());
   }

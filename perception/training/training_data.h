@@ -23,18 +23,18 @@ class TrainingData {
   TrainingData(const ObjectSet& objects, std::vector<ObjectId> main_objects,
                const std::vector<double>& sides_m, bool targets, const TrainingOptions& options);
 
-  // Adds the pairs of one clutter scene; `pile` is by object.
+  // Adds the pairs of one clutter scene; `clutter_scene` is by object.
   void Add(const std::vector<PatchPairs>& clutter_scene);
-  int piles() const { return piles_; }
+  int clutter_scenes() const { return clutter_scenes_; }
 
   // Throws InputError naming the object if an object has no pairs.
-  void RequireAllParts() const;
+  void RequireAllObjects() const;
 
   // Returns the batch of a step, with the objects that have pairs. It depends on seed, iteration
   // and the scenes added so far. Throws InputError if no object has pairs.
   TrainingBatch Batch(int iteration) const;
 
-  const std::vector<PatchPairs>& pairs() const { return parts_; }  // by object
+  const std::vector<PatchPairs>& pairs() const { return pairs_; }  // by object
 
  private:
   struct Choice {
@@ -48,8 +48,8 @@ class TrainingData {
   const ObjectSet& objects_;
   std::vector<ObjectId> main_objects_;
   TrainingOptions options_;
-  int piles_ = 0;
-  std::vector<PatchPairs> parts_;
+  int clutter_scenes_ = 0;
+  std::vector<PatchPairs> pairs_;
   std::vector<PoseEmbedding> embeddings_;
   std::vector<PoseTargets> targets_;  // empty if batches contain no poses
   int variants_ = 0;                  // maximum number of symmetric poses of any object

@@ -50,10 +50,11 @@ TrainingSchedule::TrainingSchedule(const std::vector<double>& weights,
   measure_every_ = std::max(1, Rounded(options.held_out.every * total));
   main_objects_ = TakeTurns(weights, iterations_);
   // Each object is in at least one clutter scene, even if its weight is low.
-  std::vector<double> piles;
+  std::vector<double> clutter_scenes;
   for (const double weight : weights)
-    piles.push_back(std::max(1, Rounded(options.clutter_scenes * weight)));
-  scene_objects_ = TakeTurns(piles, Rounded(std::accumulate(piles.begin(), piles.end(), 0.0)));
+    clutter_scenes.push_back(std::max(1, Rounded(options.clutter_scenes * weight)));
+  scene_objects_ = TakeTurns(
+      clutter_scenes, Rounded(std::accumulate(clutter_scenes.begin(), clutter_scenes.end(), 0.0)));
 }
 
 void TrainingSchedule::Watch(const std::vector<HeldOutRecall>& history) {
@@ -73,15 +74,15 @@ double TrainingSchedule::Share(int iteration) const {
 }
 
 int TrainingSchedule::FirstScenes() const {
-  return std::max(1, static_cast<int>(std::ceil(kFirstShare * piles())));
+  return std::max(1, static_cast<int>(std::ceil(kFirstShare * clutter_scenes())));
 }
 
 int TrainingSchedule::WantedScenes(double share) const {
   if (plateau_iteration_ >= 0) {
     share = std::min(share, static_cast<double>(plateau_iteration_) / iterations_);
   }
-  const int wanted = static_cast<int>(std::ceil(piles() * share / views_share_));
-  return std::clamp(wanted, FirstScenes(), piles());
+  const int wanted = static_cast<int>(std::ceil(clutter_scenes() * share / views_share_));
+  return std::clamp(wanted, FirstScenes(), clutter_scenes());
 }
 
 TrainingStart LoadTrainingStart(const TrainingJob& job, const TrainingOptions& options) {
@@ -107,10 +108,10 @@ TrainingStart LoadTrainingStart(const TrainingJob& job, const TrainingOptions& o
   CheckInput(!grows, fmt::format("{}: a network that regresses poses cannot learn further objects; "
                                  "train a new model on all objects at once",
                                  job.start_from.string()));
-  for (size_t part = 0; part < objects.size(); ++part) {
+  for (size_t object = 0; object < objects.size(); ++object) {
     for (size_t i = 0; i < info.objects.size(); ++i) {
-      if (info.objects[i].name != objects[part]->name) continue;
-      if (info.objects[i].mesh_hash == objects[part]->mesh_hash) start.known[part] = i;
+      if (info.objects[i].name != objects[object]->name) continue;
+      if (info.objects[i].mesh_hash == objects[object]->mesh_hash) start.known[object] = i;
     }
   }
   const auto is_known = [](int index) { return index >= 0; };
@@ -119,10 +120,10 @@ TrainingStart LoadTrainingStart(const TrainingJob& job, const TrainingOptions& o
   return start;
 }
 
-std::vector<double> PartWeights(const TrainingStart& start, const TrainingOptions& options) {
+std::vector<double> ObjectWeights(const TrainingStart& start, const TrainingOptions& options) {
   std::vector<double> weights(start.known.size(), 1);
-  for (size_t part = 0; part < weights.size(); ++part) {
-    if (start.IsRehearsed(part)) weights[part] = options.rehearsal;
+  for (size_t object = 0; object < weights.size(); ++object) {
+    if (start.IsRehearsed(object)) weights[object] = options.rehearsal;
   }
   return weights;
 }
@@ -130,10 +131,10 @@ std::vector<double> PartWeights(const TrainingStart& start, const TrainingOption
 std::vector<double> StartSides(const ObjectSet& objects, const TrainingStart& start,
                                const TrainingOptions& options) {
   std::vector<double> sides;
-  for (size_t part = 0; part < objects.size(); ++part) {
-    sides.push_back(start.known[part] >= 0
-                        ? start.model->info.objects[start.known[part]].side_m
-                        : PatchSide(objects[part]->diameter_m, options.patch_diameters));
+  for (size_t object = 0; object < objects.size(); ++object) {
+    sides.push_back(start.known[object] >= 0
+                        ? start.model->info.objects[start.known[object]].side_m
+                        : PatchSide(objects[object]->diameter_m, options.patch_diameters));
   }
   return sides;
 }

@@ -25,7 +25,7 @@ class TrainingSchedule {
   TrainingSchedule(const std::vector<double>& weights, const TrainingOptions& options);
 
   int iterations() const { return iterations_; }
-  int piles() const { return static_cast<int>(scene_objects_.size()); }
+  int clutter_scenes() const { return static_cast<int>(scene_objects_.size()); }
   // Main object per step.
   const std::vector<ObjectId>& main_objects() const { return main_objects_; }
   // Required object per scene.
@@ -62,7 +62,7 @@ struct TrainingStart {
   std::vector<int> known;  // by object: index into the model's objects, -1 = new object
   bool rehearses = false;  // some objects are known and some are new
 
-  bool IsRehearsed(size_t part) const { return rehearses && known[part] >= 0; }
+  bool IsRehearsed(size_t object) const { return rehearses && known[object] >= 0; }
 };
 
 // Loads job.start_from. An object whose mesh has changed is new. Throws InputError as LoadModel
@@ -71,7 +71,7 @@ struct TrainingStart {
 TrainingStart LoadTrainingStart(const TrainingJob& job, const TrainingOptions& options);
 
 // Returns the weight of each object: 1, or options.rehearsal if it is rehearsed.
-std::vector<double> PartWeights(const TrainingStart& start, const TrainingOptions& options);
+std::vector<double> ObjectWeights(const TrainingStart& start, const TrainingOptions& options);
 
 // Returns the patch side of each object in metres; known objects keep theirs.
 std::vector<double> StartSides(const ObjectSet& objects, const TrainingStart& start,

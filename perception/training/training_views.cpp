@@ -24,7 +24,7 @@ struct TrainingViews::Impl {
   std::mutex mutex;  // guards the queues and `failure`
   std::condition_variable changed;
   std::deque<HeldOutSet> held_out;
-  std::deque<ClutterPairs> piles;
+  std::deque<ClutterPairs> clutter_scenes;
   std::deque<VerifierTrainingSet> training_sets;
   std::exception_ptr failure;
 
@@ -78,7 +78,8 @@ void TrainingViews::Impl::MakeAll() {
   const auto go_on = [this](double) { return !stop; };
   Hand(held_out, MakeHeldOut(source, plan.forms, plan.held_out, plan.seed, go_on), kAll);
   const int count = static_cast<int>(plan.scene_objects.size());
-  for (int i = 0; i < count && !stop && !skip_scenes; ++i) Hand(piles, MakeClutterScene(i), kAll);
+  for (int i = 0; i < count && !stop && !skip_scenes; ++i)
+    Hand(clutter_scenes, MakeClutterScene(i), kAll);
   for (const ObjectId object : plan.verifiers) {
     if (stop) return;
     Hand(training_sets,
@@ -115,7 +116,7 @@ std::optional<HeldOutSet> TrainingViews::TakeHeldOut(Wait wait) {
   return impl_->Take(impl_->held_out, wait);
 }
 std::optional<ClutterPairs> TrainingViews::TakeScene(Wait wait) {
-  return impl_->Take(impl_->piles, wait);
+  return impl_->Take(impl_->clutter_scenes, wait);
 }
 std::optional<VerifierTrainingSet> TrainingViews::TakeTrainingSet(Wait wait) {
   return impl_->Take(impl_->training_sets, wait);

@@ -36,17 +36,17 @@ VerifierFile Begin(const VerifierJob& job, const VerifierTrainingOptions& option
   return {job.estimator, job.sensor_profile, training, {}, {}, {}};
 }
 
-bool Knows(const VerifierFile& file, const ObjectModel& part) {
+bool Knows(const VerifierFile& file, const ObjectModel& model) {
   return std::any_of(file.objects.begin(), file.objects.end(), [&](const ModelObject& known) {
-    return known.name == part.name && known.mesh_hash == part.mesh_hash;
+    return known.name == model.name && known.mesh_hash == model.mesh_hash;
   });
 }
 
 // Adds a verifier. It replaces the verifier of an object with the same name and another mesh.
-void Put(const ObjectModel& part, const TrainedVerifier& trained, VerifierFile& file) {
-  const ModelObject object{part.name, part.mesh_hash, part.diameter_m, 0, trained.auc};
+void Put(const ObjectModel& model, const TrainedVerifier& trained, VerifierFile& file) {
+  const ModelObject object{model.name, model.mesh_hash, model.diameter_m, 0, trained.auc};
   for (size_t i = 0; i < file.objects.size(); ++i) {
-    if (file.objects[i].name != part.name) continue;
+    if (file.objects[i].name != model.name) continue;
     file.objects[i] = object;
     file.verifiers[i] = trained.verifier;
     return;
@@ -83,28 +83,28 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
     SaveVerifiers(saved = unfinished, file);
   }
   for (size_t i = 0; i < objects.size(); ++i) {
-    const ObjectModel& part = *objects[i];
-    if (Knows(file, part)) continue;
+    const ObjectModel& model = *objects[i];
+    if (Knows(file, model)) continue;
     bool go_on = true;
     const auto report = [&](double share) {
-      return go_on = !job.on_progress || job.on_progress(part.name, share);
+      return go_on = !job.on_progress || job.on_progress(model.name, share);
     };
     try {
       constexpr double kScenesShare = 0.1;  // approximate share of the time
       const ObjectId object(i);
-      const std::vector<LabelledView> piles =
+      const std::vector<LabelledView> clutter_scenes =
           VerifierScenes(job.views, object, /*color=*/false, options,
                          [&](double share) { return report(kScenesShare * share); });
       if (!go_on) return {false, saved, 0};
       const std::unique_ptr<CandidateSource> source = job.candidates({objects[i]}, file.network);
       const CandidateSource* const sources[] = {source.get()};
-      const TrainedVerifier trained = TrainPartVerifier(
-          piles, object, sources, options,
+      const TrainedVerifier trained = TrainObjectVerifier(
+          clutter_scenes, object, sources, options,
           [&](double share) { return report(kScenesShare + (1 - kScenesShare) * share); });
       if (!go_on) return {false, saved, 0};
-      Put(part, trained, file);
+      Put(model, trained, file);
     } catch (const InputError& error) {
-      throw InputError("object '" + part.name + "': " + error.what());
+      throw InputError("object '" + model.name + "': " + error.what());
     }
     SaveVerifiers(saved = unfinished, file);
   }

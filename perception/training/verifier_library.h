@@ -28,7 +28,7 @@ struct VerifierJob {
   std::filesystem::path file;
   bool resume = false;  // continue from UnfinishedLibrary(file), or add objects to the file
   std::string sensor_profile;
-  std::function<bool(std::string_view part, double share)> on_progress;  // false = stop
+  std::function<bool(std::string_view object, double share)> on_progress;  // false = stop
   // Trains the network, unless the file contains it. Returns nothing if stopped. Empty = no
   // network.
   std::function<std::optional<LearnedNetwork>(const std::function<bool(double share)>& on_share)>
@@ -52,8 +52,8 @@ std::filesystem::path UnfinishedLibrary(const std::filesystem::path& file);
 // Returns all settings that verifiers depend on, besides their objects, as recorded in the file.
 std::string VerifierTrainingText(const LabelledViewSource& views, VerifierTrainingOptions options);
 
-// Throws InputError naming the object for errors of TrainPartVerifier. Throws InputError naming the
-// file if it is resumed with other settings, sensor, clutter scenes or network settings.
+// Throws InputError naming the object for errors of TrainObjectVerifier. Throws InputError naming
+// the file if it is resumed with other settings, sensor, clutter scenes or network settings.
 VerifierReport TrainVerifierLibrary(const VerifierJob& job, const VerifierTrainingOptions& options);
 
 }  // namespace pickbed::perception

@@ -133,11 +133,12 @@ VerifierTrainingSet MakeVerifierTrainingSet(LabelledViewSource& views, ObjectId 
   constexpr double kScenesShare = 0.8;  // approximate share of the time
   VerifierTrainingSet training_set;
   bool go_on = true;
-  training_set.piles =
+  training_set.clutter_scenes =
       VerifierScenes(views, object, form.channels == PatchChannels::kDepthColor, options,
                      [&](double share) { return go_on = on_share(kScenesShare * share); });
   if (!go_on) return training_set;
-  ForEachIsolatedBlock(views, object, form, CodeViews(training_set.piles, object, options.entries),
+  ForEachIsolatedBlock(views, object, form,
+                       CodeViews(training_set.clutter_scenes, object, options.entries),
                        options.seed, [&](const LabelledPatches& patches, double share) {
                          AppendAll(patches, training_set.codes);
                          return on_share(kScenesShare + (1 - kScenesShare) * share);
@@ -145,59 +146,64 @@ VerifierTrainingSet MakeVerifierTrainingSet(LabelledViewSource& views, ObjectId 
   return training_set;
 }
 
-TrainedVerifier TrainPartVerifier(const VerifierTrainingSet& training_set,
-                                  const std::shared_ptr<const ObjectModel>& model,
-                                  const VerifierPart& part, const VerifierTrainingOptions& options,
-                                  const std::function<bool(double)>& on_share) {
+TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set,
+                                    const std::shared_ptr<const ObjectModel>& model,
+                                    const VerifierObject& wanted,
+                                    const VerifierTrainingOptions& options,
+                                    const std::function<bool(double)>& on_share) {
   ObjectCodes codes;
-  codes.length = part.descriptor_length;
-  AppendCodes(training_set.codes, part.voter.describe, codes);
+  codes.length = wanted.descriptor_length;
+  AppendCodes(training_set.codes, wanted.voter.describe, codes);
   std::vector<std::unique_ptr<CandidateFinder>> finders;
   std::vector<const CandidateSource*> sources;
   for (const CandidateOptions& mode : options.candidates) {
     finders.push_back(std::make_unique<CandidateFinder>(
-        std::vector<CandidatePart>{{model, part.side_m, codes, part.object}}, part.voter, mode));
+        std::vector<CandidateObject>{{model, wanted.side_m, codes, wanted.object}}, wanted.voter,
+        mode));
     sources.push_back(finders.back().get());
   }
-  return TrainPartVerifier(training_set.piles, part.object, sources, options, on_share);
+  return TrainObjectVerifier(training_set.clutter_scenes, wanted.object, sources, options,
+                             on_share);
 }
 
-TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, ObjectId object,
-                                  std::span<const CandidateSource* const> sources,
-                                  const VerifierTrainingOptions& options,
-                                  const std::function<bool(double)>& on_share) {
+TrainedVerifier TrainObjectVerifier(const std::vector<LabelledView>& clutter_scenes,
+                                    ObjectId object,
+                                    std::span<const CandidateSource* const> sources,
+                                    const VerifierTrainingOptions& options,
+                                    const std::function<bool(double)>& on_share) {
   CheckSettings("VerifierTrainingOptions", options);
   const CandidateRefiner& candidate_refiner = sources.front()->candidate_refiner();
   const std::vector<PoseDistance>& distances = candidate_refiner.distances();
-  const size_t learned =
-      piles.size() - static_cast<size_t>(options.calibration_share * piles.size());
+  const size_t learned = clutter_scenes.size() -
+                         static_cast<size_t>(options.calibration_share * clutter_scenes.size());
 
   VerifierExamples examples;
-  std::vector<std::vector<std::vector<Candidate>>> found(piles.size());  // by view and source
+  std::vector<std::vector<std::vector<Candidate>>> found(
+      clutter_scenes.size());  // by view and source
   StageSeconds seconds;
-  for (size_t i = 0; i < piles.size(); ++i) {
-    if (!on_share(static_cast<double>(i) / piles.size())) return {};
+  for (size_t i = 0; i < clutter_scenes.size(); ++i) {
+    if (!on_share(static_cast<double>(i) / clutter_scenes.size())) return {};
     Rng rng = Rng::Derive(options.seed, i, "training/verifier_view");
-    const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
+    const OrganizedCloud cloud = BuildCloud(clutter_scenes[i].frame, clutter_scenes[i].background);
     for (const CandidateSource* source : sources) {
       for (const Candidate& candidate : found[i].emplace_back(source->Find(cloud, rng, seconds))) {
         examples.features.push_back(candidate.features);
         examples.right.push_back(
-            IsRight(candidate.hypothesis.X_CO, piles[i], object, distances.front()));
+            IsRight(candidate.hypothesis.X_CO, clutter_scenes[i], object, distances.front()));
       }
     }
     if (i + 1 == learned) examples.held_out_from = examples.features.size();
   }
   TrainedVerifier trained = TrainVerifier(examples, options.verifier, options.seed);
   std::vector<std::vector<ScoredPose>> reported(sources.size());
-  for (size_t i = learned; i < piles.size(); ++i) {
-    const OrganizedCloud cloud = BuildCloud(piles[i].frame, piles[i].background);
+  for (size_t i = learned; i < clutter_scenes.size(); ++i) {
+    const OrganizedCloud cloud = BuildCloud(clutter_scenes[i].frame, clutter_scenes[i].background);
     for (size_t s = 0; s < sources.size(); ++s) {
       PoseSelectionOptions all;
       all.min_score = kNoScore;
       const auto set = SelectPoses(cloud, candidate_refiner.model_points(), distances,
                                    {&trained.verifier, 1}, found[i][s], all);
-      const auto judged = Judge(set, piles[i], object, distances.front());
+      const auto judged = Judge(set, clutter_scenes[i], object, distances.front());
       reported[s].insert(reported[s].end(), judged.begin(), judged.end());
     }
   }

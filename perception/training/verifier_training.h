@@ -31,7 +31,7 @@ struct VerifierTrainingOptions {
 };
 
 // An object and the network that describes its patches.
-struct VerifierPart {
+struct VerifierObject {
   ObjectId object{0};  // index into the objects of the view source
   double side_m = 0;
   int descriptor_length = 0;
@@ -40,8 +40,8 @@ struct VerifierPart {
 
 // Training set of a verifier, as far as it can be made without the network.
 struct VerifierTrainingSet {
-  std::vector<LabelledView> piles;  // views of clutter scenes that contain the object
-  LabelledPatches codes;            // patches of the object's codebook
+  std::vector<LabelledView> clutter_scenes;  // views of clutter scenes that contain the object
+  LabelledPatches codes;                     // patches of the object's codebook
 };
 
 // Makes the training set of one object. on_share receives the progress, 0..1, and returns false to
@@ -62,16 +62,18 @@ std::vector<LabelledView> VerifierScenes(LabelledViewSource& views, ObjectId obj
 // so their candidates have object index 0. Modes without a source get the calibration of the first.
 // on_share receives the progress, 0..1, and returns false to stop; the result is then incomplete.
 // Throws InputError if all candidates are right or all are wrong.
-TrainedVerifier TrainPartVerifier(const std::vector<LabelledView>& piles, ObjectId object,
-                                  std::span<const CandidateSource* const> sources,
-                                  const VerifierTrainingOptions& options,
-                                  const std::function<bool(double share)>& on_share);
+TrainedVerifier TrainObjectVerifier(const std::vector<LabelledView>& clutter_scenes,
+                                    ObjectId object,
+                                    std::span<const CandidateSource* const> sources,
+                                    const VerifierTrainingOptions& options,
+                                    const std::function<bool(double share)>& on_share);
 
 // The same with candidates from learned descriptors.
-TrainedVerifier TrainPartVerifier(const VerifierTrainingSet& training_set,
-                                  const std::shared_ptr<const ObjectModel>& model,
-                                  const VerifierPart& part, const VerifierTrainingOptions& options,
-                                  const std::function<bool(double share)>& on_share);
+TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set,
+                                    const std::shared_ptr<const ObjectModel>& model,
+                                    const VerifierObject& wanted,
+                                    const VerifierTrainingOptions& options,
+                                    const std::function<bool(double share)>& on_share);
 
 // Score of a reported pose, and whether the pose is right.
 struct ScoredPose {

@@ -34,9 +34,9 @@ uint64_t HashOf(const CropSet& crops) {
 // A training crop and the templates with which it is compared.
 struct CropAnchor {
   ObjectId object{0};
-  int row = 0;     // row of lesson.training[object]
+  int row = 0;     // row of training_set.training[object]
   int puller = 0;  // row of the closest template among all templates
-  int wrong_pose = 0, wrong_part = 0;
+  int wrong_pose = 0, wrong_object = 0;
 };
 
 class WohlhartTrainer {
@@ -46,20 +46,20 @@ class WohlhartTrainer {
         options_(options),
         network_(std::make_unique<WohlhartNetwork>(options, job.seed)),
         adam_(network_->impl_->layers->parameters(), torch::optim::AdamOptions()) {
-    for (size_t part = 0; part < job.training_set.templates.size(); ++part) {
-      const ObjectCrops& of_part = job.training_set.templates[part];
+    for (size_t object = 0; object < job.training_set.templates.size(); ++object) {
+      const ObjectCrops& of_object = job.training_set.templates[object];
       first_.push_back(static_cast<int>(templates_.size()));
-      for (size_t i = 0; i < of_part.crops.size(); ++i) {
-        AppendRow(of_part.crops, i, templates_);
-        part_of_.push_back(ObjectId(part));
+      for (size_t i = 0; i < of_object.crops.size(); ++i) {
+        AppendRow(of_object.crops, i, templates_);
+        object_of_.push_back(ObjectId(object));
       }
-      distances_.emplace_back(job.training_set.objects[part]->symmetries_O);
+      distances_.emplace_back(job.training_set.objects[object]->symmetries_O);
     }
     iterations_ = options.iterations * static_cast<int>(first_.size());
     for (ObjectId object{0}; object < static_cast<int>(first_.size()); ++object) {
-      std::vector<int>& of_part = pullers_.emplace_back();
+      std::vector<int>& of_object = pullers_.emplace_back();
       const int rows = static_cast<int>(job.training_set.training[object].crops.size());
-      for (int row = 0; row < rows; ++row) of_part.push_back(NearestTemplate(object, row));
+      for (int row = 0; row < rows; ++row) of_object.push_back(NearestTemplate(object, row));
     }
   }
 
@@ -67,10 +67,10 @@ class WohlhartTrainer {
 
  private:
   const Eigen::Matrix3d& RotationOf(int row) const {
-    return job_.training_set.templates[part_of_[row]].R_CO[row - first_[part_of_[row]]];
+    return job_.training_set.templates[object_of_[row]].R_CO[row - first_[object_of_[row]]];
   }
   double PoseDistanceOf(const CropAnchor& anchor, int row) const {
-    if (part_of_[row] != anchor.object) return kOtherPart;
+    if (object_of_[row] != anchor.object) return kOtherObject;
     return distances_[anchor.object](job_.training_set.training[anchor.object].R_CO[anchor.row],
                                      RotationOf(row));
   }
@@ -92,7 +92,7 @@ class WohlhartTrainer {
   int iteration_ = 0;
   CropSet templates_;                      // of all objects
   std::vector<int> first_;                 // by object: row of its first template
-  std::vector<ObjectId> part_of_;          // by template: its object
+  std::vector<ObjectId> object_of_;        // by template: its object
   std::vector<std::vector<int>> pullers_;  // by object and row of its training crops
   std::vector<RotationDistance> distances_;
   std::vector<double> losses_;
@@ -105,7 +105,7 @@ int WohlhartTrainer::NearestTemplate(ObjectId object, int row) const {
   const int end =
       first_[object] + static_cast<int>(job_.training_set.templates[object].crops.size());
   int nearest = first_[object];
-  double min_distance = kOtherPart;
+  double min_distance = kOtherObject;
   for (int i = first_[object]; i < end; ++i) {
     const double distance = PoseDistanceOf(anchor, i);
     if (distance >= min_distance) continue;
@@ -117,22 +117,23 @@ int WohlhartTrainer::NearestTemplate(ObjectId object, int row) const {
 
 // Returns a random anchor with random wrong templates.
 CropAnchor WohlhartTrainer::RandomAnchor(Rng& rng) const {
-  const int parts = static_cast<int>(first_.size()), all = static_cast<int>(templates_.size());
+  const int object_count = static_cast<int>(first_.size()),
+            all = static_cast<int>(templates_.size());
   CropAnchor anchor;
-  anchor.object = ObjectId(rng.Index(parts));
+  anchor.object = ObjectId(rng.Index(object_count));
   anchor.row = rng.Index(static_cast<int>(job_.training_set.training[anchor.object].crops.size()));
   anchor.puller = pullers_[anchor.object][anchor.row];
   const int begin = first_[anchor.object];
   const int count = static_cast<int>(job_.training_set.templates[anchor.object].crops.size());
   anchor.wrong_pose = begin + rng.Index(count);
-  anchor.wrong_part = parts > 1 ? (begin + count + rng.Index(all - count)) % all : begin;
+  anchor.wrong_object = object_count > 1 ? (begin + count + rng.Index(all - count)) % all : begin;
   return anchor;
 }
 
 // Returns the anchors of all steps until the next round. Their wrong templates are the nearest ones
 // in the current descriptor space (section 4.1: bootstrapping); in round 0 they are random.
 std::vector<CropAnchor> WohlhartTrainer::MineRound(int round) const {
-  constexpr int kLooked = 64;  // nearest templates that are searched for wrong ones
+  constexpr int kNeighbors = 64;  // nearest templates that are searched for wrong ones
   Rng rng = Rng::Derive(job_.seed, round, "wohlhart/round");
   std::vector<CropAnchor> anchors;
   CropSet crops;
@@ -149,24 +150,24 @@ std::vector<CropAnchor> WohlhartTrainer::MineRound(int round) const {
   std::vector<float> template_rows = network_->Describe(templates_, job_.threads);
   std::vector<float> crop_rows = network_->Describe(crops, job_.threads);
   const at::Tensor all = as_tensor(template_rows);
-  const int64_t looked = std::min<int64_t>(kLooked, all.size(0));
+  const int64_t neighbors = std::min<int64_t>(kNeighbors, all.size(0));
   for (size_t begin = 0; begin < anchors.size(); begin += kChunk) {
     const size_t end = std::min(anchors.size(), begin + kChunk);
     const at::Tensor nearest =
         std::get<1>(
-            torch::cdist(as_tensor(crop_rows).slice(0, begin, end), all).topk(looked, 1, false))
+            torch::cdist(as_tensor(crop_rows).slice(0, begin, end), all).topk(neighbors, 1, false))
             .contiguous();
     for (size_t i = begin; i < end; ++i) {
-      const int64_t* rows = nearest.data_ptr<int64_t>() + (i - begin) * looked;
+      const int64_t* rows = nearest.data_ptr<int64_t>() + (i - begin) * neighbors;
       CropAnchor& anchor = anchors[i];
       const double wrong_from = PoseDistanceOf(anchor, anchor.puller) + options_.min_rotation_rad;
-      bool has_pose = false, has_part = false;
-      for (int n = 0; n < looked && !(has_pose && has_part); ++n) {
+      bool has_pose = false, has_object = false;
+      for (int n = 0; n < neighbors && !(has_pose && has_object); ++n) {
         const int row = static_cast<int>(rows[n]);
-        const bool other = part_of_[row] != anchor.object;
-        if (other ? has_part : has_pose || PoseDistanceOf(anchor, row) <= wrong_from) continue;
-        (other ? has_part : has_pose) = true;
-        (other ? anchor.wrong_part : anchor.wrong_pose) = row;
+        const bool other = object_of_[row] != anchor.object;
+        if (other ? has_object : has_pose || PoseDistanceOf(anchor, row) <= wrong_from) continue;
+        (other ? has_object : has_pose) = true;
+        (other ? anchor.wrong_object : anchor.wrong_pose) = row;
       }
     }
   }
@@ -195,10 +196,10 @@ CropSet WohlhartTrainer::Varied(std::span<const CropAnchor> anchors) const {
 double WohlhartTrainer::Step(std::span<const CropAnchor> anchors) {
   const int64_t count = static_cast<int64_t>(anchors.size());
   CropSet crops = Varied(anchors);
-  std::vector<int> rows;  // pullers, wrong poses, wrong parts
+  std::vector<int> rows;  // pullers, wrong poses, wrong objects
   for (const CropAnchor& anchor : anchors) rows.push_back(anchor.puller);
   for (const CropAnchor& anchor : anchors) rows.push_back(anchor.wrong_pose);
-  for (const CropAnchor& anchor : anchors) rows.push_back(anchor.wrong_part);
+  for (const CropAnchor& anchor : anchors) rows.push_back(anchor.wrong_object);
   for (const int row : rows) AppendRow(templates_, row, crops);
   const int64_t columns = static_cast<int64_t>(rows.size());
   std::vector<float> distances(count * columns);
@@ -262,9 +263,9 @@ std::string WohlhartTrainer::Key() const {
   WohlhartOptions options = options_;
   std::string key = fmt::format("wohlhart {}\n", job_.seed) +
                     WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); });
-  for (size_t part = 0; part < first_.size(); ++part) {
-    const CropSet& crops = job_.training_set.training[part].crops;
-    key += fmt::format("{} {} {:016x}\n", job_.training_set.objects[part]->name, crops.size(),
+  for (size_t object = 0; object < first_.size(); ++object) {
+    const CropSet& crops = job_.training_set.training[object].crops;
+    key += fmt::format("{} {} {:016x}\n", job_.training_set.objects[object]->name, crops.size(),
                        HashOf(crops));
   }
   return key + fmt::format("{:016x}\n", HashOf(templates_));
@@ -310,12 +311,12 @@ std::unique_ptr<WohlhartNetwork> TrainWohlhart(const WohlhartJob& job,
                                                const WohlhartOptions& options) {
   CheckSettings("WohlhartOptions", options);
   CheckInput(!job.training_set.templates.empty(), "training on crops needs at least one object");
-  for (size_t part = 0; part < job.training_set.templates.size(); ++part) {
+  for (size_t object = 0; object < job.training_set.templates.size(); ++object) {
     CheckInput(
-        job.training_set.templates[part].crops.size() > 0 &&
-            job.training_set.training[part].crops.size() > 0,
+        job.training_set.templates[object].crops.size() > 0 &&
+            job.training_set.training[object].crops.size() > 0,
         fmt::format("no training views of object '{}'; raise train_level above template_level",
-                    job.training_set.objects[part]->name));
+                    job.training_set.objects[object]->name));
   }
   return WohlhartTrainer(job, options).Run();
 }

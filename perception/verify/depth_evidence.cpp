@@ -57,10 +57,10 @@ Surface SurfaceAt(const RasterFace& face, int x, int y, float inverse, const Eig
 
 // Samples left, right, above and below an agreeing pixel (x, y) of the drawn box. `at` is the
 // rendered surface there.
-class OutlineLook {
+class OutlineCheck {
  public:
-  OutlineLook(const OrganizedCloud& cloud, const FaceRaster& drawn,
-              const DepthEvidenceOptions& options, float sigma_m, float depth_band_m)
+  OutlineCheck(const OrganizedCloud& cloud, const FaceRaster& drawn,
+               const DepthEvidenceOptions& options, float sigma_m, float depth_band_m)
       : cloud_(cloud),
         drawn_(drawn),
         reach_px_(options.beyond_px),
@@ -120,11 +120,35 @@ void Weigh(const DepthEvidenceOptions& options, double agreement, int stride, De
 
 }  // namespace
 
+void DepthEvidenceOptions::Visit(SettingsVisitor& v) {
+  const Range sigmas{0.1, 100}, cosine{-1, 1}, cost{0, 1000};
+  v.Real("sigma_m", sigma_m, {1e-6, 1}, "noise along the normal, m, up to 1 m");
+  v.Real("max_sigmas", max_sigmas, sigmas, "half width of the surface band, sigmas");
+  v.Real("max_depth_bands", max_depth_bands, {1, 1000}, "maximum distance along the ray, bands");
+  v.Real("min_normal_cos", min_normal_cos, cosine,
+         "minimum cosine between the normals of model and reading");
+  v.Real("occlusion", occlusion, {0, 1}, "prior probability that a pixel is occluded");
+  v.Real("outlier", outlier, {1e-9, 1}, "probability of a meaningless reading");
+  v.Real("violated_cost", violated_cost, cost, "cost of a reading behind the surface, nats");
+  v.Real("hidden_cost", hidden_cost, cost, "cost of a reading in front of the surface, nats");
+  v.Real("wrong_normal_cost", wrong_normal_cost, cost,
+         "cost of a reading on the surface with another normal, nats");
+  v.Real("continuing_cost", continuing_cost, cost,
+         "cost of a sample beyond the outline where the surface continues, nats");
+  v.Integer("beyond_px", beyond_px, {1, 1000}, "distance of these samples, px");
+  v.Real("continuing_sigmas", continuing_sigmas, sigmas,
+         "distance to the plane of the agreeing pixel up to which the surface continues, sigmas");
+  v.Real("continuing_min_cos", continuing_min_cos, cosine,
+         "minimum cosine between the normals where the surface continues");
+  v.Integer("max_pixels", max_pixels, {1, 10000000}, "approximate number of pixels evaluated");
+}
+
 DepthEvidenceOf::DepthEvidenceOf(const ObjectModel& model, const DepthEvidenceOptions& options)
     : options_(options),
       mesh_(DrawnMesh(model)),
       bounds_O_(MeshBounds(model.mesh_O)),
       diameter_m_(model.diameter_m) {
+  CheckSettings("DepthEvidenceOptions", options);
   const MeshReport report = InspectMesh(model.mesh_O);
   cull_back_ = report.watertight() && report.volume_m3 > 0;
   const double max_squared = options.max_sigmas * options.max_sigmas;
@@ -159,7 +183,7 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
   const double pixels = static_cast<double>(box.width) * box.height;
   const int stride =
       std::max(1, static_cast<int>(std::sqrt(pixels / max_pixels.value_or(options_.max_pixels))));
-  const OutlineLook look_beyond(cloud, scratch, options_, sigma_m, depth_band_m);
+  const OutlineCheck check_beyond(cloud, scratch, options_, sigma_m, depth_band_m);
   double agreement = 0;
   for (int y = stride / 2; y < box.height; y += stride) {
     const auto [begin, end] = scratch.Touched(y);
@@ -190,7 +214,7 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
       ++e.agreeing;
       const float sigmas = off_m / sigma_m;
       agreement += agreement_[static_cast<int>(sigmas * sigmas * per_step)];
-      look_beyond(x, y, face, at, e);
+      check_beyond(x, y, face, at, e);
     }
   }
   scratch.Clean();

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "perception/cloud/organized_cloud.h"
+#include "scenes/base/settings.h"
 #include "scenes/camera/mesh_raster.h"
 #include "scenes/objects/object_model.h"
 
@@ -37,6 +38,7 @@ struct DepthEvidenceOptions {
   double continuing_sigmas = 1.5;
   double continuing_min_cos = 0.95;
   int max_pixels = 1500;  // approximate number of pixels evaluated; larger areas are strided evenly
+  void Visit(SettingsVisitor& v);
 };
 
 // Log-likelihood ratio and pixel counts. Counts are scaled by the stride to the full image.
@@ -58,6 +60,7 @@ using EvidenceScratch = FaceRaster;
 // Evaluates the evidence for poses of one object.
 class DepthEvidenceOf {
  public:
+  // Throws InputError for options out of range.
   explicit DepthEvidenceOf(const ObjectModel& model, const DepthEvidenceOptions& options = {});
 
   // Evaluates about max_pixels pixels; by default the number in the options. The result is zero if

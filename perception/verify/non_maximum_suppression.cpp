@@ -20,7 +20,7 @@ void FindClaims(const OrganizedCloud& cloud, const ModelPoints& model, const Pos
   const float claim_m = static_cast<float>(options.claim_m);
   const float reach_m = model.radius_m + claim_m;
   const PixelBox box = BallPixels(cloud.intrinsics, center_C, reach_m);
-  const int stride = std::max(1, options.pixel_stride);
+  const int stride = options.pixel_stride;
   // Multiples of the stride, so that all hypotheses use the same pixels.
   const auto first = [&](int low) { return (low + stride - 1) / stride * stride; };
   for (int y = first(box.y0); y < box.y1; y += stride) {
@@ -48,11 +48,21 @@ PoseHypothesis* LiesIn(const std::vector<ModelPoints>& models, const PoseHypothe
 
 }  // namespace
 
+void NonMaximumSuppressionOptions::Visit(SettingsVisitor& v) {
+  v.Real("claim_m", claim_m, {0, 1}, "distance to the model surface of a claimed pixel, m");
+  v.Real("max_shared_share", max_shared_share, {0, 1},
+         "maximum share of a hypothesis's pixels that better ones claim");
+  v.Integer("pixel_stride", pixel_stride, {1, 1000}, "rows and columns per evaluated one");
+  v.Real("max_penetration_share", max_penetration_share, {0, 10},
+         "maximum penetration over the smaller diameter");
+}
+
 std::vector<PoseHypothesis> SuppressNonMaxima(const OrganizedCloud& cloud,
                                               const std::vector<ModelPoints>& models,
                                               std::vector<PoseHypothesis> hypotheses,
                                               const NonMaximumSuppressionOptions& options,
                                               std::span<const int> instances) {
+  CheckSettings("NonMaximumSuppressionOptions", options);
   CheckInput(instances.empty() || instances.size() == models.size(),
              fmt::format("the number of instances is given for {} objects, but {} objects are "
                          "searched; give it for each",

@@ -9,6 +9,7 @@
 #include "perception/cloud/organized_cloud.h"
 #include "perception/model/model_points.h"
 #include "perception/pose_hypothesis.h"
+#include "scenes/base/settings.h"
 
 namespace pickbed::perception {
 
@@ -19,6 +20,7 @@ struct NonMaximumSuppressionOptions {
   // Maximum penetration over the smaller diameter. Poses accurate to a few hundredths of the
   // diameter may overlap this much when the instances touch.
   double max_penetration_share = 0.08;
+  void Visit(SettingsVisitor& v);
 };
 
 // Returns the kept hypotheses by decreasing score; equal scores keep the input order.
@@ -27,7 +29,8 @@ struct NonMaximumSuppressionOptions {
 //   The winner claims most of its pixels, or is penetrated by it.
 // - If `instances` is given, at most this many hypotheses of each object are kept; surplus ones do
 //   not suppress others.
-// `models` and `instances` are by object index. Throws InputError if their sizes differ.
+// `models` and `instances` are by object index. Throws InputError if their sizes differ, and
+// for options out of range.
 std::vector<PoseHypothesis> SuppressNonMaxima(const OrganizedCloud& cloud,
                                               const std::vector<ModelPoints>& models,
                                               std::vector<PoseHypothesis> hypotheses,

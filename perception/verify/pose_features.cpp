@@ -37,7 +37,7 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
   const float tight_m = scale * static_cast<float>(bands.tight_m);
   const float min_cos = static_cast<float>(bands.min_normal_cos);
   const std::vector<uint16_t>& visible = model.VisibleFrom(X_CO);
-  const auto tell = [judged](PointFit fit) {
+  const auto record = [judged](PointFit fit) {
     if (judged) judged->back().fit = fit;
   };
   FitCounts c;
@@ -51,7 +51,7 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
     const int pixel = project(p);
     if (pixel < 0) {
       ++c.hidden;
-      tell(PointFit::kHidden);
+      record(PointFit::kHidden);
       continue;
     }
     if (!(cloud.depth_m.data()[pixel] > 0)) continue;
@@ -59,7 +59,7 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
     const float off_plane = n.dot(d);
     if (std::abs(off_plane) >= inlier_m || std::abs(d.z()) >= kMaxDepthBands * inlier_m) {
       ++(d.z() > 0 ? c.violated : c.hidden);
-      tell(d.z() > 0 ? PointFit::kViolates : PointFit::kHidden);
+      record(d.z() > 0 ? PointFit::kViolates : PointFit::kHidden);
       continue;
     }
     if (!cloud.foreground.data()[pixel]) continue;
@@ -67,11 +67,11 @@ FitCounts CountFit(const OrganizedCloud& cloud, const ModelPoints& model, const 
     const bool has_normal = !seen.isZero(0);
     if (has_normal && seen.dot(n) < min_cos) {
       ++c.wrong_normal;
-      tell(PointFit::kWrongNormal);
+      record(PointFit::kWrongNormal);
       continue;
     }
     ++c.inlier;
-    tell(PointFit::kAgrees);
+    record(PointFit::kAgrees);
     c.tight += has_normal && std::abs(off_plane) < tight_m;
     c.sum_squared_m2 += off_plane * off_plane;
   }
@@ -175,7 +175,7 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
   constexpr double kMaxPixelShare = 4;  // clamp; tiny silhouettes would give huge values
   constexpr float kMaxInside = 0.25f;   // diameters; larger penetrations are clamped
   constexpr float kNearFloor = 0.05f;   // height in diameters at which the feature is 1/e
-  constexpr double kFewLooks = 8;       // prior count: fewer samples give a small share
+  constexpr double kPriorSamples = 8;   // prior count: fewer samples give a small share
   const VerifyBands bands;
   const FitCounts c = CountFit(cloud, model, X_CO, bands);
   const SceneCounts scene = CountScene(cloud, model, X_CO, bands);
@@ -210,7 +210,7 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
           std::min(kMaxInside, contained.outside_m / model.diameter_m),
           contained.has_floor ? std::exp(-height / kNearFloor) : 0.0f,
           0.0f,
-          static_cast<float>(evidence.continuing / (evidence.beyond + kFewLooks))};
+          static_cast<float>(evidence.continuing / (evidence.beyond + kPriorSamples))};
 }
 
 void MarkExplained(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,

@@ -102,7 +102,7 @@ struct RotationMode {
   double weight = 0;
 };
 
-RotationMode Within(const PartRotations& rotations, const std::vector<Vote>& votes,
+RotationMode Within(const ObjectRotations& rotations, const std::vector<Vote>& votes,
                     const std::vector<int>& among, const Eigen::Quaterniond& centre,
                     double radius_rad) {
   RotationMode mode{{}, centre, 0};
@@ -121,7 +121,7 @@ RotationMode Within(const PartRotations& rotations, const std::vector<Vote>& vot
 }
 
 // Returns the heaviest rotation mode among the votes, searched from several start votes.
-RotationMode HeaviestRotation(const PartRotations& rotations, const std::vector<Vote>& votes,
+RotationMode HeaviestRotation(const ObjectRotations& rotations, const std::vector<Vote>& votes,
                               const std::vector<int>& among, double radius_rad) {
   RotationMode best;
   const size_t starts = std::min<size_t>(kStartsForEach, among.size());
@@ -156,14 +156,14 @@ void ModeOptions::Visit(SettingsVisitor& v) {
             "maximum number of rotation modes at one object center");
 }
 
-PartRotations::PartRotations(const SymmetrySet& symmetries) {
+ObjectRotations::ObjectRotations(const SymmetrySet& symmetries) {
   for (const Pose& S_O : SymmetryTransforms(symmetries, kSymmetrySteps)) {
     symmetries_O_.emplace_back(S_O.linear());
   }
 }
 
-Eigen::Quaterniond PartRotations::Nearest(const Eigen::Quaterniond& q,
-                                          const Eigen::Quaterniond& reference) const {
+Eigen::Quaterniond ObjectRotations::Nearest(const Eigen::Quaterniond& q,
+                                            const Eigen::Quaterniond& reference) const {
   const Eigen::Quaterniond turn = q.conjugate() * reference;
   size_t best = 0;
   double largest = -1;
@@ -178,7 +178,7 @@ Eigen::Quaterniond PartRotations::Nearest(const Eigen::Quaterniond& q,
   return nearest;
 }
 
-double PartRotations::Angle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) const {
+double ObjectRotations::Angle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) const {
   return Nearest(a, b).angularDistance(b);
 }
 
@@ -193,7 +193,7 @@ Eigen::Quaterniond MeanRotation(std::span<const Eigen::Quaterniond> rotations,
   return Eigen::Quaterniond(Eigen::Vector4d(solver.eigenvectors().col(3)));
 }
 
-std::vector<VoteMode> FindVoteModes(const ObjectModel& model, const PartRotations& rotations,
+std::vector<VoteMode> FindVoteModes(const ObjectModel& model, const ObjectRotations& rotations,
                                     const std::vector<CastVote>& cast, const ModeOptions& options) {
   const Eigen::Vector3d com_O = model.mass.com_O;
   std::vector<Vote> votes;

@@ -44,9 +44,9 @@ struct VoteMode {
 };
 
 // Compares rotations of an object modulo its symmetries.
-class PartRotations {
+class ObjectRotations {
  public:
-  explicit PartRotations(const SymmetrySet& symmetries);
+  explicit ObjectRotations(const SymmetrySet& symmetries);
 
   // Returns the rotation symmetric to q that is nearest to `reference`, in the same hemisphere.
   Eigen::Quaterniond Nearest(const Eigen::Quaterniond& q,
@@ -64,7 +64,7 @@ Eigen::Quaterniond MeanRotation(std::span<const Eigen::Quaterniond> rotations,
                                 std::span<const double> weights);
 
 // Returns the modes by decreasing weight. The order of the votes matters only for equal weights.
-std::vector<VoteMode> FindVoteModes(const ObjectModel& model, const PartRotations& rotations,
+std::vector<VoteMode> FindVoteModes(const ObjectModel& model, const ObjectRotations& rotations,
                                     const std::vector<CastVote>& votes, const ModeOptions& options);
 
 }  // namespace pickbed::perception

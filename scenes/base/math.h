@@ -1,11 +1,20 @@
 #pragma once
 
-// Conversions between probabilities and log odds.
+// Conversions of angles, and between probabilities and log odds.
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace pickbed::scenes {
+
+inline constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+inline constexpr double kRadiansPerDegree = std::numbers::pi / 180;
+
+// Convert an angle. They multiply before they divide, so that they are exact for 180 degrees. The
+// last bit can differ from a product with one of the constants above.
+constexpr double Degrees(double angle_rad) { return angle_rad * 180 / std::numbers::pi; }
+constexpr double Radians(double angle_deg) { return angle_deg * std::numbers::pi / 180; }
 
 // Returns the logistic function 1 / (1 + exp(-x)), the probability for log odds `x`.
 inline double Logistic(double x) { return 1 / (1 + std::exp(-x)); }

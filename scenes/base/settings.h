@@ -90,6 +90,7 @@ std::vector<std::string> SettingFaults(
 // Throws InputError that names every value that is not allowed, in one line that starts with
 // `name`. Entry points of the libraries call it for their options. Not for inner loops.
 void CheckSettings(const std::string& name, const VisitFunction& visit);
+// Same for a struct with Visit().
 template <typename Settings>
 requires requires(Settings& settings, SettingsVisitor& v) { settings.Visit(v); }
 void CheckSettings(const std::string& name, const Settings& settings) {

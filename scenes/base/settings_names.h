@@ -42,6 +42,7 @@ using DeprecationListener = std::function<void(const std::string& line)>;
 // Sets the listener of this process and returns the one before. It is called by ReadSettingsFile(),
 // ApplySetting() and ReportDeprecation(). Without a listener, former names are read silently.
 DeprecationListener SetDeprecationListener(DeprecationListener listener);
+// Passes one line to the listener of this process.
 void ReportDeprecation(const std::string& line);
 
 }  // namespace pickbed::scenes

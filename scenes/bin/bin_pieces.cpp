@@ -105,12 +105,12 @@ double Depth(const MeshQuery& query, const Vector3d& p, const Vector3d& normal) 
 
 std::vector<Vector3d> PieceUnder(const std::vector<Vector3d>& front, const Vector3d& normal,
                                  const MeshQuery& query) {
-  Vector3d middle = Vector3d::Zero();
-  for (const Vector3d& p : front) middle += p / static_cast<double>(front.size());
-  const double center_m = Depth(query, middle, normal);
+  Vector3d center = Vector3d::Zero();
+  for (const Vector3d& p : front) center += p / static_cast<double>(front.size());
+  const double center_m = Depth(query, center, normal);
   std::vector<Vector3d> piece = front;
   for (const Vector3d& p : front) {
-    const double depth_m = std::min(center_m, Depth(query, p + kInset * (middle - p), normal));
+    const double depth_m = std::min(center_m, Depth(query, p + kInset * (center - p), normal));
     piece.push_back(p - depth_m * normal);
   }
   return piece;

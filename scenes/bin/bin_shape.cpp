@@ -24,7 +24,7 @@ constexpr int kLines = 5;  // in each direction
 constexpr int kRaysPerLine = 64;
 constexpr double kLineShare = 0.5;    // share of the bounds over which the lines are spread
 constexpr double kFloorShare = 0.05;  // share of the wall height that still counts as floor
-constexpr double kLeastStep_m = 0.001;
+constexpr double kMinStep_m = 0.001;
 constexpr double kPrecision_m = 1e-6;
 
 struct Span {
@@ -58,11 +58,11 @@ class Surveyor {
 
   // A flat top over a hollow means that the bin is upside down.
   void RequireUpright() const {
-    if (bounds_.max.z() - floor_ >= kLeastStep_m) return;
-    const Vector3d middle = bounds_.center();
-    const auto hits = query_.AllHits({middle.x(), middle.y(), Above()}, -Vector3d::UnitZ());
-    const bool solid = hits.size() == 2 && hits[1].point.z() < bounds_.min.z() + kLeastStep_m;
-    const bool thin = bounds_.size().z() < 2 * kLeastStep_m;
+    if (bounds_.max.z() - floor_ >= kMinStep_m) return;
+    const Vector3d center = bounds_.center();
+    const auto hits = query_.AllHits({center.x(), center.y(), Above()}, -Vector3d::UnitZ());
+    const bool solid = hits.size() == 2 && hits[1].point.z() < bounds_.min.z() + kMinStep_m;
+    const bool thin = bounds_.size().z() < 2 * kMinStep_m;
     const double open_below_m = hits.empty() ? 0 : hits.back().point.z() - bounds_.min.z();
     CheckInput(solid || thin || open_below_m < 0.5 * bounds_.size().z(),
                source_ + ": the bin opens downwards; rotate it so that z is up");
@@ -117,8 +117,8 @@ class Surveyor {
     };
     const auto edge = [&](double out, double in) {
       while (std::abs(out - in) > kPrecision_m) {
-        const double middle = 0.5 * (out + in);
-        (low_at(middle) ? in : out) = middle;
+        const double center = 0.5 * (out + in);
+        (low_at(center) ? in : out) = center;
       }
       return in;
     };
@@ -126,7 +126,7 @@ class Surveyor {
     while (first <= last && !low_at(place(first))) ++first;
     while (last > first && !low_at(place(last))) --last;
     if (first > last) return std::nullopt;
-    const double outer = 0.5 * bounds_.size()[axis] + kLeastStep_m;
+    const double outer = 0.5 * bounds_.size()[axis] + kMinStep_m;
     const double low = first == 0 ? bounds_.center()[axis] - outer : place(first - 1);
     const double high = last == kRaysPerLine - 1 ? bounds_.center()[axis] + outer : place(last + 1);
     return Span{edge(low, place(first)), edge(high, place(last))};
@@ -156,16 +156,16 @@ BinShape MakeBinShape(const TriangleMesh& mesh, const std::string& source) {
   const double floor = surveyor.FindFloor();
   surveyor.RequireUpright();
   const double height_m = surveyor.bounds().max.z() - floor;
-  const bool table = height_m < kLeastStep_m;
-  const double floor_limit = floor + std::max(kLeastStep_m, kFloorShare * height_m);
-  const double rim_limit = std::max(floor_limit, surveyor.bounds().max.z() - kLeastStep_m);
-  Vector3d middle(0, 0, floor);
+  const bool table = height_m < kMinStep_m;
+  const double floor_limit = floor + std::max(kMinStep_m, kFloorShare * height_m);
+  const double rim_limit = std::max(floor_limit, surveyor.bounds().max.z() - kMinStep_m);
+  Vector3d center(0, 0, floor);
   for (int axis = 0; axis < 2; ++axis) {
     const Span inside = surveyor.Extent(axis, floor_limit, true);
     const Span widest = surveyor.Extent(axis, rim_limit, false);
-    middle[axis] = 0.5 * (inside.low + inside.high);
+    center[axis] = 0.5 * (inside.low + inside.high);
     shape.inner_size_m[axis] = inside.high - inside.low;
-    shape.opening_m[axis] = 2 * std::max(widest.high - middle[axis], middle[axis] - widest.low);
+    shape.opening_m[axis] = 2 * std::max(widest.high - center[axis], center[axis] - widest.low);
     shape.wall_m = std::max({shape.wall_m, surveyor.bounds().max[axis] - inside.high,
                              inside.low - surveyor.bounds().min[axis]});
   }
@@ -176,8 +176,8 @@ BinShape MakeBinShape(const TriangleMesh& mesh, const std::string& source) {
       fmt::format("{}: the bin is {:.3g} x {:.3g} m inside, but the sides must be {} to {} m; "
                   "check bin.unit",
                   source, shape.inner_size_m.x(), shape.inner_size_m.y(), kSmallest_m, kLargest_m));
-  shape.wall_m = std::max(shape.wall_m, kLeastStep_m);
-  shape.mesh_B = Transformed(shape.mesh_B, MakePose(Eigen::Matrix3d::Identity(), -middle));
+  shape.wall_m = std::max(shape.wall_m, kMinStep_m);
+  shape.mesh_B = Transformed(shape.mesh_B, MakePose(Eigen::Matrix3d::Identity(), -center));
   shape.pieces_B = SolidPieces(shape.mesh_B);
   return shape;
 }

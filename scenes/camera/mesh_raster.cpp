@@ -106,7 +106,7 @@ void FaceRaster::Project(const RasterMesh& mesh, const Pose& X_CO) {
 }
 
 void FaceRaster::Draw(const RasterMesh& mesh, const Pose& X_CO, bool cull_back,
-                      const std::array<float, 4>& look) {
+                      const std::array<float, 4>& attributes) {
   Project(mesh, X_CO);
   const size_t room = face_count_ + mesh.triangles.size();
   if (faces_.size() < room) faces_.resize(std::max(room, 2 * faces_.size()));
@@ -116,7 +116,7 @@ void FaceRaster::Draw(const RasterMesh& mesh, const Pose& X_CO, bool cull_back,
                                   cull_back, mesh.flat ? face_normals_.data() : nullptr};
   const RasterTarget target{box_.width,      box_.height,    pitch_, inverse_depth_.data(),
                             face_at_.data(), touched_.data()};
-  face_count_ = FillFaces(vertices, triangles, look, target, face_count_, faces_.data());
+  face_count_ = FillFaces(vertices, triangles, attributes, target, face_count_, faces_.data());
 }
 
 // Clears all touched pixels, because the next picture may have another pitch.

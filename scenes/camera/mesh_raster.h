@@ -34,11 +34,11 @@ class FaceRaster {
   // Starts a picture of region `box` of the camera's image. Memory is kept for the next picture.
   void Begin(const CameraIntrinsics& camera, const ImageBox& box);
 
-  // Draws a mesh. The complete mesh must be in front of the camera. `look` (red, green, blue and
-  // id) is stored with its faces. `cull_back` skips faces that point away from the camera. It is
-  // allowed for a closed mesh with its faces outwards.
+  // Draws a mesh. The complete mesh must be in front of the camera. `attributes` (red, green, blue
+  // and id) is stored with its faces. `cull_back` skips faces that point away from the camera. It
+  // is allowed for a closed mesh with its faces outwards.
   void Draw(const RasterMesh& mesh, const Pose& X_CO, bool cull_back,
-            const std::array<float, 4>& look = {});
+            const std::array<float, 4>& attributes = {});
 
   // State of the current picture. Rows and columns are counted in the box. A row has kRasterPadding
   // more pixels than the box; they have no valid content.

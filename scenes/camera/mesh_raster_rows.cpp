@@ -207,8 +207,8 @@ PICKBED_INLINE bool IsSmall(const Outline& o) {
 }  // namespace
 
 PICKBED_WIDTHS int FillFaces(const ScreenVertices& given, const RasterTriangles& triangles,
-                             const std::array<float, 4>& look, const RasterTarget& given_target,
-                             int index, RasterFace* faces) {
+                             const std::array<float, 4>& attributes,
+                             const RasterTarget& given_target, int index, RasterFace* faces) {
   const ScreenVertices v = given;
   const RasterTarget target = given_target;
   for (int i = 0; i < triangles.count; ++i) {
@@ -217,7 +217,7 @@ PICKBED_WIDTHS int FillFaces(const ScreenVertices& given, const RasterTriangles&
     if (!OutlineOf(v, t, triangles.cull_back, target, outline)) continue;
     RasterFace& face = faces[index];
     FillPlanes(v, t, triangles.normals ? triangles.normals + kAttributes * i : nullptr, face);
-    face.look = look;
+    face.attributes = attributes;
     const float a = v.attributes[kAttributes * t[0]], b = v.attributes[kAttributes * t[1]],
                 c = v.attributes[kAttributes * t[2]];
     const RowDepth depth{a + face.by_row[0] * (static_cast<float>(outline.top) - v.y[t[0]]),

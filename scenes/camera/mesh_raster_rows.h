@@ -12,9 +12,9 @@ constexpr int kAttributes = 4;      // values per vertex: 1 / z and the three of
 constexpr int kRasterPadding = 16;  // px at the end of a row that may be written without effect
 
 // A drawn face: attribute values at the target's first pixel and their change per column and per
-// row. `look` is red, green, blue and id. The struct fills one cache line.
+// row. `attributes` is red, green, blue and id. The struct fills one cache line.
 struct alignas(64) RasterFace {
-  std::array<float, 4> at_origin, by_column, by_row, look;
+  std::array<float, 4> at_origin, by_column, by_row, attributes;
 };
 
 // Projected vertices; all must be in front of the camera.
@@ -45,7 +45,7 @@ struct RasterTarget {
 // `index`, and is written to `faces`, which must have room for all triangles. Returns the next free
 // index.
 int FillFaces(const ScreenVertices& vertices, const RasterTriangles& triangles,
-              const std::array<float, 4>& look, const RasterTarget& target, int index,
+              const std::array<float, 4>& attributes, const RasterTarget& target, int index,
               RasterFace* faces);
 
 // Compiler attributes for loops over pixels, for use in .cpp files only.

@@ -38,8 +38,8 @@ MassProperties UniformMassProperties(const TriangleMesh& closed_mesh, double mas
              "a mass of " + std::to_string(mass_kg) + " kg is not positive; give one above 0");
   // The moments are taken about the center of the mesh. About a far origin they would cancel.
   const Bounds bounds = MeshBounds(closed_mesh);
-  const Eigen::Vector3d middle = bounds.center();
-  const Moments moments = SolidMoments(closed_mesh, middle);
+  const Eigen::Vector3d center = bounds.center();
+  const Moments moments = SolidMoments(closed_mesh, center);
   CheckInput(moments.volume > kFlatVolumeRatio * std::pow(bounds.size().norm(), 3),
              "the mesh encloses no positive volume; close it and orient its faces outwards");
   const Eigen::Vector3d com = moments.first / moments.volume;
@@ -47,7 +47,7 @@ MassProperties UniformMassProperties(const TriangleMesh& closed_mesh, double mas
   MassProperties properties;
   properties.mass_kg = mass_kg;
   properties.volume_m3 = moments.volume;
-  properties.com_O = middle + com;
+  properties.com_O = center + com;
   properties.inertia_com_O =
       mass_kg * (covariance.trace() * Eigen::Matrix3d::Identity() - covariance);
   return properties;

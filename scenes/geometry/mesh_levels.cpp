@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "scenes/base/math.h"
 #include "scenes/geometry/edge_collapse.h"
 #include "scenes/geometry/mesh_query.h"
 
@@ -18,7 +19,7 @@ constexpr double kFirstTolerance_m = 1e-4;
 constexpr double kMaxToleranceShare = 0.02;  // of the bounding box's diagonal
 constexpr double kMinSaving = 0.25;          // share of triangles that a level must save
 constexpr int kDeviationSamples = 2000;      // of each surface
-const double kCreaseCosine = std::cos(40 * std::numbers::pi / 180);
+const double kCreaseCosine = std::cos(Radians(40));
 
 // Vertices joined by place and, if there is a texture, by uv. Vertices on texture seams are locked.
 struct Joined {
@@ -136,9 +137,9 @@ struct Surface {
   std::vector<Eigen::Vector3d> probes;
 };
 
-// Returns the largest distance between the two surfaces, at least `least_m`.
-double Deviation_m(const Surface& a, const Surface& b, double least_m) {
-  return Farthest_m(b.query, a.probes, Farthest_m(a.query, b.probes, least_m));
+// Returns the largest distance between the two surfaces, at least `min_m`.
+double Deviation_m(const Surface& a, const Surface& b, double min_m) {
+  return Farthest_m(b.query, a.probes, Farthest_m(a.query, b.probes, min_m));
 }
 
 }  // namespace

@@ -143,14 +143,14 @@ struct MeshQuery::Impl {
     if (!node.leaf()) {
       int axis = 0;
       (node.max - node.min).maxCoeff(&axis);
-      const int middle = begin + (end - begin) / 2;
-      std::nth_element(corners.begin() + begin, corners.begin() + middle, corners.begin() + end,
+      const int split = begin + (end - begin) / 2;
+      std::nth_element(corners.begin() + begin, corners.begin() + split, corners.begin() + end,
                        [axis](const Corners& s, const Corners& t) {
                          return std::make_pair(s.a[axis] + s.b[axis] + s.c[axis], s.triangle) <
                                 std::make_pair(t.a[axis] + t.b[axis] + t.c[axis], t.triangle);
                        });
-      Build(begin, middle);
-      Build(middle, end);
+      Build(begin, split);
+      Build(split, end);
     }
     nodes[index].skip = static_cast<int>(nodes.size());
   }
@@ -184,10 +184,10 @@ struct MeshQuery::Impl {
   bool HasWithin(const Eigen::Vector3d& p, double distance_m) const {
     // The slack keeps boxes that would be skipped only because the square is rounded.
     constexpr double kSlack = 1 + 8 * std::numeric_limits<double>::epsilon();
-    const double most_squared = kSlack * distance_m * distance_m;
+    const double max_squared = kSlack * distance_m * distance_m;
     for (int index = 0; index < static_cast<int>(nodes.size());) {
       const Node& node = nodes[index];
-      if (SquaredDistanceToBox(node, p) > most_squared) {
+      if (SquaredDistanceToBox(node, p) > max_squared) {
         index = node.skip;
         continue;
       }

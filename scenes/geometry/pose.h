@@ -22,6 +22,7 @@ using Pose = Eigen::Isometry3d;
 
 // Returns X_AB from its rotation and translation (m).
 Pose MakePose(const Eigen::Matrix3d& R_AB, const Eigen::Vector3d& p_AB);
+// Returns X_AB from its translation (m), without a rotation.
 Pose Translation(const Eigen::Vector3d& p_AB);
 
 // Returns the angle of the rotation between two orientations, in [0, pi].

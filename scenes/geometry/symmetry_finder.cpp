@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "scenes/base/math.h"
 #include "scenes/geometry/mesh_query.h"
 
 namespace pickbed::scenes {
@@ -18,10 +19,10 @@ using std::numbers::pi;
 
 constexpr double kAlike = 0.15;  // moments may be equal if they differ by less than this share
 constexpr double kLoose = 5;     // tolerance of the first check, as a multiple of the tolerance
-constexpr int kFirstLookStride = 25;               // over the samples, for the first check
+constexpr int kFirstCheckStride = 25;              // over the samples, for the first check
 constexpr int kRoughStride = 15, kFineStride = 3;  // over the samples, for the refinement
-constexpr double kGridStep_rad = 5 * pi / 180;
-constexpr double kSameAxis_rad = 5 * pi / 180;
+constexpr double kGridStep_rad = Radians(5);
+constexpr double kSameAxis_rad = Radians(5);
 constexpr double kOutlierShare = 0.003;
 constexpr size_t kLargestGroup = 120;
 constexpr std::array kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59};
@@ -156,7 +157,7 @@ Pose Finder::FinallyRefined(Pose S, int stride) const {
 // not set.
 std::optional<Axis> Finder::Accept(const Vector3d& direction, double angle_rad) const {
   const Pose first = TurnAbout({direction, centroid_}, angle_rad);
-  if (!Maps(first, kLoose * tolerance_m_, kFirstLookStride)) return std::nullopt;
+  if (!Maps(first, kLoose * tolerance_m_, kFirstCheckStride)) return std::nullopt;
   // Most candidates that pass the first check fail after a cheap refinement.
   const Pose rough = FinallyRefined(first, kRoughStride);
   if (!Maps(rough, 2 * tolerance_m_, kRoughStride)) return std::nullopt;
@@ -181,7 +182,7 @@ bool Finder::TurnsFreely(const Axis& axis) const {
 std::optional<Axis> Finder::Continuous(const Vector3d& direction) const {
   for (const double angle_rad : {kQuarterRotations[0], kQuarterRotations[3]}) {
     const Pose turn = TurnAbout({direction, centroid_}, angle_rad);
-    if (!Maps(turn, kLoose * tolerance_m_, kFirstLookStride)) return std::nullopt;
+    if (!Maps(turn, kLoose * tolerance_m_, kFirstCheckStride)) return std::nullopt;
   }
   const std::optional<Axis> axis = Accept(direction, kQuarterRotations[3]);
   if (!axis || !TurnsFreely(*axis)) return std::nullopt;

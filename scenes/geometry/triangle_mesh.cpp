@@ -53,12 +53,12 @@ class FarthestPair {
     if (end - begin <= kLeafSize) return index;
     int axis = 0;
     (node.max - node.min).maxCoeff(&axis);
-    const size_t middle = (begin + end) / 2;
+    const size_t split = (begin + end) / 2;
     std::nth_element(
-        points_.begin() + begin, points_.begin() + middle, points_.begin() + end,
+        points_.begin() + begin, points_.begin() + split, points_.begin() + end,
         [axis](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a[axis] < b[axis]; });
-    const int left = Build(begin, middle);
-    const int right = Build(middle, end);
+    const int left = Build(begin, split);
+    const int right = Build(split, end);
     nodes_[index].left = left;
     nodes_[index].right = right;
     return index;

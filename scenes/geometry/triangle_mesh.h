@@ -34,6 +34,8 @@ struct Bounds {
   Eigen::Matrix<double, 3, 8> Corners() const;
 };
 
+// Returns the axis-aligned box around the vertices, in the frame of the mesh (m). The box of a mesh
+// without vertices is a point at zero.
 Bounds MeshBounds(const TriangleMesh& mesh);
 
 // Returns the exact largest distance between two vertices, in m. It is BOP's object diameter.

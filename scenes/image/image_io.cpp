@@ -97,11 +97,11 @@ void WritePng16(const std::filesystem::path& path, const Image<uint16_t>& image)
 }
 
 Image<uint16_t> DepthUnits(const Image<float>& depth_m, double scale_mm) {
-  constexpr double kMostUnits = 65535;
+  constexpr double kMaxUnits = 65535;
   Image<uint16_t> units(depth_m.width(), depth_m.height());
   for (size_t i = 0; i < depth_m.size(); ++i) {
     const double value = std::round(depth_m.data()[i] * 1e3 / scale_mm);
-    const bool reading = value > 0 && value <= kMostUnits;  // false for NaN
+    const bool reading = value > 0 && value <= kMaxUnits;  // false for NaN
     units.data()[i] = reading ? static_cast<uint16_t>(value) : 0;
   }
   return units;

@@ -11,18 +11,25 @@
 namespace pickbed::scenes {
 
 // The functions that read or write a file throw InputError with the path and the reason.
+
+// Writes 8-bit color.
 void WritePng(const std::filesystem::path& path, const Image<Rgb8>& image);
+// Writes the 16-bit values as they are.
 void WritePng16(const std::filesystem::path& path, const Image<uint16_t>& image);
 // Writes a depth image in the units of DepthUnits(). `scale_mm` is BOP's depth_scale.
 void WriteDepthPng(const std::filesystem::path& path, const Image<float>& depth_m,
                    double scale_mm = 0.1);
+// Reads an image file as 8-bit color.
 Image<Rgb8> ReadPng(const std::filesystem::path& path);
+// Reads a PNG with one 16-bit channel.
 Image<uint16_t> ReadPng16(const std::filesystem::path& path);
 Image<uint8_t> ReadPng8(const std::filesystem::path& path);  // one channel
 
 // Returns the bytes of a PNG. `level` is zlib's compression level, 0 (fastest) to 9 (smallest).
 std::string EncodePng(const Image<Rgb8>& image, int level);
+// Same for one 16-bit channel.
 std::string EncodePng(const Image<uint16_t>& image, int level);
+// Same for one 8-bit channel.
 std::string EncodePng(const Image<uint8_t>& image, int level);
 
 // Returns the bytes of a JPEG; `quality` is 1 to 100.

@@ -61,12 +61,12 @@ void CountEdges(const TriangleMesh& mesh, MeshReport& report) {
 }
 
 double SignedVolume(const TriangleMesh& mesh) {
-  const Eigen::Vector3d middle = MeshBounds(mesh).center();
+  const Eigen::Vector3d center = MeshBounds(mesh).center();
   double six_volumes = 0;
   for (const Eigen::Vector3i& t : mesh.triangles) {
-    const Eigen::Vector3d a = mesh.vertices[t[0]] - middle;
-    const Eigen::Vector3d b = mesh.vertices[t[1]] - middle;
-    const Eigen::Vector3d c = mesh.vertices[t[2]] - middle;
+    const Eigen::Vector3d a = mesh.vertices[t[0]] - center;
+    const Eigen::Vector3d b = mesh.vertices[t[1]] - center;
+    const Eigen::Vector3d c = mesh.vertices[t[2]] - center;
     six_volumes += a.dot(b.cross(c));
   }
   return six_volumes / 6;

@@ -113,20 +113,20 @@ Rgb8 BaseColor(const aiMaterial& material) {
   return color == unstated ? TriangleMesh().base_color : ToRgb(color);
 }
 
-// ---- Parts: one assimp mesh at one node ----
+// ---- Submeshes: one assimp mesh at one node ----
 
 // A mesh with three own vertices for each triangle; vertices are not yet joined.
-struct Part {
+struct Submesh {
   TriangleMesh mesh;
   int texture = kNoTexture;
 };
 
-Part MakePart(const aiMesh& source, const Eigen::Affine3d& T, const aiMaterial& material,
-              TextureShelf& shelf) {
-  Part part;
-  TriangleMesh& mesh = part.mesh;
+Submesh MakeSubmesh(const aiMesh& source, const Eigen::Affine3d& T, const aiMaterial& material,
+                    TextureShelf& shelf) {
+  Submesh submesh;
+  TriangleMesh& mesh = submesh.mesh;
   mesh.base_color = BaseColor(material);
-  if (source.HasTextureCoords(0)) part.texture = shelf.IndexOf(material);
+  if (source.HasTextureCoords(0)) submesh.texture = shelf.IndexOf(material);
   const Eigen::Matrix3d linear = T.linear();
   const bool mirrored = linear.determinant() < 0;
   const bool has_normals = source.HasNormals() && linear.determinant() != 0;
@@ -143,25 +143,25 @@ Part MakePart(const aiMesh& source, const Eigen::Affine3d& T, const aiMaterial& 
       if (has_normals) {
         mesh.normals.push_back((for_normals * ToEigen(source.mNormals[i])).normalized());
       }
-      if (part.texture != kNoTexture) {
+      if (submesh.texture != kNoTexture) {
         const aiVector3D& uv = source.mTextureCoords[0][i];
         mesh.uvs.emplace_back(uv.x, 1.0 - uv.y);  // assimp counts v from the bottom row
       }
       if (source.HasVertexColors(0)) mesh.colors.push_back(ToRgb(source.mColors[0][i]));
     }
   }
-  return part;
+  return submesh;
 }
 
-void CollectParts(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& parent,
-                  TextureShelf& shelf, std::vector<Part>& parts) {
+void CollectSubmeshes(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& parent,
+                      TextureShelf& shelf, std::vector<Submesh>& submeshes) {
   const Eigen::Affine3d T = parent * ToEigen(node.mTransformation);
   for (unsigned i = 0; i < node.mNumMeshes; ++i) {
     const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
-    parts.push_back(MakePart(mesh, T, *scene.mMaterials[mesh.mMaterialIndex], shelf));
+    submeshes.push_back(MakeSubmesh(mesh, T, *scene.mMaterials[mesh.mMaterialIndex], shelf));
   }
   for (unsigned i = 0; i < node.mNumChildren; ++i) {
-    CollectParts(scene, *node.mChildren[i], T, shelf, parts);
+    CollectSubmeshes(scene, *node.mChildren[i], T, shelf, submeshes);
   }
 }
 
@@ -177,18 +177,18 @@ void BakeTexture(const Image<Rgb8>& texture, TriangleMesh& mesh) {
   mesh.uvs.clear();
 }
 
-// Joins the parts into one mesh. A mesh has only one texture, so several become vertex colours.
-TriangleMesh Joined(std::vector<Part> parts, const TextureShelf& shelf) {
-  const bool one_texture = std::all_of(parts.begin(), parts.end(), [&](const Part& part) {
-    return part.texture == parts.front().texture;
-  });
+// Joins the submeshes into one mesh. A mesh has only one texture, so several become vertex colours.
+TriangleMesh Joined(std::vector<Submesh> submeshes, const TextureShelf& shelf) {
+  const bool one_texture = std::all_of(
+      submeshes.begin(), submeshes.end(),
+      [&](const Submesh& submesh) { return submesh.texture == submeshes.front().texture; });
   TriangleMesh mesh;
-  for (Part& part : parts) {
-    if (!one_texture && part.texture != kNoTexture)
-      BakeTexture(shelf.image(part.texture), part.mesh);
-    Append(part.mesh, mesh);
+  for (Submesh& submesh : submeshes) {
+    if (!one_texture && submesh.texture != kNoTexture)
+      BakeTexture(shelf.image(submesh.texture), submesh.mesh);
+    Append(submesh.mesh, mesh);
   }
-  if (!mesh.uvs.empty()) mesh.texture = shelf.image(parts.front().texture);
+  if (!mesh.uvs.empty()) mesh.texture = shelf.image(submeshes.front().texture);
   return mesh;
 }
 
@@ -205,10 +205,10 @@ std::string LowerExtension(const fs::path& path) {
 }
 
 void CheckFaceCount(const fs::path& path, size_t faces) {
-  CheckInput(faces <= kMostFaces,
+  CheckInput(faces <= kMaxMeshFaces,
              fmt::format("mesh '{}' has {} faces; reduce it to {} or fewer, for instance with "
                          "MeshLab's quadric edge collapse",
-                         path.string(), faces, kMostFaces));
+                         path.string(), faces, kMaxMeshFaces));
 }
 
 // Rejects a PLY whose header has no end, such as a truncated file. assimp 5.2 never returns from
@@ -274,11 +274,12 @@ TriangleMesh LoadMesh(const fs::path& path, const std::string& unit, MeshLoadRep
   }
   CheckFaceCount(path, CountFaces(*scene, *scene->mRootNode));
   TextureShelf shelf(*scene, path.parent_path());
-  std::vector<Part> parts;
-  CollectParts(*scene, *scene->mRootNode, Eigen::Affine3d(Eigen::Scaling(scale)), shelf, parts);
-  std::erase_if(parts, [](const Part& part) { return part.mesh.triangles.empty(); });
-  CheckInput(!parts.empty(), "mesh '" + name + "' has no faces; export it as triangles");
-  TriangleMesh mesh = Joined(std::move(parts), shelf);
+  std::vector<Submesh> submeshes;
+  CollectSubmeshes(*scene, *scene->mRootNode, Eigen::Affine3d(Eigen::Scaling(scale)), shelf,
+                   submeshes);
+  std::erase_if(submeshes, [](const Submesh& submesh) { return submesh.mesh.triangles.empty(); });
+  CheckInput(!submeshes.empty(), "mesh '" + name + "' has no faces; export it as triangles");
+  TriangleMesh mesh = Joined(std::move(submeshes), shelf);
   const size_t faces = mesh.triangles.size();
   DropDegenerate(mesh);
   if (report != nullptr) {

@@ -14,7 +14,7 @@ double UnitInMeters(const std::string& unit);
 
 // Maximum number of faces of a loaded mesh. One million faces need 2 GB and more than a minute for
 // convex pieces, rendering and the drop.
-inline constexpr size_t kMostFaces = 1000000;
+inline constexpr size_t kMaxMeshFaces = 1000000;
 
 // Data that LoadMesh() removed.
 struct MeshLoadReport {
@@ -32,7 +32,7 @@ struct MeshLoadReport {
 //   up_axis and glTF's y-up do not rotate the object. glTF is in metres and Collada's <unit> is
 //   applied, so both need unit "m".
 // Throws InputError for an unknown unit, a missing or unreadable file, no faces, only faces without
-// area, or more faces than kMostFaces. `report`, if not null, receives what was dropped.
+// area, or more faces than kMaxMeshFaces. `report`, if not null, receives what was dropped.
 TriangleMesh LoadMesh(const std::filesystem::path& path, const std::string& unit = "m",
                       MeshLoadReport* report = nullptr);
 

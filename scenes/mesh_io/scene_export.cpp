@@ -1,6 +1,7 @@
 #include "scenes/mesh_io/scene_export.h"
 
 #include <assimp/GltfMaterial.h>
+#include <assimp/anim.h>
 #include <assimp/material.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 namespace pickbed::scenes {
@@ -92,10 +94,10 @@ std::unique_ptr<aiMesh> MakePoints(const GlbCloud& cloud) {
   return mesh;
 }
 
-void RequireFilled(std::span<const GlbPart> parts, std::span<const GlbCloud> clouds) {
-  for (const GlbPart& part : parts) {
-    if (part.mesh == nullptr || part.mesh->triangles.empty()) {
-      throw std::logic_error("mesh '" + part.name + "' of a GLB has no triangles");
+void RequireFilled(std::span<const GlbPart> glb_parts, std::span<const GlbCloud> clouds) {
+  for (const GlbPart& glb_part : glb_parts) {
+    if (glb_part.mesh == nullptr || glb_part.mesh->triangles.empty()) {
+      throw std::logic_error("mesh '" + glb_part.name + "' of a GLB has no triangles");
     }
   }
   for (const GlbCloud& cloud : clouds) {
@@ -103,7 +105,13 @@ void RequireFilled(std::span<const GlbPart> parts, std::span<const GlbCloud> clo
       throw std::logic_error("cloud '" + cloud.name + "' of a GLB has no points or no colours");
     }
   }
-  if (parts.empty() && clouds.empty())
+  std::set<std::string> names;
+  for (const GlbPart& glb_part : glb_parts) {
+    if (!names.insert(glb_part.name).second && !glb_part.track_W.empty()) {
+      throw std::logic_error("two parts of an animated GLB have the name '" + glb_part.name + "'");
+    }
+  }
+  if (glb_parts.empty() && clouds.empty())
     throw std::logic_error("a GLB needs at least one mesh or cloud");
 }
 
@@ -136,18 +144,18 @@ struct Contents {
   }
 };
 
-Contents ContentsOf(std::span<const GlbPart> parts, std::span<const GlbCloud> clouds) {
+Contents ContentsOf(std::span<const GlbPart> glb_parts, std::span<const GlbCloud> clouds) {
   Contents contents;
   std::vector<unsigned> mesh_of;  // mesh index of each part so far
-  for (const GlbPart& part : parts) {
-    const auto same = std::find_if(parts.begin(), parts.begin() + mesh_of.size(), [&](auto& other) {
-      return other.mesh == part.mesh && other.rgba == part.rgba;
-    });
-    const size_t first = same - parts.begin();
+  for (const GlbPart& glb_part : glb_parts) {
+    const auto same = std::find_if(
+        glb_parts.begin(), glb_parts.begin() + mesh_of.size(),
+        [&](auto& other) { return other.mesh == glb_part.mesh && other.rgba == glb_part.rgba; });
+    const size_t first = same - glb_parts.begin();
     mesh_of.push_back(first < mesh_of.size()
                           ? mesh_of[first]
-                          : contents.Add(MakeMesh(*part.mesh), part.rgba, part.name));
-    contents.AddNode(part.name, part.X_W, mesh_of.back());
+                          : contents.Add(MakeMesh(*glb_part.mesh), glb_part.rgba, glb_part.name));
+    contents.AddNode(glb_part.name, glb_part.X_W, mesh_of.back());
   }
   for (const GlbCloud& cloud : clouds) {
     const unsigned mesh = contents.Add(MakePoints(cloud), Eigen::Vector4f::Ones(), cloud.name);
@@ -173,11 +181,58 @@ std::unique_ptr<aiScene> MakeAssimpScene(Contents contents) {
   return scene;
 }
 
+// Positions and rotations of one part over time. The times are in frames.
+std::unique_ptr<aiNodeAnim> MakeChannel(const GlbPart& glb_part) {
+  auto channel = std::make_unique<aiNodeAnim>();
+  const size_t count = glb_part.track_W.size();
+  channel->mNodeName = glb_part.name;
+  channel->mNumPositionKeys = channel->mNumRotationKeys = static_cast<unsigned>(count);
+  channel->mPositionKeys = new aiVectorKey[count];
+  channel->mRotationKeys = new aiQuatKey[count];
+  Eigen::Quaternionf last = Eigen::Quaternionf::Identity();
+  for (size_t i = 0; i < count; ++i) {
+    const Pose& X_W = glb_part.track_W[i];
+    Eigen::Quaternionf q(Eigen::Quaterniond(X_W.linear()).cast<float>());
+    // A quaternion and its negative are the same rotation. Viewers take the short way between two
+    // frames only if their signs agree.
+    if (q.dot(last) < 0) q.coeffs() *= -1;
+    last = q;
+    const auto time = static_cast<double>(i);
+    channel->mPositionKeys[i] = aiVectorKey(time, ToAssimp(X_W.translation().cast<float>()));
+    channel->mRotationKeys[i] = aiQuatKey(time, aiQuaternion(q.w(), q.x(), q.y(), q.z()));
+  }
+  channel->mNumScalingKeys = 1;
+  channel->mScalingKeys = new aiVectorKey[1]{aiVectorKey(0, aiVector3D(1, 1, 1))};
+  return channel;
+}
+
+// Adds the animation of the parts with a track to a scene, if there are any.
+void AddAnimation(std::span<const GlbPart> glb_parts, double frame_s, aiScene& scene) {
+  std::vector<std::unique_ptr<aiNodeAnim>> channels;
+  size_t frames = 0;
+  for (const GlbPart& glb_part : glb_parts) {
+    if (glb_part.track_W.empty()) continue;
+    channels.push_back(MakeChannel(glb_part));
+    frames = std::max(frames, glb_part.track_W.size());
+  }
+  if (channels.empty()) return;
+  auto* animation = new aiAnimation();
+  animation->mName = "motion";
+  animation->mDuration = static_cast<double>(frames - 1);
+  animation->mTicksPerSecond = 1 / frame_s;
+  animation->mNumChannels = static_cast<unsigned>(channels.size());
+  animation->mChannels = Owned(channels);
+  scene.mNumAnimations = 1;
+  scene.mAnimations = new aiAnimation* [1] { animation };
+}
+
 }  // namespace
 
-std::string GlbBytes(std::span<const GlbPart> parts, std::span<const GlbCloud> clouds) {
-  RequireFilled(parts, clouds);
-  const auto scene = MakeAssimpScene(ContentsOf(parts, clouds));
+std::string GlbBytes(std::span<const GlbPart> glb_parts, std::span<const GlbCloud> clouds,
+                     double frame_s) {
+  RequireFilled(glb_parts, clouds);
+  const auto scene = MakeAssimpScene(ContentsOf(glb_parts, clouds));
+  AddAnimation(glb_parts, frame_s, *scene);
   Assimp::Exporter exporter;
   const aiExportDataBlob* blob = exporter.ExportToBlob(scene.get(), "glb2");
   if (blob == nullptr) {

@@ -20,6 +20,8 @@ struct GlbPart {
   const TriangleMesh* mesh = nullptr;  // in its own frame, m; not null, at least one triangle
   Pose X_W = Pose::Identity();         // pose of the mesh's frame in the world
   Eigen::Vector4f rgba = Eigen::Vector4f::Ones();  // replaces the mesh's own colours
+  // Poses of the animation, one per frame, the first at time 0; empty = at rest at X_W.
+  std::vector<Pose> track_W = {};
 };
 
 // A coloured point cloud.
@@ -34,7 +36,12 @@ struct GlbCloud {
 // matrix. Parts with the same mesh and colour share the geometry and a material with the name of
 // the first. Coordinates are 32-bit floats. The same input gives the same bytes. Throws
 // std::logic_error when the scene, a mesh or a cloud is empty or colours are missing.
-std::string GlbBytes(std::span<const GlbPart> parts, std::span<const GlbCloud> clouds);
+//
+// If a part has a track, the file holds one animation "motion" whose frames are `frame_s` apart. A
+// viewer interpolates between them. Names of parts with a track must be unique, else
+// std::logic_error is thrown.
+std::string GlbBytes(std::span<const GlbPart> glb_parts, std::span<const GlbCloud> clouds,
+                     double frame_s = 0.1);
 
 // Returns the bytes of a binary little-endian PLY with x y z (float, m) and red green blue (uchar)
 // of each point. `rgb` is sRGB, 0..1, one for each point, else std::logic_error is thrown. The same

@@ -5,22 +5,21 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <system_error>
 
 #include "scenes/base/error.h"
+#include "scenes/base/math.h"
 #include "scenes/base/settings.h"
 #include "scenes/mesh_io/mesh_checks.h"
 #include "scenes/mesh_io/mesh_io.h"
 #include "scenes/objects/convex_file.h"
+#include "scenes/objects/object_settings.h"
 
 namespace pickbed::scenes {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr char kObjectFile[] = "object.yaml";
 
 // ---- object.yaml ----
 
@@ -63,7 +62,7 @@ struct ObjectSettings {
   std::vector<RestingSettings> resting;
 
   void Visit(SettingsVisitor& v) {
-    v.Text("mesh", mesh, {}, "mesh file in the folder of object.yaml");
+    v.Text("mesh", mesh, {}, "mesh file in the same folder");
     v.Text("unit", unit, {"m", "cm", "mm", "in"},
            "unit of the coordinates in the mesh file and the convex file");
     v.Real("mass_kg", mass_kg, {0, 100},
@@ -103,7 +102,7 @@ struct ObjectSettings {
 SymmetrySet ToSymmetrySet(const ObjectSettings& settings) {
   SymmetrySet symmetries;
   for (const AxisSettings& a : settings.discrete) {
-    const double angle_rad = a.angle_deg * std::numbers::pi / 180;
+    const double angle_rad = Radians(a.angle_deg);
     symmetries.discrete_O.push_back(TurnAbout({a.axis.normalized(), a.offset_m}, angle_rad));
   }
   for (const AxisSettings& a : settings.continuous) {
@@ -209,7 +208,10 @@ std::shared_ptr<ObjectModel> MakeModel(const std::string& name, const fs::path& 
 
 }  // namespace
 
-std::shared_ptr<const ObjectModel> LoadMeshPart(const std::string& name, const MeshPartSpec& spec) {
+void VisitObjectSettings(SettingsVisitor& v) { ObjectSettings().Visit(v); }
+
+std::shared_ptr<const ObjectModel> LoadMeshObject(const std::string& name,
+                                                  const MeshObjectSpec& spec) {
   CheckInput(std::isfinite(spec.mass_kg) && spec.mass_kg > 0,
              "object '" + name + "': mass_kg = " + std::to_string(spec.mass_kg) +
                  " is not positive; give the object's mass in kilograms");
@@ -255,7 +257,7 @@ std::shared_ptr<const ObjectModel> ObjectCatalog::Load(const std::string& name) 
     model->resting_O.push_back({resting.up.normalized(), resting.probability});
   }
   if (!settings.convex.empty()) {
-    model->convex_parts_O = LoadConvexPieces(folder / settings.convex, settings.unit);
+    model->convex_pieces_O = LoadConvexPieces(folder / settings.convex, settings.unit);
   }
   return model;
 }

@@ -32,8 +32,10 @@
 
 namespace pickbed::scenes {
 
+inline constexpr char kObjectFile[] = "object.yaml";  // in the folder of an object
+
 // Properties of an object that is made from a mesh file without a catalog.
-struct MeshPartSpec {
+struct MeshObjectSpec {
   std::filesystem::path mesh;
   std::string unit = "m";  // m, cm, mm, in
   double mass_kg = 0;      // > 0
@@ -43,7 +45,8 @@ struct MeshPartSpec {
 
 // Makes an object from a mesh file. Throws InputError when the mesh is missing, has NaN, no faces
 // or no volume, the object is smaller than 3 mm, or mass or friction is not positive.
-std::shared_ptr<const ObjectModel> LoadMeshPart(const std::string& name, const MeshPartSpec& spec);
+std::shared_ptr<const ObjectModel> LoadMeshObject(const std::string& name,
+                                                  const MeshObjectSpec& spec);
 
 // Finds and loads objects by name.
 class ObjectCatalog {

@@ -36,8 +36,8 @@ struct ObjectModel {
   MassProperties mass;
   double friction = 0.5;  // against a gripper pad of value 1, see contact.h
   SymmetrySet symmetries_O;
-  std::vector<ConvexPiece> convex_parts_O;  // empty = unknown, see sim/convex/convex_pieces.h
-  std::vector<RestingDirection> resting_O;  // most frequent first; empty = unknown
+  std::vector<ConvexPiece> convex_pieces_O;  // empty = unknown, see sim/convex/convex_pieces.h
+  std::vector<RestingDirection> resting_O;   // most frequent first; empty = unknown
   double diameter_m = 0;
   uint64_t mesh_hash = 0;
 };

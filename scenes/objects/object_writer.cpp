@@ -6,7 +6,9 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/math.h"
 #include "scenes/mesh_io/mesh_io.h"
+#include "scenes/objects/object_catalog.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -54,9 +56,9 @@ std::string SymmetriesYaml(const SymmetrySet& symmetries) {
   if (!symmetries.discrete_O.empty()) text += "  discrete:\n";
   for (const Pose& X : symmetries.discrete_O) {
     const Eigen::AngleAxisd turn(X.linear());
-    text += fmt::format("    - {{axis: {}, angle_deg: {}, offset_m: {}}}\n", List(turn.axis()),
-                        Number(std::round(turn.angle() * 180 / M_PI * 1e7) / 1e7),
-                        List(PointOnAxis(X)));
+    text +=
+        fmt::format("    - {{axis: {}, angle_deg: {}, offset_m: {}}}\n", List(turn.axis()),
+                    Number(std::round(Degrees(turn.angle()) * 1e7) / 1e7), List(PointOnAxis(X)));
   }
   if (!symmetries.continuous_O.empty()) text += "  continuous:\n";
   for (const ContinuousSymmetry& s : symmetries.continuous_O) {
@@ -86,8 +88,8 @@ std::string ObjectYaml(const ObjectRecord& record) {
 void WriteObject(const ObjectRecord& record, const std::filesystem::path& folder) {
   MakeFolder(folder);
   SaveObj(folder / "mesh.obj", record.mesh_O);
-  WriteFileAtomically(folder / "convex.obj", ConvexObj(record.convex_parts_O));
-  WriteFileAtomically(folder / "object.yaml", ObjectYaml(record));
+  WriteFileAtomically(folder / "convex.obj", ConvexObj(record.convex_pieces_O));
+  WriteFileAtomically(folder / kObjectFile, ObjectYaml(record));
 }
 
 }  // namespace pickbed::scenes

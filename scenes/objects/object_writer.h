@@ -14,7 +14,7 @@ namespace pickbed::scenes {
 struct ObjectRecord {
   std::string help;  // one line, written as a comment
   TriangleMesh mesh_O;
-  std::vector<ConvexPiece> convex_parts_O;
+  std::vector<ConvexPiece> convex_pieces_O;
   SymmetrySet symmetries_O;
   double density_kgpm3 = 0;  // > 0: mass properties come from the mesh; else `mass` is written
   MassProperties mass;

@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "scenes/part_families/part_makers.h"
+#include "scenes/part_families/family_makers.h"
 #include "scenes/part_families/shapes.h"
 
 namespace pickbed::scenes {
@@ -77,7 +77,7 @@ std::vector<ConvexPiece> ElbowPieces(const ElbowSize& s) {
 
 }  // namespace
 
-MadePart MakeElbow() {
+FamilyObject MakeElbow() {
   const ElbowSize s;
   const int facets = 28, bore_facets = 24;
   const std::vector<Loop> outer = ElbowRings(s, s.radius, facets, s.collar_length);
@@ -92,7 +92,7 @@ MadePart MakeElbow() {
   shell.Face(Reversed(collar_end), {bore.front()});
   shell.Face(collar_back, {outer.front()});
   shell.Face(outer.back(), {bore.back()});
-  return FinishPart(shell.Build(kCrease_deg), ElbowPieces(s), {}, {1400, 0.5, {64, 128, 112}});
+  return FinishObject(shell.Build(kCrease_deg), ElbowPieces(s), {}, {1400, 0.5, {64, 128, 112}});
 }
 
 namespace {
@@ -210,7 +210,7 @@ std::vector<ConvexPiece> MugPieces(const MugSize& s, const std::vector<Loop>& ha
 
 }  // namespace
 
-MadePart MakeMug() {
+FamilyObject MakeMug() {
   const MugSize s;
   const std::vector<double> rows = MugRows(s);
   const std::vector<Loop> handle = HandleRings(s, rows);
@@ -224,7 +224,7 @@ MadePart MakeMug() {
     shell.Band(MugCircle(s.inner_radius, inner_z[i + 1]), MugCircle(s.inner_radius, inner_z[i]));
   }
   shell.Face(MugCircle(s.inner_radius, s.floor));
-  return FinishPart(shell.Build(50), MugPieces(s, handle), {}, {2300, 0.5, {208, 72, 64}});
+  return FinishObject(shell.Build(50), MugPieces(s, handle), {}, {2300, 0.5, {208, 72, 64}});
 }
 
 }  // namespace pickbed::scenes

@@ -1,6 +1,7 @@
 #include <cmath>
 
-#include "scenes/part_families/part_makers.h"
+#include "scenes/base/math.h"
+#include "scenes/part_families/family_makers.h"
 #include "scenes/part_families/shapes.h"
 
 namespace pickbed::scenes {
@@ -9,10 +10,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kDegree = M_PI / 180;
+constexpr double kDegree = kRadiansPerDegree;
 // Above the angle between facets of a circle, below the angle between sides of a prism.
-constexpr PartMaterial kAluminium{2700, 0.5, {182, 186, 192}};
-constexpr PartMaterial kSteel{7800, 0.45, {120, 124, 130}};
+constexpr FamilyMaterial kAluminium{2700, 0.5, {182, 186, 192}};
+constexpr FamilyMaterial kSteel{7800, 0.45, {120, 124, 130}};
 
 Loop InPlaneX(double x, const Outline& yz) {
   Loop loop;
@@ -71,7 +72,7 @@ void AddBracketWall(const BracketSize& s, ShellBuilder& shell) {
 
 }  // namespace
 
-MadePart MakeBracket() {
+FamilyObject MakeBracket() {
   const BracketSize s;
   const double rib_end = s.thick + s.rib_reach;
   const Outline profile = {
@@ -92,11 +93,11 @@ MadePart MakeBracket() {
       BoxPiece({0, 0, 0}, {s.length, s.width, s.thick}),
       BoxPiece({0, 0, s.thick}, {s.thick, s.width, s.height}), LoftPiece(rib_near, rib_far),
       PrismPiece(CircleOutline(s.boss, s.boss_radius, 16), s.thick, s.thick + s.boss_height)};
-  return FinishPart(shell.Build(kCrease_deg), pieces, {}, kAluminium);
+  return FinishObject(shell.Build(kCrease_deg), pieces, {}, kAluminium);
 }
 
 // A U of sheet metal with hooks at the ends of its arms. Its outline is in xz, extruded along y.
-MadePart MakeUClip() {
+FamilyObject MakeUClip() {
   const double half = 20, inner = 15, floor = 5, top = 40, hook = 36, tip = 12, flat = 17;
   const double width = 24, corner = 5;
   const double slope = (top - hook) / (flat - tip);
@@ -133,11 +134,11 @@ MadePart MakeUClip() {
   const Pose upright = Frame(Vector3d::UnitX(), -Vector3d::UnitY());
   shell.Transform(upright);
   MovePieces(upright, pieces);
-  return FinishPart(shell.Build(kCrease_deg), pieces, {CyclicZ(2), {}},
-                    {7800, 0.45, {196, 150, 70}});
+  return FinishObject(shell.Build(kCrease_deg), pieces, {CyclicZ(2), {}},
+                      {7800, 0.45, {196, 150, 70}});
 }
 
-MadePart MakeHexBolt() {
+FamilyObject MakeHexBolt() {
   const double flats = 19, head = 8, bevel = 1, shaft_radius = 6, shaft = 45, chamfer = 1;
   const double corner = flats / std::sqrt(3);
   const Loop hex0 = Circle(corner, 6, 0), hex1 = Circle(corner, 6, head - bevel);
@@ -152,9 +153,9 @@ MadePart MakeHexBolt() {
   shell.Band(hex0, hex1);
   shell.Band(hex1, hex2);
   shell.Face(hex2);
-  const Loop middle = Circle(shaft_radius, facets, (chamfer - shaft) / 2);
-  shell.Band(chamfer_top, middle);
-  shell.Band(middle, neck);
+  const Loop center = Circle(shaft_radius, facets, (chamfer - shaft) / 2);
+  shell.Band(chamfer_top, center);
+  shell.Band(center, neck);
   shell.Band(end, chamfer_top);
   shell.Face(Reversed(end));
 
@@ -163,10 +164,10 @@ MadePart MakeHexBolt() {
   ConvexPiece shaft_piece = DiscPiece(shaft_radius, shaft_radius, chamfer - shaft, 0, 10);
   const Loop tip = Circle(end_radius, 10, -shaft);
   shaft_piece.vertices_O.insert(shaft_piece.vertices_O.end(), tip.begin(), tip.end());
-  return FinishPart(shell.Build(25), {head_piece, shaft_piece}, {CyclicZ(6), {}}, kSteel);
+  return FinishObject(shell.Build(25), {head_piece, shaft_piece}, {CyclicZ(6), {}}, kSteel);
 }
 
-MadePart MakeFlange() {
+FamilyObject MakeFlange() {
   const double radius = 40, thick = 8, hub_radius = 18, height = 24, bore = 10;
   const double hole_circle = 29, hole_radius = 3.5;
   const int holes = 6, facets = 60;
@@ -202,11 +203,11 @@ MadePart MakeFlange() {
                            .z1 = height,
                            .sectors = 8}),
                pieces);
-  return FinishPart(shell.Build(kCrease_deg), pieces, {CyclicZ(holes), {}},
-                    {2700, 0.5, {150, 160, 176}});
+  return FinishObject(shell.Build(kCrease_deg), pieces, {CyclicZ(holes), {}},
+                      {2700, 0.5, {150, 160, 176}});
 }
 
-MadePart MakeGear() {
+FamilyObject MakeGear() {
   const int teeth = 12;
   const double root = 24.5, pitch = 30, tip = 34.5, bore = 6.5, width = 14;
   const double root_half = 9.5 * kDegree, pitch_half = 7.5 * kDegree, tip_half = 3.8 * kDegree;
@@ -233,10 +234,10 @@ MadePart MakeGear() {
                pieces);
   ShellBuilder shell;
   shell.Prism(outline, {CircleOutline({0, 0}, bore, 36)}, -width / 2, width / 2);
-  return FinishPart(shell.Build(25), pieces, {DihedralZ(teeth), {}}, {7800, 0.5, {96, 100, 108}});
+  return FinishObject(shell.Build(25), pieces, {DihedralZ(teeth), {}}, {7800, 0.5, {96, 100, 108}});
 }
 
-MadePart MakeRing() {
+FamilyObject MakeRing() {
   const double inner = 22, outer = 30, height = 14, bevel = 0.6;
   const Outline profile = {{inner, -height / 2},        {outer - bevel, -height / 2},
                            {outer, bevel - height / 2}, {outer, 0},
@@ -249,9 +250,9 @@ MadePart MakeRing() {
                                                       .z0 = -height / 2,
                                                       .z1 = height / 2,
                                                       .sectors = 16});
-  return FinishPart(shell.Build(kCrease_deg), pieces,
-                    {{Turn(Vector3d::UnitX(), 180)}, {ContinuousSymmetry{}}},
-                    {8500, 0.45, {200, 168, 88}});
+  return FinishObject(shell.Build(kCrease_deg), pieces,
+                      {{Turn(Vector3d::UnitX(), 180)}, {ContinuousSymmetry{}}},
+                      {8500, 0.45, {200, 168, 88}});
 }
 
 }  // namespace pickbed::scenes

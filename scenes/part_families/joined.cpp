@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "scenes/part_families/part_makers.h"
+#include "scenes/part_families/family_makers.h"
 #include "scenes/part_families/shapes.h"
 
 namespace pickbed::scenes {
@@ -60,7 +60,7 @@ std::vector<ConvexPiece> EyePieces(const Eye& eye, int sectors) {
 
 }  // namespace
 
-MadePart MakeRod() {
+FamilyObject MakeRod() {
   const Eye big{{0, 0}, 16, 10, 8, 36, 6, 0};
   const Eye small{{64, 0}, 11, 6, 6, 30, 6, M_PI};
   const double web_half = 3.5;
@@ -82,8 +82,8 @@ MadePart MakeRod() {
   std::vector<ConvexPiece> pieces = {PrismPiece({low0, low1, high1, high0}, -web_half, web_half)};
   AppendPieces(EyePieces(big, 8), pieces);
   AppendPieces(EyePieces(small, 6), pieces);
-  return FinishPart(shell.Build(kCrease_deg), pieces, {{Turn(Vector3d::UnitX(), 180)}, {}},
-                    {7800, 0.45, {140, 128, 120}});
+  return FinishObject(shell.Build(kCrease_deg), pieces, {{Turn(Vector3d::UnitX(), 180)}, {}},
+                      {7800, 0.45, {140, 128, 120}});
 }
 
 namespace {
@@ -206,7 +206,7 @@ std::vector<ConvexPiece> SaddlePieces(const TeeSize& s, double side) {
 
 }  // namespace
 
-MadePart MakePipeTee() {
+FamilyObject MakePipeTee() {
   const TeeSize s;
   const PortedTube outside{s.run_radius, s.branch_radius, s.half_length, s.branch_top, 12, 8,
                            false};
@@ -234,7 +234,8 @@ MadePart MakePipeTee() {
   for (double side : {-1.0, 1.0}) AppendPieces(SaddlePieces(s, side), pieces);
   MovePieces(along_x, pieces);
   AppendPieces(BranchPieces(s, 8), pieces);
-  return FinishPart(shell.Build(kCrease_deg), pieces, {CyclicZ(2), {}}, {1400, 0.5, {196, 92, 60}});
+  return FinishObject(shell.Build(kCrease_deg), pieces, {CyclicZ(2), {}},
+                      {1400, 0.5, {196, 92, 60}});
 }
 
 }  // namespace pickbed::scenes

@@ -15,8 +15,8 @@ int main(int argc, char** argv) {
   try {
     const std::filesystem::path out =
         argc > 1 ? std::filesystem::path(argv[1]) : pickbed::scenes::AssetsDir() / "objects";
-    for (const pickbed::scenes::PartRow& row : pickbed::scenes::PartTable()) {
-      pickbed::scenes::WritePart(row, out / row.name);
+    for (const pickbed::scenes::FamilyRow& row : pickbed::scenes::FamilyTable()) {
+      pickbed::scenes::WriteFamilyObject(row, out / row.name);
       fmt::print("{}: {}\n", (out / row.name).string(), row.help);
     }
     return 0;

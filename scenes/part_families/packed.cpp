@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "scenes/part_families/part_makers.h"
+#include "scenes/part_families/family_makers.h"
 #include "scenes/part_families/shapes.h"
 
 namespace pickbed::scenes {
@@ -121,15 +121,16 @@ void AddSide(const Side& side, const Image<Rgb8>& sheet, TriangleMesh& mesh) {
 
 }  // namespace
 
-MadePart MakeCarton() {
+FamilyObject MakeCarton() {
   TriangleMesh mesh;
   mesh.texture = CartonSheet();
   for (const Side& side : CartonSides()) AddSide(side, mesh.texture, mesh);
   const Vector3d half(0.5 * kWidth, 0.5 * kDepth, 0.5 * kHeight);
-  return FinishPart(mesh, {BoxPiece(-half, half)}, {DihedralZ(2), {}}, {350, 0.5, {244, 236, 214}});
+  return FinishObject(mesh, {BoxPiece(-half, half)}, {DihedralZ(2), {}},
+                      {350, 0.5, {244, 236, 214}});
 }
 
-MadePart MakeBottle() {
+FamilyObject MakeBottle() {
   const int facets = 48;
   const double body_low = 5, body_high = 110;
   const std::vector<Vector2d> below = {{0, 0}, {25, 0}, {30, body_low}};
@@ -153,8 +154,8 @@ MadePart MakeBottle() {
       pieces.push_back(DiscPiece(low.x(), high.x(), low.y(), high.y(), 16));
     }
   }
-  return FinishPart(shell.Build(kCrease_deg), pieces, {{}, {ContinuousSymmetry{}}},
-                    {500, 0.5, {72, 132, 196}});
+  return FinishObject(shell.Build(kCrease_deg), pieces, {{}, {ContinuousSymmetry{}}},
+                      {500, 0.5, {72, 132, 196}});
 }
 
 }  // namespace pickbed::scenes

@@ -17,26 +17,26 @@
 namespace pickbed::scenes {
 
 // An object made by code.
-struct MadePart {
+struct FamilyObject {
   TriangleMesh mesh_O;  // closed, metres, origin at the center of its bounding box
-  std::vector<ConvexPiece> convex_parts_O;
+  std::vector<ConvexPiece> convex_pieces_O;
   SymmetrySet symmetries_O;  // of the shape; a texture may not have them
   double density_kgpm3 = 0;
   double friction = 0.5;
 };
 
 // A row of the table: name, one line of help and the function that makes the object.
-struct PartRow {
+struct FamilyRow {
   const char* name;
   const char* help;
-  MadePart (*make)();
+  FamilyObject (*make)();
 };
 
 // Returns all objects that are made by code.
-std::span<const PartRow> PartTable();
+std::span<const FamilyRow> FamilyTable();
 
 // Writes folder/{mesh.obj, convex.obj, object.yaml} and the texture, with the same bytes on every
 // run. Throws InputError when the folder cannot be written.
-void WritePart(const PartRow& row, const std::filesystem::path& folder);
+void WriteFamilyObject(const FamilyRow& row, const std::filesystem::path& folder);
 
 }  // namespace pickbed::scenes

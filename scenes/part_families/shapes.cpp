@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "scenes/base/math.h"
+
 namespace pickbed::scenes {
 
 using Eigen::Vector2d;
@@ -128,7 +130,7 @@ void AppendPieces(const std::vector<ConvexPiece>& more, std::vector<ConvexPiece>
 }
 
 Pose Turn(const Vector3d& axis, double angle_deg) {
-  return Pose(Eigen::AngleAxisd(angle_deg * M_PI / 180, axis.normalized()));
+  return Pose(Eigen::AngleAxisd(Radians(angle_deg), axis.normalized()));
 }
 
 std::vector<Pose> CyclicZ(int order) {
@@ -146,8 +148,8 @@ std::vector<Pose> DihedralZ(int order) {
   return turns;
 }
 
-MadePart FinishPart(const TriangleMesh& mesh_mm, const std::vector<ConvexPiece>& pieces_mm,
-                    const SymmetrySet& symmetries_mm, const PartMaterial& material) {
+FamilyObject FinishObject(const TriangleMesh& mesh_mm, const std::vector<ConvexPiece>& pieces_mm,
+                          const SymmetrySet& symmetries_mm, const FamilyMaterial& material) {
   constexpr double kMeters = 1e-3;
   constexpr double kGrid_m = 1e-9;  // rounding removes differences between compilers
   const Vector3d center = MeshBounds(mesh_mm).center();
@@ -155,28 +157,28 @@ MadePart FinishPart(const TriangleMesh& mesh_mm, const std::vector<ConvexPiece>&
     const Vector3d steps = ((p - center) * (kMeters / kGrid_m)).array().round();
     return steps * kGrid_m;
   };
-  MadePart part;
-  part.mesh_O = mesh_mm;
-  part.mesh_O.base_color = material.color;
-  for (Vector3d& p : part.mesh_O.vertices) p = to_meters(p);
-  part.convex_parts_O = pieces_mm;
-  for (ConvexPiece& piece : part.convex_parts_O) {
+  FamilyObject object;
+  object.mesh_O = mesh_mm;
+  object.mesh_O.base_color = material.color;
+  for (Vector3d& p : object.mesh_O.vertices) p = to_meters(p);
+  object.convex_pieces_O = pieces_mm;
+  for (ConvexPiece& piece : object.convex_pieces_O) {
     for (Vector3d& p : piece.vertices_O) p = to_meters(p);
   }
   for (const Pose& X_mm : symmetries_mm.discrete_O) {
     Pose X_O = X_mm;
     X_O.translation() = (X_mm * center - center) * kMeters;
-    part.symmetries_O.discrete_O.push_back(X_O);
+    object.symmetries_O.discrete_O.push_back(X_O);
   }
   for (const ContinuousSymmetry& s : symmetries_mm.continuous_O) {
     // The offset is the point of the axis that is nearest to the new origin.
     const Vector3d from_center = s.offset_O - center;
     const Vector3d offset = from_center - s.axis_O * s.axis_O.dot(from_center);
-    part.symmetries_O.continuous_O.push_back({s.axis_O, offset * kMeters});
+    object.symmetries_O.continuous_O.push_back({s.axis_O, offset * kMeters});
   }
-  part.density_kgpm3 = material.density_kgpm3;
-  part.friction = material.friction;
-  return part;
+  object.density_kgpm3 = material.density_kgpm3;
+  object.friction = material.friction;
+  return object;
 }
 
 }  // namespace pickbed::scenes

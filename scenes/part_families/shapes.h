@@ -1,8 +1,8 @@
 #pragma once
 
 // Building blocks for objects made by code: closed shells from flat faces and bands, and convex
-// pieces for physics. Lengths here are MILLIMETRES, as on a drawing. FinishPart() converts them to
-// metres.
+// pieces for physics. Lengths here are MILLIMETRES, as on a drawing. FinishObject() converts them
+// to metres.
 
 #include <Eigen/Core>
 #include <array>
@@ -24,10 +24,14 @@ Loop Circle(double radius, int count, double z = 0, double phase_rad = 0);
 // Returns points on the arc from `begin_rad` to `end_rad`, including both ends.
 Outline Arc(const Eigen::Vector2d& center, double radius, double begin_rad, double end_rad,
             int segments);
+// Returns `count` points of a circle, counter-clockwise. The first one is at the angle `phase_rad`.
 Outline CircleOutline(const Eigen::Vector2d& center, double radius, int count,
                       double phase_rad = 0);
+// Returns the outline as a loop in the plane at the height `z`.
 Loop AtHeight(const Outline& outline, double z);
+// Returns the loop, given in frame B, in frame A.
 Loop Moved(const Loop& loop, const Pose& X_AB);
+// Returns the loop in the opposite order of its points.
 Loop Reversed(const Loop& loop);
 // Returns the pose of a frame with the given x and z axes, which must be perpendicular unit
 // vectors.
@@ -97,7 +101,9 @@ struct RingSpec {
 // Returns one convex piece for each sector.
 std::vector<ConvexPiece> RingPieces(const RingSpec& spec);
 
+// Moves pieces from frame B to frame A.
 void MovePieces(const Pose& X_AB, std::vector<ConvexPiece>& pieces);
+// Appends the pieces `more` to `pieces`.
 void AppendPieces(const std::vector<ConvexPiece>& more, std::vector<ConvexPiece>& pieces);
 
 // Returns the rotation about `axis` through the origin.
@@ -107,7 +113,7 @@ std::vector<Pose> CyclicZ(int order);
 // Returns CyclicZ() and `order` half turns about axes in the xy plane, the first along x.
 std::vector<Pose> DihedralZ(int order);
 
-struct PartMaterial {
+struct FamilyMaterial {
   double density_kgpm3;
   double friction;
   Rgb8 color;
@@ -115,7 +121,7 @@ struct PartMaterial {
 
 // Moves the origin to the center of the bounding box and converts millimetres to metres.
 // `symmetries_mm` are relative to the drawing's origin.
-MadePart FinishPart(const TriangleMesh& mesh_mm, const std::vector<ConvexPiece>& pieces_mm,
-                    const SymmetrySet& symmetries_mm, const PartMaterial& material);
+FamilyObject FinishObject(const TriangleMesh& mesh_mm, const std::vector<ConvexPiece>& pieces_mm,
+                          const SymmetrySet& symmetries_mm, const FamilyMaterial& material);
 
 }  // namespace pickbed::scenes

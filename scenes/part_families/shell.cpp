@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "scenes/base/math.h"
 #include "scenes/part_families/shapes.h"
 
 namespace pickbed::scenes {
@@ -140,7 +141,7 @@ TriangleMesh ShellBuilder::Build(double crease_deg) const {
       corners[Rounded(t[k], kSamePoint)].push_back({face_normals.back(), CornerAngle(t, k)});
     }
   }
-  const double flat_cosine = std::cos(crease_deg * M_PI / 180);
+  const double flat_cosine = std::cos(Radians(crease_deg));
   TriangleMesh mesh;
   std::map<std::array<int64_t, 6>, int> indices;  // by place and normal
   for (size_t f = 0; f < triangles_.size(); ++f) {

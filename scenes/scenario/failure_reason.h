@@ -41,9 +41,13 @@ struct FailureRow {
   std::string_view former_name = {};  // in files of earlier versions; empty if unchanged
 };
 
+// Returns one row per failure reason, in the order of the enumeration.
 std::span<const FailureRow> FailureTable();
+// Returns FailureRow::name.
 std::string_view FailureName(FailureReason failure);
+// Returns the stable name of a stage in JSON, CSV and the store.
 std::string_view StageName(Stage stage);
+// Returns FailureRow::stage.
 Stage StageOf(FailureReason failure);
 // Returns the failure reason with this name or former name in FailureTable(), or nullopt if there
 // is none.

@@ -11,7 +11,7 @@
 
 namespace pickbed::scenes {
 
-// Interval of visible fractions: `least` is included, `most` is excluded unless it is 1.
+// Interval of visible fractions: `min` is included, `max` is excluded unless it is 1.
 struct VisibleBand {
   double min = 0;
   double max = 1;

@@ -46,6 +46,7 @@ struct PolicyRow {
   bool (*gives_up)(const PolicyState& state, const PolicySpec& policy);
   int max_attempts = 0;  // 0 = PolicySpec::max_attempts applies
 };
+// Returns all stop policies, in the order of the help.
 std::span<const PolicyRow> PolicyTable();
 
 // Returns the policy of that name. Throws InputError with the known names if there is none.

@@ -118,7 +118,7 @@ ScenarioSpec Completed(ScenarioSpec spec, const std::filesystem::path& folder,
 
 }  // namespace
 
-void PartSpec::Visit(SettingsVisitor& v) {
+void ObjectSpec::Visit(SettingsVisitor& v) {
   v.Text("name", name, {},
          "name of a catalog object, or a new name together with mesh and mass_kg");
   v.Integer("count", count, {1, 1000}, "number of dropped instances");
@@ -179,7 +179,7 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
   v.Group(
       "bin", [this](SettingsVisitor& g) { bin.Visit(g); }, "bin that holds the objects");
   v.List(
-      "objects", objects.size(), [this](size_t n) { objects.assign(n, PartSpec{}); },
+      "objects", objects.size(), [this](size_t n) { objects.assign(n, ObjectSpec{}); },
       [this](size_t i, SettingsVisitor& item) { objects[i].Visit(item); },
       "objects that are dropped");
   v.Text("arrangement", arrangement, {"pile", "packed", "heap"},
@@ -193,6 +193,7 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
       "ranges from which lamp, materials and background are drawn: [minimum, maximum]");
   v.Group(
       "estimator", [this](SettingsVisitor& g) { estimator.Visit(g); }, "pose estimator");
+  v.RenamedValue("refiner", "two_way_icp", "bidirectional_icp");
   v.Text("refiner", refiner, {},
          "refinement of the reported poses, a row of `pickbed list refiners`");
   v.Text("gripper", gripper, {},
@@ -252,23 +253,23 @@ void ScenarioSpec::Validate() const {
              At("objects") + ": the scenario drops nothing; add '- {name: rod, count: 5}'");
   CheckInput(
       !std::all_of(objects.begin(), objects.end(),
-                   [](const PartSpec& part) { return part.distractor; }),
+                   [](const ObjectSpec& object) { return object.distractor; }),
       At("objects") + ": all objects are distractors; at least one must not be a distractor");
   std::set<std::string> names;
   for (size_t i = 0; i < objects.size(); ++i) {
-    const PartSpec& part = objects[i];
+    const ObjectSpec& object = objects[i];
     const std::string key = fmt::format("objects.{}.", i);
-    CheckInput(!part.name.empty(), fmt::format("{}name: is missing; name the object", key));
-    CheckInput(names.insert(part.name).second,
+    CheckInput(!object.name.empty(), fmt::format("{}name: is missing; name the object", key));
+    CheckInput(names.insert(object.name).second,
                fmt::format("{} = {}: is listed twice; raise its count instead", At(key + "name"),
-                           part.name));
-    const std::string mass = fmt::format("{} = {}", At(key + "mass_kg"), part.mass_kg);
-    CheckInput(part.mesh.empty() || part.mass_kg > 0,
+                           object.name));
+    const std::string mass = fmt::format("{} = {}", At(key + "mass_kg"), object.mass_kg);
+    CheckInput(object.mesh.empty() || object.mass_kg > 0,
                mass + ": must be above 0 for an object given by mesh");
-    CheckInput(!part.mesh.empty() || part.mass_kg == 0,
+    CheckInput(!object.mesh.empty() || object.mass_kg == 0,
                fmt::format("{}: '{}' comes from the catalog, which has its mass; remove it or give "
                            "a mesh",
-                           mass, part.name));
+                           mass, object.name));
   }
   ValidateCamera(*this);
   appearance.Validate([this](const std::string& key) { return At("appearance." + key); });
@@ -297,15 +298,15 @@ ScenarioSpec LoadScenarioText(const std::string& yaml, const std::filesystem::pa
 
 namespace {
 
-std::shared_ptr<const ObjectModel> LoadPart(const ScenarioSpec& spec, const PartSpec& part,
-                                            const ObjectCatalog& catalog) {
-  if (part.mesh.empty()) return catalog.Load(part.name);
-  MeshPartSpec mesh_part;
-  mesh_part.mesh = spec.folder / part.mesh;
-  mesh_part.unit = part.unit;
-  mesh_part.mass_kg = part.mass_kg;
-  mesh_part.friction = part.friction;
-  return LoadMeshPart(part.name, mesh_part);
+std::shared_ptr<const ObjectModel> LoadObject(const ScenarioSpec& spec, const ObjectSpec& object,
+                                              const ObjectCatalog& catalog) {
+  if (object.mesh.empty()) return catalog.Load(object.name);
+  MeshObjectSpec mesh_object;
+  mesh_object.mesh = spec.folder / object.mesh;
+  mesh_object.unit = object.unit;
+  mesh_object.mass_kg = object.mass_kg;
+  mesh_object.friction = object.friction;
+  return LoadMeshObject(object.name, mesh_object);
 }
 
 // The two smallest sides of the object's bounding box must fit between the walls. The largest one
@@ -335,22 +336,22 @@ double RoomOf_m3(const BinSpec& bin) {
 // for every seed, after minutes.
 void RequireRoom(const ScenarioSpec& spec, const ObjectSet& objects) {
   constexpr double kDensestScene = 0.8;
-  double parts_m3 = 0;
+  double instances_m3 = 0;
   size_t largest = 0;
   const auto volume_m3 = [&](size_t i) {
     return spec.objects[i].count * objects[i]->mass.volume_m3;
   };
   for (size_t i = 0; i < objects.size(); ++i) {
-    parts_m3 += volume_m3(i);
+    instances_m3 += volume_m3(i);
     if (volume_m3(i) > volume_m3(largest)) largest = i;
   }
   const double room_m3 = kDensestScene * RoomOf_m3(spec.bin);
-  if (parts_m3 <= room_m3) return;
+  if (instances_m3 <= room_m3) return;
   throw InputError(
       fmt::format("{} = {}: all instances together are {:.3g} l, a heap in this bin holds {:.3g} l "
                   "at most; lower the count, check the objects' unit or choose a larger bin",
                   spec.At(fmt::format("objects.{}.count", largest)), spec.objects[largest].count,
-                  1e3 * parts_m3, 1e3 * room_m3));
+                  1e3 * instances_m3, 1e3 * room_m3));
 }
 
 }  // namespace
@@ -358,10 +359,10 @@ void RequireRoom(const ScenarioSpec& spec, const ObjectSet& objects) {
 ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
   ObjectSet objects;
   for (size_t i = 0; i < spec.objects.size(); ++i) {
-    const PartSpec& part = spec.objects[i];
-    const char* key = part.mesh.empty() ? "name" : "mesh";
+    const ObjectSpec& object = spec.objects[i];
+    const char* key = object.mesh.empty() ? "name" : "mesh";
     WithSettingsKey(spec, fmt::format("objects.{}.{}", i, key), [&] {
-      objects.push_back(LoadPart(spec, part, catalog));
+      objects.push_back(LoadObject(spec, object, catalog));
       RequireFits(*objects.back(), spec.bin);
     });
   }

@@ -22,7 +22,7 @@ namespace pickbed::scenes {
 
 // An object and its number of instances. It is either a name of the catalog, or an own name with
 // `mesh`, `unit` and `mass_kg`.
-struct PartSpec {
+struct ObjectSpec {
   std::string name;
   int count = 1;
   std::string mesh;         // path, relative to the scenario file; empty = from the catalog
@@ -78,7 +78,7 @@ struct ScenarioSpec {
   // success is at most this wide, 0 to 1; 0 = never. See eval/stats/sequential_stop.h.
   double stop_width = 0;
   BinSpec bin;
-  std::vector<PartSpec> objects;
+  std::vector<ObjectSpec> objects;
   std::string arrangement = "pile";  // pile | packed | heap, see sim/drop/drop.h
   CameraSpec camera;
   std::string sensor = "structured_light";  // assets/sensors/NAME.yaml or a path
@@ -134,7 +134,9 @@ std::vector<std::string> BinNames();  // names in assets/bins, sorted
 // Throws InputError for an unknown name, a bad value or a mesh that is not a bin.
 BinSpec LoadBin(const std::string& name_or_path);
 
+// Returns the bin of the scenario with its inner size (m), walls, friction and mesh.
 Bin BinOf(const ScenarioSpec& spec);
+// Returns the camera of the scenario: intrinsics (px) and X_WC.
 Camera CameraOf(const ScenarioSpec& spec);
 
 }  // namespace pickbed::scenes

@@ -8,9 +8,9 @@ std::string ScenarioText(ScenarioSpec spec, const std::filesystem::path& folder)
   if (!spec.bin.mesh.empty()) {
     spec.bin.mesh = std::filesystem::relative(spec.folder / spec.bin.mesh, folder).string();
   }
-  for (PartSpec& part : spec.objects) {
-    if (!part.mesh.empty()) {
-      part.mesh = std::filesystem::relative(spec.folder / part.mesh, folder).string();
+  for (ObjectSpec& object : spec.objects) {
+    if (!object.mesh.empty()) {
+      object.mesh = std::filesystem::relative(spec.folder / object.mesh, folder).string();
     }
   }
   return WriteSettings([&](SettingsVisitor& v) { spec.Visit(v); });

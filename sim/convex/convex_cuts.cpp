@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 
+#include "scenes/geometry/sphere_directions.h"
 #include "sim/convex/convex_hull.h"
 #include "sim/convex/solid_columns.h"
 
@@ -22,7 +22,7 @@ constexpr double kThinnest = 0.02;  // least distance of a cut to a piece's ends
 constexpr double kFlat = 0.9995;    // smallest |cosine| of a face perpendicular to an axis
 constexpr double kCenterPreference = 1e-3;  // penalty of a cut at an end, share of hull volume
 constexpr double kLittleGain = 0.1;    // share of a piece's air; a cut that saves less looks ahead
-constexpr int kSpreadDirections = 40;  // on a Fibonacci sphere, in addition to the 26 of a cube
+constexpr int kSpreadDirections = 40;  // in addition to the 26 of a cube
 
 // Returns the directions of the support points: the 26 of a cube's faces, edges and corners, and
 // some evenly spread ones. The cube's directions make boxes exact.
@@ -32,12 +32,8 @@ std::vector<Vector3d> MakeDirections() {
     const Vector3d d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     if (i != 13) directions.push_back(d.normalized());
   }
-  for (int i = 0; i < kSpreadDirections; ++i) {
-    const double z = 1 - (2 * i + 1.0) / kSpreadDirections;
-    const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
-    const double r = std::sqrt(1 - z * z);
-    directions.push_back({r * std::cos(angle), r * std::sin(angle), z});
-  }
+  const std::vector<Vector3d> spread = SphereDirections(kSpreadDirections);
+  directions.insert(directions.end(), spread.begin(), spread.end());
   return directions;
 }
 
@@ -231,7 +227,7 @@ std::vector<Extremes> Cutter::Slabs(const Piece& piece, int axis,
 // Computes the air in the piece's hull, and the cut with the smallest sum of hull volumes.
 void Cutter::Judge(Piece& piece) const {
   Extremes all(directions_);
-  double least = std::numeric_limits<double>::infinity();
+  double minimum = std::numeric_limits<double>::infinity();
   double hull_m3 = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<double> offsets = Candidates(piece, axis);
@@ -251,8 +247,8 @@ void Cutter::Judge(Piece& piece) const {
           std::abs(offsets[k] - extent.center()[axis]) / extent.sizes().maxCoeff();
       const double sum =
           below.HullVolume() + above_m3[k + 1] + kCenterPreference * hull_m3 * off_center;
-      if (sum >= least) continue;
-      least = sum;
+      if (sum >= minimum) continue;
+      minimum = sum;
       piece.best = {axis, offsets[k]};
       piece.halves_m3 = below.HullVolume() + above_m3[k + 1];
     }
@@ -266,7 +262,7 @@ void Cutter::Judge(Piece& piece) const {
 // have the best cuts of their own.
 void Cutter::LookAhead(Piece& piece) const {
   const Eigen::AlignedBox3d extent = BoxOf(piece.polygons);
-  double least = std::numeric_limits<double>::infinity();
+  double minimum = std::numeric_limits<double>::infinity();
   Cut best = piece.best;
   for (int axis = 0; axis < 3; ++axis) {
     piece.best = {axis, extent.center()[axis]};
@@ -275,8 +271,8 @@ void Cutter::LookAhead(Piece& piece) const {
     Judge(low);
     Judge(high);
     const double quarters_m3 = low.halves_m3 + high.halves_m3;
-    if (quarters_m3 >= least) continue;
-    least = quarters_m3;
+    if (quarters_m3 >= minimum) continue;
+    minimum = quarters_m3;
     best = {axis, extent.center()[axis]};
   }
   piece.best = best;

@@ -26,11 +26,11 @@ constexpr double kNegligible = 1e-5;
 
 // Returns the largest distance of a point outside the planes of a hull; negative inside.
 double Outside(const ConvexHull& hull, const std::vector<double>& offsets, const Vector3d& p) {
-  double most = -1;
+  double maximum = -1;
   for (size_t i = 0; i < offsets.size(); ++i) {
-    most = std::max(most, hull.normals[i].dot(p) - offsets[i]);
+    maximum = std::max(maximum, hull.normals[i].dot(p) - offsets[i]);
   }
-  return most;
+  return maximum;
 }
 
 // Returns the four vertices of the first tetrahedron. Two are far apart, one is far from their
@@ -63,12 +63,12 @@ std::vector<Vector3d> Thinned(const std::vector<Vector3d>& vertices, int max_ver
       const int face = hull.triangle_faces[i];
       offsets[face] = hull.normals[face].dot(hull.vertices[hull.triangles[i][0]]);
     }
-    double most = negligible;
+    double maximum = negligible;
     const Vector3d* next = nullptr;
     for (const Vector3d& p : vertices) {
       const double outside = Outside(hull, offsets, p);
-      if (outside <= most) continue;
-      most = outside;
+      if (outside <= maximum) continue;
+      maximum = outside;
       next = &p;
     }
     if (next == nullptr) break;
@@ -133,25 +133,25 @@ std::vector<ConvexPiece> DecomposeConvex(const TriangleMesh& mesh,
 
 std::shared_ptr<const ObjectModel> WithConvexPieces(std::shared_ptr<const ObjectModel> model,
                                                     const DecompositionOptions& options) {
-  if (!model->convex_parts_O.empty()) return model;
+  if (!model->convex_pieces_O.empty()) return model;
   auto copy = std::make_shared<ObjectModel>(*model);
   const std::filesystem::path path = CacheFile(*model, options);
   if (std::optional<std::vector<ConvexPiece>> cached = ReadPieces(path)) {
-    copy->convex_parts_O = std::move(*cached);
+    copy->convex_pieces_O = std::move(*cached);
     return copy;
   }
   std::filesystem::create_directories(path.parent_path());
   const CacheLock lock(path);
   if (std::optional<std::vector<ConvexPiece>> cached = ReadPieces(path)) {
-    copy->convex_parts_O = std::move(*cached);
+    copy->convex_pieces_O = std::move(*cached);
     return copy;
   }
-  copy->convex_parts_O = DecomposeConvex(model->mesh_O, options);
+  copy->convex_pieces_O = DecomposeConvex(model->mesh_O, options);
   CheckInput(
-      !copy->convex_parts_O.empty(),
+      !copy->convex_pieces_O.empty(),
       "object '" + model->name +
           "' is flat: its mesh encloses no volume, which collisions need; give it a thickness");
-  WriteFileAtomically(path, ToText(copy->convex_parts_O));
+  WriteFileAtomically(path, ToText(copy->convex_pieces_O));
   return copy;
 }
 

@@ -27,6 +27,7 @@ std::vector<ConvexPiece> DecomposeConvex(const TriangleMesh& mesh,
 // decomposition. Throws InputError if the mesh encloses no volume.
 std::shared_ptr<const ObjectModel> WithConvexPieces(std::shared_ptr<const ObjectModel> model,
                                                     const DecompositionOptions& options = {});
+// Same for each object of a set.
 ObjectSet WithConvexPieces(const ObjectSet& objects, const DecompositionOptions& options = {});
 
 }  // namespace pickbed::sim

@@ -57,12 +57,12 @@ double LargestBulge(const MeshQuery& query, const std::vector<ConvexHull>& hulls
 
 // Returns a lower bound of the distance; it is exact if the nearest point is in a face.
 double DistanceOutside(const ConvexHull& hull, const Vector3d& p) {
-  double most = -1e300;
+  double maximum = -1e300;
   for (size_t i = 0; i < hull.triangles.size(); ++i) {
     const Vector3d& n = hull.normals[hull.triangle_faces[i]];
-    most = std::max(most, n.dot(p - hull.vertices[hull.triangles[i][0]]));
+    maximum = std::max(maximum, n.dot(p - hull.vertices[hull.triangles[i][0]]));
   }
-  return most;
+  return maximum;
 }
 
 double LargestMiss(const TriangleMesh& mesh, const std::vector<ConvexHull>& hulls) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "scenes/base/error.h"
+#include "scenes/base/ids_format.h"
 #include "sim/drop/drop_layout.h"
 #include "sim/drop/penetration.h"
 
@@ -51,7 +52,8 @@ SceneCertificate CertifyRest(const Scene& scene, const ObjectSet& objects,
                              const DropOptions& options) {
   PhysicsWorld world(PhysicsFor(objects, options.physics));
   world.AddBin(scene.bin);
-  for (const PosedObject& posed : scene.objects) world.AddPart(*objects[posed.object], posed.X_WO);
+  for (const PosedObject& posed : scene.objects)
+    world.AddInstance(*objects[posed.object], posed.X_WO);
   world.ForbidSleep();
   std::vector<Eigen::AlignedBox3d> boxes_O;
   for (const auto& object : objects) {
@@ -88,31 +90,31 @@ SceneCertificate CertifyRest(const Scene& scene, const ObjectSet& objects,
   return certificate;
 }
 
-SceneTries TryScene(const SceneRequest& request, const DropOptions& options, int max_attempts) {
-  SceneTries tries;
+SceneSamples TryScene(const SceneRequest& request, const DropOptions& options, int max_attempts) {
+  SceneSamples samples;
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     const std::string stage =
         attempt == 0 ? request.stage : fmt::format("{}/{}", request.stage, attempt);
-    Rng rng = Rng::Derive(request.seed, request.trial, stage);
-    DropResult drop = DropParts(request.bin, request.objects, request.counts, rng, options);
+    Rng rng = Rng::Derive(request.seed, request.bin_index, stage);
+    DropResult drop = DropInstances(request.bin, request.objects, request.counts, rng, options);
     std::vector<std::string> faults = Faults(drop.certificate);
     if (faults.empty()) {
-      tries.made = {std::move(drop.scene), std::move(drop.certificate), tries.refused};
-      return tries;
+      samples.made = {std::move(drop.scene), std::move(drop.certificate), samples.refused};
+      return samples;
     }
-    tries.refused.push_back({attempt, std::move(faults)});
+    samples.refused.push_back({attempt, std::move(faults)});
   }
-  return tries;
+  return samples;
 }
 
 CertifiedScene MakeScene(const SceneRequest& request, const DropOptions& options,
                          int max_attempts) {
-  SceneTries tries = TryScene(request, options, max_attempts);
-  if (tries.made) return *std::move(tries.made);
+  SceneSamples samples = TryScene(request, options, max_attempts);
+  if (samples.made) return *std::move(samples.made);
   throw InputError(
       fmt::format("trial {}: {} scenes in a row were refused, the last because {}; drop fewer "
                   "objects or use a larger bin",
-                  request.trial, max_attempts, fmt::join(tries.refused.back().faults, ", ")));
+                  request.bin_index, max_attempts, fmt::join(samples.refused.back().faults, ", ")));
 }
 
 }  // namespace pickbed::sim

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/base/ids.h"
 #include "scenes/scene.h"
 #include "sim/drop/certificate.h"
 #include "sim/drop/drop.h"
@@ -41,8 +42,8 @@ struct SceneRequest {
   const ObjectSet& objects;  // must have convex pieces
   std::vector<int> counts;   // number of instances of each object
   uint64_t seed = 0;         // seed of the scenario
-  uint64_t trial = 0;
-  // Name of the random streams. Another name gives another scene of the same trial.
+  BinIndex bin_index{0};
+  // Name of the random streams. Another name gives another scene of the same bin.
   std::string stage = "drop";
 };
 
@@ -58,20 +59,21 @@ struct CertifiedScene {
 };
 
 // Drops scenes until one has no fault. Each attempt has its own random stream, derived from seed,
-// trial, stage and attempt. Throws InputError with the last scene's faults after `max_attempts`
-// refused scenes, and where DropParts() throws.
+// bin index, stage and attempt. Throws InputError with the last scene's faults after `max_attempts`
+// refused scenes, and where DropInstances() throws.
 CertifiedScene MakeScene(const SceneRequest& request, const DropOptions& options = {},
                          int max_attempts = 10);
 
 // Result of TryScene(), for callers that accept trials without a certified scene.
 
-struct SceneTries {
+struct SceneSamples {
   std::optional<CertifiedScene> made;  // includes the refused scenes
   std::vector<RefusedScene> refused;   // in order
 };
 
 // Same as MakeScene(), but returns without a scene after `max_attempts` refused scenes. Throws
-// where DropParts() throws.
-SceneTries TryScene(const SceneRequest& request, const DropOptions& options, int max_attempts = 10);
+// where DropInstances() throws.
+SceneSamples TryScene(const SceneRequest& request, const DropOptions& options,
+                      int max_attempts = 10);
 
 }  // namespace pickbed::sim

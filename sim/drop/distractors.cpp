@@ -32,7 +32,7 @@ std::shared_ptr<const ObjectModel> RandomShape(double diameter_m, const Distract
   model->mesh_O.triangles = hull.triangles;
   const double scale = diameter_m / Diameter(model->mesh_O);
   for (Eigen::Vector3d& vertex : model->mesh_O.vertices) vertex *= scale;
-  model->convex_parts_O = {{model->mesh_O.vertices}};
+  model->convex_pieces_O = {{model->mesh_O.vertices}};
   model->mass = UniformMassProperties(
       model->mesh_O, options.density_kgpm3 * hull.Volume() * scale * scale * scale);
   model->diameter_m = diameter_m;

@@ -23,7 +23,7 @@ class Pouring {
  private:
   void Pour(const std::vector<ObjectId>& kinds);
   void PlaceApart(const std::vector<ObjectId>& kinds);
-  void PourLayers(const std::vector<RotatedObject>& parts);
+  void PourLayers(const std::vector<RotatedObject>& instances);
   void AddLayer(const std::vector<Cell>& cells);
   void Settle();
   void StepFor(double duration_s);  // also removes bodies that fell beside the bin
@@ -41,7 +41,7 @@ class Pouring {
   Rng& rng_;
   PhysicsWorld world_;
   std::vector<Eigen::AlignedBox3d> boxes_O_;  // indexed by object
-  std::vector<ObjectId> object_of_part_;
+  std::vector<ObjectId> object_of_instance_;
   std::vector<EnergySample> energy_;
   Movement movement_;  // since a body last moved by more than the limit
   bool at_rest_ = false;
@@ -54,10 +54,10 @@ Bin ShaftOver(const Bin& bin, const ObjectSet& objects, const DropOptions& optio
   if (options.arrangement != Arrangement::kHeap) return shaft;
   double widest_m = 0;
   for (const auto& object : objects) widest_m = std::max(widest_m, object->diameter_m);
-  const double least_m = widest_m + 2 * options.clearance_m;
+  const double min_m = widest_m + 2 * options.clearance_m;
   for (int axis = 0; axis < 2; ++axis) {
     const double size_m = bin.inner_size_m[axis];
-    shaft.inner_size_m[axis] = std::min(size_m, std::max(options.shaft_share * size_m, least_m));
+    shaft.inner_size_m[axis] = std::min(size_m, std::max(options.shaft_share * size_m, min_m));
   }
   return shaft;
 }
@@ -94,27 +94,27 @@ DropResult Pouring::Run(const std::vector<int>& counts) {
 
 void Pouring::Pour(const std::vector<ObjectId>& kinds) {
   world_.AddFunnel(shaft_, options_.funnel_m);
-  std::vector<RotatedObject> parts;
+  std::vector<RotatedObject> instances;
   for (const ObjectId kind : kinds) {
-    parts.push_back(
+    instances.push_back(
         TurnAtRandom(objects_, kind, shaft_, options_.clearance_m, options_.turn_attempts, rng_));
   }
-  PourLayers(parts);
+  PourLayers(instances);
 }
 
 void Pouring::PlaceApart(const std::vector<ObjectId>& kinds) {
-  const std::vector<PlacedPart> placed =
+  const std::vector<PlacedInstance> placed =
       PlaceUpright(objects_, kinds, bin_, options_.clearance_m, options_.place_attempts, rng_);
-  for (const PlacedPart& part : placed) {
-    world_.AddPart(*objects_[part.object], part.X_WO);
-    object_of_part_.push_back(part.object);
+  for (const PlacedInstance& instance : placed) {
+    world_.AddInstance(*objects_[instance.object], instance.X_WO);
+    object_of_instance_.push_back(instance.object);
   }
   without_place_ = static_cast<int>(kinds.size() - placed.size());
 }
 
-void Pouring::PourLayers(const std::vector<RotatedObject>& parts) {
-  for (size_t poured = 0; poured < parts.size();) {
-    const std::vector<Cell> cells = PackLayer(parts, poured, shaft_, options_.clearance_m);
+void Pouring::PourLayers(const std::vector<RotatedObject>& instances) {
+  for (size_t poured = 0; poured < instances.size();) {
+    const std::vector<Cell> cells = PackLayer(instances, poured, shaft_, options_.clearance_m);
     AddLayer(cells);
     poured += cells.size();
     StepFor(options_.layer_interval_s);
@@ -126,7 +126,7 @@ void Pouring::AddLayer(const std::vector<Cell>& cells) {
   const Vector2d inner = shaft_.inner_size_m.head<2>();
   Vector2d used = Vector2d::Zero();
   for (const Cell& cell : cells) {
-    used = used.cwiseMax(cell.low + cell.part->box.sizes().head<2>());
+    used = used.cwiseMax(cell.low + cell.instance->box.sizes().head<2>());
   }
   const Vector2d slack = (inner - used).cwiseMax(0) - Vector2d::Constant(options_.clearance_m);
   const Vector2d shift(rng_.Uniform() * std::max(0.0, slack.x()),
@@ -134,14 +134,14 @@ void Pouring::AddLayer(const std::vector<Cell>& cells) {
   const bool mirror_x = rng_.Index(2) == 1, mirror_y = rng_.Index(2) == 1;
   const double bottom_m = Top_m() + options_.clearance_m;
   for (const Cell& cell : cells) {
-    const Eigen::AlignedBox3d& box = cell.part->box;
+    const Eigen::AlignedBox3d& box = cell.instance->box;
     Vector2d low = cell.low + shift;
     if (mirror_x) low.x() = inner.x() - low.x() - box.sizes().x();
     if (mirror_y) low.y() = inner.y() - low.y() - box.sizes().y();
     low -= 0.5 * inner;
     const Vector3d p_WO = Vector3d(low.x(), low.y(), bottom_m) - box.min();
-    world_.AddPart(*objects_[cell.part->object], MakePose(cell.part->R_WO, p_WO));
-    object_of_part_.push_back(cell.part->object);
+    world_.AddInstance(*objects_[cell.instance->object], MakePose(cell.instance->R_WO, p_WO));
+    object_of_instance_.push_back(cell.instance->object);
   }
 }
 
@@ -172,7 +172,7 @@ bool Pouring::StepUntilStill(double window_s, double limit_diameters, double dea
     if (since_X_WO.empty() || movement_.diameters > limit_diameters) {
       since_s = world_.time_s();
       since_X_WO.clear();
-      for (int i = 0; i < world_.part_count(); ++i) since_X_WO.push_back(world_.X_WO(i));
+      for (int i = 0; i < world_.instance_count(); ++i) since_X_WO.push_back(world_.X_WO(i));
     }
     if (world_.AllAsleep() || world_.time_s() >= since_s + window_s) return true;
     if (world_.time_s() >= deadline_s) return false;
@@ -184,7 +184,7 @@ bool Pouring::StepUntilStill(double window_s, double limit_diameters, double dea
 Movement Pouring::LargestMovement(const std::vector<Pose>& since_X_WO) const {
   Movement largest;
   for (size_t i = 0; i < since_X_WO.size(); ++i) {
-    const ObjectId object = object_of_part_[i];
+    const ObjectId object = object_of_instance_[i];
     largest.Include(boxes_O_[object], objects_[object]->diameter_m, since_X_WO[i],
                     world_.X_WO(static_cast<int>(i)));
   }
@@ -194,17 +194,17 @@ Movement Pouring::LargestMovement(const std::vector<Pose>& since_X_WO) const {
 void Pouring::StepFor(double duration_s) {
   const double end_s = world_.time_s() + duration_s;
   while (world_.time_s() < end_s) world_.Step();
-  for (int i = 0; i < world_.part_count(); ++i) {
-    const ObjectModel& model = *objects_[object_of_part_[i]];
-    if ((world_.X_WO(i) * model.mass.com_O).z() < -options_.fallen_m) world_.RemovePart(i);
+  for (int i = 0; i < world_.instance_count(); ++i) {
+    const ObjectModel& model = *objects_[object_of_instance_[i]];
+    if ((world_.X_WO(i) * model.mass.com_O).z() < -options_.fallen_m) world_.RemoveInstance(i);
   }
   energy_.push_back(Energy());
 }
 
 EnergySample Pouring::Energy() const {
   EnergySample sample{world_.time_s(), 0, 0};
-  for (int i = 0; i < world_.part_count(); ++i) {
-    const MassProperties& mass = objects_[object_of_part_[i]]->mass;
+  for (int i = 0; i < world_.instance_count(); ++i) {
+    const MassProperties& mass = objects_[object_of_instance_[i]]->mass;
     const Pose X_WO = world_.X_WO(i);
     const Twist V_WO = world_.V_WO(i);
     const Vector3d spin_O = X_WO.linear().transpose() * V_WO.angular_W;
@@ -218,16 +218,16 @@ EnergySample Pouring::Energy() const {
 
 double Pouring::Top_m() const {
   double top_m = 0;
-  for (int i = 0; i < world_.part_count(); ++i) {
+  for (int i = 0; i < world_.instance_count(); ++i) {
     const Pose X_WO = world_.X_WO(i);
-    const ObjectModel& model = *objects_[object_of_part_[i]];
+    const ObjectModel& model = *objects_[object_of_instance_[i]];
     top_m = std::max(top_m, X_WO.translation().z() + RotatedBox(model, X_WO.linear()).max().z());
   }
   return top_m;
 }
 
 bool Pouring::InBin(int index) const {
-  const ObjectModel& model = *objects_[object_of_part_[index]];
+  const ObjectModel& model = *objects_[object_of_instance_[index]];
   return bin_.Holds(world_.X_WO(index) * model.mass.com_O);
 }
 
@@ -242,7 +242,7 @@ DropResult Pouring::Result() const {
   certificate.wake_movement_diameters = movement_.diameters;
   certificate.energy = energy_;
   certificate.instances_outside = without_place_;
-  for (int i = 0; i < world_.part_count(); ++i) {
+  for (int i = 0; i < world_.instance_count(); ++i) {
     if (!InBin(i)) {
       ++certificate.instances_outside;
       continue;
@@ -251,7 +251,7 @@ DropResult Pouring::Result() const {
     certificate.max_speed_mps = std::max(certificate.max_speed_mps, V_WO.linear_W.norm());
     certificate.max_spin_radps = std::max(certificate.max_spin_radps, V_WO.angular_W.norm());
     const InstanceId instance(result.scene.objects.size());
-    result.scene.objects.push_back({instance, object_of_part_[i], world_.X_WO(i)});
+    result.scene.objects.push_back({instance, object_of_instance_[i], world_.X_WO(i)});
   }
   certificate.deepest_penetration_m = DeepestPenetration(result.scene, objects_);
   return result;
@@ -287,13 +287,13 @@ void DropOptions::Visit(SettingsVisitor& v) {
   v.Real("wake_diameters", wake_diameters, diameters, "maximum movement during wake_s, diameters");
 }
 
-DropResult DropParts(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
-                     Rng& rng, const DropOptions& options) {
+DropResult DropInstances(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
+                         Rng& rng, const DropOptions& options) {
   CheckSettings("DropOptions", options);
   if (counts.size() != objects.size()) throw std::logic_error("one count for each object");
   for (size_t i = 0; i < objects.size(); ++i) {
     if (counts[i] == 0) continue;
-    if (objects[i]->convex_parts_O.empty()) {
+    if (objects[i]->convex_pieces_O.empty()) {
       throw std::logic_error("object '" + objects[i]->name + "' has no convex pieces");
     }
     RequireFits(*objects[i], bin);

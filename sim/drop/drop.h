@@ -65,7 +65,7 @@ Arrangement ArrangementFromName(const std::string& name);
 // O's z, or z itself if there is none. Instances without a free place count as outside. Throws
 // InputError if an object does not fit on the bin floor, and for options out of range. Throws
 // std::logic_error if an object has no convex pieces, or if `counts` and `objects` differ in size.
-DropResult DropParts(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
-                     Rng& rng, const DropOptions& options = {});
+DropResult DropInstances(const Bin& bin, const ObjectSet& objects, const std::vector<int>& counts,
+                         Rng& rng, const DropOptions& options = {});
 
 }  // namespace pickbed::sim

@@ -25,13 +25,13 @@ std::array<int, 3> AxesByExtent(const Vector3d& size) {
 // The longest axis is parallel to the bin's longer side, the second longest to its shorter side.
 Eigen::Matrix3d LyingFlat(const ObjectModel& model, const Bin& bin) {
   const Vector3d size = RotatedBox(model, Eigen::Matrix3d::Identity()).sizes();
-  const auto [longest, middle, shortest] = AxesByExtent(size);
+  const auto [longest, medium, shortest] = AxesByExtent(size);
   const bool x_is_longer = bin.inner_size_m.x() >= bin.inner_size_m.y();
   const Vector3d along = x_is_longer ? Vector3d::UnitX() : Vector3d::UnitY();
   const Vector3d across = x_is_longer ? Vector3d::UnitY() : Vector3d::UnitX();
   Eigen::Matrix3d R_WO;
   R_WO.col(longest) = along;
-  R_WO.col(middle) = across;
+  R_WO.col(medium) = across;
   R_WO.col(shortest) = Vector3d::Zero();
   R_WO.col(shortest) = R_WO.col((shortest + 1) % 3).cross(R_WO.col((shortest + 2) % 3));
   return R_WO;
@@ -40,10 +40,10 @@ Eigen::Matrix3d LyingFlat(const ObjectModel& model, const Bin& bin) {
 // Rotates the resting direction nearest to O's z up, then applies `yaw_rad` about the vertical.
 RotatedObject Upright(const ObjectModel& model, ObjectId object, double yaw_rad) {
   Vector3d up_O = Vector3d::UnitZ();
-  double most = -2;
+  double maximum = -2;
   for (const RestingDirection& resting : model.resting_O) {
-    if (resting.up_O.z() <= most) continue;
-    most = resting.up_O.z();
+    if (resting.up_O.z() <= maximum) continue;
+    maximum = resting.up_O.z();
     up_O = resting.up_O;
   }
   const Eigen::Matrix3d R_up =
@@ -56,7 +56,7 @@ RotatedObject Upright(const ObjectModel& model, ObjectId object, double yaw_rad)
 
 Eigen::AlignedBox3d RotatedBox(const ObjectModel& model, const Eigen::Matrix3d& R_WO) {
   Eigen::AlignedBox3d box;
-  for (const ConvexPiece& piece : model.convex_parts_O) {
+  for (const ConvexPiece& piece : model.convex_pieces_O) {
     for (const Vector3d& p_O : piece.vertices_O) box.extend(Vector3d(R_WO * p_O));
   }
   return box;
@@ -64,13 +64,13 @@ Eigen::AlignedBox3d RotatedBox(const ObjectModel& model, const Eigen::Matrix3d& 
 
 void RequireFits(const ObjectModel& model, const Bin& bin) {
   const Vector3d size = RotatedBox(model, Eigen::Matrix3d::Identity()).sizes();
-  const auto [longest, middle, shortest] = AxesByExtent(size);
+  const auto [longest, medium, shortest] = AxesByExtent(size);
   const Vector2d inner = bin.inner_size_m.head<2>();
-  if (size[longest] <= inner.maxCoeff() && size[middle] <= inner.minCoeff()) return;
+  if (size[longest] <= inner.maxCoeff() && size[medium] <= inner.minCoeff()) return;
   throw InputError(
       fmt::format("object '{}' is {:.3f} x {:.3f} x {:.3f} m and does not fit into the bin's "
                   "{:.3f} x {:.3f} m floor: use a larger bin or check the mesh's unit",
-                  model.name, size[longest], size[middle], size[shortest], inner.x(), inner.y()));
+                  model.name, size[longest], size[medium], size[shortest], inner.x(), inner.y()));
 }
 
 RotatedObject TurnAtRandom(const ObjectSet& objects, ObjectId object, const Bin& bin,
@@ -86,43 +86,45 @@ RotatedObject TurnAtRandom(const ObjectSet& objects, ObjectId object, const Bin&
   return {object, R_WO, RotatedBox(model, R_WO)};
 }
 
-std::vector<Cell> PackLayer(const std::vector<RotatedObject>& parts, size_t first, const Bin& bin,
-                            double clearance_m) {
+std::vector<Cell> PackLayer(const std::vector<RotatedObject>& instances, size_t first,
+                            const Bin& bin, double clearance_m) {
   const Vector2d inner = bin.inner_size_m.head<2>();
   std::vector<Cell> cells;
   double x = clearance_m, y = clearance_m, row_depth = 0;
-  for (size_t i = first; i < parts.size(); ++i) {
-    const Vector2d size = parts[i].box.sizes().head<2>() + Vector2d::Constant(clearance_m);
+  for (size_t i = first; i < instances.size(); ++i) {
+    const Vector2d size = instances[i].box.sizes().head<2>() + Vector2d::Constant(clearance_m);
     if (x + size.x() > inner.x()) {
       x = clearance_m;
       y += row_depth;
       row_depth = 0;
     }
     if (!cells.empty() && y + size.y() > inner.y()) break;
-    cells.push_back({&parts[i], {x, y}});
+    cells.push_back({&instances[i], {x, y}});
     x += size.x();
     row_depth = std::max(row_depth, size.y());
   }
   return cells;
 }
 
-std::vector<PlacedPart> PlaceUpright(const ObjectSet& objects, const std::vector<ObjectId>& kinds,
-                                     const Bin& bin, double clearance_m, int attempts, Rng& rng) {
-  std::vector<RotatedObject> parts;
+std::vector<PlacedInstance> PlaceUpright(const ObjectSet& objects,
+                                         const std::vector<ObjectId>& kinds, const Bin& bin,
+                                         double clearance_m, int attempts, Rng& rng) {
+  std::vector<RotatedObject> instances;
   for (const ObjectId kind : kinds) {
-    parts.push_back(Upright(*objects[kind], kind, 2 * std::numbers::pi * rng.Uniform()));
+    instances.push_back(Upright(*objects[kind], kind, 2 * std::numbers::pi * rng.Uniform()));
   }
-  const auto footprint_m2 = [](const RotatedObject& part) {
-    return part.box.sizes().head<2>().prod();
+  const auto footprint_m2 = [](const RotatedObject& instance) {
+    return instance.box.sizes().head<2>().prod();
   };
-  std::stable_sort(parts.begin(), parts.end(), [&](const RotatedObject& a, const RotatedObject& b) {
-    return footprint_m2(a) > footprint_m2(b);
-  });
+  std::stable_sort(instances.begin(), instances.end(),
+                   [&](const RotatedObject& a, const RotatedObject& b) {
+                     return footprint_m2(a) > footprint_m2(b);
+                   });
   const Vector2d inner = bin.inner_size_m.head<2>();
   std::vector<Eigen::AlignedBox2d> taken;
-  std::vector<PlacedPart> placed;
-  for (const RotatedObject& part : parts) {
-    const Vector2d size = part.box.sizes().head<2>();
+  std::vector<PlacedInstance> placed;
+  for (const RotatedObject& instance : instances) {
+    const Vector2d size = instance.box.sizes().head<2>();
     const Vector2d room = inner - size - Vector2d::Constant(2 * clearance_m);
     if ((room.array() < 0).any()) continue;
     for (int attempt = 0; attempt < attempts; ++attempt) {
@@ -133,8 +135,8 @@ std::vector<PlacedPart> PlaceUpright(const ObjectSet& objects, const std::vector
                                      [&](const auto& other) { return other.intersects(box); });
       if (!free) continue;
       taken.push_back(box);
-      const Vector3d p_WO = Vector3d(low.x(), low.y(), clearance_m) - part.box.min();
-      placed.push_back({part.object, MakePose(part.R_WO, p_WO)});
+      const Vector3d p_WO = Vector3d(low.x(), low.y(), clearance_m) - instance.box.min();
+      placed.push_back({instance.object, MakePose(instance.R_WO, p_WO)});
       break;
     }
   }

@@ -32,24 +32,25 @@ RotatedObject TurnAtRandom(const ObjectSet& objects, ObjectId object, const Bin&
 
 // A place in a layer.
 struct Cell {
-  const RotatedObject* part;
+  const RotatedObject* instance;
   Eigen::Vector2d low;  // corner with smallest x and y, relative to the bin's corner
 };
 
 // Fills one layer with instances from index `first` on, row by row. Returns their cells. The first
 // instance always gets a cell, so that pouring always ends.
-std::vector<Cell> PackLayer(const std::vector<RotatedObject>& parts, size_t first, const Bin& bin,
-                            double clearance_m);
+std::vector<Cell> PackLayer(const std::vector<RotatedObject>& instances, size_t first,
+                            const Bin& bin, double clearance_m);
 
 // An instance placed on the floor.
-struct PlacedPart {
+struct PlacedInstance {
   ObjectId object{0};
   Pose X_WO = Pose::Identity();
 };
 // Places upright instances apart on the floor, with disjoint bounding boxes, largest footprint
 // first. `kinds` holds object indices. An instance without a free place after `attempts` is left
 // out. Returns the poses in the order of placement.
-std::vector<PlacedPart> PlaceUpright(const ObjectSet& objects, const std::vector<ObjectId>& kinds,
-                                     const Bin& bin, double clearance_m, int attempts, Rng& rng);
+std::vector<PlacedInstance> PlaceUpright(const ObjectSet& objects,
+                                         const std::vector<ObjectId>& kinds, const Bin& bin,
+                                         double clearance_m, int attempts, Rng& rng);
 
 }  // namespace pickbed::sim

@@ -71,7 +71,7 @@ MadeObject MakeObject(const ObjectRequest& request,
              fmt::format("mesh '{}' is too flat for collisions; give it a thickness",
                          request.mesh.string()));
   made.quality = fitted.quality;
-  model.convex_parts_O = std::move(fitted.pieces);
+  model.convex_pieces_O = std::move(fitted.pieces);
   model.symmetries_O = clock.Time("find symmetries", [&] {
     return FindSymmetries(mesh_O, {.tolerance_diameters = request.symmetry_tolerance});
   });
@@ -84,7 +84,7 @@ MadeObject MakeObject(const ObjectRequest& request,
   ObjectRecord& record = made.record;
   record.help = fmt::format("made from {}", request.mesh.filename().string());
   record.mesh_O = mesh_O;
-  record.convex_parts_O = model.convex_parts_O;
+  record.convex_pieces_O = model.convex_pieces_O;
   record.symmetries_O = model.symmetries_O;
   record.mass = model.mass;
   record.friction = model.friction;

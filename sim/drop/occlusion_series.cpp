@@ -10,6 +10,7 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/ids_format.h"
+#include "scenes/camera/depth_points.h"
 #include "sim/drop/certified_scene.h"
 #include "sim/drop/drop_layout.h"
 #include "sim/render/visibility.h"
@@ -42,10 +43,10 @@ struct TargetView {
 double TopUnder_m(const Scene& scene, const ObjectSet& objects, const Eigen::AlignedBox2d& box_W) {
   double top_m = 0;
   for (const PosedObject& posed : scene.objects) {
-    Eigen::AlignedBox3d part_W = RotatedBox(*objects[posed.object], posed.X_WO.linear());
-    part_W.translate(posed.X_WO.translation());
-    const Eigen::AlignedBox2d floor_plan(part_W.min().head<2>(), part_W.max().head<2>());
-    if (floor_plan.intersects(box_W)) top_m = std::max(top_m, part_W.max().z());
+    Eigen::AlignedBox3d instance_W = RotatedBox(*objects[posed.object], posed.X_WO.linear());
+    instance_W.translate(posed.X_WO.translation());
+    const Eigen::AlignedBox2d floor_plan(instance_W.min().head<2>(), instance_W.max().head<2>());
+    if (floor_plan.intersects(box_W)) top_m = std::max(top_m, instance_W.max().z());
   }
   return top_m;
 }
@@ -63,7 +64,7 @@ class Occluder {
     series_.target = target;
     series_.blockers.resize(spec_.bands.size());
     next_ = static_cast<int>(spec_.bands.size()) - 1;
-    view_ = Look(scene_);
+    view_ = Observe(scene_);
     DrawLevel();
     Keep(start.certificate);
   }
@@ -73,13 +74,13 @@ class Occluder {
       BlockerCounts& counts = series_.blockers[next_];
       const bool may_go_on =
           blockers_ < spec_.max_blockers && counts.dropped < spec_.blocker_samples;
-      const bool may_improve = view_.fraction > level_ && level_tries_ < spec_.level_samples;
+      const bool may_improve = view_.fraction > level_ && level_samples_ < spec_.level_samples;
       if (held_ && !(may_go_on && may_improve)) {
         Settle();
         continue;
       }
       if (!may_go_on) break;
-      if (held_) ++level_tries_;
+      if (held_) ++level_samples_;
       TryBlocker(counts);
     }
     return std::move(series_);
@@ -88,9 +89,9 @@ class Occluder {
  private:
   void TryBlocker(BlockerCounts& counts);
   std::optional<PosedObject> DropBlocker();
-  PosedObject AimedBlocker();
+  PosedObject TargetedBlocker();
   ObjectId RandomKind();
-  TargetView Look(const Scene& scene);
+  TargetView Observe(const Scene& scene);
   void DrawLevel();                                // draws the target fraction of the next band
   void Keep(const SceneCertificate& certificate);  // holds the scene if it fits the band best
   void Settle();                                   // stores the held scene
@@ -105,7 +106,7 @@ class Occluder {
   int next_ = 0;       // band to fill next
   int blockers_ = 0;   // in the current scene
   double level_ = 0;   // wanted visible fraction in the next band
-  int level_tries_ = 0;
+  int level_samples_ = 0;
   std::optional<OccludedScene> held_;  // scene of the next band nearest to level_
   OcclusionSeries series_;
 };
@@ -120,7 +121,7 @@ void Occluder::TryBlocker(BlockerCounts& counts) {
   }
   Scene scene = scene_;
   scene.objects.push_back(*blocker);
-  TargetView view = Look(scene);
+  TargetView view = Observe(scene);
   if (view.fraction < spec_.Inner(next_).min) {
     ++counts.jumped;
     return;
@@ -159,25 +160,22 @@ void Occluder::Keep(const SceneCertificate& certificate) {
 void Occluder::Settle() {
   series_.scenes.push_back(std::move(*held_));
   held_.reset();
-  level_tries_ = 0;
+  level_samples_ = 0;
   if (--next_ >= 0) DrawLevel();
 }
 
-TargetView Occluder::Look(const Scene& scene) {
+TargetView Occluder::Observe(const Scene& scene) {
   const std::vector<RenderInstance> instances = renderer_.InstancesOf(scene);
   const RenderedImage image = renderer_.renderer().RenderDepth(setup_.camera, instances);
   TargetView view;
   view.fraction =
       VisibleFractions(renderer_.renderer(), setup_.camera, {&instances[target_], 1}, image.ids)[0];
   const uint16_t id = instances[target_].id;
-  for (int y = 0; y < image.ids.height(); ++y) {
-    const uint16_t* row = image.ids.row(y);
-    for (int x = 0; x < image.ids.width(); ++x) {
-      if (row[x] != id) continue;
-      view.points_W.push_back(setup_.camera.X_WC() *
-                              BackProject(setup_.camera.intrinsics, x, y, image.depth_m(x, y)));
-    }
-  }
+  ForEachDepthPoint(setup_.camera.intrinsics, image.depth_m,
+                    [&](int u, int v, const Vector3d& p_C) {
+                      if (image.ids(u, v) == id)
+                        view.points_W.push_back(setup_.camera.X_WC() * p_C);
+                    });
   return view;
 }
 
@@ -190,44 +188,45 @@ ObjectId Occluder::RandomKind() {
 
 // Returns a random object above a random visible point of the target. When it has come to rest on
 // that point, its center is on the line of sight, up to the random scatter.
-PosedObject Occluder::AimedBlocker() {
+PosedObject Occluder::TargetedBlocker() {
   const Bin& bin = scene_.bin;
   const double clearance_m = setup_.drop.clearance_m;
   const ObjectId kind = RandomKind();
-  const RotatedObject part =
+  const RotatedObject rotated =
       TurnAtRandom(setup_.objects, kind, bin, clearance_m, setup_.drop.turn_attempts, rng_);
   const double diameter_m = setup_.objects[kind]->diameter_m;
   const Vector3d seen_W = view_.points_W[rng_.Index(static_cast<int>(view_.points_W.size()))];
   const Vector3d to_eye_W = (setup_.camera.X_WC().translation() - seen_W).normalized();
-  const double lift_m = 0.5 * part.box.sizes().z();
+  const double lift_m = 0.5 * rotated.box.sizes().z();
   // A camera that looks along the floor sees an instance one diameter in front of the point.
   const double along_m = std::min(lift_m / std::max(to_eye_W.z(), 1e-6), diameter_m);
-  const Vector2d middle = (seen_W + along_m * to_eye_W).head<2>() +
+  const Vector2d center = (seen_W + along_m * to_eye_W).head<2>() +
                           spec_.scatter_diameters * diameter_m * InUnitDisc(rng_);
 
   const Vector2d half = 0.5 * bin.inner_size_m.head<2>() - Vector2d::Constant(clearance_m);
-  const Vector2d low = -half - part.box.min().head<2>(), high = half - part.box.max().head<2>();
-  const Vector2d place = (middle - part.box.center().head<2>()).cwiseMin(high).cwiseMax(low);
-  const Eigen::AlignedBox2d floor_plan(place + part.box.min().head<2>(),
-                                       place + part.box.max().head<2>());
+  const Vector2d low = -half - rotated.box.min().head<2>(),
+                 high = half - rotated.box.max().head<2>();
+  const Vector2d place = (center - rotated.box.center().head<2>()).cwiseMin(high).cwiseMax(low);
+  const Eigen::AlignedBox2d floor_plan(place + rotated.box.min().head<2>(),
+                                       place + rotated.box.max().head<2>());
   const double bottom_m = TopUnder_m(scene_, setup_.objects, floor_plan) + clearance_m;
   int next = 0;
   for (const PosedObject& posed : scene_.objects) next = std::max(next, posed.instance + 1);
   return {InstanceId(next), kind,
-          MakePose(part.R_WO, {place.x(), place.y(), bottom_m - part.box.min().z()})};
+          MakePose(rotated.R_WO, {place.x(), place.y(), bottom_m - rotated.box.min().z()})};
 }
 
 // Returns nullopt if the blocker fell out of the bin or did not come to rest in time.
 std::optional<PosedObject> Occluder::DropBlocker() {
   const DropOptions& drop = setup_.drop;
-  PosedObject blocker = AimedBlocker();
+  PosedObject blocker = TargetedBlocker();
   const ObjectModel& model = *setup_.objects[blocker.object];
   PhysicsWorld world(PhysicsFor(setup_.objects, drop.physics));
   world.AddBin(scene_.bin);
   for (const PosedObject& posed : scene_.objects) {
-    world.AddPart(*setup_.objects[posed.object], posed.X_WO, BodyMode::kStatic);
+    world.AddInstance(*setup_.objects[posed.object], posed.X_WO, BodyMode::kStatic);
   }
-  const int index = world.AddPart(model, blocker.X_WO);
+  const int index = world.AddInstance(model, blocker.X_WO);
   const Eigen::AlignedBox3d box_O = RotatedBox(model, Eigen::Matrix3d::Identity());
   Pose since_X_WO = blocker.X_WO;
   double since_s = 0;
@@ -267,12 +266,12 @@ std::vector<InstanceId> PossibleTargets(SceneRenderer& renderer, const Scene& sc
                                         const std::vector<ObjectId>& wanted,
                                         const OcclusionSetup& setup) {
   const std::vector<double> fractions = VisibleFractionsIn(renderer, scene, setup.camera);
-  const double least = setup.spec.Inner(static_cast<int>(setup.spec.bands.size()) - 1).min;
+  const double minimum = setup.spec.Inner(static_cast<int>(setup.spec.bands.size()) - 1).min;
   std::vector<InstanceId> targets;
   for (size_t i = 0; i < fractions.size(); ++i) {
     const PosedObject& posed = scene.objects[i];
     const bool is_wanted = std::find(wanted.begin(), wanted.end(), posed.object) != wanted.end();
-    if (is_wanted && fractions[i] > 0 && fractions[i] >= least) {
+    if (is_wanted && fractions[i] > 0 && fractions[i] >= minimum) {
       targets.push_back(posed.instance);
     }
   }
@@ -287,19 +286,19 @@ OcclusionSeries OccludeTarget(SceneRenderer& renderer, const SettledScene& start
 
 namespace {
 
-// Returns the first `most` targets of a random order.
-std::vector<InstanceId> DrawnTargets(std::vector<InstanceId> targets, int most, Rng& rng) {
+// Returns the first `maximum` targets of a random order.
+std::vector<InstanceId> DrawnTargets(std::vector<InstanceId> targets, int maximum, Rng& rng) {
   for (size_t i = targets.size(); i > 1; --i) {  // Fisher-Yates shuffle
     std::swap(targets[i - 1], targets[rng.Index(static_cast<int>(i))]);
   }
-  const size_t kept = std::min(targets.size(), static_cast<size_t>(most));
+  const size_t kept = std::min(targets.size(), static_cast<size_t>(maximum));
   targets.erase(targets.begin() + kept, targets.end());
   return targets;
 }
 
 // Bands are filled from the most visible one on, so all bands after the first empty one are empty
 // too.
-void Charge(const OcclusionSeries& series, std::vector<BandAccount>& bands) {
+void AddToAccounts(const OcclusionSeries& series, std::vector<BandAccount>& bands) {
   for (size_t i = 0; i < bands.size(); ++i) bands[i].blockers.Add(series.blockers[i]);
   const size_t empty = bands.size() - series.scenes.size();
   if (empty > 0) ++bands[empty - 1].given_up;
@@ -325,22 +324,22 @@ MadeSeries MakeOcclusionSeries(SceneRenderer& renderer, const SceneRequest& requ
   for (int scene = 0; scene < spec.scenes; ++scene) {
     SceneRequest attempt = request;
     if (scene > 0) attempt.stage = fmt::format("{}/scene_{}", request.stage, scene);
-    SceneTries tries = TryScene(attempt, setup.drop);
-    for (RefusedScene& faulty : tries.refused) {
+    SceneSamples samples = TryScene(attempt, setup.drop);
+    for (RefusedScene& faulty : samples.refused) {
       refused.push_back({static_cast<int>(refused.size()), std::move(faulty.faults)});
     }
-    if (!tries.made) continue;
-    const CertifiedScene& start = *tries.made;
+    if (!samples.made) continue;
+    const CertifiedScene& start = *samples.made;
     if (made.start.scene.objects.empty()) made.start = start;
-    Rng order = Rng::Derive(request.seed, request.trial, fmt::format("occlude/{}", scene));
+    Rng order = Rng::Derive(request.seed, request.bin_index, fmt::format("occlude/{}", scene));
     for (const InstanceId target :
          DrawnTargets(PossibleTargets(renderer, start.scene, wanted, setup), spec.targets, order)) {
       Rng rng =
-          Rng::Derive(request.seed, request.trial, fmt::format("occlude/{}/{}", scene, target));
+          Rng::Derive(request.seed, request.bin_index, fmt::format("occlude/{}/{}", scene, target));
       OcclusionSeries series =
           OccludeTarget(renderer, {start.scene, start.certificate}, target, setup, rng);
       ++made.targets_tried;
-      Charge(series, made.bands);
+      AddToAccounts(series, made.bands);
       if (series.scenes.size() <= made.series.scenes.size()) continue;
       made.series = std::move(series);
       made.start = start;

@@ -71,9 +71,9 @@ std::vector<InstanceId> PossibleTargets(SceneRenderer& renderer, const Scene& sc
                                         const std::vector<ObjectId>& wanted,
                                         const OcclusionSetup& setup);
 
-// Drops blockers until all bands are filled, or until OcclusionSpec::tries or max_blockers is
-// reached. The result depends only on the arguments. Throws std::logic_error if `target` is not in
-// the scene.
+// Drops blockers until all bands are filled, or until OcclusionSpec::blocker_samples or
+// max_blockers is reached. The result depends only on the arguments. Throws std::logic_error if
+// `target` is not in the scene.
 OcclusionSeries OccludeTarget(SceneRenderer& renderer, const SettledScene& start, InstanceId target,
                               const OcclusionSetup& setup, Rng& rng);
 
@@ -95,9 +95,9 @@ struct MadeSeries {
 // Makes the occlusion series of a trial. Targets are tried one after another, in random order,
 // until one series fills all bands. If no target of a scene does, another scene is dropped.
 // Scenes use the random streams "drop", "drop/scene_1", ..., and series use "occlude/SCENE/TARGET",
-// all from (request.seed, request.trial). Targets are instances of `wanted` objects. The series is
-// empty if no scene passes or no band can be filled; another trial may succeed. Throws InputError
-// if no `wanted` object is dropped.
+// all from (request.seed, request.bin_index). Targets are instances of `wanted` objects. The series
+// is empty if no scene passes or no band can be filled; another trial may succeed. Throws
+// InputError if no `wanted` object is dropped.
 MadeSeries MakeOcclusionSeries(SceneRenderer& renderer, const SceneRequest& request,
                                const std::vector<ObjectId>& wanted, const OcclusionSetup& setup);
 

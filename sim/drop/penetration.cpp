@@ -51,9 +51,9 @@ void DeepenFloor(std::vector<Eigen::Vector3d>& corners) {
 }
 
 double Support(const ConvexHull& hull, const Eigen::Vector3d& direction) {
-  double most = -std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector3d& p : hull.vertices) most = std::max(most, p.dot(direction));
-  return most;
+  double maximum = -std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& p : hull.vertices) maximum = std::max(maximum, p.dot(direction));
+  return maximum;
 }
 
 // Returns the gap along a unit direction from a to b. Negative = overlap.
@@ -108,7 +108,7 @@ double Depth(const PlacedHull& a, const PlacedHull& b, double known_m) {
 std::vector<PlacedHull> PlaceAll(const Scene& scene, const ObjectSet& objects) {
   std::vector<std::vector<ConvexHull>> hulls_O(objects.size());
   for (size_t i = 0; i < objects.size(); ++i) {
-    for (const ConvexPiece& piece : objects[i]->convex_parts_O) {
+    for (const ConvexPiece& piece : objects[i]->convex_pieces_O) {
       hulls_O[i].push_back(MakeConvexHull(piece.vertices_O));
     }
   }

@@ -28,7 +28,7 @@ constexpr int kSymmetrySteps = 72;  // rotations per continuous axis
 
 double LowestPoint(const ObjectModel& model, const Pose& X_WO) {
   double lowest = std::numeric_limits<double>::infinity();
-  for (const ConvexPiece& piece : model.convex_parts_O) {
+  for (const ConvexPiece& piece : model.convex_pieces_O) {
     for (const Vector3d& p : piece.vertices_O) lowest = std::min(lowest, (X_WO * p).z());
   }
   return lowest;
@@ -37,11 +37,11 @@ double LowestPoint(const ObjectModel& model, const Pose& X_WO) {
 // Returns the smallest angle between `reference` and a symmetric equivalent of `up_O`.
 double AngleBetween(const Vector3d& up_O, const Vector3d& reference,
                     const std::vector<Pose>& symmetries) {
-  double most = -1;
+  double maximum = -1;
   for (const Pose& S : symmetries) {
-    most = std::max(most, reference.dot(S.linear().transpose() * up_O));
+    maximum = std::max(maximum, reference.dot(S.linear().transpose() * up_O));
   }
-  return std::acos(std::clamp(most, -1.0, 1.0));
+  return std::acos(std::clamp(maximum, -1.0, 1.0));
 }
 
 Pose StandingOnPlane(const ObjectModel& model, const Vector3d& up_O) {
@@ -65,7 +65,7 @@ std::vector<Vector3d> SettledUps(const ObjectModel& model, int drops, uint64_t s
     X_WO.translation() =
         Vector3d((i % side - 0.5 * side) * pitch_m, (i / side - 0.5 * side) * pitch_m,
                  kDrop * model.diameter_m - LowestPoint(model, X_WO));
-    world.AddPart(model, X_WO);
+    world.AddInstance(model, X_WO);
   }
   while (world.time_s() < kMax_s && !world.AllAsleep() && !world.BlewUp()) world.Step();
   std::vector<Vector3d> ups;
@@ -111,7 +111,7 @@ std::filesystem::path CacheFile(const ObjectModel& model) {
     for (const double x : X.linear().reshaped()) text += fmt::format(" {}", x);
   }
   uint64_t hash = HashBytes(text.data(), text.size());
-  for (const ConvexPiece& piece : model.convex_parts_O) {
+  for (const ConvexPiece& piece : model.convex_pieces_O) {
     hash = HashBytes(piece.vertices_O.data(), piece.vertices_O.size() * sizeof(Vector3d), hash);
   }
   return CacheDir() / "resting" / fmt::format("{:016x}", hash);

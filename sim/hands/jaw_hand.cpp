@@ -113,7 +113,7 @@ class JawHand : public Hand, public AttachedHand {
   double yielded_m() const override;
 
   void AfterStep(std::vector<PadFriction> frictions) override;
-  std::vector<int> TouchedParts() const override { return touched_; }
+  std::vector<int> TouchedInstances() const override { return touched_; }
   std::vector<const btRigidBody*> Pads() const override {
     return {fingers_[0].get(), fingers_[1].get()};
   }
@@ -154,7 +154,7 @@ JawHand::JawHand(btDiscreteDynamicsWorld& world, const HandSpec& spec, const Pos
   finger_shape_ = std::make_unique<btBoxShape>(ToBullet(boxes[0].half_size));
   palm_ = MakeBody(*palm_shape_, 0, X_WG * X_GP_);
   palm_->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  world_.addRigidBody(palm_.get(), kPalmGroup, kStaticGroup | kPartGroup);
+  world_.addRigidBody(palm_.get(), kGuidedHandGroup, kStaticGroup | kInstanceGroup);
   for (int i = 0; i < 2; ++i) {
     fingers_[i] =
         MakeBody(*finger_shape_, spec.finger_mass_kg, X_WG * Translation(boxes[i].center));
@@ -162,7 +162,7 @@ JawHand::JawHand(btDiscreteDynamicsWorld& world, const HandSpec& spec, const Pos
     fingers_[i]->setCollisionFlags(btCollisionObject::CF_HAS_FRICTION_ANCHOR);
     // Fingers do not sag, because the friction of a real drive carries them.
     fingers_[i]->setFlags(fingers_[i]->getFlags() | BT_DISABLE_WORLD_GRAVITY);
-    world_.addRigidBody(fingers_[i].get(), kFingerGroup, kStaticGroup | kPartGroup);
+    world_.addRigidBody(fingers_[i].get(), kDrivenHandGroup, kStaticGroup | kInstanceGroup);
     AddSlider(i);
   }
   coupling_ = std::make_unique<FingerCoupling>(*fingers_[0], *fingers_[1], *palm_);
@@ -246,9 +246,9 @@ double JawHand::opening_m() const {
 }
 
 double JawHand::yielded_m() const {
-  double least = 0;
-  for (const auto& slide : slides_) least = std::min(least, slide->Displacement());
-  return -least / kUnitsPerMeter;
+  double minimum = 0;
+  for (const auto& slide : slides_) minimum = std::min(minimum, slide->Displacement());
+  return -minimum / kUnitsPerMeter;
 }
 
 // During the solver's run, the palm keeps its old pose and has exactly the velocity that takes it

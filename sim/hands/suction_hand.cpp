@@ -33,7 +33,7 @@ class CupHand : public Hand, public AttachedHand {
   double yielded_m() const override { return 0; }
 
   void AfterStep(std::vector<PadFriction> frictions) override;
-  std::vector<int> TouchedParts() const override { return touched_; }
+  std::vector<int> TouchedInstances() const override { return touched_; }
   std::vector<const btRigidBody*> Pads() const override { return {}; }
   void LetGoOf(int index) override;
 
@@ -43,9 +43,9 @@ class CupHand : public Hand, public AttachedHand {
     CupSeal seal;
   };
   void Drive();
-  Facing LookForPart();
-  bool Reaches(const PartBody& part) const;
-  bool BlockedByOthers(const PartBody& part) const;
+  Facing FindFacing();
+  bool Reaches(const InstanceBody& instance) const;
+  bool BlockedByOthers(const InstanceBody& instance) const;
   const MeshQuery& MeshOf(const ObjectModel& model);
   void TakeHold(int index);
   void Release();
@@ -97,7 +97,7 @@ CupHand::CupHand(PhysicsWorld& physics, const CupSpec& spec, const Pose& X_WG)
   body_ = std::make_unique<btRigidBody>(info);
   body_->setActivationState(DISABLE_DEACTIVATION);
   body_->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  world_.addRigidBody(body_.get(), kPalmGroup, kStaticGroup | kPartGroup);
+  world_.addRigidBody(body_.get(), kGuidedHandGroup, kStaticGroup | kInstanceGroup);
   world_.setInternalTickCallback(
       [](btDynamicsWorld* w, btScalar) { static_cast<CupHand*>(w->getWorldUserInfo())->Drive(); },
       this, true);
@@ -148,7 +148,7 @@ void CupHand::AfterStep(std::vector<PadFriction>) {
   if (joint_ != nullptr) {
     JudgeJoint();
   } else {
-    facing_ = LookForPart();
+    facing_ = FindFacing();
     compression_m_ = facing_.index < 0 ? 0 : facing_.seal.compression_m;
     if (vacuum_on_ && !is_lost_ && facing_.index >= 0 && facing_.seal.sealed() &&
         !BlockedByOthers(physics_.body(facing_.index))) {
@@ -158,12 +158,12 @@ void CupHand::AfterStep(std::vector<PadFriction>) {
   ReadContacts();
 }
 
-bool CupHand::Reaches(const PartBody& part) const {
-  if (part.body == nullptr || part.body->isStaticObject()) return false;
+bool CupHand::Reaches(const InstanceBody& instance) const {
+  if (instance.body == nullptr || instance.body->isStaticObject()) return false;
   const Eigen::Vector3d from_lip =
-      X_WG_.inverse() * FromBullet(part.body->getCenterOfMassPosition());
+      X_WG_.inverse() * FromBullet(instance.body->getCenterOfMassPosition());
   const double reach_m = std::hypot(spec_.radius_m, spec_.bellows_travel_m);
-  return from_lip.norm() < part.model->diameter_m + reach_m;
+  return from_lip.norm() < instance.model->diameter_m + reach_m;
 }
 
 const MeshQuery& CupHand::MeshOf(const ObjectModel& model) {
@@ -171,20 +171,20 @@ const MeshQuery& CupHand::MeshOf(const ObjectModel& model) {
 }
 
 // Returns the instance that is under the largest share of the rim.
-CupHand::Facing CupHand::LookForPart() {
+CupHand::Facing CupHand::FindFacing() {
   Facing best;
-  for (int i = 0; i < physics_.part_count(); ++i) {
-    const PartBody part = physics_.body(i);
-    if (!Reaches(part)) continue;
-    const Pose X_WO = FromBullet(part.body->getWorldTransform()) * part.X_BO;
-    const CupSeal seal = TestSeal(MeshOf(*part.model), X_WO.inverse() * X_WG_, spec_);
+  for (int i = 0; i < physics_.instance_count(); ++i) {
+    const InstanceBody instance = physics_.body(i);
+    if (!Reaches(instance)) continue;
+    const Pose X_WO = FromBullet(instance.body->getWorldTransform()) * instance.X_BO;
+    const CupSeal seal = TestSeal(MeshOf(*instance.model), X_WO.inverse() * X_WG_, spec_);
     if (seal.touching > (best.index < 0 ? 0 : best.seal.touching)) best = {i, seal};
   }
   return best;
 }
 
 // Returns whether another instance, the floor or a wall is under the lip.
-bool CupHand::BlockedByOthers(const PartBody& part) const {
+bool CupHand::BlockedByOthers(const InstanceBody& instance) const {
   constexpr int kRays = 16;
   for (int i = 0; i < kRays; ++i) {
     const double angle = 2 * SIMD_PI * i / kRays;
@@ -194,18 +194,18 @@ bool CupHand::BlockedByOthers(const PartBody& part) const {
     const btVector3 from = ToBullet(Eigen::Vector3d(X_WG_ * Eigen::Vector3d(rim + behind)));
     const btVector3 to = ToBullet(Eigen::Vector3d(X_WG_ * rim));
     btCollisionWorld::ClosestRayResultCallback nearest(from, to);
-    nearest.m_collisionFilterGroup = kPartGroup;
-    nearest.m_collisionFilterMask = kStaticGroup | kPartGroup;
+    nearest.m_collisionFilterGroup = kInstanceGroup;
+    nearest.m_collisionFilterMask = kStaticGroup | kInstanceGroup;
     world_.rayTest(from, to, nearest);
-    if (nearest.hasHit() && nearest.m_collisionObject != part.body) return true;
+    if (nearest.hasHit() && nearest.m_collisionObject != instance.body) return true;
   }
   return false;
 }
 
 void CupHand::TakeHold(int index) {
-  const PartBody part = physics_.body(index);
-  const btTransform X_BG = part.body->getWorldTransform().inverse() * ToBullet(X_WG_);
-  joint_ = std::make_unique<btGeneric6DofSpring2Constraint>(*body_, *part.body,
+  const InstanceBody instance = physics_.body(index);
+  const btTransform X_BG = instance.body->getWorldTransform().inverse() * ToBullet(X_WG_);
+  joint_ = std::make_unique<btGeneric6DofSpring2Constraint>(*body_, *instance.body,
                                                             btTransform::getIdentity(), X_BG);
   joint_->setLinearLowerLimit({0, 0, 0});
   joint_->setLinearUpperLimit({0, 0, 0});
@@ -216,10 +216,10 @@ void CupHand::TakeHold(int index) {
   load_ = mean_load_ = {};
   X_WG_sealed_ = X_WG_;
   has_moved_ = false;
-  held_friction_ = PairFriction(part.model->friction, spec_.friction);
+  held_friction_ = PairFriction(instance.model->friction, spec_.friction);
   // A sleeping instance would not follow, because the hand's motion does not wake bodies.
-  state_before_ = part.body->isActive() ? part.body->getActivationState() : ACTIVE_TAG;
-  part.body->forceActivationState(DISABLE_DEACTIVATION);
+  state_before_ = instance.body->isActive() ? instance.body->getActivationState() : ACTIVE_TAG;
+  instance.body->forceActivationState(DISABLE_DEACTIVATION);
   world_.addConstraint(joint_.get(), true);
 }
 
@@ -242,15 +242,15 @@ void CupHand::LetGoOf(int index) {
 
 // Bullet reports force and torque on the instance about its center of mass.
 LipLoad CupHand::ReadLoad() const {
-  const btRigidBody& part = joint_->getRigidBodyB();
+  const btRigidBody& instance = joint_->getRigidBodyB();
   const Eigen::Matrix3d R_GW = X_WG_.linear().transpose();
-  const Eigen::Vector3d on_part_n = FromBullet(feedback_.m_appliedForceBodyB);
+  const Eigen::Vector3d on_instance_n = FromBullet(feedback_.m_appliedForceBodyB);
   const Eigen::Vector3d about_com_nm = FromBullet(feedback_.m_appliedTorqueBodyB) / kUnitsPerMeter;
   const Eigen::Vector3d from_lip_m =
-      FromBullet(part.getCenterOfMassPosition()) - X_WG_.translation();
+      FromBullet(instance.getCenterOfMassPosition()) - X_WG_.translation();
   LipLoad load;
-  load.force_n = -(R_GW * on_part_n);
-  load.torque_nm = -(R_GW * (about_com_nm + from_lip_m.cross(on_part_n)));
+  load.force_n = -(R_GW * on_instance_n);
+  load.torque_nm = -(R_GW * (about_com_nm + from_lip_m.cross(on_instance_n)));
   return load;
 }
 

@@ -41,7 +41,7 @@ struct CupSpec {
 };
 
 // Adds the hand to the world, which owns it. The hand reads the objects' meshes, so the models
-// given to AddPart() must outlive the world. Throws std::logic_error if the world has a hand
+// given to AddInstance() must outlive the world. Throws std::logic_error if the world has a hand
 // already.
 Hand& AddSuctionHand(PhysicsWorld& world, const CupSpec& spec, const Pose& X_WG);
 

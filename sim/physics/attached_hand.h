@@ -5,11 +5,22 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "scenes/base/settings.h"
 #include "sim/layer.h"
 
 class btRigidBody;
 
 namespace pickbed::sim {
+
+// Contact settings of finger pads, see sim/physics/patch_friction.h.
+struct PadOptions {
+  double gives_m = 0.00025;  // compliance of the rubber: a surface this near touches; 0..0.001
+  double outline_update_s = 1.0 / 30;  // interval after which a sticking patch's outline is updated
+  // An object lighter than this share of a finger's mass keeps its contact impulses of the last
+  // step in full. For heavier objects this would only make the normal force oscillate at its limit.
+  double light_share = 0.5;
+  void Visit(SettingsVisitor& v);
+};
 
 // Friction of a contact patch on a pad, in frame W; see sim/physics/patch_friction.h.
 struct PadFriction {
@@ -27,7 +38,7 @@ class AttachedHand {
   virtual void AfterStep(std::vector<PadFriction> frictions) = 0;
   // Returns the indices of the instances that the hand touches, ascending. Touching means a force
   // above 0.01 N in the last step.
-  virtual std::vector<int> TouchedParts() const = 0;
+  virtual std::vector<int> TouchedInstances() const = 0;
   // Returns the bodies with flat pads, for patch friction. Empty for a hand without pads.
   virtual std::vector<const btRigidBody*> Pads() const = 0;
   // Called before the instance is removed from the world.

@@ -11,7 +11,7 @@ namespace {
 // Below this diameter, the hull margin is proportional to the diameter.
 constexpr double kFullMarginDiameter_m = 0.04;
 
-PartFrame PrincipalFrame(const MassProperties& mass) {
+BodyFrame PrincipalFrame(const MassProperties& mass) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(mass.inertia_com_O);
   Eigen::Matrix3d R_OB = solver.eigenvectors();
   if (R_OB.determinant() < 0) R_OB.col(2) *= -1;
@@ -20,19 +20,19 @@ PartFrame PrincipalFrame(const MassProperties& mass) {
 
 }  // namespace
 
-const PartShape& PartShapes::Of(const ObjectModel& model) {
+const BodyShape& BodyShapes::Of(const ObjectModel& model) {
   const auto [entry, is_new] = made_.try_emplace(&model);
   if (!is_new) return entry->second;
-  PartShape& made = entry->second;
+  BodyShape& made = entry->second;
   made.frame = PrincipalFrame(model.mass);
   const Pose X_BO = made.frame.X_OB.inverse();
   const double margin =
       kUnitsPerMeter * hull_margin_m_ * std::min(1.0, model.diameter_m / kFullMarginDiameter_m);
-  const bool single = model.convex_parts_O.size() == 1;
+  const bool single = model.convex_pieces_O.size() == 1;
   auto compound =
-      std::make_unique<btCompoundShape>(true, static_cast<int>(model.convex_parts_O.size()));
+      std::make_unique<btCompoundShape>(true, static_cast<int>(model.convex_pieces_O.size()));
   compound->setMargin(margin);
-  for (const ConvexPiece& piece : model.convex_parts_O) {
+  for (const ConvexPiece& piece : model.convex_pieces_O) {
     auto hull = std::make_unique<btConvexHullShape>();
     for (const Eigen::Vector3d& p_O : piece.vertices_O) {
       hull->addPoint(ToBullet(Eigen::Vector3d(X_BO * p_O)), false);

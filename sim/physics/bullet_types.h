@@ -23,19 +23,22 @@ inline constexpr double kUnitsPerMeter = 10;
 // and edges are outside it and are treated like contacts of other bodies.
 inline constexpr double kPadNormal = 0.9;
 
-// Collision groups. Static bodies have explicit ones, because fingers would pass through Bullet's
-// default group.
+// Collision groups. Static bodies have explicit ones, because bodies of a hand would pass through
+// Bullet's default group.
 enum CollisionGroup : int {
   kStaticGroup = 1 << 0,  // bin, boxes and static instances
   kFunnelGroup = 1 << 1,
-  kPartGroup = 1 << 2,
-  kFingerGroup = 1 << 3,
-  kPalmGroup = 1 << 4,
+  kInstanceGroup = 1 << 2,
+  kDrivenHandGroup = 1 << 3,  // bodies of a hand that motors move
+  kGuidedHandGroup = 1 << 4,  // bodies of a hand that are moved kinematically
 };
 
 btVector3 ToBullet(const Eigen::Vector3d& metric);  // multiplies by kUnitsPerMeter
+// Converts a pose in metres to Bullet's units.
 btTransform ToBullet(const Pose& X_AB);
+// Converts a position or displacement in Bullet's units to metres.
 Eigen::Vector3d FromBullet(const btVector3& scaled);
+// Converts a pose in Bullet's units to metres.
 Pose FromBullet(const btTransform& X_AB);
 
 }  // namespace pickbed::sim

@@ -14,11 +14,11 @@ btScalar Movement(const btTransform& from, const btTransform& to, btScalar radiu
 
 void ReusingDispatcher::StartReuse(btScalar still) {
   still_ = still;
-  setNearCallback(LookIfMoved);
+  setNearCallback(CheckIfMoved);
 }
 
 void ReusingDispatcher::ForgetContacts() {
-  looked_.clear();
+  checked_.clear();
   for (int i = 0; i < getNumManifolds(); ++i) getManifoldByIndexInternal(i)->clearManifold();
 }
 
@@ -27,26 +27,26 @@ bool ReusingDispatcher::HasMoved(const btCollisionObject& body) const {
   return moved.at(body.getUserIndex());
 }
 
-bool ReusingDispatcher::MustLook(const btCollisionObject& first, const btCollisionObject& second) {
+bool ReusingDispatcher::MustCheck(const btCollisionObject& first, const btCollisionObject& second) {
   const bool first_is_hand = first.getUserIndex() < 0 && !first.isStaticObject();
   const bool second_is_hand = second.getUserIndex() < 0 && !second.isStaticObject();
   if (!first_is_hand && !second_is_hand) return HasMoved(first) || HasMoved(second);
   const int index = first_is_hand ? second.getUserIndex() : first.getUserIndex();
   if (index < 0) return true;
   const btTransform now = first.getWorldTransform().inverseTimes(second.getWorldTransform());
-  const auto [entry, is_new] = looked_.try_emplace({&first, &second}, now);
+  const auto [entry, is_new] = checked_.try_emplace({&first, &second}, now);
   if (!is_new && Movement(entry->second, now, radius.at(index)) <= still_) return false;
   entry->second = now;
   return true;
 }
 
-void ReusingDispatcher::LookIfMoved(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
-                                    const btDispatcherInfo& info) {
+void ReusingDispatcher::CheckIfMoved(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
+                                     const btDispatcherInfo& info) {
   auto& self = static_cast<ReusingDispatcher&>(dispatcher);
   const auto* first = static_cast<btCollisionObject*>(pair.m_pProxy0->m_clientObject);
   const auto* second = static_cast<btCollisionObject*>(pair.m_pProxy1->m_clientObject);
   // A pair without an algorithm is new: its bounding boxes have just met.
-  if (self.MustLook(*first, *second) || pair.m_algorithm == nullptr) {
+  if (self.MustCheck(*first, *second) || pair.m_algorithm == nullptr) {
     defaultNearCallback(pair, dispatcher, info);
     return;
   }

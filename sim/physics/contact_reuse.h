@@ -48,14 +48,14 @@ class ReusingDispatcher : public btCollisionDispatcher {
   std::vector<btScalar> radius;  // radius of each instance about its center, by the same index
 
  private:
-  static void LookIfMoved(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
-                          const btDispatcherInfo& info);
-  bool MustLook(const btCollisionObject& first, const btCollisionObject& second);
+  static void CheckIfMoved(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
+                           const btDispatcherInfo& info);
+  bool MustCheck(const btCollisionObject& first, const btCollisionObject& second);
   bool HasMoved(const btCollisionObject& body) const;
 
   btScalar still_ = 0;
   // Pose of the second body in the frame of the first at their last contact search.
-  std::map<std::pair<const btCollisionObject*, const btCollisionObject*>, btTransform> looked_;
+  std::map<std::pair<const btCollisionObject*, const btCollisionObject*>, btTransform> checked_;
   btManifoldArray manifolds_;  // of one pair; a member to reuse its memory
 };
 

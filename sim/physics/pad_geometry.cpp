@@ -39,8 +39,8 @@ std::vector<Vector2d> ConvexOutline(std::vector<Vector2d> points) {
   if (points.size() < 3) return points;
   std::vector<Vector2d> hull(2 * points.size());
   size_t n = 0;
-  const auto add = [&](const Vector2d& p, size_t least) {
-    while (n >= least && Cross(hull[n - 1] - hull[n - 2], p - hull[n - 2]) <= 0) --n;
+  const auto add = [&](const Vector2d& p, size_t minimum) {
+    while (n >= minimum && Cross(hull[n - 1] - hull[n - 2], p - hull[n - 2]) <= 0) --n;
     hull[n++] = p;
   };
   for (const Vector2d& p : points) add(p, 2);
@@ -74,7 +74,7 @@ EvenPressure PressureOn(const std::vector<Vector2d>& outline) {
   const Vector2d& origin = outline.front();
   const size_t count = outline.size();
   double area = 0, span = 0;
-  Vector2d moment = Vector2d::Zero(), middle = origin;
+  Vector2d moment = Vector2d::Zero(), center = origin;
   for (size_t i = 0; i < count; ++i) {
     const Vector2d a = outline[i] - origin, b = outline[(i + 1) % count] - origin;
     area += 0.5 * Cross(a, b);
@@ -82,11 +82,11 @@ EvenPressure PressureOn(const std::vector<Vector2d>& outline) {
     for (const Vector2d& other : outline) {
       if ((outline[i] - other).norm() <= span) continue;
       span = (outline[i] - other).norm();
-      middle = 0.5 * (outline[i] + other);
+      center = 0.5 * (outline[i] + other);
     }
   }
   constexpr double kThin = 1e-3;  // an outline this much narrower than long is a line
-  if (area <= kThin * span * span) return {middle, 0.25 * span};
+  if (area <= kThin * span * span) return {center, 0.25 * span};
   const Vector2d centroid = origin + moment / area;
   double sum = 0;
   for (size_t i = 0; i < count; ++i) {
@@ -108,12 +108,12 @@ const btConvexPolyhedron& FacesOf(const btConvexHullShape& hull) {
 // Returns the face whose normal is nearest to a direction; null if all are outside the pad angle.
 const btFace* FaceAlong(const btConvexPolyhedron& faces, const btVector3& direction) {
   const btFace* best = nullptr;
-  btScalar most = kPadNormal;
+  btScalar maximum = kPadNormal;
   for (int i = 0; i < faces.m_faces.size(); ++i) {
     const btScalar* plane = faces.m_faces[i].m_plane;
     const btScalar cosine = btVector3(plane[0], plane[1], plane[2]).dot(direction);
-    if (cosine <= most) continue;
-    most = cosine;
+    if (cosine <= maximum) continue;
+    maximum = cosine;
     best = &faces.m_faces[i];
   }
   return best;
@@ -123,7 +123,7 @@ const btFace* FaceAlong(const btConvexPolyhedron& faces, const btVector3& direct
 
 bool IsPad(const btCollisionObjectWrapper& body) {
   const btBroadphaseProxy* proxy = body.getCollisionObject()->getBroadphaseHandle();
-  return proxy != nullptr && proxy->m_collisionFilterGroup == kFingerGroup;
+  return proxy != nullptr && proxy->m_collisionFilterGroup == kDrivenHandGroup;
 }
 
 void AddPadFace(const btCollisionObjectWrapper& pad, const btCollisionObjectWrapper& hull,

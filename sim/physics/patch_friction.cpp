@@ -25,11 +25,11 @@ void ForEachPiece(const btCollisionShape& shape, const btTransform& X_PB, const 
 // Returns the outline (y, z) of the object's pieces on the pad face at `side` of x, in Bullet's
 // units. Surfaces on the finger's other side, such as the far wall of a hollow object, do not
 // count.
-std::vector<Eigen::Vector2d> OutlineOnPad(const btBoxShape& pad, const btCollisionShape& part,
+std::vector<Eigen::Vector2d> OutlineOnPad(const btBoxShape& pad, const btCollisionShape& instance,
                                           const btTransform& X_PB, btScalar side, btScalar gives) {
   const btVector3 half = pad.getHalfExtentsWithMargin();
   std::vector<Eigen::Vector2d> touching;
-  ForEachPiece(part, X_PB, [&](const btConvexHullShape& hull, const btTransform& X_PH) {
+  ForEachPiece(instance, X_PB, [&](const btConvexHullShape& hull, const btTransform& X_PH) {
     const btScalar reach = hull.getMargin() + gives;
     std::vector<Eigen::Vector2d> corners;
     for (int i = 0; i < hull.getNumPoints(); ++i) {
@@ -45,6 +45,14 @@ std::vector<Eigen::Vector2d> OutlineOnPad(const btBoxShape& pad, const btCollisi
 }
 
 }  // namespace
+
+void PadOptions::Visit(SettingsVisitor& v) {
+  v.Real("gives_m", gives_m, {0, 0.001}, "distance at which a surface touches the pad, m");
+  v.Real("outline_update_s", outline_update_s, {0, 10},
+         "interval after which a sticking patch's outline is updated, s");
+  v.Real("light_share", light_share, {0, 1000},
+         "mass below which an object keeps its contact impulses, finger masses");
+}
 
 void PatchFrictionSolver::BeginStep() {
   ++step_;
@@ -68,15 +76,15 @@ void PatchFrictionSolver::FindPatches(const btContactSolverInfo& info) {
     const btRigidBody* b = m_tmpSolverBodyPool[row.m_solverBodyIdB].m_originalBody;
     const bool a_is_pad = std::find(pads.begin(), pads.end(), a) != pads.end();
     const btRigidBody* pad = a_is_pad ? a : b;
-    const btRigidBody* part = a_is_pad ? b : a;
+    const btRigidBody* instance = a_is_pad ? b : a;
     if (!a_is_pad && std::find(pads.begin(), pads.end(), b) == pads.end()) continue;
-    if (part == nullptr) continue;
+    if (instance == nullptr) continue;
     const btSolverConstraint& contact = m_tmpSolverContactConstraintPool[row.m_frictionIndex];
     const auto& point = *static_cast<btManifoldPoint*>(contact.m_originalContactPoint);
     const btVector3 axis = pad->getWorldTransform().getBasis().getColumn(0);
     if (std::abs(axis.dot(point.m_normalWorldOnB)) < kPadNormal) continue;
     row.m_friction = 0;
-    Memory* memory = &memories_[{pad, part}];
+    Memory* memory = &memories_[{pad, instance}];
     auto patch = std::find_if(patches_.begin(), patches_.end(),
                               [&](const Patch& known) { return known.memory == memory; });
     if (patch == patches_.end()) {
@@ -84,12 +92,12 @@ void PatchFrictionSolver::FindPatches(const btContactSolverInfo& info) {
       patch = std::prev(patches_.end());
       patch->memory = memory;
       patch->pad_id = a_is_pad ? row.m_solverBodyIdA : row.m_solverBodyIdB;
-      patch->part_id = a_is_pad ? row.m_solverBodyIdB : row.m_solverBodyIdA;
+      patch->instance_id = a_is_pad ? row.m_solverBodyIdB : row.m_solverBodyIdA;
     }
     if (!patch->contacts.empty() && patch->contacts.back() == row.m_frictionIndex) continue;
     patch->contacts.push_back(row.m_frictionIndex);
     patch->friction = point.m_combinedFriction;
-    if (part->getMass() < options_.light_share * pad->getMass()) {
+    if (instance->getMass() < options_.light_share * pad->getMass()) {
       TopUp(row.m_frictionIndex, 1 - info.m_warmstartingFactor);
     }
     patch->points.push_back(point.getPositionWorldOnA());
@@ -113,9 +121,9 @@ void PatchFrictionSolver::TopUp(int contact, btScalar share) {
 }
 
 // At a corner or a bulge there is no outline. The contact points replace it then.
-void PatchFrictionSolver::LookAtOutline(Patch& patch) const {
+void PatchFrictionSolver::UpdateOutline(Patch& patch) const {
   const btRigidBody& pad = *m_tmpSolverBodyPool[patch.pad_id].m_originalBody;
-  const btRigidBody& part = *m_tmpSolverBodyPool[patch.part_id].m_originalBody;
+  const btRigidBody& instance = *m_tmpSolverBodyPool[patch.instance_id].m_originalBody;
   const btTransform X_PW = pad.getWorldTransform().inverse();
   std::vector<Eigen::Vector2d> contacts;
   btScalar x = 0;
@@ -125,8 +133,8 @@ void PatchFrictionSolver::LookAtOutline(Patch& patch) const {
     x += point_P.x() / static_cast<btScalar>(patch.points.size());
   }
   std::vector<Eigen::Vector2d> outline = OutlineOnPad(
-      static_cast<const btBoxShape&>(*pad.getCollisionShape()), *part.getCollisionShape(),
-      X_PW * part.getWorldTransform(), x < 0 ? -1 : 1, options_.gives_m * kUnitsPerMeter);
+      static_cast<const btBoxShape&>(*pad.getCollisionShape()), *instance.getCollisionShape(),
+      X_PW * instance.getWorldTransform(), x < 0 ? -1 : 1, options_.gives_m * kUnitsPerMeter);
   if (outline.empty()) outline = ConvexOutline(std::move(contacts));
   const EvenPressure pressure = PressureOn(outline);
   patch.memory->center_P = btVector3(x, pressure.center.x(), pressure.center.y());
@@ -136,21 +144,21 @@ void PatchFrictionSolver::LookAtOutline(Patch& patch) const {
 void PatchFrictionSolver::Prepare(Patch& patch, const btContactSolverInfo& info) {
   Memory& memory = *patch.memory;
   const btRigidBody& pad = *m_tmpSolverBodyPool[patch.pad_id].m_originalBody;
-  const btRigidBody& part = *m_tmpSolverBodyPool[patch.part_id].m_originalBody;
+  const btRigidBody& instance = *m_tmpSolverBodyPool[patch.instance_id].m_originalBody;
   const btTransform& X_WP = pad.getWorldTransform();
-  const btTransform X_PB = X_WP.inverse() * part.getWorldTransform();
+  const btTransform X_PB = X_WP.inverse() * instance.getWorldTransform();
   if (memory.step != step_ - 1) memory = Memory();  // there was no contact one step ago
   memory.step = step_;
 
-  const long renewed_after = std::max(1L, std::lround(options_.look_again_s / info.m_timeStep));
-  if (memory.has_slipped || memory.age % renewed_after == 0) LookAtOutline(patch);
+  const long renewed_after = std::max(1L, std::lround(options_.outline_update_s / info.m_timeStep));
+  if (memory.has_slipped || memory.age % renewed_after == 0) UpdateOutline(patch);
   if (memory.has_slipped) memory.X_PB = X_PB;
   memory.has_slipped = false;
   ++memory.age;
 
   const btVector3 center = X_WP * memory.center_P;
   // Maps the patch from where it stuck on the object to where it is now.
-  const btTransform stuck = X_WP * memory.X_PB * part.getWorldTransform().inverse();
+  const btTransform stuck = X_WP * memory.X_PB * instance.getWorldTransform().inverse();
   const btVector3 drift = stuck * center - center;  // of the pad relative to the object
   const btQuaternion turn = stuck.getRotation();
   const btVector3 turned = 2 * (turn.w() < 0 ? -1 : 1) * btVector3(turn.x(), turn.y(), turn.z());
@@ -162,12 +170,14 @@ void PatchFrictionSolver::Prepare(Patch& patch, const btContactSolverInfo& info)
     const btVector3 axis = axes.getColumn(is_turn ? 0 : 1 + i);
     row.linear = is_turn ? btVector3(0, 0, 0) : axis;
     row.turn_pad = is_turn ? axis : (center - pad.getCenterOfMassPosition()).cross(axis);
-    row.turn_part = is_turn ? -axis : -(center - part.getCenterOfMassPosition()).cross(axis);
+    row.turn_instance =
+        is_turn ? -axis : -(center - instance.getCenterOfMassPosition()).cross(axis);
     row.answer_pad = pad.getInvInertiaTensorWorld() * row.turn_pad;
-    row.answer_part = part.getInvInertiaTensorWorld() * row.turn_part;
+    row.answer_instance = instance.getInvInertiaTensorWorld() * row.turn_instance;
     row.wanted = -pull_back * (is_turn ? turned : drift).dot(axis);
-    row.inverse_mass = row.turn_pad.dot(row.answer_pad) + row.turn_part.dot(row.answer_part);
-    if (!is_turn) row.inverse_mass += pad.getInvMass() + part.getInvMass();
+    row.inverse_mass =
+        row.turn_pad.dot(row.answer_pad) + row.turn_instance.dot(row.answer_instance);
+    if (!is_turn) row.inverse_mass += pad.getInvMass() + instance.getInvMass();
   }
   patch.impulse = info.m_warmstartingFactor * memory.impulse;
   Apply(patch, patch.impulse);
@@ -175,11 +185,12 @@ void PatchFrictionSolver::Prepare(Patch& patch, const btContactSolverInfo& info)
 
 void PatchFrictionSolver::Apply(const Patch& patch, const btVector3& impulse) {
   btSolverBody& pad = m_tmpSolverBodyPool[patch.pad_id];
-  btSolverBody& part = m_tmpSolverBodyPool[patch.part_id];
+  btSolverBody& instance = m_tmpSolverBodyPool[patch.instance_id];
   for (int i = 0; i < kRows; ++i) {
     const Row& row = patch.rows[i];
     pad.internalApplyImpulse(row.linear * pad.internalGetInvMass(), row.answer_pad, impulse[i]);
-    part.internalApplyImpulse(-row.linear * part.internalGetInvMass(), row.answer_part, impulse[i]);
+    instance.internalApplyImpulse(-row.linear * instance.internalGetInvMass(), row.answer_instance,
+                                  impulse[i]);
   }
 }
 
@@ -191,9 +202,9 @@ btScalar PatchFrictionSolver::RelativeVelocity(const Patch& patch, const Row& ro
     return body.m_angularVelocity + body.m_externalTorqueImpulse + body.m_deltaAngularVelocity;
   };
   const btSolverBody& pad = m_tmpSolverBodyPool[patch.pad_id];
-  const btSolverBody& part = m_tmpSolverBodyPool[patch.part_id];
-  return row.linear.dot(linear(pad) - linear(part)) + row.turn_pad.dot(angular(pad)) +
-         row.turn_part.dot(angular(part));
+  const btSolverBody& instance = m_tmpSolverBodyPool[patch.instance_id];
+  return row.linear.dot(linear(pad) - linear(instance)) + row.turn_pad.dot(angular(pad)) +
+         row.turn_instance.dot(angular(instance));
 }
 
 btScalar PatchFrictionSolver::Solve(Patch& patch) {
@@ -209,24 +220,24 @@ btScalar PatchFrictionSolver::Solve(Patch& patch) {
     patch.impulse[i] += step[i];
     Apply(patch, step);
   }
-  const btScalar most = patch.friction * std::max(btScalar(0), normal);
-  const btScalar most_turn = most * patch.memory->arm;
-  const btScalar slide = most > 0 ? std::hypot(patch.impulse[0], patch.impulse[1]) / most : 0;
-  const btScalar twist = most_turn > 0 ? patch.impulse[2] / most_turn : 0;
+  const btScalar maximum = patch.friction * std::max(btScalar(0), normal);
+  const btScalar max_turn = maximum * patch.memory->arm;
+  const btScalar slide = maximum > 0 ? std::hypot(patch.impulse[0], patch.impulse[1]) / maximum : 0;
+  const btScalar twist = max_turn > 0 ? patch.impulse[2] / max_turn : 0;
   const btScalar share = std::hypot(slide, twist);
   btVector3 allowed = patch.impulse;
-  if (!(most > 0)) allowed.setZero();
-  if (!(most_turn > 0)) allowed[2] = 0;
+  if (!(maximum > 0)) allowed.setZero();
+  if (!(max_turn > 0)) allowed[2] = 0;
   if (share > 1) allowed /= share;
-  patch.is_slipping = share > 1 || !(most > 0);
+  patch.is_slipping = share > 1 || !(maximum > 0);
   Apply(patch, allowed - patch.impulse);
   patch.impulse = allowed;
-  btScalar most_change = 0;
+  btScalar max_change = 0;
   for (int i = 0; i < kRows; ++i) {
     const btScalar change = (allowed[i] - before[i]) * patch.rows[i].inverse_mass;
-    most_change = std::max(most_change, change * change);
+    max_change = std::max(max_change, change * change);
   }
-  return most_change;
+  return max_change;
 }
 
 btScalar PatchFrictionSolver::solveSingleIteration(
@@ -237,7 +248,7 @@ btScalar PatchFrictionSolver::solveSingleIteration(
       iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info,
       draw);
   for (Patch& patch : patches_) residual = std::max(residual, Solve(patch));
-  return iteration + 1 < least_iterations ? SIMD_INFINITY : residual;
+  return iteration + 1 < min_iterations ? SIMD_INFINITY : residual;
 }
 
 PadFriction PatchFrictionSolver::FrictionOf(const Patch& patch, btScalar step_s) const {

@@ -34,7 +34,7 @@ class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
   std::vector<const btRigidBody*> pads;
   // Minimum number of iterations per step. The residual after fewer iterations may be small for the
   // world but large compared to the weight of a light object.
-  int least_iterations = 0;
+  int min_iterations = 0;
 
   // Must be called before each step of the world, which may solve its islands one by one.
   void BeginStep();
@@ -69,9 +69,9 @@ class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
   struct Row {
     btVector3 linear;    // direction of the force on the pad; the object gets the opposite
     btVector3 turn_pad;  // Jacobian of the angular velocities
-    btVector3 turn_part;
+    btVector3 turn_instance;
     btVector3 answer_pad;  // inverse inertia times the Jacobian
-    btVector3 answer_part;
+    btVector3 answer_instance;
     btScalar wanted = 0;  // relative velocity that removes the drift
     btScalar inverse_mass = 0;
   };
@@ -79,7 +79,7 @@ class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
   struct Patch {
     Memory* memory;
     int pad_id;  // solver body ids
-    int part_id;
+    int instance_id;
     std::vector<int> contacts;  // rows of the normal forces
     btScalar friction = 0;
     std::vector<btVector3> points;  // contact points in W
@@ -90,7 +90,7 @@ class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
 
   void TopUp(int contact, btScalar share);
   void FindPatches(const btContactSolverInfo& info);
-  void LookAtOutline(Patch& patch) const;
+  void UpdateOutline(Patch& patch) const;
   void Prepare(Patch& patch, const btContactSolverInfo& info);
   void Apply(const Patch& patch, const btVector3& impulse);
   btScalar RelativeVelocity(const Patch& patch, const Row& row) const;

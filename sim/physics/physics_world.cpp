@@ -28,16 +28,16 @@ constexpr double kTooFast_mps = 50;
 // tee. So steps with a jaw iterate until no relative velocity at a contact or joint changes by more
 // than this. For angular velocities the limit is 0.05 rad/s.
 constexpr double kSolved_mps = 0.005;
-constexpr int kMostIterations = 200;
+constexpr int kMaxIterations = 200;
 
-struct Part {
+struct InstanceState {
   std::unique_ptr<btRigidBody> body;
   const ObjectModel* model = nullptr;
   Pose X_BO;
-  double radius = 0;        // of the object about its center, in Bullet's units
-  btTransform still_pose;   // pose at the last noticeable movement
-  double still_s = 0;       // time since that movement
-  btTransform looked_pose;  // pose at the last contact search
+  double radius = 0;         // of the object about its center, in Bullet's units
+  btTransform still_pose;    // pose at the last noticeable movement
+  double still_s = 0;        // time since that movement
+  btTransform checked_pose;  // pose at the last contact search
 
   void Wake() {
     body->activate(true);
@@ -67,10 +67,10 @@ struct PhysicsWorld::Impl {
   PatchFrictionSolver solver{options.pad};
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
   std::vector<std::unique_ptr<btCollisionShape>> shapes;
-  PartShapes part_shapes{options.hull_margin_m};
+  BodyShapes body_shapes{options.hull_margin_m};
   std::vector<std::unique_ptr<btRigidBody>> statics;
   std::vector<btRigidBody*> funnel;  // also in `statics`, which owns them
-  std::vector<Part> parts;
+  std::vector<InstanceState> instances;
   std::unique_ptr<AttachedHand> hand;
   long steps = 0;
   bool may_sleep = true;
@@ -78,6 +78,7 @@ struct PhysicsWorld::Impl {
 };
 
 PhysicsWorld::Impl::Impl(const PhysicsOptions& physics_options) : options(physics_options) {
+  CheckSettings("PhysicsOptions", options);
   world.setGravity(ToBullet(options.gravity_W));
   world.setForceUpdateAllAabbs(!options.awake_boxes_only);
   btContactSolverInfo& info = world.getSolverInfo();
@@ -104,7 +105,8 @@ btRigidBody* PhysicsWorld::Impl::AddStatic(std::unique_ptr<btCollisionShape> sha
   info.m_startWorldTransform = ToBullet(X_WB);
   info.m_friction = friction;
   statics.push_back(std::make_unique<btRigidBody>(info));
-  world.addRigidBody(statics.back().get(), group, kPartGroup | kFingerGroup | kPalmGroup);
+  world.addRigidBody(statics.back().get(), group,
+                     kInstanceGroup | kDrivenHandGroup | kGuidedHandGroup);
   return statics.back().get();
 }
 
@@ -142,33 +144,33 @@ void PhysicsWorld::Impl::LetTheStillFallAsleep() {
   const double falling_mps = 0.99 * options.gravity_W.norm() / options.rate_hz;
   const double tremble_mps = std::min(kLinearTremble * options.sleep_linear_mps,
                                       std::max(options.sleep_linear_mps, falling_mps));
-  for (Part& part : parts) {
-    if (part.body->isStaticObject()) continue;
-    const btTransform& pose = part.body->getWorldTransform();
-    part.still_s += 1 / options.rate_hz;
-    if (!part.body->isActive() ||
-        Movement(part.still_pose, pose, part.radius) > options.still_m * kUnitsPerMeter) {
-      part.still_pose = pose;
-      part.still_s = 0;
+  for (InstanceState& instance : instances) {
+    if (instance.body->isStaticObject()) continue;
+    const btTransform& pose = instance.body->getWorldTransform();
+    instance.still_s += 1 / options.rate_hz;
+    if (!instance.body->isActive() ||
+        Movement(instance.still_pose, pose, instance.radius) > options.still_m * kUnitsPerMeter) {
+      instance.still_pose = pose;
+      instance.still_s = 0;
     }
-    if (!part.body->isActive()) continue;
-    const bool still = part.still_s >= options.sleep_after_s;
-    part.body->setSleepingThresholds(
+    if (!instance.body->isActive()) continue;
+    const bool still = instance.still_s >= options.sleep_after_s;
+    instance.body->setSleepingThresholds(
         (still ? tremble_mps : options.sleep_linear_mps) * kUnitsPerMeter,
         (still ? kAngularTremble : 1) * options.sleep_angular_radps);
-    if (still || part.body->getDeactivationTime() >= options.sleep_after_s) {
-      part.body->setDeactivationTime(kLongerThanBulletWaits_s);
+    if (still || instance.body->getDeactivationTime() >= options.sleep_after_s) {
+      instance.body->setDeactivationTime(kLongerThanBulletWaits_s);
     }
   }
 }
 
 void PhysicsWorld::Impl::CountMoved() {
-  dispatcher.moved.assign(parts.size(), false);
-  for (size_t i = 0; i < parts.size(); ++i) {
-    const btTransform& pose = parts[i].body->getWorldTransform();
-    const double moved = Movement(parts[i].looked_pose, pose, parts[i].radius);
+  dispatcher.moved.assign(instances.size(), false);
+  for (size_t i = 0; i < instances.size(); ++i) {
+    const btTransform& pose = instances[i].body->getWorldTransform();
+    const double moved = Movement(instances[i].checked_pose, pose, instances[i].radius);
     if (!contacts_forgotten && moved <= options.contact_reuse_m * kUnitsPerMeter) continue;
-    parts[i].looked_pose = pose;
+    instances[i].checked_pose = pose;
     dispatcher.moved[i] = true;
   }
   contacts_forgotten = false;
@@ -182,11 +184,33 @@ int PhysicsWorld::Impl::WakeTouching(const btCollisionObject* body) {
     const bool is_first = manifold->getBody0() == body;
     if (manifold->getNumContacts() == 0 || !(is_first || manifold->getBody1() == body)) continue;
     const int other = (is_first ? manifold->getBody1() : manifold->getBody0())->getUserIndex();
-    if (other < 0 || parts[other].body->isStaticObject()) continue;
-    parts[other].Wake();
+    if (other < 0 || instances[other].body->isStaticObject()) continue;
+    instances[other].Wake();
     ++woken;
   }
   return woken;
+}
+
+void PhysicsOptions::Visit(SettingsVisitor& v) {
+  v.Real("rate_hz", rate_hz, {10, 100000}, "steps per second");
+  v.Integer("solver_iterations", solver_iterations, {1, 100000}, "iterations of the solver");
+  v.Vector3("gravity_W", gravity_W, {-1000, 1000}, "gravity in the world frame, m/s^2");
+  v.Real("recover_share", recover_share, {0, 1},
+         "share of overlaps and joint errors that is corrected per step");
+  v.Real("hull_margin_m", hull_margin_m, {0, 0.01}, "distance by which hulls grow outward, m");
+  v.Real("angular_damping", angular_damping, {0, 1},
+         "share of the angular velocity that is lost per second");
+  v.Real("sleep_linear_mps", sleep_linear_mps, {0, 100}, "speed below which a body sleeps, m/s");
+  v.Real("sleep_angular_radps", sleep_angular_radps, {0, 1000},
+         "angular velocity below which a body sleeps, rad/s");
+  v.Real("sleep_after_s", sleep_after_s, {0, 2}, "time below both speeds until a body sleeps, s");
+  v.Real("still_m", still_m, {0, 1}, "movement in this time below which a body sleeps too, m");
+  v.Real("contact_reuse_m", contact_reuse_m, {0, 0.1},
+         "movement up to which a pair keeps its contacts, m; 0 = contacts are always searched");
+  v.Bool("awake_boxes_only", awake_boxes_only,
+         "whether bounding boxes of sleeping and static bodies are not updated");
+  v.Group(
+      "pad", [this](SettingsVisitor& g) { pad.Visit(g); }, "contact settings of finger pads");
 }
 
 PhysicsWorld::PhysicsWorld(const PhysicsOptions& options)
@@ -215,12 +239,12 @@ void PhysicsWorld::AddStaticBox(const Pose& X_WB, const Eigen::Vector3d& half_si
   impl_->AddBox(X_WB, half_size_m, friction, kStaticGroup);
 }
 
-int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode mode,
-                          const Twist& V_WO) {
-  if (model.convex_parts_O.empty()) {
+int PhysicsWorld::AddInstance(const ObjectModel& model, const Pose& X_WO, BodyMode mode,
+                              const Twist& V_WO) {
+  if (model.convex_pieces_O.empty()) {
     throw std::logic_error("object '" + model.name + "' has no convex pieces");
   }
-  const PartShape& shape = impl_->part_shapes.Of(model);
+  const BodyShape& shape = impl_->body_shapes.Of(model);
   const bool is_static = mode == BodyMode::kStatic;
   btRigidBody::btRigidBodyConstructionInfo info(is_static ? 0 : model.mass.mass_kg, nullptr,
                                                 shape.shape);
@@ -231,27 +255,29 @@ int PhysicsWorld::AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode m
   info.m_friction = model.friction;
   info.m_angularDamping = impl_->options.angular_damping;
   auto body = std::make_unique<btRigidBody>(info);
-  body->setUserIndex(part_count());
+  body->setUserIndex(instance_count());
   body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR);
   body->setLinearVelocity(ToBullet(V_WO.linear_W));
   body->setAngularVelocity(btVector3(V_WO.angular_W.x(), V_WO.angular_W.y(), V_WO.angular_W.z()));
   if (is_static) {
-    impl_->world.addRigidBody(body.get(), kStaticGroup, kPartGroup | kFingerGroup | kPalmGroup);
+    impl_->world.addRigidBody(body.get(), kStaticGroup,
+                              kInstanceGroup | kDrivenHandGroup | kGuidedHandGroup);
   } else {
-    impl_->world.addRigidBody(body.get(), kPartGroup,
-                              kStaticGroup | kFunnelGroup | kPartGroup | kFingerGroup | kPalmGroup);
+    impl_->world.addRigidBody(
+        body.get(), kInstanceGroup,
+        kStaticGroup | kFunnelGroup | kInstanceGroup | kDrivenHandGroup | kGuidedHandGroup);
     if (!impl_->may_sleep) body->setActivationState(DISABLE_DEACTIVATION);
   }
   if (mode == BodyMode::kAsleep) body->forceActivationState(ISLAND_SLEEPING);
   const btTransform X_WB = body->getWorldTransform();
   impl_->dispatcher.radius.push_back(0.5 * model.diameter_m * kUnitsPerMeter);
-  impl_->parts.push_back({std::move(body), &model, shape.frame.X_OB.inverse(),
-                          0.5 * model.diameter_m * kUnitsPerMeter, X_WB, 0, X_WB});
-  return part_count() - 1;
+  impl_->instances.push_back({std::move(body), &model, shape.frame.X_OB.inverse(),
+                              0.5 * model.diameter_m * kUnitsPerMeter, X_WB, 0, X_WB});
+  return instance_count() - 1;
 }
 
-void PhysicsWorld::RemovePart(int index) {
-  Part& entry = impl_->parts.at(index);
+void PhysicsWorld::RemoveInstance(int index) {
+  InstanceState& entry = impl_->instances.at(index);
   if (!entry.body->isInWorld()) return;
   if (impl_->hand != nullptr) impl_->hand->LetGoOf(index);
   impl_->WakeTouching(entry.body.get());
@@ -290,16 +316,16 @@ void PhysicsWorld::Attach(std::unique_ptr<AttachedHand> hand) {
   impl_->solver.pads = impl_->hand->Pads();
   if (impl_->solver.pads.empty()) return;
   btContactSolverInfo& info = impl_->world.getSolverInfo();
-  impl_->solver.least_iterations = info.m_numIterations;
-  info.m_numIterations = std::max(info.m_numIterations, kMostIterations);
+  impl_->solver.min_iterations = info.m_numIterations;
+  info.m_numIterations = std::max(info.m_numIterations, kMaxIterations);
   // Bullet compares the square of the largest change, in its own units.
   info.m_leastSquaresResidualThreshold = std::pow(kSolved_mps * kUnitsPerMeter, 2);
 }
 
 btDiscreteDynamicsWorld& PhysicsWorld::bullet() { return impl_->world; }
 
-PartBody PhysicsWorld::body(int index) const {
-  const Part& entry = impl_->parts.at(index);
+InstanceBody PhysicsWorld::body(int index) const {
+  const InstanceState& entry = impl_->instances.at(index);
   return {entry.body->isInWorld() ? entry.body.get() : nullptr, entry.model, entry.X_BO};
 }
 
@@ -314,28 +340,29 @@ void PhysicsWorld::Step() {
 
 double PhysicsWorld::time_s() const { return static_cast<double>(impl_->steps) * step_s(); }
 double PhysicsWorld::step_s() const { return 1.0 / impl_->options.rate_hz; }
-int PhysicsWorld::part_count() const { return static_cast<int>(impl_->parts.size()); }
+int PhysicsWorld::instance_count() const { return static_cast<int>(impl_->instances.size()); }
 
 Pose PhysicsWorld::X_WO(int index) const {
-  const Part& entry = impl_->parts.at(index);
+  const InstanceState& entry = impl_->instances.at(index);
   return FromBullet(entry.body->getWorldTransform()) * entry.X_BO;
 }
 
 Twist PhysicsWorld::V_WO(int index) const {
-  const btRigidBody& body = *impl_->parts.at(index).body;
+  const btRigidBody& body = *impl_->instances.at(index).body;
   const btVector3& w = body.getAngularVelocity();
   return {FromBullet(body.getLinearVelocity()), {w.x(), w.y(), w.z()}};
 }
 
 bool PhysicsWorld::AllAsleep() const {
-  return std::none_of(impl_->parts.begin(), impl_->parts.end(), [](const Part& part) {
-    return !part.body->isStaticObject() && part.body->isActive();
-  });
+  return std::none_of(impl_->instances.begin(), impl_->instances.end(),
+                      [](const InstanceState& instance) {
+                        return !instance.body->isStaticObject() && instance.body->isActive();
+                      });
 }
 
 void PhysicsWorld::WakeAll() {
-  for (Part& part : impl_->parts) {
-    if (!part.body->isStaticObject() && part.body->isInWorld()) part.Wake();
+  for (InstanceState& instance : impl_->instances) {
+    if (!instance.body->isStaticObject() && instance.body->isInWorld()) instance.Wake();
   }
 }
 
@@ -347,33 +374,33 @@ void PhysicsWorld::ForgetContacts() {
 
 void PhysicsWorld::ForbidSleep() {
   impl_->may_sleep = false;
-  for (const Part& part : impl_->parts) {
-    if (part.body->isStaticObject() || !part.body->isInWorld()) continue;
-    part.body->forceActivationState(DISABLE_DEACTIVATION);
+  for (const InstanceState& instance : impl_->instances) {
+    if (instance.body->isStaticObject() || !instance.body->isInWorld()) continue;
+    instance.body->forceActivationState(DISABLE_DEACTIVATION);
   }
 }
 
 bool PhysicsWorld::BlewUp() const {
-  for (int i = 0; i < part_count(); ++i) {
-    if (!impl_->parts[i].body->isInWorld()) continue;
+  for (int i = 0; i < instance_count(); ++i) {
+    if (!impl_->instances[i].body->isInWorld()) continue;
     const double speed = V_WO(i).linear_W.norm();
     if (!X_WO(i).matrix().allFinite() || !(speed < kTooFast_mps)) return true;
   }
   return false;
 }
 
-std::vector<int> PhysicsWorld::PartsTouchingHand() const {
-  return impl_->hand == nullptr ? std::vector<int>{} : impl_->hand->TouchedParts();
+std::vector<int> PhysicsWorld::InstancesTouchingHand() const {
+  return impl_->hand == nullptr ? std::vector<int>{} : impl_->hand->TouchedInstances();
 }
 
-bool PhysicsWorld::PalmIsInside(double depth_m) const {
+bool PhysicsWorld::HandIsInside(double depth_m) const {
   const auto group = [](const btCollisionObject* body) {
     return body->getBroadphaseHandle()->m_collisionFilterGroup;
   };
   for (int i = 0; i < impl_->dispatcher.getNumManifolds(); ++i) {
     const btPersistentManifold* manifold = impl_->dispatcher.getManifoldByIndexInternal(i);
     if ((group(manifold->getBody0()) | group(manifold->getBody1())) !=
-        (kPalmGroup | kStaticGroup)) {
+        (kGuidedHandGroup | kStaticGroup)) {
       continue;
     }
     for (int k = 0; k < manifold->getNumContacts(); ++k) {

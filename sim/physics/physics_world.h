@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "scenes/base/settings.h"
 #include "scenes/bin/bin.h"
 #include "scenes/geometry/pose.h"
 #include "scenes/objects/contact.h"
@@ -22,15 +23,6 @@ class btDiscreteDynamicsWorld;
 class btRigidBody;
 
 namespace pickbed::sim {
-
-// Contact settings of finger pads, see sim/physics/patch_friction.h.
-struct PadOptions {
-  double gives_m = 0.00025;  // compliance of the rubber: a surface this near touches; 0..0.001
-  double look_again_s = 1.0 / 30;  // interval after which a sticking patch's outline is updated
-  // An object lighter than this share of a finger's mass keeps its contact impulses of the last
-  // step in full. For heavier objects this would only make the normal force oscillate at its limit.
-  double light_share = 0.5;
-};
 
 // Simulation settings.
 struct PhysicsOptions {
@@ -56,6 +48,7 @@ struct PhysicsOptions {
   // pairs, so the same seed gives other clutter scenes.
   bool awake_boxes_only = false;
   PadOptions pad{};
+  void Visit(SettingsVisitor& v);
 };
 
 enum class BodyMode { kDynamic, kAsleep, kStatic };
@@ -67,15 +60,16 @@ struct Twist {
 };
 
 // An instance's body, for hands.
-struct PartBody {
+struct InstanceBody {
   btRigidBody* body = nullptr;         // null after the instance was removed
-  const ObjectModel* model = nullptr;  // valid as long as AddPart()'s argument
+  const ObjectModel* model = nullptr;  // valid as long as AddInstance()'s argument
   Pose X_BO = Pose::Identity();        // B = frame of the Bullet body
 };
 
 // A bin, object instances and at most one hand, simulated in Bullet.
 class PhysicsWorld {
  public:
+  // Throws InputError for options out of range.
   explicit PhysicsWorld(const PhysicsOptions& options = {});
   ~PhysicsWorld();
   PhysicsWorld(const PhysicsWorld&) = delete;
@@ -88,14 +82,14 @@ class PhysicsWorld {
   void AddStaticBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m, double friction);
 
   // Adds an instance. Returns its index 0, 1, 2, ... in the order of adding; this order is part of
-  // the state. `model` must outlive the world. Throws std::logic_error if model.convex_parts_O is
+  // the state. `model` must outlive the world. Throws std::logic_error if model.convex_pieces_O is
   // empty.
-  int AddPart(const ObjectModel& model, const Pose& X_WO, BodyMode mode = BodyMode::kDynamic,
-              const Twist& V_WO = {});
+  int AddInstance(const ObjectModel& model, const Pose& X_WO, BodyMode mode = BodyMode::kDynamic,
+                  const Twist& V_WO = {});
 
   // Removes an instance. It keeps its index, last pose and velocity, and counts as asleep. Bodies
   // that touched it wake up.
-  void RemovePart(int index);
+  void RemoveInstance(int index);
 
   // Adds static walls that keep falling instances above the bin's opening, `height_m` above the
   // rim.
@@ -107,12 +101,12 @@ class PhysicsWorld {
   void Attach(std::unique_ptr<AttachedHand> hand);
   // For hands, which add their bodies and joints themselves and remove them in their destructors.
   btDiscreteDynamicsWorld& bullet();
-  PartBody body(int index) const;
+  InstanceBody body(int index) const;
 
   void Step();
   double time_s() const;
   double step_s() const;
-  int part_count() const;
+  int instance_count() const;
   Pose X_WO(int index) const;
   Twist V_WO(int index) const;
   // Returns whether all dynamic bodies sleep.
@@ -127,15 +121,14 @@ class PhysicsWorld {
   // Returns true if a body's state is not finite or a body is faster than 50 m/s.
   bool BlewUp() const;
 
-  // Returns the indices of the instances that touch the fingers, ascending. Touching means a force
-  // above 0.01 N in the last step. For a suction cup: the instance on the lip and the instances
-  // that touch stem and palm.
-  std::vector<int> PartsTouchingHand() const;
+  // Returns the indices of the instances that the hand touches, ascending; see
+  // AttachedHand::TouchedInstances().
+  std::vector<int> InstancesTouchingHand() const;
 
-  // Returns whether the palm, or a cup's stem, was deeper than `depth_m` in a fixed body (bin, box
-  // or static instance) in the last step. The palm is moved kinematically, so it feels no force
-  // from them.
-  bool PalmIsInside(double depth_m) const;
+  // Returns whether a guided body of the hand was deeper than `depth_m` in a fixed body (bin, box
+  // or static instance) in the last step. A guided body is moved kinematically, so it feels no
+  // force from them.
+  bool HandIsInside(double depth_m) const;
 
  private:
   struct Impl;

@@ -56,26 +56,27 @@ void PaintBackground(const AppearanceRanges& ranges, Rng& rng, RenderedImage& im
   }
 }
 
-Light LampOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial) {
-  Rng rng = Rng::Derive(seed, trial, "looks/lamp");
+Light LampOf(const AppearanceRanges& ranges, uint64_t seed, BinIndex bin_index) {
+  Rng rng = Rng::Derive(seed, bin_index, "looks/lamp");
   return RandomLight(ranges, rng);
 }
 
-Material MaterialOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial,
+Material MaterialOf(const AppearanceRanges& ranges, uint64_t seed, BinIndex bin_index,
                     InstanceId instance) {
-  Rng rng = Rng::Derive(seed, trial, fmt::format("looks/part/{}", instance));
+  Rng rng = Rng::Derive(seed, bin_index, fmt::format("looks/part/{}", instance));
   return RandomMaterial(ranges, rng);
 }
 
 RenderedImage RenderWithAppearance(SceneRenderer& renderer, const Scene& scene,
                                    const Camera& camera, const AppearanceRanges& ranges,
-                                   uint64_t seed, uint64_t trial, int picture) {
+                                   uint64_t seed, BinIndex bin_index, int picture) {
   std::vector<RenderInstance> instances = renderer.InstancesOf(scene);
   for (size_t i = 0; i < scene.objects.size(); ++i) {
-    instances[i].material = MaterialOf(ranges, seed, trial, scene.objects[i].instance);
+    instances[i].material = MaterialOf(ranges, seed, bin_index, scene.objects[i].instance);
   }
-  RenderedImage image = renderer.renderer().Render(camera, instances, LampOf(ranges, seed, trial));
-  Rng rng = Rng::Derive(seed, trial, fmt::format("looks/background/{}", picture));
+  RenderedImage image =
+      renderer.renderer().Render(camera, instances, LampOf(ranges, seed, bin_index));
+  Rng rng = Rng::Derive(seed, bin_index, fmt::format("looks/background/{}", picture));
   PaintBackground(ranges, rng, image);
   return image;
 }

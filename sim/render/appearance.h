@@ -12,21 +12,23 @@
 
 namespace pickbed::sim {
 
-// Draw a light, and a surface material.
+// Draws a light.
 Light RandomLight(const AppearanceRanges& ranges, Rng& rng);
+// Draws a surface material.
 Material RandomMaterial(const AppearanceRanges& ranges, Rng& rng);
 // Fills the pixels without depth with random grey squares. Does nothing if there is no color image.
 void PaintBackground(const AppearanceRanges& ranges, Rng& rng, RenderedImage& image);
 
-// Light of a trial, and material of each instance in it. Both are constant during the trial.
-Light LampOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial);
-Material MaterialOf(const AppearanceRanges& ranges, uint64_t seed, uint64_t trial,
+// Returns the light of a bin. It is constant during a trial.
+Light LampOf(const AppearanceRanges& ranges, uint64_t seed, BinIndex bin_index);
+// Returns the material of an instance in a bin. It is constant during a trial.
+Material MaterialOf(const AppearanceRanges& ranges, uint64_t seed, BinIndex bin_index,
                     InstanceId instance);
 
-// Renders color, depth and ids with the light and materials of the trial. The background depends on
+// Renders color, depth and ids with the light and materials of the bin. The background depends on
 // `picture`. The bin has the default material.
 RenderedImage RenderWithAppearance(SceneRenderer& renderer, const Scene& scene,
                                    const Camera& camera, const AppearanceRanges& ranges,
-                                   uint64_t seed, uint64_t trial, int picture);
+                                   uint64_t seed, BinIndex bin_index, int picture);
 
 }  // namespace pickbed::sim

@@ -47,6 +47,7 @@ struct GlMesh {
 // Uploads all `levels` of detail of `mesh`. `instances` is the buffer of the instance attributes.
 GlMesh UploadMesh(const GlFunctions& gl, const TriangleMesh& mesh,
                   const std::vector<MeshLevel>& levels, GLuint instances);
+// Frees the buffers and the texture of the mesh.
 void DeleteMesh(const GlFunctions& gl, GlMesh& mesh);
 
 // Sets the instance attributes of the bound vertex array to start at instance `first` of the

@@ -17,14 +17,15 @@ constexpr int RoundUpToVector(int n) {
 // Looks up the face values of a row's pixels: 1 / z and normal / z; red, green, blue and id.
 PICKBED_WIDTHS void LookUpRow(int begin, int end, float y, const int* face_at,
                               const RasterFace* faces, float* __restrict normals,
-                              float* __restrict looks) {
+                              float* __restrict attributes) {
   for (int x = begin; x < end; ++x) {
     const RasterFace& face = faces[face_at[x]];
     *reinterpret_cast<Four*>(normals + 4 * x) =
         *reinterpret_cast<const Four*>(face.at_origin.data()) +
         static_cast<float>(x) * *reinterpret_cast<const Four*>(face.by_column.data()) +
         y * *reinterpret_cast<const Four*>(face.by_row.data());
-    *reinterpret_cast<Four*>(looks + 4 * x) = *reinterpret_cast<const Four*>(face.look.data());
+    *reinterpret_cast<Four*>(attributes + 4 * x) =
+        *reinterpret_cast<const Four*>(face.attributes.data());
   }
 }
 
@@ -37,7 +38,8 @@ struct RowLight {
 
 // Lambertian shading on both sides, as in sim/render/shaders.h. Writes four bytes per pixel.
 PICKBED_WIDTHS void ShadeRow(const RowLight& given, int begin, int end, const float* inverse_depth,
-                             const float* normals, const float* looks, uint32_t* __restrict rgba) {
+                             const float* normals, const float* attributes,
+                             uint32_t* __restrict rgba) {
   const RowLight r = given;
   for (int x = begin; x < end; ++x) {
     const float nx = normals[4 * x + 1], ny = normals[4 * x + 2], nz = normals[4 * x + 3];
@@ -49,9 +51,9 @@ PICKBED_WIDTHS void ShadeRow(const RowLight& given, int begin, int end, const fl
     const float squares = (nx * nx + ny * ny + nz * nz) * (lx * lx + ly * ly + lz * lz);
     const float cosine = std::max(lit, 0.0f) / std::sqrt(std::max(squares, 1e-30f));
     const float shade = r.ambient + r.diffuse * cosine;
-    const float red = std::min(1.0f, looks[4 * x] * shade) * 255 + 0.5f;
-    const float green = std::min(1.0f, looks[4 * x + 1] * shade) * 255 + 0.5f;
-    const float blue = std::min(1.0f, looks[4 * x + 2] * shade) * 255 + 0.5f;
+    const float red = std::min(1.0f, attributes[4 * x] * shade) * 255 + 0.5f;
+    const float green = std::min(1.0f, attributes[4 * x + 1] * shade) * 255 + 0.5f;
+    const float blue = std::min(1.0f, attributes[4 * x + 2] * shade) * 255 + 0.5f;
     const int packed =
         static_cast<int>(red) | static_cast<int>(green) << 8 | static_cast<int>(blue) << 16;
     rgba[x] = inverse_depth[x] > 0 ? packed : 0;
@@ -66,10 +68,10 @@ PICKBED_WIDTHS void DepthRow(int begin, int end, const float* inverse_depth,
   }
 }
 
-PICKBED_WIDTHS void IdRow(int begin, int end, const float* inverse_depth, const float* looks,
+PICKBED_WIDTHS void IdRow(int begin, int end, const float* inverse_depth, const float* attributes,
                           uint16_t* __restrict ids) {
   for (int x = begin; x < end; ++x) {
-    const int id = static_cast<int>(looks[4 * x + 3]);
+    const int id = static_cast<int>(attributes[4 * x + 3]);
     ids[x] = static_cast<uint16_t>(inverse_depth[x] > 0 ? id : 0);
   }
 }
@@ -86,7 +88,7 @@ void CpuRaster::Write(const Light& light, const Eigen::Vector3d& light_C, Render
   const int pitch = raster_.pitch();
   rgba_.resize(pitch);
   normals_.resize(4 * pitch);
-  looks_.resize(4 * pitch);
+  attributes_.resize(4 * pitch);
   const ImageBox& box = raster_.box();
   const Eigen::Vector3f at = light_C.cast<float>();
   RowLight row{at.x(), at.y(), at.z(), static_cast<float>(light.ambient),
@@ -101,15 +103,15 @@ void CpuRaster::Write(const Light& light, const Eigen::Vector3d& light_C, Render
     DepthRow(begin, end, inverse, out.depth_m.row(box.y + y) + box.x);
     if (out.ids.empty() && out.color.empty()) continue;
     LookUpRow(begin, end, static_cast<float>(y), face_at, raster_.faces(), normals_.data(),
-              looks_.data());
+              attributes_.data());
     if (!out.ids.empty()) {
-      IdRow(begin, end, inverse, looks_.data(), out.ids.row(box.y + y) + box.x);
+      IdRow(begin, end, inverse, attributes_.data(), out.ids.row(box.y + y) + box.x);
     }
     if (out.color.empty()) continue;
     row.ray_y = static_cast<float>((box.y + y - camera_.cy()) / camera_.fy());
     // Whole vectors are shaded, because the row's padding has no faces.
     const int padded = begin + RoundUpToVector(end - begin);
-    ShadeRow(row, begin, padded, inverse, normals_.data(), looks_.data(), rgba_.data());
+    ShadeRow(row, begin, padded, inverse, normals_.data(), attributes_.data(), rgba_.data());
     PackRgb(rgba_.data() + begin, out.color.row(box.y + y) + box.x + begin, end - begin);
   }
   raster_.Clean();

@@ -46,7 +46,7 @@ class CpuRaster {
  private:
   CameraIntrinsics camera_;
   FaceRaster raster_;
-  std::vector<float> normals_, looks_;  // of one row's pixels
+  std::vector<float> normals_, attributes_;  // of one row's pixels
   std::vector<uint32_t> rgba_;
 };
 

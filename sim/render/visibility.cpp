@@ -17,9 +17,9 @@ constexpr int kMaxCanvas_px = 4096;
 Camera CanvasFor(const Camera& camera, const Bounds& bounds_O, const Pose& X_CO) {
   const CameraIntrinsics& k = camera.intrinsics;
   const Footprint footprint = FootprintOf(bounds_O, X_CO, k);
-  const Eigen::Vector2d middle(0.5 * k.width(), 0.5 * k.height());
+  const Eigen::Vector2d center(0.5 * k.width(), 0.5 * k.height());
   const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * kMaxCanvas_px);
-  Eigen::Vector2d min_px = middle - half, max_px = middle + half;
+  Eigen::Vector2d min_px = center - half, max_px = center + half;
   if (footprint.in_front) {
     min_px = footprint.min_px.cwiseMax(min_px).cwiseMin(max_px);
     max_px = footprint.max_px.cwiseMin(max_px).cwiseMax(min_px);

@@ -203,8 +203,8 @@ PICKBED_WIDTHS void Between(float edge_step_m, const float* upper, const float* 
 }
 
 // Sets the depth at the displaced position of each pixel.
-void LookAside(RowConstants c, const Image<float>& depth_m, int y, const SensorNumbers& numbers,
-               RowState& row) {
+void FindSideSteps(RowConstants c, const Image<float>& depth_m, int y, const SensorNumbers& numbers,
+                   RowState& row) {
   const int width = depth_m.width();
   PlacesAside(c, width, depth_m.height(), y, numbers.aside.data(), numbers.below.data(),
               row.slant_ratio.data(), row.pixel.data(), row.right.data(), row.down.data());
@@ -346,7 +346,7 @@ void NoiseMaker::MixFlyingPixels(int y) {
 
 void NoiseMaker::LookAt(int y) {
   if (needs_jitter_) {
-    LookAside(constants_, depth_m_, y, numbers_, row_);
+    FindSideSteps(constants_, depth_m_, y, numbers_, row_);
   } else {
     std::copy_n(depth_m_.row(y), depth_m_.width(), row_.seen_m.data());
   }

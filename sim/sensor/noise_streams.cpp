@@ -35,8 +35,8 @@ std::array<float, kGaussCount> MakeGaussTable() {
     const double p = (i + 0.5) / kGaussCount;
     double low = -8, high = 8;
     for (int step = 0; step < 50; ++step) {
-      const double middle = 0.5 * (low + high);
-      (NormalCdf(middle) < p ? low : high) = middle;
+      const double center = 0.5 * (low + high);
+      (NormalCdf(center) < p ? low : high) = center;
     }
     values[i] = 0.5 * (low + high);
     sum_of_squares += values[i] * values[i];

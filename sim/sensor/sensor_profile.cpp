@@ -36,7 +36,7 @@ double FrontalSigma_m(const SensorProfile& p, double z_m) {
 }
 
 // Returns the depth within the range at which a frontal surface has the least noise.
-double LeastNoisyDepth_m(const SensorProfile& p) {
+double MinNoiseDepth_m(const SensorProfile& p) {
   if (p.axial_sigma_m == 0) return p.axial_linear_m < 0 ? p.max_range_m : p.min_range_m;
   return std::clamp(-p.axial_linear_m / (2 * p.axial_sigma_m), p.min_range_m, p.max_range_m);
 }
@@ -45,7 +45,7 @@ void CheckProfile(const SensorProfile& p, const std::string& file) {
   CheckInput(p.min_range_m < p.max_range_m,
              fmt::format("{}: min_range_m {} must be less than max_range_m {}", file, p.min_range_m,
                          p.max_range_m));
-  const double z_m = LeastNoisyDepth_m(p);
+  const double z_m = MinNoiseDepth_m(p);
   CheckInput(FrontalSigma_m(p, z_m) >= 0,
              fmt::format("{}: axial_linear_m {} makes the noise at {:.3g} m negative; raise it or "
                          "axial_floor_m",

@@ -15,10 +15,10 @@
 // instead of pixels. So readings closer than correlation_px have similar errors, and a window with
 // two surfaces may match neither.
 
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "scenes/base/math.h"
 #include "scenes/base/settings.h"
 #include "sim/layer.h"
 
@@ -72,7 +72,7 @@ struct SensorProfile {
 
 // Larger slants are clamped to this value in sigma() and lateral(), which are unbounded at 90
 // degrees.
-inline constexpr double kSteepestSlant_rad = 85 * std::numbers::pi / 180;
+inline constexpr double kSteepestSlant_rad = Radians(85);
 // Wider windows are clamped to this width, in pixels of the depth image.
 inline constexpr double kWidestWindow_px = 510;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/base/math.h"
 #include "sim/sensor/depth_noise.h"
 
 namespace pickbed::sim {
@@ -15,8 +16,6 @@ constexpr double kFocal_px = 600;
 // Camera of the measured planes. It is narrow, so that the slant is nearly constant.
 constexpr CameraIntrinsics kNarrow{41, 65, kFocal_px, kFocal_px, 20, 32};
 constexpr int kMargin_px = 18;  // ignored columns on the left and right, where jitter is clamped
-
-double Radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 // Result of a ray cast: depth along z, cosine of the slant, and surface color.
 struct Hit {

@@ -22,6 +22,7 @@ struct SensorScene {
   Image<Rgb8> color;
   Image<float> depth_m;
 };
+// Makes the scene with its wall at `distance_m` along camera z.
 SensorScene MakeSensorScene(double distance_m);
 
 // Noise of the readings at one distance or slant. `axial_m` is the profile's sigma along z.
@@ -34,8 +35,9 @@ struct NoiseSample {
   double lost_share = 0;          // measured share of lost readings
   double lost_formula_share = 0;  // predicted from the profile's probabilities
 };
-// Measure the noise of a frontal plane over distance, and of a plane at `distance_m` over slant.
+// Measures the noise of a frontal plane over its distance (m).
 std::vector<NoiseSample> NoiseByDistance(const SensorProfile& profile);
+// Measures the noise of a plane at `distance_m` over its slant (rad).
 std::vector<NoiseSample> NoiseBySlant(const SensorProfile& profile, double distance_m);
 
 }  // namespace pickbed::sim

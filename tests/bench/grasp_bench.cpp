@@ -26,20 +26,20 @@ struct GraspBench {
   std::vector<EstimatedPose> poses;
   std::vector<Eigen::Vector3d> cloud_W;
 
-  GraspBench(int parts, int candidates_each) {
+  GraspBench(int instances, int candidates_each) {
     objects = WithConvexPieces(ObjectSet{ObjectCatalog({AssetsDir() / "objects"}).Load("bracket")});
     Rng rng(1);
     AntipodalOptions options;
     options.candidates = candidates_each;
     candidates.push_back(
         AntipodalGrasps(*objects[0], gripper.hand, gripper.clearance_m, rng, options));
-    scene = DropParts(Bin{}, objects, {parts}, rng).scene;
+    scene = DropInstances(Bin{}, objects, {instances}, rng).scene;
     const SurfaceSamples samples = SampleSurface(objects[0]->mesh_O, 5000, rng);
-    for (const PosedObject& part : scene.objects) {
-      poses.push_back({part.object, part.X_WO, 1});
+    for (const PosedObject& posed : scene.objects) {
+      poses.push_back({posed.object, posed.X_WO, 1});
       for (size_t i = 0; i < samples.points.size(); ++i) {
-        const Eigen::Vector3d normal_W = part.X_WO.linear() * samples.normals[i];
-        if (normal_W.z() > 0) cloud_W.push_back(part.X_WO * samples.points[i]);
+        const Eigen::Vector3d normal_W = posed.X_WO.linear() * samples.normals[i];
+        if (normal_W.z() > 0) cloud_W.push_back(posed.X_WO * samples.points[i]);
       }
     }
   }

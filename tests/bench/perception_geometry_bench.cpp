@@ -129,7 +129,7 @@ void Bidirectional(benchmark::State& state) {
     benchmark::DoNotOptimize(BidirectionalIcp(scene.cloud, scene.models[0], X_CO));
   });
 }
-BENCHMARK(Bidirectional)->Name("two_way_icp/bracket/600")->Unit(benchmark::kMicrosecond);
+BENCHMARK(Bidirectional)->Name("bidirectional_icp/bracket/600")->Unit(benchmark::kMicrosecond);
 
 void SearchTree(benchmark::State& state) {
   const OrganizedCloud& cloud = SharedScene().cloud;

@@ -32,7 +32,7 @@ void DropMixedInstances(benchmark::State& state) {
   int at_rest = 0;
   for (auto _ : state) {
     Rng rng(seed++);
-    const DropResult drop = DropParts(Bin{}, objects, counts, rng);
+    const DropResult drop = DropInstances(Bin{}, objects, counts, rng);
     simulated_s += drop.certificate.simulated_s;
     at_rest += drop.certificate.at_rest;
     worst_mm = std::max(worst_mm, 1e3 * drop.certificate.deepest_penetration_m);

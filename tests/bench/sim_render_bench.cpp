@@ -21,7 +21,7 @@ namespace {
 
 ObjectSet AllObjects() {
   ObjectSet objects;
-  for (const PartRow& row : PartTable()) {
+  for (const FamilyRow& row : FamilyTable()) {
     auto model = std::make_shared<ObjectModel>();
     model->mesh_O = row.make().mesh_O;
     objects.push_back(model);
@@ -206,7 +206,7 @@ BENCHMARK_CAPTURE(RenderTrainingViews, depth, false)
 void RenderViews(benchmark::State& state) {
   const auto views = static_cast<size_t>(state.range(0));
   Renderer renderer;
-  const int mesh = renderer.AddMesh(PartTable().back().make().mesh_O);
+  const int mesh = renderer.AddMesh(FamilyTable().back().make().mesh_O);
   Camera camera;
   camera.intrinsics = {64, 64, 500, 500, 31.5, 31.5};
   const std::vector<Camera> cameras(views, camera);

@@ -10,10 +10,10 @@
 
 namespace pickbed::tests::bop {
 
-inline constexpr int kSmallParts = 3;
+inline constexpr int kSmallInstances = 3;
 
 inline ScenarioSpec SmallScenario() {
-  ScenarioSpec spec = CubeScenario(kSmallParts);
+  ScenarioSpec spec = CubeScenario(kSmallInstances);
   spec.sensor = "ideal";
   spec.camera.width = 96;
   spec.camera.height = 72;

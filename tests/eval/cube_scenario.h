@@ -23,7 +23,7 @@ inline std::shared_ptr<const ObjectModel> Cube(double side_m, double mass_kg, do
                              {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   model->mass = UniformMassProperties(model->mesh_O, mass_kg);
   model->friction = friction;
-  model->convex_parts_O = {{model->mesh_O.vertices}};
+  model->convex_pieces_O = {{model->mesh_O.vertices}};
   model->diameter_m = Diameter(model->mesh_O);
   model->mesh_hash = static_cast<uint64_t>(1e6 * side_m);
   return model;
@@ -32,10 +32,10 @@ inline std::shared_ptr<const ObjectModel> Cube(double side_m, double mass_kg, do
 inline ScenarioSpec CubeScenario(int count) {
   ScenarioSpec spec;
   spec.seed = 11;
-  PartSpec part;
-  part.name = "cube";
-  part.count = count;
-  spec.objects = {part};
+  ObjectSpec object;
+  object.name = "cube";
+  object.count = count;
+  spec.objects = {object};
   spec.estimator.name = "oracle";
   return spec;
 }

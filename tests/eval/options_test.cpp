@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
 #include "eval/benchmark/crops.h"
+#include "eval/stats/sequential_stop.h"
 #include "eval/sweep/slurm.h"
+#include "eval/sweep/sweep.h"
 #include "eval/tolerance/samples.h"
 #include "eval/trial/simulated_cell.h"
+#include "eval/trial/trial.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/planted_option.h"
 
@@ -14,7 +17,47 @@ TEST(EvalOptions, ValuesOutOfRangeAreRefused) {
   const auto study = [](const ToleranceOptions& options) {
     PlanStudy(Cube(0.03, 0.05, 0.6), nullptr, {}, options);
   };
+  const auto sweep = [](const SweepOptions& options) { RunSweep({}, options, {}); };
+  const auto try_trial = [](const TrialOptions& options) {
+    TrialRunner(CubeScenario(1), EasyCube(), {}, options);
+  };
   const PlantedOption planted[] = {
+      {"candidates",
+       [] {
+         SequentialOptions options;
+         options.candidates = -1;
+         SequentialStop(0.1, options);
+       }},
+      {"confidence",
+       [] {
+         SequentialOptions options;
+         options.confidence = 1;
+         SequentialStop(0.1, options);
+       }},
+      {"jobs",
+       [&] {
+         SweepOptions options;
+         options.jobs = 0;
+         sweep(options);
+       }},
+      {"shard.index",
+       [&] {
+         SweepOptions options;
+         options.shard = {3, 2};
+         sweep(options);
+       }},
+      {"retry_radius_m",
+       [&] {
+         TrialOptions options;
+         options.retry_radius_m = kNotANumber;
+         try_trial(options);
+       }},
+      {"cloud_stride_px",
+       [&] {
+         TrialOptions options;
+         options.cloud_stride_px = 0;
+         try_trial(options);
+       }},
       {"icp_starts",
        [] {
          CropBenchmarkJob job;

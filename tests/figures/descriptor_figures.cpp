@@ -26,7 +26,6 @@
 #include "eval/estimate/statistics.h"
 #include "eval/explain/truth.h"
 #include "eval/trial/estimator_runner.h"
-#include "eval/trial/oracle_estimator.h"
 #include "eval/trial/simulated_cell.h"
 #include "perception/estimators/descriptor.h"
 #include "perception/icp/pcl_icp.h"
@@ -183,9 +182,7 @@ IndexResult MeasureIndex(const LoadedScenario& loaded, int bins, bool exact) {
   setup.objects = cell.objects();
   setup.spec = loaded.spec.estimator;
   setup.intrinsics = cell.camera().intrinsics;
-  ScenarioSpec no_estimator = loaded.spec;
-  no_estimator.estimator.name = kOracleName;
-  setup.working_distance_m = EstimatorRunner(cell, no_estimator, 1, {}).working_distance_m();
+  setup.working_distance_m = WorkingDistance_m(cell);
   setup.refiner = loaded.spec.refiner;
   setup.views = views.get();
   setup.cache_dir = CacheDir();
@@ -199,10 +196,11 @@ IndexResult MeasureIndex(const LoadedScenario& loaded, int bins, bool exact) {
   ForEachBin(cell, bins, [&](const Scene& scene, const Observation& view) {
     Rng rng(0);
     EstimateResult found = estimator->Estimate({view.frame, BackgroundOf(cell)}, rng);
-    row.images.push_back(
-        {static_cast<int>(row.images.size()),
-         ScoreAgainstTruth(scene, view.visible_fractions, metrics, cell.camera(), found.hypotheses),
-         std::move(found.seconds)});
+    row.images.push_back({static_cast<int>(row.images.size()),
+                          ScoreAgainstTruth({metrics, InstancesOf(scene, view.visible_fractions,
+                                                                  cell.camera().X_CW())},
+                                            cell.camera(), found.hypotheses),
+                          std::move(found.seconds)});
   });
   const ComparisonStatistics statistics = StatisticsOf(row);
   return {statistics.recall_at_95, statistics.stages.at("neighbors")};
@@ -230,23 +228,18 @@ void CountOutcomes(const Bins& bins) {
   const Pose X_CW = cell.camera().X_CW();
   std::array<std::map<LostAt, int>, kBands.size() - 1> counts;
   ForEachBin(cell, bins.count, [&](const Scene& scene, const Observation& view) {
-    std::vector<TruePart> parts;
-    for (size_t i = 0; i < scene.objects.size(); ++i) {
-      const PosedObject& posed = scene.objects[i];
-      parts.push_back({posed.object, X_CW * posed.X_WO, view.visible_fractions[i]});
-    }
-    const PoseJudge judge(cell.objects(), std::move(parts));
+    const PoseJudge judge(cell.objects(), InstancesOf(scene, view.visible_fractions, X_CW));
     EstimateTrace trace;
     Rng rng(0);
-    const EstimateResult result = EstimateWithOracle(runner, scene, view, rng, &trace);
-    std::vector<PoseVerdict> errors;
+    const EstimateResult result = runner.Estimate(view.frame, rng, &trace);
+    std::vector<InstanceMatch> errors;
     for (const TracedVote& vote : trace.votes) {
       errors.push_back(judge(vote.vote.object, vote.vote.X_CO));
     }
     const auto outcomes = DiagnoseInstances(judge, trace, errors, models, result.hypotheses);
     for (size_t i = 0; i < outcomes.size(); ++i) {
       for (size_t band = 0; band + 1 < kBands.size(); ++band) {
-        const double visible = judge.parts()[i].visible_fraction;
+        const double visible = judge.instances()[i].visible_fraction;
         counts[band][outcomes[i].lost] += visible >= kBands[band] && visible < kBands[band + 1];
       }
     }

@@ -32,7 +32,7 @@
 namespace pickbed::tests {
 namespace {
 
-constexpr int kParts = 21;
+constexpr int kInstances = 21;
 constexpr int kEachScene = 7;        // maximum attempts per bin, each on another instance
 constexpr int kGraspsPlanned = 300;  // enough to find this many reachable instances
 constexpr double kShift_m = 1e-4;    // shift of the gripper, to measure how uncertain verdicts are
@@ -66,10 +66,10 @@ std::vector<Eigen::Vector3d> CloudOf(const Scene& scene, const ObjectModel& mode
   Rng rng(1);
   const SurfaceSamples samples = SampleSurface(model.mesh_O, 3000, rng);
   std::vector<Eigen::Vector3d> cloud_W;
-  for (const PosedObject& part : scene.objects) {
+  for (const PosedObject& posed : scene.objects) {
     for (size_t i = 0; i < samples.points.size(); ++i) {
-      const Eigen::Vector3d normal_W = part.X_WO.linear() * samples.normals[i];
-      if (normal_W.z() > 0) cloud_W.push_back(part.X_WO * samples.points[i]);
+      const Eigen::Vector3d normal_W = posed.X_WO.linear() * samples.normals[i];
+      if (normal_W.z() > 0) cloud_W.push_back(posed.X_WO * samples.points[i]);
     }
   }
   return cloud_W;
@@ -81,38 +81,38 @@ std::vector<Case> CasesOf(const Scene& scene, const ObjectSet& objects,
                           const std::vector<GraspCandidate>& candidates, const Gripper& gripper,
                           Rng& rng) {
   std::vector<EstimatedPose> poses;
-  for (const PosedObject& part : scene.objects) poses.push_back({part.object, part.X_WO, 1});
+  for (const PosedObject& posed : scene.objects) poses.push_back({posed.object, posed.X_WO, 1});
   PlanOptions options;
   options.max_grasps = kGraspsPlanned;
   const std::vector<std::vector<GraspCandidate>> all{candidates};
   const auto cloud_W = CloudOf(scene, *objects[0]);
   const PlanResult plan = PlanGrasps({scene.bin, poses, all, cloud_W, objects, gripper}, options);
-  std::map<int, std::vector<Grasp>> by_part;
-  for (const Grasp& grasp : plan.grasps) by_part[grasp.hypothesis].push_back(grasp);
+  std::map<int, std::vector<Grasp>> by_instance;
+  for (const Grasp& grasp : plan.grasps) by_instance[grasp.hypothesis].push_back(grasp);
   std::vector<Case> cases;
-  for (const auto& [part, grasps] : by_part) {
+  for (const auto& [instance, grasps] : by_instance) {
     const Grasp& grasp = grasps[rng.Index(static_cast<int>(grasps.size()))];
     if (static_cast<int>(cases.size()) == kEachScene) break;
-    cases.push_back({scene, grasp, scene.objects[part].instance});
+    cases.push_back({scene, grasp, scene.objects[instance].instance});
   }
   return cases;
 }
 
 ObjectCases MakeCases(const std::string& name, const Gripper& gripper, int attempts) {
-  ObjectCases part{
+  ObjectCases group{
       name, WithConvexPieces(ObjectSet{ObjectCatalog({AssetsDir() / "objects"}).Load(name)}), {}};
   Bin bin;  // scaled to the object, as in the presets bin_PART
-  bin.inner_size_m = Eigen::Vector3d(4, 3, 1.5) * part.objects[0]->diameter_m;
-  const auto candidates = CachedCandidates(*part.objects[0], gripper);
-  for (uint64_t trial = 0; static_cast<int>(part.cases.size()) < attempts; ++trial) {
+  bin.inner_size_m = Eigen::Vector3d(4, 3, 1.5) * group.objects[0]->diameter_m;
+  const auto candidates = CachedCandidates(*group.objects[0], gripper);
+  for (uint64_t trial = 0; static_cast<int>(group.cases.size()) < attempts; ++trial) {
     Rng rng = Rng::Derive(0, trial, "grasps");
-    const CertifiedScene made = MakeScene({bin, part.objects, {kParts}, 0, trial});
-    for (Case& found : CasesOf(made.scene, part.objects, candidates, gripper, rng)) {
-      if (static_cast<int>(part.cases.size()) < attempts) part.cases.push_back(std::move(found));
+    const CertifiedScene made = MakeScene({bin, group.objects, {kInstances}, 0, BinIndex(trial)});
+    for (Case& found : CasesOf(made.scene, group.objects, candidates, gripper, rng)) {
+      if (static_cast<int>(group.cases.size()) < attempts) group.cases.push_back(std::move(found));
     }
     if (trial > static_cast<uint64_t>(attempts)) break;  // an object that is hardly ever reachable
   }
-  return part;
+  return group;
 }
 
 std::vector<ObjectCases> AllCases(const Gripper& gripper, int attempts_each) {
@@ -124,8 +124,9 @@ std::vector<ObjectCases> AllCases(const Gripper& gripper, int attempts_each) {
 }
 
 int AttemptsPerObject(int attempts) {
-  const int parts = static_cast<int>(ObjectCatalog({AssetsDir() / "objects"}).Names().size());
-  return (attempts + parts - 1) / parts;
+  const int object_count =
+      static_cast<int>(ObjectCatalog({AssetsDir() / "objects"}).Names().size());
+  return (attempts + object_count - 1) / object_count;
 }
 
 void MeasureSpeed(int attempts) {
@@ -134,27 +135,27 @@ void MeasureSpeed(int attempts) {
   ExecuteOptions options;
   options.carry = false;
   double mean_of_means_s = 0;
-  const auto parts = AllCases(gripper, attempts);
-  for (const ObjectCases& part : parts) {
+  const auto groups = AllCases(gripper, attempts);
+  for (const ObjectCases& group : groups) {
     double sum_s = 0, slowest_s = 0;
     int succeeded = 0;
-    for (const Case& one : part.cases) {
+    for (const Case& one : group.cases) {
       const double begin_s = CpuSeconds();
       const ExecuteResult result =
-          ExecuteGrasp(one.scene, part.objects, one.grasp, gripper, one.target, options);
+          ExecuteGrasp(one.scene, group.objects, one.grasp, gripper, one.target, options);
       const double took_s = CpuSeconds() - begin_s;
       sum_s += took_s;
       slowest_s = std::max(slowest_s, took_s);
       succeeded += result.outcome.success;
     }
-    const double mean_s = sum_s / static_cast<double>(std::max<size_t>(1, part.cases.size()));
-    mean_of_means_s += mean_s / static_cast<double>(parts.size());
+    const double mean_s = sum_s / static_cast<double>(std::max<size_t>(1, group.cases.size()));
+    mean_of_means_s += mean_s / static_cast<double>(groups.size());
     fmt::print("{:<10} {:.3f} CPU s per full attempt, slowest {:.3f}; {} of {} succeeded\n",
-               part.name, mean_s, slowest_s, succeeded, part.cases.size());
+               group.name, mean_s, slowest_s, succeeded, group.cases.size());
     std::fflush(stdout);
   }
   fmt::print("speed: {:.4f} CPU s per full attempt, mean of {} objects\n", mean_of_means_s,
-             parts.size());
+             groups.size());
 }
 
 // Options for one run of all attempts.
@@ -200,8 +201,8 @@ void MeasureAgreement(int attempts, const GraspError& error) {
   std::vector<int> agree(variants.size(), 0), succeeded(variants.size(), 0);
   std::vector<double> seconds(variants.size(), 0);
   int done = 0;
-  for (const ObjectCases& part : AllCases(gripper, AttemptsPerObject(attempts))) {
-    for (const Case& one : part.cases) {
+  for (const ObjectCases& group : AllCases(gripper, AttemptsPerObject(attempts))) {
+    for (const Case& one : group.cases) {
       if (done == attempts) break;
       Rng rng = Rng::Derive(0, done++, "shift");
       const Eigen::Vector3d direction_W = rng.UnitVector();
@@ -213,7 +214,7 @@ void MeasureAgreement(int attempts, const GraspError& error) {
         grasp.X_WG = Translation(variants[v].shift_m * direction_W) * grasp.X_WG;
         const double begin_s = CpuSeconds();
         const GraspOutcome outcome =
-            ExecuteGrasp(one.scene, part.objects, grasp, gripper, one.target, variants[v].options)
+            ExecuteGrasp(one.scene, group.objects, grasp, gripper, one.target, variants[v].options)
                 .outcome;
         verdicts.push_back(outcome.success);
         failures.emplace_back(FailureName(outcome.failure));
@@ -222,9 +223,9 @@ void MeasureAgreement(int attempts, const GraspError& error) {
         agree[v] += verdicts[v] == verdicts[variants[v].reference];
       }
       if (std::set<std::string>(failures.begin(), failures.end()).size() == 1) continue;
-      fmt::print("{} {}: {}\n", part.name, done - 1, fmt::join(failures, ", "));
+      fmt::print("{} {}: {}\n", group.name, done - 1, fmt::join(failures, ", "));
     }
-    fmt::print("{:<10} done, {} attempts so far, agree", part.name, done);
+    fmt::print("{:<10} done, {} attempts so far, agree", group.name, done);
     for (const int count : agree) fmt::print(" {}", count);
     fmt::print("\n");
     std::fflush(stdout);
@@ -252,13 +253,13 @@ void MeasureLabels(int grasps) {
   const Gripper& gripper = *loaded;
   int done = 0, same = 0, succeeded = 0;
   uint64_t hash = 0;
-  for (const ObjectCases& part : AllCases(gripper, AttemptsPerObject(grasps))) {
-    for (const Case& one : part.cases) {
+  for (const ObjectCases& group : AllCases(gripper, AttemptsPerObject(grasps))) {
+    for (const Case& one : group.cases) {
       if (done == grasps) break;
       ++done;
       std::array<GraspOutcome, 2> runs;
       for (GraspOutcome& outcome : runs) {
-        outcome = ExecuteGrasp(one.scene, part.objects, one.grasp, gripper, one.target).outcome;
+        outcome = ExecuteGrasp(one.scene, group.objects, one.grasp, gripper, one.target).outcome;
       }
       const std::string label = Label(runs[0]);
       same += label == Label(runs[1]);

@@ -37,21 +37,21 @@ ObjectSet ConcaveObjects() {
   return WithConvexPieces(objects);
 }
 
-std::vector<int> SpreadEvenly(int parts, size_t object_count) {
+std::vector<int> SpreadEvenly(int instances, size_t object_count) {
   std::vector<int> counts(object_count, 0);
-  for (int i = 0; i < parts; ++i) ++counts[i % object_count];
+  for (int i = 0; i < instances; ++i) ++counts[i % object_count];
   return counts;
 }
 
 // Drops scenes, counts refused ones and measures the overlap of accepted ones with meshes.
-void MeasureScenes(const std::string& title, const Bin& bin, const ObjectSet& objects, int parts,
-                   int scenes) {
+void MeasureScenes(const std::string& title, const Bin& bin, const ObjectSet& objects,
+                   int instances, int scenes) {
   double seconds = 0, slowest_s = 0, certificate_m = 0, mesh_m = 0;
   int refused = 0, lost = 0, missing = 0;
   for (int trial = 0; trial < scenes; ++trial) {
     const double begin_s = CpuSeconds();
-    const CertifiedScene made = MakeScene(
-        {bin, objects, SpreadEvenly(parts, objects.size()), 0, static_cast<uint64_t>(trial)});
+    const CertifiedScene made =
+        MakeScene({bin, objects, SpreadEvenly(instances, objects.size()), 0, BinIndex(trial)});
     const double scene_s = CpuSeconds() - begin_s;
     seconds += scene_s;
     slowest_s = std::max(slowest_s, scene_s);
@@ -59,7 +59,7 @@ void MeasureScenes(const std::string& title, const Bin& bin, const ObjectSet& ob
     for (const RefusedScene& scene : made.refused) {
       fmt::print("  trial {} drop {} rejected: {}\n", trial, scene.attempt, scene.faults[0]);
     }
-    missing += parts - static_cast<int>(made.scene.objects.size());
+    missing += instances - static_cast<int>(made.scene.objects.size());
     certificate_m = std::max(certificate_m, made.certificate.deepest_penetration_m);
     const MeshOverlap overlap = MeasureMeshOverlap(made.scene, objects);
     mesh_m = std::max(mesh_m, overlap.deepest_m);
@@ -73,7 +73,7 @@ void MeasureScenes(const std::string& title, const Bin& bin, const ObjectSet& ob
       "{}: {} scenes of {} instances; {} of {} drops rejected ({:.2f} %); {:.2f} CPU s per scene "
       "including rejected drops, slowest {:.2f}; deepest overlap {:.3f} mm by the certificate, "
       "{:.3f} mm by the meshes; {} instances outside the bin\n",
-      title, scenes, parts, refused, refused + scenes, 100.0 * refused / (refused + scenes),
+      title, scenes, instances, refused, refused + scenes, 100.0 * refused / (refused + scenes),
       seconds / scenes, slowest_s, 1e3 * certificate_m, 1e3 * mesh_m, lost + missing);
 }
 
@@ -86,7 +86,7 @@ std::shared_ptr<const ObjectModel> WithDiameter(const ObjectModel& model, double
   scaled->mass.volume_m3 *= s * s * s;
   scaled->mass.com_O *= s;
   scaled->mass.inertia_com_O *= s * s * s * s * s;
-  for (ConvexPiece& piece : scaled->convex_parts_O) {
+  for (ConvexPiece& piece : scaled->convex_pieces_O) {
     for (Eigen::Vector3d& p : piece.vertices_O) p *= s;
   }
   return scaled;
@@ -126,8 +126,7 @@ void MeasureMemory(int scenes) {
   std::vector<double> seconds, resident_mib;
   for (int i = 0; i < scenes; ++i) {
     const double begin_s = CpuSeconds();
-    const CertifiedScene made =
-        MakeScene({Bin{}, objects, {2, 2, 2}, 0, static_cast<uint64_t>(i % 10)});
+    const CertifiedScene made = MakeScene({Bin{}, objects, {2, 2, 2}, 0, BinIndex(i % 10)});
     const RenderedImage image = renderer.Render(made.scene, camera);
     const auto fractions = renderer.VisibleFractions(made.scene, camera, image.ids);
     Rng rng = Rng::Derive(0, i, "sensor");

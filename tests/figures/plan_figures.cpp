@@ -27,7 +27,7 @@
 namespace pickbed::tests {
 namespace {
 
-constexpr int kParts = 20;
+constexpr int kInstances = 20;
 constexpr int kCloudPoints = 3000;  // per instance
 constexpr int kMaxFailures = 2;     // in a row, as in the clutter removal protocol
 
@@ -60,10 +60,10 @@ std::vector<Eigen::Vector3d> CloudOf(const Scene& scene, const ObjectModel& mode
   Rng rng(1);
   const SurfaceSamples samples = SampleSurface(model.mesh_O, kCloudPoints, rng);
   std::vector<Eigen::Vector3d> cloud_W;
-  for (const PosedObject& part : scene.objects) {
+  for (const PosedObject& posed : scene.objects) {
     for (size_t i = 0; i < samples.points.size(); ++i) {
-      const Eigen::Vector3d normal_W = part.X_WO.linear() * samples.normals[i];
-      if (normal_W.z() > 0) cloud_W.push_back(part.X_WO * samples.points[i]);
+      const Eigen::Vector3d normal_W = posed.X_WO.linear() * samples.normals[i];
+      if (normal_W.z() > 0) cloud_W.push_back(posed.X_WO * samples.points[i]);
     }
   }
   return cloud_W;
@@ -73,7 +73,7 @@ PlanResult PlanOnce(const Scene& scene, const ObjectSet& objects, const Gripper&
                     const std::vector<std::vector<GraspCandidate>>& candidates,
                     const Settings& settings, Count& count) {
   std::vector<EstimatedPose> poses;
-  for (const PosedObject& part : scene.objects) poses.push_back({part.object, part.X_WO, 1});
+  for (const PosedObject& posed : scene.objects) poses.push_back({posed.object, posed.X_WO, 1});
   const auto cloud_W = CloudOf(scene, *objects[0]);
   const double begin_s = CpuSeconds();
   PlanResult plan =
@@ -145,7 +145,7 @@ void Measure(const std::string& name, int bins, const Settings& settings) {
   const std::vector<std::vector<GraspCandidate>> candidates{CachedCandidates(*objects[0], gripper)};
   Count count;
   for (int trial = 0; trial < bins; ++trial) {
-    const CertifiedScene made = MakeScene({bin, objects, {kParts}, 0, uint64_t(trial)});
+    const CertifiedScene made = MakeScene({bin, objects, {kInstances}, 0, BinIndex(trial)});
     Empty(made.scene, objects, gripper, candidates, settings, count);
   }
   fmt::print(
@@ -163,7 +163,7 @@ void Measure(const std::string& name, int bins, const Settings& settings) {
 }
 
 int Main(int argc, char** argv) {
-  const std::string part = argc > 2 ? argv[1] : "";
+  const std::string wanted = argc > 2 ? argv[1] : "";
   const int bins = argc > 2 ? std::atoi(argv[2]) : 0;
   if (bins < 1) {
     fmt::print(stderr, "plan_figures PART|all BINS [KEY=VALUE ...]\n");
@@ -175,7 +175,7 @@ int Main(int argc, char** argv) {
   }
   const auto names = ObjectCatalog({AssetsDir() / "objects"}).Names();
   for (const std::string& name : names) {
-    if (part == "all" || part.find(name) != std::string::npos) Measure(name, bins, settings);
+    if (wanted == "all" || wanted.find(name) != std::string::npos) Measure(name, bins, settings);
   }
   return 0;
 }

@@ -24,7 +24,7 @@ namespace {
 constexpr uint64_t kValidationSeed = 500;
 
 struct CapturedBin {
-  Scene scene;
+  std::vector<TrueInstance> instances;
   Observation view;
 };
 
@@ -70,17 +70,18 @@ void Measure(bool verified, int bins, const std::string& object,
   for (int trial = 0; trial < bins; ++trial) {
     Scene scene = cell.MakeScene(BinIndex(trial)).scene;
     Observation view = cell.Capture(scene, BinIndex(trial), 0);
-    captured.push_back({std::move(scene), std::move(view)});
+    captured.push_back(
+        {InstancesOf(scene, view.visible_fractions, cell.camera().X_CW()), std::move(view)});
   }
   for (const PpfMatchOptions& match : grid) {
     ComparedRow row;
     for (const CapturedBin& bin : captured) {
       EstimateResult found =
           verified ? Candidates(cell, bin.view, match) : Plain(cell, bin.view, match);
-      row.images.push_back({static_cast<int>(row.images.size()),
-                            ScoreAgainstTruth(bin.scene, bin.view.visible_fractions, metrics,
-                                              cell.camera(), found.hypotheses),
-                            std::move(found.seconds)});
+      row.images.push_back(
+          {static_cast<int>(row.images.size()),
+           ScoreAgainstTruth({metrics, bin.instances}, cell.camera(), found.hypotheses),
+           std::move(found.seconds)});
     }
     const ComparisonStatistics statistics = StatisticsOf(row);
     double seconds = 0;

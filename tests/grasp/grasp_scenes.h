@@ -8,7 +8,7 @@
 #include "grasp/grippers/parallel_jaw.h"
 #include "scenes/base/ids.h"
 #include "scenes/scene.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 

@@ -1,17 +1,21 @@
 #include <gtest/gtest.h>
 
+#include "perception/candidates/pose_selection.h"
 #include "perception/candidates/vote_candidates.h"
 #include "perception/crops/crop_views.h"
 #include "perception/crops/whole_crops.h"
 #include "perception/estimators/descriptor.h"
 #include "perception/estimators/ppf.h"
 #include "perception/estimators/wohlhart.h"
-#include "perception/icp/final_refinement.h"
+#include "perception/icp/bidirectional_icp.h"
+#include "perception/icp/pcl_icp.h"
+#include "perception/icp/projective_icp.h"
 #include "perception/networks/descriptor_network.h"
 #include "perception/networks/wohlhart.h"
 #include "perception/training/training.h"
 #include "perception/training/verifier_library.h"
 #include "perception/training/wohlhart_training.h"
+#include "perception/verify/depth_evidence.h"
 #include "tests/support/planted_option.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
@@ -34,23 +38,36 @@ TEST(PerceptionOptions, ValuesOutOfRangeAreRefused) {
   RayCastViews views({});
   Rng rng(0);
   EstimatorSetup setup;
-  const OrganizedCloud cloud =
-      BuildCloud({SmallCamera(), {}, Image<float>(320, 240)}, std::nullopt);
+  const RgbdFrame frame{SmallCamera(), {}, Image<float>(320, 240)};
+  const OrganizedCloud cloud = BuildCloud(frame, std::nullopt);
   std::vector<PoseHypothesis> hypotheses;
   const ModelPoints model;
   const auto train = [&](const TrainingOptions& o) {
     TrainDescriptor({views, {}, {}, false, {}, {}, {}}, o);
   };
   const auto train_crops = [&](const WohlhartOptions& o) { TrainWohlhart({{}, 0, {}, {}}, o); };
-  const auto refine = [&](const RefinerOptions& o) {
-    RefineFinally("none", cloud, {}, o, 1, hypotheses);
-  };
   const auto find = [&](const CandidateOptions& o) { CandidateFinder({}, {}, o); };
   const auto assess = [&](const CandidateRefinementOptions& o) { CandidateRefiner({}, o); };
+  const auto build = [&](const CloudOptions& o) { BuildCloud(frame, std::nullopt, o); };
+  const auto select = [&](const PoseSelectionOptions& o) { SelectPoses(cloud, {}, {}, {}, {}, o); };
   const auto verify = [&](const VerifierTrainingOptions& o) {
     TrainVerifierLibrary({views, "", {}, {}, false, {}, {}}, o);
   };
   const PlantedOption planted[] = {
+      {"normal_window_px", Planted<CloudOptions>([](auto& o) { o.normal_window_px = 17; }, build)},
+      {"fit_band_m", Planted<CloudOptions>([](auto& o) { o.fit_band_m = kNotANumber; }, build)},
+      {"min_hidden_share", Planted<BackgroundOptions>([](auto& o) { o.min_hidden_share = -1; },
+                                                      [](auto& o) { FitBackground({}, o); })},
+      {"sigma_m", Planted<DepthEvidenceOptions>(
+                      [](auto& o) { o.sigma_m = 0; },
+                      [](auto& o) { DepthEvidenceOf(*ObjectOf(BracketMesh()), o); })},
+      {"pixel_stride", Planted<NonMaximumSuppressionOptions>(
+                           [](auto& o) { o.pixel_stride = 0; },
+                           [&](auto& o) { SuppressNonMaxima(cloud, {}, hypotheses, o); })},
+      {"merge_diameters",
+       Planted<PoseSelectionOptions>([](auto& o) { o.merge_diameters = kNotANumber; }, select)},
+      {"suppress.claim_m",
+       Planted<PoseSelectionOptions>([](auto& o) { o.suppress.claim_m = -1; }, select)},
       {"branching", Planted<NeighborOptions>([](auto& o) { o.branching = 1; },
                                              [](auto& o) { NeighborIndex({}, 1, o); })},
       {"views", Planted<IsolatedOptions>(
@@ -62,12 +79,11 @@ TEST(PerceptionOptions, ValuesOutOfRangeAreRefused) {
       {"quick_tau_m",
        Planted<CandidateRefinementOptions>([](auto& o) { o.quick_tau_m = kNotANumber; }, assess)},
       {"damping", Planted<CandidateRefinementOptions>([](auto& o) { o.icp.damping = -1; }, assess)},
-      {"pcl_icp.target_stride",
-       Planted<RefinerOptions>([](auto& o) { o.pcl_icp.target_stride = 0; }, refine)},
-      {"bidirectional_icp.restart_rad",
-       Planted<RefinerOptions>([](auto& o) { o.bidirectional_icp.restart_rad = 4; }, refine)},
       {"iterations", Planted<PclIcpOptions>([](auto& o) { o.iterations = -1; },
                                             [&](auto& o) { PclIcp(cloud, o); })},
+      {"max_points", Planted<ProjectiveIcpOptions>(
+                         [](auto& o) { o.max_points = 513; },
+                         [&](auto& o) { ProjectiveIcp(cloud, model, Pose::Identity(), o); })},
       {"outline_weight",
        Planted<BidirectionalIcpOptions>(
            [](auto& o) { o.outline_weight = kNotANumber; },
@@ -107,7 +123,7 @@ TEST(PerceptionOptions, ValuesOutOfRangeAreRefused) {
       {"calibration_share",
        Planted<VerifierTrainingOptions>([](auto& o) { o.calibration_share = 1; },
                                         [&](auto& o) {
-                                          TrainPartVerifier(
+                                          TrainObjectVerifier(
                                               std::vector<LabelledView>(), ObjectId{0},
                                               std::span<const CandidateSource* const>(), o, {});
                                         })},

@@ -9,7 +9,7 @@
 #include "sim/hands/jaw_hand.h"
 #include "sim/physics/physics_world.h"
 #include "tests/sim/hand_paths.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 
@@ -25,7 +25,7 @@ struct HeldObject {
              const Pose& hand_pose, const PhysicsOptions& options = {})
       : model(std::move(object)), world(options), X_WG(hand_pose) {
     world.AddStaticBox(Translation({0, 0, -0.05}), {0.015, 0.5, 0.05}, 0.5);
-    world.AddPart(*model, X_WO);
+    world.AddInstance(*model, X_WO);
     hand = &AddJawHand(world, spec, X_WG);
     Stay(world, *hand, X_WG, 0.1);
     hand->Close();

@@ -2,10 +2,11 @@
 
 #include "sim/drop/drop.h"
 #include "sim/drop/occlusion_series.h"
+#include "sim/physics/physics_world.h"
 #include "sim/render/renderer.h"
 #include "sim/sensor/depth_noise.h"
 #include "sim/training_view_source.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 #include "tests/support/planted_option.h"
 
 namespace pickbed::tests {
@@ -17,11 +18,35 @@ TEST(SimOptions, ValuesOutOfRangeAreRefused) {
   const Image<float> depth_m(4, 3, 1.0f);
   Rng rng(0);
   const PlantedOption planted[] = {
+      {"rate_hz",
+       [] {
+         PhysicsOptions options;
+         options.rate_hz = kNotANumber;
+         PhysicsWorld world(options);
+       }},
+      {"gravity_W",
+       [] {
+         PhysicsOptions options;
+         options.gravity_W.x() = kNotANumber;
+         PhysicsWorld world(options);
+       }},
+      {"pad.gives_m",
+       [] {
+         PhysicsOptions options;
+         options.pad.gives_m = 0.002;
+         PhysicsWorld world(options);
+       }},
+      {"sleep_after_s",
+       [&] {
+         DropOptions options;
+         options.physics.sleep_after_s = 3;
+         DropInstances(Bin(), objects, {1}, rng, options);
+       }},
       {"calm_s",
        [&] {
          DropOptions options;
          options.calm_s = kNotANumber;
-         DropParts({}, objects, {1}, rng, options);
+         DropInstances({}, objects, {1}, rng, options);
        }},
       {"turn_attempts",
        [&] {

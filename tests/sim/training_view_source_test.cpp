@@ -18,12 +18,12 @@ namespace {
 
 ObjectSet FirstObjects(int count) {
   ObjectSet objects;
-  for (const PartRow& row : PartTable().first(count)) {
-    const MadePart object = row.make();
+  for (const FamilyRow& row : FamilyTable().first(count)) {
+    const FamilyObject object = row.make();
     auto model = std::make_shared<ObjectModel>();
     model->name = row.name;
     model->mesh_O = object.mesh_O;
-    model->convex_parts_O = object.convex_parts_O;
+    model->convex_pieces_O = object.convex_pieces_O;
     model->friction = object.friction;
     model->mass = UniformMassProperties(object.mesh_O, 0.05);
     model->diameter_m = Diameter(object.mesh_O);
@@ -35,8 +35,8 @@ ObjectSet FirstObjects(int count) {
 ViewSourceOptions SmallOptions() {
   ViewSourceOptions options;
   options.camera = {320, 240, 340, 340, 159.5, 119.5};
-  options.parts_min = 4;
-  options.parts_max = 8;
+  options.instances_min = 4;
+  options.instances_max = 8;
   options.sensor.random_dropout = 0.004;
   options.sensor.axial_sigma_m = 0.001;
   return options;
@@ -208,7 +208,7 @@ TEST(ViewSource, CameraPosesStayInTheirLimits) {
 
 TEST(ViewSource, FillLimitsTheInstanceCount) {
   ViewSourceOptions options = SmallOptions();
-  options.parts_min = options.parts_max = 30;
+  options.instances_min = options.instances_max = 30;
   const ObjectSet objects = FirstObjects(1);
   const double object_m3 = MeshBounds(objects[0]->mesh_O).size().prod();
   options.fill_max = 5.5 * object_m3 / options.bin.inner_size_m.prod();
@@ -219,7 +219,7 @@ TEST(ViewSource, AppearanceChangesColourButNotDepth) {
   const ObjectSet objects = FirstObjects(2);
   ViewSourceOptions options = SmallOptions();
   const auto plain = MakeSimViewSource(objects, options)->ClutterScene({5, 2});
-  options.looks = WideAppearance();
+  options.appearance = WideAppearance();
   const auto wide = MakeSimViewSource(objects, options);
   const auto a = wide->ClutterScene({5, 2}), b = wide->ClutterScene({5, 2});
   for (int view = 0; view < 2; ++view) {
@@ -237,7 +237,7 @@ TEST(ViewSource, AppearanceChangesColourButNotDepth) {
   const auto other = wide->Isolated(ObjectId{0}, SomePoses(2), crop, 2);
   EXPECT_EQ(one[0].frame.color, wide->Isolated(ObjectId{0}, SomePoses(2), crop, 1)[0].frame.color);
   EXPECT_NE(one[0].frame.color, other[0].frame.color);
-  options.looks.tint = {0.9, 0.2};
+  options.appearance.tint = {0.9, 0.2};
   try {
     MakeSimViewSource(objects, options);
     FAIL();
@@ -349,9 +349,9 @@ TEST(ViewSource, SettingsDifferForDifferentViews) {
   const auto other_sensors = MakeSimViewSource(objects, several);
   EXPECT_EQ(source->IsolatedSettings(), other_sensors->IsolatedSettings());
   EXPECT_NE(source->ClutterSceneSettings(), other_sensors->ClutterSceneSettings());
-  ViewSourceOptions looks = options;
-  looks.looks = WideAppearance();
-  EXPECT_NE(source->IsolatedSettings(), MakeSimViewSource(objects, looks)->IsolatedSettings());
+  ViewSourceOptions appearance = options;
+  appearance.appearance = WideAppearance();
+  EXPECT_NE(source->IsolatedSettings(), MakeSimViewSource(objects, appearance)->IsolatedSettings());
   ViewSourceOptions deeper = options;
   deeper.bin.inner_size_m.z() += 0.01;
   const auto other_bin = MakeSimViewSource(objects, deeper);
@@ -362,7 +362,7 @@ TEST(ViewSource, SettingsDifferForDifferentViews) {
 TEST(ViewSource, InvalidInputIsRefused) {
   EXPECT_THROW(MakeSimViewSource({}, SmallOptions()), InputError);
   ViewSourceOptions options = SmallOptions();
-  options.parts_max = 2;
+  options.instances_max = 2;
   EXPECT_THROW(MakeSimViewSource(FirstObjects(1), options), InputError);
   options = SmallOptions();
   options.distance_min_m = 2;

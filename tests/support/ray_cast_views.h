@@ -1,7 +1,7 @@
 #pragma once
 
 // View source for tests of training: ray-cast views of objects, without renderer and physics. A
-// "pile" is three instances side by side in a bin that is out of view.
+// clutter scene is three instances side by side in a bin that is out of view.
 
 #include "scenes/base/ids.h"
 #include "scenes/base/random.h"
@@ -12,7 +12,7 @@ namespace pickbed::tests {
 
 class RayCastViews : public LabelledViewSource {
  public:
-  static constexpr double kDistanceM = 0.5;  // from the camera to the instances of a pile
+  static constexpr double kDistanceM = 0.5;  // from the camera to the instances of a clutter scene
 
   explicit RayCastViews(ObjectSet objects, double noise_sigma_m = 0.0005)
       : objects_(std::move(objects)), noise_sigma_m_(noise_sigma_m) {}

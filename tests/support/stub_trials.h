@@ -16,8 +16,8 @@
 namespace pickbed::tests {
 
 struct StubOptions {
-  int parts = 12;
-  int looks = 5;
+  int instances = 12;
+  int attempts = 5;
   double ease = 0;  // added to the probability that a pose is correct
 };
 
@@ -71,20 +71,21 @@ inline TrialResult StubTrial(int trial, const StubOptions& options = {}) {
   Rng rng = Rng::Derive(17, trial, "stub");
   TrialResult result;
   result.trial = trial;
-  result.instances_dropped = options.parts;
+  result.instances_dropped = options.instances;
   const double scene_ease = options.ease + 0.3 * (rng.Uniform() - 0.5);
-  std::vector<InstanceRecord> parts;
-  for (int i = 0; i < options.parts; ++i) {
-    InstanceRecord& part = parts.emplace_back();
-    part.instance = InstanceId(i);
-    part.object = ObjectId(i % 2);
-    part.visible_fraction = rng.Uniform();
-    result.outcomes.push_back({part.instance, part.object, false, true, FailureReason::kNone, -1});
+  std::vector<InstanceRecord> instances;
+  for (int i = 0; i < options.instances; ++i) {
+    InstanceRecord& instance = instances.emplace_back();
+    instance.instance = InstanceId(i);
+    instance.object = ObjectId(i % 2);
+    instance.visible_fraction = rng.Uniform();
+    result.outcomes.push_back(
+        {instance.instance, instance.object, false, true, FailureReason::kNone, -1});
   }
-  for (int p = 0; p < options.looks && !parts.empty(); ++p) {
+  for (int p = 0; p < options.attempts && !instances.empty(); ++p) {
     AttemptRecord& attempt = result.attempts.emplace_back();
     attempt.attempt = p;
-    attempt.instances = parts;
+    attempt.instances = instances;
     for (InstanceRecord& instance : attempt.instances) {
       const double p_right =
           std::clamp(0.35 + 0.6 * instance.visible_fraction + scene_ease, 0.02, 0.98);
@@ -99,11 +100,11 @@ inline TrialResult StubTrial(int trial, const StubOptions& options = {}) {
     ++result.instances_cleared;
     result.outcomes[attempt.matched_instance].picked = true;
     result.outcomes[attempt.matched_instance].attempt = p;
-    std::erase_if(parts, [&](const InstanceRecord& part) {
-      return part.instance == attempt.matched_instance;
+    std::erase_if(instances, [&](const InstanceRecord& instance) {
+      return instance.instance == attempt.matched_instance;
     });
   }
-  for (const InstanceRecord& part : parts) result.outcomes[part.instance].asked = false;
+  for (const InstanceRecord& instance : instances) result.outcomes[instance.instance].asked = false;
   result.seconds = {{"drop", 0.2 + 0.1 * rng.Uniform()},
                     {"estimate", 2 + rng.Uniform()},
                     {"estimate/icp", 1 + 0.5 * rng.Uniform()},

@@ -30,6 +30,19 @@ YAML
   [ "$(grep -c " same$" "$work/last.out")" -ge 5 ] || fail "not all stages of the rerun are named"
 }
 
+replay_animates_picks() {
+  expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
+  expect 0 "$pickbed" replay one#1 --animate --attempt 0
+  grep -q "^1 animated picks in" last.out || fail "the number of picks is not reported"
+  head -c 6 one/replay/trial_0001/attempt_00_pick.gif | grep -q GIF89a || fail "no GIF"
+  grep -aq '"animations":' one/replay/trial_0001/attempt_00_pick.glb || fail "no animation in the GLB"
+  [ ! -e one/replay/trial_0001/attempt_01_pick.gif ] || fail "an attempt was animated that was not asked for"
+  refused "attempt 99 executed no grasp" "$pickbed" replay one#1 --animate --attempt 99
+  # A minimum score that no pose reaches: no attempt executes a grasp.
+  expect 0 "$pickbed" run rods.yaml --set estimator.name=ppf --set estimator.min_score=1 --trials 1 --out none
+  refused "no attempt of the trial executed a grasp" "$pickbed" replay none#0 --animate
+}
+
 replay_names_the_changed_setting() {
   cp "$here/../../assets/grippers/jaw_8cm.yaml" jaw.yaml
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --set gripper=jaw.yaml --out one

@@ -54,14 +54,14 @@ TEST(CropBenchmark, MethodsScoreBetweenRandomAndNearestTemplate) {
   // In each view no look-up is better than the template nearest to the ground truth. That template
   // is at most half the spacing of 162 directions away, about 20 degrees of rotation.
   for (int i = 0; i < 24; ++i) EXPECT_LE(oracle.angles_deg[i][0], 20);
-  EXPECT_EQ(RateOf(oracle.part_right), 1);
+  EXPECT_EQ(RateOf(oracle.object_right), 1);
   for (const char* name : {"hog", "linemod"}) {
     SCOPED_TRACE(name);
     const CropStatistics method = Clean(benchmark, name, CropStage::kNearest);
     for (int i = 0; i < 24; ++i) {
       EXPECT_LE(oracle.angles_deg[i][0], method.angles_deg[i][0] + 1e-9);
     }
-    EXPECT_GT(RateOf(method.part_right), RateOf(chance.part_right));
+    EXPECT_GT(RateOf(method.object_right), RateOf(chance.object_right));
     EXPECT_GT(RateOf(method.within[3]), RateOf(chance.within[3]));
   }
   // ICP converges from starts this close.
@@ -118,7 +118,7 @@ TEST(CropStatistics, WrongObjectIsWithinNoAngle) {
   wrong.angle_rad = std::numeric_limits<double>::infinity();
   benchmark.records = {right, wrong};
   const CropStatistics f = StatisticsOf(benchmark, {"m", CropStage::kNearest, 0, {}});
-  EXPECT_EQ(RateOf(f.part_right), 0.5);
+  EXPECT_EQ(RateOf(f.object_right), 0.5);
   EXPECT_EQ(RateOf(f.within[0]), 0);
   EXPECT_EQ(RateOf(f.within[1]), 0.5);
   EXPECT_EQ(RateOf(f.within[3]), 0.5);
@@ -130,10 +130,10 @@ class CropConditions : public testing::Test {
  protected:
   CropConditions() {
     ViewSourceOptions options;
-    options.looks = FixedAppearance();
+    options.appearance = FixedAppearance();
     source_ = MakeSimViewSource(CatalogObjects({"bracket", "elbow", "hex_bolt"}), options);
     options.isolated_lamps = true;
-    options.looks = WideAppearance();
+    options.appearance = WideAppearance();
     relit_ = MakeSimViewSource(source_->objects(), options);
   }
   std::vector<CropTest> Tests(const std::string& condition) {

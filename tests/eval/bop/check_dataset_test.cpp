@@ -55,7 +55,7 @@ TEST_F(BopCheck, IntactDatasetHasNoFault) {
   EXPECT_EQ(report.objects, 1);
   EXPECT_EQ(report.scenes, 1);
   EXPECT_EQ(report.images, 2);
-  EXPECT_EQ(report.instances, 2 * kSmallParts);
+  EXPECT_EQ(report.instances, 2 * kSmallInstances);
 }
 
 TEST_F(BopCheck, MissingFolderIsRefused) {

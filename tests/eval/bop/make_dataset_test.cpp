@@ -98,13 +98,13 @@ TEST_F(BopTruth, MasksAndDepthEqualTheRenderedScene) {
   SimulatedCell cell(SmallScenario(), EasyCube());
   SceneRenderer renderer(cell.objects(), cell.bin());
   const Scene scene = cell.MakeScene(BinIndex{0}).scene;
-  ASSERT_EQ(scene.objects.size(), static_cast<size_t>(kSmallParts));
+  ASSERT_EQ(scene.objects.size(), static_cast<size_t>(kSmallInstances));
   const SceneTruth truth = Truth();
   ASSERT_EQ(truth.images.size(), static_cast<size_t>(kViews));
   for (const auto& [id, image] : truth.images) {
     const RenderedImage rendered = renderer.Render(scene, CameraOfImage(image));
     // Each pose is X_CW * X_WO.
-    for (int i = 0; i < kSmallParts; ++i) {
+    for (int i = 0; i < kSmallInstances; ++i) {
       const Pose X_CO = *image.X_CW * scene.objects[i].X_WO;
       EXPECT_TRUE(image.instances[i].X_CO.isApprox(X_CO, 1e-9));
       const Image<uint8_t> visible = Mask("mask_visib", id, i), whole = Mask("mask", id, i);
@@ -130,7 +130,7 @@ TEST_F(BopTruth, VisibleFractionIsVisiblePixelsOverAllPixels) {
   int hidden = 0;
   for (const auto& [id, image] : Truth().images) {
     const Image<uint16_t> depth = ReadPng16(folder() / "depth" / ImageFileName(id));
-    for (int i = 0; i < kSmallParts; ++i) {
+    for (int i = 0; i < kSmallInstances; ++i) {
       const InstanceInfo& info = image.infos[i];
       const Image<uint8_t> mask = Mask("mask", id, i), visible = Mask("mask_visib", id, i);
       EXPECT_EQ(info.px_count_visib, Pixels(visible));
@@ -153,7 +153,7 @@ TEST_F(BopTruth, CocoAnnotationsDecodeToTheVisibleMasks) {
   int seen = 0;
   for (const Json& annotation : coco["annotations"]) {
     const int image = annotation["image_id"], number = annotation["id"];
-    const Image<uint8_t> mask = Mask("mask_visib", image, (number - 1) % kSmallParts);
+    const Image<uint8_t> mask = Mask("mask_visib", image, (number - 1) % kSmallInstances);
     // COCO run lengths go down the columns and begin with unset pixels.
     size_t at = 0;
     bool set = false;

@@ -2,8 +2,8 @@
 
 #include <sstream>
 
-#include "eval/cli/grasps_csv.h"
 #include "eval/draw/grasp_sheet.h"
+#include "eval/export/grasps_csv.h"
 #include "tests/support/layer.h"
 
 namespace pickbed::tests {

@@ -74,8 +74,20 @@ TEST_F(CommandsTest, HelpOfEveryCommandHasAnExampleAndExitsZero) {
   }
 }
 
+TEST_F(CommandsTest, WithoutACommandTheFirstCommandsAreShownFirst) {
+  const Outcome outcome = Pickbed({});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.err, "");
+  size_t at = outcome.out.find("First commands:");
+  for (const char* name : {"run", "report", "compare", "sweep", "estimate", "doctor"}) {
+    const size_t next = outcome.out.find(std::string("\n  ") + name + " ", at);
+    ASSERT_NE(next, std::string::npos) << name;
+    at = next;
+  }
+  EXPECT_EQ(outcome.out.find("\n\nMore commands:"), outcome.out.find('\n', at + 1));
+}
+
 TEST_F(CommandsTest, MistypedCommandsAndOptionsAreNamed) {
-  ExpectRefused({}, "--help");
   ExpectRefused({"rnu"}, "did you mean 'run'");
   ExpectRefused({"run"}, "SCENARIO");
   ExpectRefused({"run", Scenario(), "--job", "2"}, "--job");

@@ -265,8 +265,8 @@ TEST(SceneKey, DependsOnlyOnSettingsOfTheDrop) {
   }
 }
 
-std::string Occluded(const std::string& settings, const std::string& least = "0.1") {
-  return settings + "occlusion:\n  enabled: true\n  bands:\n    - min: " + least + "\n";
+std::string Occluded(const std::string& settings, const std::string& minimum = "0.1") {
+  return settings + "occlusion:\n  enabled: true\n  bands:\n    - min: " + minimum + "\n";
 }
 
 // Blockers are dropped along the line of sight until the bands are filled.

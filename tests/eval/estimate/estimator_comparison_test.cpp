@@ -28,6 +28,14 @@ HypothesisRecord Pose(double score, double mssd_diameters, double rotation_rad =
   return pose;
 }
 
+ScoredHypothesis Scored(const HypothesisRecord& record, int recalled, int nearest) {
+  ScoredHypothesis scored;
+  scored.record = record;
+  scored.recalled = recalled;
+  scored.nearest = nearest;
+  return scored;
+}
+
 // Three instances, the last one barely visible. The poses by score: a right one, a second pose of
 // the same instance, one at the place of another object. The last one is right, for the barely
 // visible instance.
@@ -35,11 +43,11 @@ ComparedRow HandWorked() {
   ComparedImage image;
   image.score.instances = {{InstanceId{0}, ObjectId{0}, 1.0, true},
                            {InstanceId{1}, ObjectId{0}, 0.6, false},
-                           {InstanceId{2}, ObjectId{0}, 0.05, true}};
-  image.score.hypotheses = {Pose(0.9, 0.01, 0.01), Pose(0.8, 0.02, 0.02), Pose(0.7, 0.3, 0.5),
-                            Pose(0.6, 0.03, 0.03)};
-  image.score.taken = {0, -1, -1, 2};
-  image.score.nearest_object = {ObjectId{0}, ObjectId{0}, ObjectId{1}, ObjectId{0}};
+                           {InstanceId{2}, ObjectId{0}, 0.05, true},
+                           {InstanceId{3}, ObjectId{1}, 0.05, false}};
+  image.score.hypotheses = {
+      Scored(Pose(0.9, 0.01, 0.01), 0, 0), Scored(Pose(0.8, 0.02, 0.02), -1, 0),
+      Scored(Pose(0.7, 0.3, 0.5), -1, 3), Scored(Pose(0.6, 0.03, 0.03), 2, 2)};
   image.seconds = {{"estimate", 0.5}, {"estimate/icp", 0.2}};
   ComparedRow row;
   row.label = "by hand";
@@ -83,7 +91,7 @@ TEST(ComparisonTable, LongLabelsKeepColumnsAligned) {
 // ones.
 TEST(ComparisonStatistics, ThresholdsDoNotSeparateEqualScores) {
   ComparedRow row = HandWorked();
-  for (HypothesisRecord& pose : row.images[0].score.hypotheses) pose.score = 0.5;
+  for (ScoredHypothesis& pose : row.images[0].score.hypotheses) pose.record.score = 0.5;
   EXPECT_EQ(StatisticsOf(row).recall_at_95, 0);
 }
 
@@ -118,7 +126,7 @@ TEST(Comparison, DistractorsDoNotCount) {
   const ComparisonJob job{spec, objects, {{"oracle", spec.estimator}}, {}, 0, 1, {}, {}};
   const std::vector<ComparedRow> rows = CompareEstimators(job);
   for (const ComparedImage& image : rows[0].images) {
-    for (const HypothesisRecord& pose : image.score.hypotheses) EXPECT_EQ(pose.object, 1);
+    for (const HypothesisRecord& pose : image.score.Records()) EXPECT_EQ(pose.object, 1);
   }
   const ComparisonStatistics f = StatisticsOf(rows[0]);
   EXPECT_EQ(f.recall(), 1);

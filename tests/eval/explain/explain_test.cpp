@@ -23,7 +23,7 @@ using testing::HasSubstr;
 
 constexpr double kSide_m = 0.03;
 
-std::vector<TruePart> TwoCubes() {
+std::vector<TrueInstance> TwoCubes() {
   return {{ObjectId{0}, Translation({-0.05, 0, 0.5}), 1},
           {ObjectId{0}, Translation({0.05, 0, 0.5}), 0.6}};
 }
@@ -31,21 +31,22 @@ std::vector<TruePart> TwoCubes() {
 TEST(PoseJudge, ErrorIsShiftOverDiameterToNearestInstance) {
   const PoseJudge judge(EasyCube(), TwoCubes());
   const double diameter_m = std::sqrt(3) * kSide_m;
-  const PoseVerdict exact = judge(ObjectId{0}, Translation({0.05, 0, 0.5}));
+  const InstanceMatch exact = judge(ObjectId{0}, Translation({0.05, 0, 0.5}));
   EXPECT_EQ(exact.position, 1);
-  EXPECT_NEAR(exact.diameters, 0, 1e-12);
-  const PoseVerdict shifted = judge(ObjectId{0}, Translation({-0.05, 0, 0.5 + 0.09 * diameter_m}));
+  EXPECT_NEAR(exact.mssd_diameters, 0, 1e-12);
+  const InstanceMatch shifted =
+      judge(ObjectId{0}, Translation({-0.05, 0, 0.5 + 0.09 * diameter_m}));
   EXPECT_EQ(shifted.position, 0);
-  EXPECT_NEAR(shifted.diameters, 0.09, 1e-9);
-  EXPECT_TRUE(shifted.right());
-  EXPECT_FALSE(judge(ObjectId{0}, Translation({-0.05, 0, 0.5 + 0.11 * diameter_m})).right());
+  EXPECT_NEAR(shifted.mssd_diameters, 0.09, 1e-9);
+  EXPECT_TRUE(shifted.correct);
+  EXPECT_FALSE(judge(ObjectId{0}, Translation({-0.05, 0, 0.5 + 0.11 * diameter_m})).correct);
 }
 
 TEST(PoseJudge, InstancesOfAnotherObjectDoNotCount) {
   const ObjectSet objects{Cube(0.03, 0.05, 0.6), Cube(0.02, 0.05, 0.6)};
   const PoseJudge judge(objects, TwoCubes());
   EXPECT_EQ(judge(ObjectId{1}, Translation({0.05, 0, 0.5})).position, -1);
-  EXPECT_FALSE(judge(ObjectId{1}, Translation({0.05, 0, 0.5})).right());
+  EXPECT_FALSE(judge(ObjectId{1}, Translation({0.05, 0, 0.5})).correct);
 }
 
 TEST(JudgeSet, SecondPoseOfAnInstanceIsNotRight) {
@@ -67,7 +68,7 @@ class ExplainedInstance : public testing::Test {
     trace_.min_score = 0.5;
   }
   InstanceDiagnosis Outcome(const std::vector<PoseHypothesis>& answer = {}) const {
-    std::vector<PoseVerdict> errors;
+    std::vector<InstanceMatch> errors;
     for (const TracedVote& vote : trace_.votes)
       errors.push_back(judge_(ObjectId{0}, vote.vote.X_CO));
     return DiagnoseInstances(judge_, trace_, errors, models_, answer).front();
@@ -218,7 +219,7 @@ TEST(SquareCrop, SquareIsEnlargedAboutItsCenter) {
 class ExplanationPage : public testing::Test {
  protected:
   std::string Write(const EstimateTrace& trace, const std::vector<PoseHypothesis>& answer,
-                    const std::optional<std::vector<TruePart>>& truth) {
+                    const std::optional<std::vector<TrueInstance>>& truth) {
     std::filesystem::remove_all(folder_.path() / "page");
     unwritten_ =
         WriteExplanation({"a < b", frame_, views_.objects(), trace, answer, truth, views_, 0.5},
@@ -257,8 +258,8 @@ TEST_F(ExplanationPage, EmptyImageGivesAPage) {
   LabelledView nothing;
   nothing.frame = frame_;
   for (const auto& truth :
-       {std::optional<std::vector<TruePart>>(),
-        std::optional(std::vector<TruePart>{{ObjectId{0}, BracketPose(), 1}})}) {
+       {std::optional<std::vector<TrueInstance>>(),
+        std::optional(std::vector<TrueInstance>{{ObjectId{0}, BracketPose(), 1}})}) {
     const std::string page = Write(Trace(nothing), {}, truth);
     if (!unwritten_.empty()) GTEST_SKIP() << unwritten_;
     ExpectPicturesExist(page);
@@ -273,17 +274,18 @@ TEST_F(ExplanationPage, EveryStageHasAPicture) {
   const double angle = 0;
   const PatchSet cut = CutPatches(trace.cloud, {&pixel, 1}, {&angle, 1}, {0.03});
   TracePatches({&pixel, 1}, cut, 0.03, trace);
-  const LabelledInstance& part = view_.instances[0];
+  const LabelledInstance& instance = view_.instances[0];
   RawHypothesis raw;
-  raw.X_CO = part.X_CO;
+  raw.X_CO = instance.X_CO;
   trace.votes = {{0, raw}};
   trace.refinements = {{raw, raw, false}};
   std::vector<PoseHypothesis> answer(1);
-  answer[0].X_CO = part.X_CO;
+  answer[0].X_CO = instance.X_CO;
   answer[0].score = 0.9;
   trace.candidates = {{answer[0], {}}};
   trace.accepted = answer;
-  const std::string page = Write(trace, answer, std::vector<TruePart>{{ObjectId{0}, part.X_CO, 1}});
+  const std::string page =
+      Write(trace, answer, std::vector<TrueInstance>{{ObjectId{0}, instance.X_CO, 1}});
   if (!unwritten_.empty()) GTEST_SKIP() << unwritten_;
   ExpectPicturesExist(page);
   for (const char* picture :

@@ -38,6 +38,7 @@ std::vector<TrialResult> Trials(double per_bin_m) {
   box.vertices_O = {{-0.02, 0, 0}, {0.02, 0, 0}, {0, 0.02, 0}, {InstanceId{0}, ObjectId{0}, 0.02}};
   box.symmetries_O = {Pose::Identity()};
   box.diameter_m = 0.04;
+  const std::vector<MetricModel> boxes{box};
   const Camera camera = [] {
     Camera above;
     above.SetPose(LookAt({0.1, -0.2, 0.8}, {0, 0, 0}, Eigen::Vector3d::UnitZ()));
@@ -53,9 +54,9 @@ std::vector<TrialResult> Trials(double per_bin_m) {
     trial.instances_dropped = trial.instances_cleared = 1;
     trial.outcomes = {{InstanceId{5}, ObjectId{0}, true, true, FailureReason::kNone, 0}};
     AttemptRecord& attempt = trial.attempts.emplace_back();
-    const AttemptScore score =
-        ScoreAgainstTruth(scene, {1.0}, {box}, camera, {{ObjectId{0}, X_CO, 0.5, {}}});
-    attempt.hypotheses = score.hypotheses;
+    const AttemptScore score = ScoreAgainstTruth({boxes, InstancesOf(scene, {1.0}, camera.X_CW())},
+                                                 camera, {{ObjectId{0}, X_CO, 0.5, {}}});
+    attempt.hypotheses = score.Records();
     attempt.instances = score.instances;
     attempt.chosen = 0;
     attempt.matched_instance = InstanceId{5};
@@ -111,7 +112,7 @@ TEST(AddedMetric, IsTheLastColumnOfTheCsvFiles) {
   ComparedRow row;
   row.label = "one";
   const HypothesisRecord& hypothesis = with[2].attempts[0].hypotheses[0];
-  row.images.emplace_back().score.hypotheses = {hypothesis};
+  row.images.emplace_back().score.hypotheses.emplace_back().record = hypothesis;
   auto object = std::make_shared<ObjectModel>();
   object->name = "box";
   const std::vector<std::string> hypotheses = Lines(HypothesesCsv({row}, {object}));

@@ -215,6 +215,25 @@ TEST_F(ReplayTest, RefusesMissingTrialsAndFiles) {
   EXPECT_THAT(RefusalOf({run_, 1}), HasSubstr("99"));
 }
 
+TEST_F(ReplayTest, ListsFinishedAndCrashedTrials) {
+  {
+    const StoreHead head = ResultsStore::OpenToRead(run_).head();
+    ResultsStore(run_, head).WriteCrashed({4, 0, BinIndex(4), 3, "ended by signal 11"});
+  }
+  std::string expected = " trial   bin  attempts  successes  status\n";
+  for (const TrialResult& trial : ResultsStore::OpenToRead(run_).ReadAll()) {
+    int successes = 0;
+    for (const AttemptRecord& attempt : trial.attempts) {
+      successes += attempt.grasp && attempt.failure == FailureReason::kNone;
+    }
+    EXPECT_GT(successes, 0);
+    expected += fmt::format("{:6}{:6}{:10}{:11}  finished\n", trial.trial, trial.trial,
+                            trial.attempts.size(), successes);
+  }
+  EXPECT_EQ(TrialList(run_), expected + "     4     4         0          0  crashed\n");
+  EXPECT_THAT(ErrorOf([&] { TrialList(folder_.path()); }), HasSubstr("has no results.sqlite"));
+}
+
 TEST(ParseTrialAddress, RequiresAFolderAndATrialNumber) {
   const TrialAddress address = ParseTrialAddress("results/a#b#12");
   EXPECT_EQ(address.run, "results/a#b");
@@ -250,7 +269,7 @@ TEST_F(ReplayTest, WritesTheFilesOfAllStages) {
   }
   // The cubes are in the bin. The hypotheses and nearly all observed points must be there, too.
   const auto estimated = PointsOf(out / "attempt_00_hypotheses.ply");
-  EXPECT_EQ(estimated.size(), 2u * StageFilesOptions().points_per_part);
+  EXPECT_EQ(estimated.size(), 2u * StageFilesOptions().points_per_object);
   for (const Eigen::Vector3f& p_W : estimated) {
     EXPECT_LT(std::abs(p_W.x()), 0.23f);
     EXPECT_GT(p_W.z(), -0.02f);

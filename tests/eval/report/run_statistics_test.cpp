@@ -246,9 +246,9 @@ TEST(RunStatistics, ViewsShowOneOfEachReasonAndOneSuccess) {
   trials[5].attempts[0].grasp.reset();  // no gripper to show
   trials[5].attempts.push_back(Attempt(0.9, true, FailureReason::kDropped));
   const ConfigurationTrials point = Point(trials);
-  const auto places = [&](int most) {
+  const auto places = [&](int maximum) {
     std::vector<size_t> numbers;
-    for (const ViewChoice& choice : ChooseViews({&point, 1}, most)) {
+    for (const ViewChoice& choice : ChooseViews({&point, 1}, maximum)) {
       numbers.push_back(10 * choice.trial + choice.attempt);
     }
     return numbers;

@@ -91,8 +91,8 @@ TEST(SceneGlb, LargeMeshesAreSimplified) {
     }
   }
   const Scene scene = OneCube();
-  const auto faces_with = [&](int most_faces) {
-    const auto json = JsonOf(SceneGlb({scene, {ball}, {}}, {.most_faces = most_faces}));
+  const auto faces_with = [&](int max_faces) {
+    const auto json = JsonOf(SceneGlb({scene, {ball}, {}}, {.max_faces = max_faces}));
     const auto& primitive = json["meshes"][1]["primitives"][0];
     return json["accessors"][primitive["indices"].get<size_t>()]["count"].get<size_t>() / 3;
   };

@@ -128,8 +128,8 @@ TEST(Workers, WorkersKeepToTheirGroup) {
   std::map<int, int> changes;  // by process
   for (const auto& [item, reply] : replies) {
     const size_t space = reply.find(' ');
-    int& most = changes[std::stoi(reply)];
-    most = std::max(most, std::stoi(reply.substr(space)));
+    int& maximum = changes[std::stoi(reply)];
+    maximum = std::max(maximum, std::stoi(reply.substr(space)));
   }
   int all = 0;
   for (const auto& [process, count] : changes) all += count;

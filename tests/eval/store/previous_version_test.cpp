@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -231,6 +232,7 @@ TEST_F(PreviousVersion, RenamedValuesAreRead) {
          "UPDATE fates SET loss = 'disturbed' WHERE trial = 0 AND instance = 3;"
          "UPDATE trials SET ended_by = 'wrong_part' WHERE trial = 0;"
          "UPDATE instances SET missed = 'wrong_part' WHERE trial = 0 AND pick = 0 AND instance = 1;"
+         "UPDATE rejections SET cause = 'palm meets a part' WHERE trial = 1 AND cause = 'tilt';"
          "INSERT INTO timings VALUES (0, 'estimate/look_alikes', 0.25);");
   const std::vector<TrialResult> trials = ResultsStore::OpenToRead(folder_ / "run").ReadAll();
   ASSERT_EQ(trials.size(), 2u);
@@ -244,6 +246,17 @@ TEST_F(PreviousVersion, RenamedValuesAreRead) {
   EXPECT_THAT(
       trials[0].attempts.at(0).instances,
       testing::Contains(testing::Field(&InstanceRecord::missed, FailureReason::kWrongObject)));
+  const auto rejected = [&](const std::string& cause) {
+    return std::ranges::any_of(trials, [&](const TrialResult& trial) {
+      return std::ranges::any_of(trial.attempts, [&](const AttemptRecord& attempt) {
+        return attempt.grasps_rejected.contains(cause);
+      });
+    });
+  };
+  for (const RenamedCause& cause : kRenamedCauses) {
+    EXPECT_TRUE(rejected(std::string(cause.is))) << cause.is;
+    EXPECT_FALSE(rejected(std::string(cause.was))) << cause.was;
+  }
   EXPECT_THAT(trials[0].seconds, testing::Contains(testing::Key("capture")));
   EXPECT_THAT(trials[0].seconds, testing::Not(testing::Contains(testing::Key("see"))));
   EXPECT_THAT(trials[0].seconds,
@@ -334,11 +347,11 @@ class OldToNewPage : public testing::Test {
     for (const std::string& cell : cells)
       row += cell.empty() ? "[^|\n]*\\|" : " `" + cell + "` \\|";
     EXPECT_TRUE(std::regex_search(page_, std::regex(row)))
-        << "docs/old_to_new.md has no row for " << testing::PrintToString(cells) << " of "
-        << origin;
+        << "docs/pages/reference/old_to_new.md has no row for " << testing::PrintToString(cells)
+        << " of " << origin;
   }
 
-  const std::string page_ = Source("docs/old_to_new.md");
+  const std::string page_ = Source("docs/pages/reference/old_to_new.md");
 };
 
 // Scans the sources, because only they contain the former names of all settings structs.
@@ -380,6 +393,9 @@ TEST_F(OldToNewPage, ListsEveryRenamedColumnAndValueOfTheResults) {
   for (const FailureRow& row : FailureTable()) {
     if (row.former_name.empty()) continue;
     ExpectRow({std::string(row.former_name), std::string(row.name)}, "the failure reasons");
+  }
+  for (const RenamedCause& cause : kRenamedCauses) {
+    ExpectRow({std::string(cause.was), std::string(cause.is)}, "the causes of rejected grasps");
   }
 }
 

@@ -34,12 +34,12 @@ TrialEnd End(const std::vector<int>& remaining, bool gave_up) {
   return end;
 }
 
-TrialResult TrialOf(int parts, const std::vector<AttemptRecord>& picks, const TrialEnd& end) {
+TrialResult TrialOf(int instances, const std::vector<AttemptRecord>& picks, const TrialEnd& end) {
   TrialResult trial;
-  trial.instances_dropped = parts;
+  trial.instances_dropped = instances;
   trial.attempts = picks;
-  std::vector<InstanceOutcome> outcomes(parts);
-  for (int i = 0; i < parts; ++i) outcomes[i].instance = InstanceId(i);
+  std::vector<InstanceOutcome> outcomes(instances);
+  for (int i = 0; i < instances; ++i) outcomes[i].instance = InstanceId(i);
   for (const AttemptRecord& pick : picks)
     trial.instances_cleared += pick.failure == FailureReason::kNone;
   trial.outcomes = DecideOutcomes(outcomes, picks, end);
@@ -198,10 +198,10 @@ TEST(InstanceOutcomes, EachAttemptOfALimitedTrialRequestsOneInstance) {
     const TrialResult one = TrialOf(3, {without_grasp}, End({0, 1, 2}, false));
     EXPECT_EQ(OutcomeOf(one, InstanceId{1}).failure, FailureReason::kPoseWrong);
     EXPECT_EQ(OutcomeOf(one, InstanceId{1}).attempt, 0);
-    const FailureBudget parts = BudgetOfInstances({&one, 1}),
+    const FailureBudget instances = BudgetOfInstances({&one, 1}),
                         attempts = BudgetOfAttempts({&one, 1});
-    EXPECT_EQ(parts.asked(), attempts.asked()) << "one attempt requests one instance";
-    EXPECT_EQ(parts[FailureReason::kPoseWrong], attempts[FailureReason::kPoseWrong]);
+    EXPECT_EQ(instances.asked(), attempts.asked()) << "one attempt requests one instance";
+    EXPECT_EQ(instances[FailureReason::kPoseWrong], attempts[FailureReason::kPoseWrong]);
 
     // The second attempt requests another instance. The third has instance 0 as its target.
     AttemptRecord second = AttemptWithoutTarget(1, {0.2, 0.9, 0.5}, FailureReason::kNoGrasp, false);
@@ -228,9 +228,9 @@ TEST(FailureBudget, BinsWithoutAGraspCountInTheInstanceRate) {
       TrialOf(2, {AttemptWithoutTarget(0, {0.5, 0.4}, FailureReason::kNoGrasp, false)},
               End({0, 1}, false)),
       TrialOf(2, {Attempt(0, {0, 1}, FailureReason::kNone, 0)}, End({1}, false))};
-  const FailureBudget parts = BudgetOfInstances(trials);
-  EXPECT_EQ(parts.asked(), 2);
-  EXPECT_EQ(parts.picked, 1);
+  const FailureBudget instances = BudgetOfInstances(trials);
+  EXPECT_EQ(instances.asked(), 2);
+  EXPECT_EQ(instances.picked, 1);
   const std::vector<Cluster> clusters = InstancesByTrial(trials);
   EXPECT_EQ(clusters[0].samples, 1);
   EXPECT_EQ(clusters[0].hits, 0);
@@ -246,7 +246,7 @@ TEST(FailureBudget, ShareIntervalsAreOverBins) {
       for (int i = 0; i < 4; ++i) {
         const bool slips = by_bin ? bin % 4 == 0 : i == bin % 4;
         std::vector<int> seen = remaining;
-        for (int part = i; part < 4; ++part) seen.push_back(part);
+        for (int instance = i; instance < 4; ++instance) seen.push_back(instance);
         picks.push_back(
             Attempt(i, seen, slips ? FailureReason::kSlipped : FailureReason::kNone, i));
         if (slips) remaining.push_back(i);

@@ -280,12 +280,12 @@ TEST(Shards, AreDisjointBalancedAndKeepBinsTogether) {
   const Sweep sweep = StubSweep(3, 10);
   for (const int count : {1, 2, 4, 8, 40}) {
     std::vector<int> all;
-    size_t least = 100, most = 0;
+    size_t minimum = 100, maximum = 0;
     int split_scenes = 0;
     for (int i = 1; i <= count; ++i) {
       const std::vector<int> trials = TrialsOfShard(sweep, {i, count});
-      least = std::min(least, trials.size());
-      most = std::max(most, trials.size());
+      minimum = std::min(minimum, trials.size());
+      maximum = std::max(maximum, trials.size());
       std::map<int, int> points_of_scene;
       for (const int trial : trials) ++points_of_scene[trial % 10];
       for (const auto& [scene, points] : points_of_scene) split_scenes += points < 3;
@@ -294,7 +294,7 @@ TEST(Shards, AreDisjointBalancedAndKeepBinsTogether) {
     std::sort(all.begin(), all.end());
     EXPECT_EQ(all.size(), 30u) << count << " shards";
     EXPECT_EQ(std::adjacent_find(all.begin(), all.end()), all.end());
-    EXPECT_LE(most - least, 1u);
+    EXPECT_LE(maximum - minimum, 1u);
     if (count <= 8) {
       EXPECT_LE(split_scenes, 2 * (count - 1)) << "only at the borders";
     }

@@ -25,8 +25,8 @@ std::shared_ptr<const ObjectModel> Named(const std::string& name, double side_m)
 }
 
 // A model of grasps that tolerate an error of kTolerated_m along x of the object.
-ToleranceModel Model(const ObjectModel& part) {
-  ToleranceModel model = EmptyToleranceModel(part, "jaw", {Pose::Identity()});
+ToleranceModel Model(const ObjectModel& object) {
+  ToleranceModel model = EmptyToleranceModel(object, "jaw", {Pose::Identity()});
   Rng rng(3);
   std::vector<ToleranceSample> samples;
   for (int i = 0; i < 1000; ++i) {
@@ -66,11 +66,11 @@ std::vector<TrialResult> Bins(int bins, int objects, double max_error_m) {
 class PickForecasts : public ::testing::Test {
  protected:
   // Writes FOLDER/NAME/model.yaml and returns its folder.
-  std::string Map(const std::string& name, const ObjectModel& part,
+  std::string Map(const std::string& name, const ObjectModel& object,
                   const std::string& gripper = "jaw") {
     const std::filesystem::path folder = folder_.path() / name;
     std::filesystem::create_directories(folder);
-    ToleranceModel model = Model(part);
+    ToleranceModel model = Model(object);
     model.gripper = gripper;
     WriteToleranceModel(folder / "model.yaml", model);
     return folder.string();
@@ -137,8 +137,8 @@ TEST_F(PickForecasts, ForecastMatchesThePicksOfTheRun) {
       InstanceId{-1};  // a pick at a phantom has no known pose error
   const auto forecasts = ForecastsOf(trials, objects_, maps);
   ASSERT_EQ(forecasts.size(), 3u);
-  EXPECT_EQ(forecasts[0].part, "small");
-  EXPECT_EQ(forecasts[2].part, "all objects");
+  EXPECT_EQ(forecasts[0].object, "small");
+  EXPECT_EQ(forecasts[2].object, "all objects");
   EXPECT_EQ(forecasts[2].picks, 239);
   EXPECT_EQ(forecasts[2].bins, 120);
   EXPECT_EQ(forecasts[0].successes + forecasts[1].successes, forecasts[2].successes);

@@ -179,8 +179,8 @@ TEST(ToleranceStatistics, RepeatedGraspsDoNotNarrowTheInterval) {
 
 TEST(TolerancePredictors, MapPredictsAPlantedRuleAndMetricsDoNot) {
   // Picks that tolerate any error across the hand, but only 3 mm along its closing direction.
-  const auto part = BoxObject({0.04, 0.03, 0.06}, 0.1);
-  ToleranceModel model = EmptyToleranceModel(*part, "test jaw", {Pose::Identity()});
+  const auto object = BoxObject({0.04, 0.03, 0.06}, 0.1);
+  ToleranceModel model = EmptyToleranceModel(*object, "test jaw", {Pose::Identity()});
   Rng rng(0);
   const auto draw = [&] {
     PoseOffset error = PoseOffset::Zero();
@@ -198,7 +198,7 @@ TEST(TolerancePredictors, MapPredictsAPlantedRuleAndMetricsDoNot) {
     const PoseOffset error = draw();
     picks.push_back({ToPose(error), std::abs(error[0]) < 0.003, i});
   }
-  const auto predictors = JudgePredictors({{model, *part, picks}});
+  const auto predictors = JudgePredictors({{model, *object, picks}});
   ASSERT_GE(predictors.size(), 4u);
   EXPECT_EQ(predictors[0].name, kPickRiskMetric);
   EXPECT_GT(predictors[0].auc.auc, 0.98);
@@ -217,17 +217,17 @@ TEST(TolerancePredictors, MapPredictsAPlantedRuleAndMetricsDoNot) {
   EXPECT_NEAR(auc_of("mssd"), auc_of("add"), 1e-12);
   // The bootstrap draws the picks of one bin together.
   for (size_t i = 0; i < picks.size(); ++i) picks[i].cluster = static_cast<int>(i) / 100;
-  const auto clustered = JudgePredictors({{model, *part, picks}});
+  const auto clustered = JudgePredictors({{model, *object, picks}});
   EXPECT_DOUBLE_EQ(clustered[0].auc.auc, predictors[0].auc.auc);
   EXPECT_NE(clustered[1].auc.interval.low, predictors[1].auc.interval.low);
 }
 
 TEST(TolerancePredictors, PicksOfOneOutcomeGiveNoAuc) {
-  const auto part = BoxObject({0.04, 0.03, 0.06}, 0.1);
-  const ToleranceModel model = EmptyToleranceModel(*part, "test jaw", {Pose::Identity()});
+  const auto object = BoxObject({0.04, 0.03, 0.06}, 0.1);
+  const ToleranceModel model = EmptyToleranceModel(*object, "test jaw", {Pose::Identity()});
   std::vector<JudgedPick> picks;
   for (int i = 0; i < 6; ++i) picks.push_back({Translation({1e-4 * i, 0, 0}), true, i / 2});
-  const auto predictors = JudgePredictors({{model, *part, picks}});
+  const auto predictors = JudgePredictors({{model, *object, picks}});
   EXPECT_THAT(PredictorText(predictors, "3 bins"),
               testing::AllOf(testing::HasSubstr("all 6 picks succeeded (3 bins)"),
                              testing::Not(testing::HasSubstr("0.5"))));

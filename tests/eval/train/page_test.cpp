@@ -18,8 +18,8 @@ TEST(Stretches, EachValueIsCoveredOnce) {
   EXPECT_DOUBLE_EQ(stretches[0].mean, 2);
   EXPECT_DOUBLE_EQ(stretches[0].x, 1);
   EXPECT_DOUBLE_EQ(stretches[1].mean, 14.0 / 3);
-  EXPECT_DOUBLE_EQ(stretches[1].least, 2);
-  EXPECT_DOUBLE_EQ(stretches[1].greatest, 7);
+  EXPECT_DOUBLE_EQ(stretches[1].minimum, 2);
+  EXPECT_DOUBLE_EQ(stretches[1].maximum, 7);
   EXPECT_EQ(Stretches({1, 2}, 50).size(), 2u);
   EXPECT_TRUE(Stretches({}, 50).empty());
 }
@@ -82,7 +82,7 @@ TEST(WriteTrainingPage, PageHasStatisticsCurvesAndPictures) {
   TrainingReport report;
   report.loss_history = {0.5, 0.25};
   report.recall_history = {{0, 0.125, 0.5, {0.125}, {0.5}}, {2, 0.625, 0.75, {0.625}, {0.75}}};
-  report.part_auc = {0.875};
+  report.object_auc = {0.875};
   report.rehearsed = {0};
   report.plateau_iteration = 2;
   report.phases = {{"network", 12.5}};

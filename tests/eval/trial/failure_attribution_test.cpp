@@ -26,7 +26,21 @@ class FailureAttribution : public ::testing::Test {
   }
   FailureReason At(const Pose& X_CO) {
     chosen_.X_CO = X_CO;
-    return AttributeFailure(record_, {chosen_}, kMatchDiameters, {scene_, models_, camera_});
+    const InstanceMatcher truth = Truth();
+    return AttributeFailure(record_, Joined({chosen_}, truth), kMatchDiameters, truth);
+  }
+  InstanceMatcher Truth() const {
+    return {models_, InstancesOf(scene_, {0.8, 0.05}, camera_.X_CW())};
+  }
+  // Joins the hypotheses with the records of the attempt.
+  std::vector<ScoredHypothesis> Joined(const std::vector<PoseHypothesis>& hypotheses,
+                                       const InstanceMatcher& truth) const {
+    std::vector<ScoredHypothesis> joined;
+    for (const PoseHypothesis& h : hypotheses) {
+      joined.push_back({h, record_.hypotheses.at(joined.size()), -1,
+                        truth.NearestOfAnyObject(h.object, h.X_CO)});
+    }
+    return joined;
   }
   static Pose Wrong() { return Translation({0.03, 0, 0}); }
 
@@ -112,7 +126,8 @@ class FailureAttributionWithoutGrasp : public FailureAttribution {
   FailureReason Without(const std::vector<PoseHypothesis>& hypotheses, bool correct = false) {
     record_.hypotheses.assign(hypotheses.size(), {});
     if (correct) record_.hypotheses.back().correct = true;
-    return AttributeFailure(record_, hypotheses, kMatchDiameters, {scene_, models_, camera_});
+    const InstanceMatcher truth = Truth();
+    return AttributeFailure(record_, Joined(hypotheses, truth), kMatchDiameters, truth);
   }
 };
 
@@ -134,18 +149,21 @@ TEST_F(FailureAttributionWithoutGrasp, NoGraspIfAPoseIsCorrectElseReasonOfTheFir
 }
 
 // Returns the reason why instance 0 is missed. No hypothesis recalls it; instance 1 is recalled.
-FailureReason MissedBy(const std::vector<PoseHypothesis>& hypotheses, const GroundTruth& truth,
+FailureReason MissedBy(const std::vector<PoseHypothesis>& hypotheses, const InstanceMatcher& truth,
                        double visible = 0.8) {
   AttemptScore score;
   score.instances = {{InstanceId{0}, ObjectId{0}, visible, false},
                      {InstanceId{1}, ObjectId{1}, 0.5, true}};
-  const std::vector<FailureReason> missed = MissReasons(score, hypotheses, truth);
+  for (const PoseHypothesis& h : hypotheses) {
+    score.hypotheses.push_back({h, {}, -1, truth.NearestOfAnyObject(h.object, h.X_CO)});
+  }
+  const std::vector<FailureReason> missed = MissReasons(score, truth);
   EXPECT_EQ(missed.at(1), FailureReason::kNone) << "a recalled instance has no reason";
   return missed.at(0);
 }
 
 TEST_F(FailureAttribution, MissedInstanceHasOneReason) {
-  const GroundTruth truth{scene_, models_, camera_};
+  const InstanceMatcher truth = Truth();
   PoseHypothesis own, other, far;
   own.X_CO = Wrong();
   other.object = ObjectId{1};

@@ -12,7 +12,7 @@
 #include "eval/trial/simulated_cell.h"
 #include "eval/trial/trial.h"
 #include "tests/eval/cube_scenario.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {
@@ -39,15 +39,15 @@ TEST(OcclusionTrial, HasOneAttemptPerBandAtTheSameTarget) {
   for (const int trial : {0, 1}) {
     const TrialResult result = runner.Run(BinIndex(trial));
     ASSERT_EQ(result.attempts.size(), 3u);
-    size_t parts = 0;
+    size_t instances = 0;
     for (const AttemptRecord& attempt : result.attempts) {
       EXPECT_EQ(attempt.target, result.attempts[0].target);
       EXPECT_EQ(attempt.band, 2 - attempt.attempt);
       // From the camera image. Another renderer was used to build the scenes.
       EXPECT_TRUE(spec.occlusion.bands[attempt.band].Holds(TargetOf(attempt).visible_fraction));
-      EXPECT_GE(attempt.instances.size(), std::max<size_t>(parts, 4))
+      EXPECT_GE(attempt.instances.size(), std::max<size_t>(instances, 4))
           << "no attempt removes an instance";
-      parts = attempt.instances.size();
+      instances = attempt.instances.size();
     }
   }
 }

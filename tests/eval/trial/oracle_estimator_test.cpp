@@ -13,8 +13,12 @@ namespace {
 
 struct OracleCase {
   Scene scene;
-  Observation view;
+  std::vector<double> visible_fractions;
   Camera camera;
+
+  std::vector<TrueInstance> Instances() const {
+    return InstancesOf(scene, visible_fractions, camera.X_CW());
+  }
 };
 
 OracleCase InstancesInView(const std::vector<double>& visible) {
@@ -25,20 +29,20 @@ OracleCase InstancesInView(const std::vector<double>& visible) {
     const Pose X_WO = MakePose(rng.Rotation().toRotationMatrix(), 0.1 * rng.UnitVector());
     truth.scene.objects.push_back({InstanceId(i + 10), ObjectId(i % 2), X_WO});
   }
-  truth.view.visible_fractions = visible;
+  truth.visible_fractions = visible;
   return truth;
 }
 
 TEST(OracleEstimator, WithoutNoisePosesAreExactAndRankedByVisibility) {
   const OracleCase truth = InstancesInView({0.3, 0.9, 0.6});
   Rng rng(1);
-  const auto found = OracleEstimate(truth.scene, truth.view, truth.camera, EstimatorSpec(), rng);
+  const auto found = OracleEstimate(truth.Instances(), EstimatorSpec(), rng).hypotheses;
   ASSERT_EQ(found.size(), 3u);
   const int order[] = {1, 2, 0};
   for (int i = 0; i < 3; ++i) {
     const PosedObject& posed = truth.scene.objects[order[i]];
     EXPECT_EQ(found[i].object, posed.object);
-    EXPECT_EQ(found[i].score, truth.view.visible_fractions[order[i]]);
+    EXPECT_EQ(found[i].score, truth.visible_fractions[order[i]]);
     EXPECT_TRUE((truth.camera.X_WC() * found[i].X_CO).isApprox(posed.X_WO, 1e-12));
   }
 }
@@ -46,7 +50,7 @@ TEST(OracleEstimator, WithoutNoisePosesAreExactAndRankedByVisibility) {
 TEST(OracleEstimator, InstancesBelowTenPercentVisibleAreNotReported) {
   const OracleCase truth = InstancesInView({0.0999, 0.1001, 0});
   Rng rng(1);
-  const auto found = OracleEstimate(truth.scene, truth.view, truth.camera, EstimatorSpec(), rng);
+  const auto found = OracleEstimate(truth.Instances(), EstimatorSpec(), rng).hypotheses;
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].score, 0.1001);
 }
@@ -62,7 +66,7 @@ TEST(OracleEstimator, NoiseHasTheRequestedStandardDeviation) {
   Eigen::Vector3d squares = Eigen::Vector3d::Zero(), sum = squares;
   double angle_squares = 0;
   for (int i = 0; i < kDraws; ++i) {
-    const auto found = OracleEstimate(truth.scene, truth.view, truth.camera, spec, rng);
+    const auto found = OracleEstimate(truth.Instances(), spec, rng).hypotheses;
     const Eigen::Vector3d error_mm = 1e3 * (found[0].X_CO.translation() - X_CO.translation());
     sum += error_mm;
     squares += error_mm.cwiseAbs2();

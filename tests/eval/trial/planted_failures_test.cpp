@@ -108,14 +108,13 @@ class PlantedFailure : public ::testing::Test {
 
   // Fills the record in the same way as a trial with one attempt.
   TrialResult TrialOf(const PlantedAttempt& attempt) const {
-    const GroundTruth truth{scene_, models_, camera_};
+    const InstanceMatcher truth(models_, InstancesOf(scene_, attempt.visible, camera_.X_CW()));
     AttemptRecord record;
-    AttemptScore score =
-        ScoreAgainstTruth(scene_, attempt.visible, models_, camera_, attempt.hypotheses);
-    const std::vector<FailureReason> missed = MissReasons(score, attempt.hypotheses, truth);
+    AttemptScore score = ScoreAgainstTruth(truth, camera_, attempt.hypotheses);
+    const std::vector<FailureReason> missed = MissReasons(score, truth);
     for (size_t i = 0; i < missed.size(); ++i) score.instances[i].missed = missed[i];
     record.instances = score.instances;
-    record.hypotheses = score.hypotheses;
+    record.hypotheses = score.Records();
     record.outcome = attempt.outcome;
     if (attempt.is_executed) {
       record.grasp = Grasp();
@@ -124,7 +123,7 @@ class PlantedFailure : public ::testing::Test {
       record.matched_instance =
           chosen.mssd_diameters() < kMatchDiameters ? chosen.instance : kNoInstance;
     }
-    record.failure = AttributeFailure(record, attempt.hypotheses, kMatchDiameters, truth);
+    record.failure = AttributeFailure(record, score.hypotheses, kMatchDiameters, truth);
     TrialResult trial;
     trial.instances_dropped = 2;
     trial.instances_cleared = record.failure == FailureReason::kNone;

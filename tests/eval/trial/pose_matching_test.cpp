@@ -41,7 +41,8 @@ struct MatchingCase {
     hypotheses.push_back({object, camera.X_CW() * X_WO, score, {}});
   }
   AttemptScore Score(const std::vector<MetricModel>& models) const {
-    return ScoreAgainstTruth(scene, visible, models, camera, hypotheses);
+    return ScoreAgainstTruth({models, InstancesOf(scene, visible, camera.X_CW())}, camera,
+                             hypotheses);
   }
 };
 
@@ -60,7 +61,7 @@ TEST(PoseMatching, StoresThePoseInWorldAndInTheTrueObjectFrame) {
       At(0.001, -0.002, 0.003) * Pose(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
   matching.AddInstance(InstanceId{7}, ObjectId{0}, X_WO);
   matching.AddHypothesis(ObjectId{0}, X_WO * error, 0.4);
-  const HypothesisRecord score = matching.Score({Box(false)}).hypotheses[0];
+  const HypothesisRecord score = matching.Score({Box(false)}).hypotheses[0].record;
   EXPECT_TRUE(score.X_WO.isApprox(X_WO * error, 1e-9));
   EXPECT_TRUE(score.X_OE.isApprox(error, 1e-9));
 }
@@ -73,9 +74,9 @@ TEST(PoseMatching, GroundTruthPosesAreCorrectWithZeroError) {
   matching.AddHypothesis(ObjectId{0}, At(0.1), 0.9);
   const AttemptScore score = matching.Score({Box(false)});
   ASSERT_EQ(score.hypotheses.size(), 2u);
-  EXPECT_EQ(score.hypotheses[0].instance, 3);
-  EXPECT_EQ(score.hypotheses[1].instance, 7);
-  for (const HypothesisRecord& h : score.hypotheses) {
+  EXPECT_EQ(score.hypotheses[0].record.instance, 3);
+  EXPECT_EQ(score.hypotheses[1].record.instance, 7);
+  for (const HypothesisRecord& h : score.Records()) {
     EXPECT_TRUE(h.correct);
     EXPECT_NEAR(h.mssd_m(), 0, 1e-12);
     EXPECT_NEAR(h.translation_m(), 0, 1e-12);
@@ -90,8 +91,8 @@ TEST(PoseMatching, TwoHypothesesOnOneInstanceRecallOneInstance) {
   matching.AddHypothesis(ObjectId{0}, At(0.0005), 0.9);
   matching.AddHypothesis(ObjectId{0}, At(0), 0.8);
   const AttemptScore score = matching.Score({Box(false)});
-  EXPECT_TRUE(score.hypotheses[0].correct);
-  EXPECT_TRUE(score.hypotheses[1].correct);
+  EXPECT_TRUE(score.hypotheses[0].record.correct);
+  EXPECT_TRUE(score.hypotheses[1].record.correct);
   EXPECT_TRUE(score.instances[0].recalled);
   EXPECT_FALSE(score.instances[1].recalled);
 }
@@ -107,7 +108,7 @@ TEST(PoseMatching, SecondHypothesisRecallsTheNextInstanceWithinReach) {
   matching.AddHypothesis(ObjectId{0}, At(0.1 * reach_m), 0.9);
   matching.AddHypothesis(ObjectId{0}, At(-0.1 * reach_m), 0.8);
   const AttemptScore score = matching.Score({box});
-  EXPECT_EQ(score.hypotheses[1].instance, 0);
+  EXPECT_EQ(score.hypotheses[1].record.instance, 0);
   EXPECT_TRUE(score.instances[0].recalled);
   EXPECT_TRUE(score.instances[1].recalled);
 }
@@ -119,9 +120,9 @@ TEST(PoseMatching, CorrectnessThresholdIsATenthOfTheDiameter) {
     matching.AddInstance(InstanceId{0}, ObjectId{0}, At(0));
     matching.AddHypothesis(ObjectId{0}, At(share * box.diameter_m), 1);
     const AttemptScore score = matching.Score({box});
-    EXPECT_EQ(score.hypotheses[0].correct, correct) << share;
+    EXPECT_EQ(score.hypotheses[0].record.correct, correct) << share;
     EXPECT_EQ(score.instances[0].recalled, correct) << share;
-    EXPECT_NEAR(score.hypotheses[0].mssd_diameters(), share, 1e-9);
+    EXPECT_NEAR(score.hypotheses[0].record.mssd_diameters(), share, 1e-9);
   }
 }
 
@@ -130,9 +131,9 @@ TEST(PoseMatching, AnotherObjectAtTheSamePoseIsNoMatch) {
   matching.AddInstance(InstanceId{0}, ObjectId{1}, At(0));
   matching.AddHypothesis(ObjectId{0}, At(0), 0.9);
   const AttemptScore score = matching.Score({Box(false), Box(false)});
-  EXPECT_EQ(score.hypotheses[0].instance, -1);
-  EXPECT_FALSE(score.hypotheses[0].correct);
-  EXPECT_TRUE(std::isinf(score.hypotheses[0].mssd_m()));
+  EXPECT_EQ(score.hypotheses[0].record.instance, -1);
+  EXPECT_FALSE(score.hypotheses[0].record.correct);
+  EXPECT_TRUE(std::isinf(score.hypotheses[0].record.mssd_m()));
   EXPECT_FALSE(score.instances[0].recalled);
 }
 
@@ -143,7 +144,7 @@ TEST(PoseMatching, RotationBySymmetryIsNoError) {
     MatchingCase matching = EmptyCase();
     matching.AddInstance(InstanceId{0}, ObjectId{0}, At(0.05));
     matching.AddHypothesis(ObjectId{0}, rotated, 1);
-    EXPECT_EQ(matching.Score({Box(symmetric)}).hypotheses[0].correct, symmetric);
+    EXPECT_EQ(matching.Score({Box(symmetric)}).hypotheses[0].record.correct, symmetric);
   }
 }
 
@@ -160,17 +161,17 @@ TEST(PoseMatching, NearestInstanceAgreesWithExhaustiveSearch) {
     const Pose estimated = random_pose();
     matching.AddHypothesis(ObjectId{0}, estimated, 1);
     int nearest = -1;
-    double least_m = 1e9;
+    double min_m = 1e9;
     for (const PosedObject& posed : matching.scene.objects) {
       const double mssd_m = Mssd(model, estimated, posed.X_WO);
-      if (mssd_m < least_m) {
-        least_m = mssd_m;
+      if (mssd_m < min_m) {
+        min_m = mssd_m;
         nearest = posed.instance;
       }
     }
-    const HypothesisRecord score = matching.Score({model}).hypotheses[0];
+    const HypothesisRecord score = matching.Score({model}).hypotheses[0].record;
     EXPECT_EQ(score.instance, nearest);
-    EXPECT_NEAR(score.mssd_m(), least_m, 1e-12);
+    EXPECT_NEAR(score.mssd_m(), min_m, 1e-12);
   }
 }
 

@@ -78,14 +78,14 @@ struct RecordedOcclusionSceneTest : RecordedSceneTest {
 TEST_F(RecordedOcclusionSceneTest, EachAttemptHasTheSceneOfItsBand) {
   const TrialResult trial = TrialRunner(spec_, EasyCube()).Run(BinIndex{0});
   ASSERT_EQ(trial.attempts.size(), 3u);
-  size_t parts = 0;
+  size_t instances = 0;
   for (size_t attempt = 0; attempt < 3; ++attempt) {
     const Scene scene = Make(trial, attempt);
     EXPECT_EQ(HashOf(scene), trial.attempts[attempt].hashes[TrialStage::kScene]);
-    EXPECT_GE(scene.objects.size(), parts);
-    parts = scene.objects.size();
+    EXPECT_GE(scene.objects.size(), instances);
+    instances = scene.objects.size();
   }
-  EXPECT_GT(parts, 4u) << "the scene has no blocker";
+  EXPECT_GT(instances, 4u) << "the scene has no blocker";
   ViewMaker views(spec_, EasyCube(), {});
   EXPECT_NE(views.Glb(trial, 0), views.Glb(trial, 2));
 }

@@ -159,6 +159,16 @@ TEST(StateHash, MissingGraspDiffersFromADefaultGrasp) {
   EXPECT_NE(HashOfGrasp(record), HashOfGrasp(AttemptRecord()));
 }
 
+TEST(StateHash, RenamedCausesKeepTheHashOfTheirFormerName) {
+  AttemptRecord now = SomePick(), before = SomePick();
+  for (const RenamedCause& cause : kRenamedCauses) {
+    now.grasps_rejected[std::string(cause.is)] = 2;
+    before.grasps_rejected[std::string(cause.was)] = 2;
+  }
+  EXPECT_EQ(HashOfGrasp(now), HashOfGrasp(before));
+  EXPECT_NE(HashOfGrasp(now), HashOfGrasp(SomePick()));
+}
+
 TEST(StateHash, DependsOnEveryHypothesis) {
   const uint64_t before = HashOfHypotheses(SomePick());
   AttemptRecord score = SomePick(), pose = SomePick(), object = SomePick(), fewer = SomePick();

@@ -20,7 +20,8 @@ class StageOracleTest : public ::testing::Test {
     tripod.symmetries_O = {Pose::Identity()};
     tripod.diameter_m = 0.0566;
     models_ = {tripod, tripod};
-    parts_ = {{ObjectId{0}, At(0), 0.9}, {ObjectId{0}, At(0.5), 0.6}, {ObjectId{1}, At(1), 0.2}};
+    instances_ = {
+        {ObjectId{0}, At(0), 0.9}, {ObjectId{0}, At(0.5), 0.6}, {ObjectId{1}, At(1), 0.2}};
   }
   static Pose At(double x_m, double y_m = 0) { return Translation({x_m, y_m, 1}); }
   static PoseHypothesis Hypothesis(ObjectId object, const Pose& X_CO, double score) {
@@ -32,11 +33,11 @@ class StageOracleTest : public ::testing::Test {
   }
   std::vector<PoseHypothesis> Substitute(const std::vector<PoseHypothesis>& estimated,
                                          const OracleStages& truth) const {
-    return SubstituteTruth(estimated, parts_, models_, truth);
+    return SubstituteTruth(estimated, {models_, instances_}, truth);
   }
 
   std::vector<MetricModel> models_;
-  std::vector<TrueInstance> parts_;
+  std::vector<TrueInstance> instances_;
 };
 
 // Pose error of more than a tenth and less than half of the diameter.
@@ -100,10 +101,10 @@ TEST_F(StageOracleTest, RefinementCorrectsOnlyPosesThatWereOnceCorrect) {
 
 TEST_F(StageOracleTest, PerceptionReturnsTheGroundTruth) {
   const auto poses = Substitute({}, OracleNamed("perception").truth);
-  ASSERT_EQ(poses.size(), parts_.size());
+  ASSERT_EQ(poses.size(), instances_.size());
   for (size_t i = 0; i < poses.size(); ++i) {
-    EXPECT_EQ(poses[i].object, parts_[i].object);
-    EXPECT_EQ(poses[i].X_CO.matrix(), parts_[i].X_CO.matrix());
+    EXPECT_EQ(poses[i].object, instances_[i].object);
+    EXPECT_EQ(poses[i].X_CO.matrix(), instances_[i].X_CO.matrix());
   }
 }
 

@@ -11,7 +11,7 @@
 #include "eval/trial/simulated_cell.h"
 #include "scenes/base/error.h"
 #include "tests/eval/cube_scenario.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 #include "tests/support/error_of.h"
 
 namespace pickbed::tests {

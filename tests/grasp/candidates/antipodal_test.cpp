@@ -87,7 +87,7 @@ TEST(Antipodal, PlateIsGraspedOnlyAcrossItsThickness) {
 
 TEST(Antipodal, HandDoesNotIntersectTheObject) {
   // Between the bars of the tee there is room for the closing line of a pair, but not for the palm.
-  const auto object = TeePart();
+  const auto object = TeeObject();
   const ParallelJaw gripper = SmallJaw();
   Rng rng(5);
   const SurfacePoints surface = SpreadPoints(object->mesh_O, 0.001, 1000, 50000, rng);
@@ -96,7 +96,7 @@ TEST(Antipodal, HandDoesNotIntersectTheObject) {
   for (const auto& grasp : grasps) {
     const auto boxes = HandBoxes(gripper.hand, grasp.width_m + 2 * gripper.clearance_m);
     const PointColumns rotated = Rotated(surface.points_O, grasp.X_OG.linear());
-    EXPECT_TRUE(HandClearsPart(rotated, grasp.X_OG, boxes, 0));
+    EXPECT_TRUE(HandClearsObject(rotated, grasp.X_OG, boxes, 0));
   }
 }
 
@@ -125,7 +125,7 @@ TEST(Antipodal, CandidatesAreLimitedAndSpaced) {
   options.candidates = 60;
   Rng rng(2);
   const ParallelJaw jaw = SmallJaw();
-  const auto grasps = AntipodalGrasps(*TeePart(), jaw.hand, jaw.clearance_m, rng, options);
+  const auto grasps = AntipodalGrasps(*TeeObject(), jaw.hand, jaw.clearance_m, rng, options);
   EXPECT_EQ(grasps.size(), 60u);
   for (size_t i = 0; i < grasps.size(); ++i) {
     for (size_t k = 0; k < i; ++k) {
@@ -138,8 +138,8 @@ TEST(Antipodal, CandidatesAreLimitedAndSpaced) {
 }
 
 TEST(Antipodal, SameSeedGivesSameBytes) {
-  const auto a = Grasps(*TeePart());
-  const auto b = Grasps(*TeePart());
+  const auto a = Grasps(*TeeObject());
+  const auto b = Grasps(*TeeObject());
   ASSERT_EQ(a.size(), b.size());
   for (size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].X_OG.matrix(), b[i].X_OG.matrix());

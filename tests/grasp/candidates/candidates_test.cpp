@@ -73,7 +73,7 @@ class CandidateCache : public testing::Test {
 };
 
 TEST_F(CandidateCache, ReadsBackExactlyAndIsRemadeAfterDamage) {
-  const auto object = BracketPart();
+  const auto object = BracketObject();
   const auto made = CachedCandidates(*object, SmallJaw(), kFewCandidates);
   const auto read = CachedCandidates(*object, SmallJaw(), kFewCandidates);
   ASSERT_EQ(Files().size(), 1u);
@@ -93,17 +93,17 @@ TEST_F(CandidateCache, ReadsBackExactlyAndIsRemadeAfterDamage) {
 }
 
 TEST_F(CandidateCache, GrippersHaveSeparateEntries) {
-  CachedCandidates(*BracketPart(), SmallJaw(), kFewCandidates);
+  CachedCandidates(*BracketObject(), SmallJaw(), kFewCandidates);
   ParallelJaw other = SmallJaw();
   other.hand.stroke_m = 0.07;
-  CachedCandidates(*BracketPart(), other, kFewCandidates);
+  CachedCandidates(*BracketObject(), other, kFewCandidates);
   EXPECT_EQ(Files().size(), 2u);
 }
 
 // Symmetries determine which resting directions are equivalent, and so the worth of a set-down.
 TEST_F(CandidateCache, SymmetriesHaveSeparateEntries) {
-  CachedCandidates(*BracketPart(), SmallJaw(), kFewCandidates);
-  ObjectModel other = *BracketPart();
+  CachedCandidates(*BracketObject(), SmallJaw(), kFewCandidates);
+  ObjectModel other = *BracketObject();
   other.symmetries_O.continuous_O.push_back({});
   CachedCandidates(other, SmallJaw(), kFewCandidates);
   EXPECT_EQ(Files().size(), 2u);

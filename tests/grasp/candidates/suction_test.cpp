@@ -66,7 +66,7 @@ TEST(Suction, NoGraspOnABoxSmallerThanTheLip) {
 }
 
 TEST(Suction, SameSeedGivesSameBytes) {
-  const auto a = CupGrasps(*BracketPart()), b = CupGrasps(*BracketPart());
+  const auto a = CupGrasps(*BracketObject()), b = CupGrasps(*BracketObject());
   ASSERT_EQ(a.size(), b.size());
   for (size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].X_OG.matrix(), b[i].X_OG.matrix());

@@ -169,6 +169,28 @@ TEST_F(Execute, PlacementErrorIncludesTheEstimationError) {
   EXPECT_EQ(Passed(outcome), "contact lifted held right_instance single_instance vgn_loose ");
 }
 
+// The listener is called after every step and does not change the result.
+TEST_F(Execute, ListenerFollowsTheMotion) {
+  const Scene scene = BoxesOnFloor({{0, 0}}, kBoxHeight_m);
+  std::vector<double> times_s, heights_m;
+  bool has_table = false;
+  const MotionListener listener = [&](const MotionState& state) {
+    times_s.push_back(state.time_s);
+    heights_m.push_back(state.world.PoseOf(0).translation().z());
+    has_table = has_table || state.table_W != nullptr;
+  };
+  const ExecuteResult heard =
+      ExecuteGrasp(scene, objects_, GraspAt(0, 0), gripper_, InstanceId{10}, options_, listener);
+  EXPECT_EQ(heard.outcome.lift_height_m, Run(scene, GraspAt(0, 0)).outcome.lift_height_m);
+  ASSERT_GT(times_s.size(), 1000u);
+  for (size_t i = 1; i < times_s.size(); ++i) {
+    ASSERT_NEAR(times_s[i] - times_s[i - 1], 1 / options_.physics.rate_hz, 1e-9);
+  }
+  EXPECT_GT(*std::max_element(heights_m.begin(), heights_m.end()),
+            heights_m.front() + 0.9 * options_.lift_m);
+  EXPECT_TRUE(has_table);
+}
+
 TEST_F(Execute, SelectedRuleDecidesSuccess) {
   const Scene scene = BoxesOnFloor({{-0.1, 0}, {0.1, 0}}, kBoxHeight_m);
   options_.rule = SuccessRule::kSingleInstance;
@@ -313,7 +335,7 @@ TEST_F(Execute, HandClosesEmptyInAnEmptyBin) {
 
 TEST_F(Execute, ObjectWithoutPiecesIsALogicError) {
   auto bare = std::make_shared<ObjectModel>(*objects_[0]);
-  bare->convex_parts_O.clear();
+  bare->convex_pieces_O.clear();
   objects_ = {bare};
   EXPECT_THROW(Run(BoxesOnFloor({{0, 0}}, kBoxHeight_m), GraspAt(0, 0)), std::logic_error);
 }

@@ -98,7 +98,7 @@ class MagnetHand : public Hand, public AttachedHand {
     body_ = std::make_unique<btRigidBody>(info);
     body_->setActivationState(DISABLE_DEACTIVATION);
     body_->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-    world_.addRigidBody(body_.get(), kPalmGroup, kStaticGroup | kPartGroup);
+    world_.addRigidBody(body_.get(), kGuidedHandGroup, kStaticGroup | kInstanceGroup);
     world_.setInternalTickCallback(
         [](btDynamicsWorld* w, btScalar) {
           static_cast<MagnetHand*>(w->getWorldUserInfo())->Drive();
@@ -136,7 +136,7 @@ class MagnetHand : public Hand, public AttachedHand {
     }
     stiff_n_ = ContactForce_n();
   }
-  std::vector<int> TouchedParts() const override {
+  std::vector<int> TouchedInstances() const override {
     return held_ < 0 ? std::vector<int>() : std::vector<int>{held_};
   }
   std::vector<const btRigidBody*> Pads() const override { return {}; }
@@ -157,11 +157,12 @@ class MagnetHand : public Hand, public AttachedHand {
   void Attract() {
     double max_share = 0;
     int best = -1;
-    for (int i = 0; i < physics_.part_count(); ++i) {
-      const PartBody part = physics_.body(i);
-      if (part.body == nullptr || part.body->isStaticObject() || !IsSteel(*part.model)) continue;
-      const double covered =
-          CoveredShare(MeshQuery(part.model->mesh_O), physics_.X_WO(i).inverse() * X_WG_, spec_);
+    for (int i = 0; i < physics_.instance_count(); ++i) {
+      const InstanceBody instance = physics_.body(i);
+      if (instance.body == nullptr || instance.body->isStaticObject() || !IsSteel(*instance.model))
+        continue;
+      const double covered = CoveredShare(MeshQuery(instance.model->mesh_O),
+                                          physics_.X_WO(i).inverse() * X_WG_, spec_);
       if (covered > max_share) {
         max_share = covered;
         best = i;
@@ -169,18 +170,18 @@ class MagnetHand : public Hand, public AttachedHand {
     }
     if (best < 0) return;
     held_ = best;
-    const PartBody part = physics_.body(best);
+    const InstanceBody instance = physics_.body(best);
     ring_ = RingOf(spec_, max_share);
-    friction_ = PairFriction(part.model->friction, spec_.friction);
-    const btTransform X_BG = part.body->getWorldTransform().inverse() * ToBullet(X_WG_);
-    joint_ = std::make_unique<btGeneric6DofSpring2Constraint>(*body_, *part.body,
+    friction_ = PairFriction(instance.model->friction, spec_.friction);
+    const btTransform X_BG = instance.body->getWorldTransform().inverse() * ToBullet(X_WG_);
+    joint_ = std::make_unique<btGeneric6DofSpring2Constraint>(*body_, *instance.body,
                                                               btTransform::getIdentity(), X_BG);
     for (int axis = 0; axis < 6; ++axis) joint_->setLimit(axis, 0, 0);
     joint_->setJointFeedback(&feedback_);
     feedback_ = {};
     X_WG_taken_ = X_WG_;
     has_moved_ = false;
-    part.body->forceActivationState(DISABLE_DEACTIVATION);
+    instance.body->forceActivationState(DISABLE_DEACTIVATION);
     world_.addConstraint(joint_.get(), true);
   }
 
@@ -199,11 +200,11 @@ class MagnetHand : public Hand, public AttachedHand {
   void JudgeLoad() {
     has_moved_ = has_moved_ || !X_WG_.isApprox(X_WG_taken_, 1e-9);
     if (!has_moved_) return;
-    const btRigidBody& part = joint_->getRigidBodyB();
+    const btRigidBody& instance = joint_->getRigidBodyB();
     const Eigen::Matrix3d R_GW = X_WG_.linear().transpose();
     const Vector3d force_n = FromBullet(feedback_.m_appliedForceBodyB);
     const Vector3d torque_nm = FromBullet(feedback_.m_appliedTorqueBodyB) / kUnitsPerMeter;
-    const Vector3d arm_m = FromBullet(part.getCenterOfMassPosition()) - X_WG_.translation();
+    const Vector3d arm_m = FromBullet(instance.getCenterOfMassPosition()) - X_WG_.translation();
     const double share = physics_.step_s() / 0.02;
     load_.force_n -= share * (R_GW * force_n + load_.force_n);
     load_.torque_nm -= share * (R_GW * (torque_nm + arm_m.cross(force_n)) + load_.torque_nm);
@@ -342,7 +343,8 @@ GraspOutcome PlanAndPick(const Gripper& gripper, double density_kgpm3) {
   const std::vector<std::vector<GraspCandidate>> candidates{
       MakeCandidates(*Plate(kSteel_kgpm3), gripper, rng, FewMagnetCandidates())};
   std::vector<EstimatedPose> poses;
-  for (const PosedObject& part : scene.objects) poses.push_back({part.object, part.X_WO, 1});
+  for (const PosedObject& instance : scene.objects)
+    poses.push_back({instance.object, instance.X_WO, 1});
   const std::array<int, 1> first{0};
   const PlanResult plan = PlanGrasps({scene.bin, poses, candidates, {}, objects, gripper, first});
   if (plan.grasps.empty()) {

@@ -121,7 +121,7 @@ TEST(Clearance, FieldEqualsAFullScan) {
   for (int trial = 0; trial < 50; ++trial) {
     const Pose X_WG = MakePose(rng.Rotation().toRotationMatrix(),
                                {rng.Uniform(-0.2, 0.2), rng.Uniform(-0.1, 0.1), 0.08});
-    const auto found = field.Look(X_WG, sweep, between, ignored, 0.01);
+    const auto found = field.Query(X_WG, sweep, between, ignored, 0.01);
     std::array<double, 3> expected{0.01, 0.01, 0.01};
     int expected_between = 0;
     for (size_t i = 0; i < points.size(); ++i) {
@@ -143,7 +143,7 @@ TEST(Clearance, AllBoxesOfAHandAreChecked) {
   std::vector<AxisAlignedBox> boxes;
   for (int i = 0; i < 12; ++i) boxes.push_back({{0.1 * i, 0, 0}, Vector3d::Constant(0.01)});
   const ObstacleField field({{1.1, 0, 0.013}}, {-1}, 0.01);
-  const auto seen = field.Look(Pose::Identity(), boxes, std::nullopt, {0}, 0.02);
+  const auto seen = field.Query(Pose::Identity(), boxes, std::nullopt, {0}, 0.02);
   ASSERT_EQ(seen.distance_m.size(), 12u);
   EXPECT_NEAR(seen.distance_m[11], 0.003, 1e-12);
   EXPECT_EQ(seen.distance_m[10], 0.02);

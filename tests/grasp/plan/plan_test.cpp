@@ -189,7 +189,7 @@ TEST_F(Plan, EnclosingPointsRejectAllGrasps) {
   AddRing(0.045, 0.12);
   const PlanResult result = Run();
   EXPECT_TRUE(result.grasps.empty());
-  EXPECT_GT(result.rejected.at("fingers meet a part"), 0);
+  EXPECT_GT(result.rejected.at("fingers meet an instance"), 0);
 }
 
 TEST_F(Plan, NarrowWallsRejectAllGrasps) {
@@ -220,7 +220,7 @@ TEST_F(Plan, PointsAboveTheTargetStopThePalm) {
   for (double x = -0.01; x <= 0.01; x += 0.002) {
     for (double y = -0.01; y <= 0.01; y += 0.002) cloud_.emplace_back(x, y, 0.080);
   }
-  EXPECT_GT(Run().rejected.at("palm meets a part"), 0);
+  EXPECT_GT(Run().rejected.at("palm meets an instance"), 0);
 }
 
 TEST_F(Plan, EstimatedNeighborIsAnObstacleWithoutPoints) {
@@ -271,7 +271,7 @@ TEST_F(Plan, FlatBarsAcrossEachOtherAreTwoInstances) {
                         Pose(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitZ())),
                     1});
   EXPECT_TRUE(planned().grasps.empty());
-  EXPECT_EQ(planned().rejected.at("fingers meet a part"), 1);
+  EXPECT_EQ(planned().rejected.at("fingers meet an instance"), 1);
   poses_[1].X_WO = poses_[0].X_WO * Translation({0.004, 0.002, 0.002});
   EXPECT_EQ(planned().grasps.size(), 1u) << "two estimated poses of the same instance";
 }
@@ -386,14 +386,14 @@ TEST_F(PlanCup, SingleBoxIsGraspedAtTheCandidate) {
 
 TEST_F(PlanCup, PointsBesideTheStemRejectTheGrasp) {
   AddRing(cup_.cup.stem_radius_m + 0.002, 0.12);
-  EXPECT_EQ(Run().rejected.at("fingers meet a part"), 1);
+  EXPECT_EQ(Run().rejected.at("fingers meet an instance"), 1);
 }
 
 TEST_F(PlanCup, PointsUnderThePalmRejectTheGrasp) {
   const double reach_m = 0.5 * cup_.cup.palm_size_m.x() - 0.002;
   ASSERT_GT(reach_m, cup_.cup.stem_radius_m + 0.006);
   AddRing(reach_m, 0.20);
-  EXPECT_EQ(Run().rejected.at("palm meets a part"), 1);
+  EXPECT_EQ(Run().rejected.at("palm meets an instance"), 1);
 }
 
 TEST_F(PlanCup, NarrowWallsRejectTheGrasp) {

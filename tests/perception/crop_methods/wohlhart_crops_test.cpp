@@ -78,7 +78,7 @@ class WohlhartLossValue : public testing::Test {
     const at::Tensor anchors = torch::zeros({1, 1});
     const at::Tensor templates = torch::tensor({{1.0f}, {3.0f}, {2.0f}, {0.5f}});
     const at::Tensor pose_distance =
-        torch::tensor({{0.1f, 0.8f, static_cast<float>(kOtherPart), 0.12f}});
+        torch::tensor({{0.1f, 0.8f, static_cast<float>(kOtherObject), 0.12f}});
     return WohlhartLoss(anchors, templates, torch::zeros({1}, torch::kLong), pose_distance, options)
         .item<double>();
   }
@@ -133,7 +133,7 @@ class WohlhartTraining : public testing::Test {
 
   // Returns the number of new views whose nearest template is of the right object.
   int CountRightObjects(const WohlhartNetwork& network) {
-    const auto method = MakeCropLookUp(
+    const auto method = MakeCropLookup(
         training_set_,
         [&](const CropSet& crops, int threads) { return network.Describe(crops, threads); },
         network.length(), 1);

@@ -115,16 +115,16 @@ double ShareOfRightObject(PatchChannels channels) {
   PatchVoter voter;
   voter.channels = channels;
   voter.describe = ChannelMeans;
-  std::vector<CandidatePart> parts;
+  std::vector<CandidateObject> objects;
   for (const ObjectId object : {ObjectId{0}, ObjectId{1}}) {
     ObjectCodes codes =
         MakeObjectCodes(views, object, {kSide_m, channels}, 3, ChannelMeans, isolated, 7, 1, {});
-    parts.push_back({views.objects()[object], kSide_m, std::move(codes), object});
+    objects.push_back({views.objects()[object], kSide_m, std::move(codes), object});
   }
   CandidateOptions options;
   options.points = 100;
   options.candidates = 20;
-  const CandidateFinder finder(std::move(parts), voter, options);
+  const CandidateFinder finder(std::move(objects), voter, options);
   int right = 0, votes = 0;
   for (uint64_t seed = 5000; seed < 5003; ++seed) {
     const LabelledView view = views.ClutterScene({seed, 1}).front();

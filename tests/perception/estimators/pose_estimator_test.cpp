@@ -74,7 +74,7 @@ TEST(MakeEstimator, UnknownNamesAreRefusedAndKnownOnesAreListed) {
     setup.spec.mode = row.modes.front();
     setup.refiner = "icp";
     EXPECT_THAT(ErrorOf([&] { MakeEstimator(setup); }),
-                AllOf(HasSubstr("'icp'"), HasSubstr("pcl_icp"), HasSubstr("two_way_icp")));
+                AllOf(HasSubstr("'icp'"), HasSubstr("pcl_icp"), HasSubstr("bidirectional_icp")));
     setup.refiner = "none";
   }
 }

@@ -46,16 +46,16 @@ class FloatingInstances : public RayCastViews {
  public:
   using RayCastViews::RayCastViews;
   std::vector<LabelledView> ClutterScene(const ClutterSceneRequest& request) override {
-    std::vector<LabelledView> piles =
+    std::vector<LabelledView> clutter_scenes =
         RayCastViews({objects()[request.object]}).ClutterScene(request);
     KnownBackground background;
     background.bin.inner_size_m = {5, 5, 5};
     background.X_CB = Translation({0, 0, -1});
-    for (LabelledView& view : piles) {
+    for (LabelledView& view : clutter_scenes) {
       view.background = background;
       for (LabelledInstance& instance : view.instances) instance.object = request.object;
     }
-    return piles;
+    return clutter_scenes;
   }
 };
 
@@ -264,7 +264,7 @@ TEST_F(VerifiedPpf, StoppedTrainingKeepsFinishedVerifiers) {
   job.on_progress = [](std::string_view, double) { return false; };
   EXPECT_EQ(TrainVerifierLibrary(job, TinyTraining()).saved, "");
   EXPECT_FALSE(std::filesystem::exists(file));
-  job.on_progress = [](std::string_view part, double) { return part != "second"; };
+  job.on_progress = [](std::string_view object, double) { return object != "second"; };
   const VerifierReport stopped = TrainVerifierLibrary(job, TinyTraining());
   EXPECT_FALSE(stopped.finished);
   EXPECT_EQ(stopped.saved, UnfinishedLibrary(file));
@@ -272,7 +272,7 @@ TEST_F(VerifiedPpf, StoppedTrainingKeepsFinishedVerifiers) {
   EXPECT_EQ(LoadVerifiers(stopped.saved, "ppf").objects.size(), 1u);
 
   job.resume = true;
-  job.on_progress = [](std::string_view part, double) { return part == "second"; };
+  job.on_progress = [](std::string_view object, double) { return object == "second"; };
   EXPECT_TRUE(TrainVerifierLibrary(job, TinyTraining()).finished)
       << "the first verifier was trained again";
   EXPECT_FALSE(std::filesystem::exists(UnfinishedLibrary(file)));
@@ -301,7 +301,7 @@ TEST_F(VerifiedPpf, PreviousFileStaysUntilTrainingFinishes) {
   VerifierTrainingOptions other = TinyTraining();
   other.seed = 5;
   VerifierJob job{views, "ppf", Job(file).candidates, file, false, "test sensor", {}};
-  job.on_progress = [](std::string_view part, double) { return part != "second"; };
+  job.on_progress = [](std::string_view object, double) { return object != "second"; };
   EXPECT_FALSE(TrainVerifierLibrary(job, other).finished);
   EXPECT_EQ(ReadFileBytes(file), before);
   job.resume = true;

@@ -32,7 +32,7 @@ class FinalRefinement : public ::testing::Test {
   }
   std::vector<PoseHypothesis> RefinedBy(const std::string& refiner, int threads = 1) const {
     std::vector<PoseHypothesis> refined = hypotheses_;
-    RefineFinally(refiner, cloud_, models_, {}, threads, refined);
+    RefineFinally(refiner, cloud_, models_, threads, refined);
     return refined;
   }
   std::shared_ptr<const ObjectModel> object_;
@@ -73,7 +73,8 @@ TEST_P(EachRefiner, ResultIsIndependentOfThreads) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Refiners, EachRefiner, testing::Values("pcl_icp", "two_way_icp"));
+INSTANTIATE_TEST_SUITE_P(Refiners, EachRefiner,
+                         testing::Values("pcl_icp", "bidirectional_icp", "projective_icp"));
 
 TEST_F(FinalRefinement, NoneChangesNothing) {
   hypotheses_[0].fit.inlier_share = 0.123;
@@ -83,11 +84,23 @@ TEST_F(FinalRefinement, NoneChangesNothing) {
   EXPECT_FALSE(same.unrefined_X_CO.has_value());
 }
 
+TEST_F(FinalRefinement, OptionsOfARefinerAreUsedAndChecked) {
+  const auto refiner = RefinerNamed("bidirectional_icp").make();
+  const auto visit = [&](SettingsVisitor& v) { refiner->Visit(v); };
+  ApplySetting("iterations=0", visit);
+  ApplySetting("restart_rad=0", visit);
+  std::vector<PoseHypothesis> refined = hypotheses_;
+  RefineFinally(*refiner, cloud_, models_, 1, refined);
+  EXPECT_TRUE(refined[0].X_CO.isApprox(hypotheses_[0].X_CO, 1e-9));
+  EXPECT_FALSE(RefinedBy("bidirectional_icp")[0].X_CO.isApprox(hypotheses_[0].X_CO, 1e-3));
+  EXPECT_THAT(ErrorOf([&] { ApplySetting("restart_rad=4", visit); }), HasSubstr("restart_rad"));
+}
+
 TEST_F(FinalRefinement, UnknownNameIsRefusedAndKnownOnesAreListed) {
   hypotheses_.clear();  // refused even if there is nothing to refine
   EXPECT_THAT(ErrorOf([&] { RefinedBy("pcl_ipc"); }),
               testing::AllOf(HasSubstr("pcl_ipc"), HasSubstr("did you mean 'pcl_icp'"),
-                             HasSubstr("two_way_icp"), HasSubstr("none")));
+                             HasSubstr("bidirectional_icp"), HasSubstr("none")));
 }
 
 TEST(RefinerTable, NamesAreDistinctAndHaveHelp) {

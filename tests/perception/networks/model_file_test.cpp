@@ -133,13 +133,13 @@ TEST(ShippedModel, CanBeLoaded) {
 TEST_F(ModelFile, UnknownObjectsAndChangedMeshesAreNamed) {
   const DescriptorModel model = LoadModel(Untrained());
   const ObjectSet& known = objects_;
-  EXPECT_EQ(TrainedParts(model.info.objects, known, "m.pt"), std::vector{0});
+  EXPECT_EQ(TrainedObjects(model.info.objects, known, "m.pt"), std::vector{0});
   auto changed = std::make_shared<ObjectModel>(*known[0]);
   changed->mesh_hash += 1;
-  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info.objects, {changed}, "m.pt"); }),
+  EXPECT_THAT(ErrorOf([&] { TrainedObjects(model.info.objects, {changed}, "m.pt"); }),
               HasSubstr("m.pt: the mesh of object 'test part' has changed"));
   changed->name = "widget";
-  EXPECT_THAT(ErrorOf([&] { TrainedParts(model.info.objects, {changed}, "m.pt"); }),
+  EXPECT_THAT(ErrorOf([&] { TrainedObjects(model.info.objects, {changed}, "m.pt"); }),
               HasSubstr("m.pt: not trained for object 'widget' (knows test part)"));
 }
 

@@ -36,11 +36,11 @@ TEST(Checkpoint, RoundTripKeepsAllFields) {
   EXPECT_EQ(read.loss_history, saved.loss_history);
   EXPECT_EQ(read.training_state, saved.training_state);
   ASSERT_EQ(read.recall_history.size(), 2u);
-  EXPECT_EQ(read.recall_history[0].part_at_1, recalls[0].part_at_1);
+  EXPECT_EQ(read.recall_history[0].object_at_1, recalls[0].object_at_1);
   EXPECT_EQ(read.recall_history[1].iteration, 5);
   EXPECT_EQ(read.recall_history[1].at_1, 0.3);
   EXPECT_EQ(read.recall_history[1].at_8, 0.6);
-  EXPECT_EQ(read.recall_history[1].part_at_8, recalls[1].part_at_8);
+  EXPECT_EQ(read.recall_history[1].object_at_8, recalls[1].object_at_8);
   ASSERT_EQ(read.verifiers.size(), 2u);
   VerifyFeatures features{};
   features[3] = 0.7f;

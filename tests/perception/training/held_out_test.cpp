@@ -119,8 +119,8 @@ TEST_F(HeldOut, SamePoseOfAnotherObjectIsWrong) {
   set.queries[0].codes = {};
   const ObjectSet two{views_.objects()[0], views_.objects()[0]};
   const HeldOutRecall recall = MeasureRecall(set, two, FirstByte, 1);
-  EXPECT_DOUBLE_EQ(recall.part_at_8[0], 0);
-  EXPECT_DOUBLE_EQ(recall.part_at_1[1], -1) << "an object without queries has no recall";
+  EXPECT_DOUBLE_EQ(recall.object_at_8[0], 0);
+  EXPECT_DOUBLE_EQ(recall.object_at_1[1], -1) << "an object without queries has no recall";
 }
 
 TEST_F(HeldOut, ViewDirectionPointsAtTheCamera) {

@@ -44,19 +44,21 @@ HeldOutRecall At(int iteration, double at_1) { return {iteration, at_1, at_1, {a
 TEST(TrainingSchedule, RehearsedObjectsGetTheirShareOfScenesAndSteps) {
   const TrainingSchedule schedule({1, 0.1, 0.1}, Options());
   EXPECT_EQ(schedule.iterations(), 1200);
-  EXPECT_EQ(schedule.piles(), 120);
+  EXPECT_EQ(schedule.clutter_scenes(), 120);
   EXPECT_EQ(schedule.measure_every(), 120);
-  const std::vector<ObjectId>& piles = schedule.scene_objects();
-  EXPECT_EQ(std::count(piles.begin(), piles.end(), 1), 10);
+  const std::vector<ObjectId>& clutter_scenes = schedule.scene_objects();
+  EXPECT_EQ(std::count(clutter_scenes.begin(), clutter_scenes.end(), 1), 10);
 }
 
 TEST(TrainingSchedule, EveryObjectIsInAScene) {
   TrainingOptions options = Options();
   options.clutter_scenes = 2;
-  const std::vector<ObjectId> piles = TrainingSchedule({1, 0.01, 0.01}, options).scene_objects();
-  EXPECT_EQ(piles.size(), 4u);
+  const std::vector<ObjectId> clutter_scenes =
+      TrainingSchedule({1, 0.01, 0.01}, options).scene_objects();
+  EXPECT_EQ(clutter_scenes.size(), 4u);
   for (ObjectId object{0}; object < 3; ++object) {
-    EXPECT_EQ(std::count(piles.begin(), piles.end(), object), object == 0 ? 2 : 1);
+    EXPECT_EQ(std::count(clutter_scenes.begin(), clutter_scenes.end(), object),
+              object == 0 ? 2 : 1);
   }
 }
 

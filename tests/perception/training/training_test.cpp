@@ -231,7 +231,7 @@ TEST_F(Training, HeldOutRecallIsMeasuredAndSaved) {
   EXPECT_GE(last.at_8, last.at_1);
   const ModelInfo info = LoadModel(job.model_file).info;
   EXPECT_NEAR(info.recall_at_1, last.at_1, 1e-9);
-  EXPECT_NEAR(info.objects[0].recall_at_8, last.part_at_8[0], 1e-9);
+  EXPECT_NEAR(info.objects[0].recall_at_8, last.object_at_8[0], 1e-9);
   ASSERT_EQ(report.pairs.size(), 1u);
   EXPECT_GT(report.pairs[0].size(), 0u);
   EXPECT_EQ(report.answers.size(), report.held_out.queries[0].size());

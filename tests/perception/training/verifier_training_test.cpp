@@ -37,10 +37,10 @@ TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
 // Finds the true pose of each instance, or a shifted pose for a share of the instances.
 class Shifted : public CandidateSource {
  public:
-  Shifted(const ObjectSet& objects, const std::vector<LabelledView>& piles, double shift_m,
+  Shifted(const ObjectSet& objects, const std::vector<LabelledView>& clutter_scenes, double shift_m,
           double share = 1, float cue = 5)
       : candidate_refiner_(objects, {}),
-        piles_(piles),
+        clutter_scenes_(clutter_scenes),
         shift_m_(shift_m),
         share_(share),
         cue_(cue) {}
@@ -48,7 +48,8 @@ class Shifted : public CandidateSource {
   std::vector<Candidate> Find(const OrganizedCloud&, Rng& rng, StageSeconds&,
                               EstimateTrace*) const override {
     std::vector<Candidate> found;
-    for (const LabelledInstance& instance : piles_[next_++ % piles_.size()].instances) {
+    for (const LabelledInstance& instance :
+         clutter_scenes_[next_++ % clutter_scenes_.size()].instances) {
       Candidate& candidate = found.emplace_back();
       const double shift_m = rng.Uniform() < share_ ? shift_m_ : 0;
       candidate.hypothesis.X_CO = Translation({shift_m, 0, 0}) * instance.X_CO;
@@ -61,7 +62,7 @@ class Shifted : public CandidateSource {
 
  private:
   CandidateRefiner candidate_refiner_;
-  const std::vector<LabelledView>& piles_;
+  const std::vector<LabelledView>& clutter_scenes_;
   double shift_m_, share_;
   float cue_;  // how strongly feature 0 separates right from wrong
   mutable size_t next_ = 0;
@@ -69,16 +70,17 @@ class Shifted : public CandidateSource {
 
 // A source of only right poses cannot train a verifier, and neither can a source of only wrong
 // poses.
-TEST(TrainPartVerifier, LearnsFromTheCandidatesOfAllSources) {
+TEST(TrainObjectVerifier, LearnsFromTheCandidatesOfAllSources) {
   RayCastViews views({ObjectOf(BracketMesh())});
   VerifierTrainingOptions options;
   options.clutter_scenes = 6;
   options.verifier.iterations = 200;
   const auto go_on = [](double) { return true; };
-  const auto piles = VerifierScenes(views, ObjectId{0}, /*color=*/false, options, go_on);
-  const Shifted right(views.objects(), piles, 0), wrong(views.objects(), piles, 0.05);
+  const auto clutter_scenes = VerifierScenes(views, ObjectId{0}, /*color=*/false, options, go_on);
+  const Shifted right(views.objects(), clutter_scenes, 0),
+      wrong(views.objects(), clutter_scenes, 0.05);
   const auto train = [&](std::vector<const CandidateSource*> sources) {
-    return TrainPartVerifier(piles, ObjectId{0}, sources, options, go_on);
+    return TrainObjectVerifier(clutter_scenes, ObjectId{0}, sources, options, go_on);
   };
   EXPECT_THROW(train({&right}), InputError);
   EXPECT_THROW(train({&wrong}), InputError);
@@ -86,17 +88,18 @@ TEST(TrainPartVerifier, LearnsFromTheCandidatesOfAllSources) {
 }
 
 // For equal features, a mode that is seldom right has lower scores than one that is often right.
-TEST(TrainPartVerifier, CalibratesEachModeByItsOwnCandidates) {
+TEST(TrainObjectVerifier, CalibratesEachModeByItsOwnCandidates) {
   RayCastViews views({ObjectOf(BracketMesh())});
   VerifierTrainingOptions options;
   options.clutter_scenes = 20;
   options.verifier.iterations = 200;
   const auto go_on = [](double) { return true; };
-  const auto piles = VerifierScenes(views, ObjectId{0}, /*color=*/false, options, go_on);
-  const Shifted often(views.objects(), piles, 0.05, 0.2, 0.5f);
-  const Shifted seldom(views.objects(), piles, 0.05, 0.8, 0.5f);
+  const auto clutter_scenes = VerifierScenes(views, ObjectId{0}, /*color=*/false, options, go_on);
+  const Shifted often(views.objects(), clutter_scenes, 0.05, 0.2, 0.5f);
+  const Shifted seldom(views.objects(), clutter_scenes, 0.05, 0.8, 0.5f);
   const std::vector<const CandidateSource*> sources{&often, &seldom};
-  const Verifier verifier = TrainPartVerifier(piles, ObjectId{0}, sources, options, go_on).verifier;
+  const Verifier verifier =
+      TrainObjectVerifier(clutter_scenes, ObjectId{0}, sources, options, go_on).verifier;
   const VerifyFeatures features{};
   EXPECT_GT(verifier.Score(features, CandidateMode::kAccurate), 0.6);
   EXPECT_LT(verifier.Score(features, CandidateMode::kFast), 0.4);

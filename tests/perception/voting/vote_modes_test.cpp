@@ -62,26 +62,26 @@ TEST(MeanRotation, MeanOfRotationsAboutOneAxisIsCentral) {
   EXPECT_GT(mean.angularDistance(base), 0.03);
 }
 
-TEST(PartRotations, SymmetricRotationsHaveZeroAngle) {
+TEST(ObjectRotations, SymmetricRotationsHaveZeroAngle) {
   const Eigen::Quaterniond q = Rotation({1, -2, 0.5}, 1.3);
   const Eigen::Quaterniond turned = q * Rotation({0, 0, 1}, std::numbers::pi);
-  EXPECT_NEAR(PartRotations({}).Angle(q, turned), std::numbers::pi, 1e-7);
-  EXPECT_NEAR(PartRotations(HalfTurn()).Angle(q, turned), 0, 1e-7);
+  EXPECT_NEAR(ObjectRotations({}).Angle(q, turned), std::numbers::pi, 1e-7);
+  EXPECT_NEAR(ObjectRotations(HalfTurn()).Angle(q, turned), 0, 1e-7);
   // About a continuous symmetry axis, the nearest of 24 steps leaves a remainder.
-  EXPECT_LT(PartRotations(AnyRotation()).Angle(q, q * Rotation({0, 0, 1}, 1.7)),
+  EXPECT_LT(ObjectRotations(AnyRotation()).Angle(q, q * Rotation({0, 0, 1}, 1.7)),
             std::numbers::pi / 24);
-  EXPECT_NEAR(PartRotations(AnyRotation()).Angle(q, q * Rotation({1, 0, 0}, 0.4)), 0.4, 1e-6);
+  EXPECT_NEAR(ObjectRotations(AnyRotation()).Angle(q, q * Rotation({1, 0, 0}, 0.4)), 0.4, 1e-6);
 }
 
 class VoteModes : public testing::Test {
  protected:
   std::vector<VoteMode> Find(const std::vector<CastVote>& votes, const SymmetrySet& symmetries) {
     const auto model = ObjectOf(BracketMesh(), symmetries);
-    return FindVoteModes(*model, PartRotations(symmetries), votes, options_);
+    return FindVoteModes(*model, ObjectRotations(symmetries), votes, options_);
   }
   // Returns whether one of the first `count` modes is near the pose.
   static bool Holds(const std::vector<VoteMode>& modes, size_t count, const Pose& X_CO,
-                    const PartRotations& rotations) {
+                    const ObjectRotations& rotations) {
     for (size_t i = 0; i < std::min(count, modes.size()); ++i) {
       const double angle = rotations.Angle(Eigen::Quaterniond(modes[i].X_CO.linear()),
                                            Eigen::Quaterniond(X_CO.linear()));
@@ -108,7 +108,7 @@ TEST_F(VoteModes, PlantedModesAreFoundAmongOutliers) {
     votes.push_back({stray, 0.2f});
   }
   const std::vector<VoteMode> modes = Find(votes, {});
-  const PartRotations rotations({});
+  const ObjectRotations rotations({});
   EXPECT_TRUE(Holds(modes, 2, first_, rotations));
   EXPECT_TRUE(Holds(modes, 2, second_, rotations));
   EXPECT_FALSE(Holds(modes, modes.size(), flipped, rotations));
@@ -126,7 +126,7 @@ TEST_F(VoteModes, TwoRotationsAtOnePlaceAreTwoModes) {
   for (const CastVote& vote : VotesAbout(flipped, 20, 0.1, 0.001, rng_)) votes.push_back(vote);
   const std::vector<VoteMode> modes = Find(votes, {});
   ASSERT_GE(modes.size(), 2u);
-  const PartRotations rotations({});
+  const ObjectRotations rotations({});
   EXPECT_TRUE(Holds(modes, 1, first_, rotations));
   EXPECT_TRUE(Holds(modes, 2, flipped, rotations));
 }
@@ -158,7 +158,7 @@ TEST_F(VoteModes, NearerNeighborsHaveMoreWeight) {
   votes.insert(votes.end(), nearer.begin(), nearer.end());
   const std::vector<VoteMode> modes = Find(votes, {});
   ASSERT_EQ(modes.size(), 2u);
-  EXPECT_TRUE(Holds(modes, 1, second_, PartRotations({})));
+  EXPECT_TRUE(Holds(modes, 1, second_, ObjectRotations({})));
   EXPECT_NEAR(modes[0].weight, 20 * std::exp(-0.1), 1e-5);
   EXPECT_NEAR(modes[1].weight, 20 * std::exp(-0.2), 1e-5);
 }

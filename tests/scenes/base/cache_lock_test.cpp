@@ -34,6 +34,9 @@ class CacheLockTest : public testing::Test {
     work();
     _exit(0);
   }
+  static std::filesystem::path LockOf(const std::filesystem::path& file) {
+    return file.string() + ".lock";
+  }
   std::string Made() const {
     const std::filesystem::path made = temporary_.path() / "made";
     return std::filesystem::exists(made) ? ReadFileBytes(made) : "";
@@ -54,7 +57,7 @@ TEST_F(CacheLockTest, OneProcessMakesTheFileAndTheOthersWait) {
     EXPECT_EQ(status, 0);
   }
   EXPECT_EQ(Made(), "x");
-  EXPECT_FALSE(std::filesystem::exists(file_.string() + ".lock")) << "the lock file is left over";
+  EXPECT_FALSE(std::filesystem::exists(LockOf(file_))) << "the lock file is left over";
 }
 
 TEST_F(CacheLockTest, NextProcessMakesTheFileIfTheFirstIsKilled) {
@@ -73,13 +76,15 @@ TEST_F(CacheLockTest, NextProcessMakesTheFileIfTheFirstIsKilled) {
 TEST_F(CacheLockTest, LocksOfDifferentFilesAreIndependent) {
   const CacheLock lock(file_);
   const CacheLock other(temporary_.path() / "other.bin");
-  SUCCEED();
+  EXPECT_TRUE(std::filesystem::exists(LockOf(file_)));
+  EXPECT_TRUE(std::filesystem::exists(LockOf(temporary_.path() / "other.bin")));
 }
 
-TEST(CacheLock, MissingFolderNeedsNoLock) {
-  const CacheLock lock("/nowhere/at/all/codes.bin");
-  const CacheLock again("/nowhere/at/all/codes.bin");
-  SUCCEED();
+TEST_F(CacheLockTest, MissingFolderNeedsNoLock) {
+  const std::filesystem::path missing = temporary_.path() / "nowhere" / "codes.bin";
+  const CacheLock lock(missing);
+  const CacheLock again(missing);
+  EXPECT_FALSE(std::filesystem::exists(missing.parent_path())) << "the folder was created";
 }
 
 }  // namespace

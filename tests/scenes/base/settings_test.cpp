@@ -99,7 +99,7 @@ TEST(Settings, WrittenSettingsReadBackUnchanged) {
 TEST(Settings, ErrorsHoldFileLineKeyValueAndAllowedValues) {
   const struct {
     const char* yaml;
-    std::vector<const char*> parts;
+    std::vector<const char*> fragments;
   } cases[] = {
       {"seed: 1\nbin:\n  wall_m: 3\n", {"cell.yaml:3:", "bin.wall_m = 3", "from 0.001 to 0.05"}},
       {"seed: 1\nbin:\n  wal_m: 0.01\n", {"cell.yaml:3:", "wal_m", "wall_m", "0.01"}},
@@ -119,7 +119,7 @@ TEST(Settings, ErrorsHoldFileLineKeyValueAndAllowedValues) {
   };
   for (const auto& c : cases) {
     const std::string error = ErrorOfYaml(c.yaml);
-    for (const char* part : c.parts) EXPECT_THAT(error, HasSubstr(part)) << c.yaml;
+    for (const char* fragment : c.fragments) EXPECT_THAT(error, HasSubstr(fragment)) << c.yaml;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
   }
 }

@@ -24,7 +24,7 @@ double LargestDistance_m(const TriangleMesh& from, const MeshQuery& to, uint64_t
 // The samples differ from those the levels were measured with. A maximum over samples is no bound,
 // so the test allows 25 % more.
 TEST(MeshLevels, StayWithinTheirDeviationInBothDirections) {
-  for (const PartRow& row : PartTable()) {
+  for (const FamilyRow& row : FamilyTable()) {
     const TriangleMesh object = row.make().mesh_O;
     const MeshQuery original(object);
     const std::vector<MeshLevel> levels = MakeMeshLevels(object);
@@ -44,7 +44,7 @@ TEST(MeshLevels, StayWithinTheirDeviationInBothDirections) {
 }
 
 TEST(MeshLevels, ClosedMeshesStayClosedAndOutward) {
-  for (const PartRow& row : PartTable()) {
+  for (const FamilyRow& row : FamilyTable()) {
     const TriangleMesh object = row.make().mesh_O;
     for (const MeshLevel& level : MakeMeshLevels(object)) {
       const MeshReport report = InspectMesh(level.mesh);

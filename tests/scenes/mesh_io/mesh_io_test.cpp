@@ -315,13 +315,13 @@ TEST(LoadMesh, RefusesTooManyFacesBeforeReadingThem) {
         "vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
         faces);
   };
-  const std::string many = folder.Write("many.ply", ply(kMostFaces + 1));
+  const std::string many = folder.Write("many.ply", ply(kMaxMeshFaces + 1));
   const std::string message = InputErrorOf([&] { LoadMesh(many); });
   EXPECT_THAT(message, HasSubstr(many + "' has 1000001 faces; reduce it to 1000000 or fewer"));
   EXPECT_EQ(LoadMesh(folder.Write("one.ply", ply(1))).triangles.size(), 1u);
 
   const std::string stl = folder.path() / "many.stl";
-  const uint32_t faces = kMostFaces + 1;
+  const uint32_t faces = kMaxMeshFaces + 1;
   {
     std::ofstream file(stl, std::ios::binary);
     file.write(std::string(80, ' ').data(), 80);
@@ -335,7 +335,7 @@ TEST(LoadMesh, RefusesTooManyFacesBeforeReadingThem) {
 TEST(LoadMesh, RefusesTooManyFacesOfAnObj) {
   const TemporaryFolder folder;
   std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
-  for (size_t i = 0; i < kMostFaces / 2 + 1; ++i) obj += "f 1 2 3 4\n";  // two triangles each
+  for (size_t i = 0; i < kMaxMeshFaces / 2 + 1; ++i) obj += "f 1 2 3 4\n";  // two triangles each
   EXPECT_THAT(InputErrorOf([&] { LoadMesh(folder.Write("many.obj", obj)); }),
               HasSubstr("has 1000002 faces"));
 }

@@ -59,10 +59,10 @@ TEST_P(RealMeshes, SurviveARoundTrip) {
 TEST_P(RealMeshes, BecomeObjects) {
   const RealMesh& expected = GetParam();
   if (!fs::exists(kMeshes)) GTEST_SKIP() << "no real meshes at " << kMeshes;
-  MeshPartSpec spec;
+  MeshObjectSpec spec;
   spec.mesh = kMeshes / expected.file;
   spec.mass_kg = 0.25;
-  const auto object = LoadMeshPart("part", spec);
+  const auto object = LoadMeshObject("part", spec);
   EXPECT_DOUBLE_EQ(object->mass.mass_kg, 0.25);
   EXPECT_NEAR(object->mass.volume_m3, expected.volume_m3, 1e-3 * expected.volume_m3);
   const Bounds bounds = MeshBounds(object->mesh_O);

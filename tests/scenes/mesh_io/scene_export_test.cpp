@@ -81,18 +81,19 @@ GlbCloud ThreePoints() {
 
 TEST(GlbBytes, MeshesKeepTheirPoseWithWorldZUp) {
   const TriangleMesh box = BoxShape({0.1, 0.2, 0.3}), ball = BallShape(0.05, 1);
-  const std::vector<GlbPart> parts = {{"box", &box, SomePose(), {1, 0, 0, 1}},
-                                      {"ball", &ball, Translation({0, 0, 1}), {0, 0, 1, 0.25f}}};
-  const ReadBack read(GlbBytes(parts, {}));
-  for (const GlbPart& part : parts) {
-    const aiMesh& mesh = read.mesh(part.name.c_str());
-    ASSERT_EQ(mesh.mNumFaces, part.mesh->triangles.size());
+  const std::vector<GlbPart> glb_parts = {
+      {"box", &box, SomePose(), {1, 0, 0, 1}},
+      {"ball", &ball, Translation({0, 0, 1}), {0, 0, 1, 0.25f}}};
+  const ReadBack read(GlbBytes(glb_parts, {}));
+  for (const GlbPart& glb_part : glb_parts) {
+    const aiMesh& mesh = read.mesh(glb_part.name.c_str());
+    ASSERT_EQ(mesh.mNumFaces, glb_part.mesh->triangles.size());
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       ASSERT_EQ(mesh.mFaces[f].mNumIndices, 3u);
       for (int k = 0; k < 3; ++k) {
-        const Vector3d p_W = part.X_W * part.mesh->vertices[part.mesh->triangles[f][k]];
+        const Vector3d p_W = glb_part.X_W * glb_part.mesh->vertices[glb_part.mesh->triangles[f][k]];
         const Vector3f exported =
-            read.VertexPosition(part.name.c_str(), mesh.mFaces[f].mIndices[k]);
+            read.VertexPosition(glb_part.name.c_str(), mesh.mFaces[f].mIndices[k]);
         EXPECT_LT((exported - Vector3f(p_W.x(), p_W.z(), -p_W.y())).norm(), 1e-6f);
       }
     }
@@ -101,8 +102,8 @@ TEST(GlbBytes, MeshesKeepTheirPoseWithWorldZUp) {
 
 TEST(GlbBytes, SmoothNormalsAreWrittenAndFlatNormalsAreNot) {
   const TriangleMesh box = BoxShape({0.1, 0.2, 0.3}), ball = BallShape(0.05, 1);
-  const std::vector<GlbPart> parts = {{"box", &box}, {"ball", &ball}};
-  const ReadBack read(GlbBytes(parts, {}));
+  const std::vector<GlbPart> glb_parts = {{"box", &box}, {"ball", &ball}};
+  const ReadBack read(GlbBytes(glb_parts, {}));
   EXPECT_FALSE(read.mesh("box").HasNormals());
   const aiMesh& mesh = read.mesh("ball");
   ASSERT_TRUE(mesh.HasNormals());
@@ -113,9 +114,9 @@ TEST(GlbBytes, SmoothNormalsAreWrittenAndFlatNormalsAreNot) {
 
 TEST(GlbBytes, ColoursAreLinearInTheFile) {
   const TriangleMesh box = BoxShape({0.1, 0.2, 0.3});
-  const std::vector<GlbPart> parts = {{"opaque", &box, Pose::Identity(), {0, 0.5f, 1, 1}},
-                                      {"glass", &box, Pose::Identity(), {1, 0.02f, 0, 0.25f}}};
-  const std::string glb = GlbBytes(parts, {});
+  const std::vector<GlbPart> glb_parts = {{"opaque", &box, Pose::Identity(), {0, 0.5f, 1, 1}},
+                                          {"glass", &box, Pose::Identity(), {1, 0.02f, 0, 0.25f}}};
+  const std::string glb = GlbBytes(glb_parts, {});
   const ReadBack read(glb);
   // sRGB 0.5 is 0.2140 linear. Below 0.04045 the curve is a line of slope 1/12.92.
   EXPECT_LT((aiVector3D(0, 0.21404f, 1) -
@@ -137,14 +138,14 @@ TEST(GlbBytes, ColoursAreLinearInTheFile) {
 TEST(GlbBytes, EqualMeshesOfEqualColourShareTheirGeometry) {
   const TriangleMesh ball = BallShape(0.05, 4);
   const GlbPart red{"a", &ball, Pose::Identity(), {1, 0, 0, 1}};
-  std::vector<GlbPart> parts = {red};
-  const size_t one = GlbBytes(parts, {}).size();
-  for (const char* name : {"b", "c", "d"}) parts.push_back({name, &ball, SomePose(), red.rgba});
-  const std::string four = GlbBytes(parts, {});
+  std::vector<GlbPart> glb_parts = {red};
+  const size_t one = GlbBytes(glb_parts, {}).size();
+  for (const char* name : {"b", "c", "d"}) glb_parts.push_back({name, &ball, SomePose(), red.rgba});
+  const std::string four = GlbBytes(glb_parts, {});
   EXPECT_LT(four.size(), one + 2000);
   EXPECT_EQ(ReadBack(four).scene->mNumMeshes, 1u);
-  parts[3].rgba.x() = 0.5f;
-  EXPECT_EQ(ReadBack(GlbBytes(parts, {})).scene->mNumMeshes, 2u);
+  glb_parts[3].rgba.x() = 0.5f;
+  EXPECT_EQ(ReadBack(GlbBytes(glb_parts, {})).scene->mNumMeshes, 2u);
 }
 
 TEST(GlbBytes, CloudsAreColouredPoints) {
@@ -174,9 +175,10 @@ TEST(GlbBytes, CloudsAreColouredPoints) {
 // Viewers refuse such faults, but assimp accepts them.
 TEST(GlbBytes, AccessorsStayInsideTheirBuffers) {
   const TriangleMesh box = BoxShape({0.1, 0.2, 0.3}), ball = BallShape(0.05, 2);
-  const std::vector<GlbPart> parts = {{"box", &box}, {"ball", &ball, SomePose(), {1, 0, 0, 0.5f}}};
+  const std::vector<GlbPart> glb_parts = {{"box", &box},
+                                          {"ball", &ball, SomePose(), {1, 0, 0, 0.5f}}};
   const GlbCloud cloud = ThreePoints();
-  const std::string glb = GlbBytes(parts, {&cloud, 1});
+  const std::string glb = GlbBytes(glb_parts, {&cloud, 1});
   const nlohmann::json json = JsonChunk(glb);
   EXPECT_EQ(json["asset"]["version"], "2.0");
   EXPECT_LE(json["buffers"][0]["byteLength"], UintAt(glb, 20 + UintAt(glb, 12)));
@@ -198,15 +200,15 @@ TEST(GlbBytes, AccessorsStayInsideTheirBuffers) {
 
 TEST(GlbBytes, SameInputGivesSameBytes) {
   const TriangleMesh ball = BallShape(0.05, 2);
-  const std::vector<GlbPart> parts = {{"ball", &ball, SomePose(), {1, 0, 0, 0.5f}}};
+  const std::vector<GlbPart> glb_parts = {{"ball", &ball, SomePose(), {1, 0, 0, 0.5f}}};
   const GlbCloud cloud = ThreePoints();
-  EXPECT_EQ(GlbBytes(parts, {&cloud, 1}), GlbBytes(parts, {&cloud, 1}));
+  EXPECT_EQ(GlbBytes(glb_parts, {&cloud, 1}), GlbBytes(glb_parts, {&cloud, 1}));
 }
 
 TEST(GlbBytes, RefusesEmptyMeshesAndScenes) {
   const TriangleMesh empty;
-  const std::vector<GlbPart> parts = {{"nothing", &empty}};
-  EXPECT_THROW(GlbBytes(parts, {}), std::logic_error);
+  const std::vector<GlbPart> glb_parts = {{"nothing", &empty}};
+  EXPECT_THROW(GlbBytes(glb_parts, {}), std::logic_error);
   EXPECT_THROW(GlbBytes({}, {}), std::logic_error);
   GlbCloud cloud = ThreePoints();
   cloud.rgb.pop_back();

@@ -42,8 +42,8 @@ TEST(ObjectCatalog, LoadsAllFieldsOfTheFile) {
   EXPECT_EQ(block->friction, 0.4);
   EXPECT_NEAR(block->diameter_m, kSize.norm(), 1e-8);
   EXPECT_EQ(block->mesh_hash, MeshHash(block->mesh_O));
-  ASSERT_EQ(block->convex_parts_O.size(), 1u);
-  EXPECT_TRUE(block->convex_parts_O[0].vertices_O[1].isApprox(Vector3d(0.01, 0, 0)));
+  ASSERT_EQ(block->convex_pieces_O.size(), 1u);
+  EXPECT_TRUE(block->convex_pieces_O[0].vertices_O[1].isApprox(Vector3d(0.01, 0, 0)));
   ASSERT_EQ(block->symmetries_O.discrete_O.size(), 1u);
   const Pose& flip = block->symmetries_O.discrete_O[0];
   EXPECT_TRUE((flip * Vector3d(0.04, 0.02, 0.01)).isApprox(Vector3d(-0.02, -0.02, 0.01), 1e-9));
@@ -100,48 +100,48 @@ TEST(ObjectCatalog, ErrorsHoldFileAndKey) {
   }
 }
 
-MeshPartSpec SpecOf(const fs::path& mesh) {
-  MeshPartSpec spec;
+MeshObjectSpec SpecOf(const fs::path& mesh) {
+  MeshObjectSpec spec;
   spec.mesh = mesh;
   spec.mass_kg = 0.5;
   return spec;
 }
 
-TEST(LoadMeshPart, AppliesUnitAndMass) {
+TEST(LoadMeshObject, AppliesUnitAndMass) {
   const TemporaryFolder folder;
   SaveObj(folder.path() / "box.obj", BoxShape(1e3 * kSize));
-  MeshPartSpec spec = SpecOf(folder.path() / "box.obj");
+  MeshObjectSpec spec = SpecOf(folder.path() / "box.obj");
   spec.unit = "mm";
   spec.friction = 0.8;
   spec.symmetries_O.continuous_O.push_back({});
-  const auto object = LoadMeshPart("box", spec);
+  const auto object = LoadMeshObject("box", spec);
   EXPECT_EQ(object->name, "box");
   EXPECT_NEAR(object->mass.volume_m3, kSize.prod(), 1e-12);
   EXPECT_EQ(object->mass.mass_kg, 0.5);
   EXPECT_NEAR(object->mass.inertia_com_O(2, 2), 0.5 / 12 * (0.06 * 0.06 + 0.04 * 0.04), 1e-10);
   EXPECT_EQ(object->friction, 0.8);
   EXPECT_EQ(object->symmetries_O.continuous_O.size(), 1u);
-  EXPECT_TRUE(object->convex_parts_O.empty());
+  EXPECT_TRUE(object->convex_pieces_O.empty());
 }
 
-TEST(LoadMeshPart, TurnsInsideOutMeshesOutwards) {
+TEST(LoadMeshObject, TurnsInsideOutMeshesOutwards) {
   const TemporaryFolder folder;
   TriangleMesh inside_out = BallShape(0.05, 3);
   TurnInsideOut(inside_out);
   SaveObj(folder.path() / "ball.obj", inside_out);
-  const auto object = LoadMeshPart("ball", SpecOf(folder.path() / "ball.obj"));
+  const auto object = LoadMeshObject("ball", SpecOf(folder.path() / "ball.obj"));
   EXPECT_GT(InspectMesh(object->mesh_O).volume_m3, 0);
   EXPECT_NEAR(object->mass.com_O.norm(), 0, 1e-7);
 }
 
 // A small hole in a scan changes the volume by less than 2 %.
-TEST(LoadMeshPart, ToleratesASmallHole) {
+TEST(LoadMeshObject, ToleratesASmallHole) {
   const TemporaryFolder folder;
   TriangleMesh ball = BallShape(0.05, 4);
   const double volume = InspectMesh(ball).volume_m3;
   ball.triangles.resize(ball.triangles.size() - 8);
   SaveObj(folder.path() / "scan.obj", ball);
-  const auto scan = LoadMeshPart("scan", SpecOf(folder.path() / "scan.obj"));
+  const auto scan = LoadMeshObject("scan", SpecOf(folder.path() / "scan.obj"));
   EXPECT_FALSE(InspectMesh(scan->mesh_O).watertight());
   EXPECT_NEAR(scan->mass.volume_m3, volume, 0.02 * volume);
   EXPECT_LT(scan->mass.com_O.norm(), 0.002);
@@ -149,24 +149,24 @@ TEST(LoadMeshPart, ToleratesASmallHole) {
 
 // Two opposite sides of a box enclose no valid solid, so the mass properties of the bounding box
 // are used.
-TEST(LoadMeshPart, UsesTheBoundingBoxOfAnInvalidSolid) {
+TEST(LoadMeshObject, UsesTheBoundingBoxOfAnInvalidSolid) {
   const TemporaryFolder folder;
   TriangleMesh sides = BoxShape(kSize);
   sides.triangles.erase(sides.triangles.begin() + 4, sides.triangles.end());
   sides.triangles.insert(sides.triangles.end(), sides.triangles.begin(), sides.triangles.end());
   sides.triangles.insert(sides.triangles.end(), sides.triangles.begin(), sides.triangles.end());
   SaveObj(folder.path() / "sides.obj", sides);
-  const auto object = LoadMeshPart("sides", SpecOf(folder.path() / "sides.obj"));
+  const auto object = LoadMeshObject("sides", SpecOf(folder.path() / "sides.obj"));
   EXPECT_NEAR(object->mass.volume_m3, kSize.prod(), 1e-9);
   EXPECT_NEAR(object->mass.inertia_com_O(0, 0), 0.5 / 12 * (0.04 * 0.04 + 0.02 * 0.02), 1e-9);
 }
 
-TEST(LoadMeshPart, RefusesInvalidMeshesMassesAndFrictions) {
+TEST(LoadMeshObject, RefusesInvalidMeshesMassesAndFrictions) {
   const TemporaryFolder folder;
   const fs::path good = folder.path() / "good.obj";
   SaveObj(good, BoxShape(kSize));
-  const auto error_of = [](const MeshPartSpec& spec) {
-    return InputErrorOf([&] { LoadMeshPart("p", spec); });
+  const auto error_of = [](const MeshObjectSpec& spec) {
+    return InputErrorOf([&] { LoadMeshObject("p", spec); });
   };
   EXPECT_THAT(error_of(SpecOf(folder.path() / "none.obj")), HasSubstr("none.obj' does not exist"));
   const fs::path flat = folder.Write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -177,13 +177,13 @@ TEST(LoadMeshPart, RefusesInvalidMeshesMassesAndFrictions) {
       "nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   EXPECT_THAT(error_of(SpecOf(nan)), HasSubstr("nan.obj"));
   for (const double bad : {0.0, -1.0, std::nan("")}) {
-    MeshPartSpec mass = SpecOf(good), friction = SpecOf(good);
+    MeshObjectSpec mass = SpecOf(good), friction = SpecOf(good);
     mass.mass_kg = bad;
     friction.friction = bad;
     EXPECT_THAT(error_of(mass), HasSubstr("mass_kg"));
     EXPECT_THAT(error_of(friction), HasSubstr("friction"));
   }
-  MeshPartSpec unit = SpecOf(good);
+  MeshObjectSpec unit = SpecOf(good);
   unit.unit = "yard";
   EXPECT_THAT(error_of(unit), HasSubstr("unknown unit 'yard'"));
 }

@@ -43,8 +43,8 @@ const Expected kExpected[] = {
     {"carton", 4, 0, 0},      {"bottle", 1, 1, 0},   {"mug", 1, 0, 0},      {"ring", 2, 1, 0},
 };
 
-MadePart Make(const std::string& name) {
-  for (const PartRow& row : PartTable()) {
+FamilyObject Make(const std::string& name) {
+  for (const FamilyRow& row : FamilyTable()) {
     if (name == row.name) return row.make();
   }
   throw std::logic_error("no object " + name);
@@ -108,41 +108,41 @@ std::set<std::string> FileNames(const fs::path& folder) {
   return names;
 }
 
-TEST(PartTable, ListsEveryExpectedFamilyOnce) {
+TEST(FamilyTable, ListsEveryExpectedFamilyOnce) {
   std::vector<std::string> made, expected;
-  for (const PartRow& row : PartTable()) made.push_back(row.name);
-  for (const Expected& part : kExpected) expected.push_back(part.name);
+  for (const FamilyRow& row : FamilyTable()) made.push_back(row.name);
+  for (const Expected& family : kExpected) expected.push_back(family.name);
   EXPECT_THAT(made, testing::UnorderedElementsAreArray(expected));
 }
 
 class PartFamily : public testing::TestWithParam<Expected> {
  protected:
-  const MadePart part_ = Make(GetParam().name);
+  const FamilyObject object_ = Make(GetParam().name);
 };
 
 TEST_P(PartFamily, IsClosedAndOfPickableSize) {
-  const MeshReport report = InspectMesh(part_.mesh_O);
+  const MeshReport report = InspectMesh(object_.mesh_O);
   EXPECT_TRUE(report.finite);
   EXPECT_EQ(report.open_edges, 0);
   EXPECT_GT(report.volume_m3, 0);
   EXPECT_LE(report.triangles, 2500);
-  const double diameter_m = Diameter(part_.mesh_O);
+  const double diameter_m = Diameter(object_.mesh_O);
   EXPECT_GE(diameter_m, 0.02);
   EXPECT_LE(diameter_m, 0.20);
-  EXPECT_LT(MeshBounds(part_.mesh_O).center().norm(), 1e-9);
+  EXPECT_LT(MeshBounds(object_.mesh_O).center().norm(), 1e-9);
 }
 
 TEST_P(PartFamily, CanBeLiftedByASmallJawGripper) {
   constexpr double kOpening_m = 0.07, kForce_N = 40, kGravity = 9.81;
-  EXPECT_LT(MeshBounds(part_.mesh_O).size().minCoeff(), kOpening_m);
-  const double mass_kg = InspectMesh(part_.mesh_O).volume_m3 * part_.density_kgpm3;
-  EXPECT_LT(mass_kg * kGravity, 0.5 * 2 * part_.friction * kForce_N);
-  EXPECT_GE(part_.friction, 0.4);
-  EXPECT_LE(part_.friction, 0.7);
+  EXPECT_LT(MeshBounds(object_.mesh_O).size().minCoeff(), kOpening_m);
+  const double mass_kg = InspectMesh(object_.mesh_O).volume_m3 * object_.density_kgpm3;
+  EXPECT_LT(mass_kg * kGravity, 0.5 * 2 * object_.friction * kForce_N);
+  EXPECT_GE(object_.friction, 0.4);
+  EXPECT_LE(object_.friction, 0.7);
 }
 
 TEST_P(PartFamily, VertexNormalsAgreeWithFaceNormals) {
-  const TriangleMesh& mesh = part_.mesh_O;
+  const TriangleMesh& mesh = object_.mesh_O;
   const std::vector<Vector3d> faces = FaceNormals(mesh);
   ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -157,21 +157,21 @@ TEST_P(PartFamily, VertexNormalsAgreeWithFaceNormals) {
 
 TEST_P(PartFamily, SymmetriesMapItOntoItself) {
   constexpr double kExact_m = 1e-6, kFacets_m = 1e-4;
-  for (const Pose& X : part_.symmetries_O.discrete_O) {
-    EXPECT_LT(LargestDeviation_m(part_.mesh_O, X), kExact_m) << X.matrix();
+  for (const Pose& X : object_.symmetries_O.discrete_O) {
+    EXPECT_LT(LargestDeviation_m(object_.mesh_O, X), kExact_m) << X.matrix();
   }
-  for (const ContinuousSymmetry& s : part_.symmetries_O.continuous_O) {
+  for (const ContinuousSymmetry& s : object_.symmetries_O.continuous_O) {
     EXPECT_LT(s.offset_O.norm(), 1e-9);
     for (double angle_deg : {1.3, 7.0, 41.0, 200.0}) {
-      EXPECT_LT(LargestDeviation_m(part_.mesh_O, RotationAbout(s.axis_O, angle_deg)), kFacets_m);
+      EXPECT_LT(LargestDeviation_m(object_.mesh_O, RotationAbout(s.axis_O, angle_deg)), kFacets_m);
     }
   }
 }
 
 TEST_P(PartFamily, SymmetriesAreAGroupOfTheExpectedOrder) {
-  const std::vector<Pose> group = WithIdentity(part_.symmetries_O);
+  const std::vector<Pose> group = WithIdentity(object_.symmetries_O);
   EXPECT_EQ(group.size(), GetParam().group_order);
-  EXPECT_EQ(part_.symmetries_O.continuous_O.size(), GetParam().continuous_axes);
+  EXPECT_EQ(object_.symmetries_O.continuous_O.size(), GetParam().continuous_axes);
   for (const Pose& a : group) {
     for (const Pose& b : group) EXPECT_TRUE(Contains(group, a * b));
   }
@@ -179,10 +179,10 @@ TEST_P(PartFamily, SymmetriesAreAGroupOfTheExpectedOrder) {
 
 // The list holds every rotation about a main axis that maps the object onto itself.
 TEST_P(PartFamily, NoSymmetryAboutAMainAxisIsMissing) {
-  const std::vector<Pose> group = WithIdentity(part_.symmetries_O);
+  const std::vector<Pose> group = WithIdentity(object_.symmetries_O);
   for (int a = 0; a < 3; ++a) {
     const Vector3d axis = Vector3d::Unit(a);
-    const auto& continuous = part_.symmetries_O.continuous_O;
+    const auto& continuous = object_.symmetries_O.continuous_O;
     if (!continuous.empty() && std::abs(continuous[0].axis_O.dot(axis)) > 0.5) continue;
     for (int order = 2; order <= 12; ++order) {
       const Pose rotation = RotationAbout(axis, 360.0 / order);
@@ -190,7 +190,7 @@ TEST_P(PartFamily, NoSymmetryAboutAMainAxisIsMissing) {
       // continuous rotation.
       const bool listed =
           Contains(group, rotation) || (!continuous.empty() && group.size() == 2 && order == 2);
-      EXPECT_EQ(LargestDeviation_m(part_.mesh_O, rotation) < 2e-4, listed)
+      EXPECT_EQ(LargestDeviation_m(object_.mesh_O, rotation) < 2e-4, listed)
           << "axis " << axis.transpose() << " order " << order;
     }
   }
@@ -198,16 +198,16 @@ TEST_P(PartFamily, NoSymmetryAboutAMainAxisIsMissing) {
 
 TEST_P(PartFamily, WrongSymmetryIsDetected) {
   constexpr double kClearly_m = 3e-4;  // three times the tolerance for facets
-  const Vector3d axis =
-      part_.symmetries_O.continuous_O.empty() ? Vector3d::UnitZ().eval() : Vector3d::UnitX().eval();
-  EXPECT_GT(LargestDeviation_m(part_.mesh_O, RotationAbout(axis, 7)), kClearly_m);
-  EXPECT_GT(LargestDeviation_m(part_.mesh_O, RotationAbout({1, 2, 3}, 180)), kClearly_m);
+  const Vector3d axis = object_.symmetries_O.continuous_O.empty() ? Vector3d::UnitZ().eval()
+                                                                  : Vector3d::UnitX().eval();
+  EXPECT_GT(LargestDeviation_m(object_.mesh_O, RotationAbout(axis, 7)), kClearly_m);
+  EXPECT_GT(LargestDeviation_m(object_.mesh_O, RotationAbout({1, 2, 3}, 180)), kClearly_m);
 }
 
 TEST_P(PartFamily, PiecesAreFewSmallAndConvex) {
-  EXPECT_GE(part_.convex_parts_O.size(), 1u);
-  EXPECT_LE(part_.convex_parts_O.size(), 24u);
-  for (const ConvexPiece& piece : part_.convex_parts_O) {
+  EXPECT_GE(object_.convex_pieces_O.size(), 1u);
+  EXPECT_LE(object_.convex_pieces_O.size(), 24u);
+  for (const ConvexPiece& piece : object_.convex_pieces_O) {
     EXPECT_LE(piece.vertices_O.size(), 32u);
     std::set<int> corners;
     for (const Eigen::Vector3i& t : FacesOf(piece).mesh.triangles) {
@@ -219,21 +219,21 @@ TEST_P(PartFamily, PiecesAreFewSmallAndConvex) {
 
 TEST_P(PartFamily, PiecesCoverTheSurface) {
   constexpr double kTolerance_m = 0.6e-3;
-  const ConvexUnion pieces(part_.convex_parts_O);
+  const ConvexUnion pieces(object_.convex_pieces_O);
   Rng rng(2);
-  for (const Vector3d& p : SampleSurface(part_.mesh_O, 2000, rng).points) {
+  for (const Vector3d& p : SampleSurface(object_.mesh_O, 2000, rng).points) {
     EXPECT_LT(pieces.Distance(p), kTolerance_m) << "at " << 1e3 * p.transpose() << " mm";
   }
 }
 
 TEST_P(PartFamily, PiecesDoNotExtendBeyondTheMesh) {
   const double tolerance_m = std::max(0.8e-3, GetParam().filled_radius_m);
-  const MeshQuery query(part_.mesh_O);
+  const MeshQuery query(object_.mesh_O);
   const auto outside_m = [&](const Vector3d& p) {
     return IsInside(query, p) ? 0.0 : query.ClosestPoint(p).distance;
   };
   Rng rng(3);
-  for (const ConvexPiece& piece : part_.convex_parts_O) {
+  for (const ConvexPiece& piece : object_.convex_pieces_O) {
     const HullFaces hull = FacesOf(piece);
     for (const Vector3d& p : hull.mesh.vertices) EXPECT_LT(outside_m(p), 1e-3);
     for (const Vector3d& p : SampleSurface(hull.mesh, 150, rng).points) {
@@ -247,8 +247,8 @@ TEST_P(PartFamily, CommittedFilesEqualTheGeneratedFiles) {
   const fs::path shipped = fs::path(PICKBED_SOURCE_DIR) / "assets/objects" / GetParam().name;
   const fs::path again =
       fs::path(testing::TempDir()) / fmt::format("parts_{}_{}", getpid(), GetParam().name);
-  for (const PartRow& row : PartTable()) {
-    if (std::string(row.name) == GetParam().name) WritePart(row, again);
+  for (const FamilyRow& row : FamilyTable()) {
+    if (std::string(row.name) == GetParam().name) WriteFamilyObject(row, again);
   }
   EXPECT_EQ(FileNames(again), FileNames(shipped));
   for (const std::string& name : FileNames(again)) {
@@ -261,36 +261,36 @@ TEST_P(PartFamily, CommittedFilesEqualTheGeneratedFiles) {
 TEST_P(PartFamily, CatalogLoadsTheSameObject) {
   const ObjectCatalog catalog({fs::path(PICKBED_SOURCE_DIR) / "assets/objects"});
   const auto model = catalog.Load(GetParam().name);
-  ASSERT_EQ(model->mesh_O.triangles.size(), part_.mesh_O.triangles.size());
-  ASSERT_EQ(model->mesh_O.uvs.empty(), part_.mesh_O.uvs.empty());
-  EXPECT_NEAR(model->diameter_m, Diameter(part_.mesh_O), 1e-6);
-  EXPECT_EQ(model->friction, part_.friction);
-  EXPECT_EQ(model->mesh_O.texture, part_.mesh_O.texture);
-  EXPECT_EQ(model->mesh_O.base_color, part_.mesh_O.base_color);
-  EXPECT_NEAR(model->mass.mass_kg, part_.density_kgpm3 * InspectMesh(part_.mesh_O).volume_m3,
+  ASSERT_EQ(model->mesh_O.triangles.size(), object_.mesh_O.triangles.size());
+  ASSERT_EQ(model->mesh_O.uvs.empty(), object_.mesh_O.uvs.empty());
+  EXPECT_NEAR(model->diameter_m, Diameter(object_.mesh_O), 1e-6);
+  EXPECT_EQ(model->friction, object_.friction);
+  EXPECT_EQ(model->mesh_O.texture, object_.mesh_O.texture);
+  EXPECT_EQ(model->mesh_O.base_color, object_.mesh_O.base_color);
+  EXPECT_NEAR(model->mass.mass_kg, object_.density_kgpm3 * InspectMesh(object_.mesh_O).volume_m3,
               1e-5 * model->mass.mass_kg);
-  ASSERT_EQ(model->convex_parts_O.size(), part_.convex_parts_O.size());
-  for (size_t i = 0; i < part_.convex_parts_O.size(); ++i) {
-    EXPECT_EQ(model->convex_parts_O[i].vertices_O.size(),
-              part_.convex_parts_O[i].vertices_O.size());
+  ASSERT_EQ(model->convex_pieces_O.size(), object_.convex_pieces_O.size());
+  for (size_t i = 0; i < object_.convex_pieces_O.size(); ++i) {
+    EXPECT_EQ(model->convex_pieces_O[i].vertices_O.size(),
+              object_.convex_pieces_O[i].vertices_O.size());
   }
-  for (size_t t = 0; t < part_.mesh_O.triangles.size(); ++t) {
-    const int before = part_.mesh_O.triangles[t][0], after = model->mesh_O.triangles[t][0];
-    EXPECT_LT((model->mesh_O.vertices[after] - part_.mesh_O.vertices[before]).norm(), 1e-8);
+  for (size_t t = 0; t < object_.mesh_O.triangles.size(); ++t) {
+    const int before = object_.mesh_O.triangles[t][0], after = model->mesh_O.triangles[t][0];
+    EXPECT_LT((model->mesh_O.vertices[after] - object_.mesh_O.vertices[before]).norm(), 1e-8);
     if (!model->mesh_O.normals.empty()) {  // the reader drops the normals of flat faces
-      EXPECT_LT((model->mesh_O.normals[after] - part_.mesh_O.normals[before]).norm(), 1e-4);
+      EXPECT_LT((model->mesh_O.normals[after] - object_.mesh_O.normals[before]).norm(), 1e-4);
     }
-    if (!part_.mesh_O.uvs.empty()) {
-      EXPECT_LT((model->mesh_O.uvs[after] - part_.mesh_O.uvs[before]).norm(), 1e-5);
+    if (!object_.mesh_O.uvs.empty()) {
+      EXPECT_LT((model->mesh_O.uvs[after] - object_.mesh_O.uvs[before]).norm(), 1e-5);
     }
   }
   const std::vector<Pose> group = WithIdentity(model->symmetries_O);
   EXPECT_EQ(group.size(), GetParam().group_order);
-  for (const Pose& X : part_.symmetries_O.discrete_O) EXPECT_TRUE(Contains(group, X));
+  for (const Pose& X : object_.symmetries_O.discrete_O) EXPECT_TRUE(Contains(group, X));
   EXPECT_EQ(model->symmetries_O.continuous_O.size(), GetParam().continuous_axes);
 }
 
-INSTANTIATE_TEST_SUITE_P(Parts, PartFamily, testing::ValuesIn(kExpected),
+INSTANTIATE_TEST_SUITE_P(Families, PartFamily, testing::ValuesIn(kExpected),
                          [](const auto& info) { return std::string(info.param.name); });
 
 // Volume of a ring with bevelled outer edges by Pappus's theorem, reduced by the area that the
@@ -337,7 +337,7 @@ TEST(PartFamilyVolume, PipeTeeMatchesAMonteCarloEstimate) {
 }
 
 TEST(PartFamilyTexture, CartonHasDifferentColoursOnEachSide) {
-  const MadePart carton = Make("carton");
+  const FamilyObject carton = Make("carton");
   ASSERT_FALSE(carton.mesh_O.texture.empty());
   ASSERT_EQ(carton.mesh_O.uvs.size(), carton.mesh_O.vertices.size());
   const Image<Rgb8>& sheet = carton.mesh_O.texture;

@@ -39,11 +39,17 @@ TEST_F(ScenarioFile, PresetsLoadAndReadBackUnchanged) {
   }
 }
 
+TEST_F(ScenarioFile, FormerNameOfARefinerIsRead) {
+  const std::filesystem::path file =
+      folder_.Write("scenario.yaml", "objects: [{name: rod, count: 2}]\nrefiner: two_way_icp\n");
+  EXPECT_EQ(LoadScenario(file).refiner, "bidirectional_icp");
+}
+
 TEST_F(ScenarioFile, InvalidScenariosAreRefusedInOneLine) {
   const std::string rods = "objects: [{name: rod, count: 2}]\n";
   const struct {
     std::string yaml;
-    const char* part;
+    const char* fragment;
   } cases[] = {
       {"", "drops nothing"},
       {"objects: []\n", "drops nothing"},
@@ -62,7 +68,7 @@ TEST_F(ScenarioFile, InvalidScenariosAreRefusedInOneLine) {
   };
   for (const auto& c : cases) {
     const std::string error = ErrorOf(c.yaml);
-    EXPECT_THAT(error, HasSubstr(c.part)) << c.yaml;
+    EXPECT_THAT(error, HasSubstr(c.fragment)) << c.yaml;
     EXPECT_THAT(error, HasSubstr("/scenario.yaml:"));
     EXPECT_EQ(error.find('\n'), std::string::npos);
   }
@@ -171,7 +177,7 @@ TEST(LoadObjects, RefusesAnObjectLargerThanTheBin) {
   const auto file = folder.Write("huge.obj",
                                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
                                  "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
-  PartSpec object;
+  ObjectSpec object;
   object.name = "huge";
   object.mesh = file.string();
   object.mass_kg = 1;

@@ -10,7 +10,7 @@
 #include "scenes/mesh_io/mesh_io.h"
 #include "scenes/part_families/part_families.h"
 #include "sim/convex/convex_hull.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -51,8 +51,8 @@ double LargestUncovered_m(const TriangleMesh& mesh, const std::vector<ConvexPiec
   return worst_m;
 }
 
-MadePart Made(const std::string& name) {
-  for (const PartRow& row : PartTable()) {
+FamilyObject Made(const std::string& name) {
+  for (const FamilyRow& row : FamilyTable()) {
     if (name == row.name) return row.make();
   }
   throw std::logic_error("no object " + name);
@@ -85,7 +85,7 @@ TEST(DecomposeConvex, KeepsAConvexObjectWhole) {
 
 // The clip is a U of three boxes with chamfers, so a decomposition into six pieces is exact.
 TEST(DecomposeConvex, DecomposesAClipExactly) {
-  const MadePart clip = Made("u_clip");
+  const FamilyObject clip = Made("u_clip");
   const double volume_m3 = UniformMassProperties(clip.mesh_O, 1).volume_m3;
   const std::vector<ConvexPiece> pieces = DecomposeConvex(clip.mesh_O);
   EXPECT_LE(pieces.size(), 8u);
@@ -96,7 +96,7 @@ TEST(DecomposeConvex, DecomposesAClipExactly) {
 class DecomposedFamilies : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(DecomposedFamilies, ObeyTheLimitsAndCoverTheSurface) {
-  const MadePart object = Made(GetParam());
+  const FamilyObject object = Made(GetParam());
   const DecompositionOptions options;
   const std::vector<ConvexPiece> pieces = DecomposeConvex(object.mesh_O, options);
   EXPECT_LE(static_cast<int>(pieces.size()), options.max_pieces);
@@ -119,7 +119,7 @@ TEST(DecomposeConvex, RepeatsExactly) {
 }
 
 TEST(WithConvexPieces, KeepsExistingPieces) {
-  const auto object = BracketPart();
+  const auto object = BracketObject();
   EXPECT_EQ(WithConvexPieces(object).get(), object.get());
 }
 
@@ -127,8 +127,8 @@ class CachedPieces : public ::testing::Test {
  protected:
   void SetUp() override {
     setenv("XDG_CACHE_HOME", folder_.c_str(), 1);
-    auto bare = std::make_shared<ObjectModel>(*BracketPart());
-    bare->convex_parts_O.clear();
+    auto bare = std::make_shared<ObjectModel>(*BracketObject());
+    bare->convex_pieces_O.clear();
     bare_ = bare;
   }
   std::vector<std::filesystem::path> Files() const {
@@ -148,29 +148,29 @@ TEST_F(CachedPieces, ReadBackExactly) {
   const auto made = WithConvexPieces(bare_);
   ASSERT_EQ(Files().size(), 1u);
   const auto read = WithConvexPieces(bare_);
-  ASSERT_EQ(made->convex_parts_O.size(), read->convex_parts_O.size());
-  for (size_t i = 0; i < made->convex_parts_O.size(); ++i) {
-    EXPECT_EQ(made->convex_parts_O[i].vertices_O, read->convex_parts_O[i].vertices_O);
+  ASSERT_EQ(made->convex_pieces_O.size(), read->convex_pieces_O.size());
+  for (size_t i = 0; i < made->convex_pieces_O.size(); ++i) {
+    EXPECT_EQ(made->convex_pieces_O[i].vertices_O, read->convex_pieces_O[i].vertices_O);
   }
 }
 
 TEST_F(CachedPieces, AreReadFromTheCache) {
   WithConvexPieces(bare_);
   std::ofstream(Files().at(0)) << "1\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nend\n";
-  EXPECT_EQ(WithConvexPieces(bare_)->convex_parts_O.size(), 1u);
+  EXPECT_EQ(WithConvexPieces(bare_)->convex_pieces_O.size(), 1u);
 }
 
 TEST_F(CachedPieces, AreRecomputedIfTheFileIsTruncated) {
   const auto made = WithConvexPieces(bare_);
   std::filesystem::resize_file(Files().at(0), 30);
-  EXPECT_EQ(WithConvexPieces(bare_)->convex_parts_O.size(), made->convex_parts_O.size());
+  EXPECT_EQ(WithConvexPieces(bare_)->convex_pieces_O.size(), made->convex_pieces_O.size());
 }
 
 TEST_F(CachedPieces, DependOnTheOptions) {
   WithConvexPieces(bare_);
   DecompositionOptions options;
   options.max_pieces = 2;
-  EXPECT_LE(WithConvexPieces(bare_, options)->convex_parts_O.size(), 2u);
+  EXPECT_LE(WithConvexPieces(bare_, options)->convex_pieces_O.size(), 2u);
   EXPECT_EQ(Files().size(), 2u);
 }
 

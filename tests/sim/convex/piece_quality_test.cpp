@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {

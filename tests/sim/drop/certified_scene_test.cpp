@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/base/error.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {
@@ -37,8 +37,8 @@ TEST(SceneCertificate, EachFaultHasItsMessage) {
 }
 
 TEST(MakeScene, SceneIsValidAndRepeats) {
-  const ObjectSet objects = MixedParts();
-  const SceneRequest request{Bin{}, objects, {4, 4, 4, 4}, 5, 2};
+  const ObjectSet objects = MixedObjects();
+  const SceneRequest request{Bin{}, objects, {4, 4, 4, 4}, 5, BinIndex(2)};
   const CertifiedScene first = MakeScene(request), second = MakeScene(request);
   EXPECT_TRUE(Faults(first.certificate).empty());
   EXPECT_LT(first.certificate.wake_movement_diameters, DropOptions().wake_diameters);
@@ -53,7 +53,7 @@ TEST(MakeScene, SceneIsValidAndRepeats) {
 TEST(MakeScene, TotalEnergyNeverRises) {
   const ObjectSet objects{BoxObject({0.04, 0.04, 0.04}, 0.2)};
   DropOptions options;
-  const auto energy = MakeScene({Bin{}, objects, {1}, 0, 0}, options).certificate.energy;
+  const auto energy = MakeScene({Bin{}, objects, {1}, 0, BinIndex(0)}, options).certificate.energy;
   ASSERT_GT(energy.size(), 10u);
   double last_j = 1e9;
   for (const EnergySample& sample : energy) {
@@ -72,8 +72,8 @@ TEST(MakeScene, RefusedScenesAreListedAndFollowedByANewSeed) {
   tray.inner_size_m = {0.12, 0.12, 0.05};
   const ObjectSet cubes{BoxObject({0.03, 0.03, 0.03}, 0.05)};
   int refused = 0;
-  for (uint64_t trial = 0; trial < 6; ++trial) {
-    const CertifiedScene made = MakeScene({tray, cubes, {15}, 0, trial}, {}, 50);
+  for (BinIndex bin_index(0); bin_index < 6; ++bin_index) {
+    const CertifiedScene made = MakeScene({tray, cubes, {15}, 0, bin_index}, {}, 50);
     EXPECT_EQ(made.scene.objects.size(), 15u);
     for (const RefusedScene& scene : made.refused) {
       EXPECT_EQ(scene.attempt, static_cast<int>(&scene - made.refused.data()));
@@ -89,7 +89,7 @@ TEST(MakeScene, OverfilledBinIsRefusedWithAReason) {
   tray.inner_size_m = {0.1, 0.1, 0.02};
   const ObjectSet cubes{BoxObject({0.04, 0.04, 0.04}, 0.1)};
   try {
-    MakeScene({tray, cubes, {30}, 0, 3}, {}, 2);
+    MakeScene({tray, cubes, {30}, 0, BinIndex(3)}, {}, 2);
     FAIL() << "no error";
   } catch (const InputError& error) {
     const std::string message = error.what();

@@ -7,14 +7,14 @@
 
 #include "scenes/base/error.h"
 #include "sim/drop/penetration.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {
 
 DropResult DropMixed(uint64_t seed, int each) {
   Rng rng(seed);
-  return DropParts(Bin{}, MixedParts(), {each, each, each, each}, rng);
+  return DropInstances(Bin{}, MixedObjects(), {each, each, each, each}, rng);
 }
 
 bool SameBits(const Scene& a, const Scene& b) {
@@ -26,7 +26,7 @@ bool SameBits(const Scene& a, const Scene& b) {
   return true;
 }
 
-TEST(DropParts, MixedInstancesComeToRestInsideWithoutOverlap) {
+TEST(DropInstances, MixedInstancesComeToRestInsideWithoutOverlap) {
   for (const uint64_t seed : {0, 1, 2}) {
     const DropResult drop = DropMixed(seed, 5);
     EXPECT_TRUE(drop.certificate.at_rest) << "seed " << seed;
@@ -38,14 +38,14 @@ TEST(DropParts, MixedInstancesComeToRestInsideWithoutOverlap) {
   }
 }
 
-TEST(DropParts, SettledSceneStaysAtRestWhenAwake) {
-  const ObjectSet objects = MixedParts();
+TEST(DropInstances, SettledSceneStaysAtRestWhenAwake) {
+  const ObjectSet objects = MixedObjects();
   for (const uint64_t seed : {0, 1, 2}) {
     const DropResult drop = DropMixed(seed, 5);
     PhysicsWorld world;
     world.AddBin(drop.scene.bin);
     for (const PosedObject& object : drop.scene.objects) {
-      world.AddPart(*objects[object.object], object.X_WO);
+      world.AddInstance(*objects[object.object], object.X_WO);
     }
     world.ForbidSleep();
     while (world.time_s() < 1) world.Step();
@@ -57,23 +57,23 @@ TEST(DropParts, SettledSceneStaysAtRestWhenAwake) {
   }
 }
 
-TEST(DropParts, SameSeedGivesSameBitsBesideAnotherWorld) {
+TEST(DropInstances, SameSeedGivesSameBitsBesideAnotherWorld) {
   const DropResult first = DropMixed(7, 4);
   EXPECT_TRUE(SameBits(first.scene, DropMixed(7, 4).scene));
 
   PhysicsWorld other;
   const auto cube = BoxObject({0.04, 0.04, 0.04}, 0.1);
   other.AddBin(Bin{});
-  other.AddPart(*cube, Translation({0, 0, 0.5}));
+  other.AddInstance(*cube, Translation({0, 0, 0.5}));
   other.Step();
   EXPECT_TRUE(SameBits(first.scene, DropMixed(7, 4).scene));
 
   EXPECT_FALSE(SameBits(first.scene, DropMixed(8, 4).scene));
 }
 
-TEST(DropParts, InstancesAreNumberedAndObjectCountsKept) {
+TEST(DropInstances, InstancesAreNumberedAndObjectCountsKept) {
   Rng rng(3);
-  const DropResult drop = DropParts(Bin{}, MixedParts(), {3, 0, 2, 4}, rng);
+  const DropResult drop = DropInstances(Bin{}, MixedObjects(), {3, 0, 2, 4}, rng);
   std::vector<int> of_object(4, 0);
   for (size_t i = 0; i < drop.scene.objects.size(); ++i) {
     EXPECT_EQ(drop.scene.objects[i].instance, static_cast<int>(i));
@@ -82,11 +82,11 @@ TEST(DropParts, InstancesAreNumberedAndObjectCountsKept) {
   EXPECT_EQ(of_object, (std::vector<int>{3, 0, 2, 4}));
 }
 
-TEST(DropParts, InstancesOutsideAreCountedAndNotInTheScene) {
+TEST(DropInstances, InstancesOutsideAreCountedAndNotInTheScene) {
   Bin tray;
   tray.inner_size_m = {0.16, 0.12, 0.03};
   Rng rng(1);
-  const DropResult drop = DropParts(tray, {BoxObject({0.05, 0.05, 0.05}, 0.1)}, {30}, rng);
+  const DropResult drop = DropInstances(tray, {BoxObject({0.05, 0.05, 0.05}, 0.1)}, {30}, rng);
   EXPECT_GT(drop.certificate.instances_outside, 0);
   EXPECT_EQ(drop.certificate.instances_outside + static_cast<int>(drop.scene.objects.size()), 30);
   EXPECT_FALSE(drop.certificate.blew_up);
@@ -97,29 +97,29 @@ TEST(DropParts, InstancesOutsideAreCountedAndNotInTheScene) {
   }
 }
 
-TEST(DropParts, RodAsLongAsTheBinComesToRest) {
+TEST(DropInstances, RodAsLongAsTheBinComesToRest) {
   for (const uint64_t seed : {0, 1, 2}) {
     Rng rng(seed);
-    const DropResult drop = DropParts(Bin{}, {BoxObject({0.02, 0.39, 0.02}, 0.3)}, {4}, rng);
+    const DropResult drop = DropInstances(Bin{}, {BoxObject({0.02, 0.39, 0.02}, 0.3)}, {4}, rng);
     EXPECT_EQ(drop.certificate.instances_outside, 0);
     EXPECT_TRUE(drop.certificate.at_rest);
   }
 }
 
-TEST(DropParts, EmptyBinStaysEmpty) {
+TEST(DropInstances, EmptyBinStaysEmpty) {
   Rng rng(0);
-  const DropResult drop = DropParts(Bin{}, MixedParts(), {0, 0, 0, 0}, rng);
+  const DropResult drop = DropInstances(Bin{}, MixedObjects(), {0, 0, 0, 0}, rng);
   EXPECT_TRUE(drop.certificate.at_rest);
   EXPECT_TRUE(drop.scene.objects.empty());
 }
 
-TEST(DropParts, RefusesAnObjectLargerThanTheBin) {
+TEST(DropInstances, RefusesAnObjectLargerThanTheBin) {
   Rng rng(0);
   const ObjectSet objects{BoxObject({0.1, 0.1, 0.1}, 1),
-                          PartOfBoxes("girder", {{{0, 0, 0}, {0.02, 0.25, 0.01}}}, 1)};
-  EXPECT_NO_THROW(DropParts(Bin{}, objects, {1, 0}, rng));
+                          ObjectOfBoxes("girder", {{{0, 0, 0}, {0.02, 0.25, 0.01}}}, 1)};
+  EXPECT_NO_THROW(DropInstances(Bin{}, objects, {1, 0}, rng));
   try {
-    DropParts(Bin{}, objects, {1, 1}, rng);
+    DropInstances(Bin{}, objects, {1, 1}, rng);
     FAIL() << "no error";
   } catch (const InputError& error) {
     EXPECT_STREQ(
@@ -129,15 +129,15 @@ TEST(DropParts, RefusesAnObjectLargerThanTheBin) {
   }
 }
 
-TEST(DropParts, ObjectWithoutPiecesIsALogicError) {
+TEST(DropInstances, ObjectWithoutPiecesIsALogicError) {
   Rng rng(0);
-  auto bare = std::make_shared<ObjectModel>(*BracketPart());
-  bare->convex_parts_O.clear();
-  EXPECT_THROW(DropParts(Bin{}, {bare}, {1}, rng), std::logic_error);
+  auto bare = std::make_shared<ObjectModel>(*BracketObject());
+  bare->convex_pieces_O.clear();
+  EXPECT_THROW(DropInstances(Bin{}, {bare}, {1}, rng), std::logic_error);
 }
 
 TEST(Arrangements, PackedInstancesAreUprightAndSeparate) {
-  ObjectSet objects = MixedParts();
+  ObjectSet objects = MixedObjects();
   for (auto& object : objects) {
     auto copy = std::make_shared<ObjectModel>(*object);
     copy->resting_O = {{Eigen::Vector3d::UnitX(), 0.7}, {Eigen::Vector3d::UnitZ(), 0.3}};
@@ -146,7 +146,7 @@ TEST(Arrangements, PackedInstancesAreUprightAndSeparate) {
   DropOptions options;
   options.arrangement = Arrangement::kPacked;
   Rng rng(1);
-  const DropResult drop = DropParts(Bin{}, objects, {2, 2, 2, 2}, rng, options);
+  const DropResult drop = DropInstances(Bin{}, objects, {2, 2, 2, 2}, rng, options);
   EXPECT_TRUE(Faults(drop.certificate).empty());
   ASSERT_EQ(drop.scene.objects.size(), 8u);
   for (const PosedObject& a : drop.scene.objects) {
@@ -170,7 +170,8 @@ TEST(Arrangements, PackedInstancesWithoutRoomAreCounted) {
   Bin tray;
   tray.inner_size_m = {0.12, 0.12, 0.1};
   Rng rng(1);
-  const DropResult drop = DropParts(tray, {BoxObject({0.05, 0.05, 0.05}, 0.1)}, {9}, rng, options);
+  const DropResult drop =
+      DropInstances(tray, {BoxObject({0.05, 0.05, 0.05}, 0.1)}, {9}, rng, options);
   EXPECT_GE(drop.certificate.instances_outside, 5);
   EXPECT_EQ(drop.certificate.instances_outside + drop.scene.objects.size(), 9u);
 }
@@ -183,7 +184,7 @@ TEST(Arrangements, HeapOnATableStaysTogether) {
   table.inner_size_m = {0.6, 0.6, 0};
   const ObjectSet cubes{BoxObject({0.04, 0.04, 0.04}, 0.1)};
   Rng rng(2);
-  const DropResult drop = DropParts(table, cubes, {40}, rng, options);
+  const DropResult drop = DropInstances(table, cubes, {40}, rng, options);
   EXPECT_TRUE(Faults(drop.certificate).empty());
   double highest_m = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();

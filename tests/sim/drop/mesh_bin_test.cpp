@@ -4,7 +4,7 @@
 
 #include "sim/drop/drop.h"
 #include "sim/drop/penetration.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 #include "tests/support/tapered_bin.h"
 
 namespace pickbed::tests {
@@ -30,7 +30,7 @@ TEST(MeshBin, ScenesAreAsValidAsInABox) {
     const Bin bin = BinFrom(mesh);
     for (const uint64_t seed : {0, 1, 2}) {
       Rng rng(seed);
-      const DropResult drop = DropParts(bin, MixedParts(), {5, 5, 5, 5}, rng);
+      const DropResult drop = DropInstances(bin, MixedObjects(), {5, 5, 5, 5}, rng);
       EXPECT_TRUE(Faults(drop.certificate).empty()) << "seed " << seed;
       EXPECT_EQ(drop.scene.objects.size(), 20u) << "seed " << seed;
       EXPECT_LT(drop.certificate.deepest_penetration_m, 0.0005) << "seed " << seed;
@@ -43,7 +43,7 @@ TEST(MeshBin, RestingHeightIsOnTheFloor) {
   PhysicsWorld world;
   world.AddBin(bin);
   const auto cube = BoxObject(Eigen::Vector3d::Constant(0.04), 0.05);
-  world.AddPart(*cube, Translation({0, 0, 0.03}));
+  world.AddInstance(*cube, Translation({0, 0, 0.03}));
   while (world.time_s() < 1) world.Step();
   EXPECT_NEAR(world.X_WO(0).translation().z(), 0.0205, 1e-4);
 }
@@ -55,7 +55,7 @@ TEST(MeshBin, CubeSlidesDownTheSlopedWall) {
   PhysicsWorld world;
   world.AddBin(bin);
   const auto cube = BoxObject(Eigen::Vector3d::Constant(0.02), 0.05, 0.05);
-  world.AddPart(*cube, Translation({0.175, 0, 0.11}));
+  world.AddInstance(*cube, Translation({0.175, 0, 0.11}));
   while (world.time_s() < 1) world.Step();
   EXPECT_LT(world.X_WO(0).translation().z(), 0.03);
   EXPECT_LT(std::abs(world.X_WO(0).translation().x()), 0.16);

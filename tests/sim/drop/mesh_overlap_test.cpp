@@ -20,8 +20,8 @@ ObjectSet ConcaveObjects() {
 
 TEST(MeshOverlap, CertifiedScenesHaveNoOverlap) {
   const ObjectSet objects = ConcaveObjects();
-  for (const uint64_t trial : {0, 1}) {
-    const CertifiedScene made = MakeScene({Bin{}, objects, {6, 6, 6}, 3, trial});
+  for (const int trial : {0, 1}) {
+    const CertifiedScene made = MakeScene({Bin{}, objects, {6, 6, 6}, 3, BinIndex(trial)});
     const MeshOverlap overlap = MeasureMeshOverlap(made.scene, objects);
     EXPECT_LT(overlap.deepest_m, 0.0005) << "trial " << trial;
     EXPECT_EQ(overlap.lost, 0) << "trial " << trial;

@@ -4,7 +4,7 @@
 
 #include "scenes/mesh_io/mesh_io.h"
 #include "scenes/objects/object_catalog.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -48,7 +48,7 @@ TEST_F(ObjectMaker, CatalogReadsBackTheWrittenObject) {
   EXPECT_NEAR(read->mass.mass_kg, made.model.mass.mass_kg, 1e-9);
   EXPECT_LT((read->mass.com_O - made.model.mass.com_O).norm(), 1e-8);
   EXPECT_LT((read->mass.inertia_com_O - made.model.mass.inertia_com_O).norm(), 1e-11);
-  EXPECT_EQ(read->convex_parts_O.size(), made.model.convex_parts_O.size());
+  EXPECT_EQ(read->convex_pieces_O.size(), made.model.convex_pieces_O.size());
   EXPECT_EQ(read->symmetries_O.discrete_O.size(), made.model.symmetries_O.discrete_O.size());
   ASSERT_EQ(read->resting_O.size(), made.model.resting_O.size());
   EXPECT_LT((read->resting_O[0].up_O - made.model.resting_O[0].up_O).norm(), 1e-6);

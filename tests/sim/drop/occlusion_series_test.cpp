@@ -6,7 +6,7 @@
 #include "scenes/base/error.h"
 #include "sim/drop/occlusion_series.h"
 #include "sim/drop/penetration.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 #include "tests/support/error_of.h"
 
 namespace pickbed::tests {
@@ -22,15 +22,15 @@ Camera OverTheBin() {
 
 class OcclusionSeriesTest : public testing::Test {
  protected:
-  MadeSeries Make(const std::vector<int>& counts, uint64_t trial = 0, uint64_t seed = 3) {
+  MadeSeries Make(const std::vector<int>& counts, int trial = 0, uint64_t seed = 3) {
     SceneRenderer renderer(objects_, bin_);
     const OcclusionSetup setup{objects_, counts, OverTheBin(), {}, spec_};
-    return MakeOcclusionSeries(renderer, {bin_, objects_, counts, seed, trial},
+    return MakeOcclusionSeries(renderer, {bin_, objects_, counts, seed, BinIndex(trial)},
                                {ObjectId{0}, ObjectId{1}, ObjectId{2}, ObjectId{3}}, setup);
   }
 
   Bin bin_;
-  ObjectSet objects_ = MixedParts();
+  ObjectSet objects_ = MixedObjects();
   OcclusionSpec spec_;
 };
 
@@ -120,7 +120,7 @@ TEST_F(OcclusionSeriesTest, EachSceneStaysAtRestWhenAllAreAwake) {
     PhysicsWorld world(PhysicsFor(objects_, DropOptions().physics));  // as used to settle scenes
     world.AddBin(bin_);
     for (const PosedObject& posed : scene.scene.objects) {
-      world.AddPart(*objects_[posed.object], posed.X_WO);
+      world.AddInstance(*objects_[posed.object], posed.X_WO);
     }
     world.ForbidSleep();
     while (world.time_s() < 1) world.Step();
@@ -241,7 +241,7 @@ TEST_F(OcclusionSeriesTest, NoBandIsFilledIfNoInstanceIsInView) {
   SceneRenderer renderer(objects_, bin_);
   OcclusionSetup setup{objects_, {2, 0, 0, 0}, {}, {}, OcclusionSpec{}};
   setup.camera.SetPose(LookAt({0, -0.8, 0.15}, {0, 0, 0.14}, {0, 0, 1}));  // above the rim
-  const SceneRequest request{bin_, objects_, {2, 0, 0, 0}, 1, 2};
+  const SceneRequest request{bin_, objects_, {2, 0, 0, 0}, 1, BinIndex(2)};
   const MadeSeries made = MakeOcclusionSeries(renderer, request, {ObjectId{0}}, setup);
   EXPECT_EQ(made.bands, std::vector<BandAccount>(5));
   EXPECT_EQ(made.targets_tried, 0);

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "scenes/base/random.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {
@@ -68,7 +68,7 @@ TEST(DeepestPenetration, MatchesACubeInTheFloorOrAWall) {
 }
 
 TEST(DeepestPenetration, IgnoresOverlapOfPiecesOfOneInstance) {
-  const ObjectSet object{PartOfBoxes(
+  const ObjectSet object{ObjectOfBoxes(
       "cross", {{Vector3d::Zero(), {0.03, 0.01, 0.01}}, {Vector3d::Zero(), {0.01, 0.03, 0.01}}},
       0.1)};
   EXPECT_EQ(DepthOf(object, {Translation({0, 0, kHigh_m})}), 0);
@@ -90,7 +90,7 @@ TEST(DeepestPenetration, IsTheMinimumOverlapOverAllDirections) {
     auto cloud = std::make_shared<ObjectModel>();
     ConvexPiece piece;
     for (int i = 0; i < 14; ++i) piece.vertices_O.push_back(0.02 * rng.UnitVector());
-    cloud->convex_parts_O = {piece};
+    cloud->convex_pieces_O = {piece};
     const Pose A = MakePose(rng.Rotation().toRotationMatrix(), {0, 0, kHigh_m});
     const Pose B = MakePose(rng.Rotation().toRotationMatrix(),
                             Vector3d(0, 0, kHigh_m) + 0.03 * rng.UnitVector());

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {
@@ -50,7 +50,7 @@ TEST(RestingPoses, TouchThePlaneAndRepeat) {
   for (size_t i = 0; i < first.size(); ++i) {
     EXPECT_EQ(first[i].up_O, second[i].up_O);
     double lowest = 1;
-    for (const Vector3d& p : box->convex_parts_O[0].vertices_O) {
+    for (const Vector3d& p : box->convex_pieces_O[0].vertices_O) {
       lowest = std::min(lowest, (first[i].X_WO * p).z());
     }
     EXPECT_NEAR(lowest, 0, 1e-12);

@@ -4,7 +4,7 @@
 
 #include "sim/hands/jaw_hand.h"
 #include "sim/physics/physics_world.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {
@@ -25,7 +25,7 @@ struct LiftedBox {
 
   explicit LiftedBox(double off_center_m) {
     world.AddStaticBox(Translation({0, 0, -0.05}), {0.5, 0.5, 0.05}, 0.5);
-    world.AddPart(*box, Translation({0, 0, 0.0255}));
+    world.AddInstance(*box, Translation({0, 0, 0.0255}));
     hand = &AddJawHand(world, HandSpec{}, HandBeside(off_center_m, 0.02));
     hand->Close();
     for (int i = 0; i < 720; ++i) {
@@ -83,7 +83,7 @@ class Overload : public testing::TestWithParam<double> {
     options.rate_hz = rate_hz;
     PhysicsWorld world(options);
     if (is_static) world.AddStaticBox(Translation({0, 0, -0.05}), {0.5, 0.5, 0.05}, 0.5);
-    world.AddPart(*box, Translation({0.035, 0, 0.0255}));
+    world.AddInstance(*box, Translation({0.035, 0, 0.0255}));
     HandSpec spec;
     spec.stroke_m = 0.06;
     Hand& hand = AddJawHand(world, spec, HandBeside(0, 0.056));

@@ -155,13 +155,13 @@ std::shared_ptr<const ObjectModel> Trough(double mass_kg) {
   auto model = std::make_shared<ObjectModel>(*BoxObject({0.01, 0.15, 0.03}, mass_kg, kBarFriction));
   model->name = "trough";
   model->mesh_O = {};
-  model->convex_parts_O.clear();
+  model->convex_pieces_O.clear();
   for (const auto& [low, high] :
        {std::pair(Eigen::Vector3d(-0.003, -0.075, 0), Eigen::Vector3d(0.050, 0.075, 0.006)),
         std::pair(Eigen::Vector3d(-0.003, -0.075, 0.006), Eigen::Vector3d(0.003, 0.075, 0.026)),
         std::pair(Eigen::Vector3d(0.044, -0.075, 0.006), Eigen::Vector3d(0.050, 0.075, 0.046))}) {
     const TriangleMesh box = BoxMesh({0.5 * (low + high), 0.5 * (high - low)});
-    model->convex_parts_O.push_back({box.vertices});
+    model->convex_pieces_O.push_back({box.vertices});
   }
   model->diameter_m = 0.17;
   model->mass.com_O = {0, 0, 0.013};
@@ -208,7 +208,7 @@ std::shared_ptr<const ObjectModel> Rod(double radius_m, double length_m, double 
     model->mesh_O.triangles.emplace_back(a, b, a + 1);
     model->mesh_O.triangles.emplace_back(b, b + 1, a + 1);
   }
-  model->convex_parts_O.push_back(piece);
+  model->convex_pieces_O.push_back(piece);
   model->diameter_m = std::hypot(2 * radius_m, length_m);
   const double across = mass_kg * (3 * radius_m * radius_m + length_m * length_m) / 12;
   model->mass.mass_kg = mass_kg;

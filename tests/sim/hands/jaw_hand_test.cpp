@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sim/physics/physics_world.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {
@@ -26,7 +26,7 @@ struct HeldBox {
 
   explicit HeldBox(double force_n) {
     world.AddStaticBox(Translation({0, 0, -0.05}), {0.5, 0.5, 0.05}, 0.5);
-    world.AddPart(*box, Translation({0, 0, 0.0255}));
+    world.AddInstance(*box, Translation({0, 0, 0.0255}));
     HandSpec spec;
     spec.force_n = force_n;
     hand = &AddJawHand(world, spec, HandAbove(hand_z_m));
@@ -132,7 +132,7 @@ TEST(Hand, PressesWithTheConfiguredForceOnBothSides) {
     for (const double contact_n : held.hand->ContactForces_n()) {
       EXPECT_NEAR(contact_n, force_n, 0.1);
     }
-    EXPECT_EQ(held.world.PartsTouchingHand(), std::vector<int>{0});
+    EXPECT_EQ(held.world.InstancesTouchingHand(), std::vector<int>{0});
     EXPECT_NEAR(held.hand->opening_m(), 0.05, 0.0015);
   }
 }
@@ -140,7 +140,7 @@ TEST(Hand, PressesWithTheConfiguredForceOnBothSides) {
 TEST(Hand, HasNoContactBeforeItCloses) {
   HeldBox held(20);
   held.RunFor(0.2);
-  EXPECT_TRUE(held.world.PartsTouchingHand().empty());
+  EXPECT_TRUE(held.world.InstancesTouchingHand().empty());
   EXPECT_EQ(held.hand->ContactForces_n()[0], 0);
 }
 
@@ -192,7 +192,7 @@ TEST(Hand, FingersStopAtWalls) {
     world.Step();
   }
   EXPECT_NEAR(hand.opening_m(), 0.06, 5e-4);
-  EXPECT_TRUE(world.PartsTouchingHand().empty());
+  EXPECT_TRUE(world.InstancesTouchingHand().empty());
 }
 
 // A column of rigid cubes does not get shorter under a finger that is ten times as heavy. The
@@ -209,7 +209,7 @@ TEST(Hand, ColumnOfLightCubesStopsAFinger) {
     world.AddStaticBox(Translation({0, 0, -0.05}), {0.2, 0.2, 0.05}, 0.5);
     const double finger_x_m = 0.5 * (HandSpec{}.stroke_m + HandSpec{}.finger_size_m.x());
     for (int i = 0; i < kCubes; ++i) {
-      world.AddPart(*cube, Translation({-finger_x_m, 0, (i + 0.5) * 1.02 * kCube_m}));
+      world.AddInstance(*cube, Translation({-finger_x_m, 0, (i + 0.5) * 1.02 * kCube_m}));
     }
     Hand& hand = AddJawHand(world, HandSpec{}, HandAbove(0.12));
     const auto move = [&](double from_m, double to_m, double duration_s) {

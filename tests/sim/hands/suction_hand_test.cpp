@@ -7,7 +7,7 @@
 #include "sim/hands/suction_seal.h"
 #include "sim/physics/physics_world.h"
 #include "tests/sim/hand_paths.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {
@@ -25,7 +25,7 @@ struct CupOnBox {
   CupOnBox(const CupSpec& spec, double mass_kg, double aside_m = 0)
       : box(BoxObject({0.08, 0.08, kTop_m}, mass_kg, 0.6)), offset_m(aside_m) {
     world.AddStaticBox(Translation({0, 0, -0.05}), {0.5, 0.5, 0.05}, 0.5);
-    world.AddPart(*box, Translation({0, 0, 0.5 * kTop_m + 0.0005}));
+    world.AddInstance(*box, Translation({0, 0, 0.5 * kTop_m + 0.0005}));
     hand = &AddSuctionHand(world, spec, HandPose());
   }
   Pose HandPose() const { return HandOver({offset_m, 0, hand_z_m}); }
@@ -53,7 +53,7 @@ TEST(Cup, SealedCupHoldsAndLiftsWithoutSag) {
   cup.MoveTo(kTop_m + 0.1, 0.8);
   cup.RunFor(1.0);
   EXPECT_TRUE(cup.hand->Holds());
-  EXPECT_EQ(cup.world.PartsTouchingHand(), std::vector<int>{0});
+  EXPECT_EQ(cup.world.InstancesTouchingHand(), std::vector<int>{0});
   EXPECT_NEAR(cup.box_z_m() - before_m, 0.103, 1e-4);
 }
 
@@ -88,7 +88,7 @@ TEST(Cup, UnsealedBellowsPressesLikeASpring) {
   cup.RunFor(0.3);
   EXPECT_NEAR(cup.hand->ContactForces_n()[0], spec.bellows_npm * 0.004, 0.1);
   EXPECT_EQ(cup.hand->ContactForces_n()[1], 0);
-  EXPECT_EQ(cup.world.PartsTouchingHand(), std::vector<int>{0});
+  EXPECT_EQ(cup.world.InstancesTouchingHand(), std::vector<int>{0});
 }
 
 TEST(Cup, StemStopsOnTheBox) {
@@ -186,10 +186,10 @@ TEST(Cup, RemovedBoxIsReleased) {
   CupOnBox cup(CupSpec{}, 0.2);
   cup.Attach(0.003);
   ASSERT_TRUE(cup.hand->Holds());
-  cup.world.RemovePart(0);
+  cup.world.RemoveInstance(0);
   cup.RunFor(0.1);
   EXPECT_FALSE(cup.hand->Holds());
-  EXPECT_TRUE(cup.world.PartsTouchingHand().empty());
+  EXPECT_TRUE(cup.world.InstancesTouchingHand().empty());
 }
 
 TEST(Cup, RepeatsExactly) {

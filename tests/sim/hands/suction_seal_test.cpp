@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {

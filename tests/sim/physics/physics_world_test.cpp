@@ -8,7 +8,7 @@
 
 #include "scenes/base/random.h"
 #include "scenes/objects/contact.h"
-#include "tests/sim/physics_parts.h"
+#include "tests/sim/physics_objects.h"
 
 namespace pickbed::tests {
 namespace {
@@ -43,11 +43,11 @@ double Energy(const PhysicsWorld& world, int body, const ObjectModel& model) {
 TEST(PhysicsWorld, PosesAreReturnedAsGiven) {
   Rng rng(5);
   PhysicsWorld world;
-  const auto bracket = BracketPart();
+  const auto bracket = BracketObject();
   for (int i = 0; i < 10; ++i) {
     const Pose X_WO =
         MakePose(rng.Rotation().toRotationMatrix(), {rng.Normal(), rng.Normal(), rng.Normal()});
-    const int body = world.AddPart(*bracket, X_WO);
+    const int body = world.AddInstance(*bracket, X_WO);
     EXPECT_EQ(body, i);
     EXPECT_TRUE(world.X_WO(body).isApprox(X_WO, 1e-12));
   }
@@ -55,8 +55,8 @@ TEST(PhysicsWorld, PosesAreReturnedAsGiven) {
 
 TEST(PhysicsWorld, FreeFallMatchesTheFormula) {
   PhysicsWorld world;
-  const auto bracket = BracketPart();
-  world.AddPart(*bracket, Translation({0, 0, 1}));
+  const auto bracket = BracketObject();
+  world.AddInstance(*bracket, Translation({0, 0, 1}));
   const double start_m = CenterOfMass(world, 0, *bracket).z();
   StepFor(world, 0.5);
   const double t = world.time_s();
@@ -71,8 +71,8 @@ TEST(PhysicsWorld, CenterOfMassOfATumblingBodyMovesStraight) {
   PhysicsOptions options;
   options.gravity_W.setZero();
   PhysicsWorld world(options);
-  const auto bracket = BracketPart();
-  world.AddPart(*bracket, Pose::Identity(), BodyMode::kDynamic, {{0.3, -0.1, 0.2}, {3, 7, -5}});
+  const auto bracket = BracketObject();
+  world.AddInstance(*bracket, Pose::Identity(), BodyMode::kDynamic, {{0.3, -0.1, 0.2}, {3, 7, -5}});
   const Vector3d start = CenterOfMass(world, 0, *bracket);
   StepFor(world, 1);
   const Vector3d moved = CenterOfMass(world, 0, *bracket) - start;
@@ -85,8 +85,8 @@ TEST(PhysicsWorld, TumblingConservesAngularMomentum) {
   options.gravity_W.setZero();
   options.rate_hz = 2000;
   PhysicsWorld world(options);
-  const auto bracket = BracketPart();
-  world.AddPart(*bracket, Pose::Identity(), BodyMode::kDynamic, {Vector3d::Zero(), {3, 7, -5}});
+  const auto bracket = BracketObject();
+  world.AddInstance(*bracket, Pose::Identity(), BodyMode::kDynamic, {Vector3d::Zero(), {3, 7, -5}});
   const auto momentum = [&] {
     return Vector3d(InertiaInWorld(world, 0, *bracket) * world.V_WO(0).angular_W);
   };
@@ -103,9 +103,9 @@ double LargestEnergyRise(int seed, double rate_hz) {
   options.rate_hz = rate_hz;
   PhysicsWorld world(options);
   AddTable(world);
-  const ObjectSet objects = MixedParts();
+  const ObjectSet objects = MixedObjects();
   const ObjectModel& model = *objects[seed % objects.size()];
-  world.AddPart(model, MakePose(rng.Rotation().toRotationMatrix(), {0, 0, 0.15}));
+  world.AddInstance(model, MakePose(rng.Rotation().toRotationMatrix(), {0, 0, 0.15}));
   const double start_j = Energy(world, 0, model);
   double min_j = start_j, rise_j = 0;
   while (world.time_s() < 2) {
@@ -129,13 +129,13 @@ TEST(PhysicsWorld, DroppedBodyGainsNoEnergy) {
 
 // Returns how far a block has slid after 1 s on a table under gravity tilted by `slope_rad`, in
 // metres.
-double SlideOnSlope_m(double slope_rad, double part_friction, double table_friction) {
+double SlideOnSlope_m(double slope_rad, double object_friction, double table_friction) {
   PhysicsOptions options;
   options.gravity_W = kGravity_mps2 * Vector3d(std::sin(slope_rad), 0, -std::cos(slope_rad));
   PhysicsWorld world(options);
   AddTable(world, table_friction);
-  const auto block = BoxObject({0.06, 0.06, 0.02}, 0.2, part_friction);
-  world.AddPart(*block, Translation({0, 0, 0.0105}));
+  const auto block = BoxObject({0.06, 0.06, 0.02}, 0.2, object_friction);
+  world.AddInstance(*block, Translation({0, 0, 0.0105}));
   world.ForbidSleep();
   StepFor(world, 1);
   return world.X_WO(0).translation().x();
@@ -155,7 +155,7 @@ TEST(PhysicsWorld, RestingGapIsTheHullMargin) {
     PhysicsWorld world;
     AddTable(world);
     const auto cube = BoxObject(Vector3d::Constant(size_m), 0.05);
-    world.AddPart(*cube, Translation({0, 0, size_m}));
+    world.AddInstance(*cube, Translation({0, 0, size_m}));
     StepFor(world, 2);
     const double gap_m = world.X_WO(0).translation().z() - 0.5 * size_m;
     const double margin_m = 0.0005 * std::min(1.0, cube->diameter_m / 0.04);
@@ -170,8 +170,8 @@ TEST(PhysicsWorld, FastPlateDoesNotPassThroughAThinFloor) {
   bin.wall_m = 0.001;
   world.AddBin(bin);
   const auto plate = BoxObject({0.05, 0.05, 0.002}, 0.02);
-  world.AddPart(*plate, Translation({0, 0, 0.1}), BodyMode::kDynamic,
-                {{0, 0, -8}, Vector3d::Zero()});
+  world.AddInstance(*plate, Translation({0, 0, 0.1}), BodyMode::kDynamic,
+                    {{0, 0, -8}, Vector3d::Zero()});
   StepFor(world, 1);
   EXPECT_GT(world.X_WO(0).translation().z(), 0);
 }
@@ -179,8 +179,8 @@ TEST(PhysicsWorld, FastPlateDoesNotPassThroughAThinFloor) {
 TEST(PhysicsWorld, StaticBodiesStayAndCarry) {
   PhysicsWorld world;
   const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
-  world.AddPart(*cube, Pose::Identity(), BodyMode::kStatic);
-  world.AddPart(*cube, Translation({0, 0, 0.06}));
+  world.AddInstance(*cube, Pose::Identity(), BodyMode::kStatic);
+  world.AddInstance(*cube, Translation({0, 0, 0.06}));
   StepFor(world, 1);
   EXPECT_EQ(world.X_WO(0).translation().norm(), 0);
   EXPECT_NEAR(world.X_WO(1).translation().z(), 0.051, 2e-4);
@@ -190,11 +190,11 @@ TEST(PhysicsWorld, SleepingBodiesWakeWhenHit) {
   PhysicsWorld world;
   AddTable(world);
   const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
-  world.AddPart(*cube, Translation({0, 0, 0.0255}), BodyMode::kAsleep);
+  world.AddInstance(*cube, Translation({0, 0, 0.0255}), BodyMode::kAsleep);
   StepFor(world, 0.2);
   EXPECT_TRUE(world.AllAsleep());
-  world.AddPart(*cube, Translation({-0.1, 0, 0.026}), BodyMode::kDynamic,
-                {{1.5, 0, 0}, Vector3d::Zero()});
+  world.AddInstance(*cube, Translation({-0.1, 0, 0.026}), BodyMode::kDynamic,
+                    {{1.5, 0, 0}, Vector3d::Zero()});
   StepFor(world, 0.3);
   EXPECT_GT(world.X_WO(0).translation().x(), 0.005);
 }
@@ -203,11 +203,11 @@ TEST(PhysicsWorld, SleepingBodiesFallWhenTheirSupportIsRemoved) {
   PhysicsWorld world;
   AddTable(world);
   const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
-  world.AddPart(*cube, Translation({0, 0, 0.0255}));
-  world.AddPart(*cube, Translation({0, 0, 0.0765}));
+  world.AddInstance(*cube, Translation({0, 0, 0.0255}));
+  world.AddInstance(*cube, Translation({0, 0, 0.0765}));
   StepFor(world, 2);
   ASSERT_TRUE(world.AllAsleep());
-  world.RemovePart(0);
+  world.RemoveInstance(0);
   StepFor(world, 1);
   EXPECT_NEAR(world.X_WO(1).translation().z(), 0.0255, 2e-4);
 }
@@ -222,13 +222,13 @@ TEST(PhysicsWorld, ReusedContactsCarryAndRelease) {
   PhysicsWorld world(ReusingContacts());
   AddTable(world);
   const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
-  world.AddPart(*cube, Translation({0, 0, 0.03}));
-  world.AddPart(*cube, Translation({0, 0, 0.09}));
+  world.AddInstance(*cube, Translation({0, 0, 0.03}));
+  world.AddInstance(*cube, Translation({0, 0, 0.09}));
   world.ForbidSleep();
   StepFor(world, 2);
   EXPECT_NEAR(world.X_WO(0).translation().z(), 0.0255, 2e-4);
   EXPECT_NEAR(world.X_WO(1).translation().z(), 0.0765, 4e-4);
-  world.RemovePart(0);
+  world.RemoveInstance(0);
   StepFor(world, 1);
   EXPECT_NEAR(world.X_WO(1).translation().z(), 0.0255, 2e-4);
 }
@@ -239,9 +239,9 @@ TEST(PhysicsWorld, ReusedContactsFindASlowNeighbor) {
   options.gravity_W.setZero();
   PhysicsWorld world(options);
   const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
-  world.AddPart(*cube, Pose::Identity());
-  world.AddPart(*cube, Translation({0.056, 0, 0}), BodyMode::kDynamic,
-                {{-0.01, 0, 0}, Vector3d::Zero()});
+  world.AddInstance(*cube, Pose::Identity());
+  world.AddInstance(*cube, Translation({0.056, 0, 0}), BodyMode::kDynamic,
+                    {{-0.01, 0, 0}, Vector3d::Zero()});
   world.ForbidSleep();
   StepFor(world, 2);
   EXPECT_LT(world.X_WO(0).translation().x(), -0.001);
@@ -252,8 +252,8 @@ TEST(PhysicsWorld, ForgetContactsWakesAllWithoutMotion) {
   PhysicsWorld world(ReusingContacts());
   AddTable(world);
   const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
-  world.AddPart(*cube, Translation({0, 0, 0.0255}));
-  world.AddPart(*cube, Translation({0, 0, 0.0765}));
+  world.AddInstance(*cube, Translation({0, 0, 0.0255}));
+  world.AddInstance(*cube, Translation({0, 0, 0.0765}));
   StepFor(world, 2);
   ASSERT_TRUE(world.AllAsleep());
   world.ForgetContacts();
@@ -269,7 +269,7 @@ TEST(PhysicsWorld, BodyOnTheFunnelFallsWhenTheFunnelIsRemoved) {
   world.AddFunnel(bin, 0.1);
   const double top_m = bin.inner_size_m.z() + 0.1;
   const auto cube = BoxObject(Vector3d::Constant(0.03), 0.1);
-  world.AddPart(*cube, Translation({0.22, 0, top_m + 0.016}));
+  world.AddInstance(*cube, Translation({0.22, 0, top_m + 0.016}));
   StepFor(world, 2);
   ASSERT_TRUE(world.AllAsleep());
   EXPECT_GT(world.X_WO(0).translation().z(), top_m);
@@ -281,7 +281,7 @@ TEST(PhysicsWorld, BodyOnTheFunnelFallsWhenTheFunnelIsRemoved) {
 TEST(PhysicsWorld, ForbidSleepKeepsBodiesAwake) {
   PhysicsWorld world;
   AddTable(world);
-  world.AddPart(*BoxObject(Vector3d::Constant(0.05), 0.1), Translation({0, 0, 0.0255}));
+  world.AddInstance(*BoxObject(Vector3d::Constant(0.05), 0.1), Translation({0, 0, 0.0255}));
   world.ForbidSleep();
   StepFor(world, 3);
   EXPECT_FALSE(world.AllAsleep());
@@ -290,17 +290,18 @@ TEST(PhysicsWorld, ForbidSleepKeepsBodiesAwake) {
 TEST(PhysicsWorld, DetectsImplausibleSpeed) {
   PhysicsWorld world;
   const auto cube = BoxObject(Vector3d::Constant(0.05), 0.1);
-  world.AddPart(*cube, Pose::Identity(), BodyMode::kDynamic, {{49, 0, 0}, Vector3d::Zero()});
+  world.AddInstance(*cube, Pose::Identity(), BodyMode::kDynamic, {{49, 0, 0}, Vector3d::Zero()});
   EXPECT_FALSE(world.BlewUp());
-  world.AddPart(*cube, Translation({1, 0, 0}), BodyMode::kDynamic, {{51, 0, 0}, Vector3d::Zero()});
+  world.AddInstance(*cube, Translation({1, 0, 0}), BodyMode::kDynamic,
+                    {{51, 0, 0}, Vector3d::Zero()});
   EXPECT_TRUE(world.BlewUp());
 }
 
 TEST(PhysicsWorld, ObjectWithoutPiecesIsALogicError) {
   PhysicsWorld world;
-  ObjectModel bare = *BracketPart();
-  bare.convex_parts_O.clear();
-  EXPECT_THROW(world.AddPart(bare, Pose::Identity()), std::logic_error);
+  ObjectModel bare = *BracketObject();
+  bare.convex_pieces_O.clear();
+  EXPECT_THROW(world.AddInstance(bare, Pose::Identity()), std::logic_error);
 }
 
 // Poses and velocities of a heap that is still in motion.
@@ -311,7 +312,7 @@ struct Snapshot {
 
 Snapshot Take(const PhysicsWorld& world) {
   Snapshot snapshot;
-  for (int i = 0; i < world.part_count(); ++i) {
+  for (int i = 0; i < world.instance_count(); ++i) {
     snapshot.X_WO.push_back(world.X_WO(i));
     snapshot.V_WO.push_back(world.V_WO(i));
   }
@@ -322,8 +323,8 @@ std::unique_ptr<PhysicsWorld> Build(const Snapshot& snapshot, const ObjectSet& o
   auto world = std::make_unique<PhysicsWorld>();
   world->AddBin(Bin{});
   for (size_t i = 0; i < snapshot.X_WO.size(); ++i) {
-    world->AddPart(*objects[i % objects.size()], snapshot.X_WO[i], BodyMode::kDynamic,
-                   snapshot.V_WO[i]);
+    world->AddInstance(*objects[i % objects.size()], snapshot.X_WO[i], BodyMode::kDynamic,
+                       snapshot.V_WO[i]);
   }
   return world;
 }
@@ -350,7 +351,7 @@ bool SameBits(const Snapshot& a, const Snapshot& b) {
 }
 
 TEST(PhysicsWorldDeterminism, RebuiltWorldRepeatsExactly) {
-  const ObjectSet objects = MixedParts();
+  const ObjectSet objects = MixedObjects();
   const auto first = Build(Heap(), objects);
   StepFor(*first, 0.5);
   const Snapshot midway = Take(*first);
@@ -365,7 +366,7 @@ TEST(PhysicsWorldDeterminism, RebuiltWorldRepeatsExactly) {
 }
 
 TEST(PhysicsWorldDeterminism, WorldsAreIndependent) {
-  const ObjectSet objects = MixedParts();
+  const ObjectSet objects = MixedObjects();
   const auto single = Build(Heap(), objects);
   StepFor(*single, 1);
   const Snapshot expected = Take(*single);
@@ -377,7 +378,7 @@ TEST(PhysicsWorldDeterminism, WorldsAreIndependent) {
   other.AddBin(Bin{});
   const auto world = Build(Heap(), objects);
   for (int i = 0; i < 240; ++i) {
-    if (i % 30 == 0) other.AddPart(*objects[1], Translation({0, 0, 0.2 + 0.001 * i}));
+    if (i % 30 == 0) other.AddInstance(*objects[1], Translation({0, 0, 0.2 + 0.001 * i}));
     other.Step();
     world->Step();
   }

@@ -92,7 +92,7 @@ TEST(Appearance, BackgroundIsPaintedWhereDepthIsMissing) {
 // A fixed appearance gives the same image as plain rendering, byte for byte.
 TEST(Appearance, FixedAppearanceEqualsThePlainImage) {
   const AppearanceRanges fixed = FixedAppearance();
-  for (const uint64_t trial : {0, 7}) {
+  for (const BinIndex trial : {BinIndex(0), BinIndex(7)}) {
     const Light light = LampOf(fixed, 3, trial), plain;
     EXPECT_EQ(light.position_W, plain.position_W);
     EXPECT_EQ(light.ambient, plain.ambient);
@@ -104,7 +104,7 @@ TEST(Appearance, FixedAppearanceEqualsThePlainImage) {
   SceneRenderer renderer(TwoBoxes(), Bin{});
   const RenderedImage plain = renderer.Render(BoxesInBin(), FromAbove());
   const RenderedImage fixed_image =
-      RenderWithAppearance(renderer, BoxesInBin(), FromAbove(), fixed, 3, 0, 0);
+      RenderWithAppearance(renderer, BoxesInBin(), FromAbove(), fixed, 3, BinIndex(0), 0);
   EXPECT_EQ(fixed_image.color, plain.color);
   EXPECT_EQ(fixed_image.depth_m, plain.depth_m);
   EXPECT_EQ(fixed_image.ids, plain.ids);
@@ -120,12 +120,12 @@ TEST(Appearance, RangeOfOneValueGivesThatValue) {
   ranges.grain = {0.5, 0.5};
   ranges.grain_cells_pm = {250, 250};
   for (int i = 0; i < 20; ++i) {
-    const Light light = LampOf(ranges, 1, i);
+    const Light light = LampOf(ranges, 1, BinIndex(i));
     EXPECT_EQ(light.position_W.x(), 0.1);
     EXPECT_EQ(light.ambient, 0.25);
     EXPECT_EQ(light.diffuse, 0.75);
     EXPECT_TRUE(light.shadow);
-    const Material material = MaterialOf(ranges, 1, 0, InstanceId(i));
+    const Material material = MaterialOf(ranges, 1, BinIndex(0), InstanceId(i));
     EXPECT_EQ(material.tint, Eigen::Vector3d::Constant(0.5));
     EXPECT_EQ(material.gloss, 0.75);
     EXPECT_EQ(material.grain, 0.5);
@@ -139,8 +139,8 @@ TEST(Appearance, InstancesKeepTheirMaterialWhileTheBackgroundChanges) {
   ranges.background = {0.1, 1};
   SceneRenderer renderer(TwoBoxes(), Bin{});
   const Scene both = BoxesInBin();
-  const auto render = [&](const Scene& scene, uint64_t trial, int number) {
-    return RenderWithAppearance(renderer, scene, FromAbove(), ranges, 5, trial, number);
+  const auto render = [&](const Scene& scene, int trial, int number) {
+    return RenderWithAppearance(renderer, scene, FromAbove(), ranges, 5, BinIndex(trial), number);
   };
   const RenderedImage first = render(both, 0, 0), again = render(both, 0, 0);
   const RenderedImage second = render(both, 0, 1), other = render(both, 1, 0);

@@ -29,7 +29,7 @@ struct IntersectingMeshes {
   explicit IntersectingMeshes(Renderer& renderer) {
     const int meshes[] = {renderer.AddMesh(BoxMesh({0.12, 0.08, 0.05})),
                           renderer.AddMesh(SphereMesh(0.05, 3)),
-                          renderer.AddMesh(PartTable().front().make().mesh_O)};
+                          renderer.AddMesh(FamilyTable().front().make().mesh_O)};
     camera = TestCamera(160, 120, 170);
     camera.SetPose(LookAt({0.1, -0.4, 0.5}, {0, 0, 0}, {0, 0, 1}));
     Rng rng(11);

@@ -45,7 +45,7 @@ class RayCasting : public testing::TestWithParam<PlainSurfaces> {};
 
 TEST_P(RayCasting, MatchesIdsAndDepth) {
   const std::vector<TriangleMesh> meshes = {BoxMesh({0.12, 0.08, 0.05}), SphereMesh(0.05, 3),
-                                            PartTable().front().make().mesh_O};
+                                            FamilyTable().front().make().mesh_O};
   Renderer renderer({}, kOriginal, GetParam());
   std::vector<MeshQuery> queries;
   for (const TriangleMesh& mesh : meshes) {
@@ -161,7 +161,7 @@ TEST(RendererReference, OsMesaAndEglAgree) {
     const Bin bin;
     std::vector<RenderInstance> instances = {{renderer.AddMesh(BinMesh(bin)), Pose::Identity(), 0}};
     Rng rng(4);
-    for (const PartRow& row : PartTable()) {
+    for (const FamilyRow& row : FamilyTable()) {
       const Eigen::Vector3d p(rng.Uniform(-.15, .15), rng.Uniform(-.1, .1), rng.Uniform(.02, .1));
       instances.push_back({renderer.AddMesh(row.make().mesh_O),
                            MakePose(rng.Rotation().toRotationMatrix(), p),

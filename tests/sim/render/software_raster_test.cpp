@@ -23,7 +23,7 @@ namespace {
 std::vector<TriangleMesh> Shapes() {
   std::vector<TriangleMesh> shapes = {SphereMesh(0.05, 3), BoxMesh({0.12, 0.08, 0.05}),
                                       RectangleMesh(-0.05, -0.04, 0.06, 0.03), BinMesh(Bin())};
-  for (const PartRow& row : PartTable()) {
+  for (const FamilyRow& row : FamilyTable()) {
     const TriangleMesh mesh = row.make().mesh_O;
     if (mesh.texture.empty()) shapes.push_back(mesh);
   }

@@ -1,2 +1,3 @@
-// A planted fault for the include test: perception must not include sim.
+// Planted faults for the include test: perception must include neither sim nor ground truth.
+#include "scenes/scene.h"
 #include "sim/drop/drop.h"

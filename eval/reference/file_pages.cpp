@@ -1,0 +1,278 @@
+// Pages of the result files: every file that a command writes, with its columns or keys.
+
+#include <fmt/format.h>
+
+#include "eval/benchmark/bins.h"
+#include "eval/benchmark/crops_report.h"
+#include "eval/bop/layout.h"
+#include "eval/bop/results_csv.h"
+#include "eval/budget/report.h"
+#include "eval/compare/paired_tables.h"
+#include "eval/draw/grasp_sheet.h"
+#include "eval/draw/object_sheet.h"
+#include "eval/estimate/report.h"
+#include "eval/explain/explain.h"
+#include "eval/export/grasps_csv.h"
+#include "eval/export/made_object_json.h"
+#include "eval/export/scene_json.h"
+#include "eval/export/visibility_csv.h"
+#include "eval/page/html.h"
+#include "eval/reference/markdown.h"
+#include "eval/reference/pages.h"
+#include "eval/replay/replay.h"
+#include "eval/store/results_store.h"
+#include "eval/store/store_columns.h"
+#include "eval/summary/result_files.h"
+#include "eval/summary/run_columns.h"
+#include "eval/tolerance/maps.h"
+#include "eval/tolerance/pick_forecast.h"
+#include "eval/tolerance/report.h"
+#include "eval/tolerance/samples.h"
+#include "eval/train/page.h"
+#include "grasp/tolerance/tolerance_model.h"
+#include "scenes/objects/object_catalog.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr char kColumn[] = "column";
+constexpr char kKey[] = "key";
+constexpr char kIntervals[] =
+    "Intervals are 95 % intervals, given as `[low, high]`. Bins are the independent units.";
+
+ResultFile Csv(const std::string& name, const std::string& help, const ResultColumns& columns) {
+  return {name, help, kColumn, columns};
+}
+ResultFile Json(const std::string& name, const std::string& help, const ResultColumns& keys) {
+  return {name, help, kKey, keys};
+}
+ResultFile Plain(const std::string& name, const std::string& help) { return {name, help, "", {}}; }
+
+ResultPage RunPage() {
+  return {
+      "files.md",
+      "Result files of runs and sweeps",
+      {{"Results folder of a run or sweep",
+        fmt::format("Written by `pickbed run`, `sweep` and `merge`. Only `{}` and the store have "
+                    "times; the same settings give the same bytes in all other files. {} More "
+                    "files: [tables of {}](files_store.md), [budget, comparison and "
+                    "estimate](files_measurements.md), [tolerance maps and "
+                    "benchmarks](files_benchmark.md), [scenes, objects and "
+                    "models](files_objects.md), [datasets](files_datasets.md).",
+                    kTimingsFile, kIntervals, kStoreFile),
+        {Plain(kStoreFile,
+               "all results, as an SQLite database; the other files are computed from "
+               "it"),
+         Plain(kScenarioFile, "effective settings of a run"),
+         Plain(kSweepFile, "settings of a sweep"),
+         Plain(fmt::format("{}/*.yaml", kConfigurationsFolder),
+               "effective settings of each configuration of a sweep"),
+         Plain(fmt::format("{}/trial_NNNN/*", kPicturesFolder),
+               "pictures of attempts: color, depth, overlay of the poses, after the pick, failed"),
+         Plain(fmt::format("{}/{}", kPicturesFolder, kOcclusionSheet),
+               "one target in all bands, of occlusion trials"),
+         Plain(fmt::format("{}/*", kShardsFolder), "results folders of the shards of a sweep"),
+         Plain(fmt::format("{}/*", kSlurmFolder), "job script and logs of the shards"),
+         Plain(kReportFile, "page of `pickbed report`"),
+         Csv(kTrialsFile, "one line per trial", TrialsColumns()),
+         Csv(kAttemptsFile, "one line per attempt", AttemptsColumns()),
+         Csv(kInstanceOutcomesFile, "one line per dropped instance that is not a distractor",
+             InstanceOutcomesColumns()),
+         Csv(kConfigurationsFile, "one line per configuration", ConfigurationsColumns()),
+         Csv(kTimingsFile, "durations by trial and stage", TimingsColumns()),
+         Csv(kCurveFile, "only of occlusion trials: one line per configuration and band",
+             CurveColumns()),
+         Csv(kPickChancesFile, "only with --tolerance: one line per reported pose",
+             PickChancesColumns()),
+         Json(kSummaryFile,
+              "statistics of a run; of a sweep, `configurations[]` has `configuration`, `name` "
+              "and the same keys",
+              SummaryKeys())}}}};
+}
+
+ResultPage StorePage() {
+  ResultFolder folder{
+      "Tables",
+      fmt::format(
+          "`{0}` in a results folder has these tables. Read it with any SQLite program, for "
+          "example `sqlite3 results/demo/{0} \"SELECT failure, count(*) FROM attempts GROUP "
+          "BY failure\"`. A later version of pickbed migrates the file of an earlier one.",
+          kStoreFile),
+      {}};
+  for (const StoreTable& table : StoreTables()) {
+    folder.files.push_back({table.name, table.help, kColumn, table.columns});
+  }
+  return {"files_store.md", fmt::format("Tables of {}", kStoreFile), {folder}};
+}
+
+ResultColumns ModelKeys() {
+  ToleranceModel model;
+  ResultColumns keys;
+  for (const SettingRow& row : SettingRows([&](SettingsVisitor& v) { model.Visit(v); })) {
+    if (row.value != "list") keys.push_back({row.key, row.help, row.unit});
+  }
+  return keys;
+}
+
+ResultPage MeasurementsPage() {
+  return {
+      "files_measurements.md",
+      "Result files of budget, comparison and estimate",
+      {{"pickbed budget",
+        "Files in `RUN/budget`.",
+        {Plain(kIndexPage, "page with charts"),
+         Plain(fmt::format("{}, {}, {}", kAttemptsSheet, kInstancesSheet, kGainsSheet), "charts"),
+         Plain("STAGE/*", "results folder of the rerun with ground truth for a stage"),
+         Csv(kBudgetFile, "one line per rerun and reason", BudgetColumns()),
+         Json(kBudgetJsonFile, "counts, shares and gains", BudgetKeys())}},
+       {"pickbed compare",
+        "The names are given by `--out` and `--json`.",
+        {Plain(kComparisonPage, "both runs side by side"),
+         Json("JSON file", "paired differences", ComparisonKeys())}},
+       {"pickbed estimate",
+        fmt::format(
+            "With `--bop`, only the results file. With `--explain`, `{}` with its pictures.",
+            kExplainPage),
+        {Plain(kComparisonPage, "page with charts and the first bins"),
+         Csv(kComparisonFile, "one line per estimator, and one per estimator and object",
+             EstimatorComparisonColumns()),
+         Csv(kHypothesesFile, "one line per reported pose", HypothesesColumns()),
+         Csv("ESTIMATOR_DATASET-SPLIT.csv", "with --bop: results in BOP's format",
+             bop::EstimateColumns())}}}};
+}
+
+ResultPage BenchmarkPage() {
+  return {
+      "files_benchmark.md",
+      "Result files of tolerance maps and benchmarks",
+      {{"pickbed tolerance",
+        "Files of a tolerance map.",
+        {Plain(kToleranceFile,
+               "effective settings, see "
+               "[tolerance map](settings_measurements.md#tolerance-map)"),
+         Plain("map.png, pairs.png", "curves of the axes, and maps of pairs"),
+         Csv(kSamplesFile, "one line per executed grasp, after a line that identifies the map",
+             SamplesColumns()),
+         Csv(kAxesFile, "success by error along each axis", AxesColumns()),
+         Csv(kPairsFile, "with --pairs: success by errors along two axes", PairsColumns()),
+         Csv(fmt::format("{}, {}", kPredictorsFile, kRunPredictorsFile),
+             fmt::format("how well each score predicts success; {}: for the picks of --run",
+                         kRunPredictorsFile),
+             PredictorsColumns()),
+         Json(kToleranceModelFile, "fitted model of the success probability", ModelKeys())}},
+       {"pickbed benchmark",
+        "`bins` and `crops` have a results folder each.",
+        {Plain(fmt::format("{}, {}", kBinsPage, kCropsPage), "pages with charts"),
+         Plain(kCropSettingsFile, "effective settings of the crop benchmark"),
+         Plain("models/*", "trained models"),
+         Plain("scenarios/*.json", "results of each scenario, from which `bins` continues"),
+         Csv(kBinsFile, "one line per estimator over all scenarios, and one per scenario",
+             BinTableColumns()),
+         Csv(kCropsFile, "one line per method, stage, condition and object", CropTableColumns()),
+         Csv(kCropViewsFile, "one line per test view, method and stage", CropViewsColumns()),
+         Csv(kCropDifferencesFile, "paired differences of two methods", CropDifferencesColumns()),
+         Csv(kTimingsFile, "durations", CropTimingsColumns())}}}};
+}
+
+ResultFolder DatasetFolder() {
+  ResultFolder folder{
+      "pickbed dataset make",
+      "A dataset in BOP's layout. Lengths are in mm. `ID` is the number of an image or object.",
+      {Plain(fmt::format("{}, {}", bop::kCardTextFile, bop::kDatasetSettingsFile),
+             "the card as text, and its settings"),
+       Plain("models/obj_NNNNNN.ply, models_eval/obj_NNNNNN.ply", "meshes"),
+       Plain("SPLIT/SCENE/rgb, depth, mask, mask_visib",
+             "images: color, depth, silhouettes and "
+             "visible parts of instances")}};
+  for (bop::DatasetFile& file : bop::DatasetFiles()) {
+    folder.files.push_back(Json(file.name, file.help, file.keys));
+  }
+  return folder;
+}
+
+ResultPage ObjectsPage() {
+  return {"files_objects.md",
+          "Result files of scenes, objects and models",
+          {{"pickbed drop",
+            "One settled scene.",
+            {Plain("color.png", "camera image"),
+             Json(kSceneFile, "bin and poses of the instances", SceneKeys()),
+             Json(kCertificateFile, "proof that the scene is at rest", CertificateKeys())}},
+           {"pickbed render",
+            "One image.",
+            {Plain("color.png", "camera image"),
+             Plain("depth.png",
+                   "depth along camera z with sensor noise, 16 bit, 0.1 mm per unit, 0 = "
+                   "no reading"),
+             Plain("ids.png", "instance + 1 at each pixel, 16 bit"),
+             Plain("depth_color.png, ids_color.png", "the same in false colors"),
+             Csv(kVisibilityFile, "one line per instance", VisibilityColumns())}},
+           {"pickbed object add",
+            "Folder of the object in the catalog.",
+            {Plain(kObjectFile, "see [object file](settings_files.md#object-file)"),
+             Plain("mesh.*, convex.obj", "mesh, and convex pieces for contact"),
+             Plain(kObjectSheetFile, "picture of mesh, pieces, symmetries and resting poses"),
+             Json(kMadeObjectFile, "inspection of the mesh, and quality of the pieces",
+                  MadeObjectKeys())}},
+           {"pickbed grasps",
+            "Grasps of an object, best first.",
+            {Plain(kGraspSheetFile, "picture of the best grasps"),
+             Csv(kGraspsFile, "one line per grasp", GraspsColumns())}},
+           {"pickbed sensor, pickbed gripper",
+            "The name is given by `--out`.",
+            {Plain("sensor_NAME.png, gripper_NAME.png", "picture")}},
+           {"pickbed train",
+            "Model file, and a report folder beside it.",
+            {Plain("MODEL.pt", "trained model"),
+             Plain("MODEL.pt.checkpoint", "state of an interrupted training"),
+             Plain(kIndexPage, "page with curves and pictures"),
+             Csv(kCurvesFile, "one line per measurement of the held-out recall",
+                 CurvesColumns({"OBJECT"})),
+             Csv(kTimingsFile, "durations", TrainingTimingsColumns())}},
+           {"pickbed replay",
+            "Files of each stage of one trial.",
+            {Plain("attempt_NN_{color,depth,ids,overlay,after}.png", "pictures"),
+             Plain("attempt_NN_depth_16bit.png", "depth along camera z, 0.1 mm per unit"),
+             Plain("attempt_NN_cloud.ply", "observed points in the world frame"),
+             Plain("attempt_NN_hypotheses.ply", "surface points of the estimated poses"),
+             Plain("attempt_NN_scene.glb", "true poses, estimated poses, hand and points"),
+             Plain("attempt_NN_pick.{glb,gif}", "with --animate: animation of the pick"),
+             Csv(kStagesFile, "one line per stage of an attempt", ReplayColumns())}}}};
+}
+
+// The list of files, then a table for each file with columns.
+std::string FolderText(const ResultFolder& folder) {
+  std::vector<std::vector<std::string>> rows{{"file", "content"}};
+  std::string tables;
+  for (const ResultFile& file : folder.files) {
+    if (file.columns.empty()) {
+      rows.push_back({MarkdownCode(file.name), file.help});
+      continue;
+    }
+    tables += fmt::format("\n### {}\n\n{}.\n\n{}", file.name, file.help,
+                          ColumnTable(file.column_title, file.columns));
+  }
+  std::string text = folder.intro + "\n";
+  if (rows.size() > 1) text += "\n" + MarkdownTable(rows);
+  return text + tables;
+}
+
+}  // namespace
+
+std::vector<ResultPage> AllResultFiles() {
+  return {RunPage(),          StorePage(),
+          MeasurementsPage(), BenchmarkPage(),
+          ObjectsPage(),      {"files_datasets.md", "Files of a dataset", {DatasetFolder()}}};
+}
+
+void AddFilePages(Pages& pages) {
+  for (const ResultPage& page : AllResultFiles()) {
+    std::string& text = pages[page.file] = PageHead(page.title);
+    for (const ResultFolder& folder : page.folders) {
+      text += fmt::format("{}## {}\n\n{}", &folder == &page.folders.front() ? "" : "\n",
+                          folder.title, FolderText(folder));
+    }
+  }
+}
+
+}  // namespace pickbed::eval

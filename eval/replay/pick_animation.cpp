@@ -1,0 +1,180 @@
+#include "eval/replay/pick_animation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "eval/draw/gif.h"
+#include "eval/report/scene_glb.h"
+#include "scenes/base/files.h"
+#include "scenes/base/ids_format.h"
+#include "sim/render/picture.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr double kFrame_s = 1.0 / 12;
+constexpr uint16_t kHandId = 0xfff0;  // above the ids of instances
+const Eigen::Vector3f kHandColor{0.030f, 0.033f, 0.038f};
+
+Pose Shifted(const Eigen::Vector3d& by) { return Pose(Eigen::Translation3d(by)); }
+
+// All boxes of the hand at an opening.
+std::vector<AxisAlignedBox> HandBoxes(const Gripper& gripper, double opening_m) {
+  std::vector<AxisAlignedBox> boxes = gripper.Boxes(opening_m);
+  const std::vector<AxisAlignedBox> soft = gripper.SoftBoxes();
+  boxes.insert(boxes.end(), soft.begin(), soft.end());
+  return boxes;
+}
+
+// Meshes of the boxes, each with its center at the origin.
+std::vector<TriangleMesh> CenteredMeshes(const std::vector<AxisAlignedBox>& boxes) {
+  std::vector<TriangleMesh> meshes;
+  for (const AxisAlignedBox& box : boxes) {
+    meshes.push_back(BoxesMesh({{Eigen::Vector3d::Zero(), box.half_size}}));
+  }
+  return meshes;
+}
+
+float SrgbOf(float linear) { return std::pow(std::clamp(linear, 0.0f, 1.0f), 1 / 2.2f); }
+
+Eigen::Vector4f SrgbOf(const Eigen::Vector3f& linear, float alpha) {
+  return {SrgbOf(linear.x()), SrgbOf(linear.y()), SrgbOf(linear.z()), alpha};
+}
+
+// Color of an object in the GLB file, which holds no textures.
+Eigen::Vector4f ColorOf(const ObjectModel& object) {
+  const sim::PictureMaterial material = sim::PictureMaterialOf(object);
+  if (material.color.x() >= 0) return SrgbOf(material.color, 1);
+  const Rgb8 c = object.mesh_O.base_color;
+  return {c.r / 255.0f, c.g / 255.0f, c.b / 255.0f, 1};
+}
+
+// A camera in front of the bin and above it, which sees the bin, the hand above it and the table.
+Camera MovieCamera(const PickMotion& motion, const MovieOptions& options) {
+  const Eigen::Vector3d size_m = motion.scene.bin.inner_size_m;
+  Eigen::AlignedBox3d shown(Eigen::Vector3d(-0.5 * size_m.x(), -0.5 * size_m.y(), 0),
+                            Eigen::Vector3d(0.5 * size_m.x(), 0.5 * size_m.y(), size_m.z() + 0.10));
+  if (motion.table_W) {
+    shown.extend(motion.table_W->center +
+                 motion.table_W->half_size.cwiseProduct(Eigen::Vector3d(0.5, 0.5, 1)));
+    shown.extend(motion.table_W->center -
+                 motion.table_W->half_size.cwiseProduct(Eigen::Vector3d(0.5, 0.5, 1)));
+  }
+  const double focal_px = 1.35 * options.width_px;
+  const Eigen::Vector3d direction = Eigen::Vector3d(0.22, -0.78, 0.72).normalized();
+  const double distance_m = 1.35 * shown.diagonal().norm();
+  const CameraIntrinsics intrinsics(options.width_px, options.height_px, focal_px, focal_px,
+                                    0.5 * (options.width_px - 1), 0.5 * (options.height_px - 1));
+  const Eigen::Vector3d center_W = shown.center();
+  return {intrinsics,
+          LookAt(center_W + distance_m * direction, center_W, Eigen::Vector3d::UnitZ())};
+}
+
+bool Moves(const PickMotion& motion, size_t position) {
+  const Pose& first = motion.frames.front().X_WO[position];
+  return std::any_of(motion.frames.begin(), motion.frames.end(), [&](const MotionFrame& frame) {
+    return !frame.X_WO[position].isApprox(first, 1e-6);
+  });
+}
+
+}  // namespace
+
+std::string PickGlb(const PickMotion& motion, const ObjectSet& objects, const Gripper& gripper) {
+  const TriangleMesh bin = BinMesh(motion.scene.bin);
+  std::vector<GlbPart> glb_parts{{"bin", &bin, Pose::Identity(), {0.40f, 0.46f, 0.55f, 0.35f}}};
+  for (size_t i = 0; i < motion.scene.objects.size(); ++i) {
+    const PosedObject& posed = motion.scene.objects[i];
+    const ObjectModel& model = *objects[posed.object];
+    GlbPart& glb_part =
+        glb_parts.emplace_back(GlbPart{fmt::format("{} {}", posed.instance, model.name),
+                                       &model.mesh_O, posed.X_WO, ColorOf(model)});
+    if (!Moves(motion, i)) continue;
+    for (const MotionFrame& frame : motion.frames) glb_part.track_W.push_back(frame.X_WO[i]);
+  }
+  TriangleMesh table;
+  if (motion.table_W) {
+    table = BoxesMesh({*motion.table_W});
+    glb_parts.push_back({"table", &table, Pose::Identity(), {0.62f, 0.60f, 0.57f, 1}});
+  }
+  const std::vector<TriangleMesh> hand =
+      CenteredMeshes(HandBoxes(gripper, motion.frames.front().opening_m));
+  for (size_t b = 0; b < hand.size(); ++b) {
+    GlbPart& glb_part = glb_parts.emplace_back(
+        GlbPart{fmt::format("hand {}", b), &hand[b], Pose::Identity(), SrgbOf(kHandColor, 1)});
+    for (const MotionFrame& frame : motion.frames) {
+      glb_part.track_W.push_back(frame.X_WG *
+                                 Shifted(HandBoxes(gripper, frame.opening_m)[b].center));
+    }
+    glb_part.X_W = glb_part.track_W.front();
+  }
+  return GlbBytes(glb_parts, {}, motion.frame_s);
+}
+
+std::string PickGif(const PickMotion& motion, const ObjectSet& objects, const Gripper& gripper,
+                    const MovieOptions& options) {
+  sim::SceneRenderer renderer(objects, motion.scene.bin);
+  sim::PictureRenderer pictures(renderer, objects);
+  std::vector<int> hand;
+  for (const TriangleMesh& mesh :
+       CenteredMeshes(HandBoxes(gripper, motion.frames.front().opening_m))) {
+    hand.push_back(renderer.renderer().AddMesh(mesh));
+  }
+  std::optional<int> table;
+  if (motion.table_W) table = renderer.renderer().AddMesh(BoxesMesh({*motion.table_W}));
+  const Camera camera = MovieCamera(motion, options);
+  Scene scene = motion.scene;
+  std::vector<Image<Rgb8>> frames;
+  for (size_t f = 0; f < motion.frames.size(); f += options.every) {
+    const MotionFrame& frame = motion.frames[f];
+    for (size_t i = 0; i < scene.objects.size(); ++i) scene.objects[i].X_WO = frame.X_WO[i];
+    std::vector<sim::RenderInstance> more;
+    const std::vector<AxisAlignedBox> boxes = HandBoxes(gripper, frame.opening_m);
+    for (size_t b = 0; b < boxes.size(); ++b) {
+      more.push_back({hand[b], frame.X_WG * Shifted(boxes[b].center), kHandId});
+    }
+    if (table) more.push_back({*table, Pose::Identity(), kHandId + 1});
+    frames.push_back(pictures
+                         .Render(scene, camera,
+                                 {.scale = 1, .samples = 2, .threads = options.threads}, more,
+                                 {sim::Finish::kPlastic, kHandColor})
+                         .color);
+  }
+  return GifBytes(frames, options.picture_s);
+}
+
+void PickAnimation::OnStage(TrialStage stage, const AttemptState& attempt) {
+  const int number = attempt.record.attempt;
+  if (stage == TrialStage::kGrasp) {
+    wanted_ = attempt.record.grasp && (only_ < 0 || only_ == number);
+    motion_ = {attempt.scene, {}, kFrame_s, std::nullopt};
+  }
+  if (stage != TrialStage::kOutcome || !wanted_ || motion_.frames.empty()) return;
+  MakeFolder(folder_);
+  const ObjectSet& objects = attempt.cell.objects();
+  WriteFileAtomically(folder_ / fmt::format("attempt_{:02}_pick.glb", number),
+                      PickGlb(motion_, objects, attempt.gripper));
+  WriteFileAtomically(folder_ / fmt::format("attempt_{:02}_pick.gif", number),
+                      PickGif(motion_, objects, attempt.gripper));
+  ++written_;
+}
+
+MotionListener PickAnimation::ListenToMotion() {
+  if (!wanted_) return {};
+  return [this, next_s = 0.0](const MotionState& state) mutable {
+    if (state.table_W != nullptr) motion_.table_W = *state.table_W;
+    if (state.time_s < next_s) return;
+    next_s += kFrame_s;
+    MotionFrame& frame = motion_.frames.emplace_back();
+    for (int i = 0; i < state.world.instance_count(); ++i) {
+      frame.X_WO.push_back(state.world.PoseOf(i));
+    }
+    frame.X_WG = state.hand.X_WG();
+    frame.opening_m = state.hand.opening_m();
+  };
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,67 @@
+#pragma once
+
+// Animations of executed grasps: a GLB file for 3D viewers and a GIF picture of each pick.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eval/layer.h"
+#include "eval/trial/observer.h"
+#include "scenes/image/image.h"
+
+namespace pickbed::eval {
+
+// One instant of a recorded pick.
+struct MotionFrame {
+  std::vector<Pose> X_WO;  // by scene.objects of the snapshot
+  Pose X_WG = Pose::Identity();
+  double opening_m = 0;
+};
+
+// The motion of one pick.
+struct PickMotion {
+  Scene scene;  // before the pick
+  std::vector<MotionFrame> frames;
+  double frame_s = 0;                     // time between frames
+  std::optional<AxisAlignedBox> table_W;  // on which the object was set down; none without a carry
+};
+
+// Returns the bytes of a GLB file with one animation. Nodes: "bin", "table", "INSTANCE OBJECT" and
+// "hand I" for the boxes of the hand.
+std::string PickGlb(const PickMotion& motion, const ObjectSet& objects, const Gripper& gripper);
+
+// Size and speed of a GIF.
+struct MovieOptions {
+  int width_px = 480;
+  int height_px = 360;
+  int every = 2;  // frames of the motion per picture
+  double picture_s = 1.0 / 12;
+  int threads = 1;
+};
+
+// Renders the motion as seen from above and beside the bin, and returns the bytes of a GIF.
+std::string PickGif(const PickMotion& motion, const ObjectSet& objects, const Gripper& gripper,
+                    const MovieOptions& options = {});
+
+// Records the picks of a trial and writes attempt_NN_pick.glb and attempt_NN_pick.gif for each.
+class PickAnimation : public TrialObserver {
+ public:
+  // `attempt`: number of the only attempt to write, -1 = all with a grasp.
+  PickAnimation(const std::filesystem::path& folder, int attempt)
+      : folder_(folder), only_(attempt) {}
+
+  void OnStage(TrialStage stage, const AttemptState& attempt) override;
+  MotionListener ListenToMotion() override;
+  int written() const { return written_; }  // number of picks
+
+ private:
+  std::filesystem::path folder_;
+  int only_;
+  int written_ = 0;
+  bool wanted_ = false;  // the present attempt is to be written
+  PickMotion motion_;
+};
+
+}  // namespace pickbed::eval

@@ -1,0 +1,173 @@
+#include "eval/store/store_columns.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <string_view>
+
+#include "eval/store/schema_internal.h"
+
+namespace pickbed::eval {
+namespace {
+
+struct Description {
+  std::string_view name, help;
+  std::string_view unit = {};
+};
+
+constexpr Description kTables[] = {
+    {"configurations", "configurations of a sweep; a run has one"},
+    {"trials", "one row per trial"},
+    {"attempts", "one row per attempt"},
+    {"hypotheses", "one row per reported pose"},
+    {"hypothesis_metrics", "one row per reported pose and metric, see `pickbed list metrics`"},
+    {"instances", "one row per attempt and instance in the bin"},
+    {"instance_outcomes", "one row per dropped instance that is not a distractor"},
+    {"rejections", "grasp candidates that the planner rejected, by attempt and reason"},
+    {"refusals", "faults of drops that failed the certificate and were repeated"},
+    {"bands", "one row per occlusion trial and band of the visible fraction"},
+    {"timings", "one row per trial and stage"},
+};
+
+// TABLE.COLUMN, or COLUMN if it has the same meaning in all tables.
+constexpr Description kColumns[] = {
+    {"trial", "number of the trial"},
+    {"configuration", "number of the configuration; 0 in a run"},
+    {"attempt", "number of the attempt in its trial"},
+    {"hypothesis", "number of the hypothesis in its attempt, highest score first"},
+    {"object", "number of the object in the scenario, from 0"},
+    {"band", "band of the target's visible fraction, -1 = none"},
+    {"seed", "random seed"},
+    {"configurations.name", "settings that the grid changes; empty for a run"},
+    {"configurations.first_trial", "number of its first trial"},
+    {"configurations.trials", "number of trials that belong to it, finished or not"},
+    {"configurations.identity", "hash of all inputs; trials can be merged if it is equal"},
+    {"configurations.settings", "effective scenario as YAML"},
+    {"trials.bin_index", "number of the bin; equal for paired trials of several configurations"},
+    {"trials.status", "finished or crashed"},
+    {"trials.crash", "reason of the crash; empty if finished"},
+    {"trials.instances_dropped", "number of dropped instances that are not distractors"},
+    {"trials.instances_cleared", "number of instances that successful picks took out of the bin"},
+    {"trials.ended_by", "failure reason that ended the trial, or none"},
+    {"trials.at_rest", "1 if all instances came to rest in time"},
+    {"trials.simulated_s", "simulated time until all instances were at rest"},
+    {"trials.max_speed_mps", "largest final speed of a center of mass"},
+    {"trials.max_spin_radps", "largest final angular speed"},
+    {"trials.deepest_penetration_m", "deepest overlap of two bodies at rest"},
+    {"trials.wake_movement_m", "largest movement of a surface in one more second of simulation"},
+    {"trials.wake_movement_diameters", "the same, as a share of the object's diameter"},
+    {"attempts.failure", "failure reason, or none"},
+    {"attempts.executed", "1 if a grasp was executed"},
+    {"attempts.chosen_hypothesis", "hypothesis of the executed grasp, -1 = none"},
+    {"attempts.matched_instance", "instance that matches the chosen hypothesis, -1 = none"},
+    {"attempts.target", "target instance of an occlusion trial, -1 = none"},
+    {"attempts.grasp_hypothesis", "number of the pose that the planner used"},
+    {"attempts.grasp_x_wg", "pose of the hand in the world, 3x4 matrix, row by row", "m"},
+    {"attempts.grasp_width_m", "distance between the contacts"},
+    {"attempts.grasp_score", "rank value of the grasp"},
+    {"attempts.success", "1 if the grasp succeeded by the rule of the scenario"},
+    {"attempts.physical_failure", "failure reason of the executed grasp"},
+    {"attempts.picked_instance", "instance in the hand at the end, -1 = none"},
+    {"attempts.instances_lifted", "number of instances in the hand after hold, shake and carry"},
+    {"attempts.final_opening_m", "final opening of the hand"},
+    {"attempts.slip_m", "movement of the instance in the hand, from the lift to the shake"},
+    {"attempts.in_hand_rotation_error_rad", "rotation of the instance in the hand, same time"},
+    {"attempts.neighbors_displaced", "number of other instances that moved more than 1 cm"},
+    {"attempts.is_target", "1 if the picked instance is the target"},
+    {"attempts.instances_touched", "number of instances in contact with the closed hand"},
+    {"attempts.instances_risen", "number of instances in the hand at the end of the lift"},
+    {"attempts.lift_height_m", "height of the instance that rose most, at the end of the lift"},
+    {"attempts.contact_force_x_n", "mean force on the hand during the hold, x in frame G"},
+    {"attempts.contact_force_y_n", "mean force on the hand during the hold, y in frame G"},
+    {"attempts.contact_force_z_n", "mean force on the hand during the hold, z in frame G"},
+    {"attempts.contact_torque_x_nm", "mean torque about the origin of G, x in frame G"},
+    {"attempts.contact_torque_y_nm", "mean torque about the origin of G, y in frame G"},
+    {"attempts.contact_torque_z_nm", "mean torque about the origin of G, z in frame G"},
+    {"attempts.retreat_contact", "1 if the hand touched an instance after 10 cm of retreat"},
+    {"attempts.retreat_opening", "opening of the hand after 10 cm, as a share of its stroke",
+     "0..1"},
+    {"attempts.place_executed", "1 if the instance was set down"},
+    {"attempts.place_error_m", "distance of the center of mass from its planned place"},
+    {"attempts.place_rotation_error_rad", "rotation error at the place, minimum over symmetries"},
+    {"attempts.hash_scene", "hash of the scene, for `pickbed replay`"},
+    {"attempts.hash_image", "hash of the image"},
+    {"attempts.hash_hypotheses", "hash of the reported poses"},
+    {"attempts.hash_grasp", "hash of the planned grasp"},
+    {"attempts.hash_outcome", "hash of the outcome"},
+    {"hypotheses.instance", "matched instance, -1 = none"},
+    {"hypotheses.score", "score of the pose"},
+    {"hypotheses.correct", "1 if the MSSD is under a tenth of the object's diameter"},
+    {"hypotheses.x_wo", "estimated pose of the object in the world, 3x4 matrix, row by row", "m"},
+    {"hypotheses.x_oe", "estimated object frame in the frame of the matched instance", "m"},
+    {"hypothesis_metrics.metric", "name and unit of the metric"},
+    {"hypothesis_metrics.value", "pose error; infinite without a matched instance"},
+    {"instances.instance", "number of the instance in its bin"},
+    {"instances.visible_fraction", "visible fraction in the image", "0..1"},
+    {"instances.recalled", "1 if a reported pose is correct for it"},
+    {"instances.missed", "failure reason why it is not recalled, or none"},
+    {"instance_outcomes.instance", "number of the instance in its bin"},
+    {"instance_outcomes.picked", "1 if it was picked"},
+    {"instance_outcomes.asked", "1 if it was requested"},
+    {"instance_outcomes.failure", "failure reason, or none"},
+    {"instance_outcomes.attempt", "attempt that decided the outcome, -1 = none"},
+    {"rejections.cause", "reason of the rejection"},
+    {"rejections.grasps", "number of candidates"},
+    {"refusals.attempt", "number of the drop"},
+    {"refusals.fault", "reason of the refusal"},
+    {"bands.band", "number of the band, least visible first"},
+    {"bands.filled", "1 if the trial has a scene for this band"},
+    {"bands.targets_given_up", "number of targets given up at this band"},
+    {"bands.blockers", "number of dropped blockers"},
+    {"bands.blockers_kept", "number of blockers that stayed in the scene"},
+    {"bands.blockers_refused", "number of blockers whose scene failed its certificate"},
+    {"bands.blockers_jumped", "number of blockers that hid too much of the target"},
+    {"bands.blockers_useless", "number of blockers that hid too little of the target"},
+    {"timings.stage", "stage, with its part after a slash"},
+    {"timings.seconds", "duration"},
+};
+
+const Description* FindDescription(std::span<const Description> rows, std::string_view name) {
+  for (const Description& row : rows) {
+    if (row.name == name) return &row;
+  }
+  return nullptr;
+}
+
+ResultColumn Described(const std::string& table, const std::string& column) {
+  for (const std::string& name : {table + "." + column, column}) {
+    if (const Description* row = FindDescription(kColumns, name)) {
+      return {column, std::string(row->help), std::string(row->unit)};
+    }
+  }
+  for (const SuccessRuleRow& rule : SuccessRuleTable()) {
+    if (column == rule.name) return {column, std::string("1 if by this rule: ") + rule.help};
+  }
+  throw std::logic_error(fmt::format("column {}.{} has no description; add it to {}", table, column,
+                                     "eval/store/store_columns.cpp"));
+}
+
+template <typename Row>
+StoreTable TableOf(const std::string& name) {
+  const Description* row = FindDescription(kTables, name);
+  if (row == nullptr) throw std::logic_error("table " + name + " has no description");
+  StoreTable table{name, std::string(row->help), {}};
+  for (const std::string& column : ColumnsOf<Row>()) {
+    table.columns.push_back(Described(name, column));
+  }
+  return table;
+}
+
+}  // namespace
+
+std::vector<StoreTable> StoreTables() {
+  std::vector<StoreTable> tables{
+      {"settings",
+       "properties of the file",
+       {{"key", "schema_version or scenario"},
+        {"value", "version of the tables, or the settings and inputs of the run"}}},
+      TableOf<ConfigurationRow>("configurations")};
+  ForEachTrialTable([&]<typename Row>(const char* name) { tables.push_back(TableOf<Row>(name)); });
+  return tables;
+}
+
+}  // namespace pickbed::eval

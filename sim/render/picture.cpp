@@ -1,0 +1,311 @@
+#include "sim/render/picture.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "scenes/base/parallel.h"
+#include "scenes/base/random.h"
+
+namespace pickbed::sim {
+namespace {
+
+using Eigen::Vector3f;
+
+// The key light is a point light far above the bin, to the left of and behind the camera of most
+// scenarios.
+const Eigen::Vector3d kKeyLight_W{-1.1, -1.3, 2.6};
+constexpr double kShadowSoftness_m = 0.012;
+constexpr float kOcclusionRadius_m = 0.045f;
+constexpr int kOcclusionSamples = 20;
+constexpr int kOcclusionTile = 4;  // the pattern of samples repeats after this number of pixels
+constexpr double kTableMargin_m = 0.55;
+// Id of the table in the internal passes. Scenes have fewer instances.
+constexpr uint16_t kTableId = 0xffff;
+
+const Vector3f kBinColor{0.045f, 0.070f, 0.115f};
+const Vector3f kTableColor{0.36f, 0.34f, 0.31f};
+const Vector3f kCardboard{0.42f, 0.27f, 0.14f};
+const Vector3f kAluminium{0.70f, 0.71f, 0.73f};
+const Vector3f kSteel{0.44f, 0.43f, 0.41f};
+const std::array<Vector3f, 6> kPlastics{
+    Vector3f{0.020f, 0.135f, 0.42f}, Vector3f{0.72f, 0.20f, 0.022f},
+    Vector3f{0.030f, 0.26f, 0.13f},  Vector3f{0.74f, 0.70f, 0.60f},
+    Vector3f{0.42f, 0.022f, 0.020f}, Vector3f{0.74f, 0.44f, 0.025f}};
+
+float Linear(uint8_t value) { return std::pow(value / 255.0f, 2.2f); }
+
+// Brightness of the surroundings in a direction: a bright ceiling with a large lamp, grey walls and
+// a dark floor.
+float Surroundings(const Vector3f& direction_W, const Vector3f& to_key_W) {
+  const float up = direction_W.z();
+  const float sky = up > 0 ? 0.42f + 0.75f * up : std::max(0.14f, 0.42f + 0.9f * up);
+  const float lamp = std::clamp((direction_W.dot(to_key_W) - 0.80f) / 0.12f, 0.0f, 1.0f);
+  return sky + 1.6f * lamp * lamp * (3 - 2 * lamp);
+}
+
+// What one picture sample shows.
+struct Surface {
+  Vector3f color = Vector3f::Zero();
+  Vector3f normal_W = Vector3f::UnitZ();
+  Vector3f to_camera_W = Vector3f::UnitZ();
+  Vector3f to_key_W = Vector3f::UnitZ();
+  float direct = 0;     // light of the lamp that arrives, times the cosine
+  float occlusion = 1;  // share of the surroundings that is visible
+  Finish finish = Finish::kMatte;
+};
+
+// Diffuse light of the lamp and the surroundings, a reflection of both, and the highlight of the
+// lamp (Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH 1977) with
+// the Fresnel term of Schlick ("An Inexpensive BRDF Model for Physically-based Rendering", 1994).
+Vector3f Shade(const Surface& s) {
+  const float facing = std::clamp(s.normal_W.dot(s.to_camera_W), 0.0f, 1.0f);
+  const Vector3f mirrored_W = 2 * facing * s.normal_W - s.to_camera_W;
+  const float sky = 0.36f + 0.22f * s.normal_W.z();
+  const Vector3f diffuse = s.color * (sky * s.occlusion + 0.95f * s.direct);
+  if (s.finish == Finish::kMatte) return diffuse;
+  const float halfway = std::max(0.0f, s.normal_W.dot((s.to_key_W + s.to_camera_W).normalized()));
+  const float reflected = s.occlusion * Surroundings(mirrored_W, s.to_key_W);
+  const float grazing = std::pow(1 - facing, 5.0f);
+  if (s.finish == Finish::kMetal) {
+    const Vector3f fresnel = s.color + (Vector3f::Ones() - s.color) * grazing;
+    return 0.30f * diffuse +
+           fresnel * (0.62f * reflected + 0.9f * s.direct * std::pow(halfway, 60.0f));
+  }
+  const float fresnel = 0.04f + 0.5f * grazing;
+  return diffuse +
+         Vector3f::Constant(fresnel * reflected + 0.35f * s.direct * std::pow(halfway, 90.0f));
+}
+
+uint8_t Displayed(float linear) {
+  const float shown = 1 - std::exp(-1.55f * std::max(0.0f, linear));
+  return static_cast<uint8_t>(std::lround(255 * std::pow(shown, 1 / 2.2f)));
+}
+
+// Directions in the half space z > 0 with lengths in 0..1, more of them short.
+std::array<Vector3f, kOcclusionSamples> OcclusionKernel() {
+  std::array<Vector3f, kOcclusionSamples> kernel;
+  constexpr float kGolden = 2.39996323f;
+  for (int i = 0; i < kOcclusionSamples; ++i) {
+    const float share = (i + 0.5f) / kOcclusionSamples;
+    const float z = std::sqrt(1 - share), radius = std::sqrt(share);
+    const float length = 0.12f + 0.88f * ((i * 7) % kOcclusionSamples) / kOcclusionSamples;
+    kernel[i] =
+        length * Vector3f{radius * std::cos(kGolden * i), radius * std::sin(kGolden * i), z};
+  }
+  return kernel;
+}
+
+// Share of the surroundings that each pixel sees, estimated in the depth image ("Screen-space
+// ambient occlusion", Mittring, "Finding Next Gen: CryEngine 2", SIGGRAPH 2007 courses).
+// normals_C are unit vectors; pixels without depth get 1.
+Image<float> AmbientOcclusion(const CameraIntrinsics& k, const Image<float>& depth_m,
+                              const Image<Vector3f>& normals_C, int threads) {
+  const std::array<Vector3f, kOcclusionSamples> kernel = OcclusionKernel();
+  Image<float> raw(depth_m.width(), depth_m.height(), 1.0f);
+  const auto fx = static_cast<float>(k.fx()), fy = static_cast<float>(k.fy());
+  const auto cx = static_cast<float>(k.cx()), cy = static_cast<float>(k.cy());
+  ForRanges(depth_m.height(), threads, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      for (int u = 0; u < depth_m.width(); ++u) {
+        const float z = depth_m(u, v);
+        if (z <= 0) continue;
+        const Vector3f p_C{(u - cx) / fx * z, (v - cy) / fy * z, z};
+        const Vector3f n = normals_C(u, v);
+        const Vector3f helper = std::abs(n.z()) < 0.9f ? Vector3f::UnitZ() : Vector3f::UnitX();
+        const Vector3f a = n.cross(helper).normalized(), b = n.cross(a);
+        const int cell = (u % kOcclusionTile) + kOcclusionTile * (v % kOcclusionTile);
+        const float angle = 6.2831853f * ((cell * 7) % 16) / 16;
+        const float c = std::cos(angle), s = std::sin(angle);
+        float hidden = 0;
+        for (const Vector3f& direction : kernel) {
+          const float x = c * direction.x() - s * direction.y();
+          const float y = s * direction.x() + c * direction.y();
+          const Vector3f q = p_C + kOcclusionRadius_m * (x * a + y * b + direction.z() * n);
+          if (q.z() <= 0) continue;
+          const int qu = static_cast<int>(std::lround(fx * q.x() / q.z() + cx));
+          const int qv = static_cast<int>(std::lround(fy * q.y() / q.z() + cy));
+          if (!depth_m.Contains(qu, qv)) continue;
+          const float there = depth_m(qu, qv), before = q.z() - there;
+          if (there <= 0 || before < 0.0008f) continue;
+          // Surfaces far before the sample are not near the point and hide little of it.
+          hidden += std::clamp(1.6f - before / kOcclusionRadius_m, 0.0f, 1.0f);
+        }
+        raw(u, v) = std::pow(1 - hidden / kOcclusionSamples, 1.6f);
+      }
+    }
+  });
+  // The mean over one tile of the pattern removes its noise.
+  Image<float> smooth = raw;
+  ForRanges(depth_m.height(), threads, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      for (int u = 0; u < depth_m.width(); ++u) {
+        const float z = depth_m(u, v);
+        if (z <= 0) continue;
+        float sum = 0, count = 0;
+        for (int dv = -2; dv < kOcclusionTile - 2; ++dv) {
+          for (int du = -2; du < kOcclusionTile - 2; ++du) {
+            if (!raw.Contains(u + du, v + dv)) continue;
+            if (std::abs(depth_m(u + du, v + dv) - z) > 0.01f) continue;
+            sum += raw(u + du, v + dv);
+            ++count;
+          }
+        }
+        smooth(u, v) = sum / count;
+      }
+    }
+  });
+  return smooth;
+}
+
+// Returns the camera that shows the same view with `factor` times the pixels per axis.
+Camera Enlarged(const Camera& camera, int factor) {
+  const CameraIntrinsics& k = camera.intrinsics;
+  const double center = 0.5 * (factor - 1);  // pixel (0, 0) is the center of the first pixel
+  return {{k.width() * factor, k.height() * factor, k.fx() * factor, k.fy() * factor,
+           k.cx() * factor + center, k.cy() * factor + center},
+          camera.X_WC()};
+}
+
+template <typename T>
+Image<T> Thinned(const Image<T>& image, int step) {
+  if (step == 1) return image;
+  Image<T> thin(image.width() / step, image.height() / step, image(0, 0));
+  for (int v = 0; v < thin.height(); ++v) {
+    for (int u = 0; u < thin.width(); ++u) {
+      thin(u, v) = image(u * step + step / 2, v * step + step / 2);
+    }
+  }
+  return thin;
+}
+
+// A square at z = 0 of two triangles.
+TriangleMesh Square(double side_m) {
+  const double h = 0.5 * side_m;
+  TriangleMesh mesh;
+  mesh.vertices = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+// Background of rays that hit nothing: a wall that darkens upwards.
+Vector3f Backdrop(float share_of_height) {
+  return Vector3f{0.40f, 0.41f, 0.43f} * (0.55f + 0.45f * share_of_height);
+}
+
+}  // namespace
+
+PictureMaterial PictureMaterialOf(const ObjectModel& object) {
+  const double density_kgpm3 =
+      object.mass.volume_m3 > 0 ? object.mass.mass_kg / object.mass.volume_m3 : 1000;
+  PictureMaterial material;
+  if (density_kgpm3 < 450) {
+    material = {Finish::kMatte, kCardboard};
+  } else if (density_kgpm3 < 2000) {
+    const uint64_t name = HashBytes(object.name.data(), object.name.size());
+    material = {Finish::kPlastic, kPlastics[name % kPlastics.size()]};
+  } else {
+    material = {Finish::kMetal, density_kgpm3 < 4500 ? kAluminium : kSteel};
+  }
+  const TriangleMesh& mesh = object.mesh_O;
+  if (!mesh.colors.empty() || !mesh.texture.empty()) material.color.setConstant(-1);
+  return material;
+}
+
+PictureRenderer::PictureRenderer(SceneRenderer& renderer, const ObjectSet& objects)
+    : renderer_(renderer), objects_(objects) {}
+
+int PictureRenderer::TableMesh(double side_m) {
+  const auto [table, is_new] = tables_.try_emplace(side_m, -1);
+  if (is_new) table->second = renderer_.renderer().AddMesh(Square(side_m));
+  return table->second;
+}
+
+Picture PictureRenderer::Render(const Scene& scene, const Camera& camera,
+                                const PictureOptions& options, std::span<const RenderInstance> more,
+                                const PictureMaterial& more_material) {
+  Renderer& renderer = renderer_.renderer();
+  std::vector<RenderInstance> instances = renderer_.InstancesOf(scene);
+  const Bounds bin = renderer.MeshBoundsOf(instances.back().mesh);
+  const double side_m =
+      2 * kTableMargin_m + std::max(bin.max.x() - bin.min.x(), bin.max.y() - bin.min.y());
+  // A little lower than the bin, so that the two surfaces do not mix.
+  const Eigen::Vector3d table_W{0, 0, bin.min.z() - 5e-4};
+  instances.insert(instances.end(), more.begin(), more.end());
+  instances.push_back({TableMesh(side_m), Pose(Eigen::Translation3d(table_W)), kTableId});
+
+  // Materials by id.
+  std::map<uint16_t, PictureMaterial> materials{{0, {Finish::kPlastic, kBinColor}},
+                                                {kTableId, {Finish::kMatte, kTableColor}}};
+  for (const PosedObject& object : scene.objects) {
+    PictureMaterial material = PictureMaterialOf(*objects_.at(object.object));
+    // Instances differ a little in brightness, so that neighbors can be distinguished.
+    const auto id = static_cast<uint16_t>(object.instance + 1);
+    material.color *= 0.92f + 0.16f * static_cast<float>((id * 7) % 11) / 10;
+    materials[id] = material;
+  }
+  for (const RenderInstance& instance : more) materials[instance.id] = more_material;
+
+  const int factor = options.scale * options.samples;
+  const Camera fine = Enlarged(camera, factor);
+  const RenderOutputs all{.color = true, .ids = true, .normals = true};
+  const RenderedImage base = renderer.Render(fine, instances, Light{kKeyLight_W, 1, 0, false}, all);
+  const RenderedImage lit =
+      renderer.Render(fine, instances, Light{kKeyLight_W, 0, 1, true, kShadowSoftness_m},
+                      RenderOutputs{.color = true, .ids = false});
+
+  Picture picture;
+  picture.camera = Enlarged(camera, options.scale);
+  const Image<float> occlusion =
+      AmbientOcclusion(picture.camera.intrinsics, Thinned(base.depth_m, options.samples),
+                       Thinned(base.normals_C, options.samples), options.threads);
+  picture.ids = Thinned(base.ids, options.samples);
+  for (uint16_t& id : picture.ids.pixels()) id = id == kTableId ? 0 : id;
+
+  const Eigen::Matrix3f R_WC = camera.X_WC().linear().cast<float>();
+  const Vector3f eye_W = camera.X_WC().translation().cast<float>();
+  const Vector3f key_W = kKeyLight_W.cast<float>();
+  const CameraIntrinsics& k = fine.intrinsics;
+  const auto linear_of = [&](int u, int v) -> Vector3f {
+    const float z = base.depth_m(u, v);
+    const Vector3f ray_C{static_cast<float>((u - k.cx()) / k.fx()),
+                         static_cast<float>((v - k.cy()) / k.fy()), 1};
+    if (z <= 0) return Backdrop(static_cast<float>(v) / k.height());
+    const PictureMaterial& material = materials.at(base.ids(u, v));
+    const Rgb8 own = base.color(u, v), bright = lit.color(u, v);
+    Surface s;
+    s.color = material.color.x() >= 0 ? material.color
+                                      : Vector3f{Linear(own.r), Linear(own.g), Linear(own.b)};
+    const int strongest = std::max({own.r, own.g, own.b, uint8_t{1}});
+    s.direct =
+        std::min(1.0f, static_cast<float>(std::max({bright.r, bright.g, bright.b})) / strongest);
+    const Vector3f p_W = eye_W + R_WC * (z * ray_C);
+    s.normal_W = R_WC * base.normals_C(u, v);
+    s.to_camera_W = (eye_W - p_W).normalized();
+    s.to_key_W = (key_W - p_W).normalized();
+    s.occlusion = occlusion(u / options.samples, v / options.samples);
+    s.finish = material.finish;
+    return Shade(s);
+  };
+  const int width = picture.camera.intrinsics.width(), height = picture.camera.intrinsics.height();
+  picture.color = Image<Rgb8>(width, height);
+  ForRanges(height, options.threads, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      for (int u = 0; u < width; ++u) {
+        Vector3f sum = Vector3f::Zero();
+        for (int j = 0; j < options.samples; ++j) {
+          for (int i = 0; i < options.samples; ++i) {
+            // Limiting each sample keeps edges against highlights smooth.
+            sum += linear_of(u * options.samples + i, v * options.samples + j).cwiseMin(1.5f);
+          }
+        }
+        const Vector3f mean = sum / static_cast<float>(options.samples * options.samples);
+        picture.color(u, v) = {Displayed(mean.x()), Displayed(mean.y()), Displayed(mean.z())};
+      }
+    }
+  });
+  return picture;
+}
+
+}  // namespace pickbed::sim

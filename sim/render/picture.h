@@ -1,0 +1,67 @@
+#pragma once
+
+// Pictures of scenes for people: a table under the bin, plausible materials, soft shadows, ambient
+// occlusion and smooth edges. Sensors and training use SceneRenderer, which is faster. Depth and
+// ids of a picture are the same as in SceneRenderer.
+
+#include <Eigen/Core>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "scenes/camera/camera.h"
+#include "scenes/image/image.h"
+#include "scenes/scene.h"
+#include "sim/render/renderer.h"
+
+namespace pickbed::sim {
+
+// Reflection of a surface in a picture.
+enum class Finish { kMatte, kPlastic, kMetal };
+
+// Material of one instance in a picture.
+struct PictureMaterial {
+  Finish finish = Finish::kPlastic;
+  // Linear red, green and blue in 0..1. Negative: the color of the mesh.
+  Eigen::Vector3f color{-1, -1, -1};
+};
+
+// Size of a picture and effort for it.
+struct PictureOptions {
+  int scale = 2;    // picture pixels per camera pixel and axis, 1..8
+  int samples = 2;  // samples per picture pixel and axis, 1..4
+  int threads = 1;  // the picture does not depend on it
+};
+
+// A finished picture with the ids of the surfaces in it (instance + 1; 0 = bin, table, background).
+struct Picture {
+  Image<Rgb8> color;
+  Image<uint16_t> ids;
+  Camera camera;  // of the picture's pixels
+};
+
+// Returns the finish and color of an object: by its density (cardboard, plastic, aluminium, steel)
+// and, for plastic, by its name. An object whose mesh has a texture or vertex colors keeps them.
+PictureMaterial PictureMaterialOf(const ObjectModel& object);
+
+// Draws pictures of scenes of fixed objects. Keeps references to `renderer` and `objects`.
+class PictureRenderer {
+ public:
+  PictureRenderer(SceneRenderer& renderer, const ObjectSet& objects);
+
+  // Draws the scene as seen by `camera`, in a picture of `scale` times its size. `more` are further
+  // instances, such as a hand; their ids must exceed the ids of the scene, and more_material is
+  // their material. Throws InputError if a side of the picture exceeds 16384 px.
+  Picture Render(const Scene& scene, const Camera& camera, const PictureOptions& options = {},
+                 std::span<const RenderInstance> more = {},
+                 const PictureMaterial& more_material = {});
+
+ private:
+  int TableMesh(double side_m);
+
+  SceneRenderer& renderer_;
+  const ObjectSet& objects_;
+  std::map<double, int> tables_;  // mesh handles by side length
+};
+
+}  // namespace pickbed::sim

@@ -1,0 +1,104 @@
+#include "sim/render/picture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/sim/render_support.h"
+#include "tests/support/layer.h"
+
+namespace pickbed::tests {
+namespace {
+
+constexpr double kCube_m = 0.06;
+
+ObjectSet Cubes(double density_kgpm3) {
+  auto model = std::make_shared<ObjectModel>();
+  model->name = "cube";
+  model->mesh_O = BoxMesh({kCube_m, kCube_m, kCube_m});
+  model->mass = UniformMassProperties(model->mesh_O, density_kgpm3 * kCube_m * kCube_m * kCube_m);
+  return {model};
+}
+
+// Two cubes on the floor of a bin, seen from above.
+Scene TwoCubes() {
+  Scene scene;
+  scene.objects = {{InstanceId{0}, ObjectId{0}, Translation({-0.08, 0, kCube_m / 2})},
+                   {InstanceId{4}, ObjectId{0}, Translation({0.08, 0, kCube_m / 2})}};
+  return scene;
+}
+
+Camera OverheadCamera() {
+  return {{160, 120, 150, 150, 79.5, 59.5},
+          LookAt({0, -0.01, 0.8}, {0, 0, 0}, Eigen::Vector3d::UnitY())};
+}
+
+int Brightness(const Rgb8& c) { return c.r + c.g + c.b; }
+
+class PictureTest : public testing::Test {
+ protected:
+  Picture Draw(const PictureOptions& options = {}) {
+    return pictures_.Render(scene_, camera_, options);
+  }
+
+  const ObjectSet objects_ = Cubes(1000);
+  const Scene scene_ = TwoCubes();
+  const Camera camera_ = OverheadCamera();
+  SceneRenderer renderer_{objects_, scene_.bin};
+  PictureRenderer pictures_{renderer_, objects_};
+};
+
+TEST_F(PictureTest, IdsEqualThoseOfTheSensorImage) {
+  const Picture picture = Draw({.scale = 1, .samples = 1});
+  EXPECT_EQ(picture.ids, renderer_.Render(scene_, camera_).ids);
+  EXPECT_EQ(picture.camera.intrinsics, camera_.intrinsics);
+  EXPECT_EQ(picture.color.width(), 160);
+}
+
+// A point keeps its place in the scene: pixel (u, v) covers pixels 2u and 2u + 1 of the picture.
+TEST_F(PictureTest, ScaledPictureShowsTheSameView) {
+  const Image<uint16_t> small = renderer_.Render(scene_, camera_).ids;
+  const Picture picture = Draw({.scale = 2, .samples = 2});
+  ASSERT_EQ(picture.color.height(), 240);
+  int different = 0;
+  for (int v = 0; v < 120; ++v) {
+    for (int u = 0; u < 160; ++u) different += picture.ids(2 * u + 1, 2 * v + 1) != small(u, v);
+  }
+  EXPECT_LT(different, 160);  // only pixels on edges
+}
+
+TEST_F(PictureTest, TableFillsTheBackground) {
+  const Picture picture = Draw();
+  for (const Rgb8& pixel : picture.color.pixels()) ASSERT_GT(Brightness(pixel), 20);
+  EXPECT_GT(Brightness(picture.color(4, 4)), 250);
+}
+
+// The floor beside a cube sees less of the surroundings than the same place in an empty bin.
+TEST_F(PictureTest, FloorIsDarkerBesideACube) {
+  // On the side of the lamp, so that the shadow is on the other side.
+  const Eigen::Vector3d beside_W(-0.08, -kCube_m / 2 - 0.006, 0);
+  const Eigen::Vector2d p = Project(camera_.intrinsics, camera_.X_CW() * beside_W);
+  const auto at_place = [&](const Picture& picture) {
+    return Brightness(picture.color(std::lround(p.x()), std::lround(p.y())));
+  };
+  const PictureOptions options{.scale = 1, .samples = 1};
+  Scene empty = scene_;
+  empty.objects.clear();
+  EXPECT_LT(at_place(Draw(options)), 0.98 * at_place(pictures_.Render(empty, camera_, options)));
+}
+
+TEST_F(PictureTest, ThreadsDoNotChangeThePicture) {
+  EXPECT_EQ(Draw({.threads = 1}).color, Draw({.threads = 3}).color);
+}
+
+TEST(PictureMaterial, FollowsDensityAndKeepsColorsOfTheMesh) {
+  EXPECT_EQ(PictureMaterialOf(*Cubes(300)[0]).finish, Finish::kMatte);
+  EXPECT_EQ(PictureMaterialOf(*Cubes(1000)[0]).finish, Finish::kPlastic);
+  EXPECT_EQ(PictureMaterialOf(*Cubes(7800)[0]).finish, Finish::kMetal);
+  ObjectModel colored = *Cubes(1000)[0];
+  colored.mesh_O.colors.assign(colored.mesh_O.vertices.size(), Rgb8{200, 10, 10});
+  EXPECT_LT(PictureMaterialOf(colored).color.x(), 0);
+}
+
+}  // namespace
+}  // namespace pickbed::tests
