@@ -1,8 +1,8 @@
 #pragma once
 
 // Pictures of scenes for people: a table under the bin, plausible materials, soft shadows, ambient
-// occlusion and smooth edges. Sensors and training use SceneRenderer, which is faster. Depth and
-// ids of a picture are the same as in SceneRenderer.
+// occlusion and smooth edges. Sensors and training use SceneRenderer, which is faster. The ids are
+// the same as in SceneRenderer.
 
 #include <Eigen/Core>
 #include <map>
