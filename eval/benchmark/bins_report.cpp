@@ -46,6 +46,7 @@ MethodStatistics StatisticsOf(const std::vector<const BinRow*>& rows) {
 // Estimator labels, in the order of the first scenario.
 std::vector<std::string> Labels(const std::vector<BinScenario>& scenarios) {
   std::vector<std::string> labels;
+  if (scenarios.empty()) return labels;
   for (const BinRow& row : scenarios.front().rows) labels.push_back(row.label);
   return labels;
 }

@@ -8,9 +8,11 @@
 #include <map>
 
 #include "eval/draw/gif.h"
+#include "eval/draw/outline.h"
 #include "eval/report/scene_glb.h"
 #include "scenes/base/files.h"
 #include "scenes/base/ids_format.h"
+#include "scenes/image/srgb.h"
 #include "sim/render/picture.h"
 
 namespace pickbed::eval {
@@ -39,10 +41,8 @@ std::vector<TriangleMesh> CenteredMeshes(const std::vector<AxisAlignedBox>& boxe
   return meshes;
 }
 
-float SrgbOf(float linear) { return std::pow(std::clamp(linear, 0.0f, 1.0f), 1 / 2.2f); }
-
 Eigen::Vector4f SrgbOf(const Eigen::Vector3f& linear, float alpha) {
-  return {SrgbOf(linear.x()), SrgbOf(linear.y()), SrgbOf(linear.z()), alpha};
+  return {SrgbOfLinear(linear.x()), SrgbOfLinear(linear.y()), SrgbOfLinear(linear.z()), alpha};
 }
 
 // Color of an object in the GLB file, which holds no textures.
@@ -64,14 +64,8 @@ Camera MovieCamera(const PickMotion& motion, const MovieOptions& options) {
     shown.extend(motion.table_W->center -
                  motion.table_W->half_size.cwiseProduct(Eigen::Vector3d(0.5, 0.5, 1)));
   }
-  const double focal_px = 1.35 * options.width_px;
-  const Eigen::Vector3d direction = Eigen::Vector3d(0.22, -0.78, 0.72).normalized();
-  const double distance_m = 1.35 * shown.diagonal().norm();
-  const CameraIntrinsics intrinsics(options.width_px, options.height_px, focal_px, focal_px,
-                                    0.5 * (options.width_px - 1), 0.5 * (options.height_px - 1));
-  const Eigen::Vector3d center_W = shown.center();
-  return {intrinsics,
-          LookAt(center_W + distance_m * direction, center_W, Eigen::Vector3d::UnitZ())};
+  return CameraTowards(shown.center(), {0.22, -0.78, 0.72}, 1.35 * shown.diagonal().norm(),
+                       options.width_px, options.height_px, 1.35 * options.width_px);
 }
 
 bool Moves(const PickMotion& motion, size_t position) {
@@ -102,49 +96,75 @@ std::string PickGlb(const PickMotion& motion, const ObjectSet& objects, const Gr
   }
   const std::vector<TriangleMesh> hand =
       CenteredMeshes(HandBoxes(gripper, motion.frames.front().opening_m));
-  for (size_t b = 0; b < hand.size(); ++b) {
-    GlbPart& glb_part = glb_parts.emplace_back(
-        GlbPart{fmt::format("hand {}", b), &hand[b], Pose::Identity(), SrgbOf(kHandColor, 1)});
-    for (const MotionFrame& frame : motion.frames) {
-      glb_part.track_W.push_back(frame.X_WG *
-                                 Shifted(HandBoxes(gripper, frame.opening_m)[b].center));
+  std::vector<std::vector<Pose>> tracks_W(hand.size());
+  for (const MotionFrame& frame : motion.frames) {
+    const std::vector<AxisAlignedBox> boxes = HandBoxes(gripper, frame.opening_m);
+    for (size_t b = 0; b < boxes.size(); ++b) {
+      tracks_W[b].push_back(frame.X_WG * Shifted(boxes[b].center));
     }
-    glb_part.X_W = glb_part.track_W.front();
+  }
+  for (size_t b = 0; b < hand.size(); ++b) {
+    const Pose X_W = tracks_W[b].front();
+    glb_parts.push_back(
+        {fmt::format("hand {}", b), &hand[b], X_W, SrgbOf(kHandColor, 1), std::move(tracks_W[b])});
   }
   return GlbBytes(glb_parts, {}, motion.frame_s);
 }
 
-std::string PickGif(const PickMotion& motion, const ObjectSet& objects, const Gripper& gripper,
-                    const MovieOptions& options) {
-  sim::SceneRenderer renderer(objects, motion.scene.bin);
-  sim::PictureRenderer pictures(renderer, objects);
-  std::vector<int> hand;
-  for (const TriangleMesh& mesh :
-       CenteredMeshes(HandBoxes(gripper, motion.frames.front().opening_m))) {
-    hand.push_back(renderer.renderer().AddMesh(mesh));
+struct PickMovie::Impl {
+  Impl(const ObjectSet& objects, const Bin& bin, const Gripper& used_gripper,
+       const MovieOptions& used_options)
+      : gripper(used_gripper),
+        options(used_options),
+        renderer(objects, bin),
+        pictures(renderer, objects) {}
+
+  const Gripper& gripper;
+  MovieOptions options;
+  sim::SceneRenderer renderer;
+  sim::PictureRenderer pictures;
+  std::vector<int> hand;  // mesh handles of its boxes
+};
+
+PickMovie::PickMovie(const ObjectSet& objects, const Bin& bin, const Gripper& gripper,
+                     const MovieOptions& options)
+    : impl_(new Impl(objects, bin, gripper, options)) {
+  for (const TriangleMesh& mesh : CenteredMeshes(HandBoxes(gripper, gripper.MaxOpening_m()))) {
+    impl_->hand.push_back(impl_->renderer.renderer().AddMesh(mesh));
   }
+}
+
+PickMovie::~PickMovie() = default;
+
+std::string PickMovie::Gif(const PickMotion& motion) {
   std::optional<int> table;
-  if (motion.table_W) table = renderer.renderer().AddMesh(BoxesMesh({*motion.table_W}));
-  const Camera camera = MovieCamera(motion, options);
+  if (motion.table_W) {
+    table = impl_->renderer.renderer().AddMesh(BoxesMesh({*motion.table_W}));
+  }
+  const Camera camera = MovieCamera(motion, impl_->options);
   Scene scene = motion.scene;
-  std::vector<Image<Rgb8>> frames;
-  for (size_t f = 0; f < motion.frames.size(); f += options.every) {
+  std::vector<Image<Rgb8>> pictures;
+  for (size_t f = 0; f < motion.frames.size(); f += impl_->options.every) {
     const MotionFrame& frame = motion.frames[f];
     for (size_t i = 0; i < scene.objects.size(); ++i) scene.objects[i].X_WO = frame.X_WO[i];
     std::vector<sim::RenderInstance> more;
-    const std::vector<AxisAlignedBox> boxes = HandBoxes(gripper, frame.opening_m);
+    const std::vector<AxisAlignedBox> boxes = HandBoxes(impl_->gripper, frame.opening_m);
     for (size_t b = 0; b < boxes.size(); ++b) {
-      more.push_back({hand[b], frame.X_WG * Shifted(boxes[b].center), kHandId});
+      more.push_back({impl_->hand[b], frame.X_WG * Shifted(boxes[b].center), kHandId});
     }
     if (table) more.push_back({*table, Pose::Identity(), kHandId + 1});
-    frames.push_back(pictures
-                         .Render(scene, camera,
-                                 {.scale = 1, .samples = 2, .threads = options.threads}, more,
-                                 {sim::Finish::kPlastic, kHandColor})
-                         .color);
+    const sim::PictureOptions effort{.scale = 1, .samples = 2, .threads = impl_->options.threads};
+    pictures.push_back(
+        impl_->pictures.Render(scene, camera, effort, more, {sim::Finish::kPlastic, kHandColor})
+            .color);
   }
-  return GifBytes(frames, options.picture_s);
+  return GifBytes(pictures, impl_->options.picture_s);
 }
+
+PickAnimation::PickAnimation(const std::filesystem::path& folder, int attempt)
+    : folder_(folder), only_(attempt) {}
+
+PickAnimation::~PickAnimation() = default;
 
 void PickAnimation::OnStage(TrialStage stage, const AttemptState& attempt) {
   const int number = attempt.record.attempt;
@@ -157,8 +177,9 @@ void PickAnimation::OnStage(TrialStage stage, const AttemptState& attempt) {
   const ObjectSet& objects = attempt.cell.objects();
   WriteFileAtomically(folder_ / fmt::format("attempt_{:02}_pick.glb", number),
                       PickGlb(motion_, objects, attempt.gripper));
+  if (!movie_) movie_ = std::make_unique<PickMovie>(objects, motion_.scene.bin, attempt.gripper);
   WriteFileAtomically(folder_ / fmt::format("attempt_{:02}_pick.gif", number),
-                      PickGif(motion_, objects, attempt.gripper));
+                      movie_->Gif(motion_));
   ++written_;
 }
 

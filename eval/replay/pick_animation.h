@@ -3,6 +3,7 @@
 // Animations of executed grasps: a GLB file for 3D viewers and a GIF picture of each pick.
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,16 +42,28 @@ struct MovieOptions {
   int threads = 1;
 };
 
-// Renders the motion as seen from above and beside the bin, and returns the bytes of a GIF.
-std::string PickGif(const PickMotion& motion, const ObjectSet& objects, const Gripper& gripper,
-                    const MovieOptions& options = {});
+// Draws the picks of one bin as seen from above and beside it. Keeps references to the objects and
+// the gripper.
+class PickMovie {
+ public:
+  PickMovie(const ObjectSet& objects, const Bin& bin, const Gripper& gripper,
+            const MovieOptions& options = {});
+  ~PickMovie();
+
+  // Returns the bytes of a GIF.
+  std::string Gif(const PickMotion& motion);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 // Records the picks of a trial and writes attempt_NN_pick.glb and attempt_NN_pick.gif for each.
 class PickAnimation : public TrialObserver {
  public:
   // `attempt`: number of the only attempt to write, -1 = all with a grasp.
-  PickAnimation(const std::filesystem::path& folder, int attempt)
-      : folder_(folder), only_(attempt) {}
+  PickAnimation(const std::filesystem::path& folder, int attempt);
+  ~PickAnimation() override;
 
   void OnStage(TrialStage stage, const AttemptState& attempt) override;
   MotionListener ListenToMotion() override;
@@ -62,6 +75,7 @@ class PickAnimation : public TrialObserver {
   int written_ = 0;
   bool wanted_ = false;  // the present attempt is to be written
   PickMotion motion_;
+  std::unique_ptr<PickMovie> movie_;  // made at the first pick
 };
 
 }  // namespace pickbed::eval

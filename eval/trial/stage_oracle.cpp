@@ -23,9 +23,9 @@ constexpr std::array<OracleRow, 6> kRows{{
      kAll},
 }};
 
-class Feed {
+class TruthSubstitution {
  public:
-  Feed(std::vector<PoseHypothesis> estimated, const InstanceMatcher& visible)
+  TruthSubstitution(std::vector<PoseHypothesis> estimated, const InstanceMatcher& visible)
       : estimated_(std::move(estimated)), visible_(visible), instances_(visible.instances()) {
     Sort();
   }
@@ -124,11 +124,11 @@ const OracleRow& OracleNamed(const std::string& name) {
 std::vector<PoseHypothesis> SubstituteTruth(std::vector<PoseHypothesis> estimated,
                                             const InstanceMatcher& visible,
                                             const OracleStages& truth) {
-  Feed feed(std::move(estimated), visible);
-  if (truth.detection) feed.Detection();
-  if (truth.pose) feed.Poses();
-  if (truth.refinement) feed.Refinement();
-  return feed.Take();
+  TruthSubstitution substitution(std::move(estimated), visible);
+  if (truth.detection) substitution.Detection();
+  if (truth.pose) substitution.Poses();
+  if (truth.refinement) substitution.Refinement();
+  return substitution.Take();
 }
 
 struct OracleRefiner::Impl {

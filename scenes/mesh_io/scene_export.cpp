@@ -16,6 +16,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "scenes/image/srgb.h"
+
 namespace pickbed::scenes {
 namespace {
 
@@ -29,13 +31,8 @@ aiMatrix4x4 ToAssimp(const Pose& X) {
           m(2, 0), m(2, 1), m(2, 2), m(2, 3), 0,       0,       0,       1};
 }
 
-// sRGB to linear, IEC 61966-2-1.
-float LinearOf(float srgb) {
-  return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f);
-}
-
 aiColor4D LinearOf(const Eigen::Vector3f& rgb, float alpha) {
-  return {LinearOf(rgb.x()), LinearOf(rgb.y()), LinearOf(rgb.z()), alpha};
+  return {LinearOfSrgb(rgb.x()), LinearOfSrgb(rgb.y()), LinearOfSrgb(rgb.z()), alpha};
 }
 
 std::unique_ptr<aiMaterial> MakeMaterial(const Eigen::Vector4f& rgba, const aiString& name) {

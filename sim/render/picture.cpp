@@ -7,6 +7,7 @@
 
 #include "scenes/base/parallel.h"
 #include "scenes/base/random.h"
+#include "scenes/image/srgb.h"
 
 namespace pickbed::sim {
 namespace {
@@ -34,7 +35,7 @@ const std::array<Vector3f, 6> kPlastics{
     Vector3f{0.030f, 0.26f, 0.13f},  Vector3f{0.74f, 0.70f, 0.60f},
     Vector3f{0.42f, 0.022f, 0.020f}, Vector3f{0.74f, 0.44f, 0.025f}};
 
-float Linear(uint8_t value) { return std::pow(value / 255.0f, 2.2f); }
+float Linear(uint8_t value) { return LinearOfSrgb(value / 255.0f); }
 
 // Brightness of the surroundings in a direction: a bright ceiling with a large lamp, grey walls and
 // a dark floor.
@@ -80,7 +81,7 @@ Vector3f Shade(const Surface& s) {
 
 uint8_t Displayed(float linear) {
   const float shown = 1 - std::exp(-1.55f * std::max(0.0f, linear));
-  return static_cast<uint8_t>(std::lround(255 * std::pow(shown, 1 / 2.2f)));
+  return static_cast<uint8_t>(std::lround(255 * SrgbOfLinear(shown)));
 }
 
 // Directions in the half space z > 0 with lengths in 0..1, more of them short.

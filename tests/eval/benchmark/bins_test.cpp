@@ -38,6 +38,11 @@ std::vector<BinScenario> HandWorked() {
   return scenarios;
 }
 
+TEST(BinTable, NoScenariosGiveOnlyTheHeader) {
+  const std::string csv = BinTableCsv({});
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1);
+}
+
 TEST(BinTable, StatisticsEqualHandComputedValues) {
   const std::string csv = BinTableCsv(HandWorked());
   EXPECT_THAT(csv, HasSubstr("all,\"doumanoglou\",4,4,28,40,0.5000,0.6000,0.5000,100.0"));
