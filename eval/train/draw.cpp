@@ -1,6 +1,5 @@
 #include "eval/train/draw.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include "eval/draw/overlay.h"
 #include "eval/draw/plot.h"
 #include "perception/features/patch.h"
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::eval {
 namespace {
@@ -125,9 +125,10 @@ Image<Rgb8> DrawAnswers(const std::vector<HeldOutAnswer>& answers, const HeldOut
 
 Eigen::MatrixX2f PrincipalCoordinates(const Eigen::MatrixXf& rows) {
   const Eigen::MatrixXf centred = rows.rowwise() - rows.colwise().mean();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> solver(centred.transpose() * centred);
+  const Eigen::MatrixXd scatter = (centred.transpose() * centred).cast<double>();
+  const Eigen::MatrixXf axes = EigenOfSymmetric(scatter).vectors.cast<float>();
   // Eigenvalues are in ascending order.
-  return centred * solver.eigenvectors().rightCols<2>().rowwise().reverse();
+  return centred * axes.rightCols<2>().rowwise().reverse();
 }
 
 Image<Rgb8> DrawEmbedding(const std::vector<HeldOutAnswer>& answers, const ObjectSet& objects,

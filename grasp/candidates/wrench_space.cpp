@@ -1,6 +1,5 @@
 #include "grasp/candidates/wrench_space.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,8 @@
 #include <numbers>
 #include <queue>
 #include <vector>
+
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::grasp {
 namespace {
@@ -64,7 +65,7 @@ class Corral {
     for (int i = 1; i < n; ++i) edges.col(i - 1) = points_[i] - points_[0];
     Eigen::VectorXd weights(n);
     if (n > 1) {
-      weights.tail(n - 1) = edges.completeOrthogonalDecomposition().solve(-points_[0]);
+      weights.tail(n - 1) = MinimumNormSolution(edges, -points_[0]);
     }
     weights[0] = 1 - weights.tail(n - 1).sum();
     return weights;

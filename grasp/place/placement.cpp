@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "grasp/place/hand_motion.h"
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::grasp {
 namespace {
@@ -95,8 +96,7 @@ Laying BestLaying(std::span<const RestingDirection> ways, std::span<const Vector
   const Pose X_OG = X_WO.inverse() * X_WG;
   Laying best;
   for (const RestingDirection& way : ways) {
-    const AngleAxisd turn(
-        Eigen::Quaterniond::FromTwoVectors(X_WO.linear() * way.up_O, Vector3d::UnitZ()));
+    const AngleAxisd turn(RotationBetween(X_WO.linear() * way.up_O, Vector3d::UnitZ()));
     const Eigen::Matrix3d R_WO_flat = turn * X_WO.linear();
     const double upright = TiltFactor(R_WO_flat * X_OG.linear().col(2), options);
     for (int step = 0; step < options.tip_steps; ++step) {
@@ -195,8 +195,7 @@ std::vector<double> SetDownWorths(const ObjectModel& model, std::span<const Pose
   double maximum = 0;
   for (const RestingDirection& way : WaysToRest(model)) {
     maximum = std::max(maximum, way.probability);
-    const Eigen::Matrix3d R_WO =
-        Eigen::Quaterniond::FromTwoVectors(way.up_O, Vector3d::UnitZ()).toRotationMatrix();
+    const Eigen::Matrix3d R_WO = RotationBetween(way.up_O, Vector3d::UnitZ()).toRotationMatrix();
     for (size_t i = 0; i < X_OG.size(); ++i) {
       const double upright = way.probability * TiltFactor(R_WO * X_OG[i].linear().col(2), options);
       if (upright <= worths[i]) continue;

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/math.h"
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::grasp {
 namespace {
@@ -86,7 +86,7 @@ Terms Fit(const DesignRows& rows, double ridge, const ToleranceFitOptions& optio
     const Eigen::VectorXd variance = p.array() * (1 - p.array());
     Eigen::MatrixXd hessian = rows.terms.transpose() * variance.asDiagonal() * rows.terms;
     hessian.diagonal() += penalty;
-    Terms change = hessian.ldlt().solve(gradient);
+    Terms change = SolveSymmetric(hessian, gradient);
     const double before = value(w);
     while (value(w + change) < before && change.cwiseAbs().maxCoeff() > options.converged) {
       change *= 0.5;

@@ -1,6 +1,5 @@
 #include "perception/cloud/background_fit.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -9,6 +8,7 @@
 #include <optional>
 
 #include "scenes/base/random.h"
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::perception {
 namespace {
@@ -49,8 +49,9 @@ BackgroundPlane LeastSquares(const Points& points, const BackgroundPlane& start,
   }
   if (n < 3) return start;
   const Eigen::Vector3d mean = sum / n;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moment / n - mean * mean.transpose());
-  return TowardsCamera(solver.eigenvectors().col(0).cast<float>(), mean.cast<float>());
+  const Eigen::Matrix3d covariance = moment / n - mean * mean.transpose();
+  const Eigen::Vector3d normal_C = EigenOfSymmetric3(covariance).vectors.col(0);
+  return TowardsCamera(normal_C.cast<float>(), mean.cast<float>());
 }
 
 // Range between the 5 % and 95 % quantiles.

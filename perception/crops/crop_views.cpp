@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "scenes/geometry/decompositions.h"
+
 namespace pickbed::perception {
 namespace {
 
@@ -98,7 +100,7 @@ Eigen::Matrix3d RotationOfView(const Eigen::Vector3d& direction_O, double in_pla
   const Eigen::Matrix3d R_OC_pole =
       Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix();
   const Eigen::Matrix3d arc =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), direction_O).toRotationMatrix();
+      RotationBetween(Eigen::Vector3d::UnitZ(), direction_O).toRotationMatrix();
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(in_plane_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   return (arc * R_OC_pole * turn).transpose();

@@ -1,10 +1,11 @@
 #include "perception/model/ambiguous_poses.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::perception {
 namespace {
@@ -38,7 +39,7 @@ Eigen::Matrix3d PrincipalAxes(const ModelPoints& points) {
     const Eigen::Vector3d q = (p - mean).cast<double>();
     covariance += q * q.transpose();
   }
-  Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
+  Eigen::Matrix3d axes = EigenOfSymmetric3(covariance).vectors;
   if (axes.determinant() < 0) axes.col(2) *= -1;
   return axes;
 }

@@ -1,9 +1,10 @@
 #include "perception/model/pose_distance.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::perception {
 namespace {
@@ -74,7 +75,7 @@ double PoseEmbedding::Leverage(const Eigen::Vector3d& p_O) const {
   const Eigen::Matrix<double, 4, 8> points = keypoints_O_.colwise().homogeneous();
   const Eigen::Matrix4d moments = points * points.transpose() / 8;
   const Eigen::Vector4d p = p_O.homogeneous();
-  return std::sqrt(p.dot(moments.completeOrthogonalDecomposition().solve(p)));
+  return std::sqrt(p.dot(MinimumNormSolution(moments, p)));
 }
 
 RotationDistance::RotationDistance(const SymmetrySet& symmetries_O)

@@ -1,7 +1,8 @@
 // Convolutional network: the trunk and a full layer to D values of unit norm, 80 k weights. It is
 // trained with the descriptor losses of losses.h.
 
-#include <torch/nn.h>
+#include <torch/nn/modules/linear.h>
+#include <torch/types.h>
 
 #include "perception/networks/patch_network.h"
 #include "perception/networks/training_tensors.h"

@@ -12,7 +12,9 @@
 
 #include "perception/networks/doumanoglou.h"
 
-#include <torch/nn.h>
+#include <torch/nn/functional/loss.h>
+#include <torch/nn/modules/linear.h>
+#include <torch/types.h>
 
 #include <cmath>
 

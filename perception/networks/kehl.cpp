@@ -7,7 +7,9 @@
 
 #include "perception/networks/kehl.h"
 
-#include <torch/nn.h>
+#include <torch/nn/modules/conv.h>
+#include <torch/nn/modules/linear.h>
+#include <torch/types.h>
 
 #include "perception/networks/patch_network.h"
 #include "perception/networks/training_tensors.h"

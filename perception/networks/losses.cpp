@@ -1,6 +1,6 @@
 #include "perception/networks/losses.h"
 
-#include <torch/torch.h>
+#include <torch/types.h>
 
 #include <algorithm>
 

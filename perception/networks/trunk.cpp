@@ -1,5 +1,7 @@
 #include "perception/networks/trunk.h"
 
+#include <torch/nn/functional/normalization.h>
+
 namespace pickbed::perception {
 
 PatchTrunk::PatchTrunk() {

@@ -4,7 +4,9 @@
 // - pool - full 128. It is similar to the network of Wohlhart and Lepetit, CVPR 2015, but smaller.
 // The methods share it, so they differ in their training and not in their capacity.
 
-#include <torch/nn.h>
+#include <torch/nn/modules/conv.h>
+#include <torch/nn/modules/linear.h>
+#include <torch/types.h>
 
 #include "perception/features/patch.h"
 

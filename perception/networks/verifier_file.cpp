@@ -1,7 +1,8 @@
 #include "perception/networks/verifier_file.h"
 
 #include <fmt/format.h>
-#include <torch/torch.h>
+#include <torch/serialize/archive.h>
+#include <torch/types.h>
 
 #include <sstream>
 

@@ -3,7 +3,10 @@
 // Layers and input tensor of the network of perception/networks/wohlhart.h. The network and its
 // training share them.
 
-#include <torch/torch.h>
+#include <torch/nn/modules/conv.h>
+#include <torch/nn/modules/linear.h>
+#include <torch/types.h>
+#include <torch/utils.h>
 
 #include "perception/networks/torch_runtime.h"
 #include "perception/networks/wohlhart.h"

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/geometry/decompositions.h"
+
 namespace pickbed::perception {
 namespace {
 
@@ -27,8 +29,7 @@ struct PositiveView {
 Pose PositivePose(const ObjectModel& model, const Pose& X_CO, double turn_rad, Rng& rng) {
   const Eigen::Vector3d center_O = MeshBounds(model.mesh_O).center();
   const Eigen::Vector3d center_C = X_CO * center_O;
-  const Eigen::Quaterniond to_axis =
-      Eigen::Quaterniond::FromTwoVectors(center_C, Eigen::Vector3d::UnitZ());
+  const Eigen::Quaterniond to_axis = RotationBetween(center_C, Eigen::Vector3d::UnitZ());
   const Eigen::AngleAxisd turn(turn_rad * rng.Normal(), rng.UnitVector());
   return Translation({0, 0, center_C.norm()}) *
          MakePose((turn * to_axis * Eigen::Quaterniond(X_CO.linear())).toRotationMatrix(),

@@ -1,7 +1,9 @@
 #include "perception/training/wohlhart_training.h"
 
 #include <fmt/format.h>
-#include <torch/torch.h>
+#include <torch/autograd.h>
+#include <torch/optim/adam.h>
+#include <torch/types.h>
 
 #include <algorithm>
 #include <array>
@@ -18,7 +20,7 @@
 namespace pickbed::perception {
 namespace {
 
-constexpr size_t kChunk = 64;  // anchors looked up in one call
+constexpr size_t kLookupChunk = 64;  // anchors looked up in one call
 constexpr int kHalves = 2;     // pieces of a batch, processed in parallel
 
 // Hash of everything in the crops that the training uses.
@@ -151,8 +153,8 @@ std::vector<CropAnchor> WohlhartTrainer::MineRound(int round) const {
   std::vector<float> crop_rows = network_->Describe(crops, job_.threads);
   const at::Tensor all = as_tensor(template_rows);
   const int64_t neighbors = std::min<int64_t>(kNeighbors, all.size(0));
-  for (size_t begin = 0; begin < anchors.size(); begin += kChunk) {
-    const size_t end = std::min(anchors.size(), begin + kChunk);
+  for (size_t begin = 0; begin < anchors.size(); begin += kLookupChunk) {
+    const size_t end = std::min(anchors.size(), begin + kLookupChunk);
     const at::Tensor nearest =
         std::get<1>(
             torch::cdist(as_tensor(crop_rows).slice(0, begin, end), all).topk(neighbors, 1, false))

@@ -1,11 +1,12 @@
 #include "perception/voting/vote_modes.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <stdexcept>
+
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::perception {
 namespace {
@@ -189,8 +190,7 @@ Eigen::Quaterniond MeanRotation(std::span<const Eigen::Quaterniond> rotations,
   for (size_t i = 0; i < rotations.size(); ++i) {
     sum += weights[i] * rotations[i].coeffs() * rotations[i].coeffs().transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(sum);
-  return Eigen::Quaterniond(Eigen::Vector4d(solver.eigenvectors().col(3)));
+  return Eigen::Quaterniond(Eigen::Vector4d(EigenOfSymmetric(sum).vectors.col(3)));
 }
 
 std::vector<VoteMode> FindVoteModes(const ObjectModel& model, const ObjectRotations& rotations,

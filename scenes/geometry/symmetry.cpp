@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "scenes/base/error.h"
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -82,7 +83,7 @@ Pose TurnAbout(const ContinuousSymmetry& axis, double angle_rad) {
 
 Eigen::Vector3d PointOnAxis(const Pose& X) {
   const Eigen::Matrix3d moved = Eigen::Matrix3d::Identity() - X.linear();
-  return moved.completeOrthogonalDecomposition().solve(X.translation());
+  return MinimumNormSolution(moved, X.translation());
 }
 
 const ContinuousSymmetry* SecondAxis(const SymmetrySet& symmetries) {

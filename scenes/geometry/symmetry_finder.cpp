@@ -1,6 +1,5 @@
 #include "scenes/geometry/symmetry_finder.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <optional>
 
 #include "scenes/base/math.h"
+#include "scenes/geometry/decompositions.h"
 #include "scenes/geometry/mesh_query.h"
 
 namespace pickbed::scenes {
@@ -82,9 +82,9 @@ Finder::Finder(const TriangleMesh& mesh, const SymmetryOptions& options)
   }
   centroid_ /= area;
   second = second / area - centroid_ * centroid_.transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(second);
-  moments_ = solver.eigenvalues();
-  principal_ = solver.eigenvectors();
+  const SymmetricEigen3 principal = EigenOfSymmetric3(second);
+  moments_ = principal.values;
+  principal_ = principal.vectors;
   Rng rng(0);
   points_ = SampleSurface(mesh, options.samples, rng).points;
 }
@@ -143,7 +143,7 @@ Pose Finder::FinallyRefined(Pose S, int stride) const {
       A += row * row.transpose();
       b += row * hit.normal.dot(hit.point - p);
     }
-    const Eigen::Matrix<double, 6, 1> x = A.ldlt().solve(b);
+    const Eigen::Matrix<double, 6, 1> x = SolveSymmetric(A, b);
     const double angle = x.head<3>().norm();
     if (!x.allFinite() || angle > 0.2) return S;
     const Vector3d axis = angle > 1e-12 ? Vector3d(x.head<3>() / angle) : Vector3d::UnitX();

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -11,6 +10,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/math.h"
 #include "scenes/base/settings.h"
+#include "scenes/geometry/decompositions.h"
 #include "scenes/mesh_io/mesh_checks.h"
 #include "scenes/mesh_io/mesh_io.h"
 #include "scenes/objects/convex_file.h"
@@ -165,7 +165,7 @@ bool Plausible(const MassProperties& mass, const Bounds& bounds) {
   const Eigen::Matrix3d second = 0.5 * mass.inertia_com_O.trace() * Eigen::Matrix3d::Identity() -
                                  mass.inertia_com_O;  // integral of x x^T: positive definite
   return beyond.maxCoeff() <= 0 && mass.volume_m3 <= (1 + 1e-6) * bounds.size().prod() &&
-         second.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff() > 0;
+         EigenOfSymmetric3(second).values.minCoeff() > 0;
 }
 
 // The sum over tetrahedra is also a good approximation for an open mesh with small holes. If its

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "scenes/base/error.h"
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::sim {
 namespace {
@@ -46,8 +47,7 @@ RotatedObject Upright(const ObjectModel& model, ObjectId object, double yaw_rad)
     maximum = resting.up_O.z();
     up_O = resting.up_O;
   }
-  const Eigen::Matrix3d R_up =
-      Eigen::Quaterniond::FromTwoVectors(up_O, Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d R_up = RotationBetween(up_O, Vector3d::UnitZ()).toRotationMatrix();
   const Eigen::Matrix3d R_WO = Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()) * R_up;
   return {object, R_WO, RotatedBox(model, R_WO)};
 }

@@ -12,6 +12,7 @@
 
 #include "scenes/base/cache_lock.h"
 #include "scenes/base/files.h"
+#include "scenes/geometry/decompositions.h"
 #include "sim/physics/physics_world.h"
 
 namespace pickbed::sim {
@@ -45,7 +46,7 @@ double AngleBetween(const Vector3d& up_O, const Vector3d& reference,
 }
 
 Pose StandingOnPlane(const ObjectModel& model, const Vector3d& up_O) {
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(up_O, Vector3d::UnitZ());
+  const Eigen::Quaterniond turn = RotationBetween(up_O, Vector3d::UnitZ());
   Pose X_WO = MakePose(turn.toRotationMatrix(), Vector3d::Zero());
   X_WO.translation().z() = -LowestPoint(model, X_WO);
   return X_WO;

@@ -1,9 +1,10 @@
 #include "sim/hands/suction_seal.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "scenes/geometry/decompositions.h"
 
 namespace pickbed::sim {
 namespace {
@@ -79,7 +80,7 @@ CupSeal TestSeal(const MeshQuery& mesh_O, const Pose& X_OG, const CupSpec& spec,
   if (too_far) seal.fault = SealFault::kTooFar;
   if (too_far || hits < rays) return seal;
 
-  const Vector3d fit = plane.colPivHouseholderQr().solve(z);
+  const Vector3d fit = MinimumNormSolution(plane, z);
   seal.uneven_m = (z - plane * fit).cwiseAbs().maxCoeff();
   seal.tilt_rad = std::atan(fit.head<2>().norm());
   if (seal.uneven_m > spec.lip_conform_m) {

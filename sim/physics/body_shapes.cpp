@@ -1,8 +1,8 @@
 #include "sim/physics/body_shapes.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "scenes/geometry/decompositions.h"
 #include "sim/physics/bullet_types.h"
 
 namespace pickbed::sim {
@@ -12,10 +12,10 @@ namespace {
 constexpr double kFullMarginDiameter_m = 0.04;
 
 BodyFrame PrincipalFrame(const MassProperties& mass) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(mass.inertia_com_O);
-  Eigen::Matrix3d R_OB = solver.eigenvectors();
+  const SymmetricEigen3 principal = EigenOfSymmetric3(mass.inertia_com_O);
+  Eigen::Matrix3d R_OB = principal.vectors;
   if (R_OB.determinant() < 0) R_OB.col(2) *= -1;
-  return {MakePose(R_OB, mass.com_O), solver.eigenvalues()};
+  return {MakePose(R_OB, mass.com_O), principal.values};
 }
 
 }  // namespace
