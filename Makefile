@@ -46,11 +46,14 @@ test:
 	cmake --build --preset release
 	ctest --preset release -j $$(nproc)
 
-# make docs    build the documentation site: build/docs/site/index.html
+# make docs    build the documentation site and the API reference: build/docs/site/index.html
 docs:
 	-$(call install,docs)
-	@command -v mkdocs >/dev/null || { echo "the package mkdocs is missing; see group docs in packages.txt" >&2; exit 1; }
+	@for program in mkdocs doxygen; do \
+	  command -v $$program >/dev/null || { echo "the package $$program is missing; see group docs in packages.txt" >&2; exit 1; }; \
+	done
 	mkdocs build --strict --quiet -f docs/mkdocs.yml
+	doxygen docs/doxygen/Doxyfile
 
 # make format  format the sources with clang-format
 format:
@@ -60,10 +63,12 @@ format:
 parts: build
 	$(PARTS) assets/objects
 
-# make install PREFIX=/usr/local   install program, assets and presets
+# make install PREFIX=/usr/local   install program, assets, presets, C++ libraries and their headers
 PREFIX ?= /usr/local
 install: build
-	cmake --install build/release --prefix $(PREFIX)
+	cmake build/release -DCMAKE_INSTALL_PREFIX=$(abspath $(PREFIX))
+	cmake --build --preset release
+	cmake --install build/release
 
 clean:
 	rm -rf build results

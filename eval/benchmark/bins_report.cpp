@@ -67,7 +67,9 @@ std::vector<const BinRow*> RowsOf(const std::vector<BinScenario>& scenarios,
 std::string Rate(const std::vector<Cluster>& clusters) {
   const ReportRate rate = ClusterRate(clusters);
   if (rate.samples == 0) return "-";
-  return fmt::format("{} {}", PercentNumber(rate.rate()), IntervalText(rate.ci95));
+  return rate.ci95.is_known()
+             ? fmt::format("{} {}", PercentNumber(rate.rate()), IntervalText(rate.ci95))
+             : PercentNumber(rate.rate());
 }
 
 std::string BandName(const RecallBand& band) {
@@ -156,9 +158,9 @@ std::string SiameseGain(const std::vector<BinScenario>& scenarios) {
   const Interval interval = PairedInterval(without.recalls, with.recalls);
   const double gain = RateOf(with.recalls) - RateOf(without.recalls);
   return fmt::format(
-      "The siamese term raises the recall of regression by {} percentage points, 95 % interval "
-      "[{}, {}] over {} bins.",
-      PointsText(gain), PointsText(interval.low), PointsText(interval.high), with.recalls.size());
+      "The siamese term raises the recall of regression by {} percentage points over {} "
+      "bins.",
+      PointsText(gain, interval), with.recalls.size());
 }
 
 int BinsOf(const std::vector<BinScenario>& scenarios) {

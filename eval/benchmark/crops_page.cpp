@@ -2,6 +2,7 @@
 
 #include "eval/benchmark/crops_report.h"
 #include "eval/page/vega.h"
+#include "eval/stats/median_error.h"
 
 namespace pickbed::eval {
 namespace {
@@ -66,14 +67,12 @@ TableCells StatisticsTable(const CropBenchmark& benchmark, int condition) {
     row.condition = condition;
     const CropStatistics f = StatisticsOf(benchmark, row);
     const auto percent = [](const std::vector<Cluster>& c) { return PercentText(RateOf(c)); };
-    const Interval median = MedianInterval(f.angles_deg);
+    const ErrorMedian median{MedianOf(f.angles_deg), MedianInterval(f.angles_deg)};
     cells.push_back(
         {row.method, CropStageName(row.stage),
          row.stage == CropStage::kIcpOnly ? "given" : RateText(ClusterRate(f.object_right)),
          percent(f.within[0]), RateText(ClusterRate(f.within[1])), percent(f.within[2]),
-         percent(f.within[3]),
-         fmt::format("{:.2f} [{:.2f}, {:.2f}]", MedianOf(f.angles_deg), median.low, median.high),
-         percent(f.over_15_deg)});
+         percent(f.within[3]), MedianText(median, 2), percent(f.over_15_deg)});
   }
   return cells;
 }

@@ -9,8 +9,9 @@ namespace {
 
 // A rate and its interval as CSV columns: share,low,high.
 std::string RateCsv(const std::vector<Cluster>& clusters) {
-  const Interval interval = ClusterInterval(clusters);
-  return fmt::format(",{:.4f},{:.4f},{:.4f}", RateOf(clusters), interval.low, interval.high);
+  constexpr int kDecimals = 4;
+  return fmt::format(",{:.4f},{}", RateOf(clusters),
+                     IntervalCells(ClusterInterval(clusters), kDecimals));
 }
 
 std::string NameOf(const CropCell& cell) {
@@ -128,10 +129,10 @@ std::string CropTableCsv(const CropBenchmark& benchmark, const ObjectSet& object
                            object < 0 ? "all" : objects[object]->name, f.tests());
         csv += RateCsv(f.object_right);
         for (const std::vector<Cluster>& within : f.within) csv += RateCsv(within);
-        const Interval median = MedianInterval(f.angles_deg);
-        csv +=
-            RateCsv(f.over_15_deg) +
-            fmt::format(",{:.3f},{:.3f},{:.3f}\n", MedianOf(f.angles_deg), median.low, median.high);
+        constexpr int kDecimals = 3;
+        csv += RateCsv(f.over_15_deg) +
+               fmt::format(",{:.3f},{}\n", MedianOf(f.angles_deg),
+                           IntervalCells(MedianInterval(f.angles_deg), kDecimals));
       }
     }
   }
@@ -177,9 +178,10 @@ std::string CropDifferencesCsv(const CropBenchmark& benchmark) {
         const CropStatistics ours = StatisticsOf(benchmark, cell),
                              theirs = StatisticsOf(benchmark, other);
         const auto line = [&](const char* statistic, const Difference& d) {
-          csv += fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.4f}\n", cell.method, other.method,
+          constexpr int kDecimals = 4;
+          csv += fmt::format("{},{},{},{},{},{:.4f},{}\n", cell.method, other.method,
                              CropStageName(cell.stage), CropConditionTable()[condition].name,
-                             statistic, d.by, d.ci95.low, d.ci95.high);
+                             statistic, d.by, IntervalCells(d.ci95, kDecimals));
         };
         line("object_right", DifferenceOf(ours.object_right, theirs.object_right));
         line("within_10", DifferenceOf(ours.within[kTenDegrees], theirs.within[kTenDegrees]));

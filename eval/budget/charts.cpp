@@ -39,13 +39,18 @@ std::vector<Bar> BarsOf(const Waterfall& waterfall) {
   for (const WaterfallStep& step : waterfall.steps) {
     const double before = left / total;
     left -= step.count;
-    bars.push_back({step.group + ": " + step.name, step.group, left / total, before,
-                    std::max(0.0, before - step.ci95.high), before - step.ci95.low,
+    const double end = left / total;
+    const Interval line = step.ci95.is_known() ? Interval{std::max(0.0, before - step.ci95.high),
+                                                          before - step.ci95.low}
+                                               : Interval{end, end};
+    bars.push_back({step.group + ": " + step.name, step.group, end, before, line.low, line.high,
                     StepText(step.count, waterfall.total)});
   }
   const WaterfallStep& picked = waterfall.left;
-  bars.push_back({picked.name, "left", 0, picked.count / total, picked.ci95.low, picked.ci95.high,
-                  StepText(picked.count, waterfall.total)});
+  const double end = picked.count / total;
+  const Interval line = picked.ci95.is_known() ? picked.ci95 : Interval{end, end};
+  bars.push_back(
+      {picked.name, "left", 0, end, line.low, line.high, StepText(picked.count, waterfall.total)});
   return bars;
 }
 
@@ -82,6 +87,7 @@ ReportChart WaterfallChart(const std::string& id, const Waterfall& waterfall) {
                     "Each bar begins where the one above it ends. Lines: 95 % intervals of the "
                     "bar's end, over bins.",
                     ""};
+  if (!waterfall.left.ci95.is_known()) SayTooFewBins(chart.caption);
   chart.table = {{"", "stage", "number", "share [95 %]"},
                  {waterfall.all, "", std::to_string(waterfall.total), ""}};
   const auto add = [&](const WaterfallStep& step) {
@@ -128,22 +134,26 @@ ReportChart GainsChart(const std::string& id, const GainRows& gains) {
   chart.table = {{"", gains.first + " [95 %]", gains.second + " [95 %]"}};
   Json values = Json::array();
   std::vector<std::string> names;
+  bool few = false;
   for (const GainRow& row : gains.rows) {
     names.push_back(row.name);
     std::vector<std::string>& cells = chart.table.emplace_back(std::vector{row.name});
     const auto add = [&](const Gain& gain, const std::string& series) {
       cells.push_back(GainText(gain));
+      const bool known = gain.rise.is_known();
+      few = few || !known;
       values.push_back({{"name", row.name},
                         {"series", series},
                         {"gain", gain.points()},
-                        {"low", 100 * gain.rise.low},
-                        {"high", 100 * gain.rise.high},
+                        {"low", known ? 100 * gain.rise.low : gain.points()},
+                        {"high", known ? 100 * gain.rise.high : gain.points()},
                         {"text", cells.back()}});
     };
     add(row.first, gains.first);
     add(row.second, gains.second);
   }
   if (values.empty()) return chart;
+  if (few) SayTooFewBins(chart.caption);
   const std::vector<std::string> series{gains.first, gains.second};
   Json x = Field("gain", "quantitative", "gain, percentage points");
   x["axis"] = {{"tickCount", 8}};

@@ -57,8 +57,9 @@ void DrawBar(Canvas& canvas, const PlotAxis& axis, int line, const std::string& 
 }
 
 std::string ShareText(const WaterfallStep& step, int total) {
-  return fmt::format("{} = {}  {}", step.count, PercentText(step.count, std::max(1, total)),
-                     IntervalText(step.ci95));
+  const std::string share = PercentText(step.count, std::max(1, total));
+  if (!step.ci95.is_known()) return fmt::format("{} = {}", step.count, share);
+  return fmt::format("{} = {}  {}", step.count, share, IntervalText(step.ci95));
 }
 
 std::vector<LegendEntry> StagesOf(const std::vector<WaterfallStep>& steps) {
@@ -76,8 +77,9 @@ std::pair<double, double> RangeOf(const GainRows& gains) {
   double low = 0, high = 1;
   for (const GainRow& row : gains.rows) {
     for (const Gain& gain : {row.first, row.second}) {
-      low = std::min(low, 100 * gain.rise.low);
-      high = std::max(high, 100 * gain.rise.high);
+      const bool known = gain.rise.is_known();
+      low = std::min(low, known ? 100 * gain.rise.low : gain.points());
+      high = std::max(high, known ? 100 * gain.rise.high : gain.points());
     }
   }
   const double margin = 0.05 * (high - low);
@@ -86,12 +88,13 @@ std::pair<double, double> RangeOf(const GainRows& gains) {
 
 void DrawGain(Canvas& canvas, const PlotAxis& axis, const Gain& gain, double y, Rgb8 color) {
   constexpr double kCap_px = 4;
+  canvas.Dot({axis.At(gain.points()), y}, 5, color);
+  if (!gain.rise.is_known()) return;
   const double low = axis.At(100 * gain.rise.low), high = axis.At(100 * gain.rise.high);
   canvas.Line({low, y}, {high, y}, color, 2);
   for (const double end : {low, high}) {
     canvas.Line({end, y - kCap_px}, {end, y + kCap_px}, color, 2);
   }
-  canvas.Dot({axis.At(gain.points()), y}, 5, color);
 }
 
 }  // namespace
@@ -103,7 +106,9 @@ Image<Rgb8> DrawWaterfall(const Waterfall& waterfall) {
   canvas.Text(waterfall.title, 16, 26, kInk, kTitle);
   const PlotAxis axis(0, 100, kNames_px, kWidth - kRight_px);
   DrawXAxis(canvas, axis, kTop_px - 6, bottom_px,
-            fmt::format("% of {}; brackets: 95 % over bins", waterfall.whole));
+            fmt::format("% of {}; {}", waterfall.whole,
+                        waterfall.left.ci95.is_known() ? "brackets: 95 % over bins"
+                                                       : "too few bins for an interval"));
   const double percent = 100.0 / std::max(1, waterfall.total);
   DrawBar(canvas, axis, 0, waterfall.all, kAll, 0, 100, fmt::format("{}", waterfall.total));
   int left = waterfall.total;

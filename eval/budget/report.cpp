@@ -5,9 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/budget/draw.h"
+#include "eval/metrics/interval_json.h"
 #include "eval/stats/statistics.h"
 #include "eval/summary/failure_budget.h"
 #include "eval/tolerance/report.h"
+#include "eval/trial/counts_by_bin.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 
@@ -21,7 +23,8 @@ std::string ShareText(int count, int of) {
 }
 
 std::string ShareText(int count, int of, const Interval& ci95) {
-  return fmt::format("{} {}", ShareText(count, of), IntervalText(ci95));
+  return ci95.is_known() ? fmt::format("{} {}", ShareText(count, of), IntervalText(ci95))
+                         : ShareText(count, of);
 }
 
 // Header, then one line per reason. Shares are relative to what was asked for.
@@ -84,14 +87,13 @@ nlohmann::ordered_json BudgetObject(const BudgetShares& shares) {
   json["not_asked"] = budget.not_asked;
   json["asked"] = budget.asked();
   json["picked"] = budget.picked;
-  json["picked_ci95"] = {shares.picked.low, shares.picked.high};
+  AddInterval(json, "picked_ci95", shares.picked);
   json["failures"] = nlohmann::ordered_json::object();
-  json["failures_ci95"] = nlohmann::ordered_json::object();
+  auto& intervals = json["failures_ci95"] = nlohmann::ordered_json::object();
   for (const FailureRow& row : FailureTable()) {
     if (row.failure == FailureReason::kNone) continue;
-    const Interval& ci95 = shares[row.failure];
     json["failures"][std::string(row.name)] = budget[row.failure];
-    json["failures_ci95"][std::string(row.name)] = {ci95.low, ci95.high};
+    AddInterval(intervals, std::string(row.name), shares[row.failure]);
   }
   return json;
 }
@@ -101,7 +103,7 @@ nlohmann::ordered_json GainObject(const Gain& gain) {
   json["before"] = gain.before;
   json["after"] = gain.after;
   json["gain"] = gain.after - gain.before;
-  json["gain_ci95"] = {gain.rise.low, gain.rise.high};
+  AddInterval(json, "gain_ci95", gain.rise);
   return json;
 }
 
@@ -117,8 +119,9 @@ std::string CsvOf(const std::string& name, const std::vector<TrialResult>& trial
   const BudgetShares attempts = SharesOfAttempts(trials), instances = SharesOfInstances(trials);
   const FailureBudget &attempt_budget = attempts.budget, &instance_budget = instances.budget;
   const auto intervals = [](const Interval& of_attempts, const Interval& of_instances) {
-    return fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}", of_attempts.low, of_attempts.high,
-                       of_instances.low, of_instances.high);
+    constexpr int kDecimals = 4;
+    return fmt::format("{},{}", IntervalCells(of_attempts, kDecimals),
+                       IntervalCells(of_instances, kDecimals));
   };
   std::string csv =
       fmt::format("{},,all,{},{},,,,\n", name, attempt_budget.total, instance_budget.total);
@@ -181,6 +184,23 @@ std::string AskedText(const BudgetRuns& runs) {
       instance_budget.total, instance_budget.asked());
 }
 
+// Says what the shares are of, and how they differ from the success rate of `pickbed run`.
+std::string AttemptsText(const BudgetRuns& runs) {
+  const FailureBudget budget = BudgetOfAttempts(runs.as_run);
+  const Cluster executed = SumOf(CountByScene(runs.as_run, SuccessOfAttempts()));
+  std::string text = fmt::format(
+      "An attempt is one image and the pick that follows, also if no grasp is executed. `run` "
+      "gives its success rate over the executed grasps: {} of {}; here it is {} of {} attempts.",
+      executed.hits, executed.samples, budget.picked, budget.asked());
+  if (budget.Of(Stage::kApproach) > 0) {
+    text +=
+        " Failures of the stage approach include collisions that a pose error caused; the gain "
+        "with "
+        "ground truth for the pose shows how many.";
+  }
+  return text;
+}
+
 void AddGains(const BudgetRuns& runs, HtmlPage& page) {
   page.Heading("Gain if a stage is replaced by ground truth");
   page.Paragraph(
@@ -215,8 +235,9 @@ HtmlPage PageOf(const std::string& name, const BudgetRuns& runs) {
       "{} bins. An attempt is one image of a bin with instances in it: it picks an instance, or "
       "fails for one reason. An instance is one dropped object: it is picked, or fails for one "
       "reason, or was not requested. Each budget sums to its total. {} Brackets are 95 % intervals "
-      "over bins. {}",
-      runs.as_run.size(), AskedText(runs), FewBinsText(static_cast<int>(runs.as_run.size()))));
+      "over bins. {} {}",
+      runs.as_run.size(), AskedText(runs), AttemptsText(runs),
+      FewBinsText(static_cast<int>(runs.as_run.size()))));
   page.Table(FailureCells(runs));
   page.Chart(WaterfallChart("attempts", AttemptsWaterfall(runs)));
   page.Chart(WaterfallChart("instances", InstancesWaterfall(runs)));
@@ -228,8 +249,9 @@ HtmlPage PageOf(const std::string& name, const BudgetRuns& runs) {
 }  // namespace
 
 std::string BudgetTable(const BudgetRuns& runs) {
-  std::string text = fmt::format("Failed picks by reason, {} bins [95 % over bins]\n{}",
-                                 runs.as_run.size(), Aligned(FailureCells(runs)));
+  std::string text =
+      fmt::format("Failed picks by reason, {} bins [95 % over bins]\n{}  {}\n", runs.as_run.size(),
+                  Aligned(FailureCells(runs)), AttemptsText(runs));
   if (!runs.reruns.empty()) {
     text += "Gain if a stage is replaced by ground truth, percentage points [95 % over bins]\n" +
             Aligned(GainCells(runs));
@@ -267,10 +289,13 @@ ResultColumns BudgetKeys() {
     AddColumns({{at + "all", "number of " + group},
                 {at + "not_asked", "number that was not requested"},
                 {at + "asked", "number that was requested: picked or failed"},
-                {at + "picked", "number of picks"},
-                {at + "picked_ci95", "95 % interval of picked / asked; bins are the units"},
-                {at + "failures.REASON", "number of failures with this reason"},
-                {at + "failures_ci95.REASON", "95 % interval of failures / asked"}},
+                {at + "picked", "number of picks"}},
+               keys);
+    AddColumns(
+        IntervalKeys(at + "picked_ci95", "95 % interval of picked / asked; bins are the units"),
+        keys);
+    keys.push_back({at + "failures.REASON", "number of failures with this reason"});
+    AddColumns(IntervalKeys(at + "failures_ci95.REASON", "95 % interval of failures / asked"),
                keys);
   }
   for (const std::string group : {"success", "cleared"}) {
@@ -278,9 +303,9 @@ ResultColumns BudgetKeys() {
     const std::string what = group == "success" ? "successful attempts" : "picked instances";
     AddColumns({{at + "before", "share of " + what + " in the run", "0..1"},
                 {at + "after", "share with ground truth for the stage", "0..1"},
-                {at + "gain", "after - before"},
-                {at + "gain_ci95", "95 % interval of gain, paired over bins"}},
+                {at + "gain", "after - before"}},
                keys);
+    AddColumns(IntervalKeys(at + "gain_ci95", "95 % interval of gain, paired over bins"), keys);
   }
   for (ResultColumn key : ForecastKeys()) {
     key.name = "pick_forecasts[]." + key.name;

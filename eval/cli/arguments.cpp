@@ -107,6 +107,9 @@ void AddReportOptions(CLI::App& app, ReportOptions& options, std::string& catalo
   app.add_option("--views", options.views, "maximum number of picks shown in 3D")
       ->check(CLI::Range(0, 20))
       ->capture_default_str();
+  app.add_option("--animations", options.animations, "maximum number of animated picks")
+      ->check(CLI::Range(0, 20))
+      ->capture_default_str();
   app.add_option("--catalog", catalog, "folder with your own objects")->capture_default_str();
 }
 

@@ -54,7 +54,7 @@ bool SayIfUnwritten(const std::string& reason);
 // Adds --lost-pictures, see eval/sweep/sweep.h.
 void AddLostPicturesArgument(CLI::App& app, int& trials);
 
-// Adds --failures, --views and --catalog for a report page.
+// Adds --failures, --views, --animations and --catalog for a report page.
 void AddReportOptions(CLI::App& app, ReportOptions& options, std::string& catalog);
 
 // Returns `out`, or results/<name><suffix> if `out` is empty.

@@ -25,6 +25,9 @@ int CompareCommand(int argc, char** argv) {
       "write the differences to this JSON file: value of each run, difference with 95 % interval, "
       "p value and test, number of scenes, scenes with a different outcome, odds ratio if a scene "
       "has one outcome, and the number of scenes needed for rates");
+  bool all_rows = false;
+  app.add_flag("--all", all_rows,
+               "also print the statistics that are equal in every scene; the page has them anyway");
   AddReportOptions(app, options, catalog);
   app.footer(
       "Example: pickbed compare results/descriptor results/ppf --out ppf.html --json ppf.json");
@@ -37,7 +40,7 @@ int CompareCommand(int argc, char** argv) {
       CompareRuns(std::move(a), std::move(b), OpenCatalog(catalog), options);
   WriteFileAtomically(out, comparison.page);
   if (!json.empty()) WriteFileAtomically(json, ComparisonJson(comparison.configurations));
-  fmt::print("{}comparison in {}\n", ComparisonText(comparison.configurations), out);
+  fmt::print("{}comparison in {}\n", ComparisonText(comparison.configurations, all_rows), out);
   return 0;
 }
 

@@ -2,6 +2,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/draw/bin_view.h"
 #include "eval/export/scene_json.h"
 #include "eval/trial/simulated_cell.h"
 #include "scenes/base/files.h"
@@ -11,9 +12,10 @@ namespace pickbed::eval {
 
 int DropCommand(int argc, char** argv) {
   CLI::App app(
-      fmt::format("Fills one bin, simulates until all objects are at rest, and writes {}, {} and "
-                  "color.png.",
-                  kSceneFile, kCertificateFile),
+      fmt::format("Fills one bin, simulates until all objects are at rest, and writes {}, {}, the "
+                  "image of the camera (color.png) and a picture with materials and shadows for "
+                  "people ({}).",
+                  kSceneFile, kCertificateFile, kPictureFile),
       "pickbed drop");
   ScenarioRequest arguments;
   std::string out;
@@ -34,9 +36,11 @@ int DropCommand(int argc, char** argv) {
   const CertifiedScene made = cell.MakeScene(bin_index);
   WriteFileAtomically(folder / kSceneFile, SceneJson(made.scene, cell.objects()));
   WritePng(folder / "color.png", cell.ColorPicture(made.scene, bin_index));
+  WritePng(folder / kPictureFile,
+           cell.PictureOf(made.scene, BinCamera(cell.camera(), cell.bin())).color);
   WriteFileAtomically(folder / kCertificateFile, CertificateJson(made));
-  fmt::print("{}wrote {}, {} and color.png\n", CertificateText(made),
-             (folder / kSceneFile).string(), kCertificateFile);
+  fmt::print("{}wrote {}, {}, color.png and {}\n", CertificateText(made),
+             (folder / kSceneFile).string(), kCertificateFile, kPictureFile);
   return 0;
 }
 

@@ -97,13 +97,14 @@ int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::st
   std::vector<ComparedRow> rows = EstimateBins(job);
   if (!maps.empty()) AddPickChances(maps, rows);
   WriteFileAtomically(folder / kHypothesesFile, HypothesesCsv(rows, scenario.objects));
+  WriteFileAtomically(folder / kInstancesFile, InstancesCsv(rows, scenario.objects));
   WriteFileAtomically(folder / kComparisonFile, ComparisonCsv(rows, scenario.objects));
   const bool has_page = SayIfUnwritten(WritePage(
       folder / kComparisonPage, ComparisonPage("Poses in bins: " + scenario.name, rows,
                                                scenario.objects, Overlays(folder, start))));
-  fmt::print("{}{}{}, {} and overlays in {}\n", ComparisonTable(rows),
+  fmt::print("{}{}{}, {}, {} and overlays in {}\n", ComparisonTable(rows),
              has_page ? fmt::format("{}, ", kComparisonPage) : "", kComparisonFile, kHypothesesFile,
-             folder.string());
+             kInstancesFile, folder.string());
   if (!Interrupted()) return 0;
   fmt::print(stderr, "pickbed: interrupted after {} of {} bins\n", rows.front().images.size(),
              scenario.spec.trials);

@@ -15,7 +15,7 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr int kMakerVersion = 1;  // increase it when the same mesh gives another object
+constexpr int kMakerVersion = 2;  // increase it when the same mesh gives another object
 
 struct AddArguments {
   ObjectRequest request;
@@ -38,6 +38,23 @@ bool IsMadeAlready(const std::filesystem::path& folder, const std::string& key) 
   if (!std::filesystem::exists(folder / kMadeObjectFile, error)) return false;
   const auto json = nlohmann::json::parse(ReadFileBytes(folder / kMadeObjectFile), nullptr, false);
   return json.is_object() && json.value("key", "") == key;
+}
+
+// Returns what to do with the new object: correct a guessed mass, name it in a scenario, train.
+std::string NextSteps(const AddArguments& arguments, const MadeObject& made) {
+  const std::string& name = arguments.request.name;
+  const std::string catalog =
+      arguments.catalog == AddArguments().catalog ? "" : " --catalog " + arguments.catalog;
+  std::string text;
+  if (made.mass_by_default_density) {
+    text += "set the mass with --mass KG or --density KG_PER_M3, and --replace\n";
+  }
+  return text + fmt::format(
+                    "next: name it in a scenario file {0}.yaml, for example\n"
+                    "  objects: [{{name: {0}, count: 20}}]\n"
+                    "and train an estimator for it:\n"
+                    "  pickbed train --scenario {0}.yaml{1}\n",
+                    name, catalog);
 }
 
 void Add(const AddArguments& arguments) {
@@ -76,8 +93,8 @@ void Add(const AddArguments& arguments) {
                "now get yours\n",
                request.name, arguments.catalog);
   }
-  fmt::print("{}\n{}picture: {}\n", request.name, ObjectText(made),
-             (folder / kObjectSheetFile).string());
+  fmt::print("{}\n{}picture: {}\n{}", request.name, ObjectText(made),
+             (folder / kObjectSheetFile).string(), NextSteps(arguments, made));
 }
 
 }  // namespace
@@ -97,9 +114,9 @@ int ObjectCommand(int argc, char** argv) {
                   "unit of length of the mesh; default: guessed from its size")
       ->check(CLI::IsMember({"m", "cm", "mm", "in"}));
   add->add_option("--catalog", a.catalog, "folder of the catalog")->capture_default_str();
-  add->add_option("--density", request.density_kgpm3, "density, kg/m3")
-      ->check(CLI::Range(1.0, 25000.0))
-      ->capture_default_str();
+  add->add_option("--density", request.density_kgpm3,
+                  fmt::format("density, kg/m3; steel is 7850 [{:g}]", kDefaultDensity_kgpm3))
+      ->check(CLI::Range(1.0, 25000.0));
   add->add_option("--mass", request.mass_kg, "mass, kg; replaces the density")
       ->check(CLI::Range(1e-6, 100.0));
   add->add_option("--friction", request.friction, "friction coefficient against a gripper pad")

@@ -4,6 +4,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/draw/bin_view.h"
 #include "eval/draw/overlay.h"
 #include "eval/export/visibility_csv.h"
 #include "eval/trial/simulated_cell.h"
@@ -17,8 +18,8 @@ int RenderCommand(int argc, char** argv) {
       fmt::format(
           "Fills one bin and writes the camera image: color.png, depth.png (16 bit, 0.1 mm per "
           "unit, 0 = no reading, with sensor noise), ids.png (16 bit, instance + 1), pictures of "
-          "depth and ids, and {}.",
-          kVisibilityFile),
+          "depth and ids, a picture with materials and shadows for people ({}), and {}.",
+          kPictureFile, kVisibilityFile),
       "pickbed render");
   ScenarioRequest arguments;
   std::string out;
@@ -39,6 +40,8 @@ int RenderCommand(int argc, char** argv) {
   const Scene scene = cell.MakeScene(bin_index).scene;
   const Observation view = cell.Capture(scene, bin_index, 0);
   WritePng(folder / "color.png", view.frame.color);
+  WritePng(folder / kPictureFile,
+           cell.PictureOf(scene, BinCamera(cell.camera(), cell.bin())).color);
   WriteDepthPng(folder / "depth.png", view.frame.depth_m);
   WritePng(folder / "depth_color.png", ColorizeDepth(view.frame.depth_m));
   WritePng16(folder / "ids.png", view.ids);

@@ -4,7 +4,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
-#include "eval/replay/pick_animation.h"
+#include "eval/export/pick_animation.h"
 #include "eval/replay/replay.h"
 #include "eval/replay/stage_files.h"
 #include "eval/runtime/progress.h"
@@ -85,6 +85,9 @@ int ReplayCommand(int argc, char** argv) {
   app.add_option("--attempt", only_attempt, "number of the only attempt to animate, from 0 [all]")
       ->check(CLI::NonNegativeNumber)
       ->needs("--animate");
+  bool verbose = false;
+  app.add_flag("--verbose", verbose,
+               "print the hashes of all stages, also of equal ones");
   bool list = false;
   app.add_flag("--list", list,
                "only list the trials of the run: number, bin, attempts, successes and status")
@@ -106,7 +109,7 @@ int ReplayCommand(int argc, char** argv) {
       out.empty() ? address.run / kReplayFolder / fmt::format("trial_{:04}", address.trial)
                   : std::filesystem::path(out);
   StageFiles files(folder);
-  PickAnimation animation(folder, only_attempt);
+  PickAnimation animation(folder, /*with_gif=*/true, only_attempt);
   Observers observers(files, animate ? &animation : nullptr);
   ReplayReport report;
   {
@@ -116,7 +119,7 @@ int ReplayCommand(int argc, char** argv) {
     });
   }
   WriteFileAtomically(folder / kStagesFile, ReplayCsv(report));
-  fmt::print("{}stages in {}\n", ReplayTable(report), folder.string());
+  fmt::print("{}stages in {}\n", ReplayTable(report, verbose), folder.string());
   if (animate) fmt::print("{} animated picks in {}\n", animation.written(), folder.string());
   return report.FirstDifference() == nullptr ? 0 : kDiffers;
 }

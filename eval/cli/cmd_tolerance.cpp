@@ -26,7 +26,7 @@ struct ToleranceArguments {
   std::vector<std::string> settings;
   std::vector<std::string> pairs;
   int jobs = 1;
-  bool resume = false;
+  bool resume = false, quick = false;
 };
 
 bool ParseToleranceArguments(int argc, char** argv, ToleranceArguments& arguments) {
@@ -51,6 +51,8 @@ bool ParseToleranceArguments(int argc, char** argv, ToleranceArguments& argument
          "--run", arguments.run,
          "results folder of a `pickbed run`: also test the predictors on its picks of this object")
       ->check(CLI::ExistingDirectory);
+  app.add_flag("--quick", arguments.quick,
+               "coarse map over the same range, in one or two minutes; --set changes its settings");
   app.add_option("--set", arguments.settings,
                  fmt::format("change a setting of the map: KEY=VALUE, for example grasps=80 or "
                              "step_mm=1; {} in the results folder lists all",
@@ -93,7 +95,7 @@ std::vector<std::array<int, 2>> AxisPairs(const std::vector<std::string>& texts)
 }
 
 ToleranceOptions OptionsOf(const ToleranceArguments& arguments) {
-  ToleranceOptions options;
+  ToleranceOptions options = arguments.quick ? QuickOptions() : ToleranceOptions();
   for (const std::string& setting : arguments.settings) {
     ApplySetting(setting, [&](SettingsVisitor& v) { options.Visit(v); });
   }

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "eval/metrics/interval_json.h"
 #include "eval/metrics/metric_table.h"
 #include "eval/trial/counts_by_bin.h"
 #include "eval/trial/simulated_cell.h"
@@ -23,6 +23,7 @@ using Scenes = std::vector<int>;
 // With fewer scenes, the test of medians cannot reach p < 0.05 (2 / 2^n), and the interval cannot
 // reach 95 %.
 constexpr int kFewestScenes = 6;
+static_assert(kFewestScenes >= kMinBinsOfInterval);
 
 constexpr std::array kSceneSettings{"seed:", "bin:", "objects:", "arrangement:"};
 // In occlusion trials these also determine where blockers are placed to reach a visible fraction.
@@ -81,6 +82,9 @@ void TestOneOutcome(const OneOutcome& outcome, PairedStatistic& statistic) {
   statistic.test = "mcnemar";
   statistic.p_value = McNemarExact(outcome.discordance);
   statistic.odds_ratio = MatchedOddsRatio(outcome.discordance);
+  if (statistic.odds_ratio && outcome.pairs < kMinBinsOfInterval) {
+    statistic.odds_ratio->interval = Interval::Unknown();
+  }
   const double discordant = static_cast<double>(statistic.discordant_scenes) / outcome.pairs;
   statistic.scenes_needed = ScenesNeededForMcNemar(statistic.difference(), discordant);
 }
@@ -92,10 +96,8 @@ PairedStatistic PairedMedian(const std::string& key, const std::string& name,
     statistic.scenes += !before[i].empty() || !after[i].empty();
     statistic.discordant_scenes += before[i] != after[i];
   }
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  statistic.difference_ci95 = statistic.scenes < kFewestScenes
-                                  ? Interval{-kInfinity, kInfinity}
-                                  : PairedMedianInterval(before, after);
+  statistic.difference_ci95 =
+      statistic.scenes < kFewestScenes ? Interval::Unknown() : PairedMedianInterval(before, after);
   statistic.p_value = PairedMedianTest(before, after);
   statistic.test = "sign_flip";
   return statistic;
@@ -112,11 +114,24 @@ struct NamedRate {
   TrialCount count;
 };
 
-std::vector<NamedRate> Rates(const std::vector<VisibleBand>& bands) {
+bool HasTargets(std::span<const TrialResult> trials) {
+  return std::any_of(trials.begin(), trials.end(), [](const TrialResult& trial) {
+    return !trial.attempts.empty() && trial.attempts.front().target >= 0;
+  });
+}
+
+// In occlusion trials only targets count for the recall.
+std::vector<NamedRate> Rates(const std::vector<VisibleBand>& bands, bool has_targets) {
+  const char* recall = has_targets ? "target recall" : "recall";
   std::vector<NamedRate> rates{{"pick_success", "pick success", SuccessOfAttempts()},
+                               {"attempts_picked", "attempts that picked", AttemptsThatPicked()},
                                {"cleared", "instances cleared", InstancesCleared()},
                                {"top1", "top-ranked pose right", TopRankedRight()}};
-  rates.push_back({"recall", "recall", InstancesRecalled(kCountedVisibility, 1)});
+  rates.push_back({"recall", recall, InstancesRecalled(kCountedVisibility, 1)});
+  if (has_targets) {
+    rates.push_back({"recall_in_view", "recall, all instances in view", AllInstancesRecalled()});
+  }
+  rates.push_back({"precision", "precision", PosesRight()});
   const auto add_bands = [&](const char* key, const char* name, auto count) {
     for (const VisibleBand& band : bands) {
       std::string ends = band.name();
@@ -126,7 +141,7 @@ std::vector<NamedRate> Rates(const std::vector<VisibleBand>& bands) {
                        count(band.min, band.max)});
     }
   };
-  add_bands("recall", "recall", InstancesRecalled);
+  add_bands("recall", recall, InstancesRecalled);
   add_bands("target_picked", "target picked", TargetsPicked);
   return rates;
 }
@@ -136,9 +151,14 @@ std::string Valued(const PairedStatistic& statistic, double value) {
   return statistic.is_rate ? PercentNumber(value) : fmt::format("{:.4f}", value);
 }
 
-std::string Signed(const PairedStatistic& statistic, double value) {
-  if (statistic.is_rate) return PointsText(value);
-  return std::isfinite(value) ? fmt::format("{:+.4f}", value) : "-";
+std::string RiseText(const PairedStatistic& statistic) {
+  const Interval& ci95 = statistic.difference_ci95;
+  if (statistic.is_rate) return PointsText(statistic.difference(), ci95);
+  const auto text = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:+.4f}", value) : "-";
+  };
+  if (!ci95.is_known()) return fmt::format("{} ({})", text(statistic.difference()), kTooFewBins);
+  return fmt::format("{} [{}, {}]", text(statistic.difference()), text(ci95.low), text(ci95.high));
 }
 
 nlohmann::ordered_json Number(double value) {
@@ -180,7 +200,7 @@ PairedComparison ComparePaired(std::span<const TrialResult> before,
   comparison.scenes = static_cast<int>(shared.size());
   comparison.before_only = static_cast<int>(scenes_before.size() - shared.size());
   comparison.after_only = static_cast<int>(scenes_after.size() - shared.size());
-  for (const NamedRate& rate : Rates(bands)) {
+  for (const NamedRate& rate : Rates(bands, HasTargets(before))) {
     const auto a = CountByScene(before, shared, rate.count);
     const auto b = CountByScene(after, shared, rate.count);
     if (SumOf(a).samples == 0 || SumOf(b).samples == 0) continue;
@@ -236,23 +256,40 @@ void RequireSameScenes(const std::string& settings_before, const std::string& se
                   name_before, name_after, group, trimmed(a), trimmed(b)));
 }
 
-std::string PairedTable(const PairedComparison& comparison) {
+std::string PairedTable(const PairedComparison& comparison, bool all_rows) {
+  std::vector<std::vector<std::string>> rows{{"", "A", "B", "B - A", "p", "differ in", "needed"}};
+  int folded = 0;
+  for (const PairedStatistic& statistic : comparison.statistics) {
+    if (statistic.discordant_scenes == 0 && !all_rows) {
+      ++folded;
+      continue;
+    }
+    rows.push_back({statistic.name + (statistic.is_rate ? ", %" : ""),
+                    Valued(statistic, statistic.before), Valued(statistic, statistic.after),
+                    RiseText(statistic), fmt::format("{:.4f}", statistic.p_value),
+                    fmt::format("{}/{}", statistic.discordant_scenes, statistic.scenes),
+                    statistic.scenes_needed ? std::to_string(*statistic.scenes_needed) : "-"});
+  }
+  std::vector<size_t> widths(rows[0].size(), 0);
+  for (const auto& row : rows) {
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
   std::string text = fmt::format(
       "{} scenes that both have\nDifferences with 95 % intervals over scenes; needed: number of "
-      "scenes to detect such a\ndifference of rates with a power of 0.8\n  {:<28}{:>9}{:>9}  "
-      "{:<28}{:>8}{:>11}{:>9}\n",
-      comparison.scenes, "", "A", "B", "B - A", "p", "differ in", "needed");
-  for (const PairedStatistic& statistic : comparison.statistics) {
-    const std::string difference =
-        fmt::format("{} [{}, {}]", Signed(statistic, statistic.difference()),
-                    Signed(statistic, statistic.difference_ci95.low),
-                    Signed(statistic, statistic.difference_ci95.high));
-    text += fmt::format("  {:<28}{:>9}{:>9}  {:<28}{:>8.4f}{:>11}{:>9}\n",
-                        statistic.name + (statistic.is_rate ? ", %" : ""),
-                        Valued(statistic, statistic.before), Valued(statistic, statistic.after),
-                        difference, statistic.p_value,
-                        fmt::format("{}/{}", statistic.discordant_scenes, statistic.scenes),
-                        statistic.scenes_needed ? std::to_string(*statistic.scenes_needed) : "-");
+      "scenes to detect such a\ndifference of rates with a power of 0.8\n",
+      comparison.scenes);
+  constexpr size_t kDifference = 3;  // this column and the names are aligned to the left
+  for (const auto& row : rows) {
+    std::string line;
+    for (size_t i = 0; i < row.size(); ++i) {
+      line += i == 0 || i == kDifference ? fmt::format("  {:<{}}", row[i], widths[i])
+                                         : fmt::format("  {:>{}}", row[i], widths[i]);
+    }
+    text += line + "\n";
+  }
+  if (folded > 0) {
+    text +=
+        fmt::format("  {} more rows without a difference in any scene; --all shows them\n", folded);
   }
   return text;
 }
@@ -270,8 +307,7 @@ std::string PairedJson(const PairedComparison& comparison) {
     row["before"] = Number(statistic.before);
     row["after"] = Number(statistic.after);
     row["difference"] = Number(statistic.difference());
-    row["difference_ci95"] = {Number(statistic.difference_ci95.low),
-                              Number(statistic.difference_ci95.high)};
+    AddInterval(row, "difference_ci95", statistic.difference_ci95);
     row["p_value"] = statistic.p_value;
     row["test"] = statistic.test;
     row["scenes"] = statistic.scenes;
@@ -280,8 +316,7 @@ std::string PairedJson(const PairedComparison& comparison) {
     if (statistic.scenes_needed) needed = *statistic.scenes_needed;
     if (!statistic.odds_ratio) continue;
     row["odds_ratio"] = Number(statistic.odds_ratio->ratio);
-    row["odds_ratio_ci95"] = {Number(statistic.odds_ratio->interval.low),
-                              Number(statistic.odds_ratio->interval.high)};
+    AddInterval(row, "odds_ratio_ci95", statistic.odds_ratio->interval);
   }
   return json.dump(2) + "\n";
 }

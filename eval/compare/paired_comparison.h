@@ -20,8 +20,8 @@ struct PairedStatistic {
   std::string name;     // such as "recall, 30-50 % visible"
   bool is_rate = true;  // rate in 0..1; else an error, smaller is better
   double before = 0, after = 0;
-  // Interval of after - before. It has infinite ends for a median over fewer than six scenes.
-  Interval difference_ci95{-1, 1};
+  // Interval of after - before; unknown with too few scenes. A median needs six of them.
+  Interval difference_ci95 = Interval::Unknown();
   double p_value = 1;
   std::string test = {};      // test that gave p_value: "mcnemar" | "sign_flip"
   int scenes = 0;             // scenes with data in either run
@@ -43,8 +43,10 @@ struct PairedComparison {
 
 // Compares the trials of two runs, one configuration each. Trials are paired by scene number. The
 // statistics are:
-// - pick success, instances cleared, targets picked by visible fraction,
-// - recall of all instances with a visible fraction of at least 0.1, and by visible fraction,
+// - pick success, attempts that picked, instances cleared, targets picked by visible fraction,
+// - recall of all instances with a visible fraction of at least 0.1, and by visible fraction; in
+//   occlusion trials recall of the targets, and of all instances in view,
+// - precision,
 // - share of correct top-ranked poses,
 // - median of each compared metric (MetricTable), such as MSSD and rotation error, on the instances
 //   found by both (PairedErrorsByScene).
@@ -70,8 +72,9 @@ std::string SceneKey(const std::string& settings);
 void RequireSameScenes(const std::string& settings_before, const std::string& settings_after,
                        const std::string& name_before, const std::string& name_after);
 
-// Returns the comparison as a table for the console.
-std::string PairedTable(const PairedComparison& comparison);
+// Returns the comparison as a table for the console. Statistics that are equal in every scene are
+// only counted, unless `all_rows`.
+std::string PairedTable(const PairedComparison& comparison, bool all_rows = false);
 // Returns the comparison as JSON.
 std::string PairedJson(const PairedComparison& comparison);
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "eval/metrics/interval_json.h"
+
 namespace pickbed::eval {
 namespace {
 
@@ -19,6 +21,9 @@ std::string DifferenceText(const PairedStatistic& statistic) {
   };
   const Interval& ci95 = statistic.difference_ci95;
   if (statistic.is_rate) return PointsText(statistic.difference(), ci95);
+  if (!ci95.is_known()) {
+    return fmt::format("{} ({})", signed_text(statistic.difference()), kTooFewBins);
+  }
   return fmt::format("{} [{}, {}]", signed_text(statistic.difference()), signed_text(ci95.low),
                      signed_text(ci95.high));
 }
@@ -74,18 +79,20 @@ std::vector<ConfigurationComparison> CompareWithFirst(
   return comparisons;
 }
 
-std::string ComparisonText(std::span<const ConfigurationComparison> comparisons) {
+std::string ComparisonText(std::span<const ConfigurationComparison> comparisons, bool all_rows) {
   std::string text;
   for (const ConfigurationComparison& comparison : comparisons) {
     text += fmt::format("A is {}, B is {}; {}\n", comparison.before, comparison.after,
-                        PairedTable(comparison.paired));
+                        PairedTable(comparison.paired, all_rows));
   }
   return text;
 }
 
 ResultColumns ComparisonKeys() {
   const std::string at = "comparisons[].", row = at + "statistics[].";
-  return {
+  ResultColumns keys;
+  const auto add = [&](const ResultColumns& more) { AddColumns(more, keys); };
+  add({
       {at + "first", "name of the first configuration"},
       {at + "second", "name of the second configuration; differences are second - first"},
       {at + "scenes", "number of scenes that both have"},
@@ -96,7 +103,9 @@ ResultColumns ComparisonKeys() {
       {row + "before", "value of the first; rates are 0..1, errors have the unit in name"},
       {row + "after", "value of the second"},
       {row + "difference", "after - before"},
-      {row + "difference_ci95", "95 % interval of difference; null for an unknown end"},
+  });
+  add(IntervalKeys(row + "difference_ci95", "95 % interval of difference"));
+  add({
       {row + "p_value", "probability of such a difference if there is none"},
       {row + "test", "test that gave p_value: mcnemar or sign_flip"},
       {row + "scenes", "number of scenes with data in either run"},
@@ -105,8 +114,10 @@ ResultColumns ComparisonKeys() {
        "number of scenes that shows a difference of this size with power 0.8 at level 0.05; null "
        "if unknown"},
       {row + "odds_ratio", "odds ratio; only if each scene has one outcome"},
-      {row + "odds_ratio_ci95", "95 % interval of odds_ratio"},
-  };
+  });
+  add(IntervalKeys(row + "odds_ratio_ci95",
+                   "95 % interval of odds_ratio; null for an infinite end"));
+  return keys;
 }
 
 std::string ComparisonJson(std::span<const ConfigurationComparison> comparisons) {

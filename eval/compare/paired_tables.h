@@ -36,7 +36,8 @@ std::vector<ConfigurationComparison> CompareWithFirst(
 // Returns the comparison as a table of the report.
 ReportTable PairedReport(const ConfigurationComparison& comparison);
 // Returns the PairedTable of each comparison, for the console.
-std::string ComparisonText(std::span<const ConfigurationComparison> comparisons);
+std::string ComparisonText(std::span<const ConfigurationComparison> comparisons,
+                           bool all_rows = false);
 // Returns {"comparisons": [{"first": NAME, "second": NAME, ... fields of PairedJson}, ...]}.
 std::string ComparisonJson(std::span<const ConfigurationComparison> comparisons);
 // Returns the keys of ComparisonJson().

@@ -32,6 +32,19 @@ std::array<Rgb8, 256> ColorTable(int map) {
   return table;
 }
 
+Rgb8 Mixed(const Rgb8& a, const Rgb8& b, double share) {
+  const auto channel = [share](uint8_t p, uint8_t q) {
+    return static_cast<uint8_t>(std::lround(p + share * (q - p)));
+  };
+  return {channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
+}
+
+std::vector<cv::Point> SubPixels(const Polyline& points) {
+  std::vector<cv::Point> fixed;
+  for (const Eigen::Vector2d& p : points) fixed.push_back(SubPixel(p));
+  return fixed;
+}
+
 Rgb8 ColorAt(const std::array<Rgb8, 256>& table, double share) {
   return table[std::lround(255 * std::clamp(share, 0.0, 1.0))];
 }
@@ -41,6 +54,16 @@ Rgb8 ColorAt(const std::array<Rgb8, 256>& table, double share) {
 void Canvas::Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Rgb8 color, int width_px) {
   cv::Mat canvas = MatrixOf(image_);
   cv::line(canvas, SubPixel(a), SubPixel(b), ToScalar(color), width_px, cv::LINE_AA, kShift);
+}
+
+void Canvas::Curve(const Polyline& points, bool closed, Rgb8 color, int width_px) {
+  cv::Mat canvas = MatrixOf(image_);
+  cv::polylines(canvas, SubPixels(points), closed, ToScalar(color), width_px, cv::LINE_AA, kShift);
+}
+
+void Canvas::Polygon(const Polyline& corners, Rgb8 color) {
+  cv::Mat canvas = MatrixOf(image_);
+  cv::fillConvexPoly(canvas, SubPixels(corners), ToScalar(color), cv::LINE_AA, kShift);
 }
 
 void Canvas::Dot(const Eigen::Vector2d& center, double radius_px, Rgb8 color) {
@@ -66,6 +89,22 @@ void Canvas::Fill(int x, int y, int width, int height, Rgb8 color) {
   cv::Mat canvas = MatrixOf(image_);
   const cv::Rect all(0, 0, image_.width(), image_.height());
   canvas(cv::Rect(x, y, width, height) & all).setTo(ToScalar(color));
+}
+
+void Canvas::Shade(int x, int y, int width, int height, Rgb8 color, double opacity) {
+  for (int v = std::max(0, y); v < std::min(image_.height(), y + height); ++v) {
+    for (int u = std::max(0, x); u < std::min(image_.width(), x + width); ++u) {
+      image_(u, v) = Mixed(image_(u, v), color, opacity);
+    }
+  }
+}
+
+void Canvas::Blend(Rgb8 color, const std::function<double(int x, int y)>& opacity) {
+  for (int v = 0; v < image_.height(); ++v) {
+    for (int u = 0; u < image_.width(); ++u) {
+      image_(u, v) = Mixed(image_(u, v), color, opacity(u, v));
+    }
+  }
 }
 
 void Canvas::Text(const std::string& text, int x, int y, Rgb8 color, double size) {

@@ -4,6 +4,7 @@
 // the first pixel. Drawing is clipped at the borders.
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,9 @@
 #include "scenes/image/image.h"
 
 namespace pickbed::eval {
+
+// Points of a curve in an image, px.
+using Polyline = std::vector<Eigen::Vector2d>;
 
 // Image with drawing functions.
 class Canvas {
@@ -22,10 +26,15 @@ class Canvas {
   int height() const { return image_.height(); }
 
   void Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Rgb8 color, int width_px = 1);
+  void Curve(const Polyline& points, bool closed, Rgb8 color, int width_px = 1);
+  void Polygon(const Polyline& corners, Rgb8 color);  // convex, filled
   void Dot(const Eigen::Vector2d& center, double radius_px, Rgb8 color);
   void Ring(const Eigen::Vector2d& center, double radius_px, Rgb8 color, int width_px = 1);
   void Frame(int x, int y, int width, int height, Rgb8 color, int width_px);  // drawn inwards
   void Fill(int x, int y, int width, int height, Rgb8 color);
+  // Mixes a color into a rectangle, or into all pixels with the opacity (0..1) of each.
+  void Shade(int x, int y, int width, int height, Rgb8 color, double opacity);
+  void Blend(Rgb8 color, const std::function<double(int x, int y)>& opacity);
   // `y` is the baseline of the text. With `size` 1 letters are about 22 px high.
   void Text(const std::string& text, int x, int y, Rgb8 color, double size = 0.45);
   // Like Text, but reduces the size if the text is wider than `width_px`.

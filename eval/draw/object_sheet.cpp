@@ -160,6 +160,40 @@ Image<Rgb8> ObjectSheet(const MadeObject& made) {
   return studio.Sheet();
 }
 
+// "z" for a coordinate axis, else its numbers.
+std::string AxisText(const Vector3d& axis) {
+  constexpr double kAligned = 1 - 1e-6;
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(axis[k]) > kAligned) return std::string(1, "xyz"[k]);
+  }
+  return List(axis);
+}
+
+// "6-fold about z, and flips" for rotations about one axis, with or without half turns across it.
+// Empty for another group.
+std::string FoldText(const std::vector<Pose>& rotations) {
+  constexpr double kAlong = 1 - 1e-4, kAcross = 1e-2;
+  std::vector<Vector3d> axes;
+  for (const Pose& X : rotations) axes.push_back(Eigen::AngleAxisd(X.linear()).axis());
+  size_t best = 0;
+  Vector3d main = Vector3d::UnitZ();
+  for (const Vector3d& axis : axes) {
+    const size_t along = std::count_if(axes.begin(), axes.end(), [&](const Vector3d& other) {
+      return std::abs(axis.dot(other)) > kAlong;
+    });
+    if (along > best) {
+      best = along;
+      main = axis;
+    }
+  }
+  const size_t across = std::count_if(axes.begin(), axes.end(), [&](const Vector3d& other) {
+    return std::abs(main.dot(other)) < kAcross;
+  });
+  const size_t order = best + 1;
+  if (best + across != axes.size() || (across != 0 && across != order)) return "";
+  return fmt::format("{}-fold about {}{}", order, AxisText(main), across > 0 ? ", and flips" : "");
+}
+
 std::string SymmetryText(const SymmetrySet& symmetries) {
   if (symmetries.trivial()) return "no symmetry";
   if (symmetries.continuous_O.size() > 1) return "all rotations (a sphere)";
@@ -170,6 +204,7 @@ std::string SymmetryText(const SymmetrySet& symmetries) {
   const size_t turns = symmetries.discrete_O.size();
   if (turns == 0) return text;
   if (!text.empty()) return text + " and upside down";
+  if (const std::string fold = FoldText(symmetries.discrete_O); !fold.empty()) return fold;
   return fmt::format("{} rotation{}", turns, turns == 1 ? "" : "s");
 }
 
@@ -189,6 +224,10 @@ std::string ObjectText(const MadeObject& made) {
   const Eigen::Matrix3d& I = model.mass.inertia_com_O;
   line("mass", fmt::format("{:.4g} kg, centre of mass {} m{}", model.mass.mass_kg,
                            List(model.mass.com_O), made.mass_from_hull ? ", from the hull" : ""));
+  if (made.mass_by_default_density) {
+    line("note", fmt::format("mass from the default density {:g} kg/m3 (plastic); steel is 7850",
+                             kDefaultDensity_kgpm3));
+  }
   line("inertia", fmt::format("xx {:.3g} yy {:.3g} zz {:.3g} xy {:.3g} xz {:.3g} yz {:.3g} kg m2",
                               I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
   line("convex pieces",

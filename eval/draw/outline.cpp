@@ -1,16 +1,19 @@
 #include "eval/draw/outline.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "eval/draw/silhouettes.h"
+#include "scenes/camera/footprint.h"
 #include "scenes/geometry/pose.h"
 #include "scenes/geometry/triangle_mesh.h"
 
 namespace pickbed::eval {
 namespace {
 
-constexpr double kCreaseCos = 0.8;  // edges of flatter folds are not drawn
-constexpr double kNearPlane_m = 0.02;
+constexpr double kCreaseCos = 0.8;      // edges of flatter folds are not drawn
+constexpr double kTieDiameters = 0.01;  // a line this far behind the surface is on it
 
 using PlaceKey = std::array<int64_t, 3>;
 
@@ -18,6 +21,32 @@ PlaceKey KeyOf(const Eigen::Vector3d& p) {
   constexpr double kGrid_m = 1e-6;  // merges vertices that are split because of their normals
   return {std::llround(p.x() / kGrid_m), std::llround(p.y() / kGrid_m),
           std::llround(p.z() / kGrid_m)};
+}
+
+// Appends the parts of an edge that the surfaces in `map` do not hide.
+void AddVisible(const RegionMap& map, const CameraIntrinsics& camera, const Eigen::Vector3d& a_C,
+                const Eigen::Vector3d& b_C, double tie_m, std::vector<PixelLine>& lines) {
+  if (std::min(a_C.z(), b_C.z()) < kNearestDrawn_m) return;
+  const Eigen::Vector2d a = Project(camera, a_C), b = Project(camera, b_C);
+  const int steps = std::clamp(static_cast<int>(std::ceil((b - a).norm())), 1, 4096);
+  bool drawing = false;
+  for (int i = 0; i < steps; ++i) {
+    const double at = (i + 0.5) / steps;
+    const Eigen::Vector2d p = a + (b - a) * at;
+    // Inverse depth is linear in the image.
+    const double z_m = 1 / ((1 - at) / a_C.z() + at / b_C.z());
+    if (!map.Sees(p, z_m - tie_m)) {
+      drawing = false;
+      continue;
+    }
+    const Eigen::Vector2d end = a + (b - a) * ((i + 1.0) / steps);
+    if (drawing) {
+      lines.back().b = end;
+    } else {
+      lines.push_back({a + (b - a) * (static_cast<double>(i) / steps), end});
+    }
+    drawing = true;
+  }
 }
 
 }  // namespace
@@ -45,20 +74,24 @@ std::vector<ObjectOutlines::Edge> ObjectOutlines::EdgesOf(const TriangleMesh& me
 
 std::vector<PixelLine> ObjectOutlines::At(ObjectId object, const Pose& X_CO,
                                           const CameraIntrinsics& camera) {
-  auto [edges, is_new] = edges_.try_emplace(object);
-  if (is_new) edges->second = EdgesOf(objects_.at(object)->mesh_O);
+  const ObjectModel& model = *objects_.at(object);
+  auto drawn = drawn_.find(object);
+  if (drawn == drawn_.end()) {
+    drawn = drawn_.emplace(object, Drawn{EdgesOf(model.mesh_O), RasterMesh(model.mesh_O)}).first;
+  }
+  RegionMap map(camera, 1);
+  map.Add(drawn->second.mesh, X_CO);
+  const double tie_m = kTieDiameters * model.diameter_m;
   const Eigen::Vector3d camera_O = X_CO.inverse().translation();
   std::vector<PixelLine> lines;
-  for (const Edge& edge : edges->second) {
+  for (const Edge& edge : drawn->second.edges) {
     const Eigen::Vector3d to_camera = camera_O - edge.a_O;
     const bool faces_1 = edge.normal_1_O.dot(to_camera) > 0;
     const bool faces_2 = edge.normal_2_O.dot(to_camera) > 0;
     const bool silhouette = faces_1 != faces_2;
     const bool crease = faces_1 && faces_2 && edge.normal_1_O.dot(edge.normal_2_O) < kCreaseCos;
     if (!silhouette && !crease) continue;
-    const Eigen::Vector3d a_C = X_CO * edge.a_O, b_C = X_CO * edge.b_O;
-    if (a_C.z() < kNearPlane_m || b_C.z() < kNearPlane_m) continue;
-    lines.push_back({Project(camera, a_C), Project(camera, b_C)});
+    AddVisible(map, camera, X_CO * edge.a_O, X_CO * edge.b_O, tie_m, lines);
   }
   return lines;
 }
@@ -74,6 +107,32 @@ Camera CameraTowards(const Eigen::Vector3d& target, const Eigen::Vector3d& from,
       std::abs(direction.z()) > kAlongZ ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
   camera.SetPose(LookAt(target + distance_m * direction, target, up));
   return camera;
+}
+
+TriangleMesh BoxesMesh(const std::vector<AxisAlignedBox>& boxes) {
+  TriangleMesh mesh;
+  for (const AxisAlignedBox& box : boxes) {
+    const int first = static_cast<int>(mesh.vertices.size());
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+      mesh.vertices.push_back(box.center + sign.cwiseProduct(box.half_size));
+    }
+    for (const Eigen::Vector3i& t : {Eigen::Vector3i{0, 2, 1},
+                                     {1, 2, 3},
+                                     {4, 5, 6},
+                                     {5, 7, 6},
+                                     {0, 1, 4},
+                                     {1, 5, 4},
+                                     {2, 6, 3},
+                                     {3, 6, 7},
+                                     {0, 4, 2},
+                                     {2, 4, 6},
+                                     {1, 3, 5},
+                                     {3, 7, 5}}) {
+      mesh.triangles.push_back(t.array() + first);
+    }
+  }
+  return mesh;
 }
 
 }  // namespace pickbed::eval

@@ -1,6 +1,6 @@
 #pragma once
 
-// Silhouette and crease lines of posed objects in an image.
+// Silhouette and crease lines of posed objects in an image, with hidden lines removed.
 
 #include <Eigen/Core>
 #include <map>
@@ -8,7 +8,9 @@
 
 #include "eval/layer.h"
 #include "scenes/base/ids.h"
+#include "scenes/bin/bin.h"
 #include "scenes/camera/camera.h"
+#include "scenes/camera/mesh_raster.h"
 #include "scenes/objects/object_model.h"
 
 namespace pickbed::eval {
@@ -23,9 +25,8 @@ class ObjectOutlines {
  public:
   explicit ObjectOutlines(const ObjectSet& objects) : objects_(objects) {}
 
-  // Silhouette and crease edges of the object at X_CO that face the camera, in px. Edges
-  // hidden by the object itself are included. Edges closer than 2 cm to the camera plane are
-  // omitted.
+  // Visible parts of the silhouette and crease edges of the object at X_CO, in px. Only the object
+  // itself hides them. Returns nothing for an object that is not completely in front of the camera.
   std::vector<PixelLine> At(ObjectId object, const Pose& X_CO, const CameraIntrinsics& camera);
 
  private:
@@ -34,11 +35,19 @@ class ObjectOutlines {
     Eigen::Vector3d a_O, b_O;
     Eigen::Vector3d normal_1_O, normal_2_O;
   };
+  // Edges and raster mesh of an object.
+  struct Drawn {
+    std::vector<Edge> edges;
+    RasterMesh mesh;
+  };
   static std::vector<Edge> EdgesOf(const TriangleMesh& mesh);
 
   const ObjectSet& objects_;
-  std::map<int, std::vector<Edge>> edges_;  // by object, computed on first use
+  std::map<int, Drawn> drawn_;  // by object, computed on first use
 };
+
+// Returns one mesh of all boxes, in their frame.
+TriangleMesh BoxesMesh(const std::vector<AxisAlignedBox>& boxes);
 
 // Camera that looks at `target` from the direction `from` (any length) at `distance_m`. The up
 // direction is z of the world, or y if it looks along z. Pixels are square; the principal point is

@@ -1,19 +1,22 @@
 #include "eval/draw/overlay.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <opencv2/imgproc.hpp>
 
 #include "eval/draw/canvas.h"
 #include "eval/draw/opencv_image.h"
 #include "eval/draw/outline.h"
-#include "sim/hands/jaw_hand.h"
+#include "eval/draw/silhouettes.h"
 
 namespace pickbed::eval {
 namespace {
 
-constexpr double kGraspNear_m = 0.02;
-constexpr int kSubPixelBits = 4;  // sub-pixel bits of cv::line
+constexpr Rgb8 kHandLine{240, 242, 245}, kHandFill{60, 66, 76};
+constexpr double kHandOpacity = 0.55;
 
 Image<Rgb8> FromBgr(const cv::Mat& bgr) {
   Image<Rgb8> image(bgr.cols, bgr.rows);
@@ -22,42 +25,84 @@ Image<Rgb8> FromBgr(const cv::Mat& bgr) {
   return image;
 }
 
-void DrawLine(cv::Mat& canvas, const PixelLine& line, const cv::Scalar& color, int width_px) {
-  const Eigen::Vector2d a = line.a * (1 << kSubPixelBits), b = line.b * (1 << kSubPixelBits);
-  cv::line(canvas, cv::Point(std::lround(a.x()), std::lround(a.y())),
-           cv::Point(std::lround(b.x()), std::lround(b.y())), color, width_px, cv::LINE_AA,
-           kSubPixelBits);
+Stroke StrokeOf(const OverlayPose& pose, const OverlayStyle& style) {
+  return {ColorOf(pose.mark),
+          pose.mark == PoseMark::kWrong ? LineStyle::kDashed : LineStyle::kSolid,
+          pose.chosen ? 2 * style.line_px + 1 : style.line_px, std::max(1, style.line_px / 2)};
 }
 
-void DrawSegment(cv::Mat& canvas, const CameraIntrinsics& k, const Eigen::Vector3d& a_C,
-                 const Eigen::Vector3d& b_C, const cv::Scalar& color, int width_px) {
-  if (a_C.z() < kGraspNear_m || b_C.z() < kGraspNear_m) return;
-  DrawLine(canvas, {Project(k, a_C), Project(k, b_C)}, color, width_px);
+Stroke MissedStroke(const OverlayStyle& style) {
+  return {kMissedColor, LineStyle::kDotted, style.line_px, 1};
 }
 
-void DrawInstanceOutlines(cv::Mat& canvas, const Image<uint16_t>& ids) {
-  for (int y = 0; y + 1 < ids.height(); ++y) {
-    for (int x = 0; x + 1 < ids.width(); ++x) {
-      const uint16_t id = ids(x, y);
-      if (id != ids(x + 1, y) || id != ids(x, y + 1)) {
-        canvas.at<cv::Vec3b>(y, x) = {255, 255, 255};
+Stroke TargetStroke(const OverlayStyle& style) {
+  return {kTargetColor, LineStyle::kSolid, style.line_px + 1, 2};
+}
+
+Stroke HandStroke(int line_px) { return {kHandLine, LineStyle::kSolid, line_px, 1}; }
+
+// Rectangles of labels that are already placed.
+class LabelPlaces {
+ public:
+  LabelPlaces(int width_px, int height_px) : page_(0, 0, width_px, height_px) {}
+
+  // Returns a center near `wanted` at which a label of this size covers no other label; `wanted`
+  // moved into the picture if there is none.
+  Eigen::Vector2d Place(const Eigen::Vector2d& wanted, const Eigen::Vector2d& size_px) {
+    const cv::Rect2d at = Inside(wanted, size_px);
+    cv::Rect2d best = at;
+    for (const double ring : {0.0, 1.0, 2.0}) {
+      for (const auto& [x, y] : {std::pair{0, 1}, {0, -1}, {1, 0}, {-1, 0}, {1, 1}, {-1, -1}}) {
+        const Eigen::Vector2d step =
+            1.06 * ring * Eigen::Vector2d(0.5 * x * size_px.x(), y * size_px.y());
+        const cv::Rect2d there = Inside(wanted + step, size_px);
+        if (std::ranges::any_of(taken_,
+                                [&](const cv::Rect2d& t) { return (t & there).area() > 0; })) {
+          continue;
+        }
+        return Take(there);
       }
     }
+    return Take(best);
   }
-}
 
-void DrawGrasp(cv::Mat& canvas, const CameraIntrinsics& k, const Pose& X_CG, const Gripper& gripper,
-               double width_m) {
-  const cv::Scalar color(70, 160, 255);
-  for (const AxisAlignedBox& box : gripper.Boxes(width_m)) {
-    const auto corner = [&](int i) {
-      const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-      return X_CG * Eigen::Vector3d(box.center + sign.cwiseProduct(box.half_size));
+ private:
+  cv::Rect2d Inside(const Eigen::Vector2d& center, const Eigen::Vector2d& size_px) const {
+    const auto clamped = [](double v, double size, double page) {
+      return std::clamp(v - 0.5 * size, 0.0, std::max(0.0, page - size));
     };
-    for (int i = 0; i < 8; ++i) {
-      for (const int bit : {1, 2, 4}) {
-        if (!(i & bit)) DrawSegment(canvas, k, corner(i), corner(i | bit), color, 2);
-      }
+    return {clamped(center.x(), size_px.x(), page_.width),
+            clamped(center.y(), size_px.y(), page_.height), size_px.x(), size_px.y()};
+  }
+  Eigen::Vector2d Take(const cv::Rect2d& rect) {
+    taken_.push_back(rect);
+    return {rect.x + 0.5 * rect.width, rect.y + 0.5 * rect.height};
+  }
+
+  cv::Rect2d page_;
+  std::vector<cv::Rect2d> taken_;
+};
+
+// A symbol and a score on each visible pose. Where the score does not fit, only the symbol is
+// drawn.
+void DrawLabels(const OverlayInput& input, const std::vector<Silhouette>& silhouettes,
+                const OverlayStyle& style, Canvas& canvas) {
+  LabelPlaces places(canvas.width(), canvas.height());
+  const auto draw = [&](size_t i) {
+    const OverlayPose& pose = input.poses[i];
+    const Silhouette& region = silhouettes[i];
+    if (region.curves.empty()) return;
+    Plate plate{pose.mark, fmt::format("{:.2f}", pose.score), style.text_size};
+    constexpr double kFits = 3.5;  // in radii of the largest disc in the region
+    const bool fits =
+        pose.chosen || PlateSize(plate).x() < kFits * region.inside_px || input.poses.size() <= 40;
+    if (!fits) plate.text.clear();
+    DrawPlate(canvas, plate, places.Place(region.inside, PlateSize(plate)));
+  };
+  for (const bool chosen : {true, false}) {
+    if (!chosen && !style.all_labels) continue;
+    for (size_t i = 0; i < input.poses.size(); ++i) {
+      if (input.poses[i].chosen == chosen) draw(i);
     }
   }
 }
@@ -66,8 +111,18 @@ void DrawGrasp(cv::Mat& canvas, const CameraIntrinsics& k, const Pose& X_CG, con
 
 Rgb8 ScoreColor(double score) {
   const double s = std::clamp(score, 0.0, 1.0);
-  return {static_cast<uint8_t>(255 * std::min(1.0, 2 - 2 * s)),
-          static_cast<uint8_t>(255 * std::min(1.0, 2 * s)), 40};
+  constexpr Rgb8 kNeutral{236, 236, 232};
+  const auto mix = [](const Rgb8& a, const Rgb8& b, double share) {
+    const auto channel = [share](uint8_t p, uint8_t q) {
+      return static_cast<uint8_t>(std::lround(p + share * (q - p)));
+    };
+    return Rgb8{channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
+  };
+  return s < 0.5 ? mix(kWrongColor, kNeutral, 2 * s) : mix(kNeutral, kRightColor, 2 * s - 1);
+}
+
+Image<Rgb8> VisibleImage(const RgbdFrame& frame) {
+  return frame.color.empty() ? ColorizeDepth(frame.depth_m) : frame.color;
 }
 
 Image<Rgb8> ColorizeDepth(const Image<float>& depth_m) {
@@ -116,23 +171,97 @@ Image<Rgb8> ColorizeIds(const Image<uint16_t>& ids) {
   return image;
 }
 
-Image<Rgb8> DrawOverlay(const OverlayInput& input) {
-  Image<Rgb8> image =
-      input.frame.color.empty() ? ColorizeDepth(input.frame.depth_m) : input.frame.color;
-  cv::Mat canvas = MatrixOf(image);
-  const CameraIntrinsics& k = input.camera.intrinsics;
-  if (input.ids) DrawInstanceOutlines(canvas, *input.ids);
-  ObjectOutlines outlines(input.objects);
-  for (auto h = input.hypotheses.rbegin(); h != input.hypotheses.rend(); ++h) {
-    for (const PixelLine& line : outlines.At(h->object, h->X_CO, k)) {
-      DrawLine(canvas, line, ToScalar(ScoreColor(h->score)), 1);
+void DrawHand(Canvas& canvas, const CameraIntrinsics& camera, const OverlayHand& hand,
+              int line_px) {
+  std::vector<AxisAlignedBox> boxes = hand.gripper.Boxes(hand.opening_m);
+  // The palm hides everything below it, so only its outline is drawn.
+  const AxisAlignedBox palm = boxes.back();
+  boxes.pop_back();
+  RegionMap fingers(camera), palm_only(camera);
+  for (const AxisAlignedBox& box : boxes) fingers.Add(RasterMesh(BoxesMesh({box})), hand.X_CG);
+  palm_only.Add(RasterMesh(BoxesMesh({palm})), hand.X_CG);
+  const int fineness = fingers.fineness();
+  canvas.Blend(kHandFill, [&](int x, int y) {
+    int covered = 0;
+    for (int j = 0; j < fineness; ++j) {
+      for (int i = 0; i < fineness; ++i) {
+        covered += fingers.ids()(x * fineness + i, y * fineness + j) > 0;
+      }
+    }
+    return kHandOpacity * covered / (fineness * fineness);
+  });
+  DrawCurves(canvas, SilhouetteOf(palm_only.ids(), 1, fineness).curves, HandStroke(line_px));
+  for (const Silhouette& finger :
+       SilhouettesOf(fingers.ids(), static_cast<int>(boxes.size()), fineness)) {
+    DrawCurves(canvas, finger.curves, HandStroke(2 * line_px));
+  }
+}
+
+std::vector<KeyEntry> OverlayKey(const OverlayInput& input, const OverlayStyle& style) {
+  std::map<PoseMark, int> counts;
+  bool chosen = false;
+  for (const OverlayPose& pose : input.poses) {
+    ++counts[pose.mark];
+    chosen |= pose.chosen;
+  }
+  std::vector<KeyEntry> key;
+  const auto line = [&](const std::string& meaning, const Stroke& stroke) {
+    key.push_back({meaning, KeyEntry::Sample::kLine, PoseMark::kUnknown, stroke});
+  };
+  const auto mark = [&](PoseMark of, const std::string& meaning) {
+    OverlayPose pose;
+    pose.mark = of;
+    key.push_back({fmt::format("{}: {}", meaning, counts[of]), KeyEntry::Sample::kMark, of,
+                   StrokeOf(pose, style)});
+  };
+  const bool judged = counts[PoseMark::kRight] + counts[PoseMark::kWrong] > 0;
+  if (judged) {
+    mark(PoseMark::kRight, "right");
+    mark(PoseMark::kWrong, "wrong or duplicate");
+  }
+  if (counts[PoseMark::kUnknown] > 0) {
+    line(fmt::format("estimated: {}", counts[PoseMark::kUnknown]), StrokeOf({}, style));
+  }
+  if (input.ids != nullptr && !input.missed.empty()) {
+    line(fmt::format("not found: {}", input.missed.size()), MissedStroke(style));
+  }
+  if (input.ids != nullptr && input.target != kNoInstance)
+    line("requested instance", TargetStroke(style));
+  if (chosen) {
+    line("pose of the grasp", {kUnjudgedColor, LineStyle::kSolid, 2 * style.line_px + 1, 1});
+  }
+  if (input.hand) line("hand", HandStroke(std::max(1, style.line_px / 2)));
+  if (!input.poses.empty()) key.push_back({"number: score of the pose"});
+  return key;
+}
+
+Image<Rgb8> DrawOverlay(const OverlayInput& input, const OverlayStyle& style) {
+  Canvas canvas(input.picture);
+  if (input.ids != nullptr) {
+    for (const InstanceId instance : input.missed) {
+      const Silhouette region =
+          SilhouetteOf(*input.ids, static_cast<uint16_t>(instance + 1), 1, Holes::kWithout);
+      DrawCurves(canvas, region.curves, MissedStroke(style));
     }
   }
-  if (input.grasp && input.gripper) {
-    const Pose X_CG = input.camera.X_CW() * input.grasp->X_WG;
-    DrawGrasp(canvas, k, X_CG, *input.gripper, input.grasp->width_m);
+  std::vector<PlacedObject> placed;
+  for (const OverlayPose& pose : input.poses) placed.push_back({pose.object, pose.X_CO});
+  const std::vector<Silhouette> silhouettes = SilhouettesOf(placed, input.objects, input.camera);
+  // The chosen pose is drawn last, so that no other line covers it.
+  for (const bool chosen : {false, true}) {
+    for (size_t i = input.poses.size(); i-- > 0;) {
+      if (input.poses[i].chosen != chosen) continue;
+      DrawCurves(canvas, silhouettes[i].curves, StrokeOf(input.poses[i], style));
+    }
   }
-  return image;
+  if (input.ids != nullptr && input.target != kNoInstance) {
+    const Silhouette region = SilhouetteOf(*input.ids, static_cast<uint16_t>(input.target + 1), 1);
+    DrawCurves(canvas, region.curves, TargetStroke(style));
+  }
+  if (input.hand) DrawHand(canvas, input.camera, *input.hand, std::max(1, style.line_px / 2));
+  DrawLabels(input, silhouettes, style, canvas);
+  if (!style.legend) return canvas.Take();
+  return WithKey(canvas.Take(), OverlayKey(input, style));
 }
 
 Image<Rgb8> ContactSheet(const std::vector<Image<Rgb8>>& tiles,

@@ -69,6 +69,7 @@ Axes AxesOf(const Chart& chart, int width, int height, double y_min_top) {
 void DrawBand(Canvas& canvas, const Axes& axes, const ChartSeries& series) {
   std::vector<Eigen::Vector2d> low, high;
   for (size_t i = 0; i < series.band.size(); ++i) {
+    if (!series.band[i].is_known()) continue;
     low.emplace_back(series.points[i].x(), series.band[i].low);
     high.emplace_back(series.points[i].x(), series.band[i].high);
   }

@@ -41,7 +41,7 @@ struct ChartSeries {
   std::vector<Eigen::Vector2d> points;
   Rgb8 color;
   bool dots = false;                // dots, else a polyline
-  std::vector<Interval> band = {};  // interval of each point, shaded; empty = none
+  std::vector<Interval> band = {};  // interval of each point, shaded if it is known; empty = none
 };
 
 struct Chart {

@@ -119,7 +119,7 @@ class Comparison {
       row.result.images.push_back({bin_index,
                                    ScoreAgainstTruth(matcher, cell_.camera(), found.hypotheses),
                                    std::move(found.seconds)});
-      Draw(row, bin_index, view, found.hypotheses);
+      Draw(row, bin_index, scene, view);
     }
   }
 
@@ -163,19 +163,24 @@ class Comparison {
     row.result.peak_memory_mib = std::max(row.result.peak_memory_mib, row.held_mib + grown_mib);
   }
 
-  void Draw(const LiveRow& row, int trial, const Observation& view,
-            const std::vector<PoseHypothesis>& hypotheses) const {
+  // Draws the last image of a row.
+  void Draw(const LiveRow& row, int trial, const Scene& scene, const Observation& view) {
     if (job_.out.empty() || trial >= job_.pictured_bins) return;
-    const auto folder = PicturesOf(job_.out, trial) / FolderName(row.result.label);
-    WriteAttemptPictures(
-        folder, 0,
-        {view.frame, cell_.camera(), cell_.objects(), hypotheses, nullptr, nullptr, &view.ids});
+    const sim::Picture& picture = pictures_.Of(cell_, scene);
+    const AttemptScore& score = row.result.images.back().score;
+    OverlayInput input{picture.color, picture.camera.intrinsics, cell_.objects(),
+                       OverlayPoses(score.hypotheses)};
+    input.ids = &picture.ids;
+    input.missed = MissedInstances(score.instances);
+    WriteAttemptPictures(PicturesOf(job_.out, trial) / FolderName(row.result.label), 0, view.frame,
+                         DrawOverlay(input));
   }
 
   const ComparisonJob& job_;
   SimulatedCell cell_;
   std::vector<MetricModel> metrics_;
   std::vector<LiveRow> rows_;
+  BinPictures pictures_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "eval/estimate/statistics.h"
 #include "eval/metrics/metric_columns.h"
+#include "eval/metrics/pose_columns.h"
 #include "eval/page/vega.h"
 
 namespace pickbed::eval {
@@ -217,6 +218,7 @@ ResultColumns HypothesesColumns() {
                "predicted probability that a pick at this pose succeeds; empty without --tolerance",
                "0..1"}},
              columns);
+  AddColumns(PoseColumns("estimated pose"), columns);
   AddColumns(MetricColumns::AtEnd(MetricUnits::kStored).Columns(), columns);
   return columns;
 }
@@ -271,10 +273,36 @@ std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
       for (size_t i = 0; i < image.score.hypotheses.size(); ++i) {
         const HypothesisRecord& h = image.score.hypotheses[i].record;
         const bool known = !image.pick_chances.empty() && image.pick_chances[i].has_value();
-        csv += fmt::format(
-            "{},{},{},{},{},{}{},{},{}{}\n", row.label, image.trial, i, objects[h.object]->name,
-            h.instance, h.score, placed.Cells(h.metrics), h.correct ? 1 : 0,
-            known ? fmt::format("{:.4f}", *image.pick_chances[i]) : "", at_end.Cells(h.metrics));
+        csv += fmt::format("{},{},{},{},{},{}{},{},{}{}{}\n", row.label, image.trial, i,
+                           objects[h.object]->name, h.instance, h.score, placed.Cells(h.metrics),
+                           h.correct ? 1 : 0,
+                           known ? fmt::format("{:.4f}", *image.pick_chances[i]) : "",
+                           PoseCells(h.X_WO), at_end.Cells(h.metrics));
+      }
+    }
+  }
+  return csv;
+}
+
+ResultColumns EstimatedInstancesColumns() {
+  return {
+      {"estimator", "estimator as given on the command line"},
+      {"trial", "number of the trial"},
+      {"instance", "number of the instance in its bin"},
+      {"object", "name of the object"},
+      {"visible_fraction", "visible share of its pixels; recall counts from 0.1 on", "0..1"},
+      {"found", "1 if a reported pose is correct for it"},
+  };
+}
+
+std::string InstancesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects) {
+  std::string csv = HeaderLine(EstimatedInstancesColumns());
+  for (const ComparedRow& row : rows) {
+    for (const ComparedImage& image : row.images) {
+      for (const InstanceRecord& instance : image.score.instances) {
+        csv += fmt::format("{},{},{},{},{},{}\n", row.label, image.trial, instance.instance,
+                           objects[instance.object]->name, instance.visible_fraction,
+                           instance.recalled ? 1 : 0);
       }
     }
   }

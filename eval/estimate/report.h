@@ -20,6 +20,10 @@ std::string ComparisonTable(const std::vector<ComparedRow>& rows);
 std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects);
 // One line per reported pose.
 std::string HypothesesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects);
+// One line per estimator and instance in view, from which recall can be counted.
+std::string InstancesCsv(const std::vector<ComparedRow>& rows, const ObjectSet& objects);
+// Returns the columns of InstancesCsv().
+ResultColumns EstimatedInstancesColumns();
 // Returns the columns of ComparisonCsv().
 ResultColumns EstimatorComparisonColumns();
 // Returns the columns of HypothesesCsv().

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "eval/draw/bin_view.h"
 #include "eval/draw/overlay.h"
+#include "eval/draw/silhouettes.h"
 
 namespace pickbed::eval::explain {
 namespace {
@@ -21,35 +23,28 @@ Rgb8 Blend(Rgb8 under, Rgb8 over, double share) {
   return {channel(under.r, over.r), channel(under.g, over.g), channel(under.b, over.b)};
 }
 
-// Intrinsics of the enlarged image. Pixel centers have integer coordinates in both images.
+// Intrinsics of the enlarged region. Pixel centers have integer coordinates in both images.
 CameraIntrinsics ZoomedBy(const CameraIntrinsics& k, int zoom) {
   return {k.width() * zoom, k.height() * zoom,           k.fx() * zoom,
           k.fy() * zoom,    (k.cx() + 0.5) * zoom - 0.5, (k.cy() + 0.5) * zoom - 0.5};
 }
 
-void DrawCross(Canvas& canvas, const Eigen::Vector2d& center, double half_px) {
-  for (const auto& [color, width] : {std::pair{Rgb8{255, 255, 255}, 5}, std::pair{kWrong, 3}}) {
-    for (const double side : {-1.0, 1.0}) {
-      const Eigen::Vector2d arm(half_px, side * half_px);
-      canvas.Line(center - arm, center + arm, color, width);
-    }
-  }
-}
-
 }  // namespace
 
-Board::Board(const RgbdFrame& frame)
-    : zoom(std::clamp(kBoardWidth_px / std::max(1, frame.intrinsics.width()), 1, 4)),
-      camera(ZoomedBy(frame.intrinsics, zoom)),
-      color(Enlarged(frame.color.empty() ? ColorizeDepth(frame.depth_m) : frame.color, zoom, true)),
+Board::Board(const RgbdFrame& frame, const ImageBox& shown)
+    : region(shown),
+      zoom(std::clamp(kBoardWidth_px / std::max(1, region.width), 1, 4)),
+      camera(
+          ZoomedBy(frame.intrinsics.Window(region.x, region.y, region.width, region.height), zoom)),
+      color(Enlarged(Cropped(VisibleImage(frame), region), zoom, true)),
       faded(Faded(color)) {}
 
 Eigen::Vector2d Board::At(const Eigen::Vector2d& pixel) const {
-  return ((pixel.array() + 0.5) * zoom - 0.5).matrix();
+  return ((pixel - Eigen::Vector2d(region.x, region.y)).array() + 0.5) * zoom - 0.5;
 }
 
 Image<Rgb8> DrawForeground(const RgbdFrame& frame, const OrganizedCloud& cloud) {
-  Image<Rgb8> image = frame.color.empty() ? ColorizeDepth(frame.depth_m) : frame.color;
+  Image<Rgb8> image = VisibleImage(frame);
   for (size_t i = 0; i < image.size(); ++i) {
     if (cloud.foreground.data()[i]) continue;
     const bool known = cloud.depth_m.data()[i] > 0;
@@ -100,24 +95,52 @@ Image<Rgb8> DrawVoteMap(const Board& board, const std::vector<Eigen::Vector2d>& 
   return WithLegend(canvas.Take(), all);
 }
 
-Image<Rgb8> DrawPoses(const Board& board, ObjectOutlines& outlines, const ObjectSet& objects,
-                      const std::vector<DrawnPose>& poses, const std::vector<LegendEntry>& legend) {
+Image<Rgb8> DrawPoses(const Board& board, const ObjectSet& objects,
+                      const std::vector<DrawnPose>& poses, const std::vector<KeyEntry>& key) {
+  std::vector<PlacedObject> placed;
+  for (const DrawnPose& pose : poses) placed.push_back({pose.object, pose.X_CO});
+  const std::vector<Silhouette> silhouettes = SilhouettesOf(placed, objects, board.camera);
   Canvas canvas(board.faded);
-  for (auto pose = poses.rbegin(); pose != poses.rend(); ++pose) {
-    const auto lines = outlines.At(pose->object, pose->X_CO, board.camera);
-    for (const PixelLine& line : lines) canvas.Line(line.a, line.b, {20, 20, 20}, 3);
-    for (const PixelLine& line : lines) canvas.Line(line.a, line.b, pose->color, 1);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    DrawCurves(canvas, silhouettes[i].curves, {poses[i].color, poses[i].style, 2, 1});
   }
   // Marks are drawn last, so that no outline covers them.
-  for (auto pose = poses.rbegin(); pose != poses.rend(); ++pose) {
-    const Eigen::Vector3d center_C = pose->X_CO * objects[pose->object]->mass.com_O;
-    if (!(center_C.z() > 0)) continue;
-    const Eigen::Vector2d at = Project(board.camera, center_C);
-    if (pose->crossed) DrawCross(canvas, at, 9);
-    if (pose->label.empty()) continue;
-    canvas.Label(pose->label, pose->crossed ? at + Eigen::Vector2d(0, 22) : at, 0.5);
+  for (size_t i = poses.size(); i-- > 0;) {
+    if (poses[i].label.empty() || silhouettes[i].curves.empty()) continue;
+    DrawPlate(canvas, {poses[i].mark, poses[i].label, 0.42}, silhouettes[i].inside);
   }
-  return WithLegend(canvas.Take(), legend);
+  return WithKey(canvas.Take(), key);
+}
+
+std::vector<KeyEntry> LineKey(const std::vector<LegendEntry>& legend) {
+  std::vector<KeyEntry> key;
+  for (const LegendEntry& entry : legend) {
+    const LineStyle style = entry.color == kWrong ? LineStyle::kDashed : LineStyle::kSolid;
+    key.push_back(
+        {entry.meaning, KeyEntry::Sample::kLine, PoseMark::kUnknown, {entry.color, style, 2, 1}});
+  }
+  return key;
+}
+
+ImageBox ForegroundRegion(const OrganizedCloud& cloud) {
+  constexpr double kMargin = 0.08;  // of the larger side
+  const int width = cloud.foreground.width(), height = cloud.foreground.height();
+  int left = width, right = -1, top = height, bottom = -1;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      if (!cloud.foreground(x, y)) continue;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      top = std::min(top, y);
+      bottom = std::max(bottom, y);
+    }
+  }
+  if (right < 0) return {0, 0, width, height};
+  const int margin = static_cast<int>(kMargin * std::max(right - left, bottom - top)) + 1;
+  left = std::max(0, left - margin);
+  top = std::max(0, top - margin);
+  return {left, top, std::min(width, right + margin + 1) - left,
+          std::min(height, bottom + margin + 1) - top};
 }
 
 }  // namespace pickbed::eval::explain

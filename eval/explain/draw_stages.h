@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "eval/draw/canvas.h"
+#include "eval/draw/marks.h"
 #include "eval/draw/outline.h"
 #include "perception/candidates/estimate_trace.h"
 #include "scenes/base/ids.h"
@@ -13,14 +14,16 @@
 
 namespace pickbed::eval::explain {
 
-inline constexpr Rgb8 kRight{70, 205, 95}, kNear{245, 185, 45}, kWrong{235, 62, 52};
-inline constexpr Rgb8 kUnknown{85, 165, 255}, kPale{165, 170, 180};
+// For all kinds of color vision: blue, yellow and orange also differ in brightness.
+inline constexpr Rgb8 kRight = kRightColor, kNear{255, 236, 120}, kWrong = kWrongColor;
+inline constexpr Rgb8 kUnknown{225, 130, 190}, kPale{165, 170, 180};
 
-// Enlarged image to draw on, and the camera that matches it.
+// Enlarged part of an image to draw on, and the camera that matches it.
 struct Board {
-  explicit Board(const RgbdFrame& frame);
+  Board(const RgbdFrame& frame, const ImageBox& shown);
   Eigen::Vector2d At(const Eigen::Vector2d& pixel) const;  // frame pixel -> board pixel
 
+  ImageBox region;  // of the frame
   int zoom = 1;
   CameraIntrinsics camera;  // intrinsics of the enlarged image
   Image<Rgb8> color;
@@ -48,11 +51,18 @@ struct DrawnPose {
   ObjectId object{0};
   Pose X_CO = Pose::Identity();
   Rgb8 color;
-  std::string label = {};  // drawn at its center of mass
-  bool crossed = false;    // marked as wrong
+  std::string label = {};               // drawn in its visible region
+  PoseMark mark = PoseMark::kUnknown;   // symbol before the label
+  LineStyle style = LineStyle::kSolid;  // of the silhouette
 };
-// Draws the outlines of the poses. The first pose is on top.
-Image<Rgb8> DrawPoses(const Board& board, ObjectOutlines& outlines, const ObjectSet& objects,
-                      const std::vector<DrawnPose>& poses, const std::vector<LegendEntry>& legend);
+// Draws the silhouettes of the poses. Nearer poses hide those behind them.
+Image<Rgb8> DrawPoses(const Board& board, const ObjectSet& objects,
+                      const std::vector<DrawnPose>& poses, const std::vector<KeyEntry>& key);
+// Returns the legend as colored lines. The line of wrong poses is dashed.
+std::vector<KeyEntry> LineKey(const std::vector<LegendEntry>& legend);
+
+// Returns the part of an image in which the cloud has foreground, with a margin; the whole image if
+// there is none.
+ImageBox ForegroundRegion(const OrganizedCloud& cloud);
 
 }  // namespace pickbed::eval::explain

@@ -158,13 +158,13 @@ Image<Rgb8> PatchSheet(const Board& board, ObjectOutlines& outlines,
 Rgb8 FitColor(PointFit fit) {
   switch (fit) {
     case PointFit::kAgrees:
-      return {60, 220, 90};
+      return kRightColor;
     case PointFit::kWrongNormal:
-      return {250, 200, 40};
+      return {255, 236, 120};
     case PointFit::kHidden:
-      return {70, 140, 255};
+      return {40, 46, 58};
     case PointFit::kViolates:
-      return {240, 45, 45};
+      return kWrongColor;
     case PointFit::kUnknown:
       break;
   }

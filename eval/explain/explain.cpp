@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/draw/bin_view.h"
 #include "eval/trial/estimator_runner.h"
 #include "perception/estimators/pose_estimator.h"
 #include "scenes/base/error.h"
@@ -35,9 +36,10 @@ std::string ExplainTrial(const ScenarioSpec& spec, const ObjectSet& objects,
   Rng rng = Rng::Derive(spec.seed, bin_index, "estimate/0");
   const EstimateResult result = runner.Estimate(view.frame, rng, &trace);
   const auto views = CellViews(cell, cell.objects());  // the trace has the cell's object indices
-  return WriteExplanation({title, view.frame, cell.objects(), trace, result.hypotheses,
-                           std::move(truth), *views, WorkingDistance_m(cell)},
-                          folder);
+  return WriteExplanation(
+      {title, view.frame, cell.objects(), trace, result.hypotheses, std::move(truth), *views,
+       WorkingDistance_m(cell), BinRegion(cell.camera(), cell.bin())},
+      folder);
 }
 
 }  // namespace pickbed::eval

@@ -29,6 +29,7 @@ struct Explained {
   std::optional<std::vector<TrueInstance>> truth;  // without it, no pose is called right or wrong
   LabelledViewSource& views;                       // renders the codebook entries
   double working_distance_m = 0.85;
+  std::optional<ImageBox> region = {};  // shown part of the frame; default: its foreground
 };
 
 // Writes explain.html and pictures/*.png into `folder`. Returns an empty string, or the reason why

@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 
+#include "eval/draw/bin_view.h"
 #include "eval/draw/overlay.h"
 #include "eval/stats/statistics.h"
 #include "eval/trial/simulated_cell.h"
@@ -24,7 +25,11 @@ constexpr int kFollowed = 30;  // number of poses shown before and after ICP
 }  // namespace
 
 Explainer::Explainer(const Explained& in, const std::filesystem::path& folder)
-    : in_(in), folder_(folder), page_(in.title), board_(in.frame), outlines_(in.objects) {
+    : in_(in),
+      folder_(folder),
+      page_(in.title),
+      board_(in.frame, in.region ? *in.region : ForegroundRegion(in.trace.cloud)),
+      outlines_(in.objects) {
   for (const auto& object : in.objects) {
     models_.push_back(MakeModelPoints(*object));
     distances_.emplace_back(*object);
@@ -133,12 +138,14 @@ void Explainer::Input() {
   const auto at = [&](double share) {
     return known.empty() ? 0.f : known[static_cast<size_t>(share * (known.size() - 1))];
   };
-  if (!in_.frame.color.empty()) Show("1_color", in_.frame.color, "Colour", false);
-  Show("1_depth", ColorizeDepth(in_.frame.depth_m),
+  if (!in_.frame.color.empty()) {
+    Show("1_color", Cropped(in_.frame.color, board_.region), "Colour", false);
+  }
+  Show("1_depth", Cropped(ColorizeDepth(in_.frame.depth_m), board_.region),
        fmt::format("Depth: near is warm, {:.3f} to {:.3f} m; black has no reading ({})", at(0.01),
                    at(0.99), PercentText(holes)),
        false);
-  Show("1_foreground", DrawForeground(in_.frame, in_.trace.cloud),
+  Show("1_foreground", Cropped(DrawForeground(in_.frame, in_.trace.cloud), board_.region),
        "Foreground in its colours; background is dimmed, violet has no reading", false);
 }
 
@@ -225,8 +232,8 @@ void Explainer::Votes() {
 
 void Explainer::Hypotheses() {
   Stage("5. Hypotheses before and after ICP",
-        "The votes with the best ranks, and their poses after ICP. Amber before should be green "
-        "after; red before stays wrong, and amber that turned red converged to clutter.");
+        "The votes with the best ranks, and their poses after ICP. Yellow before should be blue "
+        "after; orange before stays wrong, and yellow that turned orange converged to clutter.");
   std::vector<const TracedRefinement*> followed;
   for (const TracedRefinement& refinement : in_.trace.refinements) {
     if (!refinement.ambiguous_pose) followed.push_back(&refinement);
@@ -242,11 +249,11 @@ void Explainer::Hypotheses() {
     int right = 0;
     for (const TracedRefinement* refinement : followed) {
       const RawHypothesis& pose = refinement->*which;
-      poses.push_back({pose.object, pose.X_CO, ColorOfPose(pose.object, pose.X_CO)});
+      poses.push_back(DrawnOf(pose.object, pose.X_CO));
       right += poses.back().color == kRight;
     }
     const std::string how_many = judge_ ? fmt::format(": {} right", right) : "";
-    Show(name, DrawPoses(board_, outlines_, in_.objects, poses, legend),
+    Show(name, DrawPoses(board_, in_.objects, poses, LineKey(legend)),
          fmt::format("The best {} {} ICP{}", followed.size(), when, how_many));
   };
   draw("5_before_icp", "before", &TracedRefinement::before);

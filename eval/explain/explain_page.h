@@ -60,6 +60,12 @@ class Explainer {
   Rgb8 ColorOfPose(ObjectId object, const Pose& X_CO) const {
     return judge_ ? ColorOf((*judge_)(object, X_CO)) : explain::kUnknown;
   }
+  // Outline of a pose in its color by truth; a wrong one is dashed.
+  explain::DrawnPose DrawnOf(ObjectId object, const Pose& X_CO) const {
+    explain::DrawnPose pose{object, X_CO, ColorOfPose(object, X_CO)};
+    if (pose.color == explain::kWrong) pose.style = LineStyle::kDashed;
+    return pose;
+  }
   std::string ObjectName(ObjectId object) const {
     return in_.objects.size() > 1 ? in_.objects[object]->name + "  " : "";
   }

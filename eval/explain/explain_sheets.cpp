@@ -16,6 +16,8 @@ namespace {
 constexpr int kQueries = 12, kQueryNeighbors = 5;
 constexpr size_t kGalleryTiles = 15, kBestTiles = 10;
 
+// The colors follow Okabe and Ito ("Color Universal Design", 2008). Each instance also has a number
+// that leads to the table.
 Rgb8 OutcomeColor(LostAt lost) {
   switch (lost) {
     case LostAt::kFound:
@@ -23,23 +25,23 @@ Rgb8 OutcomeColor(LostAt lost) {
     case LostAt::kHardlyVisible:
       return kPale;
     case LostAt::kPoints:
-      return {150, 110, 70};
+      return {120, 80, 50};
     case LostAt::kVotes:
-      return {235, 62, 52};
+      return {213, 94, 0};
     case LostAt::kSelection:
-      return {250, 130, 40};
+      return {230, 159, 0};
     case LostAt::kIcp:
-      return {250, 210, 60};
+      return {240, 228, 66};
     case LostAt::kMerging:
-      return {240, 240, 180};
+      return {250, 245, 205};
     case LostAt::kVerifier:
-      return {200, 90, 240};
+      return {204, 121, 167};
     case LostAt::kPoseSelection:
-      return {85, 165, 255};
+      return {0, 158, 115};
     case LostAt::kCount:
-      return {40, 90, 170};
+      return {0, 70, 130};
     case LostAt::kRefiner:
-      return {60, 220, 230};
+      return {150, 225, 235};
   }
   return kPale;
 }
@@ -128,12 +130,13 @@ PoseTile Explainer::TileOf(ObjectId object, const Pose& X_CO, std::string title,
 }
 
 void Explainer::Accepted() {
-  Stage("6. Input of the verifier",
-        fmt::format("Each dot is a model point that faces the camera. A right pose is green except "
-                    "where it is hidden (blue). Red is evidence against it: the camera measured a "
-                    "surface behind the model point. Texture: how well the colours of a printed "
-                    "object match, up to 1; below {:g} it lowers the score.",
-                    kPrintFound));
+  Stage(
+      "6. Input of the verifier",
+      fmt::format("Each dot is a model point that faces the camera. A right pose is blue except "
+                  "where it is hidden (black). Orange is evidence against it: the camera measured "
+                  "a surface behind the model point. Texture: how well the colours of a printed "
+                  "object match, up to 1; below {:g} it lowers the score.",
+                  kPrintFound));
   std::vector<PoseTile> tiles;
   const std::vector<Verdict> verdicts =
       judge_ ? JudgeSet(*judge_, in_.trace.accepted) : std::vector<Verdict>();
@@ -239,14 +242,24 @@ void Explainer::Final() {
   std::vector<DrawnPose> poses;
   for (size_t i = 0; i < in_.hypotheses.size(); ++i) {
     const PoseHypothesis& h = in_.hypotheses[i];
-    DrawnPose pose{h.object, h.X_CO, ScoreColor(h.score), fmt::format("{:.2f}", h.score)};
-    if (judge_) pose.crossed = verdicts_[i] == Verdict::kWrong || verdicts_[i] == Verdict::kSecond;
+    DrawnPose pose{h.object, h.X_CO, kUnjudgedColor, fmt::format("{:.2f}", h.score)};
+    if (judge_) {
+      pose.mark = verdicts_[i] == Verdict::kRight ? PoseMark::kRight : PoseMark::kWrong;
+      pose.color = pose.mark == PoseMark::kRight ? kRightColor : kWrongColor;
+      if (pose.mark == PoseMark::kWrong) pose.style = LineStyle::kDashed;
+    }
     poses.push_back(std::move(pose));
   }
-  std::vector<LegendEntry> legend{{ScoreColor(1), "sure (score 1)"},
-                                  {ScoreColor(0.5), "doubtful (0.5)"}};
-  if (judge_) legend.push_back({kWrong, "crossed: wrong, or the second pose of an instance"});
-  Show("7_final", DrawPoses(board_, outlines_, in_.objects, poses, legend),
+  std::vector<KeyEntry> key;
+  if (judge_) {
+    key = {{"right", KeyEntry::Sample::kMark, PoseMark::kRight, {kRightColor}},
+           {"wrong, or the second pose of an instance",
+            KeyEntry::Sample::kMark,
+            PoseMark::kWrong,
+            {kWrongColor, LineStyle::kDashed}}};
+  }
+  key.push_back({"number: score"});
+  Show("7_final", DrawPoses(board_, in_.objects, poses, key),
        fmt::format("{} poses with a score of {:g} or more", poses.size(), in_.trace.min_score));
 }
 
@@ -278,7 +291,7 @@ void Explainer::Outcomes() {
     counts.push_back({text.name, std::to_string(count), text.help});
   }
   page_.Table(counts);
-  Show("8_parts", DrawPoses(board_, outlines_, in_.objects, poses, legend),
+  Show("8_parts", DrawPoses(board_, in_.objects, poses, LineKey(legend)),
        "The true poses, numbered as below");
   page_.Table(OutcomeTable(order));
 }

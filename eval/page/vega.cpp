@@ -87,16 +87,32 @@ Json SeriesFill(const char* field, const std::vector<std::string>& names) {
   return Series(field, names, Scale(names, patterns));
 }
 
+void AddRate(const ReportRate& rate, Json& value) {
+  value["rate"] = rate.rate();
+  if (rate.ci95.is_known()) {
+    value["low"] = rate.ci95.low;
+    value["high"] = rate.ci95.high;
+  }
+  value["text"] = fmt::format("{} of {}", RateText(rate), rate.samples);
+}
+
+Json WithInterval(Json layer) {
+  layer["transform"] = {{{"filter", "isValid(datum.low)"}}};
+  return layer;
+}
+
 Json CurveLayers(const Json& x, const Json& y, const std::vector<std::string>& names) {
   Json low = y, high = y, sort = x;
   low["field"] = "low";
   high = {{"field", "high"}};
   const Json color = SeriesColor("series", names);
   Json layers = Json::array();
-  layers.push_back({{"mark", {{"type", "area"}, {"opacity", 0.15}}},
-                    {"encoding", {{"x", x}, {"y", low}, {"y2", high}, {"color", color}}}});
-  layers.push_back({{"mark", {{"type", "rule"}, {"opacity", 0.6}}},
-                    {"encoding", {{"x", x}, {"y", low}, {"y2", high}, {"color", color}}}});
+  layers.push_back(
+      WithInterval({{"mark", {{"type", "area"}, {"opacity", 0.15}}},
+                    {"encoding", {{"x", x}, {"y", low}, {"y2", high}, {"color", color}}}}));
+  layers.push_back(
+      WithInterval({{"mark", {{"type", "rule"}, {"opacity", 0.6}}},
+                    {"encoding", {{"x", x}, {"y", low}, {"y2", high}, {"color", color}}}}));
   layers.push_back(
       {{"mark", {{"type", "line"}, {"strokeWidth", 2}}},
        {"encoding",
@@ -136,12 +152,8 @@ void AddValues(const RateCurve& curve, const std::vector<std::string>& x_names, 
   for (size_t i = 0; i < x_names.size(); ++i) {
     const ReportRate& rate = curve.rates[i];
     if (rate.samples == 0) continue;
-    values.push_back({{"x", x_names[i]},
-                      {"series", curve.series},
-                      {"rate", rate.rate()},
-                      {"low", rate.ci95.low},
-                      {"high", rate.ci95.high},
-                      {"text", fmt::format("{} of {}", RateText(rate), rate.samples)}});
+    values.push_back({{"x", x_names[i]}, {"series", curve.series}});
+    AddRate(rate, values.back());
   }
 }
 
@@ -151,6 +163,11 @@ void AddColumns(const RateCurve& curve, TableCells& table) {
     const ReportRate& rate = curve.rates[i];
     table[i + 1].insert(table[i + 1].end(), {RateText(rate), std::to_string(rate.samples)});
   }
+}
+
+bool AnyWithoutInterval(const Json& values) {
+  return std::any_of(values.begin(), values.end(),
+                     [](const Json& value) { return !value.contains("low"); });
 }
 
 // Gray line and points. The data of the layer are its own.
@@ -191,6 +208,7 @@ ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std:
     chart.caption += kNothing;
     return chart;
   }
+  if (AnyWithoutInterval(values)) SayTooFewBins(chart.caption);
   Json spec = EmptySpec(values);
   Json x = Field("x", "ordinal", x_title);
   x["sort"] = x_names;
@@ -218,20 +236,17 @@ ReportChart CalibrationCurves(ReportChart chart, const std::string& x_title,
   for (const CalibrationCurve& curve : curves) {
     names.push_back(curve.series);
     for (const auto& [confidence, right] : curve.points) {
-      const std::string rate = RateText(right), poses = std::to_string(right.samples);
-      chart.table.push_back({curve.series, PercentText(confidence), rate, poses});
-      values.push_back({{"confidence", confidence},
-                        {"rate", right.rate()},
-                        {"low", right.ci95.low},
-                        {"high", right.ci95.high},
-                        {"series", curve.series},
-                        {"text", fmt::format("{} of {}", rate, poses)}});
+      chart.table.push_back(
+          {curve.series, PercentText(confidence), RateText(right), std::to_string(right.samples)});
+      values.push_back({{"confidence", confidence}, {"series", curve.series}});
+      AddRate(right, values.back());
     }
   }
   if (values.empty()) {
     chart.caption += kNothing;
     return chart;
   }
+  if (AnyWithoutInterval(values)) SayTooFewBins(chart.caption);
   const Json x = PercentField("confidence", x_title), y = PercentField("rate", y_title);
   Json spec = EmptySpec(values);
   Json layers = CurveLayers(x, y, names);

@@ -36,6 +36,11 @@ Json SeriesDash(const char* field, const std::vector<std::string>& names);
 // Fill of bars: a color with a pattern.
 Json SeriesFill(const char* field, const std::vector<std::string>& names);
 
+// Adds `rate`, its interval `low` and `high` if it is known, and `text` to a data value.
+void AddRate(const ReportRate& rate, Json& value);
+// Returns the layer without the data values whose interval is unknown.
+Json WithInterval(Json layer);
+
 // Layers of a curve with its interval band. `x` is ordinal or quantitative. The data fields are
 // `rate`, `low`, `high` and `series`.
 Json CurveLayers(const Json& x, const Json& y, const std::vector<std::string>& names);

@@ -68,7 +68,8 @@ ResultPage RunPage() {
          Plain(fmt::format("{}/*.yaml", kConfigurationsFolder),
                "effective settings of each configuration of a sweep"),
          Plain(fmt::format("{}/trial_NNNN/*", kPicturesFolder),
-               "pictures of attempts: color, depth, overlay of the poses, after the pick, failed"),
+               "pictures of attempts: color, depth, overlay of the poses, after the pick, failed; "
+               "animation of the pick"),
          Plain(fmt::format("{}/{}", kPicturesFolder, kOcclusionSheet),
                "one target in all bands, of occlusion trials"),
          Plain(fmt::format("{}/*", kShardsFolder), "results folders of the shards of a sweep"),
@@ -76,6 +77,7 @@ ResultPage RunPage() {
          Plain(kReportFile, "page of `pickbed report`"),
          Csv(kTrialsFile, "one line per trial", TrialsColumns()),
          Csv(kAttemptsFile, "one line per attempt", AttemptsColumns()),
+         Csv(kInstancesFile, "one line per instance in view of each image", InstancesColumns()),
          Csv(kInstanceOutcomesFile, "one line per dropped instance that is not a distractor",
              InstanceOutcomesColumns()),
          Csv(kConfigurationsFile, "one line per configuration", ConfigurationsColumns()),
@@ -84,10 +86,21 @@ ResultPage RunPage() {
              CurveColumns()),
          Csv(kPickChancesFile, "only with --tolerance: one line per reported pose",
              PickChancesColumns()),
-         Json(kSummaryFile,
-              "statistics of a run; of a sweep, `configurations[]` has `configuration`, `name` "
-              "and the same keys",
-              SummaryKeys())}}}};
+         Plain(kSummaryFile,
+               fmt::format("statistics, see [{}](files_summary.md)", kSummaryFile))}}}};
+}
+
+ResultPage SummaryPage() {
+  return {"files_summary.md",
+          fmt::format("Keys of {}", kSummaryFile),
+          {{"Statistics of a run or sweep",
+            fmt::format("`{}` in a results folder. {} With too few bins an interval is null, and a "
+                        "key that ends with `_missing` has the reason.",
+                        kSummaryFile, kIntervals),
+            {Json(kSummaryFile,
+                  "statistics of a run; of a sweep, `configurations[]` has `configuration`, `name` "
+                  "and the same keys",
+                  SummaryKeys())}}}};
 }
 
 ResultPage StorePage() {
@@ -137,6 +150,8 @@ ResultPage MeasurementsPage() {
          Csv(kComparisonFile, "one line per estimator, and one per estimator and object",
              EstimatorComparisonColumns()),
          Csv(kHypothesesFile, "one line per reported pose", HypothesesColumns()),
+         Csv(kInstancesFile, "one line per estimator and instance in view of each image",
+             EstimatedInstancesColumns()),
          Csv("ESTIMATOR_DATASET-SPLIT.csv", "with --bop: results in BOP's format",
              bop::EstimateColumns())}}}};
 }
@@ -260,9 +275,13 @@ std::string FolderText(const ResultFolder& folder) {
 }  // namespace
 
 std::vector<ResultPage> AllResultFiles() {
-  return {RunPage(),          StorePage(),
-          MeasurementsPage(), BenchmarkPage(),
-          ObjectsPage(),      {"files_datasets.md", "Files of a dataset", {DatasetFolder()}}};
+  return {RunPage(),
+          SummaryPage(),
+          StorePage(),
+          MeasurementsPage(),
+          BenchmarkPage(),
+          ObjectsPage(),
+          {"files_datasets.md", "Files of a dataset", {DatasetFolder()}}};
 }
 
 void AddFilePages(Pages& pages) {

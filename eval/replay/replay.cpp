@@ -76,6 +76,35 @@ bool IsDifference(const StageReplay& row) {
   return row.verdict != ReplayVerdict::kSame && row.verdict != ReplayVerdict::kNotRecorded;
 }
 
+std::string StageLine(const StageReplay& row) {
+  return fmt::format("{:<9}{:<12}{:<18}{:<18}{}\n", row.attempt, StageName(row.stage),
+                     HashText(row.recorded), HashText(row.replayed), VerdictName(row.verdict));
+}
+
+std::string StageLines(const std::vector<StageReplay>& stages) {
+  std::string text =
+      fmt::format("{:<9}{:<12}{:<18}{:<18}\n", "attempt", "stage", "recorded", "replayed");
+  for (const StageReplay& row : stages) text += StageLine(row);
+  return text;
+}
+
+// One line per attempt, followed by the stages that differ.
+std::string AttemptLines(const std::vector<StageReplay>& stages) {
+  std::string text;
+  for (auto begin = stages.begin(); begin != stages.end();) {
+    const auto end = std::find_if(
+        begin, stages.end(), [&](const StageReplay& row) { return row.attempt != begin->attempt; });
+    const auto same = std::count_if(
+        begin, end, [](const StageReplay& row) { return row.verdict == ReplayVerdict::kSame; });
+    text += fmt::format("attempt {}: {} of {} stages are the same\n", begin->attempt, same,
+                        end - begin);
+    for (; begin != end; ++begin) {
+      if (IsDifference(*begin)) text += "  " + StageLine(*begin);
+    }
+  }
+  return text;
+}
+
 }  // namespace
 
 TrialAddress ParseTrialAddress(const std::string& text) {
@@ -144,13 +173,8 @@ ReplayReport ReplayTrial(
   return report;
 }
 
-std::string ReplayTable(const ReplayReport& report) {
-  std::string text =
-      fmt::format("{:<9}{:<12}{:<18}{:<18}\n", "attempt", "stage", "recorded", "replayed");
-  for (const StageReplay& row : report.stages) {
-    text += fmt::format("{:<9}{:<12}{:<18}{:<18}{}\n", row.attempt, StageName(row.stage),
-                        HashText(row.recorded), HashText(row.replayed), VerdictName(row.verdict));
-  }
+std::string ReplayTable(const ReplayReport& report, bool verbose) {
+  std::string text = verbose ? StageLines(report.stages) : AttemptLines(report.stages);
   const StageReplay* first = report.FirstDifference();
   if (first == nullptr) {
     const bool compared = std::any_of(report.stages.begin(), report.stages.end(), [](auto& row) {

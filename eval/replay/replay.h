@@ -85,8 +85,9 @@ ReplayReport ReplayTrial(
 std::vector<StageReplay> CompareStages(const std::vector<AttemptRecord>& recorded,
                                        const std::vector<AttemptRecord>& replayed);
 
-// Returns one line per stage and the first difference, for the console.
-std::string ReplayTable(const ReplayReport& report);
+// Returns the result for the console: one line per attempt, one per stage that is not the same, and
+// the first difference. With `verbose`, one line per stage with its hashes.
+std::string ReplayTable(const ReplayReport& report, bool verbose = false);
 // Returns a CSV table with one line per stage.
 std::string ReplayCsv(const ReplayReport& report);
 // Returns the columns of ReplayCsv().

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "eval/report/scene_glb.h"
-#include "eval/sweep/attempt_pictures.h"
+#include "eval/export/scene_glb.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 #include "scenes/mesh_io/scene_export.h"
@@ -37,8 +36,7 @@ void StageFiles::OnStage(TrialStage stage, const AttemptState& attempt) {
     case TrialStage::kGrasp:
       return WriteGrasp(attempt);
     case TrialStage::kOutcome:
-      WritePng(PathOf(attempt, "after.png"),
-               attempt.cell.ColorPicture(attempt.scene, attempt.bin_index));
+      WritePng(PathOf(attempt, "after.png"), pictures_.Of(attempt.cell, attempt.scene).color);
   }
 }
 
@@ -57,8 +55,9 @@ void StageFiles::WriteHypotheses(const AttemptState& attempt) const {
                           options_.points_per_object));
 }
 
-void StageFiles::WriteGrasp(const AttemptState& attempt) const {
-  WritePng(PathOf(attempt, "overlay.png"), DrawOverlay(OverlayOf(attempt)));
+void StageFiles::WriteGrasp(const AttemptState& attempt) {
+  WritePng(PathOf(attempt, "overlay.png"),
+           DrawOverlay(OverlayOf(attempt, pictures_.Of(attempt.cell, attempt.scene))));
   const GlbCloud cloud =
       ObservedCloud(attempt.view->frame, attempt.cell.camera().X_WC(), options_.glb_stride_px);
   const Grasp* grasp = attempt.record.grasp ? &*attempt.record.grasp : nullptr;

@@ -10,6 +10,7 @@
 
 #include <filesystem>
 
+#include "eval/sweep/attempt_pictures.h"
 #include "eval/trial/observer.h"
 
 namespace pickbed::eval {
@@ -32,10 +33,11 @@ class StageFiles : public TrialObserver {
   std::filesystem::path PathOf(const AttemptState& attempt, const char* what) const;
   void WriteView(const AttemptState& attempt) const;
   void WriteHypotheses(const AttemptState& attempt) const;
-  void WriteGrasp(const AttemptState& attempt) const;
+  void WriteGrasp(const AttemptState& attempt);
 
   std::filesystem::path folder_;
   StageFilesOptions options_;
+  BinPictures pictures_;
 };
 
 }  // namespace pickbed::eval

@@ -56,6 +56,7 @@ struct FailureBars {
   Json values = Json::array();
   std::vector<std::string> labels;  // labels of the reasons
   double longest = 0;
+  bool few = false;  // some bar has too few bins for an interval
 };
 
 FailureBars BarsOf(std::span<const ConfigurationReport> configurations) {
@@ -65,13 +66,15 @@ FailureBars BarsOf(std::span<const ConfigurationReport> configurations) {
     bars.labels.push_back(FailureLabel(row));
     for (const ConfigurationReport& configuration : configurations) {
       const ReportRate rate = RateOf(configuration.attempts, row.failure);
-      bars.longest = std::max(bars.longest, rate.ci95.high);
+      const double end = rate.ci95.is_known() ? rate.ci95.high : rate.rate();
+      bars.few = bars.few || !rate.ci95.is_known();
+      bars.longest = std::max(bars.longest, end);
       bars.values.push_back(
           {{"reason", bars.labels.back()},
            {"series", configuration.name},
            {"share", rate.rate()},
-           {"low", rate.ci95.low},
-           {"high", rate.ci95.high},
+           {"low", rate.ci95.is_known() ? rate.ci95.low : end},
+           {"high", end},
            {"means", row.help},
            {"text", fmt::format("{} ({})", rate.hits, PercentText(rate.rate()))}});
     }
@@ -93,6 +96,7 @@ ReportChart FailureChart(std::span<const ConfigurationReport> configurations) {
     chart.caption += " No pick failed.";
     return chart;
   }
+  if (bars.few) SayTooFewBins(chart.caption);
   Json spec = EmptySpec(bars.values);
   const std::vector<std::string> names = NamesOf(configurations);
   Json y = Field("reason", "nominal", "");

@@ -43,21 +43,21 @@ ReportChart SuccessChart(std::span<const ConfigurationReport> configurations) {
                     ""};
   chart.table = {{"settings", "success [95 %]", "attempts"}};
   Json values = Json::array();
+  bool few = false;
   for (const ConfigurationReport& configuration : configurations) {
     const RunSummary& s = configuration.summary;
     const ReportRate rate{s.successes, s.executed_grasps, s.success_ci95};
     chart.table.push_back({configuration.name, RateText(rate), std::to_string(rate.samples)});
     if (rate.samples == 0) continue;
-    values.push_back({{"series", configuration.name},
-                      {"rate", rate.rate()},
-                      {"low", rate.ci95.low},
-                      {"high", rate.ci95.high},
-                      {"text", fmt::format("{} of {}", RateText(rate), rate.samples)}});
+    values.push_back({{"series", configuration.name}});
+    AddRate(rate, values.back());
+    few = few || !rate.ci95.is_known();
   }
   if (values.empty()) {
     chart.caption = "No grasp was executed.";
     return chart;
   }
+  if (few) SayTooFewBins(chart.caption);
   Json y = Field("series", "nominal", "");
   y["sort"] = NamesOf(configurations);
   y["title"] = nullptr;
@@ -66,15 +66,16 @@ ReportChart SuccessChart(std::span<const ConfigurationReport> configurations) {
   low["field"] = "low";
   Json spec = EmptySpec(values);
   spec["height"] = BarsHeight_px(values.size(), 1);
-  spec["layer"] = {{{"mark", {{"type", "rule"}, {"color", "currentColor"}}},
-                    {"encoding", {{"y", y}, {"x", low}, {"x2", {{"field", "high"}}}}}},
-                   {{"mark", {{"type", "point"}, {"filled", true}, {"size", 80}}},
-                    {"encoding",
-                     {{"y", y},
-                      {"x", x},
-                      {"tooltip",
-                       {{{"field", "series"}, {"type", "nominal"}},
-                        {{"field", "text"}, {"type", "nominal"}}}}}}}};
+  spec["layer"] = {
+      WithInterval({{"mark", {{"type", "rule"}, {"color", "currentColor"}}},
+                    {"encoding", {{"y", y}, {"x", low}, {"x2", {{"field", "high"}}}}}}),
+      {{"mark", {{"type", "point"}, {"filled", true}, {"size", 80}}},
+       {"encoding",
+        {{"y", y},
+         {"x", x},
+         {"tooltip",
+          {{{"field", "series"}, {"type", "nominal"}},
+           {{"field", "text"}, {"type", "nominal"}}}}}}}};
   chart.spec = spec.dump();
   return chart;
 }
@@ -121,6 +122,9 @@ ReportChart CurvesOf(ReportChart chart, const std::string& y_title,
 constexpr const char* kRecallCaption =
     "Recall: share of the visible instances with a right reported pose (MSSD below a tenth of the "
     "diameter).";
+constexpr const char* kTargetRecallCaption =
+    "Target recall: share of the targets with a right reported pose (MSSD below a tenth of the "
+    "diameter). Other instances in view do not count.";
 constexpr const char* kPickCaption =
     "Pick success: share of the executed grasps that picked the instance, by its visible fraction.";
 constexpr const char* kTargetCaption =
@@ -148,23 +152,29 @@ bool HasTargets(std::span<const ConfigurationReport> configurations) {
 
 std::vector<ReportChart> VisibilityCharts(std::span<const ConfigurationReport> configurations) {
   std::vector<ReportChart> charts;
+  const bool has_targets = HasTargets(configurations);
+  const std::string recall = has_targets ? "target recall" : "recall";
+  const char* recall_caption = has_targets ? kTargetRecallCaption : kRecallCaption;
   if (configurations.size() == 1) {
     const ConfigurationReport* configuration = configurations.data();
     charts.push_back(
-        CurvesOf({"visibility", "Recall and pick success by visible fraction",
-                  fmt::format("{} {} {}", kRecallCaption, kPickCaption, kBandCaption), ""},
+        CurvesOf({"visibility",
+                  fmt::format("{} and pick success by visible fraction",
+                              has_targets ? "Target recall" : "Recall"),
+                  fmt::format("{} {} {}", recall_caption, kPickCaption, kBandCaption), ""},
                  "share",
-                 {{"recall", configuration, &BandRates::recall},
+                 {{recall, configuration, &BandRates::recall},
                   {"pick success", configuration, &BandRates::picks}}));
   } else {
-    charts.push_back(CurvesOf({"recall", "Recall by visible fraction",
-                               fmt::format("{} {}", kRecallCaption, kBandCaption), ""},
-                              "recall", OfEach(configurations, &BandRates::recall)));
+    charts.push_back(CurvesOf(
+        {"recall", fmt::format("{} by visible fraction", has_targets ? "Target recall" : "Recall"),
+         fmt::format("{} {}", recall_caption, kBandCaption), ""},
+        recall, OfEach(configurations, &BandRates::recall)));
     charts.push_back(CurvesOf({"pick-success", "Pick success by visible fraction",
                                fmt::format("{} {}", kPickCaption, kBandCaption), ""},
                               "pick success", OfEach(configurations, &BandRates::picks)));
   }
-  if (HasTargets(configurations)) {
+  if (has_targets) {
     charts.push_back(CurvesOf({"target-picked", "Targets picked by visible fraction",
                                fmt::format("{} {}", kTargetCaption, kBandCaption), ""},
                               "targets picked", OfEach(configurations, &BandRates::targets)));

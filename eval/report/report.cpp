@@ -132,10 +132,45 @@ void AddViews(const Contestants& all, const ObjectCatalog& catalog, const Report
   }
 }
 
+// Adds picks that the run recorded: failures first, and one success.
+void AddAnimatedPicks(const Contestants& all, const ReportOptions& options,
+                      ReportContents& contents) {
+  const auto file_of = [&](const ViewChoice& choice) {
+    const TrialResult& trial = all.trials[choice.configuration].trials[choice.trial];
+    const int attempt = trial.attempts[choice.attempt].attempt;
+    return PicturesOf(all.runs[choice.configuration]->folder, trial.trial) /
+           PickAnimationName(attempt);
+  };
+  const auto is_recorded = [&](const ViewChoice& choice) {
+    return fs::is_regular_file(file_of(choice));
+  };
+  double bytes = 0;
+  for (const ViewChoice& choice : ChooseViews(all.trials, options.animations, is_recorded)) {
+    const TrialResult& trial = all.trials[choice.configuration].trials[choice.trial];
+    ReportView pick{ViewTitle(all, choice), AddressOf(*all.runs[choice.configuration], trial.trial),
+                    ReadFileBytes(file_of(choice))};
+    bytes += kBase64 * pick.glb.size();
+    if (bytes > options.animations_mb * kMegabyte) return;
+    contents.picks.push_back(std::move(pick));
+  }
+}
+
+// Returns the overlay of the first attempt of the first bin, if the run drew it.
+std::string FirstOverlay(const Contestants& all, const ReportOptions& options) {
+  constexpr int kWidth_px = 1000;
+  const int trial = all.trials.front().trials.front().trial;
+  const fs::path folder = PicturesOf(all.runs.front()->folder, trial);
+  const fs::path file = FindPicture(folder, AttemptPicture(0, "overlay"));
+  if (file.empty()) return "";
+  return EncodeJpeg(Narrowed(ReadPng(file), kWidth_px), options.picture.quality);
+}
+
 std::string PageOf(const Contestants& all, ReportContents contents, const ObjectCatalog& catalog,
                    const ReportOptions& options) {
   contents.configurations = ReportOn(all.trials, options);
+  contents.overlay_jpeg = FirstOverlay(all, options);
   AddGallery(all, options, contents);
+  AddAnimatedPicks(all, options, contents);
   AddViews(all, catalog, options, contents);
   return ReportPage(contents);
 }

@@ -16,26 +16,34 @@ struct HeadlineStatistic {
 
 std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configuration) {
   const RunSummary& s = configuration.summary;
-  const ReportRate& recall = configuration.recall;
-  const auto share = [](int count, double rate) { return count > 0 ? PercentText(rate) : "-"; };
-  return {
-      {"pick success", share(s.executed_grasps, s.success_rate),
-       fmt::format("{} {} of {} attempts", IntervalText(s.success_ci95), s.successes,
-                   s.executed_grasps)},
-      {"instances cleared", share(s.instances_dropped, s.cleared_rate),
-       fmt::format("{} {} of {}", IntervalText(s.cleared_ci95), s.instances_cleared,
-                   s.instances_dropped)},
-      {"recall", share(recall.samples, recall.rate()),
-       fmt::format("{} {} of {} visible instances", IntervalText(recall.ci95), recall.hits,
-                   recall.samples)},
-      {"top-ranked pose right", share(s.frames, s.top1_precision),
-       fmt::format("{} {} of {} images", IntervalText(s.top1_ci95), s.top1_correct, s.frames)},
-      {"picks per hour",
-       s.cycle.picks_per_hour() > 0 ? fmt::format("{:.0f}", s.cycle.picks_per_hour()) : "-",
-       s.cycle.measured ? "with measured computing time" : ""},
-      {"bins", std::to_string(s.trials),
-       s.refused.empty() ? ""
-                         : fmt::format("{} scenes rejected and dropped again", s.refused.size())}};
+  std::vector<HeadlineStatistic> headline;
+  const auto add = [&](const std::string& name, const ReportRate& rate, const std::string& what) {
+    headline.push_back(
+        {name, PercentText(rate.hits, rate.samples),
+         fmt::format("{} {} of {} {}", IntervalText(rate.ci95), rate.hits, rate.samples, what)});
+  };
+  const bool has_targets = s.target_recall.samples > 0;
+  if (has_targets) add("targets picked", s.attempts_picked, "attempts");
+  add("pick success", {s.successes, s.executed_grasps, s.success_ci95}, "executed grasps");
+  if (!has_targets) {
+    const bool all = s.requested_picked.samples == s.instances_dropped;
+    add("instances cleared", s.requested_picked, all ? "dropped" : "requested");
+    add("attempts that picked", s.attempts_picked, "attempts");
+  } else {
+    add("target recall", s.target_recall, "targets");
+  }
+  add("recall", s.recall, "instances in view");
+  add("precision", s.precision,
+      fmt::format("poses, {} false", s.precision.samples - s.precision.hits));
+  add("top-ranked pose right", {s.top1_correct, s.frames, s.top1_ci95}, "images");
+  const double per_hour = s.cycle.stated_picks_per_hour();
+  headline.push_back({"picks per hour", per_hour > 0 ? fmt::format("{:.0f}", per_hour) : "-",
+                      s.cycle.measured ? "without the time to compute" : ""});
+  headline.push_back({"bins", std::to_string(s.trials),
+                      s.refused.empty()
+                          ? ""
+                          : fmt::format("{} scenes rejected and dropped again", s.refused.size())});
+  return headline;
 }
 
 std::string HeadlineHtml(const ConfigurationReport& configuration) {
@@ -46,6 +54,8 @@ std::string HeadlineHtml(const ConfigurationReport& configuration) {
   }
   html += "</div>\n";
   const RunSummary& s = configuration.summary;
+  html += fmt::format("<p class=\"note\">{}</p>\n",
+                      EscapeHtml(FewBinsText(s.trials) + " " + InViewText(s)));
   if (s.executed_grasps == 0) return html;
   TableCells cells{{"rule", "success", "95 %", "passes when"}};
   for (const RuleRate& rate : s.by_rule) {
@@ -79,7 +89,9 @@ TableCells ConfigurationsTable(const std::vector<ConfigurationReport>& configura
 }
 
 TableCells ObjectsTable(const ConfigurationReport& configuration) {
-  TableCells cells{{"object", "dropped", "picked", "recall [95 %]", "pick success [95 %]",
+  const bool has_targets = configuration.summary.target_recall.samples > 0;
+  TableCells cells{{"object", "dropped", "picked",
+                    has_targets ? "target recall [95 %]" : "recall [95 %]", "pick success [95 %]",
                     "attempts", "median MSSD, diameters [95 %]", "most frequent failure"}};
   for (const ObjectReport& object : configuration.objects) {
     cells.push_back(
@@ -155,6 +167,11 @@ void AddGallery(const ReportContents& contents, HtmlPage& page) {
     return;
   }
   page.Note(contents.gallery_note);
+  page.Note(
+      "In a picture: thick line, pose of the grasp with its score; blue and tick, right; orange, "
+      "dashed and cross, wrong; yellow, the requested instance; white dots, not found; white "
+      "lines, "
+      "the hand.");
   std::set<FailureReason> reasons;
   for (const GalleryEntry& entry : contents.gallery) reasons.insert(entry.pick.failure);
   std::string reason_options = OptionHtml("", "all reasons");
@@ -184,6 +201,28 @@ std::string LayerHtml(const ViewLayer& layer) {
       layer.prefix, layer.color, layer.name);
 }
 
+void AddAnimatedPicks(const ReportContents& contents, HtmlPage& page) {
+  if (contents.picks.empty()) return;
+  page.Heading("Animated picks", "picks");
+  page.Note(
+      "The hand approaches, closes, lifts and carries, and all objects move as in the simulation. "
+      "Drag to rotate.");
+  std::string html = "<div class=\"views screen\">\n";
+  for (const ReportView& pick : contents.picks) {
+    html += fmt::format(
+        "<div class=\"pick\"><h3>{0} <code>{1}</code></h3>"
+        "<model-viewer autoplay camera-controls touch-action=\"pan-y\" "
+        "interaction-prompt=\"none\" shadow-intensity=\"0\" exposure=\"0.75\" "
+        "camera-orbit=\"20deg 55deg 60%\" alt=\"{0}, {1}\" "
+        "src=\"data:model/gltf-binary;base64,{2}\"></model-viewer>"
+        "<div class=\"controls\"><button type=\"button\">Pause</button>"
+        "<input type=\"range\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" "
+        "aria-label=\"time\"><span class=\"note\"></span></div></div>\n",
+        EscapeHtml(pick.title), EscapeHtml(pick.address), Base64(pick.glb));
+  }
+  page.Html(html + "</div>\n");
+}
+
 void AddViews(const ReportContents& contents, HtmlPage& page) {
   if (contents.views.empty() && contents.views_note.empty()) return;
   page.Heading("In 3D", "views");
@@ -194,7 +233,7 @@ void AddViews(const ReportContents& contents, HtmlPage& page) {
     html += fmt::format(
         "<div class=\"view\"><h3>{0} <code>{1}</code></h3>"
         "<model-viewer camera-controls touch-action=\"pan-y\" interaction-prompt=\"none\" "
-        "shadow-intensity=\"0\" exposure=\"0.75\" camera-orbit=\"25deg 50deg auto\" alt=\"{0}, "
+        "shadow-intensity=\"0\" exposure=\"0.75\" camera-orbit=\"25deg 50deg 65%\" alt=\"{0}, "
         "{1}\" "
         "src=\"data:model/gltf-binary;base64,{2}\"></model-viewer><div class=\"controls\">",
         EscapeHtml(view.title), EscapeHtml(view.address), Base64(view.glb));
@@ -209,6 +248,12 @@ void AddViews(const ReportContents& contents, HtmlPage& page) {
 std::string ReportPage(const ReportContents& contents) {
   HtmlPage page(contents.title);
   for (const std::string& text : contents.about) page.Paragraph(text);
+  if (!contents.overlay_jpeg.empty()) {
+    page.Html(
+        fmt::format("<img class=\"overlay\" alt=\"the first bin with the estimated poses\" "
+                    "src=\"data:image/jpeg;base64,{}\">\n",
+                    Base64(contents.overlay_jpeg)));
+  }
   const std::vector<ConfigurationReport>& configurations = contents.configurations;
   if (configurations.size() == 1) {
     AddPoint(configurations[0], page);
@@ -224,6 +269,7 @@ std::string ReportPage(const ReportContents& contents) {
     AddCharts(configurations, page);
   }
   AddGallery(contents, page);
+  AddAnimatedPicks(contents, page);
   AddViews(contents, page);
   if (configurations.size() > 1) {
     for (const ConfigurationReport& configuration : configurations) {

@@ -29,11 +29,13 @@ struct ReportView {
 struct ReportContents {
   std::string title;
   std::vector<std::string> about;  // paragraphs
+  std::string overlay_jpeg;        // of the first attempt; empty = no picture
   std::vector<ConfigurationReport> configurations;
   std::vector<ReportTable> comparisons;  // paired differences
   std::vector<GalleryEntry> gallery;
-  int lost = 0;              // number of all failed picks
-  std::string gallery_note;  // says what the gallery leaves out
+  int lost = 0;                   // number of all failed picks
+  std::string gallery_note;       // says what the gallery leaves out
+  std::vector<ReportView> picks;  // animated
   std::vector<ReportView> views;
   std::string views_note;
 };

@@ -288,6 +288,8 @@ void ReportOptions::Validate() const {
   within("pictures_mb", pictures_mb, 0, 100);
   within("views", views, 0, 20);
   within("views_mb", views_mb, 0, 100);
+  within("animations", animations, 0, 20);
+  within("animations_mb", animations_mb, 0, 100);
   within("cloud_points", cloud_points, 0, 1000000);
   within("view_triangles", view_triangles, 100, 1000000);
 }
@@ -305,7 +307,6 @@ std::vector<ConfigurationReport> ReportOn(std::span<const ConfigurationTrials> c
     report.name = configuration.name;
     report.summary = Summarize(configuration.trials, configuration.cycle, configuration.bands);
     report.attempts = SharesOfAttempts(configuration.trials);
-    report.recall = RateOfScenes(configuration, InstancesRecalled(kCountedVisibility, 1));
     report.bands = BandsOf(configuration);
     for (size_t i = 0; i < errors.size(); ++i) {
       report.errors.push_back(HistogramOf(configuration, errors[i], ranges[i], options));

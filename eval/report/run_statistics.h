@@ -26,6 +26,8 @@ struct ReportOptions {
   double pictures_mb = 6;     // all gallery pictures together, 0 .. 100
   int views = 4;              // 3D views: failures and one success, 0 .. 20
   double views_mb = 4;        // all 3D views together, 0 .. 100
+  int animations = 3;         // animated picks: failures and one success, 0 .. 20
+  double animations_mb = 3;   // all animated picks together, 0 .. 100
   int cloud_points = 20000;   // points per view, 0 .. 1000000
   int view_triangles = 3000;  // per object in a view, 100 .. 1000000
   // Throws std::logic_error if a value is out of range.
@@ -95,7 +97,6 @@ struct ConfigurationReport {
   std::string name;
   RunSummary summary;
   BudgetShares attempts;
-  ReportRate recall;  // of all instances with a counted visible fraction
   std::vector<BandRates> bands;
   // MSSD, translation, rotation, then other reported metrics that the trials have. The same for all
   // configurations of a report.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "eval/report/scene_glb.h"
+#include "eval/export/scene_glb.h"
 #include "eval/trial/recorded_scene.h"
 #include "eval/trial/simulated_cell.h"
 #include "grasp/grippers/table.h"
@@ -16,8 +16,8 @@ std::span<const ViewLayer> ViewLayers() {
   static constexpr std::array<ViewLayer, 5> kLayers{{
       {"truth", "true poses", "#cdcdd2"},
       {"hypothesis", "estimated poses, low to high confidence",
-       "linear-gradient(90deg, #ff2828, #ffff28, #28ff28)"},
-      {"hand", "hand", "#46a0ff"},
+       "linear-gradient(90deg, #f06c05, #ecece8, #40a0ff)"},
+      {"hand", "hand", "#3c424c"},
       {"cloud", "measured points", "repeating-radial-gradient(#888 0 1px, #fff 1px 3px)"},
       {"bin", "bin", "#8c96a5"},
   }};
@@ -25,7 +25,8 @@ std::span<const ViewLayer> ViewLayers() {
 }
 
 std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configurations,
-                                    int maximum) {
+                                    int maximum,
+                                    const std::function<bool(const ViewChoice&)>& suits) {
   std::vector<ViewChoice> lost, picked;
   std::vector<int> earlier_failures;  // number of earlier failures with the same reason
   std::map<FailureReason, int> seen;
@@ -33,7 +34,7 @@ std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configu
     for (size_t t = 0; t < configurations[p].trials.size(); ++t) {
       const std::vector<AttemptRecord>& picks = configurations[p].trials[t].attempts;
       for (size_t attempt = 0; attempt < picks.size(); ++attempt) {
-        if (!picks[attempt].grasp) continue;
+        if (!picks[attempt].grasp || (suits && !suits({p, t, attempt}))) continue;
         const FailureReason failure = picks[attempt].failure;
         if (failure == FailureReason::kNone) {
           picked.push_back({p, t, attempt});

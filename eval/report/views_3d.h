@@ -3,6 +3,7 @@
 // Attempts of a run as 3D scenes: true poses, estimated poses, hand and observed points. The scene
 // is reconstructed from the stored trial (eval/trial/recorded_scene.h).
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,7 +14,7 @@
 
 namespace pickbed::eval {
 
-// A layer of a view: all materials whose names begin with `prefix` (eval/report/scene_glb.h).
+// A layer of a view: all materials whose names begin with `prefix` (eval/export/scene_glb.h).
 struct ViewLayer {
   const char* prefix;
   const char* name;
@@ -28,9 +29,10 @@ struct ViewChoice {
          attempt = 0;  // indices of configuration, its trial, its attempt
 };
 // Returns at most `maximum` attempts to be shown. They are failures, one of each reason before a
-// second of any, followed by one success.
+// second of any, followed by one success. With `suits`, all of them pass it.
 std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configurations,
-                                    int maximum);
+                                    int maximum,
+                                    const std::function<bool(const ViewChoice&)>& suits = {});
 
 // Creates the views of one configuration.
 class ViewMaker {

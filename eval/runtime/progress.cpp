@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "eval/metrics/interval_json.h"
+
 namespace pickbed::eval {
 namespace {
 
@@ -116,7 +118,7 @@ std::string ProgressJson(const ProgressState& state, double elapsed_s) {
     json["executed_grasps"] = success.executed_grasps;
     json["successes"] = success.successes;
     json["success_rate"] = success.rate();
-    json["success_ci95"] = {success.ci95.low, success.ci95.high};
+    AddInterval(json, "success_ci95", success.ci95);
   }
   if (!state.note.empty()) json["note"] = state.note;
   return json.dump();

@@ -14,7 +14,8 @@ namespace pickbed::eval {
 // Switches every ProgressLine to JSON: {"message": "..."}, or for a ProgressState
 //   {"what": "trial", "done": 12, "total": 40, "per_s": 0.5, "left_s": 56.0, "note": "...",
 //    "executed_grasps": 30, "successes": 27, "success_rate": 0.9, "success_ci95": [0.76, 0.97]}
-// The fields from `note` on are optional. `left_s` is null while it is unknown.
+// The fields from `note` on are optional. `left_s` is null while it is unknown, and `success_ci95`
+// with too few trials (eval/metrics/interval_json.h).
 void WriteProgressAsJson();
 
 // Progress of a loop over items of one kind.

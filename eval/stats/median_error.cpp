@@ -10,8 +10,6 @@ namespace {
 
 // The range of five independent values contains the median with a probability of only 94 %.
 constexpr size_t kFewestValues = 6;
-// A single scene gives no information on the spread between scenes.
-constexpr size_t kFewestScenes = 2;
 
 std::string Number(double value, int digits) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
@@ -26,20 +24,18 @@ ErrorMedian ErrorMedian::Times(double factor) const {
 }
 
 ErrorMedian MedianWithin(const ValueClusters& by_scene) {
-  size_t values = 0, scenes = 0;
-  for (const std::vector<double>& scene : by_scene) {
-    values += scene.size();
-    scenes += !scene.empty();
-  }
+  size_t values = 0;
+  for (const std::vector<double>& scene : by_scene) values += scene.size();
   const double median = MedianOf(by_scene);
-  if (values < kFewestValues || scenes < kFewestScenes) {
-    return {median, {-kInfinity, kInfinity}};
-  }
+  if (values < kFewestValues) return {median, Interval::Unknown()};
   return {median, MedianInterval(by_scene)};
 }
 
 std::string MedianText(const ErrorMedian& median, int digits) {
   if (std::isnan(median.value)) return "-";
+  if (!median.ci95.is_known()) {
+    return fmt::format("{} ({})", Number(median.value, digits), kTooFewBins);
+  }
   return fmt::format("{} [{}, {}]", Number(median.value, digits), Number(median.ci95.low, digits),
                      Number(median.ci95.high, digits));
 }

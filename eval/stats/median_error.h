@@ -15,12 +15,12 @@ struct ErrorMedian {
   ErrorMedian Times(double factor) const;  // converts the unit; `factor` > 0
 };
 
-// MedianOf the errors of each scene, with MedianInterval. With one scene, or fewer than six values,
-// both ends of the interval are infinite.
+// MedianOf the errors of each scene, with MedianInterval. The interval is unknown with fewer than
+// kMinBinsOfInterval scenes or fewer than six values.
 ErrorMedian MedianWithin(const ValueClusters& by_scene);
 
-// Formats as "1.25 [0.98, 1.60]" with `digits` decimals. Unknown ends are "-"; the whole text is
-// "-" without a value.
+// Formats as "1.25 [0.98, 1.60]" with `digits` decimals, or "1.25 (too few bins)". An infinite end
+// is "-"; the whole text is "-" without a value.
 std::string MedianText(const ErrorMedian& median, int digits);
 
 // CSV cells "1.25,0.98,1.60" with all digits; unknown values are empty.

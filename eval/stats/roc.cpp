@@ -145,6 +145,7 @@ AucResult Auc(std::span<const ScoredOutcome> outcomes, double confidence) {
 }
 
 std::string AucText(const AucResult& auc) {
+  if (!auc.interval.is_known()) return fmt::format("{:.3f} ({})", auc.auc, kTooFewBins);
   return fmt::format("{:.3f} [{:.3f}, {:.3f}]", auc.auc, auc.interval.low, auc.interval.high);
 }
 
@@ -172,6 +173,7 @@ AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const Score
 
 Interval ClusterBootstrapAuc(const OutcomeClusters& clusters, double confidence, int resamples,
                              uint64_t seed) {
+  if (clusters.size() < kMinBinsOfInterval) return Interval::Unknown();
   const std::optional<Interval> drawn_interval =
       Bootstrap(static_cast<int>(clusters.size()), confidence, resamples, seed,
                 [&](const std::vector<int>& drawn) { return AucOf(clusters, drawn); });
@@ -186,6 +188,7 @@ Interval ClusterBootstrapAuc(const OutcomeClusters& clusters, double confidence,
 Interval ClusterBootstrapAucDifference(const OutcomeClusters& a, const OutcomeClusters& b,
                                        double confidence, int resamples, uint64_t seed) {
   if (a.size() != b.size()) throw std::logic_error("AUCs of different outcomes, see CompareAuc");
+  if (a.size() < kMinBinsOfInterval) return Interval::Unknown();
   return Bootstrap(static_cast<int>(a.size()), confidence, resamples, seed,
                    [&](const std::vector<int>& drawn) -> std::optional<double> {
                      const auto of_a = AucOf(a, drawn), of_b = AucOf(b, drawn);

@@ -34,7 +34,7 @@ struct AucResult {
 // outcomes.
 AucResult Auc(std::span<const ScoredOutcome> outcomes, double confidence = 0.95);
 
-// "0.812 [0.704, 0.887]".
+// "0.812 [0.704, 0.887]", or "0.812 (too few bins)".
 std::string AucText(const AucResult& auc);
 
 // AUC of `a` minus AUC of `b` on the same outcomes in the same order, with the interval from
@@ -52,14 +52,15 @@ AucDifference CompareAuc(std::span<const ScoredOutcome> a, std::span<const Score
 // draws of clusters with replacement. Draws without both outcomes are ignored. If all draws
 // separate perfectly (or perfectly wrongly), the interval would have zero width. Then it is
 // Wilson's, with as many pairs as there are clusters with a success, or with a failure if that is
-// smaller. [0, 1] if no draw has both outcomes. Equal seeds give equal intervals.
+// smaller. [0, 1] if no draw has both outcomes; unknown with fewer than kMinBinsOfInterval
+// clusters. Equal seeds give equal intervals.
 using OutcomeClusters = std::vector<std::vector<ScoredOutcome>>;
 // Computes the interval.
 Interval ClusterBootstrapAuc(const OutcomeClusters& clusters, double confidence = 0.95,
                              int resamples = 1000, uint64_t seed = 0);
 // Like ClusterBootstrapAuc, for AUC of `a` minus AUC of `b` with the same outcomes in the same
-// clusters and order. [-1, 1] if no draw has both outcomes. Throws std::logic_error if the numbers
-// of clusters differ.
+// clusters and order. [-1, 1] if no draw has both outcomes; unknown with fewer than
+// kMinBinsOfInterval clusters. Throws std::logic_error if the numbers of clusters differ.
 Interval ClusterBootstrapAucDifference(const OutcomeClusters& a, const OutcomeClusters& b,
                                        double confidence = 0.95, int resamples = 1000,
                                        uint64_t seed = 0);

@@ -8,6 +8,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 namespace pickbed::eval {
@@ -113,6 +114,12 @@ double MinDegrees(std::span<const Cluster> clusters, const RatioSpread& spread) 
   return length > 0 ? 24 / Square(length) : kInfinity;
 }
 
+int WithSamples(std::span<const Cluster> clusters) {
+  return static_cast<int>(
+      std::count_if(clusters.begin(), clusters.end(),
+                    [](const Cluster& cluster) { return cluster.samples > 0; }));
+}
+
 bool TryOnce(std::span<const Cluster> clusters) {
   return std::all_of(clusters.begin(), clusters.end(),
                      [](const Cluster& cluster) { return cluster.samples <= 1; });
@@ -146,8 +153,42 @@ Interval OrderStatistics(const std::vector<double>& sorted, double confidence) {
   const boost::math::binomial below(static_cast<double>(sorted.size()), 0.5);
   size_t rank = 0;  // at most this many values below it have a too small probability
   while (2 * cdf(below, static_cast<double>(rank)) <= 1 - confidence) ++rank;
-  if (rank == 0) return {-kInfinity, kInfinity};
+  if (rank == 0) return Interval::Unknown();
   return {sorted[rank - 1], sorted[sorted.size() - rank]};
+}
+
+// Interval of a rate over clusters with more than one sample whose samples do not all agree.
+Interval MixedInterval(std::span<const Cluster> clusters, double confidence) {
+  const RatioSpread spread = SpreadOf(SharesOf(clusters));
+  const double p = spread.ratio;
+  // Equal rates in all clusters do not make the rate certain.
+  const double variance =
+      spread.spread.variance > 0 ? spread.spread.variance : p * (1 - p) / spread.weight;
+  const double degrees = std::max(spread.spread.degrees, MinDegrees(clusters, spread));
+  return WilsonForm(p, p * (1 - p) / variance, TwoSidedT(confidence, degrees));
+}
+
+// Width of the interval if all samples agree. Data with one other sample bound it.
+double WidthIfAllAgree(std::span<const Cluster> clusters, bool hits, double confidence) {
+  const Interval of_clusters =
+      WilsonForm(hits ? 1 : 0, WithSamples(clusters), TwoSidedZ(confidence));
+  double width = of_clusters.high - of_clusters.low;
+  std::vector<Cluster> changed(clusters.begin(), clusters.end());
+  std::set<int> sizes;
+  for (Cluster& cluster : changed) {
+    if (cluster.samples == 0 || !sizes.insert(cluster.samples).second) continue;
+    const Cluster before = cluster;
+    cluster.hits += hits ? -1 : 1;
+    const Interval interval = MixedInterval(changed, confidence);
+    width = std::min(width, interval.high - interval.low);
+    cluster = before;
+  }
+  return width;
+}
+
+// The interval, or "(too few bins)".
+std::string Bracketed(const Interval& interval) {
+  return interval.is_known() ? IntervalText(interval) : fmt::format("({})", kTooFewBins);
 }
 
 }  // namespace
@@ -183,23 +224,19 @@ Interval WilsonInterval(int successes, int attempts, double confidence) {
 }
 
 Interval ClusterInterval(std::span<const Cluster> clusters, double confidence) {
-  const RatioSpread spread = SpreadOf(SharesOf(clusters));
-  if (spread.units == 0) return {};
-  const double p = spread.ratio;
-  if (TryOnce(clusters) || p <= 0 || p >= 1 || spread.units < 2) {
-    return WilsonForm(p, spread.units, TwoSidedZ(confidence));
-  }
-  // Equal rates in all clusters do not make the rate certain.
-  const double variance =
-      spread.spread.variance > 0 ? spread.spread.variance : p * (1 - p) / spread.weight;
-  const double degrees = std::max(spread.spread.degrees, MinDegrees(clusters, spread));
-  return WilsonForm(p, p * (1 - p) / variance, TwoSidedT(confidence, degrees));
+  const int units = WithSamples(clusters);
+  if (units < kMinBinsOfInterval) return Interval::Unknown();
+  const Cluster sum = SumOf(clusters);
+  if (TryOnce(clusters)) return WilsonInterval(sum.hits, sum.samples, confidence);
+  if (sum.hits == 0) return {0, WidthIfAllAgree(clusters, false, confidence)};
+  if (sum.hits == sum.samples) return {1 - WidthIfAllAgree(clusters, true, confidence), 1};
+  return MixedInterval(clusters, confidence);
 }
 
 Interval PairedInterval(std::span<const Cluster> before, std::span<const Cluster> after,
                         double confidence) {
   if (before.size() != after.size()) throw std::logic_error("pairs differ in number");
-  if (SumOf(before).samples == 0 || SumOf(after).samples == 0) return {-1, 1};
+  if (SumOf(before).samples == 0 || SumOf(after).samples == 0) return Interval::Unknown();
   std::vector<Cluster> a, b;
   bool differ = false;
   for (size_t i = 0; i < before.size(); ++i) {
@@ -208,6 +245,7 @@ Interval PairedInterval(std::span<const Cluster> before, std::span<const Cluster
     a.push_back(before[i]);
     b.push_back(after[i]);
   }
+  if (a.size() < kMinBinsOfInterval) return Interval::Unknown();
   if (!differ) {
     for (size_t i = 0; i < a.size(); ++i) a[i] = b[i] = {1, 1};
   }
@@ -235,7 +273,7 @@ double MedianOf(const ValueClusters& clusters) {
 
 Interval MedianInterval(const ValueClusters& clusters, double confidence) {
   const std::vector<double> values = Sorted(clusters);
-  if (values.empty()) return {-kInfinity, kInfinity};
+  if (values.empty()) return Interval::Unknown();
   const bool independent = std::all_of(clusters.begin(), clusters.end(),
                                        [](const auto& cluster) { return cluster.size() <= 1; });
   if (independent) return OrderStatistics(values, confidence);
@@ -247,11 +285,21 @@ Interval MedianInterval(const ValueClusters& clusters, double confidence) {
     below.push_back({static_cast<int>(hits), static_cast<int>(cluster.size())});
   }
   const Interval shares = ClusterInterval(below, confidence);
+  if (!shares.is_known()) return shares;
   return {AtShare(values, shares.low), AtShare(values, shares.high)};
+}
+
+void SayTooFewBins(std::string& caption) {
+  if (!caption.empty()) caption += " ";
+  caption += fmt::format("A point without an interval has {} for an interval.", kTooFewBins);
 }
 
 std::string FewBinsText(int bins) {
   if (bins >= kFewBins) return "";
+  if (bins < kMinBinsOfInterval) {
+    return fmt::format("{} {} too few for an interval, which needs {}; use {} or more.", bins,
+                       bins == 1 ? "bin is" : "bins are", kMinBinsOfInterval, kFewBins);
+  }
   return fmt::format("{} {} few: the intervals are wide and approximate; use {} or more.", bins,
                      bins == 1 ? "bin is" : "bins are", kFewBins);
 }
@@ -259,6 +307,12 @@ std::string FewBinsText(int bins) {
 ReportRate ClusterRate(std::span<const Cluster> clusters) {
   const Cluster sum = SumOf(clusters);
   return {sum.hits, sum.samples, ClusterInterval(clusters)};
+}
+
+std::string IntervalCells(const Interval& interval, std::optional<int> decimals) {
+  if (!interval.is_known()) return ",";
+  if (!decimals) return fmt::format("{},{}", interval.low, interval.high);
+  return fmt::format("{:.{}f},{:.{}f}", interval.low, *decimals, interval.high, *decimals);
 }
 
 std::string CsvCell(const std::string& text) {
@@ -280,16 +334,17 @@ std::string PercentText(int hits, int samples) {
 std::string WholePercentText(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
 std::string IntervalText(const Interval& interval) {
+  if (!interval.is_known()) return kTooFewBins;
   return fmt::format("[{}, {}]", PercentNumber(interval.low), PercentNumber(interval.high));
 }
 
 std::string RateText(const ReportRate& rate) {
   if (rate.samples == 0) return "-";
-  return fmt::format("{} {}", PercentText(rate.hits, rate.samples), IntervalText(rate.ci95));
+  return fmt::format("{} {}", PercentText(rate.hits, rate.samples), Bracketed(rate.ci95));
 }
 
 std::string RateText(double rate, const Interval& ci95) {
-  return fmt::format("{} {}", PercentText(rate), IntervalText(ci95));
+  return fmt::format("{} {}", PercentText(rate), Bracketed(ci95));
 }
 
 std::string PointsText(double difference) {
@@ -297,6 +352,7 @@ std::string PointsText(double difference) {
 }
 
 std::string PointsText(double difference, const Interval& interval) {
+  if (!interval.is_known()) return fmt::format("{} ({})", PointsText(difference), kTooFewBins);
   return fmt::format("{} [{}, {}]", PointsText(difference), PointsText(interval.low),
                      PointsText(interval.high));
 }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "eval/store/schema_internal.h"
+#include "eval/store/settings_difference.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/random.h"
@@ -56,6 +57,27 @@ StoreHead OneConfiguration(const std::string& settings) {
   configuration.identity = configuration.settings = settings;
   configuration.seed = SeedIn(settings);
   return {settings, {configuration}};
+}
+
+// Returns " (estimator.mode: fast before, accurate now)", with the first few differences; empty if
+// no setting differs, for example if a sweep has other configurations.
+std::string HeadDifference(const StoreHead& before, const StoreHead& now) {
+  constexpr size_t kShown = 5;
+  std::vector<std::string> differences;
+  const size_t both = std::min(before.configurations.size(), now.configurations.size());
+  for (size_t i = 0; i < both; ++i) {
+    for (std::string& difference :
+         SettingsDifferences(before.configurations[i].identity, now.configurations[i].identity)) {
+      if (std::find(differences.begin(), differences.end(), difference) == differences.end()) {
+        differences.push_back(std::move(difference));
+      }
+    }
+  }
+  if (differences.empty()) return "";
+  const size_t more = differences.size() - std::min(kShown, differences.size());
+  differences.resize(differences.size() - more);
+  const std::string others = more > 0 ? fmt::format("; and {} more", more) : "";
+  return fmt::format(" ({}{})", fmt::join(differences, "; "), others);
 }
 
 }  // namespace
@@ -127,10 +149,11 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
   // Without a trial, for example after a run that failed before the end of its first one, the
   // settings may change.
   if (!HoldsTrials(db)) WriteHead(db, head);
-  CheckInput(db.Setting("scenario") == head.identity,
-             fmt::format("{} already has results of another scenario or of other settings; choose "
-                         "another results folder or remove this one",
-                         folder.string()));
+  if (db.Setting("scenario") != head.identity) {
+    throw InputError(
+        fmt::format("{} already has results of other settings{}; choose another results folder",
+                    folder.string(), HeadDifference(ReadHead(db), head)));
+  }
   UpdateConfigurations(db, head);
   transaction.Commit();
   StoreHead stored = ReadHead(db);

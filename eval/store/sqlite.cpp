@@ -17,7 +17,8 @@ void RequireWhole(const Database& db) {
   double bytes = 0;
   statement.Read(0, bytes);
   CheckInput(std::filesystem::file_size(db.file()) >= bytes,
-             fmt::format("{}: is truncated; remove the folder, or choose another results folder",
+             fmt::format("{}: is truncated; restore the file from a copy, or repeat the run in "
+                         "another results folder",
                          db.file()));
 }
 
@@ -79,7 +80,8 @@ void CheckSql(const Database& db, int code) {
   switch (code & 0xff) {  // without the extended code
     case SQLITE_NOTADB:
     case SQLITE_CORRUPT:
-      throw InputError(message + "; remove the folder, or choose another results folder");
+      throw InputError(
+          message + "; restore the file from a copy, or repeat the run in another results folder");
     case SQLITE_FULL:
     case SQLITE_IOERR:
       throw InputError(message +

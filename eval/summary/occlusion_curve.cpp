@@ -78,11 +78,11 @@ std::string CsvLine(const std::string& configuration, const BandStatistics& band
   std::string line = fmt::format("{},{},{},{},", CsvCell(configuration), band.band.min,
                                  band.band.max, band.attempts);
   if (band.attempts > 0) {
-    line += fmt::format("{},{},{},{},{},{},{},{},{},", band.mean_visible, band.recalled.hits,
-                        static_cast<double>(band.recalled.hits) / band.attempts,
-                        band.recalled.ci95.low, band.recalled.ci95.high, band.picked.hits,
-                        static_cast<double>(band.picked.hits) / band.attempts, band.picked.ci95.low,
-                        band.picked.ci95.high);
+    const auto share = [&](const ShareOfAttempts& of) {
+      return fmt::format("{},{},{},", of.hits, static_cast<double>(of.hits) / band.attempts,
+                         IntervalCells(of.ci95));
+    };
+    line += fmt::format("{},{}{}", band.mean_visible, share(band.recalled), share(band.picked));
   } else {
     line += ",,,,,,,,,";
   }

@@ -6,44 +6,35 @@
 #include <vector>
 
 #include "eval/draw/canvas.h"
+#include "eval/draw/marks.h"
+#include "eval/draw/silhouettes.h"
 #include "eval/stats/statistics.h"
 #include "scenes/image/image_io.h"
 
 namespace pickbed::eval {
 namespace {
 
-constexpr int kTile_px = 200, kGap_px = 6, kCaption_px = 20;
+constexpr int kTile_px = 240, kGap_px = 6, kCaption_px = 20;
 constexpr double kSideDiameters = 2.2;  // side of a tile, in diameters of the target
-constexpr Rgb8 kPaper{250, 250, 250}, kInk{20, 20, 20}, kTarget{255, 140, 0};
+constexpr Rgb8 kPaper{250, 250, 250}, kInk{20, 20, 20};
 
-// Colors the pixels of the target that border on other ids.
-void OutlineTarget(const Image<uint16_t>& ids, uint16_t id, Image<Rgb8>& color) {
-  for (int y = 1; y + 1 < ids.height(); ++y) {
-    for (int x = 1; x + 1 < ids.width(); ++x) {
-      if (ids(x, y) != id) continue;
-      const bool inside =
-          ids(x - 1, y) == id && ids(x + 1, y) == id && ids(x, y - 1) == id && ids(x, y + 1) == id;
-      if (!inside) color(x, y) = kTarget;
-    }
-  }
-}
-
-Image<Rgb8> ViewOfTarget(const AttemptState& attempt, size_t index) {
-  Image<Rgb8> color = attempt.view->frame.color;
+Image<Rgb8> ViewOfTarget(const AttemptState& attempt, size_t index, const sim::Picture& picture) {
+  Canvas canvas(picture.color);
   const PosedObject& target = attempt.scene.objects[index];
-  OutlineTarget(attempt.view->ids, static_cast<uint16_t>(target.instance + 1), color);
+  const auto id = static_cast<uint16_t>(target.instance + 1);
+  DrawCurves(canvas, SilhouetteOf(picture.ids, id, 1).curves, {kTargetColor});
   const ObjectModel& model = *attempt.cell.objects()[target.object];
-  const Camera& camera = attempt.cell.camera();
+  const Camera& camera = picture.camera;
   const Eigen::Vector3d center_C = camera.X_CW() * (target.X_WO * model.mass.com_O);
   const double side_px = kSideDiameters * model.diameter_m * camera.intrinsics.fx() / center_C.z();
-  return SquareCrop(color, Project(camera.intrinsics, center_C), side_px, kTile_px);
+  return SquareCrop(canvas.Take(), Project(camera.intrinsics, center_C), side_px, kTile_px);
 }
 
 }  // namespace
 
 std::string BandTileName(int band) { return fmt::format("band_{}.png", band); }
 
-Image<Rgb8> BandTile(const AttemptState& attempt) {
+Image<Rgb8> BandTile(const AttemptState& attempt, const sim::Picture& picture) {
   const std::vector<PosedObject>& objects = attempt.scene.objects;
   const auto target = std::find_if(objects.begin(), objects.end(), [&](const PosedObject& posed) {
     return posed.instance == attempt.record.target;
@@ -53,7 +44,7 @@ Image<Rgb8> BandTile(const AttemptState& attempt) {
   canvas.Text(fmt::format("{} visible, {} instances",
                           PercentText(attempt.view->visible_fractions[index]), objects.size()),
               2, kCaption_px - 5, kInk, 0.4);
-  canvas.Paste(ViewOfTarget(attempt, index), 0, kCaption_px);
+  canvas.Paste(ViewOfTarget(attempt, index, picture), 0, kCaption_px);
   return canvas.Take();
 }
 

@@ -11,9 +11,10 @@
 
 namespace pickbed::eval {
 
-// Returns the camera image around the target of an attempt, with the outline of its visible region.
-// Valid from TrialStage::kGrasp on, until the pick changes the scene.
-Image<Rgb8> BandTile(const AttemptState& attempt);
+// Returns a picture of the target of an attempt, with the outline of its visible region. `picture`
+// shows the scene of the attempt. Valid from TrialStage::kGrasp on, until the pick changes the
+// scene.
+Image<Rgb8> BandTile(const AttemptState& attempt, const sim::Picture& picture);
 std::string BandTileName(int band);  // such as "band_0.png"
 
 // Writes `sheet` from the tiles trial_*/band_*.png in its folder, the least visible band on the

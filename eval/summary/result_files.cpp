@@ -18,7 +18,7 @@ namespace {
 constexpr size_t kLongestFileName = 120;
 
 struct Csv {
-  std::string trials, attempts, instance_outcomes, timings;
+  std::string trials, attempts, instances, instance_outcomes, timings;
 };
 
 // Appends a CSV table. Only the first table keeps its header line.
@@ -55,6 +55,7 @@ ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfigura
   result.summary.stop = StopOf(trials, crashed_bins, spec.stop_width);
   Append(TrialsCsv(trials, crashed), csv.trials);
   Append(AttemptsCsv(trials, names), csv.attempts);
+  Append(InstancesCsv(trials, names), csv.instances);
   Append(InstanceOutcomesCsv(trials, names), csv.instance_outcomes);
   Append(TimingsCsv(trials, single ? result.summary.cycle : CycleTime()), csv.timings);
   return result;
@@ -63,10 +64,10 @@ ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfigura
 std::string ConfigurationsCsv(const std::vector<ConfigurationSummary>& configurations) {
   std::string csv = HeaderLine(ConfigurationsColumns());
   for (const auto& [configuration, s] : configurations) {
-    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", configuration.number,
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", configuration.number,
                        CsvCell(configuration.name), configuration.seed, configuration.first_trial,
                        configuration.trials, s.trials, s.crashed.size(), s.executed_grasps,
-                       s.successes, s.success_rate, s.success_ci95.low, s.success_ci95.high,
+                       s.successes, s.success_rate, IntervalCells(s.success_ci95),
                        s.instances_dropped, s.instances_cleared, s.frames, s.top1_correct);
   }
   return csv;
@@ -147,7 +148,8 @@ std::string SweepTable(const std::vector<ConfigurationSummary>& configurations) 
   for (const auto& [configuration, s] : configurations) {
     const std::string rate = RateText(s.success_rate, s.success_ci95);
     text += fmt::format("{:<{}}  {:>5} of {:>2}  {:>23}  {:>9}  {:>11}{}\n", configuration.name,
-                        width, s.trials, configuration.trials, rate, PercentText(s.cleared_rate),
+                        width, s.trials, configuration.trials, rate,
+                        PercentText(s.requested_picked.hits, s.requested_picked.samples),
                         PercentText(s.top1_precision),
                         s.crashed.empty() ? "" : fmt::format("  {} crashed", s.crashed.size()));
   }
@@ -189,6 +191,7 @@ std::vector<ConfigurationSummary> WriteSweepFiles(const std::filesystem::path& o
   WriteFileAtomically(out / kSummaryFile, SweepJson(configurations));
   WriteFileAtomically(out / kTrialsFile, csv.trials);
   WriteFileAtomically(out / kAttemptsFile, csv.attempts);
+  WriteFileAtomically(out / kInstancesFile, csv.instances);
   WriteFileAtomically(out / kInstanceOutcomesFile, csv.instance_outcomes);
   WriteFileAtomically(out / kConfigurationsFile, ConfigurationsCsv(configurations));
   WriteFileAtomically(out / kTimingsFile, csv.timings);

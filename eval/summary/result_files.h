@@ -7,6 +7,7 @@
 //   OUT/summary.json                       one entry per configuration; of a run: the run itself
 //   OUT/trials.csv                         one line per trial
 //   OUT/attempts.csv                       one line per attempt
+//   OUT/instances.csv                      one line per instance in view of each image
 //   OUT/instance_outcomes.csv              one line per dropped instance
 //   OUT/configurations.csv                 one line per configuration
 //   OUT/timings.csv                        seconds by trial and stage, the only file with times
@@ -25,6 +26,7 @@ namespace pickbed::eval {
 inline constexpr char kSummaryFile[] = "summary.json";
 inline constexpr char kTrialsFile[] = "trials.csv";
 inline constexpr char kAttemptsFile[] = "attempts.csv";
+inline constexpr char kInstancesFile[] = "instances.csv";
 inline constexpr char kInstanceOutcomesFile[] = "instance_outcomes.csv";
 inline constexpr char kConfigurationsFile[] = "configurations.csv";
 inline constexpr char kTimingsFile[] = "timings.csv";

@@ -1,6 +1,10 @@
 #include "eval/summary/run_columns.h"
 
+#include <fmt/format.h>
+
+#include "eval/metrics/interval_json.h"
 #include "eval/metrics/metric_columns.h"
+#include "eval/metrics/pose_columns.h"
 #include "eval/summary/success_rates.h"
 #include "eval/tolerance/pick_forecast.h"
 
@@ -25,18 +29,29 @@ void AddBandKeys(ResultColumns& keys) {
     const std::string what =
         group == "recall" ? "attempts with a correct pose of the target" : "picks of the target";
     AddColumns({{at + group + ".hits", "number of " + what},
-                {at + group + ".rate", "hits / attempts", kShare},
-                {at + group + ".ci95", "95 % interval of rate"}},
+                {at + group + ".rate", "hits / attempts", kShare}},
                keys);
+    AddColumns(IntervalKeys(at + group + ".ci95", "95 % interval of rate"), keys);
   }
   keys.push_back({at + "posed", "number of attempts with a pose that matches the target"});
   for (const std::string median :
        {"median_mssd_diameters", "median_translation_m", "median_rotation_rad"}) {
-    AddColumns(
-        {{at + median, "median error of the best pose of the target"},
-         {at + median + "_ci95", "its 95 % interval; null for an unknown end", UnitInName(median)}},
-        keys);
+    keys.push_back({at + median, "median error of the best pose of the target"});
+    AddColumns(IntervalKeys(at + median + "_ci95", "its 95 % interval; null for an infinite end",
+                            UnitInName(median)),
+               keys);
   }
+}
+
+// Keys of a count, of its hits and of their rate.
+void AddRateKeys(const std::string& group, const std::string& samples,
+                 const std::string& samples_help, const std::string& hits,
+                 const std::string& hits_help, ResultColumns& keys) {
+  AddColumns({{group + "." + samples, samples_help},
+              {group + "." + hits, hits_help},
+              {group + ".rate", fmt::format("{} / {}; null without any", hits, samples), kShare}},
+             keys);
+  AddColumns(IntervalKeys(group + ".ci95", "95 % interval of rate"), keys);
 }
 
 }  // namespace
@@ -87,8 +102,23 @@ ResultColumns AttemptsColumns() {
               {"neighbors_displaced", "number of other instances that moved more than 1 cm"}},
              columns);
   AddColumns(OutcomeColumns(), columns);
+  AddColumns(PoseColumns("pose of the chosen hypothesis"), columns);
   AddColumns(MetricColumns::AtEnd(MetricUnits::kShown).Columns(), columns);
   return columns;
+}
+
+ResultColumns InstancesColumns() {
+  return {
+      {"trial", kTrialHelp},
+      {"configuration", kConfigurationHelp},
+      {"attempt", "number of the attempt in its trial"},
+      {"instance", "number of the instance in its bin"},
+      {"object", "name of the object"},
+      {"visible_fraction", "visible share of its pixels; recall counts from 0.1 on", kShare},
+      {"found", "1 if a reported pose is correct for it"},
+      {"missed", "reason why it was not found, see `pickbed list failures`"},
+      {"target", "1 if it is the target of an occlusion trial"},
+  };
 }
 
 ResultColumns InstanceOutcomesColumns() {
@@ -169,15 +199,21 @@ ResultColumns CurveColumns() {
 }
 
 ResultColumns SummaryKeys() {
-  ResultColumns keys{
+  ResultColumns keys;
+  const auto add = [&](const ResultColumns& more) { AddColumns(more, keys); };
+  add({
       {"trials", "number of finished trials"},
       {"executed_grasps", "number of executed grasps"},
       {"successes", "number of executed grasps that succeeded"},
       {"success_rate", "successes / executed_grasps", kShare},
-      {"success_ci95", "95 % interval of success_rate; bins are the units"},
+  });
+  add(IntervalKeys("success_ci95", "95 % interval of success_rate; bins are the units"));
+  add({
       {"success_by_rule.RULE.successes", "number of grasps that succeed by this rule"},
       {"success_by_rule.RULE.rate", "share of the executed grasps", kShare},
-      {"success_by_rule.RULE.ci95", "95 % interval of rate"},
+  });
+  add(IntervalKeys("success_by_rule.RULE.ci95", "95 % interval of rate"));
+  add({
       {"stop.width", "width of the interval at which the run may end early; only with stop_width"},
       {"stop.reached", "whether the width was reached"},
       {"stop.bins", "number of bins until then"},
@@ -186,14 +222,36 @@ ResultColumns SummaryKeys() {
       {"instances_dropped", "number of dropped instances that are not distractors"},
       {"instances_cleared", "number of instances that successful picks took out of the bins"},
       {"cleared_rate", "instances_cleared / instances_dropped", kShare},
-      {"cleared_ci95", "95 % interval of cleared_rate"},
+  });
+  add(IntervalKeys("cleared_ci95", "95 % interval of cleared_rate"));
+  AddRateKeys("attempts", "all", "number of attempts", "picked",
+              "number of attempts that picked an instance; one without a grasp did not", keys);
+  AddRateKeys("requested", "instances",
+              "number of requested instances; all that were dropped unless the policy limits the "
+              "attempts",
+              "picked", "number of instances that successful picks took out of the bins", keys);
+  AddRateKeys("recall", "instances",
+              "number of instances in view that are at least 10 % visible; an instance counts once "
+              "per image",
+              "recalled", "number of these with a correct pose", keys);
+  AddRateKeys("precision", "poses", "number of reported poses", "right",
+              "number of these that are correct; a second pose of an instance is not", keys);
+  add({{"false_positives", "precision.poses - precision.right"}});
+  AddRateKeys("target_recall", "targets", "number of targets; only of occlusion trials", "recalled",
+              "number of these with a correct pose", keys);
+  add({{"in_view.BAND", "number of instances in view in a band of visible fractions"}});
+  add({
       {"frames", "number of images with at least one reported pose"},
       {"top1_precision", "share of these images whose highest-ranked pose is correct", kShare},
-      {"top1_ci95", "95 % interval of top1_precision"},
+  });
+  add(IntervalKeys("top1_ci95", "95 % interval of top1_precision"));
+  add({
       {"recall_by_visibility.BAND.instances", "number of instances in a band of visible fractions"},
       {"recall_by_visibility.BAND.recalled", "number of these with a correct pose"},
       {"recall_by_visibility.BAND.recall", "recalled / instances; null without instances", kShare},
-      {"recall_by_visibility.BAND.ci95", "95 % interval of recall"},
+  });
+  add(IntervalKeys("recall_by_visibility.BAND.ci95", "95 % interval of recall"));
+  add({
       {"scenes_refused[].trial", "trial of a drop that failed the certificate"},
       {"scenes_refused[].attempt", "number of the drop"},
       {"scenes_refused[].faults", "reasons, one text each"},
@@ -203,9 +261,9 @@ ResultColumns SummaryKeys() {
       {"trials_crashed[].why", "reason of the crash"},
       {"failures.REASON", "number of failed attempts with this reason"},
       {"picks_per_hour",
-       "picks per hour by the settings `cycle`; null if the time to compute is "
-       "measured or nothing was picked"},
-  };
+       "picks per hour by the settings `cycle`, without the time to compute if they do not give "
+       "it; null if nothing was picked"},
+  });
   AddBandKeys(keys);
   for (ResultColumn key : ForecastKeys()) {
     key.name = "pick_forecasts[]." + key.name;

@@ -8,6 +8,7 @@ namespace pickbed::eval {
 
 ResultColumns TrialsColumns();            // trials.csv
 ResultColumns AttemptsColumns();          // attempts.csv; includes the recorded metrics
+ResultColumns InstancesColumns();         // instances.csv
 ResultColumns InstanceOutcomesColumns();  // instance_outcomes.csv
 ResultColumns ConfigurationsColumns();    // configurations.csv
 ResultColumns TimingsColumns();           // timings.csv

@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <array>
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
+#include "eval/metrics/interval_json.h"
 #include "eval/metrics/metric_columns.h"
+#include "eval/metrics/pose_columns.h"
 #include "eval/summary/run_columns.h"
 #include "eval/trial/counts_by_bin.h"
+#include "eval/trial/simulated_cell.h"
 #include "scenes/base/ids_format.h"
 #include "scenes/base/math.h"
 
@@ -19,8 +22,16 @@ namespace {
 
 double Ratio(int count, int whole) { return whole > 0 ? static_cast<double>(count) / whole : 0; }
 
+// Index in RunSummary::in_view.
+size_t InViewIndex(double visible_fraction) {
+  size_t index = 0;
+  for (const VisibleBand& band : ReportedBands()) index += visible_fraction >= band.min;
+  return index;
+}
+
 void CountAttempt(const AttemptRecord& attempt, RunSummary& summary) {
   for (const InstanceRecord& instance : attempt.instances) {
+    ++summary.in_view[InViewIndex(instance.visible_fraction)];
     // In an occlusion trial only the target is counted.
     if (attempt.target >= 0 && instance.instance != attempt.target) continue;
     CountRecall(instance, summary.recall_by_visibility);
@@ -36,11 +47,26 @@ void CountAttempt(const AttemptRecord& attempt, RunSummary& summary) {
     ++summary.failures[std::string(FailureName(attempt.failure))];
 }
 
+bool HasTargets(const std::vector<TrialResult>& trials) {
+  return std::any_of(trials.begin(), trials.end(), [](const TrialResult& trial) {
+    return std::any_of(trial.attempts.begin(), trial.attempts.end(),
+                       [](const AttemptRecord& attempt) { return attempt.target >= 0; });
+  });
+}
+
 void AddIntervals(const std::vector<TrialResult>& trials, RunSummary& summary) {
   const std::vector<int> scenes = ScenesOf(trials);
   const auto of = [&](const TrialCount& count) {
     return ClusterInterval(CountByScene(trials, scenes, count));
   };
+  const auto rate = [&](const TrialCount& count) {
+    return ClusterRate(CountByScene(trials, scenes, count));
+  };
+  summary.attempts_picked = rate(AttemptsThatPicked());
+  summary.requested_picked = rate(RequestedCleared());
+  summary.recall = rate(AllInstancesRecalled());
+  summary.precision = rate(PosesRight());
+  if (HasTargets(trials)) summary.target_recall = rate(InstancesRecalled(kCountedVisibility, 1));
   summary.success_ci95 = of(SuccessOfAttempts());
   summary.cleared_ci95 = of(InstancesCleared());
   summary.top1_ci95 = of(TopRankedRight());
@@ -54,9 +80,35 @@ std::string BandName(const RecallBand& band) {
 }
 
 std::string CycleText(const CycleTime& cycle) {
-  return fmt::format("{:.0f}  per instance: sense {:.1f} s, compute {:.1f} s{}, move {:.1f} s",
-                     cycle.picks_per_hour(), cycle.sense_s, cycle.compute_s,
-                     cycle.measured ? " (measured)" : "", cycle.move_s);
+  if (!cycle.measured) {
+    return fmt::format("{:.0f}  per instance: sense {:.1f} s, compute {:.1f} s, move {:.1f} s",
+                       cycle.stated_picks_per_hour(), cycle.sense_s, cycle.compute_s, cycle.move_s);
+  }
+  return fmt::format(
+      "{:.0f}  per instance: sense {:.1f} s, move {:.1f} s; {:.0f} with the {:.1f} s to compute "
+      "measured here",
+      cycle.stated_picks_per_hour(), cycle.sense_s, cycle.move_s, cycle.picks_per_hour(),
+      cycle.compute_s);
+}
+
+constexpr double kEasyShare = 0.75;  // of the instances that are over 90 % visible
+
+// "22 of 50 attempts (28 without a grasp)".
+std::string AttemptsText(const RunSummary& s) {
+  const int without = s.attempts_picked.samples - s.executed_grasps;
+  std::string text =
+      fmt::format("{} of {} attempts", s.attempts_picked.hits, s.attempts_picked.samples);
+  return without == 0 ? text : text + fmt::format(" ({} without a grasp)", without);
+}
+
+// "40 of 45 in 3 bins", or "12 of 12 requested, of 240 dropped in 3 bins".
+std::string ClearedText(const RunSummary& s) {
+  const std::string bins = fmt::format("{} bin{}", s.trials, s.trials == 1 ? "" : "s");
+  if (s.requested_picked.samples == s.instances_dropped) {
+    return fmt::format("{} of {} in {}", s.instances_cleared, s.instances_dropped, bins);
+  }
+  return fmt::format("{} of {} requested, of {} dropped in {}", s.instances_cleared,
+                     s.requested_picked.samples, s.instances_dropped, bins);
 }
 
 std::string RefusedText(const RunSummary& summary) {
@@ -70,13 +122,6 @@ std::string RefusedText(const RunSummary& summary) {
   return text;
 }
 
-std::array<double, 2> EndsOf(const Interval& interval) { return {interval.low, interval.high}; }
-
-// JSON has no infinity: unknown ends become null.
-nlohmann::ordered_json FiniteOrNull(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
-}
-
 nlohmann::ordered_json JsonOf(const BandStatistics& band) {
   nlohmann::ordered_json json;
   json["visible_min"] = band.band.min;
@@ -86,8 +131,9 @@ nlohmann::ordered_json JsonOf(const BandStatistics& band) {
   json["failures"] = band.failures;
   if (band.attempts == 0) return json;
   const auto share = [&](const ShareOfAttempts& of) {
-    return nlohmann::ordered_json{
-        {"hits", of.hits}, {"rate", Ratio(of.hits, band.attempts)}, {"ci95", EndsOf(of.ci95)}};
+    nlohmann::ordered_json rate{{"hits", of.hits}, {"rate", Ratio(of.hits, band.attempts)}};
+    AddInterval(rate, "ci95", of.ci95);
+    return rate;
   };
   json["mean_visible"] = band.mean_visible;
   json["recall"] = share(band.recalled);
@@ -96,11 +142,19 @@ nlohmann::ordered_json JsonOf(const BandStatistics& band) {
   if (band.errors.attempts == 0) return json;
   const auto median = [&](const std::string& key, const ErrorMedian& of) {
     json[key] = of.value;
-    json[key + "_ci95"] = {FiniteOrNull(of.ci95.low), FiniteOrNull(of.ci95.high)};
+    AddInterval(json, key + "_ci95", of.ci95);
   };
   median("median_mssd_diameters", band.errors.mssd_diameters);
   median("median_translation_m", band.errors.translation_m);
   median("median_rotation_rad", band.errors.rotation_rad);
+  return json;
+}
+
+// The rate is null without samples.
+nlohmann::ordered_json RateObject(const char* samples, const char* hits, const ReportRate& of) {
+  nlohmann::ordered_json json{{samples, of.samples}, {hits, of.hits}, {"rate", nullptr}};
+  if (of.samples > 0) json["rate"] = of.rate();
+  AddInterval(json, "ci95", of.ci95);
   return json;
 }
 
@@ -144,9 +198,17 @@ void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands)
   }
 }
 
+std::vector<std::string> InViewNames() {
+  const std::vector<VisibleBand> bands = ReportedBands();
+  std::vector<std::string> names{VisibleBand{0, bands.front().min}.name()};
+  for (const VisibleBand& band : bands) names.push_back(band.name());
+  return names;
+}
+
 RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle,
                      const std::vector<VisibleBand>& bands) {
   RunSummary summary;
+  summary.in_view.resize(InViewNames().size());
   summary.cycle = CycleTimeOf(trials, cycle);
   summary.recall_by_visibility = EmptyRecallBands(bands);
   for (const TrialResult& trial : trials) {
@@ -174,33 +236,45 @@ std::string SummaryJson(const RunSummary& s) {
   json["executed_grasps"] = s.executed_grasps;
   json["successes"] = s.successes;
   json["success_rate"] = s.success_rate;
-  json["success_ci95"] = EndsOf(s.success_ci95);
+  AddInterval(json, "success_ci95", s.success_ci95);
   json["success_by_rule"] = nlohmann::ordered_json::object();
   for (const RuleRate& rule : s.by_rule) {
-    json["success_by_rule"][RowOf(rule.rule).name] = {
-        {"successes", rule.successes}, {"rate", rule.rate()}, {"ci95", EndsOf(rule.ci95)}};
+    auto& entry = json["success_by_rule"][RowOf(rule.rule).name];
+    entry = {{"successes", rule.successes}, {"rate", rule.rate()}};
+    AddInterval(entry, "ci95", rule.ci95);
   }
   if (s.stop) {
     json["stop"] = {{"width", s.stop->width},
                     {"reached", s.stop->reached},
                     {"bins", s.stop->bins},
                     {"mean", s.stop->mean},
-                    {"interval", EndsOf(s.stop->interval)}};
+                    {"interval", {s.stop->interval.low, s.stop->interval.high}}};
   }
   json["instances_dropped"] = s.instances_dropped;
   json["instances_cleared"] = s.instances_cleared;
   json["cleared_rate"] = s.cleared_rate;
-  json["cleared_ci95"] = EndsOf(s.cleared_ci95);
+  AddInterval(json, "cleared_ci95", s.cleared_ci95);
+  json["attempts"] = RateObject("all", "picked", s.attempts_picked);
+  json["requested"] = RateObject("instances", "picked", s.requested_picked);
+  json["recall"] = RateObject("instances", "recalled", s.recall);
+  json["precision"] = RateObject("poses", "right", s.precision);
+  json["false_positives"] = s.precision.samples - s.precision.hits;
+  if (s.target_recall.samples > 0) {
+    json["target_recall"] = RateObject("targets", "recalled", s.target_recall);
+  }
+  auto& in_view = json["in_view"] = nlohmann::ordered_json::object();
+  const std::vector<std::string> names = InViewNames();
+  for (size_t i = 0; i < names.size(); ++i) in_view[names[i]] = s.in_view[i];
   json["frames"] = s.frames;
   json["top1_precision"] = s.top1_precision;
-  json["top1_ci95"] = EndsOf(s.top1_ci95);
+  AddInterval(json, "top1_ci95", s.top1_ci95);
   auto& recall = json["recall_by_visibility"] = nlohmann::ordered_json::object();
   for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
     const RecallBand& band = s.recall_by_visibility[i];
     recall[BandName(band)] = {{"instances", band.instances}, {"recalled", band.recalled}};
     auto& rate = recall[BandName(band)]["recall"];  // null without instances
     if (band.instances > 0) rate = Ratio(band.recalled, band.instances);
-    recall[BandName(band)]["ci95"] = EndsOf(s.recall_ci95[i]);
+    AddInterval(recall[BandName(band)], "ci95", s.recall_ci95[i]);
   }
   for (const BandStatistics& band : s.bands) json["target_by_visibility"].push_back(JsonOf(band));
   json["scenes_refused"] = nlohmann::ordered_json::array();
@@ -221,8 +295,32 @@ std::string SummaryJson(const RunSummary& s) {
     json["pick_forecasts"] = nlohmann::ordered_json::parse(ForecastJson(s.forecasts));
   }
   auto& picks_per_hour = json["picks_per_hour"];
-  if (!s.cycle.measured && s.successes > 0) picks_per_hour = s.cycle.picks_per_hour();
+  if (s.cycle.stated_pick_s() > 0) picks_per_hour = s.cycle.stated_picks_per_hour();
   return json.dump(2) + "\n";
+}
+
+std::string InViewText(const RunSummary& s) {
+  const int all = std::accumulate(s.in_view.begin(), s.in_view.end(), 0);
+  const int counted = all - s.in_view.front();
+  if (all == 0) return "";
+  std::string text = fmt::format(
+      "{} of {} instances in view were under {} visible and are not counted; an instance counts "
+      "once per image.",
+      s.in_view.front(), all, WholePercentText(kCountedVisibility));
+  if (counted == 0) return text;
+  const int clear = s.in_view.back(), hidden = s.in_view[1] + s.in_view[2];
+  text += fmt::format(" {} of the {} counted were over 90 % visible", clear, counted);
+  if (clear >= kEasyShare * counted) return text + ": an easy bin.";
+  return text + fmt::format(", and {} under 50 %.", hidden);
+}
+
+// One indented line per sentence.
+std::string OnLines(std::string sentences) {
+  if (sentences.empty()) return "";
+  for (size_t at = 0; (at = sentences.find(". ", at)) != std::string::npos;) {
+    sentences.replace(at, 2, ".\n  ");
+  }
+  return "  " + sentences + "\n";
 }
 
 std::string SummaryTable(const RunSummary& s) {
@@ -230,25 +328,12 @@ std::string SummaryTable(const RunSummary& s) {
   const auto line = [&text](const std::string& name, const std::string& value) {
     text += fmt::format("  {:<26}{}\n", name, value);
   };
-  text += "Picks\n";
-  line("success rate",
-       fmt::format("{}  {} of {} executed grasps", RateText(s.success_rate, s.success_ci95),
-                   s.successes, s.executed_grasps));
-  if (s.stop) line("early stop", StopText(*s.stop));
-  line("instances cleared",
-       fmt::format("{}  {} of {} in {} bins", RateText(s.cleared_rate, s.cleared_ci95),
-                   s.instances_cleared, s.instances_dropped, s.trials));
-  line("top-ranked pose right",
-       fmt::format("{}  {} of {} images", RateText(s.top1_precision, s.top1_ci95), s.top1_correct,
-                   s.frames));
-  if (s.cycle.picks_per_hour() > 0) line("picks per hour", CycleText(s.cycle));
-  if (!s.refused.empty()) text += RefusedText(s);
-  for (const CrashedTrial& trial : s.crashed) {
-    line("crashed", fmt::format("trial {} (seed {}, scene {}): {}", trial.trial, trial.seed,
-                                trial.bin_index, trial.why));
-  }
-  if (s.executed_grasps > 0) text += RulesText(s);
-  text += "Recall by visible fraction (MSSD < 0.1 diameter)\n";
+  const auto rate = [&](const std::string& name, const ReportRate& of, const std::string& counts) {
+    line(name, fmt::format("{}  {}", RateText(of), counts));
+  };
+  const bool has_targets = s.target_recall.samples > 0;
+  // First what is hard: hidden instances, and why picks failed.
+  text += has_targets ? "Target recall by visible fraction\n" : "Recall by visible fraction\n";
   for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
     const RecallBand& band = s.recall_by_visibility[i];
     if (band.instances == 0) continue;
@@ -257,10 +342,42 @@ std::string SummaryTable(const RunSummary& s) {
   }
   if (!s.bands.empty()) text += CurveTable(s.bands);
   text += "Failed picks by reason\n";
-  if (s.failures.empty()) line("none", "0");
+  if (s.failures.empty()) text += "  nothing was lost\n";
   for (const auto& [reason, count] : s.failures) {
     line(reason, fmt::format("{:<6}{}", count, StageName(StageOf(*FailureFromName(reason)))));
   }
+  text += "Picks\n";
+  if (has_targets) rate("targets picked", s.attempts_picked, AttemptsText(s));
+  rate("success rate", {s.successes, s.executed_grasps, s.success_ci95},
+       fmt::format("{} of {} executed grasps", s.successes, s.executed_grasps));
+  if (s.stop) line("early stop", StopText(*s.stop));
+  if (!has_targets) {
+    if (s.attempts_picked.samples > s.executed_grasps) {
+      rate("attempts that picked", s.attempts_picked, AttemptsText(s));
+    }
+    rate("instances cleared", s.requested_picked, ClearedText(s));
+  }
+  if (s.cycle.picks_per_hour() > 0) line("picks per hour", CycleText(s.cycle));
+  if (const std::string few = FewBinsText(s.trials); !few.empty()) text += "  " + few + "\n";
+  if (!s.refused.empty()) text += RefusedText(s);
+  for (const CrashedTrial& trial : s.crashed) {
+    line("crashed", fmt::format("trial {} (seed {}, scene {}): {}", trial.trial, trial.seed,
+                                trial.bin_index, trial.why));
+  }
+  if (s.executed_grasps > 0) text += RulesText(s);
+  text += "Poses (right: MSSD < 0.1 diameter)\n";
+  rate("top-ranked pose right", {s.top1_correct, s.frames, s.top1_ci95},
+       fmt::format("{} of {} images", s.top1_correct, s.frames));
+  if (has_targets) {
+    rate("target recall", s.target_recall,
+         fmt::format("{} of {} targets", s.target_recall.hits, s.target_recall.samples));
+  }
+  rate(has_targets ? "recall, all in view" : "recall", s.recall,
+       fmt::format("{} of {} instances", s.recall.hits, s.recall.samples));
+  rate("precision", s.precision,
+       fmt::format("{} of {} poses, {} false", s.precision.hits, s.precision.samples,
+                   s.precision.samples - s.precision.hits));
+  text += OnLines(InViewText(s));
   text += ForecastText(s.forecasts);
   text += "Seconds per bin\n";
   for (const auto& [stage, seconds] : s.seconds) line(stage, fmt::format("{:.2f}", seconds));
@@ -304,20 +421,39 @@ std::string AttemptsCsv(const std::vector<TrialResult>& trials,
       csv += fmt::format("{},{},{},{},{},{},{},", trial.trial, trial.configuration, attempt.attempt,
                          attempt.target, attempt.band, attempt.instances.size(),
                          attempt.hypotheses.size());
-      std::string cells_at_end = at_end.EmptyCells();
+      std::string cells_at_end = at_end.EmptyCells(), pose = EmptyPoseCells();
       if (attempt.chosen >= 0) {
         const HypothesisRecord& h = attempt.hypotheses.at(attempt.chosen);
         csv += fmt::format("{},{},{}{},{},{},", object_names.at(h.object), h.instance, h.score,
                            placed.Cells(h.metrics), ChanceCell(maps.PickChance(h)),
                            ChanceCell(maps.PickChance(h, *attempt.grasp)));
         cells_at_end = at_end.Cells(h.metrics);
+        pose = PoseCells(h.X_WO);
       } else {
         csv += ",,," + placed.EmptyCells() + ",,";
       }
-      csv += fmt::format("{},{},{},{},{}{}{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
+      csv += fmt::format("{},{},{},{},{}{}{}{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
                          FailureName(attempt.failure), 1e3 * attempt.outcome.slip_m,
                          kDegreesPerRadian * attempt.outcome.in_hand_rotation_error_rad,
-                         attempt.outcome.neighbors_displaced, OutcomeCells(attempt), cells_at_end);
+                         attempt.outcome.neighbors_displaced, OutcomeCells(attempt), pose,
+                         cells_at_end);
+    }
+  }
+  return csv;
+}
+
+std::string InstancesCsv(const std::vector<TrialResult>& trials,
+                         const std::vector<std::string>& object_names) {
+  std::string csv = HeaderLine(InstancesColumns());
+  for (const TrialResult& trial : trials) {
+    for (const AttemptRecord& attempt : trial.attempts) {
+      for (const InstanceRecord& instance : attempt.instances) {
+        csv +=
+            fmt::format("{},{},{},{},{},{},{},{},{}\n", trial.trial, trial.configuration,
+                        attempt.attempt, instance.instance, object_names.at(instance.object),
+                        instance.visible_fraction, instance.recalled ? 1 : 0,
+                        FailureName(instance.missed), instance.instance == attempt.target ? 1 : 0);
+      }
     }
   }
   return csv;

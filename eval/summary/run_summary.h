@@ -42,6 +42,9 @@ struct TrialRefusal {
   RefusedScene scene;
 };
 
+// Name of each element of RunSummary::in_view: "0-10", "10-30", ..., "90-100".
+std::vector<std::string> InViewNames();
+
 // Statistics of a run. Scenes are the units of the intervals (see ClusterInterval), because picks
 // of one bin are not independent.
 struct RunSummary {
@@ -52,6 +55,14 @@ struct RunSummary {
   int instances_dropped = 0, instances_cleared = 0;
   double cleared_rate = 0;
   Interval cleared_ci95;
+  ReportRate attempts_picked;   // attempts that picked, of all attempts
+  ReportRate requested_picked;  // cleared instances, of the requested ones
+  ReportRate recall;            // instances with a correct pose, of all in view that count
+  ReportRate precision;         // right poses, of all reported ones
+  ReportRate target_recall;     // the same as recall for targets; only of occlusion trials
+  // Number of instances in view by visible fraction: under 10 %, then the default bands. An
+  // instance counts once per image.
+  std::vector<int> in_view;
   int frames = 0, top1_correct = 0;
   double top1_precision = 0;
   Interval top1_ci95;
@@ -80,9 +91,12 @@ struct ConfigurationTrials {
 RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle = {},
                      const std::vector<VisibleBand>& bands = ReportedBands());
 
-// Returns the content of summary.json, without times. Picks per hour are null if they depend on a
-// measured time or nothing was picked.
+// Returns the content of summary.json, without times. Picks per hour contain the computing time
+// only if the settings give it, and are null if nothing was picked.
 std::string SummaryJson(const RunSummary& summary);
+// Returns sentences on the instances in view: how many do not count because they are hidden, and
+// how occluded the others are. Empty without images.
+std::string InViewText(const RunSummary& summary);
 std::string SummaryTable(const RunSummary& summary);  // text for the console
 // Returns trials.csv: one line per trial. Crashed trials have empty cells.
 std::string TrialsCsv(const std::vector<TrialResult>& trials,
@@ -94,6 +108,9 @@ std::string TrialsCsv(const std::vector<TrialResult>& trials,
 std::string AttemptsCsv(const std::vector<TrialResult>& trials,
                         const std::vector<std::string>& object_names,
                         const ToleranceMaps& maps = {});
+// Returns instances.csv: one line per instance in view of each image.
+std::string InstancesCsv(const std::vector<TrialResult>& trials,
+                         const std::vector<std::string>& object_names);
 // Returns instance_outcomes.csv: one line per wanted instance that was dropped.
 std::string InstanceOutcomesCsv(const std::vector<TrialResult>& trials,
                                 const std::vector<std::string>& object_names);

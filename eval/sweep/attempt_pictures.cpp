@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/draw/bin_view.h"
 #include "eval/summary/occlusion_sheet.h"
 #include "eval/summary/result_files.h"
 #include "scenes/base/error.h"
@@ -9,45 +10,93 @@
 #include "scenes/image/image_io.h"
 
 namespace pickbed::eval {
+namespace {
 
-void WriteAttemptPictures(const std::filesystem::path& folder, int attempt,
-                          const OverlayInput& input) {
-  MakeFolder(folder);
-  WritePng(folder / AttemptPicture(attempt, "color"), input.frame.color);
-  WritePng(folder / AttemptPicture(attempt, "depth"), ColorizeDepth(input.frame.depth_m));
-  WritePng(folder / AttemptPicture(attempt, "overlay"), DrawOverlay(input));
+bool SameObjects(const Scene& a, const Scene& b) {
+  return std::ranges::equal(a.objects, b.objects, [](const PosedObject& p, const PosedObject& q) {
+    return p.instance == q.instance && p.object == q.object && p.X_WO.matrix() == q.X_WO.matrix();
+  });
 }
 
-OverlayInput OverlayOf(const AttemptState& attempt) {
-  std::vector<PoseHypothesis> estimates;
-  for (const ScoredHypothesis& h : *attempt.hypotheses) estimates.push_back(h.estimate);
-  return {attempt.view->frame,
-          attempt.cell.camera(),
-          attempt.cell.objects(),
-          std::move(estimates),
-          attempt.record.grasp ? &*attempt.record.grasp : nullptr,
-          &attempt.gripper,
-          &attempt.view->ids};
+}  // namespace
+
+const sim::Picture& BinPictures::Of(SimulatedCell& cell, const Scene& scene) {
+  if (!picture_ || !SameObjects(scene, scene_)) {
+    picture_ = cell.PictureOf(scene, BinCamera(cell.camera(), cell.bin()));
+    scene_ = scene;
+  }
+  return *picture_;
+}
+
+std::vector<OverlayPose> OverlayPoses(const std::vector<ScoredHypothesis>& hypotheses) {
+  std::vector<OverlayPose> poses;
+  for (const ScoredHypothesis& h : hypotheses) {
+    poses.push_back({h.estimate.object, h.estimate.X_CO, h.estimate.score,
+                     h.recalled >= 0 ? PoseMark::kRight : PoseMark::kWrong});
+  }
+  return poses;
+}
+
+std::vector<InstanceId> MissedInstances(const std::vector<InstanceRecord>& instances) {
+  std::vector<InstanceId> missed;
+  for (const InstanceRecord& record : instances) {
+    if (!record.recalled && record.visible_fraction >= kCountedVisibility) {
+      missed.push_back(record.instance);
+    }
+  }
+  return missed;
+}
+
+OverlayInput OverlayOf(const AttemptState& attempt, const sim::Picture& picture) {
+  OverlayInput input{picture.color, picture.camera.intrinsics, attempt.cell.objects(),
+                     OverlayPoses(*attempt.hypotheses)};
+  if (const std::optional<Grasp>& grasp = attempt.record.grasp) {
+    input.hand.emplace(
+        OverlayHand{attempt.gripper, picture.camera.X_CW() * grasp->X_WG, grasp->width_m});
+    input.poses.at(grasp->hypothesis).chosen = true;
+  }
+  input.ids = &picture.ids;
+  input.missed = MissedInstances(attempt.record.instances);
+  input.target = attempt.record.target;
+  return input;
+}
+
+void WriteAttemptPictures(const std::filesystem::path& folder, int attempt, const RgbdFrame& frame,
+                          const Image<Rgb8>& overlay) {
+  MakeFolder(folder);
+  WritePng(folder / AttemptPicture(attempt, "color"), frame.color);
+  WritePng(folder / AttemptPicture(attempt, "depth"), ColorizeDepth(frame.depth_m));
+  WritePng(folder / AttemptPicture(attempt, "overlay"), overlay);
+}
+
+void LostPickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
+  if (stage == TrialStage::kScene) before_ = attempt.scene;
+  if (stage != TrialStage::kOutcome || attempt.record.failure == FailureReason::kNone) return;
+  SimulatedCell& cell = attempt.cell;
+  const sim::Picture picture = cell.PictureOf(
+      before_, WindowOf(cell.camera(), BinRegion(cell.camera(), cell.bin()), size_.width_px));
+  const OverlayStyle small{.legend = false, .all_labels = false, .line_px = 2, .text_size = 0.5};
+  MakeFolder(folder_);
+  WriteFileAtomically(folder_ / FailurePicture(attempt.record.attempt),
+                      EncodeJpeg(DrawOverlay(OverlayOf(attempt, picture), small), size_.quality));
 }
 
 void PickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
   const int number = attempt.record.attempt;
-  if (stage == TrialStage::kGrasp) WriteAttemptPictures(folder_, number, OverlayOf(attempt));
-  if (stage == TrialStage::kGrasp && attempt.record.band >= 0) {
-    WritePng(folder_ / BandTileName(attempt.record.band), BandTile(attempt));
+  if (stage == TrialStage::kGrasp) {
+    const sim::Picture& picture = pictures_.Of(attempt.cell, attempt.scene);
+    WriteAttemptPictures(folder_, number, attempt.view->frame,
+                         DrawOverlay(OverlayOf(attempt, picture)));
+    if (attempt.record.band >= 0) {
+      WritePng(folder_ / BandTileName(attempt.record.band), BandTile(attempt, picture));
+    }
   }
   if (stage == TrialStage::kOutcome) {
     WritePng(folder_ / AttemptPicture(number, "after"),
-             attempt.cell.ColorPicture(attempt.scene, attempt.bin_index));
+             pictures_.Of(attempt.cell, attempt.scene).color);
   }
-}
-
-void LostPickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
-  if (stage != TrialStage::kOutcome || attempt.record.failure == FailureReason::kNone) return;
-  const Image<Rgb8> overlay = Narrowed(DrawOverlay(OverlayOf(attempt)), size_.width_px);
-  MakeFolder(folder_);
-  WriteFileAtomically(folder_ / FailurePicture(attempt.record.attempt),
-                      EncodeJpeg(overlay, size_.quality));
+  lost_.OnStage(stage, attempt);
+  animation_.OnStage(stage, attempt);
 }
 
 }  // namespace pickbed::eval

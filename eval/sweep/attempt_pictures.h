@@ -1,31 +1,46 @@
 #pragma once
 
-// Pictures of attempts: attempt_00_color.png, _depth.png, _overlay.png and _after.png. If only
-// failures are wanted, attempt_00_failed.jpg. Occlusion trials also have band_0.png, ...
-// (eval/summary/occlusion_sheet.h).
+// Pictures of attempts: attempt_00_color.png and _depth.png are the images of the sensor.
+// attempt_00_overlay.png and _after.png are pictures for people (sim/render/picture.h) of the bin
+// before the pick, with the estimated poses, and after it. A failed attempt also has the small
+// attempt_00_failed.jpg. attempt_00_pick.glb is the animated pick. Occlusion trials also have
+// band_0.png, ... (eval/summary/occlusion_sheet.h).
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "eval/draw/overlay.h"
+#include "eval/export/pick_animation.h"
 #include "eval/trial/observer.h"
 
 namespace pickbed::eval {
 
-// Writes the color, depth and overlay pictures of one attempt. Throws InputError if the folder
-// cannot be created.
-void WriteAttemptPictures(const std::filesystem::path& folder, int attempt,
-                          const OverlayInput& input);
-
-// Writes these pictures for each attempt of a trial, and a color picture of the bin after the pick.
-class PickPictures : public TrialObserver {
+// Pictures of the bin for people, by the cell's camera. A picture of the same scene as before is
+// not drawn again.
+class BinPictures {
  public:
-  explicit PickPictures(const std::filesystem::path& folder) : folder_(folder) {}
-  void OnStage(TrialStage stage, const AttemptState& attempt) override;
+  const sim::Picture& Of(SimulatedCell& cell, const Scene& scene);
 
  private:
-  std::filesystem::path folder_;
+  std::optional<sim::Picture> picture_;
+  Scene scene_;
 };
+
+// Returns the poses of an overlay. A pose is right if it recalls an instance.
+std::vector<OverlayPose> OverlayPoses(const std::vector<ScoredHypothesis>& hypotheses);
+// Returns the visible instances without a right pose.
+std::vector<InstanceId> MissedInstances(const std::vector<InstanceRecord>& instances);
+
+// Returns the input of the overlay of an attempt on a picture of the scene before the pick; valid
+// from TrialStage::kGrasp on. It holds references into its arguments.
+OverlayInput OverlayOf(const AttemptState& attempt, const sim::Picture& picture);
+
+// Writes the color and depth images of a frame and the overlay. Throws InputError if the folder
+// cannot be created.
+void WriteAttemptPictures(const std::filesystem::path& folder, int attempt, const RgbdFrame& frame,
+                          const Image<Rgb8>& overlay);
 
 // Writes a small overlay of each failed attempt, in the size used by a report. It is drawn after
 // the pick, so that a successful pick costs nothing.
@@ -38,10 +53,22 @@ class LostPickPictures : public TrialObserver {
  private:
   std::filesystem::path folder_;
   PictureSize size_;
+  Scene before_;  // the scene before the pick
 };
 
-// Returns the input of the overlay of an attempt; valid from TrialStage::kGrasp on. It holds
-// references into `attempt`.
-OverlayInput OverlayOf(const AttemptState& attempt);
+// Writes all pictures of each attempt of a trial, and the animation of each pick.
+class PickPictures : public TrialObserver {
+ public:
+  explicit PickPictures(const std::filesystem::path& folder)
+      : folder_(folder), lost_(folder), animation_(folder, /*with_gif=*/false) {}
+  void OnStage(TrialStage stage, const AttemptState& attempt) override;
+  MotionListener ListenToMotion() override { return animation_.ListenToMotion(); }
+
+ private:
+  std::filesystem::path folder_;
+  BinPictures pictures_;
+  LostPickPictures lost_;
+  PickAnimation animation_;
+};
 
 }  // namespace pickbed::eval

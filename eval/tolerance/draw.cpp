@@ -95,9 +95,9 @@ class Studio {
     from = from.normalized() + Vector3d(0, 0, 0.45) + 0.5 * grasp.X_WG.linear().col(0);
     const Vector3d center_W = 0.5 * (X_WO * center_O + grasp.X_WG * Vector3d(0, 0, -0.7 * reach_m));
     const Camera camera = TowardsCenter(center_W, from, 2.4 * (object_.diameter_m + reach_m));
-    RgbdFrame frame;
-    frame.color = Picture(camera, X_WO);
-    Canvas canvas(DrawOverlay({frame, camera, table_.objects, {}, &grasp, table_.gripper.get()}));
+    Canvas canvas(Picture(camera, X_WO));
+    DrawHand(canvas, camera.intrinsics,
+             {*table_.gripper, camera.X_CW() * grasp.X_WG, grasp.width_m});
     DrawAxes(canvas, camera, grasp.X_WG, 0.5 * reach_m);
     return canvas.Take();
   }
@@ -122,7 +122,6 @@ class Studio {
 
 std::vector<std::string> KeyNumbers(const ToleranceStudy& study,
                                     const ToleranceStatistics& statistics) {
-  const Interval at_truth = statistics.at_truth.band();
   const auto graspable = std::count_if(study.table.places.begin(), study.table.places.end(),
                                        [](const RestingPlace& place) { return place.graspable; });
   std::vector<std::string> lines{
@@ -130,7 +129,8 @@ std::vector<std::string> KeyNumbers(const ToleranceStudy& study,
       fmt::format("grasps\t{} of {} candidates", study.options.grasps,
                   study.table.candidates.size()),
       fmt::format("resting poses\t{}, {} with grasps", study.table.places.size(), graspable),
-      fmt::format("without error\t{}", RateText(statistics.at_truth.share(), at_truth)),
+      fmt::format("without error\t{} {}", PercentText(statistics.at_truth.share()),
+                  BandText(statistics.at_truth)),
       fmt::format("green\terrors that keep {} of this rate",
                   WholePercentText(study.options.keep_share)),
       fmt::format("AUC of {} held-out picks", statistics.test_picks)};

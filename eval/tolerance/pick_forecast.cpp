@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "eval/metrics/interval_json.h"
 #include "eval/stats/statistics.h"
 #include "eval/tolerance/report.h"
 #include "grasp/outcome.h"
@@ -44,7 +45,7 @@ nlohmann::ordered_json PredictorObject(const Predictor& predictor) {
     return json;
   }
   json["auc"] = predictor.auc.auc;
-  json["auc_ci95"] = {predictor.auc.interval.low, predictor.auc.interval.high};
+  AddInterval(json, "auc_ci95", predictor.auc.interval);
   return json;
 }
 
@@ -104,7 +105,7 @@ std::string ForecastJson(const std::vector<PickForecast>& forecasts) {
     object["bins"] = f.bins;
     object["picks"] = f.picks;
     object["successes"] = f.successes;
-    object["success_ci95"] = {f.rate_ci95.low, f.rate_ci95.high};
+    AddInterval(object, "success_ci95", f.rate_ci95);
     object["expected_successes"] = f.expected;
     object["expected_successes_with_grasp"] = f.expected_with_grasp;
     object["scores"] = nlohmann::ordered_json::array();
@@ -115,20 +116,25 @@ std::string ForecastJson(const std::vector<PickForecast>& forecasts) {
 }
 
 ResultColumns ForecastKeys() {
-  return {
+  ResultColumns keys;
+  const auto add = [&](const ResultColumns& more) { AddColumns(more, keys); };
+  add({
       {"object", "name of the object, or 'all objects'"},
       {"bins", "number of bins with such a pick"},
       {"picks", "number of executed picks at a pose that matches an instance of the object"},
       {"successes", "number of these picks that delivered the target"},
-      {"success_ci95", "95 % interval of successes / picks; bins are the units"},
+  });
+  add(IntervalKeys("success_ci95", "95 % interval of successes / picks; bins are the units"));
+  add({
       {"expected_successes", "number of successes predicted by the tolerance map"},
       {"expected_successes_with_grasp", "the same, if the executed grasps are known"},
       {"scores[].score", "name of a score that predicts success"},
       {"scores[].auc",
        "probability that the score ranks a successful pick above a failed one; null if all picks "
        "had the same outcome"},
-      {"scores[].auc_ci95", "95 % interval of auc"},
-  };
+  });
+  add(IntervalKeys("scores[].auc_ci95", "95 % interval of auc"));
+  return keys;
 }
 
 ResultColumns PickChancesColumns() {

@@ -10,7 +10,10 @@
 namespace pickbed::eval {
 namespace {
 
+constexpr int kDecimals = 4;  // of shares in CSV files
+
 std::string Signed(const AucDifference& d) {
+  if (!d.interval.is_known()) return fmt::format("{:+.3f} ({})", d.difference, kTooFewBins);
   return fmt::format("{:+.3f} [{:+.3f}, {:+.3f}]", d.difference, d.interval.low, d.interval.high);
 }
 
@@ -54,7 +57,7 @@ std::string ToleranceText(const ToleranceStatistics& statistics) {
       "{} with {}: {} {} of {} grasps succeed at the true pose\nPose errors that still allow a "
       "pick\n",
       statistics.object, statistics.gripper, PercentText(statistics.at_truth.share()),
-      IntervalText(statistics.at_truth.band()), statistics.at_truth.samples);
+      BandText(statistics.at_truth), statistics.at_truth.samples);
   for (const AxisCurve& curve : statistics.axes) {
     const ErrorAxis& axis = ErrorAxisTable()[curve.axis];
     text += fmt::format("  {:<5}{:<32}{}\n", axis.name, curve.help,
@@ -113,10 +116,10 @@ std::string AxesCsv(const ToleranceStatistics& statistics) {
   for (const AxisCurve& curve : statistics.axes) {
     const ErrorAxis& axis = ErrorAxisTable()[curve.axis];
     for (const LevelShare& level : curve.levels) {
-      const Interval band = level.band();
-      csv += fmt::format("{},{},{:g},{},{},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f}\n", axis.name,
-                         axis.unit, level.offset, level.successes, level.samples, level.share(),
-                         band.low, band.high, curve.region.low, curve.region.high);
+      csv +=
+          fmt::format("{},{},{:g},{},{},{:.4f},{},{:.3f},{:.3f}\n", axis.name, axis.unit,
+                      level.offset, level.successes, level.samples, level.share(),
+                      IntervalCells(level.band(), kDecimals), curve.region.low, curve.region.high);
     }
   }
   return csv;
@@ -127,12 +130,11 @@ std::string PairsCsv(const ToleranceStatistics& statistics) {
   for (const PairMap& map : statistics.pairs) {
     for (size_t i = 0; i < map.cells.size(); ++i) {
       const LevelShare& cell = map.cells[i];
-      const Interval band = cell.band();
-      csv += fmt::format("{},{},{:g},{:g},{},{},{:.4f},{:.4f},{:.4f}\n",
-                         ErrorAxisTable()[map.axis[0]].name, ErrorAxisTable()[map.axis[1]].name,
-                         map.offsets_a[i % map.offsets_a.size()],
-                         map.offsets_b[i / map.offsets_a.size()], cell.successes, cell.samples,
-                         cell.share(), band.low, band.high);
+      csv +=
+          fmt::format("{},{},{:g},{:g},{},{},{:.4f},{}\n", ErrorAxisTable()[map.axis[0]].name,
+                      ErrorAxisTable()[map.axis[1]].name, map.offsets_a[i % map.offsets_a.size()],
+                      map.offsets_b[i / map.offsets_a.size()], cell.successes, cell.samples,
+                      cell.share(), IntervalCells(cell.band(), kDecimals));
     }
   }
   return csv;
@@ -145,10 +147,10 @@ std::string PredictorsCsv(const std::vector<Predictor>& predictors) {
       csv += fmt::format("{},,,,,,,{},{}\n", p.name, p.auc.successes, p.auc.failures);
       continue;
     }
-    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", p.name, p.auc.auc,
-                       p.auc.interval.low, p.auc.interval.high, p.to_first.difference,
-                       p.to_first.interval.low, p.to_first.interval.high, p.auc.successes,
-                       p.auc.failures);
+    csv +=
+        fmt::format("{},{:.4f},{},{:.4f},{},{},{}\n", p.name, p.auc.auc,
+                    IntervalCells(p.auc.interval, kDecimals), p.to_first.difference,
+                    IntervalCells(p.to_first.interval, kDecimals), p.auc.successes, p.auc.failures);
   }
   return csv;
 }

@@ -157,6 +157,22 @@ void ToleranceOptions::Visit(SettingsVisitor& v) {
       "fit", [&](SettingsVisitor& g) { fit.Visit(g); }, "fit of the model");
 }
 
+ToleranceOptions QuickOptions() {
+  ToleranceOptions options;
+  const double coarser = 2.5;
+  options.step_mm *= coarser;
+  options.step_deg *= coarser;
+  options.steps = static_cast<int>(options.steps / coarser);
+  options.random_steps /= coarser;
+  options.pair_stride = 1;
+  options.grasps = 6;
+  options.pair_grasps = 6;
+  options.fit_grasps = 60;
+  options.fit_samples = 300;
+  options.test_samples = 200;
+  return options;
+}
+
 ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> object,
                          std::shared_ptr<const Gripper> gripper,
                          std::vector<GraspCandidate> candidates, const ToleranceOptions& options) {

@@ -59,6 +59,9 @@ struct ToleranceOptions {
   void Visit(SettingsVisitor& v);
 };
 
+// Returns options for a coarse map over the same range in one or two minutes.
+ToleranceOptions QuickOptions();
+
 // Purpose of a sample: curve of an axis, map of a pair, fit of the model, test of scores.
 enum class SampleKind { kAxis, kPair, kFit, kTest };
 // Returns the name of a kind in samples.csv.

@@ -207,6 +207,11 @@ Interval LevelShare::band() const {
   return ClusterInterval(grasps);
 }
 
+std::string BandText(const LevelShare& level) {
+  const Interval band = level.band();
+  return band.is_known() ? IntervalText(band) : "(too few grasps)";
+}
+
 ToleranceRegion RegionOf(const std::vector<LevelShare>& levels, double minimum) {
   ToleranceRegion region;
   const int center = static_cast<int>(levels.size()) / 2;

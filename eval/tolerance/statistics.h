@@ -25,6 +25,8 @@ struct LevelShare {
   double share() const { return samples > 0 ? double(successes) / samples : 0; }
   Interval band() const;  // 95 % interval; grasps are the units
 };
+// "[8.1, 18.4]", or "(too few grasps)".
+std::string BandText(const LevelShare& level);
 
 // Tolerated errors in the unit of the axis. If the region extends beyond the map, the end is the
 // end of the map and is marked `open`.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "eval/trial/simulated_cell.h"
 #include "eval/trial/stage_oracle.h"
 
 namespace pickbed::eval {
@@ -76,6 +77,45 @@ TrialCount SuccessByRule(SuccessRule rule) {
     for (const AttemptRecord& attempt : trial.attempts) {
       scene.samples += attempt.grasp.has_value();
       scene.hits += attempt.grasp && attempt.outcome.verdicts[static_cast<int>(rule)];
+    }
+  };
+}
+
+TrialCount AttemptsThatPicked() {
+  return [](const TrialResult& trial, Cluster& scene) {
+    for (const AttemptRecord& attempt : trial.attempts) {
+      ++scene.samples;
+      scene.hits += attempt.grasp && attempt.failure == FailureReason::kNone;
+    }
+  };
+}
+
+TrialCount RequestedCleared() {
+  return [](const TrialResult& trial, Cluster& scene) {
+    const auto asked = std::count_if(trial.outcomes.begin(), trial.outcomes.end(),
+                                     [](const InstanceOutcome& outcome) { return outcome.asked; });
+    scene.hits += trial.instances_cleared;
+    scene.samples += trial.outcomes.empty() ? trial.instances_dropped : static_cast<int>(asked);
+  };
+}
+
+TrialCount AllInstancesRecalled() {
+  return [](const TrialResult& trial, Cluster& scene) {
+    for (const AttemptRecord& attempt : trial.attempts) {
+      for (const InstanceRecord& instance : attempt.instances) {
+        if (instance.visible_fraction < kCountedVisibility) continue;
+        ++scene.samples;
+        scene.hits += instance.recalled;
+      }
+    }
+  };
+}
+
+TrialCount PosesRight() {
+  return [](const TrialResult& trial, Cluster& scene) {
+    for (const AttemptRecord& attempt : trial.attempts) {
+      scene.samples += static_cast<int>(attempt.hypotheses.size());
+      for (const InstanceRecord& instance : attempt.instances) scene.hits += instance.recalled;
     }
   };
 }

@@ -21,11 +21,22 @@ using TrialCount = std::function<void(const TrialResult& trial, Cluster& scene)>
 TrialCount SuccessOfAttempts();  // among executed grasps, by the scenario's success rule
 // Counts executed grasps and their successes by `rule`.
 TrialCount SuccessByRule(SuccessRule rule);
+// Attempts that picked an instance, among all attempts; one without a grasp counts as a failure.
+TrialCount AttemptsThatPicked();
 TrialCount InstancesCleared();  // among the dropped instances
-TrialCount TopRankedRight();    // among attempts with a hypothesis
+// Among the requested instances (eval/trial/instance_outcomes.h), or the dropped ones if a trial
+// has no outcomes.
+TrialCount RequestedCleared();
+TrialCount TopRankedRight();  // among attempts with a hypothesis
 // Recalled instances among all instances with a visible fraction in [min, max), or [min, max] if
 // max is 1. If an attempt has a target, only the target counts.
 TrialCount InstancesRecalled(double visible_min, double visible_max);
+// Recalled instances among all instances in view with at least kCountedVisibility, whether they
+// are targets or not.
+TrialCount AllInstancesRecalled();
+// Right poses among all reported poses. A pose is right if it recalls an instance, however little
+// is visible of it; a second pose of an instance is not.
+TrialCount PosesRight();
 // Successes among executed grasps, by the visible fraction of the intended instance. This is the
 // target if the attempt has one, else the instance that the executed pose matches.
 TrialCount SuccessByVisibility(double visible_min, double visible_max);

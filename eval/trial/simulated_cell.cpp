@@ -85,6 +85,12 @@ Image<Rgb8> SimulatedCell::ColorPicture(const Scene& scene, BinIndex bin_index) 
   return Render(renderer(), scene, camera_, bin_index, 0).color;
 }
 
+sim::Picture SimulatedCell::PictureOf(const Scene& scene, const Camera& camera,
+                                      const sim::PictureOptions& options) {
+  if (!pictures_) pictures_ = std::make_unique<sim::PictureRenderer>(renderer(), objects_);
+  return pictures_->Render(scene, camera, options);
+}
+
 RenderedImage SimulatedCell::Render(SceneRenderer& renderer, const Scene& scene,
                                     const Camera& camera, BinIndex bin_index, int picture) const {
   return RenderWithAppearance(renderer, scene, camera, appearance_, seed_, bin_index, picture);

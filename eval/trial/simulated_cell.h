@@ -18,6 +18,7 @@
 #include "scenes/scene.h"
 #include "sim/drop/certified_scene.h"
 #include "sim/drop/occlusion_series.h"
+#include "sim/render/picture.h"
 #include "sim/render/renderer.h"
 #include "sim/sensor/sensor_profile.h"
 
@@ -53,6 +54,9 @@ class SimulatedCell {
 
   // Renders the color image of `scene` with the random appearance of its trial.
   Image<Rgb8> ColorPicture(const Scene& scene, BinIndex bin_index);
+  // Draws a picture of `scene` for people. It does not affect any image of Capture().
+  sim::Picture PictureOf(const Scene& scene, const Camera& camera,
+                         const sim::PictureOptions& options = {.scale = 1});
   // Renders with a renderer of the cell's objects and bin, for cameras other than the cell's own.
   // `picture` distinguishes the images of one scene; their background depends on it.
   RenderedImage Render(SceneRenderer& renderer, const Scene& scene, const Camera& camera,
@@ -81,6 +85,7 @@ class SimulatedCell {
   SensorProfile sensor_;
   ObjectSet objects_;
   std::unique_ptr<SceneRenderer> renderer_;
+  std::unique_ptr<sim::PictureRenderer> pictures_;
 };
 
 }  // namespace pickbed::eval

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -236,6 +237,25 @@ double SuccessProbability(const ToleranceModel& model, const Pose& X_OE) {
   return sum / static_cast<double>(model.X_OG.size());
 }
 
+const std::vector<std::string>& ToleranceTerms() {
+  static const std::vector<std::string> terms = [] {
+    const std::array<std::string, 6> u{"x", "y", "z", "rx", "ry", "rz"};
+    std::vector<std::string> names{"1"};
+    for (const std::string& a : u) {
+      names.push_back(fmt::format("abs({})", a));
+      names.push_back(fmt::format("{}**2", a));
+    }
+    names.insert(names.end(), {"z", "z*abs(z)"});
+    for (size_t i = 0; i < u.size(); ++i) {
+      for (size_t k = i + 1; k < u.size(); ++k) {
+        names.push_back(fmt::format("abs({}*{})", u[i], u[k]));
+      }
+    }
+    return names;
+  }();
+  return terms;
+}
+
 void ToleranceModel::Visit(SettingsVisitor& v) {
   std::string kind = kKind;
   v.Text("kind", kind, {kKind}, "kind of the file");
@@ -249,7 +269,13 @@ void ToleranceModel::Visit(SettingsVisitor& v) {
   v.List(
       "weights", weights.size(), [&](size_t size) { weights.resize(size); },
       [&](size_t i, SettingsVisitor& w) {
-        w.Real("w", weights[i], {-1e9, 1e9}, "weight of a term");
+        std::string term = i < kTerms ? ToleranceTerms()[i] : "";
+        const std::string expected = term;
+        w.Text("term", term, {}, "term as an expression in x y z rx ry rz, the scaled error in G");
+        CheckInput(term == expected,
+                   fmt::format("weights.{}.term = {}: must be {}; the weights have a fixed order",
+                               i, term, expected));
+        w.Real("w", weights[i], {-1e9, 1e9}, "weight of the term");
       },
       "weights of the logistic regression");
   v.Vector3("surface_mean_m", surface_mean_O, any, "center of the surface in the object frame, m");

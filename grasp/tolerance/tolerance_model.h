@@ -57,7 +57,7 @@ struct ToleranceModel {
   std::string gripper;
   double length_scale_m = 0.010;
   double angle_scale_rad = 0.35;
-  std::vector<double> weights;  // of the terms in tolerance_model.cpp
+  std::vector<double> weights;  // of the terms in ToleranceTerms()
   std::vector<Pose> X_OG;       // grasps by which a hypothesis is scored
   SymmetrySet symmetries_O;
   // Area-weighted mean and covariance of the surface. They give the mean squared displacement of
@@ -68,6 +68,11 @@ struct ToleranceModel {
 
   void Visit(SettingsVisitor& v);
 };
+
+// Returns the terms of the regression, in the order of the weights, as expressions that Python can
+// evaluate: "1", "abs(x)", "x**2", "z*abs(z)", "abs(x*rz)". x, y, z are the position error in G
+// over length_scale_m; rx, ry, rz are the rotation vector over angle_scale_rad.
+const std::vector<std::string>& ToleranceTerms();
 
 // Returns a model with names, scales, symmetries and surface set, and weights zero. `X_OG` must not
 // be empty.

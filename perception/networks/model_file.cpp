@@ -143,6 +143,15 @@ DescriptorModel LoadModel(const std::filesystem::path& file, const std::string& 
   }
 }
 
+// Returns the command with the names of the objects: "`pickbed train kehl nut bolt`".
+std::string CommandFor(const ObjectSet& objects, const std::string& command) {
+  const size_t quote = command.rfind('`');
+  if (quote == std::string::npos) return command;
+  std::string names;
+  for (const auto& object : objects) names += " " + object->name;
+  return command.substr(0, quote) + names + command.substr(quote);
+}
+
 std::vector<int> TrainedObjects(const std::vector<ModelObject>& trained, const ObjectSet& objects,
                                 const std::filesystem::path& file, const std::string& command) {
   std::vector<int> indices;
@@ -155,7 +164,7 @@ std::vector<int> TrainedObjects(const std::vector<ModelObject>& trained, const O
     }
     CheckInput(found,
                fmt::format("{}: not trained for object '{}' (knows {}); train a model with {}",
-                           file.string(), object->name, known, command));
+                           file.string(), object->name, known, CommandFor(objects, command)));
     CheckInput(
         found->mesh_hash == object->mesh_hash,
         fmt::format("{}: the mesh of object '{}' has changed since training; train again with {}",

@@ -93,13 +93,14 @@ fs::path AssetsDir() {
                "PICKBED_ASSETS names '" + from_environment.string() + "', which is not a folder");
     return from_environment;
   }
-  const fs::path installed = (ExecutableDir() / PICKBED_INSTALL_ASSETS).lexically_normal();
-  if (fs::is_directory(installed)) return installed;
-  const fs::path source = PICKBED_SOURCE_ASSETS;
-  CheckInput(fs::is_directory(source), "found no assets at '" + installed.string() + "' nor '" +
-                                           source.string() +
-                                           "'; set PICKBED_ASSETS to the assets folder");
-  return source;
+  const fs::path near_program = (ExecutableDir() / PICKBED_ASSETS_NEAR_PROGRAM).lexically_normal();
+  std::string searched;
+  for (const fs::path& folder :
+       {near_program, fs::path(PICKBED_SOURCE_ASSETS), fs::path(PICKBED_INSTALLED_ASSETS)}) {
+    if (fs::is_directory(folder)) return folder;
+    searched += (searched.empty() ? "'" : ", '") + folder.string() + "'";
+  }
+  throw InputError("found no assets at " + searched + "; set PICKBED_ASSETS to the assets folder");
 }
 
 fs::path CacheDir() {

@@ -8,9 +8,9 @@
 
 namespace pickbed::scenes {
 
-// Returns the assets/ folder of the installed program, found relative to the executable, else the
-// assets/ folder of the source tree. The environment variable PICKBED_ASSETS overrides both. Throws
-// InputError when the folder does not exist.
+// Returns the assets/ folder: the one installed beside the running program, else the one of the
+// source tree that the library was built from, else the one installed with the library. The
+// environment variable PICKBED_ASSETS overrides all. Throws InputError when no folder exists.
 std::filesystem::path AssetsDir();
 
 // Returns XDG_CACHE_HOME/pickbed (or ~/.cache/pickbed) and creates it if needed. Throws InputError

@@ -22,7 +22,7 @@ struct SymmetricEigen {
 SymmetricEigen3 EigenOfSymmetric3(const Eigen::Matrix3d& symmetric);
 SymmetricEigen EigenOfSymmetric(const Eigen::MatrixXd& symmetric);
 
-// Returns the vector x of least norm among those that minimize |A x - b|. A may have any rank.
+// Returns the shortest vector x that minimizes |A x - b|. A may have any rank.
 Eigen::VectorXd MinimumNormSolution(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                     const Eigen::VectorXd& b);
 
@@ -30,8 +30,8 @@ Eigen::VectorXd MinimumNormSolution(const Eigen::Ref<const Eigen::MatrixXd>& A,
 Eigen::VectorXd SolveSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                const Eigen::VectorXd& b);
 
-// Returns the shortest rotation that turns the direction of `from` into that of `to`. For opposite
-// directions it is a half turn about some perpendicular axis.
+// Returns the shortest rotation from one direction to the other. For opposite directions it is a
+// half turn about some perpendicular axis.
 Eigen::Quaterniond RotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
 }  // namespace pickbed::scenes

@@ -23,6 +23,7 @@ constexpr int kFirstCheckStride = 25;              // over the samples, for the 
 constexpr int kRoughStride = 15, kFineStride = 3;  // over the samples, for the refinement
 constexpr double kGridStep_rad = Radians(5);
 constexpr double kSameAxis_rad = Radians(5);
+constexpr double kSnap_rad = Radians(1);  // an axis is set to a coordinate axis within this angle
 constexpr double kOutlierShare = 0.003;
 constexpr size_t kLargestGroup = 120;
 constexpr std::array kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59};
@@ -54,6 +55,8 @@ class Finder {
   std::optional<Axis> Continuous(const Vector3d& direction) const;
   std::optional<Axis> Discrete(const Vector3d& direction, int highest_prime) const;
   std::vector<Pose> Group(const std::vector<Axis>& axes) const;
+  Vector3d SnappedPoint(const Vector3d& point) const;
+  std::vector<Pose> ExactGroup(const std::vector<Axis>& axes, size_t rotations) const;
   SymmetrySet OfRevolution(const Axis& axis) const;
 
   MeshQuery query_;
@@ -239,6 +242,53 @@ std::vector<Pose> Finder::Group(const std::vector<Axis>& axes) const {
   return group;
 }
 
+// Returns the direction of a coordinate axis if `direction` is near one.
+Vector3d SnappedDirection(const Vector3d& direction) {
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(direction[k]) > std::cos(kSnap_rad)) {
+      return Vector3d::Unit(k) * (direction[k] < 0 ? -1 : 1);
+    }
+  }
+  return direction;
+}
+
+// Sets coordinates to 0 that are 0 within the tolerance.
+Vector3d Finder::SnappedPoint(const Vector3d& point) const {
+  return point.unaryExpr([&](double x) { return std::abs(x) < tolerance_m_ ? 0.0 : x; });
+}
+
+// Returns the group of `rotations` elements with exact fractions of a turn about one axis and exact
+// half turns across it, all about one center. Meshes with a thread or with rounded coordinates have
+// such a group only within the tolerance. Empty if the group is another one, or if the mesh does
+// not allow the exact rotations.
+std::vector<Pose> Finder::ExactGroup(const std::vector<Axis>& axes, size_t rotations) const {
+  const auto main = std::max_element(
+      axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.order < b.order; });
+  if (main == axes.end()) return {};
+  const Vector3d direction = SnappedDirection(main->direction);
+  Vector3d center = Vector3d::Zero(), across = Vector3d::Zero();
+  for (const Axis& axis : axes) {
+    center += axis.point / static_cast<double>(axes.size());
+    if (&axis != &*main && axis.order == 2 && across.isZero()) across = axis.direction;
+  }
+  center = SnappedPoint(center);
+  std::vector<Pose> group;
+  for (int i = 1; i < main->order; ++i) {
+    group.push_back(TurnAbout({direction, center}, 2 * pi * i / main->order));
+  }
+  if (!across.isZero()) {
+    across = SnappedDirection((across - direction * direction.dot(across)).normalized());
+    for (int i = 0; i < main->order; ++i) {
+      const Vector3d flip = TurnAbout({direction, Vector3d::Zero()}, pi * i / main->order) * across;
+      group.push_back(TurnAbout({flip, center}, pi));
+    }
+  }
+  const bool holds = group.size() == rotations &&
+                     std::all_of(group.begin(), group.end(),
+                                 [&](const Pose& X_OO) { return Maps(X_OO, tolerance_m_, 1); });
+  return holds ? group : std::vector<Pose>();
+}
+
 // Returns the symmetries of a body of revolution, which may also be symmetric under a half turn
 // across the axis.
 SymmetrySet Finder::OfRevolution(const Axis& axis) const {
@@ -284,7 +334,9 @@ SymmetrySet Finder::Find() {
       axes.push_back(*axis);
     }
   }
-  return {Group(axes), {}};
+  const std::vector<Pose> group = Group(axes);
+  const std::vector<Pose> exact = ExactGroup(axes, group.size());
+  return {exact.empty() ? group : exact, {}};
 }
 
 }  // namespace

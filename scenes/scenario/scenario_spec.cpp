@@ -265,7 +265,9 @@ void ScenarioSpec::Validate() const {
                            object.name));
     const std::string mass = fmt::format("{} = {}", At(key + "mass_kg"), object.mass_kg);
     CheckInput(object.mesh.empty() || object.mass_kg > 0,
-               mass + ": must be above 0 for an object given by mesh");
+               fmt::format("{}: is missing or 0; give mass_kg, the mass of '{}' in kg, "
+                           "because the object is given by a mesh",
+                           At(key + "mass_kg"), object.name));
     CheckInput(!object.mesh.empty() || object.mass_kg == 0,
                fmt::format("{}: '{}' comes from the catalog, which has its mass; remove it or give "
                            "a mesh",

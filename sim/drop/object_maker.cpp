@@ -42,8 +42,9 @@ TriangleMesh HullOf(const TriangleMesh& mesh) {
 
 MassProperties MassOf(const ObjectRequest& request, const InspectedMesh& inspected) {
   const TriangleMesh solid = inspected.watertight ? inspected.mesh_O : HullOf(inspected.mesh_O);
-  return request.mass_kg > 0 ? UniformMassProperties(solid, request.mass_kg)
-                             : UniformDensityProperties(solid, request.density_kgpm3);
+  if (request.mass_kg > 0) return UniformMassProperties(solid, request.mass_kg);
+  return UniformDensityProperties(
+      solid, request.density_kgpm3 > 0 ? request.density_kgpm3 : kDefaultDensity_kgpm3);
 }
 
 }  // namespace
@@ -57,6 +58,7 @@ MadeObject MakeObject(const ObjectRequest& request,
   });
   const TriangleMesh& mesh_O = made.inspected.mesh_O;
   made.mass_from_hull = !made.inspected.watertight;
+  made.mass_by_default_density = request.mass_kg == 0 && request.density_kgpm3 == 0;
 
   ObjectModel& model = made.model;
   model.name = request.name;

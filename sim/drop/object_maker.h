@@ -13,13 +13,16 @@
 
 namespace pickbed::sim {
 
+// Density of an object whose mass and density are not given: plastic has about this density.
+inline constexpr double kDefaultDensity_kgpm3 = 1000;
+
 // Input of MakeObject().
 struct ObjectRequest {
   std::string name;
   std::filesystem::path mesh;
-  std::string unit;  // empty = guess
-  double density_kgpm3 = 1000;
-  double mass_kg = 0;  // > 0 replaces the density
+  std::string unit;          // empty = guess
+  double density_kgpm3 = 0;  // 0 = kDefaultDensity_kgpm3
+  double mass_kg = 0;        // > 0 replaces the density
   double friction = 0.5;
   double symmetry_tolerance = 0.01;  // share of the diameter
   int drops = 100;                   // simulated drops for the resting poses
@@ -39,6 +42,7 @@ struct MadeObject {
   PieceQuality quality;
   std::vector<RestingPose> resting;
   bool mass_from_hull = false;  // true if the mesh is open
+  bool mass_by_default_density = false;
   std::vector<MakeStageTime> seconds;
 };
 

@@ -40,8 +40,9 @@ struct Picture {
   Camera camera;  // of the picture's pixels
 };
 
-// Returns the finish and color of an object: by its density (cardboard, plastic, aluminium, steel)
-// and, for plastic, by its name. An object whose mesh has a texture or vertex colors keeps them.
+// Returns the finish and color of an object. The finish follows its density: cardboard, plastic,
+// metal. The color is the color of its mesh; if the mesh has none, it follows density and name. A
+// texture and vertex colors are kept.
 PictureMaterial PictureMaterialOf(const ObjectModel& object);
 
 // Draws pictures of scenes of fixed objects. Keeps references to `renderer` and `objects`.

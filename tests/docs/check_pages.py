@@ -4,7 +4,7 @@
     check_pages.py ROOT
 
 Prints one line PAGE:LINE: FAULT for each fault and exits with 1 if there is one:
-- a link or an anchor that does not exist, or a link from a page to a file outside docs/pages
+- a link, an anchor or a quoted file that does not exist, or a link from a page to a file outside docs/pages
 - a page that is not in the navigation of docs/mkdocs.yml, or that no links lead to from index.md
 - a page with more than 300 lines, except generated ones
 - a sentence with more than 25 words, or a form that the style guide forbids, except in README.md
@@ -46,6 +46,14 @@ def check_links(page, root, pages_root, texts, faults):
     return targets
 
 
+def check_quotes(page, root, text, faults):
+    """mkdocs puts the file in the place of a line --8<-- "FILE"."""
+    for number, line in enumerate(text.split("\n"), 1):
+        quoted = re.match(r'^\s*--8<-- "([^"]+)"$', line)
+        if quoted and not (root / quoted.group(1)).is_file():
+            faults.append((page, number, f"quotes {quoted.group(1)}, which does not exist"))
+
+
 def check_navigation(root, pages_root, pages, linked, faults):
     config = root / "docs/mkdocs.yml"
     named = {pages_root / name for name in re.findall(r"[\s:]([\w/.-]+\.md)\s*$", config.read_text(), re.M)}
@@ -85,6 +93,7 @@ def main():
     faults, linked = [], {}
     for page, text in texts.items():
         linked[page] = check_links(page, root, pages_root, texts, faults)
+        check_quotes(page, root, text, faults)
         if page not in pages or GENERATED_MARK in text:
             continue
         lines = text.count("\n")

@@ -1,6 +1,6 @@
 // Opens a report file in headless Chromium and checks that it works.
-//   node report_check.mjs PAGE.html [--views N] [--pictures DIR]
-// --views: minimum number of 3D views on the page. --pictures: folder for screenshots and a PDF, for
+//   node report_check.mjs PAGE.html [--views N] [--picks N] [--pictures DIR]
+// --views, --picks: minimum number of 3D views and of animated picks on the page. --pictures: folder for screenshots and a PDF, for
 // inspection by eye. Controls Chromium through its DevTools protocol over a pipe. Prints one line per
 // fault and then exits with 1.
 
@@ -18,6 +18,7 @@ const argument = (name) => {
 };
 const page = resolve(process.argv[2]);
 const views = Number(argument('--views') ?? 0);
+const picks = Number(argument('--picks') ?? 0);
 const pictures = argument('--pictures');
 
 const faults = [];
@@ -168,7 +169,7 @@ const drawn = `(async (viewer) => {
 })`;
 
 async function checkView(browser, i) {
-  const viewer = `document.querySelectorAll('model-viewer')[${i}]`;
+  const viewer = `document.querySelectorAll('.view model-viewer')[${i}]`;
   await browser.value(`${viewer}.scrollIntoView({block: 'center'})`);
   await browser.until(`${viewer}.loaded && ${viewer}.modelIsVisible`, `3D view ${i}`);
   const settle = () => browser.value(`new Promise((done) => {
@@ -193,6 +194,27 @@ async function checkView(browser, i) {
   check(hidden.share < 0.2 * turned.share, `3D view ${i} shows ${hidden.share} without layers`);
   await browser.value(`${viewer}.closest('.view').querySelectorAll('input').forEach((box) => box.click())`);
   await settle();
+}
+
+// An animated pick plays, stops at Pause, and goes to the time of the slider.
+async function checkPick(browser, i) {
+  const pick = `document.querySelectorAll('.pick')[${i}]`;
+  const viewer = `${pick}.querySelector('model-viewer')`;
+  await browser.value(`${viewer}.scrollIntoView({block: 'center'})`);
+  await browser.until(`${viewer}.loaded && ${viewer}.duration > 1`, `animated pick ${i}`);
+  await browser.until(`${viewer}.currentTime > 0.2`, `the motion of pick ${i}`);
+  const click = `${pick}.querySelector('button').click()`;
+  await browser.value(click);
+  check(await browser.value(`${viewer}.paused`), `animated pick ${i} does not pause`);
+  await browser.value(`(() => {
+    const slider = ${pick}.querySelector('input');
+    slider.value = 0.5;
+    slider.dispatchEvent(new Event('input'));
+  })()`);
+  const share = await browser.value(`${viewer}.currentTime / ${viewer}.duration`);
+  check(Math.abs(share - 0.5) < 0.05, `the slider of pick ${i} leads to ${share} of its time`);
+  await browser.value(click);
+  check(!await browser.value(`${viewer}.paused`), `animated pick ${i} does not go on`);
 }
 
 // Checks that nothing on a printed page is cut at its edge.
@@ -232,9 +254,12 @@ async function run(browser) {
   await browser.until(`document.body?.dataset.charts === 'drawn'`, 'the charts');
   await checkCharts(browser);
   if (await browser.value(`document.querySelector('.failures') !== null`)) await checkGallery(browser);
-  const has = await browser.value(`document.querySelectorAll('model-viewer').length`);
+  const has = await browser.value(`document.querySelectorAll('.view model-viewer').length`);
   check(has >= views, `${has} 3D views instead of ${views}`);
   for (let i = 0; i < has; ++i) await checkView(browser, i);
+  const animated = await browser.value(`document.querySelectorAll('.pick').length`);
+  check(animated >= picks, `${animated} animated picks instead of ${picks}`);
+  for (let i = 0; i < animated; ++i) await checkPick(browser, i);
   await browser.value('scrollTo(0, 0)');
   await browser.shot('light.png');
   await browser.screen(1280, 'dark');

@@ -2,6 +2,8 @@
 // stdout:
 //   interval_figures rates EXPERIMENTS    ClusterInterval compared with the percentile
 //                                         bootstrap
+//   interval_figures few EXPERIMENTS      ClusterInterval of few bins: lowest coverage, mean
+//                                         width; the reason for kMinBinsOfInterval
 //   interval_figures pairs EXPERIMENTS    PairedInterval, and false alarms of the paired tests
 //
 // Each scene draws its rate from a beta distribution with the given correlation within a scene. The
@@ -101,6 +103,33 @@ void MeasureRates(int experiments) {
              min_coverage, max_coverage);
 }
 
+// Few bins of 8 to 14 picks. Experiments with fewer bins than an interval needs are left out, so
+// measure those with a smaller kMinBinsOfInterval.
+void MeasureFew(int experiments) {
+  fmt::print("{:>5}{:>17}{:>12}\n", "bins", "lowest coverage", "mean width");
+  for (const int bins : {2, 3, 4, 5, 6, 8, 10, 15, 20}) {
+    double lowest = 1, width = 0;
+    int cases = 0;
+    for (const double correlation : {0.0, 0.1, 0.3}) {
+      for (const double rate : {0.5, 0.7, 0.9, 0.95, 0.98}) {
+        Rng rng(5);
+        Tally covered;
+        for (int k = 0; k < experiments; ++k) {
+          const Interval interval =
+              ClusterInterval(DrawScenes(bins, rate, correlation, UniformSize(8, 14), rng));
+          if (!interval.is_known()) continue;
+          covered.Count(interval, rate);
+          width += interval.high - interval.low;
+          ++cases;
+        }
+        lowest = std::min(lowest, covered.share());
+      }
+    }
+    if (cases == 0) continue;
+    fmt::print("{:>5}{:>17.3f}{:>12.2f}\n", bins, lowest, width / cases);
+  }
+}
+
 void MeasurePairs(int experiments) {
   constexpr int kFlips = 199;
   fmt::print("{:<12}{:>7}{:>13}{:>7}{:>6}{:>9}{:>13}{:>9}\n", "picks", "scenes", "correlation",
@@ -143,12 +172,14 @@ void MeasurePairs(int experiments) {
 
 int main(int argc, char** argv) {
   if (argc != 3) {
-    fmt::print(stderr, "interval_figures rates|pairs EXPERIMENTS\n");
+    fmt::print(stderr, "interval_figures rates|few|pairs EXPERIMENTS\n");
     return 1;
   }
   const int experiments = std::atoi(argv[2]);
   if (std::string(argv[1]) == "rates") {
     pickbed::tests::MeasureRates(experiments);
+  } else if (std::string(argv[1]) == "few") {
+    pickbed::tests::MeasureFew(experiments);
   } else {
     pickbed::tests::MeasurePairs(experiments);
   }

@@ -85,7 +85,24 @@ function startView(view) {
   viewer.addEventListener('load', apply);
 }
 
+function startPick(pick) {
+  const viewer = pick.querySelector('model-viewer');
+  const button = pick.querySelector('button');
+  const slider = pick.querySelector('input[type=range]');
+  const clock = pick.querySelector('.note');
+  const show = () => {
+    const end = viewer.duration || 0;
+    slider.value = end > 0 ? viewer.currentTime / end : 0;
+    clock.textContent = `${viewer.currentTime.toFixed(1)} of ${end.toFixed(1)} s`;
+    button.textContent = viewer.paused ? 'Play' : 'Pause';
+  };
+  button.addEventListener('click', () => { viewer.paused ? viewer.play() : viewer.pause(); show(); });
+  slider.addEventListener('input', () => { viewer.pause(); viewer.currentTime = slider.value * viewer.duration; show(); });
+  viewer.addEventListener('load', () => setInterval(show, 100));
+}
+
 document.querySelectorAll('.failures').forEach(startGallery);
+document.querySelectorAll('.pick').forEach(startPick);
 document.querySelectorAll('.view').forEach(startView);
 // Paper gets the tables too, except long ones, whose charts show the same in less space.
 const longTable = 15;

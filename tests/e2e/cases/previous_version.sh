@@ -17,7 +17,7 @@ previous_version_is_reported_and_compared() {
   page before/run/report.html "40.0 %"
   expect 0 "$pickbed" run before/run/scenario.yaml --pictures 0 --out now
   _reports_former_names
-  expect 0 "$pickbed" compare before/run now
+  expect 0 "$pickbed" compare before/run now --all
   _reports_former_names
   grep -q "^A is before/run, B is now; 2 scenes that both have" last.out || fail "the shared bins are not reported"
   grep -q "^  pick success, % *40.0 *40.0  +0.0 " last.out || fail "the picks of the same settings differ"

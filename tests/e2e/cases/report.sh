@@ -5,9 +5,10 @@ _needs_report_page() {
   has_template || { echo "skipped: the report page was not built, see the output of the build"; exit 77; }
 }
 
-# _browser PAGE VIEWS: fails unless the page works in Chromium and has that many 3D views.
+# _browser PAGE VIEWS PICKS: fails unless the page works in Chromium and has that many 3D views and
+# animated picks.
 _browser() {
-  node "$here/report_check.mjs" "$1" --views "$2" >browser.out 2>browser.err ||
+  node "$here/report_check.mjs" "$1" --views "$2" --picks "$3" >browser.out 2>browser.err ||
     fail "$1 does not work in a browser"
   [ "$(stat -c %s "$1")" -lt 15000000 ] || fail "$1 is too large"
 }
@@ -19,7 +20,7 @@ reports_work_in_a_browser() {
   expect 0 "$pickbed" run small.yaml "${one[@]}" --set estimator.noise_mm=3 --out two
   expect 0 "$pickbed" report one
   grep -q "one/report.html" last.out || fail "the page is not named"
-  _browser one/report.html 2
+  _browser one/report.html 2 2
   grep -q "data:image/jpeg" one/report.html || fail "no picture of a failed pick"
   grep -q "have no picture here" one/report.html && fail "a failed pick has no picture"
   expect 0 "$pickbed" report one --out again.html
@@ -29,9 +30,9 @@ reports_work_in_a_browser() {
   grep -q "^  pick success, % .*\[.*\]" last.out || fail "the differences are not printed"
   grep -q '"first": "one"' both.json && grep -q '"odds_ratio_ci95"' both.json &&
     grep -q '"scenes_needed"' both.json || fail "the differences are not in the JSON file"
-  _browser both.html 2
-  expect 0 "$pickbed" report two --views 0 --out flat.html
-  _browser flat.html 0
+  _browser both.html 2 2
+  expect 0 "$pickbed" report two --views 0 --animations 0 --out flat.html
+  _browser flat.html 0 0
   [ "$(stat -c %s flat.html)" -lt 1200000 ] || fail "a page without 3D views holds their library"
 }
 

@@ -3,8 +3,10 @@
 run_results_do_not_depend_on_jobs() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 1 --out one --pictures 0 --lost-pictures 0
   expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 2 --out two --pictures 1
+  grep -q "^A bin of .* l gets 5 objects of .* l in all: .* % of its volume" last.out || fail "it does not say how full the bin is"
   same one/trials.csv two/trials.csv
   same one/attempts.csv two/attempts.csv
+  same one/instances.csv two/instances.csv
   same one/summary.json two/summary.json
   [ -s one/summary.json ] || fail "summary.json is empty"
   [ "$(wc -l <one/trials.csv)" = 5 ] || fail "trials.csv does not have one line per trial"
@@ -106,7 +108,7 @@ a_full_disk_keeps_finished_trials() {
 resume_with_other_settings_is_refused() {
   expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out here
   expect 1 "$pickbed" run small.yaml "${small[@]}" --trials 1 --out here --resume --set seed=9
-  grep -q "other settings" last.err || fail "the other settings are not reported"
+  grep -q "other settings (seed: .* before, 9 now)" last.err || fail "the other setting is not named"
   [ "$(wc -l <last.err)" = 1 ] || fail "more than one line"
 }
 

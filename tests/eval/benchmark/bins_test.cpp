@@ -48,8 +48,13 @@ TEST(BinTable, StatisticsEqualHandComputedValues) {
   EXPECT_THAT(csv, HasSubstr("all,\"doumanoglou\",4,4,28,40,0.5000,0.6000,0.5000,100.0"));
   EXPECT_THAT(csv, HasSubstr("bin_b,\"doumanoglou, no siamese term\",2,2,12,20,0.4000"));
   EXPECT_THAT(csv, HasSubstr(",recalled_90_100,instances_90_100\n"));
-  EXPECT_THAT(BinTableText(HandWorked()), HasSubstr("70.0 ["));
-  EXPECT_THAT(BinTableText(HandWorked()), HasSubstr("by +10.0 percentage points, 95 % interval ["));
+  EXPECT_THAT(BinTableText(HandWorked()),
+              HasSubstr("by +10.0 (too few bins) percentage points over 4 bins"));
+  std::vector<BinScenario> six_bins = HandWorked();
+  six_bins.push_back(six_bins[0]);
+  six_bins.back().name = "bin_c";
+  EXPECT_THAT(BinTableText(six_bins), HasSubstr("70.0 ["));
+  EXPECT_THAT(BinTableText(six_bins), HasSubstr("by +10.0 ["));
   EXPECT_THAT(BinTablePage(HandWorked()).body(), HasSubstr("over 4 bins"));
 }
 

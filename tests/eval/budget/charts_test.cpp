@@ -29,6 +29,17 @@ TEST(WaterfallChart, EachBarBeginsAtTheEndOfTheBarAbove) {
   EXPECT_DOUBLE_EQ(end, 26.0 / 40);
 }
 
+TEST(WaterfallChart, TooFewBinsLeaveOutTheLines) {
+  Waterfall waterfall = TwoFailures();
+  waterfall.left.ci95 = Interval::Unknown();
+  for (WaterfallStep& step : waterfall.steps) step.ci95 = Interval::Unknown();
+  const ReportChart chart = WaterfallChart("id", waterfall);
+  const auto spec = nlohmann::json::parse(chart.spec);
+  for (const auto& bar : spec["data"]["values"]) EXPECT_EQ(bar["low"], bar["high"]);
+  EXPECT_NE(chart.caption.find("too few bins for an interval"), std::string::npos);
+  EXPECT_EQ(chart.table.back().back(), "65.0 % (too few bins)");
+}
+
 // A bar from 1 with a share of [0.05, 0.2] leaves [0.8, 0.95].
 TEST(WaterfallChart, IntervalsAreAtTheEndOfTheirBar) {
   const auto spec = nlohmann::json::parse(WaterfallChart("id", TwoFailures()).spec);

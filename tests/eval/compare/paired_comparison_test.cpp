@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include "eval/compare/paired_tables.h"
 #include "eval/trial/counts_by_bin.h"
@@ -188,7 +190,30 @@ TEST(ComparePaired, MedianOverTooFewBinsHasNoInterval) {
   EXPECT_GT(few.p_value, 0.05);
   EXPECT_TRUE(std::isinf(few.difference_ci95.low));
   EXPECT_TRUE(std::isinf(few.difference_ci95.high));
-  EXPECT_THAT(PairedTable({5, 0, 0, {few}}), HasSubstr(" [-, -]"));
+  EXPECT_THAT(PairedTable({5, 0, 0, {few}}), HasSubstr(" (too few bins)"));
+}
+
+TEST(PairedTable, RowsWithoutADifferenceAreFoldedAndNamesKeepTheColumns) {
+  PairedStatistic differs{"a", "recall, 90-100 % visible, of the targets of all bins", true, 0.5,
+                          0.7};
+  differs.scenes = 20;
+  differs.discordant_scenes = 4;
+  PairedStatistic same{"b", "precision", true, 0.9, 0.9};
+  same.scenes = 20;
+  const PairedComparison comparison{20, 0, 0, {differs, same, same}};
+  const std::string folded = PairedTable(comparison), all = PairedTable(comparison, true);
+  EXPECT_THAT(folded,
+              HasSubstr("2 more rows without a difference in any scene; --all shows them\n"));
+  EXPECT_THAT(folded, testing::Not(HasSubstr("precision")));
+  EXPECT_THAT(all, HasSubstr("precision"));
+  EXPECT_THAT(all, testing::Not(HasSubstr("more rows")));
+  // The header and the rows of the table end in the same column.
+  std::istringstream lines(all);
+  std::set<size_t> lengths;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("  ")) lengths.insert(line.size());
+  }
+  EXPECT_EQ(lengths.size(), 1u) << all;
 }
 
 // The second run also finds the difficult instance and is as accurate as the first on the easy one.

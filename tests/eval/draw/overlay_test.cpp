@@ -14,10 +14,18 @@ int CountPixels(const Image<Rgb8>& image, const Rgb8& not_this) {
   return count;
 }
 
-ObjectSet UnitCubes() {
+ObjectSet OpenBoxes() {
   auto model = std::make_shared<ObjectModel>();
   model->mesh_O = BinMesh(Bin{{0.04, 0.04, 0.04}, 0.001, 0.5});
+  model->diameter_m = 0.07;
   return {model};
+}
+
+constexpr CameraIntrinsics kOverlayCamera{200, 160, 300, 300, 99.5, 79.5};
+const OverlayStyle kOnlyLines{.legend = false, .all_labels = false};
+
+OverlayPose PoseAt(const Eigen::Vector3d& center_C, PoseMark mark) {
+  return {ObjectId(0), Translation(center_C), 0.5, mark};
 }
 
 TEST(ColorizeDepth, HolesAreBlackAndNearDiffersFromFar) {
@@ -41,19 +49,72 @@ TEST(ColorizeIds, NeighborsDifferInColourAndBackgroundIsBlack) {
 }
 
 TEST(DrawOverlay, PoseIsDrawnOnlyWhereItProjects) {
-  const Camera camera{{200, 160, 300, 300, 99.5, 79.5}, Pose::Identity()};
-  const RgbdFrame frame{camera.intrinsics, Image<Rgb8>(200, 160), Image<float>(200, 160)};
-  const ObjectSet objects = UnitCubes();
-  std::vector<PoseHypothesis> hypotheses(1);
-  hypotheses[0].X_CO = Translation({0.05, 0, 0.5});
-  const Image<Rgb8> image = DrawOverlay({frame, camera, objects, hypotheses});
+  const Image<Rgb8> picture(200, 160);
+  const ObjectSet objects = OpenBoxes();
+  const Image<Rgb8> image = DrawOverlay(
+      {picture, kOverlayCamera, objects, {PoseAt({0.05, 0, 0.5}, PoseMark::kRight)}}, kOnlyLines);
   EXPECT_GT(CountPixels(image, Rgb8{}), 60);
-  // The cube is 0.05 / 0.5 * 300 = 30 px right of the center and at most 0.04 m wide.
+  // The box is 0.05 / 0.5 * 300 = 30 px right of the center and at most 0.042 m wide.
   for (int y = 0; y < 160; ++y) {
     for (int x = 0; x < 100; ++x) EXPECT_EQ(image(x, y), Rgb8{}) << x << " " << y;
   }
-  const std::vector<PoseHypothesis> none;
-  EXPECT_EQ(CountPixels(DrawOverlay({frame, camera, objects, none}), Rgb8{}), 0);
+  EXPECT_EQ(DrawOverlay({picture, kOverlayCamera, objects, {}}, kOnlyLines), picture);
+}
+
+TEST(DrawOverlay, HiddenPoseDrawsNothing) {
+  const Image<Rgb8> picture(200, 160, {90, 90, 90});
+  const ObjectSet objects = OpenBoxes();
+  const OverlayPose front = PoseAt({0, 0, 0.25}, PoseMark::kRight);
+  const OverlayPose behind = PoseAt({0, 0, 0.45}, PoseMark::kWrong);
+  const auto drawn = [&](const std::vector<OverlayPose>& poses) {
+    return DrawOverlay({picture, kOverlayCamera, objects, poses}, {.legend = false});
+  };
+  EXPECT_EQ(drawn({front, behind}), drawn({front}));
+  EXPECT_EQ(drawn({behind, front}), drawn({front}));
+  EXPECT_FALSE(drawn({behind}) == picture);
+}
+
+TEST(DrawOverlay, RequestedInstanceIsOutlined) {
+  const Image<Rgb8> picture(200, 160, {90, 90, 90});
+  Image<uint16_t> ids(200, 160);
+  for (int y = 40; y < 80; ++y) {
+    for (int x = 60; x < 120; ++x) ids(x, y) = 4;
+  }
+  const ObjectSet objects = OpenBoxes();
+  OverlayInput input{picture, kOverlayCamera, objects, {}};
+  input.ids = &ids;
+  EXPECT_EQ(DrawOverlay(input, kOnlyLines), picture);
+  input.target = InstanceId(3);
+  const Image<Rgb8> image = DrawOverlay(input, kOnlyLines);
+  EXPECT_GT(std::count(image.pixels().begin(), image.pixels().end(), kTargetColor), 150);
+  EXPECT_EQ(image(90, 60), (Rgb8{90, 90, 90}));
+}
+
+TEST(OverlayKey, CountsEachKindOfPose) {
+  const Image<Rgb8> picture(200, 160);
+  const Image<uint16_t> ids(200, 160);
+  const ObjectSet objects = OpenBoxes();
+  OverlayInput input{picture, kOverlayCamera, objects, {}};
+  const auto texts = [&] {
+    std::string all;
+    for (const KeyEntry& entry : OverlayKey(input)) all += entry.meaning + "\n";
+    return all;
+  };
+  EXPECT_EQ(texts(), "");
+  for (const PoseMark mark : {PoseMark::kRight, PoseMark::kWrong, PoseMark::kRight}) {
+    input.poses.push_back(PoseAt({0, 0, 0.5}, mark));
+  }
+  EXPECT_EQ(texts(), "right: 2\nwrong or duplicate: 1\nnumber: score of the pose\n");
+  input.poses[1].chosen = true;
+  input.ids = &ids;
+  input.missed = {InstanceId(1), InstanceId(5)};
+  input.target = InstanceId(5);
+  EXPECT_EQ(texts(),
+            "right: 2\nwrong or duplicate: 1\nnot found: 2\nrequested instance\n"
+            "pose of the grasp\nnumber: score of the pose\n");
+  input.poses = {PoseAt({0, 0, 0.5}, PoseMark::kUnknown)};
+  input.ids = nullptr;
+  EXPECT_EQ(texts(), "estimated: 1\nnumber: score of the pose\n");
 }
 
 TEST(Canvas, TextStaysWithinItsWidth) {

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <sstream>
 
 #include "eval/estimate/report.h"
 #include "eval/estimate/statistics.h"
@@ -73,6 +75,61 @@ TEST(ComparisonStatistics, EqualHandComputedValues) {
   EXPECT_NEAR(f.calibration_error, (0.1 + 0.8 + 0.7 + 0.4) / 4, 1e-12);
   EXPECT_EQ(f.seconds, 0.5);
   EXPECT_EQ(StatisticsOf(HandWorked(), ObjectId{1}).instances, 0) << "there is no other object";
+}
+
+// Splits a CSV table into rows of named cells.
+std::vector<std::map<std::string, std::string>> RowsOfCsv(const std::string& csv) {
+  const auto cells_of = [](const std::string& line) {
+    std::vector<std::string> cells;
+    std::istringstream in(line + ",");
+    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+    return cells;
+  };
+  std::istringstream lines(csv);
+  std::string line;
+  std::getline(lines, line);
+  const std::vector<std::string> names = cells_of(line);
+  std::vector<std::map<std::string, std::string>> rows;
+  while (std::getline(lines, line)) {
+    const std::vector<std::string> cells = cells_of(line);
+    EXPECT_EQ(cells.size(), names.size()) << line;
+    for (size_t i = 0; i < std::min(cells.size(), names.size()); ++i) {
+      if (i == 0) rows.emplace_back();
+      rows.back()[names[i]] = cells[i];
+    }
+  }
+  return rows;
+}
+
+TEST(InstancesCsv, RecallCanBeCountedFromIt) {
+  ObjectSet objects = EasyCube();
+  objects.push_back(objects[0]);
+  const ComparisonStatistics f = StatisticsOf(HandWorked());
+  int instances = 0, recalled = 0;
+  for (const auto& row : RowsOfCsv(InstancesCsv({HandWorked()}, objects))) {
+    if (std::stod(row.at("visible_fraction")) < 0.1) continue;
+    ++instances;
+    recalled += row.at("found") == "1";
+  }
+  EXPECT_EQ(instances, f.instances);
+  EXPECT_EQ(recalled, f.recalled);
+}
+
+TEST(HypothesesCsv, HasThePoseInTheWorld) {
+  ComparedRow row = HandWorked();
+  row.images[0].score.hypotheses.resize(1);
+  // A quarter turn about z; the quaternion has qw >= 0 whatever the sign of the input.
+  row.images[0].score.hypotheses[0].record.X_WO = scenes::MakePose(
+      Eigen::Quaterniond(-std::sqrt(0.5), 0, 0, -std::sqrt(0.5)).toRotationMatrix(),
+      {0.25, -0.5, 1});
+  ObjectSet objects = EasyCube();
+  const auto rows = RowsOfCsv(HypothesesCsv({row}, objects));
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_NEAR(std::stod(rows[0].at("qw")), std::sqrt(0.5), 1e-8);
+  EXPECT_NEAR(std::stod(rows[0].at("qz")), std::sqrt(0.5), 1e-8);
+  EXPECT_EQ(rows[0].at("tx_m"), "0.25");
+  EXPECT_EQ(rows[0].at("ty_m"), "-0.5");
+  EXPECT_EQ(rows[0].at("tz_m"), "1");
 }
 
 TEST(ComparisonTable, LongLabelsKeepColumnsAligned) {
@@ -174,11 +231,13 @@ TEST(ComparisonPage, ChartsHaveTheHandComputedStatistics) {
   const std::string recall = ChartOf(page, "recall");
   EXPECT_THAT(recall, HasSubstr("\"x\":\"90-100 %\",\"series\":\"by hand\",\"rate\":1.0"));
   EXPECT_THAT(recall, HasSubstr("\"x\":\"50-70 %\",\"series\":\"other\",\"rate\":0.0"));
+  EXPECT_THAT(recall, HasSubstr("too few bins for an interval"));
+  EXPECT_THAT(recall, Not(HasSubstr("\"low\":")));
   EXPECT_THAT(recall, Not(HasSubstr("\"x\":\"10-30 %\",\"series\"")));
   // One pose per score: 0.9 and 0.6 are right, 0.8 and 0.7 are not.
   const std::string reliability = ChartOf(page, "reliability");
-  EXPECT_THAT(reliability, HasSubstr("\"confidence\":0.9,\"rate\":1.0"));
-  EXPECT_THAT(reliability, HasSubstr("\"confidence\":0.7,\"rate\":0.0"));
+  EXPECT_THAT(reliability, HasSubstr("\"confidence\":0.9,\"series\":\"by hand\",\"rate\":1.0"));
+  EXPECT_THAT(reliability, HasSubstr("\"confidence\":0.7,\"series\":\"by hand\",\"rate\":0.0"));
   EXPECT_THAT(page.body(), HasSubstr("src=\"x.png\""));
 }
 

@@ -168,7 +168,7 @@ TEST(EntryPatches, RenderedPatchEqualsTheOriginal) {
 
 TEST(DrawExplain, VoteMapIsBrightestAtMostVotes) {
   RgbdFrame frame{{400, 300, 300, 300, 199.5, 149.5}, Image<Rgb8>(400, 300), {}};
-  const explain::Board board(frame);
+  const explain::Board board(frame, {0, 0, frame.intrinsics.width(), frame.intrinsics.height()});
   std::vector<Eigen::Vector2d> centers(9, {100, 80});
   centers.push_back({300, 200});
   const Image<Rgb8> map = explain::DrawVoteMap(board, centers, 2, {}, {});

@@ -118,7 +118,8 @@ TEST(AddedMetric, IsTheLastColumnOfTheCsvFiles) {
   const std::vector<std::string> hypotheses = Lines(HypothesesCsv({row}, {object}));
   EXPECT_EQ(hypotheses.at(0),
             "estimator,trial,hypothesis,object,instance,score,mssd_m,mssd_diameters,mspd_px,add_m,"
-            "adi_m,rotation_rad,translation_m,correct,p_pick,vertical_error_m");
+            "adi_m,rotation_rad,translation_m,correct,p_pick,qw,qx,qy,qz,tx_m,ty_m,tz_m,"
+            "vertical_error_m");
   EXPECT_EQ(std::stod(LastCell(hypotheses.at(1))), hypothesis.metrics.Get(kKey));
 }
 

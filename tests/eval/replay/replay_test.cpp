@@ -92,7 +92,15 @@ TEST_F(ReplayTest, AllStagesOfAllAttemptsAreIdentical) {
     EXPECT_EQ(row.verdict, ReplayVerdict::kSame);
     EXPECT_NE(row.recorded, 0u);
   }
-  EXPECT_THAT(ReplayTable(report), HasSubstr("all recorded stages are the same"));
+  const std::string table = ReplayTable(report);
+  EXPECT_THAT(table, HasSubstr("all recorded stages are the same"));
+  EXPECT_THAT(table, HasSubstr("attempt 0: 5 of 5 stages are the same\n"));
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'),
+            static_cast<int>(record.result.attempts.size()) + 1)
+      << "one line per attempt";
+  const std::string verbose = ReplayTable(report, true);
+  EXPECT_EQ(std::count(verbose.begin(), verbose.end(), '\n'),
+            static_cast<int>(report.stages.size()) + 2);
 }
 
 TEST_F(ReplayTest, NamesTheStageThatASettingChanges) {

@@ -12,6 +12,7 @@ namespace pickbed::tests {
 namespace {
 
 using testing::ElementsAre;
+using testing::SizeIs;
 
 ConfigurationTrials Point(std::vector<TrialResult> trials) {
   return {"point", {"rod", "flange"}, std::move(trials), {}};
@@ -69,8 +70,10 @@ TEST_P(RunStatisticsTables, AgreeWithTheSummary) {
     recalled += object.recall.hits;
     in_view += object.recall.samples;
   }
-  EXPECT_EQ(recalled, report.recall.hits);
-  EXPECT_EQ(in_view, report.recall.samples);
+  const RunSummary& summary = report.summary;
+  const ReportRate& recall = GetParam() ? summary.target_recall : summary.recall;
+  EXPECT_EQ(recalled, recall.hits);
+  EXPECT_EQ(in_view, recall.samples);
   int attempts = 0, successes = 0, dropped = 0, picked = 0;
   for (const ObjectReport& object : report.objects) {
     attempts += object.picks.samples;
@@ -257,6 +260,8 @@ TEST(RunStatistics, ViewsShowOneOfEachReasonAndOneSuccess) {
   EXPECT_THAT(places(9), ElementsAre(0, 30, 51, 10, 20));
   EXPECT_THAT(places(1), ElementsAre(20));
   EXPECT_TRUE(places(0).empty());
+  const auto is_early = [](const ViewChoice& choice) { return choice.trial < 2; };
+  EXPECT_THAT(ChooseViews({&point, 1}, 9, is_early), SizeIs(2));
 }
 
 TEST(RunStatistics, OptionsOutOfRangeAreRefused) {

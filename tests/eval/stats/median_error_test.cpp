@@ -64,17 +64,19 @@ TEST(ErrorMedian, OneValuePerSceneCoversTheTruthIn95Percent) {
 }
 
 TEST(ErrorMedian, FewValuesLeaveTheIntervalUnknown) {
-  const ErrorMedian five = MedianWithin({{1, 2}, {3}, {}, {4, 5}});
+  const ErrorMedian five = MedianWithin({{1}, {2}, {3}, {}, {4}, {5}});
   EXPECT_EQ(five.value, 3);
   EXPECT_TRUE(std::isinf(five.ci95.low));
   EXPECT_TRUE(std::isinf(five.ci95.high));
-  EXPECT_TRUE(std::isfinite(MedianWithin({{1, 2}, {3}, {4, 5}, {6}}).ci95.high));
-  EXPECT_EQ(MedianText(five, 1), "3.0 [-, -]");
+  EXPECT_TRUE(std::isfinite(MedianWithin({{1, 2}, {3}, {4, 5}, {6}, {7}}).ci95.high));
+  EXPECT_EQ(MedianText(five, 1), "3.0 (too few bins)");
   EXPECT_EQ(MedianCells(five), "3,,");
 }
 
-TEST(ErrorMedian, OneSceneLeavesTheIntervalUnknown) {
-  EXPECT_TRUE(std::isinf(MedianWithin({{}, std::vector<double>(40, 1.0), {}}).ci95.high));
+TEST(ErrorMedian, FewScenesLeaveTheIntervalUnknown) {
+  const std::vector<double> many(40, 1.0);
+  EXPECT_FALSE(MedianWithin({{}, many, many, many, many, {}}).ci95.is_known());
+  EXPECT_TRUE(MedianWithin({many, many, many, many, many}).ci95.is_known());
 }
 
 TEST(ErrorMedian, NoValuesGiveEmptyText) {

@@ -174,14 +174,24 @@ TEST(Auc, CopiesWithinAClusterDoNotNarrowTheInterval) {
 }
 
 TEST(ClusterBootstrapAuc, WidthIsPositiveIfEveryDrawSeparates) {
-  const OutcomeClusters separated{Outcomes({5, 6}, {1}), Outcomes({7}, {2}), Outcomes({8}, {0, 1})};
+  const OutcomeClusters separated{Outcomes({5, 6}, {1}), Outcomes({7}, {2}), Outcomes({8}, {0, 1}),
+                                  Outcomes({9}, {3}), Outcomes({6}, {2})};
   const Interval interval = ClusterBootstrapAuc(separated);
   EXPECT_EQ(interval.high, 1);
-  EXPECT_DOUBLE_EQ(interval.low, WilsonInterval(3, 3).low);
+  EXPECT_DOUBLE_EQ(interval.low, WilsonInterval(5, 5).low);
+}
+
+TEST(ClusterBootstrapAuc, FewClustersLeaveItUnknown) {
+  const OutcomeClusters four(4, Outcomes({5, 6}, {1, 7}));
+  EXPECT_FALSE(ClusterBootstrapAuc(four).is_known());
+  EXPECT_FALSE(ClusterBootstrapAucDifference(four, four).is_known());
+  AucResult auc = Auc(four[0]);
+  auc.interval = ClusterBootstrapAuc(four);
+  EXPECT_EQ(AucText(auc), "0.500 (too few bins)");
 }
 
 TEST(ClusterBootstrapAuc, OnlyOneOutcomeGivesTheWholeRange) {
-  const OutcomeClusters all_well{Outcomes({5, 6}, {}), Outcomes({7}, {})};
+  const OutcomeClusters all_well(5, Outcomes({5, 6}, {}));
   const Interval auc = ClusterBootstrapAuc(all_well);
   EXPECT_EQ(auc.low, 0);
   EXPECT_EQ(auc.high, 1);

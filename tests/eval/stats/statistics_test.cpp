@@ -92,13 +92,63 @@ TEST(ClusterInterval, EqualsTheFormulaForScenesOfEqualSize) {
 TEST(ClusterInterval, WidthIsNeverZero) {
   const std::vector<Cluster> all(20, {15, 15}), none(20, {0, 15}), half(20, {5, 10});
   EXPECT_EQ(ClusterInterval(all).high, 1);
-  EXPECT_NEAR(ClusterInterval(all).low, WilsonInterval(20, 20).low, 1e-12);
+  EXPECT_GT(ClusterInterval(all).low, WilsonInterval(20, 20).low);
+  EXPECT_LT(ClusterInterval(all).low, WilsonInterval(300, 300).low);
   EXPECT_EQ(ClusterInterval(none).low, 0);
-  EXPECT_NEAR(ClusterInterval(none).high, WilsonInterval(0, 20).high, 1e-12);
+  EXPECT_NEAR(ClusterInterval(none).high, 1 - ClusterInterval(all).low, 1e-12);
   EXPECT_LT(ClusterInterval(half).low, 0.45);
   EXPECT_GT(ClusterInterval(half).high, 0.55);
-  const Interval one = ClusterInterval(std::vector<Cluster>{{7, 10}});
-  EXPECT_LT(one.low, 0.2) << "one scene gives almost no information";
+}
+
+// A run in which every pick succeeds must not look worse than the same run with one failure.
+TEST(ClusterInterval, AllSuccessesAreNoWorseThanOneFailure) {
+  for (const int bins : {5, 6, 8, 20, 40}) {
+    for (const std::vector<int>& sizes :
+         {std::vector{1}, std::vector{1, 2}, std::vector{8}, std::vector{3, 14, 15}}) {
+      std::vector<Cluster> all;
+      for (int i = 0; i < bins; ++i) {
+        const int size = sizes[i % sizes.size()];
+        all.push_back({size, size});
+      }
+      const Interval perfect = ClusterInterval(all);
+      EXPECT_EQ(perfect.high, 1);
+      for (size_t i = 0; i < sizes.size(); ++i) {
+        std::vector<Cluster> one_failure = all;
+        --one_failure[i].hits;
+        const Interval worse = ClusterInterval(one_failure);
+        EXPECT_GE(perfect.low, worse.low) << bins << " bins, failure in bin " << i;
+        EXPECT_LE(perfect.high - perfect.low, worse.high - worse.low + 1e-12) << bins;
+      }
+    }
+  }
+}
+
+TEST(ClusterInterval, TooFewBinsLeaveItUnknown) {
+  std::vector<Cluster> bins(kMinBinsOfInterval - 1, {13, 14});
+  bins.push_back({0, 0});
+  EXPECT_FALSE(ClusterInterval(bins).is_known()) << "a bin without samples does not count";
+  EXPECT_FALSE(PairedInterval(bins, bins).is_known());
+  EXPECT_FALSE(ClusterInterval(std::vector<Cluster>(kMinBinsOfInterval - 1, {1, 1})).is_known());
+  bins.back() = {14, 14};
+  EXPECT_TRUE(ClusterInterval(bins).is_known());
+  EXPECT_TRUE(PairedInterval(bins, bins).is_known());
+}
+
+// The rates of few bins at which the rule for kMinBinsOfInterval was chosen.
+TEST(ClusterInterval, FewestBinsCoverTheTruth) {
+  for (const double rate : {0.5, 0.9, 0.98}) {
+    for (const double correlation : {0.0, 0.3}) {
+      Rng rng(5);
+      int covered = 0;
+      constexpr int kOfFew = 4000;
+      for (int experiment = 0; experiment < kOfFew; ++experiment) {
+        const Interval interval = ClusterInterval(
+            DrawScenes(kMinBinsOfInterval, rate, correlation, UniformSize(8, 14), rng));
+        covered += interval.low <= rate && rate <= interval.high;
+      }
+      EXPECT_GE(covered, 0.94 * kOfFew) << rate << " " << correlation;
+    }
+  }
 }
 
 TEST(ClusterInterval, ExchangeOfHitsAndMissesMirrorsIt) {
@@ -110,10 +160,8 @@ TEST(ClusterInterval, ExchangeOfHitsAndMissesMirrorsIt) {
   EXPECT_NEAR(ClusterInterval(scenes).high, 1 - ClusterInterval(exchanged).low, 1e-12);
 }
 
-TEST(ClusterInterval, NoSamplesGiveTheWholeRange) {
-  const std::vector<Cluster> empty{{0, 0}, {0, 0}};
-  EXPECT_EQ(ClusterInterval(empty).low, 0);
-  EXPECT_EQ(ClusterInterval(empty).high, 1);
+TEST(ClusterInterval, NoSamplesLeaveItUnknown) {
+  EXPECT_FALSE(ClusterInterval(std::vector<Cluster>(10, {0, 0})).is_known());
 }
 
 constexpr int kExperiments = 10000;
@@ -189,10 +237,10 @@ TEST(PairedInterval, CoversTheTruth) {
   }
 }
 
-TEST(PairedInterval, NoSamplesGiveTheWholeRangeAndPairsAreRequired) {
-  const std::vector<Cluster> none{{0, 0}}, one{{1, 2}};
-  EXPECT_EQ(PairedInterval(none, one).low, -1);
-  EXPECT_EQ(PairedInterval(one, none).high, 1);
+TEST(PairedInterval, NoSamplesLeaveItUnknownAndPairsAreRequired) {
+  const std::vector<Cluster> nothing(10, {0, 0}), some(10, {1, 2}), one{{1, 2}};
+  EXPECT_FALSE(PairedInterval(nothing, some).is_known());
+  EXPECT_FALSE(PairedInterval(some, nothing).is_known());
   EXPECT_THROW(PairedInterval(one, std::vector<Cluster>{{1, 2}, {1, 2}}), std::logic_error);
 }
 
@@ -237,7 +285,8 @@ TEST(MedianInterval, EndsAreValuesAndInfiniteOnesAreAllowed) {
   EXPECT_GT(interval.high, MedianOf(scenes));
   EXPECT_LT(interval.high, infinity);
   EXPECT_TRUE(std::isnan(MedianOf({{}, {}})));
-  EXPECT_EQ(MedianInterval({{}, {}}).high, infinity);
+  EXPECT_FALSE(MedianInterval({{}, {}}).is_known());
+  EXPECT_FALSE(MedianInterval({{1, 2}, {3, 4}, {5, 6}, {7, 8}}).is_known()) << "four bins";
 }
 
 TEST(RateText, HasPercentWithOneDecimalAndItsInterval) {
@@ -248,23 +297,38 @@ TEST(RateText, HasPercentWithOneDecimalAndItsInterval) {
   EXPECT_EQ(RateText({}), "-");
 }
 
+TEST(RateText, TooFewBinsHaveNoBrackets) {
+  EXPECT_EQ(IntervalText(Interval::Unknown()), "too few bins");
+  EXPECT_EQ(RateText({1, 8, Interval::Unknown()}), "12.5 % (too few bins)");
+  EXPECT_EQ(RateText(0.125, Interval::Unknown()), "12.5 % (too few bins)");
+  EXPECT_EQ(IntervalCells(Interval::Unknown()), ",");
+  EXPECT_EQ(IntervalCells({0.25, 0.5}), "0.25,0.5");
+}
+
+TEST(FewBinsText, SaysWhetherThereIsAnIntervalAtAll) {
+  EXPECT_EQ(FewBinsText(4), "4 bins are too few for an interval, which needs 5; use 20 or more.");
+  EXPECT_EQ(FewBinsText(5),
+            "5 bins are few: the intervals are wide and approximate; use 20 or more.");
+  EXPECT_EQ(FewBinsText(20), "");
+}
+
 TEST(PercentText, CountsAreExactAndNoCountIsADash) {
   EXPECT_EQ(PercentText(1, 8), "12.5 %");
   EXPECT_EQ(PercentText(23, 80), "28.8 %") << "28.75 rounds to even, 100 * 0.2875 is below it";
   EXPECT_EQ(PercentText(0, 0), "-");
 }
 
-TEST(PointsText, SignIsShownAndUnknownEndsAreDashes) {
+TEST(PointsText, SignIsShownAndAnUnknownIntervalIsNamed) {
   EXPECT_EQ(PointsText(0.0125), "+1.2");
   EXPECT_EQ(PointsText(-0.5, {-1, 0.25}), "-50.0 [-100.0, +25.0]");
-  EXPECT_EQ(PointsText(0.1, {-kInfinity, kInfinity}), "+10.0 [-, -]");
+  EXPECT_EQ(PointsText(0.1, {-kInfinity, kInfinity}), "+10.0 (too few bins)");
 }
 
 TEST(ClusterRate, EqualsTheSumsAndIntervalOfTheClusters) {
-  const std::vector<Cluster> clusters{{1, 4}, {3, 4}, {2, 3}};
+  const std::vector<Cluster> clusters{{1, 4}, {3, 4}, {2, 3}, {4, 4}, {3, 4}};
   const ReportRate rate = ClusterRate(clusters);
-  EXPECT_EQ(rate.hits, 6);
-  EXPECT_EQ(rate.samples, 11);
+  EXPECT_EQ(rate.hits, 13);
+  EXPECT_EQ(rate.samples, 19);
   EXPECT_EQ(rate.ci95.low, ClusterInterval(clusters).low);
   EXPECT_EQ(rate.ci95.high, ClusterInterval(clusters).high);
 }

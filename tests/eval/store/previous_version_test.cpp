@@ -102,6 +102,51 @@ nlohmann::json MappedJson(const nlohmann::json& json) {
   return mapped;
 }
 
+// A table with the columns of `like`, without the cells that had another rule in the earlier
+// version: intervals of few bins.
+std::string ComparableCsv(const std::string& csv, const std::string& like) {
+  const auto split = [](const std::string& line) {
+    std::vector<std::string> cells;
+    std::istringstream in(line + ",");
+    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+    return cells;
+  };
+  const std::vector<std::string> wanted = split(like.substr(0, like.find('\n')));
+  std::istringstream lines(csv);
+  std::string line, text;
+  std::getline(lines, line);
+  const std::vector<std::string> names = split(line);
+  while (std::getline(lines, line)) {
+    const std::vector<std::string> cells = split(line);
+    for (const std::string& name : wanted) {
+      if (name.ends_with("_low") || name.ends_with("_high")) continue;
+      const auto at = std::find(names.begin(), names.end(), name);
+      text += at == names.end() ? name + " is missing," : cells.at(at - names.begin()) + ",";
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+// Expects every value of the earlier version in `now`, except intervals and picks_per_hour, which
+// have another rule.
+void ExpectKept(const nlohmann::json& now, const nlohmann::json& before, const std::string& where) {
+  if (before.is_array()) {
+    ASSERT_EQ(now.size(), before.size()) << where;
+    for (size_t i = 0; i < before.size(); ++i) ExpectKept(now[i], before[i], where);
+    return;
+  }
+  if (!before.is_object()) {
+    EXPECT_EQ(now, before) << where;
+    return;
+  }
+  for (const auto& [key, value] : before.items()) {
+    if (key.ends_with("ci95") || key == "picks_per_hour") continue;
+    ASSERT_TRUE(now.contains(key)) << where << "." << key;
+    ExpectKept(now[key], value, where + "." + key);
+  }
+}
+
 class PreviousVersion : public testing::Test {
  protected:
   PreviousVersion() {
@@ -147,8 +192,10 @@ TEST_F(PreviousVersion, ResultFilesKeepTheirValues) {
     ASSERT_GE(before.size(), 4u);
     const auto summary = MappedJson(nlohmann::json::parse(Read(run + kSummaryFile)));
     WriteSweepFiles(folder_ / run);
-    for (const auto& [file, text] : before) EXPECT_EQ(Read(run + file), text) << run << file;
-    EXPECT_EQ(nlohmann::json::parse(Read(run + kSummaryFile)), summary) << run;
+    for (const auto& [file, text] : before) {
+      EXPECT_EQ(ComparableCsv(Read(run + file), text), ComparableCsv(text, text)) << run << file;
+    }
+    ExpectKept(nlohmann::json::parse(Read(run + kSummaryFile)), summary, run);
     for (const char* former : {"picks.csv", "parts.csv", "points.csv"}) {
       EXPECT_FALSE(fs::exists(folder_ / (run + former))) << former;
     }

@@ -177,8 +177,9 @@ TEST_F(ResultsSchemaTest, TruncatedFileIsRefusedWhenOpened) {
     std::filesystem::resize_file(folder_ / "results.sqlite", size);
     const std::string error = ErrorOf([&] { ResultsStore::OpenToRead(folder_); });
     EXPECT_THAT(error, HasSubstr("results.sqlite")) << size << " bytes";
-    EXPECT_THAT(error, HasSubstr("remove the folder"));
-    EXPECT_THAT(ErrorOf([&] { ResultsStore(folder_, "s"); }), HasSubstr("remove the folder"));
+    EXPECT_THAT(error, HasSubstr("restore the file from a copy"));
+    EXPECT_THAT(ErrorOf([&] { ResultsStore(folder_, "s"); }),
+                HasSubstr("restore the file from a copy"));
     temporary_.Write("results.sqlite", whole);
   }
 }

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <regex>
 
 #include "scenes/base/error.h"
+#include "scenes/base/files.h"
 #include "scenes/base/random.h"
 #include "tests/grasp/grasp_scenes.h"
 #include "tests/support/error_of.h"
@@ -202,6 +204,28 @@ TEST(Tolerance, ModelFileReadsBackUnchanged) {
     const Pose X = ToPose(RandomError(rng, 0.01, 3));
     EXPECT_NEAR(SuccessProbability(read, X), SuccessProbability(model, X), 1e-9);
   }
+}
+
+// Files of an earlier version have no names of the terms. A wrong name is an error, because the
+// weights have a fixed order.
+TEST(Tolerance, ModelFileNamesTheTerms) {
+  const std::vector<std::string>& terms = ToleranceTerms();
+  const ToleranceModel model = PlantedModel({Pose::Identity()}, 500);
+  ASSERT_EQ(terms.size(), model.weights.size());
+  EXPECT_EQ(terms[0], "1");
+  EXPECT_EQ(terms[2], "x**2");
+  EXPECT_EQ(terms[14], "z*abs(z)");
+  EXPECT_EQ(terms.back(), "abs(ry*rz)");
+  TemporaryFolder folder;
+  const auto file = folder.path() / "model.yaml";
+  WriteToleranceModel(file, model);
+  const std::string text = ReadFileBytes(file);
+  EXPECT_THAT(text, testing::HasSubstr("abs(x*rz)"));
+  std::ofstream(file) << std::regex_replace(text, std::regex("term: [^,\n}]*(, |\n *)?"), "");
+  EXPECT_THAT(ReadFileBytes(file), testing::Not(testing::HasSubstr("term")));
+  EXPECT_EQ(ReadToleranceModel(file).weights, model.weights);
+  std::ofstream(file) << std::regex_replace(text, std::regex("x\\*\\*2"), "y**2");
+  EXPECT_THAT(ErrorOf([&] { ReadToleranceModel(file); }), testing::HasSubstr("must be x**2"));
 }
 
 TEST(Tolerance, InvalidModelFileIsRefused) {

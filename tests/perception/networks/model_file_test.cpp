@@ -139,8 +139,10 @@ TEST_F(ModelFile, UnknownObjectsAndChangedMeshesAreNamed) {
   EXPECT_THAT(ErrorOf([&] { TrainedObjects(model.info.objects, {changed}, "m.pt"); }),
               HasSubstr("m.pt: the mesh of object 'test part' has changed"));
   changed->name = "widget";
-  EXPECT_THAT(ErrorOf([&] { TrainedObjects(model.info.objects, {changed}, "m.pt"); }),
-              HasSubstr("m.pt: not trained for object 'widget' (knows test part)"));
+  EXPECT_THAT(
+      ErrorOf([&] { TrainedObjects(model.info.objects, {changed}, "m.pt"); }),
+      HasSubstr("m.pt: not trained for object 'widget' (knows test part); train a model with "
+                "`pickbed train widget`"));
 }
 
 }  // namespace

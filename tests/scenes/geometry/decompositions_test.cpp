@@ -36,7 +36,7 @@ TEST(Decompositions, EigenvaluesOfABoxInertiaAreItsDiagonal) {
   EXPECT_NEAR(std::abs(eigen.vectors.col(2).dot(R.col(2))), 1, 1e-12);
 }
 
-// Of all solutions of an underdetermined system, the shortest is perpendicular to the null space.
+// The shortest solution of an underdetermined system is perpendicular to the null space.
 TEST(Decompositions, MinimumNormSolutionHasNoPartInTheNullSpace) {
   const Eigen::MatrixXd A = RandomMatrix(2, 4, 2);
   const Eigen::Vector2d b(1, -2);

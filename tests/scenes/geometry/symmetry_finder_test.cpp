@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "scenes/base/random.h"
 #include "scenes/objects/object_catalog.h"
 #include "tests/scenes/shapes.h"
 
@@ -79,6 +80,28 @@ TEST(FindSymmetries, TransformWithTheMesh) {
   EXPECT_LT(found.continuous_O[0].axis_O.cross(axis_A).norm(), 1e-3);
   const Vector3d off = found.continuous_O[0].offset_O - X_AB.translation();
   EXPECT_LT(off.cross(axis_A).norm(), 1e-4);
+}
+
+// A prism whose corners are off by up to 0.4 % of its diameter has the exact group of the prism.
+TEST(FindSymmetries, RotationsAreExactFractionsOfATurn) {
+  TriangleMesh mesh = Prism(6, 0.05, 0.04);
+  Rng rng(3);
+  for (Vector3d& p : mesh.vertices) {
+    for (int k = 0; k < 3; ++k) p[k] += rng.Uniform(-4e-4, 4e-4);
+  }
+  const SymmetrySet found = FindSymmetries(mesh);
+  ASSERT_EQ(found.discrete_O.size(), 11u);
+  int about_z = 0, flips = 0;
+  for (const Pose& S : found.discrete_O) {
+    const Eigen::AngleAxisd turn(S.linear());
+    EXPECT_LT(S.translation().norm(), 1e-12) << "the axes meet in the origin";
+    const double sixths = turn.angle() / (std::numbers::pi / 3);
+    EXPECT_NEAR(sixths, std::round(sixths), 1e-9);
+    about_z += std::abs(turn.axis().z()) > 1 - 1e-12;
+    flips += std::abs(turn.axis().z()) < 1e-12;
+  }
+  EXPECT_EQ(about_z, 5);
+  EXPECT_EQ(flips, 6);
 }
 
 // The symmetries that the part families declare are found from the meshes.

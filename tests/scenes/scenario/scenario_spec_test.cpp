@@ -57,7 +57,7 @@ TEST_F(ScenarioFile, InvalidScenariosAreRefusedInOneLine) {
       {"objects: [{name: rod, count: -3}]\n", "objects.0.count = -3"},
       {"objects: [{count: 3}]\n", "objects.0.name"},
       {"objects: [{name: rod}, {name: rod}]\n", "twice"},
-      {"objects: [{name: x, mesh: a.obj}]\n", "mass_kg"},
+      {"objects: [{name: x, mesh: a.obj}]\n", "give mass_kg, the mass of 'x' in kg"},
       {rods + "camera: {eye_m: [0.202, 0, 0.05]}\n", "inside the bin"},
       {rods + "camera: {eye_m: [0.1, 0, 0.1]}\n", "inside the bin"},
       {rods + "camera: {eye_m: [0, 0, -0.5]}\n", "under the bin's floor"},

@@ -37,6 +37,16 @@ TEST_F(ObjectMaker, PropertiesOfABrickMatchTheFormula) {
   EXPECT_GT(std::abs(made.resting[0].up_O.z()), 0.99);
 }
 
+TEST_F(ObjectMaker, DefaultDensityIsMarked) {
+  EXPECT_FALSE(Make(BoxMesh(kBrick)).mass_by_default_density);
+  request_.density_kgpm3 = 0;
+  const MadeObject made = MakeObject(request_);
+  EXPECT_TRUE(made.mass_by_default_density);
+  EXPECT_NEAR(made.model.mass.mass_kg, 1000 * 0.1 * 0.06 * 0.04, 1e-7);
+  request_.mass_kg = 0.2;
+  EXPECT_FALSE(MakeObject(request_).mass_by_default_density);
+}
+
 TEST_F(ObjectMaker, CatalogReadsBackTheWrittenObject) {
   TriangleMesh open = BoxMesh(kBrick);
   open.triangles.pop_back();

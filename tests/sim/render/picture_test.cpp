@@ -91,6 +91,33 @@ TEST_F(PictureTest, ThreadsDoNotChangeThePicture) {
   EXPECT_EQ(Draw({.threads = 1}).color, Draw({.threads = 3}).color);
 }
 
+// Pictures use the renderer of the sensor images.
+TEST_F(PictureTest, SensorImageIsTheSameBeforeAndAfterAPicture) {
+  const RenderedImage before = renderer_.Render(scene_, camera_);
+  Draw();
+  const RenderedImage after = renderer_.Render(scene_, camera_);
+  EXPECT_EQ(before.depth_m, after.depth_m);
+  EXPECT_EQ(before.color, after.color);
+  EXPECT_EQ(before.ids, after.ids);
+}
+
+TEST(PictureMaterial, ColorOfTheMeshIsKept) {
+  ObjectModel red = *Cubes(1000)[0];
+  red.mesh_O.base_color = {200, 40, 40};
+  const Eigen::Vector3f color = PictureMaterialOf(red).color;
+  EXPECT_GT(color.x(), 4 * color.y());
+  EXPECT_GT(color.y(), 0);
+}
+
+TEST(PictureMaterial, DarkMetalIsBrightened) {
+  ObjectModel dark = *Cubes(7800)[0];
+  dark.mesh_O.base_color = {40, 40, 44};
+  EXPECT_GT(PictureMaterialOf(dark).color.minCoeff(), 0.2f);
+  dark = *Cubes(1000)[0];
+  dark.mesh_O.base_color = {40, 40, 44};
+  EXPECT_LT(PictureMaterialOf(dark).color.maxCoeff(), 0.05f);
+}
+
 TEST(PictureMaterial, FollowsDensityAndKeepsColorsOfTheMesh) {
   EXPECT_EQ(PictureMaterialOf(*Cubes(300)[0]).finish, Finish::kMatte);
   EXPECT_EQ(PictureMaterialOf(*Cubes(1000)[0]).finish, Finish::kPlastic);

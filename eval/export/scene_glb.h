@@ -36,12 +36,9 @@ struct SceneGlbOptions {
 };
 
 // Returns the bytes of a GLB file. Nodes: "bin", "truth INSTANCE OBJECT", "hypothesis RANK OBJECT
-// SCORE", "hand", and the name of the cloud. Hypotheses are colored from red (score 0) to green
-// (score 1), as in overlays.
+// SCORE", "hand", and the name of the cloud. Hypotheses are colored by their score, see
+// ScoreColor() in eval/draw/overlay.h.
 std::string SceneGlb(const SceneGlbInput& input, const SceneGlbOptions& options = {});
-
-// Returns one mesh of all boxes, in their frame.
-TriangleMesh BoxesMesh(const std::vector<AxisAlignedBox>& boxes);
 
 // Returns the observed points of every stride_px-th column and row in frame W, with the image
 // colors (gray if the frame has none).

@@ -1,4 +1,4 @@
-#include "eval/replay/pick_animation.h"
+#include "eval/export/pick_animation.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "eval/draw/gif.h"
 #include "eval/draw/outline.h"
-#include "eval/report/scene_glb.h"
+#include "eval/export/scene_glb.h"
 #include "scenes/base/files.h"
 #include "scenes/base/ids_format.h"
 #include "scenes/image/srgb.h"
@@ -161,8 +161,12 @@ std::string PickMovie::Gif(const PickMotion& motion) {
   return GifBytes(pictures, impl_->options.picture_s);
 }
 
-PickAnimation::PickAnimation(const std::filesystem::path& folder, int attempt)
-    : folder_(folder), only_(attempt) {}
+PickAnimation::PickAnimation(const std::filesystem::path& folder, bool with_gif, int attempt)
+    : folder_(folder), with_gif_(with_gif), only_(attempt) {}
+
+std::string PickAnimationName(int attempt) {
+  return fmt::format("attempt_{:02}_pick.glb", attempt);
+}
 
 PickAnimation::~PickAnimation() = default;
 
@@ -175,12 +179,13 @@ void PickAnimation::OnStage(TrialStage stage, const AttemptState& attempt) {
   if (stage != TrialStage::kOutcome || !wanted_ || motion_.frames.empty()) return;
   MakeFolder(folder_);
   const ObjectSet& objects = attempt.cell.objects();
-  WriteFileAtomically(folder_ / fmt::format("attempt_{:02}_pick.glb", number),
+  WriteFileAtomically(folder_ / PickAnimationName(number),
                       PickGlb(motion_, objects, attempt.gripper));
+  ++written_;
+  if (!with_gif_) return;
   if (!movie_) movie_ = std::make_unique<PickMovie>(objects, motion_.scene.bin, attempt.gripper);
   WriteFileAtomically(folder_ / fmt::format("attempt_{:02}_pick.gif", number),
                       movie_->Gif(motion_));
-  ++written_;
 }
 
 MotionListener PickAnimation::ListenToMotion() {

@@ -1,4 +1,4 @@
-#include "eval/report/scene_glb.h"
+#include "eval/export/scene_glb.h"
 
 #include <gmock/gmock.h>
 

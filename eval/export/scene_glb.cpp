@@ -1,9 +1,10 @@
-#include "eval/report/scene_glb.h"
+#include "eval/export/scene_glb.h"
 
 #include <fmt/format.h>
 
 #include <map>
 
+#include "eval/draw/outline.h"
 #include "eval/draw/overlay.h"
 #include "scenes/base/ids_format.h"
 #include "scenes/camera/depth_points.h"
@@ -12,7 +13,7 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr Rgb8 kTruth{205, 205, 210}, kBin{140, 150, 165}, kHand{70, 160, 255};  // as in overlays
+constexpr Rgb8 kTruth{205, 205, 210}, kBin{140, 150, 165}, kHand{60, 66, 76};
 
 Eigen::Vector3f ToUnit(const Rgb8& c) { return {c.r / 255.f, c.g / 255.f, c.b / 255.f}; }
 
@@ -50,32 +51,6 @@ class ShownMeshes {
 };
 
 }  // namespace
-
-TriangleMesh BoxesMesh(const std::vector<AxisAlignedBox>& boxes) {
-  TriangleMesh mesh;
-  for (const AxisAlignedBox& box : boxes) {
-    const int first = static_cast<int>(mesh.vertices.size());
-    for (int i = 0; i < 8; ++i) {
-      const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-      mesh.vertices.push_back(box.center + sign.cwiseProduct(box.half_size));
-    }
-    for (const Eigen::Vector3i& t : {Eigen::Vector3i{0, 2, 1},
-                                     {1, 2, 3},
-                                     {4, 5, 6},
-                                     {5, 7, 6},
-                                     {0, 1, 4},
-                                     {1, 5, 4},
-                                     {2, 6, 3},
-                                     {3, 6, 7},
-                                     {0, 4, 2},
-                                     {2, 4, 6},
-                                     {1, 3, 5},
-                                     {3, 7, 5}}) {
-      mesh.triangles.push_back(t.array() + first);
-    }
-  }
-  return mesh;
-}
 
 std::string SceneGlb(const SceneGlbInput& input, const SceneGlbOptions& options) {
   ShownMeshes meshes(input.objects, options.max_faces);

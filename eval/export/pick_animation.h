@@ -58,11 +58,15 @@ class PickMovie {
   std::unique_ptr<Impl> impl_;
 };
 
-// Records the picks of a trial and writes attempt_NN_pick.glb and attempt_NN_pick.gif for each.
+// Returns the file name of an attempt's animation: attempt_NN_pick.glb.
+std::string PickAnimationName(int attempt);
+
+// Records the picks of a trial and writes attempt_NN_pick.glb for each, and attempt_NN_pick.gif on
+// request. A GIF takes seconds, because each of its pictures is rendered.
 class PickAnimation : public TrialObserver {
  public:
   // `attempt`: number of the only attempt to write, -1 = all with a grasp.
-  PickAnimation(const std::filesystem::path& folder, int attempt);
+  PickAnimation(const std::filesystem::path& folder, bool with_gif, int attempt = -1);
   ~PickAnimation() override;
 
   void OnStage(TrialStage stage, const AttemptState& attempt) override;
@@ -71,6 +75,7 @@ class PickAnimation : public TrialObserver {
 
  private:
   std::filesystem::path folder_;
+  bool with_gif_;
   int only_;
   int written_ = 0;
   bool wanted_ = false;  // the present attempt is to be written

@@ -1,0 +1,57 @@
+#include "eval/store/settings_difference.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "eval/store/results_store.h"
+#include "tests/support/error_of.h"
+#include "tests/support/layer.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr const char* kBefore =
+    "seed: 1\nestimator:\n  name: descriptor\n  mode: fast\nobjects:\n  - name: rod\n    count: 5\n"
+    "  - name: nut\n    count: 2\nsensor: structured_light\n# part rod is 0123\n# model 4567\n";
+
+std::string Changed(const std::string& was, const std::string& is) {
+  std::string text = kBefore;
+  text.replace(text.find(was), was.size(), is);
+  return text;
+}
+
+TEST(SettingsDifferences, NameKeyAndBothValues) {
+  EXPECT_THAT(SettingsDifferences(kBefore, kBefore), IsEmpty());
+  EXPECT_THAT(SettingsDifferences(kBefore, Changed("mode: fast", "mode: accurate")),
+              ElementsAre("estimator.mode: fast before, accurate now"));
+  EXPECT_THAT(SettingsDifferences(kBefore, Changed("count: 2", "count: 3")),
+              ElementsAre("objects.1.count: 2 before, 3 now"));
+  EXPECT_THAT(SettingsDifferences(kBefore, Changed("sensor: structured_light\n", "")),
+              ElementsAre("sensor: structured_light before, nothing now"));
+}
+
+TEST(SettingsDifferences, HashesAreNamedByWhatTheyDescribe) {
+  EXPECT_THAT(SettingsDifferences(kBefore, Changed("0123", "9999")),
+              ElementsAre("mesh or mass of object rod has changed"));
+  EXPECT_THAT(SettingsDifferences(kBefore, Changed("4567", "9999")),
+              ElementsAre("trained model has changed"));
+}
+
+// A run that is continued with another setting says which one.
+TEST(ResultsStore, OtherSettingsAreNamed) {
+  const TemporaryFolder folder;
+  {
+    ResultsStore store(folder.path(), kBefore);
+    store.Write(TrialResult());
+  }
+  EXPECT_THAT(
+      ErrorOf([&] { ResultsStore(folder.path(), Changed("mode: fast", "mode: accurate")); }),
+      testing::HasSubstr("other settings (estimator.mode: fast before, accurate now); choose"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests

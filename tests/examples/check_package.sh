@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Installs pickbed to a temporary folder. Compiles the installed headers with nothing but Eigen, and builds the
+# examples as a project of its own with find_package(pickbed).
+#
+#   check_package.sh SOURCE_FOLDER BUILD_FOLDER COMPILER
+set -eu
+source=$1 build=$2 compiler=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+prefix=$work/prefix
+fail() { echo "$*" >&2; exit 1; }
+# Prints the output of a command only if it fails.
+quietly() { "$@" >"$work/log" 2>&1 || { tail -30 "$work/log"; fail "failed: $*"; }; }
+
+quietly cmake --install "$build" --prefix "$prefix"
+
+targets=$(find "$prefix" -name 'pickbedTargets*.cmake')
+# shellcheck disable=SC2086
+leaked=$(grep -nE -- "-W|-fno|sanitize|$source" $targets) && fail "the package has our own flags or folders: $leaked"
+
+cd "$prefix/include/pickbed"
+find . -name '*.h' -printf '#include "%P"\n' | LC_ALL=C sort >"$work/headers.cpp"
+[ "$(wc -l <"$work/headers.cpp")" -gt 150 ] || fail "only few headers are installed"
+eigen=$(pkg-config --cflags eigen3)
+# shellcheck disable=SC2086
+quietly "$compiler" -std=c++20 -Wall -Wextra -Werror -fsyntax-only -I. ${eigen/-I/-isystem } "$work/headers.cpp"
+
+mkdir "$work/project"
+cp "$source"/tests/examples/CMakeLists.txt "$source"/tests/examples/*.cpp "$work/project"
+quietly cmake -S "$work/project" -B "$work/build" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler"
+quietly cmake --build "$work/build"
+for example in render_bin own_estimator; do
+  PICKBED_ASSETS=$prefix/share/pickbed/assets "$source/tests/examples/check.sh" $example "$work/build/$example"
+done
+
+# A program in the folder of the installed one uses the installed assets.
+cp "$work/build/render_bin" "$prefix/bin"
+rm -r "$prefix/share/pickbed/assets/objects/pipe_tee"
+if "$prefix/bin/render_bin" "$work" >"$work/log" 2>&1 || ! grep -q "pipe_tee" "$work/log"; then
+  fail "the assets beside the program were not used"
+fi
