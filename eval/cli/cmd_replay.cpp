@@ -86,8 +86,7 @@ int ReplayCommand(int argc, char** argv) {
       ->check(CLI::NonNegativeNumber)
       ->needs("--animate");
   bool verbose = false;
-  app.add_flag("--verbose", verbose,
-               "print the hashes of all stages, also of equal ones");
+  app.add_flag("--verbose", verbose, "print the hashes of all stages, also of equal ones");
   bool list = false;
   app.add_flag("--list", list,
                "only list the trials of the run: number, bin, attempts, successes and status")

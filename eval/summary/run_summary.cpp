@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <utility>
 
 #include "eval/metrics/interval_json.h"
 #include "eval/metrics/metric_columns.h"
@@ -332,7 +333,6 @@ std::string SummaryTable(const RunSummary& s) {
     line(name, fmt::format("{}  {}", RateText(of), counts));
   };
   const bool has_targets = s.target_recall.samples > 0;
-  // First what is hard: hidden instances, and why picks failed.
   text += has_targets ? "Target recall by visible fraction\n" : "Recall by visible fraction\n";
   for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
     const RecallBand& band = s.recall_by_visibility[i];
@@ -346,6 +346,7 @@ std::string SummaryTable(const RunSummary& s) {
   for (const auto& [reason, count] : s.failures) {
     line(reason, fmt::format("{:<6}{}", count, StageName(StageOf(*FailureFromName(reason)))));
   }
+  const std::string hard = std::exchange(text, "");
   text += "Picks\n";
   if (has_targets) rate("targets picked", s.attempts_picked, AttemptsText(s));
   rate("success rate", {s.successes, s.executed_grasps, s.success_ci95},
@@ -378,6 +379,8 @@ std::string SummaryTable(const RunSummary& s) {
        fmt::format("{} of {} poses, {} false", s.precision.hits, s.precision.samples,
                    s.precision.samples - s.precision.hits));
   text += OnLines(InViewText(s));
+  // What is hard comes first. In occlusion trials this is whether the targets were picked.
+  text = has_targets ? text + hard : hard + text;
   text += ForecastText(s.forecasts);
   text += "Seconds per bin\n";
   for (const auto& [stage, seconds] : s.seconds) line(stage, fmt::format("{:.2f}", seconds));

@@ -21,7 +21,7 @@ namespace pickbed::perception {
 namespace {
 
 constexpr size_t kLookupChunk = 64;  // anchors looked up in one call
-constexpr int kHalves = 2;     // pieces of a batch, processed in parallel
+constexpr int kHalves = 2;           // pieces of a batch, processed in parallel
 
 // Hash of everything in the crops that the training uses.
 uint64_t HashOf(const CropSet& crops) {

@@ -15,8 +15,8 @@ estimate_stops_on_interrupt() {
 
 estimate_scores_ground_truth_poses_as_correct() {
   expect 0 "$pickbed" estimate small.yaml --set estimator.name=oracle --trials 2 --out look
-  head -1 look/hypotheses.csv | grep -q 'correct,p_pick$' || fail "other columns than expected"
-  local wrong=$(tail -n +2 look/hypotheses.csv | grep -vc ',1,$')
+  head -1 look/hypotheses.csv | grep -q 'correct,p_pick,qw,qx,qy,qz,tx_m,ty_m,tz_m$' || fail "other columns than expected"
+  local wrong=$(tail -n +2 look/hypotheses.csv | grep -vc ',1,,')
   [ "$wrong" = 0 ] || fail "$wrong ground truth poses were scored as wrong"
   [ "$(wc -l <look/hypotheses.csv)" -gt 5 ] || fail "too few hypotheses"
   [ -s look/pictures/trial_0001/oracle/attempt_00_overlay.png ] || fail "no overlay"

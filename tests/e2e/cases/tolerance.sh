@@ -40,9 +40,9 @@ tolerance_maps_forecast_the_picks_of_a_run() {
   for file in attempts.csv pick_chances.csv summary.json; do same "one/$file" "two/$file"; done
   expect 0 "$pickbed" budget one --stages none --tolerance maps
   page one/budget/index.html "Prediction of picks from pose errors"
-  page one/budget/index.html "bins are few"
+  page one/budget/index.html "bins are too few"
   expect 0 "$pickbed" estimate here.yaml "${noisy[@]:0:4}" --trials 1 --tolerance maps --out poses
-  head -1 poses/hypotheses.csv | grep -q ",p_pick$" || fail "hypotheses.csv has no p_pick"
+  head -1 poses/hypotheses.csv | grep -q ",p_pick," || fail "hypotheses.csv has no p_pick"
   refused "is a map of rod with jaw_8cm; the objects are rod, flange, the gripper is jaw_14cm" \
     "$pickbed" run here.yaml --set gripper=jaw_14cm --tolerance maps/rod --out no
   cp -r maps/rod maps/again
