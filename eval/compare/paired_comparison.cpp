@@ -114,12 +114,6 @@ struct NamedRate {
   TrialCount count;
 };
 
-bool HasTargets(std::span<const TrialResult> trials) {
-  return std::any_of(trials.begin(), trials.end(), [](const TrialResult& trial) {
-    return !trial.attempts.empty() && trial.attempts.front().target >= 0;
-  });
-}
-
 // In occlusion trials only targets count for the recall.
 std::vector<NamedRate> Rates(const std::vector<VisibleBand>& bands, bool has_targets) {
   const char* recall = has_targets ? "target recall" : "recall";

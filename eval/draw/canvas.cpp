@@ -32,13 +32,6 @@ std::array<Rgb8, 256> ColorTable(int map) {
   return table;
 }
 
-Rgb8 Mixed(const Rgb8& a, const Rgb8& b, double share) {
-  const auto channel = [share](uint8_t p, uint8_t q) {
-    return static_cast<uint8_t>(std::lround(p + share * (q - p)));
-  };
-  return {channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
-}
-
 std::vector<cv::Point> SubPixels(const Polyline& points) {
   std::vector<cv::Point> fixed;
   for (const Eigen::Vector2d& p : points) fixed.push_back(SubPixel(p));
@@ -50,6 +43,13 @@ Rgb8 ColorAt(const std::array<Rgb8, 256>& table, double share) {
 }
 
 }  // namespace
+
+Rgb8 Mixed(const Rgb8& a, const Rgb8& b, double share) {
+  const auto channel = [share](uint8_t p, uint8_t q) {
+    return static_cast<uint8_t>(std::lround(p + share * (q - p)));
+  };
+  return {channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
+}
 
 void Canvas::Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Rgb8 color, int width_px) {
   cv::Mat canvas = MatrixOf(image_);

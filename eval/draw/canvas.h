@@ -16,6 +16,9 @@ namespace pickbed::eval {
 // Points of a curve in an image, px.
 using Polyline = std::vector<Eigen::Vector2d>;
 
+// Returns the color between `a` (share 0) and `b` (share 1).
+Rgb8 Mixed(const Rgb8& a, const Rgb8& b, double share);
+
 // Image with drawing functions.
 class Canvas {
  public:

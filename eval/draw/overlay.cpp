@@ -49,8 +49,6 @@ class LabelPlaces {
   // Returns a center near `wanted` at which a label of this size covers no other label; `wanted`
   // moved into the picture if there is none.
   Eigen::Vector2d Place(const Eigen::Vector2d& wanted, const Eigen::Vector2d& size_px) {
-    const cv::Rect2d at = Inside(wanted, size_px);
-    cv::Rect2d best = at;
     for (const double ring : {0.0, 1.0, 2.0}) {
       for (const auto& [x, y] : {std::pair{0, 1}, {0, -1}, {1, 0}, {-1, 0}, {1, 1}, {-1, -1}}) {
         const Eigen::Vector2d step =
@@ -63,7 +61,7 @@ class LabelPlaces {
         return Take(there);
       }
     }
-    return Take(best);
+    return Take(Inside(wanted, size_px));
   }
 
  private:
@@ -112,13 +110,7 @@ void DrawLabels(const OverlayInput& input, const std::vector<Silhouette>& silhou
 Rgb8 ScoreColor(double score) {
   const double s = std::clamp(score, 0.0, 1.0);
   constexpr Rgb8 kNeutral{236, 236, 232};
-  const auto mix = [](const Rgb8& a, const Rgb8& b, double share) {
-    const auto channel = [share](uint8_t p, uint8_t q) {
-      return static_cast<uint8_t>(std::lround(p + share * (q - p)));
-    };
-    return Rgb8{channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
-  };
-  return s < 0.5 ? mix(kWrongColor, kNeutral, 2 * s) : mix(kNeutral, kRightColor, 2 * s - 1);
+  return s < 0.5 ? Mixed(kWrongColor, kNeutral, 2 * s) : Mixed(kNeutral, kRightColor, 2 * s - 1);
 }
 
 Image<Rgb8> VisibleImage(const RgbdFrame& frame) {

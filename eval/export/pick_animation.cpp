@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
 
 #include "eval/draw/gif.h"
 #include "eval/draw/outline.h"
@@ -78,6 +75,8 @@ bool Moves(const PickMotion& motion, size_t position) {
 }  // namespace
 
 std::string PickGlb(const PickMotion& motion, const ObjectSet& objects, const Gripper& gripper) {
+  constexpr int kMaxFaces = 3000;  // of an object; a scan can have a hundred times as many
+  ShownMeshes meshes(objects, kMaxFaces);
   const TriangleMesh bin = BinMesh(motion.scene.bin);
   std::vector<GlbPart> glb_parts{{"bin", &bin, Pose::Identity(), {0.40f, 0.46f, 0.55f, 0.35f}}};
   for (size_t i = 0; i < motion.scene.objects.size(); ++i) {
@@ -85,7 +84,7 @@ std::string PickGlb(const PickMotion& motion, const ObjectSet& objects, const Gr
     const ObjectModel& model = *objects[posed.object];
     GlbPart& glb_part =
         glb_parts.emplace_back(GlbPart{fmt::format("{} {}", posed.instance, model.name),
-                                       &model.mesh_O, posed.X_WO, ColorOf(model)});
+                                       &meshes.Of(posed.object), posed.X_WO, ColorOf(model)});
     if (!Moves(motion, i)) continue;
     for (const MotionFrame& frame : motion.frames) glb_part.track_W.push_back(frame.X_WO[i]);
   }

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <map>
+#include <algorithm>
 
 #include "eval/draw/outline.h"
 #include "eval/draw/overlay.h"
@@ -21,36 +21,19 @@ Eigen::Vector4f WithAlpha(const Rgb8& c, double alpha) {
   return {c.r / 255.f, c.g / 255.f, c.b / 255.f, static_cast<float>(alpha)};
 }
 
-// Object meshes with at most `max_faces` faces, if there is such a level.
-class ShownMeshes {
- public:
-  ShownMeshes(const ObjectSet& objects, int max_faces) : objects_(objects), max_faces_(max_faces) {}
-
-  const TriangleMesh& Of(ObjectId object) {
-    const TriangleMesh& whole = objects_[object]->mesh_O;
-    if (max_faces_ == 0 || static_cast<int>(whole.triangles.size()) <= max_faces_) return whole;
-    const auto [known, is_new] = coarse_.try_emplace(object);
-    if (is_new) known->second = Coarse(whole);
-    return known->second;
-  }
-
- private:
-  TriangleMesh Coarse(const TriangleMesh& whole) const {
-    std::vector<MeshLevel> levels = MakeMeshLevels(whole);
-    for (MeshLevel& level : levels) {
-      if (static_cast<int>(level.mesh.triangles.size()) <= max_faces_) {
-        return std::move(level.mesh);
-      }
-    }
-    return std::move(levels.back().mesh);
-  }
-
-  const ObjectSet& objects_;
-  int max_faces_;
-  std::map<int, TriangleMesh> coarse_;
-};
-
 }  // namespace
+
+const TriangleMesh& ShownMeshes::Of(ObjectId object) {
+  const TriangleMesh& whole = objects_[object]->mesh_O;
+  if (max_faces_ == 0 || static_cast<int>(whole.triangles.size()) <= max_faces_) return whole;
+  const auto [known, is_new] = coarse_.try_emplace(object);
+  if (!is_new) return known->second;
+  std::vector<MeshLevel> levels = MakeMeshLevels(whole);
+  const auto level = std::find_if(levels.begin(), levels.end() - 1, [&](const MeshLevel& l) {
+    return static_cast<int>(l.mesh.triangles.size()) <= max_faces_;
+  });
+  return known->second = std::move(level->mesh);
+}
 
 std::string SceneGlb(const SceneGlbInput& input, const SceneGlbOptions& options) {
   ShownMeshes meshes(input.objects, options.max_faces);

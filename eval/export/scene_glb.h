@@ -3,6 +3,7 @@
 // An attempt as a scene for 3D viewers: true instances, estimated poses, hand at the grasp, and
 // observed point cloud.
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,20 @@
 #include "scenes/scene.h"
 
 namespace pickbed::eval {
+
+// Object meshes for a file: with at most `max_faces` faces, if there is such a level (see
+// scenes/geometry/mesh_levels.h); 0 = all faces. Keeps a reference to the objects.
+class ShownMeshes {
+ public:
+  ShownMeshes(const ObjectSet& objects, int max_faces) : objects_(objects), max_faces_(max_faces) {}
+  // The reference is valid as long as this object and the objects.
+  const TriangleMesh& Of(ObjectId object);
+
+ private:
+  const ObjectSet& objects_;
+  int max_faces_;
+  std::map<int, TriangleMesh> coarse_;
+};
 
 // Content of the scene.
 struct SceneGlbInput {

@@ -150,7 +150,11 @@ void AddAnimatedPicks(const Contestants& all, const ReportOptions& options,
     ReportView pick{ViewTitle(all, choice), AddressOf(*all.runs[choice.configuration], trial.trial),
                     ReadFileBytes(file_of(choice))};
     bytes += kBase64 * pick.glb.size();
-    if (bytes > options.animations_mb * kMegabyte) return;
+    if (bytes > options.animations_mb * kMegabyte) {
+      contents.picks_note = fmt::format(
+          " More are left out: a page holds at most {:.0f} MB of them.", options.animations_mb);
+      return;
+    }
     contents.picks.push_back(std::move(pick));
   }
 }

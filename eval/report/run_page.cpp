@@ -201,24 +201,29 @@ std::string LayerHtml(const ViewLayer& layer) {
       layer.prefix, layer.color, layer.name);
 }
 
+// Title and 3D viewer, with these further attributes.
+std::string ViewerHtml(const ReportView& view, const char* attributes) {
+  return fmt::format(
+      "<h3>{0} <code>{1}</code></h3>"
+      "<model-viewer camera-controls touch-action=\"pan-y\" interaction-prompt=\"none\" "
+      "shadow-intensity=\"0\" exposure=\"0.75\" {3} alt=\"{0}, {1}\" "
+      "src=\"data:model/gltf-binary;base64,{2}\"></model-viewer>",
+      EscapeHtml(view.title), EscapeHtml(view.address), Base64(view.glb), attributes);
+}
+
 void AddAnimatedPicks(const ReportContents& contents, HtmlPage& page) {
-  if (contents.picks.empty()) return;
+  if (contents.picks.empty() && contents.picks_note.empty()) return;
   page.Heading("Animated picks", "picks");
   page.Note(
       "The hand approaches, closes, lifts and carries, and all objects move as in the simulation. "
-      "Drag to rotate.");
+      "Drag to rotate." +
+      contents.picks_note);
   std::string html = "<div class=\"views screen\">\n";
   for (const ReportView& pick : contents.picks) {
-    html += fmt::format(
-        "<div class=\"pick\"><h3>{0} <code>{1}</code></h3>"
-        "<model-viewer autoplay camera-controls touch-action=\"pan-y\" "
-        "interaction-prompt=\"none\" shadow-intensity=\"0\" exposure=\"0.75\" "
-        "camera-orbit=\"20deg 55deg 60%\" alt=\"{0}, {1}\" "
-        "src=\"data:model/gltf-binary;base64,{2}\"></model-viewer>"
-        "<div class=\"controls\"><button type=\"button\">Pause</button>"
-        "<input type=\"range\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" "
-        "aria-label=\"time\"><span class=\"note\"></span></div></div>\n",
-        EscapeHtml(pick.title), EscapeHtml(pick.address), Base64(pick.glb));
+    html += "<div class=\"pick\">" + ViewerHtml(pick, "autoplay camera-orbit=\"20deg 55deg 60%\"") +
+            "<div class=\"controls\"><button type=\"button\">Pause</button>"
+            "<input type=\"range\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" "
+            "aria-label=\"time\"><span class=\"note\"></span></div></div>\n";
   }
   page.Html(html + "</div>\n");
 }
@@ -230,13 +235,8 @@ void AddViews(const ReportContents& contents, HtmlPage& page) {
   if (contents.views.empty()) return;
   std::string html = "<div class=\"views screen\">\n";
   for (const ReportView& view : contents.views) {
-    html += fmt::format(
-        "<div class=\"view\"><h3>{0} <code>{1}</code></h3>"
-        "<model-viewer camera-controls touch-action=\"pan-y\" interaction-prompt=\"none\" "
-        "shadow-intensity=\"0\" exposure=\"0.75\" camera-orbit=\"25deg 50deg 65%\" alt=\"{0}, "
-        "{1}\" "
-        "src=\"data:model/gltf-binary;base64,{2}\"></model-viewer><div class=\"controls\">",
-        EscapeHtml(view.title), EscapeHtml(view.address), Base64(view.glb));
+    html += "<div class=\"view\">" + ViewerHtml(view, "camera-orbit=\"25deg 50deg 65%\"") +
+            "<div class=\"controls\">";
     for (const ViewLayer& layer : ViewLayers()) html += LayerHtml(layer);
     html += "</div></div>\n";
   }

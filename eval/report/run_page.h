@@ -36,6 +36,7 @@ struct ReportContents {
   int lost = 0;                   // number of all failed picks
   std::string gallery_note;       // says what the gallery leaves out
   std::vector<ReportView> picks;  // animated
+  std::string picks_note;         // says what is left out
   std::vector<ReportView> views;
   std::string views_note;
 };

@@ -48,13 +48,6 @@ void CountAttempt(const AttemptRecord& attempt, RunSummary& summary) {
     ++summary.failures[std::string(FailureName(attempt.failure))];
 }
 
-bool HasTargets(const std::vector<TrialResult>& trials) {
-  return std::any_of(trials.begin(), trials.end(), [](const TrialResult& trial) {
-    return std::any_of(trial.attempts.begin(), trial.attempts.end(),
-                       [](const AttemptRecord& attempt) { return attempt.target >= 0; });
-  });
-}
-
 void AddIntervals(const std::vector<TrialResult>& trials, RunSummary& summary) {
   const std::vector<int> scenes = ScenesOf(trials);
   const auto of = [&](const TrialCount& count) {

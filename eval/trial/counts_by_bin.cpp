@@ -183,6 +183,13 @@ std::vector<Cluster> CountByScene(std::span<const TrialResult> trials,
   return clusters;
 }
 
+bool HasTargets(std::span<const TrialResult> trials) {
+  return std::any_of(trials.begin(), trials.end(), [](const TrialResult& trial) {
+    return std::any_of(trial.attempts.begin(), trial.attempts.end(),
+                       [](const AttemptRecord& attempt) { return attempt.target >= 0; });
+  });
+}
+
 std::vector<Cluster> CountByScene(std::span<const TrialResult> trials, const TrialCount& count) {
   return CountByScene(trials, ScenesOf(trials), count);
 }

@@ -16,6 +16,9 @@ namespace pickbed::eval {
 // Returns each bin_index of the trials once, in ascending order.
 std::vector<int> ScenesOf(std::span<const TrialResult> trials);
 
+// Returns whether any attempt has a target: the trials are occlusion trials.
+bool HasTargets(std::span<const TrialResult> trials);
+
 // Adds the samples and successes of one trial to the cluster of its bin.
 using TrialCount = std::function<void(const TrialResult& trial, Cluster& scene)>;
 TrialCount SuccessOfAttempts();  // among executed grasps, by the scenario's success rule
