@@ -82,6 +82,9 @@ class Gripper {
   // Returns the time from an opening until the hand is closed on nothing. Opening takes as long.
   virtual double TravelTime_s(double opening_m) const = 0;
 
+  // Returns the gripper with its holding force (fingers, vacuum) multiplied by `factor` > 0.
+  virtual std::shared_ptr<const Gripper> WithForce(double factor) const = 0;
+
   // Adds the hand to the world, which owns it. The hand is open by `opening_m` and cannot open
   // further in this world. Throws std::logic_error if the world has a hand already.
   virtual Hand& AddTo(PhysicsWorld& world, double opening_m, const Pose& X_WG) const = 0;

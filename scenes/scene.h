@@ -13,11 +13,19 @@
 
 namespace pickbed::scenes {
 
+// How an instance differs from its model, as a share of the model's value: 0.1 = 10 % more.
+struct InstanceDeviation {
+  double friction = 0;
+  double mass = 0;
+  friend bool operator==(const InstanceDeviation&, const InstanceDeviation&) = default;
+};
+
 // One instance in the bin.
 struct PosedObject {
   InstanceId instance{0};  // the id image contains instance + 1
   ObjectId object{0};
   Pose X_WO = Pose::Identity();
+  InstanceDeviation deviation = {};
 };
 
 // A bin and the instances in it.

@@ -82,7 +82,7 @@ class SimViewSource : public LabelledViewSource {
   std::vector<ObjectId> RandomDistractor(const ClutterSceneRequest& request,
                                          const std::vector<ObjectId>& kinds) const;
   std::vector<int> RandomCounts(const std::vector<ObjectId>& kinds,
-                                const std::vector<ObjectId>& foreign, const Bin& bin,
+                                const std::vector<ObjectId>& foreign, const Bin& bin, bool deep,
                                 Rng& rng) const;
   double RandomScale(const ClutterSceneRequest& request, const std::vector<ObjectId>& kinds,
                      Rng& rng) const;
@@ -90,6 +90,10 @@ class SimViewSource : public LabelledViewSource {
   const SensorProfile& SceneSensor(uint64_t seed, int view) const;
   LabelledView SceneView(const ScaledScene& clutter_scene, uint64_t seed, int view);
 
+  // A random stream of its own, so that other scenes do not depend on deep_share.
+  bool IsDeep(const ClutterSceneRequest& request) const {
+    return Rng::Derive(request.seed, 0, "pile deep").Uniform() < options_.deep_share;
+  }
   bool IsDistractor(ObjectId object) const { return object >= static_cast<int>(objects_.size()); }
 
   ObjectSet objects_;
@@ -175,6 +179,10 @@ std::string SimViewSource::ClutterSceneSettings() const {
          fmt::format("for {} scaled {} parts {}..{} fill {} mixed {} kinds {}\n", o.for_diameter_m,
                      o.scaled_share, o.instances_min, o.instances_max, o.fill_max, o.mixed_share,
                      o.mixed_kinds_max) +
+         (o.deep_share > 0
+              ? fmt::format("deep {} parts {}..{} fill {}\n", o.deep_share, o.deep_instances_min,
+                            o.deep_instances_max, o.deep_fill_max)
+              : "") +
          (o.distractor_share > 0
               ? fmt::format("foreign {} {}\n", o.distractor_share, o.distractor_max)
               : "");
@@ -217,10 +225,11 @@ std::vector<ObjectId> SimViewSource::RandomDistractor(const ClutterSceneRequest&
 // Returns the number of instances of each object. The first kind gets at least one.
 std::vector<int> SimViewSource::RandomCounts(const std::vector<ObjectId>& kinds,
                                              const std::vector<ObjectId>& foreign, const Bin& bin,
-                                             Rng& rng) const {
-  const int wanted =
-      options_.instances_min + rng.Index(options_.instances_max - options_.instances_min + 1);
-  double room_m3 = options_.fill_max * bin.inner_size_m.prod();
+                                             bool deep, Rng& rng) const {
+  const int min = deep ? options_.deep_instances_min : options_.instances_min;
+  const int max = deep ? options_.deep_instances_max : options_.instances_max;
+  const int wanted = min + rng.Index(max - min + 1);
+  double room_m3 = (deep ? options_.deep_fill_max : options_.fill_max) * bin.inner_size_m.prod();
   std::vector<int> counts(foreign.empty() ? objects_.size() : in_scenes_.size(), 0);
   for (const ObjectId shape : foreign) {
     room_m3 -= BoundingVolume_m3(*in_scenes_[shape]);
@@ -252,7 +261,7 @@ SimViewSource::ScaledScene SimViewSource::DropScene(const ClutterSceneRequest& r
     Bin bin = options_.bin;
     bin.inner_size_m *= scale;
     const std::vector<ObjectId> foreign = RandomDistractor(request, kinds);
-    const std::vector<int> counts = RandomCounts(kinds, foreign, bin, rng);
+    const std::vector<int> counts = RandomCounts(kinds, foreign, bin, IsDeep(request), rng);
     DropResult result =
         DropInstances(bin, foreign.empty() ? objects_ : in_scenes_, counts, rng, options_.drop);
     if (!result.certificate.blew_up && !result.scene.objects.empty()) {
@@ -342,6 +351,13 @@ std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
   CheckInput(shares_are_valid,
              fmt::format("mixed_share {} and scaled_share {}: both must be from 0 to 1",
                          options.mixed_share, options.scaled_share));
+  CheckInput(
+      options.deep_share >= 0 && options.deep_share <= 1 && options.deep_fill_max > 0 &&
+          options.deep_instances_min >= 1 &&
+          options.deep_instances_max >= options.deep_instances_min,
+      fmt::format("deep piles in {} of the clutter scenes with {} to {} instances: need a "
+                  "share of 0 to 1 and 1 <= deep_instances_min <= deep_instances_max",
+                  options.deep_share, options.deep_instances_min, options.deep_instances_max));
   CheckInput(options.mixed_kinds_max >= 1 && options.fill_max > 0,
              fmt::format("mixed_kinds_max {} and fill_max {}: need mixed_kinds_max >= 1 and "
                          "fill_max > 0",

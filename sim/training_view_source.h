@@ -34,6 +34,12 @@ struct ViewSourceOptions {
   double fill_max = 0.6;     // largest share of the bin's volume filled by bounding boxes
   double mixed_share = 0.5;  // share of clutter scenes with several object kinds
   int mixed_kinds_max = 6;   // object kinds per mixed clutter scene
+  // Share of clutter scenes that are deep piles. They have this many instances and this share of
+  // the bin's volume filled by bounding boxes.
+  double deep_share = 0;
+  int deep_instances_min = 50;
+  int deep_instances_max = 140;
+  double deep_fill_max = 1.0;
   // Share of clutter scenes that contain distractors: shapes that are no object of the source
   // (distractors.h). They train an estimator to reject unknown shapes. They are background in
   // `ids`.

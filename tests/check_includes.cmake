@@ -19,7 +19,7 @@ set(floors_sim "physics convex render sensor | hands drop | .")
 set(floors_perception ". cloud | features model | crops verify voting | icp networks | candidates | training"
   " | crop_methods | estimators")
 set(floors_grasp ". place | candidates execute | grippers plan | tolerance")
-set(floors_eval "stats | metrics | page | trial runtime draw | store tolerance explain export | summary bop"
+set(floors_eval "stats | metrics | page | cell | trial runtime draw | store tolerance explain export | summary bop"
   " | compare sweep train | report budget estimate | replay benchmark | cli | reference")
 
 # Third-party header prefix => pattern of the files that may include it. Only Eigen is public.

@@ -247,10 +247,10 @@ std::vector<Estimate> EstimateDataset(
   return estimates;
 }
 
-std::string ExplainTarget(const fs::path& root, const std::string& split,
-                          const EstimateOptions& options, const std::string& image,
-                          const fs::path& folder,
-                          const std::function<void(const EstimateProgress&)>& on_progress) {
+ExplanationPage ExplainTarget(const fs::path& root, const std::string& split,
+                              const EstimateOptions& options, const std::string& image,
+                              const fs::path& folder,
+                              const std::function<void(const EstimateProgress&)>& on_progress) {
   RequireExplains(options.estimator.name);
   const std::map<int, ModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
   const SplitTargets targets = TargetsOf(root, split);
@@ -268,8 +268,9 @@ std::string ExplainTarget(const fs::path& root, const std::string& split,
   return WriteExplanation(
       {fmt::format("{} on {}, scene {} image {}", options.estimator.name, split, place.scene_id,
                    place.image_id),
-       frame, runner.objects(), trace, result.hypotheses, TruthOf(truth, runner.object_ids()),
-       runner.views(), runner.working_distance_m()},
+       DatasetImageName(place.scene_id, place.image_id), frame, runner.objects(), trace,
+       result.hypotheses, TruthOf(truth, runner.object_ids()), runner.views(),
+       runner.working_distance_m()},
       folder);
 }
 

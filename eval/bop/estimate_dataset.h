@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "eval/bop/results_csv.h"
+#include "eval/explain/explain.h"
 #include "scenes/scenario/scenario_spec.h"
 
 namespace pickbed::eval::bop {
@@ -43,10 +44,9 @@ std::vector<Estimate> EstimateDataset(
 
 // Writes a page (eval/explain/explain.h) into `folder` that shows the stages by which
 // EstimateDataset finds the poses of one target image. `image` is "SCENE/IMAGE", for example
-// "48/12", or the index of the image among the targets, from 0. Returns the result of
-// WriteExplanation. Throws InputError as EstimateDataset does, for an image that is no target, and
-// for an estimator without a trace.
-[[nodiscard]] std::string ExplainTarget(
+// "48/12", or the index of the image among the targets, from 0. Throws InputError as
+// EstimateDataset does, for an image that is no target, and for an estimator without a trace.
+[[nodiscard]] ExplanationPage ExplainTarget(
     const std::filesystem::path& root, const std::string& split, const EstimateOptions& options,
     const std::string& image, const std::filesystem::path& folder,
     const std::function<void(const EstimateProgress&)>& on_progress = {});

@@ -11,7 +11,7 @@
 #include "eval/bop/dataset_card.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/write_scene.h"
-#include "eval/trial/simulated_cell.h"
+#include "eval/cell/simulated_cell.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
@@ -28,13 +28,19 @@ fs::path UnfinishedFolder(const fs::path& split, int scene_id) {
   return split / fmt::format(".{}.unfinished", SceneFolderName(scene_id));
 }
 
+// A dataset has exact ground truth.
+ScenarioSpec WithoutCellErrors(ScenarioSpec spec) {
+  spec.cell = {};
+  return spec;
+}
+
 // State of a worker: the cell, and a separate renderer because the views differ from the cell's.
 class SceneMaker {
  public:
   SceneMaker(const ScenarioSpec& spec, const ObjectSet& objects, const MakeOptions& options)
       : spec_(spec),
         options_(options),
-        cell_(spec, objects),
+        cell_(WithoutCellErrors(spec), objects),
         renderer_(cell_.objects(), cell_.bin()) {}
 
   void Make(int scene_id) {

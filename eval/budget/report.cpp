@@ -195,8 +195,7 @@ std::string AttemptsText(const BudgetRuns& runs) {
   if (budget.Of(Stage::kApproach) > 0) {
     text +=
         " Failures of the stage approach include collisions that a pose error caused; the gain "
-        "with "
-        "ground truth for the pose shows how many.";
+        "with ground truth for the pose shows how many.";
   }
   return text;
 }

@@ -7,7 +7,6 @@
 
 #include "eval/report/run_statistics.h"
 #include "eval/runtime/progress.h"
-#include "scenes/base/error.h"
 
 namespace pickbed::eval {
 
@@ -69,6 +68,22 @@ void AddScenarioArguments(CLI::App& app, ScenarioRequest& request, bool required
       ->capture_default_str();
 }
 
+InputError WithTrainingHint(const InputError& error, const ScenarioRequest& request,
+                            const ScenarioSpec& spec) {
+  std::string message = error.what(), names;
+  bool has_mesh = false;
+  for (const ObjectSpec& object : spec.objects) {
+    if (object.distractor) continue;
+    names += " " + object.name;
+    has_mesh = has_mesh || !object.mesh.empty();
+  }
+  const size_t place = message.rfind(names + "`");
+  if (!has_mesh || message.find("`pickbed train") >= place || place == std::string::npos) {
+    return error;
+  }
+  return InputError(message.replace(place, names.size(), " --scenario " + request.scenario));
+}
+
 void AddTrialsArgument(CLI::App& app, ScenarioRequest& request) {
   app.add_option("--trials", request.trials,
                  "number of bins to fill; replaces the value of the scenario file")
@@ -110,6 +125,10 @@ void AddReportOptions(CLI::App& app, ReportOptions& options, std::string& catalo
   app.add_option("--animations", options.animations, "maximum number of animated picks")
       ->check(CLI::Range(0, 20))
       ->capture_default_str();
+  app.add_option("--tolerance", options.tolerance,
+                 "tolerance maps that forecast the pick success of every configuration: a folder "
+                 "of folders written by `pickbed tolerance`, such as results")
+      ->delimiter(',');
   app.add_option("--catalog", catalog, "folder with your own objects")->capture_default_str();
 }
 

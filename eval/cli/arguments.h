@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "eval/layer.h"
+#include "scenes/base/error.h"
 #include "scenes/scenario/find_scenario.h"
 
 namespace pickbed::eval {
@@ -34,6 +35,12 @@ int RunWords(int (*command)(int argc, char** argv), const std::string& name,
 
 // Adds SCENARIO, --set and --catalog. If not `required`, the scenario is the option --scenario.
 void AddScenarioArguments(CLI::App& app, ScenarioRequest& request, bool required = true);
+// Returns the error of a run or estimate of a scenario. If it recommends `pickbed train OBJECTS`
+// and an object has its own mesh, which only the scenario knows, it recommends `pickbed train
+// --scenario FILE` instead.
+InputError WithTrainingHint(const InputError& error, const ScenarioRequest& request,
+                            const ScenarioSpec& spec);
+
 // Adds --trials: number of bins, instead of the number in the scenario.
 void AddTrialsArgument(CLI::App& app, ScenarioRequest& request);
 // Adds --jobs and sets the number to the number of processors. `unchanged` names what does not

@@ -35,12 +35,14 @@ int CompareCommand(int argc, char** argv) {
 
   ReportRun a = ReadReportRun(run_a), b = ReadReportRun(run_b);
   RequireWritable(out);
+  options.page_folder = std::filesystem::absolute(out).parent_path();
   if (!json.empty()) RequireWritable(json);
   const RunComparison comparison =
       CompareRuns(std::move(a), std::move(b), OpenCatalog(catalog), options);
   WriteFileAtomically(out, comparison.page);
   if (!json.empty()) WriteFileAtomically(json, ComparisonJson(comparison.configurations));
-  fmt::print("{}comparison in {}\n", ComparisonText(comparison.configurations, all_rows), out);
+  fmt::print("{}comparison in {}\n",
+             ComparisonText(comparison.configurations, all_rows, "--all shows them"), out);
   return 0;
 }
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <functional>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/store/results_store.h"
 #include "eval/trial/estimator_runner.h"
-#include "eval/trial/simulated_cell.h"
 #include "scenes/base/error.h"
 #include "scenes/geometry/mass_properties.h"
 #include "sim/drop/drop.h"

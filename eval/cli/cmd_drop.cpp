@@ -4,18 +4,30 @@
 #include "eval/cli/commands.h"
 #include "eval/draw/bin_view.h"
 #include "eval/export/scene_json.h"
-#include "eval/trial/simulated_cell.h"
+#include "eval/summary/clutter_json.h"
+#include "eval/trial/clutter.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 
 namespace pickbed::eval {
+namespace {
+
+// The scene is measured at true poses, so no estimator is loaded.
+TrialOptions PerceptionGiven() {
+  TrialOptions options;
+  options.truth = {true, true, true, true, false};
+  return options;
+}
+
+}  // namespace
 
 int DropCommand(int argc, char** argv) {
   CLI::App app(
-      fmt::format("Fills one bin, simulates until all objects are at rest, and writes {}, {}, the "
-                  "image of the camera (color.png) and a picture with materials and shadows for "
-                  "people ({}).",
-                  kSceneFile, kCertificateFile, kPictureFile),
+      fmt::format(
+          "Fills one bin, simulates until all objects are at rest, and writes {}, {}, {}, the "
+          "image of the camera (color.png) and a picture with materials and shadows for "
+          "people ({}).",
+          kSceneFile, kCertificateFile, kClutterFile, kPictureFile),
       "pickbed drop");
   ScenarioRequest arguments;
   std::string out;
@@ -32,15 +44,20 @@ int DropCommand(int argc, char** argv) {
   const LoadedScenario scenario = FindScenario(arguments);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-drop");
   MakeFolder(folder);
-  SimulatedCell cell(scenario.spec, scenario.objects);
+  TrialSetup setup(scenario.spec, scenario.objects, {}, PerceptionGiven());
+  SimulatedCell& cell = setup.cell;
   const CertifiedScene made = cell.MakeScene(bin_index);
   WriteFileAtomically(folder / kSceneFile, SceneJson(made.scene, cell.objects()));
   WritePng(folder / "color.png", cell.ColorPicture(made.scene, bin_index));
   WritePng(folder / kPictureFile,
            cell.PictureOf(made.scene, BinCamera(cell.camera(), cell.bin())).color);
   WriteFileAtomically(folder / kCertificateFile, CertificateJson(made));
-  fmt::print("{}wrote {}, {}, color.png and {}\n", CertificateText(made),
-             (folder / kSceneFile).string(), kCertificateFile, kPictureFile);
+  const ClutterStatistics clutter =
+      MeasureClutter(setup, made.scene, cell.Capture(made.scene, bin_index, 0));
+  WriteFileAtomically(folder / kClutterFile, ClutterJson(clutter, scenario.spec.gripper));
+  fmt::print("{}{}wrote {}, {}, {}, color.png and {}\n", CertificateText(made),
+             ClutterText(clutter, scenario.spec.gripper), (folder / kSceneFile).string(),
+             kCertificateFile, kClutterFile, kPictureFile);
   return 0;
 }
 

@@ -94,7 +94,12 @@ int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::st
   CatchInterrupts();
   const ComparisonJob job{scenario.spec, scenario.objects, compared, folder,
                           kPicturedBins, threads,          {},       {}};
-  std::vector<ComparedRow> rows = EstimateBins(job);
+  std::vector<ComparedRow> rows;
+  try {
+    rows = EstimateBins(job);
+  } catch (const InputError& error) {
+    throw WithTrainingHint(error, arguments, scenario.spec);
+  }
   if (!maps.empty()) AddPickChances(maps, rows);
   WriteFileAtomically(folder / kHypothesesFile, HypothesesCsv(rows, scenario.objects));
   WriteFileAtomically(folder / kInstancesFile, InstancesCsv(rows, scenario.objects));
@@ -121,12 +126,13 @@ EstimatorSpec ExplainedEstimator(const ScenarioRequest& arguments,
   return chosen;
 }
 
-// `unwritten` is the result of WriteExplanation.
-void SayWhereExplained(const std::filesystem::path& folder, const std::string& unwritten) {
-  if (SayIfUnwritten(unwritten)) {
-    fmt::print("page with pictures of the stages: {}\n", (folder / kExplainPage).string());
+void SayWhereExplained(const ExplanationPage& page) {
+  if (SayIfUnwritten(page.unwritten)) {
+    fmt::print("page with pictures of the stages: {}{}\n", page.file.string(),
+               page.replaced ? "; it replaces an earlier page of this image" : "");
   } else {
-    fmt::print("pictures of the stages in {}\n", (folder / kPicturesFolder).string());
+    fmt::print("pictures of the stages in {}\n",
+               (page.file.parent_path() / kPicturesFolder).string());
   }
 }
 
@@ -147,17 +153,19 @@ int ExplainScenario(const ScenarioRequest& arguments, const std::vector<std::str
   LoadedScenario scenario = FindScenario(arguments);
   scenario.spec.estimator = ExplainedEstimator(arguments, estimators, scenario.spec.estimator);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-explain");
-  std::string unwritten;
-  {
+  ExplanationPage page;
+  try {
     ProgressLine progress;
-    unwritten = ExplainTrial(
+    page = ExplainTrial(
         scenario.spec, scenario.objects,
         fmt::format("{} on {}, trial {}", scenario.spec.estimator.name, scenario.name, bin_index),
         bin_index, folder, [&](std::string_view what, double share) {
           progress.Show(fmt::format("{}: {}", what, WholePercentText(share)));
         });
+  } catch (const InputError& error) {
+    throw WithTrainingHint(error, arguments, scenario.spec);
   }
-  SayWhereExplained(folder, unwritten);
+  SayWhereExplained(page);
   return 0;
 }
 
@@ -209,18 +217,18 @@ int ExplainBop(const BopArguments& bop, const ScenarioRequest& arguments,
                const std::string& out) {
   ScenarioSpec spec = BopSettings(bop, arguments, EstimatorSpec().min_score);
   spec.estimator = ExplainedEstimator(arguments, estimators, spec.estimator);
-  const std::filesystem::path folder = BopFolder(bop, out, "-explain");
-  std::string unwritten;
+  const std::filesystem::path folder = BopFolder(bop, out, "-bop-explain");
+  ExplanationPage page;
   {
     constexpr int kThreads = 1;
     ProgressLine progress;
-    unwritten = bop::ExplainTarget(
+    page = bop::ExplainTarget(
         bop.path, bop.split, {spec.estimator, spec.refiner, spec.seed, kThreads, TaskOf(bop)},
         image, folder, [&](const bop::EstimateProgress& state) {
           progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
         });
   }
-  SayWhereExplained(folder, unwritten);
+  SayWhereExplained(page);
   return 0;
 }
 
@@ -291,7 +299,8 @@ int EstimateCommand(int argc, char** argv) {
   app.add_option(
       "--explain", explained,
       "write a page with each stage of the estimate for one image instead of scores: number of a "
-      "trial, or SCENE/IMAGE with --bop; results folder is results/NAME-explain");
+      "trial, or SCENE/IMAGE with --bop; results folder is results/NAME-explain, with --bop "
+      "results/NAME-bop-explain");
   AddTrialsArgument(app, arguments);
   AddToleranceArgument(app, tolerance);
   AddOutArgument(app, out, "-estimate");

@@ -16,6 +16,7 @@
 #include "scenes/camera/camera.h"
 #include "scenes/scenario/failure_reason.h"
 #include "scenes/scenario/scenario_spec.h"
+#include "scenes/scenario/scenario_text.h"
 #include "sim/sensor/sensor_profile.h"
 
 namespace pickbed::eval {
@@ -100,11 +101,7 @@ void ListRules(const std::string&) {
 void ListPresets(const std::string&) {
   for (const std::string& name : PresetNames()) {
     const ScenarioSpec spec = LoadScenario(PresetsDir() / (name + ".yaml"));
-    std::string objects;
-    for (const ObjectSpec& object : spec.objects) {
-      objects += fmt::format("{}{} x {}", objects.empty() ? "" : ", ", object.count, object.name);
-    }
-    Row(name, fmt::format("{}; {} trials", objects, spec.trials));
+    Row(name, fmt::format("{}; {} trials", ObjectsInWords(spec), spec.trials));
   }
 }
 

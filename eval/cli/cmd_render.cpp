@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/draw/bin_view.h"
 #include "eval/draw/overlay.h"
 #include "eval/export/visibility_csv.h"
-#include "eval/trial/simulated_cell.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 

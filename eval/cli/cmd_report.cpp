@@ -23,6 +23,7 @@ int ReportCommand(int argc, char** argv) {
   const std::filesystem::path page =
       out.empty() ? std::filesystem::path(run) / kReportFile : std::filesystem::path(out);
   RequireWritable(page);
+  options.page_folder = std::filesystem::absolute(page).parent_path();
   WriteFileAtomically(page, RunReportPage(std::move(read), OpenCatalog(catalog), options));
   fmt::print("page: {}\n", page.string());
   return 0;

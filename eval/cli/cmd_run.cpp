@@ -5,7 +5,7 @@
 #include "eval/cli/run_progress.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
-#include "eval/stats/statistics.h"
+#include "eval/summary/fill_text.h"
 #include "eval/sweep/run.h"
 
 namespace pickbed::eval {
@@ -14,21 +14,6 @@ namespace {
 RunReport RunWithProgress(const LoadedScenario& scenario, const RunOptions& options) {
   ProgressLine progress;
   return RunScenario(scenario.spec, scenario.objects, options, ShowOn(progress, Interrupted));
-}
-
-// Says how full a bin is after the drop.
-std::string FillText(const LoadedScenario& scenario) {
-  constexpr double kLitre_m3 = 1e-3;
-  double objects_m3 = 0;
-  int count = 0;
-  for (size_t i = 0; i < scenario.objects.size(); ++i) {
-    count += scenario.spec.objects[i].count;
-    objects_m3 += scenario.spec.objects[i].count * scenario.objects[i]->mass.volume_m3;
-  }
-  const double bin_m3 = scenario.spec.bin.inner_size_m.prod();
-  return fmt::format("A bin of {:.3g} l gets {} objects of {:.3g} l in all: {} of its volume\n",
-                     bin_m3 / kLitre_m3, count, objects_m3 / kLitre_m3,
-                     PercentText(objects_m3 / bin_m3));
 }
 
 }  // namespace
@@ -62,12 +47,17 @@ int RunCommand(int argc, char** argv) {
   const LoadedScenario scenario = FindScenario(arguments);
   options.out = OutFolder(out, scenario.name);
   options.tolerance = MapsFor(scenario.spec, scenario.objects, tolerance);
-  const RunReport report = RunWithProgress(scenario, options);
+  RunReport report;
+  try {
+    report = RunWithProgress(scenario, options);
+  } catch (const InputError& error) {
+    throw WithTrainingHint(error, arguments, scenario.spec);
+  }
 
   if (json) {
     fmt::print("{}", SummaryJson(report.summary));
   } else {
-    fmt::print("{}{}", FillText(scenario), SummaryTable(report.summary));
+    fmt::print("{}\n{}", FillText(scenario.spec, scenario.objects), SummaryTable(report.summary));
     fmt::print("\nresults in {}\n", options.out.string());
   }
   if (report.interrupted) {

@@ -78,6 +78,10 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
          "sensor profiles for the views of clutter scenes, separated by commas; each view uses one "
          "of them instead of the scenario's sensor; the code book uses the scenario's sensor")
       ->delimiter(',');
+  app.add_option("--deep-share", arguments.training_set.deep_share,
+                 "share of the clutter scenes that are deep piles of 50 to 140 instances")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--distractors,--foreign", arguments.training_set.distractor_share,
                  "share of the clutter scenes with distractors; --foreign is the former name")
       ->check(CLI::Range(0.0, 1.0))

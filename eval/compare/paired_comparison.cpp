@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/metrics/interval_json.h"
 #include "eval/metrics/metric_table.h"
 #include "eval/trial/counts_by_bin.h"
-#include "eval/trial/simulated_cell.h"
 #include "scenes/base/error.h"
 
 namespace pickbed::eval {
@@ -47,8 +47,8 @@ bool IsOccluded(const std::string& settings) {
   return false;
 }
 
-// Returns the group of a line, such as "objects" for "objects:" or "the parts' meshes" for "# part
-// rod is 0123"; empty inside a group.
+// Returns the group of a line, such as "objects" for "objects:" or "the meshes of the objects"
+// for "# part rod is 0123"; empty inside a group.
 std::string GroupOf(const std::string& line) {
   if (line.empty() || line[0] == ' ' || line[0] == '-') return "";
   if (line[0] == '#')
@@ -143,16 +143,6 @@ std::vector<NamedRate> Rates(const std::vector<VisibleBand>& bands, bool has_tar
 // Formats rates in percent, errors in their unit.
 std::string Valued(const PairedStatistic& statistic, double value) {
   return statistic.is_rate ? PercentNumber(value) : fmt::format("{:.4f}", value);
-}
-
-std::string RiseText(const PairedStatistic& statistic) {
-  const Interval& ci95 = statistic.difference_ci95;
-  if (statistic.is_rate) return PointsText(statistic.difference(), ci95);
-  const auto text = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:+.4f}", value) : "-";
-  };
-  if (!ci95.is_known()) return fmt::format("{} ({})", text(statistic.difference()), kTooFewBins);
-  return fmt::format("{} [{}, {}]", text(statistic.difference()), text(ci95.low), text(ci95.high));
 }
 
 nlohmann::ordered_json Number(double value) {
@@ -250,7 +240,18 @@ void RequireSameScenes(const std::string& settings_before, const std::string& se
                   name_before, name_after, group, trimmed(a), trimmed(b)));
 }
 
-std::string PairedTable(const PairedComparison& comparison, bool all_rows) {
+std::string DifferenceText(const PairedStatistic& statistic) {
+  const Interval& ci95 = statistic.difference_ci95;
+  if (statistic.is_rate) return PointsText(statistic.difference(), ci95);
+  const auto text = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:+.3g}", value) : "-";
+  };
+  if (!ci95.is_known()) return fmt::format("{} ({})", text(statistic.difference()), kTooFewBins);
+  return fmt::format("{} [{}, {}]", text(statistic.difference()), text(ci95.low), text(ci95.high));
+}
+
+std::string PairedTable(const PairedComparison& comparison, bool all_rows,
+                        const std::string& remedy) {
   std::vector<std::vector<std::string>> rows{{"", "A", "B", "B - A", "p", "differ in", "needed"}};
   int folded = 0;
   for (const PairedStatistic& statistic : comparison.statistics) {
@@ -260,7 +261,7 @@ std::string PairedTable(const PairedComparison& comparison, bool all_rows) {
     }
     rows.push_back({statistic.name + (statistic.is_rate ? ", %" : ""),
                     Valued(statistic, statistic.before), Valued(statistic, statistic.after),
-                    RiseText(statistic), fmt::format("{:.4f}", statistic.p_value),
+                    DifferenceText(statistic), fmt::format("{:.4f}", statistic.p_value),
                     fmt::format("{}/{}", statistic.discordant_scenes, statistic.scenes),
                     statistic.scenes_needed ? std::to_string(*statistic.scenes_needed) : "-"});
   }
@@ -282,8 +283,8 @@ std::string PairedTable(const PairedComparison& comparison, bool all_rows) {
     text += line + "\n";
   }
   if (folded > 0) {
-    text +=
-        fmt::format("  {} more rows without a difference in any scene; --all shows them\n", folded);
+    text += fmt::format("  {} more rows without a difference in any scene{}{}\n", folded,
+                        remedy.empty() ? "" : "; ", remedy);
   }
   return text;
 }

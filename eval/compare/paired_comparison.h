@@ -72,9 +72,13 @@ std::string SceneKey(const std::string& settings);
 void RequireSameScenes(const std::string& settings_before, const std::string& settings_after,
                        const std::string& name_before, const std::string& name_after);
 
+// Returns the difference of a statistic with its 95 % interval. Rates are in percentage points,
+// errors in their unit.
+std::string DifferenceText(const PairedStatistic& statistic);
 // Returns the comparison as a table for the console. Statistics that are equal in every scene are
-// only counted, unless `all_rows`.
-std::string PairedTable(const PairedComparison& comparison, bool all_rows = false);
+// only counted, unless `all_rows`; `remedy` is added to that line and says how to see them.
+std::string PairedTable(const PairedComparison& comparison, bool all_rows = false,
+                        const std::string& remedy = "");
 // Returns the comparison as JSON.
 std::string PairedJson(const PairedComparison& comparison);
 

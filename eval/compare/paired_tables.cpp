@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "eval/metrics/interval_json.h"
@@ -13,19 +12,6 @@ namespace {
 // Formats rates in percent, errors in their unit.
 std::string ValueText(const PairedStatistic& statistic, double value) {
   return statistic.is_rate ? PercentText(value) : fmt::format("{:.3g}", value);
-}
-
-std::string DifferenceText(const PairedStatistic& statistic) {
-  const auto signed_text = [&](double value) {
-    return std::isfinite(value) ? fmt::format("{:+.3g}", value) : std::string("-");
-  };
-  const Interval& ci95 = statistic.difference_ci95;
-  if (statistic.is_rate) return PointsText(statistic.difference(), ci95);
-  if (!ci95.is_known()) {
-    return fmt::format("{} ({})", signed_text(statistic.difference()), kTooFewBins);
-  }
-  return fmt::format("{} [{}, {}]", signed_text(statistic.difference()), signed_text(ci95.low),
-                     signed_text(ci95.high));
 }
 
 TableCells CellsOf(const PairedComparison& comparison, const std::string& before,
@@ -79,11 +65,12 @@ std::vector<ConfigurationComparison> CompareWithFirst(
   return comparisons;
 }
 
-std::string ComparisonText(std::span<const ConfigurationComparison> comparisons, bool all_rows) {
+std::string ComparisonText(std::span<const ConfigurationComparison> comparisons, bool all_rows,
+                           const std::string& remedy) {
   std::string text;
   for (const ConfigurationComparison& comparison : comparisons) {
     text += fmt::format("A is {}, B is {}; {}\n", comparison.before, comparison.after,
-                        PairedTable(comparison.paired, all_rows));
+                        PairedTable(comparison.paired, all_rows, remedy));
   }
   return text;
 }

@@ -37,7 +37,7 @@ std::vector<ConfigurationComparison> CompareWithFirst(
 ReportTable PairedReport(const ConfigurationComparison& comparison);
 // Returns the PairedTable of each comparison, for the console.
 std::string ComparisonText(std::span<const ConfigurationComparison> comparisons,
-                           bool all_rows = false);
+                           bool all_rows = false, const std::string& remedy = "");
 // Returns {"comparisons": [{"first": NAME, "second": NAME, ... fields of PairedJson}, ...]}.
 std::string ComparisonJson(std::span<const ConfigurationComparison> comparisons);
 // Returns the keys of ComparisonJson().

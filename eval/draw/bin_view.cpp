@@ -43,4 +43,9 @@ Camera BinCamera(const Camera& camera, const Bin& bin) {
   return WindowOf(camera, region, std::min(2 * region.width, kMaxWidth_px));
 }
 
+CameraIntrinsics EnlargedBy(const CameraIntrinsics& k, int factor) {
+  return {k.width() * factor, k.height() * factor,           k.fx() * factor,
+          k.fy() * factor,    (k.cx() + 0.5) * factor - 0.5, (k.cy() + 0.5) * factor - 0.5};
+}
+
 }  // namespace pickbed::eval

@@ -25,6 +25,9 @@ Camera WindowOf(const Camera& camera, const ImageBox& region, int width_px);
 // wide.
 Camera BinCamera(const Camera& camera, const Bin& bin);
 
+// Returns the intrinsics of the same image in `factor` times its size.
+CameraIntrinsics EnlargedBy(const CameraIntrinsics& intrinsics, int factor);
+
 // Returns `region` of an image.
 template <typename T>
 Image<T> Cropped(const Image<T>& image, const ImageBox& region) {

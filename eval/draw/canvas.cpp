@@ -139,23 +139,30 @@ int TextWidth(const std::string& text, double size) {
   return cv::getTextSize(text, kFont, size, 1, &below).width;
 }
 
-Image<Rgb8> WithLegend(const Image<Rgb8>& picture, const std::vector<LegendEntry>& entries) {
-  constexpr int kLine_px = 24, kSwatch_px = 14, kGap_px = 22, kMargin_px = 10;
-  struct Place {
-    int x, line;
-  };
-  std::vector<Place> places;
-  int x = kMargin_px, line = 0;
-  for (const LegendEntry& entry : entries) {
-    const int width = kSwatch_px + 6 + TextWidth(entry.meaning);
-    if (x > kMargin_px && x + width > picture.width() - kMargin_px) {
-      x = kMargin_px;
+std::vector<FlowPlace> FlowPlaces(const std::vector<int>& widths_px, int page_px, int margin_px,
+                                  int gap_px) {
+  std::vector<FlowPlace> places;
+  int x = margin_px, line = 0;
+  for (const int width_px : widths_px) {
+    if (x > margin_px && x + width_px > page_px - margin_px) {
+      x = margin_px;
       ++line;
     }
     places.push_back({x, line});
-    x += width + kGap_px;
+    x += width_px + gap_px;
   }
-  const int strip_px = (line + 1) * kLine_px + 8;
+  return places;
+}
+
+Image<Rgb8> WithLegend(const Image<Rgb8>& picture, const std::vector<LegendEntry>& entries) {
+  constexpr int kLine_px = 24, kSwatch_px = 14, kGap_px = 22, kMargin_px = 10;
+  std::vector<int> widths_px;
+  for (const LegendEntry& entry : entries) {
+    widths_px.push_back(kSwatch_px + 6 + TextWidth(entry.meaning));
+  }
+  const std::vector<FlowPlace> places = FlowPlaces(widths_px, picture.width(), kMargin_px, kGap_px);
+  const int lines = places.empty() ? 1 : places.back().line + 1;
+  const int strip_px = lines * kLine_px + 8;
   Canvas canvas(picture.width(), picture.height() + strip_px, {250, 250, 250});
   canvas.Paste(picture, 0, 0);
   for (size_t i = 0; i < entries.size(); ++i) {

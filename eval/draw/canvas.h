@@ -55,6 +55,16 @@ class Canvas {
 
 int TextWidth(const std::string& text, double size = 0.45);  // px
 
+// Place of an item in lines of items.
+struct FlowPlace {
+  int x = 0;     // left end, px
+  int line = 0;  // from 0
+};
+// Places items of these widths from left to right, `gap_px` apart. An item that does not fit into
+// the page without its margins begins a new line.
+std::vector<FlowPlace> FlowPlaces(const std::vector<int>& widths_px, int page_px, int margin_px,
+                                  int gap_px);
+
 // Meaning of a color.
 struct LegendEntry {
   Rgb8 color;

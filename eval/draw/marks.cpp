@@ -143,21 +143,12 @@ Image<Rgb8> WithKey(const Image<Rgb8>& picture, const std::vector<KeyEntry>& ent
   const auto sample_px = [](const KeyEntry& entry) {
     return entry.sample == KeyEntry::Sample::kNone ? 0 : kSample_px + 8;
   };
-  struct Place {
-    int x, line;
-  };
-  std::vector<Place> places;
-  int x = kMargin_px, line = 0;
+  std::vector<int> widths_px;
   for (const KeyEntry& entry : entries) {
-    const int width_px = sample_px(entry) + TextWidth(entry.meaning, kKeyText);
-    if (x > kMargin_px && x + width_px > picture.width() - kMargin_px) {
-      x = kMargin_px;
-      ++line;
-    }
-    places.push_back({x, line});
-    x += width_px + kGap_px;
+    widths_px.push_back(sample_px(entry) + TextWidth(entry.meaning, kKeyText));
   }
-  const int strip_px = entries.empty() ? 0 : (line + 1) * kLine_px + 2 * kTop_px;
+  const std::vector<FlowPlace> places = FlowPlaces(widths_px, picture.width(), kMargin_px, kGap_px);
+  const int strip_px = places.empty() ? 0 : (places.back().line + 1) * kLine_px + 2 * kTop_px;
   Canvas canvas(picture.width(), picture.height() + strip_px, kKeyPaper);
   canvas.Paste(picture, 0, 0);
   for (size_t i = 0; i < entries.size(); ++i) {

@@ -149,17 +149,6 @@ std::string List(const Vector3d& v) {
   return fmt::format("[{:g}, {:g}, {:g}]", clean.x(), clean.y(), clean.z());
 }
 
-}  // namespace
-
-Image<Rgb8> ObjectSheet(const MadeObject& made) {
-  ObjectStudio studio(made);
-  studio.AddViews();
-  studio.AddSymmetries();
-  studio.AddPieces();
-  studio.AddResting();
-  return studio.Sheet();
-}
-
 // "z" for a coordinate axis, else its numbers.
 std::string AxisText(const Vector3d& axis) {
   constexpr double kAligned = 1 - 1e-6;
@@ -192,6 +181,17 @@ std::string FoldText(const std::vector<Pose>& rotations) {
   const size_t order = best + 1;
   if (best + across != axes.size() || (across != 0 && across != order)) return "";
   return fmt::format("{}-fold about {}{}", order, AxisText(main), across > 0 ? ", and flips" : "");
+}
+
+}  // namespace
+
+Image<Rgb8> ObjectSheet(const MadeObject& made) {
+  ObjectStudio studio(made);
+  studio.AddViews();
+  studio.AddSymmetries();
+  studio.AddPieces();
+  studio.AddResting();
+  return studio.Sheet();
 }
 
 std::string SymmetryText(const SymmetrySet& symmetries) {

@@ -17,7 +17,7 @@ Image<Rgb8> ObjectSheet(const MadeObject& made);
 // The same facts as text, one per line.
 std::string ObjectText(const MadeObject& made);
 
-// One line, for example "any turn about [0, 0, 1]".
+// One line, for example "6-fold about z, and flips" or "any rotation about [0, 0, 1]".
 std::string SymmetryText(const SymmetrySet& symmetries);
 
 }  // namespace pickbed::eval

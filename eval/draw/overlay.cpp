@@ -169,6 +169,8 @@ void DrawHand(Canvas& canvas, const CameraIntrinsics& camera, const OverlayHand&
   // The palm hides everything below it, so only its outline is drawn.
   const AxisAlignedBox palm = boxes.back();
   boxes.pop_back();
+  const std::vector<AxisAlignedBox> soft = hand.gripper.SoftBoxes();
+  boxes.insert(boxes.end(), soft.begin(), soft.end());
   RegionMap fingers(camera), palm_only(camera);
   for (const AxisAlignedBox& box : boxes) fingers.Add(RasterMesh(BoxesMesh({box})), hand.X_CG);
   palm_only.Add(RasterMesh(BoxesMesh({palm})), hand.X_CG);

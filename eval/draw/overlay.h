@@ -59,7 +59,8 @@ struct OverlayStyle {
 Image<Rgb8> DrawOverlay(const OverlayInput& input, const OverlayStyle& style = {});
 // Returns the legend of an overlay: the symbols and lines in it with their numbers.
 std::vector<KeyEntry> OverlayKey(const OverlayInput& input, const OverlayStyle& style = {});
-// Draws the hand of a gripper: its fingers, transparent, and the outline of its palm.
+// Draws the hand of a gripper: its fingers or its stem and cup, transparent, and the outline of its
+// palm.
 void DrawHand(Canvas& canvas, const CameraIntrinsics& camera, const OverlayHand& hand,
               int line_px = 1);
 

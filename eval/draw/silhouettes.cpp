@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "eval/draw/bin_view.h"
 #include "scenes/camera/footprint.h"
 
 namespace pickbed::eval {
@@ -14,11 +15,6 @@ using Eigen::Vector2d;
 
 constexpr double kMinRegion_px = 6;  // area in the picture; smaller regions are left out
 constexpr double kSimplify_px = 0.3;
-
-CameraIntrinsics FinerBy(const CameraIntrinsics& k, int factor) {
-  return {k.width() * factor, k.height() * factor,           k.fx() * factor,
-          k.fy() * factor,    (k.cx() + 0.5) * factor - 0.5, (k.cy() + 0.5) * factor - 0.5};
-}
 
 // Mean over neighbors on the closed curve. It removes the stairs of the pixels.
 std::vector<cv::Point2f> Smoothed(const std::vector<cv::Point>& border) {
@@ -91,7 +87,7 @@ Silhouette SilhouetteIn(const Image<uint16_t>& ids, uint16_t id, const cv::Rect&
 }  // namespace
 
 RegionMap::RegionMap(const CameraIntrinsics& camera, int fineness)
-    : camera_(FinerBy(camera, fineness)),
+    : camera_(EnlargedBy(camera, fineness)),
       fineness_(fineness),
       ids_(camera_.width(), camera_.height()),
       depth_m_(camera_.width(), camera_.height()) {}

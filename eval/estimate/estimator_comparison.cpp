@@ -112,13 +112,17 @@ class Comparison {
       if (row.result.images.empty()) ReleaseFreedMemory();
       const size_t before = ResetPeakMemory();
       Rng rng = Rng::Derive(job_.spec.seed, bin_index, "estimate/0");
-      EstimateResult found = row.runner ? row.runner->Estimate(view.frame, rng)
-                                        : OracleEstimate(matcher.instances(), row.spec, rng);
+      EstimateResult found =
+          row.runner ? row.runner->Estimate(view.frame, view.calibration, rng)
+                     : OracleEstimate(InstancesInImage(cell_, bin_index, matcher.instances()),
+                                      row.spec, rng);
       Grow(row, before);
       AddToScores(truth, found.hypotheses, *row.evaluator);
-      row.result.images.push_back({bin_index,
-                                   ScoreAgainstTruth(matcher, cell_.camera(), found.hypotheses),
-                                   std::move(found.seconds)});
+      row.result.images.push_back(
+          {bin_index,
+           ScoreAgainstTruth(matcher, cell_.camera(), view.calibration.camera.X_WC(),
+                             found.hypotheses),
+           std::move(found.seconds)});
       Draw(row, bin_index, scene, view);
     }
   }

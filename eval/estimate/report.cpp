@@ -197,7 +197,7 @@ ResultColumns EstimatorComparisonColumns() {
               {"ap_mspd", "BOP24 average precision by MSPD", "0..1"},
               {"top_pick_chance",
                "mean predicted probability that a pick at the highest-ranked pose succeeds; empty "
-               "without --tolerance",
+               "without tolerance maps",
                "0..1"}},
              columns);
   return columns;
@@ -213,11 +213,12 @@ ResultColumns HypothesesColumns() {
       {"score", "score of the pose; calibrated estimators: probability that it is correct"},
   };
   AddColumns(PlacedMetrics().Columns(), columns);
-  AddColumns({{"correct", "1 if the MSSD is under a tenth of the object's diameter"},
-              {"p_pick",
-               "predicted probability that a pick at this pose succeeds; empty without --tolerance",
-               "0..1"}},
-             columns);
+  AddColumns(
+      {{"correct", "1 if the MSSD is under a tenth of the object's diameter"},
+       {"p_pick",
+        "predicted probability that a pick at this pose succeeds; empty without tolerance maps",
+        "0..1"}},
+      columns);
   AddColumns(PoseColumns("estimated pose"), columns);
   AddColumns(MetricColumns::AtEnd(MetricUnits::kStored).Columns(), columns);
   return columns;

@@ -16,26 +16,13 @@ namespace {
 constexpr int kBoardWidth_px = 1280;
 constexpr Rgb8 kNoReading{120, 60, 150};
 
-Rgb8 Blend(Rgb8 under, Rgb8 over, double share) {
-  const auto channel = [share](uint8_t a, uint8_t b) {
-    return static_cast<uint8_t>(std::lround((1 - share) * a + share * b));
-  };
-  return {channel(under.r, over.r), channel(under.g, over.g), channel(under.b, over.b)};
-}
-
-// Intrinsics of the enlarged region. Pixel centers have integer coordinates in both images.
-CameraIntrinsics ZoomedBy(const CameraIntrinsics& k, int zoom) {
-  return {k.width() * zoom, k.height() * zoom,           k.fx() * zoom,
-          k.fy() * zoom,    (k.cx() + 0.5) * zoom - 0.5, (k.cy() + 0.5) * zoom - 0.5};
-}
-
 }  // namespace
 
 Board::Board(const RgbdFrame& frame, const ImageBox& shown)
     : region(shown),
       zoom(std::clamp(kBoardWidth_px / std::max(1, region.width), 1, 4)),
-      camera(
-          ZoomedBy(frame.intrinsics.Window(region.x, region.y, region.width, region.height), zoom)),
+      camera(EnlargedBy(frame.intrinsics.Window(region.x, region.y, region.width, region.height),
+                        zoom)),
       color(Enlarged(Cropped(VisibleImage(frame), region), zoom, true)),
       faded(Faded(color)) {}
 
@@ -48,7 +35,7 @@ Image<Rgb8> DrawForeground(const RgbdFrame& frame, const OrganizedCloud& cloud) 
   for (size_t i = 0; i < image.size(); ++i) {
     if (cloud.foreground.data()[i]) continue;
     const bool known = cloud.depth_m.data()[i] > 0;
-    image.data()[i] = known ? Blend(image.data()[i], {24, 30, 44}, 0.8) : kNoReading;
+    image.data()[i] = known ? Mixed(image.data()[i], {24, 30, 44}, 0.8) : kNoReading;
   }
   return image;
 }
@@ -79,7 +66,7 @@ Image<Rgb8> DrawVoteMap(const Board& board, const std::vector<Eigen::Vector2d>& 
   for (size_t i = 0; i < heat.size(); ++i) {
     // The square root makes the few votes of half-hidden instances visible beside the many others.
     const double share = std::sqrt(std::max(0.f, votes.data()[i]) / maximum);
-    heat.data()[i] = Blend(Blend(heat.data()[i], {0, 0, 0}, 0.45), HeatColor(0.08 + 0.92 * share),
+    heat.data()[i] = Mixed(Mixed(heat.data()[i], {0, 0, 0}, 0.45), HeatColor(0.08 + 0.92 * share),
                            std::min(0.95, 1.6 * share));
   }
   Canvas canvas(std::move(heat));

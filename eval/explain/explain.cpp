@@ -21,10 +21,10 @@ void RequireExplains(const std::string& estimator) {
       estimator, able));
 }
 
-std::string ExplainTrial(const ScenarioSpec& spec, const ObjectSet& objects,
-                         const std::string& title, BinIndex bin_index,
-                         const std::filesystem::path& folder,
-                         const std::function<void(std::string_view, double)>& on_progress) {
+ExplanationPage ExplainTrial(const ScenarioSpec& spec, const ObjectSet& objects,
+                             const std::string& title, BinIndex bin_index,
+                             const std::filesystem::path& folder,
+                             const std::function<void(std::string_view, double)>& on_progress) {
   RequireExplains(spec.estimator.name);
   SimulatedCell cell(spec, objects);
   EstimatorRunner runner(cell, spec, 1, on_progress);
@@ -34,11 +34,11 @@ std::string ExplainTrial(const ScenarioSpec& spec, const ObjectSet& objects,
       InstancesOf(scene, view.visible_fractions, cell.camera().X_CW());
   EstimateTrace trace;
   Rng rng = Rng::Derive(spec.seed, bin_index, "estimate/0");
-  const EstimateResult result = runner.Estimate(view.frame, rng, &trace);
+  const EstimateResult result = runner.Estimate(view.frame, view.calibration, rng, &trace);
   const auto views = CellViews(cell, cell.objects());  // the trace has the cell's object indices
   return WriteExplanation(
-      {title, view.frame, cell.objects(), trace, result.hypotheses, std::move(truth), *views,
-       WorkingDistance_m(cell), BinRegion(cell.camera(), cell.bin())},
+      {title, TrialImageName(bin_index), view.frame, cell.objects(), trace, result.hypotheses,
+       std::move(truth), *views, WorkingDistance_m(cell), BinRegion(cell.camera(), cell.bin())},
       folder);
 }
 

@@ -17,11 +17,16 @@
 
 namespace pickbed::eval {
 
-inline constexpr char kExplainPage[] = "explain.html";
+// Returns the file name of the page of an image, for example explain_trial_3.html.
+std::string ExplainPageName(const std::string& image);
+// Returns the name of an image of a scenario (trial_3) or of a dataset (image_48_12).
+std::string TrialImageName(int trial);
+std::string DatasetImageName(int scene, int image);
 
 // Input of the page: one image, the trace of its estimate, and optionally the ground truth.
 struct Explained {
   std::string title;
+  std::string image;  // its name, for the files
   const RgbdFrame& frame;
   const ObjectSet& objects;
   const EstimateTrace& trace;
@@ -32,19 +37,25 @@ struct Explained {
   std::optional<ImageBox> region = {};  // shown part of the frame; default: its foreground
 };
 
-// Writes explain.html and pictures/*.png into `folder`. Returns an empty string, or the reason why
-// the page is missing (WritePage in eval/page/html.h). Throws InputError if a file cannot be
-// written.
-[[nodiscard]] std::string WriteExplanation(const Explained& explained,
-                                           const std::filesystem::path& folder);
+// A page that was written.
+struct ExplanationPage {
+  std::filesystem::path file;
+  bool replaced = false;  // a page of the same image was in the folder
+  std::string
+      unwritten;  // reason why the page is missing (WritePage in eval/page/html.h), or empty
+};
+
+// Writes explain_IMAGE.html and pictures/IMAGE/*.png into `folder`. Throws InputError if a file
+// cannot be written.
+[[nodiscard]] ExplanationPage WriteExplanation(const Explained& explained,
+                                               const std::filesystem::path& folder);
 
 // Throws InputError for an estimator that does not record a trace.
 void RequireExplains(const std::string& estimator);
 
 // Explains the first image of a bin. Image and random numbers are the same as in an estimator
-// comparison. Returns the result of WriteExplanation. Throws InputError for an estimator without a
-// trace.
-[[nodiscard]] std::string ExplainTrial(
+// comparison. Throws InputError for an estimator without a trace.
+[[nodiscard]] ExplanationPage ExplainTrial(
     const ScenarioSpec& spec, const ObjectSet& objects, const std::string& title,
     BinIndex bin_index, const std::filesystem::path& folder,
     const std::function<void(std::string_view what, double share)>& on_progress);

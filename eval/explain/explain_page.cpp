@@ -6,10 +6,10 @@
 #include <map>
 #include <numeric>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/draw/bin_view.h"
 #include "eval/draw/overlay.h"
 #include "eval/stats/statistics.h"
-#include "eval/trial/simulated_cell.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
@@ -43,8 +43,8 @@ Explainer::Explainer(const Explained& in, const std::filesystem::path& folder)
   outcomes_ = DiagnoseInstances(*judge_, in.trace, vote_errors_, models_, in.hypotheses);
 }
 
-std::string Explainer::Write() {
-  MakeFolder(folder_ / "pictures");
+ExplanationPage Explainer::Write() {
+  MakeFolder(folder_ / "pictures" / in_.image);
   Summary();
   Input();
   Points();
@@ -56,7 +56,11 @@ std::string Explainer::Write() {
   Missed();
   Final();
   Outcomes();
-  return WritePage(folder_ / kExplainPage, page_);
+  ExplanationPage written;
+  written.file = folder_ / ExplainPageName(in_.image);
+  written.replaced = std::filesystem::exists(written.file);
+  written.unwritten = WritePage(written.file, page_);
+  return written;
 }
 
 void Explainer::Stage(const std::string& heading, const std::string& how_to_read) {
@@ -66,7 +70,7 @@ void Explainer::Stage(const std::string& heading, const std::string& how_to_read
 
 void Explainer::Show(const std::string& name, const Image<Rgb8>& picture,
                      const std::string& caption, bool wide) {
-  const std::string path = "pictures/" + name + ".png";
+  const std::string path = fmt::format("pictures/{}/{}.png", in_.image, name);
   WritePng(folder_ / path, picture);
   if (wide) {
     page_.WidePicture(path, caption);
@@ -111,7 +115,7 @@ void Explainer::Summary() {
     for (size_t i = 0; i < outcomes_.size(); ++i) {
       if (judge_->instances()[i].visible_fraction < kCountedVisibility) continue;
       ++wanted;
-      found += outcomes_[i].lost == LostAt::kFound;
+      found += outcomes_[i].failing_stage == FailingStage::kFound;
     }
     text += fmt::format(
         " According to ground truth, {} of the {} reported poses are right, and {} of the {} "
@@ -203,9 +207,10 @@ void Explainer::Votes() {
   std::vector<ColoredDot> rings;
   for (size_t i = 0; i < outcomes_.size(); ++i) {
     const TrueInstance& instance = judge_->instances()[i];
-    const bool found = outcomes_[i].lost == LostAt::kFound;
-    const Rgb8 lost = outcomes_[i].lost == LostAt::kHardlyVisible ? kPale : kUnknown;
-    rings.push_back({CenterPixel(instance.object, instance.X_CO), found ? kRight : lost});
+    const bool found = outcomes_[i].failing_stage == FailingStage::kFound;
+    const Rgb8 not_found =
+        outcomes_[i].failing_stage == FailingStage::kHardlyVisible ? kPale : kUnknown;
+    rings.push_back({CenterPixel(instance.object, instance.X_CO), found ? kRight : not_found});
   }
   std::vector<LegendEntry> legend;
   if (judge_) {
@@ -260,8 +265,39 @@ void Explainer::Hypotheses() {
   draw("5_after_icp", "after", &TracedRefinement::after);
 }
 
-std::string WriteExplanation(const Explained& explained, const std::filesystem::path& folder) {
-  return Explainer(explained, folder).Write();
+std::string ExplainPageName(const std::string& image) {
+  return fmt::format("explain_{}.html", image);
+}
+
+std::string TrialImageName(int trial) { return fmt::format("trial_{}", trial); }
+
+std::string DatasetImageName(int scene, int image) {
+  return fmt::format("image_{}_{}", scene, image);
+}
+
+ExplanationPage WriteExplanation(const Explained& explained, const std::filesystem::path& folder) {
+  const OrganizedCloud& cloud = explained.trace.cloud;
+  const int width = explained.frame.intrinsics.width();
+  if (cloud.intrinsics.width() == width) return Explainer(explained, folder).Write();
+  // The estimator searched a reduced image, to which all pixels of the trace refer.
+  const RgbdFrame searched{cloud.intrinsics, cloud.color, cloud.depth_m};
+  std::optional<ImageBox> region = explained.region;
+  if (region) {
+    const int factor = width / cloud.intrinsics.width();
+    region = ImageBox{region->x / factor, region->y / factor, region->width / factor,
+                      region->height / factor};
+  }
+  const Explained reduced{explained.title,
+                          explained.image,
+                          searched,
+                          explained.objects,
+                          explained.trace,
+                          explained.hypotheses,
+                          explained.truth,
+                          explained.views,
+                          explained.working_distance_m,
+                          region};
+  return Explainer(reduced, folder).Write();
 }
 
 }  // namespace pickbed::eval

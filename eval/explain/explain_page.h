@@ -21,8 +21,8 @@ class Explainer {
   // Compares all poses with the ground truth, if it is known.
   Explainer(const Explained& in, const std::filesystem::path& folder);
 
-  // Writes all pictures and then the page. Returns the result of WritePage.
-  std::string Write();
+  // Writes all pictures and then the page.
+  ExplanationPage Write();
 
  private:
   void Summary();

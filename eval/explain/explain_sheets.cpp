@@ -18,29 +18,29 @@ constexpr size_t kGalleryTiles = 15, kBestTiles = 10;
 
 // The colors follow Okabe and Ito ("Color Universal Design", 2008). Each instance also has a number
 // that leads to the table.
-Rgb8 OutcomeColor(LostAt lost) {
-  switch (lost) {
-    case LostAt::kFound:
+Rgb8 OutcomeColor(FailingStage stage) {
+  switch (stage) {
+    case FailingStage::kFound:
       return kRight;
-    case LostAt::kHardlyVisible:
+    case FailingStage::kHardlyVisible:
       return kPale;
-    case LostAt::kPoints:
+    case FailingStage::kPoints:
       return {120, 80, 50};
-    case LostAt::kVotes:
+    case FailingStage::kVotes:
       return {213, 94, 0};
-    case LostAt::kSelection:
+    case FailingStage::kSelection:
       return {230, 159, 0};
-    case LostAt::kIcp:
+    case FailingStage::kIcp:
       return {240, 228, 66};
-    case LostAt::kMerging:
+    case FailingStage::kMerging:
       return {250, 245, 205};
-    case LostAt::kVerifier:
+    case FailingStage::kVerifier:
       return {204, 121, 167};
-    case LostAt::kPoseSelection:
+    case FailingStage::kPoseSelection:
       return {0, 158, 115};
-    case LostAt::kCount:
+    case FailingStage::kCount:
       return {0, 70, 130};
-    case LostAt::kRefiner:
+    case FailingStage::kRefiner:
       return {150, 225, 235};
   }
   return kPale;
@@ -209,7 +209,8 @@ void Explainer::Rejected() {
 void Explainer::Missed() {
   std::vector<int> missed;
   for (size_t i = 0; i < outcomes_.size(); ++i) {
-    if (outcomes_[i].lost == LostAt::kFound || outcomes_[i].lost == LostAt::kHardlyVisible)
+    if (outcomes_[i].failing_stage == FailingStage::kFound ||
+        outcomes_[i].failing_stage == FailingStage::kHardlyVisible)
       continue;
     missed.push_back(static_cast<int>(i));
   }
@@ -220,11 +221,12 @@ void Explainer::Missed() {
   std::vector<PoseTile> tiles;
   for (const int i : missed) {
     const TrueInstance& instance = judge_->instances()[i];
-    PoseTile tile = TileOf(
-        instance.object, instance.X_CO,
-        fmt::format("{}{} visible, lost at {}", ObjectName(instance.object),
-                    WholePercentText(instance.visible_fraction), TextOf(outcomes_[i].lost).name),
-        "");
+    PoseTile tile =
+        TileOf(instance.object, instance.X_CO,
+               fmt::format("{}{} visible, failing stage: {}", ObjectName(instance.object),
+                           WholePercentText(instance.visible_fraction),
+                           TextOf(outcomes_[i].failing_stage).name),
+               "");
     const FitReport fit = MeasureFit(in_.trace.cloud, models_[instance.object], instance.X_CO);
     tile.caption = FitText(instance.object, instance.X_CO, fit);
     tile.color = kUnknown;
@@ -263,10 +265,10 @@ void Explainer::Final() {
        fmt::format("{} poses with a score of {:g} or more", poses.size(), in_.trace.min_score));
 }
 
-// Writes the number of instances lost at each stage, then a table of all instances.
+// Writes the number of instances by failing stage, then a table of all instances.
 void Explainer::Outcomes() {
   if (outcomes_.empty()) return;
-  Stage("8. Stage at which each instance was lost",
+  Stage("8. Failing stage of each instance",
         "The first stage after which no candidate was left that would have found the instance. "
         "Improve this stage first.");
   std::vector<int> order(outcomes_.size());
@@ -275,19 +277,19 @@ void Explainer::Outcomes() {
   std::ranges::stable_sort(order, [&](int a, int b) {
     return instances[a].visible_fraction > instances[b].visible_fraction;
   });
-  std::map<LostAt, int> lost;
+  std::map<FailingStage, int> counts_by_stage;
   std::vector<DrawnPose> poses;
   for (const int i : order) {
-    ++lost[outcomes_[i].lost];
+    ++counts_by_stage[outcomes_[i].failing_stage];
     const TrueInstance& instance = instances[i];
-    poses.push_back(
-        {instance.object, instance.X_CO, OutcomeColor(outcomes_[i].lost), std::to_string(i + 1)});
+    poses.push_back({instance.object, instance.X_CO, OutcomeColor(outcomes_[i].failing_stage),
+                     std::to_string(i + 1)});
   }
   std::vector<LegendEntry> legend;
-  std::vector<std::vector<std::string>> counts{{"lost at", "instances", "meaning"}};
-  for (const auto& [at, count] : lost) {
-    const LostAtText text = TextOf(at);
-    legend.push_back({OutcomeColor(at), text.name});
+  std::vector<std::vector<std::string>> counts{{"failing stage", "instances", "meaning"}};
+  for (const auto& [stage, count] : counts_by_stage) {
+    const FailingStageText text = TextOf(stage);
+    legend.push_back({OutcomeColor(stage), text.name});
     counts.push_back({text.name, std::to_string(count), text.help});
   }
   page_.Table(counts);
@@ -300,7 +302,7 @@ std::vector<std::vector<std::string>> Explainer::OutcomeTable(
     const std::vector<int>& instances) const {
   std::vector<std::vector<std::string>> rows{{"instance", "object", "visible", "patches",
                                               "votes within reach", "votes right", "best start, d",
-                                              "after ICP, d", "best right score", "lost at"}};
+                                              "after ICP, d", "best right score", "failing stage"}};
   const auto number = [](double value) {
     return value < 9.995 ? fmt::format("{:.2f}", value) : std::string("-");
   };
@@ -313,7 +315,7 @@ std::vector<std::vector<std::string>> Explainer::OutcomeTable(
          std::to_string(instance_outcome.votes_near), std::to_string(instance_outcome.votes_right),
          number(instance_outcome.best_start), number(instance_outcome.best_refined),
          instance_outcome.best_score < 0 ? "-" : fmt::format("{:.2f}", instance_outcome.best_score),
-         TextOf(instance_outcome.lost).name});
+         TextOf(instance_outcome.failing_stage).name});
   }
   return rows;
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "eval/trial/simulated_cell.h"
+#include "eval/cell/simulated_cell.h"
 
 namespace pickbed::eval {
 namespace {
@@ -64,21 +64,21 @@ std::vector<bool> Covered(const PoseJudge& judge, const std::vector<PoseHypothes
   return covered;
 }
 
-LostAt LostStageOf(const InstanceDiagnosis& instance_outcome, const TrueInstance& instance,
-                   const EstimateTrace& trace, bool accepted, bool reported) {
-  if (reported) return LostAt::kFound;
-  if (instance.visible_fraction < kCountedVisibility) return LostAt::kHardlyVisible;
-  if (accepted) return LostAt::kRefiner;
+FailingStage FailingStageOf(const InstanceDiagnosis& instance_outcome, const TrueInstance& instance,
+                            const EstimateTrace& trace, bool accepted, bool reported) {
+  if (reported) return FailingStage::kFound;
+  if (instance.visible_fraction < kCountedVisibility) return FailingStage::kHardlyVisible;
+  if (accepted) return FailingStage::kRefiner;
   if (instance_outcome.best_score >= trace.min_score) {
     return CountUsedUp(trace, instance.object, instance_outcome.best_score)
-               ? LostAt::kCount
-               : LostAt::kPoseSelection;
+               ? FailingStage::kCount
+               : FailingStage::kPoseSelection;
   }
-  if (instance_outcome.best_score >= 0) return LostAt::kVerifier;
-  if (instance_outcome.best_refined < kCorrectDiameters) return LostAt::kMerging;
-  if (instance_outcome.best_start < kReachDiameters) return LostAt::kIcp;
-  if (instance_outcome.votes_near > 0) return LostAt::kSelection;
-  return instance_outcome.points > 0 ? LostAt::kVotes : LostAt::kPoints;
+  if (instance_outcome.best_score >= 0) return FailingStage::kVerifier;
+  if (instance_outcome.best_refined < kCorrectDiameters) return FailingStage::kMerging;
+  if (instance_outcome.best_start < kReachDiameters) return FailingStage::kIcp;
+  if (instance_outcome.votes_near > 0) return FailingStage::kSelection;
+  return instance_outcome.points > 0 ? FailingStage::kVotes : FailingStage::kPoints;
 }
 
 }  // namespace
@@ -109,30 +109,30 @@ std::vector<Verdict> JudgeSet(const PoseJudge& judge,
   return verdicts;
 }
 
-LostAtText TextOf(LostAt lost) {
-  switch (lost) {
-    case LostAt::kFound:
+FailingStageText TextOf(FailingStage stage) {
+  switch (stage) {
+    case FailingStage::kFound:
       return {"found", "a reported pose is right for it"};
-    case LostAt::kHardlyVisible:
+    case FailingStage::kHardlyVisible:
       return {"barely visible", "less than 10 % visible: it need not be found"};
-    case LostAt::kPoints:
+    case FailingStage::kPoints:
       return {"points", "no sampled point is on it: raise the number of points"};
-    case LostAt::kVotes:
+    case FailingStage::kVotes:
       return {"votes", "patches on it, but none voted for a pose within ICP's reach: descriptors"};
-    case LostAt::kSelection:
+    case FailingStage::kSelection:
       return {"selection", "votes within ICP's reach, but none was selected for refinement"};
-    case LostAt::kIcp:
+    case FailingStage::kIcp:
       return {"ICP", "ICP refined a start within reach to a wrong pose"};
-    case LostAt::kMerging:
+    case FailingStage::kMerging:
       return {"merging", "ICP reached the right pose, but it was merged into a wrong one"};
-    case LostAt::kVerifier:
+    case FailingStage::kVerifier:
       return {"verifier", "the right candidate scored too low"};
-    case LostAt::kPoseSelection:
+    case FailingStage::kPoseSelection:
       return {"pose selection",
               "the right candidate was suppressed by one that explains the same pixels"};
-    case LostAt::kCount:
+    case FailingStage::kCount:
       return {"count", "the given number of instances was reached with higher scores"};
-    case LostAt::kRefiner:
+    case FailingStage::kRefiner:
       return {"refiner", "the final refiner moved the right pose away"};
   }
   return {"?", ""};
@@ -159,8 +159,8 @@ std::vector<InstanceDiagnosis> DiagnoseInstances(const PoseJudge& judge, const E
   const std::vector<bool> accepted = Covered(judge, trace.accepted);
   const std::vector<bool> reported = Covered(judge, hypotheses);
   for (size_t i = 0; i < outcomes.size(); ++i) {
-    outcomes[i].lost =
-        LostStageOf(outcomes[i], judge.instances()[i], trace, accepted[i], reported[i]);
+    outcomes[i].failing_stage =
+        FailingStageOf(outcomes[i], judge.instances()[i], trace, accepted[i], reported[i]);
   }
   return outcomes;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Compares the poses of an explained image with ground truth, and finds the stage at which each
-// instance was lost.
+// Compares the poses of an explained image with ground truth, and finds the stage that fails for
+// each instance.
 
 #include <limits>
 #include <memory>
@@ -40,8 +40,8 @@ std::vector<Verdict> JudgeSet(const PoseJudge& judge,
                               const std::vector<PoseHypothesis>& hypotheses);
 
 // First stage after which no data was left that leads to a correct pose of the instance.
-enum class LostAt {
-  kFound,
+enum class FailingStage {
+  kFound,          // no stage failed
   kHardlyVisible,  // under 10 % visible: it need not be found
   kPoints,         // no patch was cut on it
   kVotes,          // no vote within ICP's reach
@@ -54,12 +54,12 @@ enum class LostAt {
   kRefiner,        // the final refinement moved the pose away
 };
 // Name of the stage, and a sentence of explanation.
-struct LostAtText {
+struct FailingStageText {
   const char* name;
   const char* help;
 };
 // Returns the name and the sentence of a stage.
-LostAtText TextOf(LostAt lost);
+FailingStageText TextOf(FailingStage stage);
 
 // Returns whether the number of instances of the object was given to the estimator, and at least
 // that many of its poses were accepted with at least this score.
@@ -75,7 +75,7 @@ struct InstanceDiagnosis {
   double best_start = std::numeric_limits<double>::infinity();    // smallest error before ICP
   double best_refined = std::numeric_limits<double>::infinity();  // smallest error after ICP
   double best_score = -1;  // highest score of a correct candidate; -1 = none
-  LostAt lost = LostAt::kFound;
+  FailingStage failing_stage = FailingStage::kFound;
 };
 
 // Returns one entry per instance of `judge`. `vote_errors` has one entry per trace.votes; `models`

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "eval/draw/gif.h"
 #include "eval/draw/outline.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr double kFrame_s = 1.0 / 12;
 constexpr uint16_t kHandId = 0xfff0;  // above the ids of instances
 const Eigen::Vector3f kHandColor{0.030f, 0.033f, 0.038f};
+// The table on which an object is set down.
+const Eigen::Vector3f kSetDownTableColor{0.342f, 0.319f, 0.285f};
 
 Pose Shifted(const Eigen::Vector3d& by) { return Pose(Eigen::Translation3d(by)); }
 
@@ -91,7 +94,7 @@ std::string PickGlb(const PickMotion& motion, const ObjectSet& objects, const Gr
   TriangleMesh table;
   if (motion.table_W) {
     table = BoxesMesh({*motion.table_W});
-    glb_parts.push_back({"table", &table, Pose::Identity(), {0.62f, 0.60f, 0.57f, 1}});
+    glb_parts.push_back({"table", &table, Pose::Identity(), SrgbOf(kSetDownTableColor, 1)});
   }
   const std::vector<TriangleMesh> hand =
       CenteredMeshes(HandBoxes(gripper, motion.frames.front().opening_m));
@@ -123,11 +126,36 @@ struct PickMovie::Impl {
   sim::SceneRenderer renderer;
   sim::PictureRenderer pictures;
   std::vector<int> hand;  // mesh handles of its boxes
+
+  // Returns the mesh handle of the table and its pose. All picks share one table.
+  sim::RenderInstance Table(const AxisAlignedBox& table_W) {
+    if (!table_mesh || table_half_size_m != table_W.half_size) {
+      table_mesh = renderer.renderer().AddMesh(CenteredMeshes({table_W}).front());
+      table_half_size_m = table_W.half_size;
+    }
+    return {*table_mesh, Shifted(table_W.center), kHandId + 1};
+  }
+
+ private:
+  std::optional<int> table_mesh;
+  Eigen::Vector3d table_half_size_m = Eigen::Vector3d::Zero();
 };
+
+void MovieOptions::Validate() const {
+  const auto within = [](const char* name, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    throw std::logic_error(fmt::format("MovieOptions::{} is {}", name, value));
+  };
+  within("width_px", width_px, 16, 4096);
+  within("height_px", height_px, 16, 4096);
+  within("every", every, 1, 100);
+  within("speed", speed, 0.1, 10);
+  within("threads", threads, 1, 1024);
+}
 
 PickMovie::PickMovie(const ObjectSet& objects, const Bin& bin, const Gripper& gripper,
                      const MovieOptions& options)
-    : impl_(new Impl(objects, bin, gripper, options)) {
+    : impl_((options.Validate(), new Impl(objects, bin, gripper, options))) {
   for (const TriangleMesh& mesh : CenteredMeshes(HandBoxes(gripper, gripper.MaxOpening_m()))) {
     impl_->hand.push_back(impl_->renderer.renderer().AddMesh(mesh));
   }
@@ -136,28 +164,25 @@ PickMovie::PickMovie(const ObjectSet& objects, const Bin& bin, const Gripper& gr
 PickMovie::~PickMovie() = default;
 
 std::string PickMovie::Gif(const PickMotion& motion) {
-  std::optional<int> table;
-  if (motion.table_W) {
-    table = impl_->renderer.renderer().AddMesh(BoxesMesh({*motion.table_W}));
-  }
+  const sim::PictureMaterial hand_material{sim::Finish::kPlastic, kHandColor};
+  const sim::PictureMaterial table_material{sim::Finish::kMatte, kSetDownTableColor};
   const Camera camera = MovieCamera(motion, impl_->options);
   Scene scene = motion.scene;
   std::vector<Image<Rgb8>> pictures;
   for (size_t f = 0; f < motion.frames.size(); f += impl_->options.every) {
     const MotionFrame& frame = motion.frames[f];
     for (size_t i = 0; i < scene.objects.size(); ++i) scene.objects[i].X_WO = frame.X_WO[i];
-    std::vector<sim::RenderInstance> more;
+    std::vector<sim::PictureInstance> more;
     const std::vector<AxisAlignedBox> boxes = HandBoxes(impl_->gripper, frame.opening_m);
     for (size_t b = 0; b < boxes.size(); ++b) {
-      more.push_back({impl_->hand[b], frame.X_WG * Shifted(boxes[b].center), kHandId});
+      more.push_back(
+          {{impl_->hand[b], frame.X_WG * Shifted(boxes[b].center), kHandId}, hand_material});
     }
-    if (table) more.push_back({*table, Pose::Identity(), kHandId + 1});
+    if (motion.table_W) more.push_back({impl_->Table(*motion.table_W), table_material});
     const sim::PictureOptions effort{.scale = 1, .samples = 2, .threads = impl_->options.threads};
-    pictures.push_back(
-        impl_->pictures.Render(scene, camera, effort, more, {sim::Finish::kPlastic, kHandColor})
-            .color);
+    pictures.push_back(impl_->pictures.Render(scene, camera, effort, more).color);
   }
-  return GifBytes(pictures, impl_->options.picture_s);
+  return GifBytes(pictures, impl_->options.every * motion.frame_s / impl_->options.speed);
 }
 
 PickAnimation::PickAnimation(const std::filesystem::path& folder, bool with_gif, int attempt)

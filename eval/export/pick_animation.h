@@ -37,13 +37,15 @@ std::string PickGlb(const PickMotion& motion, const ObjectSet& objects, const Gr
 struct MovieOptions {
   int width_px = 480;
   int height_px = 360;
-  int every = 2;  // frames of the motion per picture
-  double picture_s = 1.0 / 12;
-  int threads = 1;
+  int every = 2;     // frames of the motion per picture, 1 .. 100
+  double speed = 2;  // 1 = real time, 0.1 .. 10
+  int threads = 1;   // 1 .. 1024
+  // Throws std::logic_error if a value is out of range.
+  void Validate() const;
 };
 
 // Draws the picks of one bin as seen from above and beside it. Keeps references to the objects and
-// the gripper.
+// the gripper. The constructor throws std::logic_error if an option is out of range.
 class PickMovie {
  public:
   PickMovie(const ObjectSet& objects, const Bin& bin, const Gripper& gripper,

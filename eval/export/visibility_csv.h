@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/metrics/result_columns.h"
-#include "eval/trial/simulated_cell.h"
 
 namespace pickbed::eval {
 

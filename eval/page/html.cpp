@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstdint>
 #include <stdexcept>
+#include <string_view>
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -135,6 +136,17 @@ std::string EscapeHtml(const std::string& text) {
     }
   }
   return safe;
+}
+
+std::string UrlOf(const std::string& path) {
+  constexpr std::string_view kPlain = "/-_.~";
+  std::string url;
+  for (const unsigned char c : path) {
+    const bool plain = c < 0x80 && (std::isalnum(c) ||
+                                    kPlain.find(static_cast<char>(c)) != std::string_view::npos);
+    url += plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
+  }
+  return url;
 }
 
 std::string Base64(const std::string& bytes) {

@@ -35,6 +35,9 @@ struct ReportTable {
 // Replaces &, <, > and " by entities.
 std::string EscapeHtml(const std::string& text);
 
+// Returns a relative path as a URL: bytes other than letters, digits and "/-_.~" are encoded.
+std::string UrlOf(const std::string& path);
+
 // Encodes bytes as Base64 (RFC 4648).
 std::string Base64(const std::string& bytes);
 

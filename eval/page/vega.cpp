@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -37,7 +38,11 @@ Json Series(const char* field, const std::vector<std::string>& names, Json scale
   if (names.size() < 2) {
     channel["legend"] = nullptr;
   } else {
-    channel["legend"] = {{"orient", "top"}, {"direction", "vertical"}};
+    // Long names of configurations have one line per setting.
+    channel["legend"] = {
+        {"orient", "top"},
+        {"direction", "vertical"},
+        {"labelExpr", "length(datum.label) > 34 ? split(datum.label, ',') : datum.label"}};
   }
   return channel;
 }
@@ -107,9 +112,8 @@ Json CurveLayers(const Json& x, const Json& y, const std::vector<std::string>& n
   high = {{"field", "high"}};
   const Json color = SeriesColor("series", names);
   Json layers = Json::array();
-  layers.push_back(
-      WithInterval({{"mark", {{"type", "area"}, {"opacity", 0.15}}},
-                    {"encoding", {{"x", x}, {"y", low}, {"y2", high}, {"color", color}}}}));
+  layers.push_back({{"mark", {{"type", "area"}, {"opacity", 0.15}}},
+                    {"encoding", {{"x", x}, {"y", low}, {"y2", high}, {"color", color}}}});
   layers.push_back(
       WithInterval({{"mark", {{"type", "rule"}, {"opacity", 0.6}}},
                     {"encoding", {{"x", x}, {"y", low}, {"y2", high}, {"color", color}}}}));
@@ -132,7 +136,7 @@ Json CurveLayers(const Json& x, const Json& y, const std::vector<std::string>& n
 namespace {
 
 constexpr int kSmall_px = 200;  // a chart of less height is also narrow
-constexpr const char* kNothing = " There was nothing to count.";
+constexpr const char* kNothingCounted = " There was nothing to count.";
 
 // If the names do not fit side by side, all of them are slanted, so that none is left out.
 Json NamesAxis(const std::vector<std::string>& names, int height_px) {
@@ -147,12 +151,15 @@ Json NamesAxis(const std::vector<std::string>& names, int height_px) {
   return {{"labelAngle", kSlant_deg}, {"labelOverlap", false}};
 }
 
-// Data values of a curve, in the order of the names. Names without samples are left out.
+// Data values of a curve, in the order of the names. A name without samples has no rate, which
+// interrupts the line.
 void AddValues(const RateCurve& curve, const std::vector<std::string>& x_names, Json& values) {
   for (size_t i = 0; i < x_names.size(); ++i) {
     const ReportRate& rate = curve.rates[i];
+    values.push_back(
+        {{"x", x_names[i]}, {"series", curve.series}, {"rate", nullptr}, {"low", nullptr}});
     if (rate.samples == 0) continue;
-    values.push_back({{"x", x_names[i]}, {"series", curve.series}});
+    values.back().erase("low");
     AddRate(rate, values.back());
   }
 }
@@ -168,6 +175,11 @@ void AddColumns(const RateCurve& curve, TableCells& table) {
 bool AnyWithoutInterval(const Json& values) {
   return std::any_of(values.begin(), values.end(),
                      [](const Json& value) { return !value.contains("low"); });
+}
+
+bool HasRates(const Json& values) {
+  return std::any_of(values.begin(), values.end(),
+                     [](const Json& value) { return !value["rate"].is_null(); });
 }
 
 // Gray line and points. The data of the layer are its own.
@@ -204,8 +216,8 @@ ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std:
     AddColumns(curve, chart.table);
     AddValues(curve, x_names, values);
   }
-  if (values.empty()) {
-    chart.caption += kNothing;
+  if (!HasRates(values)) {
+    chart.caption += kNothingCounted;
     return chart;
   }
   if (AnyWithoutInterval(values)) SayTooFewBins(chart.caption);
@@ -228,6 +240,51 @@ ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std:
   return chart;
 }
 
+ReportChart NamedValueCurves(ReportChart chart, const std::string& x_title,
+                             const std::string& y_title, const std::vector<std::string>& x_names,
+                             const std::vector<NamedValueCurve>& curves) {
+  constexpr int kHeight_px = 220;
+  Json values = Json::array();
+  std::vector<std::string> names;
+  chart.table = {{x_title}};
+  for (const std::string& x : x_names) chart.table.push_back({x});
+  for (const NamedValueCurve& curve : curves) {
+    names.push_back(curve.series);
+    chart.table[0].insert(chart.table[0].end(), {curve.series + " [95 %]", "of"});
+    for (size_t i = 0; i < x_names.size(); ++i) {
+      chart.table[i + 1].insert(chart.table[i + 1].end(),
+                                {curve.texts[i], std::to_string(curve.samples[i])});
+      values.push_back(
+          {{"x", x_names[i]}, {"series", curve.series}, {"rate", nullptr}, {"low", nullptr}});
+      if (!std::isfinite(curve.values[i])) continue;
+      values.back().erase("low");
+      values.back()["rate"] = curve.values[i];
+      values.back()["text"] = curve.texts[i];
+      const Interval& ci95 = curve.intervals[i];
+      if (!std::isfinite(ci95.low) || !std::isfinite(ci95.high)) continue;
+      values.back()["low"] = ci95.low;
+      values.back()["high"] = ci95.high;
+    }
+  }
+  if (!HasRates(values)) {
+    chart.caption += kNothingCounted;
+    return chart;
+  }
+  if (AnyWithoutInterval(values)) SayTooFewBins(chart.caption);
+  Json x = Field("x", "ordinal", x_title);
+  x["sort"] = x_names;
+  x["scale"] = {{"domain", x_names}};
+  x["axis"] = NamesAxis(x_names, kHeight_px);
+  Json y = Field("rate", "quantitative", y_title);
+  y["axis"] = {{"tickCount", 5}};
+  y["scale"] = {{"zero", true}};
+  Json spec = EmptySpec(values);
+  spec["height"] = kHeight_px;
+  spec["layer"] = CurveLayers(x, y, names);
+  chart.spec = spec.dump();
+  return chart;
+}
+
 ReportChart CalibrationCurves(ReportChart chart, const std::string& x_title,
                               const std::string& y_title,
                               const std::vector<CalibrationCurve>& curves) {
@@ -243,7 +300,7 @@ ReportChart CalibrationCurves(ReportChart chart, const std::string& x_title,
     }
   }
   if (values.empty()) {
-    chart.caption += kNothing;
+    chart.caption += kNothingCounted;
     return chart;
   }
   if (AnyWithoutInterval(values)) SayTooFewBins(chart.caption);
@@ -288,7 +345,7 @@ ReportChart ValueCurves(ReportChart chart, const std::string& x_title, const std
     chart.table.push_back(std::move(row));
   }
   if (values.empty()) {
-    chart.caption += kNothing;
+    chart.caption += kNothingCounted;
     return chart;
   }
   Json x = Field("x", "quantitative", x_title);

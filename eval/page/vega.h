@@ -61,6 +61,19 @@ ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std:
                        const std::vector<std::string>& x_names,
                        const std::vector<RateCurve>& curves, const RateCurvesStyle& style = {});
 
+// One series of a chart of values: one value per name on the x axis, NaN = none.
+struct NamedValueCurve {
+  std::string series;
+  std::vector<double> values;
+  std::vector<Interval> intervals;
+  std::vector<std::string> texts;  // value and interval, for the table
+  std::vector<int> samples;
+};
+// Completes `chart` like RateCurves, for values with a unit. The y axis begins at 0.
+ReportChart NamedValueCurves(ReportChart chart, const std::string& x_title,
+                             const std::string& y_title, const std::vector<std::string>& x_names,
+                             const std::vector<NamedValueCurve>& curves);
+
 // Rate of correct poses among the poses with about the same confidence.
 struct CalibrationPoint {
   double confidence = 0;  // mean

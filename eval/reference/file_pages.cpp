@@ -22,6 +22,7 @@
 #include "eval/replay/replay.h"
 #include "eval/store/results_store.h"
 #include "eval/store/store_columns.h"
+#include "eval/summary/clutter_json.h"
 #include "eval/summary/result_files.h"
 #include "eval/summary/run_columns.h"
 #include "eval/tolerance/maps.h"
@@ -145,7 +146,7 @@ ResultPage MeasurementsPage() {
        {"pickbed estimate",
         fmt::format(
             "With `--bop`, only the results file. With `--explain`, `{}` with its pictures.",
-            kExplainPage),
+            ExplainPageName("IMAGE")),
         {Plain(kComparisonPage, "page with charts and the first bins"),
          Csv(kComparisonFile, "one line per estimator, and one per estimator and object",
              EstimatorComparisonColumns()),
@@ -212,7 +213,9 @@ ResultPage ObjectsPage() {
             "One settled scene.",
             {Plain("color.png", "camera image"),
              Json(kSceneFile, "bin and poses of the instances", SceneKeys()),
-             Json(kCertificateFile, "proof that the scene is at rest", CertificateKeys())}},
+             Json(kCertificateFile, "proof that the scene is at rest", CertificateKeys()),
+             Json(kClutterFile, "fill level, layers, visibility and graspable instances",
+                  ClutterKeys())}},
            {"pickbed render",
             "One image.",
             {Plain("color.png", "camera image"),

@@ -46,7 +46,8 @@ void StageFiles::WriteView(const AttemptState& attempt) const {
   WritePng(PathOf(attempt, "depth.png"), ColorizeDepth(frame.depth_m));
   WriteDepthPng(PathOf(attempt, "depth_16bit.png"), frame.depth_m);
   WritePng(PathOf(attempt, "ids.png"), ColorizeIds(attempt.view->ids));
-  WritePly(PathOf(attempt, "cloud.ply"), ObservedCloud(frame, attempt.cell.camera().X_WC(), 1));
+  WritePly(PathOf(attempt, "cloud.ply"),
+           ObservedCloud(frame, attempt.view->calibration.camera.X_WC(), 1));
 }
 
 void StageFiles::WriteHypotheses(const AttemptState& attempt) const {
@@ -58,8 +59,8 @@ void StageFiles::WriteHypotheses(const AttemptState& attempt) const {
 void StageFiles::WriteGrasp(const AttemptState& attempt) {
   WritePng(PathOf(attempt, "overlay.png"),
            DrawOverlay(OverlayOf(attempt, pictures_.Of(attempt.cell, attempt.scene))));
-  const GlbCloud cloud =
-      ObservedCloud(attempt.view->frame, attempt.cell.camera().X_WC(), options_.glb_stride_px);
+  const GlbCloud cloud = ObservedCloud(attempt.view->frame, attempt.view->calibration.camera.X_WC(),
+                                       options_.glb_stride_px);
   const Grasp* grasp = attempt.record.grasp ? &*attempt.record.grasp : nullptr;
   WriteFileAtomically(PathOf(attempt, "scene.glb"),
                       SceneGlb({attempt.scene, attempt.cell.objects(), attempt.record.hypotheses,

@@ -22,6 +22,12 @@ ReportChart FailureChart(std::span<const ConfigurationReport> configurations);
 std::vector<ReportChart> VisibilityCharts(std::span<const ConfigurationReport> configurations);
 // One histogram per pose error (ConfigurationReport::errors).
 std::vector<ReportChart> ErrorCharts(std::span<const ConfigurationReport> configurations);
+// Median of each pose error against the visible fraction of the instance, one chart per error.
+std::vector<ReportChart> ErrorByBandCharts(std::span<const ConfigurationReport> configurations);
+// Share of attempts that picked, by their number in the bin.
+ReportChart AttemptsChart(std::span<const ConfigurationReport> configurations);
+// Rejected grasp candidates by cause.
+ReportChart RejectionsChart(std::span<const ConfigurationReport> configurations);
 // Share of correct poses against confidence.
 ReportChart CalibrationChart(std::span<const ConfigurationReport> configurations);
 // Mean time per stage and trial.

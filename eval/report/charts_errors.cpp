@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "eval/page/vega.h"
 #include "eval/report/charts.h"
 
@@ -115,7 +118,54 @@ TableCells CellsOf(std::span<const ConfigurationReport> configurations, size_t e
   return cells;
 }
 
+// Medians of one error by band; bands that the configuration does not have stay empty.
+NamedValueCurve MediansByBand(const ConfigurationReport& configuration, size_t error,
+                              const std::vector<VisibleBand>& bands) {
+  NamedValueCurve curve{configuration.name, std::vector<double>(bands.size(), std::nan("")),
+                        std::vector<Interval>(bands.size(), Interval::Unknown()),
+                        std::vector<std::string>(bands.size(), "-"),
+                        std::vector<int>(bands.size())};
+  const ErrorHistogram& histogram = configuration.errors[error];
+  for (size_t i = 0; i < histogram.by_band.size(); ++i) {
+    const BandError& of_band = histogram.by_band[i];
+    const auto place =
+        std::find(bands.begin(), bands.end(), configuration.bands[i].band) - bands.begin();
+    curve.values[place] = of_band.median.value;
+    curve.intervals[place] = of_band.median.ci95;
+    curve.texts[place] = MedianText(of_band.median, histogram.digits);
+    curve.samples[place] = of_band.poses;
+  }
+  return curve;
+}
+
+std::string UnitTitle(const ErrorHistogram& histogram) {
+  return fmt::format("{}{}{}", histogram.title, histogram.unit.empty() ? "" : ", ", histogram.unit);
+}
+
 }  // namespace
+
+std::vector<ReportChart> ErrorByBandCharts(std::span<const ConfigurationReport> configurations) {
+  std::vector<ReportChart> charts;
+  const std::vector<VisibleBand> bands = BandsOfAll(configurations);
+  std::vector<std::string> names;
+  for (const VisibleBand& band : bands) names.push_back(band.name());
+  for (size_t error = 0; error < configurations[0].errors.size(); ++error) {
+    const ErrorHistogram& first = configurations[0].errors[error];
+    std::vector<NamedValueCurve> curves;
+    for (const ConfigurationReport& configuration : configurations) {
+      curves.push_back(MediansByBand(configuration, error, bands));
+      if (configurations.size() == 1) curves.back().series = "median " + first.title;
+    }
+    charts.push_back(NamedValueCurves(
+        {fmt::format("error-by-band-{}", error),
+         fmt::format("Pose error by visible fraction: {}", first.title),
+         "Median over the reported poses of the instances in each band, right and wrong. Shaded: "
+         "95 % intervals over scenes.",
+         ""},
+        "visible fraction of the instance, %", "median " + UnitTitle(first), names, curves));
+  }
+  return charts;
+}
 
 std::vector<ReportChart> ErrorCharts(std::span<const ConfigurationReport> configurations) {
   std::vector<ReportChart> charts;
@@ -131,8 +181,7 @@ std::vector<ReportChart> ErrorCharts(std::span<const ConfigurationReport> config
       chart.caption = "No pose was reported.";
       continue;
     }
-    const std::string x_title =
-        fmt::format("{}{}{}", first.title, first.unit.empty() ? "" : ", ", first.unit);
+    const std::string x_title = UnitTitle(first);
     chart.caption = CaptionOf(configurations, error);
     chart.table = CellsOf(configurations, error);
     chart.spec = (configurations.size() == 1 ? BarSpec(configurations[0].errors[error], x_title)

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <utility>
+#include <optional>
 
 #include "eval/page/vega.h"
 #include "eval/report/charts.h"
@@ -37,20 +37,43 @@ ReportChart CalibrationChart(std::span<const ConfigurationReport> configurations
   return CalibrationCurves(std::move(chart), "reported confidence", "share of right poses", curves);
 }
 
+namespace {
+
+// Share of the picks that the tolerance maps expect to succeed; nullopt without a map.
+std::optional<double> ForecastRate(const RunSummary& summary) {
+  if (summary.forecasts.empty() || summary.forecasts.back().picks == 0) return std::nullopt;
+  const PickForecast& all = summary.forecasts.back();
+  return all.expected_with_grasp / all.picks;
+}
+
+}  // namespace
+
 ReportChart SuccessChart(std::span<const ConfigurationReport> configurations) {
   ReportChart chart{"success", "Pick success of all settings",
                     "Share of the executed grasps that picked the instance, with 95 % intervals.",
                     ""};
   chart.table = {{"settings", "success [95 %]", "attempts"}};
+  const bool forecast =
+      std::any_of(configurations.begin(), configurations.end(),
+                  [](const auto& report) { return ForecastRate(report.summary).has_value(); });
+  if (forecast) {
+    chart.caption +=
+        " Open diamonds: forecast of the tolerance maps, from the error of the executed pose and "
+        "the grasp.";
+    chart.table[0].push_back("forecast");
+  }
   Json values = Json::array();
   bool few = false;
   for (const ConfigurationReport& configuration : configurations) {
     const RunSummary& s = configuration.summary;
     const ReportRate rate{s.successes, s.executed_grasps, s.success_ci95};
     chart.table.push_back({configuration.name, RateText(rate), std::to_string(rate.samples)});
+    const std::optional<double> expected = ForecastRate(s);
+    if (forecast) chart.table.back().push_back(expected ? PercentText(*expected) : "");
     if (rate.samples == 0) continue;
     values.push_back({{"series", configuration.name}});
     AddRate(rate, values.back());
+    if (expected) values.back()["forecast"] = *expected;
     few = few || !rate.ci95.is_known();
   }
   if (values.empty()) {
@@ -76,6 +99,13 @@ ReportChart SuccessChart(std::span<const ConfigurationReport> configurations) {
          {"tooltip",
           {{{"field", "series"}, {"type", "nominal"}},
            {{"field", "text"}, {"type", "nominal"}}}}}}}};
+  if (forecast) {
+    Json x_forecast = x;
+    x_forecast["field"] = "forecast";
+    spec["layer"].push_back({{"transform", {{{"filter", "isValid(datum.forecast)"}}}},
+                             {"mark", {{"type", "point"}, {"shape", "diamond"}, {"size", 110}}},
+                             {"encoding", {{"y", y}, {"x", x_forecast}}}});
+  }
   chart.spec = spec.dump();
   return chart;
 }
@@ -88,23 +118,9 @@ struct VisibilityCurve {
   ReportRate BandRates::*rate;
 };
 
-// Returns each band once, the least visible first. The configurations in one chart may have
-// different bands.
-std::vector<VisibleBand> BandsOfAll(const std::vector<VisibilityCurve>& curves) {
-  std::vector<VisibleBand> bands;
-  for (const VisibilityCurve& curve : curves) {
-    for (const BandRates& of_band : curve.configuration->bands) bands.push_back(of_band.band);
-  }
-  const auto ends = [](const VisibleBand& band) { return std::pair(band.min, band.max); };
-  std::sort(bands.begin(), bands.end(),
-            [&](const VisibleBand& a, const VisibleBand& b) { return ends(a) < ends(b); });
-  bands.erase(std::unique(bands.begin(), bands.end()), bands.end());
-  return bands;
-}
-
 ReportChart CurvesOf(ReportChart chart, const std::string& y_title,
-                     const std::vector<VisibilityCurve>& curves) {
-  const std::vector<VisibleBand> bands = BandsOfAll(curves);
+                     const std::vector<VisibilityCurve>& curves,
+                     const std::vector<VisibleBand>& bands) {
   std::vector<std::string> names;
   for (const VisibleBand& band : bands) names.push_back(band.name());
   std::vector<RateCurve> rates;
@@ -154,6 +170,7 @@ std::vector<ReportChart> VisibilityCharts(std::span<const ConfigurationReport> c
   std::vector<ReportChart> charts;
   const bool has_targets = HasTargets(configurations);
   const std::string recall = has_targets ? "target recall" : "recall";
+  const std::vector<VisibleBand> bands = BandsOfAll(configurations);
   const char* recall_caption = has_targets ? kTargetRecallCaption : kRecallCaption;
   if (configurations.size() == 1) {
     const ConfigurationReport* configuration = configurations.data();
@@ -164,20 +181,22 @@ std::vector<ReportChart> VisibilityCharts(std::span<const ConfigurationReport> c
                   fmt::format("{} {} {}", recall_caption, kPickCaption, kBandCaption), ""},
                  "share",
                  {{recall, configuration, &BandRates::recall},
-                  {"pick success", configuration, &BandRates::picks}}));
+                  {"pick success", configuration, &BandRates::picks}},
+                 bands));
   } else {
     charts.push_back(CurvesOf(
         {"recall", fmt::format("{} by visible fraction", has_targets ? "Target recall" : "Recall"),
          fmt::format("{} {}", recall_caption, kBandCaption), ""},
-        recall, OfEach(configurations, &BandRates::recall)));
+        recall, OfEach(configurations, &BandRates::recall), bands));
     charts.push_back(CurvesOf({"pick-success", "Pick success by visible fraction",
                                fmt::format("{} {}", kPickCaption, kBandCaption), ""},
-                              "pick success", OfEach(configurations, &BandRates::picks)));
+                              "pick success", OfEach(configurations, &BandRates::picks), bands));
   }
   if (has_targets) {
     charts.push_back(CurvesOf({"target-picked", "Targets picked by visible fraction",
                                fmt::format("{} {}", kTargetCaption, kBandCaption), ""},
-                              "targets picked", OfEach(configurations, &BandRates::targets)));
+                              "targets picked", OfEach(configurations, &BandRates::targets),
+                              bands));
   }
   return charts;
 }

@@ -6,13 +6,17 @@
 #include <map>
 
 #include "eval/compare/paired_comparison.h"
+#include "eval/page/html.h"
 #include "eval/report/views_3d.h"
 #include "eval/store/results_store.h"
+#include "eval/summary/fill_text.h"
 #include "eval/summary/result_files.h"
 #include "eval/sweep/attempt_pictures.h"
+#include "eval/tolerance/pick_forecast.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
+#include "scenes/scenario/scenario_text.h"
 
 namespace pickbed::eval {
 namespace {
@@ -26,14 +30,34 @@ std::string AddressOf(const ReportRun& run, int trial) {
   return fmt::format("{}#{}", run.name, trial);
 }
 
-// Returns the JPEG bytes; empty if the run has no picture of this attempt.
-std::string PictureOf(const ReportRun& run, const LostPick& pick, const ReportOptions& options) {
+// Returns the PNG file as a JPEG of this width; empty without a file or if the file is damaged.
+std::string JpegOf(const fs::path& file, int width_px, int quality) {
+  if (file.empty()) return "";
+  try {
+    return EncodeJpeg(Narrowed(ReadPng(file), width_px), quality);
+  } catch (const InputError&) {
+    return "";  // a page without a picture is more useful than no page
+  }
+}
+
+fs::path OverlayFile(const ReportRun& run, int trial, int attempt) {
+  return FindPicture(PicturesOf(run.folder, trial), AttemptPicture(attempt, "overlay"));
+}
+
+// Returns the JPEG bytes; empty if the run has no readable picture of this attempt.
+std::string PictureOf(const ReportRun& run, const FailedPick& pick, const ReportOptions& options) {
   const fs::path folder = PicturesOf(run.folder, pick.trial);
   const fs::path small = FindPicture(folder, FailurePicture(pick.attempt));
   if (!small.empty()) return ReadFileBytes(small);
-  const fs::path file = FindPicture(folder, AttemptPicture(pick.attempt, "overlay"));
-  if (file.empty()) return "";
-  return EncodeJpeg(Narrowed(ReadPng(file), options.picture.width_px), options.picture.quality);
+  return JpegOf(OverlayFile(run, pick.trial, pick.attempt), options.picture.width_px,
+                options.picture.quality);
+}
+
+// Returns the URL of a file, relative to the page; empty without a file or if links are off.
+std::string LinkTo(const fs::path& file, const ReportOptions& options) {
+  if (options.page_folder.empty() || file.empty() || !fs::is_regular_file(file)) return "";
+  const fs::path folder = fs::absolute(options.page_folder).lexically_normal();
+  return UrlOf(fs::absolute(file).lexically_normal().lexically_relative(folder).generic_string());
 }
 
 // Configurations of all runs in one list, with unique names.
@@ -60,29 +84,31 @@ Contestants ContestantsOf(const std::vector<ReportRun*>& runs) {
 }
 
 void AddGallery(const Contestants& all, const ReportOptions& options, ReportContents& contents) {
-  const std::vector<LostPick> lost = LostPicksOf(all.trials);
-  contents.lost = static_cast<int>(lost.size());
+  const std::vector<FailedPick> failed = FailedPicksOf(all.trials);
+  contents.failed_picks = static_cast<int>(failed.size());
   double bytes = 0;
   int without = 0;
-  for (const LostPick& pick : SpreadOverReasons(lost, options.failures)) {
+  for (const FailedPick& pick : SpreadOverReasons(failed, options.failures)) {
     const ReportRun& run = *all.runs[pick.configuration];
     GalleryEntry& entry = contents.gallery.emplace_back();
     entry.pick = pick;
     entry.address = AddressOf(run, pick.trial);
     if (bytes < options.pictures_mb * kMegabyte) entry.jpeg = PictureOf(run, pick, options);
+    entry.link = LinkTo(OverlayFile(run, pick.trial, pick.attempt), options);
     bytes += kBase64 * entry.jpeg.size();
     without += entry.jpeg.empty();
   }
   const size_t shown = contents.gallery.size();
-  if (shown < lost.size()) {
+  if (shown < failed.size()) {
     contents.gallery_note =
         fmt::format("{} of {} failed picks, spread over the reasons; {} lists all.", shown,
-                    lost.size(), kAttemptsFile);
+                    failed.size(), kAttemptsFile);
   }
   if (without > 0) {
     contents.gallery_note += fmt::format(
         "{}{} have no picture here: a run draws pictures only for a limited number of bins (an "
-        "option of `pickbed run`), and a page holds at most {:.0f} MB of them.",
+        "option of `pickbed run`), a page holds at most {:.0f} MB of them, and damaged files are "
+        "left out.",
         contents.gallery_note.empty() ? "" : " ",
         without == static_cast<int>(shown) ? "They" : fmt::format("{}", without),
         options.pictures_mb);
@@ -103,6 +129,14 @@ std::string ViewTitle(const Contestants& all, const ViewChoice& choice) {
   return all.trials.size() > 1 ? fmt::format("{}, {}", configuration.name, title) : title;
 }
 
+// Says that a page has no room for more views, or not even for the first one.
+std::string LeftOutText(size_t shown, const char* what, double limit_mb) {
+  const std::string limit = fmt::format("a page holds at most {:g} MB of them.", limit_mb);
+  return shown > 0
+             ? fmt::format("More {}s are left out: {}", what, limit)
+             : fmt::format("No {} is shown, because the first one is too large: {}", what, limit);
+}
+
 void AddViews(const Contestants& all, const ObjectCatalog& catalog, const ReportOptions& options,
               ReportContents& contents) {
   std::map<size_t, std::unique_ptr<ViewMaker>> makers;  // by configuration
@@ -120,12 +154,11 @@ void AddViews(const Contestants& all, const ObjectCatalog& catalog, const Report
                       maker->Glb(trial, choice.attempt)};
       bytes += kBase64 * view.glb.size();
       if (bytes > options.views_mb * kMegabyte) {
-        contents.views_note += fmt::format(
-            " More views are left out: a page holds at most {:.0f} MB of them.", options.views_mb);
+        contents.views_note += LeftOutText(contents.views.size(), "view", options.views_mb);
         return;
       }
       contents.views.push_back(std::move(view));
-      contents.views_note = "Some attempts: drag to rotate, use the wheel or two fingers to zoom.";
+      contents.views_note = "Some attempts: drag to rotate, use the wheel or two fingers to zoom. ";
     }
   } catch (const InputError& error) {
     contents.views_note = fmt::format("3D views are left out: {}.", error.what());
@@ -151,42 +184,71 @@ void AddAnimatedPicks(const Contestants& all, const ReportOptions& options,
                     ReadFileBytes(file_of(choice))};
     bytes += kBase64 * pick.glb.size();
     if (bytes > options.animations_mb * kMegabyte) {
-      contents.picks_note = fmt::format(
-          " More are left out: a page holds at most {:.0f} MB of them.", options.animations_mb);
+      contents.picks_note =
+          LeftOutText(contents.picks.size(), "animated pick", options.animations_mb);
       return;
     }
     contents.picks.push_back(std::move(pick));
   }
 }
 
-// Returns the overlay of the first attempt of the first bin, if the run drew it.
+// Returns the overlay of the first attempt of the first bin, if the run drew it and it is readable.
 std::string FirstOverlay(const Contestants& all, const ReportOptions& options) {
   constexpr int kWidth_px = 1000;
   const int trial = all.trials.front().trials.front().trial;
-  const fs::path folder = PicturesOf(all.runs.front()->folder, trial);
-  const fs::path file = FindPicture(folder, AttemptPicture(0, "overlay"));
-  if (file.empty()) return "";
-  return EncodeJpeg(Narrowed(ReadPng(file), kWidth_px), options.picture.quality);
+  return JpegOf(OverlayFile(*all.runs.front(), trial, 0), kWidth_px, options.picture.quality);
+}
+
+// Returns FillText; empty if the objects cannot be loaded.
+std::string FillOf(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
+  try {
+    return FillText(spec, LoadObjects(spec, catalog));
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+void AddScenarios(const Contestants& all, const ReportOptions& options, ReportContents& contents) {
+  for (size_t i = 0; i < all.runs.size(); ++i) {
+    const ReportRun& run = *all.runs[i];
+    const bool has_file = run.configurations.size() == 1;
+    contents.scenarios.push_back({all.trials.size() > 1 ? all.trials[i].name : "",
+                                  ScenarioText(all.configurations[i]->spec, run.folder),
+                                  has_file ? LinkTo(run.folder / kScenarioFile, options) : ""});
+  }
+}
+
+// Adds the forecasts of the tolerance maps to each configuration, by the maps of its gripper.
+void AddForecasts(const Contestants& all, const ObjectCatalog& catalog,
+                  const ReportOptions& options, ReportContents& contents) {
+  if (options.tolerance.empty()) return;
+  for (size_t i = 0; i < contents.configurations.size(); ++i) {
+    const ScenarioSpec& spec = all.configurations[i]->spec;
+    const ObjectSet objects = LoadObjects(spec, catalog);
+    contents.configurations[i].summary.forecasts =
+        ForecastsOf(all.trials[i].trials, objects, MapsFor(spec, objects, options.tolerance));
+  }
 }
 
 std::string PageOf(const Contestants& all, ReportContents contents, const ObjectCatalog& catalog,
                    const ReportOptions& options) {
   contents.configurations = ReportOn(all.trials, options);
+  AddForecasts(all, catalog, options, contents);
   contents.overlay_jpeg = FirstOverlay(all, options);
   AddGallery(all, options, contents);
   AddAnimatedPicks(all, options, contents);
   AddViews(all, catalog, options, contents);
+  AddScenarios(all, options, contents);
   return ReportPage(contents);
 }
 
-std::string SettingsText(const ScenarioSpec& spec) {
-  std::string objects;
-  for (const ObjectSpec& object : spec.objects) {
-    objects += fmt::format("{}{} {}", objects.empty() ? "" : ", ", object.count, object.name);
-  }
-  return fmt::format("Bins of {}; sensor {}, estimator {} ({}), refiner {}, gripper {}, seed {}.",
-                     objects, spec.sensor, spec.estimator.name, spec.estimator.mode, spec.refiner,
-                     spec.gripper, spec.seed);
+std::string SettingsText(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
+  const std::string errors = CellErrorsInWords(spec.cell);
+  return fmt::format(
+      "Bins of {}; sensor {}, estimator {} ({}), refiner {}, gripper {}, seed {}.{} {}",
+      ObjectsInWords(spec), spec.sensor, spec.estimator.name, spec.estimator.mode, spec.refiner,
+      spec.gripper, spec.seed,
+      errors.empty() ? "" : fmt::format(" Errors of the cell: {}.", errors), FillOf(spec, catalog));
 }
 
 // A plain run has its scenario file next to its store. The user may have changed settings there
@@ -277,7 +339,7 @@ std::string RunReportPage(ReportRun run, const ObjectCatalog& catalog,
   ReportContents contents;
   contents.title = fmt::format("Pick report: {}", run.name);
   if (run.configurations.size() == 1)
-    contents.about.push_back(SettingsText(run.configurations[0].spec));
+    contents.about.push_back(SettingsText(run.configurations[0].spec, catalog));
   contents.about.push_back(CrashedText(run));
   contents.about.insert(contents.about.end(), run.stops.begin(), run.stops.end());
   for (const ConfigurationComparison& comparison : CompareWithFirst(PairedConfigurationsOf(all))) {
@@ -297,7 +359,7 @@ RunComparison CompareRuns(ReportRun a, ReportRun b, const ObjectCatalog& catalog
   for (const ReportRun* run : {&a, &b}) {
     if (run->configurations.size() == 1) {
       contents.about.push_back(
-          fmt::format("{}: {}", run->name, SettingsText(run->configurations[0].spec)));
+          fmt::format("{}: {}", run->name, SettingsText(run->configurations[0].spec, catalog)));
     }
     contents.about.push_back(CrashedText(*run));
     contents.about.insert(contents.about.end(), run->stops.begin(), run->stops.end());

@@ -20,7 +20,8 @@ std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configurati
   const auto add = [&](const std::string& name, const ReportRate& rate, const std::string& what) {
     headline.push_back(
         {name, PercentText(rate.hits, rate.samples),
-         fmt::format("{} {} of {} {}", IntervalText(rate.ci95), rate.hits, rate.samples, what)});
+         fmt::format("{}{} of {} {}", rate.ci95.is_known() ? IntervalText(rate.ci95) + " " : "",
+                     rate.hits, rate.samples, what)});
   };
   const bool has_targets = s.target_recall.samples > 0;
   if (has_targets) add("targets picked", s.attempts_picked, "attempts");
@@ -96,8 +97,8 @@ TableCells ObjectsTable(const ConfigurationReport& configuration) {
   for (const ObjectReport& object : configuration.objects) {
     cells.push_back(
         {object.name, std::to_string(object.dropped), std::to_string(object.picked),
-         RateText(object.recall), RateText(object.picks), std::to_string(object.picks.samples),
-         MedianText(object.median_mssd_diameters, 3),
+         ShortRateText(object.recall), ShortRateText(object.picks),
+         std::to_string(object.picks.samples), MedianText(object.median_mssd_diameters, 3),
          object.commonest == FailureReason::kNone ? ""
                                                   : std::string(FailureName(object.commonest))});
   }
@@ -107,10 +108,13 @@ TableCells ObjectsTable(const ConfigurationReport& configuration) {
 // Adds all charts that show these configurations together.
 void AddCharts(std::span<const ConfigurationReport> configurations, HtmlPage& page) {
   page.Chart(FailureChart(configurations));
+  page.Chart(RejectionsChart(configurations));
   std::vector<ReportChart> curves = VisibilityCharts(configurations);
   if (configurations.size() == 1) curves.push_back(CalibrationChart(configurations));
+  if (configurations[0].attempt_ranges.size() > 1) curves.push_back(AttemptsChart(configurations));
   page.Charts(curves);
   page.Charts(ErrorCharts(configurations));
+  page.Charts(ErrorByBandCharts(configurations));
   if (configurations.size() > 1) page.Chart(CalibrationChart(configurations));
   page.Chart(SecondsChart(configurations));
 }
@@ -127,7 +131,7 @@ std::string OptionHtml(const std::string& value, const std::string& text) {
 }
 
 std::string CardHtml(const GalleryEntry& entry, const std::string& configuration) {
-  const LostPick& pick = entry.pick;
+  const FailedPick& pick = entry.pick;
   const std::string reason(FailureName(pick.failure)), stage(StageName(StageOf(pick.failure)));
   std::string data = fmt::format(" data-reason=\"{}\" data-trial=\"{}\"", reason, pick.trial);
   std::string facts;
@@ -153,6 +157,10 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
     picture = fmt::format(
         "<img loading=\"lazy\" alt=\"overlay of {}, pick {}\" src=\"data:image/jpeg;base64,{}\">",
         EscapeHtml(entry.address), pick.attempt, Base64(entry.jpeg));
+    if (!entry.link.empty()) {
+      picture = fmt::format("<a href=\"{}\" title=\"full picture\">{}</a>", EscapeHtml(entry.link),
+                            picture);
+    }
   }
   return fmt::format(
       "<article class=\"failure\"{}>{}<b>{}</b>{} stage<br><code>{}</code> pick {}<dl>{}</dl>"
@@ -163,15 +171,14 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
 void AddGallery(const ReportContents& contents, HtmlPage& page) {
   page.Heading("Failed picks", "failed-picks");
   if (contents.gallery.empty()) {
-    page.Paragraph(contents.lost == 0 ? "No pick failed." : contents.gallery_note);
+    page.Paragraph(contents.failed_picks == 0 ? "No pick failed." : contents.gallery_note);
     return;
   }
   page.Note(contents.gallery_note);
   page.Note(
       "In a picture: thick line, pose of the grasp with its score; blue and tick, right; orange, "
       "dashed and cross, wrong; yellow, the requested instance; white dots, not found; white "
-      "lines, "
-      "the hand.");
+      "lines, the hand.");
   std::set<FailureReason> reasons;
   for (const GalleryEntry& entry : contents.gallery) reasons.insert(entry.pick.failure);
   std::string reason_options = OptionHtml("", "all reasons");
@@ -214,9 +221,10 @@ std::string ViewerHtml(const ReportView& view, const char* attributes) {
 void AddAnimatedPicks(const ReportContents& contents, HtmlPage& page) {
   if (contents.picks.empty() && contents.picks_note.empty()) return;
   page.Heading("Animated picks", "picks");
+  if (contents.picks.empty()) return page.Note(contents.picks_note);
   page.Note(
       "The hand approaches, closes, lifts and carries, and all objects move as in the simulation. "
-      "Drag to rotate." +
+      "Drag to rotate. " +
       contents.picks_note);
   std::string html = "<div class=\"views screen\">\n";
   for (const ReportView& pick : contents.picks) {
@@ -241,6 +249,19 @@ void AddViews(const ReportContents& contents, HtmlPage& page) {
     html += "</div></div>\n";
   }
   page.Html(html + "</div>\n");
+}
+
+void AddScenarios(const std::vector<ShownScenario>& scenarios, HtmlPage& page) {
+  if (scenarios.empty()) return;
+  page.Heading("Scenario", "scenario");
+  for (const ShownScenario& scenario : scenarios) {
+    const std::string name = scenario.name.empty() ? "All settings" : scenario.name;
+    page.Html(fmt::format("<details><summary>{}</summary><pre>{}</pre></details>\n",
+                          EscapeHtml(name), EscapeHtml(scenario.settings)));
+    if (scenario.link.empty()) continue;
+    page.Html(fmt::format("<p class=\"note\">File: <a href=\"{0}\">{0}</a></p>\n",
+                          EscapeHtml(scenario.link)));
+  }
 }
 
 }  // namespace
@@ -271,6 +292,7 @@ std::string ReportPage(const ReportContents& contents) {
   AddGallery(contents, page);
   AddAnimatedPicks(contents, page);
   AddViews(contents, page);
+  AddScenarios(contents.scenarios, page);
   if (configurations.size() > 1) {
     for (const ConfigurationReport& configuration : configurations) {
       page.Heading(configuration.name);

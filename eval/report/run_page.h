@@ -13,14 +13,22 @@ namespace pickbed::eval {
 
 // A failed pick in the gallery.
 struct GalleryEntry {
-  LostPick pick;
+  FailedPick pick;
   std::string address;  // such as "results/demo#3"
   std::string jpeg;     // empty = no picture
+  std::string link;     // URL of the full picture, relative to the page; empty = none
+};
+
+// Settings of a configuration.
+struct ShownScenario {
+  std::string name;      // of the configuration; empty if there is only one
+  std::string settings;  // YAML
+  std::string link;      // URL of the scenario file, relative to the page; empty = none
 };
 
 // A 3D view.
 struct ReportView {
-  std::string title;  // such as "picked" or "lost: slipped"
+  std::string title;  // such as "picked" or "failed: slipped"
   std::string address;
   std::string glb;  // GLB bytes from eval/report/views_3d.h
 };
@@ -33,8 +41,9 @@ struct ReportContents {
   std::vector<ConfigurationReport> configurations;
   std::vector<ReportTable> comparisons;  // paired differences
   std::vector<GalleryEntry> gallery;
-  int lost = 0;                   // number of all failed picks
-  std::string gallery_note;       // says what the gallery leaves out
+  int failed_picks = 0;      // number of all failed picks
+  std::string gallery_note;  // says what the gallery leaves out
+  std::vector<ShownScenario> scenarios;
   std::vector<ReportView> picks;  // animated
   std::string picks_note;         // says what is left out
   std::vector<ReportView> views;

@@ -7,11 +7,12 @@
 #include <map>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/metrics/metric_table.h"
 #include "eval/page/ticks.h"
 #include "eval/trial/counts_by_bin.h"
-#include "eval/trial/simulated_cell.h"
 
 namespace pickbed::eval {
 namespace {
@@ -138,6 +139,31 @@ double RangeOf(std::span<const ConfigurationTrials> configurations, const Report
   return std::max(step, step * std::ceil(reach / step));
 }
 
+std::vector<BandError> ErrorsByBand(const ConfigurationTrials& configuration,
+                                    const ReportedError& reported) {
+  std::vector<BandError> errors(configuration.bands.size());
+  std::vector<ValueClusters> values(errors.size(), ValueClusters(configuration.trials.size()));
+  for (size_t t = 0; t < configuration.trials.size(); ++t) {
+    for (const AttemptRecord& attempt : configuration.trials[t].attempts) {
+      for (const HypothesisRecord& pose : attempt.hypotheses) {
+        const InstanceRecord* instance = InstanceIn(attempt, pose.instance);
+        const double error = reported.Of(pose);
+        if (instance == nullptr || !MatchesAnInstance(pose) || !std::isfinite(error)) continue;
+        // In an occlusion trial only the target counts, as in BandRates.
+        if (attempt.target >= 0 && pose.instance != attempt.target) continue;
+        for (size_t b = 0; b < errors.size(); ++b) {
+          if (!configuration.bands[b].Holds(instance->visible_fraction)) continue;
+          values[b][t].push_back(error);
+          ++errors[b].poses;
+          break;
+        }
+      }
+    }
+  }
+  for (size_t b = 0; b < errors.size(); ++b) errors[b].median = MedianWithin(values[b]);
+  return errors;
+}
+
 ErrorHistogram HistogramOf(const ConfigurationTrials& configuration, const ReportedError& reported,
                            double range, const ReportOptions& options) {
   ErrorHistogram histogram = reported.empty;
@@ -159,7 +185,47 @@ ErrorHistogram HistogramOf(const ConfigurationTrials& configuration, const Repor
     ++(score.correct ? bin.right : bin.wrong);
   });
   histogram.median = MedianWithin(errors);
+  histogram.by_band = ErrorsByBand(configuration, reported);
   return histogram;
+}
+
+// Returns the largest number of attempts in one bin.
+int MaxAttempts(std::span<const ConfigurationTrials> configurations) {
+  size_t maximum = 0;
+  for (const ConfigurationTrials& configuration : configurations) {
+    for (const TrialResult& trial : configuration.trials) {
+      maximum = std::max(maximum, trial.attempts.size());
+    }
+  }
+  return static_cast<int>(maximum);
+}
+
+// `attempts`: largest number of attempts of all configurations, so that they have equal ranges.
+std::vector<AttemptRange> AttemptRangesOf(const ConfigurationTrials& configuration, int attempts) {
+  const int length = (attempts + kAttemptRanges - 1) / kAttemptRanges;
+  std::vector<AttemptRange> ranges;
+  for (int first = 0; first < attempts; first += length) {
+    RateByScene picked(configuration.trials.size());
+    const int end = std::min(first + length, attempts);
+    for (size_t t = 0; t < configuration.trials.size(); ++t) {
+      const std::vector<AttemptRecord>& records = configuration.trials[t].attempts;
+      for (int i = first; i < std::min(end, static_cast<int>(records.size())); ++i) {
+        picked.Count(t, records[i].failure == FailureReason::kNone);
+      }
+    }
+    ranges.push_back({first, end - 1, picked.Finish()});
+  }
+  return ranges;
+}
+
+std::map<std::string, int64_t> RejectedOf(const ConfigurationTrials& configuration) {
+  std::map<std::string, int64_t> rejected;
+  for (const TrialResult& trial : configuration.trials) {
+    for (const AttemptRecord& attempt : trial.attempts) {
+      for (const auto& [cause, grasps] : attempt.grasps_rejected) rejected[cause] += grasps;
+    }
+  }
+  return rejected;
 }
 
 Calibration CalibrationOf(const ConfigurationTrials& configuration, const ReportOptions& options) {
@@ -301,6 +367,7 @@ std::vector<ConfigurationReport> ReportOn(std::span<const ConfigurationTrials> c
   const std::vector<ReportedError> errors = ReportedErrors(configurations);
   for (const ReportedError& error : errors)
     ranges.push_back(RangeOf(configurations, error, options));
+  const int attempts = MaxAttempts(configurations);
   std::vector<ConfigurationReport> reports;
   for (const ConfigurationTrials& configuration : configurations) {
     ConfigurationReport& report = reports.emplace_back();
@@ -313,18 +380,20 @@ std::vector<ConfigurationReport> ReportOn(std::span<const ConfigurationTrials> c
     }
     report.calibration = CalibrationOf(configuration, options);
     report.seconds = SecondsOf(configuration);
+    report.attempt_ranges = AttemptRangesOf(configuration, attempts);
+    report.rejected = RejectedOf(configuration);
     report.objects = ObjectsOf(configuration);
   }
   return reports;
 }
 
-std::vector<LostPick> LostPicksOf(std::span<const ConfigurationTrials> configurations) {
-  std::vector<LostPick> lost;
+std::vector<FailedPick> FailedPicksOf(std::span<const ConfigurationTrials> configurations) {
+  std::vector<FailedPick> failed;
   for (size_t p = 0; p < configurations.size(); ++p) {
     for (const TrialResult& trial : configurations[p].trials) {
       for (const AttemptRecord& pick : trial.attempts) {
         if (pick.failure == FailureReason::kNone) continue;
-        LostPick& entry = lost.emplace_back();
+        FailedPick& entry = failed.emplace_back();
         entry.configuration = static_cast<int>(p);
         entry.trial = trial.trial;
         entry.attempt = pick.attempt;
@@ -342,10 +411,10 @@ std::vector<LostPick> LostPicksOf(std::span<const ConfigurationTrials> configura
       }
     }
   }
-  return lost;
+  return failed;
 }
 
-std::vector<LostPick> SpreadOverReasons(const std::vector<LostPick>& picks, int maximum) {
+std::vector<FailedPick> SpreadOverReasons(const std::vector<FailedPick>& picks, int maximum) {
   std::map<FailureReason, int> seen;
   // Number of earlier failures of the same reason, and index.
   std::vector<std::pair<int, size_t>> order;
@@ -353,9 +422,21 @@ std::vector<LostPick> SpreadOverReasons(const std::vector<LostPick>& picks, int 
   std::sort(order.begin(), order.end());
   if (order.size() > static_cast<size_t>(maximum)) order.resize(maximum);
   std::sort(order.begin(), order.end(), [](auto& a, auto& b) { return a.second < b.second; });
-  std::vector<LostPick> spread;
+  std::vector<FailedPick> spread;
   for (const auto& [rank, place] : order) spread.push_back(picks[place]);
   return spread;
+}
+
+std::vector<VisibleBand> BandsOfAll(std::span<const ConfigurationReport> configurations) {
+  std::vector<VisibleBand> bands;
+  for (const ConfigurationReport& configuration : configurations) {
+    for (const BandRates& of_band : configuration.bands) bands.push_back(of_band.band);
+  }
+  const auto ends = [](const VisibleBand& band) { return std::pair(band.min, band.max); };
+  std::sort(bands.begin(), bands.end(),
+            [&](const VisibleBand& a, const VisibleBand& b) { return ends(a) < ends(b); });
+  bands.erase(std::unique(bands.begin(), bands.end()), bands.end());
+  return bands;
 }
 
 std::vector<std::string> NamesOf(std::span<const ConfigurationReport> configurations) {

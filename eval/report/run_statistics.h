@@ -3,6 +3,8 @@
 // Statistics of a run as shown in its report: rates with intervals, histograms, calibration, and a
 // list of failed picks. Computed only from stored trials. Scenes are the units of all intervals.
 
+#include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +32,10 @@ struct ReportOptions {
   double animations_mb = 3;   // all animated picks together, 0 .. 100
   int cloud_points = 20000;   // points per view, 0 .. 1000000
   int view_triangles = 3000;  // per object in a view, 100 .. 1000000
+  // Tolerance maps that forecast the pick success, see ToleranceMaps; empty = no forecast.
+  std::vector<std::string> tolerance;
+  // Folder of the page, for links to full pictures. Empty = no links.
+  std::filesystem::path page_folder;
   // Throws std::logic_error if a value is out of range.
   void Validate() const;
 };
@@ -48,6 +54,11 @@ struct ErrorBin {
   double low = 0, high = 0;
   int right = 0, wrong = 0;  // poses with MSSD below / not below 0.1 diameter
 };
+// Pose error of the instances in one band of visible fractions.
+struct BandError {
+  int poses = 0;
+  ErrorMedian median;
+};
 // Histogram of one reported metric (MetricTable).
 struct ErrorHistogram {
   std::string metric;  // key, such as "translation_m"
@@ -58,6 +69,7 @@ struct ErrorHistogram {
   int beyond = 0;  // poses with an error above the last bin
   int total = 0;   // including `beyond`
   ErrorMedian median;
+  std::vector<BandError> by_band;  // one per ConfigurationReport::bands
 };
 
 // Times of a stage per trial.
@@ -81,6 +93,12 @@ struct Calibration {
   double expected_error = 0;
 };
 
+// Attempts `first` to `last` of each bin, counted from 0, and the share that picked.
+struct AttemptRange {
+  int first = 0, last = 0;
+  ReportRate picked;
+};
+
 // Statistics of one object.
 struct ObjectReport {
   std::string name;
@@ -91,6 +109,8 @@ struct ObjectReport {
   // Most frequent failure reason of its instances; kNone = no failure.
   FailureReason commonest = FailureReason::kNone;
 };
+
+inline constexpr int kAttemptRanges = 20;
 
 // Statistics of one configuration.
 struct ConfigurationReport {
@@ -103,6 +123,10 @@ struct ConfigurationReport {
   std::vector<ErrorHistogram> errors;
   Calibration calibration;
   std::vector<StageTime> seconds;  // longest first, each followed by its sub-stages
+  // At most kAttemptRanges ranges of equal length, as the bin empties. The same ranges for all
+  // configurations of a report.
+  std::vector<AttemptRange> attempt_ranges;
+  std::map<std::string, int64_t> rejected;  // cause -> number of rejected grasp candidates
   std::vector<ObjectReport> objects;
 };
 
@@ -111,8 +135,8 @@ struct ConfigurationReport {
 std::vector<ConfigurationReport> ReportOn(std::span<const ConfigurationTrials> configurations,
                                           const ReportOptions& options = {});
 
-// An attempt that delivered no instance.
-struct LostPick {
+// An attempt that picked no instance.
+struct FailedPick {
   int configuration = 0;
   int trial = 0, attempt = 0;
   FailureReason failure = FailureReason::kNone;
@@ -122,11 +146,15 @@ struct LostPick {
   double visible_fraction = -1, confidence = -1, mssd_diameters = -1;
 };
 // Returns all failed attempts, ordered by configuration, trial and pick.
-std::vector<LostPick> LostPicksOf(std::span<const ConfigurationTrials> configurations);
+std::vector<FailedPick> FailedPicksOf(std::span<const ConfigurationTrials> configurations);
 
 // Selects at most `maximum` failures so that every reason is shown: the first failure of each
 // reason, then the second of each, and so on. The original order is kept.
-std::vector<LostPick> SpreadOverReasons(const std::vector<LostPick>& picks, int maximum);
+std::vector<FailedPick> SpreadOverReasons(const std::vector<FailedPick>& picks, int maximum);
+
+// Returns each band of visible fractions once, the least visible first. The configurations in one
+// chart may have different bands.
+std::vector<VisibleBand> BandsOfAll(std::span<const ConfigurationReport> configurations);
 
 // Names of the configurations, in order.
 std::vector<std::string> NamesOf(std::span<const ConfigurationReport> configurations);

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/export/scene_glb.h"
 #include "eval/trial/recorded_scene.h"
-#include "eval/trial/simulated_cell.h"
 #include "grasp/grippers/table.h"
 
 namespace pickbed::eval {
@@ -79,7 +79,7 @@ std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
   const double pixels = static_cast<double>(depth_m.width()) * depth_m.height();
   const int stride_px = std::max(
       1, static_cast<int>(std::ceil(std::sqrt(pixels / std::max(1, impl_->options.cloud_points)))));
-  const GlbCloud cloud = ObservedCloud(view.frame, cell.camera().X_WC(), stride_px);
+  const GlbCloud cloud = ObservedCloud(view.frame, view.calibration.camera.X_WC(), stride_px);
   SceneGlbOptions options;
   options.max_faces = impl_->options.view_triangles;
   return SceneGlb({.scene = scene,

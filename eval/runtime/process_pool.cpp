@@ -24,7 +24,7 @@ namespace pickbed::eval {
 namespace {
 
 constexpr int kPollMs = 200;  // poll interval at which `stop` is checked
-constexpr int kNothing = -1;  // item of an idle worker
+constexpr int kNoItem = -1;   // item of an idle worker
 
 enum class Kind : uint8_t { kReady, kDone, kSaid, kFailed, kBadInput };
 
@@ -146,7 +146,7 @@ class Worker {
 
   int socket() const { return socket_; }
   bool ready() const { return ready_; }
-  bool idle() const { return ready_ && item_ == kNothing; }
+  bool idle() const { return ready_ && item_ == kNoItem; }
   int item() const { return item_; }
   std::optional<int> group() const { return group_; }
 
@@ -157,7 +157,7 @@ class Worker {
     // A dead worker is detected when its socket is read.
     SendBytes(socket_, &item, sizeof(item));
   }
-  void SetIdle() { item_ = kNothing; }
+  void SetIdle() { item_ = kNoItem; }
 
   // Waits for the end of the process and returns the reason.
   std::string Reap() {
@@ -171,7 +171,7 @@ class Worker {
   pid_t pid_ = -1;
   int socket_ = -1;
   bool ready_ = false;
-  int item_ = kNothing;
+  int item_ = kNoItem;
   std::optional<int> group_;  // of the last item
 };
 
@@ -202,7 +202,7 @@ class Foreman {
  private:
   int busy() const {
     return static_cast<int>(std::count_if(workers_.begin(), workers_.end(), [](const auto& worker) {
-      return worker->item() != kNothing;
+      return worker->item() != kNoItem;
     }));
   }
 
@@ -297,7 +297,7 @@ class Foreman {
     const std::string why = workers_[index]->Reap();
     workers_.erase(workers_.begin() + index);
     if (!was_ready) throw std::runtime_error("while starting a worker, " + why);
-    if (item != kNothing) Retry(item, why);
+    if (item != kNoItem) Retry(item, why);
   }
 
   const WorkerPlan& plan_;

@@ -343,6 +343,9 @@ std::string RateText(const ReportRate& rate) {
   return fmt::format("{} {}", PercentText(rate.hits, rate.samples), Bracketed(rate.ci95));
 }
 
+std::string ShortRateText(const ReportRate& rate) {
+  return rate.ci95.is_known() ? RateText(rate) : PercentText(rate.hits, rate.samples);
+}
 std::string RateText(double rate, const Interval& ci95) {
   return fmt::format("{} {}", PercentText(rate), Bracketed(ci95));
 }

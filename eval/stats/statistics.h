@@ -133,6 +133,9 @@ std::string IntervalText(const Interval& interval);
 std::string RateText(const ReportRate& rate);
 // Same for a rate whose samples are not known.
 std::string RateText(double rate, const Interval& ci95);
+// Same for tables that say only once that there are too few bins: "12.5 %" if the interval is
+// unknown.
+std::string ShortRateText(const ReportRate& rate);
 // "+12.5": difference of two shares in percentage points; "-" if it is not finite.
 std::string PointsText(double difference);
 // "+12.5 [+8.1, +18.4]", or "+12.5 (too few bins)".

@@ -17,9 +17,15 @@ namespace {
 constexpr std::string_view kScenarioBegins = "seed: ";
 constexpr std::string_view kScenarioEnds = "mechanism: ";
 
+// A complete scenario also gets the keys that a later version added, with their defaults.
 std::string ScenarioWithCurrentNames(const std::string& yaml) {
+  constexpr std::string_view kLastGroup = "\ncycle:\n";
   ScenarioSpec spec;
-  return scenes::WithCurrentNames(yaml, [&](SettingsVisitor& v) { spec.Visit(v); }).text;
+  const auto visit = [&](SettingsVisitor& v) { spec.Visit(v); };
+  const std::string text = scenes::WithCurrentNames(yaml, visit).text;
+  if (text.find(kLastGroup) == std::string::npos) return text;
+  ReadSettingsText(text, "settings of the store", visit);
+  return WriteSettings(visit);
 }
 
 std::string HashText(const std::string& text) {
@@ -33,7 +39,8 @@ std::string HeadWithCurrentNames(const StoreHead& head) {
   for (const StoredConfiguration& configuration : head.configurations) {
     hashes[HashText(configuration.identity)] = HashText(WithCurrentNames(configuration.identity));
   }
-  static const std::regex kLine("point ([0-9]+) has ([0-9]+) trials ([0-9a-f]{16}): (.*)");
+  static const std::regex kLine(
+      "(?:point|configuration) ([0-9]+) has ([0-9]+) trials ([0-9a-f]{16}): (.*)");
   std::string text, run;
   std::istringstream lines(head.identity);
   for (std::string line; std::getline(lines, line);) {

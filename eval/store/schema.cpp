@@ -183,7 +183,7 @@ void WriteHead(const Database& db, const StoreHead& head) {
 void Migrate(const Database& db) {
   const std::string version = db.Setting("schema_version");
   db.Execute("CREATE TABLE IF NOT EXISTS settings (key TEXT PRIMARY KEY, value TEXT)");
-  RenameToSchema6(db);
+  RenameToSchema6(db);  // changes nothing in a later version
   RequireTable<ConfigurationRow>(db, "configurations");
   ForEachTrialTable([&]<typename Row>(const char* table) {
     RequireTable<Row>(db, table);

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "eval/store/error_columns.h"
 #include "eval/store/results_store.h"
 
 namespace pickbed::eval {
@@ -52,6 +53,7 @@ struct TrialRow {
     v("deepest_penetration_m", certificate.deepest_penetration_m);
     v("wake_movement_m", certificate.wake_movement_m);
     v("wake_movement_diameters", certificate.wake_movement_diameters);
+    VisitErrors(v, result.errors);
   }
 };
 
@@ -106,6 +108,7 @@ struct AttemptRow {
     v("hash_hypotheses", record.hashes[TrialStage::kHypotheses]);
     v("hash_grasp", record.hashes[TrialStage::kGrasp]);
     v("hash_outcome", record.hashes[TrialStage::kOutcome]);
+    VisitErrors(v, record.errors);
   }
 };
 
@@ -168,6 +171,9 @@ struct InstanceOutcomeRow {
     v("asked", instance_outcome.asked);
     v("failure", instance_outcome.failure);
     v("attempt", instance_outcome.attempt);
+    v("friction_deviation", instance_outcome.deviation.friction);
+    v("mass_deviation", instance_outcome.deviation.mass);
+    v("size_deviation", instance_outcome.size_deviation);
   }
 };
 

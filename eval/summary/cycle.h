@@ -14,9 +14,8 @@ namespace pickbed::eval {
 // Mean times per picked instance. The times of failed attempts are distributed over the picks.
 struct CycleTime {
   double sense_s = 0, compute_s = 0, move_s = 0;
-  bool measured =
-      // True if compute_s was measured on this machine. It must not go into a results file then.
-      false;
+  // True if compute_s was measured on this machine. It must not go into a results file then.
+  bool measured = false;
   double pick_s() const { return sense_s + compute_s + move_s; }
   // Without a measured computing time, so that equal runs give equal numbers.
   double stated_pick_s() const { return sense_s + (measured ? 0 : compute_s) + move_s; }

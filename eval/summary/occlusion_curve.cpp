@@ -62,8 +62,14 @@ void CountErrors(int scene, const AttemptRecord& attempt, BandAttempts& band,
   band.rotation_rad[scene].push_back(best->rotation_rad());
 }
 
-std::string ShareText(const ShareOfAttempts& share, const BandStatistics& band) {
-  return RateText({share.hits, band.attempts, share.ci95});
+std::string ShareText(const ShareOfAttempts& share, const BandStatistics& band, bool few_bins) {
+  const ReportRate rate{share.hits, band.attempts, share.ci95};
+  return few_bins ? ShortRateText(rate) : RateText(rate);
+}
+
+std::string MedianOrShort(const ErrorMedian& median, bool few_bins) {
+  if (few_bins && !median.ci95.is_known()) return fmt::format("{:.1f}", median.value);
+  return MedianText(median, 1);
 }
 
 // True if no trial found a possible target. A target that fills only some bands is given up or has
@@ -145,7 +151,7 @@ std::string CurveCsv(std::span<const NamedCurve> curves) {
   return csv;
 }
 
-std::string CurveTable(const std::vector<BandStatistics>& bands) {
+std::string CurveTable(const std::vector<BandStatistics>& bands, bool few_bins) {
   std::string text =
       "Targets by visible fraction\n  band, %   att.   found                   picked              "
       "    median error of the best pose\n";
@@ -153,10 +159,12 @@ std::string CurveTable(const std::vector<BandStatistics>& bands) {
     const std::string error =
         band.errors.attempts == 0
             ? "-"
-            : fmt::format("{} mm, {} deg", MedianText(band.errors.translation_m.Times(1e3), 1),
-                          MedianText(band.errors.rotation_rad.Times(kDegreesPerRadian), 1));
+            : fmt::format(
+                  "{} mm, {} deg", MedianOrShort(band.errors.translation_m.Times(1e3), few_bins),
+                  MedianOrShort(band.errors.rotation_rad.Times(kDegreesPerRadian), few_bins));
     text += fmt::format("  {:<10}{:<7}{:<24}{:<24}{}\n", band.band.name(), band.attempts,
-                        ShareText(band.recalled, band), ShareText(band.picked, band), error);
+                        ShareText(band.recalled, band, few_bins),
+                        ShareText(band.picked, band, few_bins), error);
   }
   for (const BandStatistics& band : bands) {
     if (band.trials_without == 0) continue;

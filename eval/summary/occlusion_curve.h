@@ -58,7 +58,8 @@ struct NamedCurve {
 std::string CurveCsv(std::span<const NamedCurve> curves);
 
 // Returns the curve as a table for the console. Then come the bands that some trials could not
-// fill, with the counts of targets and blockers that were tried.
-std::string CurveTable(const std::vector<BandStatistics>& bands);
+// fill, with the counts of targets and blockers that were tried. With `few_bins`, unknown intervals
+// are left out, because the caller says that there are too few bins.
+std::string CurveTable(const std::vector<BandStatistics>& bands, bool few_bins = false);
 
 }  // namespace pickbed::eval

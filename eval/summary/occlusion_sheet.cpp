@@ -14,7 +14,7 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr int kTile_px = 240, kGap_px = 6, kCaption_px = 20;
+constexpr int kTile_px = 240, kGap_px = 6, kCaption_px = 20, kHead_px = 3 * kCaption_px;
 constexpr double kSideDiameters = 2.2;  // side of a tile, in diameters of the target
 constexpr Rgb8 kPaper{250, 250, 250}, kInk{20, 20, 20};
 
@@ -28,6 +28,12 @@ Image<Rgb8> ViewOfTarget(const AttemptState& attempt, size_t index, const sim::P
   const Eigen::Vector3d center_C = camera.X_CW() * (target.X_WO * model.mass.com_O);
   const double side_px = kSideDiameters * model.diameter_m * camera.intrinsics.fx() / center_C.z();
   return SquareCrop(canvas.Take(), Project(camera.intrinsics, center_C), side_px, kTile_px);
+}
+
+// "12 of 20: 60.0 % [38.7, 78.1]"; without an interval if there are too few bins.
+std::string RateOfBand(const ShareOfAttempts& share, const BandStatistics& band) {
+  return fmt::format("{} of {}: {}", share.hits, band.attempts,
+                     ShortRateText({share.hits, band.attempts, share.ci95}));
 }
 
 }  // namespace
@@ -64,15 +70,19 @@ void WriteSeriesSheet(const std::filesystem::path& sheet,
   if (rows.empty()) return;
   std::sort(rows.begin(), rows.end());
   constexpr int kAcross_px = kTile_px + kGap_px, kDown_px = kTile_px + kCaption_px + kGap_px;
-  Canvas canvas(columns * kAcross_px + kGap_px,
-                kCaption_px + static_cast<int>(rows.size()) * kDown_px, kPaper);
+  Canvas canvas(columns * kAcross_px + kGap_px, kHead_px + static_cast<int>(rows.size()) * kDown_px,
+                kPaper);
   for (int band = 0; band < columns; ++band) {
     const int x = kGap_px + band * kAcross_px;
-    canvas.Text(bands[band].band.name() + " %", x + 2, kCaption_px - 5, kInk, 0.5);
+    canvas.Text(bands[band].band.name() + " % visible", x + 2, kCaption_px - 5, kInk, 0.5);
+    canvas.TextWithin(kTile_px - 4, "found " + RateOfBand(bands[band].recalled, bands[band]), x + 2,
+                      2 * kCaption_px - 5, kInk, 0.4);
+    canvas.TextWithin(kTile_px - 4, "picked " + RateOfBand(bands[band].picked, bands[band]), x + 2,
+                      3 * kCaption_px - 5, kInk, 0.4);
     for (size_t row = 0; row < rows.size(); ++row) {
       const std::filesystem::path file = rows[row] / BandTileName(band);
       if (!std::filesystem::exists(file)) continue;
-      canvas.Paste(ReadPng(file), x, kCaption_px + static_cast<int>(row) * kDown_px);
+      canvas.Paste(ReadPng(file), x, kHead_px + static_cast<int>(row) * kDown_px);
     }
   }
   WritePng(sheet, canvas.Take());

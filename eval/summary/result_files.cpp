@@ -9,6 +9,7 @@
 #include "eval/store/results_store.h"
 #include "eval/summary/occlusion_sheet.h"
 #include "eval/summary/run_columns.h"
+#include "eval/summary/run_csv.h"
 #include "scenes/base/files.h"
 #include "scenes/scenario/scenario_text.h"
 
@@ -145,8 +146,10 @@ std::string SweepTable(const std::vector<ConfigurationSummary>& configurations) 
     width = std::max(width, configuration.configuration.name.size());
   std::string text = fmt::format("{:<{}}  {:>11}  {:>23}  {:>9}  {:>11}\n", "Configuration", width,
                                  "bins", "picks that succeed", "cleared", "top-1 right");
+  bool too_few = false;  // an interval is missing
   for (const auto& [configuration, s] : configurations) {
-    const std::string rate = RateText(s.success_rate, s.success_ci95);
+    const std::string rate = ShortRateText({s.successes, s.executed_grasps, s.success_ci95});
+    too_few = too_few || !s.success_ci95.is_known();
     text += fmt::format("{:<{}}  {:>5} of {:>2}  {:>23}  {:>9}  {:>11}{}\n", configuration.name,
                         width, s.trials, configuration.trials, rate,
                         PercentText(s.requested_picked.hits, s.requested_picked.samples),
@@ -158,8 +161,10 @@ std::string SweepTable(const std::vector<ConfigurationSummary>& configurations) 
   }
   for (const auto& [configuration, summary] : configurations) {
     if (summary.bands.empty()) continue;
-    text += fmt::format("\n{}\n{}", configuration.name, CurveTable(summary.bands));
+    text += fmt::format("\n{}\n{}", configuration.name,
+                        CurveTable(summary.bands, summary.trials < kMinBinsOfInterval));
   }
+  if (too_few) text += fmt::format("no interval: {}, use {} or more\n", kTooFewBins, kFewBins);
   return text;
 }
 

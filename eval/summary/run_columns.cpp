@@ -73,6 +73,23 @@ ResultColumns TrialsColumns() {
       {"wake_movement_mm", "largest movement of a surface in one more second of simulation"},
       {"penetration_mm", "deepest overlap of two bodies at rest"},
       {"scenes_refused", "number of drops that failed the certificate and were repeated"},
+      {"hand_eye_x_mm", "error of the calibrated camera position in the camera frame, x"},
+      {"hand_eye_y_mm", "error of the calibrated camera position in the camera frame, y"},
+      {"hand_eye_z_mm", "error of the calibrated camera position in the camera frame, z"},
+      {"hand_eye_rx_deg", "its rotation vector in the camera frame, x"},
+      {"hand_eye_ry_deg", "its rotation vector in the camera frame, y"},
+      {"hand_eye_rz_deg", "its rotation vector in the camera frame, z"},
+      {"focal_percent", "error of the calibrated focal length", "percent"},
+      {"principal_x_px", "error of the calibrated principal point, column"},
+      {"principal_y_px", "error of the calibrated principal point, row"},
+      {"depth_bias_mm", "offset of the depth readings"},
+      {"depth_scale_percent", "scale error of the depth readings", "percent"},
+      {"bin_x_mm", "error of the assumed bin position in the world, x"},
+      {"bin_y_mm", "error of the assumed bin position in the world, y"},
+      {"bin_z_mm", "error of the assumed bin position in the world, z"},
+      {"bin_rx_deg", "its rotation vector in the world, x"},
+      {"bin_ry_deg", "its rotation vector in the world, y"},
+      {"bin_rz_deg", "its rotation vector in the world, z"},
   };
 }
 
@@ -103,6 +120,14 @@ ResultColumns AttemptsColumns() {
              columns);
   AddColumns(OutcomeColumns(), columns);
   AddColumns(PoseColumns("pose of the chosen hypothesis"), columns);
+  AddColumns(
+      {
+          {"robot_x_mm", "executed minus planned grasp position in the world, x"},
+          {"robot_y_mm", "executed minus planned grasp position in the world, y"},
+          {"robot_z_mm", "executed minus planned grasp position in the world, z"},
+          {"force_percent", "error of the gripper force", "percent"},
+      },
+      columns);
   AddColumns(MetricColumns::AtEnd(MetricUnits::kShown).Columns(), columns);
   return columns;
 }
@@ -131,6 +156,9 @@ ResultColumns InstanceOutcomesColumns() {
       {"failure", "failure reason, see `pickbed list failures`"},
       {"stage", "stage that the failure is attributed to"},
       {"attempt", "attempt that decided the outcome, -1 = none"},
+      {"friction_percent", "deviation of its friction from the model", "percent"},
+      {"mass_percent", "deviation of its mass from the model", "percent"},
+      {"size_percent", "deviation of its size from CAD", "percent"},
   };
 }
 

@@ -3,32 +3,19 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/metrics/interval_json.h"
-#include "eval/metrics/metric_columns.h"
-#include "eval/metrics/pose_columns.h"
-#include "eval/summary/run_columns.h"
 #include "eval/trial/counts_by_bin.h"
-#include "eval/trial/simulated_cell.h"
 #include "scenes/base/ids_format.h"
-#include "scenes/base/math.h"
 
 namespace pickbed::eval {
 namespace {
 
 double Ratio(int count, int whole) { return whole > 0 ? static_cast<double>(count) / whole : 0; }
-
-// Index in RunSummary::in_view.
-size_t InViewIndex(double visible_fraction) {
-  size_t index = 0;
-  for (const VisibleBand& band : ReportedBands()) index += visible_fraction >= band.min;
-  return index;
-}
 
 void CountAttempt(const AttemptRecord& attempt, RunSummary& summary) {
   for (const InstanceRecord& instance : attempt.instances) {
@@ -154,19 +141,25 @@ nlohmann::ordered_json RateObject(const char* samples, const char* hits, const R
 
 const SuccessRuleRow& RowOf(SuccessRule rule) { return SuccessRuleTable()[static_cast<int>(rule)]; }
 
-std::string RulesText(const RunSummary& summary) {
+std::string RulesText(const RunSummary& summary, bool few_bins) {
   std::string text =
       fmt::format("Success of {} executed grasps by rule\n", summary.executed_grasps);
   for (const RuleRate& rule : summary.by_rule) {
     const SuccessRuleRow& row = RowOf(rule.rule);
-    text += fmt::format("  {:<26}{:<24}{}\n", row.name, RateText(rule.rate(), rule.ci95), row.help);
+    const ReportRate rate{rule.successes, summary.executed_grasps, rule.ci95};
+    text += fmt::format("  {:<26}{:<24}{}\n", row.name,
+                        few_bins ? ShortRateText(rate) : RateText(rate), row.help);
   }
   return text;
 }
 
-// Empty if the object has no tolerance model.
-std::string ChanceCell(const std::optional<double>& chance) {
-  return chance ? fmt::format("{:.4f}", *chance) : "";
+// One indented line per sentence.
+std::string OnLines(std::string sentences) {
+  if (sentences.empty()) return "";
+  for (size_t at = 0; (at = sentences.find(". ", at)) != std::string::npos;) {
+    sentences.replace(at, 2, ".\n  ");
+  }
+  return "  " + sentences + "\n";
 }
 
 }  // namespace
@@ -197,6 +190,12 @@ std::vector<std::string> InViewNames() {
   std::vector<std::string> names{VisibleBand{0, bands.front().min}.name()};
   for (const VisibleBand& band : bands) names.push_back(band.name());
   return names;
+}
+
+size_t InViewIndex(double visible_fraction) {
+  size_t index = 0;
+  for (const VisibleBand& band : ReportedBands()) index += visible_fraction >= band.min;
+  return index;
 }
 
 RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cycle,
@@ -308,34 +307,26 @@ std::string InViewText(const RunSummary& s) {
   return text + fmt::format(", and {} under 50 %.", hidden);
 }
 
-// One indented line per sentence.
-std::string OnLines(std::string sentences) {
-  if (sentences.empty()) return "";
-  for (size_t at = 0; (at = sentences.find(". ", at)) != std::string::npos;) {
-    sentences.replace(at, 2, ".\n  ");
-  }
-  return "  " + sentences + "\n";
-}
-
 std::string SummaryTable(const RunSummary& s) {
   std::string text;
   const auto line = [&text](const std::string& name, const std::string& value) {
     text += fmt::format("  {:<26}{}\n", name, value);
   };
+  const bool few_bins = s.trials < kMinBinsOfInterval;  // said once, below the table
   const auto rate = [&](const std::string& name, const ReportRate& of, const std::string& counts) {
-    line(name, fmt::format("{}  {}", RateText(of), counts));
+    line(name, fmt::format("{}  {}", few_bins ? ShortRateText(of) : RateText(of), counts));
   };
   const bool has_targets = s.target_recall.samples > 0;
   text += has_targets ? "Target recall by visible fraction\n" : "Recall by visible fraction\n";
   for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
     const RecallBand& band = s.recall_by_visibility[i];
     if (band.instances == 0) continue;
-    const std::string recall = RateText(Ratio(band.recalled, band.instances), s.recall_ci95[i]);
-    line(BandName(band) + " %", fmt::format("{}  {} of {}", recall, band.recalled, band.instances));
+    rate(BandName(band) + " %", {band.recalled, band.instances, s.recall_ci95[i]},
+         fmt::format("{} of {}", band.recalled, band.instances));
   }
-  if (!s.bands.empty()) text += CurveTable(s.bands);
+  if (!s.bands.empty()) text += CurveTable(s.bands, few_bins);
   text += "Failed picks by reason\n";
-  if (s.failures.empty()) text += "  nothing was lost\n";
+  if (s.failures.empty()) text += "  no pick failed\n";
   for (const auto& [reason, count] : s.failures) {
     line(reason, fmt::format("{:<6}{}", count, StageName(StageOf(*FailureFromName(reason)))));
   }
@@ -352,13 +343,12 @@ std::string SummaryTable(const RunSummary& s) {
     rate("instances cleared", s.requested_picked, ClearedText(s));
   }
   if (s.cycle.picks_per_hour() > 0) line("picks per hour", CycleText(s.cycle));
-  if (const std::string few = FewBinsText(s.trials); !few.empty()) text += "  " + few + "\n";
   if (!s.refused.empty()) text += RefusedText(s);
   for (const CrashedTrial& trial : s.crashed) {
     line("crashed", fmt::format("trial {} (seed {}, scene {}): {}", trial.trial, trial.seed,
                                 trial.bin_index, trial.why));
   }
-  if (s.executed_grasps > 0) text += RulesText(s);
+  if (s.executed_grasps > 0) text += RulesText(s, few_bins);
   text += "Poses (right: MSSD < 0.1 diameter)\n";
   rate("top-ranked pose right", {s.top1_correct, s.frames, s.top1_ci95},
        fmt::format("{} of {} images", s.top1_correct, s.frames));
@@ -377,112 +367,8 @@ std::string SummaryTable(const RunSummary& s) {
   text += ForecastText(s.forecasts);
   text += "Seconds per bin\n";
   for (const auto& [stage, seconds] : s.seconds) line(stage, fmt::format("{:.2f}", seconds));
+  if (const std::string few = FewBinsText(s.trials); !few.empty()) text += few + "\n";
   return text;
-}
-
-std::string TrialsCsv(const std::vector<TrialResult>& trials,
-                      const std::vector<CrashedTrial>& crashed) {
-  std::string csv = HeaderLine(TrialsColumns());
-  auto next_crashed = crashed.begin();
-  const auto add_crashed_before = [&](int trial) {
-    for (; next_crashed != crashed.end() && next_crashed->trial < trial; ++next_crashed) {
-      csv += fmt::format("{},{},{},crashed,,,,,,,,,\n", next_crashed->trial,
-                         next_crashed->configuration, next_crashed->bin_index);
-    }
-  };
-  for (const TrialResult& t : trials) {
-    int executed_grasps = 0, successes = 0;
-    for (const AttemptRecord& attempt : t.attempts) {
-      executed_grasps += attempt.grasp.has_value();
-      successes += attempt.grasp && attempt.failure == FailureReason::kNone;
-    }
-    add_crashed_before(t.trial);
-    csv += fmt::format("{},{},{},finished,{},{},{},{},{},{},{},{},{}\n", t.trial, t.configuration,
-                       t.bin_index, t.instances_dropped, t.instances_cleared, executed_grasps,
-                       successes, FailureName(t.ended_by), t.certificate.simulated_s,
-                       1e3 * t.certificate.wake_movement_m,
-                       1e3 * t.certificate.deepest_penetration_m, t.refused.size());
-  }
-  add_crashed_before(std::numeric_limits<int>::max());
-  return csv;
-}
-
-std::string AttemptsCsv(const std::vector<TrialResult>& trials,
-                        const std::vector<std::string>& object_names, const ToleranceMaps& maps) {
-  const MetricColumns placed = MetricColumns::Placed(MetricUnits::kShown);
-  const MetricColumns at_end = MetricColumns::AtEnd(MetricUnits::kShown);
-  std::string csv = HeaderLine(AttemptsColumns());
-  for (const TrialResult& trial : trials) {
-    for (const AttemptRecord& attempt : trial.attempts) {
-      csv += fmt::format("{},{},{},{},{},{},{},", trial.trial, trial.configuration, attempt.attempt,
-                         attempt.target, attempt.band, attempt.instances.size(),
-                         attempt.hypotheses.size());
-      std::string cells_at_end = at_end.EmptyCells(), pose = EmptyPoseCells();
-      if (attempt.chosen >= 0) {
-        const HypothesisRecord& h = attempt.hypotheses.at(attempt.chosen);
-        csv += fmt::format("{},{},{}{},{},{},", object_names.at(h.object), h.instance, h.score,
-                           placed.Cells(h.metrics), ChanceCell(maps.PickChance(h)),
-                           ChanceCell(maps.PickChance(h, *attempt.grasp)));
-        cells_at_end = at_end.Cells(h.metrics);
-        pose = PoseCells(h.X_WO);
-      } else {
-        csv += ",,," + placed.EmptyCells() + ",,";
-      }
-      csv += fmt::format("{},{},{},{},{}{}{}{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
-                         FailureName(attempt.failure), 1e3 * attempt.outcome.slip_m,
-                         kDegreesPerRadian * attempt.outcome.in_hand_rotation_error_rad,
-                         attempt.outcome.neighbors_displaced, OutcomeCells(attempt), pose,
-                         cells_at_end);
-    }
-  }
-  return csv;
-}
-
-std::string InstancesCsv(const std::vector<TrialResult>& trials,
-                         const std::vector<std::string>& object_names) {
-  std::string csv = HeaderLine(InstancesColumns());
-  for (const TrialResult& trial : trials) {
-    for (const AttemptRecord& attempt : trial.attempts) {
-      for (const InstanceRecord& instance : attempt.instances) {
-        csv +=
-            fmt::format("{},{},{},{},{},{},{},{},{}\n", trial.trial, trial.configuration,
-                        attempt.attempt, instance.instance, object_names.at(instance.object),
-                        instance.visible_fraction, instance.recalled ? 1 : 0,
-                        FailureName(instance.missed), instance.instance == attempt.target ? 1 : 0);
-      }
-    }
-  }
-  return csv;
-}
-
-std::string InstanceOutcomesCsv(const std::vector<TrialResult>& trials,
-                                const std::vector<std::string>& object_names) {
-  std::string csv = HeaderLine(InstanceOutcomesColumns());
-  for (const TrialResult& trial : trials) {
-    for (const InstanceOutcome& instance_outcome : trial.outcomes) {
-      csv += fmt::format("{},{},{},{},{},{},{},{}\n", trial.trial, trial.configuration,
-                         instance_outcome.instance, object_names.at(instance_outcome.object),
-                         instance_outcome.picked  ? "picked"
-                         : instance_outcome.asked ? "failed"
-                                                  : "not_asked",
-                         FailureName(instance_outcome.failure),
-                         StageName(StageOf(instance_outcome.failure)), instance_outcome.attempt);
-    }
-  }
-  return csv;
-}
-
-std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle) {
-  std::string csv = HeaderLine(TimingsColumns());
-  for (const TrialResult& trial : trials) {
-    for (const auto& [stage, seconds] : trial.seconds) {
-      csv += fmt::format("{},{},{:.6f}\n", trial.trial, stage, seconds);
-    }
-  }
-  if (cycle.pick_s() == 0) return csv;
-  csv += fmt::format("all,cycle/sense,{:.6f}\nall,cycle/compute,{:.6f}\nall,cycle/move,{:.6f}\n",
-                     cycle.sense_s, cycle.compute_s, cycle.move_s);
-  return csv + fmt::format("all,cycle/part,{:.6f}\n", cycle.pick_s());
 }
 
 }  // namespace pickbed::eval

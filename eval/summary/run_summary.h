@@ -44,6 +44,8 @@ struct TrialRefusal {
 
 // Name of each element of RunSummary::in_view: "0-10", "10-30", ..., "90-100".
 std::vector<std::string> InViewNames();
+// Returns the element of RunSummary::in_view that counts an instance.
+size_t InViewIndex(double visible_fraction);
 
 // Statistics of a run. Scenes are the units of the intervals (see ClusterInterval), because picks
 // of one bin are not independent.
@@ -97,25 +99,7 @@ std::string SummaryJson(const RunSummary& summary);
 // Returns sentences on the instances in view: how many do not count because they are hidden, and
 // how occluded the others are. Empty without images.
 std::string InViewText(const RunSummary& summary);
-std::string SummaryTable(const RunSummary& summary);  // text for the console
-// Returns trials.csv: one line per trial. Crashed trials have empty cells.
-std::string TrialsCsv(const std::vector<TrialResult>& trials,
-                      const std::vector<CrashedTrial>& crashed = {});
-// Returns attempts.csv: one line per attempt. p_pick is the success probability of the executed
-// pose, averaged over the grasps of its tolerance model. p_grasp is the probability with the
-// executed grasp. Both are empty without a model. `object_names` are the names of the dropped
-// objects.
-std::string AttemptsCsv(const std::vector<TrialResult>& trials,
-                        const std::vector<std::string>& object_names,
-                        const ToleranceMaps& maps = {});
-// Returns instances.csv: one line per instance in view of each image.
-std::string InstancesCsv(const std::vector<TrialResult>& trials,
-                         const std::vector<std::string>& object_names);
-// Returns instance_outcomes.csv: one line per wanted instance that was dropped.
-std::string InstanceOutcomesCsv(const std::vector<TrialResult>& trials,
-                                const std::vector<std::string>& object_names);
-// Returns timings.csv: seconds by trial and stage. The last lines have the trial "all" and hold the
-// cycle time per picked instance.
-std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& cycle = {});
+// Returns the summary as text for the console.
+std::string SummaryTable(const RunSummary& summary);
 
 }  // namespace pickbed::eval

@@ -69,7 +69,7 @@ void WriteAttemptPictures(const std::filesystem::path& folder, int attempt, cons
   WritePng(folder / AttemptPicture(attempt, "overlay"), overlay);
 }
 
-void LostPickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
+void FailedPickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
   if (stage == TrialStage::kScene) before_ = attempt.scene;
   if (stage != TrialStage::kOutcome || attempt.record.failure == FailureReason::kNone) return;
   SimulatedCell& cell = attempt.cell;
@@ -95,7 +95,7 @@ void PickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
     WritePng(folder_ / AttemptPicture(number, "after"),
              pictures_.Of(attempt.cell, attempt.scene).color);
   }
-  lost_.OnStage(stage, attempt);
+  failed_.OnStage(stage, attempt);
   animation_.OnStage(stage, attempt);
 }
 

@@ -44,9 +44,9 @@ void WriteAttemptPictures(const std::filesystem::path& folder, int attempt, cons
 
 // Writes a small overlay of each failed attempt, in the size used by a report. It is drawn after
 // the pick, so that a successful pick costs nothing.
-class LostPickPictures : public TrialObserver {
+class FailedPickPictures : public TrialObserver {
  public:
-  explicit LostPickPictures(const std::filesystem::path& folder, const PictureSize& size = {})
+  explicit FailedPickPictures(const std::filesystem::path& folder, const PictureSize& size = {})
       : folder_(folder), size_(size) {}
   void OnStage(TrialStage stage, const AttemptState& attempt) override;
 
@@ -60,14 +60,14 @@ class LostPickPictures : public TrialObserver {
 class PickPictures : public TrialObserver {
  public:
   explicit PickPictures(const std::filesystem::path& folder)
-      : folder_(folder), lost_(folder), animation_(folder, /*with_gif=*/false) {}
+      : folder_(folder), failed_(folder), animation_(folder, /*with_gif=*/false) {}
   void OnStage(TrialStage stage, const AttemptState& attempt) override;
   MotionListener ListenToMotion() override { return animation_.ListenToMotion(); }
 
  private:
   std::filesystem::path folder_;
   BinPictures pictures_;
-  LostPickPictures lost_;
+  FailedPickPictures failed_;
   PickAnimation animation_;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "eval/store/results_store.h"
+#include "eval/summary/run_csv.h"
 #include "eval/trial/oracle_estimator.h"
 #include "grasp/grippers/requirements.h"
 #include "grasp/grippers/table.h"

@@ -47,7 +47,7 @@ struct Sweep {
 const Configuration& ConfigurationOf(const Sweep& sweep, int trial);
 
 // Pictures to be written by a trial, see eval/sweep/attempt_pictures.h.
-enum class PicturesWanted { kNone, kOfLostPicks, kAll };
+enum class PicturesWanted { kNone, kOfFailedPicks, kAll };
 // Pictures of one trial and their folder.
 struct PictureOrder {
   PicturesWanted wanted = PicturesWanted::kNone;

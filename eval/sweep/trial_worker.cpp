@@ -48,7 +48,7 @@ std::string DoItem(Bench& bench, const Configuration& configuration, const Sweep
   if (bin_index < options.picture_trials) {
     pictures.wanted = PicturesWanted::kAll;
   } else if (bin_index < options.lost_picture_trials) {
-    pictures.wanted = PicturesWanted::kOfLostPicks;
+    pictures.wanted = PicturesWanted::kOfFailedPicks;
   }
   TrialResult result;
   {
@@ -111,12 +111,12 @@ MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
                                                     on_progress, trial_options);
         return [runner](BinIndex bin_index, const PictureOrder& order) {
           PickPictures all(order.folder);
-          LostPickPictures lost(order.folder);
+          FailedPickPictures failed(order.folder);
           switch (order.wanted) {
             case PicturesWanted::kAll:
               return runner->Run(bin_index, &all);
-            case PicturesWanted::kOfLostPicks:
-              return runner->Run(bin_index, &lost);
+            case PicturesWanted::kOfFailedPicks:
+              return runner->Run(bin_index, &failed);
             case PicturesWanted::kNone:
               break;
           }

@@ -141,13 +141,6 @@ std::vector<std::string> KeyNumbers(const ToleranceStudy& study,
   return lines;
 }
 
-Rgb8 Mixed(const Rgb8& a, const Rgb8& b, double share) {
-  const auto mix = [&](uint8_t p, uint8_t q) {
-    return static_cast<uint8_t>(std::lround(p + share * (q - p)));
-  };
-  return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
-}
-
 Rgb8 ShareColor(double share) {
   return share < 0.5 ? Mixed(kFails, kWhite, 2 * share) : Mixed(kWhite, kSucceeds, 2 * share - 1);
 }

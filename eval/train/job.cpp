@@ -90,7 +90,10 @@ TrainingSet PlanTrainingSet(const TrainingSetChoice& choice) {
     for (size_t i = 0; i < loaded.objects.size(); ++i) {
       if (!loaded.spec.objects[i].distractor) learned.push_back(loaded.objects[i]);
     }
-    training_set = {loaded.name, std::move(loaded.spec), true, {}, 0, std::move(learned), {}};
+    training_set.name = loaded.name;
+    training_set.spec = std::move(loaded.spec);
+    training_set.has_cell = true;
+    training_set.objects = std::move(learned);
   }
   if (!choice.bop_path.empty()) {
     CheckInput(choice.objects.empty() && training_set.objects.empty(),
@@ -120,6 +123,7 @@ TrainingSet PlanTrainingSet(const TrainingSetChoice& choice) {
     training_set.sensors.push_back(LoadSensorProfile(name));
   }
   training_set.distractor_share = choice.distractor_share;
+  training_set.deep_share = choice.deep_share;
   if (!choice.start_from.empty()) AddKnownObjects(choice, training_set);
   if (training_set.has_cell) {
     RequireVisibleObjects(training_set);
@@ -134,6 +138,7 @@ std::unique_ptr<LabelledViewSource> MakeTrainingViews(const TrainingSet& trainin
                                    [&] { return LoadSensorProfile(training_set.spec.sensor); });
   options.scene_sensors = training_set.sensors;
   options.distractor_share = training_set.distractor_share;
+  options.deep_share = training_set.deep_share;
   options.appearance = TrainingAppearance(training_set.spec.appearance);
   options.camera = training_set.camera.value_or(CameraOf(training_set.spec).intrinsics);
   options.bin = BinOf(training_set.spec);

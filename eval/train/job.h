@@ -22,6 +22,7 @@ struct TrainingSetChoice {
   ScenarioRequest scenario;          // optional: camera, bin, sensor, appearance and objects
   std::vector<std::string> sensors;  // for clutter scenes; empty = sensor of the scenario
   double distractor_share = 0.3;     // share of clutter scenes with distractors
+  double deep_share = 0.4;           // share of clutter scenes that are deep piles
   std::string start_from;            // model file; its objects are trained again with the others
 };
 
@@ -32,6 +33,7 @@ struct TrainingSet {
   bool has_cell = false;  // true: cell of a scenario; else the cell size fits each object
   std::vector<SensorProfile> sensors;  // for clutter scenes; empty = sensor of the scenario
   double distractor_share = 0;         // share of clutter scenes with distractors
+  double deep_share = 0;               // share of clutter scenes that are deep piles
   ObjectSet objects;
   std::optional<CameraIntrinsics> camera;  // of a BOP data set; replaces the camera of the scenario
 };

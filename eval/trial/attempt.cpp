@@ -36,26 +36,29 @@ std::vector<PoseHypothesis> EstimatePoses(TrialSetup& setup, const Observation& 
   Rng rng = Rng::Derive(setup.spec.seed, trial.bin_index, fmt::format("estimate/{}", attempt));
   EstimateResult result;
   if (setup.estimator) {
-    result = setup.estimator->Estimate(view.frame, rng);
+    result = setup.estimator->Estimate(view.frame, view.calibration, rng);
   } else if (!oracle.AllOfPerception()) {
-    result = OracleEstimate(truth.instances(), setup.spec.estimator, rng);
+    result = OracleEstimate(InstancesInImage(setup.cell, trial.bin_index, truth.instances()),
+                            setup.spec.estimator, rng);
   }
   for (const auto& [stage, value] : result.seconds) trial.seconds[stage] += value;
   if (!oracle.detection && !oracle.pose && !oracle.refinement) return result.hypotheses;
   const InstanceMatcher visible(setup.metric_models, VisibleInstances(setup, truth));
   auto hypotheses = SubstituteTruth(std::move(result.hypotheses), visible, oracle);
   if (setup.refiner) {
-    setup.refiner->Refine(view.frame, {setup.cell.bin(), setup.cell.camera().X_CW()}, hypotheses);
+    setup.refiner->Refine(view.frame, view.calibration.Background(setup.cell.bin()), hypotheses);
   }
   return hypotheses;
 }
 
 // Compares the poses with ground truth and fills record.instances and record.hypotheses.
-std::vector<ScoredHypothesis> ScoreHypotheses(const TrialSetup& setup, const InstanceMatcher& truth,
+std::vector<ScoredHypothesis> ScoreHypotheses(const TrialSetup& setup, const Observation& view,
+                                              const InstanceMatcher& truth,
                                               const std::vector<PoseHypothesis>& hypotheses,
                                               StageSeconds& seconds, AttemptRecord& record) {
   const StageTimer timer(seconds, "score");
-  AttemptScore score = ScoreAgainstTruth(truth, setup.cell.camera(), hypotheses);
+  AttemptScore score =
+      ScoreAgainstTruth(truth, setup.cell.camera(), view.calibration.camera.X_WC(), hypotheses);
   const std::vector<FailureReason> missed = MissReasons(score, truth);
   for (size_t i = 0; i < missed.size(); ++i) score.instances[i].missed = missed[i];
   record.instances = std::move(score.instances);
@@ -71,7 +74,8 @@ Scene Execute(const TrialSetup& setup, LiveTrial& trial, AttemptRecord& record) 
   record.matched_instance = MatchedInstance(chosen, setup.options.match_diameters);
   const MotionListener on_step =
       trial.observer != nullptr ? trial.observer->ListenToMotion() : MotionListener();
-  ExecuteResult executed = TryGrasp(setup, trial.scene, *record.grasp, chosen, on_step);
+  ExecuteResult executed =
+      TryGrasp(setup, {trial.scene, trial.objects}, *record.grasp, chosen, record.errors, on_step);
   record.outcome = executed.outcome;
   trial.failed.Remember(*record.grasp, PoseOf(chosen), record.outcome);
   return std::move(executed.after);
@@ -84,6 +88,7 @@ AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& 
   record.attempt = task.attempt;
   record.target = task.target;
   record.band = task.band;
+  record.errors = setup.cell.ErrorsOf(trial.bin_index, task.attempt);
   AttemptState state{trial.bin_index, setup.cell, *setup.gripper, trial.scene, record};
   const auto reach = [&](TrialStage stage) { ReachStage(stage, state, record, trial.observer); };
 
@@ -93,14 +98,15 @@ AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& 
   reach(TrialStage::kImage);
   const InstanceMatcher truth(setup.metric_models, InstancesOf(trial.scene, view.visible_fractions,
                                                                setup.cell.camera().X_CW()));
-  const std::vector<ScoredHypothesis> hypotheses = ScoreHypotheses(
-      setup, truth, EstimatePoses(setup, view, truth, task.attempt, trial), trial.seconds, record);
+  const std::vector<ScoredHypothesis> hypotheses =
+      ScoreHypotheses(setup, view, truth, EstimatePoses(setup, view, truth, task.attempt, trial),
+                      trial.seconds, record);
   state.hypotheses = &hypotheses;
   reach(TrialStage::kHypotheses);
   const uint64_t plan_seed =
       Rng::Derive(setup.spec.seed, trial.bin_index, fmt::format("plan/{}", task.attempt)).Next();
-  record.grasp =
-      ChooseGrasp(setup, trial.scene, view, trial.failed, plan_seed, record, trial.seconds);
+  record.grasp = ChooseGrasp(setup, {trial.scene, trial.objects}, view, trial.failed, plan_seed,
+                             record, trial.seconds);
   reach(TrialStage::kGrasp);
   Scene after = record.grasp ? Execute(setup, trial, record) : trial.scene;
   record.failure = AttributeFailure(record, hypotheses, setup.options.match_diameters, truth);

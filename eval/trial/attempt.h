@@ -16,6 +16,7 @@ class TrialObserver;
 // State of a running trial. Every attempt reads the scene and replaces it by the scene after it.
 struct LiveTrial {
   BinIndex bin_index{0};  // random streams derive from it
+  ObjectSet objects;      // in their true sizes
   Scene scene;
   GraspMemory failed;
   StageSeconds seconds;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "eval/trial/simulated_cell.h"
+#include "eval/cell/simulated_cell.h"
 #include "eval/trial/stage_oracle.h"
 
 namespace pickbed::eval {

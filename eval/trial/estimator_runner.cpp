@@ -36,11 +36,12 @@ std::unique_ptr<LabelledViewSource> CellViews(const SimulatedCell& cell, const O
   return MakeSimViewSource(objects, options);
 }
 
-void KeepThoseInBin(const SimulatedCell& cell, std::vector<PoseHypothesis>& hypotheses) {
-  const Pose& X_WC = cell.camera().X_WC();
+void KeepThoseInBin(const SimulatedCell& cell, const CellCalibration& calibration,
+                    std::vector<PoseHypothesis>& hypotheses) {
+  const Pose X_BC = calibration.X_BD();
   std::erase_if(hypotheses, [&](const PoseHypothesis& hypothesis) {
     const Eigen::Vector3d& com_O = cell.objects()[hypothesis.object]->mass.com_O;
-    return !cell.bin().Holds(X_WC * hypothesis.X_CO * com_O);
+    return !cell.bin().Holds(X_BC * hypothesis.X_CO * com_O);
   });
 }
 
@@ -70,19 +71,23 @@ EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& 
 EstimatorRunner::~EstimatorRunner() = default;
 
 EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, Rng& rng, EstimateTrace* trace) {
+  return Estimate(frame, {cell_.camera(), std::nullopt}, rng, trace);
+}
+
+EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalibration& calibration,
+                                         Rng& rng, EstimateTrace* trace) {
   EstimateResult result;
   StageSeconds seconds;
   {
     const StageTimer timer(seconds, "estimate");
-    const KnownBackground background{cell_.bin(), cell_.camera().X_CW()};
-    result = estimator_->Estimate({frame, background, trace}, rng);
+    result = estimator_->Estimate({frame, calibration.Background(cell_.bin()), trace}, rng);
     for (PoseHypothesis& hypothesis : result.hypotheses) {
       hypothesis.object = cell_.wanted()[hypothesis.object];
     }
-    KeepThoseInBin(cell_, result.hypotheses);
+    KeepThoseInBin(cell_, calibration, result.hypotheses);
     if (trace) {
       Renumber(cell_.wanted(), *trace);
-      KeepThoseInBin(cell_, trace->accepted);
+      KeepThoseInBin(cell_, calibration, trace->accepted);
     }
   }
   for (const auto& [stage, value] : result.seconds) seconds["estimate/" + stage] += value;

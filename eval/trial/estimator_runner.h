@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "eval/trial/simulated_cell.h"
+#include "eval/cell/simulated_cell.h"
 #include "perception/estimators/pose_estimator.h"
 
 namespace pickbed::eval {
@@ -18,10 +18,11 @@ namespace pickbed::eval {
 // bin.
 std::unique_ptr<LabelledViewSource> CellViews(const SimulatedCell& cell, const ObjectSet& objects);
 
-// Removes hypotheses whose center of mass is beside or below the cell's bin. Noise at the edge of
-// the rim can look like an instance that hangs outside, where no depth contradicts it.
-// PoseHypothesis::object is an index into cell.objects().
-void KeepThoseInBin(const SimulatedCell& cell, std::vector<PoseHypothesis>& hypotheses);
+// Removes hypotheses whose center of mass is beside or below the cell's bin, where the calibration
+// assumes it. Noise at the edge of the rim can look like an instance that hangs outside, where no
+// depth contradicts it. PoseHypothesis::object is an index into cell.objects().
+void KeepThoseInBin(const SimulatedCell& cell, const CellCalibration& calibration,
+                    std::vector<PoseHypothesis>& hypotheses);
 
 // Returns the depth along camera z of the objects, at a quarter of the bin height.
 double WorkingDistance_m(const SimulatedCell& cell);
@@ -41,6 +42,9 @@ class EstimatorRunner {
 
   // Returns the poses inside the bin, in the camera frame. Times are under "estimate" and, for each
   // stage, "estimate/STAGE". Only estimators that support traces fill `trace`.
+  EstimateResult Estimate(const RgbdFrame& frame, const CellCalibration& calibration, Rng& rng,
+                          EstimateTrace* trace = nullptr);
+  // Same for an exact cell.
   EstimateResult Estimate(const RgbdFrame& frame, Rng& rng, EstimateTrace* trace = nullptr);
 
  private:

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/trial/grasp_choice.h"
-#include "eval/trial/simulated_cell.h"
 
 namespace pickbed::eval {
 namespace {

@@ -41,18 +41,34 @@ PlannedPoses PosesOf(const AttemptRecord& record, double match_diameters) {
   return planned;
 }
 
+// Plans in the bin that the cell assumes, and returns the grasps in the world.
+PlanResult PlanInAssumedBin(const TrialSetup& setup, const CellCalibration& calibration,
+                            const PlannedPoses& on, std::vector<Eigen::Vector3d> cloud_W,
+                            const PlanOptions& options) {
+  std::vector<EstimatedPose> poses = on.poses;
+  if (calibration.X_WB) {
+    const Pose X_BW = calibration.X_WB->inverse();
+    for (EstimatedPose& pose : poses) pose.X_WO = X_BW * pose.X_WO;
+    for (Eigen::Vector3d& point : cloud_W) point = X_BW * point;
+  }
+  PlanResult plan = PlanGrasps({setup.cell.bin(), poses, setup.candidates, cloud_W,
+                                setup.cell.objects(), *setup.gripper, on.graspable},
+                               options);
+  if (!calibration.X_WB) return plan;
+  for (Grasp& grasp : plan.grasps) grasp.X_WG = *calibration.X_WB * grasp.X_WG;
+  return plan;
+}
+
 // Returns the planned grasps, best first, without repetitions of failures.
 std::vector<Grasp> PlanOnEstimate(const TrialSetup& setup, const Observation& view,
                                   const PlannedPoses& on, const GraspMemory& failed,
                                   uint64_t rng_seed, AttemptRecord& record) {
-  const auto cloud_W =
-      ObservedPoints(view.frame, setup.cell.camera().X_WC(), setup.options.cloud_stride_px);
+  auto cloud_W =
+      ObservedPoints(view.frame, view.calibration.camera.X_WC(), setup.options.cloud_stride_px);
   PlanOptions options = RankedOptions(setup, rng_seed);
   if (setup.options.truth.grasp) options.max_grasps = setup.options.true_grasps;
   if (!failed.empty()) options.max_grasps = setup.options.retry_grasps;
-  PlanResult plan = PlanGrasps({setup.cell.bin(), on.poses, setup.candidates, cloud_W,
-                                setup.cell.objects(), *setup.gripper, on.graspable},
-                               options);
+  PlanResult plan = PlanInAssumedBin(setup, view.calibration, on, std::move(cloud_W), options);
   record.grasps_rejected = std::move(plan.rejected);
   std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
   if (fresh.size() < plan.grasps.size()) {
@@ -63,32 +79,28 @@ std::vector<Grasp> PlanOnEstimate(const TrialSetup& setup, const Observation& vi
 
 // Constraints are relaxed, since trying in the true scene shows what is free: no observed point and
 // no other pose is an obstacle, and no approach is too flat.
-std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const PlannedPoses& on,
-                               const GraspMemory& failed, uint64_t rng_seed) {
+std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const CellCalibration& calibration,
+                               const PlannedPoses& on, const GraspMemory& failed,
+                               uint64_t rng_seed) {
   PlanOptions relaxed = RankedOptions(setup, rng_seed);
   relaxed.max_grasps = setup.options.true_grasps;
   relaxed.max_tilt_rad = 0.5 * std::numbers::pi;
   relaxed.min_quality = 0;
   relaxed.bin_clearance_m = 0;
   relaxed.neighbor_confidence = PlanOptions::kNoNeighbors;
-  const PlanResult plan = PlanGrasps({setup.cell.bin(),
-                                      on.poses,
-                                      setup.candidates,
-                                      {},
-                                      setup.cell.objects(),
-                                      *setup.gripper,
-                                      on.graspable},
-                                     relaxed);
+  const PlanResult plan = PlanInAssumedBin(setup, calibration, on, {}, relaxed);
   return failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
 }
 
-std::optional<Grasp> FirstThatSucceeds(const TrialSetup& setup, const Scene& scene,
+std::optional<Grasp> FirstThatSucceeds(const TrialSetup& setup, const TrueScene& truth,
                                        const std::vector<Grasp>& grasps,
                                        const AttemptRecord& record) {
   const size_t tried = std::min<size_t>(grasps.size(), setup.options.true_grasps);
   for (size_t i = 0; i < tried; ++i) {
     const HypothesisRecord& hypothesis = record.hypotheses[grasps[i].hypothesis];
-    if (TryGrasp(setup, scene, grasps[i], hypothesis).outcome.success) return grasps[i];
+    if (TryGrasp(setup, truth, grasps[i], hypothesis, record.errors).outcome.success) {
+      return grasps[i];
+    }
   }
   return std::nullopt;
 }
@@ -139,14 +151,16 @@ EstimatedPose PoseOf(const HypothesisRecord& hypothesis) {
   return {hypothesis.object, hypothesis.X_WO, hypothesis.score};
 }
 
-ExecuteResult TryGrasp(const TrialSetup& setup, const Scene& scene, const Grasp& grasp,
-                       const HypothesisRecord& hypothesis, const MotionListener& on_step) {
+ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Grasp& grasp,
+                       const HypothesisRecord& hypothesis, const AttemptErrors& errors,
+                       const MotionListener& on_step) {
   const InstanceId matched = MatchedInstance(hypothesis, setup.options.match_diameters);
-  return ExecuteGrasp(scene, setup.cell.objects(), grasp, *setup.gripper,
-                      {matched, hypothesis.object, hypothesis.X_WO}, setup.execute, on_step);
+  return ExecuteWithErrors(truth, grasp, *setup.gripper,
+                           {matched, hypothesis.object, hypothesis.X_WO}, setup.execute, errors,
+                           on_step);
 }
 
-std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const Scene& scene,
+std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth,
                                  const Observation& view, const GraspMemory& failed,
                                  uint64_t rng_seed, AttemptRecord& record, StageSeconds& seconds) {
   const PlannedPoses on = PosesOf(record, setup.options.match_diameters);
@@ -158,9 +172,9 @@ std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const Scene& scene,
   }
   if (setup.options.truth.grasp) {
     const StageTimer timer(seconds, "try");
-    if (const auto grasp = FirstThatSucceeds(setup, scene, planned, record)) return grasp;
-    const std::vector<Grasp> relaxed = PlanRelaxed(setup, on, failed, rng_seed);
-    if (const auto grasp = FirstThatSucceeds(setup, scene, relaxed, record)) return grasp;
+    if (const auto grasp = FirstThatSucceeds(setup, truth, planned, record)) return grasp;
+    const std::vector<Grasp> relaxed = PlanRelaxed(setup, view.calibration, on, failed, rng_seed);
+    if (const auto grasp = FirstThatSucceeds(setup, truth, relaxed, record)) return grasp;
   }
   return planned.empty() ? std::nullopt : std::optional(planned.front());
 }

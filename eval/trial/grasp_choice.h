@@ -46,14 +46,15 @@ bool IsGraspable(const HypothesisRecord& hypothesis, InstanceId target, double m
 // Returns the estimated pose in the world.
 EstimatedPose PoseOf(const HypothesisRecord& hypothesis);
 
-// Executes a grasp on a hypothesis in the true scene `scene`, which does not change, and returns
-// the scene after it. `on_step` is called after each step of the physics.
-ExecuteResult TryGrasp(const TrialSetup& setup, const Scene& scene, const Grasp& grasp,
-                       const HypothesisRecord& hypothesis, const MotionListener& on_step = {});
+// Executes a grasp on a hypothesis in the true scene, which does not change, with the errors of the
+// attempt, and returns the scene after it. `on_step` is called after each step of the physics.
+ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Grasp& grasp,
+                       const HypothesisRecord& hypothesis, const AttemptErrors& errors,
+                       const MotionListener& on_step = {});
 
 // Returns the grasp to execute on one of record.hypotheses, or nullopt if there is none. Fills
 // record.grasps_rejected and adds the times to `seconds`. `rng_seed` is the planner's seed.
-std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const Scene& scene,
+std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth,
                                  const Observation& view, const GraspMemory& failed,
                                  uint64_t rng_seed, AttemptRecord& record, StageSeconds& seconds);
 

@@ -8,6 +8,7 @@
 #include "eval/layer.h"
 #include "scenes/base/ids.h"
 #include "scenes/scenario/failure_reason.h"
+#include "scenes/scene.h"
 
 namespace pickbed::eval {
 
@@ -21,6 +22,8 @@ struct InstanceOutcome {
   bool asked = true;  // false: it was left when the policy's number of picks was reached
   FailureReason failure = FailureReason::kNone;  // if requested and not picked
   int attempt = -1;                              // the attempt that decided it, -1 = none
+  InstanceDeviation deviation = {};              // of friction and mass
+  double size_deviation = 0;                     // against CAD, as a share
 };
 
 // How a trial ended; decides the outcome of the remaining instances.

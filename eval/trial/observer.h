@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/trial/pose_matching.h"
-#include "eval/trial/simulated_cell.h"
 #include "eval/trial/stage_hash.h"
 #include "eval/trial/trial.h"
 #include "grasp/execute/motion_listener.h"

@@ -23,7 +23,7 @@ SceneCertificate WorstOf(const MadeSeries& made) {
   return worst;
 }
 
-void CountTarget(const Scene& scene, TrialResult& result) {
+void CountTarget(const Scene& scene, const std::vector<double>& sizes, TrialResult& result) {
   const AttemptRecord& pick = result.attempts.back();
   const auto target =
       std::find_if(scene.objects.begin(), scene.objects.end(),
@@ -31,6 +31,8 @@ void CountTarget(const Scene& scene, TrialResult& result) {
   InstanceOutcome& instance_outcome = result.outcomes.emplace_back();
   instance_outcome.instance = pick.target;
   instance_outcome.object = target->object;
+  instance_outcome.deviation = target->deviation;
+  instance_outcome.size_deviation = sizes[target->object];
   instance_outcome.picked = pick.failure == FailureReason::kNone;
   instance_outcome.failure = pick.failure;
   instance_outcome.attempt = pick.attempt;
@@ -46,6 +48,9 @@ TrialResult RunOcclusionTrial(TrialSetup& setup, BinIndex bin_index, TrialObserv
   trial.observer = observer;
   TrialResult result;
   result.trial = result.bin_index = bin_index;
+  result.errors = setup.cell.ErrorsOf(bin_index);
+  trial.objects = setup.cell.TrueObjects(bin_index);
+  const std::vector<double> sizes = setup.cell.SizesOf(bin_index);
   MadeSeries made;
   {
     const StageTimer timer(trial.seconds, "drop");
@@ -60,7 +65,7 @@ TrialResult RunOcclusionTrial(TrialSetup& setup, BinIndex bin_index, TrialObserv
     const int attempt = static_cast<int>(result.attempts.size());
     result.attempts.push_back(
         RunAttempt(setup, {attempt, made.series.target, occluded.band}, trial));
-    CountTarget(occluded.scene, result);
+    CountTarget(occluded.scene, sizes, result);
     if (!setup.on_progress) continue;
     const double share = static_cast<double>(result.attempts.size()) / made.series.scenes.size();
     setup.on_progress(fmt::format("trial {}", bin_index), share);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "eval/trial/simulated_cell.h"
 #include "scenes/base/error.h"
 #include "scenes/base/math.h"
 
@@ -20,6 +19,18 @@ Pose WithNoise(const Pose& X_CO, const EstimatorSpec& spec, Rng& rng) {
 }
 
 }  // namespace
+
+std::vector<TrueInstance> InstancesInImage(const SimulatedCell& cell, BinIndex bin_index,
+                                           std::vector<TrueInstance> instances) {
+  const BinErrors errors = cell.ErrorsOf(bin_index);
+  const Camera calibrated = CalibrationOf(cell.camera(), errors).camera;
+  for (TrueInstance& instance : instances) {
+    const Eigen::Vector3d& com_O = cell.objects()[instance.object]->mass.com_O;
+    instance.X_CO =
+        PoseInImage(instance.X_CO, com_O, cell.camera().intrinsics, calibrated.intrinsics, errors);
+  }
+  return instances;
+}
 
 EstimateResult OracleEstimate(const std::vector<TrueInstance>& instances, const EstimatorSpec& spec,
                               Rng& rng) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/trial/instance_matcher.h"
 #include "perception/estimators/pose_estimator.h"
 #include "scenes/base/random.h"
@@ -15,6 +16,11 @@
 namespace pickbed::eval {
 
 inline constexpr char kOracleName[] = "oracle";
+
+// Returns the instances with the poses at which the image of this bin shows them. They differ from
+// the true ones if the cell has errors of the intrinsics or the depth.
+std::vector<TrueInstance> InstancesInImage(const SimulatedCell& cell, BinIndex bin_index,
+                                           std::vector<TrueInstance> instances);
 
 // Returns one hypothesis for each of `instances` that is at least 10 % visible, highest score
 // first. The score is the visible fraction. The noise is normal: sigma noise_mm on each axis of the

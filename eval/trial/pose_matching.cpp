@@ -9,12 +9,12 @@ namespace pickbed::eval {
 namespace {
 
 HypothesisRecord Compare(const InstanceMatcher& truth, const Camera& camera,
-                         const PoseHypothesis& hypothesis,
+                         const Pose& calibrated_X_WC, const PoseHypothesis& hypothesis,
                          const std::vector<InstanceMatch>& matches) {
   HypothesisRecord score;
   score.object = hypothesis.object;
   score.score = hypothesis.score;
-  score.X_WO = camera.X_WC() * hypothesis.X_CO;
+  score.X_WO = calibrated_X_WC * hypothesis.X_CO;
   if (matches.empty()) {
     score.metrics = InfiniteMetrics();
     return score;
@@ -25,7 +25,9 @@ HypothesisRecord Compare(const InstanceMatcher& truth, const Camera& camera,
       RecordedMetrics({truth.model(hypothesis.object), camera.intrinsics, hypothesis.X_CO,
                        nearest.X_CO, /*tolerance=*/nullptr, matches.front().mssd_m});
   score.correct = score.mssd_diameters() < kCorrectDiameters;
-  score.X_OE = nearest.X_CO.inverse() * hypothesis.X_CO;
+  const bool exact = calibrated_X_WC.matrix() == camera.X_WC().matrix();
+  const Pose X_CE = exact ? hypothesis.X_CO : camera.X_CW() * calibrated_X_WC * hypothesis.X_CO;
+  score.X_OE = nearest.X_CO.inverse() * X_CE;
   return score;
 }
 
@@ -38,6 +40,12 @@ std::vector<HypothesisRecord> AttemptScore::Records() const {
 }
 
 AttemptScore ScoreAgainstTruth(const InstanceMatcher& truth, const Camera& camera,
+                               const std::vector<PoseHypothesis>& hypotheses) {
+  return ScoreAgainstTruth(truth, camera, camera.X_WC(), hypotheses);
+}
+
+AttemptScore ScoreAgainstTruth(const InstanceMatcher& truth, const Camera& camera,
+                               const Pose& calibrated_X_WC,
                                const std::vector<PoseHypothesis>& hypotheses) {
   AttemptScore score;
   for (const TrueInstance& instance : truth.instances()) {
@@ -55,8 +63,9 @@ AttemptScore ScoreAgainstTruth(const InstanceMatcher& truth, const Camera& camer
     const auto matches = truth.ByDistance(hypothesis.object, hypothesis.X_CO);
     const int recalled = FirstFreeCorrect(matches, taken);
     if (recalled >= 0) taken[recalled] = score.instances[recalled].recalled = true;
-    score.hypotheses[index] = {hypothesis, Compare(truth, camera, hypothesis, matches), recalled,
-                               truth.NearestOfAnyObject(hypothesis.object, hypothesis.X_CO)};
+    score.hypotheses[index] = {
+        hypothesis, Compare(truth, camera, calibrated_X_WC, hypothesis, matches), recalled,
+        truth.NearestOfAnyObject(hypothesis.object, hypothesis.X_CO)};
   }
   return score;
 }

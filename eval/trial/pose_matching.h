@@ -31,6 +31,14 @@ struct AttemptScore {
 // its `instance` is -1 and its errors are infinite. An instance is recalled if a hypothesis is
 // correct for it. In order of falling score, each hypothesis recalls the nearest instance that is
 // still free, so that no hypothesis counts twice.
+//
+// Pose errors and recall compare poses in the camera frame, so they do not contain the hand-eye
+// error. `calibrated_X_WC` is the camera pose that the cell assumes. HypothesisRecord::X_WO and
+// X_OE use it, since the robot moves to this pose.
+AttemptScore ScoreAgainstTruth(const InstanceMatcher& truth, const Camera& camera,
+                               const Pose& calibrated_X_WC,
+                               const std::vector<PoseHypothesis>& hypotheses);
+// Same for an exact hand-eye calibration.
 AttemptScore ScoreAgainstTruth(const InstanceMatcher& truth, const Camera& camera,
                                const std::vector<PoseHypothesis>& hypotheses);
 

@@ -35,12 +35,14 @@ Scene AfterThePicksBefore(const TrialResult& trial, size_t attempt, const Attemp
   ExecuteOptions options;
   options.rule = DecidingRule(setup.success_rule);
   Scene scene = setup.cell.MakeScene(trial.bin_index).scene;
+  const ObjectSet objects = setup.cell.TrueObjects(trial.bin_index);
   for (size_t i = 0; i < attempt; ++i) {
     const AttemptRecord& earlier = trial.attempts[i];
     if (!earlier.grasp) continue;
     const HypothesisRecord& estimated = earlier.hypotheses.at(earlier.chosen);
-    scene = ExecuteGrasp(scene, setup.cell.objects(), *earlier.grasp, setup.gripper,
-                         {earlier.matched_instance, estimated.object, estimated.X_WO}, options)
+    scene = ExecuteWithErrors({scene, objects}, *earlier.grasp, setup.gripper,
+                              {earlier.matched_instance, estimated.object, estimated.X_WO}, options,
+                              earlier.errors)
                 .after;
   }
   return scene;

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "eval/trial/simulated_cell.h"
+#include "eval/cell/simulated_cell.h"
 #include "eval/trial/trial.h"
 #include "grasp/gripper.h"
 

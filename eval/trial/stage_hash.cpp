@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "eval/trial/simulated_cell.h"
+#include "eval/cell/simulated_cell.h"
 #include "eval/trial/trial.h"
 
 namespace pickbed::eval {
@@ -62,6 +62,8 @@ uint64_t HashOf(const Scene& scene) {
   hash.Add(scene.bin.inner_size_m).Add(scene.bin.wall_m).Add(scene.bin.friction);
   for (const PosedObject& posed : scene.objects) {
     hash.Add(posed.instance).Add(posed.object).Add(posed.X_WO);
+    if (posed.deviation == InstanceDeviation()) continue;
+    hash.Add(posed.deviation.friction).Add(posed.deviation.mass);
   }
   return hash.value();
 }
@@ -111,6 +113,9 @@ uint64_t HashOfOutcome(const AttemptRecord& record) {
   hash.Add(o.retreat_contact).Add(o.retreat_opening);
   hash.Add(o.place_executed).Add(o.place_error_m).Add(o.place_rotation_error_rad);
   for (const bool verdict : o.verdicts) hash.Add(verdict);
+  // An exact cell keeps the hashes of earlier versions.
+  const AttemptErrors& e = record.errors;
+  if (!e.robot_m.isZero(0) || e.force != 0) hash.Add(e.robot_m).Add(e.force);
   return hash.value();
 }
 

@@ -12,6 +12,9 @@ TrialResult DropBin(const TrialSetup& setup, LiveTrial& trial) {
   const StageTimer timer(trial.seconds, "drop");
   TrialResult result;
   result.trial = result.bin_index = trial.bin_index;
+  result.errors = setup.cell.ErrorsOf(trial.bin_index);
+  trial.objects = setup.cell.TrueObjects(trial.bin_index);
+  const std::vector<double> sizes = setup.cell.SizesOf(trial.bin_index);
   CertifiedScene made = setup.cell.MakeScene(trial.bin_index);
   result.certificate = std::move(made.certificate);
   result.refused = std::move(made.refused);
@@ -21,6 +24,8 @@ TrialResult DropBin(const TrialSetup& setup, LiveTrial& trial) {
     InstanceOutcome& outcome = result.outcomes.emplace_back();
     outcome.instance = posed.instance;
     outcome.object = posed.object;
+    outcome.deviation = posed.deviation;
+    outcome.size_deviation = sizes[posed.object];
   }
   trial.scene = std::move(made.scene);
   return result;

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "eval/cell/cell_errors.h"
 #include "eval/metrics/metric_values.h"
 #include "eval/trial/instance_outcomes.h"
 #include "eval/trial/stage_hash.h"
@@ -29,8 +30,10 @@ struct HypothesisRecord {
   double score = 0;
   MetricValues metrics;          // pose errors, infinite without a matched instance
   bool correct = false;          // MSSD < kCorrectDiameters
-  Pose X_WO = Pose::Identity();  // estimated pose in the world
-  Pose X_OE = Pose::Identity();  // estimated object frame E in the frame of the matched instance
+  Pose X_WO = Pose::Identity();  // estimated pose in the world, by the calibration of the cell
+  // Estimated object frame E in the frame of the matched instance. It contains the hand-eye error;
+  // the metrics do not, since they judge the estimator.
+  Pose X_OE = Pose::Identity();
 
   double mssd_m() const { return metrics.Get(kMssd_m); }
   double mssd_diameters() const { return metrics.Get(kMssdDiameters); }
@@ -65,7 +68,8 @@ struct AttemptRecord {
   InstanceId matched_instance = kNoInstance;  // of the chosen hypothesis, -1 = none
   InstanceId target = kNoInstance;            // target instance of an occlusion trial, -1 = none
   int band = -1;                              // band of the target's visible fraction, -1 = none
-  std::optional<Grasp> grasp;
+  std::optional<Grasp> grasp;                 // as planned
+  AttemptErrors errors;                       // of the execution
   GraspOutcome outcome;
   FailureReason failure = FailureReason::kNone;
   std::map<std::string, int> grasps_rejected;  // cause -> number of candidates
@@ -76,6 +80,7 @@ struct TrialResult {
   int trial = 0;          // number in its results store
   int configuration = 0;  // of the sweep, 0 in a plain run
   BinIndex bin_index{0};  // equal for the paired trials of several configurations
+  BinErrors errors;
   SceneCertificate certificate;
   std::vector<RefusedScene> refused;  // before the certified one
   int instances_dropped = 0;

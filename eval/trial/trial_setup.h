@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/metrics/pose_errors.h"
 #include "eval/trial/estimator_runner.h"
-#include "eval/trial/simulated_cell.h"
 #include "eval/trial/stage_oracle.h"
 #include "grasp/execute/execute.h"
 #include "grasp/grasp.h"

@@ -35,7 +35,7 @@ AttemptWorld::AttemptWorld(const Scene& scene, const ObjectSet& objects, const V
                       (center - reference_center).norm() < radius + 0.5 * reference_diameter_m_ ||
                       (center - grasp_W).norm() < radius;
     const BodyMode moving = options.all_active ? BodyMode::kDynamic : BodyMode::kAsleep;
-    physics_.AddInstance(model, posed.X_WO, near ? moving : BodyMode::kStatic);
+    physics_.AddInstance(model, posed.X_WO, near ? moving : BodyMode::kStatic, {}, posed.deviation);
     is_static_.push_back(!near);
     is_lost_.push_back(false);
   }

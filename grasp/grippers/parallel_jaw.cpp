@@ -50,6 +50,12 @@ double ParallelJaw::TravelTime_s(double opening_m) const {
   return 0.5 * opening_m / hand.close_speed_mps;
 }
 
+std::shared_ptr<const Gripper> ParallelJaw::WithForce(double factor) const {
+  auto gripper = std::make_shared<ParallelJaw>(*this);
+  gripper->hand.force_n *= factor;
+  return gripper;
+}
+
 // The end stop of the fingers is at the opening where they start.
 Hand& ParallelJaw::AddTo(PhysicsWorld& world, double opening_m, const Pose& X_WG) const {
   HandSpec limited = hand;

@@ -25,6 +25,7 @@ class ParallelJaw : public Gripper {
   std::optional<double> ApproachOpening_m(double width_m) const override;
   double MaxOpening_m() const override { return hand.stroke_m; }
   double TravelTime_s(double opening_m) const override;
+  std::shared_ptr<const Gripper> WithForce(double factor) const override;
   Hand& AddTo(PhysicsWorld& world, double opening_m, const Pose& X_WG) const override;
   std::vector<AxisAlignedBox> Boxes(double opening_m) const override;
   std::optional<AxisAlignedBox> RegionBetween(double opening_m) const override;

@@ -60,6 +60,14 @@ std::string SuctionCup::Summary() const {
                      cup.moment_limit_nm);
 }
 
+// Pull and moment have the same cause, the pressure in the cup.
+std::shared_ptr<const Gripper> SuctionCup::WithForce(double factor) const {
+  auto gripper = std::make_shared<SuctionCup>(*this);
+  gripper->cup.vacuum_n *= factor;
+  gripper->cup.moment_limit_nm *= factor;
+  return gripper;
+}
+
 Hand& SuctionCup::AddTo(PhysicsWorld& world, double, const Pose& X_WG) const {
   return AddSuctionHand(world, cup, X_WG);
 }

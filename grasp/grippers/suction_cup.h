@@ -26,6 +26,7 @@ class SuctionCup : public Gripper {
   std::optional<double> ApproachOpening_m(double) const override { return 0; }
   double MaxOpening_m() const override { return 0; }
   double TravelTime_s(double) const override { return 0; }
+  std::shared_ptr<const Gripper> WithForce(double factor) const override;
   Hand& AddTo(PhysicsWorld& world, double opening_m, const Pose& X_WG) const override;
   std::vector<AxisAlignedBox> Boxes(double opening_m) const override;
   std::vector<AxisAlignedBox> SoftBoxes() const override;

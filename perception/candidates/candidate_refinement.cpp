@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "perception/candidates/search_effort.h"
 #include "perception/model/ambiguous_poses.h"
 #include "scenes/base/parallel.h"
 
@@ -26,6 +27,9 @@ void KeepBest(size_t max_count, std::vector<ScoredPose>& scored) {
 }  // namespace
 
 void CandidateRefinementOptions::Visit(SettingsVisitor& v) {
+  v.Real("usual_instances", usual_instances, {1, 1e6},
+         "number of visible instances up to which the numbers of patches and candidates hold; a "
+         "scene that shows more gets proportionally more");
   v.Integer("candidates", candidates, {1, 100000},
             "maximum number of refined poses, all objects together");
   v.Integer("min_candidates", min_candidates, {1, 100000},
@@ -78,6 +82,7 @@ CandidateRefiner::CandidateRefiner(const ObjectSet& objects,
     distances_.emplace_back(*object);
     embeddings_.emplace_back(*object);
     ambiguous_poses_.push_back(AmbiguousPoses(*object, models_.back(), distances_.back()));
+    silhouette_m2_ += LargestSilhouette_m2(models_.back()) / static_cast<double>(objects_.size());
   }
 }
 
@@ -104,16 +109,22 @@ VoteDensity CandidateRefiner::Density(ObjectId object, const std::vector<PoseVot
                      options_.density_diameters, votes);
 }
 
-int CandidateRefiner::Kept(double share) const {
+double CandidateRefiner::SceneEffort(const OrganizedCloud& cloud) const {
+  const double instances = ForegroundArea_m2(cloud) / silhouette_m2_;
+  return std::max(1.0, instances / options_.usual_instances);
+}
+
+int CandidateRefiner::Kept(const SearchEffort& effort) const {
   const int all =
       std::max(options_.min_candidates, options_.candidates / static_cast<int>(objects_.size()));
-  return std::max(1, static_cast<int>(share * all));
+  return std::max(1, static_cast<int>(effort.scene * effort.share * all));
 }
 
 // Objects in the same bin share the number of tried poses in the same ratio as the candidates.
-int CandidateRefiner::AmbiguousStarts() const {
-  const double of_all = static_cast<double>(Kept(1)) / options_.candidates;
-  return static_cast<int>(std::ceil(options_.ambiguous_candidates * std::min(1.0, of_all)));
+int CandidateRefiner::AmbiguousStarts(double scene_effort) const {
+  const double of_all = static_cast<double>(Kept({})) / options_.candidates;
+  return static_cast<int>(
+      std::ceil(scene_effort * options_.ambiguous_candidates * std::min(1.0, of_all)));
 }
 
 // Votes of the same patch do not add to the density.
@@ -217,10 +228,11 @@ std::vector<RawHypothesis> CandidateRefiner::BestAmbiguousPoses(const OrganizedC
 }
 
 // `poses` are of one object, best first.
-void CandidateRefiner::AddAmbiguousPoses(const OrganizedCloud& cloud, EstimateTrace* trace,
+void CandidateRefiner::AddAmbiguousPoses(const OrganizedCloud& cloud, double scene_effort,
+                                         EstimateTrace* trace,
                                          std::vector<RawHypothesis>& poses) const {
   constexpr int kStartsAtPlace = 2;
-  const size_t max_starts = AmbiguousStarts();
+  const size_t max_starts = AmbiguousStarts(scene_effort);
   if (poses.empty()) return;
   const ModelPoints& model = models_[poses.front().object];
   Crowding places(kSamePlaceDiameters * model.diameter_m);
@@ -245,10 +257,10 @@ void CandidateRefiner::AddAmbiguousPoses(const OrganizedCloud& cloud, EstimateTr
 std::vector<Candidate> CandidateRefiner::WithFeatures(const OrganizedCloud& cloud,
                                                       const std::vector<RawHypothesis>& poses,
                                                       const VoteDensity& density,
-                                                      int patches) const {
+                                                      double patches) const {
   // The density grows with the number of patches; the verifier gets it scaled to this number.
   constexpr double kUsualPatches = 600;
-  const double per_patch = kUsualPatches / static_cast<double>(patches);
+  const double per_patch = kUsualPatches / patches;
   std::vector<Candidate> candidates(poses.size());
   ForRanges(static_cast<int>(poses.size()), threads_, [&](int begin, int end) {
     EvidenceScratch scratch;
@@ -271,15 +283,15 @@ std::vector<Candidate> CandidateRefiner::WithFeatures(const OrganizedCloud& clou
 
 std::vector<Candidate> CandidateRefiner::RefineCandidates(
     const OrganizedCloud& cloud, ObjectId object, const std::vector<PoseVote>& votes, int patches,
-    double share, StageSeconds& seconds, EstimateTrace* trace) const {
-  return RefineCandidates(cloud, object, votes, votes, patches, share, seconds, trace);
+    const SearchEffort& effort, StageSeconds& seconds, EstimateTrace* trace) const {
+  return RefineCandidates(cloud, object, votes, votes, patches, effort, seconds, trace);
 }
 
 std::vector<Candidate> CandidateRefiner::RefineCandidates(
     const OrganizedCloud& cloud, ObjectId object, const std::vector<PoseVote>& votes,
-    const std::vector<PoseVote>& cast, int patches, double share, StageSeconds& seconds,
-    EstimateTrace* trace) const {
-  const int kept = Kept(share);
+    const std::vector<PoseVote>& cast, int patches, const SearchEffort& effort,
+    StageSeconds& seconds, EstimateTrace* trace) const {
+  const int kept = Kept(effort);
   std::vector<RawHypothesis> poses;
   {
     const StageTimer timer(seconds, "quick");
@@ -298,12 +310,12 @@ std::vector<Candidate> CandidateRefiner::RefineCandidates(
   }
   {
     const StageTimer timer(seconds, "ambiguous_poses");
-    AddAmbiguousPoses(cloud, trace, poses);
+    AddAmbiguousPoses(cloud, effort.scene, trace, poses);
     const size_t all = poses.size();
     poses = Merged(std::move(poses), all);
   }
   const StageTimer timer(seconds, "verify");
-  return WithFeatures(cloud, poses, *density, patches);
+  return WithFeatures(cloud, poses, *density, patches / effort.scene);
 }
 
 std::vector<int> CandidateRefiner::Unexplained(const OrganizedCloud& cloud,

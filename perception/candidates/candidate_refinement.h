@@ -20,6 +20,9 @@ namespace pickbed::perception {
 
 // Options of candidate refinement.
 struct CandidateRefinementOptions {
+  // The numbers of patches, candidates and ambiguous candidates are for up to this many visible
+  // instances. A scene that shows more of them (see search_effort.h) gets proportionally more.
+  double usual_instances = 20;
   int candidates = 300;        // poses refined by ICP, all objects together
   int min_candidates = 100;    // minimum number per object
   double quick_tau_m = 0.008;  // depth band of the quick score
@@ -53,6 +56,12 @@ struct CandidateRefinementOptions {
   void Visit(SettingsVisitor& v);
 };
 
+// How much of the configured numbers a search uses.
+struct SearchEffort {
+  double scene = 1;  // for the number of visible instances in the scene, at least 1
+  double share = 1;  // for the share of the scene that is searched, 0..1
+};
+
 // Refines raw poses to candidates and compares the candidates of a frame.
 class CandidateRefiner {
  public:
@@ -62,19 +71,22 @@ class CandidateRefiner {
 
   // Returns candidates from the raw poses `votes` of objects[object]; hypothesis.object = object.
   // - patches: number of patches or reference points that voted; normalises the vote density
-  // - share: share of the configured number of candidates that is refined, 0..1
+  // - effort: multiplies the configured numbers of candidates
   // - seconds: times are added under "quick", "select", "icp", "ambiguous_poses" and "verify"
   // - trace: if given, the refinements are appended
   std::vector<Candidate> RefineCandidates(const OrganizedCloud& cloud, ObjectId object,
                                           const std::vector<PoseVote>& votes, int patches,
-                                          double share, StageSeconds& seconds,
+                                          const SearchEffort& effort, StageSeconds& seconds,
                                           EstimateTrace* trace = nullptr) const;
   // The same for raw poses that are modes of votes; the density is computed from the votes `cast`.
   std::vector<Candidate> RefineCandidates(const OrganizedCloud& cloud, ObjectId object,
                                           const std::vector<PoseVote>& votes,
                                           const std::vector<PoseVote>& cast, int patches,
-                                          double share, StageSeconds& seconds,
+                                          const SearchEffort& effort, StageSeconds& seconds,
                                           EstimateTrace* trace = nullptr) const;
+
+  // Returns the scene's part of the effort, from its foreground.
+  double SceneEffort(const OrganizedCloud& cloud) const;
 
   // Returns the pixels that no evident candidate explains.
   std::vector<int> Unexplained(const OrganizedCloud& cloud,
@@ -100,16 +112,17 @@ class CandidateRefiner {
                                         const std::vector<RawHypothesis>& starts,
                                         bool ambiguous_poses, EstimateTrace* trace) const;
   std::vector<RawHypothesis> Merged(std::vector<RawHypothesis> poses, size_t max_count) const;
-  void AddAmbiguousPoses(const OrganizedCloud& cloud, EstimateTrace* trace,
+  void AddAmbiguousPoses(const OrganizedCloud& cloud, double scene_effort, EstimateTrace* trace,
                          std::vector<RawHypothesis>& poses) const;
   std::vector<RawHypothesis> BestAmbiguousPoses(const OrganizedCloud& cloud,
                                                 const RawHypothesis& start,
                                                 EvidenceScratch& scratch) const;
   std::vector<Candidate> WithFeatures(const OrganizedCloud& cloud,
                                       const std::vector<RawHypothesis>& poses,
-                                      const VoteDensity& density, int patches) const;
-  int Kept(double share) const;
-  int AmbiguousStarts() const;  // number of poses of one object whose ambiguous poses are tried
+                                      const VoteDensity& density, double patches) const;
+  int Kept(const SearchEffort& effort) const;
+  // Number of poses of one object whose ambiguous poses are tried.
+  int AmbiguousStarts(double scene_effort) const;
 
   ObjectSet objects_;
   CandidateRefinementOptions options_;
@@ -119,6 +132,7 @@ class CandidateRefiner {
   std::vector<PoseDistance> distances_;
   std::vector<PoseEmbedding> embeddings_;
   std::vector<std::vector<Pose>> ambiguous_poses_;  // transforms S_O, by object
+  double silhouette_m2_ = 0;                        // largest, mean over the objects
 };
 
 }  // namespace pickbed::perception

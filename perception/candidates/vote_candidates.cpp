@@ -108,7 +108,7 @@ struct CandidateFinder::Impl {
   std::vector<PoseVote> ModesOf(ObjectId object, const std::vector<PatchVote>& votes) const;
   // Samples the pixels `visited` and returns candidates from the votes of their patches.
   std::vector<Candidate> Round(const OrganizedCloud& cloud, const std::vector<int>& visited,
-                               double share, Rng& rng, StageSeconds& seconds,
+                               const SearchEffort& effort, Rng& rng, StageSeconds& seconds,
                                EstimateTrace* trace) const;
 };
 
@@ -224,12 +224,13 @@ std::vector<PoseVote> CandidateFinder::Impl::ModesOf(ObjectId object,
 }
 
 std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
-                                                    const std::vector<int>& visited, double share,
-                                                    Rng& rng, StageSeconds& seconds,
+                                                    const std::vector<int>& visited,
+                                                    const SearchEffort& effort, Rng& rng,
+                                                    StageSeconds& seconds,
                                                     EstimateTrace* trace) const {
   const int of_all = std::max(options.min_points, options.points / static_cast<int>(groups.size()));
-  const std::vector<int> pixels = SpreadPixels(
-      visited, static_cast<int>(std::ceil(share * std::min(options.points, of_all))), rng);
+  const double points = effort.scene * effort.share * std::min(options.points, of_all);
+  const std::vector<int> pixels = SpreadPixels(visited, static_cast<int>(std::ceil(points)), rng);
   if (pixels.empty()) return {};
   std::vector<std::vector<PatchVote>> votes(objects.size());
   for (const SideGroup& group : groups) Vote(group, cloud, pixels, rng, seconds, votes, trace);
@@ -245,7 +246,7 @@ std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
     }
     const std::vector<Candidate> of_object =
         candidate_refiner.RefineCandidates(cloud, object, options.votes == kModes ? poses : cast,
-                                           cast, patches, share, seconds, trace);
+                                           cast, patches, effort, seconds, trace);
     candidates.insert(candidates.end(), of_object.begin(), of_object.end());
   }
   return candidates;
@@ -288,16 +289,16 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
   if (trace) trace->channels = impl_->voter.channels;
   std::vector<Candidate> candidates;
   std::vector<int> unexplained = cloud.foreground_pixels;
-  double share = 1;  // share of the configured numbers of patches and candidates
+  SearchEffort effort{impl_->candidate_refiner.SceneEffort(cloud), 1};
   for (int round = 0; round < impl_->options.rounds && !unexplained.empty(); ++round) {
     if (round > 0) {
       // The remaining pixels are few and difficult, so they get twice the patch density.
       constexpr double kDenser = 2;
       unexplained = impl_->candidate_refiner.Unexplained(cloud, candidates, unexplained);
-      share = std::min(1.0, kDenser * static_cast<double>(unexplained.size()) /
-                                static_cast<double>(cloud.foreground_pixels.size()));
+      effort.share = std::min(1.0, kDenser * static_cast<double>(unexplained.size()) /
+                                       static_cast<double>(cloud.foreground_pixels.size()));
     }
-    for (Candidate& candidate : impl_->Round(cloud, unexplained, share, rng, seconds, trace)) {
+    for (Candidate& candidate : impl_->Round(cloud, unexplained, effort, rng, seconds, trace)) {
       candidates.push_back(candidate);
     }
   }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "perception/cloud/search_cloud.h"
 #include "perception/networks/model_file.h"
 #include "perception/verify/color_consistency.h"
 #include "scenes/base/cache_lock.h"
@@ -22,7 +23,7 @@ IsolatedOptions CodeViews(const EstimatorSetup& setup, const DescriptorOptions& 
   isolated.views = std::max(1, options.code_entries / options.code_patches_per_view);
   isolated.distance_m = setup.working_distance_m;
   isolated.distance_spread = options.code_distance_spread;
-  isolated.focal_px = setup.intrinsics.fx();
+  isolated.focal_px = setup.intrinsics.fx() / SearchBinning(setup);
   return isolated;
 }
 
@@ -50,6 +51,7 @@ class LearnedEstimator : public PoseEstimator {
       : options_(options),
         refiner_(setup.refiner),
         threads_(setup.threads),
+        binning_(SearchBinning(setup)),
         model_(LoadModel(model.file, model.command)) {
     RequireKind(model_.info.network.kind, model);
     options_.pose_selection.min_score = setup.spec.min_score;
@@ -75,6 +77,7 @@ class LearnedEstimator : public PoseEstimator {
   DescriptorOptions options_;
   std::string refiner_;
   int threads_;
+  int binning_;  // see perception/cloud/search_cloud.h
   DescriptorModel model_;
   std::optional<DescriptorModel> regression_;  // second model, which regresses poses
   std::vector<int> trained_;                   // by object: index into model_.info.objects
@@ -168,7 +171,7 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
   OrganizedCloud cloud;
   {
     const StageTimer timer(result.seconds, "cloud");
-    cloud = BuildCloud(input.frame, input.background);
+    cloud = SearchCloud(input.frame, input.background, binning_);
   }
   const std::vector<Candidate> candidates = finder_->Find(cloud, rng, result.seconds, input.trace);
   {

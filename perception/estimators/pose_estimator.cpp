@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "perception/cloud/search_cloud.h"
 #include "perception/estimators/descriptor.h"
 #include "perception/estimators/doumanoglou.h"
 #include "perception/estimators/estimator_training.h"
@@ -77,6 +78,10 @@ const EstimatorRow& EstimatorNamed(const std::string& name) {
     names.push_back(row.name);
   }
   throw InputError(UnknownNameMessage("estimator", name, names));
+}
+
+int SearchBinning(const EstimatorSetup& setup) {
+  return BinningFor(setup.intrinsics, setup.working_distance_m, SmallestDiameter_m(setup.objects));
 }
 
 std::unique_ptr<PoseEstimator> MakeEstimator(const EstimatorSetup& setup) {

@@ -68,6 +68,10 @@ struct EstimatorSetup {
   std::function<void(std::string_view what, double share)> on_progress;  // may be empty
 };
 
+// Returns how many pixels per axis the estimators join before their search, see
+// perception/cloud/search_cloud.h.
+int SearchBinning(const EstimatorSetup& setup);
+
 // One row of the table of estimators.
 struct EstimatorRow {
   const char* name;

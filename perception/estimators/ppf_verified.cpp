@@ -25,7 +25,7 @@ class PpfCandidates : public CandidateSource {
       const std::vector<PoseVote> votes = Votes(*matchers_[object], cloud, seconds);
       if (votes.empty()) continue;
       const std::vector<Candidate> of_object = candidate_refiner_.RefineCandidates(
-          cloud, ObjectId(object), votes, static_cast<int>(votes.size()), 1, seconds, trace);
+          cloud, ObjectId(object), votes, static_cast<int>(votes.size()), {}, seconds, trace);
       candidates.insert(candidates.end(), of_object.begin(), of_object.end());
     }
     candidate_refiner_.Compare(candidates, seconds);
@@ -78,7 +78,10 @@ std::unique_ptr<PoseEstimator> MakeVerifiedPpfEstimator(const EstimatorSetup& se
   const std::filesystem::path file = PpfTraining().ModelFile(setup.spec);
   VerifiedSetup made{MakePpfCandidates(setup.objects, options, setup.threads),
                      VerifiersOf(LoadVerifiers(file, kPpfName), setup.objects, file),
-                     options.pose_selection, setup.refiner, setup.threads};
+                     options.pose_selection,
+                     setup.refiner,
+                     setup.threads,
+                     SearchBinning(setup)};
   made.pose_selection.min_score = setup.spec.min_score;
   return MakeVerifiedEstimator(std::move(made));
 }

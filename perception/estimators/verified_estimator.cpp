@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "perception/cloud/search_cloud.h"
+
 namespace pickbed::perception {
 namespace {
 
@@ -14,7 +16,7 @@ class VerifiedEstimator : public PoseEstimator {
     OrganizedCloud cloud;
     {
       const StageTimer timer(result.seconds, "cloud");
-      cloud = BuildCloud(input.frame, input.background);
+      cloud = SearchCloud(input.frame, input.background, setup_.binning);
     }
     const std::vector<Candidate> candidates = setup_.source->Find(cloud, rng, result.seconds);
     const CandidateRefiner& candidate_refiner = setup_.source->candidate_refiner();

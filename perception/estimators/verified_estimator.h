@@ -22,6 +22,7 @@ struct VerifiedSetup {
   PoseSelectionOptions pose_selection;
   std::string refiner = "none";  // a row of RefinerTable()
   int threads = 1;
+  int binning = 1;  // see SearchBinning()
 };
 
 // Makes the estimator; `setup.verifiers` must have one entry per object of the source.

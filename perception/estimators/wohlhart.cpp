@@ -99,7 +99,7 @@ class WohlhartCandidates : public CandidateSource {
       const std::vector<PoseVote> votes = Votes(ObjectId(index), cloud, pixels, seconds);
       if (votes.empty()) continue;
       const std::vector<Candidate> of_object = candidate_refiner_.RefineCandidates(
-          cloud, ObjectId(index), votes, static_cast<int>(pixels.size()), 1, seconds, trace);
+          cloud, ObjectId(index), votes, static_cast<int>(pixels.size()), {}, seconds, trace);
       candidates.insert(candidates.end(), of_object.begin(), of_object.end());
     }
     candidate_refiner_.Compare(candidates, seconds);
@@ -223,6 +223,7 @@ std::unique_ptr<PoseEstimator> MakeWohlhartEstimator(const EstimatorSetup& setup
   made.pose_selection.min_score = setup.spec.min_score;
   made.refiner = setup.refiner;
   made.threads = setup.threads;
+  made.binning = SearchBinning(setup);
   return MakeVerifiedEstimator(std::move(made));
 }
 

@@ -169,7 +169,7 @@ TrainingViewsPlan Trainer::Plan() const {
   TrainingViewsPlan plan;
   plan.seed = options_.seed;
   for (const double side_m : sides_) plan.forms.push_back({side_m, network_.channels()});
-  if (Share() < 1) plan.scene_objects = schedule_.scene_objects();
+  if (Share() < 1 && !options_.verifiers_only) plan.scene_objects = schedule_.scene_objects();
   plan.verifiers = NewObjects();
   plan.verifiers.erase(plan.verifiers.begin(), plan.verifiers.begin() + trained_.size());
   plan.views_per_scene = options_.views_per_scene;
@@ -245,6 +245,7 @@ void Trainer::Measure() {
 
 bool Trainer::TrainNetwork() {
   if (report_.recall_history.empty()) Measure();
+  if (options_.verifiers_only) return true;
   BeginPhase();
   const double first_share = Share();
   for (double share = first_share; share < 1; share = Share()) {
@@ -340,8 +341,8 @@ void Trainer::Save() {
   info.network = options_.network;
   TrainingOptions options = options_;
   info.training = WriteSettings([&](SettingsVisitor& v) { options.Visit(v); });
-  info.iterations = iteration_;
-  info.loss = RecentLoss();
+  info.iterations = options_.verifiers_only ? from_.model->info.iterations : iteration_;
+  info.loss = options_.verifiers_only ? from_.model->info.loss : RecentLoss();
   info.recall_at_1 = recall.at_1;
   info.recall_at_8 = recall.at_8;
   SaveModel(job_.model_file, info, network_, verifiers);
@@ -394,6 +395,8 @@ TrainingReport Trainer::Run() {
 
 TrainingReport TrainDescriptor(const TrainingJob& job, const TrainingOptions& options) {
   CheckSettings("TrainingOptions", options);
+  CheckInput(!options.verifiers_only || !job.start_from.empty(),
+             "verifiers_only needs a model whose network is kept; name it with --from");
   CheckInput(!job.views.objects().empty(), "training needs at least one object");
   CheckInput(!job.resume || !job.checkpoint.empty(), "resuming needs a checkpoint file");
   return Trainer(job, options).Run();

@@ -40,9 +40,12 @@ struct TrainingOptions {
   double views_share = 0.75;      // share of the steps after which all clutter scenes are in use
   double rehearsal = 0.1;         // scenes and steps of a rehearsed object, relative to a new one
   int verifier_clutter_scenes = 24;  // clutter scenes per object for its verifier
-  int verifier_entries = 24000;      // codebook entries per object while its verifier is trained
-  int checkpoint_every = 200;        // iterations
-  double max_minutes = 0;            // limit for views and network, shortens the schedule; 0 = none
+  // The network of `start_from` is kept as it is, and the verifiers of all objects are trained
+  // anew.
+  bool verifiers_only = false;
+  int verifier_entries = 24000;  // codebook entries per object while its verifier is trained
+  int checkpoint_every = 200;    // iterations
+  double max_minutes = 0;        // limit for views and network, shortens the schedule; 0 = none
   NetworkOptions network;
   LossOptions loss;
   VerifierOptions verifier;

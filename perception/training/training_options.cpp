@@ -21,6 +21,8 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
          "learning rate of Adam at the start of the cosine schedule");
   v.Real("views_share", views_share, {0.01, 1},
          "share of the steps after which all clutter scenes are in use");
+  v.Bool("verifiers_only", verifiers_only,
+         "keep the network of the initial model and train only the verifiers of all objects");
   v.Real("rehearsal", rehearsal, {0.001, 1},
          "scenes and steps of an object that the initial model knows, relative to a new object");
   v.RenamedKey("verifier_piles", "verifier_clutter_scenes");

@@ -115,6 +115,12 @@ TrainingStart LoadTrainingStart(const TrainingJob& job, const TrainingOptions& o
     }
   }
   const auto is_known = [](int index) { return index >= 0; };
+  if (options.verifiers_only) {
+    CheckInput(std::all_of(start.known.begin(), start.known.end(), is_known),
+               fmt::format("{}: does not know all objects; verifiers_only trains no network",
+                           job.start_from.string()));
+    return start;
+  }
   start.rehearses = std::any_of(start.known.begin(), start.known.end(), is_known) &&
                     !std::all_of(start.known.begin(), start.known.end(), is_known);
   return start;

@@ -27,7 +27,7 @@ constexpr double kFloorShare = 0.05;  // share of the wall height that still cou
 constexpr double kMinStep_m = 0.001;
 constexpr double kPrecision_m = 1e-6;
 
-struct Span {
+struct Extents {
   double low;
   double high;
 };
@@ -71,10 +71,10 @@ class Surveyor {
   // Returns the extent along `axis` of the places where the ground is at most at `height_m`. For
   // each line it goes from the first such place to the last. `common` selects the intersection of
   // all lines, else their union.
-  Span Extent(int axis, double height_m, bool common) const {
-    std::optional<Span> all;
+  Extents Extent(int axis, double height_m, bool common) const {
+    std::optional<Extents> all;
     for (int line = 0; line < kLines; ++line) {
-      const std::optional<Span> one = ExtentOfLine(axis, Fraction(line, kLines), height_m);
+      const std::optional<Extents> one = ExtentOfLine(axis, Fraction(line, kLines), height_m);
       if (!one) continue;  // the line runs along a wall between compartments
       if (!all) all = one;
       all->low = common ? std::max(all->low, one->low) : std::min(all->low, one->low);
@@ -103,7 +103,7 @@ class Surveyor {
     return hit ? std::optional(hit->point.z()) : std::nullopt;
   }
 
-  std::optional<Span> ExtentOfLine(int axis, double line, double height_m) const {
+  std::optional<Extents> ExtentOfLine(int axis, double line, double height_m) const {
     const int across = 1 - axis;
     Vector3d p = bounds_.center();
     p[across] += 0.5 * kLineShare * line * bounds_.size()[across];
@@ -129,7 +129,7 @@ class Surveyor {
     const double outer = 0.5 * bounds_.size()[axis] + kMinStep_m;
     const double low = first == 0 ? bounds_.center()[axis] - outer : place(first - 1);
     const double high = last == kRaysPerLine - 1 ? bounds_.center()[axis] + outer : place(last + 1);
-    return Span{edge(low, place(first)), edge(high, place(last))};
+    return Extents{edge(low, place(first)), edge(high, place(last))};
   }
 
   MeshQuery query_;
@@ -161,8 +161,8 @@ BinShape MakeBinShape(const TriangleMesh& mesh, const std::string& source) {
   const double rim_limit = std::max(floor_limit, surveyor.bounds().max.z() - kMinStep_m);
   Vector3d center(0, 0, floor);
   for (int axis = 0; axis < 2; ++axis) {
-    const Span inside = surveyor.Extent(axis, floor_limit, true);
-    const Span widest = surveyor.Extent(axis, rim_limit, false);
+    const Extents inside = surveyor.Extent(axis, floor_limit, true);
+    const Extents widest = surveyor.Extent(axis, rim_limit, false);
     center[axis] = 0.5 * (inside.low + inside.high);
     shape.inner_size_m[axis] = inside.high - inside.low;
     shape.opening_m[axis] = 2 * std::max(widest.high - center[axis], center[axis] - widest.low);

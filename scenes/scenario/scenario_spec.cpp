@@ -184,6 +184,9 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
       "objects that are dropped");
   v.Text("arrangement", arrangement, {"pile", "packed", "heap"},
          "whether instances are poured in, placed apart and upright, or heaped in the center");
+  v.Real("fill", fill, {0, 1},
+         "mean height of the pile over the bin's inner height; the counts are then relative; 0 = "
+         "drop the counts as given");
   v.Group(
       "camera", [this](SettingsVisitor& g) { camera.Visit(g); }, "depth camera");
   v.Text("sensor", sensor, {},
@@ -204,6 +207,9 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
   v.Group(
       "occlusion", [this](SettingsVisitor& g) { occlusion.Visit(g); },
       "series of scenes in which a target is increasingly occluded, instead of emptying bins");
+  v.Group(
+      "cell", [this](SettingsVisitor& g) { cell.Visit(g); },
+      "errors of the cell: standard deviations of what it assumes, does and holds; 0 = exact");
   v.Group(
       "cycle", [this](SettingsVisitor& g) { cycle.Visit(g); },
       "durations that give the number of picks per hour");
@@ -273,8 +279,19 @@ void ScenarioSpec::Validate() const {
                            "a mesh",
                            mass, object.name));
   }
+  CheckInput(fill == 0 || arrangement == "pile",
+             fmt::format("{} = {}: only a pile has a fill level; set arrangement: pile", At("fill"),
+                         fill));
+  CheckInput(fill == 0 || !occlusion.enabled,
+             fmt::format("{} = {}: an occlusion scenario adds instances one by one; remove fill or "
+                         "set occlusion.enabled: false",
+                         At("fill"), fill));
+  CheckInput(fill == 0 || bin.inner_size_m.z() > 0,
+             fmt::format("{} = {}: a table has no height to fill; give each object a count instead",
+                         At("fill"), fill));
   ValidateCamera(*this);
   appearance.Validate([this](const std::string& key) { return At("appearance." + key); });
+  cell.Validate(bin.inner_size_m, [this](const std::string& key) { return At("cell." + key); });
   if (occlusion.enabled) {
     occlusion.Validate([this](const std::string& key) { return At("occlusion." + key); });
   }
@@ -368,7 +385,7 @@ ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
       RequireFits(*objects.back(), spec.bin);
     });
   }
-  RequireRoom(spec, objects);
+  if (spec.fill == 0) RequireRoom(spec, objects);
   return objects;
 }
 

@@ -15,6 +15,7 @@
 #include "scenes/camera/camera.h"
 #include "scenes/objects/object_catalog.h"
 #include "scenes/scenario/appearance_ranges.h"
+#include "scenes/scenario/cell_errors.h"
 #include "scenes/scenario/occlusion_spec.h"
 #include "scenes/scenario/policy.h"
 
@@ -80,6 +81,9 @@ struct ScenarioSpec {
   BinSpec bin;
   std::vector<ObjectSpec> objects;
   std::string arrangement = "pile";  // pile | packed | heap, see sim/drop/drop.h
+  // Mean height of the pile over the inner height of the bin. The counts of the objects are then
+  // relative, and sim/drop/fill_counts.h finds the numbers of instances. 0 = the counts are used.
+  double fill = 0;
   CameraSpec camera;
   std::string sensor = "structured_light";  // assets/sensors/NAME.yaml or a path
   AppearanceRanges appearance = FixedAppearance();
@@ -88,6 +92,7 @@ struct ScenarioSpec {
   std::string gripper = "jaw_8cm";  // assets/grippers/NAME.yaml or a path
   PolicySpec policy;
   OcclusionSpec occlusion;
+  CellErrorsSpec cell;
   CycleSpec cycle;
   std::filesystem::path folder;  // of the scenario file, for relative paths; not a setting
   KeyPlaces places;              // file and line of each given key; not a setting
@@ -101,7 +106,8 @@ struct ScenarioSpec {
   // Checks every value against its range, and what needs several fields but no mesh. At least one
   // object must be wanted (not `distractor`). Object names must be unique, and a mass is given
   // exactly for meshes. The camera must be outside the bin's walls, above its floor and look at it.
-  // The ranges of appearance and occlusion must be valid. Throws InputError.
+  // The ranges of appearance and occlusion must be valid, and no position error of the cell may be
+  // larger than the bin. Throws InputError.
   void Validate() const;
 };
 
@@ -125,7 +131,7 @@ ScenarioSpec LoadScenarioText(const std::string& yaml, const std::filesystem::pa
                               const std::string& name);
 
 // Loads each object. Throws InputError when an object is unknown, broken or larger than the bin, or
-// when the volume of all instances exceeds the volume of a heap in the bin.
+// when, without `fill`, the volume of all instances exceeds the volume of a heap in the bin.
 ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog);
 
 std::vector<std::string> BinNames();  // names in assets/bins, sorted

@@ -1,5 +1,7 @@
 #include "scenes/scenario/scenario_text.h"
 
+#include <fmt/format.h>
+
 #include "scenes/base/settings.h"
 
 namespace pickbed::scenes {
@@ -22,6 +24,17 @@ ScenarioSpec ScenarioOfText(const std::string& text, const std::filesystem::path
   ReadSettingsText(text, name, [&](SettingsVisitor& v) { spec.Visit(v); });
   spec.folder = std::filesystem::absolute(folder);
   return spec;
+}
+
+std::string ObjectsInWords(const ScenarioSpec& spec) {
+  const bool filled = spec.fill > 0;
+  std::string words;
+  for (const ObjectSpec& object : spec.objects) {
+    if (!words.empty()) words += filled ? " : " : ", ";
+    const bool alone = filled && spec.objects.size() == 1;
+    words += alone ? object.name : fmt::format("{} {}", object.count, object.name);
+  }
+  return filled ? fmt::format("{}, filled to {:.0f} %", words, 100 * spec.fill) : words;
 }
 
 }  // namespace pickbed::scenes

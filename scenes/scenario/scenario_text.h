@@ -18,4 +18,8 @@ std::string ScenarioText(ScenarioSpec spec, const std::filesystem::path& folder)
 ScenarioSpec ScenarioOfText(const std::string& text, const std::filesystem::path& folder,
                             const std::string& name);
 
+// Returns the dropped objects in words, such as "4 bracket, 2 rod". With a fill level, the counts
+// are relative: "2 bracket : 1 rod, filled to 66 %".
+std::string ObjectsInWords(const ScenarioSpec& spec);
+
 }  // namespace pickbed::scenes

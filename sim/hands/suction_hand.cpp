@@ -216,7 +216,7 @@ void CupHand::TakeHold(int index) {
   load_ = mean_load_ = {};
   X_WG_sealed_ = X_WG_;
   has_moved_ = false;
-  held_friction_ = PairFriction(instance.model->friction, spec_.friction);
+  held_friction_ = PairFriction(instance.friction, spec_.friction);
   // A sleeping instance would not follow, because the hand's motion does not wake bodies.
   state_before_ = instance.body->isActive() ? instance.body->getActivationState() : ACTIVE_TAG;
   instance.body->forceActivationState(DISABLE_DEACTIVATION);

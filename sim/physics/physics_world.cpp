@@ -33,6 +33,7 @@ constexpr int kMaxIterations = 200;
 struct InstanceState {
   std::unique_ptr<btRigidBody> body;
   const ObjectModel* model = nullptr;
+  double friction = 0;
   Pose X_BO;
   double radius = 0;         // of the object about its center, in Bullet's units
   btTransform still_pose;    // pose at the last noticeable movement
@@ -240,19 +241,21 @@ void PhysicsWorld::AddStaticBox(const Pose& X_WB, const Eigen::Vector3d& half_si
 }
 
 int PhysicsWorld::AddInstance(const ObjectModel& model, const Pose& X_WO, BodyMode mode,
-                              const Twist& V_WO) {
+                              const Twist& V_WO, const InstanceDeviation& deviation) {
   if (model.convex_pieces_O.empty()) {
     throw std::logic_error("object '" + model.name + "' has no convex pieces");
   }
   const BodyShape& shape = impl_->body_shapes.Of(model);
   const bool is_static = mode == BodyMode::kStatic;
-  btRigidBody::btRigidBodyConstructionInfo info(is_static ? 0 : model.mass.mass_kg, nullptr,
-                                                shape.shape);
+  const double mass_factor = 1 + deviation.mass;
+  const double friction = model.friction * (1 + deviation.friction);
+  btRigidBody::btRigidBodyConstructionInfo info(is_static ? 0 : mass_factor * model.mass.mass_kg,
+                                                nullptr, shape.shape);
   if (!is_static) {
-    info.m_localInertia = kUnitsPerMeter * ToBullet(shape.frame.principal_inertia);
+    info.m_localInertia = kUnitsPerMeter * ToBullet(mass_factor * shape.frame.principal_inertia);
   }
   info.m_startWorldTransform = ToBullet(Pose(X_WO * shape.frame.X_OB));
-  info.m_friction = model.friction;
+  info.m_friction = friction;
   info.m_angularDamping = impl_->options.angular_damping;
   auto body = std::make_unique<btRigidBody>(info);
   body->setUserIndex(instance_count());
@@ -271,7 +274,7 @@ int PhysicsWorld::AddInstance(const ObjectModel& model, const Pose& X_WO, BodyMo
   if (mode == BodyMode::kAsleep) body->forceActivationState(ISLAND_SLEEPING);
   const btTransform X_WB = body->getWorldTransform();
   impl_->dispatcher.radius.push_back(0.5 * model.diameter_m * kUnitsPerMeter);
-  impl_->instances.push_back({std::move(body), &model, shape.frame.X_OB.inverse(),
+  impl_->instances.push_back({std::move(body), &model, friction, shape.frame.X_OB.inverse(),
                               0.5 * model.diameter_m * kUnitsPerMeter, X_WB, 0, X_WB});
   return instance_count() - 1;
 }
@@ -326,7 +329,8 @@ btDiscreteDynamicsWorld& PhysicsWorld::bullet() { return impl_->world; }
 
 InstanceBody PhysicsWorld::body(int index) const {
   const InstanceState& entry = impl_->instances.at(index);
-  return {entry.body->isInWorld() ? entry.body.get() : nullptr, entry.model, entry.X_BO};
+  return {entry.body->isInWorld() ? entry.body.get() : nullptr, entry.model, entry.friction,
+          entry.X_BO};
 }
 
 void PhysicsWorld::Step() {

@@ -16,6 +16,7 @@
 #include "scenes/geometry/pose.h"
 #include "scenes/objects/contact.h"
 #include "scenes/objects/object_model.h"
+#include "scenes/scene.h"
 #include "sim/layer.h"
 #include "sim/physics/attached_hand.h"
 
@@ -63,6 +64,7 @@ struct Twist {
 struct InstanceBody {
   btRigidBody* body = nullptr;         // null after the instance was removed
   const ObjectModel* model = nullptr;  // valid as long as AddInstance()'s argument
+  double friction = 0;                 // the instance's value in PairFriction()
   Pose X_BO = Pose::Identity();        // B = frame of the Bullet body
 };
 
@@ -82,10 +84,10 @@ class PhysicsWorld {
   void AddStaticBox(const Pose& X_WB, const Eigen::Vector3d& half_size_m, double friction);
 
   // Adds an instance. Returns its index 0, 1, 2, ... in the order of adding; this order is part of
-  // the state. `model` must outlive the world. Throws std::logic_error if model.convex_pieces_O is
-  // empty.
+  // the state. `model` must outlive the world. `deviation` changes its friction and mass for this
+  // instance. Throws std::logic_error if model.convex_pieces_O is empty.
   int AddInstance(const ObjectModel& model, const Pose& X_WO, BodyMode mode = BodyMode::kDynamic,
-                  const Twist& V_WO = {});
+                  const Twist& V_WO = {}, const InstanceDeviation& deviation = {});
 
   // Removes an instance. It keeps its index, last pose and velocity, and counts as asleep. Bodies
   // that touched it wake up.

@@ -1,9 +1,12 @@
 #include "sim/render/picture.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 
 #include "scenes/base/parallel.h"
 #include "scenes/base/random.h"
@@ -59,7 +62,7 @@ float Surroundings(const Vector3f& direction_W, const Vector3f& to_key_W) {
   return sky + 1.6f * lamp * lamp * (3 - 2 * lamp);
 }
 
-// What one picture sample shows.
+// Surface at one sample of the picture.
 struct Surface {
   Vector3f color = Vector3f::Zero();
   Vector3f normal_W = Vector3f::UnitZ();
@@ -193,8 +196,7 @@ Image<float> AmbientOcclusion(const CameraIntrinsics& k, const Image<float>& dep
 }
 
 // Share of the lamp's light that is not shadowed at each pixel, smooth at the edges of shadows. All
-// images have one pixel per pixel of the picture. `key_C` is the lamp in the
-// camera frame.
+// images have one pixel per pixel of the picture. `key_C` is the lamp in the camera frame.
 Image<float> ShadowFactors(const CameraIntrinsics& k, const RenderedImage& thin,
                            const Image<Rgb8>& lit, const Vector3f& key_C, int threads) {
   constexpr float kFacing = 0.08f;  // surfaces that face the lamp less are dark anyway
@@ -311,10 +313,26 @@ PictureMaterial PictureMaterialOf(const ObjectModel& object) {
     // The colors of meshes are made for weaker light.
     material.color = (material.finish == Finish::kMetal ? 1.0f : 0.65f) * LinearOf(mesh.base_color);
     if (material.finish == Finish::kMetal) {
-      material.color *= std::max(1.0f, kDarkestMetal / Luminance(material.color));
+      const float luminance = Luminance(material.color);
+      if (luminance > 0) {
+        material.color *= std::max(1.0f, kDarkestMetal / luminance);
+        material.color = material.color.cwiseMin(1.0f);
+      } else {
+        material.color.setConstant(kDarkestMetal);  // black has no hue to keep
+      }
     }
   }
   return material;
+}
+
+void PictureOptions::Validate() const {
+  const auto within = [](const char* name, int value, int low, int high) {
+    if (value >= low && value <= high) return;
+    throw std::logic_error(fmt::format("PictureOptions::{} is {}", name, value));
+  };
+  within("scale", scale, 1, 8);
+  within("samples", samples, 1, 4);
+  within("threads", threads, 1, 1024);
 }
 
 PictureRenderer::PictureRenderer(SceneRenderer& renderer, const ObjectSet& objects)
@@ -327,8 +345,9 @@ int PictureRenderer::TableMesh(double side_m) {
 }
 
 Picture PictureRenderer::Render(const Scene& scene, const Camera& camera,
-                                const PictureOptions& options, std::span<const RenderInstance> more,
-                                const PictureMaterial& more_material) {
+                                const PictureOptions& options,
+                                std::span<const PictureInstance> more) {
+  options.Validate();
   Renderer& renderer = renderer_.renderer();
   std::vector<RenderInstance> instances = renderer_.InstancesOf(scene);
   const Bounds bin = renderer.MeshBoundsOf(instances.back().mesh);
@@ -336,7 +355,7 @@ Picture PictureRenderer::Render(const Scene& scene, const Camera& camera,
       2 * kTableMargin_m + std::max(bin.max.x() - bin.min.x(), bin.max.y() - bin.min.y());
   // A little lower than the bin, so that the two surfaces do not mix.
   const Eigen::Vector3d table_W{0, 0, bin.min.z() - 5e-4};
-  instances.insert(instances.end(), more.begin(), more.end());
+  for (const PictureInstance& added : more) instances.push_back(added.instance);
   instances.push_back({TableMesh(side_m), Pose(Eigen::Translation3d(table_W)), kTableId});
 
   // Materials by id.
@@ -349,7 +368,7 @@ Picture PictureRenderer::Render(const Scene& scene, const Camera& camera,
     material.color *= 0.92f + 0.16f * static_cast<float>((id * 7) % 11) / 10;
     materials[id] = material;
   }
-  for (const RenderInstance& instance : more) materials[instance.id] = more_material;
+  for (const PictureInstance& added : more) materials[added.instance.id] = added.material;
 
   const int factor = options.scale * options.samples;
   const Camera fine = Enlarged(camera, factor);

@@ -30,7 +30,15 @@ struct PictureMaterial {
 struct PictureOptions {
   int scale = 2;    // picture pixels per camera pixel and axis, 1..8
   int samples = 2;  // samples per picture pixel and axis, 1..4
-  int threads = 1;  // the picture does not depend on it
+  int threads = 1;  // from 1; the picture does not depend on it
+  // Throws std::logic_error if a value is out of range.
+  void Validate() const;
+};
+
+// A further instance in a picture, such as a hand.
+struct PictureInstance {
+  RenderInstance instance;  // its id must exceed the ids of the scene
+  PictureMaterial material;
 };
 
 // A finished picture with the ids of the surfaces in it (instance + 1; 0 = bin, table, background).
@@ -50,12 +58,12 @@ class PictureRenderer {
  public:
   PictureRenderer(SceneRenderer& renderer, const ObjectSet& objects);
 
-  // Draws the scene as seen by `camera`, in a picture of `scale` times its size. `more` are further
-  // instances, such as a hand; their ids must exceed the ids of the scene, and more_material is
-  // their material. Throws InputError if a side of the picture exceeds 16384 px.
+  // Draws the scene and `more` as seen by `camera`, in a picture of `scale` times its size. Of
+  // instances with the same id, the last one gives the material. Throws InputError if a side of the
+  // picture has no pixels, or if its length times `samples` exceeds 16384 px. Throws
+  // std::logic_error if an option is out of range.
   Picture Render(const Scene& scene, const Camera& camera, const PictureOptions& options = {},
-                 std::span<const RenderInstance> more = {},
-                 const PictureMaterial& more_material = {});
+                 std::span<const PictureInstance> more = {});
 
  private:
   int TableMesh(double side_m);

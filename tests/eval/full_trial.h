@@ -44,6 +44,14 @@ inline TrialResult FullTrial(int trial) {
   result.certificate.deepest_penetration_m = rng.Uniform();
   result.certificate.wake_movement_m = rng.Uniform();
   result.certificate.wake_movement_diameters = rng.Uniform();
+  result.errors.hand_eye_m = rng.UnitVector();
+  result.errors.hand_eye_rotation_rad = rng.UnitVector();
+  result.errors.focal = rng.Uniform();
+  result.errors.principal_px = rng.UnitVector().head<2>();
+  result.errors.depth_bias_m = rng.Uniform();
+  result.errors.depth_scale = rng.Uniform();
+  result.errors.bin_m = rng.UnitVector();
+  result.errors.bin_rotation_rad = rng.UnitVector();
   result.refused = {{0, {"not at rest", "overlap"}}, {1, {"fell outside"}}};
   result.instances_dropped = 7;
   result.instances_cleared = 3;
@@ -76,6 +84,7 @@ inline TrialResult FullTrial(int trial) {
     pick.failure = FailureReason::kNoGrasp;
     pick.grasps_rejected = {{"collision", 12}, {"tilt's", 3}};
     for (uint64_t& hash : pick.hashes.values) hash = rng.Next();
+    pick.errors = {rng.UnitVector(), rng.Uniform()};
     if (p == 2) continue;  // an attempt without a grasp
     pick.chosen = 1;
     pick.matched_instance = InstanceId{3};
@@ -90,6 +99,8 @@ inline TrialResult FullTrial(int trial) {
   result.outcomes = {
       {InstanceId{0}, ObjectId{1}, true, true, FailureReason::kNone, 0},
       {InstanceId{1}, ObjectId{0}, false, false, FailureReason::kNeighborDisplaced, 2}};
+  result.outcomes[1].deviation = {rng.Uniform(), rng.Uniform()};
+  result.outcomes[1].size_deviation = rng.Uniform();
   result.bands = {{true, 1, {15, 2, 3, 4, 6}}, {false, 5, {7, 0, 7, 0, 0}}};
   result.seconds = {{"drop", rng.Uniform()}, {"capture", rng.Uniform()}};
   return result;
@@ -104,6 +115,8 @@ inline void ExpectSamePick(const AttemptRecord& a, const AttemptRecord& b) {
   EXPECT_EQ(a.failure, b.failure);
   EXPECT_EQ(a.grasps_rejected, b.grasps_rejected);
   EXPECT_EQ(a.hashes, b.hashes);
+  EXPECT_EQ(a.errors.robot_m, b.errors.robot_m);
+  EXPECT_EQ(a.errors.force, b.errors.force);
   ASSERT_EQ(a.grasp.has_value(), b.grasp.has_value());
   if (a.grasp) {
     EXPECT_EQ(a.grasp->X_WG.matrix(), b.grasp->X_WG.matrix());
@@ -169,6 +182,11 @@ inline void ExpectSameTrial(const TrialResult& a, const TrialResult& b) {
   EXPECT_EQ(a.certificate.deepest_penetration_m, b.certificate.deepest_penetration_m);
   EXPECT_EQ(a.certificate.wake_movement_m, b.certificate.wake_movement_m);
   EXPECT_EQ(a.certificate.wake_movement_diameters, b.certificate.wake_movement_diameters);
+  const BinErrors &p = a.errors, &q = b.errors;
+  EXPECT_EQ(std::tie(p.hand_eye_m, p.hand_eye_rotation_rad, p.focal, p.principal_px),
+            std::tie(q.hand_eye_m, q.hand_eye_rotation_rad, q.focal, q.principal_px));
+  EXPECT_EQ(std::tie(p.depth_bias_m, p.depth_scale, p.bin_m, p.bin_rotation_rad),
+            std::tie(q.depth_bias_m, q.depth_scale, q.bin_m, q.bin_rotation_rad));
   ASSERT_EQ(a.refused.size(), b.refused.size());
   for (size_t i = 0; i < a.refused.size(); ++i) {
     EXPECT_EQ(a.refused[i].attempt, b.refused[i].attempt);
@@ -179,6 +197,8 @@ inline void ExpectSameTrial(const TrialResult& a, const TrialResult& b) {
     const InstanceOutcome &x = a.outcomes[i], &y = b.outcomes[i];
     EXPECT_EQ(std::tie(x.instance, x.object, x.picked, x.asked, x.failure, x.attempt),
               std::tie(y.instance, y.object, y.picked, y.asked, y.failure, y.attempt));
+    EXPECT_EQ(x.deviation, y.deviation);
+    EXPECT_EQ(x.size_deviation, y.size_deviation);
   }
   EXPECT_EQ(a.bands, b.bands);
   EXPECT_EQ(a.seconds, b.seconds);

@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
 #include "eval/benchmark/crops.h"
+#include "eval/cell/simulated_cell.h"
 #include "eval/stats/sequential_stop.h"
 #include "eval/sweep/slurm.h"
 #include "eval/sweep/sweep.h"
 #include "eval/tolerance/samples.h"
-#include "eval/trial/simulated_cell.h"
 #include "eval/trial/trial.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/planted_option.h"

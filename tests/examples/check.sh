@@ -32,7 +32,7 @@ case "$1" in
     ;;
   plan_and_execute_grasp)
     has '/^grasp/ { planned = value("score") > 0.3 } /^failure: none$/ { picked = 1 } /placed/ { error = value("error of") }
-         /^left/ { left = value("bin") }' 'planned && picked && left == 5 && error < 10' && exit 0
+         /^left/ { left = value("bin") }' 'planned && picked && left == 5 && error >= 0 && error < 10' && exit 0
     ;;
   own_estimator)
     # All five rings are found, each within 2 mm.

@@ -1,4 +1,4 @@
-// Plans a grasp on estimated poses, executes it in the physics, and reports what happened.
+// Plans a grasp on estimated poses, executes it in the physics, and prints the outcome.
 
 #include <cstdio>
 #include <exception>

@@ -5,9 +5,11 @@
 //                                                   book, compared with an exact search
 //   descriptor_figures ambiguous BINS SCENARIO...   instances whose image does not determine
 //                                                   the pose: another pose gives the same image
-//   descriptor_figures fates BINS SCENARIO...       stage at which mode accurate loses instances,
-//   by
-//                                                   visible fraction
+//   descriptor_figures outcomes BINS SCENARIO...    failing stages of mode accurate, by visible
+//                                                   fraction
+//   descriptor_figures candidates BINS SCENARIO...  CSV of the verifier's inputs in mode accurate:
+//                                                   scenario, bin, nearest instance and its visible
+//                                                   fraction, error in diameters, score, features
 // KEY=VALUE among the scenarios is a setting of all following scenarios.
 
 #include <fmt/format.h>
@@ -23,10 +25,10 @@
 #include <string>
 #include <vector>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/estimate/statistics.h"
 #include "eval/explain/truth.h"
 #include "eval/trial/estimator_runner.h"
-#include "eval/trial/simulated_cell.h"
 #include "perception/estimators/descriptor.h"
 #include "perception/icp/pcl_icp.h"
 #include "perception/icp/projective_icp.h"
@@ -216,7 +218,7 @@ void CompareIndex(const Bins& bins) {
              1e3 * exact.seconds);
 }
 
-// Counts the stage at which instances are lost, by band of visible fraction.
+// Counts the failing stages of the instances, by band of visible fraction.
 void CountOutcomes(const Bins& bins) {
   constexpr std::array<double, 6> kBands{0.1, 0.3, 0.5, 0.7, 0.9, 1.01};
   LoadedScenario loaded = Load(bins);
@@ -226,7 +228,7 @@ void CountOutcomes(const Bins& bins) {
   std::vector<ModelPoints> models;
   for (const auto& object : cell.objects()) models.push_back(MakeModelPoints(*object));
   const Pose X_CW = cell.camera().X_CW();
-  std::array<std::map<LostAt, int>, kBands.size() - 1> counts;
+  std::array<std::map<FailingStage, int>, kBands.size() - 1> counts;
   ForEachBin(cell, bins.count, [&](const Scene& scene, const Observation& view) {
     const PoseJudge judge(cell.objects(), InstancesOf(scene, view.visible_fractions, X_CW));
     EstimateTrace trace;
@@ -240,18 +242,45 @@ void CountOutcomes(const Bins& bins) {
     for (size_t i = 0; i < outcomes.size(); ++i) {
       for (size_t band = 0; band + 1 < kBands.size(); ++band) {
         const double visible = judge.instances()[i].visible_fraction;
-        counts[band][outcomes[i].lost] += visible >= kBands[band] && visible < kBands[band + 1];
+        counts[band][outcomes[i].failing_stage] +=
+            visible >= kBands[band] && visible < kBands[band + 1];
       }
     }
   });
   for (size_t band = kBands.size() - 1; band-- > 0;) {
     fmt::print("{:<14} {:>3.0f} to {:>3.0f} %:", bins.scenario, 100 * kBands[band],
                100 * std::min(1.0, kBands[band + 1]));
-    for (const auto& [lost, count] : counts[band]) {
-      if (count > 0) fmt::print("  {} {}", TextOf(lost).name, count);
+    for (const auto& [stage, count] : counts[band]) {
+      if (count > 0) fmt::print("  {} {}", TextOf(stage).name, count);
     }
     fmt::print("\n");
   }
+}
+
+void WriteCandidates(const Bins& bins) {
+  LoadedScenario loaded = Load(bins);
+  loaded.spec.estimator.mode = "accurate";
+  SimulatedCell cell(loaded.spec, loaded.objects);
+  EstimatorRunner runner(cell, loaded.spec, 2, {});
+  const Pose X_CW = cell.camera().X_CW();
+  int bin = 0;
+  ForEachBin(cell, bins.count, [&](const Scene& scene, const Observation& view) {
+    const PoseJudge judge(cell.objects(), InstancesOf(scene, view.visible_fractions, X_CW));
+    EstimateTrace trace;
+    Rng rng(0);
+    runner.Estimate(view.frame, rng, &trace);
+    for (const TracedCandidate& candidate : trace.candidates) {
+      const PoseHypothesis& pose = candidate.hypothesis;
+      const InstanceMatch match = judge(pose.object, pose.X_CO);
+      const double visible =
+          match.position < 0 ? 0 : judge.instances()[match.position].visible_fraction;
+      fmt::print("{},{},{},{:.3f},{:.4f},{:.4f}", bins.scenario, bin, match.position, visible,
+                 match.mssd_diameters, pose.score);
+      for (const float feature : candidate.features) fmt::print(",{:.5g}", feature);
+      fmt::print("\n");
+    }
+    ++bin;
+  });
 }
 
 }  // namespace
@@ -260,13 +289,15 @@ void CountOutcomes(const Bins& bins) {
 int main(int argc, char** argv) {
   const std::map<std::string, void (*)(const pickbed::tests::Bins&)> modes = {
       {"ambiguous", pickbed::tests::CountAmbiguous},
+      {"candidates", pickbed::tests::WriteCandidates},
       {"outcomes", pickbed::tests::CountOutcomes},
       {"icp", pickbed::tests::MeasureIcp},
       {"index", pickbed::tests::CompareIndex}};
   const auto mode = argc > 3 ? modes.find(argv[1]) : modes.end();
   if (mode == modes.end() || std::atoi(argv[2]) < 1) {
     fmt::print(stderr,
-               "descriptor_figures ambiguous|outcomes|icp|index BINS [KEY=VALUE] SCENARIO...\n");
+               "descriptor_figures ambiguous|candidates|outcomes|icp|index BINS [KEY=VALUE] "
+               "SCENARIO...\n");
     return 1;
   }
   pickbed::tests::Bins bins;

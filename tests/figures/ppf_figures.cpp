@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/estimate/statistics.h"
-#include "eval/trial/simulated_cell.h"
 #include "perception/estimators/ppf.h"
 #include "perception/estimators/ppf_verified.h"
 #include "scenes/scenario/find_scenario.h"

@@ -23,10 +23,10 @@ bop_task_decides_whether_instance_counts_are_given() {
       fail "the poses of ${task%/*} are not in results/${task#*/}"
   done
   expect 0 "$pickbed" estimate --bop set --explain 0
-  page results/set-explain/explain.html "The number of instances of each object was given, 2 in all"
+  page results/set-bop-explain/explain_image_1_0.html "The number of instances of each object was given, 2 in all"
   expect 0 "$pickbed" estimate --bop set --explain 0 --task detection
-  page results/set-explain-detection/explain.html
-  has_template && grep -q "The number of instances" results/set-explain-detection/explain.html &&
+  page results/set-bop-explain-detection/explain_image_1_0.html
+  has_template && grep -q "The number of instances" results/set-bop-explain-detection/explain_image_1_0.html &&
     fail "the page of detection shows a given number of instances"
   refused "segmentation" "$pickbed" estimate --bop set --task segmentation --out no
 }

@@ -22,11 +22,11 @@ estimate_scores_ground_truth_poses_as_correct() {
   [ -s look/pictures/trial_0001/oracle/attempt_00_overlay.png ] || fail "no overlay"
 }
 
-# _check_pictures FOLDER: every image that the explain page names exists, and every image is on the page.
+# _check_pictures FOLDER PAGE: every image that the explain page names exists, and every image is on the page.
 _check_pictures() {
-  page "$1/explain.html"
+  page "$1/$2"
   has_template || return 0
-  local pictures=$(grep -o 'src="[^"]*"' "$1/explain.html" | cut -d'"' -f2)
+  local pictures=$(grep -o 'src="[^"]*"' "$1/$2" | cut -d'"' -f2)
   [ "$(wc -w <<<"$pictures")" -ge 9 ] || fail "too few pictures in $1"
   for picture in $pictures; do [ -s "$1/$picture" ] || fail "no $1/$picture"; done
   [ "$(wc -w <<<"$pictures")" = "$(find "$1/pictures" -type f | wc -l)" ] ||
@@ -35,23 +35,25 @@ _check_pictures() {
 
 explain_page_shows_every_stage() {
   expect 0 "$pickbed" estimate rods.yaml --explain 1 --out why
-  _check_pictures why
-  has_template && ! grep -q "why/explain.html" last.out && fail "the page is not named"
-  for stage in 1 2 3 4 5 6 7 8; do page why/explain.html "<h2>$stage."; done
+  _check_pictures why explain_trial_1.html
+  has_template && ! grep -q "why/explain_trial_1.html" last.out && fail "the page is not named"
+  for stage in 1 2 3 4 5 6 7 8; do page why/explain_trial_1.html "<h2>$stage."; done
   expect 0 "$pickbed" estimate rods.yaml --explain 1 --out again
   diff -r why again >&2 || fail "a second run explains the image in another way"
+  expect 0 "$pickbed" estimate rods.yaml --explain 1 --out again
+  has_template && ! grep -q "it replaces an earlier page of this image" last.out && fail "a page is replaced silently"
 
   echo "camera: {width: 160, height: 120, focal_px: 170}" >>rods.yaml
   expect 0 "$pickbed" dataset make rods.yaml --scenes 1 --views 2 --jobs 1 --out set
   expect 0 "$pickbed" estimate --bop set --explain 1/1 --out bop
-  _check_pictures bop
+  _check_pictures bop explain_image_1_1.html
   expect 0 "$pickbed" estimate --bop set --explain 1 --out same
   diff -r bop same >&2 || fail "1/1 is not the second target"
   # A 16-bit depth image of 160 x 120 zeros. Codebooks are then built for the camera of the next target.
   local blank=iVBORw0KGgoAAAANSUhEUgAAAKAAAAB4EAAAAAAAWXrwAAAAPElEQVR42u3BMQEAAADCoPVPbQlPoAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAB4GpZ4AAHxJknaAAAAAElFTkSuQmCC
   printf %s "$blank" | base64 -d >set/test/000001/depth/000000.png
   expect 0 "$pickbed" estimate --bop set --explain 1/1 --out behind
-  _check_pictures behind
+  _check_pictures behind explain_image_1_1.html
   cp set/test/000001/depth/000000.png set/test/000001/depth/000001.png
   refused "set/test: no target image has a depth reading" \
     "$pickbed" estimate --bop set --explain 1/1 --out no

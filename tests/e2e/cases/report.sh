@@ -23,8 +23,8 @@ reports_work_in_a_browser() {
   _browser one/report.html 2 2
   grep -q "data:image/jpeg" one/report.html || fail "no picture of a failed pick"
   grep -q "have no picture here" one/report.html && fail "a failed pick has no picture"
-  expect 0 "$pickbed" report one --out again.html
-  same one/report.html again.html
+  expect 0 "$pickbed" report one --out one/again.html
+  same one/report.html one/again.html
   expect 0 "$pickbed" compare one two --out both.html --json both.json
   grep -q "^A is one, B is two; 12 scenes that both have" last.out || fail "the shared bins are not reported"
   grep -q "^  pick success, % .*\[.*\]" last.out || fail "the differences are not printed"

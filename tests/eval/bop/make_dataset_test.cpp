@@ -9,7 +9,7 @@
 #include "eval/bop/dataset_scores.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/write_scene.h"
-#include "eval/trial/simulated_cell.h"
+#include "eval/cell/simulated_cell.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"

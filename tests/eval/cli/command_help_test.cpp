@@ -109,12 +109,12 @@ std::vector<std::string> Completed(const std::string& words) {
 TEST(BashCompletion, OffersCommandsOptionsAndNames) {
   EXPECT_THAT(Completed("pickbed re"), ElementsAre("report", "replay", "render"));
   EXPECT_THAT(Completed("pickbed run --res"), ElementsAre("--resume"));
-  EXPECT_THAT(Completed("pickbed run de"), ElementsAre("demo"));
+  EXPECT_THAT(Completed("pickbed run dem"), ElementsAre("demo"));
   EXPECT_THAT(Completed("pickbed run bin_rod --js"), ElementsAre("--json-progress", "--json"));
   EXPECT_THAT(Completed("pickbed grasps rod jaw_8"), ElementsAre("jaw_8cm"));
   EXPECT_THAT(Completed("pickbed grasps brack"), ElementsAre("bracket"));
   EXPECT_THAT(Completed("pickbed sensor show structured"), ElementsAre("structured_light"));
-  EXPECT_THAT(Completed("pickbed train rod --scenario de"), ElementsAre("demo"));
+  EXPECT_THAT(Completed("pickbed train rod --scenario dem"), ElementsAre("demo"));
   EXPECT_THAT(Completed("pickbed estimate demo --task d"), ElementsAre("detection"));
   EXPECT_THAT(Completed("pickbed dataset m"), ElementsAre("make"));
   EXPECT_THAT(Completed("pickbed run demo --out re"), IsEmpty()) << "a file name";

@@ -147,6 +147,18 @@ TEST_F(CommandsTest, UnknownNamesAreRefusedWithASuggestion) {
   EXPECT_FALSE(std::filesystem::exists(Out())) << "a refused run leaves no folder";
 }
 
+// An object that only the scenario knows is not found by its name.
+TEST_F(CommandsTest, AnUntrainedMeshOfTheScenarioIsTrainedFromTheScenario) {
+  File("box.obj",
+       "v 0 0 0\nv 0.04 0 0\nv 0 0.03 0\nv 0 0 0.02\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const std::string scenario = File(
+      "mesh.yaml", "objects: [{name: mine, count: 1, mass_kg: 0.1, mesh: box.obj}]\ntrials: 1\n");
+  ExpectRefused({"run", scenario, "--out", Out(), "--jobs", "1"},
+                "`pickbed train --scenario " + scenario + "`");
+  ExpectRefused({"estimate", scenario, "--out", Out()},
+                "`pickbed train --scenario " + scenario + "`");
+}
+
 TEST_F(CommandsTest, UnusableMeshesAreRefused) {
   const auto with_mesh = [&](const std::string& mesh) {
     return File("mesh.yaml",

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "eval/draw/canvas.h"
+#include "grasp/grippers/table.h"
 #include "tests/support/layer.h"
 
 namespace pickbed::tests {
@@ -88,6 +89,22 @@ TEST(DrawOverlay, RequestedInstanceIsOutlined) {
   const Image<Rgb8> image = DrawOverlay(input, kOnlyLines);
   EXPECT_GT(std::count(image.pixels().begin(), image.pixels().end(), kTargetColor), 150);
   EXPECT_EQ(image(90, 60), (Rgb8{90, 90, 90}));
+}
+
+// The bellows of a cup are soft. Without them the hand would end above the object.
+TEST(DrawHand, SoftPartsAreDrawn) {
+  const auto cup = LoadGripper("cup_30mm");
+  ASSERT_FALSE(cup->SoftBoxes().empty());
+  const Eigen::Vector3d soft_G = cup->SoftBoxes().front().center;
+  const Image<Rgb8> picture(200, 160, {200, 120, 40});
+  Canvas canvas(picture);
+  // Approach along x, so that the palm does not hide the lip.
+  Pose X_CG = Translation({0, 0, 0.3});
+  X_CG.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  DrawHand(canvas, kOverlayCamera, {*cup, X_CG, 0}, 1);
+  const Image<Rgb8> image = canvas.Take();
+  const Eigen::Vector2d p = Project(kOverlayCamera, X_CG * soft_G);
+  EXPECT_FALSE(image(std::lround(p.x()), std::lround(p.y())) == (Rgb8{200, 120, 40}));
 }
 
 TEST(OverlayKey, CountsEachKindOfPose) {

@@ -94,48 +94,50 @@ class ExplainedInstance : public testing::Test {
   EstimateTrace trace_;
 };
 
-TEST_F(ExplainedInstance, FailureIsAttributedToTheLosingStage) {
-  EXPECT_EQ(Outcome().lost, LostAt::kPoints);
+TEST_F(ExplainedInstance, FailingStageIsTheFirstWithoutARightPose) {
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kPoints);
   trace_.patches.resize(1);
   EXPECT_EQ(Outcome().points, 1);
-  EXPECT_EQ(Outcome().lost, LostAt::kVotes);
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kVotes);
   trace_.votes = {{0, Raw(0.4)}};
-  EXPECT_EQ(Outcome().lost, LostAt::kVotes) << "the vote is too far away";
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kVotes) << "the vote is too far away";
   trace_.votes.push_back({0, Raw(0.2)});
   EXPECT_EQ(Outcome().votes_near, 1);
-  EXPECT_EQ(Outcome().lost, LostAt::kSelection);
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kSelection);
   trace_.refinements = {{Raw(0.2), Raw(0.3), false}};
   EXPECT_NEAR(Outcome().best_start, 0.2, 1e-9);
-  EXPECT_EQ(Outcome().lost, LostAt::kIcp);
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kIcp);
   trace_.refinements.push_back({Raw(0.2), Raw(0.02), false});
-  EXPECT_EQ(Outcome().lost, LostAt::kMerging);
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kMerging);
   trace_.candidates = {{Scored(0.02, 0.4), {}}};
-  EXPECT_EQ(Outcome().lost, LostAt::kVerifier);
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kVerifier);
   trace_.candidates.push_back({Scored(0.02, 0.8), {}});
   EXPECT_EQ(Outcome().best_score, 0.8);
-  EXPECT_EQ(Outcome().lost, LostAt::kPoseSelection);
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kPoseSelection);
   trace_.accepted = {Scored(0.02, 0.8)};
-  EXPECT_EQ(Outcome({Scored(0.3, 0.8)}).lost, LostAt::kRefiner);
-  EXPECT_EQ(Outcome({Scored(0.01, 0.8)}).lost, LostAt::kFound);
+  EXPECT_EQ(Outcome({Scored(0.3, 0.8)}).failing_stage, FailingStage::kRefiner);
+  EXPECT_EQ(Outcome({Scored(0.01, 0.8)}).failing_stage, FailingStage::kFound);
 }
 
 TEST_F(ExplainedInstance, CountLimitDiffersFromPoseSelection) {
   trace_.candidates = {{Scored(0.02, 0.8), {}}};
   trace_.accepted = {Scored(0.5, 0.9)};
-  EXPECT_EQ(Outcome().lost, LostAt::kPoseSelection) << "no count is given";
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kPoseSelection) << "no count is given";
   trace_.instances = {1};
-  EXPECT_EQ(Outcome().lost, LostAt::kCount);
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kCount);
   trace_.instances = {2};
-  EXPECT_EQ(Outcome().lost, LostAt::kPoseSelection) << "one more instance was expected";
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kPoseSelection)
+      << "one more instance was expected";
   trace_.instances = {1};
   trace_.accepted = {Scored(0.5, 0.7)};
-  EXPECT_EQ(Outcome().lost, LostAt::kPoseSelection) << "the accepted pose has the lower score";
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kPoseSelection)
+      << "the accepted pose has the lower score";
 }
 
-TEST_F(ExplainedInstance, BarelyVisibleInstancesAreNotLost) {
+TEST_F(ExplainedInstance, BarelyVisibleInstancesNeedNotBeFound) {
   judge_ = PoseJudge(EasyCube(), {{ObjectId{0}, kTrue, 0.05}});
-  EXPECT_EQ(Outcome().lost, LostAt::kHardlyVisible);
-  EXPECT_EQ(Outcome({Scored(0.01, 0.8)}).lost, LostAt::kFound);
+  EXPECT_EQ(Outcome().failing_stage, FailingStage::kHardlyVisible);
+  EXPECT_EQ(Outcome({Scored(0.01, 0.8)}).failing_stage, FailingStage::kFound);
 }
 
 // A patch rendered only from the pose of an entry equals the patch from which the entry was made.
@@ -216,19 +218,25 @@ TEST(SquareCrop, SquareIsEnlargedAboutItsCenter) {
 }
 
 // Explanation pages of images with and without objects. All their pictures must exist.
-class ExplanationPage : public testing::Test {
+class ExplanationPageTest : public testing::Test {
  protected:
   std::string Write(const EstimateTrace& trace, const std::vector<PoseHypothesis>& answer,
                     const std::optional<std::vector<TrueInstance>>& truth) {
     std::filesystem::remove_all(folder_.path() / "page");
-    unwritten_ =
-        WriteExplanation({"a < b", frame_, views_.objects(), trace, answer, truth, views_, 0.5},
-                         folder_.path() / "page");
+    const ExplanationPage page = WriteAs("trial_3", trace, answer, truth);
+    unwritten_ = page.unwritten;
     if (!unwritten_.empty()) return "";
-    std::ifstream file(folder_.path() / "page" / "explain.html");
+    std::ifstream file(folder_.path() / "page" / "explain_trial_3.html");
     std::stringstream text;
     text << file.rdbuf();
     return text.str();
+  }
+  ExplanationPage WriteAs(const std::string& image, const EstimateTrace& trace,
+                          const std::vector<PoseHypothesis>& answer,
+                          const std::optional<std::vector<TrueInstance>>& truth) {
+    return WriteExplanation(
+        {"a < b", image, frame_, views_.objects(), trace, answer, truth, views_, 0.5},
+        folder_.path() / "page");
   }
   void ExpectPicturesExist(const std::string& page) const {
     const std::regex source("src=\"([^\"]*)\"");
@@ -253,7 +261,7 @@ class ExplanationPage : public testing::Test {
   RgbdFrame frame_ = view_.frame;
 };
 
-TEST_F(ExplanationPage, EmptyImageGivesAPage) {
+TEST_F(ExplanationPageTest, EmptyImageGivesAPage) {
   frame_.depth_m = Image<float>(frame_.depth_m.width(), frame_.depth_m.height());
   LabelledView nothing;
   nothing.frame = frame_;
@@ -268,7 +276,20 @@ TEST_F(ExplanationPage, EmptyImageGivesAPage) {
   }
 }
 
-TEST_F(ExplanationPage, EveryStageHasAPicture) {
+TEST_F(ExplanationPageTest, PagesOfTwoImagesDoNotMixAndAReplacedPageIsReported) {
+  const EstimateTrace trace = Trace(view_);
+  const ExplanationPage of_trial = WriteAs(TrialImageName(3), trace, {}, std::nullopt);
+  if (!of_trial.unwritten.empty()) GTEST_SKIP() << of_trial.unwritten;
+  const ExplanationPage of_image = WriteAs(DatasetImageName(3, 0), trace, {}, std::nullopt);
+  EXPECT_NE(of_trial.file, of_image.file);
+  EXPECT_FALSE(of_trial.replaced);
+  EXPECT_FALSE(of_image.replaced);
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "page/pictures/trial_3/1_depth.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "page/pictures/image_3_0/1_depth.png"));
+  EXPECT_TRUE(WriteAs(TrialImageName(3), trace, {}, std::nullopt).replaced);
+}
+
+TEST_F(ExplanationPageTest, EveryStageHasAPicture) {
   EstimateTrace trace = Trace(view_);
   const int pixel = trace.cloud.foreground_pixels[100];
   const double angle = 0;
@@ -291,7 +312,7 @@ TEST_F(ExplanationPage, EveryStageHasAPicture) {
   for (const char* picture :
        {"1_depth", "1_foreground", "2_points", "3_patches", "4_votes", "4_votes_by_truth",
         "5_before_icp", "5_after_icp", "6_accepted", "7_final", "8_parts"}) {
-    EXPECT_THAT(page, HasSubstr(std::string("pictures/") + picture + ".png"));
+    EXPECT_THAT(page, HasSubstr(std::string("pictures/trial_3/") + picture + ".png"));
   }
   EXPECT_THAT(page, HasSubstr("1 of the 1 reported poses are right"));
 }

@@ -61,15 +61,15 @@ TEST(SceneGlb, HasNoGripperWithoutAGrasp) {
               ElementsAre("world", "bin", "truth 6 cube"));
 }
 
-TEST(SceneGlb, ConfidentHypothesesAreGreenAndUncertainOnesRed) {
+TEST(SceneGlb, ConfidentHypothesesAreBlueAndUncertainOnesOrange) {
   const Scene scene = OneCube();
   const auto color_of = [&](double score) {
     const auto json = JsonOf(SceneGlb({scene, EasyCube(), OneBelief(score)}));
     return json["materials"][2]["pbrMetallicRoughness"]["baseColorFactor"]
         .get<std::vector<float>>();
   };
-  EXPECT_GT(color_of(0.95)[1], 3 * color_of(0.95)[0]);
-  EXPECT_GT(color_of(0.05)[0], 3 * color_of(0.05)[1]);
+  EXPECT_GT(color_of(0.95)[2], 3 * color_of(0.95)[0]);
+  EXPECT_GT(color_of(0.05)[0], 3 * color_of(0.05)[2]);
   EXPECT_LT(color_of(0.5)[3], 1) << "the ground truth is visible through them";
 }
 

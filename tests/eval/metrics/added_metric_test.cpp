@@ -9,6 +9,7 @@
 #include "eval/metrics/metric_table.h"
 #include "eval/report/run_page.h"
 #include "eval/store/results_store.h"
+#include "eval/summary/run_csv.h"
 #include "eval/trial/pose_matching.h"
 #include "tests/support/layer.h"
 #include "tests/support/temporary_folder.h"

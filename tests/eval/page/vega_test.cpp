@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/layer.h"
 
 namespace pickbed::tests {
@@ -46,12 +48,15 @@ TEST(RateCurves, IntervalsAreDrawnAsABand) {
   EXPECT_EQ(spec["data"]["values"][0]["high"], 0.9);
 }
 
-TEST(RateCurves, NamesWithoutSamplesHaveNoPointButARow) {
+TEST(RateCurves, NamesWithoutSamplesInterruptTheLineAndHaveARow) {
   const RateCurve curve{"one", {{1, 2, {0.1, 0.9}}, {}, {2, 2, {0.3, 1}}}};
   const ReportChart chart = RateCurves({"id", "title", "", ""}, "x", "y", kBands, {curve});
   const Json spec = Json::parse(chart.spec);
-  ASSERT_EQ(spec["data"]["values"].size(), 2u);
-  EXPECT_EQ(spec["data"]["values"][1]["x"], "50-70");
+  ASSERT_EQ(spec["data"]["values"].size(), 3u);
+  EXPECT_EQ(spec["data"]["values"][1]["x"], "30-50");
+  EXPECT_TRUE(spec["data"]["values"][1]["rate"].is_null());
+  EXPECT_TRUE(spec["data"]["values"][1]["low"].is_null());
+  EXPECT_FALSE(LayersOf(spec, "area")[0].contains("transform")) << "a filter would close the gap";
   ASSERT_EQ(chart.table.size(), 4u);
   EXPECT_THAT(chart.table[2], ElementsAre("30-50", "-", "0"));
 }
@@ -72,6 +77,23 @@ TEST(RateCurves, ReferenceIsASeparateLayerAndAColumn) {
   }
   EXPECT_EQ(own_data, 1);
   EXPECT_THAT(chart.table[0], ElementsAre("x", "one [95 %]", "of", "other [95 %]", "of"));
+}
+
+TEST(NamedValueCurves, NamesWithoutAValueInterruptTheLineAndHaveARow) {
+  const NamedValueCurve curve{"one",
+                              {1.5, std::nan(""), 2.5},
+                              {{1, 2}, Interval::Unknown(), {2, 3}},
+                              {"1.5", "-", "2.5"},
+                              {4, 0, 6}};
+  const ReportChart chart =
+      NamedValueCurves({"id", "title", "", ""}, "x", "y, mm", kBands, {curve});
+  const Json spec = Json::parse(chart.spec);
+  ASSERT_EQ(spec["data"]["values"].size(), 3u);
+  EXPECT_TRUE(spec["data"]["values"][1]["rate"].is_null());
+  EXPECT_EQ(spec["data"]["values"][2]["rate"], 2.5);
+  EXPECT_EQ(spec["data"]["values"][2]["high"], 3);
+  EXPECT_THAT(chart.table[2], ElementsAre("30-50", "-", "0"));
+  EXPECT_THAT(chart.caption, testing::Not(HasSubstr("too few bins")));
 }
 
 TEST(CalibrationCurves, PointsAreConfidenceAndRate) {

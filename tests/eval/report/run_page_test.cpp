@@ -18,6 +18,7 @@ std::vector<ConfigurationReport> Reports(const std::vector<std::string>& names) 
   std::vector<ConfigurationTrials> points;
   for (size_t i = 0; i < names.size(); ++i) {
     points.push_back({names[i], {"rod", "flange"}, StubTrials(15, {.ease = 0.1 * i}), {}});
+    points.back().trials[0].attempts[0].grasps_rejected = {{"tilt", 30}, {"quality", 10}};
   }
   return ReportOn(points);
 }
@@ -27,6 +28,9 @@ std::vector<ReportChart> AllCharts(const std::vector<ConfigurationReport>& point
                                   SecondsChart(points), SuccessChart(points)};
   for (const ReportChart& chart : VisibilityCharts(points)) charts.push_back(chart);
   for (const ReportChart& chart : ErrorCharts(points)) charts.push_back(chart);
+  for (const ReportChart& chart : ErrorByBandCharts(points)) charts.push_back(chart);
+  charts.push_back(AttemptsChart(points));
+  charts.push_back(RejectionsChart(points));
   return charts;
 }
 
@@ -35,6 +39,24 @@ std::vector<std::string> Column(const TableCells& cells, size_t column) {
   std::vector<std::string> values;
   for (size_t i = 1; i < cells.size(); ++i) values.push_back(cells[i].at(column));
   return values;
+}
+
+// A forecast is a mark of its own and a column of the table, only where there is one.
+TEST(SuccessChart, ShowsTheForecastOfTheToleranceMaps) {
+  std::vector<ConfigurationReport> points = Reports({"a", "b"});
+  EXPECT_THAT(SuccessChart(points).spec, Not(HasSubstr("diamond")));
+  PickForecast forecast;
+  forecast.picks = 8;
+  forecast.expected_with_grasp = 6;
+  points[1].summary.forecasts = {forecast};
+  const ReportChart chart = SuccessChart(points);
+  EXPECT_EQ(chart.table[0].back(), "forecast");
+  EXPECT_EQ(chart.table[1].back(), "");
+  EXPECT_EQ(chart.table[2].back(), PercentText(0.75));
+  const auto spec = nlohmann::json::parse(chart.spec);
+  EXPECT_FALSE(spec["data"]["values"][0].contains("forecast"));
+  EXPECT_EQ(spec["data"]["values"][1]["forecast"], 0.75);
+  EXPECT_EQ(spec["layer"].back()["mark"]["shape"], "diamond");
 }
 
 // The share of picked targets is drawn only if attempts have a target.
@@ -108,6 +130,13 @@ TEST(RunPage, FailureChartSumsToAllAttempts) {
     share += bar["share"].get<double>();
   }
   EXPECT_NEAR(share, 1 - static_cast<double>(budget.picked) / budget.total, 1e-9);
+}
+
+TEST(RejectionsChart, SharesAreOfAllRejectedAndTheMostFrequentIsFirst) {
+  const TableCells table = RejectionsChart(Reports({"one"})).table;
+  ASSERT_EQ(table.size(), 3u);
+  EXPECT_EQ(table[1], (std::vector<std::string>{"tilt", "30", "75.0 %"}));
+  EXPECT_EQ(table[2], (std::vector<std::string>{"quality", "10", "25.0 %"}));
 }
 
 TEST(RunPage, ChartsWithoutDataHaveACaptionThatSaysSo) {

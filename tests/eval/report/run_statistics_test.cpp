@@ -154,6 +154,49 @@ TEST(RunStatistics, RatesUseTheBandsOfTheRun) {
   EXPECT_EQ(report.summary.recall_by_visibility[1].instances, 1);
 }
 
+TEST(RunStatistics, ErrorsByBandAreThoseOfTheInstancesInTheBand) {
+  TrialResult trial;
+  AttemptRecord attempt;
+  attempt.failure = FailureReason::kNoGrasp;
+  for (int i = 0; i < 2; ++i) {
+    attempt.instances.push_back({InstanceId{i}, ObjectId{0}, i == 0 ? 0.2 : 0.95, true});
+    HypothesisRecord pose;
+    pose.instance = InstanceId{i};
+    pose.metrics.Set(kMssdDiameters, i == 0 ? 0.08 : 0.02);
+    attempt.hypotheses.push_back(pose);
+  }
+  trial.attempts = {attempt};
+  const ConfigurationReport report = ReportOf(Point({trial}));
+  const std::vector<BandError>& by_band = report.errors[0].by_band;
+  ASSERT_EQ(by_band.size(), report.bands.size());
+  EXPECT_EQ(by_band.front().poses, 1);
+  EXPECT_EQ(by_band.back().poses, 1);
+  EXPECT_EQ(by_band[1].poses, 0);
+  EXPECT_NEAR(by_band.front().median.value, 0.08, 1e-12);
+  EXPECT_NEAR(by_band.back().median.value, 0.02, 1e-12);
+}
+
+// Bins with fewer attempts do not count in the later ranges.
+TEST(RunStatistics, AttemptsAreCountedInEqualRanges) {
+  TrialResult full, brief;
+  for (int i = 0; i < 50; ++i) {
+    AttemptRecord attempt;
+    attempt.grasp = Grasp();
+    attempt.failure = i < 30 ? FailureReason::kNone : FailureReason::kSlipped;
+    full.attempts.push_back(attempt);
+    if (i < 3) brief.attempts.push_back(attempt);
+  }
+  full.instances_cleared = 30;
+  brief.instances_cleared = 3;
+  const std::vector<AttemptRange> ranges = ReportOf(Point({full, brief})).attempt_ranges;
+  ASSERT_EQ(ranges.size(), 17u) << "three attempts each, at most 20 ranges";
+  EXPECT_EQ(ranges[0].picked.samples, 6);
+  EXPECT_EQ(ranges[1].picked.samples, 3);
+  EXPECT_EQ(ranges[0].picked.hits, 6);
+  EXPECT_EQ(ranges[10].picked.hits, 0);
+  EXPECT_EQ(ranges.back().last, 49);
+}
+
 TEST(RunStatistics, CalibrationDetectsOverconfidence) {
   // The confidence of a stub pose is its probability of being correct.
   EXPECT_LT(ReportOf(Point(StubTrials(300))).calibration.expected_error, 0.03);
@@ -186,8 +229,8 @@ TEST(RunStatistics, StagesAreSortedByTimeEachBeforeItsSubstages) {
   EXPECT_DOUBLE_EQ(report.seconds.back().mean_s, 0.25);
 }
 
-std::vector<LostPick> Lost(std::vector<FailureReason> failures) {
-  std::vector<LostPick> picks;
+std::vector<FailedPick> FailedPicksFor(std::vector<FailureReason> failures) {
+  std::vector<FailedPick> picks;
   for (const FailureReason failure : failures) {
     picks.emplace_back().failure = failure;
     picks.back().trial = static_cast<int>(picks.size()) - 1;
@@ -198,23 +241,24 @@ std::vector<LostPick> Lost(std::vector<FailureReason> failures) {
 TEST(RunStatistics, FewFailedPicksStillShowEveryReason) {
   const FailureReason slip = FailureReason::kSlipped, pose = FailureReason::kPoseWrong,
                       two = FailureReason::kDoublePick;
-  const auto trials = [](const std::vector<LostPick>& picks) {
+  const auto trials = [](const std::vector<FailedPick>& picks) {
     std::vector<int> numbers;
-    for (const LostPick& pick : picks) numbers.push_back(pick.trial);
+    for (const FailedPick& pick : picks) numbers.push_back(pick.trial);
     return numbers;
   };
-  const std::vector<LostPick> lost = Lost({slip, slip, slip, slip, pose, slip, two, pose});
-  EXPECT_THAT(trials(SpreadOverReasons(lost, 3)), ElementsAre(0, 4, 6));
-  EXPECT_THAT(trials(SpreadOverReasons(lost, 5)), ElementsAre(0, 1, 4, 6, 7));
-  EXPECT_EQ(SpreadOverReasons(lost, 100).size(), lost.size());
+  const std::vector<FailedPick> failed =
+      FailedPicksFor({slip, slip, slip, slip, pose, slip, two, pose});
+  EXPECT_THAT(trials(SpreadOverReasons(failed, 3)), ElementsAre(0, 4, 6));
+  EXPECT_THAT(trials(SpreadOverReasons(failed, 5)), ElementsAre(0, 1, 4, 6, 7));
+  EXPECT_EQ(SpreadOverReasons(failed, 100).size(), failed.size());
 }
 
 TEST(RunStatistics, FailedPicksAgreeWithTheBudget) {
   const ConfigurationTrials point = Point(StubTrials(40));
   const FailureBudget budget = BudgetOfAttempts(point.trials);
-  const std::vector<LostPick> lost = LostPicksOf({&point, 1});
-  EXPECT_EQ(static_cast<int>(lost.size()), budget.total - budget.picked);
-  for (const LostPick& pick : lost) {
+  const std::vector<FailedPick> failed = FailedPicksOf({&point, 1});
+  EXPECT_EQ(static_cast<int>(failed.size()), budget.total - budget.picked);
+  for (const FailedPick& pick : failed) {
     const AttemptRecord& attempt = point.trials[pick.trial].attempts[pick.attempt];
     EXPECT_EQ(attempt.failure, pick.failure);
     EXPECT_EQ(attempt.grasp.has_value(), !pick.object.empty());
@@ -232,12 +276,12 @@ TEST(RunStatistics, FailedPicksHaveTheVisibleFractionOfTheTarget) {
   }
   trial.attempts[0].grasp.reset();
   ConfigurationTrials point = Point({trial});
-  std::vector<LostPick> lost = LostPicksOf({&point, 1});
-  EXPECT_EQ(lost.at(0).visible_fraction, 0.3);
-  EXPECT_EQ(lost.at(1).visible_fraction, 0.4);
+  std::vector<FailedPick> failed = FailedPicksOf({&point, 1});
+  EXPECT_EQ(failed.at(0).visible_fraction, 0.3);
+  EXPECT_EQ(failed.at(1).visible_fraction, 0.4);
   for (AttemptRecord& attempt : point.trials[0].attempts) attempt.target = InstanceId{-1};
-  lost = LostPicksOf({&point, 1});
-  EXPECT_LT(lost.at(0).visible_fraction, 0) << "the attempt has no target";
+  failed = FailedPicksOf({&point, 1});
+  EXPECT_LT(failed.at(0).visible_fraction, 0) << "the attempt has no target";
 }
 
 TEST(RunStatistics, ViewsShowOneOfEachReasonAndOneSuccess) {

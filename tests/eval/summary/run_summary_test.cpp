@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "eval/summary/run_csv.h"
 #include "tests/support/layer.h"
 
 namespace pickbed::tests {
@@ -171,8 +172,7 @@ TEST(Summarize, RecallPrecisionAndHiddenInstancesAreOverAllInView) {
   EXPECT_EQ(s.precision.hits, 3);
   EXPECT_EQ(s.in_view, (std::vector<int>{3, 0, 3, 0, 0, 4}));
   const std::string table = SummaryTable(s);
-  EXPECT_THAT(table,
-              HasSubstr("recall                    42.9 % (too few bins)  3 of 7 instances"));
+  EXPECT_THAT(table, HasSubstr("recall                    42.9 %  3 of 7 instances"));
   EXPECT_THAT(table, HasSubstr("3 of 3 poses, 0 false"));
   EXPECT_THAT(table, HasSubstr("3 of 10 instances in view were under 10 % visible and are not "
                                "counted; an instance counts once per image.\n  4 of the 7"));
@@ -219,8 +219,10 @@ TEST(Summarize, AttemptsWithoutAGraspAreCounted) {
 }
 
 TEST(Summarize, FewBinsAreSaid) {
-  EXPECT_THAT(SummaryTable(Summarize(TwoTrials())),
-              HasSubstr("  2 bins are too few for an interval, which needs 5; use 20 or more.\n"));
+  const std::string table = SummaryTable(Summarize(TwoTrials()));
+  EXPECT_THAT(table, testing::EndsWith(
+                         "\n2 bins are too few for an interval, which needs 5; use 20 or more.\n"));
+  EXPECT_THAT(table, testing::Not(HasSubstr("too few bins")));
   EXPECT_THAT(SummaryTable(Summarize(std::vector<TrialResult>(20))),
               testing::Not(HasSubstr("use 20 or more")));
 }
@@ -229,7 +231,7 @@ TEST(Summarize, NoFailureIsSaidInWords) {
   TrialResult trial;
   trial.instances_dropped = trial.instances_cleared = 1;
   trial.attempts = {Pick(FailureReason::kNone, true)};
-  EXPECT_THAT(SummaryTable(Summarize({trial})), HasSubstr("  nothing was lost\n"));
+  EXPECT_THAT(SummaryTable(Summarize({trial})), HasSubstr("  no pick failed\n"));
 }
 
 TEST(Summarize, EmptyRunHasOnlyFiniteNumbers) {
@@ -322,10 +324,13 @@ TEST(InstanceOutcomesCsv, ListsTheOutcomeOfEachInstance) {
   trials[0].outcomes = {{InstanceId{0}, ObjectId{0}, true, true, FailureReason::kNone, 0},
                         {InstanceId{1}, ObjectId{0}, false, true, FailureReason::kSlipped, 1},
                         {InstanceId{2}, ObjectId{0}, false, false, FailureReason::kNone, -1}};
+  trials[0].outcomes[1].deviation = {0.25, -0.5};
+  trials[0].outcomes[2].size_deviation = 0.125;
   EXPECT_EQ(InstanceOutcomesCsv(trials, {"rod"}),
-            "trial,configuration,instance,object,outcome,failure,stage,attempt\n0,0,0,rod,picked,"
-            "none,done,0\n"
-            "0,0,1,rod,failed,slipped,grasp,1\n0,0,2,rod,not_asked,none,done,-1\n");
+            "trial,configuration,instance,object,outcome,failure,stage,attempt,friction_percent,"
+            "mass_percent,size_percent\n0,0,0,rod,picked,none,done,0,0,0,0\n"
+            "0,0,1,rod,failed,slipped,grasp,1,25,-50,0\n"
+            "0,0,2,rod,not_asked,none,done,-1,0,0,12.5\n");
 }
 
 TEST(Csv, OutcomeCellsAreEmptyWithoutAGrasp) {

@@ -51,6 +51,20 @@ TEST_F(SweepSpecTest, PresetsLoadAndTheirWrittenFormReadsBack) {
   }
 }
 
+TEST_F(SweepSpecTest, EachErrorOfTheCellIsAnAxis) {
+  for (const std::string key :
+       {"hand_eye_mm", "hand_eye_deg", "focal_percent", "principal_px", "depth_bias_mm",
+        "depth_scale_percent", "bin_mm", "bin_deg", "repeatability_mm", "force_percent",
+        "friction_percent", "mass_percent", "size_percent"}) {
+    const Sweep sweep = Make("scenario: demo\nset: {estimator.name: oracle}\ngrid:\n  cell." + key +
+                             ": [0, 0.5]\n");
+    ASSERT_EQ(sweep.configurations.size(), 2u) << key;
+    EXPECT_TRUE(sweep.configurations[0].spec.cell.off()) << key;
+    EXPECT_EQ(CellErrorsInWords(sweep.configurations[1].spec.cell), key + " 0.5");
+    EXPECT_NE(sweep.configurations[0].identity, sweep.configurations[1].identity) << key;
+  }
+}
+
 TEST_F(SweepSpecTest, OneAxisCanSetSeveralKeys) {
   EXPECT_THAT(Names("scenario: demo\n"
                     "grid:\n"

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "eval/summary/run_csv.h"
 #include "eval/summary/run_summary.h"
 #include "grasp/outcome.h"
 #include "scenes/base/random.h"

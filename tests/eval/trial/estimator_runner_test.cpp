@@ -23,7 +23,7 @@ TEST(KeepThoseInBin, RemovesPosesBesideOrBelowTheBin) {
     hypotheses.push_back(at(outside[i]));
     if (i < inside.size()) hypotheses.push_back(at(inside[i]));
   }
-  KeepThoseInBin(cell, hypotheses);
+  KeepThoseInBin(cell, {cell.camera(), std::nullopt}, hypotheses);
   ASSERT_EQ(hypotheses.size(), inside.size());
   for (size_t i = 0; i < inside.size(); ++i) {
     EXPECT_TRUE(

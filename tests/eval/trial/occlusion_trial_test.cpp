@@ -6,10 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/summary/failure_budget.h"
 #include "eval/summary/occlusion_curve.h"
+#include "eval/summary/run_csv.h"
 #include "eval/summary/run_summary.h"
-#include "eval/trial/simulated_cell.h"
 #include "eval/trial/trial.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/sim/physics_objects.h"

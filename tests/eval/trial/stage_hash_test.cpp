@@ -7,10 +7,10 @@
 #include <limits>
 #include <set>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/store/results_store.h"
 #include "eval/store/schema.h"
 #include "eval/trial/observer.h"
-#include "eval/trial/simulated_cell.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/temporary_folder.h"
 

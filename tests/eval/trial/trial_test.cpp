@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <set>
 
+#include "eval/cell/simulated_cell.h"
 #include "eval/summary/failure_budget.h"
+#include "eval/summary/run_csv.h"
 #include "eval/summary/run_summary.h"
-#include "eval/trial/simulated_cell.h"
 #include "scenes/base/error.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/sim/physics_objects.h"

@@ -262,6 +262,12 @@ class MagnetGripper : public Gripper {
   std::vector<AxisAlignedBox> Boxes(double) const override { return MagnetBoxes(magnet); }
   double Capacity_n(double) const override { return magnet.pull_n; }
 
+  std::shared_ptr<const Gripper> WithForce(double factor) const override {
+    auto gripper = std::make_shared<MagnetGripper>(*this);
+    gripper->magnet.pull_n *= factor;
+    return gripper;
+  }
+
   Hand& AddTo(PhysicsWorld& world, double, const Pose& X_WG) const override {
     auto hand = std::make_unique<MagnetHand>(world, magnet, X_WG);
     Hand& added = *hand;

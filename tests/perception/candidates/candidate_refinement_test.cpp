@@ -35,7 +35,7 @@ class RefinedCandidates : public testing::Test {
     const CandidateRefiner candidate_refiner(views_.objects(), options, threads);
     StageSeconds seconds;
     auto candidates = candidate_refiner.RefineCandidates(
-        cloud_, ObjectId{0}, votes_, static_cast<int>(votes_.size()), share, seconds);
+        cloud_, ObjectId{0}, votes_, static_cast<int>(votes_.size()), {.share = share}, seconds);
     candidate_refiner.Compare(candidates, seconds);
     return candidates;
   }
@@ -167,7 +167,7 @@ TEST_F(RefinedCandidates, FineIcpStepsImproveThePose) {
         const Pose rough = Perturbed(instance.X_CO, rng.UnitVector(), 3, {0, 0, 0});
         StageSeconds seconds;
         const auto found = candidate_refiner.RefineCandidates(
-            BuildCloud(view.frame, OutOfSightBin()), ObjectId{0}, {{rough, 0}}, 1, 1, seconds);
+            BuildCloud(view.frame, OutOfSightBin()), ObjectId{0}, {{rough, 0}}, 1, {}, seconds);
         for (const Candidate& candidate : found) {
           sum += distance(candidate.hypothesis.X_CO, instance.X_CO);
         }
@@ -190,7 +190,7 @@ TEST_F(RefinedCandidates, ObjectsShareTheBudgetOfAmbiguousPoses) {
     StageSeconds seconds;
     EstimateTrace trace;
     candidate_refiner.RefineCandidates(cloud_, ObjectId{0}, votes_, static_cast<int>(votes_.size()),
-                                       1, seconds, &trace);
+                                       {}, seconds, &trace);
     return std::count_if(trace.refinements.begin(), trace.refinements.end(),
                          [](const auto& refinement) { return refinement.ambiguous_pose; });
   };

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 
 #include "tests/sim/render_support.h"
 #include "tests/support/layer.h"
@@ -53,6 +55,27 @@ TEST_F(PictureTest, IdsEqualThoseOfTheSensorImage) {
   EXPECT_EQ(picture.ids, renderer_.Render(scene_, camera_).ids);
   EXPECT_EQ(picture.camera.intrinsics, camera_.intrinsics);
   EXPECT_EQ(picture.color.width(), 160);
+}
+
+TEST_F(PictureTest, OptionsOutOfRangeAreRefused) {
+  EXPECT_THROW(Draw({.scale = 0}), std::logic_error);
+  EXPECT_THROW(Draw({.samples = 9}), std::logic_error);
+  EXPECT_THROW(Draw({.threads = 0}), std::logic_error);
+}
+
+TEST_F(PictureTest, FurtherInstancesHaveMaterialsOfTheirOwn) {
+  const int mesh = renderer_.renderer().AddMesh(BoxMesh({kCube_m, kCube_m, kCube_m}));
+  const Eigen::Vector3d right_W(0.08, 0, 0.15), left_W(-0.08, 0, 0.15);
+  const std::vector<PictureInstance> more{
+      {{mesh, Translation(left_W), 100}, {Finish::kMatte, {0.8f, 0.02f, 0.02f}}},
+      {{mesh, Translation(right_W), 101}, {Finish::kMatte, {0.02f, 0.02f, 0.8f}}}};
+  const Picture picture = pictures_.Render(scene_, camera_, {.scale = 1, .samples = 1}, more);
+  const auto color_at = [&](const Eigen::Vector3d& p_W) {
+    const Eigen::Vector2d p = Project(camera_.intrinsics, camera_.X_CW() * p_W);
+    return picture.color(std::lround(p.x()), std::lround(p.y()));
+  };
+  EXPECT_GT(color_at(left_W).r, 2 * color_at(left_W).b);
+  EXPECT_GT(color_at(right_W).b, 2 * color_at(right_W).r);
 }
 
 // A point keeps its place in the scene: pixel (u, v) covers pixels 2u and 2u + 1 of the picture.
@@ -113,6 +136,10 @@ TEST(PictureMaterial, DarkMetalIsBrightened) {
   ObjectModel dark = *Cubes(7800)[0];
   dark.mesh_O.base_color = {40, 40, 44};
   EXPECT_GT(PictureMaterialOf(dark).color.minCoeff(), 0.2f);
+  dark.mesh_O.base_color = {0, 0, 0};
+  EXPECT_GT(PictureMaterialOf(dark).color.minCoeff(), 0.2f);
+  dark.mesh_O.base_color = {0, 0, 4};
+  EXPECT_LE(PictureMaterialOf(dark).color.maxCoeff(), 1);
   dark = *Cubes(1000)[0];
   dark.mesh_O.base_color = {40, 40, 44};
   EXPECT_LT(PictureMaterialOf(dark).color.maxCoeff(), 0.05f);

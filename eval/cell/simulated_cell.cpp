@@ -1,4 +1,4 @@
-#include "eval/trial/simulated_cell.h"
+#include "eval/cell/simulated_cell.h"
 
 #include <fmt/format.h>
 
@@ -6,6 +6,7 @@
 
 #include "scenes/base/error.h"
 #include "sim/convex/convex_pieces.h"
+#include "sim/drop/fill_counts.h"
 #include "sim/drop/resting_poses.h"
 #include "sim/render/appearance.h"
 #include "sim/sensor/depth_noise.h"
@@ -28,6 +29,7 @@ SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
       camera_(CameraOf(spec)),
       bin_(BinOf(spec)),
       occlusion_(spec.occlusion),
+      errors_(spec.cell),
       appearance_(spec.appearance),
       sensor_(SensorThatSees(spec, camera_)),
       objects_(WithRestingDirections(WithConvexPieces(objects))) {
@@ -37,6 +39,9 @@ SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
     if (!object.distractor) wanted_.push_back(ObjectId(counts_.size()));
     counts_.push_back(object.count);
   }
+  if (spec.fill == 0) return;
+  counts_ = WithSettingsKey(
+      spec, "fill", [&] { return sim::CountsForFill(bin_, objects_, counts_, spec.fill, drop_); });
 }
 
 bool SimulatedCell::IsWanted(ObjectId object) const {
@@ -54,35 +59,76 @@ SceneRenderer& SimulatedCell::renderer() {
   return *renderer_;
 }
 
+SceneRenderer& SimulatedCell::RendererOf(BinIndex bin_index) {
+  if (errors_.size_percent == 0) return renderer();
+  if (sized_bin_ != bin_index) {
+    sized_renderer_ = std::make_unique<SceneRenderer>(TrueObjects(bin_index), bin_);
+    sized_bin_ = bin_index;
+  }
+  return *sized_renderer_;
+}
+
+BinErrors SimulatedCell::ErrorsOf(BinIndex bin_index) const {
+  return DrawBinErrors(errors_, seed_, bin_index);
+}
+
+AttemptErrors SimulatedCell::ErrorsOf(BinIndex bin_index, int attempt) const {
+  return DrawAttemptErrors(errors_, seed_, bin_index, attempt);
+}
+
+std::vector<double> SimulatedCell::SizesOf(BinIndex bin_index) const {
+  return DrawSizes(errors_, seed_, bin_index, objects_.size());
+}
+
+ObjectSet SimulatedCell::TrueObjects(BinIndex bin_index) const {
+  return ObjectsOfSizes(objects_, SizesOf(bin_index));
+}
+
+void SimulatedCell::AddDeviations(BinIndex bin_index, Scene& scene) const {
+  for (PosedObject& posed : scene.objects) {
+    posed.deviation = DrawDeviation(errors_, seed_, bin_index, posed.instance);
+  }
+}
+
 CertifiedScene SimulatedCell::MakeScene(BinIndex bin_index) const {
-  return pickbed::sim::MakeScene({bin_, objects_, counts_, seed_, bin_index}, drop_);
+  const ObjectSet objects = TrueObjects(bin_index);
+  CertifiedScene made = pickbed::sim::MakeScene({bin_, objects, counts_, seed_, bin_index}, drop_);
+  AddDeviations(bin_index, made.scene);
+  return made;
 }
 
 MadeSeries SimulatedCell::MakeSeries(BinIndex bin_index) {
-  const SceneRequest request{bin_, objects_, counts_, seed_, bin_index};
-  return MakeOcclusionSeries(renderer(), request, wanted_,
-                             {objects_, counts_, camera_, drop_, occlusion_});
+  const ObjectSet objects = TrueObjects(bin_index);
+  const SceneRequest request{bin_, objects, counts_, seed_, bin_index};
+  MadeSeries made = MakeOcclusionSeries(RendererOf(bin_index), request, wanted_,
+                                        {objects, counts_, camera_, drop_, occlusion_});
+  for (OccludedScene& occluded : made.series.scenes) AddDeviations(bin_index, occluded.scene);
+  return made;
 }
 
 Observation SimulatedCell::Capture(const Scene& scene, BinIndex bin_index, int attempt) {
-  RenderedImage image = Render(renderer(), scene, camera_, bin_index, attempt);
+  SceneRenderer& renderer = RendererOf(bin_index);
+  RenderedImage image = Render(renderer, scene, camera_, bin_index, attempt);
+  const BinErrors errors = ErrorsOf(bin_index);
   Observation view;
-  view.visible_fractions = renderer().VisibleFractions(scene, camera_, image.ids);
+  view.calibration = CalibrationOf(camera_, errors);
+  view.visible_fractions = renderer.VisibleFractions(scene, camera_, image.ids);
   for (size_t i = 0; i < scene.objects.size(); ++i) {
     if (!IsWanted(scene.objects[i].object)) view.visible_fractions[i] = 0;
   }
   // Every attempt has its own random stream, so a second image of an unchanged bin is a new sample.
   Rng rng = Rng::Derive(seed_, bin_index, fmt::format("sensor/{}", attempt));
-  view.frame.intrinsics = camera_.intrinsics;
+  view.frame.intrinsics = view.calibration.camera.intrinsics;
   view.frame.depth_m =
       ApplySensorNoise({image.depth_m, camera_.intrinsics, &image.color}, sensor_, rng);
+  AddDepthErrors(errors, view.frame.depth_m);
   view.frame.color = std::move(image.color);
   view.ids = std::move(image.ids);
   return view;
 }
 
 Image<Rgb8> SimulatedCell::ColorPicture(const Scene& scene, BinIndex bin_index) {
-  return Render(renderer(), scene, camera_, bin_index, 0).color;
+  return Render(RendererOf(bin_index), scene, camera_, bin_index, 0).color;
 }
 
 sim::Picture SimulatedCell::PictureOf(const Scene& scene, const Camera& camera,

@@ -1,4 +1,4 @@
-#include "eval/trial/simulated_cell.h"
+#include "eval/cell/simulated_cell.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "eval/cell/cell_errors.h"
 #include "eval/layer.h"
 #include "scenes/base/ids.h"
 #include "scenes/camera/rgbd_frame.h"
@@ -29,8 +30,9 @@ inline constexpr double kCountedVisibility = 0.1;
 
 // One image of the cell with its ground truth.
 struct Observation {
-  RgbdFrame frame;      // with the noise of the sensor
-  Image<uint16_t> ids;  // ground truth: instance + 1, 0 = background
+  RgbdFrame frame;              // with the noise of the sensor and the errors of the cell
+  CellCalibration calibration;  // what the cell assumes in this bin
+  Image<uint16_t> ids;          // ground truth: instance + 1, 0 = background
   // Ground truth, by scene.objects[i]; 0 for distractors, which do not count.
   std::vector<double> visible_fractions;
 };
@@ -44,7 +46,8 @@ class SimulatedCell {
 
   // The results of these functions depend only on the arguments, the scenario and its seed.
 
-  // Drops the bin until it is at rest. Throws InputError, see sim/drop/certified_scene.h.
+  // Drops the bin until it is at rest. Friction and mass deviate only after the drop, so that bins
+  // stay the same in a sweep of these errors. Throws InputError, see sim/drop/certified_scene.h.
   CertifiedScene MakeScene(BinIndex bin_index) const;
   // Builds the scenes of an occlusion trial with the scenario's occlusion settings. Throws as
   // described in sim/drop/occlusion_series.h.
@@ -62,17 +65,27 @@ class SimulatedCell {
   RenderedImage Render(SceneRenderer& renderer, const Scene& scene, const Camera& camera,
                        BinIndex bin_index, int picture) const;
 
-  const ObjectSet& objects() const { return objects_; }  // with convex pieces
+  BinErrors ErrorsOf(BinIndex bin_index) const;
+  AttemptErrors ErrorsOf(BinIndex bin_index, int attempt) const;
+  // Size deviation by object, see DrawSizes().
+  std::vector<double> SizesOf(BinIndex bin_index) const;
+  // Returns the objects of a bin in their true sizes. Physics and images use them.
+  ObjectSet TrueObjects(BinIndex bin_index) const;
+
+  // Objects as in CAD, with convex pieces. Estimation and planning use them.
+  const ObjectSet& objects() const { return objects_; }
   // Objects that are no distractors.
   const std::vector<ObjectId>& wanted() const { return wanted_; }
   bool IsWanted(ObjectId object) const;
-  int WantedIn(const Scene& scene) const;  // number of instances that are no distractors
-  const Camera& camera() const { return camera_; }
+  int WantedIn(const Scene& scene) const;           // number of instances that are no distractors
+  const Camera& camera() const { return camera_; }  // true camera, see Observation::calibration
   const Bin& bin() const { return bin_; }
   const SensorProfile& sensor() const { return sensor_; }
 
  private:
-  SceneRenderer& renderer();
+  SceneRenderer& renderer();                      // of objects()
+  SceneRenderer& RendererOf(BinIndex bin_index);  // of TrueObjects()
+  void AddDeviations(BinIndex bin_index, Scene& scene) const;
 
   uint64_t seed_;
   std::vector<int> counts_;
@@ -81,10 +94,13 @@ class SimulatedCell {
   Bin bin_;
   DropOptions drop_;
   OcclusionSpec occlusion_;
+  CellErrorsSpec errors_;
   AppearanceRanges appearance_;
   SensorProfile sensor_;
   ObjectSet objects_;
   std::unique_ptr<SceneRenderer> renderer_;
+  std::unique_ptr<SceneRenderer> sized_renderer_;  // of the last bin, if sizes deviate
+  BinIndex sized_bin_{-1};
   std::unique_ptr<sim::PictureRenderer> pictures_;
 };
 

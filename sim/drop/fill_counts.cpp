@@ -1,0 +1,123 @@
+#include "sim/drop/fill_counts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <sstream>
+
+#include "scenes/base/cache_lock.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/base/random.h"
+#include "sim/drop/fill_level.h"
+
+namespace pickbed::sim {
+namespace {
+
+constexpr int kMaxInstances = 2000;
+
+// Distributes `total` instances over the objects in proportion to their shares, at least one each.
+std::vector<int> Distributed(const std::vector<int>& shares, double total) {
+  const double all = std::accumulate(shares.begin(), shares.end(), 0);
+  std::vector<int> counts;
+  for (const int share : shares) {
+    counts.push_back(std::max(1, static_cast<int>(std::lround(total * share / all))));
+  }
+  return counts;
+}
+
+double Total(const std::vector<int>& counts) {
+  return std::accumulate(counts.begin(), counts.end(), 0.0);
+}
+
+double MeanVolume_m3(const ObjectSet& objects, const std::vector<int>& shares) {
+  double sum_m3 = 0;
+  for (size_t i = 0; i < objects.size(); ++i) sum_m3 += shares[i] * objects[i]->mass.volume_m3;
+  return sum_m3 / Total(shares);
+}
+
+// The height of a pile is nearly proportional to its number of instances. The ratio is taken over
+// all drops, because the height varies by some percent from drop to drop.
+std::vector<int> MeasuredCounts(const Bin& bin, const ObjectSet& objects,
+                                const std::vector<int>& shares, double fill,
+                                const DropOptions& options) {
+  constexpr double kFirstPackedShare = 0.2;  // solid volume over the volume below the surface
+  constexpr double kTolerance = 0.03;
+  constexpr int kDrops = 3;
+  constexpr uint64_t kSeed = 1;
+  double total =
+      fill * bin.inner_size_m.prod() * kFirstPackedShare / MeanVolume_m3(objects, shares);
+  double sum_total = 0, sum_level = 0;
+  for (int drop = 0; drop < kDrops; ++drop) {
+    const std::vector<int> counts = Distributed(shares, total);
+    CheckInput(Total(counts) <= kMaxInstances,
+               fmt::format("takes over {} instances; use larger objects, a smaller bin or a "
+                           "lower fill",
+                           kMaxInstances));
+    Rng rng = Rng::Derive(kSeed, BinIndex(drop), "fill");
+    const DropResult result = DropInstances(bin, objects, counts, rng, options);
+    const double level = MeasureFill(result.scene, objects).fill_level;
+    // Instances over the rim fall out, so that more of them do not raise the level.
+    const int outside = result.certificate.instances_outside;
+    CheckInput(outside == 0 || level > fill * (1 - kTolerance),
+               fmt::format("{} cannot be reached with these objects; at level {:.2f}, {} of "
+                           "{} instances have fallen out of the bin; choose a lower fill",
+                           fill, level, outside, Total(counts)));
+    sum_total += Total(counts);
+    sum_level += level;
+    total = sum_total * fill / sum_level;
+  }
+  return Distributed(shares, total);
+}
+
+std::filesystem::path FileOf(const Bin& bin, const ObjectSet& objects,
+                             const std::vector<int>& shares, double fill,
+                             const DropOptions& options) {
+  constexpr int kVersion = 1;  // raise it when drops or the measurement change
+  DropOptions copy = options;
+  std::string key = fmt::format("{} {} {} {} {} {} {} {}", kVersion, bin.inner_size_m.x(),
+                                bin.inner_size_m.y(), bin.inner_size_m.z(), bin.wall_m,
+                                bin.friction, fill, static_cast<int>(options.arrangement));
+  if (bin.shape) key += fmt::format(" {:016x}", MeshHash(bin.shape->mesh_B));
+  key += WriteSettingsKey([&](SettingsVisitor& v) { copy.Visit(v); });
+  for (size_t i = 0; i < objects.size(); ++i) {
+    key += fmt::format(" {:016x} {}", objects[i]->mesh_hash, shares[i]);
+  }
+  return CacheDir() / "fill" / fmt::format("{:016x}", HashBytes(key.data(), key.size()));
+}
+
+std::optional<std::vector<int>> ReadCounts(const std::filesystem::path& file, size_t objects) {
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  std::istringstream text(ReadFileBytes(file));
+  std::vector<int> counts;
+  for (int count = 0; text >> count;) counts.push_back(count);
+  const bool valid = counts.size() == objects && std::ranges::all_of(counts, [](int count) {
+                       return count >= 1 && count <= kMaxInstances;
+                     });
+  if (!valid) return std::nullopt;
+  return counts;
+}
+
+}  // namespace
+
+std::vector<int> CountsForFill(const Bin& bin, const ObjectSet& objects,
+                               const std::vector<int>& shares, double fill,
+                               const DropOptions& options) {
+  CheckInput(bin.inner_size_m.z() > 0,
+             fmt::format("{}: a table has no height; give each object a count", fill));
+  const std::filesystem::path file = FileOf(bin, objects, shares, fill, options);
+  if (const auto cached = ReadCounts(file, objects.size())) return *cached;
+  std::filesystem::create_directories(file.parent_path());
+  const CacheLock lock(file);
+  if (const auto cached = ReadCounts(file, objects.size())) return *cached;
+  const std::vector<int> counts = MeasuredCounts(bin, objects, shares, fill, options);
+  std::string text;
+  for (const int count : counts) text += fmt::format("{}\n", count);
+  WriteFileAtomically(file, text);
+  return counts;
+}
+
+}  // namespace pickbed::sim

@@ -1,0 +1,99 @@
+#include "eval/report/report.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "eval/export/pick_animation.h"
+#include "eval/page/html.h"
+#include "eval/store/results_store.h"
+#include "eval/summary/result_files.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+#include "scenes/scenario/find_scenario.h"
+#include "tests/support/stub_trials.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// A results folder "a run" with stub trials.
+class RunReportPageTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::vector<std::filesystem::path> places = PageTemplatePlaces();
+    if (std::none_of(places.begin(), places.end(),
+                     [](const auto& place) { return std::filesystem::exists(place); })) {
+      GTEST_SKIP() << "there is no page template";
+    }
+    MakeFolder(run_);
+    const std::string scenario =
+        "seed: 17\nobjects: [{name: rod, count: 6}, {name: flange, count: 6}]\n";
+    WriteFileAtomically(run_ / kScenarioFile, scenario);
+    ResultsStore store(
+        run_,
+        {scenario, {{.name = "", .trials = kTrials, .identity = scenario, .settings = scenario}}});
+    for (int i = 0; i < kTrials; ++i) store.Write(StubTrial(i));
+    options_.views = 0;  // stub trials have no scenes
+    options_.page_folder = temporary_.path();
+  }
+  std::string Page() const {
+    return RunReportPage(ReadReportRun(run_), OpenCatalog("none"), options_);
+  }
+  std::filesystem::path PictureFile(int trial, const std::string& name) const {
+    const std::filesystem::path folder = PicturesOf(run_, trial);
+    MakeFolder(folder);
+    return folder / name;
+  }
+
+  static constexpr int kTrials = 6;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path run_ = temporary_.path() / "a run";
+  ReportOptions options_;
+};
+
+TEST_F(RunReportPageTest, DamagedPictureIsLeftOut) {
+  for (int trial = 0; trial < kTrials; ++trial) {
+    for (int attempt = 0; attempt < 5; ++attempt) {
+      std::ofstream(PictureFile(trial, AttemptPicture(attempt, "overlay"))) << "no picture";
+    }
+  }
+  const std::string page = Page();
+  EXPECT_THAT(page, HasSubstr("damaged files are left out"));
+  EXPECT_THAT(page, Not(HasSubstr("class=\"overlay\"")));
+}
+
+TEST_F(RunReportPageTest, ThumbnailsAndScenarioAreLinkedRelativeToThePage) {
+  const FailedPick failed = [&] {
+    const ReportRun run = ReadReportRun(run_);
+    return FailedPicksOf(std::vector{run.configurations[0].trials}).front();
+  }();
+  const std::string name = AttemptPicture(failed.attempt, "overlay");
+  WritePng(PictureFile(failed.trial, name), Image<Rgb8>(64, 48, {90, 90, 90}));
+  const std::string link =
+      fmt::format("<a href=\"a%20run/pictures/trial_{:04}/{}\"", failed.trial, name);
+  EXPECT_THAT(Page(), HasSubstr(link));
+  EXPECT_THAT(Page(), HasSubstr("<a href=\"a%20run/scenario.yaml\""));
+  EXPECT_THAT(Page(), HasSubstr("count: 6")) << "the settings are on the page";
+  EXPECT_THAT(Page(), HasSubstr("of its volume")) << "how full the bin is";
+  options_.page_folder.clear();
+  EXPECT_THAT(Page(), Not(HasSubstr("<a href=\"a%20run")));
+}
+
+TEST_F(RunReportPageTest, SaysWhenTheFirstAnimatedPickIsTooLarge) {
+  for (int trial = 0; trial < kTrials; ++trial) {
+    for (int attempt = 0; attempt < 5; ++attempt) {
+      std::ofstream(PictureFile(trial, PickAnimationName(attempt))) << std::string(20000, 'x');
+    }
+  }
+  options_.animations_mb = 0.02;
+  EXPECT_THAT(Page(), HasSubstr("No animated pick is shown, because the first one is too large"));
+  options_.animations_mb = 0.04;
+  EXPECT_THAT(Page(), HasSubstr("More animated picks are left out"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests

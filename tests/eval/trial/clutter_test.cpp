@@ -1,0 +1,71 @@
+#include "eval/trial/clutter.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "eval/summary/clutter_json.h"
+#include "tests/eval/cube_scenario.h"
+
+namespace pickbed::tests {
+namespace {
+
+// Returns the clutter of cubes at these positions of their centers, in cube sides.
+ClutterStatistics ClutterOf(const std::vector<Eigen::Vector3d>& centers) {
+  TrialOptions perception_given;
+  perception_given.truth = {true, true, true, true, false};
+  TrialSetup setup(CubeScenario(1), EasyCube(), {}, perception_given);
+  const double side_m = MeshBounds(setup.cell.objects()[0]->mesh_O).size().x();
+  Scene scene{setup.cell.bin(), {}};
+  for (const Eigen::Vector3d& center : centers) {
+    Pose X_WO = Pose::Identity();
+    X_WO.translation() = side_m * center;
+    scene.objects.push_back({InstanceId(scene.objects.size()), ObjectId(0), X_WO});
+  }
+  return MeasureClutter(setup, scene, setup.cell.Capture(scene, BinIndex(0), 0));
+}
+
+TEST(MeasureClutter, ASingleCubeIsVisibleAndGraspable) {
+  const ClutterStatistics clutter = ClutterOf({{0, 0, 0.5}});
+  EXPECT_EQ(clutter.instances, 1);
+  EXPECT_EQ(clutter.layers, (std::vector<int>{1}));
+  ASSERT_EQ(clutter.visible_fraction.size(), 1u);
+  EXPECT_GT(clutter.visible_fraction[0], 0.99);
+  EXPECT_EQ(clutter.counted, 1);
+  EXPECT_EQ(clutter.graspable, 1);
+}
+
+TEST(MeasureClutter, ACubeBetweenNeighborsCannotBeGrasped) {
+  // A block of 3 x 3 cubes without gaps: fingers find room only beside the outer ones, never at the
+  // one in the center.
+  std::vector<Eigen::Vector3d> block;
+  for (int i = 0; i < 9; ++i) block.emplace_back(i % 3 - 1, i / 3 - 1, 0.5);
+  const ClutterStatistics clutter = ClutterOf(block);
+  EXPECT_EQ(clutter.counted, 9);
+  EXPECT_LT(clutter.graspable, 9);
+}
+
+TEST(MeasureClutter, AHiddenCubeIsNotCounted) {
+  const ClutterStatistics clutter =
+      ClutterOf({{0, 0, 0.5}, {0, 0, 1.5}, {1, 0, 0.5}, {-1, 0, 0.5}, {0, 1, 0.5}, {0, -1, 0.5}});
+  EXPECT_EQ(clutter.counted, 5);
+  EXPECT_EQ(clutter.layers, (std::vector<int>{5, 1}));
+}
+
+TEST(ClutterJson, CountsEachWantedInstanceInOneBand) {
+  ClutterStatistics clutter;
+  clutter.instances = 4;
+  clutter.layers = {3, 1};
+  clutter.visible_fraction = {0.05, 0.4, 0.95, 1.0};
+  clutter.counted = 3;
+  clutter.graspable = 2;
+  const auto json = nlohmann::json::parse(ClutterJson(clutter, "jaw_8cm"));
+  EXPECT_EQ(json.at("in_view").at("0-10"), 1);
+  EXPECT_EQ(json.at("in_view").at("30-50"), 1);
+  EXPECT_EQ(json.at("in_view").at("90-100"), 2);
+  EXPECT_EQ(json.at("graspable"), 2);
+  EXPECT_NE(ClutterText(clutter, "jaw_8cm").find("2 of 3"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pickbed::tests
