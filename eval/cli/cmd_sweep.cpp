@@ -46,7 +46,9 @@ void AddSlurmArguments(CLI::App& app, SweepArguments& a) {
 bool ParseSweepArguments(int argc, char** argv, SweepArguments& a) {
   CLI::App app("Runs a scenario with every combination of a grid of settings.", "pickbed sweep");
   a.options.picture_trials = 0;
-  app.add_option("SWEEP", a.file, "sweep file with scenario, trials, set and grid (see README.md)")
+  app.add_option("SWEEP", a.file,
+                 "sweep file with scenario, trials, set and grid, or the name of an included one: "
+                 "occlusion, calibration")
       ->required();
   app.add_option("--set", a.settings,
                  "change a setting of all configurations: KEY=VALUE; may be repeated")
@@ -82,9 +84,16 @@ bool ParseSweepArguments(int argc, char** argv, SweepArguments& a) {
   return goes_on;
 }
 
+// Returns the file itself, or the included sweep of that name.
+std::filesystem::path SweepFile(const std::string& file_or_name) {
+  const std::filesystem::path included = PresetsDir() / "sweeps" / (file_or_name + ".yaml");
+  const bool is_name = !std::filesystem::exists(file_or_name) && std::filesystem::exists(included);
+  return is_name ? included : std::filesystem::path(file_or_name);
+}
+
 // Returns the settings of the file, modified by the command line.
 SweepSpec SpecOf(const SweepArguments& a) {
-  SweepSpec spec = LoadSweepSpec(a.file);
+  SweepSpec spec = LoadSweepSpec(SweepFile(a.file));
   if (a.trials) spec.trials = a.trials;
   for (const std::string& setting : a.settings) SetForAll(setting, spec);
   SlurmOptions& slurm = spec.slurm;

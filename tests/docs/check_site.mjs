@@ -23,7 +23,10 @@ async function run(browser) {
   await browser.value(`document.querySelector('${box}').focus()`);
   await browser.send('Input.insertText', {text: word});
   try {
-    await browser.until(`document.querySelectorAll('.md-search-result__item a').length > 0`, 'search results', 20000);
+    // On a loaded machine the search may start only after the word was entered, so the key is repeated.
+    const key = `document.querySelector('${box}').dispatchEvent(new KeyboardEvent('keyup', {bubbles: true}))`;
+    const found = `document.querySelectorAll('.md-search-result__item a').length > 0`;
+    await browser.until(`${key} && ${found}`, 'search results', 40000);
   } catch (error) {
     return faults.push(`the search for '${word}': ${error.message}`);
   }
