@@ -53,7 +53,7 @@ int DropCommand(int argc, char** argv) {
            cell.PictureOf(made.scene, BinCamera(cell.camera(), cell.bin())).color);
   WriteFileAtomically(folder / kCertificateFile, CertificateJson(made));
   const ClutterStatistics clutter =
-      MeasureClutter(setup, made.scene, cell.Capture(made.scene, bin_index, 0));
+      MeasureClutter(setup, made.scene, bin_index, cell.Capture(made.scene, bin_index, 0));
   WriteFileAtomically(folder / kClutterFile, ClutterJson(clutter, scenario.spec.gripper));
   fmt::print("{}{}wrote {}, {}, {}, color.png and {}\n", CertificateText(made),
              ClutterText(clutter, scenario.spec.gripper), (folder / kSceneFile).string(),

@@ -26,6 +26,9 @@ constexpr int kFewestScenes = 6;
 static_assert(kFewestScenes >= kMinBinsOfInterval);
 
 constexpr std::array kSceneSettings{"seed:", "bin:", "objects:", "arrangement:"};
+// These change the scene only if they are not 0. Older results do not have them. Other cell errors
+// change what is assumed, or the picking.
+constexpr std::array kOptionalSceneSettings{"fill:", "  size_percent:"};
 // In occlusion trials these also determine where blockers are placed to reach a visible fraction.
 constexpr std::array kSeriesSettings{"camera:", "occlusion:"};
 constexpr std::array kSceneHashes{"# part ", "# bin "};
@@ -211,7 +214,8 @@ std::string SceneKey(const std::string& settings) {
       wanted =
           BeginsWithAny(line, kSceneSettings) || (occluded && BeginsWithAny(line, kSeriesSettings));
     }
-    if (wanted || BeginsWithAny(line, kSceneHashes)) key += line + "\n";
+    const bool is_set = BeginsWithAny(line, kOptionalSceneSettings) && !line.ends_with(": 0");
+    if (wanted || is_set || BeginsWithAny(line, kSceneHashes)) key += line + "\n";
   }
   return key;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "eval/page/html.h"
@@ -111,7 +112,12 @@ void AddCharts(std::span<const ConfigurationReport> configurations, HtmlPage& pa
   page.Chart(RejectionsChart(configurations));
   std::vector<ReportChart> curves = VisibilityCharts(configurations);
   if (configurations.size() == 1) curves.push_back(CalibrationChart(configurations));
-  if (configurations[0].attempt_ranges.size() > 1) curves.push_back(AttemptsChart(configurations));
+  // The attempts of an occlusion trial are separate scenes, in which no bin empties.
+  const auto has_targets = [](const BandRates& band) { return band.targets.samples > 0; };
+  if (configurations[0].attempt_ranges.size() > 1 &&
+      std::none_of(configurations[0].bands.begin(), configurations[0].bands.end(), has_targets)) {
+    curves.push_back(AttemptsChart(configurations));
+  }
   page.Charts(curves);
   page.Charts(ErrorCharts(configurations));
   page.Charts(ErrorByBandCharts(configurations));

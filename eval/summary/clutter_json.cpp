@@ -25,8 +25,8 @@ ResultColumns ClutterKeys() {
       {"instances", "number of instances in the bin"},
       {"fill_level", "mean height of the pile's surface over the inner height of the bin", "0..1"},
       {"layers", "number of instances in each layer, from the top"},
-      {"in_view.BAND", "number of instances by visible fraction in percent"},
-      {"counted", "number of instances that are at least 10 % visible"},
+      {"in_view.BAND", "number of wanted instances by visible fraction in percent"},
+      {"counted", "number of wanted instances that are at least 10 % visible"},
       {"graspable", "number of them with a grasp that meets nothing, at the true poses"},
       {"gripper", "name of the gripper for it"},
   };

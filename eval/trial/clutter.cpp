@@ -5,9 +5,9 @@
 
 namespace pickbed::eval {
 
-ClutterStatistics MeasureClutter(const TrialSetup& setup, const Scene& scene,
+ClutterStatistics MeasureClutter(const TrialSetup& setup, const Scene& scene, BinIndex bin_index,
                                  const Observation& view) {
-  const sim::FillStatistics fill = sim::MeasureFill(scene, setup.cell.objects());
+  const sim::FillStatistics fill = sim::MeasureFill(scene, setup.cell.TrueObjects(bin_index));
   ClutterStatistics clutter;
   clutter.instances = static_cast<int>(scene.objects.size());
   clutter.fill_level = fill.fill_level;

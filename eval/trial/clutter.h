@@ -20,7 +20,7 @@ struct ClutterStatistics {
 
 // Measures a scene of the setup's cell in the view of its camera. All instances at their true poses
 // are obstacles for the planned grasps.
-ClutterStatistics MeasureClutter(const TrialSetup& setup, const Scene& scene,
+ClutterStatistics MeasureClutter(const TrialSetup& setup, const Scene& scene, BinIndex bin_index,
                                  const Observation& view);
 
 }  // namespace pickbed::eval

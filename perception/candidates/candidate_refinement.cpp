@@ -110,8 +110,11 @@ VoteDensity CandidateRefiner::Density(ObjectId object, const std::vector<PoseVot
 }
 
 double CandidateRefiner::SceneEffort(const OrganizedCloud& cloud) const {
+  // Without a known background, a wide foreground says little about the number of instances.
+  constexpr double kMaxEffort = 10;
+  if (!(silhouette_m2_ > 0)) return 1;
   const double instances = ForegroundArea_m2(cloud) / silhouette_m2_;
-  return std::max(1.0, instances / options_.usual_instances);
+  return std::clamp(instances / options_.usual_instances, 1.0, kMaxEffort);
 }
 
 int CandidateRefiner::Kept(const SearchEffort& effort) const {

@@ -396,7 +396,7 @@ TrainingReport Trainer::Run() {
 TrainingReport TrainDescriptor(const TrainingJob& job, const TrainingOptions& options) {
   CheckSettings("TrainingOptions", options);
   CheckInput(!options.verifiers_only || !job.start_from.empty(),
-             "verifiers_only needs a model whose network is kept; name it with --from");
+             "verifiers_only needs a model whose network is kept; name one to start from");
   CheckInput(!job.views.objects().empty(), "training needs at least one object");
   CheckInput(!job.resume || !job.checkpoint.empty(), "resuming needs a checkpoint file");
   return Trainer(job, options).Run();

@@ -52,11 +52,11 @@ std::vector<int> MeasuredCounts(const Bin& bin, const ObjectSet& objects,
       fill * bin.inner_size_m.prod() * kFirstPackedShare / MeanVolume_m3(objects, shares);
   double sum_total = 0, sum_level = 0;
   for (int drop = 0; drop < kDrops; ++drop) {
-    const std::vector<int> counts = Distributed(shares, total);
-    CheckInput(Total(counts) <= kMaxInstances,
-               fmt::format("takes over {} instances; use larger objects, a smaller bin or a "
+    CheckInput(total <= kMaxInstances,
+               fmt::format("{} takes over {} instances; use larger objects, a smaller bin or a "
                            "lower fill",
-                           kMaxInstances));
+                           fill, kMaxInstances));
+    const std::vector<int> counts = Distributed(shares, total);
     Rng rng = Rng::Derive(kSeed, BinIndex(drop), "fill");
     const DropResult result = DropInstances(bin, objects, counts, rng, options);
     const double level = MeasureFill(result.scene, objects).fill_level;
@@ -66,11 +66,20 @@ std::vector<int> MeasuredCounts(const Bin& bin, const ObjectSet& objects,
                fmt::format("{} cannot be reached with these objects; at level {:.2f}, {} of "
                            "{} instances have fallen out of the bin; choose a lower fill",
                            fill, level, outside, Total(counts)));
+    CheckInput(level > 0, fmt::format("{} cannot be measured: no instance is in the bin, or they "
+                                      "are too small for it; use larger objects or a smaller bin",
+                                      fill));
     sum_total += Total(counts);
     sum_level += level;
     total = sum_total * fill / sum_level;
   }
-  return Distributed(shares, total);
+  const std::vector<int> counts = Distributed(shares, total);
+  const double expected = fill * Total(counts) / total;
+  CheckInput(expected < 1.5 * fill,
+             fmt::format("{} is less than one instance of each object, which fill {:.2g}; choose a "
+                         "higher fill or smaller objects",
+                         fill, expected));
+  return counts;
 }
 
 std::filesystem::path FileOf(const Bin& bin, const ObjectSet& objects,
@@ -84,9 +93,20 @@ std::filesystem::path FileOf(const Bin& bin, const ObjectSet& objects,
   if (bin.shape) key += fmt::format(" {:016x}", MeshHash(bin.shape->mesh_B));
   key += WriteSettingsKey([&](SettingsVisitor& v) { copy.Visit(v); });
   for (size_t i = 0; i < objects.size(); ++i) {
-    key += fmt::format(" {:016x} {}", objects[i]->mesh_hash, shares[i]);
+    const ObjectModel& model = *objects[i];
+    key += fmt::format(" {:016x} {} {} {}", model.mesh_hash, shares[i], model.friction,
+                       model.mass.mass_kg);
+    for (const double x : model.mass.com_O) key += fmt::format(" {}", x);
+    for (const double x : model.mass.inertia_com_O.reshaped()) key += fmt::format(" {}", x);
   }
-  return CacheDir() / "fill" / fmt::format("{:016x}", HashBytes(key.data(), key.size()));
+  uint64_t hash = HashBytes(key.data(), key.size());
+  for (const auto& object : objects) {
+    for (const ConvexPiece& piece : object->convex_pieces_O) {
+      const std::vector<Eigen::Vector3d>& vertices = piece.vertices_O;
+      hash = HashBytes(vertices.data(), vertices.size() * sizeof(vertices[0]), hash);
+    }
+  }
+  return CacheDir() / "fill" / fmt::format("{:016x}", hash);
 }
 
 std::optional<std::vector<int>> ReadCounts(const std::filesystem::path& file, size_t objects) {

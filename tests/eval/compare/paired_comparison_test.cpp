@@ -279,6 +279,8 @@ TEST(SceneKey, DependsOnlyOnSettingsOfTheDrop) {
                              {"name: ppf", "name: oracle"},
                              {"sensor: ideal", "sensor: time_of_flight"},
                              {"# model 77", "# model 8"},
+                             {"sensor: ideal", "fill: 0"},
+                             {"sensor: ideal", "cell:\n  hand_eye_mm: 2\n  size_percent: 0"},
                              {"width: 640", "width: 320"}}) {
     EXPECT_EQ(SceneKey(With(a, b)), SceneKey(kSettings)) << a;
   }
@@ -286,6 +288,8 @@ TEST(SceneKey, DependsOnlyOnSettingsOfTheDrop) {
                              {"0.006", "0.004"},
                              {"count: 5", "count: 6"},
                              {"arrangement: pile", "arrangement: heap"},
+                             {"sensor: ideal", "fill: 0.5"},
+                             {"sensor: ideal", "cell:\n  size_percent: 1"},
                              {"is 0123", "is 9999"}}) {
     EXPECT_NE(SceneKey(With(a, b)), SceneKey(kSettings)) << a;
   }

@@ -22,7 +22,7 @@ ClutterStatistics ClutterOf(const std::vector<Eigen::Vector3d>& centers) {
     X_WO.translation() = side_m * center;
     scene.objects.push_back({InstanceId(scene.objects.size()), ObjectId(0), X_WO});
   }
-  return MeasureClutter(setup, scene, setup.cell.Capture(scene, BinIndex(0), 0));
+  return MeasureClutter(setup, scene, BinIndex(0), setup.cell.Capture(scene, BinIndex(0), 0));
 }
 
 TEST(MeasureClutter, ASingleCubeIsVisibleAndGraspable) {
@@ -35,14 +35,15 @@ TEST(MeasureClutter, ASingleCubeIsVisibleAndGraspable) {
   EXPECT_EQ(clutter.graspable, 1);
 }
 
-TEST(MeasureClutter, ACubeBetweenNeighborsCannotBeGrasped) {
-  // A block of 3 x 3 cubes without gaps: fingers find room only beside the outer ones, never at the
-  // one in the center.
+TEST(MeasureClutter, AJawNeedsTwoOppositeFreeFaces) {
+  // In a block of 3 x 3 cubes without gaps, no cube has two opposite free faces.
   std::vector<Eigen::Vector3d> block;
   for (int i = 0; i < 9; ++i) block.emplace_back(i % 3 - 1, i / 3 - 1, 0.5);
   const ClutterStatistics clutter = ClutterOf(block);
   EXPECT_EQ(clutter.counted, 9);
-  EXPECT_LT(clutter.graspable, 9);
+  EXPECT_EQ(clutter.graspable, 0);
+  // In a row of two, both have.
+  EXPECT_EQ(ClutterOf({{0, 0, 0.5}, {1, 0, 0.5}}).graspable, 2);
 }
 
 TEST(MeasureClutter, AHiddenCubeIsNotCounted) {
