@@ -31,6 +31,9 @@ std::vector<NamedStatistic> StatisticList(const ComparedRow& row, const Comparis
       {"top-ranked pose right, %",
        fmt::format("{} ({} of {})", PercentNumber(f.bins > 0 ? 1.0 * f.top_right / f.bins : 0),
                    f.top_right, f.bins)},
+      {fmt::format("{} top-ranked poses right, %", kTopPoses),
+       fmt::format("{} ({} of {})", PercentNumber(f.bins > 0 ? 1.0 * f.top5_right / f.bins : 0),
+                   f.top5_right, f.bins)},
       {"recall, %",
        fmt::format("{} ({} of {})", PercentNumber(f.recall()), f.recalled, f.instances)}};
   if (f.top_pick_chance) {
@@ -166,6 +169,7 @@ ResultColumns EstimatorComparisonColumns() {
       {"object", "name of the object, or all"},
       {"bins", "number of images, one per bin"},
       {"top_right", "number of images whose highest-ranked pose is correct"},
+      {"top5_right", "number of images whose 5 highest-ranked poses are correct"},
       {"instances", "number of instances with a visible fraction of at least 0.1"},
       {"recalled", "number of these instances with a correct pose"},
       {"poses", "number of reported poses"},
@@ -245,11 +249,12 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
     for (ObjectId object = kAnyObject; object < static_cast<int>(objects.size()); ++object) {
       const bool all = object < 0;
       const ComparisonStatistics f = all ? StatisticsOf(row) : StatisticsOf(row, object);
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}", row.label,
-                         all ? "all" : objects[object]->name, f.bins, f.top_right, f.instances,
-                         f.recalled, f.poses, f.right, f.identity_right, f.recall_at_95,
-                         MedianCells(f.median_rotation_deg), MedianCells(f.median_mssd_diameters),
-                         f.share_over_15_deg, f.calibration_error);
+      csv +=
+          fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", row.label,
+                      all ? "all" : objects[object]->name, f.bins, f.top_right, f.top5_right,
+                      f.instances, f.recalled, f.poses, f.right, f.identity_right, f.recall_at_95,
+                      MedianCells(f.median_rotation_deg), MedianCells(f.median_mssd_diameters),
+                      f.share_over_15_deg, f.calibration_error);
       for (const RecallBand& band : f.bands) {
         csv += fmt::format(",{},{}", band.instances, band.recalled);
       }

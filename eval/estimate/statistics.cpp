@@ -63,6 +63,12 @@ void CountInstances(const AttemptScore& image, std::optional<ObjectId> object,
   }
 }
 
+bool TopPosesRight(const AttemptScore& image) {
+  if (image.hypotheses.size() < kTopPoses) return false;
+  return std::all_of(image.hypotheses.begin(), image.hypotheses.begin() + kTopPoses,
+                     [](const ScoredHypothesis& pose) { return pose.recalled >= 0; });
+}
+
 std::optional<double> TopPickChance(const ComparedRow& row) {
   double sum = 0;
   int known = 0, mapped = 0;
@@ -92,6 +98,7 @@ ComparisonStatistics StatisticsOf(const ComparedRow& row, std::optional<ObjectId
     std::vector<double>& rotations_here_deg = rotations_deg.emplace_back();
     std::vector<double>& mssds_here = mssds.emplace_back();
     statistics.top_right += !image.hypotheses.empty() && image.hypotheses.front().record.correct;
+    statistics.top5_right += TopPosesRight(image);
     CountInstances(image, object, statistics);
     for (const ScoredHypothesis& hypothesis : image.hypotheses) {
       const HypothesisRecord& pose = hypothesis.record;

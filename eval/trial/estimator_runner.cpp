@@ -1,8 +1,13 @@
 #include "eval/trial/estimator_runner.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "eval/trial/oracle_estimator.h"
 #include "perception/candidates/estimate_trace.h"
 #include "perception/icp/final_refinement.h"
+#include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "sim/training_view_source.h"
 
@@ -24,6 +29,21 @@ void Renumber(const std::vector<ObjectId>& wanted, EstimateTrace& trace) {
 void RequireNames(const ScenarioSpec& spec) {
   WithSettingsKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
   WithSettingsKey(spec, "refiner", [&] { RefinerNamed(spec.refiner); });
+}
+
+void RequireVisibleSize(const ScenarioSpec& spec, const EstimatorSetup& setup) {
+  const double focal_px = std::min(setup.intrinsics.fx(), setup.intrinsics.fy());
+  for (const auto& object : setup.objects) {
+    const double size_px = object->diameter_m * focal_px / setup.working_distance_m;
+    if (size_px >= kMinDiameter_px) continue;
+    const double near_m = object->diameter_m * focal_px / kMinDiameter_px;
+    const double sharp_px = kMinDiameter_px * setup.working_distance_m / object->diameter_m;
+    throw InputError(fmt::format(
+        "{}: object '{}' is {:.0f} px large at a distance of {:.2f} m, but an estimator needs "
+        "{:.0f} px; move the camera to {:.2f} m, or use camera.focal_px={:.0f} with more pixels",
+        spec.At("camera.eye_m"), object->name, size_px, setup.working_distance_m, kMinDiameter_px,
+        near_m, sharp_px));
+  }
 }
 
 }  // namespace
@@ -60,6 +80,7 @@ EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& 
   setup.refiner = spec.refiner;
   setup.intrinsics = cell.camera().intrinsics;
   setup.working_distance_m = WorkingDistance_m(cell);
+  RequireVisibleSize(spec, setup);
   setup.cache_dir = CacheDir();
   setup.threads = threads;
   setup.on_progress = on_progress;
@@ -70,20 +91,33 @@ EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& 
 
 EstimatorRunner::~EstimatorRunner() = default;
 
+void EstimatorRunner::UseObjectsOfCell(std::vector<PoseHypothesis>& hypotheses) const {
+  for (PoseHypothesis& hypothesis : hypotheses) {
+    hypothesis.object = cell_.wanted()[hypothesis.object];
+  }
+}
+
 EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, Rng& rng, EstimateTrace* trace) {
   return Estimate(frame, {cell_.camera(), std::nullopt}, rng, trace);
 }
 
 EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalibration& calibration,
-                                         Rng& rng, EstimateTrace* trace) {
+                                         Rng& rng, EstimateTrace* trace,
+                                         const Reachable& reachable) {
   EstimateResult result;
   StageSeconds seconds;
+  EstimatorInput input{frame, calibration.Background(cell_.bin()), trace};
+  if (reachable) {
+    input.reachable = [&](std::span<const PoseHypothesis> poses) {
+      std::vector<PoseHypothesis> of_cell(poses.begin(), poses.end());
+      UseObjectsOfCell(of_cell);
+      return reachable(of_cell);
+    };
+  }
   {
     const StageTimer timer(seconds, "estimate");
-    result = estimator_->Estimate({frame, calibration.Background(cell_.bin()), trace}, rng);
-    for (PoseHypothesis& hypothesis : result.hypotheses) {
-      hypothesis.object = cell_.wanted()[hypothesis.object];
-    }
+    result = estimator_->Estimate(input, rng);
+    UseObjectsOfCell(result.hypotheses);
     KeepThoseInBin(cell_, calibration, result.hypotheses);
     if (trace) {
       Renumber(cell_.wanted(), *trace);

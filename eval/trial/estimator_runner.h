@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,27 +28,38 @@ void KeepThoseInBin(const SimulatedCell& cell, const CellCalibration& calibratio
 // Returns the depth along camera z of the objects, at a quarter of the bin height.
 double WorkingDistance_m(const SimulatedCell& cell);
 
+// Diameter in the image below which no estimator finds an object, px.
+inline constexpr double kMinDiameter_px = 20;
+
 // Holds the estimator of a scenario.
 class EstimatorRunner {
  public:
   using Progress = std::function<void(std::string_view what, double share)>;
+  // Returns for each pose whether a grasp can reach it; see EstimatorInput::reachable. The poses
+  // have the object indices of the cell.
+  using Reachable = std::function<std::vector<bool>(std::span<const PoseHypothesis>)>;
 
   // Makes the estimator. Codebooks come from the cache if it holds them, else they are made and
   // `on_progress` is called. `cell` must outlive this object. Results do not depend on `threads`.
   // Throws InputError that begins with the key "estimator" for an unknown name or mode and for a
-  // broken model file.
+  // broken model file, and one with the key "camera.eye_m" if an object is smaller than
+  // kMinDiameter_px in the image.
   EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& spec, int threads,
                   const Progress& on_progress);
   ~EstimatorRunner();
 
   // Returns the poses inside the bin, in the camera frame. Times are under "estimate" and, for each
-  // stage, "estimate/STAGE". Only estimators that support traces fill `trace`.
+  // stage, "estimate/STAGE". Only estimators that support traces fill `trace`. Without `reachable`,
+  // a grasp can reach every pose.
   EstimateResult Estimate(const RgbdFrame& frame, const CellCalibration& calibration, Rng& rng,
-                          EstimateTrace* trace = nullptr);
+                          EstimateTrace* trace = nullptr, const Reachable& reachable = {});
   // Same for an exact cell.
   EstimateResult Estimate(const RgbdFrame& frame, Rng& rng, EstimateTrace* trace = nullptr);
 
  private:
+  // Replaces the object indices of the estimator by the indices of the cell.
+  void UseObjectsOfCell(std::vector<PoseHypothesis>& hypotheses) const;
+
   const SimulatedCell& cell_;
   std::unique_ptr<LabelledViewSource> views_;
   std::unique_ptr<PoseEstimator> estimator_;

@@ -41,16 +41,21 @@ PlannedPoses PosesOf(const AttemptRecord& record, double match_diameters) {
   return planned;
 }
 
+// Moves poses and points from the world to the bin that the cell assumes.
+void MoveToAssumedBin(const CellCalibration& calibration, std::vector<EstimatedPose>& poses,
+                      std::vector<Eigen::Vector3d>& cloud_W) {
+  if (!calibration.X_WB) return;
+  const Pose X_BW = calibration.X_WB->inverse();
+  for (EstimatedPose& pose : poses) pose.X_WO = X_BW * pose.X_WO;
+  for (Eigen::Vector3d& point : cloud_W) point = X_BW * point;
+}
+
 // Plans in the bin that the cell assumes, and returns the grasps in the world.
 PlanResult PlanInAssumedBin(const TrialSetup& setup, const CellCalibration& calibration,
                             const PlannedPoses& on, std::vector<Eigen::Vector3d> cloud_W,
                             const PlanOptions& options) {
   std::vector<EstimatedPose> poses = on.poses;
-  if (calibration.X_WB) {
-    const Pose X_BW = calibration.X_WB->inverse();
-    for (EstimatedPose& pose : poses) pose.X_WO = X_BW * pose.X_WO;
-    for (Eigen::Vector3d& point : cloud_W) point = X_BW * point;
-  }
+  MoveToAssumedBin(calibration, poses, cloud_W);
   PlanResult plan = PlanGrasps({setup.cell.bin(), poses, setup.candidates, cloud_W,
                                 setup.cell.objects(), *setup.gripper, on.graspable},
                                options);
@@ -158,6 +163,21 @@ ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Gr
   return ExecuteWithErrors(truth, grasp, *setup.gripper,
                            {matched, hypothesis.object, hypothesis.X_WO}, setup.execute, errors,
                            on_step);
+}
+
+std::vector<bool> CanReach(const TrialSetup& setup, const Observation& view,
+                           std::span<const PoseHypothesis> poses) {
+  const Pose& X_WC = view.calibration.camera.X_WC();
+  std::vector<EstimatedPose> estimated;
+  for (const PoseHypothesis& pose : poses) {
+    estimated.push_back({pose.object, X_WC * pose.X_CO, pose.score});
+  }
+  std::vector<Eigen::Vector3d> cloud_W =
+      ObservedPoints(view.frame, X_WC, setup.options.cloud_stride_px);
+  MoveToAssumedBin(view.calibration, estimated, cloud_W);
+  return FindReachable({setup.cell.bin(), estimated, setup.candidates, cloud_W,
+                        setup.cell.objects(), *setup.gripper},
+                       RankedOptions(setup, 0));
 }
 
 std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth,

@@ -4,6 +4,7 @@
 // before, and tries grasps in the true scene where the stage oracle asks for it.
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "eval/trial/trial_records.h"
@@ -51,6 +52,11 @@ EstimatedPose PoseOf(const HypothesisRecord& hypothesis);
 ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Grasp& grasp,
                        const HypothesisRecord& hypothesis, const AttemptErrors& errors,
                        const MotionListener& on_step = {});
+
+// Returns for each pose whether the planner finds a grasp of it that is free of the bin, the
+// observed points and the other poses. The poses have the object indices of the cell.
+std::vector<bool> CanReach(const TrialSetup& setup, const Observation& view,
+                           std::span<const PoseHypothesis> poses);
 
 // Returns the grasp to execute on one of record.hypotheses, or nullopt if there is none. Fills
 // record.grasps_rejected and adds the times to `seconds`. `rng_seed` is the planner's seed.

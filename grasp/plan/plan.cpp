@@ -131,6 +131,22 @@ class Planner {
     return result;
   }
 
+  // By pose: whether it has a grasp that is free of bin, points and other poses.
+  std::vector<bool> Reachable() {
+    ignored_.resize(input_.poses.size());
+    std::vector<bool> reachable(input_.poses.size());
+    for (size_t i = 0; i < input_.poses.size(); ++i) {
+      pending_.clear();
+      PlanPose(static_cast<int>(i));
+      std::stable_sort(pending_.begin(), pending_.end(), [](const Pending& a, const Pending& b) {
+        return a.grasp.score > b.grasp.score;
+      });
+      reachable[i] = std::any_of(pending_.begin(), pending_.end(),
+                                 [&](Pending& p) { return CheckPoints(p) == kFree; });
+    }
+    return reachable;
+  }
+
  private:
   bool by_chance() const { return ranking_.value == nullptr; }
 
@@ -361,6 +377,11 @@ PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
   result = Planner(input, wide).Run();
   result.with_relaxed_constraints = true;
   return result;
+}
+
+std::vector<bool> FindReachable(const PlanInput& input, const PlanOptions& options) {
+  CheckSettings("PlanOptions", options);
+  return Planner(input, options).Reachable();
 }
 
 namespace {

@@ -58,7 +58,7 @@ struct CandidateRefinementOptions {
 
 // How much of the configured numbers a search uses.
 struct SearchEffort {
-  double scene = 1;  // for the number of visible instances in the scene, at least 1
+  double scene = 1;  // for the number of visible instances in the scene or in the region
   double share = 1;  // for the share of the scene that is searched, 0..1
 };
 
@@ -85,7 +85,9 @@ class CandidateRefiner {
                                           const SearchEffort& effort, StageSeconds& seconds,
                                           EstimateTrace* trace = nullptr) const;
 
-  // Returns the scene's part of the effort, from its foreground.
+  // Returns the mean of the objects' largest silhouettes, m^2.
+  double silhouette_m2() const { return silhouette_m2_; }
+  // Returns the scene's part of the effort, from its foreground; at least 1.
   double SceneEffort(const OrganizedCloud& cloud) const;
 
   // Returns the pixels that no evident candidate explains.

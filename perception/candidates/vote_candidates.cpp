@@ -306,4 +306,17 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
   return candidates;
 }
 
+std::vector<Candidate> CandidateFinder::FindIn(const OrganizedCloud& cloud,
+                                               const std::vector<int>& pixels, Rng& rng,
+                                               StageSeconds& seconds, EstimateTrace* trace) const {
+  RequireChannels(cloud, impl_->voter.channels);
+  if (trace) trace->channels = impl_->voter.channels;
+  if (pixels.empty()) return {};
+  // A region is a small scene: its patches are as dense as in a search of the whole foreground.
+  const double share = static_cast<double>(pixels.size()) /
+                       static_cast<double>(std::max<size_t>(1, cloud.foreground_pixels.size()));
+  const SearchEffort effort{share * impl_->candidate_refiner.SceneEffort(cloud), 1};
+  return impl_->Round(cloud, pixels, effort, rng, seconds, trace);
+}
+
 }  // namespace pickbed::perception

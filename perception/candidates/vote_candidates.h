@@ -57,6 +57,13 @@ class CandidateFinder : public CandidateSource {
   std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds& seconds,
                               EstimateTrace* trace = nullptr) const override;
 
+  // Finds the candidates that the patches in `pixels` vote for, like Find(), with the density of
+  // patches of the whole foreground. It does not compare the candidates with each other; call
+  // candidate_refiner().Compare().
+  std::vector<Candidate> FindIn(const OrganizedCloud& cloud, const std::vector<int>& pixels,
+                                Rng& rng, StageSeconds& seconds,
+                                EstimateTrace* trace = nullptr) const;
+
   const CandidateRefiner& candidate_refiner() const override;
 
  private:

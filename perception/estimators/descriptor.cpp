@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "perception/cloud/search_cloud.h"
+#include "perception/estimators/first_poses.h"
 #include "perception/networks/model_file.h"
 #include "perception/verify/color_consistency.h"
 #include "scenes/base/cache_lock.h"
@@ -55,6 +56,7 @@ class LearnedEstimator : public PoseEstimator {
         model_(LoadModel(model.file, model.command)) {
     RequireKind(model_.info.network.kind, model);
     options_.pose_selection.min_score = setup.spec.min_score;
+    if (setup.spec.mode == kFirstMode) options_.first = setup.spec.first;
     trained_ = regressed_ =
         TrainedObjects(model_.info.objects, setup.objects, model.file, model.command);
     for (const int index : trained_) verifiers_.push_back(model_.verifiers[index]);
@@ -173,8 +175,14 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
     const StageTimer timer(result.seconds, "cloud");
     cloud = SearchCloud(input.frame, input.background, binning_);
   }
-  const std::vector<Candidate> candidates = finder_->Find(cloud, rng, result.seconds, input.trace);
-  {
+  std::vector<Candidate> candidates;
+  if (options_.first) {
+    const FirstPosesSearch search{*finder_, verifiers_, options_.pose_selection, *options_.first};
+    FirstPoses found = FindFirstPoses(search, cloud, input, rng, result.seconds);
+    candidates = std::move(found.candidates);
+    result.hypotheses = std::move(found.hypotheses);
+  } else {
+    candidates = finder_->Find(cloud, rng, result.seconds, input.trace);
     const StageTimer timer(result.seconds, "suppress");
     result.hypotheses = SelectPoses(cloud, finder_->candidate_refiner().model_points(),
                                     finder_->candidate_refiner().distances(), verifiers_,
@@ -208,11 +216,12 @@ void DescriptorOptions::Visit(SettingsVisitor& v) {
 
 DescriptorOptions OptionsForMode(const std::string& mode) {
   DescriptorOptions options;
-  if (mode == "fast") {
+  if (mode == "fast" || mode == kFirstMode) {
     options.pose_selection.mode = CandidateMode::kFast;
     return options;
   }
-  CheckInput(mode == "accurate", UnknownNameMessage("estimator mode", mode, {"fast", "accurate"}));
+  CheckInput(mode == "accurate",
+             UnknownNameMessage("estimator mode", mode, {"fast", "accurate", kFirstMode}));
   options.candidates = AccurateCandidates();
   return options;
 }

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "perception/candidates/pose_selection.h"
@@ -17,6 +18,7 @@
 namespace pickbed::perception {
 
 inline constexpr const char* kShippedModel = "shipped";
+inline constexpr const char* kFirstMode = "first";
 
 struct DescriptorOptions {
   int code_entries = 40000;           // codebook entries per object
@@ -25,12 +27,15 @@ struct DescriptorOptions {
   uint64_t code_seed = 0;
   CandidateOptions candidates;
   PoseSelectionOptions pose_selection;  // min_score is replaced by spec.min_score of the setup
+  std::optional<FirstPosesSpec> first;  // set: a few sure poses, see first_poses.h
+  // Visits all options except `pose_selection` and `first`.
   void Visit(SettingsVisitor& v);
 };
 
 // Returns the options of a mode. "fast": 600 points, 300 candidates, one correspondence distance,
 // few ambiguous poses. "accurate": 1,200 points, 600 candidates, two distances, more ambiguous
-// poses, two rounds. Throws InputError for another mode.
+// poses, two rounds. "first": like "fast"; the estimator sets `first`. Throws InputError for
+// another mode.
 DescriptorOptions OptionsForMode(const std::string& mode);
 
 // Loads the model (spec.model, see ModelFileOr(); empty = the shipped one), and makes the codebooks

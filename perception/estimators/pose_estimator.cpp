@@ -19,12 +19,13 @@ namespace pickbed::perception {
 namespace {
 
 constexpr const char* kSearchModes[] = {"fast", "accurate"};
+constexpr const char* kPatchModes[] = {"fast", "accurate", "first"};
 constexpr const char* kPpfModes[] = {"fast", "accurate", kVerifiedMode};
 
 constexpr EstimatorRow kEstimators[] = {
     {.name = "descriptor",
      .help = "learned patch descriptors that vote through a codebook, ICP and verifier",
-     .modes = kSearchModes,
+     .modes = kPatchModes,
      .make = &MakeDescriptorEstimator,
      .explains = true,
      .renders = true,
@@ -32,18 +33,18 @@ constexpr EstimatorRow kEstimators[] = {
     {.name = "kehl",
      .help = "patches described by an auto-encoder; votes filtered to modes; ICP and verifier of "
              "descriptor",
-     .modes = kSearchModes,
+     .modes = kPatchModes,
      .make = &MakeKehlEstimator,
      .renders = true,
      .make_training = &MakeKehlTraining},
     {.name = "doumanoglou",
      .help = "poses regressed from patches by a siamese network; ICP and verifier of descriptor",
-     .modes = kSearchModes,
+     .modes = kPatchModes,
      .make = &MakeDoumanoglouEstimator,
      .make_training = &MakeDoumanoglouTraining},
     {.name = "union",
      .help = "votes of descriptor together with poses regressed by the network of doumanoglou",
-     .modes = kSearchModes,
+     .modes = kPatchModes,
      .make = &MakeUnionEstimator,
      .renders = true,
      .make_training = &MakeUnionTraining},

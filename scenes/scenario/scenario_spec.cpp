@@ -143,13 +143,20 @@ void CameraSpec::Visit(SettingsVisitor& v) {
             "point in the world frame at which the camera looks, m");
 }
 
+void FirstPosesSpec::Visit(SettingsVisitor& v) {
+  v.Integer("poses", poses, {1, 1000}, "number of graspable poses at which the search ends");
+  v.Real("confidence", confidence, {0, 1}, "minimum score of a pose that counts");
+}
+
 void EstimatorSpec::Visit(SettingsVisitor& v) {
   v.Text("name", name, {}, "name of the estimator, a row of `pickbed list estimators`");
   v.Text("model", model, {},
          "trained model: a file, or a name in assets/models; empty = the shipped model");
   v.RenamedValue("mode", "hard", "accurate");
-  v.Text("mode", mode, {"fast", "accurate", "verified"},
+  v.Text("mode", mode, {"fast", "accurate", "first", "verified"},
          "search mode; verified is only for estimator ppf");
+  v.Group(
+      "first", [this](SettingsVisitor& g) { first.Visit(g); }, "settings of the mode first");
   v.Real("min_score", min_score, {0, 1}, "minimum score of a reported pose");
   v.Real("noise_mm", noise_mm, {0, 1000},
          "standard deviation of the position error per axis, mm; only for estimator oracle");

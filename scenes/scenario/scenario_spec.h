@@ -46,14 +46,22 @@ struct CameraSpec {
   void Visit(SettingsVisitor& v);
 };
 
+// Search mode "first": a few sure poses on top of the pile.
+struct FirstPosesSpec {
+  int poses = 5;            // the search ends when so many poses are found
+  double confidence = 0.9;  // minimum score of a pose that counts
+  void Visit(SettingsVisitor& v);
+};
+
 // The pose estimator and its settings.
 struct EstimatorSpec {
   std::string name = "descriptor";
   std::string model;          // name in assets/models or a path; empty = the shipped model
-  std::string mode = "fast";  // fast | accurate; ppf also has verified
-  double min_score = 0.5;     // hypotheses with a lower score are not reported
-  double noise_mm = 0;        // oracle only: standard deviation of the position, each axis
-  double noise_deg = 0;       // oracle only: standard deviation of the rotation angle
+  std::string mode = "fast";  // fast | accurate | first; ppf also has verified
+  FirstPosesSpec first;
+  double min_score = 0.5;  // hypotheses with a lower score are not reported
+  double noise_mm = 0;     // oracle only: standard deviation of the position, each axis
+  double noise_deg = 0;    // oracle only: standard deviation of the rotation angle
   void Visit(SettingsVisitor& v);
 };
 

@@ -146,6 +146,23 @@ TEST(ComparisonTable, LongLabelsKeepColumnsAligned) {
 
 // A threshold cannot separate equal scores, so the right pose is not counted without the wrong
 // ones.
+TEST(ComparisonStatistics, TopPosesAreRightOnlyIfThereAreFiveRightOnes) {
+  ComparedRow row = HandWorked();
+  std::vector<ScoredHypothesis>& poses = row.images[0].score.hypotheses;
+  ScoredHypothesis right = poses.front();
+  right.recalled = 0;
+  poses.assign(kTopPoses - 1, right);
+  EXPECT_EQ(StatisticsOf(row).top5_right, 0) << "too few poses";
+  poses.push_back(right);
+  EXPECT_EQ(StatisticsOf(row).top5_right, 1);
+  ScoredHypothesis wrong = right;
+  wrong.recalled = -1;
+  poses.push_back(wrong);
+  EXPECT_EQ(StatisticsOf(row).top5_right, 1) << "the sixth pose does not count";
+  std::swap(poses.back(), poses.front());
+  EXPECT_EQ(StatisticsOf(row).top5_right, 0);
+}
+
 TEST(ComparisonStatistics, ThresholdsDoNotSeparateEqualScores) {
   ComparedRow row = HandWorked();
   for (ScoredHypothesis& pose : row.images[0].score.hypotheses) pose.record.score = 0.5;

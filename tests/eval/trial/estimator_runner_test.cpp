@@ -1,8 +1,12 @@
 #include "eval/trial/estimator_runner.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "tests/eval/cube_scenario.h"
+#include "tests/support/error_of.h"
 
 namespace pickbed::tests {
 namespace {
@@ -29,6 +33,24 @@ TEST(KeepThoseInBin, RemovesPosesBesideOrBelowTheBin) {
     EXPECT_TRUE(
         (cell.camera().X_WC() * hypotheses[i].X_CO).translation().isApprox(inside[i], 1e-9));
   }
+}
+
+// The error names a focal length that is enough.
+TEST(EstimatorRunner, RefusesObjectsThatTheCameraShowsTooSmall) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.estimator.name = "ppf";
+  spec.camera.focal_px = 40;
+  const auto make = [&] {
+    const SimulatedCell cell(spec, EasyCube());
+    EstimatorRunner(cell, spec, 1, {});
+  };
+  const std::string error = ErrorOf(make);
+  EXPECT_THAT(error, testing::StartsWith("camera.eye_m"));
+  EXPECT_THAT(error, testing::HasSubstr("'cube' is "));
+  const std::string key = "camera.focal_px=";
+  ASSERT_NE(error.find(key), std::string::npos);
+  spec.camera.focal_px = std::stod(error.substr(error.find(key) + key.size())) + 1;
+  make();
 }
 
 }  // namespace

@@ -102,6 +102,27 @@ TEST_F(Plan, SingleBoxHasGraspsInOrderOfScore) {
   }
 }
 
+TEST_F(Plan, APoseIsReachableExactlyIfItHasAGraspAsTheOnlyTarget) {
+  AddPose({0, 0, 0.025});
+  AddPose({0.5 * bin_.inner_size_m.x() - 0.025, 0.5 * bin_.inner_size_m.y() - 0.025, 0.025});
+  AddPose({-0.1, 0, 0.025});
+  AddPose({-0.1, 0, 0.075});  // on the third box, which has no free side at the top
+  AddRing(0.05, 0.12);        // around the first box
+  PlanOptions options;
+  options.relaxed.enabled = false;
+  const std::vector<bool> reachable =
+      FindReachable({bin_, poses_, candidates_, cloud_, objects_, gripper_}, options);
+  ASSERT_EQ(reachable.size(), poses_.size());
+  for (int i = 0; i < static_cast<int>(poses_.size()); ++i) {
+    const std::vector<int> targets{i};
+    const PlanResult plan =
+        PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, gripper_, targets}, options);
+    EXPECT_EQ(reachable[i], !plan.grasps.empty()) << i;
+  }
+  EXPECT_FALSE(reachable[0]);
+  EXPECT_TRUE(reachable[3]);
+}
+
 TEST_F(Plan, ReturnsAtMostMaxGrasps) {
   AddPose({0, 0, 0.025});
   EXPECT_EQ(Run().grasps.size(), 5u);

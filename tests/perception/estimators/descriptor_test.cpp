@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "perception/candidates/estimate_trace.h"
+#include "perception/estimators/first_poses.h"
 #include "perception/training/training.h"
 #include "perception/voting/pose_clustering.h"
 #include "scenes/base/error.h"
@@ -280,6 +281,59 @@ TEST_F(Descriptor, EmptyFrameGivesNoHypothesis) {
   empty.frame.intrinsics = SmallCamera();
   empty.frame.depth_m = Image<float>(SmallCamera().width(), SmallCamera().height());
   EXPECT_TRUE(Run(*estimator, empty).hypotheses.empty());
+}
+
+TEST_F(Descriptor, FirstModeStopsWhenEnoughReachablePosesAreFound) {
+  const LabelledView view = views_->ClutterScene({5001, 1}).front();
+  DescriptorOptions options = Options();
+  options.first.emplace();
+  options.first->poses = 1;
+  options.first->confidence = 0;
+  const auto estimator = MakeDescriptorEstimator(MakeSetup(), options);
+  EstimatorInput input{view.frame, OutOfSightBin()};
+  const auto candidates_of = [&] {
+    EstimateTrace trace;
+    input.trace = &trace;
+    Rng rng(1);
+    estimator->Estimate(input, rng);
+    return trace.candidates.size();
+  };
+  const size_t at_once = candidates_of();
+  EXPECT_GT(at_once, 0u);
+  // Without a reachable pose, all of the foreground is searched.
+  size_t asked = 0;
+  input.reachable = [&](std::span<const PoseHypothesis> poses) {
+    ++asked;
+    return std::vector<bool>(poses.size(), false);
+  };
+  const size_t in_vain = candidates_of();
+  EXPECT_GT(in_vain, at_once);
+  EXPECT_GT(asked, 1u);
+  input.reachable = [](std::span<const PoseHypothesis> poses) {
+    return std::vector<bool>(poses.size(), true);
+  };
+  EXPECT_EQ(candidates_of(), at_once);
+}
+
+TEST_F(Descriptor, FirstModeRanksARightPoseFirst) {
+  DescriptorOptions options = Options();
+  options.first.emplace();
+  options.first->poses = 1;
+  options.first->confidence = 0.3;
+  const auto estimator = MakeDescriptorEstimator(MakeSetup(), options);
+  const PoseDistance distance(*views_->objects()[0]);
+  int right = 0, poses = 0;
+  for (uint64_t seed = 5000; seed < 5006; ++seed) {
+    const LabelledView view = views_->ClutterScene({seed, 1}).front();
+    const EstimateResult result = Run(*estimator, view);
+    if (result.hypotheses.empty()) continue;
+    ++poses;
+    right += std::ranges::any_of(view.instances, [&](const LabelledInstance& instance) {
+      return distance(result.hypotheses.front().X_CO, instance.X_CO) < 0.1;
+    });
+  }
+  EXPECT_GE(poses, 5);
+  EXPECT_GE(right, poses - 1);
 }
 
 TEST_F(Descriptor, BadSetupsAreRefused) {
