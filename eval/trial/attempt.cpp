@@ -36,9 +36,10 @@ std::vector<PoseHypothesis> EstimatePoses(TrialSetup& setup, const Observation& 
   Rng rng = Rng::Derive(setup.spec.seed, trial.bin_index, fmt::format("estimate/{}", attempt));
   EstimateResult result;
   if (setup.estimator) {
-    result = setup.estimator->Estimate(
-        view.frame, view.calibration, rng, nullptr,
-        [&](std::span<const PoseHypothesis> poses) { return CanReach(setup, view, poses); });
+    result = setup.estimator->Estimate(view.frame, view.calibration, rng, nullptr,
+                                       [&](std::span<const PoseHypothesis> poses, int wanted) {
+                                         return CountReachable(setup, view, poses, wanted);
+                                       });
   } else if (!oracle.AllOfPerception()) {
     result = OracleEstimate(InstancesInImage(setup.cell, trial.bin_index, truth.instances()),
                             setup.spec.estimator, rng);

@@ -103,15 +103,15 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, Rng& rng, Estim
 
 EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalibration& calibration,
                                          Rng& rng, EstimateTrace* trace,
-                                         const Reachable& reachable) {
+                                         const ReachCounter& count_reachable) {
   EstimateResult result;
   StageSeconds seconds;
   EstimatorInput input{frame, calibration.Background(cell_.bin()), trace};
-  if (reachable) {
-    input.reachable = [&](std::span<const PoseHypothesis> poses) {
+  if (count_reachable) {
+    input.count_reachable = [&](std::span<const PoseHypothesis> poses, int wanted) {
       std::vector<PoseHypothesis> of_cell(poses.begin(), poses.end());
       UseObjectsOfCell(of_cell);
-      return reachable(of_cell);
+      return count_reachable(of_cell, wanted);
     };
   }
   {

@@ -35,9 +35,9 @@ inline constexpr double kMinDiameter_px = 20;
 class EstimatorRunner {
  public:
   using Progress = std::function<void(std::string_view what, double share)>;
-  // Returns for each pose whether a grasp can reach it; see EstimatorInput::reachable. The poses
-  // have the object indices of the cell.
-  using Reachable = std::function<std::vector<bool>(std::span<const PoseHypothesis>)>;
+  // Counts the poses that a grasp can reach; see EstimatorInput::count_reachable. The poses have
+  // the object indices of the cell.
+  using ReachCounter = std::function<int(std::span<const PoseHypothesis>, int wanted)>;
 
   // Makes the estimator. Codebooks come from the cache if it holds them, else they are made and
   // `on_progress` is called. `cell` must outlive this object. Results do not depend on `threads`.
@@ -49,10 +49,10 @@ class EstimatorRunner {
   ~EstimatorRunner();
 
   // Returns the poses inside the bin, in the camera frame. Times are under "estimate" and, for each
-  // stage, "estimate/STAGE". Only estimators that support traces fill `trace`. Without `reachable`,
-  // a grasp can reach every pose.
+  // stage, "estimate/STAGE". Only estimators that support traces fill `trace`. Without
+  // `count_reachable`, a grasp can reach every pose.
   EstimateResult Estimate(const RgbdFrame& frame, const CellCalibration& calibration, Rng& rng,
-                          EstimateTrace* trace = nullptr, const Reachable& reachable = {});
+                          EstimateTrace* trace = nullptr, const ReachCounter& count_reachable = {});
   // Same for an exact cell.
   EstimateResult Estimate(const RgbdFrame& frame, Rng& rng, EstimateTrace* trace = nullptr);
 

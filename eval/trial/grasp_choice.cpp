@@ -165,8 +165,8 @@ ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Gr
                            on_step);
 }
 
-std::vector<bool> CanReach(const TrialSetup& setup, const Observation& view,
-                           std::span<const PoseHypothesis> poses) {
+int CountReachable(const TrialSetup& setup, const Observation& view,
+                   std::span<const PoseHypothesis> poses, int wanted) {
   const Pose& X_WC = view.calibration.camera.X_WC();
   std::vector<EstimatedPose> estimated;
   for (const PoseHypothesis& pose : poses) {
@@ -175,9 +175,9 @@ std::vector<bool> CanReach(const TrialSetup& setup, const Observation& view,
   std::vector<Eigen::Vector3d> cloud_W =
       ObservedPoints(view.frame, X_WC, setup.options.cloud_stride_px);
   MoveToAssumedBin(view.calibration, estimated, cloud_W);
-  return FindReachable({setup.cell.bin(), estimated, setup.candidates, cloud_W,
-                        setup.cell.objects(), *setup.gripper},
-                       RankedOptions(setup, 0));
+  return grasp::CountReachable({setup.cell.bin(), estimated, setup.candidates, cloud_W,
+                                setup.cell.objects(), *setup.gripper},
+                               wanted, RankedOptions(setup, 0));
 }
 
 std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth,

@@ -53,10 +53,10 @@ ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Gr
                        const HypothesisRecord& hypothesis, const AttemptErrors& errors,
                        const MotionListener& on_step = {});
 
-// Returns for each pose whether the planner finds a grasp of it that is free of the bin, the
-// observed points and the other poses. The poses have the object indices of the cell.
-std::vector<bool> CanReach(const TrialSetup& setup, const Observation& view,
-                           std::span<const PoseHypothesis> poses);
+// Returns how many of the poses have a grasp that is free of the bin, the observed points and the
+// other poses; it stops counting at `wanted`. The poses have the object indices of the cell.
+int CountReachable(const TrialSetup& setup, const Observation& view,
+                   std::span<const PoseHypothesis> poses, int wanted);
 
 // Returns the grasp to execute on one of record.hypotheses, or nullopt if there is none. Fills
 // record.grasps_rejected and adds the times to `seconds`. `rng_seed` is the planner's seed.

@@ -131,18 +131,18 @@ class Planner {
     return result;
   }
 
-  // By pose: whether it has a grasp that is free of bin, points and other poses.
-  std::vector<bool> Reachable() {
+  // Number of poses with a grasp that is free of bin, points and other poses, up to `wanted`.
+  int Reachable(int wanted) {
     ignored_.resize(input_.poses.size());
-    std::vector<bool> reachable(input_.poses.size());
-    for (size_t i = 0; i < input_.poses.size(); ++i) {
+    int reachable = 0;
+    for (size_t i = 0; i < input_.poses.size() && reachable < wanted; ++i) {
       pending_.clear();
       PlanPose(static_cast<int>(i));
       std::stable_sort(pending_.begin(), pending_.end(), [](const Pending& a, const Pending& b) {
         return a.grasp.score > b.grasp.score;
       });
-      reachable[i] = std::any_of(pending_.begin(), pending_.end(),
-                                 [&](Pending& p) { return CheckPoints(p) == kFree; });
+      reachable += std::any_of(pending_.begin(), pending_.end(),
+                               [&](Pending& p) { return CheckPoints(p) == kFree; });
     }
     return reachable;
   }
@@ -379,9 +379,9 @@ PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
   return result;
 }
 
-std::vector<bool> FindReachable(const PlanInput& input, const PlanOptions& options) {
+int CountReachable(const PlanInput& input, int wanted, const PlanOptions& options) {
   CheckSettings("PlanOptions", options);
-  return Planner(input, options).Reachable();
+  return Planner(input, options).Reachable(wanted);
 }
 
 namespace {

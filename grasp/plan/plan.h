@@ -126,9 +126,10 @@ struct PlanResult {
 // pose names an object outside `candidates` or `objects`, and InputError for an unknown ranking.
 PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options = {});
 
-// Returns for each pose of `input` whether PlanGrasps() would find a grasp if it were the only
-// target, without relaxed constraints. It is much cheaper than planning, since it stops at the
-// first free grasp of a pose. Throws as PlanGrasps() does.
-std::vector<bool> FindReachable(const PlanInput& input, const PlanOptions& options = {});
+// Returns the number of poses for which PlanGrasps() would find a grasp if each were the only
+// target, without relaxed constraints. The poses are tried in their order, until `wanted` are
+// found. It is much cheaper than planning, since it stops at the first free grasp of a pose. Throws
+// as PlanGrasps() does.
+int CountReachable(const PlanInput& input, int wanted, const PlanOptions& options = {});
 
 }  // namespace pickbed::grasp

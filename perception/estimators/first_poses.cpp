@@ -10,7 +10,7 @@ namespace {
 
 // Area of a region, in silhouettes of an instance per wanted pose. Not every instance is on top,
 // and poses on the border of the region get few votes.
-constexpr double kSilhouettesPerPose = 3;
+constexpr double kSilhouettesPerPose = 1.5;
 
 Eigen::Vector3d UpOf(const std::optional<KnownBackground>& background) {
   if (background) return background->X_CB.linear().col(2);
@@ -22,10 +22,8 @@ bool EnoughFound(const std::vector<PoseHypothesis>& hypotheses, const FirstPoses
   std::vector<PoseHypothesis> confident;
   std::copy_if(hypotheses.begin(), hypotheses.end(), std::back_inserter(confident),
                [&](const PoseHypothesis& pose) { return pose.score >= spec.confidence; });
-  const size_t wanted = spec.poses;
-  if (confident.size() < wanted || !input.reachable) return confident.size() >= wanted;
-  const std::vector<bool> reachable = input.reachable(confident);
-  return std::ranges::count(reachable, true) >= spec.poses;
+  if (static_cast<int>(confident.size()) < spec.poses) return false;
+  return !input.count_reachable || input.count_reachable(confident, spec.poses) >= spec.poses;
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ struct FirstPoses {
 };
 
 // Searches `cloud` until spec.poses poses have at least the score spec.confidence and are reachable
-// (input.reachable), or until all of the foreground is searched. The result has also the less
+// (input.count_reachable), or until all of the foreground is searched. The result has also the less
 // confident poses of the searched regions, since they are obstacles for a grasp. Up is the z axis
 // of the known background, or else towards the camera. Adds times as CandidateFinder::Find() does,
 // and "suppress", "regions" and "reach".

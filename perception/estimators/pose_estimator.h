@@ -37,9 +37,9 @@ struct EstimatorInput {
   // The result has at most this many hypotheses per object. InputError if the size is not the
   // number of objects.
   std::vector<int> instances = {};
-  // Returns for each pose whether a grasp can reach it. Only search mode "first" asks; empty =
-  // every pose can be reached.
-  std::function<std::vector<bool>(std::span<const PoseHypothesis>)> reachable = {};
+  // Returns how many of the poses, best first, a grasp can reach; it stops counting at `wanted`.
+  // Only search mode "first" asks; empty = every pose can be reached.
+  std::function<int(std::span<const PoseHypothesis>, int wanted)> count_reachable = {};
 };
 
 // Result of one estimate.

@@ -302,16 +302,14 @@ TEST_F(Descriptor, FirstModeStopsWhenEnoughReachablePosesAreFound) {
   EXPECT_GT(at_once, 0u);
   // Without a reachable pose, all of the foreground is searched.
   size_t asked = 0;
-  input.reachable = [&](std::span<const PoseHypothesis> poses) {
+  input.count_reachable = [&](std::span<const PoseHypothesis>, int) {
     ++asked;
-    return std::vector<bool>(poses.size(), false);
+    return 0;
   };
   const size_t in_vain = candidates_of();
   EXPECT_GT(in_vain, at_once);
   EXPECT_GT(asked, 1u);
-  input.reachable = [](std::span<const PoseHypothesis> poses) {
-    return std::vector<bool>(poses.size(), true);
-  };
+  input.count_reachable = [](std::span<const PoseHypothesis>, int wanted) { return wanted; };
   EXPECT_EQ(candidates_of(), at_once);
 }
 
