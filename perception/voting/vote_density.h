@@ -34,20 +34,41 @@ class VoteDensity {
   double Around(const Pose& X_CO, int except_patch, Scratch& scratch) const;
 
  private:
-  struct Vote {
+  // Votes are processed eight at a time. The compiler splits the vectors if the processor has
+  // narrower registers.
+  static constexpr int kLanes = 8;
+  using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
+  using Ints = int32_t __attribute__((vector_size(kLanes * sizeof(float))));
+
+  // Eight votes, one per lane.
+  struct alignas(kLanes * sizeof(float)) VoteBlock {
+    Floats com_C[3];
+    Floats point[PoseEmbedding::Point::RowsAtCompileTime];
+    Ints patch;
+  };
+  // Votes begin .. end - 1. Vote i is in lane i % kLanes of block i / kLanes.
+  struct Range {
+    int begin = 0, end = 0;
+  };
+  // A pose and the limits within which votes count.
+  struct Query {
     Eigen::Vector3f com_C;
-    PoseEmbedding::Point point;
-    int patch;
+    const Scratch& variants;
+    float reach2, radius2;
+    int except_patch;
   };
   using Cell = int64_t;
-  Cell CellOf(int x, int y, int z) const;
+  static Cell CellOf(int x, int y, int z);
   Eigen::Array3i Index(const Eigen::Vector3f& com_C) const;
+  static double AddVotes(const VoteBlock* blocks, const Range& votes, const Query& query,
+                         double sum);
 
   const PoseEmbedding& embedding_;
   Eigen::Vector3d com_O_;
   float radius_ = 0;
   float reach_m_ = 0;  // maximum distance of the centers of mass of two poses within the radius
-  std::unordered_map<Cell, std::vector<Vote>> cells_;  // cubes of side reach_m_
+  std::vector<VoteBlock> blocks_;          // in the order of their cells
+  std::unordered_map<Cell, Range> cells_;  // cubes of side reach_m_
 };
 
 }  // namespace pickbed::perception

@@ -1,5 +1,7 @@
 #include "scenes/geometry/mass_properties.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "scenes/base/error.h"
@@ -7,27 +9,67 @@
 namespace pickbed::scenes {
 namespace {
 
-// Integrals of 1, x and x x^T over the solid.
+// Triangles are processed in blocks of plain arrays, one lane per triangle.
+constexpr int kTriangleLanes = 64;
+using TriangleLanes = std::array<double, kTriangleLanes>;
+
+// The integrals of 1, x and x x^T over a solid. Products of different coordinates are listed in
+// both orders, because the sums of the two are rounded differently.
+enum Moment { k1, kX, kY, kZ, kXX, kXY, kXZ, kYY, kYZ, kZX, kZY, kZZ, kMoments };
+
 struct Moments {
   double volume = 0;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
 };
 
-// Sums over the signed tetrahedra of `origin` and each triangle, relative to `origin`. With the
-// determinant det of the corners (a, b, c) and s = a + b + c, the integrals over the tetrahedron
-// (0, a, b, c) are det / 6, det / 24 s and det / 120 (a a^T + b b^T + c c^T + s s^T).
-Moments SolidMoments(const TriangleMesh& mesh, const Eigen::Vector3d& origin) {
-  Moments moments;
-  for (const Eigen::Vector3i& t : mesh.triangles) {
-    Eigen::Matrix3d corners;
-    for (int k = 0; k < 3; ++k) corners.col(k) = mesh.vertices[t[k]] - origin;
-    const double det = corners.determinant();
-    const Eigen::Vector3d sum = corners.rowwise().sum();
-    moments.volume += det / 6;
-    moments.first += det / 24 * sum;
-    moments.second += det / 120 * (corners * corners.transpose() + sum * sum.transpose());
+// Computes the integrals over the tetrahedra of the origin and the triangles with the corners a, b
+// and c. With their determinant det and s = a + b + c, these are det / 6, det / 24 s and
+// det / 120 (a a^T + b b^T + c c^T + s s^T).
+__attribute__((target_clones("avx2", "default"))) void TetrahedronMoments(
+    const std::array<TriangleLanes, 9>& corners, std::array<TriangleLanes, kMoments>& out) {
+  for (int i = 0; i < kTriangleLanes; ++i) {
+    const double ax = corners[0][i], ay = corners[1][i], az = corners[2][i];
+    const double bx = corners[3][i], by = corners[4][i], bz = corners[5][i];
+    const double cx = corners[6][i], cy = corners[7][i], cz = corners[8][i];
+    const double det =
+        ax * (by * cz - cy * bz) - bx * (ay * cz - cy * az) + cx * (ay * bz - by * az);
+    const double sx = ax + (bx + cx), sy = ay + (by + cy), sz = az + (bz + cz);
+    const double f = det / 24, g = det / 120;
+    out[k1][i] = det / 6;
+    out[kX][i] = f * sx;
+    out[kY][i] = f * sy;
+    out[kZ][i] = f * sz;
+    out[kXX][i] = g * (ax * ax + bx * bx + cx * cx + sx * sx);
+    out[kXY][i] = g * (ax * ay + bx * by + cx * cy + sx * sy);
+    out[kXZ][i] = g * (ax * az + bx * bz + cx * cz + sx * sz);
+    out[kYY][i] = g * (ay * ay + by * by + cy * cy + sy * sy);
+    out[kYZ][i] = g * (ay * az + by * bz + cy * cz + sy * sz);
+    out[kZX][i] = g * (ax * az + (bx * bz + cx * cz) + sx * sz);
+    out[kZY][i] = g * (ay * az + (by * bz + cy * cz) + sy * sz);
+    out[kZZ][i] = g * (az * az + (bz * bz + cz * cz) + sz * sz);
   }
+}
+
+// Sums over the signed tetrahedra of `origin` and each triangle, relative to `origin`.
+Moments SolidMoments(const TriangleMesh& mesh, const Eigen::Vector3d& origin) {
+  std::array<TriangleLanes, 9> corners = {};
+  std::array<TriangleLanes, kMoments> terms;
+  std::array<double, kMoments> m = {};
+  for (size_t begin = 0; begin < mesh.triangles.size(); begin += kTriangleLanes) {
+    const int count =
+        static_cast<int>(std::min<size_t>(kTriangleLanes, mesh.triangles.size() - begin));
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Vector3i& t = mesh.triangles[begin + i];
+      for (int k = 0; k < 9; ++k) corners[k][i] = mesh.vertices[t[k / 3]][k % 3] - origin[k % 3];
+    }
+    TetrahedronMoments(corners, terms);
+    for (int i = 0; i < count; ++i) {
+      for (int k = 0; k < kMoments; ++k) m[k] += terms[k][i];
+    }
+  }
+  Moments moments{m[k1], {m[kX], m[kY], m[kZ]}, {}};
+  moments.second << m[kXX], m[kXY], m[kXZ], m[kXY], m[kYY], m[kYZ], m[kZX], m[kZY], m[kZZ];
   return moments;
 }
 
