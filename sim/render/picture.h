@@ -12,19 +12,10 @@
 #include "scenes/camera/camera.h"
 #include "scenes/image/image.h"
 #include "scenes/scene.h"
+#include "sim/render/picture_shading.h"
 #include "sim/render/renderer.h"
 
 namespace pickbed::sim {
-
-// Reflection of a surface in a picture.
-enum class Finish { kMatte, kPlastic, kMetal };
-
-// Material of one instance in a picture.
-struct PictureMaterial {
-  Finish finish = Finish::kPlastic;
-  // Linear red, green and blue in 0..1. Negative: the color of the mesh.
-  Eigen::Vector3f color{-1, -1, -1};
-};
 
 // Size of a picture and effort for it.
 struct PictureOptions {
@@ -47,11 +38,6 @@ struct Picture {
   Image<uint16_t> ids;
   Camera camera;  // of the picture's pixels
 };
-
-// Returns the finish and color of an object. The finish follows its density: cardboard, plastic,
-// metal. The color is the color of its mesh; if the mesh has none, it follows density and name. A
-// texture and vertex colors are kept.
-PictureMaterial PictureMaterialOf(const ObjectModel& object);
 
 // Draws pictures of scenes of fixed objects. Keeps references to `renderer` and `objects`.
 class PictureRenderer {
