@@ -12,7 +12,7 @@
 #include "scenes/image/image_io.h"
 #include "scenes/mesh_io/mesh_io.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,7 +26,7 @@ class Checker {
  public:
   explicit Checker(fs::path root) : root_(std::move(root)) {}
 
-  CheckReport Run(const std::function<void(const std::string&)>& on_scene) {
+  CheckDatasetReport Run(const std::function<void(const std::string&)>& on_scene) {
     CheckModels(root_ / "models", true);
     if (IsFolder(root_ / "models_eval")) CheckModels(root_ / "models_eval", false);
     CheckCameras();
@@ -34,7 +34,7 @@ class Checker {
     if (splits.empty()) Fault(root_.string() + ": has no folder train*, val* or test*");
     for (const std::string& split : splits) {
       instances_.clear();
-      const std::vector<int> scenes = ScenesOf(root_, split);
+      const std::vector<int> scenes = SceneIdsOf(root_, split);
       if (scenes.empty()) Fault((root_ / split).string() + ": has no scene folder such as 000001");
       for (const int scene_id : scenes) {
         if (on_scene) on_scene(split + "/" + SceneFolderName(scene_id));
@@ -62,7 +62,7 @@ class Checker {
   }
 
   void CheckModels(const fs::path& folder, bool main) {
-    const std::map<int, ModelInfo> infos = ReadModelsInfo(folder, Collector());
+    const std::map<int, DatasetModelInfo> infos = ReadModelsInfo(folder, Collector());
     for (const auto& [id, info] : infos) {
       const fs::path file = folder / ModelFileName(id);
       const auto mesh = Try([&] { return LoadMesh(file, "mm"); });
@@ -74,7 +74,7 @@ class Checker {
 
   // Sizes must agree within 1 % of the diameter. A reduced mesh in models_eval keeps the numbers of
   // the original mesh, so its tolerance is 5 %.
-  void CheckModel(const fs::path& file, const TriangleMesh& mesh, const ModelInfo& info,
+  void CheckModel(const fs::path& file, const TriangleMesh& mesh, const DatasetModelInfo& info,
                   bool main) {
     const double allowed_m = (main ? 0.01 : 0.05) * info.diameter_m;
     const double diameter_m = Diameter(mesh);
@@ -222,9 +222,9 @@ class Checker {
     const fs::path file = root_ / TargetsFileName(split, year);
     std::error_code error;
     if (!fs::exists(file, error)) return;
-    const std::vector<Target> targets = ReadTargets(file, Collector());
+    const std::vector<DatasetTarget> targets = ReadTargets(file, Collector());
     for (size_t i = 0; i < targets.size(); ++i) {
-      const Target& target = targets[i];
+      const DatasetTarget& target = targets[i];
       const auto fault = [&](const std::string& what) {
         Fault(fmt::format("{}: target {}: {}", file.string(), i, what));
       };
@@ -249,7 +249,7 @@ class Checker {
   }
 
   fs::path root_;
-  CheckReport report_;
+  CheckDatasetReport report_;
   std::set<int> known_objects_;
   // Current split: (scene, image) -> number of instances of each object.
   std::map<std::pair<int, int>, std::map<int, int>> instances_;
@@ -257,10 +257,10 @@ class Checker {
 
 }  // namespace
 
-CheckReport CheckDataset(const fs::path& root,
-                         const std::function<void(const std::string&)>& on_scene) {
+CheckDatasetReport CheckDataset(const fs::path& root,
+                                const std::function<void(const std::string&)>& on_scene) {
   CheckInput(IsFolder(root), fmt::format("{}: is no folder", root.string()));
   return Checker(root).Run(on_scene);
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -9,9 +9,9 @@
 
 #include "eval/layer.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
-struct CheckReport {
+struct CheckDatasetReport {
   std::vector<std::string> faults;  // one line each: the file and the fault in it
   int objects = 0;
   int scenes = 0;
@@ -23,7 +23,7 @@ struct CheckReport {
 // masks against pixel counts, and targets against ground truth. mask, mask_visib and target files
 // may be absent. If one exists, it must be complete. `on_scene` is called before each scene with
 // "SPLIT/SCENE". Returns the faults and the counts. Throws InputError if `root` is no folder.
-CheckReport CheckDataset(const std::filesystem::path& root,
-                         const std::function<void(const std::string& scene)>& on_scene = {});
+CheckDatasetReport CheckDataset(const std::filesystem::path& root,
+                                const std::function<void(const std::string& scene)>& on_scene = {});
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

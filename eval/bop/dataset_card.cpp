@@ -11,7 +11,7 @@
 #include "scenes/base/files.h"
 #include "sim/sensor/depth_noise.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,13 +34,13 @@ std::string HashOfFolder(const fs::path& folder) {
   return fmt::format("{:016x}", hash);
 }
 
-std::string CardText(const Json& card) {
+std::string CardText(const ParsedJson& card) {
   std::string text = fmt::format(
       "# A simulated BOP data set\n\n{} scenes of {} views in `{}`, made by pickbed from the "
       "scenario below with seed {}.\n\n| object | name | mesh hash |\n|---|---|---|\n",
       card["scenes"].get<int>(), card["views"].get<int>(), card["split"].get<std::string>(),
       card["seed"].get<uint64_t>());
-  for (const Json& object : card["objects"]) {
+  for (const ParsedJson& object : card["objects"]) {
     text += fmt::format("| {} | {} | {} |\n", object["obj_id"].get<int>(),
                         object["name"].get<std::string>(), object["mesh"].get<std::string>());
   }
@@ -56,7 +56,7 @@ std::string CardText(const Json& card) {
 }  // namespace
 
 std::string IdentityOf(const ScenarioSpec& spec, const ObjectSet& objects,
-                       const MakeOptions& options) {
+                       const MakeDatasetOptions& options) {
   ScenarioSpec same_for_all = spec;
   same_for_all.trials = 1;
   std::string text = WriteSettings([&](SettingsVisitor& v) { same_for_all.Visit(v); });
@@ -83,19 +83,19 @@ void WriteIdentity(const fs::path& out, const std::string& identity) {
   WriteFileAtomically(out / kDatasetSettingsFile, identity);
 }
 
-void WriteCards(const ScenarioSpec& spec, const ObjectSet& objects, const MakeOptions& options,
-                const std::string& identity) {
-  Json card{{"format", "BOP-scenewise"},
-            {"seed", spec.seed},
-            {"views", options.views},
-            {"split", options.split},
-            {"settings", identity}};
+void WriteCards(const ScenarioSpec& spec, const ObjectSet& objects,
+                const MakeDatasetOptions& options, const std::string& identity) {
+  ParsedJson card{{"format", "BOP-scenewise"},
+                  {"seed", spec.seed},
+                  {"views", options.views},
+                  {"split", options.split},
+                  {"settings", identity}};
   for (size_t i = 0; i < objects.size(); ++i) {
     card["objects"].push_back({{"obj_id", i + 1},
                                {"name", objects[i]->name},
                                {"mesh", fmt::format("{:016x}", objects[i]->mesh_hash)}});
   }
-  const std::vector<int> scenes = ScenesOf(options.out, options.split);
+  const std::vector<int> scenes = SceneIdsOf(options.out, options.split);
   card["scenes"] = scenes.size();
   std::string all;
   for (const int id : scenes) {
@@ -114,10 +114,10 @@ std::map<int, CardObject> ObjectsOfCard(const fs::path& root) {
   const fs::path file = root / kCardFile;
   std::map<int, CardObject> objects;
   if (!fs::exists(file)) return objects;
-  const std::optional<Json> card = ReadJson(file, ThrowFault);
+  const std::optional<ParsedJson> card = ReadJson(file, ThrowFault);
   try {
     if (card->at("models").get<std::string>() != HashOfFolder(root / "models")) return objects;
-    for (const Json& object : card->at("objects")) {
+    for (const ParsedJson& object : card->at("objects")) {
       objects[object.at("obj_id").get<int>()] = {
           object.at("name").get<std::string>(),
           std::stoull(object.at("mesh").get<std::string>(), nullptr, 16)};
@@ -130,4 +130,4 @@ std::map<int, CardObject> ObjectsOfCard(const fs::path& root) {
   return objects;
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -9,12 +9,12 @@
 
 #include "eval/bop/make_dataset.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 // Returns, as text, everything that the bytes of a scene depend on: settings, sensor, meshes,
 // views and split. Throws InputError if the sensor profile cannot be read.
 std::string IdentityOf(const ScenarioSpec& spec, const ObjectSet& objects,
-                       const MakeOptions& options);
+                       const MakeDatasetOptions& options);
 
 // Reads and writes the identity of the data set in folder `out` (dataset_settings.yaml). Reading
 // returns an empty text if the file does not exist.
@@ -24,8 +24,8 @@ void WriteIdentity(const std::filesystem::path& out, const std::string& identity
 
 // Writes dataset_card.json and dataset_card.md into `options.out`. Both hold a hash of all scenes,
 // and the JSON file one hash per scene: 64-bit FNV-1a over file names and bytes, sorted by name.
-void WriteCards(const ScenarioSpec& spec, const ObjectSet& objects, const MakeOptions& options,
-                const std::string& identity);
+void WriteCards(const ScenarioSpec& spec, const ObjectSet& objects,
+                const MakeDatasetOptions& options, const std::string& identity);
 
 // Object of which the data set was made. The mesh hash shows whether a model trained on this object
 // is valid for the data set.
@@ -37,4 +37,4 @@ struct CardObject {
 // models/ no longer matches the hash in the card. Throws InputError for a broken card.
 std::map<int, CardObject> ObjectsOfCard(const std::filesystem::path& root);
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

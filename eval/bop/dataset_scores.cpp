@@ -10,15 +10,15 @@
 #include "eval/tolerance/maps.h"
 #include "scenes/base/error.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 namespace fs = std::filesystem;
 
 // Mean time per image in seconds, -1 if the time of any estimate is unknown.
-double MeanTime(const std::vector<Estimate>& estimates) {
+double MeanTime(const std::vector<DatasetEstimate>& estimates) {
   std::map<std::pair<int, int>, double> times_s;
-  for (const Estimate& estimate : estimates) {
+  for (const DatasetEstimate& estimate : estimates) {
     if (estimate.time_s < 0) return -1;
     times_s[{estimate.scene_id, estimate.image_id}] = estimate.time_s;
   }
@@ -27,13 +27,13 @@ double MeanTime(const std::vector<Estimate>& estimates) {
   return times_s.empty() ? -1 : sum / times_s.size();
 }
 
-using EstimatesByImage = std::map<std::pair<int, int>, std::vector<const Estimate*>>;
+using EstimatesByImage = std::map<std::pair<int, int>, std::vector<const DatasetEstimate*>>;
 
 // Throws InputError for an object that models_info.json in `folder` does not have.
-EstimatesByImage ByImage(const std::vector<Estimate>& estimates,
-                         const std::map<int, ModelInfo>& models, const fs::path& folder) {
+EstimatesByImage ByImage(const std::vector<DatasetEstimate>& estimates,
+                         const std::map<int, DatasetModelInfo>& models, const fs::path& folder) {
   EstimatesByImage by_image;
-  for (const Estimate& estimate : estimates) {
+  for (const DatasetEstimate& estimate : estimates) {
     CheckInput(
         models.contains(estimate.object_id),
         fmt::format("{}: obj_id {}: {} has no such object",
@@ -46,10 +46,10 @@ EstimatesByImage ByImage(const std::vector<Estimate>& estimates,
   return by_image;
 }
 
-TrueImage TruthOf(const ImageTruth& image, const RgbdFrame& frame) {
-  TrueImage truth{frame.intrinsics, frame.depth_m, {}};
+ScoredImage TruthOf(const ImageTruth& image, const RgbdFrame& frame) {
+  ScoredImage truth{frame.intrinsics, frame.depth_m, {}};
   for (size_t i = 0; i < image.instances.size(); ++i) {
-    const Instance& instance = image.instances[i];
+    const DatasetInstance& instance = image.instances[i];
     truth.instances.push_back({instance.object_id, instance.X_CO, image.infos[i].visib_fract});
   }
   return truth;
@@ -79,20 +79,20 @@ TolerancesById ReadTolerances(const std::vector<std::string>& texts) {
   return tolerances;
 }
 
-Scores Evaluate(const fs::path& root, const std::string& split,
-                const std::vector<Estimate>& estimates, const VsdOptions& options,
-                const TolerancesById& tolerances,
-                const std::function<void(const std::string&)>& on_scene) {
+DatasetScores EvaluateDataset(const fs::path& root, const std::string& split,
+                              const std::vector<DatasetEstimate>& estimates,
+                              const VsdOptions& options, const TolerancesById& tolerances,
+                              const std::function<void(const std::string&)>& on_scene) {
   const SplitTargets targets = TargetsOf(root, split);
   const fs::path folder = EvalModelsFolder(root);
-  const std::map<int, ModelInfo> models = ReadModelsInfo(folder, ThrowFault);
-  Evaluator evaluator(
+  const std::map<int, DatasetModelInfo> models = ReadModelsInfo(folder, ThrowFault);
+  ScoreAccumulator evaluator(
       [&](int object_id) {
         const auto info = models.find(object_id);
         CheckInput(info != models.end(),
                    fmt::format("{}: has no object {}, which is in the ground truth of a scene",
                                (folder / kModelsInfoFile).string(), object_id));
-        auto model = LoadModel(folder, object_id, info->second, ModelName(object_id));
+        auto model = LoadDatasetModel(folder, object_id, info->second, ModelName(object_id));
         if (const auto named = tolerances.find(object_id); named != tolerances.end()) {
           RequireModelOf(named->second.model, *model, named->second.file);
         }
@@ -109,7 +109,7 @@ Scores Evaluate(const fs::path& root, const std::string& split,
                            (folder / kModelsInfoFile).string()));
   }
   EstimatesByImage by_image = ByImage(estimates, models, folder);
-  Scores scores;
+  DatasetScores scores;
   scores.notes = targets.notes;
   scores.seconds_an_image = MeanTime(estimates);
   for (const auto& [scene_id, images] : targets.scenes) {
@@ -124,7 +124,7 @@ Scores Evaluate(const fs::path& root, const std::string& split,
       auto found = by_image.extract({scene_id, image_id});
       const RgbdFrame frame = ReadDepthFrame(scene, truth->second);
       evaluator.AddImage(TruthOf(truth->second, frame), image_targets,
-                         found ? std::move(found.mapped()) : std::vector<const Estimate*>());
+                         found ? std::move(found.mapped()) : std::vector<const DatasetEstimate*>());
     }
   }
   for (const auto& [image, left] : by_image) {
@@ -134,4 +134,4 @@ Scores Evaluate(const fs::path& root, const std::string& split,
   return scores;
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

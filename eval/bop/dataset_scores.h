@@ -17,7 +17,7 @@
 #include "eval/bop/vsd.h"
 #include "grasp/tolerance/tolerance_model.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 // Tolerance model of an object and the file from which it was read.
 struct NamedTolerance {
@@ -34,9 +34,9 @@ TolerancesById ReadTolerances(const std::vector<std::string>& texts);
 // folder. Throws InputError for a broken data set, a split without scenes, and targets without
 // ground truth. Throws also for an object that models_info.json does not have, in
 // `estimates` or `tolerances`, and for a tolerance model of another mesh.
-Scores Evaluate(const std::filesystem::path& root, const std::string& split,
-                const std::vector<Estimate>& estimates, const VsdOptions& options = {},
-                const TolerancesById& tolerances = {},
-                const std::function<void(const std::string& scene)>& on_scene = {});
+DatasetScores EvaluateDataset(const std::filesystem::path& root, const std::string& split,
+                              const std::vector<DatasetEstimate>& estimates,
+                              const VsdOptions& options = {}, const TolerancesById& tolerances = {},
+                              const std::function<void(const std::string& scene)>& on_scene = {});
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -22,18 +22,18 @@
 #include "sim/sensor/depth_noise.h"
 #include "sim/training_view_source.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::set<int> ObjectsOf(const SplitTargets& targets, const std::map<int, ModelInfo>& models,
-                        Task task) {
+std::set<int> ObjectsOf(const SplitTargets& targets, const std::map<int, DatasetModelInfo>& models,
+                        DatasetTask task) {
   std::set<int> objects;
   for (const auto& [scene_id, images] : targets.scenes) {
     for (const auto& [image_id, image] : images) {
       for (const auto& [object_id, count] : image.counts) objects.insert(object_id);
-      if (image.counts.empty() || task == Task::kDetection) {
+      if (image.counts.empty() || task == DatasetTask::kDetection) {
         for (const auto& [object_id, info] : models) objects.insert(object_id);
       }
     }
@@ -60,9 +60,9 @@ double MedianDepth(const Image<float>& depth_m) {
 // image.
 class Runner {
  public:
-  Runner(const fs::path& root, const EstimateOptions& options, const std::set<int>& wanted,
-         const std::map<int, ModelInfo>& models, const RgbdFrame& first,
-         const std::function<void(const EstimateProgress&)>& on_progress)
+  Runner(const fs::path& root, const EstimateDatasetOptions& options, const std::set<int>& wanted,
+         const std::map<int, DatasetModelInfo>& models, const RgbdFrame& first,
+         const std::function<void(const EstimateDatasetProgress&)>& on_progress)
       : task_(options.task) {
     const EstimatorRow& row = EstimatorNamed(options.estimator.name);
     EstimatorSetup setup;
@@ -102,8 +102,8 @@ class Runner {
   LabelledViewSource& views() { return *views_; }
   double working_distance_m() const { return working_distance_m_; }
 
-  void Run(const RgbdFrame& frame, const ImageTargets& targets, Estimate place, Rng& rng,
-           std::vector<Estimate>& estimates) {
+  void Run(const RgbdFrame& frame, const ImageTargets& targets, DatasetEstimate place, Rng& rng,
+           std::vector<DatasetEstimate>& estimates) {
     const auto start = std::chrono::steady_clock::now();
     const EstimateResult result =
         estimator_->Estimate({frame, std::nullopt, nullptr, Instances(targets)}, rng);
@@ -118,7 +118,7 @@ class Runner {
 
  private:
   std::vector<int> Instances(const ImageTargets& targets) const {
-    if (task_ == Task::kDetection || targets.counts.empty()) return {};
+    if (task_ == DatasetTask::kDetection || targets.counts.empty()) return {};
     std::vector<int> instances;
     for (const int id : object_ids_) {
       const auto count = targets.counts.find(id);
@@ -127,7 +127,7 @@ class Runner {
     return instances;
   }
 
-  Task task_;
+  DatasetTask task_;
   std::vector<int> object_ids_;
   ObjectSet objects_;
   double working_distance_m_ = 0;
@@ -143,8 +143,8 @@ const ImageTruth& TargetImage(const SceneTruth& scene, int image_id) {
   return image->second;
 }
 
-using TakeImage =
-    std::function<void(const Estimate& place, const ImageTargets& targets, const RgbdFrame& frame)>;
+using TakeImage = std::function<void(const DatasetEstimate& place, const ImageTargets& targets,
+                                     const RgbdFrame& frame)>;
 
 // Reads each target image from disk and passes it to `take`.
 void ForEachTarget(const fs::path& root, const std::string& split, const SplitTargets& targets,
@@ -153,7 +153,7 @@ void ForEachTarget(const fs::path& root, const std::string& split, const SplitTa
     const SceneTruth scene =
         ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault);
     for (const auto& [image_id, image_targets] : images) {
-      Estimate place;
+      DatasetEstimate place;
       place.scene_id = scene_id;
       place.image_id = image_id;
       take(place, image_targets, ReadFrame(scene, TargetImage(scene, image_id)));
@@ -174,16 +174,16 @@ RgbdFrame FirstFrame(const fs::path& root, const std::string& split, const Split
   throw InputError(fmt::format("{}: no target image has a depth reading", (root / split).string()));
 }
 
-Rng RngOf(const EstimateOptions& options, const Estimate& place) {
+Rng RngOf(const EstimateDatasetOptions& options, const DatasetEstimate& place) {
   return Rng::Derive(options.seed, place.scene_id, fmt::format("bop/estimate/{}", place.image_id));
 }
 
 // Finds the target image named `name`: SCENE/IMAGE or its index among the targets.
-Estimate NamedTarget(const SplitTargets& targets, const std::string& name) {
-  std::vector<Estimate> places;
+DatasetEstimate NamedTarget(const SplitTargets& targets, const std::string& name) {
+  std::vector<DatasetEstimate> places;
   for (const auto& [scene_id, images] : targets.scenes) {
     for (const auto& [image_id, image] : images) {
-      Estimate& place = places.emplace_back();
+      DatasetEstimate& place = places.emplace_back();
       place.scene_id = scene_id;
       place.image_id = image_id;
       if (name == fmt::format("{}/{}", scene_id, image_id)) return place;
@@ -198,10 +198,10 @@ Estimate NamedTarget(const SplitTargets& targets, const std::string& name) {
 }
 
 // Ground truth of the objects that the estimator searches; nullopt if the image has none.
-std::optional<std::vector<eval::TrueInstance>> TruthOf(const ImageTruth& image,
-                                                       const std::vector<int>& object_ids) {
+std::optional<std::vector<TrueInstance>> TruthOf(const ImageTruth& image,
+                                                 const std::vector<int>& object_ids) {
   if (image.instances.empty()) return std::nullopt;
-  std::vector<eval::TrueInstance> instances;
+  std::vector<TrueInstance> instances;
   for (size_t i = 0; i < image.instances.size(); ++i) {
     const auto id = std::ranges::find(object_ids, image.instances[i].object_id);
     if (id == object_ids.end()) continue;
@@ -213,24 +213,24 @@ std::optional<std::vector<eval::TrueInstance>> TruthOf(const ImageTruth& image,
 
 }  // namespace
 
-std::vector<Estimate> EstimateDataset(
-    const fs::path& root, const std::string& split, const EstimateOptions& options,
-    const std::function<void(const EstimateProgress&)>& on_progress) {
+std::vector<DatasetEstimate> EstimateDataset(
+    const fs::path& root, const std::string& split, const EstimateDatasetOptions& options,
+    const std::function<void(const EstimateDatasetProgress&)>& on_progress) {
   EstimatorNamed(options.estimator.name);
   RefinerNamed(options.refiner);
-  const std::map<int, ModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
+  const std::map<int, DatasetModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
   const SplitTargets targets = TargetsOf(root, split);
   size_t all = 0, done = 0;
   for (const auto& [scene_id, images] : targets.scenes) all += images.size();
   // All images are read once before the first is processed, which takes a small share of the time.
   // A broken image is thus reported at once. After hours of work, all estimates would be lost.
   ForEachTarget(root, split, targets,
-                [](const Estimate&, const ImageTargets&, const RgbdFrame&) {});
+                [](const DatasetEstimate&, const ImageTargets&, const RgbdFrame&) {});
   std::optional<Runner> runner;
-  std::vector<Estimate> estimates;
+  std::vector<DatasetEstimate> estimates;
   ForEachTarget(
       root, split, targets,
-      [&](const Estimate& place, const ImageTargets& image_targets, const RgbdFrame& frame) {
+      [&](const DatasetEstimate& place, const ImageTargets& image_targets, const RgbdFrame& frame) {
         const bool sees = HasReadings(frame.depth_m);
         if (!runner && sees) {
           runner.emplace(root, options, ObjectsOf(targets, models, options.task), models, frame,
@@ -247,14 +247,14 @@ std::vector<Estimate> EstimateDataset(
   return estimates;
 }
 
-ExplanationPage ExplainTarget(const fs::path& root, const std::string& split,
-                              const EstimateOptions& options, const std::string& image,
-                              const fs::path& folder,
-                              const std::function<void(const EstimateProgress&)>& on_progress) {
+ExplanationPage ExplainTarget(
+    const fs::path& root, const std::string& split, const EstimateDatasetOptions& options,
+    const std::string& image, const fs::path& folder,
+    const std::function<void(const EstimateDatasetProgress&)>& on_progress) {
   RequireExplains(options.estimator.name);
-  const std::map<int, ModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
+  const std::map<int, DatasetModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
   const SplitTargets targets = TargetsOf(root, split);
-  const Estimate place = NamedTarget(targets, image);
+  const DatasetEstimate place = NamedTarget(targets, image);
   Runner runner(root, options, ObjectsOf(targets, models, options.task), models,
                 FirstFrame(root, split, targets), on_progress);
   const SceneTruth scene =
@@ -274,4 +274,4 @@ ExplanationPage ExplainTarget(const fs::path& root, const std::string& split,
       folder);
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

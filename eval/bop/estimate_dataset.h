@@ -11,22 +11,22 @@
 #include "eval/explain/explain.h"
 #include "scenes/scenario/scenario_spec.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 // Prior knowledge about a BOP19 target image that the estimator gets. Localisation: the objects in
 // the image and the number of instances of each. Without a targets file, the instances are counted
 // from the ground truth. Detection: none.
-enum class Task { kLocalisation, kDetection };
+enum class DatasetTask { kLocalisation, kDetection };
 
-struct EstimateOptions {
+struct EstimateDatasetOptions {
   EstimatorSpec estimator;
   std::string refiner = "pcl_icp";
   uint64_t seed = 0;
   int threads = 1;  // upper limit; the results are the same for any number
-  Task task = Task::kLocalisation;
+  DatasetTask task = DatasetTask::kLocalisation;
 };
 
-struct EstimateProgress {
+struct EstimateDatasetProgress {
   std::string what;  // scene and image, or the codebook being built
   double share = 0;  // 0..1
 };
@@ -38,17 +38,19 @@ struct EstimateProgress {
 // background because BOP has no bin. `on_progress` is called while codebooks are built and after
 // each image. Throws InputError for an unknown estimator, the oracle (it would need ground truth)
 // and a broken data set, always before the first image is processed.
-std::vector<Estimate> EstimateDataset(
-    const std::filesystem::path& root, const std::string& split, const EstimateOptions& options,
-    const std::function<void(const EstimateProgress&)>& on_progress = {});
+std::vector<DatasetEstimate> EstimateDataset(
+    const std::filesystem::path& root, const std::string& split,
+    const EstimateDatasetOptions& options,
+    const std::function<void(const EstimateDatasetProgress&)>& on_progress = {});
 
 // Writes a page (eval/explain/explain.h) into `folder` that shows the stages by which
 // EstimateDataset finds the poses of one target image. `image` is "SCENE/IMAGE", for example
 // "48/12", or the index of the image among the targets, from 0. Throws InputError as
 // EstimateDataset does, for an image that is no target, and for an estimator without a trace.
 [[nodiscard]] ExplanationPage ExplainTarget(
-    const std::filesystem::path& root, const std::string& split, const EstimateOptions& options,
-    const std::string& image, const std::filesystem::path& folder,
-    const std::function<void(const EstimateProgress&)>& on_progress = {});
+    const std::filesystem::path& root, const std::string& split,
+    const EstimateDatasetOptions& options, const std::string& image,
+    const std::filesystem::path& folder,
+    const std::function<void(const EstimateDatasetProgress&)>& on_progress = {});
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -5,7 +5,7 @@
 
 #include "scenes/camera/footprint.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 constexpr int kMaxCanvas_px = 4096;
@@ -106,4 +106,4 @@ std::vector<InstanceMasks> MasksOf(Renderer& renderer, const Camera& camera,
   return masks;
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -18,7 +18,7 @@
 #include "eval/bop/read_dataset.h"
 #include "sim/render/renderer.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 struct InstanceMasks {
   InstanceInfo info;
@@ -33,4 +33,4 @@ std::vector<InstanceMasks> MasksOf(Renderer& renderer, const Camera& camera,
                                    std::span<const RenderInstance> instances,
                                    const Image<uint16_t>& ids, const Image<uint16_t>& depth);
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -9,7 +9,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 // Message of an nlohmann exception without the library's error number.
@@ -21,7 +21,7 @@ std::string Reason(const std::exception& error) {
   return reason;
 }
 
-const Json* Find(const Json& object, const char* key, const Place& place) {
+const ParsedJson* Find(const ParsedJson& object, const char* key, const JsonPlace& place) {
   if (object.is_object()) {
     if (const auto found = object.find(key); found != object.end()) return &*found;
   }
@@ -33,15 +33,15 @@ const Json* Find(const Json& object, const char* key, const Place& place) {
 
 void ThrowFault(const std::string& line) { throw InputError(line); }
 
-std::optional<Json> ReadJson(const std::filesystem::path& file, const OnFault& fault) {
+std::optional<ParsedJson> ReadJson(const std::filesystem::path& file, const OnFault& fault) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) {
     fault(file.string() + ": is missing");
     return std::nullopt;
   }
   try {
-    return Json::parse(ReadFileBytes(file));
-  } catch (const Json::exception& exception) {
+    return ParsedJson::parse(ReadFileBytes(file));
+  } catch (const ParsedJson::exception& exception) {
     fault(fmt::format("{}: is no JSON: {}", file.string(), Reason(exception)));
   } catch (const InputError& exception) {
     fault(exception.what());
@@ -49,16 +49,16 @@ std::optional<Json> ReadJson(const std::filesystem::path& file, const OnFault& f
   return std::nullopt;
 }
 
-std::optional<double> Real(const Json& object, const char* key, const Place& place) {
-  const Json* value = Find(object, key, place);
+std::optional<double> JsonReal(const ParsedJson& object, const char* key, const JsonPlace& place) {
+  const ParsedJson* value = Find(object, key, place);
   if (!value) return std::nullopt;
   if (value->is_number() && std::isfinite(value->get<double>())) return value->get<double>();
   place.Fault(fmt::format("'{}' is {}, not a number", key, value->dump()));
   return std::nullopt;
 }
 
-std::optional<int> Integer(const Json& object, const char* key, const Place& place) {
-  const Json* value = Find(object, key, place);
+std::optional<int> JsonInteger(const ParsedJson& object, const char* key, const JsonPlace& place) {
+  const ParsedJson* value = Find(object, key, place);
   if (!value) return std::nullopt;
   if (value->is_number_integer()) {
     const auto number = value->get<int64_t>();
@@ -68,10 +68,11 @@ std::optional<int> Integer(const Json& object, const char* key, const Place& pla
   return std::nullopt;
 }
 
-std::optional<std::vector<double>> ToReals(const Json& array, size_t count, const Place& place) {
+std::optional<std::vector<double>> ToReals(const ParsedJson& array, size_t count,
+                                           const JsonPlace& place) {
   // Some files nest the rows of a matrix, most have a flat list of numbers.
   std::vector<double> numbers;
-  const std::function<bool(const Json&)> take = [&](const Json& value) {
+  const std::function<bool(const ParsedJson&)> take = [&](const ParsedJson& value) {
     if (value.is_array()) return std::all_of(value.begin(), value.end(), take);
     if (!value.is_number() || !std::isfinite(value.get<double>())) return false;
     numbers.push_back(value.get<double>());
@@ -82,9 +83,9 @@ std::optional<std::vector<double>> ToReals(const Json& array, size_t count, cons
   return std::nullopt;
 }
 
-std::optional<std::vector<double>> Reals(const Json& object, const char* key, size_t count,
-                                         const Place& place) {
-  const Json* value = Find(object, key, place);
+std::optional<std::vector<double>> JsonReals(const ParsedJson& object, const char* key,
+                                             size_t count, const JsonPlace& place) {
+  const ParsedJson* value = Find(object, key, place);
   if (!value) return std::nullopt;
   return ToReals(*value, count, place / fmt::format("'{}'", key));
 }
@@ -95,4 +96,4 @@ Eigen::Matrix3d ToMatrix3(const std::vector<double>& numbers) {
   return matrix;
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -11,15 +11,15 @@
 
 #include "eval/bop/read_dataset.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
-using Json = nlohmann::json;
+using ParsedJson = nlohmann::json;
 
 // Place in a file for messages, for example "scene_gt.json: image 3: instance 0".
-class Place {
+class JsonPlace {
  public:
-  Place(std::string text, const OnFault& fault) : text_(std::move(text)), fault_(fault) {}
-  Place operator/(const std::string& key) const { return {text_ + ": " + key, fault_}; }
+  JsonPlace(std::string text, const OnFault& fault) : text_(std::move(text)), fault_(fault) {}
+  JsonPlace operator/(const std::string& key) const { return {text_ + ": " + key, fault_}; }
   void Fault(const std::string& what) const { fault_(text_ + ": " + what); }
   const std::string& text() const { return text_; }
 
@@ -30,21 +30,22 @@ class Place {
 
 // Parses a JSON file. Reports a fault and returns nullopt if the file is missing or not JSON. NaN
 // is not JSON.
-std::optional<Json> ReadJson(const std::filesystem::path& file, const OnFault& fault);
+std::optional<ParsedJson> ReadJson(const std::filesystem::path& file, const OnFault& fault);
 
 // Return the value of a key. They report a fault and return nullopt if it is absent or has the
 // wrong type. Reals expects `count` finite numbers.
-std::optional<double> Real(const Json& object, const char* key, const Place& place);
+std::optional<double> JsonReal(const ParsedJson& object, const char* key, const JsonPlace& place);
 // Same for a whole number.
-std::optional<int> Integer(const Json& object, const char* key, const Place& place);
+std::optional<int> JsonInteger(const ParsedJson& object, const char* key, const JsonPlace& place);
 // Same for an array of `count` finite numbers.
-std::optional<std::vector<double>> Reals(const Json& object, const char* key, size_t count,
-                                         const Place& place);
+std::optional<std::vector<double>> JsonReals(const ParsedJson& object, const char* key,
+                                             size_t count, const JsonPlace& place);
 // Converts an array, flat or nested, to `count` finite numbers. Reports a fault and returns nullopt
 // for anything else.
-std::optional<std::vector<double>> ToReals(const Json& array, size_t count, const Place& place);
+std::optional<std::vector<double>> ToReals(const ParsedJson& array, size_t count,
+                                           const JsonPlace& place);
 
 // Converts nine numbers, row by row.
 Eigen::Matrix3d ToMatrix3(const std::vector<double>& numbers);
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -6,7 +6,7 @@
 #include <array>
 #include <charconv>
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,7 +149,7 @@ std::vector<std::string> SplitsOf(const fs::path& root) {
   return splits;
 }
 
-std::vector<int> ScenesOf(const fs::path& root, const std::string& split) {
+std::vector<int> SceneIdsOf(const fs::path& root, const std::string& split) {
   std::vector<int> scenes;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(root / split, error)) {
@@ -174,4 +174,4 @@ std::optional<fs::path> DepthFile(const fs::path& scene, int image_id) {
   return FirstOf(scene, {"depth"}, {"png", "tif"}, image_id);
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

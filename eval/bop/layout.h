@@ -11,7 +11,7 @@
 #include "eval/layer.h"
 #include "eval/metrics/result_columns.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 // Files of a data set and, from kSceneCameraFile on, of a scene.
 inline constexpr char kDatasetCameraFile[] = "camera.json";
@@ -46,7 +46,7 @@ std::optional<int> ParseId(const std::string& name);
 // Returns the split folders of `root`, sorted: train*, val* and test*, for example train_pbr.
 std::vector<std::string> SplitsOf(const std::filesystem::path& root);
 // Returns the scene ids of a split, ascending.
-std::vector<int> ScenesOf(const std::filesystem::path& root, const std::string& split);
+std::vector<int> SceneIdsOf(const std::filesystem::path& root, const std::string& split);
 
 // Returns the folder of the models for error computation: models_eval if it exists, else models.
 std::filesystem::path EvalModelsFolder(const std::filesystem::path& root);
@@ -57,4 +57,4 @@ std::optional<std::filesystem::path> ColorFile(const std::filesystem::path& scen
 // Finds the depth image. Returns nullopt if there is none.
 std::optional<std::filesystem::path> DepthFile(const std::filesystem::path& scene, int image_id);
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

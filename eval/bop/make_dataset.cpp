@@ -18,7 +18,7 @@
 #include "sim/render/renderer.h"
 #include "sim/sensor/depth_noise.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,7 +37,7 @@ ScenarioSpec WithoutCellErrors(ScenarioSpec spec) {
 // State of a worker: the cell, and a separate renderer because the views differ from the cell's.
 class SceneMaker {
  public:
-  SceneMaker(const ScenarioSpec& spec, const ObjectSet& objects, const MakeOptions& options)
+  SceneMaker(const ScenarioSpec& spec, const ObjectSet& objects, const MakeDatasetOptions& options)
       : spec_(spec),
         options_(options),
         cell_(WithoutCellErrors(spec), objects),
@@ -88,14 +88,14 @@ class SceneMaker {
   }
 
   ScenarioSpec spec_;
-  MakeOptions options_;
+  MakeDatasetOptions options_;
   SimulatedCell cell_;
   SceneRenderer renderer_;
 };
 
 // Returns the scenes already on disk. Throws InputError if they cannot be resumed.
-std::vector<int> ScenesBefore(const MakeOptions& options, const std::string& identity) {
-  const std::vector<int> before = ScenesOf(options.out, options.split);
+std::vector<int> ScenesBefore(const MakeDatasetOptions& options, const std::string& identity) {
+  const std::vector<int> before = SceneIdsOf(options.out, options.split);
   if (before.empty()) return before;
   CheckInput(options.resume,
              fmt::format("{} already has {} scenes; resume it, or choose another results folder",
@@ -134,10 +134,10 @@ Camera RandomView(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng) 
   return nominal;  // it is so low that no sampled view is high enough above the walls
 }
 
-MakeReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
-                       const MakeOptions& options,
-                       const std::function<void(const MakeReport&)>& on_scene,
-                       const std::function<bool()>& stop) {
+MakeDatasetReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
+                              const MakeDatasetOptions& options,
+                              const std::function<void(const MakeDatasetReport&)>& on_scene,
+                              const std::function<bool()>& stop) {
   const std::string identity = IdentityOf(spec, objects, options);
   const std::vector<int> before = ScenesBefore(options, identity);
   const std::array<fs::path, 2> models{options.out / "models", options.out / "models_eval"};
@@ -148,7 +148,7 @@ MakeReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
   for (const fs::path& folder : models) WriteModels(folder, objects);
   WriteDatasetCamera(options.out / kDatasetCameraFile, CameraOf(spec).intrinsics);
 
-  MakeReport report;
+  MakeDatasetReport report;
   report.done = report.done_before = static_cast<int>(std::count_if(
       before.begin(), before.end(), [&](int id) { return id >= 1 && id <= options.scenes; }));
   WorkerPlan plan;
@@ -177,4 +177,4 @@ MakeReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
   return report;
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -14,9 +14,9 @@
 #include "scenes/camera/camera.h"
 #include "scenes/scenario/scenario_spec.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
-struct MakeOptions {
+struct MakeDatasetOptions {
   std::filesystem::path out;
   std::string split = "test";
   int scenes = 10;
@@ -41,7 +41,7 @@ struct ViewSpread {
 // samples are all too low.
 Camera RandomView(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng);
 
-struct MakeReport {
+struct MakeDatasetReport {
   int done = 0;         // requested scenes that are on disk
   int done_before = 0;  // requested scenes that were on disk before the run
   bool stopped = false;
@@ -53,9 +53,9 @@ struct MakeReport {
 // when all scenes are complete. `on_scene` is called after each scene. `stop` returns true to end
 // the run. Throws InputError if `out` holds scenes and `resume` is not set, or holds scenes of
 // other settings. Forks: see eval/runtime/process_pool.h.
-MakeReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
-                       const MakeOptions& options,
-                       const std::function<void(const MakeReport&)>& on_scene = {},
-                       const std::function<bool()>& stop = {});
+MakeDatasetReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
+                              const MakeDatasetOptions& options,
+                              const std::function<void(const MakeDatasetReport&)>& on_scene = {},
+                              const std::function<bool()>& stop = {});
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -9,10 +9,10 @@
 #include "eval/bop/layout.h"
 #include "scenes/base/error.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 DatasetObjects LoadDatasetObjects(const std::filesystem::path& root, const std::set<int>& wanted,
-                                  const std::map<int, ModelInfo>& models) {
+                                  const std::map<int, DatasetModelInfo>& models) {
   const std::filesystem::path folder = root / "models";
   const std::map<int, CardObject> known_objects = ObjectsOfCard(root);
   DatasetObjects dataset;
@@ -22,7 +22,7 @@ DatasetObjects LoadDatasetObjects(const std::filesystem::path& root, const std::
                                                  (folder / kModelsInfoFile).string(), id));
     const auto known = known_objects.find(id);
     const std::string name = known != known_objects.end() ? known->second.name : ModelName(id);
-    auto model = std::make_shared<ObjectModel>(*LoadModel(folder, id, info->second, name));
+    auto model = std::make_shared<ObjectModel>(*LoadDatasetModel(folder, id, info->second, name));
     if (known != known_objects.end()) model->mesh_hash = known->second.mesh_hash;
     dataset.objects.push_back(std::move(model));
     dataset.ids.push_back(id);
@@ -31,7 +31,7 @@ DatasetObjects LoadDatasetObjects(const std::filesystem::path& root, const std::
 }
 
 DatasetObjects LoadDatasetObjects(const std::filesystem::path& root) {
-  const std::map<int, ModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
+  const std::map<int, DatasetModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
   CheckInput(!models.empty(),
              (root / "models" / kModelsInfoFile).string() + ": names no object to learn");
   std::set<int> all;
@@ -39,4 +39,4 @@ DatasetObjects LoadDatasetObjects(const std::filesystem::path& root) {
   return LoadDatasetObjects(root, all, models);
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -10,7 +10,7 @@
 #include "eval/bop/read_dataset.h"
 #include "scenes/objects/object_model.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 struct DatasetObjects {
   ObjectSet objects;
@@ -21,9 +21,9 @@ struct DatasetObjects {
 // card. Without a card, the name is obj_000001 and the hash is computed. Throws InputError for an
 // id that is not in `models` and for a broken mesh.
 DatasetObjects LoadDatasetObjects(const std::filesystem::path& root, const std::set<int>& wanted,
-                                  const std::map<int, ModelInfo>& models);
+                                  const std::map<int, DatasetModelInfo>& models);
 
 // Loads all objects of the data set. Throws InputError as above, and if it has no object.
 DatasetObjects LoadDatasetObjects(const std::filesystem::path& root);
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

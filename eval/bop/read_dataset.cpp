@@ -10,7 +10,7 @@
 #include "scenes/image/image_io.h"
 #include "scenes/objects/object_catalog.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 namespace fs = std::filesystem;
@@ -19,7 +19,7 @@ constexpr double kMm = 1e-3;
 
 // Visits every member of a JSON object whose keys are ids, such as `{"3": ...}`.
 template <typename Take>
-void ForEachId(const Json& object, const Place& place, const char* what, Take take) {
+void ForEachId(const ParsedJson& object, const JsonPlace& place, const char* what, Take take) {
   if (!object.is_object()) {
     place.Fault("is not an object with an entry for each " + std::string(what));
     return;
@@ -34,7 +34,7 @@ void ForEachId(const Json& object, const Place& place, const char* what, Take ta
 }
 
 std::optional<Pose> ToPose(const Eigen::Matrix3d& R, const std::vector<double>& t_mm,
-                           const Place& place) {
+                           const JsonPlace& place) {
   if (const std::string wrong = RotationFault(R); !wrong.empty()) {
     place.Fault(wrong);
     return std::nullopt;
@@ -43,17 +43,17 @@ std::optional<Pose> ToPose(const Eigen::Matrix3d& R, const std::vector<double>& 
 }
 
 // Reads a rotation and a translation in mm under two keys.
-std::optional<Pose> ReadPose(const Json& object, const char* R_key, const char* t_key,
-                             const Place& place) {
-  const auto R = Reals(object, R_key, 9, place);
-  const auto t_mm = Reals(object, t_key, 3, place);
+std::optional<Pose> ReadPose(const ParsedJson& object, const char* R_key, const char* t_key,
+                             const JsonPlace& place) {
+  const auto R = JsonReals(object, R_key, 9, place);
+  const auto t_mm = JsonReals(object, t_key, 3, place);
   if (!R || !t_mm) return std::nullopt;
   return ToPose(ToMatrix3(*R), *t_mm, place / fmt::format("'{}'", R_key));
 }
 
-void ReadSymmetries(const Json& entry, const Place& place, SymmetrySet& symmetries_O) {
-  for (const Json& matrix : entry.value("symmetries_discrete", Json::array())) {
-    const Place where = place / "'symmetries_discrete'";
+void ReadSymmetries(const ParsedJson& entry, const JsonPlace& place, SymmetrySet& symmetries_O) {
+  for (const ParsedJson& matrix : entry.value("symmetries_discrete", ParsedJson::array())) {
+    const JsonPlace where = place / "'symmetries_discrete'";
     const auto n = ToReals(matrix, 16, where);
     if (!n) continue;
     const std::vector<double>& m = *n;
@@ -64,10 +64,10 @@ void ReadSymmetries(const Json& entry, const Place& place, SymmetrySet& symmetri
     const Eigen::Matrix3d R = ToMatrix3({m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]});
     if (const auto X = ToPose(R, {m[3], m[7], m[11]}, where)) symmetries_O.discrete_O.push_back(*X);
   }
-  for (const Json& axis : entry.value("symmetries_continuous", Json::array())) {
-    const Place where = place / "'symmetries_continuous'";
-    const auto direction = Reals(axis, "axis", 3, where);
-    const auto offset_mm = Reals(axis, "offset", 3, where);
+  for (const ParsedJson& axis : entry.value("symmetries_continuous", ParsedJson::array())) {
+    const JsonPlace where = place / "'symmetries_continuous'";
+    const auto direction = JsonReals(axis, "axis", 3, where);
+    const auto offset_mm = JsonReals(axis, "offset", 3, where);
     if (!direction || !offset_mm) continue;
     const Eigen::Vector3d along_O = Eigen::Vector3d::Map(direction->data());
     if (along_O.norm() < 1e-9) {
@@ -79,16 +79,17 @@ void ReadSymmetries(const Json& entry, const Place& place, SymmetrySet& symmetri
   }
 }
 
-std::optional<ModelInfo> ReadModelInfo(const Json& entry, const Place& place) {
-  ModelInfo info;
-  const auto diameter_mm = Real(entry, "diameter", place);
+std::optional<DatasetModelInfo> ReadModelInfo(const ParsedJson& entry, const JsonPlace& place) {
+  DatasetModelInfo info;
+  const auto diameter_mm = JsonReal(entry, "diameter", place);
   if (!diameter_mm) return std::nullopt;
   if (*diameter_mm <= 0) place.Fault(fmt::format("'diameter' is {}, not positive", *diameter_mm));
   info.diameter_m = kMm * *diameter_mm;
   constexpr const char* kMin[] = {"min_x", "min_y", "min_z"};
   constexpr const char* kSize[] = {"size_x", "size_y", "size_z"};
   for (int axis = 0; axis < 3; ++axis) {
-    const auto low_mm = Real(entry, kMin[axis], place), size_mm = Real(entry, kSize[axis], place);
+    const auto low_mm = JsonReal(entry, kMin[axis], place),
+               size_mm = JsonReal(entry, kSize[axis], place);
     if (!low_mm || !size_mm) continue;
     info.bounds_O.min[axis] = kMm * *low_mm;
     info.bounds_O.max[axis] = kMm * (*low_mm + *size_mm);
@@ -97,8 +98,8 @@ std::optional<ModelInfo> ReadModelInfo(const Json& entry, const Place& place) {
   return info;
 }
 
-void ReadCamera(const Json& entry, const Place& place, ImageTruth& image) {
-  const auto K = Reals(entry, "cam_K", 9, place);
+void ReadCamera(const ParsedJson& entry, const JsonPlace& place, ImageTruth& image) {
+  const auto K = JsonReals(entry, "cam_K", 9, place);
   if (K) {
     const std::vector<double>& k = *K;
     const std::string faults = CameraIntrinsics::FaultsOf(1, 1, k[0], k[4], k[2], k[5]);
@@ -112,7 +113,7 @@ void ReadCamera(const Json& entry, const Place& place, ImageTruth& image) {
     }
   }
   if (entry.is_object() && entry.contains("depth_scale")) {
-    image.depth_scale_mm = Real(entry, "depth_scale", place).value_or(1);
+    image.depth_scale_mm = JsonReal(entry, "depth_scale", place).value_or(1);
     if (image.depth_scale_mm <= 0) place.Fault("'depth_scale' is not positive");
   }
   if (entry.is_object() && entry.contains("cam_R_w2c")) {
@@ -120,34 +121,35 @@ void ReadCamera(const Json& entry, const Place& place, ImageTruth& image) {
   }
 }
 
-std::optional<std::array<int, 4>> ReadBox(const Json& entry, const char* key, const Place& place) {
+std::optional<std::array<int, 4>> ReadBox(const ParsedJson& entry, const char* key,
+                                          const JsonPlace& place) {
   if (!entry.is_object() || !entry.contains(key)) return std::nullopt;
-  const auto numbers = Reals(entry, key, 4, place);
+  const auto numbers = JsonReals(entry, key, 4, place);
   if (!numbers) return std::nullopt;
   std::array<int, 4> box;
   for (int i = 0; i < 4; ++i) box[i] = static_cast<int>(std::lround((*numbers)[i]));
   return box;
 }
 
-InstanceInfo ReadInfo(const Json& entry, const Place& place) {
+InstanceInfo ReadInfo(const ParsedJson& entry, const JsonPlace& place) {
   InstanceInfo info;
-  info.px_count_all = Integer(entry, "px_count_all", place).value_or(0);
-  info.px_count_visib = Integer(entry, "px_count_visib", place).value_or(0);
-  info.visib_fract = Real(entry, "visib_fract", place).value_or(0);
+  info.px_count_all = JsonInteger(entry, "px_count_all", place).value_or(0);
+  info.px_count_visib = JsonInteger(entry, "px_count_visib", place).value_or(0);
+  info.visib_fract = JsonReal(entry, "visib_fract", place).value_or(0);
   if (entry.is_object() && entry.contains("px_count_valid")) {
-    info.px_count_valid = Integer(entry, "px_count_valid", place);
+    info.px_count_valid = JsonInteger(entry, "px_count_valid", place);
   }
   info.bbox_obj = ReadBox(entry, "bbox_obj", place);
   info.bbox_visib = ReadBox(entry, "bbox_visib", place);
   return info;
 }
 
-void ReadInstances(const Json& list, const Place& place, ImageTruth& image) {
+void ReadInstances(const ParsedJson& list, const JsonPlace& place, ImageTruth& image) {
   if (!list.is_array()) return place.Fault("is not a list of instances");
   for (size_t i = 0; i < list.size(); ++i) {
-    const Place where = place / fmt::format("instance {}", i);
-    Instance instance;
-    instance.object_id = Integer(list[i], "obj_id", where).value_or(0);
+    const JsonPlace where = place / fmt::format("instance {}", i);
+    DatasetInstance instance;
+    instance.object_id = JsonInteger(list[i], "obj_id", where).value_or(0);
     const auto X_CO = ReadPose(list[i], "cam_R_m2c", "cam_t_m2c", where);
     if (X_CO) instance.X_CO = *X_CO;
     if (X_CO && instance.X_CO.translation().z() <= 0) where.Fault("is behind the camera");
@@ -159,10 +161,10 @@ void ReadInstances(const Json& list, const Place& place, ImageTruth& image) {
 // an image without an entry too.
 template <typename Take>
 void ForEachImage(const fs::path& file, SceneTruth& scene, const OnFault& fault, Take take) {
-  const std::optional<Json> json = ReadJson(file, fault);
+  const std::optional<ParsedJson> json = ReadJson(file, fault);
   if (!json) return;
-  const Place place(file.string(), fault);
-  ForEachId(*json, place, "image", [&](int id, const Json& entry, const Place& where) {
+  const JsonPlace place(file.string(), fault);
+  ForEachId(*json, place, "image", [&](int id, const ParsedJson& entry, const JsonPlace& where) {
     const auto image = scene.images.find(id);
     if (image == scene.images.end()) {
       return where.Fault(fmt::format("{} has no such image", kSceneCameraFile));
@@ -187,13 +189,13 @@ std::string RotationFault(const Eigen::Matrix3d& R) {
   return "";
 }
 
-std::map<int, ModelInfo> ReadModelsInfo(const fs::path& folder, const OnFault& fault) {
-  std::map<int, ModelInfo> models;
+std::map<int, DatasetModelInfo> ReadModelsInfo(const fs::path& folder, const OnFault& fault) {
+  std::map<int, DatasetModelInfo> models;
   const fs::path file = folder / kModelsInfoFile;
-  const std::optional<Json> json = ReadJson(file, fault);
+  const std::optional<ParsedJson> json = ReadJson(file, fault);
   if (!json) return models;
-  ForEachId(*json, Place(file.string(), fault), "object",
-            [&](int id, const Json& entry, const Place& place) {
+  ForEachId(*json, JsonPlace(file.string(), fault), "object",
+            [&](int id, const ParsedJson& entry, const JsonPlace& place) {
               if (const auto info = ReadModelInfo(entry, place)) models[id] = *info;
             });
   if (models.empty()) fault(file.string() + ": names no object");
@@ -201,13 +203,14 @@ std::map<int, ModelInfo> ReadModelsInfo(const fs::path& folder, const OnFault& f
 }
 
 std::optional<DatasetCamera> ReadDatasetCamera(const fs::path& file, const OnFault& fault) {
-  const std::optional<Json> json = ReadJson(file, fault);
+  const std::optional<ParsedJson> json = ReadJson(file, fault);
   if (!json) return std::nullopt;
-  const Place place(file.string(), fault);
-  const auto width = Integer(*json, "width", place), height = Integer(*json, "height", place);
-  const auto fx = Real(*json, "fx", place), fy = Real(*json, "fy", place);
-  const auto cx = Real(*json, "cx", place), cy = Real(*json, "cy", place);
-  const auto depth_scale_mm = Real(*json, "depth_scale", place);
+  const JsonPlace place(file.string(), fault);
+  const auto width = JsonInteger(*json, "width", place),
+             height = JsonInteger(*json, "height", place);
+  const auto fx = JsonReal(*json, "fx", place), fy = JsonReal(*json, "fy", place);
+  const auto cx = JsonReal(*json, "cx", place), cy = JsonReal(*json, "cy", place);
+  const auto depth_scale_mm = JsonReal(*json, "depth_scale", place);
   if (depth_scale_mm && *depth_scale_mm <= 0) {
     place.Fault(fmt::format("depth_scale = {}: must be positive", *depth_scale_mm));
   }
@@ -223,20 +226,20 @@ std::optional<DatasetCamera> ReadDatasetCamera(const fs::path& file, const OnFau
 SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& fault) {
   SceneTruth scene{scene_id, folder, {}};
   const fs::path cameras = folder / kSceneCameraFile;
-  if (const std::optional<Json> json = ReadJson(cameras, fault)) {
-    ForEachId(*json, Place(cameras.string(), fault), "image",
-              [&](int id, const Json& entry, const Place& place) {
+  if (const std::optional<ParsedJson> json = ReadJson(cameras, fault)) {
+    ForEachId(*json, JsonPlace(cameras.string(), fault), "image",
+              [&](int id, const ParsedJson& entry, const JsonPlace& place) {
                 scene.images[id].image_id = id;
                 ReadCamera(entry, place, scene.images[id]);
               });
   }
   if (scene.images.empty()) return scene;
   ForEachImage(folder / kSceneTruthFile, scene, fault,
-               [&](ImageTruth& image, const Json& entry, const Place& place) {
+               [&](ImageTruth& image, const ParsedJson& entry, const JsonPlace& place) {
                  ReadInstances(entry, place, image);
                });
   ForEachImage(folder / kSceneTruthInfoFile, scene, fault,
-               [&](ImageTruth& image, const Json& entry, const Place& place) {
+               [&](ImageTruth& image, const ParsedJson& entry, const JsonPlace& place) {
                  if (!entry.is_array()) return place.Fault("is not a list of instances");
                  for (size_t i = 0; i < entry.size(); ++i) {
                    image.infos.push_back(ReadInfo(entry[i], place / fmt::format("instance {}", i)));
@@ -249,32 +252,33 @@ SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& f
   return scene;
 }
 
-std::vector<Target> ReadTargets(const fs::path& file, const OnFault& fault) {
-  std::vector<Target> targets;
-  const std::optional<Json> json = ReadJson(file, fault);
+std::vector<DatasetTarget> ReadTargets(const fs::path& file, const OnFault& fault) {
+  std::vector<DatasetTarget> targets;
+  const std::optional<ParsedJson> json = ReadJson(file, fault);
   if (!json) return targets;
-  const Place place(file.string(), fault);
+  const JsonPlace place(file.string(), fault);
   if (!json->is_array()) {
     place.Fault("is not a list of targets");
     return targets;
   }
   for (size_t i = 0; i < json->size(); ++i) {
-    const Json& entry = (*json)[i];
-    const Place where = place / fmt::format("target {}", i);
-    const auto scene_id = Integer(entry, "scene_id", where);
-    const auto image_id = Integer(entry, "im_id", where);
+    const ParsedJson& entry = (*json)[i];
+    const JsonPlace where = place / fmt::format("target {}", i);
+    const auto scene_id = JsonInteger(entry, "scene_id", where);
+    const auto image_id = JsonInteger(entry, "im_id", where);
     if (!scene_id || !image_id) continue;
-    Target target{*scene_id, *image_id, std::nullopt, std::nullopt};
-    if (entry.contains("obj_id")) target.object_id = Integer(entry, "obj_id", where);
-    if (entry.contains("inst_count")) target.count = Integer(entry, "inst_count", where);
+    DatasetTarget target{*scene_id, *image_id, std::nullopt, std::nullopt};
+    if (entry.contains("obj_id")) target.object_id = JsonInteger(entry, "obj_id", where);
+    if (entry.contains("inst_count")) target.count = JsonInteger(entry, "inst_count", where);
     if (target.count.value_or(1) < 1) where.Fault("'inst_count' is less than 1");
     targets.push_back(target);
   }
   return targets;
 }
 
-std::shared_ptr<const ObjectModel> LoadModel(const fs::path& folder, int object_id,
-                                             const ModelInfo& info, const std::string& name) {
+std::shared_ptr<const ObjectModel> LoadDatasetModel(const fs::path& folder, int object_id,
+                                                    const DatasetModelInfo& info,
+                                                    const std::string& name) {
   constexpr double kAnyMass_kg = 0.1;  // arbitrary: no pose depends on it
   MeshObjectSpec spec;
   spec.mesh = folder / ModelFileName(object_id);
@@ -317,4 +321,4 @@ RgbdFrame ReadFrame(const SceneTruth& scene, const ImageTruth& image) {
   return frame;
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -21,14 +21,14 @@
 #include "scenes/geometry/triangle_mesh.h"
 #include "scenes/objects/object_model.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 // Receives one line that names the file and the fault in it.
 using OnFault = std::function<void(const std::string& line)>;
 [[noreturn]] void ThrowFault(const std::string& line);
 
 // An entry of models_info.json.
-struct ModelInfo {
+struct DatasetModelInfo {
   double diameter_m = 0;
   Bounds bounds_O;  // m
   SymmetrySet symmetries_O;
@@ -51,7 +51,7 @@ struct InstanceInfo {
 };
 
 // An entry of scene_gt.json.
-struct Instance {
+struct DatasetInstance {
   int object_id = 0;
   Pose X_CO = Pose::Identity();  // as published: orthonormal only to the digits in the file
 };
@@ -67,7 +67,7 @@ struct ImageTruth {
   ImageProjection projection;
   double depth_scale_mm = 1;
   std::optional<Pose> X_CW;
-  std::vector<Instance> instances;
+  std::vector<DatasetInstance> instances;
   std::vector<InstanceInfo> infos;  // one per instance; empty without scene_gt_info.json
 };
 
@@ -78,7 +78,7 @@ struct SceneTruth {
 };
 
 // An entry of a targets file. BOP24 entries name only the image.
-struct Target {
+struct DatasetTarget {
   int scene_id = 0;
   int image_id = 0;
   std::optional<int> object_id;
@@ -86,19 +86,21 @@ struct Target {
 };
 
 // Reads models_info.json in `folder`, by obj_id. The readers below report every fault to `fault`.
-std::map<int, ModelInfo> ReadModelsInfo(const std::filesystem::path& folder, const OnFault& fault);
+std::map<int, DatasetModelInfo> ReadModelsInfo(const std::filesystem::path& folder,
+                                               const OnFault& fault);
 // Reads camera.json of a dataset: intrinsics (px) and the scale of depth images (mm).
 std::optional<DatasetCamera> ReadDatasetCamera(const std::filesystem::path& file,
                                                const OnFault& fault);
 // Reads scene_camera.json, scene_gt.json and scene_gt_info.json of a scene folder.
 SceneTruth ReadSceneTruth(const std::filesystem::path& folder, int scene_id, const OnFault& fault);
 // Reads a targets file.
-std::vector<Target> ReadTargets(const std::filesystem::path& file, const OnFault& fault);
+std::vector<DatasetTarget> ReadTargets(const std::filesystem::path& file, const OnFault& fault);
 
 // Loads an object with its mesh in `folder`. BOP states no mass and friction, so mass (0.1 kg) and
 // friction have fixed values. Throws InputError.
-std::shared_ptr<const ObjectModel> LoadModel(const std::filesystem::path& folder, int object_id,
-                                             const ModelInfo& info, const std::string& name);
+std::shared_ptr<const ObjectModel> LoadDatasetModel(const std::filesystem::path& folder,
+                                                    int object_id, const DatasetModelInfo& info,
+                                                    const std::string& name);
 
 // Reads colour and depth of an image. The intrinsics get the size of the depth image. Throws
 // InputError if a file is missing, depth is not 16 bits, or the sizes differ.
@@ -110,4 +112,4 @@ RgbdFrame ReadDepthFrame(const SceneTruth& scene, const ImageTruth& image);
 // entries of R^T R may deviate from the identity by up to 0.005.
 std::string RotationFault(const Eigen::Matrix3d& R);
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

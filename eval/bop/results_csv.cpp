@@ -11,7 +11,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 constexpr double kSameTime_s = 1e-3;  // maximum difference between the lines of an image
@@ -71,12 +71,12 @@ struct Line {
   }
 };
 
-Estimate ParseLine(const std::string& text, const Line& line) {
+DatasetEstimate ParseLine(const std::string& text, const Line& line) {
   const std::vector<std::string> fields = Split(text, ',');
   if (fields.size() != 7) {
     line.Refuse(fmt::format("has {} columns, not the 7 of {}", fields.size(), Header()));
   }
-  Estimate estimate;
+  DatasetEstimate estimate;
   estimate.place = line.place;
   estimate.scene_id = line.Id(fields[0], "scene_id");
   estimate.image_id = line.Id(fields[1], "im_id");
@@ -106,9 +106,9 @@ ResultColumns EstimateColumns() {
   };
 }
 
-std::string WriteResults(const std::vector<Estimate>& estimates) {
+std::string WriteEstimates(const std::vector<DatasetEstimate>& estimates) {
   std::string csv = HeaderLine(EstimateColumns());
-  for (const Estimate& estimate : estimates) {
+  for (const DatasetEstimate& estimate : estimates) {
     std::string R;
     for (int i = 0; i < 9; ++i) {
       R += fmt::format("{}{}", i ? " " : "", estimate.X_CO.linear()(i / 3, i % 3));
@@ -121,9 +121,9 @@ std::string WriteResults(const std::vector<Estimate>& estimates) {
   return csv;
 }
 
-std::vector<Estimate> ReadResults(const std::filesystem::path& file) {
+std::vector<DatasetEstimate> ReadEstimates(const std::filesystem::path& file) {
   std::stringstream stream(ReadFileBytes(file));
-  std::vector<Estimate> estimates;
+  std::vector<DatasetEstimate> estimates;
   std::map<std::pair<int, int>, double> times_s;
   int number = 0;
   for (std::string text; std::getline(stream, text);) {
@@ -136,7 +136,7 @@ std::vector<Estimate> ReadResults(const std::filesystem::path& file) {
     }
     if (Trimmed(text).empty()) continue;
     estimates.push_back(ParseLine(text, line));
-    const Estimate& e = estimates.back();
+    const DatasetEstimate& e = estimates.back();
     const auto [known, is_new] = times_s.try_emplace({e.scene_id, e.image_id}, e.time_s);
     if (std::abs(known->second - e.time_s) > kSameTime_s) {
       line.Refuse(
@@ -150,4 +150,4 @@ std::vector<Estimate> ReadResults(const std::filesystem::path& file) {
   return estimates;
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -15,9 +15,9 @@
 #include "eval/metrics/result_columns.h"
 #include "scenes/geometry/pose.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
-struct Estimate {
+struct DatasetEstimate {
   int scene_id = 0;
   int image_id = 0;
   int object_id = 0;
@@ -28,13 +28,13 @@ struct Estimate {
 };
 
 // Returns the text of a results file.
-std::string WriteResults(const std::vector<Estimate>& estimates);
+std::string WriteEstimates(const std::vector<DatasetEstimate>& estimates);
 // Returns the columns of a results file.
 ResultColumns EstimateColumns();
 
 // Reads a results file. Throws InputError, which names the line, for a wrong header or number
 // of columns, a value that is no finite number, and an R that is no rotation. Throws also if times
 // within an image differ by more than 1 ms.
-std::vector<Estimate> ReadResults(const std::filesystem::path& file);
+std::vector<DatasetEstimate> ReadEstimates(const std::filesystem::path& file);
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

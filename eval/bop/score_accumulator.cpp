@@ -9,7 +9,7 @@
 #include "grasp/tolerance/tolerance_model.h"
 #include "sim/render/renderer.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 constexpr int kSteps = 10;
@@ -52,7 +52,7 @@ double AverageRecall(const std::array<int, n>& found, int wanted) {
 // Object models for error computation, made on first use.
 class ObjectModels {
  public:
-  explicit ObjectModels(Evaluator::ModelOf model_of)
+  explicit ObjectModels(ScoreAccumulator::ModelOf model_of)
       : model_of_(std::move(model_of)), renderer_({}, {0, 0}) {}
 
   struct Entry {
@@ -68,14 +68,14 @@ class ObjectModels {
     return models_.emplace(object_id, std::move(entry)).first->second;
   }
 
-  Silhouette Draw(int object_id, const Pose& X_CO, const CameraIntrinsics& camera) {
+  DistanceCrop Draw(int object_id, const Pose& X_CO, const CameraIntrinsics& camera) {
     const RenderInstance instance{Of(object_id).mesh, X_CO, 1};
     const RenderedImage image = renderer_.RenderDepth({camera, Pose::Identity()}, {&instance, 1});
-    return SilhouetteOf(image.depth_m, camera);
+    return DistanceCropOf(image.depth_m, camera);
   }
 
  private:
-  Evaluator::ModelOf model_of_;
+  ScoreAccumulator::ModelOf model_of_;
   Renderer renderer_;
   std::map<int, Entry> models_;
 };
@@ -83,13 +83,13 @@ class ObjectModels {
 // Estimates and instances of one object in one image.
 struct Group {
   int object_id = 0;
-  std::vector<const Estimate*> estimates;
+  std::vector<const DatasetEstimate*> estimates;
   std::vector<Pose> X_CO_true;
   std::vector<double> visible;
 
   ErrorTable Table() const {
     ErrorTable table{object_id, {}, visible, {}};
-    for (const Estimate* estimate : estimates) table.scores.push_back(estimate->score);
+    for (const DatasetEstimate* estimate : estimates) table.scores.push_back(estimate->score);
     table.errors.assign(estimates.size(), std::vector<double>(X_CO_true.size()));
     return table;
   }
@@ -108,12 +108,12 @@ struct Group {
 
 }  // namespace
 
-struct Evaluator::Impl {
+struct ScoreAccumulator::Impl {
   Impl(ModelOf model_of, const VsdOptions& options, ToleranceOf tolerance_of)
       : models_(std::move(model_of)), options_(options), tolerance_of_(std::move(tolerance_of)) {}
 
-  void AddImage(const TrueImage& truth, const ImageTargets& targets,
-                const std::vector<const Estimate*>& estimates) {
+  void AddImage(const ScoredImage& truth, const ImageTargets& targets,
+                const std::vector<const DatasetEstimate*>& estimates) {
     ++images_;
     std::map<int, Group> groups = GroupsOf(truth, estimates);
     if (targets.localised) {
@@ -126,8 +126,8 @@ struct Evaluator::Impl {
     if (!targets.detected) return;
     if (estimates.size() > kMaxEstimatesOfImage) {
       std::vector<double> values;
-      for (const Estimate* estimate : estimates) values.push_back(estimate->score);
-      std::vector<const Estimate*> best;
+      for (const DatasetEstimate* estimate : estimates) values.push_back(estimate->score);
+      std::vector<const DatasetEstimate*> best;
       for (const int i : HighestScores(values, kMaxEstimatesOfImage)) best.push_back(estimates[i]);
       groups = GroupsOf(truth, best);
     }
@@ -137,7 +137,7 @@ struct Evaluator::Impl {
     }
   }
 
-  void Finish(Scores& scores) const {
+  void Finish(DatasetScores& scores) const {
     scores.images = images_;
     Found all;
     for (const auto& [object_id, found] : found_) {
@@ -176,15 +176,15 @@ struct Evaluator::Impl {
     scores.ap_mspd /= std::max(1, detectable);
   }
 
-  static std::map<int, Group> GroupsOf(const TrueImage& truth,
-                                       const std::vector<const Estimate*>& estimates) {
+  static std::map<int, Group> GroupsOf(const ScoredImage& truth,
+                                       const std::vector<const DatasetEstimate*>& estimates) {
     std::map<int, Group> groups;
-    for (const TrueInstance& instance : truth.instances) {
+    for (const ScoredInstance& instance : truth.instances) {
       Group& group = groups[instance.object_id];
       group.X_CO_true.push_back(instance.X_CO);
       group.visible.push_back(instance.visible_fraction);
     }
-    for (const Estimate* estimate : estimates) {
+    for (const DatasetEstimate* estimate : estimates) {
       groups[estimate->object_id].estimates.push_back(estimate);
     }
     for (auto& [object_id, group] : groups) group.object_id = object_id;
@@ -235,12 +235,13 @@ struct Evaluator::Impl {
                                     const Image<float>& measured_m) {
     std::vector<ErrorTable> tables(kSteps, group.Table());
     const double diameter_m = models_.Of(group.object_id).metric.diameter_m;
-    std::vector<Silhouette> truths;
+    std::vector<DistanceCrop> truths;
     for (const Pose& X_CO : group.X_CO_true) {
       truths.push_back(models_.Draw(group.object_id, X_CO, camera));
     }
     for (size_t e = 0; e < group.estimates.size(); ++e) {
-      const Silhouette estimated = models_.Draw(group.object_id, group.estimates[e]->X_CO, camera);
+      const DistanceCrop estimated =
+          models_.Draw(group.object_id, group.estimates[e]->X_CO, camera);
       for (size_t t = 0; t < truths.size(); ++t) {
         const std::vector<double> errors =
             Vsd(estimated, truths[t], measured_m, diameter_m, Steps(), options_);
@@ -272,7 +273,7 @@ struct Evaluator::Impl {
   void Localise(Group group, int count, const CameraIntrinsics& camera,
                 const Image<float>& measured_m) {
     const std::vector<int> kept = HighestScores(group.Table().scores, count);
-    std::vector<const Estimate*> best;
+    std::vector<const DatasetEstimate*> best;
     for (const int i : kept) best.push_back(group.estimates[i]);
     group.estimates = std::move(best);
     Found& found = found_[group.object_id];
@@ -299,16 +300,17 @@ struct Evaluator::Impl {
   std::vector<ErrorTable> mssd_tables_, mspd_tables_;
 };
 
-Evaluator::Evaluator(ModelOf model_of, const VsdOptions& options, ToleranceOf tolerance_of)
+ScoreAccumulator::ScoreAccumulator(ModelOf model_of, const VsdOptions& options,
+                                   ToleranceOf tolerance_of)
     : impl_(std::make_unique<Impl>(std::move(model_of), options, std::move(tolerance_of))) {}
 
-Evaluator::~Evaluator() = default;
+ScoreAccumulator::~ScoreAccumulator() = default;
 
-void Evaluator::AddImage(const TrueImage& truth, const ImageTargets& targets,
-                         const std::vector<const Estimate*>& estimates) {
+void ScoreAccumulator::AddImage(const ScoredImage& truth, const ImageTargets& targets,
+                                const std::vector<const DatasetEstimate*>& estimates) {
   impl_->AddImage(truth, targets, estimates);
 }
 
-void Evaluator::Finish(Scores& scores) const { impl_->Finish(scores); }
+void ScoreAccumulator::Finish(DatasetScores& scores) const { impl_->Finish(scores); }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

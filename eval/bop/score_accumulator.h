@@ -19,9 +19,7 @@ namespace pickbed::grasp {
 struct ToleranceModel;
 }
 
-namespace pickbed::eval {}
-
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 struct ObjectScores {
   int wanted = 0;  // instances to be found, BOP19
@@ -35,7 +33,7 @@ struct ObjectScores {
   double ap_mssd = 0, ap_mspd = 0;
 };
 
-struct Scores {
+struct DatasetScores {
   double ar_vsd = 0, ar_mssd = 0, ar_mspd = 0;  // BOP19, over all instances
   double ap_mssd = 0, ap_mspd = 0;              // BOP24, mean over objects
   double adi_recall = 0;                        // share of BOP19's instances, ADI < 0.1 diameter
@@ -49,40 +47,40 @@ struct Scores {
   std::map<int, ObjectScores> objects;
 };
 
-struct TrueInstance {
+struct ScoredInstance {
   int object_id = 0;
   Pose X_CO = Pose::Identity();
   double visible_fraction = 0;
 };
 
-struct TrueImage {
+struct ScoredImage {
   const CameraIntrinsics& intrinsics;
   const Image<float>& depth_m;  // as measured; 0 = no reading
-  std::vector<TrueInstance> instances;
+  std::vector<ScoredInstance> instances;
 };
 
 // Computes VSD, MSSD, MSPD and ADI of all estimates of an image and accumulates recall and average
 // precision. The rules are in eval/bop/scores.h. VSD renders the objects.
-class Evaluator {
+class ScoreAccumulator {
  public:
   // Called once per object. VSD, MSSD and MSPD use all vertices of the mesh, ADI at most 2000.
   using ModelOf = std::function<std::shared_ptr<const ObjectModel>(int object_id)>;
   // Returns null for an object without a tolerance model.
   using ToleranceOf = std::function<const ToleranceModel*(int object_id)>;
-  explicit Evaluator(ModelOf model_of, const VsdOptions& options = {},
-                     ToleranceOf tolerance_of = {});
-  ~Evaluator();
+  explicit ScoreAccumulator(ModelOf model_of, const VsdOptions& options = {},
+                            ToleranceOf tolerance_of = {});
+  ~ScoreAccumulator();
 
   // Adds one image with all its estimates, of any object.
-  void AddImage(const TrueImage& truth, const ImageTargets& targets,
-                const std::vector<const Estimate*>& estimates);
+  void AddImage(const ScoredImage& truth, const ImageTargets& targets,
+                const std::vector<const DatasetEstimate*>& estimates);
 
   // Fills the AR, AP and ADI values, `wanted`, `images` and `objects` of `scores`.
-  void Finish(Scores& scores) const;
+  void Finish(DatasetScores& scores) const;
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

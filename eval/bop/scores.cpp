@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 // Indices by descending value. Equal values keep their order.
@@ -107,4 +107,4 @@ std::map<int, double> AveragePrecisions(const std::vector<ErrorTable>& tables, d
   return precisions;
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

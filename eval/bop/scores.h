@@ -19,7 +19,7 @@
 
 #include "eval/layer.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 inline constexpr int kMaxEstimatesOfImage = 100;  // BOP24
 inline constexpr double kMinVisible = 0.1;        // BOP24
@@ -65,4 +65,4 @@ double AveragePrecision(std::vector<Detection> detections, int wanted);
 // without instances only adds wrong estimates.
 std::map<int, double> AveragePrecisions(const std::vector<ErrorTable>& tables, double threshold);
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

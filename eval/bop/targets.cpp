@@ -6,7 +6,7 @@
 #include "eval/bop/scores.h"
 #include "scenes/base/error.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 namespace fs = std::filesystem;
@@ -22,7 +22,7 @@ void CountVisible(const ImageTruth& image, ImageTargets& targets) {
 }  // namespace
 
 SplitTargets TargetsOf(const fs::path& root, const std::string& split) {
-  const std::vector<int> scenes = ScenesOf(root, split);
+  const std::vector<int> scenes = SceneIdsOf(root, split);
   CheckInput(!scenes.empty(),
              fmt::format("{}: has no scene folder such as 000001", (root / split).string()));
   SplitTargets targets;
@@ -30,7 +30,7 @@ SplitTargets TargetsOf(const fs::path& root, const std::string& split) {
   const fs::path file24 = root / TargetsFileName(split, 24);
   const bool has19 = fs::exists(file19), has24 = fs::exists(file24);
   if (has19) {
-    for (const Target& target : ReadTargets(file19, ThrowFault)) {
+    for (const DatasetTarget& target : ReadTargets(file19, ThrowFault)) {
       CheckInput(target.object_id && target.count,
                  file19.string() + ": a target has no 'obj_id' or no 'inst_count'");
       ImageTargets& image = targets.scenes[target.scene_id][target.image_id];
@@ -39,7 +39,7 @@ SplitTargets TargetsOf(const fs::path& root, const std::string& split) {
     }
   }
   if (has24) {
-    for (const Target& target : ReadTargets(file24, ThrowFault)) {
+    for (const DatasetTarget& target : ReadTargets(file24, ThrowFault)) {
       targets.scenes[target.scene_id][target.image_id].detected = true;
     }
   }
@@ -64,4 +64,4 @@ SplitTargets TargetsOf(const fs::path& root, const std::string& split) {
   return targets;
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

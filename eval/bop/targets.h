@@ -9,7 +9,7 @@
 
 #include "eval/bop/read_dataset.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 struct ImageTargets {
   bool localised = false;     // BOP19 has targets here
@@ -27,4 +27,4 @@ struct SplitTargets {
 // file, every image is a target. Throws InputError if the split has no scene, or for a broken file.
 SplitTargets TargetsOf(const std::filesystem::path& root, const std::string& split);
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -5,10 +5,10 @@
 
 #include "scenes/camera/depth_points.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
-float DistanceAt(const Silhouette& silhouette, int u, int v) {
+float DistanceAt(const DistanceCrop& silhouette, int u, int v) {
   const int x = u - silhouette.x, y = v - silhouette.y;
   return silhouette.distances_m.Contains(x, y) ? silhouette.distances_m(x, y) : 0;
 }
@@ -27,7 +27,7 @@ Image<float> DistancesOf(const Image<float>& depth_m, const CameraIntrinsics& ca
   return distances_m;
 }
 
-Silhouette SilhouetteOf(const Image<float>& depth_m, const CameraIntrinsics& camera) {
+DistanceCrop DistanceCropOf(const Image<float>& depth_m, const CameraIntrinsics& camera) {
   int left = depth_m.width(), top = depth_m.height(), right = -1, bottom = -1;
   for (int v = 0; v < depth_m.height(); ++v) {
     for (int u = 0; u < depth_m.width(); ++u) {
@@ -38,7 +38,7 @@ Silhouette SilhouetteOf(const Image<float>& depth_m, const CameraIntrinsics& cam
       bottom = v;
     }
   }
-  Silhouette silhouette;
+  DistanceCrop silhouette;
   if (right < 0) return silhouette;
   silhouette.x = left;
   silhouette.y = top;
@@ -53,7 +53,7 @@ Silhouette SilhouetteOf(const Image<float>& depth_m, const CameraIntrinsics& cam
   return silhouette;
 }
 
-std::vector<double> Vsd(const Silhouette& estimated, const Silhouette& truth,
+std::vector<double> Vsd(const DistanceCrop& estimated, const DistanceCrop& truth,
                         const Image<float>& measured_distances_m, double diameter_m,
                         std::span<const double> taus, const VsdOptions& options) {
   int seen_in_one = 0, seen_in_both = 0;
@@ -72,7 +72,7 @@ std::vector<double> Vsd(const Silhouette& estimated, const Silhouette& truth,
     const double off_diameters = std::abs(true_m - estimated_m) / diameter_m;
     for (size_t i = 0; i < taus.size(); ++i) apart[i] += off_diameters >= taus[i];
   };
-  const auto compare_all = [&](const Silhouette& silhouette, const auto& is_wanted) {
+  const auto compare_all = [&](const DistanceCrop& silhouette, const auto& is_wanted) {
     for (int y = 0; y < silhouette.distances_m.height(); ++y) {
       for (int x = 0; x < silhouette.distances_m.width(); ++x) {
         if (silhouette.distances_m(x, y) <= 0) continue;
@@ -89,4 +89,4 @@ std::vector<double> Vsd(const Silhouette& estimated, const Silhouette& truth,
   return errors;
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -13,7 +13,7 @@
 #include "scenes/camera/camera.h"
 #include "scenes/image/image.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 struct VsdOptions {
   double delta_m = 0.015;  // a pixel up to this far behind the measured surface is visible
@@ -24,17 +24,17 @@ struct VsdOptions {
 Image<float> DistancesOf(const Image<float>& depth_m, const CameraIntrinsics& camera);
 
 // Rendering of a single object in a pose: its distances within a box of the image.
-struct Silhouette {
+struct DistanceCrop {
   int x = 0, y = 0;          // image coordinates of the box's first pixel
   Image<float> distances_m;  // 0 = background; empty = object out of view
 };
 // Crops the rendered depth image of a single object to its bounding box.
-Silhouette SilhouetteOf(const Image<float>& depth_m, const CameraIntrinsics& camera);
+DistanceCrop DistanceCropOf(const Image<float>& depth_m, const CameraIntrinsics& camera);
 
 // Returns one error in 0..1 for each tolerance in `taus` (in diameters). The error is 1 if the
 // object is visible in neither pose.
-std::vector<double> Vsd(const Silhouette& estimated, const Silhouette& truth,
+std::vector<double> Vsd(const DistanceCrop& estimated, const DistanceCrop& truth,
                         const Image<float>& measured_distances_m, double diameter_m,
                         std::span<const double> taus, const VsdOptions& options = {});
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -6,7 +6,7 @@
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,21 +64,21 @@ std::string Ply(const TriangleMesh& mesh, const std::string& texture_file) {
   return text;
 }
 
-Json ToJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+ParsedJson ToJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-Json InfoOf(const ObjectModel& model) {
+ParsedJson InfoOf(const ObjectModel& model) {
   const Bounds bounds = MeshBounds(model.mesh_O);
   const Eigen::Vector3d low_mm = kToMm * bounds.min, size_mm = kToMm * bounds.size();
-  Json info{{"diameter", kToMm * model.diameter_m},
-            {"min_x", low_mm.x()},
-            {"min_y", low_mm.y()},
-            {"min_z", low_mm.z()},
-            {"size_x", size_mm.x()},
-            {"size_y", size_mm.y()},
-            {"size_z", size_mm.z()},
-            {"name", model.name}};
+  ParsedJson info{{"diameter", kToMm * model.diameter_m},
+                  {"min_x", low_mm.x()},
+                  {"min_y", low_mm.y()},
+                  {"min_z", low_mm.z()},
+                  {"size_x", size_mm.x()},
+                  {"size_y", size_mm.y()},
+                  {"size_z", size_mm.z()},
+                  {"name", model.name}};
   for (const Pose& X_OO : model.symmetries_O.discrete_O) {
-    Json matrix = Json::array();
+    ParsedJson matrix = ParsedJson::array();
     for (int i = 0; i < 16; ++i) {
       matrix.push_back((i % 4 == 3 && i < 12 ? kToMm : 1) * X_OO.matrix()(i / 4, i % 4));
     }
@@ -94,7 +94,7 @@ Json InfoOf(const ObjectModel& model) {
 }  // namespace
 
 void WriteModels(const fs::path& folder, const ObjectSet& objects) {
-  Json infos = Json::object();
+  ParsedJson infos = ParsedJson::object();
   for (size_t i = 0; i < objects.size(); ++i) {
     const int id = static_cast<int>(i) + 1;
     const TriangleMesh mesh = WithNormals(objects[i]->mesh_O);
@@ -111,14 +111,14 @@ void WriteModels(const fs::path& folder, const ObjectSet& objects) {
 }
 
 void WriteDatasetCamera(const fs::path& file, const CameraIntrinsics& k) {
-  const Json camera{{"cx", k.cx()},
-                    {"cy", k.cy()},
-                    {"fx", k.fx()},
-                    {"fy", k.fy()},
-                    {"width", k.width()},
-                    {"height", k.height()},
-                    {"depth_scale", kDepthScale_mm}};
+  const ParsedJson camera{{"cx", k.cx()},
+                          {"cy", k.cy()},
+                          {"fx", k.fx()},
+                          {"fy", k.fy()},
+                          {"width", k.width()},
+                          {"height", k.height()},
+                          {"depth_scale", kDepthScale_mm}};
   WriteFileAtomically(file, camera.dump(2) + "\n");
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

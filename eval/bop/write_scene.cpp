@@ -14,7 +14,7 @@
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,20 +30,20 @@ void WriteBytes(const fs::path& path, const std::string& bytes) {
   CheckInput(file.good(), fmt::format("cannot write '{}': {}", path.string(), strerror(errno)));
 }
 
-Json RowsOf(const Eigen::Matrix3d& matrix) {
-  Json numbers = Json::array();
+ParsedJson RowsOf(const Eigen::Matrix3d& matrix) {
+  ParsedJson numbers = ParsedJson::array();
   for (int i = 0; i < 9; ++i) numbers.push_back(matrix(i / 3, i % 3));
   return numbers;
 }
 
-Json Millimetres(const Eigen::Vector3d& p_m) {
+ParsedJson Millimetres(const Eigen::Vector3d& p_m) {
   return {1e3 * p_m.x(), 1e3 * p_m.y(), 1e3 * p_m.z()};
 }
 
-Json CameraJson(const ImageTruth& image) {
+ParsedJson CameraJson(const ImageTruth& image) {
   const ImageProjection& k = image.projection;
-  Json camera{{"cam_K", {k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0}},
-              {"depth_scale", image.depth_scale_mm}};
+  ParsedJson camera{{"cam_K", {k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0}},
+                    {"depth_scale", image.depth_scale_mm}};
   if (image.X_CW) {
     camera["cam_R_w2c"] = RowsOf(image.X_CW->linear());
     camera["cam_t_w2c"] = Millimetres(image.X_CW->translation());
@@ -51,7 +51,7 @@ Json CameraJson(const ImageTruth& image) {
   return camera;
 }
 
-Json InfoJson(const InstanceInfo& info) {
+ParsedJson InfoJson(const InstanceInfo& info) {
   return {{"bbox_obj", *info.bbox_obj},
           {"bbox_visib", *info.bbox_visib},
           {"px_count_all", info.px_count_all},
@@ -101,12 +101,12 @@ void SceneWriter::Add(const LabelledImage& image) {
   const std::string name = ImageFileName(id);
   WriteBytes(folder_ / "rgb" / name, EncodePng(image.color, kPngLevel));
   WriteBytes(folder_ / "depth" / name, EncodePng(image.depth, kPngLevel));
-  Json truths = Json::array(), infos = Json::array();
+  ParsedJson truths = ParsedJson::array(), infos = ParsedJson::array();
   for (size_t i = 0; i < image.masks.size(); ++i) {
     const std::string mask_name = MaskFileName(id, static_cast<int>(i));
     WriteBytes(folder_ / "mask" / mask_name, EncodePng(image.masks[i].mask, kPngLevel));
     WriteBytes(folder_ / "mask_visib" / mask_name, EncodePng(image.masks[i].mask_visib, kPngLevel));
-    const Instance& instance = image.truth.instances[i];
+    const DatasetInstance& instance = image.truth.instances[i];
     truths.push_back({{"obj_id", instance.object_id},
                       {"cam_R_m2c", RowsOf(instance.X_CO.linear())},
                       {"cam_t_m2c", Millimetres(instance.X_CO.translation())}});
@@ -123,7 +123,7 @@ void SceneWriter::Add(const LabelledImage& image) {
 // visible pixel are left out.
 void SceneWriter::AddCoco(const LabelledImage& image) {
   const int id = image.truth.image_id;
-  coco_images_.push_back(Json{
+  coco_images_.push_back(ParsedJson{
       {"id", id},
       {"file_name", "rgb/" + ImageFileName(id)},
       {"width", image.color.width()},
@@ -133,9 +133,9 @@ void SceneWriter::AddCoco(const LabelledImage& image) {
     const InstanceMasks& masks = image.masks[i];
     ++annotations_;
     if (masks.info.px_count_visib == 0) continue;
-    const Json segmentation{{"counts", RunLengths(masks.mask_visib)},
-                            {"size", {image.color.height(), image.color.width()}}};
-    coco_annotations_.push_back(Json{
+    const ParsedJson segmentation{{"counts", RunLengths(masks.mask_visib)},
+                                  {"size", {image.color.height(), image.color.width()}}};
+    coco_annotations_.push_back(ParsedJson{
         {"id", annotations_},
         {"image_id", id},
         {"category_id", image.truth.instances[i].object_id},
@@ -157,7 +157,7 @@ void SceneWriter::Finish() {
   std::vector<std::string> categories;
   for (int id = 1; id <= objects_; ++id) {
     categories.push_back(
-        Json{{"id", id}, {"name", std::to_string(id)}, {"supercategory", "pickbed"}}.dump());
+        ParsedJson{{"id", id}, {"name", std::to_string(id)}, {"supercategory", "pickbed"}}.dump());
   }
   WriteBytes(folder_ / kSceneCocoFile,
              fmt::format("{{\n  \"info\": {{\"description\": \"pickbed\"}},\n  \"licenses\": [],\n"
@@ -167,7 +167,7 @@ void SceneWriter::Finish() {
 
 void WriteTargets(const fs::path& root, const std::string& split) {
   std::vector<std::string> of19, of24;
-  for (const int scene_id : ScenesOf(root, split)) {
+  for (const int scene_id : SceneIdsOf(root, split)) {
     const SceneTruth scene =
         ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault);
     for (const auto& [id, image] : scene.images) {
@@ -176,11 +176,11 @@ void WriteTargets(const fs::path& root, const std::string& split) {
         if (image.infos[i].visib_fract >= kMinVisible) ++counts[image.instances[i].object_id];
       }
       for (const auto& [object, count] : counts) {
-        of19.push_back(
-            Json{{"scene_id", scene_id}, {"im_id", id}, {"obj_id", object}, {"inst_count", count}}
-                .dump());
+        of19.push_back(ParsedJson{
+            {"scene_id", scene_id}, {"im_id", id}, {"obj_id", object}, {"inst_count", count}}
+                           .dump());
       }
-      of24.push_back(Json{{"scene_id", scene_id}, {"im_id", id}}.dump());
+      of24.push_back(ParsedJson{{"scene_id", scene_id}, {"im_id", id}}.dump());
     }
   }
   WriteFileAtomically(root / TargetsFileName(split, 19),
@@ -189,4 +189,4 @@ void WriteTargets(const fs::path& root, const std::string& split) {
                       fmt::format("[\n  {}\n]\n", fmt::join(of24, ",\n  ")));
 }
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

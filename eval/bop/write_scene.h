@@ -11,7 +11,7 @@
 #include "eval/bop/instance_masks.h"
 #include "eval/bop/read_dataset.h"
 
-namespace pickbed::eval::bop {
+namespace pickbed::eval {
 
 inline constexpr double kDepthScale_mm = 0.1;  // mm per unit of the depth images written here
 
@@ -58,4 +58,4 @@ void WriteTargets(const std::filesystem::path& root, const std::string& split);
 // pixels, column by column. The first run is of unset pixels.
 std::vector<int> RunLengths(const Image<uint8_t>& mask);
 
-}  // namespace pickbed::eval::bop
+}  // namespace pickbed::eval

@@ -17,20 +17,20 @@ struct MakeArguments {
   ScenarioRequest scenario;
   std::string format = "bop";
   std::string out;
-  bop::MakeOptions options;
+  MakeDatasetOptions options;
 };
 
 int Make(const MakeArguments& arguments) {
   CatchInterrupts();
   const LoadedScenario scenario = FindScenario(arguments.scenario);
-  bop::MakeOptions options = arguments.options;
+  MakeDatasetOptions options = arguments.options;
   options.out = OutFolder(arguments.out, scenario.name, "-bop");
   MakeFolder(options.out);
-  bop::MakeReport report;
+  MakeDatasetReport report;
   double seconds = 0;
   {
     ProgressLine progress;
-    const auto on_scene = [&](const bop::MakeReport& state) {
+    const auto on_scene = [&](const MakeDatasetReport& state) {
       ProgressState shown;
       shown.what = "scene";
       shown.done = state.done;
@@ -39,7 +39,7 @@ int Make(const MakeArguments& arguments) {
       shown.note = fmt::format("{} images each", options.views);
       progress.Show(shown);
     };
-    report = bop::MakeDataset(scenario.spec, scenario.objects, options, on_scene, Interrupted);
+    report = MakeDataset(scenario.spec, scenario.objects, options, on_scene, Interrupted);
     seconds = progress.elapsed_s();
   }
   if (report.stopped) {
@@ -61,11 +61,11 @@ int Make(const MakeArguments& arguments) {
 }
 
 int Check(const std::string& path) {
-  bop::CheckReport report;
+  CheckDatasetReport report;
   {
     ProgressLine progress;
-    report = bop::CheckDataset(
-        path, [&](const std::string& scene) { progress.Show("checking " + scene); });
+    report =
+        CheckDataset(path, [&](const std::string& scene) { progress.Show("checking " + scene); });
   }
   for (const std::string& fault : report.faults) fmt::print("{}\n", fault);
   fmt::print("{} objects, {} scenes, {} images, {} instances: {}\n", report.objects, report.scenes,
@@ -77,7 +77,7 @@ int Check(const std::string& path) {
 }
 
 void AddMakeArguments(CLI::App& make, MakeArguments& arguments) {
-  bop::MakeOptions& options = arguments.options;
+  MakeDatasetOptions& options = arguments.options;
   AddScenarioArguments(make, arguments.scenario);
   AddOutArgument(make, arguments.out, "-bop");
   make.add_option("--format", arguments.format, "layout of the dataset")
@@ -118,7 +118,7 @@ int DatasetCommand(int argc, char** argv) {
   check
       ->add_option("PATH", path,
                    fmt::format("folder of the dataset, with models/, {} and test/ or train*/",
-                               bop::kDatasetCameraFile))
+                               kDatasetCameraFile))
       ->required();
   check->footer("Example: pickbed dataset check bop/ycbv");
   if (!ParseArguments(app, argc, argv)) return 0;

@@ -98,7 +98,7 @@ int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::st
   try {
     rows = EstimateBins(job);
   } catch (const InputError& error) {
-    throw WithTrainingHint(error, arguments, scenario.spec);
+    throw WithTrainingHint(error, arguments.scenario, scenario.spec);
   }
   if (!maps.empty()) AddPickChances(maps, rows);
   WriteFileAtomically(folder / kHypothesesFile, HypothesesCsv(rows, scenario.objects));
@@ -163,7 +163,7 @@ int ExplainScenario(const ScenarioRequest& arguments, const std::vector<std::str
           progress.Show(fmt::format("{}: {}", what, WholePercentText(share)));
         });
   } catch (const InputError& error) {
-    throw WithTrainingHint(error, arguments, scenario.spec);
+    throw WithTrainingHint(error, arguments.scenario, scenario.spec);
   }
   SayWhereExplained(page);
   return 0;
@@ -183,15 +183,15 @@ struct BopArguments {
   std::string task = kLocalisation;
 };
 
-bop::Task TaskOf(const BopArguments& bop) {
-  return bop.task == kDetection ? bop::Task::kDetection : bop::Task::kLocalisation;
+DatasetTask TaskOf(const BopArguments& bop) {
+  return bop.task == kDetection ? DatasetTask::kDetection : DatasetTask::kLocalisation;
 }
 
 // Each task has its own default folder, because the information given to the estimator changes the
 // poses.
 std::filesystem::path BopFolder(const BopArguments& bop, const std::string& out,
                                 const std::string& what) {
-  const std::string task = TaskOf(bop) == bop::Task::kDetection ? "-detection" : "";
+  const std::string task = TaskOf(bop) == DatasetTask::kDetection ? "-detection" : "";
   return OutFolder(out, DataSetName(bop.path), what + task);
 }
 
@@ -222,9 +222,9 @@ int ExplainBop(const BopArguments& bop, const ScenarioRequest& arguments,
   {
     constexpr int kThreads = 1;
     ProgressLine progress;
-    page = bop::ExplainTarget(
+    page = ExplainTarget(
         bop.path, bop.split, {spec.estimator, spec.refiner, spec.seed, kThreads, TaskOf(bop)},
-        image, folder, [&](const bop::EstimateProgress& state) {
+        image, folder, [&](const EstimateDatasetProgress& state) {
           progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
         });
   }
@@ -243,21 +243,21 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   const std::string data_set = DataSetName(bop.path);
   const std::filesystem::path folder = BopFolder(bop, out, "-estimate");
   MakeFolder(folder);
-  std::vector<bop::Estimate> estimates;
+  std::vector<DatasetEstimate> estimates;
   {
     ProgressLine progress;
-    estimates = bop::EstimateDataset(
+    estimates = EstimateDataset(
         bop.path, bop.split, {spec.estimator, spec.refiner, spec.seed, threads, TaskOf(bop)},
-        [&](const bop::EstimateProgress& state) {
+        [&](const EstimateDatasetProgress& state) {
           progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
         });
   }
   const std::filesystem::path csv =
       folder / fmt::format("{}_{}-{}.csv", spec.estimator.name, data_set, bop.split);
-  WriteFileAtomically(csv, bop::WriteResults(estimates));
+  WriteFileAtomically(csv, WriteEstimates(estimates));
   fmt::print("{} estimates in {}\nscore them with pickbed score --bop {} --split {} {}\n{}",
              estimates.size(), csv.string(), bop.path, bop.split, csv.string(),
-             TaskOf(bop) == bop::Task::kLocalisation
+             TaskOf(bop) == DatasetTask::kLocalisation
                  ? "of its scores, AP is comparable only after --task detection\n"
                  : "");
   return 0;

@@ -8,7 +8,7 @@
 namespace pickbed::eval {
 namespace {
 
-std::string ScoreTable(const bop::Scores& scores) {
+std::string ScoreTable(const DatasetScores& scores) {
   std::string text = fmt::format(
       "BOP19, 6D localisation: {} target instances in {} images\n  AR         {:.3f}\n  AR VSD     "
       "{:.3f}\n  AR MSSD    {:.3f}\n  AR MSPD    {:.3f}\n  ADI        {:.3f}  share with ADI < 0.1 "
@@ -50,7 +50,7 @@ int ScoreCommand(int argc, char** argv) {
       "pickbed score");
   std::string path, csv, split = "test";
   std::vector<std::string> tolerances;
-  bop::VsdOptions vsd;
+  VsdOptions vsd;
   double delta_mm = 1e3 * vsd.delta_m;
   app.add_option("--bop", path, "folder of the dataset")->required();
   app.add_option("RESULTS", csv, "results file in BOP format: scene_id,im_id,obj_id,score,R,t,time")
@@ -69,13 +69,13 @@ int ScoreCommand(int argc, char** argv) {
   app.footer("Example: pickbed score --bop bop/ycbv results/ppf_ycbv-test.csv");
   if (!ParseArguments(app, argc, argv)) return 0;
   vsd.delta_m = 1e-3 * delta_mm;
-  const bop::TolerancesById models = bop::ReadTolerances(tolerances);
-  const std::vector<bop::Estimate> estimates = bop::ReadResults(csv);
-  bop::Scores scores;
+  const TolerancesById models = ReadTolerances(tolerances);
+  const std::vector<DatasetEstimate> estimates = ReadEstimates(csv);
+  DatasetScores scores;
   {
     ProgressLine progress;
-    scores = bop::Evaluate(path, split, estimates, vsd, models,
-                           [&](const std::string& scene) { progress.Show("scoring " + scene); });
+    scores = EvaluateDataset(path, split, estimates, vsd, models,
+                             [&](const std::string& scene) { progress.Show("scoring " + scene); });
   }
   fmt::print("{}", ScoreTable(scores));
   return 0;

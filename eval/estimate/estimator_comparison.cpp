@@ -31,15 +31,15 @@ double SecondsSince(Clock::time_point start) {
 struct LiveRow {
   std::unique_ptr<EstimatorRunner> runner;  // null: the oracle
   EstimatorSpec spec;
-  std::unique_ptr<bop::Evaluator> evaluator;
+  std::unique_ptr<ScoreAccumulator> evaluator;
   double held_mib = 0;  // memory held after loading
   ComparedRow result;
 };
 
 // Ground truth of a bin for the BOP scores.
 struct TrueBin {
-  bop::TrueImage image;
-  bop::ImageTargets targets;
+  ScoredImage image;
+  ImageTargets targets;
 };
 
 TrueBin TruthFor(const Scene& scene, const Observation& view, const Camera& camera) {
@@ -55,16 +55,16 @@ TrueBin TruthFor(const Scene& scene, const Observation& view, const Camera& came
 }
 
 void AddToScores(const TrueBin& truth, const std::vector<PoseHypothesis>& hypotheses,
-                 bop::Evaluator& evaluator) {
-  std::vector<bop::Estimate> estimates;
+                 ScoreAccumulator& evaluator) {
+  std::vector<DatasetEstimate> estimates;
   for (const PoseHypothesis& hypothesis : hypotheses) {
-    bop::Estimate& estimate = estimates.emplace_back();
+    DatasetEstimate& estimate = estimates.emplace_back();
     estimate.object_id = hypothesis.object + 1;
     estimate.score = hypothesis.score;
     estimate.X_CO = hypothesis.X_CO;
   }
-  std::vector<const bop::Estimate*> pointers;
-  for (const bop::Estimate& estimate : estimates) pointers.push_back(&estimate);
+  std::vector<const DatasetEstimate*> pointers;
+  for (const DatasetEstimate& estimate : estimates) pointers.push_back(&estimate);
   evaluator.AddImage(truth.image, truth.targets, pointers);
 }
 
@@ -155,7 +155,7 @@ class Comparison {
     ReleaseFreedMemory();
     const size_t held = ResetPeakMemory();
     row.held_mib = held > before ? static_cast<double>(held - before) / kMebibyte : 0;
-    row.evaluator = std::make_unique<bop::Evaluator>(
+    row.evaluator = std::make_unique<ScoreAccumulator>(
         [this](int object_id) { return cell_.objects()[object_id - 1]; });
     return row;
   }

@@ -45,7 +45,7 @@ struct ComparedImage {
 struct ComparedRow {
   std::string label;
   std::vector<ComparedImage> images;  // by trial
-  bop::Scores bop;                    // AR and AP over all bins; object ids are index + 1
+  DatasetScores bop;                  // AR and AP over all bins; object ids are index + 1
   double setup_s = 0;                 // time to load; includes codebooks that were not in the cache
   // Peak memory above what the process held before. For images after the first, memory that other
   // rows freed and this row reused is not counted.

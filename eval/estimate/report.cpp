@@ -259,8 +259,8 @@ std::string ComparisonCsv(const std::vector<ComparedRow>& rows, const ObjectSet&
         csv += fmt::format(",{},{}", band.instances, band.recalled);
       }
       const auto known = row.bop.objects.find(object + 1);
-      const bop::ObjectScores of_object =
-          known != row.bop.objects.end() ? known->second : bop::ObjectScores();
+      const ObjectScores of_object =
+          known != row.bop.objects.end() ? known->second : ObjectScores();
       csv += fmt::format(
           ",{},{},{},{},{},{}\n", all ? row.bop.ar_vsd : of_object.ar_vsd,
           all ? row.bop.ar_mssd : of_object.ar_mssd, all ? row.bop.ar_mspd : of_object.ar_mspd,

@@ -10,7 +10,7 @@
 #include "eval/draw/overlay.h"
 #include "eval/draw/silhouettes.h"
 
-namespace pickbed::eval::explain {
+namespace pickbed::eval {
 namespace {
 
 constexpr int kBoardWidth_px = 1280;
@@ -102,7 +102,7 @@ Image<Rgb8> DrawPoses(const Board& board, const ObjectSet& objects,
 std::vector<KeyEntry> LineKey(const std::vector<LegendEntry>& legend) {
   std::vector<KeyEntry> key;
   for (const LegendEntry& entry : legend) {
-    const LineStyle style = entry.color == kWrong ? LineStyle::kDashed : LineStyle::kSolid;
+    const LineStyle style = entry.color == kWrongColor ? LineStyle::kDashed : LineStyle::kSolid;
     key.push_back(
         {entry.meaning, KeyEntry::Sample::kLine, PoseMark::kUnknown, {entry.color, style, 2, 1}});
   }
@@ -130,4 +130,4 @@ ImageBox ForegroundRegion(const OrganizedCloud& cloud) {
           std::min(height, bottom + margin + 1) - top};
 }
 
-}  // namespace pickbed::eval::explain
+}  // namespace pickbed::eval

@@ -12,11 +12,11 @@
 #include "scenes/base/ids.h"
 #include "scenes/camera/rgbd_frame.h"
 
-namespace pickbed::eval::explain {
+namespace pickbed::eval {
 
 // For all kinds of color vision: blue, yellow and orange also differ in brightness.
-inline constexpr Rgb8 kRight = kRightColor, kNear{255, 236, 120}, kWrong = kWrongColor;
-inline constexpr Rgb8 kUnknown{225, 130, 190}, kPale{165, 170, 180};
+inline constexpr Rgb8 kNearColor{255, 236, 120};
+inline constexpr Rgb8 kUnknownColor{225, 130, 190}, kPaleColor{165, 170, 180};
 
 // Enlarged part of an image to draw on, and the camera that matches it.
 struct Board {
@@ -65,4 +65,4 @@ std::vector<KeyEntry> LineKey(const std::vector<LegendEntry>& legend);
 // there is none.
 ImageBox ForegroundRegion(const OrganizedCloud& cloud);
 
-}  // namespace pickbed::eval::explain
+}  // namespace pickbed::eval

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace pickbed::eval::explain {
+namespace pickbed::eval {
 namespace {
 
 constexpr int kTile_px = 106, kGap_px = 8, kCaption_px = 17, kBlockGap_px = 26;
@@ -38,7 +38,7 @@ Image<Rgb8> PlaceTile(const Board& board, const QueryTile& query) {
   const int side = static_cast<int>(std::lround(kTile_px * query.side_px / query.view_px));
   const int corner = (kTile_px - side) / 2;
   tile.Frame(corner - 1, corner - 1, side + 2, side + 2, {20, 20, 20}, 3);
-  tile.Frame(corner, corner, side, side, kUnknown, 1);
+  tile.Frame(corner, corner, side, side, kUnknownColor, 1);
   return tile.Take();
 }
 
@@ -74,7 +74,7 @@ void DrawQuery(Canvas& sheet, int x, int y, const Board& board, ObjectOutlines& 
                const QueryTile& query, PatchChannels channels) {
   const int patch_y = y + kCaption_px, place_y = patch_y + kTile_px + kGap_px / 2;
   sheet.Text("query", x, y + 12, kInk, 0.42);
-  sheet.Paste(FramedPatch(query.patch->values, channels, kUnknown), x, patch_y);
+  sheet.Paste(FramedPatch(query.patch->values, channels, kUnknownColor), x, patch_y);
   sheet.Paste(PlaceTile(board, query), x, place_y);
   for (const NeighborTile& neighbor : query.neighbors) {
     x += kTile_px + kGap_px;
@@ -198,4 +198,4 @@ Image<Rgb8> PoseGallery(const Board& board, ObjectOutlines& outlines, const Obje
   return WithLegend(sheet.Take(), FitLegend());
 }
 
-}  // namespace pickbed::eval::explain
+}  // namespace pickbed::eval

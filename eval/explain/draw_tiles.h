@@ -11,7 +11,7 @@
 #include "eval/explain/draw_stages.h"
 #include "scenes/base/ids.h"
 
-namespace pickbed::eval::explain {
+namespace pickbed::eval {
 
 using PatchValues = std::array<int8_t, kPatchValues>;
 
@@ -55,4 +55,4 @@ std::vector<LegendEntry> FitLegend();
 Image<Rgb8> PoseGallery(const Board& board, ObjectOutlines& outlines, const ObjectSet& objects,
                         const std::vector<ModelPoints>& models, const std::vector<PoseTile>& tiles);
 
-}  // namespace pickbed::eval::explain
+}  // namespace pickbed::eval

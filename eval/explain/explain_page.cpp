@@ -16,8 +16,6 @@
 
 namespace pickbed::eval {
 
-using namespace explain;
-
 namespace {
 
 constexpr int kFollowed = 30;  // number of poses shown before and after ICP
@@ -86,8 +84,8 @@ void Explainer::ShowGallery(const std::string& name, const std::vector<PoseTile>
 
 std::vector<LegendEntry> Explainer::TruthLegend(const std::string& right, const std::string& near,
                                                 const std::string& wrong) const {
-  if (!judge_) return {{kUnknown, "ground truth is not known here"}};
-  return {{kRight, right}, {kNear, near}, {kWrong, wrong}};
+  if (!judge_) return {{kUnknownColor, "ground truth is not known here"}};
+  return {{kRightColor, right}, {kNearColor, near}, {kWrongColor, wrong}};
 }
 
 std::string Explainer::TruthText(ObjectId object, const Pose& X_CO) const {
@@ -168,8 +166,8 @@ void Explainer::Points() {
   std::vector<ColoredDot> dots;
   int none = 0;
   for (const auto& [pixel, right] : right_by_pixel) {
-    const Rgb8 by_truth = right == 0 ? kWrong : right == 1 ? kNear : kRight;
-    dots.push_back({Pixel(pixel), judge_ ? by_truth : kUnknown});
+    const Rgb8 by_truth = right == 0 ? kWrongColor : right == 1 ? kNearColor : kRightColor;
+    dots.push_back({Pixel(pixel), judge_ ? by_truth : kUnknownColor});
     none += right == 0;
   }
   std::string caption = fmt::format("{} points, {} patches", dots.size(), count);
@@ -198,7 +196,7 @@ void Explainer::Votes() {
     centers.push_back(CenterPixel(vote.object, vote.X_CO));
     if (!judge_) continue;
     const Rgb8 color = ColorOf(vote_errors_[i]);
-    dots[color == kRight ? 2 : color == kNear ? 1 : 0].push_back({centers.back(), color});
+    dots[color == kRightColor ? 2 : color == kNearColor ? 1 : 0].push_back({centers.back(), color});
   }
   double diameter_m = 0;
   for (const auto& object : in_.objects) diameter_m += object->diameter_m / in_.objects.size();
@@ -209,14 +207,14 @@ void Explainer::Votes() {
     const TrueInstance& instance = judge_->instances()[i];
     const bool found = outcomes_[i].failing_stage == FailingStage::kFound;
     const Rgb8 not_found =
-        outcomes_[i].failing_stage == FailingStage::kHardlyVisible ? kPale : kUnknown;
-    rings.push_back({CenterPixel(instance.object, instance.X_CO), found ? kRight : not_found});
+        outcomes_[i].failing_stage == FailingStage::kHardlyVisible ? kPaleColor : kUnknownColor;
+    rings.push_back({CenterPixel(instance.object, instance.X_CO), found ? kRightColor : not_found});
   }
   std::vector<LegendEntry> legend;
   if (judge_) {
-    legend = {{kRight, "an instance that was found"},
-              {kUnknown, "an instance that was not found"},
-              {kPale, "an instance that is barely visible"}};
+    legend = {{kRightColor, "an instance that was found"},
+              {kUnknownColor, "an instance that was not found"},
+              {kPaleColor, "an instance that is barely visible"}};
   }
   Show("4_votes", DrawVoteMap(board_, centers, sigma_px, rings, legend),
        fmt::format("{} votes, {} of each patch: density of the voted object centers",
@@ -255,7 +253,7 @@ void Explainer::Hypotheses() {
     for (const TracedRefinement* refinement : followed) {
       const RawHypothesis& pose = refinement->*which;
       poses.push_back(DrawnOf(pose.object, pose.X_CO));
-      right += poses.back().color == kRight;
+      right += poses.back().color == kRightColor;
     }
     const std::string how_many = judge_ ? fmt::format(": {} right", right) : "";
     Show(name, DrawPoses(board_, in_.objects, poses, LineKey(legend)),

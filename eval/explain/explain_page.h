@@ -41,7 +41,7 @@ class Explainer {
   // Writes the picture to a file and adds it to the page.
   void Show(const std::string& name, const Image<Rgb8>& picture, const std::string& caption,
             bool wide = true);
-  void ShowGallery(const std::string& name, const std::vector<explain::PoseTile>& tiles,
+  void ShowGallery(const std::string& name, const std::vector<PoseTile>& tiles,
                    const std::string& caption);
 
   std::string FitText(ObjectId object, const Pose& X_CO, const FitReport& fit) const;
@@ -53,17 +53,17 @@ class Explainer {
     return Project(in_.frame.intrinsics, X_CO * in_.objects[object]->mass.com_O);
   }
   Rgb8 ColorOf(const InstanceMatch& error) const {
-    if (error.correct) return explain::kRight;
-    return error.mssd_diameters < kReachDiameters ? explain::kNear : explain::kWrong;
+    if (error.correct) return kRightColor;
+    return error.mssd_diameters < kReachDiameters ? kNearColor : kWrongColor;
   }
   // Colour by the error against ground truth; kUnknown without ground truth.
   Rgb8 ColorOfPose(ObjectId object, const Pose& X_CO) const {
-    return judge_ ? ColorOf((*judge_)(object, X_CO)) : explain::kUnknown;
+    return judge_ ? ColorOf((*judge_)(object, X_CO)) : kUnknownColor;
   }
   // Outline of a pose in its color by truth; a wrong one is dashed.
-  explain::DrawnPose DrawnOf(ObjectId object, const Pose& X_CO) const {
-    explain::DrawnPose pose{object, X_CO, ColorOfPose(object, X_CO)};
-    if (pose.color == explain::kWrong) pose.style = LineStyle::kDashed;
+  DrawnPose DrawnOf(ObjectId object, const Pose& X_CO) const {
+    DrawnPose pose{object, X_CO, ColorOfPose(object, X_CO)};
+    if (pose.color == kWrongColor) pose.style = LineStyle::kDashed;
     return pose;
   }
   std::string ObjectName(ObjectId object) const {
@@ -72,9 +72,8 @@ class Explainer {
   std::string TruthText(ObjectId object, const Pose& X_CO) const;
   std::vector<LegendEntry> TruthLegend(const std::string& right, const std::string& near,
                                        const std::string& wrong) const;
-  explain::PoseTile TileOf(ObjectId object, const Pose& X_CO, std::string title,
-                           std::string caption) const;
-  explain::QueryTile QueryOf(int patch, int first_vote, int votes) const;
+  PoseTile TileOf(ObjectId object, const Pose& X_CO, std::string title, std::string caption) const;
+  QueryTile QueryOf(int patch, int first_vote, int votes) const;
   // Header, then one row for each of `instances`, in this order.
   std::vector<std::vector<std::string>> OutcomeTable(const std::vector<int>& instances) const;
   // Rejected candidates, best first, at most ten. A candidate is left out if its pose equals an
@@ -85,7 +84,7 @@ class Explainer {
   const Explained& in_;
   std::filesystem::path folder_;
   HtmlPage page_;
-  explain::Board board_;
+  Board board_;
   ObjectOutlines outlines_;
   std::vector<ModelPoints> models_;
   std::vector<PoseDistance> distances_;

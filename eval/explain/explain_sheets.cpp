@@ -9,8 +9,6 @@
 
 namespace pickbed::eval {
 
-using namespace explain;
-
 namespace {
 
 constexpr int kQueries = 12, kQueryNeighbors = 5;
@@ -21,9 +19,9 @@ constexpr size_t kGalleryTiles = 15, kBestTiles = 10;
 Rgb8 OutcomeColor(FailingStage stage) {
   switch (stage) {
     case FailingStage::kFound:
-      return kRight;
+      return kRightColor;
     case FailingStage::kHardlyVisible:
-      return kPale;
+      return kPaleColor;
     case FailingStage::kPoints:
       return {120, 80, 50};
     case FailingStage::kVotes:
@@ -43,7 +41,7 @@ Rgb8 OutcomeColor(FailingStage stage) {
     case FailingStage::kRefiner:
       return {150, 225, 235};
   }
-  return kPale;
+  return kPaleColor;
 }
 
 }  // namespace
@@ -229,7 +227,7 @@ void Explainer::Missed() {
                "");
     const FitReport fit = MeasureFit(in_.trace.cloud, models_[instance.object], instance.X_CO);
     tile.caption = FitText(instance.object, instance.X_CO, fit);
-    tile.color = kUnknown;
+    tile.color = kUnknownColor;
     tiles.push_back(std::move(tile));
   }
   if (tiles.empty()) return;

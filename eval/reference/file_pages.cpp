@@ -154,7 +154,7 @@ ResultPage MeasurementsPage() {
          Csv(kInstancesFile, "one line per estimator and instance in view of each image",
              EstimatedInstancesColumns()),
          Csv("ESTIMATOR_DATASET-SPLIT.csv", "with --bop: results in BOP's format",
-             bop::EstimateColumns())}}}};
+             EstimateColumns())}}}};
 }
 
 ResultPage BenchmarkPage() {
@@ -194,13 +194,13 @@ ResultFolder DatasetFolder() {
   ResultFolder folder{
       "pickbed dataset make",
       "A dataset in BOP's layout. Lengths are in mm. `ID` is the number of an image or object.",
-      {Plain(fmt::format("{}, {}", bop::kCardTextFile, bop::kDatasetSettingsFile),
+      {Plain(fmt::format("{}, {}", kCardTextFile, kDatasetSettingsFile),
              "the card as text, and its settings"),
        Plain("models/obj_NNNNNN.ply, models_eval/obj_NNNNNN.ply", "meshes"),
        Plain("SPLIT/SCENE/rgb, depth, mask, mask_visib",
              "images: color, depth, silhouettes and "
              "visible parts of instances")}};
-  for (bop::DatasetFile& file : bop::DatasetFiles()) {
+  for (DatasetFile& file : DatasetFiles()) {
     folder.files.push_back(Json(file.name, file.help, file.keys));
   }
   return folder;

@@ -104,8 +104,8 @@ TrainingSet PlanTrainingSet(const TrainingSetChoice& choice) {
                             .parent_path()
                             .filename()
                             .string();
-    training_set.objects = bop::LoadDatasetObjects(root).objects;
-    const auto camera = bop::ReadDatasetCamera(root / bop::kDatasetCameraFile, bop::ThrowFault);
+    training_set.objects = LoadDatasetObjects(root).objects;
+    const auto camera = ReadDatasetCamera(root / kDatasetCameraFile, ThrowFault);
     if (camera) training_set.camera = camera->intrinsics;
   }
   if (!choice.objects.empty()) {

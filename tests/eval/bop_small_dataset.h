@@ -8,7 +8,7 @@
 #include "eval/bop/make_dataset.h"
 #include "tests/eval/cube_scenario.h"
 
-namespace pickbed::tests::bop {
+namespace pickbed::tests {
 
 inline constexpr int kSmallInstances = 3;
 
@@ -22,9 +22,10 @@ inline ScenarioSpec SmallScenario() {
   return spec;
 }
 
-inline MakeReport MakeSmall(const std::filesystem::path& out, int scenes, int views, int jobs = 1,
-                            bool resume = false, const std::function<bool()>& stop = {}) {
-  MakeOptions options;
+inline MakeDatasetReport MakeSmall(const std::filesystem::path& out, int scenes, int views,
+                                   int jobs = 1, bool resume = false,
+                                   const std::function<bool()>& stop = {}) {
+  MakeDatasetOptions options;
   options.out = out;
   options.scenes = scenes;
   options.views = views;
@@ -33,4 +34,4 @@ inline MakeReport MakeSmall(const std::filesystem::path& out, int scenes, int vi
   return MakeDataset(SmallScenario(), EasyCube(), options, {}, stop);
 }
 
-}  // namespace pickbed::tests::bop
+}  // namespace pickbed::tests

@@ -15,13 +15,3 @@ using namespace perception;
 using namespace grasp;
 using namespace eval;
 }  // namespace pickbed::tests
-
-namespace pickbed::eval::bop {}
-namespace pickbed::tests::bop {
-using namespace eval::bop;
-}  // namespace pickbed::tests::bop
-
-namespace pickbed::eval::explain {}
-namespace pickbed::tests::explain {
-using namespace eval::explain;
-}  // namespace pickbed::tests::explain

@@ -14,12 +14,12 @@
 #include "tests/eval/bop_small_dataset.h"
 #include "tests/support/temporary_folder.h"
 
-namespace pickbed::tests::bop {
+namespace pickbed::tests {
 namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-using Json = nlohmann::json;
+using ParsedJson = nlohmann::json;
 
 // A dataset that is made once, and a copy in which a test plants a fault.
 class BopCheck : public ::testing::Test {
@@ -37,9 +37,9 @@ class BopCheck : public ::testing::Test {
   fs::path root() const { return folder_.path() / "set"; }
   fs::path scene() const { return root() / "test" / "000001"; }
 
-  static Json Read(const fs::path& file) { return Json::parse(ReadFileBytes(file)); }
-  static void Change(const fs::path& file, const std::function<void(Json&)>& change) {
-    Json json = Read(file);
+  static ParsedJson Read(const fs::path& file) { return ParsedJson::parse(ReadFileBytes(file)); }
+  static void Change(const fs::path& file, const std::function<void(ParsedJson&)>& change) {
+    ParsedJson json = Read(file);
     change(json);
     WriteFileAtomically(file, json.dump());
   }
@@ -50,7 +50,7 @@ class BopCheck : public ::testing::Test {
 TemporaryFolder* BopCheck::whole_ = nullptr;
 
 TEST_F(BopCheck, IntactDatasetHasNoFault) {
-  const CheckReport report = CheckDataset(whole_->path());
+  const CheckDatasetReport report = CheckDataset(whole_->path());
   EXPECT_EQ(report.faults, std::vector<std::string>());
   EXPECT_EQ(report.objects, 1);
   EXPECT_EQ(report.scenes, 1);
@@ -107,73 +107,80 @@ TEST_F(BopCheck, MissingAndExtraFilesAreReported) {
 TEST_F(BopCheck, WrongJsonValuesAreReported) {
   const struct {
     const char* file;
-    std::function<void(Json&)> plant;
+    std::function<void(ParsedJson&)> plant;
     const char* fault;
   } cases[] = {
-      {"test/000001/scene_gt.json", [](Json& j) { j["1"][2]["cam_R_m2c"][0] = 2.0; },
+      {"test/000001/scene_gt.json", [](ParsedJson& j) { j["1"][2]["cam_R_m2c"][0] = 2.0; },
        "scene_gt.json: image 1: instance 2: 'cam_R_m2c': is no rotation"},
       {"test/000001/scene_gt.json",
-       [](Json& j) {
+       [](ParsedJson& j) {
          for (int i = 0; i < 3; ++i) {
            double& entry = j["0"][0]["cam_R_m2c"][i].get_ref<double&>();
            entry = -entry;
          }
        },
        "image 0: instance 0: 'cam_R_m2c': is no rotation but a reflection"},
-      {"test/000001/scene_gt.json", [](Json& j) { j["0"][1]["cam_R_m2c"].erase(8); },
+      {"test/000001/scene_gt.json", [](ParsedJson& j) { j["0"][1]["cam_R_m2c"].erase(8); },
        "'cam_R_m2c': is not 9 numbers"},
-      {"test/000001/scene_gt.json", [](Json& j) { j["0"][1]["cam_t_m2c"][2] = -500; },
+      {"test/000001/scene_gt.json", [](ParsedJson& j) { j["0"][1]["cam_t_m2c"][2] = -500; },
        "instance 1: is behind the camera"},
-      {"test/000001/scene_gt.json", [](Json& j) { j["0"][1].erase("cam_t_m2c"); },
+      {"test/000001/scene_gt.json", [](ParsedJson& j) { j["0"][1].erase("cam_t_m2c"); },
        "instance 1: has no 'cam_t_m2c'"},
-      {"test/000001/scene_gt.json", [](Json& j) { j["0"][1]["obj_id"] = 9; },
+      {"test/000001/scene_gt.json", [](ParsedJson& j) { j["0"][1]["obj_id"] = 9; },
        "image 0: instance 1: models_info.json has no object 9"},
-      {"test/000001/scene_gt.json", [](Json& j) { j.erase("1"); },
+      {"test/000001/scene_gt.json", [](ParsedJson& j) { j.erase("1"); },
        "scene_gt.json: has no entry for image 1"},
-      {"test/000001/scene_gt.json", [](Json& j) { j["5"] = j["1"]; },
+      {"test/000001/scene_gt.json", [](ParsedJson& j) { j["5"] = j["1"]; },
        "image 5: scene_camera.json has no such image"},
-      {"test/000001/scene_gt.json", [](Json& j) { j["x"] = j["1"]; }, "'x' is not the number"},
-      {"test/000001/scene_gt_info.json", [](Json& j) { j["0"].erase(1); },
+      {"test/000001/scene_gt.json", [](ParsedJson& j) { j["x"] = j["1"]; },
+       "'x' is not the number"},
+      {"test/000001/scene_gt_info.json", [](ParsedJson& j) { j["0"].erase(1); },
        "has 2 instances, scene_gt.json has 3"},
       {"test/000001/scene_gt_info.json",
-       [](Json& j) { j["0"][0]["visib_fract"] = 0.5 * j["0"][0]["visib_fract"].get<double>(); },
+       [](ParsedJson& j) {
+         j["0"][0]["visib_fract"] = 0.5 * j["0"][0]["visib_fract"].get<double>();
+       },
        "image 0: instance 0: visib_fract is"},
       {"test/000001/scene_gt_info.json",
-       [](Json& j) { j["0"][0]["px_count_visib"] = j["0"][0]["px_count_all"].get<int>() + 1; },
+       [](ParsedJson& j) {
+         j["0"][0]["px_count_visib"] = j["0"][0]["px_count_all"].get<int>() + 1;
+       },
        "px_count_visib is"},
-      {"test/000001/scene_gt_info.json", [](Json& j) { j["0"][0]["px_count_valid"] = 1000000; },
+      {"test/000001/scene_gt_info.json",
+       [](ParsedJson& j) { j["0"][0]["px_count_valid"] = 1000000; },
        "more than the image has pixels"},
-      {"test/000001/scene_camera.json", [](Json& j) { j["0"].erase("cam_K"); },
+      {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"].erase("cam_K"); },
        "scene_camera.json: image 0: has no 'cam_K'"},
-      {"test/000001/scene_camera.json", [](Json& j) { j["0"]["cam_K"][0] = 0; },
+      {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["cam_K"][0] = 0; },
        "must be positive"},
-      {"test/000001/scene_camera.json", [](Json& j) { j["0"]["depth_scale"] = 0; },
+      {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["depth_scale"] = 0; },
        "'depth_scale' is not positive"},
-      {"test/000001/scene_camera.json", [](Json& j) { j["0"]["cam_R_w2c"][4] = 7; },
+      {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["cam_R_w2c"][4] = 7; },
        "'cam_R_w2c': is no rotation"},
       {"models/models_info.json",
-       [](Json& j) { j["1"]["diameter"] = 2 * j["1"]["diameter"].get<double>(); },
+       [](ParsedJson& j) { j["1"]["diameter"] = 2 * j["1"]["diameter"].get<double>(); },
        "obj_000001.ply: its diameter is 51.962 mm, models_info.json says 103.923"},
-      {"models/models_info.json", [](Json& j) { j["1"]["min_x"] = -99; },
+      {"models/models_info.json", [](ParsedJson& j) { j["1"]["min_x"] = -99; },
        "its bounding box differs"},
-      {"models/models_info.json", [](Json& j) { j["1"]["diameter"] = "52"; },
+      {"models/models_info.json", [](ParsedJson& j) { j["1"]["diameter"] = "52"; },
        "'diameter' is \"52\", not a number"},
       {"models/models_info.json",
-       [](Json& j) {
-         j["1"]["symmetries_discrete"] = Json::array({Json(std::vector<double>(16, 1.0))});
+       [](ParsedJson& j) {
+         j["1"]["symmetries_discrete"] =
+             ParsedJson::array({ParsedJson(std::vector<double>(16, 1.0))});
        },
        "'symmetries_discrete': the last row"},
       {"models/models_info.json",
-       [](Json& j) {
+       [](ParsedJson& j) {
          j["1"]["symmetries_continuous"] =
-             Json::array({Json{{"axis", {0, 0, 0}}, {"offset", {0, 0, 0}}}});
+             ParsedJson::array({ParsedJson{{"axis", {0, 0, 0}}, {"offset", {0, 0, 0}}}});
        },
        "an axis has no length"},
-      {"camera.json", [](Json& j) { j["fx"] = -1; }, "must be positive"},
-      {"test_targets_bop19.json", [](Json& j) { j[0]["inst_count"] = 50; },
+      {"camera.json", [](ParsedJson& j) { j["fx"] = -1; }, "must be positive"},
+      {"test_targets_bop19.json", [](ParsedJson& j) { j[0]["inst_count"] = 50; },
        "target 0: requests 50 of object 1, but scene 1 image 0 has 3"},
-      {"test_targets_bop19.json", [](Json& j) { j[0].erase("obj_id"); }, "has no 'obj_id'"},
-      {"test_targets_bop24.json", [](Json& j) { j[0]["im_id"] = 8; },
+      {"test_targets_bop19.json", [](ParsedJson& j) { j[0].erase("obj_id"); }, "has no 'obj_id'"},
+      {"test_targets_bop24.json", [](ParsedJson& j) { j[0]["im_id"] = 8; },
        "target 0: there is no ground truth for scene 1 image 8"},
   };
   for (const auto& c : cases) {
@@ -233,25 +240,25 @@ TEST_F(BopCheck, WrongImagesAreReported) {
 // A command that reads a broken dataset throws at the first fault and does not use the rest of it.
 TEST_F(BopCheck, EvaluationThrowsAtTheFirstFault) {
   Copy();
-  Change(scene() / "scene_gt.json", [](Json& j) { j["1"][2]["cam_R_m2c"][0] = 2.0; });
+  Change(scene() / "scene_gt.json", [](ParsedJson& j) { j["1"][2]["cam_R_m2c"][0] = 2.0; });
   try {
-    Evaluate(root(), "test", {});
+    EvaluateDataset(root(), "test", {});
     ADD_FAILURE() << "a matrix that is not a rotation was accepted";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("image 1: instance 2: 'cam_R_m2c': is no rotation"));
   }
   Copy();
-  Estimate stranger;
+  DatasetEstimate stranger;
   stranger.scene_id = 1;
   stranger.object_id = 77;
   try {
-    Evaluate(root(), "test", {stranger});
+    EvaluateDataset(root(), "test", {stranger});
     ADD_FAILURE() << "an estimate of an unknown object was accepted";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("estimate of scene 1 image 0: obj_id 77"));
   }
-  EXPECT_THROW(Evaluate(root(), "tset", {}), InputError);
+  EXPECT_THROW(EvaluateDataset(root(), "tset", {}), InputError);
 }
 
 }  // namespace
-}  // namespace pickbed::tests::bop
+}  // namespace pickbed::tests

@@ -16,11 +16,11 @@
 #include "tests/eval/bop_small_dataset.h"
 #include "tests/support/temporary_folder.h"
 
-namespace pickbed::tests::bop {
+namespace pickbed::tests {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using ParsedJson = nlohmann::json;
 
 // Bytes of every file below a folder, by relative path.
 std::map<std::string, std::string> BytesOf(const fs::path& root) {
@@ -54,7 +54,7 @@ TEST(BopMake, SameBytesForAnyJobCountAndAfterResume) {
   EXPECT_TRUE(MakeSmall(stopped, 3, 2, 1, true, [] { return true; }).stopped);
   fs::create_directories(stopped / "test" / ".000002.unfinished" / "rgb");
   WriteFileAtomically(stopped / "test" / ".000002.unfinished" / "rgb" / "000000.png", "half");
-  const MakeReport resumed = MakeSmall(stopped, 3, 2, 1, true);
+  const MakeDatasetReport resumed = MakeSmall(stopped, 3, 2, 1, true);
   EXPECT_EQ(resumed.done_before, 1);
   EXPECT_EQ(resumed.done, 3);
   EXPECT_EQ(MakeSmall(stopped, 2, 2, 1, true).done, 2) << "only requested scenes count";
@@ -148,10 +148,10 @@ TEST_F(BopTruth, VisibleFractionIsVisiblePixelsOverAllPixels) {
 }
 
 TEST_F(BopTruth, CocoAnnotationsDecodeToTheVisibleMasks) {
-  const Json coco = Json::parse(ReadFileBytes(folder() / "scene_gt_coco.json"));
+  const ParsedJson coco = ParsedJson::parse(ReadFileBytes(folder() / "scene_gt_coco.json"));
   ASSERT_EQ(coco["images"].size(), static_cast<size_t>(kViews));
   int seen = 0;
-  for (const Json& annotation : coco["annotations"]) {
+  for (const ParsedJson& annotation : coco["annotations"]) {
     const int image = annotation["image_id"], number = annotation["id"];
     const Image<uint8_t> mask = Mask("mask_visib", image, (number - 1) % kSmallInstances);
     // COCO run lengths go down the columns and begin with unset pixels.
@@ -181,10 +181,10 @@ TEST(BopRunLengths, EqualHandComputedRuns) {
   EXPECT_EQ(RunLengths(mask), (std::vector<int>{0, 3, 2, 1}));
 }
 
-std::vector<Estimate> TruthAsEstimates(const SceneTruth& scene) {
-  std::vector<Estimate> estimates;
+std::vector<DatasetEstimate> TruthAsEstimates(const SceneTruth& scene) {
+  std::vector<DatasetEstimate> estimates;
   for (const auto& [id, image] : scene.images) {
-    for (const Instance& instance : image.instances) {
+    for (const DatasetInstance& instance : image.instances) {
       estimates.push_back({scene.scene_id, id, instance.object_id, 1.0, instance.X_CO, 0.1});
     }
   }
@@ -192,7 +192,7 @@ std::vector<Estimate> TruthAsEstimates(const SceneTruth& scene) {
 }
 
 TEST_F(BopTruth, GroundTruthAsEstimateScoresOne) {
-  const Scores scores = Evaluate(set_->path(), "test", TruthAsEstimates(Truth()));
+  const DatasetScores scores = EvaluateDataset(set_->path(), "test", TruthAsEstimates(Truth()));
   EXPECT_EQ(scores.images, kViews);
   EXPECT_GT(scores.wanted, 0);
   EXPECT_DOUBLE_EQ(scores.ar_vsd, 1);
@@ -208,11 +208,11 @@ TEST_F(BopTruth, GroundTruthAsEstimateScoresOne) {
 TEST_F(BopTruth, AdiRecallAcceptsATenthOfTheDiameter) {
   const double diameter_m = EasyCube().front()->diameter_m;
   const auto recall_at = [&](double shift_diameters) {
-    std::vector<Estimate> estimates = TruthAsEstimates(Truth());
-    for (Estimate& estimate : estimates) {
+    std::vector<DatasetEstimate> estimates = TruthAsEstimates(Truth());
+    for (DatasetEstimate& estimate : estimates) {
       estimate.X_CO.pretranslate(Eigen::Vector3d(shift_diameters * diameter_m, 0, 0));
     }
-    return Evaluate(set_->path(), "test", estimates).adi_recall;
+    return EvaluateDataset(set_->path(), "test", estimates).adi_recall;
   };
   EXPECT_EQ(recall_at(0.095), 1);
   EXPECT_EQ(recall_at(0.105), 0);
@@ -221,9 +221,9 @@ TEST_F(BopTruth, AdiRecallAcceptsATenthOfTheDiameter) {
 // The poses of the two images are exchanged. Their cameras differ by tens of degrees and
 // centimetres.
 TEST_F(BopTruth, ExchangedGroundTruthScoresNearZero) {
-  std::vector<Estimate> estimates = TruthAsEstimates(Truth());
-  for (Estimate& estimate : estimates) estimate.image_id = 1 - estimate.image_id;
-  const Scores scores = Evaluate(set_->path(), "test", estimates);
+  std::vector<DatasetEstimate> estimates = TruthAsEstimates(Truth());
+  for (DatasetEstimate& estimate : estimates) estimate.image_id = 1 - estimate.image_id;
+  const DatasetScores scores = EvaluateDataset(set_->path(), "test", estimates);
   EXPECT_LT(scores.ar(), 0.1);
   EXPECT_LT(scores.adi_recall, 0.1);
   EXPECT_LT(scores.ap(), 0.1);
@@ -236,21 +236,24 @@ TEST_F(BopTruth, PickChanceFollowsFromThePoseErrors) {
   model.weights[0] = 0.5;   // logistic(0.5) for a zero error
   model.weights[2] = -100;  // lower for an error along x
   const TolerancesById tolerances{{1, {"model.yaml", model}}};
-  const auto chance_of = [&](const std::vector<Estimate>& estimates) {
-    return Evaluate(set_->path(), "test", estimates, {}, tolerances).objects.at(1).pick_chance;
+  const auto chance_of = [&](const std::vector<DatasetEstimate>& estimates) {
+    return EvaluateDataset(set_->path(), "test", estimates, {}, tolerances)
+        .objects.at(1)
+        .pick_chance;
   };
-  std::vector<Estimate> estimates = TruthAsEstimates(Truth());
+  std::vector<DatasetEstimate> estimates = TruthAsEstimates(Truth());
   EXPECT_NEAR(chance_of(estimates).value(), 1 / (1 + std::exp(-0.5)), 1e-6);
-  EXPECT_FALSE(Evaluate(set_->path(), "test", estimates).objects.at(1).pick_chance.has_value());
+  EXPECT_FALSE(
+      EvaluateDataset(set_->path(), "test", estimates).objects.at(1).pick_chance.has_value());
   estimates.resize(estimates.size() / 2);
   EXPECT_LT(chance_of(estimates).value(), 0.6) << "an instance that is not found counts as 0";
   EXPECT_EQ(chance_of({}).value(), 0);
   const TolerancesById unknown_object{{7, {"model.yaml", model}}};
-  EXPECT_THROW(Evaluate(set_->path(), "test", estimates, {}, unknown_object), InputError);
+  EXPECT_THROW(EvaluateDataset(set_->path(), "test", estimates, {}, unknown_object), InputError);
   const ObjectModel other = *Cube(0.06, 0.1, 0.5);
   const TolerancesById other_mesh{
       {1, {"model.yaml", EmptyToleranceModel(other, "jaw", {Pose::Identity()})}}};
-  EXPECT_THROW(Evaluate(set_->path(), "test", estimates, {}, other_mesh), InputError);
+  EXPECT_THROW(EvaluateDataset(set_->path(), "test", estimates, {}, other_mesh), InputError);
 }
 
 TEST(ReadTolerances, MalformedArgumentsAreRefused) {
@@ -260,4 +263,4 @@ TEST(ReadTolerances, MalformedArgumentsAreRefused) {
 }
 
 }  // namespace
-}  // namespace pickbed::tests::bop
+}  // namespace pickbed::tests

@@ -71,18 +71,17 @@ class RealRefinement : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     if (!fs::exists(kRoot / "models")) return;
-    const auto infos = bop::ReadModelsInfo(kRoot / "models", bop::ThrowFault);
-    const bop::SceneTruth scene =
-        bop::ReadSceneTruth(kRoot / "test" / "000001", 1, bop::ThrowFault);
-    const bop::ImageTruth& image = scene.images.at(0);
-    frame_ = bop::ReadFrame(scene, image);
+    const auto infos = ReadModelsInfo(kRoot / "models", ThrowFault);
+    const SceneTruth scene = ReadSceneTruth(kRoot / "test" / "000001", 1, ThrowFault);
+    const ImageTruth& image = scene.images.at(0);
+    frame_ = ReadFrame(scene, image);
     cloud_ = BuildCloud(frame_, std::nullopt);
     for (size_t i = 0; i < image.instances.size(); ++i) {
       if (image.infos.at(i).visib_fract < 0.6) continue;
       RealObject object;
       object.id = image.instances[i].object_id;
-      object.model = bop::LoadModel(kRoot / "models", object.id, infos.at(object.id),
-                                    bop::ModelName(object.id));
+      object.model =
+          LoadDatasetModel(kRoot / "models", object.id, infos.at(object.id), ModelName(object.id));
       object.points = MakeModelPoints(*object.model);
       // The dataset declares no symmetry for the can because of its label. Its scan is round to 4 %
       // of the diameter, and without colour its rotation about the axis cannot be seen.

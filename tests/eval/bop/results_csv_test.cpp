@@ -7,7 +7,7 @@
 #include "scenes/base/random.h"
 #include "tests/support/temporary_folder.h"
 
-namespace pickbed::tests::bop {
+namespace pickbed::tests {
 namespace {
 
 using testing::HasSubstr;
@@ -17,8 +17,8 @@ const std::string kGood = "1,2,3,0.5,1 0 0 0 1 0 0 0 1,10 -20 900.5,0.25\n";
 
 class BopResults : public testing::Test {
  protected:
-  std::vector<Estimate> Read(const std::string& text) const {
-    return ReadResults(folder_.Write("results.csv", text));
+  std::vector<DatasetEstimate> Read(const std::string& text) const {
+    return ReadEstimates(folder_.Write("results.csv", text));
   }
   void ExpectRefused(const std::string& text, const std::string& line, const std::string& why) {
     try {
@@ -34,7 +34,7 @@ class BopResults : public testing::Test {
 };
 
 TEST_F(BopResults, LineGivesTheHandWrittenValues) {
-  const std::vector<Estimate> estimates = Read(kHeader + kGood);
+  const std::vector<DatasetEstimate> estimates = Read(kHeader + kGood);
   ASSERT_EQ(estimates.size(), 1u);
   EXPECT_EQ(estimates[0].scene_id, 1);
   EXPECT_EQ(estimates[0].image_id, 2);
@@ -47,13 +47,13 @@ TEST_F(BopResults, LineGivesTheHandWrittenValues) {
 
 TEST_F(BopResults, RoundTripKeepsAllValues) {
   Rng rng(3);
-  std::vector<Estimate> estimates;
+  std::vector<DatasetEstimate> estimates;
   for (int i = 0; i < 20; ++i) {
     const Eigen::Vector3d p(rng.Normal(), rng.Normal(), 1);
     estimates.push_back(
         {i, 2 * i, 3, rng.Uniform(), MakePose(rng.Rotation().toRotationMatrix(), p), 0.1 * i});
   }
-  const std::vector<Estimate> again = Read(WriteResults(estimates));
+  const std::vector<DatasetEstimate> again = Read(WriteEstimates(estimates));
   ASSERT_EQ(again.size(), estimates.size());
   for (size_t i = 0; i < again.size(); ++i) {
     EXPECT_EQ(again[i].image_id, estimates[i].image_id);
@@ -76,4 +76,4 @@ TEST_F(BopResults, BadFilesAreRefusedWithLineNumber) {
 }
 
 }  // namespace
-}  // namespace pickbed::tests::bop
+}  // namespace pickbed::tests

@@ -8,7 +8,7 @@
 #include "eval/bop/vsd.h"
 #include "tests/support/layer.h"
 
-namespace pickbed::tests::bop {
+namespace pickbed::tests {
 namespace {
 
 TEST(BopMatching, HigherScoreChoosesFirstAndTakesTheNearest) {
@@ -60,8 +60,8 @@ TEST(BopDetection, BarelyVisibleInstancesAreIgnored) {
 }
 
 // Silhouette of one pixel row that begins at column x.
-Silhouette Row(int x, const std::vector<float>& distances_m) {
-  Silhouette silhouette{x, 0, Image<float>(static_cast<int>(distances_m.size()), 1)};
+DistanceCrop Row(int x, const std::vector<float>& distances_m) {
+  DistanceCrop silhouette{x, 0, Image<float>(static_cast<int>(distances_m.size()), 1)};
   silhouette.distances_m.pixels() = distances_m;
   return silhouette;
 }
@@ -69,7 +69,7 @@ Silhouette Row(int x, const std::vector<float>& distances_m) {
 TEST(BopVsd, EqualsHandComputedValues) {
   constexpr std::array<double, 2> kTaus{0.05, 0.5};
   const Image<float> nothing(6, 1);  // no readings, so all is visible
-  const Silhouette truth = Row(0, {1, 1, 1, 1});
+  const DistanceCrop truth = Row(0, {1, 1, 1, 1});
   EXPECT_EQ(Vsd(truth, truth, nothing, 0.1, kTaus), (std::vector<double>{0, 0}));
   // Columns 0 and 4 are in only one silhouette. One of the three common columns is off by 0.3
   // diameters.
@@ -86,7 +86,7 @@ TEST(BopVsd, HiddenPixelsDoNotCount) {
   constexpr std::array<double, 1> kTau{0.05};
   Image<float> measured_m(4, 1, 1.0f);
   measured_m(0, 0) = 0.9f;  // something occludes column 0
-  const Silhouette truth = Row(0, {1, 1});
+  const DistanceCrop truth = Row(0, {1, 1});
   // Wrong only at column 0, where both are hidden.
   EXPECT_EQ(Vsd(Row(0, {1.05f, 1}), truth, measured_m, 0.1, kTau), std::vector<double>{0});
   // 16 mm behind the measured surface is hidden, 14 mm is not. Here the ground truth is visible, so
@@ -106,11 +106,11 @@ TEST(BopVsd, DistancesAreFromTheCameraCenter) {
   EXPECT_FLOAT_EQ(distances_m(0, 0), std::sqrt(2.0f));
   EXPECT_FLOAT_EQ(distances_m(1, 0), 2);
   EXPECT_EQ(distances_m(2, 0), 0);
-  const Silhouette silhouette = SilhouetteOf(depth_m, camera);
+  const DistanceCrop silhouette = DistanceCropOf(depth_m, camera);
   EXPECT_EQ(silhouette.x, 0);
   EXPECT_EQ(silhouette.distances_m.width(), 2);
   EXPECT_FLOAT_EQ(silhouette.distances_m(0, 0), std::sqrt(2.0f));
 }
 
 }  // namespace
-}  // namespace pickbed::tests::bop
+}  // namespace pickbed::tests

@@ -170,10 +170,10 @@ TEST(EntryPatches, RenderedPatchEqualsTheOriginal) {
 
 TEST(DrawExplain, VoteMapIsBrightestAtMostVotes) {
   RgbdFrame frame{{400, 300, 300, 300, 199.5, 149.5}, Image<Rgb8>(400, 300), {}};
-  const explain::Board board(frame, {0, 0, frame.intrinsics.width(), frame.intrinsics.height()});
+  const Board board(frame, {0, 0, frame.intrinsics.width(), frame.intrinsics.height()});
   std::vector<Eigen::Vector2d> centers(9, {100, 80});
   centers.push_back({300, 200});
-  const Image<Rgb8> map = explain::DrawVoteMap(board, centers, 2, {}, {});
+  const Image<Rgb8> map = DrawVoteMap(board, centers, 2, {}, {});
   const auto brightness = [&](const Eigen::Vector2d& pixel) {
     const Eigen::Vector2d at = board.At(pixel);
     const Rgb8 p = map(static_cast<int>(at.x()), static_cast<int>(at.y()));
@@ -184,7 +184,7 @@ TEST(DrawExplain, VoteMapIsBrightestAtMostVotes) {
 }
 
 TEST(DrawExplain, FarDepthIsBluerAndUnknownIsDark) {
-  explain::PatchValues values{};
+  PatchValues values{};
   const auto set = [&](int i, int depth, int normal_z) {
     values[i] = static_cast<int8_t>(depth);
     values[3 * kPatchArea + i] = static_cast<int8_t>(normal_z);
@@ -192,19 +192,19 @@ TEST(DrawExplain, FarDepthIsBluerAndUnknownIsDark) {
   set(0, -100, -127);
   set(1, 100, -127);
   set(2, 127, 0);
-  const Image<Rgb8> picture = explain::PatchPicture(values, PatchChannels::kDepthNormals);
+  const Image<Rgb8> picture = PatchPicture(values, PatchChannels::kDepthNormals);
   EXPECT_GT(picture(0, 0).r, picture(0, 0).b);
   EXPECT_GT(picture(1, 0).b, picture(1, 0).r);
   EXPECT_LT(picture(2, 0).r + picture(2, 0).g + picture(2, 0).b, 180);
 }
 
 TEST(DrawExplain, ColourPatchesKeepTheirColours) {
-  explain::PatchValues values{};
+  PatchValues values{};
   std::fill_n(values.begin(), kPatchArea, 127);
   values[0] = 20;
   values[kPatchArea] = values[3 * kPatchArea] = -127;
   values[2 * kPatchArea] = 127;
-  const Image<Rgb8> picture = explain::PatchPicture(values, PatchChannels::kDepthColor);
+  const Image<Rgb8> picture = PatchPicture(values, PatchChannels::kDepthColor);
   EXPECT_EQ(picture(0, 0), (Rgb8{0, 255, 0}));
   EXPECT_LT(picture(1, 0).r, 60) << "background is dark, not medium grey";
 }

@@ -163,7 +163,7 @@ TEST(FilePages, HaveEveryColumnOfARun) {
   const TemporaryFolder folder;
   SweepOptions options;
   options.out = folder.path() / "sweep";
-  options.picture_trials = options.lost_picture_trials = 0;
+  options.picture_trials = options.failure_picture_trials = 0;
   options.make = StubTrials();
   RunSweep(StubSweep(2, 2), options, {});
   int tables = 0;
@@ -227,7 +227,7 @@ TEST(FilePages, HaveEveryColumnOfMeasurements) {
   ExpectHeader(ComparisonCsv({}, {}), "comparison.csv");
   ExpectHeader(HypothesesCsv({}, {}), "hypotheses.csv");
   ExpectHeader(InstancesCsv(std::vector<ComparedRow>(), {}), EstimatedInstancesColumns());
-  ExpectHeader(bop::WriteResults({}), "ESTIMATOR_DATASET-SPLIT.csv");
+  ExpectHeader(WriteEstimates({}), "ESTIMATOR_DATASET-SPLIT.csv");
   ExpectHeader(AxesCsv({}), "axes.csv");
   ExpectHeader(PairsCsv({}), "pairs.csv");
   ExpectHeader(PredictorsCsv({}), "predictors.csv");
@@ -259,9 +259,9 @@ TEST(FilePages, HaveEveryColumnAndKeyOfScenesAndObjects) {
 
 TEST(FilePages, HaveEveryKeyOfADataset) {
   const TemporaryFolder folder;
-  bop::MakeSmall(folder.path(), 1, 1);
+  MakeSmall(folder.path(), 1, 1);
   int files = 0;
-  for (const bop::DatasetFile& file : bop::DatasetFiles()) {
+  for (const DatasetFile& file : DatasetFiles()) {
     std::string name = file.name;
     const auto replace = [&](const std::string& word, const std::string& by) {
       if (const size_t at = name.find(word); at != std::string::npos) {
@@ -269,7 +269,7 @@ TEST(FilePages, HaveEveryKeyOfADataset) {
       }
     };
     replace("SPLIT", "test");
-    replace("SCENE", bop::SceneFolderName(1));
+    replace("SCENE", SceneFolderName(1));
     const std::filesystem::path path = folder.path() / name;
     ASSERT_TRUE(std::filesystem::exists(path)) << path;
     ++files;
