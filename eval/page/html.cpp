@@ -61,6 +61,7 @@ std::string ScriptSafe(const std::string& json) {
 bool IsNumber(const std::string& cell) {
   if (cell.starts_with("inf")) return true;
   return !cell.empty() && (std::isdigit(static_cast<unsigned char>(cell[0])) || cell == "-" ||
+                           cell.starts_with("- ") ||
                            ((cell[0] == '+' || cell[0] == '-') && cell.size() > 1 &&
                             std::isdigit(static_cast<unsigned char>(cell[1]))));
 }

@@ -38,11 +38,12 @@ Json Series(const char* field, const std::vector<std::string>& names, Json scale
   if (names.size() < 2) {
     channel["legend"] = nullptr;
   } else {
-    // Long names of configurations have one line per setting.
-    channel["legend"] = {
-        {"orient", "top"},
-        {"direction", "vertical"},
-        {"labelExpr", "length(datum.label) > 34 ? split(datum.label, ',') : datum.label"}};
+    // If a name of a configuration is long, all of them have one line per setting.
+    constexpr size_t kLong = 34;
+    const bool long_names = std::any_of(
+        names.begin(), names.end(), [](const std::string& name) { return name.size() > kLong; });
+    channel["legend"] = {{"orient", "top"}, {"direction", "vertical"}};
+    if (long_names) channel["legend"]["labelExpr"] = "split(datum.label, ',')";
   }
   return channel;
 }

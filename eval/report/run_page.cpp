@@ -40,7 +40,7 @@ std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configurati
   add("top-ranked pose right", {s.top1_correct, s.frames, s.top1_ci95}, "images");
   const double per_hour = s.cycle.stated_picks_per_hour();
   headline.push_back({"picks per hour", per_hour > 0 ? fmt::format("{:.0f}", per_hour) : "-",
-                      s.cycle.measured ? "without the time to compute" : ""});
+                      per_hour > 0 && s.cycle.measured ? "without the time to compute" : ""});
   headline.push_back({"bins", std::to_string(s.trials),
                       s.refused.empty()
                           ? ""
@@ -77,9 +77,9 @@ TableCells ConfigurationsTable(const std::vector<ConfigurationReport>& configura
   for (const ConfigurationReport& configuration : configurations) {
     by_configuration.push_back({configuration.name});
     for (const HeadlineStatistic& statistic : HeadlineOf(configuration)) {
-      by_configuration.back().push_back(
-          statistic.note.empty() ? statistic.value
-                                 : fmt::format("{}  {}", statistic.value, statistic.note));
+      const std::string& note = statistic.note;
+      const char* separator = note.empty() ? "" : note.starts_with('[') ? " " : ", ";
+      by_configuration.back().push_back(statistic.value + separator + note);
     }
   }
   if (configurations.size() > kFewConfigurations) return by_configuration;
@@ -106,10 +106,17 @@ TableCells ObjectsTable(const ConfigurationReport& configuration) {
   return cells;
 }
 
-// Adds all charts that show these configurations together.
+// Adds the charts that show these configurations together. Many configurations get only curves:
+// bars have no more than seven fills.
 void AddCharts(std::span<const ConfigurationReport> configurations, HtmlPage& page) {
-  page.Chart(FailureChart(configurations));
-  page.Chart(RejectionsChart(configurations));
+  constexpr size_t kMaxBarSeries = 7;
+  const bool has_bars = configurations.size() <= kMaxBarSeries;
+  if (has_bars) {
+    page.Chart(FailureChart(configurations));
+    page.Chart(RejectionsChart(configurations));
+  } else {
+    page.Note("These are many settings. Each has all of its charts in its own section below.");
+  }
   std::vector<ReportChart> curves = VisibilityCharts(configurations);
   if (configurations.size() == 1) curves.push_back(CalibrationChart(configurations));
   // The attempts of an occlusion trial are separate scenes, in which no bin empties.
@@ -119,6 +126,7 @@ void AddCharts(std::span<const ConfigurationReport> configurations, HtmlPage& pa
     curves.push_back(AttemptsChart(configurations));
   }
   page.Charts(curves);
+  if (!has_bars) return;
   page.Charts(ErrorCharts(configurations));
   page.Charts(ErrorByBandCharts(configurations));
   if (configurations.size() > 1) page.Chart(CalibrationChart(configurations));
@@ -172,6 +180,24 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
       "<article class=\"failure\"{}>{}<b>{}</b>{} stage<br><code>{}</code> pick {}<dl>{}</dl>"
       "</article>\n",
       data, picture, reason, stage, EscapeHtml(entry.address), pick.attempt, facts);
+}
+
+// Many tables are collapsed, so that the charts below them are not overlooked.
+void AddComparisons(const std::vector<ReportTable>& comparisons, HtmlPage& page) {
+  constexpr size_t kFewComparisons = 3;
+  if (comparisons.size() <= kFewComparisons) {
+    for (const ReportTable& table : comparisons) {
+      page.Heading(table.title);
+      page.Paragraph(table.text);
+      page.Table(table.cells);
+    }
+    return;
+  }
+  page.Heading("Paired differences", "paired-differences");
+  for (const ReportTable& table : comparisons) {
+    page.Html(fmt::format("<details><summary>{}</summary><p>{}</p>{}</details>\n",
+                          EscapeHtml(table.title), EscapeHtml(table.text), TableHtml(table.cells)));
+  }
 }
 
 void AddGallery(const ReportContents& contents, HtmlPage& page) {
@@ -286,11 +312,7 @@ std::string ReportPage(const ReportContents& contents) {
     AddPoint(configurations[0], page);
   } else {
     page.Table(ConfigurationsTable(configurations));
-    for (const ReportTable& table : contents.comparisons) {
-      page.Heading(table.title);
-      page.Paragraph(table.text);
-      page.Table(table.cells);
-    }
+    AddComparisons(contents.comparisons, page);
     page.Heading("Side by side");
     page.Chart(SuccessChart(configurations));
     AddCharts(configurations, page);

@@ -43,6 +43,8 @@ TEST(TableHtml, NumbersAreRightAlignedExceptInTheFirstColumn) {
   const std::string html = TableHtml({{"a", "b"}, {"10-30", "+1.5"}, {"x", "none"}});
   EXPECT_THAT(html, HasSubstr("<td>10-30</td><td class=\"n\">+1.5</td>"));
   EXPECT_THAT(html, HasSubstr("<td>none</td>"));
+  const std::string unknown = TableHtml({{"a", "b"}, {"x", "- 0 of 0 grasps"}});
+  EXPECT_THAT(unknown, HasSubstr("<td class=\"n\">- 0 of 0 grasps</td>"));
   const std::string numbers = TableHtml({{"a", "b"}, {"1", "2.5"}, {"2", "inf [3, inf]"}});
   EXPECT_THAT(numbers, HasSubstr("<th>a</th><th class=\"n\">b</th>"));
   EXPECT_THAT(numbers, HasSubstr("<td class=\"n\">inf <span>[3, inf]</span></td>"));
