@@ -35,8 +35,12 @@ struct TrainArguments {
   std::unique_ptr<EstimatorTraining> verifier_training;  // of this estimator
 };
 
+std::string CountText(const TrainingProgress& state) {
+  return fmt::format("{} {}/{}", state.phase, state.done, state.total);
+}
+
 std::string ProgressText(const TrainingProgress& state) {
-  std::string text = fmt::format("{} {}/{}", state.phase, state.done, state.total);
+  std::string text = CountText(state);
   if (state.loss > 0) text += fmt::format("  loss {:.4f}", state.loss);
   if (state.recall_at_1 >= 0) {
     text += fmt::format("  recall@1 {:.3f} @8 {:.3f}", state.recall_at_1, state.recall_at_8);
@@ -82,10 +86,13 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
                  "share of the clutter scenes that are deep piles of 50 to 140 instances")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--distractors,--foreign", arguments.training_set.distractor_share,
-                 "share of the clutter scenes with distractors; --foreign is the former name")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+  CLI::Option* distractors =
+      app.add_option("--distractors", arguments.training_set.distractor_share,
+                     "share of the clutter scenes with distractors")
+          ->check(CLI::Range(0.0, 1.0))
+          ->capture_default_str();
+  AddFormerName(app, "--foreign", distractors, arguments.training_set.distractor_share)
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--catalog", arguments.training_set.scenario.catalog,
                  "folder with your own objects")
       ->capture_default_str();
@@ -246,7 +253,7 @@ int TrainModel(TrainArguments& arguments, const TrainingSet& training_set,
                           arguments.training_set.start_from,
                           SensorNames(training_set),
                           [&](const TrainingProgress& state) {
-                            progress.Show(ProgressText(state));
+                            progress.ShowTimed(ProgressText(state), CountText(state));
                             return !Interrupted();
                           }};
     report = TrainDescriptor(job, arguments.training);

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPlainLineEvery{1000};
 constexpr std::chrono::milliseconds kTerminalLineEvery{100};
+constexpr std::chrono::seconds kEqualLineEvery{60};
 constexpr char kEraseLine[] = "\r\033[K";
 constexpr double kShortest_s = 1e-9;
 
@@ -60,10 +61,12 @@ ProgressLine::~ProgressLine() {
   if (open_) fmt::print(stderr, "\n");
 }
 
-bool ProgressLine::IsDue(bool important) {
-  const auto every = terminal_ ? kTerminalLineEvery : kPlainLineEvery;
+bool ProgressLine::IsDue(const std::string& content, bool important) {
+  Clock::duration every = terminal_ ? kTerminalLineEvery : kPlainLineEvery;
+  if (!terminal_ && content == content_) every = kEqualLineEvery;
   if (!important && Clock::now() - shown_ < every) return false;
   shown_ = Clock::now();
+  content_ = content;
   return true;
 }
 
@@ -76,13 +79,21 @@ void ProgressLine::Print(const std::string& text) {
   }
 }
 
-void ProgressLine::Show(const std::string& text, bool important) {
-  if (!IsDue(important)) return;
+void ProgressLine::PrintMessage(const std::string& text) {
   Print(g_as_json ? nlohmann::json{{"message", text}}.dump() : text);
 }
 
+void ProgressLine::Show(const std::string& text, bool important) {
+  if (IsDue(text, important)) PrintMessage(text);
+}
+
+void ProgressLine::ShowTimed(const std::string& text, const std::string& content) {
+  if (IsDue(content, false)) PrintMessage(text);
+}
+
 void ProgressLine::Show(const ProgressState& state) {
-  if (!IsDue(state.done == state.total && state.done > state.done_before)) return;
+  const std::string content = fmt::format("{} {}/{}", state.what, state.done, state.total);
+  if (!IsDue(content, state.done == state.total && state.done > state.done_before)) return;
   Print(g_as_json ? ProgressJson(state, elapsed_s()) : ProgressText(state, elapsed_s()));
 }
 

@@ -37,8 +37,10 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   // Replaces the line on a terminal. Elsewhere it prints a line, at most one per second unless
-  // `important`.
+  // `important`, and an unchanged text or number of items only once per minute.
   void Show(const std::string& text, bool important = false);
+  // Same for a text with times; `content` is the text without them.
+  void ShowTimed(const std::string& text, const std::string& content);
   // Shows the state; the last state (done == total) is always shown.
   void Show(const ProgressState& state);
   // Restarts the clock of the rate.
@@ -47,12 +49,14 @@ class ProgressLine {
 
  private:
   using Clock = std::chrono::steady_clock;
-  bool IsDue(bool important);
+  bool IsDue(const std::string& content, bool important);
   void Print(const std::string& text);
+  void PrintMessage(const std::string& text);
   bool terminal_;
   bool open_ = false;
   Clock::time_point start_;
   Clock::time_point shown_;
+  std::string content_;  // of the last line, without times
 };
 
 // Example: "trial 12/40  0.50 trials/s  left 0:56  picked 27/30 = 90.0 % [76.0, 97.0]".

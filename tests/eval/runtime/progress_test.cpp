@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "tests/support/layer.h"
 
@@ -39,6 +42,26 @@ TEST(Progress, JsonHasTheSameNumbers) {
   EXPECT_EQ(json["successes"], 20);
   EXPECT_LT(json["success_ci95"][0], json["success_rate"]);
   EXPECT_GT(json["success_ci95"][1], json["success_rate"]);
+}
+
+// The standard error output of a test is no terminal here.
+TEST(Progress, FilesGetALineOnlyWhenTheNumberChanges) {
+  ProgressState state;
+  state.what = "view";
+  state.total = 40;
+  testing::internal::CaptureStderr();
+  ProgressLine progress;
+  for (int i = 0; i < 2; ++i) {
+    state.note = std::to_string(i);
+    progress.Show(state);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1050));
+  }
+  state.done = 1;
+  progress.Show(state);
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(text, HasSubstr("view 0/40"));
+  EXPECT_THAT(text, HasSubstr("view 1/40"));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << text;
 }
 
 TEST(Progress, TimeLeftIsUnknownAtTheStart) {
