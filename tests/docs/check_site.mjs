@@ -26,7 +26,9 @@ async function run(browser) {
     // On a loaded machine the search may start only after the word was entered, so the key is repeated.
     const key = `document.querySelector('${box}').dispatchEvent(new KeyboardEvent('keyup', {bubbles: true}))`;
     const found = `document.querySelectorAll('.md-search-result__item a').length > 0`;
-    await browser.until(`${key} && ${found}`, 'search results', 40000);
+    const none = `document.querySelector('.md-search-result__meta')?.innerText.startsWith('No matching')`;
+    await browser.until(`${key} && (${found} || ${none})`, 'search results', 40000);
+    if (!(await browser.value(found))) return faults.push(`the search for '${word}' finds nothing`);
   } catch (error) {
     return faults.push(`the search for '${word}': ${error.message}`);
   }

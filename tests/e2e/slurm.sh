@@ -180,10 +180,16 @@ grep -q '"done":48,"total":48,.*"executed_grasps":[1-9].*"success_ci95":' cluste
 [ "$(cat cluster/slurm/job_id)" = "$job" ] || fail "a finished sweep was submitted again"
 cmp -s local/attempts.csv cluster/attempts.csv || fail "the second call changed the results"
 
-# A time limit ends shards. Their finished trials are kept and reported, and the same command continues.
-"$pickbed" sweep sweep.yaml --slurm --shards 1 --time 0:01 --trials 400 --out limited \
-  >limited.log 2>limited.err
-[ $? = 1 ] || fail "a sweep that met its time limit did not end with status 1"
-grep -q "shard 1 of 1: TIMEOUT" limited.err || fail "the time limit is not reported"
-[ -s limited/trials.csv ] || fail "trials finished before the time limit are not kept"
+# The end of a shard before its last trial is reported with Slurm's reason. Its finished trials are kept.
+"$pickbed" sweep sweep.yaml --slurm --shards 1 --time 0:20:00 --trials 400 --out ended --json-progress \
+  >ended.log 2>ended.err &
+follower=$!
+wait_for 60 "no finished trial" grep -q '"what":"trial","done":[1-9]' ended.err
+job=$(cat ended/slurm/job_id)
+[ "$(squeue --noheader --array --jobs="$job" --format=%l)" = 20:00 ] || fail "the time limit is not as requested"
+scancel "$job"
+wait $follower
+[ $? = 1 ] || fail "a sweep whose shard was ended did not end with status 1"
+grep -q "shard 1 of 1: CANCELLED" ended.err || fail "the end of the shard is not reported"
+[ -s ended/trials.csv ] || fail "trials that finished before the end are not kept"
 echo "passed"
