@@ -62,7 +62,7 @@ BudgetRuns RerunWithTruth(const BudgetJob& job, const BudgetListener& listener) 
   options.jobs = job.jobs;
   options.resume = true;
   options.retry_crashed = true;
-  options.picture_trials = options.lost_picture_trials = 0;
+  options.picture_trials = options.failure_picture_trials = 0;
   for (const TrialResult& trial : runs.as_run) options.only_trials.push_back(trial.trial);
   for (const OracleRow& row : job.rows) {
     options.out = job.run / kBudgetFolder / row.name;

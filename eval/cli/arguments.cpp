@@ -68,7 +68,7 @@ void AddScenarioArguments(CLI::App& app, ScenarioRequest& request, bool required
       ->capture_default_str();
 }
 
-InputError WithTrainingHint(const InputError& error, const ScenarioRequest& request,
+InputError WithTrainingHint(const InputError& error, const std::string& scenario,
                             const ScenarioSpec& spec) {
   std::string message = error.what(), names;
   bool has_mesh = false;
@@ -81,7 +81,7 @@ InputError WithTrainingHint(const InputError& error, const ScenarioRequest& requ
   if (!has_mesh || message.find("`pickbed train") >= place || place == std::string::npos) {
     return error;
   }
-  return InputError(message.replace(place, names.size(), " --scenario " + request.scenario));
+  return InputError(message.replace(place, names.size(), " --scenario " + scenario));
 }
 
 void AddTrialsArgument(CLI::App& app, ScenarioRequest& request) {
@@ -107,11 +107,15 @@ bool SayIfUnwritten(const std::string& reason) {
   return reason.empty();
 }
 
-void AddLostPicturesArgument(CLI::App& app, int& trials) {
-  app.add_option("--lost-pictures", trials,
-                 "number of bins for which every failed pick gets a small picture for the report")
-      ->check(CLI::Range(0, 1000000))
-      ->capture_default_str();
+void AddFailurePicturesArgument(CLI::App& app, int& trials) {
+  const CLI::Range limits(0, 1000000);
+  CLI::Option* current =
+      app.add_option(
+             "--failure-pictures", trials,
+             "number of bins for which every failed pick gets a small picture for the report")
+          ->check(limits)
+          ->capture_default_str();
+  AddFormerName(app, "--lost-pictures", current, trials)->check(limits);
 }
 
 void AddReportOptions(CLI::App& app, ReportOptions& options, std::string& catalog) {

@@ -9,6 +9,7 @@
 
 #include "eval/layer.h"
 #include "scenes/base/error.h"
+#include "scenes/base/settings_names.h"
 #include "scenes/scenario/find_scenario.h"
 
 namespace pickbed::eval {
@@ -35,10 +36,10 @@ int RunWords(int (*command)(int argc, char** argv), const std::string& name,
 
 // Adds SCENARIO, --set and --catalog. If not `required`, the scenario is the option --scenario.
 void AddScenarioArguments(CLI::App& app, ScenarioRequest& request, bool required = true);
-// Returns the error of a run or estimate of a scenario. If it recommends `pickbed train OBJECTS`
-// and an object has its own mesh, which only the scenario knows, it recommends `pickbed train
-// --scenario FILE` instead.
-InputError WithTrainingHint(const InputError& error, const ScenarioRequest& request,
+// Returns the error of a run or estimate of a scenario (preset name or file). If it recommends
+// `pickbed train OBJECTS` and an object has its own mesh, which only the scenario knows, it
+// recommends `pickbed train --scenario FILE` instead.
+InputError WithTrainingHint(const InputError& error, const std::string& scenario,
                             const ScenarioSpec& spec);
 
 // Adds --trials: number of bins, instead of the number in the scenario.
@@ -58,11 +59,23 @@ void AddToleranceArgument(CLI::App& app, std::vector<std::string>& places);
 // one, as one line on stderr. Returns whether the page was written.
 bool SayIfUnwritten(const std::string& reason);
 
-// Adds --lost-pictures, see eval/sweep/sweep.h.
-void AddLostPicturesArgument(CLI::App& app, int& trials);
+// Adds --failure-pictures, see eval/sweep/sweep.h.
+void AddFailurePicturesArgument(CLI::App& app, int& trials);
 
 // Adds --failures, --views, --animations and --catalog for a report page.
 void AddReportOptions(CLI::App& app, ReportOptions& options, std::string& catalog);
+
+// Adds an earlier name of the option `current` for the same `value`. The help does not show it, and
+// each use is reported in one line.
+template <typename Value>
+CLI::Option* AddFormerName(CLI::App& app, const std::string& former, CLI::Option* current,
+                           Value& value) {
+  return app.add_option(former, value)
+      ->group("")
+      ->excludes(current)
+      ->each([line = "'" + former + "' is deprecated, write '" + current->get_name() +
+                     "'"](const std::string&) { ReportDeprecation(line); });
+}
 
 // Returns `out`, or results/<name><suffix> if `out` is empty.
 std::filesystem::path OutFolder(const std::string& out, const std::string& name,

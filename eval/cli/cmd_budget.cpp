@@ -90,7 +90,12 @@ int BudgetCommand(int argc, char** argv) {
   job.spec = std::move(loaded.spec);
   job.objects = std::move(loaded.objects);
   job.tolerance = MapsFor(job.spec, job.objects, tolerance);
-  const BudgetRuns runs = RerunWithProgress(job);
+  BudgetRuns runs;
+  try {
+    runs = RerunWithProgress(job);
+  } catch (const InputError& error) {
+    throw WithTrainingHint(error, scenario.string(), job.spec);
+  }
   if (runs.interrupted) {
     fmt::print(stderr, "pickbed: stopped; repeat the same command to continue\n");
     return kExitInterrupted;

@@ -37,7 +37,7 @@ int RunCommand(int argc, char** argv) {
                  "number of trials with pictures of each attempt; 0 = none")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
-  AddLostPicturesArgument(app, options.lost_picture_trials);
+  AddFailurePicturesArgument(app, options.failure_picture_trials);
   AddToleranceArgument(app, tolerance);
   app.add_flag("--json", json, "print the summary as JSON on stdout, and nothing else");
   app.footer("Example: pickbed run demo --trials 10 --set estimator.name=oracle --jobs 2");
@@ -51,7 +51,7 @@ int RunCommand(int argc, char** argv) {
   try {
     report = RunWithProgress(scenario, options);
   } catch (const InputError& error) {
-    throw WithTrainingHint(error, arguments, scenario.spec);
+    throw WithTrainingHint(error, arguments.scenario, scenario.spec);
   }
 
   if (json) {

@@ -68,7 +68,7 @@ bool ParseSweepArguments(int argc, char** argv, SweepArguments& a) {
                  "number of bins of each configuration with pictures of each attempt; 0 = none")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
-  AddLostPicturesArgument(app, a.options.lost_picture_trials);
+  AddFailurePicturesArgument(app, a.options.failure_picture_trials);
   app.add_flag("--json", a.json, "print the summary as JSON on stdout, and nothing else");
   AddSlurmArguments(app, a);
   app.footer(
@@ -117,6 +117,20 @@ void Print(const SweepArguments& a, const std::vector<ConfigurationSummary>& con
   }
 }
 
+SweepReport RunWithProgress(const Sweep& sweep, const SweepOptions& options,
+                            const std::string& scenario) {
+  ProgressLine progress;
+  try {
+    return RunSweep(sweep, options, ShowOn(progress, Interrupted));
+  } catch (const InputError& error) {
+    InputError hinted = error;
+    for (const Configuration& configuration : sweep.configurations) {
+      hinted = WithTrainingHint(hinted, scenario, configuration.spec);
+    }
+    throw hinted;
+  }
+}
+
 SlurmReport FollowSlurm(const Sweep& sweep, const SlurmJob& job) {
   ProgressLine progress;
   std::string queue;
@@ -140,7 +154,7 @@ int SweepOnSlurm(const SweepArguments& a, const SweepSpec& spec, const std::file
   job.catalog = a.catalog;
   job.retry_crashed = a.options.retry_crashed;
   job.picture_trials = a.options.picture_trials;
-  job.lost_picture_trials = a.options.lost_picture_trials;
+  job.failure_picture_trials = a.options.failure_picture_trials;
   const Sweep sweep = MakeSweep(spec, out, a.catalog);
   const SlurmReport report = FollowSlurm(sweep, job);
   if (report.stopped) {
@@ -178,12 +192,8 @@ int SweepCommand(int argc, char** argv) {
   if (!a.shard.empty()) options.shard = ParseShard(a.shard);
   if (a.slurm) return SweepOnSlurm(a, spec, options.out);
 
-  SweepReport report;
-  {
-    ProgressLine progress;
-    report =
-        RunSweep(MakeSweep(spec, options.out, a.catalog), options, ShowOn(progress, Interrupted));
-  }
+  const SweepReport report =
+      RunWithProgress(MakeSweep(spec, options.out, a.catalog), options, spec.scenario);
   if (!report.configurations.empty()) Print(a, report.configurations, options.out);
   if (report.interrupted) {
     fmt::print(stderr,

@@ -81,7 +81,8 @@ OptionHelp Described(const CLI::Option& option) {
 CommandHelp Described(CLI::App& app, const std::string& name) {
   CommandHelp help{name, app.get_description(), {}, app.get_footer(), {}};
   for (const CLI::Option* option : app.get_options()) {
-    if (option == app.get_help_ptr() || option->get_name() == kCommonOption) continue;
+    const bool hidden = option->get_group().empty();  // a former name
+    if (option == app.get_help_ptr() || option->get_name() == kCommonOption || hidden) continue;
     help.options.push_back(Described(*option));
   }
   for (CLI::App* subcommand : app.get_subcommands([](CLI::App*) { return true; })) {

@@ -19,7 +19,7 @@ std::string FailureLabel(const FailureRow& row) {
   return fmt::format("{}: {}", StageName(row.stage), row.name);
 }
 
-bool AnyLost(std::span<const ConfigurationReport> configurations, FailureReason failure) {
+bool AnyFailure(std::span<const ConfigurationReport> configurations, FailureReason failure) {
   for (const ConfigurationReport& configuration : configurations) {
     if (configuration.attempts.budget[failure] > 0) return true;
   }
@@ -41,7 +41,7 @@ TableCells FailureTableCells(std::span<const ConfigurationReport> configurations
     cells.push_back(std::move(row));
   };
   for (const FailureRow& row : FailureTable()) {
-    if (row.failure == FailureReason::kNone || !AnyLost(configurations, row.failure)) continue;
+    if (row.failure == FailureReason::kNone || !AnyFailure(configurations, row.failure)) continue;
     add({std::string(StageName(row.stage)), std::string(row.name), std::string(row.help)},
         [&](const BudgetShares& shares) { return RateOf(shares, row.failure); });
   }
@@ -62,7 +62,7 @@ struct FailureBars {
 FailureBars BarsOf(std::span<const ConfigurationReport> configurations) {
   FailureBars bars;
   for (const FailureRow& row : FailureTable()) {
-    if (row.failure == FailureReason::kNone || !AnyLost(configurations, row.failure)) continue;
+    if (row.failure == FailureReason::kNone || !AnyFailure(configurations, row.failure)) continue;
     bars.labels.push_back(FailureLabel(row));
     for (const ConfigurationReport& configuration : configurations) {
       const ReportRate rate = RateOf(configuration.attempts, row.failure);

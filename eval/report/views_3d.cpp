@@ -27,7 +27,7 @@ std::span<const ViewLayer> ViewLayers() {
 std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configurations,
                                     int maximum,
                                     const std::function<bool(const ViewChoice&)>& suits) {
-  std::vector<ViewChoice> lost, picked;
+  std::vector<ViewChoice> failed, picked;
   std::vector<int> earlier_failures;  // number of earlier failures with the same reason
   std::map<FailureReason, int> seen;
   for (size_t p = 0; p < configurations.size(); ++p) {
@@ -39,19 +39,20 @@ std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configu
         if (failure == FailureReason::kNone) {
           picked.push_back({p, t, attempt});
         } else {
-          lost.push_back({p, t, attempt});
+          failed.push_back({p, t, attempt});
           earlier_failures.push_back(seen[failure]++);
         }
       }
     }
   }
-  std::vector<size_t> order(lost.size());
+  std::vector<size_t> order(failed.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(),
                    [&](size_t a, size_t b) { return earlier_failures[a] < earlier_failures[b]; });
   std::vector<ViewChoice> choices;
-  const size_t for_lost = static_cast<size_t>(maximum) - (picked.empty() || maximum == 0 ? 0 : 1);
-  for (size_t i = 0; i < std::min(order.size(), for_lost); ++i) choices.push_back(lost[order[i]]);
+  const size_t for_failed = static_cast<size_t>(maximum) - (picked.empty() || maximum == 0 ? 0 : 1);
+  for (size_t i = 0; i < std::min(order.size(), for_failed); ++i)
+    choices.push_back(failed[order[i]]);
   if (maximum > 0 && !picked.empty()) choices.push_back(picked.front());
   return choices;
 }

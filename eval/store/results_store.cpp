@@ -52,6 +52,13 @@ void UpdateConfigurations(const Database& db, const StoreHead& head) {
   }
 }
 
+std::string CurrentStage(const std::string& stage) {
+  for (const RenamedStage& renamed : kRenamedStages) {
+    if (renamed.was == stage) return std::string(renamed.is);
+  }
+  return stage;
+}
+
 StoreHead OneConfiguration(const std::string& settings) {
   StoredConfiguration configuration;
   configuration.identity = configuration.settings = settings;
@@ -358,7 +365,7 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
     of(row.trial).bands.push_back(row.account);
   }
   for (const TimingRow& row : Select<TimingRow>(db, "timings", range)) {
-    of(row.trial).seconds[row.stage] = row.seconds;
+    of(row.trial).seconds[CurrentStage(row.stage)] = row.seconds;
   }
   return results;
 }

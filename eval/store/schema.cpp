@@ -103,8 +103,9 @@ void RenameToSchema6(const Database& db) {
     }
   }
   if (!db.HasTable("timings")) return;
-  ReplaceValue(db, "timings", "stage", "see", "capture");
-  ReplaceValue(db, "timings", "stage", "estimate/look_alikes", "estimate/ambiguous_poses");
+  for (const RenamedStage& stage : kRenamedStages) {
+    ReplaceValue(db, "timings", "stage", stage.was, stage.is);
+  }
 }
 
 // Columns of schema 4 and 5, whose names are the keys of metrics now.

@@ -9,7 +9,7 @@ namespace pickbed::eval {
 namespace {
 
 void AddFailure(FailureReason failure, FailureBudget& budget) {
-  ++budget.lost.at(static_cast<size_t>(failure));
+  ++budget.failures.at(static_cast<size_t>(failure));
 }
 
 void RequireSum(const char* what, int sum, int expected) {
@@ -19,7 +19,7 @@ void RequireSum(const char* what, int sum, int expected) {
 }
 
 int LostOf(const FailureBudget& budget) {
-  return std::accumulate(budget.lost.begin(), budget.lost.end(), 0);
+  return std::accumulate(budget.failures.begin(), budget.failures.end(), 0);
 }
 
 int ClearedIn(std::span<const TrialResult> trials) {
@@ -54,7 +54,7 @@ BudgetShares SharesOf(std::span<const TrialResult> trials, BudgetMaker make) {
   shares.budget = make(trials);
   shares.picked = ClusterInterval(PickedByTrial(by_trial));
   for (const FailureRow& row : FailureTable()) {
-    shares.lost.at(static_cast<size_t>(row.failure)) = ClusterInterval(
+    shares.failures.at(static_cast<size_t>(row.failure)) = ClusterInterval(
         ClustersOf(by_trial, [&](const FailureBudget& budget) { return budget[row.failure]; }));
   }
   return shares;

@@ -5,7 +5,7 @@
 //
 // - Attempts: every attempt on a bin that holds wanted instances requests one pick. It succeeds or
 //   fails for one reason; an attempt that finds no grasp is a failure.
-// - Instances: every wanted instance that was dropped is picked, lost for one reason, or not
+// - Instances: every wanted instance that was dropped is picked, failed for one reason, or not
 //   requested (eval/trial/instance_outcomes.h). Requested are one instance per attempt, and
 //   instances that a pick removed from the bin as a side effect. If the policy limits the number of
 //   attempts, these are only a few of all instances.
@@ -29,10 +29,10 @@ struct FailureBudget {
   int picked = 0;
   int not_asked = 0;  // only in a budget of instances
   std::array<int, static_cast<size_t>(FailureReason::kPhysicsFailed) + 1>
-      lost{};  // by FailureReason; [kNone] = 0
+      failures{};  // by FailureReason; [kNone] = 0
 
-  int operator[](FailureReason failure) const { return lost.at(static_cast<size_t>(failure)); }
-  int asked() const { return total - not_asked; }  // picked + lost
+  int operator[](FailureReason failure) const { return failures.at(static_cast<size_t>(failure)); }
+  int asked() const { return total - not_asked; }  // picked + failures
   // Returns the number of failures attributed to this stage.
   int Of(Stage stage) const;
 };
@@ -58,10 +58,11 @@ std::vector<Cluster> InstancesByTrial(std::span<const TrialResult> trials);
 struct BudgetShares {
   FailureBudget budget;
   Interval picked;
-  std::array<Interval, std::tuple_size_v<decltype(FailureBudget::lost)>> lost;  // by FailureReason
+  std::array<Interval, std::tuple_size_v<decltype(FailureBudget::failures)>>
+      failures;  // by FailureReason
 
   const Interval& operator[](FailureReason failure) const {
-    return lost.at(static_cast<size_t>(failure));
+    return failures.at(static_cast<size_t>(failure));
   }
 };
 // Computes the budget of the attempts and its intervals. Throws like BudgetOfAttempts().

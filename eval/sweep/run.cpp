@@ -130,7 +130,7 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
   sweep_options.resume = options.resume;
   sweep_options.retry_crashed = options.retry_crashed;
   sweep_options.picture_trials = options.picture_trials;
-  sweep_options.lost_picture_trials = options.lost_picture_trials;
+  sweep_options.failure_picture_trials = options.failure_picture_trials;
   sweep_options.only_trials = options.only_trials;
   TrialOptions trial_options;
   trial_options.truth = options.truth;

@@ -29,7 +29,7 @@ struct RunOptions {
   bool retry_crashed = false;  // repeat the trials that crashed in an earlier call
   int picture_trials = 4;      // trials 0 .. picture_trials - 1 get pictures
   // Later trials below this number get a small picture of each failed pick.
-  int lost_picture_trials = 1000;
+  int failure_picture_trials = 1000;
   std::vector<int> only_trials;  // ascending; empty = all of the scenario
   OracleStages truth;            // stages with ground truth substituted
   ToleranceMaps tolerance;       // of the objects; only used in the reports

@@ -178,10 +178,10 @@ std::string JobScript(const SlurmJob& job) {
   for (std::string word; more >> word;) text += "#SBATCH " + word + "\n";
   text += fmt::format(
       "cd {} || exit 1\nexec {} sweep {} --out {} --catalog {} \\\n  --pictures {} "
-      "--lost-pictures {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --jobs {} --resume{}\n",
+      "--failure-pictures {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --jobs {} --resume{}\n",
       Quoted(job.working_folder.string()), Quoted(job.program.string()),
       Quoted((job.out / kSweepFile).string()), Quoted(job.out.string()), Quoted(job.catalog),
-      job.picture_trials, job.lost_picture_trials, o.shards, o.cpus,
+      job.picture_trials, job.failure_picture_trials, o.shards, o.cpus,
       job.retry_crashed ? " --retry-crashed" : "");
   return text;
 }

@@ -39,7 +39,7 @@ struct SlurmJob {
   std::filesystem::path working_folder;
   std::string catalog;
   bool retry_crashed = false;
-  int picture_trials = 0, lost_picture_trials = 0;  // as in SweepOptions
+  int picture_trials = 0, failure_picture_trials = 0;  // as in SweepOptions
 };
 
 // Returns the content of OUT/slurm/job.sh.

@@ -306,7 +306,7 @@ void SweepOptions::Visit(SettingsVisitor& v) {
   v.Bool("retry_crashed", retry_crashed, "whether to repeat trials that crashed before");
   v.Integer("picture_trials", picture_trials, {0, 1e9},
             "number of scenes of each configuration with pictures");
-  v.Integer("lost_picture_trials", lost_picture_trials, {0, 1e9},
+  v.Integer("failure_picture_trials", failure_picture_trials, {0, 1e9},
             "scenes below this number get a picture of each failed pick");
   v.Group(
       "shard", [this](SettingsVisitor& g) { shard.Visit(g); }, "shard of the trials");

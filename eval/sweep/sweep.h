@@ -86,7 +86,7 @@ struct SweepOptions {
   bool retry_crashed = false;  // repeat the trials that crashed in an earlier call
   int picture_trials = 4;      // scenes 0 .. picture_trials - 1 of each configuration get pictures
   // Later scenes below this number get a small picture of each failed pick.
-  int lost_picture_trials = 1000;
+  int failure_picture_trials = 1000;
   std::vector<int> only_trials;  // ascending; empty = all of the shard
   Shard shard;
   MakeDoTrial make = PickingTrials();

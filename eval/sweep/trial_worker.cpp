@@ -47,7 +47,7 @@ std::string DoItem(Bench& bench, const Configuration& configuration, const Sweep
   PictureOrder pictures{PicturesWanted::kNone, PicturesOf(options.out, trial)};
   if (bin_index < options.picture_trials) {
     pictures.wanted = PicturesWanted::kAll;
-  } else if (bin_index < options.lost_picture_trials) {
+  } else if (bin_index < options.failure_picture_trials) {
     pictures.wanted = PicturesWanted::kOfFailedPicks;
   }
   TrialResult result;

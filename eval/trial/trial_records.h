@@ -58,6 +58,15 @@ inline constexpr RenamedCause kRenamedCauses[] = {
     {"fingers meet a part", "fingers meet an instance"},
     {"palm meets a part", "palm meets an instance"}};
 
+// A stage of the timings whose name has changed. Stored trials can have the former one.
+struct RenamedStage {
+  std::string_view was, is;
+};
+inline constexpr RenamedStage kRenamedStages[] = {
+    {"see", "capture"},
+    {"estimate/look_alikes", "estimate/ambiguous_poses"},
+    {"estimate/suppress", "estimate/non_maximum_suppression"}};
+
 // One image and the pick that followed. Without an executed grasp `grasp` is empty, and `failure`
 // is the reason (kNone if no grasp was requested).
 struct AttemptRecord {

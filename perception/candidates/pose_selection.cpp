@@ -32,8 +32,10 @@ void PoseSelectionOptions::Visit(SettingsVisitor& v) {
   v.Real("min_score", min_score, {0, 1}, "minimum score of a reported pose");
   v.Real("merge_diameters", merge_diameters, {0, 10},
          "pose distance within which poses of one object are merged, diameters");
+  v.RenamedKey("suppress", "non_maximum_suppression");
   v.Group(
-      "suppress", [this](SettingsVisitor& g) { suppress.Visit(g); }, "non-maximum suppression");
+      "non_maximum_suppression", [this](SettingsVisitor& g) { non_maximum_suppression.Visit(g); },
+      "removal of weaker poses that overlap a stronger one");
 }
 
 double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
@@ -61,13 +63,15 @@ std::vector<PoseHypothesis> SelectPoses(const OrganizedCloud& cloud,
     if (!known) kept.push_back(hypothesis);
   }
   // The common colour of an object is estimated from poses of different instances.
-  std::vector<PoseHypothesis> accepted = SuppressNonMaxima(cloud, models, kept, options.suppress);
+  std::vector<PoseHypothesis> accepted =
+      SuppressNonMaxima(cloud, models, kept, options.non_maximum_suppression);
   const CommonColors colors(cloud, models, accepted);
   bool any_odd = false;
   for (PoseHypothesis& hypothesis : kept) any_odd |= colors.LowerIfOdd(hypothesis);
   if (!any_odd && instances.empty()) return accepted;
   std::erase_if(kept, [&](const PoseHypothesis& h) { return h.score < options.min_score; });
-  return SuppressNonMaxima(cloud, models, std::move(kept), options.suppress, instances);
+  return SuppressNonMaxima(cloud, models, std::move(kept), options.non_maximum_suppression,
+                           instances);
 }
 
 }  // namespace pickbed::perception

@@ -18,7 +18,7 @@ struct PoseSelectionOptions {
   double min_score = 0.5;        // poses with a lower score are not reported
   double merge_diameters = 0.1;  // poses of one object within this pose distance are merged
   CandidateMode mode = CandidateMode::kAccurate;
-  NonMaximumSuppressionOptions suppress;
+  NonMaximumSuppressionOptions non_maximum_suppression;
   // Visits all options except `mode`.
   void Visit(SettingsVisitor& v);
 };

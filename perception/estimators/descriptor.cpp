@@ -183,7 +183,7 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
     result.hypotheses = std::move(found.hypotheses);
   } else {
     candidates = finder_->Find(cloud, rng, result.seconds, input.trace);
-    const StageTimer timer(result.seconds, "suppress");
+    const StageTimer timer(result.seconds, "non_maximum_suppression");
     result.hypotheses = SelectPoses(cloud, finder_->candidate_refiner().model_points(),
                                     finder_->candidate_refiner().distances(), verifiers_,
                                     candidates, options_.pose_selection, input.instances);

@@ -46,7 +46,7 @@ FirstPoses FindFirstPoses(const FirstPosesSearch& search, const OrganizedCloud& 
     }
     refiner.Compare(found.candidates, seconds);
     {
-      const StageTimer timer(seconds, "suppress");
+      const StageTimer timer(seconds, "non_maximum_suppression");
       found.hypotheses =
           SelectPoses(cloud, refiner.model_points(), refiner.distances(), search.verifiers,
                       found.candidates, search.pose_selection, input.instances);

@@ -30,7 +30,7 @@ struct FirstPoses {
 // (input.count_reachable), or until all of the foreground is searched. The result has also the less
 // confident poses of the searched regions, since they are obstacles for a grasp. Up is the z axis
 // of the known background, or else towards the camera. Adds times as CandidateFinder::Find() does,
-// and "suppress", "regions" and "reach".
+// and "non_maximum_suppression", "regions" and "reach".
 FirstPoses FindFirstPoses(const FirstPosesSearch& search, const OrganizedCloud& cloud,
                           const EstimatorInput& input, Rng& rng, StageSeconds& seconds);
 

@@ -53,7 +53,7 @@ class PpfEstimator : public PoseEstimator {
           Timed(result.seconds, "icp", [&] { return matcher.Refine(scene, poses, options_.icp); });
       Timed(result.seconds, "verify", [&] { Score(ObjectId(object), cloud, poses, found); });
     }
-    result.hypotheses = Timed(result.seconds, "suppress", [&] {
+    result.hypotheses = Timed(result.seconds, "non_maximum_suppression", [&] {
       return SuppressNonMaxima(cloud, models_, std::move(found), {}, input.instances);
     });
     Timed(result.seconds, "refine",

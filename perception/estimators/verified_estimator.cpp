@@ -21,7 +21,7 @@ class VerifiedEstimator : public PoseEstimator {
     const std::vector<Candidate> candidates = setup_.source->Find(cloud, rng, result.seconds);
     const CandidateRefiner& candidate_refiner = setup_.source->candidate_refiner();
     {
-      const StageTimer timer(result.seconds, "suppress");
+      const StageTimer timer(result.seconds, "non_maximum_suppression");
       result.hypotheses =
           SelectPoses(cloud, candidate_refiner.model_points(), candidate_refiner.distances(),
                       setup_.verifiers, candidates, setup_.pose_selection, input.instances);

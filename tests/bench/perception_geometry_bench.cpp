@@ -165,7 +165,7 @@ void Suppress(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 BENCHMARK(Suppress)
-    ->Name("suppress/hypotheses")
+    ->Name("non_maximum_suppression/hypotheses")
     ->Arg(100)
     ->Arg(1000)
     ->Unit(benchmark::kMillisecond);

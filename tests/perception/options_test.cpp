@@ -66,8 +66,9 @@ TEST(PerceptionOptions, ValuesOutOfRangeAreRefused) {
                            [&](auto& o) { SuppressNonMaxima(cloud, {}, hypotheses, o); })},
       {"merge_diameters",
        Planted<PoseSelectionOptions>([](auto& o) { o.merge_diameters = kNotANumber; }, select)},
-      {"suppress.claim_m",
-       Planted<PoseSelectionOptions>([](auto& o) { o.suppress.claim_m = -1; }, select)},
+      {"non_maximum_suppression.claim_m",
+       Planted<PoseSelectionOptions>([](auto& o) { o.non_maximum_suppression.claim_m = -1; },
+                                     select)},
       {"branching", Planted<NeighborOptions>([](auto& o) { o.branching = 1; },
                                              [](auto& o) { NeighborIndex({}, 1, o); })},
       {"views", Planted<IsolatedOptions>(

@@ -1,7 +1,7 @@
 # Cases of pickbed run.
 
 run_results_do_not_depend_on_jobs() {
-  expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 1 --out one --pictures 0 --lost-pictures 0
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 1 --out one --pictures 0 --failure-pictures 0
   expect 0 "$pickbed" run small.yaml "${small[@]}" --jobs 2 --out two --pictures 1
   grep -q "^A bin of .* l gets 5 objects of .* l in all: .* % of its volume" last.out || fail "it does not say how full the bin is"
   same one/trials.csv two/trials.csv

@@ -147,6 +147,16 @@ TEST_F(CommandsTest, UnknownNamesAreRefusedWithASuggestion) {
   EXPECT_FALSE(std::filesystem::exists(Out())) << "a refused run leaves no folder";
 }
 
+TEST_F(CommandsTest, FormerNamesOfOptionsAreAcceptedWithOneLine) {
+  const std::string missing = (folder_ / "missing.yaml").string();
+  const Outcome former = Pickbed({"run", missing, "--lost-pictures", "3"});
+  EXPECT_THAT(former.err,
+              StartsWith("pickbed: '--lost-pictures' is deprecated, write '--failure-pictures'\n"));
+  EXPECT_THAT(former.err, HasSubstr("missing.yaml")) << "the option was not accepted";
+  ExpectRefused({"run", missing, "--lost-pictures", "-1"}, "--lost-pictures");
+  EXPECT_THAT(Pickbed({"run", "--help"}).out, testing::Not(HasSubstr("--lost-pictures")));
+}
+
 // An object that only the scenario knows is not found by its name.
 TEST_F(CommandsTest, AnUntrainedMeshOfTheScenarioIsTrainedFromTheScenario) {
   File("box.obj",
@@ -156,6 +166,10 @@ TEST_F(CommandsTest, AnUntrainedMeshOfTheScenarioIsTrainedFromTheScenario) {
   ExpectRefused({"run", scenario, "--out", Out(), "--jobs", "1"},
                 "`pickbed train --scenario " + scenario + "`");
   ExpectRefused({"estimate", scenario, "--out", Out()},
+                "`pickbed train --scenario " + scenario + "`");
+  const std::string sweep =
+      File("sweep.yaml", "scenario: mesh.yaml\ngrid: {sensor: [ideal, time_of_flight]}\n");
+  ExpectRefused({"sweep", sweep, "--out", Out(), "--jobs", "1"},
                 "`pickbed train --scenario " + scenario + "`");
 }
 

@@ -280,7 +280,8 @@ TEST_F(PreviousVersion, RenamedValuesAreRead) {
          "UPDATE trials SET ended_by = 'wrong_part' WHERE trial = 0;"
          "UPDATE instances SET missed = 'wrong_part' WHERE trial = 0 AND pick = 0 AND instance = 1;"
          "UPDATE rejections SET cause = 'palm meets a part' WHERE trial = 1 AND cause = 'tilt';"
-         "INSERT INTO timings VALUES (0, 'estimate/look_alikes', 0.25);");
+         "INSERT INTO timings VALUES (0, 'estimate/look_alikes', 0.25), (0, 'estimate/suppress', "
+         "0.5);");
   const std::vector<TrialResult> trials = ResultsStore::OpenToRead(folder_ / "run").ReadAll();
   ASSERT_EQ(trials.size(), 2u);
   EXPECT_EQ(trials[0].attempts.at(1).failure, FailureReason::kDoublePick);
@@ -308,6 +309,8 @@ TEST_F(PreviousVersion, RenamedValuesAreRead) {
   EXPECT_THAT(trials[0].seconds, testing::Not(testing::Contains(testing::Key("see"))));
   EXPECT_THAT(trials[0].seconds,
               testing::Contains(testing::Pair("estimate/ambiguous_poses", 0.25)));
+  EXPECT_THAT(trials[0].seconds,
+              testing::Contains(testing::Pair("estimate/non_maximum_suppression", 0.5)));
 }
 
 TEST_F(PreviousVersion, ReplayGivesTheRecordedStages) {

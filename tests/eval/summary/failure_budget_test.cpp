@@ -106,7 +106,7 @@ TEST(FailureBudget, ThrowsIfTheSharesDoNotSumToTheTotal) {
 TEST(FailureBudget, WithGroundTruthOnlyGraspFailuresAreAllowed) {
   for (const FailureRow& row : FailureTable()) {
     FailureBudget budget;
-    budget.lost[static_cast<size_t>(row.failure)] = 1;
+    budget.failures[static_cast<size_t>(row.failure)] = 1;
     const bool of_perception = row.stage == Stage::kSense || row.stage == Stage::kDetect ||
                                row.stage == Stage::kPose || row.stage == Stage::kRefine;
     if (of_perception) {

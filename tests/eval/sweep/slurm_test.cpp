@@ -45,8 +45,8 @@ TEST(SlurmScript, ContainsOnlyTheOptionsThatAreSet) {
 TEST(SlurmScript, PassesThePictureOptionsToShards) {
   SlurmJob job = SomeJob();
   job.picture_trials = 7;
-  job.lost_picture_trials = 30;
-  EXPECT_THAT(JobScript(job), HasSubstr(" --pictures 7 --lost-pictures 30 "));
+  job.failure_picture_trials = 30;
+  EXPECT_THAT(JobScript(job), HasSubstr(" --pictures 7 --failure-pictures 30 "));
 }
 
 TEST(SlurmScript, QuotesPathsForTheShell) {

@@ -84,7 +84,7 @@ TEST(OcclusionTrial, AttemptAndInstanceBudgetsAgree) {
   const FailureBudget instances = BudgetOfInstances({&result, 1});
   EXPECT_EQ(attempts.total, 3);
   EXPECT_EQ(instances.total, 3);
-  EXPECT_EQ(attempts.lost, instances.lost);
+  EXPECT_EQ(attempts.failures, instances.failures);
 }
 
 TEST(OcclusionTrial, DependsOnlyOnSeedAndTrialNumber) {

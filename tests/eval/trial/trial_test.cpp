@@ -217,7 +217,7 @@ TEST(Trial, CaptureAgainPolicyCountsAttemptsWithoutAGrasp) {
 FailureBudget Both(const TrialResult& trial) {
   FailureBudget sum = BudgetOfAttempts({&trial, 1});
   const FailureBudget instances = BudgetOfInstances({&trial, 1});
-  for (size_t i = 0; i < sum.lost.size(); ++i) sum.lost[i] += instances.lost[i];
+  for (size_t i = 0; i < sum.failures.size(); ++i) sum.failures[i] += instances.failures[i];
   return sum;
 }
 
@@ -236,7 +236,7 @@ TEST(Trial, GroundTruthForAStageRemovesItsFailures) {
       const FailureBudget one = Both(runner.Run(BinIndex(trial)));
       sum.total += one.total;
       sum.picked += one.picked;
-      for (size_t i = 0; i < sum.lost.size(); ++i) sum.lost[i] += one.lost[i];
+      for (size_t i = 0; i < sum.failures.size(); ++i) sum.failures[i] += one.failures[i];
     }
     return sum;
   };

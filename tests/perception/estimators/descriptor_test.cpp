@@ -131,7 +131,7 @@ TEST_F(Descriptor, HypothesesAreRankedScoredAndTimed) {
     }
   }
   for (const char* stage : {"cloud", "patches", "network", "neighbors", "quick", "icp",
-                            "ambiguous_poses", "verify", "suppress", "refine"}) {
+                            "ambiguous_poses", "verify", "non_maximum_suppression", "refine"}) {
     EXPECT_TRUE(result.seconds.contains(stage)) << stage;
   }
 }

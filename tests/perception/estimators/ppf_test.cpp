@@ -73,7 +73,8 @@ TEST_F(BracketsOnATable, FindsMostInstancesAndNoFalsePose) {
     EXPECT_GE(h.score, kMinScore);
     EXPECT_LE(h.score, 1.0);
   }
-  for (const char* stage : {"cloud", "match", "icp", "verify", "suppress", "refine"}) {
+  for (const char* stage :
+       {"cloud", "match", "icp", "verify", "non_maximum_suppression", "refine"}) {
     EXPECT_TRUE(result.seconds.contains(stage)) << stage;
   }
 }
