@@ -14,6 +14,7 @@
 //           |            y points to the reader
 //           v z          approach direction
 
+#include <string>
 #include <vector>
 
 #include "grasp/outcome.h"
@@ -45,6 +46,7 @@ struct Grasp {
   double width_m = 0;
   double score = 0;
   int hypothesis = 0;  // index into PlanInput::poses
+  std::string tool;    // name of the gripper
 };
 
 // Outcome of an executed grasp: measured facts, and the verdict of each success rule.

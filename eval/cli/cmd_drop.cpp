@@ -54,9 +54,9 @@ int DropCommand(int argc, char** argv) {
   WriteFileAtomically(folder / kCertificateFile, CertificateJson(made));
   const ClutterStatistics clutter =
       MeasureClutter(setup, made.scene, bin_index, cell.Capture(made.scene, bin_index, 0));
-  WriteFileAtomically(folder / kClutterFile, ClutterJson(clutter, scenario.spec.gripper));
+  WriteFileAtomically(folder / kClutterFile, ClutterJson(clutter, scenario.spec.gripper.InWords()));
   fmt::print("{}{}wrote {}, {}, {}, color.png and {}\n", CertificateText(made),
-             ClutterText(clutter, scenario.spec.gripper), (folder / kSceneFile).string(),
+             ClutterText(clutter, scenario.spec.gripper.InWords()), (folder / kSceneFile).string(),
              kCertificateFile, kClutterFile, kPictureFile);
   return 0;
 }

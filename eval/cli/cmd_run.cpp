@@ -7,6 +7,9 @@
 #include "eval/runtime/progress.h"
 #include "eval/summary/fill_text.h"
 #include "eval/sweep/run.h"
+#include "grasp/grippers/tools.h"
+#include "sim/convex/convex_pieces.h"
+#include "sim/drop/resting_poses.h"
 
 namespace pickbed::eval {
 namespace {
@@ -14,6 +17,16 @@ namespace {
 RunReport RunWithProgress(const LoadedScenario& scenario, const RunOptions& options) {
   ProgressLine progress;
   return RunScenario(scenario.spec, scenario.objects, options, ShowOn(progress, Interrupted));
+}
+
+std::string UnfitTools(const ScenarioSpec& spec, const ObjectSet& objects) {
+  if (spec.gripper.names.size() == 1) return {};
+  ObjectSet wanted;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (!spec.objects[i].distractor) wanted.push_back(objects[i]);
+  }
+  return UnfitToolsText(WithRestingDirections(WithConvexPieces(wanted)),
+                        LoadTools(spec.gripper.names));
 }
 
 }  // namespace
@@ -57,7 +70,8 @@ int RunCommand(int argc, char** argv) {
   if (json) {
     fmt::print("{}", SummaryJson(report.summary));
   } else {
-    fmt::print("{}\n{}", FillText(scenario.spec, scenario.objects), SummaryTable(report.summary));
+    fmt::print("{}\n{}{}", FillText(scenario.spec, scenario.objects),
+               UnfitTools(scenario.spec, scenario.objects), SummaryTable(report.summary));
     fmt::print("\nresults in {}\n", options.out.string());
   }
   if (report.interrupted) {

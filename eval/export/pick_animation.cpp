@@ -204,10 +204,13 @@ void PickAnimation::OnStage(TrialStage stage, const AttemptState& attempt) {
   MakeFolder(folder_);
   const ObjectSet& objects = attempt.cell.objects();
   WriteFileAtomically(folder_ / PickAnimationName(number),
-                      PickGlb(motion_, objects, attempt.gripper));
+                      PickGlb(motion_, objects, *attempt.gripper));
   ++written_;
   if (!with_gif_) return;
-  if (!movie_) movie_ = std::make_unique<PickMovie>(objects, motion_.scene.bin, attempt.gripper);
+  if (movie_hand_ != attempt.gripper) {
+    movie_ = std::make_unique<PickMovie>(objects, motion_.scene.bin, *attempt.gripper);
+    movie_hand_ = attempt.gripper;
+  }
   WriteFileAtomically(folder_ / fmt::format("attempt_{:02}_pick.gif", number),
                       movie_->Gif(motion_));
 }

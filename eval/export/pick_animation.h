@@ -82,7 +82,8 @@ class PickAnimation : public TrialObserver {
   int written_ = 0;
   bool wanted_ = false;  // the present attempt is to be written
   PickMotion motion_;
-  std::unique_ptr<PickMovie> movie_;  // made at the first pick
+  std::unique_ptr<PickMovie> movie_;     // made at the first pick
+  const Gripper* movie_hand_ = nullptr;  // of movie_
 };
 
 }  // namespace pickbed::eval

@@ -35,6 +35,9 @@ class RowCollector : public SettingsVisitor {
     const std::string kind = choices.empty() ? "text" : fmt::format("{}", fmt::join(choices, ", "));
     Add(key, kind, value.empty() ? kEmptySetting : value, help);
   }
+  void Names(const char* key, std::vector<std::string>& value, const char* help) override {
+    Add(key, "name or list of names", fmt::format("{}", fmt::join(value, ", ")), help);
+  }
   void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
     Add(key, InRange("2 numbers", range),
         fmt::format("[{}, {}]", Number(value.x()), Number(value.y())), help);

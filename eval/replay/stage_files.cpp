@@ -64,7 +64,7 @@ void StageFiles::WriteGrasp(const AttemptState& attempt) {
   const Grasp* grasp = attempt.record.grasp ? &*attempt.record.grasp : nullptr;
   WriteFileAtomically(PathOf(attempt, "scene.glb"),
                       SceneGlb({attempt.scene, attempt.cell.objects(), attempt.record.hypotheses,
-                                grasp, &attempt.gripper, &cloud}));
+                                grasp, attempt.gripper, &cloud}));
 }
 
 }  // namespace pickbed::eval

@@ -247,7 +247,7 @@ std::string SettingsText(const ScenarioSpec& spec, const ObjectCatalog& catalog)
   return fmt::format(
       "Bins of {}; sensor {}, estimator {} ({}), refiner {}, gripper {}, seed {}.{} {}",
       ObjectsInWords(spec), spec.sensor, spec.estimator.name, spec.estimator.mode, spec.refiner,
-      spec.gripper, spec.seed,
+      spec.gripper.InWords(), spec.seed,
       errors.empty() ? "" : fmt::format(" Errors of the cell: {}.", errors), FillOf(spec, catalog));
 }
 

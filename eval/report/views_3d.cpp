@@ -58,7 +58,7 @@ std::vector<ViewChoice> ChooseViews(std::span<const ConfigurationTrials> configu
 }
 
 struct ViewMaker::Impl {
-  std::shared_ptr<const Gripper> gripper;
+  Tools tools;
   std::string success_rule;
   SimulatedCell cell;
   ReportOptions options;
@@ -66,14 +66,14 @@ struct ViewMaker::Impl {
 
 ViewMaker::ViewMaker(const ScenarioSpec& spec, const ObjectSet& objects,
                      const ReportOptions& options)
-    : impl_(new Impl{LoadGripper(spec.gripper), spec.policy.success, SimulatedCell(spec, objects),
-                     options}) {}
+    : impl_(new Impl{LoadTools(spec.gripper.names), spec.policy.success,
+                     SimulatedCell(spec, objects), options}) {}
 
 ViewMaker::~ViewMaker() = default;
 
 std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
   SimulatedCell& cell = impl_->cell;
-  const Scene scene = SceneOfAttempt(trial, number, {cell, *impl_->gripper, impl_->success_rule});
+  const Scene scene = SceneOfAttempt(trial, number, {cell, impl_->tools, impl_->success_rule});
   const AttemptRecord& attempt = trial.attempts[number];
   const Observation view = cell.Capture(scene, trial.bin_index, attempt.attempt);
   const Image<float>& depth_m = view.frame.depth_m;
@@ -83,13 +83,14 @@ std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
   const GlbCloud cloud = ObservedCloud(view.frame, view.calibration.camera.X_WC(), stride_px);
   SceneGlbOptions options;
   options.max_faces = impl_->options.view_triangles;
-  return SceneGlb({.scene = scene,
-                   .objects = cell.objects(),
-                   .hypotheses = attempt.hypotheses,
-                   .grasp = attempt.grasp ? &*attempt.grasp : nullptr,
-                   .gripper = impl_->gripper.get(),
-                   .cloud = impl_->options.cloud_points > 0 ? &cloud : nullptr},
-                  options);
+  return SceneGlb(
+      {.scene = scene,
+       .objects = cell.objects(),
+       .hypotheses = attempt.hypotheses,
+       .grasp = attempt.grasp ? &*attempt.grasp : nullptr,
+       .gripper = &ToolNamed(impl_->tools, attempt.grasp ? attempt.grasp->tool : std::string()),
+       .cloud = impl_->options.cloud_points > 0 ? &cloud : nullptr},
+      options);
 }
 
 }  // namespace pickbed::eval

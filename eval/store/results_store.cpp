@@ -295,9 +295,10 @@ std::vector<CrashedTrial> ResultsStore::Crashed() const {
 std::map<int, Cluster> ResultsStore::Outcomes() const {
   Statement statement(
       impl_->db,
-      "SELECT trial, sum(executed AND failure = ?), sum(executed) FROM attempts GROUP BY "
-      "trial ORDER BY trial");
+      "SELECT trial, sum(executed AND failure = ?), sum(executed OR failure = ?) FROM attempts "
+      "GROUP BY trial ORDER BY trial");
   statement.Bind(1, FailureReason::kNone);
+  statement.Bind(2, FailureReason::kStirred);
   std::map<int, Cluster> outcomes;
   while (statement.Step()) {
     int trial = 0;

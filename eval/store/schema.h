@@ -77,6 +77,7 @@ struct AttemptRow {
     v("grasp_x_wg", grasp.X_WG);
     v("grasp_width_m", grasp.width_m);
     v("grasp_score", grasp.score);
+    v("grasp_tool", grasp.tool);
     v("success", outcome.success);
     v("physical_failure", outcome.failure);
     v("picked_instance", outcome.picked_instance);

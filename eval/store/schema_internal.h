@@ -10,7 +10,7 @@
 
 namespace pickbed::eval {
 
-inline constexpr int kSchemaVersion = 7;        // 7: drawn errors of the cell
+inline constexpr int kSchemaVersion = 8;        // 8: gripper of each grasp
 inline constexpr int kOldestSchemaVersion = 4;  // oldest version that can be migrated
 
 // Calls visit.template operator()<Row>("table") for each table whose rows belong to a trial.

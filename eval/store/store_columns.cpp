@@ -82,6 +82,7 @@ constexpr Description kColumns[] = {
     {"attempts.grasp_x_wg", "pose of the hand in the world, 3x4 matrix, row by row", "m"},
     {"attempts.grasp_width_m", "distance between the contacts"},
     {"attempts.grasp_score", "rank value of the grasp"},
+    {"attempts.grasp_tool", "gripper of the executed grasp; empty in files of earlier versions"},
     {"attempts.success", "1 if the grasp succeeded by the rule of the scenario"},
     {"attempts.physical_failure", "failure reason of the executed grasp"},
     {"attempts.picked_instance", "instance in the hand at the end, -1 = none"},

@@ -13,7 +13,9 @@ namespace pickbed::eval {
 
 // Mean times per picked instance. The times of failed attempts are distributed over the picks.
 struct CycleTime {
-  double sense_s = 0, compute_s = 0, move_s = 0;
+  double sense_s = 0, compute_s = 0;
+  double move_s = 0;     // with the tool changes
+  int tool_changes = 0;  // grasps with another gripper than the grasp before
   // True if compute_s was measured on this machine. It must not go into a results file then.
   bool measured = false;
   double pick_s() const { return sense_s + compute_s + move_s; }

@@ -28,7 +28,7 @@ struct FailureBudget {
   int total = 0;
   int picked = 0;
   int not_asked = 0;  // only in a budget of instances
-  std::array<int, static_cast<size_t>(FailureReason::kPhysicsFailed) + 1>
+  std::array<int, static_cast<size_t>(FailureReason::kStirred) + 1>
       failures{};  // by FailureReason; [kNone] = 0
 
   int operator[](FailureReason failure) const { return failures.at(static_cast<size_t>(failure)); }

@@ -129,6 +129,7 @@ ResultColumns AttemptsColumns() {
       },
       columns);
   AddColumns(MetricColumns::AtEnd(MetricUnits::kShown).Columns(), columns);
+  columns.push_back({"tool", "gripper of the executed grasp"});
   return columns;
 }
 

@@ -53,7 +53,7 @@ std::string TrialsCsv(const std::vector<TrialResult>& trials,
   for (const TrialResult& t : trials) {
     int executed_grasps = 0, successes = 0;
     for (const AttemptRecord& attempt : t.attempts) {
-      executed_grasps += attempt.grasp.has_value();
+      executed_grasps += UsedHand(attempt);
       successes += attempt.grasp && attempt.failure == FailureReason::kNone;
     }
     add_crashed_before(t.trial);
@@ -88,12 +88,12 @@ std::string AttemptsCsv(const std::vector<TrialResult>& trials,
       } else {
         csv += ",,," + placed.EmptyCells() + ",,";
       }
-      csv +=
-          fmt::format("{},{},{},{},{}{}{}{}{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
-                      FailureName(attempt.failure), 1e3 * attempt.outcome.slip_m,
-                      kDegreesPerRadian * attempt.outcome.in_hand_rotation_error_rad,
-                      attempt.outcome.neighbors_displaced, OutcomeCells(attempt), pose,
-                      ErrorCells(attempt.errors), cells_at_end);
+      csv += fmt::format(
+          "{},{},{},{},{}{}{}{}{},{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
+          FailureName(attempt.failure), 1e3 * attempt.outcome.slip_m,
+          kDegreesPerRadian * attempt.outcome.in_hand_rotation_error_rad,
+          attempt.outcome.neighbors_displaced, OutcomeCells(attempt), pose,
+          ErrorCells(attempt.errors), cells_at_end, attempt.grasp ? attempt.grasp->tool : "");
     }
   }
   return csv;

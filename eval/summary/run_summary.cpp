@@ -28,7 +28,12 @@ void CountAttempt(const AttemptRecord& attempt, RunSummary& summary) {
     ++summary.frames;
     summary.top1_correct += attempt.hypotheses.front().correct;
   }
-  summary.executed_grasps += attempt.grasp.has_value();
+  summary.executed_grasps += UsedHand(attempt);
+  if (attempt.grasp) {
+    ToolCount& tool = summary.tools[attempt.grasp->tool];
+    ++tool.executed_grasps;
+    tool.successes += attempt.failure == FailureReason::kNone;
+  }
   summary.successes += attempt.grasp && attempt.failure == FailureReason::kNone;
   // An attempt without an executed grasp counts as a failure.
   if (attempt.failure != FailureReason::kNone)
@@ -255,6 +260,14 @@ std::string SummaryJson(const RunSummary& s) {
   if (s.target_recall.samples > 0) {
     json["target_recall"] = RateObject("targets", "recalled", s.target_recall);
   }
+  if (s.tools.size() > 1) {
+    for (const auto& [name, tool] : s.tools) {
+      json["tools"][name] = {{"executed_grasps", tool.executed_grasps},
+                             {"successes", tool.successes},
+                             {"rate", Ratio(tool.successes, tool.executed_grasps)}};
+    }
+    json["tool_changes"] = s.cycle.tool_changes;
+  }
   auto& in_view = json["in_view"] = nlohmann::ordered_json::object();
   const std::vector<std::string> names = InViewNames();
   for (size_t i = 0; i < names.size(); ++i) in_view[names[i]] = s.in_view[i];
@@ -335,6 +348,14 @@ std::string SummaryTable(const RunSummary& s) {
   if (has_targets) rate("targets picked", s.attempts_picked, AttemptsText(s));
   rate("success rate", {s.successes, s.executed_grasps, s.success_ci95},
        fmt::format("{} of {} executed grasps", s.successes, s.executed_grasps));
+  if (s.tools.size() > 1) {
+    for (const auto& [name, tool] : s.tools) {
+      line("  with " + name, fmt::format("{}  {} of {} executed grasps",
+                                         PercentText(Ratio(tool.successes, tool.executed_grasps)),
+                                         tool.successes, tool.executed_grasps));
+    }
+    line("  tool changes", fmt::format("{}", s.cycle.tool_changes));
+  }
   if (s.stop) line("early stop", StopText(*s.stop));
   if (!has_targets) {
     if (s.attempts_picked.samples > s.executed_grasps) {

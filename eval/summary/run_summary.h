@@ -47,10 +47,16 @@ std::vector<std::string> InViewNames();
 // Returns the element of RunSummary::in_view that counts an instance.
 size_t InViewIndex(double visible_fraction);
 
+// Executed grasps with one gripper.
+struct ToolCount {
+  int executed_grasps = 0, successes = 0;
+};
+
 // Statistics of a run. Scenes are the units of the intervals (see ClusterInterval), because picks
 // of one bin are not independent.
 struct RunSummary {
-  int trials = 0, executed_grasps = 0, successes = 0;
+  int trials = 0;
+  int executed_grasps = 0, successes = 0;  // a stir of the bin counts as a failed grasp
   double success_rate = 0;
   Interval success_ci95;
   std::array<RuleRate, kSuccessRules> by_rule;  // the same executed grasps, judged by each rule
@@ -71,11 +77,12 @@ struct RunSummary {
   std::vector<RecallBand> recall_by_visibility;
   std::vector<Interval> recall_ci95;  // one per band
   std::vector<TrialRefusal> refused;
-  std::vector<CrashedTrial> crashed;    // not part of any other count
-  std::optional<StopState> stop;        // set if the run may stop early
-  std::vector<BandStatistics> bands;    // only for occlusion trials, else empty
-  std::map<std::string, int> failures;  // failure reason -> number of attempts
-  std::vector<PickForecast> forecasts;  // empty without tolerance models
+  std::vector<CrashedTrial> crashed;       // not part of any other count
+  std::optional<StopState> stop;           // set if the run may stop early
+  std::vector<BandStatistics> bands;       // only for occlusion trials, else empty
+  std::map<std::string, ToolCount> tools;  // by gripper; stirs are not included
+  std::map<std::string, int> failures;     // failure reason -> number of attempts
+  std::vector<PickForecast> forecasts;     // empty without tolerance models
   CycleTime cycle;
   StageSeconds seconds;  // mean per trial, by stage
 };

@@ -52,7 +52,7 @@ OverlayInput OverlayOf(const AttemptState& attempt, const sim::Picture& picture)
                      OverlayPoses(*attempt.hypotheses)};
   if (const std::optional<Grasp>& grasp = attempt.record.grasp) {
     input.hand.emplace(
-        OverlayHand{attempt.gripper, picture.camera.X_CW() * grasp->X_WG, grasp->width_m});
+        OverlayHand{*attempt.gripper, picture.camera.X_CW() * grasp->X_WG, grasp->width_m});
     input.poses.at(grasp->hypothesis).chosen = true;
   }
   input.ids = &picture.ids;

@@ -6,7 +6,7 @@
 #include "eval/summary/result_files.h"
 #include "eval/sweep/run.h"
 #include "eval/tolerance/pick_forecast.h"
-#include "grasp/grippers/table.h"
+#include "grasp/grippers/tools.h"
 #include "scenes/base/error.h"
 #include "scenes/scenario/find_scenario.h"
 
@@ -19,7 +19,8 @@ std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const st
   arguments.scenario = (folder / kScenarioFile).string();
   arguments.catalog = catalog;
   const LoadedScenario scenario = FindScenario(arguments);
-  const std::string of_run = LoadGripper(scenario.spec.gripper)->name;
+  const Tools tools = LoadTools(scenario.spec.gripper.names);
+  const std::string of_run = tools.size() == 1 ? tools[0]->name : scenario.spec.gripper.InWords();
   CheckInput(of_run == gripper, fmt::format("{}: picked with gripper {}, but the map is for {}",
                                             folder.string(), of_run, gripper));
   CheckInput(store.head().identity == RunIdentity(scenario.spec, scenario.objects),

@@ -77,16 +77,17 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
   WithSettingsKey(spec, "policy.ranking", [&] { RankingNamed(spec.policy.ranking); });
   WithSettingsKey(spec, "policy.success", [&] { DecidingRule(spec.policy.success); });
   // Contents of files that the settings refer to by name.
-  const auto gripper = WithSettingsKey(spec, "gripper", [&] { return LoadGripper(spec.gripper); });
+  const Tools tools =
+      WithSettingsKey(spec, "gripper", [&] { return LoadTools(spec.gripper.names); });
   WithSettingsKey(spec, "gripper", [&] {
-    RequireFitsBin(*gripper, BinOf(spec));
+    for (const auto& tool : tools) RequireFitsBin(*tool, BinOf(spec));
     for (size_t i = 0; i < objects.size(); ++i) {
-      if (!spec.objects[i].distractor) RequireCanCarry(*gripper, *objects[i]);
+      if (!spec.objects[i].distractor) RequireSomeToolCarries(tools, *objects[i]);
     }
   });
   SensorProfile sensor =
       WithSettingsKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); });
-  text += gripper->SettingsText();
+  for (const auto& tool : tools) text += tool->SettingsText();
   text += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
   for (const auto& object : objects) {
     text += fmt::format("# part {} is {:016x}\n", object->name, ObjectHash(*object));

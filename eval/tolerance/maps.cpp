@@ -124,7 +124,13 @@ std::optional<double> ToleranceMaps::PickChance(const HypothesisRecord& hypothes
 ToleranceMaps MapsFor(const ScenarioSpec& spec, const ObjectSet& objects,
                       const std::vector<std::string>& places) {
   if (places.empty()) return {};
-  const auto gripper = WithSettingsKey(spec, "gripper", [&] { return LoadGripper(spec.gripper); });
+  const auto gripper = WithSettingsKey(spec, "gripper", [&] {
+    CheckInput(
+        spec.gripper.names.size() == 1,
+        fmt::format("= {}: a tolerance map is for one gripper; name one, or leave out the maps",
+                    spec.gripper.InWords()));
+    return LoadGripper(spec.gripper.names[0]);
+  });
   return ToleranceMaps(places, objects, gripper->name);
 }
 

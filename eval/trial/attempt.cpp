@@ -7,6 +7,7 @@
 #include "eval/trial/observer.h"
 #include "eval/trial/oracle_estimator.h"
 #include "eval/trial/pose_matching.h"
+#include "grasp/execute/stir.h"
 #include "scenes/base/random.h"
 
 namespace pickbed::eval {
@@ -84,6 +85,17 @@ Scene Execute(const TrialSetup& setup, LiveTrial& trial, AttemptRecord& record) 
   return std::move(executed.after);
 }
 
+// Stirs the bin with the mounted tool and returns the scene after it.
+Scene Stir(const TrialSetup& setup, const AttemptTask& task, LiveTrial& trial,
+           AttemptRecord& record) {
+  const StageTimer timer(trial.seconds, "execute");
+  ExecuteResult stirred = StirBin(trial.scene, trial.objects, *setup.tools.front(), task.stir);
+  record.outcome = stirred.outcome;
+  record.failure = FailureReason::kStirred;
+  trial.failed.Clear();  // the stir moved the instances
+  return std::move(stirred.after);
+}
+
 }  // namespace
 
 AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& trial) {
@@ -92,7 +104,7 @@ AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& 
   record.target = task.target;
   record.band = task.band;
   record.errors = setup.cell.ErrorsOf(trial.bin_index, task.attempt);
-  AttemptState state{trial.bin_index, setup.cell, *setup.gripper, trial.scene, record};
+  AttemptState state{trial.bin_index, setup.cell, setup.tools.front().get(), trial.scene, record};
   const auto reach = [&](TrialStage stage) { ReachStage(stage, state, record, trial.observer); };
 
   reach(TrialStage::kScene);
@@ -110,9 +122,11 @@ AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& 
       Rng::Derive(setup.spec.seed, trial.bin_index, fmt::format("plan/{}", task.attempt)).Next();
   record.grasp = ChooseGrasp(setup, {trial.scene, trial.objects}, view, trial.failed, plan_seed,
                              record, trial.seconds);
+  if (record.grasp) state.gripper = &ToolNamed(setup.tools, record.grasp->tool);
   reach(TrialStage::kGrasp);
   Scene after = record.grasp ? Execute(setup, trial, record) : trial.scene;
   record.failure = AttributeFailure(record, hypotheses, setup.options.match_diameters, truth);
+  if (!record.grasp && task.stir >= 0) after = Stir(setup, task, trial, record);
   trial.scene = std::move(after);
   reach(TrialStage::kOutcome);
   return record;

@@ -28,6 +28,7 @@ struct AttemptTask {
   int attempt = 0;
   InstanceId target = kNoInstance;  // instance, -1 = any
   int band = -1;                    // band of the target's visible fraction, -1 = none
+  int stir = -1;  // number of the stir in its trial if no grasp is found, -1 = do not stir
 };
 
 // Runs one attempt on trial.scene and replaces the scene by the one after the pick. Adds the stage

@@ -25,15 +25,17 @@ ClutterStatistics MeasureClutter(const TrialSetup& setup, const Scene& scene, Bi
     if (view.visible_fractions[i] < kCountedVisibility) continue;
     ++clutter.counted;
     const int target = static_cast<int>(i);
-    const PlanResult plan = PlanGrasps({setup.cell.bin(),
-                                        poses,
-                                        setup.candidates,
-                                        {},
-                                        setup.cell.objects(),
-                                        *setup.gripper,
-                                        {&target, 1}},
-                                       options);
-    clutter.graspable += !plan.grasps.empty();
+    std::vector<PlanInput> inputs;
+    for (size_t k = 0; k < setup.tools.size(); ++k) {
+      inputs.push_back({setup.cell.bin(),
+                        poses,
+                        setup.candidates[k],
+                        {},
+                        setup.cell.objects(),
+                        *setup.tools[k],
+                        {&target, 1}});
+    }
+    clutter.graspable += !PlanWithTools(inputs, options).grasps.empty();
   }
   return clutter;
 }

@@ -66,7 +66,7 @@ std::vector<int> ScenesOf(std::span<const TrialResult> trials) {
 TrialCount SuccessOfAttempts() {
   return [](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
-      scene.samples += attempt.grasp.has_value();
+      scene.samples += UsedHand(attempt);
       scene.hits += attempt.grasp && attempt.failure == FailureReason::kNone;
     }
   };
@@ -75,7 +75,7 @@ TrialCount SuccessOfAttempts() {
 TrialCount SuccessByRule(SuccessRule rule) {
   return [rule](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
-      scene.samples += attempt.grasp.has_value();
+      scene.samples += UsedHand(attempt);
       scene.hits += attempt.grasp && attempt.outcome.verdicts[static_cast<int>(rule)];
     }
   };

@@ -50,15 +50,26 @@ void MoveToAssumedBin(const CellCalibration& calibration, std::vector<EstimatedP
   for (Eigen::Vector3d& point : cloud_W) point = X_BW * point;
 }
 
+// Inputs of the planner in the bin that the cell assumes, one per tool. References to the arguments
+// are kept.
+std::vector<PlanInput> InputsOf(const TrialSetup& setup, std::span<const EstimatedPose> poses,
+                                std::span<const Eigen::Vector3d> cloud_W,
+                                std::span<const int> targets) {
+  std::vector<PlanInput> inputs;
+  for (size_t k = 0; k < setup.tools.size(); ++k) {
+    inputs.push_back({setup.cell.bin(), poses, setup.candidates[k], cloud_W, setup.cell.objects(),
+                      *setup.tools[k], targets});
+  }
+  return inputs;
+}
+
 // Plans in the bin that the cell assumes, and returns the grasps in the world.
 PlanResult PlanInAssumedBin(const TrialSetup& setup, const CellCalibration& calibration,
                             const PlannedPoses& on, std::vector<Eigen::Vector3d> cloud_W,
                             const PlanOptions& options) {
   std::vector<EstimatedPose> poses = on.poses;
   MoveToAssumedBin(calibration, poses, cloud_W);
-  PlanResult plan = PlanGrasps({setup.cell.bin(), poses, setup.candidates, cloud_W,
-                                setup.cell.objects(), *setup.gripper, on.graspable},
-                               options);
+  PlanResult plan = PlanWithTools(InputsOf(setup, poses, cloud_W, on.graspable), options);
   if (!calibration.X_WB) return plan;
   for (Grasp& grasp : plan.grasps) grasp.X_WG = *calibration.X_WB * grasp.X_WG;
   return plan;
@@ -117,7 +128,8 @@ void GraspMemory::Remember(const Grasp& grasp, const EstimatedPose& pose,
   if (outcome.success) {
     for (FailedGrasp& old : failed_) old.picked_since = true;
   } else {
-    failed_.push_back({pose.object, pose.X_WO.translation(), grasp.X_WG.linear().col(2)});
+    failed_.push_back(
+        {pose.object, grasp.tool, pose.X_WO.translation(), grasp.X_WG.linear().col(2)});
   }
 }
 
@@ -129,6 +141,7 @@ std::vector<Grasp> GraspMemory::WithoutRepetitions(const std::vector<Grasp>& gra
     return std::any_of(failed_.begin(), failed_.end(), [&](const FailedGrasp& old) {
       const double cosine = old.approach_W.dot(grasp.X_WG.linear().col(2));
       return !(only_since_last_pick && old.picked_since) && old.object == pose.object &&
+             old.tool == grasp.tool &&
              (old.position_W - pose.X_WO.translation()).norm() < options.retry_radius_m &&
              std::acos(std::clamp(cosine, -1.0, 1.0)) < options.retry_angle_rad;
     });
@@ -160,7 +173,7 @@ ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Gr
                        const HypothesisRecord& hypothesis, const AttemptErrors& errors,
                        const MotionListener& on_step) {
   const InstanceId matched = MatchedInstance(hypothesis, setup.options.match_diameters);
-  return ExecuteWithErrors(truth, grasp, *setup.gripper,
+  return ExecuteWithErrors(truth, grasp, ToolNamed(setup.tools, grasp.tool),
                            {matched, hypothesis.object, hypothesis.X_WO}, setup.execute, errors,
                            on_step);
 }
@@ -175,9 +188,8 @@ int CountReachable(const TrialSetup& setup, const Observation& view,
   std::vector<Eigen::Vector3d> cloud_W =
       ObservedPoints(view.frame, X_WC, setup.options.cloud_stride_px);
   MoveToAssumedBin(view.calibration, estimated, cloud_W);
-  return grasp::CountReachable({setup.cell.bin(), estimated, setup.candidates, cloud_W,
-                                setup.cell.objects(), *setup.gripper},
-                               wanted, RankedOptions(setup, 0));
+  return grasp::CountReachable(InputsOf(setup, estimated, cloud_W, {}), wanted,
+                               RankedOptions(setup, 0));
 }
 
 std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth,

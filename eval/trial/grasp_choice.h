@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "eval/trial/trial_records.h"
@@ -31,6 +32,7 @@ class GraspMemory {
  private:
   struct FailedGrasp {
     ObjectId object{0};
+    std::string tool;
     Eigen::Vector3d position_W = Eigen::Vector3d::Zero();
     Eigen::Vector3d approach_W = Eigen::Vector3d::UnitZ();
     bool picked_since = false;  // another instance was picked after the failure

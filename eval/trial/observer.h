@@ -18,7 +18,7 @@ namespace pickbed::eval {
 struct AttemptState {
   BinIndex bin_index{0};  // random streams of the trial derive from it
   SimulatedCell& cell;
-  const Gripper& gripper;
+  const Gripper* gripper;             // from kGrasp on: the tool of the grasp
   const Scene& scene;                 // from kOutcome on: after the pick
   const AttemptRecord& record;        // with the hashes of the stages so far
   const Observation* view = nullptr;  // from kImage on

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "eval/trial/stage_hash.h"
+#include "grasp/execute/stir.h"
 #include "grasp/outcome.h"
 #include "scenes/base/error.h"
 
@@ -36,11 +37,16 @@ Scene AfterThePicksBefore(const TrialResult& trial, size_t attempt, const Attemp
   options.rule = DecidingRule(setup.success_rule);
   Scene scene = setup.cell.MakeScene(trial.bin_index).scene;
   const ObjectSet objects = setup.cell.TrueObjects(trial.bin_index);
+  int stirs = 0;
   for (size_t i = 0; i < attempt; ++i) {
     const AttemptRecord& earlier = trial.attempts[i];
+    if (earlier.failure == FailureReason::kStirred) {
+      scene = StirBin(scene, objects, *setup.tools.front(), stirs++).after;
+    }
     if (!earlier.grasp) continue;
     const HypothesisRecord& estimated = earlier.hypotheses.at(earlier.chosen);
-    scene = ExecuteWithErrors({scene, objects}, *earlier.grasp, setup.gripper,
+    scene = ExecuteWithErrors({scene, objects}, *earlier.grasp,
+                              ToolNamed(setup.tools, earlier.grasp->tool),
                               {earlier.matched_instance, estimated.object, estimated.X_WO}, options,
                               earlier.errors)
                 .after;

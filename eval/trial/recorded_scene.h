@@ -8,14 +8,14 @@
 
 #include "eval/cell/simulated_cell.h"
 #include "eval/trial/trial.h"
-#include "grasp/gripper.h"
+#include "grasp/grippers/tools.h"
 
 namespace pickbed::eval {
 
 // The simulation of the scenario that the recorded trial ran in.
 struct AttemptSetup {
   SimulatedCell& cell;
-  const Gripper& gripper;
+  const Tools& tools;
   std::string success_rule;  // PolicySpec::success
 };
 

@@ -48,15 +48,22 @@ TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* obser
   const PolicyRow& row = PolicyNamed(policy.stop);
   const int max_attempts = row.max_attempts > 0 ? row.max_attempts : policy.max_attempts;
   PolicyState state;
+  int stirs = 0, without_grasp = 0;  // attempts in a row
   while (result.ended_by == FailureReason::kNone && setup.cell.WantedIn(trial.scene) > 0 &&
          (max_attempts == 0 || state.attempts < max_attempts)) {
-    result.attempts.push_back(RunAttempt(setup, {state.attempts}, trial));
+    AttemptTask task{state.attempts};
+    const bool may_stir = stirs < policy.stir.max;
+    if (may_stir && without_grasp + 1 >= policy.stir.after) task.stir = stirs;
+    result.attempts.push_back(RunAttempt(setup, task, trial));
     const AttemptRecord& attempt = result.attempts.back();
     const bool picked = attempt.failure == FailureReason::kNone;
     result.instances_cleared += picked;
     ReportProgress(setup, result);
     ++state.attempts;
-    state.grasp_found = attempt.grasp.has_value();
+    const bool stirred = attempt.failure == FailureReason::kStirred;
+    stirs += stirred;
+    without_grasp = attempt.grasp || stirred ? 0 : without_grasp + 1;
+    state.grasp_found = UsedHand(attempt) || may_stir;
     state.failures_in_row = picked ? 0 : state.failures_in_row + 1;
     if (row.gives_up(state, policy)) result.ended_by = attempt.failure;
   }

@@ -85,6 +85,12 @@ struct AttemptRecord {
   StageHashes hashes;
 };
 
+// Returns whether the hand moved in the bin: it executed a grasp, or stirred. Only these attempts
+// count in the success rate and cost a motion.
+inline bool UsedHand(const AttemptRecord& attempt) {
+  return attempt.grasp.has_value() || attempt.failure == FailureReason::kStirred;
+}
+
 struct TrialResult {
   int trial = 0;          // number in its results store
   int configuration = 0;  // of the sweep, 0 in a plain run

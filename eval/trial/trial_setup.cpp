@@ -2,8 +2,6 @@
 
 #include "eval/trial/oracle_estimator.h"
 #include "grasp/candidates/candidates.h"
-#include "grasp/grippers/requirements.h"
-#include "grasp/grippers/table.h"
 #include "grasp/plan/plan.h"
 #include "scenes/scenario/policy.h"
 
@@ -27,7 +25,8 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
       options(trial_options),
       on_progress(progress),
       cell(scenario, objects),
-      gripper(WithSettingsKey(scenario, "gripper", [&] { return LoadGripper(scenario.gripper); })) {
+      tools(
+          WithSettingsKey(scenario, "gripper", [&] { return LoadTools(scenario.gripper.names); })) {
   CheckSettings("TrialOptions", options);
   WithSettingsKey(scenario, "policy.stop", [&] { PolicyNamed(scenario.policy.stop); });
   WithSettingsKey(scenario, "policy.ranking", [&] { RankingNamed(scenario.policy.ranking); });
@@ -40,13 +39,18 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   if (truth.pose && !truth.refinement && scenario.estimator.name != kOracleName) {
     refiner = std::make_unique<OracleRefiner>(cell.objects(), scenario.refiner);
   }
+  candidates.resize(tools.size());
   for (size_t i = 0; i < cell.objects().size(); ++i) {
     const ObjectModel& model = *cell.objects()[i];
     metric_models.push_back(MakeMetricModel(model));
-    candidates.emplace_back();
+    for (auto& by_object : candidates) by_object.emplace_back();
     if (!cell.IsWanted(ObjectId(i))) continue;
-    WithSettingsKey(scenario, "gripper",
-                    [&] { candidates.back() = RequireCandidates(model, *gripper); });
+    WithSettingsKey(scenario, "gripper", [&] {
+      ToolCandidates of_object = RequireToolCandidates(model, tools);
+      for (size_t k = 0; k < tools.size(); ++k) {
+        candidates[k].back() = std::move(of_object.by_tool[k]);
+      }
+    });
   }
 }
 

@@ -14,6 +14,7 @@
 #include "grasp/execute/execute.h"
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
+#include "grasp/grippers/tools.h"
 #include "scenes/base/settings.h"
 #include "scenes/scenario/scenario_spec.h"
 
@@ -50,10 +51,11 @@ struct TrialSetup {
   TrialOptions options;
   Progress on_progress;
   SimulatedCell cell;
-  std::shared_ptr<const Gripper> gripper;
+  Tools tools;
   ExecuteOptions execute;
-  std::vector<MetricModel> metric_models;               // by object
-  std::vector<std::vector<GraspCandidate>> candidates;  // by object; none for distractors
+  std::vector<MetricModel> metric_models;  // by object
+  // By tool and object; none for distractors and for objects that the tool cannot hold.
+  std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
   std::unique_ptr<EstimatorRunner> estimator;  // null: the oracle, or all of perception is given
   std::unique_ptr<OracleRefiner> refiner;      // refines substituted poses; may be null
 };

@@ -4,36 +4,64 @@
 #include <cmath>
 #include <limits>
 
+#include "grasp/place/boxes_apart.h"
+#include "scenes/geometry/triangle_mesh.h"
+
 namespace pickbed::grasp {
 
 using Eigen::Vector3d;
 
 void AttemptWorldOptions::Visit(SettingsVisitor& v) {
   v.Real("near_m", near_m, {-1, 10},
-         "distance beyond the target's diameter from which instances are static, m");
+         "distance from target and hand from which instances are static, m");
   v.Bool("all_active", all_active, "whether all instances move and start awake; slow");
   v.Real("lost_below_m", lost_below_m, {0.01, 100},
          "depth below the floor at which instances are removed, m");
 }
 
-AttemptWorld::AttemptWorld(const Scene& scene, const ObjectSet& objects, const Vector3d& grasp_W,
-                           InstanceId instance, const AttemptWorldOptions& options,
-                           const PhysicsOptions& physics)
+namespace {
+
+// Box of each object in its frame.
+std::vector<AxisAlignedBox> BoxesOf(const ObjectSet& objects) {
+  std::vector<AxisAlignedBox> boxes;
+  for (const auto& object : objects) {
+    const Bounds bounds = MeshBounds(object->mesh_O);
+    boxes.push_back({0.5 * (bounds.min + bounds.max), 0.5 * bounds.size()});
+  }
+  return boxes;
+}
+
+AxisAlignedBox Grown(AxisAlignedBox box, double by_m) {
+  box.half_size = (box.half_size.array() + by_m).max(0);
+  return box;
+}
+
+}  // namespace
+
+AttemptWorld::AttemptWorld(const Scene& scene, const ObjectSet& objects, const Pose& X_WG,
+                           std::span<const AxisAlignedBox> hand_G, InstanceId instance,
+                           const AttemptWorldOptions& options, const PhysicsOptions& physics)
     : scene_(scene), objects_(objects), lost_below_m_(options.lost_below_m), physics_(physics) {
   CheckSettings("AttemptWorldOptions", options);
   physics_.AddBin(scene.bin);
-  const int reference = ReferenceInstance(grasp_W, instance);
+  const int reference = ReferenceInstance(X_WG.translation(), instance);
   if (reference >= 0) reference_diameter_m_ = ModelOf(reference).diameter_m;
-  const Vector3d reference_center =
-      reference < 0 ? grasp_W : Center(reference, scene.objects[reference].X_WO);
+  const std::vector<AxisAlignedBox> boxes_O = BoxesOf(objects);
+  const auto is_near = [&](const PosedObject& posed) {
+    const AxisAlignedBox box_O = Grown(boxes_O[posed.object], options.near_m);
+    const Pose X_OW = posed.X_WO.inverse();
+    if (reference >= 0) {
+      const PosedObject& target = scene.objects[reference];
+      if (!BoxesApart(box_O, boxes_O[target.object], X_OW * target.X_WO)) return true;
+    }
+    return std::any_of(hand_G.begin(), hand_G.end(), [&](const AxisAlignedBox& box_G) {
+      return !BoxesApart(box_O, box_G, X_OW * X_WG);
+    });
+  };
   for (size_t i = 0; i < scene.objects.size(); ++i) {
     const PosedObject& posed = scene.objects[i];
     const ObjectModel& model = *objects.at(posed.object);
-    const Vector3d center = posed.X_WO * model.mass.com_O;
-    const double radius = 0.5 * model.diameter_m + options.near_m;
-    const bool near = options.all_active ||
-                      (center - reference_center).norm() < radius + 0.5 * reference_diameter_m_ ||
-                      (center - grasp_W).norm() < radius;
+    const bool near = options.all_active || static_cast<int>(i) == reference || is_near(posed);
     const BodyMode moving = options.all_active ? BodyMode::kDynamic : BodyMode::kAsleep;
     physics_.AddInstance(model, posed.X_WO, near ? moving : BodyMode::kStatic, {}, posed.deviation);
     is_static_.push_back(!near);

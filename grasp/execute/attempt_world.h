@@ -3,6 +3,7 @@
 // Physics world of one grasp attempt, built from a snapshot of the bin. Instances that neither the
 // target nor the hand can move are static.
 
+#include <span>
 #include <vector>
 
 #include "grasp/layer.h"
@@ -15,7 +16,9 @@ namespace pickbed::grasp {
 
 // Options of AttemptWorld.
 struct AttemptWorldOptions {
-  double near_m = 0.02;       // instances further than this from target and grasp are static
+  // An instance is static if its box is further than this from the box of the target and from the
+  // boxes of the hand in its grasp pose.
+  double near_m = 0.02;
   bool all_active = false;    // all instances are dynamic and awake: slow, as a reference
   double lost_below_m = 0.5;  // instances this far under the floor are removed
   void Visit(SettingsVisitor& v);
@@ -24,11 +27,12 @@ struct AttemptWorldOptions {
 // Physics world of one attempt.
 class AttemptWorld {
  public:
-  // `instance`: the target, -1 = the instance nearest to `grasp_W`. Keeps references to scene and
-  // objects. A `position` is an index into scene.objects.
-  AttemptWorld(const Scene& scene, const ObjectSet& objects, const Eigen::Vector3d& grasp_W,
-               InstanceId instance, const AttemptWorldOptions& options,
-               const PhysicsOptions& physics);
+  // `instance`: the target, -1 = the instance nearest to the origin of the hand. `hand_G`: boxes of
+  // the hand in its grasp pose X_WG. Keeps references to scene and objects. A `position` is an
+  // index into scene.objects.
+  AttemptWorld(const Scene& scene, const ObjectSet& objects, const Pose& X_WG,
+               std::span<const AxisAlignedBox> hand_G, InstanceId instance,
+               const AttemptWorldOptions& options, const PhysicsOptions& physics);
 
   const Scene& snapshot() const { return scene_; }
   PhysicsWorld& physics() { return physics_; }

@@ -5,35 +5,14 @@
 #include <limits>
 #include <numeric>
 
+#include "grasp/place/boxes_apart.h"
+
 namespace pickbed::grasp {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
-
-// Separating-axis test of two boxes, one axis-aligned in W and one at X_WG.
-bool BoxesApart(const AxisAlignedBox& box_W, const AxisAlignedBox& box_G, const Pose& X_WG) {
-  const Eigen::Matrix3d R = X_WG.linear();
-  const Eigen::Matrix3d abs_R = R.cwiseAbs();
-  const Vector3d t = X_WG * box_G.center - box_W.center;
-  const Vector3d a = box_W.half_size;
-  const Vector3d b = box_G.half_size;
-  if (((t.cwiseAbs() - a - abs_R * b).array() > 0).any()) return true;
-  const Vector3d t_G = R.transpose() * t;
-  if (((t_G.cwiseAbs() - b - abs_R.transpose() * a).array() > 0).any()) return true;
-  for (int i = 0; i < 3; ++i) {
-    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-    for (int j = 0; j < 3; ++j) {
-      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      const double distance = std::abs(t[i2] * R(i1, j) - t[i1] * R(i2, j));
-      const double reach =
-          a[i1] * abs_R(i2, j) + a[i2] * abs_R(i1, j) + b[j1] * abs_R(i, j2) + b[j2] * abs_R(i, j1);
-      if (distance > reach) return true;
-    }
-  }
-  return false;
-}
 
 // Largest of the distances to the three slabs of the box: negative inside, a lower bound outside.
 double SlabDistance(const AxisAlignedBox& box, const Vector3d& p) {
@@ -141,10 +120,14 @@ ObstacleField::ObstacleField(std::vector<Vector3d> points_W, std::vector<int> so
   begin_.assign(static_cast<size_t>(columns_) * rows_ + 1, 0);
   for (const Vector3d& p : points_W) ++begin_[Column(p.x(), p.y()) + 1];
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  std::vector<int> from_top(points_W.size());
+  std::iota(from_top.begin(), from_top.end(), 0);
+  std::stable_sort(from_top.begin(), from_top.end(),
+                   [&](int a, int b) { return points_W[a].z() > points_W[b].z(); });
   std::vector<int> next(begin_.begin(), begin_.end() - 1);
   points_W_.resize(points_W.size());
   sources_.resize(points_W.size());
-  for (size_t i = 0; i < points_W.size(); ++i) {
+  for (const int i : from_top) {
     const int slot = next[Column(points_W[i].x(), points_W[i].y())]++;
     points_W_[slot] = points_W[i];
     sources_[slot] = sources[i];
@@ -157,41 +140,64 @@ int ObstacleField::Column(double x, double y) const {
   return row * columns_ + column;
 }
 
+template <typename Visit>
+bool ObstacleField::AnyNear(const Pose& X_WG, const AxisAlignedBox& box_G, double margin_m,
+                            const std::vector<uint8_t>& ignored, const Visit& visit) const {
+  const Vector3d center = X_WG * box_G.center;
+  const Vector3d reach =
+      X_WG.linear().cwiseAbs() * (box_G.half_size.array() + margin_m).max(0).matrix();
+  const Vector3d low = center - reach, high = center + reach;
+  const int first = Column(low.x(), low.y()), last = Column(high.x(), high.y());
+  const Eigen::Matrix3d R_GW = X_WG.linear().transpose();
+  for (int row = first / columns_; row <= last / columns_; ++row) {
+    for (int column = first % columns_; column <= last % columns_; ++column) {
+      const int end = begin_[row * columns_ + column + 1];
+      for (int i = begin_[row * columns_ + column]; i < end; ++i) {
+        const Vector3d& p = points_W_[i];
+        if (p.z() < low.z()) break;
+        if (ignored[i] || (p.array() < low.array()).any() || (p.array() > high.array()).any()) {
+          continue;
+        }
+        if (visit(R_GW * (p - X_WG.translation()))) return true;
+      }
+    }
+  }
+  return false;
+}
+
 ObstacleField::Answer ObstacleField::Query(const Pose& X_WG,
                                            std::span<const AxisAlignedBox> sweep_G,
                                            const std::optional<AxisAlignedBox>& between_box,
                                            const std::vector<uint8_t>& ignored,
                                            double limit_m) const {
   Answer answer;
-  const size_t boxes = sweep_G.size();
-  answer.distance_m.assign(boxes, limit_m);
-  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const AxisAlignedBox& box : sweep_G) {
-    const Vector3d center = X_WG * box.center;
-    const Vector3d reach = X_WG.linear().cwiseAbs() * (box.half_size.array() + limit_m).matrix();
-    low = low.cwiseMin(center - reach);
-    high = high.cwiseMax(center + reach);
+  answer.distance_m.assign(sweep_G.size(), limit_m);
+  for (size_t k = 0; k < sweep_G.size(); ++k) {
+    double& nearest_m = answer.distance_m[k];
+    AnyNear(X_WG, sweep_G[k], limit_m, ignored, [&](const Vector3d& p_G) {
+      nearest_m = std::min(nearest_m, SlabDistance(sweep_G[k], p_G));
+      return false;
+    });
   }
-  const int first_row = Column(low.x(), low.y()) / columns_;
-  const int last_row = Column(high.x(), high.y()) / columns_;
-  const int first_column = Column(low.x(), low.y()) % columns_;
-  const int last_column = Column(high.x(), high.y()) % columns_;
-  const Eigen::Matrix3d R_GW = X_WG.linear().transpose();
-  for (int row = first_row; row <= last_row; ++row) {
-    const int end = begin_[row * columns_ + last_column + 1];
-    for (int i = begin_[row * columns_ + first_column]; i < end; ++i) {
-      const Vector3d& p = points_W_[i];
-      if (ignored[i] || (p.array() < low.array()).any() || (p.array() > high.array()).any()) {
-        continue;
-      }
-      const Vector3d p_G = R_GW * (p - X_WG.translation());
-      for (size_t k = 0; k < boxes; ++k) {
-        answer.distance_m[k] = std::min(answer.distance_m[k], SlabDistance(sweep_G[k], p_G));
-      }
-      answer.between += between_box && SlabDistance(*between_box, p_G) < 0;
-    }
-  }
+  if (!between_box) return answer;
+  AnyNear(X_WG, *between_box, 0, ignored, [&](const Vector3d& p_G) {
+    answer.between += SlabDistance(*between_box, p_G) < 0;
+    return false;
+  });
   return answer;
+}
+
+std::optional<int> ObstacleField::FirstMet(const Pose& X_WG,
+                                           std::span<const AxisAlignedBox> sweep_G,
+                                           const std::vector<uint8_t>& ignored,
+                                           double clearance_m) const {
+  for (size_t k = 0; k < sweep_G.size(); ++k) {
+    const bool met = AnyNear(X_WG, sweep_G[k], clearance_m, ignored, [&](const Vector3d& p_G) {
+      return SlabDistance(sweep_G[k], p_G) < clearance_m;
+    });
+    if (met) return static_cast<int>(k);
+  }
+  return std::nullopt;
 }
 
 double ObstacleField::CoveredShare(const Eigen::Matrix3Xd& surface_W,

@@ -52,7 +52,8 @@ class SurfaceBand {
 std::vector<Eigen::Vector3d> ThinnedCloud(std::span<const Eigen::Vector3d> cloud_W, const Bin& bin,
                                           double voxel_m, double bin_band_m, double height_m);
 
-// Obstacle points, sorted into a grid of square cells (columns) on the floor plan.
+// Obstacle points, sorted into a grid of square cells (columns) on the floor plan. The points of a
+// column are sorted from the top down, so that a query visits no point below a box.
 class ObstacleField {
  public:
   // `sources`: -1 for an observed point, else the index of the estimated pose that produced it.
@@ -72,6 +73,11 @@ class ObstacleField {
                const std::optional<AxisAlignedBox>& between_box,
                const std::vector<uint8_t>& ignored, double limit_m) const;
 
+  // First of the hand boxes with a point nearer than `clearance_m`, which may be negative; nullopt
+  // if there is none. Distances as in Query(). It is much faster than Query().
+  std::optional<int> FirstMet(const Pose& X_WG, std::span<const AxisAlignedBox> sweep_G,
+                              const std::vector<uint8_t>& ignored, double clearance_m) const;
+
   // Share of the floor plan of `surface_W` with a point that is not ignored and more than `above_m`
   // above the surface.
   double CoveredShare(const Eigen::Matrix3Xd& surface_W, const std::vector<uint8_t>& ignored,
@@ -79,6 +85,11 @@ class ObstacleField {
 
  private:
   int Column(double x, double y) const;
+  // Calls `visit(p_G)` for each point that is not ignored and near the box, grown by `margin_m`.
+  // Ends early and returns true if `visit` returns true.
+  template <typename Visit>
+  bool AnyNear(const Pose& X_WG, const AxisAlignedBox& box_G, double margin_m,
+               const std::vector<uint8_t>& ignored, const Visit& visit) const;
   Eigen::Vector2d corner_;
   double cell_m_;
   int columns_ = 1, rows_ = 1;

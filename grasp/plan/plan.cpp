@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <list>
 #include <stdexcept>
 
 #include "grasp/candidates/pad_contact.h"
@@ -47,6 +47,7 @@ struct ObjectShape {
   Eigen::Matrix3Xd points_O;    // uniform density
   Eigen::Matrix3Xd obstacle_O;  // points_O and points along sharp edges
   double thickness_m;           // minimum extent along the axes of O
+  double band_radius_m;         // around O; the band has no point further away
   SurfaceBand band;
   std::vector<std::optional<double>> openings_m;  // by candidate; nullopt = beyond the stroke
 };
@@ -64,6 +65,7 @@ ObjectShape MakeShape(const PlanInput& input, ObjectId object, const PlanOptions
   ObjectShape shape{points_O,
                     std::move(obstacle_O),
                     extent_m.minCoeff(),
+                    points_O.colwise().norm().maxCoeff() + 2 * options.own_points_m,
                     SurfaceBand(points_O, options.own_points_m),
                     {}};
   for (const GraspCandidate& candidate : input.candidates[object]) {
@@ -76,6 +78,7 @@ Vector3d CenterOf(const PlanInput& input, const EstimatedPose& pose) {
   return pose.X_WO * input.objects[pose.object]->mass.com_O;
 }
 
+// Plans on one input. Shapes, obstacle points and flags are shared by all runs.
 class Planner {
  public:
   Planner(const PlanInput& input, const PlanOptions& options)
@@ -84,67 +87,68 @@ class Planner {
         ranking_(RankingNamed(options.ranking)),
         bin_boxes_(BinBoxes(input.bin)),
         shapes_(MakeShapes()),
-        field_(MakeField()) {
+        field_(MakeField()),
+        ignored_(input.poses.size()),
+        pose_scores_(input.poses.size()) {
     for (const EstimatedPose& pose : input.poses) {
       lowest_ = std::min(lowest_, CenterOf(input, pose).z());
       highest_ = std::max(highest_, CenterOf(input, pose).z());
     }
   }
 
-  PlanResult Run() {
-    ignored_.resize(input_.poses.size());
+  // `options` may differ from the constructor's in the relaxed constraints only.
+  PlanResult Run(const PlanOptions& options) {
+    options_ = options;
+    pending_.clear();
+    rejected_ = {};
+    Rng rng(options_.seed);
     for (size_t i = 0; i < input_.poses.size(); ++i) {
-      if (MayGrasp(static_cast<int>(i))) PlanPose(static_cast<int>(i));
+      if (MayGrasp(static_cast<int>(i))) PlanPose(static_cast<int>(i), rng);
     }
-    if (by_chance()) {
-      Rng rng(options_.seed);
-      for (Pending& pending : pending_) pending.grasp.score = rng.Uniform();
-    }
-    // The point check is the most expensive one and only lowers a score. So candidates are checked
-    // from the best score on, until no other can be among the reported grasps.
-    std::stable_sort(pending_.begin(), pending_.end(), [](const Pending& a, const Pending& b) {
-      return a.grasp.score > b.grasp.score;
-    });
+    // The checks against bin and points are expensive and only lower a score. So candidates are
+    // checked from the best score on, until no other can be among the reported grasps.
+    std::make_heap(pending_.begin(), pending_.end(), IsAfter);
     PlanResult result;
     std::vector<Grasp>& best = result.grasps;
     const size_t wanted = options_.max_grasps;
-    rejected_[kNotTried] = static_cast<int>(pending_.size());
-    for (Pending& pending : pending_) {
-      if (best.size() == wanted && best.back().score >= pending.grasp.score) break;
-      --rejected_[kNotTried];
-      const Cause cause = CheckPoints(pending);
+    while (!pending_.empty()) {
+      const Pending pending = pending_.front();
+      if (best.size() == wanted && best.back().score >= pending.score) break;
+      std::pop_heap(pending_.begin(), pending_.end(), IsAfter);
+      pending_.pop_back();
+      Grasp grasp = GraspOf(pending);
+      const Cause cause = Check(pending, grasp);
       if (cause != kFree) {
         ++rejected_[cause];
         continue;
       }
       const auto place =
-          std::upper_bound(best.begin(), best.end(), pending.grasp,
+          std::upper_bound(best.begin(), best.end(), grasp,
                            [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
-      best.insert(place, pending.grasp);
+      grasp.tool = input_.gripper.name;
+      best.insert(place, grasp);
       if (best.size() <= wanted) continue;
       best.pop_back();
       ++rejected_[kOutranked];
     }
+    rejected_[kNotTried] = static_cast<int>(pending_.size());
     for (int cause = 0; cause < kCauses; ++cause) {
       if (rejected_[cause] > 0) result.rejected[kCauseNames[cause]] = rejected_[cause];
     }
     return result;
   }
 
-  // Number of poses with a grasp that is free of bin, points and other poses, up to `wanted`.
-  int Reachable(int wanted) {
-    ignored_.resize(input_.poses.size());
-    int reachable = 0;
-    for (size_t i = 0; i < input_.poses.size() && reachable < wanted; ++i) {
-      pending_.clear();
-      PlanPose(static_cast<int>(i));
-      std::stable_sort(pending_.begin(), pending_.end(), [](const Pending& a, const Pending& b) {
-        return a.grasp.score > b.grasp.score;
-      });
-      reachable += std::any_of(pending_.begin(), pending_.end(),
-                               [&](Pending& p) { return CheckPoints(p) == kFree; });
-    }
-    return reachable;
+  // Whether this pose has a grasp that is free of bin, points and other poses.
+  bool HasGrasp(int pose) {
+    pending_.clear();
+    Rng rng(options_.seed);
+    PlanPose(pose, rng);
+    std::stable_sort(pending_.begin(), pending_.end(),
+                     [](const Pending& a, const Pending& b) { return a.score > b.score; });
+    return std::any_of(pending_.begin(), pending_.end(), [&](const Pending& pending) {
+      Grasp grasp = GraspOf(pending);
+      return Check(pending, grasp) == kFree;
+    });
   }
 
  private:
@@ -155,11 +159,17 @@ class Planner {
     return targets.empty() || std::find(targets.begin(), targets.end(), pose) != targets.end();
   }
 
-  // Clear of the bin; not yet checked against the points.
+  // A candidate of a pose that is neither too tilted, too poor nor too wide.
   struct Pending {
-    Grasp grasp;
-    double opening_m;
+    double score;  // maximum, before the checks
+    int order;     // among all pending candidates
+    int pose;
+    int candidate;
   };
+  // Order of the heap: the best score first, equal ones in their order.
+  static bool IsAfter(const Pending& a, const Pending& b) {
+    return a.score < b.score || (a.score == b.score && a.order > b.order);
+  }
 
   std::vector<std::optional<ObjectShape>> MakeShapes() const {
     std::vector<std::optional<ObjectShape>> shapes(input_.objects.size());
@@ -216,39 +226,90 @@ class Planner {
     const std::vector<bool> rivals = Rivals(target);
     const Pose X_OW = pose.X_WO.inverse();
     std::vector<uint8_t> ignored(field_.points_W().size());
+    const double radius2 = shape.band_radius_m * shape.band_radius_m;
     for (size_t i = 0; i < ignored.size(); ++i) {
       const int source = field_.sources()[i];
-      ignored[i] = source >= 0 ? rivals[source] : shape.band.Contains(X_OW * field_.points_W()[i]);
+      const Vector3d& p_W = field_.points_W()[i];
+      ignored[i] = source >= 0 ? rivals[source]
+                               : (p_W - pose.X_WO.translation()).squaredNorm() < radius2 &&
+                                     shape.band.Contains(X_OW * p_W);
     }
     return ignored;
   }
 
-  void PlanPose(int target) {
+  // Score of the pose, which every grasp on it is multiplied by.
+  double PoseScore(int target) const {
     const EstimatedPose& pose = input_.poses[target];
     const ObjectShape& shape = *shapes_[pose.object];
-    ignored_[target] = IgnoredPoints(target);
     const double covered =
         field_.CoveredShare(pose.X_WO * shape.points_O, ignored_[target], options_.cover_above_m);
     const double range = highest_ - lowest_;
     const double depth = range > 0 ? (highest_ - CenterOf(input_, pose).z()) / range : 0;
-    const double pose_score = pose.confidence * (1 - options_.cover_share * covered) *
-                              (1 - options_.height_share * depth);
-    const std::vector<GraspCandidate>& candidates = input_.candidates[pose.object];
-    for (size_t k = 0; k < candidates.size(); ++k) {
-      Grasp grasp;
-      grasp.X_WG = pose.X_WO * candidates[k].X_OG;
-      grasp.width_m = candidates[k].width_m;
-      grasp.hypothesis = target;
-      const double place_factor = 1 - options_.place_share * (1 - candidates[k].place_quality);
-      grasp.score = pose_score * place_factor * (by_chance() ? 1 : ranking_.value(candidates[k]));
-      const std::optional<double>& opening_m = shape.openings_m[k];
-      const Cause cause = CheckBin(candidates[k], opening_m, grasp);
-      if (cause == kFree) {
-        pending_.push_back({grasp, *opening_m});
-      } else {
-        ++rejected_[cause];
-      }
+    return pose.confidence * (1 - options_.cover_share * covered) *
+           (1 - options_.height_share * depth);
+  }
+
+  void PlanPose(int target, Rng& rng) {
+    const EstimatedPose& pose = input_.poses[target];
+    const ObjectShape& shape = *shapes_[pose.object];
+    if (ignored_[target].empty()) {
+      ignored_[target] = IgnoredPoints(target);
+      pose_scores_[target] = PoseScore(target);
     }
+    const std::vector<GraspCandidate>& candidates = input_.candidates[pose.object];
+    const Eigen::RowVector3d up_O = pose.X_WO.linear().row(2);
+    const double min_down = std::cos(options_.max_tilt_rad);
+    for (size_t k = 0; k < candidates.size(); ++k) {
+      const double down = -up_O.dot(candidates[k].X_OG.linear().col(2));
+      const Cause cause = down < min_down                                                ? kTilt
+                          : !by_chance() && candidates[k].quality < options_.min_quality ? kQuality
+                          : !shape.openings_m[k]                                         ? kOpening
+                                                                                         : kFree;
+      if (cause != kFree) {
+        ++rejected_[cause];
+        continue;
+      }
+      Pending pending{0, static_cast<int>(pending_.size()), target, static_cast<int>(k)};
+      if (!by_chance()) {
+        const double tilt = std::acos(std::clamp(down, -1.0, 1.0));
+        const double place_factor = 1 - options_.place_share * (1 - candidates[k].place_quality);
+        pending.score = pose_scores_[target] * place_factor * ranking_.value(candidates[k]) *
+                        (1 - options_.tilt_share * tilt / options_.max_tilt_rad);
+      } else {
+        Grasp grasp = GraspOf(pending);
+        const Cause bin = CheckBin(pending, grasp);
+        if (bin != kFree) {
+          ++rejected_[bin];
+          continue;
+        }
+        pending.score = rng.Uniform();
+      }
+      pending_.push_back(pending);
+    }
+  }
+
+  const GraspCandidate& CandidateOf(const Pending& pending) const {
+    return input_.candidates[input_.poses[pending.pose].object][pending.candidate];
+  }
+
+  double OpeningOf(const Pending& pending) const {
+    return *shapes_[input_.poses[pending.pose].object]->openings_m[pending.candidate];
+  }
+
+  Grasp GraspOf(const Pending& pending) const {
+    Grasp grasp;
+    grasp.X_WG = input_.poses[pending.pose].X_WO * CandidateOf(pending).X_OG;
+    grasp.width_m = CandidateOf(pending).width_m;
+    grasp.hypothesis = pending.pose;
+    grasp.score = pending.score;
+    return grasp;
+  }
+
+  // Moves the grasp off floor and walls, and scales its score.
+  Cause Check(const Pending& pending, Grasp& grasp) const {
+    const Cause cause = CheckBin(pending, grasp);
+    if (by_chance()) grasp.score = pending.score;
+    return cause == kFree ? CheckPoints(OpeningOf(pending), grasp) : cause;
   }
 
   // Retracts a hand that would meet the floor along its approach and lowers the score accordingly.
@@ -312,45 +373,38 @@ class Planner {
     return FindBinContact(sweep, grasp.X_WG, bin_boxes_, options_.bin_clearance_m).has_value();
   }
 
-  // Scales the score of a free grasp by its tilt.
-  Cause CheckBin(const GraspCandidate& candidate, const std::optional<double>& opening_m,
-                 Grasp& grasp) const {
-    const double tilt = std::acos(std::clamp(-grasp.X_WG.linear()(2, 2), -1.0, 1.0));
-    if (tilt > options_.max_tilt_rad) return kTilt;
-    if (!by_chance() && candidate.quality < options_.min_quality) return kQuality;
-    if (!opening_m) return kOpening;
-    const auto sweep = HandSweep(input_.gripper, *opening_m);
-    if (!KeepOffFloor(sweep, candidate.depth_m, grasp)) return kBinFloor;
+  Cause CheckBin(const Pending& pending, Grasp& grasp) const {
+    const double opening_m = OpeningOf(pending);
+    const auto sweep = HandSweep(input_.gripper, opening_m);
+    if (!KeepOffFloor(sweep, CandidateOf(pending).depth_m, grasp)) return kBinFloor;
     if (MeetsBin(sweep, grasp) &&
-        (!KeepOffWalls(*opening_m, grasp) || MeetsBin(sweep, grasp) || MeetsTarget(sweep, grasp))) {
+        (!KeepOffWalls(opening_m, grasp) || MeetsBin(sweep, grasp) || MeetsTarget(sweep, grasp))) {
       return kBinWall;
     }
-    grasp.score *= 1 - options_.tilt_share * tilt / options_.max_tilt_rad;
     return kFree;
   }
 
   // Scales the score of a free grasp by the free space around it.
-  Cause CheckPoints(Pending& pending) const {
+  Cause CheckPoints(double opening_m, Grasp& grasp) const {
     const Gripper& gripper = input_.gripper;
-    Grasp& grasp = pending.grasp;
-    const auto sweep = HandSweep(gripper, pending.opening_m);
-    const auto between = gripper.RegionBetween(pending.opening_m);
-    const auto seen =
-        field_.Query(grasp.X_WG, sweep, between, ignored_[grasp.hypothesis], options_.good_room_m);
-    const auto palm = seen.distance_m.begin() + sweep.size() - 1;
-    const double fingers = *std::min_element(seen.distance_m.begin(), palm);
+    const auto sweep = HandSweep(gripper, opening_m);
+    const std::vector<uint8_t>& ignored = ignored_[grasp.hypothesis];
     const double clearance_m = options_.clearance_share * gripper.clearance_m;
-    if (fingers < clearance_m) return kFingers;
-    if (*palm < clearance_m) return kPalm;
+    if (const auto box = field_.FirstMet(grasp.X_WG, sweep, ignored, clearance_m)) {
+      return *box + 1 < static_cast<int>(sweep.size()) ? kFingers : kPalm;
+    }
     if (by_chance()) return kFree;
-    const double room = std::min(1.0, std::min(fingers, *palm) / options_.good_room_m);
+    const auto between = gripper.RegionBetween(opening_m);
+    const auto seen = field_.Query(grasp.X_WG, sweep, between, ignored, options_.good_room_m);
+    const double nearest_m = *std::min_element(seen.distance_m.begin(), seen.distance_m.end());
+    const double room = std::min(1.0, nearest_m / options_.good_room_m);
     const double crowd = std::min(1.0, double(seen.between) / options_.many_between);
     grasp.score *= (1 - options_.room_share * (1 - room)) * (1 - options_.between_share * crowd);
     return kFree;
   }
 
   const PlanInput& input_;
-  const PlanOptions& options_;
+  PlanOptions options_;
   const RankingRow& ranking_;
   std::vector<AxisAlignedBox> bin_boxes_;
   std::vector<std::optional<ObjectShape>> shapes_;  // by object; set if some pose names the object
@@ -359,128 +413,60 @@ class Planner {
   double highest_ = -std::numeric_limits<double>::infinity();
   // By pose that may be grasped: one flag per point of the field.
   std::vector<std::vector<uint8_t>> ignored_;
+  std::vector<double> pose_scores_;  // by pose that may be grasped
   std::vector<Pending> pending_;
   std::array<int, kCauses> rejected_{};
 };
 
 }  // namespace
 
-PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
+PlanResult PlanWithTools(std::span<const PlanInput> inputs, const PlanOptions& options) {
   CheckSettings("PlanOptions", options);
-  PlanResult result = Planner(input, options).Run();
+  std::list<Planner> planners;
+  for (const PlanInput& input : inputs) planners.emplace_back(input, options);
+  const auto run = [&](const PlanOptions& constraints) {
+    PlanResult all;
+    for (Planner& planner : planners) {
+      PlanResult one = planner.Run(constraints);
+      for (const auto& [cause, count] : one.rejected) all.rejected[cause] += count;
+      all.grasps.insert(all.grasps.end(), one.grasps.begin(), one.grasps.end());
+    }
+    std::stable_sort(all.grasps.begin(), all.grasps.end(),
+                     [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
+    const size_t wanted = std::min<size_t>(options.max_grasps, all.grasps.size());
+    if (wanted < all.grasps.size()) {
+      all.rejected[kCauseNames[kOutranked]] += static_cast<int>(all.grasps.size() - wanted);
+      all.grasps.resize(wanted);
+    }
+    return all;
+  };
+  PlanResult result = run(options);
   if (!result.grasps.empty() || !options.relaxed.enabled) return result;
   PlanOptions wide = options;
   wide.max_tilt_rad = std::max(options.max_tilt_rad, options.relaxed.max_tilt_rad);
   wide.min_quality = std::min(options.min_quality, options.relaxed.min_quality);
   wide.clearance_share = std::min(options.clearance_share, options.relaxed.clearance_share);
   wide.bin_clearance_m = std::min(options.bin_clearance_m, options.relaxed.bin_clearance_m);
-  result = Planner(input, wide).Run();
+  result = run(wide);
   result.with_relaxed_constraints = true;
   return result;
 }
 
-int CountReachable(const PlanInput& input, int wanted, const PlanOptions& options) {
+PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
+  return PlanWithTools({&input, 1}, options);
+}
+
+int CountReachable(std::span<const PlanInput> inputs, int wanted, const PlanOptions& options) {
   CheckSettings("PlanOptions", options);
-  return Planner(input, options).Reachable(wanted);
-}
-
-namespace {
-
-constexpr std::array<RankingRow, 4> kRankings{{
-    {"quality", "quality from angle, area, depth and lever arm of the contacts, 0 to 1",
-     [](const GraspCandidate& candidate) { return candidate.quality; }},
-    {"epsilon", "smallest load from any direction that the contacts cannot balance",
-     [](const GraspCandidate& candidate) { return candidate.epsilon / (1 + candidate.epsilon); }},
-    {"robust", "share of sampled errors under which the grasp holds",
-     [](const GraspCandidate& candidate) { return candidate.robust; }},
-    {"random", "random order of the grasps without collision, as a baseline", nullptr},
-}};
-
-}  // namespace
-
-void RelaxedConstraints::Visit(SettingsVisitor& v) {
-  v.RenamedKey("look", "enabled");
-  v.Bool("enabled", enabled,
-         "whether planning is repeated with these limits if no grasp was found");
-  v.Real("max_tilt_rad", max_tilt_rad, {0.01, std::numbers::pi},
-         "maximum angle of the approach from straight down, rad");
-  v.Real("min_quality", min_quality, {0, 1}, "minimum quality of a candidate");
-  v.Real("clearance_share", clearance_share, {-2, 1},
-         "share of the gripper's clearance that is kept");
-  v.Real("bin_clearance_m", bin_clearance_m, {0, 0.1}, "distance between hand and bin, m");
-}
-
-void PlanOptions::Visit(SettingsVisitor& v) {
-  const Range share{0, 1};
-  const Range length{0, 0.1};
-  v.Integer("max_grasps", max_grasps, {1, 100000}, "maximum number of reported grasps");
-  std::vector<std::string> rankings;
-  for (const RankingRow& row : kRankings) rankings.push_back(row.name);
-  v.Text("ranking", ranking, rankings, "criterion that orders the grasps");
-  v.Seed("seed", seed, "random seed of the ranking random");
-  v.Real("max_tilt_rad", max_tilt_rad, {0.01, std::numbers::pi},
-         "maximum angle of the approach from straight down, rad");
-  v.Real("own_points_m", own_points_m, {0.001, 0.1},
-         "cloud points closer than this to the target's surface belong to it, m");
-  v.Real("clearance_share", clearance_share, {-2, 1},
-         "share of the gripper's clearance that is kept");
-  v.Real("bin_clearance_m", bin_clearance_m, length, "distance between hand and bin, m");
-  v.Real("min_depth_m", min_depth_m, length, "minimum depth of the contact behind the tips, m");
-  v.Real("good_depth_m", good_depth_m, {0.001, 0.1},
-         "depth of the contact behind the tips from which there is no loss, m");
-  v.Real("min_quality", min_quality, share, "minimum quality of a candidate");
-  v.Real("voxel_m", voxel_m, {0.0005, 0.1}, "voxel size to which the cloud is thinned, m");
-  v.Real("bin_band_m", bin_band_m, length,
-         "cloud points closer than this to floor and walls belong to the bin, m");
-  v.Real("neighbor_confidence", neighbor_confidence, {0, kNoNeighbors},
-         "minimum confidence of an estimated pose that is an obstacle");
-  v.Real("neighbor_spacing_m", neighbor_spacing_m, {0.001, 0.1},
-         "spacing of the points on the poses that are obstacles, m");
-  v.Real("same_share", same_share, share,
-         "poses closer than this share of the diameter can be the same instance");
-  v.Real("same_thickness_share", same_thickness_share, share,
-         "poses closer than this share of the minimum extent can be the same instance");
-  v.Real("height_share", height_share, share, "share of the score that the lowest instance loses");
-  v.Real("tilt_share", tilt_share, share, "share of the score that is lost at max_tilt_rad");
-  v.Real("room_share", room_share, share,
-         "share of the score that is lost if others touch the hand");
-  v.Real("cover_share", cover_share, share,
-         "share of the score that is lost if others cover the whole target");
-  v.Real("aside_share", aside_share, share,
-         "share of the score that is lost if the hand is shifted away from a wall");
-  v.RenamedKey("set_down_share", "place_share");
-  v.Real("place_share", place_share, share,
-         "share of the score that is lost if the object cannot be set down with this grasp");
-  v.Real("between_share", between_share, share,
-         "share of the score that is lost if others are between the fingers");
-  v.Real("good_room_m", good_room_m, {0.001, 0.1},
-         "distance from others from which there is no loss, m");
-  v.Integer("many_between", many_between, {1, 100000},
-            "number of points between the fingers at which the loss is full");
-  v.Real("column_m", column_m, {0.001, 0.1}, "cell size of the floor-plan grid of the points, m");
-  v.RenamedKey("min_part_points", "min_object_points");
-  v.Integer("min_object_points", min_object_points, {10, 100000},
-            "minimum number of points on an estimated pose");
-  v.RenamedKey("max_part_points", "max_object_points");
-  v.Integer("max_object_points", max_object_points, {10, 100000},
-            "maximum number of points on an estimated pose");
-  v.RenamedKey("wide", "relaxed");
-  v.Group(
-      "relaxed", [this](SettingsVisitor& g) { relaxed.Visit(g); },
-      "limits of a second planning if no grasp was found");
-  v.Real("cover_above_m", cover_above_m, length,
-         "points higher than this above the target cover it, m");
-}
-
-std::span<const RankingRow> RankingTable() { return kRankings; }
-
-const RankingRow& RankingNamed(const std::string& name) {
-  std::vector<std::string> names;
-  for (const RankingRow& row : kRankings) {
-    if (name == row.name) return row;
-    names.push_back(row.name);
+  std::list<Planner> planners;
+  for (const PlanInput& input : inputs) planners.emplace_back(input, options);
+  int reachable = 0;
+  const int poses = static_cast<int>(inputs.front().poses.size());
+  for (int pose = 0; pose < poses && reachable < wanted; ++pose) {
+    reachable += std::any_of(planners.begin(), planners.end(),
+                             [&](Planner& planner) { return planner.HasGrasp(pose); });
   }
-  throw InputError(UnknownNameMessage("ranking", name, names));
+  return reachable;
 }
 
 }  // namespace pickbed::grasp

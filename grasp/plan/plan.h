@@ -78,7 +78,7 @@ struct PlanOptions {
   double min_quality = 0.15;
   double voxel_m = 0.003;            // voxel size of the cloud
   double bin_band_m = 0.004;         // points this close to floor and walls belong to the bin
-  double neighbor_confidence = 0.5;  // estimated poses with at least this confidence are obstacles
+  double neighbor_confidence = 0.1;  // estimated poses with at least this confidence are obstacles
   static constexpr double kNoNeighbors =
       1e9;                            // confidence above every pose: no pose is an obstacle
   double neighbor_spacing_m = 0.004;  // spacing of the points on these poses
@@ -116,20 +116,25 @@ struct PlanResult {
   bool with_relaxed_constraints = false;  // the second pass ran, whether or not it found a grasp
   // Cause -> count in the last pass. Counts and `grasps` sum to the candidates of all poses.
   // Causes: tilt, quality, opening, bin floor, bin wall, fingers meet an instance (also the stem of
-  // a cup), palm meets an instance. The last two are checked from the best candidate on, until no
+  // a cup), palm meets an instance. The last four are checked from the best candidate on, until no
   // other can be among the reported grasps. "not tried" counts the candidates not checked;
   // "outranked" counts free grasps that are not among the best.
   std::map<std::string, int> rejected;
 };
 
+// Plans with each tool and returns the best grasps of all. `inputs` has one element per tool and
+// differs in the gripper and its candidates. Constraints are relaxed if no tool has a grasp. The
+// rejections are summed over the tools.
+PlanResult PlanWithTools(std::span<const PlanInput> inputs, const PlanOptions& options = {});
+
 // Plans grasps for the estimated poses; an empty list is a result. Throws std::logic_error if a
 // pose names an object outside `candidates` or `objects`, and InputError for an unknown ranking.
 PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options = {});
 
-// Returns the number of poses for which PlanGrasps() would find a grasp if each were the only
+// Returns the number of poses for which PlanWithTools() would find a grasp if each were the only
 // target, without relaxed constraints. The poses are tried in their order, until `wanted` are
-// found. It is much cheaper than planning, since it stops at the first free grasp of a pose. Throws
-// as PlanGrasps() does.
-int CountReachable(const PlanInput& input, int wanted, const PlanOptions& options = {});
+// found. It is much cheaper than planning, since it stops at the first free grasp of a pose.
+// `inputs` must not be empty. Throws as PlanGrasps() does.
+int CountReachable(std::span<const PlanInput> inputs, int wanted, const PlanOptions& options = {});
 
 }  // namespace pickbed::grasp

@@ -85,6 +85,19 @@ class Reader : public SettingsVisitor {
         fmt::format("{}: {}", Where(*node), UnknownNameMessage(Path(key), value, choices)));
   }
 
+  void Names(const char* key, std::vector<std::string>& value, const char* help) override {
+    auto node = Find(key);
+    if (!node) return;
+    std::vector<std::string> names;
+    if (node->IsScalar()) names.push_back(node->Scalar());
+    for (size_t i = 0; node->IsSequence() && i < node->size(); ++i) {
+      if ((*node)[i].IsScalar()) names.push_back((*node)[i].Scalar());
+    }
+    const bool all = !names.empty() && (node->IsScalar() || names.size() == node->size());
+    if (!all) Fail(*node, Path(key), fmt::format("must be a name or a list of names ({})", help));
+    value = std::move(names);
+  }
+
   void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
     if (auto node = Find(key)) ReadVector(*node, Path(key), value, range, help);
   }
@@ -241,6 +254,9 @@ class Checker : public SettingsVisitor {
     if (IsChoice(value, choices)) return;
     faults_.push_back(UnknownNameMessage(NameOf(key), value, choices));
   }
+  void Names(const char* key, std::vector<std::string>& value, const char* help) override {
+    if (value.empty()) Add(key, fmt::format("= []: must be a name or a list of names ({})", help));
+  }
   void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
     for (double number : value) Real(key, number, range, help);
   }
@@ -306,6 +322,11 @@ class Writer : public SettingsVisitor {
     if (!choices.empty()) text += fmt::format("; {}", fmt::join(choices, " | "));
     const auto former = former_values_.back().find({key, value});
     Line(key, Quoted(former == former_values_.back().end() ? value : former->second), text);
+  }
+  void Names(const char* key, std::vector<std::string>& value, const char* help) override {
+    std::vector<std::string> quoted;
+    for (const std::string& name : value) quoted.push_back(Quoted(name));
+    Line(key, value.size() == 1 ? quoted[0] : fmt::format("[{}]", fmt::join(quoted, ", ")), help);
   }
   void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
     Line(key, fmt::format("[{}, {}]", value[0], value[1]),

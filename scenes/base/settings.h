@@ -41,6 +41,8 @@ class SettingsVisitor {
   // Any text is allowed if `choices` is empty.
   virtual void Text(const char* key, std::string& value, const std::vector<std::string>& choices,
                     const char* help) = 0;
+  // One name, or a list of at least one.
+  virtual void Names(const char* key, std::vector<std::string>& value, const char* help) = 0;
   virtual void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) = 0;
   virtual void Vector3(const char* key, Eigen::Vector3d& value, Range range, const char* help) = 0;
   // A nested map.

@@ -37,6 +37,8 @@ constexpr std::array kFailures{
                "the instance left the bin in an attempt on another one", "disturbed"},
     FailureRow{FailureReason::kPhysicsFailed, Stage::kSimulate, "physics_failed",
                "the physics failed: bodies moved too fast, or the solver gave NaN"},
+    FailureRow{FailureReason::kStirred, Stage::kPlan, "stirred",
+               "no pose had a grasp without collision, and the closed hand stirred the bin"},
 };
 
 const FailureRow& RowOf(FailureReason failure) {

@@ -30,6 +30,7 @@ enum class FailureReason {
   kDoublePick,         // another instance came with the target, or instead of it
   kNeighborDisplaced,  // an instance left the bin in a pick of another one
   kPhysicsFailed,      // bodies exploded or the solver gave NaN
+  kStirred,            // no grasp was found, and the closed hand stirred the bin
 };
 
 // A row of the table of failure reasons.

@@ -40,10 +40,10 @@ LoadedScenario FindScenario(const ScenarioRequest& request) {
   LoadedScenario loaded;
   loaded.name = file.stem().string();
   loaded.spec = LoadScenario(file, settings);
-  for (std::string* named :
-       {&loaded.spec.sensor, &loaded.spec.gripper, &loaded.spec.estimator.model}) {
+  for (std::string* named : {&loaded.spec.sensor, &loaded.spec.estimator.model}) {
     FindBeside(loaded.spec.folder, *named);
   }
+  for (std::string& tool : loaded.spec.gripper.names) FindBeside(loaded.spec.folder, tool);
   loaded.objects = LoadObjects(loaded.spec, OpenCatalog(request.catalog));
   return loaded;
 }

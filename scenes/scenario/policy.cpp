@@ -36,6 +36,13 @@ std::vector<std::string> Names() {
 
 }  // namespace
 
+void StirSpec::Visit(SettingsVisitor& v) {
+  v.Integer("max", max, {0, 1000},
+            "maximum number of times in a trial that the closed hand stirs the bin, 0 = never");
+  v.Integer("after", after, {1, 1000},
+            "number of consecutive attempts without a grasp after which the bin is stirred");
+}
+
 void PolicySpec::Visit(SettingsVisitor& v) {
   v.RenamedValue("stop", "look_again", "capture_again");
   v.Text("stop", stop, Names(), "rule that ends a trial, a row of `pickbed list policies`");
@@ -46,6 +53,9 @@ void PolicySpec::Visit(SettingsVisitor& v) {
             "maximum number of attempts in a trial, 0 = no limit");
   v.Text("ranking", ranking, {},
          "criterion that orders the grasps without collision, a row of `pickbed list rankings`");
+  v.Group(
+      "stir", [this](SettingsVisitor& g) { stir.Visit(g); },
+      "pushing through the clutter if no grasp is found");
   v.RenamedValue("success", "right_part", "right_instance");
   v.Text("success", success, {},
          "rule that decides whether an attempt succeeds, a row of `pickbed list rules`");
@@ -57,6 +67,8 @@ void CycleSpec::Visit(SettingsVisitor& v) {
          "time to estimate and plan for one image, s; 0 = as measured");
   v.Real("move_s", move_s, {0, 3600},
          "time for one pick: approach, transport to the place and return, s");
+  v.Real("tool_change_s", tool_change_s, {0, 3600},
+         "time to change the gripper between two picks, s");
 }
 
 std::span<const PolicyRow> PolicyTable() { return kPolicies; }

@@ -10,12 +10,21 @@
 
 namespace pickbed::scenes {
 
+// Last resort when no grasp is found: the closed hand pushes through the clutter. It counts and
+// costs as a failed pick.
+struct StirSpec {
+  int max = 0;    // in a trial, 0 = never
+  int after = 1;  // attempts in a row without a grasp
+  void Visit(SettingsVisitor& v);
+};
+
 // Settings of the picking policy.
 struct PolicySpec {
   std::string stop = "until_empty";  // a row of PolicyTable()
   int max_failures_in_row = 2;
   int max_attempts = 0;             // 0 = no limit
   std::string ranking = "quality";  // order of planned grasps: a row of grasp/plan/plan.h's table
+  StirSpec stir;
   std::string success = "right_instance";  // success rule: a row of grasp/outcome.h's table
   void Visit(SettingsVisitor& v);
 };
@@ -23,9 +32,10 @@ struct PolicySpec {
 // Durations of one attempt, from which picks per hour are computed. Image, computation and motion
 // follow each other. They have no influence on the trial.
 struct CycleSpec {
-  double sense_s = 0.5;  // capture of one image
-  double compute_s = 0;  // estimation and planning; 0 = as measured on this machine
-  double move_s = 6;     // approach, transport to the place, and return to the waiting position
+  double sense_s = 0.5;      // capture of one image
+  double compute_s = 0;      // estimation and planning; 0 = as measured on this machine
+  double move_s = 6;         // approach, transport to the place, and return to the waiting position
+  double tool_change_s = 5;  // if a pick needs another gripper than the pick before
   void Visit(SettingsVisitor& v);
 };
 
@@ -34,7 +44,7 @@ struct CycleSpec {
 struct PolicyState {
   int attempts = 0;
   int failures_in_row = 0;  // attempts without success since the last success
-  bool grasp_found = true;  // in the last attempt
+  bool grasp_found = true;  // in the last attempt; also if the bin was stirred or may be later
 };
 
 // A stop policy: name, one line of help and its rule.

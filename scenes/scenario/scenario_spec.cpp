@@ -206,8 +206,9 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
   v.RenamedValue("refiner", "two_way_icp", "bidirectional_icp");
   v.Text("refiner", refiner, {},
          "refinement of the reported poses, a row of `pickbed list refiners`");
-  v.Text("gripper", gripper, {},
-         "name of the gripper, a row of `pickbed list grippers`, or its file");
+  v.Names("gripper", gripper.names,
+          "name of the gripper, a row of `pickbed list grippers`, or its file; several: the best "
+          "one is used for each pick");
   v.Group(
       "policy", [this](SettingsVisitor& g) { policy.Visit(g); },
       "order of the grasps and end of a trial");
@@ -296,6 +297,16 @@ void ScenarioSpec::Validate() const {
   CheckInput(fill == 0 || bin.inner_size_m.z() > 0,
              fmt::format("{} = {}: a table has no height to fill; give each object a count instead",
                          At("fill"), fill));
+  std::set<std::string> tools;
+  for (const std::string& tool : gripper.names) {
+    CheckInput(tools.insert(tool).second, fmt::format("{} = {}: {} is listed twice; remove one",
+                                                      At("gripper"), gripper.InWords(), tool));
+  }
+  CheckInput(
+      policy.stir.max == 0 || policy.stir.after < policy.max_failures_in_row,
+      fmt::format("{} = {}: the trial ends after {} failures in a row, before it stirs; raise "
+                  "policy.max_failures_in_row",
+                  At("policy.stir.after"), policy.stir.after, policy.max_failures_in_row));
   ValidateCamera(*this);
   appearance.Validate([this](const std::string& key) { return At("appearance." + key); });
   cell.Validate(bin.inner_size_m, [this](const std::string& key) { return At("cell." + key); });

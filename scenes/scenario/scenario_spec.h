@@ -18,6 +18,7 @@
 #include "scenes/scenario/cell_errors.h"
 #include "scenes/scenario/occlusion_spec.h"
 #include "scenes/scenario/policy.h"
+#include "scenes/scenario/tool_names.h"
 
 namespace pickbed::scenes {
 
@@ -97,7 +98,7 @@ struct ScenarioSpec {
   AppearanceRanges appearance = FixedAppearance();
   EstimatorSpec estimator;
   std::string refiner = "pcl_icp";  // a row of RefinerTable(), see perception/icp
-  std::string gripper = "jaw_8cm";  // assets/grippers/NAME.yaml or a path
+  ToolNames gripper = "jaw_8cm";    // assets/grippers/NAME.yaml or paths
   PolicySpec policy;
   OcclusionSpec occlusion;
   CellErrorsSpec cell;

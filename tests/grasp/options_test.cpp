@@ -74,7 +74,7 @@ TEST(GraspOptions, ValuesOutOfRangeAreRefused) {
        }},
       {"near_m",
        [&] {
-         AttemptWorld(scene, objects, Eigen::Vector3d::Zero(), kNoInstance,
+         AttemptWorld(scene, objects, Pose::Identity(), {}, kNoInstance,
                       With(&AttemptWorldOptions::near_m, kNotANumber), {});
        }},
       {"loose_opening",

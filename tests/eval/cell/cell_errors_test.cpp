@@ -378,7 +378,7 @@ TEST(CellErrors, RecordedAttemptsAreReproducedWithTheirErrors) {
   const TrialResult result = TrialRunner(spec, EasyCube()).Run(BinIndex{0});
   ASSERT_GE(result.attempts.size(), 2u);
   SimulatedCell cell(spec, EasyCube());
-  const auto gripper = LoadGripper(spec.gripper);
+  const auto gripper = LoadGripper(spec.gripper.names[0]);
   const size_t last = result.attempts.size() - 1;
   EXPECT_EQ(HashOf(SceneOfAttempt(result, last, {cell, *gripper, spec.policy.success})),
             result.attempts[last].hashes[TrialStage::kScene]);

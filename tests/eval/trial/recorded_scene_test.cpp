@@ -7,7 +7,7 @@
 #include "eval/replay/replay.h"
 #include "eval/replay/stage_files.h"
 #include "eval/report/views_3d.h"
-#include "grasp/grippers/table.h"
+#include "grasp/grippers/tools.h"
 #include "scenes/base/error.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/error_of.h"
@@ -37,11 +37,11 @@ class RecordedSceneTest : public testing::Test {
  protected:
   explicit RecordedSceneTest(const ScenarioSpec& spec = NoisyCubes(6)) : spec_(spec) {}
   Scene Make(const TrialResult& trial, size_t attempt) {
-    return SceneOfAttempt(trial, attempt, {cell_, *gripper_, spec_.policy.success});
+    return SceneOfAttempt(trial, attempt, {cell_, tools_, spec_.policy.success});
   }
   ScenarioSpec spec_;
   SimulatedCell cell_{spec_, EasyCube()};
-  std::shared_ptr<const Gripper> gripper_ = LoadGripper(spec_.gripper);
+  Tools tools_ = LoadTools(spec_.gripper.names);
 };
 
 TEST_F(RecordedSceneTest, LaterAttemptHasTheSceneLeftByEarlierPicks) {

@@ -92,6 +92,78 @@ TEST(Trial, InstanceOutOfReachEndsTheTrialWithoutAGrasp) {
   EXPECT_EQ(result.instances_cleared, 0);
 }
 
+// A bin without a grasp is stirred as often as the policy allows. Each stir counts as a failed pick
+// and costs a motion.
+TEST(Trial, StirsAreCountedAndPricedAsFailedPicks) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.policy.max_failures_in_row = 5;
+  spec.policy.stir.max = 2;
+  const TrialResult result = RunOne(spec, WidePlate());
+  ASSERT_EQ(result.attempts.size(), 3u);
+  for (int i : {0, 1}) {
+    EXPECT_EQ(result.attempts[i].failure, FailureReason::kStirred);
+    EXPECT_FALSE(result.attempts[i].grasp);
+    EXPECT_TRUE(UsedHand(result.attempts[i]));
+  }
+  EXPECT_EQ(result.ended_by, FailureReason::kNoGrasp);
+  RunSummary summary = Summarize({result});
+  EXPECT_EQ(summary.executed_grasps, 2);
+  EXPECT_EQ(summary.successes, 0);
+  EXPECT_EQ(summary.failures["stirred"], 2);
+  // Price: the motions of two grasps, for one instance that a third attempt would pick.
+  TrialResult picked = result;
+  picked.attempts[2].grasp = Grasp();
+  picked.attempts[2].failure = FailureReason::kNone;
+  picked.instances_cleared = 1;
+  EXPECT_DOUBLE_EQ(CycleTimeOf({&picked, 1}, {.move_s = 6}).move_s, 18);
+  EXPECT_EQ(Record(RunOne(spec, WidePlate()), WidePlate()), Record(result, WidePlate()));
+}
+
+TEST(Trial, StirWaitsForConsecutiveAttemptsWithoutAGrasp) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.policy.max_failures_in_row = 9;
+  spec.policy.stir.max = 1;
+  spec.policy.stir.after = 3;
+  const TrialResult result = RunOne(spec, WidePlate());
+  ASSERT_GE(result.attempts.size(), 3u);
+  EXPECT_EQ(result.attempts[1].failure, FailureReason::kNoGrasp);
+  EXPECT_EQ(result.attempts[2].failure, FailureReason::kStirred);
+}
+
+// The jaw cannot hold the cube of 9 cm, and the small cup not the other one.
+TEST(Trial, EachPickUsesTheToolThatHoldsItsObject) {
+  ScenarioSpec spec = CubeScenario(2);
+  spec.gripper = std::vector<std::string>{"jaw_4cm", "cup_30mm"};
+  ObjectSpec large = spec.objects[0];
+  large.name = "large";
+  large.count = 1;
+  spec.objects[0].count = 1;
+  spec.objects.push_back(large);
+  auto model = std::make_shared<ObjectModel>(*Cube(0.06, 0.05, 0.6));
+  model->name = "large";
+  const TrialResult result = RunOne(spec, {EasyCube()[0], model});
+  EXPECT_EQ(result.instances_cleared, 2);
+  for (const AttemptRecord& attempt : result.attempts) {
+    ASSERT_TRUE(attempt.grasp);
+    const HypothesisRecord& chosen = attempt.hypotheses.at(attempt.chosen);
+    if (chosen.object == ObjectId{1}) {
+      EXPECT_EQ(attempt.grasp->tool, "cup_30mm");
+    }
+  }
+}
+
+TEST(Trial, ToolChangesCostTime) {
+  TrialResult result;
+  result.instances_cleared = 4;
+  for (const char* tool : {"a", "a", "b", "a"}) {
+    result.attempts.emplace_back().grasp = Grasp();
+    result.attempts.back().grasp->tool = tool;
+  }
+  const CycleTime time = CycleTimeOf({&result, 1}, {.move_s = 6, .tool_change_s = 4});
+  EXPECT_EQ(time.tool_changes, 2);
+  EXPECT_DOUBLE_EQ(time.move_s, 6 + 2 * 4.0 / 4);
+}
+
 TEST(Trial, InstancesWithoutAPixelAreNotVisible) {
   // From low outside the bin, a wall occludes everything on the floor.
   ScenarioSpec spec = CubeScenario(2);

@@ -136,6 +136,15 @@ TEST(Clearance, FieldEqualsAFullScan) {
     }
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(found.distance_m[k], expected[k], 1e-12);
     EXPECT_EQ(found.between, expected_between);
+    for (const double clearance_m : {0.003, 0.0, -0.002}) {
+      const auto first = std::find_if(expected.begin(), expected.end(),
+                                      [&](double distance_m) { return distance_m < clearance_m; });
+      const auto met = field.FirstMet(X_WG, sweep, ignored, clearance_m);
+      ASSERT_EQ(met.has_value(), first != expected.end()) << trial << " " << clearance_m;
+      if (met) {
+        EXPECT_EQ(*met, first - expected.begin());
+      }
+    }
   }
 }
 

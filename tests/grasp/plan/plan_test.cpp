@@ -82,6 +82,40 @@ TEST_F(Plan, OnlyTargetsAreGraspedAndOthersAreObstacles) {
   for (const Grasp& grasp : one.grasps) EXPECT_EQ(grasp.hypothesis, 1);
 }
 
+// Two tools that differ in their candidates: the best grasps of both, and the sum of the causes.
+TEST_F(Plan, BestGraspsOfAllToolsAreReported) {
+  AddPose({0, 0, 0.025});
+  ParallelJaw other = SmallJaw();
+  other.name = "other jaw";
+  std::vector<std::vector<GraspCandidate>> worse = candidates_;
+  for (GraspCandidate& candidate : worse[0]) candidate.quality *= 0.999;
+  PlanOptions options;
+  options.max_grasps = 6;
+  const PlanInput first{bin_, poses_, candidates_, cloud_, objects_, gripper_};
+  const PlanInput second{bin_, poses_, worse, cloud_, objects_, other};
+  const PlanResult alone = PlanGrasps(first, options);
+  const PlanResult both = PlanWithTools(std::vector<PlanInput>{second, first}, options);
+  ASSERT_EQ(both.grasps.size(), 6u);
+  EXPECT_EQ(both.grasps[0].tool, "test jaw") << "the first tool has no precedence";
+  EXPECT_EQ(both.grasps[0].score, alone.grasps[0].score);
+  EXPECT_EQ(both.grasps[1].tool, "other jaw");
+  EXPECT_TRUE(std::is_sorted(both.grasps.begin(), both.grasps.end(),
+                             [](const Grasp& a, const Grasp& b) { return a.score > b.score; }));
+  EXPECT_EQ(Rejected(both) + 6, 2 * static_cast<int>(candidates_[0].size()));
+}
+
+// A tool without a grasp is no reason to relax the constraints of the other.
+TEST_F(Plan, ConstraintsAreRelaxedOnlyIfNoToolHasAGrasp) {
+  AddPose({0, 0, 0.025});
+  const std::vector<std::vector<GraspCandidate>> none(1);
+  const PlanInput useless{bin_, poses_, none, cloud_, objects_, gripper_};
+  const PlanInput useful{bin_, poses_, candidates_, cloud_, objects_, gripper_};
+  const PlanResult both = PlanWithTools(std::vector<PlanInput>{useless, useful});
+  EXPECT_FALSE(both.with_relaxed_constraints);
+  EXPECT_FALSE(both.grasps.empty());
+  EXPECT_TRUE(PlanGrasps(useless).with_relaxed_constraints);
+}
+
 TEST_F(Plan, SingleBoxHasGraspsInOrderOfScore) {
   AddPose({0, 0, 0.025});
   PlanOptions options;
@@ -120,8 +154,8 @@ TEST_F(Plan, PosesAreReachableIfTheyHaveAGraspAsTheOnlyTarget) {
   EXPECT_GT(with_grasp, 0);
   EXPECT_LT(with_grasp, static_cast<int>(poses_.size()));
   const PlanInput input{bin_, poses_, candidates_, cloud_, objects_, gripper_};
-  EXPECT_EQ(CountReachable(input, 100, options), with_grasp);
-  EXPECT_EQ(CountReachable(input, 1, options), 1);
+  EXPECT_EQ(CountReachable({&input, 1}, 100, options), with_grasp);
+  EXPECT_EQ(CountReachable({&input, 1}, 1, options), 1);
 }
 
 TEST_F(Plan, ReturnsAtMostMaxGrasps) {

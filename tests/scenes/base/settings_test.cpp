@@ -21,6 +21,7 @@ struct Sample {
   double wall_m = 0.006;
   bool deep = false;
   std::string mode = "fast";
+  std::vector<std::string> tools{"jaw"};
   Eigen::Vector3d size_m{1, 2, 3};
   std::vector<Item> items;
   void Visit(SettingsVisitor& v) {
@@ -33,6 +34,7 @@ struct Sample {
         "bin");
     v.Bool("deep", deep, "deep");
     v.Text("mode", mode, {"fast", "hard"}, "mode");
+    v.Names("tools", tools, "tools");
     v.Vector3("size_m", size_m, {0, 10}, "size, m");
     v.List(
         "items", items.size(), [this](size_t n) { items.assign(n, {}); },
@@ -68,6 +70,23 @@ TEST(Settings, ReadsEveryKindOfField) {
   ASSERT_EQ(sample.items.size(), 2u);
   EXPECT_EQ(sample.items[0].count, 3);
   EXPECT_EQ(sample.items[1].count, 1);
+}
+
+TEST(Settings, NamesAreOneNameOrAList) {
+  Sample sample;
+  ReadSettingsText("tools: [jaw, \"small cup\"]", "cell.yaml", Visiting(sample));
+  EXPECT_EQ(sample.tools, (std::vector<std::string>{"jaw", "small cup"}));
+  Sample again;
+  ReadSettingsText(WriteSettings(Visiting(sample)), "cell.yaml", Visiting(again));
+  EXPECT_EQ(again.tools, sample.tools);
+  ApplySetting("tools=cup", Visiting(sample));
+  EXPECT_EQ(sample.tools, std::vector<std::string>{"cup"});
+  EXPECT_THAT(WriteSettings(Visiting(sample)), HasSubstr("tools: \"cup\"\n"))
+      << "one name is written as before there were lists";
+  EXPECT_THAT(ErrorOfYaml("tools: []"), HasSubstr("cell.yaml:1: tools = []: must be a name or"));
+  EXPECT_THAT(ErrorOfYaml("tools: [jaw, [cup]]"), HasSubstr("must be a name or a list of names"));
+  sample.tools.clear();
+  EXPECT_THAT(SettingFaults(Visiting(sample)), testing::SizeIs(1));
 }
 
 TEST(Settings, MissingKeysKeepTheirValues) {

@@ -1,0 +1,83 @@
+#include "grasp/grippers/tools.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "grasp/grippers/requirements.h"
+#include "grasp/grippers/table.h"
+#include "scenes/base/error.h"
+#include "scenes/objects/contact.h"
+
+namespace pickbed::grasp {
+namespace {
+
+bool Carries(const Gripper& gripper, const ObjectModel& object) {
+  return object.mass.mass_kg * kGravity_mps2 < gripper.Capacity_n(object.friction);
+}
+
+std::vector<std::string> NamesOfTools(const Tools& tools) {
+  std::vector<std::string> names;
+  for (const auto& tool : tools) names.push_back(tool->name);
+  return names;
+}
+
+}  // namespace
+
+Tools LoadTools(const std::vector<std::string>& names_or_paths) {
+  Tools tools;
+  for (const std::string& name : names_or_paths) {
+    tools.push_back(LoadGripper(name));
+    const bool is_new = std::none_of(tools.begin(), tools.end() - 1, [&](const auto& tool) {
+      return tool->name == tools.back()->name;
+    });
+    CheckInput(is_new,
+               fmt::format("two grippers are named {}; remove or rename one", tools.back()->name));
+  }
+  return tools;
+}
+
+const Gripper& ToolNamed(const Tools& tools, const std::string& name) {
+  if (name.empty()) return *tools.at(0);
+  for (const auto& tool : tools) {
+    if (tool->name == name) return *tool;
+  }
+  throw InputError(UnknownNameMessage("gripper", name, NamesOfTools(tools)));
+}
+
+ToolCandidates RequireToolCandidates(const ObjectModel& object, const Tools& tools,
+                                     const GraspCandidateOptions& options) {
+  if (tools.size() == 1) return {{RequireCandidates(object, *tools.front(), options)}, {}};
+  ToolCandidates result;
+  for (const auto& tool : tools) {
+    result.by_tool.emplace_back();
+    if (Carries(*tool, object)) result.by_tool.back() = CachedCandidates(object, *tool, options);
+    if (result.by_tool.back().empty()) result.unfit.push_back(tool->name);
+  }
+  CheckInput(
+      result.unfit.size() < tools.size(),
+      fmt::format("object '{}' can be held by none of the grippers {}; compare grippers with "
+                  "`pickbed grasps {} GRIPPER`",
+                  object.name, fmt::join(result.unfit, ", "), object.name));
+  return result;
+}
+
+std::string UnfitToolsText(const ObjectSet& objects, const Tools& tools) {
+  std::string text;
+  if (tools.size() == 1) return text;
+  for (const auto& object : objects) {
+    for (const std::string& tool : RequireToolCandidates(*object, tools).unfit) {
+      text += fmt::format("gripper {} cannot hold {}\n", tool, object->name);
+    }
+  }
+  return text;
+}
+
+void RequireSomeToolCarries(const Tools& tools, const ObjectModel& object) {
+  const bool any = std::any_of(tools.begin(), tools.end(),
+                               [&](const auto& tool) { return Carries(*tool, object); });
+  if (!any) RequireCanCarry(*tools.front(), object);
+}
+
+}  // namespace pickbed::grasp
