@@ -57,7 +57,8 @@ TEST_F(Stir, PathGoesWhereMostInstancesAre) {
   EXPECT_LT(path.X_WG_from.translation().x(), path.X_WG_to.translation().x());
 }
 
-// Seven upright plates are face to face. No finger fits between them. The row is too wide for the hand.
+// Seven upright plates are face to face. No finger fits between them. The row is too wide for the
+// hand.
 TEST_F(Stir, RowOfPlatesBecomesGraspable) {
   Rng rng(1);
   const std::vector<std::vector<GraspCandidate>> candidates{
