@@ -35,6 +35,10 @@ struct GraspCandidate {
   // of mass, in weights times half its diameter.
   double epsilon = 0;
   double robust = 0;  // 0..1, share of sampled errors under which the object is lifted
+  // 0..1, probability that a pick at a pose with the expected error succeeds, by the tolerance
+  // model of the object (grasp/tolerance/model_files.h); 0 = not computed. For the ranking
+  // "tolerance".
+  double tolerance = 0;
   // 0..1, how well the hand can set the object down (grasp/place/placement.h); 1 = the hand points
   // straight down and the object rests on its most probable side.
   double place_quality = 1;
@@ -55,6 +59,8 @@ struct GraspOutcome {
   FailureReason failure = FailureReason::kPhysicsFailed;  // kNone on success
   InstanceId picked_instance = kNoInstance;  // instance in the hand at the end, -1 = none
   int instances_lifted = 0;                  // instances in the hand after hold, shake and carry
+  // Instances among them, other than the picked one, that were not in contact with the hand.
+  int instances_entangled = 0;
   double final_opening_m = 0;
   double slip_m = 0;  // of the picked instance in the hand, from the lift to the end of the shake
   double in_hand_rotation_error_rad = 0;  // rotation in the hand, same interval
@@ -76,6 +82,10 @@ struct GraspOutcome {
   bool place_executed = false;          // it was set down on the table
   double place_error_m = 0;             // of the center of mass
   double place_rotation_error_rad = 0;  // minimum over the symmetries of the object
+
+  // Results of the hold test (grasp/execute/retention.h); negative = not measured.
+  double retention_g = -1;  // load at which the instance left the hand, multiples of g
+  double drop_time_s = -1;  // from the end of the lift until the instance left the hand
 
   SuccessVerdicts verdicts{};
 };

@@ -24,8 +24,12 @@ std::vector<ReportChart> VisibilityCharts(std::span<const ConfigurationReport> c
 std::vector<ReportChart> ErrorCharts(std::span<const ConfigurationReport> configurations);
 // Median of each pose error against the visible fraction of the instance, one chart per error.
 std::vector<ReportChart> ErrorByBandCharts(std::span<const ConfigurationReport> configurations);
+// Targets picked by hidden share, over published curves; only for occlusion trials.
+ReportChart HiddenShareChart(std::span<const ConfigurationReport> configurations);
 // Share of attempts that picked, by their number in the bin.
 ReportChart AttemptsChart(std::span<const ConfigurationReport> configurations);
+// Pick success by the fill level of the bin.
+ReportChart FillChart(std::span<const ConfigurationReport> configurations);
 // Rejected grasp candidates by cause.
 ReportChart RejectionsChart(std::span<const ConfigurationReport> configurations);
 // Share of correct poses against confidence.

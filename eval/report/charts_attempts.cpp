@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <numeric>
 
 #include "eval/page/vega.h"
@@ -54,6 +56,33 @@ ReportChart AttemptsChart(std::span<const ConfigurationReport> configurations) {
     }
   }
   return RateCurves(std::move(chart), "number of the attempt", "share that picked", names, curves);
+}
+
+ReportChart FillChart(std::span<const ConfigurationReport> configurations) {
+  ReportChart chart{
+      "fill-level", "Pick success by fill level",
+      "Share of the executed grasps that picked, by the fill level of the bin before "
+      "the pick: mean height of the surface over the height of the bin. A bin empties "
+      "from right to left. Shaded: 95 % intervals over scenes.",
+      ""};
+  std::map<double, std::string> names;  // by lower limit
+  for (const ConfigurationReport& configuration : configurations) {
+    for (const FillBand& band : configuration.summary.by_fill) names[band.fill_min] = band.name();
+  }
+  std::vector<std::string> x_names;
+  for (const auto& [fill_min, name] : names) x_names.push_back(name);
+  std::vector<RateCurve> curves;
+  for (const ConfigurationReport& configuration : configurations) {
+    const std::string series = configurations.size() > 1 ? configuration.name : "pick success";
+    RateCurve& curve = curves.emplace_back(RateCurve{series, {}});
+    curve.rates.resize(x_names.size());
+    for (const FillBand& band : configuration.summary.by_fill) {
+      const auto at = std::distance(names.begin(), names.find(band.fill_min));
+      curve.rates[static_cast<size_t>(at)] = band.success;
+    }
+  }
+  return RateCurves(std::move(chart), "fill level before the pick, %", "pick success", x_names,
+                    curves);
 }
 
 ReportChart RejectionsChart(std::span<const ConfigurationReport> configurations) {

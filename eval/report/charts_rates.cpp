@@ -201,4 +201,32 @@ std::vector<ReportChart> VisibilityCharts(std::span<const ConfigurationReport> c
   return charts;
 }
 
+ReportChart HiddenShareChart(std::span<const ConfigurationReport> configurations) {
+  std::vector<ValueCurve> curves;
+  for (const ConfigurationReport& configuration : configurations) {
+    ValueCurve curve{configurations.size() > 1 ? configuration.name : "this run", {}};
+    for (const HiddenBand& band : configuration.summary.hidden) {
+      if (band.picked.samples == 0) continue;
+      const double rate = 100 * band.picked.rate();
+      const Interval& ci95 = band.picked.ci95;
+      ValuePoint point{50 * (band.hidden_min + band.hidden_max), rate, rate, rate};
+      if (ci95.is_known()) point.low = 100 * ci95.low, point.high = 100 * ci95.high;
+      curve.points.push_back(point);
+    }
+    if (!curve.points.empty()) curves.push_back(std::move(curve));
+  }
+  for (const PublishedCurve& published : TargoCurves()) {
+    ValueCurve& curve = curves.emplace_back(ValueCurve{published.method, {}});
+    for (int band = 0; band < kHiddenBands; ++band) {
+      const double rate = 100 * published.success[band];
+      curve.points.push_back({100.0 * (band + 0.5) / 10, rate, rate, rate});
+    }
+  }
+  std::string caption = "Targets picked by hidden share, beside published curves.";
+  for (const std::string& sentence : HiddenShareNote()) caption += " " + sentence;
+  return ValueCurves(
+      {"hidden-share", "Targets picked by hidden share, and published curves", caption, ""},
+      "hidden share of the target, %", "targets picked, %", curves, 100);
+}
+
 }  // namespace pickbed::eval

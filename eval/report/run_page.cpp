@@ -41,6 +41,11 @@ std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configurati
   const double per_hour = s.cycle.stated_picks_per_hour();
   headline.push_back({"picks per hour", per_hour > 0 ? fmt::format("{:.0f}", per_hour) : "-",
                       per_hour > 0 && s.cycle.measured ? "without the time to compute" : ""});
+  if (s.retention.picks > 0) {
+    headline.push_back({"retention", fmt::format("{:.1f} g", s.retention.median_g),
+                        fmt::format("median of {} hold tests, minimum {:.1f} g", s.retention.picks,
+                                    s.retention.min_g)});
+  }
   headline.push_back({"bins", std::to_string(s.trials),
                       s.refused.empty()
                           ? ""
@@ -124,6 +129,14 @@ void AddCharts(std::span<const ConfigurationReport> configurations, HtmlPage& pa
   if (configurations[0].attempt_ranges.size() > 1 &&
       std::none_of(configurations[0].bands.begin(), configurations[0].bands.end(), has_targets)) {
     curves.push_back(AttemptsChart(configurations));
+  }
+  if (std::any_of(configurations.begin(), configurations.end(),
+                  [](const auto& report) { return !report.summary.hidden.empty(); })) {
+    curves.push_back(HiddenShareChart(configurations));
+  }
+  if (std::any_of(configurations.begin(), configurations.end(),
+                  [](const auto& report) { return report.summary.by_fill.size() > 1; })) {
+    curves.push_back(FillChart(configurations));
   }
   page.Charts(curves);
   if (!has_bars) return;

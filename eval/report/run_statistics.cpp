@@ -67,6 +67,7 @@ template <typename Use>
 void ForEachPose(const ConfigurationTrials& configuration, Use use) {
   for (size_t t = 0; t < configuration.trials.size(); ++t) {
     for (const AttemptRecord& pick : configuration.trials[t].attempts) {
+      if (!pick.has_own_image()) continue;
       for (const HypothesisRecord& score : pick.hypotheses) use(t, score);
     }
   }
@@ -145,6 +146,7 @@ std::vector<BandError> ErrorsByBand(const ConfigurationTrials& configuration,
   std::vector<ValueClusters> values(errors.size(), ValueClusters(configuration.trials.size()));
   for (size_t t = 0; t < configuration.trials.size(); ++t) {
     for (const AttemptRecord& attempt : configuration.trials[t].attempts) {
+      if (!attempt.has_own_image()) continue;
       for (const HypothesisRecord& pose : attempt.hypotheses) {
         const InstanceRecord* instance = InstanceIn(attempt, pose.instance);
         const double error = reported.Of(pose);
@@ -290,7 +292,7 @@ struct ObjectCounts {
   std::map<FailureReason, int> failures;
 };
 
-void CountAttempt(size_t trial, const AttemptRecord& pick, std::vector<ObjectCounts>& counts) {
+void CountImage(size_t trial, const AttemptRecord& pick, std::vector<ObjectCounts>& counts) {
   for (const InstanceRecord& instance : pick.instances) {
     // In an occlusion trial only the target counts, as in InstancesRecalled.
     if (pick.target >= 0 && instance.instance != pick.target) continue;
@@ -301,6 +303,10 @@ void CountAttempt(size_t trial, const AttemptRecord& pick, std::vector<ObjectCou
     if (MatchesAnInstance(score))
       counts.at(score.object).mssd[trial].push_back(score.mssd_diameters());
   }
+}
+
+void CountAttempt(size_t trial, const AttemptRecord& pick, std::vector<ObjectCounts>& counts) {
+  if (pick.has_own_image()) CountImage(trial, pick, counts);
   const InstanceRecord* target = pick.grasp ? InstanceIn(pick, pick.matched_instance) : nullptr;
   if (target != nullptr)
     counts.at(target->object).picks.Count(trial, pick.failure == FailureReason::kNone);
@@ -373,6 +379,9 @@ std::vector<ConfigurationReport> ReportOn(std::span<const ConfigurationTrials> c
     ConfigurationReport& report = reports.emplace_back();
     report.name = configuration.name;
     report.summary = Summarize(configuration.trials, configuration.cycle, configuration.bands);
+    if (HasTargets(configuration.trials)) {
+      report.summary.hidden = StatisticsByHiddenShare(configuration.trials);
+    }
     report.attempts = SharesOfAttempts(configuration.trials);
     report.bands = BandsOf(configuration);
     for (size_t i = 0; i < errors.size(); ++i) {

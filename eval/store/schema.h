@@ -110,6 +110,14 @@ struct AttemptRow {
     v("hash_grasp", record.hashes[TrialStage::kGrasp]);
     v("hash_outcome", record.hashes[TrialStage::kOutcome]);
     VisitErrors(v, record.errors);
+    v("instances_entangled", outcome.instances_entangled);
+    v("retention_g", outcome.retention_g);
+    v("drop_time_s", outcome.drop_time_s);
+    v("pick_of_image", record.pick_of_image);
+    v("fill_level", record.fill_level);
+    v("layer", record.layer);
+    v("instances_above", record.instances_above);
+    v("instances_below", record.instances_below);
   }
 };
 

@@ -27,9 +27,8 @@ namespace pickbed::eval {
 struct FailureBudget {
   int total = 0;
   int picked = 0;
-  int not_asked = 0;  // only in a budget of instances
-  std::array<int, static_cast<size_t>(FailureReason::kStirred) + 1>
-      failures{};  // by FailureReason; [kNone] = 0
+  int not_asked = 0;                            // only in a budget of instances
+  std::array<int, kFailureReasons> failures{};  // by FailureReason; [kNone] = 0
 
   int operator[](FailureReason failure) const { return failures.at(static_cast<size_t>(failure)); }
   int asked() const { return total - not_asked; }  // picked + failures

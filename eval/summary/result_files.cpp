@@ -11,6 +11,7 @@
 #include "eval/summary/run_columns.h"
 #include "eval/summary/run_csv.h"
 #include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
 #include "scenes/scenario/scenario_text.h"
 
 namespace pickbed::eval {
@@ -46,7 +47,10 @@ ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfigura
           : store.Read(configuration.first_trial, configuration.first_trial + configuration.trials);
   ConfigurationSummary result{configuration,
                               Summarize(trials, spec.cycle, ReportedBands(spec.occlusion))};
-  if (spec.occlusion.enabled) result.summary.bands = StatisticsByBand(trials, spec.occlusion);
+  if (spec.occlusion.enabled) {
+    result.summary.bands = StatisticsByBand(trials, spec.occlusion);
+    result.summary.hidden = StatisticsByHiddenShare(trials);
+  }
   std::vector<CrashedTrial>& crashed = result.summary.crashed;
   std::copy_if(
       all_crashed.begin(), all_crashed.end(), std::back_inserter(crashed),
@@ -77,11 +81,17 @@ std::string ConfigurationsCsv(const std::vector<ConfigurationSummary>& configura
 void WriteCurve(const std::vector<ConfigurationSummary>& configurations,
                 const std::filesystem::path& out) {
   std::vector<NamedCurve> curves;
+  std::vector<NamedHiddenCurve> hidden;
   for (const auto& [configuration, summary] : configurations) {
-    if (!summary.bands.empty()) curves.push_back({configuration.name, summary.bands});
+    if (summary.bands.empty()) continue;
+    curves.push_back({configuration.name, summary.bands});
+    hidden.push_back({configuration.name, summary.hidden});
   }
   if (curves.empty()) return;
   WriteFileAtomically(out / kCurveFile, CurveCsv(curves));
+  WriteFileAtomically(out / kHiddenShareFile, HiddenShareCsv(hidden));
+  MakeFolder(out / kPicturesFolder);
+  WritePng(out / kPicturesFolder / kHiddenShareSheet, DrawHiddenShare(hidden));
   WriteSeriesSheet(out / kPicturesFolder / kOcclusionSheet, curves.front().bands);
 }
 

@@ -12,6 +12,8 @@
 //   OUT/configurations.csv                 one line per configuration
 //   OUT/timings.csv                        seconds by trial and stage, the only file with times
 //   OUT/{curve.csv,pictures/occlusion.png} occlusion trials, by band of the visible fraction
+//   OUT/{hidden_share.csv,pictures/hidden_share.png} the same, in the bands of a published
+//   benchmark
 
 #include <filesystem>
 #include <string>
@@ -31,12 +33,14 @@ inline constexpr char kInstanceOutcomesFile[] = "instance_outcomes.csv";
 inline constexpr char kConfigurationsFile[] = "configurations.csv";
 inline constexpr char kTimingsFile[] = "timings.csv";
 inline constexpr char kCurveFile[] = "curve.csv";
+inline constexpr char kHiddenShareFile[] = "hidden_share.csv";
 inline constexpr char kPickChancesFile[] = "pick_chances.csv";     // with tolerance models
 inline constexpr char kScenarioFile[] = "scenario.yaml";           // settings of a run
 inline constexpr char kSweepFile[] = "sweep.yaml";                 // settings of a sweep
 inline constexpr char kConfigurationsFolder[] = "configurations";  // settings of each configuration
 inline constexpr char kPicturesFolder[] = "pictures";
-inline constexpr char kOcclusionSheet[] = "occlusion.png";  // in kPicturesFolder
+inline constexpr char kOcclusionSheet[] = "occlusion.png";       // in kPicturesFolder
+inline constexpr char kHiddenShareSheet[] = "hidden_share.png";  // in kPicturesFolder
 inline constexpr char kShardsFolder[] = "shards";
 inline constexpr char kSlurmFolder[] = "slurm";
 inline constexpr char kBudgetFolder[] = "budget";

@@ -98,12 +98,18 @@ ResultColumns AttemptsColumns() {
       {"trial", kTrialHelp},
       {"configuration", kConfigurationHelp},
       {"attempt", "number of the attempt in its trial"},
+      {"pick_of_image", "number of earlier attempts that used the same image"},
       {"target", "target instance of an occlusion trial, -1 = none"},
       {"band", "band of the target's visible fraction, -1 = none"},
       {"instances_in_view", "number of instances in the bin"},
+      {"fill_percent",
+       "mean height of the surface before the pick over the inner height of the bin", "percent"},
       {"hypotheses", "number of reported poses"},
       {"object", "object of the chosen hypothesis; empty without an executed grasp"},
       {"instance", "instance that matches the chosen hypothesis, -1 = none"},
+      {"layer", "layer of this instance, 1 = top; empty without one"},
+      {"instances_above", "number of instances that cover it in the top view"},
+      {"instances_below", "number of instances that it covers in the top view"},
       {"confidence", "score of the chosen hypothesis"},
   };
   AddColumns(MetricColumns::Placed(MetricUnits::kShown).Columns(), columns);
@@ -270,6 +276,7 @@ ResultColumns SummaryKeys() {
               "number of these with a correct pose", keys);
   add({{"in_view.BAND", "number of instances in view in a band of visible fractions"}});
   add({
+      {"images", "number of captured images; several attempts can share one"},
       {"frames", "number of images with at least one reported pose"},
       {"top1_precision", "share of these images whose highest-ranked pose is correct", kShare},
   });
@@ -280,6 +287,9 @@ ResultColumns SummaryKeys() {
       {"recall_by_visibility.BAND.recall", "recalled / instances; null without instances", kShare},
   });
   add(IntervalKeys("recall_by_visibility.BAND.ci95", "95 % interval of recall"));
+  AddRateKeys("success_by_fill.BAND", "executed_grasps",
+              "number of grasps executed at a band of fill levels, percent of the bin's height",
+              "successes", "number of these that succeeded", keys);
   add({
       {"scenes_refused[].trial", "trial of a drop that failed the certificate"},
       {"scenes_refused[].attempt", "number of the drop"},
@@ -289,6 +299,9 @@ ResultColumns SummaryKeys() {
       {"trials_crashed[].seed", "its random seed"},
       {"trials_crashed[].why", "reason of the crash"},
       {"failures.REASON", "number of failed attempts with this reason"},
+      {"retention.picks", "number of hold tests; only with policy.retention_g"},
+      {"retention.min_g", "smallest load at which a hold test lost the instance, multiples of g"},
+      {"retention.median_g", "median load at which a hold test lost the instance, multiples of g"},
       {"picks_per_hour",
        "picks per hour by the settings `cycle`, without the time to compute if they do not give "
        "it; null if nothing was picked"},

@@ -20,6 +20,16 @@ std::string ChanceCell(const std::optional<double>& chance) {
   return chance ? fmt::format("{:.4f}", *chance) : "";
 }
 
+std::string FillCell(const AttemptRecord& attempt) {
+  return attempt.fill_level < 0 ? "" : fmt::format("{:.2f}", 1e2 * attempt.fill_level);
+}
+
+// Layer, instances above and instances below.
+std::string LayerCells(const AttemptRecord& attempt) {
+  if (attempt.layer == 0) return ",,";
+  return fmt::format("{},{},{}", attempt.layer, attempt.instances_above, attempt.instances_below);
+}
+
 // Cells with a comma before each.
 std::string VectorCells(const Eigen::Vector3d& v) {
   return fmt::format(",{},{},{}", v.x(), v.y(), v.z());
@@ -74,19 +84,20 @@ std::string AttemptsCsv(const std::vector<TrialResult>& trials,
   std::string csv = HeaderLine(AttemptsColumns());
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& attempt : trial.attempts) {
-      csv += fmt::format("{},{},{},{},{},{},{},", trial.trial, trial.configuration, attempt.attempt,
-                         attempt.target, attempt.band, attempt.instances.size(),
-                         attempt.hypotheses.size());
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},", trial.trial, trial.configuration,
+                         attempt.attempt, attempt.pick_of_image, attempt.target, attempt.band,
+                         attempt.instances.size(), FillCell(attempt), attempt.hypotheses.size());
       std::string cells_at_end = at_end.EmptyCells(), pose = EmptyPoseCells();
       if (attempt.chosen >= 0) {
         const HypothesisRecord& h = attempt.hypotheses.at(attempt.chosen);
-        csv += fmt::format("{},{},{}{},{},{},", object_names.at(h.object), h.instance, h.score,
-                           placed.Cells(h.metrics), ChanceCell(maps.PickChance(h)),
+        csv += fmt::format("{},{},{},{}{},{},{},", object_names.at(h.object), h.instance,
+                           LayerCells(attempt), h.score, placed.Cells(h.metrics),
+                           ChanceCell(maps.PickChance(h)),
                            ChanceCell(maps.PickChance(h, *attempt.grasp)));
         cells_at_end = at_end.Cells(h.metrics);
         pose = PoseCells(h.X_WO);
       } else {
-        csv += ",,," + placed.EmptyCells() + ",,";
+        csv += ",,,,,," + placed.EmptyCells() + ",,";
       }
       csv += fmt::format(
           "{},{},{},{},{}{}{}{}{},{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
@@ -104,6 +115,7 @@ std::string InstancesCsv(const std::vector<TrialResult>& trials,
   std::string csv = HeaderLine(InstancesColumns());
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& attempt : trial.attempts) {
+      if (!attempt.has_own_image()) continue;
       for (const InstanceRecord& instance : attempt.instances) {
         csv +=
             fmt::format("{},{},{},{},{},{},{},{},{}\n", trial.trial, trial.configuration,
@@ -145,6 +157,7 @@ std::string TimingsCsv(const std::vector<TrialResult>& trials, const CycleTime& 
   if (cycle.pick_s() == 0) return csv;
   csv += fmt::format("all,cycle/sense,{:.6f}\nall,cycle/compute,{:.6f}\nall,cycle/move,{:.6f}\n",
                      cycle.sense_s, cycle.compute_s, cycle.move_s);
+  if (cycle.hidden_s > 0) csv += fmt::format("all,cycle/hidden,{:.6f}\n", cycle.hidden_s);
   return csv + fmt::format("all,cycle/part,{:.6f}\n", cycle.pick_s());
 }
 

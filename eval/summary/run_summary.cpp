@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
@@ -18,13 +20,16 @@ namespace {
 double Ratio(int count, int whole) { return whole > 0 ? static_cast<double>(count) / whole : 0; }
 
 void CountAttempt(const AttemptRecord& attempt, RunSummary& summary) {
-  for (const InstanceRecord& instance : attempt.instances) {
+  const std::vector<InstanceRecord> none;
+  const bool is_image = attempt.has_own_image();
+  summary.images += is_image;
+  for (const InstanceRecord& instance : is_image ? attempt.instances : none) {
     ++summary.in_view[InViewIndex(instance.visible_fraction)];
     // In an occlusion trial only the target is counted.
     if (attempt.target >= 0 && instance.instance != attempt.target) continue;
     CountRecall(instance, summary.recall_by_visibility);
   }
-  if (!attempt.hypotheses.empty()) {
+  if (is_image && !attempt.hypotheses.empty()) {
     ++summary.frames;
     summary.top1_correct += attempt.hypotheses.front().correct;
   }
@@ -61,20 +66,37 @@ void AddIntervals(const std::vector<TrialResult>& trials, RunSummary& summary) {
   }
 }
 
+RetentionStatistics RetentionOf(const std::vector<TrialResult>& trials) {
+  std::vector<double> loads_g;
+  for (const TrialResult& trial : trials) {
+    for (const AttemptRecord& attempt : trial.attempts) {
+      if (attempt.outcome.retention_g >= 0) loads_g.push_back(attempt.outcome.retention_g);
+    }
+  }
+  if (loads_g.empty()) return {};
+  std::sort(loads_g.begin(), loads_g.end());
+  return {static_cast<int>(loads_g.size()), loads_g.front(), loads_g[loads_g.size() / 2]};
+}
+
 std::string BandName(const RecallBand& band) {
   return VisibleBand{band.visible_min, band.visible_max}.name();
 }
 
+std::string HiddenText(double hidden_s) {
+  return hidden_s > 0 ? fmt::format(", {:.1f} s of it hidden", hidden_s) : "";
+}
+
 std::string CycleText(const CycleTime& cycle) {
   if (!cycle.measured) {
-    return fmt::format("{:.0f}  per instance: sense {:.1f} s, compute {:.1f} s, move {:.1f} s",
-                       cycle.stated_picks_per_hour(), cycle.sense_s, cycle.compute_s, cycle.move_s);
+    return fmt::format("{:.0f}  per instance: sense {:.1f} s, compute {:.1f} s, move {:.1f} s{}",
+                       cycle.stated_picks_per_hour(), cycle.sense_s, cycle.compute_s, cycle.move_s,
+                       HiddenText(cycle.hidden_s));
   }
   return fmt::format(
-      "{:.0f}  per instance: sense {:.1f} s, move {:.1f} s; {:.0f} with the {:.1f} s to compute "
-      "measured here",
-      cycle.stated_picks_per_hour(), cycle.sense_s, cycle.move_s, cycle.picks_per_hour(),
-      cycle.compute_s);
+      "{:.0f}  per instance: sense {:.1f} s, move {:.1f} s{}; {:.0f} with the {:.1f} s to compute "
+      "measured here{}",
+      cycle.stated_picks_per_hour(), cycle.sense_s, cycle.move_s, HiddenText(cycle.stated_hidden_s),
+      cycle.picks_per_hour(), cycle.compute_s, HiddenText(cycle.hidden_s));
 }
 
 constexpr double kEasyShare = 0.75;  // of the instances that are over 90 % visible
@@ -190,6 +212,24 @@ void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands)
   }
 }
 
+std::string FillBand::name() const {
+  return fill_min < 1 ? fmt::format("{:.0f}-{:.0f}", 100 * fill_min, 100 * fill_max) : "100-";
+}
+
+std::vector<FillBand> SuccessByFillLevel(const std::vector<TrialResult>& trials) {
+  constexpr int kBands = 10;
+  const std::vector<int> scenes = ScenesOf(trials);
+  std::vector<FillBand> bands;
+  for (int i = 0; i <= kBands; ++i) {
+    FillBand band{static_cast<double>(i) / kBands, static_cast<double>(i + 1) / kBands, {}};
+    if (i == kBands) band.fill_max = std::numeric_limits<double>::infinity();
+    band.success =
+        ClusterRate(CountByScene(trials, scenes, SuccessByFill(band.fill_min, band.fill_max)));
+    if (band.success.samples > 0) bands.push_back(band);
+  }
+  return bands;
+}
+
 std::vector<std::string> InViewNames() {
   const std::vector<VisibleBand> bands = ReportedBands();
   std::vector<std::string> names{VisibleBand{0, bands.front().min}.name()};
@@ -223,6 +263,8 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
   summary.success_rate = Ratio(summary.successes, summary.executed_grasps);
   AddIntervals(trials, summary);
   summary.by_rule = RatesByRule(trials);
+  summary.by_fill = SuccessByFillLevel(trials);
+  summary.retention = RetentionOf(trials);
   summary.cleared_rate = Ratio(summary.instances_cleared, summary.instances_dropped);
   summary.top1_precision = Ratio(summary.top1_correct, summary.frames);
   return summary;
@@ -271,6 +313,7 @@ std::string SummaryJson(const RunSummary& s) {
   auto& in_view = json["in_view"] = nlohmann::ordered_json::object();
   const std::vector<std::string> names = InViewNames();
   for (size_t i = 0; i < names.size(); ++i) in_view[names[i]] = s.in_view[i];
+  json["images"] = s.images;
   json["frames"] = s.frames;
   json["top1_precision"] = s.top1_precision;
   AddInterval(json, "top1_ci95", s.top1_ci95);
@@ -281,6 +324,10 @@ std::string SummaryJson(const RunSummary& s) {
     auto& rate = recall[BandName(band)]["recall"];  // null without instances
     if (band.instances > 0) rate = Ratio(band.recalled, band.instances);
     AddInterval(recall[BandName(band)], "ci95", s.recall_ci95[i]);
+  }
+  auto& by_fill = json["success_by_fill"] = nlohmann::ordered_json::object();
+  for (const FillBand& band : s.by_fill) {
+    by_fill[band.name()] = RateObject("executed_grasps", "successes", band.success);
   }
   for (const BandStatistics& band : s.bands) json["target_by_visibility"].push_back(JsonOf(band));
   json["scenes_refused"] = nlohmann::ordered_json::array();
@@ -299,6 +346,11 @@ std::string SummaryJson(const RunSummary& s) {
   for (const auto& [reason, count] : s.failures) json["failures"][reason] = count;
   if (!s.forecasts.empty()) {
     json["pick_forecasts"] = nlohmann::ordered_json::parse(ForecastJson(s.forecasts));
+  }
+  if (s.retention.picks > 0) {
+    json["retention"] = {{"picks", s.retention.picks},
+                         {"min_g", s.retention.min_g},
+                         {"median_g", s.retention.median_g}};
   }
   auto& picks_per_hour = json["picks_per_hour"];
   if (s.cycle.stated_pick_s() > 0) picks_per_hour = s.cycle.stated_picks_per_hour();
@@ -362,6 +414,10 @@ std::string SummaryTable(const RunSummary& s) {
       rate("attempts that picked", s.attempts_picked, AttemptsText(s));
     }
     rate("instances cleared", s.requested_picked, ClearedText(s));
+  }
+  if (s.retention.picks > 0) {
+    line("retention", fmt::format("median {:.1f} g, minimum {:.1f} g in {} hold tests",
+                                  s.retention.median_g, s.retention.min_g, s.retention.picks));
   }
   if (s.cycle.picks_per_hour() > 0) line("picks per hour", CycleText(s.cycle));
   if (!s.refused.empty()) text += RefusedText(s);

@@ -14,6 +14,7 @@
 #include "eval/store/results_store.h"
 #include "eval/summary/cycle.h"
 #include "eval/summary/early_stop.h"
+#include "eval/summary/hidden_share.h"
 #include "eval/summary/occlusion_curve.h"
 #include "eval/summary/success_rates.h"
 #include "eval/tolerance/pick_forecast.h"
@@ -35,6 +36,23 @@ std::vector<VisibleBand> ReportedBands(const OcclusionSpec& spec = {});
 std::vector<RecallBand> EmptyRecallBands(const std::vector<VisibleBand>& bands = ReportedBands());
 // Counts an instance in its band. An instance that is in no band is ignored.
 void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands);
+
+// Results of the hold tests of a run (policy.retention_g).
+struct RetentionStatistics {
+  int picks = 0;  // picks with a test
+  double min_g = 0, median_g = 0;
+};
+
+// Success of the executed grasps at one band of fill levels [fill_min, fill_max).
+struct FillBand {
+  double fill_min = 0, fill_max = 0;
+  ReportRate success;
+  std::string name() const;  // in percent, such as "20-30"; "100-" for a heap above the rim
+};
+
+// Returns the success in bands of 10 % of the bin's height, the emptiest first, without bands that
+// no executed grasp is in.
+std::vector<FillBand> SuccessByFillLevel(const std::vector<TrialResult>& trials);
 
 // A scene that failed its certificate, with its trial.
 struct TrialRefusal {
@@ -71,19 +89,23 @@ struct RunSummary {
   // Number of instances in view by visible fraction: under 10 %, then the default bands. An
   // instance counts once per image.
   std::vector<int> in_view;
+  int images = 0;  // captured images; several attempts can share one
   int frames = 0, top1_correct = 0;
   double top1_precision = 0;
   Interval top1_ci95;
   std::vector<RecallBand> recall_by_visibility;
   std::vector<Interval> recall_ci95;  // one per band
+  std::vector<FillBand> by_fill;      // without bands that no grasp is in
   std::vector<TrialRefusal> refused;
   std::vector<CrashedTrial> crashed;       // not part of any other count
   std::optional<StopState> stop;           // set if the run may stop early
   std::vector<BandStatistics> bands;       // only for occlusion trials, else empty
+  std::vector<HiddenBand> hidden;          // the same
   std::map<std::string, ToolCount> tools;  // by gripper; stirs are not included
   std::map<std::string, int> failures;     // failure reason -> number of attempts
   std::vector<PickForecast> forecasts;     // empty without tolerance models
   CycleTime cycle;
+  RetentionStatistics retention;
   StageSeconds seconds;  // mean per trial, by stage
 };
 

@@ -20,6 +20,8 @@ void VisitCells(const GraspOutcome& o, V&& v) {
     o.instances_touched);
   v("instances_lifted", "number of instances in the hand after hold, shake and carry",
     o.instances_lifted);
+  v("instances_entangled", "number of other instances that came out without contact to the hand",
+    o.instances_entangled);
   v("lift_height_mm", "height of the instance that rose most, at the end of the lift",
     1e3 * o.lift_height_m);
   v("opening_mm", "final opening of the hand", 1e3 * o.final_opening_m);
@@ -32,6 +34,13 @@ void VisitCells(const GraspOutcome& o, V&& v) {
     o.contact_torque_nm.y());
   v("torque_z_nm", "mean torque on the hand about the origin of G, z in frame G",
     o.contact_torque_nm.z());
+  v("retention_g",
+    "load at which the hold test lost the instance, multiples of g; empty if not measured",
+    o.retention_g);
+  v("drop_time_s",
+    "time from the end of the lift until the instance was lost; empty if it was not, or not "
+    "measured",
+    o.drop_time_s);
   v("place_error_mm", "distance of the center of mass from its planned place; empty if not placed",
     1e3 * o.place_error_m);
   v("place_rotation_error_deg",
@@ -65,9 +74,14 @@ ResultColumns OutcomeColumns() {
 
 std::string OutcomeCells(const AttemptRecord& attempt) {
   std::string cells;
-  const bool is_placing = attempt.outcome.place_executed;
-  VisitCells(attempt.outcome, [&](std::string_view name, const std::string&, auto value) {
-    const bool is_known = attempt.grasp && (is_placing || !name.starts_with("place_"));
+  const GraspOutcome& outcome = attempt.outcome;
+  const auto is_measured = [&](std::string_view name) {
+    if (name.starts_with("place_")) return outcome.place_executed;
+    if (name == "retention_g") return outcome.retention_g >= 0;
+    return name != "drop_time_s" || outcome.drop_time_s >= 0;
+  };
+  VisitCells(outcome, [&](std::string_view name, const std::string&, auto value) {
+    const bool is_known = attempt.grasp && is_measured(name);
     cells += is_known ? fmt::format(",{}", value) : ",";
   });
   return cells;

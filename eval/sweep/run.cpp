@@ -9,6 +9,7 @@
 #include "grasp/grippers/table.h"
 #include "grasp/outcome.h"
 #include "grasp/plan/plan.h"
+#include "grasp/tolerance/tolerance_ranking.h"
 #include "perception/estimators/estimator_training.h"
 #include "perception/estimators/pose_estimator.h"
 #include "perception/icp/final_refinement.h"
@@ -103,6 +104,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
     const std::string bytes = ReadFileBytes(file);
     text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
+  text += ToleranceRankingText(spec);
   if (truth != OracleStages()) text += GroundTruthText(truth);
   return text;
 }

@@ -3,29 +3,23 @@
 // Tolerance models (grasp/tolerance/tolerance_model.h) of the objects of a scenario with its
 // gripper. They convert the pose error of a hypothesis into the success probability of a pick.
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "eval/trial/trial.h"
+#include "grasp/tolerance/model_files.h"
 #include "grasp/tolerance/tolerance_model.h"
 #include "scenes/base/ids.h"
 #include "scenes/objects/object_model.h"
 
 namespace pickbed::eval {
 
-inline constexpr char kToleranceModelFile[] = "model.yaml";  // in a folder of `pickbed tolerance`
-
 // Tolerance models by object.
 class ToleranceMaps {
  public:
   ToleranceMaps() = default;  // no object has a model
-  // Loads the models. Each of `places` is a model.yaml of `pickbed tolerance`, its folder, or a
-  // folder of such folders. From the last kind, only the models of an object in `objects` with this
-  // gripper are used. Throws InputError if a place has no usable model, or if two models are for
-  // the same object. Also throws it if a file or its own folder is for another object, gripper or
-  // mesh.
+  // Loads the models; none if `places` is empty. Throws as LoadToleranceModels().
   ToleranceMaps(const std::vector<std::string>& places, const ObjectSet& objects,
                 const std::string& gripper);
 
@@ -45,13 +39,5 @@ class ToleranceMaps {
 // Models for the gripper of a scenario; none if `places` is empty.
 ToleranceMaps MapsFor(const ScenarioSpec& spec, const ObjectSet& objects,
                       const std::vector<std::string>& places);
-
-// The model.yaml files of a place: the file itself, the file in the folder, or the files one folder
-// deeper. Throws InputError if there are none.
-std::vector<std::filesystem::path> ToleranceFiles(const std::filesystem::path& place);
-
-// Throws InputError that names the file, unless the model was made from this mesh.
-void RequireModelOf(const ToleranceModel& model, const ObjectModel& object,
-                    const std::filesystem::path& file);
 
 }  // namespace pickbed::eval

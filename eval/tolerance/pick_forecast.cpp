@@ -153,6 +153,7 @@ std::string PickChancesCsv(std::span<const TrialResult> trials, const ObjectSet&
   std::string csv = HeaderLine(PickChancesColumns());
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& pick : trial.attempts) {
+      if (!pick.has_own_image()) continue;
       for (size_t i = 0; i < pick.hypotheses.size(); ++i) {
         const HypothesisRecord& h = pick.hypotheses[i];
         const std::optional<double> chance = maps.PickChance(h);

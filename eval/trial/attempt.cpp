@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "eval/trial/failure_attribution.h"
 #include "eval/trial/instance_matcher.h"
 #include "eval/trial/observer.h"
@@ -9,6 +11,7 @@
 #include "eval/trial/pose_matching.h"
 #include "grasp/execute/stir.h"
 #include "scenes/base/random.h"
+#include "sim/drop/fill_level.h"
 
 namespace pickbed::eval {
 namespace {
@@ -96,6 +99,40 @@ Scene Stir(const TrialSetup& setup, const AttemptTask& task, LiveTrial& trial,
   return std::move(stirred.after);
 }
 
+uint64_t PlanSeed(const TrialSetup& setup, const LiveTrial& trial, int attempt) {
+  return Rng::Derive(setup.spec.seed, trial.bin_index, fmt::format("plan/{}", attempt)).Next();
+}
+
+// Measures trial.scene, which must be from before the pick.
+void MeasureFillOfAttempt(LiveTrial& trial, AttemptRecord& record) {
+  const StageTimer timer(trial.seconds, "score");
+  const sim::FillStatistics fill = sim::MeasureFill(trial.scene, trial.objects);
+  record.fill_level = fill.fill_level;
+  for (size_t i = 0; i < trial.scene.objects.size(); ++i) {
+    if (trial.scene.objects[i].instance != record.matched_instance) continue;
+    record.layer = fill.layers[i];
+    record.instances_above = fill.above[i];
+    record.instances_below = fill.below[i];
+  }
+}
+
+// Executes record.grasp or, without a grasp, the stir of the task; replaces the scene and
+// attributes a failure.
+void ExecuteAndAttribute(const TrialSetup& setup, const AttemptTask& task, LiveTrial& trial,
+                         AttemptRecord& record) {
+  CapturedImage& image = *trial.image;
+  if (record.grasp) {
+    image.picks.Add(*record.grasp, PoseOf(record.hypotheses[record.grasp->hypothesis]),
+                    ToolNamed(setup.tools, record.grasp->tool));
+  }
+  Scene after = record.grasp ? Execute(setup, trial, record) : trial.scene;
+  MeasureFillOfAttempt(trial, record);
+  record.failure =
+      AttributeFailure(record, image.hypotheses, setup.options.match_diameters, image.truth);
+  if (!record.grasp && task.stir >= 0) after = Stir(setup, task, trial, record);
+  trial.scene = std::move(after);
+}
+
 }  // namespace
 
 AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& trial) {
@@ -108,26 +145,58 @@ AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& 
   const auto reach = [&](TrialStage stage) { ReachStage(stage, state, record, trial.observer); };
 
   reach(TrialStage::kScene);
-  const Observation view = Capture(setup, task.attempt, trial);
+  Observation view = Capture(setup, task.attempt, trial);
   state.view = &view;
   reach(TrialStage::kImage);
-  const InstanceMatcher truth(setup.metric_models, InstancesOf(trial.scene, view.visible_fractions,
-                                                               setup.cell.camera().X_CW()));
-  const std::vector<ScoredHypothesis> hypotheses =
+  InstanceMatcher truth(setup.metric_models, InstancesOf(trial.scene, view.visible_fractions,
+                                                         setup.cell.camera().X_CW()));
+  std::vector<ScoredHypothesis> hypotheses =
       ScoreHypotheses(setup, view, truth, EstimatePoses(setup, view, truth, task.attempt, trial),
                       trial.seconds, record);
-  state.hypotheses = &hypotheses;
+  const CapturedImage& image =
+      trial.image.emplace(CapturedImage{std::move(view), std::move(truth), std::move(hypotheses),
+                                        record.instances, ImagePicks(setup.cell.objects())});
+  state.view = &image.view;
+  state.hypotheses = &image.hypotheses;
   reach(TrialStage::kHypotheses);
-  const uint64_t plan_seed =
-      Rng::Derive(setup.spec.seed, trial.bin_index, fmt::format("plan/{}", task.attempt)).Next();
-  record.grasp = ChooseGrasp(setup, {trial.scene, trial.objects}, view, trial.failed, plan_seed,
-                             record, trial.seconds);
+  record.grasp =
+      ChooseGrasp(setup, {trial.scene, trial.objects}, image.view, trial.failed, image.picks,
+                  PlanSeed(setup, trial, task.attempt), record, trial.seconds);
   if (record.grasp) state.gripper = &ToolNamed(setup.tools, record.grasp->tool);
   reach(TrialStage::kGrasp);
-  Scene after = record.grasp ? Execute(setup, trial, record) : trial.scene;
-  record.failure = AttributeFailure(record, hypotheses, setup.options.match_diameters, truth);
-  if (!record.grasp && task.stir >= 0) after = Stir(setup, task, trial, record);
-  trial.scene = std::move(after);
+  ExecuteAndAttribute(setup, task, trial, record);
+  reach(TrialStage::kOutcome);
+  return record;
+}
+
+std::optional<AttemptRecord> RunFurtherPick(TrialSetup& setup, int attempt, LiveTrial& trial) {
+  const CapturedImage& image = trial.image.value();
+  AttemptRecord record;
+  record.attempt = attempt;
+  record.pick_of_image = static_cast<int>(image.picks.size());
+  record.errors = setup.cell.ErrorsOf(trial.bin_index, attempt);
+  for (const InstanceRecord& instance : image.instances) {
+    const bool is_left =
+        std::any_of(trial.scene.objects.begin(), trial.scene.objects.end(),
+                    [&](const PosedObject& posed) { return posed.instance == instance.instance; });
+    if (is_left) record.instances.push_back(instance);
+  }
+  for (const ScoredHypothesis& hypothesis : image.hypotheses) {
+    record.hypotheses.push_back(hypothesis.record);
+  }
+  record.grasp = ChooseGrasp(setup, {trial.scene, trial.objects}, image.view, trial.failed,
+                             image.picks, PlanSeed(setup, trial, attempt), record, trial.seconds);
+  if (!record.grasp) return std::nullopt;
+  AttemptState state{trial.bin_index, setup.cell, &ToolNamed(setup.tools, record.grasp->tool),
+                     trial.scene, record};
+  const auto reach = [&](TrialStage stage) { ReachStage(stage, state, record, trial.observer); };
+  reach(TrialStage::kScene);
+  state.view = &image.view;
+  reach(TrialStage::kImage);
+  state.hypotheses = &image.hypotheses;
+  reach(TrialStage::kHypotheses);
+  reach(TrialStage::kGrasp);
+  ExecuteAndAttribute(setup, {attempt}, trial, record);
   reach(TrialStage::kOutcome);
   return record;
 }

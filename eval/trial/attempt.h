@@ -3,9 +3,15 @@
 // One attempt of a trial: capture, estimate, score against ground truth, choose a grasp, execute
 // it, and attribute a failure to a stage.
 
+#include <optional>
+#include <vector>
+
 #include "eval/trial/grasp_choice.h"
+#include "eval/trial/instance_matcher.h"
+#include "eval/trial/pose_matching.h"
 #include "eval/trial/trial_records.h"
 #include "eval/trial/trial_setup.h"
+#include "grasp/plan/image_picks.h"
 #include "scenes/base/ids.h"
 #include "scenes/scene.h"
 
@@ -13,12 +19,22 @@ namespace pickbed::eval {
 
 class TrialObserver;
 
+// An image, what was estimated from it, and the picks that used it so far.
+struct CapturedImage {
+  Observation view;
+  InstanceMatcher truth;  // the scene at the time of the image
+  std::vector<ScoredHypothesis> hypotheses;
+  std::vector<InstanceRecord> instances;
+  ImagePicks picks;
+};
+
 // State of a running trial. Every attempt reads the scene and replaces it by the scene after it.
 struct LiveTrial {
   BinIndex bin_index{0};  // random streams derive from it
   ObjectSet objects;      // in their true sizes
   Scene scene;
   GraspMemory failed;
+  std::optional<CapturedImage> image;  // the last one
   StageSeconds seconds;
   TrialObserver* observer = nullptr;  // may be null
 };
@@ -34,5 +50,10 @@ struct AttemptTask {
 // Runs one attempt on trial.scene and replaces the scene by the one after the pick. Adds the stage
 // times to trial.seconds, remembers a failed grasp in trial.failed and notifies trial.observer.
 AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& trial);
+
+// Runs attempt number `attempt` with the image of the attempt before it, which succeeded. Returns
+// nullopt, and changes only trial.seconds, if no planned grasp is independent of the earlier picks
+// of the image (grasp/plan/image_picks.h).
+std::optional<AttemptRecord> RunFurtherPick(TrialSetup& setup, int attempt, LiveTrial& trial);
 
 }  // namespace pickbed::eval

@@ -42,6 +42,7 @@ std::map<Sighting, const HypothesisRecord*> BestOfEach(std::span<const TrialResu
     if (place < 0) continue;
     const int nth = trials_of[place]++;
     for (const AttemptRecord& attempt : trial.attempts) {
+      if (!attempt.has_own_image()) continue;
       for (const HypothesisRecord& pose : attempt.hypotheses) {
         if (pose.instance < 0 || !(pose.mssd_diameters() < kMatchDiameters)) continue;
         if (attempt.target >= 0 && pose.instance != attempt.target) continue;
@@ -102,6 +103,7 @@ TrialCount RequestedCleared() {
 TrialCount AllInstancesRecalled() {
   return [](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
+      if (!attempt.has_own_image()) continue;
       for (const InstanceRecord& instance : attempt.instances) {
         if (instance.visible_fraction < kCountedVisibility) continue;
         ++scene.samples;
@@ -114,6 +116,7 @@ TrialCount AllInstancesRecalled() {
 TrialCount PosesRight() {
   return [](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
+      if (!attempt.has_own_image()) continue;
       scene.samples += static_cast<int>(attempt.hypotheses.size());
       for (const InstanceRecord& instance : attempt.instances) scene.hits += instance.recalled;
     }
@@ -130,6 +133,7 @@ TrialCount InstancesCleared() {
 TrialCount TopRankedRight() {
   return [](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
+      if (!attempt.has_own_image()) continue;
       if (attempt.hypotheses.empty()) continue;
       ++scene.samples;
       scene.hits += attempt.hypotheses.front().correct;
@@ -140,6 +144,7 @@ TrialCount TopRankedRight() {
 TrialCount InstancesRecalled(double visible_min, double visible_max) {
   return [=](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
+      if (!attempt.has_own_image()) continue;
       for (const InstanceRecord& instance : attempt.instances) {
         if (attempt.target >= 0 && instance.instance != attempt.target) continue;
         if (!InBand(instance.visible_fraction, visible_min, visible_max)) continue;
@@ -156,6 +161,17 @@ TrialCount SuccessByVisibility(double visible_min, double visible_max) {
       if (!attempt.grasp) continue;
       const InstanceId target = attempt.target >= 0 ? attempt.target : attempt.matched_instance;
       if (!InBand(VisibleFraction(attempt, target), visible_min, visible_max)) continue;
+      ++scene.samples;
+      scene.hits += attempt.failure == FailureReason::kNone;
+    }
+  };
+}
+
+TrialCount SuccessByFill(double fill_min, double fill_max) {
+  return [=](const TrialResult& trial, Cluster& scene) {
+    for (const AttemptRecord& attempt : trial.attempts) {
+      if (!attempt.grasp || attempt.fill_level < fill_min || attempt.fill_level >= fill_max)
+        continue;
       ++scene.samples;
       scene.hits += attempt.failure == FailureReason::kNone;
     }

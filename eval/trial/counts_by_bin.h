@@ -43,6 +43,9 @@ TrialCount PosesRight();
 // Successes among executed grasps, by the visible fraction of the intended instance. This is the
 // target if the attempt has one, else the instance that the executed pose matches.
 TrialCount SuccessByVisibility(double visible_min, double visible_max);
+// Successes among executed grasps at a fill level in [fill_min, fill_max). Attempts without a known
+// fill level do not count.
+TrialCount SuccessByFill(double fill_min, double fill_max);
 // Attempts that picked their target, among attempts with a target of this visible fraction. An
 // attempt without a grasp counts as a failure.
 TrialCount TargetsPicked(double visible_min, double visible_max);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "grasp/plan/lift_clearance.h"
 #include "scenes/camera/depth_points.h"
 
 namespace pickbed::eval {
@@ -75,20 +76,51 @@ PlanResult PlanInAssumedBin(const TrialSetup& setup, const CellCalibration& cali
   return plan;
 }
 
+// Removes the poses whose object would meet a wall while it is lifted. Returns the number of their
+// grasp candidates.
+int RemoveBlockedLifts(const TrialSetup& setup, const CellCalibration& calibration,
+                       PlannedPoses& on) {
+  const PolicySpec& policy = setup.spec.policy;
+  if (!policy.check_lift) return 0;
+  const Pose X_BW = calibration.X_WB ? calibration.X_WB->inverse() : Pose::Identity();
+  int candidates = 0;
+  std::erase_if(on.graspable, [&](int i) {
+    const EstimatedPose& pose = on.poses[i];
+    const ObjectModel& object = *setup.cell.objects()[pose.object];
+    const bool meets =
+        LiftMeetsWall(setup.cell.bin(), object, X_BW * pose.X_WO, 1e-3 * policy.lift_clearance_mm);
+    if (!meets) return false;
+    for (const auto& of_tool : setup.candidates) {
+      candidates += static_cast<int>(of_tool[pose.object].size());
+    }
+    return true;
+  });
+  return candidates;
+}
+
 // Returns the planned grasps, best first, without repetitions of failures.
 std::vector<Grasp> PlanOnEstimate(const TrialSetup& setup, const Observation& view,
                                   const PlannedPoses& on, const GraspMemory& failed,
-                                  uint64_t rng_seed, AttemptRecord& record) {
+                                  const ImagePicks& earlier, uint64_t rng_seed,
+                                  AttemptRecord& record) {
   auto cloud_W =
       ObservedPoints(view.frame, view.calibration.camera.X_WC(), setup.options.cloud_stride_px);
   PlanOptions options = RankedOptions(setup, rng_seed);
   if (setup.options.truth.grasp) options.max_grasps = setup.options.true_grasps;
-  if (!failed.empty()) options.max_grasps = setup.options.retry_grasps;
+  if (!failed.empty() || !earlier.empty()) options.max_grasps = setup.options.retry_grasps;
   PlanResult plan = PlanInAssumedBin(setup, view.calibration, on, std::move(cloud_W), options);
   record.grasps_rejected = std::move(plan.rejected);
   std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
   if (fresh.size() < plan.grasps.size()) {
     record.grasps_rejected["failed before"] = static_cast<int>(plan.grasps.size() - fresh.size());
+  }
+  if (earlier.empty()) return fresh;
+  const auto disturbing = std::erase_if(fresh, [&](const Grasp& grasp) {
+    return !earlier.IsIndependent(grasp, on.poses[grasp.hypothesis],
+                                  ToolNamed(setup.tools, grasp.tool));
+  });
+  if (disturbing > 0) {
+    record.grasps_rejected["disturbs another pick"] = static_cast<int>(disturbing);
   }
   return fresh;
 }
@@ -194,17 +226,28 @@ int CountReachable(const TrialSetup& setup, const Observation& view,
 
 std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth,
                                  const Observation& view, const GraspMemory& failed,
-                                 uint64_t rng_seed, AttemptRecord& record, StageSeconds& seconds) {
-  const PlannedPoses on = PosesOf(record, setup.options.match_diameters);
-  if (on.graspable.empty()) return std::nullopt;
+                                 const ImagePicks& earlier, uint64_t rng_seed,
+                                 AttemptRecord& record, StageSeconds& seconds) {
+  PlannedPoses on = PosesOf(record, setup.options.match_diameters);
+  std::erase_if(on.graspable, [&](int pose) { return !earlier.IsApart(on.poses[pose]); });
+  const int blocked = RemoveBlockedLifts(setup, view.calibration, on);
+  const auto count_blocked = [&] {
+    if (blocked > 0) record.grasps_rejected["held object meets a wall"] = blocked;
+  };
+  if (on.graspable.empty()) {
+    count_blocked();
+    return std::nullopt;
+  }
   std::vector<Grasp> planned;
   {
     const StageTimer timer(seconds, "plan");
-    planned = PlanOnEstimate(setup, view, on, failed, rng_seed, record);
+    planned = PlanOnEstimate(setup, view, on, failed, earlier, rng_seed, record);
+    count_blocked();
   }
   if (setup.options.truth.grasp) {
     const StageTimer timer(seconds, "try");
     if (const auto grasp = FirstThatSucceeds(setup, truth, planned, record)) return grasp;
+    if (!earlier.empty()) return std::nullopt;  // a new image shows what is free
     const std::vector<Grasp> relaxed = PlanRelaxed(setup, view.calibration, on, failed, rng_seed);
     if (const auto grasp = FirstThatSucceeds(setup, truth, relaxed, record)) return grasp;
   }

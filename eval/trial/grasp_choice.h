@@ -10,6 +10,7 @@
 
 #include "eval/trial/trial_records.h"
 #include "eval/trial/trial_setup.h"
+#include "grasp/plan/image_picks.h"
 #include "grasp/plan/plan.h"
 #include "scenes/base/ids.h"
 
@@ -61,9 +62,11 @@ int CountReachable(const TrialSetup& setup, const Observation& view,
                    std::span<const PoseHypothesis> poses, int wanted);
 
 // Returns the grasp to execute on one of record.hypotheses, or nullopt if there is none. Fills
-// record.grasps_rejected and adds the times to `seconds`. `rng_seed` is the planner's seed.
+// record.grasps_rejected and adds the times to `seconds`. `rng_seed` is the planner's seed. The
+// grasp is independent of the `earlier` picks of the same image.
 std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth,
                                  const Observation& view, const GraspMemory& failed,
-                                 uint64_t rng_seed, AttemptRecord& record, StageSeconds& seconds);
+                                 const ImagePicks& earlier, uint64_t rng_seed,
+                                 AttemptRecord& record, StageSeconds& seconds);
 
 }  // namespace pickbed::eval

@@ -22,12 +22,14 @@ void LeaveBy(const AttemptRecord& attempt, InstanceOutcome& instance_outcome) {
   const bool brought = outcome.picked_instance == instance_outcome.instance;
   instance_outcome.picked = attempt.failure == FailureReason::kNone && brought;
   if (instance_outcome.picked) return;
-  const bool in_hand = outcome.failure == FailureReason::kDoublePick || brought;
+  const bool is_entangled = outcome.failure == FailureReason::kEntangled;
+  const bool in_hand = outcome.failure == FailureReason::kDoublePick || is_entangled || brought;
   const bool is_target = attempt.matched_instance == instance_outcome.instance &&
                          attempt.failure != FailureReason::kNone;
-  instance_outcome.failure = is_target ? attempt.failure
-                             : in_hand ? FailureReason::kDoublePick
-                                       : FailureReason::kNeighborDisplaced;
+  instance_outcome.failure = is_target      ? attempt.failure
+                             : is_entangled ? FailureReason::kEntangled
+                             : in_hand      ? FailureReason::kDoublePick
+                                            : FailureReason::kNeighborDisplaced;
 }
 
 // A failed attempt without an attributed instance also requested one. Otherwise a bin whose poses

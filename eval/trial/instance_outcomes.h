@@ -35,8 +35,8 @@ struct TrialEnd {
 // Decides the outcome of each instance. `outcomes` names the dropped instances that are not
 // distractors; the function fills in the rest. `attempts` are in order.
 // - An instance that left the bin was picked if a successful attempt delivered it. Otherwise it has
-//   the failure of the attempt if it was the matched instance, kDoublePick if it came along in the
-//   gripper, else kNeighborDisplaced.
+//   the failure of the attempt if it was the matched instance, kDoublePick or kEntangled if it came
+//   along, else kNeighborDisplaced.
 // - An instance that remains has the failure of the last failed attempt that matched it.
 // - If failures ended the trial, the last attempt decides the other remaining instances. With a
 //   grasp, they get its failure. Without one, they get the reason why they were not recalled, or

@@ -37,6 +37,17 @@ void ReportProgress(const TrialSetup& setup, const TrialResult& result) {
                     static_cast<double>(result.instances_cleared) / result.instances_dropped);
 }
 
+// Continues with the last image after a successful pick, while a further pick cannot be disturbed
+// by the earlier ones. Else a new image is captured.
+AttemptRecord RunNextAttempt(TrialSetup& setup, const AttemptTask& task,
+                             const std::vector<AttemptRecord>& before, LiveTrial& trial) {
+  if (!before.empty() && before.back().failure == FailureReason::kNone &&
+      before.back().pick_of_image + 1 < setup.spec.policy.picks_per_image) {
+    if (auto further = RunFurtherPick(setup, task.attempt, trial)) return std::move(*further);
+  }
+  return RunAttempt(setup, task, trial);
+}
+
 }  // namespace
 
 TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* observer) {
@@ -54,7 +65,7 @@ TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* obser
     AttemptTask task{state.attempts};
     const bool may_stir = stirs < policy.stir.max;
     if (may_stir && without_grasp + 1 >= policy.stir.after) task.stir = stirs;
-    result.attempts.push_back(RunAttempt(setup, task, trial));
+    result.attempts.push_back(RunNextAttempt(setup, task, result.attempts, trial));
     const AttemptRecord& attempt = result.attempts.back();
     const bool picked = attempt.failure == FailureReason::kNone;
     result.instances_cleared += picked;

@@ -67,10 +67,13 @@ inline constexpr RenamedStage kRenamedStages[] = {
     {"estimate/look_alikes", "estimate/ambiguous_poses"},
     {"estimate/suppress", "estimate/non_maximum_suppression"}};
 
-// One image and the pick that followed. Without an executed grasp `grasp` is empty, and `failure`
-// is the reason (kNone if no grasp was requested).
+// A pick and the image that it used. Without an executed grasp `grasp` is empty, and `failure` is
+// the reason (kNone if no grasp was requested).
 struct AttemptRecord {
   int attempt = 0;  // number in its trial
+  // Number of picks before this one that used the same image. `instances` and `hypotheses` of these
+  // picks are from one estimate, so statistics of images count them only in the first.
+  int pick_of_image = 0;
   std::vector<InstanceRecord> instances;
   std::vector<HypothesisRecord> hypotheses;
   int chosen = -1;                            // hypothesis of the executed grasp
@@ -78,11 +81,18 @@ struct AttemptRecord {
   InstanceId target = kNoInstance;            // target instance of an occlusion trial, -1 = none
   int band = -1;                              // band of the target's visible fraction, -1 = none
   std::optional<Grasp> grasp;                 // as planned
-  AttemptErrors errors;                       // of the execution
+  // Fill level of the bin before the pick, 0 = empty, and the place of the matched instance in it
+  // (sim/drop/fill_level.h). Negative, or layer 0: unknown.
+  double fill_level = -1;
+  int layer = 0;  // 1 = top
+  int instances_above = -1, instances_below = -1;
+  AttemptErrors errors;  // of the execution
   GraspOutcome outcome;
   FailureReason failure = FailureReason::kNone;
   std::map<std::string, int> grasps_rejected;  // cause -> number of candidates
   StageHashes hashes;
+
+  bool has_own_image() const { return pick_of_image == 0; }
 };
 
 // Returns whether the hand moved in the bin: it executed a grasp, or stirred. Only these attempts

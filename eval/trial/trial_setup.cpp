@@ -3,6 +3,7 @@
 #include "eval/trial/oracle_estimator.h"
 #include "grasp/candidates/candidates.h"
 #include "grasp/plan/plan.h"
+#include "grasp/tolerance/tolerance_ranking.h"
 #include "scenes/scenario/policy.h"
 
 namespace pickbed::eval {
@@ -32,6 +33,8 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   WithSettingsKey(scenario, "policy.ranking", [&] { RankingNamed(scenario.policy.ranking); });
   execute.rule = WithSettingsKey(scenario, "policy.success",
                                  [&] { return DecidingRule(scenario.policy.success); });
+  execute.retention.max_g = scenario.policy.retention_g;
+  execute.retention.is_lateral = scenario.policy.retention_load == "lateral";
   const OracleStages& truth = options.truth;
   if (!truth.AllOfPerception()) {
     estimator = MakeEstimatorRunner(cell, scenario, 1, progress);
@@ -51,6 +54,9 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
         candidates[k].back() = std::move(of_object.by_tool[k]);
       }
     });
+  }
+  for (size_t k = 0; k < tools.size(); ++k) {
+    FillTolerance(scenario, cell.objects(), tools[k]->name, candidates[k]);
   }
 }
 

@@ -31,6 +31,17 @@ class Attempt {
     hand_.HoldOpening(opening_m_);
   }
 
+  // Returns the load of the hold test at which the instance leaves the hand, in multiples of g.
+  double Retention_g() {
+    GraspOutcome outcome;
+    if (PickUp(outcome) != FailureReason::kNone) return 0;
+    const int picked = PickedOf(Held());
+    if (picked < 0) return 0;
+    return LoadUntilLost_g(
+        world_, hand_, picked, options_.retention, options_.physics.gravity_W,
+        [&] { Advance(Raised(lift_m_)); }, [&] { return !hand_.Holds() || !IsInHand(picked); });
+  }
+
   ExecuteResult Run() {
     ExecuteResult result;
     GraspOutcome& outcome = result.outcome;
@@ -57,7 +68,8 @@ class Attempt {
 
   Pose Raised(double height_m) const { return Translation({0, 0, height_m}) * X_WG_; }
 
-  FailureReason Try(GraspOutcome& outcome) {
+  // Approach, lift, hold and shake. kNone does not say that an instance is in the hand.
+  FailureReason PickUp(GraspOutcome& outcome) {
     if (!Approach()) return FailureReason::kCollision;
     const bool closed_on_instance = CloseOnInstance();
     outcome.instances_touched = static_cast<int>(world_.physics().InstancesTouchingHand().size());
@@ -68,9 +80,16 @@ class Attempt {
     if (world_.physics().BlewUp()) return FailureReason::kPhysicsFailed;
     outcome.instances_risen = static_cast<int>(Held().size());
     if (outcome.instances_risen == 0) return FailureReason::kSlipped;
+    watched_ = options_.retention.max_g > 0 ? PickedOf(Held()) : -1;
     Hold(outcome);
     Shake();
-    if (world_.physics().BlewUp()) return FailureReason::kPhysicsFailed;
+    outcome.drop_time_s = drop_time_s_;
+    return world_.physics().BlewUp() ? FailureReason::kPhysicsFailed : FailureReason::kNone;
+  }
+
+  FailureReason Try(GraspOutcome& outcome) {
+    const FailureReason lost = PickUp(outcome);
+    if (lost != FailureReason::kNone) return lost;
     outcome.final_opening_m = hand_.opening_m();
     RecordGrip(outcome);
     const int picked = PickedOf(Held());
@@ -169,8 +188,14 @@ class Attempt {
 
   void Hold(GraspOutcome& outcome) {
     const int steps = world_.Steps(options_.hold_s), counted = std::max(1, steps / 2);
+    held_steps_ = steps;
+    touched_steps_.assign(world_.instance_count(), 0);
     for (int i = 0; i < steps; ++i) {
       Advance(Raised(lift_m_));
+      WatchDrop();
+      for (const int position : world_.physics().InstancesTouchingHand()) {
+        ++touched_steps_[position];
+      }
       if (i < steps - counted) continue;
       const HandLoad load = hand_.Load();
       outcome.contact_force_n += load.force_n / counted;
@@ -186,8 +211,19 @@ class Attempt {
       const double periods = i * world_.physics().step_s() * options_.shake_hz;
       const double swing = std::min(1.0, periods) * std::sin(2 * std::numbers::pi * periods);
       Advance(Translation(options_.shake_m * swing * kShakeDirection_W) * Raised(lift_m_));
+      WatchDrop();
     }
   }
+
+  // Notes when the watched instance leaves the hand.
+  void WatchDrop() {
+    if (watched_ < 0 || drop_time_s_ >= 0) return;
+    ++watched_steps_;
+    if (IsInHand(watched_)) return;
+    drop_time_s_ = watched_steps_ * world_.physics().step_s();
+  }
+
+  bool IsInHand(int position) const { return ShiftInHand_m(position) < 0.5 * lift_m_; }
 
   // Rise of the center of mass since the start of the lift.
   double Rise(int position) const {
@@ -205,7 +241,7 @@ class Attempt {
     std::vector<int> held;
     if (X_WO_lift_.empty()) return held;
     for (int i = 0; i < world_.instance_count(); ++i) {
-      if (!world_.IsStatic(i) && ShiftInHand_m(i) < 0.5 * lift_m_) held.push_back(i);
+      if (!world_.IsStatic(i) && IsInHand(i)) held.push_back(i);
     }
     return held;
   }
@@ -286,13 +322,24 @@ class Attempt {
 
   double UpwardLoad_n() const { return (hand_.X_WG().linear() * hand_.Load().force_n).z(); }
 
+  // Whether the hand touched the instance for at least half of the hold. An instance that is hooked
+  // on another one may swing against the hand.
+  bool IsGripped(int position) const { return 2 * touched_steps_[position] >= held_steps_; }
+
   FailureReason JudgeHeld(GraspOutcome& outcome) const {
     outcome.instances_lifted = static_cast<int>(carried_.size());
     if (carried_.empty()) return FailureReason::kDropped;
     const int picked = PickedOf(carried_);
     outcome.picked_instance = world_.Posed(picked).instance;
     outcome.is_target = IsTarget(picked);
-    if (carried_.size() > 1) return FailureReason::kDoublePick;
+    const auto entangled = std::count_if(carried_.begin(), carried_.end(), [&](int position) {
+      return position != picked && !IsGripped(position);
+    });
+    outcome.instances_entangled = static_cast<int>(entangled);
+    if (carried_.size() > 1) {
+      const bool all = outcome.instances_entangled + 1 == outcome.instances_lifted;
+      return all ? FailureReason::kEntangled : FailureReason::kDoublePick;
+    }
     return outcome.is_target ? FailureReason::kNone : FailureReason::kWrongObject;
   }
 
@@ -347,6 +394,12 @@ class Attempt {
   Hand& hand_;
   double lift_m_ = 0;
   std::vector<int> carried_;  // indices of instances in the hand at the end
+  // By index: number of steps of the hold in which the hand touched the instance.
+  std::vector<int> touched_steps_;
+  int held_steps_ = 0;
+  int watched_ = -1;  // index of the instance whose drop is timed, -1 = none
+  int watched_steps_ = 0;
+  double drop_time_s_ = -1;
   PlacePlan place_;
   bool has_table_ = false;  // place_ is planned
   // Poses at the start of the lift; empty before.
@@ -401,7 +454,13 @@ ExecuteResult ExecuteGrasp(const Scene& scene, const ObjectSet& objects, const G
                            const Gripper& gripper, const GraspTarget& target,
                            const ExecuteOptions& options, const MotionListener& on_step) {
   CheckSettings("ExecuteOptions", options);
-  return Attempt(scene, objects, grasp, gripper, target, options, on_step).Run();
+  CheckSettings("RetentionOptions", options.retention);
+  ExecuteResult result = Attempt(scene, objects, grasp, gripper, target, options, on_step).Run();
+  if (options.retention.max_g > 0 && result.outcome.success) {
+    result.outcome.retention_g =
+        Attempt(scene, objects, grasp, gripper, target, options, {}).Retention_g();
+  }
+  return result;
 }
 
 }  // namespace pickbed::grasp

@@ -7,6 +7,7 @@
 
 #include "grasp/execute/attempt_world.h"
 #include "grasp/execute/motion_listener.h"
+#include "grasp/execute/retention.h"
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
 #include "grasp/place/placement.h"
@@ -37,10 +38,11 @@ struct ExecuteOptions {
   double shake_m = 0.005;
   double shake_hz = 5;
   double shake_s = 1.0;
-  bool carry = true;          // out of the bin to the table; else the attempt ends after the shake
-  double carry_mps = 0.8;     // peak speed of the hand during the carry
-  double settle_s = 1.5;      // maximum time after the retreat until the instances sleep again
-  double displaced_m = 0.01;  // a neighbor that moved further counts as displaced
+  bool carry = true;           // out of the bin to the table; else the attempt ends after the shake
+  double carry_mps = 0.8;      // peak speed of the hand during the carry
+  double settle_s = 1.5;       // maximum time after the retreat until the instances sleep again
+  double displaced_m = 0.01;   // a neighbor that moved further counts as displaced
+  RetentionOptions retention;  // after a successful pick
   AttemptWorldOptions world;
   PlaceOptions place;
   RuleOptions rules;
@@ -49,7 +51,7 @@ struct ExecuteOptions {
   // hand are searched in every step.
   PhysicsOptions physics{
       .sleep_after_s = 0.25, .contact_reuse_m = 0.0001, .awake_boxes_only = true};
-  // Visits all options except `rule` and `physics`; the physics values were measured.
+  // Visits all options except `rule`, `retention` and `physics`, whose values were measured.
   void Visit(SettingsVisitor& v);
 };
 

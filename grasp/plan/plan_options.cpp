@@ -7,13 +7,15 @@
 namespace pickbed::grasp {
 namespace {
 
-constexpr std::array<RankingRow, 4> kRankings{{
+constexpr std::array<RankingRow, 5> kRankings{{
     {"quality", "quality from angle, area, depth and lever arm of the contacts, 0 to 1",
      [](const GraspCandidate& candidate) { return candidate.quality; }},
     {"epsilon", "smallest load from any direction that the contacts cannot balance",
      [](const GraspCandidate& candidate) { return candidate.epsilon / (1 + candidate.epsilon); }},
     {"robust", "share of sampled errors under which the grasp holds",
      [](const GraspCandidate& candidate) { return candidate.robust; }},
+    {"tolerance", "probability that the grasp survives the pose error, by a tolerance map",
+     [](const GraspCandidate& candidate) { return candidate.tolerance; }},
     {"random", "random order of the grasps without collision, as a baseline", nullptr},
 }};
 

@@ -32,13 +32,16 @@ constexpr std::array kFailures{
     FailureRow{FailureReason::kMisplaced, Stage::kGrasp, "misplaced",
                "the instance was carried out but not set down at the planned pose"},
     FailureRow{FailureReason::kDoublePick, Stage::kGrasp, "double_pick",
-               "another instance came out with the target, or instead of it", "took_two"},
+               "another instance came out in the hand with the target, or instead of it",
+               "took_two"},
     FailureRow{FailureReason::kNeighborDisplaced, Stage::kGrasp, "neighbor_displaced",
                "the instance left the bin in an attempt on another one", "disturbed"},
     FailureRow{FailureReason::kPhysicsFailed, Stage::kSimulate, "physics_failed",
                "the physics failed: bodies moved too fast, or the solver gave NaN"},
     FailureRow{FailureReason::kStirred, Stage::kPlan, "stirred",
                "no pose had a grasp without collision, and the closed hand stirred the bin"},
+    FailureRow{FailureReason::kEntangled, Stage::kGrasp, "entangled",
+               "another instance was hooked on the target and came out without touching the hand"},
 };
 
 const FailureRow& RowOf(FailureReason failure) {

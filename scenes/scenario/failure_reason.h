@@ -3,6 +3,7 @@
 // The list of failure reasons of a pick, used by console, JSON, store and report. Every failed pick
 // has one reason, and every reason belongs to one stage.
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -30,8 +31,11 @@ enum class FailureReason {
   kDoublePick,         // another instance came with the target, or instead of it
   kNeighborDisplaced,  // an instance left the bin in a pick of another one
   kPhysicsFailed,      // bodies exploded or the solver gave NaN
-  kStirred,            // no grasp was found, and the closed hand stirred the bin
+  // Last, so that the numbers in the hashes of earlier results stay the same.
+  kStirred,    // no grasp was found, and the closed hand stirred the bin
+  kEntangled,  // another instance was lifted with the target without contact to the hand
 };
+inline constexpr size_t kFailureReasons = static_cast<size_t>(FailureReason::kEntangled) + 1;
 
 // A row of the table of failure reasons.
 struct FailureRow {

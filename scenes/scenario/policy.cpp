@@ -51,8 +51,28 @@ void PolicySpec::Visit(SettingsVisitor& v) {
   v.RenamedKey("max_picks", "max_attempts");
   v.Integer("max_attempts", max_attempts, {0, 100000},
             "maximum number of attempts in a trial, 0 = no limit");
+  v.Integer("picks_per_image", picks_per_image, {1, 100},
+            "maximum number of picks after one image; only picks that cannot disturb each other");
   v.Text("ranking", ranking, {},
          "criterion that orders the grasps without collision, a row of `pickbed list rankings`");
+  v.Text(
+      "tolerance_maps", tolerance_maps, {},
+      "folder of the tolerance maps of all objects with the gripper; only for ranking tolerance");
+  v.Real("pose_error_mm", pose_error_mm, {0, 100},
+         "expected standard deviation of an estimated position, each axis, mm; only for ranking "
+         "tolerance");
+  v.Real("pose_error_deg", pose_error_deg, {0, 180},
+         "expected standard deviation of an estimated rotation, degrees; only for ranking "
+         "tolerance");
+  v.Bool("check_lift", check_lift,
+         "whether grasps are rejected whose object would meet a wall of the bin while lifted");
+  v.Real("lift_clearance_mm", lift_clearance_mm, {-100, 1000},
+         "distance of the lifted object from the walls, mm; only with check_lift; negative allows "
+         "an overlap of erroneous poses");
+  v.Real("retention_g", retention_g, {0, 100},
+         "largest load of a hold test after each successful pick, multiples of g; 0 = no test");
+  v.Text("retention_load", retention_load, {"weight", "lateral"},
+         "whether the weight grows in the hold test, or a horizontal load across the fingers");
   v.Group(
       "stir", [this](SettingsVisitor& g) { stir.Visit(g); },
       "pushing through the clutter if no grasp is found");
@@ -69,6 +89,10 @@ void CycleSpec::Visit(SettingsVisitor& v) {
          "time for one pick: approach, transport to the place and return, s");
   v.Real("tool_change_s", tool_change_s, {0, 3600},
          "time to change the gripper between two picks, s");
+  v.Bool("overlap", overlap,
+         "whether the next image is captured and computed while the arm moves outside the bin");
+  v.Real("in_bin_s", in_bin_s, {0, 3600},
+         "time of a pick in which the arm hides the bin, s; only with overlap");
 }
 
 std::span<const PolicyRow> PolicyTable() { return kPolicies; }

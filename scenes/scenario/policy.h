@@ -22,20 +22,40 @@ struct StirSpec {
 struct PolicySpec {
   std::string stop = "until_empty";  // a row of PolicyTable()
   int max_failures_in_row = 2;
-  int max_attempts = 0;             // 0 = no limit
+  int max_attempts = 0;  // 0 = no limit
+  // Maximum number of picks after one image. Only picks that cannot disturb each other share an
+  // image, see grasp/plan/image_picks.h. A failed pick is followed by a new image.
+  int picks_per_image = 1;
   std::string ranking = "quality";  // order of planned grasps: a row of grasp/plan/plan.h's table
   StirSpec stir;
+  // For the ranking "tolerance": folder of tolerance maps (`pickbed tolerance`), relative to the
+  // working directory, and the expected error of an estimated pose.
+  std::string tolerance_maps;
+  double pose_error_mm = 2;
+  double pose_error_deg = 2;
+  // Whether grasps are rejected whose object would meet a wall while it is lifted
+  // (grasp/plan/lift_clearance.h), and the distance that it keeps from the walls.
+  bool check_lift = false;
+  double lift_clearance_mm = 0;
+  // Largest load of a hold test after each successful pick, in multiples of g; 0 = no test. The
+  // test repeats the pick in a copy of the scene, so it changes no result and doubles the physics.
+  double retention_g = 0;
+  std::string retention_load = "weight";   // weight | lateral
   std::string success = "right_instance";  // success rule: a row of grasp/outcome.h's table
   void Visit(SettingsVisitor& v);
 };
 
-// Durations of one attempt, from which picks per hour are computed. Image, computation and motion
-// follow each other. They have no influence on the trial.
+// Durations of one attempt, from which picks per hour are computed (eval/summary/cycle.h). They
+// have no influence on the trial.
 struct CycleSpec {
   double sense_s = 0.5;      // capture of one image
   double compute_s = 0;      // estimation and planning; 0 = as measured on this machine
   double move_s = 6;         // approach, transport to the place, and return to the waiting position
   double tool_change_s = 5;  // if a pick needs another gripper than the pick before
+  // Whether the next image is captured and computed once the arm has left the bin, while it moves.
+  // Else image, computation and motion follow each other.
+  bool overlap = false;
+  double in_bin_s = 2;  // share of move_s in which the arm hides the bin; only with `overlap`
   void Visit(SettingsVisitor& v);
 };
 

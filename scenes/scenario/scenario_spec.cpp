@@ -307,6 +307,17 @@ void ScenarioSpec::Validate() const {
       fmt::format("{} = {}: the trial ends after {} failures in a row, before it stirs; raise "
                   "policy.max_failures_in_row",
                   At("policy.stir.after"), policy.stir.after, policy.max_failures_in_row));
+  CheckInput(policy.picks_per_image == 1 || !occlusion.enabled,
+             fmt::format("{} = {}: each pick of an occlusion scenario has its own scene and image; "
+                         "remove it or set occlusion.enabled: false",
+                         At("policy.picks_per_image"), policy.picks_per_image));
+  CheckInput(
+      policy.retention_g == 0 || policy.retention_g > 1,
+      fmt::format("{} = {}: the weight is 1 g already; set a value above 1, or 0 for no test",
+                  At("policy.retention_g"), policy.retention_g));
+  CheckInput(!cycle.overlap || cycle.in_bin_s <= cycle.move_s,
+             fmt::format("{} = {}: is longer than the whole motion, cycle.move_s = {}; lower it",
+                         At("cycle.in_bin_s"), cycle.in_bin_s, cycle.move_s));
   ValidateCamera(*this);
   appearance.Validate([this](const std::string& key) { return At("appearance." + key); });
   cell.Validate(bin.inner_size_m, [this](const std::string& key) { return At("cell." + key); });

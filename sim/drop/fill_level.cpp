@@ -133,6 +133,37 @@ std::vector<int> LayersOf(const std::vector<TopView>& views, size_t cells) {
   return layers;
 }
 
+void CountNeighbors(const std::vector<TopView>& views, size_t cells, FillStatistics& fill) {
+  struct Surface {
+    int instance;
+    float height_m;
+  };
+  std::vector<std::vector<Surface>> by_cell(cells);
+  const int count = static_cast<int>(views.size());
+  for (int i = 0; i < count; ++i) {
+    for (const TopView::Cell& cell : views[i].cells) {
+      by_cell[cell.index].push_back({i, cell.height_m});
+    }
+  }
+  // Number of cells in which the first instance is higher than the second.
+  std::vector<int> higher(static_cast<size_t>(count) * count, 0);
+  const auto of = [&](int a, int b) -> int& { return higher[static_cast<size_t>(a) * count + b]; };
+  for (const std::vector<Surface>& surfaces : by_cell) {
+    for (const Surface& a : surfaces) {
+      for (const Surface& b : surfaces) of(a.instance, b.instance) += a.height_m > b.height_m;
+    }
+  }
+  fill.above.assign(count, 0);
+  fill.below.assign(count, 0);
+  for (int a = 0; a < count; ++a) {
+    for (int b = 0; b < count; ++b) {
+      if (of(a, b) <= of(b, a)) continue;
+      ++fill.below[a];
+      ++fill.above[b];
+    }
+  }
+}
+
 }  // namespace
 
 FillStatistics MeasureFill(const Scene& scene, const ObjectSet& objects) {
@@ -151,6 +182,7 @@ FillStatistics MeasureFill(const Scene& scene, const ObjectSet& objects) {
     fill.fill_level = mean_m / scene.bin.inner_size_m.z();
   }
   fill.layers = LayersOf(views, grid.size());
+  CountNeighbors(views, grid.size(), fill);
   return fill;
 }
 

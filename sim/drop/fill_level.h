@@ -17,6 +17,10 @@ struct FillStatistics {
   // Layer of scene.objects[i], 1 = top. The instances with at least half of their top view
   // uncovered are layer 1. Layer 2 is layer 1 of the pile without them, and so on.
   std::vector<int> layers;
+  // Number of instances that cover some of scene.objects[i], and number that it covers, in the top
+  // view. If two instances share cells, the one that is higher in more of them covers the other;
+  // with equal numbers, neither does.
+  std::vector<int> above, below;
 };
 
 // Measures the pile on the actual meshes. Throws std::logic_error if an object index is invalid.

@@ -333,6 +333,13 @@ InstanceBody PhysicsWorld::body(int index) const {
           entry.X_BO};
 }
 
+void PhysicsWorld::SetGravityOf(int index, const Eigen::Vector3d& gravity_W) {
+  InstanceState& instance = impl_->instances.at(index);
+  if (instance.body->isStaticObject()) return;
+  instance.body->setGravity(ToBullet(gravity_W));
+  instance.body->activate(true);
+}
+
 void PhysicsWorld::Step() {
   if (impl_->may_sleep) impl_->LetTheStillFallAsleep();
   if (impl_->options.contact_reuse_m > 0) impl_->CountMoved();

@@ -105,6 +105,9 @@ class PhysicsWorld {
   btDiscreteDynamicsWorld& bullet();
   InstanceBody body(int index) const;
 
+  // Replaces gravity for one instance, m/s^2, and wakes it. A static instance does not change.
+  void SetGravityOf(int index, const Eigen::Vector3d& gravity_W);
+
   void Step();
   double time_s() const;
   double step_s() const;

@@ -16,15 +16,25 @@
 namespace pickbed::tests {
 
 inline GraspOutcome FullOutcome(Rng& rng) {
-  GraspOutcome outcome{true,          FailureReason::kDropped, InstanceId{5}, 2,
-                       rng.Uniform(), rng.Uniform(),           rng.Uniform(), 4};
+  GraspOutcome outcome;
+  outcome.success = true;
+  outcome.failure = FailureReason::kDropped;
+  outcome.picked_instance = InstanceId{5};
+  outcome.instances_lifted = 2;
+  outcome.final_opening_m = rng.Uniform();
+  outcome.slip_m = rng.Uniform();
+  outcome.in_hand_rotation_error_rad = rng.Uniform();
+  outcome.neighbors_displaced = 4;
   outcome.is_target = outcome.retreat_contact = outcome.place_executed = true;
   outcome.instances_touched = 3;
   outcome.instances_risen = 2;
+  outcome.instances_entangled = 6;
   outcome.lift_height_m = rng.Uniform();
   outcome.contact_force_n = rng.UnitVector();
   outcome.contact_torque_nm = rng.UnitVector();
   outcome.retreat_opening = rng.Uniform();
+  outcome.retention_g = rng.Uniform();
+  outcome.drop_time_s = rng.Uniform();
   outcome.place_error_m = rng.Uniform();
   outcome.place_rotation_error_rad = rng.Uniform();
   for (size_t i = 0; i < outcome.verdicts.size(); ++i) outcome.verdicts[i] = i % 2 == 0;
@@ -59,6 +69,11 @@ inline TrialResult FullTrial(int trial) {
   for (int p = 0; p < 3; ++p) {
     AttemptRecord& pick = result.attempts.emplace_back();
     pick.attempt = p;
+    pick.pick_of_image = p % 2;
+    pick.fill_level = rng.Uniform();
+    pick.layer = p + 1;
+    pick.instances_above = p + 2;
+    pick.instances_below = p + 3;
     pick.target = InstanceId(p + 4);
     pick.band = p + 1;
     for (int i = 0; i < 4; ++i) {
@@ -108,6 +123,9 @@ inline TrialResult FullTrial(int trial) {
 
 inline void ExpectSamePick(const AttemptRecord& a, const AttemptRecord& b) {
   EXPECT_EQ(a.attempt, b.attempt);
+  EXPECT_EQ(a.pick_of_image, b.pick_of_image);
+  EXPECT_EQ(std::tie(a.fill_level, a.layer, a.instances_above, a.instances_below),
+            std::tie(b.fill_level, b.layer, b.instances_above, b.instances_below));
   EXPECT_EQ(a.chosen, b.chosen);
   EXPECT_EQ(a.matched_instance, b.matched_instance);
   EXPECT_EQ(a.target, b.target);
@@ -128,6 +146,7 @@ inline void ExpectSamePick(const AttemptRecord& a, const AttemptRecord& b) {
   EXPECT_EQ(a.outcome.failure, b.outcome.failure);
   EXPECT_EQ(a.outcome.picked_instance, b.outcome.picked_instance);
   EXPECT_EQ(a.outcome.instances_lifted, b.outcome.instances_lifted);
+  EXPECT_EQ(a.outcome.instances_entangled, b.outcome.instances_entangled);
   EXPECT_EQ(a.outcome.final_opening_m, b.outcome.final_opening_m);
   EXPECT_EQ(a.outcome.slip_m, b.outcome.slip_m);
   EXPECT_EQ(a.outcome.in_hand_rotation_error_rad, b.outcome.in_hand_rotation_error_rad);
@@ -143,6 +162,8 @@ inline void ExpectSamePick(const AttemptRecord& a, const AttemptRecord& b) {
   EXPECT_EQ(a.outcome.place_executed, b.outcome.place_executed);
   EXPECT_EQ(a.outcome.place_error_m, b.outcome.place_error_m);
   EXPECT_EQ(a.outcome.place_rotation_error_rad, b.outcome.place_rotation_error_rad);
+  EXPECT_EQ(a.outcome.retention_g, b.outcome.retention_g);
+  EXPECT_EQ(a.outcome.drop_time_s, b.outcome.drop_time_s);
   EXPECT_EQ(a.outcome.verdicts, b.outcome.verdicts);
   ASSERT_EQ(a.instances.size(), b.instances.size());
   for (size_t i = 0; i < a.instances.size(); ++i) {

@@ -86,6 +86,7 @@ inline TrialResult StubTrial(int trial, const StubOptions& options = {}) {
     AttemptRecord& attempt = result.attempts.emplace_back();
     attempt.attempt = p;
     attempt.instances = instances;
+    attempt.fill_level = 0.6 * static_cast<double>(instances.size()) / options.instances;
     for (InstanceRecord& instance : attempt.instances) {
       const double p_right =
           std::clamp(0.35 + 0.6 * instance.visible_fraction + scene_ease, 0.02, 0.98);

@@ -191,6 +191,7 @@ TEST(FilePages, HaveEveryColumnOfARun) {
 
 TEST(FilePages, HaveEveryColumnOfOtherTablesOfARun) {
   ExpectHeader(CurveCsv({}), "curve.csv");
+  ExpectHeader(HiddenShareCsv({}), "hidden_share.csv");
   ExpectHeader(PickChancesCsv({}, {}, {}), "pick_chances.csv");
 }
 

@@ -30,6 +30,7 @@ std::vector<ReportChart> AllCharts(const std::vector<ConfigurationReport>& point
   for (const ReportChart& chart : ErrorCharts(points)) charts.push_back(chart);
   for (const ReportChart& chart : ErrorByBandCharts(points)) charts.push_back(chart);
   charts.push_back(AttemptsChart(points));
+  charts.push_back(FillChart(points));
   charts.push_back(RejectionsChart(points));
   return charts;
 }

@@ -134,6 +134,13 @@ TEST(InstanceOutcomes, InstancesThatLeaveTheBinByAFailedPick) {
   EXPECT_EQ(OutcomeOf(trial, InstanceId{2}).attempt, 1);
   EXPECT_TRUE(OutcomeOf(trial, InstanceId{3}).picked);
 
+  AttemptRecord hooked = Attempt(0, {0, 1, 2}, FailureReason::kEntangled, 0);
+  hooked.outcome.instances_entangled = 1;
+  const TrialResult tangle =
+      TrialOf(3, {hooked, Attempt(1, {2}, FailureReason::kNone, 2)}, End({}, false));
+  EXPECT_EQ(OutcomeOf(tangle, InstanceId{0}).failure, FailureReason::kEntangled);
+  EXPECT_EQ(OutcomeOf(tangle, InstanceId{1}).failure, FailureReason::kEntangled);
+
   AttemptRecord dropped = Attempt(0, {0, 1, 2}, FailureReason::kDropped, 0);
   const TrialResult outside =
       TrialOf(3, {dropped, Attempt(1, {2}, FailureReason::kNone, 2)}, End({}, false));

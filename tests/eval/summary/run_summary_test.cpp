@@ -137,6 +137,34 @@ TEST(Summarize, InstancesBelowTenPercentVisibleCountInNoBand) {
   EXPECT_EQ(s.recall_by_visibility[4].recalled, 3);
 }
 
+TEST(Summarize, SuccessByFillLevelIsInBandsOfTenPercent) {
+  auto trials = TwoTrials();
+  std::vector<AttemptRecord>& attempts = trials[0].attempts;
+  attempts[0].fill_level = 0.55;
+  attempts[1].fill_level = 0.5;
+  attempts[2].fill_level = 1.2;
+  attempts.push_back(Pick(FailureReason::kNone, true));  // unknown, as in earlier results
+  attempts.push_back(AttemptRecord());                   // without a grasp
+  attempts.back().fill_level = 0.55;
+  const auto json = nlohmann::json::parse(SummaryJson(Summarize(trials)))["success_by_fill"];
+  ASSERT_EQ(json.size(), 2u);
+  EXPECT_EQ(json["50-60"]["executed_grasps"], 2);
+  EXPECT_EQ(json["50-60"]["successes"], 1);
+  EXPECT_EQ(json["100-"]["executed_grasps"], 1);
+  EXPECT_DOUBLE_EQ(json["100-"]["rate"], 1);
+}
+
+TEST(Summarize, AttemptsStateFillLevelAndLayer) {
+  auto trials = TwoTrials();
+  trials[0].attempts[0].fill_level = 0.256;
+  trials[0].attempts[0].layer = 2;
+  trials[0].attempts[0].instances_above = 3;
+  trials[0].attempts[0].instances_below = 4;
+  const std::string csv = AttemptsCsv(trials, {"cube"});
+  EXPECT_THAT(csv, HasSubstr("0,0,0,0,-1,-1,3,25.60,1,cube,-1,2,3,4,0,"));
+  EXPECT_THAT(csv, HasSubstr("0,0,0,0,-1,-1,3,,1,cube,-1,,,,0,")) << "unknown is empty";
+}
+
 // 4 images, 3 grasps, 2 picked instances: (4 * 1 + 4 * 2 + 3 * 6) / 2 = 15 s per instance.
 TEST(Summarize, PicksPerHourFollowFromGivenTimes) {
   const RunSummary stated = Summarize(TwoTrials(), {1, 2, 6});
@@ -146,6 +174,48 @@ TEST(Summarize, PicksPerHourFollowFromGivenTimes) {
   EXPECT_DOUBLE_EQ(stated.cycle.picks_per_hour(), 240);
   EXPECT_EQ(nlohmann::json::parse(SummaryJson(stated))["picks_per_hour"], 240);
   EXPECT_NE(SummaryTable(stated).find("240"), std::string::npos);
+}
+
+// The second and third image of the first bin are captured behind a motion; the first image of each
+// bin is not. (4 * 3 + 3 * 6 - 2 * min(3, 6 - 2)) / 2 = 12 s.
+TEST(Summarize, OverlapHidesTheShorterTime) {
+  CycleSpec cycle{1, 2, 6};
+  cycle.overlap = true;
+  cycle.in_bin_s = 2;
+  const CycleTime hidden = Summarize(TwoTrials(), cycle).cycle;
+  EXPECT_DOUBLE_EQ(hidden.hidden_s, 3);
+  EXPECT_DOUBLE_EQ(hidden.pick_s(), 12);
+  EXPECT_DOUBLE_EQ(hidden.stated_pick_s(), 12);
+  // With 5 s to compute, only the 4 s outside the bin hide something.
+  cycle.compute_s = 5;
+  EXPECT_DOUBLE_EQ(Summarize(TwoTrials(), cycle).cycle.hidden_s, 4);
+  cycle.in_bin_s = 6;
+  EXPECT_DOUBLE_EQ(Summarize(TwoTrials(), cycle).cycle.hidden_s, 0);
+}
+
+// A pick with its own image after a successful one takes in_bin_s + max(sense_s + compute_s,
+// move_s - in_bin_s). Many picks in one bin approach this time.
+TEST(Summarize, OverlapTakesTheMaximumInsteadOfTheSum) {
+  TrialResult trial;
+  trial.attempts.assign(1000, Pick(FailureReason::kNone, true));
+  trial.instances_cleared = 1000;
+  for (const double compute_s : {1.0, 8.0}) {
+    CycleSpec cycle{0.5, compute_s, 6};
+    EXPECT_DOUBLE_EQ(Summarize({trial}, cycle).cycle.pick_s(), 0.5 + compute_s + 6);
+    cycle.overlap = true;
+    EXPECT_NEAR(Summarize({trial}, cycle).cycle.pick_s(), 2 + std::max(0.5 + compute_s, 4.0), 0.01);
+  }
+}
+
+TEST(Summarize, OverlapWithAMeasuredTimeKeepsTheStatedNumber) {
+  auto trials = TwoTrials();
+  trials[0].seconds["estimate"] = 3;  // 1 s per image
+  CycleSpec cycle{1, 0, 6};
+  cycle.overlap = true;
+  const CycleTime time = Summarize(trials, cycle).cycle;
+  EXPECT_DOUBLE_EQ(time.hidden_s, 2);
+  EXPECT_DOUBLE_EQ(time.stated_hidden_s, 1);
+  EXPECT_DOUBLE_EQ(time.stated_pick_s(), 10);
 }
 
 TEST(Summarize, MeasuredComputeTimeIsOnlyInTheTimings) {

@@ -76,7 +76,7 @@ TEST_F(FailureAttribution, GraspFailuresAreKeptAtACorrectPose) {
   for (const FailureReason failure :
        {FailureReason::kCollision, FailureReason::kClosedOnNothing, FailureReason::kSlipped,
         FailureReason::kDropped, FailureReason::kMisplaced, FailureReason::kDoublePick,
-        FailureReason::kNeighborDisplaced}) {
+        FailureReason::kNeighborDisplaced, FailureReason::kEntangled}) {
     record_.outcome.failure = failure;
     EXPECT_EQ(At(Pose::Identity()), failure);
   }

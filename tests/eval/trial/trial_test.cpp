@@ -50,6 +50,21 @@ TEST(Trial, GroundTruthPosesOfEasyObjectsEmptyTheBin) {
   EXPECT_EQ(picked.size(), 4u) << "each instance once";
 }
 
+// Cubes on the floor raise the mean surface by their volume over the area of the floor.
+TEST(Trial, FillLevelFallsByTheVolumeOfEachPickedCube) {
+  const TrialResult result = RunOne(CubeScenario(4), EasyCube());
+  const Eigen::Vector3d bin_m = CubeScenario(4).bin.inner_size_m;
+  const double of_cube = std::pow(0.03, 3) / bin_m.prod();
+  ASSERT_EQ(result.attempts.size(), 4u);
+  for (const AttemptRecord& attempt : result.attempts) {
+    EXPECT_NEAR(attempt.fill_level, of_cube * static_cast<double>(attempt.instances.size()),
+                0.1 * of_cube);
+    EXPECT_EQ(attempt.layer, 1);
+    EXPECT_EQ(attempt.instances_above, 0);
+    EXPECT_EQ(attempt.instances_below, 0);
+  }
+}
+
 TEST(Trial, DependsOnlyOnSeedAndTrialNumber) {
   ScenarioSpec spec = CubeScenario(3);
   spec.estimator.noise_mm = 2;

@@ -296,7 +296,33 @@ TEST_F(Execute, TwoBoxesBetweenTheFingersAreADoublePick) {
   const ExecuteResult result = Run(scene, GraspAt(0, 0, 0.0612));
   EXPECT_EQ(FailureName(result.outcome.failure), FailureName(FailureReason::kDoublePick));
   EXPECT_EQ(result.outcome.instances_lifted, 2);
+  EXPECT_EQ(result.outcome.instances_entangled, 0);
   EXPECT_TRUE(result.after.objects.empty());
+}
+
+// A plate held at its stem carries a cube between its stem and its upright edge.
+TEST_F(Execute, InstanceCarriedWithoutContactToTheHandIsEntangled) {
+  objects_ = {ObjectOfBoxes("tray",
+                            {{{0, 0, 0.05}, {0.02, 0.02, 0.05}},
+                             {{0, 0, 0.005}, {0.02, 0.09, 0.005}},
+                             {{0, 0.085, 0.025}, {0.02, 0.005, 0.025}}},
+                            0.2),
+              BoxObject({0.03, 0.03, 0.03}, 0.02)};
+  Scene scene;
+  scene.objects = {{InstanceId{10}, ObjectId{0}, Translation({0, 0, 0.0006})},
+                   {InstanceId{11}, ObjectId{1}, Translation({0, 0.055, 0.0262})}};
+  Grasp grasp = GraspAt(0, 0);
+  grasp.X_WG.translation().z() = 0.07;
+  const ExecuteResult result = Run(scene, grasp);
+  EXPECT_EQ(FailureName(result.outcome.failure), FailureName(FailureReason::kEntangled));
+  EXPECT_EQ(result.outcome.picked_instance, 10);
+  EXPECT_EQ(result.outcome.instances_lifted, 2);
+  EXPECT_EQ(result.outcome.instances_entangled, 1);
+  EXPECT_TRUE(result.after.objects.empty()) << "both left the bin";
+  EXPECT_EQ(Passed(result.outcome), "contact lifted held vgn_loose ");
+
+  scene.objects.pop_back();
+  EXPECT_TRUE(Run(scene, grasp).outcome.success) << "without the cube the grasp holds";
 }
 
 TEST_F(Execute, OtherInstanceThanTheTargetIsAWrongPick) {

@@ -19,7 +19,7 @@ TEST(FailureTable, RowsAreInEnumOrderWithUniqueNames) {
     EXPECT_EQ(StageOf(row.failure) == Stage::kDone, row.failure == FailureReason::kNone);
     EXPECT_FALSE(StageName(row.stage).empty());
   }
-  EXPECT_EQ(FailureTable().size(), static_cast<size_t>(FailureReason::kStirred) + 1);
+  EXPECT_EQ(FailureTable().size(), kFailureReasons);
   EXPECT_FALSE(FailureFromName("no such loss"));
 }
 

@@ -50,5 +50,16 @@ TEST(MeasureFill, AnInstanceCoveredByLessThanHalfIsInTheTopLayer) {
   EXPECT_EQ(layers_at(0.012), (std::vector<int>{2, 1}));  // 70 % covered
 }
 
+TEST(MeasureFill, NeighborsAboveAndBelowAreThoseThatShareCells) {
+  // Three cubes on each other, shifted so that the lowest and the highest share no cell, and one
+  // cube beside them.
+  const Scene scene{kStackBin,
+                    {CubeAt(0, 0, 0, 0.02), CubeAt(1, 0.03, 0, 0.06), CubeAt(2, 0.06, 0, 0.10),
+                     CubeAt(3, -0.15, 0, 0.02)}};
+  const FillStatistics fill = MeasureFill(scene, kCube);
+  EXPECT_EQ(fill.above, (std::vector<int>{1, 1, 0, 0}));
+  EXPECT_EQ(fill.below, (std::vector<int>{0, 1, 1, 0}));
+}
+
 }  // namespace
 }  // namespace pickbed::tests
