@@ -72,7 +72,6 @@ CLI::Option* AddFormerName(CLI::App& app, const std::string& former, CLI::Option
                            Value& value) {
   return app.add_option(former, value)
       ->group("")
-      ->excludes(current)
       ->each([line = "'" + former + "' is deprecated, write '" + current->get_name() +
                      "'"](const std::string&) { ReportDeprecation(line); });
 }

@@ -133,8 +133,10 @@ std::vector<double> ErrorsOf(std::span<const ConfigurationTrials> configurations
 // Returns a round upper limit that `error_share` of the errors do not exceed.
 double RangeOf(std::span<const ConfigurationTrials> configurations, const ReportedError& error,
                const ReportOptions& options) {
-  const double reach = Quantile(ErrorsOf(configurations, error), options.error_share);
-  if (!(reach > 0)) return 1;
+  const double errors = Quantile(ErrorsOf(configurations, error), options.error_share);
+  if (!(errors > 0)) return 1;
+  // Errors below the last shown decimal are rounding.
+  const double reach = std::max(errors, std::pow(10.0, 1 - error.empty.digits));
   const std::vector<double> ticks = RoundTicks(0, reach);
   const double step = ticks.size() > 1 ? ticks[1] : reach;
   return std::max(step, step * std::ceil(reach / step));
