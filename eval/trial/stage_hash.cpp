@@ -114,8 +114,9 @@ uint64_t HashOfOutcome(const AttemptRecord& record) {
   hash.Add(o.place_executed).Add(o.place_error_m).Add(o.place_rotation_error_rad);
   for (const bool verdict : o.verdicts) hash.Add(verdict);
   if (o.instances_entangled > 0) hash.Add(o.instances_entangled);
-  if (o.retention_g >= 0) hash.Add(o.retention_g);
-  if (o.drop_time_s >= 0) hash.Add(o.drop_time_s);
+  const GraspOutcome unmeasured;
+  if (o.retention_g != unmeasured.retention_g) hash.Add(o.retention_g);
+  if (o.drop_time_s != unmeasured.drop_time_s) hash.Add(o.drop_time_s);
   // An exact cell keeps the hashes of earlier versions.
   const AttemptErrors& e = record.errors;
   if (!e.robot_m.isZero(0) || e.force != 0) hash.Add(e.robot_m).Add(e.force);
