@@ -12,6 +12,7 @@
 #include "eval/trial/trial.h"
 #include "grasp/grippers/suction_cup.h"
 #include "grasp/grippers/table.h"
+#include "grasp/grippers/tools.h"
 #include "scenes/base/math.h"
 #include "scenes/objects/contact.h"
 #include "tests/eval/cube_scenario.h"
@@ -378,9 +379,9 @@ TEST(CellErrors, RecordedAttemptsAreReproducedWithTheirErrors) {
   const TrialResult result = TrialRunner(spec, EasyCube()).Run(BinIndex{0});
   ASSERT_GE(result.attempts.size(), 2u);
   SimulatedCell cell(spec, EasyCube());
-  const auto gripper = LoadGripper(spec.gripper.names[0]);
+  const Tools tools = LoadTools(spec.gripper.names);
   const size_t last = result.attempts.size() - 1;
-  EXPECT_EQ(HashOf(SceneOfAttempt(result, last, {cell, *gripper, spec.policy.success})),
+  EXPECT_EQ(HashOf(SceneOfAttempt(result, last, {cell, tools, spec.policy.success})),
             result.attempts[last].hashes[TrialStage::kScene]);
 }
 
