@@ -375,7 +375,7 @@ std::string InViewText(const RunSummary& s) {
 std::string SummaryTable(const RunSummary& s) {
   std::string text;
   const auto line = [&text](const std::string& name, const std::string& value) {
-    text += fmt::format("  {:<26}{}\n", name, value);
+    text += fmt::format("  {:<25} {}\n", name, value);
   };
   const bool few_bins = s.trials < kMinBinsOfInterval;  // said once, below the table
   const auto rate = [&](const std::string& name, const ReportRate& of, const std::string& counts) {
