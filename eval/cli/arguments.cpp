@@ -52,6 +52,8 @@ bool ParseArguments(CLI::App& app, int argc, char** argv) {
     }
     std::string reason = error.what();
     std::replace(reason.begin(), reason.end(), '\n', ' ');
+    // CLI11 puts the name of the option first, and hidden options have none.
+    if (reason.starts_with(": ")) reason.erase(0, 2);
     throw InputError(fmt::format("{}; see {} --help", reason, app.get_name()));
   }
 }
@@ -115,7 +117,11 @@ void AddFailurePicturesArgument(CLI::App& app, int& trials) {
              "number of bins for which every failed pick gets a small picture for the report")
           ->check(limits)
           ->capture_default_str();
-  AddFormerName(app, "--lost-pictures", current, trials)->check(limits);
+  static constexpr const char* kFormer = "--lost-pictures";
+  AddFormerName(app, kFormer, current, trials)->check([limits](const std::string& text) {
+    const std::string fault = limits(text);
+    return fault.empty() ? fault : fmt::format("{}: {}", kFormer, fault);
+  });
 }
 
 void AddReportOptions(CLI::App& app, ReportOptions& options, std::string& catalog) {

@@ -134,8 +134,8 @@ ResultColumns AttemptsColumns() {
           {"force_percent", "error of the gripper force", "percent"},
       },
       columns);
-  AddColumns(MetricColumns::AtEnd(MetricUnits::kShown).Columns(), columns);
   columns.push_back({"tool", "gripper of the executed grasp"});
+  AddColumns(MetricColumns::AtEnd(MetricUnits::kShown).Columns(), columns);
   return columns;
 }
 

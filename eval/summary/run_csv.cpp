@@ -100,11 +100,11 @@ std::string AttemptsCsv(const std::vector<TrialResult>& trials,
         csv += ",,,,,," + placed.EmptyCells() + ",,";
       }
       csv += fmt::format(
-          "{},{},{},{},{}{}{}{}{},{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
+          "{},{},{},{},{}{}{}{},{}{}\n", attempt.failure == FailureReason::kNone ? 1 : 0,
           FailureName(attempt.failure), 1e3 * attempt.outcome.slip_m,
           kDegreesPerRadian * attempt.outcome.in_hand_rotation_error_rad,
           attempt.outcome.neighbors_displaced, OutcomeCells(attempt), pose,
-          ErrorCells(attempt.errors), cells_at_end, attempt.grasp ? attempt.grasp->tool : "");
+          ErrorCells(attempt.errors), attempt.grasp ? attempt.grasp->tool : "", cells_at_end);
     }
   }
   return csv;

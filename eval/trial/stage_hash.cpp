@@ -91,7 +91,11 @@ uint64_t HashOfGrasp(const AttemptRecord& record) {
   hash.Add(record.grasp.has_value());
   if (record.grasp) {
     const Grasp& grasp = *record.grasp;
-    hash.Add(grasp.X_WG).Add(grasp.width_m).Add(grasp.score).Add(grasp.hypothesis);
+    hash.Add(grasp.X_WG)
+        .Add(grasp.width_m)
+        .Add(grasp.score)
+        .Add(grasp.hypothesis)
+        .Add(std::string_view(grasp.tool));
   }
   for (const auto& [cause, grasps] : record.grasps_rejected) {
     hash.Add(HashedCause(cause)).Add(grasps);

@@ -6,6 +6,7 @@
 
 #include "scenes/image/image.h"
 #include "scenes/objects/object_model.h"
+#include "sim/layer.h"
 
 namespace pickbed::sim {
 

@@ -313,12 +313,20 @@ TEST_F(PreviousVersion, RenamedValuesAreRead) {
               testing::Contains(testing::Pair("estimate/non_maximum_suppression", 0.5)));
 }
 
-TEST_F(PreviousVersion, ReplayGivesTheRecordedStages) {
+// The planner has changed since: it checks candidates in another order and stores the tool. So the
+// grasps and what follows them differ.
+TEST_F(PreviousVersion, ReplayGivesTheRecordedScenesImagesAndHypotheses) {
   const RecordedTrial recorded = ReadRecordedTrial({folder_ / "sweep", 1}, "objects");
   EXPECT_THAT(recorded.changes, IsEmpty());
   const ReplayReport report = ReplayTrial(recorded, nullptr, {});
   ASSERT_FALSE(report.stages.empty());
-  for (const StageReplay& stage : report.stages) EXPECT_EQ(stage.verdict, ReplayVerdict::kSame);
+  int compared = 0;
+  for (const StageReplay& stage : report.stages) {
+    if (stage.attempt > 0 || stage.stage >= TrialStage::kGrasp) continue;
+    EXPECT_EQ(stage.verdict, ReplayVerdict::kSame);
+    ++compared;
+  }
+  EXPECT_EQ(compared, 3);
   EXPECT_THAT(lines_, IsEmpty());
 }
 
