@@ -55,7 +55,7 @@ invalid_budget_requests_are_refused() {
   refused "has no results.sqlite" "$pickbed" budget here
   refused "unknown policy.stop 'never'; known: until_empty, capture_again, one_pick" \
     "$pickbed" run small.yaml --set policy.stop=never --out no
-  refused "unknown ranking 'best'; known: quality, epsilon, robust, random" \
+  refused "unknown ranking 'best'; known: quality, epsilon, robust, tolerance, random" \
     "$pickbed" run small.yaml --set policy.ranking=best --out no
   refused "so it cannot decide a pick; choose right_instance or placed" \
     "$pickbed" run small.yaml --set policy.success=contact --out no

@@ -41,8 +41,10 @@ previous_version_trials_are_listed_and_replayed() {
   [ "$(wc -l <last.out)" = 3 ] || fail "not one line per trial"
   grep -qE "^ +1 +1 +3 +1  finished$" last.out || fail "another list of trial 1"
   [ ! -e before/run/replay ] || fail "a trial was replayed"
+  # Scenes, images and hypotheses are the same. The planner has changed: it stores the tool, and it
+  # rejects the candidates in another order.
   for trial in run#1 sweep#1 occlusion#0; do
-    expect 0 "$pickbed" replay "before/$trial"
-    grep -q "^all recorded stages are the same" last.out || fail "$trial differs"
+    expect 1 "$pickbed" replay "before/$trial"
+    grep -q "^first difference: attempt 0, stage grasp " last.out || fail "$trial differs elsewhere"
   done
 }
