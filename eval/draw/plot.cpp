@@ -66,20 +66,24 @@ Axes AxesOf(const Chart& chart, int width, int height, double y_min_top) {
           PlotAxis(0, y_max, height - kBottom_px, kTop_px)};
 }
 
+// Shades between neighbouring points whose intervals are both known. A known interval without a
+// known neighbor is a vertical line.
 void DrawBand(Canvas& canvas, const Axes& axes, const ChartSeries& series) {
-  std::vector<Eigen::Vector2d> low, high;
   for (size_t i = 0; i < series.band.size(); ++i) {
     if (!series.band[i].is_known()) continue;
-    low.emplace_back(series.points[i].x(), series.band[i].low);
-    high.emplace_back(series.points[i].x(), series.band[i].high);
-  }
-  if (low.empty()) return;
-  const int last = Rounded(axes.x.At(low.back().x()));
-  for (int x = Rounded(axes.x.At(low.front().x())); x <= last; ++x) {
-    const double at = axes.x.ValueAt(x);
-    const int top = Rounded(axes.y.At(Between(high, at)));
-    const int bottom = Rounded(axes.y.At(Between(low, at)));
-    canvas.Fill(x, top, 1, std::max(1, bottom - top), Lightened(series.color));
+    std::vector<Eigen::Vector2d> low, high;
+    for (size_t k = i; k < std::min(i + 2, series.band.size()); ++k) {
+      if (!series.band[k].is_known()) break;
+      low.emplace_back(series.points[k].x(), series.band[k].low);
+      high.emplace_back(series.points[k].x(), series.band[k].high);
+    }
+    const int last = Rounded(axes.x.At(low.back().x()));
+    for (int x = Rounded(axes.x.At(low.front().x())); x <= last; ++x) {
+      const double at = axes.x.ValueAt(x);
+      const int top = Rounded(axes.y.At(Between(high, at)));
+      const int bottom = Rounded(axes.y.At(Between(low, at)));
+      canvas.Fill(x, top, 1, std::max(1, bottom - top), Lightened(series.color));
+    }
   }
 }
 

@@ -77,6 +77,15 @@ TEST(DrawChart, FillsTheBandBetweenTheEndsOfItsIntervals) {
   EXPECT_NEAR(whole, 2 * half, 6);
 }
 
+TEST(DrawChart, TheBandBreaksAtUnknownIntervals) {
+  Chart chart{"x", "", {{"", {{0, 0.5}, {4, 0.5}, {6, 0.5}, {10, 0.5}}, {0, 114, 178}}}, true};
+  const Interval known{0.25, 0.75}, unknown = Interval::Unknown();
+  chart.series[0].band = {known, unknown, unknown, known};
+  EXPECT_LT(ColumnOf(chart, 150).blue, 6) << "between two known intervals that are no neighbors";
+  chart.series[0].band = {unknown, known, known, unknown};
+  EXPECT_GT(ColumnOf(chart, 160).blue, 50);
+}
+
 TEST(DrawChart, MarksOnlyTheRangeOfX) {
   Chart chart{"x", "", {{"", {{0, 0.5}, {10, 0.5}}, {0, 114, 178}}}, /*percent=*/true};
   EXPECT_EQ(ColumnOf(chart, 100).marked, 0);
