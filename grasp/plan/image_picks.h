@@ -5,9 +5,8 @@
 // A pick moves its object, may move what is near it, and sweeps the hand through the bin. Two picks
 // are independent if both of these hold:
 // 1. Seen from above, the centers of mass of their objects are at least half of each diameter plus
-//    `apart_m` apart. So each object is outside the circle in which the other pick can move
-//    neighbors (grasp/execute/attempt_world.h), and outside the column through which the other
-//    object is lifted.
+//    `apart_m` apart. So each object is outside the column through which the other object is
+//    lifted. A pick moves few instances that are further away.
 // 2. Each hand keeps its clearance from the surface of the other object: on its approach, when it
 //    closes, and while it is lifted straight up.
 
@@ -20,8 +19,7 @@ namespace pickbed::grasp {
 
 // Distances of independent picks.
 struct ImagePicksOptions {
-  // As AttemptWorldOptions::near_m, beyond which an execution moves no instance.
-  double apart_m = 0.02;
+  double apart_m = 0.02;     // between the objects, beyond half of each diameter
   double spacing_m = 0.004;  // of the points on an object's surface
   double lift_step_m = 0.005;
   void Visit(SettingsVisitor& v);
