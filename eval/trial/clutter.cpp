@@ -1,6 +1,6 @@
 #include "eval/trial/clutter.h"
 
-#include "grasp/plan/plan.h"
+#include "eval/trial/grasp_choice.h"
 #include "sim/drop/fill_level.h"
 
 namespace pickbed::eval {
@@ -25,16 +25,7 @@ ClutterStatistics MeasureClutter(const TrialSetup& setup, const Scene& scene, Bi
     if (view.visible_fractions[i] < kCountedVisibility) continue;
     ++clutter.counted;
     const int target = static_cast<int>(i);
-    std::vector<PlanInput> inputs;
-    for (size_t k = 0; k < setup.tools.size(); ++k) {
-      inputs.push_back({setup.cell.bin(),
-                        poses,
-                        setup.candidates[k],
-                        {},
-                        setup.cell.objects(),
-                        *setup.tools[k],
-                        {&target, 1}});
-    }
+    const std::vector<PlanInput> inputs = InputsOf(setup, poses, {}, {&target, 1});
     clutter.graspable += !PlanWithTools(inputs, options).grasps.empty();
   }
   return clutter;

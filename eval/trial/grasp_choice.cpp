@@ -51,19 +51,6 @@ void MoveToAssumedBin(const CellCalibration& calibration, std::vector<EstimatedP
   for (Eigen::Vector3d& point : cloud_W) point = X_BW * point;
 }
 
-// Inputs of the planner in the bin that the cell assumes, one per tool. References to the arguments
-// are kept.
-std::vector<PlanInput> InputsOf(const TrialSetup& setup, std::span<const EstimatedPose> poses,
-                                std::span<const Eigen::Vector3d> cloud_W,
-                                std::span<const int> targets) {
-  std::vector<PlanInput> inputs;
-  for (size_t k = 0; k < setup.tools.size(); ++k) {
-    inputs.push_back({setup.cell.bin(), poses, setup.candidates[k], cloud_W, setup.cell.objects(),
-                      *setup.tools[k], targets});
-  }
-  return inputs;
-}
-
 // Plans in the bin that the cell assumes, and returns the grasps in the world.
 PlanResult PlanInAssumedBin(const TrialSetup& setup, const CellCalibration& calibration,
                             const PlannedPoses& on, std::vector<Eigen::Vector3d> cloud_W,
@@ -154,6 +141,17 @@ std::optional<Grasp> FirstThatSucceeds(const TrialSetup& setup, const TrueScene&
 }
 
 }  // namespace
+
+std::vector<PlanInput> InputsOf(const TrialSetup& setup, std::span<const EstimatedPose> poses,
+                                std::span<const Eigen::Vector3d> cloud_W,
+                                std::span<const int> targets) {
+  std::vector<PlanInput> inputs;
+  for (size_t k = 0; k < setup.tools.size(); ++k) {
+    inputs.push_back({setup.cell.bin(), poses, setup.candidates[k], cloud_W, setup.cell.objects(),
+                      *setup.tools[k], targets});
+  }
+  return inputs;
+}
 
 void GraspMemory::Remember(const Grasp& grasp, const EstimatedPose& pose,
                            const GraspOutcome& outcome) {

@@ -56,6 +56,12 @@ ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Gr
                        const HypothesisRecord& hypothesis, const AttemptErrors& errors,
                        const MotionListener& on_step = {});
 
+// Returns the inputs of the planner, one per tool, in the frame of the bin that the cell assumes.
+// They refer to the arguments, which must outlive them. Empty `targets` = all poses.
+std::vector<PlanInput> InputsOf(const TrialSetup& setup, std::span<const EstimatedPose> poses,
+                                std::span<const Eigen::Vector3d> cloud_W,
+                                std::span<const int> targets);
+
 // Returns how many of the poses have a grasp that is free of the bin, the observed points and the
 // other poses; it stops counting at `wanted`. The poses have the object indices of the cell.
 int CountReachable(const TrialSetup& setup, const Observation& view,
