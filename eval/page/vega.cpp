@@ -243,10 +243,11 @@ ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std:
 
 ReportChart NamedValueCurves(ReportChart chart, const std::string& x_title,
                              const std::string& y_title, const std::vector<std::string>& x_names,
-                             const std::vector<NamedValueCurve>& curves) {
+                             const std::vector<NamedValueCurve>& curves, double min_y_end) {
   constexpr int kHeight_px = 220;
   Json values = Json::array();
   std::vector<std::string> names;
+  double largest = 0;
   chart.table = {{x_title}};
   for (const std::string& x : x_names) chart.table.push_back({x});
   for (const NamedValueCurve& curve : curves) {
@@ -261,10 +262,12 @@ ReportChart NamedValueCurves(ReportChart chart, const std::string& x_title,
       values.back().erase("low");
       values.back()["rate"] = curve.values[i];
       values.back()["text"] = curve.texts[i];
+      largest = std::max(largest, curve.values[i]);
       const Interval& ci95 = curve.intervals[i];
       if (!std::isfinite(ci95.low) || !std::isfinite(ci95.high)) continue;
       values.back()["low"] = ci95.low;
       values.back()["high"] = ci95.high;
+      largest = std::max(largest, ci95.high);
     }
   }
   if (!HasRates(values)) {
@@ -279,6 +282,7 @@ ReportChart NamedValueCurves(ReportChart chart, const std::string& x_title,
   Json y = Field("rate", "quantitative", y_title);
   y["axis"] = {{"tickCount", 5}};
   y["scale"] = {{"zero", true}};
+  if (largest < min_y_end) y["scale"]["domainMax"] = min_y_end;
   Json spec = EmptySpec(values);
   spec["height"] = kHeight_px;
   spec["layer"] = CurveLayers(x, y, names);

@@ -69,10 +69,11 @@ struct NamedValueCurve {
   std::vector<std::string> texts;  // value and interval, for the table
   std::vector<int> samples;
 };
-// Completes `chart` like RateCurves, for values with a unit. The y axis begins at 0.
+// Completes `chart` like RateCurves, for values with a unit. The y axis begins at 0. It ends at the
+// largest value, but not below `min_y_end`, so that rounding errors do not fill the chart.
 ReportChart NamedValueCurves(ReportChart chart, const std::string& x_title,
                              const std::string& y_title, const std::vector<std::string>& x_names,
-                             const std::vector<NamedValueCurve>& curves);
+                             const std::vector<NamedValueCurve>& curves, double min_y_end = 0);
 
 // Rate of correct poses among the poses with about the same confidence.
 struct CalibrationPoint {

@@ -162,7 +162,8 @@ std::vector<ReportChart> ErrorByBandCharts(std::span<const ConfigurationReport> 
          "Median over the reported poses of the instances in each band, right and wrong. Shaded: "
          "95 % intervals over scenes.",
          ""},
-        "visible fraction of the instance, %", "median " + UnitTitle(first), names, curves));
+        "visible fraction of the instance, %", "median " + UnitTitle(first), names, curves,
+        first.bins.empty() ? 0 : first.bins.front().high));
   }
   return charts;
 }

@@ -96,6 +96,19 @@ TEST(NamedValueCurves, NamesWithoutAValueInterruptTheLineAndHaveARow) {
   EXPECT_THAT(chart.caption, testing::Not(HasSubstr("too few bins")));
 }
 
+TEST(NamedValueCurves, AxisDoesNotMagnifyRoundingErrors) {
+  NamedValueCurve curve{"one", {1e-7}, {{0, 3e-7}}, {"0.0"}, {4}};
+  const auto scale_of = [&] {
+    const ReportChart chart =
+        NamedValueCurves({"id", "title", "", ""}, "x", "y, deg", {"0-10"}, {curve}, 0.5);
+    const Json spec = Json::parse(chart.spec);
+    return LayersOf(spec, "line")[0]["encoding"]["y"]["scale"];
+  };
+  EXPECT_EQ(scale_of().value("domainMax", 0.0), 0.5);
+  curve.intervals[0].high = 0.6;
+  EXPECT_FALSE(scale_of().contains("domainMax")) << "an interval above the limit sets the axis";
+}
+
 TEST(CalibrationCurves, PointsAreConfidenceAndRate) {
   const ReportChart chart =
       CalibrationCurves({"id", "title", "", ""}, "stated", "right",
