@@ -49,7 +49,7 @@ struct AntipodalOptions {
   double thin_pad_factor = 0.3;  // quality factor of a contact without area, relative to a full one
   double good_depth_m = 0.008;   // contact center this far behind the tips: no loss
   double off_center_share = 0.5;  // quality lost at half a diameter from the center of mass
-  double own_margin_m = 0.001;    // between the open hand and the object
+  double own_margin_m = 0.0015;   // between the open hand and the object
   double spacing_m = 0.004;       // candidates closer than both spacings are duplicates
   double spacing_rad = 0.25;
   void Visit(SettingsVisitor& v);

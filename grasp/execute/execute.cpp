@@ -445,6 +445,9 @@ void ExecuteOptions::Visit(SettingsVisitor& v) {
       "world", [this](SettingsVisitor& g) { world.Visit(g); },
       "bodies that move during an attempt");
   v.Group(
+      "settle", [this](SettingsVisitor& g) { settle.Visit(g); },
+      "settling of instances that an attempt left without support");
+  v.Group(
       "place", [this](SettingsVisitor& g) { place.Visit(g); }, "placement of the picked object");
   v.Group(
       "rules", [this](SettingsVisitor& g) { rules.Visit(g); }, "thresholds of the success rules");
@@ -456,6 +459,10 @@ ExecuteResult ExecuteGrasp(const Scene& scene, const ObjectSet& objects, const G
   CheckSettings("ExecuteOptions", options);
   CheckSettings("RetentionOptions", options.retention);
   ExecuteResult result = Attempt(scene, objects, grasp, gripper, target, options, on_step).Run();
+  if (result.outcome.failure != FailureReason::kPhysicsFailed) {
+    result.after =
+        SettleDisturbed(scene, std::move(result.after), objects, options.settle, options.physics);
+  }
   if (options.retention.max_g > 0 && result.outcome.success) {
     result.outcome.retention_g =
         Attempt(scene, objects, grasp, gripper, target, options, {}).Retention_g();

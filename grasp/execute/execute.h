@@ -8,6 +8,7 @@
 #include "grasp/execute/attempt_world.h"
 #include "grasp/execute/motion_listener.h"
 #include "grasp/execute/retention.h"
+#include "grasp/execute/settle.h"
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
 #include "grasp/place/placement.h"
@@ -44,6 +45,7 @@ struct ExecuteOptions {
   double displaced_m = 0.01;   // a neighbor that moved further counts as displaced
   RetentionOptions retention;  // after a successful pick
   AttemptWorldOptions world;
+  SettleOptions settle;  // after the attempt
   PlaceOptions place;
   RuleOptions rules;
   SuccessRule rule = SuccessRule::kRightInstance;  // decides GraspOutcome::success

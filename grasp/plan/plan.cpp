@@ -10,6 +10,7 @@
 #include "grasp/candidates/pad_contact.h"
 #include "grasp/candidates/surface_sampling.h"
 #include "grasp/plan/clearance.h"
+#include "grasp/plan/stacking.h"
 #include "scenes/base/error.h"
 
 namespace pickbed::grasp {
@@ -88,6 +89,7 @@ class Planner {
         bin_boxes_(BinBoxes(input.bin)),
         shapes_(MakeShapes()),
         field_(MakeField()),
+        above_(MakeAbove()),
         ignored_(input.poses.size()),
         pose_scores_(input.poses.size()) {
     for (const EstimatedPose& pose : input.poses) {
@@ -201,6 +203,14 @@ class Planner {
     return ObstacleField(std::move(points), std::move(sources), options_.column_m);
   }
 
+  std::vector<std::vector<int>> MakeAbove() const {
+    std::vector<Eigen::Matrix3Xd> surfaces_W;
+    for (const EstimatedPose& pose : input_.poses) {
+      surfaces_W.push_back(pose.X_WO * shapes_[pose.object]->points_O);
+    }
+    return InstancesAbove(surfaces_W, options_.stacking_cell_m);
+  }
+
   // Poses that claim the same instance as pose `target`, itself included. Flat objects that cross
   // each other have their centers one thickness apart and are two instances.
   std::vector<bool> Rivals(int target) const {
@@ -220,10 +230,9 @@ class Planner {
     return rivals;
   }
 
-  std::vector<uint8_t> IgnoredPoints(int target) const {
+  std::vector<uint8_t> IgnoredPoints(int target, const std::vector<bool>& rivals) const {
     const EstimatedPose& pose = input_.poses[target];
     const ObjectShape& shape = *shapes_[pose.object];
-    const std::vector<bool> rivals = Rivals(target);
     const Pose X_OW = pose.X_WO.inverse();
     std::vector<uint8_t> ignored(field_.points_W().size());
     const double radius2 = shape.band_radius_m * shape.band_radius_m;
@@ -238,23 +247,29 @@ class Planner {
   }
 
   // Score of the pose, which every grasp on it is multiplied by.
-  double PoseScore(int target) const {
+  double PoseScore(int target, const std::vector<bool>& rivals) const {
     const EstimatedPose& pose = input_.poses[target];
     const ObjectShape& shape = *shapes_[pose.object];
     const double covered =
         field_.CoveredShare(pose.X_WO * shape.points_O, ignored_[target], options_.cover_above_m);
     const double range = highest_ - lowest_;
     const double depth = range > 0 ? (highest_ - CenterOf(input_, pose).z()) / range : 0;
+    const auto carried =
+        std::count_if(above_[target].begin(), above_[target].end(), [&](int other) {
+          return !rivals[other] && input_.poses[other].confidence >= options_.neighbor_confidence;
+        });
     return pose.confidence * (1 - options_.cover_share * covered) *
-           (1 - options_.height_share * depth);
+           (1 - options_.height_share * depth) *
+           std::pow(1 - options_.stacking_share, static_cast<double>(carried));
   }
 
   void PlanPose(int target, Rng& rng) {
     const EstimatedPose& pose = input_.poses[target];
     const ObjectShape& shape = *shapes_[pose.object];
     if (ignored_[target].empty()) {
-      ignored_[target] = IgnoredPoints(target);
-      pose_scores_[target] = PoseScore(target);
+      const std::vector<bool> rivals = Rivals(target);
+      ignored_[target] = IgnoredPoints(target, rivals);
+      pose_scores_[target] = PoseScore(target, rivals);
     }
     const std::vector<GraspCandidate>& candidates = input_.candidates[pose.object];
     const Eigen::RowVector3d up_O = pose.X_WO.linear().row(2);
@@ -409,6 +424,7 @@ class Planner {
   std::vector<AxisAlignedBox> bin_boxes_;
   std::vector<std::optional<ObjectShape>> shapes_;  // by object; set if some pose names the object
   ObstacleField field_;
+  std::vector<std::vector<int>> above_;  // by pose: the poses above it
   double lowest_ = std::numeric_limits<double>::infinity();
   double highest_ = -std::numeric_limits<double>::infinity();
   // By pose that may be grasped: one flag per point of the field.

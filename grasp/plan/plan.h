@@ -92,7 +92,7 @@ struct PlanOptions {
   // max_tilt_rad, no free space around the hand, floor plan fully covered by others, a grasp from
   // which the object cannot be set down, others between the fingers.
   double height_share = 0.4;
-  double tilt_share = 0.4;
+  double tilt_share = 0.7;
   double room_share = 0.4;
   double cover_share = 0.8;
   double place_share = 0.2;
@@ -101,6 +101,10 @@ struct PlanOptions {
   double good_room_m = 0.010;    // distance from others from which there is no loss
   int many_between = 20;         // points of others between the fingers at full loss
   double cover_above_m = 0.004;  // points this much higher are on top of the target
+  // Share of the score that each estimated pose above the target removes. With true poses in deep
+  // bins, objects with 0, 1 and 2 others above slipped in 0.6, 4.5 and 12 % of 2553 picks.
+  double stacking_share = 0.4;
+  double stacking_cell_m = 0.005;  // cell size of the floor plan that shows which pose is above
 
   // Sampling density of estimated poses and the cloud; finer is slower.
   double column_m = 0.010;  // cell size of the floor-plan grid of the points
