@@ -90,7 +90,7 @@ std::string CertificateText(const CertifiedScene& made) {
   const SceneCertificate& c = made.certificate;
   std::string text;
   const auto line = [&text](const char* name, const std::string& value) {
-    text += fmt::format("  {:<26}{}\n", name, value);
+    text += fmt::format("  {:<29}{}\n", name, value);
   };
   for (const RefusedScene& refused : made.refused) {
     line(fmt::format("rejected drop {}", refused.attempt).c_str(),
