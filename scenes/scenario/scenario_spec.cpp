@@ -312,7 +312,7 @@ void ScenarioSpec::Validate() const {
                          "remove it or set occlusion.enabled: false",
                          At("policy.picks_per_image"), policy.picks_per_image));
   CheckInput(
-      policy.retention_g == 0 || policy.retention_g > 1,
+      policy.retention_g == 0 || policy.retention_g > 1 || policy.retention_load != "weight",
       fmt::format("{} = {}: the weight is 1 g already; set a value above 1, or 0 for no test",
                   At("policy.retention_g"), policy.retention_g));
   CheckInput(!cycle.overlap || cycle.in_bin_s <= cycle.move_s,

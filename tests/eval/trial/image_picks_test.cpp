@@ -106,6 +106,7 @@ TEST(ImagePickTrial, ScenarioRefusesContradictions) {
               HasSubstr("test.yaml:2: policy.picks_per_image = 0"));
   EXPECT_THAT(load("cycle: {overlap: true, move_s: 1}\n"), HasSubstr("cycle.in_bin_s = 2"));
   EXPECT_THAT(load("policy: {retention_g: 0.5}\n"), HasSubstr("policy.retention_g = 0.5"));
+  EXPECT_EQ(load("policy: {retention_g: 0.5, retention_load: lateral}\n"), "no error");
   EXPECT_THAT(load("policy: {picks_per_image: 2}\nocclusion: {enabled: true}\n"),
               HasSubstr("own scene and image"));
 }
