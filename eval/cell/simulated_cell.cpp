@@ -54,18 +54,13 @@ int SimulatedCell::WantedIn(const Scene& scene) const {
                     [&](const PosedObject& posed) { return IsWanted(posed.object); }));
 }
 
-SceneRenderer& SimulatedCell::renderer() {
-  if (!renderer_) renderer_ = std::make_unique<SceneRenderer>(objects_, bin_);
-  return *renderer_;
-}
-
-SceneRenderer& SimulatedCell::RendererOf(BinIndex bin_index) {
-  if (errors_.size_percent == 0) return renderer();
-  if (sized_bin_ != bin_index) {
-    sized_renderer_ = std::make_unique<SceneRenderer>(TrueObjects(bin_index), bin_);
-    sized_bin_ = bin_index;
+SimulatedCell::Drawn& SimulatedCell::DrawnIn(BinIndex bin_index) {
+  const bool is_other_bin = errors_.size_percent != 0 && drawn_bin_ != bin_index;
+  if (!drawn_ || is_other_bin) {
+    drawn_ = std::make_unique<Drawn>(TrueObjects(bin_index), bin_);
+    drawn_bin_ = bin_index;
   }
-  return *sized_renderer_;
+  return *drawn_;
 }
 
 BinErrors SimulatedCell::ErrorsOf(BinIndex bin_index) const {
@@ -100,14 +95,14 @@ CertifiedScene SimulatedCell::MakeScene(BinIndex bin_index) const {
 MadeSeries SimulatedCell::MakeSeries(BinIndex bin_index) {
   const ObjectSet objects = TrueObjects(bin_index);
   const SceneRequest request{bin_, objects, counts_, seed_, bin_index};
-  MadeSeries made = MakeOcclusionSeries(RendererOf(bin_index), request, wanted_,
+  MadeSeries made = MakeOcclusionSeries(DrawnIn(bin_index).renderer, request, wanted_,
                                         {objects, counts_, camera_, drop_, occlusion_});
   for (OccludedScene& occluded : made.series.scenes) AddDeviations(bin_index, occluded.scene);
   return made;
 }
 
 Observation SimulatedCell::Capture(const Scene& scene, BinIndex bin_index, int attempt) {
-  SceneRenderer& renderer = RendererOf(bin_index);
+  SceneRenderer& renderer = DrawnIn(bin_index).renderer;
   RenderedImage image = Render(renderer, scene, camera_, bin_index, attempt);
   const BinErrors errors = ErrorsOf(bin_index);
   Observation view;
@@ -128,13 +123,12 @@ Observation SimulatedCell::Capture(const Scene& scene, BinIndex bin_index, int a
 }
 
 Image<Rgb8> SimulatedCell::ColorPicture(const Scene& scene, BinIndex bin_index) {
-  return Render(RendererOf(bin_index), scene, camera_, bin_index, 0).color;
+  return Render(DrawnIn(bin_index).renderer, scene, camera_, bin_index, 0).color;
 }
 
-sim::Picture SimulatedCell::PictureOf(const Scene& scene, const Camera& camera,
+sim::Picture SimulatedCell::PictureOf(const Scene& scene, BinIndex bin_index, const Camera& camera,
                                       const sim::PictureOptions& options) {
-  if (!pictures_) pictures_ = std::make_unique<sim::PictureRenderer>(renderer(), objects_);
-  return pictures_->Render(scene, camera, options);
+  return DrawnIn(bin_index).pictures.Render(scene, camera, options);
 }
 
 RenderedImage SimulatedCell::Render(SceneRenderer& renderer, const Scene& scene,

@@ -9,6 +9,7 @@
 //   |____W____|       +--> x      W: center of the bin floor
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "eval/cell/cell_errors.h"
@@ -58,7 +59,7 @@ class SimulatedCell {
   // Renders the color image of `scene` with the random appearance of its trial.
   Image<Rgb8> ColorPicture(const Scene& scene, BinIndex bin_index);
   // Draws a picture of `scene` for people. It does not affect any image of Capture().
-  sim::Picture PictureOf(const Scene& scene, const Camera& camera,
+  sim::Picture PictureOf(const Scene& scene, BinIndex bin_index, const Camera& camera,
                          const sim::PictureOptions& options = {.scale = 1});
   // Renders with a renderer of the cell's objects and bin, for cameras other than the cell's own.
   // `picture` distinguishes the images of one scene; their background depends on it.
@@ -83,8 +84,15 @@ class SimulatedCell {
   const SensorProfile& sensor() const { return sensor_; }
 
  private:
-  SceneRenderer& renderer();                      // of objects()
-  SceneRenderer& RendererOf(BinIndex bin_index);  // of TrueObjects()
+  // Objects of a bin in their true sizes, and what draws them.
+  struct Drawn {
+    Drawn(ObjectSet true_objects, const Bin& bin)
+        : objects(std::move(true_objects)), renderer(objects, bin), pictures(renderer, objects) {}
+    const ObjectSet objects;
+    SceneRenderer renderer;
+    sim::PictureRenderer pictures;
+  };
+  Drawn& DrawnIn(BinIndex bin_index);
   void AddDeviations(BinIndex bin_index, Scene& scene) const;
 
   uint64_t seed_;
@@ -98,10 +106,8 @@ class SimulatedCell {
   AppearanceRanges appearance_;
   SensorProfile sensor_;
   ObjectSet objects_;
-  std::unique_ptr<SceneRenderer> renderer_;
-  std::unique_ptr<SceneRenderer> sized_renderer_;  // of the last bin, if sizes deviate
-  BinIndex sized_bin_{-1};
-  std::unique_ptr<sim::PictureRenderer> pictures_;
+  std::unique_ptr<Drawn> drawn_;  // of all bins, or of drawn_bin_ if sizes deviate
+  BinIndex drawn_bin_{-1};
 };
 
 }  // namespace pickbed::eval

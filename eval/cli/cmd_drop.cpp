@@ -50,7 +50,7 @@ int DropCommand(int argc, char** argv) {
   WriteFileAtomically(folder / kSceneFile, SceneJson(made.scene, cell.objects()));
   WritePng(folder / "color.png", cell.ColorPicture(made.scene, bin_index));
   WritePng(folder / kPictureFile,
-           cell.PictureOf(made.scene, BinCamera(cell.camera(), cell.bin())).color);
+           cell.PictureOf(made.scene, bin_index, BinCamera(cell.camera(), cell.bin())).color);
   WriteFileAtomically(folder / kCertificateFile, CertificateJson(made));
   const ClutterStatistics clutter =
       MeasureClutter(setup, made.scene, bin_index, cell.Capture(made.scene, bin_index, 0));

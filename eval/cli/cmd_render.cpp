@@ -41,7 +41,7 @@ int RenderCommand(int argc, char** argv) {
   const Observation view = cell.Capture(scene, bin_index, 0);
   WritePng(folder / "color.png", view.frame.color);
   WritePng(folder / kPictureFile,
-           cell.PictureOf(scene, BinCamera(cell.camera(), cell.bin())).color);
+           cell.PictureOf(scene, bin_index, BinCamera(cell.camera(), cell.bin())).color);
   WriteDepthPng(folder / "depth.png", view.frame.depth_m);
   WritePng(folder / "depth_color.png", ColorizeDepth(view.frame.depth_m));
   WritePng16(folder / "ids.png", view.ids);

@@ -170,7 +170,7 @@ class Comparison {
   // Draws the last image of a row.
   void Draw(const LiveRow& row, int trial, const Scene& scene, const Observation& view) {
     if (job_.out.empty() || trial >= job_.pictured_bins) return;
-    const sim::Picture& picture = pictures_.Of(cell_, scene);
+    const sim::Picture& picture = pictures_.Of(cell_, scene, BinIndex(trial));
     const AttemptScore& score = row.result.images.back().score;
     OverlayInput input{picture.color, picture.camera.intrinsics, cell_.objects(),
                        OverlayPoses(score.hypotheses)};

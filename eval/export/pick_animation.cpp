@@ -202,13 +202,13 @@ void PickAnimation::OnStage(TrialStage stage, const AttemptState& attempt) {
   }
   if (stage != TrialStage::kOutcome || !wanted_ || motion_.frames.empty()) return;
   MakeFolder(folder_);
-  const ObjectSet& objects = attempt.cell.objects();
+  if (objects_.empty()) objects_ = attempt.cell.TrueObjects(attempt.bin_index);
   WriteFileAtomically(folder_ / PickAnimationName(number),
-                      PickGlb(motion_, objects, *attempt.gripper));
+                      PickGlb(motion_, objects_, *attempt.gripper));
   ++written_;
   if (!with_gif_) return;
   if (movie_hand_ != attempt.gripper) {
-    movie_ = std::make_unique<PickMovie>(objects, motion_.scene.bin, *attempt.gripper);
+    movie_ = std::make_unique<PickMovie>(objects_, motion_.scene.bin, *attempt.gripper);
     movie_hand_ = attempt.gripper;
   }
   WriteFileAtomically(folder_ / fmt::format("attempt_{:02}_pick.gif", number),

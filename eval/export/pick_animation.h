@@ -82,6 +82,7 @@ class PickAnimation : public TrialObserver {
   int written_ = 0;
   bool wanted_ = false;  // the present attempt is to be written
   PickMotion motion_;
+  ObjectSet objects_;                    // in their true sizes
   std::unique_ptr<PickMovie> movie_;     // made at the first pick
   const Gripper* movie_hand_ = nullptr;  // of movie_
 };

@@ -37,13 +37,19 @@ const TriangleMesh& ShownMeshes::Of(ObjectId object) {
 
 std::string SceneGlb(const SceneGlbInput& input, const SceneGlbOptions& options) {
   ShownMeshes meshes(input.objects, options.max_faces);
+  const ObjectSet& true_objects = input.true_objects ? *input.true_objects : input.objects;
+  ShownMeshes true_meshes(true_objects, options.max_faces);
+  const auto true_mesh = [&](ObjectId object) {
+    const bool is_nominal = true_objects[object] == input.objects[object];
+    return &(is_nominal ? meshes : true_meshes).Of(object);
+  };
   const TriangleMesh bin = BinMesh(input.scene.bin);
   std::vector<GlbPart> glb_parts;
   glb_parts.push_back({"bin", &bin, Pose::Identity(), WithAlpha(kBin, options.bin_alpha)});
   for (const PosedObject& posed : input.scene.objects) {
     glb_parts.push_back(
         {fmt::format("truth {} {}", posed.instance, input.objects[posed.object]->name),
-         &meshes.Of(posed.object), posed.X_WO, WithAlpha(kTruth, 1)});
+         true_mesh(posed.object), posed.X_WO, WithAlpha(kTruth, 1)});
   }
   for (size_t i = 0; i < input.hypotheses.size(); ++i) {
     const HypothesisRecord& estimated = input.hypotheses[i];

@@ -38,6 +38,7 @@ struct SceneGlbInput {
   const Grasp* grasp = nullptr;                     // may be null
   const Gripper* gripper = nullptr;                 // not null if there is a grasp
   const GlbCloud* cloud = nullptr;                  // may be null
+  const ObjectSet* true_objects = nullptr;  // of the scene, in their true sizes; null = `objects`
 };
 
 // Options of SceneGlb.

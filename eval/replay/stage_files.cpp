@@ -36,7 +36,8 @@ void StageFiles::OnStage(TrialStage stage, const AttemptState& attempt) {
     case TrialStage::kGrasp:
       return WriteGrasp(attempt);
     case TrialStage::kOutcome:
-      WritePng(PathOf(attempt, "after.png"), pictures_.Of(attempt.cell, attempt.scene).color);
+      WritePng(PathOf(attempt, "after.png"),
+               pictures_.Of(attempt.cell, attempt.scene, attempt.bin_index).color);
   }
 }
 
@@ -58,13 +59,15 @@ void StageFiles::WriteHypotheses(const AttemptState& attempt) const {
 
 void StageFiles::WriteGrasp(const AttemptState& attempt) {
   WritePng(PathOf(attempt, "overlay.png"),
-           DrawOverlay(OverlayOf(attempt, pictures_.Of(attempt.cell, attempt.scene))));
+           DrawOverlay(
+               OverlayOf(attempt, pictures_.Of(attempt.cell, attempt.scene, attempt.bin_index))));
   const GlbCloud cloud = ObservedCloud(attempt.view->frame, attempt.view->calibration.camera.X_WC(),
                                        options_.glb_stride_px);
+  const ObjectSet true_objects = attempt.cell.TrueObjects(attempt.bin_index);
   const Grasp* grasp = attempt.record.grasp ? &*attempt.record.grasp : nullptr;
   WriteFileAtomically(PathOf(attempt, "scene.glb"),
                       SceneGlb({attempt.scene, attempt.cell.objects(), attempt.record.hypotheses,
-                                grasp, attempt.gripper, &cloud}));
+                                grasp, attempt.gripper, &cloud, &true_objects}));
 }
 
 }  // namespace pickbed::eval

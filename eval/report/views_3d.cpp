@@ -81,6 +81,7 @@ std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
   const int stride_px = std::max(
       1, static_cast<int>(std::ceil(std::sqrt(pixels / std::max(1, impl_->options.cloud_points)))));
   const GlbCloud cloud = ObservedCloud(view.frame, view.calibration.camera.X_WC(), stride_px);
+  const ObjectSet true_objects = cell.TrueObjects(trial.bin_index);
   SceneGlbOptions options;
   options.max_faces = impl_->options.view_triangles;
   return SceneGlb(
@@ -89,7 +90,8 @@ std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
        .hypotheses = attempt.hypotheses,
        .grasp = attempt.grasp ? &*attempt.grasp : nullptr,
        .gripper = &ToolNamed(impl_->tools, attempt.grasp ? attempt.grasp->tool : std::string()),
-       .cloud = impl_->options.cloud_points > 0 ? &cloud : nullptr},
+       .cloud = impl_->options.cloud_points > 0 ? &cloud : nullptr,
+       .true_objects = &true_objects},
       options);
 }
 

@@ -20,9 +20,9 @@ bool SameObjects(const Scene& a, const Scene& b) {
 
 }  // namespace
 
-const sim::Picture& BinPictures::Of(SimulatedCell& cell, const Scene& scene) {
+const sim::Picture& BinPictures::Of(SimulatedCell& cell, const Scene& scene, BinIndex bin_index) {
   if (!picture_ || !SameObjects(scene, scene_)) {
-    picture_ = cell.PictureOf(scene, BinCamera(cell.camera(), cell.bin()));
+    picture_ = cell.PictureOf(scene, bin_index, BinCamera(cell.camera(), cell.bin()));
     scene_ = scene;
   }
   return *picture_;
@@ -73,8 +73,9 @@ void FailedPickPictures::OnStage(TrialStage stage, const AttemptState& attempt) 
   if (stage == TrialStage::kScene) before_ = attempt.scene;
   if (stage != TrialStage::kOutcome || attempt.record.failure == FailureReason::kNone) return;
   SimulatedCell& cell = attempt.cell;
-  const sim::Picture picture = cell.PictureOf(
-      before_, WindowOf(cell.camera(), BinRegion(cell.camera(), cell.bin()), size_.width_px));
+  const sim::Picture picture =
+      cell.PictureOf(before_, attempt.bin_index,
+                     WindowOf(cell.camera(), BinRegion(cell.camera(), cell.bin()), size_.width_px));
   const OverlayStyle small{.legend = false, .all_labels = false, .line_px = 2, .text_size = 0.5};
   MakeFolder(folder_);
   WriteFileAtomically(folder_ / FailurePicture(attempt.record.attempt),
@@ -84,7 +85,7 @@ void FailedPickPictures::OnStage(TrialStage stage, const AttemptState& attempt) 
 void PickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
   const int number = attempt.record.attempt;
   if (stage == TrialStage::kGrasp) {
-    const sim::Picture& picture = pictures_.Of(attempt.cell, attempt.scene);
+    const sim::Picture& picture = pictures_.Of(attempt.cell, attempt.scene, attempt.bin_index);
     WriteAttemptPictures(folder_, number, attempt.view->frame,
                          DrawOverlay(OverlayOf(attempt, picture)));
     if (attempt.record.band >= 0) {
@@ -93,7 +94,7 @@ void PickPictures::OnStage(TrialStage stage, const AttemptState& attempt) {
   }
   if (stage == TrialStage::kOutcome) {
     WritePng(folder_ / AttemptPicture(number, "after"),
-             pictures_.Of(attempt.cell, attempt.scene).color);
+             pictures_.Of(attempt.cell, attempt.scene, attempt.bin_index).color);
   }
   failed_.OnStage(stage, attempt);
   animation_.OnStage(stage, attempt);

@@ -21,7 +21,7 @@ namespace pickbed::eval {
 // not drawn again.
 class BinPictures {
  public:
-  const sim::Picture& Of(SimulatedCell& cell, const Scene& scene);
+  const sim::Picture& Of(SimulatedCell& cell, const Scene& scene, BinIndex bin_index);
 
  private:
   std::optional<sim::Picture> picture_;
