@@ -19,14 +19,17 @@ RunReport RunWithProgress(const LoadedScenario& scenario, const RunOptions& opti
   return RunScenario(scenario.spec, scenario.objects, options, ShowOn(progress, Interrupted));
 }
 
+// Lines on grippers that cannot hold one of the objects.
 std::string UnfitTools(const ScenarioSpec& spec, const ObjectSet& objects) {
   if (spec.gripper.names.size() == 1) return {};
   ObjectSet wanted;
   for (size_t i = 0; i < objects.size(); ++i) {
     if (!spec.objects[i].distractor) wanted.push_back(objects[i]);
   }
-  return UnfitToolsText(WithRestingDirections(WithConvexPieces(wanted)),
-                        LoadTools(spec.gripper.names));
+  return WithSettingsKey(spec, "gripper", [&] {
+    return UnfitToolsText(WithRestingDirections(WithConvexPieces(wanted)),
+                          LoadTools(spec.gripper.names), spec.At("gripper"));
+  });
 }
 
 }  // namespace
@@ -60,6 +63,7 @@ int RunCommand(int argc, char** argv) {
   const LoadedScenario scenario = FindScenario(arguments);
   options.out = OutFolder(out, scenario.name);
   options.tolerance = MapsFor(scenario.spec, scenario.objects, tolerance);
+  fmt::print(stderr, "{}", UnfitTools(scenario.spec, scenario.objects));
   RunReport report;
   try {
     report = RunWithProgress(scenario, options);
@@ -70,8 +74,7 @@ int RunCommand(int argc, char** argv) {
   if (json) {
     fmt::print("{}", SummaryJson(report.summary));
   } else {
-    fmt::print("{}\n{}{}", FillText(scenario.spec, scenario.objects),
-               UnfitTools(scenario.spec, scenario.objects), SummaryTable(report.summary));
+    fmt::print("{}\n{}", FillText(scenario.spec, scenario.objects), SummaryTable(report.summary));
     fmt::print("\nresults in {}\n", options.out.string());
   }
   if (report.interrupted) {

@@ -39,9 +39,11 @@ void RequireVisibleSize(const ScenarioSpec& spec, const EstimatorSetup& setup) {
     const double near_m = object->diameter_m * focal_px / kMinDiameter_px;
     const double sharp_px = kMinDiameter_px * setup.working_distance_m / object->diameter_m;
     throw InputError(fmt::format(
-        "{}: object '{}' is {:.0f} px large at a distance of {:.2f} m, but an estimator needs "
+        "{} = [{:g}, {:g}, {:g}]: object '{}' is {:.0f} px large at a distance of {:.2f} m, but an "
+        "estimator needs "
         "{:.0f} px; move the camera to {:.2f} m, or use camera.focal_px={:.0f} with more pixels",
-        spec.At("camera.eye_m"), object->name, size_px, setup.working_distance_m, kMinDiameter_px,
+        spec.At("camera.eye_m"), spec.camera.eye_m.x(), spec.camera.eye_m.y(),
+        spec.camera.eye_m.z(), object->name, size_px, setup.working_distance_m, kMinDiameter_px,
         near_m, sharp_px));
   }
 }

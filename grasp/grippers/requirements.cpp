@@ -44,11 +44,15 @@ void RequireFitsBin(const Gripper& gripper, const Bin& bin) {
                   gripper.name, 1e3 * hand.x(), 1e3 * hand.y(), 1e3 * room.x(), 1e3 * room.y()));
 }
 
+bool CanCarry(const Gripper& gripper, double mass_kg, double friction) {
+  return mass_kg * kGravity_mps2 < gripper.Capacity_n(friction);
+}
+
 void RequireCanCarry(const Gripper& gripper, const ObjectModel& object) {
   const double capacity_n = gripper.Capacity_n(object.friction);
   const double weight_n = object.mass.mass_kg * kGravity_mps2;
   CheckInput(
-      weight_n < capacity_n,
+      CanCarry(gripper, object.mass.mass_kg, object.friction),
       fmt::format(
           "object '{}' is too heavy for gripper '{}': it weighs {:.3g} kg, {:.3g} N, and the "
           "gripper carries at most {:.3g} N of it ({}, friction {:g}); use a stronger gripper",

@@ -13,6 +13,9 @@ namespace pickbed::grasp {
 // hand reaches the floor. Throws InputError with both sizes.
 void RequireFitsBin(const Gripper& gripper, const Bin& bin);
 
+// Returns whether the weight of a mass is below the capacity of the gripper.
+bool CanCarry(const Gripper& gripper, double mass_kg, double friction);
+
 // The weight of the object must be below the capacity of the gripper. Throws InputError with both
 // numbers.
 void RequireCanCarry(const Gripper& gripper, const ObjectModel& object);

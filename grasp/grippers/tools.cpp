@@ -14,7 +14,7 @@ namespace pickbed::grasp {
 namespace {
 
 bool Carries(const Gripper& gripper, const ObjectModel& object) {
-  return object.mass.mass_kg * kGravity_mps2 < gripper.Capacity_n(object.friction);
+  return CanCarry(gripper, object.mass.mass_kg, object.friction);
 }
 
 std::vector<std::string> NamesOfTools(const Tools& tools) {
@@ -63,12 +63,13 @@ ToolCandidates RequireToolCandidates(const ObjectModel& object, const Tools& too
   return result;
 }
 
-std::string UnfitToolsText(const ObjectSet& objects, const Tools& tools) {
+std::string UnfitToolsText(const ObjectSet& objects, const Tools& tools, const std::string& place) {
   std::string text;
   if (tools.size() == 1) return text;
   for (const auto& object : objects) {
     for (const std::string& tool : RequireToolCandidates(*object, tools).unfit) {
-      text += fmt::format("gripper {} cannot hold {}\n", tool, object->name);
+      text += fmt::format("{}: {} cannot hold '{}'; other grippers pick it\n", place, tool,
+                          object->name);
     }
   }
   return text;
@@ -77,7 +78,17 @@ std::string UnfitToolsText(const ObjectSet& objects, const Tools& tools) {
 void RequireSomeToolCarries(const Tools& tools, const ObjectModel& object) {
   const bool any = std::any_of(tools.begin(), tools.end(),
                                [&](const auto& tool) { return Carries(*tool, object); });
-  if (!any) RequireCanCarry(*tools.front(), object);
+  if (any) return;
+  if (tools.size() == 1) return RequireCanCarry(*tools.front(), object);
+  std::string offers;
+  for (const auto& tool : tools) {
+    offers += fmt::format("{}{} carries {:.3g} N", offers.empty() ? "" : ", ", tool->name,
+                          tool->Capacity_n(object.friction));
+  }
+  throw InputError(fmt::format(
+      "object '{}' is too heavy for all grippers: it weighs {:.3g} kg, {:.3g} N, and of it {}; use "
+      "a stronger gripper",
+      object.name, object.mass.mass_kg, object.mass.mass_kg * kGravity_mps2, offers));
 }
 
 }  // namespace pickbed::grasp

@@ -11,7 +11,7 @@
 
 namespace pickbed::grasp {
 
-// At least one gripper; a bin begins with the first one mounted.
+// At least one gripper; the first one stirs the bin.
 using Tools = std::vector<std::shared_ptr<const Gripper>>;
 
 // Reads the grippers with LoadGripper(). Throws InputError as it does, and if two have one name.
@@ -32,12 +32,13 @@ struct ToolCandidates {
 ToolCandidates RequireToolCandidates(const ObjectModel& object, const Tools& tools,
                                      const GraspCandidateOptions& options = {});
 
-// Returns a line for each tool that cannot hold one of the objects, "gripper cup_30mm cannot hold
-// ring\n". Empty for one tool. The objects must have convex pieces and resting directions.
-std::string UnfitToolsText(const ObjectSet& objects, const Tools& tools);
+// Returns a line for each tool that cannot hold one of the objects: "PLACE: cup_30mm cannot hold
+// 'ring'; other grippers pick it\n". Empty for one tool. `place`: file, line and key of the
+// setting. The objects must have convex pieces and resting directions.
+std::string UnfitToolsText(const ObjectSet& objects, const Tools& tools, const std::string& place);
 
-// At least one of the tools must be able to carry the object. Throws the InputError of
-// RequireCanCarry() for the first tool if none is.
+// At least one of the tools must be able to carry the object. Throws InputError with the weight and
+// what each tool carries.
 void RequireSomeToolCarries(const Tools& tools, const ObjectModel& object);
 
 }  // namespace pickbed::grasp

@@ -9,7 +9,7 @@
 namespace pickbed::scenes {
 
 struct ToolNames {
-  std::vector<std::string> names;  // at least one; a bin begins with the first one mounted
+  std::vector<std::string> names;  // at least one; the first one stirs
 
   // Implicit, so that a setting with one gripper can be assigned and compared as a text.
   ToolNames(const char* name) : names{name} {}

@@ -40,8 +40,8 @@ TEST(Tools, ToolThatCannotHoldTheObjectIsNamed) {
   EXPECT_THAT(found.by_tool[0], IsEmpty());
   EXPECT_FALSE(found.by_tool[1].empty());
   EXPECT_THAT(found.unfit, ElementsAre("jaw_4cm"));
-  EXPECT_EQ(UnfitToolsText({BoxObject({0.06, 0.06, 0.06}, 0.2)}, JawAndCup()),
-            "gripper jaw_4cm cannot hold box\n");
+  EXPECT_EQ(UnfitToolsText({BoxObject({0.06, 0.06, 0.06}, 0.2)}, JawAndCup(), "a.yaml:3: gripper"),
+            "a.yaml:3: gripper: jaw_4cm cannot hold 'box'; other grippers pick it\n");
 }
 
 // The same cube is too heavy for the cup with 6 kg.
@@ -49,8 +49,9 @@ TEST(Tools, ObjectThatNoToolHoldsIsRefusedWithAllTools) {
   const auto heavy = BoxObject({0.06, 0.06, 0.06}, 6);
   const std::string error = ErrorOf([&] { RequireToolCandidates(*heavy, JawAndCup()); });
   EXPECT_THAT(error, HasSubstr("none of the grippers jaw_4cm, cup_30mm"));
-  EXPECT_THAT(ErrorOf([&] { RequireSomeToolCarries(JawAndCup(), *heavy); }),
-              HasSubstr("too heavy"));
+  const std::string too_heavy = ErrorOf([&] { RequireSomeToolCarries(JawAndCup(), *heavy); });
+  EXPECT_THAT(too_heavy, HasSubstr("too heavy"));
+  EXPECT_THAT(too_heavy, HasSubstr("cup_30mm carries"));
 }
 
 }  // namespace
