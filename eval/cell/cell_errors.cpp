@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
+#include "grasp/grippers/requirements.h"
+#include "scenes/base/error.h"
 #include "scenes/base/math.h"
 #include "scenes/base/random.h"
+#include "scenes/geometry/triangle_mesh.h"
 #include "scenes/objects/scaled_object.h"
 
 namespace pickbed::eval {
@@ -103,6 +107,42 @@ ObjectSet ObjectsOfSizes(const ObjectSet& objects, const std::vector<double>& si
   return true_objects;
 }
 
+void RequireSizesFit(const ScenarioSpec& spec, const ObjectSet& objects, const Tools& tools) {
+  if (spec.cell.size_percent == 0) return;
+  std::vector<double> largest(objects.size(), 0);
+  std::vector<int> bins(objects.size(), 0);
+  for (int bin = 0; bin < spec.trials; ++bin) {
+    const std::vector<double> sizes =
+        DrawSizes(spec.cell, spec.seed, BinIndex(bin), objects.size());
+    for (size_t i = 0; i < sizes.size(); ++i) {
+      if (sizes[i] <= largest[i]) continue;
+      largest[i] = sizes[i];
+      bins[i] = bin;
+    }
+  }
+  const Eigen::Vector2d inner_m = spec.bin.inner_size_m.head<2>();
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const double factor = 1 + largest[i];
+    const auto require = [&](bool fits, const std::string& fault) {
+      CheckInput(fits, fmt::format("{} = {}: in bin {}, object '{}' is {:.1f} % larger than its "
+                                   "model and {}; lower it, or use a larger bin or gripper",
+                                   spec.At("cell.size_percent"), spec.cell.size_percent, bins[i],
+                                   objects[i]->name, 100 * largest[i], fault));
+    };
+    Eigen::Vector3d size_m = factor * MeshBounds(objects[i]->mesh_O).size();
+    std::sort(size_m.data(), size_m.data() + 3);
+    require(size_m[1] <= inner_m.minCoeff() && size_m[2] <= inner_m.maxCoeff(),
+            fmt::format("does not fit into the bin of {:.0f} x {:.0f} mm", 1e3 * inner_m.x(),
+                        1e3 * inner_m.y()));
+    if (spec.objects[i].distractor) continue;
+    const double mass_kg = objects[i]->mass.mass_kg * std::pow(factor, 3);
+    const bool any_carries = std::any_of(tools.begin(), tools.end(), [&](const auto& tool) {
+      return CanCarry(*tool, mass_kg, objects[i]->friction);
+    });
+    require(any_carries, fmt::format("weighs {:.3g} kg, which no gripper carries", mass_kg));
+  }
+}
+
 Pose CellCalibration::X_BD() const {
   return X_WB ? X_WB->inverse() * camera.X_WC() : camera.X_WC();
 }
@@ -159,9 +199,11 @@ ExecuteResult ExecuteWithErrors(const TrueScene& truth, const Grasp& planned,
                                 const MotionListener& on_step) {
   Grasp executed = planned;
   executed.X_WG.translation() += errors.robot_m;
+  GraspTarget assumed = target;
+  assumed.planned_X_WG = planned.X_WG;
   const auto with_force = errors.force == 0 ? nullptr : gripper.WithForce(1 + errors.force);
   return ExecuteGrasp(truth.scene, truth.objects, executed, with_force ? *with_force : gripper,
-                      target, options, on_step);
+                      assumed, options, on_step);
 }
 
 }  // namespace pickbed::eval

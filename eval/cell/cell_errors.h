@@ -18,10 +18,12 @@
 
 #include "eval/layer.h"
 #include "grasp/execute/execute.h"
+#include "grasp/grippers/tools.h"
 #include "scenes/base/ids.h"
 #include "scenes/camera/camera.h"
 #include "scenes/image/image.h"
 #include "scenes/scenario/cell_errors.h"
+#include "scenes/scenario/scenario_spec.h"
 #include "scenes/scene.h"
 
 namespace pickbed::eval {
@@ -58,6 +60,11 @@ std::vector<double> DrawSizes(const CellErrorsSpec& spec, uint64_t seed, BinInde
 // Returns the objects of the bin in their true sizes. The models keep their frames.
 ObjectSet ObjectsOfSizes(const ObjectSet& objects, const std::vector<double>& sizes);
 
+// The objects must fit into the bin and be light enough for one of the tools in the sizes that are
+// drawn for the bins 0 .. spec.trials - 1. Throws InputError that names cell.size_percent. Nominal
+// sizes are checked elsewhere.
+void RequireSizesFit(const ScenarioSpec& spec, const ObjectSet& objects, const Tools& tools);
+
 // What a cell assumes about its camera and its bin.
 struct CellCalibration {
   Camera camera;             // intrinsics and X_WD
@@ -84,7 +91,8 @@ struct TrueScene {
   const ObjectSet& objects;
 };
 
-// Executes the planned grasp with the errors of the attempt. See ExecuteGrasp().
+// Executes the planned grasp with the errors of the attempt. The placement is planned from the
+// planned grasp, because the cell does not know its errors. See ExecuteGrasp().
 ExecuteResult ExecuteWithErrors(const TrueScene& truth, const Grasp& planned,
                                 const Gripper& gripper, const GraspTarget& target,
                                 const ExecuteOptions& options, const AttemptErrors& errors,

@@ -293,12 +293,13 @@ std::vector<CrashedTrial> ResultsStore::Crashed() const {
 }
 
 std::map<int, Cluster> ResultsStore::Outcomes() const {
-  Statement statement(
-      impl_->db,
-      "SELECT trial, sum(executed AND failure = ?), sum(executed OR failure = ?) FROM attempts "
-      "GROUP BY trial ORDER BY trial");
+  Statement statement(impl_->db,
+                      "SELECT trial, sum(executed AND failure = ?), sum(executed OR failure IN (?, "
+                      "?)) FROM attempts "
+                      "GROUP BY trial ORDER BY trial");
   statement.Bind(1, FailureReason::kNone);
   statement.Bind(2, FailureReason::kStirred);
+  statement.Bind(3, FailureReason::kPhysicsFailed);  // of a stir
   std::map<int, Cluster> outcomes;
   while (statement.Step()) {
     int trial = 0;

@@ -86,6 +86,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
       if (!spec.objects[i].distractor) RequireSomeToolCarries(tools, *objects[i]);
     }
   });
+  RequireSizesFit(spec, objects, tools);
   SensorProfile sensor =
       WithSettingsKey(spec, "sensor", [&] { return LoadSensorProfile(spec.sensor); });
   for (const auto& tool : tools) text += tool->SettingsText();

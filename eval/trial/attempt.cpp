@@ -88,13 +88,15 @@ Scene Execute(const TrialSetup& setup, LiveTrial& trial, AttemptRecord& record) 
   return std::move(executed.after);
 }
 
-// Stirs the bin with the mounted tool and returns the scene after it.
+// Stirs the bin with the first tool and returns the scene after it.
 Scene Stir(const TrialSetup& setup, const AttemptTask& task, LiveTrial& trial,
            AttemptRecord& record) {
   const StageTimer timer(trial.seconds, "execute");
-  ExecuteResult stirred = StirBin(trial.scene, trial.objects, *setup.tools.front(), task.stir);
+  const Gripper& tool = *setup.tools.front();
+  const StirPath path = ChooseStir(setup.cell.bin(), tool, trial.image->view, task.stir);
+  ExecuteResult stirred = StirBin(trial.scene, trial.objects, tool, path);
   record.outcome = stirred.outcome;
-  record.failure = FailureReason::kStirred;
+  record.failure = stirred.outcome.failure;
   trial.failed.Clear();  // the stir moved the instances
   return std::move(stirred.after);
 }

@@ -203,9 +203,10 @@ ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Gr
                        const HypothesisRecord& hypothesis, const AttemptErrors& errors,
                        const MotionListener& on_step) {
   const InstanceId matched = MatchedInstance(hypothesis, setup.options.match_diameters);
+  const ObjectModel* nominal = setup.cell.objects().at(hypothesis.object).get();
   return ExecuteWithErrors(truth, grasp, ToolNamed(setup.tools, grasp.tool),
-                           {matched, hypothesis.object, hypothesis.X_WO}, setup.execute, errors,
-                           on_step);
+                           {matched, hypothesis.object, hypothesis.X_WO, nominal}, setup.execute,
+                           errors, on_step);
 }
 
 int CountReachable(const TrialSetup& setup, const Observation& view,
@@ -250,6 +251,19 @@ std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth
     if (const auto grasp = FirstThatSucceeds(setup, truth, relaxed, record)) return grasp;
   }
   return planned.empty() ? std::nullopt : std::optional(planned.front());
+}
+
+StirPath ChooseStir(const Bin& bin, const Gripper& tool, const Observation& view, int number) {
+  constexpr int kStride_px = 2;  // the plan thins the points to voxels
+  std::vector<EstimatedPose> no_poses;
+  std::vector<Eigen::Vector3d> cloud_W =
+      ObservedPoints(view.frame, view.calibration.camera.X_WC(), kStride_px);
+  MoveToAssumedBin(view.calibration, no_poses, cloud_W);
+  StirPath path = PlanStir(bin, cloud_W, tool, number);
+  if (!view.calibration.X_WB) return path;
+  path.X_WG_from = *view.calibration.X_WB * path.X_WG_from;
+  path.X_WG_to = *view.calibration.X_WB * path.X_WG_to;
+  return path;
 }
 
 }  // namespace pickbed::eval

@@ -12,6 +12,7 @@
 #include "eval/trial/trial_setup.h"
 #include "grasp/plan/image_picks.h"
 #include "grasp/plan/plan.h"
+#include "grasp/plan/plan_stir.h"
 #include "scenes/base/ids.h"
 
 namespace pickbed::eval {
@@ -74,5 +75,9 @@ std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth
                                  const Observation& view, const GraspMemory& failed,
                                  const ImagePicks& earlier, uint64_t rng_seed,
                                  AttemptRecord& record, StageSeconds& seconds);
+
+// Returns the path of the hand in the world with which the bin is stirred, planned from the
+// observed points in the bin that the cell assumes. `number`: of the stir in its trial.
+StirPath ChooseStir(const Bin& bin, const Gripper& tool, const Observation& view, int number);
 
 }  // namespace pickbed::eval

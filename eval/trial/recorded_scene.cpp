@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "eval/trial/grasp_choice.h"
 #include "eval/trial/stage_hash.h"
 #include "grasp/execute/stir.h"
 #include "grasp/outcome.h"
@@ -40,15 +41,19 @@ Scene AfterThePicksBefore(const TrialResult& trial, size_t attempt, const Attemp
   int stirs = 0;
   for (size_t i = 0; i < attempt; ++i) {
     const AttemptRecord& earlier = trial.attempts[i];
-    if (earlier.failure == FailureReason::kStirred) {
-      scene = StirBin(scene, objects, *setup.tools.front(), stirs++).after;
+    if (Stirred(earlier)) {
+      const Observation view = setup.cell.Capture(scene, trial.bin_index, earlier.attempt);
+      const Gripper& tool = *setup.tools.front();
+      const StirPath path = ChooseStir(setup.cell.bin(), tool, view, stirs++);
+      scene = StirBin(scene, objects, tool, path).after;
     }
     if (!earlier.grasp) continue;
     const HypothesisRecord& estimated = earlier.hypotheses.at(earlier.chosen);
     scene = ExecuteWithErrors({scene, objects}, *earlier.grasp,
                               ToolNamed(setup.tools, earlier.grasp->tool),
-                              {earlier.matched_instance, estimated.object, estimated.X_WO}, options,
-                              earlier.errors)
+                              {earlier.matched_instance, estimated.object, estimated.X_WO,
+                               setup.cell.objects().at(estimated.object).get()},
+                              options, earlier.errors)
                 .after;
   }
   return scene;

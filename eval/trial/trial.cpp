@@ -63,7 +63,10 @@ TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* obser
   while (result.ended_by == FailureReason::kNone && setup.cell.WantedIn(trial.scene) > 0 &&
          (max_attempts == 0 || state.attempts < max_attempts)) {
     AttemptTask task{state.attempts};
-    const bool may_stir = stirs < policy.stir.max;
+    // No stir is wasted on a trial that ends with it.
+    const bool is_last = state.failures_in_row + 1 >= policy.max_failures_in_row ||
+                         state.attempts + 1 == max_attempts;
+    const bool may_stir = stirs < policy.stir.max && !is_last;
     if (may_stir && without_grasp + 1 >= policy.stir.after) task.stir = stirs;
     result.attempts.push_back(RunNextAttempt(setup, task, result.attempts, trial));
     const AttemptRecord& attempt = result.attempts.back();
@@ -71,7 +74,7 @@ TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* obser
     result.instances_cleared += picked;
     ReportProgress(setup, result);
     ++state.attempts;
-    const bool stirred = attempt.failure == FailureReason::kStirred;
+    const bool stirred = Stirred(attempt);
     stirs += stirred;
     without_grasp = attempt.grasp || stirred ? 0 : without_grasp + 1;
     state.grasp_found = UsedHand(attempt) || may_stir;

@@ -95,10 +95,16 @@ struct AttemptRecord {
   bool has_own_image() const { return pick_of_image == 0; }
 };
 
+// Returns whether the attempt found no grasp and stirred the bin. Its physics may have failed.
+inline bool Stirred(const AttemptRecord& attempt) {
+  return !attempt.grasp && (attempt.failure == FailureReason::kStirred ||
+                            attempt.failure == FailureReason::kPhysicsFailed);
+}
+
 // Returns whether the hand moved in the bin: it executed a grasp, or stirred. Only these attempts
 // count in the success rate and cost a motion.
 inline bool UsedHand(const AttemptRecord& attempt) {
-  return attempt.grasp.has_value() || attempt.failure == FailureReason::kStirred;
+  return attempt.grasp.has_value() || Stirred(attempt);
 }
 
 struct TrialResult {

@@ -57,18 +57,23 @@ struct ExecuteOptions {
   void Visit(SettingsVisitor& v);
 };
 
-// Target of the grasp.
+// Target of the grasp, and what the cell assumes about it. The placement is planned from the
+// assumed values and evaluated against them. Without them, the true ones are used.
 struct GraspTarget {
-  InstanceId instance = kNoInstance;  // true instance nearest to the hypothesis, -1 = none
-  ObjectId object = kAnyObject;       // without an instance: required object, -1 = any
-  // Estimated pose, from which the placement is planned and evaluated. Without it, the true pose is
-  // used.
-  std::optional<Pose> X_WO;
+  InstanceId instance = kNoInstance;   // true instance nearest to the hypothesis, -1 = none
+  ObjectId object = kAnyObject;        // without an instance: required object, -1 = any
+  std::optional<Pose> X_WO;            // estimated pose
+  const ObjectModel* model = nullptr;  // of nominal size; null = as in the scene
+  std::optional<Pose> planned_X_WG;    // without the error of the robot
 
   // Implicit, so that an instance can be passed directly.
   GraspTarget(InstanceId target_instance = kNoInstance, ObjectId target_object = kAnyObject,
-              const std::optional<Pose>& estimated_X_WO = std::nullopt)
-      : instance(target_instance), object(target_object), X_WO(estimated_X_WO) {}
+              const std::optional<Pose>& estimated_X_WO = std::nullopt,
+              const ObjectModel* assumed_model = nullptr)
+      : instance(target_instance),
+        object(target_object),
+        X_WO(estimated_X_WO),
+        model(assumed_model) {}
 };
 
 // Outcome of a grasp and the scene after it.

@@ -1,5 +1,7 @@
 #include "grasp/execute/retention.h"
 
+#include "grasp/execute/pick_up.h"
+
 namespace pickbed::grasp {
 namespace {
 
@@ -19,22 +21,30 @@ void RetentionOptions::Visit(SettingsVisitor& v) {
          "whether a horizontal load across the closing direction grows; else the weight");
 }
 
-double LoadUntilLost_g(AttemptWorld& world, const Hand& hand, int position,
-                       const RetentionOptions& options, const Eigen::Vector3d& gravity_W,
-                       const std::function<void()>& step, const std::function<bool()>& is_lost) {
+double Retention_g(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
+                   const Gripper& gripper, const GraspTarget& target,
+                   const ExecuteOptions& options) {
+  const MotionListener no_listener;
+  PickUp pick(scene, objects, grasp, gripper, target, options, no_listener);
+  GraspOutcome outcome;
+  if (pick.Run(outcome) != FailureReason::kNone) return 0;
+  const int picked = pick.PickedOf(pick.Held());
+  if (picked < 0) return 0;
+  const RetentionOptions& retention = options.retention;
+  const Eigen::Vector3d& gravity_W = options.physics.gravity_W;
   const Eigen::Vector3d one_g_W =
-      options.is_lateral ? gravity_W.norm() * LateralDirection_W(hand.X_WG()) : gravity_W;
-  const double first_g = options.is_lateral ? 0 : 1;
-  const int steps = world.Steps((options.max_g - first_g) / options.g_per_s);
+      retention.is_lateral ? gravity_W.norm() * LateralDirection_W(pick.hand().X_WG()) : gravity_W;
+  const double first_g = retention.is_lateral ? 0 : 1;
+  const int steps = pick.world().Steps((retention.max_g - first_g) / retention.g_per_s);
   for (int i = 1; i <= steps; ++i) {
-    const double load_g = first_g + (options.max_g - first_g) * i / steps;
+    const double load_g = first_g + (retention.max_g - first_g) * i / steps;
     Eigen::Vector3d load_W = load_g * one_g_W;
-    if (options.is_lateral) load_W += gravity_W;
-    world.physics().SetGravityOf(position, load_W);
-    step();
-    if (is_lost()) return load_g;
+    if (retention.is_lateral) load_W += gravity_W;
+    pick.world().physics().SetGravityOf(picked, load_W);
+    pick.Advance(pick.Lifted());
+    if (!pick.hand().Holds() || !pick.IsInHand(picked)) return load_g;
   }
-  return options.max_g;
+  return retention.max_g;
 }
 
 }  // namespace pickbed::grasp

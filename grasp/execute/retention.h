@@ -3,14 +3,15 @@
 // Hold test of a successful pick: how many times its weight an instance can weigh until the hand
 // loses it. The attempt is repeated up to the shake. Then the load grows steadily.
 
-#include <Eigen/Core>
-#include <functional>
-
-#include "grasp/execute/attempt_world.h"
+#include "grasp/gripper.h"
 #include "scenes/base/settings.h"
-#include "sim/hands/hand.h"
+#include "scenes/scene.h"
 
 namespace pickbed::grasp {
+
+struct ExecuteOptions;  // grasp/execute/execute.h
+struct Grasp;           // grasp/grasp.h
+struct GraspTarget;     // grasp/execute/execute.h
 
 // Options of the hold test.
 struct RetentionOptions {
@@ -22,11 +23,11 @@ struct RetentionOptions {
   void Visit(SettingsVisitor& v);
 };
 
-// Holds the hand still at its pose and increases the load on the instance at `position` of the
-// world until `is_lost`. Returns the load at that time in multiples of g; RetentionOptions::max_g
-// if the instance is not lost. `step` advances the world by one step with the hand at rest.
-double LoadUntilLost_g(AttemptWorld& world, const Hand& hand, int position,
-                       const RetentionOptions& options, const Eigen::Vector3d& gravity_W,
-                       const std::function<void()>& step, const std::function<bool()>& is_lost);
+// Repeats the pick-up with the hold test options.retention. Arguments as in ExecuteGrasp(). Returns
+// the load at which the instance left the hand, in multiples of g: 0 if no instance is in the hand
+// after the shake, and RetentionOptions::max_g if the hand held it to the end.
+double Retention_g(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
+                   const Gripper& gripper, const GraspTarget& target,
+                   const ExecuteOptions& options);
 
 }  // namespace pickbed::grasp

@@ -207,8 +207,9 @@ std::vector<double> SetDownWorths(const ObjectModel& model, std::span<const Pose
   return worths;
 }
 
-PlaceError PlaceErrorOf(const ObjectModel& model, const Pose& X_WO_wanted, const Pose& X_WO) {
-  const Vector3d com_W = X_WO * model.mass.com_O;
+PlaceError PlaceErrorOf(const ObjectModel& model, const Pose& X_WO_wanted, const Pose& X_WO,
+                        const Vector3d& com_O) {
+  const Vector3d com_W = X_WO * com_O;
   PlaceError best{0, std::numeric_limits<double>::infinity()};
   for (const Pose& X_OS : SymmetryTransforms(model.symmetries_O, kTurns)) {
     const Pose X_WS = X_WO_wanted * X_OS;

@@ -73,7 +73,12 @@ struct PlaceError {
   double rotation_error_rad = 0;
 };
 
-// Minimum rotation error over the symmetries of the object, and the distance for the same symmetry.
-PlaceError PlaceErrorOf(const ObjectModel& model, const Pose& X_WO_wanted, const Pose& X_WO);
+// Returns the minimum rotation error over the symmetries of the object, and the distance for the
+// same symmetry.
+// - model: with which the placement was planned
+// - X_WO_wanted, X_WO: planned and final pose
+// - com_O: true center of mass; it differs from the model's if the object has another size
+PlaceError PlaceErrorOf(const ObjectModel& model, const Pose& X_WO_wanted, const Pose& X_WO,
+                        const Eigen::Vector3d& com_O);
 
 }  // namespace pickbed::grasp

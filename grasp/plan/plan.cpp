@@ -82,8 +82,10 @@ Vector3d CenterOf(const PlanInput& input, const EstimatedPose& pose) {
 // Plans on one input. Shapes, obstacle points and flags are shared by all runs.
 class Planner {
  public:
-  Planner(const PlanInput& input, const PlanOptions& options)
+  // `tool`: its number; each tool has its own random order.
+  Planner(const PlanInput& input, const PlanOptions& options, size_t tool)
       : input_(input),
+        tool_(tool),
         options_(options),
         ranking_(RankingNamed(options.ranking)),
         bin_boxes_(BinBoxes(input.bin)),
@@ -103,7 +105,7 @@ class Planner {
     options_ = options;
     pending_.clear();
     rejected_ = {};
-    Rng rng(options_.seed);
+    Rng rng(options_.seed + tool_);
     for (size_t i = 0; i < input_.poses.size(); ++i) {
       if (MayGrasp(static_cast<int>(i))) PlanPose(static_cast<int>(i), rng);
     }
@@ -142,8 +144,9 @@ class Planner {
 
   // Whether this pose has a grasp that is free of bin, points and other poses.
   bool HasGrasp(int pose) {
+    if (!MayGrasp(pose)) return false;
     pending_.clear();
-    Rng rng(options_.seed);
+    Rng rng(options_.seed + tool_);
     PlanPose(pose, rng);
     std::stable_sort(pending_.begin(), pending_.end(),
                      [](const Pending& a, const Pending& b) { return a.score > b.score; });
@@ -419,6 +422,7 @@ class Planner {
   }
 
   const PlanInput& input_;
+  const size_t tool_;
   PlanOptions options_;
   const RankingRow& ranking_;
   std::vector<AxisAlignedBox> bin_boxes_;
@@ -434,12 +438,18 @@ class Planner {
   std::array<int, kCauses> rejected_{};
 };
 
+// One planner per tool. They keep references to `inputs`.
+std::list<Planner> PlannersOf(std::span<const PlanInput> inputs, const PlanOptions& options) {
+  CheckSettings("PlanOptions", options);
+  std::list<Planner> planners;
+  for (const PlanInput& input : inputs) planners.emplace_back(input, options, planners.size());
+  return planners;
+}
+
 }  // namespace
 
 PlanResult PlanWithTools(std::span<const PlanInput> inputs, const PlanOptions& options) {
-  CheckSettings("PlanOptions", options);
-  std::list<Planner> planners;
-  for (const PlanInput& input : inputs) planners.emplace_back(input, options);
+  std::list<Planner> planners = PlannersOf(inputs, options);
   const auto run = [&](const PlanOptions& constraints) {
     PlanResult all;
     for (Planner& planner : planners) {
@@ -473,9 +483,7 @@ PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
 }
 
 int CountReachable(std::span<const PlanInput> inputs, int wanted, const PlanOptions& options) {
-  CheckSettings("PlanOptions", options);
-  std::list<Planner> planners;
-  for (const PlanInput& input : inputs) planners.emplace_back(input, options);
+  std::list<Planner> planners = PlannersOf(inputs, options);
   int reachable = 0;
   const int poses = static_cast<int>(inputs.front().poses.size());
   for (int pose = 0; pose < poses && reachable < wanted; ++pose) {

@@ -135,8 +135,8 @@ PlanResult PlanWithTools(std::span<const PlanInput> inputs, const PlanOptions& o
 // pose names an object outside `candidates` or `objects`, and InputError for an unknown ranking.
 PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options = {});
 
-// Returns the number of poses for which PlanWithTools() would find a grasp if each were the only
-// target, without relaxed constraints. The poses are tried in their order, until `wanted` are
+// Returns the number of targets for which PlanWithTools() would find a grasp if each were the only
+// one, without relaxed constraints. They are tried in the order of the poses, until `wanted` are
 // found. It is much cheaper than planning, since it stops at the first free grasp of a pose.
 // `inputs` must not be empty. Throws as PlanGrasps() does.
 int CountReachable(std::span<const PlanInput> inputs, int wanted, const PlanOptions& options = {});

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "eval/cell/simulated_cell.h"
@@ -17,6 +18,7 @@
 #include "scenes/objects/contact.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/grasp/grasp_scenes.h"
+#include "tests/support/error_of.h"
 
 namespace pickbed::tests {
 namespace {
@@ -320,6 +322,37 @@ TEST_F(ExecuteWithErrorsTest, RobotErrorMovesTheExecutedGrasp) {
   EXPECT_EQ(Try(0.2, errors).failure, FailureReason::kCollision);
 }
 
+// The cell plans the placement for the grasp that it planned, so the object is put down beside its
+// place by the error of the grasp.
+TEST_F(ExecuteWithErrorsTest, RobotErrorDisplacesThePlacedObject) {
+  AttemptErrors errors;
+  EXPECT_LT(Try(0.2, errors).place_error_m, 0.001);
+  errors.robot_m = {0, 0.004, 0};  // along the fingers' width
+  const GraspOutcome outcome = Try(0.2, errors);
+  ASSERT_TRUE(outcome.place_executed);
+  EXPECT_NEAR(outcome.place_error_m, 0.004, 0.0015);
+}
+
+// The cell plans the placement with the nominal height, so the center of a higher object comes to
+// rest above its planned place.
+TEST_F(ExecuteWithErrorsTest, PlacementIsPlannedAtNominalSize) {
+  const auto nominal = BoxObject({0.040, 0.050, 0.050}, 0.2, 0.5);
+  const ObjectSet larger = ObjectsOfSizes({nominal}, {0.08});
+  Scene scene = BoxesOnFloor({{0, 0}}, 0.050 * 1.08);
+  Grasp grasp;
+  grasp.X_WG = FromAbove({0, 0, 0.015});
+  grasp.width_m = 0.043;
+  const auto place_error_m = [&](const ObjectModel* assumed) {
+    const GraspTarget target(InstanceId{10}, ObjectId{0}, scene.objects[0].X_WO, assumed);
+    const GraspOutcome outcome =
+        ExecuteWithErrors({scene, larger}, grasp, SmallJaw(), target, {}, {}).outcome;
+    EXPECT_TRUE(outcome.place_executed);
+    return outcome.place_error_m;
+  };
+  EXPECT_LT(place_error_m(nullptr), 0.001) << "the true size is known";
+  EXPECT_NEAR(place_error_m(nominal.get()), 0.08 * 0.025, 0.0008);
+}
+
 TEST(CellErrors, CupLosesPullAndMomentTogether) {
   SuctionCup cup;
   const auto weak = cup.WithForce(0.5);
@@ -347,6 +380,47 @@ TEST(CellErrors, PartsOfAnotherSizeAreSeenAndHeldAtIt) {
   // The cube rests on the floor, so its center is at half of its true height.
   const Scene scene = cell.MakeScene(bin).scene;
   EXPECT_NEAR(scene.objects[0].X_WO.translation().z(), 0.015 * (1 + size), 0.0007);
+}
+
+TEST(CellErrors, PicturesShowTheTrueSize) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.cell.size_percent = 10;
+  SimulatedCell cell(spec, EasyCube()), nominal(CubeScenario(1), EasyCube());
+  BinIndex large{0}, small{0};
+  while (cell.SizesOf(large)[0] < 0.1) ++large;
+  while (cell.SizesOf(small)[0] > -0.1) ++small;
+  Scene scene = nominal.MakeScene(BinIndex{0}).scene;
+  const auto pixels_in = [&](SimulatedCell& drawn, BinIndex bin) {
+    const sim::Picture picture = drawn.PictureOf(scene, bin, cell.camera());
+    return std::count_if(picture.ids.pixels().begin(), picture.ids.pixels().end(),
+                         [](uint16_t id) { return id > 0; });
+  };
+  const double as_model = static_cast<double>(pixels_in(nominal, BinIndex{0}));
+  ASSERT_GT(as_model, 300);
+  for (const BinIndex bin : {large, small, large}) {  // also back again
+    const double factor = 1 + cell.SizesOf(bin)[0];
+    EXPECT_NEAR(static_cast<double>(pixels_in(cell, bin)) / as_model, factor * factor, 0.06);
+  }
+}
+
+TEST(CellErrors, DrawnSizesThatDoNotFitAreRefused) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.trials = 20;
+  spec.cell.size_percent = 5;
+  const auto error_of = [&](double side_m, double mass_kg) {
+    return ErrorOf(
+        [&] { RequireSizesFit(spec, {Cube(side_m, mass_kg, 0.5)}, LoadTools({"jaw_8cm"})); });
+  };
+  EXPECT_EQ(error_of(0.03, 0.05), "no error");
+  // Fits into 30 cm at its nominal size.
+  const std::string wide = error_of(0.295, 0.05);
+  EXPECT_THAT(wide, HasSubstr("cell.size_percent = 5: in bin "));
+  EXPECT_THAT(wide, HasSubstr("does not fit into the bin of 400 x 300 mm"));
+  const double capacity_kg = LoadGripper("jaw_8cm")->Capacity_n(0.5) / kGravity_mps2;
+  EXPECT_THAT(error_of(0.03, 0.99 * capacity_kg), HasSubstr("which no gripper carries"));
+  spec.trials = 1;
+  while (DrawSizes(spec.cell, spec.seed, BinIndex{0}, 1)[0] > 0) ++spec.seed;
+  EXPECT_EQ(error_of(0.295, 0.05), "no error") << "no bin has a larger object";
 }
 
 TEST(CellErrors, DrawnValuesAreRecordedAndWritten) {

@@ -8,6 +8,7 @@
 
 #include <fstream>
 
+#include "eval/summary/early_stop.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "tests/eval/full_trial.h"
@@ -93,6 +94,27 @@ TEST_F(ResultsStoreTest, KeepsConfigurationsWithTheirSeeds) {
   EXPECT_EQ(crashed[0].bin_index, 1);
   EXPECT_EQ(crashed[0].seed, 18446744073709551615u) << "the seed of the configuration";
   EXPECT_EQ(crashed[0].why, "signal 9");
+}
+
+// A progress line of a continued run has the same success rate as its summary.
+TEST_F(ResultsStoreTest, StoredOutcomesAreThoseOfTheAttempts) {
+  TrialResult result;
+  for (const FailureReason failure :
+       {FailureReason::kNone, FailureReason::kSlipped, FailureReason::kNoGrasp,
+        FailureReason::kStirred, FailureReason::kPhysicsFailed}) {
+    AttemptRecord& attempt = result.attempts.emplace_back();
+    attempt.attempt = static_cast<int>(result.attempts.size()) - 1;
+    attempt.failure = failure;
+    if (failure == FailureReason::kNone || failure == FailureReason::kSlipped) {
+      attempt.grasp = Grasp();
+    }
+  }
+  ResultsStore store(folder_, "s");
+  store.Write(result);
+  const Cluster stored = store.Outcomes().at(0), counted = AttemptOutcomes(result);
+  EXPECT_EQ(counted.samples, 4) << "two grasps, a stir, and a stir whose physics failed";
+  EXPECT_EQ(stored.samples, counted.samples);
+  EXPECT_EQ(stored.hits, counted.hits);
 }
 
 TEST_F(ResultsStoreTest, CrashedTrialsCanBeRemoved) {

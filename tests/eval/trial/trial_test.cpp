@@ -121,6 +121,10 @@ TEST(Trial, StirsAreCountedAndPricedAsFailedPicks) {
     EXPECT_TRUE(UsedHand(result.attempts[i]));
   }
   EXPECT_EQ(result.ended_by, FailureReason::kNoGrasp);
+  // A stir whose physics fails counts as one, too.
+  AttemptRecord exploded = result.attempts[0];
+  exploded.failure = exploded.outcome.failure = FailureReason::kPhysicsFailed;
+  EXPECT_TRUE(UsedHand(exploded));
   RunSummary summary = Summarize({result});
   EXPECT_EQ(summary.executed_grasps, 2);
   EXPECT_EQ(summary.successes, 0);
@@ -132,6 +136,21 @@ TEST(Trial, StirsAreCountedAndPricedAsFailedPicks) {
   picked.instances_cleared = 1;
   EXPECT_DOUBLE_EQ(CycleTimeOf({&picked, 1}, {.move_s = 6}).move_s, 18);
   EXPECT_EQ(Record(RunOne(spec, WidePlate()), WidePlate()), Record(result, WidePlate()));
+}
+
+TEST(Trial, LastAttemptDoesNotStir) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.policy.stir.max = 3;
+  spec.policy.max_failures_in_row = 2;
+  for (const int max_attempts : {0, 2}) {
+    spec.policy.max_attempts = max_attempts;
+    const TrialResult result = RunOne(spec, WidePlate());
+    ASSERT_EQ(result.attempts.size(), 2u);
+    EXPECT_EQ(result.attempts[0].failure, FailureReason::kStirred);
+    EXPECT_EQ(result.attempts[1].failure, FailureReason::kNoGrasp);
+    EXPECT_EQ(result.ended_by, FailureReason::kNoGrasp);
+    spec.policy.max_failures_in_row = 9;
+  }
 }
 
 TEST(Trial, StirWaitsForConsecutiveAttemptsWithoutAGrasp) {

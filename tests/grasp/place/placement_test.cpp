@@ -176,7 +176,7 @@ TEST(PlaceError, EqualsThePlantedError) {
   const Pose wanted = Tilted(0.3, {0.3, 0, 0.02});
   const Pose real =
       Translation({0.003, -0.004, 0}) * wanted * Pose(AngleAxisd(0.2, Vector3d::UnitZ()));
-  const PlaceError error = PlaceErrorOf(*plate, wanted, real);
+  const PlaceError error = PlaceErrorOf(*plate, wanted, real, plate->mass.com_O);
   EXPECT_NEAR(error.distance_m, 0.005, 1e-9);
   EXPECT_NEAR(error.rotation_error_rad, 0.2, 1e-9);
 }
@@ -185,15 +185,16 @@ TEST(PlaceError, SymmetryRotationIsNoError) {
   auto plate = std::make_shared<ObjectModel>(*Plate());
   const Pose half(AngleAxisd(std::numbers::pi, Vector3d::UnitZ()));
   const Pose wanted = Translation({0.3, 0, 0.005});
-  EXPECT_NEAR(PlaceErrorOf(*plate, wanted, wanted * half).rotation_error_rad, std::numbers::pi,
-              1e-6);
+  EXPECT_NEAR(PlaceErrorOf(*plate, wanted, wanted * half, plate->mass.com_O).rotation_error_rad,
+              std::numbers::pi, 1e-6);
   plate->symmetries_O.discrete_O = {half};
-  EXPECT_LT(PlaceErrorOf(*plate, wanted, wanted * half).rotation_error_rad, 1e-6);
+  EXPECT_LT(PlaceErrorOf(*plate, wanted, wanted * half, plate->mass.com_O).rotation_error_rad,
+            1e-6);
   // The axis is beside O. The distance is measured at the center of mass, not at O.
   plate->mass.com_O = {0.01, 0, 0};
   plate->symmetries_O = {{}, {{Vector3d::UnitZ(), {0.01, 0, 0}}}};
   const Pose rotated = TurnAbout(plate->symmetries_O.continuous_O[0], 1.0);
-  const PlaceError error = PlaceErrorOf(*plate, wanted, wanted * rotated);
+  const PlaceError error = PlaceErrorOf(*plate, wanted, wanted * rotated, plate->mass.com_O);
   EXPECT_LT(error.rotation_error_rad, 0.05);
   EXPECT_LT(error.distance_m, 1e-9);
 }

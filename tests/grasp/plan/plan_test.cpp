@@ -118,6 +118,21 @@ TEST_F(Plan, ConstraintsAreRelaxedOnlyIfNoToolHasAGrasp) {
   EXPECT_TRUE(PlanGrasps(useless).with_relaxed_constraints);
 }
 
+// Equal tools have different random orders, else the first one would win each tie.
+TEST_F(Plan, RandomOrderPrefersNoTool) {
+  AddPose({0, 0, 0.025});
+  ParallelJaw other = SmallJaw();
+  other.name = "other jaw";
+  const std::vector<PlanInput> inputs{{bin_, poses_, candidates_, cloud_, objects_, gripper_},
+                                      {bin_, poses_, candidates_, cloud_, objects_, other}};
+  int first = 0;
+  for (uint64_t seed = 1; seed <= 40; ++seed) {
+    const PlanOptions options{.ranking = "random", .seed = 1000 * seed};
+    first += PlanWithTools(inputs, options).grasps.at(0).tool == gripper_.name;
+  }
+  EXPECT_NEAR(first, 20, 8) << "99 % of fair choices";
+}
+
 TEST_F(Plan, SingleBoxHasGraspsInOrderOfScore) {
   AddPose({0, 0, 0.025});
   PlanOptions options;
@@ -158,6 +173,9 @@ TEST_F(Plan, PosesAreReachableIfTheyHaveAGraspAsTheOnlyTarget) {
   const PlanInput input{bin_, poses_, candidates_, cloud_, objects_, gripper_};
   EXPECT_EQ(CountReachable({&input, 1}, 100, options), with_grasp);
   EXPECT_EQ(CountReachable({&input, 1}, 1, options), 1);
+  const std::vector<int> third{2};
+  const PlanInput one{bin_, poses_, candidates_, cloud_, objects_, gripper_, third};
+  EXPECT_LE(CountReachable({&one, 1}, 100, options), 1) << "only targets count";
 }
 
 TEST_F(Plan, ReturnsAtMostMaxGrasps) {

@@ -1,0 +1,34 @@
+#pragma once
+
+// Plans the path of a stir (grasp/execute/stir.h) from observed points, never from ground truth.
+
+#include <span>
+
+#include "grasp/execute/stir.h"
+#include "scenes/bin/bin.h"
+
+namespace pickbed::grasp {
+
+// Distances of a stir.
+struct PlanStirOptions {
+  // Depth of the tips below the height that a quarter of the points exceed. A single instance that
+  // leans high at a wall does not make the hand pass above all others. The floor limits the depth.
+  double depth_m = 0.03;
+  double floor_m = 0.005;     // between the tips and the floor
+  double wall_m = 0.01;       // between the hand and the walls
+  double voxel_m = 0.005;     // voxel size to which the cloud is thinned
+  double bin_band_m = 0.006;  // points this close to floor and walls belong to the bin
+  void Visit(SettingsVisitor& v);
+};
+
+// Plans the pose of the closed hand at the start and at the end of a straight path.
+// - bin: the frame of its floor is W
+// - cloud_W: observed points, with or without the bin
+// - number: of the stir in its trial. Directions alternate between the length and the width of the
+//   bin, where the path meets the largest number of points, and its diagonals. Then the same
+//   follows with the opposite senses.
+// Throws InputError for options out of range.
+StirPath PlanStir(const Bin& bin, std::span<const Eigen::Vector3d> cloud_W, const Gripper& gripper,
+                  int number, const PlanStirOptions& options = {});
+
+}  // namespace pickbed::grasp
