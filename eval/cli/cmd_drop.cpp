@@ -52,8 +52,8 @@ int DropCommand(int argc, char** argv) {
   WritePng(folder / kPictureFile,
            cell.PictureOf(made.scene, bin_index, BinCamera(cell.camera(), cell.bin())).color);
   WriteFileAtomically(folder / kCertificateFile, CertificateJson(made));
-  const ClutterStatistics clutter =
-      MeasureClutter(setup, made.scene, bin_index, cell.Capture(made.scene, bin_index, 0));
+  const ClutterSummary clutter = ClutterOfBin(
+      MeasureClutter(setup, made.scene, bin_index, cell.Capture(made.scene, bin_index, 0)));
   WriteFileAtomically(folder / kClutterFile, ClutterJson(clutter, scenario.spec.gripper.InWords()));
   fmt::print("{}{}wrote {}, {}, {}, color.png and {}\n", CertificateText(made),
              ClutterText(clutter, scenario.spec.gripper.InWords()), (folder / kSceneFile).string(),

@@ -63,6 +63,12 @@ std::string HeadlineHtml(const ConfigurationReport& configuration) {
   const RunSummary& s = configuration.summary;
   html += fmt::format("<p class=\"note\">{}</p>\n",
                       EscapeHtml(FewBinsText(s.trials) + " " + InViewText(s)));
+  if (s.clutter.layers.size() > 1) {
+    std::string lines = EscapeHtml(ClutterText(s.clutter, ""));
+    lines.pop_back();
+    for (size_t end; (end = lines.find('\n')) != std::string::npos;) lines.replace(end, 1, "<br>");
+    html += fmt::format("<p class=\"note\">Before the first pick: {}</p>\n", lines);
+  }
   if (s.executed_grasps == 0) return html;
   TableCells cells{{"rule", "success", "95 %", "passes when"}};
   for (const RuleRate& rate : s.by_rule) {

@@ -54,6 +54,9 @@ struct TrialRow {
     v("wake_movement_m", certificate.wake_movement_m);
     v("wake_movement_diameters", certificate.wake_movement_diameters);
     VisitErrors(v, result.errors);
+    v("layers", result.layers);
+    v("instances_tested", result.instances_tested);
+    v("instances_graspable", result.instances_graspable);
   }
 };
 

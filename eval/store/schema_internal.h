@@ -10,8 +10,8 @@
 
 namespace pickbed::eval {
 
-// 8: gripper of each grasp; image, fill level and hold of an attempt
-inline constexpr int kSchemaVersion = 8;
+// 9: layers and graspable instances of a bin
+inline constexpr int kSchemaVersion = 9;
 inline constexpr int kOldestSchemaVersion = 4;  // oldest version that can be migrated
 
 // Calls visit.template operator()<Row>("table") for each table whose rows belong to a trial.

@@ -144,6 +144,10 @@ void Statement::Bind(int column, const Pose& value) {
   Bind(column, nlohmann::json(std::vector<double>(rows.data(), rows.data() + 12)).dump());
 }
 
+void Statement::Bind(int column, const std::vector<int>& value) {
+  Bind(column, nlohmann::json(value).dump());
+}
+
 void Statement::Read(int column, int& value) const {
   value = sqlite3_column_int(statement_, column);
 }
@@ -179,6 +183,12 @@ void Statement::Read(int column, Pose& value) const {
   const auto numbers = nlohmann::json::parse(text).get<std::vector<double>>();
   value.matrix().topRows<3>() =
       Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(numbers.data());
+}
+
+void Statement::Read(int column, std::vector<int>& value) const {
+  std::string text;
+  Read(column, text);
+  value = text.empty() ? std::vector<int>() : nlohmann::json::parse(text).get<std::vector<int>>();
 }
 
 }  // namespace pickbed::eval

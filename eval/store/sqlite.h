@@ -84,6 +84,7 @@ class Statement {
   void Bind(int column, FailureReason value) { Bind(column, std::string(FailureName(value))); }
   void Bind(int column,
             const Pose& value);  // 3x4, row by row, as text that restores the same value
+  void Bind(int column, const std::vector<int>& value);  // as JSON
 
   void Read(int column, int& value) const;
   void Read(int column, bool& value) const;
@@ -92,6 +93,7 @@ class Statement {
   void Read(int column, std::string& value) const;
   void Read(int column, FailureReason& value) const;
   void Read(int column, Pose& value) const;
+  void Read(int column, std::vector<int>& value) const;
   template <typename Kind>
   void Read(int column, Id<Kind>& value) const {
     int number = 0;

@@ -5,6 +5,7 @@
 #include "eval/metrics/interval_json.h"
 #include "eval/metrics/metric_columns.h"
 #include "eval/metrics/pose_columns.h"
+#include "eval/summary/clutter_json.h"
 #include "eval/summary/success_rates.h"
 #include "eval/tolerance/pick_forecast.h"
 
@@ -64,7 +65,7 @@ ResultColumns TrialsColumns() {
       {"status", "finished or crashed; a crashed trial has no further cells"},
       {"instances_dropped", "number of dropped instances that are not distractors"},
       {"instances_cleared", "number of instances that successful picks took out of the bin"},
-      {"executed_grasps", "number of executed grasps"},
+      {"executed_grasps", "number of executed grasps and of stirs"},
       {"successes", "number of executed grasps that succeeded"},
       {"ended_by",
        "failure reason that ended the trial; none if the bin is empty or the number of "
@@ -178,7 +179,7 @@ ResultColumns ConfigurationsColumns() {
       {"trials", "number of trials that belong to it"},
       {"finished", "number of finished trials"},
       {"crashed", "number of crashed trials"},
-      {"executed_grasps", "number of executed grasps"},
+      {"executed_grasps", "number of executed grasps and of stirs"},
       {"successes", "number of executed grasps that succeeded"},
       {"success_rate", "successes / executed_grasps", kShare},
       {"success_low", "lower end of the 95 % interval of success_rate; bins are the units", kShare},
@@ -238,7 +239,7 @@ ResultColumns SummaryKeys() {
   const auto add = [&](const ResultColumns& more) { AddColumns(more, keys); };
   add({
       {"trials", "number of finished trials"},
-      {"executed_grasps", "number of executed grasps"},
+      {"executed_grasps", "number of executed grasps and of stirs"},
       {"successes", "number of executed grasps that succeeded"},
       {"success_rate", "successes / executed_grasps", kShare},
   });
@@ -274,7 +275,17 @@ ResultColumns SummaryKeys() {
   add({{"false_positives", "precision.poses - precision.right"}});
   AddRateKeys("target_recall", "targets", "number of targets; only of occlusion trials", "recalled",
               "number of these with a correct pose", keys);
-  add({{"in_view.BAND", "number of instances in view in a band of visible fractions"}});
+  add({
+      {"tools.GRIPPER.executed_grasps", "number of executed grasps; only with several grippers"},
+      {"tools.GRIPPER.successes", "number of these that succeeded"},
+      {"tools.GRIPPER.rate", "successes / executed_grasps", kShare},
+      {"tool_changes", "number of grasps with another gripper than the grasp before"},
+      {"in_view.BAND", "number of instances in view in a band of visible fractions"},
+  });
+  for (const ResultColumn& key : ClutterKeys()) {
+    if (key.name == "gripper") continue;
+    add({{"clutter." + key.name, key.help + ", before the first pick", key.unit}});
+  }
   add({
       {"images", "number of captured images; several attempts can share one"},
       {"frames", "number of images with at least one reported pose"},

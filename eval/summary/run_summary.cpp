@@ -67,15 +67,15 @@ void AddIntervals(const std::vector<TrialResult>& trials, RunSummary& summary) {
 }
 
 RetentionStatistics RetentionOf(const std::vector<TrialResult>& trials) {
-  std::vector<double> loads_g;
+  ValueClusters loads_g(1);
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& attempt : trial.attempts) {
-      if (attempt.outcome.retention_g >= 0) loads_g.push_back(attempt.outcome.retention_g);
+      if (attempt.outcome.retention_g >= 0) loads_g[0].push_back(attempt.outcome.retention_g);
     }
   }
-  if (loads_g.empty()) return {};
-  std::sort(loads_g.begin(), loads_g.end());
-  return {static_cast<int>(loads_g.size()), loads_g.front(), loads_g[loads_g.size() / 2]};
+  if (loads_g[0].empty()) return {};
+  return {static_cast<int>(loads_g[0].size()),
+          *std::min_element(loads_g[0].begin(), loads_g[0].end()), MedianOf(loads_g)};
 }
 
 std::string BandName(const RecallBand& band) {
@@ -180,6 +180,15 @@ std::string RulesText(const RunSummary& summary, bool few_bins) {
   return text;
 }
 
+std::string Indented(const std::string& lines) {
+  std::string text;
+  for (const char c : lines) {
+    if (text.empty() || text.back() == '\n') text += "  ";
+    text += c;
+  }
+  return text;
+}
+
 // One indented line per sentence.
 std::string OnLines(std::string sentences) {
   if (sentences.empty()) return "";
@@ -265,6 +274,7 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
   summary.by_rule = RatesByRule(trials);
   summary.by_fill = SuccessByFillLevel(trials);
   summary.retention = RetentionOf(trials);
+  summary.clutter = ClutterOfTrials(trials);
   summary.cleared_rate = Ratio(summary.instances_cleared, summary.instances_dropped);
   summary.top1_precision = Ratio(summary.top1_correct, summary.frames);
   return summary;
@@ -313,6 +323,8 @@ std::string SummaryJson(const RunSummary& s) {
   auto& in_view = json["in_view"] = nlohmann::ordered_json::object();
   const std::vector<std::string> names = InViewNames();
   for (size_t i = 0; i < names.size(); ++i) in_view[names[i]] = s.in_view[i];
+  if (s.clutter.bins > 0)
+    json["clutter"] = nlohmann::ordered_json::parse(ClutterJson(s.clutter, ""));
   json["images"] = s.images;
   json["frames"] = s.frames;
   json["top1_precision"] = s.top1_precision;
@@ -439,6 +451,9 @@ std::string SummaryTable(const RunSummary& s) {
        fmt::format("{} of {} poses, {} false", s.precision.hits, s.precision.samples,
                    s.precision.samples - s.precision.hits));
   text += OnLines(InViewText(s));
+  if (s.clutter.layers.size() > 1) {
+    text += "Before the first pick\n" + Indented(ClutterText(s.clutter, ""));
+  }
   // What is hard comes first. In occlusion trials this is whether the targets were picked.
   text = has_targets ? text + hard : hard + text;
   text += ForecastText(s.forecasts);

@@ -12,6 +12,7 @@
 
 #include "eval/stats/statistics.h"
 #include "eval/store/results_store.h"
+#include "eval/summary/clutter_json.h"
 #include "eval/summary/cycle.h"
 #include "eval/summary/early_stop.h"
 #include "eval/summary/hidden_share.h"
@@ -106,7 +107,8 @@ struct RunSummary {
   std::vector<PickForecast> forecasts;     // empty without tolerance models
   CycleTime cycle;
   RetentionStatistics retention;
-  StageSeconds seconds;  // mean per trial, by stage
+  ClutterSummary clutter;  // before the first pick; without occlusion trials
+  StageSeconds seconds;    // mean per trial, by stage
 };
 
 // Trials of one configuration.

@@ -35,7 +35,8 @@ void VisitCells(const GraspOutcome& o, V&& v) {
   v("torque_z_nm", "mean torque on the hand about the origin of G, z in frame G",
     o.contact_torque_nm.z());
   v("retention_g",
-    "load at which the hold test lost the instance, multiples of g; empty if not measured",
+    "load at which the hold test lost the instance, or its limit, multiples of g; empty if not "
+    "measured",
     o.retention_g);
   v("drop_time_s",
     "time from the end of the lift until the instance was lost; empty if it was not, or not "

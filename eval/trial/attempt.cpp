@@ -106,7 +106,7 @@ uint64_t PlanSeed(const TrialSetup& setup, const LiveTrial& trial, int attempt) 
 }
 
 // Measures trial.scene, which must be from before the pick.
-void MeasureFillOfAttempt(LiveTrial& trial, AttemptRecord& record) {
+void MeasureFillOfAttempt(const TrialSetup& setup, LiveTrial& trial, AttemptRecord& record) {
   const StageTimer timer(trial.seconds, "score");
   const sim::FillStatistics fill = sim::MeasureFill(trial.scene, trial.objects);
   record.fill_level = fill.fill_level;
@@ -116,6 +116,12 @@ void MeasureFillOfAttempt(LiveTrial& trial, AttemptRecord& record) {
     record.instances_above = fill.above[i];
     record.instances_below = fill.below[i];
   }
+  const bool is_first = record.attempt == 0 && record.target < 0;
+  if (!is_first) return;
+  trial.layers = CountsByLayer(fill.layers);
+  constexpr int kMaxTested = 20;  // all of a deep bin would take as long as several attempts
+  trial.graspable =
+      CountGraspable(setup, trial.scene, trial.image->view.visible_fractions, kMaxTested);
 }
 
 // Executes record.grasp or, without a grasp, the stir of the task; replaces the scene and
@@ -128,7 +134,7 @@ void ExecuteAndAttribute(const TrialSetup& setup, const AttemptTask& task, LiveT
                     ToolNamed(setup.tools, record.grasp->tool));
   }
   Scene after = record.grasp ? Execute(setup, trial, record) : trial.scene;
-  MeasureFillOfAttempt(trial, record);
+  MeasureFillOfAttempt(setup, trial, record);
   record.failure =
       AttributeFailure(record, image.hypotheses, setup.options.match_diameters, image.truth);
   if (!record.grasp && task.stir >= 0) after = Stir(setup, task, trial, record);

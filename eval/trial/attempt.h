@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "eval/trial/clutter.h"
 #include "eval/trial/grasp_choice.h"
 #include "eval/trial/instance_matcher.h"
 #include "eval/trial/pose_matching.h"
@@ -35,6 +36,8 @@ struct LiveTrial {
   Scene scene;
   GraspMemory failed;
   std::optional<CapturedImage> image;  // the last one
+  std::vector<int> layers;             // as in TrialResult
+  GraspableCount graspable;            // the same
   StageSeconds seconds;
   TrialObserver* observer = nullptr;  // may be null
 };

@@ -2,6 +2,7 @@
 
 // How cluttered a bin is: fill level, layers, visibility, and how many instances can be grasped.
 
+#include <span>
 #include <vector>
 
 #include "eval/trial/trial_setup.h"
@@ -15,11 +16,25 @@ struct ClutterStatistics {
   std::vector<int> layers;               // instances in each layer, from the top
   std::vector<double> visible_fraction;  // of each wanted instance
   int counted = 0;                       // wanted instances with at least kCountedVisibility
-  int graspable = 0;  // counted instances with a grasp that meets nothing, at the true poses
+  int tested = 0;                        // counted instances for which a grasp was planned
+  int graspable = 0;  // tested instances with a grasp that meets nothing, at the true poses
 };
 
-// Measures a scene of the setup's cell in the view of its camera. All instances at their true poses
-// are obstacles for the planned grasps.
+// Returns the number of instances in each layer, from the top. `layers`: layer of each instance.
+std::vector<int> CountsByLayer(std::span<const int> layers);
+
+struct GraspableCount {
+  int tested = 0, graspable = 0;
+};
+
+// Counts the graspable ones among wanted instances that are at least kCountedVisibility visible: a
+// grasp meets nothing. All instances at their true poses are obstacles.
+// - visible_fractions: by scene.objects
+// - max_tested: of more instances, so many are tested, evenly spread over their order
+GraspableCount CountGraspable(const TrialSetup& setup, const Scene& scene,
+                              std::span<const double> visible_fractions, int max_tested);
+
+// Measures a scene of the setup's cell in the view of its camera.
 ClutterStatistics MeasureClutter(const TrialSetup& setup, const Scene& scene, BinIndex bin_index,
                                  const Observation& view);
 

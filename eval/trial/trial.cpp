@@ -85,6 +85,9 @@ TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* obser
   end.gave_up = result.ended_by != FailureReason::kNone;
   for (const PosedObject& posed : trial.scene.objects) end.remaining.push_back(posed.instance);
   result.outcomes = DecideOutcomes(std::move(result.outcomes), result.attempts, end);
+  result.layers = std::move(trial.layers);
+  result.instances_tested = trial.graspable.tested;
+  result.instances_graspable = trial.graspable.graspable;
   result.seconds = std::move(trial.seconds);
   return result;
 }

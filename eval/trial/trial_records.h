@@ -117,6 +117,10 @@ struct TrialResult {
   int instances_dropped = 0;
   int instances_cleared =
       0;  // by successful picks; an instance pushed out of the bin does not count
+  // State before the first pick (eval/trial/clutter.h); not of an occlusion trial.
+  std::vector<int> layers;      // number of instances in each layer, from the top; empty = unknown
+  int instances_tested = 0;     // instances of the first image tested for a grasp
+  int instances_graspable = 0;  // tested instances with a grasp that meets nothing
   std::vector<InstanceOutcome> outcomes;  // of each dropped instance that is not a distractor
   std::vector<AttemptRecord> attempts;
   std::vector<BandAccount> bands;  // of an occlusion trial, else empty

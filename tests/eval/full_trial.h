@@ -65,6 +65,9 @@ inline TrialResult FullTrial(int trial) {
   result.refused = {{0, {"not at rest", "overlap"}}, {1, {"fell outside"}}};
   result.instances_dropped = 7;
   result.instances_cleared = 3;
+  result.layers = {5, 2, trial};
+  result.instances_tested = 6;
+  result.instances_graspable = 4;
   result.ended_by = FailureReason::kSlipped;
   for (int p = 0; p < 3; ++p) {
     AttemptRecord& pick = result.attempts.emplace_back();
@@ -195,6 +198,9 @@ inline void ExpectSameTrial(const TrialResult& a, const TrialResult& b) {
   EXPECT_EQ(a.bin_index, b.bin_index);
   EXPECT_EQ(a.instances_dropped, b.instances_dropped);
   EXPECT_EQ(a.instances_cleared, b.instances_cleared);
+  EXPECT_EQ(a.layers, b.layers);
+  EXPECT_EQ(a.instances_tested, b.instances_tested);
+  EXPECT_EQ(a.instances_graspable, b.instances_graspable);
   EXPECT_EQ(a.ended_by, b.ended_by);
   EXPECT_EQ(a.certificate.at_rest, b.certificate.at_rest);
   EXPECT_EQ(a.certificate.simulated_s, b.certificate.simulated_s);

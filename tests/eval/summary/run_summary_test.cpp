@@ -12,6 +12,7 @@ namespace pickbed::tests {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 AttemptRecord Pick(FailureReason failure, bool top_correct) {
   AttemptRecord pick;
@@ -47,6 +48,32 @@ std::vector<TrialResult> TwoTrials() {
   b.attempts = {empty};
   b.seconds = {{"drop", 4.0}};
   return {a, b};
+}
+
+// Each bin counts once, with its first image.
+TEST(Summarize, ClutterCountsEachBinBeforeTheFirstPick) {
+  std::vector<TrialResult> trials = TwoTrials();
+  EXPECT_EQ(Summarize(trials).clutter.bins, 0) << "trials of earlier versions";
+  EXPECT_THAT(SummaryTable(Summarize(trials)), Not(HasSubstr("Before the first pick")));
+  trials[0].layers = {2, 1};
+  trials[0].instances_tested = 2;
+  trials[0].instances_graspable = 1;
+  trials[0].attempts[0].fill_level = 0.6;
+  trials[1].layers = {1};
+  trials[1].attempts[0].fill_level = 0.2;
+  const RunSummary s = Summarize(trials);
+  const auto clutter = nlohmann::json::parse(SummaryJson(s)).at("clutter");
+  EXPECT_EQ(clutter.at("bins"), 2);
+  EXPECT_DOUBLE_EQ(clutter.at("fill_level"), 0.4);
+  EXPECT_EQ(clutter.at("layers"), (std::vector<int>{3, 1}));
+  EXPECT_EQ(clutter.at("in_view").at("90-100"), 2);
+  EXPECT_EQ(clutter.at("in_view").at("30-50"), 1);
+  EXPECT_EQ(clutter.at("in_view").at("0-10"), 7) << "the other dropped instances";
+  EXPECT_EQ(clutter.at("counted"), 3);
+  EXPECT_EQ(clutter.at("tested"), 2);
+  EXPECT_EQ(clutter.at("graspable"), 1);
+  EXPECT_THAT(SummaryTable(s),
+              HasSubstr("\n  1 of 2 tested instances that are at least 10 % visible"));
 }
 
 TEST(Summarize, AgreesWithCountsByHand) {

@@ -59,13 +59,15 @@ TEST(ClutterJson, CountsEachWantedInstanceInOneBand) {
   clutter.layers = {3, 1};
   clutter.visible_fraction = {0.05, 0.4, 0.95, 1.0};
   clutter.counted = 3;
+  clutter.tested = 3;
   clutter.graspable = 2;
-  const auto json = nlohmann::json::parse(ClutterJson(clutter, "jaw_8cm"));
+  const ClutterSummary summary = ClutterOfBin(clutter);
+  const auto json = nlohmann::json::parse(ClutterJson(summary, "jaw_8cm"));
   EXPECT_EQ(json.at("in_view").at("0-10"), 1);
   EXPECT_EQ(json.at("in_view").at("30-50"), 1);
   EXPECT_EQ(json.at("in_view").at("90-100"), 2);
   EXPECT_EQ(json.at("graspable"), 2);
-  EXPECT_NE(ClutterText(clutter, "jaw_8cm").find("2 of 3"), std::string::npos);
+  EXPECT_NE(ClutterText(summary, "jaw_8cm").find("2 of 3"), std::string::npos);
 }
 
 }  // namespace

@@ -65,6 +65,17 @@ TEST(Trial, FillLevelFallsByTheVolumeOfEachPickedCube) {
   }
 }
 
+TEST(Trial, ClutterIsMeasuredBeforeTheFirstPick) {
+  const TrialResult result = RunOne(CubeScenario(4), EasyCube());
+  EXPECT_EQ(result.layers, std::vector<int>{4});
+  EXPECT_EQ(result.instances_tested, 4);
+  EXPECT_EQ(result.instances_graspable, 4);
+  const TrialResult plate = RunOne(CubeScenario(1), WidePlate());
+  EXPECT_EQ(plate.layers, std::vector<int>{1});
+  EXPECT_EQ(plate.instances_tested, 1);
+  EXPECT_EQ(plate.instances_graspable, 0);
+}
+
 TEST(Trial, DependsOnlyOnSeedAndTrialNumber) {
   ScenarioSpec spec = CubeScenario(3);
   spec.estimator.noise_mm = 2;
