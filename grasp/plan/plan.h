@@ -92,10 +92,14 @@ struct PlanOptions {
   // max_tilt_rad, no free space around the hand, floor plan fully covered by others, a grasp from
   // which the object cannot be set down, others between the fingers.
   double height_share = 0.4;
-  double tilt_share = 0.7;
+  double tilt_share = 0.4;
   double room_share = 0.4;
   double cover_share = 0.8;
   double place_share = 0.2;
+  // Share of the score that is lost if the contacts resist no load from some direction
+  // (GraspCandidate::epsilon); half of it if they resist the weight. It makes the qualities of jaws
+  // and suction cups comparable: a cup pulls an instance out that neighbors hold less often.
+  double load_share = 0.8;
   double between_share = 0.5;
   double aside_share = 0.3;      // hand moved aside from a wall by the maximum distance
   double good_room_m = 0.010;    // distance from others from which there is no loss

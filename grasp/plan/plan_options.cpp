@@ -78,6 +78,8 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.RenamedKey("set_down_share", "place_share");
   v.Real("place_share", place_share, share,
          "share of the score that is lost if the object cannot be set down with this grasp");
+  v.Real("load_share", load_share, share,
+         "share of the score that is lost if the contacts resist no load from some direction");
   v.Real("between_share", between_share, share,
          "share of the score that is lost if others are between the fingers");
   v.Real("good_room_m", good_room_m, {0.001, 0.1},
