@@ -31,7 +31,7 @@ help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 
 build:
-	$(call install,build report)
+	$(call install,build plugin report)
 	cmake --preset release -DPICKBED_BUILD_TESTS=OFF
 	cmake --build --preset release
 
@@ -41,7 +41,7 @@ demo: build
 	-$(PROGRAM) report results/demo
 
 test:
-	$(call install,build report test)
+	$(call install,build plugin report test)
 	cmake --preset release -DPICKBED_BUILD_TESTS=ON -DPICKBED_TEST_DATA=$(TEST_DATA)
 	cmake --build --preset release
 	ctest --preset release -j $$(nproc)

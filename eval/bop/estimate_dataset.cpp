@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "eval/bop/layout.h"
 #include "eval/bop/models.h"
@@ -63,7 +64,7 @@ class Runner {
   Runner(const fs::path& root, const EstimateDatasetOptions& options, const std::set<int>& wanted,
          const std::map<int, DatasetModelInfo>& models, const RgbdFrame& first,
          const std::function<void(const EstimateDatasetProgress&)>& on_progress)
-      : task_(options.task) {
+      : task_(options.task), on_warning_(options.on_warning) {
     const EstimatorRow& row = EstimatorNamed(options.estimator.name);
     EstimatorSetup setup;
     DatasetObjects dataset = LoadDatasetObjects(root, wanted, models);
@@ -82,6 +83,7 @@ class Runner {
     }
     setup.threads = options.threads;
     setup.views = views_.get();
+    setup.log_dir = options.log_dir;
     setup.cache_dir = CacheDir();
     if (on_progress) {
       setup.on_progress = [on_progress](std::string_view what, double share) {
@@ -105,8 +107,10 @@ class Runner {
   void Run(const RgbdFrame& frame, const ImageTargets& targets, DatasetEstimate place, Rng& rng,
            std::vector<DatasetEstimate>& estimates) {
     const auto start = std::chrono::steady_clock::now();
-    const EstimateResult result =
-        estimator_->Estimate({frame, std::nullopt, nullptr, Instances(targets)}, rng);
+    EstimatorInput input{frame, std::nullopt, nullptr, Instances(targets)};
+    input.is_first = std::exchange(is_first_, false);
+    const EstimateResult result = estimator_->Estimate(input, rng);
+    if (result.failure) Warn(place, *result.failure);
     place.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (const PoseHypothesis& hypothesis : result.hypotheses) {
       place.object_id = object_ids_[hypothesis.object];
@@ -117,6 +121,12 @@ class Runner {
   }
 
  private:
+  void Warn(const DatasetEstimate& place, const EstimatorFailure& failure) const {
+    if (!on_warning_) return;
+    on_warning_(fmt::format("image {}/{}: {}", place.scene_id, place.image_id, failure.text));
+    for (const std::string& line : failure.traceback) on_warning_("  " + line);
+  }
+
   std::vector<int> Instances(const ImageTargets& targets) const {
     if (task_ == DatasetTask::kDetection || targets.counts.empty()) return {};
     std::vector<int> instances;
@@ -128,6 +138,8 @@ class Runner {
   }
 
   DatasetTask task_;
+  std::function<void(const std::string& line)> on_warning_;
+  bool is_first_ = true;  // the next image
   std::vector<int> object_ids_;
   ObjectSet objects_;
   double working_distance_m_ = 0;

@@ -24,6 +24,9 @@ struct EstimateDatasetOptions {
   uint64_t seed = 0;
   int threads = 1;  // upper limit; the results are the same for any number
   DatasetTask task = DatasetTask::kLocalisation;
+  std::filesystem::path log_dir = {};  // for the output of an estimator that is another program
+  // Called when such an estimator failed, with one line. May be empty.
+  std::function<void(const std::string& line)> on_warning = {};
 };
 
 struct EstimateDatasetProgress {

@@ -29,6 +29,7 @@ std::vector<ComparedRow> EstimateBins(const ComparisonJob& job) {
   ProgressLine progress;
   ComparisonJob shown = job;
   shown.stop = Interrupted;
+  shown.on_warning = [&](const std::string& line) { progress.Note(line); };
   shown.on_progress = [&](std::string_view what, int done, int total) {
     if (what != "bin") {
       progress.Show(fmt::format("{}: {} %", what, done));
@@ -246,9 +247,11 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   std::vector<DatasetEstimate> estimates;
   {
     ProgressLine progress;
-    estimates = EstimateDataset(
-        bop.path, bop.split, {spec.estimator, spec.refiner, spec.seed, threads, TaskOf(bop)},
-        [&](const EstimateDatasetProgress& state) {
+    EstimateDatasetOptions options{spec.estimator, spec.refiner, spec.seed, threads, TaskOf(bop)};
+    options.log_dir = folder / kLogsFolder;
+    options.on_warning = [&](const std::string& line) { progress.Note(line); };
+    estimates =
+        EstimateDataset(bop.path, bop.split, options, [&](const EstimateDatasetProgress& state) {
           progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
         });
   }

@@ -189,6 +189,9 @@ int SweepCommand(int argc, char** argv) {
   const SweepSpec spec = SpecOf(a);
   SweepOptions& options = a.options;
   options.out = std::filesystem::absolute(OutFolder(a.out, spec.name));
+  TrialOptions trial_options;
+  trial_options.log_dir = options.out / kLogsFolder;
+  options.make = PickingTrials(trial_options);
   if (!a.shard.empty()) options.shard = ParseShard(a.shard);
   if (a.slurm) return SweepOnSlurm(a, spec, options.out);
 

@@ -20,7 +20,7 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 22> kCommands{{
+constexpr std::array<CommandRow, 23> kCommands{{
     {"run", "drop, capture, estimate and pick in many trials; measure the success rate",
      RunCommand},
     {"report", "write a run as one HTML page with charts, failed picks and 3D views",
@@ -46,6 +46,7 @@ constexpr std::array<CommandRow, 22> kCommands{{
     {"gripper", "draw a gripper with its frame and dimensions", GripperCommand},
     {"dataset", "make a dataset in BOP's layout, or check one", DatasetCommand},
     {"score", "score pose estimates on a BOP dataset with the BOP metrics", ScoreCommand},
+    {"plugin", "check an estimator or grasp planner that is a program of yours", PluginCommand},
     {"tolerance", "measure how large a pose error may be before a pick fails", ToleranceCommand},
     {"list", "list the available objects, estimators, grippers, sensors, ...", ListCommand},
     {"completion", "print a script for completion in bash", CompletionCommand},

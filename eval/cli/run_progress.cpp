@@ -36,6 +36,7 @@ RunListener ShowOn(ProgressLine& progress, const std::function<bool()>& stop) {
     noted.note = line;
     progress.Show(noted);
   };
+  listener.on_warning = [&progress](const std::string& line) { progress.Note(line); };
   listener.stop = stop;
   return listener;
 }

@@ -14,6 +14,7 @@
 #include "eval/trial/estimator_runner.h"
 #include "eval/trial/oracle_estimator.h"
 #include "scenes/base/error.h"
+#include "scenes/base/ids_format.h"
 #include "scenes/base/settings_names.h"
 
 namespace pickbed::eval {
@@ -113,10 +114,12 @@ class Comparison {
       const size_t before = ResetPeakMemory();
       Rng rng = Rng::Derive(job_.spec.seed, bin_index, "estimate/0");
       EstimateResult found =
-          row.runner ? row.runner->Estimate(view.frame, view.calibration, rng)
+          row.runner ? row.runner->Estimate(view.frame, view.calibration, rng, nullptr, {},
+                                            bin_index == BinIndex(0))
                      : OracleEstimate(InstancesInImage(cell_, bin_index, matcher.instances()),
                                       row.spec, rng);
       Grow(row, before);
+      if (found.failure) Warn(bin_index, *found.failure);
       AddToScores(truth, found.hypotheses, *row.evaluator);
       row.result.images.push_back(
           {bin_index,
@@ -137,6 +140,12 @@ class Comparison {
   }
 
  private:
+  void Warn(BinIndex bin_index, const EstimatorFailure& failure) const {
+    if (!job_.on_warning) return;
+    job_.on_warning(fmt::format("bin {}: {}", bin_index, failure.text));
+    for (const std::string& line : failure.traceback) job_.on_warning("  " + line);
+  }
+
   LiveRow Load(const ComparedEstimator& estimator) {
     LiveRow row;
     row.result.label = estimator.label;
@@ -146,10 +155,11 @@ class Comparison {
     const size_t before = ResetPeakMemory();
     const auto start = Clock::now();
     row.spec = estimator.spec;
-    row.runner =
-        MakeEstimatorRunner(cell_, spec, job_.threads, [&](std::string_view what, double share) {
-          if (job_.on_progress) job_.on_progress(what, static_cast<int>(100 * share), 100);
-        });
+    const auto on_progress = [&](std::string_view what, double share) {
+      if (job_.on_progress) job_.on_progress(what, static_cast<int>(100 * share), 100);
+    };
+    row.runner = MakeEstimatorRunner(cell_, spec, job_.threads, on_progress,
+                                     job_.out.empty() ? "" : job_.out / kLogsFolder);
     row.result.setup_s = SecondsSince(start);
     Grow(row, before);
     ReleaseFreedMemory();

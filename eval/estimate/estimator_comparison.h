@@ -56,12 +56,15 @@ struct ComparisonJob {
   ScenarioSpec spec;
   ObjectSet objects;
   std::vector<ComparedEstimator> estimators;
-  // Results folder; gets pictures/trial_0000/LABEL/ of the first bins. Empty = no pictures.
+  // Results folder; gets pictures/trial_0000/LABEL/ of the first bins, and logs of estimators that
+  // are other programs. Empty = neither.
   std::filesystem::path out;
   int pictured_bins = 0;
   int threads = 1;  // upper limit; the results are the same for any number
   std::function<void(std::string_view what, int done, int total)> on_progress;  // may be empty
   std::function<bool()> stop;                                                   // may be empty
+  // Called when an estimator that is another program failed, with one line. May be empty.
+  std::function<void(const std::string& line)> on_warning = {};
 };
 
 // Fills the bins one after the other and runs each estimator on each image. If `stop` returns true,

@@ -38,6 +38,10 @@ class RowCollector : public SettingsVisitor {
   void Names(const char* key, std::vector<std::string>& value, const char* help) override {
     Add(key, "name or list of names", fmt::format("{}", fmt::join(value, ", ")), help);
   }
+  void Words(const char* key, std::vector<std::string>& value, const char* help) override {
+    Add(key, "list of words",
+        value.empty() ? kEmptySetting : fmt::format("{}", fmt::join(value, " ")), help);
+  }
   void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
     Add(key, InRange("2 numbers", range),
         fmt::format("[{}, {}]", Number(value.x()), Number(value.y())), help);

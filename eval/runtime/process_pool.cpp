@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <deque>
@@ -17,16 +18,20 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 
 #include "scenes/base/error.h"
 
 namespace pickbed::eval {
 namespace {
 
-constexpr int kPollMs = 200;  // poll interval at which `stop` is checked
-constexpr int kNoItem = -1;   // item of an idle worker
+constexpr int kPollMs = 200;                            // poll interval at which `stop` is checked
+constexpr int kNoItem = -1;                             // item of an idle worker
+constexpr std::chrono::seconds kFarewell{10};           // for idle workers to end
+constexpr std::chrono::milliseconds kFarewellCheck{1};  // poll interval in this time
 
-enum class Kind : uint8_t { kReady, kDone, kSaid, kFailed, kBadInput };
+enum class Kind : uint8_t { kReady, kDone, kSaid, kWarned, kFailed, kBadInput };
 
 // Message on the socket: kind, length, bytes.
 struct Message {
@@ -77,7 +82,9 @@ std::optional<Message> ReadMessage(int socket) {
 // Main loop of a worker: start, then one item after another until the socket closes.
 void Serve(const WorkerPlan& plan, int socket) {
   try {
-    const auto say = [socket](std::string_view line) { SendMessage(socket, Kind::kSaid, line); };
+    const WorkerPlan::Say say{
+        [socket](std::string_view line) { SendMessage(socket, Kind::kSaid, line); },
+        [socket](std::string_view line) { SendMessage(socket, Kind::kWarned, line); }};
     const WorkerPlan::DoItem do_item = plan.start(say);
     SendMessage(socket, Kind::kReady, "");
     int item = 0;
@@ -112,7 +119,8 @@ class Worker {
  public:
   Worker(const WorkerPlan& plan, const std::vector<std::unique_ptr<Worker>>& others) {
     int pair[2];
-    if (socketpair(AF_UNIX, SOCK_STREAM, 0, pair) != 0) {
+    // Programs that a worker starts must not keep its socket open.
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0) {
       throw std::runtime_error(fmt::format("cannot open a socket: {}", strerror(errno)));
     }
     const pid_t parent = getpid();
@@ -135,7 +143,7 @@ class Worker {
     socket_ = pair[0];
   }
   ~Worker() {
-    close(socket_);
+    if (socket_ >= 0) close(socket_);
     if (pid_ > 0) {
       kill(pid_, SIGKILL);
       waitpid(pid_, nullptr, 0);
@@ -158,6 +166,21 @@ class Worker {
     SendBytes(socket_, &item, sizeof(item));
   }
   void SetIdle() { item_ = kNoItem; }
+
+  // Lets an idle worker end by itself, so that it can end programs that it started.
+  void Dismiss() {
+    if (idle()) close(std::exchange(socket_, -1));
+  }
+  // Waits until a dismissed worker has ended, or until the deadline.
+  void WaitUntil(std::chrono::steady_clock::time_point deadline) {
+    while (socket_ < 0 && pid_ > 0 && std::chrono::steady_clock::now() < deadline) {
+      if (waitpid(pid_, nullptr, WNOHANG) == pid_) {
+        pid_ = -1;
+      } else {
+        std::this_thread::sleep_for(kFarewellCheck);
+      }
+    }
+  }
 
   // Waits for the end of the process and returns the reason.
   std::string Reap() {
@@ -195,6 +218,9 @@ class Foreman {
       }
       Listen();
     }
+    for (const auto& worker : workers_) worker->Dismiss();
+    const auto deadline = std::chrono::steady_clock::now() + kFarewell;
+    for (const auto& worker : workers_) worker->WaitUntil(deadline);
     workers_.clear();
     return std::move(report_);
   }
@@ -276,6 +302,9 @@ class Foreman {
         return;
       case Kind::kSaid:
         if (plan_.on_message) plan_.on_message(message.text);
+        return;
+      case Kind::kWarned:
+        if (plan_.on_warning) plan_.on_warning(message.text);
         return;
       case Kind::kDone:
         if (plan_.on_done) plan_.on_done(worker.item(), message.text);

@@ -17,9 +17,14 @@ struct WorkerPlan {
   std::vector<int> items;
   int jobs = 1;  // at least 1
 
+  // Sends lines from a worker to the calling process.
+  struct Say {
+    std::function<void(std::string_view line)> message;  // to `on_message`: progress
+    std::function<void(std::string_view line)> warning;  // to `on_warning`
+    void operator()(std::string_view line) const { message(line); }
+  };
   // Runs once in every worker: prepares shared data and returns the function for one item. The
-  // result of that function goes to `on_done`. `say` sends a line to `on_message`.
-  using Say = std::function<void(std::string_view line)>;
+  // result of that function goes to `on_done`. What it holds is destroyed after the last item.
   using DoItem = std::function<std::string(int item)>;
   std::function<DoItem(const Say& say)> start;
 
@@ -35,6 +40,7 @@ struct WorkerPlan {
   std::function<void(int item, const std::string& reply)> on_done;
   std::function<void(int item, const std::string& why)> on_lost;
   std::function<void(const std::string& line)> on_message;
+  std::function<void(const std::string& line)> on_warning;
   std::function<bool()> stop;  // true ends all workers at once
 };
 

@@ -87,6 +87,13 @@ void ProgressLine::Show(const std::string& text, bool important) {
   if (IsDue(text, important)) PrintMessage(text);
 }
 
+void ProgressLine::Note(const std::string& line) {
+  PrintMessage(line);
+  if (!terminal_) return;
+  fmt::print(stderr, "\n");
+  open_ = false;
+}
+
 void ProgressLine::ShowTimed(const std::string& text, const std::string& content) {
   if (IsDue(content, false)) PrintMessage(text);
 }

@@ -39,7 +39,9 @@ class ProgressLine {
   // Replaces the line on a terminal. Elsewhere it prints a line, at most one per second unless
   // `important`, and an unchanged text or number of items only once per minute.
   void Show(const std::string& text, bool important = false);
-  // Same for a text with times; `content` is the text without them.
+  // Prints a line that stays, above the progress.
+  void Note(const std::string& line);
+  // Same as Show() for a text with times; `content` is the text without them.
   void ShowTimed(const std::string& text, const std::string& content);
   // Shows the state; the last state (done == total) is always shown.
   void Show(const ProgressState& state);

@@ -138,6 +138,7 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
   sweep_options.only_trials = options.only_trials;
   TrialOptions trial_options;
   trial_options.truth = options.truth;
+  trial_options.log_dir = options.out / kLogsFolder;
   sweep_options.make = PickingTrials(trial_options);
   SweepReport swept = RunSweep(SweepOfOne(spec, objects, options.truth), sweep_options, listener);
 

@@ -190,6 +190,7 @@ WorkerPlan SweepCall::PlanOf(const StoreHead& head) {
     Note(trial, {});
   };
   plan.on_message = listener_.on_message;
+  plan.on_warning = listener_.on_warning;
   plan.stop = listener_.stop;
   return plan;
 }

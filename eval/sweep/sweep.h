@@ -7,6 +7,7 @@
 //   OUT/shards/shard_1_of_8/results.sqlite    of a shard, instead; `pickbed merge` joins them
 //   OUT/scenario.yaml       effective settings of a run
 //   OUT/sweep.yaml, OUT/configurations/00_NAME.yaml   of a sweep and of each of its configurations
+//   OUT/logs/estimator_1.log   what an estimator that is another program wrote to standard error
 //   OUT/lock                held while a process writes to the folder
 //   and the files of eval/summary/result_files.h, computed from the store at the end
 //
@@ -108,6 +109,7 @@ struct RunState {
 struct RunListener {
   std::function<void(const RunState& state)> on_trial;
   std::function<void(const std::string& line)> on_message;
+  std::function<void(const std::string& line)> on_warning;  // another program failed
   std::function<bool()> stop;
 };
 

@@ -107,8 +107,10 @@ MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
           said = Clock::now();
           say(fmt::format("{}: {}", what, WholePercentText(share)));
         };
+        TrialOptions own_options = trial_options;
+        own_options.on_warning = say.warning;
         auto runner = std::make_shared<TrialRunner>(configuration.spec, configuration.objects,
-                                                    on_progress, trial_options);
+                                                    on_progress, own_options);
         return [runner](BinIndex bin_index, const PictureOrder& order) {
           PickPictures all(order.folder);
           FailedPickPictures failed(order.folder);

@@ -10,6 +10,7 @@
 #include "eval/trial/oracle_estimator.h"
 #include "eval/trial/pose_matching.h"
 #include "grasp/execute/stir.h"
+#include "scenes/base/ids_format.h"
 #include "scenes/base/random.h"
 #include "sim/drop/fill_level.h"
 
@@ -32,42 +33,56 @@ std::vector<TrueInstance> VisibleInstances(const TrialSetup& setup, const Instan
   return visible;
 }
 
-// The poses of the estimator, with ground truth in place of the stages that an oracle replaces.
-std::vector<PoseHypothesis> EstimatePoses(TrialSetup& setup, const Observation& view,
-                                          const InstanceMatcher& truth, int attempt,
-                                          LiveTrial& trial) {
+// Reports that the program of the estimator failed: one line, then the program's own report.
+void Warn(const TrialSetup& setup, const EstimatorFailure& failure, BinIndex bin_index,
+          int attempt) {
+  if (!setup.options.on_warning) return;
+  setup.options.on_warning(fmt::format("bin {}, attempt {}: {}", bin_index, attempt, failure.text));
+  for (const std::string& line : failure.traceback) setup.options.on_warning("  " + line);
+}
+
+// The result of the estimator, with ground truth in place of the stages that an oracle replaces.
+EstimateResult EstimatePoses(TrialSetup& setup, const Observation& view,
+                             const InstanceMatcher& truth, int attempt, LiveTrial& trial) {
   const OracleStages& oracle = setup.options.truth;
   Rng rng = Rng::Derive(setup.spec.seed, trial.bin_index, fmt::format("estimate/{}", attempt));
   EstimateResult result;
   if (setup.estimator) {
-    result = setup.estimator->Estimate(view.frame, view.calibration, rng, nullptr,
-                                       [&](std::span<const PoseHypothesis> poses, int wanted) {
-                                         return CountReachable(setup, view, poses, wanted);
-                                       });
+    const auto count_reachable = [&](std::span<const PoseHypothesis> poses, int wanted) {
+      return CountReachable(setup, view, poses, wanted);
+    };
+    const bool is_first = trial.bin_index == BinIndex(0) && attempt == 0;
+    result = setup.estimator->Estimate(view.frame, view.calibration, rng, nullptr, count_reachable,
+                                       is_first);
+    if (result.failure) Warn(setup, *result.failure, trial.bin_index, attempt);
   } else if (!oracle.AllOfPerception()) {
     result = OracleEstimate(InstancesInImage(setup.cell, trial.bin_index, truth.instances()),
                             setup.spec.estimator, rng);
   }
   for (const auto& [stage, value] : result.seconds) trial.seconds[stage] += value;
-  if (!oracle.detection && !oracle.pose && !oracle.refinement) return result.hypotheses;
+  if (!oracle.detection && !oracle.pose && !oracle.refinement) return result;
   const InstanceMatcher visible(setup.metric_models, VisibleInstances(setup, truth));
-  auto hypotheses = SubstituteTruth(std::move(result.hypotheses), visible, oracle);
+  result.hypotheses = SubstituteTruth(std::move(result.hypotheses), visible, oracle);
   if (setup.refiner) {
-    setup.refiner->Refine(view.frame, view.calibration.Background(setup.cell.bin()), hypotheses);
+    setup.refiner->Refine(view.frame, view.calibration.Background(setup.cell.bin()),
+                          result.hypotheses);
   }
-  return hypotheses;
+  return result;
 }
 
 // Compares the poses with ground truth and fills record.instances and record.hypotheses.
 std::vector<ScoredHypothesis> ScoreHypotheses(const TrialSetup& setup, const Observation& view,
                                               const InstanceMatcher& truth,
-                                              const std::vector<PoseHypothesis>& hypotheses,
-                                              StageSeconds& seconds, AttemptRecord& record) {
+                                              const EstimateResult& estimate, StageSeconds& seconds,
+                                              AttemptRecord& record) {
   const StageTimer timer(seconds, "score");
-  AttemptScore score =
-      ScoreAgainstTruth(truth, setup.cell.camera(), view.calibration.camera.X_WC(), hypotheses);
+  AttemptScore score = ScoreAgainstTruth(truth, setup.cell.camera(), view.calibration.camera.X_WC(),
+                                         estimate.hypotheses);
   const std::vector<FailureReason> missed = MissReasons(score, truth);
-  for (size_t i = 0; i < missed.size(); ++i) score.instances[i].missed = missed[i];
+  for (size_t i = 0; i < missed.size(); ++i) {
+    const bool is_failure = estimate.failure && missed[i] == FailureReason::kNoProposal;
+    score.instances[i].missed = is_failure ? estimate.failure->reason : missed[i];
+  }
   record.instances = std::move(score.instances);
   record.hypotheses = score.Records();
   return std::move(score.hypotheses);
@@ -137,7 +152,11 @@ void ExecuteAndAttribute(const TrialSetup& setup, const AttemptTask& task, LiveT
   MeasureFillOfAttempt(setup, trial, record);
   record.failure =
       AttributeFailure(record, image.hypotheses, setup.options.match_diameters, image.truth);
-  if (!record.grasp && task.stir >= 0) after = Stir(setup, task, trial, record);
+  const bool estimator_failed = image.estimator_failure != FailureReason::kNone;
+  if (!record.grasp && estimator_failed) record.failure = image.estimator_failure;
+  if (!record.grasp && !estimator_failed && task.stir >= 0) {
+    after = Stir(setup, task, trial, record);
+  }
   trial.scene = std::move(after);
 }
 
@@ -158,12 +177,13 @@ AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& 
   reach(TrialStage::kImage);
   InstanceMatcher truth(setup.metric_models, InstancesOf(trial.scene, view.visible_fractions,
                                                          setup.cell.camera().X_CW()));
+  const EstimateResult estimate = EstimatePoses(setup, view, truth, task.attempt, trial);
   std::vector<ScoredHypothesis> hypotheses =
-      ScoreHypotheses(setup, view, truth, EstimatePoses(setup, view, truth, task.attempt, trial),
-                      trial.seconds, record);
-  const CapturedImage& image =
-      trial.image.emplace(CapturedImage{std::move(view), std::move(truth), std::move(hypotheses),
-                                        record.instances, ImagePicks(setup.cell.objects())});
+      ScoreHypotheses(setup, view, truth, estimate, trial.seconds, record);
+  const CapturedImage& image = trial.image.emplace(
+      CapturedImage{std::move(view), std::move(truth), std::move(hypotheses), record.instances,
+                    ImagePicks(setup.cell.objects()),
+                    estimate.failure ? estimate.failure->reason : FailureReason::kNone});
   state.view = &image.view;
   state.hypotheses = &image.hypotheses;
   reach(TrialStage::kHypotheses);

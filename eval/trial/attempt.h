@@ -27,6 +27,7 @@ struct CapturedImage {
   std::vector<ScoredHypothesis> hypotheses;
   std::vector<InstanceRecord> instances;
   ImagePicks picks;
+  FailureReason estimator_failure = FailureReason::kNone;  // of the program of the estimator
 };
 
 // State of a running trial. Every attempt reads the scene and replaces it by the scene after it.

@@ -73,7 +73,7 @@ double WorkingDistance_m(const SimulatedCell& cell) {
 }
 
 EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& spec, int threads,
-                                 const Progress& on_progress)
+                                 const Progress& on_progress, const std::filesystem::path& log_dir)
     : cell_(cell) {
   RequireNames(spec);
   EstimatorSetup setup;
@@ -86,6 +86,8 @@ EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& 
   setup.cache_dir = CacheDir();
   setup.threads = threads;
   setup.on_progress = on_progress;
+  setup.bin = cell.bin();
+  setup.log_dir = log_dir;
   if (EstimatorNamed(spec.estimator.name).renders) views_ = CellViews(cell, setup.objects);
   setup.views = views_.get();
   estimator_ = WithSettingsKey(spec, "estimator", [&] { return MakeEstimator(setup); });
@@ -105,10 +107,12 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, Rng& rng, Estim
 
 EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalibration& calibration,
                                          Rng& rng, EstimateTrace* trace,
-                                         const ReachCounter& count_reachable) {
+                                         const ReachCounter& count_reachable, bool is_first) {
   EstimateResult result;
   StageSeconds seconds;
   EstimatorInput input{frame, calibration.Background(cell_.bin()), trace};
+  input.X_WC = calibration.camera.X_WC();
+  input.is_first = is_first;
   if (count_reachable) {
     input.count_reachable = [&](std::span<const PoseHypothesis> poses, int wanted) {
       std::vector<PoseHypothesis> of_cell(poses.begin(), poses.end());
@@ -133,10 +137,11 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalib
 
 std::unique_ptr<EstimatorRunner> MakeEstimatorRunner(const SimulatedCell& cell,
                                                      const ScenarioSpec& spec, int threads,
-                                                     const EstimatorRunner::Progress& on_progress) {
+                                                     const EstimatorRunner::Progress& on_progress,
+                                                     const std::filesystem::path& log_dir) {
   RequireNames(spec);
   if (spec.estimator.name == kOracleName) return nullptr;
-  return std::make_unique<EstimatorRunner>(cell, spec, threads, on_progress);
+  return std::make_unique<EstimatorRunner>(cell, spec, threads, on_progress, log_dir);
 }
 
 }  // namespace pickbed::eval

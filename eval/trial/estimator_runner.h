@@ -3,6 +3,7 @@
 // Runs the estimator that a scenario names in the simulated cell. Estimates have the object indices
 // of the cell and are inside its bin.
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
@@ -41,18 +42,20 @@ class EstimatorRunner {
 
   // Makes the estimator. Codebooks come from the cache if it holds them, else they are made and
   // `on_progress` is called. `cell` must outlive this object. Results do not depend on `threads`.
+  // `log_dir`: folder for the output of an estimator that is another program; empty = not kept.
   // Throws InputError that begins with the key "estimator" for an unknown name or mode and for a
   // broken model file, and one with the key "camera.eye_m" if an object is smaller than
   // kMinDiameter_px in the image.
   EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& spec, int threads,
-                  const Progress& on_progress);
+                  const Progress& on_progress, const std::filesystem::path& log_dir = {});
   ~EstimatorRunner();
 
   // Returns the poses inside the bin, in the camera frame. Times are under "estimate" and, for each
   // stage, "estimate/STAGE". Only estimators that support traces fill `trace`. Without
-  // `count_reachable`, a grasp can reach every pose.
+  // `count_reachable`, a grasp can reach every pose. `is_first`: see EstimatorInput.
   EstimateResult Estimate(const RgbdFrame& frame, const CellCalibration& calibration, Rng& rng,
-                          EstimateTrace* trace = nullptr, const ReachCounter& count_reachable = {});
+                          EstimateTrace* trace = nullptr, const ReachCounter& count_reachable = {},
+                          bool is_first = false);
   // Same for an exact cell.
   EstimateResult Estimate(const RgbdFrame& frame, Rng& rng, EstimateTrace* trace = nullptr);
 
@@ -69,6 +72,7 @@ class EstimatorRunner {
 // substituted after the estimate (eval/trial/oracle_estimator.h). Throws as EstimatorRunner().
 std::unique_ptr<EstimatorRunner> MakeEstimatorRunner(const SimulatedCell& cell,
                                                      const ScenarioSpec& spec, int threads,
-                                                     const EstimatorRunner::Progress& on_progress);
+                                                     const EstimatorRunner::Progress& on_progress,
+                                                     const std::filesystem::path& log_dir = {});
 
 }  // namespace pickbed::eval

@@ -37,7 +37,7 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   execute.retention.is_lateral = scenario.policy.retention_load == "lateral";
   const OracleStages& truth = options.truth;
   if (!truth.AllOfPerception()) {
-    estimator = MakeEstimatorRunner(cell, scenario, 1, progress);
+    estimator = MakeEstimatorRunner(cell, scenario, 1, progress, options.log_dir);
   }
   if (truth.pose && !truth.refinement && scenario.estimator.name != kOracleName) {
     refiner = std::make_unique<OracleRefiner>(cell.objects(), scenario.refiner);

@@ -2,8 +2,10 @@
 
 // Cell, gripper, estimator and grasp candidates that a worker uses for all trials of one scenario.
 
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -33,7 +35,10 @@ struct TrialOptions {
   double match_diameters = kMatchDiameters;  // MSSD within which a hypothesis matches an instance
   OracleStages truth;                        // stages with ground truth substituted
   int true_grasps = 10;                      // grasps tried in the true scene if truth.grasp is set
-  // Visits all options except `truth`.
+  std::filesystem::path log_dir;             // for the output of other programs; empty = not kept
+  // Called when another program failed, with one line. May be empty.
+  std::function<void(const std::string& line)> on_warning;
+  // Visits all options except `truth`, `log_dir` and `on_warning`.
   void Visit(SettingsVisitor& v);
 };
 

@@ -11,6 +11,7 @@
 #include "perception/estimators/kehl.h"
 #include "perception/estimators/ppf.h"
 #include "perception/estimators/ppf_verified.h"
+#include "perception/estimators/process.h"
 #include "perception/estimators/wohlhart.h"
 #include "perception/icp/final_refinement.h"
 #include "scenes/base/error.h"
@@ -60,6 +61,10 @@ constexpr EstimatorRow kEstimators[] = {
      .modes = kPpfModes,
      .make = &MakePpfEstimator,
      .make_training = &MakePpfTraining},
+    {.name = "process",
+     .help = "your own program in any language, by messages over its input and output or over TCP",
+     .modes = kSearchModes,
+     .make = &MakeProcessEstimator},
 };
 
 void RequireMode(const EstimatorRow& row, const std::string& mode) {

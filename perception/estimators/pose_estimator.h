@@ -19,6 +19,7 @@
 #include "scenes/bin/bin.h"
 #include "scenes/camera/rgbd_frame.h"
 #include "scenes/labelled_view.h"
+#include "scenes/scenario/failure_reason.h"
 #include "scenes/scenario/scenario_spec.h"
 
 namespace pickbed::perception {
@@ -40,12 +41,24 @@ struct EstimatorInput {
   // Returns how many of the poses, best first, a grasp can reach; it stops counting at `wanted`.
   // Only search mode "first" asks; empty = every pose can be reached.
   std::function<int(std::span<const PoseHypothesis>, int wanted)> count_reachable = {};
+  std::optional<Pose> X_WC = {};  // pose of the camera in the world; none: unknown
+  // The first image of a run. An answer of the estimator `process` that breaks the protocol then
+  // throws InputError, because it is most probably a mistake that all answers have.
+  bool is_first = false;
+};
+
+// Why an estimator that is another program gave no poses.
+struct EstimatorFailure {
+  FailureReason reason = FailureReason::kEstimatorCrashed;  // or kEstimatorTimeout
+  std::string text;                                         // one line
+  std::vector<std::string> traceback;                       // the program's own report, by line
 };
 
 // Result of one estimate.
 struct EstimateResult {
   std::vector<PoseHypothesis> hypotheses;  // highest score first
   StageSeconds seconds;
+  std::optional<EstimatorFailure> failure = {};  // the hypotheses are then empty
 };
 
 // Interface of an estimator.
@@ -68,6 +81,8 @@ struct EstimatorSetup {
       nullptr;                      // of the same objects; needed if the table row has `renders`
   std::filesystem::path cache_dir;  // for codebooks; empty = no cache
   int threads = 1;                  // maximum number; results do not depend on it
+  std::optional<Bin> bin = {};      // none: unknown
+  std::filesystem::path log_dir;    // for the output of other programs; empty = not kept
   std::function<void(std::string_view what, double share)> on_progress;  // may be empty
 };
 

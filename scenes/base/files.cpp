@@ -103,6 +103,8 @@ fs::path AssetsDir() {
   throw InputError("found no assets at " + searched + "; set PICKBED_ASSETS to the assets folder");
 }
 
+fs::path PythonDir() { return AssetsDir().parent_path() / "python"; }
+
 fs::path CacheDir() {
   // The XDG specification requires that a relative XDG_CACHE_HOME is ignored.
   fs::path base = EnvironmentPath("XDG_CACHE_HOME");

@@ -13,6 +13,9 @@ namespace pickbed::scenes {
 // environment variable PICKBED_ASSETS overrides all. Throws InputError when no folder exists.
 std::filesystem::path AssetsDir();
 
+// Returns the folder of the Python package for plug-ins, beside the assets.
+std::filesystem::path PythonDir();
+
 // Returns XDG_CACHE_HOME/pickbed (or ~/.cache/pickbed) and creates it if needed. Throws InputError
 // when it cannot be created.
 std::filesystem::path CacheDir();

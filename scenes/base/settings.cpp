@@ -7,26 +7,31 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <sstream>
 
 #include "scenes/base/error.h"
+#include "scenes/base/setting_rules.h"
 #include "scenes/base/settings_names.h"
 
 namespace pickbed::scenes {
 namespace {
 
-std::string RangeText(Range range) { return fmt::format("from {} to {}", range.min, range.max); }
-
-// NaN is in no range.
-bool IsIn(Range range, double number) { return number >= range.min && number <= range.max; }
-
-std::string NumberRule(Range range, const char* help) {
-  return fmt::format("must be a number {} ({})", RangeText(range), help);
+// The items of a list of texts; nullopt for another node.
+std::optional<std::vector<std::string>> Texts(const YAML::Node& node) {
+  if (!node.IsSequence()) return std::nullopt;
+  std::vector<std::string> texts;
+  for (const YAML::Node& item : node) {
+    if (!item.IsScalar()) return std::nullopt;
+    texts.push_back(item.Scalar());
+  }
+  return texts;
 }
 
-bool IsChoice(const std::string& value, const std::vector<std::string>& choices) {
-  return choices.empty() || std::find(choices.begin(), choices.end(), value) != choices.end();
+std::vector<std::string> WordsOf(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
 }
 
 // Reads one YAML map into the visited fields, then rejects keys that no field has.
@@ -88,14 +93,19 @@ class Reader : public SettingsVisitor {
   void Names(const char* key, std::vector<std::string>& value, const char* help) override {
     auto node = Find(key);
     if (!node) return;
-    std::vector<std::string> names;
-    if (node->IsScalar()) names.push_back(node->Scalar());
-    for (size_t i = 0; node->IsSequence() && i < node->size(); ++i) {
-      if ((*node)[i].IsScalar()) names.push_back((*node)[i].Scalar());
+    const auto names = node->IsScalar() ? std::optional(std::vector{node->Scalar()}) : Texts(*node);
+    if (!names || names->empty()) {
+      Fail(*node, Path(key), fmt::format("must be a name or a list of names ({})", help));
     }
-    const bool all = !names.empty() && (node->IsScalar() || names.size() == node->size());
-    if (!all) Fail(*node, Path(key), fmt::format("must be a name or a list of names ({})", help));
-    value = std::move(names);
+    value = *names;
+  }
+
+  void Words(const char* key, std::vector<std::string>& value, const char* help) override {
+    auto node = Find(key);
+    if (!node) return;
+    const auto words = node->IsScalar() ? std::optional(WordsOf(node->Scalar())) : Texts(*node);
+    if (!words) Fail(*node, Path(key), fmt::format("must be a list of words ({})", help));
+    value = *words;
   }
 
   void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
@@ -234,62 +244,6 @@ class Reader : public SettingsVisitor {
   std::vector<std::string> known_;
 };
 
-// Collects the values that are not allowed.
-class Checker : public SettingsVisitor {
- public:
-  using KeyName = std::function<std::string(const std::string& key)>;
-  explicit Checker(const KeyName& at) : at_(at) {}
-  std::vector<std::string> TakeFaults() { return std::move(faults_); }
-
-  void Real(const char* key, double& value, Range range, const char* help) override {
-    if (!IsIn(range, value)) Add(key, fmt::format("= {}: {}", value, NumberRule(range, help)));
-  }
-  void Integer(const char* key, int& value, Range range, const char* help) override {
-    if (!IsIn(range, value)) Add(key, fmt::format("= {}: {}", value, NumberRule(range, help)));
-  }
-  void Seed(const char*, uint64_t&, const char*) override {}
-  void Bool(const char*, bool&, const char*) override {}
-  void Text(const char* key, std::string& value, const std::vector<std::string>& choices,
-            const char*) override {
-    if (IsChoice(value, choices)) return;
-    faults_.push_back(UnknownNameMessage(NameOf(key), value, choices));
-  }
-  void Names(const char* key, std::vector<std::string>& value, const char* help) override {
-    if (value.empty()) Add(key, fmt::format("= []: must be a name or a list of names ({})", help));
-  }
-  void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
-    for (double number : value) Real(key, number, range, help);
-  }
-  void Vector3(const char* key, Eigen::Vector3d& value, Range range, const char* help) override {
-    for (double number : value) Real(key, number, range, help);
-  }
-  void Group(const char* key, const VisitFunction& visit, const char*) override {
-    Enter(key, visit);
-  }
-  void List(const char* key, size_t size, const std::function<void(size_t)>&,
-            const std::function<void(size_t, SettingsVisitor&)>& visit, const char*) override {
-    for (size_t i = 0; i < size; ++i) {
-      Enter(fmt::format("{}.{}", key, i), [&](SettingsVisitor& item) { visit(i, item); });
-    }
-  }
-
- private:
-  std::string NameOf(const char* key) const { return at_ ? at_(prefix_ + key) : prefix_ + key; }
-  void Add(const char* key, const std::string& fault) {
-    faults_.push_back(fmt::format("{} {}", NameOf(key), fault));
-  }
-  void Enter(const std::string& key, const VisitFunction& visit) {
-    const size_t length = prefix_.size();
-    prefix_ += key + ".";
-    visit(*this);
-    prefix_.resize(length);
-  }
-
-  const KeyName& at_;
-  std::string prefix_;  // path of the map under way, such as "objects.0."
-  std::vector<std::string> faults_;
-};
-
 // Writes every visited field. Reading the text gives the same values again.
 class Writer : public SettingsVisitor {
  public:
@@ -327,6 +281,11 @@ class Writer : public SettingsVisitor {
     std::vector<std::string> quoted;
     for (const std::string& name : value) quoted.push_back(Quoted(name));
     Line(key, value.size() == 1 ? quoted[0] : fmt::format("[{}]", fmt::join(quoted, ", ")), help);
+  }
+  void Words(const char* key, std::vector<std::string>& value, const char* help) override {
+    std::vector<std::string> quoted;
+    for (const std::string& word : value) quoted.push_back(Quoted(word));
+    Line(key, fmt::format("[{}]", fmt::join(quoted, ", ")), help);
   }
   void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) override {
     Line(key, fmt::format("[{}, {}]", value[0], value[1]),
@@ -457,18 +416,6 @@ KeyPlaces ApplySetting(const std::string& given, const VisitFunction& visit) {
     ReportDeprecation(fmt::format("setting '{}' is deprecated, write '{}'", given, assignment));
   }
   return reader.places();
-}
-
-std::vector<std::string> SettingFaults(
-    const VisitFunction& visit, const std::function<std::string(const std::string& key)>& at) {
-  Checker checker(at);
-  visit(checker);
-  return checker.TakeFaults();
-}
-
-void CheckSettings(const std::string& name, const VisitFunction& visit) {
-  const std::vector<std::string> faults = SettingFaults(visit);
-  if (!faults.empty()) throw InputError(fmt::format("{}: {}", name, fmt::join(faults, "; ")));
 }
 
 std::string WriteSettings(const VisitFunction& visit, bool with_help) {

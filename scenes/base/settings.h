@@ -43,6 +43,8 @@ class SettingsVisitor {
                     const char* help) = 0;
   // One name, or a list of at least one.
   virtual void Names(const char* key, std::vector<std::string>& value, const char* help) = 0;
+  // A list of words, which may be empty. A text in place of a list is split at its spaces.
+  virtual void Words(const char* key, std::vector<std::string>& value, const char* help) = 0;
   virtual void Vector2(const char* key, Eigen::Vector2d& value, Range range, const char* help) = 0;
   virtual void Vector3(const char* key, Eigen::Vector3d& value, Range range, const char* help) = 0;
   // A nested map.

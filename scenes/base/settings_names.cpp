@@ -91,6 +91,7 @@ class NameWalker : public SettingsVisitor {
   void Bool(const char*, bool&, const char*) override {}
   void Text(const char*, std::string&, const std::vector<std::string>&, const char*) override {}
   void Names(const char*, std::vector<std::string>&, const char*) override {}
+  void Words(const char*, std::vector<std::string>&, const char*) override {}
   void Vector2(const char*, Eigen::Vector2d&, Range, const char*) override {}
   void Vector3(const char*, Eigen::Vector3d&, Range, const char*) override {}
 

@@ -42,6 +42,10 @@ constexpr std::array kFailures{
                "no pose had a grasp without collision, and the closed hand stirred the bin"},
     FailureRow{FailureReason::kEntangled, Stage::kGrasp, "entangled",
                "another instance was hooked on the target and came out without touching the hand"},
+    FailureRow{FailureReason::kEstimatorCrashed, Stage::kDetect, "estimator_crashed",
+               "the program of the estimator ended, failed, or gave a wrong answer"},
+    FailureRow{FailureReason::kEstimatorTimeout, Stage::kDetect, "estimator_timeout",
+               "the program of the estimator gave no answer in time"},
 };
 
 const FailureRow& RowOf(FailureReason failure) {

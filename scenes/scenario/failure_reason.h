@@ -32,10 +32,12 @@ enum class FailureReason {
   kNeighborDisplaced,  // an instance left the bin in a pick of another one
   kPhysicsFailed,      // bodies exploded or the solver gave NaN
   // Last, so that the numbers in the hashes of earlier results stay the same.
-  kStirred,    // no grasp was found, and the closed hand stirred the bin
-  kEntangled,  // another instance was lifted with the target without contact to the hand
+  kStirred,           // no grasp was found, and the closed hand stirred the bin
+  kEntangled,         // another instance was lifted with the target without contact to the hand
+  kEstimatorCrashed,  // the program of the estimator ended, failed, or gave a wrong answer
+  kEstimatorTimeout,  // the program of the estimator gave no answer in time
 };
-inline constexpr size_t kFailureReasons = static_cast<size_t>(FailureReason::kEntangled) + 1;
+inline constexpr size_t kFailureReasons = static_cast<size_t>(FailureReason::kEstimatorTimeout) + 1;
 
 // A row of the table of failure reasons.
 struct FailureRow {

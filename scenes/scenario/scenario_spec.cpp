@@ -162,6 +162,13 @@ void EstimatorSpec::Visit(SettingsVisitor& v) {
          "standard deviation of the position error per axis, mm; only for estimator oracle");
   v.Real("noise_deg", noise_deg, {0, 180},
          "standard deviation of the rotation error, degrees; only for estimator oracle");
+  v.Words("command", command,
+          "program that estimates the poses, and its arguments; only for estimator process");
+  v.Text("connect", connect, {},
+         "address host:port of a program that estimates the poses, instead of a command; only for "
+         "estimator process");
+  v.Real("timeout_s", timeout_s, {0.01, 86400},
+         "maximum time for each answer of the program, s; only for estimator process");
 }
 
 void BinSpec::Visit(SettingsVisitor& v) {

@@ -63,6 +63,10 @@ struct EstimatorSpec {
   double min_score = 0.5;  // hypotheses with a lower score are not reported
   double noise_mm = 0;     // oracle only: standard deviation of the position, each axis
   double noise_deg = 0;    // oracle only: standard deviation of the rotation angle
+  // process only, see scenes/plugin/plugin_client.h
+  std::vector<std::string> command;  // program and arguments
+  std::string connect;               // host:port of a running program, instead of a command
+  double timeout_s = 60;             // maximum time for each answer
   void Visit(SettingsVisitor& v);
 };
 

@@ -102,6 +102,8 @@ def main():
     with tempfile.TemporaryDirectory(prefix="pickbed_bin_") as programs:
         # Only this program, not the others of its folder.
         os.symlink(pickbed, Path(programs, "pickbed"))
+        # Debian's Python has the packages of packages.txt. Another one may be first in PATH.
+        os.symlink("/usr/bin/python3", Path(programs, "python3"))
         environment = dict(os.environ, PATH=f"{programs}:{os.environ['PATH']}")
         if shutil.which("pickbed", path=environment["PATH"]) is None:
             print(f"{pickbed} is not a program")

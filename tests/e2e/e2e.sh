@@ -10,6 +10,7 @@ name=$2
 work=$(mktemp -d "${TMPDIR:-/tmp}/pickbed_e2e_XXXXXX")
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
+export PATH=/usr/bin:$PATH  # Debian's Python has the packages of packages.txt
 
 source "$here/common.sh"
 for file in "$here"/cases/*.sh; do source "$file"; done

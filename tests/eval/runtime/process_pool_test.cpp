@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <set>
@@ -215,6 +217,53 @@ TEST(Workers, WorkersStartConcurrently) {
   };
   RunInWorkers(plan);
   EXPECT_EQ(std::count(said.begin(), said.end(), "together"), kJobs);
+}
+
+TEST(Workers, WhatAWorkerHoldsIsDestroyedAfterItsLastItem) {
+  const TemporaryFolder temporary;
+  struct Held {
+    std::filesystem::path file;
+    explicit Held(std::filesystem::path path) : file(std::move(path)) {}
+    ~Held() { std::ofstream(file).put('x'); }
+  };
+  std::map<int, std::string> replies;
+  WorkerPlan plan = Squares(4, 2, NoTrouble, replies);
+  plan.start = [&](const WorkerPlan::Say&) {
+    const auto held = std::make_shared<Held>(temporary.path() / std::to_string(getpid()));
+    return [held](int) { return std::string(); };
+  };
+  RunInWorkers(plan);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(temporary.path()), {}), 2);
+}
+
+// Else the calling process would wait for a dead worker as long as the program runs.
+TEST(Workers, AProgramThatAWorkerStartedDoesNotHideItsDeath) {
+  std::map<int, std::string> replies;
+  const WorkerPlan plan = Squares(
+      1, 1,
+      [](int) {
+        if (system("sleep 20 &") == 0) raise(SIGKILL);
+      },
+      replies);
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(RunInWorkers(plan).lost.size(), 1u);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(15));
+}
+
+TEST(Workers, MessagesAndWarningsAreApart) {
+  std::map<int, std::string> replies;
+  std::vector<std::string> messages, warnings;
+  WorkerPlan plan = Squares(1, 1, NoTrouble, replies);
+  plan.start = [](const WorkerPlan::Say& say) {
+    say("half done");
+    say.warning("the program ended");
+    return [](int) { return std::string(); };
+  };
+  plan.on_message = [&](const std::string& line) { messages.push_back(line); };
+  plan.on_warning = [&](const std::string& line) { warnings.push_back(line); };
+  RunInWorkers(plan);
+  EXPECT_EQ(messages, std::vector<std::string>{"half done"});
+  EXPECT_EQ(warnings, std::vector<std::string>{"the program ended"});
 }
 
 }  // namespace

@@ -1,0 +1,241 @@
+#include "scenes/plugin/plugin_client.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::scenes {
+namespace {
+
+constexpr size_t kTracebackLines = 30;
+constexpr std::chrono::milliseconds kGraceAfterEnd{500};  // between a closed stream and the end
+
+double SecondsSince(PluginClock::time_point start) {
+  return std::chrono::duration<double>(PluginClock::now() - start).count();
+}
+
+// Lets a child written in Python import pickbed_plugin without an installation. Its output stays
+// buffered, so that pickbed_plugin can keep early prints out of the stream of messages.
+std::vector<std::string> ChildEnvironment() {
+  const char* path = std::getenv("PYTHONPATH");
+  const std::string rest = path == nullptr || *path == '\0' ? "" : fmt::format(":{}", path);
+  return {fmt::format("PYTHONPATH={}{}", PythonDir().string(), rest),
+          "PYTHONUNBUFFERED=", "PICKBED_PLUGIN=1"};
+}
+
+bool IsText(const std::vector<std::byte>& bytes) {
+  return std::all_of(bytes.begin(), bytes.begin() + 4, [](std::byte byte) {
+    const auto letter = std::to_integer<unsigned char>(byte);
+    return std::isprint(letter) != 0 || std::isspace(letter) != 0;
+  });
+}
+
+// The beginning of a stream that is no message, with one line of printable characters.
+std::string Quoted(const std::vector<std::byte>& bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) {
+    const auto letter = std::to_integer<unsigned char>(byte);
+    if (letter == '\n' || letter == '\r') break;
+    text += std::isprint(letter) != 0 ? static_cast<char>(letter) : '?';
+  }
+  return text;
+}
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  size_t begin = 0;
+  while (begin < text.size()) {
+    const size_t end = std::min(text.find('\n', begin), text.size());
+    if (end > begin) lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  if (lines.size() > kTracebackLines) lines.erase(lines.begin(), lines.end() - kTracebackLines);
+  return lines;
+}
+
+std::vector<std::string> TextsIn(const MessageValue& map, std::string_view key) {
+  std::vector<std::string> texts;
+  if (const MessageValue* list = map.Find(key)) {
+    for (const MessageValue& item : list->Items(key)) texts.push_back(item.Text(key));
+  }
+  return texts;
+}
+
+std::string OneLine(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+}  // namespace
+
+std::string PluginAddress::InWords() const {
+  return command.empty() ? connect : fmt::format("{}", fmt::join(command, " "));
+}
+
+PluginClient::PluginClient(const PluginAddress& address, const std::string& role,
+                           const Write& write_setup)
+    : address_(address), role_(role) {
+  CheckInput(address.command.empty() != address.connect.empty(),
+             address.connect.empty()
+                 ? "neither command nor connect is given; set command, for example "
+                   "[python3, my_estimator.py], or connect: host:port"
+                 : "both command and connect are given; remove one of them");
+  write_setup(setup_);
+  log_ = std::make_unique<ChildLog>(address.command.empty() ? "" : address.log_dir, role);
+  try {
+    Start();
+  } catch (const PluginError& error) {
+    const std::string log =
+        log_file().empty() ? "" : fmt::format("; its log is {}", log_file().string());
+    throw InputError(fmt::format("'{}' {}{}", address_.InWords(), OneLine(error.what()), log));
+  }
+}
+
+PluginClient::~PluginClient() { Close(); }
+
+std::string PluginClient::Close() {
+  if (channel_ == nullptr) return "was stopped";
+  MessageWriter close;
+  close.BeginMap(1);
+  close.Text("verb");
+  close.Text("close");
+  channel_->Send(close, PluginClock::now() + kCloseGrace);
+  channel_->CloseOutput();
+  return Stop(kCloseGrace);
+}
+
+std::string PluginClient::Stop(std::chrono::milliseconds grace) {
+  std::string how = "closed the connection";
+  if (child_ != nullptr) how = child_->End(grace);
+  channel_.reset();
+  child_.reset();
+  return how;
+}
+
+void PluginClient::Start() {
+  const auto start = PluginClock::now();
+  if (was_started_) ++restarts_;
+  log_->Mark();
+  if (address_.command.empty()) {
+    const auto wait = std::chrono::duration<double>(address_.timeout_s);
+    const int socket = ConnectTcp(address_.connect,
+                                  start + std::chrono::duration_cast<PluginClock::duration>(wait));
+    channel_ = std::make_unique<MessageChannel>(socket, socket);
+  } else {
+    child_ = std::make_unique<ChildProcess>(address_.command, ChildEnvironment(), *log_);
+    const int output = child_->TakeOutput();
+    channel_ = std::make_unique<MessageChannel>(output, child_->TakeInput());
+  }
+  SayHello();
+  start_times_.hello_s = SecondsSince(start);
+  const auto before_setup = PluginClock::now();
+  Exchange(setup_);
+  start_times_.setup_s = SecondsSince(before_setup);
+  was_started_ = true;
+}
+
+void PluginClient::SayHello() {
+  MessageWriter hello;
+  hello.BeginMap(3);
+  hello.Text("verb");
+  hello.Text("hello");
+  hello.Text("protocol");
+  hello.Integer(kPluginProtocol);
+  hello.Text("role");
+  hello.Text(role_);
+  const MessageValue answer = Exchange(hello);
+  try {
+    const int64_t protocol = answer.At("protocol").Integer("protocol");
+    if (protocol != kPluginProtocol) {
+      throw PluginError(
+          PluginFault::kMalformed,
+          fmt::format("speaks protocol {}, but this pickbed speaks {}; use the pickbed_plugin of "
+                      "this version",
+                      protocol, kPluginProtocol));
+    }
+    identity_ = {answer.At("name").Text("name"), TextsIn(answer, "roles"),
+                 TextsIn(answer, "needs")};
+  } catch (const MessageError& error) {
+    throw PluginError(PluginFault::kMalformed,
+                      fmt::format("gave a wrong answer to hello: it {}", error.what()));
+  }
+  const auto& roles = identity_.roles;
+  if (std::find(roles.begin(), roles.end(), role_) != roles.end()) return;
+  throw PluginError(PluginFault::kMalformed,
+                    fmt::format("is no {}, but has the roles [{}]", role_, fmt::join(roles, ", ")));
+}
+
+MessageValue PluginClient::Ask(const MessageWriter& request) {
+  if (channel_ != nullptr) return Exchange(request);
+  try {
+    Start();
+  } catch (const InputError& error) {  // the program or the server is gone now
+    throw PluginError(PluginFault::kCrashed, error.what());
+  } catch (const PluginError&) {
+    Stop(std::chrono::milliseconds(0));
+    throw;
+  }
+  return Exchange(request);
+}
+
+void PluginClient::ThrowBroken(TransferStatus status, const std::vector<std::byte>& bytes) {
+  if (status == TransferStatus::kTimeout) {
+    Stop(std::chrono::milliseconds(0));
+    throw PluginError(
+        PluginFault::kTimeout,
+        fmt::format("gave no answer within {:g} s; raise timeout_s, or make it faster",
+                    address_.timeout_s),
+        log_->LastLines(kTracebackLines));
+  }
+  if (status == TransferStatus::kNotAFrame) {
+    Stop(std::chrono::milliseconds(0));
+    if (!IsText(bytes)) {
+      throw PluginError(PluginFault::kMalformed,
+                        fmt::format("gave an answer of more than {} MiB, or no message; give only "
+                                    "the best poses or grasps",
+                                    kMaxReceivedBytes >> 20));
+    }
+    throw PluginError(
+        PluginFault::kMalformed,
+        fmt::format("wrote '{}' to its standard output, which is for messages only; print to "
+                    "standard error instead",
+                    Quoted(bytes)));
+  }
+  std::string text = Stop(kGraceAfterEnd);
+  const std::vector<std::string> lines = log_->LastLines(kTracebackLines);
+  if (!lines.empty()) text += fmt::format(": {}", lines.back());
+  throw PluginError(PluginFault::kCrashed, text, lines);
+}
+
+MessageValue PluginClient::Exchange(const MessageWriter& request) {
+  const auto wait = std::chrono::duration<double>(address_.timeout_s);
+  const Deadline deadline =
+      PluginClock::now() + std::chrono::duration_cast<PluginClock::duration>(wait);
+  // A plug-in that ends may have left a last answer, for example text that is no message.
+  const TransferStatus sent = channel_->Send(request, deadline);
+  if (sent == TransferStatus::kTimeout) ThrowBroken(sent, {});
+  const ReceivedMessage received = channel_->Receive(deadline);
+  if (received.status != TransferStatus::kDone) ThrowBroken(received.status, received.bytes);
+  MessageValue answer;
+  try {
+    answer = ReadMessageValue(received.bytes);
+    if (answer.map() == nullptr) throw MessageError(fmt::format("is {} and no map", answer.kind()));
+    const MessageValue* error = answer.Find("error");
+    if (error == nullptr) return answer;
+    const MessageValue* traceback = answer.Find("traceback");
+    throw PluginError(
+        PluginFault::kReported, fmt::format("reported an error: {}", OneLine(error->Text("error"))),
+        traceback == nullptr ? std::vector<std::string>() : Lines(traceback->Text("traceback")));
+  } catch (const MessageError& error) {
+    Stop(std::chrono::milliseconds(0));
+    throw PluginError(PluginFault::kMalformed, fmt::format("gave an answer that {}", error.what()));
+  }
+}
+
+}  // namespace pickbed::scenes

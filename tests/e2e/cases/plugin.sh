@@ -1,0 +1,91 @@
+# Cases of estimators and planners that are other programs.
+
+root=$here/../..
+
+# estimator_with BODY: writes estimator.py, whose function returns no poses after BODY.
+estimator_with() {
+  cat >estimator.py <<PY
+import os, sys, time
+import numpy as np
+import pickbed_plugin as pb
+@pb.estimator
+def mine(frame):
+    name = frame.setup.objects[0].name
+    $1
+    return []
+pb.serve()
+PY
+}
+plugged=(--set estimator.name=process --trials 2 --pictures 0 --set policy.max_attempts=2)
+
+a_run_with_a_failing_program_goes_on_and_says_so() {
+  estimator_with 'print("seen"); raise ValueError("planted")'
+  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --set "estimator.command=python3 estimator.py" --jobs 2 --out crashed
+  grep -q "estimator_crashed *4" last.out || grep -q "estimator_crashed" last.out || fail "the failures are not reported"
+  grep -q "attempt 0: estimator 'mine' reported an error: ValueError: planted" last.err || fail "no warning"
+  grep -q 'estimator.py", line 7' last.err || fail "no traceback"
+  grep -q "seen" crashed/logs/estimator_1.log || fail "the prints are not in the log"
+  # The worker with the other program started later must give the same results.
+  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --set "estimator.command=[python3, estimator.py]" --jobs 1 --out again
+  same crashed/attempts.csv again/attempts.csv
+  same crashed/summary.json again/summary.json
+}
+
+a_program_that_hangs_costs_its_attempts() {
+  estimator_with 'time.sleep(60)'
+  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --trials 1 --set estimator.timeout_s=1 \
+    --set "estimator.command=python3 estimator.py" --out hung
+  grep -q "estimator_timeout" last.out || fail "the failures are not reported"
+}
+
+wrong_programs_are_refused_in_one_line() {
+  local run=("$pickbed" run small.yaml "${plugged[@]}" --out no)
+  refused "neither command nor connect is given" "${run[@]}"
+  refused "cannot start 'no_such_program': No such file" "${run[@]}" --set estimator.command=no_such_program
+  refused "'true' ended with status 0" "${run[@]}" --set estimator.command=true
+  refused "wrote 'hello, I am no plug-in' to its standard output" "${run[@]}" --set "estimator.command=[echo, 'hello, I am no plug-in']"
+  refused "cannot connect to localhost:1: Connection refused" "${run[@]}" --set estimator.connect=localhost:1
+  refused "both command and connect are given" "${run[@]}" --set estimator.connect=localhost:1 --set estimator.command=true
+  refused "gave no answer within 1 s" "${run[@]}" --set estimator.timeout_s=1 --set "estimator.command=sleep 60"
+  estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 800], 0.9)]'
+  refused "t_m is in millimetres and must be in metres" "${run[@]}" --set "estimator.command=python3 estimator.py"
+  estimator_with 'return [pb.Pose(name, np.diag([1, 1, -1]), [0, 0, 0.8], 0.9)]'
+  refused "R is a reflection" "${run[@]}" --resume --set "estimator.command=python3 estimator.py"
+  estimator_with 'return [pb.Pose("tube", np.eye(3), [0, 0, 0.8], 0.9)]'
+  refused "unknown object 'tube'" "${run[@]}" --resume --set "estimator.command=python3 estimator.py"
+  estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, float("nan")], 0.9)]'
+  refused "t_m is not finite" "${run[@]}" --resume --set "estimator.command=python3 estimator.py"
+  estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)] * 20000'
+  refused "gave 20000 poses" "${run[@]}" --resume --set "estimator.command=python3 estimator.py"
+}
+
+an_answer_larger_than_allowed_ends_the_run() {
+  estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)] * 1000000'
+  expect 1 "$pickbed" run small.yaml "${plugged[@]}" --out no --set "estimator.command=python3 estimator.py"
+  grep -q "gave an answer of more than 64 MiB" last.err || fail "no reason"
+}
+
+a_server_answers_several_workers() {
+  estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)]'
+  PYTHONPATH=$root/python python3 estimator.py --listen 0 2>server.log &
+  local server=$!
+  for _ in $(seq 100); do grep -q "listening" server.log && break; sleep 0.1; done
+  local address=$(sed -n 's/^listening on //p' server.log)
+  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --set "estimator.connect=$address" --jobs 2 --out served
+  [ "$(grep -c . served/attempts.csv)" -ge 3 ] || fail "too few attempts"
+  kill $server
+  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --set "estimator.command=python3 estimator.py" --out child
+  cut -d, -f1-8 served/attempts.csv >a.csv
+  cut -d, -f1-8 child/attempts.csv >b.csv
+  same a.csv b.csv
+}
+
+plugin_check_prints_what_to_correct() {
+  estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)] if frame.depth_m.any() else [1 / 0]'
+  expect 1 "$pickbed" plugin check "python3 estimator.py" --set objects.0.count=3
+  grep -q "^ok *answer" last.out || fail "the answer is not checked"
+  grep -q "^not ok *blank" last.out || fail "the blank image is not checked"
+  grep -q "ZeroDivisionError" last.out || fail "no traceback"
+  grep -q "1 checks failed" last.err || fail "no count"
+  refused "give either COMMAND or --connect" "$pickbed" plugin check
+}
