@@ -163,9 +163,13 @@ class Frame:
     def points_in_bin_C(self, margin_m: float = 0.004) -> np.ndarray:
         """Returns the measured points between the walls and above the floor (N x 3, m).
 
-        Needs X_CB and the size of the bin. Points within the margin of the bin are left out.
+        Needs X_CB and the size of the bin. Points within the margin of the bin are left out, and
+        lone points: readings in the air between foreground and background.
         """
-        points_C = self.points_C()
+        smooth_m = 0.006  # largest step between neighbors of a surface
+        neighbors = sum(np.abs(np.roll(self.depth_m, shift, axis) - self.depth_m) < smooth_m
+                        for axis in (0, 1) for shift in (-1, 1))
+        points_C = self.point_image_C()[(self.depth_m > 0) & (neighbors >= 3)]
         X_BC = np.linalg.inv(self.X_CB)
         points_B = points_C @ X_BC[:3, :3].T + X_BC[:3, 3]
         half = self.setup.bin_size_m[:2] / 2 - margin_m

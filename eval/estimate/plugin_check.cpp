@@ -283,7 +283,7 @@ class PluginChecks {
       const double longest_s = seconds_.back(), limit_s = job_.address.timeout_s;
       const std::string found =
           fmt::format("median {} of {} images, first {}, longest {}; limit {:g} s",
-                      Milliseconds(seconds_[seconds_.size() / 2]), seconds_.size(),
+                      Milliseconds(seconds_[(seconds_.size() - 1) / 2]), seconds_.size(),
                       Milliseconds(first_s), Milliseconds(longest_s), limit_s);
       if (2 * longest_s < limit_s) return Add("times", found);
       Add("times", found, {"raise timeout_s to at least twice the longest time"});

@@ -12,6 +12,7 @@
 #include "grasp/tolerance/tolerance_ranking.h"
 #include "perception/estimators/estimator_training.h"
 #include "perception/estimators/pose_estimator.h"
+#include "perception/estimators/process.h"
 #include "perception/icp/final_refinement.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -54,6 +55,17 @@ uint64_t ObjectHash(const ObjectModel& object) {
     for (const Eigen::Vector3d& p_O : piece.vertices_O) add(p_O);
   }
   return HashBytes(numbers.data(), numbers.size() * sizeof(double), object.mesh_hash);
+}
+
+// Contents of the files that the command of the estimator `process` names, such as a script.
+std::string ProgramText(const EstimatorSpec& spec) {
+  std::string text;
+  for (const std::string& word : spec.command) {
+    if (spec.name != kProcessName || !std::filesystem::is_regular_file(word)) continue;
+    const std::string bytes = ReadFileBytes(word);
+    text += fmt::format("# program {:016x}\n", HashBytes(bytes.data(), bytes.size()));
+  }
+  return text;
 }
 
 std::string GroundTruthText(const OracleStages& truth) {
@@ -105,6 +117,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
     const std::string bytes = ReadFileBytes(file);
     text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
+  text += ProgramText(spec.estimator);
   text += ToleranceRankingText(spec);
   if (truth != OracleStages()) text += GroundTruthText(truth);
   return text;

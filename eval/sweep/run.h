@@ -52,8 +52,8 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
 
 // Returns a text that identifies the inputs of a run; equal texts mean that trials can be combined.
 // It covers the settings (except number of trials, stop width and cycle times), gripper, sensor,
-// trained model, and stages with ground truth substituted. Meshes of the objects and the bin count
-// by content, not by path.
+// trained model, files of the program of an estimator, and stages with ground truth substituted.
+// Meshes of the objects and the bin count by content, not by path.
 std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
                         const OracleStages& truth = {});
 // Returns the stages with ground truth substituted from such a text; none if it names none.

@@ -9,6 +9,8 @@
 
 namespace pickbed::perception {
 
+inline constexpr char kProcessName[] = "process";
+
 // Starts the program of setup.spec.command, or connects to setup.spec.connect. One program serves
 // all images of the estimator. An image for which it fails has EstimateResult::failure, and the
 // program is started again for the next one. Throws InputError if the program does not start or

@@ -77,6 +77,8 @@ class CloudGrasps(pb.Planner):
     def plan_grasps(self, frame, poses):
         jaw = next(g for g in frame.setup.grippers if g.mechanism == "parallel_jaw")
         heights, rng = self.height_map(frame), frame.rng()
+        if not heights.any():
+            return []
         cells = np.argwhere(heights > max(0.5 * heights.max(), 0.006))
         grasps = []
         for cell in cells[rng.permutation(len(cells))[:LINES]]:

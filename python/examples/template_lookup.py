@@ -11,8 +11,10 @@ import numpy as np
 import pickbed_plugin as pb
 
 CELLS = 16  # side of a template
-DIRECTIONS, TURNS = 200, 24  # views on the sphere, rotations about each
+DIRECTIONS, TURNS = 120, 16  # views on the sphere, rotations about each
 SAMPLES = 800  # points on the surface of an object
+ICP_POINTS = 250  # of them, and of a blob
+CANDIDATES = 8  # templates that ICP refines
 MIN_POINTS = 60  # smaller blobs are ignored
 
 
@@ -72,7 +74,7 @@ class TemplateLookup(pb.Estimator):
                 turned = points_O @ R.T
                 front = visible(turned, o.diameter_m)
                 images.append(template(turned[front] - turned[front].mean(axis=0), o.diameter_m))
-                seen.append(points_O[front])
+                seen.append(points_O[front][:ICP_POINTS])
             self.known.append((o, R_all, np.array(images), seen))
 
     def blobs(self, points_C, up_C, diameter_m):
@@ -98,20 +100,22 @@ class TemplateLookup(pb.Estimator):
         x /= np.linalg.norm(x)
         R_CV = np.stack([x, np.cross(z, x), z], axis=1)
         image = template((blob_C - center_C) @ R_CV, o.diameter_m)
+        blob_C = blob_C[:: max(1, len(blob_C) // ICP_POINTS)]
         best = None
-        for index in np.argsort(np.abs(images - image).sum(axis=1))[:5]:
+        for index in np.argsort(np.abs(images - image).sum(axis=1))[:CANDIDATES]:
             R, points_O = R_CV @ R_all[index], seen[index]
             t = center_C - R @ points_O.mean(axis=0)
-            for _ in range(15):
+            for _ in range(20):
                 moved = points_O @ R.T + t
-                distance = np.linalg.norm(moved[:, None] - blob_C[None], axis=2)
+                square = (moved**2).sum(axis=1)[:, None] + (blob_C**2).sum(axis=1) - 2 * moved @ blob_C.T
+                distance = np.sqrt(np.maximum(square, 0))
                 partner = blob_C[distance.argmin(axis=1)]
                 close = distance.min(axis=1) < 0.15 * o.diameter_m
                 if close.sum() < 10:
                     break
                 R, t = fit(points_O[close], partner[close])
-            score = np.mean(distance.min(axis=1) < 0.03 * o.diameter_m)
-            score *= np.mean(distance.min(axis=0) < 0.05 * o.diameter_m)
+            score = np.mean(distance.min(axis=1) < 0.05 * o.diameter_m)
+            score *= np.mean(distance.min(axis=0) < 0.06 * o.diameter_m)
             if best is None or score > best[2]:
                 best = (R, t, score)
         return best

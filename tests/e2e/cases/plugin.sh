@@ -38,25 +38,46 @@ a_program_that_hangs_costs_its_attempts() {
   grep -q "estimator_timeout" last.out || fail "the failures are not reported"
 }
 
+# _refused_run WORDS OPTION...: a run with these options is refused with the words.
+_refused_run() {
+  local words=$1
+  shift
+  rm -rf no
+  refused "$words" "$pickbed" run small.yaml "${plugged[@]}" --out no "$@"
+}
+
 wrong_programs_are_refused_in_one_line() {
-  local run=("$pickbed" run small.yaml "${plugged[@]}" --out no)
-  refused "neither command nor connect is given" "${run[@]}"
-  refused "cannot start 'no_such_program': No such file" "${run[@]}" --set estimator.command=no_such_program
-  refused "'true' ended with status 0" "${run[@]}" --set estimator.command=true
-  refused "wrote 'hello, I am no plug-in' to its standard output" "${run[@]}" --set "estimator.command=[echo, 'hello, I am no plug-in']"
-  refused "cannot connect to localhost:1: Connection refused" "${run[@]}" --set estimator.connect=localhost:1
-  refused "both command and connect are given" "${run[@]}" --set estimator.connect=localhost:1 --set estimator.command=true
-  refused "gave no answer within 1 s" "${run[@]}" --set estimator.timeout_s=1 --set "estimator.command=sleep 60"
+  _refused_run "neither command nor connect is given"
+  _refused_run "cannot start 'no_such_program': No such file" --set estimator.command=no_such_program
+  _refused_run "'true' ended with status 0" --set estimator.command=true
+  _refused_run "wrote 'hello, I am no plug-in' to its standard output" --set "estimator.command=[echo, 'hello, I am no plug-in']"
+  _refused_run "cannot connect to localhost:1: Connection refused" --set estimator.connect=localhost:1
+  _refused_run "both command and connect are given" --set estimator.connect=localhost:1 --set estimator.command=true
+  _refused_run "gave no answer within 1 s" --set estimator.timeout_s=1 --set "estimator.command=sleep 60"
+  _refused_run "must be a list of words" --set "estimator.command={a: 1}"
+}
+
+wrong_first_answers_are_refused_in_one_line() {
+  local program=(--set "estimator.command=python3 estimator.py")
   estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 800], 0.9)]'
-  refused "t_m is in millimetres and must be in metres" "${run[@]}" --set "estimator.command=python3 estimator.py"
+  _refused_run "t_m is in millimetres and must be in metres" "${program[@]}"
   estimator_with 'return [pb.Pose(name, np.diag([1, 1, -1]), [0, 0, 0.8], 0.9)]'
-  refused "R is a reflection" "${run[@]}" --resume --set "estimator.command=python3 estimator.py"
+  _refused_run "R is a reflection" "${program[@]}"
   estimator_with 'return [pb.Pose("tube", np.eye(3), [0, 0, 0.8], 0.9)]'
-  refused "unknown object 'tube'" "${run[@]}" --resume --set "estimator.command=python3 estimator.py"
+  _refused_run "unknown object 'tube'" "${program[@]}"
   estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, float("nan")], 0.9)]'
-  refused "t_m is not finite" "${run[@]}" --resume --set "estimator.command=python3 estimator.py"
+  _refused_run "t_m is not finite" "${program[@]}"
   estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)] * 20000'
-  refused "gave 20000 poses" "${run[@]}" --resume --set "estimator.command=python3 estimator.py"
+  _refused_run "gave 20000 poses" "${program[@]}"
+}
+
+a_changed_program_makes_other_results() {
+  estimator_with 'return []'
+  local run=("$pickbed" run small.yaml "${plugged[@]}" --trials 1 --set policy.max_attempts=1 --set "estimator.command=python3 estimator.py" --out kept)
+  expect 0 "${run[@]}"
+  expect 0 "${run[@]}" --resume
+  estimator_with 'name = "other"'
+  expect 1 "${run[@]}" --resume
 }
 
 an_answer_larger_than_allowed_ends_the_run() {
@@ -88,4 +109,22 @@ plugin_check_prints_what_to_correct() {
   grep -q "ZeroDivisionError" last.out || fail "no traceback"
   grep -q "1 checks failed" last.err || fail "no count"
   refused "give either COMMAND or --connect" "$pickbed" plugin check
+}
+
+# _found AT_LEAST COMMAND...: runs plugin check and expects that so many of three instances are found.
+_found() {
+  local wanted=$1
+  shift
+  expect 0 "$pickbed" plugin check "$@" --set objects.0.count=3 --images 1
+  local found=$(sed -n 's/^ok *accuracy .*; \([0-9]*\) of 3 visible.*/\1/p' last.out)
+  [ "${found:-0}" -ge "$wanted" ] || fail "$(grep accuracy last.out), expected $wanted"
+}
+
+python_examples_find_poses_and_grasps() {
+  local examples=$root/python/examples
+  _found 2 "python3 $examples/opencv_ppf.py"
+  _found 3 "python3 $examples/template_lookup.py" --set arrangement=packed
+  expect 0 "$pickbed" plugin check "python3 $examples/cloud_grasps.py" --role planner --set objects.0.count=3 --images 1
+  local inside=$(sed -n 's/^ok *place *\([0-9]*\) of .*/\1/p' last.out)
+  [ "${inside:-0}" -ge 5 ] || fail "$(grep place last.out)"
 }

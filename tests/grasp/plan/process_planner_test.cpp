@@ -93,7 +93,7 @@ TEST_F(ProcessPlannerTest, AnEstimatorIsNoPlanner) {
               HasSubstr("is no planner, but has the roles [estimator]"));
 }
 
-// The example plans on the depth image of boxes that stand apart, and physics lifts them.
+// The example plans on the depth image of separate boxes, and physics lifts one.
 TEST(CloudGraspsExample, ItsBestGraspLiftsAnInstance) {
   const TemporaryFolder folder;
   const ObjectSet objects{BoxObject({0.03, 0.05, 0.04}, 0.1)};

@@ -22,6 +22,7 @@ struct Sample {
   bool deep = false;
   std::string mode = "fast";
   std::vector<std::string> tools{"jaw"};
+  std::vector<std::string> command;
   Eigen::Vector3d size_m{1, 2, 3};
   std::vector<Item> items;
   void Visit(SettingsVisitor& v) {
@@ -35,6 +36,7 @@ struct Sample {
     v.Bool("deep", deep, "deep");
     v.Text("mode", mode, {"fast", "hard"}, "mode");
     v.Names("tools", tools, "tools");
+    v.Words("command", command, "program");
     v.Vector3("size_m", size_m, {0, 10}, "size, m");
     v.List(
         "items", items.size(), [this](size_t n) { items.assign(n, {}); },
@@ -70,6 +72,22 @@ TEST(Settings, ReadsEveryKindOfField) {
   ASSERT_EQ(sample.items.size(), 2u);
   EXPECT_EQ(sample.items[0].count, 3);
   EXPECT_EQ(sample.items[1].count, 1);
+}
+
+TEST(Settings, WordsAreAListOrATextWithSpaces) {
+  Sample sample;
+  EXPECT_THAT(WriteSettings(Visiting(sample)), HasSubstr("command: []\n"));
+  ReadSettingsText("command: [python3, \"my file.py\"]", "cell.yaml", Visiting(sample));
+  EXPECT_EQ(sample.command, (std::vector<std::string>{"python3", "my file.py"}));
+  Sample again;
+  ReadSettingsText(WriteSettings(Visiting(sample)), "cell.yaml", Visiting(again));
+  EXPECT_EQ(again.command, sample.command);
+  ApplySetting("command=python3  b.py", Visiting(sample));
+  EXPECT_EQ(sample.command, (std::vector<std::string>{"python3", "b.py"}));
+  ApplySetting("command=[]", Visiting(sample));
+  EXPECT_TRUE(sample.command.empty());
+  EXPECT_THAT(ErrorOfYaml("command: {a: b}"), HasSubstr("must be a list of words (program)"));
+  EXPECT_THAT(ErrorOfYaml("command: [a, [b]]"), HasSubstr("must be a list of words (program)"));
 }
 
 TEST(Settings, NamesAreOneNameOrAList) {
