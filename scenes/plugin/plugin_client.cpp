@@ -16,6 +16,11 @@ namespace {
 constexpr size_t kTracebackLines = 30;
 constexpr std::chrono::milliseconds kGraceAfterEnd{500};  // between a closed stream and the end
 
+Deadline DeadlineIn(double seconds) {
+  const std::chrono::duration<double> wait(seconds);
+  return PluginClock::now() + std::chrono::duration_cast<PluginClock::duration>(wait);
+}
+
 double SecondsSince(PluginClock::time_point start) {
   return std::chrono::duration<double>(PluginClock::now() - start).count();
 }
@@ -135,7 +140,7 @@ void PluginClient::Start() {
   SayHello();
   start_times_.hello_s = SecondsSince(start);
   const auto before_setup = PluginClock::now();
-  Exchange(setup_);
+  Exchange(setup_, StartLimit_s());
   start_times_.setup_s = SecondsSince(before_setup);
   was_started_ = true;
 }
@@ -149,7 +154,7 @@ void PluginClient::SayHello() {
   hello.Integer(kPluginProtocol);
   hello.Text("role");
   hello.Text(role_);
-  const MessageValue answer = Exchange(hello);
+  const MessageValue answer = Exchange(hello, StartLimit_s());
   try {
     const int64_t protocol = answer.At("protocol").Integer("protocol");
     if (protocol != kPluginProtocol) {
@@ -172,7 +177,7 @@ void PluginClient::SayHello() {
 }
 
 MessageValue PluginClient::Ask(const MessageWriter& request) {
-  if (channel_ != nullptr) return Exchange(request);
+  if (channel_ != nullptr) return Exchange(request, address_.timeout_s);
   try {
     Start();
   } catch (const InputError& error) {  // the program or the server is gone now
@@ -181,10 +186,11 @@ MessageValue PluginClient::Ask(const MessageWriter& request) {
     Stop(std::chrono::milliseconds(0));
     throw;
   }
-  return Exchange(request);
+  return Exchange(request, address_.timeout_s);
 }
 
-void PluginClient::ThrowBroken(TransferStatus status, const std::vector<std::byte>& bytes) {
+void PluginClient::ThrowBroken(const ReceivedMessage& received, double limit_s) {
+  const auto& [status, bytes] = received;
   if (status == TransferStatus::kTimeout) {
     Stop(std::chrono::milliseconds(0));
     throw PluginError(
@@ -213,15 +219,17 @@ void PluginClient::ThrowBroken(TransferStatus status, const std::vector<std::byt
   throw PluginError(PluginFault::kCrashed, text, lines);
 }
 
-MessageValue PluginClient::Exchange(const MessageWriter& request) {
-  const auto wait = std::chrono::duration<double>(address_.timeout_s);
-  const Deadline deadline =
-      PluginClock::now() + std::chrono::duration_cast<PluginClock::duration>(wait);
-  // A plug-in that ends may have left a last answer, for example text that is no message.
+double PluginClient::StartLimit_s() const {
+  return std::max(address_.timeout_s, address_.start_timeout_s);
+}
+
+MessageValue PluginClient::Exchange(const MessageWriter& request, double limit_s) {
+  const Deadline deadline = DeadlineIn(limit_s);
   const TransferStatus sent = channel_->Send(request, deadline);
-  if (sent == TransferStatus::kTimeout) ThrowBroken(sent, {});
+  if (sent == TransferStatus::kTimeout) ThrowBroken({sent, {}}, limit_s);
+  // A program that has ended may have left a last answer, for example text that is no message.
   const ReceivedMessage received = channel_->Receive(deadline);
-  if (received.status != TransferStatus::kDone) ThrowBroken(received.status, received.bytes);
+  if (received.status != TransferStatus::kDone) ThrowBroken(received, limit_s);
   MessageValue answer;
   try {
     answer = ReadMessageValue(received.bytes);

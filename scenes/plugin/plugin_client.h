@@ -45,8 +45,11 @@ class PluginError : public std::runtime_error {
 struct PluginAddress {
   std::vector<std::string> command = {};  // a program and its arguments
   std::string connect = {};               // host:port
-  double timeout_s = 60;                  // maximum time for each answer
+  double timeout_s = 60;                  // maximum time for the answer to an image
   std::filesystem::path log_dir = {};     // for the standard error of a child; empty = no file
+  // Maximum time for each answer of the start, unless timeout_s is longer. Programs load libraries
+  // and networks then.
+  double start_timeout_s = 60;
 
   // Returns the command or address in words, for messages.
   std::string InWords() const;
@@ -98,9 +101,10 @@ class PluginClient {
  private:
   void Start();
   void SayHello();
-  MessageValue Exchange(const MessageWriter& request);
+  MessageValue Exchange(const MessageWriter& request, double limit_s);
   std::string Stop(std::chrono::milliseconds grace);
-  [[noreturn]] void ThrowBroken(TransferStatus status, const std::vector<std::byte>& bytes);
+  [[noreturn]] void ThrowBroken(const ReceivedMessage& received, double limit_s);
+  double StartLimit_s() const;
 
   PluginAddress address_;
   std::string role_;

@@ -33,6 +33,11 @@ for example in render_bin own_estimator; do
   PICKBED_ASSETS=$prefix/share/pickbed/assets "$source/tests/examples/check.sh" $example "$work/build/$example"
 done
 
+# The installed program puts the installed Python package on the path of plug-ins.
+printf 'import pickbed_plugin as pb\nimport sys\nsys.exit(pb.__file__)\n' >"$work/plugin.py"
+"$prefix/bin/pickbed" plugin check "/usr/bin/python3 $work/plugin.py" --set objects.0.count=1 >"$work/log" 2>&1 || true
+grep -qF "$prefix/share/pickbed/python/pickbed_plugin.py" "$work/log" || { cat "$work/log"; fail "the Python package is not installed"; }
+
 # A program in the folder of the installed one uses the installed assets.
 cp "$work/build/render_bin" "$prefix/bin"
 rm -r "$prefix/share/pickbed/assets/objects/pipe_tee"

@@ -53,7 +53,6 @@ wrong_programs_are_refused_in_one_line() {
   _refused_run "wrote 'hello, I am no plug-in' to its standard output" --set "estimator.command=[echo, 'hello, I am no plug-in']"
   _refused_run "cannot connect to localhost:1: Connection refused" --set estimator.connect=localhost:1
   _refused_run "both command and connect are given" --set estimator.connect=localhost:1 --set estimator.command=true
-  _refused_run "gave no answer within 1 s" --set estimator.timeout_s=1 --set "estimator.command=sleep 60"
   _refused_run "must be a list of words" --set "estimator.command={a: 1}"
 }
 

@@ -131,7 +131,7 @@ TEST_F(FailingProgram, AnErrorShowsItsTraceback) {
 }
 
 TEST_F(FailingProgram, AHangCostsOneAttempt) {
-  const TrialResult result = Run("time.sleep(60)", 2);
+  const TrialResult result = Run("time.sleep(60)", 4);
   ASSERT_EQ(result.attempts.size(), 2u);
   EXPECT_EQ(result.attempts[0].failure, FailureReason::kEstimatorTimeout);
   EXPECT_EQ(result.instances_cleared, 1);

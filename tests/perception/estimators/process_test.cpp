@@ -109,7 +109,7 @@ TEST_F(ProcessEstimatorTest, ThePluginGetsTheImageAsItIs) {
 
 // Each failure costs one image.
 TEST_F(ProcessEstimatorTest, AnImageForWhichItFailsHasTheReason) {
-  setup_.spec.timeout_s = 2;
+  setup_.spec.timeout_s = 4;
   const auto estimator = Make(
       "    mode = int(frame.depth_m[0, 0])\n"
       "    if mode == 1: os._exit(3)\n"

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include <array>
 #include <cerrno>
 
 #include "tests/support/error_of.h"
@@ -58,8 +57,8 @@ class PluginClientTest : public testing::Test {
     return {PythonCommand(folder_, "plugin.py", code), "", timeout_s, folder_.path() / "logs"};
   }
   // Returns why a plug-in with this code cannot be started.
-  std::string StartError(const std::string& code, double timeout_s = 30) {
-    return ErrorOf([&] { PluginClient client(Address(code, timeout_s), "estimator", EmptySetup); });
+  std::string StartError(const std::string& code) {
+    return ErrorOf([&] { PluginClient client(Address(code), "estimator", EmptySetup); });
   }
   // Returns the failure of a request.
   static PluginError FailureOf(PluginClient& client, const std::string& verb) {
@@ -113,7 +112,7 @@ TEST_F(PluginClientTest, AProgramThatEndedIsStartedAgain) {
 }
 
 TEST_F(PluginClientTest, AHangIsEndedAtTheTimeLimit) {
-  PluginClient client(Address(RawPlugin("    if v == 'hang': time.sleep(60)"), 0.5), "estimator",
+  PluginClient client(Address(RawPlugin("    if v == 'hang': time.sleep(60)"), 1), "estimator",
                       EmptySetup);
   const PluginError failure = FailureOf(client, "hang");
   EXPECT_EQ(failure.fault, PluginFault::kTimeout);
@@ -160,8 +159,6 @@ TEST_F(PluginClientTest, AStartThatFailsIsOneLineWithTheReason) {
   EXPECT_THAT(StartError("pass\n"), HasSubstr("ended with status 0"));
   EXPECT_THAT(StartError("print('hello, here I am')\n"),
               HasSubstr("wrote 'hello, here I am' to its standard output"));
-  EXPECT_THAT(StartError("import time\ntime.sleep(60)\n", 0.5),
-              HasSubstr("no answer within 0.5 s"));
   EXPECT_THAT(StartError(RawPlugin("    if v == 'hello': a['protocol'] = 2")),
               HasSubstr("speaks protocol 2, but this pickbed speaks 1"));
   EXPECT_THAT(StartError(RawPlugin("    if v == 'hello': a['roles'] = ['planner']")),
@@ -170,6 +167,17 @@ TEST_F(PluginClientTest, AStartThatFailsIsOneLineWithTheReason) {
               HasSubstr("wrong answer to hello: it has no 'name'"));
   EXPECT_THAT(StartError(RawPlugin("    if v == 'setup': a = {'error': 'no GPU'}")),
               HasSubstr("reported an error: no GPU"));
+}
+
+TEST_F(PluginClientTest, TheStartHasALimitOfItsOwn) {
+  PluginAddress address = Address("import time\ntime.sleep(60)\n", 0.1);
+  address.start_timeout_s = 0.5;
+  EXPECT_THAT(ErrorOf([&] { PluginClient client(address, "estimator", EmptySetup); }),
+              HasSubstr("no answer within 0.5 s"));
+  // The start of this one takes longer than an answer to an image may.
+  PluginClient client(Address(RawPlugin("    if v == 'setup': time.sleep(0.3)"), 0.2), "estimator",
+                      EmptySetup);
+  EXPECT_EQ(client.restarts(), 0);
 }
 
 TEST_F(PluginClientTest, ExactlyOneWayToReachItIsGiven) {
