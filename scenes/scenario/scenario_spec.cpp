@@ -217,6 +217,8 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
           "name of the gripper, a row of `pickbed list grippers`, or its file; several: the best "
           "one is used for each pick");
   v.Group(
+      "planner", [this](SettingsVisitor& g) { planner.Visit(g); }, "grasp planner");
+  v.Group(
       "policy", [this](SettingsVisitor& g) { policy.Visit(g); },
       "order of the grasps and end of a trial");
   v.Group(

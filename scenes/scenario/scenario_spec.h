@@ -17,6 +17,7 @@
 #include "scenes/scenario/appearance_ranges.h"
 #include "scenes/scenario/cell_errors.h"
 #include "scenes/scenario/occlusion_spec.h"
+#include "scenes/scenario/planner_spec.h"
 #include "scenes/scenario/policy.h"
 #include "scenes/scenario/tool_names.h"
 
@@ -103,6 +104,7 @@ struct ScenarioSpec {
   EstimatorSpec estimator;
   std::string refiner = "pcl_icp";  // a row of RefinerTable(), see perception/icp
   ToolNames gripper = "jaw_8cm";    // assets/grippers/NAME.yaml or paths
+  PlannerSpec planner;
   PolicySpec policy;
   OcclusionSpec occlusion;
   CellErrorsSpec cell;

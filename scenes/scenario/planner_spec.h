@@ -1,0 +1,23 @@
+#pragma once
+
+// The group `planner` of a scenario: the grasp planner and its settings. The planners are the rows
+// of PlannerTable() in grasp/planners/table.h.
+
+#include <string>
+
+#include "scenes/base/settings.h"
+
+namespace pickbed::scenes {
+
+// Name of the planner that moves grasp candidates of known objects to estimated poses.
+inline constexpr char kPosePlanner[] = "poses";
+
+struct PlannerSpec {
+  std::string name = kPosePlanner;  // a row of PlannerTable()
+  // For planners without poses, which know no object.
+  double friction = 0.4;     // assumed coefficient between a pad and an unknown object
+  double max_tilt_deg = 30;  // of the approach from straight down
+  void Visit(SettingsVisitor& v);
+};
+
+}  // namespace pickbed::scenes

@@ -1,0 +1,36 @@
+#include "scenes/scenario/planner_spec.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/scenario/scenario_spec.h"
+#include "tests/support/error_of.h"
+
+namespace pickbed::tests {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr char kScenario[] = "objects:\n  - {name: rod, count: 1}\n";
+
+TEST(PlannerSpec, AScenarioWithoutTheGroupPlansOnPoses) {
+  EXPECT_EQ(LoadScenarioText(kScenario, ".", "s.yaml").planner.name, kPosePlanner);
+  const ScenarioSpec spec = LoadScenarioText(
+      std::string(kScenario) + "planner: {name: cloud_antipodal, max_tilt_deg: 20}\n", ".",
+      "s.yaml");
+  EXPECT_EQ(spec.planner.name, "cloud_antipodal");
+  EXPECT_EQ(spec.planner.max_tilt_deg, 20);
+}
+
+TEST(PlannerSpec, ValuesOutOfRangeAreRefused) {
+  const auto error = [](const std::string& group) {
+    return ErrorOf(
+        [&] { LoadScenarioText(std::string(kScenario) + "planner: " + group, ".", "s.yaml"); });
+  };
+  EXPECT_THAT(error("{friction: 0}"), HasSubstr("s.yaml:3: planner.friction"));
+  EXPECT_THAT(error("{max_tilt_deg: 90}"), HasSubstr("planner.max_tilt_deg"));
+  EXPECT_THAT(error("{nam: poses}"), HasSubstr("name"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests
