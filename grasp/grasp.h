@@ -44,12 +44,15 @@ struct GraspCandidate {
   double place_quality = 1;
 };
 
-// Planned grasp in the world frame, for one hypothesis.
+// Grasp::hypothesis of a planner without poses.
+inline constexpr int kNoHypothesis = -1;
+
+// Planned grasp in the world frame, for one hypothesis or for none.
 struct Grasp {
   Pose X_WG = Pose::Identity();
   double width_m = 0;
   double score = 0;
-  int hypothesis = 0;  // index into PlanInput::poses
+  int hypothesis = 0;  // index into PlanInput::poses; kNoHypothesis = planned without poses
   std::string tool;    // name of the gripper
 };
 

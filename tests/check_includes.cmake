@@ -18,7 +18,7 @@ set(floors_scenes "base | image | geometry | camera mesh_io | bin objects | scen
 set(floors_sim "physics convex render sensor | hands drop | .")
 set(floors_perception ". cloud | features model | crops verify voting | icp networks | candidates | training"
   " | crop_methods | estimators")
-set(floors_grasp ". place | candidates execute | grippers plan | tolerance")
+set(floors_grasp ". place | candidates execute | grippers plan | tolerance cloud | planners")
 set(floors_eval "stats | metrics | page | cell | trial runtime draw | store tolerance explain export | summary bop"
   " | compare sweep train | report budget estimate | replay benchmark | cli | reference")
 

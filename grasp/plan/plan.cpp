@@ -80,10 +80,10 @@ Vector3d CenterOf(const PlanInput& input, const EstimatedPose& pose) {
 }
 
 // Plans on one input. Shapes, obstacle points and flags are shared by all runs.
-class Planner {
+class CandidateCheck {
  public:
   // `tool`: its number; each tool has its own random order.
-  Planner(const PlanInput& input, const PlanOptions& options, size_t tool)
+  CandidateCheck(const PlanInput& input, const PlanOptions& options, size_t tool)
       : input_(input),
         tool_(tool),
         options_(options),
@@ -441,9 +441,9 @@ class Planner {
 };
 
 // One planner per tool. They keep references to `inputs`.
-std::list<Planner> PlannersOf(std::span<const PlanInput> inputs, const PlanOptions& options) {
+std::list<CandidateCheck> ChecksOf(std::span<const PlanInput> inputs, const PlanOptions& options) {
   CheckSettings("PlanOptions", options);
-  std::list<Planner> planners;
+  std::list<CandidateCheck> planners;
   for (const PlanInput& input : inputs) planners.emplace_back(input, options, planners.size());
   return planners;
 }
@@ -451,10 +451,10 @@ std::list<Planner> PlannersOf(std::span<const PlanInput> inputs, const PlanOptio
 }  // namespace
 
 PlanResult PlanWithTools(std::span<const PlanInput> inputs, const PlanOptions& options) {
-  std::list<Planner> planners = PlannersOf(inputs, options);
+  std::list<CandidateCheck> planners = ChecksOf(inputs, options);
   const auto run = [&](const PlanOptions& constraints) {
     PlanResult all;
-    for (Planner& planner : planners) {
+    for (CandidateCheck& planner : planners) {
       PlanResult one = planner.Run(constraints);
       for (const auto& [cause, count] : one.rejected) all.rejected[cause] += count;
       all.grasps.insert(all.grasps.end(), one.grasps.begin(), one.grasps.end());
@@ -485,12 +485,12 @@ PlanResult PlanGrasps(const PlanInput& input, const PlanOptions& options) {
 }
 
 int CountReachable(std::span<const PlanInput> inputs, int wanted, const PlanOptions& options) {
-  std::list<Planner> planners = PlannersOf(inputs, options);
+  std::list<CandidateCheck> planners = ChecksOf(inputs, options);
   int reachable = 0;
   const int poses = static_cast<int>(inputs.front().poses.size());
   for (int pose = 0; pose < poses && reachable < wanted; ++pose) {
     reachable += std::any_of(planners.begin(), planners.end(),
-                             [&](Planner& planner) { return planner.HasGrasp(pose); });
+                             [&](CandidateCheck& planner) { return planner.HasGrasp(pose); });
   }
   return reachable;
 }

@@ -1,14 +1,18 @@
-// Benchmarks of grasp candidates of an object, a plan for a bin of estimated poses, and one
-// executed grasp.
+// Benchmarks of grasp candidates of an object, a plan for a bin of estimated poses, a plan without
+// poses, and one executed grasp.
 
 #include <benchmark/benchmark.h>
 
+#include "eval/cell/simulated_cell.h"
 #include "grasp/candidates/candidates.h"
+#include "grasp/cloud/cloud_antipodal.h"
 #include "grasp/execute/execute.h"
 #include "grasp/grippers/parallel_jaw.h"
 #include "grasp/grippers/table.h"
+#include "grasp/grippers/tools.h"
 #include "grasp/plan/plan.h"
 #include "scenes/objects/object_catalog.h"
+#include "scenes/scenario/find_scenario.h"
 #include "sim/convex/convex_pieces.h"
 #include "sim/drop/drop.h"
 #include "tests/support/layer.h"
@@ -103,6 +107,32 @@ void Antipodal(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(Antipodal)->Name("grasp/antipodal/bracket")->Unit(benchmark::kMillisecond);
+
+// Planning without poses on an image of the scenario "clutter".
+void CloudPlanning(benchmark::State& state, const char* scenario, double max_tilt_deg) {
+  const LoadedScenario loaded = FindScenario({scenario, {}, "objects", {}});
+  SimulatedCell cell(loaded.spec, loaded.objects);
+  const Observation view = cell.Capture(cell.MakeScene(BinIndex(0)).scene, BinIndex(0), 0);
+  const Tools tools = LoadTools(loaded.spec.gripper.names);
+  PlannerSpec spec;
+  spec.max_tilt_deg = max_tilt_deg;
+  const ObjectSet no_objects;
+  const std::vector<std::vector<std::vector<GraspCandidate>>> no_candidates;
+  CloudAntipodal planner({spec, tools, no_objects, no_candidates, {}, 2});
+  const PlannerInput input{view.frame, cell.camera().X_WC(),
+                           BinPlacement{cell.bin(), Pose::Identity()}};
+  for (auto _ : state) benchmark::DoNotOptimize(planner.Plan(input));
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK_CAPTURE(CloudPlanning, vertical, "clutter", 0)
+    ->Name("grasp/cloud_antipodal/clutter/vertical")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(CloudPlanning, tilted, "clutter", PlannerSpec().max_tilt_deg)
+    ->Name("grasp/cloud_antipodal/clutter/tilted")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(CloudPlanning, mixed, "bin_mixed", PlannerSpec().max_tilt_deg)
+    ->Name("grasp/cloud_antipodal/bin_mixed/tilted")
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace pickbed::tests

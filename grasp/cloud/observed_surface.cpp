@@ -1,0 +1,349 @@
+#include "grasp/cloud/observed_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <unordered_map>
+
+#include "scenes/base/error.h"
+
+namespace pickbed::grasp {
+namespace {
+
+using Eigen::Vector3f;
+
+bool IsReading(float depth_m) { return depth_m > 0 && std::isfinite(depth_m); }
+
+// Fills the gaps of one line of pixels with the nearer of the two readings at their ends. Where the
+// line meets the border of the image, the other end counts.
+void FillGaps(const Image<float>& depth_m, int begin, int step, int count, Image<float>& filled) {
+  const float* from = depth_m.data() + begin;
+  float* to = filled.data() + begin;
+  for (int i = 0; i < count;) {
+    if (IsReading(from[static_cast<ptrdiff_t>(i) * step])) {
+      ++i;
+      continue;
+    }
+    int end = i;
+    while (end < count && !IsReading(from[static_cast<ptrdiff_t>(end) * step])) ++end;
+    float nearest_m = std::numeric_limits<float>::infinity();
+    if (i > 0) nearest_m = std::min(nearest_m, from[static_cast<ptrdiff_t>(i - 1) * step]);
+    if (end < count) nearest_m = std::min(nearest_m, from[static_cast<ptrdiff_t>(end) * step]);
+    for (; i < end; ++i) {
+      float& value = to[static_cast<ptrdiff_t>(i) * step];
+      value = std::min(value, nearest_m);
+    }
+  }
+}
+
+// Returns the depth with filled gaps; infinite where a whole row and a whole column have no
+// reading.
+Image<float> FilledDepth(const Image<float>& depth_m) {
+  const int width = depth_m.width(), height = depth_m.height();
+  Image<float> filled(width, height, std::numeric_limits<float>::infinity());
+  for (int y = 0; y < height; ++y) FillGaps(depth_m, y * width, 1, width, filled);
+  for (int x = 0; x < width; ++x) FillGaps(depth_m, x, width, height, filled);
+  for (size_t i = 0; i < depth_m.size(); ++i) {
+    if (IsReading(depth_m.data()[i])) filled.data()[i] = depth_m.data()[i];
+  }
+  return filled;
+}
+
+// Disjoint sets of pixels.
+class PixelSets {
+ public:
+  explicit PixelSets(size_t pixels) : parent_(pixels) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int RootOf(int pixel) {
+    while (parent_[pixel] != pixel) pixel = parent_[pixel] = parent_[parent_[pixel]];
+    return pixel;
+  }
+  void Join(int a, int b) {
+    a = RootOf(a);
+    b = RootOf(b);
+    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+class SurfaceBuilder {
+ public:
+  SurfaceBuilder(const RgbdFrame& frame, const Pose& X_WC, const std::optional<BinPlacement>& bin,
+                 const SurfaceOptions& options)
+      : frame_(frame),
+        options_(options),
+        width_(frame.depth_m.width()),
+        height_(frame.depth_m.height()),
+        depth_m_(FilledDepth(frame.depth_m)) {
+    const Pose X_BC = bin ? bin->X_WB.inverse() * X_WC : X_WC;
+    camera_B_ = X_BC.translation().cast<float>();
+    points_B_.resize(depth_m_.size(), Vector3f::Constant(kNone));
+    is_inside_.resize(depth_m_.size());
+    const Eigen::Matrix3f R_BC = X_BC.linear().cast<float>();
+    const Vector3f origin = X_BC.translation().cast<float>();
+    Eigen::Array2f half_m = Eigen::Array2f::Constant(std::numeric_limits<float>::infinity());
+    if (bin) {
+      half_m = (0.5 * bin->bin.inner_size_m.head<2>()).cast<float>().array() +
+               static_cast<float>(options.margin_m);
+    }
+    const CameraIntrinsics& k = frame.intrinsics;
+    for (int v = 0, i = 0; v < height_; ++v) {
+      for (int u = 0; u < width_; ++u, ++i) {
+        const float z = depth_m_.data()[i];
+        if (!std::isfinite(z)) continue;
+        const Vector3f p_C = BackProject(k, u, v, z).cast<float>();
+        points_B_[i] = R_BC * p_C + origin;
+        is_inside_[i] = (points_B_[i].head<2>().array().abs() <= half_m).all();
+      }
+    }
+    MarkObjects(bin);
+  }
+
+  ObservedSurface Build() {
+    FindNormals();
+    FindSegments();
+    AddPoints();
+    return std::move(surface_);
+  }
+
+ private:
+  static constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+  bool IsMeasured(int i) const { return IsReading(frame_.depth_m.data()[i]); }
+
+  // Marks the measured pixels inside the bin that are not on its floor or walls.
+  void MarkObjects(const std::optional<BinPlacement>& bin) {
+    is_object_.resize(depth_m_.size());
+    const float band_m = static_cast<float>(options_.bin_band_m);
+    Eigen::Array2f room_m = Eigen::Array2f::Constant(std::numeric_limits<float>::infinity());
+    if (bin && bin->bin.inner_size_m.z() > 0) {
+      room_m = (0.5 * bin->bin.inner_size_m.head<2>()).cast<float>().array() - band_m;
+    }
+    const float floor_m = bin ? band_m : -std::numeric_limits<float>::infinity();
+    for (size_t i = 0; i < points_B_.size(); ++i) {
+      const Vector3f& p = points_B_[i];
+      is_object_[i] = IsMeasured(static_cast<int>(i)) && is_inside_[i] && p.z() > floor_m &&
+                      (p.head<2>().array().abs() < room_m).all();
+    }
+  }
+
+  // Normals from the differences of the points at the ends of a window; zero where a step in depth
+  // or a gap is inside.
+  void FindNormals() {
+    normals_B_.assign(points_B_.size(), Vector3f::Zero());
+    const int w = options_.normal_window_px;
+    const float step_m = static_cast<float>(options_.step_m) * w;
+    for (int v = w; v + w < height_; ++v) {
+      for (int u = w; u + w < width_; ++u) {
+        const int i = v * width_ + u;
+        if (!is_object_[i]) continue;
+        const int left = i - w, right = i + w, up = i - w * width_, down = i + w * width_;
+        if (!is_object_[left] || !is_object_[right] || !is_object_[up] || !is_object_[down]) {
+          continue;
+        }
+        const Vector3f across = Smoothed(right) - Smoothed(left);
+        const Vector3f along = Smoothed(down) - Smoothed(up);
+        if (across.norm() > step_m || along.norm() > step_m) continue;
+        Vector3f normal = across.cross(along);
+        const float length = normal.norm();
+        if (!(length > 0)) continue;
+        normal /= length;
+        if (normal.dot(camera_B_ - points_B_[i]) < 0) normal = -normal;
+        normals_B_[i] = normal;
+      }
+    }
+  }
+
+  // Mean of a pixel and its measured neighbors without a step in depth.
+  Vector3f Smoothed(int i) const {
+    Vector3f sum = points_B_[i];
+    int count = 1;
+    const float step_m = static_cast<float>(options_.step_m);
+    for (const int step :
+         {-1, 1, -width_, width_, -width_ - 1, -width_ + 1, width_ - 1, width_ + 1}) {
+      const int k = i + step;
+      if (k < 0 || k >= static_cast<int>(points_B_.size()) || !is_object_[k]) continue;
+      if ((points_B_[k] - points_B_[i]).norm() > step_m) continue;
+      sum += points_B_[k];
+      ++count;
+    }
+    return sum / static_cast<float>(count);
+  }
+
+  // Whether the surface bends towards the camera between two pixels: instances that touch.
+  bool IsCrease(int a, int b) const {
+    const Vector3f &na = normals_B_[a], &nb = normals_B_[b];
+    if (na.isZero() || nb.isZero()) return false;
+    const Vector3f way = (points_B_[b] - points_B_[a]).normalized();
+    return (na - nb).dot(way) > static_cast<float>(options_.crease);
+  }
+
+  void FindSegments() {
+    PixelSets sets(points_B_.size());
+    const float step_m = static_cast<float>(options_.step_m);
+    const int reach = options_.normal_window_px;
+    const auto join = [&](int a, int b, int wide_a, int wide_b) {
+      if (!is_object_[a] || !is_object_[b]) return;
+      if ((points_B_[a] - points_B_[b]).norm() > step_m) return;
+      if (IsCrease(wide_a, wide_b)) return;
+      sets.Join(a, b);
+    };
+    for (int v = 0; v < height_; ++v) {
+      for (int u = 0; u < width_; ++u) {
+        const int i = v * width_ + u;
+        if (!is_object_[i]) continue;
+        if (u + 1 < width_) {
+          const int left = std::max(0, u - reach), right = std::min(width_ - 1, u + 1 + reach);
+          join(i, i + 1, v * width_ + left, v * width_ + right);
+        }
+        if (v + 1 < height_) {
+          const int up = std::max(0, v - reach), down = std::min(height_ - 1, v + 1 + reach);
+          join(i, i + width_, up * width_ + u, down * width_ + u);
+        }
+      }
+    }
+    JoinFragments(sets);
+    NumberSegments(sets);
+  }
+
+  // Joins small fragments with a neighbor beyond a larger step. On a face along the viewing ray,
+  // the step between two rows of pixels is large, so that each row is a fragment.
+  void JoinFragments(PixelSets& sets) const {
+    std::vector<int> pixels(points_B_.size(), 0);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      if (is_object_[i]) ++pixels[sets.RootOf(static_cast<int>(i))];
+    }
+    const float step_m = static_cast<float>(options_.fragment_step_m);
+    const auto join = [&](int a, int b) {
+      if (!is_object_[a] || !is_object_[b]) return;
+      const int root_a = sets.RootOf(a), root_b = sets.RootOf(b);
+      if (root_a == root_b) return;
+      const int smaller = std::min(pixels[root_a], pixels[root_b]);
+      if (smaller >= options_.fragment_px) return;
+      if ((points_B_[a] - points_B_[b]).norm() > step_m) return;
+      const int sum = pixels[root_a] + pixels[root_b];
+      sets.Join(a, b);
+      pixels[sets.RootOf(a)] = sum;
+    };
+    for (int v = 0; v < height_; ++v) {
+      for (int u = 0; u < width_; ++u) {
+        const int i = v * width_ + u;
+        if (u + 1 < width_) join(i, i + 1);
+        if (v + 1 < height_) join(i, i + width_);
+      }
+    }
+  }
+
+  void NumberSegments(PixelSets& sets) {
+    std::vector<int> pixels(points_B_.size(), 0);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      if (is_object_[i]) ++pixels[sets.RootOf(static_cast<int>(i))];
+    }
+    std::vector<int> number(points_B_.size(), kBackground);
+    segment_of_.assign(points_B_.size(), kBackground);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      if (!is_object_[i]) continue;
+      const int root = sets.RootOf(static_cast<int>(i));
+      if (pixels[root] < options_.min_segment_px) continue;
+      if (number[root] == kBackground) {
+        number[root] = static_cast<int>(surface_.segments.size());
+        surface_.segments.push_back({Eigen::Vector3d::Zero(), points_B_[i].z(), 0});
+      }
+      segment_of_[i] = number[root];
+      SurfaceSegment& segment = surface_.segments[number[root]];
+      segment.center_B += points_B_[i].cast<double>();
+      segment.top_m = std::max<double>(segment.top_m, points_B_[i].z());
+      ++segment.pixels;
+    }
+    for (SurfaceSegment& segment : surface_.segments) segment.center_B /= segment.pixels;
+  }
+
+  // Keeps the highest point of each voxel; a measured one before one of the shadow.
+  void Add(const Vector3f& p_B, int segment) {
+    const Eigen::Vector3i cell =
+        (p_B.array() / static_cast<float>(options_.voxel_m)).floor().cast<int>();
+    constexpr int64_t kRange = 1 << 20;
+    const int64_t key =
+        ((cell.x() + kRange / 2) * kRange + cell.y() + kRange / 2) * kRange + cell.z() + kRange / 2;
+    const auto [place, is_new] = voxels_.try_emplace(key, surface_.points.size());
+    if (is_new) {
+      surface_.points.push_back({p_B, segment});
+      return;
+    }
+    SurfacePoint& old = surface_.points[place->second];
+    const bool was_shadow = old.segment == kShadow, is_shadow = segment == kShadow;
+    if (was_shadow == is_shadow ? p_B.z() > old.p_B.z() : was_shadow) old = {p_B, segment};
+  }
+
+  void AddPoints() {
+    voxels_.reserve(depth_m_.size());
+    for (int v = 0; v < height_; ++v) {
+      for (int u = 0; u < width_; ++u) {
+        const int i = v * width_ + u;
+        if (!std::isfinite(points_B_[i].x()) || !is_inside_[i]) continue;
+        Add(points_B_[i], IsMeasured(i) ? segment_of_[i] : kShadow);
+        if (u + 1 < width_) AddBorder(i, i + 1);
+        if (v + 1 < height_) AddBorder(i, i + width_);
+      }
+    }
+  }
+
+  // Adds points between two neighboring pixels that are further apart than a voxel.
+  void AddBorder(int a, int b) {
+    if (!std::isfinite(points_B_[b].x()) || !is_inside_[b]) return;
+    const Vector3f way = points_B_[b] - points_B_[a];
+    const float voxel_m = static_cast<float>(options_.voxel_m);
+    const int pieces = static_cast<int>(way.norm() / voxel_m);
+    // Within a segment, the surface between two pixels counts as measured.
+    const bool same = segment_of_[a] == segment_of_[b] && segment_of_[a] != kBackground;
+    for (int k = 1; k <= pieces; ++k) {
+      const float share = static_cast<float>(k) / static_cast<float>(pieces + 1);
+      Add(points_B_[a] + share * way, same ? segment_of_[a] : kShadow);
+    }
+  }
+
+  const RgbdFrame& frame_;
+  const SurfaceOptions& options_;
+  const int width_, height_;
+  const Image<float> depth_m_;  // filled
+  Vector3f camera_B_;
+  std::vector<Vector3f> points_B_;  // by pixel; NaN = none
+  std::vector<Vector3f> normals_B_;
+  std::vector<uint8_t> is_inside_, is_object_;
+  std::vector<int> segment_of_;
+  std::unordered_map<int64_t, size_t> voxels_;
+  ObservedSurface surface_;
+};
+
+}  // namespace
+
+void SurfaceOptions::Visit(SettingsVisitor& v) {
+  const Range length{0.0005, 0.1};
+  v.Real("voxel_m", voxel_m, length, "edge of the cubes with at most one point, m");
+  v.Real("step_m", step_m, length, "step between neighboring pixels that separates segments, m");
+  v.Real("bin_band_m", bin_band_m, {0, 0.1},
+         "points closer than this to floor and walls belong to the bin, m");
+  v.Integer("fragment_px", fragment_px, {0, 100000},
+            "size under which a segment is joined with a neighbor, px");
+  v.Real("fragment_step_m", fragment_step_m, length,
+         "largest step over which a small segment is joined, m");
+  v.Integer("min_segment_px", min_segment_px, {1, 100000}, "minimum size of a segment, px");
+  v.Real("margin_m", margin_m, {0, 10}, "width of the seen border around the bin, m");
+  v.Real("crease", crease, {0, 2}, "sine of a concave bend that separates segments");
+  v.Integer("normal_window_px", normal_window_px, {1, 20},
+            "half width of the window of a normal, px");
+}
+
+ObservedSurface ObserveSurface(const RgbdFrame& frame, const Pose& X_WC,
+                               const std::optional<BinPlacement>& bin,
+                               const SurfaceOptions& options) {
+  CheckSettings("SurfaceOptions", options);
+  CheckInput(!frame.depth_m.empty(), "the image has no depth, which a planner without poses needs");
+  return SurfaceBuilder(frame, X_WC, bin, options).Build();
+}
+
+}  // namespace pickbed::grasp

@@ -1,0 +1,38 @@
+#include "grasp/planners/table.h"
+
+#include <array>
+#include <vector>
+
+#include "grasp/cloud/cloud_antipodal.h"
+#include "grasp/planners/pose_planner.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::grasp {
+namespace {
+
+template <typename T>
+std::unique_ptr<Planner> Make(const PlannerSetup& setup) {
+  return std::make_unique<T>(setup);
+}
+
+constexpr std::array<PlannerRow, 2> kPlanners{{
+    {kPosePlanner, "grasp candidates of the known objects at their estimated poses", true,
+     Make<PosePlanner>},
+    {"cloud_antipodal", "opposing faces of the observed surface, without poses and object models",
+     false, Make<CloudAntipodal>},
+}};
+
+}  // namespace
+
+std::span<const PlannerRow> PlannerTable() { return kPlanners; }
+
+const PlannerRow& PlannerNamed(const std::string& name) {
+  std::vector<std::string> names;
+  for (const PlannerRow& row : kPlanners) {
+    if (name == row.name) return row;
+    names.push_back(row.name);
+  }
+  throw InputError(UnknownNameMessage("planner", name, names));
+}
+
+}  // namespace pickbed::grasp
