@@ -8,6 +8,7 @@
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/summary/result_files.h"
+#include "grasp/planners/table.h"
 
 namespace pickbed::eval {
 namespace {
@@ -44,6 +45,15 @@ std::vector<OracleRow> RowsNamed(const std::vector<std::string>& names) {
     if (name != "none") rows.push_back(OracleNamed(name));
   }
   return rows;
+}
+
+// Removes the reruns that replace a part of the pose stage, if the planner has none.
+void KeepStagesOf(const PlannerRow& planner, std::vector<OracleRow>& rows) {
+  if (planner.needs_poses) return;
+  std::erase_if(rows, [](const OracleRow& row) {
+    const OracleStages& truth = row.truth;
+    return !truth.AllOfPerception() && (truth.detection || truth.pose || truth.refinement);
+  });
 }
 
 std::string StagesHelp() {
@@ -90,6 +100,7 @@ int BudgetCommand(int argc, char** argv) {
   job.spec = std::move(loaded.spec);
   job.objects = std::move(loaded.objects);
   job.tolerance = MapsFor(job.spec, job.objects, tolerance);
+  if (stages.empty()) KeepStagesOf(PlannerNamed(job.spec.planner.name), job.rows);
   BudgetRuns runs;
   try {
     runs = RerunWithProgress(job);

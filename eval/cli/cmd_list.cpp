@@ -11,6 +11,7 @@
 #include "grasp/grippers/table.h"
 #include "grasp/outcome.h"
 #include "grasp/plan/plan.h"
+#include "grasp/planners/table.h"
 #include "perception/icp/final_refinement.h"
 #include "scenes/base/error.h"
 #include "scenes/camera/camera.h"
@@ -84,6 +85,10 @@ void ListPolicies(const std::string&) {
   for (const PolicyRow& row : PolicyTable()) Row(row.name, row.help);
 }
 
+void ListPlanners(const std::string&) {
+  for (const PlannerRow& row : PlannerTable()) Row(row.name, row.help);
+}
+
 void ListRankings(const std::string&) {
   for (const RankingRow& row : RankingTable()) Row(row.name, row.help);
 }
@@ -123,7 +128,7 @@ struct Topic {
   const char* title;
   void (*print)(const std::string& catalog_folder);
 };
-constexpr std::array<Topic, 13> kTopics{{
+constexpr std::array<Topic, 14> kTopics{{
     {"presets", "Preset scenarios", ListPresets},
     {"objects", "Objects", ListObjects},
     {"estimators", "Pose estimators", ListEstimators},
@@ -133,6 +138,7 @@ constexpr std::array<Topic, 13> kTopics{{
     {"sensors", "Depth sensors", ListSensors},
     {"metrics", "Pose errors", ListMetrics},
     {"policies", "Policies that end the picking of a bin", ListPolicies},
+    {"planners", "Grasp planners", ListPlanners},
     {"rankings", "Rankings of planned grasps", ListRankings},
     {"failures", "Failure reasons, with the responsible stage", ListFailures},
     {"rules", "Rules for a successful grasp", ListRules},

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/cli/run_progress.h"
@@ -8,6 +10,7 @@
 #include "eval/summary/fill_text.h"
 #include "eval/sweep/run.h"
 #include "grasp/grippers/tools.h"
+#include "grasp/planners/table.h"
 #include "sim/convex/convex_pieces.h"
 #include "sim/drop/resting_poses.h"
 
@@ -19,9 +22,20 @@ RunReport RunWithProgress(const LoadedScenario& scenario, const RunOptions& opti
   return RunScenario(scenario.spec, scenario.objects, options, ShowOn(progress, Interrupted));
 }
 
+// Names the settings that a planner without poses does not use, in one line.
+std::string UnusedSettings(const ScenarioSpec& spec) {
+  if (PlannerNamed(spec.planner.name).needs_poses) return {};
+  const bool is_given = std::ranges::any_of(spec.places, [](const auto& place) {
+    return place.first.starts_with("estimator.") || place.first == "refiner";
+  });
+  if (!is_given) return {};
+  return fmt::format("planner {} works without poses; estimator and refiner are not used\n",
+                     spec.planner.name);
+}
+
 // Lines on grippers that cannot hold one of the objects.
 std::string UnfitTools(const ScenarioSpec& spec, const ObjectSet& objects) {
-  if (spec.gripper.names.size() == 1) return {};
+  if (spec.gripper.names.size() == 1 || !PlannerNamed(spec.planner.name).needs_poses) return {};
   ObjectSet wanted;
   for (size_t i = 0; i < objects.size(); ++i) {
     if (!spec.objects[i].distractor) wanted.push_back(objects[i]);
@@ -74,7 +88,8 @@ int RunCommand(int argc, char** argv) {
   if (json) {
     fmt::print("{}", SummaryJson(report.summary));
   } else {
-    fmt::print("{}\n{}", FillText(scenario.spec, scenario.objects), SummaryTable(report.summary));
+    fmt::print("{}\n{}{}", FillText(scenario.spec, scenario.objects), UnusedSettings(scenario.spec),
+               SummaryTable(report.summary));
     fmt::print("\nresults in {}\n", options.out.string());
   }
   if (report.interrupted) {

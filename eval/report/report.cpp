@@ -13,6 +13,7 @@
 #include "eval/summary/result_files.h"
 #include "eval/sweep/attempt_pictures.h"
 #include "eval/tolerance/pick_forecast.h"
+#include "grasp/planners/table.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
@@ -242,13 +243,20 @@ std::string PageOf(const Contestants& all, ReportContents contents, const Object
   return ReportPage(contents);
 }
 
+std::string MethodText(const ScenarioSpec& spec) {
+  if (!PlannerNamed(spec.planner.name).needs_poses) {
+    return fmt::format("planner {} without poses", spec.planner.name);
+  }
+  return fmt::format("estimator {} ({}), refiner {}", spec.estimator.name, spec.estimator.mode,
+                     spec.refiner);
+}
+
 std::string SettingsText(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
   const std::string errors = CellErrorsInWords(spec.cell);
-  return fmt::format(
-      "Bins of {}; sensor {}, estimator {} ({}), refiner {}, gripper {}, seed {}.{} {}",
-      ObjectsInWords(spec), spec.sensor, spec.estimator.name, spec.estimator.mode, spec.refiner,
-      spec.gripper.InWords(), spec.seed,
-      errors.empty() ? "" : fmt::format(" Errors of the cell: {}.", errors), FillOf(spec, catalog));
+  return fmt::format("Bins of {}; sensor {}, {}, gripper {}, seed {}.{} {}", ObjectsInWords(spec),
+                     spec.sensor, MethodText(spec), spec.gripper.InWords(), spec.seed,
+                     errors.empty() ? "" : fmt::format(" Errors of the cell: {}.", errors),
+                     FillOf(spec, catalog));
 }
 
 // A plain run has its scenario file next to its store. The user may have changed settings there

@@ -34,10 +34,12 @@ std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configurati
   } else {
     add("target recall", s.target_recall, "targets");
   }
-  add("recall", s.recall, "instances in view");
-  add("precision", s.precision,
-      fmt::format("poses, {} false", s.precision.samples - s.precision.hits));
-  add("top-ranked pose right", {s.top1_correct, s.frames, s.top1_ci95}, "images");
+  if (s.has_poses()) {
+    add("recall", s.recall, "instances in view");
+    add("precision", s.precision,
+        fmt::format("poses, {} false", s.precision.samples - s.precision.hits));
+    add("top-ranked pose right", {s.top1_correct, s.frames, s.top1_ci95}, "images");
+  }
   const double per_hour = s.cycle.stated_picks_per_hour();
   headline.push_back({"picks per hour", per_hour > 0 ? fmt::format("{:.0f}", per_hour) : "-",
                       per_hour > 0 && s.cycle.measured ? "without the time to compute" : ""});

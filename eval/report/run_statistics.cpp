@@ -298,7 +298,7 @@ void CountImage(size_t trial, const AttemptRecord& pick, std::vector<ObjectCount
   for (const InstanceRecord& instance : pick.instances) {
     // In an occlusion trial only the target counts, as in InstancesRecalled.
     if (pick.target >= 0 && instance.instance != pick.target) continue;
-    if (instance.visible_fraction < kCountedVisibility) continue;
+    if (instance.visible_fraction < kCountedVisibility || pick.pose_free) continue;
     counts.at(instance.object).recall.Count(trial, instance.recalled);
   }
   for (const HypothesisRecord& score : pick.hypotheses) {

@@ -121,6 +121,7 @@ struct AttemptRow {
     v("layer", record.layer);
     v("instances_above", record.instances_above);
     v("instances_below", record.instances_below);
+    v("pose_free", record.pose_free);
   }
 };
 

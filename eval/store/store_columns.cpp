@@ -83,7 +83,10 @@ constexpr Description kColumns[] = {
     {"attempts.failure", "failure reason, or none"},
     {"attempts.executed", "1 if a grasp was executed"},
     {"attempts.chosen_hypothesis", "hypothesis of the executed grasp, -1 = none"},
-    {"attempts.matched_instance", "instance that matches the chosen hypothesis, -1 = none"},
+    {"attempts.matched_instance",
+     "instance that matches the chosen hypothesis; without poses, the one that came or was "
+     "nearest; "
+     "-1 = none"},
     {"attempts.target", "target instance of an occlusion trial, -1 = none"},
     {"attempts.grasp_hypothesis", "number of the pose that the planner used"},
     {"attempts.grasp_x_wg", "pose of the hand in the world, 3x4 matrix, row by row", "m"},
@@ -137,6 +140,8 @@ constexpr Description kColumns[] = {
     {"attempts.layer", "layer of the matched instance, 1 = top, 0 = unknown"},
     {"attempts.instances_above", "number of instances that cover it in the top view, -1 = unknown"},
     {"attempts.instances_below", "number of instances that it covers, -1 = unknown"},
+    {"attempts.pose_free",
+     "1 if the planner worked without poses, so that there was no pose stage"},
     {"hypotheses.instance", "matched instance, -1 = none"},
     {"hypotheses.score", "score of the pose"},
     {"hypotheses.correct", "1 if the MSSD is under a tenth of the object's diameter"},

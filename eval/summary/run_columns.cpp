@@ -106,8 +106,13 @@ ResultColumns AttemptsColumns() {
       {"fill_percent",
        "mean height of the surface before the pick over the inner height of the bin", "percent"},
       {"hypotheses", "number of reported poses"},
-      {"object", "object of the chosen hypothesis; empty without an executed grasp"},
-      {"instance", "instance that matches the chosen hypothesis, -1 = none"},
+      {"object",
+       "object of the chosen hypothesis; without poses, of the instance that came or was nearest; "
+       "empty without an executed grasp"},
+      {"instance",
+       "instance that matches the chosen hypothesis, -1 = none; without poses, the one that came "
+       "or "
+       "was nearest"},
       {"layer", "layer of this instance, 1 = top; empty without one"},
       {"instances_above", "number of instances that cover it in the top view"},
       {"instances_below", "number of instances that it covers in the top view"},

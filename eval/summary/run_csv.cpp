@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 
@@ -28,6 +29,19 @@ std::string FillCell(const AttemptRecord& attempt) {
 std::string LayerCells(const AttemptRecord& attempt) {
   if (attempt.layer == 0) return ",,";
   return fmt::format("{},{},{}", attempt.layer, attempt.instances_above, attempt.instances_below);
+}
+
+// Object of the instance that a grasp without a pose was on.
+ObjectId MatchedObject(const AttemptRecord& attempt) {
+  const auto matched =
+      std::ranges::find(attempt.instances, attempt.matched_instance, &InstanceRecord::instance);
+  return matched == attempt.instances.end() ? ObjectId(0) : matched->object;
+}
+
+// Empty without a pose stage.
+std::string RecalledCell(const AttemptRecord& attempt, const InstanceRecord& instance) {
+  if (attempt.pose_free) return "";
+  return instance.recalled ? "1" : "0";
 }
 
 // Cells with a comma before each.
@@ -96,6 +110,10 @@ std::string AttemptsCsv(const std::vector<TrialResult>& trials,
                            ChanceCell(maps.PickChance(h, *attempt.grasp)));
         cells_at_end = at_end.Cells(h.metrics);
         pose = PoseCells(h.X_WO);
+      } else if (attempt.pose_free && attempt.matched_instance >= 0) {
+        csv += fmt::format("{},{},{},", object_names.at(MatchedObject(attempt)),
+                           attempt.matched_instance, LayerCells(attempt)) +
+               placed.EmptyCells() + ",,,";
       } else {
         csv += ",,,,,," + placed.EmptyCells() + ",,";
       }
@@ -120,7 +138,7 @@ std::string InstancesCsv(const std::vector<TrialResult>& trials,
         csv +=
             fmt::format("{},{},{},{},{},{},{},{},{}\n", trial.trial, trial.configuration,
                         attempt.attempt, instance.instance, object_names.at(instance.object),
-                        instance.visible_fraction, instance.recalled ? 1 : 0,
+                        instance.visible_fraction, RecalledCell(attempt, instance),
                         FailureName(instance.missed), instance.instance == attempt.target ? 1 : 0);
       }
     }

@@ -27,7 +27,7 @@ void CountAttempt(const AttemptRecord& attempt, RunSummary& summary) {
     ++summary.in_view[InViewIndex(instance.visible_fraction)];
     // In an occlusion trial only the target is counted.
     if (attempt.target >= 0 && instance.instance != attempt.target) continue;
-    CountRecall(instance, summary.recall_by_visibility);
+    if (!attempt.pose_free) CountRecall(instance, summary.recall_by_visibility);
   }
   if (is_image && !attempt.hypotheses.empty()) {
     ++summary.frames;
@@ -196,6 +196,28 @@ std::string OnLines(std::string sentences) {
     sentences.replace(at, 2, ".\n  ");
   }
   return "  " + sentences + "\n";
+}
+
+// Lines on the reported poses.
+std::string PosesText(const RunSummary& s, bool few_bins) {
+  std::string text = "Poses (right: MSSD < 0.1 diameter)\n";
+  const auto rate = [&](const std::string& name, const ReportRate& of, const std::string& counts) {
+    text +=
+        fmt::format("  {:<25} {}  {}\n", name, few_bins ? ShortRateText(of) : RateText(of), counts);
+  };
+  rate("top-ranked pose right", {s.top1_correct, s.frames, s.top1_ci95},
+       fmt::format("{} of {} images", s.top1_correct, s.frames));
+  const bool has_targets = s.target_recall.samples > 0;
+  if (has_targets) {
+    rate("target recall", s.target_recall,
+         fmt::format("{} of {} targets", s.target_recall.hits, s.target_recall.samples));
+  }
+  rate(has_targets ? "recall, all in view" : "recall", s.recall,
+       fmt::format("{} of {} instances", s.recall.hits, s.recall.samples));
+  rate("precision", s.precision,
+       fmt::format("{} of {} poses, {} false", s.precision.hits, s.precision.samples,
+                   s.precision.samples - s.precision.hits));
+  return text;
 }
 
 }  // namespace
@@ -394,7 +416,9 @@ std::string SummaryTable(const RunSummary& s) {
     line(name, fmt::format("{}  {}", few_bins ? ShortRateText(of) : RateText(of), counts));
   };
   const bool has_targets = s.target_recall.samples > 0;
-  text += has_targets ? "Target recall by visible fraction\n" : "Recall by visible fraction\n";
+  if (s.has_poses()) {
+    text += has_targets ? "Target recall by visible fraction\n" : "Recall by visible fraction\n";
+  }
   for (size_t i = 0; i < s.recall_by_visibility.size(); ++i) {
     const RecallBand& band = s.recall_by_visibility[i];
     if (band.instances == 0) continue;
@@ -438,18 +462,7 @@ std::string SummaryTable(const RunSummary& s) {
                                 trial.bin_index, trial.why));
   }
   if (s.executed_grasps > 0) text += RulesText(s, few_bins);
-  text += "Poses (right: MSSD < 0.1 diameter)\n";
-  rate("top-ranked pose right", {s.top1_correct, s.frames, s.top1_ci95},
-       fmt::format("{} of {} images", s.top1_correct, s.frames));
-  if (has_targets) {
-    rate("target recall", s.target_recall,
-         fmt::format("{} of {} targets", s.target_recall.hits, s.target_recall.samples));
-  }
-  rate(has_targets ? "recall, all in view" : "recall", s.recall,
-       fmt::format("{} of {} instances", s.recall.hits, s.recall.samples));
-  rate("precision", s.precision,
-       fmt::format("{} of {} poses, {} false", s.precision.hits, s.precision.samples,
-                   s.precision.samples - s.precision.hits));
+  if (s.has_poses()) text += PosesText(s, few_bins);
   text += OnLines(InViewText(s));
   if (s.clutter.layers.size() > 1) {
     text += "Before the first pick\n" + Indented(ClutterText(s.clutter, ""));

@@ -109,6 +109,9 @@ struct RunSummary {
   RetentionStatistics retention;
   ClutterSummary clutter;  // before the first pick; without occlusion trials
   StageSeconds seconds;    // mean per trial, by stage
+
+  // Returns whether there was a pose stage: recall and precision have samples.
+  bool has_poses() const { return recall.samples > 0 || frames > 0; }
 };
 
 // Trials of one configuration.

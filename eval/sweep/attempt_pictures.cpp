@@ -53,10 +53,10 @@ OverlayInput OverlayOf(const AttemptState& attempt, const sim::Picture& picture)
   if (const std::optional<Grasp>& grasp = attempt.record.grasp) {
     input.hand.emplace(
         OverlayHand{*attempt.gripper, picture.camera.X_CW() * grasp->X_WG, grasp->width_m});
-    input.poses.at(grasp->hypothesis).chosen = true;
+    if (grasp->hypothesis != kNoHypothesis) input.poses.at(grasp->hypothesis).chosen = true;
   }
   input.ids = &picture.ids;
-  input.missed = MissedInstances(attempt.record.instances);
+  if (!attempt.record.pose_free) input.missed = MissedInstances(attempt.record.instances);
   input.target = attempt.record.target;
   return input;
 }

@@ -5,6 +5,7 @@
 #include "eval/store/results_store.h"
 #include "eval/summary/run_csv.h"
 #include "eval/trial/oracle_estimator.h"
+#include "eval/trial/trial_setup.h"
 #include "grasp/grippers/requirements.h"
 #include "grasp/grippers/table.h"
 #include "grasp/outcome.h"
@@ -86,6 +87,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
   for (ObjectSpec& object : same_for_all.objects) object.mesh.clear();
   std::string text = SettingsText(same_for_all);
   WithSettingsKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
+  PlannerOf(spec, truth);
   WithSettingsKey(spec, "refiner", [&] { RefinerNamed(spec.refiner); });
   WithSettingsKey(spec, "policy.ranking", [&] { RankingNamed(spec.policy.ranking); });
   WithSettingsKey(spec, "policy.success", [&] { DecidingRule(spec.policy.success); });

@@ -55,7 +55,7 @@ std::vector<JudgedPick> JudgedPicksOf(std::span<const TrialResult> trials, Objec
   std::vector<JudgedPick> picks;
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& pick : trial.attempts) {
-      if (!pick.grasp || pick.matched_instance < 0) continue;
+      if (!pick.grasp || pick.matched_instance < 0 || pick.chosen < 0) continue;
       const HypothesisRecord& chosen = pick.hypotheses[pick.chosen];
       if (chosen.instance < 0 || chosen.object != object) continue;
       picks.push_back({chosen.X_OE,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "eval/trial/failure_attribution.h"
 #include "eval/trial/instance_matcher.h"
@@ -44,6 +45,7 @@ void Warn(const TrialSetup& setup, const EstimatorFailure& failure, BinIndex bin
 // The result of the estimator, with ground truth in place of the stages that an oracle replaces.
 EstimateResult EstimatePoses(TrialSetup& setup, const Observation& view,
                              const InstanceMatcher& truth, int attempt, LiveTrial& trial) {
+  if (!setup.has_poses) return {};
   const OracleStages& oracle = setup.options.truth;
   Rng rng = Rng::Derive(setup.spec.seed, trial.bin_index, fmt::format("estimate/{}", attempt));
   EstimateResult result;
@@ -80,26 +82,55 @@ std::vector<ScoredHypothesis> ScoreHypotheses(const TrialSetup& setup, const Obs
                                          estimate.hypotheses);
   const std::vector<FailureReason> missed = MissReasons(score, truth);
   for (size_t i = 0; i < missed.size(); ++i) {
+    // Without a pose stage, no stage missed a visible instance.
+    const bool is_missed = setup.has_poses || missed[i] == FailureReason::kNotVisible;
     const bool is_failure = estimate.failure && missed[i] == FailureReason::kNoProposal;
-    score.instances[i].missed = is_failure ? estimate.failure->reason : missed[i];
+    if (is_missed) {
+      score.instances[i].missed = is_failure ? estimate.failure->reason : missed[i];
+    }
   }
   record.instances = std::move(score.instances);
   record.hypotheses = score.Records();
   return std::move(score.hypotheses);
 }
 
+// The instance of a grasp without a pose: the one that came or, without one, the instance whose
+// center of mass is nearest to the grasp.
+InstanceId InstanceOfGrasp(const Grasp& grasp, const GraspOutcome& outcome,
+                           const LiveTrial& trial) {
+  if (outcome.picked_instance >= 0) return outcome.picked_instance;
+  InstanceId nearest = kNoInstance;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const PosedObject& posed : trial.scene.objects) {
+    const Eigen::Vector3d center_W = posed.X_WO * trial.objects[posed.object]->mass.com_O;
+    const double distance_m = (center_W - grasp.X_WG.translation()).norm();
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    nearest = posed.instance;
+  }
+  return nearest;
+}
+
 // Executes record.grasp and returns the scene after it.
 Scene Execute(const TrialSetup& setup, LiveTrial& trial, AttemptRecord& record) {
   const StageTimer timer(trial.seconds, "execute");
   record.chosen = record.grasp->hypothesis;
-  const HypothesisRecord& chosen = record.hypotheses[record.chosen];
-  record.matched_instance = MatchedInstance(chosen, setup.options.match_diameters);
+  const HypothesisRecord* chosen = HypothesisOf(*record.grasp, record.hypotheses);
+  if (chosen != nullptr) {
+    record.matched_instance = MatchedInstance(*chosen, setup.options.match_diameters);
+  }
   const MotionListener on_step =
       trial.observer != nullptr ? trial.observer->ListenToMotion() : MotionListener();
-  ExecuteResult executed =
-      TryGrasp(setup, {trial.scene, trial.objects}, *record.grasp, chosen, record.errors, on_step);
+  ExecuteResult executed = TryGrasp(setup, {trial.scene, trial.objects}, *record.grasp,
+                                    record.hypotheses, record.errors, on_step);
   record.outcome = executed.outcome;
-  trial.failed.Remember(*record.grasp, PoseOf(chosen), record.outcome);
+  if (chosen != nullptr) {
+    const EstimatedPose pose = PoseOf(*chosen);
+    trial.failed.Remember(*record.grasp, &pose, record.outcome);
+  } else {
+    record.matched_instance = InstanceOfGrasp(*record.grasp, record.outcome, trial);
+    trial.failed.Remember(*record.grasp, nullptr, record.outcome);
+  }
   return std::move(executed.after);
 }
 
@@ -144,7 +175,7 @@ void MeasureFillOfAttempt(const TrialSetup& setup, LiveTrial& trial, AttemptReco
 void ExecuteAndAttribute(const TrialSetup& setup, const AttemptTask& task, LiveTrial& trial,
                          AttemptRecord& record) {
   CapturedImage& image = *trial.image;
-  if (record.grasp) {
+  if (record.grasp && setup.has_poses) {
     image.picks.Add(*record.grasp, PoseOf(record.hypotheses[record.grasp->hypothesis]),
                     ToolNamed(setup.tools, record.grasp->tool));
   }
@@ -152,6 +183,17 @@ void ExecuteAndAttribute(const TrialSetup& setup, const AttemptTask& task, LiveT
   MeasureFillOfAttempt(setup, trial, record);
   record.failure =
       AttributeFailure(record, image.hypotheses, setup.options.match_diameters, image.truth);
+  if (record.pose_free && record.failure == FailureReason::kNone) {
+    // Without a pose, a distractor can be picked; it is not what the order asks for.
+    const InstanceMatcher& truth = image.truth;
+    const auto picked = std::find_if(truth.instances().begin(), truth.instances().end(),
+                                     [&](const TrueInstance& instance) {
+                                       return instance.instance == record.outcome.picked_instance;
+                                     });
+    if (picked != truth.instances().end() && !setup.cell.IsWanted(picked->object)) {
+      record.failure = FailureReason::kWrongObject;
+    }
+  }
   const bool estimator_failed = image.estimator_failure != FailureReason::kNone;
   if (!record.grasp && estimator_failed) record.failure = image.estimator_failure;
   if (!record.grasp && !estimator_failed && task.stir >= 0) {
@@ -165,6 +207,7 @@ void ExecuteAndAttribute(const TrialSetup& setup, const AttemptTask& task, LiveT
 AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& trial) {
   AttemptRecord record;
   record.attempt = task.attempt;
+  record.pose_free = !setup.has_poses;
   record.target = task.target;
   record.band = task.band;
   record.errors = setup.cell.ErrorsOf(trial.bin_index, task.attempt);

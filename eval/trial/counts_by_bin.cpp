@@ -103,7 +103,7 @@ TrialCount RequestedCleared() {
 TrialCount AllInstancesRecalled() {
   return [](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
-      if (!attempt.has_own_image()) continue;
+      if (!attempt.has_own_image() || attempt.pose_free) continue;
       for (const InstanceRecord& instance : attempt.instances) {
         if (instance.visible_fraction < kCountedVisibility) continue;
         ++scene.samples;
@@ -144,7 +144,7 @@ TrialCount TopRankedRight() {
 TrialCount InstancesRecalled(double visible_min, double visible_max) {
   return [=](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {
-      if (!attempt.has_own_image()) continue;
+      if (!attempt.has_own_image() || attempt.pose_free) continue;
       for (const InstanceRecord& instance : attempt.instances) {
         if (attempt.target >= 0 && instance.instance != attempt.target) continue;
         if (!InBand(instance.visible_fraction, visible_min, visible_max)) continue;

@@ -32,7 +32,8 @@ TrialCount InstancesCleared();  // among the dropped instances
 TrialCount RequestedCleared();
 TrialCount TopRankedRight();  // among attempts with a hypothesis
 // Recalled instances among all instances with a visible fraction in [min, max), or [min, max] if
-// max is 1. If an attempt has a target, only the target counts.
+// max is 1. If an attempt has a target, only the target counts. Attempts without a pose stage do
+// not count.
 TrialCount InstancesRecalled(double visible_min, double visible_max);
 // Recalled instances among all instances in view with at least kCountedVisibility, whether they
 // are targets or not.

@@ -44,6 +44,21 @@ FailureReason MissReason(const InstanceMatcher& truth, int position,
   return missed;
 }
 
+bool AnyVisible(const AttemptRecord& record) {
+  return std::any_of(record.instances.begin(), record.instances.end(),
+                     [](const InstanceRecord& instance) {
+                       return instance.visible_fraction >= kCountedVisibility;
+                     });
+}
+
+// Without a pose, the physical outcome is the reason.
+FailureReason FailureWithoutPoses(const AttemptRecord& record) {
+  if (record.grasp) {
+    return record.outcome.success ? FailureReason::kNone : record.outcome.failure;
+  }
+  return AnyVisible(record) ? FailureReason::kNoGrasp : FailureReason::kNotVisible;
+}
+
 FailureReason FailureOfGrasp(const AttemptRecord& record, const ScoredHypothesis& chosen,
                              const InstanceMatcher& truth) {
   if (record.outcome.success) return FailureReason::kNone;
@@ -69,11 +84,7 @@ FailureReason FailureWithoutHypothesis(const AttemptRecord& record) {
     }
     return FailureReason::kNoGrasp;
   }
-  const bool any_visible = std::any_of(record.instances.begin(), record.instances.end(),
-                                       [](const InstanceRecord& instance) {
-                                         return instance.visible_fraction >= kCountedVisibility;
-                                       });
-  return any_visible ? FailureReason::kNoProposal : FailureReason::kNotVisible;
+  return AnyVisible(record) ? FailureReason::kNoProposal : FailureReason::kNotVisible;
 }
 
 }  // namespace
@@ -81,6 +92,7 @@ FailureReason FailureWithoutHypothesis(const AttemptRecord& record) {
 FailureReason AttributeFailure(const AttemptRecord& record,
                                const std::vector<ScoredHypothesis>& hypotheses,
                                double match_diameters, const InstanceMatcher& truth) {
+  if (record.pose_free) return FailureWithoutPoses(record);
   if (record.grasp) return FailureOfGrasp(record, hypotheses[record.chosen], truth);
   std::vector<const ScoredHypothesis*> graspable;
   for (const ScoredHypothesis& h : hypotheses) {

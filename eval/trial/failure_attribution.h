@@ -22,6 +22,7 @@ namespace pickbed::eval {
 // wrong.
 // - Without a grasp, but with a target: only the hypotheses that match the target (within
 //   `match_diameters`) count. Without any, the reason why the target is not recalled.
+// - Without a pose stage: the physical outcome; kNoGrasp or kNotVisible without a grasp.
 FailureReason AttributeFailure(const AttemptRecord& record,
                                const std::vector<ScoredHypothesis>& hypotheses,
                                double match_diameters, const InstanceMatcher& truth);

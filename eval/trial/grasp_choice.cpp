@@ -5,18 +5,10 @@
 #include <numbers>
 
 #include "grasp/plan/lift_clearance.h"
-#include "scenes/camera/depth_points.h"
+#include "grasp/planners/pose_planner.h"
 
 namespace pickbed::eval {
 namespace {
-
-std::vector<Eigen::Vector3d> ObservedPoints(const RgbdFrame& frame, const Pose& X_WC, int stride) {
-  std::vector<Eigen::Vector3d> points_W;
-  ForEachDepthPoint(
-      frame.intrinsics, frame.depth_m,
-      [&](int, int, const Eigen::Vector3d& p_C) { points_W.push_back(X_WC * p_C); }, stride);
-  return points_W;
-}
 
 PlanOptions RankedOptions(const TrialSetup& setup, uint64_t rng_seed) {
   PlanOptions plan;
@@ -42,25 +34,17 @@ PlannedPoses PosesOf(const AttemptRecord& record, double match_diameters) {
   return planned;
 }
 
-// Moves poses and points from the world to the bin that the cell assumes.
-void MoveToAssumedBin(const CellCalibration& calibration, std::vector<EstimatedPose>& poses,
-                      std::vector<Eigen::Vector3d>& cloud_W) {
-  if (!calibration.X_WB) return;
-  const Pose X_BW = calibration.X_WB->inverse();
-  for (EstimatedPose& pose : poses) pose.X_WO = X_BW * pose.X_WO;
-  for (Eigen::Vector3d& point : cloud_W) point = X_BW * point;
-}
-
-// Plans in the bin that the cell assumes, and returns the grasps in the world.
-PlanResult PlanInAssumedBin(const TrialSetup& setup, const CellCalibration& calibration,
-                            const PlannedPoses& on, std::vector<Eigen::Vector3d> cloud_W,
-                            const PlanOptions& options) {
-  std::vector<EstimatedPose> poses = on.poses;
-  MoveToAssumedBin(calibration, poses, cloud_W);
-  PlanResult plan = PlanWithTools(InputsOf(setup, poses, cloud_W, on.graspable), options);
-  if (!calibration.X_WB) return plan;
-  for (Grasp& grasp : plan.grasps) grasp.X_WG = *calibration.X_WB * grasp.X_WG;
-  return plan;
+// Returns what the planner gets for an image.
+PlannerInput InputOf(const TrialSetup& setup, const Observation& view, const PlannedPoses& on,
+                     int max_grasps, uint64_t rng_seed) {
+  const CellCalibration& calibration = view.calibration;
+  return {view.frame,
+          calibration.camera.X_WC(),
+          BinPlacement{setup.cell.bin(), calibration.X_WB.value_or(Pose::Identity())},
+          on.poses,
+          on.graspable,
+          max_grasps,
+          rng_seed};
 }
 
 // Removes the poses whose object would meet a wall while it is lifted. Returns the number of their
@@ -86,16 +70,14 @@ int RemoveBlockedLifts(const TrialSetup& setup, const CellCalibration& calibrati
 }
 
 // Returns the planned grasps, best first, without repetitions of failures.
-std::vector<Grasp> PlanOnEstimate(const TrialSetup& setup, const Observation& view,
-                                  const PlannedPoses& on, const GraspMemory& failed,
-                                  const ImagePicks& earlier, uint64_t rng_seed,
-                                  AttemptRecord& record) {
-  auto cloud_W =
-      ObservedPoints(view.frame, view.calibration.camera.X_WC(), setup.options.cloud_stride_px);
-  PlanOptions options = RankedOptions(setup, rng_seed);
-  if (setup.options.truth.grasp) options.max_grasps = setup.options.true_grasps;
-  if (!failed.empty() || !earlier.empty()) options.max_grasps = setup.options.retry_grasps;
-  PlanResult plan = PlanInAssumedBin(setup, view.calibration, on, std::move(cloud_W), options);
+std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const Observation& view,
+                               const PlannedPoses& on, const GraspMemory& failed,
+                               const ImagePicks& earlier, uint64_t rng_seed,
+                               AttemptRecord& record) {
+  int max_grasps = PlanOptions().max_grasps;
+  if (setup.options.truth.grasp) max_grasps = setup.options.true_grasps;
+  if (!failed.empty() || !earlier.empty()) max_grasps = setup.options.retry_grasps;
+  PlanResult plan = setup.planner->Plan(InputOf(setup, view, on, max_grasps, rng_seed));
   record.grasps_rejected = std::move(plan.rejected);
   std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
   if (fresh.size() < plan.grasps.size()) {
@@ -114,7 +96,7 @@ std::vector<Grasp> PlanOnEstimate(const TrialSetup& setup, const Observation& vi
 
 // Constraints are relaxed, since trying in the true scene shows what is free: no observed point and
 // no other pose is an obstacle, and no approach is too flat.
-std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const CellCalibration& calibration,
+std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const Observation& view,
                                const PlannedPoses& on, const GraspMemory& failed,
                                uint64_t rng_seed) {
   PlanOptions relaxed = RankedOptions(setup, rng_seed);
@@ -123,8 +105,16 @@ std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const CellCalibration& c
   relaxed.min_quality = 0;
   relaxed.bin_clearance_m = 0;
   relaxed.neighbor_confidence = PlanOptions::kNoNeighbors;
-  const PlanResult plan = PlanInAssumedBin(setup, calibration, on, {}, relaxed);
+  const PosePlanner planner({setup.spec.planner, setup.tools, setup.cell.objects(),
+                             setup.candidates, relaxed, setup.options.cloud_stride_px});
+  const PlanResult plan =
+      planner.Plan(InputOf(setup, view, on, relaxed.max_grasps, rng_seed), {}, relaxed);
   return failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
+}
+
+// Position by which a repetition is recognized: of the pose or, without one, of the hand.
+Eigen::Vector3d PositionOf(const Grasp& grasp, const EstimatedPose* pose) {
+  return pose != nullptr ? pose->X_WO.translation() : grasp.X_WG.translation();
 }
 
 std::optional<Grasp> FirstThatSucceeds(const TrialSetup& setup, const TrueScene& truth,
@@ -132,8 +122,7 @@ std::optional<Grasp> FirstThatSucceeds(const TrialSetup& setup, const TrueScene&
                                        const AttemptRecord& record) {
   const size_t tried = std::min<size_t>(grasps.size(), setup.options.true_grasps);
   for (size_t i = 0; i < tried; ++i) {
-    const HypothesisRecord& hypothesis = record.hypotheses[grasps[i].hypothesis];
-    if (TryGrasp(setup, truth, grasps[i], hypothesis, record.errors).outcome.success) {
+    if (TryGrasp(setup, truth, grasps[i], record.hypotheses, record.errors).outcome.success) {
       return grasps[i];
     }
   }
@@ -153,26 +142,29 @@ std::vector<PlanInput> InputsOf(const TrialSetup& setup, std::span<const Estimat
   return inputs;
 }
 
-void GraspMemory::Remember(const Grasp& grasp, const EstimatedPose& pose,
+void GraspMemory::Remember(const Grasp& grasp, const EstimatedPose* pose,
                            const GraspOutcome& outcome) {
   if (outcome.success) {
     for (FailedGrasp& old : failed_) old.picked_since = true;
-  } else {
-    failed_.push_back(
-        {pose.object, grasp.tool, pose.X_WO.translation(), grasp.X_WG.linear().col(2)});
+    return;
   }
+  failed_.push_back({pose != nullptr ? pose->object : kAnyObject, grasp.tool,
+                     PositionOf(grasp, pose), grasp.X_WG.linear().col(2)});
 }
 
 std::vector<Grasp> GraspMemory::WithoutRepetitions(const std::vector<Grasp>& grasps,
                                                    const std::vector<EstimatedPose>& poses,
                                                    const TrialOptions& options) const {
   const auto repeats = [&](const Grasp& grasp, bool only_since_last_pick) {
-    const EstimatedPose& pose = poses[grasp.hypothesis];
+    const EstimatedPose* pose =
+        grasp.hypothesis == kNoHypothesis ? nullptr : &poses[grasp.hypothesis];
+    const ObjectId object = pose != nullptr ? pose->object : kAnyObject;
+    const Eigen::Vector3d position_W = PositionOf(grasp, pose);
     return std::any_of(failed_.begin(), failed_.end(), [&](const FailedGrasp& old) {
       const double cosine = old.approach_W.dot(grasp.X_WG.linear().col(2));
-      return !(only_since_last_pick && old.picked_since) && old.object == pose.object &&
+      return !(only_since_last_pick && old.picked_since) && old.object == object &&
              old.tool == grasp.tool &&
-             (old.position_W - pose.X_WO.translation()).norm() < options.retry_radius_m &&
+             (old.position_W - position_W).norm() < options.retry_radius_m &&
              std::acos(std::clamp(cosine, -1.0, 1.0)) < options.retry_angle_rad;
     });
   };
@@ -199,13 +191,22 @@ EstimatedPose PoseOf(const HypothesisRecord& hypothesis) {
   return {hypothesis.object, hypothesis.X_WO, hypothesis.score};
 }
 
+GraspTarget TargetOf(const HypothesisRecord* hypothesis, double match_diameters) {
+  if (hypothesis == nullptr) return {};
+  return {MatchedInstance(*hypothesis, match_diameters), hypothesis->object, hypothesis->X_WO};
+}
+
+const HypothesisRecord* HypothesisOf(const Grasp& grasp,
+                                     const std::vector<HypothesisRecord>& hypotheses) {
+  return grasp.hypothesis == kNoHypothesis ? nullptr : &hypotheses.at(grasp.hypothesis);
+}
+
 ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Grasp& grasp,
-                       const HypothesisRecord& hypothesis, const AttemptErrors& errors,
+                       const std::vector<HypothesisRecord>& hypotheses, const AttemptErrors& errors,
                        const MotionListener& on_step) {
-  const InstanceId matched = MatchedInstance(hypothesis, setup.options.match_diameters);
-  const ObjectModel* nominal = setup.cell.objects().at(hypothesis.object).get();
-  return ExecuteWithErrors(truth, grasp, ToolNamed(setup.tools, grasp.tool),
-                           {matched, hypothesis.object, hypothesis.X_WO, nominal}, setup.execute,
+  GraspTarget target = TargetOf(HypothesisOf(grasp, hypotheses), setup.options.match_diameters);
+  if (target.object >= 0) target.model = setup.cell.objects().at(target.object).get();
+  return ExecuteWithErrors(truth, grasp, ToolNamed(setup.tools, grasp.tool), target, setup.execute,
                            errors, on_step);
 }
 
@@ -218,7 +219,7 @@ int CountReachable(const TrialSetup& setup, const Observation& view,
   }
   std::vector<Eigen::Vector3d> cloud_W =
       ObservedPoints(view.frame, X_WC, setup.options.cloud_stride_px);
-  MoveToAssumedBin(view.calibration, estimated, cloud_W);
+  if (view.calibration.X_WB) MoveToBin(*view.calibration.X_WB, estimated, cloud_W);
   return grasp::CountReachable(InputsOf(setup, estimated, cloud_W, {}), wanted,
                                RankedOptions(setup, 0));
 }
@@ -233,21 +234,22 @@ std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth
   const auto count_blocked = [&] {
     if (blocked > 0) record.grasps_rejected["held object meets a wall"] = blocked;
   };
-  if (on.graspable.empty()) {
+  if (setup.has_poses && on.graspable.empty()) {
     count_blocked();
     return std::nullopt;
   }
   std::vector<Grasp> planned;
   {
     const StageTimer timer(seconds, "plan");
-    planned = PlanOnEstimate(setup, view, on, failed, earlier, rng_seed, record);
+    planned = PlanOnImage(setup, view, on, failed, earlier, rng_seed, record);
     count_blocked();
   }
   if (setup.options.truth.grasp) {
     const StageTimer timer(seconds, "try");
     if (const auto grasp = FirstThatSucceeds(setup, truth, planned, record)) return grasp;
     if (!earlier.empty()) return std::nullopt;  // a new image shows what is free
-    const std::vector<Grasp> relaxed = PlanRelaxed(setup, view.calibration, on, failed, rng_seed);
+    if (!setup.has_poses) return planned.empty() ? std::nullopt : std::optional(planned.front());
+    const std::vector<Grasp> relaxed = PlanRelaxed(setup, view, on, failed, rng_seed);
     if (const auto grasp = FirstThatSucceeds(setup, truth, relaxed, record)) return grasp;
   }
   return planned.empty() ? std::nullopt : std::optional(planned.front());

@@ -1,7 +1,8 @@
 #pragma once
 
-// Chooses the grasp of an attempt: plans on the estimated poses, leaves out grasps that failed
-// before, and tries grasps in the true scene where the stage oracle asks for it.
+// Chooses the grasp of an attempt: plans on the estimated poses or, without a pose stage, on the
+// image; leaves out grasps that failed before, and tries grasps in the true scene where the stage
+// oracle asks for it.
 
 #include <optional>
 #include <span>
@@ -21,10 +22,12 @@ namespace pickbed::eval {
 class GraspMemory {
  public:
   // Remembers a failed grasp. After a successful one, older failures become a last choice, since
-  // the way may be clear now.
-  void Remember(const Grasp& grasp, const EstimatedPose& pose, const GraspOutcome& outcome);
+  // the way may be clear now. `pose`: the estimated pose, null for a grasp without one.
+  void Remember(const Grasp& grasp, const EstimatedPose* pose, const GraspOutcome& outcome);
   // Returns the grasps that do not repeat a failure, in the given order. If all of them repeat one,
-  // returns the grasps that repeat only failures from before a later successful pick.
+  // returns the grasps that repeat only failures from before a later successful pick. A grasp with
+  // a pose repeats a failure if the object and its estimated position are the same. A grasp without
+  // a pose repeats it if its own origin in the world is near.
   std::vector<Grasp> WithoutRepetitions(const std::vector<Grasp>& grasps,
                                         const std::vector<EstimatedPose>& poses,
                                         const TrialOptions& options) const;
@@ -51,10 +54,18 @@ bool IsGraspable(const HypothesisRecord& hypothesis, InstanceId target, double m
 // Returns the estimated pose in the world.
 EstimatedPose PoseOf(const HypothesisRecord& hypothesis);
 
-// Executes a grasp on a hypothesis in the true scene, which does not change, with the errors of the
-// attempt, and returns the scene after it. `on_step` is called after each step of the physics.
+// Returns the target of a grasp on a hypothesis. Without a pose (null) any instance is the target.
+GraspTarget TargetOf(const HypothesisRecord* hypothesis, double match_diameters);
+
+// Returns the hypothesis of a grasp, or null if it was planned without poses.
+const HypothesisRecord* HypothesisOf(const Grasp& grasp,
+                                     const std::vector<HypothesisRecord>& hypotheses);
+
+// Executes a grasp on one of the hypotheses, or on none, in the true scene, which does not change,
+// with the errors of the attempt, and returns the scene after it. `on_step` is called after each
+// step of the physics.
 ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Grasp& grasp,
-                       const HypothesisRecord& hypothesis, const AttemptErrors& errors,
+                       const std::vector<HypothesisRecord>& hypotheses, const AttemptErrors& errors,
                        const MotionListener& on_step = {});
 
 // Returns the inputs of the planner, one per tool, in the frame of the bin that the cell assumes.
@@ -68,9 +79,10 @@ std::vector<PlanInput> InputsOf(const TrialSetup& setup, std::span<const Estimat
 int CountReachable(const TrialSetup& setup, const Observation& view,
                    std::span<const PoseHypothesis> poses, int wanted);
 
-// Returns the grasp to execute on one of record.hypotheses, or nullopt if there is none. Fills
-// record.grasps_rejected and adds the times to `seconds`. `rng_seed` is the planner's seed. The
-// grasp is independent of the `earlier` picks of the same image.
+// Returns the grasp to execute on one of record.hypotheses or, without a pose stage, anywhere in
+// the image; nullopt if there is none. Fills record.grasps_rejected and adds the times to
+// `seconds`. `rng_seed` is the planner's seed. The grasp is independent of the `earlier` picks of
+// the same image.
 std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth,
                                  const Observation& view, const GraspMemory& failed,
                                  const ImagePicks& earlier, uint64_t rng_seed,

@@ -48,12 +48,15 @@ Scene AfterThePicksBefore(const TrialResult& trial, size_t attempt, const Attemp
       scene = StirBin(scene, objects, tool, path).after;
     }
     if (!earlier.grasp) continue;
-    const HypothesisRecord& estimated = earlier.hypotheses.at(earlier.chosen);
+    GraspTarget target;  // any instance, of a grasp without a pose
+    if (earlier.chosen >= 0) {
+      const HypothesisRecord& estimated = earlier.hypotheses.at(earlier.chosen);
+      target = {earlier.matched_instance, estimated.object, estimated.X_WO,
+                setup.cell.objects().at(estimated.object).get()};
+    }
     scene = ExecuteWithErrors({scene, objects}, *earlier.grasp,
-                              ToolNamed(setup.tools, earlier.grasp->tool),
-                              {earlier.matched_instance, estimated.object, estimated.X_WO,
-                               setup.cell.objects().at(estimated.object).get()},
-                              options, earlier.errors)
+                              ToolNamed(setup.tools, earlier.grasp->tool), target, options,
+                              earlier.errors)
                 .after;
   }
   return scene;

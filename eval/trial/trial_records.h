@@ -74,13 +74,18 @@ struct AttemptRecord {
   // Number of picks before this one that used the same image. `instances` and `hypotheses` of these
   // picks are from one estimate, so statistics of images count them only in the first.
   int pick_of_image = 0;
+  // The planner worked without poses: there was no pose stage, so `hypotheses` is empty and no
+  // instance can be recalled.
+  bool pose_free = false;
   std::vector<InstanceRecord> instances;
   std::vector<HypothesisRecord> hypotheses;
-  int chosen = -1;                            // hypothesis of the executed grasp
-  InstanceId matched_instance = kNoInstance;  // of the chosen hypothesis, -1 = none
-  InstanceId target = kNoInstance;            // target instance of an occlusion trial, -1 = none
-  int band = -1;                              // band of the target's visible fraction, -1 = none
-  std::optional<Grasp> grasp;                 // as planned
+  int chosen = -1;  // hypothesis of the executed grasp, -1 = none
+  // Matches the chosen hypothesis; without poses, the instance that came or was nearest; -1 =
+  // none.
+  InstanceId matched_instance = kNoInstance;
+  InstanceId target = kNoInstance;  // target instance of an occlusion trial, -1 = none
+  int band = -1;                    // band of the target's visible fraction, -1 = none
+  std::optional<Grasp> grasp;       // as planned
   // Fill level of the bin before the pick, 0 = empty, and the place of the matched instance in it
   // (sim/drop/fill_level.h). Negative, or layer 0: unknown.
   double fill_level = -1;

@@ -1,5 +1,7 @@
 #include "eval/trial/trial_setup.h"
 
+#include <fmt/format.h>
+
 #include "eval/trial/oracle_estimator.h"
 #include "grasp/candidates/candidates.h"
 #include "grasp/plan/plan.h"
@@ -20,6 +22,30 @@ void TrialOptions::Visit(SettingsVisitor& v) {
   v.Integer("true_grasps", true_grasps, {1, 1000000}, "number of grasps tried in the true scene");
 }
 
+const PlannerRow& PlannerOf(const ScenarioSpec& scenario, const OracleStages& truth) {
+  const PlannerRow& row = *WithSettingsKey(
+      scenario, "planner.name", [&] { return &PlannerNamed(scenario.planner.name); });
+  if (row.needs_poses) return row;
+  if (truth.AllOfPerception()) return PlannerNamed(kPosePlanner);
+  const auto refuse = [&](bool is_set, const std::string& key, const std::string& why) {
+    CheckInput(!is_set, fmt::format("{}: planner {} works without poses, {}", scenario.At(key),
+                                    row.name, why));
+  };
+  const PolicySpec& policy = scenario.policy;
+  refuse(scenario.occlusion.enabled, "occlusion.enabled",
+         "so it cannot pick a chosen target; set it to false");
+  refuse(policy.picks_per_image > 1, "policy.picks_per_image",
+         "so it does not know which picks disturb each other; set it to 1");
+  refuse(policy.check_lift, "policy.check_lift",
+         "so it does not know the lifted object; set it to false");
+  refuse(policy.ranking != PolicySpec().ranking, "policy.ranking",
+         fmt::format("and ranks by its own score; set it to {}", PolicySpec().ranking));
+  refuse(truth.detection || truth.pose || truth.refinement, "planner.name",
+         "so there is no such stage to replace by ground truth; choose grasp, perception or "
+         "everything");
+  return row;
+}
+
 TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
                        const Progress& progress, const TrialOptions& trial_options)
     : spec(scenario),
@@ -36,7 +62,9 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   execute.retention.max_g = scenario.policy.retention_g;
   execute.retention.is_lateral = scenario.policy.retention_load == "lateral";
   const OracleStages& truth = options.truth;
-  if (!truth.AllOfPerception()) {
+  const PlannerRow& planner_row = PlannerOf(scenario, truth);
+  has_poses = planner_row.needs_poses;
+  if (has_poses && !truth.AllOfPerception()) {
     estimator = MakeEstimatorRunner(cell, scenario, 1, progress, options.log_dir);
   }
   if (truth.pose && !truth.refinement && scenario.estimator.name != kOracleName) {
@@ -47,7 +75,7 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
     const ObjectModel& model = *cell.objects()[i];
     metric_models.push_back(MakeMetricModel(model));
     for (auto& by_object : candidates) by_object.emplace_back();
-    if (!cell.IsWanted(ObjectId(i))) continue;
+    if (!cell.IsWanted(ObjectId(i)) || !has_poses) continue;
     WithSettingsKey(scenario, "gripper", [&] {
       ToolCandidates of_object = RequireToolCandidates(model, tools);
       for (size_t k = 0; k < tools.size(); ++k) {
@@ -55,9 +83,15 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
       }
     });
   }
-  for (size_t k = 0; k < tools.size(); ++k) {
+  for (size_t k = 0; has_poses && k < tools.size(); ++k) {
     FillTolerance(scenario, cell.objects(), tools[k]->name, candidates[k]);
   }
+  PlanOptions plan_options;
+  plan_options.ranking = scenario.policy.ranking;
+  planner = WithSettingsKey(scenario, "planner.name", [&] {
+    return planner_row.make({scenario.planner, tools, cell.objects(), candidates, plan_options,
+                             options.cloud_stride_px});
+  });
 }
 
 }  // namespace pickbed::eval

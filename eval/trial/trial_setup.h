@@ -17,6 +17,7 @@
 #include "grasp/grasp.h"
 #include "grasp/gripper.h"
 #include "grasp/grippers/tools.h"
+#include "grasp/planners/table.h"
 #include "scenes/base/settings.h"
 #include "scenes/scenario/scenario_spec.h"
 
@@ -46,9 +47,9 @@ struct TrialSetup {
   // Called while codebooks are made and after each attempt, with the work and the share done.
   using Progress = std::function<void(std::string_view what, double share)>;
 
-  // Makes the estimator and the grasp candidates, from caches where possible. Throws InputError for
-  // an unknown estimator, gripper, sensor or policy, for a broken model file and for options out of
-  // range.
+  // Makes the estimator, the grasp candidates and the planner, from caches where possible. Throws
+  // InputError for an unknown estimator, gripper, sensor, planner or policy, for a broken model
+  // file, for options out of range, and for settings that the planner cannot follow.
   TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects, const Progress& on_progress,
              const TrialOptions& trial_options);
 
@@ -59,10 +60,20 @@ struct TrialSetup {
   Tools tools;
   ExecuteOptions execute;
   std::vector<MetricModel> metric_models;  // by object
-  // By tool and object; none for distractors and for objects that the tool cannot hold.
+  // By tool and object; none for distractors, for objects that the tool cannot hold, and without a
+  // pose stage.
   std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
-  std::unique_ptr<EstimatorRunner> estimator;  // null: the oracle, or all of perception is given
-  std::unique_ptr<OracleRefiner> refiner;      // refines substituted poses; may be null
+  std::unique_ptr<Planner> planner;
+  bool has_poses = true;  // false: the planner works without poses, and there is no pose stage
+  // Null: the oracle, all of perception is given, or there is no pose stage.
+  std::unique_ptr<EstimatorRunner> estimator;
+  std::unique_ptr<OracleRefiner> refiner;  // refines substituted poses; may be null
 };
+
+// Returns the planner of a trial: the row of the scenario, or the planner on poses if the poses of
+// all instances are given. Throws InputError for an unknown planner. Throws it for a planner
+// without poses together with a setting that needs poses: an occlusion scenario, several picks per
+// image, a lift check, another ranking than the default, or a stage oracle of a pose stage.
+const PlannerRow& PlannerOf(const ScenarioSpec& scenario, const OracleStages& truth);
 
 }  // namespace pickbed::eval

@@ -1,0 +1,192 @@
+// Trials with a planner that works without poses.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "eval/summary/failure_budget.h"
+#include "eval/summary/run_csv.h"
+#include "eval/summary/run_summary.h"
+#include "eval/trial/failure_attribution.h"
+#include "eval/trial/grasp_choice.h"
+#include "eval/trial/recorded_scene.h"
+#include "eval/trial/trial.h"
+#include "tests/eval/cube_scenario.h"
+#include "tests/sim/physics_objects.h"
+#include "tests/support/error_of.h"
+
+namespace pickbed::tests {
+namespace {
+
+using ::testing::HasSubstr;
+
+// The estimator does not exist, so a trial that made it would fail.
+ScenarioSpec PoseFreeScenario(int count) {
+  ScenarioSpec spec = CubeScenario(count);
+  spec.planner.name = "cloud_antipodal";
+  spec.estimator.name = "none";
+  return spec;
+}
+
+TrialResult RunOne(const ScenarioSpec& spec, const ObjectSet& objects,
+                   const TrialOptions& options = {}) {
+  return TrialRunner(spec, objects, {}, options).Run(BinIndex(0));
+}
+
+TEST(PoseFreeTrial, EmptiesABinOfCubesWithoutAnEstimator) {
+  const TrialResult result = RunOne(PoseFreeScenario(4), EasyCube());
+  EXPECT_EQ(result.instances_cleared, 4);
+  EXPECT_EQ(result.ended_by, FailureReason::kNone);
+  for (const AttemptRecord& attempt : result.attempts) {
+    EXPECT_TRUE(attempt.pose_free);
+    EXPECT_TRUE(attempt.hypotheses.empty());
+    ASSERT_TRUE(attempt.grasp.has_value());
+    EXPECT_EQ(attempt.grasp->hypothesis, kNoHypothesis);
+    EXPECT_EQ(attempt.chosen, -1);
+    if (attempt.failure != FailureReason::kNone) continue;
+    EXPECT_EQ(attempt.matched_instance, attempt.outcome.picked_instance);
+    EXPECT_EQ(attempt.outcome.instances_lifted, 1);
+  }
+  for (const InstanceOutcome& outcome : result.outcomes) EXPECT_TRUE(outcome.picked);
+  for (const auto& [stage, seconds] : result.seconds) {
+    EXPECT_FALSE(stage.starts_with("estimate")) << stage;
+  }
+}
+
+TEST(PoseFreeTrial, DependsOnlyOnSeedAndTrialNumber) {
+  const ScenarioSpec spec = PoseFreeScenario(3);
+  const ObjectSet objects = EasyCube();
+  const TrialResult a = RunOne(spec, objects), b = RunOne(spec, objects);
+  EXPECT_EQ(AttemptsCsv({a}, {"cube"}), AttemptsCsv({b}, {"cube"}));
+  ASSERT_EQ(a.attempts.size(), b.attempts.size());
+  for (size_t i = 0; i < a.attempts.size(); ++i)
+    EXPECT_EQ(a.attempts[i].hashes, b.attempts[i].hashes);
+}
+
+TEST(PoseFreeTrial, NoGraspIsNotAttributedToPoses) {
+  const ObjectSet plate{BoxObject({0.12, 0.11, 0.006}, 0.2)};
+  const TrialResult result = RunOne(PoseFreeScenario(1), plate);
+  ASSERT_EQ(result.attempts.size(), 1u);
+  EXPECT_EQ(result.attempts[0].failure, FailureReason::kNoGrasp);
+  EXPECT_EQ(BudgetOfInstances({&result, 1})[FailureReason::kNoGrasp], 1);
+}
+
+TEST(PoseFreeTrial, ReportsHaveNoRecall) {
+  const TrialResult result = RunOne(PoseFreeScenario(2), EasyCube());
+  const RunSummary summary = Summarize({result});
+  EXPECT_FALSE(summary.has_poses());
+  EXPECT_EQ(summary.recall.samples, 0);
+  EXPECT_EQ(summary.successes, 2);
+  EXPECT_EQ(SummaryTable(summary).find("Recall"), std::string::npos);
+  EXPECT_THAT(AttemptsCsv({result}, {"cube"}), HasSubstr(",cube,"));
+}
+
+// A recorded trial gives the scene of each attempt again.
+TEST(PoseFreeTrial, ScenesOfAttemptsAreReproduced) {
+  const ScenarioSpec spec = PoseFreeScenario(3);
+  TrialSetup setup(spec, EasyCube(), {}, {});
+  const TrialResult result = RunTrial(setup, BinIndex(0));
+  ASSERT_GE(result.attempts.size(), 2u);
+  const Scene scene = SceneOfAttempt(result, 1, {setup.cell, setup.tools, spec.policy.success});
+  EXPECT_EQ(scene.objects.size(), 2u);
+}
+
+// With the poses of all instances given, the planner on poses shows what perfect poses are worth.
+TEST(PoseFreeTrial, GivenPosesUseThePlannerOnPoses) {
+  TrialOptions options;
+  options.truth = OracleNamed("perception").truth;
+  const TrialResult result = RunOne(PoseFreeScenario(2), EasyCube(), options);
+  for (const AttemptRecord& attempt : result.attempts) EXPECT_FALSE(attempt.pose_free);
+  EXPECT_EQ(result.instances_cleared, 2);
+}
+
+TEST(PoseFreeTrial, GraspsAreTriedInTheTrueScene) {
+  TrialOptions options;
+  options.truth = OracleNamed("grasp").truth;
+  const TrialResult result = RunOne(PoseFreeScenario(2), EasyCube(), options);
+  EXPECT_EQ(result.instances_cleared, 2);
+}
+
+TEST(PoseFreeTrial, PickedDistractorIsAFailure) {
+  ScenarioSpec spec = PoseFreeScenario(1);
+  ObjectSpec distractor = spec.objects[0];
+  distractor.name = "other";
+  distractor.distractor = true;
+  distractor.count = 4;
+  spec.objects.push_back(distractor);
+  spec.policy.max_failures_in_row = 10;
+  const ObjectSet objects{EasyCube()[0], EasyCube()[0]};
+  const TrialResult result = RunOne(spec, objects);
+  int wrong = 0;
+  for (const AttemptRecord& attempt : result.attempts) {
+    wrong += attempt.failure == FailureReason::kWrongObject;
+  }
+  EXPECT_GT(wrong, 0);
+  EXPECT_LE(result.instances_cleared, 1);
+}
+
+TEST(PoseFreeTrial, RefusesSettingsThatNeedPoses) {
+  const auto error = [](const std::function<void(ScenarioSpec&)>& change) {
+    ScenarioSpec spec = PoseFreeScenario(1);
+    change(spec);
+    return ErrorOf([&] { PlannerOf(spec, {}); });
+  };
+  EXPECT_THAT(error([](ScenarioSpec& s) { s.occlusion.enabled = true; }),
+              HasSubstr("occlusion.enabled: planner cloud_antipodal works without poses"));
+  EXPECT_THAT(error([](ScenarioSpec& s) { s.policy.picks_per_image = 2; }),
+              HasSubstr("policy.picks_per_image"));
+  EXPECT_THAT(error([](ScenarioSpec& s) { s.policy.check_lift = true; }),
+              HasSubstr("policy.check_lift"));
+  EXPECT_THAT(error([](ScenarioSpec& s) { s.policy.ranking = "random"; }),
+              HasSubstr("policy.ranking"));
+  EXPECT_THAT(error([](ScenarioSpec& s) { s.planner.name = "cloud"; }),
+              HasSubstr("planner.name: "));
+  EXPECT_EQ(error([](ScenarioSpec&) {}), "no error");
+  EXPECT_THAT(ErrorOf([] { PlannerOf(PoseFreeScenario(1), OracleNamed("detection").truth); }),
+              HasSubstr("choose grasp, perception or everything"));
+}
+
+TEST(PoseFreeTrial, PhysicalOutcomeIsTheFailure) {
+  AttemptRecord record;
+  record.pose_free = true;
+  record.grasp.emplace();
+  record.grasp->hypothesis = kNoHypothesis;
+  for (const FailureReason failure :
+       {FailureReason::kSlipped, FailureReason::kCollision, FailureReason::kDoublePick,
+        FailureReason::kClosedOnNothing}) {
+    record.outcome.failure = failure;
+    EXPECT_EQ(AttributeFailure(record, {}, 0.5, InstanceMatcher({}, {})), failure);
+  }
+  record.outcome.success = true;
+  EXPECT_EQ(AttributeFailure(record, {}, 0.5, InstanceMatcher({}, {})), FailureReason::kNone);
+  record.grasp.reset();
+  EXPECT_EQ(AttributeFailure(record, {}, 0.5, InstanceMatcher({}, {})), FailureReason::kNotVisible);
+  record.instances = {{InstanceId(0), ObjectId(0), 0.5}};
+  EXPECT_EQ(AttributeFailure(record, {}, 0.5, InstanceMatcher({}, {})), FailureReason::kNoGrasp);
+}
+
+// Without poses, a failure is remembered at the place of the hand.
+TEST(PoseFreeTrial, FailedGraspIsNotRepeatedNearItsPlace) {
+  const auto at = [](double x_m) {
+    Grasp grasp;
+    grasp.hypothesis = kNoHypothesis;
+    grasp.X_WG = Translation({x_m, 0, 0.02});
+    return grasp;
+  };
+  GraspMemory memory;
+  GraspOutcome failed, picked;
+  picked.success = true;
+  memory.Remember(at(0), nullptr, failed);
+  const TrialOptions options;
+  const std::vector<Grasp> fresh = memory.WithoutRepetitions({at(0.005), at(0.05)}, {}, options);
+  ASSERT_EQ(fresh.size(), 1u);
+  EXPECT_EQ(fresh[0].X_WG.translation().x(), 0.05);
+  EXPECT_TRUE(memory.WithoutRepetitions({at(0.005)}, {}, options).empty());
+  memory.Remember(at(0.05), nullptr, picked);
+  EXPECT_EQ(memory.WithoutRepetitions({at(0.005)}, {}, options).size(), 1u)
+      << "the way may be clear after a pick";
+}
+
+}  // namespace
+}  // namespace pickbed::tests
