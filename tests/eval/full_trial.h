@@ -73,6 +73,7 @@ inline TrialResult FullTrial(int trial) {
     AttemptRecord& pick = result.attempts.emplace_back();
     pick.attempt = p;
     pick.pick_of_image = p % 2;
+    pick.pose_free = p % 2 == 1;
     pick.fill_level = rng.Uniform();
     pick.layer = p + 1;
     pick.instances_above = p + 2;
@@ -127,6 +128,7 @@ inline TrialResult FullTrial(int trial) {
 inline void ExpectSamePick(const AttemptRecord& a, const AttemptRecord& b) {
   EXPECT_EQ(a.attempt, b.attempt);
   EXPECT_EQ(a.pick_of_image, b.pick_of_image);
+  EXPECT_EQ(a.pose_free, b.pose_free);
   EXPECT_EQ(std::tie(a.fill_level, a.layer, a.instances_above, a.instances_below),
             std::tie(b.fill_level, b.layer, b.instances_above, b.instances_below));
   EXPECT_EQ(a.chosen, b.chosen);

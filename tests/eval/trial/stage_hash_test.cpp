@@ -131,8 +131,8 @@ void Change(T& value) {
 // identify the attempt or its image, or follow from the scene, which has its own hash.
 TEST(StateHash, DependsOnEveryStoredColumnOfAnAttempt) {
   const std::set<std::string> not_state = {
-      "trial",         "attempt",    "executed", "target",          "band",
-      "pick_of_image", "fill_level", "layer",    "instances_above", "instances_below"};
+      "trial",      "attempt", "executed",        "target",          "band",     "pick_of_image",
+      "fill_level", "layer",   "instances_above", "instances_below", "pose_free"};
   AttemptRow row{0, SomePick(), true, Grasp()};
   const uint64_t grasp = HashOfGrasp(row.record), outcome = HashOfOutcome(row.record);
   int columns = 0;
