@@ -195,8 +195,7 @@ void PluginClient::ThrowBroken(const ReceivedMessage& received, double limit_s) 
     Stop(std::chrono::milliseconds(0));
     throw PluginError(
         PluginFault::kTimeout,
-        fmt::format("gave no answer within {:g} s; raise timeout_s, or make it faster",
-                    address_.timeout_s),
+        fmt::format("gave no answer within {:g} s; raise timeout_s, or make it faster", limit_s),
         log_->LastLines(kTracebackLines));
   }
   if (status == TransferStatus::kNotAFrame) {

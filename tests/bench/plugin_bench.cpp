@@ -28,7 +28,7 @@ void PythonEstimator(benchmark::State& state) {
   const auto estimator = MakeEstimator(setup);
   Rng rng(1);
   for (auto _ : state) {
-    const EstimateResult result = estimator->Estimate({frame}, rng);
+    const EstimateResult result = estimator->Estimate({frame, std::nullopt}, rng);
     if (result.hypotheses.size() != 1) state.SkipWithError("no pose");
   }
   state.SetBytesProcessed(state.iterations() * (frame.depth_m.size() * sizeof(float) +

@@ -16,17 +16,17 @@ def mine(frame):
 pb.serve()
 PY
 }
-plugged=(--set estimator.name=process --trials 2 --pictures 0 --set policy.max_attempts=2)
+plugged=(--set estimator.name=process --pictures 0 --set policy.max_attempts=2)
 
 a_run_with_a_failing_program_goes_on_and_says_so() {
   estimator_with 'print("seen"); raise ValueError("planted")'
-  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --set "estimator.command=python3 estimator.py" --jobs 2 --out crashed
+  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --trials 2 --set "estimator.command=python3 estimator.py" --jobs 2 --out crashed
   grep -q "estimator_crashed *4" last.out || grep -q "estimator_crashed" last.out || fail "the failures are not reported"
   grep -q "attempt 0: estimator 'mine' reported an error: ValueError: planted" last.err || fail "no warning"
   grep -q 'estimator.py", line 7' last.err || fail "no traceback"
   grep -q "seen" crashed/logs/estimator_1.log || fail "the prints are not in the log"
   # The worker with the other program started later must give the same results.
-  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --set "estimator.command=[python3, estimator.py]" --jobs 1 --out again
+  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --trials 2 --set "estimator.command=[python3, estimator.py]" --jobs 1 --out again
   same crashed/attempts.csv again/attempts.csv
   same crashed/summary.json again/summary.json
 }
@@ -43,7 +43,7 @@ _refused_run() {
   local words=$1
   shift
   rm -rf no
-  refused "$words" "$pickbed" run small.yaml "${plugged[@]}" --out no "$@"
+  refused "$words" "$pickbed" run small.yaml "${plugged[@]}" --trials 2 --out no "$@"
 }
 
 wrong_programs_are_refused_in_one_line() {
@@ -80,8 +80,8 @@ a_changed_program_makes_other_results() {
 }
 
 an_answer_larger_than_allowed_ends_the_run() {
-  estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)] * 1000000'
-  expect 1 "$pickbed" run small.yaml "${plugged[@]}" --out no --set "estimator.command=python3 estimator.py"
+  estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)] * 400000'
+  expect 1 "$pickbed" run small.yaml "${plugged[@]}" --trials 2 --out no --set "estimator.command=python3 estimator.py"
   grep -q "gave an answer of more than 64 MiB" last.err || fail "no reason"
 }
 
@@ -91,10 +91,10 @@ a_server_answers_several_workers() {
   local server=$!
   for _ in $(seq 100); do grep -q "listening" server.log && break; sleep 0.1; done
   local address=$(sed -n 's/^listening on //p' server.log)
-  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --set "estimator.connect=$address" --jobs 2 --out served
+  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --trials 2 --set "estimator.connect=$address" --jobs 2 --out served
   [ "$(grep -c . served/attempts.csv)" -ge 3 ] || fail "too few attempts"
   kill $server
-  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --set "estimator.command=python3 estimator.py" --out child
+  expect 0 "$pickbed" run small.yaml "${plugged[@]}" --trials 2 --set "estimator.command=python3 estimator.py" --out child
   cut -d, -f1-8 served/attempts.csv >a.csv
   cut -d, -f1-8 child/attempts.csv >b.csv
   same a.csv b.csv

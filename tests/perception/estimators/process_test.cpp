@@ -36,7 +36,7 @@ class ProcessEstimatorTest : public testing::Test {
   }
   EstimateResult Estimate(PoseEstimator& estimator, bool is_first = false) {
     Rng rng(1);
-    EstimatorInput input{frame_};
+    EstimatorInput input{frame_, std::nullopt};
     input.is_first = is_first;
     return estimator.Estimate(input, rng);
   }
@@ -71,7 +71,7 @@ TEST_F(ProcessEstimatorTest, KnownCountsLimitThePosesOfAnObject) {
       "    return [pose(0, 0.1 * i, n) for i in range(5) for n in (None, 'second')]",
       "'counts'");
   Rng rng(1);
-  EstimatorInput input{frame_};
+  EstimatorInput input{frame_, std::nullopt};
   input.instances = {1, 2};
   EXPECT_THAT(Scores(estimator->Estimate(input, rng)), ElementsAre(0.4, 0.4, 0.1 * 3));
   EXPECT_THAT(ErrorOf([&] { Estimate(*estimator); }), HasSubstr("needs 'counts'"));
