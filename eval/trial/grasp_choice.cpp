@@ -260,7 +260,7 @@ StirPath ChooseStir(const Bin& bin, const Gripper& tool, const Observation& view
   std::vector<EstimatedPose> no_poses;
   std::vector<Eigen::Vector3d> cloud_W =
       ObservedPoints(view.frame, view.calibration.camera.X_WC(), kStride_px);
-  MoveToAssumedBin(view.calibration, no_poses, cloud_W);
+  if (view.calibration.X_WB) MoveToBin(*view.calibration.X_WB, no_poses, cloud_W);
   StirPath path = PlanStir(bin, cloud_W, tool, number);
   if (!view.calibration.X_WB) return path;
   path.X_WG_from = *view.calibration.X_WB * path.X_WG_from;
