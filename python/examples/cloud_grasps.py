@@ -11,8 +11,8 @@ import pickbed_plugin as pb
 
 CELL_M = 0.002  # of the height map
 DEPTH_M = 0.015  # of the finger tips below the highest point between them
-FINGER_M = 0.012  # thickness, with clearance
-HALF_WIDTH_M = 0.008  # of a finger, across the closing direction
+FINGER_M = 0.015  # thickness, with clearance
+HALF_WIDTH_M = 0.012  # of a finger, across the closing direction, with clearance
 LINES, ANGLES = 300, 12
 
 
@@ -38,7 +38,7 @@ class CloudGrasps(pb.Planner):
         across = np.arange(-HALF_WIDTH_M, HALF_WIDTH_M + CELL_M / 2, CELL_M)
         side = np.array([-direction[1], direction[0]])
         places = (center + along[:, None, None] * direction + across[None, :, None] * side)
-        cells = np.round(places / CELL_M).astype(int)
+        cells = np.floor(places / CELL_M).astype(int)
         outside = (cells < 0).any(axis=2) | (cells >= heights.shape).any(axis=2)
         cells = np.clip(cells, 0, np.array(heights.shape) - 1)
         found = np.where(outside, np.inf, heights[cells[..., 0], cells[..., 1]])
