@@ -80,7 +80,6 @@ class SurfaceBuilder {
         height_(frame.depth_m.height()),
         depth_m_(FilledDepth(frame.depth_m)) {
     const Pose X_BC = bin ? bin->X_WB.inverse() * X_WC : X_WC;
-    camera_B_ = X_BC.translation().cast<float>();
     points_B_.resize(depth_m_.size(), Vector3f::Constant(kNone));
     is_inside_.resize(depth_m_.size());
     const Eigen::Matrix3f R_BC = X_BC.linear().cast<float>();
@@ -104,7 +103,6 @@ class SurfaceBuilder {
   }
 
   ObservedSurface Build() {
-    FindNormals();
     FindSegments();
     AddPoints();
     return std::move(surface_);
@@ -131,79 +129,18 @@ class SurfaceBuilder {
     }
   }
 
-  // Normals from the differences of the points at the ends of a window; zero where a step in depth
-  // or a gap is inside.
-  void FindNormals() {
-    normals_B_.assign(points_B_.size(), Vector3f::Zero());
-    const int w = options_.normal_window_px;
-    const float step_m = static_cast<float>(options_.step_m) * w;
-    for (int v = w; v + w < height_; ++v) {
-      for (int u = w; u + w < width_; ++u) {
-        const int i = v * width_ + u;
-        if (!is_object_[i]) continue;
-        const int left = i - w, right = i + w, up = i - w * width_, down = i + w * width_;
-        if (!is_object_[left] || !is_object_[right] || !is_object_[up] || !is_object_[down]) {
-          continue;
-        }
-        const Vector3f across = Smoothed(right) - Smoothed(left);
-        const Vector3f along = Smoothed(down) - Smoothed(up);
-        if (across.norm() > step_m || along.norm() > step_m) continue;
-        Vector3f normal = across.cross(along);
-        const float length = normal.norm();
-        if (!(length > 0)) continue;
-        normal /= length;
-        if (normal.dot(camera_B_ - points_B_[i]) < 0) normal = -normal;
-        normals_B_[i] = normal;
-      }
-    }
-  }
-
-  // Mean of a pixel and its measured neighbors without a step in depth.
-  Vector3f Smoothed(int i) const {
-    Vector3f sum = points_B_[i];
-    int count = 1;
-    const float step_m = static_cast<float>(options_.step_m);
-    for (const int step :
-         {-1, 1, -width_, width_, -width_ - 1, -width_ + 1, width_ - 1, width_ + 1}) {
-      const int k = i + step;
-      if (k < 0 || k >= static_cast<int>(points_B_.size()) || !is_object_[k]) continue;
-      if ((points_B_[k] - points_B_[i]).norm() > step_m) continue;
-      sum += points_B_[k];
-      ++count;
-    }
-    return sum / static_cast<float>(count);
-  }
-
-  // Whether the surface bends towards the camera between two pixels: instances that touch.
-  bool IsCrease(int a, int b) const {
-    const Vector3f &na = normals_B_[a], &nb = normals_B_[b];
-    if (na.isZero() || nb.isZero()) return false;
-    const Vector3f way = (points_B_[b] - points_B_[a]).normalized();
-    return (na - nb).dot(way) > static_cast<float>(options_.crease);
-  }
-
   void FindSegments() {
     PixelSets sets(points_B_.size());
     const float step_m = static_cast<float>(options_.step_m);
-    const int reach = options_.normal_window_px;
-    const auto join = [&](int a, int b, int wide_a, int wide_b) {
+    const auto join = [&](int a, int b) {
       if (!is_object_[a] || !is_object_[b]) return;
-      if ((points_B_[a] - points_B_[b]).norm() > step_m) return;
-      if (IsCrease(wide_a, wide_b)) return;
-      sets.Join(a, b);
+      if ((points_B_[a] - points_B_[b]).norm() <= step_m) sets.Join(a, b);
     };
     for (int v = 0; v < height_; ++v) {
       for (int u = 0; u < width_; ++u) {
         const int i = v * width_ + u;
-        if (!is_object_[i]) continue;
-        if (u + 1 < width_) {
-          const int left = std::max(0, u - reach), right = std::min(width_ - 1, u + 1 + reach);
-          join(i, i + 1, v * width_ + left, v * width_ + right);
-        }
-        if (v + 1 < height_) {
-          const int up = std::max(0, v - reach), down = std::min(height_ - 1, v + 1 + reach);
-          join(i, i + width_, up * width_ + u, down * width_ + u);
-        }
+        if (u + 1 < width_) join(i, i + 1);
+        if (v + 1 < height_) join(i, i + width_);
       }
     }
     JoinFragments(sets);
@@ -309,10 +246,8 @@ class SurfaceBuilder {
   const RgbdFrame& frame_;
   const SurfaceOptions& options_;
   const int width_, height_;
-  const Image<float> depth_m_;  // filled
-  Vector3f camera_B_;
+  const Image<float> depth_m_;      // filled
   std::vector<Vector3f> points_B_;  // by pixel; NaN = none
-  std::vector<Vector3f> normals_B_;
   std::vector<uint8_t> is_inside_, is_object_;
   std::vector<int> segment_of_;
   std::unordered_map<int64_t, size_t> voxels_;
@@ -333,9 +268,6 @@ void SurfaceOptions::Visit(SettingsVisitor& v) {
          "largest step over which a small segment is joined, m");
   v.Integer("min_segment_px", min_segment_px, {1, 100000}, "minimum size of a segment, px");
   v.Real("margin_m", margin_m, {0, 10}, "width of the seen border around the bin, m");
-  v.Real("crease", crease, {0, 2}, "sine of a concave bend that separates segments");
-  v.Integer("normal_window_px", normal_window_px, {1, 20},
-            "half width of the window of a normal, px");
 }
 
 ObservedSurface ObserveSurface(const RgbdFrame& frame, const Pose& X_WC,

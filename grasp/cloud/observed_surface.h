@@ -41,10 +41,8 @@ struct SurfaceOptions {
   double bin_band_m = 0.003;  // points this near to floor and walls are background
   int fragment_px = 150;      // smaller segments are joined with a neighbor within fragment_step_m
   double fragment_step_m = 0.015;
-  int min_segment_px = 40;   // smaller segments are background
-  double margin_m = 0.07;    // points this far beyond the walls are left out
-  double crease = 0.35;      // sine of a concave bend that separates segments
-  int normal_window_px = 4;  // half width of the window of a normal
+  int min_segment_px = 40;  // smaller segments are background
+  double margin_m = 0.07;   // points this far beyond the walls are left out
   void Visit(SettingsVisitor& v);
 };
 

@@ -23,7 +23,10 @@ struct CubeOnFloor {
 
   CubeOnFloor() {
     Rng rng(1);
-    candidates = {{tools[0]->MakeCandidates(*objects[0], rng, GraspCandidateOptions())}};
+    AntipodalOptions options;
+    options.candidates = 50;
+    const ParallelJaw jaw = SmallJaw();
+    candidates = {{AntipodalGrasps(*objects[0], jaw.hand, jaw.clearance_m, rng, options)}};
   }
   PlannerSetup Setup() const { return {{}, tools, objects, candidates, {}, 2}; }
 };
