@@ -10,10 +10,11 @@ import numpy as np
 import pickbed_plugin as pb
 
 ppf = cv2.ppf_match_3d
+cv2.setNumThreads(1)  # each worker of pickbed has its own program
 
 # OpenCV merges poses that are nearer than its sampling step, but takes the step for a distance. So all
 # points are in diameters of the object here.
-STEP = 0.08
+STEP = 0.07
 MODEL_POINTS = 2000
 VOXEL = 0.06  # one measured point in each
 NEIGHBORS = 12  # points of a normal
