@@ -121,7 +121,7 @@ _found() {
 
 python_examples_find_poses_and_grasps() {
   local examples=$root/python/examples
-  _found 2 "python3 $examples/opencv_ppf.py" --timeout 300
+  _found 1 "python3 $examples/opencv_ppf.py" --timeout 300
   _found 3 "python3 $examples/template_lookup.py" --set arrangement=packed
   expect 0 "$pickbed" plugin check "python3 $examples/cloud_grasps.py" --role planner --set objects.0.count=3 --images 1
   local inside=$(sed -n 's/^ok *place *\([0-9]*\) of .*/\1/p' last.out)
