@@ -8,7 +8,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pickbed)
 install(TARGETS pickbed RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY assets/ DESTINATION ${assets_folder})
 install(DIRECTORY scenes/presets DESTINATION ${CMAKE_INSTALL_DATADIR}/pickbed)
-install(DIRECTORY python DESTINATION ${CMAKE_INSTALL_DATADIR}/pickbed FILES_MATCHING PATTERN "*.py")
+install(DIRECTORY scenes/plugin/python DESTINATION ${CMAKE_INSTALL_DATADIR}/pickbed FILES_MATCHING PATTERN "*.py")
 install(FILES ${CMAKE_BINARY_DIR}/report/page.html DESTINATION ${assets_folder}/report OPTIONAL)
 
 # Headers of the four libraries. Those that need a third-party library other than Eigen are private.

@@ -103,7 +103,11 @@ fs::path AssetsDir() {
   throw InputError("found no assets at " + searched + "; set PICKBED_ASSETS to the assets folder");
 }
 
-fs::path PythonDir() { return AssetsDir().parent_path() / "python"; }
+fs::path PythonDir() {
+  const fs::path root = AssetsDir().parent_path();
+  const fs::path in_sources = root / "scenes" / "plugin" / "python";
+  return fs::is_directory(in_sources) ? in_sources : root / "python";  // installed
+}
 
 fs::path CacheDir() {
   // The XDG specification requires that a relative XDG_CACHE_HOME is ignored.

@@ -87,7 +87,7 @@ an_answer_larger_than_allowed_ends_the_run() {
 
 a_server_answers_several_workers() {
   estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)]'
-  PYTHONPATH=$root/python python3 estimator.py --listen 0 2>server.log &
+  PYTHONPATH=$root/scenes/plugin/python python3 estimator.py --listen 0 2>server.log &
   local server=$!
   for _ in $(seq 100); do grep -q "listening" server.log && break; sleep 0.1; done
   local address=$(sed -n 's/^listening on //p' server.log)
@@ -120,7 +120,7 @@ _found() {
 }
 
 python_examples_find_poses_and_grasps() {
-  local examples=$root/python/examples
+  local examples=$root/scenes/plugin/python/examples
   _found 1 "python3 $examples/opencv_ppf.py" --timeout 300
   _found 3 "python3 $examples/template_lookup.py" --set arrangement=packed
   expect 0 "$pickbed" plugin check "python3 $examples/cloud_grasps.py" --role planner --set objects.0.count=3 --images 1
