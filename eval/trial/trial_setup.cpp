@@ -23,8 +23,8 @@ void TrialOptions::Visit(SettingsVisitor& v) {
 }
 
 const PlannerRow& PlannerOf(const ScenarioSpec& scenario, const OracleStages& truth) {
-  const PlannerRow& row = *WithSettingsKey(
-      scenario, "planner.name", [&] { return &PlannerNamed(scenario.planner.name); });
+  const PlannerRow& row = *WithSettingsKey(scenario, "planner.name",
+                                           [&] { return &PlannerNamed(scenario.planner.name); });
   if (row.needs_poses) return row;
   if (truth.AllOfPerception()) return PlannerNamed(kPosePlanner);
   const auto refuse = [&](bool is_set, const std::string& key, const std::string& why) {
