@@ -29,13 +29,13 @@ ScenarioSpec PoseFreeScenario(int count) {
   return spec;
 }
 
-TrialResult RunOne(const ScenarioSpec& spec, const ObjectSet& objects,
-                   const TrialOptions& options = {}) {
+TrialResult RunPoseFree(const ScenarioSpec& spec, const ObjectSet& objects,
+                        const TrialOptions& options = {}) {
   return TrialRunner(spec, objects, {}, options).Run(BinIndex(0));
 }
 
 TEST(PoseFreeTrial, EmptiesABinOfCubesWithoutAnEstimator) {
-  const TrialResult result = RunOne(PoseFreeScenario(4), EasyCube());
+  const TrialResult result = RunPoseFree(PoseFreeScenario(4), EasyCube());
   EXPECT_EQ(result.instances_cleared, 4);
   EXPECT_EQ(result.ended_by, FailureReason::kNone);
   for (const AttemptRecord& attempt : result.attempts) {
@@ -57,7 +57,7 @@ TEST(PoseFreeTrial, EmptiesABinOfCubesWithoutAnEstimator) {
 TEST(PoseFreeTrial, DependsOnlyOnSeedAndTrialNumber) {
   const ScenarioSpec spec = PoseFreeScenario(3);
   const ObjectSet objects = EasyCube();
-  const TrialResult a = RunOne(spec, objects), b = RunOne(spec, objects);
+  const TrialResult a = RunPoseFree(spec, objects), b = RunPoseFree(spec, objects);
   EXPECT_EQ(AttemptsCsv({a}, {"cube"}), AttemptsCsv({b}, {"cube"}));
   ASSERT_EQ(a.attempts.size(), b.attempts.size());
   for (size_t i = 0; i < a.attempts.size(); ++i)
@@ -66,14 +66,14 @@ TEST(PoseFreeTrial, DependsOnlyOnSeedAndTrialNumber) {
 
 TEST(PoseFreeTrial, NoGraspIsNotAttributedToPoses) {
   const ObjectSet plate{BoxObject({0.12, 0.11, 0.006}, 0.2)};
-  const TrialResult result = RunOne(PoseFreeScenario(1), plate);
+  const TrialResult result = RunPoseFree(PoseFreeScenario(1), plate);
   ASSERT_EQ(result.attempts.size(), 1u);
   EXPECT_EQ(result.attempts[0].failure, FailureReason::kNoGrasp);
   EXPECT_EQ(BudgetOfInstances({&result, 1})[FailureReason::kNoGrasp], 1);
 }
 
 TEST(PoseFreeTrial, ReportsHaveNoRecall) {
-  const TrialResult result = RunOne(PoseFreeScenario(2), EasyCube());
+  const TrialResult result = RunPoseFree(PoseFreeScenario(2), EasyCube());
   const RunSummary summary = Summarize({result});
   EXPECT_FALSE(summary.has_poses());
   EXPECT_EQ(summary.recall.samples, 0);
@@ -96,7 +96,7 @@ TEST(PoseFreeTrial, ScenesOfAttemptsAreReproduced) {
 TEST(PoseFreeTrial, GivenPosesUseThePlannerOnPoses) {
   TrialOptions options;
   options.truth = OracleNamed("perception").truth;
-  const TrialResult result = RunOne(PoseFreeScenario(2), EasyCube(), options);
+  const TrialResult result = RunPoseFree(PoseFreeScenario(2), EasyCube(), options);
   for (const AttemptRecord& attempt : result.attempts) EXPECT_FALSE(attempt.pose_free);
   EXPECT_EQ(result.instances_cleared, 2);
 }
@@ -104,7 +104,7 @@ TEST(PoseFreeTrial, GivenPosesUseThePlannerOnPoses) {
 TEST(PoseFreeTrial, GraspsAreTriedInTheTrueScene) {
   TrialOptions options;
   options.truth = OracleNamed("grasp").truth;
-  const TrialResult result = RunOne(PoseFreeScenario(2), EasyCube(), options);
+  const TrialResult result = RunPoseFree(PoseFreeScenario(2), EasyCube(), options);
   EXPECT_EQ(result.instances_cleared, 2);
 }
 
@@ -117,7 +117,7 @@ TEST(PoseFreeTrial, PickedDistractorIsAFailure) {
   spec.objects.push_back(distractor);
   spec.policy.max_failures_in_row = 10;
   const ObjectSet objects{EasyCube()[0], EasyCube()[0]};
-  const TrialResult result = RunOne(spec, objects);
+  const TrialResult result = RunPoseFree(spec, objects);
   int wrong = 0;
   for (const AttemptRecord& attempt : result.attempts) {
     wrong += attempt.failure == FailureReason::kWrongObject;
@@ -150,8 +150,9 @@ TEST(PoseFreeTrial, RefusesSettingsThatNeedPoses) {
 TEST(PoseFreeTrial, PhysicalOutcomeIsTheFailure) {
   AttemptRecord record;
   record.pose_free = true;
-  record.grasp.emplace();
-  record.grasp->hypothesis = kNoHypothesis;
+  Grasp grasp;
+  grasp.hypothesis = kNoHypothesis;
+  record.grasp = grasp;
   for (const FailureReason failure :
        {FailureReason::kSlipped, FailureReason::kCollision, FailureReason::kDoublePick,
         FailureReason::kClosedOnNothing}) {
