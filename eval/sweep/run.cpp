@@ -58,11 +58,11 @@ uint64_t ObjectHash(const ObjectModel& object) {
   return HashBytes(numbers.data(), numbers.size() * sizeof(double), object.mesh_hash);
 }
 
-// Contents of the files that the command of the estimator `process` names, such as a script.
-std::string ProgramText(const EstimatorSpec& spec) {
+// Contents of the files that a command names, such as a script.
+std::string ProgramText(const std::vector<std::string>& command) {
   std::string text;
-  for (const std::string& word : spec.command) {
-    if (spec.name != kProcessName || !std::filesystem::is_regular_file(word)) continue;
+  for (const std::string& word : command) {
+    if (!std::filesystem::is_regular_file(word)) continue;
     const std::string bytes = ReadFileBytes(word);
     text += fmt::format("# program {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
@@ -119,7 +119,8 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
     const std::string bytes = ReadFileBytes(file);
     text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
-  text += ProgramText(spec.estimator);
+  if (spec.estimator.name == kProcessName) text += ProgramText(spec.estimator.command);
+  text += ProgramText(spec.planner.command);
   text += ToleranceRankingText(spec);
   if (truth != OracleStages()) text += GroundTruthText(truth);
   return text;

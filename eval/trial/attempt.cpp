@@ -34,9 +34,10 @@ std::vector<TrueInstance> VisibleInstances(const TrialSetup& setup, const Instan
   return visible;
 }
 
-// Reports that the program of the estimator failed: one line, then the program's own report.
-void Warn(const TrialSetup& setup, const EstimatorFailure& failure, BinIndex bin_index,
-          int attempt) {
+// Reports that the program of the estimator or of the planner failed: one line, then the program's
+// own report.
+template <typename Failure>
+void Warn(const TrialSetup& setup, const Failure& failure, BinIndex bin_index, int attempt) {
   if (!setup.options.on_warning) return;
   setup.options.on_warning(fmt::format("bin {}, attempt {}: {}", bin_index, attempt, failure.text));
   for (const std::string& line : failure.traceback) setup.options.on_warning("  " + line);
@@ -194,9 +195,14 @@ void ExecuteAndAttribute(const TrialSetup& setup, const AttemptTask& task, LiveT
       record.failure = FailureReason::kWrongObject;
     }
   }
-  const bool estimator_failed = image.estimator_failure != FailureReason::kNone;
-  if (!record.grasp && estimator_failed) record.failure = image.estimator_failure;
-  if (!record.grasp && !estimator_failed && task.stir >= 0) {
+  if (!record.grasp && record.planner_failure) {
+    Warn(setup, *record.planner_failure, trial.bin_index, record.attempt);
+    record.failure = record.planner_failure->reason;
+  }
+  if (!record.grasp && image.estimator_failure != FailureReason::kNone) {
+    record.failure = image.estimator_failure;
+  }
+  if (!record.grasp && !ProgramFailed(record.failure) && task.stir >= 0) {
     after = Stir(setup, task, trial, record);
   }
   trial.scene = std::move(after);

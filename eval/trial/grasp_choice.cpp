@@ -79,6 +79,7 @@ std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const Observation& view,
   if (!failed.empty() || !earlier.empty()) max_grasps = setup.options.retry_grasps;
   PlanResult plan = setup.planner->Plan(InputOf(setup, view, on, max_grasps, rng_seed));
   record.grasps_rejected = std::move(plan.rejected);
+  record.planner_failure = std::move(plan.failure);
   std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
   if (fresh.size() < plan.grasps.size()) {
     record.grasps_rejected["failed before"] = static_cast<int>(plan.grasps.size() - fresh.size());

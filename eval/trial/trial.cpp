@@ -77,10 +77,9 @@ TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* obser
     const bool stirred = Stirred(attempt);
     stirs += stirred;
     // A program that failed says nothing about the bin.
-    const bool estimator_failed = attempt.failure == FailureReason::kEstimatorCrashed ||
-                                  attempt.failure == FailureReason::kEstimatorTimeout;
-    if (!estimator_failed) without_grasp = attempt.grasp || stirred ? 0 : without_grasp + 1;
-    state.grasp_found = UsedHand(attempt) || may_stir || estimator_failed;
+    const bool program_failed = ProgramFailed(attempt.failure);
+    if (!program_failed) without_grasp = attempt.grasp || stirred ? 0 : without_grasp + 1;
+    state.grasp_found = UsedHand(attempt) || may_stir || program_failed;
     state.failures_in_row = picked ? 0 : state.failures_in_row + 1;
     if (row.gives_up(state, policy)) result.ended_by = attempt.failure;
   }

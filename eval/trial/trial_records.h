@@ -15,6 +15,7 @@
 #include "eval/trial/instance_outcomes.h"
 #include "eval/trial/stage_hash.h"
 #include "grasp/grasp.h"
+#include "grasp/plan/plan.h"
 #include "scenes/base/ids.h"
 #include "scenes/base/stage_timer.h"
 #include "scenes/scenario/failure_reason.h"
@@ -86,6 +87,8 @@ struct AttemptRecord {
   InstanceId target = kNoInstance;  // target instance of an occlusion trial, -1 = none
   int band = -1;                    // band of the target's visible fraction, -1 = none
   std::optional<Grasp> grasp;       // as planned
+  // Why the program of the planner gave no grasps. It is not stored, because `failure` names it.
+  std::optional<PlannerFailure> planner_failure;
   // Fill level of the bin before the pick, 0 = empty, and the place of the matched instance in it
   // (sim/drop/fill_level.h). Negative, or layer 0: unknown.
   double fill_level = -1;

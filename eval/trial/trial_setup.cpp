@@ -90,7 +90,8 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   plan_options.ranking = scenario.policy.ranking;
   planner = WithSettingsKey(scenario, "planner.name", [&] {
     return planner_row.make({scenario.planner, tools, cell.objects(), candidates, plan_options,
-                             options.cloud_stride_px});
+                             options.cloud_stride_px, cell.camera().intrinsics,
+                             WorkingDistance_m(cell), cell.bin(), options.log_dir});
   });
 }
 

@@ -7,6 +7,7 @@
 // are obstacles like observed points.
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "scenes/base/settings.h"
 #include "scenes/bin/bin.h"
 #include "scenes/objects/object_model.h"
+#include "scenes/scenario/failure_reason.h"
 
 namespace pickbed::grasp {
 
@@ -118,6 +120,13 @@ struct PlanOptions {
   void Visit(SettingsVisitor& v);
 };
 
+// A planner that is a program failed for one image.
+struct PlannerFailure {
+  FailureReason reason = FailureReason::kPlannerCrashed;  // or kPlannerTimeout
+  std::string text;                                       // one line
+  std::vector<std::string> traceback;                     // the program's own report, by line
+};
+
 // Planned grasps and the reasons of rejection.
 struct PlanResult {
   std::vector<Grasp> grasps;              // best first
@@ -128,6 +137,7 @@ struct PlanResult {
   // other can be among the reported grasps. "not tried" counts the candidates not checked;
   // "outranked" counts free grasps that are not among the best.
   std::map<std::string, int> rejected;
+  std::optional<PlannerFailure> failure;  // why a program gave no grasps
 };
 
 // Plans with each tool and returns the best grasps of all. `inputs` has one element per tool and

@@ -4,6 +4,7 @@
 // grasp/planners/table.cpp. A planner works on estimated poses, or on the image only.
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -13,6 +14,7 @@
 #include "grasp/gripper.h"
 #include "grasp/plan/plan.h"
 #include "scenes/bin/bin.h"
+#include "scenes/camera/camera.h"
 #include "scenes/camera/rgbd_frame.h"
 #include "scenes/scenario/planner_spec.h"
 
@@ -55,6 +57,11 @@ struct PlannerSetup {
   const std::vector<std::vector<std::vector<GraspCandidate>>>& candidates;  // by tool and object
   PlanOptions options;      // ranking and limits of the planner on poses
   int cloud_stride_px = 2;  // step of the observed points that it keeps clear of
+  // Only for planners that are programs.
+  CameraIntrinsics intrinsics = {};
+  double working_distance_m = 0.85;    // camera to objects
+  std::optional<Bin> bin = {};         // none = unknown
+  std::filesystem::path log_dir = {};  // for the standard error of the program; empty = no file
 };
 
 }  // namespace pickbed::grasp

@@ -5,6 +5,7 @@
 
 #include "grasp/cloud/cloud_antipodal.h"
 #include "grasp/planners/pose_planner.h"
+#include "grasp/planners/program_planner.h"
 #include "scenes/base/error.h"
 
 namespace pickbed::grasp {
@@ -15,11 +16,20 @@ std::unique_ptr<Planner> Make(const PlannerSetup& setup) {
   return std::make_unique<T>(setup);
 }
 
-constexpr std::array<PlannerRow, 2> kPlanners{{
+template <bool kGivesPoses>
+std::unique_ptr<Planner> MakeProgram(const PlannerSetup& setup) {
+  return std::make_unique<ProgramPlanner>(setup, kGivesPoses);
+}
+
+constexpr std::array<PlannerRow, 4> kPlanners{{
     {kPosePlanner, "grasp candidates of the known objects at their estimated poses", true,
      Make<PosePlanner>},
     {"cloud_antipodal", "opposing faces of the observed surface, without poses and object models",
      false, Make<CloudAntipodal>},
+    {"process", "another program, which works on the image (planner.command or planner.connect)",
+     false, MakeProgram<false>},
+    {"process_poses", "another program, which works on the image and the estimated poses", true,
+     MakeProgram<true>},
 }};
 
 }  // namespace

@@ -46,6 +46,10 @@ constexpr std::array kFailures{
                "the program of the estimator ended, failed, or gave a wrong answer"},
     FailureRow{FailureReason::kEstimatorTimeout, Stage::kDetect, "estimator_timeout",
                "the program of the estimator gave no answer in time"},
+    FailureRow{FailureReason::kPlannerCrashed, Stage::kPlan, "planner_crashed",
+               "the program of the planner ended, failed, or gave a wrong answer"},
+    FailureRow{FailureReason::kPlannerTimeout, Stage::kPlan, "planner_timeout",
+               "the program of the planner gave no answer in time"},
 };
 
 const FailureRow& RowOf(FailureReason failure) {

@@ -36,8 +36,17 @@ enum class FailureReason {
   kEntangled,         // another instance was lifted with the target without contact to the hand
   kEstimatorCrashed,  // the program of the estimator ended, failed, or gave a wrong answer
   kEstimatorTimeout,  // the program of the estimator gave no answer in time
+  kPlannerCrashed,    // the program of the planner ended, failed, or gave a wrong answer
+  kPlannerTimeout,    // the program of the planner gave no answer in time
 };
-inline constexpr size_t kFailureReasons = static_cast<size_t>(FailureReason::kEstimatorTimeout) + 1;
+inline constexpr size_t kFailureReasons = static_cast<size_t>(FailureReason::kPlannerTimeout) + 1;
+
+// Returns whether a program of the user, an estimator or a planner, caused the failure.
+constexpr bool ProgramFailed(FailureReason failure) {
+  return failure == FailureReason::kEstimatorCrashed ||
+         failure == FailureReason::kEstimatorTimeout || failure == FailureReason::kPlannerCrashed ||
+         failure == FailureReason::kPlannerTimeout;
+}
 
 // A row of the table of failure reasons.
 struct FailureRow {

@@ -44,6 +44,7 @@ LoadedScenario FindScenario(const ScenarioRequest& request) {
     FindBeside(loaded.spec.folder, *named);
   }
   for (std::string& word : loaded.spec.estimator.command) FindBeside(loaded.spec.folder, word);
+  for (std::string& word : loaded.spec.planner.command) FindBeside(loaded.spec.folder, word);
   for (std::string& tool : loaded.spec.gripper.names) FindBeside(loaded.spec.folder, tool);
   loaded.objects = LoadObjects(loaded.spec, OpenCatalog(request.catalog));
   return loaded;

@@ -10,6 +10,15 @@ void PlannerSpec::Visit(SettingsVisitor& v) {
   v.Real("max_tilt_deg", max_tilt_deg, {0, 80},
          "maximum angle of the approach from straight down, degrees; only for planners without "
          "poses");
+  v.Words("command", command,
+          "program that plans the grasps, and its arguments; only for planners process and "
+          "process_poses");
+  v.Text("connect", connect, {},
+         "address host:port of a program that plans the grasps, instead of a command; only for "
+         "planners process and process_poses");
+  v.Real("timeout_s", timeout_s, {0.01, 86400},
+         "maximum time for each answer of the program, s; only for planners process and "
+         "process_poses");
 }
 
 }  // namespace pickbed::scenes

@@ -4,6 +4,7 @@
 // of PlannerTable() in grasp/planners/table.h.
 
 #include <string>
+#include <vector>
 
 #include "scenes/base/settings.h"
 
@@ -17,6 +18,10 @@ struct PlannerSpec {
   // For planners without poses, which know no object.
   double friction = 0.4;     // assumed coefficient between a pad and an unknown object
   double max_tilt_deg = 30;  // of the approach from straight down
+  // For planners that are programs: `command` or `connect`.
+  std::vector<std::string> command;  // program and arguments
+  std::string connect;               // host:port of a running program
+  double timeout_s = 60;             // maximum time for each answer
   void Visit(SettingsVisitor& v);
 };
 

@@ -85,6 +85,27 @@ an_answer_larger_than_allowed_ends_the_run() {
   grep -q "gave an answer of more than 64 MiB" last.err || fail "no reason"
 }
 
+a_planner_program_picks_and_its_failures_are_reported() {
+  local pose_free=(--set planner.name=process --pictures 0 --set policy.max_attempts=2 --trials 2)
+  local example="python3 $root/scenes/plugin/python/examples/cloud_grasps.py"
+  expect 0 "$pickbed" run small.yaml "${pose_free[@]}" --set "planner.command=$example" --jobs 2 --out planned
+  expect 0 "$pickbed" run small.yaml "${pose_free[@]}" --set "planner.command=$example" --jobs 1 --out again
+  same planned/attempts.csv again/attempts.csv
+  grep -q "planner_crashed\|planner_timeout" planned/attempts.csv && fail "the example failed"
+  cat >planner.py <<PY
+import pickbed_plugin as pb
+@pb.planner
+def mine(frame, poses):
+    raise ValueError("planted")
+pb.serve()
+PY
+  expect 0 "$pickbed" run small.yaml "${pose_free[@]}" --set "planner.command=python3 planner.py" --out crashed
+  grep -q "planner_crashed" crashed/attempts.csv || fail "the failures are not recorded"
+  grep -q "attempt 0: planner 'mine' reported an error: ValueError: planted" last.err || fail "no warning"
+  rm -rf no
+  refused "neither command nor connect is given" "$pickbed" run small.yaml "${pose_free[@]}" --out no
+}
+
 a_server_answers_several_workers() {
   estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)]'
   PYTHONPATH=$root/scenes/plugin/python python3 estimator.py --listen 0 2>server.log &

@@ -1,0 +1,106 @@
+#include "grasp/planners/program_planner.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "grasp/grippers/table.h"
+#include "tests/sim/physics_objects.h"
+#include "tests/support/error_of.h"
+#include "tests/support/plugin_scripts.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Pair;
+
+class ProgramPlannerTest : public testing::Test {
+ protected:
+  ProgramPlannerTest() {
+    frame_.intrinsics = {64, 48, 60, 60, 31.5, 23.5};
+    frame_.depth_m = Image<float>(64, 48, 0.8f);
+  }
+
+  // A planner whose function has this body, indented by four spaces.
+  PlannerSetup SetupOf(const std::string& body) {
+    PlannerSetup setup{{}, tools_, objects_, candidates_};
+    setup.spec.command = PythonCommand(
+        folder_, "planner.py",
+        "import os, time\nimport numpy as np\nimport pickbed_plugin as pb\n@pb.planner\n"
+        "def tested(frame, poses):\n    X = np.eye(4)\n" +
+            body + "\npb.serve()\n");
+    setup.intrinsics = frame_.intrinsics;
+    return setup;
+  }
+
+  TemporaryFolder folder_;
+  RgbdFrame frame_;
+  std::vector<std::shared_ptr<const Gripper>> tools_{LoadGripper("jaw_8cm")};
+  ObjectSet objects_{BoxObject({0.03, 0.04, 0.05}, 0.1)};
+  std::vector<std::vector<std::vector<GraspCandidate>>> candidates_;
+  const std::vector<EstimatedPose> poses_{{ObjectId(0), Translation({0, 0, 0.1}), 0.5},
+                                          {ObjectId(0), Translation({0.1, 0, 0.02}), 0.5}};
+};
+
+TEST_F(ProgramPlannerTest, ProgramWithoutPosesKnowsNoObject) {
+  ProgramPlanner planner(SetupOf("    assert poses is None and not frame.setup.objects\n"
+                                 "    return [pb.Grasp(X, 0.01, s) for s in (0.2, 0.8, 0.5)]"),
+                         false);
+  PlannerInput input{frame_};
+  input.max_grasps = 2;
+  const PlanResult plan = planner.Plan(input);
+  ASSERT_FALSE(plan.failure) << plan.failure->text;
+  ASSERT_EQ(plan.grasps.size(), 2u);
+  EXPECT_EQ(plan.grasps[0].score, 0.8);
+  EXPECT_EQ(plan.grasps[1].score, 0.5);
+  EXPECT_EQ(plan.grasps[0].hypothesis, kNoHypothesis);
+  EXPECT_THAT(plan.rejected, ElementsAre(Pair("outranked", 1)));
+}
+
+TEST_F(ProgramPlannerTest, GraspsOnPosesNameATarget) {
+  ProgramPlanner planner(SetupOf("    assert len(poses) == 2 and len(frame.setup.objects) == 1\n"
+                                 "    return [pb.Grasp(X, 0.01, 0.9),\n"
+                                 "            pb.Grasp(X, 0.01, 0.8, pose=0),\n"
+                                 "            pb.Grasp(X, 0.01, 0.7, pose=1)]"),
+                         true);
+  const std::vector<int> targets{1};
+  PlannerInput input{frame_};
+  input.poses = poses_;
+  input.targets = targets;
+  const PlanResult plan = planner.Plan(input);
+  ASSERT_FALSE(plan.failure) << plan.failure->text;
+  ASSERT_EQ(plan.grasps.size(), 1u);
+  EXPECT_EQ(plan.grasps[0].hypothesis, 1);
+  EXPECT_THAT(plan.rejected, ElementsAre(Pair("names no pose", 1), Pair("on another pose", 1)));
+}
+
+TEST_F(ProgramPlannerTest, FailureIsAResult) {
+  PlannerSetup setup = SetupOf(
+      "    if frame.seed == 1: os._exit(1)\n    if frame.seed == 2: time.sleep(60)\n"
+      "    return [pb.Grasp(X, 0.01, 0.2)]");
+  setup.spec.timeout_s = 0.5;
+  ProgramPlanner planner(setup, false);
+  PlannerInput input{frame_};
+  const auto reason_of = [&](uint64_t seed) {
+    input.seed = seed;
+    const PlanResult plan = planner.Plan(input);
+    EXPECT_THAT(plan.grasps, IsEmpty());
+    return plan.failure.value().reason;
+  };
+  EXPECT_EQ(reason_of(1), FailureReason::kPlannerCrashed);
+  EXPECT_EQ(reason_of(2), FailureReason::kPlannerTimeout);
+  input.seed = 3;
+  EXPECT_EQ(planner.Plan(input).grasps.size(), 1u) << "the program is started again";
+}
+
+TEST_F(ProgramPlannerTest, MissingProgramIsRefused) {
+  PlannerSetup setup = SetupOf("    return []");
+  setup.spec.command = {"/no/such/program"};
+  EXPECT_THAT(ErrorOf([&] { ProgramPlanner planner(setup, false); }),
+              HasSubstr("/no/such/program"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests
