@@ -25,7 +25,7 @@ class ProgramPlannerTest : public testing::Test {
 
   // A planner whose function has this body, indented by four spaces.
   PlannerSetup SetupOf(const std::string& body) {
-    PlannerSetup setup{{}, tools_, objects_, candidates_};
+    PlannerSetup setup{{}, tools_, objects_, candidates_, {}};
     setup.spec.command = PythonCommand(
         folder_, "planner.py",
         "import os, time\nimport numpy as np\nimport pickbed_plugin as pb\n@pb.planner\n"
@@ -48,7 +48,7 @@ TEST_F(ProgramPlannerTest, ProgramWithoutPosesKnowsNoObject) {
   ProgramPlanner planner(SetupOf("    assert poses is None and not frame.setup.objects\n"
                                  "    return [pb.Grasp(X, 0.01, s) for s in (0.2, 0.8, 0.5)]"),
                          false);
-  PlannerInput input{frame_};
+  PlannerInput input{frame_, Pose::Identity(), std::nullopt};
   input.max_grasps = 2;
   const PlanResult plan = planner.Plan(input);
   ASSERT_FALSE(plan.failure) << plan.failure->text;
@@ -66,7 +66,7 @@ TEST_F(ProgramPlannerTest, GraspsOnPosesNameATarget) {
                                  "            pb.Grasp(X, 0.01, 0.7, pose=1)]"),
                          true);
   const std::vector<int> targets{1};
-  PlannerInput input{frame_};
+  PlannerInput input{frame_, Pose::Identity(), std::nullopt};
   input.poses = poses_;
   input.targets = targets;
   const PlanResult plan = planner.Plan(input);
@@ -82,7 +82,7 @@ TEST_F(ProgramPlannerTest, FailureIsAResult) {
       "    return [pb.Grasp(X, 0.01, 0.2)]");
   setup.spec.timeout_s = 0.5;
   ProgramPlanner planner(setup, false);
-  PlannerInput input{frame_};
+  PlannerInput input{frame_, Pose::Identity(), std::nullopt};
   const auto reason_of = [&](uint64_t seed) {
     input.seed = seed;
     const PlanResult plan = planner.Plan(input);
