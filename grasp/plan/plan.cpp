@@ -291,7 +291,8 @@ class CandidateCheck {
       if (!by_chance()) {
         const double tilt = std::acos(std::clamp(down, -1.0, 1.0));
         const double place_factor = 1 - options_.place_share * (1 - candidates[k].place_quality);
-        const double load_factor = 1 - options_.load_share / (1 + candidates[k].epsilon);
+        const double load_factor =
+            ranking_.weighs_load ? 1 - options_.load_share / (1 + candidates[k].epsilon) : 1;
         pending.score = pose_scores_[target] * place_factor * load_factor *
                         ranking_.value(candidates[k]) *
                         (1 - options_.tilt_share * tilt / options_.max_tilt_rad);

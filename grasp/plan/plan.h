@@ -46,6 +46,7 @@ struct RankingRow {
   const char* name;
   const char* help;
   double (*value)(const GraspCandidate& candidate);  // null = random order
+  bool weighs_load = false;                          // PlanOptions::load_share applies
 };
 // Returns all rankings, in the order of the help.
 std::span<const RankingRow> RankingTable();
@@ -98,9 +99,10 @@ struct PlanOptions {
   double room_share = 0.4;
   double cover_share = 0.8;
   double place_share = 0.2;
-  // Share of the score that is lost if the contacts resist no load from some direction
-  // (GraspCandidate::epsilon); half of it if they resist the weight. It makes the qualities of jaws
-  // and suction cups comparable: a cup pulls an instance out that neighbors hold less often.
+  // In the ranking "quality": share of the score that is lost if the contacts resist no load from
+  // some direction (GraspCandidate::epsilon); half of it if they resist the weight. It makes the
+  // qualities of jaws and suction cups comparable: a cup pulls an instance out that neighbors hold
+  // less often.
   double load_share = 0.8;
   double between_share = 0.5;
   double aside_share = 0.3;      // hand moved aside from a wall by the maximum distance

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array<RankingRow, 5> kRankings{{
     {"quality", "quality from angle, area, depth and lever arm of the contacts, 0 to 1",
-     [](const GraspCandidate& candidate) { return candidate.quality; }},
+     [](const GraspCandidate& candidate) { return candidate.quality; }, true},
     {"epsilon", "smallest load from any direction that the contacts cannot balance",
      [](const GraspCandidate& candidate) { return candidate.epsilon / (1 + candidate.epsilon); }},
     {"robust", "share of sampled errors under which the grasp holds",
@@ -79,7 +79,8 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.Real("place_share", place_share, share,
          "share of the score that is lost if the object cannot be set down with this grasp");
   v.Real("load_share", load_share, share,
-         "share of the score that is lost if the contacts resist no load from some direction");
+         "share of the score that is lost if the contacts resist no load from some direction; only "
+         "for ranking quality");
   v.Real("between_share", between_share, share,
          "share of the score that is lost if others are between the fingers");
   v.Real("good_room_m", good_room_m, {0.001, 0.1},

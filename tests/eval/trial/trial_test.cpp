@@ -268,7 +268,8 @@ TEST(Trial, FailedGraspIsRepeatedOnlyWhenNoOtherIsLeft) {
   spec.objects.push_back(spec.objects[0]);
   spec.objects[1].count = 1;
   spec.policy.max_failures_in_row = 3;
-  const ObjectSet objects{Cube(0.03, 0.05, 0.6), Cube(0.05, 5, 0.2)};
+  // The large cube slips. It is tried first, since it is the highest and not much too heavy.
+  const ObjectSet objects{Cube(0.03, 1.6, 0.6), Cube(0.05, 2.5, 0.2)};
   const TrialOptions options;
   const auto is_near = [&](const AttemptRecord& a, const AttemptRecord& b) {
     const Pose &first = a.grasp->X_WG, &later = b.grasp->X_WG;
@@ -277,7 +278,7 @@ TEST(Trial, FailedGraspIsRepeatedOnlyWhenNoOtherIsLeft) {
     return angle < options.retry_angle_rad && moved_m < options.retry_radius_m / 2;
   };
   TrialRunner runner(spec, objects);
-  int chances = 0;  // attempts after a failure and a later pick, with light cubes left
+  int chances = 0;  // attempts after a failure and a later pick, with small cubes left
   for (int trial = 0; trial < 6; ++trial) {
     const TrialResult result = runner.Run(BinIndex(trial));
     std::vector<AttemptRecord> failed;

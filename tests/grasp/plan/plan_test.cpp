@@ -377,6 +377,7 @@ TEST_F(Plan, RankingSelectsTheQuality) {
   candidate.width_m = 0.05;
   candidate.depth_m = 0.010;
   candidate.quality = 0.5;
+  candidate.epsilon = 0.7;
   std::vector<GraspCandidate> candidates(3, candidate);
   const double positions_m[] = {-0.006, 0, 0.006};
   for (int i = 0; i < 3; ++i) candidates[i].X_OG.translation().y() = positions_m[i];
@@ -387,6 +388,24 @@ TEST_F(Plan, RankingSelectsTheQuality) {
   EXPECT_NEAR(Run({.ranking = "quality"}).grasps.at(0).X_WG.translation().y(), -0.006, 1e-12);
   EXPECT_NEAR(Run({.ranking = "epsilon"}).grasps.at(0).X_WG.translation().y(), 0, 1e-12);
   EXPECT_NEAR(Run({.ranking = "robust"}).grasps.at(0).X_WG.translation().y(), 0.006, 1e-12);
+}
+
+// A jaw that resists loads from all sides comes before a cup of somewhat better quality.
+TEST_F(Plan, QualityIsWeighedByTheLoadThatTheContactsResist) {
+  AddPose({0, 0, 0.025});
+  GraspCandidate candidate = {};
+  candidate.X_OG = FromAbove({0, -0.006, -0.010});
+  candidate.width_m = 0.05;
+  candidate.depth_m = 0.010;
+  candidate.quality = 0.5;
+  candidate.epsilon = 5;
+  std::vector<GraspCandidate> candidates(2, candidate);
+  candidates[1].X_OG.translation().y() = 0.006;
+  candidates[1].quality = 0.6;
+  candidates[1].epsilon = 1;
+  candidates_ = {candidates};
+  EXPECT_NEAR(Run().grasps.at(0).X_WG.translation().y(), -0.006, 1e-12);
+  EXPECT_NEAR(Run({.load_share = 0}).grasps.at(0).X_WG.translation().y(), 0.006, 1e-12);
 }
 
 TEST_F(Plan, EqualGraspsAreRankedBySetDown) {
