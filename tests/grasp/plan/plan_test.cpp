@@ -2,67 +2,18 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-#include <numeric>
 #include <stdexcept>
 
 #include "grasp/candidates/antipodal.h"
 #include "grasp/grippers/suction_cup.h"
 #include "grasp/plan/clearance.h"
 #include "scenes/base/error.h"
-#include "tests/grasp/grasp_scenes.h"
+#include "tests/grasp/plan/plan_fixture.h"
 
 namespace pickbed::tests {
 namespace {
 
-using Eigen::Vector3d;
-
-class Plan : public testing::Test {
- protected:
-  Plan() : candidates_{BoxGrasps()} {}
-
-  // Computed once, because they take longer than all plans.
-  static const std::vector<GraspCandidate>& BoxGrasps() {
-    static const auto grasps = [] {
-      Rng rng(1);
-      const ParallelJaw jaw = SmallJaw();
-      return AntipodalGrasps(*BoxObject({0.05, 0.05, 0.05}, 0.2), jaw.hand, jaw.clearance_m, rng,
-                             {.candidates = 400, .max_pairs = 200});
-    }();
-    return grasps;
-  }
-
-  void AddPose(const Vector3d& p_W, double confidence = 1) {
-    poses_.push_back({ObjectId{0}, Translation(p_W), confidence});
-  }
-
-  PlanResult Run(const PlanOptions& options = {}) const {
-    return PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, *selected_gripper_}, options);
-  }
-
-  int Rejected(const PlanResult& result) const {
-    return std::accumulate(result.rejected.begin(), result.rejected.end(), 0,
-                           [](int sum, const auto& entry) { return sum + entry.second; });
-  }
-
-  // Adds points of an upright cylinder around the origin.
-  void AddRing(double radius_m, double height_m) {
-    for (int step = 0; step < 180; ++step) {
-      const double angle = step * std::numbers::pi / 90;
-      for (double z = 0.01; z < height_m; z += 0.002) {
-        cloud_.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle), z);
-      }
-    }
-  }
-
-  Bin bin_;
-  ParallelJaw gripper_ = SmallJaw();
-  const Gripper* selected_gripper_ = &gripper_;
-  ObjectSet objects_{BoxObject({0.05, 0.05, 0.05}, 0.2)};
-  std::vector<std::vector<GraspCandidate>> candidates_;
-  std::vector<EstimatedPose> poses_;
-  std::vector<Vector3d> cloud_;
-};
+class Plan : public PlanFixture {};
 
 // A pose that is not a target is still an obstacle.
 TEST_F(Plan, OnlyTargetsAreGraspedAndOthersAreObstacles) {
@@ -350,112 +301,6 @@ TEST_F(Plan, FlatBarsAcrossEachOtherAreTwoInstances) {
   EXPECT_EQ(planned().rejected.at("fingers meet an instance"), 1);
   poses_[1].X_WO = poses_[0].X_WO * Translation({0.004, 0.002, 0.002});
   EXPECT_EQ(planned().grasps.size(), 1u) << "two estimated poses of the same instance";
-}
-
-TEST_F(Plan, HigherAndMoreConfidentPosesComeFirst) {
-  AddPose({-0.1, 0, 0.025});
-  AddPose({0.1, 0, 0.075});
-  EXPECT_EQ(Run().grasps.at(0).hypothesis, 1);
-  poses_[1].confidence = 0.2;
-  EXPECT_EQ(Run().grasps.at(0).hypothesis, 0);
-}
-
-TEST_F(Plan, CoveredInstanceComesLast) {
-  AddPose({-0.1, 0, 0.025});
-  AddPose({0.1, 0, 0.025});
-  for (double x = 0.08; x <= 0.09; x += 0.002) {
-    for (double y = -0.02; y <= 0.02; y += 0.002) cloud_.emplace_back(x, y, 0.06);
-  }
-  EXPECT_EQ(Run().grasps.at(0).hypothesis, 0);
-}
-
-// The first grasp is the best according to the selected ranking.
-TEST_F(Plan, RankingSelectsTheQuality) {
-  AddPose({0, 0, 0.025});
-  GraspCandidate candidate = {};
-  candidate.X_OG = FromAbove({0, 0, -0.010});
-  candidate.width_m = 0.05;
-  candidate.depth_m = 0.010;
-  candidate.quality = 0.5;
-  candidate.epsilon = 0.7;
-  std::vector<GraspCandidate> candidates(3, candidate);
-  const double positions_m[] = {-0.006, 0, 0.006};
-  for (int i = 0; i < 3; ++i) candidates[i].X_OG.translation().y() = positions_m[i];
-  candidates[0].quality = 0.6;
-  candidates[1].epsilon = 0.8;
-  candidates[2].robust = 0.9;
-  candidates_ = {candidates};
-  EXPECT_NEAR(Run({.ranking = "quality"}).grasps.at(0).X_WG.translation().y(), -0.006, 1e-12);
-  EXPECT_NEAR(Run({.ranking = "epsilon"}).grasps.at(0).X_WG.translation().y(), 0, 1e-12);
-  EXPECT_NEAR(Run({.ranking = "robust"}).grasps.at(0).X_WG.translation().y(), 0.006, 1e-12);
-}
-
-// A jaw that resists loads from all sides comes before a cup of somewhat better quality.
-TEST_F(Plan, QualityIsWeighedByTheLoadThatTheContactsResist) {
-  AddPose({0, 0, 0.025});
-  GraspCandidate candidate = {};
-  candidate.X_OG = FromAbove({0, -0.006, -0.010});
-  candidate.width_m = 0.05;
-  candidate.depth_m = 0.010;
-  candidate.quality = 0.5;
-  candidate.epsilon = 5;
-  std::vector<GraspCandidate> candidates(2, candidate);
-  candidates[1].X_OG.translation().y() = 0.006;
-  candidates[1].quality = 0.6;
-  candidates[1].epsilon = 1;
-  candidates_ = {candidates};
-  EXPECT_NEAR(Run().grasps.at(0).X_WG.translation().y(), -0.006, 1e-12);
-  EXPECT_NEAR(Run({.load_share = 0}).grasps.at(0).X_WG.translation().y(), 0.006, 1e-12);
-}
-
-TEST_F(Plan, EqualGraspsAreRankedBySetDown) {
-  AddPose({0, 0, 0.025});
-  GraspCandidate candidate = {};
-  candidate.X_OG = FromAbove({0, -0.006, -0.010});
-  candidate.width_m = 0.05;
-  candidate.depth_m = 0.010;
-  candidate.quality = 0.5;
-  std::vector<GraspCandidate> candidates(2, candidate);
-  candidates[1].X_OG.translation().y() = 0.006;
-  for (const int good : {0, 1}) {
-    candidates[good].place_quality = 1;
-    candidates[1 - good].place_quality = 0.1;
-    candidates_ = {candidates};
-    EXPECT_NEAR(Run().grasps.at(0).X_WG.translation().y(), good == 0 ? -0.006 : 0.006, 1e-12);
-  }
-}
-
-TEST_F(Plan, UnknownRankingIsRefused) {
-  AddPose({0, 0, 0.025});
-  EXPECT_THROW(Run({.ranking = "randm"}), InputError);
-}
-
-// Any ranking finds the same free grasps. With the random ranking, the seed selects among them with
-// equal probability.
-TEST_F(Plan, RandomRankingSelectsAnyFreeGrasp) {
-  AddPose({0, 0, 0.025});
-  AddPose({0.1, 0, 0.025}, 0.1);
-  const PlanResult all = Run({.max_grasps = 100000, .ranking = "random", .min_quality = 0});
-  const PlanResult ranked = Run({.max_grasps = 100000, .min_quality = 0});
-  EXPECT_EQ(all.grasps.size(), ranked.grasps.size());
-  EXPECT_EQ(all.rejected, ranked.rejected);
-
-  const int runs = 400;
-  int uncertain = 0, free_uncertain = 0;
-  for (const Grasp& grasp : all.grasps) free_uncertain += grasp.hypothesis;
-  ASSERT_GT(free_uncertain, 20);
-  for (int seed = 0; seed < runs; ++seed) {
-    PlanOptions options;
-    options.ranking = "random";
-    options.seed = seed;
-    options.max_grasps = 1;
-    const PlanResult result = Run(options), again = Run(options);
-    ASSERT_EQ(result.grasps.size(), 1u);
-    EXPECT_EQ(result.grasps[0].X_WG.matrix(), again.grasps[0].X_WG.matrix());
-    uncertain += result.grasps[0].hypothesis;
-  }
-  // The fraction among the free grasps, to five standard deviations.
-  EXPECT_NEAR(uncertain, runs * free_uncertain / static_cast<double>(all.grasps.size()), 50);
 }
 
 // The same planner with another mechanism: the boxes of the cup are kept clear of wall and points.
