@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 
 #include "eval/draw/silhouettes.h"
 #include "scenes/camera/footprint.h"
@@ -107,6 +109,28 @@ Camera CameraTowards(const Eigen::Vector3d& target, const Eigen::Vector3d& from,
       std::abs(direction.z()) > kAlongZ ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
   camera.SetPose(LookAt(target + distance_m * direction, target, up));
   return camera;
+}
+
+Camera CameraAround(const std::vector<Eigen::Vector3d>& points_W, const Eigen::Vector3d& from,
+                    double margin, int width_px, int height_px, double focal_px) {
+  const auto towards = [&](const Eigen::Vector3d& target_W, double distance_m) {
+    return CameraTowards(target_W, from, distance_m, width_px, height_px, focal_px);
+  };
+  const Pose X_CW = towards(Eigen::Vector3d::Zero(), 1).X_CW();
+  // A camera moved by (x, y, z) sees the point p if |p.x - x| <= slope.x * (p.z - z), the same for
+  // y. The largest sums below bound x - slope * z from below and x + slope * z from above.
+  const Eigen::Array2d slope = (0.5 - margin) * Eigen::Array2d(width_px, height_px) / focal_px;
+  Eigen::Array2d right = Eigen::Array2d::Constant(-std::numeric_limits<double>::infinity());
+  Eigen::Array2d left = right;
+  for (const Eigen::Vector3d& p_W : points_W) {
+    const Eigen::Vector3d p_C = X_CW * p_W;
+    right = right.max(p_C.head<2>().array() - slope * p_C.z());
+    left = left.max(-p_C.head<2>().array() - slope * p_C.z());
+  }
+  const double distance_m = 1 + (0.5 * (right + left) / slope).maxCoeff();
+  if (!(distance_m > 1e-9)) throw std::logic_error("no two different points to look at");
+  const Eigen::Array2d center = 0.5 * (right - left);
+  return towards(X_CW.inverse() * Eigen::Vector3d(center.x(), center.y(), 1), distance_m);
 }
 
 TriangleMesh BoxesMesh(const std::vector<AxisAlignedBox>& boxes) {

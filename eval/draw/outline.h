@@ -55,4 +55,10 @@ TriangleMesh BoxesMesh(const std::vector<AxisAlignedBox>& boxes);
 Camera CameraTowards(const Eigen::Vector3d& target, const Eigen::Vector3d& from, double distance_m,
                      int width_px, int height_px, double focal_px);
 
+// Camera that looks from the direction `from` and sees all points, as near as possible. `margin`:
+// fraction of the image that stays free at each side, 0 .. 0.4. Throws std::logic_error without
+// two different points.
+Camera CameraAround(const std::vector<Eigen::Vector3d>& points_W, const Eigen::Vector3d& from,
+                    double margin, int width_px, int height_px, double focal_px);
+
 }  // namespace pickbed::eval

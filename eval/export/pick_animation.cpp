@@ -17,6 +17,7 @@ namespace pickbed::eval {
 namespace {
 
 constexpr double kFrame_s = 1.0 / 12;
+constexpr double kFreeMargin = 0.02;  // of the image, at each side
 constexpr uint16_t kHandId = 0xfff0;  // above the ids of instances
 const Eigen::Vector3f kHandColor{0.030f, 0.033f, 0.038f};
 // The table on which an object is set down.
@@ -53,26 +54,33 @@ Eigen::Vector4f ColorOf(const ObjectModel& object) {
   return {c.r / 255.0f, c.g / 255.0f, c.b / 255.0f, 1};
 }
 
-// A camera in front of the bin and above it, which sees the bin, the hand above it and the table.
-Camera MovieCamera(const PickMotion& motion, const MovieOptions& options) {
-  const Eigen::Vector3d size_m = motion.scene.bin.inner_size_m;
-  Eigen::AlignedBox3d shown(Eigen::Vector3d(-0.5 * size_m.x(), -0.5 * size_m.y(), 0),
-                            Eigen::Vector3d(0.5 * size_m.x(), 0.5 * size_m.y(), size_m.z() + 0.10));
-  if (motion.table_W) {
-    shown.extend(motion.table_W->center +
-                 motion.table_W->half_size.cwiseProduct(Eigen::Vector3d(0.5, 0.5, 1)));
-    shown.extend(motion.table_W->center -
-                 motion.table_W->half_size.cwiseProduct(Eigen::Vector3d(0.5, 0.5, 1)));
-  }
-  return CameraTowards(shown.center(), {0.22, -0.78, 0.72}, 1.35 * shown.diagonal().norm(),
-                       options.width_px, options.height_px, 1.35 * options.width_px);
-}
-
 bool Moves(const PickMotion& motion, size_t position) {
   const Pose& first = motion.frames.front().X_WO[position];
   return std::any_of(motion.frames.begin(), motion.frames.end(), [&](const MotionFrame& frame) {
     return !frame.X_WO[position].isApprox(first, 1e-6);
   });
+}
+
+// A camera in front of the bin and above it, which sees the bin and all of the pick.
+Camera MovieCamera(const PickMotion& motion, const ObjectSet& objects, const Gripper& gripper,
+                   const MovieOptions& options) {
+  std::vector<Eigen::Vector3d> seen_W;
+  const auto see = [&](const Bounds& bounds, const Pose& X_WB) {
+    for (const auto& corner : bounds.Corners().colwise()) seen_W.push_back(X_WB * corner);
+  };
+  see(MeshBounds(BinMesh(motion.scene.bin)), Pose::Identity());
+  for (const MotionFrame& frame : motion.frames) {
+    for (const AxisAlignedBox& box : HandBoxes(gripper, frame.opening_m)) {
+      see({box.center - box.half_size, box.center + box.half_size}, frame.X_WG);
+    }
+  }
+  for (size_t i = 0; i < motion.scene.objects.size(); ++i) {
+    if (!Moves(motion, i)) continue;
+    const Bounds bounds = MeshBounds(objects[motion.scene.objects[i].object]->mesh_O);
+    for (const MotionFrame& frame : motion.frames) see(bounds, frame.X_WO[i]);
+  }
+  return CameraAround(seen_W, {0.22, -0.78, 0.72}, kFreeMargin, options.width_px, options.height_px,
+                      1.35 * options.width_px);
 }
 
 }  // namespace
@@ -114,13 +122,15 @@ std::string PickGlb(const PickMotion& motion, const ObjectSet& objects, const Gr
 }
 
 struct PickMovie::Impl {
-  Impl(const ObjectSet& objects, const Bin& bin, const Gripper& used_gripper,
+  Impl(const ObjectSet& used_objects, const Bin& bin, const Gripper& used_gripper,
        const MovieOptions& used_options)
-      : gripper(used_gripper),
+      : objects(used_objects),
+        gripper(used_gripper),
         options(used_options),
         renderer(objects, bin),
         pictures(renderer, objects) {}
 
+  const ObjectSet& objects;
   const Gripper& gripper;
   MovieOptions options;
   sim::SceneRenderer renderer;
@@ -166,7 +176,7 @@ PickMovie::~PickMovie() = default;
 std::string PickMovie::Gif(const PickMotion& motion) {
   const sim::PictureMaterial hand_material{sim::Finish::kPlastic, kHandColor};
   const sim::PictureMaterial table_material{sim::Finish::kMatte, kSetDownTableColor};
-  const Camera camera = MovieCamera(motion, impl_->options);
+  const Camera camera = MovieCamera(motion, impl_->objects, impl_->gripper, impl_->options);
   Scene scene = motion.scene;
   std::vector<Image<Rgb8>> pictures;
   for (size_t f = 0; f < motion.frames.size(); f += impl_->options.every) {

@@ -44,8 +44,9 @@ struct MovieOptions {
   void Validate() const;
 };
 
-// Draws the picks of one bin as seen from above and beside it. Keeps references to the objects and
-// the gripper. The constructor throws std::logic_error if an option is out of range.
+// Draws the picks of one bin as seen from above and beside it, as near as the whole pick permits.
+// Keeps references to the objects and the gripper. The constructor throws std::logic_error if an
+// option is out of range.
 class PickMovie {
  public:
   PickMovie(const ObjectSet& objects, const Bin& bin, const Gripper& gripper,

@@ -109,7 +109,7 @@ std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const Observation& view,
   const PosePlanner planner({setup.spec.planner, setup.tools, setup.cell.objects(),
                              setup.candidates, relaxed, setup.options.cloud_stride_px});
   const PlanResult plan =
-      planner.Plan(InputOf(setup, view, on, relaxed.max_grasps, rng_seed), {}, relaxed);
+      planner.PlanAmong(InputOf(setup, view, on, relaxed.max_grasps, rng_seed), {}, relaxed);
   return failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
 }
 

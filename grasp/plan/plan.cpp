@@ -7,9 +7,8 @@
 #include <list>
 #include <stdexcept>
 
-#include "grasp/candidates/pad_contact.h"
-#include "grasp/candidates/surface_sampling.h"
 #include "grasp/plan/clearance.h"
+#include "grasp/plan/object_shape.h"
 #include "grasp/plan/stacking.h"
 #include "scenes/base/error.h"
 
@@ -42,38 +41,6 @@ constexpr const char* kCauseNames[kCauses] = {"tilt",
                                               "palm meets an instance",
                                               "outranked",
                                               "not tried"};
-
-// Data shared by all poses of one object.
-struct ObjectShape {
-  Eigen::Matrix3Xd points_O;    // uniform density
-  Eigen::Matrix3Xd obstacle_O;  // points_O and points along sharp edges
-  double thickness_m;           // minimum extent along the axes of O
-  double band_radius_m;         // around O; the band has no point further away
-  SurfaceBand band;
-  std::vector<std::optional<double>> openings_m;  // by candidate; nullopt = beyond the stroke
-};
-
-ObjectShape MakeShape(const PlanInput& input, ObjectId object, const PlanOptions& options) {
-  const ObjectModel& model = *input.objects[object];
-  Rng rng(model.mesh_hash);
-  SurfacePoints surface = SpreadPoints(model.mesh_O, options.neighbor_spacing_m,
-                                       options.min_object_points, options.max_object_points, rng);
-  const Eigen::Matrix3Xd points_O = surface.points_O.matrix().transpose().cast<double>();
-  const Vector3d extent_m = points_O.rowwise().maxCoeff() - points_O.rowwise().minCoeff();
-  const Eigen::Matrix3Xd edges_O = SharpEdgePoints(model.mesh_O, options.neighbor_spacing_m);
-  Eigen::Matrix3Xd obstacle_O(3, points_O.cols() + edges_O.cols());
-  obstacle_O << points_O, edges_O;
-  ObjectShape shape{points_O,
-                    std::move(obstacle_O),
-                    extent_m.minCoeff(),
-                    points_O.colwise().norm().maxCoeff() + 2 * options.own_points_m,
-                    SurfaceBand(points_O, options.own_points_m),
-                    {}};
-  for (const GraspCandidate& candidate : input.candidates[object]) {
-    shape.openings_m.push_back(input.gripper.ApproachOpening_m(candidate.width_m));
-  }
-  return shape;
-}
 
 Vector3d CenterOf(const PlanInput& input, const EstimatedPose& pose) {
   return pose.X_WO * input.objects[pose.object]->mass.com_O;
@@ -421,6 +388,10 @@ class CandidateCheck {
     const double room = std::min(1.0, nearest_m / options_.good_room_m);
     const double crowd = std::min(1.0, double(seen.between) / options_.many_between);
     grasp.score *= (1 - options_.room_share * (1 - room)) * (1 - options_.between_share * crowd);
+    if (input_.hidden != nullptr) {
+      const double hidden_m = input_.hidden->MeanDepth_m(sweep, grasp.X_WG, options_.hidden_step_m);
+      grasp.score *= 1 - options_.hidden_share * std::min(1.0, hidden_m / options_.full_hidden_m);
+    }
     return kFree;
   }
 

@@ -83,6 +83,15 @@ void PlanOptions::Visit(SettingsVisitor& v) {
          "for ranking quality");
   v.Real("between_share", between_share, share,
          "share of the score that is lost if others are between the fingers");
+  v.Real("hidden_share", hidden_share, share,
+         "share of the score that is lost if the hand enters much space that the image does not "
+         "show");
+  v.Real("full_hidden_m", full_hidden_m, {0.001, 1},
+         "mean depth of the fingers in hidden space at which the loss is full, m");
+  v.Real("hidden_behind_m", hidden_behind_m, length,
+         "what is less far behind an observed surface counts as seen, m");
+  v.Real("hidden_step_m", hidden_step_m, {0.0005, 0.1},
+         "spacing of the points at which the hand is tested for hidden space, m");
   v.Real("good_room_m", good_room_m, {0.001, 0.1},
          "distance from others from which there is no loss, m");
   v.Integer("many_between", many_between, {1, 100000},

@@ -25,21 +25,33 @@ PlanResult PosePlanner::Plan(const PlannerInput& input) {
   PlanOptions options = setup_.options;
   options.max_grasps = input.max_grasps;
   options.seed = input.seed;
-  return Plan(input, ObservedPoints(input.frame, input.X_WC, setup_.cloud_stride_px), options);
+  return PlanInBin(input, ObservedPoints(input.frame, input.X_WC, setup_.cloud_stride_px), options,
+                   /*knows_hidden=*/true);
 }
 
-PlanResult PosePlanner::Plan(const PlannerInput& input, std::vector<Eigen::Vector3d> cloud_W,
-                             const PlanOptions& options) const {
+PlanResult PosePlanner::PlanAmong(const PlannerInput& input, std::vector<Eigen::Vector3d> cloud_W,
+                                  const PlanOptions& options) const {
+  return PlanInBin(input, std::move(cloud_W), options, /*knows_hidden=*/false);
+}
+
+PlanResult PosePlanner::PlanInBin(const PlannerInput& input, std::vector<Eigen::Vector3d> cloud_W,
+                                  const PlanOptions& options, bool knows_hidden) const {
   CheckInput(input.bin.has_value(), "planner poses needs a known bin");
   const Pose& X_WB = input.bin->X_WB;
   // An exact cell keeps its bytes: no product with an identity.
   const bool moved = X_WB.matrix() != Pose::Identity().matrix();
   std::vector<EstimatedPose> poses(input.poses.begin(), input.poses.end());
   if (moved) MoveToBin(X_WB, poses, cloud_W);
+  std::optional<HiddenSpace> hidden;
+  if (knows_hidden) {
+    const Pose X_CW = input.X_WC.inverse();
+    hidden.emplace(input.frame.depth_m, input.frame.intrinsics, moved ? X_CW * X_WB : X_CW,
+                   options.hidden_behind_m);
+  }
   std::vector<PlanInput> inputs;
   for (size_t k = 0; k < setup_.tools.size(); ++k) {
     inputs.push_back({input.bin->bin, poses, setup_.candidates[k], cloud_W, setup_.objects,
-                      *setup_.tools[k], input.targets});
+                      *setup_.tools[k], input.targets, hidden ? &*hidden : nullptr});
   }
   PlanResult plan = PlanWithTools(inputs, options);
   if (!moved) return plan;

@@ -27,11 +27,14 @@ class PosePlanner : public Planner {
   // Throws InputError without a bin.
   PlanResult Plan(const PlannerInput& input) override;
 
-  // Plans with other options and other obstacles than the observed points.
-  PlanResult Plan(const PlannerInput& input, std::vector<Eigen::Vector3d> cloud_W,
-                  const PlanOptions& options) const;
+  // Plans with other options as if the image showed these points only and hid nothing.
+  PlanResult PlanAmong(const PlannerInput& input, std::vector<Eigen::Vector3d> cloud_W,
+                       const PlanOptions& options) const;
 
  private:
+  PlanResult PlanInBin(const PlannerInput& input, std::vector<Eigen::Vector3d> cloud_W,
+                       const PlanOptions& options, bool knows_hidden) const;
+
   const PlannerSetup setup_;
 };
 

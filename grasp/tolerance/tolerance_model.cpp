@@ -122,7 +122,8 @@ void SurfaceMoments(const TriangleMesh& mesh, Vector3d& mean, Matrix3d& covarian
 // Mean squared displacement of the surface.
 double SquaredMotion(const ToleranceModel& model, const Pose& X) {
   const Matrix3d D = X.linear() - Matrix3d::Identity();
-  return (D * model.surface_covariance_O * D.transpose()).trace() +
+  // The first term is the trace of D * covariance * D^T.
+  return (D * model.surface_covariance_O).cwiseProduct(D).sum() +
          (D * model.surface_mean_O + X.translation()).squaredNorm();
 }
 

@@ -81,6 +81,29 @@ TEST(Silhouette, HoleHasACurveUnlessHolesAreLeftOut) {
   EXPECT_EQ(SilhouetteOf(ids, 3, 1, Holes::kWithout).curves.size(), 1);
 }
 
+// The nearest camera that sees all points: none is outside the margin, and some touch it on two
+// opposite sides.
+TEST(CameraAround, SeesAllPointsAndIsNear) {
+  const std::vector<Eigen::Vector3d> points_W{
+      {0.3, 0, 0}, {-0.2, 0.1, 0.4}, {0, 0.5, 0.2}, {0.1, -0.3, -0.1}};
+  const Camera camera = CameraAround(points_W, {0.2, -0.8, 0.7}, 0.1, 200, 150, 250);
+  Eigen::AlignedBox2d seen_px;
+  for (const Eigen::Vector3d& p_W : points_W) {
+    seen_px.extend(Project(camera.intrinsics, camera.X_CW() * p_W));
+  }
+  // Pixel centers have whole coordinates, so that the image begins at -0.5.
+  const Eigen::Vector2d least(0.1 * 200 - 0.5, 0.1 * 150 - 0.5);
+  const Eigen::Vector2d most(0.9 * 200 - 0.5, 0.9 * 150 - 0.5);
+  const Eigen::Vector2d at_least = seen_px.min() - least;
+  const Eigen::Vector2d at_most = most - seen_px.max();
+  EXPECT_GT(at_least.minCoeff(), -1e-9);
+  EXPECT_GT(at_most.minCoeff(), -1e-9);
+  EXPECT_NEAR(at_least.cwiseMax(at_most).minCoeff(), 0, 1e-9);
+  const std::vector<Eigen::Vector3d> one_point_W{{0.3, 0, 0}};
+  EXPECT_THROW(CameraAround(one_point_W, {0, 0, 1}, 0.1, 200, 150, 250), std::logic_error);
+  EXPECT_THROW(CameraAround({}, {0, 0, 1}, 0.1, 200, 150, 250), std::logic_error);
+}
+
 // Seen from a corner, a cube shows nine of its twelve edges. The other three meet in the corner
 // that projects to the center of the image.
 TEST(ObjectOutlines, HiddenEdgesAreRemoved) {

@@ -279,7 +279,7 @@ TEST(Trial, FailedGraspIsRepeatedOnlyWhenNoOtherIsLeft) {
   };
   TrialRunner runner(spec, objects);
   int chances = 0;  // attempts after a failure and a later pick, with small cubes left
-  for (int trial = 0; trial < 6; ++trial) {
+  for (int trial = 0; trial < 9; ++trial) {
     const TrialResult result = runner.Run(BinIndex(trial));
     std::vector<AttemptRecord> failed;
     int picked = 0, picked_since = 0;

@@ -35,7 +35,8 @@ class PlanFixture : public testing::Test {
   }
 
   PlanResult Run(const PlanOptions& options = {}) const {
-    return PlanGrasps({bin_, poses_, candidates_, cloud_, objects_, *selected_gripper_}, options);
+    return PlanGrasps(
+        {bin_, poses_, candidates_, cloud_, objects_, *selected_gripper_, {}, hidden_}, options);
   }
 
   int Rejected(const PlanResult& result) const {
@@ -60,5 +61,6 @@ class PlanFixture : public testing::Test {
   std::vector<std::vector<GraspCandidate>> candidates_;
   std::vector<EstimatedPose> poses_;
   std::vector<Eigen::Vector3d> cloud_;
+  const HiddenSpace* hidden_ = nullptr;
 };
 }  // namespace pickbed::tests
