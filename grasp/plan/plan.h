@@ -113,7 +113,7 @@ struct PlanOptions {
   // poses in deep bins, hands that entered it by over 8 mm met one in a quarter of the picks, and
   // hands that entered it by less than 4 mm in none of over 80.
   double hidden_share = 0.8;
-  double full_hidden_m = 0.02;
+  double full_hidden_m = 0.01;
   double hidden_behind_m = 0.005;  // what is less far behind a surface counts as seen
   double hidden_step_m = 0.004;    // spacing of the points at which the hand is tested
   double good_room_m = 0.010;      // distance from others from which there is no loss

@@ -154,6 +154,12 @@ PoseOffset ToPoseOffset(const Pose& X) {
   return error;
 }
 
+std::vector<Pose> InverseSymmetries(const SymmetrySet& symmetries) {
+  std::vector<Pose> inverses;
+  for (const Pose& S : SymmetryTransforms(symmetries)) inverses.push_back(S.inverse());
+  return inverses;
+}
+
 void ToleranceFitOptions::Visit(SettingsVisitor& v) {
   v.Real("length_scale_m", length_scale_m, {1e-4, 1},
          "position error with a scaled coordinate of 1, m");
@@ -178,7 +184,7 @@ ToleranceModel EmptyToleranceModel(const ObjectModel& model, const std::string& 
   tolerance.angle_scale_rad = options.angle_scale_rad;
   tolerance.X_OG = std::move(X_OG);
   tolerance.symmetries_O = model.symmetries_O;
-  tolerance.symmetry_poses_O = SymmetryTransforms(model.symmetries_O);
+  tolerance.symmetry_inverses_O = InverseSymmetries(model.symmetries_O);
   SurfaceMoments(model.mesh_O, tolerance.surface_mean_O, tolerance.surface_covariance_O);
   tolerance.weights.assign(kTerms, 0);
   return tolerance;
@@ -214,8 +220,8 @@ void FitTolerance(const std::vector<ToleranceSample>& samples, const ToleranceFi
 Pose NearestError(const ToleranceModel& model, const Pose& X_OE) {
   Pose nearest = X_OE;
   double minimum = std::numeric_limits<double>::infinity();
-  for (const Pose& S : model.symmetry_poses_O) {
-    const Pose X = S.inverse() * X_OE;
+  for (const Pose& inverse : model.symmetry_inverses_O) {
+    const Pose X = inverse * X_OE;
     const double motion = SquaredMotion(model, X);
     if (motion >= minimum) continue;
     minimum = motion;
@@ -321,7 +327,7 @@ ToleranceModel ReadToleranceModel(const std::filesystem::path& file) {
              fmt::format("{}: is not a tolerance model: it has {} weights of {} and {} grasps; "
                          "make one with `pickbed tolerance OBJECT GRIPPER`",
                          file.string(), model.weights.size(), kTerms, model.X_OG.size()));
-  model.symmetry_poses_O = SymmetryTransforms(model.symmetries_O);
+  model.symmetry_inverses_O = InverseSymmetries(model.symmetries_O);
   return model;
 }
 

@@ -64,10 +64,13 @@ struct ToleranceModel {
   // the surface under a motion.
   Eigen::Vector3d surface_mean_O = Eigen::Vector3d::Zero();
   Eigen::Matrix3d surface_covariance_O = Eigen::Matrix3d::Zero();
-  std::vector<Pose> symmetry_poses_O{Pose::Identity()};  // from symmetries_O, not stored
+  std::vector<Pose> symmetry_inverses_O{Pose::Identity()};  // of symmetries_O, not stored
 
   void Visit(SettingsVisitor& v);
 };
+
+// Returns the inverses of SymmetryTransforms(), in its order.
+std::vector<Pose> InverseSymmetries(const SymmetrySet& symmetries);
 
 // Returns the terms of the regression, in the order of the weights, as expressions that Python can
 // evaluate: "1", "abs(x)", "x**2", "z*abs(z)", "abs(x*rz)". x, y, z are the position error in G

@@ -143,7 +143,7 @@ TEST(Tolerance, AmbiguousPosesHaveTheSameProbability) {
   ToleranceModel model = PlantedModel({Pose::Identity()});
   const double without = SuccessProbability(model, box->symmetries_O.discrete_O[0]);
   const ToleranceModel known = EmptyToleranceModel(*box, "test jaw", {Pose::Identity()});
-  model.symmetry_poses_O = known.symmetry_poses_O;
+  model.symmetry_inverses_O = known.symmetry_inverses_O;
   Rng rng(4);
   for (int i = 0; i < 50; ++i) {
     const Pose X = ToPose(RandomError(rng, 0.006, 0.2));
@@ -160,7 +160,7 @@ TEST(Tolerance, RotationAboutAContinuousAxisIsNoError) {
   auto rod = Box();
   rod->symmetries_O.continuous_O = {{Eigen::Vector3d::UnitZ(), Eigen::Vector3d::Zero()}};
   ToleranceModel model = PlantedModel({Pose::Identity()});
-  model.symmetry_poses_O = EmptyToleranceModel(*rod, "", {Pose::Identity()}).symmetry_poses_O;
+  model.symmetry_inverses_O = EmptyToleranceModel(*rod, "", {Pose::Identity()}).symmetry_inverses_O;
   for (const double angle : {0.5, 1.3, 2.9, -2.0}) {
     const Pose rotated(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
     // Up to half a step of the discretized axis.
@@ -192,7 +192,7 @@ TEST(Tolerance, ModelFileReadsBackUnchanged) {
                 {0.01, -0.02, 0.03})},
       500);
   model.symmetries_O = box->symmetries_O;
-  model.symmetry_poses_O = SymmetryTransforms(model.symmetries_O);
+  model.symmetry_inverses_O = InverseSymmetries(model.symmetries_O);
   const auto file = folder.path() / "model.yaml";
   WriteToleranceModel(file, model);
   const ToleranceModel read = ReadToleranceModel(file);
