@@ -92,13 +92,13 @@ TEST(CameraAround, SeesAllPointsAndIsNear) {
     seen_px.extend(Project(camera.intrinsics, camera.X_CW() * p_W));
   }
   // Pixel centers have whole coordinates, so that the image begins at -0.5.
-  const Eigen::Vector2d least(0.1 * 200 - 0.5, 0.1 * 150 - 0.5);
-  const Eigen::Vector2d most(0.9 * 200 - 0.5, 0.9 * 150 - 0.5);
-  const Eigen::Vector2d at_least = seen_px.min() - least;
-  const Eigen::Vector2d at_most = most - seen_px.max();
-  EXPECT_GT(at_least.minCoeff(), -1e-9);
-  EXPECT_GT(at_most.minCoeff(), -1e-9);
-  EXPECT_NEAR(at_least.cwiseMax(at_most).minCoeff(), 0, 1e-9);
+  const Eigen::Vector2d low_px(0.1 * 200 - 0.5, 0.1 * 150 - 0.5);
+  const Eigen::Vector2d high_px(0.9 * 200 - 0.5, 0.9 * 150 - 0.5);
+  const Eigen::Vector2d room_below_px = seen_px.min() - low_px;
+  const Eigen::Vector2d room_above_px = high_px - seen_px.max();
+  EXPECT_GT(room_below_px.minCoeff(), -1e-9);
+  EXPECT_GT(room_above_px.minCoeff(), -1e-9);
+  EXPECT_NEAR(room_below_px.cwiseMax(room_above_px).minCoeff(), 0, 1e-9);
   const std::vector<Eigen::Vector3d> one_point_W{{0.3, 0, 0}};
   EXPECT_THROW(CameraAround(one_point_W, {0, 0, 1}, 0.1, 200, 150, 250), std::logic_error);
   EXPECT_THROW(CameraAround({}, {0, 0, 1}, 0.1, 200, 150, 250), std::logic_error);
