@@ -31,7 +31,7 @@ set(third_party
   "flann/=>^perception/features/neighbors\\.cpp$"
   "lz4=>^perception/[a-z_]+/[a-z_]+\\.cpp$"
   "assimp/=>^scenes/mesh_io/(mesh_io|scene_export)\\.cpp$"
-  "opencv2/=>^(scenes/image/image_io\\.cpp|eval/draw/[a-z_]+\\.(cpp|h)|perception/estimators/ppf_matcher\\.cpp|perception/crop_methods/(hog|linemod)\\.cpp)$"
+  "opencv2/=>^(scenes/image/image_io\\.cpp|eval/draw/[a-z_]+\\.(cpp|h)|perception/cloud/color_edges\\.cpp|perception/estimators/ppf_matcher\\.cpp|perception/crop_methods/(hog|linemod)\\.cpp)$"
   "yaml-cpp/=>^scenes/base/settings(_tree|_names)?\\.cpp$"
   "sqlite3=>^eval/store/[a-z_]+\\.(cpp|h)$"
   "boost/=>^eval/stats/[a-z_]+\\.cpp$"

@@ -17,14 +17,6 @@ namespace {
 constexpr double kCreaseCos = 0.8;      // edges of flatter folds are not drawn
 constexpr double kTieDiameters = 0.01;  // a line this far behind the surface is on it
 
-using PlaceKey = std::array<int64_t, 3>;
-
-PlaceKey KeyOf(const Eigen::Vector3d& p) {
-  constexpr double kGrid_m = 1e-6;  // merges vertices that are split because of their normals
-  return {std::llround(p.x() / kGrid_m), std::llround(p.y() / kGrid_m),
-          std::llround(p.z() / kGrid_m)};
-}
-
 // Appends the parts of an edge that the surfaces in `map` do not hide.
 void AddVisible(const RegionMap& map, const CameraIntrinsics& camera, const Eigen::Vector3d& a_C,
                 const Eigen::Vector3d& b_C, double tie_m, std::vector<PixelLine>& lines) {
@@ -53,47 +45,26 @@ void AddVisible(const RegionMap& map, const CameraIntrinsics& camera, const Eige
 
 }  // namespace
 
-std::vector<ObjectOutlines::Edge> ObjectOutlines::EdgesOf(const TriangleMesh& mesh) {
-  const std::vector<Eigen::Vector3d> normals = FaceNormals(mesh);
-  std::map<std::pair<PlaceKey, PlaceKey>, Edge> edges;
-  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d& a = mesh.vertices[mesh.triangles[t][k]];
-      const Eigen::Vector3d& b = mesh.vertices[mesh.triangles[t][(k + 1) % 3]];
-      const PlaceKey ka = KeyOf(a), kb = KeyOf(b);
-      auto [it, is_new] = edges.try_emplace(std::minmax(ka, kb));
-      if (is_new)
-        it->second = {a, b, normals[t], -normals[t]};
-      else
-        it->second.normal_2_O = normals[t];
-    }
-  }
-  std::vector<Edge> list;
-  list.reserve(edges.size());
-  for (const auto& [key, edge] : edges) list.push_back(edge);
-  return list;
-}
-
 std::vector<PixelLine> ObjectOutlines::At(ObjectId object, const Pose& X_CO,
                                           const CameraIntrinsics& camera) {
   const ObjectModel& model = *objects_.at(object);
   auto drawn = drawn_.find(object);
   if (drawn == drawn_.end()) {
-    drawn = drawn_.emplace(object, Drawn{EdgesOf(model.mesh_O), RasterMesh(model.mesh_O)}).first;
+    drawn = drawn_.emplace(object, Drawn{MeshEdges(model.mesh_O), RasterMesh(model.mesh_O)}).first;
   }
   RegionMap map(camera, 1);
   map.Add(drawn->second.mesh, X_CO);
   const double tie_m = kTieDiameters * model.diameter_m;
   const Eigen::Vector3d camera_O = X_CO.inverse().translation();
   std::vector<PixelLine> lines;
-  for (const Edge& edge : drawn->second.edges) {
-    const Eigen::Vector3d to_camera = camera_O - edge.a_O;
-    const bool faces_1 = edge.normal_1_O.dot(to_camera) > 0;
-    const bool faces_2 = edge.normal_2_O.dot(to_camera) > 0;
+  for (const MeshEdge& edge : drawn->second.edges) {
+    const Eigen::Vector3d to_camera = camera_O - edge.a;
+    const bool faces_1 = edge.normal_1.dot(to_camera) > 0;
+    const bool faces_2 = edge.normal_2.dot(to_camera) > 0;
     const bool silhouette = faces_1 != faces_2;
-    const bool crease = faces_1 && faces_2 && edge.normal_1_O.dot(edge.normal_2_O) < kCreaseCos;
+    const bool crease = faces_1 && faces_2 && edge.normal_cos() < kCreaseCos;
     if (!silhouette && !crease) continue;
-    AddVisible(map, camera, X_CO * edge.a_O, X_CO * edge.b_O, tie_m, lines);
+    AddVisible(map, camera, X_CO * edge.a, X_CO * edge.b, tie_m, lines);
   }
   return lines;
 }

@@ -11,6 +11,7 @@
 #include "scenes/bin/bin.h"
 #include "scenes/camera/camera.h"
 #include "scenes/camera/mesh_raster.h"
+#include "scenes/geometry/mesh_edges.h"
 #include "scenes/objects/object_model.h"
 
 namespace pickbed::eval {
@@ -30,17 +31,11 @@ class ObjectOutlines {
   std::vector<PixelLine> At(ObjectId object, const Pose& X_CO, const CameraIntrinsics& camera);
 
  private:
-  // Edge of a mesh with the normals of its two faces.
-  struct Edge {
-    Eigen::Vector3d a_O, b_O;
-    Eigen::Vector3d normal_1_O, normal_2_O;
-  };
   // Edges and raster mesh of an object.
   struct Drawn {
-    std::vector<Edge> edges;
+    std::vector<MeshEdge> edges;
     RasterMesh mesh;
   };
-  static std::vector<Edge> EdgesOf(const TriangleMesh& mesh);
 
   const ObjectSet& objects_;
   std::map<int, Drawn> drawn_;  // by object, computed on first use

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "perception/candidates/edge_comparison.h"
 #include "perception/verify/color_consistency.h"
 
 namespace pickbed::perception {
@@ -9,16 +10,17 @@ namespace {
 
 std::vector<PoseHypothesis> Scored(const OrganizedCloud& cloud,
                                    const std::vector<ModelPoints>& models,
+                                   const std::vector<PoseDistance>& distances,
                                    std::span<const Verifier> verifiers,
                                    const std::vector<Candidate>& candidates,
                                    const PoseSelectionOptions& options) {
+  const std::vector<double> scores =
+      CandidateScores(cloud, models, distances, verifiers, candidates, options);
   std::vector<PoseHypothesis> scored;
-  for (const Candidate& candidate : candidates) {
-    PoseHypothesis hypothesis = candidate.hypothesis;
-    const ObjectId object = hypothesis.object;
-    hypothesis.score = CandidateScore(cloud, models[object], verifiers[object], candidate,
-                                      options.mode, options.min_score);
-    if (hypothesis.score >= options.min_score) scored.push_back(hypothesis);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    if (scores[i] < options.min_score) continue;
+    scored.push_back(candidates[i].hypothesis);
+    scored.back().score = scores[i];
   }
   std::stable_sort(
       scored.begin(), scored.end(),
@@ -38,12 +40,25 @@ void PoseSelectionOptions::Visit(SettingsVisitor& v) {
       "removal of weaker poses that overlap a stronger one");
 }
 
-double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
-                      const Verifier& verifier, const Candidate& candidate, CandidateMode mode,
-                      double min_score) {
-  const double score = verifier.Score(candidate.features, mode);
-  if (score < min_score) return score;
-  return ScoreWithPrint(score, PrintCorrelation(cloud, model, candidate.hypothesis.X_CO));
+std::vector<double> CandidateScores(const OrganizedCloud& cloud,
+                                    const std::vector<ModelPoints>& models,
+                                    const std::vector<PoseDistance>& distances,
+                                    std::span<const Verifier> verifiers,
+                                    const std::vector<Candidate>& candidates,
+                                    const PoseSelectionOptions& options) {
+  std::vector<double> scores;
+  for (const Candidate& candidate : candidates) {
+    scores.push_back(
+        verifiers[candidate.hypothesis.object].Score(candidate.features, options.mode));
+  }
+  WeighByEdges(cloud, models, distances, candidates, scores);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    if (scores[i] < options.min_score) continue;
+    const PoseHypothesis& hypothesis = candidates[i].hypothesis;
+    scores[i] = ScoreWithPrint(scores[i],
+                               PrintCorrelation(cloud, models[hypothesis.object], hypothesis.X_CO));
+  }
+  return scores;
 }
 
 std::vector<PoseHypothesis> SelectPoses(const OrganizedCloud& cloud,
@@ -55,7 +70,8 @@ std::vector<PoseHypothesis> SelectPoses(const OrganizedCloud& cloud,
                                         std::span<const int> instances) {
   CheckSettings("PoseSelectionOptions", options);
   std::vector<PoseHypothesis> kept;
-  for (const PoseHypothesis& hypothesis : Scored(cloud, models, verifiers, candidates, options)) {
+  for (const PoseHypothesis& hypothesis :
+       Scored(cloud, models, distances, verifiers, candidates, options)) {
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const PoseHypothesis& better) {
       return better.object == hypothesis.object &&
              distances[hypothesis.object](better.X_CO, hypothesis.X_CO) < options.merge_diameters;

@@ -23,11 +23,16 @@ struct PoseSelectionOptions {
   void Visit(SettingsVisitor& v);
 };
 
-// Returns the verifier's score, lowered if the surface texture contradicts the pose. The texture is
-// compared only for scores of at least `min_score`.
-double CandidateScore(const OrganizedCloud& cloud, const ModelPoints& model,
-                      const Verifier& verifier, const Candidate& candidate, CandidateMode mode,
-                      double min_score = 0);
+// Returns the score of each candidate: the verifier's, divided among ambiguous poses by the edges
+// of the image (edge_comparison.h), and lowered if the surface texture contradicts the pose. The
+// texture is compared only for scores of at least options.min_score. `models`, `distances` and
+// `verifiers` are by object index.
+std::vector<double> CandidateScores(const OrganizedCloud& cloud,
+                                    const std::vector<ModelPoints>& models,
+                                    const std::vector<PoseDistance>& distances,
+                                    std::span<const Verifier> verifiers,
+                                    const std::vector<Candidate>& candidates,
+                                    const PoseSelectionOptions& options);
 
 // Returns the selected hypotheses by decreasing score. `models`, `distances`, `verifiers` and, if
 // not empty, `instances` (see EstimatorInput) are by object index. Throws InputError for options

@@ -175,6 +175,7 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
   OrganizedCloud cloud;
   cloud.intrinsics = frame.intrinsics;
   cloud.color = frame.color;
+  cloud.edges = FindColorEdges(frame.intrinsics, frame.color);
   cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
   MarkBackground(background, options, cloud);
   cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());

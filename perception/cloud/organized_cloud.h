@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "perception/cloud/background_fit.h"
+#include "perception/cloud/color_edges.h"
 #include "scenes/base/settings.h"
 #include "scenes/bin/bin.h"
 #include "scenes/camera/rgbd_frame.h"
@@ -41,6 +42,7 @@ struct CloudOptions {
 struct OrganizedCloud {
   CameraIntrinsics intrinsics;
   Image<Rgb8> color;  // colour image of the frame; may be empty
+  ColorEdges edges;   // of the colour image before any binning; may be empty
   // Depth with single-pixel holes filled, smoothed by the plane fit where there is a normal;
   // 0 = unknown.
   Image<float> depth_m;

@@ -90,7 +90,9 @@ OrganizedCloud SearchCloud(const RgbdFrame& frame, const std::optional<KnownBack
                      (frame.color.empty() ||
                       (frame.color.width() == k.width() && frame.color.height() == k.height()));
   if (factor == 1 || !valid) return BuildCloud(frame, background);
-  return BuildCloud(BinnedFrame(frame, factor), background);
+  OrganizedCloud cloud = BuildCloud(BinnedFrame(frame, factor), background);
+  cloud.edges = FindColorEdges(k, frame.color);
+  return cloud;
 }
 
 }  // namespace pickbed::perception

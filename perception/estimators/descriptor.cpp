@@ -158,12 +158,15 @@ void LearnedEstimator::Trace(const OrganizedCloud& cloud, const std::vector<Cand
   trace.min_score = options_.pose_selection.min_score;
   const std::vector<ModelPoints>& models = finder_->candidate_refiner().model_points();
   const CommonColors colors(cloud, models, accepted);
-  for (const Candidate& candidate : candidates) {
-    PoseHypothesis scored = candidate.hypothesis;
-    scored.score = CandidateScore(cloud, models[scored.object], verifiers_[scored.object],
-                                  candidate, options_.pose_selection.mode);
+  PoseSelectionOptions all = options_.pose_selection;
+  all.min_score = 0;
+  const std::vector<double> scores = CandidateScores(
+      cloud, models, finder_->candidate_refiner().distances(), verifiers_, candidates, all);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    PoseHypothesis scored = candidates[i].hypothesis;
+    scored.score = scores[i];
     colors.LowerIfOdd(scored);
-    trace.candidates.push_back({std::move(scored), candidate.features});
+    trace.candidates.push_back({std::move(scored), candidates[i].features});
   }
   trace.accepted = accepted;
 }

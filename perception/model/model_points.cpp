@@ -187,6 +187,7 @@ ModelPoints MakeModelPoints(const ObjectModel& model, int points, int directions
     result.normals_O.push_back(samples.normals[i].cast<float>());
   }
   result.print = MakeSurfacePrint(model, even.points, even.triangles);
+  result.edges = MakeEdgePoints(model.mesh_O);
   result.area_per_point_m2 = static_cast<float>(area / points);
   result.center_O = MeshBounds(model.mesh_O).center().cast<float>();
   std::vector<Eigen::Vector3f> vertices;

@@ -9,6 +9,7 @@
 
 #include "perception/cloud/organized_cloud.h"
 #include "perception/model/distance_field.h"
+#include "perception/model/edge_points.h"
 #include "perception/model/surface_texture.h"
 #include "scenes/base/random.h"
 #include "scenes/objects/object_model.h"
@@ -30,6 +31,7 @@ struct ModelPoints {
   float area_per_point_m2 = 0;
   DistanceField distance;  // distance to the surface, up to 15 mm away from it
   SurfacePrint print;      // colours of points_O
+  std::vector<EdgePoint> edges;
 
   // Returns the visible points of an object at X_CO, for the nearest of the viewing directions.
   const std::vector<uint16_t>& VisibleFrom(const Pose& X_CO) const;

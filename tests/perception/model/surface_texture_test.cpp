@@ -164,9 +164,12 @@ TEST_F(TexturedSlab, DistractorOfTheSameShapeScoresLess) {
   sure.b2 = 3;
   Candidate candidate;
   candidate.hypothesis.X_CO = X_CO_;
+  const PoseDistance distance(*object_);
   const auto score = [&](const Painting& painting, double min_score) {
-    return CandidateScore(Seen(painting), model_, sure, candidate, CandidateMode::kAccurate,
-                          min_score);
+    PoseSelectionOptions options;
+    options.min_score = min_score;
+    return CandidateScores(Seen(painting), {model_}, {distance}, {&sure, 1}, {candidate}, options)
+        .at(0);
   };
   const Painting grey = [](const auto&) { return kGrey; };
   EXPECT_EQ(score(Showing(texture_), 0), sure.Score({}));
