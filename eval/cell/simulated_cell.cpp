@@ -44,6 +44,11 @@ SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
       spec, "fill", [&] { return sim::CountsForFill(bin_, objects_, counts_, spec.fill, drop_); });
 }
 
+void SimulatedCell::SetSeed(uint64_t seed) {
+  seed_ = seed;
+  drawn_bin_ = BinIndex(-1);  // sizes of another seed deviate differently
+}
+
 bool SimulatedCell::IsWanted(ObjectId object) const {
   return std::find(wanted_.begin(), wanted_.end(), object) != wanted_.end();
 }

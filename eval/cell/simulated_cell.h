@@ -8,6 +8,8 @@
 //   |    v z  |       ^
 //   |____W____|       +--> x      W: center of the bin floor
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -44,6 +46,11 @@ class SimulatedCell {
   // use. Throws InputError for an unknown sensor, or if the bin floor is outside the sensor's
   // range.
   SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects);
+
+  // Replaces the seed of the scenario.
+  void SetSeed(uint64_t seed);
+  // Calls `on_wait` often while a bin is dropped. An exception ends the drop.
+  void SetOnWait(std::function<void()> on_wait) { drop_.on_wait = std::move(on_wait); }
 
   // The results of these functions depend only on the arguments, the scenario and its seed.
 

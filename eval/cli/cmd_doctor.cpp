@@ -2,11 +2,14 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
 
 #include "eval/cell/simulated_cell.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/runtime/process.h"
 #include "eval/store/results_store.h"
 #include "eval/trial/estimator_runner.h"
 #include "scenes/base/error.h"
@@ -24,6 +27,7 @@ struct Checkup {
   bool ok = false;
   std::string found;   // measured result, or error message
   std::string remedy;  // instruction if the check failed
+  bool is_optional = false;
 };
 
 constexpr double kCubeSide_m = 0.04;
@@ -132,6 +136,23 @@ std::string Files() {
                      CacheDir().string());
 }
 
+// Imports the Python module, of the build or of the installation.
+std::string PythonModule() {
+  const std::filesystem::path folder =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const char* given = std::getenv("PYTHONPATH");
+  const std::string path =
+      fmt::format("PYTHONPATH={}:{}:{}", (folder / "python").string(),
+                  (folder / ".." / PICKBED_PYTHON_PACKAGES).lexically_normal().string(),
+                  given == nullptr ? "" : given);
+  const ProgramOutput output =
+      RunProgram({"env", path, PICKBED_MODULE_PYTHON, "-c",
+                  "import pickbed; print('pickbed', pickbed.__version__, 'in', pickbed.__file__)"});
+  const std::string line = output.text.substr(0, output.text.find_last_not_of('\n') + 1);
+  if (output.status != 0) throw std::runtime_error(line.substr(line.rfind('\n') + 1));
+  return line;
+}
+
 Checkup Examine(const char* name, const std::function<std::string()>& check, const char* remedy) {
   Checkup checkup{name, false, "", remedy};
   try {
@@ -140,6 +161,11 @@ Checkup Examine(const char* name, const std::function<std::string()>& check, con
   } catch (const std::exception& error) {
     checkup.found = error.what();
   }
+  return checkup;
+}
+
+Checkup Optional(Checkup checkup) {
+  checkup.is_optional = true;
   return checkup;
 }
 
@@ -152,6 +178,9 @@ std::vector<Checkup> ExamineMachine() {
               "install libtorch1.13 and libopenblas0-pthread; if the model is missing, train it "
               "again with `pickbed train`"),
       Examine("store", Store, "set TMPDIR to a writable folder with free space"),
+      Optional(
+          Examine("python", PythonModule,
+                  "for `import pickbed`, install pybind11-dev and python3-dev and build again")),
   };
 }
 
@@ -159,17 +188,19 @@ std::vector<Checkup> ExamineMachine() {
 
 int DoctorCommand(int argc, char** argv) {
   CLI::App app(
-      "Checks that this machine can render, simulate a drop, run a network and store results.",
+      "Checks that this machine can render, simulate a drop, run a network and store results, and "
+      "whether Python has the module pickbed.",
       "pickbed doctor");
   app.footer("Example: pickbed doctor");
   if (!ParseArguments(app, argc, argv)) return 0;
 
   int broken = 0;
   for (const Checkup& checkup : ExamineMachine()) {
-    fmt::print("{:<7}{:<10}{}\n", checkup.ok ? "ok" : "not ok", checkup.name, checkup.found);
+    const char* verdict = checkup.ok ? "ok" : checkup.is_optional ? "none" : "not ok";
+    fmt::print("{:<7}{:<10}{}\n", verdict, checkup.name, checkup.found);
     if (checkup.ok) continue;
     fmt::print("       {}\n", checkup.remedy);
-    ++broken;
+    broken += !checkup.is_optional;
   }
   CheckInput(broken == 0,
              fmt::format("{} checks failed; each remedy is printed below its check", broken));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/runtime/results_folder.h"
 #include "eval/store/results_store.h"
 #include "eval/summary/run_csv.h"
 #include "eval/trial/oracle_estimator.h"
@@ -68,6 +69,8 @@ std::string ProgramText(const std::vector<std::string>& command) {
   }
   return text;
 }
+
+constexpr char kOwnGraspsText[] = "# grasps chosen by a caller\n";
 
 std::string GroundTruthText(const OracleStages& truth) {
   return fmt::format("# truth for: sense {}, detection {}, pose {}, refinement {}, grasp {}\n",
@@ -165,6 +168,28 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
   report.crashed = std::move(swept.crashed);
   if (!options.tolerance.empty()) WriteForecasts(objects, options, report);
   return report;
+}
+
+void WriteRun(const ScenarioSpec& spec, const ObjectSet& objects,
+              std::span<const TrialResult> trials, bool own_grasps,
+              const std::filesystem::path& out) {
+  CheckInput(!trials.empty(), "there is no finished trial to write");
+  ScenarioSpec as_run = spec;
+  as_run.trials = static_cast<int>(trials.size());
+  Sweep sweep = SweepOfOne(as_run, objects);
+  if (own_grasps) sweep.configurations.front().identity += kOwnGraspsText;
+  const FolderLock lock(out);
+  const StoreHead head = HeadOf(sweep, out);
+  {
+    ResultsStore store(out, head);
+    CheckInput(
+        store.FinishedTrials().empty(),
+        fmt::format("{} already has finished trials; choose another results folder", out.string()));
+    for (const TrialResult& trial : trials) store.Write(trial);
+  }
+  ResultsStore::Tidy(out);
+  WriteFileAtomically(out / kScenarioFile, head.configurations.front().settings);
+  WriteSweepFiles(out);
 }
 
 }  // namespace pickbed::eval

@@ -11,6 +11,7 @@
 // timings.csv differ.
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,15 @@ struct RunReport {
 // `resume` is false.
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener);
+
+// Writes trials that this process ran as the results folder of a run: the same files as
+// RunScenario() without pictures. The trials must have the bins 0, 1, ... With `own_grasps`, a
+// caller chose the grasps; such trials cannot be combined with a run of the scenario. Throws
+// InputError without trials, and for an output folder that cannot be written, is in use, or holds
+// trials.
+void WriteRun(const ScenarioSpec& spec, const ObjectSet& objects,
+              std::span<const TrialResult> trials, bool own_grasps,
+              const std::filesystem::path& out);
 
 // Returns a text that identifies the inputs of a run; equal texts mean that trials can be combined.
 // It covers the settings (except number of trials, stop width and cycle times), gripper, sensor,

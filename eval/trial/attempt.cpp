@@ -6,11 +6,10 @@
 #include <limits>
 
 #include "eval/trial/failure_attribution.h"
-#include "eval/trial/instance_matcher.h"
-#include "eval/trial/observer.h"
 #include "eval/trial/oracle_estimator.h"
 #include "eval/trial/pose_matching.h"
 #include "grasp/execute/stir.h"
+#include "scenes/base/error.h"
 #include "scenes/base/ids_format.h"
 #include "scenes/base/random.h"
 #include "sim/drop/fill_level.h"
@@ -43,36 +42,6 @@ void Warn(const TrialSetup& setup, const Failure& failure, BinIndex bin_index, i
   for (const std::string& line : failure.traceback) setup.options.on_warning("  " + line);
 }
 
-// The result of the estimator, with ground truth in place of the stages that an oracle replaces.
-EstimateResult EstimatePoses(TrialSetup& setup, const Observation& view,
-                             const InstanceMatcher& truth, int attempt, LiveTrial& trial) {
-  if (!setup.has_poses) return {};
-  const OracleStages& oracle = setup.options.truth;
-  Rng rng = Rng::Derive(setup.spec.seed, trial.bin_index, fmt::format("estimate/{}", attempt));
-  EstimateResult result;
-  if (setup.estimator) {
-    const auto count_reachable = [&](std::span<const PoseHypothesis> poses, int wanted) {
-      return CountReachable(setup, view, poses, wanted);
-    };
-    const bool is_first = trial.bin_index == BinIndex(0) && attempt == 0;
-    result = setup.estimator->Estimate(view.frame, view.calibration, rng, nullptr, count_reachable,
-                                       is_first);
-    if (result.failure) Warn(setup, *result.failure, trial.bin_index, attempt);
-  } else if (!oracle.AllOfPerception()) {
-    result = OracleEstimate(InstancesInImage(setup.cell, trial.bin_index, truth.instances()),
-                            setup.spec.estimator, rng);
-  }
-  for (const auto& [stage, value] : result.seconds) trial.seconds[stage] += value;
-  if (!oracle.detection && !oracle.pose && !oracle.refinement) return result;
-  const InstanceMatcher visible(setup.metric_models, VisibleInstances(setup, truth));
-  result.hypotheses = SubstituteTruth(std::move(result.hypotheses), visible, oracle);
-  if (setup.refiner) {
-    setup.refiner->Refine(view.frame, view.calibration.Background(setup.cell.bin()),
-                          result.hypotheses);
-  }
-  return result;
-}
-
 // Compares the poses with ground truth and fills record.instances and record.hypotheses.
 std::vector<ScoredHypothesis> ScoreHypotheses(const TrialSetup& setup, const Observation& view,
                                               const InstanceMatcher& truth,
@@ -84,7 +53,7 @@ std::vector<ScoredHypothesis> ScoreHypotheses(const TrialSetup& setup, const Obs
   const std::vector<FailureReason> missed = MissReasons(score, truth);
   for (size_t i = 0; i < missed.size(); ++i) {
     // Without a pose stage, no stage missed a visible instance.
-    const bool is_missed = setup.has_poses || missed[i] == FailureReason::kNotVisible;
+    const bool is_missed = !record.pose_free || missed[i] == FailureReason::kNotVisible;
     const bool is_failure = estimate.failure && missed[i] == FailureReason::kNoProposal;
     if (is_missed) {
       score.instances[i].missed = is_failure ? estimate.failure->reason : missed[i];
@@ -148,10 +117,6 @@ Scene Stir(const TrialSetup& setup, const AttemptTask& task, LiveTrial& trial,
   return std::move(stirred.after);
 }
 
-uint64_t PlanSeed(const TrialSetup& setup, const LiveTrial& trial, int attempt) {
-  return Rng::Derive(setup.spec.seed, trial.bin_index, fmt::format("plan/{}", attempt)).Next();
-}
-
 // Measures trial.scene, which must be from before the pick.
 void MeasureFillOfAttempt(const TrialSetup& setup, LiveTrial& trial, AttemptRecord& record) {
   const StageTimer timer(trial.seconds, "score");
@@ -176,7 +141,7 @@ void MeasureFillOfAttempt(const TrialSetup& setup, LiveTrial& trial, AttemptReco
 void ExecuteAndAttribute(const TrialSetup& setup, const AttemptTask& task, LiveTrial& trial,
                          AttemptRecord& record) {
   CapturedImage& image = *trial.image;
-  if (record.grasp && setup.has_poses) {
+  if (record.grasp && !record.pose_free) {
     image.picks.Add(*record.grasp, PoseOf(record.hypotheses[record.grasp->hypothesis]),
                     ToolNamed(setup.tools, record.grasp->tool));
   }
@@ -210,48 +175,70 @@ void ExecuteAndAttribute(const TrialSetup& setup, const AttemptTask& task, LiveT
 
 }  // namespace
 
-AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& trial) {
-  AttemptRecord record;
-  record.attempt = task.attempt;
-  record.pose_free = !setup.has_poses;
-  record.target = task.target;
-  record.band = task.band;
-  record.errors = setup.cell.ErrorsOf(trial.bin_index, task.attempt);
-  AttemptState state{trial.bin_index, setup.cell, setup.tools.front().get(), trial.scene, record};
-  const auto reach = [&](TrialStage stage) { ReachStage(stage, state, record, trial.observer); };
-
-  reach(TrialStage::kScene);
-  Observation view = Capture(setup, task.attempt, trial);
-  state.view = &view;
-  reach(TrialStage::kImage);
-  InstanceMatcher truth(setup.metric_models, InstancesOf(trial.scene, view.visible_fractions,
-                                                         setup.cell.camera().X_CW()));
-  const EstimateResult estimate = EstimatePoses(setup, view, truth, task.attempt, trial);
-  std::vector<ScoredHypothesis> hypotheses =
-      ScoreHypotheses(setup, view, truth, estimate, trial.seconds, record);
-  const CapturedImage& image = trial.image.emplace(
-      CapturedImage{std::move(view), std::move(truth), std::move(hypotheses), record.instances,
-                    ImagePicks(setup.cell.objects()),
-                    estimate.failure ? estimate.failure->reason : FailureReason::kNone});
-  state.view = &image.view;
-  state.hypotheses = &image.hypotheses;
-  reach(TrialStage::kHypotheses);
-  record.grasp =
-      ChooseGrasp(setup, {trial.scene, trial.objects}, image.view, trial.failed, image.picks,
-                  PlanSeed(setup, trial, task.attempt), record, trial.seconds);
-  if (record.grasp) state.gripper = &ToolNamed(setup.tools, record.grasp->tool);
-  reach(TrialStage::kGrasp);
-  ExecuteAndAttribute(setup, task, trial, record);
-  reach(TrialStage::kOutcome);
-  return record;
+EstimateResult EstimateInImage(TrialSetup& setup, const Observation& view,
+                               const InstanceMatcher& truth, BinIndex bin_index, int attempt) {
+  if (!setup.has_poses) return {};
+  setup.MakeEstimator();
+  const OracleStages& oracle = setup.options.truth;
+  Rng rng = Rng::Derive(setup.spec.seed, bin_index, fmt::format("estimate/{}", attempt));
+  EstimateResult result;
+  if (setup.estimator) {
+    const auto count_reachable = [&](std::span<const PoseHypothesis> poses, int wanted) {
+      return CountReachable(setup, view, poses, wanted);
+    };
+    const bool is_first = bin_index == BinIndex(0) && attempt == 0;
+    result = setup.estimator->Estimate(view.frame, view.calibration, rng, nullptr, count_reachable,
+                                       is_first);
+    if (result.failure) Warn(setup, *result.failure, bin_index, attempt);
+  } else if (!oracle.AllOfPerception()) {
+    result = OracleEstimate(InstancesInImage(setup.cell, bin_index, truth.instances()),
+                            setup.spec.estimator, rng);
+  }
+  if (!oracle.detection && !oracle.pose && !oracle.refinement) return result;
+  const InstanceMatcher visible(setup.metric_models, VisibleInstances(setup, truth));
+  result.hypotheses = SubstituteTruth(std::move(result.hypotheses), visible, oracle);
+  if (setup.refiner) {
+    setup.refiner->Refine(view.frame, view.calibration.Background(setup.cell.bin()),
+                          result.hypotheses);
+  }
+  return result;
 }
 
-std::optional<AttemptRecord> RunFurtherPick(TrialSetup& setup, int attempt, LiveTrial& trial) {
-  const CapturedImage& image = trial.image.value();
-  AttemptRecord record;
-  record.attempt = attempt;
+uint64_t PlanSeed(const TrialSetup& setup, BinIndex bin_index, int attempt) {
+  return Rng::Derive(setup.spec.seed, bin_index, fmt::format("plan/{}", attempt)).Next();
+}
+
+LiveAttempt::LiveAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& trial, LastImage)
+    : setup_(setup),
+      task_(task),
+      trial_(trial),
+      state_{trial.bin_index, setup.cell, setup.tools.front().get(), trial.scene, record_} {
+  record_.attempt = task.attempt;
+  record_.pose_free = !setup.has_poses;
+  record_.target = task.target;
+  record_.band = task.band;
+  record_.errors = setup.cell.ErrorsOf(trial.bin_index, task.attempt);
+}
+
+LiveAttempt::LiveAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& trial)
+    : LiveAttempt(setup, task, trial, LastImage()) {
+  Reach(TrialStage::kScene);
+  Observation view = Capture(setup, task.attempt, trial);
+  state_.view = &view;
+  Reach(TrialStage::kImage);
+  InstanceMatcher truth(setup.metric_models, InstancesOf(trial.scene, view.visible_fractions,
+                                                         setup.cell.camera().X_CW()));
+  trial.image = std::make_shared<CapturedImage>(
+      CapturedImage{std::move(view), std::move(truth), {}, {}, ImagePicks(setup.cell.objects())});
+  state_.view = &trial.image->view;
+}
+
+std::unique_ptr<LiveAttempt> LiveAttempt::WithLastImage(TrialSetup& setup, int attempt,
+                                                        LiveTrial& trial) {
+  std::unique_ptr<LiveAttempt> further(new LiveAttempt(setup, {attempt}, trial, LastImage()));
+  const CapturedImage& image = *trial.image;
+  AttemptRecord& record = further->record_;
   record.pick_of_image = static_cast<int>(image.picks.size());
-  record.errors = setup.cell.ErrorsOf(trial.bin_index, attempt);
   for (const InstanceRecord& instance : image.instances) {
     const bool is_left =
         std::any_of(trial.scene.objects.begin(), trial.scene.objects.end(),
@@ -261,21 +248,101 @@ std::optional<AttemptRecord> RunFurtherPick(TrialSetup& setup, int attempt, Live
   for (const ScoredHypothesis& hypothesis : image.hypotheses) {
     record.hypotheses.push_back(hypothesis.record);
   }
-  record.grasp = ChooseGrasp(setup, {trial.scene, trial.objects}, image.view, trial.failed,
-                             image.picks, PlanSeed(setup, trial, attempt), record, trial.seconds);
-  if (!record.grasp) return std::nullopt;
-  AttemptState state{trial.bin_index, setup.cell, &ToolNamed(setup.tools, record.grasp->tool),
-                     trial.scene, record};
-  const auto reach = [&](TrialStage stage) { ReachStage(stage, state, record, trial.observer); };
-  reach(TrialStage::kScene);
-  state.view = &image.view;
-  reach(TrialStage::kImage);
-  state.hypotheses = &image.hypotheses;
-  reach(TrialStage::kHypotheses);
-  reach(TrialStage::kGrasp);
-  ExecuteAndAttribute(setup, {attempt}, trial, record);
-  reach(TrialStage::kOutcome);
-  return record;
+  further->estimated_ = true;
+  further->Plan();
+  if (!further->chosen_) return nullptr;
+  further->Reach(TrialStage::kScene);
+  further->state_.view = &image.view;
+  further->Reach(TrialStage::kImage);
+  further->state_.hypotheses = &image.hypotheses;
+  further->Reach(TrialStage::kHypotheses);
+  return further;
+}
+
+void LiveAttempt::Reach(TrialStage stage) { ReachStage(stage, state_, record_, trial_.observer); }
+
+const std::vector<ScoredHypothesis>& LiveAttempt::Estimate() {
+  CapturedImage& image = *trial_.image;
+  if (estimated_) return image.hypotheses;
+  const EstimateResult estimate =
+      EstimateInImage(setup_, image.view, image.truth, trial_.bin_index, task_.attempt);
+  for (const auto& [stage, value] : estimate.seconds) trial_.seconds[stage] += value;
+  image.hypotheses =
+      ScoreHypotheses(setup_, image.view, image.truth, estimate, trial_.seconds, record_);
+  image.instances = record_.instances;
+  if (estimate.failure) image.estimator_failure = estimate.failure->reason;
+  estimated_ = true;
+  state_.hypotheses = &image.hypotheses;
+  Reach(TrialStage::kHypotheses);
+  return image.hypotheses;
+}
+
+void LiveAttempt::Plan() {
+  const CapturedImage& image = *trial_.image;
+  chosen_ = eval::ChooseGrasp(setup_, {trial_.scene, trial_.objects}, image.view, trial_.failed,
+                              image.picks, PlanSeed(setup_, trial_.bin_index, task_.attempt),
+                              record_, trial_.seconds);
+  planned_ = true;
+}
+
+const std::optional<Grasp>& LiveAttempt::ChooseGrasp() {
+  Estimate();
+  if (!planned_) Plan();
+  return chosen_;
+}
+
+void LiveAttempt::LeaveOutPoses() {
+  if (!estimated_) {
+    CapturedImage& image = *trial_.image;
+    ScoreHypotheses(setup_, image.view, image.truth, {}, trial_.seconds, record_);
+    image.instances = record_.instances;
+  } else if (record_.pose_free) {
+    return;
+  }
+  record_.pose_free = true;
+  record_.hypotheses.clear();
+  for (InstanceRecord& instance : record_.instances) {
+    instance.recalled = false;
+    const bool counts = instance.visible_fraction >= kCountedVisibility;
+    instance.missed = counts ? FailureReason::kNone : FailureReason::kNotVisible;
+  }
+  state_.hypotheses = &trial_.image->hypotheses;
+  Reach(TrialStage::kHypotheses);
+}
+
+bool LiveAttempt::IsChosen(const std::optional<Grasp>& grasp) const {
+  if (!planned_ || grasp.has_value() != chosen_.has_value()) return false;
+  if (!grasp) return true;
+  return grasp->X_WG.matrix() == chosen_->X_WG.matrix() && grasp->width_m == chosen_->width_m &&
+         grasp->score == chosen_->score && grasp->hypothesis == chosen_->hypothesis &&
+         grasp->tool == chosen_->tool;
+}
+
+void LiveAttempt::RequireValid(const std::optional<Grasp>& grasp) const {
+  if (!grasp) return;
+  ToolNamed(setup_.tools, grasp->tool);
+  const int poses = estimated_ ? static_cast<int>(record_.hypotheses.size()) : 0;
+  CheckInput(grasp->hypothesis >= kNoHypothesis && grasp->hypothesis < poses,
+             fmt::format("the grasp is for hypothesis {}, but the attempt has {} hypotheses; use "
+                         "{} for a grasp without a pose",
+                         grasp->hypothesis, poses, kNoHypothesis));
+}
+
+AttemptRecord LiveAttempt::Execute(const std::optional<Grasp>& grasp) {
+  RequireValid(grasp);
+  if (grasp) state_.gripper = &ToolNamed(setup_.tools, grasp->tool);
+  const bool is_pose_free = grasp && grasp->hypothesis == kNoHypothesis;
+  if (!estimated_ || is_pose_free) LeaveOutPoses();
+  record_.grasp = grasp;
+  Reach(TrialStage::kGrasp);
+  ExecuteAndAttribute(setup_, task_, trial_, record_);
+  Reach(TrialStage::kOutcome);
+  return std::move(record_);
+}
+
+AttemptRecord RunAttempt(TrialSetup& setup, const AttemptTask& task, LiveTrial& trial) {
+  LiveAttempt attempt(setup, task, trial);
+  return attempt.Execute(attempt.ChooseGrasp());
 }
 
 }  // namespace pickbed::eval

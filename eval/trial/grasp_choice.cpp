@@ -35,14 +35,15 @@ PlannedPoses PosesOf(const AttemptRecord& record, double match_diameters) {
 }
 
 // Returns what the planner gets for an image.
-PlannerInput InputOf(const TrialSetup& setup, const Observation& view, const PlannedPoses& on,
+PlannerInput InputOf(const TrialSetup& setup, const Observation& view,
+                     std::span<const EstimatedPose> poses, std::span<const int> graspable,
                      int max_grasps, uint64_t rng_seed) {
   const CellCalibration& calibration = view.calibration;
   return {view.frame,
           calibration.camera.X_WC(),
           BinPlacement{setup.cell.bin(), calibration.X_WB.value_or(Pose::Identity())},
-          on.poses,
-          on.graspable,
+          poses,
+          graspable,
           max_grasps,
           rng_seed};
 }
@@ -77,7 +78,8 @@ std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const Observation& view,
   int max_grasps = PlanOptions().max_grasps;
   if (setup.options.truth.grasp) max_grasps = setup.options.true_grasps;
   if (!failed.empty() || !earlier.empty()) max_grasps = setup.options.retry_grasps;
-  PlanResult plan = setup.planner->Plan(InputOf(setup, view, on, max_grasps, rng_seed));
+  PlanResult plan =
+      setup.planner->Plan(InputOf(setup, view, on.poses, on.graspable, max_grasps, rng_seed));
   record.grasps_rejected = std::move(plan.rejected);
   record.planner_failure = std::move(plan.failure);
   std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
@@ -108,8 +110,8 @@ std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const Observation& view,
   relaxed.neighbor_confidence = PlanOptions::kNoNeighbors;
   const PosePlanner planner({setup.spec.planner, setup.tools, setup.cell.objects(),
                              setup.candidates, relaxed, setup.options.cloud_stride_px});
-  const PlanResult plan =
-      planner.PlanAmong(InputOf(setup, view, on, relaxed.max_grasps, rng_seed), {}, relaxed);
+  const PlanResult plan = planner.PlanAmong(
+      InputOf(setup, view, on.poses, on.graspable, relaxed.max_grasps, rng_seed), {}, relaxed);
   return failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
 }
 
@@ -209,6 +211,11 @@ ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Gr
   if (target.object >= 0) target.model = setup.cell.objects().at(target.object).get();
   return ExecuteWithErrors(truth, grasp, ToolNamed(setup.tools, grasp.tool), target, setup.execute,
                            errors, on_step);
+}
+
+PlanResult PlanInImage(const TrialSetup& setup, const Observation& view,
+                       std::span<const EstimatedPose> poses, int max_grasps, uint64_t rng_seed) {
+  return setup.planner->Plan(InputOf(setup, view, poses, {}, max_grasps, rng_seed));
 }
 
 int CountReachable(const TrialSetup& setup, const Observation& view,

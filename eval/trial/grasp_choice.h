@@ -4,6 +4,7 @@
 // image; leaves out grasps that failed before, and tries grasps in the true scene where the stage
 // oracle asks for it.
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -78,6 +79,11 @@ std::vector<PlanInput> InputsOf(const TrialSetup& setup, std::span<const Estimat
 // other poses; it stops counting at `wanted`. The poses have the object indices of the cell.
 int CountReachable(const TrialSetup& setup, const Observation& view,
                    std::span<const PoseHypothesis> poses, int wanted);
+
+// Returns the planned grasps on the poses or, with a planner without poses, in the image; best
+// first. `rng_seed` is the planner's seed.
+PlanResult PlanInImage(const TrialSetup& setup, const Observation& view,
+                       std::span<const EstimatedPose> poses, int max_grasps, uint64_t rng_seed);
 
 // Returns the grasp to execute on one of record.hypotheses or, without a pose stage, anywhere in
 // the image; nullopt if there is none. Fills record.grasps_rejected and adds the times to

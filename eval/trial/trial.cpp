@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <stdexcept>
+
 #include "eval/trial/attempt.h"
-#include "scenes/scenario/policy.h"
 
 namespace pickbed::eval {
 namespace {
@@ -37,61 +38,96 @@ void ReportProgress(const TrialSetup& setup, const TrialResult& result) {
                     static_cast<double>(result.instances_cleared) / result.instances_dropped);
 }
 
-// Continues with the last image after a successful pick, while a further pick cannot be disturbed
-// by the earlier ones. Else a new image is captured.
-AttemptRecord RunNextAttempt(TrialSetup& setup, const AttemptTask& task,
-                             const std::vector<AttemptRecord>& before, LiveTrial& trial) {
-  if (!before.empty() && before.back().failure == FailureReason::kNone &&
-      before.back().pick_of_image + 1 < setup.spec.policy.picks_per_image) {
-    if (auto further = RunFurtherPick(setup, task.attempt, trial)) return std::move(*further);
-  }
-  return RunAttempt(setup, task, trial);
+int MaxAttempts(const PolicySpec& policy, const PolicyRow& row) {
+  return row.max_attempts > 0 ? row.max_attempts : policy.max_attempts;
+}
+
+bool MayUseLastImage(const TrialSetup& setup, const std::vector<AttemptRecord>& before) {
+  return !before.empty() && before.back().failure == FailureReason::kNone &&
+         !before.back().pose_free &&
+         before.back().pick_of_image + 1 < setup.spec.policy.picks_per_image;
 }
 
 }  // namespace
 
-TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* observer) {
-  LiveTrial trial;
-  trial.bin_index = bin_index;
-  trial.observer = observer;
-  TrialResult result = DropBin(setup, trial);
-  const PolicySpec& policy = setup.spec.policy;
-  const PolicyRow& row = PolicyNamed(policy.stop);
-  const int max_attempts = row.max_attempts > 0 ? row.max_attempts : policy.max_attempts;
-  PolicyState state;
-  int stirs = 0, without_grasp = 0;  // attempts in a row
-  while (result.ended_by == FailureReason::kNone && setup.cell.WantedIn(trial.scene) > 0 &&
-         (max_attempts == 0 || state.attempts < max_attempts)) {
-    AttemptTask task{state.attempts};
-    // No stir is wasted on a trial that ends with it.
-    const bool is_last = state.failures_in_row + 1 >= policy.max_failures_in_row ||
-                         state.attempts + 1 == max_attempts;
-    const bool may_stir = stirs < policy.stir.max && !is_last;
-    if (may_stir && without_grasp + 1 >= policy.stir.after) task.stir = stirs;
-    result.attempts.push_back(RunNextAttempt(setup, task, result.attempts, trial));
-    const AttemptRecord& attempt = result.attempts.back();
-    const bool picked = attempt.failure == FailureReason::kNone;
-    result.instances_cleared += picked;
-    ReportProgress(setup, result);
-    ++state.attempts;
-    const bool stirred = Stirred(attempt);
-    stirs += stirred;
-    // A program that failed says nothing about the bin.
-    const bool program_failed = ProgramFailed(attempt.failure);
-    if (!program_failed) without_grasp = attempt.grasp || stirred ? 0 : without_grasp + 1;
-    state.grasp_found = UsedHand(attempt) || may_stir || program_failed;
-    state.failures_in_row = picked ? 0 : state.failures_in_row + 1;
-    if (row.gives_up(state, policy)) result.ended_by = attempt.failure;
+PickingTrial::PickingTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* observer)
+    : setup_(setup),
+      policy_(PolicyNamed(setup.spec.policy.stop)),
+      max_attempts_(MaxAttempts(setup.spec.policy, policy_)),
+      trial_(std::make_unique<LiveTrial>()) {
+  trial_->bin_index = bin_index;
+  trial_->observer = observer;
+  result_ = DropBin(setup, *trial_);
+}
+
+PickingTrial::~PickingTrial() = default;
+
+bool PickingTrial::HasReachedLimit() const {
+  return max_attempts_ > 0 && state_.attempts >= max_attempts_ &&
+         result_.ended_by == FailureReason::kNone && setup_.cell.WantedIn(trial_->scene) > 0;
+}
+
+bool PickingTrial::HasEnded() const {
+  return result_.ended_by != FailureReason::kNone || setup_.cell.WantedIn(trial_->scene) == 0 ||
+         HasReachedLimit();
+}
+
+const Scene& PickingTrial::scene() const { return trial_->scene; }
+
+BinIndex PickingTrial::bin_index() const { return trial_->bin_index; }
+
+LiveAttempt& PickingTrial::Attempt() {
+  if (attempt_) return *attempt_;
+  if (HasEnded()) throw std::logic_error("the trial has ended");
+  const PolicySpec& policy = setup_.spec.policy;
+  AttemptTask task{state_.attempts};
+  // No stir is wasted on a trial that ends with it.
+  const bool is_last = state_.failures_in_row + 1 >= policy.max_failures_in_row ||
+                       state_.attempts + 1 == max_attempts_;
+  may_stir_ = stirs_ < policy.stir.max && !is_last;
+  if (may_stir_ && without_grasp_ + 1 >= policy.stir.after) task.stir = stirs_;
+  if (MayUseLastImage(setup_, result_.attempts)) {
+    attempt_ = LiveAttempt::WithLastImage(setup_, task.attempt, *trial_);
   }
+  if (!attempt_) attempt_ = std::make_unique<LiveAttempt>(setup_, task, *trial_);
+  return *attempt_;
+}
+
+const AttemptRecord& PickingTrial::Execute(const std::optional<Grasp>& grasp) {
+  result_.attempts.push_back(Attempt().Execute(grasp));
+  attempt_ = nullptr;
+  const AttemptRecord& attempt = result_.attempts.back();
+  const bool picked = attempt.failure == FailureReason::kNone;
+  result_.instances_cleared += picked;
+  ReportProgress(setup_, result_);
+  ++state_.attempts;
+  const bool stirred = Stirred(attempt);
+  stirs_ += stirred;
+  // A program that failed says nothing about the bin.
+  const bool program_failed = ProgramFailed(attempt.failure);
+  if (!program_failed) without_grasp_ = attempt.grasp || stirred ? 0 : without_grasp_ + 1;
+  state_.grasp_found = UsedHand(attempt) || may_stir_ || program_failed;
+  state_.failures_in_row = picked ? 0 : state_.failures_in_row + 1;
+  if (policy_.gives_up(state_, setup_.spec.policy)) result_.ended_by = attempt.failure;
+  return attempt;
+}
+
+TrialResult PickingTrial::TakeResult() {
   TrialEnd end;
-  end.gave_up = result.ended_by != FailureReason::kNone;
-  for (const PosedObject& posed : trial.scene.objects) end.remaining.push_back(posed.instance);
-  result.outcomes = DecideOutcomes(std::move(result.outcomes), result.attempts, end);
-  result.layers = std::move(trial.layers);
-  result.instances_tested = trial.graspable.tested;
-  result.instances_graspable = trial.graspable.graspable;
-  result.seconds = std::move(trial.seconds);
-  return result;
+  end.gave_up = result_.ended_by != FailureReason::kNone;
+  for (const PosedObject& posed : trial_->scene.objects) end.remaining.push_back(posed.instance);
+  result_.outcomes = DecideOutcomes(std::move(result_.outcomes), result_.attempts, end);
+  result_.layers = std::move(trial_->layers);
+  result_.instances_tested = trial_->graspable.tested;
+  result_.instances_graspable = trial_->graspable.graspable;
+  result_.seconds = std::move(trial_->seconds);
+  return std::move(result_);
+}
+
+TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* observer) {
+  PickingTrial trial(setup, bin_index, observer);
+  while (!trial.HasEnded()) trial.Execute(trial.Attempt().ChooseGrasp());
+  return trial.TakeResult();
 }
 
 }  // namespace pickbed::eval

@@ -4,13 +4,58 @@
 // (scenes/scenario/policy.h). An occlusion scenario has occlusion trials instead: one target,
 // captured and picked once in each band of its visible fraction (scenes/scenario/occlusion_spec.h).
 
+#include <memory>
+#include <optional>
+
 #include "eval/trial/trial_records.h"
 #include "eval/trial/trial_setup.h"
 #include "scenes/base/ids.h"
+#include "scenes/scenario/policy.h"
 
 namespace pickbed::eval {
 
+class LiveAttempt;
 class TrialObserver;
+struct LiveTrial;
+
+// A trial of one bin, attempt by attempt. The caller decides which grasps are executed.
+class PickingTrial {
+ public:
+  // Drops the bin. `setup` and `observer` must outlive this object. `observer` may be null.
+  PickingTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* observer = nullptr);
+  ~PickingTrial();
+  PickingTrial(const PickingTrial&) = delete;
+  PickingTrial& operator=(const PickingTrial&) = delete;
+
+  // Returns whether the bin is empty or the policy ended the trial.
+  bool HasEnded() const;
+  // Returns whether only the maximum number of attempts ended the trial.
+  bool HasReachedLimit() const;
+  // Returns the attempt under way, and begins it if needed. After a successful pick, it continues
+  // with the last image while a further pick cannot be disturbed by the earlier ones. Else it
+  // captures a new image. Throws std::logic_error if the trial has ended.
+  LiveAttempt& Attempt();
+  // Executes a grasp in the attempt under way, see LiveAttempt::Execute(), and ends the attempt.
+  const AttemptRecord& Execute(const std::optional<Grasp>& grasp);
+
+  const Scene& scene() const;  // now
+  BinIndex bin_index() const;
+  int attempts() const { return state_.attempts; }  // that have ended
+  // Returns the result of a trial that has ended. Call it once.
+  TrialResult TakeResult();
+
+ private:
+  TrialSetup& setup_;
+  const PolicyRow& policy_;
+  const int max_attempts_;  // 0 = no limit
+  std::unique_ptr<LiveTrial> trial_;
+  std::unique_ptr<LiveAttempt> attempt_;  // null: not begun
+  TrialResult result_;
+  PolicyState state_;
+  int stirs_ = 0;
+  int without_grasp_ = 0;  // attempts in a row
+  bool may_stir_ = false;  // in the attempt under way, or later
+};
 
 // Runs the trial of one bin. `observer`, if not null, is notified after each stage of each attempt.
 TrialResult RunTrial(TrialSetup& setup, BinIndex bin_index, TrialObserver* observer = nullptr);

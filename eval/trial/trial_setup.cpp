@@ -64,12 +64,7 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   const OracleStages& truth = options.truth;
   const PlannerRow& planner_row = PlannerOf(scenario, truth);
   has_poses = planner_row.needs_poses;
-  if (has_poses && !truth.AllOfPerception()) {
-    estimator = MakeEstimatorRunner(cell, scenario, 1, progress, options.log_dir);
-  }
-  if (truth.pose && !truth.refinement && scenario.estimator.name != kOracleName) {
-    refiner = std::make_unique<OracleRefiner>(cell.objects(), scenario.refiner);
-  }
+  if (!options.estimator_on_demand) MakeEstimator();
   candidates.resize(tools.size());
   for (size_t i = 0; i < cell.objects().size(); ++i) {
     const ObjectModel& model = *cell.objects()[i];
@@ -93,6 +88,26 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
                              options.cloud_stride_px, cell.camera().intrinsics,
                              WorkingDistance_m(cell), cell.bin(), options.log_dir});
   });
+}
+
+void TrialSetup::MakeEstimator() {
+  if (has_estimator) return;
+  const OracleStages& truth = options.truth;
+  if (has_poses && !truth.AllOfPerception()) {
+    estimator = MakeEstimatorRunner(cell, spec, 1, on_progress, options.log_dir);
+  }
+  if (truth.pose && !truth.refinement && spec.estimator.name != kOracleName) {
+    refiner = std::make_unique<OracleRefiner>(cell.objects(), spec.refiner);
+  }
+  has_estimator = true;
+}
+
+void TrialSetup::SetSeed(uint64_t seed) {
+  ScenarioSpec reseeded = spec;
+  reseeded.seed = seed;
+  RequireSizesFit(reseeded, cell.objects(), tools);
+  spec.seed = seed;
+  cell.SetSeed(seed);
 }
 
 }  // namespace pickbed::eval

@@ -2,6 +2,7 @@
 
 // Cell, gripper, estimator and grasp candidates that a worker uses for all trials of one scenario.
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -36,10 +37,12 @@ struct TrialOptions {
   double match_diameters = kMatchDiameters;  // MSSD within which a hypothesis matches an instance
   OracleStages truth;                        // stages with ground truth substituted
   int true_grasps = 10;                      // grasps tried in the true scene if truth.grasp is set
-  std::filesystem::path log_dir;             // for the output of other programs; empty = not kept
+  // Whether the estimator is made by the first attempt that needs it, not by the constructor.
+  bool estimator_on_demand = false;
+  std::filesystem::path log_dir;  // for the output of other programs; empty = not kept
   // Called when another program failed, with one line. May be empty.
   std::function<void(const std::string& line)> on_warning;
-  // Visits all options except `truth`, `log_dir` and `on_warning`.
+  // Visits all options except `truth`, `estimator_on_demand`, `log_dir` and `on_warning`.
   void Visit(SettingsVisitor& v);
 };
 
@@ -52,6 +55,13 @@ struct TrialSetup {
   // file, for options out of range, and for settings that the planner cannot follow.
   TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects, const Progress& on_progress,
              const TrialOptions& trial_options);
+
+  // Makes the estimator and the refiner, unless they exist or the trial needs none. Throws as the
+  // constructor.
+  void MakeEstimator();
+  // Continues with the bins of another seed of the scenario. Throws InputError as
+  // RequireSizesFit().
+  void SetSeed(uint64_t seed);
 
   ScenarioSpec spec;
   TrialOptions options;
@@ -68,6 +78,7 @@ struct TrialSetup {
   // Null: the oracle, all of perception is given, or there is no pose stage.
   std::unique_ptr<EstimatorRunner> estimator;
   std::unique_ptr<OracleRefiner> refiner;  // refines substituted poses; may be null
+  bool has_estimator = false;              // MakeEstimator() was called
 };
 
 // Returns the planner of a trial: the row of the scenario, or the planner on poses if the poses of

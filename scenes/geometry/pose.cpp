@@ -1,5 +1,7 @@
 #include "scenes/geometry/pose.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/SVD>
 #include <cmath>
 
@@ -48,6 +50,18 @@ Eigen::Matrix3d Orthonormalized(const Eigen::Matrix3d& matrix) {
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
   signs.z() = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+Eigen::Matrix3d ProperRotation(const Eigen::Matrix3d& R, const std::string& name) {
+  constexpr double kExact = 1e-9;
+  CheckInput(R.allFinite(), name + " has a value that is not finite");
+  const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  CheckInput(
+      error <= kMaxRotationError,
+      fmt::format("{} is no rotation: R^T R differs from the identity by {:.2g}", name, error));
+  CheckInput(R.determinant() > 0,
+             fmt::format("{} is a reflection: its determinant is -1; negate one column", name));
+  return error < kExact ? R : Orthonormalized(R);
 }
 
 }  // namespace pickbed::scenes

@@ -15,6 +15,7 @@
 //                               y (down)                      z (approach)
 
 #include <Eigen/Geometry>
+#include <string>
 
 namespace pickbed::scenes {
 
@@ -36,5 +37,13 @@ Pose LookAt(const Eigen::Vector3d& eye_W, const Eigen::Vector3d& target_W,
 
 // Returns the nearest proper rotation (by SVD). It removes the drift of long products.
 Eigen::Matrix3d Orthonormalized(const Eigen::Matrix3d& matrix);
+
+// Largest error of a rotation that another program gives: deviation of R^T R from the identity.
+inline constexpr double kMaxRotationError = 1e-3;
+
+// Returns the rotation that another program gives. One that is exact up to rounding is not changed,
+// and an error up to kMaxRotationError is corrected. Throws InputError that begins with `name` for
+// a larger error, a reflection, or a value that is not finite.
+Eigen::Matrix3d ProperRotation(const Eigen::Matrix3d& R, const std::string& name);
 
 }  // namespace pickbed::scenes

@@ -190,19 +190,12 @@ std::vector<double> FiniteNumbers(const MessageValue& item, const char* key, siz
   return numbers;
 }
 
-// Returns a rotation of the given matrix. One that is exact up to rounding is not changed.
-Eigen::Matrix3d ProperRotation(const Eigen::Matrix3d& R, const char* key) {
-  constexpr double kExact = 1e-9;
-  const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (error > kMaxRotationError) {
-    throw MessageError(
-        fmt::format("{} is no rotation: R^T R differs from the identity by {:.2g}", key, error));
+Eigen::Matrix3d Rotation(const Eigen::Matrix3d& R, const char* key) {
+  try {
+    return ProperRotation(R, key);
+  } catch (const InputError& error) {
+    throw MessageError(error.what());
   }
-  if (R.determinant() < 0) {
-    throw MessageError(
-        fmt::format("{} is a reflection: its determinant is -1; negate one column", key));
-  }
-  return error < kExact ? R : Orthonormalized(R);
 }
 
 // A distance of an object beyond this multiple of the working distance is an error.
@@ -228,7 +221,7 @@ PluginPose ReadPose(const MessageValue& item, const ObjectSet& objects, double w
   if (found == names.end()) throw MessageError(UnknownNameMessage("object", name, names));
   pose.object = ObjectId(static_cast<int>(found - names.begin()));
   const std::vector<double> R = FiniteNumbers(item, "R", 9), t_m = FiniteNumbers(item, "t_m", 3);
-  pose.X_CO.linear() = ProperRotation(Eigen::Map<const RowMajor3>(R.data()), "R");
+  pose.X_CO.linear() = Rotation(Eigen::Map<const RowMajor3>(R.data()), "R");
   pose.X_CO.translation() = Eigen::Map<const Eigen::Vector3d>(t_m.data());
   pose.score = Score(item);
   RequirePlausible(*objects[pose.object], pose.X_CO, working_distance_m);
@@ -245,7 +238,7 @@ PluginGrasp ReadGrasp(const MessageValue& item, std::span<const PluginGripper> g
   if (!matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), 1e-9)) {
     throw MessageError("X_WG has another last row than [0, 0, 0, 1]");
   }
-  grasp.X_WG.linear() = ProperRotation(matrix.topLeftCorner<3, 3>(), "X_WG");
+  grasp.X_WG.linear() = Rotation(matrix.topLeftCorner<3, 3>(), "X_WG");
   grasp.X_WG.translation() = matrix.topRightCorner<3, 1>();
   if (grasp.X_WG.translation().norm() > kMaxGraspDistance_m) {
     throw MessageError(fmt::format("X_WG is {:.4g} m from the bin; positions are in metres",

@@ -69,9 +69,9 @@ inline constexpr size_t kMaxPluginItems = 10000;
 
 // Reads the answer to "estimate". Checks each pose: known object, proper rotation, finite numbers,
 // score from 0 to 1, and a distance that fits `working_distance_m`. A rotation that is nearly
-// orthonormal is corrected. Throws PluginError with kMalformed, which names the pose and what to
-// correct. With `faults`, adds the texts of these errors to it instead, and returns the other
-// poses.
+// orthonormal is corrected (ProperRotation() in scenes/geometry/pose.h). Throws PluginError with
+// kMalformed, which names the pose and what to correct. With `faults`, adds the texts of these
+// errors to it instead, and returns the other poses.
 std::vector<PluginPose> ReadPoses(const MessageValue& answer, const ObjectSet& objects,
                                   double working_distance_m,
                                   std::vector<std::string>* faults = nullptr);
@@ -89,8 +89,5 @@ struct PluginGrasp {
 std::vector<PluginGrasp> ReadGrasps(const MessageValue& answer,
                                     std::span<const PluginGripper> grippers, int poses,
                                     std::vector<std::string>* faults = nullptr);
-
-// Largest error of an accepted rotation: deviation of R^T R from the identity.
-inline constexpr double kMaxRotationError = 1e-3;
 
 }  // namespace pickbed::scenes

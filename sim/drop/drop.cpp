@@ -193,6 +193,7 @@ Movement Pouring::LargestMovement(const std::vector<Pose>& since_X_WO) const {
 
 void Pouring::StepFor(double duration_s) {
   const double end_s = world_.time_s() + duration_s;
+  if (options_.on_wait) options_.on_wait();
   while (world_.time_s() < end_s) world_.Step();
   for (int i = 0; i < world_.instance_count(); ++i) {
     const ObjectModel& model = *objects_[object_of_instance_[i]];

@@ -2,6 +2,7 @@
 
 // Fills a bin with object instances and simulates them until they come to rest.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -46,7 +47,9 @@ struct DropOptions {
   // 0.9, none did. Without contact reuse, 50 mixed instances take three times as long and creep for
   // seconds.
   PhysicsOptions physics{.angular_damping = 0.9, .contact_reuse_m = 0.0001};
-  // Visits all options except `arrangement` and `physics`.
+  // Called often while the instances move; may be empty. An exception ends the drop.
+  std::function<void()> on_wait;
+  // Visits all options except `arrangement`, `physics` and `on_wait`.
   void Visit(SettingsVisitor& v);
 };
 

@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-# In pages that pickbed_make_reference writes.
-GENERATED_MARK = "<!-- Written by pickbed_make_reference."
+# In pages that a program writes.
+GENERATED_MARK = "Do not edit. -->"
 
 
 def pages_of(root):

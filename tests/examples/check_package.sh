@@ -38,6 +38,16 @@ printf 'import pickbed_plugin as pb\nimport sys\nsys.exit(pb.__file__)\n' >"$wor
 "$prefix/bin/pickbed" plugin check "/usr/bin/python3 $work/plugin.py" --set objects.0.count=1 >"$work/log" 2>&1 || true
 grep -qF "$prefix/share/pickbed/python/pickbed_plugin.py" "$work/log" || { cat "$work/log"; fail "the Python package is not installed"; }
 
+# The installed Python module uses the installed assets.
+module=$(find "$prefix/lib" -name 'pickbed.*.so')
+if [ -n "$module" ]; then
+  PYTHONPATH=$(dirname "$module") /usr/bin/python3 -c '
+import os, pickbed
+pickbed.Scenario("clutter")
+print(os.environ["PICKBED_ASSETS"])' >"$work/log" 2>&1 || { cat "$work/log"; fail "the Python module is not installed"; }
+  grep -qx "$prefix/share/pickbed/assets" "$work/log" || { cat "$work/log"; fail "the Python module uses other assets"; }
+fi
+
 # A program in the folder of the installed one uses the installed assets.
 cp "$work/build/render_bin" "$prefix/bin"
 rm -r "$prefix/share/pickbed/assets/objects/pipe_tee"

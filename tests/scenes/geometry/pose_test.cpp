@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 
 #include "scenes/base/random.h"
@@ -67,6 +68,28 @@ TEST(Orthonormalized, RepairsDriftAndReturnsAProperRotation) {
     EXPECT_LT((repaired - R).norm(), 1e-3);
     EXPECT_NEAR(Orthonormalized(-R).determinant(), 1, 1e-12);  // never a reflection
   }
+}
+
+TEST(ProperRotation, KeepsRotationsAndCorrectsSmallErrors) {
+  Rng rng(4);
+  for (int i = 0; i < 20; ++i) {
+    const Matrix3d R = rng.Rotation().toRotationMatrix();
+    EXPECT_EQ(ProperRotation(R, "R"), R) << "not a bit may change";
+    const Matrix3d drifted = R + 1e-4 * Matrix3d::Ones();
+    const Matrix3d repaired = ProperRotation(drifted, "R");
+    EXPECT_LT((repaired * repaired.transpose() - Matrix3d::Identity()).norm(), 1e-12);
+  }
+}
+
+TEST(ProperRotation, RefusesOtherMatricesWithTheirName) {
+  const Matrix3d I = Matrix3d::Identity();
+  const auto error = [](const Matrix3d& R) {
+    return InputErrorOf([&] { ProperRotation(R, "R_CO"); });
+  };
+  EXPECT_EQ(error(1.01 * I), "R_CO is no rotation: R^T R differs from the identity by 0.02");
+  EXPECT_EQ(error(-I), "R_CO is a reflection: its determinant is -1; negate one column");
+  EXPECT_EQ(error(std::numeric_limits<double>::quiet_NaN() * I),
+            "R_CO has a value that is not finite");
 }
 
 }  // namespace

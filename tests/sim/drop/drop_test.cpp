@@ -57,6 +57,18 @@ TEST(DropInstances, SettledSceneStaysAtRestWhenAwake) {
   }
 }
 
+TEST(DropInstances, ExceptionOfTheWaitFunctionEndsTheDrop) {
+  DropOptions options;
+  int calls = 0;
+  options.on_wait = [&] {
+    if (++calls == 3) throw std::runtime_error("stop");
+  };
+  Rng rng(0);
+  EXPECT_THROW(DropInstances(Bin{}, MixedObjects(), {1, 1, 1, 1}, rng, options),
+               std::runtime_error);
+  EXPECT_EQ(calls, 3);
+}
+
 TEST(DropInstances, SameSeedGivesSameBitsBesideAnotherWorld) {
   const DropResult first = DropMixed(7, 4);
   EXPECT_TRUE(SameBits(first.scene, DropMixed(7, 4).scene));

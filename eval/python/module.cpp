@@ -1,0 +1,58 @@
+#include "eval/python/module.h"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "eval/runtime/process.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::eval {
+namespace {
+
+namespace py = pybind11;
+
+// Uses the assets that were installed with the module. The program looks for them beside itself,
+// but the running program is Python. Other programs, such as plug-ins, inherit the variable.
+void FindAssets() {
+  Dl_info here{};
+  if (dladdr(reinterpret_cast<void*>(&FindAssets), &here) == 0) return;
+  const std::filesystem::path file = std::filesystem::absolute(here.dli_fname);
+  const std::filesystem::path folder =
+      (file.parent_path() / PICKBED_ASSETS_NEAR_MODULE).lexically_normal();
+  constexpr int kKeep = 0;  // a value that the user has set
+  if (std::filesystem::is_directory(folder)) setenv("PICKBED_ASSETS", folder.c_str(), kKeep);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(pickbed, module) {
+  module.doc() =
+      "Bin picking with the simulation in the loop: drop, capture, estimate, plan, execute, "
+      "measure."
+      "\n\nLengths are in metres and angles in radians. X_AB is the pose of frame B in frame A, a "
+      "4 x "
+      "4 array: p_A = X_AB @ p_B. Frames: W world (z up, origin in the center of the bin floor), C "
+      "camera (x right, y down, z forward; pixel (0, 0) is the center of the first pixel), O "
+      "object, "
+      "G gripper (z approach, x closing). Depth is in metres along the z axis of the camera; 0 = "
+      "no "
+      "reading.\n\nThe module limits OpenMP, OpenBLAS and OpenCV to one thread in the whole "
+      "process, "
+      "because results must not depend on the number of processors. Bad input raises InputError "
+      "with one line.";
+  module.attr("__version__") = PICKBED_VERSION;
+  UseOneThread();
+  py::register_exception<InputError>(module, "InputError", PyExc_ValueError).doc() =
+      "Bad input: one line with the file, key or argument, the value and a remedy.";
+  AddScenarios(module);
+  AddMetrics(module);
+  AddIntervals(module);
+  AddRecords(module);
+  AddCell(module);
+  AddPickingEnv(module);
+  FindAssets();
+}
+
+}  // namespace pickbed::eval
