@@ -125,7 +125,7 @@ py::array Share(const std::vector<Eigen::Vector3i>& indices, py::handle owner) {
                   {static_cast<py::ssize_t>(indices.size()), 3}, owner);
 }
 
-Pose PoseFrom(py::handle value, const std::string& name) {
+Pose PoseFrom(py::handle value, const std::string& name, bool as_given) {
   const py::array array = ArrayFrom(value, name, kNumbers, "a pose of 4 x 4 numbers");
   RequireShape(array, name, {4, 4});
   const auto doubles = Doubles(array);
@@ -133,8 +133,9 @@ Pose PoseFrom(py::handle value, const std::string& name) {
   CheckInput(matrix.allFinite(), name + " has a value that is not finite");
   CheckInput(matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), 1e-9),
              name + " has another last row than [0, 0, 0, 1]");
-  return MakePose(ProperRotation(matrix.topLeftCorner<3, 3>(), name),
-                  matrix.topRightCorner<3, 1>());
+  const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d proper = ProperRotation(R, name);
+  return MakePose(as_given ? R : proper, matrix.topRightCorner<3, 1>());
 }
 
 CameraIntrinsics IntrinsicsFrom(py::handle value, int width, int height) {

@@ -37,8 +37,9 @@ pybind11::array Share(const std::vector<Eigen::Vector3d>& points,
 pybind11::array Share(const std::vector<Eigen::Vector3i>& indices, pybind11::handle owner);
 
 // Reads a pose: 4 x 4 finite numbers with a proper rotation and the last row [0, 0, 0, 1]. See
-// ProperRotation() in scenes/geometry/pose.h.
-Pose PoseFrom(pybind11::handle value, const std::string& name);
+// ProperRotation() in scenes/geometry/pose.h. With `as_given`, a small error of the rotation is
+// accepted, but not corrected.
+Pose PoseFrom(pybind11::handle value, const std::string& name, bool as_given = false);
 // Reads a camera matrix without skew. The image size is in px.
 CameraIntrinsics IntrinsicsFrom(pybind11::handle K, int width, int height);
 // Reads a depth image in metres, of a floating-point type and with 0 = no reading. Its size must be

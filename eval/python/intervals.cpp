@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
+#include <string>
 
 #include "eval/python/arrays.h"
 #include "eval/python/docstring.h"
@@ -24,6 +25,12 @@ py::object PairOf(const Interval& interval) {
   if (!interval.is_known()) return py::none();
   return py::make_tuple(interval.low, interval.high);
 }
+
+// Returns the docstring with what Python returns and takes.
+std::string WithResult(const char* doc, const char* argument = "") {
+  return fmt::format("{}\n\n{}Returns (low, high), or None if nothing is known.", doc, argument);
+}
+constexpr char kUnits[] = "Each unit is a pair (hits, samples). ";
 
 using Counts = std::vector<std::pair<int, int>>;
 
@@ -56,14 +63,15 @@ void AddIntervals(py::module_& module) {
         return PairOf(WilsonInterval(successes, attempts, confidence));
       },
       py::arg("successes"), py::arg("attempts"), py::arg("confidence") = 0.95,
-      Doc("WilsonInterval"));
+      WithResult(Doc("WilsonInterval")).c_str());
   module.def(
       "cluster_interval",
       [](const Counts& clusters, double confidence) {
         RequireConfidence(confidence);
         return PairOf(ClusterInterval(ClustersFrom(clusters, "clusters"), confidence));
       },
-      py::arg("clusters"), py::arg("confidence") = 0.95, Doc("ClusterInterval"));
+      py::arg("clusters"), py::arg("confidence") = 0.95,
+      WithResult(Doc("ClusterInterval"), kUnits).c_str());
   module.def(
       "paired_interval",
       [](const Counts& before, const Counts& after, double confidence) {
@@ -74,14 +82,16 @@ void AddIntervals(py::module_& module) {
         return PairOf(PairedInterval(ClustersFrom(before, "before"), ClustersFrom(after, "after"),
                                      confidence));
       },
-      py::arg("before"), py::arg("after"), py::arg("confidence") = 0.95, Doc("PairedInterval"));
+      py::arg("before"), py::arg("after"), py::arg("confidence") = 0.95,
+      WithResult(Doc("PairedInterval"), kUnits).c_str());
   module.def(
       "median_interval",
       [](const ValueClusters& values, double confidence) {
         RequireConfidence(confidence);
         return PairOf(MedianInterval(ValuesFrom(values), confidence));
       },
-      py::arg("values"), py::arg("confidence") = 0.95, Doc("MedianInterval"));
+      py::arg("values"), py::arg("confidence") = 0.95,
+      WithResult(Doc("MedianInterval"), "`values` has one list for each unit. ").c_str());
 }
 
 }  // namespace pickbed::eval

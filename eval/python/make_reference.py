@@ -53,7 +53,7 @@ def describe(name, value):
     for member, item in vars(value).items():
         if isinstance(item, property):
             properties.append((member, item.__doc__ or ""))
-        elif member == "__init__" and item.__doc__ and "(" in item.__doc__:
+        elif member == "__init__" and (item.__doc__ or "").startswith("__init__("):
             call, text = call_of(item.__doc__.strip())
             methods.insert(0, (call.replace("__init__", name), text))
         elif not member.startswith("_") and callable(getattr(value, member)):

@@ -36,10 +36,11 @@ struct PythonMetricModel {
   }
 };
 
+// Rotations keep their rounding errors, so that pose errors are equal to the BOP toolkit.
 struct PosePair {
   Pose X_est, X_true;
   PosePair(py::handle est, py::handle truth)
-      : X_est(PoseFrom(est, "X_est")), X_true(PoseFrom(truth, "X_true")) {}
+      : X_est(PoseFrom(est, "X_est", true)), X_true(PoseFrom(truth, "X_true", true)) {}
 };
 
 template <double (*kError)(const MetricModel&, const Pose&, const Pose&)>

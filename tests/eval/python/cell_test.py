@@ -41,7 +41,7 @@ class CellStages(support.TestCase):
     def test_visible_fractions_and_masks_agree(self):
         self.program("render", self.scenario_file, "--out", "render")
         view = self.cell.capture(self.cell.drop())
-        with open(self.folder / "render/visibility.csv") as file:
+        with open(self.folder / "render/visible.csv") as file:
             written = {int(row["instance"]): float(row["visible_fraction"]) for row in csv.DictReader(file)}
         for truth, fraction in zip(view.instances, view.visible_fractions):
             self.assertEqual(truth.visible_fraction, fraction)
@@ -93,7 +93,7 @@ class CellStages(support.TestCase):
         self.assertEqual(len(after), len(content) - outcome.success)
 
     def test_own_poses_and_the_estimate_of_a_frame(self):
-        cell = pickbed.Cell(self.scenario({"estimator.name": "ppf", "objects": [{"name": "rod", "count": 2}]}))
+        cell = pickbed.Cell(self.scenario({"estimator.name": "ppf", "objects": [{"name": "bracket", "count": 2}]}))
         view = cell.capture(cell.drop())
         found = cell.estimate_frame(view.camera, view.X_WC, view.depth_m, view.color).hypotheses
         self.assertTrue(any(scored.correct for scored in cell.score(view, found)))

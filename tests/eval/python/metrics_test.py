@@ -27,7 +27,8 @@ class PoseErrors(support.TestCase):
         # The file is in millimetres. Read as metres, it gives errors in millimetres.
         model = pickbed.MetricModel(pickbed.load_mesh_object(folder / "ape_mm_centred.ply"), max_vertices=0)
         camera = pickbed.CameraIntrinsics(640, 480, 572.4114, 573.57043, 325.2611, 242.04899)
-        rows = list(csv.DictReader(open(folder / "lmo_ape_pose_errors.csv")))
+        with open(folder / "lmo_ape_pose_errors.csv") as file:
+            rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), 160)
         for row in rows[::4]:
             X_true, X_est = pose(row["gt_R"], row["gt_t_mm"]), pose(row["est_R"], row["est_t_mm"])

@@ -71,7 +71,7 @@ class Scenarios(support.TestCase):
 class BadScenarios(support.TestCase):
     def test_each_fault_is_one_line(self):
         self.refused("did you mean 'clutter'", lambda: pickbed.Scenario("cluter"))
-        self.refused("small.yaml", lambda: self.scenario({"objects": []}))
+        self.refused("the scenario drops nothing", lambda: self.scenario({"objects": []}))
         self.refused("trials", lambda: self.scenario({"trials": "many"}))
         self.refused("frictoin", lambda: self.scenario({"bin.frictoin": 0.5}))
         self.refused("a setting has a value of type object", lambda: self.scenario({"seed": object()}))
