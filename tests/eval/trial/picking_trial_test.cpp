@@ -40,8 +40,10 @@ TEST_F(PickingTrialTest, ChosenGraspsGiveTheTrialOfRunTrial) {
     trial.Execute(grasp);
   }
   const TrialResult result = trial.TakeResult();
-  EXPECT_EQ(HashesOf(result), HashesOf(RunTrial(setup, BinIndex(1))));
-  EXPECT_EQ(result.instances_cleared, 3);
+  const TrialResult expected = RunTrial(setup, BinIndex(1));
+  EXPECT_EQ(HashesOf(result), HashesOf(expected));
+  EXPECT_EQ(result.instances_cleared, expected.instances_cleared);
+  EXPECT_GT(result.instances_cleared, 0);
 }
 
 TEST_F(PickingTrialTest, GraspWithoutHypothesisIsJudgedByTheInstanceThatComes) {
