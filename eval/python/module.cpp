@@ -2,7 +2,6 @@
 
 #include <dlfcn.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "eval/runtime/process.h"
@@ -21,8 +20,9 @@ void FindAssets() {
   const std::filesystem::path file = std::filesystem::absolute(here.dli_fname);
   const std::filesystem::path folder =
       (file.parent_path() / PICKBED_ASSETS_NEAR_MODULE).lexically_normal();
-  constexpr int kKeep = 0;  // a value that the user has set
-  if (std::filesystem::is_directory(folder)) setenv("PICKBED_ASSETS", folder.c_str(), kKeep);
+  if (!std::filesystem::is_directory(folder)) return;
+  // A value that the user has set is kept.
+  py::module_::import("os").attr("environ").attr("setdefault")("PICKBED_ASSETS", folder.string());
 }
 
 }  // namespace
