@@ -105,16 +105,20 @@ class Checker {
 
   void CheckScene(const std::string& split, int scene_id) {
     const fs::path folder = root_ / split / SceneFolderName(scene_id);
-    const SceneTruth scene = ReadSceneTruth(folder, scene_id, Collector());
+    std::vector<std::string> sensors = SensorsOf(folder);
+    if (sensors.empty()) sensors.push_back("");  // the reader reports the missing file
     ++report_.scenes;
-    for (const auto& [id, image] : scene.images) CheckImage(scene, image);
-    CheckStrayFiles(scene);
+    for (const std::string& sensor : sensors) {
+      const SceneTruth scene = ReadSceneTruth(folder, scene_id, Collector(), sensor);
+      for (const auto& [id, image] : scene.images) CheckImage(scene, image);
+      CheckStrayFiles(scene);
+    }
   }
 
   void CheckImage(const SceneTruth& scene, const ImageTruth& image) {
     ++report_.images;
     report_.instances += static_cast<int>(image.instances.size());
-    const fs::path truth = scene.folder / kSceneTruthFile;
+    const fs::path truth = scene.folder / OfSensor(kSceneTruthFile, scene.sensor);
     for (size_t i = 0; i < image.instances.size(); ++i) {
       const int object = image.instances[i].object_id;
       ++instances_[{scene.scene_id, image.image_id}][object];
@@ -127,11 +131,12 @@ class Checker {
     const auto& depth = frame->depth_m.pixels();
     if (std::none_of(depth.begin(), depth.end(), [](float d) { return d > 0; })) {
       Fault(fmt::format("{}: has no depth reading",
-                        DepthFile(scene.folder, image.image_id)->string()));
+                        DepthFile(scene.folder, image.image_id, scene.sensor)->string()));
     }
     CheckInfos(scene, image, frame->depth_m);
     for (const char* kind : {"mask", "mask_visib"}) {
-      if (IsFolder(scene.folder / kind)) CheckMasks(scene, image, kind, frame->depth_m);
+      const std::string folder = OfSensor(kind, scene.sensor);
+      if (IsFolder(scene.folder / folder)) CheckMasks(scene, image, folder, frame->depth_m);
     }
   }
 
@@ -140,7 +145,8 @@ class Checker {
       const InstanceInfo& info = image.infos[i];
       const auto fault = [&](const std::string& what) {
         Fault(fmt::format("{}: image {}: instance {}: {}",
-                          (scene.folder / kSceneTruthInfoFile).string(), image.image_id, i, what));
+                          (scene.folder / OfSensor(kSceneTruthInfoFile, scene.sensor)).string(),
+                          image.image_id, i, what));
       };
       const double share =
           info.px_count_all > 0 ? static_cast<double>(info.px_count_visib) / info.px_count_all : 0;
@@ -174,7 +180,7 @@ class Checker {
                           mask->width(), mask->height(), depth_m.width(), depth_m.height()));
         continue;
       }
-      CheckMaskPixels(file, *mask, kind == "mask_visib" ? &image : nullptr, i);
+      CheckMaskPixels(file, *mask, kind.starts_with("mask_visib") ? &image : nullptr, i);
     }
     const fs::path extra = scene.folder / kind /
                            MaskFileName(image.image_id, static_cast<int>(image.instances.size()));
@@ -206,9 +212,10 @@ class Checker {
   // Reports images without an entry in scene_camera.json.
   void CheckStrayFiles(const SceneTruth& scene) {
     for (const char* kind : {"rgb", "gray", "depth"}) {
+      const fs::path folder = scene.folder / OfSensor(kind, scene.sensor);
       std::error_code error;
       std::set<fs::path> strays;
-      for (const fs::directory_entry& entry : fs::directory_iterator(scene.folder / kind, error)) {
+      for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
         const auto id = ParseId(entry.path().stem().string());
         if (!id || !scene.images.contains(*id)) strays.insert(entry.path());
       }

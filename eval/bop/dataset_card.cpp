@@ -35,11 +35,13 @@ std::string HashOfFolder(const fs::path& folder) {
 }
 
 std::string CardText(const ParsedJson& card) {
+  const int views = card["views"].get<int>();
   std::string text = fmt::format(
-      "# A simulated BOP data set\n\n{} scenes of {} views in `{}`, made by pickbed from the "
+      "# A simulated BOP data set\n\n{} scenes of {} in `{}`, made by pickbed from the "
       "scenario below with seed {}.\n\n| object | name | mesh hash |\n|---|---|---|\n",
-      card["scenes"].get<int>(), card["views"].get<int>(), card["split"].get<std::string>(),
-      card["seed"].get<uint64_t>());
+      card["scenes"].get<int>(),
+      views > 0 ? fmt::format("{} views", views) : "one image per attempt of a picking run",
+      card["split"].get<std::string>(), card["seed"].get<uint64_t>());
   for (const ParsedJson& object : card["objects"]) {
     text += fmt::format("| {} | {} | {} |\n", object["obj_id"].get<int>(),
                         object["name"].get<std::string>(), object["mesh"].get<std::string>());

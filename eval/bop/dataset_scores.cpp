@@ -79,11 +79,16 @@ TolerancesById ReadTolerances(const std::vector<std::string>& texts) {
   return tolerances;
 }
 
+int MaxEstimatesOf(const fs::path& root) {
+  const std::string name = fs::absolute(root / "x").lexically_normal().parent_path().filename();
+  return name == "xyzibd" ? kMaxEstimatesOfXyzibd : kMaxEstimatesOfImage;
+}
+
 DatasetScores EvaluateDataset(const fs::path& root, const std::string& split,
                               const std::vector<DatasetEstimate>& estimates,
-                              const VsdOptions& options, const TolerancesById& tolerances,
+                              const ScoreOptions& options, const TolerancesById& tolerances,
                               const std::function<void(const std::string&)>& on_scene) {
-  const SplitTargets targets = TargetsOf(root, split);
+  const SplitTargets targets = TargetsOf(root, split, options.sensor);
   const fs::path folder = EvalModelsFolder(root);
   const std::map<int, DatasetModelInfo> models = ReadModelsInfo(folder, ThrowFault);
   ScoreAccumulator evaluator(
@@ -98,11 +103,12 @@ DatasetScores EvaluateDataset(const fs::path& root, const std::string& split,
         }
         return model;
       },
-      options,
+      options.vsd,
       [&](int object_id) -> const ToleranceModel* {
         const auto named = tolerances.find(object_id);
         return named == tolerances.end() ? nullptr : &named->second.model;
-      });
+      },
+      options.max_estimates > 0 ? options.max_estimates : MaxEstimatesOf(root));
   for (const auto& [id, named] : tolerances) {
     CheckInput(models.contains(id),
                fmt::format("tolerance map {}={}: {} has no such object", id, named.file.string(),
@@ -115,7 +121,7 @@ DatasetScores EvaluateDataset(const fs::path& root, const std::string& split,
   for (const auto& [scene_id, images] : targets.scenes) {
     const fs::path scene_folder = root / split / SceneFolderName(scene_id);
     if (on_scene) on_scene(scene_folder.string());
-    const SceneTruth scene = ReadSceneTruth(scene_folder, scene_id, ThrowFault);
+    const SceneTruth scene = ReadSceneTruth(scene_folder, scene_id, ThrowFault, options.sensor);
     for (const auto& [image_id, image_targets] : images) {
       const auto truth = scene.images.find(image_id);
       CheckInput(truth != scene.images.end(),

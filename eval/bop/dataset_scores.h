@@ -30,13 +30,24 @@ using TolerancesById = std::map<int, NamedTolerance>;
 // for any other text and for an object that occurs twice.
 TolerancesById ReadTolerances(const std::vector<std::string>& texts);
 
+struct ScoreOptions {
+  VsdOptions vsd;
+  int max_estimates = 0;  // of an image in BOP24; 0 = as the BOP toolkit, MaxEstimatesOf()
+  std::string sensor;     // whose files are used, see ReadSceneTruth(); empty = the only one
+};
+
+// Returns the number of estimates of an image that count in BOP24: 100, or 200 if the folder of the
+// data set is named xyzibd.
+int MaxEstimatesOf(const std::filesystem::path& root);
+
 // Scores `estimates` on the images of a split. `on_scene` is called before each scene with its
 // folder. Throws InputError for a broken data set, a split without scenes, and targets without
 // ground truth. Throws also for an object that models_info.json does not have, in
 // `estimates` or `tolerances`, and for a tolerance model of another mesh.
 DatasetScores EvaluateDataset(const std::filesystem::path& root, const std::string& split,
                               const std::vector<DatasetEstimate>& estimates,
-                              const VsdOptions& options = {}, const TolerancesById& tolerances = {},
+                              const ScoreOptions& options = {},
+                              const TolerancesById& tolerances = {},
                               const std::function<void(const std::string& scene)>& on_scene = {});
 
 }  // namespace pickbed::eval

@@ -12,11 +12,13 @@ namespace {
 namespace fs = std::filesystem;
 
 std::optional<fs::path> FirstOf(const fs::path& scene, std::initializer_list<const char*> folders,
-                                std::initializer_list<const char*> endings, int image_id) {
+                                std::initializer_list<const char*> endings, int image_id,
+                                const std::string& sensor) {
   std::error_code error;
   for (const char* folder : folders) {
     for (const char* ending : endings) {
-      const fs::path path = scene / folder / fmt::format("{:06}.{}", image_id, ending);
+      const fs::path path =
+          scene / OfSensor(folder, sensor) / fmt::format("{:06}.{}", image_id, ending);
       if (fs::is_regular_file(path, error)) return path;
     }
   }
@@ -35,6 +37,9 @@ std::string ModelFileName(int object_id) { return ModelName(object_id) + ".ply";
 std::string TargetsFileName(const std::string& split, int year) {
   return fmt::format("{}_targets_bop{}.json", split, year);
 }
+std::string MultiViewTargetsFileName(const std::string& split) {
+  return split + "_targets_multiview_bop25.json";
+}
 
 std::vector<DatasetFile> DatasetFiles() {
   const std::string scene = "SPLIT/SCENE/", coco = "annotations[].";
@@ -43,7 +48,7 @@ std::vector<DatasetFile> DatasetFiles() {
        "what the data set was made from",
        {{"format", "layout of the data set"},
         {"seed", "random seed"},
-        {"views", "number of images per scene"},
+        {"views", "number of images per scene; 0 = one per attempt of a run"},
         {"split", "name of the folder with the scenes"},
         {"settings", "scenario, sensor and meshes as text"},
         {"objects[].obj_id", "number of the object"},
@@ -116,6 +121,27 @@ std::vector<DatasetFile> DatasetFiles() {
         {coco + "ignore", "whether under a tenth of the instance is visible"},
         {coco + "width", "image width", "px"},
         {coco + "height", "image height", "px"}}},
+      {scene + kStoredScenesFile,
+       "the scenes that the images show, to continue their physics",
+       {{"format", "version of this file"},
+        {"seed", "random seed"},
+        {"bin_index", "number of the bin"},
+        {"bin.inner_size_m", "inner length, width and height of the bin"},
+        {"bin.wall_m", "thickness of walls and floor"},
+        {"bin.friction", "coefficient of friction of the bin"},
+        {"objects[].obj_id", "number of the object"},
+        {"objects[].name", "name of the object"},
+        {"objects[].mesh", "hash of its mesh"},
+        {"objects[].mass_kg", "mass of the object"},
+        {"objects[].friction", "coefficient of friction of the object"},
+        {"objects[].size_deviation", "deviation of the size in this bin, as a share"},
+        {"images.ID", "index of the scene that the image shows"},
+        {"scenes[].instances[].instance", "number of the instance"},
+        {"scenes[].instances[].obj_id", "number of its object"},
+        {"scenes[].instances[].R", "rotation from the object frame to the world frame, row by row"},
+        {"scenes[].instances[].t_m", "origin of the object frame in the world frame"},
+        {"scenes[].instances[].friction_deviation", "deviation of the friction, as a share"},
+        {"scenes[].instances[].mass_deviation", "deviation of the mass, as a share"}}},
       {"SPLIT_targets_bop19.json",
        "targets of 6D localisation",
        {{"[].scene_id", "number of the scene"},
@@ -166,12 +192,32 @@ fs::path EvalModelsFolder(const fs::path& root) {
   return fs::is_directory(reduced, error) ? reduced : root / "models";
 }
 
-std::optional<fs::path> ColorFile(const fs::path& scene, int image_id) {
-  return FirstOf(scene, {"rgb", "gray"}, {"png", "jpg", "tif"}, image_id);
+std::string OfSensor(const std::string& name, const std::string& sensor) {
+  if (sensor.empty()) return name;
+  const size_t dot = std::min(name.find('.'), name.size());
+  return name.substr(0, dot) + "_" + sensor + name.substr(dot);
 }
 
-std::optional<fs::path> DepthFile(const fs::path& scene, int image_id) {
-  return FirstOf(scene, {"depth"}, {"png", "tif"}, image_id);
+std::vector<std::string> SensorsOf(const fs::path& scene) {
+  const std::string head = fs::path(kSceneCameraFile).stem().string();
+  std::vector<std::string> sensors;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(scene, error)) {
+    const std::string name = entry.path().stem().string();
+    if (entry.path().extension() != ".json" || !name.starts_with(head)) continue;
+    if (name == head) sensors.push_back("");
+    if (name.starts_with(head + "_")) sensors.push_back(name.substr(head.size() + 1));
+  }
+  std::sort(sensors.begin(), sensors.end());
+  return sensors;
+}
+
+std::optional<fs::path> ColorFile(const fs::path& scene, int image_id, const std::string& sensor) {
+  return FirstOf(scene, {"rgb", "gray"}, {"png", "jpg", "tif"}, image_id, sensor);
+}
+
+std::optional<fs::path> DepthFile(const fs::path& scene, int image_id, const std::string& sensor) {
+  return FirstOf(scene, {"depth"}, {"png", "tif"}, image_id, sensor);
 }
 
 }  // namespace pickbed::eval

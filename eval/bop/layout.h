@@ -19,10 +19,12 @@ inline constexpr char kModelsInfoFile[] = "models_info.json";  // in the folder 
 inline constexpr char kCardFile[] = "dataset_card.json";       // only written by pickbed
 inline constexpr char kCardTextFile[] = "dataset_card.md";
 inline constexpr char kDatasetSettingsFile[] = "dataset_settings.yaml";
+inline constexpr char kDatasetScenarioFile[] = "stored_scenario.yaml";  // of the stored scenes
 inline constexpr char kSceneCameraFile[] = "scene_camera.json";
 inline constexpr char kSceneTruthFile[] = "scene_gt.json";
 inline constexpr char kSceneTruthInfoFile[] = "scene_gt_info.json";
 inline constexpr char kSceneCocoFile[] = "scene_gt_coco.json";
+inline constexpr char kStoredScenesFile[] = "stored_scenes.json";  // only written by pickbed
 
 std::string SceneFolderName(int scene_id);                        // 000001
 std::string ImageFileName(int image_id);                          // 000001.png
@@ -30,6 +32,8 @@ std::string MaskFileName(int image_id, int position);             // 000001_0000
 std::string ModelName(int object_id);                             // obj_000001
 std::string ModelFileName(int object_id);                         // obj_000001.ply
 std::string TargetsFileName(const std::string& split, int year);  // test_targets_bop19.json
+std::string MultiViewTargetsFileName(
+    const std::string& split);  // test_targets_multiview_bop25.json
 
 // A JSON file of a data set that pickbed writes.
 struct DatasetFile {
@@ -51,10 +55,20 @@ std::vector<int> SceneIdsOf(const std::filesystem::path& root, const std::string
 // Returns the folder of the models for error computation: models_eval if it exists, else models.
 std::filesystem::path EvalModelsFolder(const std::filesystem::path& root);
 
+// Sensors of a data set with several of them have their own files: scene_gt_CAM.json, depth_CAM/.
+// The sensor "" has the plain names.
+//
+// Returns `name` with the sensor before its ending: scene_gt_CAM.json or depth_CAM.
+std::string OfSensor(const std::string& name, const std::string& sensor);
+// Returns the sensors of a scene folder, sorted, from its scene_camera files.
+std::vector<std::string> SensorsOf(const std::filesystem::path& scene);
+
 // Finds the color image in a scene folder: in rgb or gray, as PNG, JPEG or TIFF. Returns nullopt if
 // there is none.
-std::optional<std::filesystem::path> ColorFile(const std::filesystem::path& scene, int image_id);
+std::optional<std::filesystem::path> ColorFile(const std::filesystem::path& scene, int image_id,
+                                               const std::string& sensor = "");
 // Finds the depth image. Returns nullopt if there is none.
-std::optional<std::filesystem::path> DepthFile(const std::filesystem::path& scene, int image_id);
+std::optional<std::filesystem::path> DepthFile(const std::filesystem::path& scene, int image_id,
+                                               const std::string& sensor = "");
 
 }  // namespace pickbed::eval

@@ -10,11 +10,13 @@
 
 #include "eval/bop/dataset_card.h"
 #include "eval/bop/layout.h"
+#include "eval/bop/stored_scenes.h"
 #include "eval/bop/write_scene.h"
 #include "eval/cell/simulated_cell.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
+#include "scenes/scenario/scenario_text.h"
 #include "sim/render/renderer.h"
 #include "sim/sensor/depth_noise.h"
 
@@ -50,8 +52,13 @@ class SceneMaker {
     fs::remove_all(unfinished);
     SceneWriter writer(unfinished, static_cast<int>(cell_.objects().size()));
     const Scene scene = cell_.MakeScene(bin_index).scene;
-    for (int view = 0; view < options_.views; ++view) writer.Add(See(scene, bin_index, view));
+    StoredScenes stored{spec_.seed, bin_index, cell_.SizesOf(bin_index), {}};
+    for (int view = 0; view < options_.views; ++view) {
+      writer.Add(See(scene, bin_index, view));
+      stored.Add(view, scene);
+    }
     writer.Finish();
+    WriteFileAtomically(unfinished / kStoredScenesFile, StoredScenesText(stored, cell_.objects()));
     std::error_code error;
     fs::rename(unfinished, split / SceneFolderName(scene_id), error);
     CheckInput(!error, fmt::format("cannot create the folder {}: {}",
@@ -144,6 +151,8 @@ MakeDatasetReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects
   for (const fs::path& folder : models) MakeFolder(folder);
   MakeFolder(options.out / options.split);
   WriteIdentity(options.out, identity);
+  WriteFileAtomically(options.out / kDatasetScenarioFile,
+                      ScenarioText(WithoutCellErrors(spec), options.out));
   // The BOP toolkit needs meshes for rendering and for scoring. These are small enough for both.
   for (const fs::path& folder : models) WriteModels(folder, objects);
   WriteDatasetCamera(options.out / kDatasetCameraFile, CameraOf(spec).intrinsics);

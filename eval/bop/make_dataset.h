@@ -20,7 +20,7 @@ struct MakeDatasetOptions {
   std::filesystem::path out;
   std::string split = "test";
   int scenes = 10;
-  int views = 5;  // images per scene
+  int views = 5;  // images per scene; 0 in the card of a run = one per attempt
   int jobs = 1;
   bool resume = false;
 };
@@ -48,11 +48,12 @@ struct MakeDatasetReport {
   std::vector<LostItem> lost;  // by scene id
 };
 
-// Writes models/ and models_eval/, camera.json, the scenes, target files, and dataset_card.json and
-// .md. Scene ids start at 1; scene id - 1 is the scenario's trial. Cards and targets are written
-// when all scenes are complete. `on_scene` is called after each scene. `stop` returns true to end
-// the run. Throws InputError if `out` holds scenes and `resume` is not set, or holds scenes of
-// other settings. Forks: see eval/runtime/process_pool.h.
+// Writes models/ and models_eval/, camera.json, stored_scenario.yaml, the scenes, target files, and
+// dataset_card.json and .md. Each scene folder also has the settled scene (stored_scenes.h). Scene
+// ids start at 1; scene id - 1 is the scenario's trial. Cards and targets are written when all
+// scenes are complete. `on_scene` is called after each scene. `stop` returns true to end the run.
+// Throws InputError if `out` holds scenes and `resume` is not set, or holds scenes of other
+// settings. Forks: see eval/runtime/process_pool.h.
 MakeDatasetReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
                               const MakeDatasetOptions& options,
                               const std::function<void(const MakeDatasetReport&)>& on_scene = {},

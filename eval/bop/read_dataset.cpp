@@ -1,7 +1,9 @@
 #include "eval/bop/read_dataset.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "eval/bop/json.h"
@@ -178,6 +180,39 @@ void ForEachImage(const fs::path& file, SceneTruth& scene, const OnFault& fault,
   }
 }
 
+// Returns the sensor whose files are read. Throws InputError if it has to be chosen.
+std::string ChosenSensor(const fs::path& folder, const std::string& wanted) {
+  const std::vector<std::string> sensors = SensorsOf(folder);
+  const auto has = [&](const std::string& sensor) {
+    return std::ranges::find(sensors, sensor) != sensors.end();
+  };
+  if (!wanted.empty()) {
+    CheckInput(has(wanted), fmt::format("{}: has no files of a sensor {}; it has {}",
+                                        folder.string(), wanted, fmt::join(sensors, ", ")));
+    return wanted;
+  }
+  if (sensors.empty() || has("")) return "";  // the reader reports a missing file
+  CheckInput(sensors.size() == 1, fmt::format("{}: has the sensors {}; choose a camera",
+                                              folder.string(), fmt::join(sensors, ", ")));
+  return sensors.front();
+}
+
+// Reads [["default", 1490], ["left", 3]], the views of a multi-view target.
+std::vector<TargetView> ReadViews(const ParsedJson& list, const JsonPlace& place) {
+  std::vector<TargetView> views;
+  for (const ParsedJson& view : list) {
+    if (!view.is_array() || view.size() != 2 || !view[0].is_string() ||
+        !view[1].is_number_integer()) {
+      place.Fault("'im_id' is no list of [sensor, number]");
+      return {};
+    }
+    const std::string sensor = view[0].get<std::string>();
+    views.push_back({sensor == "default" ? "" : sensor, view[1].get<int>()});
+  }
+  if (views.empty()) place.Fault("'im_id' is an empty list");
+  return views;
+}
+
 }  // namespace
 
 std::string RotationFault(const Eigen::Matrix3d& R) {
@@ -223,9 +258,11 @@ std::optional<DatasetCamera> ReadDatasetCamera(const fs::path& file, const OnFau
   return DatasetCamera{{*width, *height, *fx, *fy, *cx, *cy}, *depth_scale_mm};
 }
 
-SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& fault) {
-  SceneTruth scene{scene_id, folder, {}};
-  const fs::path cameras = folder / kSceneCameraFile;
+SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& fault,
+                          const std::string& wanted_sensor) {
+  const std::string sensor = ChosenSensor(folder, wanted_sensor);
+  SceneTruth scene{scene_id, folder, {}, sensor};
+  const fs::path cameras = folder / OfSensor(kSceneCameraFile, sensor);
   if (const std::optional<ParsedJson> json = ReadJson(cameras, fault)) {
     ForEachId(*json, JsonPlace(cameras.string(), fault), "image",
               [&](int id, const ParsedJson& entry, const JsonPlace& place) {
@@ -234,11 +271,11 @@ SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& f
               });
   }
   if (scene.images.empty()) return scene;
-  ForEachImage(folder / kSceneTruthFile, scene, fault,
+  ForEachImage(folder / OfSensor(kSceneTruthFile, sensor), scene, fault,
                [&](ImageTruth& image, const ParsedJson& entry, const JsonPlace& place) {
                  ReadInstances(entry, place, image);
                });
-  ForEachImage(folder / kSceneTruthInfoFile, scene, fault,
+  ForEachImage(folder / OfSensor(kSceneTruthInfoFile, sensor), scene, fault,
                [&](ImageTruth& image, const ParsedJson& entry, const JsonPlace& place) {
                  if (!entry.is_array()) return place.Fault("is not a list of instances");
                  for (size_t i = 0; i < entry.size(); ++i) {
@@ -265,9 +302,18 @@ std::vector<DatasetTarget> ReadTargets(const fs::path& file, const OnFault& faul
     const ParsedJson& entry = (*json)[i];
     const JsonPlace where = place / fmt::format("target {}", i);
     const auto scene_id = JsonInteger(entry, "scene_id", where);
-    const auto image_id = JsonInteger(entry, "im_id", where);
-    if (!scene_id || !image_id) continue;
-    DatasetTarget target{*scene_id, *image_id, std::nullopt, std::nullopt};
+    DatasetTarget target;
+    if (entry.is_object() && entry.contains("im_id") && entry["im_id"].is_array()) {
+      target.views = ReadViews(entry["im_id"], where);
+      if (target.views.empty()) continue;
+      target.image_id = target.views.front().image_id;
+    } else {
+      const auto image_id = JsonInteger(entry, "im_id", where);
+      if (!image_id) continue;
+      target.image_id = *image_id;
+    }
+    if (!scene_id) continue;
+    target.scene_id = *scene_id;
     if (entry.contains("obj_id")) target.object_id = JsonInteger(entry, "obj_id", where);
     if (entry.contains("inst_count")) target.count = JsonInteger(entry, "inst_count", where);
     if (target.count.value_or(1) < 1) where.Fault("'inst_count' is less than 1");
@@ -291,10 +337,10 @@ std::shared_ptr<const ObjectModel> LoadDatasetModel(const fs::path& folder, int 
 }
 
 RgbdFrame ReadDepthFrame(const SceneTruth& scene, const ImageTruth& image) {
-  const auto file = DepthFile(scene.folder, image.image_id);
+  const auto file = DepthFile(scene.folder, image.image_id, scene.sensor);
+  const fs::path folder = scene.folder / OfSensor("depth", scene.sensor);
   CheckInput(file.has_value(),
-             fmt::format("{}: is missing",
-                         (scene.folder / "depth" / ImageFileName(image.image_id)).string()));
+             fmt::format("{}: is missing", (folder / ImageFileName(image.image_id)).string()));
   const Image<uint16_t> units = ReadPng16(*file);
   RgbdFrame frame;
   frame.intrinsics = image.projection.ForSize(units.width(), units.height());
@@ -308,10 +354,10 @@ RgbdFrame ReadDepthFrame(const SceneTruth& scene, const ImageTruth& image) {
 
 RgbdFrame ReadFrame(const SceneTruth& scene, const ImageTruth& image) {
   RgbdFrame frame = ReadDepthFrame(scene, image);
-  const auto file = ColorFile(scene.folder, image.image_id);
+  const auto file = ColorFile(scene.folder, image.image_id, scene.sensor);
+  const fs::path folder = scene.folder / OfSensor("rgb", scene.sensor);
   CheckInput(file.has_value(),
-             fmt::format("{}: is missing",
-                         (scene.folder / "rgb" / ImageFileName(image.image_id)).string()));
+             fmt::format("{}: is missing", (folder / ImageFileName(image.image_id)).string()));
   frame.color = ReadPng(*file);
   CheckInput(frame.color.width() == frame.depth_m.width() &&
                  frame.color.height() == frame.depth_m.height(),

@@ -75,14 +75,23 @@ struct SceneTruth {
   int scene_id = 0;
   std::filesystem::path folder;
   std::map<int, ImageTruth> images;
+  std::string sensor = {};  // whose files were read; empty = the plain file names
 };
 
-// An entry of a targets file. BOP24 entries name only the image.
+// One view of a multi-view target.
+struct TargetView {
+  std::string sensor;  // empty for BOP's "default"
+  int image_id = 0;
+};
+
+// An entry of a targets file. BOP24 entries name only the image. A multi-view entry has all its
+// views, and the first one as its image.
 struct DatasetTarget {
   int scene_id = 0;
   int image_id = 0;
   std::optional<int> object_id;
   std::optional<int> count;
+  std::vector<TargetView> views = {};
 };
 
 // Reads models_info.json in `folder`, by obj_id. The readers below report every fault to `fault`.
@@ -91,9 +100,12 @@ std::map<int, DatasetModelInfo> ReadModelsInfo(const std::filesystem::path& fold
 // Reads camera.json of a dataset: intrinsics (px) and the scale of depth images (mm).
 std::optional<DatasetCamera> ReadDatasetCamera(const std::filesystem::path& file,
                                                const OnFault& fault);
-// Reads scene_camera.json, scene_gt.json and scene_gt_info.json of a scene folder.
-SceneTruth ReadSceneTruth(const std::filesystem::path& folder, int scene_id, const OnFault& fault);
-// Reads a targets file.
+// Reads scene_camera.json, scene_gt.json and scene_gt_info.json of a scene folder, or the files of
+// a sensor such as scene_gt_CAM.json. Without `sensor`, it reads the plain files, or the files of
+// the only sensor. Throws InputError if the sensor does not exist, or has to be chosen.
+SceneTruth ReadSceneTruth(const std::filesystem::path& folder, int scene_id, const OnFault& fault,
+                          const std::string& sensor = "");
+// Reads a targets file, also one with several views per target.
 std::vector<DatasetTarget> ReadTargets(const std::filesystem::path& file, const OnFault& fault);
 
 // Loads an object with its mesh in `folder`. BOP states no mass and friction, so mass (0.1 kg) and

@@ -5,6 +5,7 @@
 
 #include "eval/bop/scores.h"
 #include "eval/metrics/pose_errors.h"
+#include "eval/stats/statistics.h"
 #include "eval/trial/pose_matching.h"
 #include "grasp/tolerance/tolerance_model.h"
 #include "sim/render/renderer.h"
@@ -16,6 +17,8 @@ constexpr int kSteps = 10;
 constexpr double kMspdWidth_px = 640;
 constexpr double kAdiDiameters = 0.1;  // the usual threshold (Hinterstoisser et al. 2012)
 constexpr int kAdiVertices = 2000;
+constexpr double kStep_mm = 2;   // thresholds of MSSD in BOP25: 2, 4, ... 20 mm
+constexpr int kCorrectStep = 1;  // index of 0.1 diameters in Steps()
 
 // 0.05, 0.1, ... 0.5: tolerances and thresholds of VSD and MSSD. Times 100: thresholds of MSPD, px.
 std::array<double, kSteps> Steps() {
@@ -23,6 +26,15 @@ std::array<double, kSteps> Steps() {
   for (int i = 0; i < kSteps; ++i) steps[i] = 0.05 * (i + 1);
   return steps;
 }
+
+// Visible fractions from which instances count in DatasetScores::floors.
+constexpr std::array kFloors{0.1, 0.3, 0.5, 0.7, 0.9};
+
+// Counts of one floor.
+struct FloorCount {
+  int instances = 0;
+  std::array<int, kSteps> found{};
+};
 
 // Number of found instances of one object at each threshold.
 struct Found {
@@ -109,8 +121,11 @@ struct Group {
 }  // namespace
 
 struct ScoreAccumulator::Impl {
-  Impl(ModelOf model_of, const VsdOptions& options, ToleranceOf tolerance_of)
-      : models_(std::move(model_of)), options_(options), tolerance_of_(std::move(tolerance_of)) {}
+  Impl(ModelOf model_of, const VsdOptions& options, ToleranceOf tolerance_of, int max_estimates)
+      : models_(std::move(model_of)),
+        options_(options),
+        tolerance_of_(std::move(tolerance_of)),
+        max_estimates_(max_estimates) {}
 
   void AddImage(const ScoredImage& truth, const ImageTargets& targets,
                 const std::vector<const DatasetEstimate*>& estimates) {
@@ -124,21 +139,28 @@ struct ScoreAccumulator::Impl {
       }
     }
     if (!targets.detected) return;
-    if (estimates.size() > kMaxEstimatesOfImage) {
+    for (const auto& [object_id, group] : groups) CountFound(MssdTable(group));
+    if (estimates.size() > static_cast<size_t>(max_estimates_)) {
       std::vector<double> values;
       for (const DatasetEstimate* estimate : estimates) values.push_back(estimate->score);
       std::vector<const DatasetEstimate*> best;
-      for (const int i : HighestScores(values, kMaxEstimatesOfImage)) best.push_back(estimates[i]);
+      for (const int i : HighestScores(values, max_estimates_)) best.push_back(estimates[i]);
       groups = GroupsOf(truth, best);
     }
     for (const auto& [object_id, group] : groups) {
+      if (group.X_CO_true.empty()) {
+        absent_ += static_cast<int>(group.estimates.size());
+        continue;
+      }
       mssd_tables_.push_back(MssdTable(group));
+      mssd_mm_tables_.push_back(InMillimetres(mssd_tables_.back()));
       mspd_tables_.push_back(MspdTable(group, truth.intrinsics));
     }
   }
 
   void Finish(DatasetScores& scores) const {
     scores.images = images_;
+    scores.estimates_of_absent = absent_;
     Found all;
     for (const auto& [object_id, found] : found_) {
       all.Add(found);
@@ -167,13 +189,66 @@ struct ScoreAccumulator::Impl {
         scores.objects[object_id].ap_mspd += ap / kSteps;
       }
     }
+    for (int i = 1; i <= kSteps; ++i) {
+      for (const auto& [object_id, ap] : AveragePrecisions(mssd_mm_tables_, kStep_mm * i)) {
+        scores.objects[object_id].ap_mssd_mm += ap / kSteps;
+      }
+    }
+    for (const auto& [object_id, reported] : reported_) {
+      if (reported.wanted == 0) continue;  // only estimates
+      ObjectScores& object = scores.objects[object_id];
+      object.detect_wanted = reported.wanted;
+      object.never_reported = reported.wanted - reported.found;
+    }
     for (const auto& [object_id, object] : scores.objects) {
       detectable += object.detectable;
       scores.ap_mssd += object.ap_mssd;
       scores.ap_mspd += object.ap_mspd;
+      scores.ap_mssd_mm += object.ap_mssd_mm;
+      scores.detect_wanted += object.detect_wanted;
+      scores.never_reported += object.never_reported;
     }
     scores.ap_mssd /= std::max(1, detectable);
     scores.ap_mspd /= std::max(1, detectable);
+    scores.ap_mssd_mm /= std::max(1, detectable);
+    for (size_t f = 0; f < kFloors.size(); ++f) {
+      const FloorCount& count = floors_[f];
+      scores.floors.push_back({kFloors[f], count.instances, count.found[kCorrectStep],
+                               AverageRecall(count.found, count.instances)});
+    }
+  }
+
+  ErrorTable InMillimetres(ErrorTable table) {
+    const double diameter_mm = 1e3 * models_.Of(table.object_id).metric.diameter_m;
+    for (std::vector<double>& of_estimate : table.errors) {
+      for (double& error : of_estimate) error *= diameter_mm;
+    }
+    return table;
+  }
+
+  // Counts the found instances at each threshold by visible fraction, and the reported ones.
+  void CountFound(const ErrorTable& mssd) {
+    const std::vector<bool> all(mssd.visible.size(), true);
+    const auto steps = Steps();
+    for (size_t f = 0; f < kFloors.size(); ++f) {
+      floors_[f].instances += static_cast<int>(std::ranges::count_if(
+          mssd.visible, [&](double visible) { return visible >= kFloors[f]; }));
+    }
+    for (int i = 0; i < kSteps; ++i) {
+      for (const int instance : MatchGreedily(mssd, all, steps[i])) {
+        if (instance < 0) continue;
+        for (size_t f = 0; f < kFloors.size(); ++f) {
+          floors_[f].found[i] += mssd.visible[instance] >= kFloors[f];
+        }
+      }
+    }
+    Recall& reported = reported_[mssd.object_id];
+    for (size_t t = 0; t < mssd.visible.size(); ++t) {
+      if (mssd.visible[t] < kMinVisible) continue;
+      ++reported.wanted;
+      reported.found += std::ranges::any_of(
+          mssd.errors, [&](const auto& of_estimate) { return of_estimate[t] < kMatchDiameters; });
+    }
   }
 
   static std::map<int, Group> GroupsOf(const ScoredImage& truth,
@@ -195,6 +270,9 @@ struct ScoreAccumulator::Impl {
   ErrorTable MssdTable(const Group& group) {
     const MetricModel& model = models_.Of(group.object_id).metric;
     return group.Table([&](const Pose& X_est, const Pose& X_true) {
+      // As in the BOP toolkit, whose shortcut decides thresholds in mm of very small objects.
+      const double apart_m = (X_est.translation() - X_true.translation()).norm();
+      if (apart_m >= model.diameter_m) return kInfinity;
       return Mssd(model, X_est, X_true) / model.diameter_m;
     });
   }
@@ -295,14 +373,19 @@ struct ScoreAccumulator::Impl {
   ObjectModels models_;
   VsdOptions options_;
   ToleranceOf tolerance_of_;
+  int max_estimates_;
   int images_ = 0;
+  int absent_ = 0;  // estimates of objects that their image does not have
   std::map<int, Found> found_;
-  std::vector<ErrorTable> mssd_tables_, mspd_tables_;
+  std::vector<ErrorTable> mssd_tables_, mssd_mm_tables_, mspd_tables_;
+  std::map<int, Recall> reported_;
+  std::array<FloorCount, kFloors.size()> floors_{};
 };
 
 ScoreAccumulator::ScoreAccumulator(ModelOf model_of, const VsdOptions& options,
-                                   ToleranceOf tolerance_of)
-    : impl_(std::make_unique<Impl>(std::move(model_of), options, std::move(tolerance_of))) {}
+                                   ToleranceOf tolerance_of, int max_estimates)
+    : impl_(std::make_unique<Impl>(std::move(model_of), options, std::move(tolerance_of),
+                                   max_estimates)) {}
 
 ScoreAccumulator::~ScoreAccumulator() = default;
 

@@ -80,8 +80,8 @@ double AveragePrecision(std::vector<Detection> detections, int wanted) {
   double sum = 0;
   size_t i = 0;
   for (int level = 0; level < kLevels; ++level) {
-    // The condition recall = right / wanted >= level / 100, in integers to avoid rounding.
-    while (i < right.size() && right[i] * (kLevels - 1) < level * wanted) ++i;
+    const double recall = level + 1 == kLevels ? 1 : level * 0.01;
+    while (i < right.size() && static_cast<double>(right[i]) / wanted < recall) ++i;
     if (i < right.size()) sum += precision[i];
   }
   return sum / kLevels;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <set>
+#include <utility>
+
 #include "eval/bop/layout.h"
 #include "eval/bop/scores.h"
 #include "scenes/base/error.h"
@@ -21,43 +24,61 @@ void CountVisible(const ImageTruth& image, ImageTargets& targets) {
 
 }  // namespace
 
-SplitTargets TargetsOf(const fs::path& root, const std::string& split) {
+SplitTargets TargetsOf(const fs::path& root, const std::string& split, const std::string& sensor) {
   const std::vector<int> scenes = SceneIdsOf(root, split);
   CheckInput(!scenes.empty(),
              fmt::format("{}: has no scene folder such as 000001", (root / split).string()));
   SplitTargets targets;
   const fs::path file19 = root / TargetsFileName(split, 19);
   const fs::path file24 = root / TargetsFileName(split, 24);
+  const fs::path multi_view = root / MultiViewTargetsFileName(split);
   const bool has19 = fs::exists(file19), has24 = fs::exists(file24);
+  const bool has_views = !has24 && fs::exists(multi_view);
+  std::set<std::pair<int, int>> without_object;  // images that the first file lists so
   if (has19) {
     for (const DatasetTarget& target : ReadTargets(file19, ThrowFault)) {
-      CheckInput(target.object_id && target.count,
-                 file19.string() + ": a target has no 'obj_id' or no 'inst_count'");
       ImageTargets& image = targets.scenes[target.scene_id][target.image_id];
+      if (!target.object_id) {
+        without_object.insert({target.scene_id, target.image_id});
+        continue;
+      }
+      CheckInput(target.count.has_value(), file19.string() + ": a target has no 'inst_count'");
       image.localised = true;
       image.counts[*target.object_id] = *target.count;
     }
   }
-  if (has24) {
-    for (const DatasetTarget& target : ReadTargets(file24, ThrowFault)) {
+  if (has24 || has_views) {
+    for (const DatasetTarget& target : ReadTargets(has24 ? file24 : multi_view, ThrowFault)) {
       targets.scenes[target.scene_id][target.image_id].detected = true;
     }
   }
-  if (has19 && has24) return targets;
+  if (has19 && (has24 || has_views) && without_object.empty()) return targets;
   for (const int scene_id : scenes) {
     const SceneTruth scene =
-        ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault);
+        ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault, sensor);
     for (const auto& [id, image] : scene.images) {
+      const bool is_counted = !has19 || without_object.contains({scene_id, id});
+      if (!is_counted && (has24 || has_views)) continue;
       ImageTargets& image_targets = targets.scenes[scene_id][id];
-      if (!has19) CountVisible(image, image_targets);
-      if (!has24) image_targets.detected = true;
+      if (is_counted && image_targets.counts.empty()) CountVisible(image, image_targets);
+      if (!has24 && !has_views) image_targets.detected = true;
     }
   }
   if (!has19) {
     targets.notes.push_back(fmt::format(
         "no {}: every instance of at least 10 % visible is a target", file19.filename().string()));
   }
-  if (!has24) {
+  if (!without_object.empty()) {
+    targets.notes.push_back(
+        fmt::format("{} lists images without obj_id: there, every instance of at least 10 % "
+                    "visible is a target",
+                    file19.filename().string()));
+  }
+  if (has_views) {
+    targets.notes.push_back(fmt::format("no {}: the first view of each target of {} is a target",
+                                        file24.filename().string(),
+                                        multi_view.filename().string()));
+  } else if (!has24) {
     targets.notes.push_back(
         fmt::format("no {}: every image is a target", file24.filename().string()));
   }

@@ -5,6 +5,7 @@
 #include "eval/bop/make_dataset.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/execution/methods.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "scenes/base/error.h"
@@ -76,6 +77,19 @@ int Check(const std::string& path) {
   return 0;
 }
 
+struct TruthArguments {
+  std::string path, split = "test", out;
+};
+
+int WriteTruth(const TruthArguments& arguments) {
+  const std::vector<DatasetEstimate> estimates = TrueEstimates(arguments.path, arguments.split);
+  const std::filesystem::path parent = std::filesystem::path(arguments.out).parent_path();
+  if (!parent.empty()) MakeFolder(parent);
+  WriteFileAtomically(arguments.out, WriteEstimates(estimates));
+  fmt::print("{} true poses in {}\n", estimates.size(), arguments.out);
+  return 0;
+}
+
 void AddMakeArguments(CLI::App& make, MakeArguments& arguments) {
   MakeDatasetOptions& options = arguments.options;
   AddScenarioArguments(make, arguments.scenario);
@@ -107,7 +121,8 @@ void AddMakeArguments(CLI::App& make, MakeArguments& arguments) {
 }  // namespace
 
 int DatasetCommand(int argc, char** argv) {
-  CLI::App app("Makes or checks a dataset in BOP's layout.", "pickbed dataset");
+  CLI::App app("Makes or checks a dataset in BOP's layout, or writes its true poses.",
+               "pickbed dataset");
   app.require_subcommand(1);
   app.footer("Example: pickbed dataset make demo --scenes 20 --views 5 --out bop/demo");
   MakeArguments arguments;
@@ -121,7 +136,16 @@ int DatasetCommand(int argc, char** argv) {
                                kDatasetCameraFile))
       ->required();
   check->footer("Example: pickbed dataset check bop/ycbv");
+  TruthArguments truth_arguments;
+  CLI::App* truth = app.add_subcommand(
+      "truth", "write the true poses of a BOP dataset as a results file; score = visible fraction");
+  truth->add_option("PATH", truth_arguments.path, "folder of the dataset")->required();
+  truth->add_option("--split", truth_arguments.split, "scene folder of the dataset")
+      ->capture_default_str();
+  truth->add_option("--out", truth_arguments.out, "results file to write")->required();
+  truth->footer("Example: pickbed dataset truth bop/demo --out results/truth.csv");
   if (!ParseArguments(app, argc, argv)) return 0;
+  if (truth->parsed()) return WriteTruth(truth_arguments);
   return make->parsed() ? Make(arguments) : Check(path);
 }
 

@@ -20,7 +20,7 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 23> kCommands{{
+constexpr std::array<CommandRow, 24> kCommands{{
     {"run", "drop, capture, estimate and pick in many trials; measure the success rate",
      RunCommand},
     {"report", "write a run as one HTML page with charts, failed picks and 3D views",
@@ -46,6 +46,8 @@ constexpr std::array<CommandRow, 23> kCommands{{
     {"gripper", "draw a gripper with its frame and dimensions", GripperCommand},
     {"dataset", "make a dataset in BOP's layout, or check one", DatasetCommand},
     {"score", "score pose estimates on a BOP dataset with the BOP metrics", ScoreCommand},
+    {"execute", "execute the picks that follow from BOP results files, in the scenes they show",
+     ExecuteCommand},
     {"plugin", "check an estimator or grasp planner that is a program of yours", PluginCommand},
     {"tolerance", "measure how large a pose error may be before a pick fails", ToleranceCommand},
     {"list", "list the available objects, estimators, grippers, sensors, ...", ListCommand},
@@ -85,12 +87,13 @@ void PrintOnce(const std::string& line) {
 struct RemedyFlag {
   std::string_view remedy, flag;
 };
-constexpr std::array<RemedyFlag, 5> kRemedyFlags{{
+constexpr std::array<RemedyFlag, 6> kRemedyFlags{{
     {"choose another folder", "--out"},
     {"another results folder", "--out"},
     {"resume it", "--resume"},
     {"resume the run", "--resume"},
     {"put them side by side", "--compare"},
+    {"choose a camera", "--camera"},
 }};
 
 // Adds the flag behind each remedy, because the libraries do not know the flags.

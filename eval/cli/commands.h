@@ -31,6 +31,7 @@ int GripperCommand(int argc, char** argv);
 int ListCommand(int argc, char** argv);
 int DatasetCommand(int argc, char** argv);
 int ScoreCommand(int argc, char** argv);
+int ExecuteCommand(int argc, char** argv);
 int PluginCommand(int argc, char** argv);
 int DoctorCommand(int argc, char** argv);
 int CompletionCommand(int argc, char** argv);

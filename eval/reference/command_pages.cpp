@@ -16,8 +16,8 @@ namespace {
 constexpr char kFirstPage[] = "commands.md";
 constexpr char kResultsPage[] = "commands_results.md";
 constexpr char kObjectsPage[] = "commands_objects.md";
-constexpr std::array<std::string_view, 7> kOnResultsPage{
-    "merge", "budget", "replay", "benchmark", "dataset", "score", "tolerance"};
+constexpr std::array<std::string_view, 8> kOnResultsPage{
+    "merge", "budget", "replay", "benchmark", "dataset", "score", "execute", "tolerance"};
 
 std::string PageOf(const CommandRow& row) {
   const std::span<const CommandRow> first = CommandTable().first(kFirstCommands);

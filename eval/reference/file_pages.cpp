@@ -11,6 +11,8 @@
 #include "eval/draw/grasp_sheet.h"
 #include "eval/draw/object_sheet.h"
 #include "eval/estimate/report.h"
+#include "eval/execution/execution.h"
+#include "eval/execution/report.h"
 #include "eval/explain/explain.h"
 #include "eval/export/grasps_csv.h"
 #include "eval/export/made_object_json.h"
@@ -199,9 +201,11 @@ ResultPage BenchmarkPage() {
 ResultFolder DatasetFolder() {
   ResultFolder folder{
       "pickbed dataset make",
-      "A dataset in BOP's layout. Lengths are in mm. `ID` is the number of an image or object.",
+      "A dataset in BOP's layout, also from `pickbed run --bop-out`. Lengths are in mm where the "
+      "unit is not in the key. `ID` is the number of an image or object.",
       {Plain(fmt::format("{}, {}", kCardTextFile, kDatasetSettingsFile),
              "the card as text, and its settings"),
+       Plain(kDatasetScenarioFile, "the scenario of the stored scenes"),
        Plain("models/obj_NNNNNN.ply, models_eval/obj_NNNNNN.ply", "meshes"),
        Plain("SPLIT/SCENE/rgb, depth, mask, mask_visib",
              "images: color, depth, silhouettes and "
@@ -210,6 +214,15 @@ ResultFolder DatasetFolder() {
     folder.files.push_back(Json(file.name, file.help, file.keys));
   }
   return folder;
+}
+
+ResultFolder ExecutionFolder() {
+  return {"pickbed execute",
+          fmt::format("A results folder. The same inputs give the same bytes. {}", kIntervals),
+          {Plain(kReportFile, "page with tables and charts"),
+           Plain(kExecutionFile, "scenario, and hashes of all inputs"),
+           Csv(kPicksFile, "one line per image, method and pick", PicksColumns()),
+           Json(kExecutionSummaryFile, "statistics of the methods", ExecutionKeys())}};
 }
 
 ResultPage ObjectsPage() {
@@ -290,7 +303,9 @@ std::vector<ResultPage> AllResultFiles() {
           MeasurementsPage(),
           BenchmarkPage(),
           ObjectsPage(),
-          {"files_datasets.md", "Files of a dataset", {DatasetFolder()}}};
+          {"files_datasets.md",
+           "Files of datasets and executed results",
+           {DatasetFolder(), ExecutionFolder()}}};
 }
 
 void AddFilePages(Pages& pages) {

@@ -65,3 +65,23 @@ invalid_bop_data_is_refused() {
   printf 'im_id,scene_id,obj_id,score,R,t,time\n' >columns.csv
   refused "columns.csv:1: begins with" "$pickbed" score --bop sound columns.csv
 }
+
+results_files_are_executed_in_the_scenes_of_a_dataset() {
+  echo "camera: {width: 320, height: 240, focal_px: 340}" >>small.yaml
+  expect 0 "$pickbed" dataset make small.yaml --scenes 2 --views 1 --jobs 2 --out set
+  expect 0 "$pickbed" dataset truth set --out truth.csv
+  expect 0 "$pickbed" execute --dataset set truth.csv --oracle --gripper jaw_8cm --picks 2 --jobs 2
+  grep -q "A is truth, B is oracle" last.out || fail "no paired difference"
+  page results/set-execute/report.html "Pose errors and outcomes"
+  grep '^truth,' results/set-execute/executed_picks.csv | cut -d, -f2-4,14-15 >of_file
+  grep '^oracle,' results/set-execute/executed_picks.csv | cut -d, -f2-4,14-15 | diff of_file - >&2 ||
+    fail "the true poses of the file and of the oracle differ"
+  refused "resume it (--resume)" "$pickbed" execute --dataset set truth.csv --oracle --picks 2 --gripper jaw_8cm
+  expect 0 "$pickbed" execute --dataset set truth.csv --oracle --picks 2 --gripper jaw_8cm --resume
+  refused "choose another results folder (--out)" "$pickbed" execute --dataset set truth.csv --picks 1
+  sed -E 's/^([^,]*,[^,]*,)1,/\19,/' truth.csv >stranger.csv
+  refused "obj_id 9: models_info.json has no such object" "$pickbed" execute --dataset set stranger.csv --out no
+  refused "only planner.* and policy.*" "$pickbed" execute --dataset set truth.csv --set seed=3 --out no
+  rm set/test/000002/stored_scenes.json
+  refused "stored_scenes.json: is missing" "$pickbed" execute --dataset set truth.csv --out no
+}

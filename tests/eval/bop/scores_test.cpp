@@ -40,6 +40,8 @@ TEST(BopDetection, AveragePrecisionEqualsHandComputedValues) {
               (51 + 50 * 2.0 / 3) / 101, 1e-12);
   // One of four is found: recall 0.25, 26 levels. The order of the input does not matter.
   EXPECT_NEAR(AveragePrecision({{0.1, false}, {0.9, true}}, 4), 26.0 / 101, 1e-12);
+  // Seven of ten: the level 0.7 is not reached, because 70 * 0.01 > 7.0 / 10 in floating point.
+  EXPECT_NEAR(AveragePrecision(std::vector<Detection>(7, {0.9, true}), 10), 70.0 / 101, 1e-12);
   EXPECT_EQ(AveragePrecision({}, 3), 0);
   EXPECT_EQ(AveragePrecision({{0.5, true}}, 1), 1);
 }

@@ -69,7 +69,8 @@ TEST(CommandHelp, ValuesRangesAndDefaultsAreInWords) {
 TEST(CommandHelp, SubcommandsAreDescribed) {
   const auto name = [](const char* words) { return Field(&CommandHelp::name, words); };
   EXPECT_THAT(DescribeCommand(RowNamed("dataset")).subcommands,
-              ElementsAre(name("pickbed dataset make"), name("pickbed dataset check")));
+              ElementsAre(name("pickbed dataset make"), name("pickbed dataset check"),
+                          name("pickbed dataset truth")));
   EXPECT_THAT(DescribeCommand(RowNamed("benchmark")).subcommands,
               IsSupersetOf({name("pickbed benchmark crops"), name("pickbed benchmark bins")}));
 }

@@ -218,6 +218,9 @@ TEST_F(CommandsTest, UnusableBopFilesAreRefused) {
       {"score", "--bop", empty, File("d.csv", header + "1,0,1,1,2 0 0 0 1 0 0 0 1,0 0 500,-1\n")},
       "d.csv:2: R is no rotation");
   ExpectRefused({"estimate", "--bop", none, "--out", Out()}, none);
+  ExpectRefused({"execute", "--dataset", empty, good, "--out", Out()}, "no stored scenes");
+  ExpectRefused({"execute", "--dataset", none, "--oracle", "--out", Out()}, none);
+  ExpectRefused({"dataset", "truth", empty, "--out", Out()}, "has no scene folder");
   EXPECT_FALSE(std::filesystem::exists(Out())) << "a refused command leaves no folder";
 }
 

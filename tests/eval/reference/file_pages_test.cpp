@@ -15,6 +15,8 @@
 #include "eval/budget/report.h"
 #include "eval/compare/paired_tables.h"
 #include "eval/estimate/report.h"
+#include "eval/execution/execution.h"
+#include "eval/execution/report.h"
 #include "eval/export/grasps_csv.h"
 #include "eval/export/made_object_json.h"
 #include "eval/export/scene_json.h"
@@ -281,6 +283,21 @@ TEST(FilePages, HaveEveryKeyOfADataset) {
     if (entry.path().extension() == ".json" && !is_copy) --files;
   }
   EXPECT_EQ(files, 0) << "a JSON file is not in the reference";
+}
+
+TEST(FilePages, HaveEveryKeyOfAnExecution) {
+  std::vector<ExecutedPick> picks;
+  for (int i = 0; i < 12; ++i) {
+    ExecutedPick& pick = picks.emplace_back();
+    pick.method = i % 2 == 0 ? "a" : "b";
+    pick.scene_id = i / 2;
+    pick.object_id = 1;
+    pick.score = pick.errors.mssd_m = i;
+    pick.success = i < 4;
+    if (!pick.success) pick.failure = FailureReason::kSlipped;
+  }
+  ExpectKeys(ExecutionJson(StatisticsOf({"a", "b"}, picks)), kExecutionSummaryFile);
+  ExpectHeader(HeaderLine(PicksColumns()), kPicksFile);
 }
 
 TEST(FilePages, AnAddedMetricIsInTheTables) {
