@@ -68,6 +68,9 @@ int RunCommand(int argc, char** argv) {
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   AddFailurePicturesArgument(app, options.failure_picture_trials);
+  app.add_option("--bop-out", options.bop_out,
+                 "folder for a BOP dataset with every image of the run: one scene per trial, one "
+                 "image per attempt, and the scenes for `pickbed execute`");
   AddToleranceArgument(app, tolerance);
   app.add_flag("--json", json, "print the summary as JSON on stdout, and nothing else");
   app.footer("Example: pickbed run demo --trials 10 --set estimator.name=oracle --jobs 2");

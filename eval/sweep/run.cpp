@@ -5,6 +5,7 @@
 #include "eval/runtime/results_folder.h"
 #include "eval/store/results_store.h"
 #include "eval/summary/run_csv.h"
+#include "eval/sweep/run_images.h"
 #include "eval/trial/oracle_estimator.h"
 #include "eval/trial/trial_setup.h"
 #include "grasp/grippers/requirements.h"
@@ -71,6 +72,16 @@ std::string ProgramText(const std::vector<std::string>& command) {
 }
 
 constexpr char kOwnGraspsText[] = "# grasps chosen by a caller\n";
+
+// Returns the trials in the results folder that captured an image.
+std::vector<int> TrialsWithImages(const std::filesystem::path& folder) {
+  std::vector<int> trials;
+  if (!StoredSettings(folder)) return trials;
+  ResultsStore::OpenToRead(folder).ForEach([&](const TrialResult& trial) {
+    if (!trial.attempts.empty()) trials.push_back(trial.trial);
+  });
+  return trials;
+}
 
 std::string GroundTruthText(const OracleStages& truth) {
   return fmt::format("# truth for: sense {}, detection {}, pose {}, refinement {}, grasp {}\n",
@@ -158,8 +169,20 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
   TrialOptions trial_options;
   trial_options.truth = options.truth;
   trial_options.log_dir = options.out / kLogsFolder;
-  sweep_options.make = PickingTrials(trial_options);
-  SweepReport swept = RunSweep(SweepOfOne(spec, objects, options.truth), sweep_options, listener);
+  sweep_options.make = PickingTrials(trial_options, options.bop_out);
+  const Sweep sweep = SweepOfOne(spec, objects, options.truth);
+  const std::string& identity = sweep.configurations.front().identity;
+  if (!options.bop_out.empty()) {
+    CheckInput(std::filesystem::absolute(options.bop_out) != std::filesystem::absolute(options.out),
+               fmt::format("{}: is the folder of the results; choose another folder for the images",
+                           options.bop_out.string()));
+    BeginRunDataset(spec, objects, options.bop_out, identity, options.resume,
+                    TrialsWithImages(options.out));
+  }
+  SweepReport swept = RunSweep(sweep, sweep_options, listener);
+  if (!options.bop_out.empty() && !swept.interrupted) {
+    FinishRunDataset(spec, objects, options.bop_out, identity, TrialsWithImages(options.out));
+  }
 
   RunReport report;
   report.trials = ResultsStore::OpenToRead(options.out).ReadAll();

@@ -34,6 +34,8 @@ struct RunOptions {
   std::vector<int> only_trials;  // ascending; empty = all of the scenario
   OracleStages truth;            // stages with ground truth substituted
   ToleranceMaps tolerance;       // of the objects; only used in the reports
+  // Folder of a BOP data set with all images (eval/sweep/run_images.h); empty = none.
+  std::filesystem::path bop_out;
 };
 
 // Result of RunScenario.
@@ -47,7 +49,7 @@ struct RunReport {
 // Runs all trials and returns their summary. It forks worker processes; see RunInWorkers for the
 // restrictions. Throws InputError for unknown names and a broken model file. Also throws it for an
 // output folder that cannot be written, holds other results, or holds finished trials while
-// `resume` is false.
+// `resume` is false. The same holds for the folder of the images.
 RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const RunOptions& options,
                       const RunListener& listener);
 

@@ -61,8 +61,10 @@ using DoTrial = std::function<TrialResult(BinIndex bin_index, const PictureOrder
 // InputError if a file named by the settings does not exist.
 using MakeDoTrial =
     std::function<DoTrial(const Configuration& configuration, const WorkerPlan::Say& say)>;
-// Returns the standard trial: drop, capture, estimate, pick.
-MakeDoTrial PickingTrials(const TrialOptions& options = {});
+// Returns the standard trial: drop, capture, estimate, pick. `bop_out`: folder of the data set that
+// gets all images (eval/sweep/run_images.h); empty = none.
+MakeDoTrial PickingTrials(const TrialOptions& options = {},
+                          const std::filesystem::path& bop_out = {});
 
 // Shard `index` (1 .. count) of the trials of a sweep. Trials are ordered by scene, then by
 // configuration, so that compared trials are in one shard. A scene at the border of two shards is

@@ -8,6 +8,7 @@
 
 #include "eval/stats/statistics.h"
 #include "eval/sweep/attempt_pictures.h"
+#include "eval/sweep/run_images.h"
 #include "eval/trial/counts_by_bin.h"
 
 namespace pickbed::eval {
@@ -67,6 +68,24 @@ std::string DoItem(Bench& bench, const Configuration& configuration, const Sweep
   return ReplyOf(result, seconds);
 }
 
+// Notifies the writer of the images and the observer that makes pictures, which may be null.
+class WithImages : public TrialObserver {
+ public:
+  WithImages(TrialObserver* pictures, RunImageWriter& images)
+      : pictures_(pictures), images_(images) {}
+  void OnStage(TrialStage stage, const AttemptState& attempt) override {
+    images_.OnStage(stage, attempt);
+    if (pictures_ != nullptr) pictures_->OnStage(stage, attempt);
+  }
+  MotionListener ListenToMotion() override {
+    return pictures_ != nullptr ? pictures_->ListenToMotion() : MotionListener();
+  }
+
+ private:
+  TrialObserver* pictures_;
+  RunImageWriter& images_;
+};
+
 }  // namespace
 
 Cluster TakeReply(const std::string& reply, StageSeconds& seconds) {
@@ -97,34 +116,35 @@ WorkerPlan::DoItem StartWorker(const Sweep& sweep, const SweepOptions& options,
   };
 }
 
-MakeDoTrial PickingTrials(const TrialOptions& trial_options) {
-  return
-      [trial_options](const Configuration& configuration, const WorkerPlan::Say& say) -> DoTrial {
-        using Clock = std::chrono::steady_clock;
-        const auto on_progress = [say, said = Clock::time_point()](std::string_view what,
-                                                                   double share) mutable {
-          if (Clock::now() - said < kSayEvery) return;
-          said = Clock::now();
-          say(fmt::format("{}: {}", what, WholePercentText(share)));
-        };
-        TrialOptions own_options = trial_options;
-        own_options.on_warning = say.warning;
-        auto runner = std::make_shared<TrialRunner>(configuration.spec, configuration.objects,
-                                                    on_progress, own_options);
-        return [runner](BinIndex bin_index, const PictureOrder& order) {
-          PickPictures all(order.folder);
-          FailedPickPictures failed(order.folder);
-          switch (order.wanted) {
-            case PicturesWanted::kAll:
-              return runner->Run(bin_index, &all);
-            case PicturesWanted::kOfFailedPicks:
-              return runner->Run(bin_index, &failed);
-            case PicturesWanted::kNone:
-              break;
-          }
-          return runner->Run(bin_index);
-        };
-      };
+MakeDoTrial PickingTrials(const TrialOptions& trial_options, const std::filesystem::path& bop_out) {
+  return [trial_options, bop_out](const Configuration& configuration,
+                                  const WorkerPlan::Say& say) -> DoTrial {
+    using Clock = std::chrono::steady_clock;
+    const auto on_progress = [say, said = Clock::time_point()](std::string_view what,
+                                                               double share) mutable {
+      if (Clock::now() - said < kSayEvery) return;
+      said = Clock::now();
+      say(fmt::format("{}: {}", what, WholePercentText(share)));
+    };
+    TrialOptions own_options = trial_options;
+    own_options.on_warning = say.warning;
+    auto runner = std::make_shared<TrialRunner>(configuration.spec, configuration.objects,
+                                                on_progress, own_options);
+    return [runner, bop_out, seed = configuration.spec.seed](BinIndex bin_index,
+                                                             const PictureOrder& order) {
+      PickPictures all(order.folder);
+      FailedPickPictures failed(order.folder);
+      TrialObserver* pictures = nullptr;
+      if (order.wanted == PicturesWanted::kAll) pictures = &all;
+      if (order.wanted == PicturesWanted::kOfFailedPicks) pictures = &failed;
+      if (bop_out.empty()) return runner->Run(bin_index, pictures);
+      RunImageWriter images(bop_out, seed, bin_index);
+      WithImages both(pictures, images);
+      TrialResult result = runner->Run(bin_index, &both);
+      images.Finish();
+      return result;
+    };
+  };
 }
 
 }  // namespace pickbed::eval

@@ -85,3 +85,16 @@ results_files_are_executed_in_the_scenes_of_a_dataset() {
   rm set/test/000002/stored_scenes.json
   refused "stored_scenes.json: is missing" "$pickbed" execute --dataset set truth.csv --out no
 }
+
+every_image_of_a_run_is_in_its_dataset() {
+  echo "camera: {width: 160, height: 120, focal_px: 170}" >>small.yaml
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --jobs 1 --pictures 0 --out run --bop-out set
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 2 --jobs 1 --pictures 0 --out run --bop-out set --resume
+  expect 0 "$pickbed" dataset check set
+  local images attempts
+  images=$(ls set/test/*/rgb | grep -c png)
+  attempts=$(($(wc -l <run/attempts.csv) - 1))
+  [ "$images" = "$attempts" ] || fail "$images images of $attempts attempts"
+  expect 0 "$pickbed" execute --dataset set --oracle --picks 1 --out picks
+  refused "choose another results folder" "$pickbed" run small.yaml "${small[@]}" --set seed=8 --out other --bop-out set --resume
+}
