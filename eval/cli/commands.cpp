@@ -87,13 +87,14 @@ void PrintOnce(const std::string& line) {
 struct RemedyFlag {
   std::string_view remedy, flag;
 };
-constexpr std::array<RemedyFlag, 6> kRemedyFlags{{
+constexpr std::array<RemedyFlag, 7> kRemedyFlags{{
     {"choose another folder", "--out"},
     {"another results folder", "--out"},
     {"resume it", "--resume"},
     {"resume the run", "--resume"},
     {"put them side by side", "--compare"},
     {"choose a camera", "--camera"},
+    {"another image folder", "--bop-out"},
 }};
 
 // Adds the flag behind each remedy, because the libraries do not know the flags.

@@ -174,7 +174,7 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
   const std::string& identity = sweep.configurations.front().identity;
   if (!options.bop_out.empty()) {
     CheckInput(std::filesystem::absolute(options.bop_out) != std::filesystem::absolute(options.out),
-               fmt::format("{}: is the folder of the results; choose another folder for the images",
+               fmt::format("{}: is the folder of the results; choose another image folder",
                            options.bop_out.string()));
     BeginRunDataset(spec, objects, options.bop_out, identity, options.resume,
                     TrialsWithImages(options.out));

@@ -88,12 +88,10 @@ void BeginRunDataset(const ScenarioSpec& spec, const ObjectSet& objects, const f
   const std::vector<int> before = SceneIdsOf(root, kRunSplit);
   const std::string folder = (root / kRunSplit).string();
   CheckInput(before.empty() || resume,
-             fmt::format("{} already has {} scenes; resume the run, or choose another folder for "
-                         "the images",
+             fmt::format("{} already has {} scenes; resume the run, or choose another image folder",
                          folder, before.size()));
-  CheckInput(
-      before.empty() || ReadIdentity(root) == identity,
-      fmt::format("{} has scenes of another run; choose another folder for the images", folder));
+  CheckInput(before.empty() || ReadIdentity(root) == identity,
+             fmt::format("{} has scenes of another run; choose another image folder", folder));
   for (const int trial : finished) {
     CheckInput(std::binary_search(before.begin(), before.end(), trial + 1),
                fmt::format("{} has no images of the finished trial {}, which ran without them; "
