@@ -33,6 +33,8 @@ struct PoseHypothesis {
   // Provenance: failure attribution uses it to find the stage that lost a pick.
   std::optional<Pose> unrefined_X_CO = {};  // pose before the final refiner changed it
   std::vector<Pose> suppressed_X_CO = {};   // weaker poses of this object that this one suppressed
+  // Score of the estimator before its calibration; none = not calibrated.
+  std::optional<double> raw_score = {};
 };
 
 }  // namespace pickbed::perception

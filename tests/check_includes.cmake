@@ -20,7 +20,8 @@ set(floors_perception ". cloud | features model | crops verify voting | icp netw
   " | crop_methods | estimators")
 set(floors_grasp ". place | candidates execute | grippers plan | tolerance cloud | planners")
 set(floors_eval "stats | metrics | page | cell | trial runtime draw | store tolerance explain export | summary bop"
-  " | compare sweep train | report budget estimate execution | replay benchmark | cli python | reference")
+  " | compare sweep train | report budget estimate execution calibrate grasps | replay benchmark"
+  " | cli python | reference")
 
 # Third-party header prefix => pattern of the files that may include it. Only Eigen is public.
 set(third_party

@@ -7,6 +7,9 @@
 #include "eval/cli/commands.h"
 #include "eval/draw/grasp_sheet.h"
 #include "eval/export/grasps_csv.h"
+#include "eval/grasps/report.h"
+#include "eval/runtime/process.h"
+#include "eval/runtime/progress.h"
 #include "eval/stats/statistics.h"
 #include "grasp/grippers/requirements.h"
 #include "grasp/grippers/table.h"
@@ -19,15 +22,36 @@ namespace pickbed::eval {
 namespace {
 
 struct GraspsArguments {
-  std::string object, gripper, out;
+  std::string object, gripper, out, from, write, frame = "tips";
   std::string catalog = "objects";
   int count = 0;  // 0 = all
+  int jobs = 1;
+  bool ignore_names = false;
   std::vector<std::string> settings;
 };
+
+void Apply(const std::vector<std::string>& settings, const VisitFunction& visit) {
+  for (const std::string& setting : settings) ApplySetting(setting, visit);
+}
+
+void WriteFile(const GraspsArguments& arguments, const ObjectModel& model, const Gripper& gripper,
+               const std::vector<GraspCandidate>& candidates) {
+  if (arguments.write.empty()) return;
+  WriteGraspFile(arguments.write, model, gripper, LoadGripperFrame(arguments.frame), candidates);
+  fmt::print("{}\n", arguments.write);
+}
+
+std::filesystem::path GraspsFolder(const GraspsArguments& arguments, const ObjectModel& model,
+                                   const Gripper& gripper) {
+  return arguments.out.empty() ? std::filesystem::path("results") /
+                                     fmt::format("grasps_{}_{}", model.name, gripper.name)
+                               : std::filesystem::path(arguments.out);
+}
 
 void WriteGrasps(const GraspsArguments& arguments) {
   const ObjectSet objects{OpenCatalog(arguments.catalog).Load(arguments.object)};
   const auto gripper = LoadGripper(arguments.gripper);
+  LoadGripperFrame(arguments.frame);
   RequireCanCarry(*gripper, *objects[0]);
   const auto model = WithRestingDirections(WithConvexPieces(objects))[0];
   GraspCandidateOptions options;
@@ -35,18 +59,13 @@ void WriteGrasps(const GraspsArguments& arguments) {
     options.antipodal.candidates = options.suction.candidates = arguments.count;
     options.antipodal.resting_candidates = 0;
   }
-  for (const std::string& setting : arguments.settings) {
-    ApplySetting(setting, [&](SettingsVisitor& v) { options.Visit(v); });
-  }
+  Apply(arguments.settings, [&](SettingsVisitor& v) { options.Visit(v); });
   auto candidates = RequireCandidates(*model, *gripper, options);
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     return std::make_pair(a.robust, a.epsilon) > std::make_pair(b.robust, b.epsilon);
   });
 
-  const std::filesystem::path folder =
-      arguments.out.empty() ? std::filesystem::path("results") /
-                                  fmt::format("grasps_{}_{}", model->name, gripper->name)
-                            : std::filesystem::path(arguments.out);
+  const std::filesystem::path folder = GraspsFolder(arguments, *model, *gripper);
   MakeFolder(folder);
   WriteFileAtomically(folder / kGraspsFile, GraspsCsv(candidates));
   WritePng(folder / kGraspSheetFile, GraspSheet(*model, *gripper, candidates));
@@ -57,6 +76,55 @@ void WriteGrasps(const GraspsArguments& arguments) {
       candidates.size(), model->name, gripper->name, WholePercentText(best.robust), best.epsilon,
       (folder / kGraspsFile).string());
   fmt::print("picture: {}\n", (folder / kGraspSheetFile).string());
+  WriteFile(arguments, *model, *gripper, candidates);
+}
+
+// Tests the grasps of a file. Returns the exit status.
+int TestFile(const GraspsArguments& arguments) {
+  const ObjectSet objects{OpenCatalog(arguments.catalog).Load(arguments.object)};
+  GraspTestJob job;
+  job.gripper = LoadGripper(arguments.gripper);
+  const GripperFrame frame = LoadGripperFrame(arguments.frame);
+  Apply(arguments.settings, [&](SettingsVisitor& v) { job.options.Visit(v); });
+  const GraspFile file = ReadGraspFile(arguments.from);
+  RequireGraspsOf(file, *objects[0], *job.gripper, frame, !arguments.ignore_names);
+  RequireCanCarry(*job.gripper, *objects[0]);
+  job.object = WithRestingDirections(WithConvexPieces(objects))[0];
+  job.candidates = CandidatesOf(file, *job.object, *job.gripper, frame);
+  WriteFile(arguments, *job.object, *job.gripper, job.candidates);
+  job.jobs = arguments.jobs;
+  CatchInterrupts();
+  ProgressLine progress;
+  std::string work;
+  job.on_progress = [&](const std::string& what, int done, int total) {
+    if (what != work) progress.Restart();
+    work = what;
+    ProgressState state;
+    state.what = what;
+    state.done = done;
+    state.total = total;
+    progress.Show(state);
+  };
+  job.stop = Interrupted;
+  const GraspTests tests = TestGrasps(job);
+  if (tests.interrupted) {
+    fmt::print(stderr, "pickbed: stopped\n");
+    return kExitInterrupted;
+  }
+  const std::filesystem::path folder = GraspsFolder(arguments, *job.object, *job.gripper);
+  MakeFolder(folder);
+  WriteFileAtomically(folder / kGraspTestsFile, GraspTestsCsv(file, tests));
+  fmt::print("{}{}\n", GraspTestsText(file, tests, job.options),
+             (folder / kGraspTestsFile).string());
+  return 0;
+}
+
+std::string FramesHelp() {
+  std::string text = "\nFrames of --frame:\n";
+  for (const GripperFrameRow& row : GripperFrameTable()) {
+    text += fmt::format("  {:<12} {}\n", row.name, row.help);
+  }
+  return text;
 }
 
 }  // namespace
@@ -64,7 +132,8 @@ void WriteGrasps(const GraspsArguments& arguments) {
 int GraspsCommand(int argc, char** argv) {
   CLI::App app(
       fmt::format("Plans grasps of an object with a gripper. Writes them to {}, best first, and a "
-                  "picture of the best ones to {}.",
+                  "picture of the best ones to {}. With --from, tests the grasps of a file in "
+                  "physics instead: on a table with a hold test, and in bins.",
                   kGraspsFile, kGraspSheetFile),
       "pickbed grasps");
   GraspsArguments a;
@@ -76,16 +145,33 @@ int GraspsCommand(int argc, char** argv) {
                  "maximum number of grasps, for any orientation of the object (default: all grasps "
                  "that a run can choose from)")
       ->check(CLI::Range(1, 100000));
+  auto* from =
+      app.add_option("--from", a.from, "test the grasps of this file: isaac_grasp (.yaml) or .csv");
+  app.add_option("--write", a.write,
+                 "also write the grasps to this file: isaac_grasp (.yaml) or .csv");
+  app.add_option("--frame", a.frame,
+                 "frame of the hand in these files: a name, or a .yaml file with approach, closing "
+                 "and tip_m")
+      ->capture_default_str();
+  app.add_flag("--ignore-names", a.ignore_names,
+               "test the grasps although the file names another object or gripper")
+      ->needs(from);
+  AddJobsArgument(app, a.jobs);
   app.add_option(
       "--set", a.settings,
-      "change a setting: KEY=VALUE, for example robust.position_m=0.003; may be repeated");
+      "change a setting: KEY=VALUE, for example robust.position_m=0.003, or with --from bins=10; "
+      "may be repeated");
   app.add_option("--catalog", a.catalog, "folder with your own objects")->capture_default_str();
   app.add_option("--out", a.out, "results folder [results/grasps_OBJECT_GRIPPER]");
   GraspCandidateOptions defaults;
+  GraspTestOptions test_defaults;
   app.footer(fmt::format(
-      "Settings and their defaults:\n{}\nExample: pickbed grasps bracket jaw_8cm --count 200",
-      WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true)));
+      "Settings and their defaults:\n{}\nSettings with --from:\n{}{}\nExample: pickbed grasps "
+      "bracket jaw_8cm --count 200\n         pickbed grasps bracket jaw_8cm --from grasps.yaml",
+      WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true),
+      WriteSettings([&](SettingsVisitor& v) { test_defaults.Visit(v); }, true), FramesHelp()));
   if (!ParseArguments(app, argc, argv)) return 0;
+  if (!a.from.empty()) return TestFile(a);
   WriteGrasps(a);
   return 0;
 }

@@ -33,6 +33,8 @@ constexpr std::array<CommandRow, 24> kCommands{{
     {"merge", "merge the shards of a sweep, or put several runs side by side", MergeCommand},
     {"budget", "count failed picks by stage and reason; measure the gain of perfect stages",
      BudgetCommand},
+    {"calibrate", "convert the scores of an estimator into probabilities, from a run",
+     CalibrateCommand},
     {"replay", "repeat one trial of a run and name the first stage that differs", ReplayCommand},
     {"drop", "fill one bin and write the settled scene", DropCommand},
     {"render", "fill one bin and write the camera image", RenderCommand},
@@ -95,6 +97,8 @@ constexpr std::array<RemedyFlag, 7> kRemedyFlags{{
     {"put them side by side", "--compare"},
     {"choose a camera", "--camera"},
     {"another image folder", "--bop-out"},
+    {"ignored names", "--ignore-names"},
+    {"the frame of the file's hand", "--frame"},
 }};
 
 // Adds the flag behind each remedy, because the libraries do not know the flags.

@@ -15,6 +15,7 @@ int RunCommand(int argc, char** argv);
 int SweepCommand(int argc, char** argv);
 int MergeCommand(int argc, char** argv);
 int BudgetCommand(int argc, char** argv);
+int CalibrateCommand(int argc, char** argv);
 int ReplayCommand(int argc, char** argv);
 int ReportCommand(int argc, char** argv);
 int CompareCommand(int argc, char** argv);

@@ -84,7 +84,11 @@ EstimatorSpec Labelled(const std::string& label, const EstimatorSpec& base) {
   EstimatorSpec spec = base;
   spec.name = method.substr(0, colon);
   if (colon != std::string::npos) spec.mode = method.substr(colon + 1);
-  if (spec.name != base.name) spec.model.clear();  // a model belongs to one estimator
+  if (spec.name != base.name) {  // these belong to one estimator
+    spec.model.clear();
+    spec.calibration.clear();
+    spec.scores = EstimatorSpec().scores;
+  }
   if (equals != std::string::npos) {
     spec.model = label.substr(equals + 1);
     CheckInput(!spec.model.empty(), fmt::format("estimator '{}' has no model after '='", label));

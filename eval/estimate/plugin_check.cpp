@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -89,7 +90,9 @@ class PluginChecks {
     setup.intrinsics = cell_.camera().intrinsics;
     setup.working_distance_m = WorkingDistance_m(cell_);
     setup.bin = &cell_.bin();
-    setup.min_score = job_.scenario.spec.estimator.min_score;
+    setup.min_score = HasRawScores(job_.scenario.spec.estimator)
+                          ? -std::numeric_limits<double>::infinity()
+                          : job_.scenario.spec.estimator.min_score;
     setup.model = job_.scenario.spec.estimator.model;
     setup.mode = job_.scenario.spec.estimator.mode;
     setup.grippers = grippers_;
@@ -150,7 +153,10 @@ class PluginChecks {
       answer.grasps =
           ReadGrasps(message, grippers_, static_cast<int>(poses.size()), &answer.faults);
     } else {
-      answer.poses = ReadPoses(message, objects_, WorkingDistance_m(cell_), &answer.faults);
+      answer.poses =
+          ReadPoses(message, objects_, WorkingDistance_m(cell_), &answer.faults,
+                    HasRawScores(job_.scenario.spec.estimator) ? PluginScores::kAny
+                                                               : PluginScores::kProbabilities);
     }
     if (answer.faults.size() > kShownFaults) {
       answer.faults.resize(kShownFaults);
@@ -170,6 +176,13 @@ class PluginChecks {
   }
 
   void AddScores(const Answer& answer) {
+    if (HasRawScores(job_.scenario.spec.estimator)) {
+      const auto [low, high] = std::ranges::minmax_element(answer.poses, {}, &PluginPose::score);
+      const std::string range =
+          answer.poses.empty() ? "none" : fmt::format("from {:g} to {:g}", low->score, high->score);
+      return Add("scores",
+                 fmt::format("raw, {}; pickbed calibrate converts them after a run", range));
+    }
     const double min_score = job_.scenario.spec.estimator.min_score;
     const auto below = std::count_if(answer.poses.begin(), answer.poses.end(),
                                      [&](const auto& p) { return p.score < min_score; });

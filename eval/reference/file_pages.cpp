@@ -7,6 +7,7 @@
 #include "eval/bop/layout.h"
 #include "eval/bop/results_csv.h"
 #include "eval/budget/report.h"
+#include "eval/calibrate/report.h"
 #include "eval/compare/paired_tables.h"
 #include "eval/draw/grasp_sheet.h"
 #include "eval/draw/object_sheet.h"
@@ -18,6 +19,7 @@
 #include "eval/export/made_object_json.h"
 #include "eval/export/scene_json.h"
 #include "eval/export/visibility_csv.h"
+#include "eval/grasps/report.h"
 #include "eval/page/html.h"
 #include "eval/reference/markdown.h"
 #include "eval/reference/pages.h"
@@ -80,6 +82,9 @@ ResultPage RunPage() {
          Plain(fmt::format("{}/*", kShardsFolder), "results folders of the shards of a sweep"),
          Plain(fmt::format("{}/*", kSlurmFolder), "job script and logs of the shards"),
          Plain(kReportFile, "page of `pickbed report`"),
+         Plain(fmt::format("{}, {}", kCalibrationFile, kCalibrationPage),
+               "calibration and page of `pickbed calibrate`, see [calibration "
+               "file](settings_files.md#calibration-file)"),
          Csv(kTrialsFile, "one line per trial", TrialsColumns()),
          Csv(kAttemptsFile, "one line per attempt", AttemptsColumns()),
          Csv(kInstancesFile, "one line per instance in view of each image", InstancesColumns()),
@@ -254,7 +259,8 @@ ResultPage ObjectsPage() {
            {"pickbed grasps",
             "Grasps of an object, best first.",
             {Plain(kGraspSheetFile, "picture of the best grasps"),
-             Csv(kGraspsFile, "one line per grasp", GraspsColumns())}},
+             Csv(kGraspsFile, "one line per grasp", GraspsColumns()),
+             Csv(kGraspTestsFile, "with --from: one line per tested grasp", GraspTestsColumns())}},
            {"pickbed sensor, pickbed gripper",
             "The name is given by `--out`.",
             {Plain("sensor_NAME.png, gripper_NAME.png", "picture")}},

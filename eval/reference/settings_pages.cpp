@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "eval/benchmark/crops.h"
+#include "eval/grasps/gripper_frame.h"
+#include "eval/grasps/physics_trials.h"
 #include "eval/reference/markdown.h"
 #include "eval/reference/pages.h"
 #include "eval/sweep/sweep_spec.h"
@@ -12,6 +14,7 @@
 #include "grasp/grippers/table.h"
 #include "perception/estimators/estimator_training.h"
 #include "perception/estimators/pose_estimator.h"
+#include "perception/estimators/score_calibration.h"
 #include "perception/training/training.h"
 #include "perception/training/verifier_training.h"
 #include "scenes/objects/object_catalog.h"
@@ -110,7 +113,12 @@ SettingsPage FileSettings() {
        {"Sensor file",
         "`sensor: NAME` in a scenario reads `assets/sensors/NAME.yaml`, or a file. The default of "
         "a key disables its effect.",
-        RowsOf(SensorProfile())}}};
+        RowsOf(SensorProfile())},
+       {"Calibration file",
+        "`pickbed calibrate` writes it. `estimator.calibration` in a scenario names it.",
+        RowsOf(ScoreCalibration())},
+       {"Frame of a hand", "`pickbed grasps --frame FILE.yaml` reads it.",
+        RowsOf(GripperFrame())}}};
   for (SettingsSource& source : GripperFiles()) page.sources.push_back(std::move(source));
   page.sources.push_back(SweepFile());
   return page;
@@ -140,7 +148,9 @@ SettingsPage MeasurementSettings() {
                         "effective values.",
                         kToleranceFile),
             RowsOf(ToleranceOptions())},
-           {"Grasps", "Settings of `pickbed grasps --set`.", RowsOf(GraspCandidateOptions())}}};
+           {"Grasps", "Settings of `pickbed grasps --set`.", RowsOf(GraspCandidateOptions())},
+           {"Tested grasps", "Settings of `pickbed grasps --from FILE --set`.",
+            RowsOf(GraspTestOptions())}}};
 }
 
 std::vector<std::string> CellsOf(const SettingRow& row) {

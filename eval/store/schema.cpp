@@ -186,6 +186,7 @@ void Migrate(const Database& db) {
   db.Execute("CREATE TABLE IF NOT EXISTS settings (key TEXT PRIMARY KEY, value TEXT)");
   RenameToSchema6(db);  // changes nothing in a later version
   RequireTable<ConfigurationRow>(db, "configurations");
+  const bool has_raw_scores = HasColumn(db, "hypotheses", "raw_score");
   ForEachTrialTable([&]<typename Row>(const char* table) {
     RequireTable<Row>(db, table);
     const bool one_row = std::is_same_v<Row, TrialRow>;
@@ -194,6 +195,7 @@ void Migrate(const Database& db) {
                            one_row ? "one_row_a_trial" : fmt::format("{}_by_trial", table), table));
   });
   MoveMetrics(db);
+  if (!has_raw_scores) db.Execute("UPDATE hypotheses SET raw_score = score");
   if (version == "4") FillConfigurationOfVersion4(db);
   if (!version.empty()) WriteHead(db, WithCurrentNames(ReadHead(db)));
   Statement insert(db, "INSERT OR REPLACE INTO settings VALUES ('schema_version', ?)");

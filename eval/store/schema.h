@@ -139,6 +139,7 @@ struct HypothesisRow {
     v("correct", score.correct);
     v("x_wo", score.X_WO);
     v("x_oe", score.X_OE);
+    v("raw_score", score.raw_score);
   }
 };
 

@@ -10,8 +10,8 @@
 
 namespace pickbed::eval {
 
-// 9: layers and graspable instances of a bin
-inline constexpr int kSchemaVersion = 9;
+// 10: scores before calibration
+inline constexpr int kSchemaVersion = 10;
 inline constexpr int kOldestSchemaVersion = 4;  // oldest version that can be migrated
 
 // Calls visit.template operator()<Row>("table") for each table whose rows belong to a trial.

@@ -144,6 +144,7 @@ constexpr Description kColumns[] = {
      "1 if the planner worked without poses, so that there was no pose stage"},
     {"hypotheses.instance", "matched instance, -1 = none"},
     {"hypotheses.score", "score of the pose"},
+    {"hypotheses.raw_score", "score of the estimator, before a calibration"},
     {"hypotheses.correct", "1 if the MSSD is under a tenth of the object's diameter"},
     {"hypotheses.x_wo", "estimated pose of the object in the world, 3x4 matrix, row by row", "m"},
     {"hypotheses.x_oe", "estimated object frame in the frame of the matched instance", "m"},

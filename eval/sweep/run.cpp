@@ -16,10 +16,12 @@
 #include "perception/estimators/estimator_training.h"
 #include "perception/estimators/pose_estimator.h"
 #include "perception/estimators/process.h"
+#include "perception/estimators/score_calibration.h"
 #include "perception/icp/final_refinement.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/random.h"
+#include "scenes/plugin/plugin_client.h"
 #include "sim/sensor/sensor_profile.h"
 
 namespace pickbed::eval {
@@ -60,10 +62,20 @@ uint64_t ObjectHash(const ObjectModel& object) {
   return HashBytes(numbers.data(), numbers.size() * sizeof(double), object.mesh_hash);
 }
 
-// Contents of the files that a command names, such as a script.
-std::string ProgramText(const std::vector<std::string>& command) {
+// What identifies the program of an estimator or planner: the contents of the files that its
+// command names, such as a script. For a server, what it reports about itself. `settings` is the
+// group `role` of the scenario.
+template <typename Settings>
+std::string ProgramText(const ScenarioSpec& spec, const std::string& role,
+                        const Settings& settings) {
+  if (!settings.connect.empty()) {
+    const PluginAddress address{settings.command, settings.connect, settings.timeout_s};
+    const PluginIdentity identity = WithSettingsKey(
+        spec, role + ".connect", [&] { return PluginClient::IdentityOf(address, role); });
+    return fmt::format("# {} '{}' version '{}'\n", role, identity.name, identity.version);
+  }
   std::string text;
-  for (const std::string& word : command) {
+  for (const std::string& word : settings.command) {
     if (!std::filesystem::is_regular_file(word)) continue;
     const std::string bytes = ReadFileBytes(word);
     text += fmt::format("# program {:016x}\n", HashBytes(bytes.data(), bytes.size()));
@@ -133,8 +145,23 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
     const std::string bytes = ReadFileBytes(file);
     text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
-  if (spec.estimator.name == kProcessName) text += ProgramText(spec.estimator.command);
-  text += ProgramText(spec.planner.command);
+  if (!spec.estimator.calibration.empty()) {
+    WithSettingsKey(spec, "estimator.calibration", [&] {
+      CheckInput(spec.estimator.name != kOracleName,
+                 fmt::format("the score of {} is the visible fraction, which is not calibrated; "
+                             "remove the calibration",
+                             kOracleName));
+      CalibrationFor(spec.estimator);
+    });
+    const std::string bytes = ReadFileBytes(spec.estimator.calibration);
+    text += fmt::format("# calibration {:016x}\n", HashBytes(bytes.data(), bytes.size()));
+  }
+  if (spec.estimator.name == kProcessName) {
+    text += ProgramText(spec, "estimator", spec.estimator);
+  }
+  if (spec.planner.name.starts_with("process")) {
+    text += ProgramText(spec, "planner", spec.planner);
+  }
   text += ToleranceRankingText(spec);
   if (truth != OracleStages()) text += GroundTruthText(truth);
   return text;

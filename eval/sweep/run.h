@@ -64,7 +64,8 @@ void WriteRun(const ScenarioSpec& spec, const ObjectSet& objects,
 
 // Returns a text that identifies the inputs of a run; equal texts mean that trials can be combined.
 // It covers the settings (except number of trials, stop width and cycle times), gripper, sensor,
-// trained model, files of the program of an estimator, and stages with ground truth substituted.
+// trained model, calibration, files of the programs of estimator and planner (of a server, the name
+// and version that it reports), and stages with ground truth substituted.
 // Meshes of the objects and the bin count by content, not by path.
 std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
                         const OracleStages& truth = {});

@@ -22,6 +22,11 @@ Observation Capture(TrialSetup& setup, int attempt, LiveTrial& trial) {
   return setup.cell.Capture(trial.scene, trial.bin_index, attempt);
 }
 
+// Whether an attempt has the first image of a run. A wrong answer of a program then ends the run.
+bool IsFirstImage(BinIndex bin_index, int attempt) {
+  return bin_index == BinIndex(0) && attempt == 0;
+}
+
 // The instances that stage oracles take as visible.
 std::vector<TrueInstance> VisibleInstances(const TrialSetup& setup, const InstanceMatcher& truth) {
   std::vector<TrueInstance> visible;
@@ -186,9 +191,8 @@ EstimateResult EstimateInImage(TrialSetup& setup, const Observation& view,
     const auto count_reachable = [&](std::span<const PoseHypothesis> poses, int wanted) {
       return CountReachable(setup, view, poses, wanted);
     };
-    const bool is_first = bin_index == BinIndex(0) && attempt == 0;
     result = setup.estimator->Estimate(view.frame, view.calibration, rng, nullptr, count_reachable,
-                                       is_first);
+                                       IsFirstImage(bin_index, attempt));
     if (result.failure) Warn(setup, *result.failure, bin_index, attempt);
   } else if (!oracle.AllOfPerception()) {
     result = OracleEstimate(InstancesInImage(setup.cell, bin_index, truth.instances()),
@@ -283,6 +287,10 @@ void LiveAttempt::Plan() {
                               image.picks, PlanSeed(setup_, trial_.bin_index, task_.attempt),
                               record_, trial_.seconds);
   planned_ = true;
+  const std::optional<PlannerFailure>& failure = record_.planner_failure;
+  if (IsFirstImage(trial_.bin_index, task_.attempt) && failure && failure->is_malformed) {
+    throw InputError(failure->text);  // most probably a mistake that all answers have
+  }
 }
 
 const std::optional<Grasp>& LiveAttempt::ChooseGrasp() {

@@ -14,6 +14,7 @@ HypothesisRecord Compare(const InstanceMatcher& truth, const Camera& camera,
   HypothesisRecord score;
   score.object = hypothesis.object;
   score.score = hypothesis.score;
+  score.raw_score = hypothesis.raw_score.value_or(hypothesis.score);
   score.X_WO = calibrated_X_WC * hypothesis.X_CO;
   if (matches.empty()) {
     score.metrics = InfiniteMetrics();

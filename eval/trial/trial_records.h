@@ -29,6 +29,7 @@ struct HypothesisRecord {
   ObjectId object{0};
   InstanceId instance = kNoInstance;  // matched true instance, -1 = none
   double score = 0;
+  double raw_score = 0;          // of the estimator, before its calibration
   MetricValues metrics;          // pose errors, infinite without a matched instance
   bool correct = false;          // MSSD < kCorrectDiameters
   Pose X_WO = Pose::Identity();  // estimated pose in the world, by the calibration of the cell

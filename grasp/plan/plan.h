@@ -137,6 +137,7 @@ struct PlannerFailure {
   FailureReason reason = FailureReason::kPlannerCrashed;  // or kPlannerTimeout
   std::string text;                                       // one line
   std::vector<std::string> traceback;                     // the program's own report, by line
+  bool is_malformed = false;                              // the answer broke the protocol
 };
 
 // Planned grasps and the reasons of rejection.

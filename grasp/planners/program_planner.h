@@ -1,10 +1,14 @@
 #pragma once
 
-// Planners that are programs: rows `process` and `process_poses` of the table. The program gets the
-// image and, in the second row, the estimated poses (docs/pages/reference/plugin_protocol.md).
+// Planners that are programs, in any language: rows `process` and `process_poses` of the table. A
+// program is a child process or a server (scenes/plugin). It gets the image and, in the second row,
+// the estimated poses (docs/pages/reference/plugin_protocol.md).
+
+#include <vector>
 
 #include "grasp/plan/planner.h"
-#include "grasp/plan/process_planner.h"
+#include "scenes/plugin/plugin_client.h"
+#include "scenes/plugin/plugin_messages.h"
 
 namespace pickbed::grasp {
 
@@ -17,9 +21,15 @@ class ProgramPlanner : public Planner {
   // A program that fails gives no grasps, but PlanResult::failure. The next call starts it again.
   PlanResult Plan(const PlannerInput& input) override;
 
+  const PluginIdentity& identity() const { return client_.identity(); }
+
  private:
+  std::vector<Grasp> Ask(const PlannerInput& input);
+
   const bool gives_poses_;
-  ProcessPlanner program_;
+  ObjectSet objects_;                    // the setup message refers to them; none without poses
+  std::vector<PluginGripper> grippers_;  // as the program knows them
+  PluginClient client_;
 };
 
 }  // namespace pickbed::grasp

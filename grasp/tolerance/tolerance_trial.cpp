@@ -97,25 +97,33 @@ void TableOptions::Visit(SettingsVisitor& v) {
             "maximum number of choices until the planner finds a grasp");
 }
 
-Table MakeTable(std::shared_ptr<const ObjectModel> object, std::shared_ptr<const Gripper> gripper,
-                std::vector<GraspCandidate> candidates, const TableOptions& options) {
+std::vector<RestingPlace> RestingPlacesOf(const ObjectModel& object, const TableOptions& options) {
   CheckSettings("TableOptions", options);
-  const std::string who = fmt::format("{} with {}", object->name, gripper->name);
-  CheckInput(!candidates.empty(), who + ": the object has no grasp that fits this gripper");
-  Table table{{object}, std::move(gripper), std::move(candidates), {}};
   Bin bin;
   bin.inner_size_m = options.size_m;
   bin.friction = options.friction;
-  bool any = false;
-  for (const RestingPose& pose : FindRestingPoses(*object, options.drops)) {
+  std::vector<RestingPlace> places;
+  for (const RestingPose& pose : FindRestingPoses(object, options.drops)) {
     if (pose.probability < options.min_probability) continue;
-    RestingPlace place{
-        {bin, {{InstanceId{0}, ObjectId{0}, SettledPose(*object, bin, pose.X_WO, options)}}},
-        pose.probability};
+    places.push_back(
+        {{bin, {{InstanceId{0}, ObjectId{0}, SettledPose(object, bin, pose.X_WO, options)}}},
+         pose.probability});
+  }
+  return places;
+}
+
+Table MakeTable(std::shared_ptr<const ObjectModel> object, std::shared_ptr<const Gripper> gripper,
+                std::vector<GraspCandidate> candidates, const TableOptions& options) {
+  const std::string who = fmt::format("{} with {}", object->name, gripper->name);
+  CheckInput(!candidates.empty(), who + ": the object has no grasp that fits this gripper");
+  Table table{
+      {object}, std::move(gripper), std::move(candidates), RestingPlacesOf(*object, options)};
+  bool any = false;
+  for (RestingPlace& place : table.places) {
+    const Scene& scene = place.scene;
     place.graspable =
-        BestGrasp(table, bin, place.scene.objects[0].X_WO, table.candidates, {}).has_value();
+        BestGrasp(table, scene.bin, scene.objects[0].X_WO, table.candidates, {}).has_value();
     any = any || place.graspable;
-    table.places.push_back(std::move(place));
   }
   CheckInput(any,
              fmt::format("{}: the table leaves no room for a grasp in any of the {} resting poses",

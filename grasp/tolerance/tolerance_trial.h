@@ -42,6 +42,11 @@ struct RestingPlace {
   bool graspable = false;  // the planner finds a grasp for the true pose
 };
 
+// Drops the object on a table and returns its resting poses, most frequent first, without
+// `graspable`. The object must have convex pieces (std::logic_error).
+std::vector<RestingPlace> RestingPlacesOf(const ObjectModel& object,
+                                          const TableOptions& options = {});
+
 // Table with one object and its grasp candidates.
 struct Table {
   ObjectSet objects;  // the single object

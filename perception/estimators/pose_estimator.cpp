@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "perception/cloud/search_cloud.h"
+#include "perception/estimators/calibrated.h"
 #include "perception/estimators/descriptor.h"
 #include "perception/estimators/doumanoglou.h"
 #include "perception/estimators/estimator_training.h"
@@ -12,6 +13,7 @@
 #include "perception/estimators/ppf.h"
 #include "perception/estimators/ppf_verified.h"
 #include "perception/estimators/process.h"
+#include "perception/estimators/score_calibration.h"
 #include "perception/estimators/wohlhart.h"
 #include "perception/icp/final_refinement.h"
 #include "scenes/base/error.h"
@@ -73,6 +75,13 @@ void RequireMode(const EstimatorRow& row, const std::string& mode) {
                                       {row.modes.begin(), row.modes.end()}));
 }
 
+void RequireScores(const EstimatorSpec& spec) {
+  CheckInput(
+      !HasRawScores(spec) || spec.name == kProcessName,
+      fmt::format("scores = raw is only for estimator {}; the scores of {} are probabilities",
+                  kProcessName, spec.name));
+}
+
 }  // namespace
 
 std::span<const EstimatorRow> EstimatorTable() { return kEstimators; }
@@ -95,6 +104,16 @@ std::unique_ptr<PoseEstimator> MakeEstimator(const EstimatorSetup& setup) {
   RequireMode(row, setup.spec.mode);
   CheckSettings("EstimatorSpec", setup.spec);
   RefinerNamed(setup.refiner);
+  RequireScores(setup.spec);
+  if (!setup.spec.calibration.empty()) {
+    const ScoreCalibration calibration = CalibrationFor(setup.spec);
+    EstimatorSetup as_fitted = setup;
+    as_fitted.spec.scores = calibration.scores;
+    as_fitted.spec.min_score = calibration.min_score;
+    return MakeCalibrated(row.make(as_fitted), calibration.CurveFor(setup.spec),
+                          setup.spec.min_score);
+  }
+  if (HasRawScores(setup.spec)) return MakeRanked(row.make(setup));
   return row.make(setup);
 }
 

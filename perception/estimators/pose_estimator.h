@@ -109,8 +109,11 @@ std::span<const EstimatorRow> EstimatorTable();
 // Returns the row with this name. Throws InputError with the known names if there is none.
 const EstimatorRow& EstimatorNamed(const std::string& name);
 
-// Makes the estimator setup.spec.name. Throws InputError for an unknown name, mode or refiner, and
-// as the estimator does.
+// Makes the estimator setup.spec.name. With spec.calibration, its scores are the calibrated
+// probabilities. It then searches with the minimum score of the run on which the calibration was
+// fitted, and spec.min_score applies to the probabilities. Uncalibrated raw scores are replaced by
+// ranks (MakeRanked()). Throws InputError for an unknown name, mode or refiner, for a calibration
+// that does not fit, and as the estimator does.
 std::unique_ptr<PoseEstimator> MakeEstimator(const EstimatorSetup& setup);
 
 }  // namespace pickbed::perception

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -16,13 +17,18 @@ PluginAddress AddressOf(const EstimatorSetup& setup) {
   return {setup.spec.command, setup.spec.connect, setup.spec.timeout_s, setup.log_dir};
 }
 
+// The minimum score does not apply to raw scores, whose scale is unknown.
+double MinScore(const EstimatorSpec& spec) {
+  return HasRawScores(spec) ? -std::numeric_limits<double>::infinity() : spec.min_score;
+}
+
 PluginSetup MessageOf(const EstimatorSetup& setup, const ObjectSet& objects,
                       const std::optional<Bin>& bin) {
   PluginSetup message{objects};
   message.intrinsics = setup.intrinsics;
   message.working_distance_m = setup.working_distance_m;
   message.bin = bin ? &*bin : nullptr;
-  message.min_score = setup.spec.min_score;
+  message.min_score = MinScore(setup.spec);
   message.model = setup.spec.model;
   message.mode = setup.spec.mode;
   return message;
@@ -33,7 +39,8 @@ class ProcessEstimator : public PoseEstimator {
   explicit ProcessEstimator(const EstimatorSetup& setup)
       : objects_(setup.objects),
         bin_(setup.bin),
-        min_score_(setup.spec.min_score),
+        scores_(HasRawScores(setup.spec) ? PluginScores::kAny : PluginScores::kProbabilities),
+        min_score_(MinScore(setup.spec)),
         working_distance_m_(setup.working_distance_m),
         client_(AddressOf(setup), "estimator", [&](MessageWriter& message) {
           WriteSetup(MessageOf(setup, objects_, bin_),
@@ -81,8 +88,9 @@ class ProcessEstimator : public PoseEstimator {
     MessageWriter request;
     WriteEstimate(frame, objects_, request);
     const StageTimer timer(seconds, "process");
-    return Hypotheses(ReadPoses(client_.Ask(request), objects_, working_distance_m_),
-                      input.instances);
+    return Hypotheses(
+        ReadPoses(client_.Ask(request), objects_, working_distance_m_, nullptr, scores_),
+        input.instances);
   }
 
   // Keeps the best poses, at most as many per object as there are instances.
@@ -104,6 +112,7 @@ class ProcessEstimator : public PoseEstimator {
 
   ObjectSet objects_;       // the setup message refers to them
   std::optional<Bin> bin_;  // known to the program
+  PluginScores scores_;
   double min_score_;
   double working_distance_m_;
   PluginClient client_;

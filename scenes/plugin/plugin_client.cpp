@@ -83,18 +83,32 @@ std::string PluginAddress::InWords() const {
   return command.empty() ? connect : fmt::format("{}", fmt::join(command, " "));
 }
 
-PluginClient::PluginClient(const PluginAddress& address, const std::string& role,
-                           const Write& write_setup)
+PluginClient::PluginClient(const PluginAddress& address, const std::string& role)
     : address_(address), role_(role) {
   CheckInput(address.command.empty() != address.connect.empty(),
              address.connect.empty()
                  ? "neither command nor connect is given; set command, for example "
                    "[python3, my_estimator.py], or connect: host:port"
                  : "both command and connect are given; remove one of them");
-  write_setup(setup_);
   log_ = std::make_unique<ChildLog>(address.command.empty() ? "" : address.log_dir, role);
+}
+
+PluginClient::PluginClient(const PluginAddress& address, const std::string& role,
+                           const Write& write_setup)
+    : PluginClient(address, role) {
+  write_setup(setup_);
+  First(&PluginClient::Start);
+}
+
+PluginIdentity PluginClient::IdentityOf(const PluginAddress& address, const std::string& role) {
+  PluginClient client(address, role);
+  client.First(&PluginClient::Open);
+  return client.identity_;
+}
+
+void PluginClient::First(void (PluginClient::*start)()) {
   try {
-    Start();
+    (this->*start)();
   } catch (const PluginError& error) {
     const std::string log =
         log_file().empty() ? "" : fmt::format("; its log is {}", log_file().string());
@@ -123,7 +137,7 @@ std::string PluginClient::Stop(std::chrono::milliseconds grace) {
   return how;
 }
 
-void PluginClient::Start() {
+void PluginClient::Open() {
   const auto start = PluginClock::now();
   if (was_started_) ++restarts_;
   log_->Mark();
@@ -139,6 +153,10 @@ void PluginClient::Start() {
   }
   SayHello();
   start_times_.hello_s = SecondsSince(start);
+}
+
+void PluginClient::Start() {
+  Open();
   const auto before_setup = PluginClock::now();
   Exchange(setup_, StartLimit_s());
   start_times_.setup_s = SecondsSince(before_setup);
@@ -164,8 +182,9 @@ void PluginClient::SayHello() {
                       "this version",
                       protocol, kPluginProtocol));
     }
-    identity_ = {answer.At("name").Text("name"), TextsIn(answer, "roles"),
-                 TextsIn(answer, "needs")};
+    const MessageValue* version = answer.Find("version");
+    identity_ = {answer.At("name").Text("name"), version ? version->Text("version") : "",
+                 TextsIn(answer, "roles"), TextsIn(answer, "needs")};
   } catch (const MessageError& error) {
     throw PluginError(PluginFault::kMalformed,
                       fmt::format("gave a wrong answer to hello: it {}", error.what()));

@@ -58,6 +58,7 @@ struct PluginAddress {
 // What the plug-in reports about itself.
 struct PluginIdentity {
   std::string name;
+  std::string version;             // its own version, such as a hash of its weights; may be empty
   std::vector<std::string> roles;  // "estimator", "planner"
   std::vector<std::string> needs;  // inputs without which it cannot work: "color", "bin", "counts"
 };
@@ -80,6 +81,10 @@ class PluginClient {
   // plug-in does not start, speaks another protocol, has not the role or refuses its setup.
   PluginClient(const PluginAddress& address, const std::string& role, const Write& write_setup);
   ~PluginClient();  // calls Close()
+
+  // Starts the plug-in, asks what it is and closes it again, without a setup. Throws as above.
+  static PluginIdentity IdentityOf(const PluginAddress& address, const std::string& role);
+
   PluginClient(const PluginClient&) = delete;
   PluginClient& operator=(const PluginClient&) = delete;
 
@@ -99,7 +104,11 @@ class PluginClient {
   int restarts() const { return restarts_; }
 
  private:
+  PluginClient(const PluginAddress& address, const std::string& role);
+  void Open();
   void Start();
+  // Calls Open() or Start(); rethrows a PluginError as InputError.
+  void First(void (PluginClient::*start)());
   void SayHello();
   MessageValue Exchange(const MessageWriter& request, double limit_s);
   std::string Stop(std::chrono::milliseconds grace);

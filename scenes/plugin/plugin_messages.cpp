@@ -170,11 +170,13 @@ double Finite(const MessageValue& item, const char* key) {
   return value;
 }
 
-double Score(const MessageValue& item) {
+double PoseScore(const MessageValue& item, PluginScores scores) {
   const double score = Finite(item, "score");
-  if (score < 0 || score > 1) {
-    throw MessageError(fmt::format(
-        "score {:g} is outside 0 to 1; give the estimated probability of success", score));
+  if (scores == PluginScores::kProbabilities && (score < 0 || score > 1)) {
+    throw MessageError(
+        fmt::format("score {:g} is outside 0 to 1; give the probability that the pose is right, or "
+                    "set estimator.scores=raw and convert the scores with pickbed calibrate",
+                    score));
   }
   return score;
 }
@@ -212,7 +214,8 @@ void RequirePlausible(const ObjectModel& object, const Pose& X_CO, double workin
       working_distance_m, is_mm ? "; t_m is in millimetres and must be in metres" : ""));
 }
 
-PluginPose ReadPose(const MessageValue& item, const ObjectSet& objects, double working_distance_m) {
+PluginPose ReadPose(const MessageValue& item, const ObjectSet& objects, double working_distance_m,
+                    PluginScores scores) {
   PluginPose pose;
   const std::string& name = item.At("object").Text("object");
   std::vector<std::string> names;
@@ -223,7 +226,7 @@ PluginPose ReadPose(const MessageValue& item, const ObjectSet& objects, double w
   const std::vector<double> R = FiniteNumbers(item, "R", 9), t_m = FiniteNumbers(item, "t_m", 3);
   pose.X_CO.linear() = Rotation(Eigen::Map<const RowMajor3>(R.data()), "R");
   pose.X_CO.translation() = Eigen::Map<const Eigen::Vector3d>(t_m.data());
-  pose.score = Score(item);
+  pose.score = PoseScore(item, scores);
   RequirePlausible(*objects[pose.object], pose.X_CO, working_distance_m);
   return pose;
 }
@@ -247,7 +250,7 @@ PluginGrasp ReadGrasp(const MessageValue& item, std::span<const PluginGripper> g
   grasp.width_m = Finite(item, "width_m");
   if (grasp.width_m < 0) throw MessageError("width_m is negative");
   if (grasp.width_m > 10) throw MessageError("width_m is in millimetres and must be in metres");
-  grasp.score = Score(item);
+  grasp.score = Finite(item, "score");
   if (const MessageValue* gripper = item.Find("gripper")) {
     std::vector<std::string> names;
     for (const PluginGripper& known : grippers) names.push_back(known.name);
@@ -370,9 +373,10 @@ void WritePlanGrasps(const PluginFrame& frame, const ObjectSet& objects,
 }
 
 std::vector<PluginPose> ReadPoses(const MessageValue& answer, const ObjectSet& objects,
-                                  double working_distance_m, std::vector<std::string>* faults) {
+                                  double working_distance_m, std::vector<std::string>* faults,
+                                  PluginScores scores) {
   return ReadItems<PluginPose>(answer, "poses", "pose", faults, [&](const MessageValue& item) {
-    return ReadPose(item, objects, working_distance_m);
+    return ReadPose(item, objects, working_distance_m, scores);
   });
 }
 

@@ -67,20 +67,27 @@ void WritePlanGrasps(const PluginFrame& frame, const ObjectSet& objects,
 // Maximum number of poses or grasps of one answer.
 inline constexpr size_t kMaxPluginItems = 10000;
 
+// Which scores of poses are accepted.
+enum class PluginScores {
+  kProbabilities,  // 0 to 1
+  kAny             // any finite number; higher is better
+};
+
 // Reads the answer to "estimate". Checks each pose: known object, proper rotation, finite numbers,
-// score from 0 to 1, and a distance that fits `working_distance_m`. A rotation that is nearly
+// score as in `scores`, and a distance that fits `working_distance_m`. A rotation that is nearly
 // orthonormal is corrected (ProperRotation() in scenes/geometry/pose.h). Throws PluginError with
 // kMalformed, which names the pose and what to correct. With `faults`, adds the texts of these
 // errors to it instead, and returns the other poses.
 std::vector<PluginPose> ReadPoses(const MessageValue& answer, const ObjectSet& objects,
                                   double working_distance_m,
-                                  std::vector<std::string>* faults = nullptr);
+                                  std::vector<std::string>* faults = nullptr,
+                                  PluginScores scores = PluginScores::kProbabilities);
 
 // A planned grasp in the world.
 struct PluginGrasp {
   Pose X_WG = Pose::Identity();
   double width_m = 0;
-  double score = 0;
+  double score = 0;     // any finite number; higher is better
   std::string gripper;  // empty: the first one
   int pose = -1;        // index into the poses of the request; -1 = none
 };

@@ -157,7 +157,13 @@ void EstimatorSpec::Visit(SettingsVisitor& v) {
          "search mode; verified is only for estimator ppf");
   v.Group(
       "first", [this](SettingsVisitor& g) { first.Visit(g); }, "settings of the mode first");
-  v.Real("min_score", min_score, {0, 1}, "minimum score of a reported pose");
+  v.Real("min_score", min_score, {0, 1},
+         "minimum score of a reported pose, after the calibration; raw scores have no minimum");
+  v.Text("calibration", calibration, {},
+         "file of `pickbed calibrate`, which converts the scores into probabilities; empty = the "
+         "scores are used as they are");
+  v.Text("calibrated_to", calibrated_to, {"pose_right", "pick_succeeds"},
+         "probability into which the calibration converts the scores");
   v.Real("noise_mm", noise_mm, {0, 1000},
          "standard deviation of the position error per axis, mm; only for estimator oracle");
   v.Real("noise_deg", noise_deg, {0, 180},
@@ -169,6 +175,9 @@ void EstimatorSpec::Visit(SettingsVisitor& v) {
          "estimator process");
   v.Real("timeout_s", timeout_s, {0.01, 86400},
          "maximum time for each answer of the program, s; only for estimator process");
+  v.Text("scores", scores, {"probability", "raw"},
+         "whether scores are probabilities, or of any scale: poses are then ranked in each image "
+         "until they are calibrated; only for estimator process");
 }
 
 void BinSpec::Visit(SettingsVisitor& v) {

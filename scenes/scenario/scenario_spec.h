@@ -62,14 +62,21 @@ struct EstimatorSpec {
   std::string mode = "fast";  // fast | accurate | first; ppf also has verified
   FirstPosesSpec first;
   double min_score = 0.5;  // hypotheses with a lower score are not reported
-  double noise_mm = 0;     // oracle only: standard deviation of the position, each axis
-  double noise_deg = 0;    // oracle only: standard deviation of the rotation angle
+  // Calibration file of `pickbed calibrate`; empty = the scores are used as they are. The scores
+  // become probabilities of `calibrated_to`: pose_right | pick_succeeds.
+  std::string calibration;
+  std::string calibrated_to = "pose_right";
+  double noise_mm = 0;   // oracle only: standard deviation of the position, each axis
+  double noise_deg = 0;  // oracle only: standard deviation of the rotation angle
   // process only, see scenes/plugin/plugin_client.h
-  std::vector<std::string> command;  // program and arguments
-  std::string connect;               // host:port of a running program, instead of a command
-  double timeout_s = 60;             // maximum time for each answer
+  std::vector<std::string> command;    // program and arguments
+  std::string connect;                 // host:port of a running program, instead of a command
+  double timeout_s = 60;               // maximum time for each answer
+  std::string scores = "probability";  // probability | raw: any scale
   void Visit(SettingsVisitor& v);
 };
+// Returns whether the scores are not probabilities.
+inline bool HasRawScores(const EstimatorSpec& spec) { return spec.scores == "raw"; }
 
 // The bin: a box with dimensions, a mesh, or a file that gives them.
 struct BinSpec {

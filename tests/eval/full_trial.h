@@ -99,6 +99,7 @@ inline TrialResult FullTrial(int trial) {
     score.correct = true;
     score.X_WO = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
     score.X_OE = MakePose(rng.Rotation().toRotationMatrix(), rng.UnitVector());
+    score.raw_score = 100 * rng.Normal();
     pick.hypotheses = {score, HypothesisRecord()};
     pick.failure = FailureReason::kNoGrasp;
     pick.grasps_rejected = {{"collision", 12}, {"tilt's", 3}};
@@ -181,8 +182,8 @@ inline void ExpectSamePick(const AttemptRecord& a, const AttemptRecord& b) {
   ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
   for (size_t i = 0; i < a.hypotheses.size(); ++i) {
     const HypothesisRecord &x = a.hypotheses[i], &y = b.hypotheses[i];
-    EXPECT_EQ(std::tie(x.object, x.instance, x.score, x.correct),
-              std::tie(y.object, y.instance, y.score, y.correct));
+    EXPECT_EQ(std::tie(x.object, x.instance, x.score, x.raw_score, x.correct),
+              std::tie(y.object, y.instance, y.score, y.raw_score, y.correct));
     const auto values = [](const HypothesisRecord& record) {
       std::map<std::string, double> by_metric;
       for (const MetricValue& value : record.metrics) by_metric[value.metric] = value.value;

@@ -182,13 +182,14 @@ class Frame:
 Pose = namedtuple("Pose", "object R t_m score")
 Pose.__doc__ = """A pose X_CO: object name, rotation (3 x 3), position (3, m) and score.
 
-The score is the estimated probability that the pose is right, 0 to 1.
+The score is the estimated probability that the pose is right, 0 to 1. With estimator.scores=raw it
+has any scale, higher is better; `pickbed calibrate` converts it into probabilities.
 """
 
 Grasp = namedtuple("Grasp", "X_WG width_m score gripper pose", defaults=(None, None))
 Grasp.__doc__ = """A grasp: pose of the gripper (4 x 4), distance of the contacts (m) and score.
 
-The score is the estimated probability of success, 0 to 1. `gripper` is a name; None: the first one.
+The score has any scale; the grasp with the highest one is executed. `gripper` is a name; None: the first one.
 `pose` is the index of the pose that it holds, if poses were given.
 """
 
@@ -197,6 +198,7 @@ class Estimator:
     """Base class of estimators with a state, such as a network. Override estimate()."""
 
     name = ""  # default: the name of the class
+    version = ""  # identifies its code and weights; results of different versions are not mixed
     needs: Sequence[str] = ()  # inputs without which it cannot work: "color", "bin", "counts"
 
     def setup(self, setup: Setup) -> None:
@@ -214,6 +216,7 @@ class Planner:
     """Base class of grasp planners. Override plan_grasps()."""
 
     name = ""
+    version = ""
     needs: Sequence[str] = ()
 
     def setup(self, setup: Setup) -> None:
@@ -230,24 +233,25 @@ class Planner:
 _registered: list = []
 
 
-def estimator(function=None, *, needs=()):
+def estimator(function=None, *, needs=(), version=""):
     """Decorator: the function, called with a Frame, returns the poses."""
 
     def register(f):
         served = Estimator()
-        served.name, served.needs, served.estimate = f.__name__, needs, f
+        served.name, served.needs, served.version, served.estimate = f.__name__, needs, version, f
         _registered.append(served)
         return f
 
     return register(function) if function else register
 
 
-def planner(function=None, *, needs=()):
+def planner(function=None, *, needs=(), version=""):
     """Decorator: the function, called with a Frame and poses or None, returns the grasps."""
 
     def register(f):
         served = Planner()
-        served.name, served.needs, served.plan_grasps = f.__name__, needs, f
+        served.name, served.needs, served.version = f.__name__, needs, version
+        served.plan_grasps = f
         _registered.append(served)
         return f
 
@@ -381,7 +385,7 @@ class _Session:
                 text = f"{type(error).__name__}: {error}"
                 answer = {"error": text, "traceback": report}
             stream.send(answer)
-        if self._active is not None:
+        if self._setup is not None:  # pickbed may only have asked what this is
             self._active.close()
 
     def _answer(self, message):
@@ -410,6 +414,7 @@ class _Session:
                 self._active = served
         answering = self._active or self._served[0]
         return {"protocol": PROTOCOL, "name": answering.name or type(answering).__name__,
+                "version": str(answering.version),
                 "roles": [role(served) for served in self._served],
                 "needs": list(answering.needs)}
 

@@ -25,6 +25,34 @@ grasps_are_written_and_drawn() {
   refused "robust.samples" "$pickbed" grasps carton jaw_8cm --set robust.samples=0
 }
 
+grasps_of_a_file_are_tested() {
+  local quick=(--count 8 --set antipodal.max_pairs=80 --set robust.samples=4)
+  local test=(--set bins=1 --set instances=3 --set hold.max_g=3)
+  expect 0 "$pickbed" grasps rod jaw_8cm "${quick[@]}" --write rod.yaml --out made
+  expect 0 "$pickbed" grasps rod jaw_8cm --from rod.yaml --write rod.csv "${test[@]}" --jobs 2 --out tested
+  [ "$(wc -l <tested/grasp_tests.csv)" = 9 ] || fail "not 8 tests"
+  grep -q "^on a table .* succeed" last.out || fail "no rate on the table"
+  grep -q "^in 1 bins of 3" last.out || fail "no rate in bins"
+  expect 0 "$pickbed" grasps rod jaw_8cm --from rod.csv "${test[@]}" --jobs 1 --out again
+  cut -d, -f3- tested/grasp_tests.csv >a.csv
+  cut -d, -f3- again/grasp_tests.csv >b.csv
+  same a.csv b.csv
+  expect 0 "$pickbed" grasps rod jaw_8cm --from rod.yaml --frame tips --write panda.csv "${test[@]}" --set max_grasps=1 --out one
+  same rod.csv panda.csv
+
+  refused "is for the gripper jaw_8cm.yaml, not jaw_14cm" "$pickbed" grasps rod jaw_14cm --from rod.yaml
+  grep -q -- "--ignore-names" last.err || fail "no remedy"
+  refused "is for the object rod.obj, not flange" "$pickbed" grasps flange jaw_8cm --from rod.yaml
+  refused "unknown object 'rd'; did you mean 'rod'" "$pickbed" grasps rd jaw_8cm --from rod.yaml
+  sed 's/format_version: 1.0/format_version: 2.0/' rod.yaml >later.yaml
+  refused "format_version = '2.0': this pickbed reads 1.0" "$pickbed" grasps rod jaw_8cm --from later.yaml
+  sed 's/w: [-0-9.e]*/w: 3/' rod.yaml >long.yaml
+  refused "must be a unit quaternion" "$pickbed" grasps rod jaw_8cm --from long.yaml
+  sed '/^grasps:/q' rod.yaml >empty.yaml
+  refused "has no grasps" "$pickbed" grasps rod jaw_8cm --from empty.yaml
+  refused "unknown gripper frame 'panda'" "$pickbed" grasps rod jaw_8cm --from rod.yaml --frame panda
+}
+
 grippers_are_drawn() {
   for gripper in jaw_4cm jaw_8cm jaw_14cm cup_30mm; do
     expect 0 "$pickbed" gripper show "$gripper"

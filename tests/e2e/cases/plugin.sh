@@ -79,6 +79,52 @@ a_changed_program_makes_other_results() {
   expect 1 "${run[@]}" --resume
 }
 
+a_wrong_first_plan_is_refused_in_one_line() {
+  cat >planner.py <<PY
+import numpy as np
+import pickbed_plugin as pb
+@pb.planner
+def mine(frame, poses):
+    return [pb.Grasp(np.diag([1, 1, -1, 1]), 0.02, 0.5)]
+pb.serve()
+PY
+  refused "planner 'mine' gave a wrong grasp (number 0): X_WG is a reflection" "$pickbed" run small.yaml \
+    --set planner.name=process --set "planner.command=python3 planner.py" --pictures 0 --trials 2 --out no
+}
+
+a_changed_server_makes_other_results() {
+  _estimator_with 'return []'
+  local run=("$pickbed" run small.yaml "${plugged[@]}" --trials 1 --set policy.max_attempts=1 --out kept)
+  local version server address
+  for version in 1 1 2; do
+    sed -i "s/^@pb.estimator.*/@pb.estimator(version='$version')/" estimator.py
+    PYTHONPATH=$root/scenes/plugin/python python3 estimator.py --listen "${address:-0}" 2>server.log &
+    server=$!
+    for _ in $(seq 100); do grep -q "listening" server.log && break; sleep 0.1; done
+    address=$(sed -n 's/^listening on //p' server.log)
+    [ -e kept ] && run+=(--resume)
+    "${run[@]}" --set "estimator.connect=$address" >last.out 2>last.err
+    local status=$?
+    kill $server
+    wait $server 2>/dev/null
+    [ $status = $((version - 1)) ] || fail "exit status $status with version $version"
+  done
+  grep -q "already has results of other settings" last.err || fail "no reason"
+}
+
+raw_scores_need_a_calibration() {
+  _estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], -120)]'
+  local run=("$pickbed" run small.yaml "${plugged[@]}" --trials 6 --set policy.max_attempts=1 \
+    --set "estimator.command=python3 estimator.py")
+  refused "score -120 is outside 0 to 1" "${run[@]}" --out no
+  grep -q "estimator.scores=raw" last.err || fail "no remedy"
+  expect 0 "${run[@]}" --set estimator.scores=raw --out raw
+  refused "raw has 6 poses, but 30 are needed" "$pickbed" calibrate raw
+  expect 0 "$pickbed" run small.yaml "${small[@]}" --trials 1 --pictures 0 --out oracle
+  refused "its estimator is the oracle" "$pickbed" calibrate oracle
+  refused "none has no results.sqlite" "$pickbed" calibrate none
+}
+
 an_answer_larger_than_allowed_ends_the_run() {
   _estimator_with 'return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)] * 400000'
   expect 1 "$pickbed" run small.yaml "${plugged[@]}" --trials 2 --out no --set "estimator.command=python3 estimator.py"

@@ -235,6 +235,18 @@ TEST(Comparison, LabelsSelectTheModelFile) {
   EXPECT_THROW(ParseEstimators({"kehl="}, base), InputError);
 }
 
+TEST(Comparison, ACalibrationIsOnlyForItsEstimator) {
+  EstimatorSpec base;
+  base.name = "process";
+  base.calibration = "mine.yaml";
+  base.scores = "raw";
+  const auto rows = ParseEstimators({"process", "ppf"}, base);
+  EXPECT_EQ(rows[0].spec.calibration, "mine.yaml");
+  EXPECT_EQ(rows[0].spec.scores, "raw");
+  EXPECT_EQ(rows[1].spec.calibration, "");
+  EXPECT_EQ(rows[1].spec.scores, "probability");
+}
+
 // Chart of the page with this id.
 std::string ChartOf(const HtmlPage& page, const std::string& id) {
   const size_t begin = page.body().find("data-chart=\"" + id + "\"");

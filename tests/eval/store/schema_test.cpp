@@ -118,6 +118,7 @@ void ExpectTrialsOfSchema4(const ResultsStore& store) {
                   Pair("rotation_rad", 0.25), Pair("translation_m", 0.003)));
   EXPECT_EQ(pick.hypotheses[0].X_WO.translation(), Eigen::Vector3d(0.25, 0.5, 0.75));
   EXPECT_EQ(pick.hypotheses[1].translation_m(), 7);
+  EXPECT_EQ(pick.hypotheses[0].raw_score, 0.5) << "nothing was calibrated";
   ASSERT_EQ(store.head().configurations.size(), 1u);
   EXPECT_EQ(store.head().configurations[0].seed, 42u);
   EXPECT_EQ(store.head().configurations[0].trials, 3);

@@ -146,5 +146,50 @@ TEST(ProcessEstimatorTrial, TheFirstImageOfARunNeedsAValidAnswer) {
   EXPECT_EQ(runner.Run(BinIndex(1)).attempts.at(0).failure, FailureReason::kEstimatorCrashed);
 }
 
+// The same for a planner that is a program.
+TEST(ProcessEstimatorTrial, TheFirstImageOfARunNeedsAValidPlan) {
+  const TemporaryFolder folder;
+  ScenarioSpec spec = CubeScenario(1);
+  spec.planner.name = "process";
+  spec.planner.command =
+      PythonCommand(folder, "mm.py",
+                    "import numpy as np\nimport pickbed_plugin as pb\n@pb.planner\n"
+                    "def tested(frame, poses):\n    return [pb.Grasp(np.eye(4), 30, 0.9)]\n"
+                    "pb.serve()\n");
+  TrialRunner runner(spec, EasyCube());
+  EXPECT_THAT(
+      ErrorOf([&] { runner.Run(BinIndex(0)); }),
+      HasSubstr("planner 'tested' gave a wrong grasp (number 0): width_m is in millimetres"));
+  EXPECT_EQ(runner.Run(BinIndex(1)).attempts.at(0).failure, FailureReason::kPlannerCrashed);
+}
+
+// Raw scores rank the poses of an image. The record keeps them.
+TEST(ProcessEstimatorTrial, RawScoresAreKeptAndRanked) {
+  const TemporaryFolder folder;
+  TruthWriter truth(folder.path() / "truth.txt");
+  const auto command = PythonCommand(
+      folder, "raw.py",
+      EstimatorCode("    rows = np.loadtxt('" + (folder.path() / "truth.txt").string() +
+                    "', ndmin=2)\n"
+                    "    X = rows[:, 1:].reshape(-1, 3, 4)\n"
+                    "    assert known.min_score == -np.inf\n"
+                    "    return [pb.Pose('cube', x[:, :3], x[:, 3], 100 * r[0] - 220) for x, r in "
+                    "zip(X, rows)]"));
+  ScenarioSpec spec = ProcessScenario(3, command);
+  EXPECT_THAT(ErrorOf([&] { TrialRunner(spec, EasyCube()).Run(BinIndex(0), &truth); }),
+              HasSubstr("pickbed calibrate"));
+  spec.estimator.scores = "raw";
+  spec.estimator.min_score = 0.9;
+  const TrialResult result = TrialRunner(spec, EasyCube()).Run(BinIndex(0), &truth);
+  const auto& poses = result.attempts.at(0).hypotheses;
+  ASSERT_EQ(poses.size(), 3u) << "the minimum score does not apply";
+  for (size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_NEAR(poses[i].score, 1 - i / 3.0, 1e-12);
+    EXPECT_LE(poses[i].raw_score, -120);
+    if (i > 0) EXPECT_LE(poses[i].raw_score, poses[i - 1].raw_score);
+  }
+  EXPECT_GT(result.instances_cleared, 0);
+}
+
 }  // namespace
 }  // namespace pickbed::tests

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "grasp/execute/execute.h"
 #include "grasp/grippers/table.h"
+#include "scenes/base/files.h"
+#include "sim/render/renderer.h"
 #include "tests/sim/physics_objects.h"
 #include "tests/support/error_of.h"
 #include "tests/support/plugin_scripts.h"
@@ -76,6 +79,53 @@ TEST_F(ProgramPlannerTest, GraspsOnPosesNameATarget) {
   EXPECT_THAT(plan.rejected, ElementsAre(Pair("names no pose", 1), Pair("on another pose", 1)));
 }
 
+TEST_F(ProgramPlannerTest, TheProgramKnowsGrippersPosesAndBin) {
+  tools_ = {LoadGripper("jaw_8cm"), LoadGripper("cup_30mm")};
+  ProgramPlanner planner(
+      SetupOf("    tools = frame.setup.grippers\n"
+              "    assert [g.mechanism for g in tools] == ['parallel_jaw', 'suction_cup']\n"
+              "    assert abs(tools[0].max_opening_m - 0.08) < 0.01\n"
+              "    X[:3, 3] = (frame.X_WC @ np.append(poses[1].t_m, 1))[:3]\n"
+              "    assert frame.X_CB is None or np.allclose((frame.X_WC @ frame.X_CB)[:3, 3], "
+              "[0.01, 0, 0])\n"
+              "    return [pb.Grasp(X, 0.02, -7, pose=0),\n"
+              "            pb.Grasp(X, 0.03, -1.5, 'cup_30mm', 1 if frame.X_CB is None else 0)]"),
+      true);
+  EXPECT_EQ(planner.identity().name, "tested");
+  PlannerInput input{frame_, LookAt({0.1, -0.2, 0.8}, {0, 0, 0}, Eigen::Vector3d::UnitZ()),
+                     std::nullopt};
+  input.poses = poses_;
+  PlanResult plan = planner.Plan(input);
+  ASSERT_FALSE(plan.failure) << plan.failure->text;
+  ASSERT_EQ(plan.grasps.size(), 2u);
+  EXPECT_EQ(plan.grasps[0].tool, "cup_30mm") << "scores have any scale";
+  EXPECT_EQ(plan.grasps[0].hypothesis, 1);
+  EXPECT_EQ(plan.grasps[0].width_m, 0.03);
+  EXPECT_TRUE(plan.grasps[0].X_WG.translation().isApprox(poses_[1].X_WO.translation(), 1e-9));
+  EXPECT_EQ(plan.grasps[1].tool, "jaw_8cm");
+  const Bin bin;
+  input.bin.emplace(BinPlacement{bin, Translation({0.01, 0, 0})});
+  plan = planner.Plan(input);
+  ASSERT_FALSE(plan.failure) << plan.failure->text;
+  EXPECT_EQ(plan.grasps[0].hypothesis, 0);
+}
+
+TEST_F(ProgramPlannerTest, AWrongAnswerIsNamed) {
+  ProgramPlanner planner(SetupOf("    X[0, 0] = -1\n    return [pb.Grasp(X, 0.01, 0.2)]"), false);
+  const PlanResult plan = planner.Plan({frame_, Pose::Identity(), std::nullopt});
+  ASSERT_TRUE(plan.failure);
+  EXPECT_TRUE(plan.failure->is_malformed);
+  EXPECT_THAT(plan.failure->text, HasSubstr("planner 'tested' gave a wrong grasp (number 0): X_WG "
+                                            "is a reflection"));
+}
+
+TEST_F(ProgramPlannerTest, AnEstimatorIsNoPlanner) {
+  PlannerSetup setup = SetupOf("    return []");
+  setup.spec.command = PythonCommand(folder_, "estimator.py", EstimatorCode("    return []"));
+  EXPECT_THAT(ErrorOf([&] { ProgramPlanner planner(setup, false); }),
+              HasSubstr("is no planner, but has the roles [estimator]"));
+}
+
 TEST_F(ProgramPlannerTest, FailureIsAResult) {
   PlannerSetup setup = SetupOf(
       "    if frame.seed == 1: os._exit(1)\n    if frame.seed == 2: time.sleep(60)\n"
@@ -87,6 +137,7 @@ TEST_F(ProgramPlannerTest, FailureIsAResult) {
     input.seed = seed;
     const PlanResult plan = planner.Plan(input);
     EXPECT_THAT(plan.grasps, IsEmpty());
+    EXPECT_FALSE(plan.failure.value().is_malformed);
     return plan.failure.value().reason;
   };
   EXPECT_EQ(reason_of(1), FailureReason::kPlannerCrashed);
@@ -100,6 +151,35 @@ TEST_F(ProgramPlannerTest, MissingProgramIsRefused) {
   setup.spec.command = {"/no/such/program"};
   EXPECT_THAT(ErrorOf([&] { ProgramPlanner planner(setup, false); }),
               HasSubstr("/no/such/program"));
+}
+
+// The example plans on the depth image of separate boxes, and physics lifts one.
+TEST(CloudGraspsExample, ItsBestGraspLiftsAnInstance) {
+  const ObjectSet objects{BoxObject({0.03, 0.05, 0.04}, 0.1)};
+  const Bin bin;
+  Scene scene{bin, {}};
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::AngleAxisd rotation(0.4 + i, Eigen::Vector3d::UnitZ());
+    scene.objects.push_back(
+        {InstanceId(i), ObjectId(0),
+         MakePose(rotation.toRotationMatrix(), {0.1 * (i - 1), 0.02 * i, 0.02})});
+  }
+  const Camera camera(CameraIntrinsics(),
+                      LookAt({0, -0.1, 0.8}, {0, 0, 0}, Eigen::Vector3d::UnitZ()));
+  const RenderedImage image = SceneRenderer(objects, bin).Render(scene, camera);
+  const RgbdFrame frame{camera.intrinsics, image.color, image.depth_m};
+  const std::vector<std::shared_ptr<const Gripper>> tools{LoadGripper("jaw_8cm")};
+  const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
+  PlannerSetup setup{{}, tools, objects, candidates, {}};
+  setup.spec.command = {kPython, (PythonDir() / "examples/cloud_grasps.py").string()};
+  setup.intrinsics = camera.intrinsics;
+  setup.bin = bin;
+  const PlanResult plan =
+      ProgramPlanner(setup, false).Plan({frame, camera.X_WC(), BinPlacement{bin}});
+  ASSERT_GE(plan.grasps.size(), 3u) << (plan.failure ? plan.failure->text : "");
+  const GraspOutcome outcome =
+      ExecuteGrasp(scene, objects, plan.grasps.front(), *tools[0], GraspTarget()).outcome;
+  EXPECT_EQ(outcome.instances_lifted, 1) << FailureName(outcome.failure);
 }
 
 }  // namespace

@@ -180,6 +180,25 @@ TEST_F(PluginClientTest, TheStartHasALimitOfItsOwn) {
   EXPECT_EQ(client.restarts(), 0);
 }
 
+// Without a setup, and without the end of a program that has none.
+TEST_F(PluginClientTest, APluginIsAskedWhatItIs) {
+  const std::string ended = (folder_.path() / "ended").string();
+  const std::string code =
+      "import pickbed_plugin as pb\nclass Mine(pb.Estimator):\n    version = '2.1'\n"
+      "    needs = ['color']\n    def setup(self, setup): raise ValueError('planted')\n"
+      "    def close(self): open('" +
+      ended + "', 'w')\npb.serve(Mine())\n";
+  const PluginIdentity identity = PluginClient::IdentityOf(Address(code), "estimator");
+  EXPECT_EQ(identity.name, "Mine");
+  EXPECT_EQ(identity.version, "2.1");
+  EXPECT_THAT(identity.needs, ElementsAre("color"));
+  EXPECT_FALSE(std::filesystem::exists(ended));
+  EXPECT_EQ(PluginClient::IdentityOf(Address(RawPlugin("")), "estimator").version, "")
+      << "the version is optional";
+  EXPECT_THAT(ErrorOf([&] { PluginClient::IdentityOf(Address(code), "planner"); }),
+              HasSubstr("is no planner"));
+}
+
 TEST_F(PluginClientTest, ExactlyOneWayToReachItIsGiven) {
   EXPECT_THAT(ErrorOf([&] { PluginClient client({}, "estimator", EmptySetup); }),
               HasSubstr("neither command nor connect"));

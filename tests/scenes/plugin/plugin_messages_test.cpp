@@ -127,6 +127,21 @@ TEST(PluginPoses, EachRuleIsCheckedAndNamed) {
   wrong = {};
   wrong.score = 12;
   EXPECT_THAT(wrong.Fault(), HasSubstr("score 12 is outside 0 to 1"));
+  EXPECT_THAT(wrong.Fault(), HasSubstr("pickbed calibrate"));
+}
+
+TEST(PluginPoses, RawScoresHaveAnyScale) {
+  Answered answer;
+  const auto read = [&] {
+    std::vector<std::string> faults;
+    const auto poses =
+        ReadPoses(answer.Message(), Objects(), kDistance_m, &faults, PluginScores::kAny);
+    return faults.empty() ? std::to_string(poses.at(0).score) : faults.front();
+  };
+  answer.score = -120.5;
+  EXPECT_THAT(read(), HasSubstr("-120.5"));
+  answer.score = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(read(), HasSubstr("score is not finite"));
 }
 
 TEST(PluginPoses, MillimetresAreRecognised) {

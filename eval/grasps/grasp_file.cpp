@@ -1,0 +1,222 @@
+#include "eval/grasps/grasp_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "eval/export/grasps_csv.h"
+#include "eval/grasps/isaac_grasp.h"
+#include "eval/stats/statistics.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/mesh_io/mesh_io.h"
+
+namespace pickbed::eval {
+namespace {
+
+std::vector<std::string> Cells(std::string line) {
+  if (line.ends_with('\r')) line.pop_back();
+  std::vector<std::string> cells;
+  std::istringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+  if (line.ends_with(',')) cells.emplace_back();
+  return cells;
+}
+
+double NumberIn(const std::string& cell, const std::string& column, const std::string& place) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  CheckInput(error == std::errc() && end == cell.data() + cell.size() && std::isfinite(value),
+             fmt::format("{}: {} = '{}': must be a finite number", place, column, cell));
+  return value;
+}
+
+// Reads the CSV of `pickbed grasps`. Columns may have any order; the confidence is the column
+// `confidence` or, without it, `robust`.
+GraspFile ReadGraspsCsv(const std::string& text, const std::string& name) {
+  constexpr double kMaxError = 1e-3;
+  std::istringstream lines(text);
+  std::string line;
+  std::getline(lines, line);
+  std::map<std::string, size_t> columns;
+  const std::vector<std::string> header = Cells(line);
+  for (size_t i = 0; i < header.size(); ++i) columns[header[i]] = i;
+  GraspFile file;
+  file.file = name;
+  for (int number = 2; std::getline(lines, line); ++number) {
+    if (line.empty() || line == "\r") continue;
+    const std::string place = fmt::format("{}:{}", name, number);
+    const std::vector<std::string> cells = Cells(line);
+    CheckInput(cells.size() == header.size(),
+               fmt::format("{}: has {} columns, but the first line has {}", place, cells.size(),
+                           header.size()));
+    const auto number_of = [&](const std::string& column) {
+      const auto found = columns.find(column);
+      CheckInput(found != columns.end(),
+                 fmt::format("{}: has no column {}; r00 to r22 are the rotation and x_m, y_m, z_m "
+                             "the position of the hand in the object frame",
+                             name, column));
+      return NumberIn(cells[found->second], column, place);
+    };
+    Eigen::Matrix3d R;
+    for (int i = 0; i < 9; ++i) R(i / 3, i % 3) = number_of(fmt::format("r{}{}", i / 3, i % 3));
+    const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    CheckInput(error < kMaxError && R.determinant() > 0,
+               fmt::format("{}: r00 to r22 are no rotation: R^T R differs from the identity by "
+                           "{:.2g}, and its determinant is {:.3g}",
+                           place, error, R.determinant()));
+    FileGrasp& grasp = file.grasps.emplace_back();
+    grasp.name = columns.contains("name") ? cells[columns["name"]]
+                                          : fmt::format("grasp_{}", file.grasps.size() - 1);
+    grasp.X_OF = MakePose(R, {number_of("x_m"), number_of("y_m"), number_of("z_m")});
+    for (const char* column : {"robust", "confidence"}) {
+      if (columns.contains(column)) grasp.confidence = number_of(column);
+    }
+    if (columns.contains("width_m")) grasp.width_m = std::max(0.0, number_of("width_m"));
+  }
+  CheckInput(!file.grasps.empty(), fmt::format("{}: has no grasps", name));
+  return file;
+}
+
+enum class GraspFormat { kIsaac, kCsv };
+
+GraspFormat FormatOf(const std::filesystem::path& file) {
+  const std::string extension = file.extension().string();
+  if (extension == ".yaml" || extension == ".yml") return GraspFormat::kIsaac;
+  CheckInput(
+      extension == ".csv",
+      fmt::format("{}: a file of grasps ends in .yaml (isaac_grasp) or .csv", file.string()));
+  return GraspFormat::kCsv;
+}
+
+// Whether a path names an object or gripper: its stem, or the folder of a file such as mesh.obj.
+bool Names(const std::filesystem::path& path, const std::string& name) {
+  return path.empty() || path.stem() == name || path.parent_path().filename() == name;
+}
+
+// Width and depth of the mesh between the open fingers: twice the largest distance from the center
+// of the hand, and the distance of its middle behind the tips. Zero for a hand without fingers.
+void MeasureContact(const ObjectModel& object, const Gripper& gripper, GraspCandidate& candidate) {
+  const auto region = gripper.RegionBetween(gripper.MaxOpening_m());
+  if (!region) return;
+  const Pose X_GO = candidate.X_OG.inverse();
+  double half_m = 0, low_z_m = kInfinity, high_z_m = -kInfinity;
+  constexpr int kPerEdge = 8;  // points along each edge of a triangle
+  for (const auto& triangle : object.mesh_O.triangles) {
+    const Eigen::Vector3d a = X_GO * object.mesh_O.vertices[triangle[0]];
+    const Eigen::Vector3d b = X_GO * object.mesh_O.vertices[triangle[1]];
+    const Eigen::Vector3d c = X_GO * object.mesh_O.vertices[triangle[2]];
+    for (int i = 0; i <= kPerEdge; ++i) {
+      for (int j = 0; i + j <= kPerEdge; ++j) {
+        const double u = static_cast<double>(i) / kPerEdge, v = static_cast<double>(j) / kPerEdge;
+        const Eigen::Vector3d p_G = (1 - u - v) * a + u * b + v * c;
+        if (((p_G - region->center).cwiseAbs().array() > region->half_size.array()).any()) continue;
+        half_m = std::max(half_m, std::abs(p_G.x()));
+        low_z_m = std::min(low_z_m, p_G.z());
+        high_z_m = std::max(high_z_m, p_G.z());
+      }
+    }
+  }
+  if (candidate.width_m == 0) candidate.width_m = 2 * half_m;
+  if (low_z_m <= high_z_m) candidate.depth_m = -0.5 * (low_z_m + high_z_m);
+}
+
+}  // namespace
+
+GraspFile ReadGraspFile(const std::filesystem::path& file) {
+  const GraspFormat format = FormatOf(file);
+  const std::string text = ReadFileBytes(file);
+  return format == GraspFormat::kIsaac ? ReadIsaacGrasps(text, file.string())
+                                       : ReadGraspsCsv(text, file.string());
+}
+
+void RequireGraspsOf(const GraspFile& file, const ObjectModel& object, const Gripper& gripper,
+                     const GripperFrame& frame, bool names_matter) {
+  CheckInput(!names_matter || Names(file.object_file, object.name),
+             fmt::format("{}: is for the object {}, not {}; test it nevertheless with "
+                         "ignored names",
+                         file.file, file.object_file, object.name));
+  CheckInput(!names_matter || Names(file.gripper_file, gripper.name),
+             fmt::format("{}: is for the gripper {}, not {}; test it nevertheless with "
+                         "ignored names",
+                         file.file, file.gripper_file, gripper.name));
+  if (!file.approach_axis) return;
+  const std::string axis = *file.approach_axis >= 0 && *file.approach_axis <= 2
+                               ? std::string(1, "xyz"[*file.approach_axis])
+                               : std::to_string(*file.approach_axis);
+  CheckInput(axis == frame.approach,
+             fmt::format("{}: its hand approaches along {}, but the gripper frame along {}; give "
+                         "the frame of the file's hand",
+                         file.file, axis, frame.approach));
+}
+
+std::vector<GraspCandidate> CandidatesOf(const GraspFile& file, const ObjectModel& object,
+                                         const Gripper& gripper, const GripperFrame& frame) {
+  const Pose X_FG = frame.X_FG();
+  std::vector<GraspCandidate> candidates;
+  for (const FileGrasp& grasp : file.grasps) {
+    GraspCandidate& candidate = candidates.emplace_back();
+    candidate.X_OG = grasp.X_OF * X_FG;
+    candidate.width_m = grasp.width_m.value_or(0);
+    candidate.quality = 1;
+    candidate.robust = grasp.confidence;
+    MeasureContact(object, gripper, candidate);
+  }
+  return candidates;
+}
+
+std::string IsaacGraspText(const std::string& object_file, const Gripper& gripper,
+                           const GripperFrame& frame,
+                           const std::vector<GraspCandidate>& candidates) {
+  const Pose X_GF = frame.X_FG().inverse();
+  std::string text = fmt::format(
+      "format: isaac_grasp\nformat_version: 1.0\n\ncreated_with: pickbed\nobject_file: {}\n"
+      "object_scale: 1.0\ngripper_file: {}.yaml\n# The fingertips are at [{}, {}, {}] m of the "
+      "gripper frame; it approaches along {} and closes along {}.\n",
+      object_file, gripper.name, frame.tip_m.x(), frame.tip_m.y(), frame.tip_m.z(), frame.approach,
+      frame.closing);
+  if (frame.approach.size() == 1) {
+    text += fmt::format("approach_axis: {}\n", frame.approach.front() - 'x');
+  }
+  text += "\ngrasps:\n";
+  const bool has_fingers = gripper.RegionBetween(gripper.MaxOpening_m()).has_value();
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const GraspCandidate& candidate = candidates[i];
+    const Pose X_OF = candidate.X_OG * X_GF;
+    const Eigen::Quaterniond q(X_OF.linear());
+    const auto joints = [&](double width_m) {
+      if (!has_fingers) return std::string("{}");
+      return fmt::format("{{left_finger: {0}, right_finger: {0}}}", 0.5 * width_m);
+    };
+    const double open_m =
+        gripper.ApproachOpening_m(candidate.width_m).value_or(gripper.MaxOpening_m());
+    text += fmt::format(
+        "  grasp_{}:\n    confidence: {}\n    position: [{}, {}, {}]\n"
+        "    orientation: {{w: {}, xyz: [{}, {}, {}]}}\n    cspace_position: {}\n"
+        "    pregrasp_cspace_position: {}\n",
+        i, candidate.robust, X_OF.translation().x(), X_OF.translation().y(), X_OF.translation().z(),
+        q.w(), q.x(), q.y(), q.z(), joints(candidate.width_m), joints(open_m));
+  }
+  return text;
+}
+
+void WriteGraspFile(const std::filesystem::path& file, const ObjectModel& object,
+                    const Gripper& gripper, const GripperFrame& frame,
+                    const std::vector<GraspCandidate>& candidates) {
+  if (FormatOf(file) == GraspFormat::kCsv) {
+    CheckInput(frame.X_FG().matrix().isIdentity(),
+               fmt::format("{}: a CSV of grasps is in the frame between the fingertips; write a "
+                           ".yaml file for another frame",
+                           file.string()));
+    return WriteFileAtomically(file, GraspsCsv(candidates));
+  }
+  const std::filesystem::path mesh = file.parent_path() / (object.name + ".obj");
+  if (!std::filesystem::exists(mesh)) SaveObj(mesh, object.mesh_O);
+  WriteFileAtomically(file, IsaacGraspText(mesh.filename().string(), gripper, frame, candidates));
+}
+
+}  // namespace pickbed::eval
