@@ -186,7 +186,7 @@ TEST(ProcessEstimatorTrial, RawScoresAreKeptAndRanked) {
   for (size_t i = 0; i < poses.size(); ++i) {
     EXPECT_NEAR(poses[i].score, 1 - i / 3.0, 1e-12);
     EXPECT_LE(poses[i].raw_score, -120);
-    if (i > 0) EXPECT_LE(poses[i].raw_score, poses[i - 1].raw_score);
+    EXPECT_LE(poses[i].raw_score, poses[i == 0 ? 0 : i - 1].raw_score);
   }
   EXPECT_GT(result.instances_cleared, 0);
 }
