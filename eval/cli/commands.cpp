@@ -20,7 +20,7 @@ constexpr int kDone = 0;
 constexpr int kBadInput = 1;
 constexpr int kOurFault = 2;
 
-constexpr std::array<CommandRow, 24> kCommands{{
+constexpr auto kCommands = std::to_array<CommandRow>({
     {"run", "drop, capture, estimate and pick in many trials; measure the success rate",
      RunCommand},
     {"report", "write a run as one HTML page with charts, failed picks and 3D views",
@@ -54,7 +54,7 @@ constexpr std::array<CommandRow, 24> kCommands{{
     {"tolerance", "measure how large a pose error may be before a pick fails", ToleranceCommand},
     {"list", "list the available objects, estimators, grippers, sensors, ...", ListCommand},
     {"completion", "print a script for completion in bash", CompletionCommand},
-}};
+});
 
 std::string Usage() {
   std::string text =
@@ -89,7 +89,7 @@ void PrintOnce(const std::string& line) {
 struct RemedyFlag {
   std::string_view remedy, flag;
 };
-constexpr std::array<RemedyFlag, 7> kRemedyFlags{{
+constexpr auto kRemedyFlags = std::to_array<RemedyFlag>({
     {"choose another folder", "--out"},
     {"another results folder", "--out"},
     {"resume it", "--resume"},
@@ -99,7 +99,7 @@ constexpr std::array<RemedyFlag, 7> kRemedyFlags{{
     {"another image folder", "--bop-out"},
     {"ignored names", "--ignore-names"},
     {"the frame of the file's hand", "--frame"},
-}};
+});
 
 // Adds the flag behind each remedy, because the libraries do not know the flags.
 std::string WithFlags(std::string message) {

@@ -48,7 +48,7 @@ struct DropOptions {
   // seconds.
   PhysicsOptions physics{.angular_damping = 0.9, .contact_reuse_m = 0.0001};
   // Called often while the instances move; may be empty. An exception ends the drop.
-  std::function<void()> on_wait;
+  std::function<void()> on_wait = {};
   // Visits all options except `arrangement`, `physics` and `on_wait`.
   void Visit(SettingsVisitor& v);
 };

@@ -24,7 +24,7 @@ class OcclusionSeriesTest : public testing::Test {
  protected:
   MadeSeries Make(const std::vector<int>& counts, int trial = 0, uint64_t seed = 3) {
     SceneRenderer renderer(objects_, bin_);
-    const OcclusionSetup setup{objects_, counts, OverTheBin(), {}, spec_};
+    const OcclusionSetup setup{objects_, counts, OverTheBin(), DropOptions(), spec_};
     return MakeOcclusionSeries(renderer, {bin_, objects_, counts, seed, BinIndex(trial)},
                                {ObjectId{0}, ObjectId{1}, ObjectId{2}, ObjectId{3}}, setup);
   }
@@ -168,7 +168,7 @@ TEST(OccludeTarget, BlockerThatOverturnsTheTargetIsRemoved) {
   scene.objects = {{InstanceId{0}, ObjectId{0}, Translation({0, 0, 0.04})}};
   const SceneCertificate standing = CertifyRest(scene, objects);
   ASSERT_THAT(Faults(standing), testing::IsEmpty()) << "the plate does not stay upright";
-  OcclusionSetup setup{objects, {0, 1}, {}, {}, {}};
+  OcclusionSetup setup{objects, {0, 1}, {}, DropOptions(), {}};
   setup.camera.SetPose(LookAt({0, -0.6, 0.6}, {0, 0, 0.04}, {0, 0, 1}));
   setup.spec.blocker_samples = 40;
   SceneRenderer renderer(objects, scene.bin);
@@ -189,7 +189,7 @@ TEST(OccludeTarget, BlockerThatSkipsABandIsRemoved) {
   const ObjectSet objects{BoxObject({0.03, 0.03, 0.03}, 0.1), BoxObject({0.2, 0.2, 0.01}, 0.4)};
   Scene scene;
   scene.objects = {{InstanceId{0}, ObjectId{0}, Translation({0, 0, 0.015})}};
-  OcclusionSetup setup{objects, {0, 1}, OverTheBin(), {}, {}};
+  OcclusionSetup setup{objects, {0, 1}, OverTheBin(), DropOptions(), {}};
   setup.spec.bands = {{0.45, 0.47}, {0.9, 1}};
   setup.spec.blocker_samples = 12;
   setup.spec.scatter_diameters = 0;
@@ -239,7 +239,7 @@ TEST_F(OcclusionSeriesTest, CountsAreKeptIfNoBandIsFilled) {
 
 TEST_F(OcclusionSeriesTest, NoBandIsFilledIfNoInstanceIsInView) {
   SceneRenderer renderer(objects_, bin_);
-  OcclusionSetup setup{objects_, {2, 0, 0, 0}, {}, {}, OcclusionSpec{}};
+  OcclusionSetup setup{objects_, {2, 0, 0, 0}, {}, DropOptions(), OcclusionSpec{}};
   setup.camera.SetPose(LookAt({0, -0.8, 0.15}, {0, 0, 0.14}, {0, 0, 1}));  // above the rim
   const SceneRequest request{bin_, objects_, {2, 0, 0, 0}, 1, BinIndex(2)};
   const MadeSeries made = MakeOcclusionSeries(renderer, request, {ObjectId{0}}, setup);
