@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/layer.h"
 #include "eval/metrics/result_columns.h"
 #include "scenes/base/ids.h"
 #include "scenes/scenario/failure_reason.h"
