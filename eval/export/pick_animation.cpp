@@ -66,7 +66,8 @@ Camera MovieCamera(const PickMotion& motion, const ObjectSet& objects, const Gri
                    const MovieOptions& options) {
   std::vector<Eigen::Vector3d> seen_W;
   const auto see = [&](const Bounds& bounds, const Pose& X_WB) {
-    for (const auto& corner : bounds.Corners().colwise()) seen_W.push_back(X_WB * corner);
+    const Eigen::Matrix<double, 3, 8> corners = bounds.Corners();
+    for (const auto& corner : corners.colwise()) seen_W.push_back(X_WB * corner);
   };
   see(MeshBounds(BinMesh(motion.scene.bin)), Pose::Identity());
   for (const MotionFrame& frame : motion.frames) {

@@ -106,7 +106,8 @@ double RotationDistance::operator()(const Eigen::Matrix3d& R_CO,
 PoseDistance::PoseDistance(const ObjectModel& model) {
   const Bounds box = MeshBounds(model.mesh_O);
   if (model.symmetries_O.continuous_O.empty()) {
-    for (const auto& corner : box.Corners().colwise()) keypoints_O_.push_back(corner);
+    const Eigen::Matrix<double, 3, 8> corners = box.Corners();
+    for (const auto& corner : corners.colwise()) keypoints_O_.push_back(corner);
   } else {
     keypoints_O_ = AxisKeypoints(model.symmetries_O, box);
   }
