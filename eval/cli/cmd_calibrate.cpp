@@ -6,6 +6,7 @@
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/summary/result_files.h"
+#include "scenes/base/error.h"
 #include "scenes/base/files.h"
 
 namespace pickbed::eval {
@@ -32,11 +33,14 @@ int CalibrateCommand(int argc, char** argv) {
 
   const std::filesystem::path file =
       out.empty() ? std::filesystem::path(run) / kCalibrationFile : std::filesystem::path(out);
+  std::filesystem::path page = file;
+  page.replace_extension(".html");
+  CheckInput(page != file, fmt::format("--out {}: the page gets this name; choose another one that "
+                                       "ends in .yaml",
+                                       out));
   const CalibrationFit fit = FitCalibration(
       ReadSamples(run, number->count() > 0 ? std::optional(configuration) : std::nullopt));
   WriteFileAtomically(file, WriteCalibration(CalibrationOf(fit)));
-  std::filesystem::path page = file;
-  page.replace_extension(".html");
   const bool has_page = SayIfUnwritten(WritePage(page, CalibrationReport(fit)));
   fmt::print("{}{}\n", CalibrationText(fit), file.string());
   if (has_page) fmt::print("page: {}\n", page.string());
