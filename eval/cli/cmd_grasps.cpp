@@ -141,12 +141,14 @@ int GraspsCommand(int argc, char** argv) {
   app.add_option("GRIPPER", a.gripper,
                  "name of a gripper (see pickbed list grippers), or a .yaml file")
       ->required();
-  app.add_option("--count", a.count,
-                 "maximum number of grasps, for any orientation of the object (default: all grasps "
-                 "that a run can choose from)")
-      ->check(CLI::Range(1, 100000));
+  auto* count =
+      app.add_option("--count", a.count,
+                     "maximum number of grasps, for any orientation of the object (default: all "
+                     "grasps that a run can choose from)")
+          ->check(CLI::Range(1, 100000));
   auto* from =
-      app.add_option("--from", a.from, "test the grasps of this file: isaac_grasp (.yaml) or .csv");
+      app.add_option("--from", a.from, "test the grasps of this file: isaac_grasp (.yaml) or .csv")
+          ->excludes(count);
   app.add_option("--write", a.write,
                  "also write the grasps to this file: isaac_grasp (.yaml) or .csv");
   app.add_option("--frame", a.frame,
