@@ -126,6 +126,16 @@ class PluginChecks {
     }
     return poses;
   }
+
+  // Number of instances of each object of the program.
+  std::vector<int> Counts() const {
+    std::vector<int> counts(objects_.size(), 0);
+    for (const PosedObject& posed : scene_.objects) {
+      if (cell_.IsWanted(posed.object)) ++counts[OwnId(posed.object)];
+    }
+    return counts;
+  }
+
   // Index of an object of the cell among the objects of the program.
   ObjectId OwnId(ObjectId object) const {
     const auto found = std::find(cell_.wanted().begin(), cell_.wanted().end(), object);
@@ -137,6 +147,8 @@ class PluginChecks {
     input.X_WC = cell_.camera().X_WC();
     input.X_CB = cell_.camera().X_CW();
     input.seed = kFrameSeed;
+    const std::vector<int> counts = Needs("counts") ? Counts() : std::vector<int>();
+    input.counts = counts;
     MessageWriter request;
     std::vector<PluginPose> poses;
     if (is_planner_) {
