@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scenes/base/error.h"
 #include "scenes/base/files.h"
 
 namespace pickbed::grasp {
@@ -44,6 +45,17 @@ ProgramPlanner::ProgramPlanner(const PlannerSetup& setup, bool gives_poses)
                    message);
       }) {}
 
+void ProgramPlanner::RequireNeeds(const PlannerInput& input) const {
+  const auto require = [&](const char* need, bool is_there, const char* reason) {
+    const auto& needs = identity().needs;
+    CheckInput(is_there || std::find(needs.begin(), needs.end(), need) == needs.end(),
+               fmt::format("planner '{}' needs '{}'; {}", identity().name, need, reason));
+  };
+  require("color", !input.frame.color.empty(), "the images have no color");
+  require("bin", input.bin.has_value(), "the pose of the bin is unknown");
+  require("counts", false, "planners do not get the number of instances");
+}
+
 // Returns the grasps, best first. Throws PluginError.
 std::vector<Grasp> ProgramPlanner::Ask(const PlannerInput& input) {
   const Pose X_CW = input.X_WC.inverse();
@@ -75,6 +87,7 @@ std::vector<Grasp> ProgramPlanner::Ask(const PlannerInput& input) {
 }
 
 PlanResult ProgramPlanner::Plan(const PlannerInput& input) {
+  RequireNeeds(input);
   PlanResult result;
   std::vector<Grasp> grasps;
   try {

@@ -19,11 +19,13 @@ class ProgramPlanner : public Planner {
   ProgramPlanner(const PlannerSetup& setup, bool gives_poses);
 
   // A program that fails gives no grasps, but PlanResult::failure. The next call starts it again.
+  // Throws InputError if the image lacks what the program needs.
   PlanResult Plan(const PlannerInput& input) override;
 
   const PluginIdentity& identity() const { return client_.identity(); }
 
  private:
+  void RequireNeeds(const PlannerInput& input) const;
   std::vector<Grasp> Ask(const PlannerInput& input);
 
   const bool gives_poses_;

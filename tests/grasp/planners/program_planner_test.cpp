@@ -126,6 +126,18 @@ TEST_F(ProgramPlannerTest, AnEstimatorIsNoPlanner) {
               HasSubstr("is no planner, but has the roles [estimator]"));
 }
 
+TEST_F(ProgramPlannerTest, MissingInputsAreNamed) {
+  PlannerSetup setup = SetupOf("    return []");
+  setup.spec.command = PythonCommand(folder_, "needs.py",
+                                     "import pickbed_plugin as pb\n@pb.planner(needs=['bin'])\n"
+                                     "def tested(frame, poses):\n    return []\npb.serve()\n");
+  ProgramPlanner planner(setup, false);
+  EXPECT_THAT(ErrorOf([&] {
+                planner.Plan({frame_, Pose::Identity(), std::nullopt});
+              }),
+              HasSubstr("planner 'tested' needs 'bin'; the pose of the bin is unknown"));
+}
+
 TEST_F(ProgramPlannerTest, FailureIsAResult) {
   PlannerSetup setup = SetupOf(
       "    if frame.seed == 1: os._exit(1)\n    if frame.seed == 2: time.sleep(60)\n"
