@@ -36,8 +36,7 @@ TEST_F(PublishedOutcomes, MssdPredictsPicksAsWellAsPublished) {
   EXPECT_NEAR(MedianAuc("underactuated", "mssd_m"), 0.95, 0.02);
 }
 
-// The order that pickbed finds in its own simulation: errors in space before errors in the image,
-// and the rotation last or next to last.
+// Errors in space predict picks better than errors in the image and than the rotation.
 TEST_F(PublishedOutcomes, ErrorsInSpaceRankBeforeErrorsInTheImage) {
   for (const char* hand : {"parallel", "underactuated"}) {
     for (const char* in_space : {"mssd_m", "add_m", "translation_m"}) {
