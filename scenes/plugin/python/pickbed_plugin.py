@@ -209,7 +209,7 @@ class Estimator:
         raise NotImplementedError
 
     def close(self) -> None:
-        """Called at the end."""
+        """Called at the end. A server calls it when no pickbed uses it any more."""
 
 
 class Planner:
@@ -227,7 +227,7 @@ class Planner:
         raise NotImplementedError
 
     def close(self) -> None:
-        """Called at the end."""
+        """Called at the end. A server calls it when no pickbed uses it any more."""
 
 
 _registered: list = []
@@ -365,13 +365,28 @@ class _Stream:
 class _Session:
     """Answers the requests of one pickbed."""
 
-    def __init__(self, served, lock):
+    def __init__(self, served, lock, in_use):
         self._served = served
         self._lock = lock
+        self._in_use = in_use  # what the sessions with a setup use, one entry per session
         self._active = None
         self._setup = None
 
     def run(self, stream):
+        try:
+            self._answer_all(stream)
+        finally:
+            self._end()
+
+    def _end(self):
+        if self._setup is None:  # pickbed may only have asked what this is
+            return
+        with self._lock:
+            self._in_use.remove(id(self._active))
+            if id(self._active) not in self._in_use:
+                self._active.close()
+
+    def _answer_all(self, stream):
         while True:
             message = stream.receive()
             if message is None or message.get("verb") == "close":
@@ -385,16 +400,17 @@ class _Session:
                 text = f"{type(error).__name__}: {error}"
                 answer = {"error": text, "traceback": report}
             stream.send(answer)
-        if self._setup is not None:  # pickbed may only have asked what this is
-            self._active.close()
 
     def _answer(self, message):
         verb = message.get("verb")
         if verb == "hello":
             return self._hello(message)
         if verb == "setup":
-            self._setup = _read_setup(message)
-            self._active.setup(self._setup)
+            setup = _read_setup(message)
+            if self._setup is None:
+                self._in_use.append(id(self._active))
+            self._setup = setup
+            self._active.setup(setup)
             return {}
         if verb == "estimate":
             poses = self._active.estimate(_read_frame(message, self._setup))
@@ -419,21 +435,21 @@ class _Session:
                 "needs": list(answering.needs)}
 
 
-def _serve_connection(connection, served, lock):
+def _serve_connection(connection, served, lock, in_use):
     with connection:
-        _Session(served, lock).run(_Stream(connection.fileno(), connection.fileno()))
+        _Session(served, lock, in_use).run(_Stream(connection.fileno(), connection.fileno()))
 
 
 def _listen(address, served):
     host, _, port = address.rpartition(":")
-    lock = threading.Lock()
+    lock, in_use = threading.Lock(), []
     server = socket.create_server((host or "127.0.0.1", int(port)))
     print(f"listening on {host or '127.0.0.1'}:{server.getsockname()[1]}", file=sys.stderr,
           flush=True)
     while True:
         connection, _ = server.accept()
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        threading.Thread(target=_serve_connection, args=(connection, served, lock),
+        threading.Thread(target=_serve_connection, args=(connection, served, lock, in_use),
                          daemon=True).start()
 
 
@@ -456,4 +472,4 @@ def serve(*served):
     if not os.environ.get("PICKBED_PLUGIN") and sys.stdin.isatty():
         raise SystemExit(f"this is a plug-in of pickbed; run it with\n  pickbed plugin check "
                          f"\"python3 {sys.argv[0]}\"\nor start a server with --listen PORT")
-    _Session(served, threading.Lock()).run(_Stream(*_take_streams()))
+    _Session(served, threading.Lock(), []).run(_Stream(*_take_streams()))
