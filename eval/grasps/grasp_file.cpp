@@ -13,6 +13,7 @@
 #include "eval/stats/statistics.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/geometry/triangle_mesh.h"
 #include "scenes/mesh_io/mesh_io.h"
 
 namespace pickbed::eval {
@@ -125,6 +126,19 @@ void MeasureContact(const ObjectModel& object, const Gripper& gripper, GraspCand
   if (low_z_m <= high_z_m) candidate.depth_m = -0.5 * (low_z_m + high_z_m);
 }
 
+// Throws InputError if a hand is too far away to hold the object, as if positions were in
+// millimetres.
+void RequireNear(const GraspFile& file, const ObjectModel& object) {
+  constexpr double kMaxHand_m = 1;  // from the frame of a hand to its fingertips
+  const Eigen::Vector3d center_O = MeshBounds(object.mesh_O).center();
+  for (const FileGrasp& grasp : file.grasps) {
+    const double distance_m = (grasp.X_OF.translation() - center_O).norm();
+    CheckInput(distance_m <= object.diameter_m + kMaxHand_m,
+               fmt::format("{}: grasp '{}' is {:.4g} m from the object; positions are in metres",
+                           file.file, grasp.name, distance_m));
+  }
+}
+
 }  // namespace
 
 GraspFile ReadGraspFile(const std::filesystem::path& file) {
@@ -144,6 +158,7 @@ void RequireGraspsOf(const GraspFile& file, const ObjectModel& object, const Gri
              fmt::format("{}: is for the gripper {}, not {}; test it nevertheless with "
                          "ignored names",
                          file.file, file.gripper_file, gripper.name));
+  RequireNear(file, object);
   if (!file.approach_axis) return;
   const std::string axis = *file.approach_axis >= 0 && *file.approach_axis <= 2
                                ? std::string(1, "xyz"[*file.approach_axis])

@@ -38,8 +38,8 @@ struct GraspFile {
 GraspFile ReadGraspFile(const std::filesystem::path& file);
 
 // Throws InputError if the file names another object or gripper, or another approach axis than
-// `frame`. A file that names none is accepted. `names_matter`: whether object and gripper are
-// compared.
+// `frame`, or if a hand is over 1 m away from the object. A file that names none is accepted.
+// `names_matter`: whether object and gripper are compared.
 void RequireGraspsOf(const GraspFile& file, const ObjectModel& object, const Gripper& gripper,
                      const GripperFrame& frame, bool names_matter = true);
 

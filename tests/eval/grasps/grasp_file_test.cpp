@@ -185,6 +185,13 @@ TEST(GraspFile, OtherObjectsAndHandsAreNamed) {
   EXPECT_THAT(error_of(false), HasSubstr("approaches along x, but the gripper frame along z"));
 }
 
+TEST(GraspFile, PositionsInMillimetresAreNamed) {
+  GraspFile file = ReadIsaacGrasps(kPandaFile, "mug.yaml");
+  file.grasps[1].X_OF.translation() *= 1000;
+  EXPECT_THAT(ErrorOf([&] { RequireGraspsOf(file, *Box(), SmallJaw(), {}); }),
+              HasSubstr("grasp 'side' is 200 m from the object; positions are in metres"));
+}
+
 TEST(GripperFrame, IsReadFromAFileAndChecked) {
   const TemporaryFolder folder;
   const auto file = folder.Write("hand.yaml", "approach: x\nclosing: -y\ntip_m: [0.1, 0, 0.02]\n");
