@@ -160,9 +160,7 @@ void RequireGraspsOf(const GraspFile& file, const ObjectModel& object, const Gri
                          file.file, file.gripper_file, gripper.name));
   RequireNear(file, object);
   if (!file.approach_axis) return;
-  const std::string axis = *file.approach_axis >= 0 && *file.approach_axis <= 2
-                               ? std::string(1, "xyz"[*file.approach_axis])
-                               : std::to_string(*file.approach_axis);
+  const std::string axis(1, "xyz"[*file.approach_axis]);
   CheckInput(axis == frame.approach,
              fmt::format("{}: its hand approaches along {}, but the gripper frame along {}; give "
                          "the frame of the file's hand",

@@ -91,7 +91,11 @@ GraspFile ReadIsaacGrasps(const std::string& text, const std::string& name) {
   file.object_file = TextOf(tree, "object_file");
   file.gripper_file = TextOf(tree, "gripper_file");
   if (const SettingsTree* axis = tree.Find("approach_axis")) {
-    file.approach_axis = static_cast<int>(NumberOf(*axis, "approach_axis"));
+    const double number = NumberOf(*axis, "approach_axis");
+    CheckInput(number == 0 || number == 1 || number == 2,
+               fmt::format("{}: approach_axis = {}: must be 0 (x), 1 (y) or 2 (z)", axis->place,
+                           axis->text));
+    file.approach_axis = static_cast<int>(number);
   }
   const SettingsTree* grasps = tree.Find("grasps");
   CheckInput(grasps != nullptr && grasps->kind == Kind::kMap && !grasps->items.empty(),

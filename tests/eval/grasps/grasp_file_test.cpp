@@ -134,6 +134,8 @@ TEST(GraspFile, DamagedYamlIsNamed) {
   EXPECT_THAT(error_of("    position: [0, 0, 0.1634]\n", ""),
               HasSubstr("grasp 'grasp_0' has no position"));
   EXPECT_THAT(error_of("confidence: 0.75", "confidence: high"), HasSubstr("confidence = high"));
+  EXPECT_THAT(error_of("object_frame: /World/mug", "approach_axis: 3"),
+              HasSubstr("approach_axis = 3: must be 0 (x), 1 (y) or 2 (z)"));
   EXPECT_THAT(error_of("panda_finger_joint1: 0.00943", "panda_finger_joint1: .inf"),
               HasSubstr("cspace_position.panda_finger_joint1"));
   const std::string text = kPandaFile;
