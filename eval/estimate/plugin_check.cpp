@@ -13,6 +13,7 @@
 #include "eval/trial/estimator_runner.h"
 #include "eval/trial/pose_matching.h"
 #include "grasp/grippers/tools.h"
+#include "perception/estimators/score_calibration.h"
 #include "scenes/base/files.h"
 #include "scenes/plugin/plugin_messages.h"
 
@@ -35,11 +36,21 @@ std::vector<PluginGripper> GrippersOf(const ScenarioSpec& spec) {
   return grippers;
 }
 
+// The settings with the kind of scores, and their minimum, with which a calibration was fitted.
+EstimatorSpec BeforeCalibration(EstimatorSpec spec) {
+  if (spec.calibration.empty()) return spec;
+  const ScoreCalibration calibration = ReadCalibration(spec.calibration);
+  spec.scores = calibration.scores;
+  spec.min_score = calibration.min_score;
+  return spec;
+}
+
 class PluginChecks {
  public:
   explicit PluginChecks(const PluginCheckJob& job)
       : job_(job),
         is_planner_(job.role == kPlannerRole),
+        estimator_(BeforeCalibration(job.scenario.spec.estimator)),
         cell_(job.scenario.spec, job.scenario.objects),
         scene_(cell_.MakeScene(BinIndex(0)).scene) {
     for (const ObjectId object : cell_.wanted()) objects_.push_back(cell_.objects()[object]);
@@ -90,11 +101,10 @@ class PluginChecks {
     setup.intrinsics = cell_.camera().intrinsics;
     setup.working_distance_m = WorkingDistance_m(cell_);
     setup.bin = &cell_.bin();
-    setup.min_score = HasRawScores(job_.scenario.spec.estimator)
-                          ? -std::numeric_limits<double>::infinity()
-                          : job_.scenario.spec.estimator.min_score;
-    setup.model = job_.scenario.spec.estimator.model;
-    setup.mode = job_.scenario.spec.estimator.mode;
+    setup.min_score =
+        HasRawScores(estimator_) ? -std::numeric_limits<double>::infinity() : estimator_.min_score;
+    setup.model = estimator_.model;
+    setup.mode = estimator_.mode;
     setup.grippers = grippers_;
     WriteSetup(setup, CacheDir() / kPluginMeshesFolder, message);
   }
@@ -167,8 +177,7 @@ class PluginChecks {
     } else {
       answer.poses =
           ReadPoses(message, objects_, WorkingDistance_m(cell_), &answer.faults,
-                    HasRawScores(job_.scenario.spec.estimator) ? PluginScores::kAny
-                                                               : PluginScores::kProbabilities);
+                    HasRawScores(estimator_) ? PluginScores::kAny : PluginScores::kProbabilities);
     }
     if (answer.faults.size() > kShownFaults) {
       answer.faults.resize(kShownFaults);
@@ -188,14 +197,14 @@ class PluginChecks {
   }
 
   void AddScores(const Answer& answer) {
-    if (HasRawScores(job_.scenario.spec.estimator)) {
+    if (HasRawScores(estimator_)) {
       const auto [low, high] = std::ranges::minmax_element(answer.poses, {}, &PluginPose::score);
       const std::string range =
           answer.poses.empty() ? "none" : fmt::format("from {:g} to {:g}", low->score, high->score);
       return Add("scores",
                  fmt::format("raw, {}; pickbed calibrate converts them after a run", range));
     }
-    const double min_score = job_.scenario.spec.estimator.min_score;
+    const double min_score = estimator_.min_score;
     const auto below = std::count_if(answer.poses.begin(), answer.poses.end(),
                                      [&](const auto& p) { return p.score < min_score; });
     Add("scores", fmt::format("{} of {} poses have a score below estimator.min_score = {:g} and "
@@ -327,6 +336,7 @@ class PluginChecks {
 
   const PluginCheckJob& job_;
   bool is_planner_;
+  const EstimatorSpec estimator_;
   SimulatedCell cell_;
   Scene scene_;
   ObjectSet objects_;  // that the program knows
