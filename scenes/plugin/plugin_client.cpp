@@ -187,7 +187,7 @@ void PluginClient::SayHello() {
                  TextsIn(answer, "roles"), TextsIn(answer, "needs")};
   } catch (const MessageError& error) {
     throw PluginError(PluginFault::kMalformed,
-                      fmt::format("gave a wrong answer to hello: it {}", error.what()));
+                      fmt::format("gave a wrong answer to hello: {}", error.what()));
   }
   const auto& roles = identity_.roles;
   if (std::find(roles.begin(), roles.end(), role_) != roles.end()) return;

@@ -285,7 +285,7 @@ std::vector<Item> ReadItems(const MessageValue& answer, const char* key, const c
   try {
     list = &answer.At(key).Items(key);
   } catch (const MessageError& error) {
-    Report(fmt::format("gave a wrong answer: it {}", error.what()), faults);
+    Report(fmt::format("gave a wrong answer: {}", error.what()), faults);
     return items;
   }
   if (list->size() > kMaxPluginItems) {

@@ -164,7 +164,7 @@ TEST_F(PluginClientTest, AStartThatFailsIsOneLineWithTheReason) {
   EXPECT_THAT(StartError(RawPlugin("    if v == 'hello': a['roles'] = ['planner']")),
               HasSubstr("is no estimator, but has the roles [planner]"));
   EXPECT_THAT(StartError(RawPlugin("    if v == 'hello': del a['name']")),
-              HasSubstr("wrong answer to hello: it has no 'name'"));
+              HasSubstr("wrong answer to hello: has no 'name'"));
   EXPECT_THAT(StartError(RawPlugin("    if v == 'setup': a = {'error': 'no GPU'}")),
               HasSubstr("reported an error: no GPU"));
 }
