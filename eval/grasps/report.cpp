@@ -59,8 +59,8 @@ std::string HoldText(const GraspTests& tests, double max_g) {
   const auto to_end =
       std::count_if(loads.begin(), loads.end(), [max_g](double load_g) { return load_g >= max_g; });
   return fmt::format(
-      "hold test          {} grasps: lost at {:.1f} g in the median, {:.1f} g at least; {} hold "
-      "{:g} g\n",
+      "hold test          {} grasps hold {:.1f} g in the median, {:.1f} g at least; {} reach the "
+      "limit of {:g} g\n",
       loads.size(), loads[(loads.size() - 1) / 2], loads.front(), to_end, max_g);
 }
 
