@@ -34,12 +34,19 @@ TEST(EdgePoints, PointsOfABoxAreEvenlyOnItsEdges) {
 }
 
 TEST(EdgePoints, FoldsUnder45DegreesAreNotSharp) {
-  TriangleMesh roof;
-  roof.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0.1}, {0, -1, 0.1}};
-  roof.triangles = {{0, 1, 2}, {1, 0, 3}};
-  for (const EdgePoint& point : MakeEdgePoints(roof, 50)) {
-    EXPECT_GT(std::abs(point.p_O.y()), 1e-6) << "the fold along x";
-  }
+  // Points on the fold along x of two triangles that rise by `slope`.
+  const auto points_on_fold = [](double slope) {
+    TriangleMesh roof;
+    roof.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, slope}, {0, -1, slope}};
+    roof.triangles = {{0, 1, 2}, {1, 0, 3}};
+    const std::vector<EdgePoint> points = MakeEdgePoints(roof, 50);
+    EXPECT_NEAR(static_cast<double>(points.size()), 50, 1);
+    return std::count_if(points.begin(), points.end(),
+                         [](const EdgePoint& point) { return std::abs(point.p_O.y()) < 1e-6f; });
+  };
+  EXPECT_EQ(points_on_fold(0.1), 0);
+  EXPECT_EQ(points_on_fold(0.35), 0) << "39 degrees";
+  EXPECT_GT(points_on_fold(0.5), 5) << "53 degrees";
 }
 
 }  // namespace
