@@ -77,7 +77,8 @@ void RequireSameObjects(const ParsedJson& stored, const ObjectSet& objects, cons
                          stored.size(), objects.size()));
   for (size_t i = 0; i < objects.size(); ++i) {
     const ParsedJson& was = stored[i];
-    const ParsedJson is = ObjectJson(*objects[i], static_cast<int>(i) + 1, was["size_deviation"]);
+    const ParsedJson is =
+        ObjectJson(*objects[i], static_cast<int>(i) + 1, was.at("size_deviation"));
     CheckInput(was == is,
                fmt::format("{}: object {} differs now from the one that the scenes were made with "
                            "(name, mesh, mass or friction); restore it, or make the dataset again",
