@@ -100,7 +100,8 @@ void AddPickingEnv(py::module_& module) {
           Doc("BinPickingEnv::ChooseGrasp"))
       .def_property_readonly("view", &PythonEnv::View, Doc("BinPickingEnv::View"))
       .def_property_readonly(
-          "trials", [](const PythonEnv& e) { return e.env.trials(); }, Doc("BinPickingEnv::trials"))
+          "trials", [](PythonEnv& e) { return e.guard.Run([&] { return e.env.trials(); }); },
+          Doc("BinPickingEnv::trials"))
       .def(
           "write",
           [](PythonEnv& e, const std::filesystem::path& folder) {
