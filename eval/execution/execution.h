@@ -2,10 +2,10 @@
 
 // Executes BOP results files in the stored scenes of a data set, with several processes.
 //
-//   OUT/execution.yaml   scenario, methods and hashes of all inputs
-//   OUT/executed_picks.csv        one line per image, method and pick, see
-//   eval/execution/pick_rows.h OUT/{execution.json,report.html} see eval/execution/report.h
-//   OUT/lock held while a process writes to the folder
+//   OUT/execution.yaml                 scenario, methods and hashes of all inputs
+//   OUT/executed_picks.csv             one line per image, method and pick, see pick_rows.h
+//   OUT/{execution.json,report.html}   see report.h
+//   OUT/lock                           held while a process writes to the folder
 //
 // All files are identical, byte by byte, for any number of processes and after a resumed call.
 
