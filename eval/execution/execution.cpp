@@ -136,16 +136,16 @@ RowsByImage EarlierRows(const Inputs& inputs, const ExecutionOptions& options) {
   const fs::path settings = options.out / kExecutionFile, file = options.out / kPicksFile;
   RowsByImage rows;
   if (!fs::exists(settings) || !fs::exists(file)) return rows;
-  CheckInput(ReadFileBytes(settings) == inputs.identity,
-             fmt::format("{} has picks of other results, settings or scenes; choose another "
-                         "results folder",
-                         options.out.string()));
   const std::string text = ReadFileBytes(file);
   const size_t header = text.find('\n');
   if (header == std::string::npos) return rows;
   for (ExecutedPick& pick : ReadPickRows(text.substr(header + 1))) {
     rows[{pick.scene_id, pick.image_id}].push_back(std::move(pick));
   }
+  CheckInput(rows.empty() || ReadFileBytes(settings) == inputs.identity,
+             fmt::format("{} has picks of other results, settings or scenes; choose another "
+                         "results folder",
+                         options.out.string()));
   std::map<std::pair<int, int>, size_t> expected;
   for (const ImageTask& image : inputs.images) {
     expected[{image.scene_id, image.image_id}] = image.requested * inputs.methods.size();

@@ -184,6 +184,8 @@ TEST_F(ExecutionTest, UnusableInputIsRefusedInOneLine) {
                 ExecuteResults(pose_free, EasyCube(), set_->Options("bad_planner", {file}), {});
               }),
               HasSubstr("works without poses"));
+  EXPECT_EQ(Execute(set_->Options("bad_planner", {file})).images, kScenes)
+      << "a refused call does not block its folder";
 }
 
 // A run with the oracle captures the same image of the same bin, and its first pick is the same
