@@ -39,6 +39,15 @@ struct Inputs {
   std::string identity;
 };
 
+// Whether the instances of an image are the ones of its stored scene, in the same order.
+bool HasInstancesOf(const ImageTruth& image, const Scene& scene) {
+  return image.infos.size() == scene.objects.size() &&
+         std::ranges::equal(image.instances, scene.objects,
+                            [](const DatasetInstance& instance, const PosedObject& posed) {
+                              return instance.object_id == posed.object + 1;
+                            });
+}
+
 ExecutedScenes ReadScenes(const Bin& bin, const ObjectSet& objects,
                           const ExecutionOptions& options) {
   const fs::path split = options.dataset / options.split;
@@ -50,8 +59,7 @@ ExecutedScenes ReadScenes(const Bin& bin, const ObjectSet& objects,
     StoredScenes stored = ReadStoredScenes(folder, bin, objects);
     SceneTruth truth = ReadSceneTruth(folder, id, ThrowFault);
     for (const auto& [image_id, image] : truth.images) {
-      const size_t posed = stored.Of(image_id, folder).objects.size();
-      CheckInput(posed == image.instances.size() && image.infos.size() == posed && image.X_CW,
+      CheckInput(HasInstancesOf(image, stored.Of(image_id, folder)) && image.X_CW,
                  fmt::format("{}: image {}: {} and {} do not fit together; make the dataset again",
                              folder.string(), image_id, kStoredScenesFile, kSceneTruthFile));
     }

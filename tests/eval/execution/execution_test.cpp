@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "eval/bop/layout.h"
 #include "eval/execution/image_executor.h"
 #include "eval/execution/statistics.h"
 #include "eval/trial/trial.h"
@@ -202,6 +203,19 @@ TEST(ExecutionOfAScene, FirstPickOfTheOracleIsTheFirstPickOfARun) {
     const AttemptRecord first = runner.Run(BinIndex(bin)).attempts.front();
     EXPECT_EQ(report.picks[bin].success, first.failure == FailureReason::kNone) << bin;
   }
+}
+
+TEST(ExecutionOfAScene, GroundTruthOfAnotherObjectIsRefused) {
+  const ExecutedDataset set(1, 1);
+  const auto file = set.root() / "test" / SceneFolderName(1) / kSceneTruthFile;
+  const std::string was = "\"obj_id\":1";
+  std::string text = ReadFileBytes(file);
+  const size_t place = text.find(was);
+  ASSERT_NE(place, std::string::npos);
+  WriteFileAtomically(file, text.replace(place, was.size(), "\"obj_id\":2"));
+  ExecutionOptions options = set.Options("out", {});
+  options.oracle = true;
+  EXPECT_THAT(ErrorOf([&] { Execute(options); }), HasSubstr("do not fit together"));
 }
 
 TEST(RequestedPicks, CountsVisibleWantedInstances) {
