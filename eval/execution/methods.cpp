@@ -43,15 +43,20 @@ void RequireIdsOf(const std::vector<DatasetEstimate>& estimates, const ExecutedS
   }
 }
 
-DatasetEstimate EstimateAt(int scene_id, int image_id, int object_id, double visible,
-                           const Pose& X_CO) {
-  DatasetEstimate estimate;
-  estimate.scene_id = scene_id;
-  estimate.image_id = image_id;
-  estimate.object_id = object_id;
-  estimate.score = visible;
-  estimate.X_CO = X_CO;
-  return estimate;
+// Adds the poses of all instances that are at least 10 % visible.
+void AddTrueEstimates(const SceneTruth& scene, std::vector<DatasetEstimate>& estimates) {
+  for (const auto& [image_id, image] : scene.images) {
+    for (size_t i = 0; i < image.instances.size(); ++i) {
+      const double visible = image.infos.at(i).visib_fract;
+      if (visible < kCountedVisibility) continue;
+      DatasetEstimate& estimate = estimates.emplace_back();
+      estimate.scene_id = scene.scene_id;
+      estimate.image_id = image_id;
+      estimate.object_id = image.instances[i].object_id;
+      estimate.score = visible;
+      estimate.X_CO = image.instances[i].X_CO;
+    }
+  }
 }
 
 }  // namespace
@@ -82,35 +87,15 @@ std::vector<DatasetEstimate> TrueEstimates(const fs::path& root, const std::stri
              fmt::format("{}: has no scene folder such as 000001", (root / split).string()));
   std::vector<DatasetEstimate> estimates;
   for (const int scene_id : scenes) {
-    const SceneTruth scene =
-        ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault);
-    for (const auto& [image_id, image] : scene.images) {
-      for (size_t i = 0; i < image.instances.size(); ++i) {
-        const double visible = image.infos.at(i).visib_fract;
-        if (visible < kCountedVisibility) continue;
-        const DatasetInstance& instance = image.instances[i];
-        estimates.push_back(
-            EstimateAt(scene_id, image_id, instance.object_id, visible, instance.X_CO));
-      }
-    }
+    AddTrueEstimates(ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault),
+                     estimates);
   }
   return estimates;
 }
 
 std::vector<DatasetEstimate> OracleEstimates(const ExecutedScenes& scenes) {
   std::vector<DatasetEstimate> estimates;
-  for (const auto& [scene_id, scene] : scenes) {
-    for (const auto& [image_id, image] : scene.truth.images) {
-      const Scene& shown = scene.stored.Of(image_id, scene.truth.folder);
-      for (size_t i = 0; i < shown.objects.size(); ++i) {
-        const double visible = image.infos.at(i).visib_fract;
-        if (visible < kCountedVisibility) continue;
-        const PosedObject& posed = shown.objects[i];
-        estimates.push_back(EstimateAt(scene_id, image_id, int{posed.object} + 1, visible,
-                                       *image.X_CW * posed.X_WO));
-      }
-    }
-  }
+  for (const auto& [scene_id, scene] : scenes) AddTrueEstimates(scene.truth, estimates);
   return estimates;
 }
 

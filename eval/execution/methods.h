@@ -47,7 +47,8 @@ Method MethodOf(const std::string& name, const std::vector<DatasetEstimate>& est
 // the score. They come from the files of the data set: the method that knows the truth.
 std::vector<DatasetEstimate> TrueEstimates(const std::filesystem::path& root,
                                            const std::string& split);
-// Returns the same poses from the stored scenes, X_CW * X_WO.
+// Returns the same poses of scenes that were read. In a cell with errors, they are the poses in the
+// true camera frame, as of an estimator that makes no error.
 std::vector<DatasetEstimate> OracleEstimates(const ExecutedScenes& scenes);
 
 // Checks the estimates of a results file against the data set and its bin. Throws InputError for a
