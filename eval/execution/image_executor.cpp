@@ -7,6 +7,7 @@
 
 #include "eval/bop/layout.h"
 #include "eval/bop/vsd.h"
+#include "eval/cell/cell_errors.h"
 #include "eval/metrics/pose_errors.h"
 #include "eval/trial/failure_attribution.h"
 #include "eval/trial/grasp_choice.h"
@@ -137,6 +138,7 @@ struct ImageExecutor::Impl {
     ObjectSet objects;  // in their true sizes
     RgbdFrame frame;
     Camera camera;
+    Pose X_WB;                // of the bin, as the cell assumes it
     Image<float> measured_m;  // distances from the camera center
     InstanceMatcher truth;
   };
@@ -147,6 +149,8 @@ struct ImageExecutor::Impl {
     const Scene& physics = scene.stored.Of(image_id, scene.truth.folder);
     RgbdFrame frame = ReadFrame(scene.truth, image);
     const Camera camera(frame.intrinsics, image.X_CW->inverse());
+    const CellCalibration calibration =
+        CalibrationOf(setup.cell.camera(), setup.cell.ErrorsOf(scene.stored.bin_index));
     std::vector<TrueInstance> instances;
     for (size_t i = 0; i < image.instances.size(); ++i) {
       const ObjectId object(image.instances[i].object_id - 1);
@@ -161,18 +165,20 @@ struct ImageExecutor::Impl {
             ObjectsOfSizes(setup.cell.objects(), scene.stored.sizes),
             std::move(frame),
             camera,
+            calibration.X_WB.value_or(Pose::Identity()),
             std::move(measured_m),
             InstanceMatcher(setup.metric_models, std::move(instances))};
   }
 
   // Indices of the poses that may be grasped: not at a place that was picked, and free to be
   // lifted.
-  std::vector<int> Targets(const std::vector<EstimatedPose>& poses,
+  std::vector<int> Targets(const Shown& shown, const std::vector<EstimatedPose>& poses,
                            const std::vector<int>& picked) const {
     const auto center_W = [&](int i) {
       return Eigen::Vector3d(poses[i].X_WO * setup.cell.objects()[poses[i].object]->mass.com_O);
     };
     const PolicySpec& policy = setup.spec.policy;
+    const Pose X_BW = shown.X_WB.inverse();
     std::vector<int> targets;
     for (int i = 0; i < static_cast<int>(poses.size()); ++i) {
       const ObjectModel& object = *setup.cell.objects()[poses[i].object];
@@ -180,7 +186,7 @@ struct ImageExecutor::Impl {
         return (center_W(i) - center_W(used)).norm() < kSamePlaceDiameters * object.diameter_m;
       });
       const bool is_blocked =
-          policy.check_lift && grasp::LiftMeetsWall(setup.cell.bin(), object, poses[i].X_WO,
+          policy.check_lift && grasp::LiftMeetsWall(setup.cell.bin(), object, X_BW * poses[i].X_WO,
                                                     1e-3 * policy.lift_clearance_mm);
       if (!is_used && !is_blocked) targets.push_back(i);
     }
@@ -195,9 +201,9 @@ struct ImageExecutor::Impl {
         Rng::Derive(setup.spec.seed, shown.scene.stored.bin_index,
                     fmt::format("execute/{}/{}", shown.image.image_id, record.attempt))
             .Next();
-    PlanResult plan =
-        setup.planner->Plan({shown.frame, shown.camera.X_WC(), BinPlacement{setup.cell.bin()},
-                             poses, targets, PlanOptions().max_grasps, seed});
+    PlanResult plan = setup.planner->Plan({shown.frame, shown.camera.X_WC(),
+                                           BinPlacement{setup.cell.bin(), shown.X_WB}, poses,
+                                           targets, PlanOptions().max_grasps, seed});
     if (plan.failure && setup.options.on_warning) {
       setup.options.on_warning(fmt::format("scene {} image {}: {}", shown.scene.truth.scene_id,
                                            shown.image.image_id, plan.failure->text));
@@ -267,7 +273,7 @@ struct ImageExecutor::Impl {
       AttemptRecord own = record;
       own.attempt = pick;
       own.errors = setup.cell.ErrorsOf(shown.scene.stored.bin_index, pick);
-      const std::vector<int> targets = Targets(estimated, picked);
+      const std::vector<int> targets = Targets(shown, estimated, picked);
       Pick(shown, estimated, targets, own);
       const FailureReason failure = FailureOf(shown, own, score.hypotheses, targets);
       rows.push_back(RowOf(shown, method.name, own, poses, failure));
