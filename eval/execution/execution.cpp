@@ -9,7 +9,7 @@
 #include "eval/bop/layout.h"
 #include "eval/execution/image_executor.h"
 #include "eval/runtime/results_folder.h"
-#include "grasp/grippers/tools.h"
+#include "eval/sweep/run.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/random.h"
@@ -78,18 +78,14 @@ std::string MethodName(const fs::path& file, const std::set<std::string>& taken)
   return name;
 }
 
-// Text of everything that the picks depend on.
+// Text of everything that the picks depend on. The identity of a run covers the files that the
+// settings name: gripper, meshes, and the program of a planner.
 std::string IdentityOf(const ScenarioSpec& spec, const ObjectSet& objects,
                        const ExecutionOptions& options, const ExecutedScenes& scenes) {
   std::string text = ScenarioText(spec, options.out);
-  for (const auto& tool : LoadTools(spec.gripper.names)) {
-    const std::string settings = tool->SettingsText();
-    text += fmt::format("# gripper {} is {:016x}\n", tool->name,
-                        HashBytes(settings.data(), settings.size()));
-  }
-  for (const auto& object : objects) {
-    text += fmt::format("# part {} is {:016x}\n", object->name, object->mesh_hash);
-  }
+  const std::string of_run = RunIdentity(WithoutEstimator(spec), objects);
+  text +=
+      fmt::format("# settings and files are {:016x}\n", HashBytes(of_run.data(), of_run.size()));
   for (const auto& [id, scene] : scenes) {
     text +=
         fmt::format("# scene {} is {} {}\n", id, HashOfFile(scene.truth.folder / kStoredScenesFile),

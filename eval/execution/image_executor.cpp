@@ -78,14 +78,6 @@ BopErrors InfiniteErrors() {
   return {1, kInf, kInf, kInf, kInf};
 }
 
-// The estimator is not used. The oracle needs no file.
-ScenarioSpec WithoutEstimator(ScenarioSpec spec) {
-  spec.estimator = {};
-  spec.estimator.name = kOracleName;
-  spec.occlusion.enabled = false;
-  return spec;
-}
-
 TrialOptions OptionsWith(const std::function<void(const std::string&)>& on_warning) {
   TrialOptions options;
   options.on_warning = on_warning;
@@ -104,6 +96,13 @@ std::vector<PoseHypothesis> HypothesesOf(const std::vector<MethodPose>& poses) {
 }
 
 }  // namespace
+
+ScenarioSpec WithoutEstimator(ScenarioSpec spec) {
+  spec.estimator = {};
+  spec.estimator.name = kOracleName;  // needs no file
+  spec.occlusion.enabled = false;
+  return spec;
+}
 
 int RequestedPicks(const ImageTruth& image, const std::vector<bool>& is_wanted, int picks) {
   int visible = 0;

@@ -25,6 +25,9 @@ namespace pickbed::eval {
 // distractors.
 int RequestedPicks(const ImageTruth& image, const std::vector<bool>& is_wanted, int picks);
 
+// Returns the scenario without the settings of its estimator, which an execution does not use.
+ScenarioSpec WithoutEstimator(ScenarioSpec spec);
+
 class ImageExecutor {
  public:
   // `scenes` must outlive this object. `root` is the folder of the data set; its meshes are used
