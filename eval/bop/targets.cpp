@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -20,6 +21,15 @@ void CountVisible(const ImageTruth& image, ImageTargets& targets) {
     ++targets.counts[image.instances[i].object_id];
   }
   targets.localised = !targets.counts.empty();
+}
+
+// Returns the image of a target that was taken with the sensor; none if no view was. An empty
+// sensor takes the first view if no view has the plain file names.
+std::optional<int> ImageOf(const DatasetTarget& target, const std::string& sensor) {
+  for (const TargetView& view : target.views) {
+    if (view.sensor == sensor) return view.image_id;
+  }
+  return target.views.empty() || sensor.empty() ? std::optional(target.image_id) : std::nullopt;
 }
 
 }  // namespace
@@ -49,7 +59,8 @@ SplitTargets TargetsOf(const fs::path& root, const std::string& split, const std
   }
   if (has24 || has_views) {
     for (const DatasetTarget& target : ReadTargets(has24 ? file24 : multi_view, ThrowFault)) {
-      targets.scenes[target.scene_id][target.image_id].detected = true;
+      const std::optional<int> image_id = ImageOf(target, sensor);
+      if (image_id) targets.scenes[target.scene_id][*image_id].detected = true;
     }
   }
   if (has19 && (has24 || has_views) && without_object.empty()) return targets;
@@ -75,9 +86,9 @@ SplitTargets TargetsOf(const fs::path& root, const std::string& split, const std
                     file19.filename().string()));
   }
   if (has_views) {
-    targets.notes.push_back(fmt::format("no {}: the first view of each target of {} is a target",
-                                        file24.filename().string(),
-                                        multi_view.filename().string()));
+    targets.notes.push_back(
+        fmt::format("no {}: the first view of the camera in each target of {} is a target",
+                    file24.filename().string(), multi_view.filename().string()));
   } else if (!has24) {
     targets.notes.push_back(
         fmt::format("no {}: every image is a target", file24.filename().string()));

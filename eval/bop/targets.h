@@ -24,9 +24,10 @@ struct SplitTargets {
 
 // Reads the targets from SPLIT_targets_bop19.json and _bop24.json. Without the first file, every
 // instance that is at least 10 % visible is a target, as BOP chose its targets. So are they in an
-// image that it lists without obj_id. Without the second file, the first view of each target of
-// SPLIT_targets_multiview_bop25.json is a target or, without this file, every image. `sensor`: see
-// ReadSceneTruth(). Throws InputError if the split has no scene, or for a broken file.
+// image that it lists without obj_id. Without the second file, the first view of the sensor in
+// each target of SPLIT_targets_multiview_bop25.json is a target or, without this file, every image.
+// `sensor`: see ReadSceneTruth(). Throws InputError if the split has no scene, or for a broken
+// file.
 SplitTargets TargetsOf(const std::filesystem::path& root, const std::string& split,
                        const std::string& sensor = "");
 

@@ -88,6 +88,15 @@ TEST_F(BopTargetsTest, FirstViewOfAMultiViewTargetIsATarget) {
   const SplitTargets targets = TargetsOf(root(), "test");
   EXPECT_TRUE(targets.scenes.at(1).at(2).detected);
   EXPECT_FALSE(targets.scenes.at(1).at(0).detected);
+  CopyToSensor("left");
+  CopyToSensor("right");
+  const SplitTargets left = TargetsOf(root(), "test", "left");
+  EXPECT_TRUE(left.scenes.at(1).at(0).detected);
+  EXPECT_FALSE(left.scenes.at(1).at(2).detected);
+  const SplitTargets right = TargetsOf(root(), "test", "right");
+  for (const auto& [image, of_image] : right.scenes.at(1)) {
+    EXPECT_FALSE(of_image.detected) << "no target has a view of this camera: " << image;
+  }
   EXPECT_DOUBLE_EQ(EvaluateDataset(root(), "test", Truth()).ap_mssd, 1);
 
   for (const char* broken :
