@@ -92,6 +92,10 @@ void BeginRunDataset(const ScenarioSpec& spec, const ObjectSet& objects, const f
                          folder, before.size()));
   CheckInput(before.empty() || ReadIdentity(root) == identity,
              fmt::format("{} has scenes of another run; choose another image folder", folder));
+  CheckInput(before.empty() || !finished.empty(),
+             fmt::format("{} has {} scenes, but the run has no finished trial, so they are of "
+                         "other results; choose another image folder",
+                         folder, before.size()));
   for (const int trial : finished) {
     CheckInput(std::binary_search(before.begin(), before.end(), trial + 1),
                fmt::format("{} has no images of the finished trial {}, which ran without them; "

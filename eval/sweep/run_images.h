@@ -45,8 +45,9 @@ class RunImageWriter : public TrialObserver {
 };
 
 // Creates the folder of the data set with the scenario, the models and the camera. Throws
-// InputError if it holds scenes of other settings, or scenes without `resume`, or if a trial of
-// `finished` has no scene there, because it ran without the data set.
+// InputError if it holds scenes of other settings, or scenes without `resume`. Throws also if it
+// holds scenes while no trial is in `finished`, because they belong to another results folder, or
+// if a trial of `finished` has no scene there, because it ran without the data set.
 void BeginRunDataset(const ScenarioSpec& spec, const ObjectSet& objects,
                      const std::filesystem::path& root, const std::string& identity, bool resume,
                      const std::vector<int>& finished);

@@ -104,6 +104,9 @@ TEST_F(RunImagesTest, FoldersThatDoNotFitAreRefused) {
   Run("set", 1);
   fs::remove_all(folder_.path() / "set_run");
   EXPECT_THAT(ErrorOf([&] { Run("set", 1); }), HasSubstr("already has 1 scenes"));
+  EXPECT_THAT(ErrorOf([&] { Run("set", 1, 1, /*resume=*/true); }),
+              HasSubstr("the run has no finished trial"));
+  EXPECT_TRUE(fs::exists(Data("set") / kRunSplit / SceneFolderName(1))) << "nothing is removed";
   Run("plain", 1, 1, false, /*with_images=*/false);
   EXPECT_THAT(ErrorOf([&] { Run("plain", 2, 1, /*resume=*/true); }),
               HasSubstr("no images of the finished trial 0"));
