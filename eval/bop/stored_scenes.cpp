@@ -6,6 +6,7 @@
 
 #include "eval/bop/json.h"
 #include "eval/bop/layout.h"
+#include "eval/bop/read_dataset.h"
 #include "scenes/base/error.h"
 
 namespace pickbed::eval {
@@ -64,6 +65,9 @@ PosedObject InstanceOf(const ParsedJson& entry, const ObjectSet& objects, const 
   posed.object = ObjectId(object_id - 1);
   const auto R = JsonReals(entry, "R", 9, place);
   const auto t_m = JsonReals(entry, "t_m", 3, place);
+  if (const std::string wrong = RotationFault(ToMatrix3(*R)); !wrong.empty()) {
+    (place / "'R'").Fault(wrong);
+  }
   posed.X_WO = MakePose(ToMatrix3(*R), Eigen::Vector3d::Map(t_m->data()));
   posed.deviation.friction = entry.at("friction_deviation").get<double>();
   posed.deviation.mass = entry.at("mass_deviation").get<double>();

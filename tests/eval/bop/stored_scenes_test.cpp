@@ -74,6 +74,10 @@ TEST_F(StoredScenesTest, FaultsAreNamedInOneLine) {
   EXPECT_THAT(ErrorOfText(Changed("\"format\": 1", "\"format\": 9")), HasSubstr("has format 9"));
   EXPECT_THAT(ErrorOfText(Changed("\"obj_id\":1", "\"obj_id\":7")), HasSubstr("object cube"));
   EXPECT_THAT(ErrorOfText(Changed("\"size_deviation\"", "\"size\"")), HasSubstr("is damaged"));
+  StoredScenes stretched = stored_;
+  stretched.scenes.front().objects.front().X_WO.linear() *= 2;
+  EXPECT_THAT(ErrorOfText(StoredScenesText(stretched, EasyCube())),
+              HasSubstr("'R': is no rotation"));
   EXPECT_THAT(ErrorOfText(StoredScenesText(stored_, EasyCube()), {Cube(0.03, 0.06, 0.6)}),
               HasSubstr("object cube differs now"))
       << "another mass";
