@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <memory>
 
 #include "eval/bop/vsd.h"
@@ -55,6 +56,11 @@ std::vector<double> VsdOf(PythonMetricModel& model, const CameraIntrinsics& came
   const PosePair pair(X_est, X_true);
   const Image<float> depth_m = DepthFrom(depth, camera);
   const std::vector<double> taus = NumbersFrom(tau_values, "taus");
+  for (const double tau : taus) {
+    CheckInput(tau > 0, fmt::format("taus has the value {}: must be positive", tau));
+  }
+  CheckInput(delta_m >= 0 && std::isfinite(delta_m),
+             fmt::format("delta_m = {}: must be finite and not negative", delta_m));
   return model.guard.Run([&] {
     const DistanceCrop estimated = model.Draw(pair.X_est, camera);
     const DistanceCrop truth = model.Draw(pair.X_true, camera);

@@ -77,6 +77,8 @@ class PoseErrors(support.TestCase):
         self.refused("depth_m must be 48 x 64", lambda: pickbed.vsd(model, camera, X, X, depth_m[1:], [0.1]))
         self.refused("taus must be a list of numbers", lambda: pickbed.vsd(model, camera, X, X, depth_m, "all"))
         self.refused("taus has the value nan", lambda: pickbed.vsd(model, camera, X, X, depth_m, [np.nan]))
+        self.refused("taus has the value -1", lambda: pickbed.vsd(model, camera, X, X, depth_m, [-1]))
+        self.refused("delta_m = nan", lambda: pickbed.vsd(model, camera, X, X, depth_m, [0.1], np.nan))
         self.refused("max_vertices = -1", lambda: pickbed.MetricModel(pickbed.load_object("ring"), -1))
 
 
