@@ -187,8 +187,12 @@ std::string ChosenSensor(const fs::path& folder, const std::string& wanted) {
     return std::ranges::find(sensors, sensor) != sensors.end();
   };
   if (!wanted.empty()) {
-    CheckInput(has(wanted), fmt::format("{}: has no files of a sensor {}; it has {}",
-                                        folder.string(), wanted, fmt::join(sensors, ", ")));
+    std::vector<std::string> named = sensors;
+    std::erase(named, "");
+    CheckInput(has(wanted),
+               fmt::format("{}: has no files of a sensor {}; it has {}", folder.string(), wanted,
+                           named.empty() ? "only the plain file names"
+                                         : fmt::format("{}", fmt::join(named, ", "))));
     return wanted;
   }
   if (sensors.empty() || has("")) return "";  // the reader reports a missing file
