@@ -200,7 +200,7 @@ int ScoreCommand(int argc, char** argv) {
   app.add_option("--max-estimates", options.max_estimates,
                  "number of estimates of an image that count in AP, those with the highest scores "
                  "[100; 200 for xyzibd]")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1000000));
   app.add_option("--camera", options.sensor,
                  "camera of a dataset with several: CAM of scene_gt_CAM.json");
   app.add_flag("--json", json, "print all values as JSON on stdout, and nothing else");
