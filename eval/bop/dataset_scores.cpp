@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "eval/bop/layout.h"
@@ -25,6 +26,22 @@ double MeanTime(const std::vector<DatasetEstimate>& estimates) {
   double sum = 0;
   for (const auto& [image, seconds] : times_s) sum += seconds;
   return times_s.empty() ? -1 : sum / times_s.size();
+}
+
+// Returns a note if the translations are most probably in metres; else an empty text.
+std::string UnitNote(const std::vector<DatasetEstimate>& estimates) {
+  constexpr double kNear_m = 0.05;  // nothing is so close to a camera
+  constexpr double kShare = 0.9;
+  const auto in_camera = std::ranges::count_if(estimates, [](const DatasetEstimate& estimate) {
+    return estimate.X_CO.translation().norm() < kNear_m;
+  });
+  if (in_camera == 0 ||
+      static_cast<double>(in_camera) < kShare * static_cast<double>(estimates.size())) {
+    return "";
+  }
+  return fmt::format(
+      "{} of {} estimates are less than 5 cm from the camera; t must be in millimetres", in_camera,
+      estimates.size());
 }
 
 using EstimatesByImage = std::map<std::pair<int, int>, std::vector<const DatasetEstimate*>>;
@@ -117,6 +134,9 @@ DatasetScores EvaluateDataset(const fs::path& root, const std::string& split,
   EstimatesByImage by_image = ByImage(estimates, models, folder);
   DatasetScores scores;
   scores.notes = targets.notes;
+  if (std::string note = UnitNote(estimates); !note.empty()) {
+    scores.notes.push_back(std::move(note));
+  }
   scores.seconds_an_image = MeanTime(estimates);
   for (const auto& [scene_id, images] : targets.scenes) {
     const fs::path scene_folder = root / split / SceneFolderName(scene_id);

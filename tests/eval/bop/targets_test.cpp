@@ -107,6 +107,15 @@ TEST_F(BopTargetsTest, FirstViewOfAMultiViewTargetIsATarget) {
   }
 }
 
+TEST_F(BopTargetsTest, TranslationsInMetresAreNoted) {
+  std::vector<DatasetEstimate> estimates = Truth();
+  EXPECT_THAT(EvaluateDataset(root(), "test", estimates).notes, testing::IsEmpty());
+  for (DatasetEstimate& estimate : estimates) estimate.X_CO.translation() *= 1e-3;
+  const std::vector<std::string> notes = EvaluateDataset(root(), "test", estimates).notes;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_THAT(notes[0], HasSubstr("t must be in millimetres"));
+}
+
 TEST_F(BopTargetsTest, FilesOfASensorHaveItsName) {
   EXPECT_EQ(OfSensor("scene_gt.json", "left"), "scene_gt_left.json");
   EXPECT_EQ(OfSensor("depth", "left"), "depth_left");
