@@ -46,7 +46,7 @@ void BinPickingEnv::Reset(std::optional<uint64_t> seed, std::optional<int> bin_i
   const int bin = bin_index.value_or(next_bin_);
   trial_ = nullptr;
   final_view_.reset();
-  interrupted_ = terminated_ = truncated_ = false;
+  interrupted_ = terminated_ = truncated_ = has_own_grasp_ = false;
   trial_ = std::make_unique<PickingTrial>(setup_, BinIndex(bin), &observer_);
   next_bin_ = bin < std::numeric_limits<int>::max() ? bin + 1 : bin;
   trial_->Attempt();
@@ -67,11 +67,12 @@ const AttemptRecord& BinPickingEnv::Step(const std::optional<Grasp>& grasp) {
   interrupted_ = true;  // until the grasp was executed
   last_ = trial.Execute(grasp);
   interrupted_ = false;
-  own_grasps_ |= is_own;
+  has_own_grasp_ |= is_own;
   truncated_ = trial.HasReachedLimit();
   terminated_ = trial.HasEnded() && !truncated_;
   if (trial.HasEnded()) {
     trials_.push_back(trial.TakeResult());
+    own_grasps_ |= has_own_grasp_;
   } else {
     trial.Attempt();
   }

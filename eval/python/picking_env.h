@@ -89,7 +89,8 @@ class BinPickingEnv {
   AttemptRecord last_;
   std::optional<CapturedView> final_view_;
   std::vector<TrialResult> trials_;
-  bool own_grasps_ = false;  // in one of trials_ or in the episode
+  bool has_own_grasp_ = false;  // in the episode
+  bool own_grasps_ = false;     // in one of trials_
   int next_bin_ = 0;
 };
 

@@ -126,6 +126,18 @@ class OwnGrasps(support.TestCase):
             env.reset(seed=7)
             self.assertEqual([env.step(pickbed.Grasp(IN_THE_AIR, 0.03))[2:4] for _ in ends], ends)
 
+    def test_own_grasps_of_an_unfinished_episode_leave_no_trace(self):
+        self.env.reset(seed=7)
+        self.env.step(IN_THE_AIR)
+        self.env.reset(options={"bin_index": 0})
+        done = False
+        while not done:
+            _, _, terminated, truncated, _ = self.env.step(self.env.choose_grasp())
+            done = terminated or truncated
+        self.env.write(self.folder / "mine")
+        self.program("run", self.scenario_file, "--trials", 2, "--set", "seed=7", "--pictures", 0, "--jobs", 1,
+                     "--out", "mine", "--resume")
+
     def test_a_run_with_own_grasps_cannot_continue_a_run_of_the_program(self):
         play(self.env, 7, 1, choose=lambda env: None)
         self.env.write(self.folder / "mine")
