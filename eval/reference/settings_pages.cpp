@@ -85,16 +85,17 @@ std::vector<SettingsSource> NetworkSettings() {
 }
 
 SettingsPage ScenarioSettings() {
-  return {"settings.md",
-          "Settings of a scenario",
-          {{"Scenario file",
-            "A scenario file is YAML. Every key has a default, except `objects`. `--set KEY=VALUE` "
-            "changes a key of any command that reads a scenario; the index of a list item is a "
-            "number, as in `--set objects.0.count=5`. `pickbed list settings` prints the same "
-            "keys. Other settings: [files of objects, bins, sensors, grippers and "
-            "sweeps](settings_files.md), [training](settings_training.md), [benchmark, tolerance "
-            "maps and grasps](settings_measurements.md).",
-            RowsOf(ScenarioSpec())}}};
+  return {
+      "settings.md",
+      "Settings of a scenario",
+      {{"Scenario file",
+        "A scenario file is YAML. Every key has a default, except `objects`. `--set KEY=VALUE` "
+        "changes a key of any command that reads a scenario; the index of a list item is a "
+        "number, as in `--set objects.0.count=5`. `pickbed list settings` prints the same "
+        "keys. Other settings: [files of objects, bins, sensors, grippers and "
+        "sweeps](settings_files.md), [training](settings_training.md), [benchmark and tolerance "
+        "maps](settings_measurements.md), [grasps](settings_grasps.md).",
+        RowsOf(ScenarioSpec())}}};
 }
 
 SettingsPage FileSettings() {
@@ -140,15 +141,20 @@ SettingsPage TrainingSettings() {
 
 SettingsPage MeasurementSettings() {
   return {"settings_measurements.md",
-          "Settings of benchmark, tolerance maps and grasps",
+          "Settings of benchmark and tolerance maps",
           {{"Crop benchmark", "Settings of `pickbed benchmark crops --set`.",
             RowsOf(CropBenchmarkOptions())},
            {"Tolerance map",
             fmt::format("Settings of `pickbed tolerance --set`; `{}` in its results folder has the "
                         "effective values.",
                         kToleranceFile),
-            RowsOf(ToleranceOptions())},
-           {"Grasps", "Settings of `pickbed grasps --set`.", RowsOf(GraspCandidateOptions())},
+            RowsOf(ToleranceOptions())}}};
+}
+
+SettingsPage GraspSettings() {
+  return {"settings_grasps.md",
+          "Settings of grasps",
+          {{"Grasps", "Settings of `pickbed grasps --set`.", RowsOf(GraspCandidateOptions())},
            {"Tested grasps", "Settings of `pickbed grasps --from FILE --set`.",
             RowsOf(GraspTestOptions())}}};
 }
@@ -190,7 +196,8 @@ std::string TablesOf(const SettingsSource& source) {
 }  // namespace
 
 std::vector<SettingsPage> AllSettings() {
-  return {ScenarioSettings(), FileSettings(), TrainingSettings(), MeasurementSettings()};
+  return {ScenarioSettings(), FileSettings(), TrainingSettings(), MeasurementSettings(),
+          GraspSettings()};
 }
 
 void AddSettingsPages(Pages& pages) {

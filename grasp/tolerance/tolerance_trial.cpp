@@ -114,6 +114,7 @@ std::vector<RestingPlace> RestingPlacesOf(const ObjectModel& object, const Table
 
 Table MakeTable(std::shared_ptr<const ObjectModel> object, std::shared_ptr<const Gripper> gripper,
                 std::vector<GraspCandidate> candidates, const TableOptions& options) {
+  CheckSettings("TableOptions", options);
   const std::string who = fmt::format("{} with {}", object->name, gripper->name);
   CheckInput(!candidates.empty(), who + ": the object has no grasp that fits this gripper");
   Table table{

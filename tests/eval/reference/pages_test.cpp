@@ -10,6 +10,7 @@
 
 #include "eval/benchmark/crops.h"
 #include "eval/cli/commands.h"
+#include "eval/grasps/physics_trials.h"
 #include "eval/reference/markdown.h"
 #include "eval/reference/setting_rows.h"
 #include "eval/sweep/sweep_spec.h"
@@ -135,7 +136,8 @@ TEST(ReferencePages, HaveEveryKeyOfTrainingAndMeasurements) {
   ExpectRow("settings_training.md", "wohlhart.network.anchors");
   ExpectKeysOf("settings_measurements.md", CropBenchmarkOptions());
   ExpectKeysOf("settings_measurements.md", ToleranceOptions());
-  ExpectKeysOf("settings_measurements.md", GraspCandidateOptions());
+  ExpectKeysOf("settings_grasps.md", GraspCandidateOptions());
+  ExpectKeysOf("settings_grasps.md", GraspTestOptions());
 }
 
 TEST(ReferencePages, HaveEveryCommandAndOptionOfTheHelp) {
