@@ -175,7 +175,7 @@ TEST(PluginPoses, AnswersOfAnotherFormAreNamed) {
   EXPECT_EQ(fault(ManyPoses(0)), "no fault");
   MessageWriter empty;
   empty.BeginMap(0);
-  EXPECT_THAT(fault(Received(empty)), HasSubstr("it has no 'poses'"));
+  EXPECT_THAT(fault(Received(empty)), HasSubstr("has no 'poses'"));
 }
 
 TEST(PluginSetup, ContainsTheMeshAsFileAndAsArrays) {
