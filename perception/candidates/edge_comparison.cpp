@@ -14,6 +14,8 @@ constexpr double kMaxGapDiameters = 0.025;
 constexpr double kSamePoseDiameters = 0.1;  // poses nearer than this are one
 constexpr double kMinScore = 0.01;          // less likely candidates are no alternative
 constexpr int kMinVisible = 40;             // edge points for a comparison
+constexpr double kMaxVisibleDifference =
+    0.15;  // between compared poses, share of the larger number
 
 // Poses of one object at one place. Members of one pose have the same number.
 struct Place {
@@ -63,6 +65,22 @@ Place PlaceAround(size_t seed, const PoseDistance& distance, const ModelPoints& 
   return place;
 }
 
+// Fraction by which the support of candidate k is below the best one that shows about as many edge
+// points. Poses that show other edges cannot be compared: a weak edge of the right pose would count
+// against it.
+double Below(const std::vector<EdgeSupport>& supports, size_t k) {
+  const EdgeSupport& own = supports[k];
+  if (own.visible < kMinVisible) return 0;
+  double best = own.mean;
+  for (const EdgeSupport& other : supports) {
+    const int difference = std::abs(other.visible - own.visible);
+    if (difference <= kMaxVisibleDifference * std::max(other.visible, own.visible)) {
+      best = std::max(best, other.mean);
+    }
+  }
+  return best > 0 ? 1 - own.mean / best : 0;
+}
+
 }  // namespace
 
 void WeighByEdges(const OrganizedCloud& cloud, const std::vector<ModelPoints>& models,
@@ -83,18 +101,14 @@ void WeighByEdges(const OrganizedCloud& cloud, const std::vector<ModelPoints>& m
         PlaceAround(seed, distances[object], models[object], candidates, order, is_used);
     if (place.poses < 2) continue;
     std::vector<EdgeSupport> supports;
-    double best = 0;
     for (const size_t i : place.candidates) {
       supports.push_back(MeasureEdgeSupport(cloud, models[object], candidates[i].hypothesis.X_CO));
-      if (supports.back().visible >= kMinVisible) best = std::max(best, supports.back().mean);
     }
-    if (!(best > 0)) continue;
     // Likelihood of each candidate; of each pose the largest counts.
     std::vector<double> before(place.poses), after(place.poses), likely;
     for (size_t k = 0; k < place.candidates.size(); ++k) {
-      const double below = supports[k].visible >= kMinVisible ? 1 - supports[k].mean / best : 0;
       const double score = scores[place.candidates[k]];
-      likely.push_back(score * std::exp(-std::min(kMaxEdgeNats, kEdgeWeight * below)));
+      likely.push_back(score * std::exp(-std::min(kMaxEdgeNats, kEdgeWeight * Below(supports, k))));
       before[place.pose[k]] = std::max(before[place.pose[k]], score);
       after[place.pose[k]] = std::max(after[place.pose[k]], likely.back());
     }

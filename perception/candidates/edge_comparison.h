@@ -13,8 +13,9 @@ namespace pickbed::perception {
 // Changes the scores of candidates that are different poses of one object with nearly the same
 // surface. Their sum is the probability that one of them is right. It stays, or becomes 1 if it is
 // larger, and the edges divide it. A pose whose mean edge support is a fraction f below the best
-// one is exp(kEdgeWeight * f) times less likely, at most exp(kMaxEdgeNats) times. Scores of other
-// candidates stay, and all scores stay without a colour image.
+// one with about as many visible edge points is exp(kEdgeWeight * f) times less likely, at most
+// exp(kMaxEdgeNats) times. Scores of other candidates stay, and all scores stay without a colour
+// image.
 // - models, distances: by object index
 // - scores: one per candidate, 0 .. 1
 void WeighByEdges(const OrganizedCloud& cloud, const std::vector<ModelPoints>& models,

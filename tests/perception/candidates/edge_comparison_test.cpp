@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
+#include "perception/verify/edge_support.h"
 #include "scenes/base/files.h"
 #include "scenes/objects/object_catalog.h"
 #include "tests/perception/edge_image.h"
+#include "tests/support/synthetic_depth.h"
 
 namespace pickbed::tests {
 namespace {
@@ -84,6 +87,27 @@ TEST_F(EdgeComparison, ScoresStayWithoutColor) {
   cloud_.edges = {};
   Weigh();
   EXPECT_EQ(scores_, (std::vector<double>{0.5, 0.4}));
+}
+
+// A tilted box with sharp edges on its front only. Turned over, it shows one of them.
+TEST_F(EdgeComparison, PosesThatShowOtherEdgesAreNotCompared) {
+  ObjectModel box;
+  box.mesh_O = BoxMesh({0.06, 0.06, 0.02}, Eigen::Vector3d::Zero());
+  box.diameter_m = std::hypot(0.06, 0.06, 0.02);
+  models_ = {MakeModelPoints(box)};
+  distances_ = {PoseDistance(box)};
+  std::erase_if(models_[0].edges, [](const EdgePoint& point) { return point.p_O.z() < 0.0099f; });
+  const Pose X_turned = X_CO_ * Pose(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
+  cloud_ = CloudWithEdgesOf(camera_, models_[0], X_turned);
+  const int shown = MeasureEdgeSupport(cloud_, models_[0], X_CO_).visible;
+  const int shown_turned = MeasureEdgeSupport(cloud_, models_[0], X_turned).visible;
+  ASSERT_GT(std::min(shown, shown_turned), 40);
+  ASSERT_GT(std::abs(shown - shown_turned), 0.3 * std::max(shown, shown_turned));
+  Add(X_CO_, 0.5);
+  Add(X_turned, 0.4);
+  Weigh();
+  EXPECT_NEAR(scores_[0], 0.5, 1e-12);
+  EXPECT_NEAR(scores_[1], 0.4, 1e-12);
 }
 
 }  // namespace
