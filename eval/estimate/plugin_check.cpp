@@ -72,7 +72,8 @@ class PluginChecks {
     CheckAnswer();
     CheckRepeatability();
     CheckBlankImage();
-    if (!Needs("color")) CheckImageWithoutColor();
+    if (!Needs(kNeedsColor)) CheckImageWithoutColor();
+    if (!Needs(kNeedsBin)) CheckUnknownBin();
     if (is_planner_) CheckWithoutPoses();
     CheckUnknownVerb();
     CheckTimes();
@@ -152,12 +153,13 @@ class PluginChecks {
     return ObjectId(static_cast<int>(found - cell_.wanted().begin()));
   }
 
-  Answer Ask(const RgbdFrame& frame, bool with_poses = true) {
+  Answer Ask(const RgbdFrame& frame, bool with_poses = true, bool with_bin = true) {
     PluginFrame input{frame};
-    input.X_WC = cell_.camera().X_WC();
-    input.X_CB = cell_.camera().X_CW();
+    // Without a bin, the world is unknown too. Only a planner needs it, for its answers.
+    if (with_bin || is_planner_) input.X_WC = cell_.camera().X_WC();
+    if (with_bin) input.X_CB = cell_.camera().X_CW();
     input.seed = kFrameSeed;
-    const std::vector<int> counts = Needs("counts") ? Counts() : std::vector<int>();
+    const std::vector<int> counts = Needs(kNeedsCounts) ? Counts() : std::vector<int>();
     input.counts = counts;
     MessageWriter request;
     std::vector<PluginPose> poses;
@@ -281,6 +283,15 @@ class PluginChecks {
       gray.color = {};
       const Answer answer = Ask(gray);
       Add("gray", fmt::format("{} {} in an image without color", answer.size(), noun()),
+          answer.faults);
+    });
+  }
+
+  void CheckUnknownBin() {
+    Try("no bin", [this] {
+      const Answer answer = Ask(images_.front().frame, true, false);
+      Add("no bin",
+          fmt::format("{} {} in an image whose bin pose is unknown", answer.size(), noun()),
           answer.faults);
     });
   }

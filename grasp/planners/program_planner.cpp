@@ -51,9 +51,9 @@ void ProgramPlanner::RequireNeeds(const PlannerInput& input) const {
     CheckInput(is_there || std::find(needs.begin(), needs.end(), need) == needs.end(),
                fmt::format("planner '{}' needs '{}'; {}", identity().name, need, reason));
   };
-  require("color", !input.frame.color.empty(), "the images have no color");
-  require("bin", input.bin.has_value(), "the pose of the bin is unknown");
-  require("counts", false, "planners do not get the number of instances");
+  require(kNeedsColor, !input.frame.color.empty(), "the images have no color");
+  require(kNeedsBin, input.bin.has_value(), "the pose of the bin is unknown");
+  require(kNeedsCounts, false, "planners do not get the number of instances");
 }
 
 // Returns the grasps, best first. Throws PluginError.

@@ -73,9 +73,9 @@ class ProcessEstimator : public PoseEstimator {
           is_there || std::find(needs.begin(), needs.end(), need) == needs.end(),
           fmt::format("estimator '{}' needs '{}'; {}", client_.identity().name, need, remedy));
     };
-    require("color", !input.frame.color.empty(), "the images have no color");
-    require("bin", input.background.has_value(), "the pose of the bin is unknown");
-    require("counts", !input.instances.empty(),
+    require(kNeedsColor, !input.frame.color.empty(), "the images have no color");
+    require(kNeedsBin, input.background.has_value(), "the pose of the bin is unknown");
+    require(kNeedsCounts, !input.instances.empty(),
             "the number of instances is known only for BOP images in the task localisation");
   }
 

@@ -72,6 +72,17 @@ std::vector<std::string> TextsIn(const MessageValue& map, std::string_view key) 
   return texts;
 }
 
+// Returns the inputs that the plug-in needs. Throws MessageError for an unknown one.
+std::vector<std::string> NeedsIn(const MessageValue& hello) {
+  static const std::vector<std::string> kKnown{kNeedsColor, kNeedsBin, kNeedsCounts};
+  std::vector<std::string> needs = TextsIn(hello, "needs");
+  for (const std::string& need : needs) {
+    if (std::find(kKnown.begin(), kKnown.end(), need) != kKnown.end()) continue;
+    throw MessageError(UnknownNameMessage("word in needs:", need, kKnown));
+  }
+  return needs;
+}
+
 std::string OneLine(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
@@ -184,7 +195,7 @@ void PluginClient::SayHello() {
     }
     const MessageValue* version = answer.Find("version");
     identity_ = {answer.At("name").Text("name"), version ? version->Text("version") : "",
-                 TextsIn(answer, "roles"), TextsIn(answer, "needs")};
+                 TextsIn(answer, "roles"), NeedsIn(answer)};
   } catch (const MessageError& error) {
     throw PluginError(PluginFault::kMalformed,
                       fmt::format("gave a wrong answer to hello: {}", error.what()));

@@ -22,6 +22,11 @@ namespace pickbed::scenes {
 
 inline constexpr int kPluginProtocol = 1;
 
+// Words that a plug-in may list in `needs`: inputs without which it cannot work.
+inline constexpr char kNeedsColor[] = "color";    // the image has a color
+inline constexpr char kNeedsBin[] = "bin";        // the pose of the bin is known
+inline constexpr char kNeedsCounts[] = "counts";  // the number of instances is known
+
 // How a request failed.
 enum class PluginFault {
   kCrashed,   // the program ended or closed its stream
@@ -60,7 +65,7 @@ struct PluginIdentity {
   std::string name;
   std::string version;             // its own version, such as a hash of its weights; may be empty
   std::vector<std::string> roles;  // "estimator", "planner"
-  std::vector<std::string> needs;  // inputs without which it cannot work: "color", "bin", "counts"
+  std::vector<std::string> needs;  // kNeedsColor, kNeedsBin, kNeedsCounts
 };
 
 // Seconds of the requests that start a plug-in.

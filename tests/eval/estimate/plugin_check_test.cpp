@@ -38,7 +38,7 @@ std::string Remedy(const PluginCheckup& checkup) {
 
 TEST_F(PluginCheckTest, AGoodEstimatorPassesEveryCheck) {
   const auto results = Check(EstimatorCode("    return [pose(score=0.3)]"));
-  EXPECT_EQ(results.size(), 10u);
+  EXPECT_EQ(results.size(), 11u);
   for (const auto& [name, checkup] : results) EXPECT_TRUE(checkup.ok) << name << Remedy(checkup);
   EXPECT_THAT(results.at("start").found, HasSubstr("'tested', estimator"));
   EXPECT_THAT(results.at("scores").found, HasSubstr("1 of 1 poses have a score below"));
@@ -58,6 +58,16 @@ TEST_F(PluginCheckTest, EachFaultFailsItsCheck) {
   EXPECT_THAT(Remedy(results.at("blank")), HasSubstr("ZeroDivisionError"));
   EXPECT_THAT(Remedy(results.at("gray")), HasSubstr("score 2 is outside 0 to 1"));
   EXPECT_TRUE(results.at("errors").ok);
+}
+
+// Images of a BOP data set have no bin.
+TEST_F(PluginCheckTest, AnUnknownBinIsSentUnlessTheProgramNeedsIt) {
+  const std::string body = "    frame.X_CB[0, 0]\n    return [pose()]";
+  const auto results = Check(EstimatorCode(body));
+  EXPECT_TRUE(results.at("answer").ok);
+  EXPECT_THAT(Remedy(results.at("no bin")),
+              testing::AllOf(HasSubstr("false: reported an error"), HasSubstr("TypeError")));
+  EXPECT_FALSE(Check(EstimatorCode(body, "'bin'")).contains("no bin"));
 }
 
 TEST_F(PluginCheckTest, AProgramThatIgnoresTheProtocolIsNamed) {

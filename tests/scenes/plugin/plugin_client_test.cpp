@@ -169,6 +169,18 @@ TEST_F(PluginClientTest, AStartThatFailsIsOneLineWithTheReason) {
               HasSubstr("reported an error: no GPU"));
 }
 
+TEST_F(PluginClientTest, AnUnknownNeedIsRefusedWithTheKnownOnes) {
+  const auto hello = [](const std::string& needs) {
+    return RawPlugin("    if v == 'hello': a['needs'] = " + needs);
+  };
+  EXPECT_THAT(StartError(hello("['color', 'depths']")),
+              HasSubstr("gave a wrong answer to hello: unknown word in needs: 'depths'; known: "
+                        "color, bin, counts"));
+  EXPECT_THAT(StartError(hello("['colour']")), HasSubstr("did you mean 'color'?"));
+  PluginClient client(Address(hello("['counts', 'bin', 'color']")), "estimator", EmptySetup);
+  EXPECT_THAT(client.identity().needs, ElementsAre("counts", "bin", "color"));
+}
+
 TEST_F(PluginClientTest, TheStartHasALimitOfItsOwn) {
   PluginAddress address = Address("import time\ntime.sleep(60)\n", 0.1);
   address.start_timeout_s = 0.5;
