@@ -91,7 +91,22 @@ std::string HashedThing(const std::string& key) {
   if (key.starts_with("# bin")) return "mesh of the bin";
   if (key.starts_with("# model")) return "trained model";
   if (key.starts_with("# truth")) return "stages with ground truth";
+  if (key.starts_with("# calibration")) return "calibration of the scores";
+  if (key.starts_with("# program")) return "program of the estimator or planner";
+  if (key.starts_with("# estimator")) return "program that answers for the estimator";
+  if (key.starts_with("# planner")) return "program that answers for the planner";
   return "";
+}
+
+// Returns the difference of one value in words.
+std::string InWords(const std::string& key, const std::string& was, const std::string& is) {
+  if (key.starts_with("# grasps chosen")) {
+    return is == kNothing ? "the stored run has grasps of a caller, this one has none"
+                          : "this run has grasps of a caller, the stored one has none";
+  }
+  const std::string thing = HashedThing(key);
+  return thing.empty() ? fmt::format("{}: {} before, {} now", key, was, is)
+                       : thing + " has changed";
 }
 
 }  // namespace
@@ -110,11 +125,7 @@ std::vector<std::string> SettingsDifferences(const std::string& before, const st
     for (size_t i = 0; i < std::max(count_was, count_is); ++i) {
       const std::string value_was = i < count_was ? was->second[i] : kNothing;
       const std::string value_is = i < count_is ? is->second[i] : kNothing;
-      if (value_was == value_is) continue;
-      const std::string thing = HashedThing(key);
-      differences.push_back(thing.empty()
-                                ? fmt::format("{}: {} before, {} now", key, value_was, value_is)
-                                : thing + " has changed");
+      if (value_was != value_is) differences.push_back(InWords(key, value_was, value_is));
     }
   }
   return differences;

@@ -39,6 +39,23 @@ TEST(SettingsDifferences, HashesAreNamedByWhatTheyDescribe) {
               ElementsAre("mesh or mass of object rod has changed"));
   EXPECT_THAT(SettingsDifferences(kBefore, Changed("4567", "9999")),
               ElementsAre("trained model has changed"));
+  const auto difference = [](const std::string& was, const std::string& is) {
+    return SettingsDifferences(kBefore + was, kBefore + is);
+  };
+  EXPECT_THAT(difference("# calibration 01\n", "# calibration 02\n"),
+              ElementsAre("calibration of the scores has changed"));
+  EXPECT_THAT(difference("# program 01\n", "# program 02\n"),
+              ElementsAre("program of the estimator or planner has changed"));
+  EXPECT_THAT(difference("# planner 'mine' version '1'\n", "# planner 'mine' version '2'\n"),
+              ElementsAre("program that answers for the planner has changed"));
+}
+
+TEST(SettingsDifferences, GraspsOfACallerAreASentence) {
+  const std::string own = std::string(kBefore) + "# grasps chosen by a caller\n";
+  EXPECT_THAT(SettingsDifferences(own, kBefore),
+              ElementsAre("the stored run has grasps of a caller, this one has none"));
+  EXPECT_THAT(SettingsDifferences(kBefore, own),
+              ElementsAre("this run has grasps of a caller, the stored one has none"));
 }
 
 // A run that is continued with another setting says which one.
