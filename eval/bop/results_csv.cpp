@@ -122,7 +122,7 @@ std::string WriteEstimates(const std::vector<DatasetEstimate>& estimates) {
 }
 
 std::vector<DatasetEstimate> ReadEstimates(const std::filesystem::path& file) {
-  std::stringstream stream(ReadFileBytes(file));
+  std::stringstream stream(ReadFileText(file));
   std::vector<DatasetEstimate> estimates;
   std::map<std::pair<int, int>, double> times_s;
   int number = 0;

@@ -151,6 +151,12 @@ std::string ReadFileBytes(const fs::path& path) {
   return std::move(bytes).str();
 }
 
+std::string ReadFileText(const fs::path& path) {
+  std::string text = ReadFileBytes(path);
+  if (text.starts_with(kByteOrderMark)) text.erase(0, std::strlen(kByteOrderMark));
+  return text;
+}
+
 void RequireWritable(const fs::path& path) {
   CheckInput(!fs::is_directory(path), "cannot write '" + path.string() + "': it is a folder");
   const TemporaryFile probe(path);

@@ -30,6 +30,10 @@ void MakeFolder(const std::filesystem::path& folder);
 
 // Returns all bytes of a file. Throws InputError with the path and the system's reason.
 std::string ReadFileBytes(const std::filesystem::path& path);
+// Returns the text of a file, without the UTF-8 byte order mark with which some programs begin it.
+// Throws as ReadFileBytes().
+std::string ReadFileText(const std::filesystem::path& path);
+inline constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";
 
 // Writes bytes to `path` through a temporary file and an atomic rename. Throws InputError with the
 // path and the system's reason (no space left, no permission). The old file then stays unchanged.

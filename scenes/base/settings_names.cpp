@@ -4,9 +4,12 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <sstream>
+
+#include "scenes/base/files.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -23,8 +26,7 @@ struct Edit {
 class TextPlaces {
  public:
   explicit TextPlaces(const std::string& text) : text_(text) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-    starts_.push_back(text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
+    starts_.push_back(text.starts_with(kByteOrderMark) ? std::strlen(kByteOrderMark) : 0);
     for (size_t i = 0; i < text.size(); ++i) {
       if (text[i] == '\n') starts_.push_back(i + 1);
     }

@@ -45,6 +45,13 @@ TEST_F(BopResults, LineGivesTheHandWrittenValues) {
   EXPECT_TRUE(estimates[0].X_CO.translation().isApprox(Eigen::Vector3d(0.01, -0.02, 0.9005)));
 }
 
+// Spreadsheets write a UTF-8 byte order mark and Windows line ends.
+TEST_F(BopResults, AByteOrderMarkIsSkipped) {
+  EXPECT_EQ(Read("\xEF\xBB\xBF" + kHeader + kGood).size(), 1u);
+  EXPECT_EQ(Read("\xEF\xBB\xBFscene_id,im_id,obj_id,score,R,t,time\r\n" + kGood).size(), 1u);
+  ExpectRefused("\xEF\xBB" + kHeader + kGood, ":1", "not with scene_id");
+}
+
 TEST_F(BopResults, RoundTripKeepsAllValues) {
   Rng rng(3);
   std::vector<DatasetEstimate> estimates;
