@@ -18,6 +18,7 @@
 #include <memory>
 
 #include "scenes/base/error.h"
+#include "scenes/base/network_address.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -96,15 +97,12 @@ size_t Advance(std::vector<iovec>& pieces, size_t first, size_t sent) {
 using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
 
 Addresses Resolve(const std::string& address) {
-  const size_t colon = address.rfind(':');
-  CheckInput(
-      colon != std::string::npos && colon > 0 && colon + 1 < address.size(),
-      fmt::format("'{}' is no address; write host:port, for example localhost:5555", address));
+  const NetworkAddress parsed = ParseNetworkAddress(address);
   addrinfo hints = {};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  const int error = getaddrinfo(address.substr(0, colon).c_str(), address.substr(colon + 1).c_str(),
-                                &hints, &found);
+  const int error =
+      getaddrinfo(parsed.host.c_str(), std::to_string(parsed.port).c_str(), &hints, &found);
   CheckInput(error == 0, fmt::format("cannot connect to {}: {}", address, gai_strerror(error)));
   return {found, freeaddrinfo};
 }

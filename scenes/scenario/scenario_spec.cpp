@@ -10,6 +10,7 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/network_address.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -337,6 +338,11 @@ void ScenarioSpec::Validate() const {
              fmt::format("{} = {}: is longer than the whole motion, cycle.move_s = {}; lower it",
                          At("cycle.in_bin_s"), cycle.in_bin_s, cycle.move_s));
   ValidateCamera(*this);
+  for (const auto& [key, address] : {std::pair("estimator.connect", &estimator.connect),
+                                     std::pair("planner.connect", &planner.connect)}) {
+    if (address->empty()) continue;
+    WithSettingsKey(*this, key, [&] { return ParseNetworkAddress(*address); });
+  }
   appearance.Validate([this](const std::string& key) { return At("appearance." + key); });
   cell.Validate(bin.inner_size_m, [this](const std::string& key) { return At("cell." + key); });
   if (occlusion.enabled) {

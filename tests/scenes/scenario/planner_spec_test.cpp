@@ -32,5 +32,19 @@ TEST(PlannerSpec, ValuesOutOfRangeAreRefused) {
   EXPECT_THAT(error("{nam: poses}"), HasSubstr("name"));
 }
 
+TEST(PlannerSpec, ThePortOfAServerIsCheckedWhenTheSettingIsRead) {
+  for (const std::string role : {"planner", "estimator"}) {
+    const auto error = [&](const std::string& address) {
+      return ErrorOf([&] {
+        LoadScenarioText(kScenario + role + ":\n  connect: '" + address + "'\n", ".", "s.yaml");
+      });
+    };
+    EXPECT_THAT(error("gpu:99999"),
+                HasSubstr("s.yaml:4: " + role + ".connect: 'gpu:99999' is no address"));
+    EXPECT_THAT(error("gpu"), HasSubstr("write host:port with a port from 1 to 65535"));
+    EXPECT_EQ(error("gpu:5555"), "no error");
+  }
+}
+
 }  // namespace
 }  // namespace pickbed::tests
