@@ -12,7 +12,9 @@ import sys
 from pathlib import Path
 
 SCOPE = re.compile(r"^(?:template\s*<.*?>\s*)?(class|struct|enum|union|namespace|extern)\b")
-IN_PYTHON = [(re.compile(r"\b(?:nullopt|[Nn]ull)\b"), "None"), (re.compile(r"\bstd::"), ""),
+IN_PYTHON = [(re.compile(r"\b(?:nullopt|[Nn]ull)\b"), "None"),
+             (re.compile(r"\bstd::(?:logic_error|invalid_argument)\b"), "ValueError"),
+             (re.compile(r"\bkMinBinsOfInterval\b"), "MIN_BINS_OF_INTERVAL"), (re.compile(r"\bstd::"), ""),
              (re.compile(r"\bThrow"), "Raise"), (re.compile(r"\bthrow"), "raise")]
 
 

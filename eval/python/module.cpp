@@ -2,8 +2,11 @@
 
 #include <dlfcn.h>
 
+#include <exception>
 #include <filesystem>
+#include <stdexcept>
 
+#include "eval/python/argument_errors.h"
 #include "eval/runtime/process.h"
 #include "scenes/base/error.h"
 
@@ -25,6 +28,17 @@ void FindAssets() {
   py::module_::import("os").attr("environ").attr("setdefault")("PICKBED_ASSETS", folder.string());
 }
 
+// A broken condition of a function is a ValueError. An index out of range stays an IndexError.
+void RaiseValueError(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const std::out_of_range&) {
+    throw;
+  } catch (const std::logic_error& error) {
+    PyErr_SetString(PyExc_ValueError, error.what());
+  }
+}
+
 }  // namespace
 
 PYBIND11_MODULE(pickbed, module) {
@@ -41,17 +55,19 @@ PYBIND11_MODULE(pickbed, module) {
       "reading.\n\nThe module limits OpenMP, OpenBLAS and OpenCV to one thread in the whole "
       "process, "
       "because results must not depend on the number of processors. Bad input raises InputError "
-      "with one line.";
+      "with one line, an argument of a wrong type TypeError with one line.";
   module.attr("__version__") = PICKBED_VERSION;
   UseOneThread();
   py::register_exception<InputError>(module, "InputError", PyExc_ValueError).doc() =
       "Bad input: one line with the file, key or argument, the value and a remedy.";
+  py::register_exception_translator(&RaiseValueError);
   AddScenarios(module);
   AddMetrics(module);
   AddIntervals(module);
   AddRecords(module);
   AddCell(module);
   AddPickingEnv(module);
+  ShortenArgumentErrors(module);
   FindAssets();
 }
 

@@ -91,5 +91,57 @@ class BadScenarios(support.TestCase):
         self.refused("width", lambda: pickbed.CameraIntrinsics(0, 480, 600, 600, 320, 240))
 
 
+class WrongArguments(support.TestCase):
+    """Arguments of wrong types. The text of pybind11 has several lines and names no argument."""
+
+    def wrong(self, words, call):
+        self.refused(words, call, TypeError)
+
+    def test_the_argument_the_type_and_the_value_are_in_one_line(self):
+        X, camera = np.eye(4), pickbed.CameraIntrinsics(64, 48, 60, 60, 32, 24)
+        ring = pickbed.load_object("ring")
+        model = pickbed.MetricModel(ring)
+        self.wrong("Grasp(): width_m must be a number, not 'wide' of type str", lambda: pickbed.Grasp(X, "wide"))
+        self.wrong("hypothesis must be a whole number, not 0.5 of type float", lambda: pickbed.Grasp(X, 0.1, hypothesis=0.5))
+        self.wrong("tool must be a text, not 3 of type int", lambda: pickbed.Grasp(X, 0.1, tool=3))
+        self.wrong("PoseHypothesis(): object must be a whole number, not 'ring'", lambda: pickbed.PoseHypothesis("ring", X))
+        self.wrong("mssd_m(): model must be a MetricModel, not a value of type ObjectModel", lambda: pickbed.mssd_m(ring, X, X))
+        self.wrong("camera must be a CameraIntrinsics, not a value of type ndarray",
+                   lambda: pickbed.vsd(model, camera.K, X, X, np.zeros((48, 64), np.float32), [0.1]))
+        self.wrong("Cell(): scenario must be a Scenario, not 'bin_ring'", lambda: pickbed.Cell("bin_ring"))
+        self.wrong("scenario must be a Scenario, not None", lambda: pickbed.BinPickingEnv(None))
+        self.wrong("from_matrix(): width must be a whole number, not 64.5",
+                   lambda: pickbed.CameraIntrinsics.from_matrix(camera.K, 64.5, 48))
+        self.wrong("width = 1099511627776 of type int is out of range", lambda: pickbed.CameraIntrinsics(1 << 40, 48, 60, 60, 32, 24))
+
+    def test_items_of_lists_are_named(self):
+        self.wrong("before[1] must be a list of 2 values, not 3 of type int",
+                   lambda: pickbed.paired_interval([(1, 2), 3], [(1, 2), (1, 2)]))
+        self.wrong("clusters[0][1] must be a whole number, not 'x'", lambda: pickbed.cluster_interval([(1, "x")]))
+        self.wrong("values[0][1] must be a number, not None", lambda: pickbed.median_interval([[1, None]]))
+
+    def test_missing_and_unknown_arguments_are_named(self):
+        self.wrong("Grasp(): width_m is missing; it takes (X_WG, width_m, score=1.0", lambda: pickbed.Grasp(np.eye(4)))
+        self.wrong("there is no argument widht_m", lambda: pickbed.Grasp(np.eye(4), 0.1, widht_m=0.1))
+        self.wrong("X_WG is given twice", lambda: pickbed.Grasp(np.eye(4), 0.1, X_WG=np.eye(4)))
+        self.wrong("4 arguments are given; it takes (successes, attempts, confidence=0.95)",
+                   lambda: pickbed.wilson_interval(1, 2, 0.9, 4))
+
+    def test_right_arguments_keywords_and_subclasses_work(self):
+        class Mine(pickbed.Grasp):
+            def __init__(self):
+                super().__init__(width_m=np.float32(0.25), X_WG=np.eye(4), hypothesis=np.int64(3))
+
+        self.assertEqual((Mine().width_m, Mine().hypothesis), (0.25, 3))
+        self.assertTrue(pickbed.mssd_m.__doc__.startswith("mssd_m(model: pickbed.MetricModel"))
+
+    def test_a_broken_condition_is_a_value_error(self):
+        ring = pickbed.load_object("ring")
+        self.refused("at least one step", lambda: ring.symmetry_transforms(0), ValueError)
+        self.assertIn("ValueError for steps < 1", ring.symmetry_transforms.__doc__)
+        self.assertIn("ValueError if the numbers of units differ", pickbed.paired_interval.__doc__)
+        self.refused("the same units", lambda: pickbed.paired_interval([(1, 2)], []), ValueError)
+
+
 if __name__ == "__main__":
     support.main()
