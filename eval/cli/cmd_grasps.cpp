@@ -41,6 +41,17 @@ void WriteFile(const GraspsArguments& arguments, const ObjectModel& model, const
   fmt::print("{}\n", arguments.write);
 }
 
+// Checks the places of the results before the work.
+void RequireWritableResults(const GraspsArguments& arguments, const std::filesystem::path& folder,
+                            const std::string& file) {
+  if (!arguments.write.empty()) {
+    RequireGraspFormat(arguments.write, LoadGripperFrame(arguments.frame));
+    RequireWritable(arguments.write);
+  }
+  MakeFolder(folder);
+  RequireWritable(folder / file);
+}
+
 std::filesystem::path GraspsFolder(const GraspsArguments& arguments, const ObjectModel& model,
                                    const Gripper& gripper) {
   return arguments.out.empty() ? std::filesystem::path("results") /
@@ -53,6 +64,8 @@ void WriteGrasps(const GraspsArguments& arguments) {
   const auto gripper = LoadGripper(arguments.gripper);
   LoadGripperFrame(arguments.frame);
   RequireCanCarry(*gripper, *objects[0]);
+  const std::filesystem::path folder = GraspsFolder(arguments, *objects[0], *gripper);
+  RequireWritableResults(arguments, folder, kGraspsFile);
   const auto model = WithRestingDirections(WithConvexPieces(objects))[0];
   GraspCandidateOptions options;
   if (arguments.count > 0) {
@@ -65,8 +78,6 @@ void WriteGrasps(const GraspsArguments& arguments) {
     return std::make_pair(a.robust, a.epsilon) > std::make_pair(b.robust, b.epsilon);
   });
 
-  const std::filesystem::path folder = GraspsFolder(arguments, *model, *gripper);
-  MakeFolder(folder);
   WriteFileAtomically(folder / kGraspsFile, GraspsCsv(candidates));
   WritePng(folder / kGraspSheetFile, GraspSheet(*model, *gripper, candidates));
   const GraspCandidate& best = candidates.front();
@@ -89,6 +100,8 @@ int TestFile(const GraspsArguments& arguments) {
   const GraspFile file = ReadGraspFile(arguments.from);
   RequireGraspsOf(file, *objects[0], *job.gripper, frame, !arguments.ignore_names);
   RequireCanCarry(*job.gripper, *objects[0]);
+  const std::filesystem::path folder = GraspsFolder(arguments, *objects[0], *job.gripper);
+  RequireWritableResults(arguments, folder, kGraspTestsFile);
   job.object = WithRestingDirections(WithConvexPieces(objects))[0];
   job.candidates = CandidatesOf(file, *job.object, *job.gripper, frame);
   WriteFile(arguments, *job.object, *job.gripper, job.candidates);
@@ -111,8 +124,6 @@ int TestFile(const GraspsArguments& arguments) {
     fmt::print(stderr, "pickbed: stopped\n");
     return kExitInterrupted;
   }
-  const std::filesystem::path folder = GraspsFolder(arguments, *job.object, *job.gripper);
-  MakeFolder(folder);
   WriteFileAtomically(folder / kGraspTestsFile, GraspTestsCsv(file, tests));
   fmt::print("{}{}\n", GraspTestsText(file, tests, job.options),
              (folder / kGraspTestsFile).string());

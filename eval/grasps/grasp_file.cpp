@@ -11,6 +11,7 @@
 #include "eval/export/grasps_csv.h"
 #include "eval/grasps/isaac_grasp.h"
 #include "eval/stats/statistics.h"
+#include "grasp/grippers/requirements.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/geometry/triangle_mesh.h"
@@ -71,6 +72,7 @@ GraspFile ReadGraspsCsv(const std::string& text, const std::string& name) {
                            "{:.2g}, and its determinant is {:.3g}",
                            place, error, R.determinant()));
     FileGrasp& grasp = file.grasps.emplace_back();
+    grasp.place = place;
     grasp.name = columns.contains("name") ? cells[columns["name"]]
                                           : fmt::format("grasp_{}", file.grasps.size() - 1);
     grasp.X_OF = MakePose(R, {number_of("x_m"), number_of("y_m"), number_of("z_m")});
@@ -139,11 +141,23 @@ void RequireNear(const GraspFile& file, const ObjectModel& object) {
   }
 }
 
+// Throws InputError for a grasp that is wider than the fingers open.
+void RequireFitsOpening(const GraspFile& file, const Gripper& gripper) {
+  for (const FileGrasp& grasp : file.grasps) {
+    const double width_m = grasp.width_m.value_or(0);
+    CheckInput(
+        OpensFor(gripper, width_m),
+        fmt::format("{}: grasp '{}' is {:.4g} m wide, but gripper {} opens at most {:.4g} m; "
+                    "remove it, or test with a wider gripper",
+                    grasp.place, grasp.name, width_m, gripper.name, gripper.MaxOpening_m()));
+  }
+}
+
 }  // namespace
 
 GraspFile ReadGraspFile(const std::filesystem::path& file) {
   const GraspFormat format = FormatOf(file);
-  const std::string text = ReadFileBytes(file);
+  const std::string text = ReadFileText(file);
   return format == GraspFormat::kIsaac ? ReadIsaacGrasps(text, file.string())
                                        : ReadGraspsCsv(text, file.string());
 }
@@ -159,6 +173,7 @@ void RequireGraspsOf(const GraspFile& file, const ObjectModel& object, const Gri
                          "ignored names",
                          file.file, file.gripper_file, gripper.name));
   RequireNear(file, object);
+  RequireFitsOpening(file, gripper);
   if (!file.approach_axis) return;
   const std::string axis(1, "xyz"[*file.approach_axis]);
   CheckInput(axis == frame.approach,
@@ -217,16 +232,18 @@ std::string IsaacGraspText(const std::string& object_file, const Gripper& grippe
   return text;
 }
 
+void RequireGraspFormat(const std::filesystem::path& file, const GripperFrame& frame) {
+  CheckInput(FormatOf(file) != GraspFormat::kCsv || frame.X_FG().matrix().isIdentity(),
+             fmt::format("{}: a CSV of grasps is in the frame between the fingertips; write a "
+                         ".yaml file for another frame",
+                         file.string()));
+}
+
 void WriteGraspFile(const std::filesystem::path& file, const ObjectModel& object,
                     const Gripper& gripper, const GripperFrame& frame,
                     const std::vector<GraspCandidate>& candidates) {
-  if (FormatOf(file) == GraspFormat::kCsv) {
-    CheckInput(frame.X_FG().matrix().isIdentity(),
-               fmt::format("{}: a CSV of grasps is in the frame between the fingertips; write a "
-                           ".yaml file for another frame",
-                           file.string()));
-    return WriteFileAtomically(file, GraspsCsv(candidates));
-  }
+  RequireGraspFormat(file, frame);
+  if (FormatOf(file) == GraspFormat::kCsv) return WriteFileAtomically(file, GraspsCsv(candidates));
   const std::filesystem::path mesh = file.parent_path() / (object.name + ".obj");
   if (!std::filesystem::exists(mesh)) SaveObj(mesh, object.mesh_O);
   WriteFileAtomically(file, IsaacGraspText(mesh.filename().string(), gripper, frame, candidates));

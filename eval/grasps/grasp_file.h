@@ -21,6 +21,7 @@ struct FileGrasp {
   Pose X_OF = Pose::Identity();  // pose of the hand; F is the frame of its program
   double confidence = 1;
   std::optional<double> width_m;  // distance between the contacts; none: not given
+  std::string place = {};         // file and line, for messages
 };
 
 // Content of a file.
@@ -34,12 +35,13 @@ struct GraspFile {
 
 // Reads a file that ends in .yaml or .yml (isaac_grasp), or in .csv. Throws InputError for another
 // format or version, a missing key, a number that is not finite, an orientation that is no unit
-// quaternion, and a file without grasps.
+// quaternion, an object_scale other than 1, and a file without grasps.
 GraspFile ReadGraspFile(const std::filesystem::path& file);
 
 // Throws InputError if the file names another object or gripper, or another approach axis than
-// `frame`, or if a hand is over 1 m away from the object. A file that names none is accepted.
-// `names_matter`: whether object and gripper are compared.
+// `frame`, if a hand is over 1 m away from the object, or if a grasp is wider than the gripper
+// opens. A file that names none is accepted. `names_matter`: whether object and gripper are
+// compared.
 void RequireGraspsOf(const GraspFile& file, const ObjectModel& object, const Gripper& gripper,
                      const GripperFrame& frame, bool names_matter = true);
 
@@ -55,9 +57,12 @@ std::string IsaacGraspText(const std::string& object_file, const Gripper& grippe
                            const GripperFrame& frame,
                            const std::vector<GraspCandidate>& candidates);
 
+// Throws InputError if `file` has no extension of WriteGraspFile(), or is a CSV in another frame
+// than frame G.
+void RequireGraspFormat(const std::filesystem::path& file, const GripperFrame& frame);
+
 // Writes the candidates in the format of the extension: .yaml, .yml or .csv. A YAML file names the
-// mesh OBJECT.obj beside it, which is written unless it exists. Throws InputError for another
-// extension, and for a CSV in another frame than frame G.
+// mesh OBJECT.obj beside it, which is written unless it exists. Throws as RequireGraspFormat().
 void WriteGraspFile(const std::filesystem::path& file, const ObjectModel& object,
                     const Gripper& gripper, const GripperFrame& frame,
                     const std::vector<GraspCandidate>& candidates);

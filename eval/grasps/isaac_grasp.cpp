@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -77,6 +78,16 @@ std::optional<double> WidthOf(const SettingsTree& grasp) {
   return width_m >= 0 ? std::optional(width_m) : std::nullopt;
 }
 
+// The scale is one number, or one for each axis.
+void RequireNoScale(const SettingsTree& scale) {
+  const auto is_one = [](const SettingsTree& item) { return NumberOf(item, "object_scale") == 1; };
+  const bool is_list = scale.kind == Kind::kList;
+  CheckInput(is_list ? std::ranges::all_of(scale.items, is_one) : is_one(scale),
+             fmt::format("{}: object_scale = {}: must be 1; the grasps are of a mesh in another "
+                         "size: add the scaled mesh as an object, scale the positions, and write 1",
+                         scale.place, scale.text));
+}
+
 }  // namespace
 
 GraspFile ReadIsaacGrasps(const std::string& text, const std::string& name) {
@@ -97,6 +108,7 @@ GraspFile ReadIsaacGrasps(const std::string& text, const std::string& name) {
                            axis->text));
     file.approach_axis = static_cast<int>(number);
   }
+  if (const SettingsTree* scale = tree.Find("object_scale")) RequireNoScale(*scale);
   const SettingsTree* grasps = tree.Find("grasps");
   CheckInput(grasps != nullptr && grasps->kind == Kind::kMap && !grasps->items.empty(),
              fmt::format("{}: has no grasps; they are a map from names to grasps", name));
@@ -104,6 +116,7 @@ GraspFile ReadIsaacGrasps(const std::string& text, const std::string& name) {
     CheckInput(item.kind == Kind::kMap,
                fmt::format("{}: grasp '{}' is no map of its values", item.place, item.key));
     FileGrasp& grasp = file.grasps.emplace_back();
+    grasp.place = item.place;
     grasp.name = item.key;
     grasp.X_OF = MakePose(RotationOf(Required(item, "orientation")),
                           VectorOf(Required(item, "position"), "position"));

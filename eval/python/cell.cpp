@@ -4,6 +4,7 @@
 
 #include "eval/trial/attempt.h"
 #include "eval/trial/trial.h"
+#include "grasp/grippers/requirements.h"
 #include "scenes/base/error.h"
 #include "scenes/base/ids_format.h"
 #include "scenes/base/random.h"
@@ -128,6 +129,7 @@ PickResult Cell::Execute(const BinContent& content, const Grasp& grasp,
              fmt::format("the grasp is for hypothesis {}, but there are {} hypotheses",
                          grasp.hypothesis, count));
   const TrialSetup& setup = Setup();
+  RequireOpensFor(ToolNamed(setup.tools, grasp.tool), grasp.width_m);
   const std::vector<double> visible(content.scene.objects.size(), 1);  // the target needs no image
   const InstanceMatcher truth(setup.metric_models,
                               InstancesOf(content.scene, visible, cell_.camera().X_CW()));

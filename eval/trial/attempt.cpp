@@ -9,6 +9,7 @@
 #include "eval/trial/oracle_estimator.h"
 #include "eval/trial/pose_matching.h"
 #include "grasp/execute/stir.h"
+#include "grasp/grippers/requirements.h"
 #include "scenes/base/error.h"
 #include "scenes/base/ids_format.h"
 #include "scenes/base/random.h"
@@ -328,7 +329,7 @@ bool LiveAttempt::IsChosen(const std::optional<Grasp>& grasp) const {
 
 void LiveAttempt::RequireValid(const std::optional<Grasp>& grasp) const {
   if (!grasp) return;
-  ToolNamed(setup_.tools, grasp->tool);
+  RequireOpensFor(ToolNamed(setup_.tools, grasp->tool), grasp->width_m);
   const int poses = estimated_ ? static_cast<int>(record_.hypotheses.size()) : 0;
   CheckInput(grasp->hypothesis >= kNoHypothesis && grasp->hypothesis < poses,
              fmt::format("the grasp is for hypothesis {}, but the attempt has {} hypotheses; use "

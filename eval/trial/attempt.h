@@ -77,8 +77,8 @@ class LiveAttempt {
 
   // Returns whether `grasp` is the result of ChooseGrasp(), which must have been called.
   bool IsChosen(const std::optional<Grasp>& grasp) const;
-  // Throws InputError if the grasp is for a hypothesis that was not estimated, or with an unknown
-  // tool.
+  // Throws InputError if the grasp is for a hypothesis that was not estimated, with an unknown
+  // tool, or wider than the tool opens.
   void RequireValid(const std::optional<Grasp>& grasp) const;
 
   // Executes a grasp, or stirs if there is none and the task allows it. Returns the record of the

@@ -60,6 +60,17 @@ void RequireCanCarry(const Gripper& gripper, const ObjectModel& object) {
           object.friction));
 }
 
+bool OpensFor(const Gripper& gripper, double width_m) {
+  constexpr double kRounding_m = 1e-6;
+  return gripper.MaxOpening_m() <= 0 || width_m <= gripper.MaxOpening_m() + kRounding_m;
+}
+
+void RequireOpensFor(const Gripper& gripper, double width_m) {
+  CheckInput(OpensFor(gripper, width_m),
+             fmt::format("width_m = {:.4g}: gripper {} opens at most {:.4g} m", width_m,
+                         gripper.name, gripper.MaxOpening_m()));
+}
+
 std::vector<GraspCandidate> RequireCandidates(const ObjectModel& object, const Gripper& gripper,
                                               const GraspCandidateOptions& options) {
   auto candidates = CachedCandidates(object, gripper, options);

@@ -20,6 +20,12 @@ bool CanCarry(const Gripper& gripper, double mass_kg, double friction);
 // numbers.
 void RequireCanCarry(const Gripper& gripper, const ObjectModel& object);
 
+// Returns whether two contacts at this distance fit between the open fingers. A gripper without
+// fingers takes any width.
+bool OpensFor(const Gripper& gripper, double width_m);
+// Throws InputError with both numbers unless OpensFor().
+void RequireOpensFor(const Gripper& gripper, double width_m);
+
 // Returns the candidates of CachedCandidates, at least one. Throws InputError if there is none; the
 // message says what the object lacks and which built-in grippers can hold it.
 std::vector<GraspCandidate> RequireCandidates(const ObjectModel& object, const Gripper& gripper,

@@ -233,6 +233,19 @@ PluginPose ReadPose(const MessageValue& item, const ObjectSet& objects, double w
 
 constexpr double kMaxGraspDistance_m = 20;
 
+// A gripper without fingers has no opening and takes any width.
+void RequireFitsOpening(const PluginGrasp& grasp, std::span<const PluginGripper> grippers) {
+  constexpr double kRounding_m = 1e-6;
+  for (const PluginGripper& gripper : grippers) {
+    const bool is_its_own =
+        grasp.gripper == gripper.name || (grasp.gripper.empty() && &gripper == &grippers.front());
+    if (!is_its_own || gripper.max_opening_m <= 0) continue;
+    if (grasp.width_m <= gripper.max_opening_m + kRounding_m) return;
+    throw MessageError(fmt::format("width_m is {:.4g}, but gripper {} opens at most {:.4g} m",
+                                   grasp.width_m, gripper.name, gripper.max_opening_m));
+  }
+}
+
 PluginGrasp ReadGrasp(const MessageValue& item, std::span<const PluginGripper> grippers,
                       int poses) {
   PluginGrasp grasp;
@@ -259,6 +272,7 @@ PluginGrasp ReadGrasp(const MessageValue& item, std::span<const PluginGripper> g
       throw MessageError(UnknownNameMessage("gripper", grasp.gripper, names));
     }
   }
+  RequireFitsOpening(grasp, grippers);
   if (const MessageValue* pose = item.Find("pose")) {
     const int64_t index = pose->Integer("pose");
     if (index < -1 || index >= poses) {

@@ -187,6 +187,54 @@ TEST(GraspFile, OtherObjectsAndHandsAreNamed) {
   EXPECT_THAT(error_of(false), HasSubstr("approaches along x, but the gripper frame along z"));
 }
 
+// The scale of the mesh would change the meaning of the positions.
+TEST(GraspFile, GraspsOfAScaledMeshAreRefused) {
+  const auto with_scale = [](const std::string& scale) {
+    return "object_scale: " + scale + "\n" + kPandaFile;
+  };
+  EXPECT_EQ(ReadIsaacGrasps(with_scale("1.0"), "mug.yaml").grasps.size(), 2u);
+  EXPECT_EQ(ReadIsaacGrasps(with_scale("[1, 1, 1]"), "mug.yaml").grasps.size(), 2u);
+  for (const char* scale : {"0.5", "[1, 1, 2]", "0.001", "large"}) {
+    EXPECT_THAT(ErrorOf([&] { ReadIsaacGrasps(with_scale(scale), "mug.yaml"); }),
+                HasSubstr("mug.yaml:1: object_scale"))
+        << scale;
+  }
+  EXPECT_THAT(ErrorOf([&] { ReadIsaacGrasps(with_scale("0.5"), "mug.yaml"); }),
+              HasSubstr("object_scale = 0.5: must be 1"));
+}
+
+TEST(GraspFile, AGraspWiderThanTheOpeningIsNamedWithItsLine) {
+  const ParallelJaw jaw = SmallJaw();
+  const std::string joints = "    cspace_position: {left_finger: 0.3, right_finger: 0.3}\n";
+  GraspFile file = ReadIsaacGrasps(kPandaFile + joints, "mug.yaml");
+  EXPECT_THAT(
+      ErrorOf([&] { RequireGraspsOf(file, *Box(), jaw, {}); }),
+      AllOf(HasSubstr("mug.yaml:17: grasp 'side' is 0.6 m wide, but gripper test jaw opens"),
+            HasSubstr(fmt::format("at most {:.4g} m", jaw.MaxOpening_m()))));
+  file.grasps[1].width_m = jaw.MaxOpening_m();
+  EXPECT_NO_THROW(RequireGraspsOf(file, *Box(), jaw, {}));
+  EXPECT_NO_THROW(
+      RequireGraspsOf(ReadIsaacGrasps(kPandaFile + joints, "mug.yaml"), *Box(), SuctionCup(), {}))
+      << "it has no fingers";
+  const TemporaryFolder folder;
+  auto candidates = RandomCandidates(3);
+  candidates[1].width_m = 0.6;
+  WriteGraspFile(folder.path() / "wide.csv", *Box(), jaw, {}, candidates);
+  EXPECT_THAT(
+      ErrorOf([&] { RequireGraspsOf(ReadGraspFile(folder.path() / "wide.csv"), *Box(), jaw, {}); }),
+      HasSubstr("wide.csv:3: grasp 'grasp_1' is 0.6 m wide"));
+}
+
+TEST(GraspFile, AByteOrderMarkIsSkipped) {
+  const TemporaryFolder folder;
+  WriteGraspFile(folder.path() / "grasps.csv", *Box(), SmallJaw(), {}, RandomCandidates(2));
+  const std::string text = ReadFileBytes(folder.path() / "grasps.csv");
+  EXPECT_EQ(ReadGraspFile(folder.Write("marked.csv", kByteOrderMark + text)).grasps.size(), 2u);
+  EXPECT_EQ(ReadGraspFile(folder.Write("marked.yaml", std::string(kByteOrderMark) + kPandaFile))
+                .grasps.size(),
+            2u);
+}
+
 TEST(GraspFile, PositionsInMillimetresAreNamed) {
   GraspFile file = ReadIsaacGrasps(kPandaFile, "mug.yaml");
   file.grasps[1].X_OF.translation() *= 1000;

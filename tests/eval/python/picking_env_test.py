@@ -145,7 +145,7 @@ class OwnGrasps(support.TestCase):
         self.assertIn("no_grasp", (self.folder / "mine/attempts.csv").read_text())
         with self.assertRaises(AssertionError) as refused:
             self.program("run", self.scenario_file, "--out", "mine", "--resume")
-        self.assertIn("other settings", str(refused.exception))
+        self.assertIn("other settings (the stored run has grasps of a caller, this one has none)", str(refused.exception))
         self.program("report", "mine")
 
 
@@ -166,6 +166,7 @@ class BadEnvInput(support.TestCase):
         env.reset(seed=np.int64(7))
         self.refused("X_WG must be 4 x 4, not 2", lambda: env.step([1, 2]))
         self.refused("hypothesis 0, but the attempt has 0", lambda: env.step(pickbed.Grasp(np.eye(4), 0.02, hypothesis=0)))
+        self.refused("width_m = 0.5: gripper jaw_8cm opens at most 0.08 m", lambda: env.step(pickbed.Grasp(np.eye(4), 0.5)))
         self.refused("unknown gripper", lambda: env.step(pickbed.Grasp(np.eye(4), 0.02, tool="claw")))
         self.assertEqual(env.step(env.choose_grasp())[1], 1)  # a refused step has not changed the episode
         self.refused("occlusion.enabled", lambda: pickbed.BinPickingEnv(self.scenario({"occlusion.enabled": True})))

@@ -35,6 +35,18 @@ TEST(GripperRequirements, GripperWiderThanTheBinIsRefused) {
   EXPECT_NE(FitErrorOf(*LoadGripper("cup_30mm"), {0.02, 0.2, 0.05}), "");
 }
 
+TEST(GripperRequirements, AWidthBeyondTheOpeningIsRefused) {
+  const auto jaw = LoadGripper("jaw_8cm");
+  EXPECT_NO_THROW(RequireOpensFor(*jaw, 0.08));
+  try {
+    RequireOpensFor(*jaw, 0.081);
+    FAIL() << "threw no InputError";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "width_m = 0.081: gripper jaw_8cm opens at most 0.08 m");
+  }
+  EXPECT_NO_THROW(RequireOpensFor(*LoadGripper("cup_30mm"), 1)) << "a cup has no fingers";
+}
+
 TEST(GripperRequirements, TooHeavyObjectsAreRefused) {
   ObjectModel object;
   object.name = "anvil";

@@ -282,6 +282,9 @@ TEST(PluginGrasps, EachRuleIsCheckedAndNamed) {
   EXPECT_THAT(GraspFault(down, 0.03, "jaw", 2), HasSubstr("pose 2 is none of the 2 poses"));
   EXPECT_THAT(GraspFault(down, -0.03, "jaw", 1), HasSubstr("width_m is negative"));
   EXPECT_THAT(GraspFault(down, 30, "jaw", 1), HasSubstr("width_m is in millimetres"));
+  EXPECT_THAT(GraspFault(down, 0.09, "jaw", 1),
+              HasSubstr("width_m is 0.09, but gripper jaw opens at most 0.08 m"));
+  EXPECT_EQ(GraspFault(down, 0.08, "jaw", 1), "no fault");
   EXPECT_THAT(GraspFault(Translation({100, 0, 50}), 0.03, "jaw", 1),
               HasSubstr("positions are in metres"));
   Pose mirrored = down;
