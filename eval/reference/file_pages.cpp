@@ -81,6 +81,9 @@ ResultPage RunPage() {
                "targets picked by hidden share over published curves, of occlusion trials"),
          Plain(fmt::format("{}/*", kShardsFolder), "results folders of the shards of a sweep"),
          Plain(fmt::format("{}/*", kSlurmFolder), "job script and logs of the shards"),
+         Plain(fmt::format("{}/*", kLogsFolder),
+               "standard error of estimators and planners that are other programs"),
+         Plain(kImageFolderFile, "path of the dataset of `--bop-out`"),
          Plain(kReportFile, "page of `pickbed report`"),
          Plain(fmt::format("{}, {}", kCalibrationFile, kCalibrationPage),
                "calibration and page of `pickbed calibrate`, see [calibration "

@@ -42,6 +42,7 @@ inline constexpr char kPicturesFolder[] = "pictures";
 inline constexpr char kLogsFolder[] = "logs";               // output of programs, see scenes/plugin
 inline constexpr char kOcclusionSheet[] = "occlusion.png";  // in kPicturesFolder
 inline constexpr char kHiddenShareSheet[] = "hidden_share.png";  // in kPicturesFolder
+inline constexpr char kImageFolderFile[] = "image_folder.txt";   // data set of the images of a run
 inline constexpr char kShardsFolder[] = "shards";
 inline constexpr char kSlurmFolder[] = "slurm";
 inline constexpr char kBudgetFolder[] = "budget";

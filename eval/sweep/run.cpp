@@ -203,7 +203,7 @@ RunReport RunScenario(const ScenarioSpec& spec, const ObjectSet& objects, const 
     CheckInput(std::filesystem::absolute(options.bop_out) != std::filesystem::absolute(options.out),
                fmt::format("{}: is the folder of the results; choose another image folder",
                            options.bop_out.string()));
-    BeginRunDataset(spec, objects, options.bop_out, identity, options.resume,
+    BeginRunDataset(spec, objects, options.bop_out, options.out, identity, options.resume,
                     TrialsWithImages(options.out));
   }
   SweepReport swept = RunSweep(sweep, sweep_options, listener);

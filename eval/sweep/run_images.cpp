@@ -6,6 +6,7 @@
 
 #include "eval/bop/dataset_card.h"
 #include "eval/bop/layout.h"
+#include "eval/summary/result_files.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/scenario/scenario_text.h"
@@ -24,6 +25,24 @@ MakeDatasetOptions CardOptions(const fs::path& root) {
   options.split = kRunSplit;
   options.views = 0;  // one image per attempt
   return options;
+}
+
+void MakeImageFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  CheckInput(!error, fmt::format("cannot make the folder {}: {}; choose another image folder",
+                                 folder.string(), error.message()));
+}
+
+// Content of kImageFolderFile.
+std::string PathText(const fs::path& root) {
+  return fs::weakly_canonical(fs::absolute(root)).string() + "\n";
+}
+
+// Whether the images of the results were written into this data set so far.
+bool IsImageFolderOf(const fs::path& results, const fs::path& root) {
+  const fs::path file = results / kImageFolderFile;
+  return fs::exists(file) && ReadFileBytes(file) == PathText(root);
 }
 
 }  // namespace
@@ -84,7 +103,8 @@ void RunImageWriter::Finish() {
 }
 
 void BeginRunDataset(const ScenarioSpec& spec, const ObjectSet& objects, const fs::path& root,
-                     const std::string& identity, bool resume, const std::vector<int>& finished) {
+                     const fs::path& results, const std::string& identity, bool resume,
+                     const std::vector<int>& finished) {
   const std::vector<int> before = SceneIdsOf(root, kRunSplit);
   const std::string folder = (root / kRunSplit).string();
   CheckInput(before.empty() || resume,
@@ -102,11 +122,20 @@ void BeginRunDataset(const ScenarioSpec& spec, const ObjectSet& objects, const f
                            "choose another results folder",
                            folder, trial));
   }
+  for (const int scene_id : before) {
+    const bool is_finished = std::ranges::find(finished, scene_id - 1) != finished.end();
+    CheckInput(is_finished || IsImageFolderOf(results, root),
+               fmt::format("{} has a scene of trial {}, which {} has not finished, so it is of "
+                           "other results; choose another image folder",
+                           folder, scene_id - 1, results.string()));
+  }
   for (const char* name : {"models", "models_eval"}) {
-    MakeFolder(root / name);
+    MakeImageFolder(root / name);
     WriteModels(root / name, objects);
   }
-  MakeFolder(root / kRunSplit);
+  MakeImageFolder(root / kRunSplit);
+  MakeFolder(results);
+  WriteFileAtomically(results / kImageFolderFile, PathText(root));
   WriteIdentity(root, identity);
   WriteFileAtomically(root / kDatasetScenarioFile, ScenarioText(spec, root));
   WriteDatasetCamera(root / kDatasetCameraFile, CameraOf(spec).intrinsics);

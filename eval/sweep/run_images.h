@@ -44,13 +44,16 @@ class RunImageWriter : public TrialObserver {
   StoredScenes stored_;
 };
 
-// Creates the folder of the data set with the scenario, the models and the camera. Throws
-// InputError if it holds scenes of other settings, or scenes without `resume`. Throws also if it
-// holds scenes while no trial is in `finished`, because they belong to another results folder, or
-// if a trial of `finished` has no scene there, because it ran without the data set.
+// Creates the folder of the data set with the scenario, the models and the camera. Notes its path
+// in the results folder (kImageFolderFile). `finished`: trials of the results folder that have an
+// image. Throws InputError if the data set holds
+// - scenes of other settings, or scenes without `resume`,
+// - scenes of other results: no trial is in `finished`, or it is not the data set of this results
+//   folder and has scenes of further trials, which FinishRunDataset() would remove,
+// - no scene of a trial of `finished`, because it ran without the data set.
 void BeginRunDataset(const ScenarioSpec& spec, const ObjectSet& objects,
-                     const std::filesystem::path& root, const std::string& identity, bool resume,
-                     const std::vector<int>& finished);
+                     const std::filesystem::path& root, const std::filesystem::path& results,
+                     const std::string& identity, bool resume, const std::vector<int>& finished);
 // Writes the targets files and the cards. Removes scenes of other trials than `finished`, which an
 // early stop has dropped.
 void FinishRunDataset(const ScenarioSpec& spec, const ObjectSet& objects,

@@ -97,4 +97,5 @@ every_image_of_a_run_is_in_its_dataset() {
   [ "$images" = "$attempts" ] || fail "$images images of $attempts attempts"
   expect 0 "$pickbed" execute --dataset set --oracle --picks 1 --out picks
   refused "choose another image folder (--bop-out)" "$pickbed" run small.yaml "${small[@]}" --set seed=8 --out other --bop-out set --resume
+  refused "choose another image folder (--bop-out)" "$pickbed" run small.yaml "${small[@]}" --out other --bop-out small.yaml/set
 }

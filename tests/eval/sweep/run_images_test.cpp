@@ -26,7 +26,7 @@ using testing::IsEmpty;
 class RunImagesTest : public testing::Test {
  protected:
   RunReport Run(const std::string& name, int trials, int jobs = 1, bool resume = false,
-                bool with_images = true, const std::function<bool()>& stop = {}) {
+                bool with_images = true, const std::string& data = "") {
     ScenarioSpec spec = SmallScenario();
     spec.trials = trials;
     spec.estimator.noise_mm = 3;  // so that some picks fail and move neighbors
@@ -35,10 +35,8 @@ class RunImagesTest : public testing::Test {
     options.jobs = jobs;
     options.resume = resume;
     options.picture_trials = options.failure_picture_trials = 0;
-    if (with_images) options.bop_out = Data(name);
-    RunListener listener;
-    listener.stop = stop;
-    return RunScenario(spec, EasyCube(), options, listener);
+    if (with_images) options.bop_out = Data(data.empty() ? name : data);
+    return RunScenario(spec, EasyCube(), options, {});
   }
   fs::path Data(const std::string& name) const { return folder_.path() / name; }
   // Bytes of every file of a data set, by relative path.
@@ -110,6 +108,28 @@ TEST_F(RunImagesTest, FoldersThatDoNotFitAreRefused) {
   Run("plain", 1, 1, false, /*with_images=*/false);
   EXPECT_THAT(ErrorOf([&] { Run("plain", 2, 1, /*resume=*/true); }),
               HasSubstr("no images of the finished trial 0"));
+}
+
+// The scenes of an equal run have the same settings, so only the trials show whose they are.
+TEST_F(RunImagesTest, ScenesOfAnEqualRunAreNotRemoved) {
+  Run("whole", 3);
+  const auto whole = BytesOf("whole");
+  Run("short", 1, 1, false, /*with_images=*/false);
+  EXPECT_THAT(ErrorOf([&] { Run("short", 2, 1, /*resume=*/true, true, "whole"); }),
+              HasSubstr("has a scene of trial 1, which"));
+  EXPECT_EQ(BytesOf("whole"), whole);
+  // A scene that a killed process wrote before its trial was stored is of the own results.
+  Run("killed", 1);
+  fs::copy(Data("whole") / kRunSplit / SceneFolderName(2),
+           Data("killed") / kRunSplit / SceneFolderName(2), fs::copy_options::recursive);
+  Run("killed", 3, 1, /*resume=*/true);
+  EXPECT_EQ(BytesOf("killed"), whole);
+}
+
+TEST_F(RunImagesTest, AFolderThatCannotBeMadeNamesItself) {
+  folder_.Write("file", "");
+  EXPECT_THAT(ErrorOf([&] { Run("mine", 1, 1, false, true, "file/set"); }),
+              HasSubstr("choose another image folder"));
 }
 
 }  // namespace
