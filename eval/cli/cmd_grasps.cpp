@@ -41,15 +41,14 @@ void WriteFile(const GraspsArguments& arguments, const ObjectModel& model, const
   fmt::print("{}\n", arguments.write);
 }
 
-// Checks the places of the results before the work.
-void RequireWritableResults(const GraspsArguments& arguments, const std::filesystem::path& folder,
-                            const std::string& file) {
-  if (!arguments.write.empty()) {
-    RequireGraspFormat(arguments.write, LoadGripperFrame(arguments.frame));
-    RequireWritable(arguments.write);
-  }
-  MakeFolder(folder);
-  RequireWritable(folder / file);
+// Checks before the work that the file of --write can be written. `folder`: results folder, which
+// may be made later.
+void RequireWritableFile(const GraspsArguments& arguments, const std::filesystem::path& folder) {
+  if (arguments.write.empty()) return;
+  RequireGraspFormat(arguments.write, LoadGripperFrame(arguments.frame));
+  const auto written = std::filesystem::absolute(arguments.write).parent_path();
+  if (written.lexically_normal() == std::filesystem::absolute(folder).lexically_normal()) return;
+  RequireWritable(arguments.write);
 }
 
 std::filesystem::path GraspsFolder(const GraspsArguments& arguments, const ObjectModel& model,
@@ -65,7 +64,7 @@ void WriteGrasps(const GraspsArguments& arguments) {
   LoadGripperFrame(arguments.frame);
   RequireCanCarry(*gripper, *objects[0]);
   const std::filesystem::path folder = GraspsFolder(arguments, *objects[0], *gripper);
-  RequireWritableResults(arguments, folder, kGraspsFile);
+  RequireWritableFile(arguments, folder);
   const auto model = WithRestingDirections(WithConvexPieces(objects))[0];
   GraspCandidateOptions options;
   if (arguments.count > 0) {
@@ -78,6 +77,7 @@ void WriteGrasps(const GraspsArguments& arguments) {
     return std::make_pair(a.robust, a.epsilon) > std::make_pair(b.robust, b.epsilon);
   });
 
+  MakeFolder(folder);
   WriteFileAtomically(folder / kGraspsFile, GraspsCsv(candidates));
   WritePng(folder / kGraspSheetFile, GraspSheet(*model, *gripper, candidates));
   const GraspCandidate& best = candidates.front();
@@ -101,7 +101,9 @@ int TestFile(const GraspsArguments& arguments) {
   RequireGraspsOf(file, *objects[0], *job.gripper, frame, !arguments.ignore_names);
   RequireCanCarry(*job.gripper, *objects[0]);
   const std::filesystem::path folder = GraspsFolder(arguments, *objects[0], *job.gripper);
-  RequireWritableResults(arguments, folder, kGraspTestsFile);
+  RequireWritableFile(arguments, folder);
+  MakeFolder(folder);
+  RequireWritable(folder / kGraspTestsFile);
   job.object = WithRestingDirections(WithConvexPieces(objects))[0];
   job.candidates = CandidatesOf(file, *job.object, *job.gripper, frame);
   WriteFile(arguments, *job.object, *job.gripper, job.candidates);

@@ -23,6 +23,9 @@ grasps_are_written_and_drawn() {
   refused "did you mean 'carton'" "$pickbed" grasps cartn jaw_8cm
   refused "unknown gripper 'claw'" "$pickbed" grasps carton claw
   refused "robust.samples" "$pickbed" grasps carton jaw_8cm --set robust.samples=0
+  refused "cannot write 'newdir/a.yaml'" "$pickbed" grasps carton jaw_8cm --write newdir/a.yaml --out none
+  refused "ends in .yaml (isaac_grasp) or .csv" "$pickbed" grasps carton jaw_8cm --write a.txt --out none
+  [ ! -e none ] || fail "the place of --write is checked after the work"
 }
 
 grasps_of_a_file_are_tested() {
@@ -50,6 +53,12 @@ grasps_of_a_file_are_tested() {
   refused "must be a unit quaternion" "$pickbed" grasps rod jaw_8cm --from long.yaml
   sed '/^grasps:/q' rod.yaml >empty.yaml
   refused "has no grasps" "$pickbed" grasps rod jaw_8cm --from empty.yaml
+  sed 's/object_scale: 1.0/object_scale: 0.5/' rod.yaml >scaled.yaml
+  refused "object_scale = 0.5: must be 1" "$pickbed" grasps rod jaw_8cm --from scaled.yaml
+  sed 's/left_finger: [-0-9.e]*/left_finger: 0.3/' rod.yaml >wide.yaml
+  refused "but gripper jaw_8cm opens at most 0.08 m" "$pickbed" grasps rod jaw_8cm --from wide.yaml
+  refused "cannot write 'newdir/a.csv'" "$pickbed" grasps rod jaw_8cm --from rod.yaml --write newdir/a.csv --out unmade
+  [ ! -e unmade ] || fail "the place of --write is checked after the work"
   refused "unknown gripper frame 'panda'" "$pickbed" grasps rod jaw_8cm --from rod.yaml --frame panda
 }
 
