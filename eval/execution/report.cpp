@@ -93,10 +93,11 @@ ReportChart SuccessChart(const ExecutionStatistics& statistics) {
     executed.rates.push_back(method.executed);
   }
   return RateCurves({"success", "Success by method",
-                     "Shaded: 95 % intervals over scenes. A requested pick without a grasp counts "
-                     "as a failure.",
+                     "Bars: 95 % intervals over scenes. A requested pick without a grasp counts as "
+                     "a failure.",
                      ""},
-                    "method", "success", names, {requested, executed});
+                    "method", "success", names, {requested, executed},
+                    {.x_names = AxisNames::kCategories});
 }
 
 ReportChart PickChart(const ExecutionStatistics& statistics) {
@@ -132,9 +133,9 @@ ReportChart PredictorChart(const ExecutionStatistics& statistics) {
   return NamedValueCurves({"auc", "How well errors predict the outcome of a pick",
                            "Area under the ROC curve over the executed picks: 0.5 is chance, 1 is "
                            "a perfect prediction. "
-                           "Intervals are over scenes.",
+                           "Bars: 95 % intervals over scenes.",
                            ""},
-                          "error of the pose", "AUC", names, curves, 1);
+                          "error of the pose", "AUC", names, curves, 1, AxisNames::kCategories);
 }
 
 nlohmann::ordered_json RateObject(const ReportRate& rate) {

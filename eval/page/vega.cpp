@@ -134,7 +134,22 @@ Json CurveLayers(const Json& x, const Json& y, const std::vector<std::string>& n
   return layers;
 }
 
+Json PointLayers(const Json& x, const Json& y, const std::vector<std::string>& names) {
+  Json offset = Field("series", "nominal", "");
+  offset["sort"] = names;
+  Json layers = CurveLayers(x, y, names);
+  std::erase_if(layers.get_ref<Json::array_t&>(), [](const Json& layer) {
+    return layer["mark"]["type"] == "area" || layer["mark"]["type"] == "line";
+  });
+  for (Json& layer : layers) layer["encoding"]["xOffset"] = offset;
+  return layers;
+}
+
 namespace {
+
+Json LayersOf(AxisNames kind, const Json& x, const Json& y, const std::vector<std::string>& names) {
+  return kind == AxisNames::kOrdered ? CurveLayers(x, y, names) : PointLayers(x, y, names);
+}
 
 constexpr int kSmall_px = 200;  // a chart of less height is also narrow
 constexpr const char* kNothingCounted = " There was nothing to count.";
@@ -228,7 +243,7 @@ ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std:
   x["scale"] = {{"domain", x_names}};
   x["axis"] = NamesAxis(x_names, style.height_px);
   const Json y = PercentField("rate", y_title);
-  Json layers = CurveLayers(x, y, names);
+  Json layers = LayersOf(style.x_names, x, y, names);
   if (style.reference != nullptr) {
     AddColumns(*style.reference, chart.table);
     Json reference = Json::array();
@@ -243,7 +258,8 @@ ReportChart RateCurves(ReportChart chart, const std::string& x_title, const std:
 
 ReportChart NamedValueCurves(ReportChart chart, const std::string& x_title,
                              const std::string& y_title, const std::vector<std::string>& x_names,
-                             const std::vector<NamedValueCurve>& curves, double min_y_end) {
+                             const std::vector<NamedValueCurve>& curves, double min_y_end,
+                             AxisNames kind) {
   constexpr int kHeight_px = 220;
   Json values = Json::array();
   std::vector<std::string> names;
@@ -285,7 +301,7 @@ ReportChart NamedValueCurves(ReportChart chart, const std::string& x_title,
   if (largest < min_y_end) y["scale"]["domainMax"] = min_y_end;
   Json spec = EmptySpec(values);
   spec["height"] = kHeight_px;
-  spec["layer"] = CurveLayers(x, y, names);
+  spec["layer"] = LayersOf(kind, x, y, names);
   chart.spec = spec.dump();
   return chart;
 }

@@ -45,6 +45,16 @@ Json WithInterval(Json layer);
 // `rate`, `low`, `high` and `series`.
 Json CurveLayers(const Json& x, const Json& y, const std::vector<std::string>& names);
 
+// Layers of points with interval bars, side by side for the series of a name, without lines. `x` is
+// ordinal. The data fields are the ones of CurveLayers().
+Json PointLayers(const Json& x, const Json& y, const std::vector<std::string>& names);
+
+// What the names on an x axis are.
+enum class AxisNames {
+  kOrdered,    // places on a scale: points are joined by lines
+  kCategories  // kinds of things without an order: points with bars
+};
+
 // One series of a rate chart: one rate per name on the x axis.
 struct RateCurve {
   std::string series;
@@ -54,6 +64,7 @@ struct RateCurve {
 struct RateCurvesStyle {
   int height_px = 260;
   const RateCurve* reference = nullptr;  // drawn in gray behind the others, without intervals
+  AxisNames x_names = AxisNames::kOrdered;
 };
 // Completes `chart` with curves and intervals over `x_names`, in this order, and with the table of
 // their numbers. Id, title and caption are kept.
@@ -73,7 +84,8 @@ struct NamedValueCurve {
 // largest value, but not below `min_y_end`, so that rounding errors do not fill the chart.
 ReportChart NamedValueCurves(ReportChart chart, const std::string& x_title,
                              const std::string& y_title, const std::vector<std::string>& x_names,
-                             const std::vector<NamedValueCurve>& curves, double min_y_end = 0);
+                             const std::vector<NamedValueCurve>& curves, double min_y_end = 0,
+                             AxisNames kind = AxisNames::kOrdered);
 
 // Rate of correct poses among the poses with about the same confidence.
 struct CalibrationPoint {

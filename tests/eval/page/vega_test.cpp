@@ -79,6 +79,26 @@ TEST(RateCurves, ReferenceIsASeparateLayerAndAColumn) {
   EXPECT_THAT(chart.table[0], ElementsAre("x", "one [95 %]", "of", "other [95 %]", "of"));
 }
 
+// A line between two categories would mean values between them.
+TEST(RateCurves, CategoriesArePointsWithBarsSideBySide) {
+  const std::vector<ReportRate> halves(3, {1, 2, {0.1, 0.9}});
+  const ReportChart chart =
+      RateCurves({"id", "title", "", ""}, "x", "y", kBands, {{"one", halves}, {"two", halves}},
+                 {.x_names = AxisNames::kCategories});
+  const NamedValueCurve value{
+      "one", {1, 2, 3}, {{0, 2}, {1, 3}, {2, 4}}, {"1", "2", "3"}, {4, 4, 4}};
+  const ReportChart values = NamedValueCurves({"id", "title", "", ""}, "x", "y", kBands, {value}, 1,
+                                              AxisNames::kCategories);
+  for (const Json& spec : {Json::parse(chart.spec), Json::parse(values.spec)}) {
+    EXPECT_TRUE(LayersOf(spec, "line").empty() && LayersOf(spec, "area").empty());
+    ASSERT_EQ(LayersOf(spec, "point").size(), 1u);
+    ASSERT_EQ(LayersOf(spec, "rule").size(), 1u);
+    for (const Json& layer : spec["layer"]) {
+      EXPECT_EQ(layer["encoding"]["xOffset"]["field"], "series");
+    }
+  }
+}
+
 TEST(NamedValueCurves, NamesWithoutAValueInterruptTheLineAndHaveARow) {
   const NamedValueCurve curve{"one",
                               {1.5, std::nan(""), 2.5},
