@@ -9,6 +9,7 @@
 #include "eval/bop/layout.h"
 #include "eval/execution/image_executor.h"
 #include "eval/runtime/results_folder.h"
+#include "eval/summary/result_files.h"
 #include "eval/sweep/run.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -203,8 +204,9 @@ ExecutionReport ExecuteResults(const ScenarioSpec& spec, const ObjectSet& object
   progress.done = progress.done_before = progress.total - static_cast<int>(plan.items.size());
   std::ofstream appended(file, std::ios::app);
   plan.start = [&](const WorkerPlan::Say& say) -> WorkerPlan::DoItem {
-    auto executor = std::make_shared<ImageExecutor>(spec, objects, options.dataset, inputs.scenes,
-                                                    options.picks, say.warning);
+    auto executor =
+        std::make_shared<ImageExecutor>(spec, objects, options.dataset, inputs.scenes,
+                                        options.picks, options.out / kLogsFolder, say.warning);
     return [executor, &inputs](int i) {
       const ImageTask& image = inputs.images[i];
       std::string reply;

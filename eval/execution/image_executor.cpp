@@ -78,8 +78,10 @@ BopErrors InfiniteErrors() {
   return {1, kInf, kInf, kInf, kInf};
 }
 
-TrialOptions OptionsWith(const std::function<void(const std::string&)>& on_warning) {
+TrialOptions OptionsWith(const fs::path& log_dir,
+                         const std::function<void(const std::string&)>& on_warning) {
   TrialOptions options;
+  options.log_dir = log_dir;
   options.on_warning = on_warning;
   return options;
 }
@@ -115,9 +117,9 @@ int RequestedPicks(const ImageTruth& image, const std::vector<bool>& is_wanted, 
 
 struct ImageExecutor::Impl {
   Impl(const ScenarioSpec& spec, const ObjectSet& objects, const fs::path& root,
-       const ExecutedScenes& all_scenes, int max_picks,
+       const ExecutedScenes& all_scenes, int max_picks, const fs::path& log_dir,
        const std::function<void(const std::string&)>& on_warning)
-      : setup(WithoutEstimator(spec), objects, {}, OptionsWith(on_warning)),
+      : setup(WithoutEstimator(spec), objects, {}, OptionsWith(log_dir, on_warning)),
         scenes(all_scenes),
         picks(max_picks),
         measure(root) {
@@ -169,27 +171,33 @@ struct ImageExecutor::Impl {
             InstanceMatcher(setup.metric_models, std::move(instances))};
   }
 
-  // Indices of the poses that may be grasped: not at a place that was picked, and free to be
-  // lifted.
-  std::vector<int> Targets(const Shown& shown, const std::vector<EstimatedPose>& poses,
-                           const std::vector<int>& picked) const {
+  // Indices of the poses that are not at a place that was picked.
+  std::vector<int> Unpicked(const std::vector<EstimatedPose>& poses,
+                            const std::vector<int>& picked) const {
     const auto center_W = [&](int i) {
       return Eigen::Vector3d(poses[i].X_WO * setup.cell.objects()[poses[i].object]->mass.com_O);
     };
+    std::vector<int> unpicked;
+    for (int i = 0; i < static_cast<int>(poses.size()); ++i) {
+      const double near_m = kSamePlaceDiameters * setup.cell.objects()[poses[i].object]->diameter_m;
+      const bool is_picked = std::ranges::any_of(
+          picked, [&](int other) { return (center_W(i) - center_W(other)).norm() < near_m; });
+      if (!is_picked) unpicked.push_back(i);
+    }
+    return unpicked;
+  }
+
+  // By pose: whether its object would meet a wall while it is lifted.
+  std::vector<bool> BlockedLifts(const Shown& shown,
+                                 const std::vector<EstimatedPose>& poses) const {
     const PolicySpec& policy = setup.spec.policy;
     const Pose X_BW = shown.X_WB.inverse();
-    std::vector<int> targets;
-    for (int i = 0; i < static_cast<int>(poses.size()); ++i) {
-      const ObjectModel& object = *setup.cell.objects()[poses[i].object];
-      const bool is_used = std::ranges::any_of(picked, [&](int used) {
-        return (center_W(i) - center_W(used)).norm() < kSamePlaceDiameters * object.diameter_m;
-      });
-      const bool is_blocked =
-          policy.check_lift && grasp::LiftMeetsWall(setup.cell.bin(), object, X_BW * poses[i].X_WO,
-                                                    1e-3 * policy.lift_clearance_mm);
-      if (!is_used && !is_blocked) targets.push_back(i);
+    std::vector<bool> blocked(poses.size(), false);
+    for (size_t i = 0; i < poses.size() && policy.check_lift; ++i) {
+      blocked[i] = grasp::LiftMeetsWall(setup.cell.bin(), *setup.cell.objects()[poses[i].object],
+                                        X_BW * poses[i].X_WO, 1e-3 * policy.lift_clearance_mm);
     }
-    return targets;
+    return blocked;
   }
 
   // Plans on the targets and executes the best grasp. Fills `record`.
@@ -218,14 +226,16 @@ struct ImageExecutor::Impl {
                          .outcome;
   }
 
+  // `unpicked`: the poses that the pick could use. One whose lift is blocked is a pose without a
+  // grasp, as in a run.
   FailureReason FailureOf(const Shown& shown, const AttemptRecord& record,
                           const std::vector<ScoredHypothesis>& hypotheses,
-                          const std::vector<int>& targets) const {
+                          const std::vector<int>& unpicked) const {
     const double match = setup.options.match_diameters;
     if (record.grasp) return AttributeFailure(record, hypotheses, match, shown.truth);
     if (record.planner_failure) return record.planner_failure->reason;
     std::vector<ScoredHypothesis> left;
-    for (const int i : targets) left.push_back(hypotheses[i]);
+    for (const int i : unpicked) left.push_back(hypotheses[i]);
     return AttributeFailure(record, left, match, shown.truth);
   }
 
@@ -266,15 +276,18 @@ struct ImageExecutor::Impl {
     for (const HypothesisRecord& hypothesis : record.hypotheses) {
       estimated.push_back(PoseOf(hypothesis));
     }
+    const std::vector<bool> blocked = BlockedLifts(shown, estimated);
     std::vector<int> picked;
     const int requested = RequestedPicks(shown.image, is_wanted, picks);
     for (int pick = 0; pick < requested; ++pick) {
       AttemptRecord own = record;
       own.attempt = pick;
       own.errors = setup.cell.ErrorsOf(shown.scene.stored.bin_index, pick);
-      const std::vector<int> targets = Targets(shown, estimated, picked);
+      const std::vector<int> unpicked = Unpicked(estimated, picked);
+      std::vector<int> targets = unpicked;
+      std::erase_if(targets, [&](int i) { return blocked[i]; });
       Pick(shown, estimated, targets, own);
-      const FailureReason failure = FailureOf(shown, own, score.hypotheses, targets);
+      const FailureReason failure = FailureOf(shown, own, score.hypotheses, unpicked);
       rows.push_back(RowOf(shown, method.name, own, poses, failure));
       if (own.grasp) picked.push_back(own.chosen);
     }
@@ -289,8 +302,9 @@ struct ImageExecutor::Impl {
 
 ImageExecutor::ImageExecutor(const ScenarioSpec& spec, const ObjectSet& objects,
                              const fs::path& root, const ExecutedScenes& scenes, int picks,
+                             const fs::path& log_dir,
                              const std::function<void(const std::string&)>& on_warning)
-    : impl_(std::make_unique<Impl>(spec, objects, root, scenes, picks, on_warning)) {}
+    : impl_(std::make_unique<Impl>(spec, objects, root, scenes, picks, log_dir, on_warning)) {}
 
 ImageExecutor::~ImageExecutor() = default;
 

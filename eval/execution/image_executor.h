@@ -31,10 +31,12 @@ ScenarioSpec WithoutEstimator(ScenarioSpec spec);
 class ImageExecutor {
  public:
   // `scenes` must outlive this object. `root` is the folder of the data set; its meshes are used
-  // for the BOP errors. `on_warning` receives lines of a planner that is a program. Throws
-  // InputError as TrialSetup().
+  // for the BOP errors. A planner that is a program writes its standard error into `log_dir`, if it
+  // is not empty; `on_warning` receives the lines about its failures. Throws InputError as
+  // TrialSetup().
   ImageExecutor(const ScenarioSpec& spec, const ObjectSet& objects,
                 const std::filesystem::path& root, const ExecutedScenes& scenes, int picks,
+                const std::filesystem::path& log_dir = {},
                 const std::function<void(const std::string&)>& on_warning = {});
   ~ImageExecutor();
 

@@ -12,6 +12,7 @@
 #include "scenes/base/error.h"
 #include "tests/eval/execution/executed_dataset.h"
 #include "tests/support/error_of.h"
+#include "tests/support/plugin_scripts.h"
 
 namespace pickbed::tests {
 namespace {
@@ -148,6 +149,34 @@ TEST_F(ExecutionTest, AnImageWithoutEstimatesFailsAsNotProposed) {
     EXPECT_FALSE(pick.executed());
   }
   EXPECT_GT(missing, 0);
+}
+
+// A run has the same reason: the pose is there, but no grasp may be executed on it.
+TEST_F(ExecutionTest, APoseWhoseLiftIsBlockedHasNoGrasp) {
+  ScenarioSpec spec = SmallScenario();
+  spec.policy.check_lift = true;
+  spec.policy.lift_clearance_mm = 1000;  // wider than the bin
+  const ExecutionReport report = ExecuteResults(
+      spec, EasyCube(), set_->Options("blocked", {set_->Write("truth.csv", set_->Truth())}), {});
+  ASSERT_FALSE(report.picks.empty());
+  for (const ExecutedPick& pick : report.picks) {
+    EXPECT_EQ(FailureName(pick.failure), FailureName(FailureReason::kNoGrasp));
+    EXPECT_FALSE(pick.executed());
+  }
+}
+
+TEST_F(ExecutionTest, TheLogOfAPlannerProgramIsInTheResultsFolder) {
+  const TemporaryFolder folder;
+  ScenarioSpec spec = SmallScenario();
+  spec.planner.name = "process_poses";
+  spec.planner.command =
+      PythonCommand(folder, "planner.py",
+                    "import pickbed_plugin as pb\n@pb.planner\n"
+                    "def tested(frame, poses):\n"
+                    "    print('seen', len(poses))\n    return []\npb.serve()\n");
+  ExecuteResults(spec, EasyCube(),
+                 set_->Options("logged", {set_->Write("truth.csv", set_->Truth())}), {});
+  EXPECT_THAT(set_->Bytes("logged/logs/planner_1.log"), HasSubstr("seen 3"));
 }
 
 TEST_F(ExecutionTest, UnusableInputIsRefusedInOneLine) {
