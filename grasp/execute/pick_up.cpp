@@ -35,7 +35,7 @@ PickUp::PickUp(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
 void PickUp::ShowTable(const AxisAlignedBox& table_W) { table_W_ = table_W; }
 
 FailureReason PickUp::Run(GraspOutcome& outcome) {
-  if (!Approach()) return FailureReason::kCollision;
+  if (IsUnderFloor() || !Approach()) return FailureReason::kCollision;
   const bool closed_on_instance = CloseOnInstance();
   outcome.instances_touched = static_cast<int>(world_.physics().InstancesTouchingHand().size());
   if (!closed_on_instance) return FailureReason::kClosedOnNothing;
@@ -71,6 +71,11 @@ void PickUp::Move(const Pose& X_WG_to, double peak_mps) {
   for (int i = 1; i <= steps; ++i) {
     Advance(Between(from, X_WG_to, MinimumJerk(static_cast<double>(i) / steps)));
   }
+}
+
+// The contacts of the approach miss a hand that is under the floor from its start.
+bool PickUp::IsUnderFloor() const {
+  return X_WG_.translation().z() < -bin_.wall_m - options_.stop_depth_m;
 }
 
 // Returns false if something in the way of the hand does not yield, or if the palm penetrates the

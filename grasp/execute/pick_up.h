@@ -58,6 +58,7 @@ class PickUp {
     return world_.Center(position, world_.physics().X_WO(position));
   }
   Pose Raised(double height_m) const { return Translation({0, 0, height_m}) * X_WG_; }
+  bool IsUnderFloor() const;
   bool Approach();
   bool CloseOnInstance();
   void MarkLiftStart();

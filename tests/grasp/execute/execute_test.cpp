@@ -354,6 +354,21 @@ TEST_F(Execute, InstanceOnTopIsDisplacedAndCounted) {
   EXPECT_EQ(result.outcome.neighbors_displaced + result.outcome.instances_lifted, 2);
 }
 
+// No robot reaches a pose under the floor, so it is no grasp in free air.
+TEST_F(Execute, AGraspUnderTheFloorCollides) {
+  const Scene scene = BoxesOnFloor({{0, 0}}, kBoxHeight_m);
+  for (const double depth_m : {0.02, 0.1, 0.5}) {
+    for (const double x_m : {0.0, 1.0}) {  // in the bin and beside it
+      Grasp grasp = GraspAt(x_m, 0);
+      grasp.X_WG.translation().z() = -depth_m;
+      const ExecuteResult result = Run(scene, grasp);
+      EXPECT_EQ(FailureName(result.outcome.failure), FailureName(FailureReason::kCollision))
+          << depth_m << " m under the floor at x = " << x_m;
+      EXPECT_EQ(result.after.objects.size(), 1u);
+    }
+  }
+}
+
 TEST_F(Execute, HandClosesEmptyInAnEmptyBin) {
   const ExecuteResult result = Run(Scene{}, GraspAt(0, 0), kNoInstance);
   EXPECT_EQ(FailureName(result.outcome.failure), FailureName(FailureReason::kClosedOnNothing));
