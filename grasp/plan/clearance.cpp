@@ -104,8 +104,7 @@ std::vector<Vector3d> ThinnedCloud(std::span<const Vector3d> cloud_W, const Bin&
   return thinned;
 }
 
-ObstacleField::ObstacleField(std::vector<Vector3d> points_W, std::vector<int> sources,
-                             double cell_m)
+ObstacleField::ObstacleField(std::vector<Vector3d> points_W, std::vector<int> groups, double cell_m)
     : corner_(Vector2d::Zero()), cell_m_(cell_m) {
   if (!points_W.empty()) {
     Vector2d low = points_W[0].head<2>(), high = low;
@@ -120,17 +119,19 @@ ObstacleField::ObstacleField(std::vector<Vector3d> points_W, std::vector<int> so
   begin_.assign(static_cast<size_t>(columns_) * rows_ + 1, 0);
   for (const Vector3d& p : points_W) ++begin_[Column(p.x(), p.y()) + 1];
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-  std::vector<int> from_top(points_W.size());
-  std::iota(from_top.begin(), from_top.end(), 0);
-  std::stable_sort(from_top.begin(), from_top.end(),
-                   [&](int a, int b) { return points_W[a].z() > points_W[b].z(); });
+  // Points by column, each sorted from the top down.
+  std::vector<int> order(points_W.size());
   std::vector<int> next(begin_.begin(), begin_.end() - 1);
-  points_W_.resize(points_W.size());
-  sources_.resize(points_W.size());
-  for (const int i : from_top) {
-    const int slot = next[Column(points_W[i].x(), points_W[i].y())]++;
-    points_W_[slot] = points_W[i];
-    sources_[slot] = sources[i];
+  for (size_t i = 0; i < points_W.size(); ++i) {
+    order[next[Column(points_W[i].x(), points_W[i].y())]++] = static_cast<int>(i);
+  }
+  for (size_t column = 0; column + 1 < begin_.size(); ++column) {
+    std::stable_sort(order.begin() + begin_[column], order.begin() + begin_[column + 1],
+                     [&](int a, int b) { return points_W[a].z() > points_W[b].z(); });
+  }
+  for (const int i : order) {
+    points_W_.push_back(points_W[i]);
+    groups_.push_back(groups[i]);
   }
 }
 
@@ -155,7 +156,8 @@ bool ObstacleField::AnyNear(const Pose& X_WG, const AxisAlignedBox& box_G, doubl
       for (int i = begin_[row * columns_ + column]; i < end; ++i) {
         const Vector3d& p = points_W_[i];
         if (p.z() < low.z()) break;
-        if (ignored[i] || (p.array() < low.array()).any() || (p.array() > high.array()).any()) {
+        if (ignored[groups_[i]] || (p.array() < low.array()).any() ||
+            (p.array() > high.array()).any()) {
           continue;
         }
         if (visit(R_GW * (p - X_WG.translation()))) return true;
@@ -216,7 +218,7 @@ double ObstacleField::CoveredShare(const Eigen::Matrix3Xd& surface_W,
   int covered = 0;
   for (const int column : plan) {
     for (int i = begin_[column]; i < begin_[column + 1]; ++i) {
-      if (!ignored[i] && points_W_[i].z() > top[column] + above_m) {
+      if (!ignored[groups_[i]] && points_W_[i].z() > top[column] + above_m) {
         ++covered;
         break;
       }

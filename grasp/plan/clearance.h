@@ -56,15 +56,16 @@ std::vector<Eigen::Vector3d> ThinnedCloud(std::span<const Eigen::Vector3d> cloud
 // column are sorted from the top down, so that a query visits no point below a box.
 class ObstacleField {
  public:
-  // `sources`: -1 for an observed point, else the index of the estimated pose that produced it.
-  ObstacleField(std::vector<Eigen::Vector3d> points_W, std::vector<int> sources, double cell_m);
+  // `groups`: number from 0 of the group of each point. The points of a group, such as the ones of
+  // an estimated pose, are ignored together.
+  ObstacleField(std::vector<Eigen::Vector3d> points_W, std::vector<int> groups, double cell_m);
 
   const std::vector<Eigen::Vector3d>& points_W() const { return points_W_; }
-  const std::vector<int>& sources() const { return sources_; }
+  const std::vector<int>& groups() const { return groups_; }
 
   // Distance of the nearest point to each hand box (in G) at X_WG, up to `limit_m`. The distance is
   // the largest of the distances to the slabs of the box; it is negative inside. `ignored` has one
-  // flag per point. `between` counts points in `between_box` (in G), if there is one.
+  // flag per group. `between` counts points in `between_box` (in G), if there is one.
   struct Answer {
     std::vector<double> distance_m;  // by box
     int between = 0;
@@ -95,7 +96,7 @@ class ObstacleField {
   int columns_ = 1, rows_ = 1;
   std::vector<int> begin_;  // first point of each column, and the total at the end
   std::vector<Eigen::Vector3d> points_W_;
-  std::vector<int> sources_;
+  std::vector<int> groups_;
 };
 
 }  // namespace pickbed::grasp

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <list>
+#include <numeric>
 #include <stdexcept>
 
 #include "grasp/plan/clearance.h"
@@ -42,10 +43,6 @@ constexpr const char* kCauseNames[kCauses] = {"tilt",
                                               "outranked",
                                               "not tried"};
 
-Vector3d CenterOf(const PlanInput& input, const EstimatedPose& pose) {
-  return pose.X_WO * input.objects[pose.object]->mass.com_O;
-}
-
 // Plans on one input. Shapes, obstacle points and flags are shared by all runs.
 class CandidateCheck {
  public:
@@ -57,13 +54,19 @@ class CandidateCheck {
         ranking_(RankingNamed(options.ranking)),
         bin_boxes_(BinBoxes(input.bin)),
         shapes_(MakeShapes()),
+        observed_W_(MakeObserved()),
         field_(MakeField()),
-        above_(MakeAbove()),
+        stack_(options.stacking_cell_m),
+        may_grasp_(input.poses.size(), input.targets.empty()),
+        is_scored_(input.poses.size(), false),
         ignored_(input.poses.size()),
         pose_scores_(input.poses.size()) {
+    for (const int pose : input.targets) may_grasp_.at(pose) = true;
     for (const EstimatedPose& pose : input.poses) {
-      lowest_ = std::min(lowest_, CenterOf(input, pose).z());
-      highest_ = std::max(highest_, CenterOf(input, pose).z());
+      stack_.Add(pose.X_WO * shapes_[pose.object]->points_O);
+      centers_W_.push_back(pose.X_WO * input.objects[pose.object]->mass.com_O);
+      lowest_ = std::min(lowest_, centers_W_.back().z());
+      highest_ = std::max(highest_, centers_W_.back().z());
     }
   }
 
@@ -74,10 +77,11 @@ class CandidateCheck {
     rejected_ = {};
     Rng rng(options_.seed + tool_);
     for (size_t i = 0; i < input_.poses.size(); ++i) {
-      if (MayGrasp(static_cast<int>(i))) PlanPose(static_cast<int>(i), rng);
+      if (may_grasp_[i]) PlanPose(static_cast<int>(i), rng);
     }
-    // The checks against bin and points are expensive and only lower a score. So candidates are
-    // checked from the best score on, until no other can be among the reported grasps.
+    // The score of a pose and the checks against bin and points are expensive, and only lower a
+    // score. So candidates are scored and checked from the best score on, until no other can be
+    // among the reported grasps.
     std::make_heap(pending_.begin(), pending_.end(), IsAfter);
     PlanResult result;
     std::vector<Grasp>& best = result.grasps;
@@ -86,6 +90,11 @@ class CandidateCheck {
       const Pending pending = pending_.front();
       if (best.size() == wanted && best.back().score >= pending.score) break;
       std::pop_heap(pending_.begin(), pending_.end(), IsAfter);
+      if (pending.is_bound) {
+        pending_.back() = Scored(pending);
+        std::push_heap(pending_.begin(), pending_.end(), IsAfter);
+        continue;
+      }
       pending_.pop_back();
       Grasp grasp = GraspOf(pending);
       const Cause cause = Check(pending, grasp);
@@ -111,10 +120,11 @@ class CandidateCheck {
 
   // Whether this pose has a grasp that is free of bin, points and other poses.
   bool HasGrasp(int pose) {
-    if (!MayGrasp(pose)) return false;
+    if (!may_grasp_[pose]) return false;
     pending_.clear();
     Rng rng(options_.seed + tool_);
     PlanPose(pose, rng);
+    for (Pending& pending : pending_) pending = Scored(pending);
     std::stable_sort(pending_.begin(), pending_.end(),
                      [](const Pending& a, const Pending& b) { return a.score > b.score; });
     return std::any_of(pending_.begin(), pending_.end(), [&](const Pending& pending) {
@@ -126,17 +136,13 @@ class CandidateCheck {
  private:
   bool by_chance() const { return ranking_.value == nullptr; }
 
-  bool MayGrasp(int pose) const {
-    const auto& targets = input_.targets;
-    return targets.empty() || std::find(targets.begin(), targets.end(), pose) != targets.end();
-  }
-
   // A candidate of a pose that is neither too tilted, too poor nor too wide.
   struct Pending {
     double score;  // maximum, before the checks
     int order;     // among all pending candidates
     int pose;
     int candidate;
+    bool is_bound;  // the pose is not scored yet: from its confidence
   };
   // Order of the heap: the best score first, equal ones in their order.
   static bool IsAfter(const Pending& a, const Pending& b) {
@@ -155,30 +161,27 @@ class CandidateCheck {
     return shapes;
   }
 
-  ObstacleField MakeField() const {
+  std::vector<Vector3d> MakeObserved() const {
     double height = 0;  // reach of the swept volume above the finger tips
     for (const AxisAlignedBox& box : HandSweep(input_.gripper, 0)) {
       height = std::max(height, box.half_size.z() - box.center.z());
     }
-    std::vector<Vector3d> points =
-        ThinnedCloud(input_.cloud_W, input_.bin, options_.voxel_m, options_.bin_band_m, height);
-    std::vector<int> sources(points.size(), -1);
+    return ThinnedCloud(input_.cloud_W, input_.bin, options_.voxel_m, options_.bin_band_m, height);
+  }
+
+  // Each observed point is a group, then each pose.
+  ObstacleField MakeField() const {
+    std::vector<Vector3d> points = observed_W_;
+    std::vector<int> groups(points.size());
+    std::iota(groups.begin(), groups.end(), 0);
     for (size_t i = 0; i < input_.poses.size(); ++i) {
       const EstimatedPose& pose = input_.poses[i];
       if (pose.confidence < options_.neighbor_confidence) continue;
       const Eigen::Matrix3Xd& points_O = shapes_[pose.object]->obstacle_O;
       for (int k = 0; k < points_O.cols(); ++k) points.push_back(pose.X_WO * points_O.col(k));
-      sources.resize(points.size(), static_cast<int>(i));
+      groups.resize(points.size(), static_cast<int>(observed_W_.size() + i));
     }
-    return ObstacleField(std::move(points), std::move(sources), options_.column_m);
-  }
-
-  std::vector<std::vector<int>> MakeAbove() const {
-    std::vector<Eigen::Matrix3Xd> surfaces_W;
-    for (const EstimatedPose& pose : input_.poses) {
-      surfaces_W.push_back(pose.X_WO * shapes_[pose.object]->points_O);
-    }
-    return InstancesAbove(surfaces_W, options_.stacking_cell_m);
+    return ObstacleField(std::move(points), std::move(groups), options_.column_m);
   }
 
   // Poses that claim the same instance as pose `target`, itself included. Flat objects that cross
@@ -192,7 +195,7 @@ class CandidateCheck {
                                    input_.objects[other.object]->diameter_m);
       const double thickness =
           std::min(shapes_[pose.object]->thickness_m, shapes_[other.object]->thickness_m);
-      const double apart = (CenterOf(input_, pose) - CenterOf(input_, other)).norm();
+      const double apart = (centers_W_[target] - centers_W_[i]).norm();
       rivals[i] =
           apart < std::min(options_.same_share * size, options_.same_thickness_share * thickness);
     }
@@ -200,19 +203,17 @@ class CandidateCheck {
     return rivals;
   }
 
-  std::vector<uint8_t> IgnoredPoints(int target, const std::vector<bool>& rivals) const {
+  std::vector<uint8_t> IgnoredGroups(int target, const std::vector<bool>& rivals) const {
     const EstimatedPose& pose = input_.poses[target];
     const ObjectShape& shape = *shapes_[pose.object];
     const Pose X_OW = pose.X_WO.inverse();
-    std::vector<uint8_t> ignored(field_.points_W().size());
     const double radius2 = shape.band_radius_m * shape.band_radius_m;
-    for (size_t i = 0; i < ignored.size(); ++i) {
-      const int source = field_.sources()[i];
-      const Vector3d& p_W = field_.points_W()[i];
-      ignored[i] = source >= 0 ? rivals[source]
-                               : (p_W - pose.X_WO.translation()).squaredNorm() < radius2 &&
-                                     shape.band.Contains(X_OW * p_W);
+    std::vector<uint8_t> ignored;
+    for (const Vector3d& p_W : observed_W_) {
+      ignored.push_back((p_W - pose.X_WO.translation()).squaredNorm() < radius2 &&
+                        shape.band.Contains(X_OW * p_W));
     }
+    ignored.insert(ignored.end(), rivals.begin(), rivals.end());
     return ignored;
   }
 
@@ -223,29 +224,57 @@ class CandidateCheck {
     const double covered =
         field_.CoveredShare(pose.X_WO * shape.points_O, ignored_[target], options_.cover_above_m);
     const double range = highest_ - lowest_;
-    const double depth = range > 0 ? (highest_ - CenterOf(input_, pose).z()) / range : 0;
-    const auto carried =
-        std::count_if(above_[target].begin(), above_[target].end(), [&](int other) {
-          return !rivals[other] && input_.poses[other].confidence >= options_.neighbor_confidence;
-        });
+    const double depth = range > 0 ? (highest_ - centers_W_[target].z()) / range : 0;
+    const std::vector<int> above = stack_.Above(target);
+    const auto carried = std::count_if(above.begin(), above.end(), [&](int other) {
+      return !rivals[other] && input_.poses[other].confidence >= options_.neighbor_confidence;
+    });
     return pose.confidence * (1 - options_.cover_share * covered) *
            (1 - options_.height_share * depth) *
            std::pow(1 - options_.stacking_share, static_cast<double>(carried));
   }
 
+  // Fills ignored_ and pose_scores_ of a pose.
+  void ScorePose(int target) {
+    if (is_scored_[target]) return;
+    const std::vector<bool> rivals = Rivals(target);
+    ignored_[target] = IgnoredGroups(target, rivals);
+    pose_scores_[target] = PoseScore(target, rivals);
+    is_scored_[target] = true;
+  }
+
+  // Cosine of the angle between the approach and straight down.
+  double Down(int target, const GraspCandidate& candidate) const {
+    const Eigen::RowVector3d up_O = input_.poses[target].X_WO.linear().row(2);
+    return -up_O.dot(candidate.X_OG.linear().col(2));
+  }
+
+  // Score of a candidate on a pose with this score.
+  double ScoreOf(int target, const GraspCandidate& candidate, double pose_score) const {
+    const double tilt = std::acos(std::clamp(Down(target, candidate), -1.0, 1.0));
+    const double place_factor = 1 - options_.place_share * (1 - candidate.place_quality);
+    const double load_factor =
+        ranking_.weighs_load ? 1 - options_.load_share / (1 + candidate.epsilon) : 1;
+    return pose_score * place_factor * load_factor * ranking_.value(candidate) *
+           (1 - options_.tilt_share * tilt / options_.max_tilt_rad);
+  }
+
+  // Replaces a bound by the score.
+  Pending Scored(Pending pending) {
+    ScorePose(pending.pose);
+    const double pose_score = pose_scores_[pending.pose];
+    if (pending.is_bound) pending.score = ScoreOf(pending.pose, CandidateOf(pending), pose_score);
+    pending.is_bound = false;
+    return pending;
+  }
+
   void PlanPose(int target, Rng& rng) {
     const EstimatedPose& pose = input_.poses[target];
     const ObjectShape& shape = *shapes_[pose.object];
-    if (ignored_[target].empty()) {
-      const std::vector<bool> rivals = Rivals(target);
-      ignored_[target] = IgnoredPoints(target, rivals);
-      pose_scores_[target] = PoseScore(target, rivals);
-    }
     const std::vector<GraspCandidate>& candidates = input_.candidates[pose.object];
-    const Eigen::RowVector3d up_O = pose.X_WO.linear().row(2);
     const double min_down = std::cos(options_.max_tilt_rad);
     for (size_t k = 0; k < candidates.size(); ++k) {
-      const double down = -up_O.dot(candidates[k].X_OG.linear().col(2));
+      const double down = Down(target, candidates[k]);
       const Cause cause = down < min_down                                                ? kTilt
                           : !by_chance() && candidates[k].quality < options_.min_quality ? kQuality
                           : !shape.openings_m[k]                                         ? kOpening
@@ -254,15 +283,12 @@ class CandidateCheck {
         ++rejected_[cause];
         continue;
       }
-      Pending pending{0, static_cast<int>(pending_.size()), target, static_cast<int>(k)};
+      Pending pending{0, static_cast<int>(pending_.size()), target, static_cast<int>(k), false};
       if (!by_chance()) {
-        const double tilt = std::acos(std::clamp(down, -1.0, 1.0));
-        const double place_factor = 1 - options_.place_share * (1 - candidates[k].place_quality);
-        const double load_factor =
-            ranking_.weighs_load ? 1 - options_.load_share / (1 + candidates[k].epsilon) : 1;
-        pending.score = pose_scores_[target] * place_factor * load_factor *
-                        ranking_.value(candidates[k]) *
-                        (1 - options_.tilt_share * tilt / options_.max_tilt_rad);
+        // PoseScore() is at most the confidence.
+        pending.is_bound = !is_scored_[target];
+        pending.score = ScoreOf(target, candidates[k],
+                                pending.is_bound ? pose.confidence : pose_scores_[target]);
       } else {
         Grasp grasp = GraspOf(pending);
         const Cause bin = CheckBin(pending, grasp);
@@ -294,7 +320,8 @@ class CandidateCheck {
   }
 
   // Moves the grasp off floor and walls, and scales its score.
-  Cause Check(const Pending& pending, Grasp& grasp) const {
+  Cause Check(const Pending& pending, Grasp& grasp) {
+    ScorePose(pending.pose);
     const Cause cause = CheckBin(pending, grasp);
     if (by_chance()) grasp.score = pending.score;
     return cause == kFree ? CheckPoints(OpeningOf(pending), grasp) : cause;
@@ -401,13 +428,16 @@ class CandidateCheck {
   const RankingRow& ranking_;
   std::vector<AxisAlignedBox> bin_boxes_;
   std::vector<std::optional<ObjectShape>> shapes_;  // by object; set if some pose names the object
+  std::vector<Vector3d> observed_W_;
+  std::vector<Vector3d> centers_W_;  // by pose: center of mass
   ObstacleField field_;
-  std::vector<std::vector<int>> above_;  // by pose: the poses above it
+  InstanceStack stack_;  // by pose
   double lowest_ = std::numeric_limits<double>::infinity();
   double highest_ = -std::numeric_limits<double>::infinity();
-  // By pose that may be grasped: one flag per point of the field.
-  std::vector<std::vector<uint8_t>> ignored_;
-  std::vector<double> pose_scores_;  // by pose that may be grasped
+  std::vector<bool> may_grasp_;                // by pose
+  std::vector<bool> is_scored_;                // by pose: whether the next two are filled
+  std::vector<std::vector<uint8_t>> ignored_;  // one flag per group of the field
+  std::vector<double> pose_scores_;
   std::vector<Pending> pending_;
   std::array<int, kCauses> rejected_{};
 };

@@ -110,7 +110,9 @@ TEST(Clearance, FieldEqualsAFullScan) {
   for (int i = 0; i < 3000; ++i) {
     points.emplace_back(rng.Uniform(-0.2, 0.2), rng.Uniform(-0.15, 0.15), rng.Uniform(0, 0.1));
   }
-  const ObstacleField field(points, std::vector<int>(points.size(), -1), 0.01);
+  std::vector<int> groups(points.size());
+  for (size_t i = 0; i < groups.size(); ++i) groups[i] = static_cast<int>(i / 2);
+  const ObstacleField field(points, groups, 0.01);
   ASSERT_EQ(field.points_W().size(), points.size());
   std::vector<uint8_t> ignored(points.size());
   for (size_t i = 0; i < ignored.size(); i += 3) ignored[i] = 1;
@@ -125,7 +127,7 @@ TEST(Clearance, FieldEqualsAFullScan) {
     std::array<double, 3> expected{0.01, 0.01, 0.01};
     int expected_between = 0;
     for (size_t i = 0; i < points.size(); ++i) {
-      if (ignored[i]) continue;
+      if (ignored[field.groups()[i]]) continue;
       const Vector3d p_G = X_WG.inverse() * field.points_W()[i];
       for (int k = 0; k < 3; ++k) {
         const Vector3d slabs = (p_G - sweep[k].center).cwiseAbs() - sweep[k].half_size;
@@ -151,7 +153,7 @@ TEST(Clearance, FieldEqualsAFullScan) {
 TEST(Clearance, AllBoxesOfAHandAreChecked) {
   std::vector<AxisAlignedBox> boxes;
   for (int i = 0; i < 12; ++i) boxes.push_back({{0.1 * i, 0, 0}, Vector3d::Constant(0.01)});
-  const ObstacleField field({{1.1, 0, 0.013}}, {-1}, 0.01);
+  const ObstacleField field({{1.1, 0, 0.013}}, {0}, 0.01);
   const auto seen = field.Query(Pose::Identity(), boxes, std::nullopt, {0}, 0.02);
   ASSERT_EQ(seen.distance_m.size(), 12u);
   EXPECT_NEAR(seen.distance_m[11], 0.003, 1e-12);
@@ -182,9 +184,9 @@ TEST(Clearance, CoveredShareIsMeasuredInTheFloorPlan) {
       above.emplace_back(0.0025 * i, 0.0025 * k, i < 20 ? 0.05 : 0.005);
     }
   }
-  const ObstacleField field(above, std::vector<int>(above.size(), -1), 0.01);
-  EXPECT_NEAR(field.CoveredShare(plate, std::vector<uint8_t>(above.size()), 0.004), 0.5, 0.1);
-  EXPECT_EQ(field.CoveredShare(plate, std::vector<uint8_t>(above.size(), 1), 0.004), 0);
+  const ObstacleField field(above, std::vector<int>(above.size(), 0), 0.01);
+  EXPECT_NEAR(field.CoveredShare(plate, {0}, 0.004), 0.5, 0.1);
+  EXPECT_EQ(field.CoveredShare(plate, {1}, 0.004), 0);
 }
 
 }  // namespace

@@ -20,7 +20,17 @@ Eigen::Matrix3Xd Plate(double x_m, double y_m, double z_m, int side = 40) {
   return points;
 }
 
-TEST(InstancesAbove, PlateOnTwoPlatesIsAboveBoth) {
+// The instances above each instance.
+std::vector<std::vector<int>> InstancesAbove(const std::vector<Eigen::Matrix3Xd>& surfaces_W,
+                                             double cell_m) {
+  InstanceStack stack(cell_m);
+  for (const Eigen::Matrix3Xd& surface_W : surfaces_W) stack.Add(surface_W);
+  std::vector<std::vector<int>> above;
+  for (size_t i = 0; i < surfaces_W.size(); ++i) above.push_back(stack.Above(static_cast<int>(i)));
+  return above;
+}
+
+TEST(InstanceStack, PlateOnTwoPlatesIsAboveBoth) {
   const std::vector<Eigen::Matrix3Xd> plates{Plate(0, 0, 0), Plate(0.05, 0, 0.01),
                                              Plate(0.11, 0, 0)};
   const auto above = InstancesAbove(plates, 0.005);
@@ -29,12 +39,12 @@ TEST(InstancesAbove, PlateOnTwoPlatesIsAboveBoth) {
   EXPECT_THAT(above[2], ElementsAre(1));
 }
 
-TEST(InstancesAbove, HigherInstanceBesideIsNotAbove) {
+TEST(InstanceStack, HigherInstanceBesideIsNotAbove) {
   const std::vector<Eigen::Matrix3Xd> plates{Plate(0, 0, 0), Plate(0.12, 0, 0.05)};
   EXPECT_THAT(InstancesAbove(plates, 0.005), ElementsAre(IsEmpty(), IsEmpty()));
 }
 
-TEST(InstancesAbove, CrossedInstancesAreDecidedByTheLargerPart) {
+TEST(InstanceStack, CrossedInstancesAreDecidedByTheLargerPart) {
   // The second plate is tilted about y: a fifth of it is below the first one.
   Eigen::Matrix3Xd tilted = Plate(0, 0, 0);
   tilted.row(2) = 0.2 * (tilted.row(0).array() - 0.02);
@@ -42,7 +52,7 @@ TEST(InstancesAbove, CrossedInstancesAreDecidedByTheLargerPart) {
   EXPECT_THAT(InstancesAbove(plates, 0.005), ElementsAre(ElementsAre(1), IsEmpty()));
 }
 
-TEST(InstancesAbove, NothingIsAboveWithoutPoses) {
+TEST(InstanceStack, NothingIsAboveWithoutPoses) {
   EXPECT_THAT(InstancesAbove({}, 0.005), IsEmpty());
   EXPECT_THAT(InstancesAbove(std::vector<Eigen::Matrix3Xd>{Eigen::Matrix3Xd(3, 0)}, 0.005),
               ElementsAre(IsEmpty()));
