@@ -26,6 +26,32 @@ TEST_F(PlanOrder, CoveredInstanceComesLast) {
   EXPECT_EQ(Run().grasps.at(0).hypothesis, 0);
 }
 
+// Poses and candidates that cannot be among the best ones are not evaluated, which changes nothing.
+TEST_F(PlanOrder, FewGraspsAreTheFirstOfMany) {
+  Rng rng(3);
+  for (int i = 0; i < 60; ++i) {
+    AddPose({rng.Uniform(-0.15, 0.15), rng.Uniform(-0.1, 0.1), rng.Uniform(0.025, 0.12)},
+            rng.Uniform());
+    cloud_.push_back(poses_.back().X_WO * Eigen::Vector3d(0.02, 0, 0.025));
+  }
+  PlanOptions options;
+  options.neighbor_confidence = PlanOptions::kNoNeighbors;
+  options.max_grasps = 100000;
+  const PlanResult all = Run(options);
+  ASSERT_GT(all.grasps.size(), 20u);
+  for (const int count : {1, 7, 20}) {
+    options.max_grasps = count;
+    const PlanResult few = Run(options);
+    ASSERT_EQ(few.grasps.size(), static_cast<size_t>(count));
+    for (int i = 0; i < count; ++i) {
+      EXPECT_EQ(few.grasps[i].hypothesis, all.grasps[i].hypothesis);
+      EXPECT_EQ(few.grasps[i].score, all.grasps[i].score);
+      EXPECT_EQ(few.grasps[i].X_WG.matrix(), all.grasps[i].X_WG.matrix());
+    }
+    EXPECT_GT(few.rejected.at("not tried"), 0);
+  }
+}
+
 // The first grasp is the best according to the selected ranking.
 TEST_F(PlanOrder, RankingSelectsTheQuality) {
   AddPose({0, 0, 0.025});
