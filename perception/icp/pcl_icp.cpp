@@ -4,6 +4,7 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/registration/icp.h>
+#include <pcl/registration/transformation_estimation_point_to_plane_lls.h>
 #include <pcl/search/kdtree.h>
 
 #include <algorithm>
@@ -18,6 +19,45 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointNormal>;
 
+// Point-to-plane steps of PCL. The equations are singular where the points can slide, for example
+// on one plane. Their solution is then infinite or not a number, and PCL's search aborts the
+// program at such a point. Steps that are not finite or move the points further than
+// correspondences can be valid are replaced by no step, which ends the iteration.
+class BoundedStep
+    : public pcl::registration::TransformationEstimationPointToPlaneLLS<pcl::PointNormal,
+                                                                        pcl::PointNormal> {
+ public:
+  using Base = pcl::registration::TransformationEstimationPointToPlaneLLS<pcl::PointNormal,
+                                                                          pcl::PointNormal>;
+
+  explicit BoundedStep(float max_step_m) : max_step_m_(max_step_m) {}
+
+  using Base::estimateRigidTransformation;
+  void estimateRigidTransformation(const Cloud& source, const Cloud& target,
+                                   const pcl::Correspondences& correspondences,
+                                   Matrix4& step) const override {
+    Base::estimateRigidTransformation(source, target, correspondences, step);
+    has_failed_ = !IsBounded(source, correspondences, step);
+    if (has_failed_) step.setIdentity();
+  }
+
+  // Whether the last step was replaced.
+  bool has_failed() const { return has_failed_; }
+
+ private:
+  bool IsBounded(const Cloud& source, const pcl::Correspondences& correspondences,
+                 const Matrix4& step) const {
+    return std::all_of(correspondences.begin(), correspondences.end(), [&](const auto& pair) {
+      const Eigen::Vector3f p = source[pair.index_query].getVector3fMap();
+      const Eigen::Vector3f moved = step.topLeftCorner<3, 3>() * p + step.topRightCorner<3, 1>();
+      return (moved - p).norm() <= max_step_m_;  // false for NaN
+    });
+  }
+
+  float max_step_m_;
+  mutable bool has_failed_ = false;
+};
+
 // PCL keeps the number of iterations in a protected member.
 class Icp : public pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::PointNormal> {
  public:
@@ -27,6 +67,7 @@ class Icp : public pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::
 using SearchTree = pcl::search::KdTree<pcl::PointNormal>;
 
 constexpr size_t kMinPoints = kMinIcpPairs;
+constexpr double kMaxStepDiameters = 1;  // movement of a point in one step
 
 pcl::PointNormal ToPcl(const Eigen::Vector3f& p, const Eigen::Vector3f& n) {
   pcl::PointNormal point;
@@ -123,6 +164,9 @@ IcpResult PclIcp::Align(const ModelPoints& model, const Pose& X_CO) const {
   if (source->size() < kMinPoints || impl_->target->size() < kMinPoints) return result;
 
   Icp icp;
+  const auto steps =
+      pcl::make_shared<BoundedStep>(static_cast<float>(kMaxStepDiameters * model.diameter_m));
+  icp.setTransformationEstimation(steps);
   icp.setSearchMethodTarget(impl_->tree, /*force_no_recompute=*/true);
   icp.setInputTarget(impl_->target);
   icp.setInputSource(source);
@@ -132,9 +176,9 @@ IcpResult PclIcp::Align(const ModelPoints& model, const Pose& X_CO) const {
   Cloud aligned;
   icp.align(aligned);
   if (!icp.hasConverged()) return result;
-  const Eigen::Matrix4d step = icp.getFinalTransformation().cast<double>();
   result.status = IcpStatus::kStepTooLarge;
-  if (!step.allFinite()) return result;
+  if (steps->has_failed()) return result;
+  const Eigen::Matrix4d step = icp.getFinalTransformation().cast<double>();
 
   Pose X_step = Pose::Identity();
   X_step.linear() = Orthonormalized(step.topLeftCorner<3, 3>());

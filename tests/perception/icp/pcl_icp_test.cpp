@@ -168,11 +168,32 @@ ModelPoints AsModel(const Scan& scan) {
   model.normals_O = scan.normals;
   model.directions_O = {-Eigen::Vector3f::UnitZ()};
   model.visible.resize(1);
+  model.diameter_m = 0.2f;
   for (size_t i = 0; i < scan.points.size(); ++i) {
     model.visible[0].push_back(static_cast<uint16_t>(i));
     model.center_O += scan.points[i] / static_cast<float>(scan.points.size());
   }
   return model;
+}
+
+// Points on one plane that faces the camera can slide along it and turn on it, so the equations of
+// a step have no solution.
+TEST(PclIcp, SlidingPointsLeaveThePoseUnchanged) {
+  constexpr float kSurface_m = 0.6f, kStart_m = 0.601f;
+  Scan plane;
+  for (int x = -10; x <= 10; ++x) {
+    for (int y = 2; y <= 20; ++y) {
+      plane.points.emplace_back(0.004f * x, 0.004f * y, 0.0f);
+      plane.normals.emplace_back(0.0f, 0.0f, -1.0f);
+    }
+  }
+  const OrganizedCloud cloud = AsCloud(plane);
+  ASSERT_FLOAT_EQ(cloud.points_C[cloud.foreground_pixels[0]].z(), kSurface_m);
+  const Pose start = Translation({0, 0, kStart_m});
+  const PclIcpOptions options{.max_correspondence_distance_m = 0.01, .target_stride = 1};
+  const IcpResult result = PclIcp(cloud, options).Refine(AsModel(plane), start);
+  EXPECT_EQ(result.status, IcpStatus::kStepTooLarge);
+  EXPECT_EQ(result.X_CO.matrix(), start.matrix());
 }
 
 TEST(PclIcp, RegistersTwoRealScans) {
