@@ -25,6 +25,9 @@ constexpr double kGridStep_rad = Radians(5);
 constexpr double kSameAxis_rad = Radians(5);
 constexpr double kSnap_rad = Radians(1);  // an axis is set to a coordinate axis within this angle
 constexpr double kOutlierShare = 0.003;
+// Tolerance of products and exact forms of checked rotations, as a multiple of the tolerance.
+// Errors of the factors add up, and a thread shifts the centers of the half turns across its axis.
+constexpr double kGroupTolerance = 2;
 constexpr size_t kLargestGroup = 120;
 constexpr std::array kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59};
 // Test rotations in rad. No discrete symmetry of an order below 100 contains them.
@@ -235,7 +238,7 @@ std::vector<Pose> Finder::Group(const std::vector<Axis>& axes) const {
       const Pose product = generator * group[i];
       const bool known = std::any_of(group.begin(), group.end(),
                                      [&](const Pose& other) { return same(product, other); });
-      if (!known && Maps(product, 2 * tolerance_m_, 1)) group.push_back(product);
+      if (!known && Maps(product, kGroupTolerance * tolerance_m_, 1)) group.push_back(product);
     }
   }
   group.erase(group.begin());
@@ -283,9 +286,10 @@ std::vector<Pose> Finder::ExactGroup(const std::vector<Axis>& axes, size_t rotat
       group.push_back(TurnAbout({flip, center}, pi));
     }
   }
-  const bool holds = group.size() == rotations &&
-                     std::all_of(group.begin(), group.end(),
-                                 [&](const Pose& X_OO) { return Maps(X_OO, tolerance_m_, 1); });
+  const bool holds =
+      group.size() == rotations && std::all_of(group.begin(), group.end(), [&](const Pose& X_OO) {
+        return Maps(X_OO, kGroupTolerance * tolerance_m_, 1);
+      });
   return holds ? group : std::vector<Pose>();
 }
 
