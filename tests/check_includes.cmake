@@ -29,7 +29,7 @@ set(third_party
   "GL/|EGL/|KHR/=>^sim/render/[a-z_]+\\.(cpp|h)$"
   "torch/|ATen/|c10/=>^perception/(networks|training)/[a-z_]+\\.(cpp|h)$"
   "pcl/=>^perception/(icp/pcl_icp|cloud/normals)\\.cpp$"
-  "flann/=>^perception/features/neighbors\\.cpp$"
+  "flann/=>^(perception/features/neighbors|eval/metrics/vertex_tree)\\.cpp$"
   "lz4=>^perception/[a-z_]+/[a-z_]+\\.cpp$"
   "assimp/=>^scenes/mesh_io/(mesh_io|scene_export)\\.cpp$"
   "opencv2/=>^(scenes/image/image_io\\.cpp|eval/draw/[a-z_]+\\.(cpp|h)|perception/cloud/color_edges\\.cpp|perception/estimators/ppf_matcher\\.cpp|perception/crop_methods/(hog|linemod)\\.cpp)$"

@@ -16,9 +16,8 @@ namespace {
 constexpr int kSteps = 10;
 constexpr double kMspdWidth_px = 640;
 constexpr double kAdiDiameters = 0.1;  // the usual threshold (Hinterstoisser et al. 2012)
-constexpr int kAdiVertices = 2000;
-constexpr double kStep_mm = 2;   // thresholds of MSSD in BOP25: 2, 4, ... 20 mm
-constexpr int kCorrectStep = 1;  // index of 0.1 diameters in Steps()
+constexpr double kStep_mm = 2;         // thresholds of MSSD in BOP25: 2, 4, ... 20 mm
+constexpr int kCorrectStep = 1;        // index of 0.1 diameters in Steps()
 
 // 0.05, 0.1, ... 0.5: tolerances and thresholds of VSD and MSSD. Times 100: thresholds of MSPD, px.
 std::array<double, kSteps> Steps() {
@@ -69,14 +68,12 @@ class ObjectModels {
 
   struct Entry {
     MetricModel metric;
-    MetricModel sparse;  // for ADI, which compares every vertex with every other vertex
     int mesh = 0;
   };
   const Entry& Of(int object_id) {
     if (const auto known = models_.find(object_id); known != models_.end()) return known->second;
     const auto model = model_of_(object_id);
-    Entry entry{MakeMetricModel(*model, 0), MakeMetricModel(*model, kAdiVertices),
-                renderer_.AddMesh(model->mesh_O)};
+    Entry entry{MakeMetricModel(*model, 0), renderer_.AddMesh(model->mesh_O)};
     return models_.emplace(object_id, std::move(entry)).first->second;
   }
 
@@ -281,7 +278,7 @@ struct ScoreAccumulator::Impl {
   // upper bound: if it is below the threshold, the table holds MSSD. If the box centers are at
   // least one diameter apart, the table holds their distance.
   ErrorTable AdiTable(const Group& group, const ErrorTable& mssd) {
-    const MetricModel& model = models_.Of(group.object_id).sparse;
+    const MetricModel& model = models_.Of(group.object_id).metric;
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d& v : model.vertices_O) box.extend(v);
     ErrorTable table = group.Table([&](const Pose& X_est, const Pose& X_true) {

@@ -75,7 +75,7 @@ struct ScoredImage {
 // precision. The rules are in eval/bop/scores.h. VSD renders the objects.
 class ScoreAccumulator {
  public:
-  // Called once per object. VSD, MSSD and MSPD use all vertices of the mesh, ADI at most 2000.
+  // Called once per object. All errors use all vertices of the mesh.
   using ModelOf = std::function<std::shared_ptr<const ObjectModel>(int object_id)>;
   // Returns null for an object without a tolerance model.
   using ToleranceOf = std::function<const ToleranceModel*(int object_id)>;

@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr double kSamePlaceDiameters = 0.25;
 constexpr int kVsdSteps = 10;  // tolerances 0.05, 0.1, ... 0.5 diameters
-constexpr int kAdiVertices = 2000;
 
 // Computes the BOP errors of poses with the meshes of the data set.
 class ErrorMeasure {
@@ -45,20 +44,19 @@ class ErrorMeasure {
       vsd += error / kVsdSteps;
     }
     return {vsd, Mssd(entry.metric, X_est, X_true), Mspd(entry.metric, camera, X_est, X_true),
-            Add(entry.metric, X_est, X_true), Adi(entry.sparse, X_est, X_true)};
+            Add(entry.metric, X_est, X_true), Adi(entry.metric, X_est, X_true)};
   }
 
  private:
   struct Entry {
-    MetricModel metric, sparse;
+    MetricModel metric;
     int mesh = 0;
   };
   const Entry& EntryOf(int object_id) {
     if (const auto known = entries_.find(object_id); known != entries_.end()) return known->second;
     const auto model =
         LoadDatasetModel(folder_, object_id, infos_.at(object_id), ModelName(object_id));
-    Entry entry{MakeMetricModel(*model, 0), MakeMetricModel(*model, kAdiVertices),
-                renderer_.AddMesh(model->mesh_O)};
+    Entry entry{MakeMetricModel(*model, 0), renderer_.AddMesh(model->mesh_O)};
     return entries_.emplace(object_id, std::move(entry)).first->second;
   }
   DistanceCrop Draw(const Entry& entry, const Pose& X_CO, const CameraIntrinsics& camera) {

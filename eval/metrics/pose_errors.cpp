@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "scenes/geometry/sphere_directions.h"
 
@@ -39,6 +40,7 @@ MetricModel MakeMetricModel(const ObjectModel& model, int max_vertices) {
   const auto& vertices = model.mesh_O.vertices;
   const bool all = max_vertices <= 0 || vertices.size() <= static_cast<size_t>(max_vertices);
   metric.vertices_O = all ? vertices : ReducedVertices(vertices, max_vertices);
+  if (!metric.vertices_O.empty()) metric.vertex_tree_O = VertexTree(metric.vertices_O);
   metric.symmetries_O = SymmetryTransforms(model.symmetries_O);
   metric.diameter_m = model.diameter_m;
   return metric;
@@ -59,38 +61,16 @@ double Add(const MetricModel& model, const Pose& X_est, const Pose& X_true) {
 }
 
 // Average Distance to the closest model point (Hinterstoisser et al. 2012). For each vertex at the
-// true pose it takes the nearest vertex at the estimated pose, like the BOP toolkit.
-namespace {
-
-// Distance to the nearest point; sweeps outwards in x from the query over points sorted by x.
-double NearestDistance(const std::vector<Eigen::Vector3d>& sorted, const Eigen::Vector3d& p) {
-  const auto by_x = [](const Eigen::Vector3d& a, double x) { return a.x() < x; };
-  const auto start = std::lower_bound(sorted.begin(), sorted.end(), p.x(), by_x);
-  double best = std::numeric_limits<double>::infinity();
-  for (auto it = start; it != sorted.end(); ++it) {
-    const double dx = it->x() - p.x();
-    if (dx * dx >= best) break;
-    best = std::min(best, (*it - p).squaredNorm());
-  }
-  for (auto it = start; it != sorted.begin();) {
-    --it;
-    const double dx = it->x() - p.x();
-    if (dx * dx >= best) break;
-    best = std::min(best, (*it - p).squaredNorm());
-  }
-  return std::sqrt(best);
-}
-
-}  // namespace
+// true pose it takes the nearest vertex at the estimated pose, like the BOP toolkit. The search is
+// in the frame of the estimated object, where the vertices do not move.
 
 double Adi(const MetricModel& model, const Pose& X_est, const Pose& X_true) {
-  std::vector<Eigen::Vector3d> estimate;
-  estimate.reserve(model.vertices_O.size());
-  for (const Eigen::Vector3d& v : model.vertices_O) estimate.push_back(X_est * v);
-  std::sort(estimate.begin(), estimate.end(),
-            [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.x() < b.x(); });
-  double sum = 0;
-  for (const Eigen::Vector3d& v : model.vertices_O) sum += NearestDistance(estimate, X_true * v);
+  const Pose X_est_true = X_est.inverse() * X_true;
+  std::vector<Eigen::Vector3d> moved_O;
+  moved_O.reserve(model.vertices_O.size());
+  for (const Eigen::Vector3d& v : model.vertices_O) moved_O.push_back(X_est_true * v);
+  const std::vector<double> distances_m = model.vertex_tree_O.NearestDistances_m(moved_O);
+  const double sum = std::accumulate(distances_m.begin(), distances_m.end(), 0.0);
   return sum / static_cast<double>(model.vertices_O.size());
 }
 

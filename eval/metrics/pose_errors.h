@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "eval/layer.h"
+#include "eval/metrics/vertex_tree.h"
 #include "scenes/camera/camera.h"
 #include "scenes/objects/object_model.h"
 
@@ -19,6 +20,7 @@ namespace pickbed::eval {
 struct MetricModel {
   // Vertices of the mesh, possibly reduced.
   std::vector<Eigen::Vector3d> vertices_O;
+  VertexTree vertex_tree_O;        // of the same vertices, for ADI
   std::vector<Pose> symmetries_O;  // all symmetry transforms, identity first
   double diameter_m = 0;
 };

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "eval/metrics/metric_table.h"
+#include "eval/metrics/vertex_tree.h"
 #include "scenes/base/random.h"
 #include "scenes/mesh_io/mesh_io.h"
 #include "tests/support/layer.h"
@@ -23,6 +24,7 @@ MetricModel BoxModel(const Eigen::Vector3d& half) {
     model.vertices_O.emplace_back((i & 1 ? 1 : -1) * half.x(), (i & 2 ? 1 : -1) * half.y(),
                                   (i & 4 ? 1 : -1) * half.z());
   }
+  model.vertex_tree_O = VertexTree(model.vertices_O);
   model.symmetries_O = {Pose::Identity()};
   model.diameter_m = 2 * half.norm();
   return model;
@@ -92,10 +94,27 @@ TEST(Metrics, SymmetricRotationsHaveZeroError) {
   EXPECT_NEAR(Adi(model, X * half_turn, X), 0, 1e-9);
 }
 
+TEST(VertexTree, FindsTheNearestPoint) {
+  Rng rng(8);
+  std::vector<Eigen::Vector3d> points, queries;
+  for (int i = 0; i < 500; ++i) points.push_back(0.1 * rng.Uniform(0, 1) * rng.UnitVector());
+  for (int i = 0; i < 50; ++i) queries.push_back(0.2 * rng.UnitVector());
+  queries.push_back(points[7]);
+  const std::vector<double> distances_m = VertexTree(points).NearestDistances_m(queries);
+  ASSERT_EQ(distances_m.size(), queries.size());
+  for (size_t i = 0; i < queries.size(); ++i) {
+    double nearest_m = 1;
+    for (const auto& p : points) nearest_m = std::min(nearest_m, (p - queries[i]).norm());
+    EXPECT_NEAR(distances_m[i], nearest_m, 1e-12) << i;
+  }
+  EXPECT_TRUE(VertexTree(points).NearestDistances_m({}).empty());
+}
+
 TEST(Metrics, AdiEqualsBruteForce) {
   MetricModel model = BoxModel({0.03, 0.02, 0.01});
   Rng rng(3);
   for (int i = 0; i < 300; ++i) model.vertices_O.push_back(0.03 * rng.UnitVector());
+  model.vertex_tree_O = VertexTree(model.vertices_O);
   for (int i = 0; i < 5; ++i) {
     const Pose X_est = RandomPose(rng), X_true = RandomPose(rng);
     double sum = 0;
