@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "eval/bop/layout.h"
@@ -110,6 +111,7 @@ class Checker {
     ++report_.scenes;
     for (const std::string& sensor : sensors) {
       const SceneTruth scene = ReadSceneTruth(folder, scene_id, Collector(), sensor);
+      for (const std::string& row : scene.unusable) Fault(row);
       for (const auto& [id, image] : scene.images) CheckImage(scene, image);
       CheckStrayFiles(scene);
     }
@@ -119,9 +121,10 @@ class Checker {
     ++report_.images;
     report_.instances += static_cast<int>(image.instances.size());
     const fs::path truth = scene.folder / OfSensor(kSceneTruthFile, scene.sensor);
+    std::map<int, int>& counts = instances_[{scene.scene_id, image.image_id}];  // also if empty
     for (size_t i = 0; i < image.instances.size(); ++i) {
       const int object = image.instances[i].object_id;
-      ++instances_[{scene.scene_id, image.image_id}][object];
+      ++counts[object];
       if (known_objects_.contains(object)) continue;
       Fault(fmt::format("{}: image {}: instance {}: {} has no object {}", truth.string(),
                         image.image_id, i, kModelsInfoFile, object));

@@ -67,6 +67,7 @@ ScoredImage TruthOf(const ImageTruth& image, const RgbdFrame& frame) {
   ScoredImage truth{frame.intrinsics, frame.depth_m, {}};
   for (size_t i = 0; i < image.instances.size(); ++i) {
     const DatasetInstance& instance = image.instances[i];
+    if (!instance.is_usable) continue;
     truth.instances.push_back({instance.object_id, instance.X_CO, image.infos[i].visib_fract});
   }
   return truth;
@@ -138,10 +139,18 @@ DatasetScores EvaluateDataset(const fs::path& root, const std::string& split,
     scores.notes.push_back(std::move(note));
   }
   scores.seconds_an_image = MeanTime(estimates);
+  size_t rotations = 0, corrected = 0;
   for (const auto& [scene_id, images] : targets.scenes) {
     const fs::path scene_folder = root / split / SceneFolderName(scene_id);
     if (on_scene) on_scene(scene_folder.string());
     const SceneTruth scene = ReadSceneTruth(scene_folder, scene_id, ThrowFault, options.sensor);
+    for (const auto& [image_id, image] : scene.images) {
+      rotations += image.instances.size();
+      corrected += std::ranges::count_if(image.instances, &DatasetInstance::is_corrected);
+    }
+    for (const std::string& row : scene.unusable) {
+      scores.notes.push_back(row + "; the instance is left out");
+    }
     for (const auto& [image_id, image_targets] : images) {
       const auto truth = scene.images.find(image_id);
       CheckInput(truth != scene.images.end(),
@@ -152,6 +161,11 @@ DatasetScores EvaluateDataset(const fs::path& root, const std::string& split,
       evaluator.AddImage(TruthOf(truth->second, frame), image_targets,
                          found ? std::move(found.mapped()) : std::vector<const DatasetEstimate*>());
     }
+  }
+  if (corrected > 0) {
+    scores.notes.push_back(fmt::format(
+        "{} of {} rotations of the ground truth are not orthonormal; the nearest rotation is used",
+        corrected, rotations));
   }
   for (const auto& [image, left] : by_image) {
     scores.estimates_elsewhere += static_cast<int>(left.size());

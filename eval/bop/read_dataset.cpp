@@ -35,13 +35,18 @@ void ForEachId(const ParsedJson& object, const JsonPlace& place, const char* wha
   }
 }
 
+// Largest deviation of R^T R from the identity.
+double DeviationOf(const Eigen::Matrix3d& R) {
+  return (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+}
+
 std::optional<Pose> ToPose(const Eigen::Matrix3d& R, const std::vector<double>& t_mm,
                            const JsonPlace& place) {
   if (const std::string wrong = RotationFault(R); !wrong.empty()) {
     place.Fault(wrong);
     return std::nullopt;
   }
-  return MakePose(R, kMm * Eigen::Vector3d(t_mm[0], t_mm[1], t_mm[2]));
+  return MakePose(PublishedRotation(R), kMm * Eigen::Vector3d(t_mm[0], t_mm[1], t_mm[2]));
 }
 
 // Reads a rotation and a translation in mm under two keys.
@@ -146,15 +151,28 @@ InstanceInfo ReadInfo(const ParsedJson& entry, const JsonPlace& place) {
   return info;
 }
 
-void ReadInstances(const ParsedJson& list, const JsonPlace& place, ImageTruth& image) {
+// A matrix that is no rotation makes only its instance unusable, so that one bad row does not stop
+// the work on a large dataset.
+void ReadInstances(const ParsedJson& list, const JsonPlace& place, SceneTruth& scene,
+                   ImageTruth& image) {
   if (!list.is_array()) return place.Fault("is not a list of instances");
   for (size_t i = 0; i < list.size(); ++i) {
     const JsonPlace where = place / fmt::format("instance {}", i);
     DatasetInstance instance;
     instance.object_id = JsonInteger(list[i], "obj_id", where).value_or(0);
-    const auto X_CO = ReadPose(list[i], "cam_R_m2c", "cam_t_m2c", where);
-    if (X_CO) instance.X_CO = *X_CO;
-    if (X_CO && instance.X_CO.translation().z() <= 0) where.Fault("is behind the camera");
+    const auto entries = JsonReals(list[i], "cam_R_m2c", 9, where);
+    const auto t_mm = JsonReals(list[i], "cam_t_m2c", 3, where);
+    if (entries && t_mm) {
+      const Eigen::Matrix3d R = ToMatrix3(*entries), published = PublishedRotation(R);
+      if (const std::string wrong = RotationFault(R); !wrong.empty()) {
+        instance.is_usable = false;
+        scene.unusable.push_back((where / "'cam_R_m2c'").text() + ": " + wrong);
+      } else {
+        instance.is_corrected = published != R;
+        instance.X_CO = MakePose(published, kMm * Eigen::Vector3d::Map(t_mm->data()));
+      }
+      if ((*t_mm)[2] <= 0) where.Fault("is behind the camera");
+    }
     image.instances.push_back(instance);
   }
 }
@@ -220,12 +238,17 @@ std::vector<TargetView> ReadViews(const ParsedJson& list, const JsonPlace& place
 }  // namespace
 
 std::string RotationFault(const Eigen::Matrix3d& R) {
-  constexpr double kRounding = 5e-3;
-  const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (off > kRounding)
-    return fmt::format("is no rotation: R^T R differs from the identity by {:.2g}", off);
+  constexpr double kLargest = 0.05;
+  const double deviation = DeviationOf(R);
+  if (deviation > kLargest)
+    return fmt::format("is no rotation: R^T R differs from the identity by {:.2g}", deviation);
   if (R.determinant() < 0) return "is no rotation but a reflection: its determinant is -1";
   return "";
+}
+
+Eigen::Matrix3d PublishedRotation(const Eigen::Matrix3d& R) {
+  constexpr double kRounding = 5e-3;
+  return DeviationOf(R) > kRounding ? Orthonormalized(R) : R;
 }
 
 std::map<int, DatasetModelInfo> ReadModelsInfo(const fs::path& folder, const OnFault& fault) {
@@ -277,7 +300,7 @@ SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& f
   if (scene.images.empty()) return scene;
   ForEachImage(folder / OfSensor(kSceneTruthFile, sensor), scene, fault,
                [&](ImageTruth& image, const ParsedJson& entry, const JsonPlace& place) {
-                 ReadInstances(entry, place, image);
+                 ReadInstances(entry, place, scene, image);
                });
   ForEachImage(folder / OfSensor(kSceneTruthInfoFile, sensor), scene, fault,
                [&](ImageTruth& image, const ParsedJson& entry, const JsonPlace& place) {

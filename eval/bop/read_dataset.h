@@ -53,7 +53,10 @@ struct InstanceInfo {
 // An entry of scene_gt.json.
 struct DatasetInstance {
   int object_id = 0;
-  Pose X_CO = Pose::Identity();  // as published: orthonormal only to the digits in the file
+  // As published: orthonormal only to the digits in the file, but see PublishedRotation().
+  Pose X_CO = Pose::Identity();
+  bool is_corrected = false;  // the published matrix was replaced by the nearest rotation
+  bool is_usable = true;      // false: the published matrix is no rotation, X_CO is the identity
 };
 
 // Projection of an image, from an entry of scene_camera.json. The image file defines the size.
@@ -75,7 +78,8 @@ struct SceneTruth {
   int scene_id = 0;
   std::filesystem::path folder;
   std::map<int, ImageTruth> images;
-  std::string sensor = {};  // whose files were read; empty = the plain file names
+  std::string sensor = {};                 // whose files were read; empty = the plain file names
+  std::vector<std::string> unusable = {};  // place and reason for each instance without a rotation
 };
 
 // One view of a multi-view target.
@@ -120,8 +124,10 @@ RgbdFrame ReadFrame(const SceneTruth& scene, const ImageTruth& image);
 // Same as ReadFrame, without colour.
 RgbdFrame ReadDepthFrame(const SceneTruth& scene, const ImageTruth& image);
 
-// Returns why a matrix is not a rotation; empty if it is one. Published matrices are rounded, so
-// entries of R^T R may deviate from the identity by up to 0.005.
+// Returns why a matrix is not a rotation; empty if it is one. Published matrices are rounded or
+// come from optimisation, so entries of R^T R may deviate from the identity by up to 0.05.
 std::string RotationFault(const Eigen::Matrix3d& R);
+// Returns R if its deviation is rounding, at most 0.005; otherwise the nearest rotation.
+Eigen::Matrix3d PublishedRotation(const Eigen::Matrix3d& R);
 
 }  // namespace pickbed::eval

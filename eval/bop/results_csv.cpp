@@ -88,7 +88,7 @@ DatasetEstimate ParseLine(const std::string& text, const Line& line) {
   Eigen::Matrix3d R_CO;
   for (int i = 0; i < 9; ++i) R_CO(i / 3, i % 3) = R[i];
   if (const std::string wrong = RotationFault(R_CO); !wrong.empty()) line.Refuse("R " + wrong);
-  estimate.X_CO = MakePose(R_CO, 1e-3 * Eigen::Vector3d::Map(t_mm.data()));
+  estimate.X_CO = MakePose(PublishedRotation(R_CO), 1e-3 * Eigen::Vector3d::Map(t_mm.data()));
   return estimate;
 }
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 void CountVisible(const ImageTruth& image, ImageTargets& targets) {
   for (size_t i = 0; i < image.infos.size(); ++i) {
-    if (image.infos[i].visib_fract < kMinVisible) continue;
+    if (!image.instances[i].is_usable || image.infos[i].visib_fract < kMinVisible) continue;
     ++targets.counts[image.instances[i].object_id];
   }
   targets.localised = !targets.counts.empty();

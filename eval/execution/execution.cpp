@@ -59,6 +59,8 @@ ExecutedScenes ReadScenes(const Bin& bin, const ObjectSet& objects,
     const fs::path folder = split / SceneFolderName(id);
     StoredScenes stored = ReadStoredScenes(folder, bin, objects);
     SceneTruth truth = ReadSceneTruth(folder, id, ThrowFault);
+    CheckInput(truth.unusable.empty(),
+               truth.unusable.empty() ? "" : truth.unusable.front() + "; make the dataset again");
     for (const auto& [image_id, image] : truth.images) {
       CheckInput(HasInstancesOf(image, stored.Of(image_id, folder)) && image.X_CW,
                  fmt::format("{}: image {}: {} and {} do not fit together; make the dataset again",
