@@ -64,7 +64,7 @@ class Runner {
   Runner(const fs::path& root, const EstimateDatasetOptions& options, const std::set<int>& wanted,
          const std::map<int, DatasetModelInfo>& models, const RgbdFrame& first,
          const std::function<void(const EstimateDatasetProgress&)>& on_progress)
-      : task_(options.task), on_warning_(options.on_warning) {
+      : task_(options.task), bin_(options.bin), on_warning_(options.on_warning) {
     const EstimatorRow& row = EstimatorNamed(options.estimator.name);
     EstimatorSetup setup;
     DatasetObjects dataset = LoadDatasetObjects(root, wanted, models);
@@ -95,22 +95,24 @@ class Runner {
     working_distance_m_ = setup.working_distance_m;
   }
 
-  EstimateResult Explain(const RgbdFrame& frame, const ImageTargets& targets, Rng& rng,
-                         EstimateTrace& trace) {
-    return estimator_->Estimate({frame, std::nullopt, &trace, Instances(targets)}, rng);
+  EstimateResult Explain(const RgbdFrame& frame, const ImageTruth& image,
+                         const ImageTargets& targets, Rng& rng, EstimateTrace& trace) {
+    return estimator_->Estimate({frame, Background(image), &trace, Instances(targets)}, rng);
   }
   const std::vector<int>& object_ids() const { return object_ids_; }
   const ObjectSet& objects() const { return objects_; }
   LabelledViewSource& views() { return *views_; }
   double working_distance_m() const { return working_distance_m_; }
 
-  void Run(const RgbdFrame& frame, const ImageTargets& targets, DatasetEstimate place, Rng& rng,
-           std::vector<DatasetEstimate>& estimates) {
+  void Run(const RgbdFrame& frame, const ImageTruth& image, const ImageTargets& targets,
+           DatasetEstimate place, Rng& rng, std::vector<DatasetEstimate>& estimates) {
     const auto start = std::chrono::steady_clock::now();
-    EstimatorInput input{frame, std::nullopt, nullptr, Instances(targets)};
+    EstimatorInput input{frame, Background(image), nullptr, Instances(targets)};
     input.is_first = std::exchange(is_first_, false);
     const EstimateResult result = estimator_->Estimate(input, rng);
     if (result.failure) Warn(place, *result.failure);
+    ++images_;
+    without_background_ += !result.has_background;
     place.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (const PoseHypothesis& hypothesis : result.hypotheses) {
       place.object_id = object_ids_[hypothesis.object];
@@ -120,7 +122,21 @@ class Runner {
     }
   }
 
+  // Warns if the estimator recognised no background in some images.
+  void WarnOfBackground() const {
+    if (!on_warning_ || without_background_ == 0) return;
+    on_warning_(
+        fmt::format("no table, floor or bin was recognised in {} of {} images: poses on them may "
+                    "have high scores",
+                    without_background_, images_));
+  }
+
  private:
+  std::optional<KnownBackground> Background(const ImageTruth& image) const {
+    if (!bin_ || !image.X_CW) return std::nullopt;
+    return KnownBackground{*bin_, *image.X_CW};
+  }
+
   void Warn(const DatasetEstimate& place, const EstimatorFailure& failure) const {
     if (!on_warning_) return;
     on_warning_(fmt::format("image {}/{}: {}", place.scene_id, place.image_id, failure.text));
@@ -138,8 +154,10 @@ class Runner {
   }
 
   DatasetTask task_;
+  std::optional<Bin> bin_;
   std::function<void(const std::string& line)> on_warning_;
   bool is_first_ = true;  // the next image
+  int images_ = 0, without_background_ = 0;
   std::vector<int> object_ids_;
   ObjectSet objects_;
   double working_distance_m_ = 0;
@@ -155,8 +173,8 @@ const ImageTruth& TargetImage(const SceneTruth& scene, int image_id) {
   return image->second;
 }
 
-using TakeImage = std::function<void(const DatasetEstimate& place, const ImageTargets& targets,
-                                     const RgbdFrame& frame)>;
+using TakeImage = std::function<void(const DatasetEstimate& place, const ImageTruth& image,
+                                     const ImageTargets& targets, const RgbdFrame& frame)>;
 
 // Reads each target image from disk and passes it to `take`.
 void ForEachTarget(const fs::path& root, const std::string& split, const SplitTargets& targets,
@@ -168,7 +186,8 @@ void ForEachTarget(const fs::path& root, const std::string& split, const SplitTa
       DatasetEstimate place;
       place.scene_id = scene_id;
       place.image_id = image_id;
-      take(place, image_targets, ReadFrame(scene, TargetImage(scene, image_id)));
+      const ImageTruth& image = TargetImage(scene, image_id);
+      take(place, image, image_targets, ReadFrame(scene, image));
     }
   }
 }
@@ -216,7 +235,7 @@ std::optional<std::vector<TrueInstance>> TruthOf(const ImageTruth& image,
   std::vector<TrueInstance> instances;
   for (size_t i = 0; i < image.instances.size(); ++i) {
     const auto id = std::ranges::find(object_ids, image.instances[i].object_id);
-    if (id == object_ids.end()) continue;
+    if (id == object_ids.end() || !image.instances[i].is_usable) continue;
     const double visible = i < image.infos.size() ? image.infos[i].visib_fract : 1;
     instances.push_back({ObjectId(id - object_ids.begin()), image.instances[i].X_CO, visible});
   }
@@ -236,26 +255,28 @@ std::vector<DatasetEstimate> EstimateDataset(
   for (const auto& [scene_id, images] : targets.scenes) all += images.size();
   // All images are read once before the first is processed, which takes a small share of the time.
   // A broken image is thus reported at once. After hours of work, all estimates would be lost.
-  ForEachTarget(root, split, targets,
-                [](const DatasetEstimate&, const ImageTargets&, const RgbdFrame&) {});
-  std::optional<Runner> runner;
-  std::vector<DatasetEstimate> estimates;
   ForEachTarget(
       root, split, targets,
-      [&](const DatasetEstimate& place, const ImageTargets& image_targets, const RgbdFrame& frame) {
-        const bool sees = HasReadings(frame.depth_m);
-        if (!runner && sees) {
-          runner.emplace(root, options, ObjectsOf(targets, models, options.task), models, frame,
-                         on_progress);
-        }
-        Rng rng = RngOf(options, place);
-        if (sees) runner->Run(frame, image_targets, place, rng, estimates);
-        ++done;
-        if (on_progress) {
-          on_progress({fmt::format("scene {} image {}", place.scene_id, place.image_id),
-                       static_cast<double>(done) / static_cast<double>(all)});
-        }
-      });
+      [](const DatasetEstimate&, const ImageTruth&, const ImageTargets&, const RgbdFrame&) {});
+  std::optional<Runner> runner;
+  std::vector<DatasetEstimate> estimates;
+  ForEachTarget(root, split, targets,
+                [&](const DatasetEstimate& place, const ImageTruth& image,
+                    const ImageTargets& image_targets, const RgbdFrame& frame) {
+                  const bool sees = HasReadings(frame.depth_m);
+                  if (!runner && sees) {
+                    runner.emplace(root, options, ObjectsOf(targets, models, options.task), models,
+                                   frame, on_progress);
+                  }
+                  Rng rng = RngOf(options, place);
+                  if (sees) runner->Run(frame, image, image_targets, place, rng, estimates);
+                  ++done;
+                  if (on_progress) {
+                    on_progress({fmt::format("scene {} image {}", place.scene_id, place.image_id),
+                                 static_cast<double>(done) / static_cast<double>(all)});
+                  }
+                });
+  if (runner) runner->WarnOfBackground();
   return estimates;
 }
 
@@ -276,7 +297,7 @@ ExplanationPage ExplainTarget(
   EstimateTrace trace;
   Rng rng = RngOf(options, place);
   const ImageTargets& asked = targets.scenes.at(place.scene_id).at(place.image_id);
-  const EstimateResult result = runner.Explain(frame, asked, rng, trace);
+  const EstimateResult result = runner.Explain(frame, truth, asked, rng, trace);
   return WriteExplanation(
       {fmt::format("{} on {}, scene {} image {}", options.estimator.name, split, place.scene_id,
                    place.image_id),

@@ -4,11 +4,13 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "eval/bop/results_csv.h"
 #include "eval/explain/explain.h"
+#include "scenes/bin/bin.h"
 #include "scenes/scenario/scenario_spec.h"
 
 namespace pickbed::eval {
@@ -25,7 +27,11 @@ struct EstimateDatasetOptions {
   int threads = 1;  // upper limit; the results are the same for any number
   DatasetTask task = DatasetTask::kLocalisation;
   std::filesystem::path log_dir = {};  // for the output of an estimator that is another program
-  // Called when such an estimator failed, with one line. May be empty.
+  // Bin in all images whose camera pose is known, at the origin of the world frame, as in data sets
+  // of `pickbed dataset make`. nullopt: unknown, as in BOP.
+  std::optional<Bin> bin = {};
+  // Called with one line when such an estimator failed, and at the end if the estimator recognised
+  // no background in some images. May be empty.
   std::function<void(const std::string& line)> on_warning = {};
 };
 
@@ -37,10 +43,10 @@ struct EstimateDatasetProgress {
 // Estimates poses in every target image. In localisation on a BOP19 image, it returns poses of the
 // target objects only, at most as many of each as are to be found. In detection, or if only BOP24
 // names the image, it returns all poses of any object of the data set. The estimator gets images,
-// cameras, meshes and, in localisation, these counts. It gets no other ground truth, and no
-// background because BOP has no bin. `on_progress` is called while codebooks are built and after
-// each image. Throws InputError for an unknown estimator, the oracle (it would need ground truth)
-// and a broken data set, always before the first image is processed.
+// cameras, meshes, the bin of the options and, in localisation, these counts. It gets no other
+// ground truth. `on_progress` is called while codebooks are built and after each image. Throws
+// InputError for an unknown estimator, the oracle (it would need ground truth) and a broken data
+// set, always before the first image is processed.
 std::vector<DatasetEstimate> EstimateDataset(
     const std::filesystem::path& root, const std::string& split,
     const EstimateDatasetOptions& options,

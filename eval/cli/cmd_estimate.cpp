@@ -4,8 +4,10 @@
 #include <charconv>
 #include <chrono>
 #include <filesystem>
+#include <optional>
 
 #include "eval/bop/estimate_dataset.h"
+#include "eval/bop/layout.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/estimate/report.h"
@@ -182,7 +184,15 @@ struct BopArguments {
   std::string path;
   std::string split = "test";
   std::string task = kLocalisation;
+  bool without_cell = false;
 };
+
+// Returns the bin of a data set that `pickbed dataset make` wrote; nullopt for others.
+std::optional<Bin> StoredBin(const BopArguments& bop) {
+  const std::filesystem::path file = std::filesystem::path(bop.path) / kDatasetScenarioFile;
+  if (bop.without_cell || !std::filesystem::exists(file)) return std::nullopt;
+  return BinOf(LoadScenario(file));
+}
 
 DatasetTask TaskOf(const BopArguments& bop) {
   return bop.task == kDetection ? DatasetTask::kDetection : DatasetTask::kLocalisation;
@@ -223,9 +233,10 @@ int ExplainBop(const BopArguments& bop, const ScenarioRequest& arguments,
   {
     constexpr int kThreads = 1;
     ProgressLine progress;
+    EstimateDatasetOptions options{spec.estimator, spec.refiner, spec.seed, kThreads, TaskOf(bop)};
+    options.bin = StoredBin(bop);
     page = ExplainTarget(
-        bop.path, bop.split, {spec.estimator, spec.refiner, spec.seed, kThreads, TaskOf(bop)},
-        image, folder, [&](const EstimateDatasetProgress& state) {
+        bop.path, bop.split, options, image, folder, [&](const EstimateDatasetProgress& state) {
           progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
         });
   }
@@ -249,6 +260,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
     ProgressLine progress;
     EstimateDatasetOptions options{spec.estimator, spec.refiner, spec.seed, threads, TaskOf(bop)};
     options.log_dir = folder / kLogsFolder;
+    options.bin = StoredBin(bop);
     options.on_warning = [&](const std::string& line) { progress.Note(line); };
     estimates =
         EstimateDataset(bop.path, bop.split, options, [&](const EstimateDatasetProgress& state) {
@@ -291,6 +303,10 @@ int EstimateCommand(int argc, char** argv) {
                  "then ends in -detection)")
       ->check(CLI::IsMember({kLocalisation, kDetection}))
       ->capture_default_str()
+      ->needs(bop_option);
+  app.add_flag("--without-cell", bop.without_cell,
+               "do not use the bin and the camera poses that `pickbed dataset make` stored; table, "
+               "floor and bin are then looked for in each image")
       ->needs(bop_option);
   app.add_option("--estimator", estimators,
                  "one or several estimators to compare on the same bins, separated by commas; each "

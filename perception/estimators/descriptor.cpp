@@ -178,6 +178,7 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
     const StageTimer timer(result.seconds, "cloud");
     cloud = SearchCloud(input.frame, input.background, binning_);
   }
+  result.has_background = input.background.has_value() || !cloud.planes.empty();
   std::vector<Candidate> candidates;
   if (options_.first) {
     const FirstPosesSearch search{*finder_, verifiers_, options_.pose_selection, *options_.first};

@@ -59,6 +59,8 @@ struct EstimateResult {
   std::vector<PoseHypothesis> hypotheses;  // highest score first
   StageSeconds seconds;
   std::optional<EstimatorFailure> failure = {};  // the hypotheses are then empty
+  // False if the estimator looked for a table, floor or bin in the image and recognised none.
+  bool has_background = true;
 };
 
 // Interface of an estimator.

@@ -42,6 +42,7 @@ class PpfEstimator : public PoseEstimator {
     EstimateResult result;
     const OrganizedCloud cloud =
         Timed(result.seconds, "cloud", [&] { return BuildCloud(input.frame, input.background); });
+    result.has_background = input.background.has_value() || !cloud.planes.empty();
     std::vector<PoseHypothesis> found;
     for (size_t object = 0; object < models_.size(); ++object) {
       const PpfMatcher& matcher = *matchers_[object];

@@ -18,6 +18,7 @@ class VerifiedEstimator : public PoseEstimator {
       const StageTimer timer(result.seconds, "cloud");
       cloud = SearchCloud(input.frame, input.background, setup_.binning);
     }
+    result.has_background = input.background.has_value() || !cloud.planes.empty();
     const std::vector<Candidate> candidates = setup_.source->Find(cloud, rng, result.seconds);
     const CandidateRefiner& candidate_refiner = setup_.source->candidate_refiner();
     {

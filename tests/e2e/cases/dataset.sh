@@ -22,6 +22,9 @@ bop_task_decides_whether_instance_counts_are_given() {
     cut -d, -f1-6 "results/${task#*/}/descriptor_set-test.csv" | diff - expected >&2 ||
       fail "the poses of ${task%/*} are not in results/${task#*/}"
   done
+  expect 0 "$pickbed" estimate --bop set --without-cell $all --task detection --out blind
+  cut -d, -f1-6 blind/descriptor_set-test.csv | cmp -s - expected &&
+    fail "without the stored cell, the poses are the same"
   expect 0 "$pickbed" estimate --bop set --explain 0
   page results/set-bop-explain/explain_image_1_0.html "The number of instances of each object was given, 2 in all"
   expect 0 "$pickbed" estimate --bop set --explain 0 --task detection
@@ -43,7 +46,9 @@ invalid_bop_data_is_refused() {
   refused "faults, listed above" "$pickbed" dataset check set
   grep -q "scene_gt.json: image 1: instance 4: 'cam_R_m2c': is no rotation" last.out ||
     fail "the last wrong matrix is not named"
-  refused "scene_gt.json: image 0: instance 0: 'cam_R_m2c': is no rotation" \
+  cp sound/test/000001/scene_gt.json $gt
+  sed -i 's/"cam_t_m2c"/"cam_t"/g' $gt
+  refused "scene_gt.json: image 0: instance 0: has no 'cam_t_m2c'" \
     "$pickbed" estimate --bop set --set estimator.name=ppf --out look
   cp sound/test/000001/scene_gt.json $gt
 
