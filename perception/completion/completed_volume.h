@@ -1,0 +1,40 @@
+#pragma once
+
+// The occupancy of a cube around one segment, as a completion method estimates it.
+//
+// The axes of the cube are those of the camera C. Cell (0, 0, 0) is at the corner with the smallest
+// coordinates. Probabilities belong to the centers of the cells.
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "perception/layer.h"
+
+namespace pickbed::perception {
+
+struct CompletedVolume {
+  Eigen::Vector3f origin_C = Eigen::Vector3f::Zero();  // corner with the smallest coordinates, m
+  float cell_m = 0;                                    // side of a cell
+  int size = 0;                                        // cells along each axis
+  std::vector<float> occupancy;  // probability that the cell is inside, size^3 values, x fastest
+
+  size_t Index(int x, int y, int z) const { return (static_cast<size_t>(z) * size + y) * size + x; }
+  float side_m() const { return cell_m * static_cast<float>(size); }
+  bool empty() const { return occupancy.empty(); }
+
+  // Returns the center of a cell in C, m.
+  Eigen::Vector3f Center_C(int x, int y, int z) const;
+
+  // Returns the probability at a point in C (m), interpolated between the centers of the cells.
+  // It is 0 outside the cube.
+  float At(const Eigen::Vector3f& p_C) const;
+
+  // Returns the derivative of At() by the point, 1/m, from differences over one cell.
+  Eigen::Vector3f Gradient(const Eigen::Vector3f& p_C) const;
+};
+
+// Returns the volume smoothed by a normal distribution with this standard deviation, in cells.
+CompletedVolume Smoothed(const CompletedVolume& volume, float sigma_cells);
+
+}  // namespace pickbed::perception

@@ -1,0 +1,45 @@
+#pragma once
+
+// Methods that complete the shape of a part from one view, and the table of these methods.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "perception/completion/completed_volume.h"
+#include "perception/completion/segment_view.h"
+#include "scenes/base/settings.h"
+
+namespace pickbed::perception {
+
+struct CompletionOptions {
+  std::string method = "network";    // a row of CompleterTable()
+  std::string model = "completion";  // model file, or name of a file in assets/models
+  int cells = 64;                    // along each axis of the cube
+  double skirt_m = 0.015;            // depth of the skirt behind the seen surface
+  void Visit(SettingsVisitor& v);
+};
+
+// Completes segments of unknown parts. Calls from several threads need one object for each.
+class ShapeCompleter {
+ public:
+  virtual ~ShapeCompleter() = default;
+  // Returns the completed volume. Throws InputError as CheckSegmentView() does.
+  virtual CompletedVolume Complete(const SegmentView& view) = 0;
+};
+
+struct CompleterRow {
+  std::string name;
+  std::string help;
+  std::unique_ptr<ShapeCompleter> (*make)(const CompletionOptions& options);
+};
+
+// Returns all methods.
+const std::vector<CompleterRow>& CompleterTable();
+
+// Returns the method `options.method`. Throws InputError for an unknown method, and for a missing,
+// damaged or newer model file.
+std::unique_ptr<ShapeCompleter> MakeCompleter(const CompletionOptions& options);
+
+}  // namespace pickbed::perception
