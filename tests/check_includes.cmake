@@ -16,10 +16,10 @@ set(may_include_eval eval grasp perception sim scenes)
 # is below all of them.
 set(floors_scenes "base | image | geometry | camera mesh_io | bin objects | scenario part_families plugin .")
 set(floors_sim "physics convex render sensor | hands drop | .")
-set(floors_perception ". cloud | features model | crops verify voting | icp networks | completion | candidates | training"
+set(floors_perception ". cloud | features model segments | crops verify voting | icp networks | completion | candidates | training"
   " | crop_methods | estimators")
 set(floors_grasp ". place | candidates execute | grippers plan | tolerance cloud | planners")
-set(floors_eval "stats | metrics | page | cell | trial runtime draw | store tolerance explain export | summary bop"
+set(floors_eval "stats | metrics | page | cell | trial runtime draw | segments store tolerance explain export | summary bop"
   " | compare sweep train | report budget estimate execution calibrate grasps | replay benchmark"
   " | cli python | reference")
 

@@ -42,6 +42,7 @@ constexpr auto kCommands = std::to_array<CommandRow>({
      BenchmarkTables},
     {"train", "train models on views rendered during training", TrainCommand},
     {"object", "add an object to the catalog from a mesh", ObjectCommand},
+    {"segment", "divide depth images into unknown objects and score the segments", SegmentCommand},
     {"sensor", "draw the behaviour of a depth sensor profile", SensorCommand},
     {"grasps", "plan grasps of an object with a gripper; write a table and a picture",
      GraspsCommand},
@@ -58,7 +59,7 @@ constexpr auto kCommands = std::to_array<CommandRow>({
 
 std::string Usage() {
   std::string text =
-      "pickbed: drops parts into a bin, captures an RGB-D image, estimates object poses, executes "
+      "pickbed: drops objects into a bin, captures an RGB-D image, estimates object poses, executes "
       "grasps\nin physics, and reports how often picking works and which stage fails.\n\nUsage: "
       "pickbed COMMAND [OPTIONS]\n\nFirst commands:\n";
   for (size_t i = 0; i < kCommands.size(); ++i) {

@@ -25,6 +25,7 @@ int EstimateCommand(int argc, char** argv);
 int BenchmarkCommand(int argc, char** argv);
 int TrainCommand(int argc, char** argv);
 int ObjectCommand(int argc, char** argv);
+int SegmentCommand(int argc, char** argv);
 int SensorCommand(int argc, char** argv);
 int GraspsCommand(int argc, char** argv);
 int ToleranceCommand(int argc, char** argv);

@@ -12,6 +12,7 @@
 #include "perception/icp/pcl_icp.h"
 #include "perception/icp/projective_icp.h"
 #include "perception/model/model_points.h"
+#include "perception/segments/object_segments.h"
 #include "perception/verify/non_maximum_suppression.h"
 #include "perception/verify/pose_features.h"
 #include "perception/voting/pose_clustering.h"
@@ -66,6 +67,15 @@ void Cloud(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(Cloud)->Name("cloud/known_bin/640x480")->Unit(benchmark::kMillisecond);
+
+void Segments(benchmark::State& state) {
+  const BracketScene& scene = SharedScene();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(SegmentFrame(scene.view.frame, scene.view.background));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(Segments)->Name("segments/known_bin/640x480")->Unit(benchmark::kMillisecond);
 
 void ModelOfBracket(benchmark::State& state) {
   const ObjectModel& object = *SharedScene().objects.front();
