@@ -14,7 +14,7 @@ set(may_include_eval eval grasp perception sim scenes)
 
 # Floors of each folder, lowest first, separated by "|". "." is the folder itself. layer.h of a folder
 # is below all of them.
-set(floors_scenes "base | image | geometry | camera mesh_io | bin objects | scenario part_families plugin .")
+set(floors_scenes "base | image | geometry | camera mesh_io shape_families | bin objects | scenario part_families plugin .")
 set(floors_sim "physics convex render sensor | hands drop | .")
 set(floors_perception ". cloud | features model segments | crops verify voting | icp networks | completion | candidates | training"
   " | crop_methods | estimators")
