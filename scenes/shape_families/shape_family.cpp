@@ -84,7 +84,8 @@ constexpr std::array<std::pair<const char*, ShapeSplit>, 3> kSplits{
 std::span<const ShapeFamilyRow> ShapeFamilyTable() {
   static const std::vector<ShapeFamilyRow> table = [] {
     std::vector<ShapeFamilyRow> rows;
-    for (const auto& families : {HollowFamilies()}) {
+    for (const auto& families : {PipeFamilies(), TurnedFamilies(), SheetFamilies(),
+                                 VesselFamilies(), PackageFamilies(), FreeFamilies()}) {
       rows.insert(rows.end(), families.begin(), families.end());
     }
     std::stable_sort(rows.begin(), rows.end(),

@@ -4,7 +4,8 @@
 
 #include "tests/support/error_of.h"
 
-// The table of shape_family.cpp and the families of families_hollow.cpp.
+// The table of shape_family.cpp and the families of families_free.cpp, families_packages.cpp,
+// families_pipes.cpp, families_sheet.cpp, families_turned.cpp and families_vessels.cpp.
 
 namespace pickbed::tests {
 namespace {
