@@ -28,7 +28,7 @@ foreach(name ${public_targets})
   add_library(pickbed::${name} ALIAS pickbed_${name})
 endforeach()
 target_compile_features(pickbed_scenes INTERFACE cxx_std_20)
-foreach(name ${public_targets} perception_geometry perception_networks opencv_io opencv_matching torch)
+foreach(name ${public_targets} perception_geometry perception_networks perception_completion opencv_io opencv_matching torch)
   set_target_properties(pickbed_${name} PROPERTIES EXPORT_NAME ${name})
   install(TARGETS pickbed_${name} EXPORT pickbed ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     INCLUDES DESTINATION ${headers_folder})

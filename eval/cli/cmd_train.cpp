@@ -2,6 +2,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/cli/completion/commands.h"
 #include "eval/page/html.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
@@ -283,6 +284,9 @@ int TrainModel(TrainArguments& arguments, const TrainingSet& training_set,
 }  // namespace
 
 int TrainCommand(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "completion") {
+    return TrainCompletionCommand(argc - 1, argv + 1);
+  }
   CLI::App app(
       "Trains models on views that are rendered during training. Ctrl-C writes a checkpoint.",
       "pickbed train");

@@ -2,7 +2,7 @@
 
 // The occupancy of a cube around one segment, as a completion method estimates it.
 //
-// The axes of the cube are those of the camera C. Cell (0, 0, 0) is at the corner with the smallest
+// The cube has the axes of the camera C. Cell (0, 0, 0) is at the corner with the smallest
 // coordinates. Probabilities belong to the centers of the cells.
 
 #include <Eigen/Core>

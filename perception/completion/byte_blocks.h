@@ -1,0 +1,51 @@
+#pragma once
+
+// Files of length-prefixed blocks after a head with magic, version and check sum.
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "perception/layer.h"
+
+namespace pickbed::perception {
+
+// Appends blocks.
+class BlockWriter {
+ public:
+  void Put(const void* data, uint64_t size);
+  void Put(std::string_view text) { Put(text.data(), text.size()); }
+  template <typename Value>
+  void Put(const std::vector<Value>& values) {
+    Put(values.data(), values.size() * sizeof(Value));
+  }
+  // Returns head and blocks. `magic` has 8 characters.
+  std::string Bytes(std::string_view magic, uint64_t version) const;
+
+ private:
+  std::string body_;
+};
+
+// Reads blocks in order. All functions throw InputError for a file that is cut short or damaged.
+// The bytes must outlive it.
+class BlockReader {
+ public:
+  // Checks the head. `kind` is what the file should be, for the error: "a completion model".
+  BlockReader(std::string_view bytes, std::string_view magic, uint64_t version,
+              const std::string& kind);
+  std::string_view Take();
+  template <typename Value>
+  std::vector<Value> TakeAll() {
+    const std::string_view block = Take();
+    std::vector<Value> values(block.size() / sizeof(Value));
+    if (!values.empty()) std::memcpy(values.data(), block.data(), values.size() * sizeof(Value));
+    return values;
+  }
+
+ private:
+  std::string_view rest_;
+};
+
+}  // namespace pickbed::perception

@@ -1,0 +1,86 @@
+#pragma once
+
+// Input of the completion network: a cube around the segment with a grid of channels, and facts
+// about single points of the cube.
+//
+// The cube has the axes of the camera. Its side is kSidePerExtent times the largest extent of the
+// seen points. It is centered on them across, and begins a little before the nearest of them:
+//
+//      C ---> z     +--------+
+//                   | (###   |  seen surface "(": front of the part
+//                   | (###   |
+//                   +--------+
+//
+// What is behind background pixels changes nothing, because the part is not there.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "perception/completion/segment_view.h"
+
+namespace pickbed::perception {
+
+inline constexpr float kSidePerExtent = 1.35f;
+inline constexpr int kInputCells = 32;    // along each axis
+inline constexpr int kInputChannels = 4;  // signed distance, seen surface, known empty, no data
+inline constexpr int kPointFacts = 10;
+
+// A cube with the axes of the camera.
+struct CompletionCube {
+  Eigen::Vector3f origin_C = Eigen::Vector3f::Zero();  // corner with the smallest coordinates, m
+  float side_m = 0;
+};
+
+enum class PixelClass : uint8_t {
+  kNoData,       // no reading, or outside the image
+  kSegment,      // shows the part
+  kBackground,   // shows something behind the part
+  kBesideOther,  // background next to a pixel of another class
+  kOccluder      // shows something in front of the part
+};
+
+// A segment view prepared for completion. All depths are along camera z.
+class CompletionInput {
+ public:
+  // Throws InputError as CheckSegmentView() does, and for a segment without extent.
+  explicit CompletionInput(const SegmentView& view);
+
+  const CompletionCube& cube() const { return cube_; }
+
+  // Returns kInputChannels x kInputCells^3 values in 1/127, x fastest, for the centers of the
+  // cells:
+  //   0 projective signed distance to the seen surface over 3 cells, cut to -1 .. 1; positive
+  //     before the surface and where the cell is empty; 0 = not known
+  //   1 the cell contains the seen surface
+  //   2 the cell is known to be empty
+  //   3 no data: 1 = behind an occluder, 0.5 = no reading
+  std::vector<int8_t> Channels() const;
+
+  // Returns facts about a point in C:
+  //   0-2 distance to the seen surface along z in units of 1/48, 1/12 and 1 of the side, cut to
+  //       -1 .. 1; positive before it; 0 where the pixel does not show the part
+  //   3-6 the pixel shows the part, the background, an occluder, nothing
+  //   7-9 the floor is known, the point is below it, its height in units of 1/4 of the side
+  std::array<float, kPointFacts> Facts(const Eigen::Vector3f& p_C) const;
+
+  // Returns true if the part cannot be at a point in C: before the seen surface or an occluder,
+  // in front of the background, below the floor. The margin for noise is one cell along z, and one
+  // pixel across.
+  bool IsKnownEmpty(const Eigen::Vector3f& p_C) const;
+
+  // Returns the class and the depth (m, 0 = none) of the pixel that shows a point in C.
+  PixelClass ClassAt(const Eigen::Vector3f& p_C, float& depth_m) const;
+
+ private:
+  void FindCube(const SegmentView& view, const Image<uint8_t>& occluders);
+  void CopyWindow(const SegmentView& view, const Image<uint8_t>& occluders);
+
+  CompletionCube cube_;
+  float fx_ = 1, fy_ = 1, cx_ = 0, cy_ = 0;  // of the window
+  Image<float> depth_m_;                     // of the window around the cube
+  Image<PixelClass> classes_;
+  std::optional<FloorPlane> floor_;
+};
+
+}  // namespace pickbed::perception

@@ -1,0 +1,87 @@
+#pragma once
+
+// The completion network, without libtorch types: a 3D U-Net over the channels of CompletionInput,
+// and a perceptron that decodes the probability of single points (implicit decoder, as in Peng et
+// al., "Convolutional Occupancy Networks", ECCV 2020).
+//
+//   channels 4 x 32^3 -> space to depth 32 x 16^3 -> 16^3, 8^3, 4^3 (+ bottleneck) -> 8^3 -> 16^3
+//   feature at the point (trilinear), position, facts -> two hidden layers -> probability
+//
+// On the CPU the result of a point does not depend on the number of threads.
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "perception/completion/completion_input.h"
+#include "scenes/base/settings.h"
+
+namespace pickbed::perception {
+
+struct CompletionNetworkOptions {
+  int width_16 = 16;     // channels at 16^3
+  int width_8 = 32;      // channels at 8^3
+  int width_4 = 64;      // channels at 4^3
+  int bottleneck = 128;  // values that describe the whole cube
+  int hidden = 64;       // units of each hidden layer of the decoder
+  void Visit(SettingsVisitor& v);
+};
+
+// Values of a query: position in the cube, -1 .. 1 along each axis, and facts.
+inline constexpr int kQueryValues = 3 + kPointFacts;
+
+// Input of one training step.
+struct CompletionBatch {
+  int count = 0;                 // views
+  int points = 0;                // queries for each view
+  std::vector<int8_t> channels;  // count x CompletionInput::Channels()
+  std::vector<float> queries;    // count x points x kQueryValues
+  std::vector<float> inside;     // count x points, 1 = the point is inside the part
+};
+
+class CompletionNetwork {
+ public:
+  // Draws new weights from `seed`. `device` is cpu or cuda. Throws InputError for cuda without a
+  // device.
+  explicit CompletionNetwork(const CompletionNetworkOptions& options, uint64_t seed = 0,
+                             const std::string& device = "cpu");
+  ~CompletionNetwork();
+  CompletionNetwork(CompletionNetwork&&) noexcept;
+  CompletionNetwork& operator=(CompletionNetwork&&) noexcept;
+
+  const CompletionNetworkOptions& options() const;
+  int64_t WeightCount() const;
+
+  // Makes one Adam step on the mean cross-entropy of all points and returns it as it was before
+  // the step.
+  double TrainStep(const CompletionBatch& batch, double learning_rate);
+
+  // Returns the probability of each query of a batch; `inside` is not used.
+  std::vector<float> Probabilities(const CompletionBatch& batch) const;
+
+  // Returns the probability that the part contains each point in C (m).
+  std::vector<float> Probabilities(const CompletionInput& input,
+                                   std::span<const Eigen::Vector3f> points_C) const;
+
+  // All weights, and the means and variances of the normalizations, in the order of the modules.
+  std::vector<float> Weights() const;
+  std::vector<float> Statistics() const;
+  // Throws InputError if the numbers of values do not fit this network.
+  void SetWeights(std::span<const float> weights, std::span<const float> statistics);
+
+  // Weights, statistics and Adam state, for a checkpoint. RestoreTrainingState throws InputError
+  // for bytes of another network or damaged bytes.
+  std::string TrainingState() const;
+  void RestoreTrainingState(const std::string& bytes);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Returns the values of a query at a point in C (m): kQueryValues.
+void AppendQuery(const CompletionInput& input, const Eigen::Vector3f& p_C,
+                 std::vector<float>& queries);
+
+}  // namespace pickbed::perception

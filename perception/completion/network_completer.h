@@ -1,0 +1,18 @@
+#pragma once
+
+// Completion of a segment by the network.
+
+#include "perception/completion/completed_volume.h"
+#include "perception/completion/completion_network.h"
+
+namespace pickbed::perception {
+
+// Returns a volume of the cube with cells^3 zeros.
+CompletedVolume EmptyVolume(const CompletionCube& cube, int cells);
+
+// Returns the probabilities at the centers of the cells. Cells that are known to be empty are 0 and
+// are not computed. Throws InputError as CompletionInput does.
+CompletedVolume CompleteWithNetwork(const CompletionNetwork& network, const SegmentView& view,
+                                    int cells);
+
+}  // namespace pickbed::perception

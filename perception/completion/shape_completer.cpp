@@ -1,0 +1,84 @@
+#include "perception/completion/shape_completer.h"
+
+#include "perception/completion/completion_file.h"
+#include "perception/completion/nearest_shape.h"
+#include "perception/completion/network_completer.h"
+#include "perception/completion/rule_completers.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::perception {
+namespace {
+
+constexpr int kNearestShapeViews = 2000;
+
+class NetworkCompleter : public ShapeCompleter {
+ public:
+  explicit NetworkCompleter(const CompletionOptions& options)
+      : model_(LoadCompletionModel(CompletionModelFile(options.model))), cells_(options.cells) {}
+  CompletedVolume Complete(const SegmentView& view) override {
+    return CompleteWithNetwork(model_.network, view, cells_);
+  }
+
+ private:
+  CompletionModel model_;
+  int cells_;
+};
+
+using Made = std::unique_ptr<ShapeCompleter>;
+
+Made MakeNetwork(const CompletionOptions& o) { return std::make_unique<NetworkCompleter>(o); }
+Made MakeLocalThickness(const CompletionOptions& o) {
+  return MakeRuleCompleter(CompletionRule::kLocalThickness, o);
+}
+Made MakeSkirt(const CompletionOptions& o) { return MakeRuleCompleter(CompletionRule::kSkirt, o); }
+Made MakeMirror(const CompletionOptions& o) {
+  return MakeRuleCompleter(CompletionRule::kMirror, o);
+}
+Made MakeExtrusion(const CompletionOptions& o) {
+  return MakeRuleCompleter(CompletionRule::kExtrusion, o);
+}
+Made MakeNearestShape(const CompletionOptions& o) {
+  std::vector<const ShapeFamilyRow*> families;
+  for (const ShapeFamilyRow& row : ShapeFamilyTable()) {
+    if (!row.held_out) families.push_back(&row);
+  }
+  return std::make_unique<NearestShape>(families, kNearestShapeViews, o.cells);
+}
+
+std::vector<std::string> CompleterNames() {
+  std::vector<std::string> names;
+  for (const CompleterRow& row : CompleterTable()) names.push_back(row.name);
+  return names;
+}
+
+}  // namespace
+
+void CompletionOptions::Visit(SettingsVisitor& v) {
+  v.Text("method", method, CompleterNames(), "method that completes the shape");
+  v.Text("model", model, {}, "model file of method network, or a name in assets/models");
+  v.Integer("cells", cells, {8, 256}, "cells along each axis of the completed cube");
+  v.Real("skirt_m", skirt_m, {0.001, 0.2}, "depth of method skirt behind the seen surface, m");
+}
+
+const std::vector<CompleterRow>& CompleterTable() {
+  static const std::vector<CompleterRow> table{
+      {"network", "implicit decoder on a 3D U-Net, trained on sampled shapes", MakeNetwork},
+      {"local_thickness", "as deep as the widest circle in the silhouette", MakeLocalThickness},
+      {"skirt", "a constant depth behind the seen surface", MakeSkirt},
+      {"mirror", "the seen surface and its mirror image at its deepest point", MakeMirror},
+      {"extrusion", "the silhouette drawn back by its smaller width", MakeExtrusion},
+      {"nearest_shape", "the true shape of the nearest of 2000 training views", MakeNearestShape},
+  };
+  return table;
+}
+
+std::unique_ptr<ShapeCompleter> MakeCompleter(const CompletionOptions& options) {
+  for (const CompleterRow& row : CompleterTable()) {
+    if (row.name != options.method) continue;
+    CheckSettings("CompletionOptions", options);
+    return row.make(options);
+  }
+  throw InputError(UnknownNameMessage("completion method", options.method, CompleterNames()));
+}
+
+}  // namespace pickbed::perception

@@ -1,0 +1,94 @@
+#include "perception/completion/training_sample.h"
+
+#include "perception/completion/traced_solid.h"
+#include "scenes/base/error.h"
+
+namespace pickbed::perception {
+namespace {
+
+// Draws of points for each point that is kept. More are never needed in practice; a sample whose
+// cube is almost all empty has points that are known to be empty.
+constexpr int kMaxDraws = 30;
+
+}  // namespace
+
+CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, int points,
+                            Rng& rng) {
+  const CompletionInput input(drawn.view);
+  const CompletionCube& cube = input.cube();
+  CompletionSample sample;
+  sample.channels = input.Channels();
+  sample.queries.reserve(static_cast<size_t>(points) * kQueryValues);
+  const Eigen::Isometry3f X_OC = drawn.X_CO.inverse().cast<float>();
+  std::vector<Eigen::Vector3f> points_O;
+  points_O.reserve(points);
+  for (int draws_left = kMaxDraws * points; static_cast<int>(points_O.size()) < points;) {
+    const Eigen::Vector3d share(rng.Uniform(), rng.Uniform(), rng.Uniform());
+    const Eigen::Vector3f p_C = cube.origin_C + cube.side_m * share.cast<float>();
+    if (--draws_left > 0 && input.IsKnownEmpty(p_C)) continue;
+    AppendQuery(input, p_C, sample.queries);
+    points_O.push_back(X_OC * p_C);
+  }
+  sample.inside.resize(points);
+  solid.Inside(points_O, sample.inside);
+  return sample;
+}
+
+void AppendTurned(const CompletionSample& sample, int turn, CompletionBatch& batch) {
+  constexpr int n = kInputCells;
+  const bool flip_x = (turn & 1) != 0, flip_y = (turn & 2) != 0, swaps = (turn & 4) != 0;
+  const size_t start = batch.channels.size();
+  batch.channels.resize(start + sample.channels.size());
+  int8_t* next = batch.channels.data() + start;
+  const int rows = static_cast<int>(sample.channels.size()) / (n * n);  // channel and z
+  for (int slice = 0; slice < rows; ++slice) {
+    const int8_t* from = sample.channels.data() + static_cast<size_t>(slice) * n * n;
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        // Reflected first, then swapped.
+        int column = swaps ? y : x, row = swaps ? x : y;
+        if (flip_x) column = n - 1 - column;
+        if (flip_y) row = n - 1 - row;
+        *next++ = from[row * n + column];
+      }
+    }
+  }
+  const size_t first = batch.queries.size();
+  batch.queries.insert(batch.queries.end(), sample.queries.begin(), sample.queries.end());
+  for (size_t i = first; i < batch.queries.size(); i += kQueryValues) {
+    float* place = batch.queries.data() + i;
+    if (flip_x) place[0] = -place[0];
+    if (flip_y) place[1] = -place[1];
+    if (swaps) std::swap(place[0], place[1]);
+  }
+  batch.inside.insert(batch.inside.end(), sample.inside.begin(), sample.inside.end());
+  batch.points = static_cast<int>(sample.inside.size());
+  ++batch.count;
+}
+
+std::unique_ptr<ViewedSolid> SolidOf(SolidShape shape) {
+  const Eigen::AlignedBox3f box_O = shape.box_O();
+  return std::make_unique<TracedSolid>(
+      [shape = std::move(shape)](std::span<const Eigen::Vector3f> points_O,
+                                 std::span<float> distances_m) {
+        shape.SignedDistances_m(points_O, distances_m);
+      },
+      box_O);
+}
+
+std::vector<CompletionSample> DrawGroup(const CompletionSource& source, uint64_t seed,
+                                        int64_t group) {
+  CheckInput(!source.families.empty(), "no shape families to draw from; name a shape domain");
+  Rng rng = Rng::Derive(seed, static_cast<uint64_t>(group), "completion sample");
+  const ShapeFamilyRow& family =
+      *source.families[rng.Index(static_cast<int>(source.families.size()))];
+  const auto solid = SolidOf(SampleShape(family, source.split, rng.Next()).solid);
+  std::vector<CompletionSample> samples;
+  for (int i = 0; i < source.views_per_shape; ++i) {
+    const RandomView drawn = DrawView(*solid, source.sensors, source.views, rng);
+    samples.push_back(MakeSample(*solid, drawn, source.points, rng));
+  }
+  return samples;
+}
+
+}  // namespace pickbed::perception
