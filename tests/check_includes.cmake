@@ -18,8 +18,8 @@ set(floors_scenes "base | image | geometry | camera mesh_io shape_families | bin
 set(floors_sim "physics convex render sensor | hands drop | .")
 set(floors_perception ". cloud | features model segments | crops verify voting | icp networks | completion | candidates | training"
   " | crop_methods | estimators")
-set(floors_grasp ". place | candidates execute | grippers plan | tolerance cloud | planners")
-set(floors_eval "stats | metrics | page | cell | trial runtime draw | segments store tolerance explain export | summary bop"
+set(floors_grasp ". place | candidates execute | grippers plan | tolerance cloud | completed | planners")
+set(floors_eval "stats | metrics | page | cell shapes | trial runtime draw | segments store tolerance explain export | summary bop"
   " | compare sweep train completion | report budget estimate execution calibrate grasps | replay benchmark"
   " | cli python | reference")
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "eval/shapes/segment_shapes.h"
 #include "grasp/plan/lift_clearance.h"
 #include "grasp/planners/pose_planner.h"
 
@@ -71,15 +72,18 @@ int RemoveBlockedLifts(const TrialSetup& setup, const CellCalibration& calibrati
 }
 
 // Returns the planned grasps, best first, without repetitions of failures.
-std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const Observation& view,
-                               const PlannedPoses& on, const GraspMemory& failed,
-                               const ImagePicks& earlier, uint64_t rng_seed,
-                               AttemptRecord& record) {
+std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const TrueScene& truth,
+                               const Observation& view, const PlannedPoses& on,
+                               const GraspMemory& failed, const ImagePicks& earlier,
+                               uint64_t rng_seed, AttemptRecord& record) {
   int max_grasps = PlanOptions().max_grasps;
   if (setup.options.truth.grasp) max_grasps = setup.options.true_grasps;
   if (!failed.empty() || !earlier.empty()) max_grasps = setup.options.retry_grasps;
+  const TrueShapes true_shapes{truth.scene, truth.objects, view.ids};
+  if (setup.shapes) setup.shapes->SetTruth(&true_shapes);
   PlanResult plan =
       setup.planner->Plan(InputOf(setup, view, on.poses, on.graspable, max_grasps, rng_seed));
+  if (setup.shapes) setup.shapes->SetTruth(nullptr);
   record.grasps_rejected = std::move(plan.rejected);
   record.planner_failure = std::move(plan.failure);
   std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
@@ -249,7 +253,7 @@ std::optional<Grasp> ChooseGrasp(const TrialSetup& setup, const TrueScene& truth
   std::vector<Grasp> planned;
   {
     const StageTimer timer(seconds, "plan");
-    planned = PlanOnImage(setup, view, on, failed, earlier, rng_seed, record);
+    planned = PlanOnImage(setup, truth, view, on, failed, earlier, rng_seed, record);
     count_blocked();
   }
   if (setup.options.truth.grasp) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/shapes/segment_shapes.h"
 #include "eval/trial/oracle_estimator.h"
 #include "grasp/candidates/candidates.h"
 #include "grasp/plan/plan.h"
@@ -83,10 +84,18 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   }
   PlanOptions plan_options;
   plan_options.ranking = scenario.policy.ranking;
+  if (planner_row.needs_shapes) {
+    const PlannerSpec& with = scenario.planner;
+    const std::string completion =
+        planner_row.completion != nullptr ? planner_row.completion : with.completion;
+    shapes = WithSettingsKey(scenario, "planner.completion", [&] {
+      return std::make_shared<SegmentShapes>(with.segmentation, completion);
+    });
+  }
   planner = WithSettingsKey(scenario, "planner.name", [&] {
     return planner_row.make({scenario.planner, tools, cell.objects(), candidates, plan_options,
                              options.cloud_stride_px, cell.camera().intrinsics,
-                             WorkingDistance_m(cell), cell.bin(), options.log_dir});
+                             WorkingDistance_m(cell), cell.bin(), options.log_dir, shapes.get()});
   });
 }
 

@@ -24,6 +24,8 @@
 
 namespace pickbed::eval {
 
+class SegmentShapes;  // eval/shapes/segment_shapes.h
+
 // How the runner chooses among planned grasps.
 struct TrialOptions {
   // After a failed pick, a grasp of the same object is not repeated if the estimated position is
@@ -73,6 +75,7 @@ struct TrialSetup {
   // By tool and object; none for distractors, for objects that the tool cannot hold, and without a
   // pose stage.
   std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
+  std::shared_ptr<SegmentShapes> shapes;  // null: the planner needs none
   std::unique_ptr<Planner> planner;
   bool has_poses = true;  // false: the planner works without poses, and there is no pose stage
   // Null: the oracle, all of perception is given, or there is no pose stage.

@@ -48,6 +48,8 @@ class Planner {
   virtual PlanResult Plan(const PlannerInput& input) = 0;
 };
 
+class ShapeSource;  // grasp/completed/occupancy_shape.h
+
 // What a planner is made of. References must outlive the planner.
 struct PlannerSetup {
   PlannerSpec spec;
@@ -62,6 +64,8 @@ struct PlannerSetup {
   double working_distance_m = 0.85;    // camera to objects
   std::optional<Bin> bin = {};         // none = unknown
   std::filesystem::path log_dir = {};  // for the standard error of the program; empty = no file
+  // Only for planners on completed shapes.
+  ShapeSource* shapes = nullptr;
 };
 
 }  // namespace pickbed::grasp

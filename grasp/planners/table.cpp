@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "grasp/cloud/cloud_antipodal.h"
+#include "grasp/completed/completed_planner.h"
 #include "grasp/planners/pose_planner.h"
 #include "grasp/planners/program_planner.h"
 #include "scenes/base/error.h"
@@ -21,11 +22,15 @@ std::unique_ptr<Planner> MakeProgram(const PlannerSetup& setup) {
   return std::make_unique<ProgramPlanner>(setup, kGivesPoses);
 }
 
-constexpr std::array<PlannerRow, 4> kPlanners{{
+constexpr std::array<PlannerRow, 6> kPlanners{{
     {kPosePlanner, "grasp candidates of the known objects at their estimated poses", true,
      Make<PosePlanner>},
     {"cloud_antipodal", "opposing faces of the observed surface, without poses and object models",
      false, Make<CloudAntipodal>},
+    {"completed", "completed shapes of unknown objects, without poses and object models", false,
+     Make<CompletedPlanner>, true},
+    {"skirt", "like completed, with the seen surface and 15 mm behind it as the shape", false,
+     Make<CompletedPlanner>, true, "skirt"},
     {"process", "another program, which works on the image (planner.command or planner.connect)",
      false, MakeProgram<false>},
     {"process_poses", "another program, which works on the image and the estimated poses", true,

@@ -16,6 +16,8 @@ struct PlannerRow {
   const char* help;
   bool needs_poses;  // false: a trial has no pose stage, and the planner gets no object
   std::unique_ptr<Planner> (*make)(const PlannerSetup& setup);
+  bool needs_shapes = false;         // PlannerSetup::shapes must be set
+  const char* completion = nullptr;  // method of these shapes; null = PlannerSpec::completion
 };
 // Returns all planners, in the order of the help.
 std::span<const PlannerRow> PlannerTable();

@@ -10,6 +10,14 @@ void PlannerSpec::Visit(SettingsVisitor& v) {
   v.Real("max_tilt_deg", max_tilt_deg, {0, 80},
          "maximum angle of the approach from straight down, degrees; only for planners without "
          "poses");
+  v.Text(
+      "segmentation", segmentation, {},
+      "method that finds the objects in an image (see pickbed segment --help); only for planners "
+      "completed and skirt");
+  v.Text(
+      "completion", completion, {},
+      "method that completes the shapes of objects, or truth for the true shapes; only for planner "
+      "completed");
   v.Words("command", command,
           "program that plans the grasps, and its arguments; only for planners process and "
           "process_poses");

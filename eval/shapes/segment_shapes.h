@@ -1,0 +1,77 @@
+#pragma once
+
+// Shapes of the unknown objects in an image, for grasp::CompletedPlanner: the segments of the
+// image, completed by a method of perception or by the ground truth.
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "eval/layer.h"
+#include "grasp/completed/occupancy_shape.h"
+#include "perception/completion/shape_completer.h"
+#include "perception/segments/object_segments.h"
+#include "scenes/scene.h"
+
+namespace pickbed::eval {
+
+// Value of planner.completion for the true shapes, which no method can exceed.
+inline constexpr char kTrueShapes[] = "truth";
+
+// Ground truth of an image, for kTrueShapes. References must outlive the next call of Shapes().
+struct TrueShapes {
+  const Scene& scene;
+  const ObjectSet& objects;    // in their true sizes
+  const Image<uint16_t>& ids;  // instance + 1, 0 = background
+};
+
+// A segment of an image with its completion, for pictures.
+struct CompletedSegment {
+  int label = 0;  // in the labels of the image
+  grasp::OccupancyShape shape;
+};
+
+class SegmentShapes : public grasp::ShapeSource {
+ public:
+  // - segmentation: a row of perception::SegmenterTable()
+  // - completion: kTrueShapes, or a row of perception::CompleterTable()
+  // Throws InputError for an unknown name, and for a model file that cannot be read.
+  SegmentShapes(const std::string& segmentation, const std::string& completion);
+
+  // Sets the ground truth of the next image; null = none.
+  void SetTruth(const TrueShapes* truth) { truth_ = truth; }
+
+  // Segments the image and completes the highest segments with at least
+  // perception::kMinSegmentPixels readings. Throws InputError for kTrueShapes without truth.
+  std::vector<grasp::OccupancyShape> Shapes(const grasp::PlannerInput& input,
+                                            int max_shapes) override;
+
+  // Segments and shapes of the last image.
+  const perception::ObjectSegments& segments() const { return segments_; }
+  const std::vector<CompletedSegment>& completed() const { return completed_; }
+
+ private:
+  std::optional<grasp::OccupancyShape> ShapeOf(const grasp::PlannerInput& input, int label,
+                                               std::vector<int>& used_instances) const;
+
+  const perception::SegmenterOptions options_;
+  const bool is_true_;
+  std::unique_ptr<perception::ShapeCompleter> completer_;  // null for the truth
+  const TrueShapes* truth_ = nullptr;
+  perception::ObjectSegments segments_;
+  std::vector<CompletedSegment> completed_;
+};
+
+// Returns the view of one segment: the window of the image around it.
+// - margin: width of the window beyond the segment, as a share of its larger side
+perception::SegmentView ViewOf(const RgbdFrame& frame, const Image<uint16_t>& labels,
+                               const perception::ObjectSegment& segment, int label,
+                               const std::optional<perception::FloorPlane>& floor,
+                               double margin = 0.75);
+
+// Returns the occupancy of a mesh on a grid of `cells` cells along each axis around it, 1 inside
+// and 0 outside.
+grasp::OccupancyShape ShapeOfMesh(const TriangleMesh& mesh_O, const Pose& X_WO, int cells = 64);
+
+}  // namespace pickbed::eval

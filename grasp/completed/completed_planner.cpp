@@ -1,0 +1,318 @@
+#include "grasp/completed/completed_planner.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "grasp/candidates/jaw_wrenches.h"
+#include "grasp/grippers/parallel_jaw.h"
+#include "scenes/base/error.h"
+#include "scenes/base/math.h"
+#include "scenes/base/random.h"
+#include "scenes/camera/depth_points.h"
+
+namespace pickbed::grasp {
+
+// One object with its model and its candidates. Frame O has the axes of B and its origin at the
+// center of the surface.
+struct CompletedPlanner::Completed {
+  std::shared_ptr<const ObjectModel> model;
+  EstimatedPose pose;                                   // X_BO
+  std::vector<std::vector<GraspCandidate>> candidates;  // by tool
+  std::vector<Eigen::Vector3d> possible_B, certain_B;   // shells at both levels
+};
+
+namespace {
+
+using Eigen::Vector3d;
+
+// Returns the pad friction of the jaws. Other grippers ignore the friction of an object.
+double PadFriction(const std::vector<std::shared_ptr<const Gripper>>& tools) {
+  for (const auto& tool : tools) {
+    if (const auto* jaw = dynamic_cast<const ParallelJaw*>(tool.get()))
+      return jaw->hand.pad_friction;
+  }
+  return 1;
+}
+
+// Largest closed piece of a mesh. Small pieces are noise of the occupancy, and an object has one.
+TriangleMesh LargestPiece(const TriangleMesh& mesh) {
+  const int count = static_cast<int>(mesh.vertices.size());
+  std::vector<int> parent(count);
+  for (int i = 0; i < count; ++i) parent[i] = i;
+  const auto root_of = [&](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    for (const int k : {1, 2}) parent[root_of(t[k])] = root_of(t[0]);
+  }
+  std::vector<int> triangles(count, 0);
+  for (const Eigen::Vector3i& t : mesh.triangles) ++triangles[root_of(t[0])];
+  const auto largest = std::max_element(triangles.begin(), triangles.end()) - triangles.begin();
+  TriangleMesh piece;
+  std::vector<int> number(count, -1);
+  for (int i = 0; i < count; ++i) {
+    if (root_of(i) != largest) continue;
+    number[i] = static_cast<int>(piece.vertices.size());
+    piece.vertices.push_back(mesh.vertices[i]);
+  }
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    if (number[t[0]] >= 0) piece.triangles.emplace_back(number[t[0]], number[t[1]], number[t[2]]);
+  }
+  return piece;
+}
+
+// Returns the model of an object, or null if its surface encloses no volume.
+std::shared_ptr<const ObjectModel> ModelOf(const TriangleMesh& mesh_O, double density_kgpm3,
+                                           double friction) {
+  auto model = std::make_shared<ObjectModel>();
+  model->name = "completed";
+  model->mesh_O = mesh_O;
+  try {
+    model->mass = UniformDensityProperties(mesh_O, density_kgpm3);
+  } catch (const InputError&) {
+    return nullptr;
+  }
+  model->friction = friction;
+  model->resting_O = {{Vector3d::UnitZ(), 1}};
+  model->diameter_m = MeshBounds(mesh_O).size().norm();
+  return model;
+}
+
+// Returns the grasp candidates of an object whose frame O has the axes of the bin. Only approaches
+// from above are kept for a jaw, since each contact test takes time.
+std::vector<GraspCandidate> CandidatesOf(const ObjectModel& model, const Gripper& tool,
+                                         double max_tilt_rad, int max_candidates, Rng& rng,
+                                         const GraspCandidateOptions& options) {
+  const auto* jaw = dynamic_cast<const ParallelJaw*>(&tool);
+  if (jaw == nullptr) return MakeCandidates(model, tool, rng, options);
+  const AntipodalOptions& antipodal = options.antipodal;
+  std::vector<GraspCandidate> candidates =
+      AntipodalGrasps(model, jaw->hand, jaw->clearance_m, rng, antipodal);
+  const double min_down = std::cos(max_tilt_rad);
+  std::erase_if(candidates, [&](const GraspCandidate& candidate) {
+    return -candidate.X_OG.linear()(2, 2) < min_down;
+  });
+  candidates =
+      SpreadOverDirections(std::move(candidates), max_candidates,
+                           [](const GraspCandidate&, const GraspCandidate&) { return false; });
+  if (candidates.empty()) return candidates;
+  const SurfacePoints surface = SpreadPoints(model.mesh_O, antipodal.point_spacing_m,
+                                             antipodal.min_points, antipodal.max_points, rng);
+  JudgeJawGrasps(model, jaw->hand, jaw->clearance_m, surface, options.robust, rng.Next(),
+                 candidates);
+  return candidates;
+}
+
+// A table at the height of the lowest observed point, for an image without a known bin.
+std::optional<double> LowestPoint_m(const PlannerInput& input) {
+  double lowest_m = std::numeric_limits<double>::infinity();
+  ForEachDepthPoint(input.frame.intrinsics, input.frame.depth_m,
+                    [&](int, int, const Vector3d& p_C) {
+                      lowest_m = std::min(lowest_m, (input.X_WC * p_C).z());
+                    });
+  if (!std::isfinite(lowest_m)) return std::nullopt;
+  return lowest_m;
+}
+
+}  // namespace
+
+CompletedPlannerOptions::CompletedPlannerOptions() {
+  // Contacts on a completed surface are less certain than on CAD, so their quality is lower.
+  plan.min_quality = 0.1;
+  plan.relaxed.min_quality = 0.1;
+  // A object is grasped once, so fewer candidates are sampled than for a known object.
+  AntipodalOptions& antipodal = candidates.antipodal;
+  antipodal.candidates = 600;
+  antipodal.resting_candidates = 300;
+  antipodal.resting_level_rad = 0.25;
+  antipodal.max_samples = 4000;
+  antipodal.max_pairs = 150;
+  antipodal.approaches = 12;
+  antipodal.resting_rotations = 1;
+  antipodal.point_spacing_m = 0.003;
+  antipodal.min_points = 800;
+  antipodal.max_points = 1500;
+  candidates.suction.candidates = 100;
+  candidates.suction.max_samples = 600;
+  candidates.suction.min_points = 800;
+  candidates.suction.max_points = 1500;
+  candidates.robust.samples = 1;
+  candidates.robust.cone_edges = 4;
+}
+
+void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
+  const Range probability{0.01, 0.99};
+  v.Integer("max_shapes", max_shapes, {1, 1000}, "number of objects that are completed");
+  v.Integer("smoothing", smoothing, {0, 10}, "number of passes of the smoothing of a shape");
+  v.Bool("has_fallback", has_fallback,
+         "whether jaws also grasp the observed surface if completed shapes give too few grasps");
+  v.Real("surface_level", surface_level, probability, "probability at the grasped surface");
+  v.Real("possible_level", possible_level, probability,
+         "probability from which a hand keeps out of a cell");
+  v.Real("relaxed_level", relaxed_level, probability,
+         "probability from which a hand keeps out of a cell if no grasp is found otherwise");
+  v.Real("wider_m", wider_m, {0, 0.1}, "step by which a jaw opens wider, m");
+  v.Integer("max_wider", max_wider, {0, 100}, "number of steps by which a jaw opens wider");
+  v.Real("wide_share", wide_share, {0, 1}, "share of the score that each of these steps removes");
+  v.Integer("max_candidates", max_candidates, {1, 100000},
+            "number of candidates of an object for one jaw");
+  v.Real("density_kgpm3", density_kgpm3, {1, 30000}, "assumed density of an object, kg/m3");
+  v.Integer("tested_grasps", tested_grasps, {1, 1e6},
+            "number of planned grasps that are tested against possible matter");
+  v.Group(
+      "plan", [this](SettingsVisitor& g) { plan.Visit(g); }, "limits and ranking of grasps");
+  v.Group(
+      "candidates", [this](SettingsVisitor& g) { candidates.Visit(g); },
+      "grasp candidates of an object");
+}
+
+CompletedPlanner::CompletedPlanner(const PlannerSetup& setup,
+                                   const CompletedPlannerOptions& options)
+    : setup_(setup), options_(options) {
+  CheckSettings("CompletedPlannerOptions", options_);
+  CheckInput(setup.shapes != nullptr,
+             "planner completed needs shapes of objects, which this program does not give; choose "
+             "planner cloud_antipodal");
+  const bool has_jaws = std::all_of(setup.tools.begin(), setup.tools.end(), [](const auto& tool) {
+    return dynamic_cast<const ParallelJaw*>(tool.get()) != nullptr;
+  });
+  if (options_.has_fallback && has_jaws) fallback_ = std::make_unique<CloudAntipodal>(setup);
+}
+
+std::vector<CompletedPlanner::Completed> CompletedPlanner::MakeObjects(const PlannerInput& input,
+                                                                       const Pose& X_BW) const {
+  std::vector<Completed> completed;
+  const double friction = setup_.spec.friction / PadFriction(setup_.tools);
+  for (const OccupancyShape& given : setup_.shapes->Shapes(input, options_.max_shapes)) {
+    OccupancyShape shape = given;
+    for (int pass = 0; pass < options_.smoothing; ++pass) shape = Smoothed(shape);
+    TriangleMesh mesh_B = Transformed(SurfaceOf(shape, options_.surface_level), X_BW * shape.X_WV);
+    if (mesh_B.triangles.empty()) continue;
+    mesh_B = LargestPiece(mesh_B);
+    const Pose X_BO = Translation(MeshBounds(mesh_B).center());
+    const auto model =
+        ModelOf(Transformed(mesh_B, X_BO.inverse()), options_.density_kgpm3, friction);
+    if (model == nullptr) continue;
+    Completed& object = completed.emplace_back();
+    object.model = model;
+    object.pose = {ObjectId(static_cast<int>(completed.size()) - 1), X_BO, 1};
+    Rng rng = Rng::Derive(input.seed, BinIndex(0), "grasp/completed");
+    for (const auto& tool : setup_.tools) {
+      object.candidates.push_back(CandidatesOf(*model, *tool, options_.plan.relaxed.max_tilt_rad,
+                                               options_.max_candidates, rng, options_.candidates));
+    }
+    object.possible_B = ShellOf(shape, options_.possible_level);
+    object.certain_B = ShellOf(shape, options_.relaxed_level);
+    for (Vector3d& p : object.possible_B) p = X_BW * p;
+    for (Vector3d& p : object.certain_B) p = X_BW * p;
+  }
+  return completed;
+}
+
+bool CompletedPlanner::PassesPossibleMatter(const ObstacleField& possible, Grasp& grasp) const {
+  const Gripper& tool = *std::find_if(setup_.tools.begin(), setup_.tools.end(), [&](const auto& t) {
+                           return t->name == grasp.tool;
+                         })->get();
+  const std::vector<uint8_t> none(possible.points_W().size(), 0);
+  for (int step = 0; step <= options_.max_wider; ++step) {
+    const double width_m = grasp.width_m + step * options_.wider_m;
+    const std::optional<double> opening_m = tool.ApproachOpening_m(width_m);
+    if (!opening_m) return false;
+    if (!possible.FirstMet(grasp.X_WG, HandSweep(tool, *opening_m), none, 0)) {
+      grasp.width_m = width_m;
+      grasp.score *= 1 - std::min(1.0, step * options_.wide_share);
+      return true;
+    }
+    if (tool.MaxOpening_m() <= 0) return false;
+  }
+  return false;
+}
+
+PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
+                                    const PlannerInput& input, const BinPlacement& bin) const {
+  const Pose X_BW = bin.X_WB.inverse();
+  ObjectSet objects;
+  std::vector<EstimatedPose> poses;
+  std::vector<std::vector<std::vector<GraspCandidate>>> candidates(setup_.tools.size());
+  for (const Completed& object : completed) {
+    objects.push_back(object.model);
+    poses.push_back(object.pose);
+    for (size_t k = 0; k < candidates.size(); ++k) candidates[k].push_back(object.candidates[k]);
+  }
+  std::vector<Vector3d> cloud_B;
+  ForEachDepthPoint(
+      input.frame.intrinsics, input.frame.depth_m,
+      [&](int, int, const Vector3d& p_C) { cloud_B.push_back(X_BW * (input.X_WC * p_C)); },
+      setup_.cloud_stride_px);
+  PlanOptions plan_options = options_.plan;
+  plan_options.max_grasps = std::max(options_.tested_grasps, input.max_grasps);
+  plan_options.seed = input.seed;
+  if (setup_.spec.max_tilt_deg > 0) plan_options.max_tilt_rad = Radians(setup_.spec.max_tilt_deg);
+  const HiddenSpace hidden(input.frame.depth_m, input.frame.intrinsics,
+                           input.X_WC.inverse() * bin.X_WB, plan_options.hidden_behind_m);
+  std::vector<PlanInput> inputs;
+  for (size_t k = 0; k < setup_.tools.size(); ++k) {
+    inputs.push_back({bin.bin, poses, candidates[k], cloud_B, objects, *setup_.tools[k],
+                      input.targets, &hidden});
+  }
+  PlanResult plan = PlanWithTools(inputs, plan_options);
+  for (const auto shell : {&Completed::possible_B, &Completed::certain_B}) {
+    std::vector<Vector3d> points_B;
+    for (const Completed& object : completed) {
+      points_B.insert(points_B.end(), (object.*shell).begin(), (object.*shell).end());
+    }
+    std::vector<int> sources(points_B.size(), -1);
+    const ObstacleField possible(std::move(points_B), std::move(sources), plan_options.column_m);
+    std::vector<Grasp> passed;
+    for (Grasp grasp : plan.grasps) {
+      if (PassesPossibleMatter(possible, grasp)) passed.push_back(grasp);
+    }
+    if (passed.empty() && shell == &Completed::possible_B) continue;
+    plan.rejected["possible matter"] += static_cast<int>(plan.grasps.size() - passed.size());
+    plan.grasps = std::move(passed);
+    break;
+  }
+  std::stable_sort(plan.grasps.begin(), plan.grasps.end(),
+                   [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
+  if (plan.grasps.size() > static_cast<size_t>(input.max_grasps)) {
+    plan.rejected["outranked"] += static_cast<int>(plan.grasps.size()) - input.max_grasps;
+    plan.grasps.resize(input.max_grasps);
+  }
+  for (Grasp& grasp : plan.grasps) {
+    grasp.X_WG = bin.X_WB * grasp.X_WG;
+    grasp.hypothesis = kNoHypothesis;
+  }
+  return plan;
+}
+
+PlanResult CompletedPlanner::Plan(const PlannerInput& input) {
+  CheckInput(!input.frame.depth_m.empty(),
+             "the image has no depth, which a planner without poses needs");
+  const Bin table{{10, 10, 0}};
+  Pose X_WB = Pose::Identity();
+  if (input.bin) {
+    X_WB = input.bin->X_WB;
+  } else if (const std::optional<double> lowest_m = LowestPoint_m(input)) {
+    X_WB = Translation({0, 0, *lowest_m});
+  } else {
+    return {};
+  }
+  const std::vector<Completed> completed = MakeObjects(input, X_WB.inverse());
+  PlanResult plan;
+  if (!completed.empty()) {
+    plan = PlanOn(completed, input, {input.bin ? input.bin->bin : table, X_WB});
+  }
+  if (fallback_ == nullptr || static_cast<int>(plan.grasps.size()) >= input.max_grasps) return plan;
+  const double limit = plan.grasps.empty() ? 1 : plan.grasps.back().score;
+  PlanResult on_surface = fallback_->Plan(input);
+  for (Grasp& grasp : on_surface.grasps) {
+    if (static_cast<int>(plan.grasps.size()) == input.max_grasps) break;
+    grasp.score = std::min(grasp.score, limit);
+    plan.grasps.push_back(std::move(grasp));
+  }
+  for (const auto& [cause, count] : on_surface.rejected) plan.rejected[cause] += count;
+  return plan;
+}
+
+}  // namespace pickbed::grasp

@@ -1,0 +1,71 @@
+#pragma once
+
+// Planner without poses that grasps unknown objects on their completed shapes. It knows the camera,
+// the grippers and, if given, the bin, but no object.
+//
+// A source gives the occupancy of each object that the image shows
+// (grasp/completed/occupancy_shape.h). The surface at a probability near one half takes the place
+// of a CAD mesh: grasp candidates are sampled on it, and the planner on poses (grasp/plan/plan.h)
+// checks and ranks them against the bin, the observed points, the other objects and the space that
+// the image does not show. If it finds fewer grasps than wanted, jaws also grasp the observed
+// surface (grasp/cloud/cloud_antipodal.h).
+//
+//          p > surface_level: grasped surface      A hand also keeps out of possible matter, where
+//          ______                                  the probability is over `possible_level`. A jaw
+//         |  __  |                                 opens wider to pass it.
+//         | |  | |  p > possible_level: fingers
+//         | |__| |  keep out
+//         |______|
+
+#include <memory>
+#include <vector>
+
+#include "grasp/candidates/candidates.h"
+#include "grasp/cloud/cloud_antipodal.h"
+#include "grasp/completed/occupancy_shape.h"
+#include "grasp/plan/clearance.h"
+#include "grasp/plan/planner.h"
+
+namespace pickbed::grasp {
+
+struct CompletedPlannerOptions {
+  int max_shapes = 15;          // objects that are completed, from the highest one
+  int smoothing = 2;            // passes of Smoothed()
+  bool has_fallback = true;     // jaws also grasp the observed surface if grasps are missing
+  double surface_level = 0.45;  // probability at the grasped surface
+  double possible_level = 0.3;  // probability from which a hand keeps out
+  double relaxed_level = 0.5;   // the same if no grasp is found otherwise
+  double wider_m = 0.003;       // step by which a jaw opens wider to pass possible matter
+  int max_wider = 6;            // number of these steps
+  double wide_share = 0.05;     // share of the score that each step removes
+  int max_candidates = 200;     // candidates of an object for one jaw, from above
+  double density_kgpm3 = 1500;  // assumed density of an object
+  int tested_grasps = 300;      // planned grasps that are tested against possible matter
+  PlanOptions plan = {};        // max_grasps, seed and max_tilt_rad are set by each call
+  GraspCandidateOptions candidates = {};  // set to fewer samples by the constructor
+  CompletedPlannerOptions();
+  void Visit(SettingsVisitor& v);
+};
+
+class CompletedPlanner : public Planner {
+ public:
+  // Throws InputError without PlannerSetup::shapes, and for options out of range.
+  explicit CompletedPlanner(const PlannerSetup& setup, const CompletedPlannerOptions& options = {});
+
+  // Without a known bin, the lowest observed point is taken as the height of a table. Causes of
+  // rejection: as PlanWithTools(), and "possible matter". An image without objects gives no grasp.
+  PlanResult Plan(const PlannerInput& input) override;
+
+ private:
+  struct Completed;
+  std::vector<Completed> MakeObjects(const PlannerInput& input, const Pose& X_BW) const;
+  PlanResult PlanOn(const std::vector<Completed>& objects, const PlannerInput& input,
+                    const BinPlacement& bin) const;
+  bool PassesPossibleMatter(const ObstacleField& possible, Grasp& grasp) const;
+
+  const PlannerSetup setup_;
+  const CompletedPlannerOptions options_;
+  std::unique_ptr<CloudAntipodal> fallback_;  // null: none
+};
+
+}  // namespace pickbed::grasp

@@ -1,0 +1,196 @@
+#include "grasp/completed/completed_planner.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "grasp/grippers/suction_cup.h"
+#include "grasp/planners/table.h"
+#include "tests/grasp/cloud/cloud_scene.h"
+#include "tests/grasp/completed/shape_source.h"
+#include "tests/grasp/grasp_scenes.h"
+#include "tests/support/error_of.h"
+
+namespace pickbed::tests {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+
+constexpr double kRadius_m = 0.02;
+const Pose kSpherePose = OnFloor(0.03, -0.02, 2 * kRadius_m, 0);
+
+class CompletedPlan {
+ public:
+  explicit CompletedPlan(std::vector<OccupancyShape> shapes,
+                         std::shared_ptr<const Gripper> tool = nullptr)
+      : shapes_(std::move(shapes)),
+        tools_{tool != nullptr ? tool : std::make_shared<ParallelJaw>(SmallJaw())},
+        planner_(Setup()) {}
+
+  PlanResult Of(const PlannerInput& input) { return planner_.Plan(input); }
+  const Gripper& tool() const { return *tools_.front(); }
+
+ private:
+  PlannerSetup Setup() {
+    PlannerSetup setup{PlannerSpec(), tools_, objects_, candidates_, {}, 2};
+    setup.shapes = &shapes_;
+    return setup;
+  }
+
+  GivenShapes shapes_;
+  std::vector<std::shared_ptr<const Gripper>> tools_;
+  ObjectSet objects_;
+  std::vector<std::vector<std::vector<GraspCandidate>>> candidates_;
+  CompletedPlanner planner_;
+};
+
+TriangleMesh SphereMesh(double radius_m) {
+  const OccupancyShape shape = SphereShape(radius_m, Pose::Identity());
+  return Transformed(SurfaceOf(Smoothed(shape), 0.5), shape.X_WV);
+}
+
+CloudScene SphereScene() {
+  CloudScene scene;
+  scene.AddMesh(SphereMesh(kRadius_m), kSpherePose);
+  return scene;
+}
+
+// Whether a point is in one of the boxes of the hand on its approach.
+bool IsInHand(const Gripper& tool, const Grasp& grasp, const Vector3d& p_W, double margin_m) {
+  const Vector3d p_G = grasp.X_WG.inverse() * p_W;
+  for (const AxisAlignedBox& box : HandSweep(tool, *tool.ApproachOpening_m(grasp.width_m))) {
+    if (((p_G - box.center).cwiseAbs() - box.half_size).maxCoeff() < -margin_m) return true;
+  }
+  return false;
+}
+
+TEST(CompletedPlanner, ClosesOnASphereThroughItsCenter) {
+  const CloudScene scene = SphereScene();
+  CompletedPlan plan({SphereShape(kRadius_m, kSpherePose)});
+  const PlanResult result = plan.Of(scene.Input());
+  ASSERT_FALSE(result.grasps.empty());
+  for (const Grasp& grasp : result.grasps) {
+    EXPECT_EQ(grasp.hypothesis, kNoHypothesis);
+    EXPECT_EQ(grasp.tool, plan.tool().name);
+    const Vector3d center_G = grasp.X_WG.inverse() * kSpherePose.translation();
+    EXPECT_LT(std::abs(center_G.y()), 0.006) << "the closing line passes the solid";
+    EXPECT_GT(grasp.width_m, 1.5 * kRadius_m);
+    EXPECT_LT(grasp.X_WG.linear()(2, 2), 0) << "from above";
+  }
+}
+
+TEST(CompletedPlanner, NoHandEntersOccupiedCells) {
+  CloudScene scene = SphereScene();
+  const Pose box_pose = OnFloor(-0.03, 0.02, 0.03, 0.4);
+  const OccupancyShape sphere = SphereShape(kRadius_m, kSpherePose);
+  const OccupancyShape box = BoxShape({0.05, 0.03, 0.03}, box_pose);
+  scene.AddBox({0.05, 0.03, 0.03}, box_pose);
+  CompletedPlan plan({sphere, box});
+  const PlanResult result = plan.Of(scene.Input(20));
+  ASSERT_FALSE(result.grasps.empty());
+  for (const Grasp& grasp : result.grasps) {
+    for (const OccupancyShape* shape : {&sphere, &box}) {
+      for (const Vector3d& p_W : ShellOf(*shape, 0.5)) {
+        EXPECT_FALSE(IsInHand(plan.tool(), grasp, p_W, 0.5 * shape->cell_m));
+      }
+    }
+  }
+}
+
+// A object whose side may go further than its probable surface.
+TEST(CompletedPlanner, TheHandKeepsOutOfPossibleMatter) {
+  CloudScene scene;
+  const Vector3d size(0.06, 0.025, 0.03);
+  const Pose pose = OnFloor(0, 0, size.z(), 0);
+  scene.AddBox(size, pose);
+  const auto with_margin = [&](double margin_m) {
+    return ShapeOfBody(0.09, 48, pose, [&](const Vector3d& p) {
+      const double outside = (p.cwiseAbs() - 0.5 * size).maxCoeff();
+      return outside < 0 ? 1.0 : outside < margin_m ? 0.4 : 0.0;
+    });
+  };
+  const PlanResult sure = CompletedPlan({with_margin(0)}).Of(scene.Input());
+  const OccupancyShape unsure_shape = with_margin(0.008);
+  CompletedPlan unsure_plan({unsure_shape});
+  const PlanResult unsure = unsure_plan.Of(scene.Input());
+  ASSERT_FALSE(sure.grasps.empty());
+  ASSERT_FALSE(unsure.grasps.empty());
+  EXPECT_GT(unsure.grasps.front().width_m, sure.grasps.front().width_m + 0.005);
+  for (const Grasp& grasp : unsure.grasps) {
+    for (const Vector3d& p_W : ShellOf(unsure_shape, 0.3)) {
+      EXPECT_FALSE(IsInHand(unsure_plan.tool(), grasp, p_W, 1.5 * unsure_shape.cell_m));
+    }
+  }
+}
+
+// A tall box hides the space behind it. A hand that reaches into it is ranked last or not at all.
+TEST(CompletedPlanner, AvoidsTheShadowOfAnotherPart) {
+  CloudScene scene({0, -0.35, 0.45});
+  const Vector3d size(0.03, 0.03, 0.03);
+  const Pose pose = OnFloor(0, 0.03, size.z(), 0);
+  scene.AddBox(size, pose);
+  scene.AddBox({0.20, 0.02, 0.08}, OnFloor(0, -0.04, 0.08, 0));
+  CompletedPlan plan({BoxShape(size, pose)});
+  const PlanResult result = plan.Of(scene.Input());
+  ASSERT_FALSE(result.grasps.empty());
+  const HiddenSpace hidden(scene.frame().depth_m, scene.frame().intrinsics, scene.camera().X_CW(),
+                           0.005);
+  const Grasp& best = result.grasps.front();
+  const auto sweep = HandSweep(plan.tool(), *plan.tool().ApproachOpening_m(best.width_m));
+  EXPECT_LT(hidden.MeanDepth_m(sweep, best.X_WG, 0.004), 0.01);
+}
+
+TEST(CompletedPlanner, SuctionSealsOnTheTopOfABox) {
+  CloudScene scene;
+  const Vector3d size(0.06, 0.05, 0.03);
+  const Pose pose = OnFloor(0.01, 0.02, size.z(), 0.3);
+  scene.AddBox(size, pose);
+  CompletedPlan plan({BoxShape(size, pose)}, std::make_shared<SuctionCup>());
+  const PlanResult result = plan.Of(scene.Input());
+  ASSERT_FALSE(result.grasps.empty());
+  const Grasp& best = result.grasps.front();
+  EXPECT_NEAR(best.X_WG.translation().z(), size.z(), 0.004);
+  EXPECT_LT((best.X_WG.translation() - pose.translation()).head<2>().norm(), 0.015);
+}
+
+TEST(CompletedPlanner, WorksWithoutAKnownBin) {
+  const CloudScene scene = SphereScene();
+  PlannerInput input = scene.Input();
+  input.bin.reset();
+  EXPECT_FALSE(CompletedPlan({SphereShape(kRadius_m, kSpherePose)}).Of(input).grasps.empty());
+}
+
+TEST(CompletedPlanner, WithoutPartsThereIsNoGrasp) {
+  const CloudScene scene;
+  EXPECT_TRUE(CompletedPlan({}).Of(scene.Input()).grasps.empty());
+  OccupancyShape empty = SphereShape(kRadius_m, kSpherePose);
+  std::fill(empty.occupancy.begin(), empty.occupancy.end(), 0.0f);
+  EXPECT_TRUE(CompletedPlan({empty}).Of(scene.Input()).grasps.empty());
+}
+
+TEST(CompletedPlanner, EqualImagesGiveEqualGrasps) {
+  const CloudScene scene = SphereScene();
+  CompletedPlan plan({SphereShape(kRadius_m, kSpherePose)});
+  const PlanResult a = plan.Of(scene.Input()), b = plan.Of(scene.Input());
+  ASSERT_EQ(a.grasps.size(), b.grasps.size());
+  for (size_t i = 0; i < a.grasps.size(); ++i) {
+    EXPECT_EQ(a.grasps[i].X_WG.matrix(), b.grasps[i].X_WG.matrix());
+    EXPECT_EQ(a.grasps[i].score, b.grasps[i].score);
+  }
+}
+
+TEST(CompletedPlanner, NeedsASourceOfShapes) {
+  const std::vector<std::shared_ptr<const Gripper>> tools{
+      std::make_shared<ParallelJaw>(SmallJaw())};
+  const ObjectSet objects;
+  const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
+  EXPECT_THAT(ErrorOf([&] {
+                PlannerNamed("completed").make({PlannerSpec(), tools, objects, candidates, {}, 2});
+              }),
+              HasSubstr("shapes"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests
