@@ -118,9 +118,6 @@ std::optional<double> LowestPoint_m(const PlannerInput& input) {
 }  // namespace
 
 CompletedPlannerOptions::CompletedPlannerOptions() {
-  // Contacts on a completed surface are less certain than on CAD, so their quality is lower.
-  plan.min_quality = 0.1;
-  plan.relaxed.min_quality = 0.1;
   // A object is grasped once, so fewer candidates are sampled than for a known object.
   AntipodalOptions& antipodal = candidates.antipodal;
   antipodal.candidates = 600;
@@ -144,6 +141,8 @@ CompletedPlannerOptions::CompletedPlannerOptions() {
 void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
   const Range probability{0.01, 0.99};
   v.Integer("max_shapes", max_shapes, {1, 1000}, "number of objects that are completed");
+  v.Real("min_score", min_score, {0, 1},
+         "score under which a grasp comes after the grasps on the observed surface");
   v.Integer("smoothing", smoothing, {0, 10}, "number of passes of the smoothing of a shape");
   v.Bool("has_fallback", has_fallback,
          "whether jaws also grasp the observed surface if completed shapes give too few grasps");
@@ -303,13 +302,18 @@ PlanResult CompletedPlanner::Plan(const PlannerInput& input) {
   if (!completed.empty()) {
     plan = PlanOn(completed, input, {input.bin ? input.bin->bin : table, X_WB});
   }
-  if (fallback_ == nullptr || static_cast<int>(plan.grasps.size()) >= input.max_grasps) return plan;
-  const double limit = plan.grasps.empty() ? 1 : plan.grasps.back().score;
+  if (fallback_ == nullptr) return plan;
+  // Grasps are sorted. Weak ones come after the grasps on the observed surface.
+  const auto weak = std::find_if(plan.grasps.begin(), plan.grasps.end(), [&](const Grasp& grasp) {
+    return grasp.score < options_.min_score;
+  });
+  if (weak - plan.grasps.begin() >= input.max_grasps) return plan;
   PlanResult on_surface = fallback_->Plan(input);
-  for (Grasp& grasp : on_surface.grasps) {
-    if (static_cast<int>(plan.grasps.size()) == input.max_grasps) break;
-    grasp.score = std::min(grasp.score, limit);
-    plan.grasps.push_back(std::move(grasp));
+  const double limit = weak == plan.grasps.begin() ? 1 : std::prev(weak)->score;
+  for (Grasp& grasp : on_surface.grasps) grasp.score = std::min(grasp.score, limit);
+  plan.grasps.insert(weak, on_surface.grasps.begin(), on_surface.grasps.end());
+  if (plan.grasps.size() > static_cast<size_t>(input.max_grasps)) {
+    plan.grasps.resize(input.max_grasps);
   }
   for (const auto& [cause, count] : on_surface.rejected) plan.rejected[cause] += count;
   return plan;

@@ -27,12 +27,18 @@ class CompletedPlan {
                          std::shared_ptr<const Gripper> tool = nullptr)
       : shapes_(std::move(shapes)),
         tools_{tool != nullptr ? tool : std::make_shared<ParallelJaw>(SmallJaw())},
-        planner_(Setup()) {}
+        planner_(Setup(), Options()) {}
 
   PlanResult Of(const PlannerInput& input) { return planner_.Plan(input); }
   const Gripper& tool() const { return *tools_.front(); }
 
  private:
+  // Grasps of the observed surface would hide what the shapes give.
+  static CompletedPlannerOptions Options() {
+    CompletedPlannerOptions options;
+    options.has_fallback = false;
+    return options;
+  }
   PlannerSetup Setup() {
     PlannerSetup setup{PlannerSpec(), tools_, objects_, candidates_, {}, 2};
     setup.shapes = &shapes_;
@@ -112,7 +118,7 @@ TEST(CompletedPlanner, TheHandKeepsOutOfPossibleMatter) {
     });
   };
   const PlanResult sure = CompletedPlan({with_margin(0)}).Of(scene.Input());
-  const OccupancyShape unsure_shape = with_margin(0.008);
+  const OccupancyShape unsure_shape = with_margin(0.012);
   CompletedPlan unsure_plan({unsure_shape});
   const PlanResult unsure = unsure_plan.Of(scene.Input());
   ASSERT_FALSE(sure.grasps.empty());
@@ -179,6 +185,22 @@ TEST(CompletedPlanner, EqualImagesGiveEqualGrasps) {
     EXPECT_EQ(a.grasps[i].X_WG.matrix(), b.grasps[i].X_WG.matrix());
     EXPECT_EQ(a.grasps[i].score, b.grasps[i].score);
   }
+}
+
+TEST(CompletedPlanner, GraspsTheObservedSurfaceIfShapesGiveNoGrasp) {
+  const CloudScene scene = SphereScene();
+  const std::vector<std::shared_ptr<const Gripper>> tools{
+      std::make_shared<ParallelJaw>(SmallJaw())};
+  const ObjectSet objects;
+  const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
+  GivenShapes none({});
+  PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
+  setup.shapes = &none;
+  const PlanResult on_surface = CloudAntipodal(setup).Plan(scene.Input());
+  const PlanResult result = CompletedPlanner(setup).Plan(scene.Input());
+  ASSERT_FALSE(on_surface.grasps.empty());
+  ASSERT_EQ(result.grasps.size(), on_surface.grasps.size());
+  EXPECT_EQ(result.grasps.front().X_WG.matrix(), on_surface.grasps.front().X_WG.matrix());
 }
 
 TEST(CompletedPlanner, NeedsASourceOfShapes) {

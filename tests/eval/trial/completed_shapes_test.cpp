@@ -1,0 +1,46 @@
+// Trials that pick unknown objects on completed shapes.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "eval/shapes/segment_shapes.h"
+#include "eval/trial/trial.h"
+#include "tests/eval/cube_scenario.h"
+#include "tests/support/error_of.h"
+
+namespace pickbed::tests {
+namespace {
+
+using ::testing::HasSubstr;
+
+TrialResult RunOnShapes(const std::string& planner, const std::string& completion) {
+  ScenarioSpec spec = CubeScenario(2);
+  spec.planner.name = planner;
+  spec.planner.completion = completion;
+  return TrialRunner(spec, EasyCube()).Run(BinIndex(0));
+}
+
+TEST(CompletedShapes, CubesAreClearedOnTheirTrueShapes) {
+  const TrialResult result = RunOnShapes("completed", kTrueShapes);
+  EXPECT_EQ(result.instances_cleared, 2);
+  for (const AttemptRecord& attempt : result.attempts) {
+    EXPECT_TRUE(attempt.pose_free);
+    EXPECT_TRUE(attempt.hypotheses.empty());
+  }
+}
+
+TEST(CompletedShapes, EqualSeedsGiveEqualGrasps) {
+  const TrialResult a = RunOnShapes("skirt", "truth"), b = RunOnShapes("skirt", "truth");
+  ASSERT_EQ(a.attempts.size(), b.attempts.size());
+  ASSERT_FALSE(a.attempts.empty());
+  for (size_t i = 0; i < a.attempts.size(); ++i) {
+    EXPECT_EQ(a.attempts[i].hashes, b.attempts[i].hashes);
+  }
+}
+
+TEST(CompletedShapes, AnUnknownMethodIsNamedWithItsSetting) {
+  EXPECT_THAT(ErrorOf([] { RunOnShapes("completed", "magic"); }), HasSubstr("planner.completion"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests
