@@ -10,6 +10,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/cli/completion/commands.h"
 #include "eval/runtime/progress.h"
 #include "scenes/base/error.h"
 
@@ -21,14 +22,16 @@ constexpr CommandRow kTables[] = {
      &BenchmarkCropsCommand},
     {"bins", "all pose estimators on the same bins: recall, top-ranked pose, AP, time, memory",
      &BenchmarkBinsCommand},
-    {"all", "both tables, one after the other", &BenchmarkAllCommand},
+    {"completion", "shape completion methods on sampled shapes and meshes: IoU, surface, time",
+     &BenchmarkCompletionCommand},
+    {"all", "the tables crops and bins, one after the other", &BenchmarkAllCommand},
 };
 
 std::string BenchmarkUsage() {
   std::string text =
       "Compares published methods: trains what is missing, runs all methods on the same data, "
       "writes tables and a page.\n\nUsage: pickbed benchmark TABLE [OPTIONS]\n\nTables:\n";
-  for (const CommandRow& row : kTables) text += fmt::format("  {:<8}{}\n", row.name, row.help);
+  for (const CommandRow& row : kTables) text += fmt::format("  {:<12}{}\n", row.name, row.help);
   return text +
          "\n`pickbed benchmark TABLE --help` shows the options of a table.\nExample: pickbed "
          "benchmark all --small\n";

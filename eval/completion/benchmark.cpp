@@ -1,0 +1,123 @@
+#include "eval/completion/benchmark.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "eval/completion/sensors.h"
+#include "eval/completion/test_shapes.h"
+#include "scenes/base/random.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr size_t kGalleryTiles = 12;  // of each set
+
+// Mean of the views of each shape, in the order of the rows.
+std::vector<double> ShapeValues(const CompletionBenchmark& benchmark, const std::string& method,
+                                const std::string& set, bool is_occluded, MeasureOf measure) {
+  std::vector<std::string> shapes;
+  std::vector<double> sums, counts;
+  for (const CompletionRow& row : benchmark.rows) {
+    if (row.method != method || row.set != set || row.is_occluded != is_occluded) continue;
+    if (shapes.empty() || shapes.back() != row.shape) {
+      shapes.push_back(row.shape);
+      sums.push_back(0);
+      counts.push_back(0);
+    }
+    sums.back() += measure(row.measures);
+    counts.back() += 1;
+  }
+  for (size_t i = 0; i < sums.size(); ++i) sums[i] /= counts[i];
+  return sums;
+}
+
+ShapeMean MeanOf(const std::vector<double>& values) {
+  ShapeMean result;
+  result.shapes = static_cast<int>(values.size());
+  result.ci95 = Interval::Unknown();
+  if (values.empty()) return result;
+  const double count = static_cast<double>(values.size());
+  for (const double value : values) result.mean += value / count;
+  if (result.shapes < kMinBinsOfInterval) return result;
+  double variance = 0;
+  for (const double value : values) {
+    variance += (value - result.mean) * (value - result.mean) / (count - 1);
+  }
+  const double half = TwoSidedT(0.95, count - 1) * std::sqrt(variance / count);
+  result.ci95 = {result.mean - half, result.mean + half};
+  return result;
+}
+
+}  // namespace
+
+CompletionBenchmark RunCompletionBenchmark(
+    const CompletionBenchmarkOptions& options,
+    const std::function<bool(int done, int total)>& on_progress) {
+  CompletionBenchmark benchmark;
+  benchmark.methods = options.methods;
+  std::vector<std::unique_ptr<ShapeCompleter>> completers;
+  for (const std::string& method : options.methods) {
+    CompletionOptions own;
+    own.method = method;
+    own.model = options.model;
+    own.cells = options.cells;
+    completers.push_back(MakeCompleter(own));
+  }
+  const std::vector<DepthSensor> sensors = DepthSensorsNamed({options.sensor});
+  std::vector<TestShape> shapes;
+  for (const std::string& set : options.sets) {
+    const std::vector<TestShape> some = TestShapesOf(set, options.shapes, options.data_folder);
+    (some.empty() ? benchmark.skipped_sets : benchmark.sets).push_back(set);
+    shapes.insert(shapes.end(), some.begin(), some.end());
+  }
+  const int total = static_cast<int>(shapes.size());
+  for (int i = 0; i < total; ++i) {
+    if (!on_progress(i, total)) return benchmark;
+    const TestShape& shape = shapes[i];
+    Rng rng = Rng::Derive(options.seed, HashBytes(shape.name.data(), shape.name.size()),
+                          "completion benchmark");
+    const double diameter_m = shape.solid->box_O().diagonal().norm();
+    for (int view = 0; view < 2 * options.views; ++view) {
+      RandomViewOptions views;
+      const bool is_occluded = view >= options.views;
+      views.occluded_share = is_occluded ? 1 : 0;
+      const RandomView drawn = DrawView(*shape.solid, sensors, views, rng);
+      std::vector<CompletedVolume> completed;
+      std::vector<double> seconds;
+      for (const auto& completer : completers) {
+        const auto start = std::chrono::steady_clock::now();
+        completed.push_back(completer->Complete(drawn.view));
+        const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+        seconds.push_back(taken.count());
+      }
+      const CompletedVolume truth = TrueVolume(*shape.solid, drawn, completed.front());
+      const std::vector<Eigen::Vector3f> surface = TrueSurfacePoints(*shape.solid, drawn, truth);
+      for (size_t m = 0; m < completers.size(); ++m) {
+        benchmark.rows.push_back(
+            {options.methods[m], shape.set, shape.name, is_occluded, view,
+             MeasureCompletion(completed[m], truth, surface, drawn, diameter_m), seconds[m]});
+      }
+      std::vector<CompletionTile>& tiles = benchmark.gallery[shape.set];
+      const bool shows = tiles.size() < kGalleryTiles && view == (i % 2) * options.views;
+      if (shows) tiles.push_back({shape.name, drawn.view, completed.front(), truth});
+    }
+  }
+  on_progress(total, total);
+  return benchmark;
+}
+
+ShapeMean MeanOverShapes(const CompletionBenchmark& benchmark, const std::string& method,
+                         const std::string& set, bool is_occluded, MeasureOf measure) {
+  return MeanOf(ShapeValues(benchmark, method, set, is_occluded, measure));
+}
+
+ShapeMean DifferenceOverShapes(const CompletionBenchmark& benchmark, const std::string& method,
+                               const std::string& other, const std::string& set, bool is_occluded,
+                               MeasureOf measure) {
+  std::vector<double> values = ShapeValues(benchmark, method, set, is_occluded, measure);
+  const std::vector<double> subtracted = ShapeValues(benchmark, other, set, is_occluded, measure);
+  for (size_t i = 0; i < values.size(); ++i) values[i] -= subtracted[i];
+  return MeanOf(values);
+}
+
+}  // namespace pickbed::eval

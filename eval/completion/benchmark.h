@@ -1,0 +1,89 @@
+#pragma once
+
+// Benchmark of shape completion: all methods on the same views of test shapes.
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "eval/completion/draw.h"
+#include "eval/completion/measures.h"
+#include "eval/layer.h"
+#include "eval/metrics/result_columns.h"
+#include "eval/stats/statistics.h"
+#include "perception/completion/shape_completer.h"
+
+namespace pickbed::eval {
+
+struct CompletionBenchmarkOptions {
+  std::vector<std::string> methods;         // rows of CompleterTable()
+  std::vector<std::string> sets;            // of TestSetNames()
+  std::filesystem::path data_folder;        // with folders ycb and industrial of meshes
+  std::string model = "completion";         // of method network
+  std::string sensor = "structured_light";  // profile of the test views
+  int shapes = 2;                           // of each shape family
+  int views = 2;                            // of each shape, clean, and as many occluded
+  int cells = 64;                           // along each axis of the cube
+  uint64_t seed = 1;
+};
+
+// Result of one method on one view.
+struct CompletionRow {
+  std::string method, set, shape;
+  bool is_occluded = false;
+  int view = 0;
+  CompletionMeasures measures;
+  double seconds = 0;
+};
+
+struct CompletionBenchmark {
+  std::vector<std::string> methods, sets;
+  std::vector<std::string> skipped_sets;  // sets without data
+  std::vector<CompletionRow> rows;
+  std::map<std::string, std::vector<CompletionTile>> gallery;  // first method, by set
+};
+
+// Runs the benchmark. `on_progress` gets the number of shapes done and of all; false stops it.
+// Throws InputError for unknown names and for a model that cannot be read.
+CompletionBenchmark RunCompletionBenchmark(
+    const CompletionBenchmarkOptions& options,
+    const std::function<bool(int done, int total)>& on_progress);
+
+// Mean of a measure over shapes, with its 95 % interval: each shape counts once, with the mean of
+// its views. The interval is Student's t; unknown with less than kMinBinsOfInterval shapes.
+struct ShapeMean {
+  double mean = 0;
+  Interval ci95;
+  int shapes = 0;
+};
+using MeasureOf = double (*)(const CompletionMeasures& measures);
+ShapeMean MeanOverShapes(const CompletionBenchmark& benchmark, const std::string& method,
+                         const std::string& set, bool is_occluded, MeasureOf measure);
+
+// Same for the difference between two methods on the same shapes.
+ShapeMean DifferenceOverShapes(const CompletionBenchmark& benchmark, const std::string& method,
+                               const std::string& other, const std::string& set, bool is_occluded,
+                               MeasureOf measure);
+
+inline constexpr char kCompletionTable[] = "completion.csv";
+inline constexpr char kCompletionViews[] = "completion_views.csv";
+inline constexpr char kCompletionCalibration[] = "calibration.csv";
+inline constexpr char kCompletionTimings[] = "completion_timings.csv";
+
+// Table of IoU for the console.
+std::string CompletionTableText(const CompletionBenchmark& benchmark);
+// Columns of the files.
+ResultColumns CompletionTableColumns();
+ResultColumns CompletionViewsColumns();
+ResultColumns CompletionCalibrationColumns();
+ResultColumns CompletionTimingsColumns();
+
+// Writes index.html, its pictures and the CSV files to `folder`, which is created. Returns an empty
+// string, or the reason why the page is missing. Throws InputError if a file cannot be written.
+[[nodiscard]] std::string WriteCompletionBenchmark(const std::filesystem::path& folder,
+                                                   const CompletionBenchmark& benchmark,
+                                                   const CompletionBenchmarkOptions& options);
+
+}  // namespace pickbed::eval

@@ -1,0 +1,282 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "eval/completion/benchmark.h"
+#include "eval/page/html.h"
+#include "eval/page/vega.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+
+namespace pickbed::eval {
+namespace {
+
+struct MeasureColumn {
+  const char* name;
+  const char* help;
+  const char* unit;
+  MeasureOf value;
+};
+constexpr MeasureColumn kMeasures[] = {
+    {"iou", "volume in both over volume in either, at probability 0.5", "0..1",
+     [](const CompletionMeasures& m) { return m.iou; }},
+    {"chamfer", "mean distance between the surfaces, both directions, over the diameter", "0..1",
+     [](const CompletionMeasures& m) { return m.chamfer; }},
+    {"f_score", "F-score of surface points within 1 % of the diameter", "0..1",
+     [](const CompletionMeasures& m) { return m.f_score; }},
+    {"hidden_found", "share of the hidden true surface within 2 mm", "0..1",
+     [](const CompletionMeasures& m) { return m.hidden_found; }},
+};
+
+std::string ConditionName(bool is_occluded) { return is_occluded ? "occluded" : "clean"; }
+
+std::string MeanText(const ShapeMean& mean) {
+  if (mean.shapes == 0) return "-";
+  if (!mean.ci95.is_known()) return fmt::format("{:.3f}", mean.mean);
+  return fmt::format("{:.3f} [{:.3f}, {:.3f}]", mean.mean, mean.ci95.low, mean.ci95.high);
+}
+
+TableCells MeasureTable(const CompletionBenchmark& benchmark, const MeasureColumn& measure,
+                        bool is_occluded) {
+  TableCells table{{"method"}};
+  for (const std::string& set : benchmark.sets) table.front().push_back(set);
+  for (const std::string& method : benchmark.methods) {
+    std::vector<std::string>& row = table.emplace_back(std::vector<std::string>{method});
+    for (const std::string& set : benchmark.sets) {
+      row.push_back(MeanText(MeanOverShapes(benchmark, method, set, is_occluded, measure.value)));
+    }
+  }
+  return table;
+}
+
+TableCells DifferenceTable(const CompletionBenchmark& benchmark, bool is_occluded) {
+  TableCells table{{"IoU minus IoU of"}};
+  for (const std::string& set : benchmark.sets) table.front().push_back(set);
+  for (size_t i = 1; i < benchmark.methods.size(); ++i) {
+    const std::string& other = benchmark.methods[i];
+    std::vector<std::string>& row = table.emplace_back(std::vector<std::string>{other});
+    for (const std::string& set : benchmark.sets) {
+      row.push_back(MeanText(DifferenceOverShapes(benchmark, benchmark.methods.front(), other, set,
+                                                  is_occluded, kMeasures[0].value)));
+    }
+  }
+  return table;
+}
+
+using Calibration = std::array<std::array<double, 3>, kCalibrationBins>;
+
+Calibration CalibrationOf(const CompletionBenchmark& benchmark, const std::string& method,
+                          const std::string& set) {
+  Calibration sums{};
+  for (const CompletionRow& row : benchmark.rows) {
+    if (row.method != method || row.set != set) continue;
+    for (int bin = 0; bin < kCalibrationBins; ++bin) {
+      for (int i = 0; i < 3; ++i) sums[bin][i] += row.measures.calibration[bin][i];
+    }
+  }
+  return sums;
+}
+
+TableCells CalibrationTable(const CompletionBenchmark& benchmark) {
+  TableCells table{{"set"}};
+  for (int bin = 0; bin < kCalibrationBins; ++bin) {
+    table.front().push_back(fmt::format("p {:.2f}", (bin + 0.5) / kCalibrationBins));
+  }
+  for (const std::string& set : benchmark.sets) {
+    std::vector<std::string>& row = table.emplace_back(std::vector<std::string>{set});
+    for (const auto& bin : CalibrationOf(benchmark, benchmark.methods.front(), set)) {
+      row.push_back(bin[0] > 0 ? fmt::format("{:.2f}", bin[2] / bin[0]) : "-");
+    }
+  }
+  return table;
+}
+
+std::string TableCsv(const CompletionBenchmark& benchmark) {
+  std::string csv = HeaderLine(CompletionTableColumns());
+  for (const std::string& method : benchmark.methods) {
+    for (const std::string& set : benchmark.sets) {
+      for (const bool is_occluded : {false, true}) {
+        const int shapes =
+            MeanOverShapes(benchmark, method, set, is_occluded, kMeasures[0].value).shapes;
+        csv += fmt::format("{},{},{},{}", method, set, ConditionName(is_occluded), shapes);
+        for (const MeasureColumn& measure : kMeasures) {
+          const ShapeMean mean = MeanOverShapes(benchmark, method, set, is_occluded, measure.value);
+          csv += fmt::format(",{:.4f},{}", mean.mean, IntervalCells(mean.ci95, 4));
+        }
+        csv += "\n";
+      }
+    }
+  }
+  return csv;
+}
+
+std::string ViewsCsv(const CompletionBenchmark& benchmark) {
+  std::string csv = HeaderLine(CompletionViewsColumns());
+  for (const CompletionRow& row : benchmark.rows) {
+    csv += fmt::format("{},{},{},{},{}", row.method, row.set, CsvCell(row.shape),
+                       ConditionName(row.is_occluded), row.view);
+    for (const MeasureColumn& measure : kMeasures) {
+      csv += fmt::format(",{:.4f}", measure.value(row.measures));
+    }
+    csv += "\n";
+  }
+  return csv;
+}
+
+std::string CalibrationCsv(const CompletionBenchmark& benchmark) {
+  std::string csv = HeaderLine(CompletionCalibrationColumns());
+  for (const std::string& method : benchmark.methods) {
+    for (const std::string& set : benchmark.sets) {
+      const Calibration sums = CalibrationOf(benchmark, method, set);
+      for (const auto& bin : sums) {
+        if (bin[0] <= 0) continue;
+        csv += fmt::format("{},{},{:.4f},{:.4f},{:.0f}\n", method, set, bin[1] / bin[0],
+                           bin[2] / bin[0], bin[0]);
+      }
+    }
+  }
+  return csv;
+}
+
+double MedianSeconds(const CompletionBenchmark& benchmark, const std::string& method) {
+  std::vector<double> seconds;
+  for (const CompletionRow& row : benchmark.rows) {
+    if (row.method == method) seconds.push_back(row.seconds);
+  }
+  if (seconds.empty()) return 0;
+  std::nth_element(seconds.begin(), seconds.begin() + seconds.size() / 2, seconds.end());
+  return seconds[seconds.size() / 2];
+}
+
+std::string TimingsCsv(const CompletionBenchmark& benchmark) {
+  std::string csv = HeaderLine(CompletionTimingsColumns());
+  for (const std::string& method : benchmark.methods) {
+    csv += fmt::format("{},{:.4f}\n", method, MedianSeconds(benchmark, method));
+  }
+  return csv;
+}
+
+}  // namespace
+
+ResultColumns CompletionTableColumns() {
+  ResultColumns columns{
+      {"method", "name of the completion method"},
+      {"set", "name of the test set"},
+      {"condition", "clean, or occluded: 20 to 50 % of the visible pixels hidden"},
+      {"shapes", "number of shapes"}};
+  for (const MeasureColumn& measure : kMeasures) {
+    const std::string name = measure.name;
+    AddColumns({{name, measure.help, measure.unit},
+                {name + "_low", "lower end of its 95 % interval over shapes", measure.unit},
+                {name + "_high", "upper end of its 95 % interval over shapes", measure.unit}},
+               columns);
+  }
+  return columns;
+}
+
+ResultColumns CompletionViewsColumns() {
+  ResultColumns columns{{"method", "name of the completion method"},
+                        {"set", "name of the test set"},
+                        {"shape", "name of the shape"},
+                        {"condition", "clean or occluded"},
+                        {"view", "index of the view of the shape"}};
+  for (const MeasureColumn& measure : kMeasures) {
+    AddColumns({{measure.name, measure.help, measure.unit}}, columns);
+  }
+  return columns;
+}
+
+ResultColumns CompletionCalibrationColumns() {
+  return {{"method", "name of the completion method"},
+          {"set", "name of the test set"},
+          {"probability", "mean probability of the cells of a bin", "0..1"},
+          {"inside", "share of these cells inside the true shape", "0..1"},
+          {"cells", "number of cells"}};
+}
+
+ResultColumns CompletionTimingsColumns() {
+  return {{"method", "name of the completion method"}, {"seconds", "median of a completion"}};
+}
+
+std::string CompletionTableText(const CompletionBenchmark& benchmark) {
+  std::string text;
+  for (const bool is_occluded : {false, true}) {
+    text += fmt::format("IoU, {}\n  {:<17}", ConditionName(is_occluded), "");
+    for (const std::string& set : benchmark.sets) text += fmt::format("{:>17}", set);
+    text += "\n";
+    for (const std::string& method : benchmark.methods) {
+      text += fmt::format("  {:<17}", method);
+      for (const std::string& set : benchmark.sets) {
+        const ShapeMean mean =
+            MeanOverShapes(benchmark, method, set, is_occluded, kMeasures[0].value);
+        const double half = 0.5 * (mean.ci95.high - mean.ci95.low);
+        text += fmt::format("{:>17}", mean.ci95.is_known()
+                                          ? fmt::format("{:.3f} +-{:.3f}", mean.mean, half)
+                                          : fmt::format("{:.3f}", mean.mean));
+      }
+      text += "\n";
+    }
+  }
+  for (const std::string& set : benchmark.skipped_sets) {
+    text += fmt::format("set {} is skipped: the data folder has no such meshes\n", set);
+  }
+  return text;
+}
+
+std::string WriteCompletionBenchmark(const std::filesystem::path& folder,
+                                     const CompletionBenchmark& benchmark,
+                                     const CompletionBenchmarkOptions& options) {
+  MakeFolder(folder);
+  WriteFileAtomically(folder / kCompletionTable, TableCsv(benchmark));
+  WriteFileAtomically(folder / kCompletionViews, ViewsCsv(benchmark));
+  WriteFileAtomically(folder / kCompletionCalibration, CalibrationCsv(benchmark));
+  WriteFileAtomically(folder / kCompletionTimings, TimingsCsv(benchmark));
+  HtmlPage page("Shape completion");
+  page.Paragraph(fmt::format(
+      "Completions of single views with sensor {}, on {}^3 cells. Each shape has {} clean and as "
+      "many occluded views, in which 20 to 50 % of the visible pixels are hidden. Means count each "
+      "shape once; 95 % intervals are over shapes.",
+      options.sensor, options.cells, options.views));
+  for (const std::string& set : benchmark.skipped_sets) {
+    page.Note(fmt::format("Set {} is skipped: the data folder has no such meshes.", set));
+  }
+  for (const MeasureColumn& measure : kMeasures) {
+    page.Heading(measure.name);
+    page.Paragraph(std::string(measure.help) + ".");
+    for (const bool is_occluded : {false, true}) {
+      page.Subheading(ConditionName(is_occluded));
+      page.Table(MeasureTable(benchmark, measure, is_occluded));
+    }
+  }
+  if (benchmark.methods.size() > 1) {
+    page.Heading(benchmark.methods.front() + " against the other methods");
+    page.Paragraph("Difference of the IoU on the same views, with its interval over shapes.");
+    for (const bool is_occluded : {false, true}) {
+      page.Subheading(ConditionName(is_occluded));
+      page.Table(DifferenceTable(benchmark, is_occluded));
+    }
+  }
+  page.Heading("Calibration of " + benchmark.methods.front());
+  page.Paragraph("Share of the cells inside the true shape, by their probability.");
+  page.Table(CalibrationTable(benchmark));
+  page.Heading("Seconds");
+  TableCells seconds{{"method", "median seconds of a completion"}};
+  for (const std::string& method : benchmark.methods) {
+    seconds.push_back({method, fmt::format("{:.4f}", MedianSeconds(benchmark, method))});
+  }
+  page.Table(seconds);
+  page.Heading("Gallery of " + benchmark.methods.front());
+  for (const auto& [set, tiles] : benchmark.gallery) {
+    const Image<Rgb8> sheet = DrawCompletions(tiles);
+    if (sheet.empty()) continue;
+    page.Subheading(set);
+    const std::string file = "gallery_" + set + ".png";
+    WritePng(folder / file, sheet);
+    page.WidePicture(file,
+                     "depth with the segment, the completion from the camera and from its side, "
+                     "the truth from the camera and from its side");
+  }
+  return WritePage(folder / kIndexPage, page);
+}
+
+}  // namespace pickbed::eval

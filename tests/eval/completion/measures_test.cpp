@@ -1,0 +1,163 @@
+#include "eval/completion/measures.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "eval/completion/benchmark.h"
+#include "eval/completion/draw.h"
+#include "eval/completion/test_shapes.h"
+#include "perception/completion/traced_solid.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/mesh_io/mesh_io.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr float kRadius_m = 0.05f;
+
+std::unique_ptr<ViewedSolid> Ball() {
+  return std::make_unique<TracedSolid>(
+      [](std::span<const Eigen::Vector3f> points_O, std::span<float> distances_m) {
+        for (size_t i = 0; i < points_O.size(); ++i) {
+          distances_m[i] = points_O[i].norm() - kRadius_m;
+        }
+      },
+      Eigen::AlignedBox3f(Eigen::Vector3f::Constant(-kRadius_m),
+                          Eigen::Vector3f::Constant(kRadius_m)));
+}
+
+struct Case {
+  RandomView drawn;
+  CompletedVolume truth;
+  std::vector<Eigen::Vector3f> surface;
+};
+
+Case CaseOf(const ViewedSolid& solid) {
+  Rng rng(2);
+  RandomViewOptions options;
+  options.occluded_share = 0;
+  Case made{DrawView(solid, {}, options, rng), {}, {}};
+  CompletedVolume cells;
+  cells.size = 40;
+  cells.cell_m = 0.003f;
+  const Eigen::Vector3f center_C = made.drawn.X_CO.translation().cast<float>();
+  cells.origin_C = center_C - Eigen::Vector3f::Constant(0.06f);
+  cells.occupancy.assign(40 * 40 * 40, 0);
+  made.truth = TrueVolume(solid, made.drawn, cells);
+  made.surface = TrueSurfacePoints(solid, made.drawn, made.truth);
+  return made;
+}
+
+TEST(CompletionMeasures, TheTruthItselfHasNoError) {
+  const auto ball = Ball();
+  const Case made = CaseOf(*ball);
+  const CompletionMeasures measures =
+      MeasureCompletion(made.truth, made.truth, made.surface, made.drawn, 2 * kRadius_m);
+  EXPECT_EQ(measures.iou, 1);
+  EXPECT_LT(measures.chamfer, 0.015);
+  EXPECT_GT(measures.hidden_found, 0.95);
+}
+
+TEST(CompletionMeasures, TrueSurfacePointsAreOnTheSphere) {
+  const auto ball = Ball();
+  const Case made = CaseOf(*ball);
+  ASSERT_GT(made.surface.size(), 500u);
+  const Eigen::Vector3f center_C = made.drawn.X_CO.translation().cast<float>();
+  for (const Eigen::Vector3f& p : made.surface) {
+    EXPECT_NEAR((p - center_C).norm(), kRadius_m, 2e-4);
+  }
+}
+
+TEST(CompletionMeasures, HalfASphereHasHalfTheOverlap) {
+  const auto ball = Ball();
+  const Case made = CaseOf(*ball);
+  CompletedVolume half = made.truth;
+  for (int z = half.size / 2; z < half.size; ++z) {
+    for (int i = 0; i < half.size * half.size; ++i) {
+      half.occupancy[static_cast<size_t>(z) * half.size * half.size + i] = 0;
+    }
+  }
+  const CompletionMeasures measures =
+      MeasureCompletion(half, made.truth, made.surface, made.drawn, 2 * kRadius_m);
+  EXPECT_NEAR(measures.iou, 0.5, 0.02);
+  EXPECT_LT(measures.hidden_found, 0.4);
+  EXPECT_GT(measures.chamfer, 0.03);
+}
+
+TEST(CompletionMeasures, CalibrationCountsEveryCellThatIsNotZero) {
+  const auto ball = Ball();
+  const Case made = CaseOf(*ball);
+  CompletedVolume even = made.truth;
+  std::fill(even.occupancy.begin(), even.occupancy.end(), 0.25f);
+  const CompletionMeasures measures =
+      MeasureCompletion(even, made.truth, made.surface, made.drawn, 2 * kRadius_m);
+  const auto& bin = measures.calibration[2];
+  EXPECT_EQ(bin[0], 40 * 40 * 40);
+  EXPECT_NEAR(bin[2] / bin[0], 4.0 / 3 * M_PI * std::pow(kRadius_m / 0.12, 3), 0.01);
+  EXPECT_EQ(measures.chamfer, 1);
+}
+
+TEST(MeshSolid, ABoxIsFullInsideAndEmptyOutside) {
+  const auto shapes = TestShapesOf("catalog", 1, "");
+  ASSERT_EQ(shapes.size(), 12u);
+  const auto carton = std::find_if(shapes.begin(), shapes.end(),
+                                   [](const TestShape& shape) { return shape.name == "carton"; });
+  ASSERT_NE(carton, shapes.end());
+  const Eigen::AlignedBox3f box = carton->solid->box_O();
+  const std::vector<Eigen::Vector3f> points{box.center(), box.center() + 0.4f * box.sizes(),
+                                            box.center() + 0.6f * box.sizes()};
+  std::vector<uint8_t> inside(3);
+  carton->solid->Inside(points, inside);
+  EXPECT_THAT(inside, ::testing::ElementsAre(1, 1, 0));
+  EXPECT_NEAR(carton->solid->LowestAlong(Eigen::Vector3f::UnitX()), box.min().x(), 1e-5);
+}
+
+TEST(TestShapes, ASetWithoutMeshesIsEmptyAndAnUnknownSetIsRefused) {
+  EXPECT_TRUE(TestShapesOf("ycb", 1, "no/such/folder").empty());
+  EXPECT_THROW(TestShapesOf("yvb", 1, ""), InputError);
+}
+
+TEST(CompletionBenchmark, TablesHaveEachMethodAndDoNotDependOnTheRun) {
+  CompletionBenchmarkOptions options;
+  options.methods = {"local_thickness", "skirt"};
+  options.sets = {"unseen_families", "ycb"};
+  options.shapes = options.views = 1;
+  options.cells = 24;
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "completion_benchmark";
+  const auto files_of = [&](const char* name) {
+    const CompletionBenchmark benchmark =
+        RunCompletionBenchmark(options, [](int, int) { return true; });
+    EXPECT_THAT(benchmark.skipped_sets, ::testing::ElementsAre("ycb"));
+    const std::string reason = WriteCompletionBenchmark(folder / name, benchmark, options);
+    EXPECT_THAT(reason, ::testing::AnyOf("", ::testing::HasSubstr("template")));
+    EXPECT_THAT(CompletionTableText(benchmark), ::testing::HasSubstr("set ycb is skipped"));
+    return ReadFileBytes(folder / name / kCompletionTable) +
+           ReadFileBytes(folder / name / kCompletionViews) +
+           ReadFileBytes(folder / name / kCompletionCalibration);
+  };
+  const std::string first = files_of("a");
+  EXPECT_THAT(first, ::testing::HasSubstr("\nskirt,unseen_families,occluded,"));
+  EXPECT_EQ(first, files_of("b"));
+}
+
+TEST(CompletionBenchmark, DifferenceOfAMethodToItselfIsZero) {
+  CompletionBenchmark benchmark;
+  for (int shape = 0; shape < 6; ++shape) {
+    CompletionRow row{"skirt", "seen", std::to_string(shape), false, 0, {}, 0.1};
+    row.measures.iou = 0.1 * shape;
+    benchmark.rows.push_back(row);
+  }
+  const auto iou = [](const CompletionMeasures& m) { return m.iou; };
+  const ShapeMean mean = MeanOverShapes(benchmark, "skirt", "seen", false, iou);
+  EXPECT_NEAR(mean.mean, 0.25, 1e-12);
+  // Student's t with 5 degrees of freedom: 2.571 * sqrt(0.035 / 6).
+  EXPECT_NEAR(mean.ci95.high - mean.mean, 0.1963, 1e-3);
+  const ShapeMean none = DifferenceOverShapes(benchmark, "skirt", "skirt", "seen", false, iou);
+  EXPECT_EQ(none.mean, 0);
+}
+
+}  // namespace
+}  // namespace pickbed::eval
