@@ -121,6 +121,7 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   TrainingOptions defaults;
   app.footer("Training settings and their defaults:\n" +
              WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true) +
+             "\n`pickbed train completion --help` shows the training of shape completion."
              "\nExample: pickbed train rod elbow --minutes 5 --set network.descriptor=64\n"
              "         pickbed train kehl --objects bracket");
 }

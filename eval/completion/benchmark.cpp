@@ -81,6 +81,7 @@ CompletionBenchmark RunCompletionBenchmark(
       RandomViewOptions views;
       const bool is_occluded = view >= options.views;
       views.occluded_share = is_occluded ? 1 : 0;
+      views.min_diameter_px = options.min_diameter_px;
       const RandomView drawn = DrawView(*shape.solid, sensors, views, rng);
       std::vector<CompletedVolume> completed;
       std::vector<double> seconds;
@@ -93,9 +94,10 @@ CompletionBenchmark RunCompletionBenchmark(
       const CompletedVolume truth = TrueVolume(*shape.solid, drawn, completed.front());
       const std::vector<Eigen::Vector3f> surface = TrueSurfacePoints(*shape.solid, drawn, truth);
       for (size_t m = 0; m < completers.size(); ++m) {
-        benchmark.rows.push_back(
-            {options.methods[m], shape.set, shape.name, is_occluded, view,
-             MeasureCompletion(completed[m], truth, surface, drawn, diameter_m), seconds[m]});
+        benchmark.rows.push_back({options.methods[m], shape.set, shape.name, is_occluded, view,
+                                  MeasureCompletion(completed[m], truth, surface, drawn, diameter_m,
+                                                    static_cast<float>(options.level)),
+                                  seconds[m]});
       }
       std::vector<CompletionTile>& tiles = benchmark.gallery[shape.set];
       const bool shows = tiles.size() < kGalleryTiles && view == (i % 2) * options.views;

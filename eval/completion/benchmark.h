@@ -11,7 +11,6 @@
 #include "eval/completion/draw.h"
 #include "eval/completion/measures.h"
 #include "eval/layer.h"
-#include "eval/metrics/result_columns.h"
 #include "eval/stats/statistics.h"
 #include "perception/completion/shape_completer.h"
 
@@ -23,6 +22,8 @@ struct CompletionBenchmarkOptions {
   std::filesystem::path data_folder;        // with folders ycb and industrial of meshes
   std::string model = "completion";         // of method network
   std::string sensor = "structured_light";  // profile of the test views
+  double min_diameter_px = 60;              // of the shapes in the images
+  double level = 0.4;                       // probability above which a cell is full
   int shapes = 2;                           // of each shape family
   int views = 2;                            // of each shape, clean, and as many occluded
   int cells = 64;                           // along each axis of the cube
@@ -66,24 +67,5 @@ ShapeMean MeanOverShapes(const CompletionBenchmark& benchmark, const std::string
 ShapeMean DifferenceOverShapes(const CompletionBenchmark& benchmark, const std::string& method,
                                const std::string& other, const std::string& set, bool is_occluded,
                                MeasureOf measure);
-
-inline constexpr char kCompletionTable[] = "completion.csv";
-inline constexpr char kCompletionViews[] = "completion_views.csv";
-inline constexpr char kCompletionCalibration[] = "calibration.csv";
-inline constexpr char kCompletionTimings[] = "completion_timings.csv";
-
-// Table of IoU for the console.
-std::string CompletionTableText(const CompletionBenchmark& benchmark);
-// Columns of the files.
-ResultColumns CompletionTableColumns();
-ResultColumns CompletionViewsColumns();
-ResultColumns CompletionCalibrationColumns();
-ResultColumns CompletionTimingsColumns();
-
-// Writes index.html, its pictures and the CSV files to `folder`, which is created. Returns an empty
-// string, or the reason why the page is missing. Throws InputError if a file cannot be written.
-[[nodiscard]] std::string WriteCompletionBenchmark(const std::filesystem::path& folder,
-                                                   const CompletionBenchmark& benchmark,
-                                                   const CompletionBenchmarkOptions& options);
 
 }  // namespace pickbed::eval

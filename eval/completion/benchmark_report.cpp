@@ -1,8 +1,9 @@
+#include "eval/completion/benchmark_report.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "eval/completion/benchmark.h"
 #include "eval/page/html.h"
 #include "eval/page/vega.h"
 #include "scenes/base/files.h"
@@ -18,7 +19,7 @@ struct MeasureColumn {
   MeasureOf value;
 };
 constexpr MeasureColumn kMeasures[] = {
-    {"iou", "volume in both over volume in either, at probability 0.5", "0..1",
+    {"iou", "volume in both over volume in either", "0..1",
      [](const CompletionMeasures& m) { return m.iou; }},
     {"chamfer", "mean distance between the surfaces, both directions, over the diameter", "0..1",
      [](const CompletionMeasures& m) { return m.chamfer; }},
@@ -233,10 +234,11 @@ std::string WriteCompletionBenchmark(const std::filesystem::path& folder,
   WriteFileAtomically(folder / kCompletionTimings, TimingsCsv(benchmark));
   HtmlPage page("Shape completion");
   page.Paragraph(fmt::format(
-      "Completions of single views with sensor {}, on {}^3 cells. Each shape has {} clean and as "
+      "Completions of single views with sensor {}, on {}^3 cells. Shapes are at least {:.0f} px "
+      "wide, and cells with a probability above {:.2f} are full. Each shape has {} clean and as "
       "many occluded views, in which 20 to 50 % of the visible pixels are hidden. Means count each "
       "shape once; 95 % intervals are over shapes.",
-      options.sensor, options.cells, options.views));
+      options.sensor, options.cells, options.min_diameter_px, options.level, options.views));
   for (const std::string& set : benchmark.skipped_sets) {
     page.Note(fmt::format("Set {} is skipped: the data folder has no such meshes.", set));
   }

@@ -6,7 +6,7 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr float kSurfaceLevel = 0.5f;
+constexpr float kTrueLevel = 0.5f;  // the truth is 0 or 1
 constexpr int kBisections = 6;
 // More points than this do not change the measures.
 constexpr size_t kMaxPoints = 3000;
@@ -16,7 +16,7 @@ constexpr float kSeenMargin_m = 0.003f;
 // Calls on_crossing(a, b, value_a, value_b) for each pair of neighboring cells on different sides
 // of the level.
 template <typename OnCrossing>
-void ForCrossings(const CompletedVolume& volume, const OnCrossing& on_crossing) {
+void ForCrossings(const CompletedVolume& volume, float level, const OnCrossing& on_crossing) {
   const int n = volume.size;
   for (int z = 0; z < n; ++z) {
     for (int y = 0; y < n; ++y) {
@@ -26,7 +26,7 @@ void ForCrossings(const CompletedVolume& volume, const OnCrossing& on_crossing) 
           int next[3] = {x, y, z};
           if (++next[axis] == n) continue;
           const float beside = volume.occupancy[volume.Index(next[0], next[1], next[2])];
-          if ((value > kSurfaceLevel) == (beside > kSurfaceLevel)) continue;
+          if ((value > level) == (beside > level)) continue;
           on_crossing(volume.Center_C(x, y, z), volume.Center_C(next[0], next[1], next[2]), value,
                       beside);
         }
@@ -79,11 +79,11 @@ bool IsHidden(const RandomView& drawn, const Eigen::Vector3f& p_C) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> SurfacePoints(const CompletedVolume& volume) {
+std::vector<Eigen::Vector3f> SurfacePoints(const CompletedVolume& volume, float level) {
   std::vector<Eigen::Vector3f> points;
-  ForCrossings(volume,
+  ForCrossings(volume, level,
                [&](const Eigen::Vector3f& a, const Eigen::Vector3f& b, float at_a, float at_b) {
-                 points.push_back(a + (kSurfaceLevel - at_a) / (at_b - at_a) * (b - a));
+                 points.push_back(a + (level - at_a) / (at_b - at_a) * (b - a));
                });
   return points;
 }
@@ -92,7 +92,7 @@ std::vector<Eigen::Vector3f> TrueSurfacePoints(const ViewedSolid& solid, const R
                                                const CompletedVolume& truth) {
   const Eigen::Isometry3f X_OC = drawn.X_CO.inverse().cast<float>();
   std::vector<Eigen::Vector3f> in, out, centers_O;
-  ForCrossings(truth,
+  ForCrossings(truth, kTrueLevel,
                [&](const Eigen::Vector3f& a, const Eigen::Vector3f& b, float at_a, float at_b) {
                  in.push_back(at_a > at_b ? a : b);
                  out.push_back(at_a > at_b ? b : a);
@@ -113,12 +113,12 @@ std::vector<Eigen::Vector3f> TrueSurfacePoints(const ViewedSolid& solid, const R
 
 CompletionMeasures MeasureCompletion(const CompletedVolume& completed, const CompletedVolume& truth,
                                      const std::vector<Eigen::Vector3f>& surface,
-                                     const RandomView& drawn, double diameter_m) {
+                                     const RandomView& drawn, double diameter_m, float level) {
   CompletionMeasures measures;
   double both = 0, either = 0;
   for (size_t i = 0; i < truth.occupancy.size(); ++i) {
     const float p = completed.occupancy[i];
-    const bool full = p > kSurfaceLevel, inside = truth.occupancy[i] > kSurfaceLevel;
+    const bool full = p > level, inside = truth.occupancy[i] > kTrueLevel;
     both += full && inside;
     either += full || inside;
     if (p <= 0) continue;
@@ -130,7 +130,7 @@ CompletionMeasures MeasureCompletion(const CompletedVolume& completed, const Com
     bin[2] += inside;
   }
   measures.iou = either > 0 ? both / either : 1;
-  const std::vector<Eigen::Vector3f> points = Thinned(SurfacePoints(completed));
+  const std::vector<Eigen::Vector3f> points = Thinned(SurfacePoints(completed, level));
   const std::vector<Eigen::Vector3f> true_points = Thinned(surface);
   measures.chamfer = 1;
   if (points.empty() || true_points.empty()) return measures;

@@ -26,17 +26,19 @@ struct CompletionMeasures {
   std::array<std::array<double, 3>, kCalibrationBins> calibration{};
 };
 
-// Returns points (m, in C) on the surface of level 0.5, on the lines between centers of cells.
-std::vector<Eigen::Vector3f> SurfacePoints(const CompletedVolume& volume);
+// Returns points (m, in C) on the surface of a level, on the lines between centers of cells.
+std::vector<Eigen::Vector3f> SurfacePoints(const CompletedVolume& volume, float level);
 
 // Returns points (m, in C) on the true surface within the volume's cube, by bisection between the
 // centers of its cells. `truth` is TrueVolume() (eval/completion/draw.h).
 std::vector<Eigen::Vector3f> TrueSurfacePoints(const ViewedSolid& solid, const RandomView& drawn,
                                                const CompletedVolume& truth);
 
-// Compares a completion with the truth on the same cells. `surface` are TrueSurfacePoints().
+// Compares a completion with the truth on the same cells. Cells above `level` are full. `surface`
+// are TrueSurfacePoints().
 CompletionMeasures MeasureCompletion(const CompletedVolume& completed, const CompletedVolume& truth,
                                      const std::vector<Eigen::Vector3f>& surface,
-                                     const RandomView& drawn, double diameter_m);
+                                     const RandomView& drawn, double diameter_m,
+                                     float level = 0.5f);
 
 }  // namespace pickbed::eval

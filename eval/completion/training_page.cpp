@@ -12,7 +12,6 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr char kCompletionCurvesFile[] = "completion_curves.csv";
 constexpr int kLossPoints = 60;
 constexpr int kSheetViews = 12;  // of each split
 constexpr int kSheetCells = 48;

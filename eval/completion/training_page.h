@@ -11,6 +11,8 @@
 
 namespace pickbed::eval {
 
+inline constexpr char kCompletionCurvesFile[] = "completion_curves.csv";
+
 struct CompletionTrainingPage {
   std::filesystem::path model_file;
   const CompletionJob& job;

@@ -9,6 +9,8 @@
 #include "eval/budget/report.h"
 #include "eval/calibrate/report.h"
 #include "eval/compare/paired_tables.h"
+#include "eval/completion/benchmark_report.h"
+#include "eval/completion/training_page.h"
 #include "eval/draw/grasp_sheet.h"
 #include "eval/draw/object_sheet.h"
 #include "eval/estimate/report.h"
@@ -203,7 +205,16 @@ ResultPage BenchmarkPage() {
          Csv(kCropsFile, "one line per method, stage, condition and object", CropTableColumns()),
          Csv(kCropViewsFile, "one line per test view, method and stage", CropViewsColumns()),
          Csv(kCropDifferencesFile, "paired differences of two methods", CropDifferencesColumns()),
-         Csv(kTimingsFile, "durations", CropTimingsColumns())}}}};
+         Csv(kTimingsFile, "durations", CropTimingsColumns())}},
+       {"pickbed benchmark completion",
+        "One results folder.",
+        {Plain(fmt::format("{}, gallery_SET.png", kIndexPage),
+               "page with tables, and its pictures"),
+         Csv(kCompletionTable, "one line per method, set and condition", CompletionTableColumns()),
+         Csv(kCompletionViews, "one line per method and view", CompletionViewsColumns()),
+         Csv(kCompletionCalibration, "one line per method, set and bin of probability",
+             CompletionCalibrationColumns()),
+         Csv(kCompletionTimings, "durations", CompletionTimingsColumns())}}}};
 }
 
 ResultFolder DatasetFolder() {
@@ -275,6 +286,14 @@ ResultPage ObjectsPage() {
              Csv(kCurvesFile, "one line per measurement of the held-out recall",
                  CurvesColumns({"OBJECT"})),
              Csv(kTimingsFile, "durations", TrainingTimingsColumns())}},
+           {"pickbed train completion",
+            "Model file, and a report folder beside it.",
+            {Plain("MODEL.net", "trained network"),
+             Plain("MODEL.net.checkpoint", "state of an interrupted training"),
+             Plain(fmt::format("{}, completions_SPLIT.png", kIndexPage),
+                   "page with curves, and its pictures"),
+             Csv(kCompletionCurvesFile, "one line per measurement and held-out split",
+                 CompletionCurvesColumns())}},
            {"pickbed replay",
             "Files of each stage of one trial.",
             {Plain("attempt_NN_{color,depth,ids,overlay,after}.png", "pictures"),

@@ -12,6 +12,7 @@
 #include "eval/tolerance/samples.h"
 #include "grasp/candidates/candidates.h"
 #include "grasp/grippers/table.h"
+#include "perception/completion/completion_training.h"
 #include "perception/estimators/estimator_training.h"
 #include "perception/estimators/pose_estimator.h"
 #include "perception/estimators/score_calibration.h"
@@ -134,7 +135,9 @@ SettingsPage TrainingSettings() {
         "train kehl` and `doumanoglou` have the same keys and other defaults.",
         RowsOf(TrainingOptions())},
        {"Verifiers", "Settings of `pickbed train --verifier-for`.",
-        RowsOf(VerifierTrainingOptions())}}};
+        RowsOf(VerifierTrainingOptions())},
+       {"Shape completion", "Settings of `pickbed train completion --set`.",
+        RowsOf(CompletionTrainingOptions())}}};
   for (SettingsSource& source : NetworkSettings()) page.sources.push_back(std::move(source));
   return page;
 }

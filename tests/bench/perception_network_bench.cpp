@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "eval/runtime/process.h"
+#include "perception/completion/network_completer.h"
+#include "perception/completion/training_sample.h"
 #include "perception/features/neighbors.h"
 #include "perception/features/patch.h"
 #include "perception/networks/model_file.h"
@@ -53,6 +55,19 @@ const DescriptorModel& Shipped() {
   static const DescriptorModel model = LoadModel(TrainedFile("shipped"));
   return model;
 }
+
+// Completion of a carton's view on 64^3 cells. The weights do not change the time.
+void Complete(benchmark::State& state) {
+  UseOneThread();
+  const auto solid = SolidOf(SampleShape(FindShapeFamily("carton"), ShapeSplit::kSeen, 1).solid);
+  Rng rng(1);
+  const RandomView drawn = DrawView(*solid, {}, {}, rng);
+  const CompletionNetwork network(CompletionNetworkOptions{}, 1);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(CompleteWithNetwork(network, drawn.view, 64));
+  }
+}
+BENCHMARK(Complete)->Name("completion/network/64")->Unit(benchmark::kMillisecond);
 
 void Patches(benchmark::State& state) {
   const BracketScene& scene = SharedScene();

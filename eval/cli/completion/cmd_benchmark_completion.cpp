@@ -6,7 +6,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/completion/commands.h"
-#include "eval/completion/benchmark.h"
+#include "eval/completion/benchmark_report.h"
 #include "eval/completion/test_shapes.h"
 #include "eval/page/html.h"
 #include "eval/runtime/process.h"
@@ -59,6 +59,13 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
                  "skipped");
   app.add_option("--model", options.model, "model file of method network")->capture_default_str();
   app.add_option("--sensor", options.sensor, "sensor profile of the views")->capture_default_str();
+  app.add_option("--min-px", options.min_diameter_px,
+                 "smallest diameter of a shape in the image, px")
+      ->check(CLI::Range(20, 140))
+      ->capture_default_str();
+  app.add_option("--level", options.level, "probability above which a cell is full")
+      ->check(CLI::Range(0.01, 0.99))
+      ->capture_default_str();
   app.add_option("--shapes", options.shapes, "shapes of each family")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

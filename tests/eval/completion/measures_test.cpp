@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "eval/completion/benchmark.h"
+#include "eval/completion/benchmark_report.h"
 #include "eval/completion/draw.h"
 #include "eval/completion/test_shapes.h"
 #include "perception/completion/traced_solid.h"
