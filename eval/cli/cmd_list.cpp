@@ -18,6 +18,7 @@
 #include "scenes/scenario/failure_reason.h"
 #include "scenes/scenario/scenario_spec.h"
 #include "scenes/scenario/scenario_text.h"
+#include "scenes/shape_families/shape_family.h"
 #include "sim/sensor/sensor_profile.h"
 
 namespace pickbed::eval {
@@ -36,6 +37,13 @@ void ListObjects(const std::string& catalog_folder) {
                           size_mm.y(), size_mm.z(), 1e3 * model->mass.mass_kg,
                           model->mesh_O.triangles.size(),
                           model->symmetries_O.trivial() ? "" : ", symmetric"));
+  }
+}
+
+void ListShapeFamilies(const std::string&) {
+  for (const ShapeFamilyRow& row : ShapeFamilyTable()) {
+    Row(row.name, fmt::format("{:<12}{}{}", ShapeDomainName(row.domain), row.help,
+                              row.held_out ? "; held out" : ""));
   }
 }
 
@@ -128,9 +136,10 @@ struct Topic {
   const char* title;
   void (*print)(const std::string& catalog_folder);
 };
-constexpr std::array<Topic, 14> kTopics{{
+constexpr std::array<Topic, 15> kTopics{{
     {"presets", "Preset scenarios", ListPresets},
     {"objects", "Objects", ListObjects},
+    {"shape_families", "Shape families, from which objects are sampled", ListShapeFamilies},
     {"estimators", "Pose estimators", ListEstimators},
     {"refiners", "Refiners of reported poses", ListRefiners},
     {"bins", "Bins", ListBins},

@@ -4,6 +4,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/draw/family_sheet.h"
 #include "eval/draw/object_sheet.h"
 #include "eval/export/made_object_json.h"
 #include "eval/runtime/progress.h"
@@ -11,6 +12,7 @@
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 #include "scenes/objects/object_catalog.h"
+#include "scenes/shape_families/sampled_names.h"
 
 namespace pickbed::eval {
 namespace {
@@ -97,12 +99,79 @@ void Add(const AddArguments& arguments) {
              (folder / kObjectSheetFile).string(), NextSteps(arguments, made));
 }
 
+// ---- pickbed object sample ----
+
+struct SampleArguments {
+  std::string family;
+  std::string domain;
+  std::string split = "seen";
+  uint64_t seed = 0;
+  int count = 1;
+  std::string out;
+};
+
+void Sample(const SampleArguments& arguments) {
+  CheckInput(arguments.family.empty() != arguments.domain.empty(),
+             arguments.family.empty()
+                 ? "give a FAMILY of `pickbed list shape_families`, or --domain"
+                 : "give either FAMILY or --domain, not both");
+  const std::string& what = arguments.family.empty() ? arguments.domain : arguments.family;
+  ProgressLine progress;
+  for (int i = 0; i < arguments.count; ++i) {
+    const SampledShape shape = SampleShapeOf(what, arguments.split, arguments.seed + i);
+    const std::string name = fmt::format(
+        "{}_{}{}", shape.family->name,
+        shape.split == ShapeSplit::kSeen ? "" : ShapeSplitName(shape.split) + "_", shape.seed);
+    progress.Show(fmt::format("{} ({} of {}) ...", name, i + 1, arguments.count));
+    WriteObject(MakeSampledObject(shape), std::filesystem::path(arguments.out) / name);
+  }
+  progress.Show("done", true);
+  fmt::print(
+      "{} object{} written to {}\nnext: name them in a scenario file and pass --catalog {}\n",
+      arguments.count, arguments.count == 1 ? "" : "s", arguments.out, arguments.out);
+}
+
+void AddSampleCommand(CLI::App& app, SampleArguments& a) {
+  CLI::App* sample =
+      app.add_subcommand("sample", "write objects that are drawn from a shape family or a domain");
+  sample->add_option("FAMILY", a.family, "a row of `pickbed list shape_families`");
+  sample->add_option("--domain", a.domain, "draw the family, too: machine or supermarket");
+  sample
+      ->add_option("--split", a.split,
+                   "seen, unseen_sizes or outside; with --domain also unseen_families")
+      ->capture_default_str();
+  sample->add_option("--seed", a.seed, "seed of the first object; the next ones count up")
+      ->capture_default_str();
+  sample->add_option("--count", a.count, "number of objects")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  sample->add_option("--out", a.out, "folder that receives the folders of the objects")->required();
+  sample->footer("Example: pickbed object sample cup --seed 1 --count 5 --out objects");
+}
+
+// ---- pickbed object families ----
+
+struct FamiliesArguments {
+  std::string split = "seen";
+  uint64_t seed = 0;
+  std::string out;
+};
+
+void AddFamiliesCommand(CLI::App& app, FamiliesArguments& a) {
+  CLI::App* families =
+      app.add_subcommand("families", "draw one sampled shape of each shape family on a sheet");
+  families->add_option("--split", a.split, "seen, unseen_sizes or outside")->capture_default_str();
+  families->add_option("--seed", a.seed, "seed of the shapes")->capture_default_str();
+  families->add_option("--out", a.out, "PNG file")->required();
+  families->footer("Example: pickbed object families --seed 1 --out families.png");
+}
+
 }  // namespace
 
 int ObjectCommand(int argc, char** argv) {
   CLI::App app(
-      "Adds an object to the catalog from a mesh: unit, mass, convex pieces, symmetries and "
-      "resting poses.",
+      "Adds an object to the catalog, from a mesh or from a shape family: unit, mass, convex "
+      "pieces, symmetries and resting poses.",
       "pickbed object");
   app.require_subcommand(1);
   CLI::App* add = app.add_subcommand("add", "inspect a mesh and add it to the catalog");
@@ -132,8 +201,19 @@ int ObjectCommand(int argc, char** argv) {
   add->add_flag("--center", request.center, "move the origin to the center of the object");
   add->add_flag("--replace", a.replace, "overwrite an object with the same name");
   app.footer("Example: pickbed object add drill.stl --name drill --unit mm --mass 0.9");
+  SampleArguments sample;
+  AddSampleCommand(app, sample);
+  FamiliesArguments families;
+  AddFamiliesCommand(app, families);
   if (!ParseArguments(app, argc, argv)) return 0;
-  Add(a);
+  if (app.got_subcommand("sample")) {
+    Sample(sample);
+  } else if (app.got_subcommand("families")) {
+    WritePng(families.out, FamilySheet(ShapeSplitFromName(families.split), families.seed));
+    fmt::print("sheet: {}\n", families.out);
+  } else {
+    Add(a);
+  }
   return 0;
 }
 

@@ -166,4 +166,11 @@ std::vector<MeshLevel> MakeMeshLevels(const TriangleMesh& mesh) {
   return levels;
 }
 
+TriangleMesh ReducedMesh(const TriangleMesh& mesh, double tolerance_m) {
+  const Joined joined = Join(mesh);
+  EdgeCollapse collapse(joined.vertices, joined.triangles, joined.locked);
+  collapse.ReduceTo(tolerance_m);
+  return Rebuild(mesh, joined, collapse.Triangles());
+}
+
 }  // namespace pickbed::scenes

@@ -23,4 +23,8 @@ struct MeshLevel {
 // The remaining vertices keep their colours and uvs.
 std::vector<MeshLevel> MakeMeshLevels(const TriangleMesh& mesh);
 
+// Returns the mesh with fewer triangles, within `tolerance_m` of the original surface. Normals are
+// computed as for a level, if the mesh has normals.
+TriangleMesh ReducedMesh(const TriangleMesh& mesh, double tolerance_m);
+
 }  // namespace pickbed::scenes

@@ -15,6 +15,8 @@
 #include "scenes/mesh_io/mesh_io.h"
 #include "scenes/objects/convex_file.h"
 #include "scenes/objects/object_settings.h"
+#include "scenes/shape_families/sampled_names.h"
+#include "scenes/shape_families/solid_mesh.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -184,6 +186,20 @@ struct Weight {
   double density_kgpm3 = 0;  // > 0
 };
 
+// Meshes the sampled shape of a name, see sampled_names.h.
+std::shared_ptr<ObjectModel> SampledModel(const std::string& name) {
+  const SampledShape shape = SampleShapeByName(name);
+  auto model = std::make_shared<ObjectModel>();
+  model->name = name;
+  model->mesh_O = MeshOfSolid(shape.solid);
+  model->mesh_O.base_color = SampledColor(shape);
+  model->mass = UniformDensityProperties(model->mesh_O, shape.family->density_kgpm3);
+  model->friction = kSampledFriction;
+  model->diameter_m = Diameter(model->mesh_O);
+  model->mesh_hash = MeshHash(model->mesh_O);
+  return model;
+}
+
 std::shared_ptr<ObjectModel> MakeModel(const std::string& name, const fs::path& mesh_file,
                                        const std::string& unit, const Weight& weight) {
   auto model = std::make_shared<ObjectModel>();
@@ -240,6 +256,7 @@ std::vector<std::string> ObjectCatalog::Names() const {
 }
 
 std::shared_ptr<const ObjectModel> ObjectCatalog::Load(const std::string& name) const {
+  if (IsSampledName(name)) return SampledModel(name);
   const std::vector<std::string> names = Names();
   CheckInput(std::binary_search(names.begin(), names.end(), name),
              UnknownNameMessage("object", name, names));

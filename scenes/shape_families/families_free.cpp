@@ -11,11 +11,11 @@ using Eigen::Vector3d;
 constexpr std::array<ShapeParameter, 5> kSuperquadric{{{"length", 40, 150},
                                                        {"width", 30, 90},
                                                        {"height", 25, 75},
-                                                       {"e_xy", 0.3, 1.5},
-                                                       {"e_z", 0.3, 1.5}}};
+                                                       {"e_xy", 0.3, 1.2},
+                                                       {"e_z", 0.3, 1.2}}};
 FamilySolid MakeSuperquadric(ParameterValues v) {
   const Vector3d half = 0.5 * Vector3d(v[0], v[1], v[2]);
-  const auto exponent = [](double e) { return std::clamp(e, 0.15, 1.85); };
+  const auto exponent = [](double e) { return std::clamp(e, 0.15, 1.5); };
   return {Superquadric(half, exponent(v[3]), exponent(v[4])), 2 * half.minCoeff()};
 }
 
@@ -44,16 +44,16 @@ Solid RandomPrimitive(double size_mm, Rng& rng) {
 }
 
 constexpr std::array<ShapeParameter, 3> kRandomUnion{
-    {{"size", 50, 110}, {"parts", 2, 5, true}, {"pattern", 0, 999999, true}}};
+    {{"size", 50, 110}, {"pieces", 2, 5, true}, {"pattern", 0, 999999, true}}};
 // Primitives in random poses. Each one begins inside of the one before, so that they are connected.
 FamilySolid MakeRandomUnion(ParameterValues v) {
   Rng rng = Rng::Derive(static_cast<uint64_t>(v[2] + 1e6), 0, "random union");
   const double size = v[0];
-  const int parts = std::max(1, static_cast<int>(v[1]));
+  const int pieces = std::max(1, static_cast<int>(v[1]));
   Solid solid = Box(0.3 * size * Vector3d(rng.Uniform(0.5, 1), rng.Uniform(0.5, 1), 1));
   Vector3d center = Vector3d::Zero();
-  for (int i = 0; i < parts; ++i) {
-    const Solid part = Moved(RandomPrimitive(0.7 * size, rng), center);
+  for (int i = 0; i < pieces; ++i) {
+    const Solid piece = Moved(RandomPrimitive(0.7 * size, rng), center);
     // A bar from the center makes sure that hollow primitives touch the others.
     const Vector3d next = center + 0.45 * size * rng.UnitVector();
     const Solid bar =
@@ -62,7 +62,7 @@ FamilySolid MakeRandomUnion(ParameterValues v) {
                                   .toRotationMatrix(),
                               Vector3d::Zero())),
               0.5 * (center + next));
-    solid = SmoothUnion(Union(solid, part), bar, 3);
+    solid = SmoothUnion(Union(solid, piece), bar, 3);
     center = next;
   }
   return {solid, 3};
@@ -71,8 +71,8 @@ FamilySolid MakeRandomUnion(ParameterValues v) {
 constexpr std::array kFreeRows{
     ShapeFamilyRow{"random_union", "random union of primitives", ShapeDomain::kMachine, false,
                    false, kRandomUnion, MakeRandomUnion, 1200},
-    ShapeFamilyRow{"superquadric", "superquadric, from box to spindle", ShapeDomain::kSupermarket,
-                   false, false, kSuperquadric, MakeSuperquadric, 900},
+    ShapeFamilyRow{"superquadric", "superquadric, from a box to an ellipsoid and a lens",
+                   ShapeDomain::kSupermarket, false, false, kSuperquadric, MakeSuperquadric, 900},
 };
 
 }  // namespace

@@ -16,8 +16,8 @@ FamilySolid MakeCarton(ParameterValues v) {
 constexpr std::array<ShapeParameter, 4> kRoundedBox{
     {{"length", 50, 130}, {"width", 30, 75}, {"height", 18, 60}, {"radius_share", 0.3, 0.8}}};
 FamilySolid MakeRoundedBox(ParameterValues v) {
-  const double least = std::min({v[0], v[1], v[2]});
-  return {Box({v[0], v[1], v[2]}, 0.5 * least * std::min(v[3], 0.95)), least};
+  const double thinnest = std::min({v[0], v[1], v[2]});
+  return {Box({v[0], v[1], v[2]}, 0.5 * thinnest * std::min(v[3], 0.95)), thinnest};
 }
 
 constexpr std::array<ShapeParameter, 4> kBottle{{{"radius", 20, 38},
@@ -83,7 +83,7 @@ FamilySolid MakeJar(ParameterValues v) {
 constexpr std::array<ShapeParameter, 4> kYogurtPot{
     {{"radius", 24, 42}, {"height", 45, 110}, {"taper", 0.65, 0.9}, {"rim", 2.5, 5}}};
 FamilySolid MakeYogurtPot(ParameterValues v) {
-  const double r = v[0], height = v[1], lip = kMinWall_mm + 0.5;
+  const double r = v[0], height = v[1], lip = 2.5;
   return {Revolved({{0, 0},
                     {r * v[2], 0},
                     {r, height - lip},
@@ -98,7 +98,7 @@ constexpr std::array<ShapeParameter, 4> kToothpasteTube{
 // The hull of a circle and of a line that is as long as half the circle, and a cap.
 FamilySolid MakeToothpasteTube(ParameterValues v) {
   constexpr int kSides = 48;
-  const double r = v[0], length = v[1], line = 0.5 * std::numbers::pi * r, fold = kMinWall_mm;
+  const double r = v[0], length = v[1], line = 0.5 * std::numbers::pi * r, fold = 2.5;
   std::vector<Eigen::Vector4d> planes = {{0, 0, -1, 0}, {0, 0, 1, length}};
   for (int k = 0; k < kSides; ++k) {
     const double angle = 2 * std::numbers::pi * k / kSides, c = std::cos(angle),
@@ -136,7 +136,7 @@ FamilySolid MakeTetraPack(ParameterValues v) {
 constexpr std::array<ShapeParameter, 4> kBag{
     {{"length", 80, 170}, {"width", 55, 110}, {"thickness", 22, 55}, {"pinch", 1.15, 1.5}}};
 FamilySolid MakeBag(ParameterValues v) {
-  const double seam = kMinWall_mm;
+  const double seam = 2;
   const Solid pillow = Superquadric({0.5 * v[0], 0.5 * v[1], 0.5 * v[2]}, 0.35, v[3]);
   const Solid seams = Box({v[0] + 8, 0.9 * v[1], seam});
   return {Union(pillow, seams), seam};
@@ -146,7 +146,7 @@ constexpr std::array<ShapeParameter, 3> kBanana{
     {{"bend_radius", 65, 115}, {"radius", 14, 21}, {"angle_deg", 60, 100}}};
 FamilySolid MakeBanana(ParameterValues v) {
   const Solid tip = Turned(Moved(Sphere(v[1]), {v[0], 0, 0}), Eigen::Vector3d::UnitZ(), 0.5 * v[2]);
-  return {Union(Bend(v[0], v[1], v[2]), Mirrored(tip, false, true, false)), 2 * v[1]};
+  return {Union(Bend(v[0], v[1], v[2]), Mirrored(tip, false, true, false)), v[1]};
 }
 
 constexpr auto kPackage = ShapeDomain::kSupermarket;

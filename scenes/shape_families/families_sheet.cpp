@@ -89,10 +89,10 @@ constexpr std::array<ShapeParameter, 5> kUClip{
 // A bent strip: half a ring, two legs along -x and hooks that point outwards.
 FamilySolid MakeUClip(ParameterValues v) {
   const double inner = std::max(v[0], 3.0), wall = LimitedWall(v[2], inner), width = v[3];
-  const double middle = inner + 0.5 * wall;
+  const double center = inner + 0.5 * wall;
   const Solid bow = Intersect(Cut(Cylinder(inner + wall, width), Cylinder(inner, width + 2)),
                               HalfSpace({-1, 0, 0}, 0));
-  const Solid leg = Moved(Box({v[1], wall, width}), {-0.5 * v[1], middle, 0});
+  const Solid leg = Moved(Box({v[1], wall, width}), {-0.5 * v[1], center, 0});
   const double hook = std::max(v[4], wall);
   const Solid end = Moved(Box({wall, hook, width}), {0.5 * wall - v[1], inner + 0.5 * hook, 0});
   return {Union(bow, Mirrored(Union(leg, end), false, true, false)), wall};

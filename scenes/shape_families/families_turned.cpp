@@ -18,12 +18,12 @@ constexpr std::array<ShapeParameter, 7> kFlange{{{"radius", 26, 50},
                                                  {"bolt_radius", 2.5, 5}}};
 FamilySolid MakeFlange(ParameterValues v) {
   const double radius = v[0], disc = v[1], hub = radius * v[2], height = disc + v[3];
-  const double bore = hub * v[4], middle = 0.5 * (radius + hub);
+  const double bore = hub * v[4], bolt_circle = 0.5 * (radius + hub);
   const double bolt = std::min(v[6], 0.25 * (radius - hub));
   const Solid body = Union(Moved(Cylinder(radius, disc), {0, 0, 0.5 * disc}),
                            Moved(Cylinder(hub, height), {0, 0, 0.5 * height}));
   const Solid holes =
-      Copies(Moved(Cylinder(bolt, 3 * disc), {middle, 0, 0}), static_cast<int>(v[5]));
+      Copies(Moved(Cylinder(bolt, 3 * disc), {bolt_circle, 0, 0}), static_cast<int>(v[5]));
   const double wall = std::min({disc, hub - bore, 0.5 * (radius - hub) - bolt});
   return {Cut(Cut(body, Cylinder(bore, 3 * height)), holes), wall};
 }
@@ -38,7 +38,7 @@ FamilySolid MakeRing(ParameterValues v) {
 }
 
 constexpr std::array<ShapeParameter, 2> kORing{{{"radius", 14, 45}, {"section_share", 0.16, 0.4}}};
-FamilySolid MakeORing(ParameterValues v) { return {Torus(v[0], v[0] * v[1]), 2 * v[0] * v[1]}; }
+FamilySolid MakeORing(ParameterValues v) { return {Torus(v[0], v[0] * v[1]), v[0] * v[1]}; }
 
 // The corners of the hexagon are turned off at both ends.
 Solid ChamferedHexagon(double across, double height, bool at_both_ends) {
@@ -72,7 +72,7 @@ FamilySolid MakeBolt(ParameterValues v) {
   const Solid shank = Revolved(
       {{0, 0}, {radius, 0}, {radius, chamfer - length}, {radius - chamfer, -length}, {0, -length}});
   return {Union(Moved(ChamferedHexagon(diameter * v[2], head, false), {0, 0, 0.5 * head}), shank),
-          std::min(diameter, head)};
+          std::min(radius, head)};
 }
 
 constexpr std::array<ShapeParameter, 5> kSpacer{{{"radius", 10, 24},
@@ -117,7 +117,7 @@ FamilySolid MakeShaft(ParameterValues v) {
                     {end, to},
                     {end, h},
                     {0, h}}),
-          2 * end};
+          end};
 }
 
 constexpr std::array<ShapeParameter, 4> kPulley{

@@ -63,9 +63,12 @@ constexpr std::array<ShapeParameter, 4> kPlate{
 FamilySolid MakePlate(ParameterValues v) {
   const double radius = v[0], height = v[1], foot = radius * v[3];
   const double wall = LimitedWall(v[2], 0.4 * height);
-  return {
-      OpenVessel({{foot, 0}, {foot + 0.3 * (radius - foot), 0.6 * height}, {radius, height}}, wall),
-      wall};
+  return {OpenVessel({{foot, 0},
+                      {foot + 0.3 * (radius - foot), 0.5 * height},
+                      {radius - 0.5, height - 1.2 * wall},
+                      {radius, height}},
+                     wall),
+          wall};
 }
 
 constexpr std::array<ShapeParameter, 5> kTray{{{"length", 90, 190},

@@ -35,7 +35,7 @@ struct ShapeParameter {
   bool whole = false;
 };
 
-// A solid of a family and its thinnest wall.
+// A solid of a family, and its thinnest wall or the radius of its thinnest rod.
 struct FamilySolid {
   Solid solid;
   double min_wall_mm;

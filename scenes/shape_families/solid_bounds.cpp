@@ -1,6 +1,7 @@
 #include "scenes/shape_families/solid_bounds.h"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "scenes/base/error.h"
@@ -8,16 +9,11 @@
 namespace pickbed::scenes {
 namespace {
 
-constexpr int kGrid = 32;           // points along each direction of a side
+constexpr int kGrid = 24;           // points along each direction of a side
 constexpr float kTouch_mm = 0.01f;  // the grid has arrived at this distance
 constexpr int kMaxSteps = 400;
-
-// The touched place: coordinate along the axis and position on the side.
-struct Touch {
-  float along = 0;
-  float u = 0, v = 0;
-  bool found = false;
-};
+constexpr float kBefore = 1.5f;  // cells between the touched plane and a peak between the points
+constexpr int kPlaces = 4;       // that are searched for a peak
 
 // A square grid of points on a plane across an axis.
 struct Sweep {
@@ -27,30 +23,63 @@ struct Sweep {
   Eigen::AlignedBox2f side;
 };
 
-Touch MoveGrid(const SolidProgram& program, const Sweep& sweep) {
-  std::vector<Eigen::Vector3f> points(kGrid * kGrid);
-  std::vector<float> distances(points.size());
-  const int u_axis = (sweep.axis + 1) % 3, v_axis = (sweep.axis + 2) % 3;
-  const Eigen::Vector2f step = sweep.side.sizes() / (kGrid - 1);
-  for (int k = 0; k < kGrid * kGrid; ++k) {
-    points[k][u_axis] = 1e-3f * (sweep.side.min().x() + step.x() * static_cast<float>(k % kGrid));
-    points[k][v_axis] = 1e-3f * (sweep.side.min().y() + step.y() * static_cast<float>(k / kGrid));
-  }
-  float along = sweep.begin;
-  for (int i = 0; i < kMaxSteps; ++i) {
-    for (Eigen::Vector3f& p : points) p[sweep.axis] = 1e-3f * along;
-    RunSolidProgram(program, Eigen::Vector3f::Zero(), points, distances);
-    const auto nearest = std::min_element(distances.begin(), distances.end());
-    if (*nearest <= kTouch_mm) {
-      const Eigen::Vector3f& p = points[nearest - distances.begin()];
-      return {along + sweep.direction * std::max(*nearest, 0.0f), 1e3f * p[u_axis],
-              1e3f * p[v_axis], true};
+class SweptGrid {
+ public:
+  SweptGrid(const SolidProgram& program, const Sweep& sweep)
+      : program_(program), sweep_(sweep), points_(kGrid * kGrid), distances_(points_.size()) {
+    const Eigen::Vector2f step = sweep.side.sizes() / (kGrid - 1);
+    for (int k = 0; k < kGrid * kGrid; ++k) {
+      points_[k][(sweep.axis + 1) % 3] =
+          1e-3f * (sweep.side.min().x() + step.x() * static_cast<float>(k % kGrid));
+      points_[k][(sweep.axis + 2) % 3] =
+          1e-3f * (sweep.side.min().y() + step.y() * static_cast<float>(k / kGrid));
     }
-    along += sweep.direction * *nearest;
-    if ((sweep.end - along) * sweep.direction < 0) return {};
   }
-  return {along, 0, 0, true};
-}
+
+  // Returns the coordinate at which a point touches the solid, or `end` if none does.
+  float Touch() {
+    float along = sweep_.begin;
+    for (int i = 0; i < kMaxSteps; ++i) {
+      const float nearest = EvaluateAt(along);
+      if (nearest <= kTouch_mm) return along + sweep_.direction * std::max(nearest, 0.0f);
+      along += sweep_.direction * nearest;
+      if ((sweep_.end - along) * sweep_.direction <= 0) return sweep_.end;
+    }
+    return along;
+  }
+
+  // Returns the positions on the side of the points that are nearest to the solid on the plane at
+  // `along`, nearest first and at least two cells apart.
+  std::vector<Eigen::Vector2f> Nearest(float along, int count) {
+    EvaluateAt(along);
+    std::vector<Eigen::Vector2f> places;
+    for (int i = 0; i < count; ++i) {
+      const int k = static_cast<int>(std::min_element(distances_.begin(), distances_.end()) -
+                                     distances_.begin());
+      places.emplace_back(1e3f * points_[k][(sweep_.axis + 1) % 3],
+                          1e3f * points_[k][(sweep_.axis + 2) % 3]);
+      const int row = k / kGrid, column = k % kGrid;
+      for (int r = std::max(row - 1, 0); r <= std::min(row + 1, kGrid - 1); ++r) {
+        for (int c = std::max(column - 1, 0); c <= std::min(column + 1, kGrid - 1); ++c) {
+          distances_[r * kGrid + c] = std::numeric_limits<float>::max();
+        }
+      }
+    }
+    return places;
+  }
+
+ private:
+  float EvaluateAt(float along) {
+    for (Eigen::Vector3f& p : points_) p[sweep_.axis] = 1e-3f * along;
+    RunSolidProgram(program_, Eigen::Vector3f::Zero(), points_, distances_);
+    return *std::min_element(distances_.begin(), distances_.end());
+  }
+
+  const SolidProgram& program_;
+  Sweep sweep_;
+  std::vector<Eigen::Vector3f> points_;  // m
+  std::vector<float> distances_;         // mm
+};
 
 }  // namespace
 
@@ -59,16 +88,27 @@ Eigen::AlignedBox3f TightBox(const SolidProgram& program, const Eigen::AlignedBo
   for (int axis = 0; axis < 3; ++axis) {
     for (const float direction : {1.0f, -1.0f}) {
       const int u_axis = (axis + 1) % 3, v_axis = (axis + 2) % 3;
-      const float begin = (direction > 0 ? outer.min() : outer.max())[axis];
-      const float end = (direction > 0 ? outer.max() : outer.min())[axis];
-      const Eigen::AlignedBox2f side(Eigen::Vector2f(outer.min()[u_axis], outer.min()[v_axis]),
-                                     Eigen::Vector2f(outer.max()[u_axis], outer.max()[v_axis]));
-      Touch touch = MoveGrid(program, {axis, direction, begin, end, side});
-      CheckInput(touch.found, "a solid is empty; check its cuts and intersections");
-      const Eigen::Vector2f cell = side.sizes() / (kGrid - 1), at(touch.u, touch.v);
-      const Touch fine = MoveGrid(program, {axis, direction, begin, end, {at - cell, at + cell}});
-      if (fine.found && (touch.along - fine.along) * direction > 0) touch = fine;
-      (direction > 0 ? tight.min() : tight.max())[axis] = touch.along;
+      Sweep sweep;
+      sweep.axis = axis;
+      sweep.direction = direction;
+      sweep.begin = (direction > 0 ? outer.min() : outer.max())[axis];
+      sweep.end = (direction > 0 ? outer.max() : outer.min())[axis];
+      sweep.side = {Eigen::Vector2f(outer.min()[u_axis], outer.min()[v_axis]),
+                    Eigen::Vector2f(outer.max()[u_axis], outer.max()[v_axis])};
+      SweptGrid coarse(program, sweep);
+      float touched = coarse.Touch();
+      CheckInput(touched != sweep.end, "a solid is empty; check its cuts and intersections");
+      const Eigen::Vector2f cell = sweep.side.sizes() / (kGrid - 1);
+      const float before = touched - direction * kBefore * cell.maxCoeff();
+      for (const Eigen::Vector2f& place : coarse.Nearest(before, kPlaces)) {
+        Sweep fine = sweep;
+        fine.begin = before;
+        fine.end = touched;
+        fine.side = {place - cell, place + cell};
+        const float fine_touched = SweptGrid(program, fine).Touch();
+        if ((touched - fine_touched) * direction > 0) touched = fine_touched;
+      }
+      (direction > 0 ? tight.min() : tight.max())[axis] = touched;
     }
   }
   return tight;

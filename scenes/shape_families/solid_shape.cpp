@@ -39,14 +39,22 @@ float SolidShape::SignedDistance_m(const Eigen::Vector3f& p_O) const {
   return distance;
 }
 
-Eigen::Vector3f SolidShape::Normal(const Eigen::Vector3f& p_O, float step_m) const {
-  std::array<Eigen::Vector3f, 6> points;
-  for (int k = 0; k < 6; ++k) {
-    points[k] = p_O + (k % 2 ? -step_m : step_m) * Eigen::Vector3f::Unit(k / 2);
+std::vector<Eigen::Vector3f> SolidShape::Normals(std::span<const Eigen::Vector3f> points_O,
+                                                 float step_m) const {
+  std::vector<Eigen::Vector3f> around;
+  for (const Eigen::Vector3f& p : points_O) {
+    for (int k = 0; k < 6; ++k) {
+      around.push_back(p + (k % 2 ? -step_m : step_m) * Eigen::Vector3f::Unit(k / 2));
+    }
   }
-  std::array<float, 6> d{};
-  SignedDistances_m(points, d);
-  return Eigen::Vector3f(d[0] - d[1], d[2] - d[3], d[4] - d[5]).normalized();
+  std::vector<float> d(around.size());
+  SignedDistances_m(around, d);
+  std::vector<Eigen::Vector3f> normals;
+  for (size_t i = 0; i < d.size(); i += 6) {
+    const Eigen::Vector3f slope(d[i] - d[i + 1], d[i + 2] - d[i + 3], d[i + 4] - d[i + 5]);
+    normals.push_back(slope.stableNormalized());
+  }
+  return normals;
 }
 
 uint64_t SolidShape::hash() const {

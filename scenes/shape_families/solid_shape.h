@@ -39,9 +39,10 @@ class SolidShape {
   void SignedDistances_m(std::span<const Eigen::Vector3f> points_O,
                          std::span<float> distances_m) const;
 
-  // Returns the outward direction of the surface near p_O (m), of unit length, by central
-  // differences over `step_m`.
-  Eigen::Vector3f Normal(const Eigen::Vector3f& p_O, float step_m = 1e-4f) const;
+  // Returns the outward directions of the surface near the points (m), of unit length, by central
+  // differences over `step_m`. A direction is zero where the distance has no slope.
+  std::vector<Eigen::Vector3f> Normals(std::span<const Eigen::Vector3f> points_O,
+                                       float step_m = 1e-4f) const;
 
   const Eigen::AlignedBox3f& box_O() const { return box_O_; }  // m, tight to about 0.05 mm
   float min_wall_m() const { return 1e-3f * min_wall_mm_; }    // thinnest wall or rod

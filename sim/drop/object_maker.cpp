@@ -6,6 +6,8 @@
 
 #include "scenes/base/error.h"
 #include "scenes/geometry/symmetry_finder.h"
+#include "scenes/shape_families/sampled_names.h"
+#include "scenes/shape_families/solid_mesh.h"
 #include "sim/convex/convex_hull.h"
 
 namespace pickbed::sim {
@@ -92,6 +94,23 @@ MadeObject MakeObject(const ObjectRequest& request,
   record.friction = model.friction;
   record.resting_O = model.resting_O;
   return made;
+}
+
+ObjectRecord MakeSampledObject(const SampledShape& shape) {
+  ObjectRecord record;
+  record.help = fmt::format("sampled shape: {}, {}, seed {}", shape.family->name,
+                            ShapeSplitName(shape.split), shape.seed);
+  for (size_t i = 0; i < shape.values.size(); ++i) {
+    record.help += fmt::format("{}{} {:.4g}", i == 0 ? "; " : ", ",
+                               shape.family->parameters[i].name, shape.values[i]);
+  }
+  record.mesh_O = MeshOfSolid(shape.solid);
+  record.mesh_O.base_color = SampledColor(shape);
+  record.density_kgpm3 = shape.family->density_kgpm3;
+  record.friction = kSampledFriction;
+  record.convex_pieces_O = FitConvexPieces(record.mesh_O).pieces;
+  record.symmetries_O = FindSymmetries(record.mesh_O);
+  return record;
 }
 
 }  // namespace pickbed::sim

@@ -8,6 +8,7 @@
 
 #include "scenes/mesh_io/mesh_inspection.h"
 #include "scenes/objects/object_writer.h"
+#include "scenes/shape_families/shape_family.h"
 #include "sim/convex/piece_quality.h"
 #include "sim/drop/resting_poses.h"
 
@@ -51,5 +52,9 @@ struct MadeObject {
 // unusable mesh, see InspectMeshFile().
 MadeObject MakeObject(const ObjectRequest& request,
                       const std::function<void(const std::string&)>& on_stage = {});
+
+// Makes the object of a sampled shape: mesh, density, friction, colour, convex pieces and
+// symmetries. Its resting poses are left out; they are found when a scenario needs them.
+ObjectRecord MakeSampledObject(const SampledShape& shape);
 
 }  // namespace pickbed::sim

@@ -45,6 +45,28 @@ OBJ
   grep -q '"instances_cleared": 4' bricks/summary.json || fail "the bricks were not picked"
 }
 
+sampled_shapes_are_objects() {
+  local sample=("$pickbed" object sample)
+  expect 0 "${sample[@]}" ring --seed 3 --out sampled
+  for file in mesh.obj convex.obj object.yaml; do
+    [ -s "sampled/ring_3/$file" ] || fail "no $file"
+  done
+  expect 0 "${sample[@]}" ring --seed 3 --out again
+  diff -r sampled again || fail "the same seed gave other bytes"
+  expect 0 "${sample[@]}" --domain machine --split unseen_families --seed 2 --out sampled
+  echo "objects: [{name: ring_3, count: 2}, {name: sampled/tube/outside/1, count: 2}]" >sampled.yaml
+  expect 0 "$pickbed" drop sampled.yaml --catalog sampled --out sampled_drop
+  [ "$(grep -c '"instance"' sampled_drop/scene.json)" = 4 ] || fail "not 4 instances"
+  refused "did you mean 'ring'" "${sample[@]}" rinq --out x
+  refused "did you mean 'outside'" "${sample[@]}" ring --split outsid --out x
+  refused "not both" "${sample[@]}" ring --domain machine --out x
+  refused "or --domain" "${sample[@]}" --out x
+  refused "did you mean 'machine'" "${sample[@]}" --domain machin --out x
+  refused "--count" "${sample[@]}" ring --count 0 --out x
+  refused "needs a domain" "${sample[@]}" ring --split unseen_families --out x
+  refused "--seed" "${sample[@]}" ring --seed -1 --out x
+}
+
 invalid_meshes_are_refused() {
   local add=("$pickbed" object add) name=(--name x --drops 5)
   brick 1 | sed 's/^v 30 20 10$/v nan 20 10/' >nan.obj

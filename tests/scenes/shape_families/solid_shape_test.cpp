@@ -172,7 +172,7 @@ TEST(SolidShape, BoxIsTight) {
   for (const OccupancyCase& c : OccupancyCases()) {
     const Eigen::AlignedBox3f box = CompiledSolid(c.solid, 2).box_O();
     for (int axis = c.half_mm.x() > 0 ? 0 : 1; axis < 3; ++axis) {
-      EXPECT_NEAR(1e3 * box.max()[axis], c.half_mm[axis], 0.06) << c.name << " axis " << axis;
+      EXPECT_NEAR(1e3 * box.max()[axis], c.half_mm[axis], 0.1) << c.name << " axis " << axis;
     }
     EXPECT_NEAR(box.center().norm(), 0, 1e-6) << c.name;
   }
@@ -222,7 +222,8 @@ TEST(SolidShape, NormalPointsOutwards) {
   Rng rng(4);
   for (int i = 0; i < 50; ++i) {
     const Vector3f direction = rng.UnitVector().cast<float>();
-    EXPECT_GT(sphere.Normal(0.025f * direction).dot(direction), 0.9999f);
+    const std::vector<Vector3f> points{0.025f * direction};
+    EXPECT_GT(sphere.Normals(points)[0].dot(direction), 0.9999f);
   }
 }
 

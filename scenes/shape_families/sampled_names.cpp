@@ -1,0 +1,86 @@
+#include "scenes/shape_families/sampled_names.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+
+#include "scenes/base/error.h"
+#include "scenes/base/random.h"
+
+namespace pickbed::scenes {
+namespace {
+
+constexpr char kPrefix[] = "sampled/";
+constexpr char kUnseenFamilies[] = "unseen_families";
+
+std::vector<std::string> SplitAtSlashes(const std::string& text) {
+  std::vector<std::string> fields;
+  size_t begin = 0;
+  while (true) {
+    const size_t end = text.find('/', begin);
+    fields.push_back(text.substr(begin, end - begin));
+    if (end == std::string::npos) return fields;
+    begin = end + 1;
+  }
+}
+
+bool IsDomain(const std::string& what) {
+  return what == ShapeDomainName(ShapeDomain::kMachine) ||
+         what == ShapeDomainName(ShapeDomain::kSupermarket);
+}
+
+}  // namespace
+
+bool IsSampledName(const std::string& name) { return name.starts_with(kPrefix); }
+
+SampledShape SampleShapeOf(const std::string& what, const std::string& split, uint64_t seed) {
+  if (!IsDomain(what)) {
+    CheckInput(split != kUnseenFamilies,
+               fmt::format("split '{}' needs a domain (machine, supermarket), not the family '{}'",
+                           kUnseenFamilies, what));
+    return SampleShape(FindShapeFamily(what), ShapeSplitFromName(split), seed);
+  }
+  const bool held_out = split == kUnseenFamilies;
+  const ShapeSplit sizes = held_out ? ShapeSplit::kSeen : ShapeSplitFromName(split);
+  const auto rows = ShapeFamiliesOf(ShapeDomainFromName(what), held_out);
+  Rng rng = Rng::Derive(seed, 0, "family of " + what);
+  return SampleShape(*rows[rng.Index(static_cast<int>(rows.size()))], sizes, seed);
+}
+
+SampledShape SampleShapeByName(const std::string& name) {
+  const std::vector<std::string> fields = SplitAtSlashes(name);
+  CheckInput(IsSampledName(name) && (fields.size() == 3 || fields.size() == 4),
+             fmt::format("object '{}': a sampled shape is written sampled/FAMILY/SEED or "
+                         "sampled/FAMILY/SPLIT/SEED",
+                         name));
+  const std::string& digits = fields.back();
+  uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), seed);
+  CheckInput(error == std::errc() && end == digits.data() + digits.size(),
+             fmt::format("object '{}': the seed '{}' is not a whole number", name, digits));
+  return SampleShapeOf(fields[1], fields.size() == 4 ? fields[2] : "seen", seed);
+}
+
+Rgb8 SampledColor(const SampledShape& shape) {
+  // Metals and painted metal; printed packages, glazes and plastics.
+  static constexpr std::array<Rgb8, 6> kMachine{{{176, 176, 180},
+                                                 {140, 142, 148},
+                                                 {198, 186, 150},
+                                                 {96, 100, 108},
+                                                 {184, 120, 84},
+                                                 {72, 104, 140}}};
+  static constexpr std::array<Rgb8, 8> kSupermarket{{{206, 52, 44},
+                                                     {28, 84, 156},
+                                                     {246, 190, 40},
+                                                     {236, 232, 220},
+                                                     {64, 140, 72},
+                                                     {226, 128, 48},
+                                                     {150, 72, 132},
+                                                     {88, 168, 188}}};
+  Rng rng = Rng::Derive(shape.seed, 0, std::string("color ") + shape.family->name);
+  return shape.family->domain == ShapeDomain::kMachine ? kMachine[rng.Index(6)]
+                                                       : kSupermarket[rng.Index(8)];
+}
+
+}  // namespace pickbed::scenes
