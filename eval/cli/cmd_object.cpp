@@ -105,7 +105,7 @@ struct SampleArguments {
   std::string family;
   std::string domain;
   std::string split = "seen";
-  uint64_t seed = 0;
+  int64_t seed = 0;
   int count = 1;
   std::string out;
 };
@@ -116,6 +116,7 @@ void Sample(const SampleArguments& arguments) {
                  ? "give a FAMILY of `pickbed list shape_families`, or --domain"
                  : "give either FAMILY or --domain, not both");
   const std::string& what = arguments.family.empty() ? arguments.domain : arguments.family;
+  if (!arguments.domain.empty()) ShapeDomainFromName(arguments.domain);
   ProgressLine progress;
   for (int i = 0; i < arguments.count; ++i) {
     const SampledShape shape = SampleShapeOf(what, arguments.split, arguments.seed + i);
@@ -141,6 +142,7 @@ void AddSampleCommand(CLI::App& app, SampleArguments& a) {
                    "seen, unseen_sizes or outside; with --domain also unseen_families")
       ->capture_default_str();
   sample->add_option("--seed", a.seed, "seed of the first object; the next ones count up")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   sample->add_option("--count", a.count, "number of objects")
       ->check(CLI::Range(1, 10000))
@@ -153,7 +155,7 @@ void AddSampleCommand(CLI::App& app, SampleArguments& a) {
 
 struct FamiliesArguments {
   std::string split = "seen";
-  uint64_t seed = 0;
+  int64_t seed = 0;
   std::string out;
 };
 
@@ -161,7 +163,9 @@ void AddFamiliesCommand(CLI::App& app, FamiliesArguments& a) {
   CLI::App* families =
       app.add_subcommand("families", "draw one sampled shape of each shape family on a sheet");
   families->add_option("--split", a.split, "seen, unseen_sizes or outside")->capture_default_str();
-  families->add_option("--seed", a.seed, "seed of the shapes")->capture_default_str();
+  families->add_option("--seed", a.seed, "seed of the shapes")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   families->add_option("--out", a.out, "PNG file")->required();
   families->footer("Example: pickbed object families --seed 1 --out families.png");
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Contact sheet of the shape families: one sampled shape of each, at the same scale.
+// Contact sheet of the shape families: one sampled shape of each, scaled to its tile.
 
 #include "eval/layer.h"
 #include "scenes/image/image.h"
