@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "eval/cli/arguments.h"
@@ -142,7 +143,7 @@ void AddSampleCommand(CLI::App& app, SampleArguments& a) {
                    "seen, unseen_sizes or outside; with --domain also unseen_families")
       ->capture_default_str();
   sample->add_option("--seed", a.seed, "seed of the first object; the next ones count up")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(int64_t{0}, std::numeric_limits<int64_t>::max()))
       ->capture_default_str();
   sample->add_option("--count", a.count, "number of objects")
       ->check(CLI::Range(1, 10000))
@@ -164,7 +165,7 @@ void AddFamiliesCommand(CLI::App& app, FamiliesArguments& a) {
       app.add_subcommand("families", "draw one sampled shape of each shape family on a sheet");
   families->add_option("--split", a.split, "seen, unseen_sizes or outside")->capture_default_str();
   families->add_option("--seed", a.seed, "seed of the shapes")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(int64_t{0}, std::numeric_limits<int64_t>::max()))
       ->capture_default_str();
   families->add_option("--out", a.out, "PNG file")->required();
   families->footer("Example: pickbed object families --seed 1 --out families.png");
