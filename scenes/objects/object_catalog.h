@@ -57,7 +57,9 @@ class ObjectCatalog {
 
   std::vector<std::string> Names() const;  // sorted
 
-  // Loads an object. Throws InputError for an unknown name, with the nearest known name.
+  // Loads an object. A name that begins with "sampled/" gives a sampled shape without files, see
+  // scenes/shape_families/sampled_names.h. Throws InputError for an unknown name, with the nearest
+  // known name.
   std::shared_ptr<const ObjectModel> Load(const std::string& name) const;
 
  private:
